@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/bus/participant.h"
+#include "common/bus/qos.h"
+#include "common/bus/type_support.h"
+#include "common/runtime/result.h"
+
+/// What a vendor must do for the bus. Implemented by cyclone/, fast/ and the in-memory bus.
+namespace conav::bus {
+
+struct EndpointOptions {
+  std::string topic;        // ROS name, "/r1/state"; the backend adds the "rt" prefix
+  const TypeSupport& type;  // lives as long as the program
+  Qos qos;
+};
+
+class Writer {
+ public:
+  virtual ~Writer() = default;
+  /// `message` points to the type that the writer was made for. Blocks shortly when a reliable
+  /// queue is full.
+  [[nodiscard]] virtual Result<void> Write(const void* message) = 0;
+  virtual int matched() const = 0;
+};
+
+class Reader {
+ public:
+  virtual ~Reader() = default;
+  virtual int matched() const = 0;
+  virtual std::uint64_t malformed() const = 0;
+};
+
+/// Called on the vendor's receive thread with a decoded message, which the callee may move from.
+using Sink = std::function<void(void* message)>;
+
+class Backend {
+ public:
+  virtual ~Backend() = default;
+  virtual std::unique_ptr<Writer> CreateWriter(const EndpointOptions& options) = 0;
+  virtual std::unique_ptr<Reader> CreateReader(const EndpointOptions& options, Sink sink) = 0;
+  virtual std::vector<Event> TakeEvents() = 0;
+};
+
+}  // namespace conav::bus

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/runtime/config.h"
+
+namespace conav::bus {
+
+class Backend;
+class InMemoryBus;
+class Notifier;
+
+/// How a process takes part in DDS. In a service's YAML file this is the section `bus:`.
+struct ParticipantOptions {
+  /// "cyclonedds" or "fastdds"; empty = environment CONAV_DDS, and without that the default vendor.
+  std::string vendor;
+  int domain_id = 0;  // environment CONAV_DOMAIN when negative
+  /// Name or address of the network interface; empty = the vendor's choice. "lo" keeps to this
+  /// machine.
+  std::string interface;
+  /// Host addresses to look for other participants. When set, multicast is off.
+  std::vector<std::string> peers;
+  /// Layout of ros_discovery_info: "jazzy" or "humble".
+  std::string ros_distribution = "jazzy";
+  /// Liveliness lease: how soon others notice that this process is gone.
+  double lease_s = 2.0;
+
+  void Visit(ConfigReader& reader);
+};
+
+/// Something that happened to the connections of a participant.
+struct Event {
+  enum class Kind { kMatched, kUnmatched, kLivelinessLost, kLivelinessGained, kIncompatibleQos };
+  Kind kind;
+  std::string topic;
+  std::string detail;  // for incompatible QoS the policy's name
+};
+
+/// One process's place on the bus: one DDS participant, seen by ROS 2 tools as one node.
+///
+/// Publishers and subscribers are made on it and must be destroyed before it.
+/// Threads: safe to use from several threads.
+class Participant {
+ public:
+  /// Throws StartupError: unknown vendor, domain out of [0, 232], unusable interface.
+  Participant(const std::string& node_name, const ParticipantOptions& options);
+  /// A participant of an in-memory bus, for tests; same contract, delivery before Publish()
+  /// returns.
+  Participant(const std::string& node_name, std::shared_ptr<InMemoryBus> bus);
+  ~Participant();
+  Participant(const Participant&) = delete;
+  Participant& operator=(const Participant&) = delete;
+
+  /// Blocks until something arrived for a subscriber of this participant, Wake() was called, or
+  /// `timeout` passed; returns false on timeout. What arrived since the last Wait() counts, so
+  /// nothing is slept through. One waiting thread.
+  bool Wait(std::chrono::nanoseconds timeout);
+  void Wake();
+
+  /// Connection events since the last call.
+  std::vector<Event> TakeEvents();
+
+  const std::string& node_name() const { return node_name_; }
+  /// "cyclonedds", "fastdds" or "in-memory".
+  const std::string& vendor() const { return vendor_; }
+
+  Backend& backend() { return *backend_; }
+  Notifier& notifier() { return *notifier_; }
+
+ private:
+  std::string node_name_;
+  std::string vendor_;
+  std::unique_ptr<Notifier> notifier_;
+  std::unique_ptr<Backend> backend_;
+};
+
+}  // namespace conav::bus

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "common/bus/backend.h"
+#include "common/bus/participant.h"
+#include "common/bus/topics.h"
+#include "common/bus/type_support.h"
+#include "common/runtime/result.h"
+
+namespace conav::bus {
+
+/// Sends messages of type T on one topic. Constructing connects, destroying disconnects.
+/// Threads: Publish is safe to call concurrently.
+template <class T>
+class Publisher {
+ public:
+  /// `entity` fills the "{}" of the topic's pattern: a robot or a world.
+  Publisher(Participant& participant, const Topic<T>& topic, std::string_view entity = {})
+      : writer_(participant.backend().CreateWriter(
+            {topic.NameFor(entity), TypeSupportOf<T>(), topic.qos})) {}
+
+  /// Errors: kUnavailable when the bus could not take the message (queue full after retries).
+  [[nodiscard]] Result<void> Publish(const T& message) { return writer_->Write(&message); }
+
+  int matched_subscribers() const { return writer_->matched(); }
+
+ private:
+  std::unique_ptr<Writer> writer_;
+};
+
+}  // namespace conav::bus

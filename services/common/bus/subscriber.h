@@ -1,0 +1,115 @@
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/bus/backend.h"
+#include "common/bus/notifier.h"
+#include "common/bus/participant.h"
+#include "common/bus/topics.h"
+#include "common/bus/type_support.h"
+#include "common/runtime/log.h"
+#include "common/runtime/result.h"
+
+namespace conav::bus {
+
+/// Receives messages of type T from one topic. Constructing connects, destroying disconnects.
+///
+/// Either the owner takes messages from a queue (bounded by the topic's depth, oldest dropped
+/// first), or a handler gets each message on the bus's receive thread, at once; a handler must be
+/// short and not throw. A payload that is no T is dropped with a counted warning. Each sample
+/// arrives once, also after a link was cut and the vendor repeated its history.
+template <class T>
+class Subscriber {
+ public:
+  using Handler = std::function<void(T&&)>;
+
+  Subscriber(Participant& participant, const Topic<T>& topic, std::string_view entity = {},
+             Handler handler = nullptr);
+
+  /// Everything that arrived since the last call, oldest first; empty when nothing did.
+  std::vector<T> Take();
+
+  /// Take(), each message passed through `convert` (a T -> Result<D>). What is refused is logged
+  /// with topic, field and value, counted, and left out.
+  template <class Convert>
+  auto TakeValid(Convert&& convert);
+
+  int matched_publishers() const { return reader_->matched(); }
+  /// Payloads that could not be decoded, and messages that `convert` refused.
+  std::uint64_t malformed() const { return reader_->malformed(); }
+  std::uint64_t refused() const { return refused_; }
+
+ private:
+  void Receive(T&& message);
+
+  std::string topic_;
+  Handler handler_;
+  Notifier* notifier_;
+  std::size_t capacity_;
+  std::mutex mutex_;  // guards queue_
+  std::deque<T> queue_;
+  std::uint64_t refused_ = 0;
+  std::unique_ptr<Reader> reader_;  // last: no delivery before the rest exists
+};
+
+template <class T>
+Subscriber<T>::Subscriber(Participant& participant, const Topic<T>& topic, std::string_view entity,
+                          Handler handler)
+    : topic_(topic.NameFor(entity)),
+      handler_(std::move(handler)),
+      notifier_(&participant.notifier()),
+      capacity_(static_cast<std::size_t>(topic.qos.depth > 0 ? topic.qos.depth : kKeepAllLimit)) {
+  reader_ = participant.backend().CreateReader(
+      {topic_, TypeSupportOf<T>(), topic.qos},
+      [this](void* message) { Receive(std::move(*static_cast<T*>(message))); });
+}
+
+template <class T>
+void Subscriber<T>::Receive(T&& message) {
+  if (handler_) {
+    handler_(std::move(message));
+    return;
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    if (queue_.size() >= capacity_) queue_.pop_front();
+    queue_.push_back(std::move(message));
+  }
+  notifier_->Notify();
+}
+
+template <class T>
+std::vector<T> Subscriber<T>::Take() {
+  std::deque<T> taken;
+  {
+    const std::lock_guard lock(mutex_);
+    taken.swap(queue_);
+  }
+  return {std::make_move_iterator(taken.begin()), std::make_move_iterator(taken.end())};
+}
+
+template <class T>
+template <class Convert>
+auto Subscriber<T>::TakeValid(Convert&& convert) {
+  using Domain = typename std::invoke_result_t<Convert, const T&>::value_type;
+  std::vector<Domain> valid;
+  for (const T& message : Take()) {
+    Result<Domain> result = convert(message);
+    if (result) {
+      valid.push_back(*std::move(result));
+      continue;
+    }
+    ++refused_;
+    LOG_WARNING("message refused", "topic", topic_, "reason", result.error().text, "count",
+                refused_);
+  }
+  return valid;
+}
+
+}  // namespace conav::bus

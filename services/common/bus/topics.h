@@ -1,0 +1,67 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "common/bus/qos.h"
+#include "conav_operator.h"
+#include "conav_planning.h"
+#include "conav_robot.h"
+#include "ros2_interfaces.h"
+
+/// Every topic of conav, with its type and QoS: the only place where they are written down.
+/// `pattern` is the ROS name; "{}" stands for a robot or a world. The bus adds the "rt" prefix.
+namespace conav::bus {
+
+template <class T>
+struct Topic {
+  std::string_view pattern;
+  Qos qos;
+
+  /// "/r1/state" for entity "r1".
+  std::string NameFor(std::string_view entity) const {
+    const auto brace = pattern.find("{}");
+    if (brace == std::string_view::npos) return std::string(pattern);
+    return std::string(pattern.substr(0, brace)).append(entity).append(pattern.substr(brace + 2));
+  }
+};
+
+// per robot
+inline constexpr Topic<nav_msgs::msg::OccupancyGrid> kRobotMap{"/{}/map", kLatchedQos};
+inline constexpr Topic<nav_msgs::msg::Odometry> kOdometry{"/{}/odom", kDefaultQos};
+inline constexpr Topic<tf2_msgs::msg::TFMessage> kTransforms{"/{}/tf", kTransformQos};
+inline constexpr Topic<conav_msgs::msg::RobotState> kRobotState{"/{}/state", kLatchedQos};
+inline constexpr Topic<conav_msgs::msg::RobotCommand> kRobotCommand{"/{}/command", kLatchedQos};
+inline constexpr Topic<sensor_msgs::msg::CompressedImage> kCameraImage{
+    "/{}/camera/image/compressed", kSensorQos};
+inline constexpr Topic<sensor_msgs::msg::CameraInfo> kCameraInfo{"/{}/camera/camera_info",
+                                                                 kLatchedQos};
+inline constexpr Topic<conav_msgs::msg::Snapshot> kSnapshot{"/{}/snapshot", kEventQos};
+inline constexpr Topic<conav_msgs::msg::Guidance> kGuidance{"/{}/guidance", kLatchedQos};
+inline constexpr Topic<geometry_msgs::msg::PoseStamped> kGoalPose{"/{}/goal_pose", kDefaultQos};
+inline constexpr Topic<nav_msgs::msg::Path> kPlan{"/{}/plan", kLatchedQos};
+inline constexpr Topic<conav_msgs::msg::SearchReport> kSearchReport{"/{}/search", kEventQos};
+inline constexpr Topic<conav_msgs::msg::AttentionRequest> kAttention{"/{}/attention", kEventQos};
+
+// per world
+inline constexpr Topic<conav_msgs::msg::BeliefMap> kBelief{"/{}/belief", kLatchedQos};
+inline constexpr Topic<nav_msgs::msg::OccupancyGrid> kBeliefMap{"/{}/belief/map", kLatchedQos};
+inline constexpr Topic<nav_msgs::msg::OccupancyGrid> kInitialMap{"/{}/initial_map", kLatchedQos};
+inline constexpr Topic<nav_msgs::msg::OccupancyGrid> kTruth{"/{}/truth", kLatchedQos};
+inline constexpr Topic<visualization_msgs::msg::MarkerArray> kGoals{"/{}/goals", kLatchedQos};
+
+// system
+inline constexpr Topic<conav_msgs::msg::OperatorRequest> kOperatorRequest{"/conav/operator/request",
+                                                                          kRequestQos};
+inline constexpr Topic<conav_msgs::msg::OperatorReply> kOperatorReply{"/conav/operator/reply",
+                                                                      kRequestQos};
+inline constexpr Topic<conav_msgs::msg::PerceptionRequest> kPerceptionRequest{
+    "/conav/perception/request", kRequestQos};
+inline constexpr Topic<conav_msgs::msg::PerceptionReply> kPerceptionReply{"/conav/perception/reply",
+                                                                          kRequestQos};
+inline constexpr Topic<rosgraph_msgs::msg::Clock> kClock{"/clock", kClockQos};
+inline constexpr Topic<diagnostic_msgs::msg::DiagnosticArray> kDiagnostics{"/diagnostics",
+                                                                           kDefaultQos};
+inline constexpr Topic<rcl_interfaces::msg::Log> kRosout{"/rosout", kEventQos};
+
+}  // namespace conav::bus

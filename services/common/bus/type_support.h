@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace conav::bus {
+
+/// What a backend needs to know of a message type. Payloads are CDR (XCDR1) with the 4-byte
+/// encapsulation header.
+struct TypeSupport {
+  std::string name;  // "conav_msgs::msg::dds_::RobotState_"
+  /// Bytes that Serialize() will write for this message, encapsulation included.
+  std::size_t (*serialized_size)(const void* message);
+  /// Returns the bytes written; 0 when `payload` is too small.
+  std::size_t (*serialize)(const void* message, std::span<std::uint8_t> payload);
+  /// False when `payload` is not a T; never throws, never allocates for a length that the payload
+  /// cannot hold.
+  bool (*deserialize)(std::span<const std::uint8_t> payload, void* message);
+  void* (*create)();
+  void (*destroy)(void* message);
+};
+
+/// The one TypeSupport of a fastddsgen class. Defined for every type of idl/.
+template <class T>
+const TypeSupport& TypeSupportOf();
+
+}  // namespace conav::bus

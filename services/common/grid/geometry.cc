@@ -1,0 +1,42 @@
+#include "common/grid/geometry.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "common/runtime/demand.h"
+
+namespace conav {
+
+Position GridGeometry::CellToPosition(Cell cell) const {
+  return {(cell.column - (columns - 1) / 2.0) * cell_size_m,
+          -(cell.row - (rows - 1) / 2.0) * cell_size_m};
+}
+
+Cell GridGeometry::PositionToCell(Position position) const {
+  const double column = position.x_m / cell_size_m + columns / 2.0;
+  const double row = rows / 2.0 - position.y_m / cell_size_m;
+  return {static_cast<int>(std::floor(row)), static_cast<int>(std::floor(column))};
+}
+
+Position GridGeometry::origin() const {
+  return {-columns * cell_size_m / 2.0, -rows * cell_size_m / 2.0};
+}
+
+double WrapAngle(double angle_rad) {
+  constexpr double kPi = std::numbers::pi;
+  double wrapped = std::fmod(angle_rad + kPi, 2.0 * kPi);
+  if (wrapped <= 0.0) wrapped += 2.0 * kPi;
+  return wrapped - kPi;
+}
+
+double HeadingFromIndex(int index, int count) {
+  DEMAND(count > 0 && index >= 0 && index < count, index, count);
+  return WrapAngle(2.0 * std::numbers::pi * index / count);
+}
+
+double HeadingTowards(Cell from, Cell to) {
+  return std::atan2(static_cast<double>(from.row - to.row),
+                    static_cast<double>(to.column - from.column));
+}
+
+}  // namespace conav

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "common/grid/cell.h"
+
+namespace conav {
+
+/// Metres, map frame: x east, y north (REP-103, ENU).
+struct Position {
+  double x_m = 0.0;
+  double y_m = 0.0;
+};
+
+/// Where the cells of a rows x columns grid lie in the map frame: the grid's middle is the origin,
+/// row 0 is north. The lower left (south-west) corner is `origin()`, as nav_msgs/OccupancyGrid
+/// wants it.
+struct GridGeometry {
+  int rows = 0;
+  int columns = 0;
+  double cell_size_m = 2.0;
+
+  Position CellToPosition(Cell cell) const;
+  /// The cell that holds `position`; may lie outside of the grid.
+  Cell PositionToCell(Position position) const;
+  /// South-west corner of the grid.
+  Position origin() const;
+
+  bool operator==(const GridGeometry&) const = default;
+};
+
+/// Headings are yaw_rad: 0 = east (+x), counter-clockwise positive (REP-103).
+/// Heading `index` of `count` evenly spaced ones, in (-pi, pi].
+double HeadingFromIndex(int index, int count);
+
+/// Wraps into (-pi, pi].
+double WrapAngle(double angle_rad);
+
+/// Heading from one cell to another (their centres).
+double HeadingTowards(Cell from, Cell to);
+
+}  // namespace conav

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/grid/cell.h"
+#include "common/runtime/demand.h"
+
+namespace conav {
+
+/// A dense rows x columns array of values, row-major, row 0 north.
+template <class T>
+class Grid {
+ public:
+  Grid() = default;
+  Grid(int rows, int columns, T value = T{})
+      : rows_(rows),
+        columns_(columns),
+        values_(static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns), value) {
+    DEMAND(rows >= 0 && columns >= 0, rows, columns);
+  }
+
+  int rows() const { return rows_; }
+  int columns() const { return columns_; }
+  std::size_t size() const { return values_.size(); }
+
+  bool Contains(Cell cell) const {
+    return cell.row >= 0 && cell.row < rows_ && cell.column >= 0 && cell.column < columns_;
+  }
+  bool OnBorder(Cell cell) const {
+    return cell.row == 0 || cell.column == 0 || cell.row == rows_ - 1 ||
+           cell.column == columns_ - 1;
+  }
+  std::size_t IndexOf(Cell cell) const {
+    return static_cast<std::size_t>(cell.row) * static_cast<std::size_t>(columns_) +
+           static_cast<std::size_t>(cell.column);
+  }
+  Cell CellAt(std::size_t index) const {
+    return {static_cast<int>(index) / columns_, static_cast<int>(index) % columns_};
+  }
+
+  /// Requires Contains(cell).
+  decltype(auto) operator[](Cell cell) {
+    DEMAND(Contains(cell), cell.row, cell.column, rows_, columns_);
+    return values_[IndexOf(cell)];
+  }
+  decltype(auto) operator[](Cell cell) const {
+    DEMAND(Contains(cell), cell.row, cell.column, rows_, columns_);
+    return values_[IndexOf(cell)];
+  }
+
+  std::span<T> values() { return values_; }
+  std::span<const T> values() const { return values_; }
+
+  bool operator==(const Grid&) const = default;
+
+ private:
+  int rows_ = 0;
+  int columns_ = 0;
+  std::vector<T> values_;
+};
+
+/// What is known of a cell.
+enum class Occupancy : std::uint8_t { kUnknown, kFree, kOccupied };
+
+using OccupancyGrid = Grid<Occupancy>;
+
+/// Probability in [0, 1] that the operator takes the cell for a wall.
+using BeliefGrid = Grid<float>;
+
+}  // namespace conav

@@ -1,0 +1,91 @@
+#include "common/grid/visibility.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace conav {
+namespace {
+
+enum class Seen : std::uint8_t { kNot, kFree, kWall };
+
+/// Walks one ray cell by cell (Amanatides and Woo, 1987). Grid coordinates: x to the east in
+/// columns, y to the south in rows, cell (r, c) covers [c, c+1) x [r, r+1).
+template <class Visit>
+void WalkRay(double x, double y, double dx, double dy, Visit&& visit) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Cell cell{static_cast<int>(std::floor(y)), static_cast<int>(std::floor(x))};
+  const int step_x = dx > 0 ? 1 : -1;
+  const int step_y = dy > 0 ? 1 : -1;
+  const double delta_x = dx != 0 ? std::abs(1.0 / dx) : kInfinity;
+  const double delta_y = dy != 0 ? std::abs(1.0 / dy) : kInfinity;
+  double next_x =
+      dx != 0 ? ((dx > 0 ? cell.column + 1 - x : x - cell.column) * delta_x) : kInfinity;
+  double next_y = dy != 0 ? ((dy > 0 ? cell.row + 1 - y : y - cell.row) * delta_y) : kInfinity;
+  while (visit(cell)) {
+    if (next_x < next_y) {
+      next_x += delta_x;
+      cell.column += step_x;
+    } else {
+      next_y += delta_y;
+      cell.row += step_y;
+    }
+  }
+}
+
+VisibleCells Collect(const Grid<Seen>& seen) {
+  VisibleCells cells;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (seen.values()[i] == Seen::kFree) cells.free.push_back(seen.CellAt(i));
+    if (seen.values()[i] == Seen::kWall) cells.walls.push_back(seen.CellAt(i));
+  }
+  return cells;
+}
+
+/// Marks what a ray from (x, y) meets; `within` limits the range.
+template <class Within>
+void MarkRay(const OccupancyGrid& map, double x, double y, double heading_rad, Within&& within,
+             Grid<Seen>& seen) {
+  WalkRay(x, y, std::cos(heading_rad), -std::sin(heading_rad), [&](Cell cell) {
+    if (!map.Contains(cell) || !within(cell) || map[cell] == Occupancy::kUnknown) return false;
+    const bool wall = map[cell] == Occupancy::kOccupied;
+    seen[cell] = wall ? Seen::kWall : Seen::kFree;
+    return !wall;
+  });
+}
+
+}  // namespace
+
+VisibleCells CastView(const OccupancyGrid& map, const CameraView& view) {
+  DEMAND(map.Contains(view.cell) && view.rays > 0, view.cell.row, view.cell.column, view.rays);
+  Grid<Seen> seen(map.rows(), map.columns(), Seen::kNot);
+  seen[view.cell] = Seen::kFree;
+  const double x = view.cell.column + 0.5 + view.forward_offset_cells * std::cos(view.heading_rad);
+  const double y = view.cell.row + 0.5 - view.forward_offset_cells * std::sin(view.heading_rad);
+  // Image columns are evenly spaced on the image plane, so rays are too.
+  const double half_width = std::tan(view.horizontal_fov_rad / 2.0);
+  for (int i = 0; i < view.rays; ++i) {
+    const double plane = half_width * (1.0 - 2.0 * (i + 0.5) / view.rays);
+    MarkRay(
+        map, x, y, view.heading_rad + std::atan(plane), [](Cell) { return true; }, seen);
+  }
+  return Collect(seen);
+}
+
+VisibleCells CastRange(const OccupancyGrid& truth, Cell cell, double range_cells) {
+  DEMAND(truth.Contains(cell) && range_cells >= 0.0, cell.row, cell.column, range_cells);
+  Grid<Seen> seen(truth.rows(), truth.columns(), Seen::kNot);
+  const auto within = [&](Cell other) {
+    return std::hypot(other.row - cell.row, other.column - cell.column) <= range_cells + 1e-9;
+  };
+  const int rays = std::max(64, static_cast<int>(std::ceil(range_cells * 64)));
+  for (int i = 0; i < rays; ++i) {
+    // Half a step off the axes, so that no ray runs exactly along an edge or through a corner.
+    const double heading_rad = 2.0 * std::numbers::pi * (i + 0.5) / rays;
+    MarkRay(truth, cell.column + 0.5, cell.row + 0.5, heading_rad, within, seen);
+  }
+  return Collect(seen);
+}
+
+}  // namespace conav

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <vector>
+
+#include "common/grid/geometry.h"
+#include "common/grid/grid.h"
+
+namespace conav {
+
+/// The cells that one picture shows. Each list is sorted row-major without repeats.
+struct VisibleCells {
+  std::vector<Cell> free;
+  std::vector<Cell> walls;
+  bool operator==(const VisibleCells&) const = default;
+};
+
+/// A camera at a cell's centre, moved forward along its heading.
+struct CameraView {
+  Cell cell;
+  double heading_rad = 0.0;
+  double horizontal_fov_rad = 1.3962634;
+  /// Rays over the field of view; at least 4 per image column when it stands for a real picture.
+  int rays = 1280;
+  /// Camera ahead of the cell's centre, in cells (0.15 m on 2 m cells).
+  double forward_offset_cells = 0.075;
+};
+
+/// Cells that `view` shows on `map`, by casting rays through the cells (DDA). A cell entered is
+/// seen free, the first occupied cell is seen as wall and ends the ray; an unknown cell ends the
+/// ray unseen. The camera's own cell counts as seen. No range limit. Walls are higher than the
+/// camera, so two dimensions are exact. Source: paper section 4 (captured environment grids).
+VisibleCells CastView(const OccupancyGrid& map, const CameraView& view);
+
+/// Cells that a range sensor at the centre of `cell` sees in all directions up to `range_cells`
+/// (Euclidean distance between cell centres), occluded by walls. `truth` has no unknown cells in
+/// reach. Source: paper section 3, "observes its surroundings up to a distance d".
+VisibleCells CastRange(const OccupancyGrid& truth, Cell cell, double range_cells);
+
+}  // namespace conav

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/protocol/robot.h"
+
+/// Domain values of the planner's reports and of perception queries; see idl/conav_planning.idl.
+namespace conav {
+
+/// One action at the root of a search.
+struct SearchAction {
+  CommandKind kind = CommandKind::kMove;
+  Cell target;
+  double heading_rad = 0.0;
+  std::uint32_t visits = 0;
+  double mean_value = 0.0;
+  double information_gain = 0.0;
+  double feasibility = 1.0;
+  bool operator==(const SearchAction&) const = default;
+};
+
+struct SearchReport {
+  SimTime stamp;
+  std::string world;
+  std::string robot;
+  std::string method;
+  std::uint64_t decision = 0;
+  Cell cell;
+  std::uint64_t belief_revision = 0;
+  std::uint64_t guidance_revision = 0;
+  std::vector<SearchAction> actions;
+  int chosen = -1;  // index into actions; -1 = wait
+  std::uint32_t iterations = 0;
+  std::uint32_t nodes = 0;
+  std::uint32_t perception_queries = 0;
+  std::uint32_t perception_cached = 0;
+  std::string perception_model;
+  double duration_ms = 0.0;
+  bool operator==(const SearchReport&) const = default;
+};
+
+/// How would the operator edit `belief` after the robot went `path` and sent a picture from `cell`
+/// towards `heading_rad` that shows `visible`? Paper section 4: (x, tau, o).
+struct PerceptionQuery {
+  BeliefGrid belief;       // x: P(wall) in [0, 1]
+  std::vector<Cell> path;  // tau
+  Cell cell;
+  double heading_rad = 0.0;
+  VisibleCells visible;  // o
+  bool operator==(const PerceptionQuery&) const = default;
+};
+
+/// Probabilities that the operator adds or removes a wall, cell by cell; masked as in paper section
+/// 4 (nothing to add where the belief has a wall, nothing to remove where it has none, never on the
+/// border).
+struct PerceptionAnswer {
+  Grid<float> add;
+  Grid<float> remove;
+  bool operator==(const PerceptionAnswer&) const = default;
+};
+
+/// ||p_add||_1 + ||p_remove||_1, in cells: the expected information reward of paper section 5.2.
+/// Summed in double, row-major, add before remove, so that every model behind the seam gives the
+/// same bits.
+double ExpectedEdits(const PerceptionAnswer& answer);
+
+}  // namespace conav

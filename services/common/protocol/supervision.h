@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/grid/grid.h"
+#include "common/runtime/clock.h"
+
+/// Domain values of the operator's side of the bus; idl/conav_operator.idl says who sends them and
+/// when.
+namespace conav {
+
+/// The operator's map. Revision 0 is the initial one; each accepted edit adds one.
+struct Belief {
+  SimTime stamp;
+  std::string world;
+  std::uint64_t revision = 0;
+  BeliefGrid wall_probability;
+  std::string edited_by;
+  bool operator==(const Belief&) const = default;
+};
+
+/// The path that the operator wants a robot to take; an empty path withdraws it.
+struct Guidance {
+  SimTime stamp;
+  std::string world;
+  std::string robot;
+  std::uint64_t revision = 0;
+  std::vector<Cell> path;
+  std::string given_by;
+  std::uint64_t belief_revision = 0;
+  std::uint64_t answers_snapshot = 0;  // Picture::sequence_number; 0 = given unasked
+  SimTime valid_until;
+  bool operator==(const Guidance&) const = default;
+};
+
+struct CellEdit {
+  Cell cell;
+  bool wall = false;
+  bool operator==(const CellEdit&) const = default;
+};
+
+struct EditRequest {
+  std::uint64_t base_revision = 0;
+  std::vector<CellEdit> edits;
+  bool operator==(const EditRequest&) const = default;
+};
+
+struct GuideRequest {
+  std::string robot;
+  std::vector<Cell> path;
+  std::uint64_t answers_snapshot = 0;
+  double valid_for_s = 0.0;
+  bool operator==(const GuideRequest&) const = default;
+};
+
+/// What any client may ask of the operator service. (client, request_id) makes a repeat harmless.
+struct OperatorRequest {
+  SimTime stamp;
+  std::string client;
+  std::uint64_t request_id = 0;
+  std::string world;
+  std::variant<EditRequest, GuideRequest> body;
+  bool operator==(const OperatorRequest&) const = default;
+};
+
+struct OperatorReply {
+  std::string client;
+  std::uint64_t request_id = 0;
+  bool accepted = false;
+  std::string reason;
+  std::uint64_t revision = 0;
+  bool operator==(const OperatorReply&) const = default;
+};
+
+enum class AttentionReason : std::uint8_t { kPicture = 1, kBlocked = 2, kNoGuidance = 3 };
+
+struct AttentionRequest {
+  SimTime stamp;
+  std::string world;
+  std::string robot;
+  std::uint64_t sequence_number = 0;
+  AttentionReason reason = AttentionReason::kPicture;
+  Cell cell;
+  double value_lost_per_s = 0.0;
+  double expected_information = 0.0;
+  bool operator==(const AttentionRequest&) const = default;
+};
+
+}  // namespace conav

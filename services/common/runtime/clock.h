@@ -1,0 +1,44 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+namespace conav {
+
+/// Simulation time: what `/clock` carries. A type of its own, never mixed with wall time.
+struct SimTime {
+  std::int64_t nanoseconds = 0;
+
+  static SimTime FromSeconds(double seconds);
+  double ToSeconds() const { return static_cast<double>(nanoseconds) * 1e-9; }
+  auto operator<=>(const SimTime&) const = default;
+};
+
+inline SimTime operator+(SimTime time, std::chrono::nanoseconds duration) {
+  return {time.nanoseconds + duration.count()};
+}
+
+/// Monotonic wall time for deadlines and durations. Injected, so that a test can hold it in its
+/// hand.
+class Clock {
+ public:
+  using TimePoint = std::chrono::steady_clock::time_point;
+  virtual ~Clock() = default;
+  virtual TimePoint Now() const = 0;
+};
+
+class SteadyClock final : public Clock {
+ public:
+  TimePoint Now() const override { return std::chrono::steady_clock::now(); }
+};
+
+class FakeClock final : public Clock {
+ public:
+  TimePoint Now() const override { return now_; }
+  void Advance(std::chrono::nanoseconds duration) { now_ += duration; }
+
+ private:
+  TimePoint now_{};
+};
+
+}  // namespace conav

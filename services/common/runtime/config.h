@@ -1,0 +1,118 @@
+#pragma once
+
+#include <yaml-cpp/yaml.h>
+
+#include <filesystem>
+#include <set>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "common/runtime/result.h"
+
+namespace conav {
+
+/// Reads one service's section of a YAML file in ROS parameter style:
+///
+///   planner:
+///     ros__parameters:
+///       iterations: 1000
+///       search: {exploration_constant: 1.4}
+///
+/// A config struct declares its fields once, with their defaults, in
+///   void Visit(ConfigReader& reader) { reader.Field("iterations", iterations, 1, 100000); ... }
+/// and Load() fills it. Unknown keys, wrong types and values out of range throw StartupError that
+/// names file, key, value and limit. The same Visit writes the effective config (Dump).
+class ConfigReader {
+ public:
+  /// `node` may be null or undefined: every default is kept. `path` names the section in messages.
+  ConfigReader(const YAML::Node& node, std::string path);
+  /// Writing mode: Field() stores the current values, to be taken by emitted().
+  ConfigReader();
+
+  template <class T>
+  void Field(const std::string& key, T& value) {
+    keys_.insert(key);
+    if (writing_) {
+      output_[key] = value;
+      return;
+    }
+    if (!node_ || !node_[key]) return;
+    try {
+      value = node_[key].as<T>();
+    } catch (const YAML::Exception& error) {
+      Refuse(key, "has a value of the wrong type");
+    }
+  }
+
+  template <class T>
+  void Field(const std::string& key, T& value, std::type_identity_t<T> low,
+             std::type_identity_t<T> high) {
+    Field(key, value);
+    if (!(value >= low && value <= high)) {
+      Refuse(key, "is out of range [" + Text(low) + ", " + Text(high) + "]");
+    }
+  }
+
+  /// A text that must be one of `choices`.
+  void Choice(const std::string& key, std::string& value, const std::vector<std::string>& choices);
+
+  /// A nested struct with its own Visit.
+  template <class T>
+  void Section(const std::string& key, T& value) {
+    keys_.insert(key);
+    if (writing_) {
+      ConfigReader inner;
+      value.Visit(inner);
+      output_[key] = inner.output_;
+      return;
+    }
+    ConfigReader inner(node_ ? node_[key] : YAML::Node(), path_ + "." + key);
+    value.Visit(inner);
+    inner.RefuseUnknownKeys();
+  }
+
+  void RefuseUnknownKeys() const;
+  const YAML::Node& emitted() const { return output_; }
+
+  /// Throws StartupError "path.key = value <what>".
+  [[noreturn]] void Refuse(const std::string& key, const std::string& what) const;
+
+ private:
+  template <class T>
+  static std::string Text(const T& value) {
+    YAML::Node node;
+    node = value;
+    return YAML::Dump(node);
+  }
+
+  bool writing_ = false;
+  YAML::Node node_;
+  YAML::Node output_;
+  std::string path_;
+  std::set<std::string> keys_;
+};
+
+/// Reads `<service>: ros__parameters:` of `file`. Throws StartupError when the file cannot be read
+/// or has no such section (the message lists the sections that it has).
+YAML::Node LoadParameters(const std::filesystem::path& file, const std::string& service);
+
+/// Fills `config` from `node`; keys that Visit does not declare are refused.
+template <class T>
+void ReadConfig(const YAML::Node& node, const std::string& path, T& config) {
+  ConfigReader reader(node, path);
+  config.Visit(reader);
+  reader.RefuseUnknownKeys();
+}
+
+/// The effective config as a YAML document that LoadParameters reads back.
+template <class T>
+std::string DumpConfig(const std::string& service, T config) {
+  ConfigReader writer;
+  config.Visit(writer);
+  YAML::Node document;
+  document[service]["ros__parameters"] = writer.emitted();
+  return YAML::Dump(document) + "\n";
+}
+
+}  // namespace conav

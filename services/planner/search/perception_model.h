@@ -1,0 +1,33 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/protocol/planning.h"
+#include "common/runtime/result.h"
+
+namespace conav::planner {
+
+/// The seam between the planner and whatever predicts the operator's edits: embedded, remote over
+/// DDS, cached, fake. Owned by the planner, which is its consumer.
+///
+/// Shapes:  one answer per query, in order; grids as large as the query's belief.
+/// Errors:  kInvalidArgument (a query that no model can answer), kTimeout, kUnavailable. Never
+/// throws.
+///          An empty batch gives an empty answer.
+/// Threads: safe to call concurrently. Blocks until the whole batch is answered or the model gives
+/// up. Source:  paper section 4, F_theta(x, tau, o); every model behind it gives equal bits for
+/// equal queries.
+class PerceptionModel {
+ public:
+  virtual ~PerceptionModel() = default;
+
+  [[nodiscard]] virtual Result<std::vector<PerceptionAnswer>> Predict(
+      std::span<const PerceptionQuery> queries) = 0;
+
+  /// Name of the model that answers, for reports.
+  virtual std::string name() const = 0;
+};
+
+}  // namespace conav::planner
