@@ -65,6 +65,7 @@ struct RobotState {
   std::uint64_t low_level_steps = 0;
   std::uint64_t pictures = 0;
   std::uint64_t picture_bytes = 0;
+  std::uint64_t snapshots = 0;  // sequence number of the newest Picture; 0 = none yet
   SimTime map_stamp;  // of the newest map of this robot
   bool operator==(const RobotState&) const = default;
 };

@@ -84,6 +84,7 @@ struct AttentionRequest {
   std::uint64_t sequence_number = 0;
   AttentionReason reason = AttentionReason::kPicture;
   Cell cell;
+  std::uint64_t newest_snapshot = 0;  // Picture::sequence_number of this robot when it asked
   double value_lost_per_s = 0.0;
   double expected_information = 0.0;
   bool operator==(const AttentionRequest&) const = default;
