@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/grid/geometry.h"
+#include "common/grid/grid.h"
+#include "common/runtime/result.h"
+
+struct mjModel_;
+
+namespace conav::sim {
+
+struct RobotSpec {
+  std::string name;
+  Cell start;
+  double heading_rad = 0.0;  // 0 = east, counter-clockwise
+};
+
+/// A coloured half-sphere on the floor, drawn but not solid.
+struct GoalSpec {
+  Cell cell;
+  int color_index = 0;  // into kGoalColors, modulo its size
+};
+
+/// What the physics is built from. Frame and units: GridGeometry's map frame, metres.
+struct PhysicsWorld {
+  OccupancyGrid truth;             // no kUnknown; at least 3x3; every border cell is a wall
+  Grid<char> wall_classes;         // one texture per character; empty (0x0): all walls look alike
+  Grid<char> floor_classes;        // '.' or ' ' is a corridor, others a room; empty: all corridor
+  double cell_size_m = 2.0;        // at least kMinCellSizeM: the robot keeps its size
+  std::uint64_t texture_seed = 0;  // which wall class gets which texture
+  std::vector<RobotSpec> robots;   // at least one, on different free cells, with different names
+  std::vector<GoalSpec> goals;     // on free cells
+};
+
+inline constexpr double kMinCellSizeM = 1.0;
+inline constexpr double kWallHeightM = 1.5;
+inline constexpr double kGoalRadiusM = 0.6;  // smaller on cells under 2 m, see GoalRadius
+inline constexpr double kPhysicsStepS = 0.005;
+inline constexpr int kSubsteps = 50;  // per low-level control step (4 Hz)
+inline constexpr double kControlStepS = kPhysicsStepS * kSubsteps;
+
+struct Rgb {
+  std::uint8_t red = 0;
+  std::uint8_t green = 0;
+  std::uint8_t blue = 0;
+};
+
+/// Red, green, blue, purple, yellow, salmon. Source: MemoryMaze's targets.
+inline constexpr Rgb kGoalColors[] = {{170, 38, 30},  {99, 170, 88},  {39, 140, 217},
+                                      {93, 105, 199}, {220, 193, 59}, {220, 128, 107}};
+inline constexpr int kGoalColorCount = 6;
+
+/// 0.6 m, or 0.3 cells where cells are smaller than 2 m.
+double GoalRadius(double cell_size_m);
+
+struct ModelDeleter {
+  void operator()(mjModel_* model) const;
+};
+using ModelPtr = std::unique_ptr<mjModel_, ModelDeleter>;
+
+/// Names the first thing that is wrong with `world` (kInvalidArgument or kOutOfRange).
+Result<void> CheckWorld(const PhysicsWorld& world);
+
+/// The MuJoCo model of a checked world, textures filled in. Fails (kInvalidArgument) with the text
+/// of CheckWorld or of MuJoCo's compiler.
+Result<ModelPtr> BuildModel(const PhysicsWorld& world);
+
+}  // namespace conav::sim
