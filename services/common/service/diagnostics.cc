@@ -1,0 +1,35 @@
+#include "common/service/diagnostics.h"
+
+#include "common/runtime/log.h"
+
+namespace conav {
+
+void Diagnostics::Tick(const std::function<Health()>& health) {
+  const Clock::TimePoint now = clock_.Now();
+  if (now < next_) return;
+  next_ = now + std::chrono::seconds(1);
+  const Health state = health();
+  diagnostic_msgs::msg::DiagnosticStatus status;
+  status.level(static_cast<std::uint8_t>(state.level));
+  status.name(name_ + ": health");
+  status.message(state.message);
+  status.hardware_id(name_);
+  for (const auto& [key, value] : state.values) {
+    diagnostic_msgs::msg::KeyValue pair;
+    pair.key(key);
+    pair.value(value);
+    status.values().push_back(std::move(pair));
+  }
+  diagnostic_msgs::msg::DiagnosticArray array;
+  const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(since_epoch);
+  array.header().stamp().sec(static_cast<std::int32_t>(seconds.count()));
+  array.header().stamp().nanosec(static_cast<std::uint32_t>(
+      std::chrono::duration_cast<std::chrono::nanoseconds>(since_epoch - seconds).count()));
+  array.status().push_back(std::move(status));
+  if (const auto sent = publisher_.Publish(array); !sent) {
+    LOG_WARNING("diagnostics not sent", "reason", sent.error().text);
+  }
+}
+
+}  // namespace conav

@@ -1,0 +1,25 @@
+#include "common/service/service_main.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+
+namespace conav {
+
+std::string ParseConfigFlag(const std::string& service, const std::string& description, int argc,
+                            char** argv) {
+  CLI::App app{description + "\nRuns until SIGINT or SIGTERM; logs to stderr."};
+  std::string file;
+  app.add_option(
+         "--config", file,
+         "YAML file with the section '" + service +
+             ": ros__parameters:'; deploy/config holds an example. Unknown keys are refused.")
+      ->required();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    std::exit(app.exit(error) == 0 ? 0 : 2);
+  }
+  return file;
+}
+
+}  // namespace conav

@@ -1,0 +1,12 @@
+#include "common/service/service_main.h"
+#include "planner/planner_service.h"
+
+/// conav-planner: decides for its robots what they do next.
+int main(int argc, char** argv) {
+  return conav::RunServiceMain<conav::planner::PlannerConfig, conav::planner::PlannerService>(
+      "planner",
+      "Drives robots by IG-MCTS, instruction following or teleoperation: listens to each robot's "
+      "state and map\n"
+      "and to the operator's map and guidance, and sends commands.",
+      argc, argv);
+}

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "common/protocol/planning.h"
+#include "common/protocol/robot.h"
+#include "common/protocol/supervision.h"
+#include "planner/blackboard.h"
+
+namespace conav::planner {
+
+/// Everything that one decision may depend on. Complete by the time a method sees it.
+struct Situation {
+  RobotState state;
+  MapUpdate map;
+  Belief belief;
+  std::optional<Guidance>
+      guidance;                // absent when there is none, it was withdrawn, or it has expired
+  bool guided_before = false;  // the operator has given this robot a path at some time
+  std::vector<Neighbour> neighbours;
+};
+
+/// What the robot shall do next; `kind` is a move or a view.
+struct Action {
+  CommandKind kind = CommandKind::kMove;
+  Cell target;
+  double heading_rad = 0.0;
+};
+
+struct Decision {
+  std::optional<Action> action;  // absent = wait
+  /// Set to ask for the operator; then, without an action, the robot waits for a newer guidance.
+  std::optional<AttentionReason> attention;
+  Cell attention_cell;
+  double expected_information = 0.0;
+  std::vector<Cell> way;  // cells that the robot means to enter, nearest first
+  SearchReport report;    // actions, chosen, counts, model; the worker fills in the rest
+};
+
+/// One way of supervising a robot: IG-MCTS, instruction following, teleoperation. One object per
+/// robot. Threads: one worker's.
+class Method {
+ public:
+  virtual ~Method() = default;
+  virtual Decision Decide(const Situation& situation) = 0;
+  /// Whether the operator answers each picture before the next decision.
+  virtual bool pictures_are_answered() const = 0;
+};
+
+}  // namespace conav::planner

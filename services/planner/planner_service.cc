@@ -1,0 +1,160 @@
+#include "planner/planner_service.h"
+
+#include <set>
+#include <thread>
+
+#include "common/protocol/convert.h"
+#include "common/runtime/log.h"
+#include "common/runtime/random.h"
+#include "planner/make_method.h"
+#include "planner/make_perception.h"
+
+namespace conav::planner {
+namespace {
+
+constexpr std::chrono::milliseconds kReceivePause{100};
+
+std::chrono::nanoseconds Seconds(double seconds) {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+      std::chrono::duration<double>(seconds));
+}
+
+template <class T>
+void Send(bus::Publisher<T>& publisher, const T& message, std::string_view what) {
+  if (const auto sent = publisher.Publish(message); !sent) {
+    LOG_ERROR("not sent", "what", what, "reason", sent.error().text);
+  }
+}
+
+template <class Message>
+auto Convert(const Message& message) {
+  return ToDomain(message);
+}
+
+}  // namespace
+
+struct PlannerService::Link {
+  Link(bus::Participant& participant, const std::string& name)
+      : robot(name),
+        command(participant, bus::kRobotCommand, name),
+        report(participant, bus::kSearchReport, name),
+        plan(participant, bus::kPlan, name),
+        attention(participant, bus::kAttention, name),
+        state(participant, bus::kRobotState, name),
+        map(participant, bus::kRobotMap, name),
+        guidance(participant, bus::kGuidance, name),
+        goal_pose(participant, bus::kGoalPose, name) {}
+
+  std::string robot;
+  bus::Publisher<conav_msgs::msg::RobotCommand> command;
+  bus::Publisher<conav_msgs::msg::SearchReport> report;
+  bus::Publisher<nav_msgs::msg::Path> plan;
+  bus::Publisher<conav_msgs::msg::AttentionRequest> attention;
+  bus::Subscriber<conav_msgs::msg::RobotState> state;
+  bus::Subscriber<nav_msgs::msg::OccupancyGrid> map;
+  bus::Subscriber<conav_msgs::msg::Guidance> guidance;
+  bus::Subscriber<geometry_msgs::msg::PoseStamped> goal_pose;
+};
+
+PlannerService::PlannerService(bus::Participant& participant, const PlannerConfig& config,
+                               const Clock& clock)
+    : participant_(participant),
+      config_(config),
+      clock_(clock),
+      board_(WorldOfRobot(config)),
+      perception_(MakePerception(participant, config)),
+      diagnostics_(participant, clock) {
+  std::set<std::string> worlds;
+  for (const auto& [robot, world] : WorldOfRobot(config)) {
+    worlds.insert(world);
+    links_.push_back(std::make_unique<Link>(participant, robot));
+    auto method = MakeMethod(config.method, robot, config.search,
+                             DeriveSeed(config.seed, links_.size()), perception_);
+    RobotWorker::Options options{
+        .robot = robot,
+        .method_name = config.method,
+        .gate = {Seconds(config.first_guidance_timeout_s), Seconds(config.answer_timeout_s),
+                 method->pictures_are_answered()},
+        .command_ttl = Seconds(config.command_ttl_s)};
+    workers_.push_back(std::make_unique<RobotWorker>(std::move(options), std::move(method), board_,
+                                                     clock, OutputsOf(*links_.back())));
+  }
+  for (const std::string& world : worlds) {
+    beliefs_.push_back(std::make_unique<bus::Subscriber<conav_msgs::msg::BeliefMap>>(
+        participant, bus::kBelief, world));
+  }
+}
+
+PlannerService::~PlannerService() = default;
+
+RobotWorker::Outputs PlannerService::OutputsOf(Link& link) {
+  return {
+      .command =
+          [&link](const RobotCommand& command) {
+            Send(link.command, ToMessage(command), "command");
+          },
+      .report =
+          [&link](const SearchReport& report) {
+            Send(link.report, ToMessage(report), "search report");
+          },
+      .attention =
+          [&link](const AttentionRequest& request) {
+            Send(link.attention, ToMessage(request), "attention");
+          },
+      .way =
+          [&link](const RobotState& state, const MapUpdate& map, const std::vector<Cell>& way) {
+            const GridGeometry geometry{map.cells.rows(), map.cells.columns(), map.cell_size_m};
+            Send(link.plan, ToPathMessage(state.stamp, way, geometry), "plan");
+          },
+  };
+}
+
+void PlannerService::Run(const StopToken& stop) {
+  std::vector<std::jthread> threads;
+  for (const auto& worker : workers_) {
+    threads.emplace_back([&worker, &stop] { worker->Run(stop); });
+  }
+  while (!stop.stop_requested()) {
+    participant_.Wait(kReceivePause);
+    Receive();
+    diagnostics_.Tick([this] { return Report(); });
+  }
+  board_.Touch();
+}
+
+void PlannerService::Receive() {
+  for (auto& belief : beliefs_) {
+    for (Belief& value : belief->TakeValid(Convert<conav_msgs::msg::BeliefMap>)) board_.Put(value);
+  }
+  for (auto& link : links_) {
+    for (Guidance& value : link->guidance.TakeValid(Convert<conav_msgs::msg::Guidance>)) {
+      board_.Put(std::move(value));
+    }
+    for (MapUpdate& value : link->map.TakeValid(Convert<nav_msgs::msg::OccupancyGrid>)) {
+      board_.PutMap(link->robot, std::move(value));
+    }
+    for (RobotState& value : link->state.TakeValid(Convert<conav_msgs::msg::RobotState>)) {
+      board_.Put(std::move(value));
+    }
+    for (const Position& value :
+         link->goal_pose.TakeValid(Convert<geometry_msgs::msg::PoseStamped>)) {
+      board_.PutGoalPose(link->robot, value);
+    }
+  }
+}
+
+Health PlannerService::Report() const {
+  Health health;
+  for (const auto& link : links_) {
+    const RobotInputs inputs = board_.Read(link->robot);
+    if (!inputs.state) health.level = Health::Level::kWarning;
+    health.values.emplace_back(
+        link->robot, inputs.state ? fmt::format("at {}, {} goals left", inputs.state->cell,
+                                                inputs.state->goals_left.size())
+                                  : "not heard of yet");
+  }
+  health.message = fmt::format("{} robots, method {}", links_.size(), config_.method);
+  return health;
+}
+
+}  // namespace conav::planner

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/bus/publisher.h"
+#include "common/bus/subscriber.h"
+#include "common/runtime/clock.h"
+#include "common/runtime/stop_token.h"
+#include "common/service/diagnostics.h"
+#include "planner/blackboard.h"
+#include "planner/config.h"
+#include "planner/robot_worker.h"
+#include "planner/search/perception_model.h"
+
+namespace conav::planner {
+
+/// Drives its robots: one worker thread per robot decides, one thread receives.
+///
+/// Publishes nothing before the first state of a robot, its map and its world's belief arrived;
+/// then command, search report and plan per decision, and an attention request where a method needs
+/// the operator.
+class PlannerService {
+ public:
+  /// `participant` and `clock` outlive the service. Throws StartupError on a bad list of robots.
+  PlannerService(bus::Participant& participant, const PlannerConfig& config, const Clock& clock);
+  ~PlannerService();
+
+  /// Blocks until `stop`, then ends the workers.
+  void Run(const StopToken& stop);
+
+ private:
+  struct Link;  // the topics of one robot
+
+  void Receive();
+  RobotWorker::Outputs OutputsOf(Link& link);
+  Health Report() const;
+
+  bus::Participant& participant_;
+  PlannerConfig config_;
+  const Clock& clock_;
+  Blackboard board_;
+  std::shared_ptr<PerceptionModel> perception_;
+  std::vector<std::unique_ptr<Link>> links_;
+  std::vector<std::unique_ptr<bus::Subscriber<conav_msgs::msg::BeliefMap>>> beliefs_;
+  Diagnostics diagnostics_;
+  std::vector<std::unique_ptr<RobotWorker>> workers_;
+};
+
+}  // namespace conav::planner
