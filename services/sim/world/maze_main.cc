@@ -1,0 +1,171 @@
+// conav-maze: prints one maze, entity layer and variation layer.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "common/runtime/json.h"
+#include "sim/world/maze_presets.h"
+
+namespace {
+
+using conav::sim::Maze;
+using conav::sim::RandomMazeOptions;
+
+struct Arguments {
+  std::string preset = "conav13";
+  RandomMazeOptions maze;
+  bool no_simplify = false;
+  std::uint64_t seed = 1;
+  std::uint32_t paper_seed = 0;
+  int generation = 1;
+  std::string json;
+};
+
+void AddSizeFlags(CLI::App& app, Arguments& arguments, CLI::Option* preset) {
+  RandomMazeOptions& maze = arguments.maze;
+  auto* height = app.add_option("--height", maze.height, "cells with the outer wall, odd");
+  auto* width = app.add_option("--width", maze.width, "cells with the outer wall, odd");
+  height->needs(width)->excludes(preset);
+  width->needs(height)->excludes(preset);
+  app.add_option("--max-rooms", maze.max_rooms, "0 = as many as fit")
+      ->excludes(preset)
+      ->capture_default_str();
+  app.add_option("--room-min", maze.room_min_size, "shortest side of a room")
+      ->excludes(preset)
+      ->capture_default_str();
+  app.add_option("--room-max", maze.room_max_size, "longest side of a room")
+      ->excludes(preset)
+      ->capture_default_str();
+}
+
+void AddStyleFlags(CLI::App& app, Arguments& arguments) {
+  RandomMazeOptions& maze = arguments.maze;
+  app.add_option("--extra-connection-probability", maze.extra_connection_probability,
+                 "of a second opening between two regions, in [0, 1]")
+      ->capture_default_str();
+  app.add_flag("--no-simplify", arguments.no_simplify, "keep dead ends and bends");
+  app.add_flag("--doors", maze.has_doors, "H and I where regions meet");
+  app.add_option("--spawns-per-room", maze.spawns_per_room)->capture_default_str();
+  app.add_option("--objects-per-room", maze.objects_per_room)->capture_default_str();
+}
+
+void AddFlags(CLI::App& app, Arguments& arguments) {
+  std::string presets;
+  for (const auto& preset : conav::sim::MazePresets()) {
+    presets += fmt::format("\n  {}: {}", preset.name, preset.description);
+  }
+  auto* preset = app.add_option("--preset", arguments.preset, "one of" + presets);
+  preset->capture_default_str();
+  AddSizeFlags(app, arguments, preset);
+  AddStyleFlags(app, arguments);
+  auto* seed = app.add_option("--seed", arguments.seed,
+                              "labmaze's own seed, given to the generator as it is");
+  seed->capture_default_str();
+  auto* paper_seed = app.add_option(
+      "--paper-seed", arguments.paper_seed,
+      "a seed as the paper gives it (234, 666, 9): mapped to labmaze's seed as MemoryMaze does; "
+      "shows generation 2 unless told otherwise");
+  paper_seed->excludes(seed);
+  app.add_option("--generation", arguments.generation,
+                 "1 = the first maze of a labmaze object, 2 = after one regeneration, ...")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  app.add_option("--json", arguments.json, "write JSON to this file, - = standard output")
+      ->expected(0, 1)
+      ->default_str("-");
+}
+
+/// Applies the preset and the paper seed; the preset's name, empty when sizes were given.
+conav::Result<std::string> Complete(const CLI::App& app, Arguments& arguments) {
+  RandomMazeOptions& options = arguments.maze;
+  options.simplify = !arguments.no_simplify;
+  if (app.count("--paper-seed") > 0) {
+    arguments.seed = conav::sim::MazeSeedFromPaperSeed(arguments.paper_seed);
+    if (app.count("--generation") == 0) {
+      arguments.generation = conav::sim::kFirstEpisodeGeneration;
+    }
+  }
+  for (const char* flag : {"--height", "--max-rooms", "--room-min", "--room-max"}) {
+    if (app.count(flag) > 0) return std::string();
+  }
+  const auto preset = conav::sim::FindMazePreset(arguments.preset);
+  if (!preset) return tl::unexpected(preset.error());
+  options.height = preset->options.height;
+  options.width = preset->options.width;
+  options.max_rooms = preset->options.max_rooms;
+  options.room_min_size = preset->options.room_min_size;
+  options.room_max_size = preset->options.room_max_size;
+  return arguments.preset;
+}
+
+nlohmann::ordered_json ToJson(const Arguments& arguments, const std::string& preset,
+                              const Maze& maze) {
+  const RandomMazeOptions& options = arguments.maze;
+  return {{"preset", preset},
+          {"height", options.height},
+          {"width", options.width},
+          {"max_rooms", options.max_rooms},
+          {"room_min_size", options.room_min_size},
+          {"room_max_size", options.room_max_size},
+          {"extra_connection_probability", options.extra_connection_probability},
+          {"simplify", options.simplify},
+          {"has_doors", options.has_doors},
+          {"spawns_per_room", options.spawns_per_room},
+          {"objects_per_room", options.objects_per_room},
+          {"seed", arguments.seed},
+          {"generation", arguments.generation},
+          {"rooms", maze.rooms},
+          {"entity", conav::sim::ToLines(maze.entities)},
+          {"variations", conav::sim::ToLines(maze.variations)}};
+}
+
+void PrintText(const Maze& maze) {
+  for (const std::string& line : conav::sim::ToLines(maze.entities)) fmt::print("{}\n", line);
+  fmt::print("\n");
+  for (const std::string& line : conav::sim::ToLines(maze.variations)) fmt::print("{}\n", line);
+}
+
+int Refuse(const std::string& text) {
+  fmt::print(stderr, "conav-maze: {}\n", text);
+  return 2;
+}
+
+int Write(const nlohmann::ordered_json& document, const std::string& file) {
+  if (file == "-") {
+    fmt::print("{}\n", document.dump(2));
+    return 0;
+  }
+  const auto written = conav::WriteJsonFile(file, document);
+  if (!written) fmt::print(stderr, "conav-maze: {}\n", written.error().text);
+  return written ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{
+      "Prints a maze: its entity layer (* wall, P spawn, G object, H and I doors) and its "
+      "variation\n"
+      "layer (a letter per room). Equal to labmaze's maze of the same options, character for "
+      "character."};
+  Arguments arguments;
+  AddFlags(app, arguments);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  const auto preset = Complete(app, arguments);
+  if (!preset) return Refuse(preset.error().text);
+  if (const auto valid = conav::sim::CheckMazeOptions(arguments.maze); !valid) {
+    return Refuse(valid.error().text);
+  }
+  const Maze maze = conav::sim::GenerateMaze(arguments.maze, arguments.seed, arguments.generation);
+  if (app.count("--json") == 0) {
+    PrintText(maze);
+    return 0;
+  }
+  const std::string json = arguments.json.empty() ? "-" : arguments.json;
+  return Write(ToJson(arguments, *preset, maze), json);
+}

@@ -1,0 +1,189 @@
+#include "sim/world/random_maze.h"
+
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+namespace conav::sim {
+namespace {
+
+RandomMazeOptions OptionsOf(const nlohmann::json& line) {
+  RandomMazeOptions options;
+  options.height = line["height"];
+  options.width = line["width"];
+  options.max_rooms = line["max_rooms"];
+  options.room_min_size = line["room_min_size"];
+  options.room_max_size = line["room_max_size"];
+  options.retry_count = line["retry_count"];
+  options.extra_connection_probability = line["extra_connection_probability"];
+  options.simplify = line["simplify"];
+  options.has_doors = line["has_doors"];
+  options.max_variations = line["max_variations"];
+  options.spawns_per_room = line["spawns_per_room"];
+  options.objects_per_room = line["objects_per_room"];
+  return options;
+}
+
+std::string Join(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += line + "\n";
+  return text;
+}
+
+std::set<Cell> OpenCells(const Maze& maze) {
+  std::set<Cell> open;
+  for (std::size_t i = 0; i < maze.entities.size(); ++i) {
+    if (maze.entities.values()[i] != kMazeWall) open.insert(maze.entities.CellAt(i));
+  }
+  return open;
+}
+
+bool IsConnected(std::set<Cell> open) {
+  std::vector<Cell> queue{*open.begin()};
+  open.erase(open.begin());
+  while (!queue.empty()) {
+    const Cell cell = queue.back();
+    queue.pop_back();
+    for (const Cell offset : kNeighbourOffsets) {
+      if (open.erase(cell + offset) > 0) queue.push_back(cell + offset);
+    }
+  }
+  return open.empty();
+}
+
+std::string RefusalOf(const RandomMazeOptions& options) {
+  const Result<void> result = CheckMazeOptions(options);
+  return result ? "" : result.error().text;
+}
+
+}  // namespace
+
+TEST_CASE("mazes equal labmaze's, character for character, in both layers", "[sim][maze]") {
+  std::ifstream file(CONAV_TESTS_DIR "/unit/sim/world/labmaze_golden.jsonl");
+  REQUIRE(file);
+  int count = 0;
+  for (std::string text; std::getline(file, text); ++count) {
+    const nlohmann::json line = nlohmann::json::parse(text);
+    INFO(line["tag"] << " seed " << line["seed"] << " generation " << line["generation"]);
+    const Maze maze = GenerateMaze(OptionsOf(line), line["seed"], line["generation"]);
+    CHECK(Join(ToLines(maze.entities)) == Join(line["entity"]));
+    CHECK(Join(ToLines(maze.variations)) == Join(line["variations"]));
+  }
+  CHECK(count >= 60);
+}
+
+TEST_CASE("every maze is connected and walled in", "[sim][maze]") {
+  RandomMazeOptions options;
+  options.width = 21;
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    const Maze maze = GenerateMaze(options, seed, 1);
+    CHECK(IsConnected(OpenCells(maze)));
+    for (std::size_t i = 0; i < maze.entities.size(); ++i) {
+      if (!maze.entities.OnBorder(maze.entities.CellAt(i))) continue;
+      CHECK(maze.entities.values()[i] == kMazeWall);
+    }
+  }
+}
+
+TEST_CASE("simplification fills dead ends", "[sim][maze]") {
+  const auto dead_ends = [](const Maze& maze) {
+    int count = 0;
+    const std::set<Cell> open = OpenCells(maze);
+    for (const Cell cell : open) {
+      int ways = 0;
+      for (const Cell offset : kNeighbourOffsets) ways += open.contains(cell + offset) ? 1 : 0;
+      count += ways <= 1 ? 1 : 0;
+    }
+    return count;
+  };
+  RandomMazeOptions options;
+  options.width = 31;
+  const int with = dead_ends(GenerateMaze(options, 3, 1));
+  options.simplify = false;
+  CHECK(with < dead_ends(GenerateMaze(options, 3, 1)));
+}
+
+TEST_CASE("doors stand where regions meet, and only when asked for", "[sim][maze]") {
+  RandomMazeOptions options;
+  const auto doors = [&] {
+    int count = 0;
+    for (const char c : GenerateMaze(options, 5, 1).entities.values()) {
+      count += c == kMazeVerticalDoor || c == kMazeHorizontalDoor ? 1 : 0;
+    }
+    return count;
+  };
+  CHECK(doors() == 0);
+  options.has_doors = true;
+  CHECK(doors() > 0);
+}
+
+TEST_CASE("a larger extra connection probability opens more walls", "[sim][maze]") {
+  RandomMazeOptions options;
+  options.simplify = false;
+  const std::size_t few = OpenCells(GenerateMaze(options, 9, 1)).size();
+  options.extra_connection_probability = 1.0;
+  CHECK(OpenCells(GenerateMaze(options, 9, 1)).size() > few);
+}
+
+TEST_CASE("the smallest maze has one cell", "[sim][maze]") {
+  RandomMazeOptions options;
+  options.height = 3;
+  options.width = 3;
+  options.room_min_size = 1;
+  options.room_max_size = 1;
+  options.simplify = false;
+  REQUIRE(RefusalOf(options).empty());
+  options.spawns_per_room = 0;
+  const Maze maze = GenerateMaze(options, 1, 1);
+  CHECK(OpenCells(maze) == std::set<Cell>{{1, 1}});
+  CHECK(maze.entities[{1, 1}] == kMazeObject);
+}
+
+TEST_CASE("as many rooms as fit when the number is 0", "[sim][maze]") {
+  RandomMazeOptions options;
+  options.height = 25;
+  const int limited = GenerateMaze(options, 1, 1).rooms;
+  options.max_rooms = 0;
+  CHECK(limited == 6);
+  CHECK(GenerateMaze(options, 1, 1).rooms > 6);
+}
+
+TEST_CASE("sizes that no maze can have are refused by name and value", "[sim][maze]") {
+  RandomMazeOptions options;
+  SECTION("even") {
+    options.height = 12;
+    CHECK(RefusalOf(options) == "height 12 is even: must be odd");
+  }
+  SECTION("too small") {
+    options.width = 1;
+    CHECK(RefusalOf(options) == "width 1 is too small: at least 3");
+  }
+  SECTION("too large") {
+    options.width = 1001;
+    CHECK(RefusalOf(options) == "width 1001 is too large: at most 501");
+  }
+  SECTION("no room size") {
+    options.room_min_size = 7;
+    CHECK(RefusalOf(options) == "room-min 7 is larger than room-max 5");
+  }
+  SECTION("room of no cells") {
+    options.room_min_size = 0;
+    CHECK(RefusalOf(options) == "room-min 0 is too small: at least 1");
+  }
+  SECTION("rooms that cannot fit") {
+    options.width = 5;
+    CHECK(RefusalOf(options) ==
+          "room-max 5 does not fit: a 13 x 5 maze has 3 cells between its outer walls");
+  }
+  SECTION("negative number of rooms") {
+    options.max_rooms = -1;
+    CHECK(RefusalOf(options) == "max-rooms -1 is too small: at least 0");
+  }
+  SECTION("no probability") {
+    options.extra_connection_probability = 1.5;
+    CHECK(RefusalOf(options) == "extra-connection-probability 1.5 is not in [0, 1]");
+  }
+}
+
+}  // namespace conav::sim
