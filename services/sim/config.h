@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/bus/participant.h"
+#include "common/runtime/config.h"
+
+namespace conav::sim {
+
+/// Where the plan of a building comes from, instead of a maze.
+struct MapFileConfig {
+  /// ROS map_server file of the truth; empty = a maze.
+  std::string yaml;
+  /// The operator's outdated plan of the same building; empty = the truth, corrupted with the seed.
+  std::string operator_yaml;
+  double cell_size_m = 2.0;
+  /// A navigation cell with more occupied pixels than this share is a wall.
+  double occupied_share = 0.25;
+
+  void Visit(ConfigReader& reader) {
+    reader.Field("yaml", yaml);
+    reader.Field("operator_yaml", operator_yaml);
+    reader.Field("cell_size_m", cell_size_m, 1.0, 100.0);
+    reader.Field("occupied_share", occupied_share, 0.0, 1.0);
+  }
+};
+
+struct CameraConfig {
+  /// "egl" renders; "none" sends pictures without pixels, only with the cells that they would show.
+  std::string mode = "egl";
+  int width = 320;
+  int height = 192;
+  int jpeg_quality = 90;
+  /// One frame per low-level step, as instruction following and teleoperation need it.
+  bool stream = false;
+
+  void Visit(ConfigReader& reader) {
+    reader.Choice("mode", mode, {"egl", "none"});
+    reader.Field("width", width, 16, 4096);
+    reader.Field("height", height, 16, 4096);
+    reader.Field("jpeg_quality", jpeg_quality, 1, 100);
+    reader.Field("stream", stream);
+  }
+};
+
+/// How wrong the operator's first map is (paper-notes 3.7).
+struct CorruptionConfig {
+  double wrong_share = 0.12;      // of all cells
+  double false_wall_share = 0.5;  // of the wrong cells
+
+  void Visit(ConfigReader& reader) {
+    reader.Field("wrong_share", wrong_share, 0.0, 0.5);
+    reader.Field("false_wall_share", false_wall_share, 0.0, 1.0);
+  }
+};
+
+/// Section `sim:` of a config file: one world and its robots.
+struct SimConfig {
+  bus::ParticipantOptions bus;
+  std::string world = "w1";
+  std::vector<std::string> robots{"r1"};
+  std::uint64_t seed = 1;
+  std::string preset = "conav13";
+  MapFileConfig map;
+  /// Goals of each robot; 0 = the preset's number.
+  int goals_per_robot = 0;
+  /// One list of goals for all; the first robot to reach one claims it.
+  bool shared_goals = false;
+  /// How far a robot sees around itself, in cells; walls occlude. The paper gives no number.
+  double observation_distance_cells = 2.0;
+  CorruptionConfig corruption;
+  CameraConfig camera;
+  /// Simulated seconds per wall second; 0 = as fast as the robots are commanded.
+  double speed = 0.0;
+
+  void Visit(ConfigReader& reader) {
+    reader.Section("bus", bus);
+    reader.Field("world", world);
+    reader.Field("robots", robots);
+    reader.Field("seed", seed);
+    reader.Field("preset", preset);
+    reader.Section("map", map);
+    reader.Field("goals_per_robot", goals_per_robot, 0, 100);
+    reader.Field("shared_goals", shared_goals);
+    reader.Field("observation_distance_cells", observation_distance_cells, 0.0, 100.0);
+    reader.Section("corruption", corruption);
+    reader.Section("camera", camera);
+    reader.Field("speed", speed, 0.0, 1000.0);
+  }
+};
+
+}  // namespace conav::sim

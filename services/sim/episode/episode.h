@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/protocol/robot.h"
+#include "common/runtime/result.h"
+#include "sim/episode/robot_record.h"
+#include "sim/physics/robot_world.h"
+
+namespace conav::sim {
+
+struct EpisodeOptions {
+  std::string world = "w1";
+  std::vector<std::vector<Cell>> goals;  // per robot, as in WorldSpec
+  bool shared_goals = false;
+  double observation_distance_cells = 2.0;
+};
+
+/// The rules of a world: which commands a robot takes up, what comes of them, what it has seen,
+/// which goals are reached. Physics moves the robots; pictures are taken by the caller.
+///
+/// Invariants: two robots never reserve one cell, and a robot is only in cells that it reserves; a
+/// command ends by success, by a named failure or by its expiry, and then the robot stands.
+/// Threads: one caller.
+class Episode {
+ public:
+  /// `physics` outlives the episode; goals[i] belong to its robot i. Robots look around once.
+  Episode(RobotWorld& physics, EpisodeOptions options);
+
+  /// Takes a command up, or refuses it: the outcome is in the robot's state. The error is for the
+  /// log. Errors: kNotFound (no such robot), kRefused (old lease epoch or sequence number; the
+  /// state stays as it is).
+  Result<void> Accept(const RobotCommand& command);
+
+  /// Whether time must go on because some robot has a command in force or still rolls.
+  bool active() const;
+
+  /// One 4 Hz step of physics, then what came of it. Robots whose view is due are in
+  /// pictures_due().
+  void Step();
+
+  /// Robots that have turned to the heading of a transmit command and wait for CompleteView().
+  std::vector<int> pictures_due() const;
+  /// The picture of robot `robot` was taken: `jpeg_bytes` are counted, the path starts anew.
+  /// Returns path and sequence number for the Picture, with its pixels left out.
+  Picture CompleteView(int robot, std::size_t jpeg_bytes);
+  /// The same for a streamed snapshot, which ends no command.
+  Picture TakeStreamedSnapshot(int robot);
+  void CountFrame(int robot, std::size_t jpeg_bytes);
+
+  SimTime now() const;
+  int robot_count() const { return static_cast<int>(robots_.size()); }
+  /// Driving or turning right now.
+  bool moving(int robot) const;
+  RobotState state(int robot) const;
+  const MapUpdate& map(int robot) const;
+  /// Rises with each change that is worth publishing.
+  std::uint64_t state_version(int robot) const;
+  const RobotWorld& physics() const { return physics_; }
+
+ private:
+  RobotRecord& At(int robot);
+  const RobotRecord& At(int robot) const;
+  void Begin(int robot);
+  void BeginMove(int robot);
+  void BeginView(int robot);
+  void Halt(int robot);
+  void Advance(int robot);
+  void Arrive(int robot, Cell cell);
+  void Finish(int robot, CommandOutcome outcome, std::string detail = {});
+  void Observe(int robot);
+  void ClaimGoal(int robot, Cell cell);
+  bool ReservedByAnother(int robot, Cell cell) const;
+  bool Centred(int robot) const;
+  Picture MakePicture(int robot);
+
+  RobotWorld& physics_;
+  EpisodeOptions options_;
+  std::vector<RobotRecord> robots_;
+  std::vector<bool> turned_;  // a view's heading is reached
+  std::vector<std::uint64_t> versions_;
+};
+
+}  // namespace conav::sim

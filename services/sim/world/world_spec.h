@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/grid/grid.h"
+#include "common/runtime/result.h"
+
+namespace conav::sim {
+
+/// What a world is made from; the sim's config fills it in.
+struct WorldOptions {
+  /// A seed S makes the maze that the paper's seed S makes (MemoryMaze's mapping, first episode).
+  std::uint64_t seed = 1;
+  std::string preset = "conav13";
+  /// When set, the world is this ROS map_server map and not a maze.
+  std::filesystem::path map_yaml;
+  /// The operator's outdated plan of it; empty = the truth, corrupted like a maze's.
+  std::filesystem::path operator_map_yaml;
+  double cell_size_m = 2.0;      // of a map file's navigation cells
+  double occupied_share = 0.25;  // a cell with more occupied pixels than this is a wall
+  int robots = 1;
+  int goals_per_robot = 0;  // 0 = the preset's number
+  bool shared_goals = false;
+  double wrong_share = 0.12;      // of all cells, wrong on the initial human map (paper-notes 3.7)
+  double false_wall_share = 0.5;  // of the wrong cells, free in truth and drawn as walls
+};
+
+/// A world, complete for one seed: the truth, who starts where with which goals, and what the
+/// operator believes.
+struct WorldSpec {
+  OccupancyGrid truth;       // no unknown cells, border occupied
+  OccupancyGrid human_map;   // the operator's initial map, as large as the truth
+  Grid<char> wall_classes;   // which texture each wall cell has
+  Grid<char> floor_classes;  // '.' corridor, letters rooms
+  double cell_size_m = 2.0;
+  std::vector<Cell> starts;  // per robot, distinct
+  std::vector<std::vector<Cell>>
+      goals;  // per robot; equal lists when shared. All reachable from the start.
+  bool shared_goals = false;
+};
+
+/// Errors: kNotFound (preset, file), kMalformed (map file; names file and key), kOutOfRange (too
+/// many robots or goals for the free cells, wrong_share), kInvalidArgument (a goal that its robot
+/// cannot reach).
+[[nodiscard]] Result<WorldSpec> MakeWorldSpec(const WorldOptions& options);
+
+}  // namespace conav::sim
