@@ -3,6 +3,7 @@
 #include <set>
 #include <thread>
 
+#include "common/bus/send.h"
 #include "common/protocol/convert.h"
 #include "common/runtime/log.h"
 #include "common/runtime/random.h"
@@ -17,13 +18,6 @@ constexpr std::chrono::milliseconds kReceivePause{100};
 std::chrono::nanoseconds Seconds(double seconds) {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
       std::chrono::duration<double>(seconds));
-}
-
-template <class T>
-void Send(bus::Publisher<T>& publisher, const T& message, std::string_view what) {
-  if (const auto sent = publisher.Publish(message); !sent) {
-    LOG_ERROR("not sent", "what", what, "reason", sent.error().text);
-  }
 }
 
 template <class Message>
@@ -90,21 +84,16 @@ PlannerService::~PlannerService() = default;
 RobotWorker::Outputs PlannerService::OutputsOf(Link& link) {
   return {
       .command =
-          [&link](const RobotCommand& command) {
-            Send(link.command, ToMessage(command), "command");
-          },
-      .report =
-          [&link](const SearchReport& report) {
-            Send(link.report, ToMessage(report), "search report");
-          },
+          [&link](const RobotCommand& command) { bus::Send(link.command, ToMessage(command)); },
+      .report = [&link](const SearchReport& report) { bus::Send(link.report, ToMessage(report)); },
       .attention =
           [&link](const AttentionRequest& request) {
-            Send(link.attention, ToMessage(request), "attention");
+            bus::Send(link.attention, ToMessage(request));
           },
       .way =
           [&link](const RobotState& state, const MapUpdate& map, const std::vector<Cell>& way) {
             const GridGeometry geometry{map.cells.rows(), map.cells.columns(), map.cell_size_m};
-            Send(link.plan, ToPathMessage(state.stamp, way, geometry), "plan");
+            bus::Send(link.plan, ToPathMessage(state.stamp, way, geometry));
           },
   };
 }

@@ -173,7 +173,12 @@ void Episode::Advance(int robot) {
   if (!record.waypoints.empty()) {
     const Cell reached = record.waypoints.front();
     record.waypoints.pop_front();
-    if (reached != record.state.cell) Arrive(robot, reached);
+    if (reached != record.state.cell) {
+      Arrive(robot, reached);
+    } else {
+      record.reserved = {reached};
+      record.reserved.insert(record.reserved.end(), record.waypoints.begin(), record.waypoints.end());
+    }
     if (!record.waypoints.empty()) return physics_.MoveTo(robot, record.waypoints.front());
     if (record.command.kind == CommandKind::kMove) return Finish(robot, CommandOutcome::kDone);
     return physics_.TurnTo(robot, record.command.heading_rad);

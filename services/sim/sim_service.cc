@@ -1,0 +1,224 @@
+#include "sim/sim_service.h"
+
+#include <algorithm>
+
+#include "common/bus/send.h"
+#include "common/protocol/convert.h"
+#include "common/runtime/log.h"
+#include "sim/goal_markers.h"
+
+namespace conav::sim {
+namespace {
+
+constexpr std::chrono::milliseconds kIdleWait{100};
+
+WorldOptions OptionsFrom(const SimConfig& config) {
+  return {.seed = config.seed,
+          .preset = config.preset,
+          .map_yaml = config.map.yaml,
+          .operator_map_yaml = config.map.operator_yaml,
+          .cell_size_m = config.map.cell_size_m,
+          .occupied_share = config.map.occupied_share,
+          .robots = static_cast<int>(config.robots.size()),
+          .goals_per_robot = config.goals_per_robot,
+          .shared_goals = config.shared_goals,
+          .wrong_share = config.corruption.wrong_share,
+          .false_wall_share = config.corruption.false_wall_share};
+}
+
+template <class T>
+T OrStartupError(Result<T> result) {
+  if (!result) throw StartupError(result.error().text);
+  return *std::move(result);
+}
+
+PhysicsWorld PhysicsFrom(const WorldSpec& spec, const SimConfig& config) {
+  PhysicsWorld world;
+  world.truth = spec.truth;
+  world.wall_classes = spec.wall_classes;
+  world.floor_classes = spec.floor_classes;
+  world.cell_size_m = spec.cell_size_m;
+  world.texture_seed = config.seed;
+  for (std::size_t i = 0; i < config.robots.size(); ++i) {
+    world.robots.push_back({config.robots[i], spec.starts[i], 0.0});
+    if (spec.shared_goals && i > 0) continue;
+    for (const Cell cell : spec.goals[i]) {
+      const int color =
+          spec.shared_goals ? static_cast<int>(world.goals.size()) : static_cast<int>(i);
+      world.goals.push_back({cell, color});
+    }
+  }
+  return world;
+}
+
+}  // namespace
+
+SimService::SimService(bus::Participant& participant, const SimConfig& config, const Clock& clock)
+    : participant_(participant),
+      config_(config),
+      clock_(clock),
+      truth_(participant, bus::kTruth, config.world),
+      initial_map_(participant, bus::kInitialMap, config.world),
+      goals_(participant, bus::kGoals, config.world),
+      clock_topic_(participant, bus::kClock),
+      diagnostics_(participant, clock),
+      next_step_(clock.Now()) {
+  if (config.robots.empty()) throw StartupError("sim.robots: a world needs at least one robot");
+  BuildWorld();
+  for (const std::string& robot : config.robots) {
+    robots_.push_back(std::make_unique<RobotTopics>(participant, robot));
+  }
+  PublishWorld();
+}
+
+SimService::~SimService() = default;
+
+void SimService::BuildWorld() {
+  spec_ = OrStartupError(MakeWorldSpec(OptionsFrom(config_)));
+  physics_ = OrStartupError(RobotWorld::Create(PhysicsFrom(spec_, config_)));
+  episode_ = std::make_unique<Episode>(
+      *physics_, EpisodeOptions{config_.world, spec_.goals, spec_.shared_goals,
+                                config_.observation_distance_cells});
+  if (config_.camera.mode == "none") return;
+  auto camera = Camera::Open(*physics_, {config_.camera.width, config_.camera.height});
+  if (!camera) {
+    throw StartupError(camera.error().text +
+                       "; or go on without pictures: camera.mode: none (--camera none)");
+  }
+  camera_ = *std::move(camera);
+  LOG_INFO("camera", "renderer", camera_->renderer_name(), "width", config_.camera.width, "height",
+           config_.camera.height);
+}
+
+void SimService::PublishWorld() {
+  PublishClock();
+  bus::Send(truth_, ToMessage(MapUpdate{episode_->now(), spec_.cell_size_m, spec_.truth}));
+  bus::Send(initial_map_,
+            ToMessage(MapUpdate{episode_->now(), spec_.cell_size_m, spec_.human_map}));
+  PublishGoals();
+  for (int robot = 0; robot < episode_->robot_count(); ++robot) {
+    RobotTopics& topics = *robots_[static_cast<std::size_t>(robot)];
+    topics.PublishCameraInfo(episode_->now(), config_.camera.width, config_.camera.height);
+    topics.PublishChanges(*episode_, robot);
+    topics.PublishPose(*episode_, robot);
+  }
+}
+
+void SimService::PublishGoals() { bus::Send(goals_, GoalMarkers(*episode_)); }
+
+void SimService::PublishClock() {
+  rosgraph_msgs::msg::Clock message;
+  message.clock(ToMessage(episode_->now()));
+  bus::Send(clock_topic_, message);
+}
+
+void SimService::Run(const StopToken& stop) {
+  while (!stop.stop_requested()) {
+    if (!Turn()) {
+      const auto until_step = config_.speed > 0.0 ? next_step_ - clock_.Now() : kIdleWait;
+      participant_.Wait(std::clamp<std::chrono::nanoseconds>(until_step, {}, kIdleWait));
+    }
+    diagnostics_.Tick([this] { return Report(); });
+  }
+}
+
+bool SimService::Turn() {
+  TakeCommands();
+  if (!StepDue()) return false;
+  Step();
+  return true;
+}
+
+void SimService::TakeCommands() {
+  for (int robot = 0; robot < episode_->robot_count(); ++robot) {
+    RobotTopics& topics = *robots_[static_cast<std::size_t>(robot)];
+    for (const RobotCommand& command : topics.TakeCommands()) {
+      if (const auto accepted = episode_->Accept(command); !accepted) {
+        LOG_WARNING("command refused", "reason", accepted.error().text, "count",
+                    ++refused_commands_);
+      }
+    }
+    topics.PublishChanges(*episode_, robot);
+  }
+}
+
+bool SimService::StepDue() {
+  if (config_.speed <= 0.0) return episode_->active();
+  const auto now = clock_.Now();
+  if (now < next_step_) return false;
+  const std::chrono::duration<double> period(kControlStepS / config_.speed);
+  next_step_ += std::chrono::duration_cast<std::chrono::nanoseconds>(period);
+  // Behind by more than a second (the machine was busy): go on from here instead of racing after
+  // it.
+  if (now - next_step_ > std::chrono::seconds(1)) next_step_ = now;
+  return true;
+}
+
+void SimService::Step() {
+  std::vector<std::uint64_t> moves_before;
+  for (int robot = 0; robot < episode_->robot_count(); ++robot) {
+    moves_before.push_back(episode_->state(robot).cell_moves);
+  }
+  episode_->Step();
+  PublishClock();
+  TakePictures(moves_before);
+  for (int robot = 0; robot < episode_->robot_count(); ++robot) {
+    RobotTopics& topics = *robots_[static_cast<std::size_t>(robot)];
+    topics.PublishPose(*episode_, robot);
+    topics.PublishChanges(*episode_, robot);
+  }
+}
+
+void SimService::TakePictures(const std::vector<std::uint64_t>& moves_before) {
+  for (const int robot : episode_->pictures_due()) {
+    std::vector<std::uint8_t> jpeg = RenderJpeg(robot);
+    Picture picture = episode_->CompleteView(robot, jpeg.size());
+    picture.jpeg = std::move(jpeg);
+    Fill(picture);
+    robots_[static_cast<std::size_t>(robot)]->Publish(picture);
+  }
+  if (!config_.camera.stream) return;
+  for (int robot = 0; robot < episode_->robot_count(); ++robot) {
+    const auto index = static_cast<std::size_t>(robot);
+    const bool arrived = episode_->state(robot).cell_moves != moves_before[index];
+    if (!episode_->moving(robot) && !arrived) continue;
+    std::vector<std::uint8_t> jpeg = RenderJpeg(robot);
+    episode_->CountFrame(robot, jpeg.size());
+    robots_[index]->PublishFrame(episode_->now(), jpeg);
+    if (!arrived) continue;
+    Picture picture = episode_->TakeStreamedSnapshot(robot);
+    picture.jpeg = std::move(jpeg);
+    Fill(picture);
+    robots_[index]->Publish(picture);
+  }
+}
+
+std::vector<std::uint8_t> SimService::RenderJpeg(int robot) {
+  if (!camera_) return {};
+  auto jpeg = EncodeJpeg(camera_->Render(robot), config_.camera.jpeg_quality);
+  if (!jpeg) {
+    LOG_ERROR("picture lost", "reason", jpeg.error().text);
+    return {};
+  }
+  return *std::move(jpeg);
+}
+
+void SimService::Fill(Picture& picture) const {
+  const CameraView view = ViewAt(picture.cell, picture.heading_rad, spec_.cell_size_m,
+                                 config_.camera.width, config_.camera.height);
+  picture.horizontal_fov_rad = view.horizontal_fov_rad;
+  picture.width = static_cast<std::uint32_t>(config_.camera.width);
+  picture.height = static_cast<std::uint32_t>(config_.camera.height);
+  picture.visible = CastView(spec_.truth, view);
+}
+
+Health SimService::Report() const {
+  Health health;
+  health.message = fmt::format("{} robots in {}", robots_.size(), config_.world);
+  health.values.emplace_back("simulation_time_s",
+                             fmt::format("{:.2f}", episode_->now().ToSeconds()));
+  health.values.emplace_back("refused_commands", fmt::format("{}", refused_commands_));
+  return health;
+}
+
+}  // namespace conav::sim

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "common/bus/publisher.h"
+#include "common/runtime/clock.h"
+#include "common/runtime/stop_token.h"
+#include "common/service/diagnostics.h"
+#include "sim/config.h"
+#include "sim/episode/episode.h"
+#include "sim/physics/camera.h"
+#include "sim/robot_topics.h"
+#include "sim/world/world_spec.h"
+
+namespace conav::sim {
+
+/// One world on the bus: owns the truth, moves the robots, takes their pictures.
+///
+/// Before the first command it publishes /clock, truth, initial map, goals and each robot's map and
+/// state. Stale input: commands of an older lease or sequence are refused and logged; a command
+/// past its expiry is void, and a robot without a command in force stands still.
+class SimService {
+ public:
+  /// Throws StartupError: impossible world, unreadable map, no usable EGL.
+  SimService(bus::Participant& participant, const SimConfig& config, const Clock& clock);
+  ~SimService();
+
+  /// Blocks until `stop`. The camera's OpenGL context belongs to the thread that built the service.
+  void Run(const StopToken& stop);
+  /// One turn of Run: takes commands, moves time on if it is due, publishes. False = nothing to do
+  /// now.
+  bool Turn();
+
+ private:
+  void BuildWorld();
+  void PublishWorld();
+  void PublishGoals();
+  void PublishClock();
+  void TakeCommands();
+  bool StepDue();
+  void Step();
+  void TakePictures(const std::vector<std::uint64_t>& moves_before);
+  std::vector<std::uint8_t> RenderJpeg(int robot);
+  void Fill(Picture& picture) const;
+  Health Report() const;
+
+  bus::Participant& participant_;
+  SimConfig config_;
+  const Clock& clock_;
+  WorldSpec spec_;
+  std::unique_ptr<RobotWorld> physics_;
+  std::unique_ptr<Episode> episode_;
+  std::unique_ptr<Camera> camera_;  // absent with camera.mode none
+  std::vector<std::unique_ptr<RobotTopics>> robots_;
+  bus::Publisher<nav_msgs::msg::OccupancyGrid> truth_;
+  bus::Publisher<nav_msgs::msg::OccupancyGrid> initial_map_;
+  bus::Publisher<visualization_msgs::msg::MarkerArray> goals_;
+  bus::Publisher<rosgraph_msgs::msg::Clock> clock_topic_;
+  Diagnostics diagnostics_;
+  Clock::TimePoint next_step_{};
+  std::uint64_t refused_commands_ = 0;
+};
+
+}  // namespace conav::sim
