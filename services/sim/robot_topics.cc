@@ -6,17 +6,6 @@
 #include "common/protocol/convert.h"
 
 namespace conav::sim {
-namespace {
-
-geometry_msgs::msg::Quaternion YawToQuaternion(double yaw_rad) {
-  geometry_msgs::msg::Quaternion quaternion;
-  quaternion.z(std::sin(yaw_rad / 2.0));
-  quaternion.w(std::cos(yaw_rad / 2.0));
-  return quaternion;
-}
-
-}  // namespace
-
 RobotTopics::RobotTopics(bus::Participant& participant, const std::string& robot)
     : robot_(robot),
       state_(participant, bus::kRobotState, robot),
@@ -42,26 +31,10 @@ void RobotTopics::PublishChanges(const Episode& episode, int robot) {
 
 void RobotTopics::PublishPose(const Episode& episode, int robot) {
   const RobotPose pose = episode.physics().pose(robot);
-  nav_msgs::msg::Odometry odometry;
-  odometry.header().stamp(ToMessage(episode.now()));
-  odometry.header().frame_id("map");
-  odometry.child_frame_id(robot_ + "/base_link");
-  auto& position = odometry.pose().pose();
-  position.position().x(pose.position.x_m);
-  position.position().y(pose.position.y_m);
-  position.orientation(YawToQuaternion(pose.heading_rad));
-  odometry.twist().twist().linear().x(pose.speed_mps);
-  odometry.twist().twist().angular().z(pose.yaw_rate_rps);
-
-  geometry_msgs::msg::TransformStamped transform;
-  transform.header(odometry.header());
-  transform.child_frame_id(odometry.child_frame_id());
-  transform.transform().translation().x(pose.position.x_m);
-  transform.transform().translation().y(pose.position.y_m);
-  transform.transform().rotation(position.orientation());
+  const RobotMotion motion{pose.position, pose.heading_rad, pose.speed_mps, pose.yaw_rate_rps};
+  bus::Send(odometry_, ToOdometry(episode.now(), robot_, motion));
   tf2_msgs::msg::TFMessage transforms;
-  transforms.transforms().push_back(std::move(transform));
-  bus::Send(odometry_, odometry);
+  transforms.transforms().push_back(ToTransform(episode.now(), robot_, motion));
   bus::Send(transforms_, transforms);
 }
 
