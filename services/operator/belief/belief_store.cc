@@ -1,0 +1,148 @@
+#include "operator/belief/belief_store.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "operator/belief/belief_tables.h"
+
+namespace conav::operators {
+namespace {
+
+template <class T>
+T OrStartupError(const std::filesystem::path& file, Result<T>&& result) {
+  if (result) return *std::move(result);
+  throw StartupError(
+      fmt::format("{}: cannot use this operator database: {}", file.string(), result.error().text));
+}
+
+BeliefStore::Answer StorageFailure(const OperatorRequest& request, const Error& error,
+                                   std::uint64_t revision) {
+  return {{request.client, request.request_id, false,
+           fmt::format("not stored, ask again later: {}", error.text), revision},
+          false,
+          true};
+}
+
+OperatorReply Accepted(const OperatorRequest& request, std::uint64_t revision) {
+  return {request.client, request.request_id, true, "", revision};
+}
+
+}  // namespace
+
+BeliefStore::BeliefStore(const BeliefStoreOptions& options)
+    : database_(OrStartupError(options.database.file, Database::Open(options.database))),
+      limits_(options.limits) {
+  const auto& file = options.database.file;
+  OrStartupError(file, EnsureSchema(database_).map([] { return true; }));
+  beliefs_ = OrStartupError(file, LoadBeliefs(database_));
+  guidance_ = OrStartupError(file, LoadGuidance(database_));
+}
+
+Result<bool> BeliefStore::AddWorld(const std::string& world, const BeliefGrid& initial,
+                                   SimTime stamp) {
+  if (const Belief* known = FindBelief(world)) {
+    const BeliefGrid& stored = known->wall_probability;
+    if (stored.rows() == initial.rows() && stored.columns() == initial.columns()) return false;
+    return Fail(
+        ErrorCode::kRefused,
+        fmt::format("world {}: the initial map has {} x {} cells, the stored one {} x {}", world,
+                    initial.rows(), initial.columns(), stored.rows(), stored.columns()));
+  }
+  Belief belief{stamp, world, 0, initial, ""};
+  auto saved = database_.Transaction([&] { return SaveBelief(database_, belief); });
+  if (!saved) return tl::unexpected(saved.error());
+  beliefs_[world] = std::move(belief);
+  return true;
+}
+
+void BeliefStore::AddRobot(const std::string& robot, const std::string& world) {
+  worlds_[robot] = world;
+}
+
+BeliefStore::Answer BeliefStore::Handle(const OperatorRequest& request, SimTime now) {
+  const auto logged = FindRequest(database_, request.client, request.request_id);
+  if (!logged) return StorageFailure(request, logged.error(), 0);
+  if (!*logged) return HandleNew(request, now);
+  if ((*logged)->world == request.world && (*logged)->body == RequestBody(request)) {
+    return {(*logged)->reply};
+  }
+  return {{request.client, request.request_id, false,
+           fmt::format("request {} of client {} was used for something else before",
+                       request.request_id, request.client),
+           0}};
+}
+
+BeliefStore::Answer BeliefStore::HandleNew(const OperatorRequest& request, SimTime now) {
+  if (request.client.empty()) return Refuse(request, "the request names no client", 0);
+  if (FindBelief(request.world) == nullptr) {
+    return Refuse(request, fmt::format("world '{}' is not known here", request.world), 0);
+  }
+  if (const auto* edit = std::get_if<EditRequest>(&request.body)) {
+    return HandleEdit(request, *edit, now);
+  }
+  return HandleGuide(request, std::get<GuideRequest>(request.body), now);
+}
+
+BeliefStore::Answer BeliefStore::HandleEdit(const OperatorRequest& request, const EditRequest& edit,
+                                            SimTime now) {
+  Belief& current = beliefs_.at(request.world);
+  auto edited = ApplyEdit(current, edit, request.client, now);
+  if (!edited) return Refuse(request, edited.error().text, current.revision);
+  const OperatorReply reply = Accepted(request, edited->revision);
+  const auto saved = database_.Transaction([&]() -> Result<void> {
+    if (auto belief_saved = SaveBelief(database_, *edited); !belief_saved) return belief_saved;
+    return SaveRequest(database_, request, reply);
+  });
+  if (!saved) return StorageFailure(request, saved.error(), current.revision);
+  current = *std::move(edited);
+  return {reply, true};
+}
+
+BeliefStore::Answer BeliefStore::HandleGuide(const OperatorRequest& request,
+                                             const GuideRequest& guide, SimTime now) {
+  const Guidance* last = FindGuidance(guide.robot);
+  const std::uint64_t last_revision = last != nullptr ? last->revision : 0;
+  const auto robot = worlds_.find(guide.robot);
+  if (robot == worlds_.end() || robot->second != request.world) {
+    return Refuse(request,
+                  fmt::format("robot '{}' is not known in world {}", guide.robot, request.world),
+                  last_revision);
+  }
+  auto guidance =
+      MakeGuidance(beliefs_.at(request.world), guide, last_revision, request.client, now, limits_);
+  if (!guidance) return Refuse(request, guidance.error().text, last_revision);
+  const OperatorReply reply = Accepted(request, guidance->revision);
+  const auto saved = database_.Transaction([&]() -> Result<void> {
+    if (auto path_saved = SaveGuidance(database_, *guidance); !path_saved) return path_saved;
+    return SaveRequest(database_, request, reply);
+  });
+  if (!saved) return StorageFailure(request, saved.error(), last_revision);
+  guidance_[guide.robot] = *std::move(guidance);
+  return {reply, true};
+}
+
+BeliefStore::Answer BeliefStore::Refuse(const OperatorRequest& request, std::string reason,
+                                        std::uint64_t revision) {
+  const OperatorReply reply{request.client, request.request_id, false, std::move(reason), revision};
+  // A refusal is as final as an acceptance. When it cannot be stored, a repeat is judged anew,
+  // which changes nothing that was acknowledged.
+  const auto saved = database_.Transaction([&] { return SaveRequest(database_, request, reply); });
+  return {reply, false, !saved};
+}
+
+const Belief* BeliefStore::FindBelief(const std::string& world) const {
+  const auto found = beliefs_.find(world);
+  return found == beliefs_.end() ? nullptr : &found->second;
+}
+
+const Guidance* BeliefStore::FindGuidance(const std::string& robot) const {
+  const auto found = guidance_.find(robot);
+  return found == guidance_.end() ? nullptr : &found->second;
+}
+
+Result<std::optional<BeliefGrid>> BeliefStore::InitialMap(const std::string& world) {
+  return LoadInitialMap(database_, world);
+}
+
+}  // namespace conav::operators

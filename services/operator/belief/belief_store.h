@@ -1,0 +1,76 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "common/protocol/supervision.h"
+#include "common/runtime/result.h"
+#include "operator/belief/belief_rules.h"
+#include "operator/belief/database.h"
+
+namespace conav::operators {
+
+struct BeliefStoreOptions {
+  Database::Options database;
+  GuidanceLimits limits;
+};
+
+/// The one truth about what the operator believes and wants: the belief map of each world, the
+/// guidance of each robot, and every request that was answered.
+///
+/// Whatever Handle() acknowledges is on disk before it returns, together with its reply: opening
+/// the same file again gives back the same beliefs, guidance, revisions and replies, also after a
+/// kill or a loss of power. A request that is repeated (same client and request_id) gets the reply
+/// of the first time and changes nothing; the same id with another content is refused.
+///
+/// When the disk is full or fails, a request is refused with that reason and nothing changes; such
+/// a refusal is not remembered, so that a repeat may succeed later.
+/// Threads: not synchronised; one owner. Calls block on the disk.
+class BeliefStore {
+ public:
+  /// Throws StartupError that names the file: not to be opened, in use, corrupt, not ours.
+  explicit BeliefStore(const BeliefStoreOptions& options);
+
+  struct Answer {
+    OperatorReply reply;
+    bool changed = false;  // the belief (edit) or the guidance (guide) is new
+    bool storage_failed = false;
+  };
+
+  /// Gives `world` its initial map as revision 0. False when the store has one already, which then
+  /// stays. Errors: kIo; kRefused when the stored map has another size.
+  [[nodiscard]] Result<bool> AddWorld(const std::string& world, const BeliefGrid& initial,
+                                      SimTime stamp);
+
+  /// Guidance is accepted for robots that were added, in their world. Not durable: robots report
+  /// again after a restart.
+  void AddRobot(const std::string& robot, const std::string& world);
+
+  /// `now`: simulation time of the request's world.
+  Answer Handle(const OperatorRequest& request, SimTime now);
+
+  /// Null when unknown. Valid until the next call that is not const.
+  const Belief* FindBelief(const std::string& world) const;
+  const Guidance* FindGuidance(const std::string& robot) const;
+
+  const std::map<std::string, Belief>& beliefs() const { return beliefs_; }
+  const std::map<std::string, Guidance>& guidance() const { return guidance_; }
+
+  [[nodiscard]] Result<std::optional<BeliefGrid>> InitialMap(const std::string& world);
+
+ private:
+  Answer HandleNew(const OperatorRequest& request, SimTime now);
+  Answer HandleEdit(const OperatorRequest& request, const EditRequest& edit, SimTime now);
+  Answer HandleGuide(const OperatorRequest& request, const GuideRequest& guide, SimTime now);
+  Answer Refuse(const OperatorRequest& request, std::string reason, std::uint64_t revision);
+
+  Database database_;
+  GuidanceLimits limits_;
+  std::map<std::string, Belief> beliefs_;      // by world
+  std::map<std::string, Guidance> guidance_;   // by robot
+  std::map<std::string, std::string> worlds_;  // of each robot
+};
+
+}  // namespace conav::operators

@@ -1,0 +1,245 @@
+#include "operator/belief/belief_tables.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+namespace conav::operators {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "beliefs are stored little-endian");
+
+using nlohmann::json;
+
+constexpr std::int64_t kApplicationId = 0x636f6e76;  // "conv", marks the file as ours
+constexpr std::int64_t kSchemaVersion = 1;
+
+constexpr const char* kSchema[] = {
+    "CREATE TABLE beliefs (world TEXT NOT NULL, revision INTEGER NOT NULL, stamp_ns INTEGER NOT "
+    "NULL, rows INTEGER NOT NULL, columns INTEGER NOT NULL, cells BLOB NOT NULL, edited_by TEXT "
+    "NOT NULL, PRIMARY KEY (world, revision))",
+    "CREATE TABLE guidance (robot TEXT PRIMARY KEY, world TEXT NOT NULL, revision INTEGER NOT "
+    "NULL, stamp_ns INTEGER NOT NULL, path TEXT NOT NULL, given_by TEXT NOT NULL, belief_revision "
+    "INTEGER NOT NULL, answers_snapshot INTEGER NOT NULL, valid_until_ns INTEGER NOT NULL)",
+    "CREATE TABLE requests (client TEXT NOT NULL, request_id INTEGER NOT NULL, stamp_ns INTEGER "
+    "NOT NULL, world TEXT NOT NULL, body TEXT NOT NULL, accepted INTEGER NOT NULL, reason TEXT NOT "
+    "NULL, revision INTEGER NOT NULL, PRIMARY KEY (client, request_id))"};
+
+std::int64_t Signed(std::uint64_t value) { return static_cast<std::int64_t>(value); }
+std::uint64_t Unsigned(const Database::Value& value) {
+  return static_cast<std::uint64_t>(std::get<std::int64_t>(value));
+}
+std::int64_t Integer(const Database::Value& value) { return std::get<std::int64_t>(value); }
+const std::string& Text(const Database::Value& value) { return std::get<std::string>(value); }
+
+json CellsToJson(const std::vector<Cell>& cells) {
+  json list = json::array();
+  for (const Cell cell : cells) list.push_back({cell.row, cell.column});
+  return list;
+}
+
+std::vector<Cell> CellsFromJson(const std::string& text) {
+  std::vector<Cell> cells;
+  for (const json& entry : json::parse(text)) {
+    cells.push_back({entry.at(0).get<int>(), entry.at(1).get<int>()});
+  }
+  return cells;
+}
+
+Database::Blob GridToBlob(const BeliefGrid& grid) {
+  Database::Blob blob(grid.size() * sizeof(float));
+  if (!blob.empty()) std::memcpy(blob.data(), grid.values().data(), blob.size());
+  return blob;
+}
+
+Result<BeliefGrid> GridFromBlob(std::int64_t rows, std::int64_t columns,
+                                const Database::Blob& blob) {
+  constexpr std::int64_t kLimit = 1 << 15;
+  if (rows < 1 || rows > kLimit || columns < 1 || columns > kLimit ||
+      blob.size() != static_cast<std::size_t>(rows * columns) * sizeof(float)) {
+    return Fail(ErrorCode::kMalformed,
+                fmt::format("{} bytes for {} x {} cells", blob.size(), rows, columns));
+  }
+  BeliefGrid grid(static_cast<int>(rows), static_cast<int>(columns));
+  std::memcpy(grid.values().data(), blob.data(), blob.size());
+  return grid;
+}
+
+Result<Belief> BeliefFromRow(const Database::Row& row) {
+  auto grid = GridFromBlob(Integer(row[3]), Integer(row[4]), std::get<Database::Blob>(row[5]));
+  if (!grid) return tl::unexpected(grid.error());
+  return Belief{{Integer(row[2])}, Text(row[0]), Unsigned(row[1]), *std::move(grid), Text(row[6])};
+}
+
+Guidance GuidanceFromRow(const Database::Row& row) {
+  Guidance guidance;
+  guidance.robot = Text(row[0]);
+  guidance.world = Text(row[1]);
+  guidance.revision = Unsigned(row[2]);
+  guidance.stamp = {Integer(row[3])};
+  guidance.path = CellsFromJson(Text(row[4]));
+  guidance.given_by = Text(row[5]);
+  guidance.belief_revision = Unsigned(row[6]);
+  guidance.answers_snapshot = Unsigned(row[7]);
+  guidance.valid_until = {Integer(row[8])};
+  return guidance;
+}
+
+/// A row of a type or a text that we did not write: std::get and the JSON parser throw on it.
+template <class Read>
+auto ReadRow(const char* table, const Database::Row& row, Read&& read)
+    -> Result<std::decay_t<decltype(read(row))>> {
+  try {
+    return read(row);
+  } catch (const std::exception& error) {
+    return Fail(ErrorCode::kMalformed,
+                fmt::format("a row of table {} is damaged: {}", table, error.what()));
+  }
+}
+
+Result<std::int64_t> Pragma(Database& database, const std::string& name) {
+  return database.Query("PRAGMA " + name).map([](const auto& rows) {
+    return Integer(rows.at(0).at(0));
+  });
+}
+
+Result<void> CreateSchema(Database& database) {
+  return database.Transaction([&]() -> Result<void> {
+    for (const char* statement : kSchema) {
+      if (auto created = database.Execute(statement); !created) return created;
+    }
+    for (const std::string& mark : {fmt::format("application_id = {}", kApplicationId),
+                                    fmt::format("user_version = {}", kSchemaVersion)}) {
+      if (auto set = database.Execute("PRAGMA " + mark); !set) return set;
+    }
+    return {};
+  });
+}
+
+}  // namespace
+
+std::string RequestBody(const OperatorRequest& request) {
+  json body;
+  if (const auto* edit = std::get_if<EditRequest>(&request.body)) {
+    json edits = json::array();
+    for (const CellEdit& e : edit->edits) edits.push_back({e.cell.row, e.cell.column, e.wall});
+    body = {{"kind", "edit"}, {"base_revision", edit->base_revision}, {"edits", edits}};
+  } else {
+    const auto& guide = std::get<GuideRequest>(request.body);
+    body = {{"kind", "guide"},
+            {"robot", guide.robot},
+            {"path", CellsToJson(guide.path)},
+            {"answers_snapshot", guide.answers_snapshot},
+            {"valid_for_s", guide.valid_for_s}};
+  }
+  // Texts come from other processes and need not be UTF-8; they must not stop the service.
+  return body.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+Result<void> EnsureSchema(Database& database) {
+  const auto tables = database.Query("SELECT count(*) FROM sqlite_master");
+  if (!tables) return tl::unexpected(tables.error());
+  if (Integer(tables->at(0).at(0)) == 0) return CreateSchema(database);
+  const auto application = Pragma(database, "application_id");
+  if (!application) return tl::unexpected(application.error());
+  const auto version = Pragma(database, "user_version");
+  if (!version) return tl::unexpected(version.error());
+  if (*application != kApplicationId) {
+    return Fail(ErrorCode::kMalformed, "this is a database of another program");
+  }
+  if (*version != kSchemaVersion) {
+    return Fail(ErrorCode::kMalformed, fmt::format("written by another version: schema {}, not {}",
+                                                   *version, kSchemaVersion));
+  }
+  return {};
+}
+
+Result<std::map<std::string, Belief>> LoadBeliefs(Database& database) {
+  const auto rows = database.Query(
+      "SELECT world, revision, stamp_ns, rows, columns, cells, edited_by FROM beliefs "
+      "ORDER BY world, revision");
+  if (!rows) return tl::unexpected(rows.error());
+  std::map<std::string, Belief> beliefs;
+  for (const Database::Row& row : *rows) {
+    auto belief = ReadRow("beliefs", row, [](const auto& r) { return BeliefFromRow(r); });
+    if (!belief) return tl::unexpected(belief.error());
+    if (!*belief) {
+      return Fail(ErrorCode::kMalformed,
+                  fmt::format("belief of world {}: {}", Text(row[0]), belief->error().text));
+    }
+    beliefs[Text(row[0])] = **std::move(belief);  // the newest comes last
+  }
+  return beliefs;
+}
+
+Result<std::map<std::string, Guidance>> LoadGuidance(Database& database) {
+  const auto rows = database.Query(
+      "SELECT robot, world, revision, stamp_ns, path, given_by, belief_revision, answers_snapshot, "
+      "valid_until_ns FROM guidance");
+  if (!rows) return tl::unexpected(rows.error());
+  std::map<std::string, Guidance> guidance;
+  for (const Database::Row& row : *rows) {
+    auto loaded = ReadRow("guidance", row, [](const auto& r) { return GuidanceFromRow(r); });
+    if (!loaded) return tl::unexpected(loaded.error());
+    const std::string robot = loaded->robot;
+    guidance[robot] = *std::move(loaded);
+  }
+  return guidance;
+}
+
+Result<std::optional<BeliefGrid>> LoadInitialMap(Database& database, const std::string& world) {
+  const auto rows = database.Query(
+      "SELECT rows, columns, cells FROM beliefs WHERE world = ? AND revision = 0", {world});
+  if (!rows) return tl::unexpected(rows.error());
+  if (rows->empty()) return std::optional<BeliefGrid>();
+  const Database::Row& row = rows->front();
+  return GridFromBlob(Integer(row[0]), Integer(row[1]), std::get<Database::Blob>(row[2]))
+      .map([](BeliefGrid&& grid) { return std::optional<BeliefGrid>(std::move(grid)); });
+}
+
+Result<void> SaveBelief(Database& database, const Belief& belief) {
+  auto saved = database.Execute("INSERT INTO beliefs VALUES (?, ?, ?, ?, ?, ?, ?)",
+                                {belief.world, Signed(belief.revision), belief.stamp.nanoseconds,
+                                 std::int64_t{belief.wall_probability.rows()},
+                                 std::int64_t{belief.wall_probability.columns()},
+                                 GridToBlob(belief.wall_probability), belief.edited_by});
+  if (!saved) return saved;
+  return database.Execute("DELETE FROM beliefs WHERE world = ? AND revision > 0 AND revision < ?",
+                          {belief.world, Signed(belief.revision)});
+}
+
+Result<void> SaveGuidance(Database& database, const Guidance& guidance) {
+  return database.Execute(
+      "INSERT OR REPLACE INTO guidance VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)",
+      {guidance.robot, guidance.world, Signed(guidance.revision), guidance.stamp.nanoseconds,
+       CellsToJson(guidance.path).dump(), guidance.given_by, Signed(guidance.belief_revision),
+       Signed(guidance.answers_snapshot), guidance.valid_until.nanoseconds});
+}
+
+Result<void> SaveRequest(Database& database, const OperatorRequest& request,
+                         const OperatorReply& reply) {
+  return database.Execute(
+      "INSERT INTO requests VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
+      {request.client, Signed(request.request_id), request.stamp.nanoseconds, request.world,
+       RequestBody(request), std::int64_t{reply.accepted}, reply.reason, Signed(reply.revision)});
+}
+
+Result<std::optional<LoggedRequest>> FindRequest(Database& database, const std::string& client,
+                                                 std::uint64_t request_id) {
+  const auto rows = database.Query(
+      "SELECT world, body, accepted, reason, revision FROM requests WHERE client = ? AND "
+      "request_id = ?",
+      {client, Signed(request_id)});
+  if (!rows) return tl::unexpected(rows.error());
+  if (rows->empty()) return std::optional<LoggedRequest>();
+  return ReadRow("requests", rows->front(), [&](const Database::Row& row) {
+    return std::optional<LoggedRequest>(
+        {Text(row[0]),
+         Text(row[1]),
+         {client, request_id, Integer(row[2]) != 0, Text(row[3]), Unsigned(row[4])}});
+  });
+}
+
+}  // namespace conav::operators

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "common/protocol/supervision.h"
+#include "common/runtime/result.h"
+#include "operator/belief/database.h"
+
+/// The tables of the operator's database, and the values that go into them.
+///
+///   beliefs(world, revision, stamp_ns, rows, columns, cells, edited_by)   revision 0 and the
+///   newest guidance(robot, world, revision, stamp_ns, path, ...)                 the newest of
+///   each robot requests(client, request_id, stamp_ns, world, body, accepted, reason, revision) all
+///   of them
+///
+/// `cells` is row-major float32, little-endian; `path` and `body` are JSON, for people with
+/// sqlite3.
+namespace conav::operators {
+
+/// A request that was answered: what was asked, and the reply.
+struct LoggedRequest {
+  std::string world;
+  std::string body;  // as RequestBody() gives it
+  OperatorReply reply;
+};
+
+/// What is asked, as JSON: two requests with equal text ask for the same thing.
+std::string RequestBody(const OperatorRequest& request);
+
+/// Makes the tables in an empty file. Errors: kMalformed for a file of another program or of a
+/// version that this one does not know.
+[[nodiscard]] Result<void> EnsureSchema(Database& database);
+
+/// The newest belief of each world, by world; the newest guidance of each robot, by robot. Errors:
+/// kMalformed names the row.
+[[nodiscard]] Result<std::map<std::string, Belief>> LoadBeliefs(Database& database);
+[[nodiscard]] Result<std::map<std::string, Guidance>> LoadGuidance(Database& database);
+
+/// The initial map of `world`; nothing when the world is not known.
+[[nodiscard]] Result<std::optional<BeliefGrid>> LoadInitialMap(Database& database,
+                                                               const std::string& world);
+
+[[nodiscard]] Result<void> SaveBelief(Database& database, const Belief& belief);
+[[nodiscard]] Result<void> SaveGuidance(Database& database, const Guidance& guidance);
+[[nodiscard]] Result<void> SaveRequest(Database& database, const OperatorRequest& request,
+                                       const OperatorReply& reply);
+
+[[nodiscard]] Result<std::optional<LoggedRequest>> FindRequest(Database& database,
+                                                               const std::string& client,
+                                                               std::uint64_t request_id);
+
+}  // namespace conav::operators

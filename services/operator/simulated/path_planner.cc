@@ -1,0 +1,118 @@
+#include "operator/simulated/path_planner.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "operator/simulated/cost_field.h"
+
+namespace conav::operators {
+namespace {
+
+constexpr std::size_t kExactGoals = 6;  // 720 orders
+
+/// fields[0] starts at the robot, fields[i + 1] at goal i.
+using Fields = std::vector<CostField>;
+using Order = std::vector<std::size_t>;  // indices of goals
+
+double TourCost(const Fields& fields, std::span<const Cell> goals, const Order& order) {
+  double cost = 0.0;
+  std::size_t from = 0;
+  for (const std::size_t goal : order) {
+    cost += fields[from].CostTo(goals[goal]);
+    from = goal + 1;
+  }
+  return cost;
+}
+
+Order CheapestOrder(const Fields& fields, std::span<const Cell> goals) {
+  Order order(goals.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  Order best = order;
+  double best_cost = TourCost(fields, goals, order);
+  while (std::next_permutation(order.begin(), order.end())) {
+    const double cost = TourCost(fields, goals, order);
+    if (cost < best_cost) {
+      best_cost = cost;
+      best = order;
+    }
+  }
+  return best;
+}
+
+Order NearestNext(const Fields& fields, std::span<const Cell> goals) {
+  Order order;
+  Order left(goals.size());
+  std::iota(left.begin(), left.end(), std::size_t{0});
+  std::size_t from = 0;
+  while (!left.empty()) {
+    const auto nearest = std::min_element(left.begin(), left.end(), [&](auto a, auto b) {
+      return fields[from].CostTo(goals[a]) < fields[from].CostTo(goals[b]);
+    });
+    order.push_back(*nearest);
+    from = *nearest + 1;
+    left.erase(nearest);
+  }
+  return order;
+}
+
+Result<void> CheckInside(const BeliefGrid& belief, Cell cell, const char* what) {
+  if (belief.Contains(cell)) return {};
+  return Fail(ErrorCode::kOutOfRange,
+              fmt::format("the {} {} lies outside of the belief map of {} x {} cells", what, cell,
+                          belief.rows(), belief.columns()));
+}
+
+}  // namespace
+
+void PathPlannerParameters::Visit(ConfigReader& reader) {
+  reader.Field("wall_crossing_cost", wall_crossing_cost, 0.0, 1e6);
+  reader.Choice("horizon", horizon, {"tour", "next_goal"});
+}
+
+Grid<double> PathPlanner::EntryCosts(const BeliefGrid& belief,
+                                     const std::set<Cell>& impassable) const {
+  Grid<double> costs(belief.rows(), belief.columns(), 1.0);
+  for (std::size_t i = 0; i < belief.size(); ++i) {
+    const Cell cell = belief.CellAt(i);
+    if (IsWall(belief, cell)) costs[cell] += parameters_.wall_crossing_cost;
+    if (belief.OnBorder(cell) || impassable.contains(cell)) costs[cell] = kUnreachable;
+  }
+  return costs;
+}
+
+Result<std::vector<Cell>> PathPlanner::Plan(const BeliefGrid& belief,
+                                            const std::set<Cell>& impassable, Cell start,
+                                            std::span<const Cell> goals) const {
+  if (auto inside = CheckInside(belief, start, "start"); !inside) {
+    return tl::unexpected(inside.error());
+  }
+  const Grid<double> costs = EntryCosts(belief, impassable);
+  Fields fields{CostField(costs, start)};
+  std::vector<Cell> reachable;
+  for (const Cell goal : std::set<Cell>(goals.begin(), goals.end())) {
+    if (auto inside = CheckInside(belief, goal, "goal"); !inside) {
+      return tl::unexpected(inside.error());
+    }
+    if (!(fields[0].CostTo(goal) < kUnreachable)) continue;
+    reachable.push_back(goal);
+    fields.emplace_back(costs, goal);
+  }
+  Order order = reachable.size() <= kExactGoals ? CheapestOrder(fields, reachable)
+                                                : NearestNext(fields, reachable);
+  if (parameters_.horizon == "next_goal" && order.size() > 1) {
+    order.erase(order.begin() + 1, order.end());
+  }
+
+  std::vector<Cell> path{start};
+  std::size_t from = 0;
+  for (const std::size_t goal : order) {
+    const std::vector<Cell> leg = fields[from].PathTo(reachable[goal]);
+    path.insert(path.end(), leg.begin() + 1, leg.end());
+    from = goal + 1;
+  }
+  return path;
+}
+
+}  // namespace conav::operators

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/grid/grid.h"
+#include "common/runtime/config.h"
+#include "common/runtime/result.h"
+
+namespace conav::operators {
+
+struct PathPlannerParameters {
+  /// Crossing a cell that the map shows as a wall costs this much more than a free one.
+  double wall_crossing_cost = 10.0;
+  /// "tour": a path over all goals that are left; "next_goal": only as far as the tour's first
+  /// goal.
+  std::string horizon = "tour";
+
+  void Visit(ConfigReader& reader);
+};
+
+/// True where the operator takes the cell for a wall; an even 0.5 counts as free.
+inline bool IsWall(const BeliefGrid& belief, Cell cell) { return belief[cell] > 0.5F; }
+
+/// The path that the simulated operator draws: on its own, possibly wrong map, the cheapest way
+/// over the goals. A step costs 1, a step into a wall of the map 1 + wall_crossing_cost: a person
+/// who doubts the map draws through a wall rather than around half of the world.
+///
+/// The order of goals is the cheapest one for up to six goals, above that the nearest goal next.
+/// All ties are broken by row and column, so that equal input gives equal paths.
+/// Source: the partner model of mhri_intent (shortest path with 10 per violated wall).
+class PathPlanner {
+ public:
+  explicit PathPlanner(PathPlannerParameters parameters) : parameters_(std::move(parameters)) {}
+
+  /// 4-connected cells from `start` on, `start` included; never through `impassable` cells (of
+  /// which the operator was told for certain) or the border. Goals that cannot be reached are left
+  /// out; without any the path is {start}. Errors: kOutOfRange for a start or goal outside of the
+  /// map.
+  [[nodiscard]] Result<std::vector<Cell>> Plan(const BeliefGrid& belief,
+                                               const std::set<Cell>& impassable, Cell start,
+                                               std::span<const Cell> goals) const;
+
+ private:
+  Grid<double> EntryCosts(const BeliefGrid& belief, const std::set<Cell>& impassable) const;
+
+  PathPlannerParameters parameters_;
+};
+
+}  // namespace conav::operators
