@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/protocol/robot.h"
+#include "common/runtime/result.h"
 
 /// Domain values of the planner's reports and of perception queries; see idl/conav_planning.idl.
 namespace conav {
@@ -61,9 +62,37 @@ struct PerceptionAnswer {
   bool operator==(const PerceptionAnswer&) const = default;
 };
 
+/// A batch of questions; (client, request_id) makes a repeat harmless. All beliefs have one shape.
+struct PerceptionRequest {
+  std::string client;
+  std::uint64_t request_id = 0;
+  std::string model;  // name wanted; empty = whatever is served
+  std::vector<PerceptionQuery> queries;
+  bool operator==(const PerceptionRequest&) const = default;
+};
+
+enum class PerceptionStatus : std::uint8_t { kOk, kRefused };
+
+/// Answers in the order of the queries; none, and a reason, when refused.
+struct PerceptionReply {
+  std::string client;
+  std::uint64_t request_id = 0;
+  PerceptionStatus status = PerceptionStatus::kOk;
+  std::string reason;
+  std::string model;
+  std::string model_version;
+  std::vector<PerceptionAnswer> answers;
+  bool operator==(const PerceptionReply&) const = default;
+};
+
 /// ||p_add||_1 + ||p_remove||_1, in cells: the expected information reward of paper section 5.2.
 /// Summed in double, row-major, add before remove, so that every model behind the seam gives the
 /// same bits.
 double ExpectedEdits(const PerceptionAnswer& answer);
+
+/// Names what makes `query` impossible to answer: an empty belief or one with values outside of
+/// [0, 1], a cell outside of the belief, a heading that is no number.
+/// Errors: kInvalidArgument. Every perception model refuses a batch that holds such a query.
+[[nodiscard]] Result<void> CheckPerceptionQuery(const PerceptionQuery& query);
 
 }  // namespace conav

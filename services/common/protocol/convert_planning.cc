@@ -1,0 +1,205 @@
+#include <limits>
+
+#include "common/protocol/convert.h"
+#include "common/protocol/convert_checks.h"
+#include "common/runtime/demand.h"
+
+namespace conav {
+
+using convert::Checks;
+using convert::ToCellMessage;
+using convert::ToCellMessages;
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::max();
+
+SearchAction ToAction(Checks& checks, const std::string& at,
+                      const conav_msgs::msg::SearchAction& message) {
+  SearchAction action;
+  action.kind = checks.Enumerator(at + "kind", message.kind(), CommandKind::kMove,
+                                  CommandKind::kTransmitView);
+  action.target = checks.ToCell(at + "target", message.target());
+  action.heading_rad = checks.Heading(at + "heading", message.heading());
+  action.visits = message.visits();
+  action.mean_value = checks.Finite(at + "mean_value", message.mean_value());
+  action.information_gain =
+      checks.Range(at + "information_gain", message.information_gain(), 0.0, kInfinity);
+  action.feasibility = checks.Range(at + "feasibility", message.feasibility(), 0.0, 1.0);
+  return action;
+}
+
+std::vector<SearchAction> ToActions(Checks& checks,
+                                    const std::vector<conav_msgs::msg::SearchAction>& messages) {
+  std::vector<SearchAction> actions;
+  checks.Size("actions", messages.size(), convert::kMaxActions);
+  for (std::size_t i = 0; i < messages.size() && !checks.failed(); ++i) {
+    actions.push_back(ToAction(checks, fmt::format("actions[{}].", i), messages[i]));
+  }
+  return actions;
+}
+
+PerceptionQuery ToQuery(Checks& checks, const std::string& at,
+                        const conav_msgs::msg::PerceptionQuery& message, std::uint32_t rows,
+                        std::uint32_t columns) {
+  PerceptionQuery query;
+  query.belief = checks.Probabilities(at + "belief", message.belief(), static_cast<int>(rows),
+                                      static_cast<int>(columns));
+  query.path = checks.Cells(at + "path", message.path(), convert::kMaxPath, rows, columns);
+  query.cell = checks.ToCell(at + "cell", message.cell(), rows, columns);
+  query.heading_rad = checks.Heading(at + "heading", message.heading());
+  query.visible = checks.Visible(at, message.free_cells(), message.wall_cells(), rows, columns);
+  return query;
+}
+
+/// Refuses what would make the service allocate without bound.
+bool CheckBatch(Checks& checks, const conav_msgs::msg::PerceptionRequest& message) {
+  checks.Size("queries", message.queries().size(), convert::kMaxQueries);
+  if (checks.failed() || message.queries().empty()) return !checks.failed();
+  if (!checks.Shape(message.rows(), message.columns())) return false;
+  const std::size_t cells = std::size_t{message.rows()} * message.columns();
+  checks.Size("queries * rows * columns", message.queries().size() * cells,
+              convert::kMaxQueryValues);
+  return !checks.failed();
+}
+
+}  // namespace
+
+Result<SearchReport> ToDomain(const conav_msgs::msg::SearchReport& message) {
+  Checks checks;
+  SearchReport report;
+  report.stamp = checks.Stamp(message.header());
+  report.world = checks.Name("world", message.world());
+  report.robot = checks.Name("robot", message.robot());
+  report.method = checks.Client("method", message.method());
+  report.decision = message.decision();
+  report.cell = checks.ToCell("cell", message.cell());
+  report.belief_revision = message.belief_revision();
+  report.guidance_revision = message.guidance_revision();
+  report.actions = ToActions(checks, message.actions());
+  report.chosen = message.chosen();
+  if (message.chosen() < -1 || message.chosen() >= static_cast<int>(message.actions().size())) {
+    checks.Refuse(fmt::format("chosen = {} is not in [-1, {}]", message.chosen(),
+                              static_cast<int>(message.actions().size()) - 1));
+  }
+  report.iterations = message.iterations();
+  report.nodes = message.nodes();
+  report.perception_queries = message.perception_queries();
+  report.perception_cached = message.perception_cached();
+  report.perception_model = checks.Text("perception_model", message.perception_model());
+  report.duration_ms = checks.Range("duration_ms", message.duration_ms(), 0.0, kInfinity);
+  if (checks.failed()) return checks.failure();
+  return report;
+}
+
+conav_msgs::msg::SearchReport ToMessage(const SearchReport& report) {
+  conav_msgs::msg::SearchReport message;
+  message.header(ToHeader(report.stamp));
+  message.world(report.world);
+  message.robot(report.robot);
+  message.method(report.method);
+  message.decision(report.decision);
+  message.cell(ToCellMessage(report.cell));
+  message.belief_revision(report.belief_revision);
+  message.guidance_revision(report.guidance_revision);
+  for (const SearchAction& action : report.actions) {
+    auto& out = message.actions().emplace_back();
+    out.kind(static_cast<std::uint8_t>(action.kind));
+    out.target(ToCellMessage(action.target));
+    out.heading(action.heading_rad);
+    out.visits(action.visits);
+    out.mean_value(action.mean_value);
+    out.information_gain(action.information_gain);
+    out.feasibility(action.feasibility);
+  }
+  message.chosen(report.chosen);
+  message.iterations(report.iterations);
+  message.nodes(report.nodes);
+  message.perception_queries(report.perception_queries);
+  message.perception_cached(report.perception_cached);
+  message.perception_model(report.perception_model);
+  message.duration_ms(report.duration_ms);
+  return message;
+}
+
+Result<PerceptionRequest> ToDomain(const conav_msgs::msg::PerceptionRequest& message) {
+  Checks checks;
+  PerceptionRequest request;
+  request.client = checks.Client("client", message.client());
+  request.request_id = message.request_id();
+  if (request.request_id == 0) checks.Refuse("request_id = 0 is below 1");
+  request.model = checks.Text("model", message.model());
+  if (!CheckBatch(checks, message)) return checks.failure();
+  request.queries.reserve(message.queries().size());
+  for (std::size_t i = 0; i < message.queries().size() && !checks.failed(); ++i) {
+    request.queries.push_back(ToQuery(checks, fmt::format("queries[{}].", i), message.queries()[i],
+                                      message.rows(), message.columns()));
+  }
+  if (checks.failed()) return checks.failure();
+  return request;
+}
+
+conav_msgs::msg::PerceptionRequest ToMessage(const PerceptionRequest& request) {
+  conav_msgs::msg::PerceptionRequest message;
+  message.client(request.client);
+  message.request_id(request.request_id);
+  message.model(request.model);
+  if (request.queries.empty()) return message;
+  const BeliefGrid& first = request.queries.front().belief;
+  message.rows(static_cast<std::uint32_t>(first.rows()));
+  message.columns(static_cast<std::uint32_t>(first.columns()));
+  message.queries().reserve(request.queries.size());
+  for (const PerceptionQuery& query : request.queries) {
+    DEMAND(query.belief.rows() == first.rows() && query.belief.columns() == first.columns(),
+           query.belief.rows(), query.belief.columns(), first.rows(), first.columns());
+    auto& out = message.queries().emplace_back();
+    out.belief(convert::ToFloats(query.belief));
+    out.path(ToCellMessages(query.path));
+    out.cell(ToCellMessage(query.cell));
+    out.heading(query.heading_rad);
+    out.free_cells(ToCellMessages(query.visible.free));
+    out.wall_cells(ToCellMessages(query.visible.walls));
+  }
+  return message;
+}
+
+Result<PerceptionReply> ToDomain(const conav_msgs::msg::PerceptionReply& message, int rows,
+                                 int columns) {
+  Checks checks;
+  PerceptionReply reply;
+  reply.client = checks.Client("client", message.client());
+  reply.request_id = message.request_id();
+  reply.status = checks.Enumerator("status", message.status(), PerceptionStatus::kOk,
+                                   PerceptionStatus::kRefused);
+  reply.reason = checks.Text("reason", message.reason());
+  reply.model = checks.Text("model", message.model());
+  reply.model_version = checks.Text("model_version", message.model_version());
+  checks.Size("answers", message.answers().size(), convert::kMaxQueries);
+  for (std::size_t i = 0; i < message.answers().size() && !checks.failed(); ++i) {
+    const auto& answer = message.answers()[i];
+    const std::string at = fmt::format("answers[{}].", i);
+    reply.answers.push_back({checks.Probabilities(at + "add", answer.add(), rows, columns),
+                             checks.Probabilities(at + "remove", answer.remove(), rows, columns)});
+  }
+  if (checks.failed()) return checks.failure();
+  return reply;
+}
+
+conav_msgs::msg::PerceptionReply ToMessage(const PerceptionReply& reply) {
+  conav_msgs::msg::PerceptionReply message;
+  message.client(reply.client);
+  message.request_id(reply.request_id);
+  message.status(static_cast<std::uint8_t>(reply.status));
+  message.reason(reply.reason);
+  message.model(reply.model);
+  message.model_version(reply.model_version);
+  message.answers().reserve(reply.answers.size());
+  for (const PerceptionAnswer& answer : reply.answers) {
+    auto& out = message.answers().emplace_back();
+    out.add(convert::ToFloats(answer.add));
+    out.remove(convert::ToFloats(answer.remove));
+  }
+  return message;
+}
+
+}  // namespace conav
