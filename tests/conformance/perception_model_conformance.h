@@ -1,0 +1,195 @@
+#pragma once
+
+#include <catch2/catch.hpp>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "common/runtime/random.h"
+#include "planner/search/perception_model.h"
+
+/// What every PerceptionModel must do, whatever stands behind it: local, remote, cached, fake.
+/// Call CheckPerceptionModelConformance() from a TEST_CASE; it holds SECTIONs.
+namespace conav::planner::conformance {
+
+/// A random but repeatable query that every model must answer: walls around, a belief of 0s and 1s,
+/// a path that ends in the camera's cell, a view from there.
+inline PerceptionQuery MakeQuery(std::uint64_t seed, int rows = 9, int columns = 11) {
+  Random random(seed);
+  OccupancyGrid truth(rows, columns, Occupancy::kFree);
+  PerceptionQuery query;
+  query.belief = BeliefGrid(rows, columns, 0.0F);
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const bool border = truth.OnBorder(truth.CellAt(i));
+    if (border || random.Chance(0.3)) truth.values()[i] = Occupancy::kOccupied;
+    if (border || random.Chance(0.3)) query.belief.values()[i] = 1.0F;
+  }
+  query.cell = {static_cast<int>(random.Uniform(1, rows - 2)),
+                static_cast<int>(random.Uniform(2, columns - 2))};
+  truth[query.cell] = Occupancy::kFree;
+  query.path = {query.cell + Cell{0, -1}, query.cell};
+  query.heading_rad = HeadingFromIndex(static_cast<int>(random.Uniform(0, 7)), 8);
+  query.visible =
+      CastView(truth, {.cell = query.cell, .heading_rad = query.heading_rad, .rays = 64});
+  return query;
+}
+
+inline std::vector<PerceptionQuery> MakeQueries(int count, std::uint64_t seed = 1) {
+  std::vector<PerceptionQuery> queries;
+  for (int i = 0; i < count; ++i) {
+    queries.push_back(MakeQuery(DeriveSeed(seed, static_cast<std::uint64_t>(i))));
+  }
+  return queries;
+}
+
+/// A change to a good query that makes it impossible to answer.
+struct InvalidChange {
+  const char* name;
+  std::function<void(PerceptionQuery&)> apply;
+};
+
+inline std::vector<InvalidChange> InvalidChanges() {
+  return {
+      {"no cells", [](auto& query) { query.belief = BeliefGrid(); }},
+      {"belief above one",
+       [](auto& query) {
+         query.belief[{2, 2}] = 1.5F;
+       }},
+      {"belief not a number",
+       [](auto& query) {
+         query.belief[{2, 2}] = std::numeric_limits<float>::quiet_NaN();
+       }},
+      {"camera outside",
+       [](auto& query) {
+         query.cell = {-1, 3};
+       }},
+      {"path outside",
+       [](auto& query) {
+         query.path.push_back({3, 11});
+       }},
+      {"free cell outside",
+       [](auto& query) {
+         query.visible.free.push_back({9, 0});
+       }},
+      {"wall outside",
+       [](auto& query) {
+         query.visible.walls.push_back({0, -1});
+       }},
+      {"heading not finite",
+       [](auto& query) { query.heading_rad = std::numeric_limits<double>::infinity(); }},
+  };
+}
+
+/// Shape of the belief, probabilities, and the masks of paper section 4: nothing added where the
+/// belief has a wall, nothing removed where it has none, never on the border.
+inline void RequireWellFormed(const PerceptionQuery& query, const PerceptionAnswer& answer) {
+  REQUIRE(answer.add.rows() == query.belief.rows());
+  REQUIRE(answer.add.columns() == query.belief.columns());
+  REQUIRE(answer.remove.rows() == query.belief.rows());
+  REQUIRE(answer.remove.columns() == query.belief.columns());
+  bool in_range = true;
+  bool masked = true;
+  for (std::size_t i = 0; i < query.belief.size(); ++i) {
+    const float add = answer.add.values()[i];
+    const float remove = answer.remove.values()[i];
+    in_range = in_range && add >= 0.0F && add <= 1.0F && remove >= 0.0F && remove <= 1.0F;
+    const bool border = query.belief.OnBorder(query.belief.CellAt(i));
+    if (border || query.belief.values()[i] == 1.0F) masked = masked && add == 0.0F;
+    if (border || query.belief.values()[i] == 0.0F) masked = masked && remove == 0.0F;
+  }
+  REQUIRE(in_range);
+  REQUIRE(masked);
+}
+
+/// `make` builds a fresh model under test; `reference` answers the same questions by itself, and
+/// the two must agree bit for bit.
+inline void CheckPerceptionModelConformance(
+    const std::function<std::shared_ptr<PerceptionModel>()>& make, PerceptionModel& reference) {
+  const std::shared_ptr<PerceptionModel> model = make();
+  const std::vector<PerceptionQuery> queries = MakeQueries(12);
+  const auto expected = reference.Predict(queries);
+  REQUIRE(expected.has_value());
+
+  SECTION("it has a name") { REQUIRE_FALSE(model->name().empty()); }
+
+  SECTION("an empty batch gives an empty answer") {
+    const auto answers = model->Predict({});
+    REQUIRE(answers.has_value());
+    REQUIRE(answers->empty());
+  }
+
+  SECTION("one answer per query, in order, with the bits of the reference") {
+    const auto answers = model->Predict(queries);
+    REQUIRE(answers.has_value());
+    REQUIRE(*answers == *expected);
+    for (std::size_t i = 0; i < queries.size(); ++i) RequireWellFormed(queries[i], (*answers)[i]);
+  }
+
+  SECTION("a batch of one equals the same query inside a larger batch, whatever the order") {
+    for (std::size_t i = queries.size(); i-- > 0;) {
+      const auto answers = model->Predict(std::span(queries).subspan(i, 1));
+      REQUIRE(answers.has_value());
+      REQUIRE(answers->size() == 1);
+      REQUIRE(answers->front() == (*expected)[i]);
+    }
+  }
+
+  SECTION("the same query again, and twice in one batch, gives the same answer") {
+    const std::vector<PerceptionQuery> twice{queries[3], queries[0], queries[3]};
+    for (int repeat = 0; repeat < 2; ++repeat) {
+      const auto answers = model->Predict(twice);
+      REQUIRE(answers.has_value());
+      REQUIRE(*answers == std::vector{(*expected)[3], (*expected)[0], (*expected)[3]});
+    }
+  }
+
+  SECTION("a belief between 0 and 1 and an empty path and view are answered") {
+    PerceptionQuery query = queries[0];
+    for (float& value : query.belief.values()) value = 0.25F;
+    query.path.clear();
+    query.visible = {};
+    const auto answers = model->Predict({&query, 1});
+    REQUIRE(answers.has_value());
+    RequireWellFormed(query, answers->at(0));
+  }
+
+  SECTION("a query that cannot be answered is refused by name, and later ones are answered") {
+    for (const InvalidChange& change : InvalidChanges()) {
+      INFO(change.name);
+      std::vector<PerceptionQuery> batch{queries[0], queries[1]};
+      change.apply(batch[1]);
+      const auto answers = model->Predict(batch);
+      REQUIRE_FALSE(answers.has_value());
+      REQUIRE(answers.error().code == ErrorCode::kInvalidArgument);
+      REQUIRE_FALSE(answers.error().text.empty());
+    }
+    const auto answers = model->Predict(queries);
+    REQUIRE(answers.has_value());
+    REQUIRE(*answers == *expected);
+  }
+
+  SECTION("concurrent callers each get their own answers") {
+    constexpr int kThreads = 4;
+    std::vector<int> wrong(kThreads, 0);  // one slot per thread
+    std::vector<std::thread> threads;
+    for (int thread = 0; thread < kThreads; ++thread) {
+      threads.emplace_back([&, thread] {
+        const auto slot = static_cast<std::size_t>(thread);
+        for (std::size_t i = 0; i < 16; ++i) {
+          const std::size_t first = (slot + i) % (queries.size() - 3);
+          const auto answers = model->Predict(std::span(queries).subspan(first, 3));
+          const bool equal = answers && answers->size() == 3 &&
+                             std::equal(answers->begin(), answers->end(),
+                                        expected->begin() + static_cast<std::ptrdiff_t>(first));
+          wrong[slot] += equal ? 0 : 1;
+        }
+      });
+    }
+    for (std::thread& thread : threads) thread.join();
+    REQUIRE(wrong == std::vector<int>(kThreads, 0));
+  }
+}
+
+}  // namespace conav::planner::conformance
