@@ -108,7 +108,8 @@ TEST_CASE("doors stand where regions meet, and only when asked for", "[sim][maze
   RandomMazeOptions options;
   const auto doors = [&] {
     int count = 0;
-    for (const char c : GenerateMaze(options, 5, 1).entities.values()) {
+    const Maze maze = GenerateMaze(options, 5, 1);
+    for (const char c : maze.entities.values()) {
       count += c == kMazeVerticalDoor || c == kMazeHorizontalDoor ? 1 : 0;
     }
     return count;
