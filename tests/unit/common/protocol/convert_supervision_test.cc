@@ -1,0 +1,118 @@
+#include <cmath>
+
+#include "unit/common/protocol/convert_expectations.h"
+#include "unit/common/protocol/samples.h"
+
+namespace conav {
+namespace {
+
+using namespace samples;
+using BeliefMessage = conav_msgs::msg::BeliefMap;
+using GuidanceMessage = conav_msgs::msg::Guidance;
+using RequestMessage = conav_msgs::msg::OperatorRequest;
+using ReplyMessage = conav_msgs::msg::OperatorReply;
+using AttentionMessage = conav_msgs::msg::AttentionRequest;
+
+TEST_CASE("The operator's values survive the wire", "[protocol][convert]") {
+  CheckRoundTrip(SampleBelief());
+  CheckRoundTrip(SampleGuidance());
+  CheckRoundTrip(SampleEdit());
+  CheckRoundTrip(SampleGuide());
+  CheckRoundTrip(SampleReply());
+  CheckRoundTrip(SampleAttention());
+}
+
+TEST_CASE("A withdrawn guidance and an initial belief survive the wire", "[protocol][convert]") {
+  Guidance guidance = SampleGuidance();
+  guidance.path.clear();
+  CheckRoundTrip(guidance);
+  Belief belief = SampleBelief();
+  belief.revision = 0;
+  belief.edited_by.clear();
+  CheckRoundTrip(belief);
+}
+
+TEST_CASE("A malformed belief is refused", "[protocol][convert]") {
+  CheckRefused(
+      SampleBelief(), [](BeliefMessage& m) { m.wall_probability()[4] = NAN; },
+      "wall_probability[4] = nan is not in [0, 1]");
+  CheckRefused(
+      SampleBelief(), [](BeliefMessage& m) { m.wall_probability()[0] = 1.5F; },
+      "wall_probability[0] = 1.5 is not in [0, 1]");
+  CheckRefused(
+      SampleBelief(), [](BeliefMessage& m) { m.wall_probability().pop_back(); },
+      "wall_probability has size 5, not 2 x 3");
+  CheckRefused(
+      SampleBelief(), [](BeliefMessage& m) { m.rows(1025); }, "rows = 1025 is not in [1, 1024]");
+  CheckRefused(
+      SampleBelief(), [](BeliefMessage& m) { m.columns(0); }, "columns = 0 is not in [1, 1024]");
+  CheckRefused(
+      SampleBelief(), [](BeliefMessage& m) { m.world(""); }, "world is empty");
+  CheckRefused(
+      SampleBelief(), [](BeliefMessage& m) { m.edited_by("a b"); },
+      "edited_by = 'a b' has a character outside of [A-Za-z0-9_.:@/-]");
+}
+
+TEST_CASE("A malformed guidance is refused", "[protocol][convert]") {
+  CheckRefused(
+      SampleGuidance(), [](GuidanceMessage& m) { m.revision(0); }, "revision = 0 is below 1");
+  CheckRefused(
+      SampleGuidance(), [](GuidanceMessage& m) { m.path()[1].column(5); },
+      "path[1] = (1,5) is not a neighbour of (1,1)");
+  CheckRefused(
+      SampleGuidance(), [](GuidanceMessage& m) { m.path()[2].row(-1); },
+      "path[2] = (-1,2) is outside of 1024 x 1024 cells");
+  CheckRefused(
+      SampleGuidance(), [](GuidanceMessage& m) { m.valid_until().sec(-1); },
+      "valid_until.sec = -1 is below 0");
+  CheckRefused(
+      SampleGuidance(), [](GuidanceMessage& m) { m.robot("r-1"); },
+      "robot = 'r-1' has a character outside of [A-Za-z0-9_]");
+  CheckRefused(
+      SampleGuidance(), [](GuidanceMessage& m) { m.given_by(std::string(129, 'a')); },
+      "given_by has size 129, more than 128");
+}
+
+TEST_CASE("A malformed operator request is refused", "[protocol][convert]") {
+  CheckRefused(
+      SampleEdit(), [](RequestMessage& m) { m.kind(3); }, "kind = 3 is not in [1, 2]");
+  CheckRefused(
+      SampleEdit(), [](RequestMessage& m) { m.client(""); }, "client is empty");
+  CheckRefused(
+      SampleEdit(), [](RequestMessage& m) { m.request_id(0); }, "request_id = 0 is below 1");
+  CheckRefused(
+      SampleEdit(), [](RequestMessage& m) { m.edits()[1].cell().row(-2); },
+      "edits[1].cell = (-2,4) is outside of 1024 x 1024 cells");
+  CheckRefused(
+      SampleEdit(), [](RequestMessage& m) { m.edits().resize(65537); },
+      "edits has size 65537, more than 65536");
+  CheckRefused(
+      SampleGuide(), [](RequestMessage& m) { m.robot(""); }, "robot is empty");
+  CheckRefused(
+      SampleGuide(), [](RequestMessage& m) { m.valid_for(0.0); }, "valid_for = 0 is not above 0");
+  CheckRefused(
+      SampleGuide(), [](RequestMessage& m) { m.valid_for(std::nan("")); },
+      "valid_for = nan is not finite");
+  CheckRefused(
+      SampleGuide(), [](RequestMessage& m) { m.path()[0].row(1024); },
+      "path[0] = (1024,2) is outside of 1024 x 1024 cells");
+}
+
+TEST_CASE("A malformed reply or attention request is refused", "[protocol][convert]") {
+  CheckRefused(
+      SampleReply(), [](ReplyMessage& m) { m.request_id(0); }, "request_id = 0 is below 1");
+  CheckRefused(
+      SampleReply(), [](ReplyMessage& m) { m.reason(std::string(5000, 'x')); },
+      "reason has size 5000, more than 4096");
+  CheckRefused(
+      SampleAttention(), [](AttentionMessage& m) { m.reason(0); }, "reason = 0 is not in [1, 3]");
+  CheckRefused(
+      SampleAttention(), [](AttentionMessage& m) { m.value_lost_per_second(INFINITY); },
+      "value_lost_per_second = inf is not finite");
+  CheckRefused(
+      SampleAttention(), [](AttentionMessage& m) { m.expected_information(NAN); },
+      "expected_information = nan is not finite");
+}
+
+}  // namespace
+}  // namespace conav

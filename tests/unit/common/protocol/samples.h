@@ -1,0 +1,138 @@
+#pragma once
+
+#include "common/protocol/planning.h"
+#include "common/protocol/robot.h"
+#include "common/protocol/supervision.h"
+
+/// One value of each kind with no field at its default.
+namespace conav::samples {
+
+inline SimTime Stamp(int n) { return {n * 1'000'000'000LL + 123'456'789}; }
+
+inline MapUpdate SampleMap() {
+  MapUpdate map{Stamp(3), 2.5, OccupancyGrid(2, 3, Occupancy::kUnknown)};
+  map.cells[{0, 0}] = Occupancy::kOccupied;
+  map.cells[{1, 2}] = Occupancy::kFree;
+  return map;
+}
+
+inline RobotCommand SampleCommand() {
+  return {.stamp = Stamp(1),
+          .robot = "r1",
+          .sequence_number = 7,
+          .lease_epoch = 3,
+          .expires_at = Stamp(5),
+          .kind = CommandKind::kTransmitView,
+          .target = {4, 5},
+          .heading_rad = -1.25};
+}
+
+inline RobotState SampleState() {
+  return {.stamp = Stamp(2),
+          .world = "w1",
+          .robot = "r2",
+          .cell = {3, 4},
+          .heading_rad = 0.5,
+          .goals_left = {{1, 2}, {3, 4}},
+          .goals_reached = {{9, 8}},
+          .goals_total = 4,
+          .path = {{3, 3}, {3, 4}},
+          .command_sequence_number = 11,
+          .command_outcome = CommandOutcome::kBlocked,
+          .command_detail = "wall ahead",
+          .command_cell = {2, 4},
+          .lease_epoch = 6,
+          .cell_moves = 20,
+          .low_level_steps = 300,
+          .pictures = 5,
+          .picture_bytes = 50000,
+          .snapshots = 4,
+          .map_stamp = Stamp(1)};
+}
+
+inline Picture SamplePicture() {
+  return {.stamp = Stamp(4),
+          .world = "w1",
+          .robot = "r1",
+          .sequence_number = 9,
+          .streamed = true,
+          .cell = {2, 2},
+          .heading_rad = 1.5,
+          .horizontal_fov_rad = 1.4,
+          .width = 320,
+          .height = 192,
+          .jpeg = {0xFF, 0xD8, 0xFF},
+          .visible = {{{2, 2}, {2, 3}}, {{1, 3}, {2, 4}}},
+          .path = {{2, 1}, {2, 2}},
+          .goals_left = {{5, 5}}};
+}
+
+inline BeliefGrid SampleBeliefGrid() {
+  BeliefGrid grid(2, 3, 0.25F);
+  grid[{0, 2}] = 1.0F;
+  grid[{1, 0}] = 0.1F;
+  return grid;
+}
+
+inline Belief SampleBelief() { return {Stamp(6), "w2", 12, SampleBeliefGrid(), "browser-1"}; }
+
+inline Guidance SampleGuidance() {
+  return {.stamp = Stamp(7),
+          .world = "w1",
+          .robot = "r1",
+          .revision = 2,
+          .path = {{1, 1}, {1, 2}, {2, 2}},
+          .given_by = "simulated_operator",
+          .belief_revision = 5,
+          .answers_snapshot = 3,
+          .valid_until = Stamp(99)};
+}
+
+inline OperatorRequest SampleEdit() {
+  return {Stamp(8), "browser-1", 4, "w1", EditRequest{6, {{{1, 2}, true}, {{3, 4}, false}}}};
+}
+
+inline OperatorRequest SampleGuide() {
+  return {Stamp(8), "browser-1", 5, "w1", GuideRequest{"r3", {{1, 2}, {1, 3}}, 8, 120.5}};
+}
+
+inline OperatorReply SampleReply() { return {"browser-1", 4, true, "because", 13}; }
+
+inline AttentionRequest SampleAttention() {
+  return {Stamp(9), "w1", "r1", 3, AttentionReason::kBlocked, {7, 8}, 2, 0.5, 1.75};
+}
+
+inline SearchReport SampleReport() {
+  return {.stamp = Stamp(10),
+          .world = "w1",
+          .robot = "r1",
+          .method = "ig-mcts",
+          .decision = 14,
+          .cell = {1, 1},
+          .belief_revision = 3,
+          .guidance_revision = 2,
+          .actions = {{CommandKind::kMove, {1, 2}, 0.25, 90, -3.5, 0.125, 0.5},
+                      {CommandKind::kTransmitView, {2, 1}, 1.5, 10, -12.0, 2.25, 0.75}},
+          .chosen = 1,
+          .iterations = 1000,
+          .nodes = 900,
+          .perception_queries = 30,
+          .perception_cached = 20,
+          .perception_model = "fallback: glpf",
+          .duration_ms = 4.5};
+}
+
+inline PerceptionQuery SampleQuery() {
+  return {SampleBeliefGrid(), {{1, 1}, {1, 2}}, {1, 2}, 0.75, {{{0, 0}, {1, 1}}, {{0, 1}}}};
+}
+
+inline PerceptionRequest SampleRequest() {
+  return {"planner-77", 21, "glpf", {SampleQuery(), SampleQuery()}};
+}
+
+inline PerceptionReply SamplePerceptionReply() {
+  PerceptionAnswer answer{Grid<float>(2, 3, 0.25F), Grid<float>(2, 3, 0.5F)};
+  return {"planner-77", 21, PerceptionStatus::kRefused, "why", "glpf", "1", {answer, answer}};
+}
+
+}  // namespace conav::samples
