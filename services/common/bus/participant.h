@@ -18,9 +18,10 @@ class Notifier;
 struct ParticipantOptions {
   /// "cyclonedds" or "fastdds"; empty = environment CONAV_DDS, and without that the default vendor.
   std::string vendor;
-  int domain_id = 0;  // environment CONAV_DOMAIN when negative
-  /// Name or address of the network interface; empty = the vendor's choice. "lo" keeps to this
-  /// machine.
+  /// -1 = environment CONAV_DOMAIN, without that ROS_DOMAIN_ID, without that 0.
+  int domain_id = -1;
+  /// Name or address of the network interface; empty = environment CONAV_INTERFACE, without that
+  /// the vendor's choice. "lo" keeps to this machine.
   std::string interface;
   /// Host addresses to look for other participants. When set, multicast is off.
   std::vector<std::string> peers;

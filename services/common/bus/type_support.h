@@ -20,9 +20,18 @@ struct TypeSupport {
   bool (*deserialize)(std::span<const std::uint8_t> payload, void* message);
   void* (*create)();
   void (*destroy)(void* message);
+  /// The type has @key members. ROS 2 topics never do; fixed-size keys of at most kMaximumKeySize
+  /// bytes are supported.
+  bool keyed = false;
+  /// Writes the key members as big-endian CDR without encapsulation; returns the bytes written.
+  std::size_t (*serialize_key)(const void* message, std::span<std::uint8_t> key) = nullptr;
 };
 
-/// The one TypeSupport of a fastddsgen class. Defined for every type of idl/.
+inline constexpr std::size_t kEncapsulationSize = 4;
+inline constexpr std::size_t kMaximumKeySize = 16;
+
+/// The one TypeSupport of a fastddsgen class. Instantiated in type_support.cc for the type of each
+/// topic; whoever needs another type instantiates it from type_support_of.h.
 template <class T>
 const TypeSupport& TypeSupportOf();
 
