@@ -1,0 +1,214 @@
+// What the store does when the disk, the file or the process fails.
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <fstream>
+
+#include "operator/belief/belief_store.h"
+#include "unit/operator/support/drawn_map.h"
+#include "unit/operator/support/temporary_folder.h"
+
+namespace conav::operators {
+namespace {
+
+const BeliefGrid kInitial(41, 41, 0.0F);
+
+OperatorRequest Edit(std::uint64_t id, std::uint64_t base) {
+  const int cell = static_cast<int>(base);
+  return {{2}, "anna", id, "w1", EditRequest{base, {{{1 + cell / 39 % 39, 1 + cell % 39}, true}}}};
+}
+
+void FillWorld(BeliefStore& store) {
+  REQUIRE(store.AddWorld("w1", kInitial, {1}));
+  store.AddRobot("r1", "w1");
+}
+
+std::string StartupFailure(const std::filesystem::path& file) {
+  try {
+    const BeliefStore store({{file}, {}});
+    return "";
+  } catch (const StartupError& error) {
+    return error.what();
+  }
+}
+
+/// Accepts edits without an end and writes one byte to `acknowledgements` after each.
+[[noreturn]] void EditForever(const std::filesystem::path& file, int acknowledgements) {
+  BeliefStore store({{file}, {}});
+  if (!store.AddWorld("w1", kInitial, {1})) _exit(3);
+  for (std::uint64_t i = 0;; ++i) {
+    if (!store.Handle(Edit(i + 1, i), {3}).reply.accepted) _exit(4);
+    if (write(acknowledgements, "a", 1) != 1) _exit(5);
+  }
+}
+
+TEST_CASE("What was acknowledged is there after kill -9", "[operator][belief]") {
+  const TemporaryFolder folder;
+  const auto file = folder / "operator.db";
+  int ends[2];
+  REQUIRE(pipe(ends) == 0);
+  const pid_t child = fork();
+  REQUIRE(child >= 0);
+  if (child == 0) EditForever(file, ends[1]);
+  close(ends[1]);
+
+  std::uint64_t acknowledged = 0;
+  char byte = 0;
+  while (acknowledged < 25 && read(ends[0], &byte, 1) == 1) ++acknowledged;
+  kill(child, SIGKILL);
+  while (read(ends[0], &byte, 1) == 1) ++acknowledged;  // those that were under way
+  int status = 0;
+  waitpid(child, &status, 0);
+  close(ends[0]);
+  REQUIRE(WIFSIGNALED(status));
+  REQUIRE(acknowledged >= 25);
+
+  BeliefStore store({{file}, {}});
+  const Belief* belief = store.FindBelief("w1");
+  REQUIRE(belief != nullptr);
+  // The last edit may have reached the disk without its acknowledgement.
+  CHECK(belief->revision >= acknowledged);
+  CHECK(belief->revision <= acknowledged + 1);
+  double walls = 0;
+  for (const float probability : belief->wall_probability.values()) {
+    walls += static_cast<double>(probability);
+  }
+  CHECK(walls == static_cast<double>(belief->revision));
+  for (std::uint64_t id = 1; id <= acknowledged; ++id) {
+    const auto repeated = store.Handle(Edit(id, id - 1), {9});
+    CHECK(repeated.reply == OperatorReply{"anna", id, true, "", id});
+    CHECK_FALSE(repeated.changed);
+  }
+}
+
+TEST_CASE("On a full database requests are refused, nothing is lost and the store goes on",
+          "[operator][belief]") {
+  const TemporaryFolder folder;
+  BeliefStore store({{folder / "operator.db", 100 * 1024}, {}});
+  FillWorld(store);
+  std::uint64_t id = 0;
+  BeliefStore::Answer answer;
+  do {
+    ++id;
+    REQUIRE(id < 10000);
+    answer = store.Handle(Edit(id, id - 1), {3});
+  } while (answer.reply.accepted);
+  CHECK(answer.storage_failed);
+  CHECK(answer.reply.reason.find("full") != std::string::npos);
+  CHECK(answer.reply.reason.find("operator.db") != std::string::npos);
+  CHECK(store.FindBelief("w1")->revision == id - 1);
+  CHECK(store.Handle(Edit(1, 0), {3}).reply.accepted);  // of the first time
+  CHECK_FALSE(store.Handle(Edit(id + 1, id - 1), {3}).reply.accepted);
+}
+
+/// While it lives, no file of this process grows beyond `bytes`: the write fails, as on a disk.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) {
+    signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &before_);
+    rlimit limit = before_;
+    limit.rlim_cur = bytes;
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() { setrlimit(RLIMIT_FSIZE, &before_); }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST_CASE("A write that fails refuses the request; a repeat succeeds when the disk is well again",
+          "[operator][belief]") {
+  const TemporaryFolder folder;
+  const auto file = folder / "operator.db";
+  {
+    BeliefStore store({{file}, {}});
+    FillWorld(store);
+    REQUIRE(store.Handle(Edit(1, 0), {3}).reply.accepted);
+    BeliefStore::Answer failed;
+    {
+      const FileSizeLimit limit(4096);
+      failed = store.Handle(Edit(2, 1), {3});
+    }
+    CHECK_FALSE(failed.reply.accepted);
+    CHECK(failed.storage_failed);
+    CHECK(failed.reply.reason.find("not stored") != std::string::npos);
+    CHECK(store.FindBelief("w1")->revision == 1);
+
+    const auto repeated = store.Handle(Edit(2, 1), {3});
+    CHECK(repeated.reply.accepted);
+    CHECK(repeated.reply.revision == 2);
+  }
+  CHECK(BeliefStore({{file}, {}}).FindBelief("w1")->revision == 2);
+}
+
+TEST_CASE("A file that is no database stops the start by name", "[operator][belief]") {
+  const TemporaryFolder folder;
+  const auto file = folder / "operator.db";
+  std::ofstream(file) << std::string(8192, 'x');
+  CHECK(StartupFailure(file).find(file.string()) != std::string::npos);
+}
+
+TEST_CASE("A damaged database stops the start by name", "[operator][belief]") {
+  const TemporaryFolder folder;
+  const auto file = folder / "operator.db";
+  {
+    BeliefStore store({{file}, {}});
+    FillWorld(store);
+  }
+  REQUIRE(StartupFailure(file).empty());
+  const auto size = static_cast<std::streamoff>(std::filesystem::file_size(file));
+  std::fstream damaged(file, std::ios::in | std::ios::out | std::ios::binary);
+  damaged.seekp(4096);
+  for (std::streamoff i = 4096; i < size; ++i) damaged.put('\x5a');
+  damaged.close();
+  CHECK(StartupFailure(file).find(file.string()) != std::string::npos);
+}
+
+TEST_CASE("A damaged row stops the start and names its table", "[operator][belief]") {
+  const TemporaryFolder folder;
+  const auto file = folder / "operator.db";
+  const std::string damage =
+      GENERATE("UPDATE beliefs SET cells = x'00'", "UPDATE beliefs SET rows = 'many'",
+               "UPDATE beliefs SET rows = -41, columns = -41");
+  {
+    BeliefStore store({{file}, {}});
+    FillWorld(store);
+  }
+  REQUIRE(Database::Open({file})->Execute(damage));
+  CHECK(StartupFailure(file).find("belief") != std::string::npos);
+}
+
+TEST_CASE("The database of another program is left alone", "[operator][belief]") {
+  const TemporaryFolder folder;
+  const auto file = folder / "other.db";
+  REQUIRE(Database::Open({file})->Execute("CREATE TABLE songs (title TEXT)"));
+  CHECK(StartupFailure(file).find("another program") != std::string::npos);
+}
+
+TEST_CASE("A file in a folder that does not exist stops the start by name", "[operator][belief]") {
+  const TemporaryFolder folder;
+  const auto file = folder / "nowhere" / "operator.db";
+  CHECK(StartupFailure(file).find(file.string()) != std::string::npos);
+}
+
+TEST_CASE("A second process cannot open a store that is in use", "[operator][belief]") {
+  const TemporaryFolder folder;
+  const auto file = folder / "operator.db";
+  const BeliefStore store({{file}, {}});
+  const pid_t child = fork();
+  REQUIRE(child >= 0);
+  if (child == 0) _exit(StartupFailure(file).find("another process") != std::string::npos ? 0 : 1);
+  int status = 0;
+  waitpid(child, &status, 0);
+  CHECK(WIFEXITED(status));
+  CHECK(WEXITSTATUS(status) == 0);
+}
+
+}  // namespace
+}  // namespace conav::operators

@@ -1,0 +1,172 @@
+#include "operator/belief/belief_store.h"
+
+#include <catch2/catch.hpp>
+
+#include "unit/operator/support/drawn_map.h"
+#include "unit/operator/support/temporary_folder.h"
+
+namespace conav::operators {
+namespace {
+
+const BeliefGrid kInitial = DrawnMap({"####", "#  #", "#? #", "####"});
+
+BeliefStoreOptions OptionsFor(const std::filesystem::path& file) { return {{file}, {}}; }
+
+/// A store with world w1 and robot r1.
+BeliefStore OpenStore(const std::filesystem::path& file) {
+  BeliefStore store(OptionsFor(file));
+  REQUIRE(store.AddWorld("w1", kInitial, {1}));
+  store.AddRobot("r1", "w1");
+  return store;
+}
+
+OperatorRequest Edit(std::uint64_t id, std::uint64_t base, Cell cell, bool wall,
+                     const std::string& client = "anna") {
+  return {{2}, client, id, "w1", EditRequest{base, {{cell, wall}}}};
+}
+
+OperatorRequest Guide(std::uint64_t id, std::vector<Cell> path, const std::string& robot = "r1") {
+  return {{2}, "anna", id, "w1", GuideRequest{robot, std::move(path), 6, 30.0}};
+}
+
+TEST_CASE("A new world starts with its initial map at revision 0", "[operator][belief]") {
+  const TemporaryFolder folder;
+  BeliefStore store(OptionsFor(folder / "operator.db"));
+  CHECK(store.FindBelief("w1") == nullptr);
+  CHECK(store.AddWorld("w1", kInitial, {7}).value());
+  CHECK(*store.FindBelief("w1") == Belief{{7}, "w1", 0, kInitial, ""});
+}
+
+TEST_CASE("A world that is known keeps its belief; another size is refused", "[operator][belief]") {
+  const TemporaryFolder folder;
+  BeliefStore store = OpenStore(folder / "operator.db");
+  REQUIRE(store.Handle(Edit(1, 0, {1, 1}, true), {3}).reply.accepted);
+
+  CHECK_FALSE(store.AddWorld("w1", kInitial, {9}).value());
+  CHECK(store.FindBelief("w1")->revision == 1);
+
+  const auto other = store.AddWorld("w1", BeliefGrid(5, 4), {9});
+  REQUIRE_FALSE(other);
+  CHECK(other.error().text.find("5 x 4") != std::string::npos);
+  CHECK(store.FindBelief("w1")->revision == 1);
+}
+
+TEST_CASE("Reopening gives back beliefs, guidance, revisions and the initial map",
+          "[operator][belief]") {
+  const TemporaryFolder folder;
+  std::map<std::string, Belief> beliefs;
+  std::map<std::string, Guidance> guidance;
+  {
+    BeliefStore store = OpenStore(folder / "operator.db");
+    REQUIRE(store.AddWorld("w2", BeliefGrid(3, 5, 0.25F), {2}));
+    REQUIRE(store.Handle(Edit(1, 0, {1, 1}, true), {3}).reply.revision == 1);
+    REQUIRE(store.Handle(Edit(2, 1, {1, 2}, true), {4}).reply.revision == 2);
+    REQUIRE(store.Handle(Guide(3, {{1, 1}, {1, 2}}), {5}).reply.revision == 1);
+    REQUIRE(store.Handle(Guide(4, {{1, 1}, {2, 1}}), {6}).reply.revision == 2);
+    beliefs = store.beliefs();
+    guidance = store.guidance();
+  }
+  BeliefStore reopened(OptionsFor(folder / "operator.db"));
+  CHECK(reopened.beliefs() == beliefs);
+  CHECK(reopened.guidance() == guidance);
+  CHECK(reopened.FindBelief("w1")->revision == 2);
+  CHECK(reopened.FindGuidance("r1")->path == std::vector<Cell>{{1, 1}, {2, 1}});
+  CHECK(reopened.InitialMap("w1").value() == kInitial);
+  CHECK(reopened.InitialMap("w3").value() == std::nullopt);
+  CHECK(reopened.Handle(Edit(5, 2, {2, 1}, true), {7}).reply.revision == 3);
+}
+
+TEST_CASE("A repeated request gets the same reply and changes nothing, also after a restart",
+          "[operator][belief]") {
+  const TemporaryFolder folder;
+  OperatorReply edited;
+  OperatorReply guided;
+  {
+    BeliefStore store = OpenStore(folder / "operator.db");
+    const auto first = store.Handle(Edit(1, 0, {1, 1}, true), {3});
+    CHECK(first.changed);
+    edited = first.reply;
+    guided = store.Handle(Guide(2, {{1, 1}}), {3}).reply;
+    REQUIRE(store.Handle(Edit(3, 1, {1, 2}, true), {4}).reply.accepted);
+
+    const auto repeated = store.Handle(Edit(1, 0, {1, 1}, true), {9});
+    CHECK(repeated.reply == edited);
+    CHECK_FALSE(repeated.changed);
+    CHECK(store.FindBelief("w1")->revision == 2);
+  }
+  BeliefStore reopened = OpenStore(folder / "operator.db");
+  CHECK(reopened.Handle(Edit(1, 0, {1, 1}, true), {9}).reply == edited);
+  CHECK(reopened.Handle(Guide(2, {{1, 1}}), {9}).reply == guided);
+  CHECK(reopened.FindBelief("w1")->revision == 2);
+  CHECK(reopened.FindGuidance("r1")->revision == 1);
+}
+
+TEST_CASE("A refusal is repeated as it was, even when the request would be right by now",
+          "[operator][belief]") {
+  const TemporaryFolder folder;
+  BeliefStore store = OpenStore(folder / "operator.db");
+  const OperatorReply refused = store.Handle(Guide(1, {}, "r2"), {3}).reply;
+  CHECK_FALSE(refused.accepted);
+  store.AddRobot("r2", "w1");
+  CHECK(store.Handle(Guide(1, {}, "r2"), {3}).reply == refused);
+  CHECK(store.Handle(Guide(2, {}, "r2"), {3}).reply.accepted);
+}
+
+TEST_CASE("Two clients may use the same request id", "[operator][belief]") {
+  const TemporaryFolder folder;
+  BeliefStore store = OpenStore(folder / "operator.db");
+  CHECK(store.Handle(Edit(1, 0, {1, 1}, true, "anna"), {3}).reply.revision == 1);
+  CHECK(store.Handle(Edit(1, 1, {1, 2}, true, "bert"), {3}).reply.revision == 2);
+  CHECK(store.FindBelief("w1")->edited_by == "bert");
+}
+
+TEST_CASE("A request id used again for something else is refused", "[operator][belief]") {
+  const TemporaryFolder folder;
+  BeliefStore store = OpenStore(folder / "operator.db");
+  REQUIRE(store.Handle(Edit(1, 0, {1, 1}, true), {3}).reply.accepted);
+  const auto other = store.Handle(Edit(1, 1, {1, 2}, true), {3});
+  CHECK_FALSE(other.reply.accepted);
+  CHECK(other.reply.reason == "request 1 of client anna was used for something else before");
+  CHECK(store.FindBelief("w1")->revision == 1);
+}
+
+TEST_CASE("Requests for unknown worlds and robots, or of nobody, are refused with a reason",
+          "[operator][belief]") {
+  const TemporaryFolder folder;
+  BeliefStore store = OpenStore(folder / "operator.db");
+  REQUIRE(store.AddWorld("w2", kInitial, {1}));
+  OperatorRequest elsewhere = Edit(1, 0, {1, 1}, true);
+  elsewhere.world = "w9";
+  CHECK(store.Handle(elsewhere, {3}).reply.reason == "world 'w9' is not known here");
+  CHECK(store.Handle(Guide(2, {{1, 1}}, "r9"), {3}).reply.reason ==
+        "robot 'r9' is not known in world w1");
+  OperatorRequest wrong_world = Guide(3, {{1, 1}});
+  wrong_world.world = "w2";
+  CHECK(store.Handle(wrong_world, {3}).reply.reason == "robot 'r1' is not known in world w2");
+  CHECK(store.Handle(Edit(4, 0, {1, 1}, true, ""), {3}).reply.reason ==
+        "the request names no client");
+  CHECK(store.beliefs().size() == 2);
+  CHECK(store.guidance().empty());
+}
+
+TEST_CASE("A refused edit leaves the belief and tells the current revision", "[operator][belief]") {
+  const TemporaryFolder folder;
+  BeliefStore store = OpenStore(folder / "operator.db");
+  REQUIRE(store.Handle(Edit(1, 0, {1, 1}, true), {3}).reply.accepted);
+  const Belief before = *store.FindBelief("w1");
+  const auto stale = store.Handle(Edit(2, 0, {1, 2}, true), {4});
+  CHECK_FALSE(stale.reply.accepted);
+  CHECK_FALSE(stale.changed);
+  CHECK(stale.reply.revision == 1);
+  CHECK(*store.FindBelief("w1") == before);
+}
+
+TEST_CASE("Names that are no UTF-8 do not stop the store", "[operator][belief]") {
+  const TemporaryFolder folder;
+  BeliefStore store = OpenStore(folder / "operator.db");
+  CHECK_FALSE(store.Handle(Guide(1, {}, "r\xff"), {3}).reply.accepted);
+  CHECK(store.Handle(Edit(2, 0, {1, 1}, true, "\xc3"), {3}).reply.accepted);
+}
+
+}  // namespace
+}  // namespace conav::operators
