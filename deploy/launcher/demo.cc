@@ -1,0 +1,176 @@
+#include "launcher/demo.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "common/runtime/json.h"
+#include "common/runtime/log.h"
+#include "launcher/demo_plan.h"
+#include "launcher/svg.h"
+#include "launcher/table.h"
+
+namespace conav::launcher {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kGrace = 5s;
+constexpr auto kPeriod = 50ms;
+// After the last goal: how long it must be quiet on the bus, and how long to wait for that.
+constexpr auto kQuiet = 300ms;
+constexpr auto kQuietLimit = 3s;
+// A robot whose planner is gone ends its last command within the command's expiry.
+constexpr auto kStandStillLimit = 15s;
+constexpr std::size_t kLogLines = 8;
+
+Progress::Style StyleOf(std::FILE* output) {
+  return isatty(fileno(output)) != 0 ? Progress::Style::kTerminal : Progress::Style::kPlain;
+}
+
+bool StandsStill(const RobotRecord& robot) {
+  return !robot.state || robot.state->command_outcome != CommandOutcome::kRunning;
+}
+
+}  // namespace
+
+Demo::Demo(const DemoOptions& options, std::filesystem::path program_folder, const Clock& clock)
+    : options_(options),
+      program_folder_(std::move(program_folder)),
+      clock_(clock),
+      start_(clock.Now()),
+      episode_(MakeEpisode(options.robots, options.worlds)),
+      place_(JoinFreeDomain(options, episode_)),
+      run_(options.out, std::chrono::system_clock::now(), options.seed),
+      progress_(stdout, StyleOf(stdout), clock) {
+  outcome_.dds = options.dds.empty() ? place_.participant->vendor() : options.dds;
+  outcome_.domain = place_.lease.domain();
+  outcome_.run_folder = run_.path().string();
+}
+
+bool Demo::Run(const StopToken& stop) {
+  progress_.Say(fmt::format("seed {}  method {}  dds {}  domain {}  run {}", options_.seed,
+                            options_.method, outcome_.dds, outcome_.domain, outcome_.run_folder));
+  StartProcesses();
+  start_ = clock_.Now();
+  Follow(stop);
+  outcome_.wall_s = ElapsedSeconds();
+  TakeLastNews();
+  progress_.Finish(episode_);
+  progress_.Say(OutcomeLine(outcome_));
+  if (outcome_.reason == EndReason::kProcessDied) TellWhereRobotsStand();
+  for (const std::string& name : processes_.StopAll(kGrace)) {
+    progress_.Say(fmt::format("{} did not stop when asked and was killed", name));
+  }
+  Finish();
+  return outcome_.reason == EndReason::kAllGoalsReached && episode_.all_goals_reached();
+}
+
+void Demo::StartProcesses() {
+  for (const PlannedProcess& planned : PlanDemo(options_, outcome_.domain, episode_, run_)) {
+    run_.Write(run_.config(planned.name), planned.config);
+    const Process& process =
+        processes_.Start(planned.name, CommandLine(planned, options_, program_folder_, run_),
+                         run_.log(planned.name));
+    progress_.Say(fmt::format("started {} (pid {})", process.name(), process.pid()));
+  }
+}
+
+double Demo::ElapsedSeconds() const {
+  return std::chrono::duration<double>(clock_.Now() - start_).count();
+}
+
+void Demo::Follow(const StopToken& stop) {
+  while (true) {
+    place_.participant->Wait(kPeriod);
+    place_.recorder->Take();
+    progress_.Show(episode_);
+    if (SomethingDied()) return;
+    if (episode_.finished()) {
+      outcome_.reason = EndReason::kAllGoalsReached;
+      return;
+    }
+    if (stop.stop_requested()) {
+      outcome_.reason = EndReason::kInterrupted;
+      return;
+    }
+    if (ElapsedSeconds() > options_.time_limit_s) {
+      outcome_.reason = EndReason::kTimeLimit;
+      return;
+    }
+  }
+}
+
+bool Demo::SomethingDied() {
+  bool fatal = false;
+  for (const Process* process : processes_.TakeEnded()) {
+    const std::string what = fmt::format("{} (pid {}) died: {}", process->name(), process->pid(),
+                                         process->end()->Describe());
+    progress_.Say(what + "; the end of its log:");
+    for (const std::string& line : LastLines(process->log(), kLogLines)) {
+      progress_.Say("  | " + line);
+    }
+    if (process->name() == "nhpm") {
+      progress_.Say("the planner goes on with its own perception model");
+      continue;
+    }
+    outcome_.reason = EndReason::kProcessDied;
+    outcome_.detail = what;
+    fatal = true;
+  }
+  return fatal;
+}
+
+void Demo::TellWhereRobotsStand() {
+  const auto deadline = clock_.Now() + kStandStillLimit;
+  const auto all_stand = [this] {
+    return std::all_of(episode_.robots.begin(), episode_.robots.end(), StandsStill);
+  };
+  const bool sim_died = outcome_.detail.starts_with("sim");
+  while (!sim_died && !all_stand() && clock_.Now() < deadline) {
+    place_.participant->Wait(kPeriod);
+    place_.recorder->Take();
+  }
+  for (const RobotRecord& robot : episode_.robots) {
+    if (!robot.state) {
+      progress_.Say(fmt::format("{} was never heard of", robot.name));
+      continue;
+    }
+    progress_.Say(fmt::format("{} {} cell {}, {} of {} goals reached", robot.name,
+                              sim_died             ? "was last heard of in"
+                              : StandsStill(robot) ? "stopped in"
+                                                   : "STILL DRIVES in",
+                              robot.state->cell, robot.state->goals_reached.size(),
+                              robot.state->goals_total));
+  }
+}
+
+void Demo::TakeLastNews() {
+  const auto limit = clock_.Now() + kQuietLimit;
+  auto quiet_since = clock_.Now();
+  while (clock_.Now() < limit && clock_.Now() - quiet_since < kQuiet) {
+    place_.participant->Wait(kPeriod);
+    if (place_.recorder->Take()) quiet_since = clock_.Now();
+  }
+}
+
+void Demo::Finish() {
+  const EpisodeMetrics metrics = Measure(episode_);
+  const auto json = OutcomeJson(options_, outcome_, metrics);
+  const std::string title =
+      fmt::format("seed {}, {}, {}", options_.seed, options_.method, OutcomeLine(outcome_));
+  run_.Write(run_.path() / "episode.svg", EpisodeSvg(episode_, title));
+  std::vector<std::filesystem::path> files{run_.path() / "metrics.json"};
+  if (!options_.json.empty()) files.push_back(options_.json);
+  for (const auto& file : files) {
+    if (const auto written = WriteJsonFile(file, json); !written) {
+      throw StartupError(written.error().text);
+    }
+  }
+  fmt::print("\n{}picture {}\n", ResultTable(metrics), (run_.path() / "episode.svg").string());
+}
+
+}  // namespace conav::launcher

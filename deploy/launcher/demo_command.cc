@@ -1,0 +1,101 @@
+#include "launcher/demo_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+
+namespace conav::launcher {
+namespace {
+
+constexpr const char* kFooter = R"(
+Starts conav-sim (one per world), conav-nhpm, conav-operator, conav-planner and conav-simulated-operator,
+follows them until every robot has reached its goals, and leaves runs/<time>-seed<S>/ with the effective
+configuration, logs, metrics.json and episode.svg (truth, the operator's map before and after, trajectories,
+pictures).
+
+Exit code: 0 all goals reached; 1 not (a process died, time limit, Ctrl-C); 2 wrong use.
+
+Examples:
+  conav demo                                   one robot, at a speed that can be watched
+  conav demo --headless --seed 7 --json r.json as fast as commanded, result as JSON
+  conav demo --robots 4 --dds mixed            four robots in one maze, both DDS vendors
+  conav demo --run-with sim="nice -n 10"       a command put before a service's own)";
+
+void AddRunOptions(CLI::App& app, DemoOptions& options) {
+  app.add_option("--robots", options.robots, "Robots in each world")->capture_default_str();
+  app.add_option("--worlds", options.worlds, "Worlds, each with a simulator")
+      ->capture_default_str();
+  app.add_option("--seed", options.seed, "Seed of everything that is random")
+      ->capture_default_str();
+  app.add_option("--method", options.method, "ig-mcts, instruction or teleop")
+      ->capture_default_str();
+  app.add_option("--perception", options.perception,
+                 "remote: the planner asks nhpm; embedded: it asks its own model")
+      ->capture_default_str();
+  app.add_flag("--headless", options.headless, "No watching: as fast as the robots are commanded");
+  app.add_option("--speed", options.speed,
+                 "Simulated seconds per second, 0 = as fast as commanded [4; headless 0]");
+  app.add_option("--time-limit", options.time_limit_s, "Give up after this many seconds")
+      ->capture_default_str();
+}
+
+void AddWorldOptions(CLI::App& app, DemoOptions& options) {
+  app.add_option("--preset", options.preset, "Maze preset; `conav maze --help` lists them")
+      ->capture_default_str();
+  app.add_option("--map", options.map, "ROS map_server YAML of the true plan, instead of a maze");
+  app.add_option("--operator-map", options.operator_map, "The operator's outdated plan");
+  app.add_option("--cell-size", options.cell_size_m, "Metres per cell of --map");
+  app.add_flag("--shared-goals", options.shared_goals,
+               "One list of goals for all robots of a world");
+  app.add_option("--camera", options.camera, "egl renders pictures; none sends them without pixels")
+      ->capture_default_str();
+}
+
+void AddSystemOptions(CLI::App& app, DemoOptions& options, std::vector<std::string>& run_with) {
+  app.add_option("--dds", options.dds,
+                 "cyclonedds, fastdds, mixed or SERVICE=VENDOR,... [CONAV_DDS or the default]");
+  app.add_option("--domain", options.domain, "DDS domain [CONAV_DOMAIN or the first that is free]");
+  app.add_option("--interface", options.interface,
+                 "Network interface; \"\" leaves it to the vendor")
+      ->capture_default_str();
+  app.add_option("--peers", options.peers, "Hosts to look for other participants; no multicast")
+      ->delimiter(',');
+  app.add_option("--run-with", run_with, "SERVICE=COMMAND: put COMMAND before that service's own")
+      ->allow_extra_args(false);
+  app.add_option("--json", options.json, "Write the result to this file, too");
+  app.add_option("--out", options.out, "Where run folders are made")->capture_default_str();
+}
+
+[[noreturn]] void RefuseUse(const std::string& reason) {
+  fmt::print(stderr, "conav demo: {}\n", reason);
+  std::exit(2);
+}
+
+}  // namespace
+
+DemoOptions ParseDemoCommand(int argc, char** argv) {
+  CLI::App app{"conav: robots explore a maze that the operator's map shows wrongly", "conav"};
+  app.require_subcommand(1);
+  CLI::App* demo = app.add_subcommand("demo", "Run the whole system with a simulated operator");
+  demo->footer(kFooter);
+  DemoOptions options;
+  std::vector<std::string> run_with;
+  AddRunOptions(*demo, options);
+  AddWorldOptions(*demo, options);
+  AddSystemOptions(*demo, options, run_with);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    std::exit(app.exit(error) == 0 ? 0 : 2);
+  }
+  for (const std::string& text : run_with) {
+    auto entry = ParseRunWith(text);
+    if (!entry) RefuseUse(entry.error().text);
+    options.run_with.insert(*std::move(entry));
+  }
+  if (const auto valid = Validate(options); !valid) RefuseUse(valid.error().text);
+  return options;
+}
+
+}  // namespace conav::launcher

@@ -1,0 +1,148 @@
+#include "launcher/demo_options.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace conav::launcher {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::vector<std::string> kMethods{"ig-mcts", "instruction", "teleop"};
+const std::vector<std::string> kCameras{"egl", "none"};
+const std::vector<std::string> kPerceptions{"remote", "embedded"};
+const std::vector<std::string> kVendors{"cyclonedds", "fastdds"};
+
+bool IsService(const std::string& name) {
+  return std::find(std::begin(kServices), std::end(kServices), name) != std::end(kServices);
+}
+
+Result<void> RequireRange(const char* option, double value, double low, double high) {
+  if (value >= low && value <= high) return {};
+  return Fail(ErrorCode::kOutOfRange,
+              fmt::format("{} {}: not between {} and {}", option, value, low, high));
+}
+
+Result<void> RequireOneOf(const char* option, const std::string& value,
+                          const std::vector<std::string>& choices) {
+  if (std::find(choices.begin(), choices.end(), value) != choices.end()) return {};
+  return Fail(ErrorCode::kInvalidArgument,
+              fmt::format("{} {}: not one of {}", option, value, fmt::join(choices, ", ")));
+}
+
+Result<void> RequireFile(const char* option, const fs::path& file) {
+  if (file.empty() || fs::is_regular_file(file)) return {};
+  return Fail(ErrorCode::kNotFound, fmt::format("{} {}: no such file", option, file.string()));
+}
+
+// The folder itself, or the nearest one above it that exists, must be ours to write in.
+Result<void> RequireWritable(const char* option, const fs::path& folder) {
+  std::error_code error;
+  fs::path place = fs::absolute(folder, error);
+  while (!error && !fs::exists(place, error) && place.has_relative_path()) {
+    place = place.parent_path();
+  }
+  if (fs::is_directory(place, error) && access(place.c_str(), W_OK | X_OK) == 0) return {};
+  return Fail(ErrorCode::kIo,
+              fmt::format("{} {}: cannot write in {}", option, folder.string(), place.string()));
+}
+
+Result<void> ValidateFiles(const DemoOptions& options) {
+  if (!options.operator_map.empty() && options.map.empty()) {
+    return Fail(ErrorCode::kInvalidArgument, "--operator-map: needs --map, the true plan");
+  }
+  if (options.cell_size_m && options.map.empty()) {
+    return Fail(ErrorCode::kInvalidArgument, "--cell-size: needs --map");
+  }
+  if (auto ok = RequireFile("--map", options.map); !ok) return ok;
+  if (auto ok = RequireFile("--operator-map", options.operator_map); !ok) return ok;
+  if (!options.json.empty()) {
+    const fs::path folder = fs::absolute(options.json).parent_path();
+    if (!fs::is_directory(folder)) {
+      return Fail(ErrorCode::kIo,
+                  fmt::format("--json {}: no folder {}", options.json.string(), folder.string()));
+    }
+    if (auto ok = RequireWritable("--json", folder); !ok) return ok;
+  }
+  return RequireWritable("--out", options.out);
+}
+
+Result<void> ValidateNumbers(const DemoOptions& options) {
+  if (auto ok = RequireRange("--robots", options.robots, 1, kMaxRobots); !ok) return ok;
+  if (auto ok = RequireRange("--worlds", options.worlds, 1, kMaxWorlds); !ok) return ok;
+  if (auto ok = RequireRange("--speed", options.effective_speed(), 0, 1000); !ok) return ok;
+  if (auto ok = RequireRange("--domain", options.domain.value_or(0), 0, 232); !ok) return ok;
+  if (auto ok = RequireRange("--cell-size", options.cell_size_m.value_or(1), 1, 100); !ok) {
+    return ok;
+  }
+  return RequireRange("--time-limit", options.time_limit_s, 1, 1e6);
+}
+
+}  // namespace
+
+Result<void> Validate(const DemoOptions& options) {
+  if (auto ok = ValidateNumbers(options); !ok) return ok;
+  if (auto ok = RequireOneOf("--method", options.method, kMethods); !ok) return ok;
+  if (auto ok = RequireOneOf("--camera", options.camera, kCameras); !ok) return ok;
+  if (auto ok = RequireOneOf("--perception", options.perception, kPerceptions); !ok) return ok;
+  if (auto vendors = VendorOfService(options.dds); !vendors) {
+    return tl::unexpected<Error>(vendors.error());
+  }
+  return ValidateFiles(options);
+}
+
+Result<std::pair<std::string, std::string>> ParseRunWith(const std::string& text) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos || text.find_first_not_of(' ', equals + 1) == std::string::npos) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("--run-with {}: expected SERVICE=COMMAND", text));
+  }
+  const std::string service = text.substr(0, equals);
+  if (!IsService(service)) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("--run-with {}: '{}' is not one of {}", text, service,
+                            fmt::join(kServices, ", ")));
+  }
+  return std::pair(service, text.substr(equals + 1));
+}
+
+Result<std::map<std::string, std::string>> VendorOfService(const std::string& dds) {
+  std::map<std::string, std::string> vendors{{"launcher", ""}};
+  for (const char* service : kServices) vendors[service] = "";
+  if (dds.empty()) return vendors;
+  if (dds == "mixed") {
+    std::size_t turn = 0;
+    for (auto& [service, vendor] : vendors) vendor = kVendors[turn++ % kVendors.size()];
+    return vendors;
+  }
+  if (dds.find('=') == std::string::npos) {
+    if (auto ok = RequireOneOf("--dds", dds, {"cyclonedds", "fastdds", "mixed"}); !ok) {
+      return Fail(ok.error().code, ok.error().text + ", SERVICE=VENDOR,...");
+    }
+    for (auto& [service, vendor] : vendors) vendor = dds;
+    return vendors;
+  }
+  std::istringstream list(dds);
+  for (std::string entry; std::getline(list, entry, ',');) {
+    const auto equals = entry.find('=');
+    const std::string service = entry.substr(0, equals);
+    if (equals == std::string::npos || vendors.count(service) == 0) {
+      return Fail(ErrorCode::kInvalidArgument,
+                  fmt::format("--dds {}: '{}' is not SERVICE=VENDOR; services: {}, launcher", dds,
+                              entry, fmt::join(kServices, ", ")));
+    }
+    const std::string vendor = entry.substr(equals + 1);
+    if (auto ok = RequireOneOf("--dds", vendor, kVendors); !ok) {
+      return tl::unexpected<Error>(ok.error());
+    }
+    vendors[service] = vendor;
+  }
+  return vendors;
+}
+
+}  // namespace conav::launcher

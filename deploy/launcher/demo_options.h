@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/runtime/result.h"
+
+namespace conav::launcher {
+
+/// The services that a demo runs, in the order in which they start.
+inline constexpr const char* kServices[] = {"sim", "nhpm", "operator", "planner",
+                                            "simulated-operator"};
+inline constexpr int kMaxRobots = 64;
+inline constexpr int kMaxWorlds = 16;
+
+/// What `conav demo` was asked for.
+struct DemoOptions {
+  int robots = 1;  // in each world
+  int worlds = 1;
+  std::uint64_t seed = 1;
+  std::string method = "ig-mcts";
+  /// "cyclonedds", "fastdds", "mixed" or "service=vendor,..."; empty = the bus's default.
+  std::string dds;
+  bool headless = false;
+  std::filesystem::path json;
+  /// Simulation time over wall time; 0 = as fast as commanded. Default 4, headless 0.
+  std::optional<double> speed;
+  std::string camera = "egl";
+  std::optional<int> domain;  // without it the first free one
+  std::string interface = "lo";
+  std::vector<std::string> peers;
+  std::string preset = "conav13";
+  std::filesystem::path map;
+  std::filesystem::path operator_map;
+  std::optional<double> cell_size_m;
+  bool shared_goals = false;
+  std::map<std::string, std::string> run_with;  // service -> command to put before it
+  double time_limit_s = 1800.0;                 // wall time
+  std::string perception = "remote";
+  std::filesystem::path out = "runs";
+
+  double effective_speed() const { return speed.value_or(headless ? 0.0 : 4.0); }
+  int total_robots() const { return robots * worlds; }
+};
+
+/// Refuses what cannot be: the option by name, its value, what would do. Looks at the file system
+/// for maps, --json's folder and --out.
+[[nodiscard]] Result<void> Validate(const DemoOptions& options);
+
+/// "sim=ip netns exec a" as service and command. Refused: no '=', unknown service, no command.
+[[nodiscard]] Result<std::pair<std::string, std::string>> ParseRunWith(const std::string& text);
+
+/// Which vendor each process gets, "launcher" among them; an empty text is the bus's default.
+/// "mixed" gives each service in turn one and the other.
+[[nodiscard]] Result<std::map<std::string, std::string>> VendorOfService(const std::string& dds);
+
+}  // namespace conav::launcher

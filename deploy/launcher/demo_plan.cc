@@ -1,0 +1,96 @@
+#include "launcher/demo_plan.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <sstream>
+
+#include "common/runtime/config.h"
+#include "launcher/bus_place.h"
+#include "planner/config.h"
+#include "sim/config.h"
+
+namespace conav::launcher {
+namespace {
+
+std::string AbsoluteText(const std::filesystem::path& file) {
+  return file.empty() ? "" : std::filesystem::absolute(file).string();
+}
+
+/// What the planning of each process needs to know.
+struct Setting {
+  const DemoOptions& options;
+  int domain;
+  const Episode& episode;
+  const RunFolder& run;
+  std::map<std::string, std::string> vendors;
+
+  bus::ParticipantOptions Bus(const std::string& service) const {
+    return BusOptions(options, domain, vendors.at(service));
+  }
+};
+
+std::string SimYaml(const Setting& setting, std::size_t world_index) {
+  const DemoOptions& options = setting.options;
+  sim::SimConfig config;
+  config.bus = setting.Bus("sim");
+  config.world = setting.episode.worlds[world_index].name;
+  config.robots.clear();
+  for (const RobotRecord& robot : setting.episode.robots) {
+    if (robot.world == config.world) config.robots.push_back(robot.name);
+  }
+  config.seed = options.seed + world_index;
+  config.preset = options.preset;
+  config.map.yaml = AbsoluteText(options.map);
+  config.map.operator_yaml = AbsoluteText(options.operator_map);
+  if (options.cell_size_m) config.map.cell_size_m = *options.cell_size_m;
+  config.shared_goals = options.shared_goals;
+  config.camera.mode = options.camera;
+  config.camera.stream = options.method != "ig-mcts";
+  config.speed = options.effective_speed();
+  return DumpConfig("sim", config);
+}
+
+std::string PlannerYaml(const Setting& setting) {
+  planner::PlannerConfig config;
+  config.bus = setting.Bus("planner");
+  config.robots.clear();
+  for (const RobotRecord& robot : setting.episode.robots) {
+    config.robots.push_back(robot.world + "/" + robot.name);
+  }
+  config.method = setting.options.method;
+  config.seed = setting.options.seed;
+  config.perception = setting.options.perception;
+  return DumpConfig("planner", config);
+}
+
+}  // namespace
+
+std::vector<PlannedProcess> PlanDemo(const DemoOptions& options, int domain, const Episode& episode,
+                                     const RunFolder& run) {
+  const Setting setting{options, domain, episode, run, *VendorOfService(options.dds)};
+  std::vector<PlannedProcess> processes;
+  for (std::size_t w = 0; w < episode.worlds.size(); ++w) {
+    const std::string name = episode.worlds.size() == 1 ? "sim" : "sim-" + episode.worlds[w].name;
+    processes.push_back({name, "sim", SimYaml(setting, w)});
+  }
+  processes.push_back({"planner", "planner", PlannerYaml(setting)});
+  return processes;
+}
+
+std::vector<std::string> CommandLine(const PlannedProcess& process, const DemoOptions& options,
+                                     const std::filesystem::path& program_folder,
+                                     const RunFolder& run) {
+  std::vector<std::string> words;
+  if (const auto prefix = options.run_with.find(process.service);
+      prefix != options.run_with.end()) {
+    std::istringstream text(prefix->second);
+    for (std::string word; text >> word;) words.push_back(word);
+  }
+  words.push_back((program_folder / ("conav-" + process.service)).string());
+  words.push_back("--config");
+  words.push_back(run.config(process.name).string());
+  return words;
+}
+
+}  // namespace conav::launcher

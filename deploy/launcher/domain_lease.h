@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+
+namespace conav::launcher {
+
+/// A DDS domain kept for one demo on this machine, by a lock on a file in the temporary folder; the
+/// kernel lets go of it when the process ends in whatever way.
+class DomainLease {
+ public:
+  /// Nothing when another demo on this machine holds it.
+  static std::optional<DomainLease> TryAcquire(int domain);
+
+  DomainLease(DomainLease&& other) noexcept;
+  DomainLease& operator=(DomainLease&&) = delete;
+  ~DomainLease();
+
+  int domain() const { return domain_; }
+
+ private:
+  DomainLease(int domain, int descriptor) : domain_(domain), descriptor_(descriptor) {}
+
+  int domain_;
+  int descriptor_;
+};
+
+}  // namespace conav::launcher

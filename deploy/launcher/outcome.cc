@@ -1,0 +1,63 @@
+#include "launcher/outcome.h"
+
+#include <fmt/format.h>
+
+#include <cstdlib>
+
+namespace conav::launcher {
+namespace {
+
+const char* Name(EndReason reason) {
+  switch (reason) {
+    case EndReason::kAllGoalsReached:
+      return "all goals reached";
+    case EndReason::kProcessDied:
+      return "process died";
+    case EndReason::kTimeLimit:
+      return "time limit";
+    case EndReason::kInterrupted:
+      return "interrupted";
+  }
+  return "";
+}
+
+nlohmann::ordered_json Versions() {
+  nlohmann::ordered_json versions{{"conav", CONAV_VERSION}};
+  // ./conav knows the commit that it built; a program run by hand does not.
+  if (const char* commit = std::getenv("CONAV_COMMIT")) versions["commit"] = commit;
+  return versions;
+}
+
+}  // namespace
+
+nlohmann::ordered_json OutcomeJson(const DemoOptions& options, const Outcome& outcome,
+                                   const EpisodeMetrics& metrics) {
+  nlohmann::ordered_json json{{"seed", options.seed},
+                              {"method", options.method},
+                              {"dds", outcome.dds},
+                              {"worlds", options.worlds},
+                              {"robots_per_world", options.robots},
+                              {"operator", "simulated"},
+                              {"preset", options.map.empty() ? options.preset : ""},
+                              {"map", options.map.string()},
+                              {"perception", options.perception},
+                              {"camera", options.camera},
+                              {"speed", options.effective_speed()},
+                              {"domain", outcome.domain},
+                              {"ended", Name(outcome.reason)},
+                              {"detail", outcome.detail},
+                              {"wall_s", outcome.wall_s},
+                              {"run", outcome.run_folder},
+                              {"versions", Versions()}};
+  json.update(ToJson(metrics));
+  return json;
+}
+
+std::string OutcomeLine(const Outcome& outcome) {
+  const std::string what = outcome.reason == EndReason::kProcessDied && !outcome.detail.empty()
+                               ? outcome.detail
+                               : Name(outcome.reason);
+  return fmt::format("ended after {:.1f} s: {}", outcome.wall_s, what);
+}
+
+}  // namespace conav::launcher

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "launcher/process.h"
+
+namespace conav::launcher {
+
+/// The processes of one run, started in order and stopped together.
+class ProcessGroup {
+ public:
+  ~ProcessGroup();
+
+  /// Throws StartupError, see Process.
+  Process& Start(std::string name, const std::vector<std::string>& arguments,
+                 const std::filesystem::path& log);
+
+  /// Those that ended since the last call.
+  std::vector<const Process*> TakeEnded();
+
+  /// SIGTERM to all, SIGKILL to those that still run after `grace`. Returns the names of the
+  /// killed.
+  std::vector<std::string> StopAll(std::chrono::milliseconds grace);
+
+ private:
+  bool AllEnded();
+
+  std::vector<std::unique_ptr<Process>> processes_;
+  std::vector<const Process*> reported_;
+};
+
+}  // namespace conav::launcher

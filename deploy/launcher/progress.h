@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdio>
+#include <map>
+#include <string>
+
+#include "common/runtime/clock.h"
+#include "launcher/episode.h"
+
+namespace conav::launcher {
+
+/// "r1 w1  cell (3,5)  goals 2/4  moves 31  pictures 6  decisions 40, median 12 ms" or "r1
+/// waiting".
+std::string ProgressLine(const RobotRecord& robot);
+
+/// Shows a run while it goes on: on a terminal one line per robot that is rewritten in place, else
+/// plain lines - one when a robot reached a goal, and one per robot every few seconds.
+class Progress {
+ public:
+  enum class Style { kTerminal, kPlain };
+  Progress(std::FILE* output, Style style, const Clock& clock);
+
+  /// Call as often as you like; it writes only when there is something to tell.
+  void Show(const Episode& episode);
+  /// A line of its own, above the robots' lines.
+  void Say(const std::string& line);
+  /// Leaves the newest lines standing.
+  void Finish(const Episode& episode);
+
+ private:
+  void Rewrite(const Episode& episode);
+  void ShowPlain(const Episode& episode);
+
+  std::FILE* output_;
+  Style style_;
+  const Clock& clock_;
+  Clock::TimePoint next_{};
+  std::size_t lines_on_screen_ = 0;
+  std::map<std::string, std::size_t> goals_told_;
+};
+
+}  // namespace conav::launcher

@@ -1,0 +1,53 @@
+#include "launcher/run_folder.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <fstream>
+
+#include "common/runtime/result.h"
+
+namespace conav::launcher {
+
+std::string RunId(std::chrono::system_clock::time_point now, std::uint64_t seed) {
+  const std::time_t seconds = std::chrono::system_clock::to_time_t(now);
+  return fmt::format("{:%Y%m%d-%H%M%S}-seed{}", fmt::gmtime(seconds), seed);
+}
+
+RunFolder::RunFolder(const std::filesystem::path& parent, std::chrono::system_clock::time_point now,
+                     std::uint64_t seed) {
+  const std::string id = RunId(now, seed);
+  std::error_code error;
+  std::filesystem::create_directories(parent, error);
+  // create_directory() is atomic, so two runs that start in the same second get two folders.
+  bool made = false;
+  for (int attempt = 1; !error && !made && attempt < 1000; ++attempt) {
+    path_ = parent / (attempt == 1 ? id : fmt::format("{}-{}", id, attempt));
+    made = std::filesystem::create_directory(path_, error);
+  }
+  for (const char* part : {"config", "logs", "state"}) {
+    if (!error) std::filesystem::create_directory(path_ / part, error);
+  }
+  if (error || !made) {
+    throw StartupError(
+        fmt::format("{}: cannot make a run folder here: {}", parent.string(), error.message()));
+  }
+  path_ = std::filesystem::absolute(path_).lexically_normal();
+}
+
+std::filesystem::path RunFolder::config(const std::string& service) const {
+  return path_ / "config" / (service + ".yaml");
+}
+
+std::filesystem::path RunFolder::log(const std::string& service) const {
+  return path_ / "logs" / (service + ".log");
+}
+
+void RunFolder::Write(const std::filesystem::path& file, const std::string& text) const {
+  std::ofstream stream(file);
+  stream << text;
+  stream.close();
+  if (!stream) throw StartupError(fmt::format("{}: cannot write", file.string()));
+}
+
+}  // namespace conav::launcher

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace conav::launcher {
+
+/// Where one run leaves everything that it was and gave:
+///
+///   runs/<id>/config/<service>.yaml   effective configuration of each process
+///             logs/<service>.log      what it said
+///             state/                  the operator's database
+///             metrics.json            the result table and what it was made of
+///             episode.svg             truth, maps, trajectories and pictures
+class RunFolder {
+ public:
+  /// Makes `parent`/<id>/, where <id> is time (UTC) and seed, "-2" added when it exists already.
+  /// Throws StartupError with path and cause.
+  RunFolder(const std::filesystem::path& parent, std::chrono::system_clock::time_point now,
+            std::uint64_t seed);
+
+  const std::filesystem::path& path() const { return path_; }
+  std::filesystem::path config(const std::string& service) const;
+  std::filesystem::path log(const std::string& service) const;
+  std::filesystem::path state() const { return path_ / "state"; }
+
+  /// Writes a text file of this folder. Throws StartupError with path and cause.
+  void Write(const std::filesystem::path& file, const std::string& text) const;
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// "20261121-090531-seed7".
+std::string RunId(std::chrono::system_clock::time_point now, std::uint64_t seed);
+
+}  // namespace conav::launcher

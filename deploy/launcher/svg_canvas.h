@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/grid/cell.h"
+
+namespace conav::launcher {
+
+/// Pixels, x to the right, y down.
+struct PixelPosition {
+  double x = 0.0;
+  double y = 0.0;
+};
+
+/// Collects the elements of an SVG document. `style` is a list of attributes, `fill="#000"`.
+class SvgCanvas {
+ public:
+  void Rectangle(PixelPosition corner, double width, double height, std::string_view style);
+  void Line(PixelPosition from, PixelPosition to, std::string_view style);
+  void Polyline(const std::vector<PixelPosition>& positions, std::string_view style);
+  void Polygon(const std::vector<PixelPosition>& positions, std::string_view style);
+  void Circle(PixelPosition middle, double radius, std::string_view style);
+  void Text(PixelPosition position, std::string_view text, std::string_view style);
+
+  /// The document; `title` is what a screen reader says.
+  std::string Document(double width, double height, std::string_view title) const;
+
+ private:
+  std::string body_;
+};
+
+/// `text` with <, >, & and quotes as entities.
+std::string EscapeXml(std::string_view text);
+
+}  // namespace conav::launcher

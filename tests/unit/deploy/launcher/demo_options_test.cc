@@ -1,0 +1,119 @@
+#include "launcher/demo_options.h"
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+
+using conav::launcher::DemoOptions;
+using conav::launcher::ParseRunWith;
+using conav::launcher::Validate;
+using conav::launcher::VendorOfService;
+
+namespace {
+
+std::string Refusal(const DemoOptions& options) {
+  const auto result = Validate(options);
+  return result ? "" : result.error().text;
+}
+
+}  // namespace
+
+TEST_CASE("the default options of a demo are accepted", "[launcher][options]") {
+  CHECK(Refusal({}) == "");
+}
+
+TEST_CASE("a demo without robots is refused by the option's name", "[launcher][options]") {
+  DemoOptions options;
+  options.robots = 0;
+  CHECK_THAT(Refusal(options), Catch::Contains("--robots 0"));
+  options.robots = 65;
+  CHECK_THAT(Refusal(options), Catch::Contains("64"));
+}
+
+TEST_CASE("an unknown method is refused and the known ones are named", "[launcher][options]") {
+  DemoOptions options;
+  options.method = "magic";
+  CHECK_THAT(Refusal(options),
+             Catch::Contains("--method magic") && Catch::Contains("ig-mcts, instruction, teleop"));
+}
+
+TEST_CASE("numbers beyond their limits are refused", "[launcher][options]") {
+  DemoOptions options;
+  options.worlds = 17;
+  CHECK_THAT(Refusal(options), Catch::Contains("--worlds"));
+  options = {};
+  options.speed = -1.0;
+  CHECK_THAT(Refusal(options), Catch::Contains("--speed"));
+  options = {};
+  options.domain = 233;
+  CHECK_THAT(Refusal(options), Catch::Contains("--domain"));
+  options = {};
+  options.time_limit_s = 0.0;
+  CHECK_THAT(Refusal(options), Catch::Contains("--time-limit"));
+}
+
+TEST_CASE("map options are refused when a file is missing or stands alone", "[launcher][options]") {
+  DemoOptions options;
+  options.map = "/nowhere/plan.yaml";
+  CHECK_THAT(Refusal(options), Catch::Contains("--map /nowhere/plan.yaml: no such file"));
+  options = {};
+  options.operator_map = "plan.yaml";
+  CHECK_THAT(Refusal(options), Catch::Contains("needs --map"));
+  options = {};
+  options.cell_size_m = 0.5;
+  CHECK_THAT(Refusal(options), Catch::Contains("--cell-size"));
+}
+
+TEST_CASE("an output folder that cannot be is refused", "[launcher][options]") {
+  DemoOptions options;
+  options.out = "/proc/self/status/runs";
+  CHECK_THAT(Refusal(options), Catch::Contains("--out /proc/self/status/runs"));
+  options = {};
+  options.json = "/nowhere/result.json";
+  CHECK_THAT(Refusal(options), Catch::Contains("--json /nowhere/result.json"));
+}
+
+TEST_CASE("a run is watchable on a terminal and as fast as commanded when headless",
+          "[launcher][options]") {
+  DemoOptions options;
+  CHECK(options.effective_speed() == 4.0);
+  options.headless = true;
+  CHECK(options.effective_speed() == 0.0);
+  options.speed = 2.0;
+  CHECK(options.effective_speed() == 2.0);
+}
+
+TEST_CASE("one vendor is given to every process", "[launcher][options]") {
+  const auto vendors = VendorOfService("fastdds");
+  REQUIRE(vendors);
+  CHECK(vendors->size() == 6);
+  for (const auto& [service, vendor] : *vendors) CHECK(vendor == "fastdds");
+}
+
+TEST_CASE("a mixed demo has both vendors", "[launcher][options]") {
+  const auto vendors = VendorOfService("mixed");
+  REQUIRE(vendors);
+  int fast = 0;
+  for (const auto& [service, vendor] : *vendors) fast += vendor == "fastdds" ? 1 : 0;
+  CHECK(fast == 3);
+}
+
+TEST_CASE("vendors are set per process and the rest keeps the default", "[launcher][options]") {
+  const auto vendors = VendorOfService("sim=fastdds,planner=cyclonedds");
+  REQUIRE(vendors);
+  CHECK(vendors->at("sim") == "fastdds");
+  CHECK(vendors->at("planner") == "cyclonedds");
+  CHECK(vendors->at("nhpm").empty());
+  CHECK_FALSE(VendorOfService("sim=rti"));
+  CHECK_FALSE(VendorOfService("camera=fastdds"));
+  CHECK_FALSE(VendorOfService("opendds"));
+}
+
+TEST_CASE("a run-with entry names a service and a command", "[launcher][options]") {
+  const auto entry = ParseRunWith("sim=ip netns exec a");
+  REQUIRE(entry);
+  CHECK(entry->first == "sim");
+  CHECK(entry->second == "ip netns exec a");
+  CHECK_FALSE(ParseRunWith("sim"));
+  CHECK_FALSE(ParseRunWith("sim= "));
+  CHECK_FALSE(ParseRunWith("camera=nice"));
+}

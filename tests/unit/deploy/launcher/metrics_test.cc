@@ -1,0 +1,63 @@
+#include "launcher/metrics.h"
+
+#include <catch2/catch.hpp>
+
+#include "sample_episode.h"
+
+using namespace conav;
+using namespace conav::launcher;
+
+TEST_CASE("percentiles are nearest ranks", "[launcher][metrics]") {
+  const std::vector<double> values{5, 1, 4, 2, 3};
+  CHECK(Percentile(values, 0.5) == 3);
+  CHECK(Percentile(values, 0.99) == 5);
+  CHECK(Percentile(values, 0.0) == 1);
+  CHECK(Percentile({}, 0.5) == 0);
+}
+
+TEST_CASE("an episode is measured from what its robots said", "[launcher][metrics]") {
+  Episode episode = SampleEpisode();
+  for (const double duration_ms : {4.0, 6.0, 50.0}) {
+    SearchReport report;
+    report.decision = episode.robots[0].decisions + 1;
+    report.duration_ms = duration_ms;
+    Record(episode.robots[0], report);
+  }
+  Belief belief;
+  belief.revision = 1;
+  belief.wall_probability = BeliefGrid(5, 5, 0.0F);
+  for (std::size_t i = 0; i < 25; ++i) {
+    if (episode.worlds[0].initial_map->values()[i] == Occupancy::kOccupied) {
+      belief.wall_probability.values()[i] = 1.0F;
+    }
+  }
+  belief.wall_probability[{2, 2}] = 0.0F;
+  Record(episode.worlds[0], belief);
+
+  const EpisodeMetrics metrics = Measure(episode);
+  CHECK(metrics.all_goals_reached);
+  CHECK(metrics.before.mapping == 0.0);
+  CHECK(metrics.after.mapping == Approx(0.5));
+  CHECK(metrics.before.cell == Approx(7.0 / 9));
+  CHECK(metrics.after.cell == Approx(8.0 / 9));
+  REQUIRE(metrics.robots.size() == 1);
+  CHECK(metrics.robots[0].decisions == 3);
+  CHECK(metrics.robots[0].decision_ms_median == 6.0);
+  CHECK(metrics.robots[0].decision_ms_p99 == 50.0);
+}
+
+TEST_CASE("the JSON object has every key that it promises", "[launcher][metrics]") {
+  const auto json = ToJson(Measure(SampleEpisode()));
+  for (const char* key : {"all_goals_reached", "mapping_accuracy_before", "mapping_accuracy_after",
+                          "cell_accuracy_before", "cell_accuracy_after"}) {
+    CHECK(json.contains(key));
+  }
+  const auto& robot = json.at("robots").at(0);
+  for (const char* key : {"name", "world", "goals_reached", "goals_total", "cell_moves",
+                          "low_level_steps", "pictures", "picture_bytes", "guidance", "decisions",
+                          "decision_ms_median", "decision_ms_p99"}) {
+    CHECK(robot.contains(key));
+  }
+  CHECK(robot.at("picture_bytes") == 12345);
+  CHECK(robot.at("low_level_steps") == 17);
+}

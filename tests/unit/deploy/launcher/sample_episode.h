@@ -1,0 +1,48 @@
+#pragma once
+
+#include "launcher/episode.h"
+
+namespace conav::launcher {
+
+/// One robot in a 5 x 5 world with walls around: the operator's map has one wall too many, at
+/// (2,2), and lacks one, at (1,3). The robot went one cell east, sent a picture and went one on.
+inline Episode SampleEpisode() {
+  Episode episode = MakeEpisode(1, 1);
+  OccupancyGrid truth(5, 5, Occupancy::kFree);
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    if (truth.OnBorder(truth.CellAt(i))) truth.values()[i] = Occupancy::kOccupied;
+  }
+  truth[{1, 3}] = Occupancy::kOccupied;
+  OccupancyGrid initial = truth;
+  initial[{2, 2}] = Occupancy::kOccupied;
+  initial[{1, 3}] = Occupancy::kFree;
+  episode.worlds[0].truth = truth;
+  episode.worlds[0].initial_map = initial;
+
+  RobotState state;
+  state.world = episode.worlds[0].name;
+  state.robot = episode.robots[0].name;
+  state.cell = {3, 1};
+  state.path = {{3, 1}};
+  state.goals_left = {{3, 3}};
+  state.goals_total = 1;
+  Record(episode.robots[0], state);
+  Picture picture;
+  picture.sequence_number = 1;
+  picture.cell = {3, 2};
+  picture.path = {{3, 1}, {3, 2}};
+  Record(episode.robots[0], picture);
+  state.cell = {3, 3};
+  state.path = {{3, 2}, {3, 3}};
+  state.snapshots = 1;
+  state.goals_reached = {{3, 3}};
+  state.goals_left = {};
+  state.cell_moves = 2;
+  state.low_level_steps = 17;
+  state.pictures = 1;
+  state.picture_bytes = 12345;
+  Record(episode.robots[0], state);
+  return episode;
+}
+
+}  // namespace conav::launcher

@@ -1,0 +1,45 @@
+#include "launcher/svg.h"
+
+#include <catch2/catch.hpp>
+
+#include "launcher/svg_canvas.h"
+#include "sample_episode.h"
+
+using namespace conav::launcher;
+
+namespace {
+
+int Count(const std::string& text, const std::string& part) {
+  int count = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+}  // namespace
+
+TEST_CASE("the picture shows three maps, the way and the picture that was sent",
+          "[launcher][svg]") {
+  const std::string svg = EpisodeSvg(SampleEpisode(), "seed 1");
+  CHECK(Count(svg, "width=\"23.0\"") == 3 * 25);
+  CHECK(Count(svg, "<polyline") == 1);
+  CHECK(Count(svg, "operator's map before") == 1);
+  CHECK(Count(svg, "operator's map after 0 edits") == 1);
+  CHECK(Count(svg, "looking this way") == 1);
+  CHECK(svg.ends_with("</svg>\n"));
+}
+
+TEST_CASE("each mistake of the operator's map is marked by its kind", "[launcher][svg]") {
+  const std::string svg = EpisodeSvg(SampleEpisode(), "");
+  // before, after (nothing was edited) and the legend; a cross is two lines, the legend has one
+  // more
+  CHECK(Count(svg, "<line") == 3 * 2 + 1);
+  CHECK(Count(svg, "fill=\"none\"/>") == 3);
+}
+
+TEST_CASE("a world that was never heard of leaves an empty picture", "[launcher][svg]") {
+  CHECK_THAT(EpisodeSvg(MakeEpisode(1, 1), "nothing"), Catch::Contains("<title>nothing</title>"));
+}
+
+TEST_CASE("signs that mean something in XML are escaped", "[launcher][svg]") {
+  CHECK(EscapeXml("a<b & \"c\">") == "a&lt;b &amp; &quot;c&quot;&gt;");
+}
