@@ -30,17 +30,23 @@ struct Controls {
 struct ControlDecision {
   Controls controls;
   bool arrived = false;
+  bool driving = false;  // DecideMove: turned far enough to drive; hand it back in at the next step
 };
 
 /// A primitive gives up after this many control steps.
 inline constexpr int kStuckSteps = 60;
 
-/// Closed-loop motion primitives, one decision per 4 Hz step. Rolling and turning are first-order
-/// systems (v' = (u v_max - v) / tau), for which u = (distance - tau v) / (v_max T) is the control
-/// that leaves the robot at the target after coasting; it is cut to [-1, 1].
-/// Pure functions; constants in motion.cc are fitted to paper-notes' measured motion.
+/// Closed-loop motion primitives, one decision per 4 Hz step. Rolling and turning behave like
+/// first-order systems, v' = (u v_max - v) / tau, so a robot that is let go after one step of T
+/// seconds under u comes to rest tau v + u v_max T ahead. Solved for u, cut to [-1, 1], that is the
+/// control that ends at the target. Pure functions; the constants are fitted to the measured motion
+/// of the model (tests/unit/sim/physics/robot_world_test.cc).
+
+/// Turn towards `target`, drive, settle. Arrived within 0.06 m and nearly at rest.
 ControlDecision DecideMove(const RobotPose& pose, Position target, bool driving);
+/// Arrived within 0.5 degrees and nearly at rest.
 ControlDecision DecideTurn(const RobotPose& pose, double heading_rad);
+/// Brakes both motions.
 ControlDecision DecideHalt(const RobotPose& pose);
 
 }  // namespace conav::sim

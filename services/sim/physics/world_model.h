@@ -27,7 +27,7 @@ struct GoalSpec {
 
 /// What the physics is built from. Frame and units: GridGeometry's map frame, metres.
 struct PhysicsWorld {
-  OccupancyGrid truth;             // no kUnknown; at least 3x3; every border cell is a wall
+  OccupancyGrid truth;             // no kUnknown; 1x1 to kMaxCellsPerSide squared
   Grid<char> wall_classes;         // one texture per character; empty (0x0): all walls look alike
   Grid<char> floor_classes;        // '.' or ' ' is a corridor, others a room; empty: all corridor
   double cell_size_m = 2.0;        // at least kMinCellSizeM: the robot keeps its size
@@ -37,6 +37,8 @@ struct PhysicsWorld {
 };
 
 inline constexpr double kMinCellSizeM = 1.0;
+inline constexpr int kMaxCellsPerSide = 1024;
+inline constexpr int kMaxRobots = 64;
 inline constexpr double kWallHeightM = 1.5;
 inline constexpr double kGoalRadiusM = 0.6;  // smaller on cells under 2 m, see GoalRadius
 inline constexpr double kPhysicsStepS = 0.005;

@@ -1,0 +1,206 @@
+#include "sim/physics/robot_world.h"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/runtime/demand.h"
+#include "sim/physics/mjcf.h"
+
+namespace conav::sim {
+namespace {
+
+enum class Primitive : std::uint8_t { kNone, kMove, kTurn, kHalt, kDrive };
+
+int FindId(const mjModel& model, mjtObj type, const std::string& name) {
+  const int id = mj_name2id(&model, type, name.c_str());
+  DEMAND(id >= 0, name);
+  return id;
+}
+
+}  // namespace
+
+void DataDeleter::operator()(mjData_* data) const { mj_deleteData(data); }
+
+/// Where a robot's joints and motors are in MuJoCo's arrays, and what it is doing.
+struct RobotWorld::Robot {
+  int x_joint = 0;  // y and z follow
+  int steer_joint = 0;
+  int roll_joint = 0;
+  int roll_motor = 0;
+  int steer_motor = 0;
+
+  Primitive primitive = Primitive::kNone;
+  MotionStatus status = MotionStatus::kIdle;
+  Position target;
+  double heading_rad = 0.0;
+  Controls drive;
+  bool driving = false;
+  int primitive_steps = 0;
+
+  void Start(Primitive next) {
+    primitive = next;
+    status = next == Primitive::kNone ? MotionStatus::kIdle : MotionStatus::kRunning;
+    driving = false;
+    primitive_steps = 0;
+  }
+  ControlDecision Decide(const RobotPose& pose) const;
+  /// Controls for the next step; moves `status` on.
+  Controls NextControls(const RobotPose& pose);
+};
+
+ControlDecision RobotWorld::Robot::Decide(const RobotPose& pose) const {
+  switch (primitive) {
+    case Primitive::kMove:
+      return DecideMove(pose, target, driving);
+    case Primitive::kTurn:
+      return DecideTurn(pose, heading_rad);
+    case Primitive::kHalt:
+      return DecideHalt(pose);
+    case Primitive::kDrive:
+      return {drive};
+    case Primitive::kNone:
+      break;
+  }
+  return {};
+}
+
+Controls RobotWorld::Robot::NextControls(const RobotPose& pose) {
+  if (status == MotionStatus::kStuck) return DecideHalt(pose).controls;
+  if (status != MotionStatus::kRunning) return {};
+  if (primitive != Primitive::kDrive && primitive_steps >= kStuckSteps) {
+    status = MotionStatus::kStuck;
+    return DecideHalt(pose).controls;
+  }
+  ++primitive_steps;
+  const ControlDecision decision = Decide(pose);
+  driving = decision.driving;
+  return decision.controls;
+}
+
+Result<std::unique_ptr<RobotWorld>> RobotWorld::Create(PhysicsWorld world) {
+  auto model_result = BuildModel(world);
+  if (!model_result) return tl::unexpected(model_result.error());
+  return std::unique_ptr<RobotWorld>(
+      new RobotWorld(std::move(world), std::move(model_result.value())));
+}
+
+RobotWorld::RobotWorld(PhysicsWorld world, ModelPtr model)
+    : world_(std::move(world)),
+      geometry_{world_.truth.rows(), world_.truth.columns(), world_.cell_size_m},
+      model_(std::move(model)),
+      data_(mj_makeData(model_.get())) {
+  for (int i = 0; i < robot_count(); ++i) {
+    Robot robot;
+    robot.x_joint = FindId(*model_, mjOBJ_JOINT, RobotElement(i, "x"));
+    robot.steer_joint = FindId(*model_, mjOBJ_JOINT, RobotElement(i, "steer"));
+    robot.roll_joint = FindId(*model_, mjOBJ_JOINT, RobotElement(i, "roll"));
+    robot.roll_motor = FindId(*model_, mjOBJ_ACTUATOR, RobotElement(i, "roll"));
+    robot.steer_motor = FindId(*model_, mjOBJ_ACTUATOR, RobotElement(i, "steer"));
+    robots_.push_back(robot);
+  }
+  for (int i = 0; i < static_cast<int>(world_.goals.size()); ++i) {
+    goal_geoms_.push_back(FindId(*model_, mjOBJ_GEOM, GoalElement(i)));
+  }
+  for (int i = 0; i < robot_count(); ++i) {
+    const RobotSpec& spec = world_.robots[static_cast<std::size_t>(i)];
+    Teleport(i, geometry_.CellToPosition(spec.start), spec.heading_rad);
+  }
+}
+
+RobotWorld::~RobotWorld() = default;
+
+RobotWorld::Robot& RobotWorld::RobotAt(int robot) {
+  DEMAND(robot >= 0 && robot < robot_count(), robot, robot_count());
+  return robots_[static_cast<std::size_t>(robot)];
+}
+
+const RobotWorld::Robot& RobotWorld::RobotAt(int robot) const {
+  return const_cast<RobotWorld*>(this)->RobotAt(robot);
+}
+
+void RobotWorld::Step() {
+  for (int i = 0; i < robot_count(); ++i) {
+    Robot& robot = RobotAt(i);
+    const Controls controls = robot.NextControls(pose(i));
+    data_->ctrl[robot.roll_motor] = -controls.forward;
+    data_->ctrl[robot.steer_motor] = -controls.turn_left;
+  }
+  for (int substep = 0; substep < kSubsteps; ++substep) mj_step(model_.get(), data_.get());
+  ++steps_;
+  for (int i = 0; i < robot_count(); ++i) {
+    Robot& robot = RobotAt(i);
+    if (robot.status == MotionStatus::kRunning && robot.Decide(pose(i)).arrived) {
+      robot.status = MotionStatus::kArrived;
+    }
+  }
+}
+
+void RobotWorld::MoveTo(int robot, Cell target) {
+  DEMAND(world_.truth.Contains(target), target);
+  RobotAt(robot).Start(Primitive::kMove);
+  RobotAt(robot).target = geometry_.CellToPosition(target);
+}
+
+void RobotWorld::TurnTo(int robot, double heading_rad) {
+  DEMAND(std::isfinite(heading_rad), heading_rad);
+  RobotAt(robot).Start(Primitive::kTurn);
+  RobotAt(robot).heading_rad = heading_rad;
+}
+
+void RobotWorld::Halt(int robot) { RobotAt(robot).Start(Primitive::kHalt); }
+
+void RobotWorld::Drive(int robot, double roll, double steer) {
+  DEMAND(std::abs(roll) <= 1.0 && std::abs(steer) <= 1.0, roll, steer);
+  RobotAt(robot).Start(Primitive::kDrive);
+  RobotAt(robot).drive = {-roll, -steer};
+}
+
+MotionStatus RobotWorld::motion_status(int robot) const { return RobotAt(robot).status; }
+
+RobotPose RobotWorld::pose(int robot) const {
+  const Robot& joints = RobotAt(robot);
+  const mjtNum* position = data_->qpos + model_->jnt_qposadr[joints.x_joint];
+  const mjtNum* velocity = data_->qvel + model_->jnt_dofadr[joints.x_joint];
+  // MuJoCo's steer joint turns clockwise.
+  const double heading = WrapAngle(-data_->qpos[model_->jnt_qposadr[joints.steer_joint]]);
+  return {{position[0], position[1]},
+          heading,
+          velocity[0] * std::cos(heading) + velocity[1] * std::sin(heading),
+          -data_->qvel[model_->jnt_dofadr[joints.steer_joint]]};
+}
+
+Cell RobotWorld::cell(int robot) const { return geometry_.PositionToCell(pose(robot).position); }
+
+void RobotWorld::Teleport(int robot, Position position, double heading_rad) {
+  const Robot& joints = RobotAt(robot);
+  const int x = model_->jnt_qposadr[joints.x_joint];
+  data_->qpos[x] = position.x_m;
+  data_->qpos[x + 1] = position.y_m;
+  data_->qpos[x + 2] = 0.0;
+  data_->qpos[model_->jnt_qposadr[joints.steer_joint]] = -heading_rad;
+  const int dof = model_->jnt_dofadr[joints.x_joint];
+  std::fill_n(data_->qvel + dof, 3, 0.0);
+  for (const int joint : {joints.steer_joint, joints.roll_joint}) {
+    data_->qvel[model_->jnt_dofadr[joint]] = 0.0;
+  }
+  RobotAt(robot).Start(Primitive::kNone);
+  mj_forward(model_.get(), data_.get());
+}
+
+void RobotWorld::SetGoalVisible(int goal, bool visible) {
+  DEMAND(goal >= 0 && static_cast<std::size_t>(goal) < goal_geoms_.size(), goal);
+  model_->geom_group[goal_geoms_[static_cast<std::size_t>(goal)]] =
+      visible ? kVisibleGroup : kHiddenGroup;
+}
+
+bool RobotWorld::goal_visible(int goal) const {
+  DEMAND(goal >= 0 && static_cast<std::size_t>(goal) < goal_geoms_.size(), goal);
+  return model_->geom_group[goal_geoms_[static_cast<std::size_t>(goal)]] == kVisibleGroup;
+}
+
+double RobotWorld::time_s() const { return static_cast<double>(steps_) * kControlStepS; }
+
+}  // namespace conav::sim

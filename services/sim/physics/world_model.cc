@@ -1,0 +1,138 @@
+#include "sim/physics/world_model.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "common/runtime/demand.h"
+#include "sim/physics/mjcf.h"
+#include "sim/physics/textures.h"
+
+namespace conav::sim {
+namespace {
+
+Result<void> CheckGrid(const PhysicsWorld& world) {
+  const OccupancyGrid& truth = world.truth;
+  if (!std::isfinite(world.cell_size_m) || world.cell_size_m < kMinCellSizeM) {
+    return Fail(ErrorCode::kOutOfRange,
+                fmt::format("cell size {} m is too small for the robot; at least {} m",
+                            world.cell_size_m, kMinCellSizeM));
+  }
+  if (truth.size() == 0 || truth.rows() > kMaxCellsPerSide || truth.columns() > kMaxCellsPerSide) {
+    return Fail(ErrorCode::kOutOfRange,
+                fmt::format("map of {}x{} cells; 1 to {} per side", truth.rows(), truth.columns(),
+                            kMaxCellsPerSide));
+  }
+  const auto unknown = std::ranges::find(truth.values(), Occupancy::kUnknown);
+  if (unknown != truth.values().end()) {
+    const auto index = static_cast<std::size_t>(unknown - truth.values().begin());
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("cell {} of the true map is unknown", truth.CellAt(index)));
+  }
+  for (const Grid<char>* classes : {&world.wall_classes, &world.floor_classes}) {
+    if (classes->size() != 0 &&
+        (classes->rows() != truth.rows() || classes->columns() != truth.columns())) {
+      return Fail(ErrorCode::kInvalidArgument,
+                  fmt::format("texture classes of {}x{} cells for a map of {}x{}", classes->rows(),
+                              classes->columns(), truth.rows(), truth.columns()));
+    }
+  }
+  return {};
+}
+
+/// `what` and `cell` are named when the cell is outside or a wall.
+Result<void> CheckFree(const PhysicsWorld& world, const std::string& what, Cell cell) {
+  if (!world.truth.Contains(cell)) {
+    return Fail(ErrorCode::kOutOfRange,
+                fmt::format("{} at {} lies outside of the {}x{} map", what, cell,
+                            world.truth.rows(), world.truth.columns()));
+  }
+  if (world.truth[cell] == Occupancy::kOccupied) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{} at {} is inside of a wall", what, cell));
+  }
+  return {};
+}
+
+Result<void> CheckRobots(const PhysicsWorld& world) {
+  if (world.robots.empty() || world.robots.size() > kMaxRobots) {
+    return Fail(ErrorCode::kOutOfRange,
+                fmt::format("{} robots; 1 to {}", world.robots.size(), kMaxRobots));
+  }
+  std::set<Cell> taken;
+  std::set<std::string> names;
+  for (const RobotSpec& robot : world.robots) {
+    if (auto checked = CheckFree(world, "robot " + robot.name, robot.start); !checked) {
+      return checked;
+    }
+    if (!std::isfinite(robot.heading_rad)) {
+      return Fail(ErrorCode::kInvalidArgument, "heading of robot " + robot.name + " is not finite");
+    }
+    if (!names.insert(robot.name).second) {
+      return Fail(ErrorCode::kInvalidArgument, "two robots are named " + robot.name);
+    }
+    if (!taken.insert(robot.start).second) {
+      return Fail(ErrorCode::kInvalidArgument,
+                  fmt::format("two robots start at cell {}", robot.start));
+    }
+  }
+  return {};
+}
+
+void PaintTexture(mjModel& model, const std::string& name, Rgb color, int variant,
+                  void (*draw)(Rgb, int, std::span<std::uint8_t>)) {
+  const int id = mj_name2id(&model, mjOBJ_TEXTURE, name.c_str());
+  DEMAND(id >= 0, name);
+  draw(color, variant,
+       {model.tex_rgb + model.tex_adr[id],
+        static_cast<std::size_t>(kTextureSize) * kTextureSize * 3});
+}
+
+void PaintTextures(mjModel& model) {
+  for (int i = 0; i < kWallTextureCount; ++i) {
+    PaintTexture(model, WallTextureName(i), kWallColors[i], i, DrawWallTexture);
+  }
+  for (int i = 0; i < kFloorTextureCount; ++i) {
+    PaintTexture(model, FloorTextureName(i), kFloorColors[i], i, DrawFloorTexture);
+  }
+}
+
+}  // namespace
+
+double GoalRadius(double cell_size_m) { return std::min(kGoalRadiusM, 0.3 * cell_size_m); }
+
+void ModelDeleter::operator()(mjModel_* model) const { mj_deleteModel(model); }
+
+Result<void> CheckWorld(const PhysicsWorld& world) {
+  if (auto checked = CheckGrid(world); !checked) return checked;
+  if (auto checked = CheckRobots(world); !checked) return checked;
+  for (std::size_t i = 0; i < world.goals.size(); ++i) {
+    if (auto checked = CheckFree(world, fmt::format("goal {}", i), world.goals[i].cell); !checked) {
+      return checked;
+    }
+  }
+  return {};
+}
+
+Result<ModelPtr> BuildModel(const PhysicsWorld& world) {
+  if (auto checked = CheckWorld(world); !checked) return tl::unexpected(checked.error());
+  const std::string text = WriteMjcf(world);
+  const auto files = std::make_unique<mjVFS>();  // large: not for the stack
+  mj_defaultVFS(files.get());
+  DEMAND(mj_makeEmptyFileVFS(files.get(), "world.xml", static_cast<int>(text.size())) == 0,
+         text.size());
+  std::ranges::copy(text, static_cast<char*>(files->filedata[0]));
+  char error[1000] = "";
+  ModelPtr model(mj_loadXML("world.xml", files.get(), error, sizeof(error)));
+  mj_deleteVFS(files.get());
+  if (!model) {
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("MuJoCo refuses the world: {}", error));
+  }
+  PaintTextures(*model);
+  return model;
+}
+
+}  // namespace conav::sim
