@@ -1,0 +1,164 @@
+#include "nhpm/model/glpf.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+
+namespace conav::nhpm {
+namespace {
+
+/// Round numbers: x(d) = 2^-d, P(x) = 0.1 + 0.7 / (1 + e^(-4 (x - 0.5))).
+GlpfParameters RoundParameters() {
+  return {.alpha_d = std::log(2.0), .alpha_m = 0.5, .beta = 4.0, .rho = 0.1, .lambda = 0.2};
+}
+
+/// 5 x 5, camera in the middle, all free on the belief but for the border.
+PerceptionQuery QueryInTheMiddle() {
+  PerceptionQuery query;
+  query.belief = BeliefGrid(5, 5, 0.0F);
+  for (std::size_t i = 0; i < 25; ++i) {
+    if (query.belief.OnBorder(query.belief.CellAt(i))) query.belief.values()[i] = 1.0F;
+  }
+  query.cell = {2, 2};
+  query.visible.free = {{2, 2}};
+  return query;
+}
+
+PerceptionAnswer Ask(const Glpf& model, const PerceptionQuery& query) {
+  const auto answers = model.Predict({&query, 1});
+  REQUIRE(answers);
+  return answers->front();
+}
+
+TEST_CASE("The response is the logistic function of the paper", "[nhpm][model]") {
+  const Glpf model(RoundParameters());
+  CHECK(model.Stimulus(0.0) == 1.0);
+  CHECK(model.Stimulus(1.0) == Approx(0.5));
+  CHECK(model.Stimulus(3.0) == Approx(0.125));
+  CHECK(model.Response(0.5) == Approx(0.45));         // the middle: 0.1 + 0.7 / 2
+  CHECK(model.Response(0.0) == Approx(0.183442047));  // 0.1 + 0.7 / (1 + e^2)
+  CHECK(model.Response(1.0) == Approx(0.716557953));  // 0.1 + 0.7 / (1 + e^-2)
+}
+
+TEST_CASE("Tied alphas use the decay as midpoint", "[nhpm][model]") {
+  GlpfParameters parameters = RoundParameters();
+  parameters.tie_alphas = true;
+  const Glpf model(parameters);
+  CHECK(model.Response(std::log(2.0)) == Approx(0.45));
+}
+
+TEST_CASE("Rho and lambda bound a steep response", "[nhpm][model]") {
+  GlpfParameters parameters = RoundParameters();
+  parameters.beta = 1000.0;
+  const Glpf model(parameters);
+  CHECK(model.Response(0.0) == Approx(0.1));
+  CHECK(model.Response(1.0) == Approx(0.8));
+}
+
+TEST_CASE("A wall that the belief lacks is added with the response to its distance",
+          "[nhpm][model]") {
+  PerceptionQuery query = QueryInTheMiddle();
+  query.visible.walls = {{2, 3}};
+  const PerceptionAnswer answer = Ask(Glpf(RoundParameters()), query);
+  CHECK(answer.add[{2, 3}] == Approx(0.45));         // d = 1
+  CHECK(answer.add[{1, 1}] == Approx(0.183442047));  // no stimulus
+  CHECK(answer.remove[{2, 3}] == 0.0F);
+}
+
+TEST_CASE("A wall of the belief that is free is removed with the response to its distance",
+          "[nhpm][model]") {
+  PerceptionQuery query = QueryInTheMiddle();
+  query.belief[{1, 1}] = 1.0F;
+  query.visible.free = {{1, 1}, {2, 2}};
+  const PerceptionAnswer answer = Ask(Glpf(RoundParameters()), query);
+  // d = sqrt 2: x = 2^-sqrt(2) = 0.375214, P = 0.1 + 0.7 / (1 + e^0.499143)
+  CHECK(answer.remove[{1, 1}] == Approx(0.364419).epsilon(1e-5));
+  CHECK(answer.add[{1, 1}] == 0.0F);
+}
+
+TEST_CASE("A cell that is right gives no stimulus", "[nhpm][model]") {
+  PerceptionQuery query = QueryInTheMiddle();
+  query.belief[{2, 3}] = 1.0F;
+  query.visible.walls = {{2, 3}};
+  const PerceptionAnswer answer = Ask(Glpf(RoundParameters()), query);
+  CHECK(answer.remove[{2, 3}] == Approx(0.183442047));
+  CHECK(answer.add[{2, 3}] == 0.0F);
+  CHECK(answer.add[{2, 2}] == Approx(0.183442047));
+}
+
+TEST_CASE("The path shows walls of the belief to be free, unless only the view counts",
+          "[nhpm][model]") {
+  PerceptionQuery query = QueryInTheMiddle();
+  query.belief[{2, 1}] = 1.0F;
+  query.path = {{2, 1}, {2, 2}};
+  CHECK(Ask(Glpf(RoundParameters()), query).remove[{2, 1}] == Approx(0.45));
+  GlpfParameters parameters = RoundParameters();
+  parameters.visible_only = true;
+  CHECK(Ask(Glpf(parameters), query).remove[{2, 1}] == Approx(0.183442047));
+}
+
+TEST_CASE("The border is never edited", "[nhpm][model]") {
+  PerceptionQuery query = QueryInTheMiddle();
+  query.cell = {2, 3};
+  query.belief[{2, 4}] = 0.0F;
+  query.visible = {{{2, 3}, {4, 3}}, {{2, 4}}};
+  query.path = {{3, 4}};
+  const PerceptionAnswer answer = Ask(Glpf(RoundParameters()), query);
+  for (std::size_t i = 0; i < 25; ++i) {
+    if (!query.belief.OnBorder(query.belief.CellAt(i))) continue;
+    CHECK(answer.add.values()[i] == 0.0F);
+    CHECK(answer.remove.values()[i] == 0.0F);
+  }
+}
+
+TEST_CASE("An uncertain belief is a mixture of both labels", "[nhpm][model]") {
+  PerceptionQuery query = QueryInTheMiddle();
+  query.belief[{2, 3}] = 0.25F;
+  query.visible.walls = {{2, 3}};
+  const PerceptionAnswer answer = Ask(Glpf(RoundParameters()), query);
+  CHECK(answer.add[{2, 3}] == Approx(0.75 * 0.45));
+  CHECK(answer.remove[{2, 3}] == Approx(0.25 * 0.183442047));
+}
+
+TEST_CASE("By default near mistakes are noticed, far ones less, and no mistake means no edit",
+          "[nhpm][model]") {
+  const Glpf model;
+  CHECK(model.Response(model.Stimulus(1.0)) > 0.85);
+  CHECK(model.Response(model.Stimulus(7.0)) == Approx(0.43).margin(0.02));
+  CHECK(model.Response(model.Stimulus(12.0)) < 0.01);
+  PerceptionQuery query;
+  query.belief = BeliefGrid(15, 15, 0.0F);
+  query.cell = {7, 7};
+  query.visible.free = {{7, 7}, {7, 8}};
+  CHECK(ExpectedEdits(Ask(model, query)) < 0.01);
+  query.belief = BeliefGrid(200, 200, 0.0F);
+  CHECK(ExpectedEdits(Ask(model, query)) < 0.7);
+}
+
+TEST_CASE("No query gives no answer, an impossible one a refusal", "[nhpm][model]") {
+  const Glpf model;
+  CHECK(model.Predict({})->empty());
+  PerceptionQuery query = QueryInTheMiddle();
+  query.belief[{2, 2}] = std::numeric_limits<float>::quiet_NaN();
+  const auto answers = model.Predict({&query, 1});
+  REQUIRE_FALSE(answers);
+  CHECK(answers.error().code == ErrorCode::kInvalidArgument);
+}
+
+TEST_CASE("The version names the parameters", "[nhpm][model]") {
+  CHECK(Glpf().version() ==
+        "1 alpha_d=0.1 alpha_m=0.5 beta=24 rho=1e-05 lambda=0.1 visible_only=false");
+}
+
+TEST_CASE("Parameters are read from a config section, out of range ones are refused",
+          "[nhpm][model]") {
+  GlpfParameters parameters;
+  ReadConfig(YAML::Load("{alpha_d: 0.25, visible_only: true}"), "nhpm.glpf", parameters);
+  CHECK(parameters.alpha_d == 0.25);
+  CHECK(parameters.visible_only);
+  CHECK_THROWS_AS(ReadConfig(YAML::Load("{lambda: 0.6}"), "nhpm.glpf", parameters), StartupError);
+  CHECK_THROWS_AS(ReadConfig(YAML::Load("{gamma: 1}"), "nhpm.glpf", parameters), StartupError);
+}
+
+}  // namespace
+}  // namespace conav::nhpm
