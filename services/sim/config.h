@@ -68,6 +68,9 @@ struct SimConfig {
   int goals_per_robot = 0;
   /// One list of goals for all; the first robot to reach one claims it.
   bool shared_goals = false;
+  /// [row, column] of each robot's start, and of the goals of every robot; empty = drawn.
+  std::vector<std::vector<int>> starts;
+  std::vector<std::vector<int>> goals;
   /// How far a robot sees around itself, in cells; walls occlude. The paper gives no number.
   double observation_distance_cells = 2.0;
   CorruptionConfig corruption;
@@ -84,6 +87,8 @@ struct SimConfig {
     reader.Section("map", map);
     reader.Field("goals_per_robot", goals_per_robot, 0, 100);
     reader.Field("shared_goals", shared_goals);
+    reader.Field("starts", starts);
+    reader.Field("goals", goals);
     reader.Field("observation_distance_cells", observation_distance_cells, 0.0, 100.0);
     reader.Section("corruption", corruption);
     reader.Section("camera", camera);

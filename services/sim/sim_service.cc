@@ -1,5 +1,8 @@
 #include "sim/sim_service.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 
 #include "common/bus/send.h"
@@ -12,6 +15,18 @@ namespace {
 
 constexpr std::chrono::milliseconds kIdleWait{100};
 
+std::vector<Cell> CellsFrom(const std::vector<std::vector<int>>& pairs, const char* key) {
+  std::vector<Cell> cells;
+  for (const std::vector<int>& pair : pairs) {
+    if (pair.size() != 2) {
+      throw StartupError(
+          fmt::format("sim.{}: [{}] is no [row, column]", key, fmt::join(pair, ", ")));
+    }
+    cells.push_back({pair[0], pair[1]});
+  }
+  return cells;
+}
+
 WorldOptions OptionsFrom(const SimConfig& config) {
   return {.seed = config.seed,
           .preset = config.preset,
@@ -22,6 +37,8 @@ WorldOptions OptionsFrom(const SimConfig& config) {
           .robots = static_cast<int>(config.robots.size()),
           .goals_per_robot = config.goals_per_robot,
           .shared_goals = config.shared_goals,
+          .starts = CellsFrom(config.starts, "starts"),
+          .goals = CellsFrom(config.goals, "goals"),
           .wrong_share = config.corruption.wrong_share,
           .false_wall_share = config.corruption.false_wall_share};
 }

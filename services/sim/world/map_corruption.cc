@@ -90,6 +90,8 @@ Cell TakeWeighted(std::vector<Candidate>& candidates, Random& random) {
 Result<OccupancyGrid> CorruptMap(const OccupancyGrid& truth, const std::set<Cell>& kept,
                                  const MapCorruptionOptions& options, std::uint64_t seed) {
   DEMAND(options.wrong_share >= 0.0 && options.wrong_share <= 1.0, options.wrong_share);
+  DEMAND(options.false_wall_share >= 0.0 && options.false_wall_share <= 1.0,
+         options.false_wall_share);
   Random random(seed);
   const ErrorField field(truth, options, random);
   Candidates candidates = FindCandidates(truth, kept, field);
@@ -101,7 +103,9 @@ Result<OccupancyGrid> CorruptMap(const OccupancyGrid& truth, const std::set<Cell
                 fmt::format("{} wrong cells wanted on the operator's map, only {} can be wrong",
                             count, possible));
   }
-  const std::size_t missing = count - std::min(count, std::min(candidates.free.size(), count / 2));
+  const auto wanted =
+      static_cast<std::size_t>(std::floor(options.false_wall_share * static_cast<double>(count)));
+  const std::size_t missing = count - std::min(candidates.free.size(), wanted);
   const std::size_t walls = std::min(missing, candidates.walls.size());
   OccupancyGrid map = truth;
   for (std::size_t i = 0; i < walls; ++i) {

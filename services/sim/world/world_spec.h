@@ -24,6 +24,8 @@ struct WorldOptions {
   int robots = 1;
   int goals_per_robot = 0;  // 0 = the preset's number
   bool shared_goals = false;
+  std::vector<Cell> starts;       // one per robot; empty = drawn
+  std::vector<Cell> goals;        // of every robot; empty = goals_per_robot are drawn for each
   double wrong_share = 0.12;      // of all cells, wrong on the initial human map (paper-notes 3.7)
   double false_wall_share = 0.5;  // of the wrong cells, free in truth and drawn as walls
 };
@@ -42,9 +44,16 @@ struct WorldSpec {
   bool shared_goals = false;
 };
 
-/// Errors: kNotFound (preset, file), kMalformed (map file; names file and key), kOutOfRange (too
-/// many robots or goals for the free cells, wrong_share), kInvalidArgument (a goal that its robot
-/// cannot reach).
+/// Builds a world. Starts are drawn from the maze's P cells first, goals from its G cells first,
+/// then both from the other free cells; drawn goals are different for each robot unless shared. A
+/// maze with fewer G cells than its preset has goals is made again, as MemoryMaze does. On a map
+/// file, starts and goals are drawn from the largest connected free area. Maze, starts, goals and
+/// corruption have independent random sources, so that robot 1 is the same in a world with more
+/// robots.
+///
+/// Errors: kNotFound (preset), those of LoadMapPair (map file; names file and key), kOutOfRange
+/// (too many robots or goals for the free cells, wrong_share), kInvalidArgument (given starts or
+/// goals that are walls, equal, too few, or that the robot cannot reach).
 [[nodiscard]] Result<WorldSpec> MakeWorldSpec(const WorldOptions& options);
 
 }  // namespace conav::sim

@@ -1,0 +1,178 @@
+#include "sim/world/world_spec.h"
+
+#include <fmt/format.h>
+
+#include <set>
+
+#include "common/runtime/random.h"
+#include "sim/world/map_corruption.h"
+#include "sim/world/world_cells.h"
+#include "sim/world/world_site.h"
+
+namespace conav::sim {
+namespace {
+
+/// Purposes for DeriveSeed.
+constexpr std::uint64_t kStartSeed = 1;
+constexpr std::uint64_t kGoalSeed = 2;
+constexpr std::uint64_t kCorruptionSeed = 3;
+
+Result<void> CheckOptions(const WorldOptions& options) {
+  const auto in_unit = [](double value) { return value >= 0.0 && value <= 1.0; };
+  if (options.robots < 1) {
+    return Fail(ErrorCode::kOutOfRange,
+                fmt::format("robots = {}: a world needs at least one", options.robots));
+  }
+  if (options.goals_per_robot < 0) {
+    return Fail(ErrorCode::kOutOfRange,
+                fmt::format("goals_per_robot = {} is negative", options.goals_per_robot));
+  }
+  if (!in_unit(options.wrong_share) || !in_unit(options.false_wall_share)) {
+    return Fail(ErrorCode::kOutOfRange,
+                fmt::format("wrong_share = {} and false_wall_share = {} must be in [0, 1]",
+                            options.wrong_share, options.false_wall_share));
+  }
+  if (options.map_yaml.empty() && !options.operator_map_yaml.empty()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("the operator's map {} needs a map of the truth",
+                            options.operator_map_yaml.string()));
+  }
+  return {};
+}
+
+/// Given starts and goals: free cells, each once.
+Result<void> CheckCells(const OccupancyGrid& truth, const std::vector<Cell>& cells,
+                        const char* what) {
+  std::set<Cell> seen;
+  for (const Cell cell : cells) {
+    if (!truth.Contains(cell)) {
+      return Fail(ErrorCode::kInvalidArgument,
+                  fmt::format("{} {} is outside of the {} x {} map", what, cell, truth.rows(),
+                              truth.columns()));
+    }
+    if (truth[cell] != Occupancy::kFree) {
+      return Fail(ErrorCode::kInvalidArgument, fmt::format("{} {} is a wall", what, cell));
+    }
+    if (!seen.insert(cell).second) {
+      return Fail(ErrorCode::kInvalidArgument, fmt::format("{} {} is given twice", what, cell));
+    }
+  }
+  return {};
+}
+
+Result<void> PlaceStarts(const Site& site, const WorldOptions& options, std::set<Cell>& taken,
+                         WorldSpec& spec) {
+  const auto robots = static_cast<std::size_t>(options.robots);
+  if (!options.starts.empty()) {
+    if (options.starts.size() != robots) {
+      return Fail(ErrorCode::kInvalidArgument,
+                  fmt::format("{} starts are given for {} robots", options.starts.size(), robots));
+    }
+    spec.starts = options.starts;
+    taken.insert(options.starts.begin(), options.starts.end());
+    return CheckCells(site.truth, options.starts, "start");
+  }
+  Random random(DeriveSeed(options.seed, kStartSeed));
+  CellDeck deck(site.spawns, LargestFreeArea(site.truth), random);
+  while (spec.starts.size() < robots) {
+    const Result<Cell> cell = deck.Draw(taken);
+    if (!cell) {
+      return Fail(cell.error().code,
+                  fmt::format("robot {} of {} has no place to start: {}", spec.starts.size() + 1,
+                              robots, cell.error().text));
+    }
+    spec.starts.push_back(*cell);
+  }
+  return {};
+}
+
+Result<std::vector<Cell>> DrawGoals(CellDeck& deck, int count, std::size_t robot,
+                                    std::set<Cell>& taken) {
+  std::vector<Cell> goals;
+  while (static_cast<int>(goals.size()) < count) {
+    const Result<Cell> cell = deck.Draw(taken);
+    if (!cell) {
+      return Fail(cell.error().code,
+                  fmt::format("goal {} of {} of robot {} has no place: {}", goals.size() + 1, count,
+                              robot + 1, cell.error().text));
+    }
+    goals.push_back(*cell);
+  }
+  return goals;
+}
+
+Result<void> PlaceGoals(const Site& site, const WorldOptions& options, std::set<Cell>& taken,
+                        WorldSpec& spec) {
+  const std::size_t robots = spec.starts.size();
+  if (!options.goals.empty()) {
+    spec.goals.assign(robots, options.goals);
+    taken.insert(options.goals.begin(), options.goals.end());
+    return CheckCells(site.truth, options.goals, "goal");
+  }
+  const int count = options.goals_per_robot > 0 ? options.goals_per_robot : site.goals;
+  Random random(DeriveSeed(options.seed, kGoalSeed));
+  CellDeck deck(site.objects, ReachableCells(site.truth, spec.starts.front()), random);
+  for (std::size_t robot = 0; robot < robots; ++robot) {
+    if (robot > 0 && options.shared_goals) {
+      spec.goals.push_back(spec.goals.front());
+      continue;
+    }
+    Result<std::vector<Cell>> goals = DrawGoals(deck, count, robot, taken);
+    if (!goals) return tl::unexpected(goals.error());
+    spec.goals.push_back(*std::move(goals));
+  }
+  return {};
+}
+
+Result<void> CheckReachable(const WorldSpec& spec) {
+  for (std::size_t robot = 0; robot < spec.starts.size(); ++robot) {
+    const std::set<Cell> reachable = ReachableCells(spec.truth, spec.starts[robot]);
+    for (const Cell goal : spec.goals[robot]) {
+      if (reachable.contains(goal)) continue;
+      return Fail(ErrorCode::kInvalidArgument,
+                  fmt::format("goal {} cannot be reached from the start {} of robot {}", goal,
+                              spec.starts[robot], robot + 1));
+    }
+  }
+  return {};
+}
+
+Result<void> MakeHumanMap(Site& site, const WorldOptions& options, const std::set<Cell>& kept,
+                          WorldSpec& spec) {
+  if (site.plan.has_value()) {
+    spec.human_map = *std::move(site.plan);
+    return {};
+  }
+  MapCorruptionOptions corruption;
+  corruption.wrong_share = options.wrong_share;
+  corruption.false_wall_share = options.false_wall_share;
+  Result<OccupancyGrid> map =
+      CorruptMap(spec.truth, kept, corruption, DeriveSeed(options.seed, kCorruptionSeed));
+  if (!map) return tl::unexpected(map.error());
+  spec.human_map = *std::move(map);
+  return {};
+}
+
+}  // namespace
+
+Result<WorldSpec> MakeWorldSpec(const WorldOptions& options) {
+  if (const auto valid = CheckOptions(options); !valid) return tl::unexpected(valid.error());
+  Result<Site> site = MakeSite(options);
+  if (!site) return tl::unexpected(site.error());
+  WorldSpec spec;
+  spec.truth = site->truth;
+  spec.wall_classes = site->wall_classes;
+  spec.floor_classes = site->floor_classes;
+  spec.cell_size_m = site->cell_size_m;
+  spec.shared_goals = options.shared_goals;
+  std::set<Cell> taken;
+  const Result<void> placed =
+      PlaceStarts(*site, options, taken, spec)
+          .and_then([&] { return PlaceGoals(*site, options, taken, spec); })
+          .and_then([&] { return CheckReachable(spec); })
+          .and_then([&] { return MakeHumanMap(*site, options, taken, spec); });
+  if (!placed) return tl::unexpected(placed.error());
+  return spec;
+}
+
+}  // namespace conav::sim

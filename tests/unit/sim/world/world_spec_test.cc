@@ -1,0 +1,206 @@
+#include "sim/world/world_spec.h"
+
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <set>
+
+#include "common/grid/map_accuracy.h"
+#include "sim/world/maze_presets.h"
+#include "sim/world/world_cells.h"
+
+namespace conav::sim {
+namespace {
+
+WorldOptions WithRobots(int robots) {
+  WorldOptions options;
+  options.robots = robots;
+  return options;
+}
+
+std::string RefusalOf(const WorldOptions& options) {
+  const Result<WorldSpec> result = MakeWorldSpec(options);
+  return result ? "" : result.error().text;
+}
+
+/// A building of two rooms with no door between them: 3 x 8 cells, one pixel each.
+class Building {
+ public:
+  Building() : folder_(std::filesystem::temp_directory_path() / name()) {
+    std::filesystem::create_directories(folder_);
+    Write("truth.pgm",
+          "P2\n8 3\n255\n0 0 0 0 0 0 0 0\n0 254 254 254 0 254 254 0\n0 0 0 0 0 0 0 0\n");
+    Write("plan.pgm",
+          "P2\n8 3\n255\n0 0 0 0 0 0 0 0\n0 254 0 254 254 254 254 0\n0 0 0 0 0 0 0 0\n");
+  }
+  ~Building() { std::filesystem::remove_all(folder_); }
+
+  WorldOptions options() const {
+    WorldOptions options;
+    options.map_yaml = Header("truth");
+    options.operator_map_yaml = Header("plan");
+    options.cell_size_m = 1.0;
+    options.goals_per_robot = 2;
+    return options;
+  }
+
+ private:
+  static std::string name() { return "conav_world_spec_" + std::to_string(getpid()); }
+  std::filesystem::path Write(const std::string& file, const std::string& text) const {
+    std::ofstream(folder_ / file) << text;
+    return folder_ / file;
+  }
+  std::filesystem::path Header(const std::string& name) const {
+    return Write(name + ".yaml", "image: " + name +
+                                     ".pgm\nresolution: 1.0\norigin: [0, 0, 0]\nnegate: 0\n"
+                                     "occupied_thresh: 0.65\nfree_thresh: 0.196\n");
+  }
+
+  std::filesystem::path folder_;
+};
+
+}  // namespace
+
+TEST_CASE("seed S makes the maze of the paper's seed S", "[sim][world]") {
+  WorldOptions options;
+  options.seed = 234;
+  const WorldSpec spec = MakeWorldSpec(options).value();
+  const Maze maze =
+      GenerateMaze(FindMazePreset("conav13").value().options, 133003720, kFirstEpisodeGeneration);
+  for (std::size_t i = 0; i < spec.truth.size(); ++i) {
+    const bool wall = maze.entities.values()[i] == kMazeWall;
+    CHECK((spec.truth.values()[i] == Occupancy::kOccupied) == wall);
+    CHECK((spec.wall_classes.values()[i] >= '0' && spec.wall_classes.values()[i] <= '8') == wall);
+  }
+  CHECK(maze.entities[spec.starts[0]] == kMazeSpawn);
+  REQUIRE(spec.goals[0].size() == 4);
+  for (const Cell goal : spec.goals[0]) CHECK(maze.entities[goal] == kMazeObject);
+  CHECK(spec.floor_classes == maze.variations);
+}
+
+TEST_CASE("goals can be reached and starts and goals are different cells", "[sim][world]") {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    WorldOptions options = WithRobots(4);
+    options.seed = seed;
+    const WorldSpec spec = MakeWorldSpec(options).value();
+    std::set<Cell> cells(spec.starts.begin(), spec.starts.end());
+    for (std::size_t robot = 0; robot < 4; ++robot) {
+      const std::set<Cell> reachable = ReachableCells(spec.truth, spec.starts[robot]);
+      for (const Cell goal : spec.goals[robot]) CHECK(reachable.contains(goal));
+      cells.insert(spec.goals[robot].begin(), spec.goals[robot].end());
+    }
+    CHECK(cells.size() == 4 + 4 * 4);
+  }
+}
+
+TEST_CASE("the operator's map is wrong in 20 cells, never where somebody starts or goes",
+          "[sim][world]") {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    WorldOptions options = WithRobots(2);
+    options.seed = seed;
+    const WorldSpec spec = MakeWorldSpec(options).value();
+    CHECK(CompareMaps(spec.truth, spec.human_map, ToBelief(spec.human_map)).wrong_at_first == 20);
+    for (const Cell start : spec.starts) CHECK(spec.human_map[start] == Occupancy::kFree);
+    for (const Cell goal : spec.goals[1]) CHECK(spec.human_map[goal] == Occupancy::kFree);
+  }
+}
+
+TEST_CASE("the same seed gives the same world", "[sim][world]") {
+  const WorldSpec a = MakeWorldSpec(WithRobots(3)).value();
+  const WorldSpec b = MakeWorldSpec(WithRobots(3)).value();
+  CHECK(a.truth == b.truth);
+  CHECK(a.human_map == b.human_map);
+  CHECK(a.starts == b.starts);
+  CHECK(a.goals == b.goals);
+}
+
+TEST_CASE("robot 1 has the same start and goals among more robots", "[sim][world]") {
+  const WorldSpec one = MakeWorldSpec(WithRobots(1)).value();
+  const WorldSpec five = MakeWorldSpec(WithRobots(5)).value();
+  CHECK(one.starts[0] == five.starts[0]);
+  CHECK(one.goals[0] == five.goals[0]);
+}
+
+TEST_CASE("shared goals are one list for all robots", "[sim][world]") {
+  WorldOptions options = WithRobots(3);
+  options.shared_goals = true;
+  const WorldSpec spec = MakeWorldSpec(options).value();
+  CHECK(spec.goals[0].size() == 4);
+  CHECK(spec.goals[1] == spec.goals[0]);
+  CHECK(spec.goals[2] == spec.goals[0]);
+}
+
+TEST_CASE("every preset makes a world with its number of goals", "[sim][world]") {
+  for (const MazePreset& preset : MazePresets()) {
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      WorldOptions options;
+      options.seed = seed;
+      options.preset = preset.name;
+      INFO(preset.name << " seed " << seed);
+      CHECK(MakeWorldSpec(options).value().goals[0].size() ==
+            static_cast<std::size_t>(preset.goals));
+    }
+  }
+}
+
+TEST_CASE("a seed beyond 32 bits makes a world too", "[sim][world]") {
+  WorldOptions options;
+  options.seed = 0x1'0000'0009;
+  WorldOptions folded;
+  folded.seed = 9;
+  CHECK(MakeWorldSpec(options).value().truth != MakeWorldSpec(folded).value().truth);
+}
+
+TEST_CASE("a building and its outdated plan make a world", "[sim][world]") {
+  const Building building;
+  const WorldSpec spec = MakeWorldSpec(building.options()).value();
+  CHECK(spec.cell_size_m == 1.0);
+  CHECK(spec.truth[{1, 4}] == Occupancy::kOccupied);
+  CHECK(spec.human_map[{1, 4}] == Occupancy::kFree);
+  CHECK(spec.human_map[{1, 2}] == Occupancy::kOccupied);
+  CHECK(spec.starts[0].column <= 3);  // the larger room
+}
+
+TEST_CASE("a building without a plan gets a corrupted one", "[sim][world]") {
+  const Building building;
+  WorldOptions options = building.options();
+  options.operator_map_yaml.clear();
+  options.goals = {{1, 1}};
+  options.starts = {{1, 2}};
+  const WorldSpec spec = MakeWorldSpec(options).value();  // round(0.12 * 24) = 3 wrong cells
+  CHECK(CompareMaps(spec.truth, spec.human_map, ToBelief(spec.human_map)).wrong_at_first == 3);
+  CHECK(spec.human_map[{1, 1}] == Occupancy::kFree);
+}
+
+TEST_CASE("impossible worlds are refused by name and value", "[sim][world]") {
+  CHECK_THAT(RefusalOf({.preset = "huge"}), Catch::StartsWith("maze preset \"huge\" is unknown"));
+  CHECK(RefusalOf(WithRobots(0)) == "robots = 0: a world needs at least one");
+  CHECK_THAT(RefusalOf(WithRobots(1000)), Catch::Contains("of 1000 has no place to start"));
+  CHECK_THAT(RefusalOf({.goals_per_robot = 99}), Catch::Contains("of 99 of robot 1 has no place"));
+  CHECK(RefusalOf({.wrong_share = 1.5}) ==
+        "wrong_share = 1.5 and false_wall_share = 0.5 must be in [0, 1]");
+  CHECK(RefusalOf({.map_yaml = "/none.yaml"}) == "/none.yaml: cannot be read");
+  CHECK(RefusalOf({.operator_map_yaml = "plan.yaml"}) ==
+        "the operator's map plan.yaml needs a map of the truth");
+}
+
+TEST_CASE("given starts and goals are taken, or refused by name", "[sim][world]") {
+  const Building building;
+  WorldOptions options = building.options();
+  options.starts = {{1, 1}};
+  options.goals = {{1, 3}};
+  CHECK(MakeWorldSpec(options).value().goals == std::vector<std::vector<Cell>>{{{1, 3}}});
+  options.goals = {{1, 5}};
+  CHECK(RefusalOf(options) == "goal (1,5) cannot be reached from the start (1,1) of robot 1");
+  options.goals = {{1, 4}};
+  CHECK(RefusalOf(options) == "goal (1,4) is a wall");
+  options.goals = {{1, 9}};
+  CHECK(RefusalOf(options) == "goal (1,9) is outside of the 3 x 8 map");
+  options.goals = {{1, 3}, {1, 3}};
+  CHECK(RefusalOf(options) == "goal (1,3) is given twice");
+  options.starts = {{1, 1}, {1, 2}};
+  CHECK(RefusalOf(options) == "2 starts are given for 1 robots");
+}
+
+}  // namespace conav::sim
