@@ -1,6 +1,7 @@
 #include "sim/episode/episode.h"
 
 #include <catch2/catch.hpp>
+#include <optional>
 
 using namespace conav;
 using namespace conav::sim;
@@ -28,9 +29,12 @@ struct Corridor {
     PhysicsWorld world;
     world.truth = MapFrom({"*******", "*     *", "*******"});
     for (std::size_t i = 0; i < starts.size(); ++i) {
-      world.robots.push_back({"r" + std::to_string(i + 1), starts[i], 0.0});
+      world.robots.push_back({fmt::format("r{}", i + 1), starts[i], 0.0});
     }
-    physics = std::move(RobotWorld::Create(std::move(world)).value());
+    auto created = RobotWorld::Create(std::move(world));
+    INFO((created ? "" : created.error().text));
+    REQUIRE(created);
+    physics = *std::move(created);
     episode.emplace(*physics, EpisodeOptions{"w1", std::move(goals), shared, 2.0});
   }
 
