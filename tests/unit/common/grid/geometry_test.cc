@@ -1,0 +1,66 @@
+#include "common/grid/geometry.h"
+
+#include <catch2/catch.hpp>
+#include <numbers>
+
+namespace conav {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+}  // namespace
+
+TEST_CASE("the grid's middle is the origin, row 0 is north", "[grid][geometry]") {
+  const GridGeometry geometry{3, 5, 2.0};
+  const Position north_west = geometry.CellToPosition({0, 0});
+  CHECK(north_west.x_m == -4.0);
+  CHECK(north_west.y_m == 2.0);
+  const Position middle = geometry.CellToPosition({1, 2});
+  CHECK(middle.x_m == 0.0);
+  CHECK(middle.y_m == 0.0);
+  CHECK(geometry.origin().x_m == -5.0);
+  CHECK(geometry.origin().y_m == -3.0);
+}
+
+TEST_CASE("every cell's centre lies in that cell", "[grid][geometry]") {
+  for (const GridGeometry& geometry : {GridGeometry{13, 13, 2.0}, GridGeometry{4, 7, 0.35}}) {
+    for (int row = 0; row < geometry.rows; ++row) {
+      for (int column = 0; column < geometry.columns; ++column) {
+        const Cell cell{row, column};
+        CHECK(geometry.PositionToCell(geometry.CellToPosition(cell)) == cell);
+      }
+    }
+  }
+}
+
+TEST_CASE("a position off the grid gives a cell off the grid", "[grid][geometry]") {
+  const GridGeometry geometry{3, 3, 2.0};
+  CHECK(geometry.PositionToCell({-3.1, 0.0}).column == -1);
+  CHECK(geometry.PositionToCell({0.0, 3.1}).row == -1);
+}
+
+TEST_CASE("angles wrap to at most pi and more than -pi", "[grid][geometry]") {
+  CHECK(WrapAngle(0.0) == Approx(0.0));
+  CHECK(WrapAngle(3 * kPi / 2) == Approx(-kPi / 2));
+  CHECK(WrapAngle(-3 * kPi / 2) == Approx(kPi / 2));
+  CHECK(WrapAngle(kPi) == Approx(kPi));
+  CHECK(WrapAngle(-kPi) == Approx(kPi));
+  CHECK(WrapAngle(7.0) == Approx(7.0 - 2 * kPi));
+  CHECK(WrapAngle(-1000.0) == Approx(-1000.0 + 159 * 2 * kPi));
+}
+
+TEST_CASE("eight headings begin east and go counter-clockwise", "[grid][geometry]") {
+  CHECK(HeadingFromIndex(0, 8) == Approx(0.0));
+  CHECK(HeadingFromIndex(2, 8) == Approx(kPi / 2));
+  CHECK(HeadingFromIndex(4, 8) == Approx(kPi));
+  CHECK(HeadingFromIndex(6, 8) == Approx(-kPi / 2));
+}
+
+TEST_CASE("the heading to a neighbour is a compass direction", "[grid][geometry]") {
+  CHECK(HeadingTowards({5, 5}, {5, 6}) == Approx(0.0));
+  CHECK(HeadingTowards({5, 5}, {4, 5}) == Approx(kPi / 2));
+  CHECK(HeadingTowards({5, 5}, {5, 4}) == Approx(kPi));
+  CHECK(HeadingTowards({5, 5}, {6, 5}) == Approx(-kPi / 2));
+}
+
+}  // namespace conav

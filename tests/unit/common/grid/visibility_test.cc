@@ -1,0 +1,129 @@
+#include "common/grid/visibility.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <numbers>
+#include <string>
+
+namespace conav {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// '#' wall, '?' unknown, anything else free.
+OccupancyGrid MapFrom(const std::vector<std::string>& lines) {
+  OccupancyGrid map(static_cast<int>(lines.size()), static_cast<int>(lines[0].size()),
+                    Occupancy::kFree);
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    const Cell cell = map.CellAt(i);
+    const char c = lines[static_cast<std::size_t>(cell.row)][static_cast<std::size_t>(cell.column)];
+    if (c == '#') map[cell] = Occupancy::kOccupied;
+    if (c == '?') map[cell] = Occupancy::kUnknown;
+  }
+  return map;
+}
+
+bool Has(const std::vector<Cell>& cells, Cell cell) {
+  return std::find(cells.begin(), cells.end(), cell) != cells.end();
+}
+
+CameraView Look(Cell cell, double heading_rad) {
+  CameraView view;
+  view.cell = cell;
+  view.heading_rad = heading_rad;
+  return view;
+}
+
+}  // namespace
+
+TEST_CASE("a corridor is seen to its end, with the walls beside it", "[grid][visibility]") {
+  const OccupancyGrid map = MapFrom({"######", "#    #", "######"});
+  const VisibleCells seen = CastView(map, Look({1, 1}, 0.0));
+  CHECK(seen.free == std::vector<Cell>{{1, 1}, {1, 2}, {1, 3}, {1, 4}});
+  CHECK(Has(seen.walls, {1, 5}));
+  CHECK(Has(seen.walls, {0, 2}));
+  CHECK(Has(seen.walls, {2, 4}));
+  CHECK_FALSE(Has(seen.walls, {1, 0}));
+}
+
+TEST_CASE("the camera's own cell is seen also when it looks at a wall", "[grid][visibility]") {
+  const OccupancyGrid map = MapFrom({"###", "# #", "###"});
+  const VisibleCells seen = CastView(map, Look({1, 1}, kPi / 2));
+  CHECK(seen.free == std::vector<Cell>{{1, 1}});
+  CHECK(Has(seen.walls, {0, 1}));
+  CHECK_FALSE(Has(seen.walls, {2, 1}));
+}
+
+TEST_CASE("nothing behind a wall is seen", "[grid][visibility]") {
+  const OccupancyGrid map = MapFrom({"#######", "#  #  #", "#######"});
+  const VisibleCells seen = CastView(map, Look({1, 1}, 0.0));
+  CHECK(Has(seen.walls, {1, 3}));
+  CHECK_FALSE(Has(seen.free, {1, 4}));
+  CHECK_FALSE(Has(seen.walls, {1, 6}));
+}
+
+TEST_CASE("an unknown cell ends the view and is not seen itself", "[grid][visibility]") {
+  const OccupancyGrid map = MapFrom({"#######", "#  ?  #", "#######"});
+  const VisibleCells seen = CastView(map, Look({1, 1}, 0.0));
+  CHECK(seen.free == std::vector<Cell>{{1, 1}, {1, 2}});
+  CHECK_FALSE(Has(seen.walls, {1, 3}));
+}
+
+TEST_CASE("a wider field of view sees more", "[grid][visibility]") {
+  const OccupancyGrid map(11, 11, Occupancy::kFree);
+  CameraView view = Look({5, 1}, 0.0);
+  view.horizontal_fov_rad = 0.5;
+  const std::size_t narrow = CastView(map, view).free.size();
+  view.horizontal_fov_rad = 2.0;
+  CHECK(CastView(map, view).free.size() > narrow);
+}
+
+TEST_CASE("what is seen turns with the map", "[grid][visibility]") {
+  const OccupancyGrid map = MapFrom({"#####", "#   #", "# # #", "#   #", "#####"});
+  const std::size_t east = CastView(map, Look({1, 1}, 0.0)).free.size();
+  const std::size_t south = CastView(map, Look({1, 1}, -kPi / 2)).free.size();
+  CHECK(east == south);
+  CHECK(Has(CastView(map, Look({1, 1}, 0.0)).free, {1, 3}));
+  CHECK(Has(CastView(map, Look({1, 1}, -kPi / 2)).free, {3, 1}));
+}
+
+TEST_CASE("lists are sorted and without repeats", "[grid][visibility]") {
+  const OccupancyGrid map = MapFrom({"#####", "#   #", "#   #", "#   #", "#####"});
+  for (int heading = 0; heading < 8; ++heading) {
+    const VisibleCells seen = CastView(map, Look({2, 2}, heading * kPi / 4));
+    CHECK(std::is_sorted(seen.free.begin(), seen.free.end()));
+    CHECK(std::adjacent_find(seen.free.begin(), seen.free.end()) == seen.free.end());
+    CHECK(std::is_sorted(seen.walls.begin(), seen.walls.end()));
+    CHECK(std::adjacent_find(seen.walls.begin(), seen.walls.end()) == seen.walls.end());
+  }
+}
+
+TEST_CASE("a range sensor sees around itself up to its distance", "[grid][visibility]") {
+  const OccupancyGrid open(9, 9, Occupancy::kFree);
+  const VisibleCells seen = CastRange(open, {4, 4}, 2.0);
+  CHECK(seen.free.size() == 13);  // all cells whose centre is at most 2 away
+  CHECK(Has(seen.free, {2, 4}));
+  CHECK(Has(seen.free, {5, 5}));
+  CHECK_FALSE(Has(seen.free, {6, 5}));
+}
+
+TEST_CASE("distance 0 sees the own cell only", "[grid][visibility]") {
+  const OccupancyGrid open(5, 5, Occupancy::kFree);
+  CHECK(CastRange(open, {2, 2}, 0.0).free == std::vector<Cell>{{2, 2}});
+}
+
+TEST_CASE("a range sensor does not see through walls", "[grid][visibility]") {
+  const OccupancyGrid map = MapFrom({"#####", "# # #", "#####"});
+  const VisibleCells seen = CastRange(map, {1, 1}, 3.0);
+  CHECK(seen.free == std::vector<Cell>{{1, 1}});
+  CHECK(Has(seen.walls, {1, 2}));
+  CHECK_FALSE(Has(seen.walls, {1, 4}));
+}
+
+TEST_CASE("a range sensor sees the walls of its own cell on all sides", "[grid][visibility]") {
+  const OccupancyGrid map = MapFrom({"###", "# #", "###"});
+  const VisibleCells seen = CastRange(map, {1, 1}, 1.0);
+  CHECK(seen.walls == std::vector<Cell>{{0, 1}, {1, 0}, {1, 2}, {2, 1}});
+}
+
+}  // namespace conav

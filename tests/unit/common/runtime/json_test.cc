@@ -1,0 +1,59 @@
+#include "common/runtime/json.h"
+
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+namespace conav {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Folder {
+ public:
+  Folder() : path_(fs::temp_directory_path() / ("conav_json_" + std::to_string(getpid()))) {
+    fs::create_directories(path_);
+  }
+  ~Folder() { fs::remove_all(path_); }
+  fs::path path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+std::string TextOf(const fs::path& file) {
+  std::ifstream stream(file);
+  std::stringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+}  // namespace
+
+TEST_CASE("a document is written with its keys in order and a final newline", "[runtime][json]") {
+  const Folder folder;
+  const fs::path file = folder.path() / "a.json";
+  REQUIRE(WriteJsonFile(file, {{"zebra", 1}, {"ant", "two"}}));
+  CHECK(TextOf(file) == "{\n  \"zebra\": 1,\n  \"ant\": \"two\"\n}\n");
+}
+
+TEST_CASE("a second write replaces the first and leaves nothing beside it", "[runtime][json]") {
+  const Folder folder;
+  const fs::path file = folder.path() / "a.json";
+  REQUIRE(WriteJsonFile(file, {{"a", 1}}));
+  REQUIRE(WriteJsonFile(file, {{"a", 2}}));
+  CHECK(nlohmann::json::parse(TextOf(file))["a"] == 2);
+  CHECK(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()) == 1);
+}
+
+TEST_CASE("a file that cannot be written is named", "[runtime][json]") {
+  const auto result = WriteJsonFile("/nonexistent/folder/a.json", {{"a", 1}});
+  REQUIRE_FALSE(result);
+  CHECK(result.error().code == ErrorCode::kIo);
+  CHECK_THAT(result.error().text, Catch::StartsWith("/nonexistent/folder/a.json: cannot write"));
+}
+
+}  // namespace conav

@@ -1,0 +1,113 @@
+#include "common/runtime/random.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numeric>
+#include <set>
+
+namespace conav {
+
+TEST_CASE("raw draws are those of the standard's 64-bit Mersenne Twister", "[runtime][random]") {
+  Random random(5489);  // the standard gives the 10000th output for this seed
+  std::uint64_t last = 0;
+  for (int i = 0; i < 10000; ++i) last = random.Next();
+  CHECK(last == 9981545732273789042ULL);
+}
+
+TEST_CASE("bounded integers stay in their range and reach both ends", "[runtime][random]") {
+  Random random(1);
+  std::set<std::int64_t> seen;
+  for (int i = 0; i < 1000; ++i) seen.insert(random.Uniform(-2, 3));
+  CHECK(seen == std::set<std::int64_t>{-2, -1, 0, 1, 2, 3});
+}
+
+TEST_CASE("a range of one value takes a draw all the same", "[runtime][random]") {
+  Random random(7);
+  Random reference(7);
+  CHECK(random.Uniform(5, 5) == 5);
+  reference.Next();
+  CHECK(random.Next() == reference.Next());
+}
+
+TEST_CASE("the range of all 64-bit integers is one raw draw", "[runtime][random]") {
+  Random random(3);
+  Random reference(3);
+  CHECK(random.Uniform(INT64_MIN, INT64_MAX) == static_cast<std::int64_t>(reference.Next()));
+}
+
+TEST_CASE("bounded integers are even: chi-square over ten values", "[runtime][random]") {
+  Random random(11);
+  constexpr int kDraws = 100000;
+  std::vector<int> count(10, 0);
+  for (int i = 0; i < kDraws; ++i) ++count[static_cast<std::size_t>(random.Uniform(0, 9))];
+  double chi_square = 0.0;
+  for (const int n : count) chi_square += std::pow(n - kDraws / 10.0, 2) / (kDraws / 10.0);
+  CHECK(chi_square < 27.9);  // 0.1 % of nine degrees of freedom
+}
+
+TEST_CASE("the unit interval holds its lower end only", "[runtime][random]") {
+  Random random(2);
+  double sum = 0.0;
+  for (int i = 0; i < 10000; ++i) {
+    const double value = random.Unit();
+    REQUIRE(value >= 0.0);
+    REQUIRE(value < 1.0);
+    sum += value;
+  }
+  CHECK(sum / 10000 == Approx(0.5).margin(0.02));
+}
+
+TEST_CASE("chance 0 never happens, chance 1 always, each takes one draw", "[runtime][random]") {
+  Random random(4);
+  Random reference(4);
+  for (int i = 0; i < 100; ++i) {
+    CHECK_FALSE(random.Chance(0.0));
+    CHECK(random.Chance(1.0));
+    reference.Next();
+    reference.Next();
+  }
+  CHECK(random.Next() == reference.Next());
+}
+
+TEST_CASE("a shuffle permutes", "[runtime][random]") {
+  std::vector<int> items(101);
+  std::iota(items.begin(), items.end(), 0);
+  Random random(6);
+  random.Shuffle(items);
+  CHECK_FALSE(std::is_sorted(items.begin(), items.end()));
+  std::sort(items.begin(), items.end());
+  for (int i = 0; i < 101; ++i) CHECK(items[static_cast<std::size_t>(i)] == i);
+}
+
+#if defined(__GLIBCXX__) && __GLIBCXX__ >= 20210000
+TEST_CASE("integers and shuffles equal libstdc++'s", "[runtime][random]") {
+  for (std::size_t size = 0; size < 40; ++size) {
+    std::vector<std::size_t> ours(size);
+    std::iota(ours.begin(), ours.end(), 0U);
+    std::vector<std::size_t> theirs = ours;
+    Random random(size);
+    std::mt19937_64 engine(size);
+    random.Shuffle(ours);
+    std::shuffle(theirs.begin(), theirs.end(), engine);
+    CHECK(ours == theirs);
+    std::uniform_int_distribution<std::int64_t> distribution(-7, static_cast<std::int64_t>(size));
+    for (int i = 0; i < 20; ++i) {
+      CHECK(random.Uniform(-7, static_cast<std::int64_t>(size)) == distribution(engine));
+    }
+  }
+}
+#endif
+
+TEST_CASE("derived seeds differ by seed and by purpose", "[runtime][random]") {
+  std::set<std::uint64_t> seeds;
+  for (std::uint64_t seed = 0; seed < 30; ++seed) {
+    for (std::uint64_t purpose = 0; purpose < 30; ++purpose) {
+      seeds.insert(DeriveSeed(seed, purpose));
+    }
+  }
+  CHECK(seeds.size() == 900);
+  CHECK(DeriveSeed(5, 6) == DeriveSeed(5, 6));
+}
+
+}  // namespace conav
