@@ -60,6 +60,20 @@ void BeliefStore::AddRobot(const std::string& robot, const std::string& world) {
   worlds_[robot] = world;
 }
 
+Result<void> BeliefStore::WithdrawGuidance(const std::string& robot, SimTime now) {
+  const Guidance* last = FindGuidance(robot);
+  if (last == nullptr) return {};
+  Guidance withdrawn;
+  withdrawn.stamp = now;
+  withdrawn.valid_until = now;
+  withdrawn.world = last->world;
+  withdrawn.robot = robot;
+  withdrawn.revision = last->revision + 1;
+  auto saved = database_.Transaction([&] { return SaveGuidance(database_, withdrawn); });
+  if (saved) guidance_[robot] = std::move(withdrawn);
+  return saved;
+}
+
 BeliefStore::Answer BeliefStore::Handle(const OperatorRequest& request, SimTime now) {
   const auto logged = FindRequest(database_, request.client, request.request_id);
   if (!logged) return StorageFailure(request, logged.error(), 0);

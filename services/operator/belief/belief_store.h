@@ -48,6 +48,10 @@ class BeliefStore {
   /// again after a restart.
   void AddRobot(const std::string& robot, const std::string& world);
 
+  /// Takes back the guidance of `robot`, which then answers no picture: for a robot that counts its
+  /// pictures anew. The revision rises. Errors: kIo.
+  [[nodiscard]] Result<void> WithdrawGuidance(const std::string& robot, SimTime now);
+
   /// `now`: simulation time of the request's world.
   Answer Handle(const OperatorRequest& request, SimTime now);
 

@@ -161,6 +161,20 @@ TEST_CASE("A refused edit leaves the belief and tells the current revision", "[o
   CHECK(*store.FindBelief("w1") == before);
 }
 
+TEST_CASE("Withdrawn guidance is empty, answers nothing and has a revision of its own",
+          "[operator][belief]") {
+  const TemporaryFolder folder;
+  {
+    BeliefStore store = OpenStore(folder / "operator.db");
+    REQUIRE(store.WithdrawGuidance("r1", {1}));
+    CHECK(store.FindGuidance("r1") == nullptr);
+    REQUIRE(store.Handle(Guide(1, {{1, 1}}), {5}).reply.accepted);
+    REQUIRE(store.WithdrawGuidance("r1", {2}));
+  }
+  const BeliefStore reopened(OptionsFor(folder / "operator.db"));
+  CHECK(*reopened.FindGuidance("r1") == Guidance{{2}, "w1", "r1", 2, {}, "", 0, 0, {2}});
+}
+
 TEST_CASE("Names that are no UTF-8 do not stop the store", "[operator][belief]") {
   const TemporaryFolder folder;
   BeliefStore store = OpenStore(folder / "operator.db");

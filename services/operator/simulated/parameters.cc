@@ -1,4 +1,4 @@
-#include "operator/simulated/picture_reader.h"
+#include "operator/simulated/synthetic_operator.h"
 
 namespace conav::operators {
 
@@ -16,6 +16,17 @@ void PictureReaderParameters::Visit(ConfigReader& reader) {
   reader.Field("lapse_probability", lapse_probability, 0.0, 1.0);
   reader.Field("guess_probability", guess_probability, 0.0, 1.0);
   reader.Field("edit_limit", edit_limit, 0, 1000);
+}
+
+void SyntheticOperatorParameters::Visit(ConfigReader& visitor) {
+  visitor.Section("reader", reader);
+  visitor.Section("planner", planner);
+  visitor.Field("glance_rate", glance_rate, 0.0, 1.0);
+  visitor.Field("thinking_time_s", thinking_time_s, 0.0, 3600.0);
+  visitor.Field("guidance_valid_s", guidance_valid_s, 0.1, 1e6);
+  visitor.Field("retry_pause_s", retry_pause_s, 0.0, 60.0);
+  visitor.Field("attempts", attempts, 1, 100000);
+  visitor.Field("patience_s", patience_s, 0.0, 3600.0);
 }
 
 }  // namespace conav::operators

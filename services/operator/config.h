@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/bus/participant.h"
+#include "common/runtime/config.h"
+
+namespace conav::operators {
+
+/// Section `operator:` of a config file.
+struct OperatorConfig {
+  bus::ParticipantOptions bus;
+  /// "world/robot" of every robot that is supervised here.
+  std::vector<std::string> robots{"w1/r1"};
+  /// SQLite file of the beliefs, guidance and requests; made when it does not exist, its folder
+  /// must. A second start with the same file goes on where the first one ended.
+  std::string database = "operator.db";
+  /// Refuse requests rather than grow beyond this; 0 = as far as the disk goes.
+  double database_limit_mib = 0.0;
+  /// Longest time (simulation) for which a client may give guidance.
+  double max_guidance_s = 7200.0;
+  /// Longest path of guidance.
+  int max_path_cells = 10000;
+
+  void Visit(ConfigReader& reader) {
+    reader.Section("bus", bus);
+    reader.Field("robots", robots);
+    reader.Field("database", database);
+    reader.Field("database_limit_mib", database_limit_mib, 0.0, 1e6);
+    reader.Field("max_guidance_s", max_guidance_s, 1.0, 1e6);
+    reader.Field("max_path_cells", max_path_cells, 1, 65536);
+  }
+};
+
+}  // namespace conav::operators

@@ -1,0 +1,236 @@
+#include "operator/operator_service.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <set>
+
+#include "common/bus/send.h"
+#include "common/protocol/convert.h"
+#include "common/service/robot_list.h"
+
+namespace conav::operators {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kConvert = [](const auto& message) { return ToDomain(message); };
+
+BeliefStoreOptions StoreOptions(const OperatorConfig& config) {
+  const auto limit = static_cast<std::int64_t>(config.database_limit_mib * 1024.0 * 1024.0);
+  return {{config.database, limit}, {config.max_guidance_s, config.max_path_cells}};
+}
+
+/// Free 0, occupied 1, unknown even odds.
+BeliefGrid BeliefFrom(const OccupancyGrid& map) {
+  BeliefGrid belief(map.rows(), map.columns());
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    const Occupancy cell = map.values()[i];
+    belief.values()[i] = cell == Occupancy::kOccupied ? 1.0F : cell == Occupancy::kFree ? 0 : 0.5F;
+  }
+  return belief;
+}
+
+}  // namespace
+
+struct OperatorService::WorldLink {
+  WorldLink(bus::Participant& participant, const std::string& name)
+      : name(name),
+        initial_map(participant, bus::kInitialMap, name),
+        belief(participant, bus::kBelief, name),
+        belief_map(participant, bus::kBeliefMap, name) {}
+
+  std::string name;
+  bus::Subscriber<nav_msgs::msg::OccupancyGrid> initial_map;
+  bus::Publisher<conav_msgs::msg::BeliefMap> belief;
+  bus::Publisher<nav_msgs::msg::OccupancyGrid> belief_map;
+  std::optional<MapUpdate> pending;   // initial map that is not stored yet
+  std::optional<double> cell_size_m;  // known with the first initial map
+};
+
+struct OperatorService::RobotLink {
+  RobotLink(bus::Participant& participant, const std::string& name, const std::string& world)
+      : name(name),
+        world(world),
+        state(participant, bus::kRobotState, name),
+        attention(participant, bus::kAttention, name),
+        guidance(participant, bus::kGuidance, name) {}
+
+  std::string name;
+  std::string world;
+  bus::Subscriber<conav_msgs::msg::RobotState> state;
+  bus::Subscriber<conav_msgs::msg::AttentionRequest> attention;
+  bus::Publisher<conav_msgs::msg::Guidance> guidance;
+  std::optional<SimTime> stamp;  // of the newest state
+  std::uint64_t asked = 0;       // attention requests heard
+};
+
+OperatorService::OperatorService(bus::Participant& participant, const OperatorConfig& config,
+                                 const Clock& clock)
+    : participant_(participant),
+      store_(StoreOptions(config)),
+      requests_(participant, bus::kOperatorRequest),
+      replies_(participant, bus::kOperatorReply),
+      diagnostics_(participant, clock) {
+  std::set<std::string> worlds;
+  for (const auto& [robot, world] : WorldOfRobot("operator", config.robots)) {
+    robots_.push_back(std::make_unique<RobotLink>(participant, robot, world));
+    worlds.insert(world);
+  }
+  for (const std::string& world : worlds) {
+    worlds_.push_back(std::make_unique<WorldLink>(participant, world));
+  }
+  for (const auto& world : worlds_) PublishBelief(*world);
+  for (const auto& robot : robots_) PublishGuidance(*robot);
+}
+
+OperatorService::~OperatorService() = default;
+
+void OperatorService::Run(const StopToken& stop) {
+  while (!stop.stop_requested()) {
+    participant_.Wait(100ms);
+    Step();
+  }
+}
+
+void OperatorService::Step() {
+  for (const auto& world : worlds_) TakeInitialMap(*world);
+  for (const auto& robot : robots_) TakeStates(*robot);
+  for (const OperatorRequest& request : requests_.TakeValid(kConvert)) Answer(request);
+  diagnostics_.Tick([this] { return Report(); });
+}
+
+void OperatorService::PublishBelief(WorldLink& world) {
+  const Belief* belief = store_.FindBelief(world.name);
+  if (belief == nullptr) return;
+  bus::Send(world.belief, ToMessage(*belief));
+  if (world.cell_size_m) {
+    bus::Send(world.belief_map, ToOccupancyMessage(*belief, *world.cell_size_m));
+  }
+}
+
+void OperatorService::PublishGuidance(RobotLink& robot) {
+  const Guidance* guidance = store_.FindGuidance(robot.name);
+  if (guidance != nullptr && guidance->world == robot.world) {
+    bus::Send(robot.guidance, ToMessage(*guidance));
+  }
+}
+
+void OperatorService::TakeInitialMap(WorldLink& world) {
+  auto maps = world.initial_map.TakeValid(kConvert);
+  if (!maps.empty()) world.pending = std::move(maps.back());
+  if (!world.pending) return;
+  const auto added =
+      store_.AddWorld(world.name, BeliefFrom(world.pending->cells), world.pending->stamp);
+  if (!added && added.error().code == ErrorCode::kIo) {
+    storage_failure_ = added.error().text;  // the map stays pending; the next step tries again
+    return;
+  }
+  if (added) {
+    world.cell_size_m = world.pending->cell_size_m;
+    LOG_INFO("world", "world", world.name, "new", *added, "revision",
+             store_.FindBelief(world.name)->revision);
+    PublishBelief(world);
+  } else {
+    LOG_ERROR("initial map refused", "world", world.name, "reason", added.error().text);
+  }
+  world.pending.reset();
+}
+
+void OperatorService::TakeStates(RobotLink& robot) {
+  for (const RobotState& state : robot.state.TakeValid(kConvert)) {
+    if (state.world != robot.world) {
+      LOG_WARNING("state of another world ignored", "robot", robot.name, "world", state.world,
+                  "configured", robot.world);
+      continue;
+    }
+    const bool starts = !robot.stamp || state.stamp < *robot.stamp;
+    robot.stamp = state.stamp;
+    if (starts) Greet(robot, state);
+  }
+  robot.asked += robot.attention.TakeValid(kConvert).size();
+}
+
+void OperatorService::Greet(RobotLink& robot, const RobotState& state) {
+  store_.AddRobot(robot.name, robot.world);
+  const Guidance* guidance = store_.FindGuidance(robot.name);
+  if (guidance == nullptr || guidance->answers_snapshot <= state.snapshots) return;
+  LOG_WARNING("robot counts its pictures anew, its guidance of before is withdrawn", "robot",
+              robot.name, "snapshots", state.snapshots, "answered", guidance->answers_snapshot);
+  if (const auto withdrawn = store_.WithdrawGuidance(robot.name, state.stamp); !withdrawn) {
+    LOG_ERROR("guidance not withdrawn", "robot", robot.name, "reason", withdrawn.error().text);
+  }
+  PublishGuidance(robot);
+}
+
+SimTime OperatorService::TimeOf(const std::string& world) const {
+  SimTime newest;
+  for (const auto& robot : robots_) {
+    if (robot->world == world && robot->stamp) newest = std::max(newest, *robot->stamp);
+  }
+  return newest;
+}
+
+void OperatorService::Answer(const OperatorRequest& request) {
+  const BeliefStore::Answer answer = store_.Handle(request, TimeOf(request.world));
+  Log(request, answer);
+  if (answer.changed) PublishChange(request);
+  bus::Send(replies_, ToMessage(answer.reply));
+}
+
+void OperatorService::PublishChange(const OperatorRequest& request) {
+  if (const auto* guide = std::get_if<GuideRequest>(&request.body)) {
+    for (const auto& robot : robots_) {
+      if (robot->name == guide->robot) PublishGuidance(*robot);
+    }
+    return;
+  }
+  for (const auto& world : worlds_) {
+    if (world->name == request.world) PublishBelief(*world);
+  }
+}
+
+void OperatorService::Log(const OperatorRequest& request, const BeliefStore::Answer& answer) {
+  const OperatorReply& reply = answer.reply;
+  ++(reply.accepted ? accepted_ : refused_);
+  storage_failure_.reset();
+  if (answer.storage_failed) storage_failure_ = reply.reason;
+  const char* kind = std::holds_alternative<EditRequest>(request.body) ? "edit" : "guide";
+  if (reply.accepted) {
+    LOG_INFO("accepted", "kind", kind, "client", request.client, "id", request.request_id, "world",
+             request.world, "revision", reply.revision, "new", answer.changed);
+  } else {
+    LOG_WARNING("refused", "kind", kind, "client", request.client, "id", request.request_id,
+                "world", request.world, "reason", reply.reason);
+  }
+}
+
+Health OperatorService::Report() const {
+  Health health{Health::Level::kOk, "serving", {}};
+  for (const auto& world : worlds_) {
+    const Belief* belief = store_.FindBelief(world->name);
+    if (belief == nullptr) {
+      health.level = Health::Level::kWarning;
+      health.message = fmt::format("waiting for the initial map of world {}", world->name);
+    }
+    health.values.emplace_back(fmt::format("{} belief revision", world->name),
+                               belief == nullptr ? "none" : std::to_string(belief->revision));
+  }
+  for (const auto& robot : robots_) {
+    const Guidance* guidance = store_.FindGuidance(robot->name);
+    health.values.emplace_back(fmt::format("{} guidance revision", robot->name),
+                               std::to_string(guidance == nullptr ? 0 : guidance->revision));
+    health.values.emplace_back(fmt::format("{} attention requests", robot->name),
+                               std::to_string(robot->asked));
+  }
+  health.values.emplace_back("requests accepted", std::to_string(accepted_));
+  health.values.emplace_back("requests refused", std::to_string(refused_));
+  if (storage_failure_) {
+    health.level = Health::Level::kError;
+    health.message = *storage_failure_;
+  }
+  return health;
+}
+
+}  // namespace conav::operators

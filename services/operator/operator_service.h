@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/bus/publisher.h"
+#include "common/bus/subscriber.h"
+#include "common/protocol/robot.h"
+#include "common/runtime/clock.h"
+#include "common/runtime/stop_token.h"
+#include "common/service/diagnostics.h"
+#include "operator/belief/belief_store.h"
+#include "operator/config.h"
+
+namespace conav::operators {
+
+/// Owns the belief of each world and the guidance of each robot, and answers the requests of all
+/// clients, one after the other.
+///
+/// Publishes at once, before any input, what its database holds: beliefs and guidance, both
+/// latched. A world that is not in the database gets revision 0 when the simulator's initial map
+/// arrives. A change is on disk before it is published, and published before it is acknowledged.
+///
+/// Simulation time of a world is the newest stamp of its robots' states; until the first one it is
+/// 0. Guidance for a robot that never reported is refused. A robot that has sent fewer pictures
+/// than its stored guidance answers belongs to a new run: that guidance is withdrawn. When the disk
+/// fails, requests are refused with that reason, /diagnostics shows an error, and the service goes
+/// on. Threads: one; Run() or repeated Step().
+class OperatorService {
+ public:
+  /// `participant` and `clock` outlive the service. Throws StartupError: the database cannot be
+  /// used, the list of robots is wrong.
+  OperatorService(bus::Participant& participant, const OperatorConfig& config, const Clock& clock);
+  ~OperatorService();
+
+  /// Blocks until `stop`.
+  void Run(const StopToken& stop);
+  /// Handles everything that arrived so far. Blocks on the disk only.
+  void Step();
+
+ private:
+  struct WorldLink;
+  struct RobotLink;
+
+  void PublishBelief(WorldLink& world);
+  void PublishGuidance(RobotLink& robot);
+  void TakeInitialMap(WorldLink& world);
+  void TakeStates(RobotLink& robot);
+  void Greet(RobotLink& robot, const RobotState& state);
+  void Answer(const OperatorRequest& request);
+  void PublishChange(const OperatorRequest& request);
+  void Log(const OperatorRequest& request, const BeliefStore::Answer& answer);
+  SimTime TimeOf(const std::string& world) const;
+  Health Report() const;
+
+  bus::Participant& participant_;
+  BeliefStore store_;
+  std::vector<std::unique_ptr<WorldLink>> worlds_;
+  std::vector<std::unique_ptr<RobotLink>> robots_;
+  bus::Subscriber<conav_msgs::msg::OperatorRequest> requests_;
+  bus::Publisher<conav_msgs::msg::OperatorReply> replies_;
+  Diagnostics diagnostics_;
+  std::uint64_t accepted_ = 0;
+  std::uint64_t refused_ = 0;
+  std::optional<std::string> storage_failure_;  // of the newest request
+};
+
+}  // namespace conav::operators

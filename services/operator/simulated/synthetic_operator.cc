@@ -1,0 +1,241 @@
+#include "operator/simulated/synthetic_operator.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace conav::operators {
+namespace {
+
+Clock::TimePoint After(Clock::TimePoint time, double seconds) {
+  return time + std::chrono::duration_cast<Clock::TimePoint::duration>(
+                    std::chrono::duration<double>(seconds));
+}
+
+/// FNV-1a: the same number for a name on every platform.
+std::uint64_t HashOf(const std::string& name) {
+  std::uint64_t hash = 0xcbf29ce484222325ULL;
+  for (const char character : name) {
+    hash = (hash ^ static_cast<unsigned char>(character)) * 0x100000001b3ULL;
+  }
+  return hash;
+}
+
+bool IsGlance(const Picture& picture) { return picture.streamed; }
+
+}  // namespace
+
+SyntheticOperator::SyntheticOperator(const SyntheticOperatorParameters& parameters,
+                                     std::uint64_t seed,
+                                     const std::map<std::string, std::string>& world_of_robot)
+    : parameters_(parameters) {
+  for (const auto& [name, world] : world_of_robot) {
+    PictureReader reader(parameters.reader, DeriveSeed(seed, HashOf(name)));
+    robots_.emplace(name, Robot{world, std::move(reader), {}, 0, 0, {}});
+    worlds_[world];
+  }
+}
+
+// --- hearing ---------------------------------------------------------------------------------
+
+SyntheticOperator::Robot* SyntheticOperator::Find(const std::string& robot,
+                                                  const std::string& world) {
+  const auto found = robots_.find(robot);
+  return found != robots_.end() && found->second.world == world ? &found->second : nullptr;
+}
+
+void SyntheticOperator::Hear(const Belief& belief) {
+  const auto world = worlds_.find(belief.world);
+  if (world == worlds_.end()) return;
+  // A service that lost its database starts over at 0; then its map is the one that counts.
+  if (belief.revision == 0) world->second.revision_needed = 0;
+  world->second.belief = belief;
+}
+
+void SyntheticOperator::Hear(const RobotState& state) {
+  Robot* robot = Find(state.robot, state.world);
+  if (robot == nullptr) return;
+  const bool restarted = robot->state && state.stamp < robot->state->stamp;
+  if (restarted) robot->looked_at = robot->answered = 0;
+  if (restarted || !robot->state) {
+    queue_.push_back({state.robot, FirstPath{}, {}, false, {}, 0, {}});
+  }
+  worlds_[state.world].certain_walls.erase(state.cell);
+  robot->state = state;
+}
+
+void SyntheticOperator::Hear(const Picture& picture, Clock::TimePoint now) {
+  Robot* robot = Find(picture.robot, picture.world);
+  if (robot == nullptr) return;
+  if (picture.sequence_number <= robot->answered) {
+    robot->looked_at = std::max(robot->looked_at, picture.sequence_number);
+    return;
+  }
+  queue_.push_back({picture.robot, picture, now, false, {}, 0, {}});
+}
+
+void SyntheticOperator::Hear(const AttentionRequest& attention, Clock::TimePoint now) {
+  Robot* robot = Find(attention.robot, attention.world);
+  if (robot == nullptr || attention.reason == AttentionReason::kPicture) return;
+  if (robot->attention == attention) return;  // repeated
+  robot->attention = attention;
+  std::erase_if(queue_, [&](const Matter& matter) {  // what it asked before is out of date
+    return matter.robot == attention.robot &&
+           std::holds_alternative<AttentionRequest>(matter.occasion);
+  });
+  queue_.push_back({attention.robot, attention, now, false, {}, 0, {}});
+}
+
+void SyntheticOperator::Hear(const Guidance& guidance) {
+  Robot* robot = Find(guidance.robot, guidance.world);
+  if (robot != nullptr) robot->answered = guidance.answers_snapshot;
+}
+
+// --- deciding what comes next ----------------------------------------------------------------
+
+bool SyntheticOperator::Ready(const Matter& matter, Clock::TimePoint now) const {
+  const Robot& robot = robots_.at(matter.robot);
+  if (!worlds_.at(robot.world).belief) return false;
+  const auto* attention = std::get_if<AttentionRequest>(&matter.occasion);
+  if (attention == nullptr || ReadyForAttention(robot, *attention)) return true;
+  return robot.state && now >= After(matter.heard_at, parameters_.patience_s);
+}
+
+bool SyntheticOperator::ReadyForAttention(const Robot& robot,
+                                          const AttentionRequest& attention) const {
+  return robot.state && robot.state->stamp >= attention.stamp &&
+         robot.looked_at >= attention.newest_snapshot;
+}
+
+bool SyntheticOperator::TakeUp(Clock::TimePoint now) {
+  const auto ready = std::find_if(queue_.begin(), queue_.end(),
+                                  [&](const Matter& matter) { return Ready(matter, now); });
+  if (ready == queue_.end()) return false;
+  current_ = std::move(*ready);
+  queue_.erase(ready);
+  current_->not_before = After(now, parameters_.thinking_time_s);
+  return true;
+}
+
+std::optional<OperatorAsk> SyntheticOperator::Next(Clock::TimePoint now) {
+  while (!under_way_ && (current_ || TakeUp(now))) {
+    if (now < current_->not_before) return std::nullopt;
+    const World& world = worlds_.at(robots_.at(current_->robot).world);
+    if (world.belief->revision < world.revision_needed) return std::nullopt;
+    if (!current_->looked) Look(*current_);
+    under_way_ = EditAsk(*current_);
+    if (!under_way_) under_way_ = GuideAsk(*current_);
+    if (!under_way_) Finish();
+  }
+  return under_way_ && !std::exchange(asked_, true) ? under_way_ : std::nullopt;
+}
+
+void SyntheticOperator::Answered(const Result<OperatorReply>& reply, Clock::TimePoint now) {
+  DEMAND(under_way_ && current_);
+  const bool edit = std::holds_alternative<EditRequest>(under_way_->body);
+  under_way_.reset();
+  asked_ = false;
+  World& world = worlds_.at(robots_.at(current_->robot).world);
+  if (reply && edit) world.revision_needed = std::max(world.revision_needed, reply->revision);
+  if (reply && reply->accepted) {
+    if (!edit) {
+      ++counts_.guidance;
+      return Finish();
+    }
+    counts_.edits += current_->edits.size();
+    current_->edits.clear();
+    return;
+  }
+  ++counts_.refused;
+  counts_.newest_problem = reply ? reply->reason : reply.error().text;
+  current_->not_before = After(now, parameters_.retry_pause_s);
+  if (++current_->attempts < parameters_.attempts) return;
+  current_->attempts = 0;
+  ++counts_.given_up;
+  if (edit) {
+    current_->edits.clear();  // the guidance is still owed
+  } else {
+    Finish();
+  }
+}
+
+void SyntheticOperator::Finish() {
+  if (const auto* picture = std::get_if<Picture>(&current_->occasion)) {
+    Robot& robot = robots_.at(current_->robot);
+    robot.looked_at = std::max(robot.looked_at, picture->sequence_number);
+  }
+  current_.reset();
+}
+
+// --- looking and answering -------------------------------------------------------------------
+
+void SyntheticOperator::Look(Matter& matter) {
+  Robot& robot = robots_.at(matter.robot);
+  matter.edits = EditsFor(matter, robot, worlds_.at(robot.world));
+  matter.looked = true;
+}
+
+std::vector<CellEdit> SyntheticOperator::EditsFor(const Matter& matter, Robot& robot,
+                                                  World& world) {
+  if (const auto* picture = std::get_if<Picture>(&matter.occasion)) {
+    ++counts_.pictures;
+    if (IsGlance(*picture) && !robot.reader.Glances(parameters_.glance_rate)) return {};
+    return robot.reader.Read(world.belief->wall_probability, *picture, world.certain_walls);
+  }
+  if (const auto* attention = std::get_if<AttentionRequest>(&matter.occasion)) {
+    return MarkBlocked(*attention, robot, world);
+  }
+  return {};
+}
+
+std::vector<CellEdit> SyntheticOperator::MarkBlocked(const AttentionRequest& attention,
+                                                     const Robot& robot, World& world) {
+  const BeliefGrid& map = world.belief->wall_probability;
+  const bool another_robot = robot.state->command_outcome == CommandOutcome::kOccupied &&
+                             robot.state->command_cell == attention.cell;
+  if (attention.reason != AttentionReason::kBlocked || another_robot ||
+      !map.Contains(attention.cell) || map.OnBorder(attention.cell)) {
+    return {};
+  }
+  world.certain_walls.insert(attention.cell);
+  return {{attention.cell, true}};
+}
+
+std::optional<OperatorAsk> SyntheticOperator::EditAsk(const Matter& matter) const {
+  const Robot& robot = robots_.at(matter.robot);
+  const Belief& belief = *worlds_.at(robot.world).belief;
+  EditRequest request{belief.revision, matter.edits};
+  std::erase_if(request.edits, [&](const CellEdit& edit) {
+    return IsWall(belief.wall_probability, edit.cell) == edit.wall;
+  });
+  if (request.edits.empty()) return std::nullopt;
+  return OperatorAsk{robot.world, robot.state ? robot.state->stamp : SimTime{}, request};
+}
+
+std::optional<OperatorAsk> SyntheticOperator::GuideAsk(const Matter& matter) {
+  const Robot& robot = robots_.at(matter.robot);
+  const World& world = worlds_.at(robot.world);
+  const auto* picture = std::get_if<Picture>(&matter.occasion);
+  if (picture != nullptr && IsGlance(*picture)) return std::nullopt;
+  // The picture itself tells where the robot is, unless a newer state is here already.
+  const bool from_picture =
+      picture != nullptr && (!robot.state || robot.state->stamp < picture->stamp);
+  const Cell start = from_picture ? picture->cell : robot.state->cell;
+  const std::vector<Cell>& goals = from_picture ? picture->goals_left : robot.state->goals_left;
+
+  GuideRequest request{matter.robot, {}, 0, parameters_.guidance_valid_s};
+  if (picture != nullptr) request.answers_snapshot = picture->sequence_number;
+  if (std::holds_alternative<AttentionRequest>(matter.occasion)) {
+    request.answers_snapshot = robot.looked_at;
+  }
+  auto path = PathPlanner(parameters_.planner)
+                  .Plan(world.belief->wall_probability, world.certain_walls, start, goals);
+  if (path) {
+    request.path = *std::move(path);
+  } else {
+    counts_.newest_problem = path.error().text;  // answered nevertheless, without a path
+  }
+  return OperatorAsk{robot.world, robot.state ? robot.state->stamp : picture->stamp, request};
+}
+
+}  // namespace conav::operators

@@ -1,0 +1,143 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/protocol/robot.h"
+#include "common/protocol/supervision.h"
+#include "common/runtime/clock.h"
+#include "operator/simulated/path_planner.h"
+#include "operator/simulated/picture_reader.h"
+
+namespace conav::operators {
+
+struct SyntheticOperatorParameters {
+  PictureReaderParameters reader;
+  PathPlannerParameters planner;
+  /// Share of the pictures of a stream that is looked at.
+  double glance_rate = 0.3;
+  /// Wall time that passes before each answer.
+  double thinking_time_s = 0.0;
+  /// How long guidance holds, simulation time.
+  double guidance_valid_s = 1800.0;
+  /// A refused or unanswered request is asked anew after a pause, so often. Wall time.
+  double retry_pause_s = 0.1;
+  int attempts = 50;
+  /// How long an answer waits for a state or a picture that was announced but did not arrive. Wall
+  /// time.
+  double patience_s = 2.0;
+
+  void Visit(ConfigReader& visitor);
+};
+
+/// What the person does next: a request to the operator service.
+struct OperatorAsk {
+  std::string world;
+  SimTime stamp;
+  std::variant<EditRequest, GuideRequest> body;
+};
+
+/// One synthetic person who supervises several robots, one matter after the other.
+///
+/// Hears what a console would show and says what to ask of the operator service:
+///   first path   when a robot's state and its world's belief are there: guidance, unasked.
+///   picture      looks at it, edits the map if it is wrong, then ALWAYS gives guidance for it.
+///   glance       a picture of a stream: now and then looks and edits; no guidance.
+///   attention    after the pictures up to newest_snapshot: marks a blocked cell as a wall (which
+///                the robot knows for certain; such a wall is remembered and never crossed or
+///                removed again), then gives guidance. kPicture needs no answer besides the
+///                picture's own.
+/// An edit that is refused because the map changed meanwhile is made again on the new map, as far
+/// as it is still a change.
+///
+/// One request is under way at a time: after Next() gave one, Answered() must follow before the
+/// next.
+/// Deterministic: each robot's pictures are read with random numbers of its own, in order, so that
+/// the interleaving of robots does not matter. Wall time only decides when, never what, except
+/// after patience_s.
+/// Pure; threads: not synchronised.
+class SyntheticOperator {
+ public:
+  SyntheticOperator(const SyntheticOperatorParameters& parameters, std::uint64_t seed,
+                    const std::map<std::string, std::string>& world_of_robot);
+
+  /// Messages of robots and worlds that are not this person's are ignored. A state older than the
+  /// one before comes from a simulator that started anew: so does the person, for this robot.
+  void Hear(const Belief& belief);
+  void Hear(const RobotState& state);
+  void Hear(const Picture& picture, Clock::TimePoint now);
+  void Hear(const AttentionRequest& attention, Clock::TimePoint now);
+  /// Pictures that were answered before (by somebody else, or before a restart) are left alone.
+  void Hear(const Guidance& guidance);
+
+  /// What to ask now; nothing while a request is under way, while thinking, or without an occasion.
+  std::optional<OperatorAsk> Next(Clock::TimePoint now);
+  /// The end of the request under way: its reply, or an error when none came.
+  void Answered(const Result<OperatorReply>& reply, Clock::TimePoint now);
+
+  struct Counts {
+    std::uint64_t pictures = 0;  // looked at or glanced over
+    std::uint64_t edits = 0;     // cells, accepted
+    std::uint64_t guidance = 0;  // accepted
+    std::uint64_t refused = 0;   // requests
+    std::uint64_t given_up = 0;  // matters left unfinished
+    std::string newest_problem;  // reason of the newest refusal or failure
+  };
+  const Counts& counts() const { return counts_; }
+  /// Matters waiting or in work.
+  std::size_t open() const { return queue_.size() + (current_ ? 1 : 0); }
+
+ private:
+  struct FirstPath {};
+  struct Matter {
+    std::string robot;
+    std::variant<FirstPath, Picture, AttentionRequest> occasion;
+    Clock::TimePoint heard_at;
+    bool looked = false;
+    std::vector<CellEdit> edits;  // still to be made
+    int attempts = 0;
+    Clock::TimePoint not_before;
+  };
+  struct Robot {
+    std::string world;
+    PictureReader reader;
+    std::optional<RobotState> state;
+    std::uint64_t looked_at = 0;  // sequence number of the newest picture that was dealt with
+    std::uint64_t answered = 0;   // sequence number of the newest picture with guidance
+    std::optional<AttentionRequest> attention;  // newest heard
+  };
+  struct World {
+    std::optional<Belief> belief;
+    std::uint64_t revision_needed = 0;  // of our own newest edit
+    std::set<Cell> certain_walls;
+  };
+
+  Robot* Find(const std::string& robot, const std::string& world);
+  bool Ready(const Matter& matter, Clock::TimePoint now) const;
+  bool ReadyForAttention(const Robot& robot, const AttentionRequest& attention) const;
+  bool TakeUp(Clock::TimePoint now);
+  void Look(Matter& matter);
+  std::vector<CellEdit> EditsFor(const Matter& matter, Robot& robot, World& world);
+  std::vector<CellEdit> MarkBlocked(const AttentionRequest& attention, const Robot& robot,
+                                    World& world);
+  std::optional<OperatorAsk> EditAsk(const Matter& matter) const;
+  std::optional<OperatorAsk> GuideAsk(const Matter& matter);
+  void Finish();
+
+  SyntheticOperatorParameters parameters_;
+  std::map<std::string, Robot> robots_;
+  std::map<std::string, World> worlds_;
+  std::deque<Matter> queue_;  // in the order heard
+  std::optional<Matter> current_;
+  std::optional<OperatorAsk> under_way_;
+  bool asked_ = false;  // under_way_ was handed out
+  Counts counts_;
+};
+
+}  // namespace conav::operators

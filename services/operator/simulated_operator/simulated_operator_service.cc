@@ -1,0 +1,109 @@
+#include "operator/simulated_operator/simulated_operator_service.h"
+
+#include <chrono>
+#include <set>
+
+#include "common/protocol/convert.h"
+#include "common/service/robot_list.h"
+
+namespace conav::operators {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kConvert = [](const auto& message) { return ToDomain(message); };
+
+}  // namespace
+
+struct SimulatedOperatorService::RobotLink {
+  RobotLink(bus::Participant& participant, const std::string& name)
+      : state(participant, bus::kRobotState, name),
+        snapshot(participant, bus::kSnapshot, name),
+        attention(participant, bus::kAttention, name),
+        guidance(participant, bus::kGuidance, name) {}
+
+  bus::Subscriber<conav_msgs::msg::RobotState> state;
+  bus::Subscriber<conav_msgs::msg::Snapshot> snapshot;
+  bus::Subscriber<conav_msgs::msg::AttentionRequest> attention;
+  bus::Subscriber<conav_msgs::msg::Guidance> guidance;
+};
+
+SimulatedOperatorService::SimulatedOperatorService(bus::Participant& participant,
+                                                   const SimulatedOperatorConfig& config,
+                                                   const Clock& clock)
+    : participant_(participant),
+      clock_(clock),
+      person_(config.person, config.seed, WorldOfRobot("simulated_operator", config.robots)),
+      client_(participant, clock,
+              {UniqueClientName(config.client), 0.25, config.request_deadline_s}),
+      diagnostics_(participant, clock) {
+  std::set<std::string> worlds;
+  for (const auto& [robot, world] : WorldOfRobot("simulated_operator", config.robots)) {
+    robots_.push_back(std::make_unique<RobotLink>(participant, robot));
+    worlds.insert(world);
+  }
+  for (const std::string& world : worlds) {
+    beliefs_.push_back(std::make_unique<bus::Subscriber<conav_msgs::msg::BeliefMap>>(
+        participant, bus::kBelief, world));
+  }
+}
+
+SimulatedOperatorService::~SimulatedOperatorService() = default;
+
+void SimulatedOperatorService::Run(const StopToken& stop) {
+  while (!stop.stop_requested()) {
+    // Thinking and pauses end without a message.
+    participant_.Wait(person_.open() > 0 ? 10ms : 100ms);
+    Step();
+  }
+}
+
+void SimulatedOperatorService::Step() {
+  TakeIn();
+  Ask();
+  diagnostics_.Tick([this] { return Report(); });
+}
+
+void SimulatedOperatorService::TakeIn() {
+  const auto now = clock_.Now();
+  for (const auto& world : beliefs_) {
+    for (const Belief& belief : world->TakeValid(kConvert)) person_.Hear(belief);
+  }
+  for (const auto& robot : robots_) {
+    for (const Guidance& guidance : robot->guidance.TakeValid(kConvert)) person_.Hear(guidance);
+    for (const RobotState& state : robot->state.TakeValid(kConvert)) person_.Hear(state);
+    for (const Picture& picture : robot->snapshot.TakeValid(kConvert)) person_.Hear(picture, now);
+    for (const auto& request : robot->attention.TakeValid(kConvert)) person_.Hear(request, now);
+  }
+}
+
+void SimulatedOperatorService::Ask() {
+  for (const OperatorClient::Outcome& outcome : client_.Poll()) {
+    if (!outcome.reply) {
+      LOG_WARNING("no reply", "reason", outcome.reply.error().text);
+    } else if (!outcome.reply->accepted) {
+      LOG_WARNING("refused", "id", outcome.request_id, "reason", outcome.reply->reason);
+    }
+    person_.Answered(outcome.reply, clock_.Now());
+  }
+  if (const auto ask = person_.Next(clock_.Now())) {
+    std::visit([&](const auto& body) { client_.Send(ask->world, body, ask->stamp); }, ask->body);
+  }
+}
+
+Health SimulatedOperatorService::Report() const {
+  const SyntheticOperator::Counts& counts = person_.counts();
+  Health health{Health::Level::kOk, "synthetic person at work", {}};
+  if (counts.given_up > 0) {
+    health.level = Health::Level::kWarning;
+    health.message = "gave up on a request: " + counts.newest_problem;
+  }
+  health.values = {{"open matters", std::to_string(person_.open())},
+                   {"pictures", std::to_string(counts.pictures)},
+                   {"cells edited", std::to_string(counts.edits)},
+                   {"guidance given", std::to_string(counts.guidance)},
+                   {"requests refused", std::to_string(counts.refused)}};
+  return health;
+}
+
+}  // namespace conav::operators

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/bus/subscriber.h"
+#include "common/runtime/clock.h"
+#include "common/runtime/stop_token.h"
+#include "common/service/diagnostics.h"
+#include "operator/client/operator_client.h"
+#include "operator/simulated/synthetic_operator.h"
+#include "operator/simulated_operator/config.h"
+
+namespace conav::operators {
+
+/// A synthetic person at the operator service's door: hears what a console would show, and asks
+/// through the same client API.
+///
+/// Publishes nothing before a robot's state and its world's belief arrived; then requests, one at a
+/// time. When the operator service does not answer, it repeats, gives the matter up after
+/// person.attempts deadlines, and says so in /diagnostics.
+/// Threads: one; Run() or repeated Step().
+class SimulatedOperatorService {
+ public:
+  /// `participant` and `clock` outlive the service. Throws StartupError on a bad list of robots.
+  SimulatedOperatorService(bus::Participant& participant, const SimulatedOperatorConfig& config,
+                           const Clock& clock);
+  ~SimulatedOperatorService();
+
+  /// Blocks until `stop`.
+  void Run(const StopToken& stop);
+  /// Takes in everything that arrived and asks what is to be asked. Does not block.
+  void Step();
+
+  const SyntheticOperator& person() const { return person_; }
+
+ private:
+  struct RobotLink;
+
+  void TakeIn();
+  void Ask();
+  Health Report() const;
+
+  bus::Participant& participant_;
+  const Clock& clock_;
+  SyntheticOperator person_;
+  OperatorClient client_;
+  std::vector<std::unique_ptr<bus::Subscriber<conav_msgs::msg::BeliefMap>>> beliefs_;
+  std::vector<std::unique_ptr<RobotLink>> robots_;
+  Diagnostics diagnostics_;
+};
+
+}  // namespace conav::operators
