@@ -5,7 +5,8 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cmath>
+#include <array>
+#include <span>
 #include <sstream>
 
 namespace conav::launcher {
@@ -13,10 +14,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::vector<std::string> kMethods{"ig-mcts", "instruction", "teleop"};
-const std::vector<std::string> kCameras{"egl", "none"};
-const std::vector<std::string> kPerceptions{"remote", "embedded"};
-const std::vector<std::string> kVendors{"cyclonedds", "fastdds"};
+constexpr std::array kMethods{"ig-mcts", "instruction", "teleop"};
+constexpr std::array kCameras{"egl", "none"};
+constexpr std::array kPerceptions{"remote", "embedded"};
+constexpr std::array kVendors{"cyclonedds", "fastdds"};
+constexpr std::array kVendorChoices{"cyclonedds", "fastdds", "mixed", "SERVICE=VENDOR,..."};
 
 bool IsService(const std::string& name) {
   return std::find(std::begin(kServices), std::end(kServices), name) != std::end(kServices);
@@ -29,7 +31,7 @@ Result<void> RequireRange(const char* option, double value, double low, double h
 }
 
 Result<void> RequireOneOf(const char* option, const std::string& value,
-                          const std::vector<std::string>& choices) {
+                          std::span<const char* const> choices) {
   if (std::find(choices.begin(), choices.end(), value) != choices.end()) return {};
   return Fail(ErrorCode::kInvalidArgument,
               fmt::format("{} {}: not one of {}", option, value, fmt::join(choices, ", ")));
@@ -121,8 +123,8 @@ Result<std::map<std::string, std::string>> VendorOfService(const std::string& dd
     return vendors;
   }
   if (dds.find('=') == std::string::npos) {
-    if (auto ok = RequireOneOf("--dds", dds, {"cyclonedds", "fastdds", "mixed"}); !ok) {
-      return Fail(ok.error().code, ok.error().text + ", SERVICE=VENDOR,...");
+    if (auto ok = RequireOneOf("--dds", dds, kVendorChoices); !ok) {
+      return tl::unexpected<Error>(ok.error());
     }
     for (auto& [service, vendor] : vendors) vendor = dds;
     return vendors;

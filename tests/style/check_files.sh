@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# check_files.sh ROOT: file names are snake_case, no file is over 400 lines, headers begin with #pragma once.
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+readonly line_limit=400
+mapfile -t files < <("$here/list_sources.sh" "$1" '*.h' '*.cc' '*.idl' '*.sh')
+((${#files[@]} > 0)) || { echo "no sources below $1"; exit 1; }
+cd "$1"
+failures=0
+refuse() {
+  printf '%s: %s\n' "$1" "$2"
+  failures=$((failures + 1))
+}
+for file in "${files[@]}"; do
+  name=${file##*/}
+  [[ $name =~ ^[a-z][a-z0-9_]*\.(h|cc|idl|sh)$ ]] || refuse "$file" "is not named in snake_case"
+  lines=$(wc -l <"$file")
+  ((lines <= line_limit)) || refuse "$file" "has $lines lines; $line_limit is the limit"
+  if [[ $file == *.h ]]; then
+    read -r first <"$file" || true
+    [[ $first == "#pragma once" ]] || refuse "$file" "does not begin with #pragma once"
+  fi
+done
+echo "${#files[@]} files, $failures refused"
+((failures == 0))

@@ -1,0 +1,55 @@
+# Reads "file include" pairs and refuses the includes that the layers forbid; see check_includes.sh.
+# Layers: main -> service -> convert + bus + pure library -> common.
+
+function refuse(rule) { printf "%s includes \"%s\": %s\n", file, inc, rule; failures++ }
+function below(folder) { return index(file, folder) == 1 }
+function any_below(list,   i, n, folders) {
+  n = split(list, folders, " ")
+  for (i = 1; i <= n; i++) if (below(folders[i])) return 1
+  return 0
+}
+
+BEGIN {
+  pure = "services/common/grid/ services/common/runtime/ services/sim/world/ services/sim/physics/ " \
+         "services/planner/search/ services/nhpm/model/ services/operator/belief/ services/operator/simulated/"
+  vendor_places = "services/common/bus/ tests/system/bus/ tests/bench/ tests/unit/common/bus/"
+  idl_places = "services/common/bus/ services/common/protocol/convert services/common/service/ tests/"
+}
+
+{
+  file = $1
+  inc = $2
+  is_vendor = inc ~ /^(dds|ddsc|ddsrt|fastdds|fastrtps|fastcdr)\//
+  is_idl = inc ~ /^(conav_robot|conav_operator|conav_planning|ros2_interfaces|ros2_graph)(TypeObject|PubSubTypes)?\.h$/
+  # services/<x>/<file> wires; services/<x>/<folder>/... is a library or a part of its own.
+  split(file, part, "/")
+  in_service = part[1] == "services" && part[2] != "common"
+  wires = in_service && (part[4] == "" || part[3] == "simulated_operator" || part[3] == "client")
+  other = inc
+  sub(/\/.*/, "", other)
+  is_service = other ~ /^(sim|planner|nhpm|operator)$/ && inc ~ /\//
+
+  if (is_vendor && !any_below(vendor_places)) refuse("only services/common/bus includes DDS")
+  if (is_idl && !wires && !any_below(idl_places)) refuse("IDL types stop at common/protocol/convert.h")
+  if (any_below(pure)) {
+    if (inc ~ /^common\/(bus|service)\// || inc == "common/protocol/convert.h" || inc ~ /^sys\/socket|^netinet\//)
+      refuse("a pure library knows neither the bus nor IDL types")
+    if (is_service && other != part[2]) refuse("a pure library includes no other service")
+  }
+  if (below("services/common/") && is_service) refuse("common includes no service")
+  if ((below("services/common/grid/") || below("services/common/runtime/")) && inc ~ /^common\// &&
+      inc !~ /^common\/(grid|runtime)\//) refuse("grid and runtime are the lowest layer")
+  if (below("services/common/protocol/") && !below("services/common/protocol/convert") && inc ~ /^common\/(bus|service)\//)
+    refuse("protocol values know nothing of the bus")
+  if (in_service && is_service && other != part[2] &&
+      !(part[2] == "planner" && wires && inc ~ /^nhpm\/model\//))
+    refuse("a service includes no other service (the planner may embed nhpm/model)")
+  if (below("deploy/") && is_service && inc !~ /\/config\.h$/) refuse("the launcher sees only config.h of a service")
+  if (below("services/") && inc ~ /^launcher\//) refuse("services know nothing of the launcher")
+  count++
+}
+
+END {
+  printf "%d includes, %d refused\n", count, failures
+  exit failures > 0 || count == 0
+}

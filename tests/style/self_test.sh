@@ -1,0 +1,53 @@
+#!/usr/bin/env bash
+# self_test.sh: each check accepts a good file and refuses a bad one, so that a green check means something.
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+tree=$(mktemp -d)
+trap 'rm -rf "$tree"' EXIT
+failures=0
+
+# expect accept|refuse CHECK PATH TEXT: runs CHECK on a tree that holds only PATH.
+expect() {
+  local wanted=$1 check=$2 file=$3 text=$4 got=accept
+  rm -rf "${tree:?}"/*
+  cp "$here/../../.clang-format" "$tree/"
+  mkdir -p "$tree/$(dirname "$file")"
+  printf '%b' "$text" >"$tree/$file"
+  "$here/$check" "$tree" >"$tree/output.txt" 2>&1 || got=refuse
+  [[ $got == "$wanted" ]] && return
+  printf '%s should %s %s: %s\n' "$check" "$wanted" "$file" "$text"
+  failures=$((failures + 1))
+}
+
+expect accept check_format.sh services/a.cc 'int main() { return 0; }\n'
+expect refuse check_format.sh services/a.cc 'int main(){return 0;}\n'
+expect accept check_files.sh services/a_b.h '#pragma once\n'
+expect refuse check_files.sh services/aB.cc '\n'
+expect refuse check_files.sh services/a.h '#include <vector>\n'
+expect refuse check_files.sh services/a.cc "$(printf '%*s' 401 '' | sed 's/ /\\n/g')"
+# shellcheck disable=SC2016
+expect accept check_shell.sh a.sh '#!/bin/bash\necho "$1"\n'
+# shellcheck disable=SC2016
+expect refuse check_shell.sh a.sh '#!/bin/bash\necho $1\n'
+
+accept_include() { expect accept check_includes.sh "$1" "#include $2\n"; }
+refuse_include() { expect refuse check_includes.sh "$1" "#include $2\n"; }
+accept_include services/common/bus/a.cc '<dds/dds.h>'
+refuse_include services/sim/sim_service.cc '<dds/dds.h>'
+refuse_include tests/unit/sim/a_test.cc '"fastdds/dds/topic/Topic.hpp"'
+accept_include services/common/protocol/convert.h '"conav_robot.h"'
+accept_include services/sim/robot_topics.h '"conav_robot.h"'
+refuse_include services/planner/search/a.h '"conav_robot.h"'
+refuse_include services/planner/search/a.h '"common/bus/publisher.h"'
+refuse_include services/nhpm/model/a.cc '"common/protocol/convert.h"'
+accept_include services/nhpm/model/a.cc '"common/protocol/planning.h"'
+refuse_include services/sim/world/a.cc '"planner/search/ig_mcts.h"'
+refuse_include services/sim/sim_service.cc '"operator/config.h"'
+accept_include services/planner/make_perception.cc '"nhpm/model/glpf.h"'
+refuse_include services/planner/make_perception.cc '"nhpm/nhpm_service.h"'
+refuse_include services/common/grid/a.h '"common/protocol/robot.h"'
+refuse_include services/common/service/a.h '"sim/config.h"'
+accept_include deploy/launcher/a.cc '"sim/config.h"'
+refuse_include deploy/launcher/a.cc '"sim/sim_service.h"'
+echo "$failures failures"
+((failures == 0))
