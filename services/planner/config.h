@@ -1,31 +1,29 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <string>
 #include <vector>
 
 #include "common/bus/participant.h"
 #include "common/runtime/config.h"
+#include "planner/search/search_options.h"
 
 namespace conav::planner {
 
-/// The search as far as a user sets it; everything else is in search/ig_mcts.h.
+/// The search of method ig-mcts.
 struct SearchConfig {
-  /// "default" works; "paper" keeps the numbers printed in the paper, with which it does not.
+  /// "default" works; "paper" starts from the numbers printed in the paper, with which it does not.
+  /// Other keys of this section change single values of it.
   std::string preset = "default";
-  /// Iterations per decision; 0 = the preset's number.
-  int iterations = 0;
-  /// Wall time per decision; 0 = by iterations only, which makes runs repeatable.
-  double time_budget_ms = 0.0;
   /// Camera headings offered per cell.
   int headings = 8;
+  SearchOptions options;
 
   void Visit(ConfigReader& reader) {
     reader.Choice("preset", preset, {"default", "paper"});
-    reader.Field("iterations", iterations, 0, 1'000'000);
-    reader.Field("time_budget_ms", time_budget_ms, 0.0, 60'000.0);
+    if (preset == "paper" && reader.reading()) options = PaperOptions();
     reader.Field("headings", headings, 1, 64);
+    options.Visit(reader);
   }
 };
 
@@ -61,9 +59,5 @@ struct PlannerConfig {
     reader.Field("command_ttl_s", command_ttl_s, 0.5, 60.0);
   }
 };
-
-/// `robots` as robot -> world. Throws StartupError for an entry that is not "world/robot" or stands
-/// twice.
-std::map<std::string, std::string> WorldOfRobot(const PlannerConfig& config);
 
 }  // namespace conav::planner

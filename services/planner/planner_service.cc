@@ -7,6 +7,7 @@
 #include "common/protocol/convert.h"
 #include "common/runtime/log.h"
 #include "common/runtime/random.h"
+#include "common/service/robot_list.h"
 #include "planner/make_method.h"
 #include "planner/make_perception.h"
 
@@ -55,11 +56,11 @@ PlannerService::PlannerService(bus::Participant& participant, const PlannerConfi
     : participant_(participant),
       config_(config),
       clock_(clock),
-      board_(WorldOfRobot(config)),
-      perception_(MakePerception(participant, config)),
+      board_(WorldOfRobot("planner", config.robots)),
+      perception_(MakePerception(participant, config, clock)),
       diagnostics_(participant, clock) {
   std::set<std::string> worlds;
-  for (const auto& [robot, world] : WorldOfRobot(config)) {
+  for (const auto& [robot, world] : WorldOfRobot("planner", config.robots)) {
     worlds.insert(world);
     links_.push_back(std::make_unique<Link>(participant, robot));
     auto method = MakeMethod(config.method, robot, config.search,

@@ -72,6 +72,9 @@ class ConfigReader {
     inner.RefuseUnknownKeys();
   }
 
+  /// False while the values are written out.
+  bool reading() const { return !writing_; }
+
   void RefuseUnknownKeys() const;
   const YAML::Node& emitted() const { return output_; }
 
