@@ -1,0 +1,77 @@
+#include "planner/search/grid_graph.h"
+
+#include "common/grid/geometry.h"
+
+namespace conav::planner {
+
+GridGraph::GridGraph(OccupancyGrid known, std::span<const Cell> occupied_now,
+                     const Options& options)
+    : known_(std::move(known)), options_(options) {
+  DEMAND(options_.headings >= 0 && options_.rays > 0, options_.headings, options_.rays);
+  for (int i = 0; i < options_.headings; ++i) {
+    headings_.push_back(HeadingFromIndex(i, options_.headings));
+  }
+  Grid<std::uint8_t> occupied(known_.rows(), known_.columns(), 0);
+  for (const Cell cell : occupied_now) {
+    if (occupied.Contains(cell)) occupied[cell] = 1;
+  }
+  for (VertexId vertex = 0; vertex < vertex_count(); ++vertex) {
+    first_edge_.push_back(edges_.size());
+    AddEdges(CellOf(vertex), occupied);
+  }
+  first_edge_.push_back(edges_.size());
+  views_.resize(known_.size() * headings_.size());
+}
+
+void GridGraph::AddEdges(Cell from, const Grid<std::uint8_t>& occupied) {
+  if (!MayBeFree(from)) return;
+  for (const Cell offset : kNeighbourOffsets) {
+    const Cell to = from + offset;
+    if (!known_.Contains(to) || !MayBeFree(to) || occupied[to] != 0) continue;
+    const double feasibility = known_[to] == Occupancy::kFree ? 1.0 : options_.unknown_feasibility;
+    const auto target = static_cast<VertexId>(known_.IndexOf(to));
+    edges_.push_back({.target = target, .feasibility = feasibility, .uncertainty = target});
+  }
+}
+
+bool GridGraph::MayBeFree(Cell cell) const {
+  switch (known_[cell]) {
+    case Occupancy::kFree:
+      return true;
+    case Occupancy::kUnknown:
+      return !(options_.border_is_wall && known_.OnBorder(cell));
+    case Occupancy::kOccupied:
+      return false;
+  }
+  return false;
+}
+
+Cell GridGraph::CellOf(VertexId vertex) const {
+  return known_.CellAt(static_cast<std::size_t>(vertex));
+}
+
+std::optional<VertexId> GridGraph::VertexAt(Cell cell) const {
+  if (!known_.Contains(cell) || !MayBeFree(cell)) return std::nullopt;
+  return static_cast<VertexId>(known_.IndexOf(cell));
+}
+
+std::span<const Edge> GridGraph::EdgesFrom(VertexId vertex) const {
+  const auto v = static_cast<std::size_t>(vertex);
+  return std::span(edges_).subspan(first_edge_[v], first_edge_[v + 1] - first_edge_[v]);
+}
+
+std::span<const double> GridGraph::HeadingsAt(VertexId /*vertex*/) const { return headings_; }
+
+const VisibleCells& GridGraph::ViewFrom(VertexId vertex, int index) const {
+  const auto i = static_cast<std::size_t>(index);
+  auto& view = views_[static_cast<std::size_t>(vertex) * headings_.size() + i];
+  if (!view) {
+    view = CastView(known_, {.cell = CellOf(vertex),
+                             .heading_rad = headings_[i],
+                             .horizontal_fov_rad = options_.horizontal_fov_rad,
+                             .rays = options_.rays});
+  }
+  return *view;
+}
+
+}  // namespace conav::planner

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/grid/grid.h"
+#include "planner/search/navigation_graph.h"
+
+namespace conav::planner {
+
+/// The navigation graph of a maze, from what one robot has mapped: a vertex per cell that is not
+/// known to be a wall, moves north, east, south, west, views at evenly spaced headings from the
+/// cell's centre, cast on the known map (an unknown cell ends the ray unseen: the robot cannot
+/// promise what it has not mapped). Views are computed on first use and kept.
+class GridGraph final : public NavigationGraph {
+ public:
+  struct Options {
+    int headings = 8;
+    double horizontal_fov_rad = CameraView{}.horizontal_fov_rad;
+    /// Fewer than for a real picture; enough to meet every cell of a 15 x 15 maze.
+    int rays = 96;
+    /// Feasibility of entering a cell that was not seen yet.
+    double unknown_feasibility = 0.5;
+    /// The outermost ring holds walls even where it was not seen yet.
+    bool border_is_wall = true;
+  };
+
+  /// `occupied_now`: cells that must not be entered at present, for example because other robots
+  /// stand there.
+  GridGraph(OccupancyGrid known, std::span<const Cell> occupied_now, const Options& options);
+  GridGraph(OccupancyGrid known, std::span<const Cell> occupied_now)
+      : GridGraph(std::move(known), occupied_now, Options()) {}
+
+  int vertex_count() const override { return static_cast<int>(known_.size()); }
+  int uncertainty_count() const override { return vertex_count(); }
+  Cell CellOf(VertexId vertex) const override;
+  std::optional<VertexId> VertexAt(Cell cell) const override;
+  std::span<const Edge> EdgesFrom(VertexId vertex) const override;
+  std::span<const double> HeadingsAt(VertexId vertex) const override;
+  const VisibleCells& ViewFrom(VertexId vertex, int index) const override;
+
+ private:
+  bool MayBeFree(Cell cell) const;
+  void AddEdges(Cell from, const Grid<std::uint8_t>& occupied);
+
+  OccupancyGrid known_;
+  Options options_;
+  std::vector<double> headings_;
+  std::vector<Edge> edges_;              // of vertex 0, of vertex 1, ...
+  std::vector<std::size_t> first_edge_;  // vertex v has edges_[first_edge_[v], first_edge_[v + 1])
+  mutable std::vector<std::optional<VisibleCells>> views_;  // vertex * headings + index
+};
+
+}  // namespace conav::planner

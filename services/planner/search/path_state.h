@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "planner/search/search_problem.h"
+
+namespace conav::planner {
+
+/// tau while the search walks along a branch: steps are pushed and taken back, and what the rewards
+/// ask of tau is kept up to date in constant time a step.
+///
+/// A goal ends a branch, so goals are those that are left at the start of the decision; one on
+/// which the robot stands already counts as reached.
+class PathState {
+ public:
+  explicit PathState(const SearchProblem& problem);
+
+  VertexId vertex() const { return steps_.back().vertex; }
+  /// |tau|: states since the last picture, that picture's and repeats included.
+  int length() const { return length_; }
+  /// How often the present vertex occurs in tau before its last entry.
+  int earlier_visits() const { return visits_[Index(vertex())] - 1; }
+  bool at_goal() const { return is_goal_[Index(vertex())] != 0; }
+  bool on_guidance() const { return is_guidance_[Index(vertex())] != 0; }
+  bool guided_before() const { return guided_before_; }
+  int goals_left() const { return goals_left_; }
+  /// m: cells of the operator's path that are not in tau.
+  int unvisited_guidance() const { return unvisited_guidance_; }
+
+  /// Whether `edge` has been gone on this branch already, so that it is known to be free (A8).
+  bool IsKnownFree(const Edge& edge) const;
+
+  /// The robot goes along `edge`.
+  void Go(const Edge& edge);
+  /// The robot tried to move and stayed where it is: the same state once more.
+  void Stay();
+
+  /// Steps gone since the start of the decision; TakeBack() returns to that number.
+  std::size_t steps() const { return steps_.size() - 1; }
+  void TakeBack(std::size_t steps);
+
+  /// tau as a set of vertices: bit v of word v / 64. Other cells of tau_0 are the same all along a
+  /// decision.
+  std::span<const std::uint64_t> visited() const { return visited_; }
+  /// Cells of tau_0 that are no vertices.
+  std::span<const Cell> other_cells() const { return other_cells_; }
+
+ private:
+  struct Step {
+    VertexId vertex;
+    int uncertainty;  // of the edge gone, -1 for none
+  };
+
+  static std::size_t Index(int number) { return static_cast<std::size_t>(number); }
+  void ReadPath(const SearchProblem& problem);
+  void ReadGuidance(const SearchProblem& problem);
+  void Enter(VertexId vertex);
+  void Leave(VertexId vertex);
+
+  std::vector<Step> steps_;
+  int length_ = 0;
+  std::vector<int> visits_;  // by vertex
+  std::vector<std::uint64_t> visited_;
+  std::vector<int> passed_;  // by uncertainty: how often edges with it were gone
+  std::vector<std::uint8_t> is_goal_;
+  std::vector<std::uint8_t> is_guidance_;
+  std::vector<Cell> other_cells_;
+  bool guided_before_;
+  int goals_left_ = 0;
+  int unvisited_guidance_ = 0;
+};
+
+}  // namespace conav::planner

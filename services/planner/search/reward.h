@@ -1,0 +1,42 @@
+#pragma once
+
+#include "planner/search/path_state.h"
+
+namespace conav {
+class ConfigReader;
+}
+
+namespace conav::planner {
+
+/// Numbers of the reward, appendix C of the paper.
+struct RewardOptions {
+  double goal = 100.0;               // r_g
+  double step = -1.0;                // R_env of any other step
+  double communication_cost = 10.0;  // the fixed part of c = 10 + m
+  /// Added to a communication as to any other step; the paper does not say so, hence 0.
+  double communication_step = 0.0;
+
+  void Visit(ConfigReader& reader);
+};
+
+/// R_env(tau): r_g on entering a goal for the first time, else the step penalty (appendix C, 1).
+double EnvironmentReward(bool reaches_goal, const RewardOptions& options);
+
+/// R_guidance(tau, zeta): 0 on the operator's path, else -log n, where n = |tau| counts the states
+/// since the last picture, that picture's included (appendix C, 2). 0 while no path was ever given.
+double GuidanceReward(bool guided_before, bool on_guidance, int path_length);
+
+/// R_smooth(tau): minus the number of earlier visits to the present state (appendix C, 3).
+double SmoothnessReward(int earlier_visits);
+
+/// c = 10 + m, where m counts the states of zeta that the robot has not visited (appendix C).
+double CommunicationCost(int unvisited_guidance, const RewardOptions& options);
+
+/// R_task of the step that `path` has just made: the sum of the first three.
+double MoveReward(const PathState& path, const RewardOptions& options);
+
+/// Of sending a view: R_info - c. `information` is E||x' - x||_1 = ||p_add||_1 + ||p_remove||_1
+/// (section 5.2). No guidance or smoothness term, as no new state is entered.
+double CommunicationReward(const PathState& path, double information, const RewardOptions& options);
+
+}  // namespace conav::planner

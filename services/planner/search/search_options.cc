@@ -1,0 +1,45 @@
+#include "planner/search/search_options.h"
+
+#include "common/runtime/config.h"
+
+namespace conav::planner {
+namespace {
+
+/// Reads an enumeration by the names of its values, in their order.
+template <class Enum>
+void EnumField(ConfigReader& reader, const std::string& key, Enum& value,
+               const std::vector<std::string>& names) {
+  std::string name = names[static_cast<std::size_t>(value)];
+  reader.Choice(key, name, names);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (names[i] == name) value = static_cast<Enum>(i);
+  }
+}
+
+}  // namespace
+
+void SearchOptions::Visit(ConfigReader& reader) {
+  reader.Field("iterations", iterations, 1, 1'000'000);
+  reader.Field("time_budget_ms", time_budget_ms, 0.0, 60'000.0);
+  reader.Field("exploration_constant", exploration_constant, 0.0, 1e6);
+  reader.Field("discount", discount, 0.0, 1.0);
+  reader.Field("rollout_depth", rollout_depth, 1, 10'000);
+  EnumField(reader, "expansion", expansion, {"single", "chain"});
+  reader.Field("chain_depth", chain_depth, 1, 10'000);
+  EnumField(reader, "untried_order", untried_order, {"moves_first", "random"});
+  EnumField(reader, "backup", backup, {"propagated_sample", "rollout_return"});
+  reader.Field("selection_uses_feasibility", selection_uses_feasibility);
+  reader.Field("offers_sent_views", offers_sent_views);
+  reader.Field("rollout_communication_probability", rollout_communication_probability, -1.0, 1.0);
+  reader.Field("look_ahead", look_ahead);
+  reader.Section("reward", reward);
+}
+
+SearchOptions PaperOptions() {
+  SearchOptions options;
+  options.iterations = 100;
+  options.offers_sent_views = true;
+  return options;
+}
+
+}  // namespace conav::planner

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <string>
+
+#include "planner/search/reward.h"
+
+namespace conav::planner {
+
+/// How many nodes one iteration adds (paper-notes A3).
+enum class Expansion {
+  kSingle,  // one, then a rollout: section 5.2 and the authors' earlier code
+  kChain,   // until a communication, a terminal node or the cap: algorithm 1 read literally
+};
+
+/// Which untried action an expansion takes.
+enum class UntriedOrder { kMovesFirst, kRandom };
+
+/// What a backup adds to Q (paper-notes A1).
+enum class BackupRule {
+  kPropagatedSample,  // q_sample: equation 3
+  kRolloutReturn,     // q: as printed in procedure BackPropagate, a misprint; kept to show that
+};
+
+/// Parameters of IG-MCTS. Defaults work (measured in closed_loop_test.cc); PaperOptions() are the
+/// printed numbers.
+struct SearchOptions {
+  /// n: budget of a decision. With `time_budget_ms` > 0 the decision ends at that wall time too,
+  /// whichever is first.
+  int iterations = 1000;
+  double time_budget_ms = 0.0;
+  double exploration_constant = 1.4142135623730951;  // k; returns are not normalised (A28)
+  double discount = 0.99;                            // gamma
+  int rollout_depth = 100;                           // d: steps of a rollout, and depth of the tree
+  Expansion expansion = Expansion::kSingle;
+  int chain_depth = 10;  // nodes that one iteration may add when expansion is kChain
+  UntriedOrder untried_order = UntriedOrder::kMovesFirst;
+  BackupRule backup = BackupRule::kPropagatedSample;
+  /// Selection weighs a child's value by its feasibility (A7): delta Q'/N' + (1 - delta) Q/N.
+  bool selection_uses_feasibility = false;
+  /// Offer views again that were sent already (the paper has no rule against it, A30).
+  bool offers_sent_views = false;
+  /// Probability that a rollout step communicates; below 0 = uniform over all actions (A6).
+  double rollout_communication_probability = -1.0;
+  /// Ask the perception model about the next places in the same call.
+  bool look_ahead = true;
+  RewardOptions reward;
+
+  void Visit(ConfigReader& reader);
+};
+
+/// As printed in appendix E, algorithm 1: 100 iterations, k = sqrt 2, gamma = 0.99, depth 100, and
+/// no rule against sending a view again. Reaches no goals (paper-notes 4.16).
+SearchOptions PaperOptions();
+
+}  // namespace conav::planner

@@ -1,0 +1,83 @@
+#include "planner/search/search_tree.h"
+
+#include <cmath>
+#include <limits>
+
+#include "common/runtime/demand.h"
+
+namespace conav::planner {
+
+SearchTree::SearchTree(VertexId start) : last_child_{-1} { nodes_.emplace_back().vertex = start; }
+
+int SearchTree::Add(SearchNode node) {
+  DEMAND(node.parent >= 0 && node.action >= 0 && node.action < 64, node.parent, node.action);
+  const int index = static_cast<int>(nodes_.size());
+  const auto parent = static_cast<std::size_t>(node.parent);
+  node.depth = nodes_[parent].depth + 1;
+  nodes_[parent].tried |= std::uint64_t{1} << node.action;
+  if (last_child_[parent] < 0) {
+    nodes_[parent].first_child = index;
+  } else {
+    mutable_node(last_child_[parent]).next_sibling = index;
+  }
+  last_child_[parent] = index;
+  last_child_.push_back(-1);
+  nodes_.push_back(node);
+  return index;
+}
+
+int SearchTree::SelectChild(int parent, const SearchOptions& options, Random& random) const {
+  const SearchNode& from = node(parent);
+  const double log_visits = std::log(static_cast<double>(from.visit_count));
+  double best_value = -std::numeric_limits<double>::infinity();
+  int best = -1;
+  int ties = 0;
+  for (int child = from.first_child; child >= 0; child = node(child).next_sibling) {
+    const SearchNode& to = node(child);
+    double value = to.mean();
+    if (options.selection_uses_feasibility) {
+      value = to.feasibility * value + (1.0 - to.feasibility) * from.mean();
+    }
+    value += options.exploration_constant * std::sqrt(log_visits / to.visit_count);
+    if (value > best_value) {
+      best_value = value;
+      best = child;
+      ties = 1;
+    } else if (value == best_value && random.Uniform(0, ties++) == 0) {
+      best = child;
+    }
+  }
+  DEMAND(best >= 0, parent);
+  return best;
+}
+
+void SearchTree::Backup(int leaf, double rollout_return, const SearchOptions& options) {
+  double sample = rollout_return;
+  double feasibility = 1.0;
+  for (int index = leaf; index >= 0; index = node(index).parent) {
+    SearchNode& v = mutable_node(index);
+    sample = v.reward + options.discount * (feasibility * sample + (1.0 - feasibility) * v.mean());
+    v.total_return += options.backup == BackupRule::kPropagatedSample ? sample : rollout_return;
+    ++v.visit_count;
+    feasibility = v.feasibility;
+  }
+}
+
+int SearchTree::MostVisitedChild(int parent) const {
+  int best = -1;
+  for (int child = node(parent).first_child; child >= 0; child = node(child).next_sibling) {
+    const SearchNode& a = node(child);
+    if (best >= 0) {
+      const SearchNode& b = node(best);
+      if (a.visit_count < b.visit_count) continue;
+      if (a.visit_count == b.visit_count) {
+        if (a.mean() < b.mean()) continue;
+        if (a.mean() == b.mean() && a.action > b.action) continue;
+      }
+    }
+    best = child;
+  }
+  return best;
+}
+
+}  // namespace conav::planner

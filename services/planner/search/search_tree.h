@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/runtime/random.h"
+#include "planner/search/search_options.h"
+
+namespace conav::planner {
+
+/// One node: the state after an action, and what was learned of it. Nodes are numbers into one
+/// array; a node's children form a list in the order of their expansion.
+///
+///   parent <- node -> first_child -> next_sibling -> next_sibling ...
+struct SearchNode {
+  int parent = -1;
+  int first_child = -1;
+  int next_sibling = -1;
+  int action = -1;  // at the parent's vertex, see Actions
+  int depth = 0;
+  VertexId vertex = 0;
+  bool is_communication = false;
+  bool is_terminal = false;
+  std::uint64_t tried = 0;        // bit a: action a has a child
+  double reward = 0.0;            // r(v): of the transition into this node; 0 at the root
+  double feasibility = 1.0;       // delta(v): probability of that transition
+  double information = 0.0;       // R_info of a communication
+  std::uint32_t visit_count = 0;  // N(v)
+  double total_return = 0.0;      // Q(v)
+
+  /// Q/N, 0 while unvisited.
+  double mean() const { return visit_count > 0 ? total_return / visit_count : 0.0; }
+};
+
+/// The tree and what needs no knowledge of the world: selection by UCB, backup, choice.
+class SearchTree {
+ public:
+  static constexpr int kRoot = 0;
+
+  explicit SearchTree(VertexId start);
+
+  const SearchNode& node(int index) const { return nodes_[static_cast<std::size_t>(index)]; }
+  std::size_t size() const { return nodes_.size(); }
+
+  /// Appends `node` as last child of its parent; returns its number.
+  int Add(SearchNode node);
+
+  /// The child with the largest UCB (algorithm 1, line 8): Q/N + k sqrt(log N(parent) / N). Ties
+  /// are broken at random. Requires children.
+  int SelectChild(int parent, const SearchOptions& options, Random& random) const;
+
+  /// Stage 4 (equation 3, procedure BackPropagate): from `leaf` up to the root,
+  ///   q_sample <- r(v) + gamma [ delta q_sample + (1 - delta) Q(v)/N(v) ],  Q += q_sample,  N += 1
+  /// with delta = 1 at the leaf and the child's feasibility above.
+  void Backup(int leaf, double rollout_return, const SearchOptions& options);
+
+  /// The most visited child; ties by higher mean, then lower action number (A27). -1 without any.
+  int MostVisitedChild(int parent) const;
+
+ private:
+  SearchNode& mutable_node(int index) { return nodes_[static_cast<std::size_t>(index)]; }
+
+  std::vector<SearchNode> nodes_;
+  std::vector<int> last_child_;
+};
+
+}  // namespace conav::planner
