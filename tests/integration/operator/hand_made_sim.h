@@ -1,0 +1,85 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "common/bus/in_memory_bus.h"
+#include "common/bus/participant.h"
+#include "common/bus/publisher.h"
+#include "common/bus/subscriber.h"
+#include "common/protocol/convert.h"
+#include "common/runtime/clock.h"
+#include "operator/config.h"
+#include "operator/operator_service.h"
+#include "unit/operator/support/drawn_map.h"
+#include "unit/operator/support/temporary_folder.h"
+
+namespace conav::operators {
+
+inline OccupancyGrid DrawnTruth(const std::vector<std::string>& lines) {
+  const BeliefGrid drawn = DrawnMap(lines);
+  OccupancyGrid map(drawn.rows(), drawn.columns());
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    const float wall = drawn.values()[i];
+    map.values()[i] = wall == 0.5F  ? Occupancy::kUnknown
+                      : wall > 0.5F ? Occupancy::kOccupied
+                                    : Occupancy::kFree;
+  }
+  return map;
+}
+
+/// Says by hand, on an in-memory bus, what the simulator would say of world w1 and robot r1, and
+/// listens to what comes back.
+struct HandMadeSim {
+  explicit HandMadeSim(std::shared_ptr<bus::InMemoryBus> bus)
+      : participant("sim", bus),
+        initial_map(participant, bus::kInitialMap, "w1"),
+        state(participant, bus::kRobotState, "r1"),
+        snapshot(participant, bus::kSnapshot, "r1"),
+        attention(participant, bus::kAttention, "r1"),
+        belief(participant, bus::kBelief, "w1"),
+        belief_map(participant, bus::kBeliefMap, "w1"),
+        guidance(participant, bus::kGuidance, "r1") {}
+
+  void PublishInitialMap(const std::vector<std::string>& lines) {
+    REQUIRE(initial_map.Publish(ToMessage(MapUpdate{{0}, 1.5, DrawnTruth(lines)})));
+  }
+  void PublishState(Cell cell, std::int64_t stamp, std::uint64_t snapshots = 0,
+                    const std::string& world = "w1") {
+    RobotState now;
+    now.stamp = {stamp};
+    now.world = world;
+    now.robot = "r1";
+    now.cell = cell;
+    now.goals_left = {{1, 4}};
+    now.goals_total = 1;
+    now.snapshots = snapshots;
+    REQUIRE(state.Publish(ToMessage(now)));
+  }
+
+  template <class T>
+  static auto Newest(bus::Subscriber<T>& subscriber) {
+    auto all = subscriber.TakeValid([](const T& message) { return ToDomain(message); });
+    REQUIRE_FALSE(all.empty());
+    return all.back();
+  }
+  Belief NewestBelief() { return Newest(belief); }
+  Guidance NewestGuidance() { return Newest(guidance); }
+
+  bus::Participant participant;
+  bus::Publisher<nav_msgs::msg::OccupancyGrid> initial_map;
+  bus::Publisher<conav_msgs::msg::RobotState> state;
+  bus::Publisher<conav_msgs::msg::Snapshot> snapshot;
+  bus::Publisher<conav_msgs::msg::AttentionRequest> attention;
+  bus::Subscriber<conav_msgs::msg::BeliefMap> belief;
+  bus::Subscriber<nav_msgs::msg::OccupancyGrid> belief_map;
+  bus::Subscriber<conav_msgs::msg::Guidance> guidance;
+};
+
+inline OperatorConfig ConfigFor(const std::filesystem::path& database) {
+  OperatorConfig config;
+  config.database = database.string();
+  return config;
+}
+
+}  // namespace conav::operators

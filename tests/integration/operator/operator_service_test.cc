@@ -1,0 +1,212 @@
+#include "operator/operator_service.h"
+
+#include <catch2/catch.hpp>
+#include <thread>
+
+#include "integration/operator/hand_made_sim.h"
+#include "operator/client/operator_client.h"
+
+namespace conav::operators {
+namespace {
+
+using namespace std::chrono_literals;
+
+const std::vector<std::string> kMap = {"######", "#  ? #", "# ## #", "#    #", "######"};
+
+/// The service on an in-memory bus with a hand-made simulator and one client.
+struct Bench {
+  explicit Bench(const std::filesystem::path& database)
+      : sim(bus),
+        operator_participant("operator", bus),
+        client_participant("client", bus),
+        service(operator_participant, ConfigFor(database), clock),
+        client(client_participant, clock, {"anna", 0.25, 10.0}) {}
+
+  OperatorReply Settle(std::uint64_t id) {
+    service.Step();
+    for (const auto& outcome : client.Poll()) {
+      REQUIRE(outcome.reply.has_value());
+      if (outcome.request_id == id) return *outcome.reply;
+    }
+    FAIL("no reply to request " << id);
+    return {};
+  }
+
+  std::shared_ptr<bus::InMemoryBus> bus = std::make_shared<bus::InMemoryBus>();
+  FakeClock clock;
+  HandMadeSim sim;
+  bus::Participant operator_participant;
+  bus::Participant client_participant;
+  OperatorService service;
+  OperatorClient client;
+};
+
+TEST_CASE("The initial map becomes revision 0, unknown cells at even odds",
+          "[operator][integration]") {
+  const TemporaryFolder folder;
+  Bench bench(folder / "operator.db");
+  bench.service.Step();
+  CHECK(bench.sim.belief.Take().empty());
+  bench.sim.PublishInitialMap(kMap);
+  bench.service.Step();
+  CHECK(bench.sim.NewestBelief() == Belief{{0}, "w1", 0, DrawnMap(kMap), ""});
+  const auto maps = bench.sim.belief_map.Take();
+  REQUIRE(maps.size() == 1);
+  CHECK(maps[0].info().resolution() == 1.5F);
+  CHECK(maps[0].info().width() == 6);
+}
+
+TEST_CASE("An accepted edit and guidance are published, with the world's time",
+          "[operator][integration]") {
+  const TemporaryFolder folder;
+  Bench bench(folder / "operator.db");
+  bench.sim.PublishInitialMap(kMap);
+  bench.sim.PublishState({1, 1}, 5'000'000'000);
+  const auto edit = bench.client.Send("w1", EditRequest{0, {{{1, 3}, true}}}, {});
+  CHECK(bench.Settle(edit) == OperatorReply{"anna", 1, true, "", 1});
+  const Belief belief = bench.sim.NewestBelief();
+  CHECK(belief.revision == 1);
+  CHECK(belief.stamp == SimTime{5'000'000'000});
+  CHECK(belief.edited_by == "anna");
+  CHECK(belief.wall_probability[{1, 3}] == 1.0F);
+
+  const auto guide = bench.client.Send("w1", GuideRequest{"r1", {{1, 1}, {1, 2}}, 0, 60.0}, {});
+  CHECK(bench.Settle(guide).accepted);
+  CHECK(bench.sim.NewestGuidance() ==
+        Guidance{{5'000'000'000}, "w1", "r1", 1, {{1, 1}, {1, 2}}, "anna", 1, 0, {65'000'000'000}});
+}
+
+TEST_CASE("Guidance for a robot that never reported, or of another world, is refused",
+          "[operator][integration]") {
+  const TemporaryFolder folder;
+  Bench bench(folder / "operator.db");
+  bench.sim.PublishInitialMap(kMap);
+  CHECK_FALSE(bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {}, 0, 1.0}, {})).accepted);
+  bench.sim.PublishState({1, 1}, 5, 0, "w2");
+  CHECK_FALSE(bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {}, 0, 1.0}, {})).accepted);
+  bench.sim.PublishState({1, 1}, 6);
+  CHECK(bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {}, 0, 1.0}, {})).accepted);
+}
+
+TEST_CASE("A service that starts again publishes what it knew before any input",
+          "[operator][integration]") {
+  const TemporaryFolder folder;
+  {
+    Bench bench(folder / "operator.db");
+    bench.sim.PublishInitialMap(kMap);
+    bench.sim.PublishState({1, 1}, 5);
+    bench.Settle(bench.client.Send("w1", EditRequest{0, {{{1, 3}, true}}}, {}));
+    bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {{1, 1}}, 0, 1.0}, {}));
+  }
+  Bench again(folder / "operator.db");
+  CHECK(again.sim.NewestBelief().revision == 1);
+  CHECK(again.sim.NewestGuidance().revision == 1);
+  again.sim.PublishInitialMap(kMap);  // does not undo the edit
+  again.service.Step();
+  CHECK(again.sim.NewestBelief().wall_probability[{1, 3}] == 1.0F);
+}
+
+TEST_CASE("Stored guidance is withdrawn from a robot that counts its pictures anew",
+          "[operator][integration]") {
+  const TemporaryFolder folder;
+  {
+    Bench bench(folder / "operator.db");
+    bench.sim.PublishInitialMap(kMap);
+    bench.sim.PublishState({1, 1}, 5, 3);
+    REQUIRE(
+        bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {{1, 1}}, 3, 1.0}, {})).accepted);
+  }
+  Bench again(folder / "operator.db");
+  CHECK(again.sim.NewestGuidance().answers_snapshot == 3);
+  again.sim.PublishState({1, 1}, 1, 0);
+  again.service.Step();
+  const Guidance withdrawn = again.sim.NewestGuidance();
+  CHECK(withdrawn.path.empty());
+  CHECK(withdrawn.revision == 2);
+  CHECK(withdrawn.answers_snapshot == 0);
+}
+
+TEST_CASE("A request is repeated until its reply and carried out once", "[operator][integration]") {
+  const TemporaryFolder folder;
+  Bench bench(folder / "operator.db");
+  bench.sim.PublishInitialMap(kMap);
+  const auto id = bench.client.Send("w1", EditRequest{0, {{{1, 3}, true}}}, {});
+  for (int i = 0; i < 4; ++i) {
+    bench.clock.Advance(250ms);
+    CHECK(bench.client.Poll().empty());
+  }
+  CHECK(bench.Settle(id).revision == 1);  // five copies were waiting
+  CHECK(bench.sim.NewestBelief().revision == 1);
+  CHECK(bench.client.pending() == 0);
+  CHECK(bench.client.Poll().empty());
+}
+
+TEST_CASE("Without a service the client gives up at its deadline", "[operator][integration]") {
+  const auto bus = std::make_shared<bus::InMemoryBus>();
+  bus::Participant participant("client", bus);
+  FakeClock clock;
+  OperatorClient client(participant, clock, {"anna", 0.25, 2.0});
+  const auto id = client.Send("w1", EditRequest{0, {{{1, 3}, true}}}, {});
+  clock.Advance(1999ms);
+  CHECK(client.Poll().empty());
+  clock.Advance(1ms);
+  const auto outcomes = client.Poll();
+  REQUIRE(outcomes.size() == 1);
+  CHECK(outcomes[0].request_id == id);
+  REQUIRE_FALSE(outcomes[0].reply.has_value());
+  CHECK(outcomes[0].reply.error().code == ErrorCode::kTimeout);
+  CHECK(client.pending() == 0);
+}
+
+TEST_CASE("Replies to other clients are not taken", "[operator][integration]") {
+  const TemporaryFolder folder;
+  Bench bench(folder / "operator.db");
+  OperatorClient other(bench.client_participant, bench.clock, {"bert", 0.25, 2.0});
+  bench.sim.PublishInitialMap(kMap);
+  const auto mine = bench.client.Send("w1", EditRequest{0, {{{1, 3}, true}}}, {});
+  const auto his = other.Send("w1", EditRequest{0, {{{1, 1}, true}}}, {});
+  REQUIRE(mine == his);
+  CHECK(bench.Settle(mine).accepted);
+  const auto outcomes = other.Poll();
+  REQUIRE(outcomes.size() == 1);
+  CHECK_FALSE(outcomes[0].reply->accepted);  // it came second, on an old revision
+}
+
+TEST_CASE("Two client names are never the same", "[operator]") {
+  CHECK(UniqueClientName("a") != UniqueClientName("a"));
+  CHECK(UniqueClientName("a").rfind("a-", 0) == 0);
+}
+
+TEST_CASE("Health tells of missing maps and of a disk that fails", "[operator][integration]") {
+  const TemporaryFolder folder;
+  Bench bench(folder / "operator.db");
+  bus::Subscriber<diagnostic_msgs::msg::DiagnosticArray> health(bench.client_participant,
+                                                                bus::kDiagnostics);
+  const auto newest = [&] {
+    bench.clock.Advance(1s);
+    bench.service.Step();
+    const auto reports = health.Take();
+    REQUIRE(reports.size() == 1);
+    return reports[0].status().at(0);
+  };
+  CHECK(newest().level() == 1);
+  CHECK(newest().message().find("w1") != std::string::npos);
+  bench.sim.PublishInitialMap(kMap);
+  CHECK(newest().level() == 0);
+}
+
+TEST_CASE("A bad list of robots stops the start", "[operator][integration]") {
+  const TemporaryFolder folder;
+  const auto bus = std::make_shared<bus::InMemoryBus>();
+  bus::Participant participant("operator", bus);
+  const FakeClock clock;
+  OperatorConfig config = ConfigFor(folder / "operator.db");
+  for (const std::vector<std::string>& robots :
+       {std::vector<std::string>{}, {"r1"}, {"/r1"}, {"w1/"}, {"w1/r1", "w2/r1"}}) {
+    config.robots = robots;
+    CHECK_THROWS_AS(OperatorService(participant, config, clock), StartupError);
+  }
+}
+
+}  // namespace
+}  // namespace conav::operators

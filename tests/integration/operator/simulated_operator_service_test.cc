@@ -1,0 +1,148 @@
+#include "operator/simulated_operator/simulated_operator_service.h"
+
+#include <catch2/catch.hpp>
+#include <thread>
+
+#include "integration/operator/hand_made_sim.h"
+
+namespace conav::operators {
+namespace {
+
+using namespace std::chrono_literals;
+
+const std::vector<std::string> kMap = {"######", "#    #", "# ## #", "#    #", "######"};
+
+SimulatedOperatorConfig Careful() {
+  SimulatedOperatorConfig config;
+  config.person.reader.edit_probability = 1.0;
+  config.person.reader.decay_cells = 1e6;
+  config.person.reader.misplacement_probability = 0.0;
+  config.person.reader.lapse_probability = 0.0;
+  config.person.reader.guess_probability = 0.0;
+  return config;
+}
+
+/// Operator service and simulated operator beside a hand-made simulator.
+struct Bench {
+  explicit Bench(const std::filesystem::path& database)
+      : sim(bus),
+        operator_participant("operator", bus),
+        person_participant("simulated_operator", bus),
+        service(operator_participant, ConfigFor(database), clock),
+        person(person_participant, Careful(), clock) {}
+
+  /// Until nobody has anything more to say.
+  void Settle() {
+    for (int i = 0; i < 10; ++i) {
+      service.Step();
+      person.Step();
+      clock.Advance(100ms);
+    }
+  }
+
+  Picture PictureWithWall(std::uint64_t sequence_number) const {
+    Picture picture;
+    picture.stamp = {10};
+    picture.world = "w1";
+    picture.robot = "r1";
+    picture.sequence_number = sequence_number;
+    picture.cell = {1, 1};
+    picture.horizontal_fov_rad = 1.4;
+    picture.visible = {{{1, 1}, {1, 2}}, {{1, 3}}};
+    picture.path = {{1, 1}};
+    picture.goals_left = {{1, 4}};
+    return picture;
+  }
+
+  std::shared_ptr<bus::InMemoryBus> bus = std::make_shared<bus::InMemoryBus>();
+  FakeClock clock;
+  HandMadeSim sim;
+  bus::Participant operator_participant;
+  bus::Participant person_participant;
+  OperatorService service;
+  SimulatedOperatorService person;
+};
+
+TEST_CASE("A snapshot leads to a belief revision and to guidance that answers it",
+          "[operator][integration]") {
+  const TemporaryFolder folder;
+  Bench bench(folder / "operator.db");
+  bench.sim.PublishInitialMap(kMap);
+  bench.sim.PublishState({1, 1}, 5);
+  bench.Settle();
+  Guidance guidance = bench.sim.NewestGuidance();
+  CHECK(guidance.path == std::vector<Cell>{{1, 1}, {1, 2}, {1, 3}, {1, 4}});
+  CHECK(guidance.revision == 1);
+  CHECK(guidance.answers_snapshot == 0);
+  CHECK(guidance.given_by.rfind("synthetic-operator-", 0) == 0);
+
+  REQUIRE(bench.sim.snapshot.Publish(ToMessage(bench.PictureWithWall(1))));
+  bench.sim.PublishState({1, 1}, 10, 1);
+  bench.Settle();
+  const Belief belief = bench.sim.NewestBelief();
+  CHECK(belief.revision == 1);
+  CHECK(belief.wall_probability[{1, 3}] == 1.0F);
+  guidance = bench.sim.NewestGuidance();
+  CHECK(guidance.revision == 2);
+  CHECK(guidance.answers_snapshot == 1);
+  CHECK(guidance.belief_revision == 1);
+  CHECK(guidance.path.size() == 8);  // around the new wall
+  CHECK(bench.person.person().open() == 0);
+}
+
+TEST_CASE("A blocked robot gets a wall on the map and a new path", "[operator][integration]") {
+  const TemporaryFolder folder;
+  Bench bench(folder / "operator.db");
+  bench.sim.PublishInitialMap(kMap);
+  bench.sim.PublishState({1, 1}, 5);
+  bench.Settle();
+  const AttentionRequest request{{5}, "w1", "r1", 1, AttentionReason::kBlocked, {1, 2}, 0, 0, 0};
+  REQUIRE(bench.sim.attention.Publish(ToMessage(request)));
+  bench.Settle();
+  CHECK(bench.sim.NewestBelief().wall_probability[{1, 2}] == 1.0F);
+  const Guidance guidance = bench.sim.NewestGuidance();
+  CHECK(guidance.path.at(1) == Cell{2, 1});
+}
+
+TEST_CASE("Guidance that was refused because the service had not heard of the robot is repeated",
+          "[operator][integration]") {
+  const TemporaryFolder folder;
+  Bench bench(folder / "operator.db");
+  bench.sim.PublishInitialMap(kMap);
+  bench.service.Step();
+  bench.sim.PublishState({1, 1}, 5);
+  bench.person.Step();  // asks before the service has looked at the state of the robot
+  bench.Settle();
+  CHECK(bench.sim.NewestGuidance().path.size() == 4);
+}
+
+TEST_CASE("Service and person in threads of their own answer a snapshot and stop when told",
+          "[operator][integration]") {
+  const TemporaryFolder folder;
+  const auto bus = std::make_shared<bus::InMemoryBus>();
+  HandMadeSim sim(bus);
+  bus::Participant operator_participant("operator", bus);
+  bus::Participant person_participant("simulated_operator", bus);
+  const SteadyClock clock;
+  OperatorService service(operator_participant, ConfigFor(folder / "operator.db"), clock);
+  SimulatedOperatorService person(person_participant, Careful(), clock);
+  StopToken stop;
+  std::thread service_thread([&] { service.Run(stop); });
+  std::thread person_thread([&] { person.Run(stop); });
+  sim.PublishInitialMap(kMap);
+  sim.PublishState({1, 1}, 5);
+
+  const auto deadline = clock.Now() + 10s;
+  std::vector<conav_msgs::msg::Guidance> guidance;
+  while (guidance.empty() && clock.Now() < deadline) {
+    sim.participant.Wait(100ms);
+    guidance = sim.guidance.Take();
+  }
+  stop.RequestStop();
+  service_thread.join();
+  person_thread.join();
+  REQUIRE_FALSE(guidance.empty());
+}
+
+}  // namespace
+}  // namespace conav::operators
