@@ -27,13 +27,17 @@ struct ParticipantOptions {
   std::vector<std::string> peers;
   /// Layout of ros_discovery_info: "jazzy" or "humble".
   std::string ros_distribution = "jazzy";
-  /// Liveliness lease: how soon others notice that this process is gone.
+  /// Lease of the participant and of its writers' liveliness: how soon others notice that this
+  /// process is gone.
   double lease_s = 2.0;
 
   void Visit(ConfigReader& reader);
 };
 
-/// Something that happened to the connections of a participant.
+/// Something that happened to the connections of a participant. When a process dies, both vendors
+/// report kUnmatched after the lease; Cyclone DDS may report kLivelinessLost before. (Fast DDS
+/// watches liveliness only for readers that ask for a lease, and such readers would not match ROS 2
+/// writers.)
 struct Event {
   enum class Kind { kMatched, kUnmatched, kLivelinessLost, kLivelinessGained, kIncompatibleQos };
   Kind kind;

@@ -1,0 +1,105 @@
+#include "common/bus/cyclone/domain.h"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <chrono>
+#include <map>
+#include <mutex>
+
+#include "common/runtime/log.h"
+#include "common/runtime/result.h"
+
+namespace conav::bus {
+namespace {
+
+/// Cyclone repeats a failing send for each packet while an interface is down; one line a second
+/// tells enough.
+void LogLine(void*, const dds_log_data_t* data) {
+  static std::atomic<std::int64_t> next_allowed{0};
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  const std::int64_t now_ns = std::chrono::nanoseconds(now).count();
+  std::int64_t allowed = next_allowed.load();
+  if (now_ns < allowed || !next_allowed.compare_exchange_strong(allowed, now_ns + 1'000'000'000)) {
+    return;
+  }
+  std::string_view text(data->message, data->size);
+  while (!text.empty() && (text.back() == '\n' || text.back() == '\0')) text.remove_suffix(1);
+  if ((data->priority & (DDS_LC_FATAL | DDS_LC_ERROR)) != 0) {
+    LOG_ERROR("Cyclone DDS", "text", text);
+  } else if ((data->priority & DDS_LC_WARNING) != 0) {
+    LOG_WARNING("Cyclone DDS", "text", text);
+  }
+}
+
+std::string Peers(const Network& network) {
+  if (network.multicast) return {};
+  std::string peers;
+  for (const std::string& peer : network.peers) {
+    peers += fmt::format("<Peer Address=\"{}\"/>", peer);
+  }
+  return fmt::format("<SPDPInterval>1s</SPDPInterval><Peers>{}</Peers>", peers);
+}
+
+/// Loopback takes datagrams of 64 kB whole; on a real link Cyclone's default avoids that the loss
+/// of one IP fragment costs 64 kB.
+std::string Datagrams(const Network& network) {
+  if (!network.loopback) return {};
+  return "<MaxMessageSize>65500B</MaxMessageSize><FragmentSize>64000B</FragmentSize>";
+}
+
+std::string Interfaces(const Network& network) {
+  if (network.interface_name.empty()) return {};
+  return fmt::format("<Interfaces><NetworkInterface address=\"{}\"/></Interfaces>",
+                     network.interface_address);
+}
+
+}  // namespace
+
+std::string CycloneConfiguration(const Network& network, double lease_s) {
+  return fmt::format(
+      "<Domain id=\"any\">"
+      "<General>{}{}{}</General>"
+      "<Discovery><ParticipantIndex>auto</ParticipantIndex>"
+      "<MaxAutoParticipantIndex>{}</MaxAutoParticipantIndex>{}"
+      "<LeaseDuration>{} ms</LeaseDuration></Discovery>"
+      "<Internal><GenerateKeyhash>true</GenerateKeyhash>"
+      "<SocketReceiveBufferSize min=\"default\" max=\"4MB\"/></Internal>"
+      "</Domain>",
+      Interfaces(network), network.multicast ? "" : "<AllowMulticast>false</AllowMulticast>",
+      Datagrams(network), kHighestParticipantIndex, Peers(network),
+      static_cast<int>(lease_s * 1000.0));
+}
+
+std::shared_ptr<CycloneDomain> CycloneDomain::Open(int domain_id,
+                                                   const std::string& configuration) {
+  // Mirrors Cyclone's own process-wide table of domains, which cannot be asked for.
+  static std::mutex mutex;
+  static std::map<int, std::weak_ptr<CycloneDomain>> open_domains;
+  const std::lock_guard lock(mutex);
+  if (auto domain = open_domains[domain_id].lock()) {
+    if (domain->configuration_ == configuration) return domain;
+    throw StartupError(fmt::format(
+        "DDS domain {} is already open in this process with another interface, peers or lease",
+        domain_id));
+  }
+  auto domain = std::make_shared<CycloneDomain>(domain_id, configuration);
+  open_domains[domain_id] = domain;
+  return domain;
+}
+
+CycloneDomain::CycloneDomain(int domain_id, std::string configuration)
+    : configuration_(std::move(configuration)) {
+  dds_set_log_sink(LogLine, nullptr);
+  domain_ = dds_create_domain(static_cast<dds_domainid_t>(domain_id), configuration_.c_str());
+  if (domain_ < 0) {
+    throw StartupError(fmt::format(
+        "Cyclone DDS cannot open domain {}: {} (no free participant index among {}, "
+        "or the interface cannot be used; configuration {})",
+        domain_id, dds_strretcode(-domain_), kHighestParticipantIndex + 1, configuration_));
+  }
+}
+
+CycloneDomain::~CycloneDomain() { dds_delete(domain_); }
+
+}  // namespace conav::bus

@@ -1,0 +1,147 @@
+#include "common/bus/fast/entities.h"
+
+#include "common/bus/fast/erased_type.h"
+#include "common/bus/fast/qos.h"
+#include "common/bus/network.h"
+#include "common/runtime/log.h"
+
+namespace conav::bus {
+namespace {
+
+namespace dds = eprosima::fastdds::dds;
+using eprosima::fastrtps::types::ReturnCode_t;
+
+/// Fast DDS sometimes refuses a sample of a full keep-all history long before max_blocking_time.
+constexpr int kWriteAttempts = 3;
+
+dds::StatusMask WriterEvents() {
+  return dds::StatusMask::publication_matched() << dds::StatusMask::offered_incompatible_qos();
+}
+
+dds::StatusMask ReaderEvents() {
+  return dds::StatusMask::data_available()
+         << dds::StatusMask::subscription_matched() << dds::StatusMask::liveliness_changed()
+         << dds::StatusMask::requested_incompatible_qos();
+}
+
+}  // namespace
+
+FastWriter::FastWriter(const FastContext& context, const EndpointOptions& options)
+    : context_(context),
+      options_(options),
+      events_(context.events, options.topic),
+      topic_(context.participant.AcquireTopic(DdsTopicName(options.topic), options.type)),
+      writer_(context.participant.publisher().create_datawriter(
+          topic_, FastWriterQos(options.qos, context.lease_s), this, WriterEvents())) {
+  if (writer_ == nullptr) {
+    context_.participant.ReleaseTopic(topic_);
+    throw StartupError("Fast DDS cannot create a writer for " + options.topic);
+  }
+  if (context_.graph != nullptr) context_.graph->AddWriter(ToGuid(writer_->guid()));
+}
+
+FastWriter::~FastWriter() {
+  if (context_.graph != nullptr) context_.graph->RemoveWriter(ToGuid(writer_->guid()));
+  writer_->set_listener(nullptr);
+  context_.participant.publisher().delete_datawriter(writer_);
+  context_.participant.ReleaseTopic(topic_);
+}
+
+Result<void> FastWriter::Write(const void* message) {
+  FastSample sample{const_cast<void*>(message), true};
+  for (int i = 0; i < kWriteAttempts; ++i) {
+    if (writer_->write(&sample)) return {};
+  }
+  return Fail(ErrorCode::kUnavailable, options_.topic + " did not take a message: queue full");
+}
+
+int FastWriter::matched() const {
+  dds::PublicationMatchedStatus status;
+  writer_->get_publication_matched_status(status);
+  return status.current_count;
+}
+
+void FastWriter::on_publication_matched(dds::DataWriter*,
+                                        const dds::PublicationMatchedStatus& status) {
+  events_.Matched(status.current_count_change);
+}
+
+void FastWriter::on_offered_incompatible_qos(dds::DataWriter*,
+                                             const dds::OfferedIncompatibleQosStatus& status) {
+  events_.IncompatibleQos(status.last_policy_id);
+}
+
+FastReader::FastReader(const FastContext& context, const EndpointOptions& options, Sink sink)
+    : context_(context),
+      events_(context.events, options.topic),
+      intake_(options, std::move(sink), context.events),
+      check_repeats_(options.qos.durability == Durability::kTransientLocal),
+      topic_(context.participant.AcquireTopic(DdsTopicName(options.topic), options.type)),
+      reader_(context.participant.subscriber().create_datareader(topic_, FastReaderQos(options.qos),
+                                                                 this, ReaderEvents())) {
+  if (reader_ == nullptr) {
+    context_.participant.ReleaseTopic(topic_);
+    throw StartupError("Fast DDS cannot create a reader for " + options.topic);
+  }
+  if (context_.graph != nullptr) context_.graph->AddReader(ToGuid(reader_->guid()));
+}
+
+FastReader::~FastReader() {
+  if (context_.graph != nullptr) context_.graph->RemoveReader(ToGuid(reader_->guid()));
+  reader_->set_listener(nullptr);
+  context_.participant.subscriber().delete_datareader(reader_);
+  context_.participant.ReleaseTopic(topic_);
+}
+
+int FastReader::matched() const {
+  dds::SubscriptionMatchedStatus status;
+  reader_->get_subscription_matched_status(status);
+  return status.current_count;
+}
+
+void FastReader::on_data_available(dds::DataReader* reader) try {
+  while (TakeOne(*reader)) {
+  }
+} catch (const std::exception& error) {
+  LOG_ERROR("messages lost", "topic", events_.topic(), "reason", error.what());
+}
+
+bool FastReader::TakeOne(dds::DataReader& reader) {
+  FastSample sample{intake_.Acquire(), false};
+  dds::SampleInfo info;
+  if (reader.take_next_sample(&sample, &info) != ReturnCode_t::RETCODE_OK) {
+    intake_.Discard(sample.message);
+    return false;
+  }
+  if (!info.valid_data || (check_repeats_ && IsRepeated(info))) {
+    intake_.Discard(sample.message);
+  } else if (sample.valid) {
+    intake_.Accept(sample.message);
+  } else {
+    intake_.Refuse(sample.message);
+  }
+  return true;
+}
+
+bool FastReader::IsRepeated(const dds::SampleInfo& info) {
+  const auto& identity = info.sample_identity;
+  const auto number = static_cast<std::int64_t>(identity.sequence_number().to64long());
+  return !deduplicator_.IsNew(ToGuid(identity.writer_guid()), number);
+}
+
+void FastReader::on_subscription_matched(dds::DataReader*,
+                                         const dds::SubscriptionMatchedStatus& status) {
+  events_.Matched(status.current_count_change);
+}
+
+void FastReader::on_liveliness_changed(dds::DataReader*,
+                                       const dds::LivelinessChangedStatus& status) {
+  events_.Liveliness(status.alive_count_change, status.not_alive_count_change);
+}
+
+void FastReader::on_requested_incompatible_qos(dds::DataReader*,
+                                               const dds::RequestedIncompatibleQosStatus& status) {
+  events_.IncompatibleQos(status.last_policy_id);
+}
+
+}  // namespace conav::bus

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <fastdds/dds/topic/TopicDataType.hpp>
+
+#include "common/bus/type_support.h"
+
+namespace conav::bus {
+
+/// What Fast DDS handles as a sample: a message of the bus, by reference.
+struct FastSample {
+  void* message = nullptr;
+  /// After a read: the payload was a message. Fast DDS itself is always told that it was, so that a
+  /// malformed sample is taken like any other and dropped by the reader of the bus.
+  bool valid = false;
+};
+
+/// One TopicDataType for all types of the bus; takes the place of fastddsgen's PubSubTypes.
+/// Never throws into Fast DDS.
+class ErasedType final : public eprosima::fastdds::dds::TopicDataType {
+ public:
+  explicit ErasedType(const TypeSupport& type);
+
+  bool serialize(void* sample, eprosima::fastrtps::rtps::SerializedPayload_t* payload) override;
+  bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t* payload, void* sample) override;
+  std::function<std::uint32_t()> getSerializedSizeProvider(void* sample) override;
+  void* createData() override;
+  void deleteData(void* sample) override;
+  bool getKey(void* sample, eprosima::fastrtps::rtps::InstanceHandle_t* handle,
+              bool force_md5) override;
+
+  const TypeSupport& type() const { return type_; }
+
+ private:
+  const TypeSupport& type_;
+};
+
+}  // namespace conav::bus

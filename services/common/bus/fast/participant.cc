@@ -1,0 +1,128 @@
+#include "common/bus/fast/participant.h"
+
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/log/Log.hpp>
+
+#include "common/bus/fast/erased_type.h"
+#include "common/runtime/log.h"
+#include "common/runtime/result.h"
+
+namespace conav::bus {
+namespace {
+
+namespace dds = eprosima::fastdds::dds;
+namespace rtps = eprosima::fastrtps::rtps;
+
+constexpr std::uint32_t kSocketBuffer = 4 * 1024 * 1024;
+constexpr std::string_view kRosUserData = "enclave=/;";
+
+/// Fast DDS would print to stdout, which belongs to the program.
+class LogToOurs final : public dds::LogConsumer {
+ public:
+  void Consume(const dds::Log::Entry& entry) override {
+    if (entry.kind == dds::Log::Kind::Error) LOG_ERROR("Fast DDS", "text", entry.message);
+    if (entry.kind == dds::Log::Kind::Warning) LOG_DEBUG("Fast DDS", "text", entry.message);
+  }
+};
+
+rtps::Locator_t UdpLocator(const std::string& address) {
+  rtps::Locator_t locator;
+  locator.kind = LOCATOR_KIND_UDPv4;
+  locator.port = 0;  // by the rules of RTPS, from domain and participant index
+  if (!address.empty()) rtps::IPLocator::setIPv4(locator, address);
+  return locator;
+}
+
+}  // namespace
+
+dds::DomainParticipantQos FastParticipantQos(const std::string& node_name, const Network& network,
+                                             double lease_s) {
+  dds::DomainParticipantQos qos;
+  qos.name(node_name);
+  qos.user_data().data_vec({kRosUserData.begin(), kRosUserData.end()});
+  auto udp = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
+  udp->receiveBufferSize = kSocketBuffer;
+  udp->sendBufferSize = kSocketBuffer;
+  udp->maxInitialPeersRange = kHighestParticipantIndex + 1;
+  if (!network.interface_name.empty()) {
+    udp->interfaceWhiteList.push_back(network.interface_address);
+  }
+  qos.transport().use_builtin_transports = false;
+  qos.transport().user_transports.push_back(udp);
+
+  auto& builtin = qos.wire_protocol().builtin;
+  builtin.discovery_config.leaseDuration = eprosima::fastrtps::Duration_t(lease_s);
+  builtin.discovery_config.leaseDuration_announcementperiod =
+      eprosima::fastrtps::Duration_t(std::min(lease_s / 3.0, network.multicast ? 3.0 : 1.0));
+  if (network.multicast) return qos;
+  builtin.metatrafficUnicastLocatorList.push_back(UdpLocator(network.interface_address));
+  for (const std::string& peer : network.peers) {
+    builtin.initialPeersList.push_back(UdpLocator(peer));
+  }
+  return qos;
+}
+
+Guid ToGuid(const rtps::GUID_t& guid) {
+  Guid bytes;
+  const auto entity = std::copy_n(guid.guidPrefix.value, 12, bytes.begin());
+  std::copy_n(guid.entityId.value, 4, entity);
+  return bytes;
+}
+
+FastParticipant::FastParticipant(int domain_id, const dds::DomainParticipantQos& qos) {
+  dds::Log::ClearConsumers();
+  dds::Log::RegisterConsumer(std::make_unique<LogToOurs>());
+  participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(
+      static_cast<dds::DomainId_t>(domain_id), qos);
+  if (participant_ == nullptr) {
+    throw StartupError(
+        fmt::format("Fast DDS cannot open domain {} (interface or ports in use)", domain_id));
+  }
+  publisher_ = participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
+  subscriber_ = participant_->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
+  if (publisher_ == nullptr || subscriber_ == nullptr) {
+    Close();
+    throw StartupError("Fast DDS cannot create a publisher and a subscriber");
+  }
+}
+
+FastParticipant::~FastParticipant() { Close(); }
+
+void FastParticipant::Close() {
+  participant_->delete_contained_entities();
+  dds::DomainParticipantFactory::get_instance()->delete_participant(participant_);
+}
+
+dds::Topic* FastParticipant::AcquireTopic(const std::string& dds_name, const TypeSupport& type) {
+  const std::lock_guard lock(mutex_);
+  for (auto& [topic, users] : users_) {
+    if (topic->get_name() != dds_name) continue;
+    if (topic->get_type_name() != type.name) {
+      throw StartupError(fmt::format("topic {} has type {} in this process, not {}", dds_name,
+                                     topic->get_type_name(), type.name));
+    }
+    ++users;
+    return topic;
+  }
+  if (participant_->find_type(type.name).empty()) {
+    participant_->register_type(dds::TypeSupport(new ErasedType(type)));
+  }
+  dds::Topic* topic = participant_->create_topic(dds_name, type.name, dds::TOPIC_QOS_DEFAULT);
+  if (topic == nullptr) throw StartupError("Fast DDS cannot create topic " + dds_name);
+  users_[topic] = 1;
+  return topic;
+}
+
+void FastParticipant::ReleaseTopic(dds::Topic* topic) {
+  const std::lock_guard lock(mutex_);
+  if (--users_[topic] > 0) return;
+  users_.erase(topic);
+  participant_->delete_topic(topic);
+}
+
+}  // namespace conav::bus

@@ -1,0 +1,96 @@
+#include "common/bus/network.h"
+
+#include <arpa/inet.h>
+#include <ifaddrs.h>
+#include <net/if.h>
+#include <netdb.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "common/runtime/result.h"
+
+namespace conav::bus {
+namespace {
+
+struct Interface {
+  std::string name;
+  std::string address;
+  bool loopback;
+};
+
+std::string AddressText(const sockaddr* address) {
+  char text[INET_ADDRSTRLEN] = "";
+  const auto* ipv4 = reinterpret_cast<const sockaddr_in*>(address);
+  inet_ntop(AF_INET, &ipv4->sin_addr, text, sizeof text);
+  return text;
+}
+
+std::vector<Interface> UsableInterfaces() {
+  ifaddrs* list = nullptr;
+  if (getifaddrs(&list) != 0) return {};
+  const std::unique_ptr<ifaddrs, void (*)(ifaddrs*)> owner(list, freeifaddrs);
+  std::vector<Interface> interfaces;
+  for (const ifaddrs* entry = list; entry != nullptr; entry = entry->ifa_next) {
+    if (entry->ifa_addr == nullptr || entry->ifa_addr->sa_family != AF_INET) continue;
+    if ((entry->ifa_flags & IFF_UP) == 0) continue;
+    interfaces.push_back(
+        {entry->ifa_name, AddressText(entry->ifa_addr), (entry->ifa_flags & IFF_LOOPBACK) != 0});
+  }
+  return interfaces;
+}
+
+Interface FindInterface(const std::vector<Interface>& interfaces, const std::string& wanted) {
+  std::string known;
+  for (const Interface& candidate : interfaces) {
+    if (candidate.name == wanted || candidate.address == wanted) return candidate;
+    known += (known.empty() ? "" : ", ") + candidate.name + " " + candidate.address;
+  }
+  throw StartupError("interface = " + wanted + " is no network interface of this machine (" +
+                     known + ")");
+}
+
+std::string ResolvePeer(const std::string& peer) {
+  addrinfo hints{};
+  hints.ai_family = AF_INET;
+  hints.ai_socktype = SOCK_DGRAM;
+  addrinfo* list = nullptr;
+  const int error = getaddrinfo(peer.c_str(), nullptr, &hints, &list);
+  if (error != 0) {
+    throw StartupError("peers: " + peer + " has no IPv4 address (" + gai_strerror(error) + ")");
+  }
+  const std::unique_ptr<addrinfo, void (*)(addrinfo*)> owner(list, freeaddrinfo);
+  return AddressText(list->ai_addr);
+}
+
+void AddPeer(std::vector<std::string>& peers, const std::string& address) {
+  if (std::find(peers.begin(), peers.end(), address) == peers.end()) peers.push_back(address);
+}
+
+}  // namespace
+
+Network ResolveNetwork(const ParticipantOptions& options) {
+  Network network;
+  const std::vector<Interface> interfaces = UsableInterfaces();
+  if (!options.interface.empty()) {
+    const Interface used = FindInterface(interfaces, options.interface);
+    network.interface_name = used.name;
+    network.interface_address = used.address;
+    network.loopback = used.loopback;
+  }
+  network.multicast = options.peers.empty() && !network.loopback;
+  if (network.multicast) return network;
+  for (const std::string& peer : options.peers) AddPeer(network.peers, ResolvePeer(peer));
+  if (!network.interface_address.empty()) {
+    AddPeer(network.peers, network.interface_address);
+  } else {
+    for (const Interface& own : interfaces) AddPeer(network.peers, own.address);
+  }
+  return network;
+}
+
+std::string DdsTopicName(const std::string& topic) {
+  return topic.starts_with('/') ? "rt" + topic : topic;
+}
+
+}  // namespace conav::bus
