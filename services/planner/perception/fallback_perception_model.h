@@ -1,0 +1,59 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "common/runtime/clock.h"
+#include "planner/search/perception_model.h"
+
+namespace conav::planner {
+
+/// Asks one model, and another one while the first is gone.
+///
+/// A batch that the primary cannot answer (kTimeout, kUnavailable, and any other failure but
+/// kInvalidArgument, which is passed on) is answered by the fallback. From then on the fallback
+/// answers at once; after a pause one batch tries the primary again. The pause doubles with each
+/// try that fails, so that a service which hangs costs little.
+/// Threads: as PerceptionModel. `on_switch` is called on the thread whose batch noticed, without a
+/// lock; once per switch.
+class FallbackPerceptionModel final : public PerceptionModel {
+ public:
+  struct Options {
+    std::chrono::nanoseconds first_pause = std::chrono::seconds(1);
+    std::chrono::nanoseconds longest_pause = std::chrono::seconds(30);
+  };
+  /// The error that made it fall back; nothing when the primary is back.
+  using OnSwitch = std::function<void(const std::optional<Error>& why)>;
+
+  FallbackPerceptionModel(std::shared_ptr<PerceptionModel> primary,
+                          std::shared_ptr<PerceptionModel> fallback, const Options& options,
+                          const Clock& clock, OnSwitch on_switch);
+
+  [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
+      std::span<const PerceptionQuery> queries) override;
+  /// The primary's name, or "fallback: " and the other's while fallen back.
+  std::string name() const override;
+
+ private:
+  enum class Attempt { kNone, kNormal, kProbe };
+  /// Whether this batch should ask the primary; while fallen back one batch per pause probes.
+  Attempt NextAttempt();
+  void NotePrimaryAnswered();
+  void NotePrimaryFailed(const Error& error, Attempt attempt);
+
+  std::shared_ptr<PerceptionModel> primary_;
+  std::shared_ptr<PerceptionModel> fallback_;
+  Options options_;
+  const Clock& clock_;
+  OnSwitch on_switch_;
+  mutable std::mutex mutex_;  // guards all below
+  bool fallen_back_ = false;
+  bool probing_ = false;
+  std::chrono::nanoseconds pause_{0};
+  Clock::TimePoint next_try_{};
+};
+
+}  // namespace conav::planner

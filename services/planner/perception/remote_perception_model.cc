@@ -1,0 +1,203 @@
+#include "planner/perception/remote_perception_model.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <random>
+
+#include "common/protocol/convert.h"
+
+namespace conav::planner {
+namespace {
+
+using SteadyTime = std::chrono::steady_clock;
+
+// Well inside what the service takes in one request.
+constexpr std::size_t kMaxBatch = 256;
+constexpr std::size_t kMaxValues = 1U << 22;
+
+/// Unique among all processes, also after a restart: replies to somebody else are ignored.
+std::string UniqueClient(const std::string& node_name) {
+  std::random_device entropy;
+  return fmt::format("{}-{:08x}{:08x}", node_name, entropy(), entropy());
+}
+
+/// How many of `queries`, from the first on, go into one request.
+std::size_t BatchSize(std::span<const PerceptionQuery> queries) {
+  const BeliefGrid& first = queries.front().belief;
+  const std::size_t limit = std::clamp<std::size_t>(kMaxValues / first.size(), 1, kMaxBatch);
+  std::size_t size = 1;
+  while (size < std::min(limit, queries.size()) && queries[size].belief.rows() == first.rows() &&
+         queries[size].belief.columns() == first.columns()) {
+    ++size;
+  }
+  return size;
+}
+
+}  // namespace
+
+/// One thread in Predict().
+struct RemotePerceptionModel::Waiter {
+  std::condition_variable all_replied;
+  std::size_t missing = 0;
+};
+
+/// One request that waits for its reply.
+struct RemotePerceptionModel::Call {
+  std::span<const PerceptionQuery> queries;
+  conav_msgs::msg::PerceptionRequest request;
+  std::optional<conav_msgs::msg::PerceptionReply> reply;
+  std::string other_model;  // refusal of a replica that serves something else
+  Waiter* waiter = nullptr;
+};
+
+RemotePerceptionModel::RemotePerceptionModel(bus::Participant& participant, const Options& options)
+    : client_(UniqueClient(participant.node_name())),
+      options_(options),
+      requests_(participant, bus::kPerceptionRequest),
+      replies_(
+          participant, bus::kPerceptionReply, {},
+          [this](conav_msgs::msg::PerceptionReply&& message) { Receive(std::move(message)); }) {
+  if (!options_.model.empty()) answering_model_ = options_.model;
+}
+
+std::string RemotePerceptionModel::name() const {
+  const std::lock_guard lock(mutex_);
+  return answering_model_;
+}
+
+Result<std::vector<PerceptionAnswer>> RemotePerceptionModel::Predict(
+    std::span<const PerceptionQuery> queries) {
+  for (const PerceptionQuery& query : queries) {
+    if (const auto checked = CheckPerceptionQuery(query); !checked) {
+      return tl::unexpected(checked.error());
+    }
+  }
+  std::vector<PerceptionAnswer> answers;
+  if (queries.empty()) return answers;
+  Waiter waiter;
+  std::vector<Call> calls = MakeCalls(queries, waiter);
+  if (const auto asked = Ask(calls, waiter); !asked) return tl::unexpected(asked.error());
+  answers.reserve(queries.size());
+  for (const Call& call : calls) {
+    if (const auto collected = Collect(call, answers); !collected) {
+      return tl::unexpected(collected.error());
+    }
+  }
+  return answers;
+}
+
+std::vector<RemotePerceptionModel::Call> RemotePerceptionModel::MakeCalls(
+    std::span<const PerceptionQuery> queries, Waiter& waiter) {
+  std::vector<Call> calls;
+  while (!queries.empty()) {
+    const auto batch = queries.first(BatchSize(queries));
+    queries = queries.subspan(batch.size());
+    Call& call = calls.emplace_back();
+    call.queries = batch;
+    call.waiter = &waiter;
+    call.request = ToMessage(PerceptionRequest{
+        client_, ++last_request_id_, options_.model, {batch.begin(), batch.end()}});
+  }
+  waiter.missing = calls.size();
+  return calls;
+}
+
+Result<void> RemotePerceptionModel::Ask(std::vector<Call>& calls, Waiter& waiter) {
+  {
+    const std::lock_guard lock(mutex_);
+    for (Call& call : calls) open_[call.request.request_id()] = &call;
+  }
+  const auto asked = AskUntilReplied(calls, waiter);
+  const std::lock_guard lock(mutex_);
+  for (const Call& call : calls) open_.erase(call.request.request_id());
+  return asked;
+}
+
+Result<void> RemotePerceptionModel::AskUntilReplied(const std::vector<Call>& calls,
+                                                    Waiter& waiter) {
+  const auto deadline = SteadyTime::now() + options_.timeout;
+  while (true) {
+    if (ServiceIsGone()) {
+      return Fail(ErrorCode::kUnavailable, "no perception service is on the bus");
+    }
+    if (auto sent = Send(calls); !sent) return sent;
+    const auto next_send = std::min(SteadyTime::now() + options_.retry_interval, deadline);
+    std::unique_lock lock(mutex_);
+    const auto replied = [&waiter] { return waiter.missing == 0; };
+    if (waiter.all_replied.wait_until(lock, next_send, replied)) return {};
+    lock.unlock();
+    if (SteadyTime::now() >= deadline) return tl::unexpected(NoReply(calls));
+    ++repeats_;
+  }
+}
+
+/// Sends what has no reply yet.
+Result<void> RemotePerceptionModel::Send(const std::vector<Call>& calls) {
+  std::vector<const Call*> unanswered;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const Call& call : calls) {
+      if (!call.reply) unanswered.push_back(&call);
+    }
+  }
+  // Without the lock: an in-memory bus may reply before Publish() returns.
+  for (const Call* call : unanswered) {
+    if (auto sent = requests_.Publish(call->request); !sent) return sent;
+  }
+  return {};
+}
+
+bool RemotePerceptionModel::ServiceIsGone() {
+  if (replies_.matched_publishers() > 0) {
+    discovered_ = true;
+    return false;
+  }
+  return discovered_;
+}
+
+Error RemotePerceptionModel::NoReply(const std::vector<Call>& calls) {
+  discovered_ = true;  // later batches do not wait for a service that never came
+  const std::lock_guard lock(mutex_);
+  for (const Call& call : calls) {
+    if (!call.other_model.empty()) return {ErrorCode::kUnavailable, call.other_model};
+  }
+  return {ErrorCode::kTimeout,
+          fmt::format("no reply of a perception service within {} s",
+                      std::chrono::duration<double>(options_.timeout).count())};
+}
+
+void RemotePerceptionModel::Receive(conav_msgs::msg::PerceptionReply&& message) {
+  if (message.client() != client_) return;
+  const std::lock_guard lock(mutex_);
+  const auto found = open_.find(message.request_id());
+  if (found == open_.end() || found->second->reply) return;
+  Call& call = *found->second;
+  if (message.status() != conav_msgs::msg::PERCEPTION_STATUS_OK && !options_.model.empty() &&
+      message.model() != options_.model) {
+    call.other_model = message.reason();
+    return;  // another replica may serve it
+  }
+  answering_model_ = message.model();
+  call.reply = std::move(message);
+  if (--call.waiter->missing == 0) call.waiter->all_replied.notify_one();
+}
+
+/// `call` has a reply and is no longer open.
+Result<void> RemotePerceptionModel::Collect(const Call& call,
+                                            std::vector<PerceptionAnswer>& answers) {
+  const BeliefGrid& belief = call.queries.front().belief;
+  auto reply = ToDomain(*call.reply, belief.rows(), belief.columns());
+  if (!reply) return Fail(ErrorCode::kUnavailable, "perception reply: " + reply.error().text);
+  if (reply->status == PerceptionStatus::kRefused) {
+    return Fail(ErrorCode::kInvalidArgument, "perception service: " + reply->reason);
+  }
+  if (reply->answers.size() != call.queries.size()) {
+    return Fail(ErrorCode::kUnavailable, fmt::format("perception reply: {} answers to {} queries",
+                                                     reply->answers.size(), call.queries.size()));
+  }
+  std::move(reply->answers.begin(), reply->answers.end(), std::back_inserter(answers));
+  return {};
+}
+
+}  // namespace conav::planner

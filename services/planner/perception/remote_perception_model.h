@@ -1,0 +1,72 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <unordered_map>
+
+#include "common/bus/participant.h"
+#include "common/bus/publisher.h"
+#include "common/bus/subscriber.h"
+#include "planner/search/perception_model.h"
+
+namespace conav::planner {
+
+/// Asks the nhpm service over the bus; the first replica that replies answers.
+///
+/// A batch becomes one request (several when beliefs differ in shape or there are very many). A
+/// request is repeated after `retry_interval` until it is answered: the service answers a repeat
+/// alike.
+/// Errors:  kInvalidArgument (bad query, or refused by the service), kTimeout (no reply within
+///          `timeout`), kUnavailable (the service is gone, the bus is full, only other models are
+///          served, or a reply cannot be read). A service that was never seen is waited for during
+///          the first batch only.
+/// Threads: as PerceptionModel. A reply wakes its caller directly from the bus's receive thread.
+class RemotePerceptionModel final : public PerceptionModel {
+ public:
+  struct Options {
+    std::string model;  // name wanted; empty = whatever is served
+    std::chrono::nanoseconds timeout = std::chrono::seconds(2);
+    std::chrono::nanoseconds retry_interval = std::chrono::milliseconds(250);
+  };
+
+  RemotePerceptionModel(bus::Participant& participant, const Options& options);
+
+  [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
+      std::span<const PerceptionQuery> queries) override;
+  /// The model wanted, or the one that replied last, or "remote" before any did.
+  std::string name() const override;
+
+  /// Requests sent again because no reply came in time.
+  std::uint64_t repeats() const { return repeats_.load(); }
+
+ private:
+  struct Call;
+  struct Waiter;
+
+  std::vector<Call> MakeCalls(std::span<const PerceptionQuery> queries, Waiter& waiter);
+  Result<void> Ask(std::vector<Call>& calls, Waiter& waiter);
+  Result<void> AskUntilReplied(const std::vector<Call>& calls, Waiter& waiter);
+  Result<void> Send(const std::vector<Call>& calls);
+  bool ServiceIsGone();
+  Error NoReply(const std::vector<Call>& calls);
+  /// On the bus's receive thread.
+  void Receive(conav_msgs::msg::PerceptionReply&& message);
+  Result<void> Collect(const Call& call, std::vector<PerceptionAnswer>& answers);
+
+  std::string client_;
+  Options options_;
+  std::atomic<std::uint64_t> last_request_id_{0};
+  std::atomic<std::uint64_t> repeats_{0};
+  std::atomic<bool> discovered_{false};            // a service was seen, or none came in time
+  mutable std::mutex mutex_;                       // guards all below
+  std::unordered_map<std::uint64_t, Call*> open_;  // and the calls themselves
+  std::string answering_model_ = "remote";
+  bus::Publisher<conav_msgs::msg::PerceptionRequest> requests_;
+  bus::Subscriber<conav_msgs::msg::PerceptionReply> replies_;  // last: its thread uses the rest
+};
+
+}  // namespace conav::planner

@@ -1,0 +1,135 @@
+#include "planner/perception/fallback_perception_model.h"
+
+#include <catch2/catch.hpp>
+
+namespace conav::planner {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+/// Answers with one grid per query, or fails as long as `failure` is set.
+class ScriptedModel final : public PerceptionModel {
+ public:
+  ScriptedModel(std::string name, float value) : name_(std::move(name)), value_(value) {}
+
+  Result<std::vector<PerceptionAnswer>> Predict(std::span<const PerceptionQuery> queries) override {
+    ++calls;
+    if (failure) return tl::unexpected(*failure);
+    return std::vector<PerceptionAnswer>(
+        queries.size(), PerceptionAnswer{Grid<float>(1, 1, value_), Grid<float>(1, 1)});
+  }
+  std::string name() const override { return name_; }
+
+  int calls = 0;
+  std::optional<Error> failure;
+
+ private:
+  std::string name_;
+  float value_;
+};
+
+struct FallbackBench {
+  FakeClock clock;
+  std::shared_ptr<ScriptedModel> primary = std::make_shared<ScriptedModel>("remote", 0.25F);
+  std::shared_ptr<ScriptedModel> fallback = std::make_shared<ScriptedModel>("glpf", 0.75F);
+  std::vector<std::string> switches;
+  FallbackPerceptionModel model{
+      primary,
+      fallback,
+      {.first_pause = seconds(1), .longest_pause = seconds(3)},
+      clock,
+      [this](const std::optional<Error>& why) { switches.push_back(why ? why->text : "back"); }};
+
+  /// The value that came, or -1 for a failure.
+  float Ask() {
+    const std::vector<PerceptionQuery> queries(1);
+    const auto answers = model.Predict(queries);
+    return answers ? answers->at(0).add[{0, 0}] : -1.0F;
+  }
+};
+
+TEST_CASE("The primary answers while it can", "[planner][perception]") {
+  FallbackBench bench;
+  CHECK(bench.Ask() == 0.25F);
+  CHECK(bench.model.name() == "remote");
+  CHECK(bench.fallback->calls == 0);
+  CHECK(bench.switches.empty());
+}
+
+TEST_CASE("The fallback answers when the primary is gone, and it is said once",
+          "[planner][perception]") {
+  FallbackBench bench;
+  bench.primary->failure = Error{ErrorCode::kTimeout, "no reply"};
+  CHECK(bench.Ask() == 0.75F);
+  CHECK(bench.Ask() == 0.75F);
+  CHECK(bench.model.name() == "fallback: glpf");
+  CHECK(bench.primary->calls == 1);
+  CHECK(bench.switches == std::vector<std::string>{"no reply"});
+}
+
+TEST_CASE("The primary is tried again after a pause, and taken back when it answers",
+          "[planner][perception]") {
+  FallbackBench bench;
+  bench.primary->failure = Error{ErrorCode::kUnavailable, "gone"};
+  bench.Ask();
+  bench.primary->failure.reset();
+  bench.clock.Advance(milliseconds(999));
+  CHECK(bench.Ask() == 0.75F);
+  bench.clock.Advance(milliseconds(1));
+  CHECK(bench.Ask() == 0.25F);
+  CHECK(bench.model.name() == "remote");
+  CHECK(bench.switches == std::vector<std::string>{"gone", "back"});
+}
+
+TEST_CASE("The pause doubles with each try that fails, up to a limit", "[planner][perception]") {
+  FallbackBench bench;
+  bench.primary->failure = Error{ErrorCode::kTimeout, "gone"};
+  bench.Ask();
+  int calls = 1;
+  for (const auto pause : {seconds(1), seconds(2), seconds(3), seconds(3)}) {
+    bench.clock.Advance(pause - milliseconds(1));
+    CHECK(bench.Ask() == 0.75F);
+    CHECK(bench.primary->calls == calls);
+    bench.clock.Advance(milliseconds(1));
+    CHECK(bench.Ask() == 0.75F);
+    CHECK(bench.primary->calls == ++calls);
+  }
+  CHECK(bench.switches.size() == 1);
+}
+
+TEST_CASE("The pause starts anew after the primary was back", "[planner][perception]") {
+  FallbackBench bench;
+  bench.primary->failure = Error{ErrorCode::kTimeout, "gone"};
+  bench.Ask();
+  bench.clock.Advance(seconds(1));
+  bench.Ask();
+  bench.primary->failure.reset();
+  bench.clock.Advance(seconds(2));
+  CHECK(bench.Ask() == 0.25F);
+  bench.primary->failure = Error{ErrorCode::kTimeout, "gone again"};
+  CHECK(bench.Ask() == 0.75F);
+  bench.primary->failure.reset();
+  bench.clock.Advance(seconds(1));
+  CHECK(bench.Ask() == 0.25F);
+  CHECK(bench.switches == std::vector<std::string>{"gone", "back", "gone again", "back"});
+}
+
+TEST_CASE("An impossible query is refused by the primary alone", "[planner][perception]") {
+  FallbackBench bench;
+  bench.primary->failure = Error{ErrorCode::kInvalidArgument, "bad query"};
+  CHECK(bench.Ask() == -1.0F);
+  CHECK(bench.fallback->calls == 0);
+  CHECK(bench.switches.empty());
+}
+
+TEST_CASE("When both fail, the fallback's error is given", "[planner][perception]") {
+  FallbackBench bench;
+  bench.primary->failure = Error{ErrorCode::kTimeout, "gone"};
+  bench.fallback->failure = Error{ErrorCode::kInvalidArgument, "bad query"};
+  const std::vector<PerceptionQuery> queries(1);
+  CHECK(bench.model.Predict(queries).error().text == "bad query");
+}
+
+}  // namespace
+}  // namespace conav::planner

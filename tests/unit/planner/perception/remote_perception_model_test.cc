@@ -1,0 +1,234 @@
+#include "planner/perception/remote_perception_model.h"
+
+#include <catch2/catch.hpp>
+#include <future>
+
+#include "common/bus/in_memory_bus.h"
+#include "common/protocol/convert.h"
+#include "conformance/perception_model_conformance.h"
+
+namespace conav::planner {
+namespace {
+
+using conformance::MakeQueries;
+using conformance::MakeQuery;
+using RequestMessage = conav_msgs::msg::PerceptionRequest;
+using ReplyMessage = conav_msgs::msg::PerceptionReply;
+using std::chrono::milliseconds;
+
+/// Replies in the test's hand: `on_request` is called inside of the asker's Publish().
+class ScriptedService {
+ public:
+  using OnRequest = std::function<void(ScriptedService&, const RequestMessage&)>;
+
+  ScriptedService(std::shared_ptr<bus::InMemoryBus> bus, OnRequest on_request)
+      : participant_("nhpm", std::move(bus)),
+        replies_(participant_, bus::kPerceptionReply),
+        requests_(participant_, bus::kPerceptionRequest, {},
+                  [this, on_request](RequestMessage&& message) {
+                    ++asked;
+                    on_request(*this, message);
+                  }) {}
+
+  void Reply(const ReplyMessage& message) { REQUIRE(replies_.Publish(message)); }
+
+  std::atomic<int> asked{0};
+
+ private:
+  bus::Participant participant_;
+  bus::Publisher<ReplyMessage> replies_;
+  bus::Subscriber<RequestMessage> requests_;
+};
+
+/// A right reply: every probability is 0.5.
+ReplyMessage HalfReply(const RequestMessage& request) {
+  PerceptionReply reply{
+      request.client(), request.request_id(), PerceptionStatus::kOk, "", "half", "1", {}};
+  const Grid<float> half(static_cast<int>(request.rows()), static_cast<int>(request.columns()),
+                         0.5F);
+  for (std::size_t i = 0; i < request.queries().size(); ++i) reply.answers.push_back({half, half});
+  return ToMessage(reply);
+}
+
+struct RemoteBench {
+  explicit RemoteBench(ScriptedService::OnRequest on_request,
+                       RemotePerceptionModel::Options options = Quick()) {
+    service = std::make_unique<ScriptedService>(bus, std::move(on_request));
+    model = std::make_unique<RemotePerceptionModel>(participant, options);
+  }
+  static RemotePerceptionModel::Options Quick() {
+    return {.timeout = milliseconds(100), .retry_interval = milliseconds(10)};
+  }
+  auto Ask() { return model->Predict(MakeQueries(2)); }
+
+  std::shared_ptr<bus::InMemoryBus> bus = std::make_shared<bus::InMemoryBus>();
+  bus::Participant participant{"planner", bus};
+  std::unique_ptr<ScriptedService> service;
+  std::unique_ptr<RemotePerceptionModel> model;
+};
+
+void ExpectFailure(RemoteBench& bench, ErrorCode code, const std::string& text) {
+  const auto answers = bench.Ask();
+  REQUIRE_FALSE(answers);
+  CHECK(answers.error().code == code);
+  CHECK(answers.error().text == text);
+}
+
+TEST_CASE("The model that replied gives its name", "[planner][perception]") {
+  RemoteBench bench([](auto& service, const auto& request) { service.Reply(HalfReply(request)); });
+  CHECK(bench.model->name() == "remote");
+  const auto answers = bench.Ask();
+  REQUIRE(answers);
+  CHECK(answers->at(1).add[{2, 2}] == 0.5F);
+  CHECK(bench.model->name() == "half");
+  CHECK(bench.service->asked == 1);
+}
+
+TEST_CASE("A request is repeated until it is answered", "[planner][perception]") {
+  RemoteBench bench([](auto& service, const auto& request) {
+    if (service.asked >= 3) service.Reply(HalfReply(request));
+  });
+  REQUIRE(bench.Ask());
+  CHECK(bench.service->asked == 3);
+  CHECK(bench.model->repeats() == 2);
+}
+
+TEST_CASE("A service that never replies is a timeout", "[planner][perception]") {
+  RemoteBench bench([](auto&, const auto&) {});
+  ExpectFailure(bench, ErrorCode::kTimeout, "no reply of a perception service within 0.1 s");
+  CHECK(bench.service->asked >= 2);
+}
+
+TEST_CASE("A service that is gone is known at once", "[planner][perception]") {
+  auto options = RemoteBench::Quick();
+  options.timeout = std::chrono::minutes(10);
+  RemoteBench bench([](auto& service, const auto& request) { service.Reply(HalfReply(request)); },
+                    options);
+  REQUIRE(bench.Ask());
+  bench.service.reset();
+  ExpectFailure(bench, ErrorCode::kUnavailable, "no perception service is on the bus");
+}
+
+TEST_CASE("A service that goes while it is asked is noticed before the timeout",
+          "[planner][perception]") {
+  auto options = RemoteBench::Quick();
+  options.timeout = std::chrono::minutes(10);
+  std::promise<void> asked;
+  RemoteBench bench(
+      [&asked](auto& service, const auto&) {
+        if (service.asked == 1) asked.set_value();
+      },
+      options);
+  auto answers = std::async(std::launch::async, [&bench] { return bench.Ask(); });
+  asked.get_future().wait();
+  bench.service.reset();
+  CHECK(answers.get().error().code == ErrorCode::kUnavailable);
+}
+
+TEST_CASE("A service that was never there is waited for only once", "[planner][perception]") {
+  RemoteBench bench([](auto&, const auto&) {});
+  bench.service.reset();
+  ExpectFailure(bench, ErrorCode::kTimeout, "no reply of a perception service within 0.1 s");
+  ExpectFailure(bench, ErrorCode::kUnavailable, "no perception service is on the bus");
+}
+
+TEST_CASE("A service that comes late answers the repeated request", "[planner][perception]") {
+  auto options = RemoteBench::Quick();
+  options.timeout = std::chrono::seconds(60);
+  RemoteBench bench([](auto&, const auto&) {}, options);
+  bench.service.reset();
+  auto answers = std::async(std::launch::async, [&bench] { return bench.Ask(); });
+  bench.service = std::make_unique<ScriptedService>(
+      bench.bus, [](auto& service, const auto& request) { service.Reply(HalfReply(request)); });
+  CHECK(answers.get());
+}
+
+TEST_CASE("Replies to others and to older requests are ignored", "[planner][perception]") {
+  RemoteBench bench([](auto& service, const auto& request) {
+    ReplyMessage foreign = HalfReply(request);
+    foreign.client("somebody_else");
+    foreign.answers().clear();
+    service.Reply(foreign);
+    ReplyMessage old = HalfReply(request);
+    old.request_id(request.request_id() + 100);
+    old.answers().clear();
+    service.Reply(old);
+    service.Reply(HalfReply(request));
+    ReplyMessage second = HalfReply(request);
+    second.answers().clear();
+    service.Reply(second);
+  });
+  CHECK(bench.Ask());
+}
+
+TEST_CASE("A refusal is given with the service's reason", "[planner][perception]") {
+  RemoteBench bench([](auto& service, const auto& request) {
+    ReplyMessage reply = HalfReply(request);
+    reply.status(conav_msgs::msg::PERCEPTION_STATUS_REFUSED);
+    reply.reason("too large");
+    reply.answers().clear();
+    service.Reply(reply);
+  });
+  ExpectFailure(bench, ErrorCode::kInvalidArgument, "perception service: too large");
+}
+
+TEST_CASE("A reply that does not fit the request is refused", "[planner][perception]") {
+  RemoteBench bench([](auto& service, const auto& request) {
+    ReplyMessage reply = HalfReply(request);
+    reply.answers().pop_back();
+    if (request.request_id() == 2) reply.answers()[0].add().pop_back();
+    service.Reply(reply);
+  });
+  ExpectFailure(bench, ErrorCode::kUnavailable, "perception reply: 1 answers to 2 queries");
+  ExpectFailure(bench, ErrorCode::kUnavailable,
+                "perception reply: answers[0].add has size 98, not 9 x 11");
+}
+
+TEST_CASE("Only replicas with another model: unavailable, with their reason",
+          "[planner][perception]") {
+  auto options = RemoteBench::Quick();
+  options.model = "network";
+  RemoteBench bench(
+      [](auto& service, const auto& request) {
+        CHECK(request.model() == "network");
+        ReplyMessage reply = HalfReply(request);
+        reply.status(conav_msgs::msg::PERCEPTION_STATUS_REFUSED);
+        reply.reason("'network' is not served here");
+        service.Reply(reply);
+      },
+      options);
+  CHECK(bench.model->name() == "network");
+  ExpectFailure(bench, ErrorCode::kUnavailable, "'network' is not served here");
+}
+
+TEST_CASE("A batch of several shapes and of very many queries is split and put together again",
+          "[planner][perception]") {
+  RemoteBench bench([](auto& service, const auto& request) { service.Reply(HalfReply(request)); },
+                    {.timeout = std::chrono::seconds(60), .retry_interval = milliseconds(500)});
+  std::vector<PerceptionQuery> queries(300, MakeQuery(1));
+  queries.push_back(MakeQuery(2, 7, 8));
+  queries.push_back(MakeQuery(3));
+  const auto answers = bench.model->Predict(queries);
+  REQUIRE(answers);
+  REQUIRE(answers->size() == 302);
+  CHECK(answers->at(300).add.rows() == 7);
+  CHECK(answers->at(301).add.columns() == 11);
+  CHECK(bench.service->asked == 4);
+}
+
+TEST_CASE("Two models of one participant have names of their own", "[planner][perception]") {
+  std::vector<std::string> clients;
+  RemoteBench bench([&clients](auto& service, const auto& request) {
+    clients.push_back(request.client());
+    service.Reply(HalfReply(request));
+  });
+  RemotePerceptionModel other(bench.participant, RemoteBench::Quick());
+  REQUIRE(bench.Ask());
+  REQUIRE(other.Predict(MakeQueries(1)));
+  REQUIRE(clients.size() == 2);
+  CHECK(clients[0].starts_with("planner-"));
+  CHECK(clients[0] != clients[1]);
+}
+
+}  // namespace
+}  // namespace conav::planner
