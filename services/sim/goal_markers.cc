@@ -6,6 +6,8 @@ namespace conav::sim {
 namespace {
 
 constexpr std::int32_t kSphere = 2;  // visualization_msgs/Marker SPHERE
+constexpr std::int32_t kAdd = 0;
+constexpr std::int32_t kDelete = 2;
 
 float Channel(std::uint8_t value) { return static_cast<float>(value) / 255.0F; }
 
@@ -25,6 +27,7 @@ visualization_msgs::msg::MarkerArray GoalMarkers(const Episode& episode) {
     marker.ns("goals");
     marker.id(static_cast<std::int32_t>(i));
     marker.type(kSphere);
+    marker.action(episode.physics().goal_visible(static_cast<int>(i)) ? kAdd : kDelete);
     marker.pose().position().x(position.x_m);
     marker.pose().position().y(position.y_m);
     marker.pose().orientation().w(1.0);

@@ -4,6 +4,7 @@
 
 #include "common/bus/send.h"
 #include "common/protocol/convert.h"
+#include "sim/physics/camera.h"
 
 namespace conav::sim {
 RobotTopics::RobotTopics(bus::Participant& participant, const std::string& robot)

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 
 #include "common/bus/send.h"
 #include "common/protocol/convert.h"
@@ -43,6 +44,19 @@ WorldOptions OptionsFrom(const SimConfig& config) {
           .false_wall_share = config.corruption.false_wall_share};
 }
 
+/// Names become parts of topics.
+void CheckName(const char* key, const std::string& name) {
+  const auto allowed = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
+  if (!name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), allowed)) return;
+  throw StartupError(fmt::format("sim.{}: '{}' is no name: 1 to 64 of A-Z a-z 0-9 _", key, name));
+}
+
+void CheckNames(const SimConfig& config) {
+  CheckName("world", config.world);
+  if (config.robots.empty()) throw StartupError("sim.robots: a world needs at least one robot");
+  for (const std::string& robot : config.robots) CheckName("robots", robot);
+}
+
 template <class T>
 T OrStartupError(Result<T> result) {
   if (!result) throw StartupError(result.error().text);
@@ -80,7 +94,7 @@ SimService::SimService(bus::Participant& participant, const SimConfig& config, c
       clock_topic_(participant, bus::kClock),
       diagnostics_(participant, clock),
       next_step_(clock.Now()) {
-  if (config.robots.empty()) throw StartupError("sim.robots: a world needs at least one robot");
+  CheckNames(config);
   BuildWorld();
   for (const std::string& robot : config.robots) {
     robots_.push_back(std::make_unique<RobotTopics>(participant, robot));
@@ -121,7 +135,16 @@ void SimService::PublishWorld() {
   }
 }
 
-void SimService::PublishGoals() { bus::Send(goals_, GoalMarkers(*episode_)); }
+void SimService::PublishGoals() {
+  const auto& goals = physics_->world().goals;
+  int visible = 0;
+  for (int goal = 0; goal < static_cast<int>(goals.size()); ++goal) {
+    visible += physics_->goal_visible(goal) ? 1 : 0;
+  }
+  if (visible == goals_published_) return;
+  goals_published_ = visible;
+  bus::Send(goals_, GoalMarkers(*episode_));
+}
 
 void SimService::PublishClock() {
   rosgraph_msgs::msg::Clock message;
@@ -150,13 +173,19 @@ void SimService::TakeCommands() {
   for (int robot = 0; robot < episode_->robot_count(); ++robot) {
     RobotTopics& topics = *robots_[static_cast<std::size_t>(robot)];
     for (const RobotCommand& command : topics.TakeCommands()) {
-      if (const auto accepted = episode_->Accept(command); !accepted) {
+      if (const auto accepted = Accept(command, topics.robot()); !accepted) {
         LOG_WARNING("command refused", "reason", accepted.error().text, "count",
                     ++refused_commands_);
       }
     }
     topics.PublishChanges(*episode_, robot);
   }
+}
+
+Result<void> SimService::Accept(const RobotCommand& command, const std::string& robot) {
+  if (command.robot == robot) return episode_->Accept(command);
+  return Fail(ErrorCode::kRefused,
+              fmt::format("robot = '{}' on the topic of {}", command.robot, robot));
 }
 
 bool SimService::StepDue() {
@@ -178,6 +207,7 @@ void SimService::Step() {
   }
   episode_->Step();
   PublishClock();
+  PublishGoals();
   TakePictures(moves_before);
   for (int robot = 0; robot < episode_->robot_count(); ++robot) {
     RobotTopics& topics = *robots_[static_cast<std::size_t>(robot)];

@@ -35,9 +35,11 @@ class SimService {
  private:
   void BuildWorld();
   void PublishWorld();
+  /// When goals have been reached since the last call.
   void PublishGoals();
   void PublishClock();
   void TakeCommands();
+  Result<void> Accept(const RobotCommand& command, const std::string& robot);
   bool StepDue();
   void Step();
   void TakePictures(const std::vector<std::uint64_t>& moves_before);
@@ -60,6 +62,7 @@ class SimService {
   Diagnostics diagnostics_;
   Clock::TimePoint next_step_{};
   std::uint64_t refused_commands_ = 0;
+  int goals_published_ = -1;  // how many the last markers showed
 };
 
 }  // namespace conav::sim

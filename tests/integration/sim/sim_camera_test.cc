@@ -1,0 +1,98 @@
+#include <catch2/catch.hpp>
+#include <numbers>
+
+#include "common/grid/visibility.h"
+#include "integration/sim/sim_harness.h"
+#include "sim/physics/image.h"
+
+namespace conav::sim {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+OccupancyGrid TruthOf(SimHarness& sim) {
+  return ToDomain(Latched(sim.peer(), bus::kTruth, "w1")).value().cells;
+}
+
+}  // namespace
+
+TEST_CASE("a picture is a JPEG of the size asked for and says what CastView says",
+          "[sim][integration]") {
+  SimConfig config = BlindConfig();
+  config.camera.mode = "egl";
+  SimHarness sim(config);
+  const OccupancyGrid truth = TruthOf(sim);
+  for (const double heading : {0.0, kPi / 4, kPi / 2, -3 * kPi / 4}) {
+    REQUIRE(sim.Do(sim.robot().View(heading)) == CommandOutcome::kDone);
+    const Picture& picture = sim.robot().pictures.back();
+    CameraView view;
+    view.cell = sim.robot().state().cell;
+    view.heading_rad = heading;
+    view.horizontal_fov_rad = 2.0 * std::atan(320.0 / 192.0 * std::tan(40.0 * kPi / 180.0));
+    CHECK(picture.visible == CastView(truth, view));
+    CHECK(picture.heading_rad == Approx(heading));
+    CHECK(picture.horizontal_fov_rad == Approx(view.horizontal_fov_rad));
+    const RgbImage image = DecodeJpeg(picture.jpeg).value();
+    CHECK(image.width == 320);
+    CHECK(image.height == 192);
+  }
+  const RobotState& state = sim.robot().state();
+  CHECK(state.pictures == 4);
+  CHECK(state.snapshots == 4);
+  std::uint64_t bytes = 0;
+  for (const Picture& picture : sim.robot().pictures) bytes += picture.jpeg.size();
+  CHECK(state.picture_bytes == bytes);
+  CHECK(sim.robot().pictures.back().sequence_number == 4);
+}
+
+TEST_CASE("without a camera a picture has no pixels and the same cells", "[sim][integration]") {
+  SimHarness sim(BlindConfig());
+  REQUIRE(sim.Do(sim.robot().View(kPi)) == CommandOutcome::kDone);
+  const Picture& picture = sim.robot().pictures.back();
+  CHECK(picture.jpeg.empty());
+  CHECK_FALSE(picture.visible.free.empty());
+  CHECK_FALSE(picture.visible.walls.empty());
+  CHECK(sim.robot().state().picture_bytes == 0);
+}
+
+TEST_CASE("a picture carries the path since the one before, which then starts anew",
+          "[sim][integration]") {
+  SimHarness sim(BlindConfig());
+  const OccupancyGrid truth = TruthOf(sim);
+  const Cell start = sim.robot().state().cell;
+  const Cell next = NeighbourThatIs(Occupancy::kFree, truth, start);
+  REQUIRE(sim.Do(sim.robot().Move(next)) == CommandOutcome::kDone);
+  REQUIRE(sim.Do(sim.robot().View(0.0)) == CommandOutcome::kDone);
+  CHECK(sim.robot().pictures.back().path == std::vector<Cell>{start, next});
+  CHECK(sim.robot().state().path == std::vector<Cell>{next});
+}
+
+TEST_CASE("a view is counted as pictures, not as moves", "[sim][integration]") {
+  SimHarness sim(BlindConfig());
+  REQUIRE(sim.Do(sim.robot().View(kPi / 2)) == CommandOutcome::kDone);
+  CHECK(sim.robot().state().cell_moves == 0);
+  CHECK(sim.robot().state().pictures == 1);
+  CHECK(sim.robot().state().low_level_steps > 0);
+}
+
+TEST_CASE("a streaming camera sends a frame per control step and a snapshot per cell",
+          "[sim][integration]") {
+  SimConfig config = BlindConfig();
+  config.camera.mode = "egl";
+  config.camera.stream = true;
+  config.camera.width = 64;
+  config.camera.height = 64;
+  SimHarness sim(config);
+  const Cell start = sim.robot().state().cell;
+  REQUIRE(sim.Do(sim.robot().Move(NeighbourThatIs(Occupancy::kFree, TruthOf(sim), start))) ==
+          CommandOutcome::kDone);
+  const RobotState& state = sim.robot().state();
+  CHECK(sim.robot().frames == static_cast<int>(state.low_level_steps));
+  CHECK(state.pictures == state.low_level_steps);
+  REQUIRE(sim.robot().pictures.size() == 1);
+  CHECK(sim.robot().pictures[0].streamed);
+  CHECK(sim.robot().pictures[0].cell == state.cell);
+  CHECK_FALSE(sim.robot().pictures[0].jpeg.empty());
+}
+
+}  // namespace conav::sim
