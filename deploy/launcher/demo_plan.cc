@@ -7,6 +7,9 @@
 
 #include "common/runtime/config.h"
 #include "launcher/bus_place.h"
+#include "nhpm/config.h"
+#include "operator/config.h"
+#include "operator/simulated_operator/config.h"
 #include "planner/config.h"
 #include "sim/config.h"
 
@@ -27,6 +30,13 @@ struct Setting {
 
   bus::ParticipantOptions Bus(const std::string& service) const {
     return BusOptions(options, domain, vendors.at(service));
+  }
+  std::vector<std::string> WorldsAndRobots() const {
+    std::vector<std::string> entries;
+    for (const RobotRecord& robot : episode.robots) {
+      entries.push_back(robot.world + "/" + robot.name);
+    }
+    return entries;
   }
 };
 
@@ -51,13 +61,32 @@ std::string SimYaml(const Setting& setting, std::size_t world_index) {
   return DumpConfig("sim", config);
 }
 
+std::string NhpmYaml(const Setting& setting) {
+  nhpm::NhpmConfig config;
+  config.bus = setting.Bus("nhpm");
+  return DumpConfig("nhpm", config);
+}
+
+std::string OperatorYaml(const Setting& setting) {
+  operators::OperatorConfig config;
+  config.bus = setting.Bus("operator");
+  config.robots = setting.WorldsAndRobots();
+  config.database = (setting.run.state() / "operator.db").string();
+  return DumpConfig("operator", config);
+}
+
+std::string SimulatedOperatorYaml(const Setting& setting) {
+  operators::SimulatedOperatorConfig config;
+  config.bus = setting.Bus("simulated-operator");
+  config.robots = setting.WorldsAndRobots();
+  config.seed = setting.options.seed;
+  return DumpConfig("simulated_operator", config);
+}
+
 std::string PlannerYaml(const Setting& setting) {
   planner::PlannerConfig config;
   config.bus = setting.Bus("planner");
-  config.robots.clear();
-  for (const RobotRecord& robot : setting.episode.robots) {
-    config.robots.push_back(robot.world + "/" + robot.name);
-  }
+  config.robots = setting.WorldsAndRobots();
   config.method = setting.options.method;
   config.seed = setting.options.seed;
   config.perception = setting.options.perception;
@@ -74,7 +103,10 @@ std::vector<PlannedProcess> PlanDemo(const DemoOptions& options, int domain, con
     const std::string name = episode.worlds.size() == 1 ? "sim" : "sim-" + episode.worlds[w].name;
     processes.push_back({name, "sim", SimYaml(setting, w)});
   }
+  processes.push_back({"nhpm", "nhpm", NhpmYaml(setting)});
+  processes.push_back({"operator", "operator", OperatorYaml(setting)});
   processes.push_back({"planner", "planner", PlannerYaml(setting)});
+  processes.push_back({"simulated-operator", "simulated-operator", SimulatedOperatorYaml(setting)});
   return processes;
 }
 

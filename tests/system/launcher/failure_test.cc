@@ -1,0 +1,132 @@
+#include <catch2/catch.hpp>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+
+#include "launcher/process.h"
+#include "system/launcher/demo_run.h"
+
+using conav::testing::DemoRun;
+using conav::testing::TestDomain;
+using conav::testing::WaitUntil;
+using namespace std::chrono_literals;
+
+namespace {
+
+// Slow enough that it does not end by itself before it is disturbed.
+const std::vector<std::string>& SlowRun() {
+  static const std::vector<std::string> arguments{"--headless", "--speed", "4", "--camera", "none"};
+  return arguments;
+}
+
+bool Alive(pid_t pid) { return kill(pid, 0) == 0; }
+
+void DeathIsNamed(const std::string& service) {
+  DemoRun demo(SlowRun());
+  const pid_t victim = demo.PidOf(service);
+  const pid_t other = demo.PidOf(service == "sim" ? "planner" : "sim");
+  REQUIRE(demo.WaitForMoves());
+  REQUIRE(kill(victim, SIGKILL) == 0);
+  const int code = demo.Wait(60s);
+  INFO(demo.Story());
+  CHECK(code == 1);
+  CHECK_THAT(demo.Output(), Catch::Contains(service + " (pid " + std::to_string(victim) +
+                                            ") died: signal 9 (Killed)"));
+  CHECK_THAT(demo.Output(), Catch::Contains(service == "sim" ? "r1 was last heard of in cell"
+                                                             : "r1 stopped in cell"));
+  CHECK_FALSE(Alive(other));
+  CHECK(demo.Json()["all_goals_reached"] == false);
+}
+
+}  // namespace
+
+TEST_CASE("the planner's death is named and the robot stops", "[launcher][system]") {
+  DeathIsNamed("planner");
+}
+
+TEST_CASE("the simulator's death is named", "[launcher][system]") { DeathIsNamed("sim"); }
+
+TEST_CASE("the operator's death is named and the robot stops", "[launcher][system]") {
+  DeathIsNamed("operator");
+}
+
+TEST_CASE("without the perception service the planner goes on by itself", "[launcher][system]") {
+  DemoRun demo({"--headless", "--speed", "20", "--camera", "none"});
+  const pid_t nhpm = demo.PidOf("nhpm");
+  REQUIRE(demo.WaitForMoves());
+  REQUIRE(kill(nhpm, SIGKILL) == 0);
+  const int code = demo.Wait();
+  INFO(demo.Story());
+  CHECK(code == 0);
+  CHECK_THAT(demo.Output(), Catch::Contains("nhpm (pid " + std::to_string(nhpm) + ") died"));
+}
+
+TEST_CASE("Ctrl-C stops every process and says so", "[launcher][system]") {
+  DemoRun demo(SlowRun());
+  std::vector<pid_t> pids;
+  for (const char* service : {"sim", "nhpm", "operator", "planner", "simulated-operator"}) {
+    pids.push_back(demo.PidOf(service));
+  }
+  REQUIRE(demo.WaitForMoves());
+  demo.Signal(SIGINT);
+  CHECK(demo.Wait(30s) == 1);
+  INFO(demo.Story());
+  CHECK_THAT(demo.Output(), Catch::Contains("interrupted"));
+  CHECK_THAT(demo.Output(), !Catch::Contains("was killed"));
+  for (const pid_t pid : pids) CHECK_FALSE(Alive(pid));
+}
+
+TEST_CASE("no service outlives a launcher that was killed", "[launcher][system]") {
+  DemoRun demo(SlowRun());
+  const pid_t sim = demo.PidOf("sim");
+  const pid_t last = demo.PidOf("simulated-operator");
+  demo.Signal(SIGKILL);
+  CHECK(WaitUntil([&] { return !Alive(sim) && !Alive(last); }, 10s));
+}
+
+TEST_CASE("a second demo in the same domain is refused", "[launcher][system]") {
+  DemoRun first(SlowRun());
+  first.PidOf("sim");
+  DemoRun second(SlowRun());
+  CHECK(second.Wait(30s) == 2);
+  CHECK_THAT(second.Output(), Catch::Contains("domain " + std::to_string(TestDomain())) &&
+                                  Catch::Contains("--domain"));
+  first.Signal(SIGINT);
+  first.Wait(30s);
+}
+
+TEST_CASE("wrong use of the demo ends with 2 and names the option", "[launcher][system]") {
+  DemoRun none({"--robots", "0"});
+  CHECK(none.Wait(30s) == 2);
+  CHECK_THAT(none.Output(), Catch::Contains("--robots 0"));
+  DemoRun method({"--method", "magic"});
+  CHECK(method.Wait(30s) == 2);
+  CHECK_THAT(method.Output(), Catch::Contains("--method magic"));
+  DemoRun map({"--map", "/nowhere.yaml"});
+  CHECK(map.Wait(30s) == 2);
+  CHECK_THAT(map.Output(), Catch::Contains("/nowhere.yaml"));
+  DemoRun unknown({"--colour", "red"});
+  CHECK(unknown.Wait(30s) == 2);
+}
+
+TEST_CASE("a service refuses an unknown key by its name", "[launcher][system]") {
+  const auto folder = std::filesystem::temp_directory_path();
+  const auto config = folder / ("conav-unknown-key-" + std::to_string(getpid()) + ".yaml");
+  const auto log = folder / ("conav-unknown-key-" + std::to_string(getpid()) + ".log");
+  for (const auto& [program, section] :
+       {std::pair("sim", "sim"), std::pair("planner", "planner"), std::pair("nhpm", "nhpm"),
+        std::pair("operator", "operator"), std::pair("simulated-operator", "simulated_operator")}) {
+    std::ofstream(config) << section << ":\n  ros__parameters:\n    colour: red\n";
+    std::filesystem::remove(log);
+    conav::launcher::Process process(
+        program, {std::string(CONAV_BIN_DIR) + "/conav-" + program, "--config", config.string()},
+        log);
+    CHECK(WaitUntil([&] { return process.Poll(); }, 20s));
+    CHECK(process.end()->exit_code == 1);
+    std::string text;
+    for (const std::string& line : conav::launcher::LastLines(log, 5)) text += line + "\n";
+    CHECK_THAT(text, Catch::Contains("unknown key 'colour'"));
+  }
+  std::filesystem::remove(config);
+  std::filesystem::remove(log);
+}

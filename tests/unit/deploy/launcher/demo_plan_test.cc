@@ -1,0 +1,117 @@
+#include "launcher/demo_plan.h"
+
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <map>
+
+#include "nhpm/config.h"
+#include "operator/config.h"
+#include "operator/simulated_operator/config.h"
+#include "planner/config.h"
+#include "sim/config.h"
+
+using namespace conav;
+using namespace conav::launcher;
+namespace fs = std::filesystem;
+
+namespace {
+
+struct TemporaryRun {
+  fs::path parent = fs::temp_directory_path() / ("conav_demo_plan_" + std::to_string(getpid()));
+  RunFolder folder{parent, std::chrono::system_clock::time_point{}, 1};
+  ~TemporaryRun() { fs::remove_all(parent); }
+};
+
+std::map<std::string, std::string> Plan(const DemoOptions& options, const TemporaryRun& run) {
+  std::map<std::string, std::string> configs;
+  const Episode episode = MakeEpisode(options.robots, options.worlds);
+  for (const auto& process : PlanDemo(options, 42, episode, run.folder)) {
+    configs[process.name] = process.config;
+  }
+  return configs;
+}
+
+template <class Config>
+Config Read(const std::string& yaml, const std::string& section) {
+  Config config;
+  ReadConfig(YAML::Load(yaml)[section]["ros__parameters"], section, config);
+  return config;
+}
+
+template <class Config>
+Config ReadExample(const std::string& section) {
+  Config config;
+  const std::string file = std::string(CONAV_SOURCE_DIR) + "/deploy/config/" + section + ".yaml";
+  ReadConfig(LoadParameters(file, section), section, config);
+  return config;
+}
+
+}  // namespace
+
+TEST_CASE("each process of a demo gets a configuration that its own struct reads back",
+          "[launcher][plan]") {
+  const TemporaryRun run;
+  DemoOptions options;
+  options.robots = 2;
+  options.seed = 7;
+  options.dds = "sim=fastdds,planner=cyclonedds";
+  options.headless = true;
+  options.peers = {"10.0.0.1"};
+  const auto configs = Plan(options, run);
+  REQUIRE(configs.size() == 5);
+  const auto sim = Read<sim::SimConfig>(configs.at("sim"), "sim");
+  CHECK(sim.robots == std::vector<std::string>{"r1", "r2"});
+  CHECK(sim.seed == 7);
+  CHECK(sim.speed == 0.0);
+  CHECK_FALSE(sim.camera.stream);
+  CHECK(sim.bus.vendor == "fastdds");
+  CHECK(sim.bus.domain_id == 42);
+  CHECK(sim.bus.interface == "lo");
+  CHECK(sim.bus.peers == std::vector<std::string>{"10.0.0.1"});
+  const auto planner = Read<planner::PlannerConfig>(configs.at("planner"), "planner");
+  CHECK(planner.robots == std::vector<std::string>{"w1/r1", "w1/r2"});
+  CHECK(planner.bus.vendor == "cyclonedds");
+  const auto operators = Read<operators::OperatorConfig>(configs.at("operator"), "operator");
+  CHECK(operators.database == (run.folder.state() / "operator.db").string());
+  CHECK(Read<operators::SimulatedOperatorConfig>(configs.at("simulated-operator"),
+                                                 "simulated_operator")
+            .seed == 7);
+  CHECK(Read<nhpm::NhpmConfig>(configs.at("nhpm"), "nhpm").bus.domain_id == 42);
+}
+
+TEST_CASE("each world has a simulator with its own robots and seed", "[launcher][plan]") {
+  const TemporaryRun run;
+  DemoOptions options;
+  options.robots = 2;
+  options.worlds = 2;
+  options.method = "teleop";
+  const auto configs = Plan(options, run);
+  const auto second = Read<sim::SimConfig>(configs.at("sim-w2"), "sim");
+  CHECK(second.world == "w2");
+  CHECK(second.robots == std::vector<std::string>{"r3", "r4"});
+  CHECK(second.seed == 2);
+  CHECK(second.camera.stream);
+  CHECK(Read<planner::PlannerConfig>(configs.at("planner"), "planner").robots.size() == 4);
+}
+
+TEST_CASE("a command is put before the service that it is meant for", "[launcher][plan]") {
+  const TemporaryRun run;
+  DemoOptions options;
+  options.run_with["sim"] = "ip netns exec a";
+  const PlannedProcess sim{"sim-w1", "sim", ""};
+  CHECK(CommandLine(sim, options, "/bin", run.folder) ==
+        std::vector<std::string>{"ip", "netns", "exec", "a", "/bin/conav-sim", "--config",
+                                 run.folder.config("sim-w1").string()});
+  const PlannedProcess planner{"planner", "planner", ""};
+  CHECK(CommandLine(planner, options, "/bin", run.folder).front() == "/bin/conav-planner");
+}
+
+TEST_CASE("the example configurations are what the services read", "[launcher][plan]") {
+  CHECK(ReadExample<sim::SimConfig>("sim").world == "w1");
+  CHECK(ReadExample<planner::PlannerConfig>("planner").method == "ig-mcts");
+  CHECK(ReadExample<nhpm::NhpmConfig>("nhpm").model == "glpf");
+  CHECK(ReadExample<operators::OperatorConfig>("operator").bus.interface == "lo");
+  CHECK(ReadExample<operators::SimulatedOperatorConfig>("simulated_operator").seed == 1);
+}
