@@ -113,8 +113,7 @@ void SimService::BuildWorld() {
   if (config_.camera.mode == "none") return;
   auto camera = Camera::Open(*physics_, {config_.camera.width, config_.camera.height});
   if (!camera) {
-    throw StartupError(camera.error().text +
-                       "; or go on without pictures: camera.mode: none (--camera none)");
+    throw StartupError(camera.error().text + ": camera.mode: none (--camera none)");
   }
   camera_ = *std::move(camera);
   LOG_INFO("camera", "renderer", camera_->renderer_name(), "width", config_.camera.width, "height",
