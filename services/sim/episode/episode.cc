@@ -177,7 +177,8 @@ void Episode::Advance(int robot) {
       Arrive(robot, reached);
     } else {
       record.reserved = {reached};
-      record.reserved.insert(record.reserved.end(), record.waypoints.begin(), record.waypoints.end());
+      record.reserved.insert(record.reserved.end(), record.waypoints.begin(),
+                             record.waypoints.end());
     }
     if (!record.waypoints.empty()) return physics_.MoveTo(robot, record.waypoints.front());
     if (record.command.kind == CommandKind::kMove) return Finish(robot, CommandOutcome::kDone);
