@@ -109,8 +109,11 @@ dds::Topic* FastParticipant::AcquireTopic(const std::string& dds_name, const Typ
     ++users;
     return topic;
   }
-  if (participant_->find_type(type.name).empty()) {
+  const dds::TypeSupport known = participant_->find_type(type.name);
+  if (known.empty()) {
     participant_->register_type(dds::TypeSupport(new ErasedType(type)));
+  } else if (&static_cast<ErasedType&>(*known).type() != &type) {
+    throw StartupError(fmt::format("two types of this process are called {}", type.name));
   }
   dds::Topic* topic = participant_->create_topic(dds_name, type.name, dds::TOPIC_QOS_DEFAULT);
   if (topic == nullptr) throw StartupError("Fast DDS cannot create topic " + dds_name);

@@ -1,0 +1,216 @@
+#include "common/bus/in_memory_bus.h"
+
+#include <catch2/catch.hpp>
+#include <thread>
+
+#include "common/bus/publisher.h"
+#include "common/bus/subscriber.h"
+#include "support/test_messages.h"
+
+namespace conav::bus {
+namespace {
+
+using conav_test::msg::Blob;
+using std::chrono::milliseconds;
+
+constexpr Topic<Blob> kVolatile{"/{}/volatile", kDefaultQos};
+constexpr Topic<Blob> kLatched{"/{}/latched", kLatchedQos};
+constexpr Topic<Blob> kThree{"/{}/three", {Reliability::kReliable, Durability::kTransientLocal, 3}};
+
+struct Pair {
+  std::shared_ptr<InMemoryBus> bus = std::make_shared<InMemoryBus>();
+  Participant left{"left", bus};
+  Participant right{"right", bus};
+};
+
+std::vector<std::uint64_t> Ids(const std::vector<Blob>& blobs) {
+  std::vector<std::uint64_t> ids;
+  for (const Blob& blob : blobs) ids.push_back(blob.id());
+  return ids;
+}
+
+template <class Sender>
+void PublishIds(Sender& publisher, std::initializer_list<std::uint64_t> ids) {
+  for (const auto id : ids) REQUIRE(publisher.Publish(test::MakeBlob(id, 10)));
+}
+
+TEST_CASE("a message is there when Publish returns, whole and in order", "[bus][in-memory]") {
+  Pair pair;
+  Publisher<Blob> publisher(pair.left, kVolatile, "r1");
+  Subscriber<Blob> subscriber(pair.right, kVolatile, "r1");
+  const Blob first = test::MakeBlob(1, 100);
+  const Blob second = test::MakeBlob(2, 0);
+  REQUIRE(publisher.Publish(first));
+  REQUIRE(publisher.Publish(second));
+  CHECK(subscriber.Take() == std::vector<Blob>{first, second});
+  CHECK(subscriber.Take().empty());
+}
+
+TEST_CASE("topics of other entities and participants alone do not mix", "[bus][in-memory]") {
+  Pair pair;
+  Publisher<Blob> publisher(pair.left, kVolatile, "r1");
+  Subscriber<Blob> other(pair.left, kVolatile, "r2");
+  Subscriber<Blob> own(pair.left, kVolatile, "r1");
+  PublishIds(publisher, {1});
+  CHECK(other.Take().empty());
+  CHECK(Ids(own.Take()) == std::vector<std::uint64_t>{1});
+}
+
+TEST_CASE("a volatile message is lost on who comes later", "[bus][in-memory]") {
+  Pair pair;
+  Publisher<Blob> publisher(pair.left, kVolatile, "r1");
+  PublishIds(publisher, {1});
+  Subscriber<Blob> late(pair.right, kVolatile, "r1");
+  PublishIds(publisher, {2});
+  CHECK(Ids(late.Take()) == std::vector<std::uint64_t>{2});
+}
+
+TEST_CASE("a late joiner gets the last samples of a transient-local writer", "[bus][in-memory]") {
+  Pair pair;
+  Publisher<Blob> latched(pair.left, kLatched, "r1");
+  Publisher<Blob> three(pair.left, kThree, "r1");
+  PublishIds(latched, {1, 2, 3, 4, 5});
+  PublishIds(three, {1, 2, 3, 4, 5});
+  Subscriber<Blob> newest(pair.right, kLatched, "r1");
+  Subscriber<Blob> last_three(pair.right, kThree, "r1");
+  CHECK(Ids(newest.Take()) == std::vector<std::uint64_t>{5});
+  CHECK(Ids(last_three.Take()) == std::vector<std::uint64_t>{3, 4, 5});
+}
+
+TEST_CASE("history goes with its writer", "[bus][in-memory]") {
+  Pair pair;
+  {
+    Publisher<Blob> publisher(pair.left, kLatched, "r1");
+    PublishIds(publisher, {1});
+  }
+  Subscriber<Blob> late(pair.right, kLatched, "r1");
+  CHECK(late.Take().empty());
+}
+
+TEST_CASE("a full queue drops the oldest", "[bus][in-memory]") {
+  Pair pair;
+  Publisher<Blob> publisher(pair.left, kThree, "r1");
+  Subscriber<Blob> subscriber(pair.right, kThree, "r1");
+  PublishIds(publisher, {1, 2, 3, 4, 5});
+  CHECK(Ids(subscriber.Take()) == std::vector<std::uint64_t>{3, 4, 5});
+}
+
+TEST_CASE("matches are counted and told to both sides", "[bus][in-memory]") {
+  Pair pair;
+  Publisher<Blob> publisher(pair.left, kVolatile, "r1");
+  CHECK(publisher.matched_subscribers() == 0);
+  {
+    Subscriber<Blob> subscriber(pair.right, kVolatile, "r1");
+    CHECK(publisher.matched_subscribers() == 1);
+    CHECK(subscriber.matched_publishers() == 1);
+    const auto events = pair.right.TakeEvents();
+    REQUIRE(events.size() == 1);
+    CHECK(events[0].kind == Event::Kind::kMatched);
+    CHECK(events[0].topic == "/r1/volatile");
+  }
+  CHECK(publisher.matched_subscribers() == 0);
+  const auto events = pair.left.TakeEvents();
+  REQUIRE(events.size() == 2);
+  CHECK(events[1].kind == Event::Kind::kUnmatched);
+  CHECK(pair.left.TakeEvents().empty());
+}
+
+TEST_CASE("an offer below the request is told to both sides and carries nothing",
+          "[bus][in-memory]") {
+  Pair pair;
+  const bool reliable = GENERATE(false, true);
+  const Topic<Blob> offered{"/t", reliable ? kDefaultQos : kSensorQos};
+  const Topic<Blob> requested{"/t", kLatchedQos};
+  Publisher<Blob> publisher(pair.left, offered);
+  Subscriber<Blob> subscriber(pair.right, requested);
+  PublishIds(publisher, {1});
+  CHECK(subscriber.Take().empty());
+  CHECK(publisher.matched_subscribers() == 0);
+  const std::string policy = reliable ? "durability" : "reliability";
+  for (Participant* side : {&pair.left, &pair.right}) {
+    const auto events = side->TakeEvents();
+    REQUIRE(events.size() == 1);
+    CHECK(events[0].kind == Event::Kind::kIncompatibleQos);
+    CHECK(events[0].detail == policy);
+  }
+}
+
+TEST_CASE("a malformed payload is dropped, counted, and the next arrives", "[bus][in-memory]") {
+  Pair pair;
+  const Topic<test::RawBlob> raw{"/r1/volatile", kDefaultQos};
+  Publisher<test::RawBlob> garbage(pair.left, raw);
+  Publisher<Blob> publisher(pair.left, kVolatile, "r1");
+  Subscriber<Blob> subscriber(pair.right, kVolatile, "r1");
+  REQUIRE(garbage.Publish({{0, 1, 0, 0, 1, 2, 3}}));
+  PublishIds(publisher, {1});
+  CHECK(Ids(subscriber.Take()) == std::vector<std::uint64_t>{1});
+  CHECK(subscriber.malformed() == 1);
+}
+
+TEST_CASE("what convert refuses is counted and left out", "[bus][in-memory]") {
+  Pair pair;
+  Publisher<Blob> publisher(pair.left, kVolatile, "r1");
+  Subscriber<Blob> subscriber(pair.right, kVolatile, "r1");
+  PublishIds(publisher, {1, 2, 3});
+  const auto only_odd = [](const Blob& blob) -> Result<std::uint64_t> {
+    if (blob.id() % 2 == 1) return blob.id();
+    return Fail(ErrorCode::kMalformed, "id = 2 is even");
+  };
+  CHECK(subscriber.TakeValid(only_odd) == std::vector<std::uint64_t>{1, 3});
+  CHECK(subscriber.refused() == 1);
+}
+
+TEST_CASE("a handler gets each message at once", "[bus][in-memory]") {
+  Pair pair;
+  std::vector<std::uint64_t> ids;
+  Publisher<Blob> publisher(pair.left, kVolatile, "r1");
+  Subscriber<Blob> subscriber(pair.right, kVolatile, "r1",
+                              [&](Blob&& blob) { ids.push_back(blob.id()); });
+  PublishIds(publisher, {1, 2});
+  CHECK(ids == std::vector<std::uint64_t>{1, 2});
+  CHECK(subscriber.Take().empty());
+}
+
+TEST_CASE("a handler may publish, also on its own topic", "[bus][in-memory]") {
+  Pair pair;
+  std::vector<std::uint64_t> ids;
+  Publisher<Blob> publisher(pair.left, kVolatile, "r1");
+  Subscriber<Blob> subscriber(pair.right, kVolatile, "r1", [&](Blob&& blob) {
+    ids.push_back(blob.id());
+    if (blob.id() < 4) PublishIds(publisher, {blob.id() + 1});
+  });
+  PublishIds(publisher, {1});
+  CHECK(ids == std::vector<std::uint64_t>{1, 2, 3, 4});
+}
+
+TEST_CASE("Wait returns when something arrived since the last Wait", "[bus][in-memory]") {
+  Pair pair;
+  Publisher<Blob> publisher(pair.left, kVolatile, "r1");
+  Subscriber<Blob> subscriber(pair.right, kVolatile, "r1");
+  CHECK_FALSE(pair.right.Wait(milliseconds(1)));
+  PublishIds(publisher, {1});
+  CHECK(pair.right.Wait(milliseconds(0)));
+  CHECK_FALSE(pair.right.Wait(milliseconds(0)));
+  CHECK_FALSE(pair.left.Wait(milliseconds(0)));
+  pair.right.Wake();
+  CHECK(pair.right.Wait(milliseconds(0)));
+}
+
+TEST_CASE("publishers on several threads lose nothing", "[bus][in-memory]") {
+  constexpr std::uint64_t kEach = 100;
+  Pair pair;
+  const Topic<Blob> topic{"/busy", kRequestQos};
+  Subscriber<Blob> subscriber(pair.right, topic);
+  Publisher<Blob> publisher(pair.left, topic);
+  const auto publish = [&] {
+    for (std::uint64_t i = 0; i < kEach; ++i) static_cast<void>(publisher.Publish({}));
+  };
+  std::thread first(publish);
+  std::thread second(publish);
+  first.join();
+  second.join();
+  CHECK(subscriber.Take().size() == 2 * kEach);
+}
+
+}  // namespace
+}  // namespace conav::bus

@@ -1,0 +1,78 @@
+#include "common/bus/intake.h"
+
+#include <catch2/catch.hpp>
+
+#include "support/test_messages.h"
+
+namespace conav::bus {
+namespace {
+
+using conav_test::msg::Blob;
+
+const EndpointOptions kBlobs{"/blobs", TypeSupportOf<Blob>(), kDefaultQos};
+
+std::vector<std::uint8_t> Payload(std::uint64_t id, std::size_t size) {
+  const Blob blob = test::MakeBlob(id, size);
+  std::vector<std::uint8_t> payload(kBlobs.type.serialized_size(&blob));
+  kBlobs.type.serialize(&blob, payload);
+  return payload;
+}
+
+TEST_CASE("a payload reaches the sink as a message, memory is used again", "[bus][intake]") {
+  EventLog events;
+  std::vector<const std::uint8_t*> places;
+  std::vector<Blob> received;
+  Intake intake(
+      kBlobs,
+      [&](void* message) {
+        received.push_back(*static_cast<Blob*>(message));
+        places.push_back(static_cast<Blob*>(message)->data().data());
+      },
+      events);
+  intake.Deliver(Payload(1, 500));
+  intake.Deliver(Payload(2, 400));
+  CHECK(received == std::vector<Blob>{test::MakeBlob(1, 500), test::MakeBlob(2, 400)});
+  CHECK(places[0] == places[1]);
+}
+
+TEST_CASE("a malformed payload is dropped and counted", "[bus][intake]") {
+  EventLog events;
+  int received = 0;
+  Intake intake(
+      kBlobs, [&](void*) { ++received; }, events);
+  intake.Deliver(std::vector<std::uint8_t>{0, 1, 0, 0, 5});
+  CHECK(received == 0);
+  CHECK(intake.malformed() == 1);
+  intake.Deliver(Payload(1, 5));
+  CHECK(received == 1);
+  CHECK(intake.malformed() == 1);
+}
+
+TEST_CASE("a sink that throws ends nothing", "[bus][intake]") {
+  EventLog events;
+  Intake intake(
+      kBlobs, [](void*) { throw std::runtime_error("no"); }, events);
+  intake.Deliver(Payload(1, 5));
+  intake.Deliver(Payload(2, 5));
+  CHECK(intake.malformed() == 0);
+}
+
+TEST_CASE("a sink may cause another delivery to itself", "[bus][intake]") {
+  EventLog events;
+  std::vector<std::uint64_t> ids;
+  Intake* self = nullptr;
+  Intake intake(
+      kBlobs,
+      [&](void* message) {
+        ids.push_back(static_cast<Blob*>(message)->id());
+        if (ids.size() == 1) self->Deliver(Payload(2, 5));
+        ids.push_back(static_cast<Blob*>(message)->id());
+      },
+      events);
+  self = &intake;
+  intake.Deliver(Payload(1, 5));
+  CHECK(ids == std::vector<std::uint64_t>{1, 2, 2, 1});
+}
+
+}  // namespace
+}  // namespace conav::bus

@@ -1,0 +1,52 @@
+#include "common/bus/network.h"
+
+#include <catch2/catch.hpp>
+
+#include "common/runtime/result.h"
+
+namespace conav::bus {
+namespace {
+
+TEST_CASE("the loopback interface means unicast to this machine", "[bus][network]") {
+  ParticipantOptions options;
+  options.interface = GENERATE("lo", "127.0.0.1");
+  const Network network = ResolveNetwork(options);
+  CHECK(network.loopback);
+  CHECK_FALSE(network.multicast);
+  CHECK(network.interface_address == "127.0.0.1");
+  CHECK(network.peers == std::vector<std::string>{"127.0.0.1"});
+}
+
+TEST_CASE("without interface and peers the vendor chooses, with multicast", "[bus][network]") {
+  const Network network = ResolveNetwork({});
+  CHECK(network.multicast);
+  CHECK(network.interface_name.empty());
+  CHECK(network.peers.empty());
+}
+
+TEST_CASE("peers switch multicast off and this machine is among them", "[bus][network]") {
+  ParticipantOptions options;
+  options.peers = {"10.1.2.3", "localhost", "10.1.2.3"};
+  const Network network = ResolveNetwork(options);
+  CHECK_FALSE(network.multicast);
+  REQUIRE(network.peers.size() >= 2);
+  CHECK(network.peers[0] == "10.1.2.3");
+  CHECK(std::count(network.peers.begin(), network.peers.end(), "127.0.0.1") == 1);
+  CHECK(std::count(network.peers.begin(), network.peers.end(), "10.1.2.3") == 1);
+}
+
+TEST_CASE("an unknown interface is refused with those that exist", "[bus][network]") {
+  ParticipantOptions options;
+  options.interface = "eth_none";
+  CHECK_THROWS_WITH(ResolveNetwork(options), Catch::Contains("eth_none") && Catch::Contains("lo"));
+}
+
+TEST_CASE("a peer without address is refused by name", "[bus][network]") {
+  ParticipantOptions options;
+  options.interface = "lo";
+  options.peers = {"no such host"};
+  CHECK_THROWS_WITH(ResolveNetwork(options), Catch::Contains("no such host"));
+}
+
+}  // namespace
+}  // namespace conav::bus

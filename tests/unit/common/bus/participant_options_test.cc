@@ -1,0 +1,101 @@
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <optional>
+
+#include "common/bus/participant.h"
+#include "common/bus/vendors.h"
+#include "common/runtime/result.h"
+
+namespace conav::bus {
+namespace {
+
+/// Sets an environment variable for the time of a test.
+class ScopedVariable {
+ public:
+  ScopedVariable(const char* name, const char* value) : name_(name) {
+    if (const char* before = std::getenv(name)) before_ = before;
+    setenv(name, value, 1);
+  }
+  ~ScopedVariable() {
+    if (before_) {
+      setenv(name_, before_->c_str(), 1);
+    } else {
+      unsetenv(name_);
+    }
+  }
+  ScopedVariable(const ScopedVariable&) = delete;
+  ScopedVariable& operator=(const ScopedVariable&) = delete;
+
+ private:
+  const char* name_;
+  std::optional<std::string> before_;
+};
+
+TEST_CASE("the environment fills what the options leave open", "[bus][options]") {
+  const ScopedVariable vendor("CONAV_DDS", "fastdds");
+  const ScopedVariable domain("CONAV_DOMAIN", "42");
+  const ScopedVariable interface("CONAV_INTERFACE", "lo");
+  const ParticipantOptions resolved = Resolve({});
+  CHECK(resolved.vendor == "fastdds");
+  CHECK(resolved.domain_id == 42);
+  CHECK(resolved.interface == "lo");
+}
+
+TEST_CASE("options go before the environment", "[bus][options]") {
+  const ScopedVariable vendor("CONAV_DDS", "fastdds");
+  const ScopedVariable domain("CONAV_DOMAIN", "42");
+  ParticipantOptions options;
+  options.vendor = "cyclonedds";
+  options.domain_id = 7;
+  CHECK(Resolve(options).vendor == "cyclonedds");
+  CHECK(Resolve(options).domain_id == 7);
+}
+
+TEST_CASE("ROS_DOMAIN_ID counts when CONAV_DOMAIN is not set", "[bus][options]") {
+  const ScopedVariable ours("CONAV_DOMAIN", "");
+  const ScopedVariable ros("ROS_DOMAIN_ID", "13");
+  CHECK(Resolve({}).domain_id == 13);
+}
+
+TEST_CASE("without options and environment: default vendor, domain 0", "[bus][options]") {
+  const ScopedVariable vendor("CONAV_DDS", "");
+  const ScopedVariable domain("CONAV_DOMAIN", "");
+  const ScopedVariable ros("ROS_DOMAIN_ID", "");
+  CHECK(Resolve({}).vendor == kDefaultVendor);
+  CHECK(Resolve({}).domain_id == 0);
+}
+
+TEST_CASE("an unknown vendor is refused with those that exist", "[bus][options]") {
+  const ScopedVariable vendor("CONAV_DDS", "opensplice");
+  CHECK_THROWS_WITH(Participant("node", ParticipantOptions{}),
+                    Catch::Contains("CONAV_DDS = opensplice") && Catch::Contains("cyclonedds") &&
+                        Catch::Contains("fastdds"));
+}
+
+TEST_CASE("a domain that DDS does not have is refused", "[bus][options]") {
+  ParticipantOptions options;
+  options.domain_id = 233;
+  CHECK_THROWS_WITH(Resolve(options), Catch::Contains("233") && Catch::Contains("232"));
+  const ScopedVariable domain("CONAV_DOMAIN", GENERATE("233", "-3", "7x", "seven"));
+  CHECK_THROWS_AS(Resolve({}), StartupError);
+}
+
+TEST_CASE("the section bus of a config file is read and checked", "[bus][options]") {
+  const auto read = [](const char* text) {
+    ParticipantOptions options;
+    ReadConfig(YAML::Load(text), "sim.bus", options);
+    return options;
+  };
+  const ParticipantOptions options =
+      read("{vendor: fastdds, domain_id: 5, interface: lo, peers: [10.0.0.1], lease_s: 1.5}");
+  CHECK(options.vendor == "fastdds");
+  CHECK(options.peers == std::vector<std::string>{"10.0.0.1"});
+  CHECK(options.lease_s == 1.5);
+  CHECK_THROWS_WITH(read("{vendor: rti}"), Catch::Contains("rti"));
+  CHECK_THROWS_WITH(read("{domain_id: 300}"), Catch::Contains("domain_id"));
+  CHECK_THROWS_WITH(read("{lease_s: 0}"), Catch::Contains("lease_s"));
+  CHECK_THROWS_WITH(read("{ros_distribution: foxy}"), Catch::Contains("foxy"));
+}
+
+}  // namespace
+}  // namespace conav::bus
