@@ -1,0 +1,129 @@
+#include "planner/planner_service.h"
+
+#include <catch2/catch.hpp>
+#include <optional>
+#include <thread>
+
+#include "common/bus/in_memory_bus.h"
+#include "common/bus/send.h"
+#include "common/protocol/convert.h"
+
+using namespace conav;
+using namespace std::chrono_literals;
+
+namespace {
+
+/// The planner on one side of an in-memory bus; on the other the test plays simulator and operator.
+class PlannerOnBus {
+ public:
+  explicit PlannerOnBus(const std::string& method) {
+    planner::PlannerConfig config;
+    config.method = method;
+    config.perception = "embedded";
+    config.search.options.iterations = 200;
+    service_.emplace(participant_, config, clock_);
+    thread_ = std::thread([this] { service_->Run(stop_); });
+  }
+
+  ~PlannerOnBus() {
+    stop_.RequestStop();
+    participant_.Wake();
+    thread_.join();
+  }
+
+  void PublishAll() {
+    MapUpdate map;
+    map.cells = OccupancyGrid(3, 6, Occupancy::kOccupied);
+    for (int column = 1; column < 5; ++column) map.cells[{1, column}] = Occupancy::kFree;
+    bus::Send(map_, ToMessage(map));
+    Belief belief;
+    belief.world = "w1";
+    belief.wall_probability = BeliefGrid(3, 6, 1.0F);
+    for (int column = 1; column < 5; ++column) belief.wall_probability[{1, column}] = 0.0F;
+    bus::Send(belief_, ToMessage(belief));
+    const Guidance guidance{.world = "w1",
+                            .robot = "r1",
+                            .revision = 1,
+                            .path = {{1, 1}, {1, 2}, {1, 3}, {1, 4}},
+                            .given_by = "test",
+                            .valid_until = SimTime{} + 600s};
+    bus::Send(guidance_, ToMessage(guidance));
+    bus::Send(state_, ToMessage(state));
+  }
+
+  /// The next command, waited for with a deadline.
+  std::optional<RobotCommand> NextCommand() {
+    const auto deadline = std::chrono::steady_clock::now() + 30s;
+    while (std::chrono::steady_clock::now() < deadline) {
+      const auto commands =
+          command_.TakeValid([](const auto& message) { return ToDomain(message); });
+      if (!commands.empty()) return commands.back();
+      tester_.Wait(100ms);
+    }
+    return std::nullopt;
+  }
+
+  void PublishState() { bus::Send(state_, ToMessage(state)); }
+  void PublishRaw(const conav_msgs::msg::RobotState& message) { bus::Send(state_, message); }
+
+  RobotState state{.world = "w1",
+                   .robot = "r1",
+                   .cell = {1, 1},
+                   .goals_left = {{1, 4}},
+                   .goals_total = 1,
+                   .path = {{1, 1}}};
+
+ private:
+  std::shared_ptr<bus::InMemoryBus> bus_ = std::make_shared<bus::InMemoryBus>();
+  bus::Participant participant_{"planner", bus_};
+  bus::Participant tester_{"tester", bus_};
+  bus::Publisher<conav_msgs::msg::RobotState> state_{tester_, bus::kRobotState, "r1"};
+  bus::Publisher<nav_msgs::msg::OccupancyGrid> map_{tester_, bus::kRobotMap, "r1"};
+  bus::Publisher<conav_msgs::msg::BeliefMap> belief_{tester_, bus::kBelief, "w1"};
+  bus::Publisher<conav_msgs::msg::Guidance> guidance_{tester_, bus::kGuidance, "r1"};
+  bus::Subscriber<conav_msgs::msg::RobotCommand> command_{tester_, bus::kRobotCommand, "r1"};
+  SteadyClock clock_;
+  StopToken stop_;
+  std::optional<planner::PlannerService> service_;
+  std::thread thread_;
+};
+
+}  // namespace
+
+TEST_CASE("each method answers a complete situation with the step along the path",
+          "[planner][integration]") {
+  const std::string method = GENERATE("ig-mcts", "instruction", "teleop");
+  PlannerOnBus planner(method);
+  planner.PublishAll();
+  const auto command = planner.NextCommand();
+  REQUIRE(command);
+  CHECK(command->kind == CommandKind::kMove);
+  CHECK(command->target == Cell{1, 2});
+  CHECK(command->sequence_number == 1);
+  CHECK(command->lease_epoch == 1);
+  CHECK(command->expires_at > SimTime{});
+}
+
+TEST_CASE("instruction following goes on when the outcome is reported", "[planner][integration]") {
+  PlannerOnBus planner("instruction");
+  planner.PublishAll();
+  REQUIRE(planner.NextCommand());
+  planner.state.cell = {1, 2};
+  planner.state.command_sequence_number = 1;
+  planner.state.command_outcome = CommandOutcome::kDone;
+  planner.PublishState();
+  const auto second = planner.NextCommand();
+  REQUIRE(second);
+  CHECK(second->target == Cell{1, 3});
+  CHECK(second->sequence_number == 2);
+}
+
+TEST_CASE("a malformed state is refused and the planner goes on with the next",
+          "[planner][integration]") {
+  PlannerOnBus planner("instruction");
+  conav_msgs::msg::RobotState broken = ToMessage(planner.state);
+  broken.heading(std::numeric_limits<double>::quiet_NaN());
+  planner.PublishRaw(broken);
+  planner.PublishAll();
+  CHECK(planner.NextCommand().has_value());
+}
