@@ -11,7 +11,8 @@ namespace {
 enum class Seen : std::uint8_t { kNot, kFree, kWall };
 
 /// Walks one ray cell by cell (Amanatides and Woo, 1987). Grid coordinates: x to the east in
-/// columns, y to the south in rows, cell (r, c) covers [c, c+1) x [r, r+1).
+/// columns, y to the south in rows, cell (r, c) covers [c, c+1) x [r, r+1). `visit` gets the cell
+/// and how far along the ray it begins; it says whether to go on.
 template <class Visit>
 void WalkRay(double x, double y, double dx, double dy, Visit&& visit) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -23,7 +24,9 @@ void WalkRay(double x, double y, double dx, double dy, Visit&& visit) {
   double next_x =
       dx != 0 ? ((dx > 0 ? cell.column + 1 - x : x - cell.column) * delta_x) : kInfinity;
   double next_y = dy != 0 ? ((dy > 0 ? cell.row + 1 - y : y - cell.row) * delta_y) : kInfinity;
-  while (visit(cell)) {
+  double travelled = 0.0;
+  while (visit(cell, travelled)) {
+    travelled = std::min(next_x, next_y);
     if (next_x < next_y) {
       next_x += delta_x;
       cell.column += step_x;
@@ -47,28 +50,66 @@ VisibleCells Collect(const Grid<Seen>& seen) {
 template <class Within>
 void MarkRay(const OccupancyGrid& map, double x, double y, double heading_rad, Within&& within,
              Grid<Seen>& seen) {
-  WalkRay(x, y, std::cos(heading_rad), -std::sin(heading_rad), [&](Cell cell) {
-    if (!map.Contains(cell) || !within(cell) || map[cell] == Occupancy::kUnknown) return false;
+  WalkRay(x, y, std::cos(heading_rad), -std::sin(heading_rad), [&](Cell cell, double travelled) {
+    if (!map.Contains(cell) || !within(cell, travelled) || map[cell] == Occupancy::kUnknown)
+      return false;
     const bool wall = map[cell] == Occupancy::kOccupied;
     seen[cell] = wall ? Seen::kWall : Seen::kFree;
     return !wall;
   });
 }
 
+/// The image plane of a camera, at distance 1 along the optical axis.
+struct ImagePlane {
+  explicit ImagePlane(const CameraView& view)
+      : half_width(std::tan(view.horizontal_fov_rad / 2.0)),
+        half_height(std::tan(view.vertical_fov_rad / 2.0)),
+        sin_pitch(std::sin(view.pitch_rad)),
+        cos_pitch(std::cos(view.pitch_rad)),
+        height(view.height_cells) {}
+
+  /// Tangent of the widest azimuth: that of the lower corners.
+  double WidestTangent() const { return half_width / (cos_pitch - half_height * sin_pitch); }
+
+  /// How far ahead (cells, along the heading) an azimuth of this tangent is in the picture. Row y
+  /// of the image plane (up positive) looks cos p + y sin p ahead and sin p - y cos p down, and
+  /// shows azimuths up to half_width / ahead.
+  double RangeAhead(double tangent) const {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    if (std::abs(tangent) * (cos_pitch + half_height * sin_pitch) <= half_width) return kInfinity;
+    const double ahead = half_width / std::abs(tangent);
+    const double row = (ahead - cos_pitch) / sin_pitch;
+    const double down = sin_pitch - row * cos_pitch;
+    return down <= 0.0 ? kInfinity : height * ahead / down;
+  }
+
+  double half_width;
+  double half_height;
+  double sin_pitch;
+  double cos_pitch;
+  double height;
+};
+
 }  // namespace
 
 VisibleCells CastView(const OccupancyGrid& map, const CameraView& view) {
   DEMAND(map.Contains(view.cell) && view.rays > 0, view.cell.row, view.cell.column, view.rays);
+  DEMAND(view.pitch_rad >= 0.0 && view.pitch_rad + view.vertical_fov_rad / 2.0 < 1.5,
+         view.pitch_rad, view.vertical_fov_rad);
   Grid<Seen> seen(map.rows(), map.columns(), Seen::kNot);
   seen[view.cell] = Seen::kFree;
   const double x = view.cell.column + 0.5 + view.forward_offset_cells * std::cos(view.heading_rad);
   const double y = view.cell.row + 0.5 - view.forward_offset_cells * std::sin(view.heading_rad);
+  const ImagePlane plane(view);
   // Image columns are evenly spaced on the image plane, so rays are too.
-  const double half_width = std::tan(view.horizontal_fov_rad / 2.0);
-  for (int i = 0; i < view.rays; ++i) {
-    const double plane = half_width * (1.0 - 2.0 * (i + 0.5) / view.rays);
+  const double widest = plane.WidestTangent();
+  const int rays = static_cast<int>(std::ceil(view.rays * widest / plane.half_width));
+  for (int i = 0; i < rays; ++i) {
+    const double tangent = widest * (1.0 - 2.0 * (i + 0.5) / rays);
+    const double range = plane.RangeAhead(tangent) * std::hypot(1.0, tangent);
     MarkRay(
-        map, x, y, view.heading_rad + std::atan(plane), [](Cell) { return true; }, seen);
+        map, x, y, view.heading_rad + std::atan(tangent),
+        [range](Cell, double travelled) { return travelled < range; }, seen);
   }
   return Collect(seen);
 }
@@ -76,7 +117,7 @@ VisibleCells CastView(const OccupancyGrid& map, const CameraView& view) {
 VisibleCells CastRange(const OccupancyGrid& truth, Cell cell, double range_cells) {
   DEMAND(truth.Contains(cell) && range_cells >= 0.0, cell.row, cell.column, range_cells);
   Grid<Seen> seen(truth.rows(), truth.columns(), Seen::kNot);
-  const auto within = [&](Cell other) {
+  const auto within = [&](Cell other, double) {
     return std::hypot(other.row - cell.row, other.column - cell.column) <= range_cells + 1e-9;
   };
   const int rays = std::max(64, static_cast<int>(std::ceil(range_cells * 64)));

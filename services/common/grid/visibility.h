@@ -23,12 +23,18 @@ struct CameraView {
   int rays = 1280;
   /// Camera ahead of the cell's centre, in cells (0.15 m on 2 m cells).
   double forward_offset_cells = 0.075;
+  /// A camera that looks down shows more at the sides near by than far away: its lower rows are
+  /// wider. 0.9 m on 2 m cells; downwards positive, at least 0.
+  double height_cells = 0.45;
+  double pitch_rad = 0.09966865;
+  double vertical_fov_rad = 1.3962634;
 };
 
 /// Cells that `view` shows on `map`, by casting rays through the cells (DDA). A cell entered is
 /// seen free, the first occupied cell is seen as wall and ends the ray; an unknown cell ends the
-/// ray unseen. The camera's own cell counts as seen. No range limit. Walls are higher than the
-/// camera, so two dimensions are exact. Source: paper section 4 (captured environment grids).
+/// ray unseen. The camera's own cell counts as seen. Walls are higher than the camera, so two
+/// dimensions are exact; only rays outside of the horizon's field of view have a range, set by how
+/// far down the picture they are. Source: paper section 4 (captured environment grids).
 VisibleCells CastView(const OccupancyGrid& map, const CameraView& view);
 
 /// Cells that a range sensor at the centre of `cell` sees in all directions up to `range_cells`

@@ -98,6 +98,23 @@ TEST_CASE("lists are sorted and without repeats", "[grid][visibility]") {
   }
 }
 
+TEST_CASE("a camera that looks down sees wider near by, not far away", "[grid][visibility]") {
+  const OccupancyGrid open(11, 11, Occupancy::kFree);
+  CameraView level = Look({5, 1}, 0.0);
+  level.height_cells = 1.5;
+  level.horizontal_fov_rad = 1.2;
+  level.pitch_rad = 0.0;
+  CameraView down = level;
+  down.pitch_rad = 0.45;
+  const VisibleCells seen_level = CastView(open, level);
+  const VisibleCells seen_down = CastView(open, down);
+  // Half a cell aside within 0.425 cells ahead: outside of 34 degrees, inside of the lower corners.
+  CHECK_FALSE(Has(seen_level.free, {4, 1}));
+  CHECK(Has(seen_down.free, {4, 1}));
+  CHECK(Has(seen_down.free, {5, 10}));
+  CHECK_FALSE(Has(seen_down.free, {0, 7}));
+}
+
 TEST_CASE("a range sensor sees around itself up to its distance", "[grid][visibility]") {
   const OccupancyGrid open(9, 9, Occupancy::kFree);
   const VisibleCells seen = CastRange(open, {4, 4}, 2.0);
