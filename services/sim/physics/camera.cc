@@ -115,6 +115,9 @@ CameraView ViewAt(Cell cell, double heading_rad, double cell_size_m, int width, 
   view.horizontal_fov_rad = HorizontalFov(width, height);
   view.rays = 4 * width;
   view.forward_offset_cells = kCameraForwardM / cell_size_m;
+  view.height_cells = kCameraHeightM / cell_size_m;
+  view.pitch_rad = kCameraPitchRad;
+  view.vertical_fov_rad = kCameraVerticalFovRad;
   return view;
 }
 

@@ -12,15 +12,15 @@ void WriteGlobals(MjcfWriter& out, const PhysicsWorld& world) {
   const double extent = std::max(world.truth.rows(), world.truth.columns()) * world.cell_size_m;
   const int contacts = 40 + 24 * static_cast<int>(world.robots.size());
   out.Line(R"(<compiler angle="radian" autolimits="true"/>)");
-  out.Line(R"(<option timestep="{}" cone="elliptic" noslip_iterations="5" noslip_tolerance="0"/>)",
+  out.Line(R"(<option timestep="{}" cone="elliptic" noslip_iterations="5" noslip_tolerance="0")"
+           R"( collision="predefined"/>)",
            kPhysicsStepS);
   out.Line(R"(<size njmax="{}" nconmax="{}"/>)", contacts * 6, contacts);
   out.Line(R"(<statistic center="0 0 0" extent="{:.9g}"/>)", extent);
-  out.Line(R"(<default><geom condim="4"/>)");
-  out.Line(R"(<default class="scenery"><geom contype="0" conaffinity="0"/></default>)");
-  out.Line(R"(<default class="robot"><geom friction=".5 .02 .02"/></default></default>)");
+  out.Line(R"(<default><default class="scenery"><geom contype="0" conaffinity="0"/></default>)");
+  out.Line(R"(</default>)");
   out.Line(R"(<visual>)");
-  out.Line(R"(<headlight ambient=".3 .3 .3" diffuse=".6 .6 .6" specular="0 0 0"/>)");
+  out.Line(R"(<headlight ambient=".45 .45 .45" diffuse=".6 .6 .6" specular="0 0 0"/>)");
   // Near plane 2 cm; far enough for the camera from above at 100 m and for the diagonal.
   out.Line(R"(<map znear="{:.9g}" zfar="{:.9g}"/>)", 0.02 / extent,
            (150.0 + 2.0 * extent) / extent);
@@ -37,7 +37,8 @@ void WriteTexture(MjcfWriter& out, const std::string& name) {
 }
 
 void WriteAssets(MjcfWriter& out, const PhysicsWorld& world) {
-  const double per_cell = 1.0 / world.cell_size_m;
+  // MuJoCo counts repeats per half unit of length here.
+  const double per_cell = 2.0 / world.cell_size_m;
   out.Line("<asset>");
   out.Line(R"(<texture type="skybox" builtin="gradient" rgb1=".4 .6 .8" rgb2="0 0 0")"
            R"( width="100" height="100"/>)");
@@ -48,7 +49,7 @@ void WriteAssets(MjcfWriter& out, const PhysicsWorld& world) {
     const std::string name = WallTextureName(i);
     WriteTexture(out, name);
     out.Line(R"(<material name="{}" texture="{}" texuniform="true" texrepeat="{:.9g} {:.9g}"/>)",
-             name, name, per_cell, 1.0 / kWallHeightM);
+             name, name, per_cell, 2.0 / kWallHeightM);
   }
   for (int i = 0; i < kFloorTextureCount; ++i) {
     const std::string name = FloorTextureName(i);
@@ -80,9 +81,12 @@ std::string WriteMjcf(const PhysicsWorld& world) {
   WriteGlobals(out, world);
   WriteAssets(out, world);
   out.Line("<worldbody>");
-  WriteMaze(out, world);
+  const int boxes = WriteMaze(out, world);
   for (int robot = 0; robot < robot_count; ++robot) WriteRobot(out, robot);
   out.Line("</worldbody>");
+  out.Line("<contact>");
+  for (int robot = 0; robot < robot_count; ++robot) WriteContacts(out, robot, boxes);
+  out.Line("</contact>");
   out.Line("<actuator>");
   for (int robot = 0; robot < robot_count; ++robot) WriteRobotMotors(out, robot);
   out.Line("</actuator>");

@@ -109,31 +109,50 @@ void WriteGoals(MjcfWriter& out, const PhysicsWorld& world, const GridGeometry& 
   }
 }
 
-/// One box per rectangle of walls, of any class, and the ground.
-void WriteCollisionGeoms(MjcfWriter& out, const GridGeometry& geometry, Grid<char> classes) {
+std::string BoxName(int box) { return fmt::format("box{}", box); }
+
+/// One box per rectangle of walls, of any class, and the ground. Returns the number of boxes.
+int WriteCollisionGeoms(MjcfWriter& out, const GridGeometry& geometry, Grid<char> classes) {
   for (char& cell_class : classes.values()) cell_class = cell_class == kNoClass ? kNoClass : '*';
   out.Line(R"(<geom name="ground" type="plane" size="0 0 1" group="{}"/>)", kCollisionGroup);
   const double half_cell = geometry.cell_size_m / 2.0;
+  int boxes = 0;
   for (const CellRectangle& block : CoverWithRectangles(classes, Sides::kAny)) {
     const Position middle = Middle(geometry, block.north_west, block.rows, block.columns);
-    out.Line(R"(<geom type="box" size="{:.9g} {:.9g} {:.9g}" pos="{:.9g} {:.9g} {:.9g}")"
+    out.Line(R"(<geom name="{}" type="box" size="{:.9g} {:.9g} {:.9g}" pos="{:.9g} {:.9g} {:.9g}")"
              R"( group="{}"/>)",
-             block.columns * half_cell, block.rows * half_cell, kWallHeightM / 2.0, middle.x_m,
-             middle.y_m, kWallHeightM / 2.0, kCollisionGroup);
+             BoxName(boxes++), block.columns * half_cell, block.rows * half_cell,
+             kWallHeightM / 2.0, middle.x_m, middle.y_m, kWallHeightM / 2.0, kCollisionGroup);
   }
+  return boxes;
 }
 
 }  // namespace
 
-void WriteMaze(MjcfWriter& out, const PhysicsWorld& world) {
+int WriteMaze(MjcfWriter& out, const PhysicsWorld& world) {
   const GridGeometry geometry{world.truth.rows(), world.truth.columns(), world.cell_size_m};
   const Grid<char> walls = WallClasses(world);
-  WriteCollisionGeoms(out, geometry, walls);
+  const int boxes = WriteCollisionGeoms(out, geometry, walls);
   out.Line(R"(<body name="scenery" childclass="scenery">)");
+  out.Line(R"(<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>)");  // planes have no mass
   WriteWallFaces(out, geometry, walls, world.texture_seed);
   WriteFloor(out, geometry, FloorClasses(world));
   WriteGoals(out, world, geometry);
   out.Line("</body>");
+  return boxes;
+}
+
+void WriteContacts(MjcfWriter& out, int robot, int boxes) {
+  const std::string shell = RobotElement(robot, "shell");
+  // Two sliding directions, torsion, two rolling directions (unused in four dimensions): the larger
+  // of the two geoms' coefficients, MuJoCo's 1 for scenery and MemoryMaze's .5/.02/.02 for robots.
+  const auto pair = [&](const std::string& other, double sliding) {
+    out.Line(R"(<pair geom1="{}" geom2="{}" condim="4" friction="{} {} .02 .02 .02"/>)", other,
+             shell, sliding, sliding);
+  };
+  pair("ground", 1.0);
+  for (int box = 0; box < boxes; ++box) pair(BoxName(box), 1.0);
+  for (int other = 0; other < robot; ++other) pair(RobotElement(other, "shell"), 0.5);
 }
 
 }  // namespace conav::sim

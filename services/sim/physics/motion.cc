@@ -10,29 +10,42 @@ namespace {
 
 constexpr double kDegree = 0.017453292519943295;
 
-/// A first-order motion v' = (u max_rate - v) / lag_s.
+/// v' = (u max_rate - friction sign(v) - v) / lag_s, rates in m/s or rad/s.
 struct Axis {
-  double max_rate;  // m/s or rad/s at full control
+  double max_rate;  // at full control, without friction
   double lag_s;
+  double friction;
 };
-constexpr Axis kRoll{2.0, 0.168};
-constexpr Axis kSteer{73.6 * kDegree, 0.06};
+constexpr Axis kRoll{2.0, 0.168, 0.0};
+/// Motor 30 N m, damping 20 N m s, inertia 1.17 kg m^2, torsional friction 0.02 m * 216 N.
+constexpr Axis kSteer{30.0 / 20.0, 1.17 / 20.0, 4.32 / 20.0};
 
 constexpr double kArrivedDistanceM = 0.06;
 constexpr double kNearM = 0.3;  // from here on the heading is held: the bearing becomes noise
-constexpr double kArrivedAngleRad = 0.5 * kDegree;
+constexpr double kArrivedAngleRad = 1.0 * kDegree;
 constexpr double kDriveAngleRad = 2.0 * kDegree;
 constexpr double kLostAngleRad = 25.0 * kDegree;
 constexpr double kRestMps = 0.04;
-constexpr double kRestRps = 3.0 * kDegree;
+constexpr double kRestRps = 6.0 * kDegree;
 
 /// The control that ends `distance` ahead when the robot coasts after this step.
 double Approach(const Axis& axis, double distance, double rate) {
-  return std::clamp((distance - axis.lag_s * rate) / (axis.max_rate * kControlStepS), -1.0, 1.0);
+  const double needed = distance - axis.lag_s * rate;
+  const double sign = needed < 0.0 ? -1.0 : 1.0;
+  double net_rate = std::abs(needed) / kControlStepS;
+  if (axis.friction > 0.0) {
+    // Friction takes lag f ln(1 + r / f) off the coasting; three rounds of fixed point settle it.
+    for (int round = 0; round < 3; ++round) {
+      const double lost = axis.lag_s * axis.friction * std::log1p(net_rate / axis.friction);
+      net_rate = (std::abs(needed) + lost) / kControlStepS;
+    }
+  }
+  return std::clamp(sign * (net_rate + axis.friction) / axis.max_rate, -1.0, 1.0);
 }
 
-/// The control that ends this step at rest.
+/// The control that ends this step at rest; friction alone stops the turning.
 double Brake(const Axis& axis, double rate) {
+  if (axis.friction > 0.0) return 0.0;
   const double kept = std::exp(-kControlStepS / axis.lag_s);
   return std::clamp(-rate * kept / (axis.max_rate * (1.0 - kept)), -1.0, 1.0);
 }

@@ -37,14 +37,14 @@ struct ControlDecision {
 inline constexpr int kStuckSteps = 60;
 
 /// Closed-loop motion primitives, one decision per 4 Hz step. Rolling and turning behave like
-/// first-order systems, v' = (u v_max - v) / tau, so a robot that is let go after one step of T
-/// seconds under u comes to rest tau v + u v_max T ahead. Solved for u, cut to [-1, 1], that is the
-/// control that ends at the target. Pure functions; the constants are fitted to the measured motion
-/// of the model (tests/unit/sim/physics/robot_world_test.cc).
+/// first-order systems, v' = (u v_max - friction - v) / tau, so a robot that is let go after one
+/// step of T seconds under u comes to rest about tau v + u v_max T ahead. Solved for u, cut to [-1,
+/// 1], that is the control that ends at the target. Pure functions; the constants are fitted to the
+/// measured motion of the model (tests/unit/sim/physics/robot_world_test.cc).
 
 /// Turn towards `target`, drive, settle. Arrived within 0.06 m and nearly at rest.
 ControlDecision DecideMove(const RobotPose& pose, Position target, bool driving);
-/// Arrived within 0.5 degrees and nearly at rest.
+/// Arrived within 1 degree and nearly at rest.
 ControlDecision DecideTurn(const RobotPose& pose, double heading_rad);
 /// Brakes both motions.
 ControlDecision DecideHalt(const RobotPose& pose);

@@ -106,8 +106,9 @@ RobotWorld::RobotWorld(PhysicsWorld world, ModelPtr model)
   }
   for (int i = 0; i < robot_count(); ++i) {
     const RobotSpec& spec = world_.robots[static_cast<std::size_t>(i)];
-    Teleport(i, geometry_.CellToPosition(spec.start), spec.heading_rad);
+    Place(i, geometry_.CellToPosition(spec.start), spec.heading_rad);
   }
+  mj_forward(model_.get(), data_.get());
 }
 
 RobotWorld::~RobotWorld() = default;
@@ -175,6 +176,11 @@ RobotPose RobotWorld::pose(int robot) const {
 Cell RobotWorld::cell(int robot) const { return geometry_.PositionToCell(pose(robot).position); }
 
 void RobotWorld::Teleport(int robot, Position position, double heading_rad) {
+  Place(robot, position, heading_rad);
+  mj_forward(model_.get(), data_.get());
+}
+
+void RobotWorld::Place(int robot, Position position, double heading_rad) {
   const Robot& joints = RobotAt(robot);
   const int x = model_->jnt_qposadr[joints.x_joint];
   data_->qpos[x] = position.x_m;
@@ -187,7 +193,6 @@ void RobotWorld::Teleport(int robot, Position position, double heading_rad) {
     data_->qvel[model_->jnt_dofadr[joint]] = 0.0;
   }
   RobotAt(robot).Start(Primitive::kNone);
-  mj_forward(model_.get(), data_.get());
 }
 
 void RobotWorld::SetGoalVisible(int goal, bool visible) {

@@ -71,6 +71,8 @@ class RobotWorld {
   RobotWorld(PhysicsWorld world, ModelPtr model);
   Robot& RobotAt(int robot);
   const Robot& RobotAt(int robot) const;
+  /// Teleport without bringing MuJoCo's derived values up to date.
+  void Place(int robot, Position position, double heading_rad);
 
   PhysicsWorld world_;
   GridGeometry geometry_;

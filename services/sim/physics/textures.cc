@@ -115,9 +115,9 @@ void DrawWallTexture(Rgb base, int variant, std::span<std::uint8_t> rgb) {
     painter.Fill(x, y, width, height, panel % 2 == 0 ? 1.14 : 0.88);
   }
   for (int trace = 0; trace < 9; ++trace) DrawTrace(painter, random);
-  painter.Fill(0, 0, kSize, 26, 0.45);
-  for (int x = 4; x < kSize; x += 16) painter.Fill(x, 6, 8, 14, 0.25);  // comb
-  painter.Fill(0, kSize - 18, kSize, 18, 1.3);
+  painter.Fill(0, kSize - 26, kSize, 26, 0.45);
+  for (int x = 4; x < kSize; x += 16) painter.Fill(x, kSize - 20, 8, 14, 0.25);  // comb
+  painter.Fill(0, 0, kSize, 18, 1.3);
   painter.Fill(0, 0, 5, kSize, 0.3);
   painter.Fill(kSize - 5, 0, 5, kSize, 0.3);
 }

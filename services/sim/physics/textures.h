@@ -17,7 +17,7 @@ inline constexpr Rgb kFloorColors[kFloorTextureCount] = {{54, 89, 109}, {111, 14
 
 inline constexpr int kTextureSize = 256;  // pixels per side; one texture covers one cell
 
-/// Draw one square texture: `rgb` has kTextureSize^2 * 3 values, row 0 the lower edge of a wall.
+/// Draw one square texture: `rgb` has kTextureSize^2 * 3 values, row 0 the upper edge of a wall.
 /// Wall: panels with thin dark traces, a dark strip below, a light one above, and dark edges left
 /// and right, so that a person can count the cells. Floor: hexagon tiles, seven to a cell, a few
 /// darker. `variant` changes the traces and the choice of dark tiles.

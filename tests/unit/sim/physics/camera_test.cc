@@ -1,0 +1,161 @@
+#include "sim/physics/camera.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <set>
+#include <string>
+
+#include "unit/sim/physics/mazes.h"
+
+namespace conav::sim {
+namespace {
+
+using test::MakeWorld;
+
+std::unique_ptr<RobotWorld> OpenWorld(PhysicsWorld spec) {
+  auto created = RobotWorld::Create(std::move(spec));
+  REQUIRE(created);
+  return std::move(created.value());
+}
+
+std::unique_ptr<Camera> OpenCamera(const RobotWorld& world, CameraOptions options = {}) {
+  auto opened = Camera::Open(world, options);
+  if (!opened) FAIL(opened.error().text);
+  return std::move(opened.value());
+}
+
+std::size_t ColorCount(const RgbImage& image) {
+  std::set<int> colors;
+  for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
+    colors.insert(image.rgb[i] << 16 | image.rgb[i + 1] << 8 | image.rgb[i + 2]);
+  }
+  return colors.size();
+}
+
+int CountKind(const Grid<PixelLabel>& labels, PixelKind kind) {
+  return static_cast<int>(std::ranges::count(labels.values(), kind, &PixelLabel::kind));
+}
+
+TEST_CASE("pictures have the size asked for and show something", "[sim][physics][camera]") {
+  const auto world = OpenWorld(MakeWorld(test::kMaze));
+  const auto [width, height] =
+      GENERATE(std::pair{320, 192}, std::pair{640, 480}, std::pair{64, 64});
+  const auto camera = OpenCamera(*world, {width, height});
+  const RgbImage image = camera->Render(0);
+  CHECK(image.width == width);
+  CHECK(image.height == height);
+  CHECK(image.rgb.size() == static_cast<std::size_t>(width * height * 3));
+  CHECK(ColorCount(image) > 100);
+  const auto decoded = DecodeJpeg(EncodeJpeg(image, 85).value());
+  REQUIRE(decoded);
+  CHECK(decoded->width == width);
+  CHECK(decoded->height == height);
+}
+
+TEST_CASE("pictures differ between headings and repeat at the same pose",
+          "[sim][physics][camera]") {
+  const auto world = OpenWorld(MakeWorld(test::kMaze));
+  const auto camera = OpenCamera(*world);
+  std::set<std::string> pictures;
+  for (int round = 0; round < 2; ++round) {
+    for (int heading = 0; heading < 8; ++heading) {
+      world->Teleport(0, world->geometry().CellToPosition({1, 1}), HeadingFromIndex(heading, 8));
+      const RgbImage picture = camera->Render(0);
+      pictures.emplace(picture.rgb.begin(), picture.rgb.end());
+    }
+  }
+  CHECK(pictures.size() == 8);
+}
+
+TEST_CASE("the sky is up, the floor is down", "[sim][physics][camera]") {
+  const auto world = OpenWorld(MakeWorld(test::kHall, {3, 1}));
+  const auto labels = OpenCamera(*world)->RenderSegmentation(0);
+  CHECK(labels[{0, 160}].kind == PixelKind::kNone);
+  CHECK(labels[{191, 160}].kind == PixelKind::kFloor);
+}
+
+TEST_CASE("taking pictures does not change the motion", "[sim][physics][camera]") {
+  const auto drive = [](bool with_camera) {
+    const auto world = OpenWorld(MakeWorld(test::kMaze));
+    const auto camera = OpenCamera(*world);
+    world->MoveTo(0, {2, 1});
+    for (int i = 0; i < 12; ++i) {
+      world->Step();
+      if (with_camera) camera->Render(0);
+    }
+    const RobotPose pose = world->pose(0);
+    return std::vector<double>{pose.position.x_m, pose.position.y_m, pose.heading_rad};
+  };
+  CHECK(drive(true) == drive(false));
+}
+
+TEST_CASE("a goal is seen in its place until it is hidden", "[sim][physics][camera]") {
+  PhysicsWorld spec = MakeWorld(test::kMaze);
+  spec.goals = {{{5, 5}, 1}, {{1, 3}, 0}};
+  const auto world = OpenWorld(spec);
+  const auto camera = OpenCamera(*world);
+  const auto labels = camera->RenderSegmentation(0);
+  CHECK(CountKind(labels, PixelKind::kGoal) > 100);
+  for (const PixelLabel& label : labels.values()) {
+    if (label.kind == PixelKind::kGoal) CHECK(label.index == 1);
+  }
+  world->SetGoalVisible(1, false);
+  CHECK(CountKind(camera->RenderSegmentation(0), PixelKind::kGoal) == 0);
+}
+
+TEST_CASE("a robot sees another robot, and never itself", "[sim][physics][camera]") {
+  PhysicsWorld spec = MakeWorld(test::kMaze);
+  spec.robots.push_back({"r2", {1, 2}, 0.0});
+  const auto world = OpenWorld(spec);
+  const auto camera = OpenCamera(*world);
+  const auto labels = camera->RenderSegmentation(0);
+  CHECK(CountKind(labels, PixelKind::kRobot) > 100);
+  for (const PixelLabel& label : labels.values()) {
+    if (label.kind == PixelKind::kRobot) CHECK(label.index == 1);
+  }
+  CHECK(CountKind(camera->RenderSegmentation(1), PixelKind::kRobot) == 0);
+}
+
+TEST_CASE("two cameras of different sizes work side by side", "[sim][physics][camera]") {
+  const auto world = OpenWorld(MakeWorld(test::kMaze));
+  const auto small = OpenCamera(*world, {320, 192});
+  const std::vector<std::uint8_t> before = small->Render(0).rgb;
+  {
+    const auto large = OpenCamera(*world, {640, 480});
+    CHECK(large->Render(0).width == 640);
+    CHECK(small->Render(0).rgb == before);
+  }
+  CHECK(small->Render(0).rgb == before);
+}
+
+TEST_CASE("the picture from above shows the whole map, north up", "[sim][physics][camera]") {
+  // Only the north-west corner is a wall; red stands for it by difference.
+  PhysicsWorld spec = MakeWorld({"#....", ".....", ".....", ".....", "....."}, {4, 4});
+  const auto world = OpenWorld(spec);
+  const auto camera = OpenCamera(*world, {200, 200});
+  const RgbImage image = camera->RenderTop();
+  const auto at = [&](int row, int column) {
+    const auto pixel = image.rgb.begin() + (row * 200 + column) * 3;
+    return std::vector<int>{pixel[0], pixel[1], pixel[2]};
+  };
+  CHECK(at(20, 20) != at(20, 180));
+  CHECK(ColorCount(image) > 50);
+}
+
+TEST_CASE("impossible sizes are refused by name", "[sim][physics][camera]") {
+  const auto world = OpenWorld(MakeWorld(test::kMaze));
+  const auto camera_result = Camera::Open(*world, {0, 192});
+  REQUIRE_FALSE(camera_result);
+  CHECK(camera_result.error().code == ErrorCode::kInvalidArgument);
+  CHECK_THAT(camera_result.error().text, Catch::Matchers::Contains("0x192"));
+  CHECK_FALSE(Camera::Open(*world, {320, 5000}));
+}
+
+TEST_CASE("the horizontal field of view follows the picture's shape", "[sim][physics][camera]") {
+  CHECK(HorizontalFov(100, 100) == Approx(kCameraVerticalFovRad));
+  CHECK(HorizontalFov(320, 192) == Approx(2.0 * std::atan(5.0 / 3.0 * std::tan(0.6981317))));
+}
+
+}  // namespace
+}  // namespace conav::sim

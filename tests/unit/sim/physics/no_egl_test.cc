@@ -1,0 +1,22 @@
+#include <catch2/catch.hpp>
+#include <cstdlib>
+
+#include "sim/physics/camera.h"
+#include "unit/sim/physics/mazes.h"
+
+// A program of its own: EGL looks for its drivers once per process.
+namespace conav::sim {
+
+TEST_CASE("without an EGL driver the error says what was tried and what to install",
+          "[sim][physics][camera]") {
+  setenv("__EGL_VENDOR_LIBRARY_DIRS", "/nonexistent", 1);
+  const auto world_result = RobotWorld::Create(test::MakeWorld(test::kMaze));
+  REQUIRE(world_result);
+  const auto camera_result = Camera::Open(**world_result, {});
+  REQUIRE_FALSE(camera_result);
+  CHECK(camera_result.error().code == ErrorCode::kUnavailable);
+  CHECK_THAT(camera_result.error().text, Catch::Matchers::Contains("libgl1-mesa-dri"));
+  CHECK_THAT(camera_result.error().text, Catch::Matchers::Contains("default display"));
+}
+
+}  // namespace conav::sim
