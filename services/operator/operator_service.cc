@@ -7,6 +7,7 @@
 #include <set>
 
 #include "common/bus/send.h"
+#include "common/grid/map_accuracy.h"
 #include "common/protocol/convert.h"
 #include "common/service/robot_list.h"
 
@@ -20,16 +21,6 @@ constexpr auto kConvert = [](const auto& message) { return ToDomain(message); };
 BeliefStoreOptions StoreOptions(const OperatorConfig& config) {
   const auto limit = static_cast<std::int64_t>(config.database_limit_mib * 1024.0 * 1024.0);
   return {{config.database, limit}, {config.max_guidance_s, config.max_path_cells}};
-}
-
-/// Free 0, occupied 1, unknown even odds.
-BeliefGrid BeliefFrom(const OccupancyGrid& map) {
-  BeliefGrid belief(map.rows(), map.columns());
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    const Occupancy cell = map.values()[i];
-    belief.values()[i] = cell == Occupancy::kOccupied ? 1.0F : cell == Occupancy::kFree ? 0 : 0.5F;
-  }
-  return belief;
 }
 
 }  // namespace
@@ -122,7 +113,7 @@ void OperatorService::TakeInitialMap(WorldLink& world) {
   if (!maps.empty()) world.pending = std::move(maps.back());
   if (!world.pending) return;
   const auto added =
-      store_.AddWorld(world.name, BeliefFrom(world.pending->cells), world.pending->stamp);
+      store_.AddWorld(world.name, ToBelief(world.pending->cells), world.pending->stamp);
   if (!added && added.error().code == ErrorCode::kIo) {
     storage_failure_ = added.error().text;  // the map stays pending; the next step tries again
     return;
@@ -199,7 +190,8 @@ void OperatorService::Log(const OperatorRequest& request, const BeliefStore::Ans
   const char* kind = std::holds_alternative<EditRequest>(request.body) ? "edit" : "guide";
   if (reply.accepted) {
     LOG_INFO("accepted", "kind", kind, "client", request.client, "id", request.request_id, "world",
-             request.world, "revision", reply.revision, "new", answer.changed);
+             request.world, "revision", reply.revision, "new", answer.changed, "sim_s",
+             TimeOf(request.world).ToSeconds());
   } else {
     LOG_WARNING("refused", "kind", kind, "client", request.client, "id", request.request_id,
                 "world", request.world, "reason", reply.reason);

@@ -12,8 +12,10 @@ namespace {
 template <class T>
 T OrStartupError(const std::filesystem::path& file, Result<T>&& result) {
   if (result) return *std::move(result);
-  throw StartupError(
-      fmt::format("{}: cannot use this operator database: {}", file.string(), result.error().text));
+  const std::string& reason = result.error().text;  // names the file when SQLite gave it
+  const bool named = reason.rfind(file.string(), 0) == 0;
+  throw StartupError(fmt::format("operator database {}{}{}", named ? "" : file.string(),
+                                 named ? "" : ": ", reason));
 }
 
 BeliefStore::Answer StorageFailure(const OperatorRequest& request, const Error& error,

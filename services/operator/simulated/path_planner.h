@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/grid/grid.h"
+#include "common/grid/map_accuracy.h"
 #include "common/runtime/config.h"
 #include "common/runtime/result.h"
 
@@ -21,8 +22,8 @@ struct PathPlannerParameters {
   void Visit(ConfigReader& reader);
 };
 
-/// True where the operator takes the cell for a wall; an even 0.5 counts as free.
-inline bool IsWall(const BeliefGrid& belief, Cell cell) { return belief[cell] > 0.5F; }
+/// True where the operator takes the cell for a wall.
+inline bool IsWall(const BeliefGrid& belief, Cell cell) { return belief[cell] >= kWallThreshold; }
 
 /// The path that the simulated operator draws: on its own, possibly wrong map, the cheapest way
 /// over the goals. A step costs 1, a step into a wall of the map 1 + wall_crossing_cost: a person

@@ -28,11 +28,13 @@ inline OccupancyGrid DrawnTruth(const std::vector<std::string>& lines) {
   return map;
 }
 
-/// Says by hand, on an in-memory bus, what the simulator would say of world w1 and robot r1, and
+/// Says by hand what the simulator would say of world w1 and robot r1, and
 /// listens to what comes back.
 struct HandMadeSim {
-  explicit HandMadeSim(std::shared_ptr<bus::InMemoryBus> bus)
-      : participant("sim", bus),
+  /// `where`: an in-memory bus, or the options of a DDS participant.
+  template <class Where>
+  explicit HandMadeSim(const Where& where)
+      : participant("sim", where),
         initial_map(participant, bus::kInitialMap, "w1"),
         state(participant, bus::kRobotState, "r1"),
         snapshot(participant, bus::kSnapshot, "r1"),
