@@ -15,10 +15,11 @@ struct Axis {
   double max_rate;  // at full control, without friction
   double lag_s;
   double friction;
+  double good_enough;  // let go when coasting ends this near
 };
-constexpr Axis kRoll{2.0, 0.168, 0.0};
+constexpr Axis kRoll{2.0, 0.168, 0.0, 0.0};
 /// Motor 30 N m, damping 20 N m s, inertia 1.17 kg m^2, torsional friction 0.02 m * 216 N.
-constexpr Axis kSteer{30.0 / 20.0, 1.17 / 20.0, 4.32 / 20.0};
+constexpr Axis kSteer{30.0 / 20.0, 1.17 / 20.0, 4.32 / 20.0, 0.4 * kDegree};
 
 constexpr double kArrivedDistanceM = 0.06;
 constexpr double kNearM = 0.3;  // from here on the heading is held: the bearing becomes noise
@@ -28,8 +29,16 @@ constexpr double kLostAngleRad = 25.0 * kDegree;
 constexpr double kRestMps = 0.04;
 constexpr double kRestRps = 6.0 * kDegree;
 
+/// How far the motion goes on when it is let go.
+double CoastingDistance(const Axis& axis, double rate) {
+  const double speed = std::abs(rate);
+  const double lost = axis.friction > 0.0 ? axis.friction * std::log1p(speed / axis.friction) : 0.0;
+  return std::copysign(axis.lag_s * (speed - lost), rate);
+}
+
 /// The control that ends `distance` ahead when the robot coasts after this step.
 double Approach(const Axis& axis, double distance, double rate) {
+  if (std::abs(distance - CoastingDistance(axis, rate)) < axis.good_enough) return 0.0;
   const double needed = distance - axis.lag_s * rate;
   const double sign = needed < 0.0 ? -1.0 : 1.0;
   double net_rate = std::abs(needed) / kControlStepS;
