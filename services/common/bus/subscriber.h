@@ -23,7 +23,9 @@ namespace conav::bus {
 /// Either the owner takes messages from a queue (bounded by the topic's depth, oldest dropped
 /// first), or a handler gets each message on the bus's receive thread, at once; a handler must be
 /// short and not throw. A payload that is no T is dropped with a counted warning. Each sample
-/// arrives once, also after a link was cut and the vendor repeated its history.
+/// arrives once, also after a link was cut and the vendor repeated its history. A handler may
+/// publish, but not on the topic that it listens to. Volatile topics promise nothing until about
+/// 0.1 s after both sides know of each other: whoever needs an answer asks again.
 template <class T>
 class Subscriber {
  public:

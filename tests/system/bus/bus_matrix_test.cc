@@ -1,0 +1,200 @@
+// Every pair of vendors, in two processes over real sockets on the loopback interface.
+#include <unistd.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <optional>
+
+#include "common/bus/publisher.h"
+#include "common/bus/subscriber.h"
+#include "system/bus/peer_process.h"
+#include "system/bus/peer_topics.h"
+
+namespace conav::test {
+namespace {
+
+using bus::Event;
+using bus::Participant;
+using bus::Publisher;
+using bus::Subscriber;
+
+int TestDomain() { return 20 + getpid() % 200; }
+
+bus::ParticipantOptions Options(const std::string& vendor) {
+  bus::ParticipantOptions options;
+  options.vendor = vendor;
+  options.domain_id = TestDomain();
+  options.interface = "lo";
+  options.lease_s = 1.0;
+  return options;
+}
+
+/// A participant here and a peer process there, for each pair of vendors.
+struct VendorPair {
+  std::string here = GENERATE("cyclonedds", "fastdds");
+  std::string there = GENERATE("cyclonedds", "fastdds");
+  PeerProcess peer{{there, std::to_string(TestDomain())}};
+  Participant participant{"bus_test", Options(here)};
+};
+
+template <class T>
+struct EchoClient {
+  EchoClient(Participant& on, const bus::Topic<T>& ping, const bus::Topic<T>& pong)
+      : participant(on), publisher(on, ping), subscriber(on, pong) {}
+
+  /// Pings until the peer has answered for half a second. Volatile topics promise nothing before
+  /// both sides know of each other: Cyclone takes all up to the first heartbeat of a writer for
+  /// history, and Fast DDS sends that heartbeat up to 0.1 s after its first samples.
+  bool Connect(const T& message) {
+    const auto settled = std::chrono::milliseconds(500);
+    std::optional<std::chrono::steady_clock::time_point> first_answer;
+    return WaitUntil(participant, [&] {
+      if (!publisher.Publish(message) || subscriber.Take().empty()) return false;
+      const auto now = std::chrono::steady_clock::now();
+      if (!first_answer) first_answer = now;
+      return now - *first_answer > settled;
+    });
+  }
+
+  /// Sends once; the next new message that comes back.
+  T RoundTrip(const T& message) {
+    T answer;
+    if (!publisher.Publish(message)) return answer;
+    WaitUntil(participant, [&] {
+      const auto taken = subscriber.Take();
+      const auto found = std::find_if(taken.begin(), taken.end(),
+                                      [&](const T& other) { return other.id() == message.id(); });
+      if (found != taken.end()) answer = *found;
+      return found != taken.end();
+    });
+    return answer;
+  }
+
+  Participant& participant;
+  Publisher<T> publisher;
+  Subscriber<T> subscriber;
+};
+
+bool Has(const std::vector<Event>& events, Event::Kind kind, const std::string& topic) {
+  return std::any_of(events.begin(), events.end(), [&](const Event& event) {
+    return event.kind == kind && event.topic == topic;
+  });
+}
+
+/// Collects the participant's events until one of that kind came for the topic.
+bool WaitForEvent(Participant& participant, Event::Kind kind, const std::string& topic) {
+  return WaitUntil(participant, [&] { return Has(participant.TakeEvents(), kind, topic); });
+}
+
+TEST_CASE("unkeyed messages of all sizes go to the peer and back unchanged", "[system][bus]") {
+  VendorPair pair;
+  CAPTURE(pair.here, pair.there);
+  EchoClient<Blob> client(pair.participant, kPing, kPong);
+  REQUIRE(client.Connect(MakeBlob(1, 8)));
+  std::uint64_t id = 100;
+  for (const std::size_t size : {64u, 20'000u, 200'000u, 2'000'000u}) {
+    for (int i = 0; i < 3; ++i) {
+      const Blob sent = MakeBlob(++id, size);
+      CAPTURE(size);
+      REQUIRE(client.RoundTrip(sent) == sent);
+    }
+  }
+}
+
+TEST_CASE("keyed messages of all sizes go to the peer and back unchanged", "[system][bus]") {
+  VendorPair pair;
+  CAPTURE(pair.here, pair.there);
+  EchoClient<KeyedBlob> client(pair.participant, kKeyedPing, kKeyedPong);
+  REQUIRE(client.Connect(MakeKeyedBlob(1, 1, 8)));
+  std::uint64_t id = 100;
+  for (const std::size_t size : {64u, 20'000u, 200'000u, 2'000'000u}) {
+    for (const std::int32_t instance : {1, -2, 70'000}) {
+      const KeyedBlob sent = MakeKeyedBlob(instance, ++id, size);
+      CAPTURE(size, instance);
+      REQUIRE(client.RoundTrip(sent) == sent);
+    }
+  }
+}
+
+TEST_CASE("a late joiner gets exactly the last samples of the history", "[system][bus]") {
+  VendorPair pair;
+  CAPTURE(pair.here, pair.there);
+  Subscriber<Blob> history(pair.participant, kHistory);
+  std::vector<Blob> received;
+  const auto take = [&] {
+    for (Blob& blob : history.Take()) received.push_back(std::move(blob));
+    return !received.empty() && received.back().id() == kHistoryPublished;
+  };
+  REQUIRE(WaitUntil(pair.participant, take));
+  CHECK(history.Take().empty());
+  REQUIRE(received.size() == kHistoryDepth);
+  for (std::size_t i = 0; i < received.size(); ++i) {
+    CHECK(received[i] == MakeBlob(kHistoryPublished - kHistoryDepth + 1 + i, 1000));
+  }
+}
+
+TEST_CASE("malformed payloads are dropped and counted, the next message arrives", "[system][bus]") {
+  VendorPair pair;
+  CAPTURE(pair.here, pair.there);
+  Subscriber<Blob> subscriber(pair.participant, kAfterGarbage);
+  std::vector<Blob> received;
+  REQUIRE(WaitUntil(pair.participant, [&] {
+    for (Blob& blob : subscriber.Take()) received.push_back(std::move(blob));
+    return !received.empty() && subscriber.malformed() >= kGarbagePublished;
+  }));
+  CHECK(received == std::vector<Blob>{MakeBlob(1, 10)});
+  CHECK(subscriber.malformed() == kGarbagePublished);
+}
+
+TEST_CASE("incompatible QoS is told to the reader and to the writer", "[system][bus]") {
+  VendorPair pair;
+  CAPTURE(pair.here, pair.there);
+  const bus::Topic<Blob> reliable{kBestEffortOffer.pattern, bus::kDefaultQos};
+  const bus::Topic<Blob> best_effort{kReliableRequest.pattern, bus::kSensorQos};
+  Subscriber<Blob> subscriber(pair.participant, reliable);
+  CHECK(WaitForEvent(pair.participant, Event::Kind::kIncompatibleQos, "/test/offer"));
+  Publisher<Blob> publisher(pair.participant, best_effort);
+  CHECK(WaitForEvent(pair.participant, Event::Kind::kIncompatibleQos, "/test/request"));
+  CHECK(subscriber.matched_publishers() == 0);
+  CHECK(publisher.matched_subscribers() == 0);
+}
+
+TEST_CASE("a peer that was killed is noticed within its lease", "[system][bus]") {
+  VendorPair pair;
+  CAPTURE(pair.here, pair.there);
+  Subscriber<Blob> subscriber(pair.participant, kPong);
+  REQUIRE(WaitForEvent(pair.participant, Event::Kind::kMatched, "/test/pong"));
+  CHECK(subscriber.matched_publishers() == 1);
+  pair.peer.Kill();
+  CHECK(WaitForEvent(pair.participant, Event::Kind::kUnmatched, "/test/pong"));
+  CHECK(subscriber.matched_publishers() == 0);
+}
+
+TEST_CASE("a peer that ends says goodbye", "[system][bus]") {
+  VendorPair pair;
+  CAPTURE(pair.here, pair.there);
+  Subscriber<Blob> subscriber(pair.participant, kPong);
+  REQUIRE(WaitUntil(pair.participant, [&] { return subscriber.matched_publishers() == 1; }));
+  CHECK(pair.peer.Stop() == 0);
+  CHECK(WaitUntil(pair.participant, [&] { return subscriber.matched_publishers() == 0; }));
+}
+
+TEST_CASE("ROS 2 tools learn the peer's node and its endpoints", "[system][bus]") {
+  VendorPair pair;
+  CAPTURE(pair.here, pair.there);
+  Subscriber<ros_graph_jazzy::msg::ParticipantEntitiesInfo> graph(pair.participant, kRosGraph);
+  ros_graph_jazzy::msg::NodeEntitiesInfo peer;
+  REQUIRE(WaitUntil(pair.participant, [&] {
+    for (const auto& info : graph.Take()) {
+      if (info.node_entities_info_seq().at(0).node_name() != "bus_peer") continue;
+      peer = info.node_entities_info_seq().at(0);
+    }
+    return peer.node_name() == "bus_peer";
+  }));
+  CHECK(peer.node_namespace() == "/");
+  CHECK(peer.reader_gid_seq().size() == 3);
+  CHECK(peer.writer_gid_seq().size() == 5);
+}
+
+}  // namespace
+}  // namespace conav::test

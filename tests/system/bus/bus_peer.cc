@@ -1,0 +1,88 @@
+// The other process of the bus tests: bus_peer <vendor> <domain> [<peer address>]
+// Echoes what arrives, offers histories and payloads that are no messages, and stays until killed
+// or until its standard input ends.
+#include <unistd.h>
+
+#include <cstdlib>
+#include <iostream>
+
+#include "common/bus/publisher.h"
+#include "common/bus/subscriber.h"
+#include "system/bus/peer_topics.h"
+
+namespace conav::test {
+namespace {
+
+bus::ParticipantOptions Options(int argc, char** argv) {
+  bus::ParticipantOptions options;
+  options.vendor = argv[1];
+  options.domain_id = std::atoi(argv[2]);
+  options.lease_s = 1.0;
+  if (argc > 3) {
+    options.peers = {argv[3]};
+  } else {
+    options.interface = "lo";
+  }
+  return options;
+}
+
+template <class T>
+void Publish(bus::Publisher<T>& publisher, const T& message) {
+  const Result<void> result = publisher.Publish(message);
+  if (!result) std::cerr << "bus_peer: " << result.error().text << "\n";
+}
+
+/// Sends everything back from the receive thread.
+template <class T>
+class Echo {
+ public:
+  Echo(bus::Participant& participant, const bus::Topic<T>& ping, const bus::Topic<T>& pong)
+      : publisher_(participant, pong),
+        subscriber_(participant, ping, {}, [this](T&& message) { Publish(publisher_, message); }) {}
+
+ private:
+  bus::Publisher<T> publisher_;
+  bus::Subscriber<T> subscriber_;
+};
+
+void PublishGarbage(bus::Publisher<RawBlob>& garbage, bus::Publisher<Blob>& good) {
+  Publish(garbage, {{0, 1, 0, 0, 1, 2, 3}});
+  Publish(garbage, {{0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xf0, 1, 2, 3, 4}});
+  Publish(garbage, {{9, 9, 9, 9, 9, 9, 9, 9}});
+  Publish(good, MakeBlob(1, 10));
+}
+
+void Run(const bus::ParticipantOptions& options) {
+  bus::Participant participant("bus_peer", options);
+  bus::Participant raw_participant("bus_peer_raw", options);
+  Echo<Blob> echo(participant, kPing, kPong);
+  Echo<KeyedBlob> keyed_echo(participant, kKeyedPing, kKeyedPong);
+  bus::Publisher<Blob> history(participant, kHistory);
+  for (std::uint64_t id = 1; id <= kHistoryPublished; ++id) Publish(history, MakeBlob(id, 1000));
+  bus::Publisher<RawBlob> garbage(raw_participant, kGarbage);
+  bus::Publisher<Blob> good(participant, kAfterGarbage);
+  PublishGarbage(garbage, good);
+  bus::Publisher<Blob> offer(participant, kBestEffortOffer);
+  bus::Subscriber<Blob> request(participant, kReliableRequest);
+  std::cout << "ready" << std::endl;
+  char byte = 0;
+  while (read(STDIN_FILENO, &byte, 1) > 0) {
+  }
+}
+
+}  // namespace
+}  // namespace conav::test
+
+int main(int argc, char** argv) {
+  if (argc < 3) {
+    std::cerr << "usage: bus_peer <vendor> <domain> [<peer address>]\n";
+    return 2;
+  }
+  try {
+    conav::test::Run(conav::test::Options(argc, argv));
+    return 0;
+  } catch (const std::exception& error) {
+    std::cerr << "bus_peer: " << error.what() << "\n";
+    return 1;
+  }
+}
