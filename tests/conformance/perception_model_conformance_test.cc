@@ -108,10 +108,10 @@ TEST_CASE("The cached service is a perception model", "[conformance]") {
 
 /// `primary` backed by the embedded GLPF.
 std::shared_ptr<PerceptionModel> WithFallback(std::shared_ptr<PerceptionModel> primary) {
-  static const SteadyClock kClock;
+  static const SteadyClock clock;
   return std::make_shared<FallbackPerceptionModel>(
       std::move(primary), std::make_shared<EmbeddedPerceptionModel>(),
-      FallbackPerceptionModel::Options{}, kClock, [](const std::optional<Error>&) {});
+      FallbackPerceptionModel::Options{}, clock, [](const std::optional<Error>&) {});
 }
 
 TEST_CASE("The service with a fallback is a perception model", "[conformance]") {

@@ -24,7 +24,7 @@ BEGIN {
   # services/<x>/<file> wires; services/<x>/<folder>/... is a library or a part of its own.
   split(file, part, "/")
   in_service = part[1] == "services" && part[2] != "common"
-  wires = in_service && (part[4] == "" || part[3] == "simulated_operator" || part[3] == "client")
+  wires = in_service && (part[4] == "" || part[3] == "simulated_operator" || part[3] == "client" || part[3] == "perception")
   other = inc
   sub(/\/.*/, "", other)
   is_service = other ~ /^(sim|planner|nhpm|operator)$/ && inc ~ /\//

@@ -66,7 +66,7 @@ struct RobotState {
   std::uint64_t pictures = 0;
   std::uint64_t picture_bytes = 0;
   std::uint64_t snapshots = 0;  // sequence number of the newest Picture; 0 = none yet
-  SimTime map_stamp;  // of the newest map of this robot
+  SimTime map_stamp;            // of the newest map of this robot
   bool operator==(const RobotState&) const = default;
 };
 
