@@ -19,11 +19,13 @@ bool KnownWall(const Situation& situation, Cell cell) {
 
 }  // namespace
 
-SearchReport ReportOf(const Action& action) {
-  SearchReport report;
-  report.actions.push_back({.kind = action.kind, .target = action.target, .visits = 1});
-  report.chosen = 0;
-  return report;
+Decision MoveAlong(std::vector<Cell> plan) {
+  Decision decision;
+  decision.action = Action{CommandKind::kMove, plan.front(), 0.0};
+  decision.report.actions.push_back({.target = plan.front(), .visits = 1});
+  decision.report.chosen = 0;
+  decision.plan = std::move(plan);
+  return decision;
 }
 
 Decision FollowPath(const Situation& situation) {
@@ -34,14 +36,10 @@ Decision FollowPath(const Situation& situation) {
   if (at == path.rend() || at == path.rbegin()) return Ask(AttentionReason::kNoGuidance, here);
   const auto next = at.base();  // the cell after `here`
   if (KnownWall(situation, *next)) return Ask(AttentionReason::kBlocked, *next);
-  Decision decision;
-  decision.way.assign(next, path.end());
   const bool taken = std::any_of(situation.neighbours.begin(), situation.neighbours.end(),
                                  [&](const Neighbour& other) { return other.cell == *next; });
-  if (taken) return decision;
-  decision.action = Action{CommandKind::kMove, *next, 0.0};
-  decision.report = ReportOf(*decision.action);
-  return decision;
+  if (taken) return {};
+  return MoveAlong({next, path.end()});
 }
 
 }  // namespace conav::planner

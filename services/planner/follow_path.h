@@ -9,7 +9,7 @@ namespace conav::planner {
 /// path or nothing left of it. Waits, without asking, while another robot stands on that cell.
 Decision FollowPath(const Situation& situation);
 
-/// The report of a method that has one action and no search.
-SearchReport ReportOf(const Action& action);
+/// The move along `plan`, decided without a search; `plan` is not empty.
+Decision MoveAlong(std::vector<Cell> plan);
 
 }  // namespace conav::planner

@@ -1,10 +1,15 @@
 #include "planner/ig_mcts_method.h"
 
 #include "common/runtime/log.h"
+#include "planner/follow_path.h"
 #include "planner/search/grid_graph.h"
+#include "planner/traffic.h"
 
 namespace conav::planner {
 namespace {
+
+/// Wall time for which a robot waits for another one to make room.
+constexpr std::chrono::milliseconds kPatience{300};
 
 std::vector<Cell> CellsOf(const std::vector<Neighbour>& neighbours) {
   std::vector<Cell> cells;
@@ -24,7 +29,19 @@ IgMctsMethod::IgMctsMethod(const SearchConfig& config, std::uint64_t seed,
                            std::shared_ptr<PerceptionModel> model)
     : config_(config), model_(std::move(model)), search_(config.options, *model_), random_(seed) {}
 
+std::optional<Decision> IgMctsMethod::MindTraffic(const Situation& situation) {
+  if (const auto aside = StepAside(situation)) return MoveAlong({*aside});
+  if (WaitsFor(situation, DesiredWay(situation)) == nullptr) {
+    waiting_since_.reset();
+    return std::nullopt;
+  }
+  if (!waiting_since_) waiting_since_ = clock_.Now();
+  if (clock_.Now() - *waiting_since_ < kPatience) return Decision{};
+  return std::nullopt;
+}
+
 Decision IgMctsMethod::Decide(const Situation& situation) {
+  if (auto decision = MindTraffic(situation)) return *std::move(decision);
   sent_views_.Update(situation.belief.wall_probability);
   GridGraph::Options graph_options;
   graph_options.headings = config_.headings;
@@ -55,7 +72,7 @@ Decision IgMctsMethod::FromResult(const SearchResult& result, const Situation& s
   decision.report.perception_queries = result.perception_queries;
   decision.report.perception_cached = result.perception_cached;
   decision.report.perception_model = model_->name();
-  decision.way = result.expected_path;
+  decision.plan = result.expected_path;
   if (result.chosen < 0) return decision;
   const SearchAction& chosen = result.actions[static_cast<std::size_t>(result.chosen)];
   decision.action = Action{chosen.kind, chosen.target, chosen.heading_rad};

@@ -23,6 +23,8 @@ class IgMctsMethod final : public Method {
   bool pictures_are_answered() const override { return true; }
 
  private:
+  /// A step aside, or a moment of waiting, when other robots are in the way.
+  std::optional<Decision> MindTraffic(const Situation& situation);
   Decision FromResult(const SearchResult& result, const Situation& situation);
 
   SearchConfig config_;
@@ -31,6 +33,7 @@ class IgMctsMethod final : public Method {
   Random random_;
   SteadyClock clock_;  // of the search's wall time budget
   SentViews sent_views_;
+  std::optional<Clock::TimePoint> waiting_since_;  // for another robot to make room
 };
 
 }  // namespace conav::planner

@@ -35,8 +35,9 @@ struct Decision {
   std::optional<AttentionReason> attention;
   Cell attention_cell;
   double expected_information = 0.0;
-  std::vector<Cell> way;  // cells that the robot means to enter, nearest first
-  SearchReport report;    // actions, chosen, counts, model; the worker fills in the rest
+  std::vector<Cell>
+      plan;             // cells that the robot means to enter, nearest first; for people to look at
+  SearchReport report;  // actions, chosen, counts, model; the worker fills in the rest
 };
 
 /// One way of supervising a robot: IG-MCTS, instruction following, teleoperation. One object per

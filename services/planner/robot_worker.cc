@@ -5,6 +5,7 @@
 #include "common/grid/geometry.h"
 #include "common/runtime/log.h"
 #include "planner/goal_pose.h"
+#include "planner/traffic.h"
 
 namespace conav::planner {
 namespace {
@@ -47,6 +48,7 @@ Clock::TimePoint RobotWorker::Step() {
   waiting_for_guidance_ = false;
 
   const Situation situation = SituationFrom(inputs);
+  board_.PutWay(options_.robot, DesiredWay(situation));
   const auto start = std::chrono::steady_clock::now();
   Decision decision = method_->Decide(situation);
   const std::chrono::duration<double, std::milli> duration =
@@ -109,7 +111,6 @@ Situation RobotWorker::SituationFrom(const RobotInputs& inputs) {
 
 void RobotWorker::Publish(Decision decision, const Situation& situation, double duration_ms) {
   const RobotState& state = situation.state;
-  board_.PutWay(options_.robot, decision.way);
   if (decision.action) {
     SearchReport& report = decision.report;
     report.stamp = state.stamp;
@@ -122,7 +123,7 @@ void RobotWorker::Publish(Decision decision, const Situation& situation, double 
     report.guidance_revision = situation.guidance ? situation.guidance->revision : 0;
     report.duration_ms = duration_ms;
     outputs_.report(report);
-    outputs_.way(state, situation.map, decision.way);
+    outputs_.way(state, situation.map, decision.plan);
     command_sent_at_ = clock_.Now();
     outputs_.command(desk_.Issue(*decision.action, state, board_.NewestStamp(options_.robot)));
   }

@@ -26,7 +26,7 @@ TEST_CASE("the next cell of the path is taken", "[planner][instruction]") {
   const Decision decision = FollowPath(OpenSituation());
   REQUIRE(decision.action);
   CHECK(decision.action->target == Cell{1, 2});
-  CHECK(decision.way == std::vector<Cell>{{1, 2}, {1, 3}});
+  CHECK(decision.plan == std::vector<Cell>{{1, 2}, {1, 3}});
   CHECK(decision.report.chosen == 0);
 }
 
