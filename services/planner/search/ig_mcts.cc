@@ -21,12 +21,12 @@ class Search {
         random_(random),
         path_(problem),
         offered_(problem),
-        information_(problem, offered_, model, options.look_ahead),
+        information_(problem, offered_, model),
         rollout_(options, problem, offered_, information_, random),
         tree_(problem.start) {}
 
-  bool HasChoice() { return path_.goals_left() > 0 && offered_.At(problem_.start).size() > 0; }
-
+  /// Prepares the root. False when nothing can or need be decided.
+  Result<bool> Start();
   Result<void> Iterate();
   SearchResult Report();
 
@@ -52,6 +52,20 @@ class Search {
   SearchTree tree_;
   std::uint32_t iterations_ = 0;
 };
+
+Result<bool> Search::Start() {
+  const Actions actions = offered_.At(problem_.start);
+  DEMAND(actions.size() <= 64, actions.size());
+  if (path_.goals_left() == 0 || actions.size() == 0) return false;
+  if (options_.min_information <= 0.0) return true;
+  for (std::size_t view = 0; view < actions.views.size(); ++view) {
+    const auto information = information_.Of(path_, view);
+    if (!information) return tl::unexpected(information.error());
+    if (*information >= options_.min_information) continue;
+    tree_.Withhold(SearchTree::kRoot, static_cast<int>(actions.moves.size() + view));
+  }
+  return !IsFullyExpanded(SearchTree::kRoot);
+}
 
 Result<void> Search::Iterate() {
   int node = SearchTree::kRoot;
@@ -220,7 +234,9 @@ Result<SearchResult> IgMcts::Decide(const SearchProblem& problem, Random& random
   SearchProblem offered = problem;
   if (options_.offers_sent_views) offered.sent_views.clear();
   Search search(options_, offered, model_, random);
-  if (!search.HasChoice()) return search.Report();
+  const Result<bool> has_choice = search.Start();
+  if (!has_choice) return tl::unexpected(has_choice.error());
+  if (!*has_choice) return search.Report();
   const auto deadline = DeadlineOf(options_, limits);
   for (int i = 0; i < options_.iterations; ++i) {
     if (const auto done = search.Iterate(); !done) return tl::unexpected(done.error());

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/runtime/demand.h"
+#include "planner/search/goal_distance.h"
 
 namespace conav::planner {
 
@@ -12,6 +13,7 @@ PathState::PathState(const SearchProblem& problem)
       passed_(Index(problem.graph.uncertainty_count())),
       is_goal_(visits_.size()),
       is_guidance_(visits_.size()),
+      steps_to_goal_(StepsToNearestGoal(problem)),
       guided_before_(problem.guided_before || !problem.guidance.empty()) {
   DEMAND(problem.start >= 0 && problem.start < problem.graph.vertex_count(), problem.start);
   ReadGuidance(problem);
@@ -66,6 +68,12 @@ void PathState::Leave(VertexId vertex) {
   if (--visits_[Index(vertex)] > 0) return;
   visited_[Index(vertex) / 64] &= ~(std::uint64_t{1} << (vertex % 64));
   unvisited_guidance_ += is_guidance_[Index(vertex)];
+}
+
+double PathState::progress() const {
+  if (steps_.size() < 2) return 0.0;
+  const VertexId before = steps_[steps_.size() - 2].vertex;
+  return steps_to_goal_[Index(before)] - steps_to_goal_[Index(vertex())];
 }
 
 bool PathState::IsKnownFree(const Edge& edge) const {

@@ -22,10 +22,14 @@ class PathState {
   int length() const { return length_; }
   /// How often the present vertex occurs in tau before its last entry.
   int earlier_visits() const { return visits_[Index(vertex())] - 1; }
+  /// How often `vertex` occurs in tau.
+  int visits(VertexId vertex) const { return visits_[Index(vertex)]; }
   bool at_goal() const { return is_goal_[Index(vertex())] != 0; }
   bool on_guidance() const { return is_guidance_[Index(vertex())] != 0; }
   bool guided_before() const { return guided_before_; }
   int goals_left() const { return goals_left_; }
+  /// Steps to the nearest goal that the last step saved; below 0 if it led away.
+  double progress() const;
   /// m: cells of the operator's path that are not in tau.
   int unvisited_guidance() const { return unvisited_guidance_; }
 
@@ -66,6 +70,7 @@ class PathState {
   std::vector<int> passed_;  // by uncertainty: how often edges with it were gone
   std::vector<std::uint8_t> is_goal_;
   std::vector<std::uint8_t> is_guidance_;
+  std::vector<double> steps_to_goal_;  // by vertex
   std::vector<Cell> other_cells_;
   bool guided_before_;
   int goals_left_ = 0;

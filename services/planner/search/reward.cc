@@ -11,6 +11,7 @@ void RewardOptions::Visit(ConfigReader& reader) {
   reader.Field("step", step, -1e6, 0.0);
   reader.Field("communication_cost", communication_cost, 0.0, 1e6);
   reader.Field("communication_step", communication_step, -1e6, 0.0);
+  reader.Field("progress", progress, 0.0, 1e6);
 }
 
 double EnvironmentReward(bool reaches_goal, const RewardOptions& options) {
@@ -24,6 +25,10 @@ double GuidanceReward(bool guided_before, bool on_guidance, int path_length) {
 
 double SmoothnessReward(int earlier_visits) { return -static_cast<double>(earlier_visits); }
 
+double ProgressReward(double steps_saved, const RewardOptions& options) {
+  return options.progress * steps_saved;
+}
+
 double CommunicationCost(int unvisited_guidance, const RewardOptions& options) {
   return options.communication_cost + unvisited_guidance;
 }
@@ -31,7 +36,7 @@ double CommunicationCost(int unvisited_guidance, const RewardOptions& options) {
 double MoveReward(const PathState& path, const RewardOptions& options) {
   return EnvironmentReward(path.at_goal(), options) +
          GuidanceReward(path.guided_before(), path.on_guidance(), path.length()) +
-         SmoothnessReward(path.earlier_visits());
+         SmoothnessReward(path.earlier_visits()) + ProgressReward(path.progress(), options);
 }
 
 double CommunicationReward(const PathState& path, double information,

@@ -16,6 +16,9 @@ struct RewardOptions {
   /// Added to a communication as to any other step; the paper does not say so, hence 0.
   double communication_step = 0.0;
 
+  /// Weight of the progress term, an addition to the paper (which allows for one, section 5.1).
+  double progress = 1.0;
+
   void Visit(ConfigReader& reader);
 };
 
@@ -29,10 +32,15 @@ double GuidanceReward(bool guided_before, bool on_guidance, int path_length);
 /// R_smooth(tau): minus the number of earlier visits to the present state (appendix C, 3).
 double SmoothnessReward(int earlier_visits);
 
+/// Steps to the nearest goal, by the robot's own map, that a move saves; below 0 when it leads
+/// away. Not in the paper: it shows the search goals beyond its horizon. A difference of
+/// potentials, so it does not change which way is best (Ng, Harada and Russell, ICML 1999).
+double ProgressReward(double steps_saved, const RewardOptions& options);
+
 /// c = 10 + m, where m counts the states of zeta that the robot has not visited (appendix C).
 double CommunicationCost(int unvisited_guidance, const RewardOptions& options);
 
-/// R_task of the step that `path` has just made: the sum of the first three.
+/// R_task of the step that `path` has just made: the sum of the first four.
 double MoveReward(const PathState& path, const RewardOptions& options);
 
 /// Of sending a view: R_info - c. `information` is E||x' - x||_1 = ||p_add||_1 + ||p_remove||_1

@@ -30,15 +30,18 @@ void SearchOptions::Visit(ConfigReader& reader) {
   EnumField(reader, "backup", backup, {"propagated_sample", "rollout_return"});
   reader.Field("selection_uses_feasibility", selection_uses_feasibility);
   reader.Field("offers_sent_views", offers_sent_views);
+  reader.Field("min_information", min_information, 0.0, 1e6);
   reader.Field("rollout_communication_probability", rollout_communication_probability, -1.0, 1.0);
-  reader.Field("look_ahead", look_ahead);
   reader.Section("reward", reward);
 }
 
 SearchOptions PaperOptions() {
   SearchOptions options;
   options.iterations = 100;
+  options.untried_order = UntriedOrder::kMovesFirst;
   options.offers_sent_views = true;
+  options.min_information = 0.0;
+  options.reward.progress = 0.0;
   return options;
 }
 

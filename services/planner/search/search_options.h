@@ -26,23 +26,25 @@ enum class BackupRule {
 struct SearchOptions {
   /// n: budget of a decision. With `time_budget_ms` > 0 the decision ends at that wall time too,
   /// whichever is first.
-  int iterations = 1000;
+  int iterations = 2000;
   double time_budget_ms = 0.0;
   double exploration_constant = 1.4142135623730951;  // k; returns are not normalised (A28)
   double discount = 0.99;                            // gamma
   int rollout_depth = 100;                           // d: steps of a rollout, and depth of the tree
   Expansion expansion = Expansion::kSingle;
   int chain_depth = 10;  // nodes that one iteration may add when expansion is kChain
-  UntriedOrder untried_order = UntriedOrder::kMovesFirst;
+  UntriedOrder untried_order = UntriedOrder::kRandom;
   BackupRule backup = BackupRule::kPropagatedSample;
   /// Selection weighs a child's value by its feasibility (A7): delta Q'/N' + (1 - delta) Q/N.
   bool selection_uses_feasibility = false;
   /// Offer views again that were sent already (the paper has no rule against it, A30).
   bool offers_sent_views = false;
+  /// A view is sent only if it is expected to change at least this many cells of the operator's
+  /// map. Holds for the decision itself, not deeper in the tree, where a communication stands for
+  /// "stop here": a robot that has nothing to tell goes on instead of sending its views one by one.
+  double min_information = 0.1;
   /// Probability that a rollout step communicates; below 0 = uniform over all actions (A6).
   double rollout_communication_probability = -1.0;
-  /// Ask the perception model about the next places in the same call.
-  bool look_ahead = true;
   RewardOptions reward;
 
   void Visit(ConfigReader& reader);

@@ -21,7 +21,7 @@ struct SearchNode {
   VertexId vertex = 0;
   bool is_communication = false;
   bool is_terminal = false;
-  std::uint64_t tried = 0;        // bit a: action a has a child
+  std::uint64_t tried = 0;        // bit a: action a has a child, or is withheld
   double reward = 0.0;            // r(v): of the transition into this node; 0 at the root
   double feasibility = 1.0;       // delta(v): probability of that transition
   double information = 0.0;       // R_info of a communication
@@ -44,6 +44,9 @@ class SearchTree {
 
   /// Appends `node` as last child of its parent; returns its number.
   int Add(SearchNode node);
+
+  /// Never expands `action` of `node`.
+  void Withhold(int node, int action) { mutable_node(node).tried |= std::uint64_t{1} << action; }
 
   /// The child with the largest UCB (algorithm 1, line 8): Q/N + k sqrt(log N(parent) / N). Ties
   /// are broken at random. Requires children.

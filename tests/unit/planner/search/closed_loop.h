@@ -32,7 +32,7 @@ struct EpisodeOptions {
   double range_cells = 2.0;
   int headings = 8;
   int action_limit = 600;
-  int guidance_goals = 1'000;  // how many goals ahead the operator draws
+  int guidance_goals = 1'000;     // how many goals ahead the operator draws
   double edit_probability = 0.6;  // of a seen discrepancy, falling with exp(-decay * distance)
   double edit_decay = 0.15;
   double path_edit_probability = 0.9;  // of a wall on the robot's path

@@ -1,0 +1,71 @@
+#include "planner/search/grid_graph.h"
+
+#include <catch2/catch.hpp>
+#include <numbers>
+
+#include "text_map.h"
+
+namespace conav::planner {
+namespace {
+
+std::vector<Cell> TargetsFrom(const GridGraph& graph, Cell from) {
+  std::vector<Cell> targets;
+  for (const Edge& edge : graph.EdgesFrom(graph.VertexAt(from).value())) {
+    targets.push_back(graph.CellOf(edge.target));
+  }
+  return targets;
+}
+
+TEST_CASE("moves lead north, east, south, west, and not into known walls", "[planner][search]") {
+  const GridGraph graph(MapFrom({"#####", "#...#", "#...#", "#.#.#", "#####"}), {});
+  CHECK(TargetsFrom(graph, {2, 2}) == std::vector<Cell>{{1, 2}, {2, 3}, {2, 1}});
+  CHECK(TargetsFrom(graph, {3, 1}) == std::vector<Cell>{{2, 1}});
+}
+
+TEST_CASE("an unknown cell is entered with probability one half", "[planner][search]") {
+  const GridGraph graph(MapFrom({"#####", "#.?.#", "#####"}), {});
+  const auto edges = graph.EdgesFrom(graph.VertexAt({1, 1}).value());
+  REQUIRE(edges.size() == 1);
+  CHECK(edges[0].feasibility == 0.5);
+  CHECK(edges[0].uncertainty == graph.VertexAt({1, 2}).value());
+  CHECK(graph.EdgesFrom(graph.VertexAt({1, 2}).value())[0].feasibility == 1.0);
+}
+
+TEST_CASE("the border is taken for walls before it was seen, unless told otherwise",
+          "[planner][search]") {
+  const OccupancyGrid map = MapFrom({"???", "?.?", "???"});
+  CHECK(GridGraph(map, {}).EdgesFrom(4).empty());
+  CHECK_FALSE(GridGraph(map, {}).VertexAt({0, 1}).has_value());
+  CHECK(GridGraph(map, {}, {.border_is_wall = false}).EdgesFrom(4).size() == 4);
+}
+
+TEST_CASE("cells that others occupy now cannot be entered, but left", "[planner][search]") {
+  const std::vector<Cell> occupied{{1, 2}, {-3, 7}};
+  const GridGraph graph(MapFrom({"#####", "#...#", "#####"}), occupied);
+  CHECK(TargetsFrom(graph, {1, 1}).empty());
+  CHECK(TargetsFrom(graph, {1, 2}) == std::vector<Cell>{{1, 3}, {1, 1}});
+}
+
+TEST_CASE("walls and cells outside are no vertices", "[planner][search]") {
+  const GridGraph graph(MapFrom({"###", "#.#", "###"}), {});
+  CHECK_FALSE(graph.VertexAt({0, 0}).has_value());
+  CHECK_FALSE(graph.VertexAt({3, 0}).has_value());
+  CHECK_FALSE(graph.VertexAt({0, -1}).has_value());
+  CHECK(graph.CellOf(graph.VertexAt({1, 1}).value()) == Cell{1, 1});
+}
+
+TEST_CASE("a view is what CastView shows on the known map", "[planner][search]") {
+  const OccupancyGrid map = MapFrom({"######", "#...?#", "#.##.#", "######"});
+  const GridGraph graph(map, {});
+  const VertexId vertex = graph.VertexAt({1, 1}).value();
+  REQUIRE(graph.HeadingsAt(vertex).size() == 8);
+  CHECK(graph.HeadingsAt(vertex)[0] == 0.0);
+  const VisibleCells& east = graph.ViewFrom(vertex, 0);
+  CHECK(east == CastView(map, {.cell = {1, 1}, .heading_rad = 0.0, .rays = 96}));
+  CHECK(std::find(east.free.begin(), east.free.end(), Cell{1, 3}) != east.free.end());
+  CHECK(std::find(east.free.begin(), east.free.end(), Cell{1, 4}) == east.free.end());
+  CHECK(&east == &graph.ViewFrom(vertex, 0));
+}
+
+}  // namespace
+}  // namespace conav::planner

@@ -1,0 +1,219 @@
+#include "planner/search/ig_mcts.h"
+
+#include <catch2/catch.hpp>
+
+#include "planner/search/fake_perception_model.h"
+#include "text_map.h"
+
+namespace conav::planner {
+namespace {
+
+SearchResult Decide(const SearchProblem& problem, const SearchOptions& options = {},
+                    std::uint64_t seed = 1) {
+  FakePerceptionModel model;
+  Random random(seed);
+  return IgMcts(options, model).Decide(problem, random).value();
+}
+
+const SearchAction& Chosen(const SearchResult& result) {
+  REQUIRE(result.chosen >= 0);
+  return result.actions.at(static_cast<std::size_t>(result.chosen));
+}
+
+/// Single expansion, fixed order, the paper's rewards: what can be worked out by hand.
+SearchOptions ByHand(int iterations, double discount = 0.5) {
+  SearchOptions options = PaperOptions();
+  options.iterations = iterations;
+  options.discount = discount;
+  options.untried_order = UntriedOrder::kMovesFirst;
+  return options;
+}
+
+TEST_CASE("the robot steps onto a goal beside it", "[planner][search]") {
+  const TextWorld world({"#####", "#...#", "#GS.#", "#...#", "#####"});
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const SearchResult result = Decide(world.problem, {}, seed);
+    CHECK(Chosen(result).kind == CommandKind::kMove);
+    CHECK(Chosen(result).target == Cell{2, 1});
+    CHECK(result.expected_path == std::vector<Cell>{{2, 1}});
+  }
+}
+
+TEST_CASE("a goal's value is exact: 100, and its step above it discounts", "[planner][search]") {
+  const TextWorld world({"####", "#SG#", "####"}, kNoViews);
+  const SearchResult result = Decide(world.problem, ByHand(10));
+  REQUIRE(result.actions.size() == 1);
+  CHECK(result.actions[0].mean_value == Approx(100.0));
+  CHECK(result.actions[0].visits == 10);
+  CHECK(result.nodes == 2);
+}
+
+TEST_CASE("a budget of one tries the first action", "[planner][search]") {
+  const TextWorld world({"#####", "#S.G#", "#.###", "#####"}, kNoViews);
+  const SearchResult result = Decide(world.problem, ByHand(1));
+  CHECK(result.iterations == 1);
+  CHECK(Chosen(result).target == Cell{1, 2});
+  CHECK(Chosen(result).visits == 1);
+  CHECK(result.actions[1].visits == 0);
+}
+
+TEST_CASE("the value of a corridor is worked out step by step", "[planner][search]") {
+  // One way only. r = -1 for entering the middle, 100 for the goal.
+  const TextWorld world({"#####", "#S.G#", "#####"}, kNoViews);
+  const SearchResult result = Decide(world.problem, ByHand(1));
+  // One node, its rollout either reaches the goal or goes back and forth first.
+  CHECK(result.actions[0].mean_value <= Approx(-1.0 + 0.5 * 100.0));
+  const SearchResult searched = Decide(world.problem, ByHand(2000));
+  CHECK(searched.actions[0].mean_value == Approx(49.0).margin(1.0));
+  CHECK(searched.expected_path == std::vector<Cell>{{1, 2}, {1, 3}});
+}
+
+TEST_CASE("an uncertain goal is weighed by its feasibility", "[planner][search]") {
+  // From the middle, the goal lies behind an unknown cell.
+  const TextWorld world({"######", "#S?G##", "######"}, kNoViews);
+  SearchOptions options = ByHand(1);
+  const SearchResult result = Decide(world.problem, options);
+  CHECK(result.actions[0].feasibility == 0.5);
+}
+
+TEST_CASE("a communication's value is its reward exactly", "[planner][search]") {
+  // Boxed in: eight views, one of which shows the wall that the operator does not know of.
+  TextWorld world({"#####", "#G#S#", "#####"}, {"#####", "#G.S#", "#####"});
+  world.problem.guidance = {{1, 3}, {1, 2}, {1, 1}};
+  const SearchResult result = Decide(world.problem, ByHand(200));
+  const double information = 0.6 * std::exp(-0.15);
+  for (const SearchAction& action : result.actions) {
+    REQUIRE(action.kind == CommandKind::kTransmitView);
+    CHECK(action.mean_value == Approx(action.information_gain - 12.0));
+  }
+  CHECK(Chosen(result).information_gain == Approx(information));
+  CHECK(Chosen(result).target == Cell{1, 3});
+}
+
+TEST_CASE("views that promise nothing are not sent, unless the paper is to be followed",
+          "[planner][search]") {
+  const TextWorld world({"#####", "#G#S#", "#####"});
+  const SearchResult result = Decide(world.problem);
+  CHECK(result.chosen == -1);
+  CHECK(result.iterations == 0);
+  CHECK(result.actions.size() == 8);
+  CHECK(Decide(world.problem, PaperOptions()).chosen >= 0);
+}
+
+TEST_CASE("a view that was sent is not offered again, unless the paper is to be followed",
+          "[planner][search]") {
+  TextWorld world({"#####", "#G#S#", "#####"}, {"#####", "#G.S#", "#####"});
+  world.problem.sent_views = {{{1, 3}, world.graph.HeadingsAt(0)[4]}};
+  CHECK(Decide(world.problem).actions.size() == 7);
+  CHECK(Decide(world.problem, PaperOptions()).actions.size() == 8);
+}
+
+TEST_CASE("nothing is decided when no goal is left or nothing can be done", "[planner][search]") {
+  TextWorld done({"####", "#SG#", "####"});
+  done.problem.goals_left.clear();
+  CHECK(Decide(done.problem).chosen == -1);
+  done.problem.goals_left = {{1, 1}};
+  CHECK(Decide(done.problem).chosen == -1);
+  const TextWorld boxed({"#####", "#S#G#", "#####"}, kNoViews);
+  const SearchResult result = Decide(boxed.problem);
+  CHECK(result.chosen == -1);
+  CHECK(result.actions.empty());
+}
+
+TEST_CASE("a chain adds several nodes in one iteration, at most its depth", "[planner][search]") {
+  const TextWorld world({"########", "#S....G#", "########"}, kNoViews);
+  SearchOptions options = ByHand(1);
+  options.expansion = Expansion::kChain;
+  options.chain_depth = 3;
+  CHECK(Decide(world.problem, options).nodes == 1 + 3);
+  options.expansion = Expansion::kSingle;
+  CHECK(Decide(world.problem, options).nodes == 1 + 1);
+}
+
+TEST_CASE("the misprinted backup chooses badly where the right one does not", "[planner][search]") {
+  // The goal lies two steps east; a rollout's return alone says nothing of the way there.
+  TextWorld world({"######", "#S..G#", "######"}, {"######", "#S#.G#", "######"});
+  world.problem.guidance = {{1, 1}, {1, 2}, {1, 3}, {1, 4}};
+  SearchOptions options = ByHand(500, 0.99);
+  const SearchResult right = Decide(world.problem, options);
+  options.backup = BackupRule::kRolloutReturn;
+  const SearchResult misprint = Decide(world.problem, options);
+  CHECK(Chosen(right).kind == CommandKind::kMove);
+  CHECK(Chosen(misprint).kind == CommandKind::kTransmitView);
+  CHECK(Chosen(misprint).mean_value == 0.0);  // a communication's own reward is lost
+}
+
+TEST_CASE("the same seed gives the same tree", "[planner][search]") {
+  TextWorld world({"#######", "#S.?..#", "#.#.#.#", "#..?.G#", "#######"},
+                  {"#######", "#S..#.#", "#.#.#.#", "#....G#", "#######"});
+  world.problem.guidance = {{1, 1}, {1, 2}, {1, 3}};
+  const SearchResult first = Decide(world.problem, {}, 3);
+  const SearchResult second = Decide(world.problem, {}, 3);
+  CHECK(first.actions == second.actions);
+  CHECK(first.nodes == second.nodes);
+  CHECK(first.perception_queries == second.perception_queries);
+  CHECK(first.expected_path == second.expected_path);
+  const SearchResult other = Decide(world.problem, {}, 4);
+  CHECK_FALSE(first.actions == other.actions);
+}
+
+TEST_CASE("a deadline and a stop end the search after the iteration in progress",
+          "[planner][search]") {
+  const TextWorld world({"#####", "#S.G#", "#####"});
+  FakePerceptionModel model;
+  const IgMcts planner({}, model);
+  Random random(1);
+  FakeClock clock;
+  const SearchResult late =
+      planner.Decide(world.problem, random, {.clock = &clock, .deadline = clock.Now()}).value();
+  CHECK(late.iterations == 1);
+  CHECK(late.chosen >= 0);
+  StopToken stop;
+  stop.RequestStop();
+  CHECK(planner.Decide(world.problem, random, {.stop = &stop}).value().iterations == 1);
+}
+
+TEST_CASE("a budget of time is one of wall time", "[planner][search]") {
+  const TextWorld world({"#####", "#S.G#", "#####"});
+  FakePerceptionModel model;
+  SearchOptions options;
+  options.iterations = 1'000'000;
+  options.time_budget_ms = 5.0;
+  Random random(1);
+  const SteadyClock clock;
+  const auto start = clock.Now();
+  const auto result = IgMcts(options, model).Decide(world.problem, random, {.clock = &clock});
+  REQUIRE(result.has_value());
+  CHECK(result->iterations < 1'000'000);
+  CHECK(clock.Now() - start >= std::chrono::milliseconds(5));
+}
+
+TEST_CASE("a perception model that fails fails the decision", "[planner][search]") {
+  class Gone final : public PerceptionModel {
+   public:
+    [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
+        std::span<const PerceptionQuery> /*queries*/) override {
+      return Fail(ErrorCode::kUnavailable, "gone");
+    }
+    std::string name() const override { return "gone"; }
+  };
+  const TextWorld world({"#####", "#S.G#", "#####"});
+  Gone model;
+  Random random(1);
+  const auto result = IgMcts({}, model).Decide(world.problem, random);
+  REQUIRE_FALSE(result.has_value());
+  CHECK(result.error().code == ErrorCode::kUnavailable);
+}
+
+TEST_CASE("few calls of the perception model serve many iterations", "[planner][search]") {
+  TextWorld world({"#########", "#S......#", "#.#.#.#.#", "#.......#", "#.#.#.#G#", "#########"},
+                  {"#########", "#S..#...#", "#.#.#.#.#", "#...#...#", "#.#.#.#G#", "#########"});
+  world.problem.guidance = {{1, 1}, {2, 1}, {3, 1}};
+  const SearchResult result = Decide(world.problem);
+  CHECK(result.iterations == SearchOptions{}.iterations);
+  CHECK(result.perception_calls > 0);
+  CHECK(result.perception_calls < 200);
+}
+
+}  // namespace
+}  // namespace conav::planner

@@ -1,0 +1,93 @@
+#include "planner/search/path_state.h"
+
+#include <catch2/catch.hpp>
+
+#include "text_map.h"
+
+namespace conav::planner {
+namespace {
+
+TEST_CASE("tau counts its length, visits and the guidance that is left", "[planner][search]") {
+  TextWorld world({"######", "#S..G#", "#....#", "######"});
+  world.problem.guidance = {{1, 1}, {1, 2}, {1, 3}, {1, 4}};
+  PathState path(world.problem);
+  CHECK(path.length() == 1);
+  CHECK(path.earlier_visits() == 0);
+  CHECK(path.on_guidance());
+  CHECK(path.unvisited_guidance() == 3);
+
+  path.Go(world.EdgeBetween({1, 1}, {1, 2}));
+  CHECK(path.length() == 2);
+  CHECK(path.unvisited_guidance() == 2);
+  path.Go(world.EdgeBetween({1, 2}, {2, 2}));
+  CHECK_FALSE(path.on_guidance());
+  path.Go(world.EdgeBetween({2, 2}, {1, 2}));
+  CHECK(path.earlier_visits() == 1);
+  path.Stay();
+  CHECK(path.earlier_visits() == 2);
+  CHECK(path.length() == 5);
+  CHECK(path.unvisited_guidance() == 2);
+}
+
+TEST_CASE("taking steps back restores everything", "[planner][search]") {
+  TextWorld world({"######", "#S?.G#", "######"});
+  world.problem.guidance = {{1, 2}, {1, 4}};
+  PathState path(world.problem);
+  const std::vector<std::uint64_t> before(path.visited().begin(), path.visited().end());
+  const Edge edge = world.EdgeBetween({1, 1}, {1, 2});
+  path.Go(edge);
+  path.Stay();
+  CHECK(path.IsKnownFree(edge));
+  path.TakeBack(0);
+  CHECK(path.vertex() == world.problem.start);
+  CHECK(path.length() == 1);
+  CHECK(path.unvisited_guidance() == 2);
+  CHECK_FALSE(path.IsKnownFree(edge));
+  CHECK(std::vector<std::uint64_t>(path.visited().begin(), path.visited().end()) == before);
+}
+
+TEST_CASE("the path since the last picture is part of tau", "[planner][search]") {
+  TextWorld world({"#####", "#..S#", "#####"});
+  world.problem.path = {{1, 1}, {1, 2}, {1, 1}, {1, 2}, {1, 3}};
+  world.problem.guidance = {{1, 1}, {1, 3}};
+  PathState path(world.problem);
+  CHECK(path.length() == 5);
+  CHECK(path.visits(world.At(1, 1)) == 2);
+  CHECK(path.unvisited_guidance() == 0);
+  path.Go(world.EdgeBetween({1, 3}, {1, 2}));
+  CHECK(path.earlier_visits() == 2);
+}
+
+TEST_CASE("a goal on which the robot stands counts as reached, one in a wall does not count",
+          "[planner][search]") {
+  TextWorld world({"####", "#SG#", "####"});
+  world.problem.goals_left = {{1, 1}, {0, 0}, {1, 2}, {1, 2}};
+  PathState path(world.problem);
+  CHECK_FALSE(path.at_goal());
+  CHECK(path.goals_left() == 1);
+  path.Go(world.EdgeBetween({1, 1}, {1, 2}));
+  CHECK(path.at_goal());
+}
+
+TEST_CASE("guidance through walls stays unvisited, each cell once", "[planner][search]") {
+  TextWorld world({"#####", "#S#G#", "#####"});
+  world.problem.guidance = {{1, 1}, {1, 2}, {1, 3}, {1, 2}};
+  CHECK(PathState(world.problem).unvisited_guidance() == 2);
+}
+
+TEST_CASE("progress is the number of steps to the nearest goal that are saved",
+          "[planner][search]") {
+  TextWorld world({"######", "#.S?G#", "######"});
+  PathState path(world.problem);
+  CHECK(path.progress() == 0.0);
+  path.Go(world.EdgeBetween({1, 2}, {1, 1}));
+  CHECK(path.progress() == -1.0);
+  path.TakeBack(0);
+  path.Go(world.EdgeBetween({1, 2}, {1, 3}));
+  CHECK(path.progress() == 2.0);  // an unknown cell is two expected steps
+  path.Stay();
+  CHECK(path.progress() == 0.0);
+}
+
+}  // namespace
+}  // namespace conav::planner

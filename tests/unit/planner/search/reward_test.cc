@@ -1,0 +1,73 @@
+#include "planner/search/reward.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "text_map.h"
+
+namespace conav::planner {
+namespace {
+
+const RewardOptions kOptions{};
+
+TEST_CASE("a goal gives 100, any other step -1", "[planner][search]") {
+  CHECK(EnvironmentReward(true, kOptions) == 100.0);
+  CHECK(EnvironmentReward(false, kOptions) == -1.0);
+}
+
+TEST_CASE("off the operator's path a step costs log n, on it nothing", "[planner][search]") {
+  CHECK(GuidanceReward(true, true, 7) == 0.0);
+  CHECK(GuidanceReward(true, false, 1) == 0.0);
+  CHECK(GuidanceReward(true, false, 7) == Approx(-1.9459101));
+}
+
+TEST_CASE("without any path so far there is nothing to be off from", "[planner][search]") {
+  CHECK(GuidanceReward(false, false, 7) == 0.0);
+}
+
+TEST_CASE("each earlier visit costs 1", "[planner][search]") {
+  CHECK(SmoothnessReward(0) == 0.0);
+  CHECK(SmoothnessReward(3) == -3.0);
+}
+
+TEST_CASE("a communication costs 10 and 1 per cell of the path not visited", "[planner][search]") {
+  CHECK(CommunicationCost(0, kOptions) == 10.0);
+  CHECK(CommunicationCost(4, kOptions) == 14.0);
+}
+
+TEST_CASE("the reward of a move is the sum of its terms", "[planner][search]") {
+  TextWorld world({"######", "#S..G#", "#....#", "######"});
+  world.problem.guidance = {{1, 2}};
+  PathState path(world.problem);
+  path.Go(world.EdgeBetween({1, 1}, {1, 2}));
+  CHECK(MoveReward(path, kOptions) == Approx(-1.0 + 0.0 - 0.0 + 1.0));  // on the path, nearer
+  path.Go(world.EdgeBetween({1, 2}, {2, 2}));
+  CHECK(MoveReward(path, kOptions) == Approx(-1.0 - std::log(3.0) - 0.0 - 1.0));
+  path.Go(world.EdgeBetween({2, 2}, {2, 1}));
+  path.Go(world.EdgeBetween({2, 1}, {1, 1}));
+  CHECK(MoveReward(path, kOptions) == Approx(-1.0 - std::log(5.0) - 1.0 + 1.0));  // second visit
+  RewardOptions paper = kOptions;
+  paper.progress = 0.0;
+  CHECK(MoveReward(path, paper) == Approx(-1.0 - std::log(5.0) - 1.0));
+}
+
+TEST_CASE("entering a goal gives its reward beside the other terms", "[planner][search]") {
+  TextWorld world({"####", "#SG#", "####"});
+  world.problem.guided_before = true;
+  PathState path(world.problem);
+  path.Go(world.EdgeBetween({1, 1}, {1, 2}));
+  CHECK(MoveReward(path, kOptions) == Approx(100.0 - std::log(2.0) + 1.0));
+}
+
+TEST_CASE("a communication gives its information less its cost", "[planner][search]") {
+  TextWorld world({"######", "#S..G#", "######"});
+  world.problem.guidance = {{1, 1}, {1, 2}, {1, 3}, {1, 4}};
+  const PathState path(world.problem);
+  CHECK(CommunicationReward(path, 1.75, kOptions) == Approx(1.75 - 13.0));
+  RewardOptions with_step = kOptions;
+  with_step.communication_step = -1.0;
+  CHECK(CommunicationReward(path, 1.75, with_step) == Approx(1.75 - 14.0));
+}
+
+}  // namespace
+}  // namespace conav::planner

@@ -1,0 +1,117 @@
+#include "planner/search/rollout.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "planner/search/fake_perception_model.h"
+#include "text_map.h"
+
+namespace conav::planner {
+namespace {
+
+/// Everything a rollout needs around a world.
+struct RolloutFixture {
+  RolloutFixture(const TextWorld& text_world, SearchOptions search_options, std::uint64_t seed = 1)
+      : options(search_options),
+        path(text_world.problem),
+        offered(text_world.problem),
+        information(text_world.problem, offered, model),
+        random(seed),
+        rollout(options, text_world.problem, offered, information, random) {}
+
+  double Run() { return rollout.Run(path).value(); }
+
+  SearchOptions options;
+  FakePerceptionModel model;
+  PathState path;
+  OfferedActions offered;
+  ViewInformation information;
+  Random random;
+  Rollout rollout;
+};
+
+SearchOptions PaperRewards() {
+  SearchOptions options = PaperOptions();
+  options.discount = 0.5;
+  return options;
+}
+
+TEST_CASE("a rollout ends at a goal", "[planner][search]") {
+  const TextWorld world({"####", "#SG#", "####"}, kNoViews);
+  RolloutFixture fixture(world, PaperRewards());
+  CHECK(fixture.Run() == Approx(100.0));
+  CHECK(fixture.path.steps() == 0);
+}
+
+TEST_CASE("a rollout ends when it communicates", "[planner][search]") {
+  TextWorld world({"###", "#S#", "###"});
+  world.problem.guidance = {{1, 1}};
+  RolloutFixture fixture(world, PaperRewards());
+  CHECK(fixture.Run() == Approx(-10.0));
+}
+
+TEST_CASE("a communication's information counts, discounted by the steps before it",
+          "[planner][search]") {
+  // The only place to communicate from lies one step away: both views of the start were sent.
+  TextWorld world({"####", "#S.#", "####"}, {"####", "#S##", "####"}, {.headings = 1});
+  world.problem.sent_views = {{{1, 1}, 0.0}};
+  RolloutFixture fixture(world, PaperRewards());
+  fixture.options.rollout_communication_probability = 1.0;
+  // Step 0 moves (-1); step 1 sends: 0.9 for the wall that the robot stands in, less 10.
+  CHECK(fixture.Run() == Approx(-1.0 + 0.5 * (0.9 - 10.0)).margin(1e-6));
+}
+
+TEST_CASE("a rollout ends when its depth is used up or nothing is offered", "[planner][search]") {
+  TextWorld world({"#####", "#S..#", "#####"}, kNoViews);
+  SearchOptions options = PaperRewards();
+  options.rollout_depth = 2;
+  // To the middle, -1; then either on, -1, or back, -1 and -1 for the second visit.
+  const double value = RolloutFixture(world, options).Run();
+  CHECK((value == Approx(-1.0 - 0.5) || value == Approx(-1.0 - 0.5 * 2.0)));
+
+  const TextWorld closed({"###", "#S#", "###"}, kNoViews);
+  CHECK(RolloutFixture(closed, options).Run() == 0.0);
+}
+
+TEST_CASE("an unknown cell is drawn once per rollout; a blocked robot stays", "[planner][search]") {
+  const TextWorld world({"####", "#S?#", "####"}, kNoViews);
+  SearchOptions options = PaperRewards();
+  options.rollout_depth = 3;
+  options.discount = 1.0;
+  // Blocked: stays three times, -1-1, -1-2, -1-3. Free: there -1, back -1-1, there -1-1.
+  int blocked = 0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    const double value = RolloutFixture(world, options, seed).Run();
+    REQUIRE((value == Approx(-9.0) || value == Approx(-5.0)));
+    blocked += value == Approx(-9.0) ? 1 : 0;
+  }
+  CHECK(blocked > 70);
+  CHECK(blocked < 130);
+}
+
+TEST_CASE("draws are forgotten between rollouts", "[planner][search]") {
+  const TextWorld world({"####", "#S?#", "####"}, kNoViews);
+  SearchOptions options = PaperRewards();
+  options.rollout_depth = 1;
+  options.discount = 1.0;
+  RolloutFixture fixture(world, options);
+  int blocked = 0;
+  for (int i = 0; i < 200; ++i) blocked += fixture.Run() == Approx(-2.0) ? 1 : 0;
+  CHECK(blocked > 70);
+  CHECK(blocked < 130);
+}
+
+TEST_CASE("a cell that the branch has passed is free", "[planner][search]") {
+  const TextWorld world({"####", "#S?#", "####"}, kNoViews);
+  SearchOptions options = PaperRewards();
+  options.rollout_depth = 2;
+  options.discount = 1.0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    RolloutFixture fixture(world, options, seed);
+    fixture.path.Go(world.EdgeBetween({1, 1}, {1, 2}));
+    CHECK(fixture.Run() == Approx(-4.0));  // back and there again, always
+  }
+}
+
+}  // namespace
+}  // namespace conav::planner

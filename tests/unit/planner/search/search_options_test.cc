@@ -1,0 +1,57 @@
+#include "planner/search/search_options.h"
+
+#include <catch2/catch.hpp>
+
+#include "common/runtime/config.h"
+
+namespace conav::planner {
+namespace {
+
+TEST_CASE("the paper's preset holds the printed numbers", "[planner][search]") {
+  const SearchOptions options = PaperOptions();
+  CHECK(options.iterations == 100);
+  CHECK(options.exploration_constant == Approx(std::sqrt(2.0)));
+  CHECK(options.discount == 0.99);
+  CHECK(options.rollout_depth == 100);
+  CHECK(options.expansion == Expansion::kSingle);
+  CHECK(options.backup == BackupRule::kPropagatedSample);
+  CHECK(options.offers_sent_views);
+  CHECK(options.min_information == 0.0);
+  CHECK(options.reward.progress == 0.0);
+  CHECK(options.reward.goal == 100.0);
+  CHECK(options.reward.communication_cost == 10.0);
+}
+
+TEST_CASE("options are read by name and refused by name", "[planner][search]") {
+  SearchOptions options;
+  ReadConfig(YAML::Load("{iterations: 7, expansion: single, untried_order: moves_first, "
+                        "backup: rollout_return, reward: {goal: 30}}"),
+             "planner.search", options);
+  CHECK(options.iterations == 7);
+  CHECK(options.expansion == Expansion::kSingle);
+  CHECK(options.untried_order == UntriedOrder::kMovesFirst);
+  CHECK(options.backup == BackupRule::kRolloutReturn);
+  CHECK(options.reward.goal == 30.0);
+  CHECK_THROWS_AS(ReadConfig(YAML::Load("{expansion: wide}"), "planner.search", options),
+                  StartupError);
+  CHECK_THROWS_AS(ReadConfig(YAML::Load("{discount: 1.5}"), "planner.search", options),
+                  StartupError);
+  CHECK_THROWS_AS(ReadConfig(YAML::Load("{lookahead: 1}"), "planner.search", options),
+                  StartupError);
+}
+
+TEST_CASE("options survive being written and read", "[planner][search]") {
+  SearchOptions written;
+  written.expansion = Expansion::kSingle;
+  written.min_information = 0.25;
+  written.reward.step = -2.0;
+  const YAML::Node document = YAML::Load(DumpConfig("search", written));
+  SearchOptions read;
+  ReadConfig(document["search"]["ros__parameters"], "search", read);
+  CHECK(read.expansion == Expansion::kSingle);
+  CHECK(read.min_information == 0.25);
+  CHECK(read.reward.step == -2.0);
+}
+
+}  // namespace
+}  // namespace conav::planner

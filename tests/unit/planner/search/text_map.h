@@ -1,0 +1,84 @@
+#pragma once
+
+#include <catch2/catch.hpp>
+#include <string_view>
+#include <vector>
+
+#include "planner/search/grid_graph.h"
+#include "planner/search/search_problem.h"
+
+namespace conav::planner {
+
+/// A map from text: '#' wall, '?' unknown, anything else free. Rows of equal length.
+inline OccupancyGrid MapFrom(const std::vector<std::string_view>& rows) {
+  OccupancyGrid map(static_cast<int>(rows.size()), static_cast<int>(rows.at(0).size()));
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    const Cell cell = map.CellAt(i);
+    const char mark =
+        rows[static_cast<std::size_t>(cell.row)][static_cast<std::size_t>(cell.column)];
+    map[cell] = mark == '#'   ? Occupancy::kOccupied
+                : mark == '?' ? Occupancy::kUnknown
+                              : Occupancy::kFree;
+  }
+  return map;
+}
+
+/// What an operator believes who takes '#' for walls and all else for free.
+inline BeliefGrid BeliefFrom(const std::vector<std::string_view>& rows) {
+  const OccupancyGrid map = MapFrom(rows);
+  BeliefGrid belief(map.rows(), map.columns(), 0.0F);
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    if (map.values()[i] == Occupancy::kOccupied) belief.values()[i] = 1.0F;
+  }
+  return belief;
+}
+
+/// Cells of `rows` that show `mark`, row by row.
+inline std::vector<Cell> CellsMarked(const std::vector<std::string_view>& rows, char mark) {
+  std::vector<Cell> cells;
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    for (std::size_t column = 0; column < rows[row].size(); ++column) {
+      if (rows[row][column] == mark) {
+        cells.push_back({static_cast<int>(row), static_cast<int>(column)});
+      }
+    }
+  }
+  return cells;
+}
+
+/// For worlds in which only moves are offered.
+inline constexpr GridGraph::Options kNoViews{.headings = 0};
+
+/// A small world: S start, G goals; the operator believes what the robot knows.
+struct TextWorld {
+  explicit TextWorld(std::vector<std::string_view> rows, const GridGraph::Options& options = {})
+      : TextWorld(rows, rows, options) {}
+  TextWorld(const std::vector<std::string_view>& rows,
+            const std::vector<std::string_view>& believed, const GridGraph::Options& options = {})
+      : graph(MapFrom(rows), {}, options),
+        belief(BeliefFrom(believed)),
+        problem{.graph = graph,
+                .start = graph.VertexAt(CellsMarked(rows, 'S').at(0)).value(),
+                .path = {},
+                .goals_left = CellsMarked(rows, 'G'),
+                .guidance = {},
+                .belief = belief,
+                .sent_views = {}} {}
+  TextWorld(const TextWorld&) = delete;
+
+  VertexId At(int row, int column) const { return graph.VertexAt({row, column}).value(); }
+  /// The edge between two neighbouring cells.
+  Edge EdgeBetween(Cell from, Cell to) const {
+    for (const Edge& edge : graph.EdgesFrom(graph.VertexAt(from).value())) {
+      if (graph.CellOf(edge.target) == to) return edge;
+    }
+    FAIL("no edge");
+    return {};
+  }
+
+  GridGraph graph;
+  BeliefGrid belief;
+  SearchProblem problem;
+};
+
+}  // namespace conav::planner
