@@ -1,0 +1,64 @@
+#include "bench/bus/rounds.h"
+
+#include <algorithm>
+
+#include "common/bus/vendors.h"
+
+namespace conav::bench {
+namespace {
+
+/// As many messages as take a comparable time at each size.
+std::uint64_t FloodLength(std::size_t size, std::uint64_t trips) {
+  return size > 1000 ? trips : trips * 10;
+}
+
+void MeasureRound(Traffic& bus, Traffic& raw, int round, std::uint64_t trips, Series& series) {
+  const auto measure_bus = [&] { series.bus.push_back(bus.MeasureRoundTrips(series.size, trips)); };
+  const auto measure_raw = [&] { series.raw.push_back(raw.MeasureRoundTrips(series.size, trips)); };
+  if (round % 2 == 0) {
+    measure_bus();
+    measure_raw();
+  } else {
+    measure_raw();
+    measure_bus();
+  }
+  const std::uint64_t flood = FloodLength(series.size, trips);
+  series.bus_rate.push_back(bus.MeasureRate(series.size, flood));
+  series.raw_rate.push_back(raw.MeasureRate(series.size, flood));
+}
+
+}  // namespace
+
+std::vector<Series> RunRounds(const RoundsOptions& options) {
+  std::vector<Series> result;
+  for (const char* vendor : {bus::kCycloneDds, bus::kFastDds}) {
+    Traffic bus({vendor, false, options.first_domain}, options.own_program);
+    Traffic raw({vendor, true, options.first_domain + 1}, options.own_program);
+    Series small{vendor, kSmall, {}, {}, {}, {}};
+    Series large{vendor, kLarge, {}, {}, {}, {}};
+    for (int round = 0; round < options.rounds; ++round) {
+      MeasureRound(bus, raw, round, options.trips, small);
+      MeasureRound(bus, raw, round, options.trips, large);
+    }
+    result.push_back(std::move(small));
+    result.push_back(std::move(large));
+  }
+  return result;
+}
+
+double Median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  const std::size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2.0;
+}
+
+double Ratio(const Series& series) {
+  std::vector<double> ratios;
+  for (std::size_t i = 0; i < series.bus.size(); ++i) {
+    ratios.push_back(series.bus[i].p50_us / series.raw[i].p50_us);
+  }
+  return Median(ratios);
+}
+
+}  // namespace conav::bench
