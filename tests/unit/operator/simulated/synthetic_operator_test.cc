@@ -3,100 +3,12 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
-#include "unit/operator/support/drawn_map.h"
+#include "unit/operator/support/synthetic_desk.h"
 
 namespace conav::operators {
 namespace {
 
 using namespace std::chrono_literals;
-
-const BeliefGrid kMap = DrawnMap({"######", "#    #", "# ## #", "#    #", "######"});
-
-SyntheticOperatorParameters Flawless() {
-  SyntheticOperatorParameters parameters;
-  parameters.reader.edit_probability = 1.0;
-  parameters.reader.decay_cells = 1e6;
-  parameters.reader.path_removal_probability = 1.0;
-  parameters.reader.lateral_factor = 1.0;
-  parameters.reader.misplacement_probability = 0.0;
-  parameters.reader.lapse_probability = 0.0;
-  parameters.reader.guess_probability = 0.0;
-  parameters.glance_rate = 1.0;
-  return parameters;
-}
-
-Belief MapAt(std::uint64_t revision, BeliefGrid map = kMap) {
-  return {{0}, "w1", revision, std::move(map), ""};
-}
-
-RobotState StateAt(Cell cell, std::int64_t stamp, const std::string& robot = "r1") {
-  RobotState state;
-  state.stamp = {stamp};
-  state.world = "w1";
-  state.robot = robot;
-  state.cell = cell;
-  state.goals_left = {{1, 4}};
-  return state;
-}
-
-/// From (1,1): a wall at (1,3), which the map does not have.
-Picture PictureOf(std::uint64_t sequence_number, std::int64_t stamp, bool streamed = false) {
-  Picture picture;
-  picture.stamp = {stamp};
-  picture.world = "w1";
-  picture.robot = "r1";
-  picture.sequence_number = sequence_number;
-  picture.streamed = streamed;
-  picture.cell = {1, 1};
-  picture.visible = {{{1, 1}, {1, 2}}, {{1, 3}}};
-  picture.path = {{1, 1}};
-  picture.goals_left = {{1, 4}};
-  return picture;
-}
-
-AttentionRequest Attention(AttentionReason reason, Cell cell, std::uint64_t newest_snapshot,
-                           std::int64_t stamp, std::uint64_t sequence_number = 1) {
-  return {{stamp}, "w1", "r1", sequence_number, reason, cell, newest_snapshot, 0.0, 0.0};
-}
-
-/// A person with robots r1 and r2 of world w1, and a clock in the test's hand.
-struct Desk {
-  explicit Desk(const SyntheticOperatorParameters& parameters = Flawless(),
-                const std::map<std::string, std::string>& robots = {{"r1", "w1"}})
-      : person(parameters, 1, robots) {}
-
-  EditRequest ExpectEdit() {
-    const auto ask = person.Next(clock.Now());
-    REQUIRE(ask.has_value());
-    REQUIRE(std::holds_alternative<EditRequest>(ask->body));
-    return std::get<EditRequest>(ask->body);
-  }
-  GuideRequest ExpectGuide() {
-    const auto ask = person.Next(clock.Now());
-    REQUIRE(ask.has_value());
-    CHECK(ask->world == "w1");
-    REQUIRE(std::holds_alternative<GuideRequest>(ask->body));
-    return std::get<GuideRequest>(ask->body);
-  }
-  void ExpectNothing() { CHECK_FALSE(person.Next(clock.Now()).has_value()); }
-  void Accept(std::uint64_t revision) {
-    person.Answered(OperatorReply{"c", 1, true, "", revision}, clock.Now());
-  }
-  void Refuse(std::uint64_t revision) {
-    person.Answered(OperatorReply{"c", 1, false, "no", revision}, clock.Now());
-  }
-  /// Belief and state are there and the first path is given.
-  void Begin() {
-    person.Hear(MapAt(0));
-    person.Hear(StateAt({1, 1}, 10));
-    ExpectGuide();
-    Accept(1);
-    ExpectNothing();
-  }
-
-  FakeClock clock;
-  SyntheticOperator person;
-};
 
 TEST_CASE("The first path is given when belief and state are there", "[operator][simulated]") {
   Desk desk;
@@ -195,94 +107,6 @@ TEST_CASE("Only a share of streamed pictures is looked at", "[operator][simulate
     desk.Accept(0);  // the map never changes here
   }
   CHECK(edits == Approx(600).margin(60));
-}
-
-TEST_CASE("A blocked cell becomes a wall for certain and the next path avoids it",
-          "[operator][simulated]") {
-  SyntheticOperatorParameters parameters = Flawless();
-  parameters.planner.wall_crossing_cost = 0.0;
-  Desk desk(parameters);
-  desk.Begin();
-  desk.person.Hear(Attention(AttentionReason::kBlocked, {1, 2}, 0, 10), desk.clock.Now());
-  CHECK(desk.ExpectEdit() == EditRequest{0, {{{1, 2}, true}}});
-  desk.Accept(1);
-  BeliefGrid edited = kMap;
-  edited[{1, 2}] = 1.0F;
-  desk.person.Hear(MapAt(1, edited));
-  // Crossing walls is free here, but not this one.
-  CHECK(desk.ExpectGuide().path ==
-        std::vector<Cell>{{1, 1}, {2, 1}, {2, 2}, {2, 3}, {1, 3}, {1, 4}});
-  desk.Accept(2);
-
-  // A picture that seems to show it free does not make the person forget.
-  Picture picture = PictureOf(1, 20);
-  picture.visible = {{{1, 2}}, {}};
-  desk.person.Hear(picture, desk.clock.Now());
-  desk.ExpectGuide();
-}
-
-TEST_CASE("A cell that another robot holds is not marked as a wall", "[operator][simulated]") {
-  Desk desk;
-  desk.Begin();
-  RobotState state = StateAt({1, 1}, 20);
-  state.command_outcome = CommandOutcome::kOccupied;
-  state.command_cell = {1, 2};
-  desk.person.Hear(state);
-  desk.person.Hear(Attention(AttentionReason::kBlocked, {1, 2}, 0, 20), desk.clock.Now());
-  desk.ExpectGuide();
-}
-
-TEST_CASE("A robot without guidance gets a path from where it is", "[operator][simulated]") {
-  Desk desk;
-  desk.Begin();
-  desk.person.Hear(StateAt({1, 2}, 30));
-  desk.person.Hear(Attention(AttentionReason::kNoGuidance, {1, 2}, 0, 30), desk.clock.Now());
-  CHECK(desk.ExpectGuide().path == std::vector<Cell>{{1, 2}, {1, 3}, {1, 4}});
-}
-
-TEST_CASE("An attention request waits for the pictures and the state that it speaks of",
-          "[operator][simulated]") {
-  Desk desk;
-  desk.Begin();
-  desk.person.Hear(Attention(AttentionReason::kNoGuidance, {1, 1}, 2, 30), desk.clock.Now());
-  desk.ExpectNothing();
-  Picture first = PictureOf(1, 20, true);
-  first.visible = {};
-  desk.person.Hear(first, desk.clock.Now());
-  desk.ExpectNothing();
-  desk.person.Hear(PictureOf(2, 20, true), desk.clock.Now());
-  CHECK(desk.ExpectEdit().edits.size() == 1);
-  desk.Accept(0);
-  desk.ExpectNothing();
-  desk.person.Hear(StateAt({1, 2}, 30));
-  const GuideRequest guide = desk.ExpectGuide();
-  CHECK(guide.path.front() == Cell{1, 2});
-  CHECK(guide.answers_snapshot == 2);
-}
-
-TEST_CASE("An attention request whose pictures never come is answered after a while",
-          "[operator][simulated]") {
-  Desk desk;
-  desk.Begin();
-  desk.person.Hear(Attention(AttentionReason::kNoGuidance, {1, 1}, 2, 30), desk.clock.Now());
-  desk.clock.Advance(1999ms);
-  desk.ExpectNothing();
-  desk.clock.Advance(1ms);
-  CHECK(desk.ExpectGuide().answers_snapshot == 0);
-}
-
-TEST_CASE("A repeated attention request is answered once, a newer one replaces an older one",
-          "[operator][simulated]") {
-  Desk desk;
-  desk.Begin();
-  const auto ask = Attention(AttentionReason::kNoGuidance, {1, 1}, 0, 10);
-  desk.person.Hear(ask, desk.clock.Now());
-  desk.person.Hear(ask, desk.clock.Now());
-  desk.person.Hear(Attention(AttentionReason::kNoGuidance, {1, 1}, 0, 10, 2), desk.clock.Now());
-  desk.ExpectGuide();
-  desk.Accept(2);
-  desk.ExpectNothing();
-  CHECK(desk.person.open() == 0);
 }
 
 TEST_CASE("A refused edit is made again on the new map, as far as it is still a change",
