@@ -28,18 +28,23 @@ Decision MoveAlong(std::vector<Cell> plan) {
   return decision;
 }
 
-Decision FollowPath(const Situation& situation) {
+Decision PathFollower::Next(const Situation& situation) {
   const Cell here = situation.state.cell;
   if (!situation.guidance) return Ask(AttentionReason::kNoGuidance, here);
-  const std::vector<Cell>& path = situation.guidance->path;
-  const auto at = std::find(path.rbegin(), path.rend(), here);
-  if (at == path.rend() || at == path.rbegin()) return Ask(AttentionReason::kNoGuidance, here);
-  const auto next = at.base();  // the cell after `here`
-  if (KnownWall(situation, *next)) return Ask(AttentionReason::kBlocked, *next);
+  if (path_ != situation.guidance->path) {
+    path_ = situation.guidance->path;
+    position_ = 0;
+  }
+  const auto from = path_.begin() + static_cast<std::ptrdiff_t>(position_);
+  const auto at = std::find(from, path_.end(), here);
+  if (at == path_.end() || at + 1 == path_.end()) return Ask(AttentionReason::kNoGuidance, here);
+  position_ = static_cast<std::size_t>(at - path_.begin());
+  const Cell next = *(at + 1);
+  if (KnownWall(situation, next)) return Ask(AttentionReason::kBlocked, next);
   const bool taken = std::any_of(situation.neighbours.begin(), situation.neighbours.end(),
-                                 [&](const Neighbour& other) { return other.cell == *next; });
+                                 [&](const Neighbour& other) { return other.cell == next; });
   if (taken) return {};
-  return MoveAlong({next, path.end()});
+  return MoveAlong({at + 1, path_.end()});
 }
 
 }  // namespace conav::planner

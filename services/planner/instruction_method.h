@@ -1,5 +1,6 @@
 #pragma once
 
+#include "planner/follow_path.h"
 #include "planner/method.h"
 
 namespace conav::planner {
@@ -11,6 +12,9 @@ class InstructionMethod final : public Method {
  public:
   Decision Decide(const Situation& situation) override;
   bool pictures_are_answered() const override { return false; }
+
+ private:
+  PathFollower follower_;
 };
 
 }  // namespace conav::planner

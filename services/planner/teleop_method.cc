@@ -13,7 +13,7 @@ Decision TeleopMethod::Decide(const Situation& situation) {
     decision.attention_cell = situation.state.cell;
     return decision;
   }
-  Decision decision = FollowPath(situation);
+  Decision decision = PathFollower().Next(situation);
   if (decision.action || decision.attention) done_revision_ = situation.guidance->revision;
   return decision;
 }

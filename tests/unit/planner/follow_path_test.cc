@@ -23,25 +23,44 @@ Situation OpenSituation() {
 }  // namespace
 
 TEST_CASE("the next cell of the path is taken", "[planner][instruction]") {
-  const Decision decision = FollowPath(OpenSituation());
+  const Decision decision = PathFollower().Next(OpenSituation());
   REQUIRE(decision.action);
   CHECK(decision.action->target == Cell{1, 2});
   CHECK(decision.plan == std::vector<Cell>{{1, 2}, {1, 3}});
   CHECK(decision.report.chosen == 0);
 }
 
-TEST_CASE("a path that comes through a cell twice goes on after the last time",
-          "[planner][instruction]") {
+TEST_CASE("a path that comes through a cell twice is gone leg by leg", "[planner][instruction]") {
+  PathFollower follower;
   Situation situation = OpenSituation();
   situation.guidance->path = {{1, 1}, {1, 2}, {1, 1}, {2, 1}};
-  CHECK(FollowPath(situation).action->target == Cell{2, 1});
+  CHECK(follower.Next(situation).action->target == Cell{1, 2});
+  situation.state.cell = {1, 2};
+  CHECK(follower.Next(situation).action->target == Cell{1, 1});
+  situation.state.cell = {1, 1};
+  CHECK(follower.Next(situation).action->target == Cell{2, 1});
+}
+
+TEST_CASE("a new path is followed from its beginning", "[planner][instruction]") {
+  PathFollower follower;
+  Situation situation = OpenSituation();
+  situation.state.cell = {1, 2};
+  CHECK(follower.Next(situation).action->target == Cell{1, 3});
+  situation.guidance->path = {{1, 2}, {2, 2}, {1, 2}, {1, 1}};
+  CHECK(follower.Next(situation).action->target == Cell{2, 2});
+}
+
+TEST_CASE("teleoperation takes the first step of a tour that comes back", "[planner][teleop]") {
+  Situation situation = OpenSituation();
+  situation.guidance->path = {{1, 1}, {2, 1}, {1, 1}, {1, 2}};
+  CHECK(TeleopMethod().Decide(situation).action->target == Cell{2, 1});
 }
 
 TEST_CASE("a known wall on the path makes the robot ask, and names the wall",
           "[planner][instruction]") {
   Situation situation = OpenSituation();
   situation.map.cells[{1, 2}] = Occupancy::kOccupied;
-  const Decision decision = FollowPath(situation);
+  const Decision decision = PathFollower().Next(situation);
   CHECK_FALSE(decision.action);
   CHECK(decision.attention == AttentionReason::kBlocked);
   CHECK(decision.attention_cell == Cell{1, 2});
@@ -51,17 +70,17 @@ TEST_CASE("without a path, at its end or beside it the robot asks for one",
           "[planner][instruction]") {
   Situation situation = OpenSituation();
   situation.state.cell = {1, 3};
-  CHECK(FollowPath(situation).attention == AttentionReason::kNoGuidance);
+  CHECK(PathFollower().Next(situation).attention == AttentionReason::kNoGuidance);
   situation.state.cell = {3, 3};
-  CHECK(FollowPath(situation).attention == AttentionReason::kNoGuidance);
+  CHECK(PathFollower().Next(situation).attention == AttentionReason::kNoGuidance);
   situation.guidance.reset();
-  CHECK(FollowPath(situation).attention == AttentionReason::kNoGuidance);
+  CHECK(PathFollower().Next(situation).attention == AttentionReason::kNoGuidance);
 }
 
 TEST_CASE("another robot on the next cell is waited for without asking", "[planner][instruction]") {
   Situation situation = OpenSituation();
   situation.neighbours = {{"r2", {1, 2}, {}}};
-  const Decision decision = FollowPath(situation);
+  const Decision decision = PathFollower().Next(situation);
   CHECK_FALSE(decision.action);
   CHECK_FALSE(decision.attention);
 }
