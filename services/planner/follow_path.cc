@@ -47,4 +47,9 @@ Decision PathFollower::Next(const Situation& situation) {
   return MoveAlong({at + 1, path_.end()});
 }
 
+std::vector<Cell> PathFollower::Rest() const {
+  if (position_ + 1 >= path_.size()) return {};
+  return {path_.begin() + static_cast<std::ptrdiff_t>(position_) + 1, path_.end()};
+}
+
 }  // namespace conav::planner

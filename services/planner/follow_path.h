@@ -15,6 +15,8 @@ class PathFollower {
   /// kBlocked with the wall's cell, kNoGuidance when there is no path, nothing left of it, or the
   /// robot is beside it. Waits, without asking, while another robot stands on that cell.
   Decision Next(const Situation& situation);
+  /// What is left of the path after the place where the robot was last.
+  std::vector<Cell> Rest() const;
 
  private:
   std::vector<Cell> path_;

@@ -10,7 +10,7 @@ namespace conav::planner {
 std::unique_ptr<Method> MakeMethod(const std::string& name, const std::string& robot,
                                    const SearchConfig& search, std::uint64_t seed,
                                    std::shared_ptr<PerceptionModel> perception) {
-  if (name == "instruction") return std::make_unique<InstructionMethod>();
+  if (name == "instruction") return std::make_unique<InstructionMethod>(seed);
   if (name == "teleop") return std::make_unique<TeleopMethod>();
   DEMAND(name == "ig-mcts", name, robot);
   return std::make_unique<IgMctsMethod>(search, seed, std::move(perception));

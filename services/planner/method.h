@@ -46,6 +46,9 @@ class Method {
  public:
   virtual ~Method() = default;
   virtual Decision Decide(const Situation& situation) = 0;
+  /// Cells that the robot would enter next if no other robot were there; the others make room on
+  /// them.
+  virtual std::vector<Cell> WayFor(const Situation& situation) const;
   /// Whether the operator answers each picture before the next decision.
   virtual bool pictures_are_answered() const = 0;
 };

@@ -5,7 +5,6 @@
 #include "common/grid/geometry.h"
 #include "common/runtime/log.h"
 #include "planner/goal_pose.h"
-#include "planner/traffic.h"
 
 namespace conav::planner {
 namespace {
@@ -48,7 +47,7 @@ Clock::TimePoint RobotWorker::Step() {
   waiting_for_guidance_ = false;
 
   const Situation situation = SituationFrom(inputs);
-  board_.PutWay(options_.robot, DesiredWay(situation));
+  board_.PutWay(options_.robot, method_->WayFor(situation));
   const auto start = std::chrono::steady_clock::now();
   Decision decision = method_->Decide(situation);
   const std::chrono::duration<double, std::milli> duration =

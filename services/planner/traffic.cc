@@ -63,6 +63,8 @@ std::vector<Cell> DesiredWay(const Situation& situation) {
   return WayToNearest(situation, may_be_free, is_goal);
 }
 
+std::vector<Cell> Method::WayFor(const Situation& situation) const { return DesiredWay(situation); }
+
 std::optional<Cell> StepAside(const Situation& situation) {
   std::vector<Cell> reserved;  // ways of the robots that go before
   bool in_the_way = false;
@@ -82,6 +84,22 @@ std::optional<Cell> StepAside(const Situation& situation) {
   const std::vector<Cell> way = WayToNearest(situation, passable, aside);
   if (way.empty()) return std::nullopt;
   return way.front();
+}
+
+std::optional<Cell> StepAnywhere(const Situation& situation, Random& random) {
+  std::vector<Cell> free;
+  for (const Cell offset : kNeighbourOffsets) {
+    const Cell cell = situation.state.cell + offset;
+    const bool taken = std::any_of(situation.neighbours.begin(), situation.neighbours.end(),
+                                   [&](const Neighbour& other) { return other.cell == cell; });
+    if (situation.map.cells.Contains(cell) && situation.map.cells[cell] == Occupancy::kFree &&
+        !taken) {
+      free.push_back(cell);
+    }
+  }
+  if (free.empty()) return std::nullopt;
+  return free[static_cast<std::size_t>(
+      random.Uniform(0, static_cast<std::int64_t>(free.size()) - 1))];
 }
 
 const Neighbour* WaitsFor(const Situation& situation, const std::vector<Cell>& way) {

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/runtime/random.h"
 #include "planner/method.h"
 
 namespace conav::planner {
@@ -21,6 +22,9 @@ std::vector<Cell> DesiredWay(const Situation& situation);
 /// this one, if this robot stands within the next few cells of such a way. Nothing when it stands
 /// on none, or cannot get away.
 std::optional<Cell> StepAside(const Situation& situation);
+
+/// A free neighbour cell drawn at random: the last resort of robots that wait for each other.
+std::optional<Cell> StepAnywhere(const Situation& situation, Random& random);
 
 /// The neighbour that stands on the first cell of `way` and has to make room for this robot, if
 /// any.

@@ -88,8 +88,8 @@ TEST_CASE("another robot on the next cell is waited for without asking", "[plann
 TEST_CASE("a robot without goals stays where it is", "[planner][instruction]") {
   Situation situation = OpenSituation();
   situation.state.goals_left.clear();
-  CHECK_FALSE(InstructionMethod().Decide(situation).action);
-  CHECK_FALSE(InstructionMethod().Decide(situation).attention);
+  CHECK_FALSE(InstructionMethod(1).Decide(situation).action);
+  CHECK_FALSE(InstructionMethod(1).Decide(situation).attention);
 }
 
 TEST_CASE("teleoperation takes one step per order and then asks for the next",
