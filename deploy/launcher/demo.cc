@@ -62,6 +62,7 @@ bool Demo::Run(const StopToken& stop) {
   progress_.Finish(episode_);
   progress_.Say(OutcomeLine(outcome_));
   if (outcome_.reason == EndReason::kProcessDied) TellWhereRobotsStand();
+  place_.recorder.reset();  // that the services leave now is no news
   for (const std::string& name : processes_.StopAll(kGrace)) {
     progress_.Say(fmt::format("{} did not stop when asked and was killed", name));
   }
