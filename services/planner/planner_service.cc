@@ -55,7 +55,6 @@ PlannerService::PlannerService(bus::Participant& participant, const PlannerConfi
                                const Clock& clock)
     : participant_(participant),
       config_(config),
-      clock_(clock),
       board_(WorldOfRobot("planner", config.robots)),
       perception_(MakePerception(participant, config, clock)),
       diagnostics_(participant, clock) {

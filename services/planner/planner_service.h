@@ -39,7 +39,6 @@ class PlannerService {
 
   bus::Participant& participant_;
   PlannerConfig config_;
-  const Clock& clock_;
   Blackboard board_;
   std::shared_ptr<PerceptionModel> perception_;
   std::vector<std::unique_ptr<Link>> links_;

@@ -17,14 +17,14 @@ Actions OfferedActions::At(VertexId vertex) {
 }
 
 std::vector<int> OfferedActions::OfferedViews(VertexId vertex) const {
-  constexpr double kSameHeading_rad = 1e-6;
+  constexpr double kSameHeadingRad = 1e-6;
   const Cell cell = problem_.graph.CellOf(vertex);
   const auto headings = problem_.graph.HeadingsAt(vertex);
   std::vector<int> offered;
   for (std::size_t i = 0; i < headings.size(); ++i) {
     const auto is_this = [&](const SentView& sent) {
       return sent.cell == cell &&
-             std::abs(WrapAngle(sent.heading_rad - headings[i])) < kSameHeading_rad;
+             std::abs(WrapAngle(sent.heading_rad - headings[i])) < kSameHeadingRad;
     };
     if (std::none_of(problem_.sent_views.begin(), problem_.sent_views.end(), is_this)) {
       offered.push_back(static_cast<int>(i));
