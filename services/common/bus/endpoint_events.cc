@@ -7,13 +7,13 @@ namespace conav::bus {
 namespace {
 
 std::string PolicyName(std::uint32_t policy) {
-  static const std::map<std::uint32_t, std::string> kNames = {
+  static const std::map<std::uint32_t, std::string> names = {
       {2, "durability"},         {4, "deadline"},
       {5, "latency budget"},     {6, "ownership"},
       {8, "liveliness"},         {11, "reliability"},
       {12, "destination order"}, {23, "data representation"}};
-  const auto found = kNames.find(policy);
-  return found != kNames.end() ? found->second : "policy " + std::to_string(policy);
+  const auto found = names.find(policy);
+  return found != names.end() ? found->second : "policy " + std::to_string(policy);
 }
 
 }  // namespace

@@ -24,8 +24,10 @@ namespace conav::bus {
 /// first), or a handler gets each message on the bus's receive thread, at once; a handler must be
 /// short and not throw. A payload that is no T is dropped with a counted warning. Each sample
 /// arrives once, also after a link was cut and the vendor repeated its history. A handler may
-/// publish, but not on the topic that it listens to. Volatile topics promise nothing until about
-/// 0.1 s after both sides know of each other: whoever needs an answer asks again.
+/// publish, but not on the topic that it listens to, and not again and again when the queue is
+/// full: the acknowledgements that would empty it may come in on the thread that it holds. Volatile
+/// topics promise nothing until about 0.1 s after both sides know of each other: whoever needs an
+/// answer asks again.
 template <class T>
 class Subscriber {
  public:

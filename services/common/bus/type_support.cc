@@ -17,18 +17,17 @@ std::string RosTypeName(std::string_view cpp_name) {
 // ros_discovery_info has two layouts under one DDS name.
 template <>
 const TypeSupport& TypeSupportOf<ros_graph_jazzy::msg::ParticipantEntitiesInfo>() {
-  static const TypeSupport kSupport =
-      MakeTypeSupport<ros_graph_jazzy::msg::ParticipantEntitiesInfo>(
-          "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_");
-  return kSupport;
+  static const TypeSupport support = MakeTypeSupport<ros_graph_jazzy::msg::ParticipantEntitiesInfo>(
+      "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_");
+  return support;
 }
 
 template <>
 const TypeSupport& TypeSupportOf<ros_graph_humble::msg::ParticipantEntitiesInfo>() {
-  static const TypeSupport kSupport =
+  static const TypeSupport support =
       MakeTypeSupport<ros_graph_humble::msg::ParticipantEntitiesInfo>(
           "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_");
-  return kSupport;
+  return support;
 }
 
 template const TypeSupport& TypeSupportOf<nav_msgs::msg::OccupancyGrid>();

@@ -95,8 +95,8 @@ TypeSupport MakeTypeSupport(std::string name) {
 
 template <class T>
 const TypeSupport& TypeSupportOf() {
-  static const TypeSupport kSupport = MakeTypeSupport<T>(RosTypeName(internal::CppName<T>()));
-  return kSupport;
+  static const TypeSupport support = MakeTypeSupport<T>(RosTypeName(internal::CppName<T>()));
+  return support;
 }
 
 }  // namespace conav::bus

@@ -192,8 +192,8 @@ TEST_CASE("ROS 2 tools learn the peer's node and its endpoints", "[system][bus]"
     return peer.node_name() == "bus_peer";
   }));
   CHECK(peer.node_namespace() == "/");
-  CHECK(peer.reader_gid_seq().size() == 3);
-  CHECK(peer.writer_gid_seq().size() == 5);
+  CHECK(peer.reader_gid_seq().size() == 4);
+  CHECK(peer.writer_gid_seq().size() == 6);
 }
 
 }  // namespace

@@ -45,6 +45,26 @@ class Echo {
   bus::Subscriber<T> subscriber_;
 };
 
+class FloodCounter {
+ public:
+  explicit FloodCounter(bus::Participant& participant)
+      : report_(participant, kFloodReport),
+        flood_(participant, kFlood, {}, [this](Blob&& blob) { Count(blob); }) {}
+
+ private:
+  void Count(const Blob& blob) {
+    if (blob.data().empty()) {
+      Publish(report_, MakeBlob(in_order_, 1));
+    } else if (blob.id() == in_order_ + 1) {
+      ++in_order_;
+    }
+  }
+
+  std::uint64_t in_order_ = 0;
+  bus::Publisher<Blob> report_;
+  bus::Subscriber<Blob> flood_;
+};
+
 void PublishGarbage(bus::Publisher<RawBlob>& garbage, bus::Publisher<Blob>& good) {
   Publish(garbage, {{0, 1, 0, 0, 1, 2, 3}});
   Publish(garbage, {{0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xf0, 1, 2, 3, 4}});
@@ -57,6 +77,7 @@ void Run(const bus::ParticipantOptions& options) {
   bus::Participant raw_participant("bus_peer_raw", options);
   Echo<Blob> echo(participant, kPing, kPong);
   Echo<KeyedBlob> keyed_echo(participant, kKeyedPing, kKeyedPong);
+  FloodCounter flood(participant);
   bus::Publisher<Blob> history(participant, kHistory);
   for (std::uint64_t id = 1; id <= kHistoryPublished; ++id) Publish(history, MakeBlob(id, 1000));
   bus::Publisher<RawBlob> garbage(raw_participant, kGarbage);

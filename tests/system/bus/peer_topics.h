@@ -15,6 +15,11 @@ inline constexpr bus::Topic<Blob> kPong{"/test/pong", bus::kDefaultQos};
 inline constexpr bus::Topic<KeyedBlob> kKeyedPing{"/test/keyed_ping", bus::kDefaultQos};
 inline constexpr bus::Topic<KeyedBlob> kKeyedPong{"/test/keyed_pong", bus::kDefaultQos};
 
+/// The peer counts how many of the ids 1, 2, ... came in order, and reports that as id when a
+/// message without data ends the flood.
+inline constexpr bus::Topic<Blob> kFlood{"/test/flood", bus::kRequestQos};
+inline constexpr bus::Topic<Blob> kFloodReport{"/test/flood_report", bus::kLatchedQos};
+
 /// The peer publishes ids 1 to kHistoryPublished at its start.
 inline constexpr std::uint64_t kHistoryPublished = 12;
 inline constexpr int kHistoryDepth = 5;

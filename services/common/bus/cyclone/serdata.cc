@@ -204,7 +204,7 @@ void KeyHash(const ddsi_serdata* data, ddsi_keyhash* hash, bool force_md5) {
 
 }  // namespace
 
-const ddsi_serdata_ops kSerdataOperations = {
+const ddsi_serdata_ops serdata_operations = {
     .eqkey = EqualKey,
     .get_size = Size,
     .from_ser = FromFragments,

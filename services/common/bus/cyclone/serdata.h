@@ -41,6 +41,6 @@ inline const Serdata& AsSerdata(const ddsi_serdata* data) {
   return *reinterpret_cast<const Serdata*>(data);
 }
 
-extern const ddsi_serdata_ops kSerdataOperations;
+extern const ddsi_serdata_ops serdata_operations;
 
 }  // namespace conav::bus

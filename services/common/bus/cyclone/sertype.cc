@@ -28,7 +28,7 @@ bool Equal(const ddsi_sertype* a, const ddsi_sertype* b) {
 std::uint32_t Hash(const ddsi_sertype*) { return 0; }
 
 // No type information is announced: matching is by name, as Fast DDS 2.9 does.
-const ddsi_sertype_ops kSertypeOperations = {
+const ddsi_sertype_ops sertype_operations = {
     .version = ddsi_sertype_v0,
     .arg = nullptr,
     .free = Free,
@@ -51,7 +51,7 @@ ddsi_sertype* MakeSertype(const TypeSupport& type) {
   auto* sertype = new Sertype{};
   sertype->type = &type;
   const std::uint32_t flags = type.keyed ? 0 : DDSI_SERTYPE_FLAG_TOPICKIND_NO_KEY;
-  ddsi_sertype_init_flags(&sertype->c, type.name.c_str(), &kSertypeOperations, &kSerdataOperations,
+  ddsi_sertype_init_flags(&sertype->c, type.name.c_str(), &sertype_operations, &serdata_operations,
                           flags);
   sertype->c.allowed_data_representation = DDS_DATA_REPRESENTATION_FLAG_XCDR1;
   return &sertype->c;
