@@ -120,6 +120,7 @@ bool Demo::SomethingDied() {
     }
     outcome_.reason = EndReason::kProcessDied;
     outcome_.detail = what;
+    died_service_ = process->name().substr(0, process->name().find("-w"));
     fatal = true;
   }
   return fatal;
@@ -130,7 +131,7 @@ void Demo::TellWhereRobotsStand() {
   const auto all_stand = [this] {
     return std::all_of(episode_.robots.begin(), episode_.robots.end(), StandsStill);
   };
-  const bool sim_died = outcome_.detail.starts_with("sim");
+  const bool sim_died = died_service_ == "sim";
   while (!sim_died && !all_stand() && clock_.Now() < deadline) {
     place_.participant->Wait(kPeriod);
     place_.recorder->Take();

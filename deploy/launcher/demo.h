@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "common/runtime/clock.h"
 #include "common/runtime/stop_token.h"
@@ -45,6 +46,7 @@ class Demo {
   RunFolder run_;
   Progress progress_;
   Outcome outcome_;
+  std::string died_service_;  // that ended the run; "sim" also among several worlds
   ProcessGroup processes_;
 };
 

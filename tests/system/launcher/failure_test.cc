@@ -50,6 +50,10 @@ TEST_CASE("the operator's death is named and the robot stops", "[launcher][syste
   DeathIsNamed("operator");
 }
 
+TEST_CASE("the simulated operator's death is named and the robot stops", "[launcher][system]") {
+  DeathIsNamed("simulated-operator");
+}
+
 TEST_CASE("without the perception service the planner goes on by itself", "[launcher][system]") {
   DemoRun demo({"--headless", "--speed", "20", "--camera", "none"});
   const pid_t nhpm = demo.PidOf("nhpm");
