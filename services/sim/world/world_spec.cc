@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 
 #include "common/runtime/random.h"
@@ -106,7 +107,11 @@ Result<void> PlaceGoals(const Site& site, const WorldOptions& options, std::set<
   const std::size_t robots = spec.starts.size();
   if (!options.goals.empty()) {
     spec.goals.assign(robots, options.goals);
-    taken.insert(options.goals.begin(), options.goals.end());
+    for (std::size_t robot = 0; robot < robots; ++robot) {
+      if (std::ranges::find(options.goals, spec.starts[robot]) == options.goals.end()) continue;
+      return Fail(ErrorCode::kInvalidArgument,
+                  fmt::format("start {} of robot {} is a goal", spec.starts[robot], robot + 1));
+    }
     return CheckCells(site.truth, options.goals, "goal");
   }
   const int count = options.goals_per_robot > 0 ? options.goals_per_robot : site.goals;
@@ -165,7 +170,8 @@ Result<WorldSpec> MakeWorldSpec(const WorldOptions& options) {
   spec.floor_classes = site->floor_classes;
   spec.cell_size_m = site->cell_size_m;
   spec.shared_goals = options.shared_goals;
-  std::set<Cell> taken;
+  // Given goals first: no start is drawn on one.
+  std::set<Cell> taken(options.goals.begin(), options.goals.end());
   const Result<void> placed =
       PlaceStarts(*site, options, taken, spec)
           .and_then([&] { return PlaceGoals(*site, options, taken, spec); })

@@ -53,7 +53,8 @@ struct WorldSpec {
 ///
 /// Errors: kNotFound (preset), those of LoadMapPair (map file; names file and key), kOutOfRange
 /// (too many robots or goals for the free cells, wrong_share), kInvalidArgument (given starts or
-/// goals that are walls, equal, too few, or that the robot cannot reach).
+/// goals that are walls, equal, too few, or that the robot cannot reach; a given start on a given
+/// goal).
 [[nodiscard]] Result<WorldSpec> MakeWorldSpec(const WorldOptions& options);
 
 }  // namespace conav::sim

@@ -185,6 +185,15 @@ TEST_CASE("impossible worlds are refused by name and value", "[sim][world]") {
         "the operator's map plan.yaml needs a map of the truth");
 }
 
+TEST_CASE("no start is drawn on a given goal", "[sim][world]") {
+  const Building building;
+  WorldOptions options = building.options();
+  options.goals = {{1, 1}, {1, 2}};
+  for (options.seed = 1; options.seed <= 20; ++options.seed) {
+    CHECK(MakeWorldSpec(options).value().starts == std::vector<Cell>{{1, 3}});
+  }
+}
+
 TEST_CASE("given starts and goals are taken, or refused by name", "[sim][world]") {
   const Building building;
   WorldOptions options = building.options();
@@ -199,6 +208,8 @@ TEST_CASE("given starts and goals are taken, or refused by name", "[sim][world]"
   CHECK(RefusalOf(options) == "goal (1,9) is outside of the 3 x 8 map");
   options.goals = {{1, 3}, {1, 3}};
   CHECK(RefusalOf(options) == "goal (1,3) is given twice");
+  options.goals = {{1, 3}, {1, 1}};
+  CHECK(RefusalOf(options) == "start (1,1) of robot 1 is a goal");
   options.starts = {{1, 1}, {1, 2}};
   CHECK(RefusalOf(options) == "2 starts are given for 1 robots");
 }
