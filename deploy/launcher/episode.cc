@@ -62,6 +62,14 @@ Episode MakeEpisode(int robots_per_world, int worlds) {
   return episode;
 }
 
+bool IsNews(const RobotRecord& robot, const RobotState& state) {
+  if (!robot.state) return true;
+  RobotState before = *robot.state;
+  before.stamp = state.stamp;
+  before.heading_rad = state.heading_rad;
+  return before != state;
+}
+
 void Record(RobotRecord& robot, const RobotState& state) {
   if (!robot.state) {
     robot.goals = state.goals_reached;

@@ -14,6 +14,15 @@ bool TakeInto(bus::Subscriber<T>& subscriber, Record& record) {
   return !values.empty();
 }
 
+bool TakeStates(bus::Subscriber<conav_msgs::msg::RobotState>& subscriber, RobotRecord& robot) {
+  bool news = false;
+  for (const RobotState& state : subscriber.TakeValid(kConvert)) {
+    news = IsNews(robot, state) || news;
+    Record(robot, state);
+  }
+  return news;
+}
+
 bool TakeMap(bus::Subscriber<nav_msgs::msg::OccupancyGrid>& subscriber,
              std::optional<OccupancyGrid>& map) {
   auto updates = subscriber.TakeValid(kConvert);
@@ -33,7 +42,7 @@ Recorder::RobotTopics::RobotTopics(bus::Participant& participant, RobotRecord& r
 
 bool Recorder::RobotTopics::Take() {
   bool news = TakeInto(snapshots, record);
-  news = TakeInto(states, record) || news;
+  news = TakeStates(states, record) || news;
   news = TakeInto(guidances, record) || news;
   return TakeInto(reports, record) || news;
 }

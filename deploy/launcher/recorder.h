@@ -17,7 +17,8 @@ class Recorder {
   /// `episode` names the robots and worlds to listen to; it outlives the recorder.
   Recorder(bus::Participant& participant, Episode& episode);
 
-  /// Folds in what arrived since the last call; false when nothing did. Never blocks.
+  /// Folds in what arrived since the last call; false when there was no news. Never
+  /// blocks.
   bool Take();
 
   /// The first of the robots that somebody publishes the state of; empty when none.

@@ -28,7 +28,8 @@ struct MapFileConfig {
 };
 
 struct CameraConfig {
-  /// "egl" renders; "none" sends pictures without pixels, only with the cells that they would show.
+  /// "egl" renders; "none" sends pictures without pixels, only with the cells that they would show,
+  /// and no frames; pictures and frames are counted as the method sends them, with 0 bytes each.
   std::string mode = "egl";
   int width = 320;
   int height = 192;
@@ -77,6 +78,9 @@ struct SimConfig {
   CameraConfig camera;
   /// Simulated seconds per wall second; 0 = as fast as the robots are commanded.
   double speed = 0.0;
+  /// False where another world's sim publishes /clock, of which a domain has only one. Stamps are
+  /// the time of their own world all the same.
+  bool publish_clock = true;
 
   void Visit(ConfigReader& reader) {
     reader.Section("bus", bus);
@@ -93,6 +97,7 @@ struct SimConfig {
     reader.Section("corruption", corruption);
     reader.Section("camera", camera);
     reader.Field("speed", speed, 0.0, 1000.0);
+    reader.Field("publish_clock", publish_clock);
   }
 };
 

@@ -7,6 +7,12 @@
 #include "sim/physics/camera.h"
 
 namespace conav::sim {
+namespace {
+
+constexpr std::int64_t kStatePeriodNs = 1'000'000'000;
+
+}  // namespace
+
 RobotTopics::RobotTopics(bus::Participant& participant, const std::string& robot)
     : robot_(robot),
       state_(participant, bus::kRobotState, robot),
@@ -25,8 +31,10 @@ void RobotTopics::PublishChanges(const Episode& episode, int robot) {
     bus::Send(map_, ToMessage(map));
   }
   const std::uint64_t version = episode.state_version(robot);
-  if (version == state_version_) return;
+  const bool old = episode.now().nanoseconds - state_stamp_.nanoseconds >= kStatePeriodNs;
+  if (version == state_version_ && !old) return;
   state_version_ = version;
+  state_stamp_ = episode.now();
   bus::Send(state_, ToMessage(episode.state(robot)));
 }
 

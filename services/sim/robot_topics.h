@@ -12,12 +12,13 @@ namespace conav::sim {
 /// The topics of one robot, and what has been published on them.
 ///
 /// Publishes map, state, camera_info, odom and tf before the first command; then whenever they
-/// change.
+/// change. The state is published at least once per second of simulation time, so that its newest
+/// stamp tells others what time it is while the robot waits.
 class RobotTopics {
  public:
   RobotTopics(bus::Participant& participant, const std::string& robot);
 
-  /// State and map if they changed since the last call.
+  /// State and map if they changed since the last call; a state that has become a second old.
   void PublishChanges(const Episode& episode, int robot);
   /// Pose on odom and tf.
   void PublishPose(const Episode& episode, int robot);
@@ -39,6 +40,7 @@ class RobotTopics {
   bus::Publisher<sensor_msgs::msg::CameraInfo> camera_info_;
   bus::Subscriber<conav_msgs::msg::RobotCommand> command_;
   std::uint64_t state_version_ = 0;
+  SimTime state_stamp_;
   SimTime map_stamp_{-1};
 };
 

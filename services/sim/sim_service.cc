@@ -91,11 +91,11 @@ SimService::SimService(bus::Participant& participant, const SimConfig& config, c
       truth_(participant, bus::kTruth, config.world),
       initial_map_(participant, bus::kInitialMap, config.world),
       goals_(participant, bus::kGoals, config.world),
-      clock_topic_(participant, bus::kClock),
       diagnostics_(participant, clock),
       next_step_(clock.Now()) {
   CheckNames(config);
   BuildWorld();
+  if (config.publish_clock) clock_topic_.emplace(participant, bus::kClock);
   for (const std::string& robot : config.robots) {
     robots_.push_back(std::make_unique<RobotTopics>(participant, robot));
   }
@@ -146,9 +146,10 @@ void SimService::PublishGoals() {
 }
 
 void SimService::PublishClock() {
+  if (!clock_topic_) return;
   rosgraph_msgs::msg::Clock message;
   message.clock(ToMessage(episode_->now()));
-  bus::Send(clock_topic_, message);
+  bus::Send(*clock_topic_, message);
 }
 
 void SimService::Run(const StopToken& stop) {
@@ -230,7 +231,7 @@ void SimService::TakePictures(const std::vector<std::uint64_t>& moves_before) {
     if (!episode_->moving(robot) && !arrived) continue;
     std::vector<std::uint8_t> jpeg = RenderJpeg(robot);
     episode_->CountFrame(robot, jpeg.size());
-    robots_[index]->PublishFrame(episode_->now(), jpeg);
+    if (!jpeg.empty()) robots_[index]->PublishFrame(episode_->now(), jpeg);
     if (!arrived) continue;
     Picture picture = episode_->TakeStreamedSnapshot(robot);
     picture.jpeg = std::move(jpeg);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "common/bus/publisher.h"
@@ -17,9 +18,9 @@ namespace conav::sim {
 
 /// One world on the bus: owns the truth, moves the robots, takes their pictures.
 ///
-/// Before the first command it publishes /clock, truth, initial map, goals and each robot's map and
-/// state. Stale input: commands of an older lease or sequence are refused and logged; a command
-/// past its expiry is void, and a robot without a command in force stands still.
+/// Before the first command it publishes /clock (unless told not to), truth, initial map, goals and
+/// each robot's map and state. Stale input: commands of an older lease or sequence are refused and
+/// logged; a command past its expiry is void, and a robot without a command in force stands still.
 class SimService {
  public:
   /// Throws StartupError: impossible world, unreadable map, no usable EGL.
@@ -58,7 +59,7 @@ class SimService {
   bus::Publisher<nav_msgs::msg::OccupancyGrid> truth_;
   bus::Publisher<nav_msgs::msg::OccupancyGrid> initial_map_;
   bus::Publisher<visualization_msgs::msg::MarkerArray> goals_;
-  bus::Publisher<rosgraph_msgs::msg::Clock> clock_topic_;
+  std::optional<bus::Publisher<rosgraph_msgs::msg::Clock>> clock_topic_;  // unless another sim's
   Diagnostics diagnostics_;
   Clock::TimePoint next_step_{};
   std::uint64_t refused_commands_ = 0;

@@ -95,4 +95,18 @@ TEST_CASE("a streaming camera sends a frame per control step and a snapshot per 
   CHECK_FALSE(sim.robot().pictures[0].jpeg.empty());
 }
 
+TEST_CASE("streaming without a camera counts its frames and publishes none", "[sim][integration]") {
+  SimConfig config = BlindConfig();
+  config.camera.stream = true;
+  SimHarness sim(config);
+  const Cell start = sim.robot().state().cell;
+  REQUIRE(sim.Do(sim.robot().Move(NeighbourThatIs(Occupancy::kFree, TruthOf(sim), start))) ==
+          CommandOutcome::kDone);
+  const RobotState& state = sim.robot().state();
+  CHECK(state.pictures == state.low_level_steps);
+  CHECK(state.picture_bytes == 0);
+  CHECK(sim.robot().frames == 0);
+  CHECK(sim.robot().pictures.size() == 1);
+}
+
 }  // namespace conav::sim

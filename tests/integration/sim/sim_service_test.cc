@@ -95,6 +95,32 @@ TEST_CASE("with a real-time factor time goes on by the clock", "[sim][integratio
   CHECK(ToDomain(clock.Take().back().clock()).value() == SimTime::FromSeconds(1.25));
 }
 
+TEST_CASE("robots that wait tell the time once per simulated second", "[sim][integration]") {
+  SimConfig config = BlindConfig(2);
+  config.speed = 20.0;
+  SimHarness sim(config);
+  sim.clock.Advance(std::chrono::milliseconds(500));
+  while (sim.Turn()) {
+  }
+  for (std::size_t robot = 0; robot < 2; ++robot) {
+    const auto& states = sim.robot(robot).states;
+    REQUIRE(states.size() == 11);
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      CHECK(states[i].stamp == SimTime::FromSeconds(static_cast<double>(i)));
+    }
+  }
+}
+
+TEST_CASE("a world whose clock another one gives publishes none", "[sim][integration]") {
+  SimConfig config = BlindConfig();
+  config.publish_clock = false;
+  SimHarness sim(config);
+  bus::Subscriber<rosgraph_msgs::msg::Clock> clock(sim.peer(), bus::kClock);
+  CHECK(sim.Do(sim.robot().View(1.0)) == CommandOutcome::kDone);
+  CHECK(sim.robot().state().stamp > SimTime{});
+  CHECK(clock.Take().empty());
+}
+
 TEST_CASE("the same commands give the same states and maps", "[sim][integration]") {
   const auto run = [] {
     SimHarness sim(BlindConfig());

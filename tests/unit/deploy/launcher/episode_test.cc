@@ -21,6 +21,18 @@ TEST_CASE("an episode without news is not finished", "[launcher][episode]") {
   CHECK_FALSE(MakeEpisode(1, 1).all_goals_reached());
 }
 
+TEST_CASE("a state that only tells the time is no news", "[launcher][episode]") {
+  RobotRecord robot;
+  RobotState state;
+  CHECK(IsNews(robot, state));
+  Record(robot, state);
+  state.stamp = SimTime::FromSeconds(1.0);
+  state.heading_rad = 1e-9;
+  CHECK_FALSE(IsNews(robot, state));
+  ++state.pictures;
+  CHECK(IsNews(robot, state));
+}
+
 TEST_CASE("the trajectory joins the paths of pictures with the path since the newest one",
           "[launcher][episode]") {
   const Episode episode = SampleEpisode();
