@@ -40,14 +40,7 @@ std::vector<Event> EventLog::Take() {
 }
 
 void EventLog::Malformed(const EndpointOptions& endpoint, std::uint64_t count) {
-  {
-    const std::lock_guard lock(mutex_);
-    const auto now = std::chrono::steady_clock::now();
-    if (malformed_logged_ != decltype(now){} && now - malformed_logged_ < std::chrono::seconds(1)) {
-      return;
-    }
-    malformed_logged_ = now;
-  }
+  if (!malformed_logged_.Allow()) return;
   LOG_WARNING("malformed payload dropped", "topic", endpoint.topic, "type", endpoint.type.name,
               "count", count);
 }

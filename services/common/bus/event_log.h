@@ -1,11 +1,11 @@
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <mutex>
 #include <vector>
 
 #include "common/bus/backend.h"
+#include "common/runtime/log_limit.h"
 
 namespace conav::bus {
 
@@ -24,9 +24,9 @@ class EventLog {
   static constexpr std::size_t kLimit = 1000;
 
  private:
-  std::mutex mutex_;  // guards what follows
+  LogLimit malformed_logged_;
+  std::mutex mutex_;  // guards events_
   std::vector<Event> events_;
-  std::chrono::steady_clock::time_point malformed_logged_{};
 };
 
 }  // namespace conav::bus

@@ -14,6 +14,7 @@
 #include "common/bus/topics.h"
 #include "common/bus/type_support.h"
 #include "common/runtime/log.h"
+#include "common/runtime/log_limit.h"
 #include "common/runtime/result.h"
 
 namespace conav::bus {
@@ -39,8 +40,8 @@ class Subscriber {
   /// Everything that arrived since the last call, oldest first; empty when nothing did.
   std::vector<T> Take();
 
-  /// Take(), each message passed through `convert` (a T -> Result<D>). What is refused is logged
-  /// with topic, field and value, counted, and left out.
+  /// Take(), each message passed through `convert` (a T -> Result<D>). What is refused is left
+  /// out, counted, and logged with topic, field and value, at most once a second.
   template <class Convert>
   auto TakeValid(Convert&& convert);
 
@@ -59,6 +60,7 @@ class Subscriber {
   std::mutex mutex_;  // guards queue_
   std::deque<T> queue_;
   std::uint64_t refused_ = 0;
+  LogLimit refusals_logged_;
   std::unique_ptr<Reader> reader_;  // last: no delivery before the rest exists
 };
 
@@ -110,8 +112,10 @@ auto Subscriber<T>::TakeValid(Convert&& convert) {
       continue;
     }
     ++refused_;
-    LOG_WARNING("message refused", "topic", topic_, "reason", result.error().text, "count",
-                refused_);
+    if (refusals_logged_.Allow()) {
+      LOG_WARNING("message refused", "topic", topic_, "reason", result.error().text, "count",
+                  refused_);
+    }
   }
   return valid;
 }

@@ -6,18 +6,23 @@
 #include <atomic>
 #include <chrono>
 #include <ctime>
+#include <mutex>
 
 namespace conav::log {
 namespace {
 
-std::string& ServiceName() {
-  static std::string name = "conav";
-  return name;
-}
+/// All that the log knows between two lines.
+struct State {
+  std::string service = "conav";
+  std::atomic<Level> minimum_level = Level::kInfo;
+  std::mutex mutex;  // guards sink
+  std::function<void(const Record&)> sink;
+};
 
-std::atomic<Level>& MinimumLevel() {
-  static std::atomic<Level> level = Level::kInfo;
-  return level;
+/// Never destroyed: threads of the DDS vendors may log after main has returned.
+State& TheState() {
+  static State& state = *new State;
+  return state;
 }
 
 std::string_view LevelName(Level level) {
@@ -36,22 +41,32 @@ std::string_view LevelName(Level level) {
 
 }  // namespace
 
-void SetService(std::string service) { ServiceName() = std::move(service); }
-void SetMinimumLevel(Level level) { MinimumLevel() = level; }
+void SetService(std::string service) { TheState().service = std::move(service); }
+void SetMinimumLevel(Level level) { TheState().minimum_level = level; }
 
-void Write(Level level, std::string_view event, std::string_view fields) {
-  if (level < MinimumLevel()) return;
+void SetSink(std::function<void(const Record&)> sink) {
+  State& state = TheState();
+  const std::lock_guard lock(state.mutex);
+  state.sink = std::move(sink);
+}
+
+void Write(Level level, std::string_view event, std::string_view fields, Reach reach) {
+  State& state = TheState();
+  if (level < state.minimum_level) return;
   const auto now = std::chrono::system_clock::now();
   const auto milliseconds =
       std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()).count() % 1000;
   std::tm utc{};
   const std::time_t seconds = std::chrono::system_clock::to_time_t(now);
   gmtime_r(&seconds, &utc);
-  const std::string line =
-      fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z {} {} {}{}\n", utc, milliseconds, LevelName(level),
-                  ServiceName(), event, fields);
+  const std::string text = fmt::format("{}{}", event, fields);
+  const std::string line = fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z {} {} {}\n", utc, milliseconds,
+                                       LevelName(level), state.service, text);
   // One write per line keeps lines of several threads and processes whole.
   [[maybe_unused]] const auto written = ::write(STDERR_FILENO, line.data(), line.size());
+  if (reach == Reach::kStderr) return;
+  const std::lock_guard lock(state.mutex);
+  if (state.sink) state.sink({now, level, text});
 }
 
 }  // namespace conav::log

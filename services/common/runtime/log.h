@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -13,9 +15,23 @@ enum class Level { kDebug, kInfo, kWarning, kError };
 void SetService(std::string service);
 void SetMinimumLevel(Level level);
 
+struct Record {
+  std::chrono::system_clock::time_point time;
+  Level level;
+  std::string_view text;  // event and fields; valid during the call
+};
+
+/// Where each line goes besides stderr; empty = nowhere. Returns when no thread is inside the
+/// former sink any more. A sink is called by one thread at a time, and must neither block nor log.
+void SetSink(std::function<void(const Record&)> sink);
+
+/// kStderr is for what a sink's own sending may cause: such a line must not feed itself.
+enum class Reach { kStderrAndSink, kStderr };
+
 /// One line on stderr: wall time, level, service, event, key=value... Threads: safe to call
-/// concurrently.
-void Write(Level level, std::string_view event, std::string_view fields);
+/// concurrently, also after main has returned.
+void Write(Level level, std::string_view event, std::string_view fields,
+           Reach reach = Reach::kStderrAndSink);
 
 inline void AppendFields(std::string&) {}
 
@@ -27,11 +43,16 @@ void AppendFields(std::string& text, std::string_view key, const Value& value,
 }
 
 template <class... Fields>
-void Event(Level level, std::string_view event, const Fields&... fields) {
+void Event(Reach reach, Level level, std::string_view event, const Fields&... fields) {
   static_assert(sizeof...(fields) % 2 == 0, "fields come as key, value, key, value");
   std::string text;
   AppendFields(text, fields...);
-  Write(level, event, text);
+  Write(level, event, text, reach);
+}
+
+template <class... Fields>
+void Event(Level level, std::string_view event, const Fields&... fields) {
+  Event(Reach::kStderrAndSink, level, event, fields...);
 }
 
 }  // namespace conav::log

@@ -5,7 +5,7 @@
 namespace conav {
 namespace {
 
-// A signal handler can reach only what is global; this is the one mutable global of the project.
+// A signal handler can reach only what is global.
 StopToken process_stop_token;
 
 void HandleSignal(int) { process_stop_token.RequestStop(); }

@@ -2,34 +2,28 @@
 
 #include <fmt/format.h>
 
-#include <atomic>
-#include <chrono>
 #include <map>
 #include <mutex>
 
 #include "common/runtime/log.h"
+#include "common/runtime/log_limit.h"
 #include "common/runtime/result.h"
 
 namespace conav::bus {
 namespace {
 
-/// Cyclone repeats a failing send for each packet while an interface is down; one line a second
-/// tells enough.
+/// Cyclone repeats a failing send for each packet while an interface is down; at most one line a
+/// second is passed on, and not to /rosout, whose sending may be what failed.
 void LogLine(void*, const dds_log_data_t* data) {
-  static std::atomic<std::int64_t> next_allowed{0};
-  const auto now = std::chrono::steady_clock::now().time_since_epoch();
-  const std::int64_t now_ns = std::chrono::nanoseconds(now).count();
-  std::int64_t allowed = next_allowed.load();
-  if (now_ns < allowed || !next_allowed.compare_exchange_strong(allowed, now_ns + 1'000'000'000)) {
-    return;
-  }
+  static LogLimit limit;  // there is one sink per process
+  const bool is_error = (data->priority & (DDS_LC_FATAL | DDS_LC_ERROR)) != 0;
+  if (!is_error && (data->priority & DDS_LC_WARNING) == 0) return;
+  const auto held_back = limit.Allow();
+  if (!held_back) return;
   std::string_view text(data->message, data->size);
   while (!text.empty() && (text.back() == '\n' || text.back() == '\0')) text.remove_suffix(1);
-  if ((data->priority & (DDS_LC_FATAL | DDS_LC_ERROR)) != 0) {
-    LOG_ERROR("Cyclone DDS", "text", text);
-  } else if ((data->priority & DDS_LC_WARNING) != 0) {
-    LOG_WARNING("Cyclone DDS", "text", text);
-  }
+  log::Event(log::Reach::kStderr, is_error ? log::Level::kError : log::Level::kWarning,
+             "Cyclone DDS", "text", text, "held_back", *held_back);
 }
 
 std::string Peers(const Network& network) {

@@ -10,6 +10,7 @@
 
 #include "common/bus/fast/erased_type.h"
 #include "common/runtime/log.h"
+#include "common/runtime/log_limit.h"
 #include "common/runtime/result.h"
 
 namespace conav::bus {
@@ -21,13 +22,22 @@ namespace rtps = eprosima::fastrtps::rtps;
 constexpr std::uint32_t kSocketBuffer = 4 * 1024 * 1024;
 constexpr std::string_view kRosUserData = "enclave=/;";
 
-/// Fast DDS would print to stdout, which belongs to the program.
+/// Fast DDS would print to stdout, which belongs to the program. It repeats some errors for each
+/// packet; at most one a second is passed on, and not to /rosout, whose sending may be what failed.
 class LogToOurs final : public dds::LogConsumer {
  public:
   void Consume(const dds::Log::Entry& entry) override {
-    if (entry.kind == dds::Log::Kind::Error) LOG_ERROR("Fast DDS", "text", entry.message);
-    if (entry.kind == dds::Log::Kind::Warning) LOG_DEBUG("Fast DDS", "text", entry.message);
+    const bool is_error = entry.kind == dds::Log::Kind::Error;
+    if (!is_error && entry.kind != dds::Log::Kind::Warning) return;
+    const auto held_back = (is_error ? errors_ : warnings_).Allow();
+    if (!held_back) return;
+    log::Event(log::Reach::kStderr, is_error ? log::Level::kError : log::Level::kDebug, "Fast DDS",
+               "text", entry.message, "held_back", *held_back);
   }
+
+ private:
+  LogLimit errors_;
+  LogLimit warnings_;
 };
 
 rtps::Locator_t UdpLocator(const std::string& address) {
