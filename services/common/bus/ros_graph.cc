@@ -12,13 +12,6 @@ namespace {
 using JazzyInfo = ros_graph_jazzy::msg::ParticipantEntitiesInfo;
 using HumbleInfo = ros_graph_humble::msg::ParticipantEntitiesInfo;
 
-/// ROS names hold letters, digits and underscores.
-std::string RosName(std::string name) {
-  const auto odd = [](unsigned char c) { return std::isalnum(c) == 0; };
-  std::replace_if(name.begin(), name.end(), odd, '_');
-  return name;
-}
-
 template <class Gid>
 Gid ToGid(const Guid& guid) {
   Gid gid;
@@ -34,6 +27,12 @@ std::vector<Gid> ToGids(const std::vector<Guid>& guids) {
 }
 
 }  // namespace
+
+std::string RosName(std::string name) {
+  const auto odd = [](unsigned char c) { return std::isalnum(c) == 0; };
+  std::replace_if(name.begin(), name.end(), odd, '_');
+  return name;
+}
 
 RosGraph::RosGraph(const std::string& node_name, const std::string& distribution,
                    const Guid& participant)

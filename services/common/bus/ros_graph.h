@@ -10,6 +10,9 @@
 
 namespace conav::bus {
 
+/// `name` as a node name of ROS 2, which holds letters, digits and underscores: "nhpm-2" is nhpm_2.
+std::string RosName(std::string name);
+
 /// Tells ROS 2 tools which endpoints belong to this process's node: publishes ros_discovery_info
 /// whole after each change, in the layout of the distribution.
 /// Threads: safe to call concurrently.

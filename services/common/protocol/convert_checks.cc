@@ -11,10 +11,6 @@ namespace {
 
 constexpr std::size_t kShownCharacters = 40;
 
-bool IsWordCharacter(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
-}
-
 void SortUnique(std::vector<Cell>& cells) {
   if (!std::is_sorted(cells.begin(), cells.end())) std::sort(cells.begin(), cells.end());
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
@@ -49,7 +45,7 @@ std::string Checks::Characters(std::string_view field, const std::string& value,
   if (value.empty()) Refuse(fmt::format("{} is empty", field));
   Size(field, value.size(), limit);
   for (const char c : value) {
-    if (IsWordCharacter(c) || extra.find(c) != std::string_view::npos) continue;
+    if (IsNameCharacter(c) || extra.find(c) != std::string_view::npos) continue;
     Refuse(fmt::format("{} = '{}' has a character outside of [A-Za-z0-9_{}]", field,
                        value.substr(0, kShownCharacters), extra));
     break;

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/protocol/entity_name.h"
 #include "common/protocol/planning.h"
 #include "common/runtime/result.h"
 #include "conav_robot.h"
@@ -22,7 +23,6 @@ inline constexpr std::size_t kMaxPath = 65536;            // cells of a path, go
 inline constexpr std::size_t kMaxVisible = 1U << 20;      // cells that one picture shows
 inline constexpr std::size_t kMaxJpegBytes = 16U << 20;   // 16 MiB
 inline constexpr std::uint32_t kMaxImageSide = 16384;     // pixels
-inline constexpr std::size_t kMaxName = 64;               // characters of a world, a robot
 inline constexpr std::size_t kMaxClient = 128;            // characters of a client
 inline constexpr std::size_t kMaxText = 4096;             // characters of a reason
 inline constexpr std::size_t kMaxActions = 4096;          // at the root of a search

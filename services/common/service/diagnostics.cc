@@ -1,6 +1,7 @@
 #include "common/service/diagnostics.h"
 
 #include "common/runtime/log.h"
+#include "common/service/wall_time.h"
 
 namespace conav {
 
@@ -21,11 +22,7 @@ void Diagnostics::Tick(const std::function<Health()>& health) {
     status.values().push_back(std::move(pair));
   }
   diagnostic_msgs::msg::DiagnosticArray array;
-  const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
-  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(since_epoch);
-  array.header().stamp().sec(static_cast<std::int32_t>(seconds.count()));
-  array.header().stamp().nanosec(static_cast<std::uint32_t>(
-      std::chrono::duration_cast<std::chrono::nanoseconds>(since_epoch - seconds).count()));
+  array.header().stamp(RosWallTime(std::chrono::system_clock::now()));
   array.status().push_back(std::move(status));
   if (const auto sent = publisher_.Publish(array); !sent) {
     LOG_WARNING("diagnostics not sent", "reason", sent.error().text);

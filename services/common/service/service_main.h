@@ -6,10 +6,12 @@
 #include <string>
 
 #include "common/bus/participant.h"
+#include "common/bus/vendors.h"
 #include "common/runtime/clock.h"
 #include "common/runtime/config.h"
 #include "common/runtime/log.h"
 #include "common/runtime/stop_token.h"
+#include "common/service/rosout.h"
 
 namespace conav {
 
@@ -18,10 +20,21 @@ namespace conav {
 std::string ParseConfigFlag(const std::string& service, const std::string& description, int argc,
                             char** argv);
 
+/// Section `<service>:` of the config file, with vendor, domain and interface as they come out of
+/// file and environment. Throws StartupError: file, key, value and limit.
+template <class Config>
+Config LoadConfig(const std::string& file, const std::string& service) {
+  Config config;
+  ReadConfig(LoadParameters(file, service), file + ": " + service, config);
+  config.bus = bus::Resolve(config.bus);
+  return config;
+}
+
 /// The body of every service's main: reads section `<service>:` of the config file, logs the
-/// effective config, joins the bus as node `node_name`, builds the service and runs it until SIGINT
-/// or SIGTERM. `Service` is built from (participant, config, clock) and has Run(const StopToken&).
-/// Returns the exit code: 0, or 1 after a StartupError, which is printed.
+/// effective config, joins the bus as node `node_name`, sends its log to /rosout, builds the
+/// service and runs it until SIGINT or SIGTERM. `Service` is built from (participant, config,
+/// clock) and has Run(const StopToken&). Returns the exit code: 0, or 1 after an exception,
+/// which is printed.
 template <class Config, class Service>
 int RunServiceMain(const std::string& service, const std::string& description, int argc,
                    char** argv,
@@ -30,11 +43,11 @@ int RunServiceMain(const std::string& service, const std::string& description, i
   log::SetService(service);
   InstallStopSignals();
   try {
-    Config config;
-    ReadConfig(LoadParameters(file, service), service, config);
+    const auto config = LoadConfig<Config>(file, service);
     std::fputs(DumpConfig(service, config).c_str(), stderr);
     const SteadyClock clock;
     bus::Participant participant(node_name ? node_name(config) : service, config.bus);
+    const Rosout rosout(participant);
     Service instance(participant, config, clock);
     LOG_INFO("running", "node", participant.node_name(), "dds", participant.vendor());
     instance.Run(ProcessStopToken());

@@ -1,0 +1,123 @@
+#include "common/service/rosout.h"
+
+#include <catch2/catch.hpp>
+#include <future>
+
+#include "common/bus/in_memory_bus.h"
+#include "common/bus/subscriber.h"
+
+using namespace conav;
+using namespace std::chrono_literals;
+
+namespace {
+
+struct Bench {
+  std::vector<rcl_interfaces::msg::Log> Lines(std::size_t count) {
+    std::vector<rcl_interfaces::msg::Log> lines;
+    const auto deadline = std::chrono::steady_clock::now() + 20s;
+    while (lines.size() < count && std::chrono::steady_clock::now() < deadline) {
+      listener.Wait(100ms);
+      for (auto& line : subscriber.Take()) lines.push_back(std::move(line));
+    }
+    return lines;
+  }
+
+  std::shared_ptr<bus::InMemoryBus> memory = std::make_shared<bus::InMemoryBus>();
+  bus::Participant process{"planner-2", memory};
+  bus::Participant listener{"listener", memory};
+  bus::Subscriber<rcl_interfaces::msg::Log> subscriber{listener, bus::kRosout};
+};
+
+}  // namespace
+
+TEST_CASE("what is logged goes out on /rosout, under the name that the ROS graph shows",
+          "[common][service]") {
+  Bench bench;
+  const Rosout rosout(bench.process);
+  LOG_WARNING("goal pose refused", "robot", "r1", "cells", 3);
+  const auto lines = bench.Lines(1);
+  REQUIRE(lines.size() == 1);
+  CHECK(lines[0].name() == "planner_2");
+  CHECK(lines[0].msg() == "goal pose refused robot=r1 cells=3");
+  CHECK(lines[0].level() == 30);
+  CHECK(lines[0].stamp().sec() > 1'600'000'000);
+}
+
+TEST_CASE("each level has the number that ROS 2 gives it", "[common][service]") {
+  Bench bench;
+  const Rosout rosout(bench.process);
+  log::SetMinimumLevel(log::Level::kDebug);
+  LOG_DEBUG("a");
+  LOG_INFO("b");
+  LOG_WARNING("c");
+  LOG_ERROR("d");
+  log::SetMinimumLevel(log::Level::kInfo);
+  LOG_DEBUG("below the minimum");
+  std::vector<int> levels;
+  for (const auto& line : bench.Lines(4)) levels.push_back(line.level());
+  CHECK(levels == std::vector<int>{10, 20, 30, 40});
+}
+
+TEST_CASE("the last lines go out before the end, later ones nowhere", "[common][service]") {
+  Bench bench;
+  {
+    const Rosout rosout(bench.process);
+    for (int i = 0; i < 50; ++i) LOG_INFO("line", "number", i);
+  }
+  LOG_INFO("after the end");
+  const auto lines = bench.subscriber.Take();
+  REQUIRE(lines.size() == 50);
+  CHECK(lines.back().msg() == "line number=49");
+}
+
+TEST_CASE("a process that logs faster than the bus takes says how many lines it left out",
+          "[common][service]") {
+  // The bus is held up by a handler, as by a slow peer, while more lines come than may wait.
+  const auto memory = std::make_shared<bus::InMemoryBus>();
+  bus::Participant process{"planner", memory};
+  bus::Participant listener{"listener", memory};
+  std::mutex held;
+  std::vector<std::string> lines;
+  const bus::Subscriber<rcl_interfaces::msg::Log> subscriber{
+      listener, bus::kRosout, {}, [&](rcl_interfaces::msg::Log&& line) {
+        const std::lock_guard lock(held);
+        lines.push_back(line.msg());
+      }};
+  {
+    const Rosout rosout(process);
+    const std::lock_guard lock(held);
+    for (std::size_t i = 0; i < Rosout::kQueueLimit + 100; ++i) LOG_INFO("line", "number", i);
+  }
+  // At most one line was on its way when the queue began to fill.
+  CHECK(lines.size() >= Rosout::kQueueLimit);
+  CHECK(lines.size() <= Rosout::kQueueLimit + 1);
+  CHECK(std::any_of(lines.begin(), lines.end(), [](const std::string& line) {
+    return line.find("lines left out)") != std::string::npos;
+  }));
+  CHECK(lines.back() == "line number=1099");
+}
+
+TEST_CASE("the end does not wait long for a bus that takes no lines", "[common][service]") {
+  // As a publisher whose peer has stalled: each line is refused after a while.
+  std::promise<void> never;
+  const auto acknowledged = never.get_future();
+  int tried = 0;
+  {
+    const Rosout rosout("planner", [&](const rcl_interfaces::msg::Log&) {
+      ++tried;
+      acknowledged.wait_for(50ms);
+      return false;
+    });
+    for (int i = 0; i < 100; ++i) LOG_INFO("line", "number", i);
+  }
+  CHECK(tried < 100);
+}
+
+TEST_CASE("a line for stderr alone does not go out", "[common][service]") {
+  Bench bench;
+  {
+    const Rosout rosout(bench.process);
+    log::Write(log::Level::kError, "sending failed", "", log::Reach::kStderr);
+  }
+  CHECK(bench.subscriber.Take().empty());
+}
