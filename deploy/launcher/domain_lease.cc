@@ -14,9 +14,9 @@
 
 namespace conav::launcher {
 
-std::optional<DomainLease> DomainLease::TryAcquire(int domain) {
+std::optional<DomainLease> DomainLease::TryAcquire(int domain, std::string_view holder) {
   const std::filesystem::path file =
-      std::filesystem::temp_directory_path() / fmt::format("conav-domain-{}.lock", domain);
+      std::filesystem::temp_directory_path() / fmt::format("conav-{}-{}.lock", holder, domain);
   // Opened for reading only where it is another user's: a lock needs no more.
   int descriptor = open(file.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0666);
   if (descriptor < 0) descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string_view>
 
 namespace conav::launcher {
 
@@ -8,8 +9,9 @@ namespace conav::launcher {
 /// kernel lets go of it when the process ends in whatever way.
 class DomainLease {
  public:
-  /// Nothing when another demo on this machine holds it.
-  static std::optional<DomainLease> TryAcquire(int domain);
+  /// Nothing when another `holder` of that name on this machine holds it. A test holds its domain
+  /// under a name of its own, so that the demo which it starts can have the domain, too.
+  static std::optional<DomainLease> TryAcquire(int domain, std::string_view holder = "domain");
 
   DomainLease(DomainLease&& other) noexcept;
   DomainLease& operator=(DomainLease&&) = delete;

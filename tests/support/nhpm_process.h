@@ -1,21 +1,20 @@
 #pragma once
 
-#include <fcntl.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <catch2/catch.hpp>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
 
 #include "nhpm/config.h"
+#include "support/service_process.h"
+#include "support/test_domain.h"
 
 namespace conav::test {
 
-/// The program conav-nhpm as a process of its own, beside participants of OverDds(). Its config and
-/// log lie in a temporary folder that goes with it.
+/// The program conav-nhpm as a process of its own, beside participants of OverDds(). Its config
+/// lies in a temporary folder that goes with it.
 class NhpmProcess {
  public:
   explicit NhpmProcess(const std::string& vendor) {
@@ -23,14 +22,15 @@ class NhpmProcess {
     REQUIRE(mkdtemp(pattern.data()) != nullptr);
     folder_ = pattern;
     nhpm::NhpmConfig config;
+    config.name = "nhpm-test";
     config.bus.vendor = vendor;
-    config.bus.domain_id = 20 + static_cast<int>(getpid()) % 200;
+    config.bus.domain_id = TestDomain();
     config.bus.interface = "lo";
     std::ofstream(folder_ / "nhpm.yaml") << DumpConfig("nhpm", config);
     Start();
   }
   ~NhpmProcess() {
-    if (pid_ > 0) End(SIGKILL);
+    process_.reset();
     std::error_code ignored;
     std::filesystem::remove_all(folder_, ignored);
   }
@@ -38,32 +38,19 @@ class NhpmProcess {
   NhpmProcess& operator=(const NhpmProcess&) = delete;
 
   /// Once more, after End().
-  void Start() {
-    const std::string program = std::string(CONAV_BIN_DIR) + "/conav-nhpm";
-    const std::string config = folder_ / "nhpm.yaml";
-    const std::string log = folder_ / "log";
-    pid_ = fork();
-    REQUIRE(pid_ >= 0);
-    if (pid_ > 0) return;
-    dup2(open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600), STDERR_FILENO);
-    execl(program.c_str(), program.c_str(), "--config", config.c_str(), nullptr);
-    _exit(127);
-  }
+  void Start() { process_.emplace("conav-nhpm", folder_ / "nhpm.yaml"); }
 
-  /// Sends `signal`; returns the exit code, or -1 when the signal ended it.
+  /// Sends `signal`; returns the exit code, or -1 when a signal ended it.
   int End(int signal) {
-    kill(pid_, signal);
-    int status = 0;
-    REQUIRE(waitpid(pid_, &status, 0) == pid_);
-    pid_ = -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    const launcher::ProcessEnd end = process_->End(signal);
+    return end.signal == 0 ? end.exit_code : -1;
   }
 
-  void Signal(int signal) const { kill(pid_, signal); }
+  void Signal(int signal) { process_->Signal(signal); }
 
  private:
   std::filesystem::path folder_;
-  pid_t pid_ = -1;
+  std::optional<ServiceProcess> process_;
 };
 
 }  // namespace conav::test

@@ -1,15 +1,14 @@
 // conav-operator and conav-simulated-operator as real processes on real DDS, beside a hand-made
 // simulator.
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <catch2/catch.hpp>
+#include <csignal>
 #include <fstream>
 #include <functional>
 
 #include "integration/operator/hand_made_sim.h"
 #include "operator/simulated_operator/config.h"
+#include "support/service_process.h"
+#include "support/test_domain.h"
 
 namespace conav::operators {
 namespace {
@@ -18,40 +17,10 @@ using namespace std::chrono_literals;
 
 const std::vector<std::string> kMap = {"######", "#    #", "# ## #", "#    #", "######"};
 
-/// A program of ours with a config file; killed when this object goes.
-class Program {
- public:
-  Program(const std::string& name, const std::filesystem::path& config) {
-    const std::string path = std::string(CONAV_BIN_DIR) + "/" + name;
-    pid_ = fork();
-    REQUIRE(pid_ >= 0);
-    if (pid_ == 0) {
-      execl(path.c_str(), name.c_str(), "--config", config.c_str(), nullptr);
-      _exit(127);
-    }
-  }
-  ~Program() { End(SIGKILL); }
-  Program(const Program&) = delete;
-  Program& operator=(const Program&) = delete;
-
-  /// Sends `signal` and returns the exit status as waitpid gives it.
-  int End(int signal) {
-    if (pid_ == 0) return 0;
-    kill(pid_, signal);
-    int status = 0;
-    waitpid(pid_, &status, 0);
-    pid_ = 0;
-    return status;
-  }
-
- private:
-  pid_t pid_ = 0;
-};
-
 bus::ParticipantOptions Options(const std::string& vendor) {
   bus::ParticipantOptions options;
   options.vendor = vendor;
-  options.domain_id = 20 + getpid() % 200;
+  options.domain_id = test::TestDomain();
   options.interface = "lo";
   return options;
 }
@@ -93,11 +62,11 @@ TEST_CASE("Killed between two pictures, the operator service goes on where it wa
   HandMadeSim sim(Options(vendor));
   sim.PublishInitialMap(kMap);
   sim.PublishState({1, 1}, 5);
-  Program service("conav-operator", service_file);
-  Program person("conav-simulated-operator", person_file);
+  test::ServiceProcess service("conav-operator", service_file);
+  test::ServiceProcess person("conav-simulated-operator", person_file);
   const Guidance first = WaitForGuidance(sim, [](const Guidance&) { return true; });
   CHECK(first.path.size() == 4);
-  CHECK(WTERMSIG(service.End(SIGKILL)) == SIGKILL);
+  CHECK(service.End(SIGKILL).signal == SIGKILL);
 
   Picture picture;
   picture.stamp = {10};
@@ -111,12 +80,12 @@ TEST_CASE("Killed between two pictures, the operator service goes on where it wa
   picture.goals_left = {{1, 4}};
   REQUIRE(sim.snapshot.Publish(ToMessage(picture)));  // nobody there to store an answer
 
-  Program again("conav-operator", service_file);
+  test::ServiceProcess again("conav-operator", service_file);
   const Guidance answer =
       WaitForGuidance(sim, [](const Guidance& g) { return g.answers_snapshot == 1; });
   CHECK(answer.revision == first.revision + 1);
-  CHECK(WEXITSTATUS(again.End(SIGTERM)) == 0);
-  CHECK(WEXITSTATUS(person.End(SIGINT)) == 0);
+  CHECK(again.End(SIGTERM).exit_code == 0);
+  CHECK(person.End(SIGINT).exit_code == 0);
 }
 
 TEST_CASE("A program that is used wrongly, or cannot start, says so by its exit status",
@@ -124,13 +93,14 @@ TEST_CASE("A program that is used wrongly, or cannot start, says so by its exit 
   const TemporaryFolder folder;
   const auto unknown_key =
       WriteConfig(folder / "a.yaml", "operator:\n  ros__parameters:\n    databse: x\n");
-  Program misspelt("conav-operator", unknown_key);
-  CHECK(WEXITSTATUS(misspelt.End(0)) == 1);
+  test::ServiceProcess misspelt("conav-operator", unknown_key);
+  CHECK(misspelt.End(0).exit_code == 1);
   std::ofstream(folder / "broken.db") << std::string(9000, 'x');
   OperatorConfig config = ConfigFor(folder / "broken.db");
   config.bus = Options("cyclonedds");
-  Program corrupt("conav-operator", WriteConfig(folder / "b.yaml", DumpConfig("operator", config)));
-  CHECK(WEXITSTATUS(corrupt.End(0)) == 1);
+  test::ServiceProcess corrupt("conav-operator",
+                               WriteConfig(folder / "b.yaml", DumpConfig("operator", config)));
+  CHECK(corrupt.End(0).exit_code == 1);
 }
 
 }  // namespace
