@@ -104,8 +104,8 @@ void NhpmService::Count(const PerceptionReply& reply) {
     return;
   }
   if (WorthLogging(++counts_.refused)) {
-    LOG_WARNING("request refused", "client", reply.client, "request", reply.request_id, "reason",
-                reply.reason, "count", counts_.refused);
+    LOG_WARNING("request refused", "topic", bus::kPerceptionRequest.pattern, "client", reply.client,
+                "request", reply.request_id, "reason", reply.reason, "count", counts_.refused);
   }
 }
 

@@ -23,8 +23,12 @@ Result<std::vector<PerceptionAnswer>> FallbackPerceptionModel::Predict(
   const Attempt attempt = NextAttempt();
   if (attempt != Attempt::kNone) {
     auto answers = primary_->Predict(queries);
-    if (answers || answers.error().code == ErrorCode::kInvalidArgument) {
+    if (answers) {
       NotePrimaryAnswered();
+      return answers;
+    }
+    if (answers.error().code == ErrorCode::kInvalidArgument) {
+      NoteNotAsked(attempt);
       return answers;
     }
     NotePrimaryFailed(answers.error(), attempt);
@@ -54,6 +58,12 @@ void FallbackPerceptionModel::NotePrimaryAnswered() {
     probing_ = false;
   }
   on_switch_(std::nullopt);
+}
+
+void FallbackPerceptionModel::NoteNotAsked(Attempt attempt) {
+  if (attempt != Attempt::kProbe) return;
+  const std::lock_guard lock(mutex_);
+  probing_ = false;
 }
 
 void FallbackPerceptionModel::NotePrimaryFailed(const Error& error, Attempt attempt) {

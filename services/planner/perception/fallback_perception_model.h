@@ -14,9 +14,11 @@ namespace conav::planner {
 /// Asks one model, and another one while the first is gone.
 ///
 /// A batch that the primary cannot answer (kTimeout, kUnavailable, and any other failure but
-/// kInvalidArgument, which is passed on) is answered by the fallback. From then on the fallback
-/// answers at once; after a pause one batch tries the primary again. The pause doubles with each
-/// try that fails, so that a service which hangs costs little.
+/// kInvalidArgument) is answered by the fallback. From then on the fallback answers at once; after
+/// a pause one batch tries the primary again. The pause doubles with each try that fails, so that a
+/// service which hangs costs little.
+/// kInvalidArgument is passed on: the batch is one that no model can answer, found before anybody
+/// was asked, and says nothing about the primary.
 /// Threads: as PerceptionModel. `on_switch` is called on the thread whose batch noticed, without a
 /// lock; once per switch.
 class FallbackPerceptionModel final : public PerceptionModel {
@@ -42,6 +44,7 @@ class FallbackPerceptionModel final : public PerceptionModel {
   /// Whether this batch should ask the primary; while fallen back one batch per pause probes.
   Attempt NextAttempt();
   void NotePrimaryAnswered();
+  void NoteNotAsked(Attempt attempt);
   void NotePrimaryFailed(const Error& error, Attempt attempt);
 
   std::shared_ptr<PerceptionModel> primary_;

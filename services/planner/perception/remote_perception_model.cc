@@ -6,6 +6,7 @@
 #include <random>
 
 #include "common/protocol/convert.h"
+#include "common/runtime/log.h"
 
 namespace conav::planner {
 namespace {
@@ -183,21 +184,31 @@ void RemotePerceptionModel::Receive(conav_msgs::msg::PerceptionReply&& message) 
   if (--call.waiter->missing == 0) call.waiter->all_replied.notify_one();
 }
 
-/// `call` has a reply and is no longer open.
+/// `call` has a reply and is no longer open. The queries were checked before they were sent, so a
+/// refusal is a fault of that service, which somebody else may not have.
 Result<void> RemotePerceptionModel::Collect(const Call& call,
                                             std::vector<PerceptionAnswer>& answers) {
   const BeliefGrid& belief = call.queries.front().belief;
   auto reply = ToDomain(*call.reply, belief.rows(), belief.columns());
-  if (!reply) return Fail(ErrorCode::kUnavailable, "perception reply: " + reply.error().text);
+  if (!reply) return RefuseReply(reply.error().text);
   if (reply->status == PerceptionStatus::kRefused) {
-    return Fail(ErrorCode::kInvalidArgument, "perception service: " + reply->reason);
+    return Fail(ErrorCode::kUnavailable, "perception service refused: " + reply->reason);
   }
   if (reply->answers.size() != call.queries.size()) {
-    return Fail(ErrorCode::kUnavailable, fmt::format("perception reply: {} answers to {} queries",
-                                                     reply->answers.size(), call.queries.size()));
+    return RefuseReply(fmt::format("answers has size {}, not that of the queries, {}",
+                                   reply->answers.size(), call.queries.size()));
   }
   std::move(reply->answers.begin(), reply->answers.end(), std::back_inserter(answers));
   return {};
+}
+
+Result<void> RemotePerceptionModel::RefuseReply(const std::string& reason) {
+  const std::uint64_t count = ++refused_;
+  if (refusals_logged_.Allow()) {
+    LOG_WARNING("message refused", "topic", bus::kPerceptionReply.pattern, "reason", reason,
+                "count", count);
+  }
+  return Fail(ErrorCode::kUnavailable, "perception reply: " + reason);
 }
 
 }  // namespace conav::planner

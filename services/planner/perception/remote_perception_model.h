@@ -11,6 +11,7 @@
 #include "common/bus/participant.h"
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
+#include "common/runtime/log_limit.h"
 #include "planner/search/perception_model.h"
 
 namespace conav::planner {
@@ -20,10 +21,10 @@ namespace conav::planner {
 /// A batch becomes one request (several when beliefs differ in shape or there are very many). A
 /// request is repeated after `retry_interval` until it is answered: the service answers a repeat
 /// alike.
-/// Errors:  kInvalidArgument (bad query, or refused by the service), kTimeout (no reply within
-///          `timeout`), kUnavailable (the service is gone, the bus is full, only other models are
-///          served, or a reply cannot be read). A service that was never seen is waited for during
-///          the first batch only.
+/// Errors:  kInvalidArgument (a bad query; nobody was asked), kTimeout (no reply within `timeout`),
+///          kUnavailable (the service is gone or refused the request, the bus is full, only other
+///          models are served, or a reply cannot be read, which is logged). A service that was
+///          never seen is waited for during the first batch only.
 /// Threads: as PerceptionModel. A reply wakes its caller directly from the bus's receive thread.
 class RemotePerceptionModel final : public PerceptionModel {
  public:
@@ -42,6 +43,8 @@ class RemotePerceptionModel final : public PerceptionModel {
 
   /// Requests sent again because no reply came in time.
   std::uint64_t repeats() const { return repeats_.load(); }
+  /// Replies that could not be read.
+  std::uint64_t refused() const { return refused_.load(); }
 
  private:
   struct Call;
@@ -56,11 +59,14 @@ class RemotePerceptionModel final : public PerceptionModel {
   /// On the bus's receive thread.
   void Receive(conav_msgs::msg::PerceptionReply&& message);
   Result<void> Collect(const Call& call, std::vector<PerceptionAnswer>& answers);
+  Result<void> RefuseReply(const std::string& reason);
 
   std::string client_;
   Options options_;
   std::atomic<std::uint64_t> last_request_id_{0};
   std::atomic<std::uint64_t> repeats_{0};
+  std::atomic<std::uint64_t> refused_{0};
+  LogLimit refusals_logged_;
   std::atomic<bool> discovered_{false};            // a service was seen, or none came in time
   mutable std::mutex mutex_;                       // guards all below
   std::unordered_map<std::uint64_t, Call*> open_;  // and the calls themselves

@@ -123,6 +123,20 @@ TEST_CASE("An impossible query is refused by the primary alone", "[planner][perc
   CHECK(bench.switches.empty());
 }
 
+TEST_CASE("An impossible query while the primary is gone does not bring it back",
+          "[planner][perception]") {
+  FallbackBench bench;
+  bench.primary->failure = Error{ErrorCode::kUnavailable, "gone"};
+  bench.Ask();
+  bench.clock.Advance(seconds(1));
+  bench.primary->failure = Error{ErrorCode::kInvalidArgument, "bad query"};
+  CHECK(bench.Ask() == -1.0F);
+  CHECK(bench.model.name() == "fallback: glpf");
+  CHECK(bench.switches == std::vector<std::string>{"gone"});
+  bench.primary->failure.reset();
+  CHECK(bench.Ask() == 0.25F);  // the try is still due
+}
+
 TEST_CASE("When both fail, the fallback's error is given", "[planner][perception]") {
   FallbackBench bench;
   bench.primary->failure = Error{ErrorCode::kTimeout, "gone"};

@@ -5,6 +5,7 @@
 
 #include "common/bus/in_memory_bus.h"
 #include "common/protocol/convert.h"
+#include "common/runtime/log.h"
 #include "conformance/perception_model_conformance.h"
 
 namespace conav::planner {
@@ -161,7 +162,8 @@ TEST_CASE("Replies to others and to older requests are ignored", "[planner][perc
   CHECK(bench.Ask());
 }
 
-TEST_CASE("A refusal is given with the service's reason", "[planner][perception]") {
+TEST_CASE("A refusal is a failure of that service, given with its reason",
+          "[planner][perception]") {
   RemoteBench bench([](auto& service, const auto& request) {
     ReplyMessage reply = HalfReply(request);
     reply.status(conav_msgs::msg::PERCEPTION_STATUS_REFUSED);
@@ -169,19 +171,28 @@ TEST_CASE("A refusal is given with the service's reason", "[planner][perception]
     reply.answers().clear();
     service.Reply(reply);
   });
-  ExpectFailure(bench, ErrorCode::kInvalidArgument, "perception service: too large");
+  ExpectFailure(bench, ErrorCode::kUnavailable, "perception service refused: too large");
 }
 
-TEST_CASE("A reply that does not fit the request is refused", "[planner][perception]") {
+TEST_CASE("A reply that does not fit the request is refused, counted and logged",
+          "[planner][perception]") {
+  std::vector<std::string> lines;
+  log::SetSink([&lines](const log::Record& record) { lines.emplace_back(record.text); });
   RemoteBench bench([](auto& service, const auto& request) {
     ReplyMessage reply = HalfReply(request);
     reply.answers().pop_back();
     if (request.request_id() == 2) reply.answers()[0].add().pop_back();
     service.Reply(reply);
   });
-  ExpectFailure(bench, ErrorCode::kUnavailable, "perception reply: 1 answers to 2 queries");
+  ExpectFailure(bench, ErrorCode::kUnavailable,
+                "perception reply: answers has size 1, not that of the queries, 2");
   ExpectFailure(bench, ErrorCode::kUnavailable,
                 "perception reply: answers[0].add has size 98, not 9 x 11");
+  log::SetSink(nullptr);
+  CHECK(bench.model->refused() == 2);
+  CHECK_THAT(lines, Catch::VectorContains<std::string>(
+                        "message refused topic=/conav/perception/reply reason=answers has size 1, "
+                        "not that of the queries, 2 count=1"));
 }
 
 TEST_CASE("Only replicas with another model: unavailable, with their reason",
