@@ -41,6 +41,7 @@ refuse_include services/planner/search/a.h '"conav_robot.h"'
 refuse_include services/planner/search/a.h '"common/bus/publisher.h"'
 refuse_include services/nhpm/model/a.cc '"common/protocol/convert.h"'
 accept_include services/nhpm/model/a.cc '"common/protocol/planning.h"'
+refuse_include services/sim/episode/a.h '"common/bus/publisher.h"'
 refuse_include services/sim/world/a.cc '"planner/search/ig_mcts.h"'
 refuse_include services/sim/sim_service.cc '"operator/config.h"'
 accept_include services/planner/make_perception.cc '"nhpm/model/glpf.h"'
@@ -49,5 +50,22 @@ refuse_include services/common/grid/a.h '"common/protocol/robot.h"'
 refuse_include services/common/service/a.h '"sim/config.h"'
 accept_include deploy/launcher/a.cc '"sim/config.h"'
 refuse_include deploy/launcher/a.cc '"sim/sim_service.h"'
+# The naming check goes by a compile database: here one of a single file, in the tree itself.
+expect_naming() {
+  local wanted=$1 text=$2 got=accept
+  rm -rf "${tree:?}"/*
+  cp "$here/../../.clang-tidy" "$tree/"
+  mkdir -p "$tree/services"
+  printf '%b' "$text" >"$tree/services/a.cc"
+  printf '[{"directory": "%s", "command": "g++ -std=c++20 -c services/a.cc",\n"file": "%s/services/a.cc"}]\n' \
+    "$tree" "$tree" >"$tree/compile_commands.json"
+  "$here/check_naming.sh" "$tree" "$tree" >"$tree/output.txt" 2>&1 || got=refuse
+  [[ $got == "$wanted" ]] && return
+  printf 'check_naming.sh should %s: %s\n' "$wanted" "$text"
+  failures=$((failures + 1))
+}
+expect_naming accept 'constexpr int kLimit = 3;\nint BoundedSum(int first_value) { return first_value + kLimit; }\n'
+expect_naming refuse 'int bounded_sum(int first) { return first; }\n'
+expect_naming refuse 'int BoundedSum(int FirstValue) { return FirstValue; }\n'
 echo "$failures failures"
 ((failures == 0))

@@ -30,9 +30,10 @@ struct GlpfParameters {
 
 /// The grid-based logistic psychometric function: predicts the operator's edits cell by cell.
 ///
-///   stimulus  x(d) = exp(-alpha_d d)   where the belief is wrong as far as view or path show, else
-///   0 P(edit)        = rho + (1 - rho - lambda) / (1 + exp(-beta (x - alpha_m))) add            =
-///   P (1 - belief),  remove = P belief,  both 0 on the border
+///   stimulus  x(d) = exp(-alpha_d d)   where the belief is wrong as far as view or path show,
+///             x    = 0                 elsewhere
+///   P(edit)   P    = rho + (1 - rho - lambda) / (1 + exp(-beta (x - alpha_m)))
+///   add            = P (1 - belief)    remove = P belief;   both 0 on the border
 ///
 /// d is the Euclidean distance in cells between the cell and the camera's cell. A belief between 0
 /// and 1 is a mixture: with probability `belief` the operator's map has a wall there, which is

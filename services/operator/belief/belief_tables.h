@@ -10,10 +10,12 @@
 
 /// The tables of the operator's database, and the values that go into them.
 ///
-///   beliefs(world, revision, stamp_ns, rows, columns, cells, edited_by)   revision 0 and the
-///   newest guidance(robot, world, revision, stamp_ns, path, ...)                 the newest of
-///   each robot requests(client, request_id, stamp_ns, world, body, accepted, reason, revision) all
-///   of them
+///   beliefs(world, revision, stamp_ns, rows, columns, cells, edited_by)
+///     revision 0 and the newest
+///   guidance(robot, world, revision, stamp_ns, path, ...)
+///     the newest of each robot
+///   requests(client, request_id, stamp_ns, world, body, accepted, reason, revision)
+///     all of them
 ///
 /// `cells` is row-major float32, little-endian; `path` and `body` are JSON, for people with
 /// sqlite3.

@@ -14,11 +14,11 @@ namespace conav::planner {
 ///
 /// Shapes:  one answer per query, in order; grids as large as the query's belief.
 /// Errors:  kInvalidArgument (a query that no model can answer), kTimeout, kUnavailable. Never
-/// throws.
-///          An empty batch gives an empty answer.
+///          throws. An empty batch gives an empty answer.
 /// Threads: safe to call concurrently. Blocks until the whole batch is answered or the model gives
-/// up. Source:  paper section 4, F_theta(x, tau, o); every model behind it gives equal bits for
-/// equal queries.
+///          up.
+/// Source:  paper section 4, F_theta(x, tau, o); every model behind it gives equal bits for equal
+///          queries.
 class PerceptionModel {
  public:
   virtual ~PerceptionModel() = default;
