@@ -15,6 +15,7 @@ namespace conav::planner {
 ///
 /// Only what is not remembered is asked, as one batch, each distinct query once. Failures are
 /// passed on and not remembered. The oldest answers are dropped beyond `capacity`.
+/// Worth it before a model of milliseconds; conav-planner does without (docs/architecture.md).
 /// Threads: as PerceptionModel; the other model is asked without a lock, so two threads may ask it
 /// the same.
 class CachedPerceptionModel final : public PerceptionModel {
