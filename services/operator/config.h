@@ -14,7 +14,8 @@ struct OperatorConfig {
   /// "world/robot" of every robot that is supervised here.
   std::vector<std::string> robots{"w1/r1"};
   /// SQLite file of the beliefs, guidance and requests; made when it does not exist, its folder
-  /// must. A second start with the same file goes on where the first one ended.
+  /// must. A second start with the same file goes on where the first one ended; a world
+  /// that begins with another map than the stored one is refused.
   std::string database = "operator.db";
   /// Refuse requests rather than grow beyond this; 0 = as far as the disk goes.
   double database_limit_mib = 0.0;

@@ -27,17 +27,17 @@ BeliefStoreOptions StoreOptions(const OperatorConfig& config) {
 
 struct OperatorService::WorldLink {
   WorldLink(bus::Participant& participant, const std::string& name)
-      : name(name),
-        initial_map(participant, bus::kInitialMap, name),
-        belief(participant, bus::kBelief, name),
-        belief_map(participant, bus::kBeliefMap, name) {}
+      : name(name), initial_map(participant, bus::kInitialMap, name) {}
+
+  bool served() const { return belief.has_value(); }
 
   std::string name;
   bus::Subscriber<nav_msgs::msg::OccupancyGrid> initial_map;
-  bus::Publisher<conav_msgs::msg::BeliefMap> belief;
-  bus::Publisher<nav_msgs::msg::OccupancyGrid> belief_map;
-  std::optional<MapUpdate> pending;   // initial map that is not stored yet
-  std::optional<double> cell_size_m;  // known with the first initial map
+  std::optional<bus::Publisher<conav_msgs::msg::BeliefMap>> belief;  // while it is served
+  std::optional<bus::Publisher<nav_msgs::msg::OccupancyGrid>> belief_map;
+  double cell_size_m = 0.0;
+  std::optional<MapUpdate> pending;  // initial map that is not stored yet
+  std::string refusal;               // why the newest initial map is not served; empty otherwise
 };
 
 struct OperatorService::RobotLink {
@@ -45,16 +45,15 @@ struct OperatorService::RobotLink {
       : name(name),
         world(world),
         state(participant, bus::kRobotState, name),
-        attention(participant, bus::kAttention, name),
-        guidance(participant, bus::kGuidance, name) {}
+        attention(participant, bus::kAttention, name) {}
 
   std::string name;
   std::string world;
   bus::Subscriber<conav_msgs::msg::RobotState> state;
   bus::Subscriber<conav_msgs::msg::AttentionRequest> attention;
-  bus::Publisher<conav_msgs::msg::Guidance> guidance;
-  std::optional<SimTime> stamp;  // of the newest state
-  std::uint64_t asked = 0;       // attention requests heard
+  std::optional<bus::Publisher<conav_msgs::msg::Guidance>> guidance;  // while its world is served
+  std::optional<SimTime> stamp;                                       // of the newest state
+  std::uint64_t asked = 0;                                            // attention requests heard
 };
 
 OperatorService::OperatorService(bus::Participant& participant, const OperatorConfig& config,
@@ -72,8 +71,6 @@ OperatorService::OperatorService(bus::Participant& participant, const OperatorCo
   for (const std::string& world : worlds) {
     worlds_.push_back(std::make_unique<WorldLink>(participant, world));
   }
-  for (const auto& world : worlds_) PublishBelief(*world);
-  for (const auto& robot : robots_) PublishGuidance(*robot);
 }
 
 OperatorService::~OperatorService() = default;
@@ -92,19 +89,46 @@ void OperatorService::Step() {
   diagnostics_.Tick([this] { return Report(); });
 }
 
+void OperatorService::Serve(WorldLink& world, double cell_size_m) {
+  world.refusal.clear();
+  world.cell_size_m = cell_size_m;
+  if (!world.served()) {
+    world.belief.emplace(participant_, bus::kBelief, world.name);
+    world.belief_map.emplace(participant_, bus::kBeliefMap, world.name);
+  }
+  PublishBelief(world);
+  for (const auto& robot : robots_) {
+    if (robot->world != world.name) continue;
+    if (!robot->guidance) robot->guidance.emplace(participant_, bus::kGuidance, robot->name);
+    PublishGuidance(*robot);
+  }
+}
+
+void OperatorService::Withhold(WorldLink& world, std::string reason) {
+  world.refusal = std::move(reason);
+  world.belief.reset();
+  world.belief_map.reset();
+  for (const auto& robot : robots_) {
+    if (robot->world == world.name) robot->guidance.reset();
+  }
+}
+
+OperatorService::WorldLink* OperatorService::FindWorld(const std::string& name) {
+  const auto found = std::ranges::find(worlds_, name, &WorldLink::name);
+  return found == worlds_.end() ? nullptr : found->get();
+}
+
 void OperatorService::PublishBelief(WorldLink& world) {
   const Belief* belief = store_.FindBelief(world.name);
-  if (belief == nullptr) return;
-  bus::Send(world.belief, ToMessage(*belief));
-  if (world.cell_size_m) {
-    bus::Send(world.belief_map, ToOccupancyMessage(*belief, *world.cell_size_m));
-  }
+  if (belief == nullptr || !world.served()) return;
+  bus::Send(*world.belief, ToMessage(*belief));
+  bus::Send(*world.belief_map, ToOccupancyMessage(*belief, world.cell_size_m));
 }
 
 void OperatorService::PublishGuidance(RobotLink& robot) {
   const Guidance* guidance = store_.FindGuidance(robot.name);
-  if (guidance != nullptr && guidance->world == robot.world) {
-    bus::Send(robot.guidance, ToMessage(*guidance));
+  if (robot.guidance && guidance != nullptr && guidance->world == robot.world) {
+    bus::Send(*robot.guidance, ToMessage(*guidance));
   }
 }
 
@@ -119,12 +143,12 @@ void OperatorService::TakeInitialMap(WorldLink& world) {
     return;
   }
   if (added) {
-    world.cell_size_m = world.pending->cell_size_m;
     LOG_INFO("world", "world", world.name, "new", *added, "revision",
              store_.FindBelief(world.name)->revision);
-    PublishBelief(world);
+    Serve(world, world.pending->cell_size_m);
   } else {
     LOG_ERROR("initial map refused", "world", world.name, "reason", added.error().text);
+    Withhold(world, added.error().text);
   }
   world.pending.reset();
 }
@@ -164,7 +188,12 @@ SimTime OperatorService::TimeOf(const std::string& world) const {
 }
 
 void OperatorService::Answer(const OperatorRequest& request) {
-  const BeliefStore::Answer answer = store_.Handle(request, TimeOf(request.world));
+  const WorldLink* world = FindWorld(request.world);
+  if (world != nullptr && !world->served() && world->refusal.empty()) return;
+  const BeliefStore::Answer answer =
+      world != nullptr && !world->served()
+          ? BeliefStore::Answer{{request.client, request.request_id, false, world->refusal, 0}}
+          : store_.Handle(request, TimeOf(request.world));
   Log(request, answer);
   if (answer.changed) PublishChange(request);
   bus::Send(replies_, ToMessage(answer.reply));
@@ -177,9 +206,7 @@ void OperatorService::PublishChange(const OperatorRequest& request) {
     }
     return;
   }
-  for (const auto& world : worlds_) {
-    if (world->name == request.world) PublishBelief(*world);
-  }
+  if (WorldLink* world = FindWorld(request.world)) PublishBelief(*world);
 }
 
 void OperatorService::Log(const OperatorRequest& request, const BeliefStore::Answer& answer) {
@@ -202,9 +229,13 @@ Health OperatorService::Report() const {
   Health health{Health::Level::kOk, "serving", {}};
   for (const auto& world : worlds_) {
     const Belief* belief = store_.FindBelief(world->name);
-    if (belief == nullptr) {
+    if (!world->served() && health.level == Health::Level::kOk) {
       health.level = Health::Level::kWarning;
       health.message = fmt::format("waiting for the initial map of world {}", world->name);
+    }
+    if (!world->refusal.empty()) {
+      health.level = Health::Level::kError;
+      health.message = world->refusal;
     }
     health.values.emplace_back(fmt::format("{} belief revision", world->name),
                                belief == nullptr ? "none" : std::to_string(belief->revision));

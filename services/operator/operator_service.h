@@ -20,9 +20,12 @@ namespace conav::operators {
 /// Owns the belief of each world and the guidance of each robot, and answers the requests of all
 /// clients, one after the other.
 ///
-/// Publishes at once, before any input, what its database holds: beliefs and guidance, both
-/// latched. A world that is not in the database gets revision 0 when the simulator's initial map
-/// arrives. A change is on disk before it is published, and published before it is acknowledged.
+/// Serves a world from the moment that the simulator's initial map arrives: a world that is not in
+/// the database gets revision 0, of one that is the stored belief and guidance are published, both
+/// latched. Until then its requests wait for their repeat. Another initial map than the stored one
+/// is refused: then nothing is published for that world, its requests are refused with that reason,
+/// and /diagnostics shows an error. A change is on disk before it is published, and published
+/// before it is acknowledged.
 ///
 /// Simulation time of a world is the newest stamp of its robots' states; until the first one it is
 /// 0. Guidance for a robot that never reported is refused. A robot that has sent fewer pictures
@@ -45,6 +48,10 @@ class OperatorService {
   struct WorldLink;
   struct RobotLink;
 
+  void Serve(WorldLink& world, double cell_size_m);
+  /// Takes back what was published for it.
+  void Withhold(WorldLink& world, std::string reason);
+  WorldLink* FindWorld(const std::string& name);
   void PublishBelief(WorldLink& world);
   void PublishGuidance(RobotLink& robot);
   void TakeInitialMap(WorldLink& world);

@@ -26,6 +26,20 @@ BeliefStore::Answer StorageFailure(const OperatorRequest& request, const Error& 
           true};
 }
 
+/// In what the stored initial map differs from the new one; empty when it does not.
+std::string Difference(const BeliefGrid& stored, const BeliefGrid& initial) {
+  if (stored.rows() != initial.rows() || stored.columns() != initial.columns()) {
+    return fmt::format("its initial map has {} x {} cells, the new one {} x {}", stored.rows(),
+                       stored.columns(), initial.rows(), initial.columns());
+  }
+  int cells = 0;
+  for (std::size_t i = 0; i < stored.size(); ++i) {
+    if (stored.values()[i] != initial.values()[i]) ++cells;
+  }
+  if (cells == 0) return "";
+  return fmt::format("its initial map differs from the new one in {} cells", cells);
+}
+
 OperatorReply Accepted(const OperatorRequest& request, std::uint64_t revision) {
   return {request.client, request.request_id, true, "", revision};
 }
@@ -34,22 +48,24 @@ OperatorReply Accepted(const OperatorRequest& request, std::uint64_t revision) {
 
 BeliefStore::BeliefStore(const BeliefStoreOptions& options)
     : database_(OrStartupError(options.database.file, Database::Open(options.database))),
+      file_(options.database.file),
       limits_(options.limits) {
-  const auto& file = options.database.file;
-  OrStartupError(file, EnsureSchema(database_).map([] { return true; }));
-  beliefs_ = OrStartupError(file, LoadBeliefs(database_));
-  guidance_ = OrStartupError(file, LoadGuidance(database_));
+  OrStartupError(file_, EnsureSchema(database_).map([] { return true; }));
+  beliefs_ = OrStartupError(file_, LoadBeliefs(database_));
+  guidance_ = OrStartupError(file_, LoadGuidance(database_));
 }
 
 Result<bool> BeliefStore::AddWorld(const std::string& world, const BeliefGrid& initial,
                                    SimTime stamp) {
-  if (const Belief* known = FindBelief(world)) {
-    const BeliefGrid& stored = known->wall_probability;
-    if (stored.rows() == initial.rows() && stored.columns() == initial.columns()) return false;
-    return Fail(
-        ErrorCode::kRefused,
-        fmt::format("world {}: the initial map has {} x {} cells, the stored one {} x {}", world,
-                    initial.rows(), initial.columns(), stored.rows(), stored.columns()));
+  const auto stored = InitialMap(world);
+  if (!stored) return tl::unexpected(stored.error());
+  if (*stored) {
+    const std::string difference = Difference(**stored, initial);
+    if (difference.empty()) return false;
+    return Fail(ErrorCode::kRefused,
+                fmt::format("operator database {} holds another world {}: {}; name another file in "
+                            "operator.database or remove this one",
+                            file_.string(), world, difference));
   }
   Belief belief{stamp, world, 0, initial, ""};
   auto saved = database_.Transaction([&] { return SaveBelief(database_, belief); });

@@ -40,7 +40,7 @@ class BeliefStore {
   };
 
   /// Gives `world` its initial map as revision 0. False when the store has one already, which then
-  /// stays. Errors: kIo; kRefused when the stored map has another size.
+  /// stays. Errors: kIo; kRefused when the stored world began with another map (names the file).
   [[nodiscard]] Result<bool> AddWorld(const std::string& world, const BeliefGrid& initial,
                                       SimTime stamp);
 
@@ -71,6 +71,7 @@ class BeliefStore {
   Answer Refuse(const OperatorRequest& request, std::string reason, std::uint64_t revision);
 
   Database database_;
+  std::filesystem::path file_;
   GuidanceLimits limits_;
   std::map<std::string, Belief> beliefs_;      // by world
   std::map<std::string, Guidance> guidance_;   // by robot

@@ -88,7 +88,7 @@ TEST_CASE("Guidance for a robot that never reported, or of another world, is ref
   CHECK(bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {}, 0, 1.0}, {})).accepted);
 }
 
-TEST_CASE("A service that starts again publishes what it knew before any input",
+TEST_CASE("A service that starts again publishes what it knew once the initial map is the same",
           "[operator][integration]") {
   const TemporaryFolder folder;
   {
@@ -99,11 +99,61 @@ TEST_CASE("A service that starts again publishes what it knew before any input",
     bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {{1, 1}}, 0, 1.0}, {}));
   }
   Bench again(folder / "operator.db");
-  CHECK(again.sim.NewestBelief().revision == 1);
-  CHECK(again.sim.NewestGuidance().revision == 1);
+  OperatorClient bert(again.client_participant, again.clock, {"bert", 0.25, 10.0});
+  bert.Send("w1", EditRequest{1, {{{1, 1}, true}}}, {});
+  again.service.Step();
+  CHECK(again.sim.belief.Take().empty());
+  CHECK(again.sim.guidance.Take().empty());
+  CHECK(bert.Poll().empty());
   again.sim.PublishInitialMap(kMap);  // does not undo the edit
   again.service.Step();
-  CHECK(again.sim.NewestBelief().wall_probability[{1, 3}] == 1.0F);
+  CHECK(again.sim.NewestBelief().revision == 1);
+  CHECK(again.sim.NewestGuidance().revision == 1);
+  again.clock.Advance(250ms);
+  CHECK(bert.Poll().empty());  // asks again
+  again.service.Step();
+  const auto outcomes = bert.Poll();
+  REQUIRE(outcomes.size() == 1);
+  CHECK(outcomes[0].reply->revision == 2);
+}
+
+TEST_CASE("A database of another world is refused by name and nothing of it is published",
+          "[operator][integration]") {
+  const TemporaryFolder folder;
+  {
+    Bench bench(folder / "operator.db");
+    bench.sim.PublishInitialMap(kMap);
+    bench.sim.PublishState({1, 1}, 5);
+    bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {{1, 1}}, 0, 1.0}, {}));
+  }
+  Bench other(folder / "operator.db");
+  bus::Subscriber<diagnostic_msgs::msg::DiagnosticArray> health(other.client_participant,
+                                                                bus::kDiagnostics);
+  std::vector<std::string> maze = kMap;
+  maze[1][1] = '#';
+  other.sim.PublishInitialMap(maze);
+  other.sim.PublishState({1, 2}, 5);
+  other.clock.Advance(1s);
+  const OperatorReply reply =
+      other.Settle(other.client.Send("w1", EditRequest{0, {{{1, 3}, true}}}, {}));
+  CHECK_FALSE(reply.accepted);
+  CHECK_THAT(reply.reason, Catch::Contains((folder / "operator.db").string()) &&
+                               Catch::Contains("another world w1"));
+  const auto reports = health.Take();
+  REQUIRE(reports.size() == 1);
+  CHECK(reports[0].status().at(0).level() == 2);
+  CHECK(reports[0].status().at(0).message() == reply.reason);
+  CHECK(other.sim.belief.Take().empty());
+  CHECK(other.sim.belief_map.Take().empty());
+  CHECK(other.sim.guidance.Take().empty());
+
+  other.sim.PublishInitialMap(kMap);  // the right world after all
+  other.service.Step();
+  CHECK(other.sim.NewestBelief().revision == 0);
+  other.sim.PublishInitialMap(maze);
+  other.service.Step();
+  bus::Subscriber<conav_msgs::msg::BeliefMap> late(other.client_participant, bus::kBelief, "w1");
+  CHECK(late.Take().empty());
 }
 
 TEST_CASE("Stored guidance is withdrawn from a robot that counts its pictures anew",
@@ -117,6 +167,8 @@ TEST_CASE("Stored guidance is withdrawn from a robot that counts its pictures an
         bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {{1, 1}}, 3, 1.0}, {})).accepted);
   }
   Bench again(folder / "operator.db");
+  again.sim.PublishInitialMap(kMap);
+  again.service.Step();
   CHECK(again.sim.NewestGuidance().answers_snapshot == 3);
   again.sim.PublishState({1, 1}, 1, 0);
   again.service.Step();

@@ -37,7 +37,8 @@ TEST_CASE("A new world starts with its initial map at revision 0", "[operator][b
   CHECK(*store.FindBelief("w1") == Belief{{7}, "w1", 0, kInitial, ""});
 }
 
-TEST_CASE("A world that is known keeps its belief; another size is refused", "[operator][belief]") {
+TEST_CASE("A world that is known keeps its belief; one that begins with another map is refused",
+          "[operator][belief]") {
   const TemporaryFolder folder;
   BeliefStore store = OpenStore(folder / "operator.db");
   REQUIRE(store.Handle(Edit(1, 0, {1, 1}, true), {3}).reply.accepted);
@@ -48,6 +49,15 @@ TEST_CASE("A world that is known keeps its belief; another size is refused", "[o
   const auto other = store.AddWorld("w1", BeliefGrid(5, 4), {9});
   REQUIRE_FALSE(other);
   CHECK(other.error().text.find("5 x 4") != std::string::npos);
+  BeliefGrid edited = kInitial;
+  edited[{1, 1}] = 1.0F;  // as the belief is now, which is not how the world began
+  const auto other_cells = store.AddWorld("w1", edited, {9});
+  REQUIRE_FALSE(other_cells);
+  CHECK(other_cells.error().code == ErrorCode::kRefused);
+  CHECK(other_cells.error().text ==
+        "operator database " + (folder / "operator.db").string() +
+            " holds another world w1: its initial map differs from the new one in 1 cells; name "
+            "another file in operator.database or remove this one");
   CHECK(store.FindBelief("w1")->revision == 1);
 }
 
