@@ -5,6 +5,9 @@
 #include <chrono>
 #include <cstdlib>
 #include <optional>
+#include <utility>
+
+#include "common/bus/vendors.h"
 
 namespace conav::launcher {
 namespace {
@@ -63,7 +66,7 @@ bus::ParticipantOptions BusOptions(const DemoOptions& options, int domain,
   bus.domain_id = domain;
   bus.interface = options.interface;
   bus.peers = options.peers;
-  return bus;
+  return bus::Resolve(std::move(bus));
 }
 
 BusPlace JoinFreeDomain(const DemoOptions& options, Episode& episode) {

@@ -23,7 +23,9 @@ class UsageError : public StartupError {
   using StartupError::StartupError;
 };
 
-/// How a process of this demo takes part in DDS. `vendor` may be empty: the default.
+/// How a process of this demo takes part in DDS: with what the environment says where `vendor` or
+/// the interface is empty, so that a written configuration means the same everywhere. Throws
+/// StartupError when the environment names no DDS vendor.
 bus::ParticipantOptions BusOptions(const DemoOptions& options, int domain,
                                    const std::string& vendor);
 

@@ -20,7 +20,7 @@ using namespace std::chrono_literals;
 
 constexpr auto kGrace = 5s;
 constexpr auto kPeriod = 50ms;
-// After the last goal: how long it must be quiet on the bus, and how long to wait for that.
+// At the end: how long it must be quiet on the bus, and how long to wait for that.
 constexpr auto kQuiet = 300ms;
 constexpr auto kQuietLimit = 3s;
 // A robot whose planner is gone ends its last command within the command's expiry.
@@ -29,6 +29,10 @@ constexpr std::size_t kLogLines = 8;
 
 Progress::Style StyleOf(std::FILE* output) {
   return isatty(fileno(output)) != 0 ? Progress::Style::kTerminal : Progress::Style::kPlain;
+}
+
+std::string KilledLine(const std::string& process) {
+  return process + " did not stop when asked and was killed";
 }
 
 bool StandsStill(const RobotRecord& robot) {
@@ -58,13 +62,14 @@ bool Demo::Run(const StopToken& stop) {
   start_ = clock_.Now();
   Follow(stop);
   outcome_.wall_s = ElapsedSeconds();
+  if (outcome_.reason != EndReason::kAllGoalsReached) StopPlanner();
   TakeLastNews();
   progress_.Finish(episode_);
   progress_.Say(OutcomeLine(outcome_));
   if (outcome_.reason == EndReason::kProcessDied) TellWhereRobotsStand();
   place_.recorder.reset();  // that the services leave now is no news
   for (const std::string& name : processes_.StopAll(kGrace)) {
-    progress_.Say(fmt::format("{} did not stop when asked and was killed", name));
+    progress_.Say(KilledLine(name));
   }
   Finish();
   return outcome_.reason == EndReason::kAllGoalsReached && episode_.all_goals_reached();
@@ -126,16 +131,12 @@ bool Demo::SomethingDied() {
   return fatal;
 }
 
+void Demo::StopPlanner() {
+  if (!processes_.Stop("planner", kGrace)) progress_.Say(KilledLine("planner"));
+}
+
 void Demo::TellWhereRobotsStand() {
-  const auto deadline = clock_.Now() + kStandStillLimit;
-  const auto all_stand = [this] {
-    return std::all_of(episode_.robots.begin(), episode_.robots.end(), StandsStill);
-  };
   const bool sim_died = died_service_ == "sim";
-  while (!sim_died && !all_stand() && clock_.Now() < deadline) {
-    place_.participant->Wait(kPeriod);
-    place_.recorder->Take();
-  }
   for (const RobotRecord& robot : episode_.robots) {
     if (!robot.state) {
       progress_.Say(fmt::format("{} was never heard of", robot.name));
@@ -151,11 +152,15 @@ void Demo::TellWhereRobotsStand() {
 }
 
 void Demo::TakeLastNews() {
-  const auto limit = clock_.Now() + kQuietLimit;
+  const bool robots_stop = outcome_.reason == EndReason::kProcessDied && died_service_ != "sim";
+  const auto limit = clock_.Now() + (robots_stop ? kStandStillLimit : kQuietLimit);
   auto quiet_since = clock_.Now();
   while (clock_.Now() < limit && clock_.Now() - quiet_since < kQuiet) {
     place_.participant->Wait(kPeriod);
-    if (place_.recorder->Take()) quiet_since = clock_.Now();
+    const bool news = place_.recorder->Take();
+    const bool still =
+        !robots_stop || std::all_of(episode_.robots.begin(), episode_.robots.end(), StandsStill);
+    if (news || !still) quiet_since = clock_.Now();
   }
 }
 

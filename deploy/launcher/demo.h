@@ -32,8 +32,11 @@ class Demo {
   void Follow(const StopToken& stop);
   /// Sets outcome_ when one died that the run cannot do without.
   bool SomethingDied();
-  void TellWhereRobotsStand();
+  /// So that nobody commands the robots any more.
+  void StopPlanner();
+  /// Listens until it is quiet and, after a death, until the robots stand.
   void TakeLastNews();
+  void TellWhereRobotsStand();
   void Finish();
   double ElapsedSeconds() const;
 

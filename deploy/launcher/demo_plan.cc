@@ -58,6 +58,7 @@ std::string SimYaml(const Setting& setting, std::size_t world_index) {
   config.camera.mode = options.camera;
   config.camera.stream = options.method != "ig-mcts";
   config.speed = options.effective_speed();
+  config.publish_clock = world_index == 0;
   return DumpConfig("sim", config);
 }
 

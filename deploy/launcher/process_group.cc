@@ -32,23 +32,33 @@ std::vector<const Process*> ProcessGroup::TakeEnded() {
   return ended;
 }
 
-bool ProcessGroup::AllEnded() {
-  bool all = true;
-  for (const auto& process : processes_) all = process->Poll() && all;
-  return all;
+std::vector<std::string> ProcessGroup::StopAll(std::chrono::milliseconds grace) {
+  return Stop(grace, [](const Process&) { return true; });
 }
 
-std::vector<std::string> ProcessGroup::StopAll(std::chrono::milliseconds grace) {
-  for (const auto& process : processes_) process->Signal(SIGTERM);
-  const auto deadline = steady_clock::now() + grace;
-  while (!AllEnded() && steady_clock::now() < deadline) poll(nullptr, 0, 10);
-  std::vector<std::string> killed;
+bool ProcessGroup::Stop(const std::string& name, std::chrono::milliseconds grace) {
+  return Stop(grace, [&](const Process& process) { return process.name() == name; }).empty();
+}
+
+std::vector<std::string> ProcessGroup::Stop(std::chrono::milliseconds grace,
+                                            const std::function<bool(const Process&)>& meant) {
+  std::vector<Process*> running;
   for (const auto& process : processes_) {
-    if (process->Poll()) continue;
+    if (meant(*process)) running.push_back(process.get());
+  }
+  const auto forget_ended = [&] {
+    std::erase_if(running, [](Process* process) { return process->Poll(); });
+    return running.empty();
+  };
+  for (Process* process : running) process->Signal(SIGTERM);
+  const auto deadline = steady_clock::now() + grace;
+  while (!forget_ended() && steady_clock::now() < deadline) poll(nullptr, 0, 10);
+  std::vector<std::string> killed;
+  for (Process* process : running) {
     process->Signal(SIGKILL);
     killed.push_back(process->name());
   }
-  while (!AllEnded()) poll(nullptr, 0, 5);
+  while (!forget_ended()) poll(nullptr, 0, 5);
   return killed;
 }
 

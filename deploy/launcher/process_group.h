@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -25,9 +26,12 @@ class ProcessGroup {
   /// SIGTERM to all, SIGKILL to those that still run after `grace`. Returns the names of the
   /// killed.
   std::vector<std::string> StopAll(std::chrono::milliseconds grace);
+  /// The same for the process of that name; false when it was killed.
+  bool Stop(const std::string& name, std::chrono::milliseconds grace);
 
  private:
-  bool AllEnded();
+  std::vector<std::string> Stop(std::chrono::milliseconds grace,
+                                const std::function<bool(const Process&)>& meant);
 
   std::vector<std::unique_ptr<Process>> processes_;
   std::vector<const Process*> reported_;

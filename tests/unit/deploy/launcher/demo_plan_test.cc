@@ -3,8 +3,10 @@
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
+#include <cstdlib>
 #include <filesystem>
 #include <map>
+#include <optional>
 
 #include "nhpm/config.h"
 #include "operator/config.h"
@@ -22,6 +24,22 @@ struct TemporaryRun {
   fs::path parent = fs::temp_directory_path() / ("conav_demo_plan_" + std::to_string(getpid()));
   RunFolder folder{parent, std::chrono::system_clock::time_point{}, 1};
   ~TemporaryRun() { fs::remove_all(parent); }
+};
+
+/// A variable of the environment, put back at the end.
+class Environment {
+ public:
+  Environment(const char* name, const char* value) : name_(name) {
+    if (const char* before = std::getenv(name)) before_ = before;
+    value == nullptr ? unsetenv(name) : setenv(name, value, 1);
+  }
+  ~Environment() { before_ ? setenv(name_, before_->c_str(), 1) : unsetenv(name_); }
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+
+ private:
+  const char* name_;
+  std::optional<std::string> before_;
 };
 
 std::map<std::string, std::string> Plan(const DemoOptions& options, const TemporaryRun& run) {
@@ -93,7 +111,45 @@ TEST_CASE("each world has a simulator with its own robots and seed", "[launcher]
   CHECK(second.robots == std::vector<std::string>{"r3", "r4"});
   CHECK(second.seed == 2);
   CHECK(second.camera.stream);
+  CHECK_FALSE(second.publish_clock);  // a domain has one /clock
+  CHECK(Read<sim::SimConfig>(configs.at("sim-w1"), "sim").publish_clock);
   CHECK(Read<planner::PlannerConfig>(configs.at("planner"), "planner").robots.size() == 4);
+}
+
+TEST_CASE("maps, cell size and shared goals reach the simulator", "[launcher][plan]") {
+  const TemporaryRun run;
+  DemoOptions options;
+  options.map = "maps/truth.yaml";
+  options.operator_map = "/plans/old.yaml";
+  options.cell_size_m = 1.5;
+  options.shared_goals = true;
+  const auto sim = Read<sim::SimConfig>(Plan(options, run).at("sim"), "sim");
+  CHECK(sim.map.yaml == (fs::current_path() / "maps/truth.yaml").string());
+  CHECK(sim.map.operator_yaml == "/plans/old.yaml");
+  CHECK(sim.map.cell_size_m == 1.5);
+  CHECK(sim.shared_goals);
+  const auto without = Read<sim::SimConfig>(Plan({}, run).at("sim"), "sim");
+  CHECK(without.map.yaml.empty());
+  CHECK(without.map.operator_yaml.empty());
+  CHECK(without.map.cell_size_m == sim::SimConfig{}.map.cell_size_m);
+  CHECK_FALSE(without.shared_goals);
+}
+
+TEST_CASE("what the environment says of the bus is written into every configuration",
+          "[launcher][plan]") {
+  const TemporaryRun run;
+  DemoOptions options;
+  options.interface = "";
+  const Environment no_vendor("CONAV_DDS", nullptr);
+  CHECK(Read<sim::SimConfig>(Plan(options, run).at("sim"), "sim").bus.vendor == "cyclonedds");
+  const Environment vendor("CONAV_DDS", "fastdds");
+  const Environment interface("CONAV_INTERFACE", "eth7");
+  options.dds = "planner=cyclonedds";
+  const auto configs = Plan(options, run);
+  const auto sim = Read<sim::SimConfig>(configs.at("sim"), "sim");
+  CHECK(sim.bus.vendor == "fastdds");
+  CHECK(sim.bus.interface == "eth7");
+  CHECK(Read<planner::PlannerConfig>(configs.at("planner"), "planner").bus.vendor == "cyclonedds");
 }
 
 TEST_CASE("a command is put before the service that it is meant for", "[launcher][plan]") {

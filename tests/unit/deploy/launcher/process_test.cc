@@ -86,6 +86,17 @@ TEST_CASE("a group is stopped at once when its processes obey", "[launcher][proc
   CHECK(std::chrono::steady_clock::now() - start < 5s);
 }
 
+TEST_CASE("one process of a group is stopped and the others run on", "[launcher][process]") {
+  const LogFile log;
+  ProcessGroup group;
+  const Process& a = group.Start("a", {"sleep", "600"}, log.path);
+  const Process& b = group.Start("b", {"sleep", "600"}, log.path);
+  CHECK(group.Stop("a", 10s));
+  CHECK_FALSE(a.running());
+  CHECK(b.running());
+  CHECK(group.Stop("a", 10s));  // has ended before
+}
+
 TEST_CASE("a process that ignores the request is killed and named", "[launcher][process]") {
   const LogFile log;
   ProcessGroup group;
