@@ -1,9 +1,11 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
+#include <fstream>
 
 #include "system/launcher/demo_run.h"
 
 using conav::testing::DemoRun;
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -16,7 +18,46 @@ nlohmann::json Table(nlohmann::json result) {
   return {result["robots"], result["mapping_accuracy_after"], result["cell_accuracy_after"]};
 }
 
+std::vector<std::string> BlindRun(int seed, const std::string& dds) {
+  return {"--headless", "--camera", "none", "--seed", std::to_string(seed), "--dds", dds};
+}
+
+/// Two map_server files of one small building, a pixel a cell: the plan draws a wall where the
+/// building has its eastern door.
+class Building {
+ public:
+  Building() {
+    std::string pattern = (fs::temp_directory_path() / "conav-building-XXXXXX").string();
+    REQUIRE(mkdtemp(pattern.data()) != nullptr);
+    folder_ = pattern;
+    Write("truth", {"#########", "#       #", "# ##### #", "#       #", "### ### #", "#       #",
+                    "#########"});
+    Write("plan", {"#########", "#       #", "# ##### #", "#       #", "### #####", "#       #",
+                   "#########"});
+  }
+  ~Building() { fs::remove_all(folder_); }
+
+  std::string map() const { return (folder_ / "truth.yaml").string(); }
+  std::string outdated_plan() const { return (folder_ / "plan.yaml").string(); }
+
+ private:
+  void Write(const std::string& name, const std::vector<std::string>& rows) const {
+    std::ofstream image(folder_ / (name + ".pgm"));
+    image << "P2\n" << rows[0].size() << " " << rows.size() << "\n255\n";
+    for (const std::string& row : rows) {
+      for (const char cell : row) image << (cell == '#' ? "0 " : "254 ");
+      image << "\n";
+    }
+    std::ofstream(folder_ / (name + ".yaml"))
+        << "image: " << name << ".pgm\nresolution: 2.0\norigin: [0, 0, 0]\nnegate: 0\n"
+        << "occupied_thresh: 0.65\nfree_thresh: 0.196\n";
+  }
+
+  fs::path folder_;
+};
+
 void ReachesAllGoals(const std::vector<std::string>& arguments) {
+  CAPTURE(arguments);
   DemoRun demo(arguments);
   const int code = demo.Wait();
   INFO(demo.Story());
@@ -45,8 +86,44 @@ TEST_CASE("a demo reaches all goals with both vendors mixed", "[launcher][system
   ReachesAllGoals({"--headless", "--seed", "3", "--dds", "mixed"});
 }
 
+// 20 seeds, each on one of the three choices.
+TEST_CASE("a robot reaches all goals on Cyclone DDS whatever the seed", "[launcher][system]") {
+  const int seed = GENERATE(1, 4, 7, 10, 13, 16, 19);
+  ReachesAllGoals(BlindRun(seed, "cyclonedds"));
+}
+
+TEST_CASE("a robot reaches all goals on Fast DDS whatever the seed", "[launcher][system]") {
+  const int seed = GENERATE(2, 5, 8, 11, 14, 17, 20);
+  ReachesAllGoals(BlindRun(seed, "fastdds"));
+}
+
+TEST_CASE("a robot reaches all goals with both vendors mixed whatever the seed",
+          "[launcher][system]") {
+  const int seed = GENERATE(3, 6, 9, 12, 15, 18);
+  ReachesAllGoals(BlindRun(seed, "mixed"));
+}
+
 TEST_CASE("four robots in one world reach all goals", "[launcher][system]") {
-  ReachesAllGoals({"--headless", "--seed", "4", "--robots", "4"});
+  const std::string dds = GENERATE("cyclonedds", "fastdds", "mixed");
+  ReachesAllGoals({"--headless", "--seed", "4", "--robots", "4", "--dds", dds});
+}
+
+TEST_CASE("two robots share the goals of a building whose plan is outdated", "[launcher][system]") {
+  const Building building;
+  DemoRun demo({"--headless", "--camera", "none", "--robots", "2", "--shared-goals", "--map",
+                building.map(), "--operator-map", building.outdated_plan()});
+  const int code = demo.Wait();
+  INFO(demo.Story());
+  CHECK(code == 0);
+  const nlohmann::json result = demo.Json();
+  REQUIRE(result.is_object());
+  CHECK(result["all_goals_reached"] == true);
+  CHECK(result["map"] == building.map());
+  CHECK(result["cell_accuracy_before"] < 1.0);
+  int reached = 0;
+  for (const auto& robot : result["robots"]) reached += robot["goals_reached"].get<int>();
+  CHECK(result["robots"].size() == 2);
+  CHECK(reached == result["robots"][0]["goals_total"]);
 }
 
 TEST_CASE("two worlds run beside each other", "[launcher][system]") {
@@ -59,6 +136,11 @@ TEST_CASE("instruction following reaches all goals", "[launcher][system]") {
 
 TEST_CASE("teleoperation reaches all goals", "[launcher][system]") {
   ReachesAllGoals({"--headless", "--seed", "7", "--method", "teleop", "--camera", "none"});
+}
+
+TEST_CASE("four robots under teleoperation reach all goals", "[launcher][system]") {
+  ReachesAllGoals(
+      {"--headless", "--seed", "5", "--robots", "4", "--method", "teleop", "--camera", "none"});
 }
 
 TEST_CASE("the same seed gives the same table twice", "[launcher][system]") {

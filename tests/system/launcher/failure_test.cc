@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 #include <csignal>
 #include <filesystem>
@@ -52,6 +54,23 @@ TEST_CASE("the operator's death is named and the robot stops", "[launcher][syste
 
 TEST_CASE("the simulated operator's death is named and the robot stops", "[launcher][system]") {
   DeathIsNamed("simulated-operator");
+}
+
+TEST_CASE("four robots stop when the operator's side dies, and it is told where",
+          "[launcher][system]") {
+  const std::string service = GENERATE("operator", "simulated-operator");
+  std::vector<std::string> arguments = SlowRun();
+  arguments.insert(arguments.end(), {"--robots", "4"});
+  DemoRun demo(arguments);
+  const pid_t victim = demo.PidOf(service);
+  REQUIRE(demo.WaitForMoves());
+  REQUIRE(kill(victim, SIGKILL) == 0);
+  CHECK(demo.Wait(60s) == 1);
+  INFO(demo.Story());
+  for (const char* robot : {"r1", "r2", "r3", "r4"}) {
+    CHECK_THAT(demo.Output(), Catch::Contains(fmt::format("{} stopped in cell", robot)));
+  }
+  CHECK_THAT(demo.Output(), !Catch::Contains("STILL DRIVES"));
 }
 
 TEST_CASE("without the perception service the planner goes on by itself", "[launcher][system]") {
