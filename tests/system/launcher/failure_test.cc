@@ -73,6 +73,25 @@ TEST_CASE("four robots stop when the operator's side dies, and it is told where"
   CHECK_THAT(demo.Output(), !Catch::Contains("STILL DRIVES"));
 }
 
+TEST_CASE("nobody commands the robots any more when it is told where they stand",
+          "[launcher][system]") {
+  DemoRun demo(SlowRun());
+  const pid_t planner = demo.PidOf("planner");
+  const pid_t victim = demo.PidOf("operator");
+  REQUIRE(demo.WaitForMoves());
+  // A planner that does not obey shows when it was asked to stop.
+  REQUIRE(kill(planner, SIGSTOP) == 0);
+  REQUIRE(kill(victim, SIGKILL) == 0);
+  CHECK(demo.Wait(60s) == 1);
+  INFO(demo.Story());
+  const std::string output = demo.Output();
+  const auto planner_gone = output.find("planner did not stop when asked and was killed");
+  const auto told = output.find("r1 stopped in cell");
+  REQUIRE(planner_gone != std::string::npos);
+  REQUIRE(told != std::string::npos);
+  CHECK(planner_gone < told);
+}
+
 TEST_CASE("without the perception service the planner goes on by itself", "[launcher][system]") {
   DemoRun demo({"--headless", "--speed", "20", "--camera", "none"});
   const pid_t nhpm = demo.PidOf("nhpm");
