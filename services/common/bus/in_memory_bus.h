@@ -18,10 +18,12 @@ class InMemoryTopic;
 ///
 /// Same contract as DDS: every message is serialised and deserialised, QoS decides who matches,
 /// transient-local writers hand their history (depth samples) to late readers, connection events
-/// appear on both sides. Delivery is done on the publishing thread before Publish() returns; when a
-/// handler publishes, or two threads publish at once, one reader still gets one message at a time
-/// and in order, so a nested or concurrent message may arrive after its own Publish() returned.
-/// Keys are not looked at: history depth is per writer, not per instance.
+/// appear on both sides (but for kLivelinessLost and kLivelinessGained: nobody dies or stalls
+/// here). A handler that throws is logged and the next message delivered. Delivery is done on the
+/// publishing thread before Publish() returns; when a handler publishes, or two threads publish at
+/// once, one reader still gets one message at a time and in order, so a nested or concurrent
+/// message may arrive after its own Publish() returned. Keys are not looked at: history depth is
+/// per writer, not per instance.
 class InMemoryBus {
  public:
   InMemoryBus();

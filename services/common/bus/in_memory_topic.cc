@@ -57,7 +57,7 @@ void InMemoryReaderState::Drain() {
     const InMemoryPayload payload = std::move(queue_.front());
     queue_.pop_front();
     lock.unlock();
-    Deliver(*payload);
+    intake_.Deliver(*payload);
     lock.lock();
   }
   delivering_ = false;
@@ -69,15 +69,6 @@ void InMemoryReaderState::Close() {
   closed_ = true;
   queue_.clear();
   idle_.wait(lock, [this] { return !delivering_; });
-}
-
-void InMemoryReaderState::Deliver(const std::vector<std::uint8_t>& payload) {
-  const std::unique_ptr<void, void (*)(void*)> message(options.type.create(), options.type.destroy);
-  if (!options.type.deserialize(payload, message.get())) {
-    events->Malformed(options, ++malformed_);
-    return;
-  }
-  sink_(message.get());
 }
 
 void InMemoryTopic::Add(const std::shared_ptr<InMemoryWriterState>& writer) {

@@ -9,6 +9,7 @@
 
 #include "common/bus/backend.h"
 #include "common/bus/event_log.h"
+#include "common/bus/intake.h"
 
 namespace conav::bus {
 
@@ -33,20 +34,18 @@ struct InMemoryWriterState : InMemoryEndpoint {
 class InMemoryReaderState : public InMemoryEndpoint {
  public:
   InMemoryReaderState(const EndpointOptions& options, std::shared_ptr<EventLog> events, Sink sink)
-      : InMemoryEndpoint(options, std::move(events)), sink_(std::move(sink)) {}
+      : InMemoryEndpoint(options, std::move(events)),
+        intake_(options, std::move(sink), *this->events) {}
 
   void Enqueue(InMemoryPayload payload);
   /// Delivers what is queued, unless another thread (or this one, further up) is about it.
   void Drain();
   /// No delivery any more, and none under way, when this returns.
   void Close();
-  std::uint64_t malformed() const { return malformed_; }
+  std::uint64_t malformed() const { return intake_.malformed(); }
 
  private:
-  void Deliver(const std::vector<std::uint8_t>& payload);
-
-  Sink sink_;
-  std::atomic<std::uint64_t> malformed_{0};
+  Intake intake_;
   std::mutex mutex_;  // guards what follows
   std::condition_variable idle_;
   std::deque<InMemoryPayload> queue_;

@@ -35,9 +35,10 @@ struct ParticipantOptions {
 };
 
 /// Something that happened to the connections of a participant. When a process dies, both vendors
-/// report kUnmatched after the lease; Cyclone DDS may report kLivelinessLost before. (Fast DDS
-/// watches liveliness only for readers that ask for a lease, and such readers would not match ROS 2
-/// writers.)
+/// report kUnmatched after the lease. Cyclone DDS reports kLivelinessLost before, of a writer whose
+/// liveliness lease is shorter than its participant's; ours are equal, foreign ones may not be.
+/// (Fast DDS watches liveliness only for readers that ask for a lease, and such readers would not
+/// match ROS 2 writers.)
 struct Event {
   enum class Kind { kMatched, kUnmatched, kLivelinessLost, kLivelinessGained, kIncompatibleQos };
   Kind kind;

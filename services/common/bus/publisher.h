@@ -22,7 +22,8 @@ class Publisher {
       : writer_(participant.backend().CreateWriter(
             {topic.NameFor(entity), TypeSupportOf<T>(), topic.qos})) {}
 
-  /// Errors: kUnavailable when the bus could not take the message (queue full after retries).
+  /// Errors: kUnavailable when the bus could not take the message (queue full after retries, out of
+  /// resources), kMalformed when it cannot be serialised.
   [[nodiscard]] Result<void> Publish(const T& message) { return writer_->Write(&message); }
 
   int matched_subscribers() const { return writer_->matched(); }

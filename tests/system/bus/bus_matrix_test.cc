@@ -1,12 +1,12 @@
 // Every pair of vendors, in two processes over real sockets on the loopback interface.
-#include <unistd.h>
-
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <csignal>
 #include <optional>
 
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
+#include "support/test_domain.h"
 #include "system/bus/peer_process.h"
 #include "system/bus/peer_topics.h"
 
@@ -17,8 +17,6 @@ using bus::Event;
 using bus::Participant;
 using bus::Publisher;
 using bus::Subscriber;
-
-int TestDomain() { return 20 + getpid() % 200; }
 
 bus::ParticipantOptions Options(const std::string& vendor) {
   bus::ParticipantOptions options;
@@ -179,21 +177,23 @@ TEST_CASE("a peer that ends says goodbye", "[system][bus]") {
   CHECK(WaitUntil(pair.participant, [&] { return subscriber.matched_publishers() == 0; }));
 }
 
-TEST_CASE("ROS 2 tools learn the peer's node and its endpoints", "[system][bus]") {
-  VendorPair pair;
-  CAPTURE(pair.here, pair.there);
-  Subscriber<ros_graph_jazzy::msg::ParticipantEntitiesInfo> graph(pair.participant, kRosGraph);
-  ros_graph_jazzy::msg::NodeEntitiesInfo peer;
-  REQUIRE(WaitUntil(pair.participant, [&] {
-    for (const auto& info : graph.Take()) {
-      if (info.node_entities_info_seq().at(0).node_name() != "bus_peer") continue;
-      peer = info.node_entities_info_seq().at(0);
-    }
-    return peer.node_name() == "bus_peer";
-  }));
-  CHECK(peer.node_namespace() == "/");
-  CHECK(peer.reader_gid_seq().size() == 4);
-  CHECK(peer.writer_gid_seq().size() == 6);
+TEST_CASE("a writer that hangs loses its liveliness before its participant is given up",
+          "[system][bus]") {
+  const PeerProcess peer{{"cyclonedds", std::to_string(TestDomain())}};
+  Participant participant{"bus_test", Options("cyclonedds")};
+  Subscriber<Blob> subscriber(participant, kShortLease);
+  REQUIRE(WaitForEvent(participant, Event::Kind::kLivelinessGained, "/test/short_lease"));
+  peer.Signal(SIGSTOP);
+  CHECK(WaitForEvent(participant, Event::Kind::kLivelinessLost, "/test/short_lease"));
+}
+
+TEST_CASE("a message that cannot be serialised is refused as such", "[system][bus]") {
+  Participant participant{"bus_test", Options(GENERATE("cyclonedds", "fastdds"))};
+  Publisher<RawBlob> publisher(participant, kGarbage);
+  const auto sent = publisher.Publish({});
+  REQUIRE_FALSE(sent);
+  CHECK(sent.error().code == ErrorCode::kMalformed);
+  CHECK(sent.error().text == "a message for /test/garbage cannot be serialised");
 }
 
 }  // namespace

@@ -1,12 +1,11 @@
 // Start-up of real participants: what cannot work is refused with its name, what can finds its
 // peers.
-#include <unistd.h>
-
 #include <catch2/catch.hpp>
 
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
 #include "common/runtime/result.h"
+#include "support/test_domain.h"
 #include "system/bus/peer_process.h"
 #include "system/bus/peer_topics.h"
 
@@ -16,7 +15,7 @@ namespace {
 bus::ParticipantOptions Options() {
   bus::ParticipantOptions options;
   options.vendor = GENERATE("cyclonedds", "fastdds");
-  options.domain_id = 20 + getpid() % 200;
+  options.domain_id = TestDomain();
   options.interface = "lo";
   return options;
 }

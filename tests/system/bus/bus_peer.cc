@@ -1,11 +1,14 @@
-// The other process of the bus tests: bus_peer <vendor> <domain> [<peer address>]
+// The other process of the bus tests: bus_peer <vendor> <domain> [jazzy|humble|<peer address>]
 // Echoes what arrives, offers histories and payloads that are no messages, and stays until killed
 // or until its standard input ends.
 #include <unistd.h>
 
 #include <cstdlib>
 #include <iostream>
+#include <optional>
 
+#include "common/bus/cyclone/entities.h"
+#include "common/bus/event_log.h"
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
 #include "system/bus/peer_topics.h"
@@ -18,10 +21,13 @@ bus::ParticipantOptions Options(int argc, char** argv) {
   options.vendor = argv[1];
   options.domain_id = std::atoi(argv[2]);
   options.lease_s = 1.0;
-  if (argc > 3) {
-    options.peers = {argv[3]};
+  options.interface = "lo";
+  const std::string extra = argc > 3 ? argv[3] : "jazzy";
+  if (extra == "jazzy" || extra == "humble") {
+    options.ros_distribution = extra;
   } else {
-    options.interface = "lo";
+    options.interface.clear();
+    options.peers = {extra};
   }
   return options;
 }
@@ -65,6 +71,23 @@ class FloodCounter {
   bus::Subscriber<Blob> flood_;
 };
 
+/// A writer whose liveliness lease is shorter than its participant's, as a foreign program may have
+/// it.
+class ShortLeaseWriter {
+ public:
+  explicit ShortLeaseWriter(int domain_id)
+      : participant_(
+            dds_create_participant(static_cast<dds_domainid_t>(domain_id), nullptr, nullptr),
+            "a participant"),
+        writer_({participant_.handle(), 0.5, events_, nullptr},
+                {std::string(kShortLease.pattern), bus::TypeSupportOf<Blob>(), kShortLease.qos}) {}
+
+ private:
+  bus::EventLog events_;
+  bus::CycloneEntity participant_;
+  bus::CycloneWriter writer_;
+};
+
 void PublishGarbage(bus::Publisher<RawBlob>& garbage, bus::Publisher<Blob>& good) {
   Publish(garbage, {{0, 1, 0, 0, 1, 2, 3}});
   Publish(garbage, {{0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xf0, 1, 2, 3, 4}});
@@ -85,6 +108,8 @@ void Run(const bus::ParticipantOptions& options) {
   PublishGarbage(garbage, good);
   bus::Publisher<Blob> offer(participant, kBestEffortOffer);
   bus::Subscriber<Blob> request(participant, kReliableRequest);
+  std::optional<ShortLeaseWriter> short_lease;
+  if (options.vendor == "cyclonedds") short_lease.emplace(options.domain_id);
   std::cout << "ready" << std::endl;
   char byte = 0;
   while (read(STDIN_FILENO, &byte, 1) > 0) {
@@ -96,7 +121,7 @@ void Run(const bus::ParticipantOptions& options) {
 
 int main(int argc, char** argv) {
   if (argc < 3) {
-    std::cerr << "usage: bus_peer <vendor> <domain> [<peer address>]\n";
+    std::cerr << "usage: bus_peer <vendor> <domain> [jazzy|humble|<peer address>]\n";
     return 2;
   }
   try {

@@ -1,12 +1,12 @@
 // What happens when traffic is heavy and when a link is cut.
 #include <dds/dds.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <catch2/catch.hpp>
 
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
+#include "support/test_domain.h"
 #include "system/bus/peer_process.h"
 #include "system/bus/peer_topics.h"
 
@@ -14,8 +14,6 @@ namespace conav::test {
 namespace {
 
 using bus::Event;
-
-int TestDomain() { return 20 + getpid() % 200; }
 
 bus::ParticipantOptions Options(const std::string& vendor) {
   bus::ParticipantOptions options;

@@ -48,6 +48,8 @@ PeerProcess::PeerProcess(const std::vector<std::string>& arguments) {
 
 PeerProcess::~PeerProcess() { Kill(); }
 
+void PeerProcess::Signal(int signal) const { kill(pid_, signal); }
+
 void PeerProcess::Kill() {
   if (pid_ > 0) kill(pid_, SIGKILL);
   Reap();

@@ -16,6 +16,7 @@ class PeerProcess {
   PeerProcess(const PeerProcess&) = delete;
   PeerProcess& operator=(const PeerProcess&) = delete;
 
+  void Signal(int signal) const;
   /// As a crash: no goodbye on the bus.
   void Kill();
   /// Asks it to end; returns its exit status.

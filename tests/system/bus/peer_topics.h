@@ -38,7 +38,11 @@ inline constexpr bus::Topic<Blob> kAfterGarbage{"/test/garbage", kGarbageQos};
 inline constexpr bus::Topic<Blob> kBestEffortOffer{"/test/offer", bus::kSensorQos};
 inline constexpr bus::Topic<Blob> kReliableRequest{"/test/request", bus::kDefaultQos};
 
-inline constexpr bus::Topic<ros_graph_jazzy::msg::ParticipantEntitiesInfo> kRosGraph{
+/// Offered by a peer on Cyclone DDS.
+inline constexpr bus::Topic<Blob> kShortLease{"/test/short_lease", bus::kDefaultQos};
+
+template <class Info>
+inline constexpr bus::Topic<Info> kRosGraph{
     "ros_discovery_info", {bus::Reliability::kReliable, bus::Durability::kTransientLocal, 0}};
 
 }  // namespace conav::test

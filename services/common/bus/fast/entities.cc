@@ -1,5 +1,7 @@
 #include "common/bus/fast/entities.h"
 
+#include <fmt/format.h>
+
 #include "common/bus/fast/erased_type.h"
 #include "common/bus/fast/qos.h"
 #include "common/bus/network.h"
@@ -22,6 +24,12 @@ dds::StatusMask ReaderEvents() {
   return dds::StatusMask::data_available()
          << dds::StatusMask::subscription_matched() << dds::StatusMask::liveliness_changed()
          << dds::StatusMask::requested_incompatible_qos();
+}
+
+std::string Describe(const ReturnCode_t& code) {
+  if (code == ReturnCode_t::RETCODE_TIMEOUT) return "queue full";
+  if (code == ReturnCode_t::RETCODE_OUT_OF_RESOURCES) return "out of resources";
+  return fmt::format("return code {}", code());
 }
 
 }  // namespace
@@ -49,10 +57,16 @@ FastWriter::~FastWriter() {
 
 Result<void> FastWriter::Write(const void* message) {
   FastSample sample{const_cast<void*>(message), true};
-  for (int i = 0; i < kWriteAttempts; ++i) {
-    if (writer_->write(&sample)) return {};
+  ReturnCode_t code = ReturnCode_t::RETCODE_TIMEOUT;
+  for (int i = 0; i < kWriteAttempts && code == ReturnCode_t::RETCODE_TIMEOUT; ++i) {
+    code = writer_->write(&sample, eprosima::fastrtps::rtps::c_InstanceHandle_Unknown);
   }
-  return Fail(ErrorCode::kUnavailable, options_.topic + " did not take a message: queue full");
+  if (code == ReturnCode_t::RETCODE_OK) return {};
+  if (code == ReturnCode_t::RETCODE_ERROR) {
+    return Fail(ErrorCode::kMalformed, "a message for " + options_.topic + " cannot be serialised");
+  }
+  return Fail(ErrorCode::kUnavailable,
+              fmt::format("{} did not take a message: {}", options_.topic, Describe(code)));
 }
 
 int FastWriter::matched() const {

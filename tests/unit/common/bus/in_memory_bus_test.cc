@@ -160,6 +160,44 @@ TEST_CASE("what convert refuses is counted and left out", "[bus][in-memory]") {
   CHECK(subscriber.refused() == 1);
 }
 
+TEST_CASE("a flood of refused messages is counted, and logged once", "[bus][in-memory]") {
+  Pair pair;
+  Publisher<Blob> publisher(pair.left, kVolatile, "r1");
+  Subscriber<Blob> subscriber(pair.right, kVolatile, "r1");
+  std::vector<std::string> lines;
+  log::SetSink([&lines](const log::Record& record) { lines.emplace_back(record.text); });
+  PublishIds(publisher, {1, 2, 3, 4, 5});
+  subscriber.TakeValid([](const Blob&) -> Result<std::uint64_t> {
+    return Fail(ErrorCode::kMalformed, "id is odd or even");
+  });
+  log::SetSink(nullptr);
+  CHECK(subscriber.refused() == 5);
+  CHECK(lines == std::vector<std::string>{"message refused topic=/r1/volatile reason=id is odd or "
+                                          "even count=1"});
+}
+
+TEST_CASE("a message that cannot be serialised is refused", "[bus][in-memory]") {
+  Pair pair;
+  Publisher<test::RawBlob> publisher(pair.left, Topic<test::RawBlob>{"/empty", kDefaultQos});
+  const auto sent = publisher.Publish({});
+  REQUIRE_FALSE(sent);
+  CHECK(sent.error().code == ErrorCode::kMalformed);
+}
+
+TEST_CASE("a handler that throws misses that message alone", "[bus][in-memory]") {
+  Pair pair;
+  std::vector<std::uint64_t> ids;
+  Publisher<Blob> publisher(pair.left, kVolatile, "r1");
+  {
+    Subscriber<Blob> subscriber(pair.right, kVolatile, "r1", [&](Blob&& blob) {
+      if (blob.id() == 1) throw std::runtime_error("not this one");
+      ids.push_back(blob.id());
+    });
+    PublishIds(publisher, {1, 2});
+  }  // and can be closed
+  CHECK(ids == std::vector<std::uint64_t>{2});
+}
+
 TEST_CASE("a handler gets each message at once", "[bus][in-memory]") {
   Pair pair;
   std::vector<std::uint64_t> ids;
