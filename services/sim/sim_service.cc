@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-#include <cctype>
-
 #include "common/bus/send.h"
 #include "common/protocol/convert.h"
+#include "common/protocol/entity_name.h"
 #include "common/runtime/log.h"
 #include "sim/goal_markers.h"
 
@@ -46,8 +44,7 @@ WorldOptions OptionsFrom(const SimConfig& config) {
 
 /// Names become parts of topics.
 void CheckName(const char* key, const std::string& name) {
-  const auto allowed = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
-  if (!name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), allowed)) return;
+  if (IsEntityName(name)) return;
   throw StartupError(fmt::format("sim.{}: '{}' is no name: 1 to 64 of A-Z a-z 0-9 _", key, name));
 }
 
