@@ -2,15 +2,12 @@
 
 #include <fmt/format.h>
 #include <poll.h>
-#include <unistd.h>
 
 #include <catch2/catch.hpp>
 #include <csignal>
 #include <fstream>
 #include <iterator>
 #include <regex>
-
-#include "launcher/domain_lease.h"
 
 namespace conav::testing {
 namespace {
@@ -23,20 +20,6 @@ std::string ReadFile(const fs::path& path) {
 }
 
 }  // namespace
-
-int TestDomain() {
-  // Other test runs on this machine take domains by their pids, too: start at ours, skip what is
-  // held.
-  static const int domain = [] {
-    constexpr int kDomains = 99;
-    for (int i = 0; i < kDomains; ++i) {
-      const int candidate = 1 + (getpid() + i) % kDomains;
-      if (launcher::DomainLease::TryAcquire(candidate)) return candidate;
-    }
-    return 1 + getpid() % kDomains;
-  }();
-  return domain;
-}
 
 bool WaitUntil(const std::function<bool()>& condition, std::chrono::seconds limit) {
   const auto deadline = std::chrono::steady_clock::now() + limit;

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "launcher/process.h"
+#include "support/test_domain.h"
 
 namespace conav::testing {
 
-/// A DDS domain that no other test process of this machine uses now; below the ephemeral ports.
-int TestDomain();
+using test::TestDomain;
 
 /// True as soon as `condition` holds; false when `limit` passed before.
 bool WaitUntil(const std::function<bool()>& condition, std::chrono::seconds limit);
