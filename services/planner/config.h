@@ -6,26 +6,9 @@
 
 #include "common/bus/participant.h"
 #include "common/runtime/config.h"
-#include "planner/search/search_options.h"
+#include "planner/decision/search_config.h"
 
 namespace conav::planner {
-
-/// The search of method ig-mcts.
-struct SearchConfig {
-  /// "default" works; "paper" starts from the numbers printed in the paper, with which it does not.
-  /// Other keys of this section change single values of it.
-  std::string preset = "default";
-  /// Camera headings offered per cell.
-  int headings = 8;
-  SearchOptions options;
-
-  void Visit(ConfigReader& reader) {
-    reader.Choice("preset", preset, {"default", "paper"});
-    if (preset == "paper" && reader.reading()) options = PaperOptions();
-    reader.Field("headings", headings, 1, 64);
-    options.Visit(reader);
-  }
-};
 
 /// Section `planner:` of a config file.
 struct PlannerConfig {

@@ -8,7 +8,7 @@
 #include "common/runtime/log.h"
 #include "common/runtime/random.h"
 #include "common/service/robot_list.h"
-#include "planner/make_method.h"
+#include "planner/decision/make_method.h"
 #include "planner/make_perception.h"
 
 namespace conav::planner {
@@ -38,7 +38,8 @@ struct PlannerService::Link {
         state(participant, bus::kRobotState, name),
         map(participant, bus::kRobotMap, name),
         guidance(participant, bus::kGuidance, name),
-        goal_pose(participant, bus::kGoalPose, name) {}
+        goal_pose(participant, bus::kGoalPose, name),
+        camera_info(participant, bus::kCameraInfo, name) {}
 
   std::string robot;
   bus::Publisher<conav_msgs::msg::RobotCommand> command;
@@ -49,6 +50,7 @@ struct PlannerService::Link {
   bus::Subscriber<nav_msgs::msg::OccupancyGrid> map;
   bus::Subscriber<conav_msgs::msg::Guidance> guidance;
   bus::Subscriber<geometry_msgs::msg::PoseStamped> goal_pose;
+  bus::Subscriber<sensor_msgs::msg::CameraInfo> camera_info;
 };
 
 PlannerService::PlannerService(bus::Participant& participant, const PlannerConfig& config,
@@ -63,7 +65,7 @@ PlannerService::PlannerService(bus::Participant& participant, const PlannerConfi
     worlds.insert(world);
     links_.push_back(std::make_unique<Link>(participant, robot));
     auto method = MakeMethod(config.method, robot, config.search,
-                             DeriveSeed(config.seed, links_.size()), perception_);
+                             DeriveSeed(config.seed, links_.size()), perception_, clock);
     RobotWorker::Options options{
         .robot = robot,
         .method_name = config.method,
@@ -112,6 +114,14 @@ void PlannerService::Run(const StopToken& stop) {
 }
 
 void PlannerService::Receive() {
+  // Taken first and put last: a worker decides on a new state at once, with all that was sent
+  // before it.
+  std::vector<RobotState> states;
+  for (auto& link : links_) {
+    for (RobotState& value : link->state.TakeValid(Convert<conav_msgs::msg::RobotState>)) {
+      states.push_back(std::move(value));
+    }
+  }
   for (auto& belief : beliefs_) {
     for (Belief& value : belief->TakeValid(Convert<conav_msgs::msg::BeliefMap>)) board_.Put(value);
   }
@@ -119,17 +129,19 @@ void PlannerService::Receive() {
     for (Guidance& value : link->guidance.TakeValid(Convert<conav_msgs::msg::Guidance>)) {
       board_.Put(std::move(value));
     }
+    for (const CameraLens& value :
+         link->camera_info.TakeValid(Convert<sensor_msgs::msg::CameraInfo>)) {
+      board_.PutLens(link->robot, value);
+    }
     for (MapUpdate& value : link->map.TakeValid(Convert<nav_msgs::msg::OccupancyGrid>)) {
       board_.PutMap(link->robot, std::move(value));
-    }
-    for (RobotState& value : link->state.TakeValid(Convert<conav_msgs::msg::RobotState>)) {
-      board_.Put(std::move(value));
     }
     for (const Position& value :
          link->goal_pose.TakeValid(Convert<geometry_msgs::msg::PoseStamped>)) {
       board_.PutGoalPose(link->robot, value);
     }
   }
+  for (RobotState& state : states) board_.Put(std::move(state));
 }
 
 Health PlannerService::Report() const {
@@ -138,9 +150,10 @@ Health PlannerService::Report() const {
     const RobotInputs inputs = board_.Read(link->robot);
     if (!inputs.state) health.level = Health::Level::kWarning;
     health.values.emplace_back(
-        link->robot, inputs.state ? fmt::format("at {}, {} goals left", inputs.state->cell,
-                                                inputs.state->goals_left.size())
-                                  : "not heard of yet");
+        link->robot, inputs.state
+                         ? fmt::format("at {}, {} goals left, waits for {}", inputs.state->cell,
+                                       inputs.state->goals_left.size(), board_.HoldOf(link->robot))
+                         : "not heard of yet");
   }
   health.message = fmt::format("{} robots, method {}", links_.size(), config_.method);
   return health;

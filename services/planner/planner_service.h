@@ -9,9 +9,9 @@
 #include "common/runtime/clock.h"
 #include "common/runtime/stop_token.h"
 #include "common/service/diagnostics.h"
-#include "planner/blackboard.h"
 #include "planner/config.h"
-#include "planner/robot_worker.h"
+#include "planner/decision/blackboard.h"
+#include "planner/decision/robot_worker.h"
 #include "planner/search/perception_model.h"
 
 namespace conav::planner {

@@ -8,6 +8,7 @@ namespace conav {
 struct Position {
   double x_m = 0.0;
   double y_m = 0.0;
+  bool operator==(const Position&) const = default;
 };
 
 /// Where the cells of a rows x columns grid lie in the map frame: the grid's middle is the origin,

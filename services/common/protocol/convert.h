@@ -3,6 +3,7 @@
 #include <span>
 #include <string_view>
 
+#include "common/grid/camera_lens.h"
 #include "common/protocol/planning.h"
 #include "common/protocol/robot.h"
 #include "common/protocol/supervision.h"
@@ -43,6 +44,11 @@ Result<Position> ToDomain(const geometry_msgs::msg::PoseStamped& message);
 /// Cell centres, each pose turned towards the next one (the last as the one before it).
 nav_msgs::msg::Path ToPathMessage(SimTime stamp, std::span<const Cell> path,
                                   const GridGeometry& geometry);
+
+/// Width and height in [1, 16384] pixels, focal lengths k[0] and k[4] above 0, fields
+/// of view up to 2.6 rad; distortion and the
+/// principal point are not used.
+Result<CameraLens> ToDomain(const sensor_msgs::msg::CameraInfo& message);
 
 /// Where a robot is and how it moves, frame "map".
 struct RobotMotion {

@@ -14,6 +14,7 @@ constexpr std::int64_t kMaxSeconds = std::numeric_limits<std::int32_t>::max();
 constexpr double kMaxCellSize = 1000.0;    // metres
 constexpr double kMaxPosition = 1.0e6;     // metres
 constexpr double kOriginTolerance = 0.01;  // cells
+constexpr double kMaxFovRad = 2.6;         // 149 degrees: no plane shows more of use
 constexpr double kTurnTolerance = 1.0e-3;
 constexpr int kFreeUpTo = 25;
 constexpr int kOccupiedFrom = 65;
@@ -169,6 +170,28 @@ nav_msgs::msg::OccupancyGrid ToOccupancyMessage(const Belief& belief, double cel
         static_cast<std::int8_t>(std::lround(static_cast<double>(grid[cell]) * 100.0));
   }
   return message;
+}
+
+Result<CameraLens> ToDomain(const sensor_msgs::msg::CameraInfo& message) {
+  convert::Checks checks;
+  const double width = checks.Range("width", message.width(), 1.0, convert::kMaxImageSide);
+  const double height = checks.Range("height", message.height(), 1.0, convert::kMaxImageSide);
+  const auto focal = [&checks](std::string_view field, double value) {
+    if (!(value > 0.0) || !std::isfinite(value)) {
+      checks.Refuse(fmt::format("{} = {} is not a focal length in pixels", field, value));
+    }
+    return value;
+  };
+  const double focal_x = focal("k[0]", message.k()[0]);
+  const double focal_y = focal("k[4]", message.k()[4]);
+  if (checks.failed()) return checks.failure();
+  CameraLens lens{static_cast<int>(width), static_cast<int>(height)};
+  lens.horizontal_fov_rad = checks.Range("horizontal field of view (from width and k[0])",
+                                         2.0 * std::atan(width / 2.0 / focal_x), 0.0, kMaxFovRad);
+  lens.vertical_fov_rad = checks.Range("vertical field of view (from height and k[4])",
+                                       2.0 * std::atan(height / 2.0 / focal_y), 0.0, kMaxFovRad);
+  if (checks.failed()) return checks.failure();
+  return lens;
 }
 
 Result<Position> ToDomain(const geometry_msgs::msg::PoseStamped& message) {

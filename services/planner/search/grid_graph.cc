@@ -66,10 +66,10 @@ const VisibleCells& GridGraph::ViewFrom(VertexId vertex, int index) const {
   const auto i = static_cast<std::size_t>(index);
   auto& view = views_[static_cast<std::size_t>(vertex) * headings_.size() + i];
   if (!view) {
-    view = CastView(known_, {.cell = CellOf(vertex),
-                             .heading_rad = headings_[i],
-                             .horizontal_fov_rad = options_.horizontal_fov_rad,
-                             .rays = options_.rays});
+    CameraView camera =
+        ViewThrough(options_.lens, CellOf(vertex), headings_[i], options_.cell_size_m);
+    camera.rays = options_.rays;
+    view = CastView(known_, camera);
   }
   return *view;
 }

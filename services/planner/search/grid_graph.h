@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/grid/camera_lens.h"
 #include "common/grid/grid.h"
 #include "planner/search/navigation_graph.h"
 
@@ -16,9 +17,11 @@ class GridGraph final : public NavigationGraph {
  public:
   struct Options {
     int headings = 8;
-    double horizontal_fov_rad = CameraView{}.horizontal_fov_rad;
-    /// Fewer than for a real picture; enough to meet every cell of a 15 x 15 maze.
-    int rays = 96;
+    /// The robot's camera, and what a cell is in metres.
+    CameraLens lens;
+    double cell_size_m = 2.0;
+    /// Fewer than for a real picture; enough to meet nearly every cell that it shows.
+    int rays = 256;
     /// Feasibility of entering a cell that was not seen yet.
     double unknown_feasibility = 0.5;
     /// The outermost ring holds walls even where it was not seen yet.

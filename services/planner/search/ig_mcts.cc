@@ -55,7 +55,7 @@ class Search {
 
 Result<bool> Search::Start() {
   const Actions actions = offered_.At(problem_.start);
-  DEMAND(actions.size() <= 64, actions.size());
+  DEMAND(actions.size() <= kMaxActions, actions.size());
   if (path_.goals_left() == 0 || actions.size() == 0) return false;
   if (options_.min_information <= 0.0) return true;
   for (std::size_t view = 0; view < actions.views.size(); ++view) {
@@ -90,7 +90,8 @@ Result<void> Search::Iterate() {
 
 bool Search::IsFullyExpanded(int node) {
   const int actions = offered_.At(tree_.node(node).vertex).size();
-  const std::uint64_t all = actions == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << actions) - 1;
+  const std::uint64_t all =
+      actions == kMaxActions ? ~std::uint64_t{0} : (std::uint64_t{1} << actions) - 1;
   return tree_.node(node).tried == all;
 }
 
@@ -105,7 +106,7 @@ int Search::Select(int node) {
 
 Result<int> Search::Expand(int node) {
   const Actions actions = offered_.At(tree_.node(node).vertex);
-  DEMAND(actions.size() <= 64, actions.size());
+  DEMAND(actions.size() <= kMaxActions, actions.size());
   const int action = UntriedAction(actions, tree_.node(node).tried);
   if (actions.IsMove(action)) return tree_.Add(Move(node, action, actions.MoveOf(action)));
   auto child = Communicate(node, action, actions);

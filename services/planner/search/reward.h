@@ -34,7 +34,8 @@ double SmoothnessReward(int earlier_visits);
 
 /// Steps to the nearest goal, by the robot's own map, that a move saves; below 0 when it leads
 /// away. Not in the paper: it shows the search goals beyond its horizon. A difference of
-/// potentials, so it does not change which way is best (Ng, Harada and Russell, ICML 1999).
+/// potentials, undiscounted, so it hardly changes which way is best (with the discount factor it
+/// would not at all: Ng, Harada and Russell, ICML 1999); a communication gets none of it.
 double ProgressReward(double steps_saved, const RewardOptions& options);
 
 /// c = 10 + m, where m counts the states of zeta that the robot has not visited (appendix C).

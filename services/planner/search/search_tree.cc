@@ -10,7 +10,8 @@ namespace conav::planner {
 SearchTree::SearchTree(VertexId start) : last_child_{-1} { nodes_.emplace_back().vertex = start; }
 
 int SearchTree::Add(SearchNode node) {
-  DEMAND(node.parent >= 0 && node.action >= 0 && node.action < 64, node.parent, node.action);
+  DEMAND(node.parent >= 0 && node.action >= 0 && node.action < kMaxActions, node.parent,
+         node.action);
   const int index = static_cast<int>(nodes_.size());
   const auto parent = static_cast<std::size_t>(node.parent);
   node.depth = nodes_[parent].depth + 1;

@@ -8,6 +8,9 @@
 
 namespace conav::planner {
 
+/// At one vertex, moves and views together: they are bits of one word.
+inline constexpr int kMaxActions = 64;
+
 /// One node: the state after an action, and what was learned of it. Nodes are numbers into one
 /// array; a node's children form a list in the order of their expansion.
 ///

@@ -104,23 +104,6 @@ RgbImage Camera::Context::Draw(const RobotWorld& world, mjvCamera camera, bool s
   return image;
 }
 
-double HorizontalFov(int width, int height) {
-  return 2.0 * std::atan(std::tan(kCameraVerticalFovRad / 2.0) * width / height);
-}
-
-CameraView ViewAt(Cell cell, double heading_rad, double cell_size_m, int width, int height) {
-  CameraView view;
-  view.cell = cell;
-  view.heading_rad = heading_rad;
-  view.horizontal_fov_rad = HorizontalFov(width, height);
-  view.rays = 4 * width;
-  view.forward_offset_cells = kCameraForwardM / cell_size_m;
-  view.height_cells = kCameraHeightM / cell_size_m;
-  view.pitch_rad = kCameraPitchRad;
-  view.vertical_fov_rad = kCameraVerticalFovRad;
-  return view;
-}
-
 Result<std::unique_ptr<Camera>> Camera::Open(const RobotWorld& world, CameraOptions options) {
   const auto fits = [](int size) { return size >= kMinSize && size <= kMaxSize; };
   if (!fits(options.width) || !fits(options.height)) {

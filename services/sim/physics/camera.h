@@ -4,24 +4,11 @@
 #include <memory>
 #include <vector>
 
-#include "common/grid/visibility.h"
+#include "common/grid/camera_lens.h"
 #include "sim/physics/image.h"
 #include "sim/physics/robot_world.h"
 
 namespace conav::sim {
-
-/// The robot's camera, fixed by MemoryMaze: 0.9 m above the floor, 0.15 m ahead of the robot's
-/// axis, 5.7 degrees down, 80 degrees vertical field of view.
-inline constexpr double kCameraHeightM = 0.9;
-inline constexpr double kCameraForwardM = 0.15;
-inline constexpr double kCameraVerticalFovRad = 1.3962634015954636;
-inline constexpr double kCameraPitchRad = 0.09966865249116204;  // downwards
-
-/// Horizontal field of view of a picture of this shape: 2 atan(width / height tan(40 deg)).
-double HorizontalFov(int width, int height);
-
-/// What CastView needs to know of a picture of `width` x `height` taken at the centre of `cell`.
-CameraView ViewAt(Cell cell, double heading_rad, double cell_size_m, int width, int height);
 
 struct CameraOptions {
   int width = 320;   // 16..4096

@@ -48,7 +48,26 @@ class PlannerOnBus {
                             .given_by = "test",
                             .valid_until = SimTime{} + 600s};
     bus::Send(guidance_, ToMessage(guidance));
+    sensor_msgs::msg::CameraInfo camera;
+    camera.width(320);
+    camera.height(192);
+    camera.k({114.4, 0.0, 160.0, 0.0, 114.4, 96.0, 0.0, 0.0, 1.0});
+    bus::Send(camera_info_, camera);
     bus::Send(state_, ToMessage(state));
+  }
+
+  void PublishGoalPose(Position goal) {
+    geometry_msgs::msg::PoseStamped message;
+    message.header(ToHeader({}));
+    message.pose().position().x(goal.x_m);
+    message.pose().position().y(goal.y_m);
+    bus::Send(goal_pose_, message);
+  }
+
+  /// Number of poses of the newest plan; 0 when none was published.
+  std::size_t PlanLength() {
+    const auto plans = plan_.Take();
+    return plans.empty() ? 0 : plans.back().poses().size();
   }
 
   /// The next command, waited for with a deadline.
@@ -81,6 +100,9 @@ class PlannerOnBus {
   bus::Publisher<nav_msgs::msg::OccupancyGrid> map_{tester_, bus::kRobotMap, "r1"};
   bus::Publisher<conav_msgs::msg::BeliefMap> belief_{tester_, bus::kBelief, "w1"};
   bus::Publisher<conav_msgs::msg::Guidance> guidance_{tester_, bus::kGuidance, "r1"};
+  bus::Publisher<sensor_msgs::msg::CameraInfo> camera_info_{tester_, bus::kCameraInfo, "r1"};
+  bus::Publisher<geometry_msgs::msg::PoseStamped> goal_pose_{tester_, bus::kGoalPose, "r1"};
+  bus::Subscriber<nav_msgs::msg::Path> plan_{tester_, bus::kPlan, "r1"};
   bus::Subscriber<conav_msgs::msg::RobotCommand> command_{tester_, bus::kRobotCommand, "r1"};
   SteadyClock clock_;
   StopToken stop_;
@@ -102,6 +124,25 @@ TEST_CASE("each method answers a complete situation with the step along the path
   CHECK(command->sequence_number == 1);
   CHECK(command->lease_epoch == 1);
   CHECK(command->expires_at > SimTime{});
+  CHECK(planner.PlanLength() >= 1);
+}
+
+TEST_CASE("a goal pose from RViz moves the robot towards it", "[planner][integration]") {
+  const std::string method = GENERATE("instruction", "teleop");
+  PlannerOnBus planner(method);
+  planner.PublishAll();
+  REQUIRE(planner.NextCommand());
+  // The order is carried out; before the robot says so, somebody points back at cell (1,1).
+  planner.PublishGoalPose({-3.0, 0.0});
+  planner.state.stamp = SimTime{} + 1s;
+  planner.state.cell = {1, 2};
+  planner.state.path = {{1, 1}, {1, 2}};
+  planner.state.command_sequence_number = 1;
+  planner.state.command_outcome = CommandOutcome::kDone;
+  planner.PublishState();
+  const auto command = planner.NextCommand();
+  REQUIRE(command);
+  CHECK(command->target == Cell{1, 1});
 }
 
 TEST_CASE("instruction following goes on when the outcome is reported", "[planner][integration]") {

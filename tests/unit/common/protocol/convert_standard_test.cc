@@ -113,6 +113,30 @@ TEST_CASE("A goal pose becomes a position in the map frame", "[protocol][convert
   CHECK(ToDomain(message).error().text == "header.frame_id = 'r1/base_link' is not 'map'");
 }
 
+TEST_CASE("A camera's info becomes its fields of view", "[protocol][convert]") {
+  sensor_msgs::msg::CameraInfo message;
+  message.width(320);
+  message.height(192);
+  const double focal = 96.0 / std::tan(kCameraVerticalFovRad / 2.0);
+  message.k({focal, 0.0, 160.0, 0.0, focal, 96.0, 0.0, 0.0, 1.0});
+  const auto lens = ToDomain(message);
+  REQUIRE(lens);
+  CHECK(lens->width == 320);
+  CHECK(lens->height == 192);
+  CHECK(lens->horizontal_fov_rad == Approx(HorizontalFov(320, 192)));
+  CHECK(lens->vertical_fov_rad == Approx(kCameraVerticalFovRad));
+
+  message.width(0);
+  CHECK(ToDomain(message).error().text == "width = 0 is not in [1, 16384]");
+  message.width(320);
+  message.k()[0] = 0.0;
+  CHECK(ToDomain(message).error().text == "k[0] = 0 is not a focal length in pixels");
+  message.k()[0] = focal;
+  message.k()[4] = 1.0;
+  CHECK_THAT(ToDomain(message).error().text,
+             Catch::Contains("vertical field of view") && Catch::Contains("[0, 2.6]"));
+}
+
 TEST_CASE("A path's poses are cell centres turned towards the next", "[protocol][convert]") {
   const std::vector<Cell> cells{{1, 0}, {1, 1}, {0, 1}};
   const auto path = ToPathMessage(Stamp(2), cells, {2, 2, 2.0});

@@ -54,6 +54,42 @@ TEST_CASE("walls and cells outside are no vertices", "[planner][search]") {
   CHECK(graph.CellOf(graph.VertexAt({1, 1}).value()) == Cell{1, 1});
 }
 
+std::size_t Differing(const std::vector<Cell>& a, const std::vector<Cell>& b) {
+  std::vector<Cell> difference;
+  std::set_symmetric_difference(a.begin(), a.end(), b.begin(), b.end(),
+                                std::back_inserter(difference));
+  return difference.size();
+}
+
+TEST_CASE("a view shows what the robot's picture would show", "[planner][search]") {
+  const OccupancyGrid map =
+      MapFrom({"#############", "#.....#.....#", "#.###.#.###.#", "#.#...#...#.#", "#.#.#####.#.#",
+               "#...#...#...#", "###.#.#.#.###", "#...#.#.#...#", "#.###.#.###.#", "#.....#.....#",
+               "#.#########.#", "#...........#", "#############"});
+  const int width = GENERATE(320, 640, 200);
+  GridGraph::Options options;
+  options.lens = CameraLens{width, 192, HorizontalFov(width, 192)};
+  options.cell_size_m = GENERATE(2.0, 1.0);
+  const GridGraph graph(map, {}, options);
+  std::size_t cells = 0;
+  std::size_t differing = 0;
+  for (VertexId vertex = 0; vertex < graph.vertex_count(); ++vertex) {
+    if (map.values()[static_cast<std::size_t>(vertex)] != Occupancy::kFree) continue;
+    for (int i = 0; i < 8; ++i) {
+      const Cell cell = graph.CellOf(vertex);
+      const double heading = graph.HeadingsAt(vertex)[static_cast<std::size_t>(i)];
+      const VisibleCells picture =
+          CastView(map, ViewAt(cell, heading, options.cell_size_m, width, 192));
+      const VisibleCells& view = graph.ViewFrom(vertex, i);
+      cells += picture.free.size() + picture.walls.size();
+      differing += Differing(picture.free, view.free) + Differing(picture.walls, view.walls);
+    }
+  }
+  INFO(differing << " of " << cells << " cells");
+  // Slivers between two rays.
+  CHECK(differing * 50 < cells);
+}
+
 TEST_CASE("a view is what CastView shows on the known map", "[planner][search]") {
   const OccupancyGrid map = MapFrom({"######", "#...?#", "#.##.#", "######"});
   const GridGraph graph(map, {});
@@ -61,7 +97,7 @@ TEST_CASE("a view is what CastView shows on the known map", "[planner][search]")
   REQUIRE(graph.HeadingsAt(vertex).size() == 8);
   CHECK(graph.HeadingsAt(vertex)[0] == 0.0);
   const VisibleCells& east = graph.ViewFrom(vertex, 0);
-  CHECK(east == CastView(map, {.cell = {1, 1}, .heading_rad = 0.0, .rays = 96}));
+  CHECK(east == CastView(map, ViewAt({1, 1}, 0.0, 2.0, 320, 192)));
   CHECK(std::find(east.free.begin(), east.free.end(), Cell{1, 3}) != east.free.end());
   CHECK(std::find(east.free.begin(), east.free.end(), Cell{1, 4}) == east.free.end());
   CHECK(&east == &graph.ViewFrom(vertex, 0));

@@ -69,11 +69,21 @@ TEST_CASE("the value of a corridor is worked out step by step", "[planner][searc
 }
 
 TEST_CASE("an uncertain goal is weighed by its feasibility", "[planner][search]") {
-  // From the middle, the goal lies behind an unknown cell.
-  const TextWorld world({"######", "#S?G##", "######"}, kNoViews);
+  // One chain to the goal, which lies in a cell that may be a wall; the middle is worth 0 until
+  // then.
+  TextWorld world({"#####", "#S.?#", "#####"}, kNoViews);
+  world.problem.goals_left = {{1, 3}};
   SearchOptions options = ByHand(1);
+  options.expansion = Expansion::kChain;
+  options.chain_depth = 2;
   const SearchResult result = Decide(world.problem, options);
-  CHECK(result.actions[0].feasibility == 0.5);
+  CHECK(result.nodes == 3);
+  CHECK(result.actions[0].mean_value == Approx(-1.0 + 0.5 * (0.5 * 100.0 + 0.5 * 0.0)));
+}
+
+TEST_CASE("an action into an unknown cell says how feasible it is", "[planner][search]") {
+  const TextWorld world({"######", "#S?G##", "######"}, kNoViews);
+  CHECK(Decide(world.problem, ByHand(1)).actions[0].feasibility == 0.5);
 }
 
 TEST_CASE("a communication's value is its reward exactly", "[planner][search]") {

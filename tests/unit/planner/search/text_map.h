@@ -47,7 +47,7 @@ inline std::vector<Cell> CellsMarked(const std::vector<std::string_view>& rows, 
 }
 
 /// For worlds in which only moves are offered.
-inline constexpr GridGraph::Options kNoViews{.headings = 0};
+inline const GridGraph::Options kNoViews{.headings = 0};
 
 /// A small world: S start, G goals; the operator believes what the robot knows.
 struct TextWorld {

@@ -1,0 +1,145 @@
+#include "planner/decision/blackboard.h"
+
+#include <algorithm>
+
+#include "common/runtime/demand.h"
+
+namespace conav::planner {
+
+Blackboard::Blackboard(std::map<std::string, std::string> world_of_robot) {
+  for (auto& [robot, world] : world_of_robot) robots_[robot].world = world;
+}
+
+Blackboard::Entry* Blackboard::FindLocked(const std::string& robot) {
+  const auto entry = robots_.find(robot);
+  return entry == robots_.end() ? nullptr : &entry->second;
+}
+
+void Blackboard::ChangedLocked() {
+  ++version_;
+  changed_.notify_all();
+}
+
+void Blackboard::Put(RobotState state) {
+  const std::lock_guard lock(mutex_);
+  if (Entry* entry = FindLocked(state.robot)) {
+    entry->inputs.state = std::move(state);
+    ChangedLocked();
+  }
+}
+
+void Blackboard::PutMap(const std::string& robot, MapUpdate map) {
+  const std::lock_guard lock(mutex_);
+  if (Entry* entry = FindLocked(robot)) {
+    entry->inputs.map = std::move(map);
+    ChangedLocked();
+  }
+}
+
+void Blackboard::Put(const Belief& belief) {
+  const std::lock_guard lock(mutex_);
+  for (auto& [robot, entry] : robots_) {
+    if (entry.world == belief.world) entry.inputs.belief = belief;
+  }
+  ChangedLocked();
+}
+
+void Blackboard::Put(Guidance guidance) {
+  const std::lock_guard lock(mutex_);
+  Entry* entry = FindLocked(guidance.robot);
+  if (entry == nullptr) return;
+  entry->inputs.goal_pose.reset();
+  entry->inputs.guidance = std::move(guidance);
+  ChangedLocked();
+}
+
+void Blackboard::PutLens(const std::string& robot, const CameraLens& lens) {
+  const std::lock_guard lock(mutex_);
+  if (Entry* entry = FindLocked(robot)) {
+    entry->inputs.lens = lens;
+    ChangedLocked();
+  }
+}
+
+void Blackboard::PutGoalPose(const std::string& robot, Position goal) {
+  const std::lock_guard lock(mutex_);
+  if (Entry* entry = FindLocked(robot)) {
+    entry->inputs.goal_pose = goal;
+    ChangedLocked();
+  }
+}
+
+void Blackboard::PutWay(const std::string& robot, std::vector<Cell> way) {
+  const std::lock_guard lock(mutex_);
+  Entry* entry = FindLocked(robot);
+  if (entry == nullptr || entry->way == way) return;
+  entry->way = std::move(way);
+  ChangedLocked();
+}
+
+void Blackboard::PutHold(const std::string& robot, std::string_view hold) {
+  const std::lock_guard lock(mutex_);
+  if (Entry* entry = FindLocked(robot)) entry->hold = hold;
+}
+
+std::string_view Blackboard::HoldOf(const std::string& robot) const {
+  const std::lock_guard lock(mutex_);
+  return robots_.at(robot).hold;
+}
+
+void Blackboard::ResolveGoalPose(const std::string& robot, Position goal,
+                                 std::optional<Guidance> guidance) {
+  const std::lock_guard lock(mutex_);
+  Entry* entry = FindLocked(robot);
+  if (entry == nullptr || entry->inputs.goal_pose != goal) return;
+  entry->inputs.goal_pose.reset();
+  if (guidance) entry->inputs.guidance = std::move(guidance);
+}
+
+RobotInputs Blackboard::Read(const std::string& robot) const {
+  const std::lock_guard lock(mutex_);
+  const auto entry = robots_.find(robot);
+  DEMAND(entry != robots_.end(), robot);
+  return entry->second.inputs;
+}
+
+std::vector<Neighbour> Blackboard::NeighboursOf(const std::string& robot) const {
+  const std::lock_guard lock(mutex_);
+  std::vector<Neighbour> neighbours;
+  const std::string& world = robots_.at(robot).world;
+  for (const auto& [name, entry] : robots_) {
+    if (name == robot || entry.world != world || !entry.inputs.state) continue;
+    const RobotState& state = *entry.inputs.state;
+    neighbours.push_back({name, state.cell, !state.goals_left.empty(), entry.way});
+  }
+  return neighbours;
+}
+
+SimTime Blackboard::NewestStamp(const std::string& robot) const {
+  const std::lock_guard lock(mutex_);
+  const std::string& world = robots_.at(robot).world;
+  SimTime newest;
+  for (const auto& [name, entry] : robots_) {
+    if (entry.world == world && entry.inputs.state)
+      newest = std::max(newest, entry.inputs.state->stamp);
+  }
+  return newest;
+}
+
+std::uint64_t Blackboard::version() const {
+  const std::lock_guard lock(mutex_);
+  return version_;
+}
+
+std::uint64_t Blackboard::WaitForChange(std::uint64_t seen, Clock::TimePoint deadline) const {
+  std::unique_lock lock(mutex_);
+  changed_.wait_until(lock, deadline, [&] { return version_ != seen; });
+  return version_;
+}
+
+void Blackboard::Touch() {
+  const std::lock_guard lock(mutex_);
+  ChangedLocked();
+}
+
+}  // namespace conav::planner

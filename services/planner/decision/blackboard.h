@@ -1,0 +1,90 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/grid/camera_lens.h"
+#include "common/protocol/planning.h"
+#include "common/protocol/robot.h"
+#include "common/protocol/supervision.h"
+#include "common/runtime/clock.h"
+
+namespace conav::planner {
+
+/// The newest of everything that the planner has heard about one robot.
+struct RobotInputs {
+  std::optional<RobotState> state;
+  std::optional<MapUpdate> map;
+  std::optional<Belief> belief;       // of the robot's world
+  std::optional<Guidance> guidance;   // newest revision, or what a goal pose was turned into
+  std::optional<Position> goal_pose;  // not yet turned into guidance
+  std::optional<CameraLens> lens;     // of its camera
+};
+
+/// What another robot of the same world is about to do; decides who gives way.
+struct Neighbour {
+  std::string robot;
+  Cell cell;
+  bool has_goals = false;
+  std::vector<Cell> way;  // cells that it wants to enter next, nearest first
+};
+
+/// Where the receiving thread leaves what it heard and the robots' workers find it.
+/// Threads: safe to use concurrently.
+class Blackboard {
+ public:
+  /// `world_of_robot`: every robot of this planner with the name of its world.
+  explicit Blackboard(std::map<std::string, std::string> world_of_robot);
+
+  void Put(RobotState state);
+  void PutMap(const std::string& robot, MapUpdate map);
+  void Put(const Belief& belief);
+  void Put(Guidance guidance);
+  void PutLens(const std::string& robot, const CameraLens& lens);
+  void PutGoalPose(const std::string& robot, Position goal);
+  /// A robot's own worker tells the others which cells it wants next, and the operator's side why
+  /// it does not decide; neither wakes anybody unless it changed.
+  void PutWay(const std::string& robot, std::vector<Cell> way);
+  void PutHold(const std::string& robot, std::string_view hold);
+  std::string_view HoldOf(const std::string& robot) const;
+  /// The worker has turned `goal` into guidance, or could not. Nothing happens when a newer goal or
+  /// the operator's own path came in the meantime.
+  void ResolveGoalPose(const std::string& robot, Position goal, std::optional<Guidance> guidance);
+
+  RobotInputs Read(const std::string& robot) const;
+  /// Other robots of the same world, in order of their names: the first has the right of way.
+  std::vector<Neighbour> NeighboursOf(const std::string& robot) const;
+  /// Newest simulation time heard from the robot's world.
+  SimTime NewestStamp(const std::string& robot) const;
+
+  /// Rises with every change.
+  std::uint64_t version() const;
+  /// Blocks until version() differs from `seen` or `deadline` passed; returns the version.
+  std::uint64_t WaitForChange(std::uint64_t seen, Clock::TimePoint deadline) const;
+  /// Wakes all waiting workers, for example to stop.
+  void Touch();
+
+ private:
+  struct Entry {
+    std::string world;
+    RobotInputs inputs;
+    std::vector<Cell> way;
+    std::string_view hold = "its state";  // a literal, of HoldName()
+  };
+
+  Entry* FindLocked(const std::string& robot);
+  void ChangedLocked();
+
+  mutable std::mutex mutex_;  // guards all below
+  mutable std::condition_variable changed_;
+  std::map<std::string, Entry> robots_;
+  std::uint64_t version_ = 0;
+};
+
+}  // namespace conav::planner

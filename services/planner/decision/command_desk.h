@@ -1,0 +1,36 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "common/protocol/robot.h"
+#include "planner/decision/method.h"
+
+namespace conav::planner {
+
+/// Writes a robot's commands: sequence numbers, lease epoch, expiry, and the repeat of a command
+/// that the robot has not taken up. Threads: one worker's.
+class CommandDesk {
+ public:
+  CommandDesk(std::string robot, std::chrono::nanoseconds ttl)
+      : robot_(std::move(robot)), ttl_(ttl) {}
+
+  /// The next command. Takes the lease (one epoch above the robot's) with the first one.
+  RobotCommand Issue(const Action& action, const RobotState& state, SimTime now);
+
+  /// The last command with a fresh expiry, when the robot shows another sequence number.
+  std::optional<RobotCommand> Repeat(const RobotState& state, SimTime now);
+
+  /// 0 before the first command.
+  std::uint64_t sent_sequence_number() const { return last_.sequence_number; }
+  std::uint64_t lease_epoch() const { return last_.lease_epoch; }
+
+ private:
+  std::string robot_;
+  std::chrono::nanoseconds ttl_;
+  RobotCommand last_;
+};
+
+}  // namespace conav::planner

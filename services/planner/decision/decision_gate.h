@@ -1,0 +1,64 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string_view>
+#include <utility>
+
+#include "common/runtime/clock.h"
+#include "planner/decision/blackboard.h"
+
+namespace conav::planner {
+
+/// Why a robot does not decide right now.
+enum class Hold {
+  kNothing,        // decide
+  kState,          // nothing heard of the robot yet
+  kCommand,        // its last command is still being executed
+  kMap,            // the map of its newest step has not arrived
+  kCamera,         // what its camera shows; only where pictures are sent for an answer
+  kBelief,         // the operator's map, at the revision that the guidance was drawn on
+  kInconsistent,   // map, state, belief and guidance do not belong together (consistency.h)
+  kFirstGuidance,  // soft: the operator has not drawn a path yet
+  kAnswer,         // soft: the operator has not answered the newest picture
+  kLeaseLost,      // another planner took the robot over
+};
+
+/// What the robot waits for, in words; lives for ever.
+std::string_view HoldName(Hold hold);
+
+/// Decides when a robot has everything that its next decision needs, so that the same messages give
+/// the same decisions however they interleave. Soft holds end after a timeout: the robot goes on
+/// alone. Threads: one worker's.
+class DecisionGate {
+ public:
+  struct Options {
+    std::chrono::nanoseconds first_guidance_timeout;
+    std::chrono::nanoseconds answer_timeout;
+    /// Whether each picture gets an answer; false where pictures are streamed.
+    bool pictures_are_answered = true;
+  };
+
+  explicit DecisionGate(Options options) : options_(options) {}
+
+  /// `sent_sequence_number` and `lease_epoch` are those of the worker's last command.
+  Hold Check(const RobotInputs& inputs, std::uint64_t sent_sequence_number,
+             std::uint64_t lease_epoch, Clock::TimePoint now);
+
+  /// True once after a soft hold ended by its timeout.
+  bool TakeTimedOut() { return std::exchange(timed_out_, false); }
+
+ private:
+  Hold Want(const RobotInputs& inputs, std::uint64_t sent_sequence_number,
+            std::uint64_t lease_epoch) const;
+  void GiveUp(Hold hold, const RobotInputs& inputs);
+
+  Options options_;
+  Hold hold_ = Hold::kState;
+  Clock::TimePoint hold_since_{};
+  bool without_guidance_ = false;          // stopped waiting for the first guidance
+  std::uint64_t unanswered_snapshot_ = 0;  // stopped waiting for an answer to this one
+  bool timed_out_ = false;
+};
+
+}  // namespace conav::planner

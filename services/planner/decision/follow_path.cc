@@ -1,0 +1,69 @@
+#include "planner/decision/follow_path.h"
+
+#include <algorithm>
+
+#include "planner/decision/traffic.h"
+
+namespace conav::planner {
+namespace {
+
+Decision Ask(AttentionReason reason, Cell cell) {
+  Decision decision;
+  decision.attention = reason;
+  decision.attention_cell = cell;
+  return decision;
+}
+
+bool KnownWall(const Situation& situation, Cell cell) {
+  const OccupancyGrid& map = situation.map.cells;
+  return !map.Contains(cell) || map[cell] == Occupancy::kOccupied;
+}
+
+}  // namespace
+
+bool PathFollower::Locate(const Situation& situation) {
+  if (!situation.guidance) return false;
+  if (path_ != situation.guidance->path) {
+    path_ = situation.guidance->path;
+    position_ = 0;
+    waiting_since_.reset();
+  }
+  const auto from = path_.begin() + static_cast<std::ptrdiff_t>(position_);
+  const auto at = std::find(from, path_.end(), situation.state.cell);
+  if (at == path_.end()) return false;
+  position_ = static_cast<std::size_t>(at - path_.begin());
+  return true;
+}
+
+std::vector<Cell> PathFollower::Rest(const Situation& situation) {
+  if (!Locate(situation)) return {};
+  return {path_.begin() + static_cast<std::ptrdiff_t>(position_) + 1, path_.end()};
+}
+
+Decision PathFollower::Next(const Situation& situation) {
+  Decision decision = FollowOrAsk(situation);
+  if (decision.action || decision.attention) {
+    waiting_since_.reset();
+    return decision;
+  }
+  return WaitOrStepOut(situation);
+}
+
+Decision PathFollower::FollowOrAsk(const Situation& situation) {
+  std::vector<Cell> rest = Rest(situation);
+  if (rest.empty()) return Ask(AttentionReason::kNoGuidance, situation.state.cell);
+  const Cell next = rest.front();
+  if (KnownWall(situation, next)) return Ask(AttentionReason::kBlocked, next);
+  if (IsTaken(situation, next) || WaitsFor(situation, rest) != nullptr) return {};
+  return MoveAlong(std::move(rest));
+}
+
+Decision PathFollower::WaitOrStepOut(const Situation& situation) {
+  if (!waiting_since_) waiting_since_ = clock_.Now();
+  if (clock_.Now() - *waiting_since_ < kPatience) return {};
+  waiting_since_.reset();
+  if (const auto cell = StepAnywhere(situation, random_)) return MoveAlong({*cell});
+  return {};
+}
+
+}  // namespace conav::planner

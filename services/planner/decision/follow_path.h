@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "common/runtime/clock.h"
+#include "common/runtime/random.h"
+#include "planner/decision/method.h"
+
+namespace conav::planner {
+
+/// Goes along a guidance path cell by cell and remembers how far it has come, because a tour may
+/// lead through one cell several times. A new path starts at its beginning.
+class PathFollower {
+ public:
+  /// `seed` of the steps that break a stand-off; `clock` outlives this.
+  PathFollower(std::uint64_t seed, const Clock& clock) : random_(seed), clock_(clock) {}
+
+  /// The move to the cell that follows the robot's own on the path, or what stands in the way:
+  /// kBlocked with the wall's cell, kNoGuidance when there is no path, nothing left of it, or the
+  /// robot is beside it. Waits, without asking, while another robot stands on that cell; after half
+  /// a second of that it steps out of the path at random.
+  Decision Next(const Situation& situation);
+  /// What is left of the path after the robot's cell; empty when it has none or is beside it.
+  std::vector<Cell> Rest(const Situation& situation);
+
+ private:
+  /// Takes over a new path and finds the robot on it; false when it is not there.
+  bool Locate(const Situation& situation);
+  Decision FollowOrAsk(const Situation& situation);
+  Decision WaitOrStepOut(const Situation& situation);
+
+  Random random_;
+  const Clock& clock_;
+  std::optional<Clock::TimePoint> waiting_since_;  // for another robot to make room
+  std::vector<Cell> path_;
+  std::size_t position_ = 0;  // of the robot in path_
+};
+
+}  // namespace conav::planner

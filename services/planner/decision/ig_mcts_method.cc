@@ -1,0 +1,109 @@
+#include "planner/decision/ig_mcts_method.h"
+
+#include "common/runtime/log.h"
+#include "planner/decision/traffic.h"
+#include "planner/search/grid_graph.h"
+
+namespace conav::planner {
+namespace {
+
+std::vector<Cell> CellsOf(const std::vector<Neighbour>& neighbours) {
+  std::vector<Cell> cells;
+  for (const Neighbour& neighbour : neighbours) cells.push_back(neighbour.cell);
+  return cells;
+}
+
+std::vector<SentView> ToSearch(const std::vector<SentViews::View>& views) {
+  std::vector<SentView> sent;
+  for (const auto& view : views) sent.push_back({view.cell, view.heading_rad});
+  return sent;
+}
+
+}  // namespace
+
+IgMctsMethod::IgMctsMethod(const SearchConfig& config, std::uint64_t seed,
+                           std::shared_ptr<PerceptionModel> model, const Clock& clock)
+    : config_(config),
+      model_(std::move(model)),
+      search_(config.options, *model_),
+      random_(seed),
+      clock_(clock) {}
+
+bool IgMctsMethod::WaitsForRoom(const Situation& situation) {
+  if (WaitsFor(situation, DesiredWay(situation)) == nullptr) {
+    waiting_since_.reset();
+    return false;
+  }
+  if (!waiting_since_) waiting_since_ = clock_.Now();
+  return clock_.Now() - *waiting_since_ < kPatience;
+}
+
+std::vector<Cell> IgMctsMethod::WayFor(const Situation& situation) { return DesiredWay(situation); }
+
+void IgMctsMethod::NoteSentView(const Situation& situation) {
+  if (chosen_view_ && situation.state.snapshots > chosen_view_->snapshots_before) {
+    sent_views_.Sent(chosen_view_->view, std::move(chosen_view_->visible));
+  }
+  chosen_view_.reset();
+  sent_views_.Update(situation.belief.wall_probability);
+}
+
+Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop) {
+  NoteSentView(situation);
+  if (WaitsForRoom(situation)) return {};
+  GridGraph::Options graph_options;
+  graph_options.headings = config_.headings;
+  graph_options.lens = situation.lens;
+  graph_options.cell_size_m = situation.map.cell_size_m;
+  const GridGraph graph(situation.map.cells, CellsOf(situation.neighbours), graph_options);
+  const auto start = graph.VertexAt(situation.state.cell);
+  if (!start) {
+    LOG_WARNING("no decision: the robot's cell cannot be free on its map", "robot",
+                situation.state.robot, "cell", situation.state.cell);
+    return {};
+  }
+  const SearchProblem problem{
+      .graph = graph,
+      .start = *start,
+      .path = situation.state.path,
+      .goals_left = situation.state.goals_left,
+      .guidance = situation.guidance ? situation.guidance->path : std::vector<Cell>{},
+      .guided_before = situation.guided_before,
+      .belief = situation.belief.wall_probability,
+      .sent_views = ToSearch(sent_views_.Withheld())};
+  const auto result = search_.Decide(problem, random_, {.stop = &stop, .clock = &clock_});
+  if (!result) {
+    LOG_WARNING("no decision", "robot", situation.state.robot, "reason", result.error().text);
+    return {};
+  }
+  return FromResult(*result, situation);
+}
+
+Decision IgMctsMethod::FromResult(const SearchResult& result, const Situation& situation) {
+  Decision decision;
+  decision.report.actions = result.actions;
+  decision.report.chosen = result.chosen;
+  decision.report.iterations = result.iterations;
+  decision.report.nodes = result.nodes;
+  decision.report.perception_queries = result.perception_queries;
+  decision.report.perception_cached = result.perception_cached;
+  decision.report.perception_model = model_->name();
+  decision.plan = result.expected_path;
+  if (result.chosen < 0) return decision;
+  const SearchAction& chosen = result.actions[static_cast<std::size_t>(result.chosen)];
+  decision.action = Action{chosen.kind, chosen.target, chosen.heading_rad};
+  if (chosen.kind != CommandKind::kTransmitView) return decision;
+  // The picture shows the truth, the robot's map what is known of it now: cells that it adds are
+  // new to all.
+  const CameraView view = ViewThrough(situation.lens, situation.state.cell, chosen.heading_rad,
+                                      situation.map.cell_size_m);
+  chosen_view_ = ChosenView{{situation.state.cell, chosen.heading_rad},
+                            CastView(situation.map.cells, view),
+                            situation.state.snapshots};
+  decision.attention = AttentionReason::kPicture;
+  decision.attention_cell = situation.state.cell;
+  decision.expected_information = chosen.information_gain;
+  return decision;
+}
+
+}  // namespace conav::planner

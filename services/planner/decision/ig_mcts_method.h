@@ -1,0 +1,51 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "common/runtime/clock.h"
+#include "common/runtime/random.h"
+#include "planner/decision/method.h"
+#include "planner/decision/search_config.h"
+#include "planner/decision/sent_views.h"
+#include "planner/search/ig_mcts.h"
+
+namespace conav::planner {
+
+/// The robot decides by IG-MCTS: moves by itself, and sends the picture that is worth the
+/// operator's attention. It never waits for guidance; the newest path is taken into account at each
+/// decision.
+class IgMctsMethod final : public Method {
+ public:
+  IgMctsMethod(const SearchConfig& config, std::uint64_t seed,
+               std::shared_ptr<PerceptionModel> model, const Clock& clock);
+
+  Decision Decide(const Situation& situation, const StopToken& stop) override;
+  std::vector<Cell> WayFor(const Situation& situation) override;
+  bool pictures_are_answered() const override { return true; }
+
+ private:
+  /// The view that the last decision asked for; it counts as sent when the robot shows one more
+  /// snapshot.
+  struct ChosenView {
+    SentViews::View view;
+    VisibleCells visible;
+    std::uint64_t snapshots_before = 0;
+  };
+
+  void NoteSentView(const Situation& situation);
+  /// Whether to wait a moment for the robot that stands in the way and has to make room.
+  bool WaitsForRoom(const Situation& situation);
+  Decision FromResult(const SearchResult& result, const Situation& situation);
+
+  SearchConfig config_;
+  std::shared_ptr<PerceptionModel> model_;
+  IgMcts search_;
+  Random random_;
+  const Clock& clock_;  // of the search's wall time budget and of waiting
+  SentViews sent_views_;
+  std::optional<ChosenView> chosen_view_;
+  std::optional<Clock::TimePoint> waiting_since_;  // for another robot to make room
+};
+
+}  // namespace conav::planner

@@ -1,0 +1,20 @@
+#include "planner/decision/make_method.h"
+
+#include "common/runtime/demand.h"
+#include "planner/decision/ig_mcts_method.h"
+#include "planner/decision/instruction_method.h"
+#include "planner/decision/teleop_method.h"
+
+namespace conav::planner {
+
+std::unique_ptr<Method> MakeMethod(const std::string& name, const std::string& robot,
+                                   const SearchConfig& search, std::uint64_t seed,
+                                   std::shared_ptr<PerceptionModel> perception,
+                                   const Clock& clock) {
+  if (name == "instruction") return std::make_unique<InstructionMethod>(seed, clock);
+  if (name == "teleop") return std::make_unique<TeleopMethod>(seed, clock);
+  DEMAND(name == "ig-mcts", name, robot);
+  return std::make_unique<IgMctsMethod>(search, seed, std::move(perception), clock);
+}
+
+}  // namespace conav::planner

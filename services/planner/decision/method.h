@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "common/grid/camera_lens.h"
+#include "common/protocol/planning.h"
+#include "common/protocol/robot.h"
+#include "common/protocol/supervision.h"
+#include "common/runtime/stop_token.h"
+#include "planner/decision/blackboard.h"
+
+namespace conav::planner {
+
+/// Everything that one decision may depend on. Complete by the time a method sees it.
+struct Situation {
+  RobotState state;
+  MapUpdate map;
+  Belief belief;
+  CameraLens lens;
+  std::optional<Guidance>
+      guidance;                // absent when there is none, it was withdrawn, or it has expired
+  bool guided_before = false;  // the operator has given this robot a path at some time
+  std::vector<Neighbour> neighbours;
+};
+
+/// What the robot shall do next; `kind` is a move or a view.
+struct Action {
+  CommandKind kind = CommandKind::kMove;
+  Cell target;
+  double heading_rad = 0.0;
+};
+
+struct Decision {
+  std::optional<Action> action;  // absent = wait
+  /// Set to ask for the operator; then, without an action, the robot waits for a newer guidance.
+  std::optional<AttentionReason> attention;
+  Cell attention_cell;
+  double expected_information = 0.0;
+  std::vector<Cell>
+      plan;             // cells that the robot means to enter, nearest first; for people to look at
+  SearchReport report;  // actions, chosen, counts, model; the worker fills in the rest
+};
+
+/// The move along `plan`, decided without a search; `plan` is not empty.
+Decision MoveAlong(std::vector<Cell> plan);
+
+/// One way of supervising a robot: IG-MCTS, instruction following, teleoperation. One object per
+/// robot. Threads: one worker's.
+class Method {
+ public:
+  virtual ~Method() = default;
+  /// Ends early, with what it has, when `stop` asks for it.
+  virtual Decision Decide(const Situation& situation, const StopToken& stop) = 0;
+  /// Cells that the robot would enter next if no other robot were there; the others make room on
+  /// them.
+  virtual std::vector<Cell> WayFor(const Situation& situation) = 0;
+  /// Whether the operator answers each picture before the next decision.
+  virtual bool pictures_are_answered() const = 0;
+};
+
+}  // namespace conav::planner

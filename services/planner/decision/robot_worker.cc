@@ -1,0 +1,188 @@
+#include "planner/decision/robot_worker.h"
+
+#include <chrono>
+
+#include "common/grid/geometry.h"
+#include "common/runtime/log.h"
+#include "planner/decision/consistency.h"
+#include "planner/decision/goal_pose.h"
+#include "planner/decision/traffic.h"
+
+namespace conav::planner {
+namespace {
+
+constexpr std::chrono::seconds kIdle{1};
+
+}  // namespace
+
+RobotWorker::RobotWorker(Options options, std::unique_ptr<Method> method, Blackboard& board,
+                         const Clock& clock, Outputs outputs)
+    : options_(std::move(options)),
+      method_(std::move(method)),
+      board_(board),
+      clock_(clock),
+      outputs_(std::move(outputs)),
+      gate_(options_.gate),
+      desk_(options_.robot, options_.command_ttl) {}
+
+void RobotWorker::Run(const StopToken& stop) {
+  while (!stop.stop_requested()) {
+    const std::uint64_t seen = board_.version();
+    const Clock::TimePoint again = Step(stop);
+    if (again > clock_.Now()) board_.WaitForChange(seen, again);
+  }
+}
+
+Clock::TimePoint RobotWorker::Step(const StopToken& stop) {
+  RobotInputs inputs = board_.Read(options_.robot);
+  const Clock::TimePoint now = clock_.Now();
+  const Hold hold = gate_.Check(inputs, desk_.sent_sequence_number(), desk_.lease_epoch(), now);
+  if (gate_.TakeTimedOut()) {
+    LOG_WARNING("operator does not answer, going on alone", "robot", options_.robot, "snapshot",
+                inputs.state->snapshots);
+  }
+  if (hold != hold_) TellHold(hold, inputs);
+  hold_ = hold;
+  board_.PutHold(options_.robot, HoldName(hold));
+  if (inputs.state) TellOutcome(*inputs.state);
+  if (hold != Hold::kNothing) return WaitFor(hold, inputs, now);
+  AdoptGoalPose(inputs);
+  const std::uint64_t revision = inputs.guidance ? inputs.guidance->revision : 0;
+  const bool waits = waiting_for_guidance_ && revision <= waiting_beyond_revision_;
+
+  const Situation situation = SituationFrom(inputs);
+  // A robot that asked for a new path will hardly go on along the old one.
+  const std::vector<Cell> way = waits ? std::vector<Cell>{} : method_->WayFor(situation);
+  board_.PutWay(options_.robot, way);
+  if (GiveWay(situation, way)) return now;
+  if (waits) return now + kIdle;
+  waiting_for_guidance_ = false;
+  const auto start = std::chrono::steady_clock::now();
+  Decision decision = method_->Decide(situation, stop);
+  const std::chrono::duration<double, std::milli> duration =
+      std::chrono::steady_clock::now() - start;
+  if (stop.stop_requested()) return now;
+  const bool acts = decision.action.has_value();
+  Publish(std::move(decision), situation, duration.count());
+  return acts ? now : now + options_.wait_retry;
+}
+
+bool RobotWorker::GiveWay(const Situation& situation, const std::vector<Cell>& own_way) {
+  const auto aside = StepAside(situation, own_way);
+  if (aside) Publish(MoveAlong({*aside}), situation, 0.0);
+  return aside.has_value();
+}
+
+Clock::TimePoint RobotWorker::WaitFor(Hold hold, const RobotInputs& inputs, Clock::TimePoint now) {
+  if (hold == Hold::kCommand) RepeatCommand(inputs, now);
+  const bool operator_is_asked = hold == Hold::kFirstGuidance || hold == Hold::kAnswer;
+  if (operator_is_asked && GiveWay(SituationFrom(inputs), {})) return now;
+  return now + std::min<std::chrono::nanoseconds>(kIdle, options_.command_repeat);
+}
+
+void RobotWorker::TellHold(Hold hold, const RobotInputs& inputs) const {
+  if (hold == Hold::kLeaseLost) {
+    LOG_WARNING("another planner took the robot over", "robot", options_.robot, "its_epoch",
+                inputs.state->lease_epoch, "our_epoch", desk_.lease_epoch());
+  }
+  if (hold == Hold::kInconsistent) {
+    LOG_ERROR("inputs do not belong together, the robot is not driven", "robot", options_.robot,
+              "reason", Inconsistency(inputs).value_or(""));
+  }
+}
+
+void RobotWorker::TellOutcome(const RobotState& state) {
+  if (state.command_outcome == CommandOutcome::kRunning ||
+      state.command_sequence_number != desk_.sent_sequence_number() ||
+      state.command_sequence_number == told_sequence_number_) {
+    return;
+  }
+  told_sequence_number_ = state.command_sequence_number;
+  // Walls and other robots in the way are what exploring is about.
+  const bool expired = state.command_outcome == CommandOutcome::kExpired;
+  if (!expired && state.command_outcome != CommandOutcome::kRefused) return;
+  LOG_WARNING(expired ? "command expired" : "command refused", "robot", options_.robot, "sequence",
+              state.command_sequence_number, "reason", state.command_detail);
+}
+
+void RobotWorker::RepeatCommand(const RobotInputs& inputs, Clock::TimePoint now) {
+  if (now - command_sent_at_ < options_.command_repeat) return;
+  const auto command = desk_.Repeat(*inputs.state, board_.NewestStamp(options_.robot));
+  if (!command) return;
+  LOG_WARNING("command not taken up, sent again", "robot", options_.robot, "sequence",
+              command->sequence_number, "robot_shows", inputs.state->command_sequence_number);
+  command_sent_at_ = now;
+  outputs_.command(*command);
+}
+
+void RobotWorker::AdoptGoalPose(RobotInputs& inputs) {
+  if (!inputs.goal_pose) return;
+  const Position goal = *inputs.goal_pose;
+  auto guidance =
+      GuidanceTowards(goal, *inputs.state, *inputs.map, *inputs.belief, inputs.guidance);
+  if (guidance) {
+    LOG_INFO("goal pose taken as guidance", "robot", options_.robot, "cells",
+             guidance->path.size());
+    inputs.guidance = *guidance;
+    waiting_for_guidance_ = false;
+    board_.ResolveGoalPose(options_.robot, goal, *std::move(guidance));
+  } else {
+    LOG_WARNING("goal pose refused", "robot", options_.robot, "reason", guidance.error().text);
+    board_.ResolveGoalPose(options_.robot, goal, std::nullopt);
+  }
+}
+
+Situation RobotWorker::SituationFrom(const RobotInputs& inputs) {
+  Situation situation{.state = *inputs.state,
+                      .map = *inputs.map,
+                      .belief = *inputs.belief,
+                      .lens = inputs.lens.value_or(CameraLens{}),
+                      .guidance = std::nullopt,
+                      .neighbours = board_.NeighboursOf(options_.robot)};
+  newest_revision_ = inputs.guidance ? inputs.guidance->revision : 0;
+  if (inputs.guidance && !inputs.guidance->path.empty()) {
+    guided_before_ = true;
+    if (inputs.guidance->valid_until >= situation.state.stamp) situation.guidance = inputs.guidance;
+  }
+  situation.guided_before = guided_before_;
+  return situation;
+}
+
+void RobotWorker::Publish(Decision decision, const Situation& situation, double duration_ms) {
+  const RobotState& state = situation.state;
+  if (decision.action) {
+    SearchReport& report = decision.report;
+    report.stamp = state.stamp;
+    report.world = state.world;
+    report.robot = state.robot;
+    report.method = options_.method_name;
+    report.decision = ++decisions_;
+    report.cell = state.cell;
+    report.belief_revision = situation.belief.revision;
+    report.guidance_revision = situation.guidance ? situation.guidance->revision : 0;
+    report.duration_ms = duration_ms;
+    outputs_.report(report);
+    outputs_.way(state, situation.map, decision.plan);
+    command_sent_at_ = clock_.Now();
+    outputs_.command(desk_.Issue(*decision.action, state, board_.NewestStamp(options_.robot)));
+  }
+  if (decision.attention) Ask(decision, situation);
+}
+
+void RobotWorker::Ask(const Decision& decision, const Situation& situation) {
+  AttentionRequest request;
+  request.stamp = situation.state.stamp;
+  request.world = situation.state.world;
+  request.robot = situation.state.robot;
+  request.sequence_number = ++attentions_;
+  request.reason = *decision.attention;
+  request.cell = decision.attention_cell;
+  request.newest_snapshot = situation.state.snapshots;
+  request.expected_information = decision.expected_information;
+  outputs_.attention(request);
+  if (decision.action) return;
+  waiting_for_guidance_ = true;
+  waiting_beyond_revision_ = newest_revision_;
+}
+
+}  // namespace conav::planner

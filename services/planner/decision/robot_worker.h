@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "common/runtime/clock.h"
+#include "common/runtime/stop_token.h"
+#include "planner/decision/blackboard.h"
+#include "planner/decision/command_desk.h"
+#include "planner/decision/decision_gate.h"
+#include "planner/decision/method.h"
+
+namespace conav::planner {
+
+/// Drives one robot: waits until its next decision has everything it needs, decides, sends, and
+/// waits for the outcome. Run() is the body of the robot's thread; Step() is one turn of it, for
+/// tests.
+///
+/// Whatever the method: a robot in the way of one that goes before it makes room by itself
+/// (traffic.h), also while it waits for guidance or an answer.
+///
+/// Before the first state arrives nothing is sent. Stale input: an expired or withdrawn guidance is
+/// left out; an operator who does not answer is waited for once per picture, then the robot goes on
+/// alone (one log line). Inputs that do not belong together (consistency.h) hold the robot, with
+/// one log line. Commands that were refused or expired are logged.
+class RobotWorker {
+ public:
+  /// What the worker sends; all are called on the worker's thread.
+  struct Outputs {
+    std::function<void(const RobotCommand&)> command;
+    std::function<void(const SearchReport&)> report;
+    std::function<void(const AttentionRequest&)> attention;
+    std::function<void(const RobotState&, const MapUpdate&, const std::vector<Cell>&)> way;
+  };
+
+  struct Options {
+    std::string robot;
+    std::string method_name;
+    DecisionGate::Options gate;
+    std::chrono::nanoseconds command_ttl;
+    std::chrono::nanoseconds command_repeat = std::chrono::seconds(1);
+    std::chrono::nanoseconds wait_retry = std::chrono::milliseconds(100);
+  };
+
+  RobotWorker(Options options, std::unique_ptr<Method> method, Blackboard& board,
+              const Clock& clock, Outputs outputs);
+
+  /// Until `stop`; Blackboard::Touch() wakes it.
+  void Run(const StopToken& stop);
+
+  /// Decides if possible. Returns when to look again if nothing changes before. `stop` ends a
+  /// decision early.
+  Clock::TimePoint Step(const StopToken& stop);
+
+ private:
+  Clock::TimePoint WaitFor(Hold hold, const RobotInputs& inputs, Clock::TimePoint now);
+  /// One log line where a person should know why the robot does not decide.
+  void TellHold(Hold hold, const RobotInputs& inputs) const;
+  void TellOutcome(const RobotState& state);
+  /// Makes room for a robot that goes before this one, if it is in the way.
+  bool GiveWay(const Situation& situation, const std::vector<Cell>& own_way);
+  void RepeatCommand(const RobotInputs& inputs, Clock::TimePoint now);
+  void AdoptGoalPose(RobotInputs& inputs);
+  Situation SituationFrom(const RobotInputs& inputs);
+  void Publish(Decision decision, const Situation& situation, double duration_ms);
+  void Ask(const Decision& decision, const Situation& situation);
+
+  Options options_;
+  std::unique_ptr<Method> method_;
+  Blackboard& board_;
+  const Clock& clock_;
+  Outputs outputs_;
+  DecisionGate gate_;
+  CommandDesk desk_;
+  Hold hold_ = Hold::kState;
+  Clock::TimePoint command_sent_at_{};
+  std::uint64_t told_sequence_number_ = 0;  // of the command whose outcome was looked at
+  std::uint64_t decisions_ = 0;
+  std::uint64_t attentions_ = 0;
+  std::uint64_t newest_revision_ = 0;          // of the guidance heard, valid or not
+  std::uint64_t waiting_beyond_revision_ = 0;  // asked for guidance newer than this
+  bool waiting_for_guidance_ = false;
+  bool guided_before_ = false;
+};
+
+}  // namespace conav::planner

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+
+#include "common/runtime/config.h"
+#include "planner/search/search_options.h"
+#include "planner/search/search_tree.h"
+
+namespace conav::planner {
+
+/// The search of method ig-mcts.
+struct SearchConfig {
+  /// "default" works; "paper" starts from the numbers printed in the paper, with which it does not.
+  /// Other keys of this section change single values of it.
+  std::string preset = "default";
+  /// Camera headings offered per cell; with the four moves they must fit the search's 64 actions.
+  int headings = 8;
+  SearchOptions options;
+
+  void Visit(ConfigReader& reader) {
+    reader.Choice("preset", preset, {"default", "paper"});
+    if (preset == "paper" && reader.reading()) options = PaperOptions();
+    reader.Field("headings", headings, 1, kMaxActions - 4);
+    options.Visit(reader);
+  }
+};
+
+}  // namespace conav::planner

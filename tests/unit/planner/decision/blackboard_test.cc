@@ -1,0 +1,74 @@
+#include "planner/decision/blackboard.h"
+
+#include <catch2/catch.hpp>
+#include <thread>
+
+using namespace conav;
+using namespace conav::planner;
+
+namespace {
+
+const std::map<std::string, std::string> kOneRobot{{"r1", "w1"}};
+
+}  // namespace
+
+TEST_CASE("robots of the same world are neighbours, in order of their names",
+          "[planner][blackboard]") {
+  Blackboard board({{"r1", "w1"}, {"r2", "w1"}, {"r3", "w2"}, {"r4", "w1"}});
+  board.Put(RobotState{.world = "w1", .robot = "r4", .cell = {4, 4}});
+  board.Put(RobotState{.world = "w1", .robot = "r2", .cell = {2, 2}, .goals_left = {{1, 1}}});
+  board.Put(RobotState{.world = "w2", .robot = "r3", .cell = {3, 3}});
+  board.PutWay("r2", {{2, 1}});
+  const auto neighbours = board.NeighboursOf("r1");
+  REQUIRE(neighbours.size() == 2);
+  CHECK(neighbours[0].robot == "r2");
+  CHECK(neighbours[0].has_goals);
+  CHECK(neighbours[0].way == std::vector<Cell>{{2, 1}});
+  CHECK(neighbours[1].robot == "r4");
+  CHECK_FALSE(neighbours[1].has_goals);
+}
+
+TEST_CASE("what nobody drives is left out", "[planner][blackboard]") {
+  Blackboard board(kOneRobot);
+  const auto before = board.version();
+  board.Put(RobotState{.world = "w1", .robot = "stranger"});
+  CHECK(board.version() == before);
+}
+
+TEST_CASE("guidance made of a goal pose does not replace what came in the meantime",
+          "[planner][blackboard]") {
+  Blackboard board(kOneRobot);
+  const Position goal{2.0, 2.0};
+  const Guidance made{.robot = "r1", .revision = 1, .given_by = "goal_pose"};
+  SECTION("nothing came") {
+    board.PutGoalPose("r1", goal);
+    board.ResolveGoalPose("r1", goal, made);
+    CHECK(board.Read("r1").guidance->given_by == "goal_pose");
+    CHECK_FALSE(board.Read("r1").goal_pose.has_value());
+  }
+  SECTION("the operator's own path") {
+    board.PutGoalPose("r1", goal);
+    board.Put(Guidance{.robot = "r1", .revision = 2, .given_by = "operator"});
+    board.ResolveGoalPose("r1", goal, made);
+    CHECK(board.Read("r1").guidance->given_by == "operator");
+  }
+  SECTION("a newer goal pose") {
+    board.PutGoalPose("r1", goal);
+    board.PutGoalPose("r1", {4.0, 4.0});
+    board.ResolveGoalPose("r1", goal, made);
+    CHECK_FALSE(board.Read("r1").guidance.has_value());
+    CHECK(board.Read("r1").goal_pose == Position{4.0, 4.0});
+  }
+}
+
+TEST_CASE("a change wakes who waits for it; a way that stays the same is none",
+          "[planner][blackboard]") {
+  Blackboard board(kOneRobot);
+  board.PutWay("r1", {{1, 1}});
+  const auto seen = board.version();
+  board.PutWay("r1", {{1, 1}});
+  CHECK(board.version() == seen);
+  std::thread other([&] { board.PutWay("r1", {{1, 2}}); });
+  CHECK(board.WaitForChange(seen, Clock::TimePoint::max()) != seen);
+  other.join();
+}

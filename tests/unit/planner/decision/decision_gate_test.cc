@@ -1,0 +1,122 @@
+#include "planner/decision/decision_gate.h"
+
+#include <catch2/catch.hpp>
+
+using namespace conav;
+using namespace conav::planner;
+using namespace std::chrono_literals;
+
+namespace {
+
+RobotInputs CompleteInputs() {
+  RobotInputs inputs;
+  inputs.state = RobotState{.cell = {1, 1}};
+  inputs.map = MapUpdate{{}, 2.0, OccupancyGrid(3, 3, Occupancy::kFree)};
+  inputs.belief = Belief{};
+  inputs.belief->wall_probability = BeliefGrid(3, 3);
+  inputs.lens = CameraLens{};
+  inputs.guidance = Guidance{};
+  return inputs;
+}
+
+Hold CheckFresh(const RobotInputs& inputs, std::uint64_t sent = 0, std::uint64_t epoch = 0) {
+  return DecisionGate({10s, 10s, true}).Check(inputs, sent, epoch, {});
+}
+
+}  // namespace
+
+TEST_CASE("a robot decides when state, map, belief and guidance are there", "[planner][gate]") {
+  CHECK(CheckFresh(CompleteInputs()) == Hold::kNothing);
+}
+
+TEST_CASE("each missing input holds the decision and is named", "[planner][gate]") {
+  RobotInputs inputs = CompleteInputs();
+  inputs.state.reset();
+  CHECK(CheckFresh(inputs) == Hold::kState);
+  inputs = CompleteInputs();
+  inputs.map.reset();
+  CHECK(CheckFresh(inputs) == Hold::kMap);
+  inputs = CompleteInputs();
+  inputs.belief.reset();
+  CHECK(CheckFresh(inputs) == Hold::kBelief);
+  inputs = CompleteInputs();
+  inputs.lens.reset();
+  CHECK(CheckFresh(inputs) == Hold::kCamera);
+  CHECK(DecisionGate({10s, 10s, false}).Check(inputs, 0, 0, {}) == Hold::kNothing);
+  inputs = CompleteInputs();
+  inputs.guidance.reset();
+  CHECK(CheckFresh(inputs) == Hold::kFirstGuidance);
+}
+
+TEST_CASE("inputs of different worlds hold the decision", "[planner][gate]") {
+  RobotInputs inputs = CompleteInputs();
+  inputs.state->cell = {7, 7};
+  CHECK(CheckFresh(inputs) == Hold::kInconsistent);
+}
+
+TEST_CASE("a map older than the robot's newest step holds the decision", "[planner][gate]") {
+  RobotInputs inputs = CompleteInputs();
+  inputs.state->map_stamp = {100};
+  inputs.map->stamp = {99};
+  CHECK(CheckFresh(inputs) == Hold::kMap);
+  inputs.map->stamp = {100};
+  CHECK(CheckFresh(inputs) == Hold::kNothing);
+}
+
+TEST_CASE("a running command or one not taken up holds the decision", "[planner][gate]") {
+  RobotInputs inputs = CompleteInputs();
+  inputs.state->command_sequence_number = 3;
+  inputs.state->command_outcome = CommandOutcome::kRunning;
+  CHECK(CheckFresh(inputs, 3, 1) == Hold::kCommand);
+  inputs.state->command_outcome = CommandOutcome::kDone;
+  CHECK(CheckFresh(inputs, 3, 1) == Hold::kNothing);
+  CHECK(CheckFresh(inputs, 4, 1) == Hold::kCommand);
+}
+
+TEST_CASE("a higher lease epoch on the robot means that it is no longer ours", "[planner][gate]") {
+  RobotInputs inputs = CompleteInputs();
+  inputs.state->lease_epoch = 5;
+  CHECK(CheckFresh(inputs, 0, 4) == Hold::kLeaseLost);
+  CHECK(CheckFresh(inputs, 0, 5) == Hold::kNothing);
+}
+
+TEST_CASE("guidance drawn on a newer belief waits for that belief", "[planner][gate]") {
+  RobotInputs inputs = CompleteInputs();
+  inputs.guidance->belief_revision = 2;
+  inputs.belief->revision = 1;
+  CHECK(CheckFresh(inputs) == Hold::kBelief);
+}
+
+TEST_CASE("an unanswered picture is waited for once, until the timeout", "[planner][gate]") {
+  FakeClock clock;
+  DecisionGate gate({10s, 10s, true});
+  RobotInputs inputs = CompleteInputs();
+  inputs.state->snapshots = 1;
+  CHECK(gate.Check(inputs, 0, 0, clock.Now()) == Hold::kAnswer);
+  clock.Advance(9s);
+  CHECK(gate.Check(inputs, 0, 0, clock.Now()) == Hold::kAnswer);
+  clock.Advance(1s);
+  CHECK(gate.Check(inputs, 0, 0, clock.Now()) == Hold::kNothing);
+  CHECK(gate.TakeTimedOut());
+  CHECK_FALSE(gate.TakeTimedOut());
+  inputs.state->snapshots = 2;
+  CHECK(gate.Check(inputs, 0, 0, clock.Now()) == Hold::kAnswer);
+  inputs.guidance->answers_snapshot = 2;
+  CHECK(gate.Check(inputs, 0, 0, clock.Now()) == Hold::kNothing);
+}
+
+TEST_CASE("streamed pictures are not waited for", "[planner][gate]") {
+  RobotInputs inputs = CompleteInputs();
+  inputs.state->snapshots = 7;
+  CHECK(DecisionGate({10s, 10s, false}).Check(inputs, 0, 0, {}) == Hold::kNothing);
+}
+
+TEST_CASE("without an operator the robot goes on alone after the timeout", "[planner][gate]") {
+  FakeClock clock;
+  DecisionGate gate({10s, 10s, true});
+  RobotInputs inputs = CompleteInputs();
+  inputs.guidance.reset();
+  CHECK(gate.Check(inputs, 0, 0, clock.Now()) == Hold::kFirstGuidance);
+  clock.Advance(10s);
+  CHECK(gate.Check(inputs, 0, 0, clock.Now()) == Hold::kNothing);
+}

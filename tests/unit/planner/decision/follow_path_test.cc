@@ -1,0 +1,182 @@
+#include "planner/decision/follow_path.h"
+
+#include <catch2/catch.hpp>
+
+#include "planner/decision/instruction_method.h"
+#include "planner/decision/teleop_method.h"
+
+using namespace conav;
+using namespace conav::planner;
+
+namespace {
+
+/// A robot at (1,1) on an open 4x5 map, with a path to the east.
+Situation OpenSituation() {
+  Situation situation;
+  situation.state.cell = {1, 1};
+  situation.state.goals_left = {{1, 3}};
+  situation.map.cells = OccupancyGrid(4, 5, Occupancy::kFree);
+  situation.guidance = Guidance{.revision = 1, .path = {{1, 1}, {1, 2}, {1, 3}}};
+  return situation;
+}
+
+}  // namespace
+
+TEST_CASE("the next cell of the path is taken", "[planner][instruction]") {
+  const Decision decision = PathFollower(1, FakeClock{}).Next(OpenSituation());
+  REQUIRE(decision.action);
+  CHECK(decision.action->target == Cell{1, 2});
+  CHECK(decision.plan == std::vector<Cell>{{1, 2}, {1, 3}});
+  CHECK(decision.report.chosen == 0);
+}
+
+TEST_CASE("a path that comes through a cell twice is gone leg by leg", "[planner][instruction]") {
+  const FakeClock clock;
+  PathFollower follower(1, clock);
+  Situation situation = OpenSituation();
+  situation.guidance->path = {{1, 1}, {1, 2}, {1, 1}, {2, 1}};
+  CHECK(follower.Next(situation).action->target == Cell{1, 2});
+  situation.state.cell = {1, 2};
+  CHECK(follower.Next(situation).action->target == Cell{1, 1});
+  situation.state.cell = {1, 1};
+  CHECK(follower.Next(situation).action->target == Cell{2, 1});
+}
+
+TEST_CASE("a new path is followed from its beginning", "[planner][instruction]") {
+  const FakeClock clock;
+  PathFollower follower(1, clock);
+  Situation situation = OpenSituation();
+  situation.state.cell = {1, 2};
+  CHECK(follower.Next(situation).action->target == Cell{1, 3});
+  situation.guidance->path = {{1, 2}, {2, 2}, {1, 2}, {1, 1}};
+  CHECK(follower.Next(situation).action->target == Cell{2, 2});
+}
+
+TEST_CASE("teleoperation takes the first step of a tour that comes back", "[planner][teleop]") {
+  Situation situation = OpenSituation();
+  situation.guidance->path = {{1, 1}, {2, 1}, {1, 1}, {1, 2}};
+  CHECK(TeleopMethod(1, FakeClock{}).Decide(situation, StopToken()).action->target == Cell{2, 1});
+}
+
+TEST_CASE("a known wall on the path makes the robot ask, and names the wall",
+          "[planner][instruction]") {
+  Situation situation = OpenSituation();
+  situation.map.cells[{1, 2}] = Occupancy::kOccupied;
+  const Decision decision = PathFollower(1, FakeClock{}).Next(situation);
+  CHECK_FALSE(decision.action);
+  CHECK(decision.attention == AttentionReason::kBlocked);
+  CHECK(decision.attention_cell == Cell{1, 2});
+}
+
+TEST_CASE("without a path, at its end or beside it the robot asks for one",
+          "[planner][instruction]") {
+  Situation situation = OpenSituation();
+  situation.state.cell = {1, 3};
+  CHECK(PathFollower(1, FakeClock{}).Next(situation).attention == AttentionReason::kNoGuidance);
+  situation.state.cell = {3, 3};
+  CHECK(PathFollower(1, FakeClock{}).Next(situation).attention == AttentionReason::kNoGuidance);
+  situation.guidance.reset();
+  CHECK(PathFollower(1, FakeClock{}).Next(situation).attention == AttentionReason::kNoGuidance);
+}
+
+TEST_CASE("another robot on the next cell is waited for without asking", "[planner][instruction]") {
+  Situation situation = OpenSituation();
+  situation.neighbours = {{"r2", {1, 2}, true, {}}};
+  const Decision decision = PathFollower(1, FakeClock{}).Next(situation);
+  CHECK_FALSE(decision.action);
+  CHECK_FALSE(decision.attention);
+}
+
+TEST_CASE("robots that wait for each other for half a second step out of the path",
+          "[planner][instruction]") {
+  FakeClock clock;
+  PathFollower follower(1, clock);
+  Situation situation = OpenSituation();
+  situation.neighbours = {{"r2", {1, 2}, true, {}}};
+  follower.Next(situation);
+  clock.Advance(std::chrono::milliseconds(499));
+  CHECK_FALSE(follower.Next(situation).action);
+  clock.Advance(std::chrono::milliseconds(1));
+  const Decision decision = follower.Next(situation);
+  REQUIRE(decision.action);
+  CHECK(decision.action->target != Cell{1, 2});
+}
+
+TEST_CASE("a moment of waiting that ended does not count later", "[planner][instruction]") {
+  FakeClock clock;
+  PathFollower follower(1, clock);
+  Situation situation = OpenSituation();
+  situation.neighbours = {{"r2", {1, 2}, true, {}}};
+  follower.Next(situation);
+  situation.neighbours.clear();
+  CHECK(follower.Next(situation).action->target == Cell{1, 2});
+  clock.Advance(std::chrono::seconds(1));
+  situation.neighbours = {{"r2", {1, 2}, true, {}}};
+  CHECK_FALSE(follower.Next(situation).action);
+}
+
+TEST_CASE("a robot without goals stays where it is", "[planner][instruction]") {
+  Situation situation = OpenSituation();
+  situation.state.goals_left.clear();
+  CHECK_FALSE(InstructionMethod(1, FakeClock{}).Decide(situation, StopToken()).action);
+  CHECK_FALSE(InstructionMethod(1, FakeClock{}).Decide(situation, StopToken()).attention);
+}
+
+TEST_CASE("a robot that was blocked while it waited waits anew afterwards",
+          "[planner][instruction]") {
+  FakeClock clock;
+  PathFollower follower(1, clock);
+  Situation situation = OpenSituation();
+  situation.neighbours = {{"r2", {1, 2}, true, {}}};
+  follower.Next(situation);
+  Situation blocked = situation;
+  blocked.map.cells[{1, 2}] = Occupancy::kOccupied;
+  follower.Next(blocked);
+  clock.Advance(std::chrono::seconds(1));
+  CHECK_FALSE(follower.Next(situation).action);
+}
+
+TEST_CASE("a new path ends the waiting on the old one", "[planner][instruction]") {
+  FakeClock clock;
+  PathFollower follower(1, clock);
+  Situation situation = OpenSituation();
+  situation.neighbours = {{"r2", {1, 2}, true, {}}};
+  follower.Next(situation);
+  clock.Advance(std::chrono::seconds(1));
+  situation.guidance->path = {{1, 1}, {1, 2}};
+  CHECK_FALSE(follower.Next(situation).action);
+}
+
+TEST_CASE("a goal pose is an order of its own, though it keeps the revision", "[planner][teleop]") {
+  const FakeClock clock;
+  TeleopMethod method(1, clock);
+  Situation situation = OpenSituation();
+  CHECK(method.Decide(situation, StopToken()).action);
+  situation.guidance->stamp = {1};
+  situation.guidance->path = {{1, 1}, {2, 1}};
+  REQUIRE(method.Decide(situation, StopToken()).action);
+}
+
+TEST_CASE("a teleoperated robot tells the others the rest of its order", "[planner][teleop]") {
+  const FakeClock clock;
+  TeleopMethod method(1, clock);
+  Situation situation = OpenSituation();
+  method.Decide(situation, StopToken());
+  CHECK(method.WayFor(situation) == std::vector<Cell>{{1, 2}, {1, 3}});
+  situation.state.goals_left.clear();
+  CHECK(method.WayFor(situation).empty());
+}
+
+TEST_CASE("teleoperation takes one step per order and then asks for the next",
+          "[planner][teleop]") {
+  const FakeClock clock;
+  TeleopMethod method(1, clock);
+  Situation situation = OpenSituation();
+  CHECK(method.Decide(situation, StopToken()).action->target == Cell{1, 2});
+  situation.state.cell = {1, 2};
+  const Decision second = method.Decide(situation, StopToken());
+  CHECK_FALSE(second.action);
+  CHECK(second.attention == AttentionReason::kNoGuidance);
+  situation.guidance->revision = 2;
+  CHECK(method.Decide(situation, StopToken()).action->target == Cell{1, 3});
+}

@@ -1,0 +1,104 @@
+#include "planner/decision/ig_mcts_method.h"
+
+#include <catch2/catch.hpp>
+#include <numbers>
+
+#include "planner/decision/traffic.h"
+#include "planner/search/fake_perception_model.h"
+
+using namespace conav;
+using namespace conav::planner;
+
+namespace {
+
+/// A robot in a closed cell: all it can do is to show views, and what the operator does not know of
+/// is the wall west of it.
+Situation Boxed() {
+  Situation situation;
+  situation.state.robot = "r1";
+  situation.state.cell = {1, 3};
+  situation.state.path = {{1, 3}};
+  situation.state.goals_left = {{1, 1}};
+  situation.map.cells = OccupancyGrid(3, 5, Occupancy::kOccupied);
+  situation.map.cells[{1, 1}] = Occupancy::kFree;
+  situation.map.cells[{1, 3}] = Occupancy::kFree;
+  situation.belief.wall_probability = BeliefGrid(3, 5, 1.0F);
+  for (const int column : {1, 2, 3}) situation.belief.wall_probability[{1, column}] = 0.0F;
+  situation.guidance = Guidance{.path = {{1, 3}, {1, 2}, {1, 1}}};
+  situation.guided_before = true;
+  return situation;
+}
+
+struct Bench {
+  double HeadingDecided() {
+    const Decision decision = method.Decide(situation, StopToken());
+    REQUIRE(decision.action);
+    REQUIRE(decision.action->kind == CommandKind::kTransmitView);
+    CHECK(decision.attention == AttentionReason::kPicture);
+    return decision.action->heading_rad;
+  }
+
+  static SearchConfig Config() {
+    SearchConfig config;
+    config.options.iterations = 300;
+    config.options.min_information = 0.0;
+    return config;
+  }
+
+  Situation situation = Boxed();
+  FakeClock clock;
+  IgMctsMethod method{Config(), 1, std::make_shared<FakePerceptionModel>(), clock};
+};
+
+}  // namespace
+
+TEST_CASE("a view that was sent is not sent again while the operator's map there is unchanged",
+          "[planner][ig-mcts]") {
+  Bench bench;
+  const double first = bench.HeadingDecided();
+  bench.situation.state.snapshots = 1;
+  CHECK(bench.HeadingDecided() != first);
+  SECTION("after a change there it is") {
+    // Only that view is worth sending now: the others stay sent.
+    std::vector<double> sent;
+    for (std::uint64_t snapshots = 2; snapshots <= 7; ++snapshots) {
+      bench.situation.state.snapshots = snapshots;
+      sent.push_back(bench.HeadingDecided());
+    }
+    CHECK(std::find(sent.begin(), sent.end(), first) == sent.end());
+    bench.situation.state.snapshots = 8;
+    CHECK_FALSE(bench.method.Decide(bench.situation, StopToken()).action.has_value());
+    bench.situation.belief.wall_probability[{1, 2}] = 0.5F;
+    CHECK(bench.method.Decide(bench.situation, StopToken()).action.has_value());
+  }
+}
+
+TEST_CASE("a view whose command came to nothing is offered again", "[planner][ig-mcts]") {
+  Bench bench;
+  const double first = bench.HeadingDecided();
+  CHECK(bench.HeadingDecided() == first);
+}
+
+TEST_CASE("the camera's field of view decides what a picture is worth", "[planner][ig-mcts]") {
+  // A slit of a camera sees the wall from fewer headings.
+  const auto worth_something = [](double fov_rad) {
+    Bench bench;
+    bench.situation.lens.horizontal_fov_rad = fov_rad;
+    bench.situation.lens.vertical_fov_rad = 0.05;
+    const Decision decision = bench.method.Decide(bench.situation, StopToken());
+    return std::count_if(decision.report.actions.begin(), decision.report.actions.end(),
+                         [](const SearchAction& action) { return action.information_gain > 0.01; });
+  };
+  CHECK(worth_something(0.1) > 0);
+  CHECK(worth_something(0.1) < worth_something(1.9));
+}
+
+TEST_CASE("a robot waits a moment for the one that has to make room, then looks for another way",
+          "[planner][ig-mcts]") {
+  Bench bench;
+  bench.situation.map.cells[{1, 2}] = Occupancy::kFree;
+  bench.situation.neighbours = {{"r2", {1, 2}, true, {}}};
+  CHECK_FALSE(bench.method.Decide(bench.situation, StopToken()).action.has_value());
+  bench.clock.Advance(kPatience);
+  CHECK(bench.method.Decide(bench.situation, StopToken()).report.iterations == 300);
+}

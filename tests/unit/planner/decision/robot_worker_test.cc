@@ -1,0 +1,202 @@
+#include "planner/decision/robot_worker.h"
+
+#include <catch2/catch.hpp>
+
+using namespace conav;
+using namespace conav::planner;
+using namespace std::chrono_literals;
+
+namespace {
+
+/// Says what it is told to say, and keeps what it saw.
+class ScriptedMethod final : public Method {
+ public:
+  Decision Decide(const Situation& situation, const StopToken&) override {
+    seen.push_back(situation);
+    return next;
+  }
+  std::vector<Cell> WayFor(const Situation&) override { return {{1, 2}}; }
+  bool pictures_are_answered() const override { return true; }
+
+  Decision next;
+  std::vector<Situation> seen;
+};
+
+struct Bench {
+  Bench() {
+    auto owned = std::make_unique<ScriptedMethod>();
+    method = owned.get();
+    method->next.action = Action{CommandKind::kMove, {1, 2}, 0.0};
+    RobotWorker::Outputs outputs{
+        .command = [this](const RobotCommand& command) { commands.push_back(command); },
+        .report = [this](const SearchReport& report) { reports.push_back(report); },
+        .attention = [this](const AttentionRequest& request) { attentions.push_back(request); },
+        .way = [](const RobotState&, const MapUpdate&, const std::vector<Cell>&) {}};
+    worker.emplace(
+        RobotWorker::Options{
+            .robot = "r1", .method_name = "scripted", .gate = {10s, 10s, true}, .command_ttl = 5s},
+        std::move(owned), board, clock, std::move(outputs));
+  }
+
+  void Step() { worker->Step(stop); }
+
+  void PutAll() {
+    board.Put(state);
+    board.PutLens("r1", CameraLens{});
+    board.PutMap("r1", MapUpdate{{}, 2.0, OccupancyGrid(5, 5, Occupancy::kFree)});
+    Belief belief;
+    belief.world = "w1";
+    belief.wall_probability = BeliefGrid(5, 5);
+    board.Put(belief);
+    board.Put(guidance);
+  }
+
+  RobotState state{.world = "w1", .robot = "r1", .cell = {1, 1}};
+  Guidance guidance{.robot = "r1", .revision = 1, .path = {{1, 1}}, .valid_until = {1000}};
+  Blackboard board{{{"r0", "w1"}, {"r1", "w1"}}};
+  FakeClock clock;
+  ScriptedMethod* method = nullptr;
+  std::vector<RobotCommand> commands;
+  std::vector<SearchReport> reports;
+  std::vector<AttentionRequest> attentions;
+  std::optional<RobotWorker> worker;
+  StopToken stop;
+};
+
+}  // namespace
+
+TEST_CASE("nothing is sent before all inputs are there", "[planner][worker]") {
+  Bench bench;
+  bench.Step();
+  CHECK(bench.commands.empty());
+  bench.PutAll();
+  bench.Step();
+  REQUIRE(bench.commands.size() == 1);
+  CHECK(bench.commands[0].target == Cell{1, 2});
+  CHECK(bench.reports.at(0).decision == 1);
+}
+
+TEST_CASE("the next decision waits for the outcome of the last", "[planner][worker]") {
+  Bench bench;
+  bench.PutAll();
+  bench.Step();
+  bench.Step();
+  CHECK(bench.method->seen.size() == 1);
+  bench.state.command_sequence_number = bench.commands[0].sequence_number;
+  bench.state.command_outcome = CommandOutcome::kDone;
+  bench.board.Put(bench.state);
+  bench.Step();
+  CHECK(bench.method->seen.size() == 2);
+}
+
+TEST_CASE("a command that is not taken up is sent again after a second", "[planner][worker]") {
+  Bench bench;
+  bench.PutAll();
+  bench.Step();
+  bench.clock.Advance(999ms);
+  bench.Step();
+  CHECK(bench.commands.size() == 1);
+  bench.clock.Advance(1ms);
+  bench.Step();
+  REQUIRE(bench.commands.size() == 2);
+  CHECK(bench.commands[1].sequence_number == bench.commands[0].sequence_number);
+}
+
+TEST_CASE("expired and withdrawn guidance is not shown to the method", "[planner][worker]") {
+  Bench bench;
+  bench.state.stamp = {1001};
+  bench.PutAll();
+  bench.Step();
+  CHECK_FALSE(bench.method->seen.at(0).guidance.has_value());
+  CHECK(bench.method->seen.at(0).guided_before);
+}
+
+TEST_CASE("a robot that asked for guidance waits for a newer revision", "[planner][worker]") {
+  Bench bench;
+  bench.method->next = Decision{};
+  bench.method->next.attention = AttentionReason::kBlocked;
+  bench.PutAll();
+  bench.Step();
+  bench.Step();
+  CHECK(bench.method->seen.size() == 1);
+  REQUIRE(bench.attentions.size() == 1);
+  CHECK(bench.attentions[0].reason == AttentionReason::kBlocked);
+  bench.guidance.revision = 2;
+  bench.board.Put(bench.guidance);
+  bench.Step();
+  CHECK(bench.method->seen.size() == 2);
+}
+
+TEST_CASE("a robot makes room also while it waits for guidance", "[planner][worker]") {
+  Bench bench;
+  bench.method->next = Decision{};
+  bench.method->next.attention = AttentionReason::kBlocked;
+  bench.PutAll();
+  bench.Step();
+  REQUIRE(bench.commands.empty());
+  bench.board.Put(RobotState{.world = "w1", .robot = "r0", .cell = {1, 0}, .goals_left = {{4, 4}}});
+  bench.board.PutWay("r0", {{1, 1}, {1, 2}});
+  bench.Step();
+  REQUIRE(bench.commands.size() == 1);
+  CHECK(bench.commands[0].target.column == 1);
+  CHECK(bench.method->seen.size() == 1);
+}
+
+TEST_CASE("a robot makes room while the operator looks at its picture", "[planner][worker]") {
+  Bench bench;
+  bench.state.snapshots = 1;
+  bench.PutAll();
+  bench.Step();
+  REQUIRE(bench.commands.empty());
+  CHECK(bench.board.HoldOf("r1") == HoldName(Hold::kAnswer));
+  bench.board.Put(RobotState{.world = "w1", .robot = "r0", .cell = {1, 0}, .goals_left = {{4, 4}}});
+  bench.board.PutWay("r0", {{1, 1}, {1, 2}});
+  bench.Step();
+  CHECK(bench.commands.size() == 1);
+  CHECK(bench.method->seen.empty());
+}
+
+TEST_CASE("a robot that waits for guidance claims no way", "[planner][worker]") {
+  Bench bench;
+  bench.PutAll();
+  bench.board.Put(RobotState{.world = "w1", .robot = "r0", .cell = {4, 4}});
+  bench.method->next = Decision{};
+  bench.method->next.attention = AttentionReason::kBlocked;
+  bench.Step();
+  CHECK(bench.board.NeighboursOf("r0").at(0).way == std::vector<Cell>{{1, 2}});
+  bench.Step();
+  CHECK(bench.board.NeighboursOf("r0").at(0).way.empty());
+}
+
+TEST_CASE("a robot whose inputs do not belong together is not driven", "[planner][worker]") {
+  Bench bench;
+  bench.PutAll();
+  Belief other;
+  other.world = "w1";
+  other.wall_probability = BeliefGrid(7, 7);
+  bench.board.Put(other);
+  bench.Step();
+  CHECK(bench.method->seen.empty());
+  CHECK(bench.board.HoldOf("r1") == HoldName(Hold::kInconsistent));
+}
+
+TEST_CASE("a stop during a decision sends nothing", "[planner][worker]") {
+  Bench bench;
+  bench.PutAll();
+  bench.stop.RequestStop();
+  bench.Step();
+  CHECK(bench.commands.empty());
+}
+
+TEST_CASE("a goal pose becomes guidance until the operator's next path", "[planner][worker]") {
+  Bench bench;
+  bench.PutAll();
+  bench.board.PutGoalPose("r1", {4.0, 4.0});
+  bench.Step();
+  const auto guidance = bench.method->seen.at(0).guidance;
+  REQUIRE(guidance.has_value());
+  CHECK(guidance->given_by == "goal_pose");
+  CHECK(guidance->path.front() == Cell{1, 1});
+  CHECK(guidance->path.back() == Cell{0, 4});
+  CHECK(guidance->path.size() == 5);
+}
