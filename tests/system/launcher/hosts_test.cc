@@ -5,6 +5,7 @@
 #include "system/launcher/network_hosts.h"
 
 using conav::testing::DemoRun;
+using conav::testing::Multicast;
 using conav::testing::NetworkHosts;
 
 namespace {
@@ -16,17 +17,30 @@ std::string OnHost(const NetworkHosts& hosts, const std::string& service, int ho
 }
 
 // sim on the first host, planner and nhpm on the second, the operator's side on the third.
-void RunsOnThreeHosts(const std::string& dds) {
-  const NetworkHosts hosts(3);
+void RunsOnThreeHosts(const std::string& dds, Multicast multicast) {
+  const NetworkHosts hosts(3, multicast);
   if (!hosts.problem().empty()) {
     std::cout << "skipped: no network namespaces here: " << hosts.problem() << '\n';
     return;
   }
-  const std::string peers = hosts.Address(0) + "," + hosts.Address(1) + "," + hosts.Address(2);
-  DemoRun demo({"--headless", "--seed", "10", "--dds", dds, "--interface", "cn0", "--peers", peers,
-                "--run-with", OnHost(hosts, "sim", 0), "--run-with", OnHost(hosts, "planner", 1),
-                "--run-with", OnHost(hosts, "nhpm", 1)},
-               hosts.RunOn(2));
+  std::vector<std::string> arguments = {"--headless",
+                                        "--seed",
+                                        "10",
+                                        "--dds",
+                                        dds,
+                                        "--interface",
+                                        "cn0",
+                                        "--run-with",
+                                        OnHost(hosts, "sim", 0),
+                                        "--run-with",
+                                        OnHost(hosts, "planner", 1),
+                                        "--run-with",
+                                        OnHost(hosts, "nhpm", 1)};
+  if (multicast == Multicast::kOff) {
+    arguments.push_back("--peers");
+    arguments.push_back(hosts.Address(0) + "," + hosts.Address(1) + "," + hosts.Address(2));
+  }
+  DemoRun demo(arguments, hosts.RunOn(2));
   const int code = demo.Wait();
   INFO(demo.Story());
   CHECK(code == 0);
@@ -36,13 +50,17 @@ void RunsOnThreeHosts(const std::string& dds) {
 }  // namespace
 
 TEST_CASE("a demo runs on three hosts on Cyclone DDS", "[launcher][system]") {
-  RunsOnThreeHosts("cyclonedds");
+  RunsOnThreeHosts("cyclonedds", Multicast::kOff);
 }
 
 TEST_CASE("a demo runs on three hosts on Fast DDS", "[launcher][system]") {
-  RunsOnThreeHosts("fastdds");
+  RunsOnThreeHosts("fastdds", Multicast::kOff);
 }
 
 TEST_CASE("a demo runs on three hosts with both vendors", "[launcher][system]") {
-  RunsOnThreeHosts("mixed");
+  RunsOnThreeHosts("mixed", Multicast::kOff);
+}
+
+TEST_CASE("hosts with multicast find each other without being told of", "[launcher][system]") {
+  RunsOnThreeHosts("mixed", Multicast::kOn);
 }

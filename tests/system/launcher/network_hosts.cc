@@ -7,13 +7,14 @@
 
 namespace conav::testing {
 
-NetworkHosts::NetworkHosts(int count) {
+NetworkHosts::NetworkHosts(int count, Multicast multicast) {
   // The bridge lives in a namespace of its own, so that this machine's network is left alone.
   const std::string bridge = Name(-1);
   if (!Run("ip netns add " + bridge)) return;
   namespaces_.push_back(bridge);
-  Run(fmt::format("ip -n {} link add br0 type bridge && ip -n {} link set br0 up", bridge, bridge));
-  for (int host = 0; host < count && problem_.empty(); ++host) AddHost(host);
+  Run(fmt::format("ip -n {} link add br0 type bridge mcast_snooping 0 && ip -n {} link set br0 up",
+                  bridge, bridge));
+  for (int host = 0; host < count && problem_.empty(); ++host) AddHost(host, multicast);
 }
 
 NetworkHosts::~NetworkHosts() {
@@ -30,7 +31,7 @@ std::string NetworkHosts::Name(int host) const {
   return fmt::format("conav-{}-{}", getpid(), host < 0 ? "bridge" : std::to_string(host));
 }
 
-void NetworkHosts::AddHost(int host) {
+void NetworkHosts::AddHost(int host, Multicast multicast) {
   const std::string name = Name(host);
   const std::string bridge = namespaces_.front();
   if (!Run("ip netns add " + name)) return;
@@ -39,7 +40,8 @@ void NetworkHosts::AddHost(int host) {
                   host));
   Run(fmt::format("ip -n {} link set port{} master br0 up", bridge, host));
   Run(fmt::format("ip -n {} addr add {}/24 dev cn0", name, Address(host)));
-  Run(fmt::format("ip -n {} link set cn0 multicast off up", name));
+  Run(fmt::format("ip -n {} link set cn0 multicast {} up", name,
+                  multicast == Multicast::kOn ? "on" : "off"));
   Run(fmt::format("ip -n {} link set lo up", name));
 }
 

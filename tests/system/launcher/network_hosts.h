@@ -5,12 +5,14 @@
 
 namespace conav::testing {
 
-/// Hosts on this machine: network namespaces that are joined by a bridge, without multicast and
-/// without loopback between each other. Removed at the end. Each sees its network as interface
-/// "cn0".
+enum class Multicast { kOff, kOn };
+
+/// Hosts on this machine: network namespaces that are joined by a bridge, with or without
+/// multicast, and without loopback between each other. Removed at the end. Each sees its network as
+/// interface "cn0".
 class NetworkHosts {
  public:
-  explicit NetworkHosts(int count);
+  NetworkHosts(int count, Multicast multicast);
   ~NetworkHosts();
   NetworkHosts(const NetworkHosts&) = delete;
   NetworkHosts& operator=(const NetworkHosts&) = delete;
@@ -24,7 +26,7 @@ class NetworkHosts {
  private:
   bool Run(const std::string& command);
   std::string Name(int host) const;
-  void AddHost(int host);
+  void AddHost(int host, Multicast multicast);
 
   std::vector<std::string> namespaces_;
   std::string problem_;
