@@ -23,10 +23,11 @@ bool KnownWall(const Situation& situation, Cell cell) {
 
 bool PathFollower::Locate(const Situation& situation) {
   if (!situation.guidance) return false;
-  if (path_ != situation.guidance->path) {
+  if (path_ != situation.guidance->path) waiting_since_.reset();
+  if (path_ != situation.guidance->path || revision_ != situation.guidance->revision) {
     path_ = situation.guidance->path;
+    revision_ = situation.guidance->revision;
     position_ = 0;
-    waiting_since_.reset();
   }
   const auto from = path_.begin() + static_cast<std::ptrdiff_t>(position_);
   const auto at = std::find(from, path_.end(), situation.state.cell);

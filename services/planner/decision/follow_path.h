@@ -12,7 +12,8 @@
 namespace conav::planner {
 
 /// Goes along a guidance path cell by cell and remembers how far it has come, because a tour may
-/// lead through one cell several times. A new path starts at its beginning.
+/// lead through one cell several times. A new path starts at its beginning, and so does the same one
+/// given again.
 class PathFollower {
  public:
   /// `seed` of the steps that break a stand-off; `clock` outlives this.
@@ -36,7 +37,8 @@ class PathFollower {
   const Clock& clock_;
   std::optional<Clock::TimePoint> waiting_since_;  // for another robot to make room
   std::vector<Cell> path_;
-  std::size_t position_ = 0;  // of the robot in path_
+  std::uint64_t revision_ = 0;  // of the guidance that path_ was
+  std::size_t position_ = 0;    // of the robot in path_
 };
 
 }  // namespace conav::planner

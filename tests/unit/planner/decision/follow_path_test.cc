@@ -42,6 +42,20 @@ TEST_CASE("a path that comes through a cell twice is gone leg by leg", "[planner
   CHECK(follower.Next(situation).action->target == Cell{2, 1});
 }
 
+TEST_CASE("the same path given again is followed from its beginning", "[planner][instruction]") {
+  const FakeClock clock;
+  PathFollower follower(1, clock);
+  Situation situation = OpenSituation();
+  situation.state.cell = {1, 2};
+  CHECK(follower.Next(situation).action->target == Cell{1, 3});
+  // Made room for another robot.
+  situation.state.cell = {1, 1};
+  CHECK(follower.Next(situation).attention == AttentionReason::kNoGuidance);
+  situation.guidance->revision = 2;
+  REQUIRE(follower.Next(situation).action);
+  CHECK(follower.Next(situation).action->target == Cell{1, 2});
+}
+
 TEST_CASE("a new path is followed from its beginning", "[planner][instruction]") {
   const FakeClock clock;
   PathFollower follower(1, clock);
