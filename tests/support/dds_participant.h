@@ -15,6 +15,7 @@ inline MakeParticipant OverDds(const std::string& vendor) {
     options.vendor = vendor;
     options.domain_id = TestDomain();
     options.interface = "lo";
+    options.lease_s = 2.0;  // deaths are noticed soon
     return std::make_unique<bus::Participant>(node, options);
   };
 }

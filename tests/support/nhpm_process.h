@@ -26,6 +26,7 @@ class NhpmProcess {
     config.bus.vendor = vendor;
     config.bus.domain_id = TestDomain();
     config.bus.interface = "lo";
+    config.bus.lease_s = 2.0;
     std::ofstream(folder_ / "nhpm.yaml") << DumpConfig("nhpm", config);
     Start();
   }

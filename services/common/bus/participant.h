@@ -28,8 +28,10 @@ struct ParticipantOptions {
   /// Layout of ros_discovery_info: "jazzy" or "humble".
   std::string ros_distribution = "jazzy";
   /// Lease of the participant and of its writers' liveliness: how soon others notice that this
-  /// process is gone.
-  double lease_s = 2.0;
+  /// process was killed or cut off. A process that hangs for longer (a suspended computer, say) is
+  /// given up as well; on Cyclone DDS it is found again when it goes on, but where one side is Fast
+  /// DDS sometimes not until it is restarted (measured). So rather too long than too short.
+  double lease_s = 10.0;
 
   void Visit(ConfigReader& reader);
 };

@@ -22,6 +22,7 @@ bus::ParticipantOptions Options(const std::string& vendor) {
   options.vendor = vendor;
   options.domain_id = test::TestDomain();
   options.interface = "lo";
+  options.lease_s = 2.0;
   return options;
 }
 

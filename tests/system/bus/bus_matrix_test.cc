@@ -23,7 +23,7 @@ bus::ParticipantOptions Options(const std::string& vendor) {
   options.vendor = vendor;
   options.domain_id = TestDomain();
   options.interface = "lo";
-  options.lease_s = 1.0;
+  options.lease_s = 2.0;
   return options;
 }
 

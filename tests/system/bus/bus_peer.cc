@@ -20,7 +20,7 @@ bus::ParticipantOptions Options(int argc, char** argv) {
   bus::ParticipantOptions options;
   options.vendor = argv[1];
   options.domain_id = std::atoi(argv[2]);
-  options.lease_s = 1.0;
+  options.lease_s = 2.0;
   options.interface = "lo";
   const std::string extra = argc > 3 ? argv[3] : "jazzy";
   if (extra == "jazzy" || extra == "humble") {
