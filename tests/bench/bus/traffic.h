@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -40,9 +41,10 @@ class Traffic {
   bool WaitFor(std::uint64_t id, std::chrono::milliseconds timeout);
 
   const std::string name_;
-  // Set before the first ping of a measurement, then used by the receive thread alone.
-  std::uint64_t next_id_ = 1;
-  std::uint64_t last_id_ = 0;
+  // Set before the first ping of a measurement, then changed by the receive thread alone; late
+  // answers from before may look at the first two at any time.
+  std::atomic<std::uint64_t> next_id_ = 1;
+  std::atomic<std::uint64_t> last_id_ = 0;
   TimePoint sent_at_;
   std::vector<double> times_us_;
 
