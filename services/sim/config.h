@@ -46,7 +46,7 @@ struct CameraConfig {
   }
 };
 
-/// How wrong the operator's first map is (paper-notes 3.7).
+/// How wrong the operator's first map is (docs/paper.md).
 struct CorruptionConfig {
   double wrong_share = 0.12;      // of all cells
   double false_wall_share = 0.5;  // of the wrong cells

@@ -6,7 +6,7 @@
 
 namespace conav::planner {
 
-/// How many nodes one iteration adds (paper-notes A3).
+/// How many nodes one iteration adds (docs/paper.md A3).
 enum class Expansion {
   kSingle,  // one, then a rollout: section 5.2 and the authors' earlier code
   kChain,   // until a communication, a terminal node or the cap: algorithm 1 read literally
@@ -15,7 +15,7 @@ enum class Expansion {
 /// Which untried action an expansion takes.
 enum class UntriedOrder { kMovesFirst, kRandom };
 
-/// What a backup adds to Q (paper-notes A1).
+/// What a backup adds to Q (docs/paper.md A1).
 enum class BackupRule {
   kPropagatedSample,  // q_sample: equation 3
   kRolloutReturn,     // q: as printed in procedure BackPropagate, a misprint; kept to show that
@@ -51,7 +51,7 @@ struct SearchOptions {
 };
 
 /// As printed in appendix E, algorithm 1: 100 iterations, k = sqrt 2, gamma = 0.99, depth 100, and
-/// no rule against sending a view again. Reaches no goals (paper-notes 4.16).
+/// no rule against sending a view again. Reaches no goals (closed_loop_test.cc).
 SearchOptions PaperOptions();
 
 }  // namespace conav::planner

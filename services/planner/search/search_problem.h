@@ -24,7 +24,7 @@ struct SearchProblem {
   /// zeta: the operator's path; may be empty.
   std::vector<Cell> guidance;
   /// Whether the operator has ever given this robot a path: without one there is no penalty for
-  /// being off it, with one that was withdrawn there is (paper-notes A16).
+  /// being off it, with one that was withdrawn there is (docs/paper.md A16).
   bool guided_before = false;
   /// x_0: what the operator takes for a wall.
   const BeliefGrid& belief;

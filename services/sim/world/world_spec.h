@@ -26,7 +26,7 @@ struct WorldOptions {
   bool shared_goals = false;
   std::vector<Cell> starts;       // one per robot; empty = drawn
   std::vector<Cell> goals;        // of every robot; empty = goals_per_robot are drawn for each
-  double wrong_share = 0.12;      // of all cells, wrong on the initial human map (paper-notes 3.7)
+  double wrong_share = 0.12;      // of all cells, wrong on the initial human map (docs/paper.md)
   double false_wall_share = 0.5;  // of the wrong cells, free in truth and drawn as walls
 };
 

@@ -23,7 +23,7 @@ struct World {
 World MakeWorld(std::uint64_t seed, int size = 15, int wrong_cells = 20);
 
 /// The operator's path through all goals left: cheapest tour on their own map, where entering a
-/// wall costs 10 more (paper-notes 1.2, item 9).
+/// wall costs 10 more (docs/paper.md).
 /// Only the part through the first `goal_limit` goals is drawn.
 std::vector<Cell> DrawGuidance(const BeliefGrid& belief, Cell from, const std::vector<Cell>& goals,
                                int goal_limit);

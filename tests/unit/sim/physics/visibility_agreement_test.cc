@@ -8,7 +8,7 @@
 #include "unit/sim/physics/mazes.h"
 
 /// CastView, the two-dimensional model of what a picture shows, against MuJoCo's segmentation of
-/// the picture itself (paper-notes 3.8).
+/// the picture itself (docs/paper.md).
 namespace conav::sim {
 namespace {
 
