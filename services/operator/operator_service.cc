@@ -53,7 +53,8 @@ struct OperatorService::RobotLink {
   bus::Subscriber<conav_msgs::msg::AttentionRequest> attention;
   std::optional<bus::Publisher<conav_msgs::msg::Guidance>> guidance;  // while its world is served
   std::optional<SimTime> stamp;                                       // of the newest state
-  std::uint64_t asked = 0;                                            // attention requests heard
+  std::optional<RobotState> first_state;  // of a run that was not greeted yet
+  std::uint64_t asked = 0;                // attention requests heard
 };
 
 OperatorService::OperatorService(bus::Participant& participant, const OperatorConfig& config,
@@ -142,6 +143,7 @@ void OperatorService::TakeInitialMap(WorldLink& world) {
     storage_failure_ = added.error().text;  // the map stays pending; the next step tries again
     return;
   }
+  storage_failure_.reset();
   if (added) {
     LOG_INFO("world", "world", world.name, "new", *added, "revision",
              store_.FindBelief(world.name)->revision);
@@ -162,13 +164,20 @@ void OperatorService::TakeStates(RobotLink& robot) {
     }
     const bool starts = !robot.stamp || state.stamp < *robot.stamp;
     robot.stamp = state.stamp;
-    if (starts) Greet(robot, state);
+    if (!starts) continue;
+    store_.AddRobot(robot.name, robot.world);
+    robot.first_state = state;
+  }
+  // Before the world is known to be the stored one, nothing stored is changed.
+  const WorldLink* world = FindWorld(robot.world);
+  if (robot.first_state && world != nullptr && world->served()) {
+    Greet(robot, *robot.first_state);
+    robot.first_state.reset();
   }
   robot.asked += robot.attention.TakeValid(kConvert).size();
 }
 
 void OperatorService::Greet(RobotLink& robot, const RobotState& state) {
-  store_.AddRobot(robot.name, robot.world);
   const Guidance* guidance = store_.FindGuidance(robot.name);
   if (guidance == nullptr || guidance->answers_snapshot <= state.snapshots) return;
   LOG_WARNING("robot counts its pictures anew, its guidance of before is withdrawn", "robot",

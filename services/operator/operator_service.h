@@ -49,7 +49,7 @@ class OperatorService {
   struct RobotLink;
 
   void Serve(WorldLink& world, double cell_size_m);
-  /// Takes back what was published for it.
+  /// Publishes nothing for it any more; who has heard of it keeps what it has.
   void Withhold(WorldLink& world, std::string reason);
   WorldLink* FindWorld(const std::string& name);
   void PublishBelief(WorldLink& world);

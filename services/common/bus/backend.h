@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -26,6 +27,8 @@ class Writer {
   /// `message` points to the type that the writer was made for. Blocks shortly when a reliable
   /// queue is full.
   [[nodiscard]] virtual Result<void> Write(const void* message) = 0;
+  /// Blocks until every matched reliable reader has all that was written; false after `timeout`.
+  virtual bool WaitForAcknowledgments(std::chrono::nanoseconds timeout) = 0;
   virtual int matched() const = 0;
 };
 

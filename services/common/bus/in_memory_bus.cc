@@ -13,6 +13,8 @@ class InMemoryWriter final : public Writer {
   }
   ~InMemoryWriter() override { topic_.Remove(state_); }
 
+  bool WaitForAcknowledgments(std::chrono::nanoseconds /*timeout*/) override { return true; }
+
   Result<void> Write(const void* message) override {
     const TypeSupport& type = state_->options.type;
     std::vector<std::uint8_t> payload(type.serialized_size(message));

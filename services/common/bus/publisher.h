@@ -26,6 +26,12 @@ class Publisher {
   /// resources), kMalformed when it cannot be serialised.
   [[nodiscard]] Result<void> Publish(const T& message) { return writer_->Write(&message); }
 
+  /// Blocks until every matched reliable subscriber has all that was published, for a process that
+  /// is about to end; false after `timeout`.
+  bool WaitForAcknowledgments(std::chrono::nanoseconds timeout) {
+    return writer_->WaitForAcknowledgments(timeout);
+  }
+
   int matched_subscribers() const { return writer_->matched(); }
 
  private:

@@ -26,13 +26,21 @@ std::uint8_t RosLevel(log::Level level) {
   return 0;
 }
 
+/// Its history ends with it, so it waits until all have it.
+struct LogPublisher {
+  explicit LogPublisher(bus::Participant& participant) : topic(participant, bus::kRosout) {}
+  ~LogPublisher() { topic.WaitForAcknowledgments(Rosout::kDrainLimit); }
+
+  bus::Publisher<rcl_interfaces::msg::Log> topic;
+};
+
 }  // namespace
 
 Rosout::Rosout(bus::Participant& participant)
     : Rosout(bus::RosName(participant.node_name()),
-             [publisher = std::make_shared<bus::Publisher<rcl_interfaces::msg::Log>>(
-                  participant, bus::kRosout)](const rcl_interfaces::msg::Log& line) {
-               return publisher->Publish(line).has_value();
+             [publisher = std::make_shared<LogPublisher>(participant)](
+                 const rcl_interfaces::msg::Log& line) {
+               return publisher->topic.Publish(line).has_value();
              }) {}
 
 Rosout::Rosout(std::string node_name, Send send)

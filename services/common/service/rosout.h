@@ -33,7 +33,7 @@ class Rosout {
   /// As above with any way of sending, under the name `node_name`.
   Rosout(std::string node_name, Send send);
   /// Sends what waits, but not to a bus that takes no more lines: ends with the first that fails,
-  /// and with the first after kDrainLimit.
+  /// and with the first after kDrainLimit; then waits as long for the last ones to arrive.
   ~Rosout();
   Rosout(const Rosout&) = delete;
   Rosout& operator=(const Rosout&) = delete;

@@ -39,7 +39,12 @@ void Blackboard::PutMap(const std::string& robot, MapUpdate map) {
 void Blackboard::Put(const Belief& belief) {
   const std::lock_guard lock(mutex_);
   for (auto& [robot, entry] : robots_) {
-    if (entry.world == belief.world) entry.inputs.belief = belief;
+    if (entry.world != belief.world) continue;
+    // An operator service that began anew, without what it knew: its guidance counts anew as well.
+    if (entry.inputs.belief && belief.revision < entry.inputs.belief->revision) {
+      entry.inputs.guidance.reset();
+    }
+    entry.inputs.belief = belief;
   }
   ChangedLocked();
 }

@@ -49,7 +49,7 @@ class Blackboard {
   void PutLens(const std::string& robot, const CameraLens& lens);
   void PutGoalPose(const std::string& robot, Position goal);
   /// A robot's own worker tells the others which cells it wants next, and the operator's side why
-  /// it does not decide; neither wakes anybody unless it changed.
+  /// it does not decide. A way that changed wakes the others; a hold wakes nobody.
   void PutWay(const std::string& robot, std::vector<Cell> way);
   void PutHold(const std::string& robot, std::string_view hold);
   std::string_view HoldOf(const std::string& robot) const;
@@ -58,7 +58,7 @@ class Blackboard {
   void ResolveGoalPose(const std::string& robot, Position goal, std::optional<Guidance> guidance);
 
   RobotInputs Read(const std::string& robot) const;
-  /// Other robots of the same world, in order of their names: the first has the right of way.
+  /// Other robots of the same world, in order of their names.
   std::vector<Neighbour> NeighboursOf(const std::string& robot) const;
   /// Newest simulation time heard from the robot's world.
   SimTime NewestStamp(const std::string& robot) const;

@@ -35,6 +35,7 @@ std::string_view HoldName(Hold hold) {
 Hold DecisionGate::Check(const RobotInputs& inputs, std::uint64_t sent_sequence_number,
                          std::uint64_t lease_epoch, Clock::TimePoint now) {
   const Hold wanted = Want(inputs, sent_sequence_number, lease_epoch);
+  if (wanted == Hold::kCommand || wanted == Hold::kMap) return wanted;
   if (wanted != hold_) {
     hold_ = wanted;
     hold_since_ = now;

@@ -54,7 +54,7 @@ class DecisionGate {
   void GiveUp(Hold hold, const RobotInputs& inputs);
 
   Options options_;
-  Hold hold_ = Hold::kState;
+  Hold hold_ = Hold::kState;  // kCommand passes over: a step aside does not start the waiting anew
   Clock::TimePoint hold_since_{};
   bool without_guidance_ = false;          // stopped waiting for the first guidance
   std::uint64_t unanswered_snapshot_ = 0;  // stopped waiting for an answer to this one

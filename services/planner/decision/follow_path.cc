@@ -23,10 +23,13 @@ bool KnownWall(const Situation& situation, Cell cell) {
 
 bool PathFollower::Locate(const Situation& situation) {
   if (!situation.guidance) return false;
-  if (path_ != situation.guidance->path) waiting_since_.reset();
-  if (path_ != situation.guidance->path || revision_ != situation.guidance->revision) {
-    path_ = situation.guidance->path;
-    revision_ = situation.guidance->revision;
+  const Guidance& guidance = *situation.guidance;
+  if (path_ != guidance.path) waiting_since_.reset();
+  // A goal pose keeps the revision, not the stamp.
+  if (path_ != guidance.path || revision_ != guidance.revision || stamp_ != guidance.stamp) {
+    path_ = guidance.path;
+    revision_ = guidance.revision;
+    stamp_ = guidance.stamp;
     position_ = 0;
   }
   const auto from = path_.begin() + static_cast<std::ptrdiff_t>(position_);

@@ -37,8 +37,9 @@ class PathFollower {
   const Clock& clock_;
   std::optional<Clock::TimePoint> waiting_since_;  // for another robot to make room
   std::vector<Cell> path_;
-  std::uint64_t revision_ = 0;  // of the guidance that path_ was
-  std::size_t position_ = 0;    // of the robot in path_
+  std::uint64_t revision_ = 0;  // of the guidance that path_ was; likewise:
+  SimTime stamp_;
+  std::size_t position_ = 0;  // of the robot in path_
 };
 
 }  // namespace conav::planner

@@ -58,9 +58,7 @@ Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop)
   const GridGraph graph(situation.map.cells, CellsOf(situation.neighbours), graph_options);
   const auto start = graph.VertexAt(situation.state.cell);
   if (!start) {
-    LOG_WARNING("no decision: the robot's cell cannot be free on its map", "robot",
-                situation.state.robot, "cell", situation.state.cell);
-    return {};
+    return NoDecision(situation, "the robot's cell cannot be free on its map");
   }
   const SearchProblem problem{
       .graph = graph,
@@ -73,10 +71,17 @@ Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop)
       .sent_views = ToSearch(sent_views_.Withheld())};
   const auto result = search_.Decide(problem, random_, {.stop = &stop, .clock = &clock_});
   if (!result) {
-    LOG_WARNING("no decision", "robot", situation.state.robot, "reason", result.error().text);
-    return {};
+    return NoDecision(situation, result.error().text);
   }
   return FromResult(*result, situation);
+}
+
+Decision IgMctsMethod::NoDecision(const Situation& situation, std::string_view reason) {
+  if (const auto held_back = no_decision_.Allow()) {
+    LOG_WARNING("no decision", "robot", situation.state.robot, "cell", situation.state.cell,
+                "reason", reason, "held_back", *held_back);
+  }
+  return {};
 }
 
 Decision IgMctsMethod::FromResult(const SearchResult& result, const Situation& situation) {

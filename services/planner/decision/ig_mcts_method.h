@@ -2,8 +2,10 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "common/runtime/clock.h"
+#include "common/runtime/log_limit.h"
 #include "common/runtime/random.h"
 #include "planner/decision/method.h"
 #include "planner/decision/search_config.h"
@@ -36,6 +38,7 @@ class IgMctsMethod final : public Method {
   void NoteSentView(const Situation& situation);
   /// Whether to wait a moment for the robot that stands in the way and has to make room.
   bool WaitsForRoom(const Situation& situation);
+  Decision NoDecision(const Situation& situation, std::string_view reason);
   Decision FromResult(const SearchResult& result, const Situation& situation);
 
   SearchConfig config_;
@@ -45,6 +48,7 @@ class IgMctsMethod final : public Method {
   const Clock& clock_;  // of the search's wall time budget and of waiting
   SentViews sent_views_;
   std::optional<ChosenView> chosen_view_;
+  LogLimit no_decision_;
   std::optional<Clock::TimePoint> waiting_since_;  // for another robot to make room
 };
 

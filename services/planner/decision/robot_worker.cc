@@ -48,7 +48,7 @@ Clock::TimePoint RobotWorker::Step(const StopToken& stop) {
   if (hold != Hold::kNothing) return WaitFor(hold, inputs, now);
   AdoptGoalPose(inputs);
   const std::uint64_t revision = inputs.guidance ? inputs.guidance->revision : 0;
-  const bool waits = waiting_for_guidance_ && revision <= waiting_beyond_revision_;
+  const bool waits = waiting_for_guidance_ && revision == waiting_for_other_than_;
 
   const Situation situation = SituationFrom(inputs);
   // A robot that asked for a new path will hardly go on along the old one.
@@ -75,6 +75,8 @@ bool RobotWorker::GiveWay(const Situation& situation, const std::vector<Cell>& o
 
 Clock::TimePoint RobotWorker::WaitFor(Hold hold, const RobotInputs& inputs, Clock::TimePoint now) {
   if (hold == Hold::kCommand) RepeatCommand(inputs, now);
+  // A robot that stands for longer claims no way. (The other holds last for a moment.)
+  if (hold != Hold::kCommand && hold != Hold::kMap) board_.PutWay(options_.robot, {});
   const bool operator_is_asked = hold == Hold::kFirstGuidance || hold == Hold::kAnswer;
   if (operator_is_asked && GiveWay(SituationFrom(inputs), {})) return now;
   return now + std::min<std::chrono::nanoseconds>(kIdle, options_.command_repeat);
@@ -84,6 +86,9 @@ void RobotWorker::TellHold(Hold hold, const RobotInputs& inputs) const {
   if (hold == Hold::kLeaseLost) {
     LOG_WARNING("another planner took the robot over", "robot", options_.robot, "its_epoch",
                 inputs.state->lease_epoch, "our_epoch", desk_.lease_epoch());
+  }
+  if (hold == Hold::kCamera) {
+    LOG_INFO("waiting for the camera info", "robot", options_.robot);
   }
   if (hold == Hold::kInconsistent) {
     LOG_ERROR("inputs do not belong together, the robot is not driven", "robot", options_.robot,
@@ -182,7 +187,7 @@ void RobotWorker::Ask(const Decision& decision, const Situation& situation) {
   outputs_.attention(request);
   if (decision.action) return;
   waiting_for_guidance_ = true;
-  waiting_beyond_revision_ = newest_revision_;
+  waiting_for_other_than_ = newest_revision_;
 }
 
 }  // namespace conav::planner

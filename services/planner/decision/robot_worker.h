@@ -79,8 +79,8 @@ class RobotWorker {
   std::uint64_t told_sequence_number_ = 0;  // of the command whose outcome was looked at
   std::uint64_t decisions_ = 0;
   std::uint64_t attentions_ = 0;
-  std::uint64_t newest_revision_ = 0;          // of the guidance heard, valid or not
-  std::uint64_t waiting_beyond_revision_ = 0;  // asked for guidance newer than this
+  std::uint64_t newest_revision_ = 0;         // of the guidance heard, valid or not
+  std::uint64_t waiting_for_other_than_ = 0;  // revision of the guidance when it asked for another
   bool waiting_for_guidance_ = false;
   bool guided_before_ = false;
 };

@@ -1,6 +1,5 @@
 #include <catch2/catch.hpp>
 #include <csignal>
-#include <thread>
 
 #include "common/bus/subscriber.h"
 #include "support/dds_participant.h"
@@ -33,9 +32,6 @@ TEST_CASE("a service writes its log on /rosout, also for who comes late and unti
   const auto participant = test::OverDds(listener)("listener");
   bus::Subscriber<rcl_interfaces::msg::Log> subscriber(*participant, bus::kRosout);
   WaitForLine(*participant, subscriber, "running");
-  // What a process says at its very end is only heard over a link that has settled: Fast DDS sends
-  // the first heartbeat, without which Cyclone DDS passes nothing on, up to 0.1 s late.
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
   CHECK(service.End(SIGTERM) == 0);
   WaitForLine(*participant, subscriber, "stopped");
 }

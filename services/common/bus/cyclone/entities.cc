@@ -98,6 +98,10 @@ Result<void> CycloneWriter::Write(const void* message) {
               fmt::format("{} did not take a message: {}", options_.topic, dds_strretcode(-code)));
 }
 
+bool CycloneWriter::WaitForAcknowledgments(std::chrono::nanoseconds timeout) {
+  return dds_wait_for_acks(writer_.handle(), timeout.count()) == DDS_RETCODE_OK;
+}
+
 int CycloneWriter::matched() const {
   dds_publication_matched_status_t status{};
   dds_get_publication_matched_status(writer_.handle(), &status);

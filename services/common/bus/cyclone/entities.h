@@ -42,6 +42,7 @@ class CycloneWriter final : public Writer {
   ~CycloneWriter() override;
 
   Result<void> Write(const void* message) override;
+  bool WaitForAcknowledgments(std::chrono::nanoseconds timeout) override;
   int matched() const override;
 
  private:

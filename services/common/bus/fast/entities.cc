@@ -69,6 +69,12 @@ Result<void> FastWriter::Write(const void* message) {
               fmt::format("{} did not take a message: {}", options_.topic, Describe(code)));
 }
 
+bool FastWriter::WaitForAcknowledgments(std::chrono::nanoseconds timeout) {
+  const std::chrono::duration<long double> seconds = timeout;
+  return writer_->wait_for_acknowledgments(eprosima::fastrtps::Duration_t(seconds.count())) ==
+         ReturnCode_t::RETCODE_OK;
+}
+
 int FastWriter::matched() const {
   dds::PublicationMatchedStatus status;
   writer_->get_publication_matched_status(status);

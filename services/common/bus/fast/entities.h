@@ -28,6 +28,7 @@ class FastWriter final : public Writer, private eprosima::fastdds::dds::DataWrit
   ~FastWriter() override;
 
   Result<void> Write(const void* message) override;
+  bool WaitForAcknowledgments(std::chrono::nanoseconds timeout) override;
   int matched() const override;
 
  private:

@@ -83,11 +83,18 @@ TEST_CASE("a process that logs faster than the bus takes says how many lines it 
         const std::lock_guard lock(held);
         lines.push_back(line.msg());
       }};
+  const Rosout rosout(process);
   {
-    const Rosout rosout(process);
     const std::lock_guard lock(held);
     for (std::size_t i = 0; i < Rosout::kQueueLimit + 100; ++i) LOG_INFO("line", "number", i);
   }
+  const auto all_came = [&] {
+    const std::lock_guard lock(held);
+    return !lines.empty() && lines.back() == "line number=1099";
+  };
+  const auto deadline = std::chrono::steady_clock::now() + 60s;
+  while (!all_came() && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
+  const std::lock_guard lock(held);
   // At most one line was on its way when the queue began to fill.
   CHECK(lines.size() >= Rosout::kQueueLimit);
   CHECK(lines.size() <= Rosout::kQueueLimit + 1);

@@ -61,6 +61,17 @@ TEST_CASE("guidance made of a goal pose does not replace what came in the meanti
   }
 }
 
+TEST_CASE("guidance goes with the belief of an operator service that began anew",
+          "[planner][blackboard]") {
+  Blackboard board(kOneRobot);
+  board.Put(Belief{.world = "w1", .revision = 3});
+  board.Put(Guidance{.robot = "r1", .revision = 4, .belief_revision = 3});
+  board.Put(Belief{.world = "w1", .revision = 3});
+  CHECK(board.Read("r1").guidance.has_value());
+  board.Put(Belief{.world = "w1", .revision = 0});
+  CHECK_FALSE(board.Read("r1").guidance.has_value());
+}
+
 TEST_CASE("a change wakes who waits for it; a way that stays the same is none",
           "[planner][blackboard]") {
   Blackboard board(kOneRobot);

@@ -48,6 +48,19 @@ TEST_CASE("each missing input holds the decision and is named", "[planner][gate]
   CHECK(CheckFresh(inputs) == Hold::kFirstGuidance);
 }
 
+TEST_CASE("a step aside does not start the waiting for an answer anew", "[planner][gate]") {
+  DecisionGate gate({10s, 10s, true});
+  RobotInputs inputs = CompleteInputs();
+  inputs.state->snapshots = 1;
+  Clock::TimePoint now{};
+  CHECK(gate.Check(inputs, 0, 0, now) == Hold::kAnswer);
+  inputs.state->command_outcome = CommandOutcome::kRunning;
+  CHECK(gate.Check(inputs, 0, 0, now + 6s) == Hold::kCommand);
+  inputs.state->command_outcome = CommandOutcome::kDone;
+  CHECK(gate.Check(inputs, 0, 0, now + 9s) == Hold::kAnswer);
+  CHECK(gate.Check(inputs, 0, 0, now + 10s) == Hold::kNothing);
+}
+
 TEST_CASE("inputs of different worlds hold the decision", "[planner][gate]") {
   RobotInputs inputs = CompleteInputs();
   inputs.state->cell = {7, 7};

@@ -51,7 +51,8 @@ TEST_CASE("the same path given again is followed from its beginning", "[planner]
   // Made room for another robot.
   situation.state.cell = {1, 1};
   CHECK(follower.Next(situation).attention == AttentionReason::kNoGuidance);
-  situation.guidance->revision = 2;
+  SECTION("by the operator") { situation.guidance->revision = 2; }
+  SECTION("by a goal pose") { situation.guidance->stamp = {5}; }
   REQUIRE(follower.Next(situation).action);
   CHECK(follower.Next(situation).action->target == Cell{1, 2});
 }

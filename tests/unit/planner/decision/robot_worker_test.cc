@@ -13,12 +13,14 @@ class ScriptedMethod final : public Method {
  public:
   Decision Decide(const Situation& situation, const StopToken&) override {
     seen.push_back(situation);
+    if (while_deciding) while_deciding();
     return next;
   }
   std::vector<Cell> WayFor(const Situation&) override { return {{1, 2}}; }
   bool pictures_are_answered() const override { return true; }
 
   Decision next;
+  std::function<void()> while_deciding;
   std::vector<Situation> seen;
 };
 
@@ -168,6 +170,30 @@ TEST_CASE("a robot that waits for guidance claims no way", "[planner][worker]") 
   CHECK(bench.board.NeighboursOf("r0").at(0).way.empty());
 }
 
+TEST_CASE("a robot whose picture is looked at claims no way", "[planner][worker]") {
+  Bench bench;
+  bench.PutAll();
+  bench.board.Put(RobotState{.world = "w1", .robot = "r0", .cell = {4, 4}});
+  bench.board.PutWay("r1", {{1, 2}});
+  bench.state.snapshots = 1;
+  bench.board.Put(bench.state);
+  bench.Step();
+  CHECK(bench.board.NeighboursOf("r0").at(0).way.empty());
+}
+
+TEST_CASE("guidance of an operator who began anew ends the waiting, too", "[planner][worker]") {
+  Bench bench;
+  bench.method->next = Decision{};
+  bench.method->next.attention = AttentionReason::kBlocked;
+  bench.guidance.revision = 7;
+  bench.PutAll();
+  bench.Step();
+  bench.guidance.revision = 1;
+  bench.board.Put(bench.guidance);
+  bench.Step();
+  CHECK(bench.method->seen.size() == 2);
+}
+
 TEST_CASE("a robot whose inputs do not belong together is not driven", "[planner][worker]") {
   Bench bench;
   bench.PutAll();
@@ -183,8 +209,9 @@ TEST_CASE("a robot whose inputs do not belong together is not driven", "[planner
 TEST_CASE("a stop during a decision sends nothing", "[planner][worker]") {
   Bench bench;
   bench.PutAll();
-  bench.stop.RequestStop();
+  bench.method->while_deciding = [&] { bench.stop.RequestStop(); };
   bench.Step();
+  CHECK(bench.method->seen.size() == 1);
   CHECK(bench.commands.empty());
 }
 
