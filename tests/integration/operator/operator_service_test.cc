@@ -156,6 +156,32 @@ TEST_CASE("A database of another world is refused by name and nothing of it is p
   CHECK(late.Take().empty());
 }
 
+TEST_CASE("A refused database stays as it is", "[operator][integration]") {
+  const TemporaryFolder folder;
+  {
+    Bench bench(folder / "operator.db");
+    bench.sim.PublishInitialMap(kMap);
+    bench.sim.PublishState({1, 1}, 5, 3);
+    bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {{1, 1}}, 3, 1.0}, {}));
+  }
+  {
+    Bench other(folder / "operator.db");
+    std::vector<std::string> maze = kMap;
+    maze[1][1] = '#';
+    other.sim.PublishInitialMap(maze);
+    other.sim.PublishState({1, 2}, 5, 0);  // fewer pictures than the guidance answers
+    other.service.Step();
+  }
+  Bench again(folder / "operator.db");
+  again.sim.PublishInitialMap(kMap);
+  again.sim.PublishState({1, 1}, 5, 3);
+  again.service.Step();
+  const auto guidance = again.sim.guidance.Take();
+  REQUIRE(guidance.size() == 1);
+  CHECK(guidance[0].revision() == 1);
+  CHECK(guidance[0].path().size() == 1);
+}
+
 TEST_CASE("Stored guidance is withdrawn from a robot that counts its pictures anew",
           "[operator][integration]") {
   const TemporaryFolder folder;
