@@ -4,7 +4,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
+#include <cstdio>
+#include <cstring>
 #include <utility>
 
 #include "common/runtime/json.h"
@@ -170,6 +173,7 @@ void Demo::Finish() {
   const std::string title =
       fmt::format("seed {}, {}, {}", options_.seed, options_.method, OutcomeLine(outcome_));
   run_.Write(run_.path() / "episode.svg", EpisodeSvg(episode_, title));
+  fmt::print("\n{}picture {}\n", ResultTable(metrics), (run_.path() / "episode.svg").string());
   std::vector<std::filesystem::path> files{run_.path() / "metrics.json"};
   if (!options_.json.empty()) files.push_back(options_.json);
   for (const auto& file : files) {
@@ -177,7 +181,9 @@ void Demo::Finish() {
       throw StartupError(written.error().text);
     }
   }
-  fmt::print("\n{}picture {}\n", ResultTable(metrics), (run_.path() / "episode.svg").string());
+  if (std::fflush(stdout) != 0) {
+    throw StartupError(fmt::format("standard output: {}", std::strerror(errno)));
+  }
 }
 
 }  // namespace conav::launcher

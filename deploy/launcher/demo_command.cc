@@ -45,7 +45,7 @@ void AddWorldOptions(CLI::App& app, DemoOptions& options) {
       ->capture_default_str();
   app.add_option("--map", options.map, "ROS map_server YAML of the true plan, instead of a maze");
   app.add_option("--operator-map", options.operator_map, "The operator's outdated plan");
-  app.add_option("--cell-size", options.cell_size_m, "Metres per cell of --map");
+  app.add_option("--cell-size", options.cell_size_m, "Metres per cell of --map, 1 to 100 [2]");
   app.add_flag("--shared-goals", options.shared_goals,
                "One list of goals for all robots of a world");
   app.add_option("--camera", options.camera, "egl renders pictures; none sends them without pixels")

@@ -69,6 +69,10 @@ Result<void> ValidateFiles(const DemoOptions& options) {
       return Fail(ErrorCode::kIo,
                   fmt::format("--json {}: no folder {}", options.json.string(), folder.string()));
     }
+    if (fs::is_directory(options.json)) {
+      return Fail(ErrorCode::kInvalidArgument,
+                  fmt::format("--json {}: is a folder", options.json.string()));
+    }
     if (auto ok = RequireWritable("--json", folder); !ok) return ok;
   }
   return RequireWritable("--out", options.out);

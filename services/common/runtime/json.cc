@@ -11,17 +11,24 @@ namespace conav {
 
 Result<void> WriteJsonFile(const std::filesystem::path& path,
                            const nlohmann::ordered_json& document) {
-  std::filesystem::path temporary = path;
-  temporary += ".partial";
-  std::ofstream file(temporary);
+  // Whole or not at all; a device or a pipe is written to, not replaced.
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  const bool replaces =
+      !std::filesystem::exists(status) || std::filesystem::is_regular_file(status);
+  std::filesystem::path target = path;
+  if (replaces) target += ".partial";
+  errno = 0;
+  std::ofstream file(target);
   file << document.dump(2) << '\n';
   file.close();
   if (!file) {
-    return Fail(ErrorCode::kIo,
-                fmt::format("{}: cannot write: {}", path.string(), std::strerror(errno)));
+    const std::string reason = std::strerror(errno);
+    if (replaces) std::filesystem::remove(target, error);
+    return Fail(ErrorCode::kIo, fmt::format("{}: cannot write: {}", path.string(), reason));
   }
-  std::error_code error;
-  std::filesystem::rename(temporary, path, error);
+  error.clear();
+  if (replaces) std::filesystem::rename(target, path, error);
   if (error) return Fail(ErrorCode::kIo, fmt::format("{}: {}", path.string(), error.message()));
   return {};
 }

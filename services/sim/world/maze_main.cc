@@ -2,6 +2,9 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "common/runtime/json.h"
@@ -131,10 +134,17 @@ int Refuse(const std::string& text) {
   return 2;
 }
 
+/// Exit code of what went to standard output.
+int Flushed() {
+  if (std::fflush(stdout) == 0) return 0;
+  fmt::print(stderr, "conav-maze: standard output: {}\n", std::strerror(errno));
+  return 1;
+}
+
 int Write(const nlohmann::ordered_json& document, const std::string& file) {
   if (file == "-") {
     fmt::print("{}\n", document.dump(2));
-    return 0;
+    return Flushed();
   }
   const auto written = conav::WriteJsonFile(file, document);
   if (!written) fmt::print(stderr, "conav-maze: {}\n", written.error().text);
@@ -164,7 +174,7 @@ int main(int argc, char** argv) {
   const Maze maze = conav::sim::GenerateMaze(arguments.maze, arguments.seed, arguments.generation);
   if (app.count("--json") == 0) {
     PrintText(maze);
-    return 0;
+    return Flushed();
   }
   const std::string json = arguments.json.empty() ? "-" : arguments.json;
   return Write(ToJson(arguments, *preset, maze), json);

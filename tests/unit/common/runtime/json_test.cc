@@ -56,4 +56,11 @@ TEST_CASE("a file that cannot be written is named", "[runtime][json]") {
   CHECK_THAT(result.error().text, Catch::StartsWith("/nonexistent/folder/a.json: cannot write"));
 }
 
+TEST_CASE("a full disk is told, and a device stays what it is", "[runtime][json]") {
+  const auto result = WriteJsonFile("/dev/full", {{"a", 1}});
+  REQUIRE_FALSE(result);
+  CHECK_THAT(result.error().text, Catch::Contains("No space left"));
+  CHECK(fs::is_character_file("/dev/full"));
+}
+
 }  // namespace conav
