@@ -23,8 +23,7 @@ std::shared_ptr<PerceptionModel> MakePerception(bus::Participant& participant,
   auto embedded = std::make_shared<EmbeddedPerceptionModel>();
   if (config.perception == "embedded") return embedded;
   RemotePerceptionModel::Options options;
-  options.timeout = std::chrono::duration_cast<std::chrono::nanoseconds>(
-      std::chrono::duration<double>(config.perception_timeout_s));
+  options.timeout = Seconds(config.perception_timeout_s);
   return std::make_shared<FallbackPerceptionModel>(
       std::make_shared<RemotePerceptionModel>(participant, options), std::move(embedded),
       FallbackPerceptionModel::Options{}, clock, ReportSwitch);

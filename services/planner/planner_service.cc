@@ -16,11 +16,6 @@ namespace {
 
 constexpr std::chrono::milliseconds kReceivePause{100};
 
-std::chrono::nanoseconds Seconds(double seconds) {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-      std::chrono::duration<double>(seconds));
-}
-
 template <class Message>
 auto Convert(const Message& message) {
   return ToDomain(message);

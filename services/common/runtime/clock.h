@@ -18,6 +18,12 @@ inline SimTime operator+(SimTime time, std::chrono::nanoseconds duration) {
   return {time.nanoseconds + duration.count()};
 }
 
+/// Wall time from a setting in seconds.
+inline std::chrono::nanoseconds Seconds(double seconds) {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+      std::chrono::duration<double>(seconds));
+}
+
 /// Monotonic wall time for deadlines and durations. Injected, so that a test can hold it in its
 /// hand.
 class Clock {

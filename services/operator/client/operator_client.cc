@@ -9,14 +9,6 @@
 #include "common/protocol/convert.h"
 
 namespace conav::operators {
-namespace {
-
-std::chrono::nanoseconds Seconds(double seconds) {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-      std::chrono::duration<double>(seconds));
-}
-
-}  // namespace
 
 std::string UniqueClientName(const std::string& prefix) {
   const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();

@@ -40,7 +40,7 @@ bool PathFollower::Locate(const Situation& situation) {
 }
 
 std::vector<Cell> PathFollower::Rest(const Situation& situation) {
-  if (!Locate(situation)) return {};
+  if (situation.state.goals_left.empty() || !Locate(situation)) return {};
   return {path_.begin() + static_cast<std::ptrdiff_t>(position_) + 1, path_.end()};
 }
 

@@ -24,7 +24,8 @@ class PathFollower {
   /// robot is beside it. Waits, without asking, while another robot stands on that cell; after half
   /// a second of that it steps out of the path at random.
   Decision Next(const Situation& situation);
-  /// What is left of the path after the robot's cell; empty when it has none or is beside it.
+  /// What is left of the path after the robot's cell; empty when it has no path, is beside it, or
+  /// has no goals left.
   std::vector<Cell> Rest(const Situation& situation);
 
  private:

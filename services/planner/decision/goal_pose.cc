@@ -1,7 +1,8 @@
 #include "planner/decision/goal_pose.h"
 
 #include <algorithm>
-#include <deque>
+
+#include "planner/decision/way_to_nearest.h"
 
 namespace conav::planner {
 namespace {
@@ -13,26 +14,13 @@ bool Passable(const MapUpdate& map, const Belief& belief, Cell cell) {
   return map.cells[cell] == Occupancy::kFree;
 }
 
-/// Breadth-first; empty when there is no path.
+/// With `from` as its first cell; empty when there is no path.
 std::vector<Cell> ShortestPath(const MapUpdate& map, const Belief& belief, Cell from, Cell to) {
-  Grid<Cell> parent(map.cells.rows(), map.cells.columns(), Cell{-1, -1});
-  parent[from] = from;
-  std::deque<Cell> open{from};
-  while (!open.empty() && parent[to].row < 0) {
-    const Cell cell = open.front();
-    open.pop_front();
-    for (const Cell offset : kNeighbourOffsets) {
-      const Cell next = cell + offset;
-      if (!parent.Contains(next) || parent[next].row >= 0 || !Passable(map, belief, next)) continue;
-      parent[next] = cell;
-      open.push_back(next);
-    }
-  }
-  std::vector<Cell> path;
-  if (parent[to].row < 0) return path;
-  for (Cell cell = to; cell != from; cell = parent[cell]) path.push_back(cell);
-  path.push_back(from);
-  std::reverse(path.begin(), path.end());
+  if (from == to) return {from};
+  std::vector<Cell> path = WayToNearest(
+      map.cells, from, [&](Cell cell) { return Passable(map, belief, cell); },
+      [&](Cell cell) { return cell == to; });
+  if (!path.empty()) path.insert(path.begin(), from);
   return path;
 }
 

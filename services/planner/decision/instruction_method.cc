@@ -8,7 +8,6 @@ Decision InstructionMethod::Decide(const Situation& situation, const StopToken&)
 }
 
 std::vector<Cell> InstructionMethod::WayFor(const Situation& situation) {
-  if (situation.state.goals_left.empty()) return {};
   return follower_.Rest(situation);
 }
 

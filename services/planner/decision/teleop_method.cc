@@ -19,7 +19,6 @@ Decision TeleopMethod::Decide(const Situation& situation, const StopToken&) {
 }
 
 std::vector<Cell> TeleopMethod::WayFor(const Situation& situation) {
-  if (situation.state.goals_left.empty()) return {};
   return follower_.Rest(situation);
 }
 

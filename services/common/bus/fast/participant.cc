@@ -2,6 +2,7 @@
 
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
+#include <fastrtps/xmlparser/XMLProfileManager.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -39,6 +40,17 @@ class LogToOurs final : public dds::LogConsumer {
   LogLimit errors_;
   LogLimit warnings_;
 };
+
+/// Settings of the whole process. Participants of one process talk over the network as any others
+/// do: handed over directly, a message can reach a reader of a participant that was just destroyed
+/// (Fast DDS pull request 5034; fixed after the versions of Debian 12).
+void ConfigureLibrary() {
+  dds::Log::ClearConsumers();
+  dds::Log::RegisterConsumer(std::make_unique<LogToOurs>());
+  eprosima::fastrtps::LibrarySettingsAttributes settings;
+  settings.intraprocess_delivery = eprosima::fastrtps::INTRAPROCESS_OFF;
+  eprosima::fastrtps::xmlparser::XMLProfileManager::library_settings(settings);
+}
 
 rtps::Locator_t UdpLocator(const std::string& address) {
   rtps::Locator_t locator;
@@ -85,8 +97,8 @@ Guid ToGuid(const rtps::GUID_t& guid) {
 }
 
 FastParticipant::FastParticipant(int domain_id, const dds::DomainParticipantQos& qos) {
-  dds::Log::ClearConsumers();
-  dds::Log::RegisterConsumer(std::make_unique<LogToOurs>());
+  static std::once_flag configured;
+  std::call_once(configured, ConfigureLibrary);
   participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(
       static_cast<dds::DomainId_t>(domain_id), qos);
   if (participant_ == nullptr) {

@@ -20,6 +20,13 @@ Situation OpenSituation() {
   return situation;
 }
 
+/// The same, with another robot on the next cell.
+Situation TakenSituation() {
+  Situation situation = OpenSituation();
+  situation.neighbours = {{"r2", {1, 2}, true, {}}};
+  return situation;
+}
+
 }  // namespace
 
 TEST_CASE("the next cell of the path is taken", "[planner][instruction]") {
@@ -95,8 +102,7 @@ TEST_CASE("without a path, at its end or beside it the robot asks for one",
 }
 
 TEST_CASE("another robot on the next cell is waited for without asking", "[planner][instruction]") {
-  Situation situation = OpenSituation();
-  situation.neighbours = {{"r2", {1, 2}, true, {}}};
+  Situation situation = TakenSituation();
   const Decision decision = PathFollower(1, FakeClock{}).Next(situation);
   CHECK_FALSE(decision.action);
   CHECK_FALSE(decision.attention);
@@ -106,8 +112,7 @@ TEST_CASE("robots that wait for each other for half a second step out of the pat
           "[planner][instruction]") {
   FakeClock clock;
   PathFollower follower(1, clock);
-  Situation situation = OpenSituation();
-  situation.neighbours = {{"r2", {1, 2}, true, {}}};
+  Situation situation = TakenSituation();
   follower.Next(situation);
   clock.Advance(std::chrono::milliseconds(499));
   CHECK_FALSE(follower.Next(situation).action);
@@ -120,8 +125,7 @@ TEST_CASE("robots that wait for each other for half a second step out of the pat
 TEST_CASE("a moment of waiting that ended does not count later", "[planner][instruction]") {
   FakeClock clock;
   PathFollower follower(1, clock);
-  Situation situation = OpenSituation();
-  situation.neighbours = {{"r2", {1, 2}, true, {}}};
+  Situation situation = TakenSituation();
   follower.Next(situation);
   situation.neighbours.clear();
   CHECK(follower.Next(situation).action->target == Cell{1, 2});
@@ -141,8 +145,7 @@ TEST_CASE("a robot that was blocked while it waited waits anew afterwards",
           "[planner][instruction]") {
   FakeClock clock;
   PathFollower follower(1, clock);
-  Situation situation = OpenSituation();
-  situation.neighbours = {{"r2", {1, 2}, true, {}}};
+  Situation situation = TakenSituation();
   follower.Next(situation);
   Situation blocked = situation;
   blocked.map.cells[{1, 2}] = Occupancy::kOccupied;
@@ -154,8 +157,7 @@ TEST_CASE("a robot that was blocked while it waited waits anew afterwards",
 TEST_CASE("a new path ends the waiting on the old one", "[planner][instruction]") {
   FakeClock clock;
   PathFollower follower(1, clock);
-  Situation situation = OpenSituation();
-  situation.neighbours = {{"r2", {1, 2}, true, {}}};
+  Situation situation = TakenSituation();
   follower.Next(situation);
   clock.Advance(std::chrono::seconds(1));
   situation.guidance->path = {{1, 1}, {1, 2}};

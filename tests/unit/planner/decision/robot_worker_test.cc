@@ -42,6 +42,18 @@ struct Bench {
 
   void Step() { worker->Step(stop); }
 
+  /// The next decision is to ask for guidance.
+  void LetItAsk() {
+    method->next = Decision{};
+    method->next.attention = AttentionReason::kBlocked;
+  }
+
+  /// r0, which goes before r1, wants through r1's cell.
+  void PutRobotThatGoesBefore() {
+    board.Put(RobotState{.world = "w1", .robot = "r0", .cell = {1, 0}, .goals_left = {{4, 4}}});
+    board.PutWay("r0", {{1, 1}, {1, 2}});
+  }
+
   void PutAll() {
     board.Put(state);
     board.PutLens("r1", CameraLens{});
@@ -115,8 +127,7 @@ TEST_CASE("expired and withdrawn guidance is not shown to the method", "[planner
 
 TEST_CASE("a robot that asked for guidance waits for a newer revision", "[planner][worker]") {
   Bench bench;
-  bench.method->next = Decision{};
-  bench.method->next.attention = AttentionReason::kBlocked;
+  bench.LetItAsk();
   bench.PutAll();
   bench.Step();
   bench.Step();
@@ -131,8 +142,7 @@ TEST_CASE("a robot that asked for guidance waits for a newer revision", "[planne
 
 TEST_CASE("a robot makes room also while it waits for guidance", "[planner][worker]") {
   Bench bench;
-  bench.method->next = Decision{};
-  bench.method->next.attention = AttentionReason::kBlocked;
+  bench.LetItAsk();
   bench.PutAll();
   bench.Step();
   REQUIRE(bench.commands.empty());
@@ -162,8 +172,7 @@ TEST_CASE("a robot that waits for guidance claims no way", "[planner][worker]") 
   Bench bench;
   bench.PutAll();
   bench.board.Put(RobotState{.world = "w1", .robot = "r0", .cell = {4, 4}});
-  bench.method->next = Decision{};
-  bench.method->next.attention = AttentionReason::kBlocked;
+  bench.LetItAsk();
   bench.Step();
   CHECK(bench.board.NeighboursOf("r0").at(0).way == std::vector<Cell>{{1, 2}});
   bench.Step();
@@ -183,8 +192,7 @@ TEST_CASE("a robot whose picture is looked at claims no way", "[planner][worker]
 
 TEST_CASE("guidance of an operator who began anew ends the waiting, too", "[planner][worker]") {
   Bench bench;
-  bench.method->next = Decision{};
-  bench.method->next.attention = AttentionReason::kBlocked;
+  bench.LetItAsk();
   bench.guidance.revision = 7;
   bench.PutAll();
   bench.Step();

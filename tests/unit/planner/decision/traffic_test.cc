@@ -4,26 +4,14 @@
 #include <map>
 
 #include "common/runtime/random.h"
+#include "unit/planner/search/text_map.h"
 
 using namespace conav;
 using namespace conav::planner;
 
 namespace {
 
-OccupancyGrid MapFrom(const std::vector<std::string>& lines) {
-  OccupancyGrid map(static_cast<int>(lines.size()), static_cast<int>(lines[0].size()),
-                    Occupancy::kFree);
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    const Cell cell = map.CellAt(i);
-    const char letter =
-        lines[static_cast<std::size_t>(cell.row)][static_cast<std::size_t>(cell.column)];
-    if (letter == '*') map[cell] = Occupancy::kOccupied;
-    if (letter == '?') map[cell] = Occupancy::kUnknown;
-  }
-  return map;
-}
-
-Situation RobotAt(const std::string& robot, Cell cell, const std::vector<std::string>& lines) {
+Situation RobotAt(const std::string& robot, Cell cell, const std::vector<std::string_view>& lines) {
   Situation situation;
   situation.state.robot = robot;
   situation.state.cell = cell;
@@ -32,12 +20,12 @@ Situation RobotAt(const std::string& robot, Cell cell, const std::vector<std::st
 }
 
 /// A corridor with one bay.
-const std::vector<std::string> kBay{"*******", "*     *", "*** ***", "*******"};
+const std::vector<std::string_view> kBay{"#######", "#     #", "### ###", "#######"};
 
 /// Drives robots by nothing but their desired way and the traffic rules, one move of one robot at a
 /// time.
 struct Fleet {
-  std::vector<std::string> lines;
+  std::vector<std::string_view> lines;
   std::map<std::string, Situation> robots;
   Random random{7};
 
@@ -101,7 +89,7 @@ struct Fleet {
 }  // namespace
 
 TEST_CASE("the desired way is the shortest one over what may be free", "[planner][traffic]") {
-  Situation situation = RobotAt("r1", {1, 1}, {"*****", "* ? *", "* * *", "*   *", "*****"});
+  Situation situation = RobotAt("r1", {1, 1}, {"#####", "# ? #", "# # #", "#   #", "#####"});
   situation.state.goals_left = {{1, 3}};
   CHECK(DesiredWay(situation) == std::vector<Cell>{{1, 2}, {1, 3}});
   situation.map.cells[{1, 2}] = Occupancy::kOccupied;
@@ -180,7 +168,7 @@ TEST_CASE("head-on meetings, dead ends and parked robots end with all goals reac
     fleet.robots["r2"].state.goals_left = {{1, 5}};
   }
   SECTION("four robots exchange their places around a ring") {
-    fleet.lines = {"*******", "*     *", "* *** *", "*     *", "*** ***", "*******"};
+    fleet.lines = {"#######", "#     #", "# ### #", "#     #", "### ###", "#######"};
     const std::vector<std::pair<Cell, Cell>> trips{
         {{1, 1}, {3, 5}}, {{1, 5}, {3, 1}}, {{3, 1}, {1, 5}}, {{3, 5}, {1, 1}}};
     for (std::size_t i = 0; i < trips.size(); ++i) {
@@ -190,7 +178,7 @@ TEST_CASE("head-on meetings, dead ends and parked robots end with all goals reac
     }
   }
   SECTION("a robot comes out of a dead end that another wants to enter") {
-    fleet.lines = {"********", "*      *", "**** ***", "********"};
+    fleet.lines = {"########", "#      #", "#### ###", "########"};
     fleet.robots["r1"] = RobotAt("r1", {1, 5}, fleet.lines);
     fleet.robots["r1"].state.goals_left = {{1, 1}};
     fleet.robots["r2"] = RobotAt("r2", {1, 1}, fleet.lines);

@@ -5,6 +5,7 @@
 #include "planner/decision/make_method.h"
 #include "planner/decision/robot_worker.h"
 #include "planner/search/fake_perception_model.h"
+#include "unit/planner/search/text_map.h"
 
 using namespace conav;
 using namespace conav::planner;
@@ -13,7 +14,7 @@ using namespace std::chrono_literals;
 namespace {
 
 /// A corridor with one bay, known to all: two robots that want to the other's end.
-const std::vector<std::string> kCorridor{"#######", "#     #", "### ###", "#######"};
+const std::vector<std::string_view> kCorridor{"#######", "#     #", "### ###", "#######"};
 
 /// Two workers, with robots that do at once what they are told and an operator who answers at once
 /// with the shortest way, blind to other robots.
@@ -43,25 +44,12 @@ class Corridor {
     std::optional<RobotWorker> worker;
   };
 
-  static OccupancyGrid Map() {
-    OccupancyGrid map(4, 7, Occupancy::kFree);
-    for (std::size_t i = 0; i < map.size(); ++i) {
-      const Cell cell = map.CellAt(i);
-      const auto& row = kCorridor[static_cast<std::size_t>(cell.row)];
-      if (row[static_cast<std::size_t>(cell.column)] == '#') map[cell] = Occupancy::kOccupied;
-    }
-    return map;
-  }
+  static MapUpdate Map() { return {{}, 2.0, MapFrom(kCorridor)}; }
 
   static Belief TheBelief() {
     Belief belief;
     belief.world = "w1";
-    const OccupancyGrid map = Map();
-    belief.wall_probability = BeliefGrid(map.rows(), map.columns());
-    for (std::size_t i = 0; i < map.size(); ++i) {
-      const Cell cell = map.CellAt(i);
-      belief.wall_probability[cell] = map[cell] == Occupancy::kOccupied ? 1.0F : 0.0F;
-    }
+    belief.wall_probability = BeliefFrom(kCorridor);
     return belief;
   }
 
@@ -88,7 +76,7 @@ class Corridor {
             .robot = name, .method_name = method, .gate = gate, .command_ttl = 10s},
         std::move(made), board_, clock_, std::move(outputs));
     board_.Put(robot.state);
-    board_.PutMap(name, MapUpdate{{}, 2.0, Map()});
+    board_.PutMap(name, Map());
     board_.PutLens(name, CameraLens{});
     board_.Put(TheBelief());
     Guide(robot);
@@ -120,7 +108,7 @@ class Corridor {
   }
 
   void Guide(Robot& robot) {
-    const MapUpdate map{{}, 2.0, Map()};
+    const MapUpdate map = Map();
     const GridGeometry geometry{map.cells.rows(), map.cells.columns(), map.cell_size_m};
     auto guidance = GuidanceTowards(geometry.CellToPosition(robot.goal), robot.state, map,
                                     TheBelief(), std::nullopt);
