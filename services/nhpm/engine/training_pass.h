@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "nhpm/engine/network_weights.h"
+
+namespace conav::nhpm {
+
+/// Weights in the order that the kernels read, for forward and backward passes.
+class TrainingWeights {
+ public:
+  explicit TrainingWeights(const NetworkWeights& weights);
+  ~TrainingWeights();
+  /// Packs new values of the same shape.
+  void Assign(const NetworkWeights& weights);
+
+ private:
+  friend class TrainingPass;
+  struct Packed;
+  std::unique_ptr<Packed> packed_;
+};
+
+/// One sample forward and backward through the network, with the kernels of the inference engine:
+/// the logits have the bits of inference, and all results are equal whatever the instruction set.
+/// Threads: one pass per thread; the weights may be shared while nobody assigns to them.
+class TrainingPass {
+ public:
+  TrainingPass(NetworkShape shape, int rows, int columns);
+  ~TrainingPass();
+
+  /// `input` has shape [rows][columns][kInputChannels]. Returns logits, shape
+  /// [rows][columns][kOutputChannels], valid until the next call.
+  std::span<const float> Forward(const TrainingWeights& weights, std::span<const float> input);
+
+  /// After Forward: adds d loss / d parameter to `gradient`, for d loss / d logit given in
+  /// `logit_gradient` (shape as the logits).
+  void Backward(const TrainingWeights& weights, std::span<const float> logit_gradient,
+                NetworkWeights& gradient);
+
+ private:
+  struct Workspace;
+  std::unique_ptr<Workspace> workspace_;
+};
+
+}  // namespace conav::nhpm

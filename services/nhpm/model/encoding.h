@@ -1,0 +1,41 @@
+#pragma once
+
+#include <span>
+
+#include "common/protocol/planning.h"
+#include "nhpm/engine/network_weights.h"
+
+namespace conav::nhpm {
+
+/// Which inputs the network sees, for ablations; x alone is never left out of the output masks.
+struct InputSelection {
+  bool belief = true;  // channel 0
+  bool path = true;    // channel 1
+  bool view = true;    // channels 2 and 3
+  bool operator==(const InputSelection&) const = default;
+};
+
+/// Writes the network's input, shape [rows][columns][kInputChannels], values in [0, 1]:
+///
+///   0 x_wall    P(wall) of the belief
+///   1 tau_path  1 on each cell of the path, and on the camera's cell
+///   2 o_free    1 where the view shows a free cell
+///   3 o_wall    1 where the view shows a wall
+///
+/// `input` has rows * columns * kInputChannels values. The query passed CheckPerceptionQuery.
+/// Source: paper section 4 and figure 2; the order is fixed so that weights files are portable.
+void EncodeInput(const PerceptionQuery& query, const InputSelection& selection,
+                 std::span<float> input);
+
+/// Probabilities from the network's logits, shape [rows][columns][kOutputChannels] with add first,
+/// remove second:
+///
+///   add = sigmoid(logit) (1 - x)     remove = sigmoid(logit) x     both 0 on the border
+///
+/// The sigmoid is our own, of plain float operations: the same bits on every machine.
+PerceptionAnswer MaskedAnswer(const BeliefGrid& belief, std::span<const float> logits);
+
+/// 1 / (1 + exp(-logit)), within 2 units in the last place, monotone, in [0, 1].
+float Sigmoid(float logit);
+
+}  // namespace conav::nhpm
