@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+
+#include "common/runtime/result.h"
+#include "common/segments/segment.h"
+
+/// Files of segments: length-delimited records of idl/segments.proto, compressed with zstd.
+namespace conav {
+
+/// Writes one zstd frame beside `path` and renames it, so that a reader sees the old file or the
+/// new one; a device or a pipe is written to as it is.
+/// Errors: kMalformed (CheckSegments); kIo with path and cause (a full disk, no such folder); then
+/// `path` is as it was.
+[[nodiscard]] Result<void> WriteSegmentFile(const std::filesystem::path& path,
+                                            const SegmentSet& set);
+
+/// What becomes of a file that ends inside of a frame, as a recording does whose writer was killed.
+enum class TornEnd {
+  kRefuse,
+  kDrop,  // the complete frames before it count
+};
+
+/// Reads what WriteSegmentFile or SegmentLog wrote, several frames in a row as well. Memory is taken
+/// as records arrive, never for what a header promises.
+/// Errors, each with path, and trajectory and segment where there is one: kNotFound; kIo; kMalformed
+/// (empty, no zstd, truncated, damaged, no segment file, another schema version, CheckSegments).
+[[nodiscard]] Result<SegmentSet> ReadSegmentFile(const std::filesystem::path& path,
+                                                 TornEnd torn_end = TornEnd::kRefuse);
+
+}  // namespace conav

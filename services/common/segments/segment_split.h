@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+
+#include "common/segments/segment.h"
+
+namespace conav {
+
+struct SegmentSplit {
+  SegmentSet train;
+  SegmentSet validation;
+  SegmentSet test;
+};
+
+struct SplitShares {
+  double test = 0.05;        // of all trajectories
+  double validation = 0.10;  // of those that are not test
+};
+
+/// Splits by trajectory, never within one: paper Appendix A (95 % training, 5 % test), with a part of
+/// the training trajectories for validation.
+///
+/// Which trajectory goes where depends on `seed` and on the trajectories themselves, not on their
+/// order in `set`; within a part they keep that order. With three trajectories or more each part has
+/// at least one; with fewer, training goes first, then test. Shares are in [0, 1] (demanded).
+SegmentSplit SplitSegments(const SegmentSet& set, std::uint64_t seed,
+                           const SplitShares& shares = {});
+
+}  // namespace conav
