@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "launcher/svg_canvas.h"
+#include "common/svg/svg_canvas.h"
 
 namespace conav::launcher {
 namespace {

@@ -2,7 +2,6 @@
 
 #include <catch2/catch.hpp>
 
-#include "launcher/svg_canvas.h"
 #include "sample_episode.h"
 
 using namespace conav::launcher;
@@ -38,8 +37,4 @@ TEST_CASE("each mistake of the operator's map is marked by its kind", "[launcher
 
 TEST_CASE("a world that was never heard of leaves an empty picture", "[launcher][svg]") {
   CHECK_THAT(EpisodeSvg(MakeEpisode(1, 1), "nothing"), Catch::Contains("<title>nothing</title>"));
-}
-
-TEST_CASE("signs that mean something in XML are escaped", "[launcher][svg]") {
-  CHECK(EscapeXml("a<b & \"c\">") == "a&lt;b &amp; &quot;c&quot;&gt;");
 }

@@ -4,9 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/grid/cell.h"
-
-namespace conav::launcher {
+namespace conav {
 
 /// Pixels, x to the right, y down.
 struct PixelPosition {
@@ -23,9 +21,16 @@ class SvgCanvas {
   void Polygon(const std::vector<PixelPosition>& positions, std::string_view style);
   void Circle(PixelPosition middle, double radius, std::string_view style);
   void Text(PixelPosition position, std::string_view text, std::string_view style);
+  /// Everything up to EndGroup belongs together; `title` is shown where the mouse rests.
+  void BeginGroup(std::string_view title);
+  void EndGroup();
 
   /// The document; `title` is what a screen reader says.
   std::string Document(double width, double height, std::string_view title) const;
+
+  /// The same as an element of an HTML page, with no background: the page's style sheet gives the
+  /// colours of its classes.
+  std::string Inline(double width, double height, std::string_view title) const;
 
  private:
   std::string body_;
@@ -34,4 +39,4 @@ class SvgCanvas {
 /// `text` with <, >, & and quotes as entities.
 std::string EscapeXml(std::string_view text);
 
-}  // namespace conav::launcher
+}  // namespace conav

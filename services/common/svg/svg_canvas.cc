@@ -1,8 +1,8 @@
-#include "launcher/svg_canvas.h"
+#include "common/svg/svg_canvas.h"
 
 #include <fmt/format.h>
 
-namespace conav::launcher {
+namespace conav {
 namespace {
 
 std::string List(const std::vector<PixelPosition>& positions) {
@@ -67,6 +67,19 @@ void SvgCanvas::Text(PixelPosition position, std::string_view text, std::string_
                        style, EscapeXml(text));
 }
 
+void SvgCanvas::BeginGroup(std::string_view title) {
+  body_ += fmt::format("<g><title>{}</title>\n", EscapeXml(title));
+}
+
+void SvgCanvas::EndGroup() { body_ += "</g>\n"; }
+
+std::string SvgCanvas::Inline(double width, double height, std::string_view title) const {
+  return fmt::format(
+      "<svg viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" height=\"{1:.0f}\" role=\"img\" "
+      "aria-label=\"{2}\">\n<title>{2}</title>\n{3}</svg>\n",
+      width, height, EscapeXml(title), body_);
+}
+
 std::string SvgCanvas::Document(double width, double height, std::string_view title) const {
   return fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" "
@@ -75,4 +88,4 @@ std::string SvgCanvas::Document(double width, double height, std::string_view ti
       width, height, EscapeXml(title), body_);
 }
 
-}  // namespace conav::launcher
+}  // namespace conav
