@@ -1,0 +1,11 @@
+#pragma once
+
+#include "nhpm/engine/kernels.h"
+
+/// One per instruction set, compiled with its own flags; `width` as KernelsFor() says.
+namespace conav::nhpm {
+
+const KernelSet& PortableKernels(int width);
+const KernelSet& Avx2Kernels(int width);
+
+}  // namespace conav::nhpm

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "nhpm/engine/kernels.h"
+
+namespace conav::nhpm {
+
+/// The cells of a rows x columns grid as indices into its padded activations.
+class PaddedGrid {
+ public:
+  PaddedGrid(int rows, int columns) : rows_(rows), columns_(columns) {
+    cells_.reserve(size());
+    for (int row = 0; row < rows; ++row) {
+      for (int column = 0; column < columns; ++column) cells_.push_back(IndexOf(row, column));
+    }
+  }
+
+  int rows() const { return rows_; }
+  int columns() const { return columns_; }
+  std::size_t size() const {
+    return static_cast<std::size_t>(rows_) * static_cast<std::size_t>(columns_);
+  }
+  /// Cells of the padded grid, border included.
+  std::size_t padded_size() const {
+    return static_cast<std::size_t>(rows_ + 2) * static_cast<std::size_t>(columns_ + 2);
+  }
+  std::int32_t stride() const { return columns_ + 2; }
+  std::int32_t IndexOf(int row, int column) const {
+    return (row + 1) * (columns_ + 2) + column + 1;
+  }
+
+  /// All cells, row-major.
+  CellList AllCells() const { return {cells_, stride()}; }
+
+ private:
+  int rows_;
+  int columns_;
+  std::vector<std::int32_t> cells_;
+};
+
+}  // namespace conav::nhpm

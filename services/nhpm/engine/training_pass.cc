@@ -1,0 +1,139 @@
+#include "nhpm/engine/training_pass.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "common/runtime/demand.h"
+#include "nhpm/engine/kernels.h"
+#include "nhpm/engine/packed_weights.h"
+#include "nhpm/engine/padded_grid.h"
+
+namespace conav::nhpm {
+namespace {
+
+std::vector<float> PaddedActivations(const PaddedGrid& grid, int channels) {
+  return std::vector<float>(grid.padded_size() * static_cast<std::size_t>(channels), 0.0F);
+}
+
+/// [rows][columns][channels] into or out of its padded form.
+void Pad(const PaddedGrid& grid, int channels, std::span<const float> values,
+         std::vector<float>& padded) {
+  const std::ptrdiff_t row_length = std::ptrdiff_t{grid.columns()} * channels;
+  for (int row = 0; row < grid.rows(); ++row) {
+    std::copy_n(values.begin() + row * row_length, row_length,
+                padded.begin() + std::ptrdiff_t{grid.IndexOf(row, 0)} * channels);
+  }
+}
+
+void Unpad(const PaddedGrid& grid, int channels, const std::vector<float>& padded,
+           std::span<float> values) {
+  const std::ptrdiff_t row_length = std::ptrdiff_t{grid.columns()} * channels;
+  for (int row = 0; row < grid.rows(); ++row) {
+    std::copy_n(padded.begin() + std::ptrdiff_t{grid.IndexOf(row, 0)} * channels, row_length,
+                values.begin() + row * row_length);
+  }
+}
+
+void AddBiasGradient(const CellList& list, int channels, const std::vector<float>& out_gradient,
+                     std::vector<float>& gradient) {
+  std::vector<float> sums(static_cast<std::size_t>(channels), 0.0F);
+  for (const std::int32_t cell : list.cells) {
+    const float* from = out_gradient.data() + std::ptrdiff_t{cell} * channels;
+    for (std::size_t o = 0; o < sums.size(); ++o) sums[o] += from[o];
+  }
+  for (std::size_t o = 0; o < sums.size(); ++o) gradient[o] += sums[o];
+}
+
+/// The gradient before a ReLU from the one after it. Border cells are zero and stay so.
+void MaskByRelu(const std::vector<float>& activation, std::vector<float>& gradient) {
+  for (std::size_t i = 0; i < gradient.size(); ++i) {
+    gradient[i] = activation[i] > 0.0F ? gradient[i] : 0.0F;
+  }
+}
+
+}  // namespace
+
+struct TrainingWeights::Packed {
+  explicit Packed(const NetworkWeights& weights)
+      : weights(weights, PackedWeights::Use::kTraining) {}
+  PackedWeights weights;
+};
+
+TrainingWeights::TrainingWeights(const NetworkWeights& weights)
+    : packed_(std::make_unique<Packed>(weights)) {}
+TrainingWeights::~TrainingWeights() = default;
+void TrainingWeights::Assign(const NetworkWeights& weights) { packed_->weights.Assign(weights); }
+
+struct TrainingPass::Workspace {
+  Workspace(NetworkShape shape, int rows, int columns)
+      : shape(shape),
+        kernels(KernelsFor(shape.width)),
+        grid(rows, columns),
+        zero_bias(static_cast<std::size_t>(shape.width), 0.0F),
+        logits(grid.size() * kOutputChannels) {
+    for (int layer = 0; layer < kNetworkLayers; ++layer) {
+      const auto i = static_cast<std::size_t>(layer);
+      inputs[i] = PaddedActivations(grid, shape.InputsOf(layer));
+      gradients[i] = PaddedActivations(grid, shape.OutputsOf(layer));
+    }
+    padded_logits = PaddedActivations(grid, kOutputChannels);
+  }
+
+  NetworkShape shape;
+  const KernelSet& kernels;
+  PaddedGrid grid;
+  std::vector<float> zero_bias;
+  std::array<std::vector<float>, kNetworkLayers> inputs;     // of each layer, padded
+  std::array<std::vector<float>, kNetworkLayers> gradients;  // of each layer's output, padded
+  std::vector<float> padded_logits;
+  std::vector<float> logits;
+};
+
+TrainingPass::TrainingPass(NetworkShape shape, int rows, int columns)
+    : workspace_(std::make_unique<Workspace>(shape, rows, columns)) {}
+TrainingPass::~TrainingPass() = default;
+
+std::span<const float> TrainingPass::Forward(const TrainingWeights& weights,
+                                             std::span<const float> input) {
+  Workspace& w = *workspace_;
+  const PackedWeights& packed = weights.packed_->weights;
+  DEMAND(packed.shape == w.shape && input.size() == w.grid.size() * kInputChannels, input.size());
+  const CellList cells = w.grid.AllCells();
+  Pad(w.grid, kInputChannels, input, w.inputs[0]);
+  const auto run = [&](ConvolutionKernel kernel, std::size_t layer, std::vector<float>& out) {
+    kernel(w.inputs[layer].data(), cells, packed.forward[layer].data(), packed.biases[layer].data(),
+           out.data());
+  };
+  run(w.kernels.first, 0, w.inputs[1]);
+  run(w.kernels.hidden, 1, w.inputs[2]);
+  run(w.kernels.hidden, 2, w.inputs[3]);
+  run(w.kernels.last, 3, w.padded_logits);
+  Unpad(w.grid, kOutputChannels, w.padded_logits, w.logits);
+  return w.logits;
+}
+
+void TrainingPass::Backward(const TrainingWeights& weights, std::span<const float> logit_gradient,
+                            NetworkWeights& gradient) {
+  Workspace& w = *workspace_;
+  const PackedWeights& packed = weights.packed_->weights;
+  DEMAND(gradient.shape == w.shape && logit_gradient.size() == w.logits.size());
+  const CellList cells = w.grid.AllCells();
+  Pad(w.grid, kOutputChannels, logit_gradient, w.gradients[3]);
+  for (std::size_t layer = kNetworkLayers; layer-- > 0;) {
+    const auto kernel = layer == 0   ? w.kernels.first_gradient
+                        : layer == 3 ? w.kernels.last_gradient
+                                     : w.kernels.hidden_gradient;
+    kernel(w.inputs[layer].data(), w.gradients[layer].data(), cells,
+           gradient.weights[layer].data());
+    AddBiasGradient(cells, w.shape.OutputsOf(static_cast<int>(layer)), w.gradients[layer],
+                    gradient.biases[layer]);
+    if (layer == 0) return;
+    const auto back = layer == 3 ? w.kernels.last_backward : w.kernels.hidden_backward;
+    back(w.gradients[layer].data(), cells, packed.backward[layer].data(), w.zero_bias.data(),
+         w.gradients[layer - 1].data());
+    MaskByRelu(w.inputs[layer], w.gradients[layer - 1]);
+  }
+}
+
+}  // namespace conav::nhpm
