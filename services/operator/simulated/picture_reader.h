@@ -6,48 +6,17 @@
 
 #include "common/protocol/robot.h"
 #include "common/protocol/supervision.h"
-#include "common/runtime/config.h"
 #include "common/runtime/random.h"
+#include "operator/simulated/picture_reading.h"
 
 namespace conav::operators {
-
-/// How carefully the synthetic person reads a picture. The defaults are the careful one: about one
-/// edit for each picture that shows errors of the map, most of them right, so that the map becomes
-/// better on balance. Distances are Euclidean between cell centres, in cells, from the camera.
-struct PictureReaderParameters {
-  /// A discrepancy at distance d is edited with probability edit_probability * exp(-d / decay).
-  double edit_probability = 0.95;
-  double decay_cells = 12.0;
-  /// A wall of the map on a cell that the robot drove through is removed with this probability.
-  double path_removal_probability = 0.97;
-  /// A missing wall at `far_cells` or more, within `centre_deg` of the view axis, that continues a
-  /// wall of the map, is added with at least this probability.
-  double far_centre_probability = 0.8;
-  double far_cells = 3.0;
-  double centre_deg = 10.0;
-  /// A missing wall nearer than far_cells and more than `lateral_deg` off the axis is overlooked
-  /// more often: its probability is multiplied by this.
-  double lateral_factor = 0.75;
-  double lateral_deg = 25.0;
-  /// A wall up to `near_cells` away that is added lands one cell off along the view axis.
-  double misplacement_probability = 0.05;
-  double near_cells = 2.0;
-  /// The picture is not looked at.
-  double lapse_probability = 0.03;
-  /// A cell beside those that the picture shows is flipped for no reason.
-  double guess_probability = 0.02;
-  /// Nearest first, a person stops after so many edits to one picture.
-  int edit_limit = 6;
-
-  void Visit(ConfigReader& reader);
-};
 
 /// Looks at a picture as people were seen to do, and says which cells of the map they would change:
 /// a SYNTHETIC annotator, not a model fitted to data.
 ///
 /// It compares the cells that the picture shows, and the cells that the robot drove through, with
 /// the belief. Never edits the border, and never puts a wall where a robot has been.
-/// Source:  paper section 6.1 (qualitative), 6.3; our notes 3.11.
+/// Source:  paper section 6.1 (qualitative), 6.3.
 /// Seeded:  equal seeds and equal sequences of pictures and beliefs give equal edits.
 class PictureReader {
  public:
@@ -62,12 +31,6 @@ class PictureReader {
   bool Glances(double rate) { return random_.Chance(rate); }
 
  private:
-  struct Look;
-  double AddProbability(const Look& look, Cell cell) const;
-  double EditProbability(const Look& look, Cell cell) const;
-  Cell PlaceWall(const Look& look, Cell cell);
-  void Guess(const Look& look, std::vector<CellEdit>& edits);
-
   PictureReaderParameters parameters_;
   Random random_;
 };
