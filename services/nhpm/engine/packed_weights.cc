@@ -15,8 +15,7 @@ std::size_t CanonicalIndex(int k, int input, int inputs, int output, int outputs
 }
 
 /// Blocks of 16 outputs, each [ky][kx][inputs][16].
-void PackBlocks(const std::vector<float>& weights, int inputs, int outputs,
-                std::vector<float>& packed) {
+void PackBlocks(const std::vector<float>& weights, int inputs, int outputs, AlignedFloats& packed) {
   auto next = packed.begin();
   for (int block = 0; block < outputs; block += kBlock) {
     for (int k = 0; k < 9; ++k) {
@@ -29,7 +28,7 @@ void PackBlocks(const std::vector<float>& weights, int inputs, int outputs,
   }
 }
 
-void PackLast(const std::vector<float>& weights, int inputs, std::vector<float>& packed) {
+void PackLast(const std::vector<float>& weights, int inputs, AlignedFloats& packed) {
   auto next = packed.begin();
   for (int k = 0; k < 9; ++k) {
     for (int block = 0; block < inputs; block += kLanes) {
@@ -45,7 +44,7 @@ void PackLast(const std::vector<float>& weights, int inputs, std::vector<float>&
 /// Weights of the convolution that carries gradients back: turned by 180 degrees, inputs and
 /// outputs exchanged.
 void PackBackward(const std::vector<float>& weights, int inputs, int outputs,
-                  std::vector<float>& packed) {
+                  AlignedFloats& packed) {
   auto next = packed.begin();
   for (int block = 0; block < inputs; block += kBlock) {
     for (int k = 8; k >= 0; --k) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "nhpm/engine/aligned_floats.h"
 #include "nhpm/engine/network_weights.h"
 
 namespace conav::nhpm {
@@ -21,8 +22,8 @@ struct PackedWeights {
   void Assign(const NetworkWeights& weights);
 
   NetworkShape shape;
-  std::array<std::vector<float>, kNetworkLayers> forward;
-  std::array<std::vector<float>, kNetworkLayers> backward;  // [0] stays empty
+  std::array<AlignedFloats, kNetworkLayers> forward;
+  std::array<AlignedFloats, kNetworkLayers> backward;  // [0] stays empty
   std::array<std::vector<float>, kNetworkLayers> biases;
 };
 

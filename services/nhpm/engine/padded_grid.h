@@ -1,9 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "nhpm/engine/aligned_floats.h"
 #include "nhpm/engine/kernels.h"
 
 namespace conav::nhpm {
@@ -34,6 +37,29 @@ class PaddedGrid {
 
   /// All cells, row-major.
   CellList AllCells() const { return {cells_, stride()}; }
+
+  /// Padded activations, all zero.
+  AlignedFloats Activations(int channels) const {
+    return AlignedFloats(padded_size() * static_cast<std::size_t>(channels), 0.0F);
+  }
+
+  /// Copies [rows][columns][channels] into padded activations.
+  void Pad(int channels, std::span<const float> values, AlignedFloats& padded) const {
+    const std::ptrdiff_t row_length = std::ptrdiff_t{columns_} * channels;
+    for (int row = 0; row < rows_; ++row) {
+      std::copy_n(values.begin() + row * row_length, row_length,
+                  padded.begin() + std::ptrdiff_t{IndexOf(row, 0)} * channels);
+    }
+  }
+
+  /// ... and back.
+  void Unpad(int channels, const AlignedFloats& padded, std::span<float> values) const {
+    const std::ptrdiff_t row_length = std::ptrdiff_t{columns_} * channels;
+    for (int row = 0; row < rows_; ++row) {
+      std::copy_n(padded.begin() + std::ptrdiff_t{IndexOf(row, 0)} * channels, row_length,
+                  values.begin() + row * row_length);
+    }
+  }
 
  private:
   int rows_;

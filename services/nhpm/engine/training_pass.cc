@@ -12,30 +12,7 @@
 namespace conav::nhpm {
 namespace {
 
-std::vector<float> PaddedActivations(const PaddedGrid& grid, int channels) {
-  return std::vector<float>(grid.padded_size() * static_cast<std::size_t>(channels), 0.0F);
-}
-
-/// [rows][columns][channels] into or out of its padded form.
-void Pad(const PaddedGrid& grid, int channels, std::span<const float> values,
-         std::vector<float>& padded) {
-  const std::ptrdiff_t row_length = std::ptrdiff_t{grid.columns()} * channels;
-  for (int row = 0; row < grid.rows(); ++row) {
-    std::copy_n(values.begin() + row * row_length, row_length,
-                padded.begin() + std::ptrdiff_t{grid.IndexOf(row, 0)} * channels);
-  }
-}
-
-void Unpad(const PaddedGrid& grid, int channels, const std::vector<float>& padded,
-           std::span<float> values) {
-  const std::ptrdiff_t row_length = std::ptrdiff_t{grid.columns()} * channels;
-  for (int row = 0; row < grid.rows(); ++row) {
-    std::copy_n(padded.begin() + std::ptrdiff_t{grid.IndexOf(row, 0)} * channels, row_length,
-                values.begin() + row * row_length);
-  }
-}
-
-void AddBiasGradient(const CellList& list, int channels, const std::vector<float>& out_gradient,
+void AddBiasGradient(const CellList& list, int channels, const AlignedFloats& out_gradient,
                      std::vector<float>& gradient) {
   std::vector<float> sums(static_cast<std::size_t>(channels), 0.0F);
   for (const std::int32_t cell : list.cells) {
@@ -46,7 +23,7 @@ void AddBiasGradient(const CellList& list, int channels, const std::vector<float
 }
 
 /// The gradient before a ReLU from the one after it. Border cells are zero and stay so.
-void MaskByRelu(const std::vector<float>& activation, std::vector<float>& gradient) {
+void MaskByRelu(const AlignedFloats& activation, AlignedFloats& gradient) {
   for (std::size_t i = 0; i < gradient.size(); ++i) {
     gradient[i] = activation[i] > 0.0F ? gradient[i] : 0.0F;
   }
@@ -74,19 +51,19 @@ struct TrainingPass::Workspace {
         logits(grid.size() * kOutputChannels) {
     for (int layer = 0; layer < kNetworkLayers; ++layer) {
       const auto i = static_cast<std::size_t>(layer);
-      inputs[i] = PaddedActivations(grid, shape.InputsOf(layer));
-      gradients[i] = PaddedActivations(grid, shape.OutputsOf(layer));
+      inputs[i] = grid.Activations(shape.InputsOf(layer));
+      gradients[i] = grid.Activations(shape.OutputsOf(layer));
     }
-    padded_logits = PaddedActivations(grid, kOutputChannels);
+    padded_logits = grid.Activations(kOutputChannels);
   }
 
   NetworkShape shape;
   const KernelSet& kernels;
   PaddedGrid grid;
   std::vector<float> zero_bias;
-  std::array<std::vector<float>, kNetworkLayers> inputs;     // of each layer, padded
-  std::array<std::vector<float>, kNetworkLayers> gradients;  // of each layer's output, padded
-  std::vector<float> padded_logits;
+  std::array<AlignedFloats, kNetworkLayers> inputs;     // of each layer, padded
+  std::array<AlignedFloats, kNetworkLayers> gradients;  // of each layer's output, padded
+  AlignedFloats padded_logits;
   std::vector<float> logits;
 };
 
@@ -100,8 +77,8 @@ std::span<const float> TrainingPass::Forward(const TrainingWeights& weights,
   const PackedWeights& packed = weights.packed_->weights;
   DEMAND(packed.shape == w.shape && input.size() == w.grid.size() * kInputChannels, input.size());
   const CellList cells = w.grid.AllCells();
-  Pad(w.grid, kInputChannels, input, w.inputs[0]);
-  const auto run = [&](ConvolutionKernel kernel, std::size_t layer, std::vector<float>& out) {
+  w.grid.Pad(kInputChannels, input, w.inputs[0]);
+  const auto run = [&](ConvolutionKernel kernel, std::size_t layer, AlignedFloats& out) {
     kernel(w.inputs[layer].data(), cells, packed.forward[layer].data(), packed.biases[layer].data(),
            out.data());
   };
@@ -109,7 +86,7 @@ std::span<const float> TrainingPass::Forward(const TrainingWeights& weights,
   run(w.kernels.hidden, 1, w.inputs[2]);
   run(w.kernels.hidden, 2, w.inputs[3]);
   run(w.kernels.last, 3, w.padded_logits);
-  Unpad(w.grid, kOutputChannels, w.padded_logits, w.logits);
+  w.grid.Unpad(kOutputChannels, w.padded_logits, w.logits);
   return w.logits;
 }
 
@@ -119,7 +96,7 @@ void TrainingPass::Backward(const TrainingWeights& weights, std::span<const floa
   const PackedWeights& packed = weights.packed_->weights;
   DEMAND(gradient.shape == w.shape && logit_gradient.size() == w.logits.size());
   const CellList cells = w.grid.AllCells();
-  Pad(w.grid, kOutputChannels, logit_gradient, w.gradients[3]);
+  w.grid.Pad(kOutputChannels, logit_gradient, w.gradients[3]);
   for (std::size_t layer = kNetworkLayers; layer-- > 0;) {
     const auto kernel = layer == 0   ? w.kernels.first_gradient
                         : layer == 3 ? w.kernels.last_gradient

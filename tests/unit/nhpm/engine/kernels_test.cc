@@ -122,8 +122,8 @@ TEST_CASE("all instruction sets give the same bits", "[nhpm][engine]") {
     const KernelSet& kernels = KernelsFor(width, set);
     constexpr std::size_t kEnough = 9 * 64 * 64;
     std::vector<Floats> out(8, Floats(kEnough, 0.0F));
-    const auto convolve = [&](ConvolutionKernel kernel, const Floats& in, const Floats& weights,
-                              std::size_t layer, Floats& target) {
+    const auto convolve = [&](ConvolutionKernel kernel, const Floats& in,
+                              const AlignedFloats& weights, std::size_t layer, Floats& target) {
       kernel(in.data(), cells, weights.data(), packed.biases[layer].data(), target.data());
     };
     convolve(kernels.first, input, packed.forward[0], 0, out[0]);

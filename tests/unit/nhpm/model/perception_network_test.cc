@@ -1,0 +1,134 @@
+#include "nhpm/model/perception_network.h"
+
+#include <catch2/catch.hpp>
+#include <thread>
+
+#include "conformance/perception_model_conformance.h"
+#include "nhpm/engine/inference_pass.h"
+
+using namespace conav;
+using namespace conav::nhpm;
+using planner::conformance::MakeQueries;
+using planner::conformance::MakeQuery;
+
+namespace {
+
+NetworkModel SmallModel() {
+  NetworkModel model;
+  model.version = "test";
+  model.weights = InitialWeights({16}, 3, -1.0F);
+  return model;
+}
+
+/// The same without bases: each query whole, one value after the other.
+std::vector<PerceptionAnswer> Reference(const NetworkModel& model,
+                                        const std::vector<PerceptionQuery>& queries) {
+  const auto weights =
+      std::make_shared<const PackedWeights>(model.weights, PackedWeights::Use::kInference);
+  std::vector<PerceptionAnswer> answers;
+  for (const PerceptionQuery& query : queries) {
+    std::vector<float> input(query.belief.size() * kInputChannels);
+    EncodeInput(query, model.inputs, input);
+    InferencePass pass(weights, KernelsFor(16), query.belief.rows(), query.belief.columns());
+    answers.push_back(MaskedAnswer(query.belief, pass.Full(input)));
+  }
+  return answers;
+}
+
+/// As a planner asks: one belief, a path that grows, views from its ends.
+std::vector<PerceptionQuery> PlannerQueries() {
+  std::vector<PerceptionQuery> queries;
+  for (int belief = 0; belief < 4; ++belief) {
+    const PerceptionQuery base = MakeQuery(static_cast<std::uint64_t>(belief));
+    for (int i = 0; i < 12; ++i) {
+      PerceptionQuery query = base;
+      query.visible = MakeQuery(static_cast<std::uint64_t>(100 + i)).visible;
+      for (int column = 1; column < 1 + i % 5; ++column) query.path.push_back({1, column});
+      if (i % 3 == 2) query.belief[{2, 2 + i % 4}] = 0.5F;
+      queries.push_back(query);
+    }
+  }
+  return queries;
+}
+
+}  // namespace
+
+TEST_CASE("a planner's queries get the bits of whole passes, whatever was asked before",
+          "[nhpm][network]") {
+  const NetworkModel model = SmallModel();
+  const PerceptionNetwork network(model);
+  std::vector<PerceptionQuery> queries = PlannerQueries();
+  const auto expected = Reference(model, queries);
+  CHECK(*network.Predict(queries) == expected);
+  std::reverse(queries.begin(), queries.end());
+  const auto answers = network.Predict(queries);
+  REQUIRE(answers);
+  CHECK(std::equal(answers->rbegin(), answers->rend(), expected.begin(), expected.end()));
+}
+
+TEST_CASE("beliefs of several sizes may stand in one batch", "[nhpm][network]") {
+  const NetworkModel model = SmallModel();
+  const std::vector<PerceptionQuery> queries{MakeQuery(1), MakeQuery(2, 6, 7), MakeQuery(3)};
+  CHECK(*PerceptionNetwork(model).Predict(queries) == Reference(model, queries));
+}
+
+TEST_CASE("callers on several threads get their own answers", "[nhpm][network]") {
+  const NetworkModel model = SmallModel();
+  const PerceptionNetwork network(model);
+  const std::vector<PerceptionQuery> queries = PlannerQueries();
+  const auto expected = Reference(model, queries);
+  std::vector<int> wrong(4, 0);  // one slot per thread
+  std::vector<std::thread> threads;
+  for (std::size_t thread = 0; thread < wrong.size(); ++thread) {
+    threads.emplace_back([&, thread] {
+      for (std::size_t i = thread; i < queries.size(); ++i) {
+        const auto answers = network.Predict(std::span(queries).subspan(i, 1));
+        wrong[thread] += answers && answers->front() == expected[i] ? 0 : 1;
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  CHECK(wrong == std::vector<int>(4, 0));
+}
+
+TEST_CASE("weights for one grid size refuse another by name", "[nhpm][network]") {
+  NetworkModel model = SmallModel();
+  model.rows = 9;
+  model.columns = 11;
+  const PerceptionNetwork network(model);
+  CHECK(network.Predict(MakeQueries(2)));
+  const std::vector<PerceptionQuery> other{MakeQuery(1, 7, 8)};
+  const auto refused = network.Predict(other);
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::kInvalidArgument);
+  CHECK(refused.error().text == "belief is 7 x 8, but model nhpm is for 9 x 11 only");
+}
+
+TEST_CASE("a query that cannot be answered is refused", "[nhpm][network]") {
+  const PerceptionNetwork network(SmallModel());
+  std::vector<PerceptionQuery> queries = MakeQueries(2);
+  queries[1].belief[{1, 1}] = 2.0F;
+  const auto refused = network.Predict(queries);
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::kInvalidArgument);
+  CHECK(network.Predict({})->empty());
+}
+
+TEST_CASE("the identity says which weights answer", "[nhpm][network]") {
+  NetworkModel model = SmallModel();
+  const ModelIdentity first = PerceptionNetwork(model).identity();
+  CHECK(first.name == "nhpm");
+  CHECK(first.version == "test");
+  CHECK(first.checksum == ChecksumOf(model));
+  model.weights.biases[0][0] += 1.0F;
+  CHECK(PerceptionNetwork(model).identity().checksum != first.checksum);
+}
+
+TEST_CASE("all instruction sets answer alike", "[nhpm][network]") {
+  const NetworkModel model = SmallModel();
+  const auto queries = MakeQueries(5);
+  const auto expected = Reference(model, queries);
+  for (const InstructionSet set : AvailableInstructionSets()) {
+    CHECK(*PerceptionNetwork(model, set).Predict(queries) == expected);
+  }
+}
