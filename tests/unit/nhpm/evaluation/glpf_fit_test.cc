@@ -1,0 +1,144 @@
+#include "nhpm/evaluation/glpf_fit.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "nhpm/evaluation/metrics.h"
+#include "unit/nhpm/evaluation/samples.h"
+
+namespace conav::nhpm {
+namespace {
+
+const GlpfParameters kTruth{
+    .alpha_d = 0.25, .alpha_m = 0.4, .beta = 9.0, .rho = 0.02, .lambda = 0.15};
+
+std::vector<Segment> SegmentsEditedBy(const GlpfParameters& parameters, int count) {
+  Random random(7);
+  const Glpf model(parameters);
+  std::vector<Segment> segments;
+  for (int i = 0; i < count; ++i) {
+    Segment segment = RandomSegment(random);
+    const PerceptionAnswer answer = model.Predict({&segment.query, 1})->front();
+    for (std::size_t cell = 0; cell < segment.belief_after.size(); ++cell) {
+      const double probability =
+          static_cast<double>(answer.add.values()[cell] + answer.remove.values()[cell]);
+      float& after = segment.belief_after.values()[cell];
+      if (random.Chance(probability)) after = 1.0F - after;
+    }
+    segments.push_back(std::move(segment));
+  }
+  return segments;
+}
+
+/// As many edits, in fractions, as the parameters promise.
+GlpfStatistics ExactStatistics(const GlpfParameters& parameters) {
+  const Glpf model(parameters);
+  GlpfStatistics statistics;
+  statistics.unstimulated = {1e5, 1e5 * model.Response(0.0)};
+  for (int distance = 0; distance <= 100; ++distance) {
+    const double response = model.Response(model.Stimulus(std::sqrt(distance)));
+    statistics.seen[distance] = {1000.0, 1000.0 * response};
+    statistics.on_path[distance] = {
+        100.0, 100.0 * (parameters.visible_only ? model.Response(0.0) : response)};
+  }
+  return statistics;
+}
+
+TEST_CASE("Cells are counted by stimulus", "[nhpm][glpf_fit]") {
+  Segment segment = EmptySegment();
+  PerceptionQuery& query = segment.query;
+  query.belief[{1, 1}] = 1.0F;
+  query.belief[{2, 1}] = 1.0F;
+  query.belief[{3, 3}] = 1.0F;
+  query.path = {{2, 1}, {2, 2}};
+  query.visible = {{{1, 1}, {2, 2}}, {{2, 3}, {2, 4}, {3, 3}}};
+  segment.belief_after = query.belief;
+  Flip(segment, {1, 1});
+  Flip(segment, {1, 2});
+  const Segment* pointer = &segment;
+  const GlpfStatistics statistics = CountStimuli({&pointer, 1});
+  REQUIRE(statistics.seen.size() == 2);
+  CHECK(statistics.seen.at(2).outputs == 1.0);  // (1,1): a wall shown free
+  CHECK(statistics.seen.at(2).edits == 1.0);
+  CHECK(statistics.seen.at(1).outputs == 1.0);  // (2,3): a wall that the map lacks
+  CHECK(statistics.seen.at(1).edits == 0.0);
+  REQUIRE(statistics.on_path.size() == 1);
+  CHECK(statistics.on_path.at(1).outputs == 1.0);  // (2,1): driven through
+  CHECK(statistics.unstimulated.outputs == 6.0);
+  CHECK(statistics.unstimulated.edits == 1.0);  // (1,2), a guess
+  CHECK(statistics.outputs() == 9.0);
+}
+
+TEST_CASE("The loss of counted cells is that of the model's answers", "[nhpm][glpf_fit]") {
+  const std::vector<Segment> segments = SegmentsEditedBy(kTruth, 20);
+  GlpfParameters parameters = kTruth;
+  parameters.visible_only = GENERATE(false, true);
+  std::vector<PerceptionQuery> queries;
+  for (const Segment& segment : segments) queries.push_back(segment.query);
+  const auto outcomes = PairOutcomes(Pointers(segments), *Glpf(parameters).Predict(queries));
+  CHECK(GlpfLoss(CountStimuli(Pointers(segments)), parameters) ==
+        Approx(MeanCrossEntropy(*outcomes).unmasked).epsilon(1e-6));
+  CHECK(GlpfLoss({}, parameters) == 0.0);
+}
+
+TEST_CASE("Parameters are recovered from as many edits as they promise", "[nhpm][glpf_fit]") {
+  GlpfParameters truth = kTruth;
+  truth.visible_only = GENERATE(false, true);
+  const GlpfFit fit = FitGlpf(ExactStatistics(truth));
+  const GlpfParameters& found = fit.best.parameters;
+  CHECK(found.alpha_d == Approx(truth.alpha_d).epsilon(0.01));
+  CHECK(found.alpha_m == Approx(truth.alpha_m).epsilon(0.01));
+  CHECK(found.beta == Approx(truth.beta).epsilon(0.01));
+  CHECK(found.rho == Approx(truth.rho).epsilon(0.01));
+  CHECK(found.lambda == Approx(truth.lambda).epsilon(0.01));
+  CHECK(found.visible_only == truth.visible_only);
+  CHECK(fit.variants.size() == 2);
+}
+
+TEST_CASE("One alpha is recovered where there is one", "[nhpm][glpf_fit]") {
+  GlpfParameters truth = kTruth;
+  truth.tie_alphas = true;
+  truth.alpha_m = truth.alpha_d;
+  const GlpfFit fit = FitGlpf(ExactStatistics(truth), {.visible_only = false, .tie_alphas = true});
+  CHECK(fit.best.parameters.alpha_d == Approx(0.25).epsilon(0.01));
+  CHECK(fit.best.parameters.alpha_m == fit.best.parameters.alpha_d);
+  CHECK(fit.variants.size() == 1);
+}
+
+TEST_CASE("Parameters are recovered from people who follow them", "[nhpm][glpf_fit]") {
+  const std::vector<Segment> segments = SegmentsEditedBy(kTruth, 600);
+  const GlpfStatistics statistics = CountStimuli(Pointers(segments));
+  const GlpfFit fit = FitGlpf(statistics);
+  CHECK(fit.best.loss <= GlpfLoss(statistics, kTruth));
+  CHECK_FALSE(fit.best.parameters.visible_only);
+  const Glpf truth(kTruth);
+  const Glpf found(fit.best.parameters);
+  for (const double distance : {1.0, 2.0, 4.0, 8.0}) {
+    CHECK(found.Response(found.Stimulus(distance)) ==
+          Approx(truth.Response(truth.Stimulus(distance))).margin(0.03));
+  }
+  CHECK(found.Response(0.0) == Approx(truth.Response(0.0)).margin(0.003));
+}
+
+TEST_CASE("The rates stay within their bounds", "[nhpm][glpf_fit]") {
+  GlpfStatistics statistics;
+  statistics.unstimulated = {100.0, 90.0};  // a guess rate of 0.9 cannot be
+  statistics.seen[1] = {100.0, 10.0};
+  const GlpfParameters found = FitGlpf(statistics).best.parameters;
+  CHECK(found.rho == Approx(0.5).margin(1e-3));
+  CHECK(found.lambda <= 0.5);
+  CHECK(found.lambda >= 0.0);
+}
+
+TEST_CASE("Two alphas fit at least as well as one, and a fit is repeatable", "[nhpm][glpf_fit]") {
+  const GlpfStatistics statistics = CountStimuli(Pointers(SegmentsEditedBy(kTruth, 60)));
+  const GlpfFit two = FitGlpf(statistics, {.tie_alphas = false});
+  const GlpfFit both = FitGlpf(statistics, {.tie_alphas = {}});
+  CHECK(both.variants.size() == 4);
+  CHECK(two.best.loss <= both.variants.back().loss + 1e-9);
+  CHECK(FitGlpf(statistics).best.loss == two.best.loss);
+  CHECK(FitGlpf(statistics).best.parameters.beta == two.best.parameters.beta);
+}
+
+}  // namespace
+}  // namespace conav::nhpm

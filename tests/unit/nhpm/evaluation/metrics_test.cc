@@ -1,0 +1,130 @@
+#include "nhpm/evaluation/metrics.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "unit/nhpm/evaluation/samples.h"
+
+namespace conav::nhpm {
+namespace {
+
+/// Two segments of four outputs; the first was edited twice, the second once.
+Outcomes Sample() {
+  return MakeOutcomes({{{0.75F, true}, {0.5F, true}, {0.5F, false}, {0.0F, false}},
+                       {{0.25F, true}, {0.25F, false}, {0.0F, false}, {0.0F, false}}});
+}
+
+TEST_CASE("The cross-entropy of an output is the logarithm of what happened", "[nhpm][metrics]") {
+  CHECK(CrossEntropy(0.25, true) == Approx(std::log(4.0)));
+  CHECK(CrossEntropy(0.25, false) == Approx(std::log(4.0 / 3.0)));
+  CHECK(CrossEntropy(0.0, false) == Approx(1.0e-7));
+  CHECK(CrossEntropy(0.0, true) == Approx(16.118096));  // -ln 1e-7
+  CHECK(CrossEntropy(1.0, false) == Approx(16.118096));
+}
+
+TEST_CASE("The mean cross-entropy counts masked outputs, or not", "[nhpm][metrics]") {
+  const Loss loss = MeanCrossEntropy(Sample());
+  // -ln(.75) - 2 ln(.5) - ln(.25) - ln(.75) = 0.287682 + 1.386294 + 1.386294 + 0.287682
+  CHECK(loss.unmasked == Approx(3.347952 / 8).epsilon(1e-6));
+  CHECK(loss.all == Approx(3.347952 / 16).epsilon(1e-6));
+}
+
+TEST_CASE("One edit per segment promised everywhere scores as the paper's notes compute",
+          "[nhpm][metrics]") {
+  // 169 cells, one of them edited, the same probability in each: entropy of 1/169.
+  std::vector<Outcome> segment(169, Outcome{1.0F / 169.0F, false});
+  segment[84].edited = true;
+  const Loss loss = MeanCrossEntropy(MakeOutcomes({segment}));
+  CHECK(loss.all == Approx(0.0181).margin(0.0001));
+  CHECK(loss.unmasked == Approx(0.0362).margin(0.0001));
+}
+
+TEST_CASE("IoU divides what is predicted and true by what is predicted or true",
+          "[nhpm][metrics]") {
+  CHECK(IouAt(Sample(), 0.75) == Approx(1.0 / 3.0));
+  CHECK(IouAt(Sample(), 0.5) == Approx(2.0 / 4.0));  // the boundary itself is predicted
+  CHECK(IouAt(Sample(), 0.25) == Approx(3.0 / 5.0));
+  CHECK(IouAt(Sample(), 0.8) == 0.0);
+  CHECK(IouAt(MakeOutcomes({{{0.1F, false}}}), 0.5) == 1.0);
+}
+
+TEST_CASE("The best boundary is the lowest of the grid with the highest IoU", "[nhpm][metrics]") {
+  const BoundaryIou best = BestIou(Sample());
+  CHECK(best.iou == Approx(0.6));
+  CHECK(best.boundary == Approx(0.01));  // up to 0.25 nothing changes
+  const Outcomes noisy = MakeOutcomes({{{0.315F, true}, {0.305F, false}, {0.302F, false}}});
+  CHECK(BestIou(noisy).iou == 1.0);
+  CHECK(BestIou(noisy).boundary == Approx(0.31));
+}
+
+TEST_CASE("The mean IoU of segments leaves out those with nothing in them", "[nhpm][metrics]") {
+  Outcomes outcomes = Sample();
+  CHECK(*SegmentMeanIou(outcomes, 0.25) == Approx((2.0 / 3.0 + 1.0 / 2.0) / 2.0));
+  outcomes.values.push_back({0.0F, false});
+  outcomes.segment_ends.push_back(outcomes.values.size());
+  CHECK(*SegmentMeanIou(outcomes, 0.25) == Approx((2.0 / 3.0 + 1.0 / 2.0) / 2.0));
+  CHECK_FALSE(SegmentMeanIou(MakeOutcomes({{{0.1F, false}}}), 0.5));
+}
+
+TEST_CASE("Calibration compares promise and share edited bin by bin", "[nhpm][metrics]") {
+  const Calibration calibration = Calibrate(Sample(), 4);
+  REQUIRE(calibration.bins.size() == 4);
+  // [0, .25): 3 x 0, none edited; [.25, .5): 2 x .25, one edited; [.5, .75): 2 x .5, one edited;
+  // [.75, 1]: .75, edited
+  CHECK(calibration.bins[0].outputs == 3);
+  CHECK(calibration.bins[1].mean_probability == Approx(0.25));
+  CHECK(calibration.bins[1].edited_share == Approx(0.5));
+  CHECK(calibration.bins[2].edited_share == Approx(0.5));
+  CHECK(calibration.bins[3].mean_probability == Approx(0.75));
+  CHECK(calibration.error == Approx((2 * 0.25 + 2 * 0.0 + 1 * 0.25) / 8));
+}
+
+TEST_CASE("Certainty falls into the last bin", "[nhpm][metrics]") {
+  const Calibration calibration = Calibrate(MakeOutcomes({{{1.0F, true}}}));
+  CHECK(calibration.bins.back().outputs == 1);
+  CHECK(calibration.error == 0.0);
+}
+
+TEST_CASE("Edits expected and made are counted segment by segment", "[nhpm][metrics]") {
+  const EditCounts counts = CompareEditCounts(Sample());
+  CHECK(counts.mean_expected == Approx((1.75 + 0.5) / 2));
+  CHECK(counts.mean_true == Approx(1.5));
+  CHECK(*counts.correlation == Approx(1.0));
+  REQUIRE(counts.bins.size() == 2);  // no more bins than segments
+  CHECK(counts.bins[0].mean_expected == Approx(0.5));
+  CHECK(counts.bins[0].mean_true == Approx(1.0));
+  CHECK(counts.bins[1].mean_true == Approx(2.0));
+}
+
+TEST_CASE("The correlation of edits is Pearson's", "[nhpm][metrics]") {
+  // expected 0, 0.5, 1; true 0, 1, 0: covariance 0; then true 1, 0, 0: -0.866
+  const Outcome none{0.0F, false};
+  CHECK(*CompareEditCounts(MakeOutcomes({{none}, {{0.5F, true}}, {{1.0F, false}}})).correlation ==
+        Approx(0.0).margin(1e-12));
+  CHECK(*CompareEditCounts(MakeOutcomes({{{0.0F, true}}, {{0.5F, false}}, {{1.0F, false}}}))
+             .correlation == Approx(-std::sqrt(0.75)));
+  CHECK_FALSE(CompareEditCounts(MakeOutcomes({{none}, {none}})).correlation);
+}
+
+TEST_CASE("Bins of edits hold equal numbers of segments", "[nhpm][metrics]") {
+  std::vector<std::vector<Outcome>> segments;
+  for (int i = 0; i < 5; ++i) segments.push_back({{0.2F * static_cast<float>(4 - i), i == 0}});
+  const EditCounts counts = CompareEditCounts(MakeOutcomes(segments), 2);
+  REQUIRE(counts.bins.size() == 2);
+  CHECK(counts.bins[0].segments == 2);
+  CHECK(counts.bins[0].mean_expected == Approx(0.1));
+  CHECK(counts.bins[1].segments == 3);
+  CHECK(counts.bins[1].mean_true == Approx(1.0 / 3.0));
+}
+
+TEST_CASE("Without segments every figure is nothing", "[nhpm][metrics]") {
+  const Outcomes none;
+  CHECK(MeanCrossEntropy(none).all == 0.0);
+  CHECK(BestIou(none).iou == 0.0);
+  CHECK_FALSE(SegmentMeanIou(none, 0.5));
+  CHECK(Calibrate(none).error == 0.0);
+  CHECK(CompareEditCounts(none).bins.empty());
+}
+
+}  // namespace
+}  // namespace conav::nhpm
