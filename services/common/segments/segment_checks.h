@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
 
 #include "common/runtime/result.h"
@@ -24,9 +26,10 @@ inline constexpr int kMaxMapSide = 1024;
 /// finite, a truth too small or too large.
 [[nodiscard]] Result<void> CheckTrajectoryFacts(const Trajectory& trajectory);
 
-/// How `segment` continues `trajectory`, which has the segments before it: its step above theirs,
-/// its maps of their shape and of the truth's.
-[[nodiscard]] Result<void> CheckNextSegment(const Trajectory& trajectory, const Segment& segment);
+/// How `segment` continues its trajectory: its step above that of the segment `before` (null for the
+/// first), its maps of the same shape and of the truth's.
+[[nodiscard]] Result<void> CheckNextSegment(const std::optional<OccupancyGrid>& truth,
+                                            const Segment* before, const Segment& segment);
 
 /// All of the above for each trajectory and segment, and at least one segment in each; errors begin
 /// with "trajectory 3, segment 14: " (from 0).

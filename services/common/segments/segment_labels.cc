@@ -46,7 +46,9 @@ std::string OriginText(const SegmentSet& set) {
   constexpr const char* kNames[3] = {"people", "simulated", "synthetic"};
   std::string text;
   for (std::size_t i = 0; i < 3; ++i) {
-    if (seen[i]) text += (text.empty() ? "" : "+") + std::string(kNames[i]);
+    if (!seen[i]) continue;
+    if (!text.empty()) text += '+';
+    text += kNames[i];
   }
   return text.empty() ? "nobody" : text;
 }
