@@ -1,0 +1,269 @@
+#include "common/segments/segment_file.h"
+
+#include <segments.pb.h>
+
+#include <catch2/catch.hpp>
+
+#include "common/runtime/file.h"
+#include "common/segments/record_stream.h"
+#include "common/segments/segment_labels.h"
+#include "common/segments/segment_log.h"
+#include "common/segments/segment_records.h"
+#include "unit/common/segments/support/sample_segments.h"
+#include "unit/common/segments/support/scratch_folder.h"
+
+namespace conav {
+namespace {
+
+using tests::ScratchFolder;
+
+/// The reason without the path before it; empty when the bytes are read.
+std::string RefusalOf(const ScratchFolder& folder, std::string_view bytes) {
+  const auto path = folder.path() / "file";
+  REQUIRE(WriteFile(path, bytes));
+  const auto set = ReadSegmentFile(path);
+  if (set) return "";
+  CHECK(set.error().code == ErrorCode::kMalformed);
+  const std::string prefix = path.string() + ": ";
+  CHECK(set.error().text.starts_with(prefix));
+  return set.error().text.substr(prefix.size());
+}
+
+std::string FrameOf(std::initializer_list<std::string> parts) {
+  ZstdFrame frame;
+  for (const std::string& part : parts) frame.Add(part);
+  return frame.Finish();
+}
+
+std::string Header() { return Delimited(HeaderRecord()); }
+std::string SampleTrajectoryBytes() { return Delimited(ToRecord(tests::SampleTrajectory(), 0)); }
+
+/// A file of the sample whose segment record was changed.
+template <class Change>
+std::string ChangedSegment(Change&& change) {
+  segments::Record record = ToRecord(tests::SampleSegment(), 0);
+  change(*record.mutable_segment());
+  return FrameOf({Header(), SampleTrajectoryBytes(), Delimited(record)});
+}
+
+TEST_CASE("what was written is read, no field lost", "[segments]") {
+  const ScratchFolder folder;
+  const auto path = folder.path() / "set.pb.zst";
+  REQUIRE(WriteSegmentFile(path, tests::SampleSet()));
+  const auto read = ReadSegmentFile(path);
+  REQUIRE(read);
+  CHECK(*read == tests::SampleSet());
+}
+
+TEST_CASE("an empty set is a file, too", "[segments]") {
+  const ScratchFolder folder;
+  const auto path = folder.path() / "set.pb.zst";
+  REQUIRE(WriteSegmentFile(path, {}));
+  CHECK(ReadSegmentFile(path) == SegmentSet());
+}
+
+TEST_CASE("a set that does not pass the checks is not written", "[segments]") {
+  const ScratchFolder folder;
+  SegmentSet set = tests::SampleSet();
+  set.trajectories[0].segments[1].query.path.clear();
+  const auto written = WriteSegmentFile(folder.path() / "set", set);
+  REQUIRE_FALSE(written);
+  CHECK(written.error().text ==
+        (folder.path() / "set: trajectory 0, segment 1: the path is empty").string());
+  CHECK_FALSE(std::filesystem::exists(folder.path() / "set"));
+}
+
+TEST_CASE("a full disk is an error that names file and cause", "[segments]") {
+  const auto written = WriteSegmentFile("/dev/full", tests::SampleSet());
+  REQUIRE_FALSE(written);
+  CHECK(written.error().code == ErrorCode::kIo);
+  CHECK_THAT(written.error().text, Catch::Contains("/dev/full") && Catch::Contains("No space"));
+}
+
+TEST_CASE("a file that is not there is not found", "[segments]") {
+  const auto read = ReadSegmentFile("/nowhere/set");
+  REQUIRE_FALSE(read);
+  CHECK(read.error().code == ErrorCode::kNotFound);
+}
+
+TEST_CASE("a file cut anywhere is refused as truncated", "[segments]") {
+  const ScratchFolder folder;
+  const auto path = folder.path() / "set";
+  REQUIRE(WriteSegmentFile(path, tests::SampleSet()));
+  const std::string whole = ReadFile(path).value();
+  for (std::size_t size = 1; size < whole.size(); ++size) {
+    CHECK_THAT(RefusalOf(folder, std::string_view(whole).substr(0, size)),
+               Catch::StartsWith("it is truncated"));
+  }
+  CHECK(RefusalOf(folder, "") == "it is empty");
+}
+
+TEST_CASE("every flipped byte is noticed", "[segments]") {
+  const ScratchFolder folder;
+  const auto path = folder.path() / "set";
+  REQUIRE(WriteSegmentFile(path, tests::SampleSet()));
+  const std::string whole = ReadFile(path).value();
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    std::string damaged = whole;
+    damaged[i] = static_cast<char>(damaged[i] ^ 0x41);
+    // A frame header may say the same in two ways; what is read then is the same, too.
+    REQUIRE(WriteFile(path, damaged));
+    const auto read = ReadSegmentFile(path);
+    CHECK((!read || *read == tests::SampleSet()));
+  }
+}
+
+TEST_CASE("what is no segment file is refused as such", "[segments]") {
+  const ScratchFolder folder;
+  CHECK(RefusalOf(folder, "{\"type\": \"trajectory\"}\n") == "it is not compressed with zstd");
+  CHECK_THAT(RefusalOf(folder, FrameOf({Header()}) + "junk"), Catch::Contains("it is no zstd"));
+  CHECK_THAT(RefusalOf(folder, FrameOf({"hello, world, this is text"})),
+             Catch::Contains("record 0"));
+  CHECK_THAT(RefusalOf(folder, FrameOf({})), Catch::Contains("this is no segment file"));
+  CHECK_THAT(RefusalOf(folder, FrameOf({SampleTrajectoryBytes()})),
+             Catch::Contains("does not begin with a header"));
+  CHECK_THAT(RefusalOf(folder, FrameOf({Header(), std::string(1, '\0')})),
+             Catch::Contains("neither header nor trajectory nor segment"));
+}
+
+TEST_CASE("another schema version is refused by number", "[segments]") {
+  const ScratchFolder folder;
+  segments::Record header;
+  header.mutable_header()->set_schema_version(2);
+  CHECK(RefusalOf(folder, FrameOf({Delimited(header)})) ==
+        "schema version 2; this program reads 1");
+}
+
+TEST_CASE("records that promise more than they have are refused", "[segments]") {
+  const ScratchFolder folder;
+  CHECK(RefusalOf(folder, FrameOf({Header(), "\xFF\xFF\xFF\x7F"})) ==
+        "record 1 says that it has 268435455 bytes; 33554432 is the limit");
+  CHECK(RefusalOf(folder, FrameOf({Header(), std::string(9, '\xFF')})) ==
+        "record 1 has no size: this is no segment file");
+  CHECK(RefusalOf(folder, FrameOf({Header(),
+                                   "\x64"
+                                   "abc"})) == "record 1 is cut off");
+  CHECK(RefusalOf(folder, FrameOf({Header(), "\x80"})) == "record 1 is cut off");
+  CHECK(RefusalOf(folder, ChangedSegment([](segments::Segment& s) {
+                    s.mutable_map_before()->set_rows(4000000000U);
+                  })) ==
+        "trajectory 0, segment 0: x is 4000000000 x 5; each side must be in [1, 1024]");
+  CHECK(RefusalOf(folder, ChangedSegment([](segments::Segment& s) {
+                    s.mutable_map_after()->set_rows(1000);
+                  })) == "trajectory 0, segment 0: x' has 20 values for 1000 x 5 cells");
+}
+
+TEST_CASE("values and cells that no segment can have are refused with their place", "[segments]") {
+  const ScratchFolder folder;
+  CHECK(RefusalOf(folder, ChangedSegment([](segments::Segment& s) {
+                    (*s.mutable_map_before()->mutable_cells())[6] = 2;
+                  })) == "trajectory 0, segment 0: x is 2 at (1,1); it must be at most 1");
+  CHECK(RefusalOf(folder, ChangedSegment([](segments::Segment& s) { s.add_free_cells(20); })) ==
+        "trajectory 0, segment 0: seen free cell 20 is outside of the 4 x 5 map");
+  CHECK(RefusalOf(folder, ChangedSegment([](segments::Segment& s) { s.set_camera_cell(6); })) ==
+        "trajectory 0, segment 0: the path ends in (1,2), but the camera is in (1,1)");
+  CHECK(RefusalOf(folder, ChangedSegment([](segments::Segment& s) { s.set_trajectory(1); })) ==
+        "a segment of trajectory 1, of which nothing was said");
+  CHECK(RefusalOf(folder, ChangedSegment([](segments::Segment& s) {
+                    (*s.mutable_map_after()->mutable_cells())[0] = 0;
+                  })) ==
+        "trajectory 0, segment 0: an edit at (0,0), on the border of the 4 x 5 map");
+}
+
+TEST_CASE("a trajectory without an origin or out of turn is refused", "[segments]") {
+  const ScratchFolder folder;
+  segments::Record record = ToRecord(tests::SampleTrajectory(), 0);
+  record.mutable_trajectory()->set_origin(segments::ORIGIN_UNSPECIFIED);
+  CHECK(RefusalOf(folder, FrameOf({Header(), Delimited(record)})) ==
+        "trajectory 0: origin 0 is not known");
+  record = ToRecord(tests::SampleTrajectory(), 5);
+  CHECK(RefusalOf(folder, FrameOf({Header(), Delimited(record)})) ==
+        "trajectory 5 comes before trajectory 0");
+  CHECK(RefusalOf(folder, FrameOf({Header(), SampleTrajectoryBytes()})) ==
+        "trajectory 0: it has no segments");
+}
+
+TEST_CASE("a recording can be read at any time and holds the newest facts", "[segments]") {
+  const ScratchFolder folder;
+  const auto path = folder.path() / "log";
+  auto log = SegmentLog::Open(path);
+  REQUIRE(log);
+  CHECK(ReadSegmentFile(path) == SegmentSet());
+  Trajectory trajectory = tests::SampleTrajectory();
+  REQUIRE(log->Append(0, trajectory, trajectory.segments[0]));
+  trajectory.final_mapping_accuracy = 0.75;
+  REQUIRE(log->Append(0, trajectory, trajectory.segments[1]));
+  CHECK(ReadSegmentFile(path) == SegmentSet{{trajectory}});
+}
+
+TEST_CASE("a recording goes on with a new trajectory", "[segments]") {
+  const ScratchFolder folder;
+  const auto path = folder.path() / "log";
+  REQUIRE(WriteSegmentFile(path, tests::SampleSet()));
+  auto log = SegmentLog::Open(path);
+  REQUIRE(log);
+  REQUIRE(log->trajectories() == 2);
+  REQUIRE(log->Append(2, tests::SampleTrajectory(), tests::SampleSegment(9)));
+  SegmentSet expected = tests::SampleSet();
+  expected.trajectories.push_back(tests::SampleTrajectory());
+  expected.trajectories[2].segments = {tests::SampleSegment(9)};
+  CHECK(ReadSegmentFile(path) == expected);
+}
+
+TEST_CASE("a recording cut off by a kill is refused, recovered on demand, and continued",
+          "[segments]") {
+  const ScratchFolder folder;
+  const auto path = folder.path() / "log";
+  const Trajectory trajectory = tests::SampleTrajectory();
+  {
+    auto log = SegmentLog::Open(path);
+    REQUIRE(log);
+    REQUIRE(log->Append(0, trajectory, trajectory.segments[0]));
+    REQUIRE(log->Append(0, trajectory, trajectory.segments[1]));
+  }
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) - 7);
+  const auto refused = ReadSegmentFile(path);
+  REQUIRE_FALSE(refused);
+  CHECK_THAT(refused.error().text, Catch::Contains("--recover"));
+  const auto recovered = ReadSegmentFile(path, TornEnd::kDrop);
+  REQUIRE(recovered);
+  CHECK(recovered->trajectories.at(0).segments.size() == 1);
+  auto log = SegmentLog::Open(path);
+  REQUIRE(log);
+  REQUIRE(log->Append(1, trajectory, trajectory.segments[0]));
+  const auto continued = ReadSegmentFile(path);
+  REQUIRE(continued);
+  CHECK(continued->trajectories.size() == 2);
+}
+
+TEST_CASE("two programs do not record to one file, and no other file is recorded over",
+          "[segments]") {
+  const ScratchFolder folder;
+  const auto path = folder.path() / "log";
+  const auto first = SegmentLog::Open(path);
+  REQUIRE(first);
+  const auto second = SegmentLog::Open(path);
+  REQUIRE_FALSE(second);
+  CHECK(second.error().code == ErrorCode::kUnavailable);
+  REQUIRE(WriteFile(folder.path() / "letter", "Dear Sir"));
+  CHECK_FALSE(SegmentLog::Open(folder.path() / "letter"));
+  CHECK(ReadFile(folder.path() / "letter") == "Dear Sir");
+  CHECK_FALSE(SegmentLog::Open(folder.path() / "no" / "such" / "folder"));
+}
+
+TEST_CASE("a recording takes no segment that its readers would refuse", "[segments]") {
+  const ScratchFolder folder;
+  const auto path = folder.path() / "log";
+  auto log = SegmentLog::Open(path);
+  REQUIRE(log);
+  const Trajectory trajectory = tests::SampleTrajectory();
+  REQUIRE(log->Append(0, trajectory, tests::SampleSegment(4)));
+  CHECK_FALSE(log->Append(0, trajectory, tests::SampleSegment(4)));
+  Segment bad = tests::SampleSegment(5);
+  bad.belief_after[{0, 0}] = 0.0F;
+  CHECK_FALSE(log->Append(0, trajectory, bad));
+  CHECK(SegmentCount(ReadSegmentFile(path).value()) == 1);
+}
+
+}  // namespace
+}  // namespace conav

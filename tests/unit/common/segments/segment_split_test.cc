@@ -1,0 +1,80 @@
+#include "common/segments/segment_split.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <set>
+
+#include "unit/common/segments/support/sample_segments.h"
+
+namespace conav {
+namespace {
+
+SegmentSet Many(std::size_t count) {
+  SegmentSet set;
+  for (std::size_t i = 0; i < count; ++i) {
+    set.trajectories.push_back(tests::SampleTrajectory(i));
+  }
+  return set;
+}
+
+std::set<std::uint64_t> Seeds(const SegmentSet& set) {
+  std::set<std::uint64_t> seeds;
+  for (const Trajectory& trajectory : set.trajectories) seeds.insert(trajectory.world_seed);
+  return seeds;
+}
+
+TEST_CASE("113 trajectories split 95 to 5 with a tenth of the training for validation",
+          "[segments]") {
+  const SegmentSplit split = SplitSegments(Many(113), 1);
+  CHECK(split.test.trajectories.size() == 6);
+  CHECK(split.validation.trajectories.size() == 11);
+  CHECK(split.train.trajectories.size() == 96);
+  std::set<std::uint64_t> all = Seeds(split.train);
+  all.merge(Seeds(split.validation));
+  all.merge(Seeds(split.test));
+  CHECK(all.size() == 113);
+}
+
+TEST_CASE("the split does not depend on the order of the trajectories", "[segments]") {
+  SegmentSet set = Many(40);
+  const SegmentSplit split = SplitSegments(set, 5);
+  std::ranges::reverse(set.trajectories);
+  const SegmentSplit reversed = SplitSegments(set, 5);
+  CHECK(Seeds(split.train) == Seeds(reversed.train));
+  CHECK(Seeds(split.validation) == Seeds(reversed.validation));
+  CHECK(Seeds(split.test) == Seeds(reversed.test));
+}
+
+TEST_CASE("a part keeps the order of the set", "[segments]") {
+  const SegmentSplit split = SplitSegments(Many(40), 5);
+  CHECK(std::ranges::is_sorted(split.train.trajectories, {}, &Trajectory::world_seed));
+}
+
+TEST_CASE("another seed splits otherwise, the same one alike", "[segments]") {
+  const SegmentSet set = Many(60);
+  CHECK(Seeds(SplitSegments(set, 1).test) == Seeds(SplitSegments(set, 1).test));
+  CHECK(Seeds(SplitSegments(set, 1).test) != Seeds(SplitSegments(set, 2).test));
+}
+
+TEST_CASE("three trajectories give each part one, fewer go to training first", "[segments]") {
+  const auto sizes = [](std::size_t count) {
+    const SegmentSplit split = SplitSegments(Many(count), 3);
+    return std::vector<std::size_t>{split.train.trajectories.size(),
+                                    split.validation.trajectories.size(),
+                                    split.test.trajectories.size()};
+  };
+  CHECK(sizes(0) == std::vector<std::size_t>{0, 0, 0});
+  CHECK(sizes(1) == std::vector<std::size_t>{1, 0, 0});
+  CHECK(sizes(2) == std::vector<std::size_t>{1, 0, 1});
+  CHECK(sizes(3) == std::vector<std::size_t>{1, 1, 1});
+}
+
+TEST_CASE("extreme shares still leave a trajectory to each part", "[segments]") {
+  const SegmentSplit split = SplitSegments(Many(10), 3, {.test = 1.0, .validation = 1.0});
+  CHECK(split.test.trajectories.size() == 8);
+  CHECK(split.validation.trajectories.size() == 1);
+  CHECK(split.train.trajectories.size() == 1);
+}
+
+}  // namespace
+}  // namespace conav
