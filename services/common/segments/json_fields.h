@@ -1,0 +1,55 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "common/grid/grid.h"
+
+namespace conav {
+
+/// A line that is not as it must be; ImportSegments turns it into an Error. Stays in this folder.
+struct LineRefused {
+  std::string reason;
+};
+
+template <class... Values>
+[[noreturn]] void RefuseLine(fmt::format_string<Values...> text, Values&&... values) {
+  throw LineRefused{fmt::format(text, std::forward<Values>(values)...)};
+}
+
+/// Takes the members of a JSON object one by one, and knows in the end whether there were others.
+class JsonFields {
+ public:
+  /// `name` is said before a key in messages: "", "pose.".
+  JsonFields(const nlohmann::json& object, std::string name);
+
+  /// Throw LineRefused: missing, of another type.
+  std::string Text(const char* key);
+  double Number(const char* key);
+  std::uint64_t Count(const char* key);
+  std::uint32_t SmallCount(const char* key);
+  const nlohmann::json& Member(const char* key);
+
+  /// The same, for keys that may be missing or null.
+  const nlohmann::json* Find(const char* key);
+  std::string TextOr(const char* key, std::string otherwise);
+  std::uint64_t CountOr(const char* key, std::uint64_t otherwise);
+  std::optional<double> MaybeNumber(const char* key);
+  std::optional<bool> MaybeFlag(const char* key);
+
+  /// Throws LineRefused for a member that was not asked for.
+  void RefuseOthers() const;
+
+ private:
+  [[noreturn]] void Wrong(const char* key, const char* wanted) const;
+
+  const nlohmann::json& object_;
+  std::string name_;
+  std::set<std::string> asked_;
+};
+
+}  // namespace conav

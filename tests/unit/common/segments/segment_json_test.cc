@@ -1,0 +1,158 @@
+#include "common/segments/segment_json.h"
+
+#include <catch2/catch.hpp>
+#include <sstream>
+
+#include "common/runtime/file.h"
+#include "unit/common/segments/support/sample_segments.h"
+#include "unit/common/segments/support/scratch_folder.h"
+
+namespace conav {
+namespace {
+
+std::string Exported(const SegmentSet& set) {
+  std::ostringstream out;
+  ExportSegments(set, out);
+  return out.str();
+}
+
+Result<SegmentSet> Imported(const std::string& text) {
+  std::istringstream in(text);
+  return ImportSegments(in, "data.jsonl");
+}
+
+const std::string kTrajectory =
+    R"({"type": "trajectory", "schema": 1, "origin": "person", "rows": 3, "columns": 3,)"
+    R"( "initial_cell_accuracy": 0.5, "final_cell_accuracy": 1, "final_mapping_accuracy": 1})"
+    "\n";
+const std::string kSegment =
+    R"({"type": "segment", "step": 0, "x": "111111111", "tau": [[1, 1]],)"
+    R"( "pose": {"r": 1, "c": 1, "heading_deg": 45}, "o_free": "000010000",)"
+    R"( "o_wall": "111000000", "x_next": "111101111"})"
+    "\n";
+
+std::string With(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  REQUIRE(at != std::string::npos);
+  return text.replace(at, from.size(), to);
+}
+
+std::string Refusal(const std::string& text) {
+  const auto set = Imported(text);
+  if (set) return "";
+  CHECK(set.error().code == ErrorCode::kMalformed);
+  return set.error().text;
+}
+
+TEST_CASE("exported segments are imported bit by bit, and exported as the same text",
+          "[segments]") {
+  const std::string text = Exported(tests::SampleSet());
+  const auto imported = Imported(text);
+  REQUIRE(imported);
+  CHECK(*imported == tests::SampleSet());
+  CHECK(Exported(*imported) == text);
+}
+
+TEST_CASE("any heading survives its way through degrees", "[segments]") {
+  for (int i = -100; i < 100; ++i) {
+    SegmentSet set = tests::SampleSet();
+    set.trajectories[1].segments[0].query.heading_rad = 0.0314159 * i;
+    CHECK(Imported(Exported(set)) == set);
+  }
+}
+
+TEST_CASE("headings of the eight directions are plain degrees", "[segments]") {
+  CHECK_THAT(Exported(tests::SampleSet()), Catch::Contains(R"("heading_deg":45.0})"));
+}
+
+TEST_CASE("lines need only what nobody else can know", "[segments]") {
+  const auto set = Imported("\n" + kTrajectory + "  \r\n" + kSegment);
+  REQUIRE(set);
+  REQUIRE(set->trajectories.size() == 1);
+  CHECK(set->trajectories[0].origin == SegmentOrigin::kPerson);
+  CHECK_FALSE(set->trajectories[0].truth);
+  const Segment& segment = set->trajectories[0].segments.at(0);
+  CHECK(EditCount(segment) == 1);
+  CHECK(segment.belief_after[{1, 1}] == 0.0F);
+  CHECK(segment.query.visible.walls == std::vector<Cell>{{0, 0}, {0, 1}, {0, 2}});
+  CHECK_FALSE(segment.sent_s);
+  CHECK(Imported("") == SegmentSet());
+}
+
+TEST_CASE("lines that are no record are refused with file and line", "[segments]") {
+  CHECK(Refusal("hello") == "data.jsonl:1: this is no JSON");
+  CHECK(Refusal(kTrajectory + kSegment + "{\"type\": \"seg") == "data.jsonl:3: this is no JSON");
+  CHECK(Refusal("[1]") == "data.jsonl:1: the line is no object");
+  CHECK(Refusal("{}") == "data.jsonl:1: 'type' is missing");
+  CHECK(Refusal(R"({"type": "header"})") ==
+        "data.jsonl:1: 'type' is 'header'; it must be trajectory or segment");
+  CHECK(Refusal(kSegment) == "data.jsonl:1: a segment before any trajectory");
+}
+
+TEST_CASE("a trajectory's line is refused by what is wrong with it", "[segments]") {
+  const auto refused = [](const std::string& from, const std::string& to) {
+    return Refusal(With(kTrajectory, from, to) + kSegment);
+  };
+  CHECK(refused("\"schema\": 1", "\"schema\": 2") ==
+        "data.jsonl:1: schema 2; this program reads 1");
+  CHECK(refused("person", "martian") ==
+        "data.jsonl:1: 'origin' is 'martian'; it must be person, simulated or synthetic");
+  CHECK(refused("\"rows\": 3", "\"rows\": 100000000") ==
+        "data.jsonl:1: 'rows' is 100000000; it must be in [1, 1024]");
+  CHECK(refused("\"rows\": 3", "\"rows\": -3") ==
+        "data.jsonl:1: 'rows' is -3; it must be a whole number from 0 on");
+  CHECK(refused("\"rows\": 3", "\"truth\": \"1\", \"rows\": 3") ==
+        "data.jsonl:1: 'truth' has 1 bits for 9 cells");
+  CHECK(refused("\"rows\": 3", "\"rwos\": 3, \"rows\": 3") == "data.jsonl:1: 'rwos' is not known");
+  CHECK(refused("0.5", "NaN") == "data.jsonl:1: this is no JSON");
+  CHECK(refused("0.5", "1.5") ==
+        "data.jsonl:1: initial cell accuracy is 1.5; it must be in [0, 1]");
+  CHECK(refused("\"rows\": 3", "\"valid\": false, \"rows\": 3") ==
+        "data.jsonl:1: 'valid' is false, but final_mapping_accuracy is 1");
+  CHECK(refused("\"rows\": 3", "\"edits\": 4, \"rows\": 3") ==
+        "data.jsonl:2: the trajectory before has 1 edits, but says 4");
+  CHECK(refused("\"rows\": 3", "\"annotator\": {\"lapse\": \"x\"}, \"rows\": 3") ==
+        "data.jsonl:1: 'annotator.lapse' is \"x\"; it must be a number");
+  CHECK(Refusal(kTrajectory + kTrajectory + kSegment) ==
+        "data.jsonl:2: the trajectory before has no segments");
+}
+
+TEST_CASE("a segment's line is refused by what is wrong with it", "[segments]") {
+  const auto refused = [](const std::string& from, const std::string& to) {
+    return Refusal(kTrajectory + With(kSegment, from, to));
+  };
+  CHECK(refused("\"x\": \"111111111\"", "\"x\": \"11111111\"") ==
+        "data.jsonl:2: 'x' has 8 bits for 9 cells");
+  CHECK(refused("\"x\": \"111111111\"", "\"x\": \"111121111\"") ==
+        "data.jsonl:2: 'x' has a '2' at 4");
+  CHECK(refused("\"x\": \"111111111\", ", "") == "data.jsonl:2: 'x' is missing");
+  CHECK(refused("111101111", "011101111") ==
+        "data.jsonl:2: an edit at (0,0), on the border of the 3 x 3 map");
+  CHECK(refused("[[1, 1]]", "[[1, 7], [1, 1]]") ==
+        "data.jsonl:2: path cell (1,7) is outside of the 3 x 3 map");
+  CHECK(refused("[[1, 1]]", "[[1, 2]]") ==
+        "data.jsonl:2: the path ends in (1,2), but the camera is in (1,1)");
+  CHECK(refused("[[1, 1]]", "[[1, -1]]") ==
+        "data.jsonl:2: 'tau' has -1, which is no row or column below 1024");
+  CHECK(refused("[[1, 1]]", "[1, 1]") == "data.jsonl:2: 'tau' has 1, which is no [row, column]");
+  CHECK(refused("45", "\"north\"") ==
+        "data.jsonl:2: 'pose.heading_deg' is \"north\"; it must be a number");
+  CHECK(refused("45", "45, \"heading_rad\": 3.0") ==
+        "data.jsonl:2: pose: heading_rad 3 is not heading_deg");
+  CHECK(refused("\"step\": 0", "\"step\": 4294967296") ==
+        "data.jsonl:2: 'step' is 4294967296; it must be below 2^32");
+  CHECK(Refusal(kTrajectory + kSegment + kSegment) ==
+        "data.jsonl:3: step 0 after step 0; steps rise");
+}
+
+TEST_CASE("files of JSON lines are read and written", "[segments]") {
+  const tests::ScratchFolder folder;
+  const auto path = folder.path() / "set.jsonl";
+  REQUIRE(ExportSegmentsFile(path, tests::SampleSet()));
+  CHECK(ImportSegmentsFile(path) == tests::SampleSet());
+  CHECK(ImportSegmentsFile(folder.path() / "none").error().code == ErrorCode::kNotFound);
+  CHECK(ExportSegmentsFile("/dev/full", tests::SampleSet()).error().code == ErrorCode::kIo);
+}
+
+}  // namespace
+}  // namespace conav
