@@ -10,7 +10,7 @@ function any_below(list,   i, n, folders) {
 }
 
 BEGIN {
-  pure = "services/common/grid/ services/common/runtime/ services/common/segments/ services/common/svg/ services/nhpm/engine/ services/nhpm/evaluation/ services/sim/world/ services/sim/physics/ services/sim/episode/ " \
+  pure = "services/common/grid/ services/common/runtime/ services/common/segments/ services/common/svg/ services/nhpm/engine/ services/nhpm/training/ services/nhpm/evaluation/ services/sim/world/ services/sim/physics/ services/sim/episode/ " \
          "services/planner/search/ services/planner/decision/ services/nhpm/model/ services/operator/belief/ services/operator/simulated/"
   vendor_places = "services/common/bus/ tests/system/bus/ tests/bench/ tests/unit/common/bus/"
   idl_places = "services/common/bus/ services/common/protocol/convert services/common/service/ tests/"

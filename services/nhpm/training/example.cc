@@ -1,0 +1,70 @@
+#include "nhpm/training/example.h"
+
+#include <fmt/format.h>
+
+#include "common/segments/segment_labels.h"
+
+namespace conav::nhpm {
+namespace {
+
+OutputLabel Label(bool possible, bool edited) {
+  if (!possible) return OutputLabel::kMasked;
+  return edited ? OutputLabel::kEdited : OutputLabel::kKept;
+}
+
+std::vector<OutputLabel> LabelsOfOutputs(const Segment& segment) {
+  const BeliefGrid& belief = segment.query.belief;
+  const EditLabels edits = LabelsOf(segment);
+  std::vector<OutputLabel> labels;
+  labels.reserve(belief.size() * kOutputChannels);
+  for (std::size_t i = 0; i < belief.size(); ++i) {
+    const bool inside = !belief.OnBorder(belief.CellAt(i));
+    const bool wall = belief.values()[i] != 0.0F;
+    labels.push_back(Label(inside && !wall, edits.add.values()[i] != 0));
+    labels.push_back(Label(inside && wall, edits.remove.values()[i] != 0));
+  }
+  return labels;
+}
+
+Example ExampleOf(const Segment& segment, const InputSelection& inputs) {
+  Example example;
+  example.input.resize(segment.query.belief.size() * kInputChannels);
+  EncodeInput(segment.query, inputs, example.input);
+  example.labels = LabelsOfOutputs(segment);
+  return example;
+}
+
+}  // namespace
+
+Result<ExampleSet> ExamplesOf(const SegmentSet& segments, const InputSelection& inputs) {
+  ExampleSet result;
+  for (const Segment* segment : AllSegments(segments)) {
+    const BeliefGrid& belief = segment->query.belief;
+    if (result.examples.empty()) {
+      result.rows = belief.rows();
+      result.columns = belief.columns();
+    }
+    if (belief.rows() != result.rows || belief.columns() != result.columns) {
+      return Fail(ErrorCode::kInvalidArgument,
+                  fmt::format("the data has maps of {} x {} and of {} x {} cells; one network is "
+                              "trained on one size",
+                              result.rows, result.columns, belief.rows(), belief.columns()));
+    }
+    result.examples.push_back(ExampleOf(*segment, inputs));
+  }
+  return result;
+}
+
+double EditShare(const ExampleSet& set) {
+  double kept = 1.0;
+  double edited = 1.0;
+  for (const Example& example : set.examples) {
+    for (const OutputLabel label : example.labels) {
+      kept += label == OutputLabel::kKept ? 1.0 : 0.0;
+      edited += label == OutputLabel::kEdited ? 1.0 : 0.0;
+    }
+  }
+  return edited / (kept + edited);
+}
+
+}  // namespace conav::nhpm

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/runtime/result.h"
+#include "common/segments/segment.h"
+#include "nhpm/model/encoding.h"
+
+namespace conav::nhpm {
+
+/// What an output of the network should say. Masked ones (nothing to add where x has a wall, nothing
+/// to remove where it has none, nothing on the border) are 0 whatever the network says.
+enum class OutputLabel : std::uint8_t { kMasked, kKept, kEdited };
+
+/// A segment as the network learns from it.
+struct Example {
+  std::vector<float> input;         // [rows][columns][kInputChannels], of EncodeInput
+  std::vector<OutputLabel> labels;  // [rows][columns][kOutputChannels]: add, remove
+  bool operator==(const Example&) const = default;
+};
+
+/// Examples of one shape.
+struct ExampleSet {
+  int rows = 0;
+  int columns = 0;
+  std::vector<Example> examples;
+};
+
+/// All segments in order. Requires CheckSegments(segments).
+/// Errors: kInvalidArgument when maps differ in size: one network is trained on one size.
+[[nodiscard]] Result<ExampleSet> ExamplesOf(const SegmentSet& segments,
+                                            const InputSelection& inputs);
+
+/// Share of the unmasked outputs that were edited, in (0, 1): with one added on either side.
+double EditShare(const ExampleSet& set);
+
+}  // namespace conav::nhpm

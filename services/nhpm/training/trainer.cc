@@ -1,0 +1,101 @@
+#include "nhpm/training/trainer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "common/runtime/demand.h"
+#include "common/runtime/random.h"
+
+namespace conav::nhpm {
+namespace {
+
+constexpr std::uint64_t kInitialWeights = 0;  // purpose of a seed; epochs are 1, 2, ...
+
+}  // namespace
+
+TrainingState InitialTrainingState(const TrainingOptions& options, double edit_share) {
+  const NetworkShape shape{options.width};
+  const auto bias = static_cast<float>(std::log(edit_share / (1.0 - edit_share)));
+  NetworkWeights weights = InitialWeights(shape, DeriveSeed(options.seed, kInitialWeights), bias);
+  return {weights, InitialAdamState(shape), weights, 0, {}};
+}
+
+double BestValidationLoss(const TrainingState& state) {
+  DEMAND(state.best_epoch > 0 && static_cast<std::size_t>(state.best_epoch) <= state.epochs.size(),
+         state.best_epoch, state.epochs.size());
+  return state.epochs[static_cast<std::size_t>(state.best_epoch) - 1].validation_loss;
+}
+
+Trainer::Trainer(const TrainingOptions& options, const ExampleSet& train,
+                 const ExampleSet& validation, int threads, TrainingState state)
+    : options_(options),
+      train_(train),
+      validation_(validation),
+      state_(std::move(state)),
+      pass_({options.width}, train.rows, train.columns, threads),
+      packed_(state_.weights),
+      gradient_(ZeroWeights({options.width})) {
+  DEMAND(!train.examples.empty() && !validation.examples.empty(), train.examples.size(),
+         validation.examples.size());
+  DEMAND(train.rows == validation.rows && train.columns == validation.columns, train.rows,
+         train.columns, validation.rows, validation.columns);
+}
+
+bool Trainer::finished() const {
+  const int done = static_cast<int>(state_.epochs.size());
+  const bool tired = options_.patience > 0 && done - state_.best_epoch >= options_.patience;
+  return done >= options_.epochs || tired;
+}
+
+std::vector<BatchItem> Trainer::DrawEpoch() const {
+  Random random(DeriveSeed(options_.seed, state_.epochs.size() + 1));
+  std::vector<BatchItem> items;
+  for (const Example& example : train_.examples) items.push_back({&example, 0});
+  random.Shuffle(items);
+  const int symmetries = GridSymmetries(train_.rows, train_.columns).count();
+  for (BatchItem& item : items) item.symmetry = static_cast<int>(random.Uniform(0, symmetries - 1));
+  return items;
+}
+
+AdamOptions Trainer::OptionsOfEpoch() const {
+  double rate = options_.learning_rate;
+  if (options_.schedule == LearningRateSchedule::kLinear) {
+    rate *= 1.0 - static_cast<double>(state_.epochs.size()) / options_.epochs;
+  }
+  return {.learning_rate = static_cast<float>(rate)};
+}
+
+std::optional<EpochReport> Trainer::RunEpoch(const StopToken& stop) {
+  DEMAND(!finished());
+  const TrainingState before = state_;
+  const AdamOptions adam = OptionsOfEpoch();
+  const std::vector<BatchItem> items = DrawEpoch();
+  const std::size_t batch = static_cast<std::size_t>(options_.batch);
+  double loss = 0.0;
+  for (std::size_t i = 0; i < items.size(); i += batch) {
+    if (stop.stop_requested()) {
+      state_ = before;
+      packed_.Assign(state_.weights);
+      return std::nullopt;
+    }
+    const auto part = std::span(items).subspan(i, std::min(batch, items.size() - i));
+    loss += pass_.Gradient(packed_, part, gradient_);
+    AdamStep(adam, gradient_, state_.adam, state_.weights);
+    packed_.Assign(state_.weights);
+  }
+  state_.epochs.push_back({static_cast<int>(state_.epochs.size()) + 1,
+                           loss / static_cast<double>(items.size()),
+                           pass_.MeanLoss(packed_, validation_.examples)});
+  KeepBest();
+  return state_.epochs.back();
+}
+
+void Trainer::KeepBest() {
+  const EpochReport& last = state_.epochs.back();
+  if (state_.best_epoch > 0 && !(last.validation_loss < BestValidationLoss(state_))) return;
+  state_.best = state_.weights;
+  state_.best_epoch = last.epoch;
+}
+
+}  // namespace conav::nhpm

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "common/runtime/stop_token.h"
+#include "nhpm/training/adam.h"
+#include "nhpm/training/batch_pass.h"
+
+namespace conav::nhpm {
+
+/// How the learning rate goes from the first epoch to the last.
+enum class LearningRateSchedule : std::uint8_t {
+  kConstant,  // the paper's
+  kLinear,    // down to 0 after the last epoch
+};
+
+/// Defaults: paper Appendix B, but for the patience, which it leaves open.
+struct TrainingOptions {
+  int width = 32;
+  int epochs = 200;  // at most
+  int batch = 128;
+  double learning_rate = 1e-3;
+  LearningRateSchedule schedule = LearningRateSchedule::kConstant;
+  int patience = 30;  // epochs without a better validation loss before it stops; 0 = never stops
+  std::uint64_t seed = 1;
+  bool operator==(const TrainingOptions&) const = default;
+};
+
+struct EpochReport {
+  int epoch = 0;                 // from 1
+  double train_loss = 0.0;       // MBCE, mean over the epoch while the weights moved
+  double validation_loss = 0.0;  // MBCE after the epoch
+  bool operator==(const EpochReport&) const = default;
+};
+
+/// All that a training needs to go on where it was. The random numbers of an epoch follow from seed
+/// and epoch.
+struct TrainingState {
+  NetworkWeights weights;
+  AdamState adam;
+  NetworkWeights best;  // of the lowest validation loss
+  int best_epoch = 0;   // 0 = none yet
+  std::vector<EpochReport> epochs;
+  bool operator==(const TrainingState&) const = default;
+};
+
+/// Before the first epoch. The last biases start at the logit of `edit_share` (EditShare).
+TrainingState InitialTrainingState(const TrainingOptions& options, double edit_share);
+
+/// Trains the network of paper Appendix B: Adam, mini-batches, a random symmetry of each example in
+/// each epoch, early stopping on the validation loss.
+///
+/// The result depends on options and examples only: the same bits on any number of threads, and
+/// after any number of interruptions between which the state was kept.
+class Trainer {
+ public:
+  /// Keeps references to the sets; both have examples, of one shape. `threads` > 0.
+  Trainer(const TrainingOptions& options, const ExampleSet& train, const ExampleSet& validation,
+          int threads, TrainingState state);
+
+  /// One pass over the training examples, then one over the validation examples. Nothing, with the
+  /// state of before, when `stop` asks for an end meanwhile. Requires !finished().
+  std::optional<EpochReport> RunEpoch(const StopToken& stop);
+
+  /// All epochs done, or `patience` of them without a better validation loss.
+  bool finished() const;
+  const TrainingState& state() const { return state_; }
+
+ private:
+  std::vector<BatchItem> DrawEpoch() const;
+  AdamOptions OptionsOfEpoch() const;
+  void KeepBest();
+
+  TrainingOptions options_;
+  const ExampleSet& train_;
+  const ExampleSet& validation_;
+  TrainingState state_;
+  BatchPass pass_;
+  TrainingWeights packed_;
+  NetworkWeights gradient_;
+};
+
+/// The validation loss of `best_epoch`. Requires best_epoch > 0.
+double BestValidationLoss(const TrainingState& state);
+
+}  // namespace conav::nhpm

@@ -1,0 +1,154 @@
+#include "nhpm/training/batch_pass.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "nhpm/training/loss.h"
+#include "unit/nhpm/training/made_up_examples.h"
+
+namespace conav::nhpm {
+namespace {
+
+std::vector<BatchItem> Batch(const ExampleSet& set) {
+  std::vector<BatchItem> items;
+  for (const Example& example : set.examples) {
+    items.push_back({&example, static_cast<int>(items.size() % 4)});
+  }
+  return items;
+}
+
+TEST_CASE("Loss and gradient have the same bits on any number of threads", "[nhpm][training]") {
+  const int count = GENERATE(1, 15, 37);
+  const ExampleSet set = MadeUpExamples(7, 6, count, 3);
+  const NetworkWeights weights = InitialWeights({16}, 4);
+  const TrainingWeights packed(weights);
+  NetworkWeights expected = ZeroWeights({16});
+  const double loss = BatchPass({16}, 7, 6, 1).Gradient(packed, Batch(set), expected);
+  const double mean = BatchPass({16}, 7, 6, 1).MeanLoss(packed, set.examples);
+  for (const int threads : {2, 3, 20}) {
+    BatchPass pass({16}, 7, 6, threads);
+    NetworkWeights gradient = ZeroWeights({16});
+    CHECK(pass.Gradient(packed, Batch(set), gradient) == loss);
+    CHECK((gradient == expected));
+    CHECK(pass.MeanLoss(packed, set.examples) == mean);
+  }
+}
+
+TEST_CASE("A gradient does not remember the batch before", "[nhpm][training]") {
+  const ExampleSet set = MadeUpExamples(5, 5, 40, 3);
+  const TrainingWeights packed(InitialWeights({16}, 4));
+  BatchPass pass({16}, 5, 5, 2);
+  NetworkWeights first = ZeroWeights({16});
+  NetworkWeights second = ZeroWeights({16});
+  pass.Gradient(packed, Batch(set), first);
+  const std::vector<BatchItem> items = Batch(set);
+  pass.Gradient(packed, std::span(items).first(3), second);
+  pass.Gradient(packed, Batch(set), second);
+  CHECK((first == second));
+}
+
+/// A network in double, written as the paper's appendix says it, to differentiate by differences.
+class ReferenceNetwork {
+ public:
+  ReferenceNetwork(int rows, int columns) : rows_(rows), columns_(columns) {}
+
+  double Loss(const NetworkWeights& weights, const Example& example, std::size_t layer,
+              std::size_t index, double change) const {
+    std::vector<double> values(example.input.begin(), example.input.end());
+    for (int i = 0; i < kNetworkLayers; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      std::vector<double> w(weights.weights[at].begin(), weights.weights[at].end());
+      if (at == layer) w[index] += change;
+      values = Convolve(values, w, weights.biases[at], weights.shape.InputsOf(i));
+      if (i + 1 < kNetworkLayers) {
+        for (double& value : values) value = std::fmax(value, 0.0);
+      }
+    }
+    return LossOf(values, example.labels);
+  }
+
+ private:
+  std::vector<double> Convolve(const std::vector<double>& in, const std::vector<double>& w,
+                               const std::vector<float>& biases, int inputs) const {
+    const int outputs = static_cast<int>(biases.size());
+    std::vector<double> out;
+    for (int cell = 0; cell < rows_ * columns_; ++cell) {
+      for (int o = 0; o < outputs; ++o) {
+        double sum = static_cast<double>(biases[static_cast<std::size_t>(o)]);
+        for (int tap = 0; tap < 9; ++tap) {
+          const int row = cell / columns_ + tap / 3 - 1;
+          const int column = cell % columns_ + tap % 3 - 1;
+          if (row < 0 || column < 0 || row >= rows_ || column >= columns_) continue;
+          for (int i = 0; i < inputs; ++i) {
+            sum += in[static_cast<std::size_t>((row * columns_ + column) * inputs + i)] *
+                   w[static_cast<std::size_t>((tap * inputs + i) * outputs + o)];
+          }
+        }
+        out.push_back(sum);
+      }
+    }
+    return out;
+  }
+
+  static double LossOf(const std::vector<double>& logits, const std::vector<OutputLabel>& labels) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+      if (labels[i] == OutputLabel::kMasked) continue;
+      sum += std::log1p(std::exp(labels[i] == OutputLabel::kEdited ? -logits[i] : logits[i]));
+    }
+    return sum / static_cast<double>(labels.size());
+  }
+
+  int rows_;
+  int columns_;
+};
+
+TEST_CASE("The gradient agrees with differences of the loss in every layer", "[nhpm][training]") {
+  const ExampleSet set = MadeUpExamples(5, 6, 1, 11);
+  const Example& example = set.examples[0];
+  const NetworkWeights weights = InitialWeights({16}, 12, -1.0F);
+  NetworkWeights gradient = ZeroWeights({16});
+  const BatchItem item{&example, 0};
+  BatchPass({16}, 5, 6, 1).Gradient(TrainingWeights(weights), {&item, 1}, gradient);
+  const ReferenceNetwork reference(5, 6);
+  for (std::size_t layer = 0; layer < kNetworkLayers; ++layer) {
+    for (std::size_t i = 0; i < gradient.weights[layer].size(); i += 29) {
+      INFO("layer " << layer << " weight " << i);
+      constexpr double kStep = 1e-6;
+      const double slope = (reference.Loss(weights, example, layer, i, kStep) -
+                            reference.Loss(weights, example, layer, i, -kStep)) /
+                           (2.0 * kStep);
+      CHECK(static_cast<double>(gradient.weights[layer][i]) ==
+            Approx(slope).epsilon(2e-4).margin(2e-7));
+    }
+  }
+}
+
+TEST_CASE("The loss is that of the reference network", "[nhpm][training]") {
+  const ExampleSet set = MadeUpExamples(4, 7, 1, 13);
+  const NetworkWeights weights = InitialWeights({16}, 14, -1.0F);
+  const double loss = BatchPass({16}, 4, 7, 1).MeanLoss(TrainingWeights(weights), set.examples);
+  const double expected = ReferenceNetwork(4, 7).Loss(weights, set.examples[0], 0, 0, 0.0);
+  CHECK(loss == Approx(expected).epsilon(1e-5));
+}
+
+TEST_CASE("The gradient of a batch is the mean of its examples' gradients", "[nhpm][training]") {
+  const ExampleSet set = MadeUpExamples(5, 5, 2, 17);
+  const TrainingWeights packed(InitialWeights({16}, 18));
+  BatchPass pass({16}, 5, 5, 1);
+  std::vector<NetworkWeights> single(2, ZeroWeights({16}));
+  for (std::size_t i = 0; i < 2; ++i) {
+    const BatchItem item{&set.examples[i], 0};
+    pass.Gradient(packed, {&item, 1}, single[i]);
+  }
+  NetworkWeights both = ZeroWeights({16});
+  const std::vector<BatchItem> items{{&set.examples[0], 0}, {&set.examples[1], 0}};
+  pass.Gradient(packed, items, both);
+  for (std::size_t i = 0; i < both.weights[2].size(); ++i) {
+    const float mean = 0.5F * (single[0].weights[2][i] + single[1].weights[2][i]);
+    CHECK(both.weights[2][i] == Approx(mean).margin(1e-8));
+  }
+}
+
+}  // namespace
+}  // namespace conav::nhpm

@@ -1,0 +1,96 @@
+#include "nhpm/training/checkpoint.h"
+
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <limits>
+
+#include "common/runtime/file.h"
+
+namespace conav::nhpm {
+namespace {
+
+class TemporaryFile {
+ public:
+  TemporaryFile()
+      : path_(std::filesystem::temp_directory_path() /
+              ("conav-checkpoint-" + std::to_string(::getpid()))) {}
+  ~TemporaryFile() { std::filesystem::remove(path_); }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+Checkpoint SomeCheckpoint() {
+  Checkpoint checkpoint;
+  checkpoint.settings = {{"seed", "3"}, {"width", "16"}};
+  checkpoint.state.weights = InitialWeights({16}, 1);
+  checkpoint.state.adam = {InitialWeights({16}, 2), InitialWeights({16}, 3), 77};
+  checkpoint.state.best = InitialWeights({16}, 4);
+  checkpoint.state.best_epoch = 1;
+  checkpoint.state.epochs = {{1, 0.25, 0.5}, {2, 0.125, 0.1 + 0.2}};
+  return checkpoint;
+}
+
+Error ErrorOf(const Checkpoint& checkpoint) {
+  const TemporaryFile file;
+  REQUIRE(WriteCheckpoint(file.path(), checkpoint));
+  const auto read = ReadCheckpoint(file.path());
+  REQUIRE_FALSE(read);
+  CHECK(read.error().code == ErrorCode::kMalformed);
+  CHECK_THAT(read.error().text, Catch::StartsWith(file.path().string() + ": "));
+  return read.error();
+}
+
+TEST_CASE("A checkpoint is read as it was written", "[nhpm][training]") {
+  const TemporaryFile file;
+  const Checkpoint checkpoint = SomeCheckpoint();
+  REQUIRE(WriteCheckpoint(file.path(), checkpoint));
+  const auto read = ReadCheckpoint(file.path());
+  REQUIRE(read);
+  CHECK((*read == checkpoint));
+}
+
+TEST_CASE("A checkpoint that is missing, cut off, damaged or something else is refused",
+          "[nhpm][training]") {
+  CHECK(ReadCheckpoint("/nonexistent/x").error().code == ErrorCode::kNotFound);
+  const TemporaryFile file;
+  REQUIRE(WriteCheckpoint(file.path(), SomeCheckpoint()));
+  std::string bytes = ReadFile(file.path()).value();
+  const auto refused = [&](std::string_view changed) {
+    REQUIRE(WriteFile(file.path(), changed));
+    const auto read = ReadCheckpoint(file.path());
+    return !read && read.error().code == ErrorCode::kMalformed;
+  };
+  for (const std::size_t size : {0UL, 3UL, 79UL, 80UL, 81UL, bytes.size() / 2, bytes.size() - 1}) {
+    CHECK(refused(std::string_view(bytes).substr(0, size)));
+  }
+  CHECK(refused("CNVW" + bytes.substr(4)));
+  bytes[bytes.size() - 9] = static_cast<char>(bytes[bytes.size() - 9] ^ 1);
+  CHECK(refused(bytes));
+}
+
+TEST_CASE("A checkpoint that contradicts itself is refused", "[nhpm][training]") {
+  Checkpoint checkpoint = SomeCheckpoint();
+  checkpoint.state.best_epoch = 3;
+  CHECK_THAT(ErrorOf(checkpoint).text, Catch::EndsWith("best epoch 3 of 2"));
+  checkpoint = SomeCheckpoint();
+  checkpoint.state.adam.second = InitialWeights({32}, 3);
+  CHECK_THAT(ErrorOf(checkpoint).text,
+             Catch::Contains("second moments: weights of layer 0: 1152 values instead of 576"));
+  checkpoint = SomeCheckpoint();
+  checkpoint.state.epochs[1].train_loss = std::numeric_limits<double>::quiet_NaN();
+  CHECK_THAT(ErrorOf(checkpoint).text, Catch::EndsWith("the losses of epoch 2 are not finite"));
+}
+
+TEST_CASE("Differences between settings are named", "[nhpm][training]") {
+  CHECK(DifferenceText({{"seed", "1"}}, {{"seed", "1"}}).empty());
+  CHECK(DifferenceText({{"data", "x"}, {"seed", "1"}}, {{"data", "x"}, {"seed", "2"}}) ==
+        "seed 1 there, 2 now");
+  CHECK(DifferenceText({{"a", "1"}}, {{"b", "2"}}) ==
+        "a 1 there, (nothing) now; b (nothing) there, 2 now");
+}
+
+}  // namespace
+}  // namespace conav::nhpm

@@ -1,0 +1,90 @@
+#include "nhpm/training/example.h"
+
+#include <catch2/catch.hpp>
+
+namespace conav::nhpm {
+namespace {
+
+constexpr auto kMasked = OutputLabel::kMasked;
+constexpr auto kKept = OutputLabel::kKept;
+constexpr auto kEdited = OutputLabel::kEdited;
+
+/// 3 x 4: two cells inside, a wall in the second; the person adds one and removes the other.
+Segment SmallSegment() {
+  Segment segment;
+  segment.query.belief = BeliefGrid(3, 4, 1.0F);
+  segment.query.belief[{1, 1}] = 0.0F;
+  segment.query.path = {{1, 1}};
+  segment.query.cell = {1, 1};
+  segment.query.visible = {{{1, 1}, {1, 2}}, {}};
+  segment.belief_after = segment.query.belief;
+  segment.belief_after[{1, 1}] = 1.0F;
+  segment.belief_after[{1, 2}] = 0.0F;
+  return segment;
+}
+
+SegmentSet SetOf(std::vector<Segment> segments) {
+  Trajectory trajectory;
+  trajectory.segments = std::move(segments);
+  return {{trajectory}};
+}
+
+TEST_CASE("Only outputs that can be edits are learned from", "[nhpm][training]") {
+  const ExampleSet set = ExamplesOf(SetOf({SmallSegment()}), {}).value();
+  CHECK(set.rows == 3);
+  CHECK(set.columns == 4);
+  REQUIRE(set.examples.size() == 1);
+  const std::vector<OutputLabel>& labels = set.examples[0].labels;
+  REQUIRE(labels.size() == 24);
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const bool edited = i == 10 || i == 13;  // add at (1, 1), remove at (1, 2)
+    CHECK(labels[i] == (edited ? kEdited : kMasked));
+  }
+}
+
+TEST_CASE("What was not edited is kept", "[nhpm][training]") {
+  Segment segment = SmallSegment();
+  segment.belief_after = segment.query.belief;
+  const ExampleSet set = ExamplesOf(SetOf({segment}), {}).value();
+  CHECK(set.examples[0].labels[10] == kKept);
+  CHECK(set.examples[0].labels[13] == kKept);
+}
+
+TEST_CASE("The input is the encoded query", "[nhpm][training]") {
+  const Segment segment = SmallSegment();
+  const InputSelection inputs{.belief = true, .path = false, .view = true};
+  const ExampleSet set = ExamplesOf(SetOf({segment}), inputs).value();
+  std::vector<float> expected(12 * kInputChannels);
+  EncodeInput(segment.query, inputs, expected);
+  CHECK((set.examples[0].input == expected));
+}
+
+TEST_CASE("Leaving x out of the inputs leaves the masks as they are", "[nhpm][training]") {
+  const SegmentSet segments = SetOf({SmallSegment()});
+  const ExampleSet with = ExamplesOf(segments, {}).value();
+  const ExampleSet without = ExamplesOf(segments, {.belief = false}).value();
+  CHECK((with.examples[0].labels == without.examples[0].labels));
+  CHECK_FALSE((with.examples[0].input == without.examples[0].input));
+}
+
+TEST_CASE("No segments give no examples", "[nhpm][training]") {
+  CHECK(ExamplesOf({}, {}).value().examples.empty());
+}
+
+TEST_CASE("Maps of two sizes are refused", "[nhpm][training]") {
+  Segment other = SmallSegment();
+  other.query.belief = BeliefGrid(5, 4, 1.0F);
+  other.belief_after = other.query.belief;
+  const auto examples = ExamplesOf(SetOf({SmallSegment(), other}), {});
+  REQUIRE_FALSE(examples);
+  CHECK(examples.error().code == ErrorCode::kInvalidArgument);
+  CHECK_THAT(examples.error().text, Catch::Contains("maps of 3 x 4 and of 5 x 4 cells"));
+}
+
+TEST_CASE("The share of edits never is 0 or 1", "[nhpm][training]") {
+  CHECK(EditShare({}) == 0.5);
+  CHECK(EditShare({1, 1, {{{}, {kKept, kMasked}}, {{}, {kKept, kEdited}}}}) == 2.0 / 5.0);
+}
+
+}  // namespace
+}  // namespace conav::nhpm

@@ -1,0 +1,152 @@
+#include "nhpm/training/trainer.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+
+#include "unit/nhpm/training/made_up_examples.h"
+
+namespace conav::nhpm {
+namespace {
+
+TrainingOptions SmallOptions() {
+  TrainingOptions options;
+  options.width = 16;
+  options.epochs = 5;
+  options.batch = 10;
+  options.learning_rate = 3e-3;
+  return options;
+}
+
+TrainingState Initial(const TrainingOptions& options) { return InitialTrainingState(options, 0.1); }
+
+void RunToEnd(Trainer& trainer) {
+  const StopToken never;
+  while (!trainer.finished()) REQUIRE(trainer.RunEpoch(never));
+}
+
+TEST_CASE("A training gives the same bits on one, two and three threads", "[nhpm][training]") {
+  const ExampleSet train = MadeUpExamples(5, 5, 23, 1);
+  const ExampleSet validation = MadeUpExamples(5, 5, 7, 2);
+  const TrainingOptions options = SmallOptions();
+  Trainer one(options, train, validation, 1, Initial(options));
+  RunToEnd(one);
+  CHECK(one.state().epochs.size() == 5);
+  for (const int threads : {2, 3}) {
+    Trainer many(options, train, validation, threads, Initial(options));
+    RunToEnd(many);
+    CHECK((many.state() == one.state()));
+  }
+}
+
+TEST_CASE("A training that is taken up again ends as one that was not interrupted",
+          "[nhpm][training]") {
+  const ExampleSet train = MadeUpExamples(5, 6, 23, 1);
+  const ExampleSet validation = MadeUpExamples(5, 6, 7, 2);
+  TrainingOptions options = SmallOptions();
+  options.schedule = GENERATE(LearningRateSchedule::kConstant, LearningRateSchedule::kLinear);
+  Trainer whole(options, train, validation, 1, Initial(options));
+  RunToEnd(whole);
+  TrainingState state = Initial(options);
+  const StopToken never;
+  for (int epoch = 0; epoch < 5; ++epoch) {
+    Trainer part(options, train, validation, 1 + epoch % 2, state);
+    REQUIRE(part.RunEpoch(never));
+    state = part.state();
+  }
+  CHECK((state == whole.state()));
+}
+
+TEST_CASE("A stop leaves the state of the last whole epoch, and the training can go on",
+          "[nhpm][training]") {
+  const ExampleSet set = MadeUpExamples(5, 5, 23, 1);
+  const TrainingOptions options = SmallOptions();
+  Trainer trainer(options, set, set, 1, Initial(options));
+  const StopToken never;
+  StopToken stop;
+  stop.RequestStop();
+  REQUIRE(trainer.RunEpoch(never));
+  const TrainingState before = trainer.state();
+  CHECK_FALSE(trainer.RunEpoch(stop));
+  CHECK((trainer.state() == before));
+  RunToEnd(trainer);
+  Trainer whole(options, set, set, 1, Initial(options));
+  RunToEnd(whole);
+  CHECK((trainer.state() == whole.state()));
+}
+
+TEST_CASE("Another seed gives another training", "[nhpm][training]") {
+  const ExampleSet set = MadeUpExamples(5, 5, 11, 1);
+  TrainingOptions options = SmallOptions();
+  Trainer one(options, set, set, 1, Initial(options));
+  options.seed = 2;
+  Trainer other(options, set, set, 1, Initial(options));
+  RunToEnd(one);
+  RunToEnd(other);
+  CHECK_FALSE((one.state().weights == other.state().weights));
+}
+
+TEST_CASE("A few examples are learned by heart", "[nhpm][training]") {
+  const ExampleSet set = MadeUpExamples(5, 5, 4, 9);
+  TrainingOptions options = SmallOptions();
+  options.epochs = 400;
+  options.batch = 4;
+  options.learning_rate = 1e-2;
+  options.patience = 0;
+  Trainer trainer(options, set, set, 2, Initial(options));
+  RunToEnd(trainer);
+  CHECK(trainer.state().epochs.front().validation_loss > 0.03);
+  CHECK(BestValidationLoss(trainer.state()) < 1e-3);
+}
+
+TEST_CASE(
+    "It stops after as many epochs without a better loss as it has patience, and keeps the best",
+    "[nhpm][training]") {
+  // The validation examples follow the opposite rule: what is learned makes them worse.
+  const ExampleSet train = MadeUpExamples(5, 5, 20, 1);
+  ExampleSet validation = MadeUpExamples(5, 5, 5, 2);
+  for (Example& example : validation.examples) {
+    for (OutputLabel& label : example.labels) {
+      if (label == OutputLabel::kMasked) continue;
+      label = label == OutputLabel::kKept ? OutputLabel::kEdited : OutputLabel::kKept;
+    }
+  }
+  TrainingOptions options = SmallOptions();
+  options.epochs = 60;
+  options.patience = 3;
+  const StopToken never;
+  Trainer trainer(options, train, validation, 2, Initial(options));
+  NetworkWeights best;
+  double lowest = 1e9;
+  int best_epoch = 0;
+  while (!trainer.finished()) {
+    const EpochReport report = trainer.RunEpoch(never).value();
+    if (report.validation_loss >= lowest) continue;
+    lowest = report.validation_loss;
+    best_epoch = report.epoch;
+    best = trainer.state().weights;
+  }
+  const TrainingState& state = trainer.state();
+  CHECK(state.best_epoch == best_epoch);
+  CHECK(static_cast<int>(state.epochs.size()) == best_epoch + 3);
+  CHECK((state.best == best));
+  CHECK_FALSE((state.best == state.weights));
+  CHECK(BestValidationLoss(state) == lowest);
+}
+
+TEST_CASE("A linear schedule takes smaller steps from the second epoch on", "[nhpm][training]") {
+  const ExampleSet set = MadeUpExamples(5, 5, 11, 1);
+  TrainingOptions options = SmallOptions();
+  const StopToken never;
+  Trainer constant(options, set, set, 1, Initial(options));
+  options.schedule = LearningRateSchedule::kLinear;
+  Trainer linear(options, set, set, 1, Initial(options));
+  REQUIRE(constant.RunEpoch(never));
+  REQUIRE(linear.RunEpoch(never));
+  CHECK((constant.state() == linear.state()));
+  REQUIRE(constant.RunEpoch(never));
+  REQUIRE(linear.RunEpoch(never));
+  CHECK_FALSE((constant.state().weights == linear.state().weights));
+}
+
+}  // namespace
+}  // namespace conav::nhpm

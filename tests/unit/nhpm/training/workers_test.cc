@@ -1,0 +1,24 @@
+#include "nhpm/training/workers.h"
+
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <vector>
+
+namespace conav::nhpm {
+namespace {
+
+TEST_CASE("Each index is taken once, by a worker that exists", "[nhpm][training]") {
+  const int threads = GENERATE(1, 2, 7);
+  const int count = GENERATE(0, 1, 5, 100);
+  std::vector<std::atomic<int>> taken(100);
+  std::atomic<bool> known_workers{true};
+  RunOnWorkers(threads, count, [&](int worker, int index) {
+    ++taken[static_cast<std::size_t>(index)];
+    if (worker < 0 || worker >= threads) known_workers = false;
+  });
+  CHECK(known_workers);
+  for (int i = 0; i < 100; ++i) CHECK(taken[static_cast<std::size_t>(i)] == (i < count ? 1 : 0));
+}
+
+}  // namespace
+}  // namespace conav::nhpm
