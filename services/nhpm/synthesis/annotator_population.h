@@ -1,0 +1,83 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "common/runtime/config.h"
+#include "common/runtime/random.h"
+#include "common/runtime/result.h"
+#include "operator/simulated/picture_reader.h"
+
+namespace conav::nhpm {
+
+/// One parameter over people: bell-shaped around the mean, cut where the parameter's range ends.
+struct ParameterSpread {
+  double mean = 0.0;
+  double deviation = 0.0;  // standard deviation; 0 = all people alike
+  bool operator==(const ParameterSpread&) const = default;
+};
+
+/// How the people of one kind differ: a distribution for each of PictureReaderParameters, where
+/// units and meanings are, and for how long they go on.
+struct AnnotatorKind {
+  ParameterSpread edit_probability{0.88, 0.06};
+  ParameterSpread decay_cells{9.0, 1.5};
+  ParameterSpread path_removal_probability{0.96, 0.02};
+  ParameterSpread far_centre_probability{0.9, 0.05};
+  ParameterSpread far_cells{3.0, 0.0};
+  ParameterSpread centre_deg{10.0, 0.0};
+  ParameterSpread lateral_factor{0.5, 0.12};
+  ParameterSpread lateral_deg{25.0, 0.0};
+  ParameterSpread misplacement_probability{0.5, 0.12};
+  ParameterSpread near_cells{4.0, 0.0};
+  ParameterSpread lapse_probability{0.05, 0.02};
+  ParameterSpread guess_probability{0.03, 0.01};
+  ParameterSpread edit_limit{6.0, 1.0};  // rounded
+  /// Pictures looked at after the one of the last goal, rounded. Paper Appendix A: people may go
+  /// on refining the map.
+  ParameterSpread extra_pictures{10.5, 2.0};
+
+  void Visit(ConfigReader& reader);
+  bool operator==(const AnnotatorKind&) const = default;
+};
+
+/// People whose work mostly fails the filter of paper Appendix A.
+AnnotatorKind CarelessKind();
+
+/// One synthetic person.
+struct Annotator {
+  operators::PictureReaderParameters reader;
+  int extra_pictures = 0;
+};
+
+/// SYNTHETIC people: nobody fitted these numbers to data. They show the patterns that the paper
+/// reports (section 6.1, figure 3; section 6.3): edits fall with distance, near walls land one cell
+/// off along the view, far walls at the image centre that continue a wall are preferred to near
+/// lateral ones, the robot's path opens walls, people overlook, guess, and differ.
+///
+/// Kept in deploy/config/annotators.yaml, section `annotators:`; its values are the defaults here.
+struct AnnotatorPopulation {
+  AnnotatorKind careful;
+  AnnotatorKind careless = CarelessKind();
+  double careless_share = 0.25;  // of all people
+
+  void Visit(ConfigReader& reader);
+  bool operator==(const AnnotatorPopulation&) const = default;
+};
+
+/// Throws StartupError that names file, key, value and limit (an unknown key, a wrong type, a mean
+/// out of the parameter's range, a negative deviation, no file, no section).
+AnnotatorPopulation ReadPopulation(const std::filesystem::path& file);
+
+/// Somebody. Equal random numbers give the same person on every machine.
+Annotator DrawAnnotator(const AnnotatorPopulation& population, Random& random);
+
+/// PictureReaderParameters by the names of their config, as Trajectory::annotator keeps them.
+std::map<std::string, double> ToNamedValues(operators::PictureReaderParameters parameters);
+/// The way back, exactly. Errors: kInvalidArgument for a name that is missing or unknown and for a
+/// value out of range.
+[[nodiscard]] Result<operators::PictureReaderParameters> FromNamedValues(
+    const std::map<std::string, double>& values);
+
+}  // namespace conav::nhpm
