@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "common/runtime/demand.h"
 #include "common/segments/segment_labels.h"
 
 namespace conav::nhpm {
@@ -36,7 +37,21 @@ Example ExampleOf(const Segment& segment, const InputSelection& inputs) {
 
 }  // namespace
 
-Result<ExampleSet> ExamplesOf(const SegmentSet& segments, const InputSelection& inputs) {
+Result<void> CheckOneSize(const SegmentSet& segments) {
+  const BeliefGrid* first = nullptr;
+  for (const Segment* segment : AllSegments(segments)) {
+    const BeliefGrid& belief = segment->query.belief;
+    if (first == nullptr) first = &belief;
+    if (belief.rows() == first->rows() && belief.columns() == first->columns()) continue;
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("has maps of {} x {} and of {} x {} cells; one network is trained on "
+                            "one size",
+                            first->rows(), first->columns(), belief.rows(), belief.columns()));
+  }
+  return {};
+}
+
+ExampleSet ExamplesOf(const SegmentSet& segments, const InputSelection& inputs) {
   ExampleSet result;
   for (const Segment* segment : AllSegments(segments)) {
     const BeliefGrid& belief = segment->query.belief;
@@ -44,12 +59,8 @@ Result<ExampleSet> ExamplesOf(const SegmentSet& segments, const InputSelection& 
       result.rows = belief.rows();
       result.columns = belief.columns();
     }
-    if (belief.rows() != result.rows || belief.columns() != result.columns) {
-      return Fail(ErrorCode::kInvalidArgument,
-                  fmt::format("the data has maps of {} x {} and of {} x {} cells; one network is "
-                              "trained on one size",
-                              result.rows, result.columns, belief.rows(), belief.columns()));
-    }
+    DEMAND(belief.rows() == result.rows && belief.columns() == result.columns, belief.rows(),
+           belief.columns(), result.rows, result.columns);
     result.examples.push_back(ExampleOf(*segment, inputs));
   }
   return result;

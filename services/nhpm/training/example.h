@@ -27,10 +27,12 @@ struct ExampleSet {
   std::vector<Example> examples;
 };
 
-/// All segments in order. Requires CheckSegments(segments).
-/// Errors: kInvalidArgument when maps differ in size: one network is trained on one size.
-[[nodiscard]] Result<ExampleSet> ExamplesOf(const SegmentSet& segments,
-                                            const InputSelection& inputs);
+/// One network is trained on one size of map.
+/// Errors: kInvalidArgument when maps differ in size.
+[[nodiscard]] Result<void> CheckOneSize(const SegmentSet& segments);
+
+/// All segments in order. Requires CheckSegments(segments) and CheckOneSize(segments).
+ExampleSet ExamplesOf(const SegmentSet& segments, const InputSelection& inputs);
 
 /// Share of the unmasked outputs that were edited, in (0, 1): with one added on either side.
 double EditShare(const ExampleSet& set);

@@ -30,7 +30,7 @@ SegmentSet SetOf(std::vector<Segment> segments) {
 }
 
 TEST_CASE("Only outputs that can be edits are learned from", "[nhpm][training]") {
-  const ExampleSet set = ExamplesOf(SetOf({SmallSegment()}), {}).value();
+  const ExampleSet set = ExamplesOf(SetOf({SmallSegment()}), {});
   CHECK(set.rows == 3);
   CHECK(set.columns == 4);
   REQUIRE(set.examples.size() == 1);
@@ -45,7 +45,7 @@ TEST_CASE("Only outputs that can be edits are learned from", "[nhpm][training]")
 TEST_CASE("What was not edited is kept", "[nhpm][training]") {
   Segment segment = SmallSegment();
   segment.belief_after = segment.query.belief;
-  const ExampleSet set = ExamplesOf(SetOf({segment}), {}).value();
+  const ExampleSet set = ExamplesOf(SetOf({segment}), {});
   CHECK(set.examples[0].labels[10] == kKept);
   CHECK(set.examples[0].labels[13] == kKept);
 }
@@ -53,7 +53,7 @@ TEST_CASE("What was not edited is kept", "[nhpm][training]") {
 TEST_CASE("The input is the encoded query", "[nhpm][training]") {
   const Segment segment = SmallSegment();
   const InputSelection inputs{.belief = true, .path = false, .view = true};
-  const ExampleSet set = ExamplesOf(SetOf({segment}), inputs).value();
+  const ExampleSet set = ExamplesOf(SetOf({segment}), inputs);
   std::vector<float> expected(12 * kInputChannels);
   EncodeInput(segment.query, inputs, expected);
   CHECK((set.examples[0].input == expected));
@@ -61,24 +61,25 @@ TEST_CASE("The input is the encoded query", "[nhpm][training]") {
 
 TEST_CASE("Leaving x out of the inputs leaves the masks as they are", "[nhpm][training]") {
   const SegmentSet segments = SetOf({SmallSegment()});
-  const ExampleSet with = ExamplesOf(segments, {}).value();
-  const ExampleSet without = ExamplesOf(segments, {.belief = false}).value();
+  const ExampleSet with = ExamplesOf(segments, {});
+  const ExampleSet without = ExamplesOf(segments, {.belief = false});
   CHECK((with.examples[0].labels == without.examples[0].labels));
   CHECK_FALSE((with.examples[0].input == without.examples[0].input));
 }
 
 TEST_CASE("No segments give no examples", "[nhpm][training]") {
-  CHECK(ExamplesOf({}, {}).value().examples.empty());
+  CHECK(ExamplesOf({}, {}).examples.empty());
 }
 
 TEST_CASE("Maps of two sizes are refused", "[nhpm][training]") {
   Segment other = SmallSegment();
   other.query.belief = BeliefGrid(5, 4, 1.0F);
   other.belief_after = other.query.belief;
-  const auto examples = ExamplesOf(SetOf({SmallSegment(), other}), {});
-  REQUIRE_FALSE(examples);
-  CHECK(examples.error().code == ErrorCode::kInvalidArgument);
-  CHECK_THAT(examples.error().text, Catch::Contains("maps of 3 x 4 and of 5 x 4 cells"));
+  CHECK(CheckOneSize(SetOf({SmallSegment(), SmallSegment()})));
+  const auto checked = CheckOneSize(SetOf({SmallSegment(), other}));
+  REQUIRE_FALSE(checked);
+  CHECK(checked.error().code == ErrorCode::kInvalidArgument);
+  CHECK_THAT(checked.error().text, Catch::StartsWith("has maps of 3 x 4 and of 5 x 4 cells"));
 }
 
 TEST_CASE("The share of edits never is 0 or 1", "[nhpm][training]") {

@@ -1,0 +1,32 @@
+#include "nhpm/progress_line.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace conav::nhpm {
+
+ProgressLine::ProgressLine(std::FILE* out) : out_(out), rewrites_(isatty(fileno(out)) == 1) {}
+
+ProgressLine::~ProgressLine() {
+  if (open_) std::fputc('\n', out_);
+}
+
+void ProgressLine::Show(const std::string& text) {
+  if (rewrites_) {
+    fmt::print(out_, "\r{}\x1b[K", text);
+    open_ = true;
+  } else {
+    fmt::print(out_, "{}\n", text);
+  }
+  std::fflush(out_);
+}
+
+std::string DurationText(double seconds) {
+  const auto whole = static_cast<long>(seconds + 0.5);
+  const long hours = whole / 3600;
+  const long minutes = whole / 60 % 60;
+  if (hours > 0) return fmt::format("{}:{:02}:{:02}", hours, minutes, whole % 60);
+  return fmt::format("{}:{:02}", minutes, whole % 60);
+}
+
+}  // namespace conav::nhpm

@@ -1,0 +1,112 @@
+// conav-train: learns the weights of the NHPM from a segment file.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/runtime/stop_token.h"
+#include "nhpm/train_command.h"
+
+namespace {
+
+using conav::nhpm::LearningRateSchedule;
+using conav::nhpm::TrainArguments;
+using conav::nhpm::TrainingOptions;
+
+struct Flags {
+  TrainArguments train;
+  std::vector<std::string> without;
+  std::string schedule = "constant";
+  bool no_svg = false;
+};
+
+void AddNetworkFlags(CLI::App& app, Flags& flags) {
+  TrainingOptions& options = flags.train.options;
+  app.add_option("--width", options.width, "Channels of the hidden layers")
+      ->capture_default_str()
+      ->check(CLI::IsMember({16, 32, 64}));
+  app.add_option("--without", flags.without,
+                 "Inputs that the network shall not see, for ablations: tau (the path), o (the "
+                 "view), x (the map)")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"tau", "o", "x"}));
+  app.add_flag("--any-size", flags.train.any_size,
+               "Let the weights answer for maps of any size, not only of the size trained on");
+}
+
+void AddOptimiserFlags(CLI::App& app, Flags& flags) {
+  TrainingOptions& options = flags.train.options;
+  app.add_option("--epochs", options.epochs, "Passes over the data, at most")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000000));
+  app.add_option("--patience", options.patience,
+                 "Stop after so many epochs without a better validation loss; 0 = never")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 1000000));
+  app.add_option("--batch", options.batch, "Segments per step")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000000));
+  app.add_option("--learning-rate", options.learning_rate, "Of Adam")
+      ->capture_default_str()
+      ->check(CLI::Range(1e-9, 10.0));
+  app.add_option("--schedule", flags.schedule,
+                 "constant, or linear: the learning rate falls to 0 over --epochs")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"constant", "linear"}));
+  app.add_option("--seed", options.seed, "Of first weights, order and turning of segments")
+      ->capture_default_str();
+  app.add_option("--split-seed", flags.train.split_seed,
+                 "Decides which trajectories are for learning, validation and test")
+      ->capture_default_str();
+}
+
+void AddFileFlags(CLI::App& app, Flags& flags) {
+  TrainArguments& train = flags.train;
+  app.add_option("--data", train.data, "Segment file, as conav dataset makes it")->required();
+  app.add_option("--out", train.out, "Weights file to write")->required();
+  app.add_option("--json", train.json, "Write the figures to this file, - = standard output");
+  auto* svg = app.add_option("--svg", train.svg, "Draw the losses into this file (OUT.svg)");
+  app.add_flag("--no-svg", flags.no_svg, "Draw no losses")->excludes(svg);
+  app.add_flag("--fresh", train.fresh, "Start anew, whatever OUT.checkpoint holds");
+  train.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  app.add_option("--threads", train.threads, "The result is the same on any number")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 256));
+}
+
+/// What follows from the flags together.
+void Complete(Flags& flags) {
+  TrainArguments& train = flags.train;
+  for (const std::string& name : flags.without) {
+    if (name == "x") train.inputs.belief = false;
+    if (name == "tau") train.inputs.path = false;
+    if (name == "o") train.inputs.view = false;
+  }
+  if (flags.schedule == "linear") train.options.schedule = LearningRateSchedule::kLinear;
+  if (train.svg.empty() && !flags.no_svg) train.svg = train.out.string() + ".svg";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Learns how people edit their map from a segment file and writes the weights that conav-nhpm "
+      "serves. The defaults are the paper's (Appendix B). The split into learning, validation and "
+      "test is by trajectory; the weights kept are those of the lowest validation loss.\n"
+      "After a kill or Ctrl-C the same command goes on from OUT.checkpoint and ends with the same "
+      "weights. Exit codes: 0 done; 1 failed or stopped; 2 wrong use.",
+      "conav train");
+  Flags flags;
+  AddFileFlags(app, flags);
+  AddNetworkFlags(app, flags);
+  AddOptimiserFlags(app, flags);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  Complete(flags);
+  conav::InstallStopSignals();
+  return conav::nhpm::RunTrain(flags.train, conav::ProcessStopToken());
+}
