@@ -1,0 +1,70 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "common/segments/segment_labels.h"
+#include "nhpm/evaluation/report.h"
+
+namespace conav::nhpm {
+namespace {
+
+std::string Loss4(const std::optional<Loss>& loss) {
+  return loss ? fmt::format("{:.5f}", loss->all) : "-";
+}
+
+std::string Line(const ModelRow& row, std::size_t width) {
+  const ModelMetrics& test = row.test;
+  return fmt::format(
+      "{:<{}}{:>11}{:>11.5f}{:>10.5f}{:>9.3f} @ {:.2f}{:>10.3f}{:>9.5f}{:>10.3f}{:>7.3f}{:>8}\n",
+      row.label.title, width, Loss4(row.train), test.loss.all, test.loss.unmasked, test.best.iou,
+      test.best.boundary, test.iou_fixed, test.calibration.error, test.edits.mean_expected,
+      test.edits.mean_true,
+      test.edits.correlation ? fmt::format("{:.2f}", *test.edits.correlation) : "-");
+}
+
+}  // namespace
+
+std::string DescribeData(const EvaluationData& data) {
+  int edits = 0;
+  for (const Segment* segment : AllSegments(data.test)) edits += EditCount(*segment);
+  std::string text =
+      fmt::format("{} data, {}: test {} trajectories, {} segments, {} edits", OriginText(data.test),
+                  data.file, data.test.trajectories.size(), SegmentCount(data.test), edits);
+  if (data.split_seed) {
+    text += fmt::format("; train {} trajectories, {} segments; split seed {}",
+                        data.train.trajectories.size(), SegmentCount(data.train), *data.split_seed);
+  } else {
+    text += "; the whole file is test";
+  }
+  return text;
+}
+
+std::string DescribeBar(const Bar& bar) {
+  std::string text =
+      fmt::format("{}  {}: {:.3f} ({} {:.3f}", bar.passed() ? "pass" : "FAIL", bar.text, bar.value,
+                  bar.at_most ? "at most" : "more than", bar.limit);
+  if (bar.interval) {
+    text += fmt::format("; 90 % of test sets like this: {:.3f} to {:.3f}", bar.interval->low,
+                        bar.interval->high);
+  }
+  return text + ")";
+}
+
+std::string ReportTable(const EvaluationReport& report) {
+  std::size_t width = 14;
+  for (const ModelRow& row : report.rows) width = std::max(width, row.label.title.size() + 2);
+  std::string text = DescribeData(report.data) + "\n\n";
+  text += fmt::format("{:<{}}{:>11}{:>11}{:>10}{:>16}{:>10}{:>9}{:>10}{:>7}{:>8}\n", "model", width,
+                      "MBCE train", "MBCE test", "unmasked", "IoU @ best", "IoU @ 0.5", "ECE",
+                      "expected", "edits", "correl.");
+  for (const ModelRow& row : report.rows) text += Line(row, width);
+  text += '\n';
+  for (const ModelRow& row : report.rows) {
+    text += fmt::format("{:<{}}{}\n", row.label.title, width, row.label.about);
+  }
+  if (!report.bars.empty()) text += '\n';
+  for (const Bar& bar : report.bars) text += DescribeBar(bar) + "\n";
+  return text;
+}
+
+}  // namespace conav::nhpm

@@ -1,0 +1,176 @@
+#include "nhpm/evaluation/report.h"
+
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "nhpm/evaluation/report_json.h"
+#include "unit/nhpm/evaluation/evaluation_samples.h"
+
+namespace conav::nhpm {
+namespace {
+
+EvaluationReport SampleReport() {
+  EvaluationReport report;
+  report.data = SampleData();
+  report.rows.push_back(*EvaluateGlpfTrain(report.data));
+  report.rows.push_back(*EvaluateGlpfTest(report.data));
+  report.rows.push_back(
+      *EvaluateModel({"nhpm", "NHPM", "a, \"b\" <c> & d"}, EvenModel(0.25F), report.data));
+  ModelRow oracle = report.rows[1];
+  oracle.label = {"oracle", "Oracle", "the people themselves"};
+  for (double& loss : oracle.segment_losses) loss *= 0.9;
+  oracle.test.loss.all *= 0.9;
+  report.rows.push_back(oracle);
+  report.bars = CheckBars(report.data, report.rows);
+  report.figures = {{7, "chosen <by hand>"}};
+  return report;
+}
+
+/// Empty when every element is closed in order; else what is wrong. Knows comments no more than the
+/// page does.
+std::string Malformed(std::string_view html) {
+  std::vector<std::string> open;
+  for (std::size_t at = html.find('<'); at != std::string_view::npos; at = html.find('<', at + 1)) {
+    const std::size_t end = html.find('>', at);
+    if (end == std::string_view::npos) return "a tag without end";
+    std::string_view tag = html.substr(at + 1, end - at - 1);
+    if (tag.find('<') != std::string_view::npos) return fmt::format("< inside of <{}>", tag);
+    if (tag.starts_with("!") || tag.ends_with("/")) continue;
+    if (!tag.starts_with("/")) {
+      open.emplace_back(tag.substr(0, tag.find_first_of(" \n")));
+    } else if (open.empty() || open.back() != tag.substr(1)) {
+      return fmt::format("<{}> closes {}", tag, open.empty() ? "nothing" : open.back());
+    } else {
+      open.pop_back();
+    }
+  }
+  return open.empty() ? "" : open.back() + " is not closed";
+}
+
+std::size_t Count(std::string_view text, std::string_view part) {
+  std::size_t count = 0;
+  for (auto at = text.find(part); at != std::string_view::npos; at = text.find(part, at + 1))
+    ++count;
+  return count;
+}
+
+TEST_CASE("The table says what data it is, every model and every bar", "[nhpm][report]") {
+  const EvaluationReport report = SampleReport();
+  const std::string table = ReportTable(report);
+  CHECK_THAT(table,
+             Catch::StartsWith("synthetic data, people.pb.zst: test 4 trajectories, 40 segments"));
+  CHECK_THAT(table, Catch::Contains("split seed 5"));
+  CHECK_THAT(table, Catch::Contains(fmt::format("{:.5f}", report.rows[2].test.loss.all)));
+  for (const char* name : {"GLPF-Train", "GLPF-Test", "NHPM", "Oracle"}) {
+    CHECK_THAT(table, Catch::Contains(fmt::format("\n{}", name)));
+  }
+  CHECK_THAT(table,
+             Catch::Contains("FAIL  NHPM's loss above the oracle, as a share of GLPF-Test's"));
+}
+
+TEST_CASE("A file without a split says so", "[nhpm][report]") {
+  EvaluationData data = SampleData();
+  data.split_seed.reset();
+  CHECK_THAT(DescribeData(data), Catch::Contains("the whole file is test"));
+}
+
+TEST_CASE("A bar is told with its figure, limit and interval", "[nhpm][report]") {
+  Bar bar{
+      .key = "k", .text = "a share", .value = 0.15, .limit = 0.2, .interval = Interval{0.1, 0.3}};
+  CHECK(DescribeBar(bar) ==
+        "pass  a share: 0.150 (at most 0.200; 90 % of test sets like this: 0.100 to 0.300)");
+  bar = {.key = "k", .text = "IoU", .value = 0.3, .limit = 0.4, .at_most = false};
+  CHECK(DescribeBar(bar) == "FAIL  IoU: 0.300 (more than 0.400)");
+}
+
+TEST_CASE("JSON holds every figure of every model", "[nhpm][report]") {
+  const EvaluationReport report = SampleReport();
+  const auto json = ReportJson(report);
+  CHECK(json["data"]["origin"] == "synthetic");
+  CHECK(json["data"]["test"]["segments"] == 40);
+  CHECK(json["data"]["train"]["trajectories"] == 12);
+  CHECK(json["data"]["rows"] == 9);
+  CHECK(json["data"]["split_seed"] == 5);
+  const auto& nhpm = json["models"]["nhpm"];
+  const ModelMetrics& test = report.rows[2].test;
+  CHECK(nhpm["mbce_all"] == test.loss.all);
+  CHECK(nhpm["mbce_unmasked"] == test.loss.unmasked);
+  CHECK(nhpm["train_mbce_all"] == report.rows[2].train->all);
+  CHECK(nhpm["iou_best"] == test.best.iou);
+  CHECK(nhpm["iou_best_boundary"] == test.best.boundary);
+  CHECK(nhpm["iou_best_boundary_from"] == "test");
+  CHECK(nhpm["iou_fixed"] == test.iou_fixed);
+  CHECK(nhpm["iou_fixed_boundary"] == 0.5);
+  CHECK(nhpm["ece"] == test.calibration.error);
+  CHECK(nhpm["expected_edits_mean"] == Approx(49 * 0.25));
+  CHECK(nhpm["true_edits_mean"] == test.edits.mean_true);
+  CHECK(nhpm["edits_correlation"].is_null());  // it always promises the same
+  CHECK(nhpm["reliability"].size() == 10);
+  CHECK(nhpm["reliability"][2]["outputs"] == 40 * 49);
+  CHECK(json["models"]["glpf_train"]["iou_best_boundary_from"] == "train");
+  CHECK(json["models"]["glpf_test"]["train_mbce_all"].is_null());
+  CHECK(json["bars"]["excess_share"]["passed"] == false);
+  CHECK(json["bars"]["excess_share"]["limit"] == 0.2);
+  CHECK(json["figures"][0]["segment"] == 7);
+}
+
+TEST_CASE("An infinite share is null in JSON", "[nhpm][report]") {
+  EvaluationReport report;
+  report.bars = {{.key = "share", .value = std::numeric_limits<double>::infinity()}};
+  CHECK(ReportJson(report)["bars"]["share"]["value"].is_null());
+  CHECK(ReportJson(report)["bars"]["share"]["passed"] == false);
+}
+
+TEST_CASE("CSV has a line per model, with quotes where they are needed", "[nhpm][report]") {
+  const std::string csv = ReportCsv(SampleReport());
+  CHECK(Count(csv, "\n") == 5);
+  CHECK_THAT(csv, Catch::StartsWith("model,title,origin,"));
+  CHECK_THAT(csv, Catch::Contains("\nnhpm,NHPM,synthetic,40,"));
+  CHECK_THAT(csv, Catch::Contains("\"a, \"\"b\"\" <c> & d\"\n"));
+}
+
+TEST_CASE("The page is well-formed and needs nothing from elsewhere", "[nhpm][report]") {
+  const std::string page = ReportPage(SampleReport());
+  CHECK(Malformed(page).empty());
+  CHECK_THAT(page, Catch::StartsWith("<!DOCTYPE html>"));
+  CHECK_THAT(page, !Catch::Contains("http"));
+  CHECK_THAT(page, !Catch::Contains("<script"));
+  CHECK_THAT(page, !Catch::Contains("src="));
+  CHECK_THAT(page, Catch::Contains("prefers-color-scheme: dark"));
+}
+
+TEST_CASE("The page shows table, bars, plots and the chosen segments", "[nhpm][report]") {
+  const EvaluationReport report = SampleReport();
+  const std::string page = ReportPage(report);
+  for (const ModelRow& row : report.rows) {
+    CHECK_THAT(page, Catch::Contains(fmt::format("<td>{:.5f}</td>", row.test.loss.all)));
+    CHECK_THAT(page, Catch::Contains(fmt::format("Reliability of {}", row.label.title)));
+  }
+  CHECK_THAT(page, Catch::Contains("<span class=\"origin\">synthetic data</span>"));
+  CHECK_THAT(page, Catch::Contains("class=\"fail\">FAIL"));
+  CHECK_THAT(page, Catch::Contains("Test segment 7: chosen &lt;by hand&gt;"));
+  CHECK_THAT(page, Catch::Contains("a, &quot;b&quot; &lt;c&gt; &amp; d"));
+  // four reliability diagrams, four plots of edits; map, view, three models and the truth
+  CHECK(Count(page, "<svg ") == 4 + 4 + 6);
+  CHECK(Count(page, "role=\"img\" aria-label=\"") == 14);
+  CHECK_THAT(page, Catch::Contains("NHPM: 12.25 edits expected"));
+}
+
+TEST_CASE("Only the models that there are and a page without segments work, too",
+          "[nhpm][report]") {
+  EvaluationReport report = SampleReport();
+  report.rows.resize(1);
+  report.bars.clear();
+  report.figures.clear();
+  const std::string page = ReportPage(report);
+  CHECK(Malformed(page).empty());
+  CHECK_THAT(page, !Catch::Contains("<h2>Bars</h2>"));
+  CHECK_THAT(page, !Catch::Contains("<h2>Segments</h2>"));
+}
+
+}  // namespace
+}  // namespace conav::nhpm
