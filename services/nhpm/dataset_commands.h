@@ -21,6 +21,9 @@ void AddSplitCommand(CLI::App& app, int& exit_code);
 /// Prints `error` as every subcommand does and gives exit code 1.
 int Failed(const Error& error);
 
+/// Exit code 0, or 1 after a message when standard output is full or closed.
+int WriteTextOutput(const std::string& text);
+
 /// Writes to `file`, indented; "-" is standard output. Exit code 0, or 1 after a message.
 int WriteJsonOutput(const nlohmann::ordered_json& document, const std::string& file);
 

@@ -1,0 +1,161 @@
+#include "nhpm/dataset/segment_picture.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/segments/segment_labels.h"
+#include "common/svg/svg_canvas.h"
+
+namespace conav::nhpm {
+namespace {
+
+constexpr double kCellPixels = 18.0;
+constexpr double kMargin = 24.0;
+constexpr double kTitlePixels = 52.0;
+constexpr double kLabelPixels = 26.0;
+constexpr double kLegendPixels = 44.0;
+
+// Okabe and Ito's palette: told apart with every common colour blindness; each edit has its own
+// sign besides.
+constexpr const char* kWall = "fill=\"#4a4a4a\"";
+constexpr const char* kFree = "fill=\"#f4f4f4\"";
+constexpr const char* kUnseen = "fill=\"#d8d8d8\"";
+constexpr const char* kPath =
+    "stroke=\"#0072B2\" stroke-width=\"3\" stroke-linejoin=\"round\" stroke-linecap=\"round\"";
+constexpr const char* kCamera = "fill=\"#0072B2\" stroke=\"#ffffff\" stroke-width=\"1\"";
+constexpr const char* kAdded = "stroke=\"#D55E00\" stroke-width=\"3\"";
+constexpr const char* kRemoved = "stroke=\"#009E73\" stroke-width=\"3\" fill=\"none\"";
+constexpr const char* kText = "font-size=\"13\" fill=\"#000000\"";
+
+/// Where a map lies on the canvas.
+struct Panel {
+  PixelPosition corner;
+  PixelPosition Corner(Cell cell) const {
+    return {corner.x + cell.column * kCellPixels, corner.y + cell.row * kCellPixels};
+  }
+  PixelPosition Middle(Cell cell) const {
+    return {corner.x + (cell.column + 0.5) * kCellPixels,
+            corner.y + (cell.row + 0.5) * kCellPixels};
+  }
+};
+
+void DrawCell(SvgCanvas& canvas, PixelPosition corner, const char* style) {
+  canvas.Rectangle(corner, kCellPixels - 1, kCellPixels - 1, style);
+}
+
+void DrawMap(SvgCanvas& canvas, const Panel& panel, const BeliefGrid& map) {
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    DrawCell(canvas, panel.Corner(map.CellAt(i)), map.values()[i] != 0.0F ? kWall : kFree);
+  }
+}
+
+void DrawArrow(SvgCanvas& canvas, PixelPosition from, double heading_rad) {
+  const double x = std::cos(heading_rad);
+  const double y = -std::sin(heading_rad);  // pixels run down, the map's y runs up
+  constexpr double kLength = kCellPixels * 0.75;
+  constexpr double kHalfWidth = kCellPixels * 0.3;
+  canvas.Polygon({{from.x + x * kLength, from.y + y * kLength},
+                  {from.x - y * kHalfWidth, from.y + x * kHalfWidth},
+                  {from.x + y * kHalfWidth, from.y - x * kHalfWidth}},
+                 kCamera);
+}
+
+void DrawRobot(SvgCanvas& canvas, const Panel& panel, const PerceptionQuery& query) {
+  std::vector<PixelPosition> line;
+  for (const Cell cell : query.path) line.push_back(panel.Middle(cell));
+  canvas.Polyline(line, kPath);
+  DrawArrow(canvas, panel.Middle(query.cell), query.heading_rad);
+}
+
+void DrawShown(SvgCanvas& canvas, const Panel& panel, const PerceptionQuery& query) {
+  for (std::size_t i = 0; i < query.belief.size(); ++i) {
+    DrawCell(canvas, panel.Corner(query.belief.CellAt(i)), kUnseen);
+  }
+  for (const Cell cell : query.visible.free) DrawCell(canvas, panel.Corner(cell), kFree);
+  for (const Cell cell : query.visible.walls) DrawCell(canvas, panel.Corner(cell), kWall);
+  DrawArrow(canvas, panel.Middle(query.cell), query.heading_rad);
+}
+
+/// A cross: a wall was added. A ring: one was removed.
+void DrawEdit(SvgCanvas& canvas, PixelPosition middle, bool added) {
+  constexpr double kReach = kCellPixels * 0.3;
+  if (!added) {
+    canvas.Circle(middle, kReach, kRemoved);
+    return;
+  }
+  canvas.Line({middle.x - kReach, middle.y - kReach}, {middle.x + kReach, middle.y + kReach},
+              kAdded);
+  canvas.Line({middle.x - kReach, middle.y + kReach}, {middle.x + kReach, middle.y - kReach},
+              kAdded);
+}
+
+void DrawAfter(SvgCanvas& canvas, const Panel& panel, const Segment& segment) {
+  DrawMap(canvas, panel, segment.belief_after);
+  const EditLabels labels = LabelsOf(segment);
+  for (std::size_t i = 0; i < labels.add.size(); ++i) {
+    const bool added = labels.add.values()[i] != 0;
+    if (!added && labels.remove.values()[i] == 0) continue;
+    DrawEdit(canvas, panel.Middle(labels.add.CellAt(i)), added);
+  }
+}
+
+void DrawSegment(SvgCanvas& canvas, const ChosenSegment& chosen, double top, double panel_width) {
+  const Segment& segment = *chosen.segment;
+  const auto panel = [&](int index) {
+    return Panel{{kMargin + index * (panel_width + kMargin), top + kLabelPixels}};
+  };
+  canvas.Text(
+      {kMargin, top + 16},
+      fmt::format("segment {}, trajectory {}, step {}, {}: {} edits", chosen.index,
+                  chosen.trajectory, segment.step, ToText(chosen.origin), EditCount(segment)),
+      kText);
+  DrawMap(canvas, panel(0), segment.query.belief);
+  DrawRobot(canvas, panel(0), segment.query);
+  DrawShown(canvas, panel(1), segment.query);
+  DrawAfter(canvas, panel(2), segment);
+}
+
+void DrawLegend(SvgCanvas& canvas, double top) {
+  const double y = top + 16;
+  double x = kMargin;
+  const auto next = [&](std::string_view label, double advance) {
+    canvas.Text({x + 20, y + 5}, label, kText);
+    x += advance;
+  };
+  canvas.Rectangle({x, y - 8}, 16, 16, kWall);
+  next("wall", 64);
+  canvas.Rectangle({x, y - 8}, 16, 16, kUnseen);
+  next("not shown", 100);
+  canvas.Polyline({{x - 2, y}, {x + 16, y}}, kPath);
+  next("path", 64);
+  DrawArrow(canvas, {x + 2, y}, 0.0);
+  next("camera", 82);
+  DrawEdit(canvas, {x + 8, y}, true);
+  next("wall added", 104);
+  DrawEdit(canvas, {x + 8, y}, false);
+  next("wall removed", 110);
+}
+
+}  // namespace
+
+std::string SegmentsSvg(std::span<const ChosenSegment> chosen, std::string_view title) {
+  double panel_width = 170.0;  // the legend fits under three
+  double top = kTitlePixels;
+  for (const ChosenSegment& one : chosen) {
+    panel_width = std::max(panel_width, one.segment->query.belief.columns() * kCellPixels);
+  }
+  SvgCanvas canvas;
+  canvas.Text({kMargin, 30}, title, "font-size=\"18\" fill=\"#000000\"");
+  canvas.Text({kMargin, 48},
+              "map before and path | what the picture shows | map after, edits marked", kText);
+  for (const ChosenSegment& one : chosen) {
+    DrawSegment(canvas, one, top, panel_width);
+    top += kLabelPixels + one.segment->query.belief.rows() * kCellPixels + kMargin / 2;
+  }
+  DrawLegend(canvas, top);
+  return canvas.Document(kMargin + 3 * (panel_width + kMargin), top + kLegendPixels, title);
+}
+
+}  // namespace conav::nhpm

@@ -1,0 +1,138 @@
+// conav-dataset as a user meets it: files, messages, exit codes.
+#include <fmt/format.h>
+#include <sys/wait.h>
+
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "common/runtime/file.h"
+#include "common/segments/segment_file.h"
+#include "common/segments/segment_json.h"
+#include "unit/common/segments/support/sample_segments.h"
+#include "unit/common/segments/support/scratch_folder.h"
+
+namespace conav {
+namespace {
+
+struct Outcome {
+  int code = -1;
+  std::string out;
+  std::string error;
+};
+
+/// A folder with the sample as data.pb.zst, and the program run in it.
+class Desk {
+ public:
+  Desk() { REQUIRE(WriteSegmentFile(folder_.path() / "data.pb.zst", tests::SampleSet())); }
+
+  Outcome Run(const std::string& arguments) const {
+    const std::string command = fmt::format("cd '{}' && '{}/conav-dataset' {} >out 2>error",
+                                            folder_.path().string(), CONAV_BIN_DIR, arguments);
+    const int status = std::system(command.c_str());
+    return {WEXITSTATUS(status), ReadFile(folder_.path() / "out").value(),
+            ReadFile(folder_.path() / "error").value()};
+  }
+  std::filesystem::path operator/(const char* name) const { return folder_.path() / name; }
+
+ private:
+  tests::ScratchFolder folder_;
+};
+
+TEST_CASE("conav-dataset describes a file in words, numbers and a picture", "[nhpm][dataset]") {
+  const Desk desk;
+  const Outcome outcome = desk.Run("describe data.pb.zst --json data.json --svg data.svg");
+  CHECK(outcome.code == 0);
+  CHECK_THAT(outcome.out, Catch::StartsWith("SYNTHETIC") && Catch::Contains("segment 0 ("));
+  CHECK(nlohmann::json::parse(ReadFile(desk / "data.json").value()).at("segments") == 3);
+  CHECK_THAT(ReadFile(desk / "data.svg").value(),
+             Catch::Contains("data.pb.zst: edits made by people+synthetic"));
+}
+
+TEST_CASE("numbers on standard output are nothing but JSON", "[nhpm][dataset]") {
+  const Desk desk;
+  const auto numbers = nlohmann::json::parse(desk.Run("describe data.pb.zst --json -").out);
+  CHECK(numbers.at("edits") == 6);
+  CHECK(numbers.at("segments_by_edits").at(2) == 3);
+}
+
+TEST_CASE("chosen segments are shown, a wrong number is wrong use", "[nhpm][dataset]") {
+  const Desk desk;
+  CHECK_THAT(desk.Run("describe data.pb.zst --segments 2,1").out,
+             Catch::Contains("segment 2 (") && Catch::Contains("segment 1 (") &&
+                 !Catch::Contains("segment 0 ("));
+  const Outcome wrong = desk.Run("describe data.pb.zst --segments 7");
+  CHECK(wrong.code == 2);
+  CHECK(wrong.error == "conav-dataset: there is no segment 7; the set has 3, from 0 on\n");
+}
+
+TEST_CASE("exported lines imported again are the same file", "[nhpm][dataset]") {
+  const Desk desk;
+  CHECK(desk.Run("export data.pb.zst --out data.jsonl").code == 0);
+  CHECK(desk.Run("import data.jsonl --out again.pb.zst").code == 0);
+  CHECK(ReadFile(desk / "data.pb.zst").value() == ReadFile(desk / "again.pb.zst").value());
+  CHECK(desk.Run("export data.pb.zst").out == ReadFile(desk / "data.jsonl").value());
+}
+
+TEST_CASE("a bad line is refused with file and line, and nothing is written", "[nhpm][dataset]") {
+  const Desk desk;
+  REQUIRE(WriteFile(desk / "bad.jsonl", "\n{\"type\": \"segment\"}\n"));
+  const Outcome outcome = desk.Run("import bad.jsonl --out bad.pb.zst");
+  CHECK(outcome.code == 1);
+  CHECK(outcome.error == "conav-dataset: bad.jsonl:2: a segment before any trajectory\n");
+  CHECK_FALSE(std::filesystem::exists(desk / "bad.pb.zst"));
+}
+
+TEST_CASE("files are merged, and a trajectory that comes twice is refused", "[nhpm][dataset]") {
+  const Desk desk;
+  REQUIRE(WriteSegmentFile(desk / "more.pb.zst", {{tests::SampleTrajectory(8)}}));
+  CHECK(desk.Run("merge data.pb.zst more.pb.zst --out all.pb.zst").code == 0);
+  CHECK(ReadSegmentFile(desk / "all.pb.zst").value().trajectories.size() == 3);
+  CHECK(
+      desk.Run("merge data.pb.zst more.pb.zst --out all.pb.zst --min-mapping-accuracy 0.5").code ==
+      0);
+  CHECK(ReadSegmentFile(desk / "all.pb.zst").value().trajectories.size() == 2);
+  const Outcome twice = desk.Run("merge data.pb.zst all.pb.zst --out twice.pb.zst");
+  CHECK(twice.code == 1);
+  CHECK_THAT(twice.error,
+             Catch::Contains("all.pb.zst: trajectory 0 is the same as data.pb.zst: trajectory 0"));
+}
+
+TEST_CASE("a split is three files with all trajectories", "[nhpm][dataset]") {
+  const Desk desk;
+  REQUIRE(WriteSegmentFile(desk / "many.pb.zst",
+                           {{tests::SampleTrajectory(1), tests::SampleTrajectory(2),
+                             tests::SampleTrajectory(3), tests::SampleTrajectory(4)}}));
+  CHECK(desk.Run("split many.pb.zst --seed 3 --out-prefix part").code == 0);
+  CHECK(ReadSegmentFile(desk / "part-train.pb.zst").value().trajectories.size() == 2);
+  CHECK(ReadSegmentFile(desk / "part-validation.pb.zst").value().trajectories.size() == 1);
+  CHECK(ReadSegmentFile(desk / "part-test.pb.zst").value().trajectories.size() == 1);
+}
+
+TEST_CASE("a truncated recording is refused unless it shall be recovered", "[nhpm][dataset]") {
+  const Desk desk;
+  std::string two = ReadFile(desk / "data.pb.zst").value();
+  two += two.substr(0, two.size() / 2);
+  REQUIRE(WriteFile(desk / "torn.pb.zst", two));
+  const Outcome refused = desk.Run("describe torn.pb.zst");
+  CHECK(refused.code == 1);
+  CHECK_THAT(refused.error,
+             Catch::Contains("torn.pb.zst: it is truncated") && Catch::Contains("--recover"));
+  CHECK(desk.Run("describe torn.pb.zst --recover").code == 0);
+}
+
+TEST_CASE("wrong use, missing files and a full disk have their exit codes", "[nhpm][dataset]") {
+  const Desk desk;
+  CHECK(desk.Run("").code == 2);
+  CHECK(desk.Run("describe").code == 2);
+  CHECK(desk.Run("improve data.pb.zst").code == 2);
+  CHECK(desk.Run("describe --help").code == 0);
+  CHECK(desk.Run("describe none.pb.zst").code == 1);
+  CHECK(desk.Run("merge data.pb.zst --out /dev/full").code == 1);
+  CHECK(desk.Run("merge data.pb.zst --out none/data.pb.zst").code == 1);
+  CHECK(desk.Run("export data.pb.zst --out /dev/full").code == 1);
+  CHECK(desk.Run("describe data.pb.zst --svg none/data.svg").code == 1);
+}
+
+}  // namespace
+}  // namespace conav

@@ -1,0 +1,70 @@
+#include "nhpm/dataset/segment_picture.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+
+#include "unit/common/segments/support/sample_segments.h"
+
+namespace conav::nhpm {
+namespace {
+
+std::size_t Count(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+TEST_CASE("a segment in characters shows path, view and edits", "[nhpm][dataset]") {
+  const SegmentSet set = tests::SampleSet();
+  CHECK(SegmentText(ChooseSegments(set, 1).at(0)) ==
+        "segment 0 (trajectory 0, step 2, synthetic): 2 edits\n"
+        "  before  shown   after\n"
+        "  #####     ###   #####\n"
+        "  #o^##     ..    #  -#\n"
+        "  #   #           #+  #\n"
+        "  #####           #####\n");
+}
+
+TEST_CASE("the camera's sign follows its heading", "[nhpm][dataset]") {
+  SegmentSet set = tests::SampleSet();
+  const auto drawn = [&](double heading_rad) {
+    set.trajectories[0].segments[0].query.heading_rad = heading_rad;
+    return SegmentText(ChooseSegments(set, 1).at(0));
+  };
+  CHECK_THAT(drawn(0.1), Catch::Contains("#o>##"));
+  CHECK_THAT(drawn(3.1), Catch::Contains("#o<##"));
+  CHECK_THAT(drawn(-1.5), Catch::Contains("#ov##"));
+  CHECK_THAT(drawn(-3.1), Catch::Contains("#o<##"));
+}
+
+TEST_CASE("segments are chosen by number, and a wrong number is named", "[nhpm][dataset]") {
+  const SegmentSet set = tests::SampleSet();
+  const std::size_t wanted[] = {2, 0};
+  const auto chosen = ChooseSegments(set, wanted);
+  REQUIRE(chosen);
+  CHECK(chosen->at(0).trajectory == 1);
+  CHECK(chosen->at(1).segment == &set.trajectories[0].segments[0]);
+  const std::size_t wrong[] = {3};
+  CHECK(ChooseSegments(set, wrong).error().text ==
+        "there is no segment 3; the set has 3, from 0 on");
+}
+
+TEST_CASE("segments with edits are preferred, others fill up", "[nhpm][dataset]") {
+  SegmentSet set = tests::SampleSet();
+  set.trajectories[0].segments[0].belief_after = set.trajectories[0].segments[0].query.belief;
+  CHECK(ChooseSegments(set, 1).at(0).index == 1);
+  CHECK(ChooseSegments(set, 5).size() == 3);
+  CHECK(ChooseSegments(SegmentSet(), 5).empty());
+}
+
+TEST_CASE("the picture has three maps for each segment and marks each edit", "[nhpm][dataset]") {
+  const SegmentSet set = tests::SampleSet();
+  const std::string svg = SegmentsSvg(ChooseSegments(set, 2), "a < b");
+  CHECK(Count(svg, "width=\"17.0\" height=\"17.0\"") == 2 * (3 * 20 + 5));
+  CHECK(Count(svg, "<circle") == 2 + 1);         // removed walls and the legend
+  CHECK(Count(svg, "stroke=\"#D55E00\"") == 6);  // crosses of two lines: added walls, legend
+  CHECK_THAT(svg, Catch::Contains("a &lt; b") && Catch::Contains("synthetic: 2 edits"));
+}
+
+}  // namespace
+}  // namespace conav::nhpm
