@@ -7,5 +7,6 @@ namespace conav::nhpm {
 
 const KernelSet& PortableKernels(int width);
 const KernelSet& Avx2Kernels(int width);
+const KernelSet& Avx512Kernels(int width);
 
 }  // namespace conav::nhpm

@@ -6,17 +6,20 @@
 namespace conav::nhpm {
 
 std::vector<InstructionSet> AvailableInstructionSets() {
-#ifdef CONAV_HAVE_AVX2
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
-    return {InstructionSet::kAvx2, InstructionSet::kPortable};
-  }
+  std::vector<InstructionSet> sets;
+#ifdef CONAV_HAVE_X86_KERNELS
+  const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+  if (avx2 && __builtin_cpu_supports("avx512f")) sets.push_back(InstructionSet::kAvx512);
+  if (avx2) sets.push_back(InstructionSet::kAvx2);
 #endif
-  return {InstructionSet::kPortable};
+  sets.push_back(InstructionSet::kPortable);
+  return sets;
 }
 
 const KernelSet& KernelsFor(int width, InstructionSet set) {
   DEMAND(IsNetworkWidth(width), width);
-#ifdef CONAV_HAVE_AVX2
+#ifdef CONAV_HAVE_X86_KERNELS
+  if (set == InstructionSet::kAvx512) return Avx512Kernels(width);
   if (set == InstructionSet::kAvx2) return Avx2Kernels(width);
 #endif
   DEMAND(set == InstructionSet::kPortable);

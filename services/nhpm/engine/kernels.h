@@ -20,6 +20,7 @@
 namespace conav::nhpm {
 
 inline constexpr int kLanes = 8;
+inline constexpr int kBlock = 16;  // outputs whose weights are packed together
 
 /// Where to compute: cells of a padded grid whose rows are `stride` cells apart.
 struct CellList {
@@ -51,7 +52,7 @@ struct KernelSet {
   WeightGradientKernel last_gradient;
 };
 
-enum class InstructionSet { kPortable, kAvx2 };
+enum class InstructionSet { kPortable, kAvx2, kAvx512 };
 
 /// What this processor can run, best first; kPortable is always there.
 std::vector<InstructionSet> AvailableInstructionSets();

@@ -10,6 +10,8 @@ struct Portable {
   struct Vector {
     float lane[kLanes];
   };
+  static constexpr int kWidth = kLanes;
+  static constexpr int kTile = 4;
   template <class Function>
   static Vector Each(Function&& function) {
     Vector result;
@@ -35,20 +37,28 @@ struct Portable {
   static Vector Positive(const Vector& value) {
     return Each([&](int i) { return value.lane[i] > 0.0F ? value.lane[i] : 0.0F; });
   }
+
+  struct Pair {
+    Vector of[2];
+  };
+  static Pair PairZero() { return {}; }
+  static Pair PairLoad(const float* from) { return {{Load(from), Load(from + kWidth)}}; }
+  static Pair PairRepeat(const float* from) { return {{Load(from), Load(from)}}; }
+  static Pair PairFma(const Pair& a, const Pair& b, const Pair& c) {
+    return {{Fma(a.of[0], b.of[0], c.of[0]), Fma(a.of[1], b.of[1], c.of[1])}};
+  }
+  static void PairSum(float* to, const Pair& value) {
+    to[0] = Sum(value.of[0]);
+    to[1] = Sum(value.of[1]);
+  }
   static float Sum(const Vector& value) {
     const float* l = value.lane;
     return ((l[0] + l[4]) + (l[2] + l[6])) + ((l[1] + l[5]) + (l[3] + l[7]));
   }
 };
 
-constexpr KernelSet kWidth16 = MakeKernelSet<Portable, 16>("portable");
-constexpr KernelSet kWidth32 = MakeKernelSet<Portable, 32>("portable");
-constexpr KernelSet kWidth64 = MakeKernelSet<Portable, 64>("portable");
-
 }  // namespace
 
-const KernelSet& PortableKernels(int width) {
-  return width == 16 ? kWidth16 : width == 32 ? kWidth32 : kWidth64;
-}
+const KernelSet& PortableKernels(int width) { return KernelSetOf<Portable>(width, "portable"); }
 
 }  // namespace conav::nhpm

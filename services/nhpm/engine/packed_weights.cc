@@ -8,8 +8,6 @@
 namespace conav::nhpm {
 namespace {
 
-constexpr int kBlock = 2 * kLanes;
-
 std::size_t CanonicalIndex(int k, int input, int inputs, int output, int outputs) {
   return static_cast<std::size_t>((k * inputs + input) * outputs + output);
 }

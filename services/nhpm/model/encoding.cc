@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <vector>
 
 #include "common/runtime/demand.h"
 
@@ -31,11 +32,17 @@ inline float ExpOfNegative(float x) {
   return std::bit_cast<float>(std::bit_cast<std::uint32_t>(sum) + power);
 }
 
+/// exp(-|x|) / (1 + exp(-|x|)) below 0, else 1 / (1 + exp(-|x|)); choices by bits, as branches would
+/// keep compilers from vectorising.
 inline float SigmoidOf(float logit) {
-  const float magnitude = std::min(logit < 0.0F ? -logit : logit, 87.0F);
-  const float e = ExpOfNegative(-magnitude);
-  const float of_magnitude = 1.0F / (1.0F + e);
-  return logit < 0.0F ? e * of_magnitude : of_magnitude;
+  constexpr auto kLargest = std::bit_cast<std::int32_t>(87.0F);
+  const auto bits = std::bit_cast<std::int32_t>(logit);
+  const std::int32_t below_zero = bits >> 31;  // all ones or all zeros
+  const std::int32_t magnitude = std::min(bits & INT32_MAX, kLargest);
+  const float e = ExpOfNegative(std::bit_cast<float>(magnitude | INT32_MIN));
+  const std::int32_t numerator = (std::bit_cast<std::int32_t>(e) & below_zero) |
+                                 (std::bit_cast<std::int32_t>(1.0F) & ~below_zero);
+  return std::bit_cast<float>(numerator) / (1.0F + e);
 }
 
 }  // namespace
@@ -69,14 +76,18 @@ PerceptionAnswer MaskedAnswer(const BeliefGrid& belief, std::span<const float> l
   const int columns = belief.columns();
   DEMAND(logits.size() == belief.size() * kOutputChannels, logits.size(), belief.size());
   PerceptionAnswer answer{Grid<float>(rows, columns), Grid<float>(rows, columns)};
-  const float* x = belief.values().data();
-  float* add = answer.add.values().data();
-  float* remove = answer.remove.values().data();
+  std::vector<float> probabilities(logits.size());
+  const std::size_t size = logits.size();
+  for (std::size_t i = 0; i < size; ++i) probabilities[i] = SigmoidOf(logits[i]);
+  const auto x = belief.values();
+  const auto add = answer.add.values();
+  const auto remove = answer.remove.values();
   for (int row = 1; row < rows - 1; ++row) {
-    const std::ptrdiff_t first = std::ptrdiff_t{row} * columns;
-    for (std::ptrdiff_t i = first + 1; i < first + columns - 1; ++i) {
-      add[i] = SigmoidOf(logits[static_cast<std::size_t>(2 * i)]) * (1.0F - x[i]);
-      remove[i] = SigmoidOf(logits[static_cast<std::size_t>(2 * i + 1)]) * x[i];
+    const std::size_t first = belief.IndexOf({row, 0});
+    const std::size_t last = belief.IndexOf({row, columns - 1});
+    for (std::size_t i = first + 1; i < last; ++i) {
+      add[i] = probabilities[2 * i] * (1.0F - x[i]);
+      remove[i] = probabilities[2 * i + 1] * x[i];
     }
   }
   return answer;

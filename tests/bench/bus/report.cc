@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <thread>
+
+#include "bench/support/measure.h"
 
 namespace conav::bench {
 namespace {
@@ -40,17 +40,6 @@ void PrintDdsperf(const char* size, const std::optional<RoundTrips>& measured) {
 }
 
 }  // namespace
-
-std::string Machine() {
-  std::string model = "unknown processor";
-  std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);) {
-    const auto colon = line.find(": ");
-    if (line.starts_with("model name") && colon != std::string::npos)
-      model = line.substr(colon + 2);
-  }
-  return fmt::format("{} x {}", std::thread::hardware_concurrency(), model);
-}
 
 void PrintTable(const Report& report) {
   fmt::print("{}, loopback, medians of {} rounds\n", Machine(),

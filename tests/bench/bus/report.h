@@ -15,9 +15,6 @@ struct Report {
   std::optional<RoundTrips> ddsperf_large;
 };
 
-/// What the figures were measured on.
-std::string Machine();
-
 void PrintTable(const Report& report);
 
 /// One object: `metrics` {cyclonedds_64B_ratio, cyclonedds_20kB_ratio, fastdds_64B_ratio,

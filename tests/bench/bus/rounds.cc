@@ -1,7 +1,6 @@
 #include "bench/bus/rounds.h"
 
-#include <algorithm>
-
+#include "bench/support/measure.h"
 #include "common/bus/vendors.h"
 
 namespace conav::bench {
@@ -44,13 +43,6 @@ std::vector<Series> RunRounds(const RoundsOptions& options) {
     result.push_back(std::move(large));
   }
   return result;
-}
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2.0;
 }
 
 double Ratio(const Series& series) {

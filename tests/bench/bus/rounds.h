@@ -32,7 +32,6 @@ inline constexpr std::size_t kLarge = 20'000;
 /// vendor and size. Throws std::runtime_error.
 std::vector<Series> RunRounds(const RoundsOptions& options);
 
-double Median(std::vector<double> values);
 /// The median over the rounds of bus p50 / raw p50.
 double Ratio(const Series& series);
 

@@ -1,0 +1,45 @@
+#include <immintrin.h>
+
+#include "nhpm/engine/kernel_sets.h"
+#include "nhpm/engine/kernel_templates.h"
+#include "nhpm/engine/vector_avx2.h"
+
+namespace conav::nhpm {
+namespace {
+
+struct Avx512 {
+  using Vector = __m512;
+  static constexpr int kWidth = 16;
+  static constexpr int kTile = 9;
+  static Vector Zero() { return _mm512_setzero_ps(); }
+  static Vector Load(const float* from) { return _mm512_loadu_ps(from); }
+  static Vector Broadcast(const float* from) { return _mm512_set1_ps(*from); }
+  static void Store(float* to, Vector value) { _mm512_storeu_ps(to, value); }
+  static Vector Fma(Vector a, Vector b, Vector c) { return _mm512_fmadd_ps(a, b, c); }
+  static Vector Add(Vector a, Vector b) { return _mm512_add_ps(a, b); }
+  /// With a mask of all: g++ 12 warns falsely of the one without.
+  static Vector Positive(Vector value) {
+    return _mm512_maskz_max_ps(0xFFFF, value, _mm512_setzero_ps());
+  }
+
+  using Pair = __m512;  // the lower half for the first output, the upper for the second
+  static Pair PairZero() { return Zero(); }
+  static Pair PairLoad(const float* from) { return Load(from); }
+  static Pair PairRepeat(const float* from) {
+    const __m256d eight = _mm256_castps_pd(_mm256_loadu_ps(from));
+    return _mm512_castpd_ps(_mm512_maskz_broadcast_f64x4(0xFF, eight));
+  }
+  static Pair PairFma(Pair a, Pair b, Pair c) { return Fma(a, b, c); }
+  static void PairSum(float* to, Pair value) {
+    float lanes[kWidth];
+    Store(lanes, value);
+    to[0] = Avx2::Sum(Avx2::Load(lanes));
+    to[1] = Avx2::Sum(Avx2::Load(lanes + kLanes));
+  }
+};
+
+}  // namespace
+
+const KernelSet& Avx512Kernels(int width) { return KernelSetOf<Avx512>(width, "avx512"); }
+
+}  // namespace conav::nhpm

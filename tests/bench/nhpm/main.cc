@@ -1,0 +1,239 @@
+// conav-bench-nhpm: what a prediction costs, whole and incremental, beside the limit of the core and
+// beside oneDNN.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "bench/nhpm/fma_peak.h"
+#include "bench/nhpm/onednn_network.h"
+#include "bench/nhpm/planner_queries.h"
+#include "bench/support/measure.h"
+#include "common/runtime/json.h"
+#include "nhpm/engine/inference_pass.h"
+#include "nhpm/model/encoding.h"
+#include "nhpm/model/perception_network.h"
+
+namespace conav::bench {
+namespace {
+
+using nhpm::kInputChannels;
+using nhpm::kNetworkLayers;
+
+constexpr int kGrid = 13;
+
+struct Options {
+  int rounds = 31;
+  int width = 32;
+  int episodes = 4;
+  std::string json;
+};
+
+/// A value for each round.
+struct Rounds {
+  std::vector<double> peak_gflops;
+  std::vector<double> full_us;
+  std::vector<double> onednn_us;
+  std::vector<double> query_full_us;
+  std::vector<double> query_incremental_us;
+};
+
+double FlopsOf(const nhpm::NetworkShape& shape) {
+  double weights = 0.0;
+  for (int layer = 0; layer < kNetworkLayers; ++layer) {
+    weights += static_cast<double>(shape.WeightsOf(layer));
+  }
+  return 2.0 * kGrid * kGrid * weights;
+}
+
+/// Processor time of one call, microseconds.
+double Microseconds(int calls, const std::function<void()>& call) {
+  const double start = ThreadSeconds();
+  for (int i = 0; i < calls; ++i) call();
+  return 1e6 * (ThreadSeconds() - start) / calls;
+}
+
+class Benchmark {
+ public:
+  explicit Benchmark(const Options& options)
+      : options_(options),
+        model_(MakeModel(options.width)),
+        weights_(std::make_shared<const nhpm::PackedWeights>(model_.weights,
+                                                             nhpm::PackedWeights::Use::kInference)),
+        pass_(weights_, nhpm::KernelsFor(options.width), kGrid, kGrid),
+        onednn_(model_.weights, kGrid, kGrid),
+        batches_(RecordPlannerQueries(options.episodes, 1)),
+        input_(static_cast<std::size_t>(kGrid * kGrid) * kInputChannels) {
+    for (const auto& batch : batches_) queries_ += batch.size();
+    nhpm::EncodeInput(batches_.front().front(), {}, input_);
+  }
+
+  /// Largest difference of a probability from oneDNN's: the peer computes the same thing.
+  double DifferenceFromOneDnn() {
+    const auto ours = pass_.Full(input_);
+    const auto theirs = onednn_.Run(input_);
+    double worst = 0.0;
+    for (std::size_t i = 0; i < ours.size(); ++i) {
+      worst = std::max(worst, std::abs(static_cast<double>(nhpm::Sigmoid(ours[i])) -
+                                       static_cast<double>(theirs[i])));
+    }
+    return worst;
+  }
+
+  /// All in turn, so that they see the same machine.
+  void Round(Rounds& rounds) {
+    constexpr int kCalls = 50;
+    const BeliefGrid& belief = batches_.front().front().belief;
+    rounds.peak_gflops.push_back(MeasureFmaPeak());
+    rounds.full_us.push_back(Microseconds(
+        kCalls, [&] { kept_ += nhpm::MaskedAnswer(belief, pass_.Full(input_)).add.values()[20]; }));
+    rounds.onednn_us.push_back(Microseconds(kCalls, [&] { kept_ += onednn_.Run(input_)[20]; }));
+    const auto per_query = [&](const std::function<void()>& all) {
+      return Microseconds(1, all) / static_cast<double>(queries_);
+    };
+    rounds.query_full_us.push_back(per_query([&] { AnswerWhole(); }));
+    rounds.query_incremental_us.push_back(per_query([&] { AnswerIncrementally(); }));
+  }
+
+  double flops() const { return FlopsOf(model_.weights.shape); }
+  std::size_t queries() const { return queries_; }
+  std::size_t batches() const { return batches_.size(); }
+
+ private:
+  static nhpm::NetworkModel MakeModel(int width) {
+    nhpm::NetworkModel model;
+    model.weights = nhpm::InitialWeights({width}, 1);
+    return model;
+  }
+
+  void AnswerWhole() {
+    for (const auto& batch : batches_) {
+      for (const PerceptionQuery& query : batch) {
+        nhpm::EncodeInput(query, {}, input_);
+        kept_ += ExpectedEdits(nhpm::MaskedAnswer(query.belief, pass_.Full(input_)));
+      }
+    }
+  }
+
+  void AnswerIncrementally() {
+    const nhpm::PerceptionNetwork network(model_);
+    for (const auto& batch : batches_) {
+      const auto answers = network.Predict(batch);
+      for (const PerceptionAnswer& answer : *answers) kept_ += ExpectedEdits(answer);
+    }
+  }
+
+  Options options_;
+  nhpm::NetworkModel model_;
+  std::shared_ptr<const nhpm::PackedWeights> weights_;
+  nhpm::InferencePass pass_;
+  OneDnnNetwork onednn_;
+  QueryBatches batches_;
+  std::size_t queries_ = 0;
+  std::vector<float> input_;
+  double kept_ = 0.0;  // so that nothing is optimised away
+};
+
+std::vector<double> Ratios(const std::vector<double>& above, const std::vector<double>& below) {
+  std::vector<double> ratios;
+  for (std::size_t i = 0; i < above.size(); ++i) ratios.push_back(above[i] / below[i]);
+  return ratios;
+}
+
+nlohmann::ordered_json Metrics(const Rounds& rounds, double flops) {
+  std::vector<double> fractions;
+  for (std::size_t i = 0; i < rounds.full_us.size(); ++i) {
+    const double gflops = 1e-3 * flops / rounds.full_us[i];
+    fractions.push_back(rounds.peak_gflops[i] > 0.0 ? gflops / rounds.peak_gflops[i] : 0.0);
+  }
+  return {
+      {"full_us", Median(rounds.full_us)},
+      {"incremental_us", Median(rounds.query_incremental_us)},
+      {"fma_peak_fraction", Median(fractions)},
+      {"onednn_ratio", Median(Ratios(rounds.onednn_us, rounds.full_us))},
+      {"incremental_speedup", Median(Ratios(rounds.query_full_us, rounds.query_incremental_us))},
+      {"fma_peak_gflops", Median(rounds.peak_gflops)},
+      {"onednn_us", Median(rounds.onednn_us)},
+      {"query_full_us", Median(rounds.query_full_us)}};
+}
+
+void PrintTable(const Options& options, const Benchmark& benchmark,
+                const nlohmann::ordered_json& m) {
+  const auto value = [&](const char* name) { return m[name].get<double>(); };
+  fmt::print("{}, kernels {}, one thread, medians of {} rounds, processor time\n", Machine(),
+             nhpm::KernelsFor(options.width).name, options.rounds);
+  fmt::print("network 13 x 13, width {}: {:.2f} MFLOP a sample; weights untrained\n", options.width,
+             1e-6 * benchmark.flops());
+  fmt::print("full pass            {:8.1f} us  {:5.1f} % of the FMA peak ({:.1f} GFLOP/s)\n",
+             value("full_us"), 100.0 * value("fma_peak_fraction"), value("fma_peak_gflops"));
+  fmt::print("oneDNN {:<13} {:8.1f} us  {:5.2f} x ours\n", OneDnnNetwork::version(),
+             value("onednn_us"), value("onednn_ratio"));
+  fmt::print("{} queries of the planner's search, in {} batches, from query to expected edits:\n",
+             benchmark.queries(), benchmark.batches());
+  fmt::print("  each whole         {:8.1f} us a query\n", value("query_full_us"));
+  fmt::print("  incremental        {:8.1f} us a query, {:.2f} x as fast, same bits\n",
+             value("incremental_us"), value("incremental_speedup"));
+}
+
+int Run(const Options& options) {
+  Benchmark benchmark(options);
+  const double difference = benchmark.DifferenceFromOneDnn();
+  if (difference > 1e-5) {
+    fmt::print(stderr, "conav-bench-nhpm: oneDNN differs by {}\n", difference);
+    return 1;
+  }
+  Rounds rounds;
+  for (int i = 0; i < options.rounds; ++i) {
+    if (isatty(STDERR_FILENO) != 0) {
+      fmt::print(stderr, "\rround {} of {} {}", i + 1, options.rounds,
+                 i + 1 == options.rounds ? "\n" : "");
+    }
+    benchmark.Round(rounds);
+  }
+  const auto metrics = Metrics(rounds, benchmark.flops());
+  PrintTable(options, benchmark, metrics);
+  if (options.json.empty()) return 0;
+  const nlohmann::ordered_json document{
+      {"benchmark", "nhpm"},      {"machine", Machine()}, {"width", options.width},
+      {"rounds", options.rounds}, {"metrics", metrics},   {"onednn_difference", difference}};
+  const auto written = WriteJsonFile(options.json, document);
+  if (!written) fmt::print(stderr, "conav-bench-nhpm: {}\n", written.error().text);
+  return written ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace conav::bench
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "What a prediction of the perception network costs: a full pass beside the core's FMA peak\n"
+      "and beside oneDNN, and the planner's queries whole and incremental, all in one run.\n"
+      "Metrics of --json: full_us, incremental_us, fma_peak_fraction, onednn_ratio (oneDNN's time\n"
+      "over ours), incremental_speedup (whole over incremental), and what they are made of.");
+  conav::bench::Options options;
+  app.add_option("--json", options.json, "Write figures to this file");
+  app.add_option("--rounds", options.rounds, "Repetitions; medians are over these")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000));
+  app.add_option("--width", options.width, "Channels of the hidden layers")
+      ->capture_default_str()
+      ->check(CLI::IsMember({16, 32, 64}));
+  app.add_option("--episodes", options.episodes, "Episodes whose queries are asked")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100));
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  try {
+    return conav::bench::Run(options);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "conav-bench-nhpm: {}\n", error.what());
+    return 1;
+  }
+}

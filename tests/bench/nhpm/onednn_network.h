@@ -1,0 +1,28 @@
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "nhpm/engine/network_weights.h"
+
+namespace conav::bench {
+
+/// The same network on oneDNN: one thread, its own choice of algorithm and memory layout, ReLU
+/// fused, sigmoid at the end. The peer of `conav bench nhpm`.
+class OneDnnNetwork {
+ public:
+  OneDnnNetwork(const nhpm::NetworkWeights& weights, int rows, int columns);
+  ~OneDnnNetwork();
+
+  /// Input [rows][columns][kInputChannels]; returns probabilities [rows][columns][kOutputChannels],
+  /// not masked, valid until the next call.
+  std::span<const float> Run(std::span<const float> input);
+
+  static const char* version();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace conav::bench

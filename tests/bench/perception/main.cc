@@ -1,0 +1,132 @@
+// conav-bench-perception: what a perception query costs in the planner's own process and as a
+// request to conav-nhpm, a process of its own, over both DDS vendors.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "bench/nhpm/planner_queries.h"
+#include "bench/perception/measurement.h"
+#include "bench/perception/served_network.h"
+#include "bench/support/measure.h"
+#include "common/runtime/json.h"
+#include "common/runtime/log.h"
+#include "nhpm/model/load_model.h"
+#include "nhpm/model/weights_file.h"
+#include "planner/perception/embedded_perception_model.h"
+
+namespace conav::bench {
+namespace {
+
+struct Options {
+  int rounds = 15;
+  int calls = 200;
+  std::string weights;
+  std::string json;
+  int first_domain = 20 + 2 * (getpid() % 100);
+};
+
+/// What a query costs does not depend on the values of the weights.
+std::filesystem::path WriteUntrained(const std::filesystem::path& folder) {
+  nhpm::NetworkModel model;
+  model.version = "untrained";
+  model.weights = nhpm::InitialWeights({}, 1);
+  const auto file = folder / "untrained.nhpm";
+  if (const auto written = nhpm::WriteWeightsFile(file, model); !written) {
+    throw StartupError(written.error().text);
+  }
+  return file;
+}
+
+std::vector<PerceptionQuery> Queries() {
+  std::vector<PerceptionQuery> queries;
+  for (const auto& batch : RecordPlannerQueries(1, 1)) {
+    queries.insert(queries.end(), batch.begin(), batch.end());
+  }
+  if (queries.size() > 256) queries.resize(256);
+  return queries;
+}
+
+void PrintTable(const Options& options, const std::string& model,
+                const nlohmann::ordered_json& metrics) {
+  fmt::print("{}, {}; wall time of a call, medians of {} rounds of {} calls\n", Machine(), model,
+             options.rounds, options.calls);
+  fmt::print("{:<34} {:>12} {:>16} {:>10}\n", "", "one query", "32 queries", "a query");
+  for (const char* name : {"embedded", "cyclonedds", "fastdds"}) {
+    const auto us = [&](const char* batch) {
+      return metrics[fmt::format("{}_{}_us", name, batch)].get<double>();
+    };
+    const std::string where =
+        name == std::string("embedded") ? name : fmt::format("conav-nhpm over {}", name);
+    fmt::print("{:<34} {:>9.1f} us {:>13.1f} us {:>7.1f} us\n", where, us("single"), us("batch32"),
+               us("batch32") / 32.0);
+  }
+  for (const char* name : {"cyclonedds", "fastdds"}) {
+    fmt::print("{} over embedded: {:.2f} for one query, {:.2f} for 32\n", name,
+               metrics[fmt::format("{}_single_ratio", name)].get<double>(),
+               metrics[fmt::format("{}_batch32_ratio", name)].get<double>());
+  }
+}
+
+int Run(const Options& options) {
+  const TemporaryFolder folder;
+  const std::filesystem::path weights =
+      options.weights.empty() ? WriteUntrained(folder.path()) : options.weights;
+  auto loaded = nhpm::LoadEditModel("nhpm", std::filesystem::absolute(weights), {});
+  if (!loaded) throw StartupError(loaded.error().text);
+  const std::string model =
+      fmt::format("{} {}", (*loaded)->identity().name, (*loaded)->identity().version);
+  planner::EmbeddedPerceptionModel embedded(*std::move(loaded));
+  ServedNetwork cyclone("cyclonedds", options.first_domain, std::filesystem::absolute(weights),
+                        folder.path());
+  ServedNetwork fast("fastdds", options.first_domain + 1, std::filesystem::absolute(weights),
+                     folder.path());
+  const Asked models[] = {
+      {"embedded", embedded}, {cyclone.vendor(), cyclone.model()}, {fast.vendor(), fast.model()}};
+  const auto series = Measure(models, Queries(), options.rounds, options.calls);
+  const auto metrics = MetricsOf(series);
+  PrintTable(options, model, metrics);
+  if (options.json.empty()) return 0;
+  const nlohmann::ordered_json document{
+      {"benchmark", "perception"}, {"machine", Machine()},   {"model", model},
+      {"rounds", options.rounds},  {"calls", options.calls}, {"metrics", metrics}};
+  const auto written = WriteJsonFile(options.json, document);
+  if (!written) throw StartupError(written.error().text);
+  return 0;
+}
+
+}  // namespace
+}  // namespace conav::bench
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "What a perception query costs: in the planner's own process, and as a request to "
+      "conav-nhpm,\n"
+      "a process of its own on this machine, over Cyclone DDS and over Fast DDS; single and in\n"
+      "batches of 32, all in one run, with queries of the planner's search and the same bits.\n"
+      "Metrics of --json: <way>_single_us and <way>_batch32_us, the wall time of a call, for the\n"
+      "ways embedded, cyclonedds, fastdds; <vendor>_single_ratio and <vendor>_batch32_ratio, over\n"
+      "embedded.");
+  conav::bench::Options options;
+  app.add_option("--json", options.json, "Write figures to this file");
+  app.add_option("--rounds", options.rounds, "Repetitions; medians are over these")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000));
+  app.add_option("--calls", options.calls, "Calls per repetition, way and size")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100000));
+  app.add_option("--weights", options.weights, "Weights file [untrained ones of width 32]");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  conav::log::SetMinimumLevel(conav::log::Level::kWarning);
+  try {
+    return conav::bench::Run(options);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "conav-bench-perception: {}\n", error.what());
+    return 1;
+  }
+}
