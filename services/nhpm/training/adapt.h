@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "common/runtime/result.h"
+#include "common/runtime/stop_token.h"
+#include "nhpm/training/example.h"
+
+namespace conav::nhpm {
+
+/// Layers below this one keep the weights of the base when a network is adapted to a person.
+inline constexpr int kFirstAdaptedLayer = 2;
+
+struct AdaptOptions {
+  int epochs = 40;  // at most
+  int batch = 16;
+  double learning_rate = 5e-4;
+  /// Strengths of the pull towards the base that are tried: the loss has
+  /// pull / 2 ||weights - base||^2 added.
+  std::vector<double> pulls{1e-2, 1e-3, 1e-4};
+  int folds = 4;  // at most
+  std::uint64_t seed = 1;
+};
+
+struct Adaptation {
+  NetworkWeights weights;
+  double pull = 0.0;  // chosen
+  int epochs = 0;     // chosen; 0 = the base was best, and `weights` is the base
+  /// Mean MBCE over examples while they were held out: of the base, and with what was chosen.
+  double base_loss = 0.0;
+  double held_out_loss = 0.0;
+};
+
+/// Fine-tunes the last two layers of `base` on one person's examples, without forgetting: the pull
+/// towards the base and the number of epochs are those with the lowest loss in cross-validation, in
+/// which a group (a trajectory) is never split. None of them better than the base: the base stays.
+///
+/// The result depends on base, groups and options only, not on `threads`.
+/// Errors: kInvalidArgument (fewer than two groups with examples), kUnavailable (`stop` asked).
+[[nodiscard]] Result<Adaptation> Adapt(const NetworkWeights& base,
+                                       const std::vector<ExampleSet>& groups,
+                                       const AdaptOptions& options, int threads,
+                                       const StopToken& stop);
+
+}  // namespace conav::nhpm

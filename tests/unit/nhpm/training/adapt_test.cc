@@ -1,0 +1,149 @@
+#include "nhpm/training/adapt.h"
+
+#include <catch2/catch.hpp>
+
+#include "nhpm/training/batch_pass.h"
+#include "nhpm/training/trainer.h"
+#include "unit/nhpm/training/made_up_examples.h"
+
+namespace conav::nhpm {
+namespace {
+
+constexpr int kRows = 5;
+constexpr int kColumns = 6;
+
+/// Trajectories of three examples each.
+std::vector<ExampleSet> Groups(int count, std::uint64_t seed) {
+  std::vector<ExampleSet> groups;
+  for (int i = 0; i < count; ++i) {
+    groups.push_back(MadeUpExamples(kRows, kColumns, 3, seed + static_cast<std::uint64_t>(i)));
+  }
+  return groups;
+}
+
+/// Somebody who never removes a wall.
+std::vector<ExampleSet> OfSomebodyElse(std::vector<ExampleSet> groups) {
+  for (ExampleSet& group : groups) {
+    for (Example& example : group.examples) {
+      for (std::size_t i = 1; i < example.labels.size(); i += kOutputChannels) {
+        if (example.labels[i] == OutputLabel::kEdited) example.labels[i] = OutputLabel::kKept;
+      }
+    }
+  }
+  return groups;
+}
+
+double LossOn(const NetworkWeights& weights, const std::vector<ExampleSet>& groups) {
+  BatchPass pass(weights.shape, kRows, kColumns, 1);
+  double sum = 0.0;
+  for (const ExampleSet& group : groups) {
+    sum += pass.MeanLoss(TrainingWeights(weights), group.examples);
+  }
+  return sum / static_cast<double>(groups.size());
+}
+
+/// A network that knows the rule of the made-up examples.
+NetworkWeights Base() {
+  const ExampleSet train = MadeUpExamples(kRows, kColumns, 60, 1);
+  TrainingOptions options;
+  options.width = 16;
+  options.epochs = 60;
+  options.batch = 10;
+  options.learning_rate = 5e-3;
+  Trainer trainer(options, train, train, 2, InitialTrainingState(options, 0.1));
+  const StopToken never;
+  while (!trainer.finished()) REQUIRE(trainer.RunEpoch(never));
+  return trainer.state().best;
+}
+
+AdaptOptions SmallOptions() {
+  AdaptOptions options;
+  options.epochs = 12;
+  options.batch = 4;
+  options.learning_rate = 3e-3;
+  return options;
+}
+
+TEST_CASE("A network adapted to a person is better at this person's unseen edits",
+          "[nhpm][training][adapt]") {
+  const NetworkWeights base = Base();
+  const StopToken never;
+  const auto person = OfSomebodyElse(Groups(8, 100));
+  const auto unseen = OfSomebodyElse(Groups(8, 200));
+  const Adaptation adapted = Adapt(base, person, SmallOptions(), 2, never).value();
+  CHECK(adapted.epochs > 0);
+  CHECK(adapted.held_out_loss < adapted.base_loss);
+  CHECK(adapted.base_loss == Approx(LossOn(base, person)).epsilon(1e-9));
+  CHECK(LossOn(adapted.weights, unseen) < 0.5 * LossOn(base, unseen));
+}
+
+TEST_CASE("The first two layers stay those of the base", "[nhpm][training][adapt]") {
+  const NetworkWeights base = Base();
+  const StopToken never;
+  const NetworkWeights adapted =
+      Adapt(base, OfSomebodyElse(Groups(4, 100)), SmallOptions(), 1, never).value().weights;
+  for (std::size_t layer = 0; layer < 2; ++layer) {
+    CHECK((adapted.weights[layer] == base.weights[layer]));
+    CHECK((adapted.biases[layer] == base.biases[layer]));
+  }
+  CHECK_FALSE((adapted.weights[2] == base.weights[2]));
+  CHECK_FALSE((adapted.weights[3] == base.weights[3]));
+}
+
+TEST_CASE("An adaptation has the same bits on any number of threads", "[nhpm][training][adapt]") {
+  const NetworkWeights base = InitialWeights({16}, 3, -2.0F);
+  const StopToken never;
+  const auto groups = Groups(3, 100);
+  const Adaptation one = Adapt(base, groups, SmallOptions(), 1, never).value();
+  const Adaptation three = Adapt(base, groups, SmallOptions(), 3, never).value();
+  CHECK((one.weights == three.weights));
+  CHECK(one.held_out_loss == three.held_out_loss);
+  CHECK(one.pull == three.pull);
+}
+
+TEST_CASE("Where nothing is better than the base the base stays", "[nhpm][training][adapt]") {
+  const NetworkWeights base = Base();
+  AdaptOptions options = SmallOptions();
+  options.learning_rate = 10.0;  // each step breaks it
+  const StopToken never;
+  const Adaptation adapted = Adapt(base, Groups(4, 100), options, 1, never).value();
+  CHECK(adapted.epochs == 0);
+  CHECK((adapted.weights == base));
+  CHECK(adapted.held_out_loss == adapted.base_loss);
+}
+
+TEST_CASE("A stronger pull stays nearer to the base", "[nhpm][training][adapt]") {
+  const NetworkWeights base = InitialWeights({16}, 3, -2.0F);
+  const StopToken never;
+  const auto distance = [&](double pull) {
+    AdaptOptions options = SmallOptions();
+    options.pulls = {pull};
+    const Adaptation adapted = Adapt(base, Groups(4, 100), options, 1, never).value();
+    REQUIRE(adapted.epochs > 0);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < base.weights[2].size(); ++i) {
+      const double change = static_cast<double>(adapted.weights.weights[2][i] - base.weights[2][i]);
+      sum += change * change;
+    }
+    return sum;
+  };
+  CHECK(distance(1.0) < 0.5 * distance(0.0));
+}
+
+TEST_CASE("Fewer than two groups with examples are refused", "[nhpm][training][adapt]") {
+  const NetworkWeights base = InitialWeights({16}, 3);
+  const StopToken never;
+  CHECK_FALSE(Adapt(base, {}, {}, 1, never));
+  CHECK_FALSE(Adapt(base, {Groups(1, 1)[0], ExampleSet{}}, {}, 1, never));
+}
+
+TEST_CASE("An adaptation can be stopped", "[nhpm][training][adapt]") {
+  StopToken stop;
+  stop.RequestStop();
+  const auto adapted = Adapt(InitialWeights({16}, 3), Groups(2, 1), {}, 1, stop);
+  REQUIRE_FALSE(adapted);
+  CHECK(adapted.error().code == ErrorCode::kUnavailable);
+}
+
+}  // namespace
+}  // namespace conav::nhpm
