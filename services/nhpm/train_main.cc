@@ -1,4 +1,6 @@
 // conav-train: learns the weights of the NHPM from a segment file.
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <string>
@@ -6,6 +8,7 @@
 #include <vector>
 
 #include "common/runtime/stop_token.h"
+#include "nhpm/adapt_command.h"
 #include "nhpm/train_command.h"
 
 namespace {
@@ -16,6 +19,8 @@ using conav::nhpm::TrainingOptions;
 
 struct Flags {
   TrainArguments train;
+  conav::nhpm::AdaptArguments adapt;
+  bool adapts = false;
   std::vector<std::string> without;
   std::string schedule = "constant";
   bool no_svg = false;
@@ -64,7 +69,7 @@ void AddOptimiserFlags(CLI::App& app, Flags& flags) {
 void AddFileFlags(CLI::App& app, Flags& flags) {
   TrainArguments& train = flags.train;
   app.add_option("--data", train.data, "Segment file, as conav dataset makes it")->required();
-  app.add_option("--out", train.out, "Weights file to write")->required();
+  app.add_option("--out", train.out, "Weights file to write; required but for --each");
   app.add_option("--json", train.json, "Write the figures to this file, - = standard output");
   auto* svg = app.add_option("--svg", train.svg, "Draw the losses into this file (OUT.svg)");
   app.add_flag("--no-svg", flags.no_svg, "Draw no losses")->excludes(svg);
@@ -75,9 +80,53 @@ void AddFileFlags(CLI::App& app, Flags& flags) {
       ->check(CLI::Range(1, 256));
 }
 
+void AddAdaptFlags(CLI::App& app, Flags& flags) {
+  auto* base = app.add_option("--base", flags.adapt.base, "Weights file that --adapt starts from");
+  auto* adapt = app.add_flag(
+      "--adapt", flags.adapts,
+      "Fine-tune the last two layers of --base to one participant of the data; how far "
+      "and how long is chosen by cross-validation, never worse there than the base");
+  base->needs(adapt);
+  adapt->needs(base);
+  auto* participant =
+      app.add_option("--participant", flags.adapt.participant,
+                     "To whom --adapt adapts; may be left out if there is only one");
+  app.add_flag("--each", flags.adapt.each,
+               "With --adapt: print for each participant what adapting to half of the trajectories "
+               "gains on the other half; writes no weights")
+      ->needs(adapt)
+      ->excludes(participant);
+  participant->needs(adapt);
+}
+
+/// Options that go into RunTrain only.
+std::string TrainOnlyFlag(const CLI::App& app) {
+  for (const char* flag :
+       {"--width", "--without", "--any-size", "--epochs", "--patience", "--batch",
+        "--learning-rate", "--schedule", "--split-seed", "--svg", "--no-svg", "--fresh"}) {
+    if (app.count(flag) > 0) return flag;
+  }
+  return {};
+}
+
+/// The message of wrong use that CLI11 does not find.
+std::string WrongUse(const CLI::App& app, const Flags& flags) {
+  const bool writes = !flags.adapt.each;
+  if (writes && flags.train.out.empty()) return "--out is required";
+  if (!writes && !flags.train.out.empty()) return "--each writes no weights: no --out";
+  const std::string flag = TrainOnlyFlag(app);
+  if (flags.adapts && !flag.empty()) return flag + " does not go with --adapt";
+  return {};
+}
+
 /// What follows from the flags together.
 void Complete(Flags& flags) {
   TrainArguments& train = flags.train;
+  flags.adapt.data = train.data;
+  flags.adapt.out = train.out;
+  flags.adapt.json = train.json;
+  flags.adapt.threads = train.threads;
+  flags.adapt.seed = train.options.seed;
   for (const std::string& name : flags.without) {
     if (name == "x") train.inputs.belief = false;
     if (name == "tau") train.inputs.path = false;
@@ -101,12 +150,18 @@ int main(int argc, char** argv) {
   AddFileFlags(app, flags);
   AddNetworkFlags(app, flags);
   AddOptimiserFlags(app, flags);
+  AddAdaptFlags(app, flags);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
+  if (const std::string wrong = WrongUse(app, flags); !wrong.empty()) {
+    fmt::print(stderr, "conav train: {}\n", wrong);
+    return 2;
+  }
   Complete(flags);
   conav::InstallStopSignals();
+  if (flags.adapts) return conav::nhpm::RunAdapt(flags.adapt, conav::ProcessStopToken());
   return conav::nhpm::RunTrain(flags.train, conav::ProcessStopToken());
 }

@@ -1,0 +1,229 @@
+#include "nhpm/adapt_command.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "common/runtime/file.h"
+#include "common/runtime/json.h"
+#include "common/runtime/sha256.h"
+#include "common/segments/segment_file.h"
+#include "common/segments/segment_labels.h"
+#include "nhpm/model/weights_file.h"
+#include "nhpm/progress_line.h"
+#include "nhpm/training/adapt.h"
+#include "nhpm/training/batch_pass.h"
+#include "nhpm/training/people.h"
+#include "nhpm/training/training_data.h"
+
+namespace conav::nhpm {
+namespace {
+
+int Failed(const Error& error) {
+  fmt::print(stderr, "conav train: {}\n", error.text);
+  return 1;
+}
+
+/// Base network and data that fit each other.
+struct Inputs {
+  NetworkModel base;
+  SegmentSet set;
+  std::string data_checksum;
+};
+
+Error Named(const std::filesystem::path& path, const Error& error) {
+  return {error.code, fmt::format("{}: {}", path.string(), error.text)};
+}
+
+Result<void> CheckFits(const NetworkModel& base, const SegmentSet& set) {
+  if (SegmentCount(set) == 0) return Fail(ErrorCode::kInvalidArgument, "has no segments");
+  if (const auto checked = CheckOneSize(set); !checked) return checked;
+  const BeliefGrid& belief = AllSegments(set).front()->query.belief;
+  if (base.rows == 0 || (base.rows == belief.rows() && base.columns == belief.columns())) return {};
+  return Fail(ErrorCode::kInvalidArgument,
+              fmt::format("has maps of {} x {} cells; the base is for {} x {}", belief.rows(),
+                          belief.columns(), base.rows, base.columns));
+}
+
+Result<Inputs> Load(const AdaptArguments& arguments) {
+  auto base = ReadWeightsFile(arguments.base);
+  if (!base) return tl::unexpected(base.error());
+  const auto bytes = ReadFile(arguments.data);
+  if (!bytes) return tl::unexpected(bytes.error());
+  auto set = ReadSegmentFile(arguments.data);
+  if (!set) return tl::unexpected(set.error());
+  if (const auto checked = CheckFits(*base, *set); !checked) {
+    return tl::unexpected(Named(arguments.data, checked.error()));
+  }
+  return Inputs{std::move(*base), std::move(*set), Sha256Hex(*bytes)};
+}
+
+Result<void> CheckOutputs(const AdaptArguments& arguments) {
+  for (const auto& path : {arguments.out, arguments.json}) {
+    if (path.empty() || path == "-") continue;
+    if (const auto checked = CheckWritable(path); !checked) return checked;
+  }
+  return {};
+}
+
+Result<void> WriteJson(const std::filesystem::path& path, const nlohmann::ordered_json& document) {
+  if (path.empty()) return {};
+  if (path != "-") return WriteJsonFile(path, document);
+  fmt::print("{}\n", document.dump(2));
+  if (std::fflush(stdout) == 0) return {};
+  return Fail(ErrorCode::kIo, "standard output: cannot write");
+}
+
+std::string JoinedOrigins(const std::string& base, const std::string& person) {
+  return base == person || base.empty() ? person : base + "+" + person;
+}
+
+NetworkModel AdaptedModel(const AdaptArguments& arguments, const Inputs& inputs,
+                          const Person& person, const Adaptation& adaptation) {
+  NetworkModel model = inputs.base;
+  model.version = fmt::format("{}, adapted to {}", inputs.base.version, person.participant);
+  model.weights = adaptation.weights;
+  model.data_origin = JoinedOrigins(inputs.base.data_origin, OriginText(person.set));
+  model.training["base_checksum"] = ChecksumOf(inputs.base);
+  model.training["adapt_participant"] = person.participant;
+  model.training["adapt_data_sha256"] = inputs.data_checksum;
+  model.training["adapt_segments"] = fmt::format("{}", SegmentCount(person.set));
+  model.training["adapt_seed"] = fmt::format("{}", arguments.seed);
+  model.training["adapt_pull"] = fmt::format("{}", adaptation.pull);
+  model.training["adapt_epochs"] = fmt::format("{}", adaptation.epochs);
+  model.training["adapt_base_mbce"] = fmt::format("{:.8f}", adaptation.base_loss);
+  model.training["adapt_held_out_mbce"] = fmt::format("{:.8f}", adaptation.held_out_loss);
+  return model;
+}
+
+double Percent(double base, double adapted) { return 100.0 * (adapted - base) / base; }
+
+/// One person.
+Result<void> AdaptToOne(const AdaptArguments& arguments, const Inputs& inputs,
+                        const StopToken& stop) {
+  const auto person = FindPerson(PeopleOf(inputs.set), arguments.participant);
+  if (!person) return tl::unexpected(Named(arguments.data, person.error()));
+  AdaptOptions options;
+  options.seed = arguments.seed;
+  const auto adaptation =
+      Adapt(inputs.base.weights, AdaptationGroups(person->set, inputs.base.inputs), options,
+            arguments.threads, stop);
+  if (!adaptation) return tl::unexpected(adaptation.error());
+  const NetworkModel model = AdaptedModel(arguments, inputs, *person, *adaptation);
+  if (const auto written = WriteWeightsFile(arguments.out, model); !written) return written;
+  if (arguments.json != "-") {
+    fmt::print(
+        "adapted to  {} ({}): {} segments, {} epochs, pull {}{}\n"
+        "held out    MBCE {:.5f} with the base, {:.5f} adapted ({:+.1f} %)\n"
+        "weights     {}  SHA-256 {}\n",
+        person->participant, OriginText(person->set), SegmentCount(person->set), adaptation->epochs,
+        adaptation->pull, adaptation->epochs == 0 ? ": nothing was better than the base" : "",
+        adaptation->base_loss, adaptation->held_out_loss,
+        Percent(adaptation->base_loss, adaptation->held_out_loss), arguments.out.string(),
+        ChecksumOf(model));
+  }
+  return WriteJson(arguments.json, {{"weights", arguments.out.string()},
+                                    {"checksum", ChecksumOf(model)},
+                                    {"data_origin", model.data_origin},
+                                    {"training", model.training},
+                                    {"base_mbce", adaptation->base_loss},
+                                    {"held_out_mbce", adaptation->held_out_loss}});
+}
+
+/// What half of a person's trajectories teaches about the other half.
+struct PersonResult {
+  std::string participant;
+  std::string origin;
+  std::size_t learned_from = 0;  // segments
+  std::size_t tested_on = 0;
+  Adaptation adaptation;
+  double base_loss = 0.0;  // on the other half
+  double adapted_loss = 0.0;
+};
+
+/// Every second trajectory is tested on. Nothing for a person with only one.
+Result<std::optional<PersonResult>> MeasurePerson(const AdaptArguments& arguments,
+                                                  const NetworkModel& base, const Person& person,
+                                                  const StopToken& stop) {
+  SegmentSet learned;
+  SegmentSet tested;
+  for (std::size_t i = 0; i < person.set.trajectories.size(); ++i) {
+    (i % 2 == 0 ? learned : tested).trajectories.push_back(person.set.trajectories[i]);
+  }
+  if (SegmentCount(learned) < 2 || SegmentCount(tested) == 0) return std::nullopt;
+  AdaptOptions options;
+  options.seed = arguments.seed;
+  auto adaptation =
+      Adapt(base.weights, AdaptationGroups(learned, base.inputs), options, arguments.threads, stop);
+  if (!adaptation) return tl::unexpected(adaptation.error());
+  const ExampleSet test = ExamplesOf(tested, base.inputs);
+  BatchPass pass(base.weights.shape, test.rows, test.columns, arguments.threads);
+  PersonResult result{person.participant, OriginText(person.set), SegmentCount(learned),
+                      SegmentCount(tested), std::move(*adaptation)};
+  result.base_loss = pass.MeanLoss(TrainingWeights(base.weights), test.examples);
+  result.adapted_loss = pass.MeanLoss(TrainingWeights(result.adaptation.weights), test.examples);
+  return result;
+}
+
+void PrintTable(const std::vector<PersonResult>& results) {
+  fmt::print("{:<16} {:<10} {:>12} {:>10} {:>6} {:>8}  {:>10} {:>12} {:>8}\n", "participant",
+             "edits", "learned from", "tested on", "epochs", "pull", "base MBCE", "adapted MBCE",
+             "change");
+  for (const PersonResult& r : results) {
+    fmt::print("{:<16} {:<10} {:>12} {:>10} {:>6} {:>8}  {:>10.5f} {:>12.5f} {:>+7.1f}%\n",
+               r.participant, r.origin, r.learned_from, r.tested_on, r.adaptation.epochs,
+               r.adaptation.pull, r.base_loss, r.adapted_loss,
+               Percent(r.base_loss, r.adapted_loss));
+  }
+}
+
+nlohmann::ordered_json ToJson(const std::vector<PersonResult>& results) {
+  auto people = nlohmann::ordered_json::array();
+  for (const PersonResult& r : results) {
+    people.push_back({{"participant", r.participant},
+                      {"data_origin", r.origin},
+                      {"learned_from_segments", r.learned_from},
+                      {"tested_on_segments", r.tested_on},
+                      {"epochs", r.adaptation.epochs},
+                      {"pull", r.adaptation.pull},
+                      {"base_mbce", r.base_loss},
+                      {"adapted_mbce", r.adapted_loss}});
+  }
+  return {{"people", people}};
+}
+
+Result<void> AdaptToEach(const AdaptArguments& arguments, const Inputs& inputs,
+                         const StopToken& stop) {
+  const std::vector<Person> people = PeopleOf(inputs.set);
+  std::vector<PersonResult> results;
+  {
+    ProgressLine progress;
+    for (const Person& person : people) {
+      auto result = MeasurePerson(arguments, inputs.base, person, stop);
+      if (!result) return tl::unexpected(result.error());
+      if (result->has_value()) results.push_back(std::move(**result));
+      progress.Show(fmt::format("adapted to {} of {} participants", results.size(), people.size()));
+    }
+  }
+  if (results.empty()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: no participant with two trajectories", arguments.data.string()));
+  }
+  if (arguments.json != "-") PrintTable(results);
+  return WriteJson(arguments.json, ToJson(results));
+}
+
+}  // namespace
+
+int RunAdapt(const AdaptArguments& arguments, const StopToken& stop) {
+  if (const auto checked = CheckOutputs(arguments); !checked) return Failed(checked.error());
+  const auto inputs = Load(arguments);
+  if (!inputs) return Failed(inputs.error());
+  const auto done =
+      arguments.each ? AdaptToEach(arguments, *inputs, stop) : AdaptToOne(arguments, *inputs, stop);
+  return done ? 0 : Failed(done.error());
+}
+
+}  // namespace conav::nhpm

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "common/runtime/stop_token.h"
+
+namespace conav::nhpm {
+
+/// What `conav train --adapt` was told.
+struct AdaptArguments {
+  std::filesystem::path base;  // weights file
+  std::filesystem::path data;
+  std::filesystem::path out;   // not with `each`
+  std::filesystem::path json;  // "-" = standard output; empty = not wanted
+  std::string participant;     // may be empty where the data has only one
+  bool each = false;           // measure for every participant of the data, write no weights
+  std::uint64_t seed = 1;
+  int threads = 1;
+};
+
+/// Adapts the base to one participant and writes the weights. With `each`: adapts to half of the
+/// trajectories of each participant and prints the losses of base and adapted network on the other
+/// half. Exit code: 0 done, 1 failed or stopped.
+int RunAdapt(const AdaptArguments& arguments, const StopToken& stop);
+
+}  // namespace conav::nhpm
