@@ -9,7 +9,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-#include "bench/nhpm/fma_peak.h"
+#include "bench/support/fma_peak.h"
 #include "bench/nhpm/onednn_network.h"
 #include "bench/nhpm/planner_queries.h"
 #include "bench/support/measure.h"

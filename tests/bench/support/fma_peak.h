@@ -6,4 +6,7 @@ namespace conav::bench {
 /// registers, no memory. About 10 ms of processor time. 0 where the processor has no AVX2.
 double MeasureFmaPeak();
 
+/// The sum over as many threads at once: two of them may share one core.
+double MeasureFmaPeak(int threads);
+
 }  // namespace conav::bench

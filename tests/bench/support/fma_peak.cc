@@ -1,4 +1,8 @@
-#include "bench/nhpm/fma_peak.h"
+#include "bench/support/fma_peak.h"
+
+#include <numeric>
+#include <thread>
+#include <vector>
 
 #include "bench/support/measure.h"
 
@@ -56,5 +60,13 @@ double MeasureFmaPeak() {
 #else
 double MeasureFmaPeak() { return 0.0; }
 #endif
+
+double MeasureFmaPeak(int threads) {
+  std::vector<double> peaks(static_cast<std::size_t>(threads), 0.0);
+  std::vector<std::thread> running;
+  for (double& peak : peaks) running.emplace_back([&peak] { peak = MeasureFmaPeak(); });
+  for (std::thread& thread : running) thread.join();
+  return std::accumulate(peaks.begin(), peaks.end(), 0.0);
+}
 
 }  // namespace conav::bench

@@ -1,0 +1,181 @@
+// conav-bench-train: what an epoch of training costs, beside the limit of the cores and libtorch.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <thread>
+
+#include "bench/support/fma_peak.h"
+#include "bench/support/measure.h"
+#include "common/runtime/json.h"
+#include "common/runtime/random.h"
+#include "nhpm/training/trainer.h"
+#ifdef CONAV_HAVE_TORCH
+#include "bench/train/torch_trainer.h"
+#endif
+
+namespace conav::bench {
+namespace {
+
+using nhpm::kInputChannels;
+using nhpm::kOutputChannels;
+
+constexpr int kGrid = 13;
+
+struct Options {
+  int rounds = 7;
+  int width = 32;
+  int examples = 1505;  // paper Appendix A
+  int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  std::string json;
+};
+
+/// Random examples with about one edit each: what they say does not change what they cost.
+nhpm::ExampleSet MakeExamples(int count) {
+  Random random(1);
+  nhpm::ExampleSet set{kGrid, kGrid, {}};
+  for (int i = 0; i < count; ++i) {
+    nhpm::Example example;
+    for (int j = 0; j < kGrid * kGrid * kInputChannels; ++j) {
+      example.input.push_back(random.Chance(0.3) ? 1.0F : 0.0F);
+    }
+    for (int j = 0; j < kGrid * kGrid * kOutputChannels; ++j) {
+      const bool edited = random.Chance(1.0 / (kGrid * kGrid));
+      example.labels.push_back(random.Chance(0.5) ? nhpm::OutputLabel::kMasked
+                               : edited           ? nhpm::OutputLabel::kEdited
+                                                  : nhpm::OutputLabel::kKept);
+    }
+    set.examples.push_back(std::move(example));
+  }
+  return set;
+}
+
+/// Multiply-adds of forward and backward pass, counted as three forward passes.
+double FlopsOfEpoch(const Options& options) {
+  const nhpm::NetworkShape shape{options.width};
+  double weights = 0.0;
+  for (int layer = 0; layer < nhpm::kNetworkLayers; ++layer) {
+    weights += static_cast<double>(shape.WeightsOf(layer));
+  }
+  return 3.0 * 2.0 * kGrid * kGrid * weights * options.examples;
+}
+
+double WallSeconds(const std::function<void()>& call) {
+  const auto start = std::chrono::steady_clock::now();
+  call();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+struct Rounds {
+  std::vector<double> epoch_s;
+  std::vector<double> limit_s;
+  std::vector<double> torch_s;  // empty without libtorch
+};
+
+Rounds Measure(const Options& options) {
+  const nhpm::ExampleSet train = MakeExamples(options.examples);
+  const nhpm::ExampleSet validation = MakeExamples(1);
+  nhpm::TrainingOptions training;
+  training.width = options.width;
+  training.epochs = options.rounds + 1;
+  training.patience = 0;
+  nhpm::Trainer trainer(training, train, validation, options.threads,
+                        nhpm::InitialTrainingState(training, nhpm::EditShare(train)));
+#ifdef CONAV_HAVE_TORCH
+  TorchTrainer torch(options.width, training.batch, options.threads, train);
+  torch.RunEpoch();
+#endif
+  const StopToken stop;
+  trainer.RunEpoch(stop);  // warms up
+  Rounds rounds;
+  for (int i = 0; i < options.rounds; ++i) {
+    if (isatty(STDERR_FILENO) != 0) {
+      fmt::print(stderr, "\rround {} of {} {}", i + 1, options.rounds,
+                 i + 1 == options.rounds ? "\n" : "");
+    }
+    rounds.limit_s.push_back(1e-9 * FlopsOfEpoch(options) / MeasureFmaPeak(options.threads));
+    rounds.epoch_s.push_back(WallSeconds([&] { trainer.RunEpoch(stop); }));
+#ifdef CONAV_HAVE_TORCH
+    rounds.torch_s.push_back(WallSeconds([&] { torch.RunEpoch(); }));
+#endif
+  }
+  return rounds;
+}
+
+double MedianRatio(const std::vector<double>& above, const std::vector<double>& below) {
+  std::vector<double> ratios;
+  for (std::size_t i = 0; i < below.size(); ++i) ratios.push_back(above[i] / below[i]);
+  return Median(ratios);
+}
+
+int Run(const Options& options) {
+  const Rounds rounds = Measure(options);
+  nlohmann::ordered_json metrics{{"epoch_s", Median(rounds.epoch_s)},
+                                 {"fma_limit_ratio", MedianRatio(rounds.epoch_s, rounds.limit_s)}};
+  if (!rounds.torch_s.empty()) {
+    metrics["libtorch_ratio"] = MedianRatio(rounds.epoch_s, rounds.torch_s);
+    metrics["libtorch_epoch_s"] = Median(rounds.torch_s);
+  }
+  const auto value = [&](const char* name) { return metrics[name].get<double>(); };
+  fmt::print("{}, {} threads, medians of {} rounds, wall time\n", Machine(), options.threads,
+             options.rounds);
+  fmt::print("epoch of {} random examples 13 x 13, width {}, batch 128\n", options.examples,
+             options.width);
+  fmt::print("ours      {:7.3f} s, {:.2f} x the FMA limit of the cores\n", value("epoch_s"),
+             value("fma_limit_ratio"));
+  if (rounds.torch_s.empty()) {
+    fmt::print("libtorch  not installed when this was built (Debian: libtorch-dev)\n");
+  } else {
+    fmt::print("libtorch  {:7.3f} s; ours takes {:.2f} x its time\n", value("libtorch_epoch_s"),
+               value("libtorch_ratio"));
+  }
+  if (options.json.empty()) return 0;
+  const nlohmann::ordered_json document{{"benchmark", "train"},     {"machine", Machine()},
+                                        {"width", options.width},   {"threads", options.threads},
+                                        {"rounds", options.rounds}, {"metrics", metrics}};
+  const auto written = WriteJsonFile(options.json, document);
+  if (!written) fmt::print(stderr, "conav-bench-train: {}\n", written.error().text);
+  return written ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace conav::bench
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "What an epoch of training costs, beside the FMA limit of the cores (three forward passes "
+      "an\n"
+      "example) and beside libtorch where it was installed at build time, in one run.\n"
+      "Metrics of --json: epoch_s, fma_limit_ratio (epoch over limit), libtorch_ratio (ours over\n"
+      "libtorch) and libtorch_epoch_s.");
+  conav::bench::Options options;
+  app.add_option("--json", options.json, "Write figures to this file");
+  app.add_option("--rounds", options.rounds, "Epochs measured; medians are over these")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000));
+  app.add_option("--width", options.width, "Channels of the hidden layers")
+      ->capture_default_str()
+      ->check(CLI::IsMember({16, 32, 64}));
+  app.add_option("--examples", options.examples, "Examples of an epoch")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000000));
+  app.add_option("--threads", options.threads, "Threads")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 256));
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  try {
+    return conav::bench::Run(options);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "conav-bench-train: {}\n", error.what());
+    return 1;
+  }
+}
