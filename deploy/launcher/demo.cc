@@ -122,8 +122,10 @@ bool Demo::SomethingDied() {
     for (const std::string& line : LastLines(process->log(), kLogLines)) {
       progress_.Say("  | " + line);
     }
-    if (process->name() == "nhpm") {
-      progress_.Say("the planner goes on with its own perception model");
+    if (process->name().starts_with("nhpm")) {
+      progress_.Say(ReplicasLeft() > 0
+                        ? fmt::format("{} other nhpm go on answering", ReplicasLeft())
+                        : "the planner goes on with its own perception model");
       continue;
     }
     outcome_.reason = EndReason::kProcessDied;
@@ -132,6 +134,11 @@ bool Demo::SomethingDied() {
     fatal = true;
   }
   return fatal;
+}
+
+int Demo::ReplicasLeft() const {
+  return processes_.CountRunning(
+      [](const Process& process) { return process.name().starts_with("nhpm"); });
 }
 
 void Demo::StopPlanner() {

@@ -32,6 +32,7 @@ class Demo {
   void Follow(const StopToken& stop);
   /// Sets outcome_ when one died that the run cannot do without.
   bool SomethingDied();
+  int ReplicasLeft() const;
   /// So that nobody commands the robots any more.
   void StopPlanner();
   /// Listens until it is quiet and, after a death, until the robots stand.

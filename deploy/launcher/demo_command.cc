@@ -9,7 +9,7 @@ namespace conav::launcher {
 namespace {
 
 constexpr const char* kFooter = R"(
-Starts conav-sim (one per world), conav-nhpm, conav-operator, conav-planner and conav-simulated-operator,
+Starts conav-sim (one per world), conav-nhpm (or several), conav-operator, conav-planner and conav-simulated-operator,
 follows them until every robot has reached its goals, and leaves runs/<time>-seed<S>/ with the effective
 configuration, logs, metrics.json and episode.svg (truth, the operator's map before and after, trajectories,
 pictures).
@@ -32,6 +32,17 @@ void AddRunOptions(CLI::App& app, DemoOptions& options) {
       ->capture_default_str();
   app.add_option("--perception", options.perception,
                  "remote: the planner asks nhpm; embedded: it asks its own model")
+      ->capture_default_str();
+  app.add_option("--model", options.model,
+                 "Who predicts the operator's edits: nhpm, the network, or glpf")
+      ->capture_default_str();
+  app.add_option("--weights", options.weights,
+                 "Weights file of the network [the one that comes with conav]");
+  app.add_option("--nhpm-replicas", options.nhpm_replicas, "Processes conav-nhpm")
+      ->capture_default_str();
+  app.add_option("--x-source", options.x_source,
+                 "What the planner takes for the operator's map: observed, the published one, or "
+                 "estimated by the model")
       ->capture_default_str();
   app.add_flag("--headless", options.headless, "No watching: as fast as the robots are commanded");
   app.add_option("--speed", options.speed,

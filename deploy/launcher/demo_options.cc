@@ -17,6 +17,8 @@ namespace fs = std::filesystem;
 constexpr std::array kMethods{"ig-mcts", "instruction", "teleop"};
 constexpr std::array kCameras{"egl", "none"};
 constexpr std::array kPerceptions{"remote", "embedded"};
+constexpr std::array kModels{"nhpm", "glpf"};
+constexpr std::array kXSources{"observed", "estimated"};
 constexpr std::array kVendors{"cyclonedds", "fastdds"};
 constexpr std::array kVendorChoices{"cyclonedds", "fastdds", "mixed", "SERVICE=VENDOR,..."};
 
@@ -63,6 +65,7 @@ Result<void> ValidateFiles(const DemoOptions& options) {
   }
   if (auto ok = RequireFile("--map", options.map); !ok) return ok;
   if (auto ok = RequireFile("--operator-map", options.operator_map); !ok) return ok;
+  if (auto ok = RequireFile("--weights", options.weights); !ok) return ok;
   if (!options.json.empty()) {
     const fs::path folder = fs::absolute(options.json).parent_path();
     if (!fs::is_directory(folder)) {
@@ -81,6 +84,9 @@ Result<void> ValidateFiles(const DemoOptions& options) {
 Result<void> ValidateNumbers(const DemoOptions& options) {
   if (auto ok = RequireRange("--robots", options.robots, 1, kMaxRobots); !ok) return ok;
   if (auto ok = RequireRange("--worlds", options.worlds, 1, kMaxWorlds); !ok) return ok;
+  if (auto ok = RequireRange("--nhpm-replicas", options.nhpm_replicas, 1, kMaxReplicas); !ok) {
+    return ok;
+  }
   if (auto ok = RequireRange("--speed", options.effective_speed(), 0, 1000); !ok) return ok;
   if (auto ok = RequireRange("--domain", options.domain.value_or(0), 0, 232); !ok) return ok;
   if (auto ok = RequireRange("--cell-size", options.cell_size_m.value_or(1), 1, 100); !ok) {
@@ -96,6 +102,8 @@ Result<void> Validate(const DemoOptions& options) {
   if (auto ok = RequireOneOf("--method", options.method, kMethods); !ok) return ok;
   if (auto ok = RequireOneOf("--camera", options.camera, kCameras); !ok) return ok;
   if (auto ok = RequireOneOf("--perception", options.perception, kPerceptions); !ok) return ok;
+  if (auto ok = RequireOneOf("--model", options.model, kModels); !ok) return ok;
+  if (auto ok = RequireOneOf("--x-source", options.x_source, kXSources); !ok) return ok;
   if (auto vendors = VendorOfService(options.dds); !vendors) {
     return tl::unexpected<Error>(vendors.error());
   }

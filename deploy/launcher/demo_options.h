@@ -16,6 +16,7 @@ inline constexpr const char* kServices[] = {"sim", "nhpm", "operator", "planner"
                                             "simulated-operator"};
 inline constexpr int kMaxRobots = 64;
 inline constexpr int kMaxWorlds = 16;
+inline constexpr int kMaxReplicas = 8;
 
 /// What `conav demo` was asked for.
 struct DemoOptions {
@@ -41,6 +42,10 @@ struct DemoOptions {
   std::map<std::string, std::string> run_with;  // service -> command to put before it
   double time_limit_s = 1800.0;                 // wall time
   std::string perception = "remote";
+  std::string model = "glpf";     // or "nhpm"
+  std::filesystem::path weights;  // of the network; empty = the one that comes with conav
+  int nhpm_replicas = 1;
+  std::string x_source = "observed";  // or "estimated"
   std::filesystem::path out = "runs";
 
   double effective_speed() const { return speed.value_or(headless ? 0.0 : 4.0); }

@@ -31,6 +31,10 @@ struct Setting {
   bus::ParticipantOptions Bus(const std::string& service) const {
     return BusOptions(options, domain, vendors.at(service));
   }
+  /// Written out, so that the configuration means the same wherever it is used again.
+  std::string Weights() const {
+    return options.model == "nhpm" ? AbsoluteText(nhpm::WeightsOrShipped(options.weights)) : "";
+  }
   std::vector<std::string> WorldsAndRobots() const {
     std::vector<std::string> entries;
     for (const RobotRecord& robot : episode.robots) {
@@ -62,9 +66,12 @@ std::string SimYaml(const Setting& setting, std::size_t world_index) {
   return DumpConfig("sim", config);
 }
 
-std::string NhpmYaml(const Setting& setting) {
+std::string NhpmYaml(const Setting& setting, const std::string& name) {
   nhpm::NhpmConfig config;
   config.bus = setting.Bus("nhpm");
+  config.name = name;
+  config.model = setting.options.model;
+  config.weights = setting.Weights();
   return DumpConfig("nhpm", config);
 }
 
@@ -91,6 +98,9 @@ std::string PlannerYaml(const Setting& setting) {
   config.method = setting.options.method;
   config.seed = setting.options.seed;
   config.perception = setting.options.perception;
+  config.perception_model = setting.options.model;
+  config.weights = setting.Weights();
+  config.x_source = setting.options.x_source;
   return DumpConfig("planner", config);
 }
 
@@ -104,7 +114,10 @@ std::vector<PlannedProcess> PlanDemo(const DemoOptions& options, int domain, con
     const std::string name = episode.worlds.size() == 1 ? "sim" : "sim-" + episode.worlds[w].name;
     processes.push_back({name, "sim", SimYaml(setting, w)});
   }
-  processes.push_back({"nhpm", "nhpm", NhpmYaml(setting)});
+  for (int replica = 1; replica <= options.nhpm_replicas; ++replica) {
+    const std::string name = options.nhpm_replicas == 1 ? "nhpm" : fmt::format("nhpm-{}", replica);
+    processes.push_back({name, "nhpm", NhpmYaml(setting, name)});
+  }
   processes.push_back({"operator", "operator", OperatorYaml(setting)});
   processes.push_back({"planner", "planner", PlannerYaml(setting)});
   processes.push_back({"simulated-operator", "simulated-operator", SimulatedOperatorYaml(setting)});

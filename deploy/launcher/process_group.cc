@@ -32,6 +32,12 @@ std::vector<const Process*> ProcessGroup::TakeEnded() {
   return ended;
 }
 
+int ProcessGroup::CountRunning(const std::function<bool(const Process&)>& meant) const {
+  return static_cast<int>(
+      std::count_if(processes_.begin(), processes_.end(),
+                    [&](const auto& process) { return process->running() && meant(*process); }));
+}
+
 std::vector<std::string> ProcessGroup::StopAll(std::chrono::milliseconds grace) {
   return Stop(grace, [](const Process&) { return true; });
 }

@@ -23,6 +23,9 @@ class ProcessGroup {
   /// Those that ended since the last call.
   std::vector<const Process*> TakeEnded();
 
+  /// How many of those that `meant` picks have not ended, as far as TakeEnded() has seen.
+  int CountRunning(const std::function<bool(const Process&)>& meant) const;
+
   /// SIGTERM to all, SIGKILL to those that still run after `grace`. Returns the names of the
   /// killed.
   std::vector<std::string> StopAll(std::chrono::milliseconds grace);

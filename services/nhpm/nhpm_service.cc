@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <bit>
+#include <thread>
+#include <vector>
 
 #include "common/bus/send.h"
 #include "common/protocol/convert.h"
@@ -11,17 +13,42 @@
 namespace conav::nhpm {
 namespace {
 
+using Message = conav_msgs::msg::PerceptionRequest;
+
 constexpr std::chrono::milliseconds kReceivePause{100};
+constexpr std::chrono::seconds kRefreshPeriod{1};
 
 /// The first, second, fourth, ... of many equal log lines.
 bool WorthLogging(std::uint64_t count) { return std::has_single_bit(count); }
 
 /// `client` and `request_id` alone, to find out whether a malformed request can be replied to.
-bool NamesItsSender(const conav_msgs::msg::PerceptionRequest& message) {
-  conav_msgs::msg::PerceptionRequest sender;
+Result<void> NamesItsSender(const Message& message) {
+  Message sender;
   sender.client(message.client());
   sender.request_id(message.request_id());
-  return ToDomain(sender).has_value();
+  return ToDomain(sender).map([](const PerceptionRequest&) {});
+}
+
+double Milliseconds(std::chrono::nanoseconds time) {
+  return std::chrono::duration<double, std::milli>(time).count();
+}
+
+void SetModel(PerceptionReply& reply, const ModelIdentity& identity) {
+  reply.model = identity.name;
+  reply.model_version = identity.version;
+  reply.model_checksum = identity.checksum;
+}
+
+/// Why the asker does not want `identity`; empty when it does.
+std::string Mismatch(const PerceptionRequest& request, const ModelIdentity& identity) {
+  if (!request.model.empty() && request.model != identity.name) {
+    return fmt::format("model = '{}' is not served here, '{}' is", request.model, identity.name);
+  }
+  if (!request.model_checksum.empty() && request.model_checksum != identity.checksum) {
+    return fmt::format("model_checksum = {} is not served here, {} is", request.model_checksum,
+                       identity.checksum);
+  }
+  return "";
 }
 
 }  // namespace
@@ -30,96 +57,171 @@ NhpmService::NhpmService(bus::Participant& participant, const NhpmConfig& config
                          const Clock& clock)
     : participant_(participant),
       clock_(clock),
-      model_(config.glpf),
+      threads_(config.threads),
+      models_(config),
+      next_refresh_(clock.Now() + kRefreshPeriod),
+      queue_(static_cast<std::size_t>(config.max_open), config.threads),
       diagnostics_(participant, clock),
       replies_(participant, bus::kPerceptionReply),
-      requests_(participant, bus::kPerceptionRequest) {
-  LOG_INFO("serving", "model", Glpf::name(), "version", model_.version());
-}
+      requests_(participant, bus::kPerceptionRequest) {}
 
 void NhpmService::Run(const StopToken& stop) {
-  while (!stop.stop_requested()) RunOnce(kReceivePause);
+  std::vector<std::jthread> threads;
+  for (int i = 0; i < threads_; ++i) {
+    threads.emplace_back([this] {
+      while (const auto open = queue_.WaitAndTake()) Answer(*open);
+    });
+  }
+  while (!stop.stop_requested()) Receive(kReceivePause);
+  queue_.Close();
 }
 
-void NhpmService::RunOnce(std::chrono::nanoseconds timeout) {
+void NhpmService::Receive(std::chrono::nanoseconds timeout) {
   participant_.Wait(timeout);
-  for (const auto& message : requests_.Take()) Answer(message);
+  for (auto& message : requests_.Take()) Admit(std::move(message));
+  RefreshModels();
   diagnostics_.Tick([this] { return Report(); });
 }
 
-void NhpmService::Answer(const conav_msgs::msg::PerceptionRequest& message) {
-  const Clock::TimePoint start = clock_.Now();
-  const auto request = ToDomain(message);
-  PerceptionReply reply;
-  if (request) {
-    reply = ReplyTo(*request);
-  } else if (NamesItsSender(message)) {
-    reply = Blank(message.client(), message.request_id());
-    reply.status = PerceptionStatus::kRefused;
-    reply.reason = request.error().text;
-  } else {
-    if (WorthLogging(++counts_.dropped)) {
-      LOG_WARNING("request dropped", "topic", bus::kPerceptionRequest.pattern, "reason",
-                  request.error().text, "count", counts_.dropped);
-    }
-    return;
-  }
-  bus::Send(replies_, ToMessage(reply));
-  counts_.busy += clock_.Now() - start;
-  Count(reply);
+void NhpmService::AnswerOpen() {
+  while (const auto open = queue_.Take()) Answer(*open);
 }
 
-PerceptionReply NhpmService::Blank(const std::string& client, std::uint64_t request_id) const {
+NhpmService::Counts NhpmService::counts() const {
+  const std::lock_guard lock(mutex_);
+  return counts_;
+}
+
+void NhpmService::RefreshModels() {
+  if (clock_.Now() < next_refresh_) return;
+  next_refresh_ = clock_.Now() + kRefreshPeriod;
+  models_.Refresh();
+}
+
+void NhpmService::Admit(Message&& message) {
+  if (const auto named = NamesItsSender(message); !named) return Drop(named.error().text);
+  if (!message.replica().empty() && message.replica() != participant_.node_name()) return;
+  OpenRequest open{std::move(message), clock_.Now()};
+  switch (queue_.Offer(std::move(open))) {
+    case RequestQueue::Admission::kQueued:
+    case RequestQueue::Admission::kRepeat:
+      return;
+    case RequestQueue::Admission::kFull:
+      return SendBusy(open.message, fmt::format("{} requests are open", queue_.open()));
+    case RequestQueue::Admission::kTooSlow: {
+      const auto wait = queue_.ExpectedWait(open.message.queries().size());
+      return SendBusy(open.message, fmt::format("an answer takes {:.0f} ms, wanted within {} ms",
+                                                Milliseconds(wait), open.message.timeout_ms()));
+    }
+  }
+}
+
+void NhpmService::Drop(const std::string& reason) {
+  const std::lock_guard lock(mutex_);
+  if (!WorthLogging(++counts_.dropped)) return;
+  LOG_WARNING("request dropped", "topic", bus::kPerceptionRequest.pattern, "reason", reason,
+              "count", counts_.dropped);
+}
+
+void NhpmService::SendBusy(const Message& message, std::string reason) {
+  PerceptionReply reply = Blank(message);
+  reply.status = PerceptionStatus::kBusy;
+  reply.reason = std::move(reason);
+  Send(reply);
+}
+
+void NhpmService::Answer(const OpenRequest& open) {
+  const Clock::TimePoint start = clock_.Now();
+  if (const auto deadline = open.deadline(); deadline && start >= *deadline) {
+    queue_.Finish(open, std::nullopt);
+    {
+      const std::lock_guard lock(mutex_);
+      ++counts_.late;
+    }
+    return SendBusy(open.message, fmt::format("waited longer than {} ms for its turn",
+                                              open.message.timeout_ms()));
+  }
   PerceptionReply reply;
-  reply.client = client;
-  reply.request_id = request_id;
-  reply.model = Glpf::name();
-  reply.model_version = model_.version();
+  if (const auto request = ToDomain(open.message)) {
+    reply = ReplyTo(*request);
+  } else {
+    reply = Blank(open.message);
+    reply.status = PerceptionStatus::kRefused;
+    reply.reason = request.error().text;
+  }
+  Send(reply);
+  const auto computing = clock_.Now() - start;
+  queue_.Finish(open, computing);
+  const std::lock_guard lock(mutex_);
+  counts_.computing += computing;
+}
+
+PerceptionReply NhpmService::Blank(const Message& message) const {
+  PerceptionReply reply;
+  reply.client = message.client();
+  reply.request_id = message.request_id();
+  reply.replica = participant_.node_name();
+  SetModel(reply, models_.For(message.person())->identity());
   return reply;
 }
 
 PerceptionReply NhpmService::ReplyTo(const PerceptionRequest& request) const {
-  PerceptionReply reply = Blank(request.client, request.request_id);
-  const auto refuse = [&reply](std::string reason) {
-    reply.status = PerceptionStatus::kRefused;
-    reply.reason = std::move(reason);
-  };
-  if (!request.model.empty() && request.model != Glpf::name()) {
-    refuse(fmt::format("model = '{}' is not served here, '{}' is", request.model, Glpf::name()));
-    return reply;
+  const auto model = models_.For(request.person);
+  PerceptionReply reply;
+  reply.client = request.client;
+  reply.request_id = request.request_id;
+  reply.replica = participant_.node_name();
+  SetModel(reply, model->identity());
+  reply.reason = Mismatch(request, model->identity());
+  if (reply.reason.empty()) {
+    if (auto answers = model->Predict(request.queries)) {
+      reply.answers = *std::move(answers);
+      return reply;
+    } else {
+      reply.reason = answers.error().text;
+    }
   }
-  auto answers = model_.Predict(request.queries);
-  if (answers) {
-    reply.answers = *std::move(answers);
-  } else {
-    refuse(answers.error().text);
-  }
+  reply.status = PerceptionStatus::kRefused;
   return reply;
 }
 
-void NhpmService::Count(const PerceptionReply& reply) {
-  if (reply.status == PerceptionStatus::kOk) {
-    ++counts_.requests;
-    counts_.queries += reply.answers.size();
-    return;
+/// Counted first: who has the reply finds it in the counts.
+void NhpmService::Send(const PerceptionReply& reply) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (reply.status == PerceptionStatus::kOk) {
+      ++counts_.requests;
+      counts_.queries += reply.answers.size();
+    } else {
+      const bool busy = reply.status == PerceptionStatus::kBusy;
+      const std::uint64_t count = ++(busy ? counts_.busy : counts_.refused);
+      if (WorthLogging(count)) {
+        LOG_WARNING(busy ? "request answered busy" : "request refused", "topic",
+                    bus::kPerceptionRequest.pattern, "client", reply.client, "request",
+                    reply.request_id, "reason", reply.reason, "count", count);
+      }
+    }
   }
-  if (WorthLogging(++counts_.refused)) {
-    LOG_WARNING("request refused", "topic", bus::kPerceptionRequest.pattern, "client", reply.client,
-                "request", reply.request_id, "reason", reply.reason, "count", counts_.refused);
-  }
+  bus::Send(replies_, ToMessage(reply));
 }
 
 Health NhpmService::Report() const {
-  const double busy_s = std::chrono::duration<double>(counts_.busy).count();
+  const ModelIdentity identity = models_.For("")->identity();
+  const Counts counts = this->counts();
   return {Health::Level::kOk,
-          fmt::format("serving {}", Glpf::name()),
-          {{"model", Glpf::name()},
-           {"model_version", model_.version()},
-           {"requests", fmt::format("{}", counts_.requests)},
-           {"queries", fmt::format("{}", counts_.queries)},
-           {"refused", fmt::format("{}", counts_.refused)},
-           {"dropped", fmt::format("{}", counts_.dropped + requests_.malformed())},
-           {"busy_s", fmt::format("{:.3f}", busy_s)}}};
+          fmt::format("serving {}", identity.name),
+          {{"model", identity.name},
+           {"model_version", identity.version},
+           {"model_checksum", identity.checksum},
+           {"persons", fmt::format("{}", models_.persons())},
+           {"open", fmt::format("{}", queue_.open())},
+           {"requests", fmt::format("{}", counts.requests)},
+           {"queries", fmt::format("{}", counts.queries)},
+           {"refused", fmt::format("{}", counts.refused)},
+           {"busy", fmt::format("{}", counts.busy)},
+           {"late", fmt::format("{}", counts.late)},
+           {"dropped", fmt::format("{}", counts.dropped + requests_.malformed())},
+           {"computing_s", fmt::format("{:.3f}", Milliseconds(counts.computing) / 1000.0)}}};
 }
 
 }  // namespace conav::nhpm

@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "common/bus/participant.h"
+#include "common/protocol/entity_name.h"
 #include "common/runtime/config.h"
+#include "nhpm/model/load_model.h"
 #include "planner/decision/search_config.h"
 
 namespace conav::planner {
@@ -19,9 +21,23 @@ struct PlannerConfig {
   std::string method = "ig-mcts";
   std::uint64_t seed = 1;
   SearchConfig search;
-  /// "remote" asks the nhpm service and falls back to the embedded GLPF; "embedded" asks nobody.
+  /// "remote" asks the nhpm service; "embedded" asks the model in this process. While neither can
+  /// answer, the embedded GLPF does.
   std::string perception = "remote";
+  /// "nhpm" or "glpf": a service that answers with another one is not believed.
+  std::string perception_model = nhpm::kDefaultModel;
+  /// SHA-256 of the only weights that are believed (remote); empty = any.
+  std::string perception_checksum;
+  /// Weights file of an embedded network; empty = the one that comes with conav.
+  std::string weights;
+  /// Whose edits are predicted, when the service has a model of that operator (remote); empty = the
+  /// average operator's.
+  std::string person;
   double perception_timeout_s = 2.0;
+  /// What is taken for the operator's map: "observed" = the one that the operator service
+  /// publishes; "estimated" = that one as it was first, changed by the edits that the perception
+  /// model expects after each picture (docs/paper.md A13).
+  std::string x_source = "observed";
   /// How long a robot waits (wall time) for the operator's first path, and for the answer to a
   /// picture.
   double first_guidance_timeout_s = 10.0;
@@ -36,6 +52,19 @@ struct PlannerConfig {
     reader.Field("seed", seed);
     reader.Section("search", search);
     reader.Choice("perception", perception, {"remote", "embedded"});
+    reader.Choice("perception_model", perception_model, {"nhpm", "glpf"});
+    reader.Field("perception_checksum", perception_checksum);
+    const bool digits =
+        perception_checksum.find_first_not_of("0123456789abcdef") == std::string::npos;
+    if (!perception_checksum.empty() && (!digits || perception_checksum.size() != 64)) {
+      reader.Refuse("perception_checksum", "is not 64 lower-case hexadecimal digits");
+    }
+    reader.Field("weights", weights);
+    reader.Field("person", person);
+    if (!person.empty() && !IsEntityName(person)) {
+      reader.Refuse("person", "is not 1 to 64 of A-Z a-z 0-9 _");
+    }
+    reader.Choice("x_source", x_source, {"observed", "estimated"});
     reader.Field("perception_timeout_s", perception_timeout_s, 0.01, 60.0);
     reader.Field("first_guidance_timeout_s", first_guidance_timeout_s, 0.0, 3600.0);
     reader.Field("answer_timeout_s", answer_timeout_s, 0.0, 3600.0);

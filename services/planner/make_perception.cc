@@ -1,32 +1,61 @@
 #include "planner/make_perception.h"
 
 #include "common/runtime/log.h"
+#include "nhpm/model/load_model.h"
 #include "planner/perception/embedded_perception_model.h"
 #include "planner/perception/fallback_perception_model.h"
 #include "planner/perception/remote_perception_model.h"
+#include "planner/search/cached_perception_model.h"
 
 namespace conav::planner {
 namespace {
 
-void ReportSwitch(const std::optional<Error>& why) {
+void ReportSwitch(const std::string& world, const std::string& model,
+                  const std::optional<Error>& why) {
   if (why) {
-    LOG_WARNING("perception service gone, using the embedded GLPF", "reason", why->text);
+    LOG_WARNING("perception model cannot answer, using the embedded GLPF", "world", world, "model",
+                model, "reason", why->text);
   } else {
-    LOG_INFO("perception service is back");
+    LOG_INFO("perception model answers again", "world", world, "model", model);
   }
+}
+
+std::shared_ptr<PerceptionModel> MakeEmbedded(const PlannerConfig& config) {
+  auto model = nhpm::LoadEditModel(config.perception_model, config.weights, {});
+  if (!model) throw StartupError("planner.perception_model: " + model.error().text);
+  const nhpm::ModelIdentity& identity = (*model)->identity();
+  LOG_INFO("perception model loaded", "model", identity.name, "version", identity.version,
+           "checksum", identity.checksum);
+  return std::make_shared<EmbeddedPerceptionModel>(*std::move(model));
+}
+
+std::shared_ptr<PerceptionModel> MakeRemote(bus::Participant& participant,
+                                            const PlannerConfig& config) {
+  RemotePerceptionModel::Options options;
+  options.model = config.perception_model;
+  options.model_checksum = config.perception_checksum;
+  options.person = config.person;
+  options.timeout = Seconds(config.perception_timeout_s);
+  return std::make_shared<RemotePerceptionModel>(participant, options);
 }
 
 }  // namespace
 
-std::shared_ptr<PerceptionModel> MakePerception(bus::Participant& participant,
-                                                const PlannerConfig& config, const Clock& clock) {
-  auto embedded = std::make_shared<EmbeddedPerceptionModel>();
-  if (config.perception == "embedded") return embedded;
-  RemotePerceptionModel::Options options;
-  options.timeout = Seconds(config.perception_timeout_s);
+Perception::Perception(bus::Participant& participant, const PlannerConfig& config,
+                       const Clock& clock)
+    : clock_(clock),
+      needs_fallback_(config.perception == "remote" || config.perception_model != "glpf"),
+      primary_(config.perception == "remote" ? MakeRemote(participant, config)
+                                             : MakeEmbedded(config)),
+      glpf_(std::make_shared<EmbeddedPerceptionModel>()) {}
+
+std::shared_ptr<PerceptionModel> Perception::ForWorld(const std::string& world) const {
+  if (!needs_fallback_) return primary_;
   return std::make_shared<FallbackPerceptionModel>(
-      std::make_shared<RemotePerceptionModel>(participant, options), std::move(embedded),
-      FallbackPerceptionModel::Options{}, clock, ReportSwitch);
+      std::make_shared<CachedPerceptionModel>(primary_), glpf_, FallbackPerceptionModel::Options{},
+      clock_, [world, primary = primary_](const std::optional<Error>& why) {
+        ReportSwitch(world, primary->name(), why);
+      });
 }
 
 }  // namespace conav::planner

@@ -1,6 +1,6 @@
 #include "planner/planner_service.h"
 
-#include <set>
+#include <map>
 #include <thread>
 
 #include "common/bus/send.h"
@@ -9,7 +9,6 @@
 #include "common/runtime/random.h"
 #include "common/service/robot_list.h"
 #include "planner/decision/make_method.h"
-#include "planner/make_perception.h"
 
 namespace conav::planner {
 namespace {
@@ -53,14 +52,16 @@ PlannerService::PlannerService(bus::Participant& participant, const PlannerConfi
     : participant_(participant),
       config_(config),
       board_(WorldOfRobot("planner", config.robots)),
-      perception_(MakePerception(participant, config, clock)),
+      perception_(participant, config, clock),
       diagnostics_(participant, clock) {
-  std::set<std::string> worlds;
+  std::map<std::string, PerceptionOfWorld> worlds;
   for (const auto& [robot, world] : WorldOfRobot("planner", config.robots)) {
-    worlds.insert(world);
+    PerceptionOfWorld& in_world = worlds[world];
+    if (!in_world.model) in_world = MakePerceptionOfWorld(world);
     links_.push_back(std::make_unique<Link>(participant, robot));
-    auto method = MakeMethod(config.method, robot, config.search,
-                             DeriveSeed(config.seed, links_.size()), perception_, clock);
+    auto method =
+        MakeMethod(config.method, robot, config.search, DeriveSeed(config.seed, links_.size()),
+                   in_world.model, in_world.estimate, clock);
     RobotWorker::Options options{
         .robot = robot,
         .method_name = config.method,
@@ -70,13 +71,21 @@ PlannerService::PlannerService(bus::Participant& participant, const PlannerConfi
     workers_.push_back(std::make_unique<RobotWorker>(std::move(options), std::move(method), board_,
                                                      clock, OutputsOf(*links_.back())));
   }
-  for (const std::string& world : worlds) {
+  for (const auto& [world, perception] : worlds) {
     beliefs_.push_back(std::make_unique<bus::Subscriber<conav_msgs::msg::BeliefMap>>(
         participant, bus::kBelief, world));
   }
 }
 
 PlannerService::~PlannerService() = default;
+
+PlannerService::PerceptionOfWorld PlannerService::MakePerceptionOfWorld(
+    const std::string& world) const {
+  auto model = perception_.ForWorld(world);
+  if (config_.x_source == "observed") return {std::move(model), nullptr};
+  auto estimate = std::make_shared<BeliefEstimate>(model);
+  return {std::move(model), std::move(estimate)};
+}
 
 RobotWorker::Outputs PlannerService::OutputsOf(Link& link) {
   return {

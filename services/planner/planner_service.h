@@ -10,9 +10,10 @@
 #include "common/runtime/stop_token.h"
 #include "common/service/diagnostics.h"
 #include "planner/config.h"
+#include "planner/decision/belief_estimate.h"
 #include "planner/decision/blackboard.h"
 #include "planner/decision/robot_worker.h"
-#include "planner/search/perception_model.h"
+#include "planner/make_perception.h"
 
 namespace conav::planner {
 
@@ -32,7 +33,12 @@ class PlannerService {
 
  private:
   struct Link;  // the topics of one robot
+  struct PerceptionOfWorld {
+    std::shared_ptr<PerceptionModel> model;
+    std::shared_ptr<BeliefEstimate> estimate;  // null = the published belief is believed
+  };
 
+  PerceptionOfWorld MakePerceptionOfWorld(const std::string& world) const;
   void Receive();
   RobotWorker::Outputs OutputsOf(Link& link);
   Health Report() const;
@@ -40,7 +46,7 @@ class PlannerService {
   bus::Participant& participant_;
   PlannerConfig config_;
   Blackboard board_;
-  std::shared_ptr<PerceptionModel> perception_;
+  Perception perception_;
   std::vector<std::unique_ptr<Link>> links_;
   std::vector<std::unique_ptr<bus::Subscriber<conav_msgs::msg::BeliefMap>>> beliefs_;
   Diagnostics diagnostics_;

@@ -18,10 +18,18 @@ inline MakeParticipant InMemory() {
   };
 }
 
+/// The config of a service that serves the GLPF.
+inline nhpm::NhpmConfig ServedGlpf(const std::string& name = "nhpm") {
+  nhpm::NhpmConfig config;
+  config.name = name;
+  config.model = "glpf";
+  return config;
+}
+
 /// The real nhpm service, running on a thread from construction to destruction.
 class NhpmOnThread {
  public:
-  explicit NhpmOnThread(const MakeParticipant& make, const nhpm::NhpmConfig& config = {})
+  explicit NhpmOnThread(const MakeParticipant& make, const nhpm::NhpmConfig& config = ServedGlpf())
       : participant_(make(config.name)),
         service_(*participant_, config, clock_),
         thread_([this] { service_.Run(stop_); }) {}
@@ -32,6 +40,8 @@ class NhpmOnThread {
   }
   NhpmOnThread(const NhpmOnThread&) = delete;
   NhpmOnThread& operator=(const NhpmOnThread&) = delete;
+
+  const nhpm::NhpmService& service() const { return service_; }
 
  private:
   SteadyClock clock_;

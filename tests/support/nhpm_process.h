@@ -17,12 +17,15 @@ namespace conav::test {
 /// lies in a temporary folder that goes with it.
 class NhpmProcess {
  public:
-  explicit NhpmProcess(const std::string& vendor) {
+  /// `weights` = a file of the network; empty = the GLPF.
+  explicit NhpmProcess(const std::string& vendor, const std::string& weights = "") {
     std::string pattern = (std::filesystem::temp_directory_path() / "nhpm-XXXXXX").string();
     REQUIRE(mkdtemp(pattern.data()) != nullptr);
     folder_ = pattern;
     nhpm::NhpmConfig config;
     config.name = "nhpm-test";
+    config.model = weights.empty() ? "glpf" : "nhpm";
+    config.weights = weights;
     config.bus.vendor = vendor;
     config.bus.domain_id = TestDomain();
     config.bus.interface = "lo";

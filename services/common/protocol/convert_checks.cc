@@ -10,6 +10,7 @@ namespace conav::convert {
 namespace {
 
 constexpr std::size_t kShownCharacters = 40;
+constexpr std::size_t kChecksumDigits = 64;  // SHA-256
 
 void SortUnique(std::vector<Cell>& cells) {
   if (!std::is_sorted(cells.begin(), cells.end())) std::sort(cells.begin(), cells.end());
@@ -59,6 +60,23 @@ std::string Checks::Name(std::string_view field, const std::string& value) {
 
 std::string Checks::Client(std::string_view field, const std::string& value) {
   return Characters(field, value, kMaxClient, ".:@/-");
+}
+
+std::string Checks::OptionalName(std::string_view field, const std::string& value) {
+  return value.empty() ? value : Name(field, value);
+}
+
+std::string Checks::OptionalClient(std::string_view field, const std::string& value) {
+  return value.empty() ? value : Client(field, value);
+}
+
+std::string Checks::Checksum(std::string_view field, const std::string& value) {
+  const bool digits = value.find_first_not_of("0123456789abcdef") == std::string::npos;
+  if (!value.empty() && (!digits || value.size() != kChecksumDigits)) {
+    Refuse(fmt::format("{} = '{}' is not {} hexadecimal digits", field,
+                       value.substr(0, kShownCharacters), kChecksumDigits));
+  }
+  return value;
 }
 
 std::string Checks::Text(std::string_view field, const std::string& value) {

@@ -43,6 +43,11 @@ class Checks {
   /// World or robot.
   std::string Name(std::string_view field, const std::string& value);
   std::string Client(std::string_view field, const std::string& value);
+  /// The same, or empty.
+  std::string OptionalName(std::string_view field, const std::string& value);
+  std::string OptionalClient(std::string_view field, const std::string& value);
+  /// 64 lower-case hexadecimal digits, or empty.
+  std::string Checksum(std::string_view field, const std::string& value);
   std::string Text(std::string_view field, const std::string& value);
   double Finite(std::string_view field, double value);
   double Range(std::string_view field, double value, double low, double high);

@@ -128,7 +128,11 @@ Result<PerceptionRequest> ToDomain(const conav_msgs::msg::PerceptionRequest& mes
   request.client = checks.Client("client", message.client());
   request.request_id = message.request_id();
   if (request.request_id == 0) checks.Refuse("request_id = 0 is below 1");
+  request.replica = checks.OptionalClient("replica", message.replica());
   request.model = checks.Text("model", message.model());
+  request.model_checksum = checks.Checksum("model_checksum", message.model_checksum());
+  request.person = checks.OptionalName("person", message.person());
+  request.timeout_ms = message.timeout_ms();
   if (!CheckBatch(checks, message)) return checks.failure();
   request.queries.reserve(message.queries().size());
   for (std::size_t i = 0; i < message.queries().size() && !checks.failed(); ++i) {
@@ -143,7 +147,11 @@ conav_msgs::msg::PerceptionRequest ToMessage(const PerceptionRequest& request) {
   conav_msgs::msg::PerceptionRequest message;
   message.client(request.client);
   message.request_id(request.request_id);
+  message.replica(request.replica);
   message.model(request.model);
+  message.model_checksum(request.model_checksum);
+  message.person(request.person);
+  message.timeout_ms(request.timeout_ms);
   if (request.queries.empty()) return message;
   const BeliefGrid& first = request.queries.front().belief;
   message.rows(static_cast<std::uint32_t>(first.rows()));
@@ -169,11 +177,13 @@ Result<PerceptionReply> ToDomain(const conav_msgs::msg::PerceptionReply& message
   PerceptionReply reply;
   reply.client = checks.Client("client", message.client());
   reply.request_id = message.request_id();
-  reply.status = checks.Enumerator("status", message.status(), PerceptionStatus::kOk,
-                                   PerceptionStatus::kRefused);
+  reply.replica = checks.OptionalClient("replica", message.replica());
+  reply.status =
+      checks.Enumerator("status", message.status(), PerceptionStatus::kOk, PerceptionStatus::kBusy);
   reply.reason = checks.Text("reason", message.reason());
   reply.model = checks.Text("model", message.model());
   reply.model_version = checks.Text("model_version", message.model_version());
+  reply.model_checksum = checks.Checksum("model_checksum", message.model_checksum());
   checks.Size("answers", message.answers().size(), convert::kMaxQueries);
   for (std::size_t i = 0; i < message.answers().size() && !checks.failed(); ++i) {
     const auto& answer = message.answers()[i];
@@ -189,10 +199,12 @@ conav_msgs::msg::PerceptionReply ToMessage(const PerceptionReply& reply) {
   conav_msgs::msg::PerceptionReply message;
   message.client(reply.client);
   message.request_id(reply.request_id);
+  message.replica(reply.replica);
   message.status(static_cast<std::uint8_t>(reply.status));
   message.reason(reply.reason);
   message.model(reply.model);
   message.model_version(reply.model_version);
+  message.model_checksum(reply.model_checksum);
   message.answers().reserve(reply.answers.size());
   for (const PerceptionAnswer& answer : reply.answers) {
     auto& out = message.answers().emplace_back();

@@ -66,21 +66,27 @@ struct PerceptionAnswer {
 struct PerceptionRequest {
   std::string client;
   std::uint64_t request_id = 0;
-  std::string model;  // name wanted; empty = whatever is served
+  std::string replica;           // node that shall answer; empty = any
+  std::string model;             // name wanted; empty = whatever is served
+  std::string model_checksum;    // SHA-256 wanted; empty = any
+  std::string person;            // whose edits; empty = the average operator's
+  std::uint32_t timeout_ms = 0;  // how long the asker waits from the arrival on; 0 = not said
   std::vector<PerceptionQuery> queries;
   bool operator==(const PerceptionRequest&) const = default;
 };
 
-enum class PerceptionStatus : std::uint8_t { kOk, kRefused };
+enum class PerceptionStatus : std::uint8_t { kOk, kRefused, kBusy };
 
-/// Answers in the order of the queries; none, and a reason, when refused.
+/// Answers in the order of the queries; none, and a reason, when refused or busy.
 struct PerceptionReply {
   std::string client;
   std::uint64_t request_id = 0;
+  std::string replica;
   PerceptionStatus status = PerceptionStatus::kOk;
   std::string reason;
   std::string model;
   std::string model_version;
+  std::string model_checksum;
   std::vector<PerceptionAnswer> answers;
   bool operator==(const PerceptionReply&) const = default;
 };

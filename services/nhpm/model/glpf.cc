@@ -2,9 +2,29 @@
 
 #include <fmt/format.h>
 
+#include <bit>
 #include <cmath>
+#include <cstdint>
+
+#include "common/runtime/sha256.h"
 
 namespace conav::nhpm {
+namespace {
+
+/// Little-endian on every machine.
+void Append(std::string& bytes, double value) {
+  const auto bits = std::bit_cast<std::uint64_t>(value);
+  for (int shift = 0; shift < 64; shift += 8) bytes += static_cast<char>(bits >> shift & 0xFF);
+}
+
+std::string ChecksumOf(const GlpfParameters& p) {
+  std::string bytes;
+  for (const double value : {p.alpha_d, p.alpha_m, p.beta, p.rho, p.lambda}) Append(bytes, value);
+  bytes += p.visible_only ? '\1' : '\0';
+  return Sha256Hex(bytes);
+}
+
+}  // namespace
 
 void GlpfParameters::Visit(ConfigReader& reader) {
   reader.Field("alpha_d", alpha_d, 0.0, 10.0);
@@ -19,6 +39,7 @@ void GlpfParameters::Visit(ConfigReader& reader) {
 Glpf::Glpf(const GlpfParameters& parameters) : parameters_(parameters) {
   if (parameters_.tie_alphas) parameters_.alpha_m = parameters_.alpha_d;
   unstimulated_ = Response(0.0);
+  identity_ = {name(), version(), ChecksumOf(parameters_)};
 }
 
 double Glpf::Stimulus(double distance_cells) const {

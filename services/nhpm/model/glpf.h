@@ -7,6 +7,7 @@
 #include "common/protocol/planning.h"
 #include "common/runtime/config.h"
 #include "common/runtime/result.h"
+#include "nhpm/model/edit_model.h"
 
 namespace conav::nhpm {
 
@@ -44,12 +45,14 @@ struct GlpfParameters {
 /// Errors:  kInvalidArgument, as CheckPerceptionQuery says. Never throws.
 /// Threads: const, safe to call concurrently. Doubles until the answer is cast to float, so equal
 /// queries give equal bits wherever it runs.
-class Glpf {
+class Glpf final : public EditModel {
  public:
   explicit Glpf(const GlpfParameters& parameters = {});
 
   [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
-      std::span<const PerceptionQuery> queries) const;
+      std::span<const PerceptionQuery> queries) const override;
+  /// Checksum over alpha_d, alpha_m, beta, rho, lambda (as they are used) and visible_only.
+  const ModelIdentity& identity() const override { return identity_; }
 
   /// P(edit) for a stimulus in [0, 1].
   double Response(double stimulus) const;
@@ -63,6 +66,7 @@ class Glpf {
   PerceptionAnswer Answer(const PerceptionQuery& query) const;
 
   GlpfParameters parameters_;
+  ModelIdentity identity_;
   double unstimulated_ = 0.0;  // Response(0)
 };
 

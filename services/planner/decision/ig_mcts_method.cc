@@ -22,12 +22,14 @@ std::vector<SentView> ToSearch(const std::vector<SentViews::View>& views) {
 }  // namespace
 
 IgMctsMethod::IgMctsMethod(const SearchConfig& config, std::uint64_t seed,
-                           std::shared_ptr<PerceptionModel> model, const Clock& clock)
+                           std::shared_ptr<PerceptionModel> model, const Clock& clock,
+                           std::shared_ptr<BeliefEstimate> estimate)
     : config_(config),
       model_(std::move(model)),
       search_(config.options, *model_),
       random_(seed),
-      clock_(clock) {}
+      clock_(clock),
+      estimate_(std::move(estimate)) {}
 
 bool IgMctsMethod::WaitsForRoom(const Situation& situation) {
   if (WaitsFor(situation, DesiredWay(situation)) == nullptr) {
@@ -42,14 +44,29 @@ std::vector<Cell> IgMctsMethod::WayFor(const Situation& situation) { return Desi
 
 void IgMctsMethod::NoteSentView(const Situation& situation) {
   if (chosen_view_ && situation.state.snapshots > chosen_view_->snapshots_before) {
-    sent_views_.Sent(chosen_view_->view, std::move(chosen_view_->visible));
+    const SentViews::View view = chosen_view_->view;
+    sent_views_.Sent(view, chosen_view_->visible);
+    if (estimate_) {
+      const auto noted = estimate_->NoteSent(std::move(chosen_view_->path), view.cell,
+                                             view.heading_rad, std::move(chosen_view_->visible));
+      if (!noted) {
+        LOG_WARNING("belief estimate not advanced", "robot", situation.state.robot, "reason",
+                    noted.error().text);
+      }
+    }
   }
   chosen_view_.reset();
-  sent_views_.Update(situation.belief.wall_probability);
+}
+
+BeliefGrid IgMctsMethod::BeliefOf(const Situation& situation) {
+  return estimate_ ? estimate_->Now(situation.belief.wall_probability)
+                   : situation.belief.wall_probability;
 }
 
 Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop) {
   NoteSentView(situation);
+  const BeliefGrid belief = BeliefOf(situation);
+  sent_views_.Update(belief);
   if (WaitsForRoom(situation)) return {};
   GridGraph::Options graph_options;
   graph_options.headings = config_.headings;
@@ -67,7 +84,7 @@ Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop)
       .goals_left = situation.state.goals_left,
       .guidance = situation.guidance ? situation.guidance->path : std::vector<Cell>{},
       .guided_before = situation.guided_before,
-      .belief = situation.belief.wall_probability,
+      .belief = belief,
       .sent_views = ToSearch(sent_views_.Withheld())};
   const auto result = search_.Decide(problem, random_, {.stop = &stop, .clock = &clock_});
   if (!result) {
@@ -104,6 +121,7 @@ Decision IgMctsMethod::FromResult(const SearchResult& result, const Situation& s
                                       situation.map.cell_size_m);
   chosen_view_ = ChosenView{{situation.state.cell, chosen.heading_rad},
                             CastView(situation.map.cells, view),
+                            situation.state.path,
                             situation.state.snapshots};
   decision.attention = AttentionReason::kPicture;
   decision.attention_cell = situation.state.cell;

@@ -7,6 +7,7 @@
 #include "common/runtime/clock.h"
 #include "common/runtime/log_limit.h"
 #include "common/runtime/random.h"
+#include "planner/decision/belief_estimate.h"
 #include "planner/decision/method.h"
 #include "planner/decision/search_config.h"
 #include "planner/decision/sent_views.h"
@@ -16,11 +17,12 @@ namespace conav::planner {
 
 /// The robot decides by IG-MCTS: moves by itself, and sends the picture that is worth the
 /// operator's attention. It never waits for guidance; the newest path is taken into account at each
-/// decision.
+/// decision. With an `estimate` it searches on that instead of the published belief.
 class IgMctsMethod final : public Method {
  public:
   IgMctsMethod(const SearchConfig& config, std::uint64_t seed,
-               std::shared_ptr<PerceptionModel> model, const Clock& clock);
+               std::shared_ptr<PerceptionModel> model, const Clock& clock,
+               std::shared_ptr<BeliefEstimate> estimate = nullptr);
 
   Decision Decide(const Situation& situation, const StopToken& stop) override;
   std::vector<Cell> WayFor(const Situation& situation) override;
@@ -32,10 +34,12 @@ class IgMctsMethod final : public Method {
   struct ChosenView {
     SentViews::View view;
     VisibleCells visible;
+    std::vector<Cell> path;  // tau at that time
     std::uint64_t snapshots_before = 0;
   };
 
   void NoteSentView(const Situation& situation);
+  BeliefGrid BeliefOf(const Situation& situation);
   /// Whether to wait a moment for the robot that stands in the way and has to make room.
   bool WaitsForRoom(const Situation& situation);
   Decision NoDecision(const Situation& situation, std::string_view reason);
@@ -45,7 +49,8 @@ class IgMctsMethod final : public Method {
   std::shared_ptr<PerceptionModel> model_;
   IgMcts search_;
   Random random_;
-  const Clock& clock_;  // of the search's wall time budget and of waiting
+  const Clock& clock_;                        // of the search's wall time budget and of waiting
+  std::shared_ptr<BeliefEstimate> estimate_;  // may be null
   SentViews sent_views_;
   std::optional<ChosenView> chosen_view_;
   LogLimit no_decision_;

@@ -10,11 +10,12 @@ namespace conav::planner {
 std::unique_ptr<Method> MakeMethod(const std::string& name, const std::string& robot,
                                    const SearchConfig& search, std::uint64_t seed,
                                    std::shared_ptr<PerceptionModel> perception,
-                                   const Clock& clock) {
+                                   std::shared_ptr<BeliefEstimate> estimate, const Clock& clock) {
   if (name == "instruction") return std::make_unique<InstructionMethod>(seed, clock);
   if (name == "teleop") return std::make_unique<TeleopMethod>(seed, clock);
   DEMAND(name == "ig-mcts", name, robot);
-  return std::make_unique<IgMctsMethod>(search, seed, std::move(perception), clock);
+  return std::make_unique<IgMctsMethod>(search, seed, std::move(perception), clock,
+                                        std::move(estimate));
 }
 
 }  // namespace conav::planner

@@ -4,16 +4,19 @@
 #include <memory>
 #include <string>
 
+#include "planner/decision/belief_estimate.h"
 #include "planner/decision/method.h"
 #include "planner/decision/search_config.h"
 #include "planner/search/perception_model.h"
 
 namespace conav::planner {
 
-/// The method called `name` ("ig-mcts", "instruction", "teleop") for one robot. `perception` is
-/// used by ig-mcts only and may be shared between robots. `clock` outlives the method.
+/// The method called `name` ("ig-mcts", "instruction", "teleop") for one robot. `perception` and
+/// `estimate` (null = the published belief is believed) are used by ig-mcts only and may be shared
+/// between the robots of a world. `clock` outlives the method.
 std::unique_ptr<Method> MakeMethod(const std::string& name, const std::string& robot,
                                    const SearchConfig& search, std::uint64_t seed,
-                                   std::shared_ptr<PerceptionModel> perception, const Clock& clock);
+                                   std::shared_ptr<PerceptionModel> perception,
+                                   std::shared_ptr<BeliefEstimate> estimate, const Clock& clock);
 
 }  // namespace conav::planner

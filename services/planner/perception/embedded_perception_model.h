@@ -1,24 +1,28 @@
 #pragma once
 
+#include <memory>
+
+#include "nhpm/model/edit_model.h"
 #include "nhpm/model/glpf.h"
 #include "planner/search/perception_model.h"
 
 namespace conav::planner {
 
-/// The GLPF inside the planner's own process: asks nobody, never waits.
+/// A model inside the planner's own process: asks nobody, never waits. Without one it is the GLPF.
+/// Errors: as PerceptionModel; kUnavailable for good queries that this model was not made for (its
+/// grid size), which another model may answer.
 class EmbeddedPerceptionModel final : public PerceptionModel {
  public:
-  explicit EmbeddedPerceptionModel(const nhpm::GlpfParameters& parameters = {})
-      : model_(parameters) {}
+  explicit EmbeddedPerceptionModel(
+      std::shared_ptr<const nhpm::EditModel> model = std::make_shared<const nhpm::Glpf>());
 
   [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
-      std::span<const PerceptionQuery> queries) override {
-    return model_.Predict(queries);
-  }
-  std::string name() const override { return nhpm::Glpf::name(); }
+      std::span<const PerceptionQuery> queries) override;
+  std::string name() const override { return model_->identity().name; }
+  std::string identity() const override { return name() + " " + model_->identity().checksum; }
 
  private:
-  nhpm::Glpf model_;
+  std::shared_ptr<const nhpm::EditModel> model_;
 };
 
 }  // namespace conav::planner

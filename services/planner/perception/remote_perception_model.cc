@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <random>
+#include <set>
 
 #include "common/protocol/convert.h"
 #include "common/runtime/log.h"
@@ -39,8 +40,9 @@ std::size_t BatchSize(std::span<const PerceptionQuery> queries) {
 
 /// One thread in Predict().
 struct RemotePerceptionModel::Waiter {
-  std::condition_variable all_replied;
+  std::condition_variable changed;
   std::size_t missing = 0;
+  bool declined = false;  // a replica is busy or serves another model, since the last sending
 };
 
 /// One request that waits for its reply.
@@ -48,7 +50,9 @@ struct RemotePerceptionModel::Call {
   std::span<const PerceptionQuery> queries;
   conav_msgs::msg::PerceptionRequest request;
   std::optional<conav_msgs::msg::PerceptionReply> reply;
-  std::string other_model;  // refusal of a replica that serves something else
+  std::set<std::string> other_models;  // replicas that serve something else
+  std::string other_model;             // what the last of them said
+  std::string busy;                    // what the last busy replica said
   Waiter* waiter = nullptr;
 };
 
@@ -65,6 +69,11 @@ RemotePerceptionModel::RemotePerceptionModel(bus::Participant& participant, cons
 std::string RemotePerceptionModel::name() const {
   const std::lock_guard lock(mutex_);
   return answering_model_;
+}
+
+std::string RemotePerceptionModel::identity() const {
+  const std::lock_guard lock(mutex_);
+  return answering_model_ + " " + answering_checksum_;
 }
 
 Result<std::vector<PerceptionAnswer>> RemotePerceptionModel::Predict(
@@ -97,8 +106,12 @@ std::vector<RemotePerceptionModel::Call> RemotePerceptionModel::MakeCalls(
     Call& call = calls.emplace_back();
     call.queries = batch;
     call.waiter = &waiter;
-    call.request = ToMessage(PerceptionRequest{
-        client_, ++last_request_id_, options_.model, {batch.begin(), batch.end()}});
+    call.request = ToMessage(PerceptionRequest{.client = client_,
+                                               .request_id = ++last_request_id_,
+                                               .model = options_.model,
+                                               .model_checksum = options_.model_checksum,
+                                               .person = options_.person,
+                                               .queries = {batch.begin(), batch.end()}});
   }
   waiter.missing = calls.size();
   return calls;
@@ -115,38 +128,67 @@ Result<void> RemotePerceptionModel::Ask(std::vector<Call>& calls, Waiter& waiter
   return asked;
 }
 
-Result<void> RemotePerceptionModel::AskUntilReplied(const std::vector<Call>& calls,
-                                                    Waiter& waiter) {
-  const auto deadline = SteadyTime::now() + options_.timeout;
+Result<void> RemotePerceptionModel::AskUntilReplied(std::vector<Call>& calls, Waiter& waiter) {
+  const TimePoint deadline = SteadyTime::now() + options_.timeout;
   while (true) {
     if (ServiceIsGone()) {
       return Fail(ErrorCode::kUnavailable, "no perception service is on the bus");
     }
-    if (auto sent = Send(calls); !sent) return sent;
-    const auto next_send = std::min(SteadyTime::now() + options_.retry_interval, deadline);
-    std::unique_lock lock(mutex_);
-    const auto replied = [&waiter] { return waiter.missing == 0; };
-    if (waiter.all_replied.wait_until(lock, next_send, replied)) return {};
-    lock.unlock();
-    if (SteadyTime::now() >= deadline) return tl::unexpected(NoReply(calls));
+    if (auto sent = Send(calls, deadline); !sent) return sent;
+    if (WaitForReplies(waiter, deadline)) return {};
+    if (SteadyTime::now() >= deadline || OnlyOtherModels(calls)) {
+      return tl::unexpected(NoReply(calls));
+    }
+    ForgetReplica();
     ++repeats_;
   }
 }
 
+bool RemotePerceptionModel::WaitForReplies(Waiter& waiter, TimePoint deadline) {
+  std::unique_lock lock(mutex_);
+  const auto replied = [&waiter] { return waiter.missing == 0; };
+  const auto next_send = std::min(SteadyTime::now() + options_.retry_interval, deadline);
+  waiter.changed.wait_until(lock, next_send,
+                            [&waiter] { return waiter.missing == 0 || waiter.declined; });
+  if (!replied() && waiter.declined) {
+    // Another replica may answer meanwhile.
+    const auto pause_end = std::min(SteadyTime::now() + options_.busy_pause, deadline);
+    waiter.changed.wait_until(lock, pause_end, replied);
+  }
+  waiter.declined = false;
+  return replied();
+}
+
 /// Sends what has no reply yet.
-Result<void> RemotePerceptionModel::Send(const std::vector<Call>& calls) {
-  std::vector<const Call*> unanswered;
+Result<void> RemotePerceptionModel::Send(std::vector<Call>& calls, TimePoint deadline) {
+  const auto left =
+      std::chrono::ceil<std::chrono::milliseconds>(deadline - SteadyTime::now()).count();
+  std::vector<Call*> unanswered;
+  std::string replica;
   {
     const std::lock_guard lock(mutex_);
-    for (const Call& call : calls) {
+    replica = replica_;
+    for (Call& call : calls) {
       if (!call.reply) unanswered.push_back(&call);
     }
   }
   // Without the lock: an in-memory bus may reply before Publish() returns.
-  for (const Call* call : unanswered) {
+  for (Call* call : unanswered) {
+    call->request.replica(replica);
+    call->request.timeout_ms(static_cast<std::uint32_t>(std::max<std::int64_t>(left, 1)));
     if (auto sent = requests_.Publish(call->request); !sent) return sent;
   }
   return {};
+}
+
+void RemotePerceptionModel::ForgetReplica() {
+  std::string forgotten;
+  {
+    const std::lock_guard lock(mutex_);
+    forgotten.swap(replica_);
+  }
+  if (forgotten.empty()) return;
+  LOG_WARNING("perception replica did not answer, asking all", "replica", forgotten);
 }
 
 bool RemotePerceptionModel::ServiceIsGone() {
@@ -157,10 +199,21 @@ bool RemotePerceptionModel::ServiceIsGone() {
   return discovered_;
 }
 
+bool RemotePerceptionModel::OnlyOtherModels(const std::vector<Call>& calls) {
+  const auto replicas = static_cast<std::size_t>(std::max(replies_.matched_publishers(), 1));
+  const std::lock_guard lock(mutex_);
+  return std::any_of(calls.begin(), calls.end(), [replicas](const Call& call) {
+    return !call.reply && call.other_models.size() >= replicas;
+  });
+}
+
 Error RemotePerceptionModel::NoReply(const std::vector<Call>& calls) {
   discovered_ = true;  // later batches do not wait for a service that never came
   const std::lock_guard lock(mutex_);
   for (const Call& call : calls) {
+    if (!call.busy.empty()) {
+      return {ErrorCode::kUnavailable, "perception service is busy: " + call.busy};
+    }
     if (!call.other_model.empty()) return {ErrorCode::kUnavailable, call.other_model};
   }
   return {ErrorCode::kTimeout,
@@ -174,14 +227,44 @@ void RemotePerceptionModel::Receive(conav_msgs::msg::PerceptionReply&& message) 
   const auto found = open_.find(message.request_id());
   if (found == open_.end() || found->second->reply) return;
   Call& call = *found->second;
-  if (message.status() != conav_msgs::msg::PERCEPTION_STATUS_OK && !options_.model.empty() &&
-      message.model() != options_.model) {
-    call.other_model = message.reason();
-    return;  // another replica may serve it
-  }
+  if (!IsWanted(message)) return NoteOtherModel(call, message);
+  if (message.status() == conav_msgs::msg::PERCEPTION_STATUS_BUSY) return NoteBusy(call, message);
   answering_model_ = message.model();
+  answering_checksum_ = message.model_checksum();
+  replica_ = message.replica();
   call.reply = std::move(message);
-  if (--call.waiter->missing == 0) call.waiter->all_replied.notify_one();
+  if (--call.waiter->missing == 0) call.waiter->changed.notify_one();
+}
+
+bool RemotePerceptionModel::IsWanted(const conav_msgs::msg::PerceptionReply& message) const {
+  return (options_.model.empty() || message.model() == options_.model) &&
+         (options_.model_checksum.empty() || message.model_checksum() == options_.model_checksum);
+}
+
+void RemotePerceptionModel::NoteOtherModel(Call& call,
+                                           const conav_msgs::msg::PerceptionReply& message) {
+  const bool says_why = message.status() != conav_msgs::msg::PERCEPTION_STATUS_OK;
+  call.other_models.insert(message.replica());
+  call.other_model =
+      says_why ? message.reason()
+               : fmt::format("model '{}' {} answered, wanted '{}' {}", message.model(),
+                             message.model_checksum(), options_.model, options_.model_checksum);
+  call.waiter->declined = true;
+  call.waiter->changed.notify_one();
+  if (!other_models_logged_.Allow()) return;
+  LOG_WARNING("reply of another model refused", "replica", message.replica(), "model",
+              message.model(), "checksum", message.model_checksum(), "wanted", options_.model,
+              "wanted_checksum", options_.model_checksum);
+}
+
+void RemotePerceptionModel::NoteBusy(Call& call, const conav_msgs::msg::PerceptionReply& message) {
+  const std::uint64_t count = ++busy_;
+  call.busy = message.reason();
+  call.waiter->declined = true;
+  call.waiter->changed.notify_one();
+  if (!busy_logged_.Allow()) return;
+  LOG_WARNING("perception service busy", "replica", message.replica(), "reason", message.reason(),
+              "count", count);
 }
 
 /// `call` has a reply and is no longer open. The queries were checked before they were sent, so a

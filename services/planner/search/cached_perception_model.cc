@@ -1,45 +1,44 @@
 #include "planner/search/cached_perception_model.h"
 
-#include <algorithm>
-#include <bit>
+#include <cstring>
 
 #include "common/runtime/demand.h"
 
 namespace conav::planner {
 namespace {
 
-/// FNV-1a over 64-bit words, with a shift so that high bits reach the low ones.
-class Hash {
- public:
-  void Add(std::uint64_t word) {
-    state_ = (state_ ^ word) * 0x9e3779b97f4a7c15ULL;
-    state_ ^= state_ >> 29;
-  }
-  void Add(Cell cell) {
-    Add(static_cast<std::uint64_t>(static_cast<std::uint32_t>(cell.row)) << 32 |
-        static_cast<std::uint32_t>(cell.column));
-  }
-  void Add(const std::vector<Cell>& cells) {
-    Add(cells.size());
-    for (const Cell cell : cells) Add(cell);
-  }
-  std::size_t value() const { return state_; }
+template <class T>
+void Append(std::string& bytes, const T& value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
 
- private:
-  std::uint64_t state_ = 0xcbf29ce484222325ULL;
-};
+/// One bit per cell of the grid: the same for every order and repetition of `cells`.
+void AppendSet(std::string& bytes, const BeliefGrid& grid, const std::vector<Cell>& cells) {
+  const std::size_t first = bytes.size();
+  bytes.resize(first + (grid.size() + 7) / 8, '\0');
+  for (const Cell cell : cells) {
+    const auto index = static_cast<std::size_t>(cell.row * grid.columns() + cell.column);
+    char& byte = bytes[first + index / 8];
+    byte = static_cast<char>(byte | 1 << index % 8);
+  }
+}
 
 }  // namespace
 
-std::size_t CachedPerceptionModel::QueryHash::operator()(const PerceptionQuery& query) const {
-  Hash hash;
-  hash.Add(query.cell);
-  hash.Add(std::bit_cast<std::uint64_t>(query.heading_rad));
-  for (const float value : query.belief.values()) hash.Add(std::bit_cast<std::uint32_t>(value));
-  hash.Add(query.path);
-  hash.Add(query.visible.free);
-  hash.Add(query.visible.walls);
-  return hash.value();
+/// `query` passed CheckPerceptionQuery.
+CachedPerceptionModel::Key CachedPerceptionModel::KeyOf(const PerceptionQuery& query) {
+  const BeliefGrid& belief = query.belief;
+  Key key;
+  key.reserve(32 + belief.size() * sizeof(float) + belief.size() / 2);
+  Append(key, belief.rows());
+  Append(key, belief.columns());
+  Append(key, query.cell.row);
+  Append(key, query.cell.column);
+  key.append(reinterpret_cast<const char*>(belief.values().data()), belief.size() * sizeof(float));
+  AppendSet(key, belief, query.path);
+  AppendSet(key, belief, query.visible.free);
+  AppendSet(key, belief, query.visible.walls);
+  return key;
 }
 
 CachedPerceptionModel::CachedPerceptionModel(std::shared_ptr<PerceptionModel> model,
@@ -50,21 +49,28 @@ CachedPerceptionModel::CachedPerceptionModel(std::shared_ptr<PerceptionModel> mo
 
 Result<std::vector<PerceptionAnswer>> CachedPerceptionModel::Predict(
     std::span<const PerceptionQuery> queries) {
-  std::vector<AnswerPtr> found = LookUp(queries);
+  std::vector<Key> keys;
+  keys.reserve(queries.size());
+  for (const PerceptionQuery& query : queries) {
+    if (const auto checked = CheckPerceptionQuery(query); !checked) {
+      return tl::unexpected(checked.error());
+    }
+    keys.push_back(KeyOf(query));
+  }
+  std::vector<AnswerPtr> found = LookUp(keys);
 
   // Distinct queries that are not remembered, and which of them answers each position.
   std::vector<PerceptionQuery> missing;
+  std::vector<const Key*> missing_keys;
   std::vector<std::size_t> missing_index(queries.size());
-  std::unordered_map<std::size_t, std::vector<std::size_t>> missing_of_hash;
+  std::unordered_map<Key, std::size_t> index_of_key;
   for (std::size_t i = 0; i < queries.size(); ++i) {
     if (found[i]) continue;
-    std::vector<std::size_t>& same_hash = missing_of_hash[QueryHash{}(queries[i])];
-    const auto same = std::find_if(same_hash.begin(), same_hash.end(),
-                                   [&](std::size_t index) { return missing[index] == queries[i]; });
-    missing_index[i] = same == same_hash.end() ? missing.size() : *same;
-    if (same != same_hash.end()) continue;
-    same_hash.push_back(missing.size());
+    const auto [entry, is_new] = index_of_key.try_emplace(keys[i], missing.size());
+    missing_index[i] = entry->second;
+    if (!is_new) continue;
     missing.push_back(queries[i]);
+    missing_keys.push_back(&keys[i]);
   }
 
   std::vector<AnswerPtr> fresh;
@@ -81,7 +87,8 @@ Result<std::vector<PerceptionAnswer>> CachedPerceptionModel::Predict(
   counts_.asked += missing.size();
   counts_.cached += queries.size() - missing.size();
   counts_.calls += missing.empty() ? 0 : 1;
-  for (std::size_t i = 0; i < missing.size(); ++i) Remember(missing[i], fresh[i]);
+  ForgetIfModelChangedLocked();
+  for (std::size_t i = 0; i < missing.size(); ++i) RememberLocked(*missing_keys[i], fresh[i]);
   std::vector<PerceptionAnswer> answers;
   answers.reserve(queries.size());
   for (std::size_t i = 0; i < queries.size(); ++i) {
@@ -96,17 +103,26 @@ CachedPerceptionModel::Counts CachedPerceptionModel::counts() const {
 }
 
 std::vector<CachedPerceptionModel::AnswerPtr> CachedPerceptionModel::LookUp(
-    std::span<const PerceptionQuery> queries) {
+    const std::vector<Key>& keys) {
   const std::lock_guard lock(mutex_);
-  std::vector<AnswerPtr> found(queries.size());
-  for (std::size_t i = 0; i < queries.size(); ++i) {
-    if (const auto it = answers_.find(queries[i]); it != answers_.end()) found[i] = it->second;
+  ForgetIfModelChangedLocked();
+  std::vector<AnswerPtr> found(keys.size());
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    if (const auto it = answers_.find(keys[i]); it != answers_.end()) found[i] = it->second;
   }
   return found;
 }
 
-void CachedPerceptionModel::Remember(const PerceptionQuery& query, AnswerPtr answer) {
-  const auto [it, inserted] = answers_.emplace(query, std::move(answer));
+void CachedPerceptionModel::ForgetIfModelChangedLocked() {
+  std::string identity = model_->identity();
+  if (identity == identity_) return;
+  identity_ = std::move(identity);
+  oldest_first_.clear();
+  answers_.clear();
+}
+
+void CachedPerceptionModel::RememberLocked(const Key& key, AnswerPtr answer) {
+  const auto [it, inserted] = answers_.emplace(key, std::move(answer));
   if (!inserted) return;
   oldest_first_.push_back(&it->first);
   if (answers_.size() <= capacity_) return;

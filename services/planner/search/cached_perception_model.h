@@ -4,18 +4,24 @@
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <unordered_map>
 
 #include "planner/search/perception_model.h"
 
 namespace conav::planner {
 
-/// Remembers the answers of another model. The key is the whole content of a query (belief, path in
-/// its order, cell, heading, view), so an answer is the very one that the other model gave.
+/// Remembers the answers of another model, also from one decision to the next.
 ///
-/// Only what is not remembered is asked, as one batch, each distinct query once. Failures are
+/// The key is what a model may look at: the belief, the cells of the path as a set, the camera's
+/// cell and the cells that the view shows. Neither the order of the path nor the heading is part of
+/// it: paths that wander differently over the same cells share an answer, and what a heading shows
+/// is the view. The view's content is in the key, so a map that grows makes new questions.
+/// An answer is the very one that the other model gave; when the model that answers changes
+/// (PerceptionModel::identity), all are forgotten.
+///
+/// Only what is not remembered is asked, as one batch, each distinct question once. Failures are
 /// passed on and not remembered. The oldest answers are dropped beyond `capacity`.
-/// Worth it before a model of milliseconds; conav-planner does without (docs/architecture.md).
 /// Threads: as PerceptionModel; the other model is asked without a lock, so two threads may ask it
 /// the same.
 class CachedPerceptionModel final : public PerceptionModel {
@@ -26,30 +32,32 @@ class CachedPerceptionModel final : public PerceptionModel {
     std::uint64_t calls = 0;   // calls of the other model
   };
 
-  /// `capacity` in answers, at least 1; one takes about 12 bytes per cell of the belief.
+  /// `capacity` in answers, at least 1; one takes about 13 bytes per cell of the belief.
   explicit CachedPerceptionModel(std::shared_ptr<PerceptionModel> model,
                                  std::size_t capacity = 8192);
 
   [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
       std::span<const PerceptionQuery> queries) override;
   std::string name() const override { return model_->name(); }
+  std::string identity() const override { return model_->identity(); }
 
   Counts counts() const;
 
  private:
-  struct QueryHash {
-    std::size_t operator()(const PerceptionQuery& query) const;
-  };
+  using Key = std::string;  // of bytes
   using AnswerPtr = std::shared_ptr<const PerceptionAnswer>;
 
-  std::vector<AnswerPtr> LookUp(std::span<const PerceptionQuery> queries);
-  void Remember(const PerceptionQuery& query, AnswerPtr answer);
+  static Key KeyOf(const PerceptionQuery& query);
+  std::vector<AnswerPtr> LookUp(const std::vector<Key>& keys);
+  void ForgetIfModelChangedLocked();
+  void RememberLocked(const Key& key, AnswerPtr answer);
 
   std::shared_ptr<PerceptionModel> model_;
   std::size_t capacity_;
   mutable std::mutex mutex_;  // guards all below
-  std::unordered_map<PerceptionQuery, AnswerPtr, QueryHash> answers_;
-  std::deque<const PerceptionQuery*> oldest_first_;  // keys of answers_
+  std::unordered_map<Key, AnswerPtr> answers_;
+  std::deque<const Key*> oldest_first_;  // keys of answers_
+  std::string identity_;                 // of the model that gave them
   Counts counts_;
 };
 

@@ -28,6 +28,10 @@ class PerceptionModel {
 
   /// Name of the model that answers, for reports.
   virtual std::string name() const = 0;
+
+  /// Changes when another model answers from now on (another name or other weights): answers that
+  /// were remembered from before are no longer its answers.
+  virtual std::string identity() const { return name(); }
 };
 
 }  // namespace conav::planner

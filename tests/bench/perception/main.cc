@@ -72,16 +72,15 @@ void PrintTable(const Options& options, const std::string& model,
 int Run(const Options& options) {
   const TemporaryFolder folder;
   const std::filesystem::path weights =
-      options.weights.empty() ? WriteUntrained(folder.path()) : options.weights;
-  auto loaded = nhpm::LoadEditModel("nhpm", std::filesystem::absolute(weights), {});
+      std::filesystem::absolute(options.weights.empty() ? WriteUntrained(folder.path())
+                                                        : std::filesystem::path(options.weights));
+  auto loaded = nhpm::LoadEditModel("nhpm", weights, {});
   if (!loaded) throw StartupError(loaded.error().text);
   const std::string model =
       fmt::format("{} {}", (*loaded)->identity().name, (*loaded)->identity().version);
   planner::EmbeddedPerceptionModel embedded(*std::move(loaded));
-  ServedNetwork cyclone("cyclonedds", options.first_domain, std::filesystem::absolute(weights),
-                        folder.path());
-  ServedNetwork fast("fastdds", options.first_domain + 1, std::filesystem::absolute(weights),
-                     folder.path());
+  ServedNetwork cyclone("cyclonedds", options.first_domain, weights, folder.path());
+  ServedNetwork fast("fastdds", options.first_domain + 1, weights, folder.path());
   const Asked models[] = {
       {"embedded", embedded}, {cyclone.vendor(), cyclone.model()}, {fast.vendor(), fast.model()}};
   const auto series = Measure(models, Queries(), options.rounds, options.calls);

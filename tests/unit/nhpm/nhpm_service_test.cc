@@ -2,30 +2,51 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <filesystem>
+#include <map>
 
 #include "common/bus/in_memory_bus.h"
 #include "common/protocol/convert.h"
+#include "support/test_weights.h"
 
 namespace conav::nhpm {
 namespace {
 
 using RequestMessage = conav_msgs::msg::PerceptionRequest;
 
-/// The service and one client on an in-memory bus.
+/// The service and one client on an in-memory bus. Nothing is answered before AnswerOpen().
 struct ServiceBench {
+  explicit ServiceBench(const NhpmConfig& config = Glpfs())
+      : service(service_side, config, clock) {}
+
+  static NhpmConfig Glpfs() {
+    NhpmConfig config;
+    config.model = "glpf";
+    return config;
+  }
+
   std::shared_ptr<bus::InMemoryBus> bus = std::make_shared<bus::InMemoryBus>();
   FakeClock clock;
   bus::Participant service_side{"nhpm", bus};
   bus::Participant client_side{"client", bus};
-  NhpmService service{service_side, NhpmConfig{}, clock};
+  NhpmService service;
   bus::Publisher<RequestMessage> requests{client_side, bus::kPerceptionRequest};
   bus::Subscriber<conav_msgs::msg::PerceptionReply> replies{client_side, bus::kPerceptionReply};
   bus::Subscriber<diagnostic_msgs::msg::DiagnosticArray> health{client_side, bus::kDiagnostics};
 
   /// All replies to `messages` after one turn of the service.
   std::vector<PerceptionReply> Ask(const std::vector<RequestMessage>& messages) {
+    Send(messages);
+    service.AnswerOpen();
+    return Replies();
+  }
+
+  void Send(const std::vector<RequestMessage>& messages) {
     for (const auto& message : messages) REQUIRE(requests.Publish(message));
-    service.RunOnce({});
+    service.Receive({});
+  }
+
+  std::vector<PerceptionReply> Replies() {
     std::vector<PerceptionReply> taken;
     for (const auto& message : replies.Take()) {
       auto reply = ToDomain(message, 3, 4);
@@ -42,7 +63,7 @@ PerceptionRequest SampleRequest() {
   query.cell = {1, 1};
   query.path = {{1, 1}};
   query.visible = {{{1, 1}}, {{1, 2}}};
-  PerceptionRequest request{"planner-1", 7, "", {query, query}};
+  PerceptionRequest request{.client = "planner-1", .request_id = 7, .queries = {query, query}};
   request.queries[1].belief[{1, 2}] = 1.0F;
   return request;
 }
@@ -57,21 +78,33 @@ TEST_CASE("A batch is answered with the bits of the model", "[nhpm]") {
   CHECK(replies[0].reason.empty());
   CHECK(replies[0].model == "glpf");
   CHECK(replies[0].model_version == Glpf().version());
+  CHECK(replies[0].model_checksum == Glpf().identity().checksum);
+  CHECK(replies[0].replica == "nhpm");
   CHECK(replies[0].answers == *Glpf().Predict(SampleRequest().queries));
   CHECK(bench.service.counts().requests == 1);
   CHECK(bench.service.counts().queries == 2);
 }
 
-TEST_CASE("A repeated request gets a repeated reply", "[nhpm]") {
+TEST_CASE("A request is answered once, and alike when it is repeated after its reply", "[nhpm]") {
   ServiceBench bench;
-  const auto replies = bench.Ask({ToMessage(SampleRequest()), ToMessage(SampleRequest())});
-  REQUIRE(replies.size() == 2);
-  CHECK(replies[0] == replies[1]);
+  const auto first = bench.Ask({ToMessage(SampleRequest()), ToMessage(SampleRequest())});
+  REQUIRE(first.size() == 1);
+  CHECK(bench.Ask({ToMessage(SampleRequest())}) == first);
+}
+
+TEST_CASE("A request for another replica is left to that one", "[nhpm]") {
+  ServiceBench bench;
+  PerceptionRequest request = SampleRequest();
+  request.replica = "nhpm-2";
+  CHECK(bench.Ask({ToMessage(request)}).empty());
+  request.replica = "nhpm";
+  CHECK(bench.Ask({ToMessage(request)}).size() == 1);
 }
 
 TEST_CASE("An empty batch gets an empty answer", "[nhpm]") {
   ServiceBench bench;
-  const auto replies = bench.Ask({ToMessage(PerceptionRequest{"c", 1, "glpf", {}})});
+  const auto replies =
+      bench.Ask({ToMessage(PerceptionRequest{.client = "c", .request_id = 1, .model = "glpf"})});
   REQUIRE(replies.size() == 1);
   CHECK(replies[0].status == PerceptionStatus::kOk);
   CHECK(replies[0].answers.empty());
@@ -89,14 +122,116 @@ TEST_CASE("A request for another model is refused by name", "[nhpm]") {
   CHECK(bench.service.counts().refused == 1);
 }
 
+TEST_CASE("A request for other weights is refused by both checksums", "[nhpm]") {
+  ServiceBench bench;
+  PerceptionRequest request = SampleRequest();
+  request.model_checksum = std::string(64, 'a');
+  const auto replies = bench.Ask({ToMessage(request)});
+  REQUIRE(replies.size() == 1);
+  CHECK(replies[0].status == PerceptionStatus::kRefused);
+  CHECK(replies[0].reason == "model_checksum = " + std::string(64, 'a') + " is not served here, " +
+                                 Glpf().identity().checksum + " is");
+  request.model_checksum = Glpf().identity().checksum;
+  CHECK(bench.Ask({ToMessage(request)}).at(0).status == PerceptionStatus::kOk);
+}
+
+PerceptionRequest Numbered(std::uint64_t id, std::uint32_t timeout_ms = 0) {
+  PerceptionRequest request = SampleRequest();
+  request.request_id = id;
+  request.timeout_ms = timeout_ms;
+  return request;
+}
+
+TEST_CASE("More requests than may be open are answered busy at once", "[nhpm]") {
+  NhpmConfig config = ServiceBench::Glpfs();
+  config.max_open = 2;
+  ServiceBench bench(config);
+  bench.Send({ToMessage(Numbered(1)), ToMessage(Numbered(2)), ToMessage(Numbered(3))});
+  const auto busy = bench.Replies();
+  REQUIRE(busy.size() == 1);
+  CHECK(busy[0].request_id == 3);
+  CHECK(busy[0].status == PerceptionStatus::kBusy);
+  CHECK(busy[0].reason == "2 requests are open");
+  CHECK(busy[0].model == "glpf");
+  bench.service.AnswerOpen();
+  CHECK(bench.Replies().size() == 2);
+  CHECK(bench.Ask({ToMessage(Numbered(3))}).at(0).status == PerceptionStatus::kOk);
+  CHECK(bench.service.counts().busy == 1);
+  CHECK(bench.service.counts().late == 0);
+}
+
+TEST_CASE("A request whose deadline passed while it waited is not computed", "[nhpm]") {
+  ServiceBench bench;
+  bench.Send({ToMessage(Numbered(1, 100)), ToMessage(Numbered(2))});
+  bench.clock.Advance(std::chrono::milliseconds(100));
+  bench.service.AnswerOpen();
+  const auto replies = bench.Replies();
+  REQUIRE(replies.size() == 2);
+  CHECK(replies[0].status == PerceptionStatus::kBusy);
+  CHECK(replies[0].reason == "waited longer than 100 ms for its turn");
+  CHECK(replies[0].answers.empty());
+  CHECK(replies[1].status == PerceptionStatus::kOk);
+  CHECK(bench.service.counts().late == 1);
+  CHECK(bench.service.counts().requests == 1);
+}
+
+NhpmConfig Network(const std::string& weights) {
+  NhpmConfig config;
+  config.model = "nhpm";
+  config.weights = weights;
+  return config;
+}
+
+TEST_CASE("New weights answer from the next second on, and what was open is answered", "[nhpm]") {
+  const test::WeightsFolder folder;
+  const std::string file = folder.Write("default", test::UntrainedNetwork(1));
+  ServiceBench bench(Network(file));
+  const auto before = bench.Ask({ToMessage(Numbered(1))});
+  CHECK(before.at(0).model_checksum == ChecksumOf(test::UntrainedNetwork(1)));
+  bench.Send({ToMessage(Numbered(2))});
+  folder.Write("default", test::UntrainedNetwork(2));
+  std::filesystem::last_write_time(
+      file, std::filesystem::last_write_time(file) + std::chrono::seconds(5));
+  bench.clock.Advance(std::chrono::seconds(1));
+  const auto after = bench.Ask({ToMessage(Numbered(3))});
+  REQUIRE(after.size() == 2);
+  for (const PerceptionReply& reply : after) {
+    CHECK(reply.status == PerceptionStatus::kOk);
+    CHECK(reply.model_checksum == ChecksumOf(test::UntrainedNetwork(2)));
+    CHECK_FALSE(reply.answers == before.at(0).answers);
+  }
+}
+
+TEST_CASE("A network for another grid size refuses with both sizes", "[nhpm]") {
+  const test::WeightsFolder folder;
+  ServiceBench bench(Network(folder.Write("default", test::UntrainedNetwork(1, 13, 13))));
+  const auto replies = bench.Ask({ToMessage(SampleRequest())});
+  REQUIRE(replies.size() == 1);
+  CHECK(replies[0].status == PerceptionStatus::kRefused);
+  CHECK_THAT(replies[0].reason, Catch::Contains("13 x 13") && Catch::Contains("3 x 4"));
+}
+
+TEST_CASE("A person is answered by their own model", "[nhpm]") {
+  const test::WeightsFolder folder;
+  const test::WeightsFolder persons;
+  NhpmConfig config = Network(folder.Write("default", test::UntrainedNetwork(1)));
+  config.person_weights = persons.path().string();
+  persons.Write("anna", test::UntrainedNetwork(2));
+  ServiceBench bench(config);
+  PerceptionRequest request = Numbered(1);
+  request.person = "anna";
+  CHECK(bench.Ask({ToMessage(request)}).at(0).model_version == "untrained 2");
+  CHECK(bench.Ask({ToMessage(Numbered(2))}).at(0).model_version == "untrained 1");
+}
+
 TEST_CASE("A malformed request is refused with field and value, and the next is answered",
           "[nhpm]") {
   ServiceBench bench;
   RequestMessage malformed = ToMessage(SampleRequest());
   malformed.rows(5);
-  RequestMessage spoiled = ToMessage(SampleRequest());
+  RequestMessage spoiled = ToMessage(Numbered(8));
   spoiled.queries()[1].belief()[3] = NAN;
-  const auto replies = bench.Ask({malformed, spoiled, ToMessage(SampleRequest())});
+  const auto replies = bench.Ask({malformed, spoiled, ToMessage(Numbered(9))});
   REQUIRE(replies.size() == 3);
   CHECK(replies[0].status == PerceptionStatus::kRefused);
   CHECK(replies[0].reason == "queries[0].belief has size 12, not 5 x 4");
@@ -123,13 +258,17 @@ TEST_CASE("Health is published once per second with the counts", "[nhpm]") {
   const auto& status = first[0].status().at(0);
   CHECK(status.level() == 0);
   CHECK(status.message() == "serving glpf");
-  CHECK(status.values().at(2).key() == "requests");
-  CHECK(status.values().at(2).value() == "1");
+  std::map<std::string, std::string> values;
+  for (const auto& entry : status.values()) values[entry.key()] = entry.value();
+  CHECK(values.at("model_checksum") == Glpf().identity().checksum);
+  CHECK(values.at("open") == "1");
+  CHECK(values.at("requests") == "0");
+  CHECK(values.at("busy") == "0");
   bench.clock.Advance(std::chrono::milliseconds(900));
-  bench.service.RunOnce({});
+  bench.service.Receive({});
   CHECK(bench.health.Take().empty());
   bench.clock.Advance(std::chrono::milliseconds(100));
-  bench.service.RunOnce({});
+  bench.service.Receive({});
   CHECK(bench.health.Take().size() == 1);
 }
 

@@ -29,7 +29,7 @@ TEST_CASE("Search reports, perception requests and replies survive the wire",
 }
 
 TEST_CASE("An empty batch survives the wire", "[protocol][convert]") {
-  CheckRoundTrip(PerceptionRequest{"c", 1, "", {}});
+  CheckRoundTrip(PerceptionRequest{.client = "c", .request_id = 1});
 }
 
 TEST_CASE("A malformed search report is refused", "[protocol][convert]") {
@@ -69,6 +69,15 @@ TEST_CASE("A malformed perception request is refused", "[protocol][convert]") {
   CheckRefused(
       SampleRequest(), [](Request& m) { m.request_id(0); }, "request_id = 0 is below 1");
   CheckRefused(
+      SampleRequest(), [](Request& m) { m.replica("a b"); },
+      "replica = 'a b' has a character outside of [A-Za-z0-9_.:@/-]");
+  CheckRefused(
+      SampleRequest(), [](Request& m) { m.person("../anna"); },
+      "person = '../anna' has a character outside of [A-Za-z0-9_]");
+  CheckRefused(
+      SampleRequest(), [](Request& m) { m.model_checksum("abc"); },
+      "model_checksum = 'abc' is not 64 hexadecimal digits");
+  CheckRefused(
       SampleRequest(), [](Request& m) { m.rows(4); }, "queries[0].belief has size 6, not 4 x 3");
   CheckRefused(
       SampleRequest(), [](Request& m) { m.rows(0); }, "rows = 0 is not in [1, 1024]");
@@ -104,7 +113,12 @@ TEST_CASE("A malformed perception request is refused", "[protocol][convert]") {
 }
 
 TEST_CASE("A malformed perception reply is refused", "[protocol][convert]") {
-  CheckReplyRefused([](Reply& m) { m.status(2); }, "status = 2 is not in [0, 1]");
+  CheckReplyRefused([](Reply& m) { m.status(3); }, "status = 3 is not in [0, 2]");
+  CheckReplyRefused([](Reply& m) { m.model_checksum(std::string(64, 'G')); },
+                    "model_checksum = 'GGGGGGGGGGGGGGGGGGGGGGGGGGGGGGGGGGGGGGGG' is not 64 "
+                    "hexadecimal digits");
+  CheckReplyRefused([](Reply& m) { m.replica("a b"); },
+                    "replica = 'a b' has a character outside of [A-Za-z0-9_.:@/-]");
   CheckReplyRefused([](Reply& m) { m.client(""); }, "client is empty");
   CheckReplyRefused([](Reply& m) { m.answers()[1].add()[0] = NAN; },
                     "answers[1].add[0] = nan is not in [0, 1]");

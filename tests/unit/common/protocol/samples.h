@@ -127,12 +127,27 @@ inline PerceptionQuery SampleQuery() {
 }
 
 inline PerceptionRequest SampleRequest() {
-  return {"planner-77", 21, "glpf", {SampleQuery(), SampleQuery()}};
+  return {.client = "planner-77",
+          .request_id = 21,
+          .replica = "nhpm-2",
+          .model = "glpf",
+          .model_checksum = std::string(64, 'a'),
+          .person = "anna",
+          .timeout_ms = 250,
+          .queries = {SampleQuery(), SampleQuery()}};
 }
 
 inline PerceptionReply SamplePerceptionReply() {
   PerceptionAnswer answer{Grid<float>(2, 3, 0.25F), Grid<float>(2, 3, 0.5F)};
-  return {"planner-77", 21, PerceptionStatus::kRefused, "why", "glpf", "1", {answer, answer}};
+  return {.client = "planner-77",
+          .request_id = 21,
+          .replica = "nhpm-2",
+          .status = PerceptionStatus::kBusy,
+          .reason = "why",
+          .model = "glpf",
+          .model_version = "1",
+          .model_checksum = std::string(64, '7'),
+          .answers = {answer, answer}};
 }
 
 }  // namespace conav::samples

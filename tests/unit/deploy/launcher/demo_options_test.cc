@@ -36,10 +36,25 @@ TEST_CASE("an unknown method is refused and the known ones are named", "[launche
              Catch::Contains("--method magic") && Catch::Contains("ig-mcts, instruction, teleop"));
 }
 
+TEST_CASE("a model, weights or belief that do not exist are refused", "[launcher][options]") {
+  DemoOptions options;
+  options.model = "oracle";
+  CHECK_THAT(Refusal(options), Catch::Contains("--model oracle: not one of nhpm, glpf"));
+  options = {};
+  options.weights = "/nowhere/a.nhpm";
+  CHECK_THAT(Refusal(options), Catch::Contains("--weights /nowhere/a.nhpm: no such file"));
+  options = {};
+  options.x_source = "guessed";
+  CHECK_THAT(Refusal(options), Catch::Contains("--x-source guessed"));
+}
+
 TEST_CASE("numbers beyond their limits are refused", "[launcher][options]") {
   DemoOptions options;
   options.worlds = 17;
   CHECK_THAT(Refusal(options), Catch::Contains("--worlds"));
+  options = {};
+  options.nhpm_replicas = 0;
+  CHECK_THAT(Refusal(options), Catch::Contains("--nhpm-replicas 0: not between 1 and 8"));
   options = {};
   options.speed = -1.0;
   CHECK_THAT(Refusal(options), Catch::Contains("--speed"));

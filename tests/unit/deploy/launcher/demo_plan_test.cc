@@ -152,6 +152,40 @@ TEST_CASE("what the environment says of the bus is written into every configurat
   CHECK(Read<planner::PlannerConfig>(configs.at("planner"), "planner").bus.vendor == "cyclonedds");
 }
 
+TEST_CASE("model and weights reach the service and the planner", "[launcher][plan]") {
+  const TemporaryRun run;
+  DemoOptions options;
+  const nhpm::NhpmConfig service_default;
+  const planner::PlannerConfig planner_default;
+  CHECK(options.model == service_default.model);
+  CHECK(options.model == planner_default.perception_model);
+  options.model = "nhpm";
+  options.weights = "models/own.nhpm";
+  options.x_source = "estimated";
+  const auto configs = Plan(options, run);
+  const std::string weights = (fs::current_path() / "models/own.nhpm").string();
+  const auto service = Read<nhpm::NhpmConfig>(configs.at("nhpm"), "nhpm");
+  CHECK(service.model == "nhpm");
+  CHECK(service.weights == weights);
+  const auto planner = Read<planner::PlannerConfig>(configs.at("planner"), "planner");
+  CHECK(planner.perception_model == "nhpm");
+  CHECK(planner.weights == weights);
+  CHECK(planner.x_source == "estimated");
+  options.weights.clear();
+  CHECK(Read<nhpm::NhpmConfig>(Plan(options, run).at("nhpm"), "nhpm").weights ==
+        nhpm::ShippedWeights().string());
+}
+
+TEST_CASE("replicas of nhpm have names of their own", "[launcher][plan]") {
+  const TemporaryRun run;
+  DemoOptions options;
+  options.nhpm_replicas = 2;
+  const auto configs = Plan(options, run);
+  CHECK(configs.size() == 6);
+  CHECK(Read<nhpm::NhpmConfig>(configs.at("nhpm-1"), "nhpm").name == "nhpm-1");
+  CHECK(Read<nhpm::NhpmConfig>(configs.at("nhpm-2"), "nhpm").name == "nhpm-2");
+}
+
 TEST_CASE("a command is put before the service that it is meant for", "[launcher][plan]") {
   const TemporaryRun run;
   DemoOptions options;

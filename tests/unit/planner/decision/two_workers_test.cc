@@ -69,7 +69,7 @@ class Corridor {
         .attention = [this, &robot](const AttentionRequest&) { Guide(robot); },
         .way = [](const RobotState&, const MapUpdate&, const std::vector<Cell>&) {}};
     auto made = MakeMethod(method, name, search, robots_.size(),
-                           std::make_shared<FakePerceptionModel>(), clock_);
+                           std::make_shared<FakePerceptionModel>(), nullptr, clock_);
     const DecisionGate::Options gate{10s, 10s, made->pictures_are_answered()};
     robot.worker.emplace(
         RobotWorker::Options{

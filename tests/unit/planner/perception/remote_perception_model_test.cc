@@ -43,8 +43,12 @@ class ScriptedService {
 
 /// A right reply: every probability is 0.5.
 ReplyMessage HalfReply(const RequestMessage& request) {
-  PerceptionReply reply{
-      request.client(), request.request_id(), PerceptionStatus::kOk, "", "half", "1", {}};
+  PerceptionReply reply{.client = request.client(),
+                        .request_id = request.request_id(),
+                        .replica = "nhpm",
+                        .model = "half",
+                        .model_version = "1",
+                        .model_checksum = std::string(64, '5')};
   const Grid<float> half(static_cast<int>(request.rows()), static_cast<int>(request.columns()),
                          0.5F);
   for (std::size_t i = 0; i < request.queries().size(); ++i) reply.answers.push_back({half, half});
@@ -58,7 +62,9 @@ struct RemoteBench {
     model = std::make_unique<RemotePerceptionModel>(participant, options);
   }
   static RemotePerceptionModel::Options Quick() {
-    return {.timeout = milliseconds(100), .retry_interval = milliseconds(10)};
+    return {.timeout = milliseconds(100),
+            .retry_interval = milliseconds(10),
+            .busy_pause = milliseconds(5)};
   }
   auto Ask() { return model->Predict(MakeQueries(2)); }
 
@@ -225,6 +231,114 @@ TEST_CASE("A batch of several shapes and of very many queries is split and put t
   CHECK(answers->at(300).add.rows() == 7);
   CHECK(answers->at(301).add.columns() == 11);
   CHECK(bench.service->asked == 4);
+}
+
+/// A reply that says only how it went.
+ReplyMessage WithoutAnswers(const RequestMessage& request, std::uint8_t status,
+                            const std::string& reason) {
+  ReplyMessage reply = HalfReply(request);
+  reply.status(status);
+  reply.reason(reason);
+  reply.answers().clear();
+  return reply;
+}
+
+ReplyMessage BusyReply(const RequestMessage& request) {
+  return WithoutAnswers(request, conav_msgs::msg::PERCEPTION_STATUS_BUSY, "9 requests are open");
+}
+
+TEST_CASE("A busy service is asked again after a pause", "[planner][perception]") {
+  RemoteBench bench([](auto& service, const auto& request) {
+    service.Reply(service.asked < 3 ? BusyReply(request) : HalfReply(request));
+  });
+  REQUIRE(bench.Ask());
+  CHECK(bench.service->asked == 3);
+  CHECK(bench.model->busy() == 2);
+}
+
+TEST_CASE("A service that stays busy is unavailable, with its reason", "[planner][perception]") {
+  RemoteBench bench([](auto& service, const auto& request) { service.Reply(BusyReply(request)); });
+  ExpectFailure(bench, ErrorCode::kUnavailable, "perception service is busy: 9 requests are open");
+}
+
+TEST_CASE("The good reply of another replica counts while one is busy", "[planner][perception]") {
+  RemoteBench bench([](auto& service, const auto& request) {
+    service.Reply(BusyReply(request));
+    service.Reply(HalfReply(request));
+  });
+  REQUIRE(bench.Ask());
+  CHECK(bench.service->asked == 1);
+}
+
+TEST_CASE("A request says how long its answer is of use, and a repeat says what is left",
+          "[planner][perception]") {
+  std::vector<std::uint32_t> timeouts_ms;
+  RemoteBench bench([&timeouts_ms](auto& service, const auto& request) {
+    timeouts_ms.push_back(request.timeout_ms());
+    if (service.asked == 2) service.Reply(HalfReply(request));
+  });
+  REQUIRE(bench.Ask());
+  REQUIRE(timeouts_ms.size() == 2);
+  CHECK(timeouts_ms[0] <= 100);
+  CHECK(timeouts_ms[0] > 0);
+  CHECK(timeouts_ms[1] < timeouts_ms[0]);
+}
+
+TEST_CASE("The replica that answered is asked next, and all when it does not answer",
+          "[planner][perception]") {
+  std::vector<std::string> addressed;
+  RemoteBench bench([&addressed](auto& service, const auto& request) {
+    addressed.push_back(request.replica());
+    if (service.asked != 2) service.Reply(HalfReply(request));
+  });
+  REQUIRE(bench.Ask());
+  REQUIRE(bench.Ask());
+  CHECK(addressed == std::vector<std::string>{"", "nhpm", ""});
+}
+
+TEST_CASE("An answer of other weights than those wanted is refused", "[planner][perception]") {
+  auto options = RemoteBench::Quick();
+  options.model_checksum = std::string(64, '6');
+  RemoteBench bench(
+      [](auto& service, const auto& request) {
+        CHECK(request.model_checksum() == std::string(64, '6'));
+        service.Reply(HalfReply(request));
+      },
+      options);
+  ExpectFailure(
+      bench, ErrorCode::kUnavailable,
+      "model 'half' " + std::string(64, '5') + " answered, wanted '' " + std::string(64, '6'));
+}
+
+TEST_CASE("The reply of a replica with the wanted model counts, whatever the others say",
+          "[planner][perception]") {
+  auto options = RemoteBench::Quick();
+  options.model = "half";
+  RemoteBench bench(
+      [](auto& service, const auto& request) {
+        ReplyMessage other = HalfReply(request);
+        other.model("whole");
+        other.replica("nhpm-2");
+        service.Reply(other);
+        service.Reply(HalfReply(request));
+      },
+      options);
+  const auto answers = bench.Ask();
+  REQUIRE(answers);
+  CHECK(bench.model->name() == "half");
+  CHECK(bench.model->identity() == "half " + std::string(64, '5'));
+}
+
+TEST_CASE("Whose edits are wanted is passed on", "[planner][perception]") {
+  auto options = RemoteBench::Quick();
+  options.person = "anna";
+  RemoteBench bench(
+      [](auto& service, const auto& request) {
+        CHECK(request.person() == "anna");
+        service.Reply(HalfReply(request));
+      },
+      options);
+  CHECK(bench.Ask());
 }
 
 TEST_CASE("Two models of one participant have names of their own", "[planner][perception]") {

@@ -1,5 +1,6 @@
 #include "planner/search/cached_perception_model.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "conformance/perception_model_conformance.h"
@@ -56,17 +57,63 @@ TEST_CASE("only what is not remembered is asked, each question once", "[planner]
   CHECK(model.counts().calls == 2);
 }
 
-TEST_CASE("every part of a query is part of the key", "[planner][search]") {
+TEST_CASE("belief, path, camera cell and each side of the view are part of the key",
+          "[planner][search]") {
   CachedPerceptionModel model(std::make_shared<FakePerceptionModel>());
   const PerceptionQuery query = MakeQueries(1)[0];
   std::vector<PerceptionQuery> variants(6, query);
   variants[1].belief[{4, 4}] = 0.5F;
   variants[2].path.push_back({1, 1});
   variants[3].cell = {1, 1};
-  variants[4].heading_rad += 1e-9;
-  variants[5].visible.free.clear();
+  variants[4].visible.free.clear();
+  variants[5].visible.walls.clear();
   REQUIRE(model.Predict(variants));
   CHECK(model.counts().asked == 6);
+}
+
+TEST_CASE("a belief of the same values in another shape is another question", "[planner][search]") {
+  CachedPerceptionModel model(std::make_shared<FakePerceptionModel>());
+  PerceptionQuery flat{BeliefGrid(2, 3, 0.5F), {}, {0, 0}, 0.0, {}};
+  PerceptionQuery tall{BeliefGrid(3, 2, 0.5F), {}, {0, 0}, 0.0, {}};
+  const auto answers = model.Predict(std::vector{flat, tall});
+  REQUIRE(answers);
+  CHECK(answers->at(1).add.rows() == 3);
+  CHECK(model.counts().asked == 2);
+}
+
+TEST_CASE("neither heading nor the order of the path is part of the key", "[planner][search]") {
+  CachedPerceptionModel model(std::make_shared<FakePerceptionModel>());
+  std::vector<PerceptionQuery> variants(3, MakeQueries(1)[0]);
+  variants[1].heading_rad += 0.5;
+  std::reverse(variants[2].path.begin(), variants[2].path.end());
+  variants[2].path.push_back(variants[2].path.front());
+  REQUIRE(model.Predict(variants));
+  CHECK(model.counts().asked == 1);
+  CHECK(model.counts().cached == 2);
+}
+
+/// Another model from one moment to the next, as a service whose weights are exchanged.
+class ChangingModel final : public PerceptionModel {
+ public:
+  [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
+      std::span<const PerceptionQuery> queries) override {
+    return FakePerceptionModel({.near_probability = probability}).Predict(queries);
+  }
+  std::string name() const override { return "changing"; }
+  std::string identity() const override { return std::to_string(probability); }
+  double probability = 0.5;
+};
+
+TEST_CASE("answers are forgotten when another model answers from now on", "[planner][search]") {
+  const auto inner = std::make_shared<ChangingModel>();
+  CachedPerceptionModel model(inner);
+  const auto queries = MakeQueries(2);
+  REQUIRE(model.Predict(queries));
+  inner->probability = 0.25;
+  CHECK(model.identity() == inner->identity());
+  CHECK(*model.Predict(queries) == *inner->Predict(queries));
+  CHECK(model.counts().asked == 4);
+  CHECK(model.counts().cached == 0);
 }
 
 TEST_CASE("the oldest answers are dropped when the cache is full", "[planner][search]") {

@@ -1,0 +1,33 @@
+#include "nhpm/model/load_model.h"
+
+#include <fmt/format.h>
+
+#include "nhpm/model/perception_network.h"
+#include "nhpm/model/weights_file.h"
+
+namespace conav::nhpm {
+
+std::filesystem::path ShippedWeights() {
+  std::error_code ignored;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", ignored);
+  return program.parent_path().parent_path() / "share/conav/models/default.nhpm";
+}
+
+std::filesystem::path WeightsOrShipped(const std::filesystem::path& weights) {
+  return weights.empty() ? ShippedWeights() : weights;
+}
+
+Result<std::shared_ptr<const EditModel>> LoadEditModel(const std::string& name,
+                                                       const std::filesystem::path& weights,
+                                                       const GlpfParameters& glpf) {
+  if (name == Glpf::name()) return std::make_shared<const Glpf>(glpf);
+  if (name != "nhpm") {
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("model '{}' is not nhpm or glpf", name));
+  }
+  return ReadWeightsFile(WeightsOrShipped(weights))
+      .map([](const NetworkModel& model) -> std::shared_ptr<const EditModel> {
+        return std::make_shared<const PerceptionNetwork>(model);
+      });
+}
+
+}  // namespace conav::nhpm

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "common/runtime/result.h"
+#include "nhpm/model/edit_model.h"
+#include "nhpm/model/glpf.h"
+
+namespace conav::nhpm {
+
+/// What services and demos use when nobody says otherwise.
+inline constexpr const char* kDefaultModel = "glpf";
+
+/// The weights that come with conav: ../share/conav/models/default.nhpm as seen from the folder of
+/// the running program.
+std::filesystem::path ShippedWeights();
+
+/// The file itself, or the shipped one where `weights` is empty.
+std::filesystem::path WeightsOrShipped(const std::filesystem::path& weights);
+
+/// "glpf" from `glpf`, or "nhpm" from a weights file; empty `weights` = ShippedWeights().
+/// Errors: kInvalidArgument (another name), those of ReadWeightsFile.
+[[nodiscard]] Result<std::shared_ptr<const EditModel>> LoadEditModel(
+    const std::string& name, const std::filesystem::path& weights, const GlpfParameters& glpf);
+
+}  // namespace conav::nhpm

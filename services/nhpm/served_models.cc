@@ -1,0 +1,113 @@
+#include "nhpm/served_models.h"
+
+#include <fmt/format.h>
+
+#include <set>
+
+#include "common/protocol/entity_name.h"
+#include "common/runtime/log.h"
+
+namespace conav::nhpm {
+namespace fs = std::filesystem;
+namespace {
+
+void TellServing(const std::string& person, const ModelIdentity& identity, const fs::path& file) {
+  LOG_INFO("serving", "person", person.empty() ? "everybody" : person, "model", identity.name,
+           "version", identity.version, "checksum", identity.checksum, "file", file.string());
+}
+
+}  // namespace
+
+ServedModels::ServedModels(const NhpmConfig& config)
+    : glpf_(config.glpf), person_folder_(config.person_weights) {
+  everybody_.model = config.model;
+  if (config.model == "nhpm") everybody_.file = config.WeightsFile();
+  if (const auto loaded = Load(everybody_); !loaded) throw StartupError(loaded.error().text);
+  TellServing("", everybody_.loaded->identity(), everybody_.file);
+  if (!person_folder_.empty() && !fs::is_directory(person_folder_)) {
+    throw StartupError(
+        fmt::format("nhpm.person_weights = {} is not a folder", person_folder_.string()));
+  }
+  RefreshPersons();
+  Publish();
+}
+
+std::optional<ServedModels::Stamp> ServedModels::StampOf(const fs::path& file) {
+  std::error_code error;
+  Stamp stamp;
+  stamp.time = fs::last_write_time(file, error);
+  if (error) return std::nullopt;
+  stamp.size = fs::file_size(file, error);
+  if (error) return std::nullopt;
+  return stamp;
+}
+
+/// The stamp is taken first: a file that changes while it is read is read again.
+Result<void> ServedModels::Load(Source& source) {
+  source.tried = true;
+  source.seen = StampOf(source.file);
+  auto model = LoadEditModel(source.model, source.file, glpf_);
+  if (!model) return tl::unexpected(model.error());
+  source.loaded = *std::move(model);
+  return {};
+}
+
+void ServedModels::Refresh() {
+  if (!everybody_.file.empty()) RefreshOne("", everybody_);
+  RefreshPersons();
+  Publish();
+}
+
+void ServedModels::RefreshOne(const std::string& person, Source& source) {
+  if (source.tried && StampOf(source.file) == source.seen) return;
+  const auto before = source.loaded;
+  if (const auto loaded = Load(source); !loaded) {
+    LOG_ERROR("weights not taken", "person", person.empty() ? "everybody" : person, "reason",
+              loaded.error().text, "still_serving",
+              before ? before->identity().checksum : "the model for everybody");
+    return;
+  }
+  if (before && before->identity() == source.loaded->identity()) return;
+  TellServing(person, source.loaded->identity(), source.file);
+}
+
+void ServedModels::RefreshPersons() {
+  if (person_folder_.empty()) return;
+  std::set<std::string> present;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(person_folder_, error)) {
+    const std::string person = entry.path().stem().string();
+    if (entry.path().extension() != ".nhpm" || !IsEntityName(person)) continue;
+    present.insert(person);
+    const auto [source, added] =
+        persons_.try_emplace(person, Source{"nhpm", entry.path(), false, std::nullopt, nullptr});
+    RefreshOne(person, source->second);
+  }
+  std::erase_if(persons_, [&](const auto& entry) {
+    if (present.count(entry.first) > 0) return false;
+    LOG_INFO("weights gone, the model for everybody serves", "person", entry.first);
+    return true;
+  });
+}
+
+void ServedModels::Publish() {
+  const std::lock_guard lock(mutex_);
+  model_ = everybody_.loaded;
+  model_of_person_.clear();
+  for (const auto& [person, source] : persons_) {
+    if (source.loaded) model_of_person_[person] = source.loaded;
+  }
+}
+
+std::shared_ptr<const EditModel> ServedModels::For(const std::string& person) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = model_of_person_.find(person);
+  return found == model_of_person_.end() ? model_ : found->second;
+}
+
+std::size_t ServedModels::persons() const {
+  const std::lock_guard lock(mutex_);
+  return model_of_person_.size();
+}
+
+}  // namespace conav::nhpm
