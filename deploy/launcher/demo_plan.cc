@@ -75,11 +75,28 @@ std::string NhpmYaml(const Setting& setting, const std::string& name) {
   return DumpConfig("nhpm", config);
 }
 
+/// Whoever trains perception models finds the run's segments in its folder.
+operators::RecordingConfig Recording(const Setting& setting) {
+  const DemoOptions& options = setting.options;
+  operators::RecordingConfig recording;
+  recording.file = (setting.run.path() / "segments.pb.zst").string();
+  recording.origin = "simulated";
+  recording.participant = "simulated operator";
+  recording.session = setting.run.path().filename().string();
+  for (std::size_t w = 0; w < setting.episode.worlds.size(); ++w) {
+    const std::string maze = options.map.empty() ? options.preset : AbsoluteText(options.map);
+    recording.mazes.push_back(
+        fmt::format("{}={}@{}", setting.episode.worlds[w].name, maze, options.seed + w));
+  }
+  return recording;
+}
+
 std::string OperatorYaml(const Setting& setting) {
   operators::OperatorConfig config;
   config.bus = setting.Bus("operator");
   config.robots = setting.WorldsAndRobots();
   config.database = (setting.run.state() / "operator.db").string();
+  config.recording = Recording(setting);
   return DumpConfig("operator", config);
 }
 

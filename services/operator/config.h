@@ -5,6 +5,7 @@
 
 #include "common/bus/participant.h"
 #include "common/runtime/config.h"
+#include "operator/recording_config.h"
 
 namespace conav::operators {
 
@@ -23,6 +24,7 @@ struct OperatorConfig {
   double max_guidance_s = 7200.0;
   /// Longest path of guidance.
   int max_path_cells = 10000;
+  RecordingConfig recording;
 
   void Visit(ConfigReader& reader) {
     reader.Section("bus", bus);
@@ -31,6 +33,7 @@ struct OperatorConfig {
     reader.Field("database_limit_mib", database_limit_mib, 0.0, 1e6);
     reader.Field("max_guidance_s", max_guidance_s, 1.0, 1e6);
     reader.Field("max_path_cells", max_path_cells, 1, 65536);
+    reader.Section("recording", recording);
   }
 };
 

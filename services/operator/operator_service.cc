@@ -72,6 +72,10 @@ OperatorService::OperatorService(bus::Participant& participant, const OperatorCo
   for (const std::string& world : worlds) {
     worlds_.push_back(std::make_unique<WorldLink>(participant, world));
   }
+  if (!config.recording.file.empty()) {
+    recording_.emplace(participant, config.recording, WorldOfRobot("operator", config.robots),
+                       clock);
+  }
 }
 
 OperatorService::~OperatorService() = default;
@@ -86,6 +90,7 @@ void OperatorService::Run(const StopToken& stop) {
 void OperatorService::Step() {
   for (const auto& world : worlds_) TakeInitialMap(*world);
   for (const auto& robot : robots_) TakeStates(*robot);
+  if (recording_) recording_->Step();
   for (const OperatorRequest& request : requests_.TakeValid(kConvert)) Answer(request);
   diagnostics_.Tick([this] { return Report(); });
 }
@@ -98,8 +103,13 @@ void OperatorService::Serve(WorldLink& world, double cell_size_m) {
     world.belief_map.emplace(participant_, bus::kBeliefMap, world.name);
   }
   PublishBelief(world);
+  if (recording_) recording_->Begin(*store_.FindBelief(world.name));
   for (const auto& robot : robots_) {
     if (robot->world != world.name) continue;
+    const Guidance* guidance = store_.FindGuidance(robot->name);
+    if (recording_ && guidance != nullptr) {
+      recording_->Skip(robot->name, guidance->answers_snapshot);
+    }
     if (!robot->guidance) robot->guidance.emplace(participant_, bus::kGuidance, robot->name);
     PublishGuidance(*robot);
   }
@@ -164,6 +174,7 @@ void OperatorService::TakeStates(RobotLink& robot) {
     }
     const bool starts = !robot.stamp || state.stamp < *robot.stamp;
     robot.stamp = state.stamp;
+    if (recording_) recording_->Hear(state);
     if (!starts) continue;
     store_.AddRobot(robot.name, robot.world);
     robot.first_state = state;
@@ -185,6 +196,7 @@ void OperatorService::Greet(RobotLink& robot, const RobotState& state) {
   if (const auto withdrawn = store_.WithdrawGuidance(robot.name, state.stamp); !withdrawn) {
     LOG_ERROR("guidance not withdrawn", "robot", robot.name, "reason", withdrawn.error().text);
   }
+  if (recording_) recording_->Skip(robot.name, 0);
   PublishGuidance(robot);
 }
 
@@ -205,6 +217,7 @@ void OperatorService::Answer(const OperatorRequest& request) {
           : store_.Handle(request, TimeOf(request.world));
   Log(request, answer);
   if (answer.changed) PublishChange(request);
+  if (answer.changed && recording_) Record(request);
   bus::Send(replies_, ToMessage(answer.reply));
 }
 
@@ -216,6 +229,14 @@ void OperatorService::PublishChange(const OperatorRequest& request) {
     return;
   }
   if (WorldLink* world = FindWorld(request.world)) PublishBelief(*world);
+}
+
+void OperatorService::Record(const OperatorRequest& request) {
+  if (const auto* guide = std::get_if<GuideRequest>(&request.body)) {
+    recording_->Guided(*store_.FindGuidance(guide->robot));
+  } else {
+    recording_->Edited(*store_.FindBelief(request.world));
+  }
 }
 
 void OperatorService::Log(const OperatorRequest& request, const BeliefStore::Answer& answer) {
@@ -258,6 +279,10 @@ Health OperatorService::Report() const {
   }
   health.values.emplace_back("requests accepted", std::to_string(accepted_));
   health.values.emplace_back("requests refused", std::to_string(refused_));
+  if (recording_) {
+    health.values.emplace_back("segments recorded", std::to_string(recording_->recorded()));
+    health.values.emplace_back("segments lost", std::to_string(recording_->lost()));
+  }
   if (storage_failure_) {
     health.level = Health::Level::kError;
     health.message = *storage_failure_;

@@ -14,6 +14,7 @@
 #include "common/service/diagnostics.h"
 #include "operator/belief/belief_store.h"
 #include "operator/config.h"
+#include "operator/session_recording.h"
 
 namespace conav::operators {
 
@@ -31,7 +32,8 @@ namespace conav::operators {
 /// 0. Guidance for a robot that never reported is refused. A robot that has sent fewer pictures
 /// than its stored guidance answers belongs to a new run: that guidance is withdrawn. When the disk
 /// fails, requests are refused with that reason, /diagnostics shows an error, and the service goes
-/// on. Threads: one; Run() or repeated Step().
+/// on. With `recording.file` it also hears pictures and true maps, and records the session.
+/// Threads: one; Run() or repeated Step().
 class OperatorService {
  public:
   /// `participant` and `clock` outlive the service. Throws StartupError: the database cannot be
@@ -59,6 +61,7 @@ class OperatorService {
   void Greet(RobotLink& robot, const RobotState& state);
   void Answer(const OperatorRequest& request);
   void PublishChange(const OperatorRequest& request);
+  void Record(const OperatorRequest& request);
   void Log(const OperatorRequest& request, const BeliefStore::Answer& answer);
   SimTime TimeOf(const std::string& world) const;
   Health Report() const;
@@ -70,6 +73,7 @@ class OperatorService {
   bus::Subscriber<conav_msgs::msg::OperatorRequest> requests_;
   bus::Publisher<conav_msgs::msg::OperatorReply> replies_;
   Diagnostics diagnostics_;
+  std::optional<SessionRecording> recording_;
   std::uint64_t accepted_ = 0;
   std::uint64_t refused_ = 0;
   std::optional<std::string> storage_failure_;  // of the newest request

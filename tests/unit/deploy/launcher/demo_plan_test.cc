@@ -93,6 +93,10 @@ TEST_CASE("each process of a demo gets a configuration that its own struct reads
   CHECK(planner.bus.vendor == "cyclonedds");
   const auto operators = Read<operators::OperatorConfig>(configs.at("operator"), "operator");
   CHECK(operators.database == (run.folder.state() / "operator.db").string());
+  CHECK(operators.recording.file == (run.folder.path() / "segments.pb.zst").string());
+  CHECK(operators.recording.origin == "simulated");
+  CHECK(operators.recording.session == run.folder.path().filename().string());
+  CHECK(operators.recording.mazes == std::vector<std::string>{"w1=conav13@7"});
   CHECK(Read<operators::SimulatedOperatorConfig>(configs.at("simulated-operator"),
                                                  "simulated_operator")
             .seed == 7);

@@ -1,0 +1,124 @@
+#include "operator/session_recording.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+
+#include "common/protocol/convert.h"
+#include "common/runtime/file.h"
+#include "common/runtime/sha256.h"
+#include "operator/recording/maze_facts.h"
+
+namespace conav::operators {
+namespace {
+
+constexpr auto kConvert = [](const auto& message) { return ToDomain(message); };
+
+std::string SessionName(const RecordingConfig& config) {
+  if (!config.session.empty()) return config.session;
+  const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  return fmt::format("{:%Y%m%d-%H%M%S}", fmt::gmtime(now));
+}
+
+SessionRecorder MakeRecorder(const RecordingConfig& config, const std::string& session) {
+  auto mazes = ParseMazeFacts(config.mazes);
+  if (!mazes) throw StartupError("operator.recording.mazes: " + mazes.error().text);
+  const auto origin =
+      config.origin == "person" ? SegmentOrigin::kPerson : SegmentOrigin::kSimulated;
+  return SessionRecorder({origin, config.participant, session}, *std::move(mazes));
+}
+
+SegmentLog OpenLog(const RecordingConfig& config) {
+  auto log = SegmentLog::Open(config.file);
+  if (!log) throw StartupError("operator.recording.file: " + log.error().text);
+  return *std::move(log);
+}
+
+}  // namespace
+
+SessionRecording::SessionRecording(bus::Participant& participant, const RecordingConfig& config,
+                                   const std::map<std::string, std::string>& world_of_robot,
+                                   const Clock& clock)
+    : config_(config),
+      session_(SessionName(config)),
+      clock_(clock),
+      recorder_(MakeRecorder(config, session_)),
+      log_(OpenLog(config)) {
+  for (const auto& [robot, world] : world_of_robot) {
+    snapshots_[robot] = std::make_unique<bus::Subscriber<conav_msgs::msg::Snapshot>>(
+        participant, bus::kSnapshot, robot);
+    if (truths_.contains(world)) continue;
+    truths_[world] = std::make_unique<bus::Subscriber<nav_msgs::msg::OccupancyGrid>>(
+        participant, bus::kTruth, world);
+  }
+}
+
+SessionRecording::~SessionRecording() {
+  recorder_.End();
+  Write();
+  LOG_INFO("recorded", "file", config_.file, "segments", recorded_, "lost", lost_);
+}
+
+void SessionRecording::Step() {
+  for (const auto& [world, subscriber] : truths_) {
+    for (const MapUpdate& truth : subscriber->TakeValid(kConvert)) {
+      recorder_.SetTruth(world, truth.cells);
+    }
+  }
+  for (const auto& [robot, subscriber] : snapshots_) {
+    for (Picture& picture : subscriber->TakeValid(kConvert)) {
+      recorder_.Hear(std::move(picture), clock_.Now());
+    }
+  }
+  Write();
+}
+
+void SessionRecording::Edited(const Belief& belief) { recorder_.Edited(belief, clock_.Now()); }
+
+void SessionRecording::Guided(const Guidance& guidance) {
+  recorder_.Guided(guidance, clock_.Now());
+  Write();
+}
+
+void SessionRecording::Write() {
+  for (RecordedSegment& done : recorder_.Take()) {
+    const auto written = Append(done);
+    ++(written ? recorded_ : lost_);
+    if (written) continue;
+    if (const auto held_back = failures_logged_.Allow()) {
+      LOG_ERROR("segment not recorded", "robot", done.robot, "picture", done.sequence_number,
+                "reason", written.error().text, "held_back", *held_back);
+    }
+  }
+}
+
+Result<void> SessionRecording::Append(RecordedSegment& done) {
+  if (config_.pictures && !done.jpeg.empty()) {
+    if (const auto kept = KeepPicture(done); !kept) return kept;
+  }
+  const auto known = numbers_.find(done.world);
+  // A first segment has step 0: then a new trajectory begins, also when the world had one.
+  const bool continues = known != numbers_.end() && done.segment.step > 0;
+  const std::uint32_t number = continues ? known->second : log_.trajectories();
+  return log_.Append(number, done.trajectory, done.segment).map([&] {
+    numbers_.insert_or_assign(done.world, number);
+  });
+}
+
+Result<void> SessionRecording::KeepPicture(RecordedSegment& done) const {
+  const std::filesystem::path folder = "pictures";
+  const std::filesystem::path file =
+      folder / fmt::format("{}-{}-{:06}.jpg", session_, done.robot, done.sequence_number);
+  const std::filesystem::path data_set = std::filesystem::path(config_.file).parent_path();
+  const std::string_view bytes(reinterpret_cast<const char*>(done.jpeg.data()), done.jpeg.size());
+  std::error_code ignored;  // WriteFile says what is wrong
+  std::filesystem::create_directories(data_set / folder, ignored);
+  return WriteFile(data_set / file, bytes).map([&] {
+    done.segment.image = file.string();
+    done.segment.image_sha256 = Sha256Hex(bytes);
+  });
+}
+
+}  // namespace conav::operators
