@@ -29,8 +29,8 @@ int Failed(const Error& error) {
 
 /// Before an hour of training rather than after it.
 Result<void> CheckOutputs(const TrainArguments& arguments) {
-  for (const auto& path : {arguments.out, CheckpointPath(arguments.out), arguments.json,
-                           arguments.svg, arguments.onnx}) {
+  for (const auto& path :
+       {arguments.out, CheckpointPath(arguments.out), arguments.json, arguments.svg}) {
     if (path.empty() || path == "-") continue;
     if (const auto checked = CheckWritable(path); !checked) return checked;
   }

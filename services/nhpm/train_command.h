@@ -15,7 +15,6 @@ struct TrainArguments {
   std::filesystem::path out;
   std::filesystem::path json;  // "-" = standard output
   std::filesystem::path svg;
-  std::filesystem::path onnx;
   TrainingOptions options;
   InputSelection inputs;
   std::uint64_t split_seed = 1;

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "common/runtime/result.h"
+#include "nhpm/model/weights_file.h"
+
+namespace conav::nhpm {
+
+/// The network as an ONNX model: 3x3 convolutions, ReLU between them, a sigmoid at the end.
+///
+///   input          "input"          float [batch, kInputChannels, rows, columns], as EncodeInput
+///                                   has it, but channels before rows
+///   output         "probabilities"  float [batch, kOutputChannels, rows, columns]: add, remove
+///
+/// The masks are not in it: a reader multiplies add by (1 - x), remove by x, and both by 0 on the
+/// border. Rows and columns are open where the model answers for any size; the batch always is.
+/// Name, version, checksum, origin of the data and inputs are in the model's metadata.
+std::string ToOnnx(const NetworkModel& model);
+
+/// Errors: kIo with path and cause.
+[[nodiscard]] Result<void> WriteOnnxFile(const std::filesystem::path& path,
+                                         const NetworkModel& model);
+
+}  // namespace conav::nhpm
