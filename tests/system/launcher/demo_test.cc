@@ -126,6 +126,10 @@ TEST_CASE("two robots share the goals of a building whose plan is outdated", "[l
   CHECK(reached == result["robots"][0]["goals_total"]);
 }
 
+TEST_CASE("a planner that estimates the operator's map reaches all goals", "[launcher][system]") {
+  ReachesAllGoals({"--headless", "--seed", "10", "--camera", "none", "--x-source", "estimated"});
+}
+
 TEST_CASE("two worlds run beside each other", "[launcher][system]") {
   ReachesAllGoals({"--headless", "--seed", "5", "--worlds", "2", "--camera", "none"});
 }

@@ -103,6 +103,36 @@ TEST_CASE("without the perception service the planner goes on by itself", "[laun
   CHECK_THAT(demo.Output(), Catch::Contains("nhpm (pid " + std::to_string(nhpm) + ") died"));
 }
 
+// What the table holds, without wall times.
+nlohmann::json Table(nlohmann::json result) {
+  for (auto& robot : result["robots"]) {
+    robot.erase("decision_ms_median");
+    robot.erase("decision_ms_p99");
+  }
+  return {result["robots"], result["mapping_accuracy_after"], result["cell_accuracy_after"]};
+}
+
+TEST_CASE("killing one of two perception replicas changes no result", "[launcher][system]") {
+  const std::vector<std::string> arguments{
+      "--headless", "--speed", "20", "--camera", "none", "--seed", "10", "--nhpm-replicas", "2"};
+  DemoRun undisturbed(arguments);
+  REQUIRE(undisturbed.Wait() == 0);
+  for (const std::string victim : {"nhpm-1", "nhpm-2"}) {
+    DemoRun demo(arguments);
+    const pid_t pid = demo.PidOf(victim);
+    REQUIRE(demo.WaitForMoves());
+    REQUIRE(kill(pid, SIGKILL) == 0);
+    const int code = demo.Wait();
+    INFO(demo.Story());
+    CHECK(code == 0);
+    CHECK(demo.Json()["all_goals_reached"] == true);
+    CHECK(Table(demo.Json()) == Table(undisturbed.Json()));
+    CHECK_THAT(demo.Output(), Catch::Contains(victim + " (pid " + std::to_string(pid) + ") died") &&
+                                  Catch::Contains("1 other nhpm go on answering"));
+    CHECK_THAT(demo.Story(), !Catch::Contains("using the embedded GLPF"));
+  }
+}
+
 TEST_CASE("Ctrl-C stops every process and says so", "[launcher][system]") {
   DemoRun demo(SlowRun());
   std::vector<pid_t> pids;

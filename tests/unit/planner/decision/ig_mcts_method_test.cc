@@ -102,3 +102,31 @@ TEST_CASE("a robot waits a moment for the one that has to make room, then looks 
   bench.clock.Advance(kPatience);
   CHECK(bench.method.Decide(bench.situation, StopToken()).report.iterations == 300);
 }
+
+TEST_CASE("with an estimate the published map counts only at the start",
+          "[planner][ig-mcts][belief_estimate]") {
+  Bench bench;
+  const auto model = std::make_shared<FakePerceptionModel>();
+  const auto estimate = std::make_shared<BeliefEstimate>(model);
+  IgMctsMethod method(Bench::Config(), 1, model, bench.clock, estimate);
+  const BeliefGrid first = bench.situation.belief.wall_probability;
+  REQUIRE(method.Decide(bench.situation, StopToken()).action);
+
+  SECTION("what the operator edits is not looked at") {
+    bench.situation.belief.wall_probability[{1, 2}] = 1.0F;
+    REQUIRE(method.Decide(bench.situation, StopToken()).action);
+    CHECK(estimate->Now({}) == first);
+  }
+  SECTION("a picture that was sent moves the estimate, once") {
+    bench.situation.state.snapshots = 1;
+    REQUIRE(method.Decide(bench.situation, StopToken()).action);
+    const BeliefGrid moved = estimate->Now({});
+    CHECK_FALSE(moved == first);
+    REQUIRE(method.Decide(bench.situation, StopToken()).action);
+    CHECK(estimate->Now({}) == moved);
+  }
+  SECTION("a picture that was not sent leaves it") {
+    REQUIRE(method.Decide(bench.situation, StopToken()).action);
+    CHECK(estimate->Now({}) == first);
+  }
+}

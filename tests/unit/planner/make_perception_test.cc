@@ -1,0 +1,113 @@
+#include "planner/make_perception.h"
+
+#include <catch2/catch.hpp>
+
+#include "common/bus/in_memory_bus.h"
+#include "common/runtime/log.h"
+#include "conformance/perception_model_conformance.h"
+#include "nhpm/model/glpf.h"
+#include "nhpm/model/perception_network.h"
+#include "support/test_weights.h"
+
+namespace conav::planner {
+namespace {
+
+using conformance::MakeQuery;
+
+struct Bench {
+  Bench() {
+    config.perception = "embedded";
+    config.perception_model = "nhpm";
+    log::SetSink([this](const log::Record& record) { lines.emplace_back(record.text); });
+  }
+  ~Bench() { log::SetSink(nullptr); }
+
+  Perception Make() { return Perception(participant, config, clock); }
+  int Lines(const std::string& text) const {
+    return static_cast<int>(std::count_if(lines.begin(), lines.end(), [&](const auto& line) {
+      return line.find(text) != std::string::npos;
+    }));
+  }
+
+  test::WeightsFolder folder;
+  PlannerConfig config;
+  FakeClock clock;
+  bus::Participant participant{"planner", std::make_shared<bus::InMemoryBus>()};
+  std::vector<std::string> lines;
+};
+
+TEST_CASE("An embedded network answers with its own bits and says its checksum",
+          "[planner][perception]") {
+  Bench bench;
+  const nhpm::NetworkModel network = test::UntrainedNetwork(3);
+  bench.config.weights = bench.folder.Write("own", network);
+  const auto model = bench.Make().ForWorld("w1");
+  const std::vector queries{MakeQuery(1)};
+  CHECK(*model->Predict(queries) == *nhpm::PerceptionNetwork(network).Predict(queries));
+  CHECK(model->name() == "nhpm");
+  CHECK(bench.Lines(nhpm::ChecksumOf(network)) == 1);
+}
+
+TEST_CASE("On a grid that the network was not made for the GLPF answers, in that world only",
+          "[planner][perception]") {
+  Bench bench;
+  bench.config.weights = bench.folder.Write("own", test::UntrainedNetwork(3, 13, 13));
+  const Perception perception = bench.Make();
+  const auto fitting = perception.ForWorld("w1");
+  const auto other = perception.ForWorld("w2");
+  const std::vector large{MakeQuery(1, 13, 13)};
+  const std::vector small{MakeQuery(1, 9, 11)};
+  REQUIRE(fitting->Predict(large));
+  CHECK(*other->Predict(small) == *nhpm::Glpf().Predict(small));
+  CHECK(other->name() == "fallback: glpf");
+  CHECK(fitting->name() == "nhpm");
+  CHECK(bench.Lines("perception model cannot answer, using the embedded GLPF world=w2") == 1);
+  CHECK(bench.Lines("13 x 13") == 1);
+}
+
+TEST_CASE("Without anybody who answers the GLPF does", "[planner][perception]") {
+  Bench bench;
+  bench.config.perception = "remote";
+  bench.config.perception_timeout_s = 0.01;
+  const auto model = bench.Make().ForWorld("w1");
+  const std::vector queries{MakeQuery(1)};
+  CHECK(*model->Predict(queries) == *nhpm::Glpf().Predict(queries));
+  CHECK(model->name() == "fallback: glpf");
+}
+
+TEST_CASE("The embedded GLPF needs neither file nor fallback", "[planner][perception]") {
+  Bench bench;
+  bench.config.perception_model = "glpf";
+  bench.config.weights = "/nowhere/a.nhpm";
+  const auto model = bench.Make().ForWorld("w1");
+  CHECK(model->name() == "glpf");
+}
+
+TEST_CASE("Weights that an embedded network does not find stop the start",
+          "[planner][perception]") {
+  Bench bench;
+  bench.config.weights = "/nowhere/a.nhpm";
+  CHECK_THROWS_WITH(bench.Make(), Catch::Contains("planner.perception_model") &&
+                                      Catch::Contains("/nowhere/a.nhpm"));
+}
+
+std::string Refusal(const std::string& yaml) {
+  PlannerConfig config;
+  try {
+    ReadConfig(YAML::Load(yaml), "planner", config);
+  } catch (const StartupError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST_CASE("A person, a checksum or a belief that cannot be is refused by the config",
+          "[planner][perception]") {
+  CHECK(Refusal("{person: anna}") == "");
+  CHECK_THAT(Refusal("{person: ../anna}"), Catch::Contains("planner.person = ../anna"));
+  CHECK_THAT(Refusal("{perception_checksum: abc}"), Catch::Contains("perception_checksum = abc"));
+  CHECK_THAT(Refusal("{x_source: guessed}"), Catch::Contains("x_source = guessed"));
+}
+
+}  // namespace
+}  // namespace conav::planner
