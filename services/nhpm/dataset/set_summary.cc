@@ -107,8 +107,8 @@ std::string Percent(double share) { return fmt::format("{:.1f} %", share * 100.0
 std::string List(const std::map<std::string, std::size_t>& counts) {
   std::string text;
   for (const auto& [name, count] : counts) {
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count,
-                        name.empty() ? "(without a name)" : name);
+    text += fmt::format("{}{} ({})", text.empty() ? "" : ", ",
+                        name.empty() ? "without a name" : name, count);
   }
   return text;
 }
