@@ -38,7 +38,8 @@ class Pace {
 
  private:
   ProgressLine line_;
-  std::chrono::steady_clock::time_point next_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point next_ =
+      std::chrono::steady_clock::now() + std::chrono::seconds(1);
 };
 
 /// Before the work rather than after it.

@@ -17,10 +17,11 @@ void Append(const SegmentSet& from, SegmentSet& to) {
 Result<void> CheckTestPart(const EvaluateArguments& arguments, const EvaluationData& data) {
   if (SegmentCount(data.test) > 0) return {};
   const std::size_t trajectories = data.train.trajectories.size();
-  return Fail(ErrorCode::kInvalidArgument,
-              fmt::format("{}: {} {} leave nothing to test on; --all-test takes the whole file",
-                          arguments.data.string(), trajectories,
-                          trajectories == 1 ? "trajectory" : "trajectories"));
+  return Fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("{}: nothing is left to test on of {} {}; --all-test takes the whole file",
+                  arguments.data.string(), trajectories,
+                  trajectories == 1 ? "trajectory" : "trajectories"));
 }
 
 std::string Value(const NetworkModel& model, const char* name) {

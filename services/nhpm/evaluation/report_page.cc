@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 
 #include "common/segments/segment_labels.h"
 #include "common/svg/svg_canvas.h"
@@ -72,6 +72,7 @@ std::string Bars(const EvaluationReport& report) {
 std::string Plots(const EvaluationReport& report) {
   double largest = 0.0;
   for (const ModelRow& row : report.rows) largest = std::max(largest, LargestEdits(row));
+  largest = std::ceil(largest);
   std::string html = "<h2>Reliability</h2>\n<div class=\"row\">\n";
   for (const ModelRow& row : report.rows) html += Figure(ReliabilityPlot(row), row.label.title);
   html += "</div>\n<h2>Expected against made edits to a picture</h2>\n<div class=\"row\">\n";

@@ -12,6 +12,20 @@ std::string Loss4(const std::optional<Loss>& loss) {
   return loss ? fmt::format("{:.5f}", loss->all) : "-";
 }
 
+std::string Counted(std::size_t count, const char* one, const char* many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+std::string DescribePart(const SegmentSet& set) {
+  std::size_t edits = 0;
+  for (const Segment* segment : AllSegments(set)) {
+    edits += static_cast<std::size_t>(EditCount(*segment));
+  }
+  return fmt::format("{}, {}, {}", Counted(set.trajectories.size(), "trajectory", "trajectories"),
+                     Counted(SegmentCount(set), "segment", "segments"),
+                     Counted(edits, "edit", "edits"));
+}
+
 std::string Line(const ModelRow& row, std::size_t width) {
   const ModelMetrics& test = row.test;
   return fmt::format(
@@ -25,18 +39,11 @@ std::string Line(const ModelRow& row, std::size_t width) {
 }  // namespace
 
 std::string DescribeData(const EvaluationData& data) {
-  int edits = 0;
-  for (const Segment* segment : AllSegments(data.test)) edits += EditCount(*segment);
-  std::string text =
-      fmt::format("{} data, {}: test {} trajectories, {} segments, {} edits", OriginText(data.test),
-                  data.file, data.test.trajectories.size(), SegmentCount(data.test), edits);
-  if (data.split_seed) {
-    text += fmt::format("; train {} trajectories, {} segments; split seed {}",
-                        data.train.trajectories.size(), SegmentCount(data.train), *data.split_seed);
-  } else {
-    text += "; the whole file is test";
-  }
-  return text;
+  std::string text = fmt::format("{} data, {}: test {}", OriginText(data.test), data.file,
+                                 DescribePart(data.test));
+  if (!data.split_seed) return text + "; the whole file is test";
+  return text +
+         fmt::format("; train {}; split seed {}", DescribePart(data.train), *data.split_seed);
 }
 
 std::string DescribeBar(const Bar& bar) {

@@ -1,0 +1,272 @@
+#include <fmt/format.h>
+#include <sys/wait.h>
+
+#include <catch2/catch.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "common/runtime/file.h"
+#include "common/runtime/sha256.h"
+#include "common/segments/segment_file.h"
+#include "nhpm/model/weights_file.h"
+#include "nhpm/synthesis/annotator_population.h"
+#include "unit/nhpm/evaluation/evaluation_samples.h"
+
+namespace conav::nhpm {
+namespace {
+
+/// A folder of this test, removed at the end.
+class Folder {
+ public:
+  Folder() {
+    std::string name = (std::filesystem::temp_directory_path() / "conav-evaluate-XXXXXX").string();
+    REQUIRE(mkdtemp(name.data()) != nullptr);
+    path_ = name;
+  }
+  ~Folder() { std::filesystem::remove_all(path_); }
+  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+struct Ended {
+  int exit_code = -1;
+  std::string text;  // standard output, and standard error too unless it was sent elsewhere
+};
+
+Ended Run(const std::string& arguments, const std::string& errors = "&1") {
+  const std::string command =
+      fmt::format("{}/conav-evaluate {} 2>{}", CONAV_BIN_DIR, arguments, errors);
+  std::FILE* pipe = popen(command.c_str(), "r");
+  REQUIRE(pipe != nullptr);
+  Ended ended;
+  for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) {
+    ended.text += static_cast<char>(c);
+  }
+  const int status = pclose(pipe);
+  ended.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return ended;
+}
+
+/// Synthetic trajectories on 9 x 9 maps, written to `file`.
+std::string WriteData(const std::string& file, int trajectories = 6,
+                      SegmentOrigin origin = SegmentOrigin::kSynthetic) {
+  SegmentSet set = SegmentsOf(Glpf({.rho = 0.01}), trajectories, 4, 3);
+  for (Trajectory& trajectory : set.trajectories) {
+    trajectory.origin = origin;
+    trajectory.annotator = ToNamedValues(operators::PictureReaderParameters{});
+    for (Segment& segment : trajectory.segments) {
+      segment.query.belief[segment.query.cell] = 0.0F;
+      segment.belief_after[segment.query.cell] = 0.0F;
+    }
+  }
+  REQUIRE(WriteSegmentFile(file, set));
+  return file;
+}
+
+/// Weights that say they learned from `data` with split seed 1.
+std::string WriteWeights(const std::string& file, const std::string& data, int side = 9) {
+  NetworkModel model;
+  model.version = "of a test";
+  model.weights = InitialWeights({16}, 5);
+  model.rows = side;
+  model.columns = side;
+  model.data_origin = "synthetic";
+  if (!data.empty()) {
+    model.training = {{"data_sha256", Sha256Hex(*ReadFile(data))}, {"split_seed", "1"}};
+  }
+  REQUIRE(WriteWeightsFile(file, model));
+  return file;
+}
+
+nlohmann::json ReadJson(const std::string& file) {
+  return nlohmann::json::parse(*ReadFile(file), nullptr, false);
+}
+
+TEST_CASE("conav evaluate prints table 1 and writes JSON, CSV and a page", "[nhpm][evaluate]") {
+  const Folder folder;
+  const std::string data = WriteData(folder / "data.pb.zst");
+  const std::string weights = WriteWeights(folder / "w.nhpm", data);
+  const Ended ended =
+      Run(fmt::format("--data {} --weights {} --oracle-draws 2000 --json {} --csv {} --html {}",
+                      data, weights, folder / "r.json", folder / "r.csv", folder / "r.html"));
+  INFO(ended.text);
+  REQUIRE(ended.exit_code == 0);
+  CHECK_THAT(ended.text, Catch::Contains("synthetic data, data.pb.zst: test 1 trajectory"));
+  CHECK_THAT(ended.text, !Catch::Contains("warning"));
+  const auto json = ReadJson(folder / "r.json");
+  for (const char* key : {"glpf_train", "glpf_test", "nhpm", "oracle"}) {
+    CHECK(json["models"][key]["mbce_all"].get<double>() > 0.0);
+    CHECK_THAT(ended.text, Catch::Contains(fmt::format(
+                               "{:.5f}", json["models"][key]["mbce_all"].get<double>())));
+  }
+  CHECK(json["bars"]["excess_share"]["passed"] == false);  // it learned nothing
+  CHECK(json["models"]["nhpm"]["checksum"].get<std::string>().size() == 64);
+  CHECK_THAT(*ReadFile(folder / "r.html"), Catch::Contains("</html>"));
+  CHECK_THAT(*ReadFile(folder / "r.csv"), Catch::Contains("\noracle,"));
+}
+
+TEST_CASE("Equal arguments give equal figures, on any number of threads", "[nhpm][evaluate]") {
+  const Folder folder;
+  const std::string data = WriteData(folder / "data.pb.zst", 9);
+  const std::string weights = WriteWeights(folder / "w.nhpm", data);
+  const std::string common =
+      fmt::format("--data {} --weights {} --oracle-draws 2000 --average-oracle --json - --threads ",
+                  data, weights);
+  const Ended one = Run(common + "1", "/dev/null");
+  CHECK(one.exit_code == 0);
+  CHECK(one.text == Run(common + "3", "/dev/null").text);
+  const auto json = nlohmann::json::parse(one.text, nullptr, false);
+  CHECK(json["models"].contains("oracle_average"));
+}
+
+TEST_CASE("Each input left out and each weights file has a row of its own", "[nhpm][evaluate]") {
+  const Folder folder;
+  const std::string data = WriteData(folder / "data.pb.zst");
+  const std::string weights = WriteWeights(folder / "w.nhpm", data);
+  const Ended ended = Run(fmt::format(
+      "--data {0} --weights {1} --weights {1} --without tau,o --oracle-draws 0 --json {2}", data,
+      weights, folder / "r.json"));
+  INFO(ended.text);
+  REQUIRE(ended.exit_code == 0);
+  const auto models = ReadJson(folder / "r.json")["models"];
+  CHECK(models.size() == 8);
+  CHECK(models["nhpm"]["mbce_all"] == models["nhpm_2"]["mbce_all"]);
+  CHECK(models["nhpm_without_tau"]["mbce_all"] != models["nhpm"]["mbce_all"]);
+  CHECK(models["nhpm_without_tau"]["checksum"] != models["nhpm"]["checksum"]);
+  CHECK(models.contains("nhpm_2_without_o"));
+}
+
+TEST_CASE("People are no oracle, and their data is not called synthetic", "[nhpm][evaluate]") {
+  const Folder folder;
+  const std::string data = WriteData(folder / "data.pb.zst", 6, SegmentOrigin::kPerson);
+  const Ended ended = Run(fmt::format("--data {} --weights {} --json {}", data,
+                                      WriteWeights(folder / "w.nhpm", data), folder / "r.json"));
+  REQUIRE(ended.exit_code == 0);
+  CHECK_THAT(ended.text, Catch::Contains("people data"));
+  CHECK_FALSE(ReadJson(folder / "r.json")["models"].contains("oracle"));
+}
+
+TEST_CASE("Data without a test part is refused, unless all of it is test", "[nhpm][evaluate]") {
+  const Folder folder;
+  const std::string data = WriteData(folder / "data.pb.zst", 1);
+  const std::string weights = WriteWeights(folder / "w.nhpm", "");
+  const Ended refused = Run(fmt::format("--data {} --weights {}", data, weights));
+  CHECK(refused.exit_code == 1);
+  CHECK_THAT(refused.text,
+             Catch::Contains("data.pb.zst: nothing is left to test on of 1 trajectory"));
+  const Ended whole =
+      Run(fmt::format("--data {} --weights {} --all-test --oracle-draws 0 --json {}", data, weights,
+                      folder / "r.json"));
+  CHECK(whole.exit_code == 0);
+  CHECK_THAT(whole.text, Catch::Contains("the whole file is test"));
+  CHECK_FALSE(ReadJson(folder / "r.json")["models"].contains("glpf_train"));
+}
+
+TEST_CASE("Weights that saw the test part are refused", "[nhpm][evaluate]") {
+  const Folder folder;
+  const std::string data = WriteData(folder / "data.pb.zst");
+  const std::string weights = WriteWeights(folder / "w.nhpm", data);
+  const std::string common = fmt::format("--data {} --weights {} --oracle-draws 0 ", data, weights);
+  const Ended refused = Run(common + "--split-seed 2");
+  CHECK(refused.exit_code == 1);
+  CHECK_THAT(refused.text, Catch::Contains("w.nhpm: was trained on data.pb.zst with split seed 1"));
+  CHECK_THAT(refused.text, Catch::Contains("pass --split-seed 1, or --allow-seen"));
+  CHECK(Run(common + "--all-test").exit_code == 1);
+  const Ended allowed = Run(common + "--split-seed 2 --allow-seen");
+  CHECK(allowed.exit_code == 0);
+  CHECK_THAT(allowed.text, Catch::Contains("warning: "));
+}
+
+TEST_CASE("Weights of other data, or of nobody knows what, give a warning", "[nhpm][evaluate]") {
+  const Folder folder;
+  const std::string data = WriteData(folder / "data.pb.zst");
+  const std::string other = WriteData(folder / "other.pb.zst", 3);
+  const std::string common = fmt::format("--data {} --oracle-draws 0 --weights ", data);
+  const Ended of_other = Run(common + WriteWeights(folder / "a.nhpm", other));
+  CHECK(of_other.exit_code == 0);
+  CHECK_THAT(of_other.text, Catch::Contains("a.nhpm: was trained on other data"));
+  CHECK_THAT(Run(common + WriteWeights(folder / "b.nhpm", "")).text,
+             Catch::Contains("b.nhpm: does not say what it was trained on"));
+}
+
+TEST_CASE("Files that are not what they should be are named", "[nhpm][evaluate]") {
+  const Folder folder;
+  const std::string data = WriteData(folder / "data.pb.zst");
+  const std::string weights = WriteWeights(folder / "w.nhpm", data);
+  const auto refuses = [](const std::string& arguments, const std::string& why) {
+    const Ended ended = Run("--oracle-draws 0 " + arguments);
+    CHECK(ended.exit_code == 1);
+    CHECK_THAT(ended.text, Catch::StartsWith("conav evaluate: "));
+    CHECK_THAT(ended.text, Catch::Contains(why));
+  };
+  refuses(fmt::format("--data {} --weights {}", folder / "none", weights), folder / "none");
+  refuses(fmt::format("--data {} --weights {}", weights, weights), "w.nhpm");
+  refuses(fmt::format("--data {} --weights {}", data, data), "data.pb.zst");
+  refuses(fmt::format("--data {} --weights {}", data, folder / "none"), folder / "none");
+  const std::string whole = *ReadFile(weights);
+  REQUIRE(WriteFile(folder / "short.nhpm", whole.substr(0, whole.size() / 2)));
+  refuses(fmt::format("--data {} --weights {}", data, folder / "short.nhpm"), "short.nhpm");
+  const std::string large = WriteWeights(folder / "large.nhpm", data, 13);
+  refuses(fmt::format("--data {} --weights {}", data, large), "large.nhpm");
+  refuses(fmt::format("--data {} --weights {}", data, large), "13 x 13");
+  refuses(fmt::format("--data {} --weights {} --json {}/none/r.json", data, weights, folder / ""),
+          "none/r.json");
+}
+
+TEST_CASE("Synthetic data without its annotators has no oracle and says why", "[nhpm][evaluate]") {
+  const Folder folder;
+  SegmentSet set = *ReadSegmentFile(WriteData(folder / "data.pb.zst"));
+  for (Trajectory& trajectory : set.trajectories) trajectory.annotator.clear();
+  REQUIRE(WriteSegmentFile(folder / "data.pb.zst", set));
+  const std::string common = fmt::format("--data {} --weights {} ", folder / "data.pb.zst",
+                                         WriteWeights(folder / "w.nhpm", ""));
+  const Ended ended = Run(common);
+  CHECK(ended.exit_code == 1);
+  CHECK_THAT(ended.text, Catch::Contains("trajectory 0"));
+  CHECK(Run(common + "--oracle-draws 0").exit_code == 0);
+}
+
+TEST_CASE("Wrong use exits with 2", "[nhpm][evaluate]") {
+  const Folder folder;
+  const std::string data = WriteData(folder / "data.pb.zst");
+  const std::string common =
+      fmt::format("--data {} --weights {} ", data, WriteWeights(folder / "w.nhpm", data));
+  for (const char* wrong : {"--without y", "--oracle-draws 100", "--json - --csv -",
+                            "--segments 400", "--threads 0", "--segments x", "--colour"}) {
+    CHECK(Run(common + wrong).exit_code == 2);
+  }
+  CHECK(Run("").exit_code == 2);
+  CHECK(Run("--help").exit_code == 0);
+  CHECK_THAT(Run(common + "--segments 400").text, Catch::Contains("segments 0 to 3"));
+}
+
+TEST_CASE("The page shows the segments that were asked for", "[nhpm][evaluate]") {
+  const Folder folder;
+  const std::string data = WriteData(folder / "data.pb.zst");
+  const Ended ended =
+      Run(fmt::format("--data {} --weights {} --oracle-draws 0 --segments 2,0 --html -", data,
+                      WriteWeights(folder / "w.nhpm", data)),
+          "/dev/null");
+  CHECK(ended.exit_code == 0);
+  CHECK_THAT(ended.text, Catch::StartsWith("<!DOCTYPE html>"));
+  CHECK_THAT(ended.text, Catch::Contains("Test segment 2: as asked for"));
+  CHECK_THAT(ended.text, !Catch::Contains("Test segment 1:"));
+}
+
+TEST_CASE("With --check a bar that is not reached is a failure", "[nhpm][evaluate]") {
+  const Folder folder;
+  const std::string data = WriteData(folder / "data.pb.zst");
+  const std::string common = fmt::format("--data {} --weights {} --oracle-draws 2000 ", data,
+                                         WriteWeights(folder / "w.nhpm", data));
+  CHECK(Run(common).exit_code == 0);
+  const Ended checked = Run(common + "--check");
+  CHECK(checked.exit_code == 1);
+  CHECK_THAT(checked.text, Catch::Contains("FAIL"));
+}
+
+}  // namespace
+}  // namespace conav::nhpm
