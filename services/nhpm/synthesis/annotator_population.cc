@@ -76,7 +76,7 @@ AnnotatorKind CarelessKind() {
   kind.decay_cells = {4.0, 1.0};
   kind.path_removal_probability = {0.5, 0.2};
   kind.far_centre_probability = {0.5, 0.15};
-  kind.misplacement_probability = {0.5, 0.15};
+  kind.misplacement_probability = {0.6, 0.15};
   kind.lapse_probability = {0.4, 0.15};
   kind.guess_probability = {0.3, 0.15};
   kind.edit_limit = {3.0, 1.0};

@@ -29,7 +29,7 @@ struct AnnotatorKind {
   ParameterSpread centre_deg{10.0, 0.0};
   ParameterSpread lateral_factor{0.5, 0.12};
   ParameterSpread lateral_deg{25.0, 0.0};
-  ParameterSpread misplacement_probability{0.5, 0.12};
+  ParameterSpread misplacement_probability{0.6, 0.12};
   ParameterSpread near_cells{4.0, 0.0};
   ParameterSpread lapse_probability{0.05, 0.02};
   ParameterSpread guess_probability{0.03, 0.01};

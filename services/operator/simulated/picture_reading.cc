@@ -85,7 +85,7 @@ PictureReading::PictureReading(const PictureReaderParameters& parameters, const 
   Look look{belief, picture, certain, {picture.path.begin(), picture.path.end()}};
   look.driven.insert(picture.cell);
   for (const CellEdit& edit : look.Discrepancies()) discrepancies_.push_back(Weigh(look, edit));
-  guesses_ = look.Guesses();
+  if (parameters.guess_probability > 0.0) guesses_ = look.Guesses();
 }
 
 double PictureReading::EditProbability(const Look& look, Cell cell) const {
@@ -152,7 +152,9 @@ std::vector<Cell> PictureReading::PossibleCells() const {
   std::set<Cell> cells;
   for (const Discrepancy& discrepancy : discrepancies_) {
     cells.insert(discrepancy.edit.cell);
-    if (discrepancy.near) cells.insert({discrepancy.beyond, discrepancy.before});
+    if (discrepancy.near && parameters_.misplacement_probability > 0.0) {
+      cells.insert({discrepancy.beyond, discrepancy.before});
+    }
   }
   for (const CellEdit& guess : guesses_) cells.insert(guess.cell);
   return {cells.begin(), cells.end()};
