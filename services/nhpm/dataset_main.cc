@@ -7,6 +7,7 @@ int main(int argc, char** argv) {
       "Appendix A). Made by synthetic annotators, recorded by every session, or imported."};
   app.require_subcommand(1);
   int exit_code = 0;
+  conav::nhpm::AddSynthesizeCommand(app, exit_code);
   conav::nhpm::AddDescribeCommand(app, exit_code);
   conav::nhpm::AddImportCommand(app, exit_code);
   conav::nhpm::AddExportCommand(app, exit_code);
