@@ -1,0 +1,85 @@
+#include <fmt/format.h>
+#include <sys/wait.h>
+
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "common/runtime/file.h"
+
+namespace conav::nhpm {
+namespace {
+
+/// Segments of synthetic people, weights that learned from them, and table 1, made by the programs
+/// as a user runs them.
+class Workshop {
+ public:
+  Workshop() {
+    std::string name = (std::filesystem::temp_directory_path() / "conav-table-XXXXXX").string();
+    REQUIRE(mkdtemp(name.data()) != nullptr);
+    folder_ = name;
+    Run("conav-dataset synthesize --trajectories 40 --seed 7 --out {}/data.pb.zst");
+    Run("conav-train --data {0}/data.pb.zst --out {0}/w.nhpm --width 16 --epochs 8 --json "
+        "{0}/train.json");
+  }
+  ~Workshop() { std::filesystem::remove_all(folder_); }
+
+  /// Runs a program with {} for the folder; it must succeed.
+  void Run(const std::string& command) const {
+    const std::string full = fmt::format("cd '{}' && {}/", folder_.string(), CONAV_BIN_DIR) +
+                             fmt::format(fmt::runtime(command), folder_.string()) + " >>log 2>&1";
+    const int status = std::system(full.c_str());
+    INFO(full << "\n" << ReadFile(folder_ / "log").value_or("no output"));
+    REQUIRE((WIFEXITED(status) && WEXITSTATUS(status) == 0));
+  }
+  nlohmann::json Json(const std::string& name) const {
+    return nlohmann::json::parse(ReadFile(folder_ / name).value_or(""), nullptr, false);
+  }
+  std::string Text(const std::string& name) const { return ReadFile(folder_ / name).value_or(""); }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+TEST_CASE("people are synthesized, learned from and compared with all models", "[nhpm][system]") {
+  const Workshop workshop;
+  workshop.Run(
+      "conav-evaluate --data {0}/data.pb.zst --weights {0}/w.nhpm --oracle-draws 2000 "
+      "--without tau --json {0}/table.json --html {0}/table.html");
+  const auto table = workshop.Json("table.json");
+  CHECK(table["data"]["origin"] == "synthetic");
+  CHECK(table["data"]["train"]["trajectories"] == 38);
+  CHECK(table["data"]["test"]["trajectories"] == 2);
+  const auto loss = [&](const char* model) {
+    return table["models"][model]["mbce_all"].get<double>();
+  };
+  CHECK(loss("oracle") < loss("glpf_test"));
+  CHECK(loss("glpf_test") <= loss("glpf_train"));
+  CHECK(loss("nhpm") < loss("nhpm_without_tau"));
+  CHECK(table["bars"]["excess_share"]["limit"] == 0.2);
+
+  SECTION("the evaluator and the trainer agree on what the weights are worth") {
+    const double trained = workshop.Json("train.json")["test_mbce"].get<double>();
+    CHECK(loss("nhpm") == Approx(trained).epsilon(1e-4));
+  }
+  SECTION("the test part in a file of its own gives the same figures") {
+    workshop.Run("conav-dataset split {0}/data.pb.zst --seed 1 --out-prefix {0}/part");
+    workshop.Run(
+        "conav-evaluate --data {0}/part-test.pb.zst --all-test --weights {0}/w.nhpm "
+        "--oracle-draws 2000 --json {0}/part.json");
+    const auto part = workshop.Json("part.json")["models"];
+    for (const char* model : {"nhpm", "glpf_test", "oracle"}) {
+      CHECK(part[model]["mbce_all"] == table["models"][model]["mbce_all"]);
+      CHECK(part[model]["iou_best"] == table["models"][model]["iou_best"]);
+    }
+  }
+  SECTION("the page says that the data is synthetic and shows segments") {
+    CHECK_THAT(workshop.Text("table.html"), Catch::Contains("synthetic data</span>"));
+    CHECK_THAT(workshop.Text("table.html"), Catch::Contains("<h3>Test segment "));
+  }
+}
+
+}  // namespace
+}  // namespace conav::nhpm
