@@ -29,6 +29,12 @@ std::string Value(const NetworkModel& model, const char* name) {
   return found == model.training.end() ? "" : found->second;
 }
 
+/// A warning where it is allowed, else a refusal that says what to do.
+Result<std::string> Seen(const std::string& problem, const std::string& remedy, bool allowed) {
+  if (allowed) return problem;
+  return Fail(ErrorCode::kRefused, fmt::format("{}; {}, or --allow-seen", problem, remedy));
+}
+
 }  // namespace
 
 Result<EvaluationData> LoadEvaluationData(const EvaluateArguments& arguments) {
@@ -58,6 +64,12 @@ Result<std::string> CheckUnseen(const NetworkModel& model, const std::filesystem
                                 const EvaluationData& data, bool allow_seen) {
   const std::string learned_from = Value(model, "data_sha256");
   const std::string split_seed = Value(model, "split_seed");
+  if (Value(model, "adapt_data_sha256") == data.checksum) {
+    return Seen(fmt::format("{}: was adapted to {} of {}, so it may have seen what it would be "
+                            "tested on",
+                            name.string(), Value(model, "adapt_participant"), data.file),
+                "pass data that it was not adapted to", allow_seen);
+  }
   if (learned_from.empty()) {
     return fmt::format("{}: does not say what it was trained on; it may have seen the test part",
                        name.string());
@@ -67,12 +79,10 @@ Result<std::string> CheckUnseen(const NetworkModel& model, const std::filesystem
                        learned_from.substr(0, 8));
   }
   if (data.split_seed && split_seed == fmt::format("{}", *data.split_seed)) return std::string();
-  const std::string problem =
+  return Seen(
       fmt::format("{}: was trained on {} with split seed {}, so it saw what it would be tested on",
-                  name.string(), data.file, split_seed);
-  if (allow_seen) return problem;
-  return Fail(ErrorCode::kRefused,
-              fmt::format("{}; pass --split-seed {}, or --allow-seen", problem, split_seed));
+                  name.string(), data.file, split_seed),
+      fmt::format("pass --split-seed {}", split_seed), allow_seen);
 }
 
 }  // namespace conav::nhpm

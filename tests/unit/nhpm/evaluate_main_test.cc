@@ -181,6 +181,21 @@ TEST_CASE("Weights that saw the test part are refused", "[nhpm][evaluate]") {
   CHECK_THAT(allowed.text, Catch::Contains("warning: "));
 }
 
+TEST_CASE("Weights that were adapted to somebody of the file are refused", "[nhpm][evaluate]") {
+  const Folder folder;
+  const std::string data = WriteData(folder / "data.pb.zst");
+  NetworkModel model = *ReadWeightsFile(WriteWeights(folder / "w.nhpm", data));
+  model.training["adapt_data_sha256"] = model.training["data_sha256"];
+  model.training["adapt_participant"] = "p3";
+  REQUIRE(WriteWeightsFile(folder / "w.nhpm", model));
+  const std::string common =
+      fmt::format("--data {} --weights {} --oracle-draws 0 ", data, folder / "w.nhpm");
+  const Ended refused = Run(common);
+  CHECK(refused.exit_code == 1);
+  CHECK_THAT(refused.text, Catch::Contains("w.nhpm: was adapted to p3 of data.pb.zst"));
+  CHECK(Run(common + "--allow-seen").exit_code == 0);
+}
+
 TEST_CASE("Weights of other data, or of nobody knows what, give a warning", "[nhpm][evaluate]") {
   const Folder folder;
   const std::string data = WriteData(folder / "data.pb.zst");
