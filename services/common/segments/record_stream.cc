@@ -1,6 +1,7 @@
 #include "common/segments/record_stream.h"
 
 #include <fmt/format.h>
+#include <google/protobuf/stubs/logging.h>
 
 namespace conav {
 namespace {
@@ -59,6 +60,7 @@ Result<std::optional<segments::Record>> RecordReader::Next() {
   if (const auto filled = Fill(**size); !filled) return tl::unexpected(filled.error());
   if (buffer_.size() - begin_ < **size) return Refuse(taken_, "is cut off");
   segments::Record record;
+  const google::protobuf::LogSilencer silence;  // who reads is told by the Result
   if (!record.ParseFromArray(buffer_.data() + begin_, static_cast<int>(**size))) {
     return Refuse(taken_, "is no record of a segment file");
   }

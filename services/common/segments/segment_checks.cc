@@ -6,6 +6,11 @@
 #include <cmath>
 #include <filesystem>
 #include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "common/segments/utf8.h"
 
 namespace conav {
 namespace {
@@ -120,12 +125,25 @@ Result<void> CheckTimes(const Segment& segment) {
   return {};
 }
 
+Result<void> CheckTexts(const Trajectory& trajectory) {
+  std::vector<std::pair<const char*, std::string_view>> texts{
+      {"participant", trajectory.participant},
+      {"session", trajectory.session},
+      {"world", trajectory.world}};
+  for (const auto& [name, value] : trajectory.annotator) texts.emplace_back("annotator", name);
+  for (const auto& [what, text] : texts) {
+    if (!IsUtf8(text)) return Refuse("the name of the {} is not UTF-8", what);
+  }
+  return {};
+}
+
 bool IsSha256(const std::string& text) {
   return text.size() == kSha256Digits &&
          text.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
 
 Result<void> CheckImage(const Segment& segment) {
+  if (!IsUtf8(segment.image)) return Refuse("the image's file name is not UTF-8");
   const std::filesystem::path file(segment.image);
   const bool climbs = std::ranges::find(file, std::filesystem::path("..")) != file.end();
   if (file.is_absolute() || climbs) {
@@ -180,6 +198,7 @@ Result<void> CheckTrajectoryFacts(const Trajectory& trajectory) {
       .and_then(
           [&] { return CheckShare(trajectory.final_mapping_accuracy, "final mapping accuracy"); })
       .and_then([&] { return CheckAnnotator(trajectory); })
+      .and_then([&] { return CheckTexts(trajectory); })
       .and_then([&] {
         return trajectory.truth ? CheckSides(*trajectory.truth, "the truth") : Result<void>();
       });

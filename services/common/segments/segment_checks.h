@@ -23,7 +23,7 @@ inline constexpr int kMaxMapSide = 1024;
 [[nodiscard]] Result<void> CheckSegment(const Segment& segment);
 
 /// Everything but the segments: accuracies outside of [0, 1], annotator's parameters that are not
-/// finite, a truth too small or too large.
+/// finite, names that are not UTF-8, a truth too small or too large.
 [[nodiscard]] Result<void> CheckTrajectoryFacts(const Trajectory& trajectory);
 
 /// How `segment` continues its trajectory: its step above that of the segment `before` (null for the

@@ -133,5 +133,19 @@ TEST_CASE("facts of a trajectory that are no shares or no numbers are refused", 
         "trajectory 0: annotator's lapse is not a number");
 }
 
+TEST_CASE("names that are not UTF-8 are refused, all others pass", "[segments]") {
+  for (const char* good : {"", "Zoë", "操作員", "\xF0\x9F\xA4\x96", "\xF4\x8F\xBF\xBF"}) {
+    CHECK(SetRefusal([&](SegmentSet& s) { s.trajectories[0].session = good; }).empty());
+  }
+  for (const char* bad : {"\xFF", "\x80", "a\xC3", "\xC0\x80", "\xE0\x80\x80", "\xED\xA0\x80",
+                          "\xF0\x80\x80\x80", "\xF4\x90\x80\x80", "\xC3(", "\xE2\x82"}) {
+    CHECK(SetRefusal([&](SegmentSet& s) { s.trajectories[0].session = bad; }) ==
+          "trajectory 0: the name of the session is not UTF-8");
+  }
+  CHECK(SetRefusal([](SegmentSet& s) { s.trajectories[0].annotator["\xFF"] = 1.0; }) ==
+        "trajectory 0: the name of the annotator is not UTF-8");
+  CHECK(Refusal([](Segment& s) { s.image = "\xFF"; }) == "the image's file name is not UTF-8");
+}
+
 }  // namespace
 }  // namespace conav

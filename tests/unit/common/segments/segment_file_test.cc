@@ -6,6 +6,7 @@
 
 #include "common/runtime/file.h"
 #include "common/segments/record_stream.h"
+#include "common/segments/segment_checks.h"
 #include "common/segments/segment_labels.h"
 #include "common/segments/segment_log.h"
 #include "common/segments/segment_records.h"
@@ -124,6 +125,27 @@ TEST_CASE("what is no segment file is refused as such", "[segments]") {
              Catch::Contains("does not begin with a header"));
   CHECK_THAT(RefusalOf(folder, FrameOf({Header(), std::string(1, '\0')})),
              Catch::Contains("neither header nor trajectory nor segment"));
+}
+
+TEST_CASE("whatever its records hold, a file is refused or is a set that passes all checks",
+          "[segments]") {
+  const ScratchFolder folder;
+  const auto path = folder.path() / "file";
+  const std::string records = Header() + SampleTrajectoryBytes() +
+                              Delimited(ToRecord(tests::SampleSegment(2), 0)) +
+                              Delimited(ToRecord(tests::SampleSegment(3), 0));
+  int refused = 0;
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    for (const int flip : {0x01, 0x08, 0x80, 0xFF}) {
+      std::string changed = records;
+      changed[i] = static_cast<char>(changed[i] ^ flip);
+      REQUIRE(WriteFile(path, FrameOf({changed})));
+      const auto read = ReadSegmentFile(path);
+      refused += read ? 0 : 1;
+      if (read) CHECK(CheckSegments(*read));
+    }
+  }
+  CHECK(refused > 0);
 }
 
 TEST_CASE("another schema version is refused by number", "[segments]") {

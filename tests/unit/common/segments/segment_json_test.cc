@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "common/runtime/file.h"
+#include "common/segments/segment_checks.h"
 #include "unit/common/segments/support/sample_segments.h"
 #include "unit/common/segments/support/scratch_folder.h"
 
@@ -143,6 +144,22 @@ TEST_CASE("a segment's line is refused by what is wrong with it", "[segments]") 
         "data.jsonl:2: 'step' is 4294967296; it must be below 2^32");
   CHECK(Refusal(kTrajectory + kSegment + kSegment) ==
         "data.jsonl:3: step 0 after step 0; steps rise");
+}
+
+TEST_CASE("whatever the lines hold, they are refused or are a set that passes all checks",
+          "[segments]") {
+  const std::string text = Exported(tests::SampleSet());
+  int refused = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    for (const char other : {'9', '"', '-', '\n', '\xff'}) {
+      std::string changed = text;
+      changed[i] = other;
+      const auto set = Imported(changed);
+      refused += set ? 0 : 1;
+      if (set) CHECK(CheckSegments(*set));
+    }
+  }
+  CHECK(refused > 0);
 }
 
 TEST_CASE("files of JSON lines are read and written", "[segments]") {

@@ -1,0 +1,37 @@
+#include "common/segments/utf8.h"
+
+namespace conav {
+namespace {
+
+/// Bytes that follow the first one of a character; -1 where `first` begins none.
+int FollowingBytes(unsigned char first) {
+  if (first < 0x80) return 0;
+  if (first >= 0xC2 && first < 0xE0) return 1;
+  if (first >= 0xE0 && first < 0xF0) return 2;
+  if (first >= 0xF0 && first < 0xF5) return 3;
+  return -1;
+}
+
+}  // namespace
+
+bool IsUtf8(std::string_view text) {
+  for (std::size_t i = 0; i < text.size();) {
+    const auto first = static_cast<unsigned char>(text[i++]);
+    const int following = FollowingBytes(first);
+    if (following < 0) return false;
+    for (int k = 0; k < following; ++k, ++i) {
+      if (i == text.size()) return false;
+      const auto byte = static_cast<unsigned char>(text[i]);
+      int low = 0x80;
+      int high = 0xBF;
+      if (k == 0 && first == 0xE0) low = 0xA0;
+      if (k == 0 && first == 0xED) high = 0x9F;
+      if (k == 0 && first == 0xF0) low = 0x90;
+      if (k == 0 && first == 0xF4) high = 0x8F;
+      if (byte < low || byte > high) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace conav

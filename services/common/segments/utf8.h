@@ -1,0 +1,11 @@
+#pragma once
+
+#include <string_view>
+
+namespace conav {
+
+/// Whether `text` is well-formed UTF-8 (table 3-7 of the Unicode standard): neither protobuf's texts
+/// nor JSON carry anything else.
+bool IsUtf8(std::string_view text);
+
+}  // namespace conav
