@@ -66,14 +66,18 @@ NhpmService::NhpmService(bus::Participant& participant, const NhpmConfig& config
       requests_(participant, bus::kPerceptionRequest) {}
 
 void NhpmService::Run(const StopToken& stop) {
+  struct ClosedAtEnd {
+    RequestQueue& queue;
+    ~ClosedAtEnd() { queue.Close(); }
+  };
   std::vector<std::jthread> threads;
+  const ClosedAtEnd closed_before_threads_are_joined{queue_};
   for (int i = 0; i < threads_; ++i) {
     threads.emplace_back([this] {
       while (const auto open = queue_.WaitAndTake()) Answer(*open);
     });
   }
   while (!stop.stop_requested()) Receive(kReceivePause);
-  queue_.Close();
 }
 
 void NhpmService::Receive(std::chrono::nanoseconds timeout) {

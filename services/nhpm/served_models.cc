@@ -1,6 +1,7 @@
 #include "nhpm/served_models.h"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include <set>
 
@@ -33,13 +34,10 @@ ServedModels::ServedModels(const NhpmConfig& config)
 }
 
 std::optional<ServedModels::Stamp> ServedModels::StampOf(const fs::path& file) {
-  std::error_code error;
-  Stamp stamp;
-  stamp.time = fs::last_write_time(file, error);
-  if (error) return std::nullopt;
-  stamp.size = fs::file_size(file, error);
-  if (error) return std::nullopt;
-  return stamp;
+  struct stat status {};
+  if (stat(file.c_str(), &status) != 0) return std::nullopt;
+  return Stamp{status.st_mtim.tv_sec * 1'000'000'000 + status.st_mtim.tv_nsec,
+               static_cast<std::uint64_t>(status.st_size), status.st_ino};
 }
 
 /// The stamp is taken first: a file that changes while it is read is read again.

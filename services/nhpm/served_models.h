@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -33,9 +34,12 @@ class ServedModels {
   std::size_t persons() const;
 
  private:
+  /// Two files of one size may be written within one tick of the file system's clock; then the
+  /// inode differs, as WriteWeightsFile renames.
   struct Stamp {
-    std::filesystem::file_time_type time;
-    std::uintmax_t size = 0;
+    std::int64_t time_ns = 0;
+    std::uint64_t size = 0;
+    std::uint64_t inode = 0;
     bool operator==(const Stamp&) const = default;
   };
   struct Source {

@@ -29,5 +29,8 @@ inline constexpr Qos kLatchedQos{Reliability::kReliable, Durability::kTransientL
 inline constexpr Qos kEventQos{Reliability::kReliable, Durability::kTransientLocal, 100};
 /// Requests and replies with ids; whoever asks repeats until answered.
 inline constexpr Qos kRequestQos{Reliability::kReliable, Durability::kVolatile, 0};
+/// The same where an old one is of no use and several answer: who hangs or was killed holds nobody
+/// up, as it would with keep all until its lease ends.
+inline constexpr Qos kQueryQos{Reliability::kReliable, Durability::kVolatile, 32};
 
 }  // namespace conav::bus

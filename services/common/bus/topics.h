@@ -56,9 +56,9 @@ inline constexpr Topic<conav_msgs::msg::OperatorRequest> kOperatorRequest{"/cona
 inline constexpr Topic<conav_msgs::msg::OperatorReply> kOperatorReply{"/conav/operator/reply",
                                                                       kRequestQos};
 inline constexpr Topic<conav_msgs::msg::PerceptionRequest> kPerceptionRequest{
-    "/conav/perception/request", kRequestQos};
+    "/conav/perception/request", kQueryQos};
 inline constexpr Topic<conav_msgs::msg::PerceptionReply> kPerceptionReply{"/conav/perception/reply",
-                                                                          kRequestQos};
+                                                                          kQueryQos};
 inline constexpr Topic<rosgraph_msgs::msg::Clock> kClock{"/clock", kClockQos};
 inline constexpr Topic<diagnostic_msgs::msg::DiagnosticArray> kDiagnostics{"/diagnostics",
                                                                            kDefaultQos};

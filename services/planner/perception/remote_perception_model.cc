@@ -134,10 +134,10 @@ Result<void> RemotePerceptionModel::AskUntilReplied(std::vector<Call>& calls, Wa
     if (ServiceIsGone()) {
       return Fail(ErrorCode::kUnavailable, "no perception service is on the bus");
     }
-    if (auto sent = Send(calls, deadline); !sent) return sent;
+    const auto sent = Send(calls, deadline);  // a full bus has room again at times
     if (WaitForReplies(waiter, deadline)) return {};
     if (SteadyTime::now() >= deadline || OnlyOtherModels(calls)) {
-      return tl::unexpected(NoReply(calls));
+      return sent ? tl::unexpected(NoReply(calls)) : sent;
     }
     ForgetReplica();
     ++repeats_;

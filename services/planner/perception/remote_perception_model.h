@@ -25,7 +25,7 @@ namespace conav::planner {
 /// A reply of another model than the one wanted is refused, which is logged.
 /// Errors:  kInvalidArgument (a bad query; nobody was asked), kTimeout (no reply within `timeout`),
 ///          kUnavailable (the service is gone, busy for the whole time, or refused the request; the
-///          bus is full; only other models are served; a reply cannot be read, which is logged). A
+///          bus stays full; only other models are served; a reply cannot be read, which is logged). A
 ///          service that was never seen is waited for during the first batch only.
 /// Threads: as PerceptionModel. A reply wakes its caller directly from the bus's receive thread.
 class RemotePerceptionModel final : public PerceptionModel {

@@ -21,11 +21,6 @@ class ModelBench {
   }
   ~ModelBench() { log::SetSink(nullptr); }
 
-  /// Other content, and surely another time of the last write.
-  void Replace(const std::string& name, const NetworkModel& model) {
-    const fs::path file = folder.Write(name, model);
-    fs::last_write_time(file, fs::last_write_time(file) + std::chrono::seconds(++replaced_));
-  }
   void Spoil(const std::string& name) {
     const fs::path file = folder.path() / (name + ".nhpm");
     fs::resize_file(file, fs::file_size(file) / 2);
@@ -47,9 +42,6 @@ class ModelBench {
   test::WeightsFolder folder;
   NhpmConfig config;
   std::vector<std::string> lines;
-
- private:
-  int replaced_ = 0;
 };
 
 std::string ChecksumOfSeed(std::uint64_t seed) { return ChecksumOf(test::UntrainedNetwork(seed)); }
@@ -103,7 +95,7 @@ TEST_CASE("A new weights file is taken, and who has the old model keeps it", "[n
   const auto old = models.For("");
   models.Refresh();
   CHECK(models.For("") == old);
-  bench.Replace("default", test::UntrainedNetwork(2));
+  bench.folder.Write("default", test::UntrainedNetwork(2));
   CHECK(models.For("") == old);
   models.Refresh();
   CHECK(models.For("")->identity().checksum == ChecksumOfSeed(2));
@@ -125,7 +117,7 @@ TEST_CASE("A bad new file is told once and leaves the old model, until a good on
   models.Refresh();
   CHECK(bench.Lines("weights not taken") == 2);
   CHECK(models.For("")->identity().checksum == ChecksumOfSeed(1));
-  bench.Replace("default", test::UntrainedNetwork(3));
+  bench.folder.Write("default", test::UntrainedNetwork(3));
   models.Refresh();
   CHECK(models.For("")->identity().checksum == ChecksumOfSeed(3));
 }

@@ -28,12 +28,15 @@ TEST_CASE("late joiners get state, maps, commands and guidance", "[bus][topics]"
   }
 }
 
-TEST_CASE("streams are best effort, requests keep all", "[bus][topics]") {
+TEST_CASE("streams are best effort, requests keep all, queries the newest", "[bus][topics]") {
   CHECK(kCameraImage.qos.reliability == Reliability::kBestEffort);
   CHECK(kClock.qos.reliability == Reliability::kBestEffort);
-  for (const Qos& qos :
-       {kOperatorRequest.qos, kOperatorReply.qos, kPerceptionRequest.qos, kPerceptionReply.qos}) {
+  for (const Qos& qos : {kOperatorRequest.qos, kOperatorReply.qos}) {
     CHECK(qos.depth == 0);
+    CHECK(qos.reliability == Reliability::kReliable);
+  }
+  for (const Qos& qos : {kPerceptionRequest.qos, kPerceptionReply.qos}) {
+    CHECK(qos.depth > 0);
     CHECK(qos.reliability == Reliability::kReliable);
   }
 }
