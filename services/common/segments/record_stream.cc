@@ -1,6 +1,8 @@
 #include "common/segments/record_stream.h"
 
 #include <fmt/format.h>
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 #include <google/protobuf/stubs/logging.h>
 
 namespace conav {
@@ -17,10 +19,13 @@ tl::unexpected<Error> Refuse(std::size_t record, const std::string& reason) {
 
 std::string Delimited(const segments::Record& record) {
   std::string bytes;
-  std::size_t size = record.ByteSizeLong();
-  for (; size >= 0x80; size >>= 7) bytes.push_back(static_cast<char>((size & 0x7F) | 0x80));
-  bytes.push_back(static_cast<char>(size));
-  record.AppendToString(&bytes);
+  {
+    google::protobuf::io::StringOutputStream target(&bytes);
+    google::protobuf::io::CodedOutputStream out(&target);
+    out.SetSerializationDeterministic(true);  // equal records, equal bytes: the order of maps
+    out.WriteVarint32(static_cast<std::uint32_t>(record.ByteSizeLong()));
+    record.SerializeToCodedStream(&out);
+  }
   return bytes;
 }
 

@@ -1,5 +1,6 @@
 #include "common/segments/segment_file.h"
 
+#include <fmt/format.h>
 #include <segments.pb.h>
 
 #include <catch2/catch.hpp>
@@ -54,6 +55,19 @@ TEST_CASE("what was written is read, no field lost", "[segments]") {
   const auto read = ReadSegmentFile(path);
   REQUIRE(read);
   CHECK(*read == tests::SampleSet());
+}
+
+TEST_CASE("equal sets are equal files, byte by byte", "[segments]") {
+  const ScratchFolder folder;
+  Trajectory forwards = tests::SampleTrajectory();
+  Trajectory backwards = forwards;
+  for (int i = 0; i < 50; ++i) {
+    forwards.annotator[fmt::format("parameter {}", i)] = i;
+    backwards.annotator[fmt::format("parameter {}", 49 - i)] = 49 - i;
+  }
+  REQUIRE(WriteSegmentFile(folder.path() / "a", {{forwards}}));
+  REQUIRE(WriteSegmentFile(folder.path() / "b", {{backwards}}));
+  CHECK(ReadFile(folder.path() / "a").value() == ReadFile(folder.path() / "b").value());
 }
 
 TEST_CASE("an empty set is a file, too", "[segments]") {
