@@ -162,7 +162,7 @@ void AddOptions(CLI::App& command, Arguments& arguments) {
       ->capture_default_str();
   command
       .add_option("--seed", options.seed,
-                  "equal seeds give equal segments; more trajectories begin with the same ones")
+                  "equal seeds give equal files; more trajectories begin with the same ones")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command.add_option(

@@ -3,6 +3,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "common/runtime/file.h"
 #include "common/segments/segment_file.h"
 #include "nhpm/dataset_commands.h"
 #include "nhpm/synthesis/synthesize.h"
@@ -48,6 +49,20 @@ TEST_CASE("The file holds the trajectories of the library, in a folder that may 
   const auto expected = SynthesizeSegments(options);
   REQUIRE(expected.has_value());
   CHECK(Read(file) == expected->set);
+}
+
+TEST_CASE("Equal seeds give equal files, whatever the number of threads", "[nhpm][synthesis]") {
+  const TemporaryFolder folder;
+  const auto bytes_of = [&](const std::string& seed, const std::string& threads) {
+    const auto file = folder / ("set-" + seed + "-" + threads);
+    REQUIRE(Synthesize({"--trajectories", "9", "--seed", seed, "--threads", threads, "--out",
+                        file.string()}) == 0);
+    const auto bytes = ReadFile(file);
+    REQUIRE(bytes.has_value());
+    return *bytes;
+  };
+  CHECK(bytes_of("3", "1") == bytes_of("3", "4"));
+  CHECK(bytes_of("3", "1") != bytes_of("4", "1"));
 }
 
 TEST_CASE("The summary counts what is in the file and calls it synthetic", "[nhpm][synthesis]") {
