@@ -3,8 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <optional>
 #include <span>
 
+#include "common/runtime/demand.h"
 #include "common/runtime/random.h"
 #include "nhpm/training/adam.h"
 #include "nhpm/training/batch_pass.h"
@@ -21,6 +26,11 @@ void AddPull(float pull, const std::vector<float>& values, const std::vector<flo
   for (std::size_t i = 0; i < gradient.size(); ++i) gradient[i] += pull * (values[i] - base[i]);
 }
 
+/// mean += share (values - mean).
+void MixIn(float share, const std::vector<float>& values, std::vector<float>& mean) {
+  for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += share * (values[i] - mean[i]);
+}
+
 /// Fine-tuning on some groups with one pull.
 class Adapter {
  public:
@@ -33,6 +43,8 @@ class Adapter {
         random_(DeriveSeed(options.seed, kEpochs)),
         weights_(base),
         packed_(base),
+        mean_(base),
+        packed_mean_(base),
         adam_(InitialAdamState(base.shape)),
         gradient_(ZeroWeights(base.shape)) {
     for (const Example* example : examples) items_.push_back({example, 0});
@@ -47,10 +59,12 @@ class Adapter {
     for (std::size_t i = 0; i < items_.size(); i += batch) {
       Step(std::span(items_).subspan(i, std::min(batch, items_.size() - i)));
     }
+    packed_mean_.Assign(mean_);
   }
 
-  const TrainingWeights& packed() const { return packed_; }
-  const NetworkWeights& weights() const { return weights_; }
+  /// The moving mean.
+  const TrainingWeights& packed() const { return packed_mean_; }
+  const NetworkWeights& weights() const { return mean_; }
 
  private:
   void Step(std::span<const BatchItem> batch) {
@@ -62,6 +76,11 @@ class Adapter {
     AdamStep({.learning_rate = static_cast<float>(options_.learning_rate)}, gradient_, adam_,
              weights_, kFirstAdaptedLayer);
     packed_.Assign(weights_);
+    const auto share = static_cast<float>(options_.averaging);
+    for (auto i = static_cast<std::size_t>(kFirstAdaptedLayer); i < kNetworkLayers; ++i) {
+      MixIn(share, weights_.weights[i], mean_.weights[i]);
+      MixIn(share, weights_.biases[i], mean_.biases[i]);
+    }
   }
 
   const NetworkWeights& base_;
@@ -71,6 +90,8 @@ class Adapter {
   Random random_;
   NetworkWeights weights_;
   TrainingWeights packed_;
+  NetworkWeights mean_;
+  TrainingWeights packed_mean_;
   AdamState adam_;
   NetworkWeights gradient_;
   std::vector<BatchItem> items_;
@@ -120,43 +141,85 @@ struct Run {
   BatchPass pass;
 };
 
-/// Held-out loss summed over all folds' examples, after 0, 1, 2, ... epochs.
-Result<std::vector<double>> CrossValidate(Run& run, double pull) {
-  std::vector<double> losses(static_cast<std::size_t>(run.options.epochs) + 1, 0.0);
-  for (const Fold& fold : DealFolds(run.groups, run.options)) {
-    Adapter adapter(run.base, fold.train, run.options, pull, run.pass);
-    const auto count = static_cast<double>(fold.held_out.size());
-    for (double& loss : losses) {
-      if (&loss != &losses.front()) adapter.RunEpoch(run.symmetries);
-      if (run.stop.stop_requested()) return Fail(ErrorCode::kUnavailable, "stopped");
-      loss += count * run.pass.MeanLoss(adapter.packed(), fold.held_out);
-    }
-  }
-  return losses;
+/// Loss of each example while it was held out.
+using HeldOutLosses = std::vector<double>;
+
+double MeanOf(const HeldOutLosses& losses) {
+  return std::accumulate(losses.begin(), losses.end(), 0.0) / static_cast<double>(losses.size());
 }
 
-/// Pull and epochs of the lowest held-out loss; the base where nothing is below it.
-Result<Adaptation> Choose(Run& run) {
-  const auto examples = static_cast<double>(AllExamples(run.groups).size());
-  Adaptation best;
-  for (const double pull : run.options.pulls) {
-    const auto losses = CrossValidate(run, pull);
-    if (!losses) return tl::unexpected(losses.error());
-    best.base_loss = losses->front() / examples;
-    if (pull == run.options.pulls.front()) best.held_out_loss = best.base_loss;
-    const auto lowest = std::min_element(losses->begin(), losses->end());
-    if (*lowest / examples >= best.held_out_loss) continue;
-    best.held_out_loss = *lowest / examples;
-    best.epochs = static_cast<int>(lowest - losses->begin());
-    best.pull = pull;
+/// Mean of base - adapted, less the standard error of this mean.
+double CertainGain(const HeldOutLosses& base, const HeldOutLosses& adapted) {
+  const auto count = static_cast<double>(base.size());
+  const double gain = MeanOf(base) - MeanOf(adapted);
+  double squares = 0.0;
+  for (std::size_t i = 0; i < base.size(); ++i) {
+    const double deviation = base[i] - adapted[i] - gain;
+    squares += deviation * deviation;
+  }
+  return gain - std::sqrt(squares / (count * std::max(1.0, count - 1.0)));
+}
+
+/// The lowest held-out loss that fine-tuning with one pull came to, and after how many epochs.
+struct Tried {
+  double pull = 0.0;
+  int epochs = 0;
+  HeldOutLosses base;
+  HeldOutLosses losses;
+};
+
+/// One fold's losses after another, after `epoch` epochs; runs the last of them unless it is 0.
+HeldOutLosses RunFolds(Run& run, const std::vector<Fold>& folds,
+                       const std::vector<std::unique_ptr<Adapter>>& adapters, int epoch) {
+  HeldOutLosses all;
+  for (std::size_t i = 0; i < folds.size(); ++i) {
+    if (epoch > 0) adapters[i]->RunEpoch(run.symmetries);
+    const auto losses = run.pass.Losses(adapters[i]->packed(), folds[i].held_out);
+    all.insert(all.end(), losses.begin(), losses.end());
+  }
+  return all;
+}
+
+Result<Tried> CrossValidate(Run& run, double pull) {
+  const std::vector<Fold> folds = DealFolds(run.groups, run.options);
+  std::vector<std::unique_ptr<Adapter>> adapters;
+  for (const Fold& fold : folds) {
+    adapters.push_back(
+        std::make_unique<Adapter>(run.base, fold.train, run.options, pull, run.pass));
+  }
+  Tried best{pull, 0, RunFolds(run, folds, adapters, 0), {}};
+  best.losses = best.base;
+  for (int epoch = 1; epoch <= run.options.epochs; ++epoch) {
+    if (run.stop.stop_requested()) return Fail(ErrorCode::kUnavailable, "stopped");
+    HeldOutLosses losses = RunFolds(run, folds, adapters, epoch);
+    if (MeanOf(losses) < MeanOf(best.losses)) {
+      best.epochs = epoch;
+      best.losses = std::move(losses);
+    }
+    if (epoch - best.epochs >= run.options.patience) break;
   }
   return best;
+}
+
+/// Pull and epochs of the lowest held-out loss; the base where its gain is not certain.
+Result<Adaptation> Choose(Run& run) {
+  std::optional<Tried> best;
+  for (const double pull : run.options.pulls) {
+    auto tried = CrossValidate(run, pull);
+    if (!tried) return tl::unexpected(tried.error());
+    if (!best || MeanOf(tried->losses) < MeanOf(best->losses)) best = std::move(*tried);
+  }
+  const double base_loss = MeanOf(best->base);
+  if (CertainGain(best->base, best->losses) <= 0.0)
+    return Adaptation{{}, 0.0, 0, base_loss, base_loss};
+  return Adaptation{{}, best->pull, best->epochs, base_loss, MeanOf(best->losses)};
 }
 
 }  // namespace
 
 Result<Adaptation> Adapt(const NetworkWeights& base, const std::vector<ExampleSet>& groups,
                          const AdaptOptions& options, int threads, const StopToken& stop) {
+  DEMAND(!options.pulls.empty() && options.folds >= 2, options.pulls.size(), options.folds);
   std::vector<ExampleSet> used = groups;
   std::erase_if(used, [](const ExampleSet& group) { return group.examples.empty(); });
   if (used.size() < 2) {

@@ -14,12 +14,16 @@ namespace conav::nhpm {
 inline constexpr int kFirstAdaptedLayer = 2;
 
 struct AdaptOptions {
-  int epochs = 40;  // at most
+  int epochs = 60;    // at most
+  int patience = 10;  // epochs without a better held-out loss before no more are tried
   int batch = 16;
-  double learning_rate = 5e-4;
+  double learning_rate = 1e-3;
+  /// The weights that count are a moving mean: this share of the step's weights is mixed in after
+  /// each step, which evens out the noise of few examples. 1 = the step's weights themselves.
+  double averaging = 0.05;
   /// Strengths of the pull towards the base that are tried: the loss has
   /// pull / 2 ||weights - base||^2 added.
-  std::vector<double> pulls{1e-2, 1e-3, 1e-4};
+  std::vector<double> pulls{1e-2, 1e-3};
   int folds = 4;  // at most
   std::uint64_t seed = 1;
 };
@@ -35,7 +39,8 @@ struct Adaptation {
 
 /// Fine-tunes the last two layers of `base` on one person's examples, without forgetting: the pull
 /// towards the base and the number of epochs are those with the lowest loss in cross-validation, in
-/// which a group (a trajectory) is never split. None of them better than the base: the base stays.
+/// which a group (a trajectory) is never split. The base stays where they gain less over it than the
+/// standard error of that gain: there is nothing to learn about this person then.
 ///
 /// The result depends on base, groups and options only, not on `threads`.
 /// Errors: kInvalidArgument (fewer than two groups with examples), kUnavailable (`stop` asked).

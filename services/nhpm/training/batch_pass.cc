@@ -83,8 +83,8 @@ double BatchPass::Gradient(const TrainingWeights& weights, std::span<const Batch
   return std::accumulate(losses.begin(), losses.end(), 0.0);
 }
 
-double BatchPass::MeanLoss(const TrainingWeights& weights, std::span<const Example> examples) {
-  DEMAND(!examples.empty());
+std::vector<double> BatchPass::Losses(const TrainingWeights& weights,
+                                      std::span<const Example> examples) {
   std::vector<double> losses(examples.size());
   RunOnWorkers(static_cast<int>(workers_.size()), static_cast<int>(examples.size()),
                [&](int worker, int index) {
@@ -93,7 +93,13 @@ double BatchPass::MeanLoss(const TrainingWeights& weights, std::span<const Examp
                  losses[i] =
                      ExampleLoss(pass.Forward(weights, examples[i].input), examples[i].labels);
                });
-  return std::accumulate(losses.begin(), losses.end(), 0.0) / static_cast<double>(examples.size());
+  return losses;
+}
+
+double BatchPass::MeanLoss(const TrainingWeights& weights, std::span<const Example> examples) {
+  DEMAND(!examples.empty());
+  const std::vector<double> losses = Losses(weights, examples);
+  return std::accumulate(losses.begin(), losses.end(), 0.0) / static_cast<double>(losses.size());
 }
 
 }  // namespace conav::nhpm

@@ -31,7 +31,9 @@ class BatchPass {
   double Gradient(const TrainingWeights& weights, std::span<const BatchItem> batch,
                   NetworkWeights& gradient);
 
-  /// The mean loss.
+  /// The loss of each example.
+  std::vector<double> Losses(const TrainingWeights& weights, std::span<const Example> examples);
+  /// Their mean. Requires at least one.
   double MeanLoss(const TrainingWeights& weights, std::span<const Example> examples);
 
  private:
