@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -45,6 +46,31 @@ inline float SigmoidOf(float logit) {
   return std::bit_cast<float>(numerator) / (1.0F + e);
 }
 
+/// 1 at the camera, falling with the depth along the view axis.
+class NearnessInView {
+ public:
+  explicit NearnessInView(const PerceptionQuery& query)
+      : camera_(query.cell),
+        east_(std::cos(query.heading_rad)),
+        north_(std::sin(query.heading_rad)) {}
+
+  float Of(Cell cell) const {
+    const double depth = east_ * (cell.column - camera_.column) + north_ * (camera_.row - cell.row);
+    const double nearness = std::clamp(1.0 - depth / kDepthRange, kLeastNearness, 1.0);
+    return static_cast<float>(std::round(nearness * kSteps) / kSteps);
+  }
+
+ private:
+  static constexpr double kDepthRange = 10.0;  // cells
+  static constexpr double kLeastNearness = 0.2;
+  /// So that a last bit in which mathematical libraries differ does not count.
+  static constexpr double kSteps = 1024.0;
+
+  Cell camera_;
+  double east_;
+  double north_;
+};
+
 }  // namespace
 
 float Sigmoid(float logit) { return SigmoidOf(logit); }
@@ -66,8 +92,9 @@ void EncodeInput(const PerceptionQuery& query, const InputSelection& selection,
     set(query.cell, 1, 1.0F);
   }
   if (selection.view) {
-    for (const Cell cell : query.visible.free) set(cell, 2, 1.0F);
-    for (const Cell cell : query.visible.walls) set(cell, 3, 1.0F);
+    const NearnessInView nearness(query);
+    for (const Cell cell : query.visible.free) set(cell, 2, nearness.Of(cell));
+    for (const Cell cell : query.visible.walls) set(cell, 3, nearness.Of(cell));
   }
 }
 

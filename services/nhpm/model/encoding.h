@@ -19,8 +19,14 @@ struct InputSelection {
 ///
 ///   0 x_wall    P(wall) of the belief
 ///   1 tau_path  1 on each cell of the path, and on the camera's cell
-///   2 o_free    1 where the view shows a free cell
-///   3 o_wall    1 where the view shows a wall
+///   2 o_free    nearness where the view shows a free cell, else 0
+///   3 o_wall    nearness where the view shows a wall, else 0
+///
+/// nearness = 1 - depth / 10 cells, in [0.2, 1]; the depth of a cell is its distance from the
+/// camera's cell along the view axis. So the picture's own depth is in the masks: which way it
+/// looks, which people misjudge walls along, cannot be told from the shape of what it shows (a
+/// corridor looks the same at two headings), nor, with a receptive field of 9 x 9, how far away
+/// the camera is. The masks turn and mirror with the map.
 ///
 /// `input` has rows * columns * kInputChannels values. The query passed CheckPerceptionQuery.
 /// Source: paper section 4 and figure 2; the order is fixed so that weights files are portable.

@@ -2,7 +2,10 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 #include <vector>
+
+#include "conformance/perception_model_conformance.h"
 
 using namespace conav;
 using namespace conav::nhpm;
@@ -39,9 +42,51 @@ TEST_CASE("the four channels hold belief, path, seen free and seen wall", "[nhpm
   CHECK(cell(0, 0) == std::vector<float>{0, 0, 0, 0});
   CHECK(cell(0, 1) == std::vector<float>{1, 0, 0, 0});
   CHECK(cell(1, 2) == std::vector<float>{0.25F, 1, 0, 0});
-  CHECK(cell(1, 1) == std::vector<float>{0, 1, 1, 0});
+  CHECK(cell(1, 1) == std::vector<float>{0, 1, 1, 0});  // beside the camera: depth 0
   CHECK(cell(2, 1) == std::vector<float>{0, 1, 0, 0});  // the camera's cell belongs to the path
-  CHECK(cell(2, 3) == std::vector<float>{0, 0, 0, 1});
+  CHECK(cell(2, 3) == std::vector<float>{0, 0, 0, 819.0F / 1024.0F});  // depth 2: 0.8
+}
+
+TEST_CASE("what a picture shows counts by its depth along the view axis", "[nhpm][encoding]") {
+  PerceptionQuery query;
+  query.belief = BeliefGrid(5, 30, 0.0F);
+  query.cell = {2, 2};
+  const auto nearness = [&](Cell cell, double heading_deg) {
+    query.heading_rad = heading_deg * std::numbers::pi / 180.0;
+    query.visible = {{cell}, {}};
+    return Encode(query)[query.belief.IndexOf(cell) * kInputChannels + 2];
+  };
+  CHECK(nearness({2, 2}, 0.0) == 1.0F);
+  CHECK(nearness({2, 7}, 0.0) == 0.5F);
+  CHECK(nearness({0, 7}, 0.0) == 0.5F);  // as deep, further to the side
+  CHECK(nearness({2, 20}, 0.0) == Approx(0.2).margin(1e-3));
+  CHECK(nearness({2, 1}, 0.0) == 1.0F);  // behind the camera's centre
+  CHECK(nearness({0, 2}, 90.0) == Approx(0.8).margin(1e-3));
+  CHECK(nearness({0, 4}, 45.0) == Approx(1.0 - 0.2 * std::numbers::sqrt2).margin(1e-3));
+}
+
+TEST_CASE("the input of a turned query is the turned input", "[nhpm][encoding]") {
+  constexpr int kSize = 9;
+  const auto turn = [](Cell cell) { return Cell{kSize - 1 - cell.column, cell.row}; };  // left
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const PerceptionQuery query = planner::conformance::MakeQuery(seed, kSize, kSize);
+    PerceptionQuery turned = query;
+    turned.cell = turn(query.cell);
+    turned.heading_rad = query.heading_rad + std::numbers::pi / 2;
+    for (Cell& cell : turned.path) cell = turn(cell);
+    for (Cell& cell : turned.visible.free) cell = turn(cell);
+    for (Cell& cell : turned.visible.walls) cell = turn(cell);
+    const std::vector<float> input = Encode(query);
+    std::vector<float> expected(input.size());
+    for (std::size_t i = 0; i < query.belief.size(); ++i) {
+      const Cell cell = query.belief.CellAt(i);
+      turned.belief[turn(cell)] = query.belief[cell];
+      std::copy_n(&input[i * kInputChannels], kInputChannels,
+                  &expected[query.belief.IndexOf(turn(cell)) * kInputChannels]);
+    }
+    CAPTURE(seed);
+    CHECK(Encode(turned) == expected);
+  }
 }
 
 TEST_CASE("an input that is left out is zero", "[nhpm][encoding]") {
@@ -51,9 +96,10 @@ TEST_CASE("an input that is left out is zero", "[nhpm][encoding]") {
     for (std::size_t i = 0; i < input.size(); ++i) sums[i % kInputChannels] += input[i];
     return sums;
   };
-  CHECK(sum_of({}) == std::vector<float>{1.25F, 3, 1, 1});
-  CHECK(sum_of({.belief = false}) == std::vector<float>{0, 3, 1, 1});
-  CHECK(sum_of({.path = false}) == std::vector<float>{1.25F, 0, 1, 1});
+  constexpr float kWall = 819.0F / 1024.0F;
+  CHECK(sum_of({}) == std::vector<float>{1.25F, 3, 1, kWall});
+  CHECK(sum_of({.belief = false}) == std::vector<float>{0, 3, 1, kWall});
+  CHECK(sum_of({.path = false}) == std::vector<float>{1.25F, 0, 1, kWall});
   CHECK(sum_of({.view = false}) == std::vector<float>{1.25F, 3, 0, 0});
 }
 
