@@ -148,7 +148,7 @@ double MeanOf(const HeldOutLosses& losses) {
   return std::accumulate(losses.begin(), losses.end(), 0.0) / static_cast<double>(losses.size());
 }
 
-/// Mean of base - adapted, less the standard error of this mean.
+/// Mean of base - adapted, less two standard errors of this mean.
 double CertainGain(const HeldOutLosses& base, const HeldOutLosses& adapted) {
   const auto count = static_cast<double>(base.size());
   const double gain = MeanOf(base) - MeanOf(adapted);
@@ -157,7 +157,7 @@ double CertainGain(const HeldOutLosses& base, const HeldOutLosses& adapted) {
     const double deviation = base[i] - adapted[i] - gain;
     squares += deviation * deviation;
   }
-  return gain - std::sqrt(squares / (count * std::max(1.0, count - 1.0)));
+  return gain - 2.0 * std::sqrt(squares / (count * std::max(1.0, count - 1.0)));
 }
 
 /// The lowest held-out loss that fine-tuning with one pull came to, and after how many epochs.

@@ -39,8 +39,8 @@ struct Adaptation {
 
 /// Fine-tunes the last two layers of `base` on one person's examples, without forgetting: the pull
 /// towards the base and the number of epochs are those with the lowest loss in cross-validation, in
-/// which a group (a trajectory) is never split. The base stays where they gain less over it than the
-/// standard error of that gain: there is nothing to learn about this person then.
+/// which a group (a trajectory) is never split. The base stays where they gain less over it than two
+/// standard errors of that gain: there is nothing certain to learn about this person then.
 ///
 /// The result depends on base, groups and options only, not on `threads`.
 /// Errors: kInvalidArgument (fewer than two groups with examples), kUnavailable (`stop` asked).

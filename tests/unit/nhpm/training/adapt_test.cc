@@ -118,7 +118,7 @@ TEST_CASE("A stronger pull stays nearer to the base", "[nhpm][training][adapt]")
   const auto distance = [&](double pull) {
     AdaptOptions options = SmallOptions();
     options.pulls = {pull};
-    const Adaptation adapted = Adapt(base, Groups(4, 100), options, 1, never).value();
+    const Adaptation adapted = Adapt(base, Groups(20, 100), options, 1, never).value();
     REQUIRE(adapted.epochs > 0);
     double sum = 0.0;
     for (std::size_t i = 0; i < base.weights[2].size(); ++i) {
