@@ -16,7 +16,7 @@ struct NhpmConfig {
   /// Node name; give each replica its own.
   std::string name = "nhpm";
   /// Which model is served: "nhpm" (the network) or "glpf".
-  std::string model = kDefaultModel;
+  std::string model = kDefaultPerceptionModel;
   /// Weights file of the network; empty = the one that comes with conav. Looked at once a second: a
   /// new file is taken without dropping a request, a bad one is logged and the old model stays.
   std::string weights;

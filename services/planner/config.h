@@ -6,8 +6,8 @@
 
 #include "common/bus/participant.h"
 #include "common/protocol/entity_name.h"
+#include "common/protocol/planning.h"
 #include "common/runtime/config.h"
-#include "nhpm/model/load_model.h"
 #include "planner/decision/search_config.h"
 
 namespace conav::planner {
@@ -25,7 +25,7 @@ struct PlannerConfig {
   /// answer, the embedded GLPF does.
   std::string perception = "remote";
   /// "nhpm" or "glpf": a service that answers with another one is not believed.
-  std::string perception_model = nhpm::kDefaultModel;
+  std::string perception_model = kDefaultPerceptionModel;
   /// SHA-256 of the only weights that are believed (remote); empty = any.
   std::string perception_checksum;
   /// Weights file of an embedded network; empty = the one that comes with conav.

@@ -42,6 +42,9 @@ struct SearchReport {
   bool operator==(const SearchReport&) const = default;
 };
 
+/// Who predicts the operator's edits where nobody says otherwise: "nhpm" or "glpf".
+inline constexpr const char* kDefaultPerceptionModel = "glpf";
+
 /// How would the operator edit `belief` after the robot went `path` and sent a picture from `cell`
 /// towards `heading_rad` that shows `visible`? Paper section 4: (x, tau, o).
 struct PerceptionQuery {

@@ -10,9 +10,6 @@
 
 namespace conav::nhpm {
 
-/// What services and demos use when nobody says otherwise.
-inline constexpr const char* kDefaultModel = "glpf";
-
 /// The weights that come with conav: ../share/conav/models/default.nhpm as seen from the folder of
 /// the running program.
 std::filesystem::path ShippedWeights();

@@ -29,11 +29,12 @@ void AppendSet(std::string& bytes, const BeliefGrid& grid, const std::vector<Cel
 CachedPerceptionModel::Key CachedPerceptionModel::KeyOf(const PerceptionQuery& query) {
   const BeliefGrid& belief = query.belief;
   Key key;
-  key.reserve(32 + belief.size() * sizeof(float) + belief.size() / 2);
+  key.reserve(40 + belief.size() * sizeof(float) + belief.size() / 2);
   Append(key, belief.rows());
   Append(key, belief.columns());
   Append(key, query.cell.row);
   Append(key, query.cell.column);
+  Append(key, query.heading_rad);
   key.append(reinterpret_cast<const char*>(belief.values().data()), belief.size() * sizeof(float));
   AppendSet(key, belief, query.path);
   AppendSet(key, belief, query.visible.free);

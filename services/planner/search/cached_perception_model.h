@@ -14,9 +14,10 @@ namespace conav::planner {
 /// Remembers the answers of another model, also from one decision to the next.
 ///
 /// The key is what a model may look at: the belief, the cells of the path as a set, the camera's
-/// cell and the cells that the view shows. Neither the order of the path nor the heading is part of
-/// it: paths that wander differently over the same cells share an answer, and what a heading shows
-/// is the view. The view's content is in the key, so a map that grows makes new questions.
+/// cell and heading, and the cells that the view shows. The order of the path is not part of it:
+/// paths that wander differently over the same cells share an answer. The heading is: the network
+/// sees how deep in the picture a cell is. The view's content is in the key, so a map that grows
+/// makes new questions.
 /// An answer is the very one that the other model gave; when the model that answers changes
 /// (PerceptionModel::identity), all are forgotten.
 ///

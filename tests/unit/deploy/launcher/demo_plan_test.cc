@@ -159,10 +159,6 @@ TEST_CASE("what the environment says of the bus is written into every configurat
 TEST_CASE("model and weights reach the service and the planner", "[launcher][plan]") {
   const TemporaryRun run;
   DemoOptions options;
-  const nhpm::NhpmConfig service_default;
-  const planner::PlannerConfig planner_default;
-  CHECK(options.model == service_default.model);
-  CHECK(options.model == planner_default.perception_model);
   options.model = "nhpm";
   options.weights = "models/own.nhpm";
   options.x_source = "estimated";
@@ -205,7 +201,7 @@ TEST_CASE("a command is put before the service that it is meant for", "[launcher
 TEST_CASE("the example configurations are what the services read", "[launcher][plan]") {
   CHECK(ReadExample<sim::SimConfig>("sim").world == "w1");
   CHECK(ReadExample<planner::PlannerConfig>("planner").method == "ig-mcts");
-  CHECK(ReadExample<nhpm::NhpmConfig>("nhpm").model == "glpf");
+  CHECK(ReadExample<nhpm::NhpmConfig>("nhpm").model == kDefaultPerceptionModel);
   CHECK(ReadExample<operators::OperatorConfig>("operator").bus.interface == "lo");
   CHECK(ReadExample<operators::SimulatedOperatorConfig>("simulated_operator").seed == 1);
 }
