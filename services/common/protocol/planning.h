@@ -43,7 +43,7 @@ struct SearchReport {
 };
 
 /// Who predicts the operator's edits where nobody says otherwise: "nhpm" or "glpf".
-inline constexpr const char* kDefaultPerceptionModel = "glpf";
+inline constexpr const char* kDefaultPerceptionModel = "nhpm";
 
 /// How would the operator edit `belief` after the robot went `path` and sent a picture from `cell`
 /// towards `heading_rad` that shows `visible`? Paper section 4: (x, tau, o).

@@ -9,9 +9,9 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-#include "bench/support/fma_peak.h"
 #include "bench/nhpm/onednn_network.h"
 #include "bench/nhpm/planner_queries.h"
+#include "bench/support/fma_peak.h"
 #include "bench/support/measure.h"
 #include "common/runtime/json.h"
 #include "nhpm/engine/inference_pass.h"
