@@ -71,14 +71,11 @@ void DrawGrid(SvgCanvas& canvas, const Panel& panel, const OccupancyGrid& map) {
 // A cross: a wall that is not there. A ring: a wall that is missing.
 void DrawMistake(SvgCanvas& canvas, PixelPosition middle, bool drawn_as_wall) {
   constexpr double kReach = kCellPixels * 0.28;
-  if (!drawn_as_wall) {
+  if (drawn_as_wall) {
+    canvas.Cross(middle, kReach, kFalseWall);
+  } else {
     canvas.Circle(middle, kReach, kMissingWall);
-    return;
   }
-  canvas.Line({middle.x - kReach, middle.y - kReach}, {middle.x + kReach, middle.y + kReach},
-              kFalseWall);
-  canvas.Line({middle.x - kReach, middle.y + kReach}, {middle.x + kReach, middle.y - kReach},
-              kFalseWall);
 }
 
 void DrawMistakes(SvgCanvas& canvas, const Panel& panel, const OccupancyGrid& map,

@@ -62,6 +62,11 @@ void SvgCanvas::Circle(PixelPosition middle, double radius, std::string_view sty
                        middle.y, radius, style);
 }
 
+void SvgCanvas::Cross(PixelPosition middle, double reach, std::string_view style) {
+  Line({middle.x - reach, middle.y - reach}, {middle.x + reach, middle.y + reach}, style);
+  Line({middle.x - reach, middle.y + reach}, {middle.x + reach, middle.y - reach}, style);
+}
+
 void SvgCanvas::Text(PixelPosition position, std::string_view text, std::string_view style) {
   body_ += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" {}>{}</text>\n", position.x, position.y,
                        style, EscapeXml(text));

@@ -20,6 +20,8 @@ class SvgCanvas {
   void Polyline(const std::vector<PixelPosition>& positions, std::string_view style);
   void Polygon(const std::vector<PixelPosition>& positions, std::string_view style);
   void Circle(PixelPosition middle, double radius, std::string_view style);
+  /// Two diagonals of a square of 2 `reach`.
+  void Cross(PixelPosition middle, double reach, std::string_view style);
   void Text(PixelPosition position, std::string_view text, std::string_view style);
   /// Everything up to EndGroup belongs together; `title` is shown where the mouse rests.
   void BeginGroup(std::string_view title);

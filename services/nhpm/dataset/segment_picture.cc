@@ -81,14 +81,11 @@ void DrawShown(SvgCanvas& canvas, const Panel& panel, const PerceptionQuery& que
 /// A cross: a wall was added. A ring: one was removed.
 void DrawEdit(SvgCanvas& canvas, PixelPosition middle, bool added) {
   constexpr double kReach = kCellPixels * 0.3;
-  if (!added) {
+  if (added) {
+    canvas.Cross(middle, kReach, kAdded);
+  } else {
     canvas.Circle(middle, kReach, kRemoved);
-    return;
   }
-  canvas.Line({middle.x - kReach, middle.y - kReach}, {middle.x + kReach, middle.y + kReach},
-              kAdded);
-  canvas.Line({middle.x - kReach, middle.y + kReach}, {middle.x + kReach, middle.y - kReach},
-              kAdded);
 }
 
 void DrawAfter(SvgCanvas& canvas, const Panel& panel, const Segment& segment) {

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "common/runtime/workers.h"
 #include "nhpm/synthesis/annotator_population.h"
 #include "nhpm/synthesis/mapping_task.h"
-#include "nhpm/synthesis/parallel_for.h"
 #include "operator/simulated/path_planner.h"
 
 namespace conav::nhpm {
@@ -60,8 +60,10 @@ Result<std::vector<std::vector<PerceptionAnswer>>> OracleAnswers(
     std::span<const Trajectory> trajectories, const OracleOptions& options) {
   if (const auto good = CheckOptions(options); !good) return tl::unexpected(good.error());
   std::vector<Result<std::vector<PerceptionAnswer>>> results(trajectories.size());
-  ParallelFor(trajectories.size(), options.threads,
-              [&](std::size_t i) { results[i] = AnswersOf(trajectories[i], options); });
+  RunOnWorkers(options.threads, static_cast<int>(trajectories.size()), [&](int, int index) {
+    const auto i = static_cast<std::size_t>(index);
+    results[i] = AnswersOf(trajectories[i], options);
+  });
   std::vector<std::vector<PerceptionAnswer>> answers;
   for (std::size_t i = 0; i < results.size(); ++i) {
     if (!results[i]) {

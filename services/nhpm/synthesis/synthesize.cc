@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "nhpm/synthesis/parallel_for.h"
+#include "common/runtime/workers.h"
 
 namespace conav::nhpm {
 namespace {
@@ -44,8 +44,10 @@ Result<Trajectory> MakeCandidate(const SynthesisOptions& options, std::size_t in
 
 std::vector<Result<Trajectory>> MakeWave(const SynthesisOptions& options, std::size_t first) {
   std::vector<Result<Trajectory>> wave(kWave);
-  ParallelFor(kWave, options.threads,
-              [&](std::size_t i) { wave[i] = MakeCandidate(options, first + i); });
+  RunOnWorkers(options.threads, static_cast<int>(kWave), [&](int, int index) {
+    const auto i = static_cast<std::size_t>(index);
+    wave[i] = MakeCandidate(options, first + i);
+  });
   return wave;
 }
 

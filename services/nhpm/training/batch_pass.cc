@@ -4,8 +4,8 @@
 #include <numeric>
 
 #include "common/runtime/demand.h"
+#include "common/runtime/workers.h"
 #include "nhpm/training/loss.h"
-#include "nhpm/training/workers.h"
 
 namespace conav::nhpm {
 namespace {

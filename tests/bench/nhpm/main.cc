@@ -1,19 +1,18 @@
 // conav-bench-nhpm: what a prediction costs, whole and incremental, beside the limit of the core and
 // beside oneDNN.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "bench/nhpm/onednn_network.h"
 #include "bench/nhpm/planner_queries.h"
+#include "bench/support/bench_program.h"
 #include "bench/support/fma_peak.h"
 #include "bench/support/measure.h"
-#include "common/runtime/json.h"
 #include "nhpm/engine/inference_pass.h"
 #include "nhpm/model/encoding.h"
 #include "nhpm/model/perception_network.h"
@@ -179,30 +178,25 @@ void PrintTable(const Options& options, const Benchmark& benchmark,
              value("incremental_us"), value("incremental_speedup"));
 }
 
-int Run(const Options& options) {
+void Run(const Options& options) {
   Benchmark benchmark(options);
   const double difference = benchmark.DifferenceFromOneDnn();
   if (difference > 1e-5) {
-    fmt::print(stderr, "conav-bench-nhpm: oneDNN differs by {}\n", difference);
-    return 1;
+    throw std::runtime_error(fmt::format("oneDNN differs by {}", difference));
   }
   Rounds rounds;
   for (int i = 0; i < options.rounds; ++i) {
-    if (isatty(STDERR_FILENO) != 0) {
-      fmt::print(stderr, "\rround {} of {} {}", i + 1, options.rounds,
-                 i + 1 == options.rounds ? "\n" : "");
-    }
+    ShowRound(i, options.rounds);
     benchmark.Round(rounds);
   }
   const auto metrics = Metrics(rounds, benchmark.flops());
   PrintTable(options, benchmark, metrics);
-  if (options.json.empty()) return 0;
-  const nlohmann::ordered_json document{
-      {"benchmark", "nhpm"},      {"machine", Machine()}, {"width", options.width},
-      {"rounds", options.rounds}, {"metrics", metrics},   {"onednn_difference", difference}};
-  const auto written = WriteJsonFile(options.json, document);
-  if (!written) fmt::print(stderr, "conav-bench-nhpm: {}\n", written.error().text);
-  return written ? 0 : 1;
+  WriteFigures(options.json, {{"benchmark", "nhpm"},
+                              {"machine", Machine()},
+                              {"width", options.width},
+                              {"rounds", options.rounds},
+                              {"metrics", metrics},
+                              {"onednn_difference", difference}});
 }
 
 }  // namespace
@@ -213,27 +207,15 @@ int main(int argc, char** argv) {
       "What a prediction of the perception network costs: a full pass beside the core's FMA peak\n"
       "and beside oneDNN, and the planner's queries whole and incremental, all in one run.\n"
       "Metrics of --json: full_us, incremental_us, fma_peak_fraction, onednn_ratio (oneDNN's time\n"
-      "over ours), incremental_speedup (whole over incremental), and what they are made of.");
+      "over ours), incremental_speedup (whole over incremental), and what they are made of.",
+      "conav-bench-nhpm");
   conav::bench::Options options;
-  app.add_option("--json", options.json, "Write figures to this file");
-  app.add_option("--rounds", options.rounds, "Repetitions; medians are over these")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000));
+  conav::bench::AddUsualOptions(app, options.json, options.rounds);
   app.add_option("--width", options.width, "Channels of the hidden layers")
       ->capture_default_str()
       ->check(CLI::IsMember({16, 32, 64}));
   app.add_option("--episodes", options.episodes, "Episodes whose queries are asked")
       ->capture_default_str()
       ->check(CLI::Range(1, 100));
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  try {
-    return conav::bench::Run(options);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "conav-bench-nhpm: {}\n", error.what());
-    return 1;
-  }
+  return conav::bench::RunBenchmark(app, argc, argv, [&] { conav::bench::Run(options); });
 }

@@ -4,14 +4,12 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 
 #include "bench/nhpm/planner_queries.h"
 #include "bench/perception/measurement.h"
 #include "bench/perception/served_network.h"
+#include "bench/support/bench_program.h"
 #include "bench/support/measure.h"
-#include "common/runtime/json.h"
-#include "common/runtime/log.h"
 #include "nhpm/model/load_model.h"
 #include "nhpm/model/weights_file.h"
 #include "planner/perception/embedded_perception_model.h"
@@ -69,7 +67,7 @@ void PrintTable(const Options& options, const std::string& model,
   }
 }
 
-int Run(const Options& options) {
+void Run(const Options& options) {
   const TemporaryFolder folder;
   const std::filesystem::path weights =
       std::filesystem::absolute(options.weights.empty() ? WriteUntrained(folder.path())
@@ -86,13 +84,12 @@ int Run(const Options& options) {
   const auto series = Measure(models, Queries(), options.rounds, options.calls);
   const auto metrics = MetricsOf(series);
   PrintTable(options, model, metrics);
-  if (options.json.empty()) return 0;
-  const nlohmann::ordered_json document{
-      {"benchmark", "perception"}, {"machine", Machine()},   {"model", model},
-      {"rounds", options.rounds},  {"calls", options.calls}, {"metrics", metrics}};
-  const auto written = WriteJsonFile(options.json, document);
-  if (!written) throw StartupError(written.error().text);
-  return 0;
+  WriteFigures(options.json, {{"benchmark", "perception"},
+                              {"machine", Machine()},
+                              {"model", model},
+                              {"rounds", options.rounds},
+                              {"calls", options.calls},
+                              {"metrics", metrics}});
 }
 
 }  // namespace
@@ -106,26 +103,13 @@ int main(int argc, char** argv) {
       "batches of 32, all in one run, with queries of the planner's search and the same bits.\n"
       "Metrics of --json: <way>_single_us and <way>_batch32_us, the wall time of a call, for the\n"
       "ways embedded, cyclonedds, fastdds; <vendor>_single_ratio and <vendor>_batch32_ratio, over\n"
-      "embedded.");
+      "embedded.",
+      "conav-bench-perception");
   conav::bench::Options options;
-  app.add_option("--json", options.json, "Write figures to this file");
-  app.add_option("--rounds", options.rounds, "Repetitions; medians are over these")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000));
+  conav::bench::AddUsualOptions(app, options.json, options.rounds);
   app.add_option("--calls", options.calls, "Calls per repetition, way and size")
       ->capture_default_str()
       ->check(CLI::Range(1, 100000));
   app.add_option("--weights", options.weights, "Weights file [untrained ones of width 32]");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  conav::log::SetMinimumLevel(conav::log::Level::kWarning);
-  try {
-    return conav::bench::Run(options);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "conav-bench-perception: {}\n", error.what());
-    return 1;
-  }
+  return conav::bench::RunBenchmark(app, argc, argv, [&] { conav::bench::Run(options); });
 }

@@ -4,6 +4,7 @@
 
 #include <chrono>
 
+#include "bench/support/bench_program.h"
 #include "bench/support/measure.h"
 
 namespace conav::bench {
@@ -63,13 +64,12 @@ std::vector<Series> Measure(std::span<const Asked> models, std::span<const Perce
     for (const Asked& asked : models) series.push_back({asked.name, batch, {}});
   }
   for (int round = 0; round < rounds; ++round) {
-    fmt::print(stderr, "\rconav-bench-perception: round {} of {}", round + 1, rounds);
+    ShowRound(round, rounds);
     for (std::size_t i = 0; i < series.size(); ++i) {
       series[i].call_us.push_back(
           MedianCall(models[i % models.size()], queries, series[i].batch, calls));
     }
   }
-  fmt::print(stderr, "\n");
   return series;
 }
 

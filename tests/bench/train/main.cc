@@ -1,18 +1,16 @@
 // conav-bench-train: what an epoch of training costs, beside the limit of the cores and libtorch.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
-#include <cstdio>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <thread>
 
+#include "bench/support/bench_program.h"
 #include "bench/support/fma_peak.h"
 #include "bench/support/measure.h"
-#include "common/runtime/json.h"
 #include "common/runtime/random.h"
 #include "nhpm/training/trainer.h"
 #ifdef CONAV_HAVE_TORCH
@@ -94,10 +92,7 @@ Rounds Measure(const Options& options) {
   trainer.RunEpoch(stop);  // warms up
   Rounds rounds;
   for (int i = 0; i < options.rounds; ++i) {
-    if (isatty(STDERR_FILENO) != 0) {
-      fmt::print(stderr, "\rround {} of {} {}", i + 1, options.rounds,
-                 i + 1 == options.rounds ? "\n" : "");
-    }
+    ShowRound(i, options.rounds);
     rounds.limit_s.push_back(1e-9 * FlopsOfEpoch(options) / MeasureFmaPeak(options.threads));
     rounds.epoch_s.push_back(WallSeconds([&] { trainer.RunEpoch(stop); }));
 #ifdef CONAV_HAVE_TORCH
@@ -113,7 +108,7 @@ double MedianRatio(const std::vector<double>& above, const std::vector<double>& 
   return Median(ratios);
 }
 
-int Run(const Options& options) {
+void Run(const Options& options) {
   const Rounds rounds = Measure(options);
   nlohmann::ordered_json metrics{{"epoch_s", Median(rounds.epoch_s)},
                                  {"fma_limit_ratio", MedianRatio(rounds.epoch_s, rounds.limit_s)}};
@@ -134,13 +129,12 @@ int Run(const Options& options) {
     fmt::print("libtorch  {:7.3f} s; ours takes {:.2f} x its time\n", value("libtorch_epoch_s"),
                value("libtorch_ratio"));
   }
-  if (options.json.empty()) return 0;
-  const nlohmann::ordered_json document{{"benchmark", "train"},     {"machine", Machine()},
-                                        {"width", options.width},   {"threads", options.threads},
-                                        {"rounds", options.rounds}, {"metrics", metrics}};
-  const auto written = WriteJsonFile(options.json, document);
-  if (!written) fmt::print(stderr, "conav-bench-train: {}\n", written.error().text);
-  return written ? 0 : 1;
+  WriteFigures(options.json, {{"benchmark", "train"},
+                              {"machine", Machine()},
+                              {"width", options.width},
+                              {"threads", options.threads},
+                              {"rounds", options.rounds},
+                              {"metrics", metrics}});
 }
 
 }  // namespace
@@ -152,12 +146,10 @@ int main(int argc, char** argv) {
       "an\n"
       "example) and beside libtorch where it was installed at build time, in one run.\n"
       "Metrics of --json: epoch_s, fma_limit_ratio (epoch over limit), libtorch_ratio (ours over\n"
-      "libtorch) and libtorch_epoch_s.");
+      "libtorch) and libtorch_epoch_s.",
+      "conav-bench-train");
   conav::bench::Options options;
-  app.add_option("--json", options.json, "Write figures to this file");
-  app.add_option("--rounds", options.rounds, "Epochs measured; medians are over these")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000));
+  conav::bench::AddUsualOptions(app, options.json, options.rounds);
   app.add_option("--width", options.width, "Channels of the hidden layers")
       ->capture_default_str()
       ->check(CLI::IsMember({16, 32, 64}));
@@ -167,15 +159,5 @@ int main(int argc, char** argv) {
   app.add_option("--threads", options.threads, "Threads")
       ->capture_default_str()
       ->check(CLI::Range(1, 256));
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  try {
-    return conav::bench::Run(options);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "conav-bench-train: {}\n", error.what());
-    return 1;
-  }
+  return conav::bench::RunBenchmark(app, argc, argv, [&] { conav::bench::Run(options); });
 }

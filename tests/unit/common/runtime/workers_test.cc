@@ -1,13 +1,13 @@
-#include "nhpm/training/workers.h"
+#include "common/runtime/workers.h"
 
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <vector>
 
-namespace conav::nhpm {
+namespace conav {
 namespace {
 
-TEST_CASE("Each index is taken once, by a worker that exists", "[nhpm][training]") {
+TEST_CASE("Each index is taken once, by a worker that exists", "[runtime]") {
   const int threads = GENERATE(1, 2, 7);
   const int count = GENERATE(0, 1, 5, 100);
   std::vector<std::atomic<int>> taken(100);
@@ -21,4 +21,4 @@ TEST_CASE("Each index is taken once, by a worker that exists", "[nhpm][training]
 }
 
 }  // namespace
-}  // namespace conav::nhpm
+}  // namespace conav

@@ -1,11 +1,11 @@
-#include "nhpm/training/workers.h"
+#include "common/runtime/workers.h"
 
 #include <algorithm>
 #include <atomic>
 #include <thread>
 #include <vector>
 
-namespace conav::nhpm {
+namespace conav {
 
 void RunOnWorkers(int threads, int count, const std::function<void(int, int)>& task) {
   std::atomic<int> next{0};
@@ -19,4 +19,4 @@ void RunOnWorkers(int threads, int count, const std::function<void(int, int)>& t
   work(0);
 }
 
-}  // namespace conav::nhpm
+}  // namespace conav
