@@ -2,11 +2,11 @@
 
 #include <catch2/catch.hpp>
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 
 #include "nhpm/model/weights_file.h"
+#include "support/temporary_folder.h"
 
 namespace conav::test {
 
@@ -24,30 +24,17 @@ inline nhpm::NetworkModel UntrainedNetwork(std::uint64_t seed, int rows = 0, int
 /// A folder for weights files, removed at the end.
 class WeightsFolder {
  public:
-  WeightsFolder() {
-    std::string pattern =
-        (std::filesystem::temp_directory_path() / "conav-weights-XXXXXX").string();
-    REQUIRE(mkdtemp(pattern.data()) != nullptr);
-    path_ = pattern;
-  }
-  ~WeightsFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  WeightsFolder(const WeightsFolder&) = delete;
-  WeightsFolder& operator=(const WeightsFolder&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& path() const { return folder_.path(); }
 
   /// Writes `model` as `name`.nhpm and returns the file's path.
   std::string Write(const std::string& name, const nhpm::NetworkModel& model) const {
-    const std::filesystem::path file = path_ / (name + ".nhpm");
+    const std::filesystem::path file = folder_ / (name + ".nhpm");
     REQUIRE(nhpm::WriteWeightsFile(file, model));
     return file.string();
   }
 
  private:
-  std::filesystem::path path_;
+  TemporaryFolder folder_;
 };
 
 }  // namespace conav::test

@@ -11,10 +11,12 @@
 #include "common/runtime/clock.h"
 #include "operator/config.h"
 #include "operator/operator_service.h"
+#include "support/temporary_folder.h"
 #include "unit/operator/support/drawn_map.h"
-#include "unit/operator/support/temporary_folder.h"
 
 namespace conav::operators {
+
+using test::TemporaryFolder;
 
 inline OccupancyGrid DrawnTruth(const std::vector<std::string>& lines) {
   const BeliefGrid drawn = DrawnMap(lines);

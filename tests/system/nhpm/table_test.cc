@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/runtime/file.h"
+#include "support/temporary_folder.h"
 
 namespace conav::nhpm {
 namespace {
@@ -17,19 +18,16 @@ namespace {
 class Workshop {
  public:
   Workshop() {
-    std::string name = (std::filesystem::temp_directory_path() / "conav-table-XXXXXX").string();
-    REQUIRE(mkdtemp(name.data()) != nullptr);
-    folder_ = name;
     Run("conav-dataset synthesize --trajectories 40 --seed 7 --out {}/data.pb.zst");
     Run("conav-train --data {0}/data.pb.zst --out {0}/w.nhpm --width 16 --epochs 8 --json "
         "{0}/train.json");
   }
-  ~Workshop() { std::filesystem::remove_all(folder_); }
 
   /// Runs a program with {} for the folder; it must succeed.
   void Run(const std::string& command) const {
-    const std::string full = fmt::format("cd '{}' && {}/", folder_.string(), CONAV_BIN_DIR) +
-                             fmt::format(fmt::runtime(command), folder_.string()) + " >>log 2>&1";
+    const std::string full = fmt::format("cd '{}' && {}/", folder_.path().string(), CONAV_BIN_DIR) +
+                             fmt::format(fmt::runtime(command), folder_.path().string()) +
+                             " >>log 2>&1";
     const int status = std::system(full.c_str());
     INFO(full << "\n" << ReadFile(folder_ / "log").value_or("no output"));
     REQUIRE((WIFEXITED(status) && WEXITSTATUS(status) == 0));
@@ -40,7 +38,7 @@ class Workshop {
   std::string Text(const std::string& name) const { return ReadFile(folder_ / name).value_or(""); }
 
  private:
-  std::filesystem::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_CASE("people are synthesized, learned from and compared with all models", "[nhpm][system]") {

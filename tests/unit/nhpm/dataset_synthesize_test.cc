@@ -7,12 +7,12 @@
 #include "common/segments/segment_file.h"
 #include "nhpm/dataset_commands.h"
 #include "nhpm/synthesis/synthesize.h"
-#include "unit/operator/support/temporary_folder.h"
+#include "support/temporary_folder.h"
 
 namespace conav::nhpm {
 namespace {
 
-using operators::TemporaryFolder;
+using test::TemporaryFolder;
 
 /// The exit code that `conav dataset synthesize OPTIONS` ends with.
 int Synthesize(std::vector<std::string> options) {

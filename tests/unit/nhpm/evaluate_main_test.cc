@@ -12,24 +12,19 @@
 #include "common/segments/segment_file.h"
 #include "nhpm/model/weights_file.h"
 #include "nhpm/synthesis/annotator_population.h"
+#include "support/temporary_folder.h"
 #include "unit/nhpm/evaluation/evaluation_samples.h"
 
 namespace conav::nhpm {
 namespace {
 
-/// A folder of this test, removed at the end.
+/// A folder of this test, its files as arguments of programs.
 class Folder {
  public:
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "conav-evaluate-XXXXXX").string();
-    REQUIRE(mkdtemp(name.data()) != nullptr);
-    path_ = name;
-  }
-  ~Folder() { std::filesystem::remove_all(path_); }
-  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+  std::string operator/(const std::string& name) const { return (folder_ / name).string(); }
 
  private:
-  std::filesystem::path path_;
+  test::TemporaryFolder folder_;
 };
 
 struct Ended {

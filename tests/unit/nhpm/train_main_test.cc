@@ -15,23 +15,18 @@
 #include "common/runtime/sha256.h"
 #include "common/segments/segment_file.h"
 #include "nhpm/model/weights_file.h"
+#include "support/temporary_folder.h"
 
 namespace conav::nhpm {
 namespace {
 
-/// A folder of this test, removed at the end.
+/// A folder of this test, its files as arguments of programs.
 class Folder {
  public:
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "conav-train-XXXXXX").string();
-    REQUIRE(mkdtemp(name.data()) != nullptr);
-    path_ = name;
-  }
-  ~Folder() { std::filesystem::remove_all(path_); }
-  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+  std::string operator/(const std::string& name) const { return (folder_ / name).string(); }
 
  private:
-  std::filesystem::path path_;
+  test::TemporaryFolder folder_;
 };
 
 /// conav-train as a process of its own, its standard output and error in one pipe.

@@ -11,16 +11,16 @@
 #include "common/segments/segment_labels.h"
 #include "common/segments/segment_log.h"
 #include "common/segments/segment_records.h"
+#include "support/temporary_folder.h"
 #include "unit/common/segments/support/sample_segments.h"
-#include "unit/common/segments/support/scratch_folder.h"
 
 namespace conav {
 namespace {
 
-using tests::ScratchFolder;
+using test::TemporaryFolder;
 
 /// The reason without the path before it; empty when the bytes are read.
-std::string RefusalOf(const ScratchFolder& folder, std::string_view bytes) {
+std::string RefusalOf(const TemporaryFolder& folder, std::string_view bytes) {
   const auto path = folder.path() / "file";
   REQUIRE(WriteFile(path, bytes));
   const auto set = ReadSegmentFile(path);
@@ -49,7 +49,7 @@ std::string ChangedSegment(Change&& change) {
 }
 
 TEST_CASE("what was written is read, no field lost", "[segments]") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const auto path = folder.path() / "set.pb.zst";
   REQUIRE(WriteSegmentFile(path, tests::SampleSet()));
   const auto read = ReadSegmentFile(path);
@@ -58,7 +58,7 @@ TEST_CASE("what was written is read, no field lost", "[segments]") {
 }
 
 TEST_CASE("equal sets are equal files, byte by byte", "[segments]") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   Trajectory forwards = tests::SampleTrajectory();
   Trajectory backwards = forwards;
   for (int i = 0; i < 50; ++i) {
@@ -71,14 +71,14 @@ TEST_CASE("equal sets are equal files, byte by byte", "[segments]") {
 }
 
 TEST_CASE("an empty set is a file, too", "[segments]") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const auto path = folder.path() / "set.pb.zst";
   REQUIRE(WriteSegmentFile(path, {}));
   CHECK(ReadSegmentFile(path) == SegmentSet());
 }
 
 TEST_CASE("a set that does not pass the checks is not written", "[segments]") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   SegmentSet set = tests::SampleSet();
   set.trajectories[0].segments[1].query.path.clear();
   const auto written = WriteSegmentFile(folder.path() / "set", set);
@@ -102,7 +102,7 @@ TEST_CASE("a file that is not there is not found", "[segments]") {
 }
 
 TEST_CASE("a file cut anywhere is refused as truncated", "[segments]") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const auto path = folder.path() / "set";
   REQUIRE(WriteSegmentFile(path, tests::SampleSet()));
   const std::string whole = ReadFile(path).value();
@@ -114,7 +114,7 @@ TEST_CASE("a file cut anywhere is refused as truncated", "[segments]") {
 }
 
 TEST_CASE("every flipped byte is noticed", "[segments]") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const auto path = folder.path() / "set";
   REQUIRE(WriteSegmentFile(path, tests::SampleSet()));
   const std::string whole = ReadFile(path).value();
@@ -129,7 +129,7 @@ TEST_CASE("every flipped byte is noticed", "[segments]") {
 }
 
 TEST_CASE("what is no segment file is refused as such", "[segments]") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   CHECK(RefusalOf(folder, "{\"type\": \"trajectory\"}\n") == "it is not compressed with zstd");
   CHECK_THAT(RefusalOf(folder, FrameOf({Header()}) + "junk"), Catch::Contains("it is no zstd"));
   CHECK_THAT(RefusalOf(folder, FrameOf({"hello, world, this is text"})),
@@ -143,7 +143,7 @@ TEST_CASE("what is no segment file is refused as such", "[segments]") {
 
 TEST_CASE("whatever its records hold, a file is refused or is a set that passes all checks",
           "[segments]") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const auto path = folder.path() / "file";
   const std::string records = Header() + SampleTrajectoryBytes() +
                               Delimited(ToRecord(tests::SampleSegment(2), 0)) +
@@ -163,7 +163,7 @@ TEST_CASE("whatever its records hold, a file is refused or is a set that passes 
 }
 
 TEST_CASE("another schema version is refused by number", "[segments]") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   segments::Record header;
   header.mutable_header()->set_schema_version(2);
   CHECK(RefusalOf(folder, FrameOf({Delimited(header)})) ==
@@ -171,7 +171,7 @@ TEST_CASE("another schema version is refused by number", "[segments]") {
 }
 
 TEST_CASE("records that promise more than they have are refused", "[segments]") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   CHECK(RefusalOf(folder, FrameOf({Header(), "\xFF\xFF\xFF\x7F"})) ==
         "record 1 says that it has 268435455 bytes; 33554432 is the limit");
   CHECK(RefusalOf(folder, FrameOf({Header(), std::string(9, '\xFF')})) ==
@@ -190,7 +190,7 @@ TEST_CASE("records that promise more than they have are refused", "[segments]") 
 }
 
 TEST_CASE("values and cells that no segment can have are refused with their place", "[segments]") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   CHECK(RefusalOf(folder, ChangedSegment([](segments::Segment& s) {
                     (*s.mutable_map_before()->mutable_cells())[6] = 2;
                   })) == "trajectory 0, segment 0: x is 2 at (1,1); it must be at most 1");
@@ -207,7 +207,7 @@ TEST_CASE("values and cells that no segment can have are refused with their plac
 }
 
 TEST_CASE("a trajectory without an origin or out of turn is refused", "[segments]") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   segments::Record record = ToRecord(tests::SampleTrajectory(), 0);
   record.mutable_trajectory()->set_origin(segments::ORIGIN_UNSPECIFIED);
   CHECK(RefusalOf(folder, FrameOf({Header(), Delimited(record)})) ==
@@ -220,7 +220,7 @@ TEST_CASE("a trajectory without an origin or out of turn is refused", "[segments
 }
 
 TEST_CASE("a recording can be read at any time and holds the newest facts", "[segments]") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const auto path = folder.path() / "log";
   auto log = SegmentLog::Open(path);
   REQUIRE(log);
@@ -233,7 +233,7 @@ TEST_CASE("a recording can be read at any time and holds the newest facts", "[se
 }
 
 TEST_CASE("a recording goes on with a new trajectory", "[segments]") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const auto path = folder.path() / "log";
   REQUIRE(WriteSegmentFile(path, tests::SampleSet()));
   auto log = SegmentLog::Open(path);
@@ -248,7 +248,7 @@ TEST_CASE("a recording goes on with a new trajectory", "[segments]") {
 
 TEST_CASE("a recording cut off by a kill is refused, recovered on demand, and continued",
           "[segments]") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const auto path = folder.path() / "log";
   const Trajectory trajectory = tests::SampleTrajectory();
   {
@@ -274,7 +274,7 @@ TEST_CASE("a recording cut off by a kill is refused, recovered on demand, and co
 
 TEST_CASE("two programs do not record to one file, and no other file is recorded over",
           "[segments]") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const auto path = folder.path() / "log";
   const auto first = SegmentLog::Open(path);
   REQUIRE(first);
@@ -288,7 +288,7 @@ TEST_CASE("two programs do not record to one file, and no other file is recorded
 }
 
 TEST_CASE("a recording takes no segment that its readers would refuse", "[segments]") {
-  const ScratchFolder folder;
+  const TemporaryFolder folder;
   const auto path = folder.path() / "log";
   auto log = SegmentLog::Open(path);
   REQUIRE(log);

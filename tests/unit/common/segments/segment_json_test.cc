@@ -5,8 +5,8 @@
 
 #include "common/runtime/file.h"
 #include "common/segments/segment_checks.h"
+#include "support/temporary_folder.h"
 #include "unit/common/segments/support/sample_segments.h"
-#include "unit/common/segments/support/scratch_folder.h"
 
 namespace conav {
 namespace {
@@ -163,7 +163,7 @@ TEST_CASE("whatever the lines hold, they are refused or are a set that passes al
 }
 
 TEST_CASE("files of JSON lines are read and written", "[segments]") {
-  const tests::ScratchFolder folder;
+  const test::TemporaryFolder folder;
   const auto path = folder.path() / "set.jsonl";
   REQUIRE(ExportSegmentsFile(path, tests::SampleSet()));
   CHECK(ImportSegmentsFile(path) == tests::SampleSet());

@@ -9,8 +9,8 @@
 #include "common/runtime/file.h"
 #include "common/segments/segment_file.h"
 #include "common/segments/segment_json.h"
+#include "support/temporary_folder.h"
 #include "unit/common/segments/support/sample_segments.h"
-#include "unit/common/segments/support/scratch_folder.h"
 
 namespace conav {
 namespace {
@@ -36,7 +36,7 @@ class Desk {
   std::filesystem::path operator/(const char* name) const { return folder_.path() / name; }
 
  private:
-  tests::ScratchFolder folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_CASE("conav-dataset describes a file in words, numbers and a picture", "[nhpm][dataset]") {

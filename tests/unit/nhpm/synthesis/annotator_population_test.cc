@@ -4,7 +4,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "unit/operator/support/temporary_folder.h"
+#include "support/temporary_folder.h"
 
 namespace conav::nhpm {
 namespace {
@@ -14,7 +14,7 @@ const std::filesystem::path kShippedFile =
 
 /// What reading a file with these parameters throws; empty when it is taken.
 std::string Refusal(const std::string& parameters) {
-  const operators::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   std::ofstream(folder / "people.yaml") << "annotators:\n  ros__parameters:\n    " << parameters;
   try {
     ReadPopulation(folder / "people.yaml");
@@ -55,7 +55,7 @@ TEST_CASE("The shipped file of people holds every key with its default", "[nhpm]
 }
 
 TEST_CASE("A file of people changes what it names and keeps the rest", "[nhpm][synthesis]") {
-  const operators::TemporaryFolder folder;
+  const test::TemporaryFolder folder;
   std::ofstream(folder / "people.yaml")
       << "annotators: {ros__parameters: {careful: {near_cells: {mean: 2.5}}}}";
   AnnotatorPopulation expected;

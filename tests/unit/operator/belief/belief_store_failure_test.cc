@@ -8,10 +8,12 @@
 #include <fstream>
 
 #include "operator/belief/belief_store.h"
+#include "support/temporary_folder.h"
 #include "unit/operator/support/drawn_map.h"
-#include "unit/operator/support/temporary_folder.h"
 
 namespace conav::operators {
+
+using test::TemporaryFolder;
 namespace {
 
 const BeliefGrid kInitial(41, 41, 0.0F);

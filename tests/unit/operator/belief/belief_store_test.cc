@@ -2,10 +2,12 @@
 
 #include <catch2/catch.hpp>
 
+#include "support/temporary_folder.h"
 #include "unit/operator/support/drawn_map.h"
-#include "unit/operator/support/temporary_folder.h"
 
 namespace conav::operators {
+
+using test::TemporaryFolder;
 namespace {
 
 const BeliefGrid kInitial = DrawnMap({"####", "#  #", "#? #", "####"});

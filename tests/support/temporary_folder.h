@@ -7,7 +7,7 @@
 
 #include "common/runtime/demand.h"
 
-namespace conav::operators {
+namespace conav::test {
 
 /// A folder that lives as long as this object.
 class TemporaryFolder {
@@ -24,10 +24,11 @@ class TemporaryFolder {
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
 
+  const std::filesystem::path& path() const { return path_; }
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
 
  private:
   std::filesystem::path path_;
 };
 
-}  // namespace conav::operators
+}  // namespace conav::test
