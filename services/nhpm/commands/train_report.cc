@@ -1,4 +1,4 @@
-#include "nhpm/train_report.h"
+#include "nhpm/commands/train_report.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/runtime/json.h"
-#include "nhpm/progress_line.h"
+#include "nhpm/commands/progress_line.h"
 
 namespace conav::nhpm {
 namespace {

@@ -1,4 +1,4 @@
-#include "nhpm/dataset_commands.h"
+#include "nhpm/commands/dataset_commands.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "nhpm/train_command.h"
+#include "nhpm/commands/train_command.h"
 
 #include <fmt/format.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "common/runtime/file.h"
+#include "nhpm/commands/progress_line.h"
+#include "nhpm/commands/train_report.h"
 #include "nhpm/model/weights_file.h"
-#include "nhpm/progress_line.h"
-#include "nhpm/train_report.h"
 #include "nhpm/training/checkpoint.h"
 #include "nhpm/training/loss_curve.h"
 #include "nhpm/training/training_data.h"

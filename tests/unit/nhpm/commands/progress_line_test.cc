@@ -1,4 +1,4 @@
-#include "nhpm/progress_line.h"
+#include "nhpm/commands/progress_line.h"
 
 #include <catch2/catch.hpp>
 #include <memory>

@@ -1,5 +1,5 @@
 // conav-dataset: makes, converts and shows segments, what perception models learn from.
-#include "nhpm/dataset_commands.h"
+#include "nhpm/commands/dataset_commands.h"
 
 int main(int argc, char** argv) {
   CLI::App app{

@@ -10,8 +10,8 @@
 #include "common/segments/segment_json.h"
 #include "common/segments/segment_labels.h"
 #include "common/segments/segment_split.h"
+#include "nhpm/commands/dataset_commands.h"
 #include "nhpm/dataset/set_union.h"
-#include "nhpm/dataset_commands.h"
 
 // import, export, merge and split: from files to files.
 namespace conav::nhpm {

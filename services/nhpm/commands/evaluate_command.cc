@@ -1,4 +1,4 @@
-#include "nhpm/evaluate_command.h"
+#include "nhpm/commands/evaluate_command.h"
 
 #include <fmt/format.h>
 
@@ -11,10 +11,10 @@
 #include "common/runtime/file.h"
 #include "common/runtime/json.h"
 #include "common/segments/segment_labels.h"
-#include "nhpm/evaluate_rows.h"
+#include "nhpm/commands/evaluate_rows.h"
+#include "nhpm/commands/progress_line.h"
 #include "nhpm/evaluation/report.h"
 #include "nhpm/evaluation/report_json.h"
-#include "nhpm/progress_line.h"
 
 namespace conav::nhpm {
 namespace {

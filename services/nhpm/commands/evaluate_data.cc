@@ -5,7 +5,7 @@
 #include "common/segments/segment_file.h"
 #include "common/segments/segment_labels.h"
 #include "common/segments/segment_split.h"
-#include "nhpm/evaluate_rows.h"
+#include "nhpm/commands/evaluate_rows.h"
 
 namespace conav::nhpm {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/runtime/result.h"
-#include "nhpm/evaluate_command.h"
+#include "nhpm/commands/evaluate_command.h"
 #include "nhpm/evaluation/evaluation.h"
 #include "nhpm/model/weights_file.h"
 

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "common/runtime/result.h"
+#include "nhpm/commands/train_command.h"
 #include "nhpm/model/weights_file.h"
-#include "nhpm/train_command.h"
 #include "nhpm/training/training_data.h"
 
 namespace conav::nhpm {

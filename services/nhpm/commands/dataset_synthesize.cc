@@ -9,8 +9,8 @@
 
 #include "common/runtime/file.h"
 #include "common/segments/segment_file.h"
-#include "nhpm/dataset_commands.h"
-#include "nhpm/progress_line.h"
+#include "nhpm/commands/dataset_commands.h"
+#include "nhpm/commands/progress_line.h"
 #include "nhpm/synthesis/synthesize.h"
 
 namespace conav::nhpm {

@@ -6,9 +6,9 @@
 
 #include "common/runtime/file.h"
 #include "common/segments/segment_file.h"
+#include "nhpm/commands/dataset_commands.h"
 #include "nhpm/dataset/segment_picture.h"
 #include "nhpm/dataset/set_summary.h"
-#include "nhpm/dataset_commands.h"
 
 namespace conav::nhpm {
 namespace {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "common/runtime/stop_token.h"
-#include "nhpm/adapt_command.h"
-#include "nhpm/train_command.h"
+#include "nhpm/commands/adapt_command.h"
+#include "nhpm/commands/train_command.h"
 
 namespace {
 

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "nhpm/evaluate_rows.h"
+#include "nhpm/commands/evaluate_rows.h"
 #include "nhpm/model/load_model.h"
 #include "nhpm/model/perception_network.h"
 

@@ -5,7 +5,7 @@
 
 #include "common/runtime/file.h"
 #include "common/segments/segment_file.h"
-#include "nhpm/dataset_commands.h"
+#include "nhpm/commands/dataset_commands.h"
 #include "nhpm/synthesis/synthesize.h"
 #include "support/temporary_folder.h"
 

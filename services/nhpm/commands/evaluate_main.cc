@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <thread>
 
-#include "nhpm/evaluate_command.h"
+#include "nhpm/commands/evaluate_command.h"
 
 namespace {
 

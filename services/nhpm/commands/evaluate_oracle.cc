@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "nhpm/evaluate_rows.h"
+#include "nhpm/commands/evaluate_rows.h"
 #include "nhpm/synthesis/annotator_population.h"
 #include "nhpm/synthesis/oracle.h"
 

@@ -1,4 +1,4 @@
-#include "nhpm/adapt_command.h"
+#include "nhpm/commands/adapt_command.h"
 
 #include <fmt/format.h>
 
@@ -11,8 +11,8 @@
 #include "common/runtime/sha256.h"
 #include "common/segments/segment_file.h"
 #include "common/segments/segment_labels.h"
+#include "nhpm/commands/progress_line.h"
 #include "nhpm/model/weights_file.h"
-#include "nhpm/progress_line.h"
 #include "nhpm/training/adapt.h"
 #include "nhpm/training/batch_pass.h"
 #include "nhpm/training/people.h"
