@@ -2,7 +2,6 @@
 
 #include "nhpm/engine/kernel_sets.h"
 #include "nhpm/engine/kernel_templates.h"
-#include "nhpm/engine/vector_avx2.h"
 
 namespace conav::nhpm {
 namespace {
@@ -31,10 +30,12 @@ struct Avx512 {
   }
   static Pair PairFma(Pair a, Pair b, Pair c) { return Fma(a, b, c); }
   static void PairSum(float* to, Pair value) {
-    float lanes[kWidth];
-    Store(lanes, value);
-    to[0] = Avx2::Sum(Avx2::Load(lanes));
-    to[1] = Avx2::Sum(Avx2::Load(lanes + kLanes));
+    constexpr auto kAll = 0xFFFF;  // masks against g++'s warning, as above
+    value = Add(value, _mm512_maskz_shuffle_f32x4(kAll, value, value, _MM_SHUFFLE(2, 3, 0, 1)));
+    value = Add(value, _mm512_maskz_shuffle_ps(kAll, value, value, _MM_SHUFFLE(1, 0, 3, 2)));
+    value = Add(value, _mm512_maskz_shuffle_ps(kAll, value, value, _MM_SHUFFLE(2, 3, 0, 1)));
+    to[0] = _mm512_cvtss_f32(value);
+    to[1] = _mm_cvtss_f32(_mm512_maskz_extractf32x4_ps(0xF, value, 2));
   }
 };
 

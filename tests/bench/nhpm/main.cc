@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -29,8 +31,24 @@ struct Options {
   int rounds = 31;
   int width = 32;
   int episodes = 4;
+  nhpm::InstructionSet set = nhpm::AvailableInstructionSets().front();
   std::string json;
 };
+
+/// Names of --instruction-set.
+const std::map<std::string, nhpm::InstructionSet> kSets = {
+    {"avx2", nhpm::InstructionSet::kAvx2}, {"avx512", nhpm::InstructionSet::kAvx512}};
+
+int LanesOf(nhpm::InstructionSet set) {
+  switch (set) {
+    case nhpm::InstructionSet::kAvx512:
+      return 16;
+    case nhpm::InstructionSet::kAvx2:
+      return 8;
+    default:
+      return 0;  // no FMA to compare with
+  }
+}
 
 /// A value for each round.
 struct Rounds {
@@ -63,8 +81,8 @@ class Benchmark {
         model_(MakeModel(options.width)),
         weights_(std::make_shared<const nhpm::PackedWeights>(model_.weights,
                                                              nhpm::PackedWeights::Use::kInference)),
-        pass_(weights_, nhpm::KernelsFor(options.width), kGrid, kGrid),
-        onednn_(model_.weights, kGrid, kGrid),
+        pass_(weights_, nhpm::KernelsFor(options.width, options.set), kGrid, kGrid),
+        onednn_(model_.weights, kGrid, kGrid, options.set),
         batches_(RecordPlannerQueries(options.episodes, 1)),
         input_(static_cast<std::size_t>(kGrid * kGrid) * kInputChannels) {
     for (const auto& batch : batches_) queries_ += batch.size();
@@ -87,7 +105,7 @@ class Benchmark {
   void Round(Rounds& rounds) {
     constexpr int kCalls = 50;
     const BeliefGrid& belief = batches_.front().front().belief;
-    rounds.peak_gflops.push_back(MeasureFmaPeak());
+    rounds.peak_gflops.push_back(MeasureFmaPeak(LanesOf(options_.set)));
     rounds.full_us.push_back(Microseconds(
         kCalls, [&] { kept_ += nhpm::MaskedAnswer(belief, pass_.Full(input_)).add.values()[20]; }));
     rounds.onednn_us.push_back(Microseconds(kCalls, [&] { kept_ += onednn_.Run(input_)[20]; }));
@@ -119,7 +137,7 @@ class Benchmark {
   }
 
   void AnswerIncrementally() {
-    const nhpm::PerceptionNetwork network(model_);
+    const nhpm::PerceptionNetwork network(model_, options_.set);
     for (const auto& batch : batches_) {
       const auto answers = network.Predict(batch);
       for (const PerceptionAnswer& answer : *answers) kept_ += ExpectedEdits(answer);
@@ -164,7 +182,7 @@ void PrintTable(const Options& options, const Benchmark& benchmark,
                 const nlohmann::ordered_json& m) {
   const auto value = [&](const char* name) { return m[name].get<double>(); };
   fmt::print("{}, kernels {}, one thread, medians of {} rounds, processor time\n", Machine(),
-             nhpm::KernelsFor(options.width).name, options.rounds);
+             nhpm::KernelsFor(options.width, options.set).name, options.rounds);
   fmt::print("network 13 x 13, width {}: {:.2f} MFLOP a sample; weights untrained\n", options.width,
              1e-6 * benchmark.flops());
   fmt::print("full pass            {:8.1f} us  {:5.1f} % of the FMA peak ({:.1f} GFLOP/s)\n",
@@ -179,6 +197,9 @@ void PrintTable(const Options& options, const Benchmark& benchmark,
 }
 
 void Run(const Options& options) {
+  if (!std::ranges::count(nhpm::AvailableInstructionSets(), options.set)) {
+    throw std::runtime_error("this processor does not have the instruction set asked for");
+  }
   Benchmark benchmark(options);
   const double difference = benchmark.DifferenceFromOneDnn();
   if (difference > 1e-5) {
@@ -194,6 +215,7 @@ void Run(const Options& options) {
   WriteFigures(options.json, {{"benchmark", "nhpm"},
                               {"machine", Machine()},
                               {"width", options.width},
+                              {"kernels", nhpm::KernelsFor(options.width, options.set).name},
                               {"rounds", options.rounds},
                               {"metrics", metrics},
                               {"onednn_difference", difference}});
@@ -214,6 +236,9 @@ int main(int argc, char** argv) {
   app.add_option("--width", options.width, "Channels of the hidden layers")
       ->capture_default_str()
       ->check(CLI::IsMember({16, 32, 64}));
+  app.add_option("--instruction-set", options.set,
+                 "What ours, oneDNN and the peak may use; default: the best of this processor")
+      ->transform(CLI::CheckedTransformer(conav::bench::kSets).description("avx2|avx512"));
   app.add_option("--episodes", options.episodes, "Episodes whose queries are asked")
       ->capture_default_str()
       ->check(CLI::Range(1, 100));

@@ -102,8 +102,10 @@ struct OneDnnNetwork::State {
   std::vector<Step> steps;
 };
 
-OneDnnNetwork::OneDnnNetwork(const nhpm::NetworkWeights& weights, int rows, int columns) {
+OneDnnNetwork::OneDnnNetwork(const nhpm::NetworkWeights& weights, int rows, int columns,
+                             nhpm::InstructionSet set) {
   omp_set_num_threads(1);
+  if (set == nhpm::InstructionSet::kAvx2) dnnl::set_max_cpu_isa(dnnl::cpu_isa::avx2);
   state_ = std::make_unique<State>(weights, rows, columns);
 }
 OneDnnNetwork::~OneDnnNetwork() = default;

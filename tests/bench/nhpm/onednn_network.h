@@ -3,6 +3,7 @@
 #include <memory>
 #include <span>
 
+#include "nhpm/engine/kernels.h"
 #include "nhpm/engine/network_weights.h"
 
 namespace conav::bench {
@@ -11,7 +12,9 @@ namespace conav::bench {
 /// fused, sigmoid at the end. The peer of `conav bench nhpm`.
 class OneDnnNetwork {
  public:
-  OneDnnNetwork(const nhpm::NetworkWeights& weights, int rows, int columns);
+  /// `set` bounds the instructions that oneDNN may use, for the rest of the process.
+  OneDnnNetwork(const nhpm::NetworkWeights& weights, int rows, int columns,
+                nhpm::InstructionSet set);
   ~OneDnnNetwork();
 
   /// Input [rows][columns][kInputChannels]; returns probabilities [rows][columns][kOutputChannels],

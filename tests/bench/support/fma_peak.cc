@@ -52,19 +52,27 @@ __attribute__((target("avx512f"))) double PeakOfAvx512() {
 
 }  // namespace
 
-double MeasureFmaPeak() {
-  if (__builtin_cpu_supports("avx512f")) return PeakOfAvx512();
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return PeakOfAvx2();
-  return 0.0;
+int WidestFmaLanes() {
+  if (__builtin_cpu_supports("avx512f")) return 16;
+  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? 8 : 0;
+}
+
+double MeasureFmaPeak(int lanes) {
+  if (lanes == 0) return 0.0;
+  return lanes == 16 ? PeakOfAvx512() : PeakOfAvx2();
 }
 #else
-double MeasureFmaPeak() { return 0.0; }
+int WidestFmaLanes() { return 0; }
+
+double MeasureFmaPeak(int) { return 0.0; }
 #endif
 
-double MeasureFmaPeak(int threads) {
+double MeasureFmaPeakOfThreads(int threads) {
   std::vector<double> peaks(static_cast<std::size_t>(threads), 0.0);
   std::vector<std::thread> running;
-  for (double& peak : peaks) running.emplace_back([&peak] { peak = MeasureFmaPeak(); });
+  for (double& peak : peaks) {
+    running.emplace_back([&peak] { peak = MeasureFmaPeak(WidestFmaLanes()); });
+  }
   for (std::thread& thread : running) thread.join();
   return std::accumulate(peaks.begin(), peaks.end(), 0.0);
 }

@@ -2,11 +2,14 @@
 
 namespace conav::bench {
 
-/// What one core does at most, GFLOP/s (an FMA counts as two): the widest vectors that it has, in
-/// registers, no memory. About 10 ms of processor time. 0 where the processor has no AVX2.
-double MeasureFmaPeak();
+/// Floats in the widest vector that this processor multiplies and adds: 16, 8, or 0 without AVX2.
+int WidestFmaLanes();
 
-/// The sum over as many threads at once: two of them may share one core.
-double MeasureFmaPeak(int threads);
+/// What one core does at most with vectors of `lanes` floats (WidestFmaLanes() or fewer), GFLOP/s
+/// (an FMA counts as two), in registers, no memory. About 10 ms of processor time. 0 for 0 lanes.
+double MeasureFmaPeak(int lanes);
+
+/// With the widest vectors, the sum over as many threads at once: two of them may share one core.
+double MeasureFmaPeakOfThreads(int threads);
 
 }  // namespace conav::bench

@@ -93,7 +93,7 @@ Rounds Measure(const Options& options) {
   Rounds rounds;
   for (int i = 0; i < options.rounds; ++i) {
     ShowRound(i, options.rounds);
-    rounds.limit_s.push_back(1e-9 * FlopsOfEpoch(options) / MeasureFmaPeak(options.threads));
+    rounds.limit_s.push_back(1e-9 * FlopsOfEpoch(options) / MeasureFmaPeakOfThreads(options.threads));
     rounds.epoch_s.push_back(WallSeconds([&] { trainer.RunEpoch(stop); }));
 #ifdef CONAV_HAVE_TORCH
     rounds.torch_s.push_back(WallSeconds([&] { torch.RunEpoch(); }));
