@@ -48,14 +48,14 @@ class Import {
   SegmentSet Take() { return std::move(set_); }
 
  private:
-  static void Demand(const Result<void>& checked) {
-    if (!checked) throw LineRefused{checked.error().text};
+  static void RefuseUnless(const Result<void>& checked) {
+    if (!checked) throw LineRefused(checked.error().text);
   }
 
   void AddTrajectory(JsonFields& line) {
     EndTrajectory();
     current_ = ToTrajectory(line);
-    Demand(CheckTrajectoryFacts(current_.trajectory));
+    RefuseUnless(CheckTrajectoryFacts(current_.trajectory));
     set_.trajectories.push_back(std::move(current_.trajectory));
   }
 
@@ -64,8 +64,8 @@ class Import {
     Trajectory& trajectory = set_.trajectories.back();
     std::vector<Segment>& segments = trajectory.segments;
     Segment segment = ToSegment(line, current_.rows, current_.columns);
-    Demand(CheckSegment(segment));
-    Demand(
+    RefuseUnless(CheckSegment(segment));
+    RefuseUnless(
         CheckNextSegment(trajectory.truth, segments.empty() ? nullptr : &segments.back(), segment));
     segments.push_back(std::move(segment));
   }
@@ -93,7 +93,7 @@ Result<SegmentSet> ImportSegments(std::istream& in, const std::string& name) {
     }
     import.EndTrajectory();
   } catch (const LineRefused& refused) {
-    return Fail(ErrorCode::kMalformed, fmt::format("{}:{}: {}", name, number, refused.reason));
+    return Fail(ErrorCode::kMalformed, fmt::format("{}:{}: {}", name, number, refused.what()));
   }
   if (in.bad()) return Fail(ErrorCode::kIo, fmt::format("{}: cannot read", name));
   return import.Take();

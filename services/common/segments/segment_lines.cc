@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -47,7 +48,9 @@ double ToRadians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 double ToDegrees(double radians) {
   const double degrees = radians * 180.0 / std::numbers::pi;
   for (int digits = 1; digits < std::numeric_limits<double>::max_digits10; ++digits) {
-    const double candidate = std::stod(fmt::format("{:.{}g}", degrees, digits));
+    const std::string text = fmt::format("{:.{}g}", degrees, digits);
+    double candidate = 0.0;
+    std::from_chars(text.data(), text.data() + text.size(), candidate);
     if (ToRadians(candidate) == radians) return candidate;
   }
   return degrees;

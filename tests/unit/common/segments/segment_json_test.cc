@@ -62,6 +62,15 @@ TEST_CASE("any heading survives its way through degrees", "[segments]") {
   }
 }
 
+TEST_CASE("the smallest and the largest headings survive, too", "[segments]") {
+  for (const double heading :
+       {0.0, -0.0, 5e-324, 1e-310, 2.2e-308, -1e-300, 1e-20, 999999.9, 1e6}) {
+    SegmentSet set = tests::SampleSet();
+    set.trajectories[1].segments[0].query.heading_rad = heading;
+    CHECK(Imported(Exported(set)) == set);
+  }
+}
+
 TEST_CASE("headings of the eight directions are plain degrees", "[segments]") {
   CHECK_THAT(Exported(tests::SampleSet()), Catch::Contains(R"("heading_deg":45.0})"));
 }
