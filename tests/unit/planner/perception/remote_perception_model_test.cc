@@ -270,6 +270,77 @@ TEST_CASE("The good reply of another replica counts while one is busy", "[planne
   CHECK(bench.service->asked == 1);
 }
 
+/// Two replicas, "nhpm" that answers and "bad", which gets the word first; whom each request was
+/// addressed to.
+struct TwoReplicas {
+  explicit TwoReplicas(std::function<ReplyMessage(const RequestMessage&)> bad)
+      : bench([this, bad](auto& service, const auto& request) {
+          addressed.push_back(request.replica());
+          ReplyMessage reply = bad(request);
+          reply.replica("bad");
+          if (request.replica().empty() || request.replica() == "bad") service.Reply(reply);
+          if (request.replica().empty() || request.replica() == "nhpm") {
+            service.Reply(HalfReply(request));
+          }
+        }) {}
+  std::vector<std::string> addressed;
+  RemoteBench bench;
+  bus::Participant second{"bad", bench.bus};  // so that two are counted
+  bus::Publisher<ReplyMessage> its_replies{second, bus::kPerceptionReply};
+};
+
+TEST_CASE(
+    "A replica that refuses, or cannot be understood, does not keep a good one from answering",
+    "[planner][perception]") {
+  const auto refusing = [](const RequestMessage& request) {
+    return WithoutAnswers(request, conav_msgs::msg::PERCEPTION_STATUS_REFUSED, "too large");
+  };
+  const auto unreadable = [](const RequestMessage& request) {
+    ReplyMessage reply = HalfReply(request);
+    reply.model("other");
+    reply.answers()[0].add().pop_back();
+    return reply;
+  };
+  using Bad = std::function<ReplyMessage(const RequestMessage&)>;
+  for (const Bad& bad : {Bad(refusing), Bad(unreadable)}) {
+    TwoReplicas both(bad);
+    REQUIRE(both.bench.Ask());
+    CHECK(both.bench.model->name() == "half");
+    REQUIRE(both.bench.Ask());
+    CHECK(both.addressed == std::vector<std::string>{"", "nhpm"});
+  }
+}
+
+TEST_CASE("A replica that refuses after it answered is no longer the one that is asked",
+          "[planner][perception]") {
+  std::vector<std::string> addressed;
+  RemoteBench bench([&addressed](auto& service, const auto& request) {
+    addressed.push_back(request.replica());
+    service.Reply(service.asked == 2
+                      ? WithoutAnswers(request, conav_msgs::msg::PERCEPTION_STATUS_REFUSED, "no")
+                      : HalfReply(request));
+  });
+  REQUIRE(bench.Ask());
+  ExpectFailure(bench, ErrorCode::kUnavailable, "perception service refused: no");
+  REQUIRE(bench.Ask());
+  CHECK(addressed == std::vector<std::string>{"", "nhpm", ""});
+}
+
+TEST_CASE("A busy replica is not reported as one that did not answer", "[planner][perception]") {
+  std::vector<std::string> lines;
+  log::SetSink([&lines](const log::Record& record) { lines.emplace_back(record.text); });
+  RemoteBench bench([](auto& service, const auto& request) {
+    service.Reply(service.asked == 2 ? BusyReply(request) : HalfReply(request));
+  });
+  REQUIRE(bench.Ask());
+  REQUIRE(bench.Ask());
+  log::SetSink(nullptr);
+  CHECK(bench.service->asked == 3);
+  CHECK(bench.model->repeats() == 0);
+  REQUIRE(lines.size() == 1);
+  CHECK(lines[0] == "perception service busy replica=nhpm reason=9 requests are open count=1");
+}
+
 TEST_CASE("A request says how long its answer is of use, and a repeat says what is left",
           "[planner][perception]") {
   std::vector<std::uint32_t> timeouts_ms;
