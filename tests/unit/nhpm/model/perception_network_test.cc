@@ -114,6 +114,32 @@ TEST_CASE("a query that cannot be answered is refused", "[nhpm][network]") {
   CHECK(network.Predict({})->empty());
 }
 
+TEST_CASE("finite weights that overflow are refused, not answered", "[nhpm][network]") {
+  NetworkModel model = SmallModel();
+  std::vector<float>& last = model.weights.weights.back();
+  for (std::size_t i = 0; i < last.size(); ++i) last[i] = i % 3 == 0 ? -3e38F : 3e38F;
+  const auto refused = PerceptionNetwork(model).Predict(MakeQueries(1));
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::kOutOfRange);
+  CHECK_THAT(refused.error().text, Catch::Contains("model nhpm"));
+}
+
+TEST_CASE("memory of large grids is not kept, and that of small ones is bounded",
+          "[nhpm][network]") {
+  const PerceptionNetwork network(SmallModel());
+  CHECK(network.idle_bytes() == 0);
+  REQUIRE(network.Predict(MakeQueries(2)));
+  const std::size_t small = network.idle_bytes();
+  CHECK(small > 0);
+  REQUIRE(network.Predict(std::vector{MakeQuery(1, 640, 640)}));
+  CHECK(network.idle_bytes() == small);
+  for (int rows = 200; rows < 230; ++rows) {
+    REQUIRE(network.Predict(std::vector{MakeQuery(1, rows, 200)}));
+  }
+  CHECK(network.idle_bytes() <= PerceptionNetwork::kIdleBytes);
+  CHECK(network.idle_bytes() > PerceptionNetwork::kIdleBytes / 2);
+}
+
 TEST_CASE("the identity says which weights answer", "[nhpm][network]") {
   NetworkModel model = SmallModel();
   const ModelIdentity first = PerceptionNetwork(model).identity();
