@@ -2,15 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "common/runtime/file.h"
-#include "common/runtime/json.h"
-#include "common/runtime/sha256.h"
 #include "common/segments/segment_file.h"
 #include "common/segments/segment_labels.h"
+#include "nhpm/commands/console.h"
 #include "nhpm/commands/progress_line.h"
 #include "nhpm/model/weights_file.h"
 #include "nhpm/training/adapt.h"
@@ -21,10 +18,7 @@
 namespace conav::nhpm {
 namespace {
 
-int Failed(const Error& error) {
-  fmt::print(stderr, "conav train: {}\n", error.text);
-  return 1;
-}
+constexpr const char* kProgram = "conav train";
 
 /// Base network and data that fit each other.
 struct Inputs {
@@ -50,30 +44,12 @@ Result<void> CheckFits(const NetworkModel& base, const SegmentSet& set) {
 Result<Inputs> Load(const AdaptArguments& arguments) {
   auto base = ReadWeightsFile(arguments.base);
   if (!base) return tl::unexpected(base.error());
-  const auto bytes = ReadFile(arguments.data);
-  if (!bytes) return tl::unexpected(bytes.error());
-  auto set = ReadSegmentFile(arguments.data);
-  if (!set) return tl::unexpected(set.error());
-  if (const auto checked = CheckFits(*base, *set); !checked) {
+  auto data = ReadIdentifiedSegments(arguments.data);
+  if (!data) return tl::unexpected(data.error());
+  if (const auto checked = CheckFits(*base, data->set); !checked) {
     return tl::unexpected(Named(arguments.data, checked.error()));
   }
-  return Inputs{std::move(*base), std::move(*set), Sha256Hex(*bytes)};
-}
-
-Result<void> CheckOutputs(const AdaptArguments& arguments) {
-  for (const auto& path : {arguments.out, arguments.json}) {
-    if (path.empty() || path == "-") continue;
-    if (const auto checked = CheckWritable(path); !checked) return checked;
-  }
-  return {};
-}
-
-Result<void> WriteJson(const std::filesystem::path& path, const nlohmann::ordered_json& document) {
-  if (path.empty()) return {};
-  if (path != "-") return WriteJsonFile(path, document);
-  fmt::print("{}\n", document.dump(2));
-  if (std::fflush(stdout) == 0) return {};
-  return Fail(ErrorCode::kIo, "standard output: cannot write");
+  return Inputs{std::move(*base), std::move(data->set), std::move(data->checksum)};
 }
 
 std::string JoinedOrigins(const std::string& base, const std::string& person) {
@@ -86,6 +62,9 @@ NetworkModel AdaptedModel(const AdaptArguments& arguments, const Inputs& inputs,
   model.version = fmt::format("{}, adapted to {}", inputs.base.version, person.participant);
   model.weights = adaptation.weights;
   model.data_origin = JoinedOrigins(inputs.base.data_origin, OriginText(person.set));
+  if (!inputs.base.learned_from.empty()) {  // of an unknown base all stays unknown
+    model.learned_from = Union(inputs.base.learned_from, FingerprintsOf(person.set));
+  }
   model.training["base_checksum"] = ChecksumOf(inputs.base);
   model.training["adapt_participant"] = person.participant;
   model.training["adapt_data_sha256"] = inputs.data_checksum;
@@ -100,6 +79,19 @@ NetworkModel AdaptedModel(const AdaptArguments& arguments, const Inputs& inputs,
 
 double Percent(double base, double adapted) { return 100.0 * (adapted - base) / base; }
 
+std::string SummaryText(const AdaptArguments& arguments, const Person& person,
+                        const Adaptation& adaptation, const NetworkModel& model) {
+  return fmt::format(
+      "adapted to  {} ({}): {} segments, {} epochs, pull {}{}\n"
+      "held out    MBCE {:.5f} with the base, {:.5f} adapted ({:+.1f} %)\n"
+      "weights     {}  SHA-256 {}\n",
+      person.participant, OriginText(person.set), SegmentCount(person.set), adaptation.epochs,
+      adaptation.pull, adaptation.epochs == 0 ? ": nothing was better than the base" : "",
+      adaptation.base_loss, adaptation.held_out_loss,
+      Percent(adaptation.base_loss, adaptation.held_out_loss), arguments.out.string(),
+      ChecksumOf(model));
+}
+
 /// One person.
 Result<void> AdaptToOne(const AdaptArguments& arguments, const Inputs& inputs,
                         const StopToken& stop) {
@@ -113,23 +105,17 @@ Result<void> AdaptToOne(const AdaptArguments& arguments, const Inputs& inputs,
   if (!adaptation) return tl::unexpected(adaptation.error());
   const NetworkModel model = AdaptedModel(arguments, inputs, *person, *adaptation);
   if (const auto written = WriteWeightsFile(arguments.out, model); !written) return written;
-  if (arguments.json != "-") {
-    fmt::print(
-        "adapted to  {} ({}): {} segments, {} epochs, pull {}{}\n"
-        "held out    MBCE {:.5f} with the base, {:.5f} adapted ({:+.1f} %)\n"
-        "weights     {}  SHA-256 {}\n",
-        person->participant, OriginText(person->set), SegmentCount(person->set), adaptation->epochs,
-        adaptation->pull, adaptation->epochs == 0 ? ": nothing was better than the base" : "",
-        adaptation->base_loss, adaptation->held_out_loss,
-        Percent(adaptation->base_loss, adaptation->held_out_loss), arguments.out.string(),
-        ChecksumOf(model));
-  }
-  return WriteJson(arguments.json, {{"weights", arguments.out.string()},
-                                    {"checksum", ChecksumOf(model)},
-                                    {"data_origin", model.data_origin},
-                                    {"training", model.training},
-                                    {"base_mbce", adaptation->base_loss},
-                                    {"held_out_mbce", adaptation->held_out_loss}});
+  const auto printed =
+      arguments.json == "-"
+          ? Result<void>()
+          : WriteStandardOutput(SummaryText(arguments, *person, *adaptation, model));
+  if (!printed) return printed;
+  return WriteJsonOutput(arguments.json, {{"weights", arguments.out.string()},
+                                          {"checksum", ChecksumOf(model)},
+                                          {"data_origin", model.data_origin},
+                                          {"training", model.training},
+                                          {"base_mbce", adaptation->base_loss},
+                                          {"held_out_mbce", adaptation->held_out_loss}});
 }
 
 /// What half of a person's trajectories teaches about the other half.
@@ -153,6 +139,14 @@ Result<std::optional<PersonResult>> MeasurePerson(const AdaptArguments& argument
     (i % 2 == 0 ? learned : tested).trajectories.push_back(person.set.trajectories[i]);
   }
   if (SegmentCount(learned) < 2 || SegmentCount(tested) == 0) return std::nullopt;
+  const std::size_t seen = CountKnown(tested, base.learned_from);
+  if (seen > 0) {
+    return Fail(
+        ErrorCode::kRefused,
+        fmt::format("{}: learned from {} of the {} trajectories of {} that it would be "
+                    "tested on; pass data that it never saw",
+                    arguments.base.string(), seen, tested.trajectories.size(), person.participant));
+  }
   AdaptOptions options;
   options.seed = arguments.seed;
   auto adaptation =
@@ -167,16 +161,17 @@ Result<std::optional<PersonResult>> MeasurePerson(const AdaptArguments& argument
   return result;
 }
 
-void PrintTable(const std::vector<PersonResult>& results) {
-  fmt::print("{:<16} {:<10} {:>12} {:>10} {:>6} {:>8}  {:>10} {:>12} {:>8}\n", "participant",
-             "edits", "learned from", "tested on", "epochs", "pull", "base MBCE", "adapted MBCE",
-             "change");
+std::string Table(const std::vector<PersonResult>& results) {
+  std::string text = fmt::format("{:<16} {:<10} {:>12} {:>10} {:>6} {:>8}  {:>10} {:>12} {:>8}\n",
+                                 "participant", "edits", "learned from", "tested on", "epochs",
+                                 "pull", "base MBCE", "adapted MBCE", "change");
   for (const PersonResult& r : results) {
-    fmt::print("{:<16} {:<10} {:>12} {:>10} {:>6} {:>8}  {:>10.5f} {:>12.5f} {:>+7.1f}%\n",
-               r.participant, r.origin, r.learned_from, r.tested_on, r.adaptation.epochs,
-               r.adaptation.pull, r.base_loss, r.adapted_loss,
-               Percent(r.base_loss, r.adapted_loss));
+    text += fmt::format("{:<16} {:<10} {:>12} {:>10} {:>6} {:>8}  {:>10.5f} {:>12.5f} {:>+7.1f}%\n",
+                        r.participant, r.origin, r.learned_from, r.tested_on, r.adaptation.epochs,
+                        r.adaptation.pull, r.base_loss, r.adapted_loss,
+                        Percent(r.base_loss, r.adapted_loss));
   }
+  return text;
 }
 
 nlohmann::ordered_json ToJson(const std::vector<PersonResult>& results) {
@@ -198,6 +193,7 @@ Result<void> AdaptToEach(const AdaptArguments& arguments, const Inputs& inputs,
                          const StopToken& stop) {
   const std::vector<Person> people = PeopleOf(inputs.set);
   std::vector<PersonResult> results;
+  if (inputs.base.learned_from.empty()) Warn(kProgram, UnknownLearning(arguments.base));
   {
     ProgressLine progress;
     for (const Person& person : people) {
@@ -211,19 +207,20 @@ Result<void> AdaptToEach(const AdaptArguments& arguments, const Inputs& inputs,
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}: no participant with two trajectories", arguments.data.string()));
   }
-  if (arguments.json != "-") PrintTable(results);
-  return WriteJson(arguments.json, ToJson(results));
+  const auto printed = arguments.json == "-" ? Result<void>() : WriteStandardOutput(Table(results));
+  if (!printed) return printed;
+  return WriteJsonOutput(arguments.json, ToJson(results));
 }
 
 }  // namespace
 
 int RunAdapt(const AdaptArguments& arguments, const StopToken& stop) {
-  if (const auto checked = CheckOutputs(arguments); !checked) return Failed(checked.error());
+  const auto checked = CheckOutputs({arguments.out, arguments.json});
+  if (!checked) return Failed(kProgram, checked.error());
   const auto inputs = Load(arguments);
-  if (!inputs) return Failed(inputs.error());
-  const auto done =
-      arguments.each ? AdaptToEach(arguments, *inputs, stop) : AdaptToOne(arguments, *inputs, stop);
-  return done ? 0 : Failed(done.error());
+  if (!inputs) return Failed(kProgram, inputs.error());
+  return ExitCode(kProgram, arguments.each ? AdaptToEach(arguments, *inputs, stop)
+                                           : AdaptToOne(arguments, *inputs, stop));
 }
 
 }  // namespace conav::nhpm

@@ -22,14 +22,15 @@ struct Arguments {
   std::string out;
   bool recover = false;
   double min_mapping_accuracy = 0.0;
-  std::uint64_t seed = 0;
+  std::uint64_t seed = kDefaultSplitSeed;
   SplitShares shares;
 };
 
 int WriteSet(const std::string& file, const SegmentSet& set) {
   if (const auto written = WriteSegmentFile(file, set); !written) return Failed(written.error());
-  fmt::print(stderr, "{}: {} trajectories, {} segments, edits made by {}\n", file,
-             set.trajectories.size(), SegmentCount(set), OriginText(set));
+  const std::string text = fmt::format("{}: {} trajectories, {} segments, edits made by {}\n", file,
+                                       set.trajectories.size(), SegmentCount(set), OriginText(set));
+  std::fputs(text.c_str(), stderr);
   return 0;
 }
 
@@ -59,10 +60,9 @@ int Export(const Arguments& arguments) {
   if (arguments.out == "-") {
     std::ostringstream lines;
     ExportSegments(*set, lines);
-    return WriteTextOutput(lines.str());
+    return ExitCode(WriteStandardOutput(lines.str()));
   }
-  const auto written = ExportSegmentsFile(arguments.out, *set);
-  return written ? 0 : Failed(written.error());
+  return ExitCode(ExportSegmentsFile(arguments.out, *set));
 }
 
 int Merge(const Arguments& arguments) {
@@ -154,11 +154,15 @@ void AddSplitCommand(CLI::App& app, int& exit_code) {
   CLI::App* command = AddCommand(
       app, "split",
       "Writes PREFIX-train.pb.zst, PREFIX-validation.pb.zst and PREFIX-test.pb.zst, split by\n"
-      "trajectory as `conav train` and `conav evaluate` split a whole file of the same seed.",
+      "trajectory as `conav train` and `conav evaluate` split the whole file with the same seed.",
       arguments, exit_code, Split);
   AddFiles(command, *arguments, "segment file (.pb.zst)", 1);
-  command->add_option("--out-prefix", arguments->out)->required();
-  command->add_option("--seed", arguments->seed)->capture_default_str();
+  command->add_option("--out-prefix", arguments->out, "PREFIX, folder and begin of the names")
+      ->required();
+  command
+      ->add_option("--seed", arguments->seed,
+                   "equal seeds split equally: --split-seed of conav train and conav evaluate")
+      ->capture_default_str();
   command->add_option("--test-share", arguments->shares.test, "of all trajectories")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();

@@ -50,16 +50,14 @@ int Describe(const Arguments& arguments) {
   }
   const SetSummary summary = Summarize(*set);
   if (!arguments.svg.empty()) {
-    const auto written = WriteSvg(arguments, *set, summary.origin);
-    if (!written) return Failed(written.error());
+    const auto drawn = WriteSvg(arguments, *set, summary.origin);
+    if (!drawn) return Failed(drawn.error());
   }
-  if (arguments.json == "-") return WriteJsonOutput(ToJson(summary), "-");
-  if (!arguments.json.empty()) {
-    if (const int code = WriteJsonOutput(ToJson(summary), arguments.json); code != 0) return code;
-  }
+  const auto written = WriteJsonOutput(arguments.json, ToJson(summary));
+  if (!written || arguments.json == "-") return ExitCode(written);
   std::string text = ToText(summary);
   for (const ChosenSegment& one : *chosen) text += "\n" + SegmentText(one);
-  return WriteTextOutput(text);
+  return ExitCode(WriteStandardOutput(text));
 }
 
 }  // namespace

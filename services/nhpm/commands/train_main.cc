@@ -10,6 +10,7 @@
 #include "common/runtime/stop_token.h"
 #include "nhpm/commands/adapt_command.h"
 #include "nhpm/commands/train_command.h"
+#include "nhpm/model/input_names.h"
 
 namespace {
 
@@ -128,9 +129,7 @@ void Complete(Flags& flags) {
   flags.adapt.threads = train.threads;
   flags.adapt.seed = train.options.seed;
   for (const std::string& name : flags.without) {
-    if (name == "x") train.inputs.belief = false;
-    if (name == "tau") train.inputs.path = false;
-    if (name == "o") train.inputs.view = false;
+    conav::nhpm::InputOf(train.inputs, name) = false;
   }
   if (flags.schedule == "linear") train.options.schedule = LearningRateSchedule::kLinear;
   if (train.svg.empty() && !flags.no_svg) train.svg = train.out.string() + ".svg";

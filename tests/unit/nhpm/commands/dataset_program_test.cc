@@ -9,6 +9,7 @@
 #include "common/runtime/file.h"
 #include "common/segments/segment_file.h"
 #include "common/segments/segment_json.h"
+#include "common/segments/segment_split.h"
 #include "support/temporary_folder.h"
 #include "unit/common/segments/support/sample_segments.h"
 
@@ -109,6 +110,19 @@ TEST_CASE("a split is three files with all trajectories", "[nhpm][dataset]") {
   CHECK(ReadSegmentFile(desk / "part-test.pb.zst").value().trajectories.size() == 1);
 }
 
+TEST_CASE("a split without a seed is that of training and evaluation", "[nhpm][dataset]") {
+  const Desk desk;
+  SegmentSet many;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    many.trajectories.push_back(tests::SampleTrajectory(seed));
+  }
+  REQUIRE(WriteSegmentFile(desk / "many.pb.zst", many));
+  CHECK(desk.Run("split many.pb.zst --out-prefix part").code == 0);
+  const SegmentSplit split = SplitSegments(many, kDefaultSplitSeed);
+  CHECK(ReadSegmentFile(desk / "part-test.pb.zst").value() == split.test);
+  CHECK(ReadSegmentFile(desk / "part-validation.pb.zst").value() == split.validation);
+}
+
 TEST_CASE("a truncated recording is refused unless it shall be recovered", "[nhpm][dataset]") {
   const Desk desk;
   std::string two = ReadFile(desk / "data.pb.zst").value();
@@ -131,6 +145,7 @@ TEST_CASE("wrong use, missing files and a full disk have their exit codes", "[nh
   CHECK(desk.Run("merge data.pb.zst --out /dev/full").code == 1);
   CHECK(desk.Run("merge data.pb.zst --out none/data.pb.zst").code == 1);
   CHECK(desk.Run("export data.pb.zst --out /dev/full").code == 1);
+  CHECK(desk.Run("describe data.pb.zst --json /dev/full").code == 1);
   CHECK(desk.Run("describe data.pb.zst --svg none/data.svg").code == 1);
 }
 

@@ -14,6 +14,8 @@
 #include "common/runtime/random.h"
 #include "common/runtime/sha256.h"
 #include "common/segments/segment_file.h"
+#include "common/segments/segment_split.h"
+#include "common/segments/trajectory_fingerprint.h"
 #include "nhpm/model/weights_file.h"
 #include "support/temporary_folder.h"
 
@@ -122,8 +124,8 @@ Segment SmallSegment(int side, Random& random) {
 }
 
 /// Trajectories of two participants in turn.
-SegmentSet SmallSet(int trajectories, int side = 7) {
-  Random random(3);
+SegmentSet SmallSet(int trajectories, int side = 7, std::uint64_t seed = 3) {
+  Random random(seed);
   SegmentSet set;
   for (int i = 0; i < trajectories; ++i) {
     Trajectory trajectory;
@@ -254,6 +256,37 @@ TEST_CASE("conav-train leaves inputs out and says so in the weights", "[nhpm][tr
   CHECK(model.rows == 0);
 }
 
+TEST_CASE("conav-train names in the weights the trajectories that they learned from",
+          "[nhpm][train]") {
+  const Folder folder;
+  DataIn(folder);
+  REQUIRE(Run(Flags(folder, "w") + "--epochs 1 --split-seed 4").exit_code == 0);
+  const SegmentSplit split = SplitSegments(SmallSet(10), 4);
+  const Fingerprints learned_from = ReadWeightsFile(folder / "w").value().learned_from;
+  CHECK(learned_from.size() == 9);
+  CHECK(CountKnown(split.train, learned_from) == 8);
+  CHECK(CountKnown(split.validation, learned_from) == 1);
+  CHECK(CountKnown(split.test, learned_from) == 0);
+}
+
+TEST_CASE("conav-train says that standard output is full and exits with 1", "[nhpm][train]") {
+  const Folder folder;
+  const std::string data = DataIn(folder);
+  REQUIRE(Run(Flags(folder, "base") + "--epochs 1").exit_code == 0);
+  REQUIRE(WriteSegmentFile(folder / "new.pb.zst", SmallSet(10, 7, 4)));
+  const std::string adapt =
+      "--data " + (folder / "new.pb.zst") + " --adapt --base " + (folder / "base");
+  for (const std::string& flags :
+       {Flags(folder, "w") + "--epochs 1", adapt + " --participant anna --out " + (folder / "p"),
+        adapt + " --each"}) {
+    for (const char* json : {"", " --json -"}) {
+      const Outcome outcome = Run(flags + json + " >/dev/full");
+      CHECK(outcome.exit_code == 1);
+      CHECK_THAT(outcome.text, Catch::Contains("conav train: standard output: cannot write"));
+    }
+  }
+}
+
 TEST_CASE("conav-train names data that it cannot use", "[nhpm][train]") {
   const Folder folder;
   const auto text_of = [&](const SegmentSet& set) {
@@ -276,8 +309,9 @@ TEST_CASE("conav-train names data that it cannot use", "[nhpm][train]") {
 TEST_CASE("conav-train knows before the first epoch that it cannot write", "[nhpm][train]") {
   const Folder folder;
   DataIn(folder);
-  for (const char* flags :
-       {"--out /nonexistent/w", "--out /tmp/w --json /nonexistent/w", "--out /tmp"}) {
+  for (const std::string& flags :
+       {std::string("--out /nonexistent/w"), "--out " + (folder / "w") + " --json /nonexistent/w",
+        "--out " + (folder / "")}) {
     const Outcome outcome =
         Run("--data " + (folder / "data.pb.zst") + " --epochs 1000000 " + flags);
     CHECK(outcome.exit_code == 1);
@@ -318,13 +352,39 @@ TEST_CASE("conav-train adapts to one participant and keeps where the weights com
         std::stod(anna.training.at("adapt_base_mbce")));
 }
 
+TEST_CASE("adapted weights name what their base learned from, and the person's trajectories",
+          "[nhpm][train][adapt]") {
+  const Folder folder;
+  const std::string data = DataIn(folder);
+  REQUIRE(Run(Flags(folder, "base") + "--epochs 1").exit_code == 0);
+  const std::string flags = "--data " + data + " --adapt --participant bert --out ";
+  REQUIRE(Run(flags + (folder / "bert") + " --base " + (folder / "base")).exit_code == 0);
+  const Fingerprints base = ReadWeightsFile(folder / "base").value().learned_from;
+  const Fingerprints bert = ReadWeightsFile(folder / "bert").value().learned_from;
+  CHECK(base.size() == 9);
+  CHECK(bert.size() == 10);  // with the one that the base was tested on
+  CHECK(Union(base, bert) == bert);
+  NetworkModel unknown = ReadWeightsFile(folder / "base").value();
+  unknown.learned_from.clear();
+  REQUIRE(WriteWeightsFile(folder / "unknown", unknown));
+  REQUIRE(Run(flags + (folder / "bert") + " --base " + (folder / "unknown")).exit_code == 0);
+  CHECK(ReadWeightsFile(folder / "bert").value().learned_from.empty());
+}
+
 TEST_CASE("conav-train measures what adapting gains for each participant", "[nhpm][train][adapt]") {
   const Folder folder;
   const std::string data = DataIn(folder);
   REQUIRE(Run(Flags(folder, "base") + "--epochs 20").exit_code == 0);
-  const Outcome outcome = Run("--data " + data + " --adapt --each --base " + (folder / "base") +
-                              " --json " + (folder / "j"));
+  const std::string flags = " --adapt --each --base " + (folder / "base");
+  const Outcome seen = Run("--data " + data + flags);
+  CHECK(seen.exit_code == 1);
+  CHECK_THAT(seen.text, Catch::Contains("base: learned from 2 of the 2 trajectories of anna that "
+                                        "it would be tested on"));
+  REQUIRE(WriteSegmentFile(folder / "new.pb.zst", SmallSet(10, 7, 4)));
+  const Outcome outcome =
+      Run("--data " + (folder / "new.pb.zst") + flags + " --json " + (folder / "j"));
   REQUIRE(outcome.exit_code == 0);
+  CHECK_THAT(outcome.text, !Catch::Contains("warning"));
   CHECK_THAT(outcome.text, Catch::Contains("anna") && Catch::Contains("bert"));
   const auto json = nlohmann::json::parse(ReadFile(folder / "j").value());
   REQUIRE(json["people"].size() == 2);
