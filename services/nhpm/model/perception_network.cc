@@ -144,7 +144,7 @@ Result<void> PerceptionNetwork::Check(const PerceptionQuery& query) const {
   const bool any_size = rows_ == 0 && columns_ == 0;
   if (any_size || (query.belief.rows() == rows_ && query.belief.columns() == columns_)) return {};
   return Fail(
-      ErrorCode::kInvalidArgument,
+      ErrorCode::kUnavailable,
       fmt::format("belief is {} x {}, but model {} is for {} x {} only", query.belief.rows(),
                   query.belief.columns(), identity_.name, rows_, columns_));
 }

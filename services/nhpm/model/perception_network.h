@@ -15,7 +15,7 @@ namespace conav::nhpm {
 /// planner asks them, cost a fraction: only what a changed path or view can reach is computed
 /// (InferencePass), with the same bits.
 ///
-/// Errors:  as EditModel; kInvalidArgument names both sizes when the weights are bound to a grid
+/// Errors:  as EditModel; kUnavailable names both sizes when the weights are bound to a grid
 ///          size and a query has another; kOutOfRange when weights, finite as they are, overflow.
 /// Threads: safe to call concurrently; each call works on memory of its own, of which up to
 ///          kIdleBytes are kept for the next ones.

@@ -100,7 +100,7 @@ TEST_CASE("weights for one grid size refuse another by name", "[nhpm][network]")
   const std::vector<PerceptionQuery> other{MakeQuery(1, 7, 8)};
   const auto refused = network.Predict(other);
   REQUIRE_FALSE(refused);
-  CHECK(refused.error().code == ErrorCode::kInvalidArgument);
+  CHECK(refused.error().code == ErrorCode::kUnavailable);
   CHECK(refused.error().text == "belief is 7 x 8, but model nhpm is for 9 x 11 only");
 }
 
