@@ -43,7 +43,7 @@ struct DemoOptions {
   std::map<std::string, std::string> run_with;  // service -> command to put before it
   double time_limit_s = 1800.0;                 // wall time
   std::string perception = "remote";
-  std::string model = kDefaultPerceptionModel;  // "nhpm" or "glpf"
+  std::string model = kDefaultPerceptionModel;  // one of kPerceptionModels
   std::filesystem::path weights;  // of the network; empty = the one that comes with conav
   int nhpm_replicas = 1;
   std::string x_source = "observed";  // or "estimated"

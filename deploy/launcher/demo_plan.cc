@@ -33,7 +33,7 @@ struct Setting {
   }
   /// Written out, so that the configuration means the same wherever it is used again.
   std::string Weights() const {
-    return options.model == "nhpm" ? AbsoluteText(nhpm::WeightsOrShipped(options.weights)) : "";
+    return options.model == kNhpmModel ? AbsoluteText(nhpm::WeightsOrShipped(options.weights)) : "";
   }
   std::vector<std::string> WorldsAndRobots() const {
     std::vector<std::string> entries;

@@ -22,7 +22,7 @@ void TellServing(const std::string& person, const ModelIdentity& identity, const
 ServedModels::ServedModels(const NhpmConfig& config)
     : glpf_(config.glpf), person_folder_(config.person_weights) {
   everybody_.model = config.model;
-  if (config.model == "nhpm") everybody_.file = config.WeightsFile();
+  if (config.model == kNhpmModel) everybody_.file = config.WeightsFile();
   if (const auto loaded = Load(everybody_); !loaded) throw StartupError(loaded.error().text);
   TellServing("", everybody_.loaded->identity(), everybody_.file);
   std::error_code ignored;
@@ -81,7 +81,7 @@ void ServedModels::RefreshPersons() {
     if (file.extension() != ".nhpm" || !IsEntityName(person)) continue;
     present.insert(person);
     const auto [source, added] =
-        persons_.try_emplace(person, Source{"nhpm", file, false, std::nullopt, nullptr});
+        persons_.try_emplace(person, Source{kNhpmModel, file, false, std::nullopt, nullptr});
     RefreshOne(person, source->second);
   }
   if (error != folder_error_ && error) {

@@ -45,7 +45,7 @@ class ServedModels {
     bool operator==(const Stamp&) const = default;
   };
   struct Source {
-    std::string model;  // "nhpm" or "glpf"
+    std::string model;  // one of kPerceptionModels
     std::filesystem::path file;
     bool tried = false;
     std::optional<Stamp> seen;  // of the last try

@@ -14,7 +14,7 @@ namespace conav::nhpm {
 
 /// A network as it is kept on disk and served.
 struct NetworkModel {
-  std::string name = "nhpm";
+  std::string name = kNhpmModel;
   std::string version;  // for people: what it was trained on, when
   NetworkWeights weights;
   InputSelection inputs;

@@ -1,4 +1,4 @@
-#include "planner/make_perception.h"
+#include "planner/perception_setup.h"
 
 #include "common/runtime/log.h"
 #include "nhpm/model/load_model.h"
@@ -41,15 +41,15 @@ std::shared_ptr<PerceptionModel> MakeRemote(bus::Participant& participant,
 
 }  // namespace
 
-Perception::Perception(bus::Participant& participant, const PlannerConfig& config,
-                       const Clock& clock)
+PerceptionSetup::PerceptionSetup(bus::Participant& participant, const PlannerConfig& config,
+                                 const Clock& clock)
     : clock_(clock),
-      needs_fallback_(config.perception == "remote" || config.perception_model != "glpf"),
+      needs_fallback_(config.perception == "remote" || config.perception_model != kGlpfModel),
       primary_(config.perception == "remote" ? MakeRemote(participant, config)
                                              : MakeEmbedded(config)),
       glpf_(std::make_shared<EmbeddedPerceptionModel>()) {}
 
-std::shared_ptr<PerceptionModel> Perception::ForWorld(const std::string& world) const {
+std::shared_ptr<PerceptionModel> PerceptionSetup::ForWorld(const std::string& world) const {
   if (!needs_fallback_) return primary_;
   return std::make_shared<FallbackPerceptionModel>(
       std::make_shared<CachedPerceptionModel>(primary_), glpf_, FallbackPerceptionModel::Options{},
