@@ -17,7 +17,6 @@ namespace fs = std::filesystem;
 constexpr std::array kMethods{"ig-mcts", "instruction", "teleop"};
 constexpr std::array kCameras{"egl", "none"};
 constexpr std::array kPerceptions{"remote", "embedded"};
-constexpr std::array kModels{"nhpm", "glpf"};
 constexpr std::array kXSources{"observed", "estimated"};
 constexpr std::array kVendors{"cyclonedds", "fastdds"};
 constexpr std::array kVendorChoices{"cyclonedds", "fastdds", "mixed", "SERVICE=VENDOR,..."};
@@ -102,7 +101,7 @@ Result<void> Validate(const DemoOptions& options) {
   if (auto ok = RequireOneOf("--method", options.method, kMethods); !ok) return ok;
   if (auto ok = RequireOneOf("--camera", options.camera, kCameras); !ok) return ok;
   if (auto ok = RequireOneOf("--perception", options.perception, kPerceptions); !ok) return ok;
-  if (auto ok = RequireOneOf("--model", options.model, kModels); !ok) return ok;
+  if (auto ok = RequireOneOf("--model", options.model, kPerceptionModels); !ok) return ok;
   if (auto ok = RequireOneOf("--x-source", options.x_source, kXSources); !ok) return ok;
   if (auto vendors = VendorOfService(options.dds); !vendors) {
     return tl::unexpected<Error>(vendors.error());
