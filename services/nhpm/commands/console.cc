@@ -5,9 +5,9 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <nlohmann/json.hpp>
 
 #include "common/runtime/file.h"
+#include "common/runtime/json.h"
 
 namespace conav::nhpm {
 
@@ -45,8 +45,7 @@ Result<void> WriteOutput(const std::filesystem::path& path, std::string_view tex
 
 Result<void> WriteJsonOutput(const std::filesystem::path& path,
                              const nlohmann::ordered_json& document) {
-  constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
-  return WriteOutput(path, document.dump(2, ' ', false, kReplace) + "\n");
+  return WriteOutput(path, JsonText(document));
 }
 
 Result<void> CheckOutputs(std::initializer_list<std::filesystem::path> paths) {

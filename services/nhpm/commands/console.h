@@ -30,7 +30,7 @@ int ExitCode(std::string_view program, const Result<void>& done);
 /// Writes into the file `path`; "-" is standard output, empty nowhere. Errors: kIo.
 [[nodiscard]] Result<void> WriteOutput(const std::filesystem::path& path, std::string_view text);
 
-/// Likewise, indented; bytes that are no UTF-8 (as a file's name may have) become U+FFFD.
+/// JsonText, likewise.
 [[nodiscard]] Result<void> WriteJsonOutput(const std::filesystem::path& path,
                                            const nlohmann::ordered_json& document);
 

@@ -1,5 +1,7 @@
 #include "nhpm/evaluation/bars.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 
@@ -44,11 +46,15 @@ double DrawnShare(const std::vector<TrajectoryLosses>& losses, Random& random) {
   return ExcessShare(sum.model, sum.oracle, sum.baseline);
 }
 
+/// Boundaries chosen where the baseline's was.
 Bar IouBar(const ModelRow& model, const ModelRow& baseline) {
+  const bool of_train = baseline.test.boundary_source == BoundarySource::kTrain;
+  const BoundaryIou& best = of_train ? model.at_train_boundary.value() : model.test.best;
   return {.key = "iou_above_" + baseline.label.key,
-          .text = model.label.title + "'s IoU at the best boundary, above " + baseline.label.title +
-                  "'s",
-          .value = model.test.best.iou,
+          .text = fmt::format("{}'s IoU, above {}'s, each at the boundary that is best on the {}",
+                              model.label.title, baseline.label.title,
+                              of_train ? "train part" : "test part"),
+          .value = best.iou,
           .limit = baseline.test.best.iou,
           .at_most = false};
 }

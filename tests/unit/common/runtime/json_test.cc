@@ -23,6 +23,10 @@ std::string TextOf(const fs::path& file) {
 
 }  // namespace
 
+TEST_CASE("bytes that are no text are replaced", "[runtime][json]") {
+  CHECK(JsonText({{"file", "d\xff"}}) == "{\n  \"file\": \"d\xEF\xBF\xBD\"\n}\n");
+}
+
 TEST_CASE("a document is written with its keys in order and a final newline", "[runtime][json]") {
   const Folder folder;
   const fs::path file = folder.path() / "a.json";
