@@ -124,7 +124,7 @@ bool Demo::SomethingDied() {
     }
     if (process->name().starts_with("nhpm")) {
       progress_.Say(ReplicasLeft() > 0
-                        ? fmt::format("{} other nhpm go on answering", ReplicasLeft())
+                        ? fmt::format("nhpm processes that go on answering: {}", ReplicasLeft())
                         : "the planner goes on with its own perception model");
       continue;
     }

@@ -80,6 +80,19 @@ Result<void> ValidateFiles(const DemoOptions& options) {
   return RequireWritable("--out", options.out);
 }
 
+/// Options that another one makes meaningless.
+Result<void> ValidateUses(const DemoOptions& options) {
+  if (options.model == kGlpfModel && !options.weights.empty()) {
+    return Fail(ErrorCode::kInvalidArgument, "--weights: --model glpf has none");
+  }
+  if (options.perception == "embedded" && options.nhpm_replicas > 1) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("--nhpm-replicas {}: with --perception embedded nobody asks them",
+                            options.nhpm_replicas));
+  }
+  return {};
+}
+
 Result<void> ValidateNumbers(const DemoOptions& options) {
   if (auto ok = RequireRange("--robots", options.robots, 1, kMaxRobots); !ok) return ok;
   if (auto ok = RequireRange("--worlds", options.worlds, 1, kMaxWorlds); !ok) return ok;
@@ -103,6 +116,7 @@ Result<void> Validate(const DemoOptions& options) {
   if (auto ok = RequireOneOf("--perception", options.perception, kPerceptions); !ok) return ok;
   if (auto ok = RequireOneOf("--model", options.model, kPerceptionModels); !ok) return ok;
   if (auto ok = RequireOneOf("--x-source", options.x_source, kXSources); !ok) return ok;
+  if (auto ok = ValidateUses(options); !ok) return ok;
   if (auto vendors = VendorOfService(options.dds); !vendors) {
     return tl::unexpected<Error>(vendors.error());
   }

@@ -3,6 +3,9 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 
+#include "common/runtime/file.h"
+#include "support/temporary_folder.h"
+
 using conav::launcher::DemoOptions;
 using conav::launcher::ParseRunWith;
 using conav::launcher::Validate;
@@ -46,6 +49,19 @@ TEST_CASE("a model, weights or belief that do not exist are refused", "[launcher
   options = {};
   options.x_source = "guessed";
   CHECK_THAT(Refusal(options), Catch::Contains("--x-source guessed"));
+}
+
+TEST_CASE("options that would do nothing are refused", "[launcher][options]") {
+  const conav::test::TemporaryFolder folder;
+  DemoOptions options;
+  options.model = "glpf";
+  options.weights = folder / "a.nhpm";
+  REQUIRE(conav::WriteFile(options.weights, ""));
+  CHECK_THAT(Refusal(options), Catch::Contains("--weights: --model glpf has none"));
+  options = {};
+  options.perception = "embedded";
+  options.nhpm_replicas = 2;
+  CHECK_THAT(Refusal(options), Catch::Contains("--nhpm-replicas 2: with --perception embedded"));
 }
 
 TEST_CASE("numbers beyond their limits are refused", "[launcher][options]") {
