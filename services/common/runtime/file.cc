@@ -52,6 +52,9 @@ tl::unexpected<Error> CannotWrite(const std::filesystem::path& path, const std::
 Result<void> WriteTo(const std::filesystem::path& target, int flags,
                      const std::filesystem::path& path, std::string_view bytes) {
   Descriptor file(target, O_WRONLY | flags);
+  if (file.number() < 0 && errno == ENOENT) {
+    return CannotWrite(path, fmt::format("there is no folder {}", path.parent_path().string()));
+  }
   if (file.number() < 0) return CannotWrite(path, std::strerror(errno));
   while (!bytes.empty()) {
     const ssize_t written = ::write(file.number(), bytes.data(), bytes.size());

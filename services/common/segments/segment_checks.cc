@@ -15,7 +15,6 @@
 namespace conav {
 namespace {
 
-constexpr int kMinMapSide = 3;
 constexpr std::size_t kSha256Digits = 64;
 constexpr double kMaxHeading = 1e6;  // rad; however often a robot turned
 

@@ -8,6 +8,7 @@
 #include "common/segments/segment_file.h"
 #include "common/segments/segment_labels.h"
 #include "nhpm/commands/console.h"
+#include "nhpm/commands/finished_weights.h"
 #include "nhpm/commands/progress_line.h"
 #include "nhpm/model/weights_file.h"
 #include "nhpm/training/adapt.h"
@@ -25,6 +26,7 @@ struct Inputs {
   NetworkModel base;
   SegmentSet set;
   std::string data_checksum;
+  SegmentSet general;  // of --general
 };
 
 Error Named(const std::filesystem::path& path, const Error& error) {
@@ -49,11 +51,34 @@ Result<Inputs> Load(const AdaptArguments& arguments) {
   if (const auto checked = CheckFits(*base, data->set); !checked) {
     return tl::unexpected(Named(arguments.data, checked.error()));
   }
-  return Inputs{std::move(*base), std::move(data->set), std::move(data->checksum)};
+  Inputs inputs{std::move(*base), std::move(data->set), std::move(data->checksum), {}};
+  if (arguments.general.empty()) return inputs;
+  auto general = ReadSegmentFile(arguments.general);
+  if (!general) return tl::unexpected(general.error());
+  if (const auto checked = CheckFits(inputs.base, *general); !checked) {
+    return tl::unexpected(Named(arguments.general, checked.error()));
+  }
+  if (const std::size_t seen = CountKnown(*general, inputs.base.learned_from); seen > 0) {
+    return Fail(
+        ErrorCode::kRefused,
+        fmt::format("{}: learned from {} of the {} trajectories of {}", arguments.base.string(),
+                    seen, general->trajectories.size(), arguments.general.string()));
+  }
+  inputs.general = *std::move(general);
+  return inputs;
 }
 
 std::string JoinedOrigins(const std::string& base, const std::string& person) {
   return base == person || base.empty() ? person : base + "+" + person;
+}
+
+/// kAdaptSettings.
+std::map<std::string, std::string> SettingsOf(const AdaptArguments& arguments, const Inputs& inputs,
+                                              const Person& person) {
+  return {{"base_checksum", ChecksumOf(inputs.base)},
+          {"adapt_participant", person.participant},
+          {"adapt_data_sha256", inputs.data_checksum},
+          {"adapt_seed", fmt::format("{}", arguments.seed)}};
 }
 
 NetworkModel AdaptedModel(const AdaptArguments& arguments, const Inputs& inputs,
@@ -65,11 +90,10 @@ NetworkModel AdaptedModel(const AdaptArguments& arguments, const Inputs& inputs,
   if (!inputs.base.learned_from.empty()) {  // of an unknown base all stays unknown
     model.learned_from = Union(inputs.base.learned_from, FingerprintsOf(person.set));
   }
-  model.training["base_checksum"] = ChecksumOf(inputs.base);
-  model.training["adapt_participant"] = person.participant;
-  model.training["adapt_data_sha256"] = inputs.data_checksum;
+  for (const auto& [name, value] : SettingsOf(arguments, inputs, person)) {
+    model.training[name] = value;
+  }
   model.training["adapt_segments"] = fmt::format("{}", SegmentCount(person.set));
-  model.training["adapt_seed"] = fmt::format("{}", arguments.seed);
   model.training["adapt_pull"] = fmt::format("{}", adaptation.pull);
   model.training["adapt_epochs"] = fmt::format("{}", adaptation.epochs);
   model.training["adapt_base_mbce"] = fmt::format("{:.8f}", adaptation.base_loss);
@@ -97,6 +121,11 @@ Result<void> AdaptToOne(const AdaptArguments& arguments, const Inputs& inputs,
                         const StopToken& stop) {
   const auto person = FindPerson(PeopleOf(inputs.set), arguments.participant);
   if (!person) return tl::unexpected(Named(arguments.data, person.error()));
+  if (!arguments.overwrite) {
+    const auto replaceable =
+        CheckReplaceable(arguments.out, SettingsOf(arguments, inputs, *person));
+    if (!replaceable) return replaceable;
+  }
   AdaptOptions options;
   options.seed = arguments.seed;
   const auto adaptation =
@@ -127,12 +156,30 @@ struct PersonResult {
   Adaptation adaptation;
   double base_loss = 0.0;  // on the other half
   double adapted_loss = 0.0;
+  double base_general_loss = 0.0;  // on everybody's segments, where there are such
+  double adapted_general_loss = 0.0;
+};
+
+/// Of several weights on one set.
+class Losses {
+ public:
+  Losses(const NetworkModel& base, const SegmentSet& set, int threads)
+      : set_(ExamplesOf(set, base.inputs)),
+        pass_(base.weights.shape, set_.rows, set_.columns, threads) {}
+  double Of(const NetworkWeights& weights) {
+    return pass_.MeanLoss(TrainingWeights(weights), set_.examples);
+  }
+
+ private:
+  ExampleSet set_;
+  BatchPass pass_;
 };
 
 /// Every second trajectory is tested on. Nothing for a person with only one.
 Result<std::optional<PersonResult>> MeasurePerson(const AdaptArguments& arguments,
-                                                  const NetworkModel& base, const Person& person,
+                                                  const Inputs& inputs, const Person& person,
                                                   const StopToken& stop) {
+  const NetworkModel& base = inputs.base;
   SegmentSet learned;
   SegmentSet tested;
   for (std::size_t i = 0; i < person.set.trajectories.size(); ++i) {
@@ -152,24 +199,31 @@ Result<std::optional<PersonResult>> MeasurePerson(const AdaptArguments& argument
   auto adaptation =
       Adapt(base.weights, AdaptationGroups(learned, base.inputs), options, arguments.threads, stop);
   if (!adaptation) return tl::unexpected(adaptation.error());
-  const ExampleSet test = ExamplesOf(tested, base.inputs);
-  BatchPass pass(base.weights.shape, test.rows, test.columns, arguments.threads);
+  Losses own(base, tested, arguments.threads);
   PersonResult result{person.participant, OriginText(person.set), SegmentCount(learned),
                       SegmentCount(tested), std::move(*adaptation)};
-  result.base_loss = pass.MeanLoss(TrainingWeights(base.weights), test.examples);
-  result.adapted_loss = pass.MeanLoss(TrainingWeights(result.adaptation.weights), test.examples);
+  result.base_loss = own.Of(base.weights);
+  result.adapted_loss = own.Of(result.adaptation.weights);
+  if (inputs.general.trajectories.empty()) return result;
+  Losses general(base, inputs.general, arguments.threads);
+  result.base_general_loss = general.Of(base.weights);
+  result.adapted_general_loss = general.Of(result.adaptation.weights);
   return result;
 }
 
 std::string Table(const std::vector<PersonResult>& results) {
-  std::string text = fmt::format("{:<16} {:<10} {:>12} {:>10} {:>6} {:>8}  {:>10} {:>12} {:>8}\n",
-                                 "participant", "edits", "learned from", "tested on", "epochs",
-                                 "pull", "base MBCE", "adapted MBCE", "change");
+  std::string text =
+      fmt::format("{:<16} {:<10} {:>12} {:>10} {:>6} {:>8}  {:>10} {:>12} {:>8} {:>13}\n",
+                  "participant", "edits", "learned from", "tested on", "epochs", "pull",
+                  "base MBCE", "adapted MBCE", "change", "on everybody");
   for (const PersonResult& r : results) {
-    text += fmt::format("{:<16} {:<10} {:>12} {:>10} {:>6} {:>8}  {:>10.5f} {:>12.5f} {:>+7.1f}%\n",
-                        r.participant, r.origin, r.learned_from, r.tested_on, r.adaptation.epochs,
-                        r.adaptation.pull, r.base_loss, r.adapted_loss,
-                        Percent(r.base_loss, r.adapted_loss));
+    text += fmt::format(
+        "{:<16} {:<10} {:>12} {:>10} {:>6} {:>8}  {:>10.5f} {:>12.5f} {:>+7.1f}% {:>13}\n",
+        r.participant, r.origin, r.learned_from, r.tested_on, r.adaptation.epochs,
+        r.adaptation.pull, r.base_loss, r.adapted_loss, Percent(r.base_loss, r.adapted_loss),
+        r.base_general_loss == 0.0
+            ? "-"
+            : fmt::format("{:+.1f}%", Percent(r.base_general_loss, r.adapted_general_loss)));
   }
   return text;
 }
@@ -177,14 +231,19 @@ std::string Table(const std::vector<PersonResult>& results) {
 nlohmann::ordered_json ToJson(const std::vector<PersonResult>& results) {
   auto people = nlohmann::ordered_json::array();
   for (const PersonResult& r : results) {
-    people.push_back({{"participant", r.participant},
-                      {"data_origin", r.origin},
-                      {"learned_from_segments", r.learned_from},
-                      {"tested_on_segments", r.tested_on},
-                      {"epochs", r.adaptation.epochs},
-                      {"pull", r.adaptation.pull},
-                      {"base_mbce", r.base_loss},
-                      {"adapted_mbce", r.adapted_loss}});
+    nlohmann::ordered_json person{{"participant", r.participant},
+                                  {"data_origin", r.origin},
+                                  {"learned_from_segments", r.learned_from},
+                                  {"tested_on_segments", r.tested_on},
+                                  {"epochs", r.adaptation.epochs},
+                                  {"pull", r.adaptation.pull},
+                                  {"base_mbce", r.base_loss},
+                                  {"adapted_mbce", r.adapted_loss}};
+    if (r.base_general_loss > 0.0) {
+      person["base_general_mbce"] = r.base_general_loss;
+      person["adapted_general_mbce"] = r.adapted_general_loss;
+    }
+    people.push_back(std::move(person));
   }
   return {{"people", people}};
 }
@@ -197,7 +256,7 @@ Result<void> AdaptToEach(const AdaptArguments& arguments, const Inputs& inputs,
   {
     ProgressLine progress;
     for (const Person& person : people) {
-      auto result = MeasurePerson(arguments, inputs.base, person, stop);
+      auto result = MeasurePerson(arguments, inputs, person, stop);
       if (!result) return tl::unexpected(result.error());
       if (result->has_value()) results.push_back(std::move(**result));
       progress.Show(fmt::format("adapted to {} of {} participants", results.size(), people.size()));
@@ -215,8 +274,11 @@ Result<void> AdaptToEach(const AdaptArguments& arguments, const Inputs& inputs,
 }  // namespace
 
 int RunAdapt(const AdaptArguments& arguments, const StopToken& stop) {
-  const auto checked = CheckOutputs({arguments.out, arguments.json});
-  if (!checked) return Failed(kProgram, checked.error());
+  const int code = CheckFiles(
+      kProgram,
+      {{"--data", arguments.data}, {"--base", arguments.base}, {"--general", arguments.general}},
+      {{"--out", arguments.out}, {"--json", arguments.json}});
+  if (code != 0) return code;
   const auto inputs = Load(arguments);
   if (!inputs) return Failed(kProgram, inputs.error());
   return ExitCode(kProgram, arguments.each ? AdaptToEach(arguments, *inputs, stop)

@@ -16,6 +16,11 @@ int Failed(std::string_view program, const Error& error) {
   return 1;
 }
 
+int Refused(std::string_view program, const std::string& reason) {
+  Failed(program, {ErrorCode::kInvalidArgument, reason});
+  return 2;
+}
+
 void Warn(std::string_view program, const std::string& text) {
   std::fputs(fmt::format("{}: warning: {}\n", program, text).c_str(), stderr);
 }
@@ -48,12 +53,19 @@ Result<void> WriteJsonOutput(const std::filesystem::path& path,
   return WriteOutput(path, JsonText(document));
 }
 
-Result<void> CheckOutputs(std::initializer_list<std::filesystem::path> paths) {
-  for (const std::filesystem::path& path : paths) {
-    if (path.empty() || path == "-") continue;
-    if (const auto checked = CheckWritable(path); !checked) return checked;
+int CheckFiles(std::string_view program, const std::vector<FileOption>& inputs,
+               const std::vector<FileOption>& outputs) {
+  if (const auto distinct = CheckDistinct(inputs, outputs); !distinct) {
+    return Refused(program, distinct.error().text);
   }
-  return {};
+  for (const auto& [option, path] : outputs) {
+    if (path.empty() || path == "-") continue;
+    if (const auto writable = CheckWritable(path); !writable) {
+      return Failed(program,
+                    {writable.error().code, fmt::format("{} {}", option, writable.error().text)});
+    }
+  }
+  return 0;
 }
 
 }  // namespace conav::nhpm

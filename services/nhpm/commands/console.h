@@ -1,11 +1,12 @@
 #pragma once
 
 #include <filesystem>
-#include <initializer_list>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "common/runtime/file_options.h"
 #include "common/runtime/result.h"
 
 /// How the programs of this folder speak to their user: results on standard output or into files,
@@ -14,6 +15,9 @@ namespace conav::nhpm {
 
 /// Prints "conav train: <what went wrong>" on standard error and gives exit code 1.
 int Failed(std::string_view program, const Error& error);
+
+/// The same for wrong use: exit code 2.
+int Refused(std::string_view program, const std::string& reason);
 
 /// "conav train: warning: <text>" on standard error.
 void Warn(std::string_view program, const std::string& text);
@@ -34,8 +38,10 @@ int ExitCode(std::string_view program, const Result<void>& done);
 [[nodiscard]] Result<void> WriteJsonOutput(const std::filesystem::path& path,
                                            const nlohmann::ordered_json& document);
 
-/// Before long work rather than after it: whether WriteOutput can write to all of `paths`.
-/// Errors: kIo for the first that it cannot write to.
-[[nodiscard]] Result<void> CheckOutputs(std::initializer_list<std::filesystem::path> paths);
+/// Before long work rather than after it: whether no output is an input or another output, and
+/// WriteOutput can write to all of them. 0; else prints the reason and gives 2 for the first, 1 for
+/// the second.
+int CheckFiles(std::string_view program, const std::vector<FileOption>& inputs,
+               const std::vector<FileOption>& outputs);
 
 }  // namespace conav::nhpm

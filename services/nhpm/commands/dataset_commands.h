@@ -16,7 +16,7 @@ void AddExportCommand(CLI::App& app, int& exit_code);
 void AddMergeCommand(CLI::App& app, int& exit_code);
 void AddSplitCommand(CLI::App& app, int& exit_code);
 
-inline constexpr const char* kDatasetProgram = "conav-dataset";  // in messages
+inline constexpr const char* kDatasetProgram = "conav dataset";  // in messages
 
 /// Prints `error` as every subcommand does and gives exit code 1.
 inline int Failed(const Error& error) { return Failed(kDatasetProgram, error); }

@@ -48,12 +48,20 @@ Result<SegmentSet> ReadAll(const std::vector<std::string>& files, Read&& read) {
   return all.Take();
 }
 
+int Check(const Arguments& arguments, const std::vector<FileOption>& outputs) {
+  std::vector<FileOption> inputs;
+  for (const std::string& file : arguments.files) inputs.push_back({"file", file});
+  return CheckFiles(kDatasetProgram, inputs, outputs);
+}
+
 int Import(const Arguments& arguments) {
+  if (const int code = Check(arguments, {{"--out", arguments.out}}); code != 0) return code;
   const auto set = ReadAll(arguments.files, ImportSegmentsFile);
   return set ? WriteSet(arguments.out, *set) : Failed(set.error());
 }
 
 int Export(const Arguments& arguments) {
+  if (const int code = Check(arguments, {{"--out", arguments.out}}); code != 0) return code;
   const auto set = ReadSegmentFile(arguments.files.front(),
                                    arguments.recover ? TornEnd::kDrop : TornEnd::kRefuse);
   if (!set) return Failed(set.error());
@@ -66,6 +74,7 @@ int Export(const Arguments& arguments) {
 }
 
 int Merge(const Arguments& arguments) {
+  if (const int code = Check(arguments, {{"--out", arguments.out}}); code != 0) return code;
   auto set = ReadAll(arguments.files, [&](const std::string& file) {
     return ReadSegmentFile(file, arguments.recover ? TornEnd::kDrop : TornEnd::kRefuse);
   });
@@ -76,7 +85,15 @@ int Merge(const Arguments& arguments) {
   return WriteSet(arguments.out, *set);
 }
 
+std::string PartFile(const Arguments& arguments, const char* part) {
+  return fmt::format("{}-{}.pb.zst", arguments.out, part);
+}
+
 int Split(const Arguments& arguments) {
+  const int checked = Check(arguments, {{"--out-prefix", PartFile(arguments, "train")},
+                                        {"--out-prefix", PartFile(arguments, "validation")},
+                                        {"--out-prefix", PartFile(arguments, "test")}});
+  if (checked != 0) return checked;
   const auto set = ReadSegmentFile(arguments.files.front());
   if (!set) return Failed(set.error());
   const SegmentSplit split = SplitSegments(*set, arguments.seed, arguments.shares);
@@ -84,7 +101,7 @@ int Split(const Arguments& arguments) {
   for (const auto& [name, part] :
        {std::pair("train", &split.train), std::pair("validation", &split.validation),
         std::pair("test", &split.test)}) {
-    code = std::max(code, WriteSet(fmt::format("{}-{}.pb.zst", arguments.out, name), *part));
+    code = std::max(code, WriteSet(PartFile(arguments, name), *part));
   }
   return code;
 }
@@ -162,6 +179,7 @@ void AddSplitCommand(CLI::App& app, int& exit_code) {
   command
       ->add_option("--seed", arguments->seed,
                    "equal seeds split equally: --split-seed of conav train and conav evaluate")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command->add_option("--test-share", arguments->shares.test, "of all trajectories")
       ->check(CLI::Range(0.0, 1.0))

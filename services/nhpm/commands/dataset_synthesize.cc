@@ -59,13 +59,17 @@ nlohmann::ordered_json ToJson(const SetSummary& summary, int excluded, const Arg
           {"final_mapping_accuracy", summary.final_mapping_accuracy.mean}};
 }
 
-/// The folders of the outputs may be new. Fails before the work, not after it.
-Result<void> PrepareOutputs(const Arguments& arguments) {
-  for (const std::filesystem::path path : {arguments.out, arguments.json}) {
-    std::error_code ignored;  // CheckOutputs says what is wrong
+/// The folders of the outputs may be new. Fails before the work, not after it. Exit code.
+int PrepareOutputs(const Arguments& arguments) {
+  const std::vector<FileOption> inputs{{"--population", arguments.population}};
+  const std::vector<FileOption> outputs{{"--out", arguments.out}, {"--json", arguments.json}};
+  const auto distinct = CheckDistinct(inputs, outputs);
+  if (!distinct) return Refused(kDatasetProgram, distinct.error().text);
+  for (const auto& [option, path] : outputs) {
+    std::error_code ignored;  // CheckFiles says what is wrong
     if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), ignored);
   }
-  return CheckOutputs({arguments.out, arguments.json});
+  return CheckFiles(kDatasetProgram, inputs, outputs);
 }
 
 using Clock = std::chrono::steady_clock;
@@ -93,10 +97,9 @@ int Run(Arguments arguments) {
       arguments.options.population = ReadPopulation(arguments.population);
     }
   } catch (const StartupError& error) {
-    Failed({ErrorCode::kInvalidArgument, error.what()});
-    return 2;
+    return Failed({ErrorCode::kInvalidArgument, error.what()});
   }
-  if (const auto ready = PrepareOutputs(arguments); !ready) return Failed(ready.error());
+  if (const int code = PrepareOutputs(arguments); code != 0) return code;
   const auto synthesis = SynthesizeWithProgress(arguments.options);
   if (!synthesis) {
     Failed(synthesis.error());

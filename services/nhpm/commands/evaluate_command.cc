@@ -76,7 +76,21 @@ std::string WrongUse(const EvaluateArguments& arguments, const EvaluationData& d
         "what would have been done",
         data.file, OriginText(data.test));
   }
+  if (arguments.check && !HasBars(data)) {
+    return fmt::format(
+        "--check: there is nothing to check, as the test part of {} is {} data; bars "
+        "are for synthetic people only",
+        data.file, OriginText(data.test));
+  }
   return {};
+}
+
+int CheckEvaluateFiles(const EvaluateArguments& arguments) {
+  std::vector<FileOption> inputs{{"--data", arguments.data}};
+  for (const auto& weights : arguments.weights) inputs.push_back({"--weights", weights});
+  return CheckFiles(
+      kProgram, inputs,
+      {{"--json", arguments.json}, {"--csv", arguments.csv}, {"--html", arguments.html}});
 }
 
 bool AllPassed(const EvaluationReport& report) {
@@ -89,14 +103,11 @@ bool AllPassed(const EvaluationReport& report) {
 }  // namespace
 
 int RunEvaluate(const EvaluateArguments& arguments) {
-  const auto checked = CheckOutputs({arguments.json, arguments.csv, arguments.html});
-  if (!checked) return Failed(kProgram, checked.error());
+  if (const int code = CheckEvaluateFiles(arguments); code != 0) return code;
   auto data = LoadEvaluationData(arguments);
   if (!data) return Failed(kProgram, data.error());
-  if (const std::string wrong = WrongUse(arguments, *data); !wrong.empty()) {
-    Failed(kProgram, {ErrorCode::kInvalidArgument, wrong});
-    return 2;
-  }
+  const std::string wrong = WrongUse(arguments, *data);
+  if (!wrong.empty()) return Refused(kProgram, wrong);
   EvaluationReport report;
   report.data = std::move(*data);
   auto rows = AllRows(arguments, report.data);
@@ -105,7 +116,10 @@ int RunEvaluate(const EvaluateArguments& arguments) {
   report.bars = CheckBars(report.data, report.rows);
   report.figures = Figures(arguments, report);
   if (const int code = WriteAll(arguments, report); code != 0) return code;
-  return arguments.check && !AllPassed(report) ? 1 : 0;
+  if (!arguments.check) return 0;
+  if (report.bars.empty())
+    return Refused(kProgram, "--check: without NHPM there is nothing to check");
+  return AllPassed(report) ? 0 : 1;
 }
 
 }  // namespace conav::nhpm

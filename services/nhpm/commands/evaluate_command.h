@@ -25,7 +25,7 @@ struct EvaluateArguments {
   std::filesystem::path json;         // "-" = standard output, for the next two as well
   std::filesystem::path csv;
   std::filesystem::path html;
-  bool check = false;  // a bar that is not reached is a failure
+  bool check = false;  // a bar that is not reached is a failure, no bar at all wrong use
 };
 
 /// Prints table 1 on standard output and writes the files; progress on standard error. Exit code: 0

@@ -16,6 +16,7 @@ void AddDataFlags(CLI::App& app, EvaluateArguments& arguments) {
   app.add_option("--data", arguments.data, "Segment file, as conav dataset makes it")->required();
   auto* seed = app.add_option("--split-seed", arguments.split_seed,
                               "Which trajectories are for test: the seed given to conav train")
+                   ->check(CLI::NonNegativeNumber)
                    ->capture_default_str();
   app.add_flag("--all-test", arguments.all_test,
                "Test on the whole file, of which the weights saw nothing; no GLPF-Train row")
@@ -58,8 +59,10 @@ void AddOutputFlags(CLI::App& app, EvaluateArguments& arguments) {
   app.add_option("--segments", arguments.segments,
                  "Test segments that the page shows, numbers from 0 (those with a misplaced near "
                  "wall, a preferred far wall, and where NHPM and GLPF-Test differ most)")
+      ->check(CLI::NonNegativeNumber)
       ->delimiter(',');
-  app.add_flag("--check", arguments.check, "Exit with 1 when a bar is not reached");
+  app.add_flag("--check", arguments.check,
+               "Exit with 1 when a bar is not reached; synthetic data only");
 }
 
 /// The message of wrong use that CLI11 does not find; empty = none.

@@ -8,6 +8,7 @@
 
 #include "common/runtime/file.h"
 #include "nhpm/commands/console.h"
+#include "nhpm/commands/finished_weights.h"
 #include "nhpm/commands/progress_line.h"
 #include "nhpm/commands/train_report.h"
 #include "nhpm/model/weights_file.h"
@@ -100,6 +101,21 @@ Result<void> WriteOutputs(const TrainArguments& arguments, const TrainingOutcome
       });
 }
 
+int CheckTrainFiles(const TrainArguments& arguments) {
+  const int code = CheckFiles(kProgram, {{"--data", arguments.data}},
+                              {{"--out", arguments.out},
+                               {"the checkpoint", CheckpointPath(arguments.out)},
+                               {"--json", arguments.json},
+                               {"--svg", arguments.svg}});
+  std::error_code ignored;
+  const auto status = std::filesystem::status(arguments.out, ignored);
+  if (code != 0 || !std::filesystem::exists(status) || std::filesystem::is_regular_file(status)) {
+    return code;
+  }
+  return Failed(kProgram, {ErrorCode::kIo, fmt::format("--out {}: is a device, which keeps nothing",
+                                                       arguments.out.string())});
+}
+
 int Stopped(const TrainArguments& arguments, const TrainingState& state) {
   fmt::print(stderr, "conav train: stopped after epoch {}; the same command goes on from {}\n",
              state.epochs.size(), CheckpointPath(arguments.out).string());
@@ -117,11 +133,13 @@ std::filesystem::path CheckpointPath(const std::filesystem::path& out) {
 int RunTrain(const TrainArguments& arguments, const StopToken& stop) {
   const auto start = Clock::now();
   // before an hour of training rather than after it
-  const auto checked =
-      CheckOutputs({arguments.out, CheckpointPath(arguments.out), arguments.json, arguments.svg});
-  if (!checked) return Failed(kProgram, checked.error());
+  if (const int code = CheckTrainFiles(arguments); code != 0) return code;
   const auto data = LoadTrainingData(arguments.data, arguments.inputs, arguments.split_seed);
   if (!data) return Failed(kProgram, data.error());
+  if (!arguments.overwrite) {
+    const auto replaceable = CheckReplaceable(arguments.out, SettingsOf(arguments, *data));
+    if (!replaceable) return Failed(kProgram, replaceable.error());
+  }
   auto state = FirstState(arguments, *data);
   if (!state) return Failed(kProgram, state.error());
   Trainer trainer(arguments.options, data->train, data->validation, arguments.threads,

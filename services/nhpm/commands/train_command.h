@@ -20,8 +20,9 @@ struct TrainArguments {
   InputSelection inputs;
   std::uint64_t split_seed = kDefaultSplitSeed;
   int threads = 1;
-  bool any_size = false;  // the weights say that they fit maps of any size
-  bool fresh = false;     // a checkpoint of `out` is not taken up
+  bool any_size = false;   // the weights say that they fit maps of any size
+  bool fresh = false;      // a checkpoint of `out` is not taken up
+  bool overwrite = false;  // `out` may hold weights of another training
 };
 
 /// Where a training keeps its state until it is done.

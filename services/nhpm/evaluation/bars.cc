@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "common/runtime/random.h"
+#include "common/segments/segment_labels.h"
 
 namespace conav::nhpm {
 namespace {
@@ -77,12 +78,14 @@ std::optional<Interval> ExcessShareInterval(const EvaluationData& data, const Mo
   return Interval{shares[kBootstrapDraws / 20], shares[kBootstrapDraws - 1 - kBootstrapDraws / 20]};
 }
 
+bool HasBars(const EvaluationData& data) { return OriginText(data.test) == "synthetic"; }
+
 std::vector<Bar> CheckBars(const EvaluationData& data, const std::vector<ModelRow>& rows) {
   std::vector<Bar> bars;
   const ModelRow* nhpm = FindRow(rows, "nhpm");
   const ModelRow* oracle = FindRow(rows, "oracle");
   const ModelRow* glpf_test = FindRow(rows, "glpf_test");
-  if (nhpm == nullptr) return bars;
+  if (nhpm == nullptr || !HasBars(data)) return bars;
   if (oracle != nullptr && glpf_test != nullptr) {
     bars.push_back(
         {.key = "excess_share",

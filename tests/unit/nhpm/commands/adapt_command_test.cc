@@ -38,7 +38,8 @@ TEST_CASE("adapted weights name what their base learned from, and the person's t
   NetworkModel unknown = ReadWeightsFile(folder / "base").value();
   unknown.learned_from.clear();
   REQUIRE(WriteWeightsFile(folder / "unknown", unknown));
-  REQUIRE(Run(flags + (folder / "bert") + " --base " + (folder / "unknown")).exit_code == 0);
+  const std::string again = flags + (folder / "bert") + " --base " + (folder / "unknown");
+  REQUIRE(Run(again + " --overwrite").exit_code == 0);
   CHECK(ReadWeightsFile(folder / "bert").value().learned_from.empty());
 }
 
@@ -62,6 +63,25 @@ TEST_CASE("conav-train measures what adapting gains for each participant", "[nhp
   CHECK(json["people"][0]["learned_from_segments"] == 15);
   CHECK(json["people"][0]["tested_on_segments"] == 10);
   CHECK(json["people"][1]["adapted_mbce"].get<double>() > 0.0);
+  CHECK_FALSE(json["people"][1].contains("base_general_mbce"));
+}
+
+TEST_CASE("conav-train measures what adapting forgets", "[nhpm][train][adapt]") {
+  const Folder folder;
+  DataIn(folder);
+  REQUIRE(Run(Flags(folder, "base") + "--epochs 20").exit_code == 0);
+  REQUIRE(WriteSegmentFile(folder / "new.pb.zst", SmallSet(10, 7, 4)));
+  const std::string flags = "--data " + (folder / "new.pb.zst") + " --adapt --each --base " +
+                            (folder / "base") + " --json " + (folder / "j") + " --general ";
+  REQUIRE(WriteSegmentFile(folder / "general.pb.zst", SmallSet(10, 7, 5)));
+  REQUIRE(Run(flags + (folder / "general.pb.zst")).exit_code == 0);
+  const auto people = nlohmann::json::parse(ReadFile(folder / "j").value())["people"];
+  CHECK(people[0]["base_general_mbce"].get<double>() > 0.0);
+  CHECK(people[0]["base_general_mbce"] == people[1]["base_general_mbce"]);
+  CHECK(people[0]["adapted_general_mbce"].get<double>() > 0.0);
+  const Outcome seen = Run(flags + (folder / "data.pb.zst"));
+  CHECK(seen.exit_code == 1);
+  CHECK_THAT(seen.text, Catch::Contains("learned from 9 of the 10 trajectories"));
 }
 
 TEST_CASE("conav-train names what it cannot adapt", "[nhpm][train][adapt]") {

@@ -64,7 +64,7 @@ TEST_CASE("chosen segments are shown, a wrong number is wrong use", "[nhpm][data
                  !Catch::Contains("segment 0 ("));
   const Outcome wrong = desk.Run("describe data.pb.zst --segments 7");
   CHECK(wrong.code == 2);
-  CHECK(wrong.error == "conav-dataset: there is no segment 7; the set has 3, from 0 on\n");
+  CHECK(wrong.error == "conav dataset: there is no segment 7; the set has 3, from 0 on\n");
 }
 
 TEST_CASE("exported lines imported again are the same file", "[nhpm][dataset]") {
@@ -80,7 +80,7 @@ TEST_CASE("a bad line is refused with file and line, and nothing is written", "[
   REQUIRE(WriteFile(desk / "bad.jsonl", "\n{\"type\": \"segment\"}\n"));
   const Outcome outcome = desk.Run("import bad.jsonl --out bad.pb.zst");
   CHECK(outcome.code == 1);
-  CHECK(outcome.error == "conav-dataset: bad.jsonl:2: a segment before any trajectory\n");
+  CHECK(outcome.error == "conav dataset: bad.jsonl:2: a segment before any trajectory\n");
   CHECK_FALSE(std::filesystem::exists(desk / "bad.pb.zst"));
 }
 
@@ -135,12 +135,32 @@ TEST_CASE("a truncated recording is refused unless it shall be recovered", "[nhp
   CHECK(desk.Run("describe torn.pb.zst --recover").code == 0);
 }
 
+TEST_CASE("no command writes over its input", "[nhpm][dataset]") {
+  const Desk desk;
+  const std::string before = ReadFile(desk / "data.pb.zst").value();
+  REQUIRE(WriteFile(desk / "part-test.pb.zst", before));
+  for (const char* command :
+       {"import data.pb.zst --out data.pb.zst", "export data.pb.zst --out ./data.pb.zst",
+        "merge data.pb.zst --out data.pb.zst", "describe data.pb.zst --json data.pb.zst",
+        "describe data.pb.zst --svg x --json x", "split part-test.pb.zst --out-prefix part",
+        "synthesize --trajectories 1 --out data.pb.zst --json data.pb.zst"}) {
+    INFO(command);
+    CHECK(desk.Run(command).code == 2);
+  }
+  CHECK(ReadFile(desk / "data.pb.zst").value() == before);
+  CHECK_FALSE(std::filesystem::exists(desk / "part-train.pb.zst"));
+}
+
 TEST_CASE("wrong use, missing files and a full disk have their exit codes", "[nhpm][dataset]") {
   const Desk desk;
   CHECK(desk.Run("").code == 2);
   CHECK(desk.Run("describe").code == 2);
   CHECK(desk.Run("improve data.pb.zst").code == 2);
+  CHECK_THAT(desk.Run("improve data.pb.zst").error, Catch::Contains("no command 'improve'"));
   CHECK(desk.Run("describe --help").code == 0);
+  CHECK_THAT(desk.Run("--help").out, Catch::Contains("Usage: conav dataset "));
+  CHECK(desk.Run("synthesize --population none.yaml --out new.pb.zst").code == 1);
+  CHECK(desk.Run("split data.pb.zst --out-prefix part --seed -1").code == 2);
   CHECK(desk.Run("describe none.pb.zst").code == 1);
   CHECK(desk.Run("merge data.pb.zst --out /dev/full").code == 1);
   CHECK(desk.Run("merge data.pb.zst --out none/data.pb.zst").code == 1);

@@ -149,6 +149,12 @@ TEST_CASE("People are no oracle, and their data is not called synthetic", "[nhpm
   REQUIRE(ended.exit_code == 0);
   CHECK_THAT(ended.text, Catch::Contains("people data"));
   CHECK_FALSE(ReadJson(folder / "r.json")["models"].contains("oracle"));
+  CHECK(ReadJson(folder / "r.json")["bars"].empty());
+  CHECK_THAT(ended.text, !Catch::Contains("FAIL"));
+  const Ended checked = Run(
+      fmt::format("--data {} --weights {} --check", data, WriteWeights(folder / "w.nhpm", data)));
+  CHECK(checked.exit_code == 2);
+  CHECK_THAT(checked.text, Catch::Contains("there is nothing to check"));
   const Ended average = Run(fmt::format("--data {} --weights {} --average-oracle", data,
                                         WriteWeights(folder / "w.nhpm", data)));
   CHECK(average.exit_code == 2);
@@ -304,14 +310,27 @@ TEST_CASE("Wrong use exits with 2", "[nhpm][evaluate]") {
       fmt::format("--data {} --weights {} ", data, WriteWeights(folder / "w.nhpm", data));
   for (const char* wrong :
        {"--without y", "--oracle-draws 100", "--json - --csv -", "--segments 400", "--threads 0",
-        "--segments x", "--colour", "--without tau,tau", "--split-seed 1 --all-test",
-        "--average-oracle --oracle-draws 0", "--average-oracle --all-test"}) {
+        "--segments x", "--segments -1", "--split-seed -1", "--colour", "--without tau,tau",
+        "--split-seed 1 --all-test", "--average-oracle --oracle-draws 0",
+        "--average-oracle --all-test"}) {
     INFO(wrong);
     CHECK(Run(common + wrong).exit_code == 2);
   }
   CHECK(Run("").exit_code == 2);
   CHECK(Run("--help").exit_code == 0);
   CHECK_THAT(Run(common + "--segments 400").text, Catch::Contains("segments 0 to 3"));
+}
+
+TEST_CASE("A report does not go over what it is of", "[nhpm][evaluate]") {
+  const Folder folder;
+  const std::string data = WriteData(folder / "data.pb.zst");
+  const std::string weights = WriteWeights(folder / "w.nhpm", data);
+  const std::string common = fmt::format("--data {} --weights {} ", data, weights);
+  CHECK(Run(common + "--json " + data).exit_code == 2);
+  CHECK(Run(common + "--html " + weights).exit_code == 2);
+  CHECK(Run(common + fmt::format("--csv {0} --html {0}", folder / "r")).exit_code == 2);
+  CHECK(ReadSegmentFile(data));
+  CHECK(ReadWeightsFile(weights));
 }
 
 TEST_CASE("The page shows the segments that were asked for", "[nhpm][evaluate]") {

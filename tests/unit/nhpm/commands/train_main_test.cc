@@ -168,13 +168,85 @@ TEST_CASE("conav-train knows before the first epoch that it cannot write", "[nhp
   }
 }
 
+TEST_CASE("conav-train neither writes over what it reads nor two outputs into one file",
+          "[nhpm][train]") {
+  const Folder folder;
+  const std::string data = DataIn(folder);
+  const std::string before = ReadFile(data).value();
+  for (const std::string& flags :
+       {"--out " + data, "--out " + (folder / "w") + " --json " + (folder / "w"),
+        "--out " + (folder / "w") + " --json " + data,
+        "--out " + (folder / "w") + " --svg " + (folder / "x/../w"),
+        "--out " + (folder / "w") + " --json " + (folder / "w.checkpoint")}) {
+    INFO(flags);
+    CHECK(Run("--data " + data + " --epochs 1 " + flags).exit_code == 2);
+  }
+  CHECK((ReadFile(data).value() == before));
+  CHECK_FALSE(Exists(folder / "w"));
+}
+
+TEST_CASE("conav-train keeps finished weights of another training, unless told to overwrite them",
+          "[nhpm][train]") {
+  const Folder folder;
+  DataIn(folder);
+  REQUIRE(Run(Flags(folder, "w") + "--epochs 1").exit_code == 0);
+  const std::string first = ReadFile(folder / "w").value();
+  CHECK(Run(Flags(folder, "w") + "--epochs 1").exit_code == 0);
+  const Outcome refused = Run(Flags(folder, "w") + "--epochs 1 --seed 2");
+  CHECK(refused.exit_code == 1);
+  CHECK_THAT(refused.text, Catch::Contains("w holds weights of another training: seed 1 there, 2 "
+                                           "now; --overwrite replaces them"));
+  CHECK((ReadFile(folder / "w").value() == first));
+  CHECK(Run(Flags(folder, "w") + "--epochs 1 --seed 2 --overwrite").exit_code == 0);
+  CHECK_FALSE((ReadFile(folder / "w").value() == first));
+  REQUIRE(WriteFile(folder / "notes", "no weights"));
+  CHECK_THAT(Run(Flags(folder, "notes") + "--epochs 1").text,
+             Catch::Contains("--overwrite replaces it"));
+}
+
+TEST_CASE("conav-export does not write over the weights", "[nhpm][train]") {
+  const Folder folder;
+  NetworkModel model;
+  model.weights = InitialWeights({16}, 1);
+  REQUIRE(WriteWeightsFile(folder / "w", model));
+  CHECK(
+      Run("--weights " + (folder / "w") + " --onnx " + (folder / "w"), "conav-export").exit_code ==
+      2);
+  CHECK(ReadWeightsFile(folder / "w"));
+  CHECK(
+      Run("--weights " + (folder / "w") + " --onnx " + (folder / "o"), "conav-export").exit_code ==
+      0);
+}
+
+TEST_CASE("conav-train does not train for a device", "[nhpm][train]") {
+  const Folder folder;
+  const Outcome outcome =
+      Run("--data " + DataIn(folder) + " --out /dev/null --no-svg --epochs 1000000");
+  CHECK(outcome.exit_code == 1);
+  CHECK_FALSE(Exists("/dev/null.checkpoint"));
+}
+
 TEST_CASE("conav-train refuses wrong use with exit code 2", "[nhpm][train]") {
-  for (const char* flags :
-       {"", "--data d", "--out w", "--data d --out w --width 48", "--data d --out w --without z",
-        "--data d --out w --epochs 0", "--data d --out w --learning-rate -1",
-        "--data d --out w --adapt", "--data d --out w --base b", "--data d --out w --threads 0",
-        "--data d --out w --adapt --base b --each", "--data d --out w --participant p",
-        "--data d --out w --adapt --base b --epochs 3", "--data d --out w extra"}) {
+  for (const char* flags : {"",
+                            "--data d",
+                            "--out w",
+                            "--data d --out w --width 48",
+                            "--data d --out w --without z",
+                            "--data d --out w --epochs 0",
+                            "--data d --out w --learning-rate -1",
+                            "--data d --out w --adapt",
+                            "--data d --out w --base b",
+                            "--data d --out w --threads 0",
+                            "--data d --out w --adapt --base b --each",
+                            "--data d --out w --participant p",
+                            "--data d --out w --adapt --base b --epochs 3",
+                            "--data d --out w extra",
+                            "--data d --out w --learning-rate nan",
+                            "--data d --out w --learning-rate inf",
+                            "--data d --out w --learning-rate 0",
+                            "--data d --out w --seed -1",
+                            "--data d --out w --split-seed -1",
+                            "--data d --out w --without tau,o,x"}) {
     INFO(flags);
     CHECK(Run(flags).exit_code == 2);
   }

@@ -33,11 +33,11 @@ class Folder {
   test::TemporaryFolder folder_;
 };
 
-/// conav-train as a process of its own, its standard output and error in one pipe.
+/// conav-train, or another, as a process of its own, its standard output and error in one pipe.
 class Program {
  public:
-  explicit Program(const std::string& arguments) {
-    const std::string command = "exec " CONAV_BIN_DIR "/conav-train " + arguments;
+  explicit Program(const std::string& arguments, const std::string& name = "conav-train") {
+    const std::string command = "exec " CONAV_BIN_DIR "/" + name + " " + arguments;
     std::array<int, 2> ends{};
     REQUIRE(pipe2(ends.data(), O_CLOEXEC) == 0);
     // A small pipe: the program cannot be far ahead of what was read of it.
@@ -97,8 +97,8 @@ struct Outcome {
   std::string text;
 };
 
-inline Outcome Run(const std::string& arguments) {
-  Program program(arguments);
+inline Outcome Run(const std::string& arguments, const std::string& name = "conav-train") {
+  Program program(arguments, name);
   const int code = program.Wait();
   return {code, program.text()};
 }

@@ -82,6 +82,9 @@ TEST_CASE("Bars are only those that the rows allow to say", "[nhpm][bars]") {
   CHECK(CheckBars(TwoTrajectories(), {glpf}).empty());
   CHECK(CheckBars(TwoTrajectories(), {nhpm}).empty());
   CHECK(CheckBars(TwoTrajectories(), {nhpm, glpf}).size() == 1);
+  EvaluationData people = TwoTrajectories();
+  people.test.trajectories[0].origin = SegmentOrigin::kPerson;
+  CHECK(CheckBars(people, {nhpm, glpf}).empty());
 }
 
 }  // namespace
