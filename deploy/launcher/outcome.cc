@@ -21,6 +21,11 @@ const char* Name(EndReason reason) {
   return "";
 }
 
+std::string WeightsText(const DemoOptions& options) {
+  if (options.model != kNhpmModel) return "";
+  return options.weights.empty() ? "shipped" : options.weights.string();
+}
+
 nlohmann::ordered_json Versions() {
   nlohmann::ordered_json versions{{"conav", CONAV_VERSION}};
   // ./conav knows the commit that it built; a program run by hand does not.
@@ -35,8 +40,11 @@ nlohmann::ordered_json OutcomeJson(const DemoOptions& options, const Outcome& ou
   nlohmann::ordered_json json{{"seed", options.seed},
                               {"method", options.method},
                               {"model", options.model},
-                              {"weights", options.weights.string()},
-                              {"nhpm_replicas", options.nhpm_replicas},
+                              {"weights", WeightsText(options)},
+                              {"weights_checksum", outcome.weights_checksum},
+                              {"person", options.person},
+                              {"person_weights", options.person_weights.string()},
+                              {"nhpm_replicas", options.nhpm_processes()},
                               {"x_source", options.x_source},
                               {"dds", outcome.dds},
                               {"worlds", options.worlds},

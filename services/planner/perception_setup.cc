@@ -22,7 +22,7 @@ void ReportSwitch(const std::string& world, const std::string& model,
 
 std::shared_ptr<PerceptionModel> MakeEmbedded(const PlannerConfig& config) {
   auto model = nhpm::LoadEditModel(config.perception_model, config.weights, {});
-  if (!model) throw StartupError("planner.perception_model: " + model.error().text);
+  if (!model) throw StartupError("planner.weights: " + model.error().text);
   const nhpm::ModelIdentity& identity = (*model)->identity();
   LOG_INFO("perception model loaded", "model", identity.name, "version", identity.version,
            "checksum", identity.checksum);

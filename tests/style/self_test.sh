@@ -49,6 +49,7 @@ refuse_include services/planner/perception_setup.cc '"nhpm/nhpm_service.h"'
 refuse_include services/common/grid/a.h '"common/protocol/robot.h"'
 refuse_include services/common/service/a.h '"sim/config.h"'
 accept_include deploy/launcher/a.cc '"sim/config.h"'
+accept_include deploy/launcher/a.cc '"nhpm/model/weights_file.h"'
 refuse_include deploy/launcher/a.cc '"sim/sim_service.h"'
 # The naming check goes by a compile database: here one of a single file, in the tree itself.
 expect_naming() {

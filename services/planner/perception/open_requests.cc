@@ -156,11 +156,18 @@ void OpenRequests::ReadLocked(const Place& place, const ReplyMessage& message) {
                                 fmt::format("answers has size {}, not that of the queries, {}",
                                             reply->answers.size(), asked.queries().size()));
   }
-  answering_model_ = reply->model;
-  answering_checksum_ = reply->model_checksum;
+  NoteModelLocked(*reply);
   replica_ = reply->replica;
   place.request->answers = std::move(reply->answers);
   if (--place.batch->missing_ == 0) place.batch->changed_.notify_one();
+}
+
+void OpenRequests::NoteModelLocked(const PerceptionReply& reply) {
+  if (answering_model_ == reply.model && answering_checksum_ == reply.model_checksum) return;
+  answering_model_ = reply.model;
+  answering_checksum_ = reply.model_checksum;
+  LOG_INFO("perception model answers", "model", reply.model, "version", reply.model_version,
+           "checksum", reply.model_checksum, "replica", reply.replica);
 }
 
 void OpenRequests::NoteOtherModelLocked(const Place& place, const ReplyMessage& message) {

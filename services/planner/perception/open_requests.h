@@ -100,6 +100,8 @@ class OpenRequests {
 
   bool IsWanted(const conav_msgs::msg::PerceptionReply& message) const;
   void ReadLocked(const Place& place, const conav_msgs::msg::PerceptionReply& message);
+  /// Logs which model answers, once and when it changes.
+  void NoteModelLocked(const PerceptionReply& reply);
   void NoteBusyLocked(const Place& place, const conav_msgs::msg::PerceptionReply& message);
   void NoteOtherModelLocked(const Place& place, const conav_msgs::msg::PerceptionReply& message);
   void NoteUnreadableLocked(const Place& place, const conav_msgs::msg::PerceptionReply& message,

@@ -87,8 +87,8 @@ TEST_CASE("Weights that an embedded network does not find stop the start",
           "[planner][perception]") {
   Bench bench;
   bench.config.weights = "/nowhere/a.nhpm";
-  CHECK_THROWS_WITH(bench.Make(), Catch::Contains("planner.perception_model") &&
-                                      Catch::Contains("/nowhere/a.nhpm"));
+  CHECK_THROWS_WITH(bench.Make(),
+                    Catch::Contains("planner.weights: ") && Catch::Contains("/nowhere/a.nhpm"));
 }
 
 std::string Refusal(const std::string& yaml) {

@@ -43,6 +43,22 @@ TEST_CASE("A reply that does not fit the request is refused, counted and logged"
                         "not that of the queries, 2 count=1"));
 }
 
+TEST_CASE("Which model answers is logged once, and when that changes", "[planner][perception]") {
+  std::vector<std::string> lines;
+  log::SetSink([&lines](const log::Record& record) { lines.emplace_back(record.text); });
+  RemoteBench bench([](auto& service, const auto& request) {
+    ReplyMessage reply = HalfReply(request);
+    if (request.request_id() > 2) reply.model_checksum(std::string(64, '7'));
+    service.Reply(reply);
+  });
+  for (int i = 0; i < 4; ++i) REQUIRE(bench.Ask());
+  log::SetSink(nullptr);
+  REQUIRE(lines.size() == 2);
+  CHECK_THAT(lines[0], Catch::StartsWith("perception model answers model=half") &&
+                           Catch::Contains("checksum=" + std::string(64, '5')));
+  CHECK_THAT(lines[1], Catch::Contains("checksum=" + std::string(64, '7')));
+}
+
 TEST_CASE("Only replicas with another model: unavailable, with their reason",
           "[planner][perception]") {
   auto options = RemoteBench::Quick();
@@ -150,8 +166,8 @@ TEST_CASE("A busy replica is not reported as one that did not answer", "[planner
   log::SetSink(nullptr);
   CHECK(bench.service->asked == 3);
   CHECK(bench.model->repeats() == 0);
-  REQUIRE(lines.size() == 1);
-  CHECK(lines[0] == "perception service busy replica=nhpm reason=9 requests are open count=1");
+  REQUIRE(lines.size() == 2);  // the first says which model answers
+  CHECK(lines[1] == "perception service busy replica=nhpm reason=9 requests are open count=1");
 }
 
 TEST_CASE("An answer of other weights than those wanted is refused", "[planner][perception]") {
