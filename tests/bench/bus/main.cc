@@ -43,7 +43,7 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Round trip and throughput of the bus over raw use of the same vendor: two processes on the "
       "loopback interface, bus and raw in turn, same payload, QoS and sockets.",
-      "conav-bench-bus");
+      "conav bench bus");
   conav::bench::RoundsOptions options{31, 1000, "/proc/self/exe"};
   std::string json_file;
   bool no_ddsperf = false;

@@ -229,7 +229,7 @@ int main(int argc, char** argv) {
       "and beside oneDNN, and the planner's queries whole and incremental, all in one run.\n"
       "Metrics of --json: full_us, incremental_us, fma_peak_fraction, onednn_ratio (oneDNN's time\n"
       "over ours), incremental_speedup (whole over incremental), and what they are made of.",
-      "conav-bench-nhpm");
+      "conav bench nhpm");
   conav::bench::Options options;
   conav::bench::AddUsualOptions(app, options.json, options.rounds);
   app.add_option("--width", options.width, "Channels of the hidden layers")

@@ -91,7 +91,7 @@ int main(int argc, char** argv) {
       "Metrics of --json: <way>_single_us and <way>_batch32_us, the wall time of a call, for the\n"
       "ways embedded, cyclonedds, fastdds; <vendor>_single_ratio and <vendor>_batch32_ratio, over\n"
       "embedded.",
-      "conav-bench-perception");
+      "conav bench perception");
   conav::bench::Options options;
   conav::bench::AddUsualOptions(app, options.json, options.rounds);
   app.add_option("--calls", options.calls, "Calls per repetition, way and size")

@@ -142,7 +142,7 @@ int main(int argc, char** argv) {
       "example) and beside libtorch where it was installed at build time, in one run.\n"
       "Metrics of --json: epoch_s, fma_limit_ratio (epoch over limit; not without AVX2),\n"
       "libtorch_ratio (ours over libtorch) and libtorch_epoch_s.",
-      "conav-bench-train");
+      "conav bench train");
   conav::bench::Options options;
   conav::bench::AddUsualOptions(app, options.json, options.rounds);
   app.add_option("--width", options.width, "Channels of the hidden layers")
