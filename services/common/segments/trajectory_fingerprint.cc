@@ -46,23 +46,23 @@ std::uint64_t FingerprintOf(const Trajectory& trajectory) {
 Fingerprints FingerprintsOf(const SegmentSet& set) {
   Fingerprints prints;
   for (const Trajectory& trajectory : set.trajectories) prints.push_back(FingerprintOf(trajectory));
-  std::ranges::sort(prints);
-  const auto repeated = std::ranges::unique(prints);
-  prints.erase(repeated.begin(), repeated.end());
+  std::sort(prints.begin(), prints.end());
+  prints.erase(std::unique(prints.begin(), prints.end()), prints.end());
   return prints;
 }
 
 Fingerprints Union(const Fingerprints& a, const Fingerprints& b) {
   Fingerprints all;
-  std::ranges::set_union(a, b, std::back_inserter(all));
+  std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(all));
   return all;
 }
 
 std::size_t CountKnown(const SegmentSet& set, const Fingerprints& known) {
+  const auto is_known = [&](const Trajectory& trajectory) {
+    return std::binary_search(known.begin(), known.end(), FingerprintOf(trajectory));
+  };
   return static_cast<std::size_t>(
-      std::ranges::count_if(set.trajectories, [&](const Trajectory& trajectory) {
-        return std::ranges::binary_search(known, FingerprintOf(trajectory));
-      }));
+      std::count_if(set.trajectories.begin(), set.trajectories.end(), is_known));
 }
 
 }  // namespace conav

@@ -46,13 +46,15 @@ Result<std::vector<ChosenSegment>> ChooseSegments(const SegmentSet& set,
 
 std::vector<ChosenSegment> ChooseSegments(const SegmentSet& set, std::size_t count) {
   std::vector<ChosenSegment> edited = All(set);
-  const auto others = std::ranges::stable_partition(
-      edited, [](const ChosenSegment& one) { return EditCount(*one.segment) > 0; });
-  const std::vector<ChosenSegment> unedited(others.begin(), others.end());
-  edited.erase(others.begin(), others.end());
+  const auto others =
+      std::stable_partition(edited.begin(), edited.end(),
+                            [](const ChosenSegment& one) { return EditCount(*one.segment) > 0; });
+  const std::vector<ChosenSegment> unedited(others, edited.end());
+  edited.erase(others, edited.end());
   std::vector<ChosenSegment> chosen = Spread(edited, count);
-  std::ranges::copy(Spread(unedited, count - chosen.size()), std::back_inserter(chosen));
-  std::ranges::sort(chosen, {}, &ChosenSegment::index);
+  for (const ChosenSegment& one : Spread(unedited, count - chosen.size())) chosen.push_back(one);
+  std::sort(chosen.begin(), chosen.end(),
+            [](const ChosenSegment& a, const ChosenSegment& b) { return a.index < b.index; });
   return chosen;
 }
 
