@@ -47,8 +47,9 @@ void NoteAnova(const Analysis& analysis, Notes& notes) {
 void NotePairs(const Analysis& analysis, Notes& notes) {
   for (const Pair& pair : analysis.pairs) {
     if (!pair.t.t) {
-      notes.push_back(fmt::format("{} and {} are equal for every subject: there is nothing to test.",
-                                  pair.first, pair.second));
+      notes.push_back(
+          fmt::format("{} and {} are equal for every subject: there is nothing to test.",
+                      pair.first, pair.second));
     } else if (std::isinf(*pair.t.t)) {
       notes.push_back(fmt::format(
           "{} and {} differ by the same amount for every subject: t, d_z and g_z are infinite.",

@@ -50,7 +50,7 @@ Result<std::vector<std::string>> SplitCsvRow(std::string_view line) {
       auto field = TakeQuoted(rest);
       if (!field) return tl::unexpected(field.error());
       fields.push_back(std::move(*field));
-          SkipSpaces(rest);
+      SkipSpaces(rest);
       if (!rest.empty() && rest.front() != ',') {
         return Fail(ErrorCode::kMalformed, "after a quoted field a comma must follow");
       }

@@ -31,8 +31,8 @@ PairedT TestPair(std::span<const double> first, std::span<const double> second, 
   PairedT test{.mean_difference = Mean(differences), .df = n - 1.0};
   test.interval = StudentInterval(test.mean_difference, spread / std::sqrt(n), test.df, alpha);
   test.d_z = InUnitsOf(spread, test.mean_difference, error);
-  test.d_av = InUnitsOf(std::sqrt(0.5 * (Variance(first) + Variance(second))), test.mean_difference,
-                        error);
+  test.d_av =
+      InUnitsOf(std::sqrt(0.5 * (Variance(first) + Variance(second))), test.mean_difference, error);
   if (test.d_z) {
     test.t = *test.d_z * std::sqrt(n);
     test.p = StudentTwoSided(*test.t, test.df);

@@ -10,8 +10,8 @@ namespace conav::statistics {
 /// granted, and by how much its degrees of freedom must shrink where they do not. All of it follows
 /// from the covariance S (p x p, p = k - 1) of orthonormal contrasts of the k conditions.
 struct Sphericity {
-  /// Mauchly, 1940: W = det S / (tr S / p)^p, 0 where S is singular. With p from Box's series for
-  /// the likelihood ratio, chi squared with the second-order term. Nothing for two conditions, where
+  /// Mauchly, 1940: W = det S / (tr S / p)^p, 0 where S is singular. p is that of
+  /// chi squared with the second-order term of Box's series, as in R. Nothing for two conditions, where
   /// there is nothing to test, and for fewer subjects than conditions.
   std::optional<double> mauchly_w;
   std::optional<double> mauchly_p;

@@ -99,9 +99,8 @@ class TableReader {
                                 count + 1));
     }
     if (fields.size() > count + 1) {
-      return Refuse(fmt::format(
-          "{} columns instead of {} (decimals have a point, not a comma)", fields.size(),
-          count + 1));
+      return Refuse(fmt::format("{} columns instead of {} (decimals have a point, not a comma)",
+                                fields.size(), count + 1));
     }
     if (auto named = AddName(fields[0]); !named) return named;
     return ReadValues(fields);
@@ -111,8 +110,8 @@ class TableReader {
     if (subject.empty()) return Refuse("column 'subject' is empty");
     const auto [known, is_new] = lines_.emplace(subject, line_);
     if (is_new) return {};
-    return Refuse(fmt::format("subject '{}' stands twice, first in line {}", subject,
-                              known->second));
+    return Refuse(
+        fmt::format("subject '{}' stands twice, first in line {}", subject, known->second));
   }
 
   Result<void> ReadValues(const Fields& fields) {

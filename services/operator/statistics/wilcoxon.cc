@@ -61,8 +61,7 @@ Wilcoxon TestSignedRanks(std::span<const double> first, std::span<const double> 
     if (differences[i] > 0.0) v += ranks.ranks[i];
   }
   test.v = v;
-  test.exact =
-      test.used == first.size() && test.used < kExactBelow && ranks.tie_sum == 0.0;
+  test.exact = test.used == first.size() && test.used < kExactBelow && ranks.tie_sum == 0.0;
   test.p = test.exact ? ExactP(v, test.used) : NormalP(v, test.used, ranks.tie_sum);
   return test;
 }
