@@ -11,6 +11,14 @@
 namespace conav::planner {
 namespace {
 
+/// Nodes that a decision can add, or as many as are worth reserving memory for.
+std::size_t NodesExpected(const SearchOptions& options) {
+  constexpr std::size_t kMost = 100'000;
+  const std::size_t of_iteration =
+      options.expansion == Expansion::kSingle ? 1 : static_cast<std::size_t>(options.chain_depth);
+  return std::min(kMost, static_cast<std::size_t>(options.iterations) * of_iteration);
+}
+
 /// The state of one decision.
 class Search {
  public:
@@ -19,11 +27,11 @@ class Search {
       : options_(options),
         problem_(problem),
         random_(random),
-        path_(problem),
+        path_(problem, options.rollout_depth * 2),
         offered_(problem),
         information_(problem, offered_, model),
         rollout_(options, problem, offered_, information_, random),
-        tree_(problem.start) {}
+        tree_(problem.start, NodesExpected(options)) {}
 
   /// Prepares the root. False when nothing can or need be decided.
   Result<bool> Start();

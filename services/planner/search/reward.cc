@@ -1,5 +1,6 @@
 #include "planner/search/reward.h"
 
+#include <array>
 #include <cmath>
 
 #include "common/runtime/config.h"
@@ -14,29 +15,30 @@ void RewardOptions::Visit(ConfigReader& reader) {
   reader.Field("progress", progress, 0.0, 1e6);
 }
 
-double EnvironmentReward(bool reaches_goal, const RewardOptions& options) {
-  return reaches_goal ? options.goal : options.step;
-}
+namespace {
+
+/// log n for the n that occur; std::log for others.
+class LogTable {
+ public:
+  LogTable() {
+    for (std::size_t n = 1; n < values_.size(); ++n) values_[n] = std::log(static_cast<double>(n));
+  }
+  double Of(int n) const {
+    const auto index = static_cast<std::size_t>(n);
+    return index < values_.size() ? values_[index] : std::log(static_cast<double>(n));
+  }
+
+ private:
+  std::array<double, 1024> values_{};
+};
+
+const LogTable kLog;
+
+}  // namespace
 
 double GuidanceReward(bool guided_before, bool on_guidance, int path_length) {
   if (!guided_before || on_guidance) return 0.0;
-  return -std::log(static_cast<double>(path_length));
-}
-
-double SmoothnessReward(int earlier_visits) { return -static_cast<double>(earlier_visits); }
-
-double ProgressReward(double steps_saved, const RewardOptions& options) {
-  return options.progress * steps_saved;
-}
-
-double CommunicationCost(int unvisited_guidance, const RewardOptions& options) {
-  return options.communication_cost + unvisited_guidance;
-}
-
-double MoveReward(const PathState& path, const RewardOptions& options) {
-  return EnvironmentReward(path.at_goal(), options) +
-         GuidanceReward(path.guided_before(), path.on_guidance(), path.length()) +
-         SmoothnessReward(path.earlier_visits()) + ProgressReward(path.progress(), options);
+  return -kLog.Of(path_length);
 }
 
 double CommunicationReward(const PathState& path, double information,

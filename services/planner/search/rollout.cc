@@ -3,12 +3,14 @@
 namespace conav::planner {
 
 Rollout::Rollout(const SearchOptions& options, const SearchProblem& problem,
-                 OfferedActions& offered, ViewInformation& information, Random& random)
+                 const OfferedActions& offered, ViewInformation& information, Random& random)
     : options_(options),
       offered_(offered),
       information_(information),
       random_(random),
-      outcomes_(static_cast<std::size_t>(problem.graph.uncertainty_count()), Outcome::kNotDrawn) {}
+      outcomes_(static_cast<std::size_t>(problem.graph.uncertainty_count()), Outcome::kNotDrawn) {
+  drawn_.reserve(outcomes_.size());
+}
 
 Result<double> Rollout::Run(PathState& path) {
   const std::size_t steps = path.steps();
@@ -34,6 +36,7 @@ Result<double> Rollout::Walk(PathState& path) {
       return rollout_return + weight * CommunicationReward(path, *information, options_.reward);
     }
     Move(actions.MoveOf(action), path);
+    ++moves_;
     rollout_return += weight * MoveReward(path, options_.reward);
     if (path.at_goal()) break;
   }

@@ -12,12 +12,15 @@ namespace conav::planner {
 class Rollout {
  public:
   /// All arguments must outlive this.
-  Rollout(const SearchOptions& options, const SearchProblem& problem, OfferedActions& offered,
+  Rollout(const SearchOptions& options, const SearchProblem& problem, const OfferedActions& offered,
           ViewInformation& information, Random& random);
 
   /// Discounted return of the steps after `path`, which is given back as it was. 0 when nothing is
   /// offered. Errors: those of the perception model.
   [[nodiscard]] Result<double> Run(PathState& path);
+
+  /// Moves made so far, in all rollouts.
+  std::uint64_t moves() const { return moves_; }
 
  private:
   enum class Outcome : std::uint8_t { kNotDrawn, kFree, kBlocked };
@@ -28,11 +31,12 @@ class Rollout {
   bool DrawFree(const Edge& edge);
 
   const SearchOptions& options_;
-  OfferedActions& offered_;
+  const OfferedActions& offered_;
   ViewInformation& information_;
   Random& random_;
   std::vector<Outcome> outcomes_;  // by uncertainty; those of drawn_ are set
   std::vector<int> drawn_;
+  std::uint64_t moves_ = 0;
 };
 
 }  // namespace conav::planner

@@ -18,6 +18,7 @@ inline constexpr int kMaxActions = 64;
 struct SearchNode {
   int parent = -1;
   int first_child = -1;
+  int last_child = -1;
   int next_sibling = -1;
   int action = -1;  // at the parent's vertex, see Actions
   int depth = 0;
@@ -40,7 +41,8 @@ class SearchTree {
  public:
   static constexpr int kRoot = 0;
 
-  explicit SearchTree(VertexId start);
+  /// `nodes_expected`: so many are added without allocating memory.
+  explicit SearchTree(VertexId start, std::size_t nodes_expected = 0);
 
   const SearchNode& node(int index) const { return nodes_[static_cast<std::size_t>(index)]; }
   std::size_t size() const { return nodes_.size(); }
@@ -67,7 +69,6 @@ class SearchTree {
   SearchNode& mutable_node(int index) { return nodes_[static_cast<std::size_t>(index)]; }
 
   std::vector<SearchNode> nodes_;
-  std::vector<int> last_child_;
 };
 
 }  // namespace conav::planner

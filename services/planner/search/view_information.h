@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <unordered_map>
+#include <span>
 #include <vector>
 
 #include "planner/search/offered_actions.h"
@@ -18,8 +18,12 @@ namespace conav::planner {
 /// first of them is wanted. Searches of 2000 iterations need about 13 batches, because they come
 /// back to the same places (asking about the places around in the same batch saved one call in
 /// seven and doubled the queries, so it is not done).
+///
+/// A look-up takes no memory; a new place only beyond the first kPlacesExpected.
 class ViewInformation {
  public:
+  static constexpr std::size_t kPlacesExpected = 1024;
+
   struct Counts {
     std::uint32_t queries = 0;  // asked of the model
     std::uint32_t calls = 0;    // in this many batches
@@ -27,7 +31,8 @@ class ViewInformation {
   };
 
   /// All arguments must outlive this.
-  ViewInformation(const SearchProblem& problem, OfferedActions& offered, PerceptionModel& model);
+  ViewInformation(const SearchProblem& problem, const OfferedActions& offered,
+                  PerceptionModel& model);
 
   /// Expected edits of view `index` of the views offered at the end of `path`.
   /// Errors: those of the perception model.
@@ -36,23 +41,30 @@ class ViewInformation {
   const Counts& counts() const { return counts_; }
 
  private:
+  /// A place that was asked about: a vertex and the vertices visited, edits of its views.
   struct Place {
-    VertexId vertex = 0;
-    std::vector<std::uint64_t> visited;
-    bool operator==(const Place&) const = default;
-  };
-  struct PlaceHash {
-    std::size_t operator()(const Place& place) const;
+    VertexId vertex;
+    std::size_t first_word;  // in words_
+    std::size_t first_edit;  // in edits_
   };
 
-  [[nodiscard]] Result<std::vector<double>> Ask(const PathState& path);
-  std::vector<Cell> CellsOf(const PathState& path) const;
+  std::size_t SlotOf(const PathState& path) const;
+  bool Is(const Place& place, const PathState& path) const;
+  [[nodiscard]] Result<const Place*> Ask(const PathState& path, std::size_t slot);
+  void WriteQueries(const PathState& path);
+  void CollectCells(const PathState& path);
+  void Remember(const PathState& path, std::size_t slot, std::span<const PerceptionAnswer> answers);
+  void GrowSlots();
 
   const SearchProblem& problem_;
-  OfferedActions& offered_;
+  const OfferedActions& offered_;
   PerceptionModel& model_;
-  std::unordered_map<Place, std::vector<double>, PlaceHash> known_;
-  Place place_;  // of the present look-up
+  std::vector<std::int32_t> slots_;  // open addressing: index into places_, -1 = empty
+  std::vector<Place> places_;
+  std::vector<std::uint64_t> words_;
+  std::vector<double> edits_;
+  std::vector<PerceptionQuery> queries_;  // of the newest call; kept for their memory
+  std::vector<Cell> cells_;               // of its path
   Counts counts_;
 };
 

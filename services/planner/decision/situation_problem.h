@@ -1,0 +1,30 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "planner/decision/method.h"
+#include "planner/search/grid_graph.h"
+#include "planner/search/search_problem.h"
+
+namespace conav::planner {
+
+/// A robot's situation as the search sees it: the problem and the graph that it refers to.
+class SituationProblem {
+ public:
+  /// `belief` is what the operator's map is taken to be, `withheld` views that are not offered.
+  SituationProblem(const Situation& situation, BeliefGrid belief, std::vector<SentView> withheld,
+                   int headings);
+  SituationProblem(const SituationProblem&) = delete;
+  SituationProblem& operator=(const SituationProblem&) = delete;
+
+  /// Null when the robot's cell cannot be free on its map.
+  const SearchProblem* get() const { return problem_ ? &*problem_ : nullptr; }
+
+ private:
+  GridGraph graph_;
+  BeliefGrid belief_;
+  std::optional<SearchProblem> problem_;
+};
+
+}  // namespace conav::planner
