@@ -21,14 +21,14 @@ What is printed:
                epsilon of Greenhouse-Geisser and of Huynh-Feldt (at most 1), needed where sphericity
                (Mauchly's test) does not hold; partial eta^2 (conditions / conditions + error) and
                generalised eta^2 (the subjects' differences in the denominator too)
-  Paired t     for every pair: mean difference with CI, t, p, and p adjusted for the number of pairs by
-               Holm, Bonferroni, and Benjamini-Hochberg (BH, false discovery rate); d_z (mean / SD of
-               the differences), d_av (in units of the conditions' average SD), g_z (d_z corrected for
-               few subjects)
+  Paired t     for every pair: mean difference with CI, t, p, and p adjusted for the number of pairs
+               by Holm, Bonferroni, and Benjamini-Hochberg (BH, false discovery rate); d_z (mean / SD
+               of the differences), d_av (in units of the conditions' average SD), g_z (d_z corrected
+               for few subjects)
   Friedman     the same question by ranks alone: chi^2, p, Kendall's W (1 = all rank alike)
-  Wilcoxon     signed ranks for every pair, p exact or from the normal distribution; and Shapiro-Wilk:
-               are the differences normal, as the t test takes for granted
-'-' is a figure that does not exist for these data; a note says why.
+  Wilcoxon     signed ranks for every pair, p exact or from the normal distribution; and
+               Shapiro-Wilk: are the differences normal, as the t test takes for granted
+'-' is a figure that does not exist for these data; a note says why. docs/statistics.md says more.
 
 Exit codes: 0 done; 1 the file cannot be read or is not as above, or writing failed; 2 wrong use.)";
 

@@ -58,9 +58,19 @@ void NotePairs(const Analysis& analysis, Notes& notes) {
   }
 }
 
+void NoteSubjectCount(const Analysis& analysis, Notes& notes) {
+  if (analysis.table.subject_count() == 2) {
+    notes.push_back("Two subjects: there is neither g_z nor a Shapiro-Wilk test.");
+  }
+  if (analysis.table.subject_count() > kMostShapiroValues) {
+    notes.push_back(
+        fmt::format("More than {} subjects: there is no Shapiro-Wilk test.", kMostShapiroValues));
+  }
+}
+
 void NoteRanks(const Analysis& analysis, Notes& notes) {
   if (!analysis.friedman.chi_squared) {
-    notes.push_back("Every subject ranks all conditions alike: there is no Friedman test.");
+    notes.push_back("Within every subject all values are equal: there is no Friedman test.");
   }
 }
 
@@ -77,6 +87,7 @@ Analysis Analyse(TableFile file, double alpha) {
   analysis.left_out = std::move(file.left_out);
   Notes notes;
   NoteLeftOut(analysis, notes);
+  NoteSubjectCount(analysis, notes);
   NoteAnova(analysis, notes);
   NotePairs(analysis, notes);
   NoteRanks(analysis, notes);

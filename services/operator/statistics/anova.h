@@ -18,8 +18,8 @@ struct FTest {
 ///   SS_conditions = n sum_j (mean_j - mean)^2,  SS_subjects = k sum_i (mean_i - mean)^2,
 ///   SS_error = sum_ij (y_ij - mean_i - mean_j + mean)^2,
 ///   F = [SS_conditions / (k - 1)] / [SS_error / ((k - 1)(n - 1))].
-/// No error left over: F is infinite and p 0, or, where the conditions do not differ either, F and p
-/// are nothing.
+/// No error left over: F is infinite and p 0, or, where the conditions do not differ either, F and
+/// p are nothing.
 struct Anova {
   double ss_conditions = 0.0;
   double ss_subjects = 0.0;

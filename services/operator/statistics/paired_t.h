@@ -18,8 +18,8 @@ struct PairedT {
   std::optional<double> p;  // two-sided
   /// Mean over standard deviation of the differences: t = d_z sqrt(n). Cohen, 1988.
   std::optional<double> d_z;
-  /// Mean difference over sqrt((s1^2 + s2^2) / 2): in units of the spread between subjects. Infinite
-  /// or nothing where neither condition varies.
+  /// Mean difference over sqrt((s1^2 + s2^2) / 2): in units of the spread between subjects.
+  /// Infinite or nothing where neither condition varies.
   std::optional<double> d_av;
   /// d_z times Hedges' correction for few subjects, 1 - 3 / (4 df - 1); nothing for two subjects.
   std::optional<double> g_z;

@@ -87,7 +87,7 @@ double Probability(double w, std::size_t n) {
 }  // namespace
 
 std::optional<ShapiroWilk> TestNormality(std::span<const double> values, double error) {
-  if (values.size() < 3 || values.size() > 5000) return std::nullopt;
+  if (values.size() < 3 || values.size() > kMostShapiroValues) return std::nullopt;
   std::vector<double> sorted(values.begin(), values.end());
   std::sort(sorted.begin(), sorted.end());
   if (sorted.back() - sorted.front() <= error) return std::nullopt;

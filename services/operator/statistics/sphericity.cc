@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "operator/statistics/distributions.h"
@@ -16,6 +17,9 @@ class Matrix {
  public:
   explicit Matrix(std::size_t size) : size_(size), values_(size * size) {}
   std::size_t size() const { return size_; }
+  void DivideBy(double value) {
+    for (double& element : values_) element /= value;
+  }
   double& operator()(std::size_t row, std::size_t column) { return values_[row * size_ + column]; }
   double operator()(std::size_t row, std::size_t column) const {
     return values_[row * size_ + column];
@@ -72,11 +76,10 @@ double SumOfSquares(const Matrix& matrix) {
   return sum;
 }
 
-/// By elimination without pivoting, as `matrix` is a covariance; minus infinity where it is singular.
-/// `error` is what rounding may do to the values that it is the covariance of.
+/// By elimination without pivoting, as `matrix` is a covariance, of trace 1; minus infinity where
+/// it is singular. `error` is what rounding may do to its values.
 double LogDeterminant(Matrix matrix, double error) {
-  const double smallest =
-      std::max(static_cast<double>(matrix.size()) * RoundingError(Trace(matrix)), error * error);
+  const double smallest = std::max(static_cast<double>(matrix.size()) * RoundingError(1.0), error);
   double sum = 0.0;
   for (std::size_t c = 0; c < matrix.size(); ++c) {
     const double pivot = matrix(c, c);
@@ -91,9 +94,9 @@ double LogDeterminant(Matrix matrix, double error) {
 }
 
 /// P(W <= w) under sphericity, `df` = n - 1: Anderson, "An introduction to multivariate statistical
-/// analysis", section 10.7, two terms of Box's series, which can end above 1 where subjects are few.
-/// The series has 3 p in the second term; R's mauchly.test has 3 (p + 1) there, and so have we, as
-/// people compare with R: p moves by less than 0.005.
+/// analysis", section 10.7, two terms of Box's series, which can end above 1 where subjects are
+/// few. The series has 3 p in the second term; R's mauchly.test has 3 (p + 1) there, and so have
+/// we, as people compare with R: p moves by less than 0.005.
 double MauchlyP(double log_w, double p, double df) {
   const double rho = 1.0 - (2.0 * p * p + p + 2.0) / (6.0 * p * df);
   const double omega = (p + 2.0) * (p - 1.0) * (p - 2.0) *
@@ -118,21 +121,22 @@ std::optional<double> HuynhFeldt(double epsilon, double p, double df) {
 }  // namespace
 
 std::optional<Sphericity> CheckSphericity(const ConditionTable& table) {
-  const Matrix covariance = Covariance(Contrasts(table));
+  Matrix covariance = Covariance(Contrasts(table));
   const double trace = Trace(covariance);
   const double error = RoundingError(Magnitude(table));
   if (std::sqrt(trace) <= error) return std::nullopt;
   Sphericity result;
   if (table.condition_count() == 2) return result;
+  covariance.DivideBy(trace);  // nothing here depends on the unit, and large values overflow
   const auto p = static_cast<double>(covariance.size());
   const auto df = static_cast<double>(table.subject_count() - 1);
-  result.greenhouse_geisser =
-      std::clamp(trace * trace / (p * SumOfSquares(covariance)), 1.0 / p, 1.0);
+  result.greenhouse_geisser = std::clamp(1.0 / (p * SumOfSquares(covariance)), 1.0 / p, 1.0);
   result.huynh_feldt_raw = HuynhFeldt(result.greenhouse_geisser, p, df);
   result.huynh_feldt = result.huynh_feldt_raw;
   if (result.huynh_feldt) result.huynh_feldt = std::min(1.0, *result.huynh_feldt);
   if (df >= p) {
-    const double log_w = std::min(0.0, LogDeterminant(covariance, error) - p * std::log(trace / p));
+    const double log_determinant = LogDeterminant(std::move(covariance), error * error / trace);
+    const double log_w = std::min(0.0, log_determinant + p * std::log(p));
     result.mauchly_w = std::exp(log_w);
     result.mauchly_p = MauchlyP(log_w, p, df);
   }

@@ -11,8 +11,8 @@ namespace conav::statistics {
 /// from the covariance S (p x p, p = k - 1) of orthonormal contrasts of the k conditions.
 struct Sphericity {
   /// Mauchly, 1940: W = det S / (tr S / p)^p, 0 where S is singular. p is that of
-  /// chi squared with the second-order term of Box's series, as in R. Nothing for two conditions, where
-  /// there is nothing to test, and for fewer subjects than conditions.
+  /// chi squared with the second-order term of Box's series, as in R. Nothing for two conditions,
+  /// where there is nothing to test, and for fewer subjects than conditions.
   std::optional<double> mauchly_w;
   std::optional<double> mauchly_p;
   /// Greenhouse and Geisser, 1959: (tr S)^2 / (p tr S^2), in [1 / p, 1].

@@ -30,11 +30,11 @@ inline constexpr double kLargestValue = 1.0e100;  // and 1 / this is the smalles
 ///   subject,<condition>,<condition>,...
 ///   p01,12,15.5,...
 ///
-/// one row per subject, decimal point, quotes as in RFC 4180; empty lines are skipped. A subject with
-/// an empty cell (or NA) is left out of everything. Errors: kMalformed with `name`, line and column
-/// for whatever else is not as it must be: another header, a name missing or twice, a cell too few or
-/// too many, what is not a number, a value out of range, text that is not UTF-8, fewer than two
-/// conditions or complete subjects.
+/// one row per subject, decimal point, quotes as in RFC 4180; empty lines are skipped. A subject
+/// with an empty cell (or NA) is left out of everything. Errors: kMalformed with `name`, line and
+/// column for whatever else is not as it must be: another header, a name missing or twice, a cell
+/// too few or too many, what is not a number, a value out of range, text that is not UTF-8, fewer
+/// than two conditions or complete subjects.
 [[nodiscard]] Result<TableFile> ParseTable(std::string_view text, const std::string& name);
 
 }  // namespace conav::statistics

@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::size_t kExactBelow = 50;
 
-/// P(V <= v) for `count` untied ranks: of the 2^count ways to sign them, those with a sum of at most
-/// v. V is symmetric about its mean.
+/// P(V <= v) for `count` untied ranks: of the 2^count ways to sign them, those with a sum of at
+/// most v. V is symmetric about its mean.
 double LowerTail(double v, std::size_t count) {
   const std::size_t largest = count * (count + 1) / 2;
   std::vector<double> shares(largest + 1);  // of the signings, by their sum
