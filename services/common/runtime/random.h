@@ -28,6 +28,7 @@ class Random {
     DEMAND(low <= high, low, high);
     const std::uint64_t count =
         static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low) + 1;
+    if (count == 0) return static_cast<std::int64_t>(Next());  // all integers
     return static_cast<std::int64_t>(static_cast<std::uint64_t>(low) + Below(count));
   }
 
@@ -52,9 +53,8 @@ class Random {
  private:
   __extension__ using Uint128 = unsigned __int128;
 
-  /// Uniform in [0, count); 0 stands for 2^64.
+  /// Uniform in [0, count), count > 0.
   std::uint64_t Below(std::uint64_t count) {
-    if (count == 0) return Next();
     Uint128 product = static_cast<Uint128>(Next()) * count;
     if (static_cast<std::uint64_t>(product) < count) {
       const std::uint64_t threshold = (0 - count) % count;

@@ -62,8 +62,8 @@ Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop)
   const BeliefGrid belief = BeliefOf(situation);
   sent_views_.Update(belief);
   if (WaitsForRoom(situation)) return {};
-  const SituationProblem problem(situation, belief, ToSearch(sent_views_.Withheld()),
-                                 config_.headings);
+  views_ = ViewsFor(situation, config_.headings, std::move(views_));
+  const SituationProblem problem(situation, belief, ToSearch(sent_views_.Withheld()), views_);
   if (problem.get() == nullptr) {
     return NoDecision(situation, "the robot's cell cannot be free on its map");
   }

@@ -9,19 +9,20 @@ std::vector<Cell> CellsOf(const std::vector<Neighbour>& neighbours) {
   return cells;
 }
 
-GridGraph::Options GraphOptions(const Situation& situation, int headings) {
-  GridGraph::Options options;
-  options.headings = headings;
-  options.lens = situation.lens;
-  options.cell_size_m = situation.map.cell_size_m;
-  return options;
-}
-
 }  // namespace
 
+std::shared_ptr<const GridViews> ViewsFor(const Situation& situation, int headings,
+                                          std::shared_ptr<const GridViews> kept) {
+  const GridViews::Options options{
+      .headings = headings, .lens = situation.lens, .cell_size_m = situation.map.cell_size_m};
+  if (kept && kept->options() == options) return kept;
+  return std::make_shared<const GridViews>(options);
+}
+
 SituationProblem::SituationProblem(const Situation& situation, BeliefGrid belief,
-                                   std::vector<SentView> withheld, int headings)
-    : graph_(situation.map.cells, CellsOf(situation.neighbours), GraphOptions(situation, headings)),
+                                   std::vector<SentView> withheld,
+                                   std::shared_ptr<const GridViews> views)
+    : graph_(situation.map.cells, CellsOf(situation.neighbours), std::move(views), {}),
       belief_(std::move(belief)) {
   const auto start = graph_.VertexAt(situation.state.cell);
   if (!start) return;

@@ -30,7 +30,7 @@ class Search {
         path_(problem, options.rollout_depth * 2),
         offered_(problem),
         information_(problem, offered_, model),
-        rollout_(options, problem, offered_, information_, random),
+        rollout_(options, path_, offered_, information_, random),
         tree_(problem.start, NodesExpected(options)) {}
 
   /// Prepares the root. False when nothing can or need be decided.
@@ -66,6 +66,7 @@ Result<bool> Search::Start() {
   DEMAND(actions.size() <= kMaxActions, actions.size());
   if (path_.goals_left() == 0 || actions.size() == 0) return false;
   if (options_.min_information <= 0.0) return true;
+  if (auto asked = information_.AskAll(path_); !asked) return tl::unexpected(asked.error());
   for (std::size_t view = 0; view < actions.views.size(); ++view) {
     const auto information = information_.Of(path_, view);
     if (!information) return tl::unexpected(information.error());

@@ -18,6 +18,8 @@ class PathState {
   /// `steps_expected`: so many steps are taken without allocating memory.
   explicit PathState(const SearchProblem& problem, int steps_expected = 0);
 
+  std::size_t vertex_count() const { return visits_.size(); }
+  std::size_t uncertainty_count() const { return passed_.size(); }
   VertexId vertex() const { return steps_.back().vertex; }
   /// |tau|: states since the last picture, that picture's and repeats included.
   int length() const { return length_; }
@@ -25,8 +27,13 @@ class PathState {
   int earlier_visits() const { return visits_[Index(vertex())] - 1; }
   /// How often `vertex` occurs in tau.
   int visits(VertexId vertex) const { return visits_[Index(vertex)]; }
-  bool at_goal() const { return is_goal_[Index(vertex())] != 0; }
-  bool on_guidance() const { return is_guidance_[Index(vertex())] != 0; }
+  bool at_goal() const { return IsGoal(vertex()); }
+  bool on_guidance() const { return IsGuidance(vertex()); }
+  /// Of any vertex: whether it is a goal left, lies on the operator's path, and its steps to the
+  /// nearest goal.
+  bool IsGoal(VertexId vertex) const { return is_goal_[Index(vertex)] != 0; }
+  bool IsGuidance(VertexId vertex) const { return is_guidance_[Index(vertex)] != 0; }
+  double StepsToGoal(VertexId vertex) const { return steps_to_goal_[Index(vertex)]; }
   bool guided_before() const { return guided_before_; }
   int goals_left() const { return goals_left_; }
   /// Steps to the nearest goal that the last step saved; below 0 if it led away.

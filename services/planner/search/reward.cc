@@ -1,8 +1,5 @@
 #include "planner/search/reward.h"
 
-#include <array>
-#include <cmath>
-
 #include "common/runtime/config.h"
 
 namespace conav::planner {
@@ -15,30 +12,15 @@ void RewardOptions::Visit(ConfigReader& reader) {
   reader.Field("progress", progress, 0.0, 1e6);
 }
 
-namespace {
-
-/// log n for the n that occur; std::log for others.
-class LogTable {
- public:
-  LogTable() {
-    for (std::size_t n = 1; n < values_.size(); ++n) values_[n] = std::log(static_cast<double>(n));
-  }
-  double Of(int n) const {
-    const auto index = static_cast<std::size_t>(n);
-    return index < values_.size() ? values_[index] : std::log(static_cast<double>(n));
-  }
-
- private:
-  std::array<double, 1024> values_{};
-};
-
-const LogTable kLog;
-
-}  // namespace
+const std::array<double, 1024> kLogTable = [] {
+  std::array<double, 1024> logs{};
+  for (std::size_t n = 1; n < logs.size(); ++n) logs[n] = std::log(static_cast<double>(n));
+  return logs;
+}();
 
 double GuidanceReward(bool guided_before, bool on_guidance, int path_length) {
   if (!guided_before || on_guidance) return 0.0;
-  return -kLog.Of(path_length);
+  return -LogOf(path_length);
 }
 
 double CommunicationReward(const PathState& path, double information,

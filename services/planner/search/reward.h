@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+#include <cmath>
+
 #include "planner/search/path_state.h"
 
 namespace conav {
@@ -30,6 +33,13 @@ inline double EnvironmentReward(bool reaches_goal, const RewardOptions& options)
 /// R_guidance(tau, zeta): 0 on the operator's path, else -log n, where n = |tau| counts the states
 /// since the last picture, that picture's included (appendix C, 2). 0 while no path was ever given.
 double GuidanceReward(bool guided_before, bool on_guidance, int path_length);
+
+/// log n, n >= 1: std::log, from a table as far as it goes.
+extern const std::array<double, 1024> kLogTable;
+inline double LogOf(int n) {
+  const auto index = static_cast<std::size_t>(n);
+  return index < kLogTable.size() ? kLogTable[index] : std::log(static_cast<double>(n));
+}
 
 /// R_smooth(tau): minus the number of earlier visits to the present state (appendix C, 3).
 inline double SmoothnessReward(int earlier_visits) { return -static_cast<double>(earlier_visits); }

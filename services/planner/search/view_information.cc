@@ -1,6 +1,8 @@
 #include "planner/search/view_information.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "common/runtime/demand.h"
 
@@ -32,18 +34,28 @@ ViewInformation::ViewInformation(const SearchProblem& problem, const OfferedActi
 }
 
 Result<double> ViewInformation::Of(const PathState& path, std::size_t index) {
-  const std::size_t slot = SlotOf(path);
-  const Place* place = nullptr;
-  if (slots_[slot] != kEmpty) {
-    place = &places_[static_cast<std::size_t>(slots_[slot])];
+  const Place& place = PlaceAt(path);
+  DEMAND(index < offered_.At(place.vertex).views.size(), index);
+  const double& edits = edits_[place.first_edit + index];
+  if (!std::isnan(edits)) {
     ++counts_.cached;
-  } else {
-    const auto asked = Ask(path, slot);
-    if (!asked) return tl::unexpected(asked.error());
-    place = *asked;
+    return edits;
   }
-  DEMAND(index < offered_.At(place->vertex).views.size(), index);
-  return edits_[place->first_edit + index];
+  if (auto asked = Ask(path, place, index, 1); !asked) return tl::unexpected(asked.error());
+  return edits;
+}
+
+Result<void> ViewInformation::AskAll(const PathState& path) {
+  const Place& place = PlaceAt(path);
+  const std::size_t views = offered_.At(place.vertex).views.size();
+  return views == 0 ? Result<void>() : Ask(path, place, 0, views);
+}
+
+const ViewInformation::Place& ViewInformation::PlaceAt(const PathState& path) {
+  const std::size_t slot = SlotOf(path);
+  if (slots_[slot] != kEmpty) return places_[static_cast<std::size_t>(slots_[slot])];
+  AddPlace(path, slot);
+  return places_.back();
 }
 
 /// The slot that holds the end of `path`, or the empty one where it belongs.
@@ -63,31 +75,30 @@ bool ViewInformation::Is(const Place& place, const PathState& path) const {
                     words_.begin() + static_cast<std::ptrdiff_t>(place.first_word));
 }
 
-Result<const ViewInformation::Place*> ViewInformation::Ask(const PathState& path,
-                                                           std::size_t slot) {
-  WriteQueries(path);
-  const auto answers = model_.Predict(queries_);
+/// Views [first, first + count) of a place.
+Result<void> ViewInformation::Ask(const PathState& path, const Place& place, std::size_t first,
+                                  std::size_t count) {
+  const auto views = offered_.At(place.vertex).views;
+  CollectCells(path);
+  queries_.resize(std::max(queries_.size(), count));
+  for (std::size_t i = 0; i < count; ++i) WriteQuery(path, views[first + i], queries_[i]);
+  const auto answers = model_.Predict(std::span(queries_).first(count));
   if (!answers) return tl::unexpected(answers.error());
-  DEMAND(answers->size() == queries_.size(), answers->size(), queries_.size());
+  DEMAND(answers->size() == count, answers->size(), count);
   ++counts_.calls;
-  counts_.queries += static_cast<std::uint32_t>(queries_.size());
-  Remember(path, slot, *answers);
-  return &places_.back();
+  counts_.queries += static_cast<std::uint32_t>(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    edits_[place.first_edit + first + i] = ExpectedEdits((*answers)[i]);
+  }
+  return {};
 }
 
-void ViewInformation::WriteQueries(const PathState& path) {
-  CollectCells(path);
-  const auto views = offered_.At(path.vertex()).views;
-  const auto headings = problem_.graph.HeadingsAt(path.vertex());
-  queries_.resize(views.size());
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    PerceptionQuery& query = queries_[i];
-    query.belief = problem_.belief;
-    query.path = cells_;
-    query.cell = problem_.graph.CellOf(path.vertex());
-    query.heading_rad = headings[static_cast<std::size_t>(views[i])];
-    query.visible = problem_.graph.ViewFrom(path.vertex(), views[i]);
-  }
+void ViewInformation::WriteQuery(const PathState& path, int view, PerceptionQuery& query) const {
+  query.belief = problem_.belief;
+  query.path = cells_;
+  query.cell = problem_.graph.CellOf(path.vertex());
+  query.heading_rad = problem_.graph.HeadingsAt(path.vertex())[static_cast<std::size_t>(view)];
+  query.visible = problem_.graph.ViewFrom(path.vertex(), view);
 }
 
 void ViewInformation::CollectCells(const PathState& path) {
@@ -99,12 +110,12 @@ void ViewInformation::CollectCells(const PathState& path) {
   cells_.erase(std::unique(cells_.begin(), cells_.end()), cells_.end());
 }
 
-void ViewInformation::Remember(const PathState& path, std::size_t slot,
-                               std::span<const PerceptionAnswer> answers) {
+void ViewInformation::AddPlace(const PathState& path, std::size_t slot) {
   slots_[slot] = static_cast<std::int32_t>(places_.size());
   places_.push_back({path.vertex(), words_.size(), edits_.size()});
   words_.insert(words_.end(), path.visited().begin(), path.visited().end());
-  for (const PerceptionAnswer& answer : answers) edits_.push_back(ExpectedEdits(answer));
+  edits_.resize(edits_.size() + offered_.At(path.vertex()).views.size(),
+                std::numeric_limits<double>::quiet_NaN());
   if (2 * places_.size() > slots_.size()) GrowSlots();
 }
 

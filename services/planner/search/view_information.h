@@ -10,14 +10,13 @@
 
 namespace conav::planner {
 
-/// R_info of the views offered at the end of a path, asked of the perception model in as few calls
-/// as possible and remembered within one decision.
+/// R_info of the views offered at the end of a path, asked of the perception model when it is wanted
+/// and remembered within one decision.
 ///
-/// Nothing is approximated: the key is the whole set of cells in tau together with the place, and
-/// an answer depends on tau as a set only. All views of a place are asked in one batch, when the
-/// first of them is wanted. Searches of 2000 iterations need about 13 batches, because they come
-/// back to the same places (asking about the places around in the same batch saved one call in
-/// seven and doubled the queries, so it is not done).
+/// Nothing is approximated: the key is the whole set of cells in tau together with the place and
+/// the view, and an answer depends on tau as a set only. A search looks at few of a place's views,
+/// so each is asked by itself; where all are wanted at once (at the root), AskAll() makes one batch
+/// of them.
 ///
 /// A look-up takes no memory; a new place only beyond the first kPlacesExpected.
 class ViewInformation {
@@ -38,23 +37,28 @@ class ViewInformation {
   /// Errors: those of the perception model.
   [[nodiscard]] Result<double> Of(const PathState& path, std::size_t index);
 
+  /// Asks for all views offered at the end of `path` that are not known yet, in one batch.
+  [[nodiscard]] Result<void> AskAll(const PathState& path);
+
   const Counts& counts() const { return counts_; }
 
  private:
-  /// A place that was asked about: a vertex and the vertices visited, edits of its views.
+  /// A vertex and the vertices visited.
   struct Place {
     VertexId vertex;
-    std::size_t first_word;  // in words_
-    std::size_t first_edit;  // in edits_
+    std::size_t first_word;  // of the set, in words_
+    std::size_t first_edit;  // of its views, in edits_
   };
 
+  const Place& PlaceAt(const PathState& path);
   std::size_t SlotOf(const PathState& path) const;
   bool Is(const Place& place, const PathState& path) const;
-  [[nodiscard]] Result<const Place*> Ask(const PathState& path, std::size_t slot);
-  void WriteQueries(const PathState& path);
-  void CollectCells(const PathState& path);
-  void Remember(const PathState& path, std::size_t slot, std::span<const PerceptionAnswer> answers);
+  void AddPlace(const PathState& path, std::size_t slot);
   void GrowSlots();
+  [[nodiscard]] Result<void> Ask(const PathState& path, const Place& place, std::size_t first,
+                                 std::size_t count);
+  void WriteQuery(const PathState& path, int view, PerceptionQuery& query) const;
+  void CollectCells(const PathState& path);
 
   const SearchProblem& problem_;
   const OfferedActions& offered_;
@@ -62,7 +66,7 @@ class ViewInformation {
   std::vector<std::int32_t> slots_;  // open addressing: index into places_, -1 = empty
   std::vector<Place> places_;
   std::vector<std::uint64_t> words_;
-  std::vector<double> edits_;
+  std::vector<double> edits_;             // NaN = not asked yet
   std::vector<PerceptionQuery> queries_;  // of the newest call; kept for their memory
   std::vector<Cell> cells_;               // of its path
   Counts counts_;
