@@ -215,6 +215,7 @@ SearchAction Search::Describe(const Actions& actions, int action) const {
 
 std::vector<Cell> Search::ExpectedPath() {
   std::vector<Cell> cells;
+  cells.reserve(static_cast<std::size_t>(options_.rollout_depth));
   int node = tree_.MostVisitedChild(SearchTree::kRoot);
   while (node >= 0 && !tree_.node(node).is_communication) {
     cells.push_back(problem_.graph.CellOf(tree_.node(node).vertex));

@@ -31,6 +31,13 @@ ViewInformation::ViewInformation(const SearchProblem& problem, const OfferedActi
   words_.reserve(kPlacesExpected * ((vertices + 63) / 64));
   edits_.reserve(kPlacesExpected * kViewsExpected);
   cells_.reserve(vertices + problem.path.size());
+  queries_.resize(kViewsExpected);
+  for (PerceptionQuery& query : queries_) {
+    query.belief = problem.belief;
+    query.path.reserve(cells_.capacity());
+    query.visible.free.reserve(vertices);
+    query.visible.walls.reserve(vertices);
+  }
 }
 
 Result<double> ViewInformation::Of(const PathState& path, std::size_t index) {

@@ -106,7 +106,8 @@ TEST_CASE("information is the sum of the expected edits", "[planner][search]") {
 }
 
 TEST_CASE("more places than expected are remembered, too", "[planner][search]") {
-  const TextWorld world({"#######", "#S....#", "#.....#", "#.....#", "#.....#", "#######"});
+  const TextWorld world({"###########", "#S........#", "#.........#", "#.........#", "#.........#",
+                         "#.........#", "#.........#", "#.........#", "###########"});
   CountingModel model;
   const OfferedActions offered(world.problem);
   ViewInformation information(world.problem, offered, model);
@@ -115,7 +116,7 @@ TEST_CASE("more places than expected are remembered, too", "[planner][search]") 
   std::vector<std::pair<std::vector<Edge>, double>> asked;
   for (std::size_t i = 0; i < 4 * ViewInformation::kPlacesExpected; ++i) {
     std::vector<Edge> walk;
-    for (int step = 0; step < 12; ++step) {
+    for (int step = 0; step < 24; ++step) {
       const auto moves = offered.At(path.vertex()).moves;
       const auto last = static_cast<std::int64_t>(moves.size()) - 1;
       walk.push_back(moves[static_cast<std::size_t>(random.Uniform(0, last))]);
