@@ -67,7 +67,8 @@ Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop)
   if (problem.get() == nullptr) {
     return NoDecision(situation, "the robot's cell cannot be free on its map");
   }
-  const auto result = search_.Decide(*problem.get(), random_, {.stop = &stop, .clock = &clock_});
+  const auto result =
+      search_.Decide(*problem.get(), random_, {.stop = &stop, .clock = &clock_}, &memory_);
   if (!result) {
     return NoDecision(situation, result.error().text);
   }

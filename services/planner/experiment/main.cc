@@ -65,8 +65,19 @@ void Write(const std::filesystem::path& file, const std::string& text) {
     throw StartupError(written.error().text);
 }
 
+/// Before the work rather than after it.
+void CheckOutputs(const Arguments& arguments) {
+  for (const auto& file : {arguments.json, arguments.csv}) {
+    if (file.empty()) continue;
+    if (const auto writable = CheckWritable(file); !writable) {
+      throw StartupError(writable.error().text);
+    }
+  }
+}
+
 void Run(Arguments& arguments) {
   ChooseVariants(arguments);
+  CheckOutputs(arguments);
   const auto model = nhpm::LoadEditModel(arguments.model, arguments.weights, {});
   if (!model) throw StartupError(model.error().text);
   Result<std::vector<ExperimentEpisode>> episodes;

@@ -27,6 +27,8 @@ class OfferedActions {
  public:
   explicit OfferedActions(const SearchProblem& problem);
 
+  bool operator==(const OfferedActions&) const = default;
+
   Actions At(VertexId vertex) const {
     const First& from = first_[static_cast<std::size_t>(vertex)];
     const First& to = first_[static_cast<std::size_t>(vertex) + 1];
@@ -39,6 +41,7 @@ class OfferedActions {
   struct First {
     std::size_t edge = 0;
     std::size_t view = 0;
+    bool operator==(const First&) const = default;
   };
 
   void AddViews(const SearchProblem& problem, VertexId vertex);

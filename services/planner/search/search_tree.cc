@@ -42,6 +42,7 @@ int SearchTree::SelectChild(int parent, const SearchOptions& options, Random& ra
       value = to.feasibility * value + (1.0 - to.feasibility) * from.mean();
     }
     value += options.exploration_constant * std::sqrt(log_visits / to.visit_count);
+    if (to.is_guided) value += options.guidance_prior / (1.0 + to.visit_count);
     if (value > best_value) {
       best_value = value;
       best = child;
