@@ -13,6 +13,7 @@
 #include "common/runtime/json.h"
 #include "common/runtime/log.h"
 #include "launcher/demo_plan.h"
+#include "launcher/demo_weights.h"
 #include "launcher/svg.h"
 #include "launcher/table.h"
 
@@ -56,6 +57,7 @@ Demo::Demo(const DemoOptions& options, std::filesystem::path program_folder, con
   outcome_.dds = options.dds.empty() ? place_.participant->vendor() : options.dds;
   outcome_.domain = place_.lease.domain();
   outcome_.run_folder = run_.path().string();
+  outcome_.weights_checksum = WeightsChecksum(options);
 }
 
 bool Demo::Run(const StopToken& stop) {
@@ -118,15 +120,17 @@ bool Demo::SomethingDied() {
   for (const Process* process : processes_.TakeEnded()) {
     const std::string what = fmt::format("{} (pid {}) died: {}", process->name(), process->pid(),
                                          process->end()->Describe());
+    if (process->name().starts_with("nhpm")) {
+      const auto last = LastLines(process->log(), 1);
+      progress_.Say(last.empty() ? what : what + "; its log ends: " + last.front());
+      progress_.Say(ReplicasLeft() > 0
+                        ? fmt::format("nhpm processes that go on answering: {}", ReplicasLeft())
+                        : "the planner goes on with its own perception model");
+      continue;
+    }
     progress_.Say(what + "; the end of its log:");
     for (const std::string& line : LastLines(process->log(), kLogLines)) {
       progress_.Say("  | " + line);
-    }
-    if (process->name().starts_with("nhpm")) {
-      progress_.Say(ReplicasLeft() > 0
-                        ? fmt::format("{} other nhpm go on answering", ReplicasLeft())
-                        : "the planner goes on with its own perception model");
-      continue;
     }
     outcome_.reason = EndReason::kProcessDied;
     outcome_.detail = what;

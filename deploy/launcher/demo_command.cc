@@ -5,11 +5,13 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 
+#include "launcher/demo_weights.h"
+
 namespace conav::launcher {
 namespace {
 
 constexpr const char* kFooter = R"(
-Starts conav-sim (one per world), conav-nhpm (or several), conav-operator, conav-planner and conav-simulated-operator,
+Starts conav-sim (one per world), conav-nhpm (or several, or none), conav-operator, conav-planner and conav-simulated-operator,
 follows them until every robot has reached its goals, and leaves runs/<time>-seed<S>/ with the effective
 configuration, logs, metrics.json, episode.svg (truth, the operator's map before and after, trajectories,
 pictures) and segments.pb.zst (how the operator edited after each picture; ./conav dataset describe).
@@ -27,6 +29,7 @@ void AddRunOptions(CLI::App& app, DemoOptions& options) {
   app.add_option("--worlds", options.worlds, "Worlds, each with a simulator")
       ->capture_default_str();
   app.add_option("--seed", options.seed, "Seed of everything that is random")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_option("--method", options.method, "ig-mcts, instruction or teleop")
       ->capture_default_str();
@@ -38,6 +41,10 @@ void AddRunOptions(CLI::App& app, DemoOptions& options) {
       ->capture_default_str();
   app.add_option("--weights", options.weights,
                  "Weights file of the network [the one that comes with conav]");
+  app.add_option("--person", options.person,
+                 "Whose edits are predicted, by NAME.nhpm in --person-weights [everybody's]");
+  app.add_option("--person-weights", options.person_weights,
+                 "Folder of weights of single operators, as conav train --adapt makes them");
   app.add_option("--nhpm-replicas", options.nhpm_replicas, "Processes conav-nhpm")
       ->capture_default_str();
   app.add_option("--x-source", options.x_source,
@@ -105,7 +112,8 @@ DemoOptions ParseDemoCommand(int argc, char** argv) {
     if (!entry) RefuseUse(entry.error().text);
     options.run_with.insert(*std::move(entry));
   }
-  if (const auto valid = Validate(options); !valid) RefuseUse(valid.error().text);
+  const auto valid = Validate(options).and_then([&] { return CheckWeights(options); });
+  if (!valid) RefuseUse(valid.error().text);
   return options;
 }
 

@@ -9,6 +9,9 @@
 #include <span>
 #include <sstream>
 
+#include "common/protocol/entity_name.h"
+#include "common/runtime/file_options.h"
+
 namespace conav::launcher {
 namespace {
 
@@ -17,7 +20,6 @@ namespace fs = std::filesystem;
 constexpr std::array kMethods{"ig-mcts", "instruction", "teleop"};
 constexpr std::array kCameras{"egl", "none"};
 constexpr std::array kPerceptions{"remote", "embedded"};
-constexpr std::array kModels{"nhpm", "glpf"};
 constexpr std::array kXSources{"observed", "estimated"};
 constexpr std::array kVendors{"cyclonedds", "fastdds"};
 constexpr std::array kVendorChoices{"cyclonedds", "fastdds", "mixed", "SERVICE=VENDOR,..."};
@@ -40,8 +42,13 @@ Result<void> RequireOneOf(const char* option, const std::string& value,
 }
 
 Result<void> RequireFile(const char* option, const fs::path& file) {
-  if (file.empty() || fs::is_regular_file(file)) return {};
-  return Fail(ErrorCode::kNotFound, fmt::format("{} {}: no such file", option, file.string()));
+  std::error_code ignored;
+  const auto status = fs::status(file, ignored);
+  if (file.empty() || fs::is_regular_file(status)) return {};
+  const char* reason = fs::is_directory(status) ? "is a folder"
+                       : fs::exists(status)     ? "is no file"
+                                                : "no such file";
+  return Fail(ErrorCode::kNotFound, fmt::format("{} {}: {}", option, file.string(), reason));
 }
 
 // The folder itself, or the nearest one above it that exists, must be ours to write in.
@@ -66,6 +73,17 @@ Result<void> ValidateFiles(const DemoOptions& options) {
   if (auto ok = RequireFile("--map", options.map); !ok) return ok;
   if (auto ok = RequireFile("--operator-map", options.operator_map); !ok) return ok;
   if (auto ok = RequireFile("--weights", options.weights); !ok) return ok;
+  if (!options.person.empty() && !fs::is_directory(options.person_weights)) {
+    return Fail(ErrorCode::kNotFound, fmt::format("--person-weights {}: no such folder",
+                                                  options.person_weights.string()));
+  }
+  if (auto ok = CheckDistinct({{"--map", options.map},
+                               {"--operator-map", options.operator_map},
+                               {"--weights", options.weights}},
+                              {{"--json", options.json}});
+      !ok) {
+    return ok;
+  }
   if (!options.json.empty()) {
     const fs::path folder = fs::absolute(options.json).parent_path();
     if (!fs::is_directory(folder)) {
@@ -79,6 +97,39 @@ Result<void> ValidateFiles(const DemoOptions& options) {
     if (auto ok = RequireWritable("--json", folder); !ok) return ok;
   }
   return RequireWritable("--out", options.out);
+}
+
+Result<void> ValidatePerson(const DemoOptions& options) {
+  if (options.person.empty() != options.person_weights.empty()) {
+    return Fail(ErrorCode::kInvalidArgument, "--person and --person-weights need each other");
+  }
+  if (options.person.empty()) return {};
+  if (!IsEntityName(options.person)) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("--person {}: is not 1 to {} of A-Z a-z 0-9 _", options.person, kMaxName));
+  }
+  if (options.model == kGlpfModel) {
+    return Fail(ErrorCode::kInvalidArgument, "--person: --model glpf is everybody's");
+  }
+  if (options.perception == "embedded") {
+    return Fail(ErrorCode::kInvalidArgument,
+                "--person: --perception embedded asks nobody; give the person's file as --weights");
+  }
+  return {};
+}
+
+/// Options that another one makes meaningless.
+Result<void> ValidateUses(const DemoOptions& options) {
+  if (options.model == kGlpfModel && !options.weights.empty()) {
+    return Fail(ErrorCode::kInvalidArgument, "--weights: --model glpf has none");
+  }
+  if (options.perception == "embedded" && options.nhpm_replicas > 1) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("--nhpm-replicas {}: with --perception embedded nobody asks them",
+                            options.nhpm_replicas));
+  }
+  return ValidatePerson(options);
 }
 
 Result<void> ValidateNumbers(const DemoOptions& options) {
@@ -102,8 +153,9 @@ Result<void> Validate(const DemoOptions& options) {
   if (auto ok = RequireOneOf("--method", options.method, kMethods); !ok) return ok;
   if (auto ok = RequireOneOf("--camera", options.camera, kCameras); !ok) return ok;
   if (auto ok = RequireOneOf("--perception", options.perception, kPerceptions); !ok) return ok;
-  if (auto ok = RequireOneOf("--model", options.model, kModels); !ok) return ok;
+  if (auto ok = RequireOneOf("--model", options.model, kPerceptionModels); !ok) return ok;
   if (auto ok = RequireOneOf("--x-source", options.x_source, kXSources); !ok) return ok;
+  if (auto ok = ValidateUses(options); !ok) return ok;
   if (auto vendors = VendorOfService(options.dds); !vendors) {
     return tl::unexpected<Error>(vendors.error());
   }

@@ -43,18 +43,22 @@ struct DemoOptions {
   std::map<std::string, std::string> run_with;  // service -> command to put before it
   double time_limit_s = 1800.0;                 // wall time
   std::string perception = "remote";
-  std::string model = kDefaultPerceptionModel;  // "nhpm" or "glpf"
-  std::filesystem::path weights;  // of the network; empty = the one that comes with conav
+  std::string model = kDefaultPerceptionModel;  // one of kPerceptionModels
+  std::filesystem::path weights;         // of the network; empty = the one that comes with conav
+  std::string person;                    // whose edits are predicted; empty = everybody's
+  std::filesystem::path person_weights;  // folder with <person>.nhpm
   int nhpm_replicas = 1;
   std::string x_source = "observed";  // or "estimated"
   std::filesystem::path out = "runs";
 
   double effective_speed() const { return speed.value_or(headless ? 0.0 : 4.0); }
   int total_robots() const { return robots * worlds; }
+  /// None where the planner asks its own model.
+  int nhpm_processes() const { return perception == "embedded" ? 0 : nhpm_replicas; }
 };
 
 /// Refuses what cannot be: the option by name, its value, what would do. Looks at the file system
-/// for maps, --json's folder and --out.
+/// for maps, weights, --json's folder and --out.
 [[nodiscard]] Result<void> Validate(const DemoOptions& options);
 
 /// "sim=ip netns exec a" as service and command. Refused: no '=', unknown service, no command.

@@ -33,7 +33,7 @@ struct Setting {
   }
   /// Written out, so that the configuration means the same wherever it is used again.
   std::string Weights() const {
-    return options.model == "nhpm" ? AbsoluteText(nhpm::WeightsOrShipped(options.weights)) : "";
+    return options.model == kNhpmModel ? AbsoluteText(nhpm::WeightsOrShipped(options.weights)) : "";
   }
   std::vector<std::string> WorldsAndRobots() const {
     std::vector<std::string> entries;
@@ -72,6 +72,7 @@ std::string NhpmYaml(const Setting& setting, const std::string& name) {
   config.name = name;
   config.model = setting.options.model;
   config.weights = setting.Weights();
+  config.person_weights = AbsoluteText(setting.options.person_weights);
   return DumpConfig("nhpm", config);
 }
 
@@ -117,6 +118,7 @@ std::string PlannerYaml(const Setting& setting) {
   config.perception = setting.options.perception;
   config.perception_model = setting.options.model;
   config.weights = setting.Weights();
+  config.person = setting.options.person;
   config.x_source = setting.options.x_source;
   return DumpConfig("planner", config);
 }
@@ -131,7 +133,7 @@ std::vector<PlannedProcess> PlanDemo(const DemoOptions& options, int domain, con
     const std::string name = episode.worlds.size() == 1 ? "sim" : "sim-" + episode.worlds[w].name;
     processes.push_back({name, "sim", SimYaml(setting, w)});
   }
-  for (int replica = 1; replica <= options.nhpm_replicas; ++replica) {
+  for (int replica = 1; replica <= options.nhpm_processes(); ++replica) {
     const std::string name = options.nhpm_replicas == 1 ? "nhpm" : fmt::format("nhpm-{}", replica);
     processes.push_back({name, "nhpm", NhpmYaml(setting, name)});
   }

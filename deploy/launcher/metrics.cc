@@ -19,6 +19,7 @@ RobotMetrics MeasureRobot(const RobotRecord& robot) {
   metrics.world = robot.world;
   metrics.guidance = robot.guidance_given;
   metrics.decisions = robot.decisions;
+  metrics.perception_model = robot.perception_model;
   metrics.decision_ms_median = Percentile(robot.decision_ms, 0.5);
   metrics.decision_ms_p99 = Percentile(robot.decision_ms, 0.99);
   if (!robot.state) return metrics;
@@ -73,7 +74,8 @@ nlohmann::ordered_json ToJson(const EpisodeMetrics& metrics) {
                       {"guidance", robot.guidance},
                       {"decisions", robot.decisions},
                       {"decision_ms_median", robot.decision_ms_median},
-                      {"decision_ms_p99", robot.decision_ms_p99}});
+                      {"decision_ms_p99", robot.decision_ms_p99},
+                      {"perception_model", robot.perception_model}});
   }
   return {{"all_goals_reached", metrics.all_goals_reached},
           {"mapping_accuracy_before", metrics.before.mapping},

@@ -26,6 +26,7 @@ struct RobotMetrics {
   std::uint64_t decisions = 0;
   double decision_ms_median = 0.0;
   double decision_ms_p99 = 0.0;
+  std::string perception_model;  // that answered the newest decision; "fallback: glpf" among them
 };
 
 struct EpisodeMetrics {

@@ -21,6 +21,11 @@ const char* Name(EndReason reason) {
   return "";
 }
 
+std::string WeightsText(const DemoOptions& options) {
+  if (options.model != kNhpmModel) return "";
+  return options.weights.empty() ? "shipped" : options.weights.string();
+}
+
 nlohmann::ordered_json Versions() {
   nlohmann::ordered_json versions{{"conav", CONAV_VERSION}};
   // ./conav knows the commit that it built; a program run by hand does not.
@@ -32,16 +37,30 @@ nlohmann::ordered_json Versions() {
 
 nlohmann::ordered_json OutcomeJson(const DemoOptions& options, const Outcome& outcome,
                                    const EpisodeMetrics& metrics) {
-  nlohmann::ordered_json json{
-      {"seed", options.seed},        {"method", options.method},
-      {"model", options.model},      {"dds", outcome.dds},
-      {"worlds", options.worlds},    {"robots_per_world", options.robots},
-      {"operator", "simulated"},     {"preset", options.map.empty() ? options.preset : ""},
-      {"map", options.map.string()}, {"perception", options.perception},
-      {"camera", options.camera},    {"speed", options.effective_speed()},
-      {"domain", outcome.domain},    {"ended", Name(outcome.reason)},
-      {"detail", outcome.detail},    {"wall_s", outcome.wall_s},
-      {"run", outcome.run_folder},   {"versions", Versions()}};
+  nlohmann::ordered_json json{{"seed", options.seed},
+                              {"method", options.method},
+                              {"model", options.model},
+                              {"weights", WeightsText(options)},
+                              {"weights_checksum", outcome.weights_checksum},
+                              {"person", options.person},
+                              {"person_weights", options.person_weights.string()},
+                              {"nhpm_replicas", options.nhpm_processes()},
+                              {"x_source", options.x_source},
+                              {"dds", outcome.dds},
+                              {"worlds", options.worlds},
+                              {"robots_per_world", options.robots},
+                              {"operator", "simulated"},
+                              {"preset", options.map.empty() ? options.preset : ""},
+                              {"map", options.map.string()},
+                              {"perception", options.perception},
+                              {"camera", options.camera},
+                              {"speed", options.effective_speed()},
+                              {"domain", outcome.domain},
+                              {"ended", Name(outcome.reason)},
+                              {"detail", outcome.detail},
+                              {"wall_s", outcome.wall_s},
+                              {"run", outcome.run_folder},
+                              {"versions", Versions()}};
   json.update(ToJson(metrics));
   return json;
 }

@@ -18,6 +18,7 @@ struct Outcome {
   std::string dds;  // as asked for, or the default vendor
   int domain = 0;
   std::string run_folder;
+  std::string weights_checksum;  // of the weights that shall answer; empty without
 };
 
 /// What metrics.json and --json hold: the run's facts, then the measures of ToJson(metrics).

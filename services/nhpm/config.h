@@ -15,7 +15,7 @@ struct NhpmConfig {
   bus::ParticipantOptions bus;
   /// Node name; give each replica its own.
   std::string name = "nhpm";
-  /// Which model is served: "nhpm" (the network) or "glpf".
+  /// Which of kPerceptionModels is served.
   std::string model = kDefaultPerceptionModel;
   /// Weights file of the network; empty = the one that comes with conav. Looked at once a second: a
   /// new file is taken without dropping a request, a bad one is logged and the old model stays.
@@ -34,7 +34,7 @@ struct NhpmConfig {
   void Visit(ConfigReader& reader) {
     reader.Section("bus", bus);
     reader.Field("name", name);
-    reader.Choice("model", model, {"nhpm", "glpf"});
+    reader.Choice("model", model, {kPerceptionModels.begin(), kPerceptionModels.end()});
     reader.Field("weights", weights);
     reader.Field("person_weights", person_weights);
     reader.Section("glpf", glpf);

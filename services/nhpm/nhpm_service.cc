@@ -7,13 +7,10 @@
 #include <vector>
 
 #include "common/bus/send.h"
-#include "common/protocol/convert.h"
 #include "common/runtime/log.h"
 
 namespace conav::nhpm {
 namespace {
-
-using Message = conav_msgs::msg::PerceptionRequest;
 
 constexpr std::chrono::milliseconds kReceivePause{100};
 constexpr std::chrono::seconds kRefreshPeriod{1};
@@ -21,22 +18,8 @@ constexpr std::chrono::seconds kRefreshPeriod{1};
 /// The first, second, fourth, ... of many equal log lines.
 bool WorthLogging(std::uint64_t count) { return std::has_single_bit(count); }
 
-/// `client` and `request_id` alone, to find out whether a malformed request can be replied to.
-Result<void> NamesItsSender(const Message& message) {
-  Message sender;
-  sender.client(message.client());
-  sender.request_id(message.request_id());
-  return ToDomain(sender).map([](const PerceptionRequest&) {});
-}
-
 double Milliseconds(std::chrono::nanoseconds time) {
   return std::chrono::duration<double, std::milli>(time).count();
-}
-
-void SetModel(PerceptionReply& reply, const ModelIdentity& identity) {
-  reply.model = identity.name;
-  reply.model_version = identity.version;
-  reply.model_checksum = identity.checksum;
 }
 
 /// Why the asker does not want `identity`; empty when it does.
@@ -82,7 +65,7 @@ void NhpmService::Run(const StopToken& stop) {
 
 void NhpmService::Receive(std::chrono::nanoseconds timeout) {
   participant_.Wait(timeout);
-  for (auto& message : requests_.Take()) Admit(std::move(message));
+  for (const auto& message : requests_.Take()) Admit(message);
   RefreshModels();
   diagnostics_.Tick([this] { return Report(); });
 }
@@ -102,34 +85,42 @@ void NhpmService::RefreshModels() {
   models_.Refresh();
 }
 
-void NhpmService::Admit(Message&& message) {
-  if (const auto named = NamesItsSender(message); !named) return Drop(named.error().text);
+void NhpmService::Admit(const conav_msgs::msg::PerceptionRequest& message) {
+  const auto sender = SenderOf(message);
+  if (!sender) return Drop(sender.error().text);
   if (!message.replica().empty() && message.replica() != participant_.node_name()) return;
-  OpenRequest open{std::move(message), clock_.Now()};
+  auto request = ToDomain(message);
+  if (!request) return SendWithout(*sender, PerceptionStatus::kRefused, request.error().text);
+  OpenRequest open{*std::move(request), clock_.Now()};
   switch (queue_.Offer(std::move(open))) {
     case RequestQueue::Admission::kQueued:
     case RequestQueue::Admission::kRepeat:
       return;
     case RequestQueue::Admission::kFull:
-      return SendBusy(open.message, fmt::format("{} requests are open", queue_.open()));
+      return SendWithout(open.request, PerceptionStatus::kBusy,
+                         fmt::format("{} requests are open", queue_.open()));
     case RequestQueue::Admission::kTooSlow: {
-      const auto wait = queue_.ExpectedWait(open.message.queries().size());
-      return SendBusy(open.message, fmt::format("an answer takes {:.0f} ms, wanted within {} ms",
-                                                Milliseconds(wait), open.message.timeout_ms()));
+      const auto wait = queue_.ExpectedWait(open.cells());
+      return SendWithout(open.request, PerceptionStatus::kBusy,
+                         fmt::format("an answer takes {:.0f} ms, wanted within {} ms",
+                                     Milliseconds(wait), open.request.timeout_ms));
     }
   }
 }
 
 void NhpmService::Drop(const std::string& reason) {
-  const std::lock_guard lock(mutex_);
-  if (!WorthLogging(++counts_.dropped)) return;
+  std::unique_lock lock(mutex_);
+  const std::uint64_t count = ++counts_.dropped;
+  lock.unlock();
+  if (!WorthLogging(count)) return;
   LOG_WARNING("request dropped", "topic", bus::kPerceptionRequest.pattern, "reason", reason,
-              "count", counts_.dropped);
+              "count", count);
 }
 
-void NhpmService::SendBusy(const Message& message, std::string reason) {
-  PerceptionReply reply = Blank(message);
-  reply.status = PerceptionStatus::kBusy;
+void NhpmService::SendWithout(const PerceptionRequest& request, PerceptionStatus status,
+                              std::string reason) {
+  PerceptionReply reply = Blank(request, models_.For(request.person)->identity());
+  reply.status = status;
   reply.reason = std::move(reason);
   Send(reply);
 }
@@ -142,40 +133,34 @@ void NhpmService::Answer(const OpenRequest& open) {
       const std::lock_guard lock(mutex_);
       ++counts_.late;
     }
-    return SendBusy(open.message, fmt::format("waited longer than {} ms for its turn",
-                                              open.message.timeout_ms()));
+    return SendWithout(
+        open.request, PerceptionStatus::kBusy,
+        fmt::format("waited longer than {} ms for its turn", open.request.timeout_ms));
   }
-  PerceptionReply reply;
-  if (const auto request = ToDomain(open.message)) {
-    reply = ReplyTo(*request);
-  } else {
-    reply = Blank(open.message);
-    reply.status = PerceptionStatus::kRefused;
-    reply.reason = request.error().text;
-  }
+  const PerceptionReply reply = ReplyTo(open.request);
   Send(reply);
-  const auto computing = clock_.Now() - start;
-  queue_.Finish(open, computing);
+  const std::chrono::nanoseconds computing = clock_.Now() - start;
+  const bool computed = reply.status == PerceptionStatus::kOk;
+  queue_.Finish(open, computed ? std::optional(computing) : std::nullopt);
   const std::lock_guard lock(mutex_);
   counts_.computing += computing;
 }
 
-PerceptionReply NhpmService::Blank(const Message& message) const {
+PerceptionReply NhpmService::Blank(const PerceptionRequest& request,
+                                   const ModelIdentity& identity) const {
   PerceptionReply reply;
-  reply.client = message.client();
-  reply.request_id = message.request_id();
+  reply.client = request.client;
+  reply.request_id = request.request_id;
   reply.replica = participant_.node_name();
-  SetModel(reply, models_.For(message.person())->identity());
+  reply.model = identity.name;
+  reply.model_version = identity.version;
+  reply.model_checksum = identity.checksum;
   return reply;
 }
 
 PerceptionReply NhpmService::ReplyTo(const PerceptionRequest& request) const {
   const auto model = models_.For(request.person);
-  PerceptionReply reply;
-  reply.client = request.client;
-  reply.request_id = request.request_id;
-  reply.replica = participant_.node_name();
-  SetModel(reply, model->identity());
+  PerceptionReply reply = Blank(request, model->identity());
   reply.reason = Mismatch(request, model->identity());
   if (reply.reason.empty()) {
     if (auto answers = model->Predict(request.queries)) {
@@ -191,22 +176,24 @@ PerceptionReply NhpmService::ReplyTo(const PerceptionRequest& request) const {
 
 /// Counted first: who has the reply finds it in the counts.
 void NhpmService::Send(const PerceptionReply& reply) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (reply.status == PerceptionStatus::kOk) {
-      ++counts_.requests;
-      counts_.queries += reply.answers.size();
-    } else {
-      const bool busy = reply.status == PerceptionStatus::kBusy;
-      const std::uint64_t count = ++(busy ? counts_.busy : counts_.refused);
-      if (WorthLogging(count)) {
-        LOG_WARNING(busy ? "request answered busy" : "request refused", "topic",
-                    bus::kPerceptionRequest.pattern, "client", reply.client, "request",
-                    reply.request_id, "reason", reply.reason, "count", count);
-      }
-    }
-  }
+  Count(reply);
   bus::Send(replies_, ToMessage(reply));
+}
+
+void NhpmService::Count(const PerceptionReply& reply) {
+  std::unique_lock lock(mutex_);
+  if (reply.status == PerceptionStatus::kOk) {
+    ++counts_.requests;
+    counts_.queries += reply.answers.size();
+    return;
+  }
+  const bool busy = reply.status == PerceptionStatus::kBusy;
+  const std::uint64_t count = ++(busy ? counts_.busy : counts_.refused);
+  lock.unlock();
+  if (!WorthLogging(count)) return;
+  LOG_WARNING(busy ? "request answered busy" : "request refused", "topic",
+              bus::kPerceptionRequest.pattern, "client", reply.client, "request", reply.request_id,
+              "reason", reply.reason, "count", count);
 }
 
 Health NhpmService::Report() const {

@@ -7,6 +7,7 @@
 #include "common/bus/participant.h"
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
+#include "common/protocol/convert.h"
 #include "common/runtime/clock.h"
 #include "common/runtime/stop_token.h"
 #include "common/service/diagnostics.h"
@@ -16,7 +17,7 @@
 
 namespace conav::nhpm {
 
-/// Answers perception requests of any number of planners, in the order in which they arrive.
+/// Answers perception requests of any number of planners, begun in the order in which they arrive.
 ///
 /// Before the first request it publishes nothing but its health. Every request that names its
 /// sender gets one reply: the answers, a refusal with its reason (malformed, another model wanted,
@@ -52,13 +53,14 @@ class NhpmService {
   Counts counts() const;
 
  private:
-  void Admit(conav_msgs::msg::PerceptionRequest&& message);
+  void Admit(const conav_msgs::msg::PerceptionRequest& message);
   void Answer(const OpenRequest& open);
   PerceptionReply ReplyTo(const PerceptionRequest& request) const;
-  PerceptionReply Blank(const conav_msgs::msg::PerceptionRequest& message) const;
+  PerceptionReply Blank(const PerceptionRequest& request, const ModelIdentity& identity) const;
   void Send(const PerceptionReply& reply);
+  void Count(const PerceptionReply& reply);
   void Drop(const std::string& reason);
-  void SendBusy(const conav_msgs::msg::PerceptionRequest& message, std::string reason);
+  void SendWithout(const PerceptionRequest& request, PerceptionStatus status, std::string reason);
   void RefreshModels();
   Health Report() const;
 

@@ -5,41 +5,47 @@
 namespace conav::nhpm {
 namespace {
 
-using Message = conav_msgs::msg::PerceptionRequest;
-
 constexpr double kWeightOfNewest = 0.1;
 
-bool IsSame(const Message& a, const Message& b) {
-  return a.request_id() == b.request_id() && a.client() == b.client();
+bool IsSame(const PerceptionRequest& a, const PerceptionRequest& b) {
+  return a.request_id == b.request_id && a.client == b.client;
 }
 
 }  // namespace
 
 std::optional<Clock::TimePoint> OpenRequest::deadline() const {
-  if (message.timeout_ms() == 0) return std::nullopt;
-  return arrived + std::chrono::milliseconds(message.timeout_ms());
+  if (request.timeout_ms == 0) return std::nullopt;
+  return arrived + std::chrono::milliseconds(request.timeout_ms);
 }
 
-RequestQueue::Admission RequestQueue::Offer(OpenRequest&& request) {
-  const Message& message = request.message;
+std::size_t OpenRequest::cells() const {
+  std::size_t sum = 0;
+  for (const PerceptionQuery& query : request.queries) sum += query.belief.size();
+  return sum;
+}
+
+RequestQueue::Admission RequestQueue::Offer(OpenRequest&& offered) {
+  const PerceptionRequest& request = offered.request;
   const std::lock_guard lock(mutex_);
   for (OpenRequest& open : waiting_) {
-    if (!IsSame(open.message, message)) continue;
-    open.message.timeout_ms(message.timeout_ms());
-    open.arrived = request.arrived;
+    if (!IsSame(open.request, request)) continue;
+    open.request.timeout_ms = request.timeout_ms;
+    open.arrived = offered.arrived;
     return Admission::kRepeat;
   }
-  const std::pair key(message.client(), message.request_id());
+  const std::pair key(request.client, request.request_id);
   if (std::find(computing_.begin(), computing_.end(), key) != computing_.end()) {
     return Admission::kRepeat;
   }
-  if (waiting_.size() + computing_.size() >= max_open_) return Admission::kFull;
-  const auto deadline = request.deadline();
-  if (deadline && request.arrived + ExpectedWaitLocked(message.queries().size()) > *deadline) {
+  const std::size_t open = waiting_.size() + computing_.size();
+  if (open >= max_open_) return Admission::kFull;
+  const std::size_t cells = offered.cells();
+  const auto deadline = offered.deadline();
+  if (open > 0 && deadline && offered.arrived + ExpectedWaitLocked(cells) > *deadline) {
     return Admission::kTooSlow;
   }
-  open_queries_ += message.queries().size();
-  waiting_.push_back(std::move(request));
+  open_cells_ += cells;
+  waiting_.push_back(std::move(offered));
   changed_.notify_one();
   return Admission::kQueued;
 }
@@ -57,25 +63,25 @@ std::optional<OpenRequest> RequestQueue::WaitAndTake() {
 
 std::optional<OpenRequest> RequestQueue::TakeLocked() {
   if (waiting_.empty()) return std::nullopt;
-  OpenRequest request = std::move(waiting_.front());
+  OpenRequest taken = std::move(waiting_.front());
   waiting_.pop_front();
-  computing_.emplace_back(request.message.client(), request.message.request_id());
-  return request;
+  computing_.emplace_back(taken.request.client, taken.request.request_id);
+  return taken;
 }
 
-void RequestQueue::Finish(const OpenRequest& request,
+void RequestQueue::Finish(const OpenRequest& taken,
                           std::optional<std::chrono::nanoseconds> computing) {
-  const std::size_t queries = request.message.queries().size();
-  const std::pair key(request.message.client(), request.message.request_id());
+  const std::size_t cells = taken.cells();
+  const std::pair key(taken.request.client, taken.request.request_id);
   const std::lock_guard lock(mutex_);
   std::erase(computing_, key);
-  open_queries_ -= queries;
-  if (!computing || queries == 0) return;
+  open_cells_ -= cells;
+  if (!computing || cells == 0) return;
   const double seconds =
-      std::chrono::duration<double>(*computing).count() / static_cast<double>(queries);
-  seconds_per_query_ = seconds_per_query_ == 0.0
-                           ? seconds
-                           : seconds_per_query_ + kWeightOfNewest * (seconds - seconds_per_query_);
+      std::chrono::duration<double>(*computing).count() / static_cast<double>(cells);
+  seconds_per_cell_ = seconds_per_cell_ == 0.0
+                          ? seconds
+                          : seconds_per_cell_ + kWeightOfNewest * (seconds - seconds_per_cell_);
 }
 
 void RequestQueue::Close() {
@@ -89,13 +95,14 @@ std::size_t RequestQueue::open() const {
   return waiting_.size() + computing_.size();
 }
 
-std::chrono::nanoseconds RequestQueue::ExpectedWait(std::size_t queries) const {
+std::chrono::nanoseconds RequestQueue::ExpectedWait(std::size_t cells) const {
   const std::lock_guard lock(mutex_);
-  return ExpectedWaitLocked(queries);
+  return ExpectedWaitLocked(cells);
 }
 
-std::chrono::nanoseconds RequestQueue::ExpectedWaitLocked(std::size_t queries) const {
-  return Seconds(static_cast<double>(open_queries_ + queries) * seconds_per_query_ / threads_);
+std::chrono::nanoseconds RequestQueue::ExpectedWaitLocked(std::size_t cells) const {
+  const double ahead = static_cast<double>(open_cells_) / threads_;
+  return Seconds((ahead + static_cast<double>(cells)) * seconds_per_cell_);
 }
 
 }  // namespace conav::nhpm

@@ -22,10 +22,11 @@ void TellServing(const std::string& person, const ModelIdentity& identity, const
 ServedModels::ServedModels(const NhpmConfig& config)
     : glpf_(config.glpf), person_folder_(config.person_weights) {
   everybody_.model = config.model;
-  if (config.model == "nhpm") everybody_.file = config.WeightsFile();
+  if (config.model == kNhpmModel) everybody_.file = config.WeightsFile();
   if (const auto loaded = Load(everybody_); !loaded) throw StartupError(loaded.error().text);
   TellServing("", everybody_.loaded->identity(), everybody_.file);
-  if (!person_folder_.empty() && !fs::is_directory(person_folder_)) {
+  std::error_code ignored;
+  if (!person_folder_.empty() && !fs::is_directory(person_folder_, ignored)) {
     throw StartupError(
         fmt::format("nhpm.person_weights = {} is not a folder", person_folder_.string()));
   }
@@ -73,14 +74,22 @@ void ServedModels::RefreshPersons() {
   if (person_folder_.empty()) return;
   std::set<std::string> present;
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(person_folder_, error)) {
-    const std::string person = entry.path().stem().string();
-    if (entry.path().extension() != ".nhpm" || !IsEntityName(person)) continue;
+  fs::directory_iterator entries(person_folder_, error);
+  for (; !error && entries != fs::directory_iterator(); entries.increment(error)) {
+    const fs::path& file = entries->path();
+    const std::string person = file.stem().string();
+    if (file.extension() != ".nhpm" || !IsEntityName(person)) continue;
     present.insert(person);
     const auto [source, added] =
-        persons_.try_emplace(person, Source{"nhpm", entry.path(), false, std::nullopt, nullptr});
+        persons_.try_emplace(person, Source{kNhpmModel, file, false, std::nullopt, nullptr});
     RefreshOne(person, source->second);
   }
+  if (error != folder_error_ && error) {
+    LOG_ERROR("persons' weights not read", "folder", person_folder_.string(), "reason",
+              error.message(), "still_serving", persons_.size());
+  }
+  folder_error_ = error;
+  if (error) return;
   std::erase_if(persons_, [&](const auto& entry) {
     if (present.count(entry.first) > 0) return false;
     LOG_INFO("weights gone, the model for everybody serves", "person", entry.first);

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <system_error>
 
 #include "nhpm/config.h"
 #include "nhpm/model/edit_model.h"
@@ -26,7 +27,8 @@ class ServedModels {
   explicit ServedModels(const NhpmConfig& config);
 
   /// Looks whether files changed and loads those that did. What cannot be read leaves the model
-  /// that it had. A person whose file is gone gets the model for everybody.
+  /// that it had, which holds for the whole folder of persons too. A person whose file is gone gets
+  /// the model for everybody.
   void Refresh();
 
   /// The model of that person; of everybody for an empty or unknown name.
@@ -43,7 +45,7 @@ class ServedModels {
     bool operator==(const Stamp&) const = default;
   };
   struct Source {
-    std::string model;  // "nhpm" or "glpf"
+    std::string model;  // one of kPerceptionModels
     std::filesystem::path file;
     bool tried = false;
     std::optional<Stamp> seen;  // of the last try
@@ -60,7 +62,8 @@ class ServedModels {
   const std::filesystem::path person_folder_;
   Source everybody_;
   std::map<std::string, Source> persons_;
-  mutable std::mutex mutex_;  // guards all below
+  std::error_code folder_error_;  // of the last look
+  mutable std::mutex mutex_;      // guards all below
   std::shared_ptr<const EditModel> model_;
   std::map<std::string, std::shared_ptr<const EditModel>> model_of_person_;
 };

@@ -282,6 +282,7 @@ Health OperatorService::Report() const {
   if (recording_) {
     health.values.emplace_back("segments recorded", std::to_string(recording_->recorded()));
     health.values.emplace_back("segments lost", std::to_string(recording_->lost()));
+    health.values.emplace_back("pictures lost", std::to_string(recording_->lost_pictures()));
   }
   if (storage_failure_) {
     health.level = Health::Level::kError;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/runtime/config.h"
+#include "common/segments/utf8.h"
 
 namespace conav::operators {
 
@@ -15,9 +16,9 @@ struct RecordingConfig {
   std::string file;
   /// Who makes the edits: person, or simulated.
   std::string origin = "person";
-  /// A pseudonym.
+  /// A pseudonym. It and the session are UTF-8 without slashes and control characters.
   std::string participant;
-  /// Empty = the time of the start, UTC.
+  /// Pictures' files begin with it. Empty = the time of the start, UTC.
   std::string session;
   /// "world=preset@seed" or "world=map file", as far as known.
   std::vector<std::string> mazes;
@@ -27,10 +28,16 @@ struct RecordingConfig {
   void Visit(ConfigReader& reader) {
     reader.Field("file", file);
     reader.Choice("origin", origin, {"person", "simulated"});
-    reader.Field("participant", participant);
-    reader.Field("session", session);
+    PlainName(reader, "participant", participant);
+    PlainName(reader, "session", session);
     reader.Field("mazes", mazes);
     reader.Field("pictures", pictures);
+  }
+
+ private:
+  static void PlainName(ConfigReader& reader, const char* key, std::string& name) {
+    reader.Field(key, name);
+    if (!IsPlainName(name)) reader.Refuse(key, "is not UTF-8 without / and control characters");
   }
 };
 

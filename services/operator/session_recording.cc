@@ -58,7 +58,8 @@ SessionRecording::SessionRecording(bus::Participant& participant, const Recordin
 SessionRecording::~SessionRecording() {
   recorder_.End();
   Write();
-  LOG_INFO("recorded", "file", config_.file, "segments", recorded_, "lost", lost_);
+  LOG_INFO("recorded", "file", config_.file, "segments", recorded_, "lost", lost_, "lost_pictures",
+           lost_pictures_);
 }
 
 void SessionRecording::Step() {
@@ -96,15 +97,21 @@ void SessionRecording::Write() {
 
 Result<void> SessionRecording::Append(RecordedSegment& done) {
   if (config_.pictures && !done.jpeg.empty()) {
-    if (const auto kept = KeepPicture(done); !kept) return kept;
+    if (const auto kept = KeepPicture(done); !kept) NoteLostPicture(done, kept.error());
   }
   const auto known = numbers_.find(done.world);
-  // A first segment has step 0: then a new trajectory begins, also when the world had one.
-  const bool continues = known != numbers_.end() && done.segment.step > 0;
-  const std::uint32_t number = continues ? known->second : log_.trajectories();
+  const std::uint32_t number = known != numbers_.end() ? known->second : log_.trajectories();
   return log_.Append(number, done.trajectory, done.segment).map([&] {
-    numbers_.insert_or_assign(done.world, number);
+    numbers_.emplace(done.world, number);
   });
+}
+
+void SessionRecording::NoteLostPicture(const RecordedSegment& done, const Error& why) {
+  ++lost_pictures_;
+  if (const auto held_back = pictures_logged_.Allow()) {
+    LOG_ERROR("picture not kept, its segment is", "robot", done.robot, "picture",
+              done.sequence_number, "reason", why.text, "held_back", *held_back);
+  }
 }
 
 Result<void> SessionRecording::KeepPicture(RecordedSegment& done) const {

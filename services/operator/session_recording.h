@@ -20,7 +20,8 @@ namespace conav::operators {
 /// Records the sessions of the operator service: hears pictures and true maps, is told of edits and
 /// guidance, and appends each completed segment to the file at once, so that a kill loses none.
 ///
-/// A segment that cannot be written is lost, logged and counted; the service goes on.
+/// A segment that cannot be written is lost, logged and counted; one whose picture cannot be written
+/// is recorded without it, which is logged and counted, too. The service goes on.
 /// Threads: one, the service's.
 class SessionRecording {
  public:
@@ -41,6 +42,7 @@ class SessionRecording {
 
   std::uint64_t recorded() const { return recorded_; }
   std::uint64_t lost() const { return lost_; }
+  std::uint64_t lost_pictures() const { return lost_pictures_; }
 
  private:
   template <class T>
@@ -49,6 +51,7 @@ class SessionRecording {
   void Write();
   Result<void> Append(RecordedSegment& done);
   Result<void> KeepPicture(RecordedSegment& done) const;
+  void NoteLostPicture(const RecordedSegment& done, const Error& why);
 
   RecordingConfig config_;
   std::string session_;
@@ -60,7 +63,9 @@ class SessionRecording {
   Subscribers<nav_msgs::msg::OccupancyGrid> truths_;  // by world
   std::uint64_t recorded_ = 0;
   std::uint64_t lost_ = 0;
+  std::uint64_t lost_pictures_ = 0;
   LogLimit failures_logged_;
+  LogLimit pictures_logged_;
 };
 
 }  // namespace conav::operators

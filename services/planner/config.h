@@ -24,7 +24,7 @@ struct PlannerConfig {
   /// "remote" asks the nhpm service; "embedded" asks the model in this process. While neither can
   /// answer, the embedded GLPF does.
   std::string perception = "remote";
-  /// "nhpm" or "glpf": a service that answers with another one is not believed.
+  /// One of kPerceptionModels: a service that answers with another one is not believed.
   std::string perception_model = kDefaultPerceptionModel;
   /// SHA-256 of the only weights that are believed (remote); empty = any.
   std::string perception_checksum;
@@ -52,7 +52,8 @@ struct PlannerConfig {
     reader.Field("seed", seed);
     reader.Section("search", search);
     reader.Choice("perception", perception, {"remote", "embedded"});
-    reader.Choice("perception_model", perception_model, {"nhpm", "glpf"});
+    reader.Choice("perception_model", perception_model,
+                  {kPerceptionModels.begin(), kPerceptionModels.end()});
     reader.Field("perception_checksum", perception_checksum);
     const bool digits =
         perception_checksum.find_first_not_of("0123456789abcdef") == std::string::npos;

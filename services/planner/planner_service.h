@@ -13,7 +13,7 @@
 #include "planner/decision/belief_estimate.h"
 #include "planner/decision/blackboard.h"
 #include "planner/decision/robot_worker.h"
-#include "planner/make_perception.h"
+#include "planner/perception_setup.h"
 
 namespace conav::planner {
 
@@ -46,7 +46,7 @@ class PlannerService {
   bus::Participant& participant_;
   PlannerConfig config_;
   Blackboard board_;
-  Perception perception_;
+  PerceptionSetup perception_;
   std::vector<std::unique_ptr<Link>> links_;
   std::vector<std::unique_ptr<bus::Subscriber<conav_msgs::msg::BeliefMap>>> beliefs_;
   Diagnostics diagnostics_;

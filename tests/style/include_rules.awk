@@ -48,7 +48,8 @@ BEGIN {
   if (in_service && is_service && other != part[2] && !synthesises &&
       !(part[2] == "planner" && wires && inc ~ /^nhpm\/model\//))
     refuse("a service includes no other service (the planner may embed nhpm/model)")
-  if (below("deploy/") && is_service && inc !~ /\/config\.h$/) refuse("the launcher sees only config.h of a service")
+  if (below("deploy/") && is_service && inc !~ /\/config\.h$/ && inc !~ /^(nhpm\/model|sim\/world)\//)
+    refuse("the launcher sees only config.h of a service, and weights and worlds to see whether they fit")
   if (below("services/") && inc ~ /^launcher\//) refuse("services know nothing of the launcher")
   count++
 }

@@ -2,13 +2,13 @@
 
 #include <catch2/catch.hpp>
 #include <csignal>
-#include <filesystem>
-#include <fstream>
 #include <optional>
 #include <string>
 
+#include "common/runtime/file.h"
 #include "nhpm/config.h"
 #include "support/service_process.h"
+#include "support/temporary_folder.h"
 #include "support/test_domain.h"
 
 namespace conav::test {
@@ -19,9 +19,6 @@ class NhpmProcess {
  public:
   /// `weights` = a file of the network; empty = the GLPF.
   explicit NhpmProcess(const std::string& vendor, const std::string& weights = "") {
-    std::string pattern = (std::filesystem::temp_directory_path() / "nhpm-XXXXXX").string();
-    REQUIRE(mkdtemp(pattern.data()) != nullptr);
-    folder_ = pattern;
     nhpm::NhpmConfig config;
     config.name = "nhpm-test";
     config.model = weights.empty() ? "glpf" : "nhpm";
@@ -30,16 +27,9 @@ class NhpmProcess {
     config.bus.domain_id = TestDomain();
     config.bus.interface = "lo";
     config.bus.lease_s = 2.0;
-    std::ofstream(folder_ / "nhpm.yaml") << DumpConfig("nhpm", config);
+    REQUIRE(WriteFile(folder_ / "nhpm.yaml", DumpConfig("nhpm", config)));
     Start();
   }
-  ~NhpmProcess() {
-    process_.reset();
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
-  }
-  NhpmProcess(const NhpmProcess&) = delete;
-  NhpmProcess& operator=(const NhpmProcess&) = delete;
 
   /// Once more, after End().
   void Start() { process_.emplace("conav-nhpm", folder_ / "nhpm.yaml"); }
@@ -53,8 +43,8 @@ class NhpmProcess {
   void Signal(int signal) { process_->Signal(signal); }
 
  private:
-  std::filesystem::path folder_;
-  std::optional<ServiceProcess> process_;
+  TemporaryFolder folder_;
+  std::optional<ServiceProcess> process_;  // ends before its folder goes
 };
 
 }  // namespace conav::test

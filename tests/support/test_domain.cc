@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include "common/runtime/result.h"
-#include "launcher/domain_lease.h"
 
 namespace conav::test {
 namespace {
@@ -11,8 +10,9 @@ namespace {
 constexpr int kFirstDomain = 40;
 constexpr int kDomains = 60;
 
-/// Tests have leases of their own, so that a demo which a test starts can take the domain's.
-launcher::DomainLease AcquireDomain() {
+}  // namespace
+
+launcher::DomainLease LeaseDomain() {
   for (int i = 0; i < kDomains; ++i) {
     const int domain = kFirstDomain + (getpid() + i) % kDomains;
     auto lease = launcher::DomainLease::TryAcquire(domain, "test");
@@ -21,10 +21,8 @@ launcher::DomainLease AcquireDomain() {
   throw StartupError("no DDS domain is free for this test");
 }
 
-}  // namespace
-
 int TestDomain() {
-  static const launcher::DomainLease lease = AcquireDomain();
+  static const launcher::DomainLease lease = LeaseDomain();
   return lease.domain();
 }
 

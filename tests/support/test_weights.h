@@ -1,20 +1,21 @@
 #pragma once
 
-#include <catch2/catch.hpp>
 #include <cstdint>
 #include <filesystem>
 #include <string>
 
+#include "common/runtime/demand.h"
 #include "nhpm/model/weights_file.h"
 #include "support/temporary_folder.h"
 
 namespace conav::test {
 
 /// A network with weights from a seed, not trained on anything.
-inline nhpm::NetworkModel UntrainedNetwork(std::uint64_t seed, int rows = 0, int columns = 0) {
+inline nhpm::NetworkModel UntrainedNetwork(std::uint64_t seed, int rows = 0, int columns = 0,
+                                           int width = 16) {
   nhpm::NetworkModel model;
   model.version = "untrained " + std::to_string(seed);
-  model.weights = nhpm::InitialWeights({16}, seed, -1.0F);
+  model.weights = nhpm::InitialWeights({width}, seed, -1.0F);
   model.rows = rows;
   model.columns = columns;
   model.data_origin = "synthetic";
@@ -29,7 +30,8 @@ class WeightsFolder {
   /// Writes `model` as `name`.nhpm and returns the file's path.
   std::string Write(const std::string& name, const nhpm::NetworkModel& model) const {
     const std::filesystem::path file = folder_ / (name + ".nhpm");
-    REQUIRE(nhpm::WriteWeightsFile(file, model));
+    const auto written = nhpm::WriteWeightsFile(file, model);
+    DEMAND(written, file.string());
     return file.string();
   }
 

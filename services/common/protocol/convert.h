@@ -90,6 +90,8 @@ conav_msgs::msg::AttentionRequest ToMessage(const AttentionRequest& request);
 // planning.h
 Result<SearchReport> ToDomain(const conav_msgs::msg::SearchReport& message);
 conav_msgs::msg::SearchReport ToMessage(const SearchReport& report);
+/// `client` and `request_id` alone: who gets the refusal of a request that ToDomain refuses.
+Result<PerceptionRequest> SenderOf(const conav_msgs::msg::PerceptionRequest& message);
 /// Every cell must lie inside the grid. ToMessage requires beliefs of one shape.
 Result<PerceptionRequest> ToDomain(const conav_msgs::msg::PerceptionRequest& message);
 conav_msgs::msg::PerceptionRequest ToMessage(const PerceptionRequest& request);

@@ -52,6 +52,14 @@ PerceptionQuery ToQuery(Checks& checks, const std::string& at,
   return query;
 }
 
+PerceptionRequest ToSender(Checks& checks, const conav_msgs::msg::PerceptionRequest& message) {
+  PerceptionRequest request;
+  request.client = checks.Client("client", message.client());
+  request.request_id = message.request_id();
+  if (request.request_id == 0) checks.Refuse("request_id = 0 is below 1");
+  return request;
+}
+
 /// Refuses what would make the service allocate without bound.
 bool CheckBatch(Checks& checks, const conav_msgs::msg::PerceptionRequest& message) {
   checks.Size("queries", message.queries().size(), convert::kMaxQueries);
@@ -122,12 +130,16 @@ conav_msgs::msg::SearchReport ToMessage(const SearchReport& report) {
   return message;
 }
 
+Result<PerceptionRequest> SenderOf(const conav_msgs::msg::PerceptionRequest& message) {
+  Checks checks;
+  PerceptionRequest sender = ToSender(checks, message);
+  if (checks.failed()) return checks.failure();
+  return sender;
+}
+
 Result<PerceptionRequest> ToDomain(const conav_msgs::msg::PerceptionRequest& message) {
   Checks checks;
-  PerceptionRequest request;
-  request.client = checks.Client("client", message.client());
-  request.request_id = message.request_id();
-  if (request.request_id == 0) checks.Refuse("request_id = 0 is below 1");
+  PerceptionRequest request = ToSender(checks, message);
   request.replica = checks.OptionalClient("replica", message.replica());
   request.model = checks.Text("model", message.model());
   request.model_checksum = checks.Checksum("model_checksum", message.model_checksum());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -42,8 +43,12 @@ struct SearchReport {
   bool operator==(const SearchReport&) const = default;
 };
 
-/// Who predicts the operator's edits where nobody says otherwise: "nhpm" or "glpf".
-inline constexpr const char* kDefaultPerceptionModel = "nhpm";
+/// Who can predict the operator's edits: the network of the paper, or the GLPF.
+inline constexpr const char* kNhpmModel = "nhpm";
+inline constexpr const char* kGlpfModel = "glpf";
+inline constexpr std::array kPerceptionModels{kNhpmModel, kGlpfModel};
+/// Where nobody says otherwise.
+inline constexpr const char* kDefaultPerceptionModel = kNhpmModel;
 
 /// How would the operator edit `belief` after the robot went `path` and sent a picture from `cell`
 /// towards `heading_rad` that shows `visible`? Paper section 4: (x, tau, o).

@@ -1,14 +1,36 @@
 #include "common/runtime/file.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <iterator>
+#include <random>
+#include <utility>
 
 namespace conav {
 namespace {
+
+/// A descriptor, closed when it goes; below 0 when it could not be opened.
+class Descriptor {
+ public:
+  Descriptor(const std::filesystem::path& path, int flags)
+      : number_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
+  ~Descriptor() {
+    if (number_ >= 0) ::close(number_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+
+  int number() const { return number_; }
+  /// False with errno; a network's file system may say only here that it has no room.
+  bool Close() { return ::close(std::exchange(number_, -1)) == 0; }
+
+ private:
+  int number_;
+};
 
 /// Whole or not at all; a device or a pipe is written to, not replaced.
 bool IsReplaced(const std::filesystem::path& path) {
@@ -17,56 +39,75 @@ bool IsReplaced(const std::filesystem::path& path) {
   return !std::filesystem::exists(status) || std::filesystem::is_regular_file(status);
 }
 
+tl::unexpected<Error> CannotRead(const std::filesystem::path& path) {
+  return Fail(ErrorCode::kIo,
+              fmt::format("{}: cannot read: {}", path.string(), std::strerror(errno)));
+}
+
 tl::unexpected<Error> CannotWrite(const std::filesystem::path& path, const std::string& reason) {
   return Fail(ErrorCode::kIo, fmt::format("{}: cannot write: {}", path.string(), reason));
 }
 
-/// Writes to `target`; messages name `path`.
-Result<void> WriteTo(const std::filesystem::path& target, const std::filesystem::path& path,
-                     std::string_view bytes) {
-  errno = 0;
-  std::ofstream file(target, std::ios::binary);
-  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (!file) return CannotWrite(path, std::strerror(errno));
+/// Makes `target` with `flags` and writes it; messages name `path`.
+Result<void> WriteTo(const std::filesystem::path& target, int flags,
+                     const std::filesystem::path& path, std::string_view bytes) {
+  Descriptor file(target, O_WRONLY | flags);
+  if (file.number() < 0 && errno == ENOENT) {
+    return CannotWrite(path, fmt::format("there is no folder {}", path.parent_path().string()));
+  }
+  if (file.number() < 0) return CannotWrite(path, std::strerror(errno));
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(file.number(), bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return CannotWrite(path, std::strerror(errno));
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  if (!file.Close()) return CannotWrite(path, std::strerror(errno));
   return {};
 }
 
+/// A name that no other writer of `path` has.
 std::filesystem::path PartialPath(const std::filesystem::path& path) {
+  std::random_device entropy;
   std::filesystem::path partial = path;
-  partial += ".partial";
+  partial += fmt::format(".{:08x}{:08x}.partial", entropy(), entropy());
   return partial;
+}
+
+/// A new file, which is removed again when this fails; messages name `path`.
+Result<void> WritePartial(const std::filesystem::path& partial, const std::filesystem::path& path,
+                          std::string_view bytes) {
+  return WriteTo(partial, O_CREAT | O_EXCL, path, bytes).map_error([&](Error error) {
+    std::error_code ignored;
+    std::filesystem::remove(partial, ignored);
+    return error;
+  });
 }
 
 }  // namespace
 
 Result<std::string> ReadFile(const std::filesystem::path& path) {
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) {
+  const Descriptor file(path, O_RDONLY);
+  if (file.number() < 0 && (errno == ENOENT || errno == ENOTDIR)) {
     return Fail(ErrorCode::kNotFound, fmt::format("{}: no such file", path.string()));
   }
-  if (std::filesystem::is_directory(status)) {
-    return Fail(ErrorCode::kIo, fmt::format("{}: is a folder", path.string()));
+  if (file.number() < 0) return CannotRead(path);
+  std::string bytes;
+  std::array<char, 1U << 16> piece;
+  while (true) {
+    const ssize_t size = ::read(file.number(), piece.data(), piece.size());
+    if (size < 0 && errno == EINTR) continue;
+    if (size < 0) return CannotRead(path);
+    if (size == 0) return bytes;
+    bytes.append(piece.data(), static_cast<std::size_t>(size));
   }
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (!file.is_open() || file.bad()) {
-    return Fail(ErrorCode::kIo,
-                fmt::format("{}: cannot read: {}", path.string(), std::strerror(errno)));
-  }
-  return bytes;
 }
 
 Result<void> WriteFile(const std::filesystem::path& path, std::string_view bytes) {
-  if (!IsReplaced(path)) return WriteTo(path, path, bytes);
+  if (!IsReplaced(path)) return WriteTo(path, 0, path, bytes);
   const std::filesystem::path partial = PartialPath(path);
+  if (const auto written = WritePartial(partial, path, bytes); !written) return written;
   std::error_code error;
-  if (const auto written = WriteTo(partial, path, bytes); !written) {
-    std::filesystem::remove(partial, error);
-    return written;
-  }
   std::filesystem::rename(partial, path, error);
   if (!error) return {};
   const std::string reason = error.message();
@@ -79,7 +120,7 @@ Result<void> CheckWritable(const std::filesystem::path& path) {
   if (std::filesystem::is_directory(path, error)) return CannotWrite(path, "is a folder");
   if (!IsReplaced(path)) return {};
   const std::filesystem::path partial = PartialPath(path);
-  const auto written = WriteTo(partial, path, "");
+  const auto written = WritePartial(partial, path, "");
   std::filesystem::remove(partial, error);
   return written;
 }

@@ -1,5 +1,7 @@
 #include "common/runtime/utf8.h"
 
+#include <algorithm>
+
 namespace conav {
 namespace {
 
@@ -32,6 +34,13 @@ bool IsUtf8(std::string_view text) {
     }
   }
   return true;
+}
+
+bool IsPlainName(std::string_view text) {
+  const auto is_plain = [](char c) {
+    return c != '/' && c != '\x7F' && static_cast<unsigned char>(c) >= 0x20;
+  };
+  return IsUtf8(text) && std::ranges::all_of(text, is_plain);
 }
 
 }  // namespace conav

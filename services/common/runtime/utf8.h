@@ -8,4 +8,8 @@ namespace conav {
 /// nor JSON carry anything else.
 bool IsUtf8(std::string_view text);
 
+/// Whether `text` is UTF-8 that may stand in a line and in a file's name: without slashes and control
+/// characters.
+bool IsPlainName(std::string_view text);
+
 }  // namespace conav

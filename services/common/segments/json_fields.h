@@ -5,20 +5,24 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+#include <stdexcept>
 #include <string>
 
 #include "common/grid/grid.h"
 
 namespace conav {
 
-/// A line that is not as it must be; ImportSegments turns it into an Error. Stays in this folder.
-struct LineRefused {
-  std::string reason;
+/// A line that is not as it must be; what() is the reason. Stays in this folder: ImportSegments
+/// turns it into an Error. It is thrown, unlike other foreseen failures, because each of some thirty
+/// members of two kinds of lines may be at fault, and nobody between it and ImportSegments can act.
+class LineRefused : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
 };
 
 template <class... Values>
 [[noreturn]] void RefuseLine(fmt::format_string<Values...> text, Values&&... values) {
-  throw LineRefused{fmt::format(text, std::forward<Values>(values)...)};
+  throw LineRefused(fmt::format(text, std::forward<Values>(values)...));
 }
 
 /// Takes the members of a JSON object one by one, and knows in the end whether there were others.

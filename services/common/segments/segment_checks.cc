@@ -15,8 +15,8 @@
 namespace conav {
 namespace {
 
-constexpr int kMinMapSide = 3;
 constexpr std::size_t kSha256Digits = 64;
+constexpr double kMaxHeading = 1e6;  // rad; however often a robot turned
 
 template <class... Values>
 Result<void> Refuse(fmt::format_string<Values...> text, Values&&... values) {
@@ -99,7 +99,10 @@ Result<void> CheckSeenOnce(const VisibleCells& visible) {
 }
 
 Result<void> CheckQuery(const PerceptionQuery& query) {
-  if (!std::isfinite(query.heading_rad)) return Refuse("the heading is not a number");
+  if (!(std::abs(query.heading_rad) <= kMaxHeading)) {
+    return Refuse("the heading is {} rad; it must be in [-{}, {}]", query.heading_rad, kMaxHeading,
+                  kMaxHeading);
+  }
   const Cell camera[] = {query.cell};
   return CheckInside(query.belief, camera, "camera")
       .and_then([&] { return CheckInside(query.belief, query.path, "path"); })

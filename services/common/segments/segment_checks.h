@@ -11,6 +11,8 @@
 /// Errors: kMalformed; the text names the thing, the value and the limit.
 namespace conav {
 
+/// The shortest side of a map: a cell inside of the border.
+inline constexpr int kMinMapSide = 3;
 /// The longest side of a map; larger ones are taken for damage.
 inline constexpr int kMaxMapSide = 1024;
 

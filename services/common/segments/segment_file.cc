@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "common/runtime/file.h"
+#include "common/runtime/sha256.h"
 #include "common/segments/record_stream.h"
 #include "common/segments/segment_checks.h"
 #include "common/segments/segment_records.h"
@@ -84,7 +85,7 @@ Result<SegmentSet> ReadRecords(std::string_view frames) {
   }
 }
 
-Result<SegmentSet> ReadBytes(std::string_view file, TornEnd torn_end) {
+Result<SegmentSet> ReadFrames(std::string_view file, TornEnd torn_end) {
   if (file.empty()) return Refuse("it is empty");
   const auto frames = FindFrames(file);
   if (!frames) return tl::unexpected(frames.error());
@@ -98,6 +99,13 @@ Result<SegmentSet> ReadBytes(std::string_view file, TornEnd torn_end) {
   }
   if (frames->complete_bytes == 0) return Refuse("it has no complete zstd frame");
   return ReadRecords(file.substr(0, frames->complete_bytes));
+}
+
+Result<SegmentSet> ReadBytes(const std::filesystem::path& path, std::string_view file,
+                             TornEnd torn_end) {
+  return ReadFrames(file, torn_end).map_error([&](const Error& error) {
+    return Error{error.code, fmt::format("{}: {}", path.string(), error.text)};
+  });
 }
 
 }  // namespace
@@ -122,8 +130,14 @@ Result<void> WriteSegmentFile(const std::filesystem::path& path, const SegmentSe
 Result<SegmentSet> ReadSegmentFile(const std::filesystem::path& path, TornEnd torn_end) {
   const auto file = ReadFile(path);
   if (!file) return tl::unexpected(file.error());
-  return ReadBytes(*file, torn_end).map_error([&](const Error& error) {
-    return Error{error.code, fmt::format("{}: {}", path.string(), error.text)};
+  return ReadBytes(path, *file, torn_end);
+}
+
+Result<IdentifiedSegments> ReadIdentifiedSegments(const std::filesystem::path& path) {
+  const auto file = ReadFile(path);
+  if (!file) return tl::unexpected(file.error());
+  return ReadBytes(path, *file, TornEnd::kRefuse).map([&](SegmentSet&& set) {
+    return IdentifiedSegments{std::move(set), Sha256Hex(*file)};
   });
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "common/runtime/result.h"
 #include "common/segments/segment.h"
@@ -27,5 +28,13 @@ enum class TornEnd {
 /// (empty, no zstd, truncated, damaged, no segment file, another schema version, CheckSegments).
 [[nodiscard]] Result<SegmentSet> ReadSegmentFile(const std::filesystem::path& path,
                                                  TornEnd torn_end = TornEnd::kRefuse);
+
+struct IdentifiedSegments {
+  SegmentSet set;
+  std::string checksum;  // SHA-256 of the bytes that `set` was read from
+};
+
+/// As ReadSegmentFile.
+[[nodiscard]] Result<IdentifiedSegments> ReadIdentifiedSegments(const std::filesystem::path& path);
 
 }  // namespace conav

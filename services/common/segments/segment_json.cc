@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <sstream>
+#include <string_view>
 
 #include "common/runtime/file.h"
 #include "common/segments/segment_checks.h"
@@ -12,6 +14,30 @@ namespace conav {
 namespace {
 
 constexpr std::size_t kMaxLineBytes = std::size_t{64} * 1024 * 1024;
+constexpr std::string_view kZstdMagic = "\x28\xb5\x2f\xfd";
+
+/// The parser's reason without its quotation, which may be the whole line, and what is there.
+std::string ParseProblem(const std::string& text, const nlohmann::json::parse_error& error) {
+  constexpr std::size_t kShown = 20;
+  const std::string said = error.what();
+  const std::size_t reason = said.find(" - ");
+  const std::size_t end = std::min(error.byte, text.size());
+  const std::size_t begin = end - std::min(end, kShown);
+  return fmt::format(
+      "this is no JSON: byte {}, after '{}': {}", error.byte, text.substr(begin, end - begin),
+      reason == std::string::npos ? "syntax error"
+                                  : said.substr(reason + 3, said.find(';', reason) - reason - 3));
+}
+
+nlohmann::json Parse(const std::string& text) {
+  try {
+    return nlohmann::json::parse(text);
+  } catch (const nlohmann::json::parse_error& error) {
+    throw LineRefused(ParseProblem(text, error));
+  } catch (const nlohmann::json::out_of_range& error) {
+    RefuseLine("this is no JSON: {}", error.what());  // a number
+  }
+}
 
 /// Puts lines together to a set; throws LineRefused.
 class Import {
@@ -20,8 +46,7 @@ class Import {
     if (text.size() > kMaxLineBytes) {
       RefuseLine("the line has {} bytes; {} is the limit", text.size(), kMaxLineBytes);
     }
-    const nlohmann::json parsed = nlohmann::json::parse(text, nullptr, false);
-    if (parsed.is_discarded()) RefuseLine("this is no JSON");
+    const nlohmann::json parsed = Parse(text);
     JsonFields line(parsed, "");
     const std::string type = line.Text("type");
     if (type == "trajectory") {
@@ -48,14 +73,14 @@ class Import {
   SegmentSet Take() { return std::move(set_); }
 
  private:
-  static void Demand(const Result<void>& checked) {
-    if (!checked) throw LineRefused{checked.error().text};
+  static void RefuseUnless(const Result<void>& checked) {
+    if (!checked) throw LineRefused(checked.error().text);
   }
 
   void AddTrajectory(JsonFields& line) {
     EndTrajectory();
     current_ = ToTrajectory(line);
-    Demand(CheckTrajectoryFacts(current_.trajectory));
+    RefuseUnless(CheckTrajectoryFacts(current_.trajectory));
     set_.trajectories.push_back(std::move(current_.trajectory));
   }
 
@@ -64,8 +89,8 @@ class Import {
     Trajectory& trajectory = set_.trajectories.back();
     std::vector<Segment>& segments = trajectory.segments;
     Segment segment = ToSegment(line, current_.rows, current_.columns);
-    Demand(CheckSegment(segment));
-    Demand(
+    RefuseUnless(CheckSegment(segment));
+    RefuseUnless(
         CheckNextSegment(trajectory.truth, segments.empty() ? nullptr : &segments.back(), segment));
     segments.push_back(std::move(segment));
   }
@@ -93,7 +118,7 @@ Result<SegmentSet> ImportSegments(std::istream& in, const std::string& name) {
     }
     import.EndTrajectory();
   } catch (const LineRefused& refused) {
-    return Fail(ErrorCode::kMalformed, fmt::format("{}:{}: {}", name, number, refused.reason));
+    return Fail(ErrorCode::kMalformed, fmt::format("{}:{}: {}", name, number, refused.what()));
   }
   if (in.bad()) return Fail(ErrorCode::kIo, fmt::format("{}: cannot read", name));
   return import.Take();
@@ -102,6 +127,12 @@ Result<SegmentSet> ImportSegments(std::istream& in, const std::string& name) {
 Result<SegmentSet> ImportSegmentsFile(const std::filesystem::path& path) {
   auto text = ReadFile(path);
   if (!text) return tl::unexpected(text.error());
+  if (text->starts_with(kZstdMagic)) {
+    return Fail(ErrorCode::kMalformed,
+                fmt::format("{}: this is no JSON lines but compressed, as a segment file is; that "
+                            "needs no import",
+                            path.string()));
+  }
   std::istringstream in(*std::move(text));
   return ImportSegments(in, path.string());
 }

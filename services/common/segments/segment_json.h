@@ -23,7 +23,7 @@
 /// `truth` a `?` is unknown. Headings: 0 = east, counter-clockwise; "heading_rad" stands beside
 /// "heading_deg", and counts, where the degrees do not give the same number. `valid` (final mapping
 /// accuracy above 0.5) and `edits` follow from the rest: they may be left out, and are refused where
-/// they contradict it.
+/// they contradict it. Without a truth the accuracies may be null or left out, and are 0.
 /// Source: paper Appendix A, (x, tau, o, x').
 namespace conav {
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -47,7 +48,9 @@ double ToRadians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 double ToDegrees(double radians) {
   const double degrees = radians * 180.0 / std::numbers::pi;
   for (int digits = 1; digits < std::numeric_limits<double>::max_digits10; ++digits) {
-    const double candidate = std::stod(fmt::format("{:.{}g}", degrees, digits));
+    const std::string text = fmt::format("{:.{}g}", degrees, digits);
+    double candidate = 0.0;
+    std::from_chars(text.data(), text.data() + text.size(), candidate);
     if (ToRadians(candidate) == radians) return candidate;
   }
   return degrees;
@@ -149,8 +152,8 @@ SegmentOrigin ToOrigin(const std::string& text) {
 
 int ToSide(JsonFields& line, const char* key) {
   const std::uint64_t side = line.Count(key);
-  if (side == 0 || side > kMaxMapSide) {
-    RefuseLine("'{}' is {}; it must be in [1, {}]", key, side, kMaxMapSide);
+  if (side < kMinMapSide || side > kMaxMapSide) {
+    RefuseLine("'{}' is {}; it must be in [{}, {}]", key, side, kMinMapSide, kMaxMapSide);
   }
   return static_cast<int>(side);
 }
@@ -235,9 +238,12 @@ TrajectoryLine ToTrajectory(JsonFields& line) {
   if (const Json* truth = line.Find("truth")) {
     trajectory.truth = ToTruth(*truth, read.rows, read.columns);
   }
-  trajectory.initial_cell_accuracy = line.Number("initial_cell_accuracy");
-  trajectory.final_cell_accuracy = line.Number("final_cell_accuracy");
-  trajectory.final_mapping_accuracy = line.Number("final_mapping_accuracy");
+  const auto accuracy = [&](const char* key) {
+    return trajectory.truth ? line.Number(key) : line.MaybeNumber(key).value_or(0.0);
+  };
+  trajectory.initial_cell_accuracy = accuracy("initial_cell_accuracy");
+  trajectory.final_cell_accuracy = accuracy("final_cell_accuracy");
+  trajectory.final_mapping_accuracy = accuracy("final_mapping_accuracy");
   trajectory.annotator = ToParameters(line.Find("annotator"));
   trajectory.annotator_seed = line.CountOr("annotator_seed", 0);
   if (const auto valid = line.MaybeFlag("valid"); valid && *valid != IsValid(trajectory)) {

@@ -11,6 +11,7 @@
 
 #include "common/runtime/demand.h"
 #include "common/runtime/file.h"
+#include "common/runtime/log.h"
 #include "common/segments/record_stream.h"
 #include "common/segments/segment_checks.h"
 #include "common/segments/segment_file.h"
@@ -53,19 +54,34 @@ Result<void> SegmentLog::Begin() {
   if (!frames) {
     return Fail(frames.error().code, fmt::format("{}: {}", path_.string(), frames.error().text));
   }
+  if (frames->torn && frames->complete_bytes == 0) {
+    return Fail(ErrorCode::kMalformed,
+                fmt::format("{}: it ends inside of its first zstd frame", path_.string()));
+  }
   if (frames->complete_bytes > 0) {
     const auto set = ReadSegmentFile(path_, TornEnd::kDrop);
     if (!set) return tl::unexpected(set.error());
     trajectories_ = static_cast<std::uint32_t>(set->trajectories.size());
   }
   size_ = frames->complete_bytes;
-  if (frames->torn && ::ftruncate(file_, static_cast<off_t>(size_)) != 0) {
-    return tl::unexpected(Failure("cannot cut away its torn end"));
-  }
+  if (frames->torn) return SetAside(std::string_view(*bytes).substr(size_));
   if (size_ > 0) return {};
   ZstdFrame frame;
   frame.Add(Delimited(HeaderRecord()));
   return Write(frame.Finish());
+}
+
+Result<void> SegmentLog::SetAside(std::string_view torn_end) {
+  std::filesystem::path aside = path_;
+  aside += ".torn";
+  const auto kept = WriteFile(aside, ReadFile(aside).value_or("").append(torn_end));
+  if (!kept) return kept;
+  if (::ftruncate(file_, static_cast<off_t>(size_)) != 0) {
+    return tl::unexpected(Failure("cannot cut away its torn end"));
+  }
+  LOG_WARNING("torn end of a recording set aside", "file", path_.string(), "bytes", torn_end.size(),
+              "kept_in", aside.string());
+  return {};
 }
 
 Result<void> SegmentLog::Write(const std::string& bytes) {

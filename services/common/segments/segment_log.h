@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 
 #include "common/runtime/result.h"
 #include "common/segments/segment.h"
@@ -17,10 +18,10 @@ namespace conav {
 /// Threads: not synchronised; one owner. Calls block on the disk.
 class SegmentLog {
  public:
-  /// Makes the file, or goes on after the trajectories that it has; a frame that was cut off by a
-  /// kill is cut away. Its folder must exist.
-  /// Errors, with the path: kIo; kUnavailable (another process records to it); kMalformed (it is no
-  /// segment file; then it stays as it is).
+  /// Makes the file, or goes on after the trajectories that it has. A last frame that a kill cut off
+  /// is moved to the end of `<path>.torn`, which is logged. Its folder must exist.
+  /// Errors, with the path; then the file stays as it is: kIo; kUnavailable (another process records
+  /// to it); kMalformed (it is no segment file, it is damaged, or none of its frames is complete).
   [[nodiscard]] static Result<SegmentLog> Open(const std::filesystem::path& path);
 
   SegmentLog(SegmentLog&& other) noexcept;
@@ -40,6 +41,7 @@ class SegmentLog {
  private:
   SegmentLog(std::filesystem::path path, int file);
   Result<void> Begin();
+  Result<void> SetAside(std::string_view torn_end);
   Result<void> Write(const std::string& bytes);
   Error Failure(const std::string& what) const;
 

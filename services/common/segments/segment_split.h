@@ -17,6 +17,9 @@ struct SplitShares {
   double validation = 0.10;  // of those that are not test
 };
 
+/// What `conav train`, `conav evaluate` and `conav dataset split` take when none is given.
+inline constexpr std::uint64_t kDefaultSplitSeed = 1;
+
 /// Splits by trajectory, never within one: paper Appendix A (95 % training, 5 % test), with a part of
 /// the training trajectories for validation.
 ///

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <zstd.h>
+#include <zstd_errors.h>
 
 #include <algorithm>
 #include <new>
@@ -21,6 +22,13 @@ constexpr std::string_view kMagic = "\x28\xB5\x2F\xFD";
 bool CanBeginFrame(std::string_view bytes) {
   const std::size_t known = std::min(bytes.size(), kMagic.size());
   return bytes.substr(0, known) == kMagic.substr(0, known);
+}
+
+/// Whether `rest`, of which zstd gave `error`, is the beginning of one frame and nothing else. A
+/// damaged frame may also seem to go on beyond the end of the file, over the frames that follow it.
+bool IsTorn(std::string_view rest, std::size_t error) {
+  return ZSTD_getErrorCode(error) == ZSTD_error_srcSize_wrong &&
+         rest.find(kMagic, kMagic.size()) == std::string_view::npos;
 }
 
 /// Demands what cannot fail but for a mistake of ours or want of memory.
@@ -82,6 +90,11 @@ Result<FrameExtent> FindFrames(std::string_view file) {
                   extent.complete_bytes == 0
                       ? std::string("it is not compressed with zstd")
                       : fmt::format("after byte {} it is no zstd", extent.complete_bytes));
+    }
+    if (!IsTorn(rest, size)) {
+      return Fail(ErrorCode::kMalformed,
+                  fmt::format("it is damaged after byte {}: {}", extent.complete_bytes,
+                              ZSTD_getErrorName(size)));
     }
     extent.torn = true;
     break;

@@ -33,10 +33,11 @@ struct FrameExtent {
 };
 
 /// Follows the frames' block headers without decompressing.
-/// Errors: kMalformed: what follows the complete frames is not zstd, and not the beginning of it.
+/// Errors: kMalformed: what follows the complete frames is not the beginning of one more, or has
+/// frames behind it, so that it is damaged rather than torn.
 [[nodiscard]] Result<FrameExtent> FindFrames(std::string_view file);
 
-/// Decompresses complete frames bit by bit; `frames` outlives it.
+/// Decompresses complete frames piece by piece; `frames` outlives it.
 class ZstdReader {
  public:
   explicit ZstdReader(std::string_view frames);

@@ -1,13 +1,16 @@
 #include "common/service/service_main.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdlib>
 
 namespace conav {
 
 std::string ParseConfigFlag(const std::string& service, const std::string& description, int argc,
                             char** argv) {
-  CLI::App app{description + "\nRuns until SIGINT or SIGTERM; logs to stderr."};
+  std::string name = service;
+  std::ranges::replace(name, '_', '-');
+  CLI::App app{description + "\nRuns until SIGINT or SIGTERM; logs to stderr.", "conav up " + name};
   std::string file;
   app.add_option(
          "--config", file,

@@ -1,10 +1,8 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <nlohmann/json_fwd.hpp>
-#include <string>
 
-#include "common/runtime/result.h"
+#include "nhpm/commands/console.h"
 
 /// The subcommands of conav-dataset. Each adds itself to `app`; when it was chosen, it runs from
 /// CLI11's callback and leaves the program's exit code in `exit_code`: 0 good, 1 failed, 2 wrong
@@ -18,13 +16,12 @@ void AddExportCommand(CLI::App& app, int& exit_code);
 void AddMergeCommand(CLI::App& app, int& exit_code);
 void AddSplitCommand(CLI::App& app, int& exit_code);
 
+inline constexpr const char* kDatasetProgram = "conav dataset";  // in messages
+
 /// Prints `error` as every subcommand does and gives exit code 1.
-int Failed(const Error& error);
+inline int Failed(const Error& error) { return Failed(kDatasetProgram, error); }
 
-/// Exit code 0, or 1 after a message when standard output is full or closed.
-int WriteTextOutput(const std::string& text);
-
-/// Writes to `file`, indented; "-" is standard output. Exit code 0, or 1 after a message.
-int WriteJsonOutput(const nlohmann::ordered_json& document, const std::string& file);
+/// 0, or what Failed gives.
+inline int ExitCode(const Result<void>& done) { return ExitCode(kDatasetProgram, done); }
 
 }  // namespace conav::nhpm

@@ -22,14 +22,15 @@ struct Arguments {
   std::string out;
   bool recover = false;
   double min_mapping_accuracy = 0.0;
-  std::uint64_t seed = 0;
+  std::uint64_t seed = kDefaultSplitSeed;
   SplitShares shares;
 };
 
 int WriteSet(const std::string& file, const SegmentSet& set) {
   if (const auto written = WriteSegmentFile(file, set); !written) return Failed(written.error());
-  fmt::print(stderr, "{}: {} trajectories, {} segments, edits made by {}\n", file,
-             set.trajectories.size(), SegmentCount(set), OriginText(set));
+  const std::string text = fmt::format("{}: {} trajectories, {} segments, edits made by {}\n", file,
+                                       set.trajectories.size(), SegmentCount(set), OriginText(set));
+  std::fputs(text.c_str(), stderr);
   return 0;
 }
 
@@ -47,25 +48,33 @@ Result<SegmentSet> ReadAll(const std::vector<std::string>& files, Read&& read) {
   return all.Take();
 }
 
+int Check(const Arguments& arguments, const std::vector<FileOption>& outputs) {
+  std::vector<FileOption> inputs;
+  for (const std::string& file : arguments.files) inputs.push_back({"file", file});
+  return CheckFiles(kDatasetProgram, inputs, outputs);
+}
+
 int Import(const Arguments& arguments) {
+  if (const int code = Check(arguments, {{"--out", arguments.out}}); code != 0) return code;
   const auto set = ReadAll(arguments.files, ImportSegmentsFile);
   return set ? WriteSet(arguments.out, *set) : Failed(set.error());
 }
 
 int Export(const Arguments& arguments) {
+  if (const int code = Check(arguments, {{"--out", arguments.out}}); code != 0) return code;
   const auto set = ReadSegmentFile(arguments.files.front(),
                                    arguments.recover ? TornEnd::kDrop : TornEnd::kRefuse);
   if (!set) return Failed(set.error());
   if (arguments.out == "-") {
     std::ostringstream lines;
     ExportSegments(*set, lines);
-    return WriteTextOutput(lines.str());
+    return ExitCode(WriteStandardOutput(lines.str()));
   }
-  const auto written = ExportSegmentsFile(arguments.out, *set);
-  return written ? 0 : Failed(written.error());
+  return ExitCode(ExportSegmentsFile(arguments.out, *set));
 }
 
 int Merge(const Arguments& arguments) {
+  if (const int code = Check(arguments, {{"--out", arguments.out}}); code != 0) return code;
   auto set = ReadAll(arguments.files, [&](const std::string& file) {
     return ReadSegmentFile(file, arguments.recover ? TornEnd::kDrop : TornEnd::kRefuse);
   });
@@ -76,7 +85,15 @@ int Merge(const Arguments& arguments) {
   return WriteSet(arguments.out, *set);
 }
 
+std::string PartFile(const Arguments& arguments, const char* part) {
+  return fmt::format("{}-{}.pb.zst", arguments.out, part);
+}
+
 int Split(const Arguments& arguments) {
+  const int checked = Check(arguments, {{"--out-prefix", PartFile(arguments, "train")},
+                                        {"--out-prefix", PartFile(arguments, "validation")},
+                                        {"--out-prefix", PartFile(arguments, "test")}});
+  if (checked != 0) return checked;
   const auto set = ReadSegmentFile(arguments.files.front());
   if (!set) return Failed(set.error());
   const SegmentSplit split = SplitSegments(*set, arguments.seed, arguments.shares);
@@ -84,7 +101,7 @@ int Split(const Arguments& arguments) {
   for (const auto& [name, part] :
        {std::pair("train", &split.train), std::pair("validation", &split.validation),
         std::pair("test", &split.test)}) {
-    code = std::max(code, WriteSet(fmt::format("{}-{}.pb.zst", arguments.out, name), *part));
+    code = std::max(code, WriteSet(PartFile(arguments, name), *part));
   }
   return code;
 }
@@ -154,11 +171,16 @@ void AddSplitCommand(CLI::App& app, int& exit_code) {
   CLI::App* command = AddCommand(
       app, "split",
       "Writes PREFIX-train.pb.zst, PREFIX-validation.pb.zst and PREFIX-test.pb.zst, split by\n"
-      "trajectory as `conav train` and `conav evaluate` split a whole file of the same seed.",
+      "trajectory as `conav train` and `conav evaluate` split the whole file with the same seed.",
       arguments, exit_code, Split);
   AddFiles(command, *arguments, "segment file (.pb.zst)", 1);
-  command->add_option("--out-prefix", arguments->out)->required();
-  command->add_option("--seed", arguments->seed)->capture_default_str();
+  command->add_option("--out-prefix", arguments->out, "PREFIX, folder and begin of the names")
+      ->required();
+  command
+      ->add_option("--seed", arguments->seed,
+                   "equal seeds split equally: --split-seed of conav train and conav evaluate")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   command->add_option("--test-share", arguments->shares.test, "of all trajectories")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();

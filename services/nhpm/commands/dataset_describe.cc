@@ -40,26 +40,24 @@ Result<void> WriteSvg(const Arguments& arguments, const SegmentSet& set,
 }
 
 int Describe(const Arguments& arguments) {
+  const int code = CheckFiles(kDatasetProgram, {{"file", arguments.file}},
+                              {{"--json", arguments.json}, {"--svg", arguments.svg}});
+  if (code != 0) return code;
   const auto set =
       ReadSegmentFile(arguments.file, arguments.recover ? TornEnd::kDrop : TornEnd::kRefuse);
   if (!set) return Failed(set.error());
   const auto chosen = Choose(arguments, *set, kShownInText);
-  if (!chosen) {
-    Failed(chosen.error());
-    return 2;
-  }
+  if (!chosen) return Refused(kDatasetProgram, chosen.error().text);
   const SetSummary summary = Summarize(*set);
   if (!arguments.svg.empty()) {
-    const auto written = WriteSvg(arguments, *set, summary.origin);
-    if (!written) return Failed(written.error());
+    const auto drawn = WriteSvg(arguments, *set, summary.origin);
+    if (!drawn) return Failed(drawn.error());
   }
-  if (arguments.json == "-") return WriteJsonOutput(ToJson(summary), "-");
-  if (!arguments.json.empty()) {
-    if (const int code = WriteJsonOutput(ToJson(summary), arguments.json); code != 0) return code;
-  }
+  const auto written = WriteJsonOutput(arguments.json, ToJson(summary));
+  if (!written || arguments.json == "-") return ExitCode(written);
   std::string text = ToText(summary);
   for (const ChosenSegment& one : *chosen) text += "\n" + SegmentText(one);
-  return WriteTextOutput(text);
+  return ExitCode(WriteStandardOutput(text));
 }
 
 }  // namespace
@@ -72,7 +70,7 @@ void AddDescribeCommand(CLI::App& app, int& exit_code) {
       "the maps were, and a few segments drawn with characters:\n"
       "  before: # wall, o path, > ^ < v camera; shown: . seen free, # seen wall;\n"
       "  after: + wall added, - wall removed");
-  command->add_option("file", arguments->file, "segment file (.pb.zst)")->required();
+  command->add_option("file", arguments->file, "one segment file (.pb.zst)")->required();
   command->add_option("--json", arguments->json,
                       "write the numbers to this file, - = standard output");
   command->add_option("--svg", arguments->svg, "draw a few segments to this file");
@@ -80,6 +78,7 @@ void AddDescribeCommand(CLI::App& app, int& exit_code) {
       ->add_option(
           "--segments", arguments->segments,
           "which ones to draw, by their numbers from 0 on: 3,14,15 (default: some with edits)")
+      ->check(CLI::NonNegativeNumber)
       ->delimiter(',');
   command->add_flag("--recover", arguments->recover,
                     "of a recording that was cut off, take what is complete");

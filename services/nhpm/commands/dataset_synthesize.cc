@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "common/runtime/file.h"
 #include "common/segments/segment_file.h"
 #include "nhpm/commands/dataset_commands.h"
 #include "nhpm/commands/progress_line.h"
+#include "nhpm/dataset/set_summary.h"
 #include "nhpm/synthesis/synthesize.h"
 
 namespace conav::nhpm {
@@ -23,106 +23,71 @@ struct Arguments {
   std::string json;
 };
 
-/// How far it is, on standard error, at most once a second.
-class Progress {
- public:
-  explicit Progress(int wanted) : wanted_(wanted) {}
-
-  void Tell(int accepted, int excluded) {
-    const auto now = std::chrono::steady_clock::now();
-    if (now < next_) return;
-    next_ = now + std::chrono::seconds(1);
-    line_.Show(fmt::format("synthesize: {} of {} trajectories accepted, {} excluded{}", accepted,
-                           wanted_, excluded, accepted > 0 ? TimeLeft(now, accepted) : ""));
-  }
-
- private:
-  using Time = std::chrono::steady_clock::time_point;
-
-  std::string TimeLeft(Time now, int accepted) const {
-    const double spent_s = std::chrono::duration<double>(now - start_).count();
-    return fmt::format(", {} left", DurationText(spent_s * (wanted_ - accepted) / accepted));
-  }
-
-  ProgressLine line_;
-  int wanted_;
-  Time start_ = std::chrono::steady_clock::now();
-  Time next_ = start_ + std::chrono::seconds(1);
-};
-
-struct Summary {
-  std::size_t accepted = 0;
-  int excluded = 0;
-  std::size_t segments = 0;
-  int edits = 0;
-  double initial_cell_accuracy = 0.0;  // means
-  double final_cell_accuracy = 0.0;
-  double final_mapping_accuracy = 0.0;
-
-  double ExcludedShare() const { return excluded / (static_cast<double>(accepted) + excluded); }
-  double SegmentsPerTrajectory() const {
-    return static_cast<double>(segments) / static_cast<double>(accepted);
-  }
-  double EditsPerSegment() const { return edits / static_cast<double>(segments); }
-};
-
-Summary Summarise(const Synthesis& synthesis) {
-  Summary summary;
-  summary.accepted = synthesis.set.trajectories.size();
-  summary.excluded = synthesis.excluded;
-  const auto share = 1.0 / static_cast<double>(summary.accepted);
-  for (const Trajectory& trajectory : synthesis.set.trajectories) {
-    summary.segments += trajectory.segments.size();
-    summary.initial_cell_accuracy += share * trajectory.initial_cell_accuracy;
-    summary.final_cell_accuracy += share * trajectory.final_cell_accuracy;
-    summary.final_mapping_accuracy += share * trajectory.final_mapping_accuracy;
-    for (const Segment& segment : trajectory.segments) summary.edits += EditCount(segment);
-  }
-  return summary;
+double ExcludedShare(const SetSummary& summary, int excluded) {
+  return excluded / (static_cast<double>(summary.trajectories) + excluded);
 }
 
-std::string Text(const Summary& summary, const std::string& out) {
+std::string Text(const SetSummary& summary, int excluded, const std::string& out) {
   return fmt::format(
       "synthetic trajectories  {} accepted, {} excluded ({:.1f} %: mapping accuracy {:.0f} % or "
       "less)\n"
       "segments                {}, {:.1f} per trajectory, {:.2f} edits per segment\n"
       "map of the person       cells right {:.1f} % -> {:.1f} %, mapping accuracy {:.1f} %\n"
       "written to              {}\n",
-      summary.accepted, summary.excluded, 100.0 * summary.ExcludedShare(),
-      100.0 * kAcceptedMappingAccuracy, summary.segments, summary.SegmentsPerTrajectory(),
-      summary.EditsPerSegment(), 100.0 * summary.initial_cell_accuracy,
-      100.0 * summary.final_cell_accuracy, 100.0 * summary.final_mapping_accuracy, out);
+      summary.trajectories, excluded, 100.0 * ExcludedShare(summary, excluded),
+      100.0 * kAcceptedMappingAccuracy, summary.segments, summary.segments_per_trajectory.mean,
+      summary.edits_per_segment.mean, 100.0 * summary.initial_cell_accuracy.mean,
+      100.0 * summary.final_cell_accuracy.mean, 100.0 * summary.final_mapping_accuracy.mean, out);
 }
 
-nlohmann::ordered_json ToJson(const Summary& summary, const Arguments& arguments) {
+nlohmann::ordered_json ToJson(const SetSummary& summary, int excluded, const Arguments& arguments) {
   return {{"origin", "synthetic"},
           {"file", arguments.out},
           {"seed", arguments.options.seed},
           {"preset", arguments.options.task.preset},
           {"population", arguments.population},
           {"trajectories_per_person", arguments.options.trajectories_per_person},
-          {"accepted", summary.accepted},
-          {"excluded", summary.excluded},
-          {"excluded_share", summary.ExcludedShare()},
+          {"accepted", summary.trajectories},
+          {"excluded", excluded},
+          {"excluded_share", ExcludedShare(summary, excluded)},
           {"segments", summary.segments},
-          {"segments_per_trajectory", summary.SegmentsPerTrajectory()},
+          {"segments_per_trajectory", summary.segments_per_trajectory.mean},
           {"edits", summary.edits},
-          {"edits_per_segment", summary.EditsPerSegment()},
-          {"initial_cell_accuracy", summary.initial_cell_accuracy},
-          {"final_cell_accuracy", summary.final_cell_accuracy},
-          {"final_mapping_accuracy", summary.final_mapping_accuracy}};
+          {"edits_per_segment", summary.edits_per_segment.mean},
+          {"initial_cell_accuracy", summary.initial_cell_accuracy.mean},
+          {"final_cell_accuracy", summary.final_cell_accuracy.mean},
+          {"final_mapping_accuracy", summary.final_mapping_accuracy.mean}};
 }
 
-/// The folder of the output may be new, the one above it not. Fails before the work, not after it.
-Result<void> PrepareOutput(const std::filesystem::path& out) {
-  std::error_code ignored;  // CheckWritable says what is wrong
-  if (out.has_parent_path()) std::filesystem::create_directory(out.parent_path(), ignored);
-  return CheckWritable(out);
+/// The folders of the outputs may be new. Fails before the work, not after it. Exit code.
+int PrepareOutputs(const Arguments& arguments) {
+  const std::vector<FileOption> inputs{{"--population", arguments.population}};
+  const std::vector<FileOption> outputs{{"--out", arguments.out}, {"--json", arguments.json}};
+  const auto distinct = CheckDistinct(inputs, outputs);
+  if (!distinct) return Refused(kDatasetProgram, distinct.error().text);
+  for (const auto& [option, path] : outputs) {
+    std::error_code ignored;  // CheckFiles says what is wrong
+    if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), ignored);
+  }
+  return CheckFiles(kDatasetProgram, inputs, outputs);
+}
+
+using Clock = std::chrono::steady_clock;
+
+std::string TimeLeft(Clock::time_point start, int accepted, int wanted) {
+  if (accepted == 0) return {};
+  const double spent_s = std::chrono::duration<double>(Clock::now() - start).count();
+  return fmt::format(", {} left", DurationText(spent_s * (wanted - accepted) / accepted));
 }
 
 Result<Synthesis> SynthesizeWithProgress(SynthesisOptions options) {
-  Progress progress(options.trajectories);
-  options.progress = [&](int accepted, int excluded) { progress.Tell(accepted, excluded); };
+  ProgressLine line;
+  const auto start = Clock::now();
+  options.progress = [&](int accepted, int excluded) {
+    line.ShowNowAndThen(fmt::format("synthesize: {} of {} trajectories accepted, {} excluded{}",
+                                    accepted, options.trajectories, excluded,
+                                    TimeLeft(start, accepted, options.trajectories)));
+  };
   return SynthesizeSegments(options);
 }
 
@@ -132,10 +97,9 @@ int Run(Arguments arguments) {
       arguments.options.population = ReadPopulation(arguments.population);
     }
   } catch (const StartupError& error) {
-    fmt::print(stderr, "conav-dataset: {}\n", error.what());
-    return 2;
+    return Failed({ErrorCode::kInvalidArgument, error.what()});
   }
-  if (const auto ready = PrepareOutput(arguments.out); !ready) return Failed(ready.error());
+  if (const int code = PrepareOutputs(arguments); code != 0) return code;
   const auto synthesis = SynthesizeWithProgress(arguments.options);
   if (!synthesis) {
     Failed(synthesis.error());
@@ -144,12 +108,12 @@ int Run(Arguments arguments) {
   if (const auto written = WriteSegmentFile(arguments.out, synthesis->set); !written) {
     return Failed(written.error());
   }
-  const Summary summary = Summarise(*synthesis);
+  const SetSummary summary = Summarize(synthesis->set);
   if (arguments.json != "-") {
-    const int printed = WriteTextOutput(Text(summary, arguments.out));
-    if (printed != 0 || arguments.json.empty()) return printed;
+    const auto printed = WriteStandardOutput(Text(summary, synthesis->excluded, arguments.out));
+    if (!printed) return Failed(printed.error());
   }
-  return WriteJsonOutput(ToJson(summary, arguments), arguments.json);
+  return ExitCode(WriteJsonOutput(arguments.json, ToJson(summary, synthesis->excluded, arguments)));
 }
 
 void AddOptions(CLI::App& command, Arguments& arguments) {
@@ -180,9 +144,7 @@ void AddOptions(CLI::App& command, Arguments& arguments) {
   command.add_option("--threads", options.threads, "changes nothing but the time")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
-  command
-      .add_option("--out", arguments.out,
-                  "segment file; its folder is made when only that one is missing")
+  command.add_option("--out", arguments.out, "segment file; folders that are missing are made")
       ->capture_default_str();
   command.add_option("--json", arguments.json,
                      "write the summary as JSON to this file, - = standard output");

@@ -2,15 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <chrono>
 #include <cstdio>
-#include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "common/runtime/file.h"
-#include "common/runtime/json.h"
 #include "common/segments/segment_labels.h"
+#include "nhpm/commands/console.h"
 #include "nhpm/commands/evaluate_rows.h"
 #include "nhpm/commands/progress_line.h"
 #include "nhpm/evaluation/report.h"
@@ -19,45 +15,16 @@
 namespace conav::nhpm {
 namespace {
 
-int Failed(const Error& error) {
-  fmt::print(stderr, "conav evaluate: {}\n", error.text);
-  return 1;
-}
-
-void Warn(const std::string& text) { fmt::print(stderr, "conav evaluate: warning: {}\n", text); }
-
-/// Shows the newest of many texts now and then.
-class Pace {
- public:
-  void operator()(const std::string& text) {
-    const auto now = std::chrono::steady_clock::now();
-    if (now < next_) return;
-    next_ = now + std::chrono::seconds(1);
-    line_.Show(text);
-  }
-
- private:
-  ProgressLine line_;
-  std::chrono::steady_clock::time_point next_ =
-      std::chrono::steady_clock::now() + std::chrono::seconds(1);
-};
-
-/// Before the work rather than after it.
-Result<void> CheckOutputs(const EvaluateArguments& arguments) {
-  for (const auto& path : {arguments.json, arguments.csv, arguments.html}) {
-    if (path.empty() || path == "-") continue;
-    if (const auto checked = CheckWritable(path); !checked) return checked;
-  }
-  return {};
-}
+constexpr const char* kProgram = "conav evaluate";
 
 /// All rows in the order of the table. The baselines come first, as in the paper.
 Result<std::vector<ModelRow>> AllRows(const EvaluateArguments& arguments,
                                       const EvaluationData& data) {
-  Pace pace;
-  const Teller progress = [&pace](const std::string& text) { pace(text); };
+  ProgressLine line;
+  const Teller progress = [&line](const std::string& text) { line.ShowNowAndThen(text); };
+  const Teller warn = [](const std::string& text) { Warn(kProgram, text); };
   std::vector<ModelRow> rows;
-  auto networks = NetworkRows(arguments, data, Warn, progress);
+  auto networks = NetworkRows(arguments, data, warn, progress);
   if (!networks) return networks;
   if (!data.train.trajectories.empty()) {
     auto row = EvaluateGlpfTrain(data);
@@ -85,38 +52,45 @@ std::vector<FigureSegment> Figures(const EvaluateArguments& arguments,
   return ChooseFigureSegments(report.data, *glpf, nhpm != nullptr ? *nhpm : report.rows.front());
 }
 
-/// Exit code 0, or 1 after a message.
-int Print(const std::string& text) {
-  std::fwrite(text.data(), 1, text.size(), stdout);
-  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return 0;
-  return Failed({ErrorCode::kIo, fmt::format("standard output: {}", std::strerror(errno))});
-}
-
-int Write(const std::filesystem::path& path, const std::string& text) {
-  if (path.empty()) return 0;
-  if (path == "-") return Print(text);
-  const auto written = WriteFile(path, text);
-  return written ? 0 : Failed(written.error());
-}
-
 int WriteAll(const EvaluateArguments& arguments, const EvaluationReport& report) {
   const bool to_output = arguments.json == "-" || arguments.csv == "-" || arguments.html == "-";
   const std::string table = ReportTable(report);
-  if (to_output) {
-    fmt::print(stderr, "{}", table);
-  } else if (Print(table) != 0) {
-    return 1;
-  }
-  const int failures = Write(arguments.json, ReportJson(report).dump(2) + "\n") +
-                       Write(arguments.csv, ReportCsv(report)) +
-                       Write(arguments.html, ReportPage(report));
-  return failures == 0 ? 0 : 1;
+  if (to_output) std::fputs(table.c_str(), stderr);
+  return ExitCode(kProgram,
+                  WriteOutput(to_output ? "" : "-", table)
+                      .and_then([&] { return WriteJsonOutput(arguments.json, ReportJson(report)); })
+                      .and_then([&] { return WriteOutput(arguments.csv, ReportCsv(report)); })
+                      .and_then([&] { return WriteOutput(arguments.html, ReportPage(report)); }));
 }
 
-int WrongSegment(std::size_t index, std::size_t count) {
-  fmt::print(stderr, "conav evaluate: --segments {}: the test part has segments 0 to {}\n", index,
-             count - 1);
-  return 2;
+/// What the arguments ask of the data and it cannot give; empty = nothing.
+std::string WrongUse(const EvaluateArguments& arguments, const EvaluationData& data) {
+  const std::size_t count = SegmentCount(data.test);
+  for (const std::size_t index : arguments.segments) {
+    if (index < count) continue;
+    return fmt::format("--segments {}: the test part has segments 0 to {}", index, count - 1);
+  }
+  if (arguments.average_oracle && !HasOracle(data)) {
+    return fmt::format(
+        "--average-oracle: the test part of {} is {} data, of which nobody knows "
+        "what would have been done",
+        data.file, OriginText(data.test));
+  }
+  if (arguments.check && !HasBars(data)) {
+    return fmt::format(
+        "--check: there is nothing to check, as the test part of {} is {} data; bars "
+        "are for synthetic people only",
+        data.file, OriginText(data.test));
+  }
+  return {};
+}
+
+int CheckEvaluateFiles(const EvaluateArguments& arguments) {
+  std::vector<FileOption> inputs{{"--data", arguments.data}};
+  for (const auto& weights : arguments.weights) inputs.push_back({"--weights", weights});
+  return CheckFiles(
+      kProgram, inputs,
+      {{"--json", arguments.json}, {"--csv", arguments.csv}, {"--html", arguments.html}});
 }
 
 bool AllPassed(const EvaluationReport& report) {
@@ -129,22 +103,23 @@ bool AllPassed(const EvaluationReport& report) {
 }  // namespace
 
 int RunEvaluate(const EvaluateArguments& arguments) {
-  if (const auto checked = CheckOutputs(arguments); !checked) return Failed(checked.error());
+  if (const int code = CheckEvaluateFiles(arguments); code != 0) return code;
   auto data = LoadEvaluationData(arguments);
-  if (!data) return Failed(data.error());
-  const std::size_t count = SegmentCount(data->test);
-  for (const std::size_t index : arguments.segments) {
-    if (index >= count) return WrongSegment(index, count);
-  }
+  if (!data) return Failed(kProgram, data.error());
+  const std::string wrong = WrongUse(arguments, *data);
+  if (!wrong.empty()) return Refused(kProgram, wrong);
   EvaluationReport report;
   report.data = std::move(*data);
   auto rows = AllRows(arguments, report.data);
-  if (!rows) return Failed(rows.error());
+  if (!rows) return Failed(kProgram, rows.error());
   report.rows = std::move(*rows);
   report.bars = CheckBars(report.data, report.rows);
   report.figures = Figures(arguments, report);
   if (const int code = WriteAll(arguments, report); code != 0) return code;
-  return arguments.check && !AllPassed(report) ? 1 : 0;
+  if (!arguments.check) return 0;
+  if (report.bars.empty())
+    return Refused(kProgram, "--check: without NHPM there is nothing to check");
+  return AllPassed(report) ? 0 : 1;
 }
 
 }  // namespace conav::nhpm

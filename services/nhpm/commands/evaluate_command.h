@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "common/segments/segment_split.h"
+
 namespace conav::nhpm {
 
 /// What `conav evaluate` was told; empty paths = not wanted.
@@ -13,7 +15,7 @@ struct EvaluateArguments {
   std::filesystem::path data;
   std::vector<std::filesystem::path> weights;  // none = the shipped ones, where there are any
   std::vector<std::string> without;            // "tau", "o", "x": one more row for each
-  std::uint64_t split_seed = 1;
+  std::uint64_t split_seed = kDefaultSplitSeed;
   bool all_test = false;  // no split: the weights never saw this file
   bool allow_seen = false;
   int oracle_draws = 20000;  // a segment; 0 = no oracle
@@ -23,7 +25,7 @@ struct EvaluateArguments {
   std::filesystem::path json;         // "-" = standard output, for the next two as well
   std::filesystem::path csv;
   std::filesystem::path html;
-  bool check = false;  // a bar that is not reached is a failure
+  bool check = false;  // a bar that is not reached is a failure, no bar at all wrong use
 };
 
 /// Prints table 1 on standard output and writes the files; progress on standard error. Exit code: 0

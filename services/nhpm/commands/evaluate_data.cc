@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
-#include "common/runtime/file.h"
-#include "common/runtime/sha256.h"
 #include "common/segments/segment_file.h"
 #include "common/segments/segment_labels.h"
 #include "common/segments/segment_split.h"
+#include "common/segments/trajectory_fingerprint.h"
+#include "nhpm/commands/console.h"
 #include "nhpm/commands/evaluate_rows.h"
 
 namespace conav::nhpm {
@@ -29,26 +29,27 @@ std::string Value(const NetworkModel& model, const char* name) {
   return found == model.training.end() ? "" : found->second;
 }
 
-/// A warning where it is allowed, else a refusal that says what to do.
-Result<std::string> Seen(const std::string& problem, const std::string& remedy, bool allowed) {
-  if (allowed) return problem;
-  return Fail(ErrorCode::kRefused, fmt::format("{}; {}, or --allow-seen", problem, remedy));
+/// What to do about weights that saw the test part.
+std::string Remedy(const NetworkModel& model, const EvaluationData& data) {
+  const bool adapted = !Value(model, "adapt_data_sha256").empty();
+  if (!adapted && Value(model, "data_sha256") == data.checksum) {
+    return "pass --split-seed " + Value(model, "split_seed");
+  }
+  return "pass data that it never saw (for synthetic people, of another --seed)";
 }
 
 }  // namespace
 
 Result<EvaluationData> LoadEvaluationData(const EvaluateArguments& arguments) {
-  const auto bytes = ReadFile(arguments.data);
-  if (!bytes) return tl::unexpected(bytes.error());
-  auto set = ReadSegmentFile(arguments.data);
-  if (!set) return tl::unexpected(set.error());
+  auto read = ReadIdentifiedSegments(arguments.data);
+  if (!read) return tl::unexpected(read.error());
   EvaluationData data;
   data.file = arguments.data.filename().string();
-  data.checksum = Sha256Hex(*bytes);
+  data.checksum = read->checksum;
   if (arguments.all_test) {
-    data.test = std::move(*set);
+    data.test = std::move(read->set);
   } else {
-    SegmentSplit split = SplitSegments(*set, arguments.split_seed);
+    SegmentSplit split = SplitSegments(read->set, arguments.split_seed);
     data.train = std::move(split.train);
     Append(split.validation, data.train);
     data.test = std::move(split.test);
@@ -62,27 +63,15 @@ Result<EvaluationData> LoadEvaluationData(const EvaluateArguments& arguments) {
 
 Result<std::string> CheckUnseen(const NetworkModel& model, const std::filesystem::path& name,
                                 const EvaluationData& data, bool allow_seen) {
-  const std::string learned_from = Value(model, "data_sha256");
-  const std::string split_seed = Value(model, "split_seed");
-  if (Value(model, "adapt_data_sha256") == data.checksum) {
-    return Seen(fmt::format("{}: was adapted to {} of {}, so it may have seen what it would be "
-                            "tested on",
-                            name.string(), Value(model, "adapt_participant"), data.file),
-                "pass data that it was not adapted to", allow_seen);
-  }
-  if (learned_from.empty()) {
-    return fmt::format("{}: does not say what it was trained on; it may have seen the test part",
-                       name.string());
-  }
-  if (learned_from != data.checksum) {
-    return fmt::format("{}: was trained on other data (SHA-256 {}...)", name.string(),
-                       learned_from.substr(0, 8));
-  }
-  if (data.split_seed && split_seed == fmt::format("{}", *data.split_seed)) return std::string();
-  return Seen(
-      fmt::format("{}: was trained on {} with split seed {}, so it saw what it would be tested on",
-                  name.string(), data.file, split_seed),
-      fmt::format("pass --split-seed {}", split_seed), allow_seen);
+  if (model.learned_from.empty()) return UnknownLearning(name);
+  const std::size_t seen = CountKnown(data.test, model.learned_from);
+  if (seen == 0) return std::string();
+  const std::string problem =
+      fmt::format("{}: learned from {} of the {} trajectories that it would be tested on",
+                  name.string(), seen, data.test.trajectories.size());
+  if (allow_seen) return problem;
+  return Fail(ErrorCode::kRefused,
+              fmt::format("{}; {}, or --allow-seen", problem, Remedy(model, data)));
 }
 
 }  // namespace conav::nhpm

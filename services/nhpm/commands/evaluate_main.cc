@@ -2,6 +2,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <set>
+#include <string>
 #include <thread>
 
 #include "nhpm/commands/evaluate_command.h"
@@ -12,11 +14,13 @@ using conav::nhpm::EvaluateArguments;
 
 void AddDataFlags(CLI::App& app, EvaluateArguments& arguments) {
   app.add_option("--data", arguments.data, "Segment file, as conav dataset makes it")->required();
-  app.add_option("--split-seed", arguments.split_seed,
-                 "Which trajectories are for test: the seed given to conav train")
-      ->capture_default_str();
+  auto* seed = app.add_option("--split-seed", arguments.split_seed,
+                              "Which trajectories are for test: the seed given to conav train")
+                   ->check(CLI::NonNegativeNumber)
+                   ->capture_default_str();
   app.add_flag("--all-test", arguments.all_test,
-               "Test on the whole file, of which the weights saw nothing; no GLPF-Train row");
+               "Test on the whole file, of which the weights saw nothing; no GLPF-Train row")
+      ->excludes(seed);
   app.add_flag("--allow-seen", arguments.allow_seen,
                "Only warn of weights that learned from what they are tested on");
 }
@@ -55,17 +59,25 @@ void AddOutputFlags(CLI::App& app, EvaluateArguments& arguments) {
   app.add_option("--segments", arguments.segments,
                  "Test segments that the page shows, numbers from 0 (those with a misplaced near "
                  "wall, a preferred far wall, and where NHPM and GLPF-Test differ most)")
+      ->check(CLI::NonNegativeNumber)
       ->delimiter(',');
-  app.add_flag("--check", arguments.check, "Exit with 1 when a bar is not reached");
+  app.add_flag("--check", arguments.check,
+               "Exit with 1 when a bar is not reached; synthetic data only");
 }
 
-/// Standard output can hold one document.
-bool OneDocument(const EvaluateArguments& arguments) {
+/// The message of wrong use that CLI11 does not find; empty = none.
+std::string WrongUse(const EvaluateArguments& arguments) {
   int documents = 0;
   for (const auto& path : {arguments.json, arguments.csv, arguments.html}) {
     documents += path == "-" ? 1 : 0;
   }
-  return documents <= 1;
+  if (documents > 1) return "only one of --json, --csv and --html can go to standard output";
+  const std::set<std::string> without(arguments.without.begin(), arguments.without.end());
+  if (without.size() < arguments.without.size()) return "--without names an input twice";
+  if (!arguments.average_oracle) return {};
+  if (arguments.oracle_draws == 0) return "--average-oracle needs --oracle-draws";
+  if (arguments.all_test) return "--average-oracle is of people of the train part: no --all-test";
+  return {};
 }
 
 }  // namespace
@@ -90,9 +102,8 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
-  if (!OneDocument(arguments)) {
-    std::fputs("conav evaluate: only one of --json, --csv and --html can go to standard output\n",
-               stderr);
+  if (const std::string wrong = WrongUse(arguments); !wrong.empty()) {
+    std::fputs(("conav evaluate: " + wrong + "\n").c_str(), stderr);
     return 2;
   }
   return conav::nhpm::RunEvaluate(arguments);

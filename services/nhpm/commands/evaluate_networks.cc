@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "nhpm/commands/evaluate_rows.h"
+#include "nhpm/model/input_names.h"
 #include "nhpm/model/load_model.h"
 #include "nhpm/model/perception_network.h"
 
@@ -12,17 +13,6 @@ struct NamedNetwork {
   RowLabel label;
   NetworkModel model;
 };
-
-std::string MissingInputs(const InputSelection& inputs) {
-  std::string text;
-  const auto add = [&](bool seen, const char* name) {
-    if (!seen) text += fmt::format("{}{}", text.empty() ? "" : ", ", name);
-  };
-  add(inputs.belief, "x");
-  add(inputs.path, "tau");
-  add(inputs.view, "o");
-  return text;
-}
 
 NamedNetwork Named(const NetworkModel& model, const std::filesystem::path& file,
                    std::size_t number) {
@@ -36,11 +26,14 @@ NamedNetwork Named(const NetworkModel& model, const std::filesystem::path& file,
   return {label, model};
 }
 
+bool Sees(const NetworkModel& model, const std::string& input) {
+  InputSelection inputs = model.inputs;
+  return InputOf(inputs, input);
+}
+
 NamedNetwork Without(const NamedNetwork& whole, const std::string& input) {
   NamedNetwork ablated = whole;
-  if (input == "x") ablated.model.inputs.belief = false;
-  if (input == "tau") ablated.model.inputs.path = false;
-  if (input == "o") ablated.model.inputs.view = false;
+  InputOf(ablated.model.inputs, input) = false;
   ablated.label.key = fmt::format("{}_without_{}", whole.label.key, input);
   ablated.label.title = fmt::format("{} without {}", whole.label.title, input);
   ablated.label.about = fmt::format("the same weights, {} zeroed when asked", input);
@@ -80,7 +73,12 @@ Result<std::vector<ModelRow>> NetworkRows(const EvaluateArguments& arguments,
     if (!unseen->empty()) warn(*unseen);
     std::vector<NamedNetwork> networks{Named(*model, files[i], i)};
     for (const std::string& input : arguments.without) {
-      networks.push_back(Without(networks.front(), input));
+      if (Sees(*model, input)) {
+        networks.push_back(Without(networks.front(), input));
+      } else {
+        warn(fmt::format("{}: was trained without {}: no further row without it", files[i].string(),
+                         input));
+      }
     }
     for (const NamedNetwork& network : networks) {
       auto row = RowOf(network, data, progress);

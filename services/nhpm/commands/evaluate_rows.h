@@ -20,9 +20,9 @@ using Teller = std::function<void(const std::string& text)>;
 /// Errors: those of ReadSegmentFile; kInvalidArgument when nothing is left to test on.
 [[nodiscard]] Result<EvaluationData> LoadEvaluationData(const EvaluateArguments& arguments);
 
-/// Whether `model` may have learned from the test part. Nothing to say: empty. Something that is
-/// only unknown: a warning.
-/// Errors: kRefused when it did, unless that is allowed; `name` is the weights file.
+/// Whether `model` learned from a trajectory of the test part, in whatever file that was. Nothing to
+/// say: empty. Unknown, or allowed: a warning.
+/// Errors: kRefused when it did; `name` is the weights file.
 [[nodiscard]] Result<std::string> CheckUnseen(const NetworkModel& model,
                                               const std::filesystem::path& name,
                                               const EvaluationData& data, bool allow_seen);
@@ -33,10 +33,14 @@ using Teller = std::function<void(const std::string& text)>;
                                                         const EvaluationData& data,
                                                         const Teller& warn, const Teller& progress);
 
+/// Whether those who edited the test part are known: synthetic annotators, all of them.
+bool HasOracle(const EvaluationData& data);
+
 /// The synthetic annotators themselves (key oracle), and what a model could do at best that does not
-/// know who looked (key oracle_average): the mean over the people of the train part. Empty for data
-/// of people or of a simulated operator.
-/// Errors: those of OracleAnswers.
+/// know who looked (key oracle_average): the mean over people of the train part. Empty for data of
+/// people or of a simulated operator.
+/// Errors: those of OracleAnswers, with the file; kInvalidArgument when the train part has nobody to
+/// take the mean of.
 [[nodiscard]] Result<std::vector<ModelRow>> OracleRows(const EvaluateArguments& arguments,
                                                        const EvaluationData& data,
                                                        const Teller& progress);

@@ -1,24 +1,25 @@
 // conav-export: a weights file in a format that other programs read.
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <filesystem>
 
+#include "nhpm/commands/console.h"
 #include "nhpm/model/onnx_export.h"
 
+namespace conav::nhpm {
 namespace {
 
+constexpr const char* kProgram = "conav export";
+
 int Export(const std::filesystem::path& weights, const std::filesystem::path& onnx) {
-  const auto written =
-      conav::nhpm::ReadWeightsFile(weights).and_then([&](const conav::nhpm::NetworkModel& model) {
-        return conav::nhpm::WriteOnnxFile(onnx, model);
-      });
-  if (!written) fmt::print(stderr, "conav export: {}\n", written.error().text);
-  return written ? 0 : 1;
+  const int code = CheckFiles(kProgram, {{"--weights", weights}}, {{"--onnx", onnx}});
+  if (code != 0) return code;
+  const auto written = ReadWeightsFile(weights).and_then(
+      [&](const NetworkModel& model) { return WriteOnnxFile(onnx, model); });
+  return ExitCode(kProgram, written);
 }
 
 }  // namespace
+}  // namespace conav::nhpm
 
 int main(int argc, char** argv) {
   CLI::App app(
@@ -36,5 +37,5 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
-  return Export(weights, onnx);
+  return conav::nhpm::Export(weights, onnx);
 }

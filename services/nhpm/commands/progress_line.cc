@@ -12,13 +12,16 @@ ProgressLine::~ProgressLine() {
 }
 
 void ProgressLine::Show(const std::string& text) {
-  if (rewrites_) {
-    fmt::print(out_, "\r{}\x1b[K", text);
-    open_ = true;
-  } else {
-    fmt::print(out_, "{}\n", text);
-  }
+  std::fputs(rewrites_ ? fmt::format("\r{}\x1b[K", text).c_str() : (text + "\n").c_str(), out_);
+  open_ = rewrites_;
   std::fflush(out_);
+}
+
+void ProgressLine::ShowNowAndThen(const std::string& text) {
+  const auto now = Clock::now();
+  if (now < next_) return;
+  next_ = now + std::chrono::seconds(1);
+  Show(text);
 }
 
 std::string DurationText(double seconds) {

@@ -4,8 +4,11 @@
 
 #include <chrono>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "common/runtime/file.h"
+#include "nhpm/commands/console.h"
+#include "nhpm/commands/finished_weights.h"
 #include "nhpm/commands/progress_line.h"
 #include "nhpm/commands/train_report.h"
 #include "nhpm/model/weights_file.h"
@@ -22,20 +25,7 @@ double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-int Failed(const Error& error) {
-  fmt::print(stderr, "conav train: {}\n", error.text);
-  return 1;
-}
-
-/// Before an hour of training rather than after it.
-Result<void> CheckOutputs(const TrainArguments& arguments) {
-  for (const auto& path :
-       {arguments.out, CheckpointPath(arguments.out), arguments.json, arguments.svg}) {
-    if (path.empty() || path == "-") continue;
-    if (const auto checked = CheckWritable(path); !checked) return checked;
-  }
-  return {};
-}
+constexpr const char* kProgram = "conav train";
 
 /// The state to start from. Errors: kRefused when the checkpoint belongs to another training.
 Result<TrainingState> FirstState(const TrainArguments& arguments, const TrainingData& data) {
@@ -106,7 +96,24 @@ Result<void> WriteOutputs(const TrainArguments& arguments, const TrainingOutcome
         if (arguments.svg.empty()) return {};
         return WriteFile(arguments.svg, LossCurve(state, CurveTitle(outcome)));
       })
-      .and_then([&] { return WriteTrainReport(arguments.json, arguments, outcome, state); });
+      .and_then([&]() -> Result<void> {
+        return WriteJsonOutput(arguments.json, ReportJson(arguments, outcome, state));
+      });
+}
+
+int CheckTrainFiles(const TrainArguments& arguments) {
+  const int code = CheckFiles(kProgram, {{"--data", arguments.data}},
+                              {{"--out", arguments.out},
+                               {"the checkpoint", CheckpointPath(arguments.out)},
+                               {"--json", arguments.json},
+                               {"--svg", arguments.svg}});
+  std::error_code ignored;
+  const auto status = std::filesystem::status(arguments.out, ignored);
+  if (code != 0 || !std::filesystem::exists(status) || std::filesystem::is_regular_file(status)) {
+    return code;
+  }
+  return Failed(kProgram, {ErrorCode::kIo, fmt::format("--out {}: is a device, which keeps nothing",
+                                                       arguments.out.string())});
 }
 
 int Stopped(const TrainArguments& arguments, const TrainingState& state) {
@@ -125,24 +132,30 @@ std::filesystem::path CheckpointPath(const std::filesystem::path& out) {
 
 int RunTrain(const TrainArguments& arguments, const StopToken& stop) {
   const auto start = Clock::now();
-  if (const auto checked = CheckOutputs(arguments); !checked) return Failed(checked.error());
+  // before an hour of training rather than after it
+  if (const int code = CheckTrainFiles(arguments); code != 0) return code;
   const auto data = LoadTrainingData(arguments.data, arguments.inputs, arguments.split_seed);
-  if (!data) return Failed(data.error());
+  if (!data) return Failed(kProgram, data.error());
+  if (!arguments.overwrite) {
+    const auto replaceable = CheckReplaceable(arguments.out, SettingsOf(arguments, *data));
+    if (!replaceable) return Failed(kProgram, replaceable.error());
+  }
   auto state = FirstState(arguments, *data);
-  if (!state) return Failed(state.error());
+  if (!state) return Failed(kProgram, state.error());
   Trainer trainer(arguments.options, data->train, data->validation, arguments.threads,
                   std::move(*state));
   const auto finished = RunEpochs(arguments, *data, trainer, stop);
-  if (!finished) return Failed(finished.error());
+  if (!finished) return Failed(kProgram, finished.error());
   if (!*finished) return Stopped(arguments, trainer.state());
   const TrainingOutcome outcome = OutcomeOf(arguments, *data, trainer.state(), SecondsSince(start));
   if (const auto written = WriteOutputs(arguments, outcome, trainer.state()); !written) {
-    return Failed(written.error());
+    return Failed(kProgram, written.error());
   }
   std::error_code ignored;
   std::filesystem::remove(CheckpointPath(arguments.out), ignored);
-  PrintSummary(arguments, *data, outcome, trainer.state());
-  return 0;
+  if (arguments.json == "-") return 0;
+  return ExitCode(kProgram,
+                  WriteStandardOutput(SummaryText(arguments, *data, outcome, trainer.state())));
 }
 
 }  // namespace conav::nhpm

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "common/runtime/stop_token.h"
+#include "common/segments/segment_split.h"
 #include "nhpm/model/encoding.h"
 #include "nhpm/training/trainer.h"
 
@@ -17,10 +18,11 @@ struct TrainArguments {
   std::filesystem::path svg;
   TrainingOptions options;
   InputSelection inputs;
-  std::uint64_t split_seed = 1;
+  std::uint64_t split_seed = kDefaultSplitSeed;
   int threads = 1;
-  bool any_size = false;  // the weights say that they fit maps of any size
-  bool fresh = false;     // a checkpoint of `out` is not taken up
+  bool any_size = false;   // the weights say that they fit maps of any size
+  bool fresh = false;      // a checkpoint of `out` is not taken up
+  bool overwrite = false;  // `out` may hold weights of another training
 };
 
 /// Where a training keeps its state until it is done.

@@ -3,6 +3,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -10,6 +12,7 @@
 #include "common/runtime/stop_token.h"
 #include "nhpm/commands/adapt_command.h"
 #include "nhpm/commands/train_command.h"
+#include "nhpm/model/input_names.h"
 
 namespace {
 
@@ -54,15 +57,17 @@ void AddOptimiserFlags(CLI::App& app, Flags& flags) {
       ->check(CLI::Range(1, 1000000));
   app.add_option("--learning-rate", options.learning_rate, "Of Adam")
       ->capture_default_str()
-      ->check(CLI::Range(1e-9, 10.0));
+      ->check(CLI::Range(1e-9, 10.0));  // which takes nan: see WrongUse
   app.add_option("--schedule", flags.schedule,
                  "constant, or linear: the learning rate falls to 0 over --epochs")
       ->capture_default_str()
       ->check(CLI::IsMember({"constant", "linear"}));
   app.add_option("--seed", options.seed, "Of first weights, order and turning of segments")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_option("--split-seed", flags.train.split_seed,
                  "Decides which trajectories are for learning, validation and test")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
 }
 
@@ -74,6 +79,8 @@ void AddFileFlags(CLI::App& app, Flags& flags) {
   auto* svg = app.add_option("--svg", train.svg, "Draw the losses into this file (OUT.svg)");
   app.add_flag("--no-svg", flags.no_svg, "Draw no losses")->excludes(svg);
   app.add_flag("--fresh", train.fresh, "Start anew, whatever OUT.checkpoint holds");
+  app.add_flag("--overwrite", train.overwrite,
+               "Replace weights of another training that OUT holds");
   train.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   app.add_option("--threads", train.threads, "The result is the same on any number")
       ->capture_default_str()
@@ -91,11 +98,15 @@ void AddAdaptFlags(CLI::App& app, Flags& flags) {
   auto* participant =
       app.add_option("--participant", flags.adapt.participant,
                      "To whom --adapt adapts; may be left out if there is only one");
-  app.add_flag("--each", flags.adapt.each,
-               "With --adapt: print for each participant what adapting to half of the trajectories "
-               "gains on the other half; writes no weights")
-      ->needs(adapt)
-      ->excludes(participant);
+  auto* each = app.add_flag(
+      "--each", flags.adapt.each,
+      "With --adapt: print for each participant what adapting to half of the trajectories "
+      "gains on the other half; writes no weights");
+  each->needs(adapt)->excludes(participant);
+  app.add_option("--general", flags.adapt.general,
+                 "With --each: segments of everybody that the base never saw; prints what adapting "
+                 "loses on them")
+      ->needs(each);
   participant->needs(adapt);
 }
 
@@ -116,6 +127,9 @@ std::string WrongUse(const CLI::App& app, const Flags& flags) {
   if (!writes && !flags.train.out.empty()) return "--each writes no weights: no --out";
   const std::string flag = TrainOnlyFlag(app);
   if (flags.adapts && !flag.empty()) return flag + " does not go with --adapt";
+  if (std::isnan(flags.train.options.learning_rate)) return "--learning-rate is no number";
+  const std::set<std::string> without(flags.without.begin(), flags.without.end());
+  if (without.size() == 3) return "--without tau,o,x: the network would see nothing";
   return {};
 }
 
@@ -125,12 +139,11 @@ void Complete(Flags& flags) {
   flags.adapt.data = train.data;
   flags.adapt.out = train.out;
   flags.adapt.json = train.json;
+  flags.adapt.overwrite = train.overwrite;
   flags.adapt.threads = train.threads;
   flags.adapt.seed = train.options.seed;
   for (const std::string& name : flags.without) {
-    if (name == "x") train.inputs.belief = false;
-    if (name == "tau") train.inputs.path = false;
-    if (name == "o") train.inputs.view = false;
+    conav::nhpm::InputOf(train.inputs, name) = false;
   }
   if (flags.schedule == "linear") train.options.schedule = LearningRateSchedule::kLinear;
   if (train.svg.empty() && !flags.no_svg) train.svg = train.out.string() + ".svg";

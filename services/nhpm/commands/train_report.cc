@@ -2,11 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "common/runtime/json.h"
 #include "nhpm/commands/progress_line.h"
+#include "nhpm/model/input_names.h"
 
 namespace conav::nhpm {
 namespace {
@@ -27,8 +26,10 @@ nlohmann::ordered_json ToJson(const EpochReport& epoch) {
           {"validation_mbce", epoch.validation_loss}};
 }
 
-nlohmann::ordered_json ToJson(const TrainArguments& arguments, const TrainingOutcome& outcome,
-                              const TrainingState& state) {
+}  // namespace
+
+nlohmann::ordered_json ReportJson(const TrainArguments& arguments, const TrainingOutcome& outcome,
+                                  const TrainingState& state) {
   nlohmann::ordered_json document{{"weights", arguments.out.string()},
                                   {"checksum", ChecksumOf(outcome.model)},
                                   {"data_origin", outcome.model.data_origin},
@@ -43,8 +44,6 @@ nlohmann::ordered_json ToJson(const TrainArguments& arguments, const TrainingOut
   return document;
 }
 
-}  // namespace
-
 std::map<std::string, std::string> SettingsOf(const TrainArguments& arguments,
                                               const TrainingData& data) {
   const TrainingOptions& options = arguments.options;
@@ -55,7 +54,7 @@ std::map<std::string, std::string> SettingsOf(const TrainArguments& arguments,
           {"validation_segments", fmt::format("{}", data.validation.examples.size())},
           {"test_segments", fmt::format("{}", data.test.examples.size())},
           {"split_seed", fmt::format("{}", arguments.split_seed)},
-          {"inputs", InputText(arguments.inputs)},
+          {"inputs", SeenInputs(arguments.inputs)},
           {"width", fmt::format("{}", options.width)},
           {"epochs", fmt::format("{}", options.epochs)},
           {"batch", fmt::format("{}", options.batch)},
@@ -80,6 +79,7 @@ TrainingOutcome OutcomeOf(const TrainArguments& arguments, const TrainingData& d
   model.data_origin = data.origin;
   model.version = fmt::format("width {}, {} data {}, seed {}", arguments.options.width, data.origin,
                               data.checksum.substr(0, 8), arguments.options.seed);
+  model.learned_from = data.learned_from;
   model.training = SettingsOf(arguments, data);
   model.training["epochs_done"] = fmt::format("{}", state.epochs.size());
   model.training["best_epoch"] = fmt::format("{}", state.best_epoch);
@@ -93,10 +93,9 @@ std::string CurveTitle(const TrainingOutcome& outcome) {
   return fmt::format("{}: {}", outcome.model.name, outcome.model.version);
 }
 
-void PrintSummary(const TrainArguments& arguments, const TrainingData& data,
-                  const TrainingOutcome& outcome, const TrainingState& state) {
-  if (arguments.json == "-") return;
-  fmt::print(
+std::string SummaryText(const TrainArguments& arguments, const TrainingData& data,
+                        const TrainingOutcome& outcome, const TrainingState& state) {
+  std::string text = fmt::format(
       "data        {} ({}): {} trajectories, {} segments to learn from, {} for validation, {} for "
       "test\n"
       "network     width {}, sees {}\n"
@@ -105,21 +104,12 @@ void PrintSummary(const TrainArguments& arguments, const TrainingData& data,
       "weights     {}  SHA-256 {}\n",
       arguments.data.string(), data.origin, data.trajectories, data.train.examples.size(),
       data.validation.examples.size(), data.test.examples.size(), arguments.options.width,
-      InputText(arguments.inputs), state.epochs.size(), DurationText(outcome.seconds),
+      SeenInputs(arguments.inputs), state.epochs.size(), DurationText(outcome.seconds),
       arguments.threads, arguments.threads == 1 ? "thread" : "threads",
       StopReason(arguments, state), state.best_epoch, BestValidationLoss(state), outcome.test_loss,
       arguments.out.string(), ChecksumOf(outcome.model));
-  if (!arguments.svg.empty()) fmt::print("curve       {}\n", arguments.svg.string());
-}
-
-Result<void> WriteTrainReport(const std::filesystem::path& path, const TrainArguments& arguments,
-                              const TrainingOutcome& outcome, const TrainingState& state) {
-  if (path.empty()) return {};
-  const nlohmann::ordered_json document = ToJson(arguments, outcome, state);
-  if (path != "-") return WriteJsonFile(path, document);
-  fmt::print("{}\n", document.dump(2));
-  if (std::fflush(stdout) == 0) return {};
-  return Fail(ErrorCode::kIo, "standard output: cannot write");
+  if (!arguments.svg.empty()) text += fmt::format("curve       {}\n", arguments.svg.string());
+  return text;
 }
 
 }  // namespace conav::nhpm

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "common/runtime/result.h"
 #include "nhpm/commands/train_command.h"
 #include "nhpm/model/weights_file.h"
 #include "nhpm/training/training_data.h"
@@ -27,14 +27,12 @@ TrainingOutcome OutcomeOf(const TrainArguments& arguments, const TrainingData& d
 
 std::string CurveTitle(const TrainingOutcome& outcome);
 
-/// To standard output.
-void PrintSummary(const TrainArguments& arguments, const TrainingData& data,
-                  const TrainingOutcome& outcome, const TrainingState& state);
+/// What is printed at the end.
+std::string SummaryText(const TrainArguments& arguments, const TrainingData& data,
+                        const TrainingOutcome& outcome, const TrainingState& state);
 
-/// JSON, keys in docs/nhpm.md; "-" is standard output, empty nowhere. Errors: kIo.
-[[nodiscard]] Result<void> WriteTrainReport(const std::filesystem::path& path,
-                                            const TrainArguments& arguments,
-                                            const TrainingOutcome& outcome,
-                                            const TrainingState& state);
+/// Keys in docs/nhpm.md.
+nlohmann::ordered_json ReportJson(const TrainArguments& arguments, const TrainingOutcome& outcome,
+                                  const TrainingState& state);
 
 }  // namespace conav::nhpm

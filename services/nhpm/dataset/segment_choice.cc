@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "common/segments/segment_labels.h"
 #include "nhpm/dataset/segment_picture.h"
@@ -16,6 +17,14 @@ std::vector<ChosenSegment> All(const SegmentSet& set) {
     }
   }
   return all;
+}
+
+/// Up to `count` of `all`, evenly spread.
+std::vector<ChosenSegment> Spread(const std::vector<ChosenSegment>& all, std::size_t count) {
+  std::vector<ChosenSegment> chosen;
+  const std::size_t taken = std::min(count, all.size());
+  for (std::size_t i = 0; i < taken; ++i) chosen.push_back(all[i * all.size() / taken]);
+  return chosen;
 }
 
 }  // namespace
@@ -36,16 +45,14 @@ Result<std::vector<ChosenSegment>> ChooseSegments(const SegmentSet& set,
 }
 
 std::vector<ChosenSegment> ChooseSegments(const SegmentSet& set, std::size_t count) {
-  std::vector<ChosenSegment> candidates;
-  const std::vector<ChosenSegment> all = All(set);
-  for (const ChosenSegment& one : all) {
-    if (EditCount(*one.segment) > 0) candidates.push_back(one);
-  }
-  if (candidates.size() < count) candidates = all;
-  std::vector<ChosenSegment> chosen;
-  for (std::size_t i = 0; i < count && i < candidates.size(); ++i) {
-    chosen.push_back(candidates[i * candidates.size() / std::min(count, candidates.size())]);
-  }
+  std::vector<ChosenSegment> edited = All(set);
+  const auto others = std::ranges::stable_partition(
+      edited, [](const ChosenSegment& one) { return EditCount(*one.segment) > 0; });
+  const std::vector<ChosenSegment> unedited(others.begin(), others.end());
+  edited.erase(others.begin(), others.end());
+  std::vector<ChosenSegment> chosen = Spread(edited, count);
+  std::ranges::copy(Spread(unedited, count - chosen.size()), std::back_inserter(chosen));
+  std::ranges::sort(chosen, {}, &ChosenSegment::index);
   return chosen;
 }
 

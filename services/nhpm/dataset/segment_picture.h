@@ -25,7 +25,8 @@ struct ChosenSegment {
 [[nodiscard]] Result<std::vector<ChosenSegment>> ChooseSegments(
     const SegmentSet& set, std::span<const std::size_t> indices);
 
-/// Up to `count` segments with edits, spread over the set; others where those do not suffice.
+/// Up to `count` segments with edits, spread over the set; where those do not suffice all of them and
+/// others, likewise spread. In the order of the set.
 std::vector<ChosenSegment> ChooseSegments(const SegmentSet& set, std::size_t count);
 
 /// An SVG document, one row for each segment; says in each row who made the edits.

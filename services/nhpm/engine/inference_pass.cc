@@ -21,13 +21,19 @@ InferencePass::InferencePass(std::shared_ptr<const PackedWeights> weights, const
   for (int layer = 0; layer < kNetworkLayers; ++layer) {
     Layer& target = layers_[static_cast<std::size_t>(layer)];
     target.channels = weights_->shape.OutputsOf(layer);
-    target.base = target.current = grid_.Activations(target.channels);
+    target.current = grid_.Activations(target.channels);
     target.dirty.reserve(grid_.size());
   }
   for (const std::int32_t cell : grid_.AllCells().cells) {
     inside_[static_cast<std::size_t>(cell)] = 1;
   }
   list_.reserve(grid_.size());
+}
+
+std::size_t InferencePass::bytes() const {
+  std::size_t floats = input_.size() + base_input_.size() + logits_.size();
+  for (const Layer& layer : layers_) floats += layer.base.size() + layer.current.size();
+  return floats * sizeof(float);
 }
 
 void InferencePass::Compute(std::size_t layer, const CellList& cells) {

@@ -36,6 +36,9 @@ class InferencePass {
   /// Requires has_base().
   std::span<const float> FromBase(std::span<const float> input);
 
+  /// What activations and logits take, and a base once there is one.
+  std::size_t bytes() const;
+
   /// Cells of hidden layers that the last call computed, and those of a full pass.
   std::size_t cells_computed() const { return cells_computed_; }
   std::size_t cells_of_full_pass() const { return (kNetworkLayers - 1) * grid_.size(); }
@@ -43,7 +46,7 @@ class InferencePass {
  private:
   /// One layer's output: as in the base, but for the cells in `dirty`.
   struct Layer {
-    AlignedFloats base;
+    AlignedFloats base;  // empty before SetBase()
     AlignedFloats current;
     std::vector<std::int32_t> dirty;
     int channels = 0;

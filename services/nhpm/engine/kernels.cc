@@ -1,5 +1,7 @@
 #include "nhpm/engine/kernels.h"
 
+#include <algorithm>
+
 #include "common/runtime/demand.h"
 #include "nhpm/engine/kernel_sets.h"
 
@@ -18,11 +20,12 @@ std::vector<InstructionSet> AvailableInstructionSets() {
 
 const KernelSet& KernelsFor(int width, InstructionSet set) {
   DEMAND(IsNetworkWidth(width), width);
+  const auto sets = AvailableInstructionSets();
+  DEMAND(std::find(sets.begin(), sets.end(), set) != sets.end(), static_cast<int>(set));
 #ifdef CONAV_HAVE_X86_KERNELS
   if (set == InstructionSet::kAvx512) return Avx512Kernels(width);
   if (set == InstructionSet::kAvx2) return Avx2Kernels(width);
 #endif
-  DEMAND(set == InstructionSet::kPortable);
   return PortableKernels(width);
 }
 

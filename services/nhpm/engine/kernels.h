@@ -57,7 +57,7 @@ enum class InstructionSet { kPortable, kAvx2, kAvx512 };
 /// What this processor can run, best first; kPortable is always there.
 std::vector<InstructionSet> AvailableInstructionSets();
 
-/// Width 16, 32 or 64 (demanded); `set` must be available.
+/// Demands width 16, 32 or 64, and an available `set`.
 const KernelSet& KernelsFor(int width, InstructionSet set);
 /// The best available.
 const KernelSet& KernelsFor(int width);

@@ -35,7 +35,7 @@ class PaddedGrid {
     return (row + 1) * (columns_ + 2) + column + 1;
   }
 
-  /// All cells, row-major.
+  /// All cells, row-major; a view that lives as long as the grid.
   CellList AllCells() const { return {cells_, stride()}; }
 
   /// Padded activations, all zero.
@@ -52,7 +52,7 @@ class PaddedGrid {
     }
   }
 
-  /// ... and back.
+  /// Copies padded activations into [rows][columns][channels].
   void Unpad(int channels, const AlignedFloats& padded, std::span<float> values) const {
     const std::ptrdiff_t row_length = std::ptrdiff_t{columns_} * channels;
     for (int row = 0; row < rows_; ++row) {

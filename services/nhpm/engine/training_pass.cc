@@ -6,17 +6,17 @@
 
 #include "common/runtime/demand.h"
 #include "nhpm/engine/kernels.h"
-#include "nhpm/engine/packed_weights.h"
 #include "nhpm/engine/padded_grid.h"
 
 namespace conav::nhpm {
 namespace {
 
-void AddBiasGradient(const CellList& list, int channels, const AlignedFloats& out_gradient,
+/// `sums` is working memory for as many values as `gradient` has.
+void AddBiasGradient(const CellList& list, const AlignedFloats& out_gradient, std::span<float> sums,
                      std::vector<float>& gradient) {
-  std::vector<float> sums(static_cast<std::size_t>(channels), 0.0F);
+  std::fill(sums.begin(), sums.end(), 0.0F);
   for (const std::int32_t cell : list.cells) {
-    const float* from = out_gradient.data() + std::ptrdiff_t{cell} * channels;
+    const float* from = out_gradient.data() + cell * std::ssize(sums);
     for (std::size_t o = 0; o < sums.size(); ++o) sums[o] += from[o];
   }
   for (std::size_t o = 0; o < sums.size(); ++o) gradient[o] += sums[o];
@@ -31,23 +31,13 @@ void MaskByRelu(const AlignedFloats& activation, AlignedFloats& gradient) {
 
 }  // namespace
 
-struct TrainingWeights::Packed {
-  explicit Packed(const NetworkWeights& weights)
-      : weights(weights, PackedWeights::Use::kTraining) {}
-  PackedWeights weights;
-};
-
-TrainingWeights::TrainingWeights(const NetworkWeights& weights)
-    : packed_(std::make_unique<Packed>(weights)) {}
-TrainingWeights::~TrainingWeights() = default;
-void TrainingWeights::Assign(const NetworkWeights& weights) { packed_->weights.Assign(weights); }
-
 struct TrainingPass::Workspace {
   Workspace(NetworkShape shape, int rows, int columns)
       : shape(shape),
         kernels(KernelsFor(shape.width)),
         grid(rows, columns),
         zero_bias(static_cast<std::size_t>(shape.width), 0.0F),
+        bias_sums(static_cast<std::size_t>(shape.width)),
         logits(grid.size() * kOutputChannels) {
     for (int layer = 0; layer < kNetworkLayers; ++layer) {
       const auto i = static_cast<std::size_t>(layer);
@@ -61,6 +51,7 @@ struct TrainingPass::Workspace {
   const KernelSet& kernels;
   PaddedGrid grid;
   std::vector<float> zero_bias;
+  std::vector<float> bias_sums;
   std::array<AlignedFloats, kNetworkLayers> inputs;     // of each layer, padded
   std::array<AlignedFloats, kNetworkLayers> gradients;  // of each layer's output, padded
   AlignedFloats padded_logits;
@@ -74,7 +65,7 @@ TrainingPass::~TrainingPass() = default;
 std::span<const float> TrainingPass::Forward(const TrainingWeights& weights,
                                              std::span<const float> input) {
   Workspace& w = *workspace_;
-  const PackedWeights& packed = weights.packed_->weights;
+  const PackedWeights& packed = weights.packed_;
   DEMAND(packed.shape == w.shape && input.size() == w.grid.size() * kInputChannels, input.size());
   const CellList cells = w.grid.AllCells();
   w.grid.Pad(kInputChannels, input, w.inputs[0]);
@@ -93,7 +84,7 @@ std::span<const float> TrainingPass::Forward(const TrainingWeights& weights,
 void TrainingPass::Backward(const TrainingWeights& weights, std::span<const float> logit_gradient,
                             NetworkWeights& gradient) {
   Workspace& w = *workspace_;
-  const PackedWeights& packed = weights.packed_->weights;
+  const PackedWeights& packed = weights.packed_;
   DEMAND(gradient.shape == w.shape && logit_gradient.size() == w.logits.size());
   const CellList cells = w.grid.AllCells();
   w.grid.Pad(kOutputChannels, logit_gradient, w.gradients[3]);
@@ -103,8 +94,8 @@ void TrainingPass::Backward(const TrainingWeights& weights, std::span<const floa
                                      : w.kernels.hidden_gradient;
     kernel(w.inputs[layer].data(), w.gradients[layer].data(), cells,
            gradient.weights[layer].data());
-    AddBiasGradient(cells, w.shape.OutputsOf(static_cast<int>(layer)), w.gradients[layer],
-                    gradient.biases[layer]);
+    std::vector<float>& biases = gradient.biases[layer];
+    AddBiasGradient(cells, w.gradients[layer], std::span(w.bias_sums).first(biases.size()), biases);
     if (layer == 0) return;
     const auto back = layer == 3 ? w.kernels.last_backward : w.kernels.hidden_backward;
     back(w.gradients[layer].data(), cells, packed.backward[layer].data(), w.zero_bias.data(),

@@ -3,22 +3,21 @@
 #include <memory>
 #include <span>
 
-#include "nhpm/engine/network_weights.h"
+#include "nhpm/engine/packed_weights.h"
 
 namespace conav::nhpm {
 
 /// Weights in the order that the kernels read, for forward and backward passes.
 class TrainingWeights {
  public:
-  explicit TrainingWeights(const NetworkWeights& weights);
-  ~TrainingWeights();
+  explicit TrainingWeights(const NetworkWeights& weights)
+      : packed_(weights, PackedWeights::Use::kTraining) {}
   /// Packs new values of the same shape.
-  void Assign(const NetworkWeights& weights);
+  void Assign(const NetworkWeights& weights) { packed_.Assign(weights); }
 
  private:
   friend class TrainingPass;
-  struct Packed;
-  std::unique_ptr<Packed> packed_;
+  PackedWeights packed_;
 };
 
 /// One sample forward and backward through the network, with the kernels of the inference engine:

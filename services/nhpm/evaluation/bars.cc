@@ -1,9 +1,12 @@
 #include "nhpm/evaluation/bars.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 
 #include "common/runtime/random.h"
+#include "common/segments/segment_labels.h"
 
 namespace conav::nhpm {
 namespace {
@@ -44,11 +47,15 @@ double DrawnShare(const std::vector<TrajectoryLosses>& losses, Random& random) {
   return ExcessShare(sum.model, sum.oracle, sum.baseline);
 }
 
+/// Boundaries chosen where the baseline's was.
 Bar IouBar(const ModelRow& model, const ModelRow& baseline) {
+  const bool of_train = baseline.test.boundary_source == BoundarySource::kTrain;
+  const BoundaryIou& best = of_train ? model.at_train_boundary.value() : model.test.best;
   return {.key = "iou_above_" + baseline.label.key,
-          .text = model.label.title + "'s IoU at the best boundary, above " + baseline.label.title +
-                  "'s",
-          .value = model.test.best.iou,
+          .text = fmt::format("{}'s IoU, above {}'s, each at the boundary that is best on the {}",
+                              model.label.title, baseline.label.title,
+                              of_train ? "train part" : "test part"),
+          .value = best.iou,
           .limit = baseline.test.best.iou,
           .at_most = false};
 }
@@ -71,12 +78,14 @@ std::optional<Interval> ExcessShareInterval(const EvaluationData& data, const Mo
   return Interval{shares[kBootstrapDraws / 20], shares[kBootstrapDraws - 1 - kBootstrapDraws / 20]};
 }
 
+bool HasBars(const EvaluationData& data) { return OriginText(data.test) == "synthetic"; }
+
 std::vector<Bar> CheckBars(const EvaluationData& data, const std::vector<ModelRow>& rows) {
   std::vector<Bar> bars;
   const ModelRow* nhpm = FindRow(rows, "nhpm");
   const ModelRow* oracle = FindRow(rows, "oracle");
   const ModelRow* glpf_test = FindRow(rows, "glpf_test");
-  if (nhpm == nullptr) return bars;
+  if (nhpm == nullptr || !HasBars(data)) return bars;
   if (oracle != nullptr && glpf_test != nullptr) {
     bars.push_back(
         {.key = "excess_share",

@@ -38,8 +38,11 @@ double ExcessShare(double model, double oracle, double baseline);
 std::optional<Interval> ExcessShareInterval(const EvaluationData& data, const ModelRow& model,
                                             const ModelRow& oracle, const ModelRow& baseline);
 
+/// Whether bars were set for the test part: synthetic people only.
+bool HasBars(const EvaluationData& data);
+
 /// What NHPM (the row of key "nhpm") must reach, of what the rows allow to say: the share of the
-/// loss needs the oracle, the IoU a GLPF. Empty without NHPM.
+/// loss needs the oracle, the IoU a GLPF. Empty without NHPM, and where there are no bars.
 std::vector<Bar> CheckBars(const EvaluationData& data, const std::vector<ModelRow>& rows);
 
 /// The row of that key, or nullptr.

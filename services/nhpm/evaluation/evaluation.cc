@@ -76,8 +76,11 @@ Result<ModelRow> EvaluateAnswers(const RowLabel& label, const ModelIdentity& ide
   if (!outcomes) {
     return Fail(outcomes.error().code, fmt::format("{}: {}", label.title, outcomes.error().text));
   }
-  return ModelRow{
-      label, identity, Measure(*outcomes), {}, SegmentLosses(*outcomes), std::move(answers)};
+  return ModelRow{.label = label,
+                  .identity = identity,
+                  .test = Measure(*outcomes),
+                  .segment_losses = SegmentLosses(*outcomes),
+                  .answers = std::move(answers)};
 }
 
 Result<ModelRow> EvaluateModel(const RowLabel& label, const EditModel& model,
@@ -89,6 +92,8 @@ Result<ModelRow> EvaluateModel(const RowLabel& label, const EditModel& model,
   const auto train = OnTrain(model, data);
   if (!train) return tl::unexpected(train.error());
   row->train = MeanCrossEntropy(*train);
+  const double boundary = BestIou(*train).boundary;
+  row->at_train_boundary = {boundary, IouAt(*Pair(data.test, row->answers), boundary)};
   return row;
 }
 
@@ -97,13 +102,10 @@ Result<ModelRow> EvaluateGlpfTrain(const EvaluationData& data, const GlpfFitOpti
   const GlpfFit fit = FitGlpf(CountStimuli(AllSegments(data.train)), options);
   const Glpf model(fit.best.parameters);
   auto row = EvaluateModel({"glpf_train", "GLPF-Train", Describe(fit.best)}, model, data);
-  const auto train = OnTrain(model, data);
   if (!row) return row;
-  if (!train) return tl::unexpected(train.error());
-  const auto test = Pair(data.test, row->answers);
-  const double boundary = BestIou(*train).boundary;
-  row->test.best = {boundary, IouAt(*test, boundary)};
-  row->test.segment_iou_best = SegmentMeanIou(*test, boundary);
+  row->test.best = *row->at_train_boundary;
+  row->test.segment_iou_best =
+      SegmentMeanIou(*Pair(data.test, row->answers), row->test.best.boundary);
   row->test.boundary_source = BoundarySource::kTrain;
   return row;
 }

@@ -52,6 +52,8 @@ struct ModelRow {
   ModelIdentity identity;
   ModelMetrics test;
   std::optional<Loss> train;  // nothing where it does not apply
+  /// The boundary that is ideal on the train part, and the IoU of the test part there.
+  std::optional<BoundaryIou> at_train_boundary;
   /// Cross-entropy of each test segment, summed over its outputs, in nats.
   std::vector<double> segment_losses;
   std::vector<PerceptionAnswer> answers;  // to the test segments
@@ -73,16 +75,19 @@ using EvaluationProgress = std::function<void(std::size_t done, std::size_t tota
                                              const EvaluationProgress& progress = {});
 
 /// The row of answers to the test part that come from elsewhere (the oracle's).
+/// Errors: those of PairOutcomes, with the row's title.
 [[nodiscard]] Result<ModelRow> EvaluateAnswers(const RowLabel& label, const ModelIdentity& identity,
                                                std::vector<PerceptionAnswer> answers,
                                                const EvaluationData& data);
 
 /// GLPF-Train: fitted to the train part, its boundary ideal there. Requires a train part.
+/// Errors: those of EvaluateModel.
 [[nodiscard]] Result<ModelRow> EvaluateGlpfTrain(const EvaluationData& data,
                                                  const GlpfFitOptions& options = {});
 
 /// GLPF-Test: fitted to the test part itself, with the boundary ideal there; an upper bound of what
 /// the formula can do. Says nothing about the train part, as in the paper.
+/// Errors: those of EvaluateModel.
 [[nodiscard]] Result<ModelRow> EvaluateGlpfTest(const EvaluationData& data,
                                                 const GlpfFitOptions& options = {});
 

@@ -33,12 +33,12 @@ class Simplex {
   const Corner& best() const { return corners_.front(); }
 
   bool Converged(double tolerance) const {
-    const Corner& worst = corners_.back();
-    if (!(worst.value - best().value < tolerance)) return false;
-    for (std::size_t i = 0; i < best().position.size(); ++i) {
-      if (!(std::abs(worst.position[i] - best().position[i]) < std::sqrt(tolerance))) return false;
-    }
-    return true;
+    if (!(corners_.back().value - best().value < tolerance)) return false;
+    const double reach = std::sqrt(tolerance);
+    return std::ranges::all_of(corners_, [&](const Corner& corner) {
+      return std::ranges::equal(corner.position, best().position,
+                                [&](double a, double b) { return std::abs(a - b) < reach; });
+    });
   }
 
   void Step() {

@@ -9,7 +9,8 @@ namespace conav::nhpm {
 struct NelderMeadOptions {
   int iterations = 2000;    // at most
   double first_step = 0.5;  // of each coordinate
-  /// Ends when the values at the corners differ by less than this, and the corners themselves too.
+  /// Ends when the values at the corners differ by less than this, and each coordinate of the corners
+  /// from the best one's by less than its square root: near a minimum values differ by the square.
   double tolerance = 1.0e-10;
 };
 

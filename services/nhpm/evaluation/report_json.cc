@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "common/segments/segment_labels.h"
 
@@ -20,15 +21,22 @@ Json PartJson(const SegmentSet& set) {
       {"trajectories", set.trajectories.size()}, {"segments", SegmentCount(set)}, {"edits", edits}};
 }
 
+/// What all maps of the set have alike; else nothing.
+template <class Size>
+Json CommonSize(const SegmentSet& set, Size&& size) {
+  std::set<int> sizes;
+  for (const Segment* segment : AllSegments(set)) sizes.insert(size(segment->query.belief));
+  return sizes.size() == 1 ? Json(*sizes.begin()) : Json();
+}
+
 Json DataJson(const EvaluationData& data) {
-  const std::vector<const Segment*> segments = AllSegments(data.test);
   Json json;
   json["file"] = data.file;
   json["sha256"] = data.checksum;
   json["origin"] = OriginText(data.test);
   json["split_seed"] = data.split_seed ? Json(*data.split_seed) : Json();
-  json["rows"] = segments.empty() ? 0 : segments.front()->query.belief.rows();
-  json["columns"] = segments.empty() ? 0 : segments.front()->query.belief.columns();
+  json["rows"] = CommonSize(data.test, [](const BeliefGrid& map) { return map.rows(); });
+  json["columns"] = CommonSize(data.test, [](const BeliefGrid& map) { return map.columns(); });
   json["train"] = PartJson(data.train);
   json["test"] = PartJson(data.test);
   return json;

@@ -9,7 +9,8 @@ namespace conav::nhpm {
 /// The report for machines:
 ///
 ///   schema    1
-///   data      file, sha256, origin, split_seed (null: all is test), rows, columns,
+///   data      file, sha256, origin, split_seed (null: all is test), rows, columns
+///             (null: maps of several sizes),
 ///             train and test: {trajectories, segments, edits}
 ///   models    by key (nhpm, glpf_train, glpf_test, oracle, ...): title, about, version, checksum,
 ///             mbce_all, mbce_unmasked, train_mbce_all, train_mbce_unmasked, iou_best,

@@ -8,7 +8,7 @@
 namespace conav::nhpm {
 namespace {
 
-std::string Loss4(const std::optional<Loss>& loss) {
+std::string LossText(const std::optional<Loss>& loss) {
   return loss ? fmt::format("{:.5f}", loss->all) : "-";
 }
 
@@ -30,7 +30,7 @@ std::string Line(const ModelRow& row, std::size_t width) {
   const ModelMetrics& test = row.test;
   return fmt::format(
       "{:<{}}{:>11}{:>11.5f}{:>10.5f}{:>9.3f} @ {:.2f}{:>10.3f}{:>9.5f}{:>10.3f}{:>7.3f}{:>8}\n",
-      row.label.title, width, Loss4(row.train), test.loss.all, test.loss.unmasked, test.best.iou,
+      row.label.title, width, LossText(row.train), test.loss.all, test.loss.unmasked, test.best.iou,
       test.best.boundary, test.iou_fixed, test.calibration.error, test.edits.mean_expected,
       test.edits.mean_true,
       test.edits.correlation ? fmt::format("{:.2f}", *test.edits.correlation) : "-");
@@ -48,8 +48,8 @@ std::string DescribeData(const EvaluationData& data) {
 
 std::string DescribeBar(const Bar& bar) {
   std::string text =
-      fmt::format("{}  {}: {:.3f} ({} {:.3f}", bar.passed() ? "pass" : "FAIL", bar.text, bar.value,
-                  bar.at_most ? "at most" : "more than", bar.limit);
+      fmt::format("{}  {}: {:.3f} (must be {} {:.3f}", bar.passed() ? "pass" : "FAIL", bar.text,
+                  bar.value, bar.at_most ? "at most" : "more than", bar.limit);
   if (bar.interval) {
     text += fmt::format("; 90 % of test sets like this: {:.3f} to {:.3f}", bar.interval->low,
                         bar.interval->high);

@@ -21,8 +21,9 @@ struct ModelIdentity {
 ///
 /// Shapes:  one answer per query, in order; grids as large as the query's belief; masked as
 ///          PerceptionAnswer says.
-/// Errors:  kInvalidArgument (CheckPerceptionQuery; a grid size that the model was not made for).
-///          Never throws. An empty batch gives an empty answer.
+/// Errors:  kInvalidArgument (CheckPerceptionQuery), kUnavailable (good queries of a grid size that
+///          the model was not made for), kOutOfRange (the model's arithmetic overflows). Never throws.
+///          An empty batch gives an empty answer.
 /// Threads: const and safe to call concurrently.
 /// Source:  paper section 4, F_theta(x, tau, o).
 class EditModel {

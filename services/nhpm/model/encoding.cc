@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <vector>
 
 #include "common/runtime/demand.h"
 
@@ -103,9 +102,6 @@ PerceptionAnswer MaskedAnswer(const BeliefGrid& belief, std::span<const float> l
   const int columns = belief.columns();
   DEMAND(logits.size() == belief.size() * kOutputChannels, logits.size(), belief.size());
   PerceptionAnswer answer{Grid<float>(rows, columns), Grid<float>(rows, columns)};
-  std::vector<float> probabilities(logits.size());
-  const std::size_t size = logits.size();
-  for (std::size_t i = 0; i < size; ++i) probabilities[i] = SigmoidOf(logits[i]);
   const auto x = belief.values();
   const auto add = answer.add.values();
   const auto remove = answer.remove.values();
@@ -113,8 +109,8 @@ PerceptionAnswer MaskedAnswer(const BeliefGrid& belief, std::span<const float> l
     const std::size_t first = belief.IndexOf({row, 0});
     const std::size_t last = belief.IndexOf({row, columns - 1});
     for (std::size_t i = first + 1; i < last; ++i) {
-      add[i] = probabilities[2 * i] * (1.0F - x[i]);
-      remove[i] = probabilities[2 * i + 1] * x[i];
+      add[i] = SigmoidOf(logits[2 * i]) * (1.0F - x[i]);
+      remove[i] = SigmoidOf(logits[2 * i + 1]) * x[i];
     }
   }
   return answer;

@@ -38,10 +38,12 @@ void EncodeInput(const PerceptionQuery& query, const InputSelection& selection,
 ///
 ///   add = sigmoid(logit) (1 - x)     remove = sigmoid(logit) x     both 0 on the border
 ///
-/// The sigmoid is our own, of plain float operations: the same bits on every machine.
+/// The sigmoid is our own, of plain float operations: the same bits on every machine. Logits must
+/// be numbers: PerceptionNetwork refuses to answer when they are not.
 PerceptionAnswer MaskedAnswer(const BeliefGrid& belief, std::span<const float> logits);
 
-/// 1 / (1 + exp(-logit)), within 2 units in the last place, monotone, in [0, 1].
+/// 1 / (1 + exp(-logit)), within 3 units in the last place, in [0, 1]. Of NaN it is in [0, 1], too,
+/// and says nothing.
 float Sigmoid(float logit);
 
 }  // namespace conav::nhpm

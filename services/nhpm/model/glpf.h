@@ -58,7 +58,7 @@ class Glpf final : public EditModel {
   double Response(double stimulus) const;
   double Stimulus(double distance_cells) const;
 
-  static std::string name() { return "glpf"; }
+  static std::string name() { return kGlpfModel; }
   /// Says with which parameters: equal versions give equal answers.
   std::string version() const;
 

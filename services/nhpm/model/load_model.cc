@@ -1,6 +1,7 @@
 #include "nhpm/model/load_model.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "nhpm/model/perception_network.h"
 #include "nhpm/model/weights_file.h"
@@ -20,9 +21,10 @@ std::filesystem::path WeightsOrShipped(const std::filesystem::path& weights) {
 Result<std::shared_ptr<const EditModel>> LoadEditModel(const std::string& name,
                                                        const std::filesystem::path& weights,
                                                        const GlpfParameters& glpf) {
-  if (name == Glpf::name()) return std::make_shared<const Glpf>(glpf);
-  if (name != "nhpm") {
-    return Fail(ErrorCode::kInvalidArgument, fmt::format("model '{}' is not nhpm or glpf", name));
+  if (name == kGlpfModel) return std::make_shared<const Glpf>(glpf);
+  if (name != kNhpmModel) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("model '{}' is not {}", name, fmt::join(kPerceptionModels, " or ")));
   }
   return ReadWeightsFile(WeightsOrShipped(weights))
       .map([](const NetworkModel& model) -> std::shared_ptr<const EditModel> {

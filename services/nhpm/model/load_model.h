@@ -17,7 +17,7 @@ std::filesystem::path ShippedWeights();
 /// The file itself, or the shipped one where `weights` is empty.
 std::filesystem::path WeightsOrShipped(const std::filesystem::path& weights);
 
-/// "glpf" from `glpf`, or "nhpm" from a weights file; empty `weights` = ShippedWeights().
+/// kGlpfModel from `glpf`, or kNhpmModel from a weights file; empty `weights` = ShippedWeights().
 /// Errors: kInvalidArgument (another name), those of ReadWeightsFile.
 [[nodiscard]] Result<std::shared_ptr<const EditModel>> LoadEditModel(
     const std::string& name, const std::filesystem::path& weights, const GlpfParameters& glpf);

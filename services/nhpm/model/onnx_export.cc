@@ -130,10 +130,12 @@ std::string ToOnnx(const NetworkModel& model) {
   message.add_opset_import()->set_version(kOperatorSet);
   message.set_producer_name("conav");
   message.set_doc_string(
-      "How a person edits the map after a picture. Channels in: wall of the map, path, seen free, "
-      "seen wall. Channels out: P(add a wall), P(remove one), before masking: multiply add by 1 - "
-      "x, "
-      "remove by x, both by 0 on the border.");
+      "How a person edits the map after a picture. Channels in: x = P(wall) of the map; 1 on the "
+      "path and on the camera's cell; nearness of the cells that the picture shows free; nearness "
+      "of the walls that it shows; else 0. nearness = 1 - depth / 10, in [0.2, 1], rounded to "
+      "1/1024; depth = distance from the camera's cell along the view axis, in cells. Channels "
+      "out: P(add a wall), P(remove one), before masking: multiply add by 1 - x, remove by x, both "
+      "by 0 on the border.");
   AddMetadata(message, model);
   onnx::Graph& graph = *message.mutable_graph();
   graph.set_name("nhpm");

@@ -11,7 +11,8 @@ namespace conav::nhpm {
 /// The network as an ONNX model: 3x3 convolutions, ReLU between them, a sigmoid at the end.
 ///
 ///   input          "input"          float [batch, kInputChannels, rows, columns], as EncodeInput
-///                                   has it, but channels before rows
+///                                   has it, but channels before rows; channels 2 and 3 hold
+///                                   nearness, 1 - depth / 10 cells in [0.2, 1], not 0 or 1
 ///   output         "probabilities"  float [batch, kOutputChannels, rows, columns]: add, remove
 ///
 /// The masks are not in it: a reader multiplies add by (1 - x), remove by x, and both by 0 on the

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 
 #include "nhpm/engine/inference_pass.h"
 #include "nhpm/model/encoding.h"
@@ -13,7 +15,11 @@ namespace {
 /// A query whose belief and path differ from the base's in more cells than this is about something
 /// else.
 constexpr int kFewCells = 12;
-constexpr std::size_t kWorkspacesKept = 16;
+
+bool AreFinite(std::span<const float> values) {
+  return std::all_of(values.begin(), values.end(),
+                     [](float value) { return std::isfinite(value); });
+}
 
 }  // namespace
 
@@ -31,20 +37,25 @@ class PerceptionNetwork::Workspace {
     return pass_.rows() == belief.rows() && pass_.columns() == belief.columns();
   }
 
+  std::size_t bytes() const {
+    return pass_.bytes() +
+           sizeof(float) * (input_.size() + without_view_.size() + base_.size() + newest_.size());
+  }
+
   /// The second query about one belief makes it the base: a single one is cheaper computed whole.
-  PerceptionAnswer Answer(const PerceptionQuery& query) {
+  std::span<const float> Logits(const PerceptionQuery& query) {
     EncodeInput(query, inputs_, input_);
     RemoveView();
     if (pass_.has_base() && AreClose(without_view_, base_)) {
-      return MaskedAnswer(query.belief, pass_.FromBase(input_));
+      return pass_.FromBase(input_);
     }
     if (!AreClose(without_view_, newest_)) {
       newest_ = without_view_;
-      return MaskedAnswer(query.belief, pass_.Full(input_));
+      return pass_.Full(input_);
     }
     base_ = without_view_;
     pass_.SetBase(base_);
-    return MaskedAnswer(query.belief, pass_.FromBase(input_));
+    return pass_.FromBase(input_);
   }
 
  private:
@@ -88,10 +99,10 @@ class PerceptionNetwork::Lease {
     workspace_ = std::make_unique<Workspace>(network_, belief.rows(), belief.columns());
   }
   ~Lease() {
+    if (workspace_->bytes() > kIdleBytes) return;
     const std::lock_guard lock(network_.mutex_);
-    auto& idle = network_.idle_;
-    if (idle.size() >= kWorkspacesKept) idle.erase(idle.begin());
-    idle.push_back(std::move(workspace_));
+    network_.idle_.push_back(std::move(workspace_));
+    while (network_.IdleBytesLocked() > kIdleBytes) network_.idle_.erase(network_.idle_.begin());
   }
   Lease(const Lease&) = delete;
   Lease& operator=(const Lease&) = delete;
@@ -118,12 +129,22 @@ PerceptionNetwork::PerceptionNetwork(const NetworkModel& model, InstructionSet s
 
 PerceptionNetwork::~PerceptionNetwork() = default;
 
+std::size_t PerceptionNetwork::idle_bytes() const {
+  const std::lock_guard lock(mutex_);
+  return IdleBytesLocked();
+}
+
+std::size_t PerceptionNetwork::IdleBytesLocked() const {
+  return std::transform_reduce(idle_.begin(), idle_.end(), std::size_t{0}, std::plus<>(),
+                               [](const auto& workspace) { return workspace->bytes(); });
+}
+
 Result<void> PerceptionNetwork::Check(const PerceptionQuery& query) const {
   if (const auto checked = CheckPerceptionQuery(query); !checked) return checked;
   const bool any_size = rows_ == 0 && columns_ == 0;
   if (any_size || (query.belief.rows() == rows_ && query.belief.columns() == columns_)) return {};
   return Fail(
-      ErrorCode::kInvalidArgument,
+      ErrorCode::kUnavailable,
       fmt::format("belief is {} x {}, but model {} is for {} x {} only", query.belief.rows(),
                   query.belief.columns(), identity_.name, rows_, columns_));
 }
@@ -138,7 +159,13 @@ Result<std::vector<PerceptionAnswer>> PerceptionNetwork::Predict(
   for (std::size_t i = 0; i < queries.size();) {
     const Lease workspace(*this, queries[i].belief);
     for (; i < queries.size() && workspace->IsFor(queries[i].belief); ++i) {
-      answers.push_back(workspace->Answer(queries[i]));
+      const std::span<const float> logits = workspace->Logits(queries[i]);
+      if (!AreFinite(logits)) {
+        return Fail(ErrorCode::kOutOfRange,
+                    fmt::format("model {}: its weights are too large, an answer is not finite",
+                                identity_.name));
+      }
+      answers.push_back(MaskedAnswer(queries[i].belief, logits));
     }
   }
   return answers;

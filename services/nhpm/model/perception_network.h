@@ -15,12 +15,14 @@ namespace conav::nhpm {
 /// planner asks them, cost a fraction: only what a changed path or view can reach is computed
 /// (InferencePass), with the same bits.
 ///
-/// Errors:  as EditModel; kInvalidArgument names both sizes when the weights are bound to a grid
-///          size and a query has another.
-/// Threads: safe to call concurrently; each call works on memory of its own, which is kept for the
-///          next one.
+/// Errors:  as EditModel; kUnavailable names both sizes when the weights are bound to a grid
+///          size and a query has another; kOutOfRange when weights, finite as they are, overflow.
+/// Threads: safe to call concurrently; each call works on memory of its own, of which up to
+///          kIdleBytes are kept for the next ones.
 class PerceptionNetwork final : public EditModel {
  public:
+  static constexpr std::size_t kIdleBytes = 64 << 20;
+
   explicit PerceptionNetwork(const NetworkModel& model);
   /// With another than the best instruction set, for tests and benchmarks.
   PerceptionNetwork(const NetworkModel& model, InstructionSet set);
@@ -30,11 +32,15 @@ class PerceptionNetwork final : public EditModel {
       std::span<const PerceptionQuery> queries) const override;
   const ModelIdentity& identity() const override { return identity_; }
 
+  /// What is kept for the next calls.
+  std::size_t idle_bytes() const;
+
  private:
   class Workspace;
   class Lease;
 
   Result<void> Check(const PerceptionQuery& query) const;
+  std::size_t IdleBytesLocked() const;
 
   ModelIdentity identity_;
   InputSelection inputs_;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 
 #include "common/runtime/file.h"
@@ -39,6 +40,7 @@ proto::Weights ToMessage(const NetworkModel& model) {
     entry.set_name(name);
     entry.set_text(text);
   }
+  message.mutable_learned_from()->Assign(model.learned_from.begin(), model.learned_from.end());
   return message;
 }
 
@@ -62,6 +64,8 @@ NetworkModel ModelFrom(const proto::Weights& message, NetworkWeights weights) {
   for (const proto::NamedText& entry : message.training()) {
     model.training[entry.name()] = entry.text();
   }
+  model.learned_from.assign(message.learned_from().begin(), message.learned_from().end());
+  std::ranges::sort(model.learned_from);  // a file may come from elsewhere
   return model;
 }
 

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "common/runtime/result.h"
 #include "nhpm/engine/network_weights.h"
@@ -12,7 +14,7 @@ namespace conav::nhpm {
 
 /// A network as it is kept on disk and served.
 struct NetworkModel {
-  std::string name = "nhpm";
+  std::string name = kNhpmModel;
   std::string version;  // for people: what it was trained on, when
   NetworkWeights weights;
   InputSelection inputs;
@@ -23,6 +25,9 @@ struct NetworkModel {
   std::string data_origin;
   /// The training configuration and its results, by name.
   std::map<std::string, std::string> training;
+  /// FingerprintOf the trajectories that it learned from, those that decided when to stop too;
+  /// ascending. None = not known.
+  std::vector<std::uint64_t> learned_from;
   bool operator==(const NetworkModel&) const = default;
 };
 

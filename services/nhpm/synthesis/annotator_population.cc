@@ -46,8 +46,7 @@ struct RangedSpread {
   }
 };
 
-/// Mean 0, variance 1, within +-6: twelve uniform numbers, plain additions, so that it has the same
-/// bits everywhere.
+/// Mean 0, variance 1, within +-6: twelve uniform numbers, plain additions: no function of the C library.
 double BellShaped(Random& random) {
   double sum = -6.0;
   for (int i = 0; i < 12; ++i) sum += random.Unit();

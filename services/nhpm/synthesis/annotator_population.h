@@ -70,7 +70,7 @@ struct AnnotatorPopulation {
 /// out of the parameter's range, a negative deviation, no file, no section).
 AnnotatorPopulation ReadPopulation(const std::filesystem::path& file);
 
-/// Somebody. Equal random numbers give the same person on every machine.
+/// Somebody. Equal random numbers give the same person.
 Annotator DrawAnnotator(const AnnotatorPopulation& population, Random& random);
 
 /// PictureReaderParameters by the names of their config, as Trajectory::annotator keeps them.

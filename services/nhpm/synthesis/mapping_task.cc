@@ -1,7 +1,10 @@
 #include "nhpm/synthesis/mapping_task.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/grid/camera_lens.h"
 #include "common/grid/map_accuracy.h"
@@ -83,10 +86,15 @@ class MappingTask {
       weights.push_back(cell == cell_ ? 0.0 : Attraction(cell, wrong));
       total += weights.back();
     }
+    if (total == 0.0) return reachable_[DrawIndex(reachable_.size())];
     double rest = random_.Unit() * total;
     std::size_t chosen = 0;
     while (chosen + 1 < weights.size() && rest >= weights[chosen]) rest -= weights[chosen++];
     return reachable_[chosen];
+  }
+
+  std::size_t DrawIndex(std::size_t count) {
+    return static_cast<std::size_t>(random_.Uniform(0, static_cast<std::int64_t>(count) - 1));
   }
 
   std::vector<Cell> WrongCells() const {
@@ -117,6 +125,20 @@ class MappingTask {
   std::uint32_t goals_reached_ = 0;
   std::vector<Segment> segments_;
 };
+
+Result<void> CheckOptions(const MappingTaskOptions& options) {
+  const auto in_range = [](const char* what, double value, double low,
+                           double high) -> Result<void> {
+    if (value >= low && value <= high) return {};
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{} = {}: not from {} to {}", what, value, low, high));
+  };
+  constexpr double kLargest = std::numeric_limits<double>::max();
+  return in_range("headings", options.headings, 1, 360)
+      .and_then([&] { return in_range("background", options.background, 0.0, kLargest); })
+      .and_then(
+          [&] { return in_range("attraction_cells", options.attraction_cells, 0.0, kLargest); });
+}
 
 /// A maze with its start and goals; the map of it gets its mistakes from a seed of its own.
 Result<sim::WorldSpec> MakeWorld(const MappingTaskOptions& options, std::uint64_t world_seed,
@@ -149,6 +171,7 @@ Picture PictureOf(const PerceptionQuery& query) {
 
 Result<Trajectory> RunMappingTask(const MappingTaskOptions& options, const Annotator& annotator,
                                   std::uint64_t seed) {
+  if (const auto good = CheckOptions(options); !good) return tl::unexpected(good.error());
   Trajectory trajectory;
   trajectory.origin = SegmentOrigin::kSynthetic;
   trajectory.world = options.preset;

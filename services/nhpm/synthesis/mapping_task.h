@@ -14,9 +14,10 @@ namespace conav::nhpm {
 struct MappingTaskOptions {
   std::string preset = "conav13";  // of the maze; see sim/world/maze_presets.h
   sim::MapCorruptionOptions corruption;
-  int headings = 8;  // that a camera may look to, evenly spaced
+  int headings = 8;  // that a camera may look to, evenly spaced; 1 to 360
   /// After the goals a cell is drawn with a chance in proportion to `background` + how many cells
-  /// of the map are wrong up to `attraction_cells` away (Euclidean, between cell centres).
+  /// of the map are wrong up to `attraction_cells` away (Euclidean, between cell centres); where
+  /// that is 0 for all cells, one as likely as the other. Both are finite and not negative.
   double background = 0.5;
   double attraction_cells = 3.0;
 };
@@ -30,7 +31,7 @@ struct MappingTaskOptions {
 /// Gives one segment per picture; whether the trajectory is good enough to keep
 /// (kAcceptedMappingAccuracy) is for the caller. Participant and session are left empty.
 /// Seeded: equal arguments give equal trajectories.
-/// Errors: those of MakeWorldSpec (kNotFound for an unknown preset) and CorruptMap.
+/// Errors: kInvalidArgument for options out of range; those of MakeWorldSpec (kNotFound for an unknown preset) and CorruptMap.
 [[nodiscard]] Result<Trajectory> RunMappingTask(const MappingTaskOptions& options,
                                                 const Annotator& annotator, std::uint64_t seed);
 

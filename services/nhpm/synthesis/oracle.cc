@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <mutex>
+#include <set>
+
 #include "common/runtime/workers.h"
 #include "nhpm/synthesis/annotator_population.h"
 #include "nhpm/synthesis/mapping_task.h"
@@ -38,32 +42,67 @@ Result<std::vector<PerceptionAnswer>> AnswersOf(const Trajectory& trajectory,
   return answers;
 }
 
+/// answer(i) for each i below `count`, on the threads of the options, with progress.
+void ForEach(std::size_t count, const OracleOptions& options,
+             const std::function<void(std::size_t)>& answer) {
+  std::mutex mutex;  // of `done` and of who is told
+  std::size_t done = 0;
+  RunOnWorkers(options.threads, static_cast<int>(count), [&](int, int index) {
+    answer(static_cast<std::size_t>(index));
+    const std::lock_guard lock(mutex);
+    ++done;
+    if (options.progress) options.progress(done, count);
+  });
+}
+
 }  // namespace
 
 PerceptionAnswer OracleAnswer(const operators::PictureReaderParameters& annotator,
                               const PerceptionQuery& query, int draws, Random& random) {
+  return AverageOracleAnswer({&annotator, 1}, query, draws, random);
+}
+
+PerceptionAnswer AverageOracleAnswer(std::span<const operators::PictureReaderParameters> people,
+                                     const PerceptionQuery& query, int draws, Random& random) {
+  DEMAND(!people.empty());
   const BeliefGrid& belief = query.belief;
-  const operators::PictureReading reading(annotator, belief, PictureOf(query), {});
+  const Picture picture = PictureOf(query);
   Grid<int> counts(belief.rows(), belief.columns());
-  for (int i = 0; i < draws; ++i) {
-    for (const CellEdit& edit : reading.Draw(random)) ++counts[edit.cell];
+  std::set<Cell> possible;
+  for (const operators::PictureReaderParameters& person : people) {
+    const operators::PictureReading reading(person, belief, picture, {});
+    for (int i = 0; i < draws; ++i) {
+      for (const CellEdit& edit : reading.Draw(random)) ++counts[edit.cell];
+    }
+    for (const Cell cell : reading.PossibleCells()) possible.insert(cell);
   }
+  const double looks = static_cast<double>(draws) * static_cast<double>(people.size());
   PerceptionAnswer answer{{belief.rows(), belief.columns()}, {belief.rows(), belief.columns()}};
-  for (const Cell cell : reading.PossibleCells()) {
+  for (const Cell cell : possible) {
     auto& channel = operators::IsWall(belief, cell) ? answer.remove : answer.add;
-    channel[cell] = static_cast<float>((counts[cell] + 0.5) / (draws + 1.0));
+    channel[cell] = static_cast<float>((counts[cell] + 0.5) / (looks + 1.0));
   }
   return answer;
+}
+
+std::vector<PerceptionAnswer> AverageOracleAnswers(
+    std::span<const operators::PictureReaderParameters> people,
+    std::span<const PerceptionQuery> queries, const OracleOptions& options) {
+  const int draws = std::max(1, options.draws / static_cast<int>(people.size()));
+  std::vector<PerceptionAnswer> answers(queries.size());
+  ForEach(queries.size(), options, [&](std::size_t i) {
+    Random random(DeriveSeed(options.seed, i));
+    answers[i] = AverageOracleAnswer(people, queries[i], draws, random);
+  });
+  return answers;
 }
 
 Result<std::vector<std::vector<PerceptionAnswer>>> OracleAnswers(
     std::span<const Trajectory> trajectories, const OracleOptions& options) {
   if (const auto good = CheckOptions(options); !good) return tl::unexpected(good.error());
   std::vector<Result<std::vector<PerceptionAnswer>>> results(trajectories.size());
-  RunOnWorkers(options.threads, static_cast<int>(trajectories.size()), [&](int, int index) {
-    const auto i = static_cast<std::size_t>(index);
-    results[i] = AnswersOf(trajectories[i], options);
-  });
+  ForEach(trajectories.size(), options,
+          [&](std::size_t i) { results[i] = AnswersOf(trajectories[i], options); });
   std::vector<std::vector<PerceptionAnswer>> answers;
   for (std::size_t i = 0; i < results.size(); ++i) {
     if (!results[i]) {

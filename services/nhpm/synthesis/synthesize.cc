@@ -56,7 +56,8 @@ bool TooCareless(std::size_t accepted, std::size_t tried) {
 }
 
 /// Takes the candidates in their order until there are enough.
-Result<void> Sort(std::vector<Result<Trajectory>> wave, std::size_t wanted, Synthesis& synthesis) {
+Result<void> TakeAccepted(std::vector<Result<Trajectory>> wave, std::size_t wanted,
+                          Synthesis& synthesis) {
   for (Result<Trajectory>& candidate : wave) {
     if (synthesis.set.trajectories.size() == wanted) break;
     if (!candidate) return tl::unexpected(candidate.error());
@@ -83,8 +84,8 @@ Result<Synthesis> SynthesizeSegments(const SynthesisOptions& options) {
                               "annotators are too careless",
                               accepted.size(), tried, kAcceptedMappingAccuracy));
     }
-    const auto sorted = Sort(MakeWave(options, tried), wanted, synthesis);
-    if (!sorted) return tl::unexpected(sorted.error());
+    const auto taken = TakeAccepted(MakeWave(options, tried), wanted, synthesis);
+    if (!taken) return tl::unexpected(taken.error());
     if (options.progress) {
       options.progress(static_cast<int>(accepted.size()), synthesis.excluded);
     }

@@ -7,95 +7,15 @@
 #include <memory>
 #include <numeric>
 #include <optional>
-#include <span>
 
 #include "common/runtime/demand.h"
 #include "common/runtime/random.h"
-#include "nhpm/training/adam.h"
-#include "nhpm/training/batch_pass.h"
+#include "nhpm/training/fine_tuning.h"
 
 namespace conav::nhpm {
 namespace {
 
-constexpr std::uint64_t kFolds = 1;  // purposes of seeds
-constexpr std::uint64_t kEpochs = 2;
-
-/// gradient += pull (values - base).
-void AddPull(float pull, const std::vector<float>& values, const std::vector<float>& base,
-             std::vector<float>& gradient) {
-  for (std::size_t i = 0; i < gradient.size(); ++i) gradient[i] += pull * (values[i] - base[i]);
-}
-
-/// mean += share (values - mean).
-void MixIn(float share, const std::vector<float>& values, std::vector<float>& mean) {
-  for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += share * (values[i] - mean[i]);
-}
-
-/// Fine-tuning on some groups with one pull.
-class Adapter {
- public:
-  Adapter(const NetworkWeights& base, std::vector<const Example*> examples,
-          const AdaptOptions& options, double pull, BatchPass& pass)
-      : base_(base),
-        options_(options),
-        pull_(static_cast<float>(pull)),
-        pass_(pass),
-        random_(DeriveSeed(options.seed, kEpochs)),
-        weights_(base),
-        packed_(base),
-        mean_(base),
-        packed_mean_(base),
-        adam_(InitialAdamState(base.shape)),
-        gradient_(ZeroWeights(base.shape)) {
-    for (const Example* example : examples) items_.push_back({example, 0});
-  }
-
-  void RunEpoch(int symmetries) {
-    random_.Shuffle(items_);
-    for (BatchItem& item : items_) {
-      item.symmetry = static_cast<int>(random_.Uniform(0, symmetries - 1));
-    }
-    const auto batch = static_cast<std::size_t>(options_.batch);
-    for (std::size_t i = 0; i < items_.size(); i += batch) {
-      Step(std::span(items_).subspan(i, std::min(batch, items_.size() - i)));
-    }
-    packed_mean_.Assign(mean_);
-  }
-
-  /// The moving mean.
-  const TrainingWeights& packed() const { return packed_mean_; }
-  const NetworkWeights& weights() const { return mean_; }
-
- private:
-  void Step(std::span<const BatchItem> batch) {
-    pass_.Gradient(packed_, batch, gradient_);
-    for (auto i = static_cast<std::size_t>(kFirstAdaptedLayer); i < kNetworkLayers; ++i) {
-      AddPull(pull_, weights_.weights[i], base_.weights[i], gradient_.weights[i]);
-      AddPull(pull_, weights_.biases[i], base_.biases[i], gradient_.biases[i]);
-    }
-    AdamStep({.learning_rate = static_cast<float>(options_.learning_rate)}, gradient_, adam_,
-             weights_, kFirstAdaptedLayer);
-    packed_.Assign(weights_);
-    const auto share = static_cast<float>(options_.averaging);
-    for (auto i = static_cast<std::size_t>(kFirstAdaptedLayer); i < kNetworkLayers; ++i) {
-      MixIn(share, weights_.weights[i], mean_.weights[i]);
-      MixIn(share, weights_.biases[i], mean_.biases[i]);
-    }
-  }
-
-  const NetworkWeights& base_;
-  const AdaptOptions& options_;
-  float pull_;
-  BatchPass& pass_;
-  Random random_;
-  NetworkWeights weights_;
-  TrainingWeights packed_;
-  NetworkWeights mean_;
-  TrainingWeights packed_mean_;
-  AdamState adam_;
-  NetworkWeights gradient_;
-  std::vector<BatchItem> items_;
-};
+constexpr std::uint64_t kFoldSeed = 1;  // purpose of a seed; kEpochSeed is another
 
 /// One part of the groups to learn from, the rest to measure on.
 struct Fold {
@@ -106,7 +26,7 @@ struct Fold {
 std::vector<Fold> DealFolds(const std::vector<ExampleSet>& groups, const AdaptOptions& options) {
   std::vector<std::size_t> order(groups.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  Random random(DeriveSeed(options.seed, kFolds));
+  Random random(DeriveSeed(options.seed, kFoldSeed));
   random.Shuffle(order);
   std::vector<Fold> folds(std::min(groups.size(), static_cast<std::size_t>(options.folds)));
   for (std::size_t i = 0; i < order.size(); ++i) {
@@ -170,11 +90,11 @@ struct Tried {
 
 /// One fold's losses after another, after `epoch` epochs; runs the last of them unless it is 0.
 HeldOutLosses RunFolds(Run& run, const std::vector<Fold>& folds,
-                       const std::vector<std::unique_ptr<Adapter>>& adapters, int epoch) {
+                       const std::vector<std::unique_ptr<FineTuning>>& tunings, int epoch) {
   HeldOutLosses all;
   for (std::size_t i = 0; i < folds.size(); ++i) {
-    if (epoch > 0) adapters[i]->RunEpoch(run.symmetries);
-    const auto losses = run.pass.Losses(adapters[i]->packed(), folds[i].held_out);
+    if (epoch > 0) tunings[i]->RunEpoch(run.symmetries);
+    const auto losses = run.pass.Losses(tunings[i]->packed(), folds[i].held_out);
     all.insert(all.end(), losses.begin(), losses.end());
   }
   return all;
@@ -182,16 +102,16 @@ HeldOutLosses RunFolds(Run& run, const std::vector<Fold>& folds,
 
 Result<Tried> CrossValidate(Run& run, double pull) {
   const std::vector<Fold> folds = DealFolds(run.groups, run.options);
-  std::vector<std::unique_ptr<Adapter>> adapters;
+  std::vector<std::unique_ptr<FineTuning>> tunings;
   for (const Fold& fold : folds) {
-    adapters.push_back(
-        std::make_unique<Adapter>(run.base, fold.train, run.options, pull, run.pass));
+    tunings.push_back(
+        std::make_unique<FineTuning>(run.base, fold.train, run.options, pull, run.pass));
   }
-  Tried best{pull, 0, RunFolds(run, folds, adapters, 0), {}};
+  Tried best{pull, 0, RunFolds(run, folds, tunings, 0), {}};
   best.losses = best.base;
   for (int epoch = 1; epoch <= run.options.epochs; ++epoch) {
     if (run.stop.stop_requested()) return Fail(ErrorCode::kUnavailable, "stopped");
-    HeldOutLosses losses = RunFolds(run, folds, adapters, epoch);
+    HeldOutLosses losses = RunFolds(run, folds, tunings, epoch);
     if (MeanOf(losses) < MeanOf(best.losses)) {
       best.epochs = epoch;
       best.losses = std::move(losses);
@@ -238,9 +158,9 @@ Result<Adaptation> Adapt(const NetworkWeights& base, const std::vector<ExampleSe
           BatchPass(base.shape, rows, columns, threads)};
   auto chosen = Choose(run);
   if (!chosen) return chosen;
-  Adapter adapter(base, AllExamples(used), options, chosen->pull, run.pass);
-  for (int epoch = 0; epoch < chosen->epochs; ++epoch) adapter.RunEpoch(run.symmetries);
-  chosen->weights = adapter.weights();
+  FineTuning tuning(base, AllExamples(used), options, chosen->pull, run.pass);
+  for (int epoch = 0; epoch < chosen->epochs; ++epoch) tuning.RunEpoch(run.symmetries);
+  chosen->weights = tuning.weights();
   return chosen;
 }
 

@@ -44,13 +44,6 @@ GridSymmetries::GridSymmetries(int rows, int columns) : count_(rows == columns ?
   }
 }
 
-int GridSymmetries::InverseOf(int element) const {
-  DEMAND(element >= 0 && element < count_, element, count_);
-  if ((element & kTranspose) == 0) return element;
-  return kTranspose | ((element & kMirrorRows) != 0 ? kMirrorColumns : 0) |
-         ((element & kMirrorColumns) != 0 ? kMirrorRows : 0);
-}
-
 void GridSymmetries::Apply(int element, const Example& from, Example& to) const {
   DEMAND(element >= 0 && element < count_, element, count_);
   const std::vector<std::uint32_t>& sources = sources_[static_cast<std::size_t>(element)];

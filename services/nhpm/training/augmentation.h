@@ -19,7 +19,6 @@ class GridSymmetries {
   GridSymmetries(int rows, int columns);
 
   int count() const { return count_; }
-  int InverseOf(int element) const;
   /// Moves all channels and labels alike.
   void Apply(int element, const Example& from, Example& to) const;
 

@@ -66,7 +66,7 @@ AdamOptions Trainer::OptionsOfEpoch() const {
   return {.learning_rate = static_cast<float>(rate)};
 }
 
-std::optional<EpochReport> Trainer::RunEpoch(const StopToken& stop) {
+std::optional<EpochReport> Trainer::RunEpoch(const std::function<bool()>& stop_requested) {
   DEMAND(!finished());
   const TrainingState before = state_;
   const AdamOptions adam = OptionsOfEpoch();
@@ -74,7 +74,7 @@ std::optional<EpochReport> Trainer::RunEpoch(const StopToken& stop) {
   const std::size_t batch = static_cast<std::size_t>(options_.batch);
   double loss = 0.0;
   for (std::size_t i = 0; i < items.size(); i += batch) {
-    if (stop.stop_requested()) {
+    if (stop_requested()) {
       state_ = before;
       packed_.Assign(state_.weights);
       return std::nullopt;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -62,7 +63,11 @@ class Trainer {
 
   /// One pass over the training examples, then one over the validation examples. Nothing, with the
   /// state of before, when `stop` asks for an end meanwhile. Requires !finished().
-  std::optional<EpochReport> RunEpoch(const StopToken& stop);
+  std::optional<EpochReport> RunEpoch(const StopToken& stop) {
+    return RunEpoch([&] { return stop.stop_requested(); });
+  }
+  /// The same; `stop_requested` is asked before each batch.
+  std::optional<EpochReport> RunEpoch(const std::function<bool()>& stop_requested);
 
   /// All epochs done, or `patience` of them without a better validation loss.
   bool finished() const;

@@ -2,10 +2,10 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <map>
 #include <string>
 
 #include "common/runtime/result.h"
+#include "common/segments/trajectory_fingerprint.h"
 #include "nhpm/training/example.h"
 
 namespace conav::nhpm {
@@ -15,6 +15,7 @@ struct TrainingData {
   std::string checksum;  // SHA-256 of the file
   std::string origin;    // who made the edits: OriginText
   std::size_t trajectories = 0;
+  Fingerprints learned_from;  // of `train` and `validation`
   ExampleSet train;
   ExampleSet validation;
   ExampleSet test;
@@ -26,8 +27,5 @@ struct TrainingData {
 [[nodiscard]] Result<TrainingData> LoadTrainingData(const std::filesystem::path& file,
                                                     const InputSelection& inputs,
                                                     std::uint64_t split_seed);
-
-/// "x,tau,o", less what the network does not see; "nothing".
-std::string InputText(const InputSelection& inputs);
 
 }  // namespace conav::nhpm

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/grid/map_accuracy.h"
+#include "common/runtime/demand.h"
 
 namespace conav::operators {
 namespace {
@@ -43,7 +44,10 @@ SessionRecorder::SessionRecorder(SessionFacts session, std::map<std::string, Maz
 
 void SessionRecorder::Begin(const Belief& belief, Clock::TimePoint now) {
   const auto known = worlds_.find(belief.world);
-  if (known != worlds_.end() && SameShape(known->second.initial, belief.wall_probability)) return;
+  if (known != worlds_.end()) {
+    DEMAND(SameShape(known->second.initial, belief.wall_probability), belief.world);
+    return;
+  }
   World world;
   world.facts.origin = session_.origin;
   world.facts.participant = session_.participant;
@@ -56,7 +60,7 @@ void SessionRecorder::Begin(const Belief& belief, Clock::TimePoint now) {
   }
   world.initial = world.belief = world.settled = Binarised(belief.wall_probability);
   world.began = now;
-  worlds_.insert_or_assign(belief.world, std::move(world));
+  worlds_.emplace(belief.world, std::move(world));
 }
 
 void SessionRecorder::SetTruth(const std::string& world, const OccupancyGrid& truth) {
@@ -65,11 +69,6 @@ void SessionRecorder::SetTruth(const std::string& world, const OccupancyGrid& tr
 
 void SessionRecorder::Skip(const std::string& robot, std::uint64_t answered) {
   robots_[robot].newest = answered;
-}
-
-SessionRecorder::World* SessionRecorder::Find(const std::string& world, const BeliefGrid& map) {
-  const auto found = worlds_.find(world);
-  return found != worlds_.end() && SameShape(found->second.initial, map) ? &found->second : nullptr;
 }
 
 void SessionRecorder::Hear(const RobotState& state) {
@@ -93,29 +92,41 @@ void SessionRecorder::Hear(Picture picture, Clock::TimePoint now) {
   robot.world = picture.world;
   robot.newest = picture.sequence_number;
   if (robot.open) {
-    Close(world, picture.robot, TakeFrom(robot.open), world.belief, world.first_edit, {});
+    Close(world, picture.robot, TakeFrom(robot.open), world.belief, {});
     Settle(picture.world);
   }
   const auto left = static_cast<std::uint32_t>(picture.goals_left.size());
   const std::string name = picture.robot;
-  OpenSegment open{std::move(picture), world.belief, now,
+  OpenSegment open{std::move(picture),
+                   world.belief,
+                   {},
+                   now,
                    robot.goals_total > left ? robot.goals_total - left : 0};
   if (robot.early && robot.early->sequence_number == robot.newest) {
     const EarlyAnswer early = TakeFrom(robot.early);
     open.belief = early.before;
-    Close(world, name, std::move(open), early.after, early.first_edit, early.confirmed);
+    open.first_edit = early.first_edit;
+    Close(world, name, std::move(open), early.after, early.confirmed);
     return;
   }
   const bool edited_just_before = world.first_edit && now - *world.first_edit <= kGrace;
-  if (edited_just_before) open.belief = world.settled;
+  if (edited_just_before) {
+    open.belief = world.settled;
+    open.first_edit = world.first_edit;
+  }
   robot.open = std::move(open);
 }
 
 void SessionRecorder::Edited(const Belief& belief, Clock::TimePoint now) {
-  World* world = Find(belief.world, belief.wall_probability);
-  if (world == nullptr) return;
-  world->belief = Binarised(belief.wall_probability);
-  if (!world->first_edit) world->first_edit = now;
+  const auto found = worlds_.find(belief.world);
+  if (found == worlds_.end()) return;
+  World& world = found->second;
+  DEMAND(SameShape(world.initial, belief.wall_probability), belief.world);
+  world.belief = Binarised(belief.wall_probability);
+  if (!world.first_edit) world.first_edit = now;
+  for (OpenSegment* open : OpenIn(belief.world)) {
+    if (!open->first_edit) open->first_edit = now;
+  }
 }
 
 void SessionRecorder::Guided(const Guidance& guidance, Clock::TimePoint now) {
@@ -125,9 +136,11 @@ void SessionRecorder::Guided(const Guidance& guidance, Clock::TimePoint now) {
   Robot& robot = robots_[guidance.robot];
   const std::uint64_t answered = guidance.answers_snapshot;
   if (robot.open && robot.open->picture.sequence_number == answered) {
-    Close(world, guidance.robot, TakeFrom(robot.open), world.belief, world.first_edit, now);
+    Close(world, guidance.robot, TakeFrom(robot.open), world.belief, now);
   } else if (answered > robot.newest) {
     robot.early = EarlyAnswer{answered, world.settled, world.belief, world.first_edit, now};
+  } else {
+    return ForgetGrace(world);
   }
   Settle(guidance.world);
 }
@@ -138,24 +151,35 @@ void SessionRecorder::End() {
     if (!robot.open || world == worlds_.end()) continue;
     const OpenSegment open = TakeFrom(robot.open);
     if (open.belief == world->second.belief) continue;
-    Close(world->second, name, open, world->second.belief, world->second.first_edit, {});
+    Close(world->second, name, open, world->second.belief, {});
     Settle(robot.world);
   }
 }
 
-void SessionRecorder::Settle(const std::string& name) {
-  World& world = worlds_.at(name);
+void SessionRecorder::ForgetGrace(World& world) {
   world.settled = world.belief;
   world.first_edit.reset();
-  for (auto& [robot_name, robot] : robots_) {
-    if (robot.open && robot.world == name) robot.open->belief = world.belief;
+}
+
+void SessionRecorder::Settle(const std::string& name) {
+  World& world = worlds_.at(name);
+  ForgetGrace(world);
+  for (OpenSegment* open : OpenIn(name)) {
+    open->belief = world.belief;
+    open->first_edit.reset();
   }
 }
 
+std::vector<SessionRecorder::OpenSegment*> SessionRecorder::OpenIn(const std::string& world) {
+  std::vector<OpenSegment*> open;
+  for (auto& [name, robot] : robots_) {
+    if (robot.open && robot.world == world) open.push_back(&*robot.open);
+  }
+  return open;
+}
+
 void SessionRecorder::Close(World& world, const std::string& robot, OpenSegment open,
-                            const BeliefGrid& after, std::optional<Clock::TimePoint> first_edit,
-                            std::optional<Clock::TimePoint> confirmed) {
-  if (!SameShape(open.belief, after)) return;
+                            const BeliefGrid& after, std::optional<Clock::TimePoint> confirmed) {
   const auto seconds = [&](Clock::TimePoint time) {
     return std::chrono::duration<double>(std::max(time, open.sent) - world.began).count();
   };
@@ -166,7 +190,7 @@ void SessionRecorder::Close(World& world, const std::string& robot, OpenSegment 
                    open.picture.heading_rad, std::move(open.picture.visible)};
   segment.belief_after = after;
   segment.sent_s = seconds(open.sent);
-  if (first_edit && EditCount(segment) > 0) segment.first_edit_s = seconds(*first_edit);
+  if (open.first_edit && EditCount(segment) > 0) segment.first_edit_s = seconds(*open.first_edit);
   if (confirmed) segment.confirmed_s = seconds(*confirmed);
   segment.goals_reached = open.goals_reached;
   done.world = open.picture.world;

@@ -43,9 +43,10 @@ struct RecordedSegment {
 ///
 /// A picture that asks for an answer (Picture::streamed is false) opens a segment; the guidance that
 /// answers it closes it: x' is the operator's map then. x is the map when the picture arrived, or
-/// when the guidance before was given, whichever came later: with several robots an edit belongs to
+/// when another picture was answered, whichever came later: with several robots an edit belongs to
 /// the picture that is answered next. Picture, edit and guidance come over different topics, so
-///   - an edit that came up to kGrace before its picture counts as made after it;
+///   - an edit that came up to kGrace before its picture counts as made after it, unless guidance
+///     came in between;
 ///   - guidance that came before its picture waits for it.
 /// A picture without an answer is closed when this robot's next one arrives; at the end of the
 /// session it is left out, unless edits followed it: nobody knows whether it was looked at.
@@ -58,8 +59,8 @@ class SessionRecorder {
 
   SessionRecorder(SessionFacts session, std::map<std::string, MazeFacts> mazes);
 
-  /// The operator's map of a world as it is served from now on. A second time is ignored, unless the
-  /// map has another size: then a new trajectory begins.
+  /// The operator's map of a world as it is served from now on; it keeps its size (demanded). A
+  /// second time is ignored.
   void Begin(const Belief& belief, Clock::TimePoint now);
   /// What the world is like, for the accuracies; ignored where it has another size than the map.
   void SetTruth(const std::string& world, const OccupancyGrid& truth);
@@ -89,7 +90,8 @@ class SessionRecorder {
   };
   struct OpenSegment {
     Picture picture;
-    BeliefGrid belief;  // x
+    BeliefGrid belief;                           // x
+    std::optional<Clock::TimePoint> first_edit;  // since x
     Clock::TimePoint sent;
     std::uint32_t goals_reached = 0;
   };
@@ -110,11 +112,13 @@ class SessionRecorder {
     std::optional<EarlyAnswer> early;
   };
 
-  World* Find(const std::string& world, const BeliefGrid& map);
   void Close(World& world, const std::string& robot, OpenSegment open, const BeliefGrid& after,
-             std::optional<Clock::TimePoint> first_edit, std::optional<Clock::TimePoint> confirmed);
-  /// Edits from now on belong to what comes from now on.
+             std::optional<Clock::TimePoint> confirmed);
+  /// Edits made until now do not belong to pictures that come from now on.
+  static void ForgetGrace(World& world);
+  /// Neither do they belong to those that are open.
   void Settle(const std::string& world);
+  std::vector<OpenSegment*> OpenIn(const std::string& world);
   static void Measure(Trajectory& trajectory, const BeliefGrid& initial, const BeliefGrid& final);
 
   SessionFacts session_;

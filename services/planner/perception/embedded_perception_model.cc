@@ -9,16 +9,4 @@ EmbeddedPerceptionModel::EmbeddedPerceptionModel(std::shared_ptr<const nhpm::Edi
   DEMAND(model_ != nullptr);
 }
 
-Result<std::vector<PerceptionAnswer>> EmbeddedPerceptionModel::Predict(
-    std::span<const PerceptionQuery> queries) {
-  auto answers = model_->Predict(queries);
-  if (answers || answers.error().code != ErrorCode::kInvalidArgument) return answers;
-  for (const PerceptionQuery& query : queries) {
-    if (const auto checked = CheckPerceptionQuery(query); !checked) {
-      return tl::unexpected(checked.error());
-    }
-  }
-  return Fail(ErrorCode::kUnavailable, answers.error().text);
-}
-
 }  // namespace conav::planner

@@ -2,16 +2,15 @@
 
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
-#include <mutex>
-#include <optional>
-#include <unordered_map>
+#include <string>
+#include <vector>
 
 #include "common/bus/participant.h"
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
 #include "common/runtime/log_limit.h"
+#include "planner/perception/open_requests.h"
 #include "planner/search/perception_model.h"
 
 namespace conav::planner {
@@ -20,13 +19,13 @@ namespace conav::planner {
 ///
 /// A batch becomes one request (several when beliefs differ in shape or there are very many),
 /// addressed to the replica that answered last, so that a request is computed once. One that is not
-/// answered is repeated after `retry_interval`, one that is answered "busy" after `busy_pause`,
-/// both to all replicas: a service answers a repeat alike, and the first good reply counts.
-/// A reply of another model than the one wanted is refused, which is logged.
+/// answered is repeated after `retry_interval`, one that a replica declines (OpenRequests) after
+/// `busy_pause`, both to all replicas: a service answers a repeat alike, and the first good reply
+/// counts. Silence and replies that are of no use are logged.
 /// Errors:  kInvalidArgument (a bad query; nobody was asked), kTimeout (no reply within `timeout`),
-///          kUnavailable (the service is gone, busy for the whole time, or refused the request; the
-///          bus stays full; only other models are served; a reply cannot be read, which is logged). A
-///          service that was never seen is waited for during the first batch only.
+///          kUnavailable (the service is gone, or busy for the whole time; each replica refused the
+///          request, serves another model or cannot be understood; the bus stays full). A service
+///          that was never seen is waited for during the first batch only.
 /// Threads: as PerceptionModel. A reply wakes its caller directly from the bus's receive thread.
 class RemotePerceptionModel final : public PerceptionModel {
  public:
@@ -44,57 +43,39 @@ class RemotePerceptionModel final : public PerceptionModel {
   [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
       std::span<const PerceptionQuery> queries) override;
   /// The model wanted, or the one that replied last, or "remote" before any did.
-  std::string name() const override;
+  std::string name() const override { return open_.model(); }
   /// Name and checksum of the model that replied last.
-  std::string identity() const override;
+  std::string identity() const override { return open_.identity(); }
 
-  /// Requests sent again because no reply came in time.
+  /// How often requests were sent again because no reply came in time.
   std::uint64_t repeats() const { return repeats_.load(); }
   /// Replies "busy".
-  std::uint64_t busy() const { return busy_.load(); }
-  /// Replies that could not be read.
-  std::uint64_t refused() const { return refused_.load(); }
+  std::uint64_t busy() const { return open_.busy(); }
+  /// Replies that could not be understood.
+  std::uint64_t refused() const { return open_.unreadable(); }
 
  private:
-  using TimePoint = std::chrono::steady_clock::time_point;
-  struct Call;
-  struct Waiter;
+  using TimePoint = OpenRequests::TimePoint;
 
-  std::vector<Call> MakeCalls(std::span<const PerceptionQuery> queries, Waiter& waiter);
-  Result<void> Ask(std::vector<Call>& calls, Waiter& waiter);
-  Result<void> AskUntilReplied(std::vector<Call>& calls, Waiter& waiter);
-  /// Waits for the replies until it is time to send again; true when all are there.
-  bool WaitForReplies(Waiter& waiter, TimePoint deadline);
-  Result<void> Send(std::vector<Call>& calls, TimePoint deadline);
+  std::vector<conav_msgs::msg::PerceptionRequest> MakeRequests(
+      std::span<const PerceptionQuery> queries);
+  Result<void> AskUntilAnswered(OpenRequests::Batch& batch);
+  /// Sends what has no answer yet.
+  Result<void> Send(OpenRequests::Batch& batch, TimePoint deadline);
   /// Stops addressing the replica that left requests unanswered.
-  void ForgetReplica();
+  void NoteSilence();
   bool ServiceIsGone();
-  /// Whether every replica that is there serves something else than what is wanted.
-  bool OnlyOtherModels(const std::vector<Call>& calls);
-  Error NoReply(const std::vector<Call>& calls);
-  /// On the bus's receive thread.
-  void Receive(conav_msgs::msg::PerceptionReply&& message);
-  bool IsWanted(const conav_msgs::msg::PerceptionReply& message) const;
-  void NoteOtherModel(Call& call, const conav_msgs::msg::PerceptionReply& message);
-  void NoteBusy(Call& call, const conav_msgs::msg::PerceptionReply& message);
-  Result<void> Collect(const Call& call, std::vector<PerceptionAnswer>& answers);
-  Result<void> RefuseReply(const std::string& reason);
+  /// As far as the bus knows, at least 1.
+  std::size_t Replicas() const;
+  Error NoAnswer(OpenRequests::Batch& batch);
 
-  std::string client_;
-  Options options_;
+  const Options options_;
+  const std::string client_;
   std::atomic<std::uint64_t> last_request_id_{0};
   std::atomic<std::uint64_t> repeats_{0};
-  std::atomic<std::uint64_t> busy_{0};
-  std::atomic<std::uint64_t> refused_{0};
-  LogLimit refusals_logged_;
-  LogLimit other_models_logged_{std::chrono::seconds(10)};
-  LogLimit busy_logged_{std::chrono::seconds(10)};
-  std::atomic<bool> discovered_{false};            // a service was seen, or none came in time
-  mutable std::mutex mutex_;                       // guards all below
-  std::unordered_map<std::uint64_t, Call*> open_;  // and the calls themselves
-  std::string answering_model_ = "remote";
-  std::string answering_checksum_;
-  std::string replica_;  // that answered last; empty = all are asked
+  std::atomic<bool> discovered_{false};  // a service was seen, or none came in time
+  LogLimit silence_logged_{std::chrono::seconds(10)};
+  OpenRequests open_;
   bus::Publisher<conav_msgs::msg::PerceptionRequest> requests_;
   bus::Subscriber<conav_msgs::msg::PerceptionReply> replies_;  // last: its thread uses the rest
 };

@@ -58,44 +58,67 @@ Result<std::vector<PerceptionAnswer>> CachedPerceptionModel::Predict(
     }
     keys.push_back(KeyOf(query));
   }
-  std::vector<AnswerPtr> found = LookUp(keys);
+  Found found = LookUp(keys);
+  auto of_one_model = AskMissing(queries, keys, found);
+  if (of_one_model && !*of_one_model) {
+    found = {model_->identity(), std::vector<AnswerPtr>(keys.size())};
+    of_one_model = AskMissing(queries, keys, found);
+  }
+  if (!of_one_model) return tl::unexpected(of_one_model.error());
+  std::vector<PerceptionAnswer> answers;
+  answers.reserve(queries.size());
+  for (const AnswerPtr& answer : found.answers) answers.push_back(*answer);
+  return answers;
+}
 
+/// Fills in what was not found. False when what was found may be another model's than the rest.
+Result<bool> CachedPerceptionModel::AskMissing(std::span<const PerceptionQuery> queries,
+                                               const std::vector<Key>& keys, Found& found) {
   // Distinct queries that are not remembered, and which of them answers each position.
   std::vector<PerceptionQuery> missing;
   std::vector<const Key*> missing_keys;
   std::vector<std::size_t> missing_index(queries.size());
   std::unordered_map<Key, std::size_t> index_of_key;
+  bool any_found = false;
   for (std::size_t i = 0; i < queries.size(); ++i) {
-    if (found[i]) continue;
+    any_found |= found.answers[i] != nullptr;
+    if (found.answers[i]) continue;
     const auto [entry, is_new] = index_of_key.try_emplace(keys[i], missing.size());
     missing_index[i] = entry->second;
     if (!is_new) continue;
     missing.push_back(queries[i]);
     missing_keys.push_back(&keys[i]);
   }
-
-  std::vector<AnswerPtr> fresh;
-  if (!missing.empty()) {
-    auto answers = model_->Predict(missing);
-    if (!answers) return tl::unexpected(answers.error());
-    DEMAND(answers->size() == missing.size(), answers->size(), missing.size());
-    for (PerceptionAnswer& answer : *answers) {
-      fresh.push_back(std::make_shared<const PerceptionAnswer>(std::move(answer)));
-    }
+  auto fresh = AskModel(missing);
+  if (!fresh) return tl::unexpected(fresh.error());
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    if (!found.answers[i]) found.answers[i] = (*fresh)[missing_index[i]];
   }
 
   const std::lock_guard lock(mutex_);
   counts_.asked += missing.size();
-  counts_.cached += queries.size() - missing.size();
   counts_.calls += missing.empty() ? 0 : 1;
   ForgetIfModelChangedLocked();
-  for (std::size_t i = 0; i < missing.size(); ++i) RememberLocked(*missing_keys[i], fresh[i]);
-  std::vector<PerceptionAnswer> answers;
-  answers.reserve(queries.size());
-  for (std::size_t i = 0; i < queries.size(); ++i) {
-    answers.push_back(found[i] ? *found[i] : *fresh[missing_index[i]]);
+  const bool same_model = missing.empty() || identity_ == found.identity;
+  if (!same_model && any_found) return false;
+  counts_.cached += queries.size() - missing.size();
+  // While the model changed nobody knows which one gave these answers.
+  if (!same_model) return true;
+  for (std::size_t i = 0; i < missing.size(); ++i) RememberLocked(*missing_keys[i], (*fresh)[i]);
+  return true;
+}
+
+Result<std::vector<CachedPerceptionModel::AnswerPtr>> CachedPerceptionModel::AskModel(
+    const std::vector<PerceptionQuery>& queries) {
+  std::vector<AnswerPtr> kept;
+  if (queries.empty()) return kept;
+  auto answers = model_->Predict(queries);
+  if (!answers) return tl::unexpected(answers.error());
+  DEMAND(answers->size() == queries.size(), answers->size(), queries.size());
+  for (PerceptionAnswer& answer : *answers) {
+    kept.push_back(std::make_shared<const PerceptionAnswer>(std::move(answer)));
   }
-  return answers;
+  return kept;
 }
 
 CachedPerceptionModel::Counts CachedPerceptionModel::counts() const {
@@ -103,13 +126,12 @@ CachedPerceptionModel::Counts CachedPerceptionModel::counts() const {
   return counts_;
 }
 
-std::vector<CachedPerceptionModel::AnswerPtr> CachedPerceptionModel::LookUp(
-    const std::vector<Key>& keys) {
+CachedPerceptionModel::Found CachedPerceptionModel::LookUp(const std::vector<Key>& keys) {
   const std::lock_guard lock(mutex_);
   ForgetIfModelChangedLocked();
-  std::vector<AnswerPtr> found(keys.size());
+  Found found{identity_, std::vector<AnswerPtr>(keys.size())};
   for (std::size_t i = 0; i < keys.size(); ++i) {
-    if (const auto it = answers_.find(keys[i]); it != answers_.end()) found[i] = it->second;
+    if (const auto it = answers_.find(keys[i]); it != answers_.end()) found.answers[i] = it->second;
   }
   return found;
 }

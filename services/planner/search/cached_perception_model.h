@@ -19,7 +19,8 @@ namespace conav::planner {
 /// sees how deep in the picture a cell is. The view's content is in the key, so a map that grows
 /// makes new questions.
 /// An answer is the very one that the other model gave; when the model that answers changes
-/// (PerceptionModel::identity), all are forgotten.
+/// (PerceptionModel::identity), all are forgotten. Answers that came while it changed are not
+/// remembered; where some of their batch were, all of it is asked again, once.
 ///
 /// Only what is not remembered is asked, as one batch, each distinct question once. Failures are
 /// passed on and not remembered. The oldest answers are dropped beyond `capacity`.
@@ -48,8 +49,17 @@ class CachedPerceptionModel final : public PerceptionModel {
   using Key = std::string;  // of bytes
   using AnswerPtr = std::shared_ptr<const PerceptionAnswer>;
 
+  /// What is remembered of a batch; null where nothing is.
+  struct Found {
+    std::string identity;  // of the model that the answers are of
+    std::vector<AnswerPtr> answers;
+  };
+
   static Key KeyOf(const PerceptionQuery& query);
-  std::vector<AnswerPtr> LookUp(const std::vector<Key>& keys);
+  Found LookUp(const std::vector<Key>& keys);
+  Result<bool> AskMissing(std::span<const PerceptionQuery> queries, const std::vector<Key>& keys,
+                          Found& found);
+  Result<std::vector<AnswerPtr>> AskModel(const std::vector<PerceptionQuery>& queries);
   void ForgetIfModelChangedLocked();
   void RememberLocked(const Key& key, AnswerPtr answer);
 

@@ -30,7 +30,8 @@ class PerceptionModel {
   virtual std::string name() const = 0;
 
   /// Changes when another model answers from now on (another name or other weights): answers that
-  /// were remembered from before are no longer its answers.
+  /// were remembered from before are no longer its answers. Where it is the same before and after
+  /// Predict(), it is the one that answered.
   virtual std::string identity() const { return name(); }
 };
 

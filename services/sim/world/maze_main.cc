@@ -158,7 +158,8 @@ int main(int argc, char** argv) {
       "Prints a maze: its entity layer (* wall, P spawn, G object, H and I doors) and its "
       "variation\n"
       "layer (a letter per room). Equal to labmaze's maze of the same options, character for "
-      "character."};
+      "character.",
+      "conav maze"};
   Arguments arguments;
   AddFlags(app, arguments);
   try {

@@ -7,6 +7,7 @@
 #include "bench/bus/ddsperf.h"
 #include "bench/bus/report.h"
 #include "bench/support/bench_program.h"
+#include "support/test_domain.h"
 
 namespace {
 
@@ -21,13 +22,16 @@ void RunPeer(const StackOptions& options) {
   }
 }
 
-void Compare(const conav::bench::RoundsOptions& options, bool with_ddsperf,
-             const std::string& json_file) {
+void Compare(conav::bench::RoundsOptions options, bool with_ddsperf, const std::string& json_file) {
+  const auto bus = conav::test::LeaseDomain();
+  const auto raw = conav::test::LeaseDomain();
+  options.bus_domain = bus.domain();
+  options.raw_domain = raw.domain();
   Report report;
   report.series = conav::bench::RunRounds(options);
   if (with_ddsperf) {
-    report.ddsperf_small = conav::bench::MeasureDdsperf(conav::bench::kSmall, options.first_domain);
-    report.ddsperf_large = conav::bench::MeasureDdsperf(conav::bench::kLarge, options.first_domain);
+    report.ddsperf_small = conav::bench::MeasureDdsperf(conav::bench::kSmall, options.bus_domain);
+    report.ddsperf_large = conav::bench::MeasureDdsperf(conav::bench::kLarge, options.bus_domain);
   }
   conav::bench::PrintTable(report);
   conav::bench::WriteFigures(json_file, conav::bench::ToJson(report));
@@ -39,8 +43,8 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Round trip and throughput of the bus over raw use of the same vendor: two processes on the "
       "loopback interface, bus and raw in turn, same payload, QoS and sockets.",
-      "conav-bench-bus");
-  conav::bench::RoundsOptions options{31, 1000, "/proc/self/exe", 20 + 2 * (getpid() % 100)};
+      "conav bench bus");
+  conav::bench::RoundsOptions options{31, 1000, "/proc/self/exe"};
   std::string json_file;
   bool no_ddsperf = false;
   StackOptions peer;

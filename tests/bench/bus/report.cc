@@ -12,12 +12,6 @@ namespace {
 
 const char* SizeName(std::size_t size) { return size == kSmall ? "64B" : "20kB"; }
 
-std::vector<double> Values(const std::vector<RoundTrips>& rounds, double RoundTrips::*value) {
-  std::vector<double> values;
-  for (const RoundTrips& round : rounds) values.push_back(round.*value);
-  return values;
-}
-
 double MedianOf(const std::vector<RoundTrips>& rounds, double RoundTrips::*value) {
   return Median(Values(rounds, value));
 }

@@ -31,8 +31,8 @@ void MeasureRound(Traffic& bus, Traffic& raw, int round, std::uint64_t trips, Se
 std::vector<Series> RunRounds(const RoundsOptions& options) {
   std::vector<Series> result;
   for (const char* vendor : {bus::kCycloneDds, bus::kFastDds}) {
-    Traffic bus({vendor, false, options.first_domain}, options.own_program);
-    Traffic raw({vendor, true, options.first_domain + 1}, options.own_program);
+    Traffic bus({vendor, false, options.bus_domain}, options.own_program);
+    Traffic raw({vendor, true, options.raw_domain}, options.own_program);
     Series small{vendor, kSmall, {}, {}, {}, {}};
     Series large{vendor, kLarge, {}, {}, {}, {}};
     for (int round = 0; round < options.rounds; ++round) {
@@ -45,12 +45,15 @@ std::vector<Series> RunRounds(const RoundsOptions& options) {
   return result;
 }
 
+std::vector<double> Values(const std::vector<RoundTrips>& rounds, double RoundTrips::*value) {
+  std::vector<double> values;
+  for (const RoundTrips& round : rounds) values.push_back(round.*value);
+  return values;
+}
+
 double Ratio(const Series& series) {
-  std::vector<double> ratios;
-  for (std::size_t i = 0; i < series.bus.size(); ++i) {
-    ratios.push_back(series.bus[i].p50_us / series.raw[i].p50_us);
-  }
-  return Median(ratios);
+  return MedianRatio(Values(series.bus, &RoundTrips::p50_us),
+                     Values(series.raw, &RoundTrips::p50_us));
 }
 
 }  // namespace conav::bench

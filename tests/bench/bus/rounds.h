@@ -22,7 +22,8 @@ struct RoundsOptions {
   int rounds = 0;
   std::uint64_t trips = 0;  // per round, stack and size
   std::string own_program;
-  int first_domain = 0;
+  int bus_domain = 0;
+  int raw_domain = 0;
 };
 
 inline constexpr std::size_t kSmall = 64;
@@ -31,6 +32,9 @@ inline constexpr std::size_t kLarge = 20'000;
 /// Measures bus and raw in turn, round by round, so that both see the same machine. One Series per
 /// vendor and size. Throws std::runtime_error.
 std::vector<Series> RunRounds(const RoundsOptions& options);
+
+/// One figure of each round.
+std::vector<double> Values(const std::vector<RoundTrips>& rounds, double RoundTrips::*value);
 
 /// The median over the rounds of bus p50 / raw p50.
 double Ratio(const Series& series);

@@ -1,7 +1,6 @@
 // conav-bench-perception: what a perception query costs in the planner's own process and as a
 // request to conav-nhpm, a process of its own, over both DDS vendors.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 
@@ -11,8 +10,8 @@
 #include "bench/support/bench_program.h"
 #include "bench/support/measure.h"
 #include "nhpm/model/load_model.h"
-#include "nhpm/model/weights_file.h"
 #include "planner/perception/embedded_perception_model.h"
+#include "support/test_weights.h"
 
 namespace conav::bench {
 namespace {
@@ -22,20 +21,7 @@ struct Options {
   int calls = 200;
   std::string weights;
   std::string json;
-  int first_domain = 20 + 2 * (getpid() % 100);
 };
-
-/// What a query costs does not depend on the values of the weights.
-std::filesystem::path WriteUntrained(const std::filesystem::path& folder) {
-  nhpm::NetworkModel model;
-  model.version = "untrained";
-  model.weights = nhpm::InitialWeights({}, 1);
-  const auto file = folder / "untrained.nhpm";
-  if (const auto written = nhpm::WriteWeightsFile(file, model); !written) {
-    throw StartupError(written.error().text);
-  }
-  return file;
-}
 
 std::vector<PerceptionQuery> Queries() {
   std::vector<PerceptionQuery> queries;
@@ -68,17 +54,18 @@ void PrintTable(const Options& options, const std::string& model,
 }
 
 void Run(const Options& options) {
-  const TemporaryFolder folder;
-  const std::filesystem::path weights =
-      std::filesystem::absolute(options.weights.empty() ? WriteUntrained(folder.path())
-                                                        : std::filesystem::path(options.weights));
+  const test::WeightsFolder folder;
+  // What a query costs does not depend on the values of the weights.
+  const std::filesystem::path weights = std::filesystem::absolute(
+      options.weights.empty() ? folder.Write("untrained", test::UntrainedNetwork(1, 0, 0, 32))
+                              : options.weights);
   auto loaded = nhpm::LoadEditModel("nhpm", weights, {});
   if (!loaded) throw StartupError(loaded.error().text);
   const std::string model =
       fmt::format("{} {}", (*loaded)->identity().name, (*loaded)->identity().version);
   planner::EmbeddedPerceptionModel embedded(*std::move(loaded));
-  ServedNetwork cyclone("cyclonedds", options.first_domain, weights, folder.path());
-  ServedNetwork fast("fastdds", options.first_domain + 1, weights, folder.path());
+  ServedNetwork cyclone("cyclonedds", weights, folder.path());
+  ServedNetwork fast("fastdds", weights, folder.path());
   const Asked models[] = {
       {"embedded", embedded}, {cyclone.vendor(), cyclone.model()}, {fast.vendor(), fast.model()}};
   const auto series = Measure(models, Queries(), options.rounds, options.calls);
@@ -104,7 +91,7 @@ int main(int argc, char** argv) {
       "Metrics of --json: <way>_single_us and <way>_batch32_us, the wall time of a call, for the\n"
       "ways embedded, cyclonedds, fastdds; <vendor>_single_ratio and <vendor>_batch32_ratio, over\n"
       "embedded.",
-      "conav-bench-perception");
+      "conav bench perception");
   conav::bench::Options options;
   conav::bench::AddUsualOptions(app, options.json, options.rounds);
   app.add_option("--calls", options.calls, "Calls per repetition, way and size")

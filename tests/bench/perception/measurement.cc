@@ -81,11 +81,7 @@ nlohmann::ordered_json MetricsOf(std::span<const Series> series) {
     const std::string prefix = one.name + "_" + Label(one.batch);
     metrics[prefix + "_us"] = Median(one.call_us);
     if (&one == first) continue;
-    std::vector<double> ratios;
-    for (std::size_t i = 0; i < one.call_us.size(); ++i) {
-      ratios.push_back(one.call_us[i] / first->call_us[i]);
-    }
-    metrics[prefix + "_ratio"] = Median(std::move(ratios));
+    metrics[prefix + "_ratio"] = MedianRatio(one.call_us, first->call_us);
   }
   return metrics;
 }

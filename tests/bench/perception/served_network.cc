@@ -1,8 +1,8 @@
 #include "bench/perception/served_network.h"
 
-#include <fstream>
-
+#include "common/runtime/file.h"
 #include "nhpm/config.h"
+#include "support/test_domain.h"
 
 namespace conav::bench {
 namespace {
@@ -24,29 +24,21 @@ launcher::Process StartService(const std::string& vendor, int domain, const fs::
   config.model = "nhpm";
   config.weights = weights.string();
   const fs::path file = folder / (vendor + ".yaml");
-  std::ofstream(file) << DumpConfig("nhpm", config);
+  if (const auto written = WriteFile(file, DumpConfig("nhpm", config)); !written) {
+    throw StartupError(written.error().text);
+  }
   const fs::path program = fs::read_symlink("/proc/self/exe").parent_path() / "conav-nhpm";
   return {"conav-nhpm", {program.string(), "--config", file.string()}, folder / (vendor + ".log")};
 }
 
 }  // namespace
 
-TemporaryFolder::TemporaryFolder() {
-  std::string pattern = (fs::temp_directory_path() / "conav-bench-XXXXXX").string();
-  if (mkdtemp(pattern.data()) == nullptr) throw StartupError(pattern + ": cannot be made");
-  path_ = pattern;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-}
-
-ServedNetwork::ServedNetwork(const std::string& vendor, int domain, const fs::path& weights,
+ServedNetwork::ServedNetwork(const std::string& vendor, const fs::path& weights,
                              const fs::path& folder)
     : vendor_(vendor),
-      process_(StartService(vendor, domain, weights, folder)),
-      participant_("planner", BusOn(vendor, domain)),
+      domain_(test::LeaseDomain()),
+      process_(StartService(vendor, domain_.domain(), weights, folder)),
+      participant_("planner", BusOn(vendor, domain_.domain())),
       model_(participant_, {.model = "nhpm", .timeout = std::chrono::seconds(60)}) {}
 
 }  // namespace conav::bench

@@ -7,6 +7,8 @@
 #include <fstream>
 #include <thread>
 
+#include "common/runtime/demand.h"
+
 namespace conav::bench {
 
 std::string Machine() {
@@ -25,6 +27,21 @@ double Median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   const std::size_t middle = values.size() / 2;
   return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2.0;
+}
+
+double MedianRatio(const std::vector<double>& above, const std::vector<double>& below) {
+  DEMAND(above.size() == below.size(), above.size(), below.size());
+  std::vector<double> ratios;
+  for (std::size_t i = 0; i < above.size(); ++i) ratios.push_back(above[i] / below[i]);
+  return Median(std::move(ratios));
+}
+
+double FlopsOfPass(const nhpm::NetworkShape& shape, int cells) {
+  double weights = 0.0;
+  for (int layer = 0; layer < nhpm::kNetworkLayers; ++layer) {
+    weights += static_cast<double>(shape.WeightsOf(layer));
+  }
+  return 2.0 * cells * weights;
 }
 
 double ThreadSeconds() {

@@ -1,28 +1,16 @@
 #include "bench/train/torch_trainer.h"
 
-#include <torch/torch.h>
+#include "support/torch_stack.h"
 
 namespace conav::bench {
 namespace {
 
 using nhpm::kInputChannels;
 using nhpm::kOutputChannels;
+using test::Stack;
 
 torch::nn::Conv2d Convolution(int inputs, int outputs) {
   return torch::nn::Conv2d(torch::nn::Conv2dOptions(inputs, outputs, 3).padding(1));
-}
-
-/// [examples][channels][rows][columns] of values that are kept as [rows][columns][channels].
-template <class Value>
-torch::Tensor Stack(const nhpm::ExampleSet& set, int channels, Value&& value) {
-  const auto count = static_cast<std::int64_t>(set.examples.size());
-  torch::Tensor stacked = torch::zeros({count, set.rows, set.columns, channels});
-  float* to = stacked.data_ptr<float>();
-  for (const nhpm::Example& example : set.examples) {
-    const int size = set.rows * set.columns * channels;
-    for (int i = 0; i < size; ++i) *to++ = value(example, static_cast<std::size_t>(i));
-  }
-  return stacked.permute({0, 3, 1, 2}).contiguous();
 }
 
 }  // namespace

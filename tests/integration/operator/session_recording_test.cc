@@ -171,7 +171,7 @@ TEST_CASE("A file that cannot be recorded to stops the start by name", "[operato
                     Catch::Contains("operator.recording.mazes") && Catch::Contains("conav13"));
 }
 
-TEST_CASE("A segment that cannot be written is lost, the next one is not",
+TEST_CASE("A segment whose picture cannot be kept is recorded without it",
           "[operator][integration]") {
   const TemporaryFolder folder;
   OperatorConfig config = RecordingConfigFor(folder);
@@ -180,10 +180,30 @@ TEST_CASE("A segment that cannot be written is lost, the next one is not",
   std::filesystem::create_directories(folder / "pictures/s1-r1-000001.jpg");  // cannot be replaced
   session.Send(1);
   session.Ask(GuideRequest{"r1", {{1, 2}}, 1, 60.0});
-  CHECK(SegmentCount(ReadSegmentFile(folder / "segments.pb.zst").value()) == 0);
   session.Send(2);
   session.Ask(GuideRequest{"r1", {{1, 2}}, 2, 60.0});
-  CHECK(SegmentCount(ReadSegmentFile(folder / "segments.pb.zst").value()) == 1);
+  const auto set = ReadSegmentFile(folder / "segments.pb.zst");
+  REQUIRE(SegmentCount(set.value()) == 2);
+  CHECK(set->trajectories[0].segments[0].image.empty());
+  CHECK(set->trajectories[0].segments[1].image == "pictures/s1-r1-000002.jpg");
+}
+
+TEST_CASE("Names that are no part of a file's name stop the start", "[operator][integration]") {
+  const auto read = [](const char* key, const std::string& name) {
+    YAML::Node section;
+    section[key] = name;
+    RecordingConfig config;
+    ReadConfig(section, "operator.recording", config);
+  };
+  for (const char* good : {"", "p07", "simulated operator", "Zoë", "..", "2026-01-01"}) {
+    CHECK_NOTHROW(read("session", good));
+    CHECK_NOTHROW(read("participant", good));
+  }
+  for (const char* bad : {"../x", "a/b", "a\nb", "\xFF", "\x7F"}) {
+    CHECK_THROWS_WITH(read("session", bad), Catch::StartsWith("operator.recording.session = "));
+    CHECK_THROWS_WITH(read("participant", bad),
+                      Catch::StartsWith("operator.recording.participant = "));
+  }
 }
 
 }  // namespace

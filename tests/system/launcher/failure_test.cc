@@ -128,7 +128,7 @@ TEST_CASE("killing one of two perception replicas changes no result", "[launcher
     CHECK(demo.Json()["all_goals_reached"] == true);
     CHECK(Table(demo.Json()) == Table(undisturbed.Json()));
     CHECK_THAT(demo.Output(), Catch::Contains(victim + " (pid " + std::to_string(pid) + ") died") &&
-                                  Catch::Contains("1 other nhpm go on answering"));
+                                  Catch::Contains("nhpm processes that go on answering: 1"));
     CHECK_THAT(demo.Story(), !Catch::Contains("using the embedded GLPF"));
   }
 }

@@ -9,16 +9,18 @@ namespace {
 using std::chrono::milliseconds;
 using Admission = RequestQueue::Admission;
 
-OpenRequest Request(std::uint64_t id, std::size_t queries = 1, std::uint32_t timeout_ms = 0) {
-  OpenRequest request;
-  request.message.client("planner-1");
-  request.message.request_id(id);
-  request.message.timeout_ms(timeout_ms);
-  request.message.queries().resize(queries);
-  return request;
+/// About a grid of `cells`.
+OpenRequest Request(std::uint64_t id, int cells = 1, std::uint32_t timeout_ms = 0) {
+  OpenRequest open;
+  open.request.client = "planner-1";
+  open.request.request_id = id;
+  open.request.timeout_ms = timeout_ms;
+  open.request.queries.resize(1);
+  open.request.queries[0].belief = BeliefGrid(1, cells, 0.5F);
+  return open;
 }
 
-/// A queue that knows what a query costs.
+/// A queue that knows what a cell costs: 10 ms.
 struct Experienced {
   explicit Experienced(int threads = 1) : queue(100, threads) {
     queue.Offer(Request(1000));
@@ -32,8 +34,8 @@ TEST_CASE("Requests are taken in the order in which they came", "[nhpm][queue]")
   CHECK_FALSE(queue.Take());
   CHECK(queue.Offer(Request(1)) == Admission::kQueued);
   CHECK(queue.Offer(Request(2)) == Admission::kQueued);
-  CHECK(queue.Take()->message.request_id() == 1);
-  CHECK(queue.Take()->message.request_id() == 2);
+  CHECK(queue.Take()->request.request_id == 1);
+  CHECK(queue.Take()->request.request_id == 2);
   CHECK_FALSE(queue.Take());
 }
 
@@ -46,7 +48,7 @@ TEST_CASE("A queue is full when its requests wait or are computed, and not after
   CHECK(queue.open() == 2);
   OpenRequest third = Request(3);
   CHECK(queue.Offer(std::move(third)) == Admission::kFull);
-  CHECK(third.message.request_id() == 3);  // still there, to be replied to
+  CHECK(third.request.request_id == 3);  // still there, to be replied to
   queue.Finish(*first, milliseconds(1));
   CHECK(queue.Offer(std::move(third)) == Admission::kQueued);
 }
@@ -61,7 +63,7 @@ TEST_CASE("A request that is open already is not taken twice", "[nhpm][queue]") 
   queue.Finish(*taken, milliseconds(1));
   CHECK(queue.Offer(Request(1)) == Admission::kQueued);  // answered: once more, alike
   OpenRequest other = Request(1);
-  other.message.client("planner-2");
+  other.request.client = "planner-2";
   CHECK(queue.Offer(std::move(other)) == Admission::kQueued);
 }
 
@@ -84,7 +86,7 @@ TEST_CASE("Before anything was computed every deadline is tried", "[nhpm][queue]
 }
 
 TEST_CASE("What would be answered after its deadline is not queued", "[nhpm][queue]") {
-  Experienced bench;  // 10 ms a query
+  Experienced bench;
   CHECK(bench.queue.Offer(Request(1, 3, 30)) == Admission::kQueued);
   CHECK(bench.queue.ExpectedWait(1) == milliseconds(40));
   CHECK(bench.queue.Offer(Request(2, 1, 39)) == Admission::kTooSlow);
@@ -92,9 +94,27 @@ TEST_CASE("What would be answered after its deadline is not queued", "[nhpm][que
   CHECK(bench.queue.Offer(Request(3, 100)) == Admission::kQueued);  // it does not say
 }
 
-TEST_CASE("More threads answer sooner", "[nhpm][queue]") {
+TEST_CASE("A slow answer turns nobody away while nothing is open", "[nhpm][queue]") {
+  Experienced bench;
+  CHECK(bench.queue.Offer(Request(1, 1, 5)) == Admission::kQueued);
+  CHECK(bench.queue.Offer(Request(2, 1, 5)) == Admission::kTooSlow);
+  const auto taken = bench.queue.Take();
+  CHECK(bench.queue.Offer(Request(2, 1, 5)) == Admission::kTooSlow);  // while 1 is computed
+  bench.queue.Finish(*taken, milliseconds(10));
+  CHECK(bench.queue.Offer(Request(2, 1, 5)) == Admission::kQueued);
+}
+
+TEST_CASE("A request costs the cells of all its queries", "[nhpm][queue]") {
+  OpenRequest open = Request(1, 12);
+  open.request.queries.push_back(open.request.queries[0]);
+  CHECK(open.cells() == 24);
+}
+
+TEST_CASE("More threads share what is ahead, but one computes a request", "[nhpm][queue]") {
   Experienced bench(2);
-  CHECK(bench.queue.ExpectedWait(4) == milliseconds(20));
+  CHECK(bench.queue.ExpectedWait(4) == milliseconds(40));
+  bench.queue.Offer(Request(1, 6));
+  CHECK(bench.queue.ExpectedWait(4) == milliseconds(70));
 }
 
 TEST_CASE("What was not computed says nothing of the time that it takes", "[nhpm][queue]") {
@@ -109,7 +129,7 @@ TEST_CASE("A closed queue gives what is left, then nothing", "[nhpm][queue]") {
   RequestQueue queue(4, 1);
   queue.Offer(Request(1));
   queue.Close();
-  CHECK(queue.WaitAndTake()->message.request_id() == 1);
+  CHECK(queue.WaitAndTake()->request.request_id == 1);
   CHECK_FALSE(queue.WaitAndTake());
 }
 
@@ -120,7 +140,7 @@ TEST_CASE("A waiting thread gets the request that comes", "[nhpm][queue]") {
   queue.Offer(Request(7));
   worker.join();
   REQUIRE(taken);
-  CHECK(taken->message.request_id() == 7);
+  CHECK(taken->request.request_id == 7);
 }
 
 }  // namespace

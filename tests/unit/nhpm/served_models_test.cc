@@ -75,8 +75,9 @@ TEST_CASE("Weights that are missing, truncated or changed stop the start, with t
     CHECK_THAT(bench.StartRefusal(), Catch::Contains(bench.config.weights));
   }
   SECTION("no folder of persons") {
-    bench.config.person_weights = "/nowhere";
-    CHECK_THAT(bench.StartRefusal(), Catch::Contains("person_weights = /nowhere"));
+    bench.config.person_weights = GENERATE(as<std::string>(), "/nowhere", std::string(300, 'x'));
+    CHECK_THAT(bench.StartRefusal(),
+               Catch::Contains("person_weights = " + bench.config.person_weights));
   }
 }
 
@@ -141,6 +142,25 @@ TEST_CASE("A person with weights of their own gets these, everybody else the def
   models.Refresh();
   CHECK(models.For("anna")->identity().checksum == ChecksumOfSeed(1));
   CHECK(models.persons() == 1);
+}
+
+TEST_CASE("A persons' folder that cannot be read is told once and leaves the models",
+          "[nhpm][models]") {
+  ModelBench bench;
+  const test::TemporaryFolder parent;
+  const fs::path persons = parent / "persons";
+  fs::create_directory(persons);
+  REQUIRE(WriteWeightsFile(persons / "anna.nhpm", test::UntrainedNetwork(11)));
+  bench.config.person_weights = persons.string();
+  ServedModels models(bench.config);
+  fs::rename(persons, parent / "elsewhere");
+  models.Refresh();
+  models.Refresh();
+  CHECK(bench.Lines("persons' weights not read") == 1);
+  CHECK(models.For("anna")->identity().checksum == ChecksumOfSeed(11));
+  fs::create_directory(persons);
+  models.Refresh();
+  CHECK(models.For("anna")->identity().checksum == ChecksumOfSeed(1));
 }
 
 TEST_CASE("A person's bad file is told once, and they get the default", "[nhpm][models]") {

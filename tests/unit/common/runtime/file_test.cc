@@ -1,26 +1,18 @@
 #include "common/runtime/file.h"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
+#include <future>
 #include <string>
+
+#include "support/temporary_folder.h"
 
 namespace conav {
 namespace {
 
-class Folder {
- public:
-  Folder() : path_(std::filesystem::temp_directory_path() / ("conav-file-test-" + Pid())) {
-    std::filesystem::create_directories(path_);
-  }
-  ~Folder() { std::filesystem::remove_all(path_); }
-  std::filesystem::path operator/(const char* name) const { return path_ / name; }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  static std::string Pid() { return std::to_string(::getpid()); }
-  std::filesystem::path path_;
-};
+using Folder = test::TemporaryFolder;
 
 TEST_CASE("A file is read as it was written, zero bytes included", "[runtime][file]") {
   const Folder folder;
@@ -28,7 +20,7 @@ TEST_CASE("A file is read as it was written, zero bytes included", "[runtime][fi
   REQUIRE(WriteFile(folder / "x", "old"));
   REQUIRE(WriteFile(folder / "x", bytes));
   CHECK(ReadFile(folder / "x").value() == bytes);
-  CHECK_FALSE(std::filesystem::exists(folder / "x.partial"));
+  CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
 }
 
 TEST_CASE("An empty file is read as no bytes", "[runtime][file]") {
@@ -46,6 +38,53 @@ TEST_CASE("A missing file and a folder are told apart", "[runtime][file]") {
   const auto read = ReadFile(folder.path());
   REQUIRE_FALSE(read);
   CHECK(read.error().code == ErrorCode::kIo);
+}
+
+TEST_CASE("A read that fails is a failure with its cause", "[runtime][file]") {
+  const auto read = ReadFile("/proc/self/mem");
+  REQUIRE_FALSE(read);
+  CHECK(read.error().code == ErrorCode::kIo);
+  CHECK(read.error().text == "/proc/self/mem: cannot read: Input/output error");
+}
+
+TEST_CASE("A file that may not be looked for is not called missing", "[runtime][file]") {
+  if (::geteuid() == 0) return;  // root may
+  const Folder folder;
+  const auto closed = folder / "closed";
+  REQUIRE(std::filesystem::create_directory(closed));
+  REQUIRE(WriteFile(closed / "x", "1"));
+  std::filesystem::permissions(closed, std::filesystem::perms::none);
+  const auto read = ReadFile(closed / "x");
+  std::filesystem::permissions(closed, std::filesystem::perms::owner_all);
+  REQUIRE_FALSE(read);
+  CHECK(read.error().code == ErrorCode::kIo);
+  CHECK_THAT(read.error().text, Catch::Contains("Permission denied"));
+}
+
+TEST_CASE("A new file has the rights that the user's mask gives", "[runtime][file]") {
+  const Folder folder;
+  const ::mode_t mask = ::umask(027);
+  const auto written = WriteFile(folder / "x", "1");
+  ::umask(mask);
+  REQUIRE(written);
+  CHECK(static_cast<unsigned>(std::filesystem::status(folder / "x").permissions()) == 0640);
+}
+
+TEST_CASE("Writers of one path do not disturb each other", "[runtime][file]") {
+  const Folder folder;
+  const std::string texts[] = {std::string(1U << 20, 'a'), std::string(1U << 19, 'b')};
+  const auto write = [&](const std::string& text) {
+    for (int i = 0; i < 20; ++i) {
+      if (!CheckWritable(folder / "x") || !WriteFile(folder / "x", text)) return false;
+    }
+    return true;
+  };
+  auto other = std::async(std::launch::async, write, texts[1]);
+  CHECK(write(texts[0]));
+  CHECK(other.get());
+  const std::string read = ReadFile(folder / "x").value();
+  CHECK((read == texts[0] || read == texts[1]));
+  CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
 }
 
 TEST_CASE("What cannot be written is known before and after", "[runtime][file]") {

@@ -1,28 +1,18 @@
 #include "common/runtime/json.h"
 
-#include <unistd.h>
-
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+
+#include "support/temporary_folder.h"
 
 namespace conav {
 namespace {
 
 namespace fs = std::filesystem;
 
-class Folder {
- public:
-  Folder() : path_(fs::temp_directory_path() / ("conav_json_" + std::to_string(getpid()))) {
-    fs::create_directories(path_);
-  }
-  ~Folder() { fs::remove_all(path_); }
-  fs::path path() const { return path_; }
-
- private:
-  fs::path path_;
-};
+using Folder = test::TemporaryFolder;
 
 std::string TextOf(const fs::path& file) {
   std::ifstream stream(file);
@@ -32,6 +22,10 @@ std::string TextOf(const fs::path& file) {
 }
 
 }  // namespace
+
+TEST_CASE("bytes that are no text are replaced", "[runtime][json]") {
+  CHECK(JsonText({{"file", "d\xff"}}) == "{\n  \"file\": \"d\xEF\xBF\xBD\"\n}\n");
+}
 
 TEST_CASE("a document is written with its keys in order and a final newline", "[runtime][json]") {
   const Folder folder;

@@ -81,7 +81,10 @@ TEST_CASE("seen cells out of order, repeated or contradicting are refused", "[se
 }
 
 TEST_CASE("numbers that are none and times out of order are refused", "[segments]") {
-  CHECK(Refusal([](Segment& s) { s.query.heading_rad = kNan; }) == "the heading is not a number");
+  CHECK(Refusal([](Segment& s) { s.query.heading_rad = kNan; }) ==
+        "the heading is nan rad; it must be in [-1000000, 1000000]");
+  CHECK(Refusal([](Segment& s) { s.query.heading_rad = -1e307; }) ==
+        "the heading is -1e+307 rad; it must be in [-1000000, 1000000]");
   CHECK(Refusal([](Segment& s) { s.sent_s = kNan; }) ==
         "time 'sent' is nan s; it must be a number of at least 0");
   CHECK(Refusal([](Segment& s) { s.sent_s = -1.0; }) ==

@@ -264,12 +264,68 @@ TEST_CASE("a recording cut off by a kill is refused, recovered on demand, and co
   const auto recovered = ReadSegmentFile(path, TornEnd::kDrop);
   REQUIRE(recovered);
   CHECK(recovered->trajectories.at(0).segments.size() == 1);
+  const std::string torn = ReadFile(path).value();
   auto log = SegmentLog::Open(path);
   REQUIRE(log);
+  CHECK(ReadFile(path).value() + ReadFile(folder / "log.torn").value() == torn);
   REQUIRE(log->Append(1, trajectory, trajectory.segments[0]));
   const auto continued = ReadSegmentFile(path);
   REQUIRE(continued);
   CHECK(continued->trajectories.size() == 2);
+}
+
+TEST_CASE("what was set aside of one torn recording outlives the next", "[segments]") {
+  const TemporaryFolder folder;
+  REQUIRE(WriteFile(folder / "log.torn", "older"));
+  const std::string frame = FrameOf({Header()});
+  const std::string torn = frame.substr(0, 9);
+  REQUIRE(WriteFile(folder / "log", frame + torn));
+  REQUIRE(SegmentLog::Open(folder / "log"));
+  CHECK(ReadFile(folder / "log") == frame);
+  CHECK(ReadFile(folder / "log.torn") == "older" + torn);
+}
+
+/// Whether a recording of these bytes is refused as malformed; every byte is kept.
+bool IsRefused(const TemporaryFolder& folder, const std::string& bytes) {
+  REQUIRE(WriteFile(folder / "log", bytes));
+  const auto log = SegmentLog::Open(folder / "log");
+  if (!log) CHECK(log.error().code == ErrorCode::kMalformed);
+  CHECK(ReadFile(folder / "log") == bytes);
+  CHECK_FALSE(std::filesystem::exists(folder / "log.torn"));
+  return !log;
+}
+
+TEST_CASE("a recording that is damaged amid its frames is refused and keeps every byte",
+          "[segments]") {
+  const TemporaryFolder folder;
+  const Trajectory trajectory = tests::SampleTrajectory();
+  std::vector<std::size_t> ends;
+  {
+    auto log = SegmentLog::Open(folder / "whole");
+    REQUIRE(log);
+    for (std::uint32_t i = 0; i < 10; ++i) {
+      REQUIRE(log->Append(0, trajectory, tests::SampleSegment(i)));
+      ends.push_back(std::filesystem::file_size(folder / "whole"));
+    }
+  }
+  const std::string whole = ReadFile(folder / "whole").value();
+  const auto all = ReadSegmentFile(folder / "whole");
+  REQUIRE(all);
+  for (std::size_t bit = 8 * ends[1]; bit < 8 * ends[2]; ++bit) {
+    std::string damaged = whole;
+    damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << bit % 8));
+    // A frame header may say the same in two ways; what is read then is the same, too.
+    CHECK((IsRefused(folder, damaged) || ReadSegmentFile(folder / "log") == *all));
+  }
+}
+
+TEST_CASE("a data set of one frame that lost its last byte is refused and keeps the others",
+          "[segments]") {
+  const TemporaryFolder folder;
+  REQUIRE(WriteSegmentFile(folder / "set", tests::SampleSet()));
+  std::string bytes = ReadFile(folder / "set").value();
+  bytes.pop_back();
+  CHECK(IsRefused(folder, bytes));
 }
 
 TEST_CASE("two programs do not record to one file, and no other file is recorded over",

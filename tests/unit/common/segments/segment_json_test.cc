@@ -5,6 +5,7 @@
 
 #include "common/runtime/file.h"
 #include "common/segments/segment_checks.h"
+#include "common/segments/segment_file.h"
 #include "support/temporary_folder.h"
 #include "unit/common/segments/support/sample_segments.h"
 
@@ -62,6 +63,15 @@ TEST_CASE("any heading survives its way through degrees", "[segments]") {
   }
 }
 
+TEST_CASE("the smallest and the largest headings survive, too", "[segments]") {
+  for (const double heading :
+       {0.0, -0.0, 5e-324, 1e-310, 2.2e-308, -1e-300, 1e-20, 999999.9, 1e6}) {
+    SegmentSet set = tests::SampleSet();
+    set.trajectories[1].segments[0].query.heading_rad = heading;
+    CHECK(Imported(Exported(set)) == set);
+  }
+}
+
 TEST_CASE("headings of the eight directions are plain degrees", "[segments]") {
   CHECK_THAT(Exported(tests::SampleSet()), Catch::Contains(R"("heading_deg":45.0})"));
 }
@@ -80,9 +90,21 @@ TEST_CASE("lines need only what nobody else can know", "[segments]") {
   CHECK(Imported("") == SegmentSet());
 }
 
+TEST_CASE("where nobody knows the truth the accuracies may be null", "[segments]") {
+  const auto set =
+      Imported(With(kTrajectory, "\"final_mapping_accuracy\": 1",
+                    "\"truth\": null, \"valid\": null, \"final_mapping_accuracy\": null") +
+               kSegment);
+  REQUIRE(set);
+  CHECK(set->trajectories[0].final_mapping_accuracy == 0.0);
+}
+
 TEST_CASE("lines that are no record are refused with file and line", "[segments]") {
-  CHECK(Refusal("hello") == "data.jsonl:1: this is no JSON");
-  CHECK(Refusal(kTrajectory + kSegment + "{\"type\": \"seg") == "data.jsonl:3: this is no JSON");
+  CHECK(Refusal("hello") == "data.jsonl:1: this is no JSON: byte 1, after 'h': invalid literal");
+  CHECK(Refusal(kTrajectory + kSegment + "{\"type\": \"seg") ==
+        "data.jsonl:3: this is no JSON: byte 14, after '{\"type\": \"seg': invalid string: missing "
+        "closing quote");
+  CHECK_THAT(Refusal("[1e999]"), Catch::StartsWith("data.jsonl:1: this is no JSON: "));
   CHECK(Refusal("[1]") == "data.jsonl:1: the line is no object");
   CHECK(Refusal("{}") == "data.jsonl:1: 'type' is missing");
   CHECK(Refusal(R"({"type": "header"})") ==
@@ -99,13 +121,16 @@ TEST_CASE("a trajectory's line is refused by what is wrong with it", "[segments]
   CHECK(refused("person", "martian") ==
         "data.jsonl:1: 'origin' is 'martian'; it must be person, simulated or synthetic");
   CHECK(refused("\"rows\": 3", "\"rows\": 100000000") ==
-        "data.jsonl:1: 'rows' is 100000000; it must be in [1, 1024]");
+        "data.jsonl:1: 'rows' is 100000000; it must be in [3, 1024]");
   CHECK(refused("\"rows\": 3", "\"rows\": -3") ==
         "data.jsonl:1: 'rows' is -3; it must be a whole number from 0 on");
   CHECK(refused("\"rows\": 3", "\"truth\": \"1\", \"rows\": 3") ==
         "data.jsonl:1: 'truth' has 1 bits for 9 cells");
   CHECK(refused("\"rows\": 3", "\"rwos\": 3, \"rows\": 3") == "data.jsonl:1: 'rwos' is not known");
-  CHECK(refused("0.5", "NaN") == "data.jsonl:1: this is no JSON");
+  CHECK_THAT(refused("0.5", "NaN"), Catch::StartsWith("data.jsonl:1: this is no JSON: byte ") &&
+                                        Catch::EndsWith("_accuracy\": N': invalid literal"));
+  CHECK(refused("0.5", "null, \"truth\": \"111101111\"") ==
+        "data.jsonl:1: 'initial_cell_accuracy' is missing");
   CHECK(refused("0.5", "1.5") ==
         "data.jsonl:1: initial cell accuracy is 1.5; it must be in [0, 1]");
   CHECK(refused("\"rows\": 3", "\"valid\": false, \"rows\": 3") ==
@@ -168,6 +193,9 @@ TEST_CASE("files of JSON lines are read and written", "[segments]") {
   REQUIRE(ExportSegmentsFile(path, tests::SampleSet()));
   CHECK(ImportSegmentsFile(path) == tests::SampleSet());
   CHECK(ImportSegmentsFile(folder.path() / "none").error().code == ErrorCode::kNotFound);
+  REQUIRE(WriteSegmentFile(folder.path() / "set.pb.zst", tests::SampleSet()));
+  CHECK_THAT(ImportSegmentsFile(folder.path() / "set.pb.zst").error().text,
+             Catch::Contains("as a segment file is; that needs no import"));
   CHECK(ExportSegmentsFile("/dev/full", tests::SampleSet()).error().code == ErrorCode::kIo);
 }
 

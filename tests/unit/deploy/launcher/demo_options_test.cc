@@ -3,6 +3,9 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 
+#include "common/runtime/file.h"
+#include "support/temporary_folder.h"
+
 using conav::launcher::DemoOptions;
 using conav::launcher::ParseRunWith;
 using conav::launcher::Validate;
@@ -43,9 +46,56 @@ TEST_CASE("a model, weights or belief that do not exist are refused", "[launcher
   options = {};
   options.weights = "/nowhere/a.nhpm";
   CHECK_THAT(Refusal(options), Catch::Contains("--weights /nowhere/a.nhpm: no such file"));
+  options.weights = "/tmp";
+  CHECK_THAT(Refusal(options), Catch::Contains("--weights /tmp: is a folder"));
   options = {};
   options.x_source = "guessed";
   CHECK_THAT(Refusal(options), Catch::Contains("--x-source guessed"));
+}
+
+TEST_CASE("a person and the folder of weights need each other", "[launcher][options]") {
+  const conav::test::TemporaryFolder folder;
+  DemoOptions options;
+  options.person = "p07";
+  CHECK_THAT(Refusal(options), Catch::Contains("--person and --person-weights need each other"));
+  options.person_weights = folder.path();
+  CHECK(Refusal(options) == "");
+  options.person = "p 07";
+  CHECK_THAT(Refusal(options), Catch::Contains("--person p 07: is not"));
+  options.person = "p07";
+  options.perception = "embedded";
+  CHECK_THAT(Refusal(options), Catch::Contains("--person: --perception embedded"));
+  options.perception = "remote";
+  options.model = "glpf";
+  CHECK_THAT(Refusal(options), Catch::Contains("--person: --model glpf"));
+  options = {};
+  options.person_weights = folder.path();
+  CHECK_THAT(Refusal(options), Catch::Contains("need each other"));
+  options.person = "p07";
+  options.person_weights = "/nowhere";
+  CHECK_THAT(Refusal(options), Catch::Contains("--person-weights /nowhere: no such folder"));
+}
+
+TEST_CASE("a result is not written over what the run reads", "[launcher][options]") {
+  const conav::test::TemporaryFolder folder;
+  DemoOptions options;
+  options.weights = folder / "a.nhpm";
+  options.json = folder / "a.nhpm";
+  REQUIRE(conav::WriteFile(options.weights, ""));
+  CHECK_THAT(Refusal(options), Catch::Contains("is the input --weights, too"));
+}
+
+TEST_CASE("options that would do nothing are refused", "[launcher][options]") {
+  const conav::test::TemporaryFolder folder;
+  DemoOptions options;
+  options.model = "glpf";
+  options.weights = folder / "a.nhpm";
+  REQUIRE(conav::WriteFile(options.weights, ""));
+  CHECK_THAT(Refusal(options), Catch::Contains("--weights: --model glpf has none"));
+  options = {};
+  options.perception = "embedded";
+  options.nhpm_replicas = 2;
+  CHECK_THAT(Refusal(options), Catch::Contains("--nhpm-replicas 2: with --perception embedded"));
 }
 
 TEST_CASE("numbers beyond their limits are refused", "[launcher][options]") {

@@ -176,6 +176,26 @@ TEST_CASE("model and weights reach the service and the planner", "[launcher][pla
         nhpm::ShippedWeights().string());
 }
 
+TEST_CASE("a person and the folder of weights reach planner and service", "[launcher][plan]") {
+  const TemporaryRun run;
+  DemoOptions options;
+  options.person = "p07";
+  options.person_weights = "people";
+  const auto configs = Plan(options, run);
+  CHECK(Read<planner::PlannerConfig>(configs.at("planner"), "planner").person == "p07");
+  CHECK(Read<nhpm::NhpmConfig>(configs.at("nhpm"), "nhpm").person_weights ==
+        (fs::current_path() / "people").string());
+}
+
+TEST_CASE("a planner with a model of its own needs no nhpm", "[launcher][plan]") {
+  const TemporaryRun run;
+  DemoOptions options;
+  options.perception = "embedded";
+  const auto configs = Plan(options, run);
+  CHECK(configs.size() == 4);
+  CHECK_FALSE(configs.contains("nhpm"));
+}
+
 TEST_CASE("replicas of nhpm have names of their own", "[launcher][plan]") {
   const TemporaryRun run;
   DemoOptions options;

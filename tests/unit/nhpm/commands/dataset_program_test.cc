@@ -9,6 +9,7 @@
 #include "common/runtime/file.h"
 #include "common/segments/segment_file.h"
 #include "common/segments/segment_json.h"
+#include "common/segments/segment_split.h"
 #include "support/temporary_folder.h"
 #include "unit/common/segments/support/sample_segments.h"
 
@@ -63,7 +64,7 @@ TEST_CASE("chosen segments are shown, a wrong number is wrong use", "[nhpm][data
                  !Catch::Contains("segment 0 ("));
   const Outcome wrong = desk.Run("describe data.pb.zst --segments 7");
   CHECK(wrong.code == 2);
-  CHECK(wrong.error == "conav-dataset: there is no segment 7; the set has 3, from 0 on\n");
+  CHECK(wrong.error == "conav dataset: there is no segment 7; the set has 3, from 0 on\n");
 }
 
 TEST_CASE("exported lines imported again are the same file", "[nhpm][dataset]") {
@@ -79,7 +80,7 @@ TEST_CASE("a bad line is refused with file and line, and nothing is written", "[
   REQUIRE(WriteFile(desk / "bad.jsonl", "\n{\"type\": \"segment\"}\n"));
   const Outcome outcome = desk.Run("import bad.jsonl --out bad.pb.zst");
   CHECK(outcome.code == 1);
-  CHECK(outcome.error == "conav-dataset: bad.jsonl:2: a segment before any trajectory\n");
+  CHECK(outcome.error == "conav dataset: bad.jsonl:2: a segment before any trajectory\n");
   CHECK_FALSE(std::filesystem::exists(desk / "bad.pb.zst"));
 }
 
@@ -109,6 +110,19 @@ TEST_CASE("a split is three files with all trajectories", "[nhpm][dataset]") {
   CHECK(ReadSegmentFile(desk / "part-test.pb.zst").value().trajectories.size() == 1);
 }
 
+TEST_CASE("a split without a seed is that of training and evaluation", "[nhpm][dataset]") {
+  const Desk desk;
+  SegmentSet many;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    many.trajectories.push_back(tests::SampleTrajectory(seed));
+  }
+  REQUIRE(WriteSegmentFile(desk / "many.pb.zst", many));
+  CHECK(desk.Run("split many.pb.zst --out-prefix part").code == 0);
+  const SegmentSplit split = SplitSegments(many, kDefaultSplitSeed);
+  CHECK(ReadSegmentFile(desk / "part-test.pb.zst").value() == split.test);
+  CHECK(ReadSegmentFile(desk / "part-validation.pb.zst").value() == split.validation);
+}
+
 TEST_CASE("a truncated recording is refused unless it shall be recovered", "[nhpm][dataset]") {
   const Desk desk;
   std::string two = ReadFile(desk / "data.pb.zst").value();
@@ -121,16 +135,37 @@ TEST_CASE("a truncated recording is refused unless it shall be recovered", "[nhp
   CHECK(desk.Run("describe torn.pb.zst --recover").code == 0);
 }
 
+TEST_CASE("no command writes over its input", "[nhpm][dataset]") {
+  const Desk desk;
+  const std::string before = ReadFile(desk / "data.pb.zst").value();
+  REQUIRE(WriteFile(desk / "part-test.pb.zst", before));
+  for (const char* command :
+       {"import data.pb.zst --out data.pb.zst", "export data.pb.zst --out ./data.pb.zst",
+        "merge data.pb.zst --out data.pb.zst", "describe data.pb.zst --json data.pb.zst",
+        "describe data.pb.zst --svg x --json x", "split part-test.pb.zst --out-prefix part",
+        "synthesize --trajectories 1 --out data.pb.zst --json data.pb.zst"}) {
+    INFO(command);
+    CHECK(desk.Run(command).code == 2);
+  }
+  CHECK(ReadFile(desk / "data.pb.zst").value() == before);
+  CHECK_FALSE(std::filesystem::exists(desk / "part-train.pb.zst"));
+}
+
 TEST_CASE("wrong use, missing files and a full disk have their exit codes", "[nhpm][dataset]") {
   const Desk desk;
   CHECK(desk.Run("").code == 2);
   CHECK(desk.Run("describe").code == 2);
   CHECK(desk.Run("improve data.pb.zst").code == 2);
+  CHECK_THAT(desk.Run("improve data.pb.zst").error, Catch::Contains("no command 'improve'"));
   CHECK(desk.Run("describe --help").code == 0);
+  CHECK_THAT(desk.Run("--help").out, Catch::Contains("Usage: conav dataset "));
+  CHECK(desk.Run("synthesize --population none.yaml --out new.pb.zst").code == 1);
+  CHECK(desk.Run("split data.pb.zst --out-prefix part --seed -1").code == 2);
   CHECK(desk.Run("describe none.pb.zst").code == 1);
   CHECK(desk.Run("merge data.pb.zst --out /dev/full").code == 1);
   CHECK(desk.Run("merge data.pb.zst --out none/data.pb.zst").code == 1);
   CHECK(desk.Run("export data.pb.zst --out /dev/full").code == 1);
+  CHECK(desk.Run("describe data.pb.zst --json /dev/full").code == 1);
   CHECK(desk.Run("describe data.pb.zst --svg none/data.svg").code == 1);
 }
 

@@ -35,10 +35,10 @@ SegmentSet Read(const std::filesystem::path& file) {
   return *std::move(set);
 }
 
-TEST_CASE("The file holds the trajectories of the library, in a folder that may be new",
+TEST_CASE("The file holds the trajectories of the library, in folders that may be new",
           "[nhpm][synthesis]") {
   const TemporaryFolder folder;
-  const auto file = folder / "new" / "set.pb.zst";
+  const auto file = folder / "very" / "new" / "set.pb.zst";
   REQUIRE(Synthesize({"--trajectories", "7", "--seed", "5", "--preset", "9x9", "--per-person", "2",
                       "--threads", "2", "--out", file.string()}) == 0);
   SynthesisOptions options;
@@ -100,7 +100,7 @@ TEST_CASE("Another population makes other people", "[nhpm][synthesis]") {
   }
 }
 
-TEST_CASE("Wrong use has exit code 2 and makes no file", "[nhpm][synthesis]") {
+TEST_CASE("Wrong use has exit code 2, a bad input 1; both make no file", "[nhpm][synthesis]") {
   const TemporaryFolder folder;
   const std::string file = (folder / "set.pb.zst").string();
   std::ofstream(folder / "people.yaml") << "annotators: {ros__parameters: {cautious: {}}}";
@@ -110,15 +110,19 @@ TEST_CASE("Wrong use has exit code 2 and makes no file", "[nhpm][synthesis]") {
   CHECK(Synthesize({"--per-person", "0", "--out", file}) == 2);
   CHECK(Synthesize({"--colour", "red", "--out", file}) == 2);
   CHECK(Synthesize({"--preset", "9x8", "--out", file}) == 2);
-  CHECK(Synthesize({"--population", (folder / "none.yaml").string(), "--out", file}) == 2);
-  CHECK(Synthesize({"--population", (folder / "people.yaml").string(), "--out", file}) == 2);
+  CHECK(Synthesize({"--population", (folder / "none.yaml").string(), "--out", file}) == 1);
+  CHECK(Synthesize({"--population", (folder / "people.yaml").string(), "--out", file}) == 1);
   CHECK_FALSE(std::filesystem::exists(file));
 }
 
 TEST_CASE("An output that cannot be written has exit code 1", "[nhpm][synthesis]") {
   const TemporaryFolder folder;
   const std::string file = (folder / "set.pb.zst").string();
-  CHECK(Synthesize({"--trajectories", "1", "--out", (folder / "no/such/set").string()}) == 1);
+  REQUIRE(WriteFile(folder / "file", ""));
+  const std::string below = (folder / "file/set").string();
+  CHECK(Synthesize({"--trajectories", "1", "--out", below}) == 1);
+  CHECK(Synthesize({"--trajectories", "1", "--out", file, "--json", below}) == 1);
+  CHECK_FALSE(std::filesystem::exists(file));
   CHECK(Synthesize({"--trajectories", "1", "--out", "/dev/full"}) == 1);
   CHECK(Synthesize({"--trajectories", "1", "--out", file, "--json", "/dev/full"}) == 1);
 }

@@ -8,8 +8,9 @@
 #include <string>
 
 #include "common/runtime/file.h"
-#include "common/runtime/sha256.h"
 #include "common/segments/segment_file.h"
+#include "common/segments/segment_split.h"
+#include "common/segments/trajectory_fingerprint.h"
 #include "nhpm/model/weights_file.h"
 #include "nhpm/synthesis/annotator_population.h"
 #include "support/temporary_folder.h"
@@ -62,7 +63,8 @@ std::string WriteData(const std::string& file, int trajectories = 6,
   return file;
 }
 
-/// Weights that say they learned from `data` with split seed 1.
+/// Weights that say they learned from `data` with the default split seed; from nobody knows what
+/// where there is none.
 std::string WriteWeights(const std::string& file, const std::string& data, int side = 9) {
   NetworkModel model;
   model.version = "of a test";
@@ -71,7 +73,11 @@ std::string WriteWeights(const std::string& file, const std::string& data, int s
   model.columns = side;
   model.data_origin = "synthetic";
   if (!data.empty()) {
-    model.training = {{"data_sha256", Sha256Hex(*ReadFile(data))}, {"split_seed", "1"}};
+    const auto read = ReadIdentifiedSegments(data);
+    REQUIRE(read);
+    const SegmentSplit split = SplitSegments(read->set, kDefaultSplitSeed);
+    model.training = {{"data_sha256", read->checksum}, {"split_seed", "1"}};
+    model.learned_from = Union(FingerprintsOf(split.train), FingerprintsOf(split.validation));
   }
   REQUIRE(WriteWeightsFile(file, model));
   return file;
@@ -143,6 +149,52 @@ TEST_CASE("People are no oracle, and their data is not called synthetic", "[nhpm
   REQUIRE(ended.exit_code == 0);
   CHECK_THAT(ended.text, Catch::Contains("people data"));
   CHECK_FALSE(ReadJson(folder / "r.json")["models"].contains("oracle"));
+  CHECK(ReadJson(folder / "r.json")["bars"].empty());
+  CHECK_THAT(ended.text, !Catch::Contains("FAIL"));
+  const Ended checked = Run(
+      fmt::format("--data {} --weights {} --check", data, WriteWeights(folder / "w.nhpm", data)));
+  CHECK(checked.exit_code == 2);
+  CHECK_THAT(checked.text, Catch::Contains("there is nothing to check"));
+  const Ended average = Run(fmt::format("--data {} --weights {} --average-oracle", data,
+                                        WriteWeights(folder / "w.nhpm", data)));
+  CHECK(average.exit_code == 2);
+  CHECK_THAT(average.text, Catch::Contains("is people data"));
+}
+
+TEST_CASE("Weights that never saw an input have no further row without it", "[nhpm][evaluate]") {
+  const Folder folder;
+  const std::string data = WriteData(folder / "data.pb.zst");
+  NetworkModel model = *ReadWeightsFile(WriteWeights(folder / "w.nhpm", data));
+  model.inputs.path = false;
+  REQUIRE(WriteWeightsFile(folder / "w.nhpm", model));
+  const Ended ended =
+      Run(fmt::format("--data {} --weights {} --without tau,o --oracle-draws 0 --json {}", data,
+                      folder / "w.nhpm", folder / "r.json"));
+  CHECK(ended.exit_code == 0);
+  CHECK_THAT(ended.text, Catch::Contains("w.nhpm: was trained without tau"));
+  const auto models = ReadJson(folder / "r.json")["models"];
+  CHECK_FALSE(models.contains("nhpm_without_tau"));
+  CHECK(models.contains("nhpm_without_o"));
+}
+
+TEST_CASE("A file's name need not be text", "[nhpm][evaluate]") {
+  const Folder folder;
+  const std::string data = WriteData(folder / "d\xff.pb.zst");
+  const Ended ended = Run(fmt::format("--data {} --weights {} --oracle-draws 0 --json -", data,
+                                      WriteWeights(folder / "w.nhpm", data)),
+                          "/dev/null");
+  CHECK(ended.exit_code == 0);
+  CHECK(nlohmann::json::parse(ended.text)["data"]["file"] == "d\uFFFD.pb.zst");
+}
+
+TEST_CASE("A full disk is said in one line and exits with 1", "[nhpm][evaluate]") {
+  const Folder folder;
+  const std::string data = WriteData(folder / "data.pb.zst");
+  const std::string common = fmt::format("--data {} --weights {} --oracle-draws 0", data,
+                                         WriteWeights(folder / "w.nhpm", data));
+  for (const char* output : {"", " --json -", " --html -"}) {
+    CHECK(Run(common + output + " >/dev/full").exit_code == 1);
+  }
 }
 
 TEST_CASE("Data without a test part is refused, unless all of it is test", "[nhpm][evaluate]") {
@@ -163,44 +215,55 @@ TEST_CASE("Data without a test part is refused, unless all of it is test", "[nhp
 
 TEST_CASE("Weights that saw the test part are refused", "[nhpm][evaluate]") {
   const Folder folder;
-  const std::string data = WriteData(folder / "data.pb.zst");
+  const std::string data = WriteData(folder / "data.pb.zst", 9);
   const std::string weights = WriteWeights(folder / "w.nhpm", data);
   const std::string common = fmt::format("--data {} --weights {} --oracle-draws 0 ", data, weights);
-  const Ended refused = Run(common + "--split-seed 2");
+  CHECK(Run(common).exit_code == 0);
+  const Ended refused = Run(common + "--all-test");
   CHECK(refused.exit_code == 1);
-  CHECK_THAT(refused.text, Catch::Contains("w.nhpm: was trained on data.pb.zst with split seed 1"));
-  CHECK_THAT(refused.text, Catch::Contains("pass --split-seed 1, or --allow-seen"));
-  CHECK(Run(common + "--all-test").exit_code == 1);
-  const Ended allowed = Run(common + "--split-seed 2 --allow-seen");
+  CHECK_THAT(refused.text, Catch::Contains("w.nhpm: learned from 8 of the 9 trajectories that it "
+                                           "would be tested on; pass --split-seed 1, or "
+                                           "--allow-seen"));
+  const Ended allowed = Run(common + "--all-test --allow-seen");
   CHECK(allowed.exit_code == 0);
   CHECK_THAT(allowed.text, Catch::Contains("warning: "));
 }
 
-TEST_CASE("Weights that were adapted to somebody of the file are refused", "[nhpm][evaluate]") {
+TEST_CASE("Weights that saw some of a file are refused, whatever file they learned from",
+          "[nhpm][evaluate]") {
   const Folder folder;
-  const std::string data = WriteData(folder / "data.pb.zst");
-  NetworkModel model = *ReadWeightsFile(WriteWeights(folder / "w.nhpm", data));
-  model.training["adapt_data_sha256"] = model.training["data_sha256"];
-  model.training["adapt_participant"] = "p3";
-  REQUIRE(WriteWeightsFile(folder / "w.nhpm", model));
-  const std::string common =
-      fmt::format("--data {} --weights {} --oracle-draws 0 ", data, folder / "w.nhpm");
-  const Ended refused = Run(common);
+  const SegmentSet whole = *ReadSegmentFile(WriteData(folder / "data.pb.zst", 12));
+  const std::string weights = WriteWeights(folder / "w.nhpm", folder / "data.pb.zst");
+  SegmentSet set = whole;
+  SECTION("one that begins with the same trajectories") { set.trajectories.resize(6); }
+  SECTION("one that they were merged into") {
+    for (Trajectory& trajectory : SegmentsOf(EvenModel(0.0F), 2, 4, 9).trajectories) {
+      trajectory.participant = "new";
+      trajectory.annotator = whole.trajectories.front().annotator;
+      set.trajectories.push_back(trajectory);
+    }
+  }
+  REQUIRE(WriteSegmentFile(folder / "other.pb.zst", set));
+  const Ended refused = Run(fmt::format("--data {} --weights {} --oracle-draws 0 --all-test",
+                                        folder / "other.pb.zst", weights));
   CHECK(refused.exit_code == 1);
-  CHECK_THAT(refused.text, Catch::Contains("w.nhpm: was adapted to p3 of data.pb.zst"));
-  CHECK(Run(common + "--allow-seen").exit_code == 0);
+  CHECK_THAT(refused.text, Catch::Contains("pass data that it never saw"));
 }
 
-TEST_CASE("Weights of other data, or of nobody knows what, give a warning", "[nhpm][evaluate]") {
+TEST_CASE("Weights of other data are fine, those of nobody knows what give a warning",
+          "[nhpm][evaluate]") {
   const Folder folder;
   const std::string data = WriteData(folder / "data.pb.zst");
-  const std::string other = WriteData(folder / "other.pb.zst", 3);
+  SegmentSet others = *ReadSegmentFile(data);
+  for (Trajectory& trajectory : others.trajectories) trajectory.session = "another";
+  REQUIRE(WriteSegmentFile(folder / "other.pb.zst", others));
   const std::string common = fmt::format("--data {} --oracle-draws 0 --weights ", data);
-  const Ended of_other = Run(common + WriteWeights(folder / "a.nhpm", other));
+  const Ended of_other = Run(common + WriteWeights(folder / "a.nhpm", folder / "other.pb.zst"));
   CHECK(of_other.exit_code == 0);
-  CHECK_THAT(of_other.text, Catch::Contains("a.nhpm: was trained on other data"));
+  CHECK_THAT(of_other.text, !Catch::Contains("warning"));
   CHECK_THAT(Run(common + WriteWeights(folder / "b.nhpm", "")).text,
-             Catch::Contains("b.nhpm: does not say what it was trained on"));
+             Catch::Contains("warning: " + (folder / "b.nhpm") +
+                             ": does not name the trajectories that it learned from"));
 }
 
 TEST_CASE("Files that are not what they should be are named", "[nhpm][evaluate]") {
@@ -236,7 +299,7 @@ TEST_CASE("Synthetic data without its annotators has no oracle and says why", "[
                                          WriteWeights(folder / "w.nhpm", ""));
   const Ended ended = Run(common);
   CHECK(ended.exit_code == 1);
-  CHECK_THAT(ended.text, Catch::Contains("trajectory 0"));
+  CHECK_THAT(ended.text, Catch::Contains("data.pb.zst: test part: trajectory 0"));
   CHECK(Run(common + "--oracle-draws 0").exit_code == 0);
 }
 
@@ -245,13 +308,29 @@ TEST_CASE("Wrong use exits with 2", "[nhpm][evaluate]") {
   const std::string data = WriteData(folder / "data.pb.zst");
   const std::string common =
       fmt::format("--data {} --weights {} ", data, WriteWeights(folder / "w.nhpm", data));
-  for (const char* wrong : {"--without y", "--oracle-draws 100", "--json - --csv -",
-                            "--segments 400", "--threads 0", "--segments x", "--colour"}) {
+  for (const char* wrong :
+       {"--without y", "--oracle-draws 100", "--json - --csv -", "--segments 400", "--threads 0",
+        "--segments x", "--segments -1", "--split-seed -1", "--colour", "--without tau,tau",
+        "--split-seed 1 --all-test", "--average-oracle --oracle-draws 0",
+        "--average-oracle --all-test"}) {
+    INFO(wrong);
     CHECK(Run(common + wrong).exit_code == 2);
   }
   CHECK(Run("").exit_code == 2);
   CHECK(Run("--help").exit_code == 0);
   CHECK_THAT(Run(common + "--segments 400").text, Catch::Contains("segments 0 to 3"));
+}
+
+TEST_CASE("A report does not go over what it is of", "[nhpm][evaluate]") {
+  const Folder folder;
+  const std::string data = WriteData(folder / "data.pb.zst");
+  const std::string weights = WriteWeights(folder / "w.nhpm", data);
+  const std::string common = fmt::format("--data {} --weights {} ", data, weights);
+  CHECK(Run(common + "--json " + data).exit_code == 2);
+  CHECK(Run(common + "--html " + weights).exit_code == 2);
+  CHECK(Run(common + fmt::format("--csv {0} --html {0}", folder / "r")).exit_code == 2);
+  CHECK(ReadSegmentFile(data));
+  CHECK(ReadWeightsFile(weights));
 }
 
 TEST_CASE("The page shows the segments that were asked for", "[nhpm][evaluate]") {

@@ -1,5 +1,9 @@
 #include "nhpm/commands/progress_line.h"
 
+#include <fcntl.h>
+#include <stdlib.h>
+#include <unistd.h>
+
 #include <catch2/catch.hpp>
 #include <memory>
 
@@ -17,6 +21,35 @@ TEST_CASE("Progress that goes into a file is a line for each call", "[nhpm][trai
   std::string text(100, '\0');
   text.resize(std::fread(text.data(), 1, text.size(), file.get()));
   CHECK(text == "one\ntwo\n");
+}
+
+TEST_CASE("Progress on a terminal is one line that is rewritten and ended", "[nhpm][train]") {
+  const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
+  REQUIRE(terminal >= 0);
+  REQUIRE((grantpt(terminal) == 0 && unlockpt(terminal) == 0));
+  std::FILE* const line = std::fopen(ptsname(terminal), "w");
+  REQUIRE(line != nullptr);
+  {
+    ProgressLine progress(line);
+    progress.Show("one");
+    progress.Show("two");
+  }
+  std::fflush(line);
+  std::string text(100, '\0');
+  const auto size = read(terminal, text.data(), text.size());
+  std::fclose(line);
+  close(terminal);
+  REQUIRE(size > 0);
+  text.resize(static_cast<std::size_t>(size));
+  CHECK(text == "\rone\x1b[K\rtwo\x1b[K\r\n");
+}
+
+TEST_CASE("Who shows too much is shown once a second at most", "[nhpm][train]") {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), &std::fclose);
+  ProgressLine progress(file.get());
+  progress.ShowNowAndThen("one");
+  progress.ShowNowAndThen("two");
+  CHECK(std::ftell(file.get()) == 0);
 }
 
 TEST_CASE("Durations are written as on a clock", "[nhpm][train]") {

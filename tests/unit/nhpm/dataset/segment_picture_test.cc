@@ -50,10 +50,30 @@ TEST_CASE("segments are chosen by number, and a wrong number is named", "[nhpm][
 }
 
 TEST_CASE("segments with edits are preferred, others fill up", "[nhpm][dataset]") {
-  SegmentSet set = tests::SampleSet();
-  set.trajectories[0].segments[0].belief_after = set.trajectories[0].segments[0].query.belief;
-  CHECK(ChooseSegments(set, 1).at(0).index == 1);
-  CHECK(ChooseSegments(set, 5).size() == 3);
+  SegmentSet set;
+  for (std::uint64_t seed = 0; seed < 5; ++seed) {
+    set.trajectories.push_back(tests::SampleTrajectory(seed));  // of two segments
+  }
+  const auto leave_edits_in = [&](const std::vector<std::size_t>& indices) {
+    for (std::size_t i = 0; i < 10; ++i) {
+      Segment& segment = set.trajectories[i / 2].segments[i % 2];
+      if (std::ranges::find(indices, i) == indices.end()) {
+        segment.belief_after = segment.query.belief;
+      }
+    }
+  };
+  const auto indices = [&](std::size_t count) {
+    std::vector<std::size_t> chosen;
+    for (const ChosenSegment& one : ChooseSegments(set, count)) chosen.push_back(one.index);
+    return chosen;
+  };
+  using Indices = std::vector<std::size_t>;
+  CHECK(indices(3) == Indices{0, 3, 6});
+  leave_edits_in({1, 4, 5});
+  CHECK(indices(1) == Indices{1});
+  CHECK(indices(2) == Indices{1, 4});
+  CHECK(indices(5) == Indices{0, 1, 4, 5, 6});
+  CHECK(indices(20).size() == 10);
   CHECK(ChooseSegments(SegmentSet(), 5).empty());
 }
 

@@ -3,7 +3,6 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "nhpm/dataset/set_union.h"
 #include "unit/common/segments/support/sample_segments.h"
 
 namespace conav::nhpm {
@@ -65,16 +64,6 @@ TEST_CASE("nobody can overlook that data is synthetic or simulated", "[nhpm][dat
 TEST_CASE("an empty set has no numbers and no failure", "[nhpm][dataset]") {
   CHECK(ToText(Summarize({})) == "no trajectories\n");
   CHECK(ToJson(Summarize({})).at("share_without_edit") == 0.0);
-}
-
-TEST_CASE("sets are joined unless a trajectory comes twice", "[nhpm][dataset]") {
-  SetUnion all;
-  REQUIRE(all.Add({{tests::SampleTrajectory(1), tests::SampleTrajectory(2)}}, "a"));
-  REQUIRE(all.Add({{tests::SampleTrajectory(3)}}, "b"));
-  const auto again = all.Add({{tests::SampleTrajectory(4), tests::SampleTrajectory(2)}}, "c");
-  REQUIRE_FALSE(again);
-  CHECK(again.error().text == "c: trajectory 1 is the same as a: trajectory 1");
-  CHECK(all.Take().trajectories.size() == 3);
 }
 
 }  // namespace

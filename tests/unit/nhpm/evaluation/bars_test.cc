@@ -43,17 +43,23 @@ TEST_CASE("A bar is passed at its limit, one from below only above it", "[nhpm][
 }
 
 TEST_CASE("NHPM is measured against the oracle and both GLPFs", "[nhpm][bars]") {
-  const std::vector<ModelRow> rows{RowWith("glpf_train", {3.0, 3.0, 3.0, 3.0}, 0.4),
-                                   RowWith("glpf_test", {2.0, 2.0, 2.0, 2.0}, 0.3),
-                                   RowWith("nhpm", {1.2, 1.2, 1.1, 1.1}, 0.35),
-                                   RowWith("oracle", {1.0, 1.0, 1.0, 1.0}, 0.5)};
+  std::vector<ModelRow> rows{RowWith("glpf_train", {3.0, 3.0, 3.0, 3.0}, 0.4),
+                             RowWith("glpf_test", {2.0, 2.0, 2.0, 2.0}, 0.3),
+                             RowWith("nhpm", {1.2, 1.2, 1.1, 1.1}, 0.35),
+                             RowWith("oracle", {1.0, 1.0, 1.0, 1.0}, 0.5)};
+  rows[0].test.boundary_source = BoundarySource::kTrain;
+  rows[2].at_train_boundary = {0.4, 0.41};
   const auto bars = CheckBars(TwoTrajectories(), rows);
   REQUIRE(bars.size() == 3);
   CHECK(bars[0].key == "excess_share");
   CHECK(bars[0].value == Approx(0.15));
   CHECK(bars[0].passed());
   CHECK(bars[1].key == "iou_above_glpf_train");
-  CHECK_FALSE(bars[1].passed());
+  CHECK(bars[1].value == 0.41);  // as GLPF-Train's, at a boundary of the train part
+  CHECK_THAT(bars[1].text, Catch::EndsWith("best on the train part"));
+  CHECK(bars[1].passed());
+  CHECK(bars[2].value == 0.35);
+  CHECK_THAT(bars[2].text, Catch::EndsWith("best on the test part"));
   CHECK(bars[2].passed());
 }
 
@@ -76,6 +82,9 @@ TEST_CASE("Bars are only those that the rows allow to say", "[nhpm][bars]") {
   CHECK(CheckBars(TwoTrajectories(), {glpf}).empty());
   CHECK(CheckBars(TwoTrajectories(), {nhpm}).empty());
   CHECK(CheckBars(TwoTrajectories(), {nhpm, glpf}).size() == 1);
+  EvaluationData people = TwoTrajectories();
+  people.test.trajectories[0].origin = SegmentOrigin::kPerson;
+  CHECK(CheckBars(people, {nhpm, glpf}).empty());
 }
 
 }  // namespace

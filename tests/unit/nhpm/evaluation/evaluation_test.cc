@@ -38,6 +38,8 @@ TEST_CASE("A model is measured on both parts of the data", "[nhpm][evaluation]")
   CHECK(row->test.best.iou == Approx(edited));
   REQUIRE(row->train);
   CHECK(row->train->unmasked != row->test.loss.unmasked);
+  REQUIRE(row->at_train_boundary);
+  CHECK(row->at_train_boundary->iou == Approx(edited));  // all or nothing is predicted
   CHECK(std::accumulate(row->segment_losses.begin(), row->segment_losses.end(), 0.0) ==
         Approx(row->test.loss.all * 40 * 162));
 }
@@ -60,6 +62,7 @@ TEST_CASE("Without a train part there is no loss on it", "[nhpm][evaluation]") {
   const auto row = EvaluateModel({"even", "Even", ""}, EvenModel(0.25F), data);
   REQUIRE(row);
   CHECK_FALSE(row->train);
+  CHECK_FALSE(row->at_train_boundary);
 }
 
 TEST_CASE("GLPF-Test bounds GLPF-Train, and both find the people who are a GLPF",

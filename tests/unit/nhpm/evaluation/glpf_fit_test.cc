@@ -126,8 +126,15 @@ TEST_CASE("The rates stay within their bounds", "[nhpm][glpf_fit]") {
   statistics.seen[1] = {100.0, 10.0};
   const GlpfParameters found = FitGlpf(statistics).best.parameters;
   CHECK(found.rho == Approx(0.5).margin(1e-3));
-  CHECK(found.lambda <= 0.5);
-  CHECK(found.lambda >= 0.0);
+}
+
+TEST_CASE("People who overlook more than half of all near mistakes have the largest lapse rate",
+          "[nhpm][glpf_fit]") {
+  GlpfStatistics statistics;
+  statistics.unstimulated = {100000.0, 0.0};
+  for (const int squared : {1, 4, 9, 16}) statistics.seen[squared] = {1000.0, 300.0};
+  for (const int squared : {36, 49, 64, 81}) statistics.seen[squared] = {1000.0, 0.0};
+  CHECK(FitGlpf(statistics).best.parameters.lambda == Approx(0.5).margin(1e-3));
 }
 
 TEST_CASE("Two alphas fit at least as well as one, and a fit is repeatable", "[nhpm][glpf_fit]") {

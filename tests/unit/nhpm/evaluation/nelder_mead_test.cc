@@ -40,6 +40,12 @@ TEST_CASE("A parabola of one coordinate has its minimum where it is", "[nhpm][ne
   CHECK(found.value == Approx(2.0));
 }
 
+TEST_CASE("Equal values far from each other are no minimum yet", "[nhpm][nelder_mead]") {
+  const auto flat = [](std::span<const double>) { return 1.0; };
+  CHECK_FALSE(MinimiseNelderMead(flat, std::vector{0.0, 0.0}, {.iterations = 10}).converged);
+  CHECK(MinimiseNelderMead(flat, std::vector{0.0, 0.0}).converged);
+}
+
 TEST_CASE("Values that are no numbers are walked around", "[nhpm][nelder_mead]") {
   const auto logarithm = [](std::span<const double> at) {
     return at[0] <= 0.0 ? std::numeric_limits<double>::quiet_NaN() : at[0] - std::log(at[0]);

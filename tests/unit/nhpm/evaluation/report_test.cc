@@ -81,10 +81,11 @@ TEST_CASE("A file without a split says so", "[nhpm][report]") {
 TEST_CASE("A bar is told with its figure, limit and interval", "[nhpm][report]") {
   Bar bar{
       .key = "k", .text = "a share", .value = 0.15, .limit = 0.2, .interval = Interval{0.1, 0.3}};
-  CHECK(DescribeBar(bar) ==
-        "pass  a share: 0.150 (at most 0.200; 90 % of test sets like this: 0.100 to 0.300)");
+  CHECK(
+      DescribeBar(bar) ==
+      "pass  a share: 0.150 (must be at most 0.200; 90 % of test sets like this: 0.100 to 0.300)");
   bar = {.key = "k", .text = "IoU", .value = 0.3, .limit = 0.4, .at_most = false};
-  CHECK(DescribeBar(bar) == "FAIL  IoU: 0.300 (more than 0.400)");
+  CHECK(DescribeBar(bar) == "FAIL  IoU: 0.300 (must be more than 0.400)");
 }
 
 TEST_CASE("JSON holds every figure of every model", "[nhpm][report]") {
@@ -94,6 +95,7 @@ TEST_CASE("JSON holds every figure of every model", "[nhpm][report]") {
   CHECK(json["data"]["test"]["segments"] == 40);
   CHECK(json["data"]["train"]["trajectories"] == 12);
   CHECK(json["data"]["rows"] == 9);
+  CHECK(json["data"]["columns"] == 9);
   CHECK(json["data"]["split_seed"] == 5);
   const auto& nhpm = json["models"]["nhpm"];
   const ModelMetrics& test = report.rows[2].test;
@@ -116,6 +118,17 @@ TEST_CASE("JSON holds every figure of every model", "[nhpm][report]") {
   CHECK(json["bars"]["excess_share"]["passed"] == false);
   CHECK(json["bars"]["excess_share"]["limit"] == 0.2);
   CHECK(json["figures"][0]["segment"] == 7);
+}
+
+TEST_CASE("Maps of several sizes have no one number of rows in JSON", "[nhpm][report]") {
+  EvaluationReport report;
+  report.data = SampleData();
+  Segment& last = report.data.test.trajectories.back().segments.back();
+  last.query.belief = BeliefGrid(9, 11, 1.0F);
+  last.belief_after = last.query.belief;
+  const auto json = ReportJson(report);
+  CHECK(json["data"]["rows"] == 9);
+  CHECK(json["data"]["columns"].is_null());
 }
 
 TEST_CASE("An infinite share is null in JSON", "[nhpm][report]") {

@@ -120,6 +120,10 @@ TEST_CASE("the sigmoid is right to three units in the last place, and never out 
   CHECK(Sigmoid(1000.0F) == 1.0F);
   CHECK(Sigmoid(-1000.0F) < 1e-37F);
   CHECK(Sigmoid(-1000.0F) >= 0.0F);
+  for (const float sign : {1.0F, -1.0F}) {
+    CHECK(Sigmoid(std::copysign(std::nanf(""), sign)) >= 0.0F);
+    CHECK(Sigmoid(std::copysign(std::nanf(""), sign)) <= 1.0F);
+  }
 }
 
 TEST_CASE("answers are masked by the belief and by the border", "[nhpm][encoding]") {

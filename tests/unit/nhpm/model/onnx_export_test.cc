@@ -9,6 +9,7 @@
 #include "common/runtime/file.h"
 #include "common/runtime/random.h"
 #include "nhpm/engine/training_pass.h"
+#include "support/temporary_folder.h"
 
 namespace conav::nhpm {
 namespace {
@@ -94,6 +95,7 @@ TEST_CASE("A network for any size is exported with open sizes", "[nhpm][model][o
 TEST_CASE("The export says which weights it was made of", "[nhpm][model][onnx]") {
   const NetworkModel model = ModelOf(16, 13, 13);
   CHECK(ToOnnx(model).find(ChecksumOf(model)) != std::string::npos);
+  CHECK(ToOnnx(model).find("nearness = 1 - depth / 10") != std::string::npos);
   CHECK(ToOnnx(model) == ToOnnx(model));
 }
 
@@ -104,8 +106,8 @@ int RunExport(const std::string& flags) {
 
 TEST_CASE("conav-export writes ONNX of a weights file, or says that it cannot",
           "[nhpm][model][onnx]") {
-  std::string folder = (std::filesystem::temp_directory_path() / "conav-onnx-XXXXXX").string();
-  REQUIRE(mkdtemp(folder.data()) != nullptr);
+  const test::TemporaryFolder temporary;
+  const std::string folder = temporary.path().string();
   const NetworkModel model = ModelOf(16, 13, 13);
   REQUIRE(WriteWeightsFile(folder + "/w", model));
   CHECK(RunExport("--weights " + folder + "/w --onnx " + folder + "/o") == 0);
@@ -114,7 +116,6 @@ TEST_CASE("conav-export writes ONNX of a weights file, or says that it cannot",
   CHECK(RunExport("--weights " + folder + "/o --onnx " + folder + "/p") == 1);
   CHECK(RunExport("--weights " + folder + "/w --onnx /nonexistent/o") == 1);
   CHECK(RunExport("--weights " + folder + "/w") == 2);
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

@@ -100,7 +100,7 @@ TEST_CASE("weights for one grid size refuse another by name", "[nhpm][network]")
   const std::vector<PerceptionQuery> other{MakeQuery(1, 7, 8)};
   const auto refused = network.Predict(other);
   REQUIRE_FALSE(refused);
-  CHECK(refused.error().code == ErrorCode::kInvalidArgument);
+  CHECK(refused.error().code == ErrorCode::kUnavailable);
   CHECK(refused.error().text == "belief is 7 x 8, but model nhpm is for 9 x 11 only");
 }
 
@@ -112,6 +112,32 @@ TEST_CASE("a query that cannot be answered is refused", "[nhpm][network]") {
   REQUIRE_FALSE(refused);
   CHECK(refused.error().code == ErrorCode::kInvalidArgument);
   CHECK(network.Predict({})->empty());
+}
+
+TEST_CASE("finite weights that overflow are refused, not answered", "[nhpm][network]") {
+  NetworkModel model = SmallModel();
+  std::vector<float>& last = model.weights.weights.back();
+  for (std::size_t i = 0; i < last.size(); ++i) last[i] = i % 3 == 0 ? -3e38F : 3e38F;
+  const auto refused = PerceptionNetwork(model).Predict(MakeQueries(1));
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::kOutOfRange);
+  CHECK_THAT(refused.error().text, Catch::Contains("model nhpm"));
+}
+
+TEST_CASE("memory of large grids is not kept, and that of small ones is bounded",
+          "[nhpm][network]") {
+  const PerceptionNetwork network(SmallModel());
+  CHECK(network.idle_bytes() == 0);
+  REQUIRE(network.Predict(MakeQueries(2)));
+  const std::size_t small = network.idle_bytes();
+  CHECK(small > 0);
+  REQUIRE(network.Predict(std::vector{MakeQuery(1, 640, 640)}));
+  CHECK(network.idle_bytes() == small);
+  for (int rows = 200; rows < 230; ++rows) {
+    REQUIRE(network.Predict(std::vector{MakeQuery(1, rows, 200)}));
+  }
+  CHECK(network.idle_bytes() <= PerceptionNetwork::kIdleBytes);
+  CHECK(network.idle_bytes() > PerceptionNetwork::kIdleBytes / 2);
 }
 
 TEST_CASE("the identity says which weights answer", "[nhpm][network]") {

@@ -1,7 +1,5 @@
 #include "nhpm/model/weights_file.h"
 
-#include <unistd.h>
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
@@ -10,24 +8,12 @@
 #include "common/runtime/file.h"
 #include "nhpm/model/frame.h"
 #include "nhpm/model/weights_message.h"
+#include "support/temporary_folder.h"
 
 namespace conav::nhpm {
 namespace {
 
 constexpr FrameKind kKind{.magic = "CNVW", .version = 1, .name = "weights file"};
-
-/// A path in the temporary folder, removed at the end.
-class TemporaryFile {
- public:
-  TemporaryFile()
-      : path_(std::filesystem::temp_directory_path() /
-              ("conav-weights-" + std::to_string(::getpid()))) {}
-  ~TemporaryFile() { std::filesystem::remove(path_); }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// No field at its default.
 NetworkModel SomeModel() {
@@ -40,24 +26,27 @@ NetworkModel SomeModel() {
   model.columns = 15;
   model.data_origin = "synthetic";
   model.training = {{"seed", "7"}, {"epochs", "200"}};
+  model.learned_from = {3, 5, 0xfedcba9876543210ULL};
   return model;
 }
 
 /// The error of reading a file of these bytes.
 Error ErrorOf(const std::string& bytes) {
-  const TemporaryFile file;
-  REQUIRE(WriteFile(file.path(), bytes));
-  const auto read = ReadWeightsFile(file.path());
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder / "weights.nhpm";
+  REQUIRE(WriteFile(file, bytes));
+  const auto read = ReadWeightsFile(file);
   REQUIRE_FALSE(read);
   CHECK(read.error().code == ErrorCode::kMalformed);
-  CHECK_THAT(read.error().text, Catch::StartsWith(file.path().string() + ": "));
+  CHECK_THAT(read.error().text, Catch::StartsWith(file.string() + ": "));
   return read.error();
 }
 
 std::string BytesOfSomeModel() {
-  const TemporaryFile file;
-  REQUIRE(WriteWeightsFile(file.path(), SomeModel()));
-  return ReadFile(file.path()).value();
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder / "weights.nhpm";
+  REQUIRE(WriteWeightsFile(file, SomeModel()));
+  return ReadFile(file).value();
 }
 
 /// The error of a file that is whole, but whose message was changed.
@@ -71,10 +60,11 @@ std::string ErrorOfMessage(const std::function<void(proto::Weights&)>& change) {
 }
 
 TEST_CASE("A weights file is read as it was written", "[nhpm][model][weights]") {
-  const TemporaryFile file;
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder / "weights.nhpm";
   const NetworkModel model = SomeModel();
-  REQUIRE(WriteWeightsFile(file.path(), model));
-  const auto read = ReadWeightsFile(file.path());
+  REQUIRE(WriteWeightsFile(file, model));
+  const auto read = ReadWeightsFile(file);
   REQUIRE(read);
   CHECK((*read == model));
 }
@@ -85,11 +75,12 @@ TEST_CASE("Equal models give equal files", "[nhpm][model][weights]") {
 
 TEST_CASE("All widths are kept, default values too", "[nhpm][model][weights]") {
   for (const int width : {16, 32, 64}) {
-    const TemporaryFile file;
+    const test::TemporaryFolder folder;
+    const std::filesystem::path file = folder / "weights.nhpm";
     NetworkModel model;
     model.weights = InitialWeights({width}, 1);
-    REQUIRE(WriteWeightsFile(file.path(), model));
-    CHECK((ReadWeightsFile(file.path()).value() == model));
+    REQUIRE(WriteWeightsFile(file, model));
+    CHECK((ReadWeightsFile(file).value() == model));
   }
 }
 

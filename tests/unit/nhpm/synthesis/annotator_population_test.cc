@@ -54,6 +54,17 @@ TEST_CASE("The shipped file of people holds every key with its default", "[nhpm]
   CHECK(KeysOf(LoadParameters(kShippedFile, "annotators")) == KeysOf(writer.emitted()));
 }
 
+TEST_CASE("Each of the shipped people can be read, and none is careless", "[nhpm][synthesis]") {
+  const std::filesystem::path folder = kShippedFile.parent_path() / "people";
+  int people = 0;
+  for (const auto& file : std::filesystem::directory_iterator(folder)) {
+    CAPTURE(file.path());
+    CHECK(ReadPopulation(file.path()).careless_share == 0.0);
+    ++people;
+  }
+  CHECK(people == 10);
+}
+
 TEST_CASE("A file of people changes what it names and keeps the rest", "[nhpm][synthesis]") {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "people.yaml")

@@ -1,6 +1,7 @@
 #include "nhpm/synthesis/mapping_task.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <set>
 
 #include "common/grid/camera_lens.h"
@@ -132,6 +133,34 @@ TEST_CASE("After the goals the robot prefers places where the map is wrong", "[n
     return near / 500.0;
   };
   CHECK(wrong_around(attracted) > 1.15 * wrong_around(indifferent));
+}
+
+TEST_CASE("Where no place attracts the robot, it goes to any", "[nhpm][synthesis]") {
+  MappingTaskOptions options;
+  options.background = 0.0;
+  options.attraction_cells = 0.0;  // only cells that are wrong themselves
+  options.corruption.wrong_share = 0.0;
+  Annotator annotator;
+  annotator.reader.guess_probability = 0.0;
+  annotator.extra_pictures = 60;
+  const auto trajectory = RunMappingTask(options, annotator, 1);
+  REQUIRE(trajectory.has_value());
+  std::set<Cell> visited;
+  for (const Segment& segment : trajectory->segments) visited.insert(segment.query.cell);
+  CHECK(visited.size() > 30);
+}
+
+TEST_CASE("Options of the task out of range are refused by name", "[nhpm][synthesis]") {
+  const auto refusal = [](const MappingTaskOptions& options) {
+    const auto trajectory = RunMappingTask(options, {}, 1);
+    REQUIRE_FALSE(trajectory.has_value());
+    CHECK(trajectory.error().code == ErrorCode::kInvalidArgument);
+    return trajectory.error().text;
+  };
+  CHECK(refusal({.headings = 0}) == "headings = 0: not from 1 to 360");
+  CHECK_THAT(refusal({.background = -1.0}), Catch::StartsWith("background = -1"));
+  CHECK_THAT(refusal({.background = std::nan("")}), Catch::StartsWith("background = nan"));
+  CHECK_THAT(refusal({.attraction_cells = -1.0}), Catch::StartsWith("attraction_cells = -1"));
 }
 
 TEST_CASE("Equal seeds give equal trajectories, other seeds other mazes, maps and ways",

@@ -95,6 +95,34 @@ TEST_CASE("What never or always happened in the draws gets half an event", "[nhp
   CHECK(always == Approx(2000.5 / 2001.0));
 }
 
+TEST_CASE("The mean over two people counts the looks of both", "[nhpm][synthesis]") {
+  const std::array people{EditsWith(0.0), EditsWith(1.0)};
+  const PerceptionQuery query = FalseWallAhead();
+  Random random(1);
+  const PerceptionAnswer answer = AverageOracleAnswer(people, query, 10, random);
+  CHECK(answer.remove[Cell{1, 3}] == 10.5F / 21.0F);
+  for (std::size_t i = 0; i < answer.add.size(); ++i) {
+    CHECK(answer.add.values()[i] == 0.0F);
+    if (answer.remove.CellAt(i) != Cell{1, 3}) CHECK(answer.remove.values()[i] == 0.0F);
+  }
+  const std::array queries{query, query};
+  const auto answers = AverageOracleAnswers(people, queries, {.draws = 20, .threads = 2});
+  REQUIRE(answers.size() == 2);
+  CHECK(answers[0] == answer);
+  CHECK(answers[1] == answer);
+}
+
+TEST_CASE("The oracle tells of each trajectory that is answered", "[nhpm][synthesis]") {
+  std::vector<std::size_t> told;
+  OracleOptions options{.draws = 2000, .threads = 2};
+  options.progress = [&](std::size_t done, std::size_t total) {
+    told.push_back(done);
+    CHECK(total == 3);
+  };
+  Ask(Unfiltered(3), options);
+  CHECK(told == std::vector<std::size_t>{1, 2, 3});
+}
+
 TEST_CASE("The oracle expects as many edits as are made, within the sampling error",
           "[nhpm][synthesis]") {
   const std::vector<Trajectory> trajectories = Unfiltered(150);

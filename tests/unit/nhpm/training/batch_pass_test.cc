@@ -47,19 +47,28 @@ TEST_CASE("A gradient does not remember the batch before", "[nhpm][training]") {
   CHECK((first == second));
 }
 
+/// One of a network's numbers.
+struct Parameter {
+  std::size_t layer = 0;
+  bool is_bias = false;
+  std::size_t index = 0;
+};
+
 /// A network in double, written as the paper's appendix says it, to differentiate by differences.
 class ReferenceNetwork {
  public:
   ReferenceNetwork(int rows, int columns) : rows_(rows), columns_(columns) {}
 
-  double Loss(const NetworkWeights& weights, const Example& example, std::size_t layer,
-              std::size_t index, double change) const {
+  /// After adding `change` to one parameter.
+  double Loss(const NetworkWeights& weights, const Example& example,
+              const Parameter& parameter = {}, double change = 0.0) const {
     std::vector<double> values(example.input.begin(), example.input.end());
     for (int i = 0; i < kNetworkLayers; ++i) {
       const auto at = static_cast<std::size_t>(i);
       std::vector<double> w(weights.weights[at].begin(), weights.weights[at].end());
-      if (at == layer) w[index] += change;
-      values = Convolve(values, w, weights.biases[at], weights.shape.InputsOf(i));
+      std::vector<double> biases(weights.biases[at].begin(), weights.biases[at].end());
+      if (at == parameter.layer) (parameter.is_bias ? biases : w)[parameter.index] += change;
+      values = Convolve(values, w, biases, weights.shape.InputsOf(i));
       if (i + 1 < kNetworkLayers) {
         for (double& value : values) value = std::fmax(value, 0.0);
       }
@@ -69,12 +78,12 @@ class ReferenceNetwork {
 
  private:
   std::vector<double> Convolve(const std::vector<double>& in, const std::vector<double>& w,
-                               const std::vector<float>& biases, int inputs) const {
+                               const std::vector<double>& biases, int inputs) const {
     const int outputs = static_cast<int>(biases.size());
     std::vector<double> out;
     for (int cell = 0; cell < rows_ * columns_; ++cell) {
       for (int o = 0; o < outputs; ++o) {
-        double sum = static_cast<double>(biases[static_cast<std::size_t>(o)]);
+        double sum = biases[static_cast<std::size_t>(o)];
         for (int tap = 0; tap < 9; ++tap) {
           const int row = cell / columns_ + tap / 3 - 1;
           const int column = cell % columns_ + tap % 3 - 1;
@@ -106,20 +115,29 @@ class ReferenceNetwork {
 TEST_CASE("The gradient agrees with differences of the loss in every layer", "[nhpm][training]") {
   const ExampleSet set = MadeUpExamples(5, 6, 1, 11);
   const Example& example = set.examples[0];
-  const NetworkWeights weights = InitialWeights({16}, 12, -1.0F);
-  NetworkWeights gradient = ZeroWeights({16});
+  const NetworkShape shape{GENERATE(16, 32, 64)};
+  NetworkWeights weights = InitialWeights(shape, 12, -1.0F);
+  Random random(13);
+  for (auto& biases : weights.biases) {
+    for (float& bias : biases) bias += static_cast<float>(0.2 * random.Unit() - 0.1);
+  }
+  NetworkWeights gradient = ZeroWeights(shape);
   const BatchItem item{&example, 0};
-  BatchPass({16}, 5, 6, 1).Gradient(TrainingWeights(weights), {&item, 1}, gradient);
+  BatchPass(shape, 5, 6, 1).Gradient(TrainingWeights(weights), {&item, 1}, gradient);
   const ReferenceNetwork reference(5, 6);
   for (std::size_t layer = 0; layer < kNetworkLayers; ++layer) {
-    for (std::size_t i = 0; i < gradient.weights[layer].size(); i += 29) {
-      INFO("layer " << layer << " weight " << i);
-      constexpr double kStep = 1e-6;
-      const double slope = (reference.Loss(weights, example, layer, i, kStep) -
-                            reference.Loss(weights, example, layer, i, -kStep)) /
-                           (2.0 * kStep);
-      CHECK(static_cast<double>(gradient.weights[layer][i]) ==
-            Approx(slope).epsilon(2e-4).margin(2e-7));
+    for (const bool is_bias : {false, true}) {
+      const std::vector<float>& values = (is_bias ? gradient.biases : gradient.weights)[layer];
+      for (std::size_t i = 0; i < values.size(); i += 1 + values.size() / 20) {
+        INFO("width " << shape.width << " layer " << layer << (is_bias ? " bias " : " weight ")
+                      << i);
+        constexpr double kStep = 1e-6;
+        const Parameter parameter{layer, is_bias, i};
+        const double slope = (reference.Loss(weights, example, parameter, kStep) -
+                              reference.Loss(weights, example, parameter, -kStep)) /
+                             (2.0 * kStep);
+        CHECK(static_cast<double>(values[i]) == Approx(slope).epsilon(2e-4).margin(2e-7));
+      }
     }
   }
 }
@@ -128,7 +146,7 @@ TEST_CASE("The loss is that of the reference network", "[nhpm][training]") {
   const ExampleSet set = MadeUpExamples(4, 7, 1, 13);
   const NetworkWeights weights = InitialWeights({16}, 14, -1.0F);
   const double loss = BatchPass({16}, 4, 7, 1).MeanLoss(TrainingWeights(weights), set.examples);
-  const double expected = ReferenceNetwork(4, 7).Loss(weights, set.examples[0], 0, 0, 0.0);
+  const double expected = ReferenceNetwork(4, 7).Loss(weights, set.examples[0]);
   CHECK(loss == Approx(expected).epsilon(1e-5));
 }
 

@@ -1,26 +1,13 @@
 #include "nhpm/training/checkpoint.h"
 
-#include <unistd.h>
-
 #include <catch2/catch.hpp>
 #include <limits>
 
 #include "common/runtime/file.h"
+#include "support/temporary_folder.h"
 
 namespace conav::nhpm {
 namespace {
-
-class TemporaryFile {
- public:
-  TemporaryFile()
-      : path_(std::filesystem::temp_directory_path() /
-              ("conav-checkpoint-" + std::to_string(::getpid()))) {}
-  ~TemporaryFile() { std::filesystem::remove(path_); }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 Checkpoint SomeCheckpoint() {
   Checkpoint checkpoint;
@@ -34,20 +21,22 @@ Checkpoint SomeCheckpoint() {
 }
 
 Error ErrorOf(const Checkpoint& checkpoint) {
-  const TemporaryFile file;
-  REQUIRE(WriteCheckpoint(file.path(), checkpoint));
-  const auto read = ReadCheckpoint(file.path());
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder / "checkpoint";
+  REQUIRE(WriteCheckpoint(file, checkpoint));
+  const auto read = ReadCheckpoint(file);
   REQUIRE_FALSE(read);
   CHECK(read.error().code == ErrorCode::kMalformed);
-  CHECK_THAT(read.error().text, Catch::StartsWith(file.path().string() + ": "));
+  CHECK_THAT(read.error().text, Catch::StartsWith(file.string() + ": "));
   return read.error();
 }
 
 TEST_CASE("A checkpoint is read as it was written", "[nhpm][training]") {
-  const TemporaryFile file;
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder / "checkpoint";
   const Checkpoint checkpoint = SomeCheckpoint();
-  REQUIRE(WriteCheckpoint(file.path(), checkpoint));
-  const auto read = ReadCheckpoint(file.path());
+  REQUIRE(WriteCheckpoint(file, checkpoint));
+  const auto read = ReadCheckpoint(file);
   REQUIRE(read);
   CHECK((*read == checkpoint));
 }
@@ -55,12 +44,13 @@ TEST_CASE("A checkpoint is read as it was written", "[nhpm][training]") {
 TEST_CASE("A checkpoint that is missing, cut off, damaged or something else is refused",
           "[nhpm][training]") {
   CHECK(ReadCheckpoint("/nonexistent/x").error().code == ErrorCode::kNotFound);
-  const TemporaryFile file;
-  REQUIRE(WriteCheckpoint(file.path(), SomeCheckpoint()));
-  std::string bytes = ReadFile(file.path()).value();
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder / "checkpoint";
+  REQUIRE(WriteCheckpoint(file, SomeCheckpoint()));
+  std::string bytes = ReadFile(file).value();
   const auto refused = [&](std::string_view changed) {
-    REQUIRE(WriteFile(file.path(), changed));
-    const auto read = ReadCheckpoint(file.path());
+    REQUIRE(WriteFile(file, changed));
+    const auto read = ReadCheckpoint(file);
     return !read && read.error().code == ErrorCode::kMalformed;
   };
   for (const std::size_t size : {0UL, 3UL, 79UL, 80UL, 81UL, bytes.size() / 2, bytes.size() - 1}) {

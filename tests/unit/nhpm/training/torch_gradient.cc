@@ -1,23 +1,12 @@
 // Apart from the test: torch's headers bring a CHECK of their own.
 #include "unit/nhpm/training/torch_gradient.h"
 
-#include <torch/torch.h>
+#include "support/torch_stack.h"
 
 namespace conav::nhpm {
 namespace {
 
-/// [examples][channels][rows][columns] of values that are kept as [rows][columns][channels].
-template <class Value>
-torch::Tensor Stack(const ExampleSet& set, int channels, Value value) {
-  const auto count = static_cast<std::int64_t>(set.examples.size());
-  torch::Tensor stacked = torch::zeros({count, set.rows, set.columns, channels});
-  float* to = stacked.data_ptr<float>();
-  const auto size = static_cast<std::size_t>(set.rows * set.columns * channels);
-  for (const Example& example : set.examples) {
-    for (std::size_t i = 0; i < size; ++i) *to++ = value(example, i);
-  }
-  return stacked.permute({0, 3, 1, 2}).contiguous();
-}
+using test::Stack;
 
 /// A parameter with gradient of a copy of `values`.
 torch::Tensor Parameter(const std::vector<float>& values, torch::IntArrayRef shape) {

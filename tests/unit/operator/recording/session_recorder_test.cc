@@ -208,6 +208,30 @@ TEST_CASE("With two pictures open an edit belongs to the one answered next",
   CHECK(Edits(second.segment) == std::vector<Cell>{{3, 3}});
 }
 
+TEST_CASE("Guidance that answers no picture takes no edit from the open ones",
+          "[operator][recording]") {
+  Session session;
+  session.Send("r1", 1);
+  session.Edit({1, 1});
+  session.Answer("r2", 0);
+  session.Edit({3, 3});
+  session.Answer("r1", 1);
+  const Segment segment = session.Only().segment;
+  CHECK(Edits(segment) == std::vector<Cell>{{1, 1}, {3, 3}});
+  CHECK(segment.first_edit_s == 2.0);
+}
+
+TEST_CASE("The first edit of a picture is the first since it came", "[operator][recording]") {
+  Session session;
+  session.Edit({3, 3});
+  session.Send("r1", 1);
+  session.Edit({1, 1});
+  session.Answer("r1", 1);
+  const Segment segment = session.Only().segment;
+  CHECK(Edits(segment) == std::vector<Cell>{{1, 1}});
+  CHECK(segment.first_edit_s == 3.0);
+}
+
 TEST_CASE("A picture without an answer ends with the robot's next one", "[operator][recording]") {
   Session session;
   session.Send("r1", 1);

@@ -3,83 +3,12 @@
 #include <catch2/catch.hpp>
 #include <future>
 
-#include "common/bus/in_memory_bus.h"
-#include "common/protocol/convert.h"
-#include "common/runtime/log.h"
-#include "conformance/perception_model_conformance.h"
+#include "unit/planner/perception/scripted_service.h"
 
 namespace conav::planner {
 namespace {
 
-using conformance::MakeQueries;
-using conformance::MakeQuery;
-using RequestMessage = conav_msgs::msg::PerceptionRequest;
-using ReplyMessage = conav_msgs::msg::PerceptionReply;
-using std::chrono::milliseconds;
-
-/// Replies in the test's hand: `on_request` is called inside of the asker's Publish().
-class ScriptedService {
- public:
-  using OnRequest = std::function<void(ScriptedService&, const RequestMessage&)>;
-
-  ScriptedService(std::shared_ptr<bus::InMemoryBus> bus, OnRequest on_request)
-      : participant_("nhpm", std::move(bus)),
-        replies_(participant_, bus::kPerceptionReply),
-        requests_(participant_, bus::kPerceptionRequest, {},
-                  [this, on_request](RequestMessage&& message) {
-                    ++asked;
-                    on_request(*this, message);
-                  }) {}
-
-  void Reply(const ReplyMessage& message) { REQUIRE(replies_.Publish(message)); }
-
-  std::atomic<int> asked{0};
-
- private:
-  bus::Participant participant_;
-  bus::Publisher<ReplyMessage> replies_;
-  bus::Subscriber<RequestMessage> requests_;
-};
-
-/// A right reply: every probability is 0.5.
-ReplyMessage HalfReply(const RequestMessage& request) {
-  PerceptionReply reply{.client = request.client(),
-                        .request_id = request.request_id(),
-                        .replica = "nhpm",
-                        .model = "half",
-                        .model_version = "1",
-                        .model_checksum = std::string(64, '5')};
-  const Grid<float> half(static_cast<int>(request.rows()), static_cast<int>(request.columns()),
-                         0.5F);
-  for (std::size_t i = 0; i < request.queries().size(); ++i) reply.answers.push_back({half, half});
-  return ToMessage(reply);
-}
-
-struct RemoteBench {
-  explicit RemoteBench(ScriptedService::OnRequest on_request,
-                       RemotePerceptionModel::Options options = Quick()) {
-    service = std::make_unique<ScriptedService>(bus, std::move(on_request));
-    model = std::make_unique<RemotePerceptionModel>(participant, options);
-  }
-  static RemotePerceptionModel::Options Quick() {
-    return {.timeout = milliseconds(100),
-            .retry_interval = milliseconds(10),
-            .busy_pause = milliseconds(5)};
-  }
-  auto Ask() { return model->Predict(MakeQueries(2)); }
-
-  std::shared_ptr<bus::InMemoryBus> bus = std::make_shared<bus::InMemoryBus>();
-  bus::Participant participant{"planner", bus};
-  std::unique_ptr<ScriptedService> service;
-  std::unique_ptr<RemotePerceptionModel> model;
-};
-
-void ExpectFailure(RemoteBench& bench, ErrorCode code, const std::string& text) {
-  const auto answers = bench.Ask();
-  REQUIRE_FALSE(answers);
-  CHECK(answers.error().code == code);
-  CHECK(answers.error().text == text);
-}
+using namespace tests;
 
 TEST_CASE("The model that replied gives its name", "[planner][perception]") {
   RemoteBench bench([](auto& service, const auto& request) { service.Reply(HalfReply(request)); });
@@ -168,56 +97,6 @@ TEST_CASE("Replies to others and to older requests are ignored", "[planner][perc
   CHECK(bench.Ask());
 }
 
-TEST_CASE("A refusal is a failure of that service, given with its reason",
-          "[planner][perception]") {
-  RemoteBench bench([](auto& service, const auto& request) {
-    ReplyMessage reply = HalfReply(request);
-    reply.status(conav_msgs::msg::PERCEPTION_STATUS_REFUSED);
-    reply.reason("too large");
-    reply.answers().clear();
-    service.Reply(reply);
-  });
-  ExpectFailure(bench, ErrorCode::kUnavailable, "perception service refused: too large");
-}
-
-TEST_CASE("A reply that does not fit the request is refused, counted and logged",
-          "[planner][perception]") {
-  std::vector<std::string> lines;
-  log::SetSink([&lines](const log::Record& record) { lines.emplace_back(record.text); });
-  RemoteBench bench([](auto& service, const auto& request) {
-    ReplyMessage reply = HalfReply(request);
-    reply.answers().pop_back();
-    if (request.request_id() == 2) reply.answers()[0].add().pop_back();
-    service.Reply(reply);
-  });
-  ExpectFailure(bench, ErrorCode::kUnavailable,
-                "perception reply: answers has size 1, not that of the queries, 2");
-  ExpectFailure(bench, ErrorCode::kUnavailable,
-                "perception reply: answers[0].add has size 98, not 9 x 11");
-  log::SetSink(nullptr);
-  CHECK(bench.model->refused() == 2);
-  CHECK_THAT(lines, Catch::VectorContains<std::string>(
-                        "message refused topic=/conav/perception/reply reason=answers has size 1, "
-                        "not that of the queries, 2 count=1"));
-}
-
-TEST_CASE("Only replicas with another model: unavailable, with their reason",
-          "[planner][perception]") {
-  auto options = RemoteBench::Quick();
-  options.model = "network";
-  RemoteBench bench(
-      [](auto& service, const auto& request) {
-        CHECK(request.model() == "network");
-        ReplyMessage reply = HalfReply(request);
-        reply.status(conav_msgs::msg::PERCEPTION_STATUS_REFUSED);
-        reply.reason("'network' is not served here");
-        service.Reply(reply);
-      },
-      options);
-  CHECK(bench.model->name() == "network");
-  ExpectFailure(bench, ErrorCode::kUnavailable, "'network' is not served here");
-}
-
 TEST_CASE("A batch of several shapes and of very many queries is split and put together again",
           "[planner][perception]") {
   RemoteBench bench([](auto& service, const auto& request) { service.Reply(HalfReply(request)); },
@@ -231,43 +110,6 @@ TEST_CASE("A batch of several shapes and of very many queries is split and put t
   CHECK(answers->at(300).add.rows() == 7);
   CHECK(answers->at(301).add.columns() == 11);
   CHECK(bench.service->asked == 4);
-}
-
-/// A reply that says only how it went.
-ReplyMessage WithoutAnswers(const RequestMessage& request, std::uint8_t status,
-                            const std::string& reason) {
-  ReplyMessage reply = HalfReply(request);
-  reply.status(status);
-  reply.reason(reason);
-  reply.answers().clear();
-  return reply;
-}
-
-ReplyMessage BusyReply(const RequestMessage& request) {
-  return WithoutAnswers(request, conav_msgs::msg::PERCEPTION_STATUS_BUSY, "9 requests are open");
-}
-
-TEST_CASE("A busy service is asked again after a pause", "[planner][perception]") {
-  RemoteBench bench([](auto& service, const auto& request) {
-    service.Reply(service.asked < 3 ? BusyReply(request) : HalfReply(request));
-  });
-  REQUIRE(bench.Ask());
-  CHECK(bench.service->asked == 3);
-  CHECK(bench.model->busy() == 2);
-}
-
-TEST_CASE("A service that stays busy is unavailable, with its reason", "[planner][perception]") {
-  RemoteBench bench([](auto& service, const auto& request) { service.Reply(BusyReply(request)); });
-  ExpectFailure(bench, ErrorCode::kUnavailable, "perception service is busy: 9 requests are open");
-}
-
-TEST_CASE("The good reply of another replica counts while one is busy", "[planner][perception]") {
-  RemoteBench bench([](auto& service, const auto& request) {
-    service.Reply(BusyReply(request));
-    service.Reply(HalfReply(request));
-  });
-  REQUIRE(bench.Ask());
-  CHECK(bench.service->asked == 1);
 }
 
 TEST_CASE("A request says how long its answer is of use, and a repeat says what is left",
@@ -294,39 +136,6 @@ TEST_CASE("The replica that answered is asked next, and all when it does not ans
   REQUIRE(bench.Ask());
   REQUIRE(bench.Ask());
   CHECK(addressed == std::vector<std::string>{"", "nhpm", ""});
-}
-
-TEST_CASE("An answer of other weights than those wanted is refused", "[planner][perception]") {
-  auto options = RemoteBench::Quick();
-  options.model_checksum = std::string(64, '6');
-  RemoteBench bench(
-      [](auto& service, const auto& request) {
-        CHECK(request.model_checksum() == std::string(64, '6'));
-        service.Reply(HalfReply(request));
-      },
-      options);
-  ExpectFailure(
-      bench, ErrorCode::kUnavailable,
-      "model 'half' " + std::string(64, '5') + " answered, wanted '' " + std::string(64, '6'));
-}
-
-TEST_CASE("The reply of a replica with the wanted model counts, whatever the others say",
-          "[planner][perception]") {
-  auto options = RemoteBench::Quick();
-  options.model = "half";
-  RemoteBench bench(
-      [](auto& service, const auto& request) {
-        ReplyMessage other = HalfReply(request);
-        other.model("whole");
-        other.replica("nhpm-2");
-        service.Reply(other);
-        service.Reply(HalfReply(request));
-      },
-      options);
-  const auto answers = bench.Ask();
-  REQUIRE(answers);
-  CHECK(bench.model->name() == "half");
-  CHECK(bench.model->identity() == "half " + std::string(64, '5'));
 }
 
 TEST_CASE("Whose edits are wanted is passed on", "[planner][perception]") {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <optional>
 
 #include "conformance/perception_model_conformance.h"
 #include "planner/search/fake_perception_model.h"
@@ -97,11 +98,14 @@ class ChangingModel final : public PerceptionModel {
  public:
   [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
       std::span<const PerceptionQuery> queries) override {
-    return FakePerceptionModel({.near_probability = probability}).Predict(queries);
+    auto answers = FakePerceptionModel({.near_probability = probability}).Predict(queries);
+    if (next_probability) probability = *next_probability;
+    return answers;
   }
   std::string name() const override { return "changing"; }
   std::string identity() const override { return std::to_string(probability); }
   double probability = 0.5;
+  std::optional<double> next_probability;  // from the end of the next Predict() on
 };
 
 TEST_CASE("answers are forgotten when another model answers from now on", "[planner][search]") {
@@ -114,6 +118,32 @@ TEST_CASE("answers are forgotten when another model answers from now on", "[plan
   CHECK(*model.Predict(queries) == *inner->Predict(queries));
   CHECK(model.counts().asked == 4);
   CHECK(model.counts().cached == 0);
+}
+
+TEST_CASE("answers that came while the model changed are not remembered", "[planner][search]") {
+  const auto inner = std::make_shared<ChangingModel>();
+  CachedPerceptionModel model(inner);
+  const auto queries = MakeQueries(2);
+  inner->next_probability = 0.25;
+  REQUIRE(model.Predict(queries));
+  CHECK(model.counts().asked == 2);
+  CHECK(*model.Predict(queries) == *inner->Predict(queries));
+  CHECK(model.counts().asked == 4);
+}
+
+TEST_CASE("a batch does not mix remembered answers with those of a model that came meanwhile",
+          "[planner][search]") {
+  const auto inner = std::make_shared<ChangingModel>();
+  CachedPerceptionModel model(inner);
+  const auto queries = MakeQueries(3);
+  REQUIRE(model.Predict(std::span(queries).first(2)));
+  inner->next_probability = 0.25;
+  const auto answers = model.Predict(queries);
+  CHECK(*answers == *inner->Predict(queries));
+  CHECK(model.counts().asked == 2 + 1 + 3);
+  CHECK(model.counts().cached == 0);
+  REQUIRE(model.Predict(queries));
+  CHECK(model.counts().cached == 3);
 }
 
 TEST_CASE("the oldest answers are dropped when the cache is full", "[planner][search]") {

@@ -12,11 +12,11 @@ namespace conav::planner {
 
 /// The perception models of a planner, as its config asks for: the nhpm service or a model in this
 /// process, with the embedded GLPF to fall back on.
-class Perception {
+class PerceptionSetup {
  public:
   /// `participant` and `clock` outlive it. Throws StartupError when the embedded model's weights
   /// cannot be read.
-  Perception(bus::Participant& participant, const PlannerConfig& config, const Clock& clock);
+  PerceptionSetup(bus::Participant& participant, const PlannerConfig& config, const Clock& clock);
 
   /// For the robots of one world. Each world has its own memory of answers and its own state of
   /// fallback, because maps of different worlds may differ in size and a network may be made for

@@ -1,4 +1,4 @@
-#include "planner/make_perception.h"
+#include "planner/perception_setup.h"
 
 #include <catch2/catch.hpp>
 
@@ -22,7 +22,7 @@ struct Bench {
   }
   ~Bench() { log::SetSink(nullptr); }
 
-  Perception Make() { return Perception(participant, config, clock); }
+  PerceptionSetup Make() { return PerceptionSetup(participant, config, clock); }
   int Lines(const std::string& text) const {
     return static_cast<int>(std::count_if(lines.begin(), lines.end(), [&](const auto& line) {
       return line.find(text) != std::string::npos;
@@ -52,7 +52,7 @@ TEST_CASE("On a grid that the network was not made for the GLPF answers, in that
           "[planner][perception]") {
   Bench bench;
   bench.config.weights = bench.folder.Write("own", test::UntrainedNetwork(3, 13, 13));
-  const Perception perception = bench.Make();
+  const PerceptionSetup perception = bench.Make();
   const auto fitting = perception.ForWorld("w1");
   const auto other = perception.ForWorld("w2");
   const std::vector large{MakeQuery(1, 13, 13)};
@@ -87,8 +87,8 @@ TEST_CASE("Weights that an embedded network does not find stop the start",
           "[planner][perception]") {
   Bench bench;
   bench.config.weights = "/nowhere/a.nhpm";
-  CHECK_THROWS_WITH(bench.Make(), Catch::Contains("planner.perception_model") &&
-                                      Catch::Contains("/nowhere/a.nhpm"));
+  CHECK_THROWS_WITH(bench.Make(),
+                    Catch::Contains("planner.weights: ") && Catch::Contains("/nowhere/a.nhpm"));
 }
 
 std::string Refusal(const std::string& yaml) {

@@ -1,4 +1,4 @@
-#include "planner/make_perception.h"
+#include "planner/perception_setup.h"
 
 #include "common/runtime/log.h"
 #include "nhpm/model/load_model.h"
@@ -22,7 +22,7 @@ void ReportSwitch(const std::string& world, const std::string& model,
 
 std::shared_ptr<PerceptionModel> MakeEmbedded(const PlannerConfig& config) {
   auto model = nhpm::LoadEditModel(config.perception_model, config.weights, {});
-  if (!model) throw StartupError("planner.perception_model: " + model.error().text);
+  if (!model) throw StartupError("planner.weights: " + model.error().text);
   const nhpm::ModelIdentity& identity = (*model)->identity();
   LOG_INFO("perception model loaded", "model", identity.name, "version", identity.version,
            "checksum", identity.checksum);
@@ -41,15 +41,15 @@ std::shared_ptr<PerceptionModel> MakeRemote(bus::Participant& participant,
 
 }  // namespace
 
-Perception::Perception(bus::Participant& participant, const PlannerConfig& config,
-                       const Clock& clock)
+PerceptionSetup::PerceptionSetup(bus::Participant& participant, const PlannerConfig& config,
+                                 const Clock& clock)
     : clock_(clock),
-      needs_fallback_(config.perception == "remote" || config.perception_model != "glpf"),
+      needs_fallback_(config.perception == "remote" || config.perception_model != kGlpfModel),
       primary_(config.perception == "remote" ? MakeRemote(participant, config)
                                              : MakeEmbedded(config)),
       glpf_(std::make_shared<EmbeddedPerceptionModel>()) {}
 
-std::shared_ptr<PerceptionModel> Perception::ForWorld(const std::string& world) const {
+std::shared_ptr<PerceptionModel> PerceptionSetup::ForWorld(const std::string& world) const {
   if (!needs_fallback_) return primary_;
   return std::make_shared<FallbackPerceptionModel>(
       std::make_shared<CachedPerceptionModel>(primary_), glpf_, FallbackPerceptionModel::Options{},

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/runtime/file_options.h"
+#include "common/runtime/result.h"
+
+/// How the programs of this folder speak to their user: results on standard output or into files,
+/// all else on standard error.
+namespace conav::nhpm {
+
+/// Prints "conav train: <what went wrong>" on standard error and gives exit code 1.
+int Failed(std::string_view program, const Error& error);
+
+/// The same for wrong use: exit code 2.
+int Refused(std::string_view program, const std::string& reason);
+
+/// "conav train: warning: <text>" on standard error.
+void Warn(std::string_view program, const std::string& text);
+
+/// The warning of weights whose file does not say which trajectories they learned from.
+std::string UnknownLearning(const std::filesystem::path& weights);
+
+/// 0, or what Failed gives.
+int ExitCode(std::string_view program, const Result<void>& done);
+
+/// Errors: kIo when it is full or closed.
+[[nodiscard]] Result<void> WriteStandardOutput(std::string_view text);
+
+/// Writes into the file `path`; "-" is standard output, empty nowhere. Errors: kIo.
+[[nodiscard]] Result<void> WriteOutput(const std::filesystem::path& path, std::string_view text);
+
+/// JsonText, likewise.
+[[nodiscard]] Result<void> WriteJsonOutput(const std::filesystem::path& path,
+                                           const nlohmann::ordered_json& document);
+
+/// Before long work rather than after it: whether no output is an input or another output, and
+/// WriteOutput can write to all of them. 0; else prints the reason and gives 2 for the first, 1 for
+/// the second.
+int CheckFiles(std::string_view program, const std::vector<FileOption>& inputs,
+               const std::vector<FileOption>& outputs);
+
+}  // namespace conav::nhpm
