@@ -27,8 +27,9 @@ BEGIN {
   wires = in_service && (part[4] == "" || part[3] == "simulated_operator" || part[3] == "client" || part[3] == "perception")
   other = inc
   sub(/\/.*/, "", other)
-  # An offline tool: synthetic annotators look at the simulator's mazes.
-  synthesises = below("services/nhpm/synthesis/") && inc ~ /^(sim\/world|operator\/simulated)\//
+  # Offline: synthetic annotators look at the simulator's mazes, experiments play in them.
+  synthesises = (below("services/nhpm/synthesis/") && inc ~ /^(sim\/world|operator\/simulated)\//) ||
+                (below("services/planner/experiment/") && inc ~ /^(sim\/world|operator\/simulated|nhpm\/model)\//)
   is_service = other ~ /^(sim|planner|nhpm|operator)$/ && inc ~ /\//
 
   if (is_vendor && !any_below(vendor_places)) refuse("only services/common/bus includes DDS")

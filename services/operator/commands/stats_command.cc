@@ -2,12 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "common/console/console.h"
 #include "common/runtime/file.h"
 #include "common/runtime/sha256.h"
 #include "operator/statistics/report.h"
@@ -15,43 +14,7 @@
 namespace conav::statistics {
 namespace {
 
-int Failed(const Error& error) {
-  fmt::print(stderr, "conav stats: {}\n", error.text);
-  return 1;
-}
-
-/// Both exist, or would, in one place.
-bool SameFile(const std::filesystem::path& a, const std::filesystem::path& b) {
-  if (a.empty() || b.empty()) return false;
-  std::error_code ignored;
-  return std::filesystem::equivalent(a, b, ignored) ||
-         std::filesystem::absolute(a).lexically_normal() ==
-             std::filesystem::absolute(b).lexically_normal();
-}
-
-/// 0, or 2 after a message: nothing that is written may replace something else.
-int CheckUse(const StatsArguments& arguments) {
-  if (SameFile(arguments.json, arguments.html)) {
-    fmt::print(stderr, "conav stats: --json and --html both go to {}\n", arguments.json.string());
-    return 2;
-  }
-  for (const auto& path : {arguments.json, arguments.html}) {
-    if (path != "-" && SameFile(path, arguments.data)) {
-      fmt::print(stderr, "conav stats: {} is the data; write to another file\n", path.string());
-      return 2;
-    }
-  }
-  return 0;
-}
-
-/// Before the work rather than after it.
-Result<void> CheckOutputs(const StatsArguments& arguments) {
-  for (const auto& path : {arguments.json, arguments.html}) {
-    if (path.empty() || path == "-") continue;
-    if (const auto checked = CheckWritable(path); !checked) return checked;
-  }
-  return {};
-}
+constexpr const char* kProgram = "conav stats";
 
 Result<Analysis> AnalyseFile(const StatsArguments& arguments) {
   const auto bytes = ReadFile(arguments.data);
@@ -64,39 +27,31 @@ Result<Analysis> AnalyseFile(const StatsArguments& arguments) {
   return analysis;
 }
 
-Result<void> Print(const std::string& text) {
-  std::fwrite(text.data(), 1, text.size(), stdout);
-  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return {};
-  return Fail(ErrorCode::kIo, fmt::format("standard output: {}", std::strerror(errno)));
-}
-
-Result<void> Write(const std::filesystem::path& path, const std::string& text) {
-  if (path.empty()) return {};
-  return path == "-" ? Print(text) : WriteFile(path, text);
-}
-
 Result<void> WriteAll(const StatsArguments& arguments, const Analysis& analysis) {
   const std::string tables = ReportText(analysis);
   if (arguments.json == "-" || arguments.html == "-") {
     fmt::print(stderr, "{}", tables);
-  } else if (auto printed = Print(tables); !printed) {
+  } else if (auto printed = WriteStandardOutput(tables); !printed) {
     return printed;
   }
-  if (auto written = Write(arguments.json, ReportJson(analysis).dump(2) + "\n"); !written) {
+  if (auto written = WriteJsonOutput(arguments.json, ReportJson(analysis)); !written) {
     return written;
   }
-  return Write(arguments.html, ReportPage(analysis));
+  return WriteOutput(arguments.html, ReportPage(analysis));
 }
 
 }  // namespace
 
 int RunStats(const StatsArguments& arguments) {
-  if (const int code = CheckUse(arguments); code != 0) return code;
-  if (const auto checked = CheckOutputs(arguments); !checked) return Failed(checked.error());
+  if (arguments.json == "-" && arguments.html == "-") {
+    return Refused(kProgram, "only one of --json and --html can go to standard output");
+  }
+  const int code = CheckFiles(kProgram, {{"FILE", arguments.data}},
+                              {{"--json", arguments.json}, {"--html", arguments.html}});
+  if (code != 0) return code;
   const auto analysis = AnalyseFile(arguments);
-  if (!analysis) return Failed(analysis.error());
-  const auto written = WriteAll(arguments, *analysis);
-  return written ? 0 : Failed(written.error());
+  if (!analysis) return Failed(kProgram, analysis.error());
+  return ExitCode(kProgram, WriteAll(arguments, *analysis));
 }
 
 }  // namespace conav::statistics

@@ -7,15 +7,17 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "common/runtime/file.h"
+#include "common/console/console.h"
+#include "common/console/progress_line.h"
 #include "common/runtime/result.h"
-#include "nhpm/commands/progress_line.h"
 #include "nhpm/model/load_model.h"
 #include "planner/experiment/experiment_report.h"
 #include "planner/experiment/search_experiment.h"
 
 namespace conav::planner {
 namespace {
+
+constexpr const char* kProgram = "conav experiment";
 
 struct Arguments {
   SearchExperiment experiment;
@@ -47,51 +49,37 @@ void ChooseVariants(Arguments& arguments) {
 }
 
 /// "120 of 400 episodes, 1:12 left".
-EpisodeListener Progress(nhpm::ProgressLine& line) {
+EpisodeListener Progress(ProgressLine& line) {
   const auto start = std::chrono::steady_clock::now();
-  return [&line, start, told = start](std::size_t done, std::size_t of) mutable {
-    const auto now = std::chrono::steady_clock::now();
-    if (now - told < std::chrono::seconds(1) && done < of) return;
-    told = now;
-    const double spent = std::chrono::duration<double>(now - start).count();
+  return [&line, start](std::size_t done, std::size_t of) {
+    const double spent =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const double left = spent / static_cast<double>(done) * static_cast<double>(of - done);
-    line.Show(fmt::format("{} of {} episodes, {} left", done, of, nhpm::DurationText(left)));
+    line.ShowNowAndThen(fmt::format("{} of {} episodes, {} left", done, of, DurationText(left)));
   };
 }
 
-void Write(const std::filesystem::path& file, const std::string& text) {
-  if (file.empty()) return;
-  if (const auto written = WriteFile(file, text); !written)
-    throw StartupError(written.error().text);
-}
-
-/// Before the work rather than after it.
-void CheckOutputs(const Arguments& arguments) {
-  for (const auto& file : {arguments.json, arguments.csv}) {
-    if (file.empty()) continue;
-    if (const auto writable = CheckWritable(file); !writable) {
-      throw StartupError(writable.error().text);
-    }
-  }
-}
-
-void Run(Arguments& arguments) {
+int Run(Arguments& arguments) {
+  const int code = CheckFiles(
+      kProgram, {{"--variants-file", arguments.variants_file}, {"--weights", arguments.weights}},
+      {{"--json", arguments.json}, {"--csv", arguments.csv}});
+  if (code != 0) return code;
   ChooseVariants(arguments);
-  CheckOutputs(arguments);
   const auto model = nhpm::LoadEditModel(arguments.model, arguments.weights, {});
-  if (!model) throw StartupError(model.error().text);
+  if (!model) return Failed(kProgram, model.error());
   Result<std::vector<ExperimentEpisode>> episodes;
   {
-    nhpm::ProgressLine line;
+    ProgressLine line;
     episodes = RunSearchExperiment(arguments.experiment, *model, Progress(line));
   }
-  if (!episodes) throw StartupError(episodes.error().text);
+  if (!episodes) return Failed(kProgram, episodes.error());
   const auto summaries = Summarize(*episodes);
-  fmt::print("{}", ExperimentTable(arguments.experiment, summaries));
-  Write(arguments.csv, ExperimentCsv(arguments.experiment, *episodes));
-  if (!arguments.json.empty()) {
-    Write(arguments.json, ExperimentJson(arguments.experiment, summaries).dump(2) + "\n");
+  auto done = WriteStandardOutput(ExperimentTable(arguments.experiment, summaries));
+  if (done) done = WriteOutput(arguments.csv, ExperimentCsv(arguments.experiment, *episodes));
+  if (done && !arguments.json.empty()) {
+    done = WriteJsonOutput(arguments.json, ExperimentJson(arguments.experiment, summaries));
   }
+  return ExitCode(kProgram, done);
 }
 
 void AddOptions(CLI::App& app, Arguments& arguments) {
@@ -147,10 +135,8 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : 2;
   }
   try {
-    Run(arguments);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "conav experiment: {}\n", error.what());
-    return 1;
+    return Run(arguments);
+  } catch (const conav::StartupError& error) {
+    return conav::Failed(kProgram, {conav::ErrorCode::kInvalidArgument, error.what()});
   }
-  return 0;
 }
