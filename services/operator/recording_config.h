@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "common/runtime/config.h"
-#include "common/segments/utf8.h"
+#include "common/runtime/utf8.h"
 
 namespace conav::operators {
 

@@ -11,7 +11,7 @@ function any_below(list,   i, n, folders) {
 
 BEGIN {
   pure = "services/common/grid/ services/common/runtime/ services/common/segments/ services/common/svg/ services/nhpm/dataset/ services/nhpm/engine/ services/nhpm/evaluation/ services/nhpm/synthesis/ services/nhpm/training/ services/sim/world/ services/sim/physics/ services/sim/episode/ " \
-         "services/planner/search/ services/planner/decision/ services/nhpm/model/ services/operator/belief/ services/operator/recording/ services/operator/simulated/"
+         "services/planner/search/ services/planner/decision/ services/nhpm/model/ services/operator/belief/ services/operator/recording/ services/operator/simulated/ services/operator/statistics/"
   vendor_places = "services/common/bus/ tests/system/bus/ tests/bench/ tests/unit/common/bus/"
   idl_places = "services/common/bus/ services/common/protocol/convert services/common/service/ tests/"
 }
@@ -27,8 +27,9 @@ BEGIN {
   wires = in_service && (part[4] == "" || part[3] == "simulated_operator" || part[3] == "client" || part[3] == "perception")
   other = inc
   sub(/\/.*/, "", other)
-  # An offline tool: synthetic annotators look at the simulator's mazes.
-  synthesises = below("services/nhpm/synthesis/") && inc ~ /^(sim\/world|operator\/simulated)\//
+  # Offline: synthetic annotators look at the simulator's mazes, experiments play in them.
+  synthesises = (below("services/nhpm/synthesis/") && inc ~ /^(sim\/world|operator\/simulated)\//) ||
+                (below("services/planner/experiment/") && inc ~ /^(sim\/world|operator\/simulated|nhpm\/model)\//)
   is_service = other ~ /^(sim|planner|nhpm|operator)$/ && inc ~ /\//
 
   if (is_vendor && !any_below(vendor_places)) refuse("only services/common/bus includes DDS")

@@ -48,9 +48,9 @@ VisibleCells Collect(const Grid<Seen>& seen) {
 
 /// Marks what a ray from (x, y) meets; `within` limits the range.
 template <class Within>
-void MarkRay(const OccupancyGrid& map, double x, double y, double heading_rad, Within&& within,
+void MarkRay(const OccupancyGrid& map, double x, double y, double dx, double dy, Within&& within,
              Grid<Seen>& seen) {
-  WalkRay(x, y, std::cos(heading_rad), -std::sin(heading_rad), [&](Cell cell, double travelled) {
+  WalkRay(x, y, dx, dy, [&](Cell cell, double travelled) {
     if (!map.Contains(cell) || !within(cell, travelled) || map[cell] == Occupancy::kUnknown)
       return false;
     const bool wall = map[cell] == Occupancy::kOccupied;
@@ -92,26 +92,40 @@ struct ImagePlane {
 
 }  // namespace
 
-VisibleCells CastView(const OccupancyGrid& map, const CameraView& view) {
-  DEMAND(map.Contains(view.cell) && view.rays > 0, view.cell.row, view.cell.column, view.rays);
+ViewCaster::ViewCaster(const CameraView& view)
+    : offset_x_(view.forward_offset_cells * std::cos(view.heading_rad)),
+      offset_y_(-view.forward_offset_cells * std::sin(view.heading_rad)) {
+  DEMAND(view.rays > 0, view.rays);
   DEMAND(view.pitch_rad >= 0.0 && view.pitch_rad + view.vertical_fov_rad / 2.0 < 1.5,
          view.pitch_rad, view.vertical_fov_rad);
-  Grid<Seen> seen(map.rows(), map.columns(), Seen::kNot);
-  seen[view.cell] = Seen::kFree;
-  const double x = view.cell.column + 0.5 + view.forward_offset_cells * std::cos(view.heading_rad);
-  const double y = view.cell.row + 0.5 - view.forward_offset_cells * std::sin(view.heading_rad);
   const ImagePlane plane(view);
   // Image columns are evenly spaced on the image plane, so rays are too.
   const double widest = plane.WidestTangent();
   const int rays = static_cast<int>(std::ceil(view.rays * widest / plane.half_width));
   for (int i = 0; i < rays; ++i) {
     const double tangent = widest * (1.0 - 2.0 * (i + 0.5) / rays);
-    const double range = plane.RangeAhead(tangent) * std::hypot(1.0, tangent);
+    const double heading_rad = view.heading_rad + std::atan(tangent);
+    rays_.push_back({std::cos(heading_rad), -std::sin(heading_rad),
+                     plane.RangeAhead(tangent) * std::hypot(1.0, tangent)});
+  }
+}
+
+VisibleCells ViewCaster::Cast(const OccupancyGrid& map, Cell cell) const {
+  DEMAND(map.Contains(cell), cell.row, cell.column);
+  Grid<Seen> seen(map.rows(), map.columns(), Seen::kNot);
+  seen[cell] = Seen::kFree;
+  const double x = cell.column + 0.5 + offset_x_;
+  const double y = cell.row + 0.5 + offset_y_;
+  for (const Ray& ray : rays_) {
     MarkRay(
-        map, x, y, view.heading_rad + std::atan(tangent),
-        [range](Cell, double travelled) { return travelled < range; }, seen);
+        map, x, y, ray.dx, ray.dy,
+        [&](Cell, double travelled) { return travelled < ray.range_cells; }, seen);
   }
   return Collect(seen);
+}
+
+VisibleCells CastView(const OccupancyGrid& map, const CameraView& view) {
+  return ViewCaster(view).Cast(map, view.cell);
 }
 
 VisibleCells CastRange(const OccupancyGrid& truth, Cell cell, double range_cells) {
@@ -124,7 +138,8 @@ VisibleCells CastRange(const OccupancyGrid& truth, Cell cell, double range_cells
   for (int i = 0; i < rays; ++i) {
     // Half a step off the axes, so that no ray runs exactly along an edge or through a corner.
     const double heading_rad = 2.0 * std::numbers::pi * (i + 0.5) / rays;
-    MarkRay(truth, cell.column + 0.5, cell.row + 0.5, heading_rad, within, seen);
+    MarkRay(truth, cell.column + 0.5, cell.row + 0.5, std::cos(heading_rad), -std::sin(heading_rad),
+            within, seen);
   }
   return Collect(seen);
 }

@@ -30,6 +30,26 @@ struct CameraView {
   double vertical_fov_rad = 1.3962634;
 };
 
+/// A camera with a heading, whose rays are worked out once and cast from any cell. `view.cell` does
+/// not matter. Threads: safe to use concurrently.
+class ViewCaster {
+ public:
+  explicit ViewCaster(const CameraView& view);
+
+  /// As CastView() from `cell`.
+  VisibleCells Cast(const OccupancyGrid& map, Cell cell) const;
+
+ private:
+  struct Ray {
+    double dx, dy;  // unit vector: columns to the east, rows to the south
+    double range_cells;
+  };
+
+  double offset_x_;  // of the camera from the cell's centre
+  double offset_y_;
+  std::vector<Ray> rays_;
+};
+
 /// Cells that `view` shows on `map`, by casting rays through the cells (DDA). A cell entered is
 /// seen free, the first occupied cell is seen as wall and ends the ray; an unknown cell ends the
 /// ray unseen. The camera's own cell counts as seen. Walls are higher than the camera, so two

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/runtime/demand.h"
+
 namespace conav {
 
 /// Seeded random numbers that are the same on every platform and standard library.
@@ -22,10 +24,21 @@ class Random {
   std::uint64_t Next() { return engine_(); }
 
   /// Uniform integer in [low, high], both ends included. Requires low <= high.
-  std::int64_t Uniform(std::int64_t low, std::int64_t high);
+  std::int64_t Uniform(std::int64_t low, std::int64_t high) {
+    DEMAND(low <= high, low, high);
+    const std::uint64_t count =
+        static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low) + 1;
+    if (count == 0) return static_cast<std::int64_t>(Next());  // all integers
+    return static_cast<std::int64_t>(static_cast<std::uint64_t>(low) + Below(count));
+  }
 
   /// Uniform in [0, 1): one draw divided by 2^64.
-  double Unit();
+  double Unit() {
+    constexpr double kTwoTo64 = 18446744073709551616.0;
+    constexpr double kBelowOne = 0x1.fffffffffffffp-1;
+    const double value = static_cast<double>(Next()) / kTwoTo64;
+    return value < 1.0 ? value : kBelowOne;
+  }
 
   /// True with the given probability; always consumes one draw.
   bool Chance(double probability) { return Unit() < probability; }
@@ -38,6 +51,20 @@ class Random {
   }
 
  private:
+  __extension__ using Uint128 = unsigned __int128;
+
+  /// Uniform in [0, count), count > 0.
+  std::uint64_t Below(std::uint64_t count) {
+    Uint128 product = static_cast<Uint128>(Next()) * count;
+    if (static_cast<std::uint64_t>(product) < count) {
+      const std::uint64_t threshold = (0 - count) % count;
+      while (static_cast<std::uint64_t>(product) < threshold) {
+        product = static_cast<Uint128>(Next()) * count;
+      }
+    }
+    return static_cast<std::uint64_t>(product >> 64);
+  }
+
   template <class Swap>
   void ForEachSwap(std::size_t size, Swap&& swap);
 

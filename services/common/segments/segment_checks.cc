@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/segments/utf8.h"
+#include "common/runtime/utf8.h"
 
 namespace conav {
 namespace {

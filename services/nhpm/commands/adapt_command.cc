@@ -5,11 +5,11 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "common/console/console.h"
+#include "common/console/progress_line.h"
 #include "common/segments/segment_file.h"
 #include "common/segments/segment_labels.h"
-#include "nhpm/commands/console.h"
 #include "nhpm/commands/finished_weights.h"
-#include "nhpm/commands/progress_line.h"
 #include "nhpm/model/weights_file.h"
 #include "nhpm/training/adapt.h"
 #include "nhpm/training/batch_pass.h"

@@ -2,7 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "nhpm/commands/console.h"
+#include "common/console/console.h"
 
 /// The subcommands of conav-dataset. Each adds itself to `app`; when it was chosen, it runs from
 /// CLI11's callback and leaves the program's exit code in `exit_code`: 0 good, 1 failed, 2 wrong

@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
   // CLI11 would only say that it wants a subcommand.
   const auto is_first = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
   if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_first).empty()) {
-    return conav::nhpm::Refused(
+    return conav::Refused(
         conav::nhpm::kDatasetProgram,
         fmt::format("there is no command '{}'; conav dataset --help lists them", argv[1]));
   }

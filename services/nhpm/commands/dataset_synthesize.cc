@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "common/console/progress_line.h"
 #include "common/segments/segment_file.h"
 #include "nhpm/commands/dataset_commands.h"
-#include "nhpm/commands/progress_line.h"
 #include "nhpm/dataset/set_summary.h"
 #include "nhpm/synthesis/synthesize.h"
 

@@ -5,10 +5,10 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "common/console/console.h"
+#include "common/console/progress_line.h"
 #include "common/segments/segment_labels.h"
-#include "nhpm/commands/console.h"
 #include "nhpm/commands/evaluate_rows.h"
-#include "nhpm/commands/progress_line.h"
 #include "nhpm/evaluation/report.h"
 #include "nhpm/evaluation/report_json.h"
 

@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
+#include "common/console/console.h"
 #include "common/segments/segment_file.h"
 #include "common/segments/segment_labels.h"
 #include "common/segments/segment_split.h"
 #include "common/segments/trajectory_fingerprint.h"
-#include "nhpm/commands/console.h"
 #include "nhpm/commands/evaluate_rows.h"
 
 namespace conav::nhpm {

@@ -2,7 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 
-#include "nhpm/commands/console.h"
+#include "common/console/console.h"
 #include "nhpm/model/onnx_export.h"
 
 namespace conav::nhpm {

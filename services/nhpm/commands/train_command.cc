@@ -6,10 +6,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "common/console/console.h"
+#include "common/console/progress_line.h"
 #include "common/runtime/file.h"
-#include "nhpm/commands/console.h"
 #include "nhpm/commands/finished_weights.h"
-#include "nhpm/commands/progress_line.h"
 #include "nhpm/commands/train_report.h"
 #include "nhpm/model/weights_file.h"
 #include "nhpm/training/checkpoint.h"

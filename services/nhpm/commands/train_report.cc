@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "nhpm/commands/progress_line.h"
+#include "common/console/progress_line.h"
 #include "nhpm/model/input_names.h"
 
 namespace conav::nhpm {

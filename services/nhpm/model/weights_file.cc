@@ -107,4 +107,11 @@ Result<NetworkModel> ReadWeightsFile(const std::filesystem::path& path) {
   });
 }
 
+std::string UnknownLearning(const std::filesystem::path& weights) {
+  return fmt::format(
+      "{}: does not name the trajectories that it learned from, as weights of before conav train "
+      "kept them: it may have seen what it is tested on",
+      weights.string());
+}
+
 }  // namespace conav::nhpm

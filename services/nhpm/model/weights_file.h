@@ -44,4 +44,7 @@ std::string ChecksumOf(const NetworkModel& model);
 /// another format version, checksum differs, wrong number of values, a value that is not finite).
 [[nodiscard]] Result<NetworkModel> ReadWeightsFile(const std::filesystem::path& path);
 
+/// The warning of weights whose file does not say which trajectories they learned from.
+std::string UnknownLearning(const std::filesystem::path& weights);
+
 }  // namespace conav::nhpm

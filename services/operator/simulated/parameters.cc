@@ -19,6 +19,12 @@ void PictureReaderParameters::Visit(ConfigReader& reader) {
 }
 
 void SyntheticOperatorParameters::Visit(ConfigReader& visitor) {
+  if (visitor.reading()) {
+    std::string kind = "careful";
+    visitor.Choice("kind", kind, OperatorKinds());
+    *this = ParametersOfKind(kind);
+  }
+  visitor.Field("silent", silent);
   visitor.Section("reader", reader);
   visitor.Section("planner", planner);
   visitor.Field("glance_rate", glance_rate, 0.0, 1.0);
@@ -27,6 +33,36 @@ void SyntheticOperatorParameters::Visit(ConfigReader& visitor) {
   visitor.Field("retry_pause_s", retry_pause_s, 0.0, 60.0);
   visitor.Field("attempts", attempts, 1, 100000);
   visitor.Field("patience_s", patience_s, 0.0, 3600.0);
+}
+
+const std::vector<std::string>& OperatorKinds() {
+  static const std::vector<std::string> kinds{"careful", "hasty", "wrong", "silent"};
+  return kinds;
+}
+
+SyntheticOperatorParameters ParametersOfKind(const std::string& kind) {
+  SyntheticOperatorParameters person;
+  if (kind == "hasty") {
+    person.reader.edit_probability = 0.5;
+    person.reader.decay_cells = 4.0;
+    person.reader.path_removal_probability = 0.6;
+    person.reader.misplacement_probability = 0.3;
+    person.reader.lapse_probability = 0.3;
+    person.reader.guess_probability = 0.05;
+    person.reader.edit_limit = 2;
+    person.planner.horizon = "next_goal";
+  } else if (kind == "wrong") {
+    person.reader.edit_probability = 0.0;
+    person.reader.path_removal_probability = 0.0;
+    person.reader.far_centre_probability = 0.0;
+    person.reader.lapse_probability = 0.0;
+    person.reader.guess_probability = 1.0;
+    person.planner.horizon = "away";
+  } else {
+    person.silent = kind == "silent";
+    DEMAND(kind == "careful" || kind == "silent", kind);
+  }
+  return person;
 }
 
 }  // namespace conav::operators

@@ -57,6 +57,24 @@ Order NearestNext(const Fields& fields, std::span<const Cell> goals) {
   return order;
 }
 
+/// The cell that the map shows free and whose nearest goal is farthest.
+Cell FarthestFromGoals(const Fields& fields, const BeliefGrid& belief) {
+  Cell farthest;
+  double most = -1.0;
+  for (std::size_t i = 0; i < belief.size(); ++i) {
+    const Cell cell = belief.CellAt(i);
+    if (IsWall(belief, cell) || !(fields[0].CostTo(cell) < kUnreachable)) continue;
+    double nearest = kUnreachable;
+    for (std::size_t goal = 1; goal < fields.size(); ++goal) {
+      nearest = std::min(nearest, fields[goal].CostTo(cell));
+    }
+    if (nearest <= most) continue;
+    most = nearest;
+    farthest = cell;
+  }
+  return farthest;
+}
+
 Result<void> CheckInside(const BeliefGrid& belief, Cell cell, const char* what) {
   if (belief.Contains(cell)) return {};
   return Fail(ErrorCode::kOutOfRange,
@@ -68,7 +86,7 @@ Result<void> CheckInside(const BeliefGrid& belief, Cell cell, const char* what) 
 
 void PathPlannerParameters::Visit(ConfigReader& reader) {
   reader.Field("wall_crossing_cost", wall_crossing_cost, 0.0, 1e6);
-  reader.Choice("horizon", horizon, {"tour", "next_goal"});
+  reader.Choice("horizon", horizon, {"tour", "next_goal", "away"});
 }
 
 Grid<double> PathPlanner::EntryCosts(const BeliefGrid& belief,
@@ -98,6 +116,9 @@ Result<std::vector<Cell>> PathPlanner::Plan(const BeliefGrid& belief,
     if (!(fields[0].CostTo(goal) < kUnreachable)) continue;
     reachable.push_back(goal);
     fields.emplace_back(costs, goal);
+  }
+  if (parameters_.horizon == "away" && !reachable.empty()) {
+    return fields[0].PathTo(FarthestFromGoals(fields, belief));
   }
   Order order = reachable.size() <= kExactGoals ? CheapestOrder(fields, reachable)
                                                 : NearestNext(fields, reachable);

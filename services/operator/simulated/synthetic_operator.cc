@@ -118,6 +118,7 @@ bool SyntheticOperator::TakeUp(Clock::TimePoint now) {
 }
 
 std::optional<OperatorAsk> SyntheticOperator::Next(Clock::TimePoint now) {
+  if (parameters_.silent) queue_.clear();
   while (!under_way_ && (current_ || TakeUp(now))) {
     if (now < current_->not_before) return std::nullopt;
     const World& world = worlds_.at(robots_.at(current_->robot).world);

@@ -20,6 +20,8 @@ namespace conav::operators {
 struct SyntheticOperatorParameters {
   PictureReaderParameters reader;
   PathPlannerParameters planner;
+  /// Answers nothing and draws nothing.
+  bool silent = false;
   /// Share of the pictures of a stream that is looked at.
   double glance_rate = 0.3;
   /// Wall time that passes before each answer.
@@ -35,6 +37,12 @@ struct SyntheticOperatorParameters {
 
   void Visit(ConfigReader& visitor);
 };
+
+/// Kinds of people: "careful" (the defaults), "hasty" (overlooks much, guesses, thinks as far as
+/// the next goal), "wrong" (on purpose: guesses only, and leads away from the goals), "silent".
+const std::vector<std::string>& OperatorKinds();
+/// `kind` is one of them (demanded).
+SyntheticOperatorParameters ParametersOfKind(const std::string& kind);
 
 /// What the person does next: a request to the operator service.
 struct OperatorAsk {

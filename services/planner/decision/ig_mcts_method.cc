@@ -1,17 +1,11 @@
 #include "planner/decision/ig_mcts_method.h"
 
 #include "common/runtime/log.h"
+#include "planner/decision/situation_problem.h"
 #include "planner/decision/traffic.h"
-#include "planner/search/grid_graph.h"
 
 namespace conav::planner {
 namespace {
-
-std::vector<Cell> CellsOf(const std::vector<Neighbour>& neighbours) {
-  std::vector<Cell> cells;
-  for (const Neighbour& neighbour : neighbours) cells.push_back(neighbour.cell);
-  return cells;
-}
 
 std::vector<SentView> ToSearch(const std::vector<SentViews::View>& views) {
   std::vector<SentView> sent;
@@ -68,25 +62,13 @@ Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop)
   const BeliefGrid belief = BeliefOf(situation);
   sent_views_.Update(belief);
   if (WaitsForRoom(situation)) return {};
-  GridGraph::Options graph_options;
-  graph_options.headings = config_.headings;
-  graph_options.lens = situation.lens;
-  graph_options.cell_size_m = situation.map.cell_size_m;
-  const GridGraph graph(situation.map.cells, CellsOf(situation.neighbours), graph_options);
-  const auto start = graph.VertexAt(situation.state.cell);
-  if (!start) {
+  views_ = ViewsFor(situation, config_.headings, std::move(views_));
+  const SituationProblem problem(situation, belief, ToSearch(sent_views_.Withheld()), views_);
+  if (problem.get() == nullptr) {
     return NoDecision(situation, "the robot's cell cannot be free on its map");
   }
-  const SearchProblem problem{
-      .graph = graph,
-      .start = *start,
-      .path = situation.state.path,
-      .goals_left = situation.state.goals_left,
-      .guidance = situation.guidance ? situation.guidance->path : std::vector<Cell>{},
-      .guided_before = situation.guided_before,
-      .belief = belief,
-      .sent_views = ToSearch(sent_views_.Withheld())};
-  const auto result = search_.Decide(problem, random_, {.stop = &stop, .clock = &clock_});
+  const auto result =
+      search_.Decide(*problem.get(), random_, {.stop = &stop, .clock = &clock_}, &memory_);
   if (!result) {
     return NoDecision(situation, result.error().text);
   }

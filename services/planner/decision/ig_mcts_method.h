@@ -11,6 +11,7 @@
 #include "planner/decision/method.h"
 #include "planner/decision/search_config.h"
 #include "planner/decision/sent_views.h"
+#include "planner/search/grid_graph.h"
 #include "planner/search/ig_mcts.h"
 
 namespace conav::planner {
@@ -48,6 +49,8 @@ class IgMctsMethod final : public Method {
   SearchConfig config_;
   std::shared_ptr<PerceptionModel> model_;
   IgMcts search_;
+  SearchMemory memory_;
+  std::shared_ptr<const GridViews> views_;
   Random random_;
   const Clock& clock_;                        // of the search's wall time budget and of waiting
   std::shared_ptr<BeliefEstimate> estimate_;  // may be null

@@ -4,13 +4,19 @@
 
 namespace conav::planner {
 
-GridGraph::GridGraph(OccupancyGrid known, std::span<const Cell> occupied_now,
-                     const Options& options)
-    : known_(std::move(known)), options_(options) {
-  DEMAND(options_.headings >= 0 && options_.rays > 0, options_.headings, options_.rays);
-  for (int i = 0; i < options_.headings; ++i) {
-    headings_.push_back(HeadingFromIndex(i, options_.headings));
+GridViews::GridViews(const Options& options) : options_(options) {
+  DEMAND(options.headings >= 0, options.headings);
+  for (int i = 0; i < options.headings; ++i) {
+    headings_.push_back(HeadingFromIndex(i, options.headings));
+    CameraView camera = ViewThrough(options.lens, {}, headings_.back(), options.cell_size_m);
+    camera.rays = options.rays;
+    casters_.emplace_back(camera);
   }
+}
+
+GridGraph::GridGraph(OccupancyGrid known, std::span<const Cell> occupied_now,
+                     std::shared_ptr<const GridViews> views, const Options& options)
+    : known_(std::move(known)), camera_(std::move(views)), options_(options) {
   Grid<std::uint8_t> occupied(known_.rows(), known_.columns(), 0);
   for (const Cell cell : occupied_now) {
     if (occupied.Contains(cell)) occupied[cell] = 1;
@@ -20,8 +26,12 @@ GridGraph::GridGraph(OccupancyGrid known, std::span<const Cell> occupied_now,
     AddEdges(CellOf(vertex), occupied);
   }
   first_edge_.push_back(edges_.size());
-  views_.resize(known_.size() * headings_.size());
+  views_.resize(known_.size() * camera_->headings().size());
 }
+
+GridGraph::GridGraph(OccupancyGrid known, std::span<const Cell> occupied_now)
+    : GridGraph(std::move(known), occupied_now,
+                std::make_shared<const GridViews>(GridViews::Options()), Options()) {}
 
 void GridGraph::AddEdges(Cell from, const Grid<std::uint8_t>& occupied) {
   if (!MayBeFree(from)) return;
@@ -60,17 +70,15 @@ std::span<const Edge> GridGraph::EdgesFrom(VertexId vertex) const {
   return std::span(edges_).subspan(first_edge_[v], first_edge_[v + 1] - first_edge_[v]);
 }
 
-std::span<const double> GridGraph::HeadingsAt(VertexId /*vertex*/) const { return headings_; }
+std::span<const double> GridGraph::HeadingsAt(VertexId /*vertex*/) const {
+  return camera_->headings();
+}
 
 const VisibleCells& GridGraph::ViewFrom(VertexId vertex, int index) const {
-  const auto i = static_cast<std::size_t>(index);
-  auto& view = views_[static_cast<std::size_t>(vertex) * headings_.size() + i];
-  if (!view) {
-    CameraView camera =
-        ViewThrough(options_.lens, CellOf(vertex), headings_[i], options_.cell_size_m);
-    camera.rays = options_.rays;
-    view = CastView(known_, camera);
-  }
+  const std::size_t headings = camera_->headings().size();
+  auto& view =
+      views_[static_cast<std::size_t>(vertex) * headings + static_cast<std::size_t>(index)];
+  if (!view) view = camera_->Cast(known_, CellOf(vertex), index);
   return *view;
 }
 

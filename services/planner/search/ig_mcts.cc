@@ -11,24 +11,38 @@
 namespace conav::planner {
 namespace {
 
+/// Nodes that a decision can add, or as many as are worth reserving memory for.
+std::size_t NodesExpected(const SearchOptions& options) {
+  constexpr std::size_t kMost = 100'000;
+  const std::size_t of_iteration =
+      options.expansion == Expansion::kSingle ? 1 : static_cast<std::size_t>(options.chain_depth);
+  return std::min(kMost, static_cast<std::size_t>(options.iterations) * of_iteration);
+}
+
 /// The state of one decision.
 class Search {
  public:
   Search(const SearchOptions& options, const SearchProblem& problem, PerceptionModel& model,
-         Random& random)
+         Random& random, const SearchMemory* memory)
       : options_(options),
         problem_(problem),
         random_(random),
-        path_(problem),
+        path_(problem, options.rollout_depth * 2),
         offered_(problem),
         information_(problem, offered_, model),
-        rollout_(options, problem, offered_, information_, random),
-        tree_(problem.start) {}
+        rollout_(options, path_, offered_, information_, random),
+        tree_(problem.start, NodesExpected(options)) {
+    if (memory == nullptr) return;
+    auto branch = memory->BranchFor(problem, offered_, options, NodesExpected(options));
+    if (branch) tree_ = *std::move(branch);
+  }
 
   /// Prepares the root. False when nothing can or need be decided.
   Result<bool> Start();
   Result<void> Iterate();
   SearchResult Report();
+  /// Ends the search.
+  void LeaveTo(SearchMemory& memory) { memory.Keep(problem_, offered_, std::move(tree_)); }
 
  private:
   bool IsFullyExpanded(int node);
@@ -58,13 +72,15 @@ Result<bool> Search::Start() {
   DEMAND(actions.size() <= kMaxActions, actions.size());
   if (path_.goals_left() == 0 || actions.size() == 0) return false;
   if (options_.min_information <= 0.0) return true;
+  if (auto asked = information_.AskAll(path_); !asked) return tl::unexpected(asked.error());
   for (std::size_t view = 0; view < actions.views.size(); ++view) {
     const auto information = information_.Of(path_, view);
     if (!information) return tl::unexpected(information.error());
     if (*information >= options_.min_information) continue;
     tree_.Withhold(SearchTree::kRoot, static_cast<int>(actions.moves.size() + view));
   }
-  return !IsFullyExpanded(SearchTree::kRoot);
+  // A root that was taken over has children.
+  return tree_.size() > 1 || !IsFullyExpanded(SearchTree::kRoot);
 }
 
 Result<void> Search::Iterate() {
@@ -142,6 +158,7 @@ SearchNode Search::Move(int parent, int action, const Edge& edge) {
   child.vertex = edge.target;
   child.feasibility = path_.IsKnownFree(edge) ? 1.0 : edge.feasibility;
   path_.Go(edge);
+  child.is_guided = path_.on_guidance();
   child.reward = MoveReward(path_, options_.reward);
   child.is_terminal = path_.at_goal() || tree_.node(parent).depth + 1 >= options_.rollout_depth ||
                       offered_.At(edge.target).size() == 0;
@@ -157,6 +174,7 @@ Result<SearchNode> Search::Communicate(int parent, int action, const Actions& ac
   child.vertex = path_.vertex();
   child.is_communication = true;
   child.is_terminal = true;
+  child.view = actions.views[actions.ViewOf(action)];
   child.information = *information;
   child.reward = CommunicationReward(path_, *information, options_.reward);
   return child;
@@ -206,6 +224,7 @@ SearchAction Search::Describe(const Actions& actions, int action) const {
 
 std::vector<Cell> Search::ExpectedPath() {
   std::vector<Cell> cells;
+  cells.reserve(static_cast<std::size_t>(options_.rollout_depth));
   int node = tree_.MostVisitedChild(SearchTree::kRoot);
   while (node >= 0 && !tree_.node(node).is_communication) {
     cells.push_back(problem_.graph.CellOf(tree_.node(node).vertex));
@@ -230,11 +249,12 @@ IgMcts::IgMcts(const SearchOptions& options, PerceptionModel& model)
     : options_(options), model_(model) {}
 
 Result<SearchResult> IgMcts::Decide(const SearchProblem& problem, Random& random,
-                                    const SearchLimits& limits) const {
+                                    const SearchLimits& limits, SearchMemory* memory) const {
   DEMAND(limits.clock != nullptr || (!limits.deadline && options_.time_budget_ms <= 0.0));
   SearchProblem offered = problem;
   if (options_.offers_sent_views) offered.sent_views.clear();
-  Search search(options_, offered, model_, random);
+  const bool remembers = memory != nullptr && options_.tree_reuse != TreeReuse::kNone;
+  Search search(options_, offered, model_, random, remembers ? memory : nullptr);
   const Result<bool> has_choice = search.Start();
   if (!has_choice) return tl::unexpected(has_choice.error());
   if (!*has_choice) return search.Report();
@@ -244,7 +264,9 @@ Result<SearchResult> IgMcts::Decide(const SearchProblem& problem, Random& random
     if (limits.stop != nullptr && limits.stop->stop_requested()) break;
     if (deadline && limits.clock->Now() >= *deadline) break;
   }
-  return search.Report();
+  SearchResult result = search.Report();
+  if (remembers) search.LeaveTo(*memory);
+  return result;
 }
 
 }  // namespace conav::planner

@@ -6,6 +6,7 @@
 #include "common/runtime/random.h"
 #include "common/runtime/stop_token.h"
 #include "planner/search/perception_model.h"
+#include "planner/search/search_memory.h"
 #include "planner/search/search_options.h"
 #include "planner/search/search_problem.h"
 
@@ -38,10 +39,13 @@ class IgMcts {
   IgMcts(const SearchOptions& options, PerceptionModel& model);
 
   /// One decision. At least one iteration is made, if any action is offered and a goal is left.
+  /// With a `memory`, one per robot, it goes on with the tree of the robot's decision before, as far
+  /// as the options say, and leaves its own.
   /// Errors: those of the perception model; nothing was decided then.
   /// Threads: concurrent calls are fine with a `random` and a graph each.
   [[nodiscard]] Result<SearchResult> Decide(const SearchProblem& problem, Random& random,
-                                            const SearchLimits& limits = {}) const;
+                                            const SearchLimits& limits = {},
+                                            SearchMemory* memory = nullptr) const;
 
  private:
   SearchOptions options_;

@@ -18,6 +18,7 @@ struct Edge {
   /// What is uncertain about it: edges with the same id are free or blocked together (in a maze the
   /// cell that is entered). Below uncertainty_count().
   int uncertainty = 0;
+  bool operator==(const Edge&) const = default;
 };
 
 /// Where a robot can go and what it could show from there, as far as the robot knows. The search

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <optional>
+#include <span>
 #include <vector>
 
 #include "planner/search/search_problem.h"
@@ -21,19 +21,34 @@ struct Actions {
   std::size_t ViewOf(int action) const { return static_cast<std::size_t>(action) - moves.size(); }
 };
 
-/// Works out, and remembers, which actions a vertex offers during one decision.
+/// Which actions each vertex offers during one decision, side by side in memory: the innermost loop
+/// of the search reads it.
 class OfferedActions {
  public:
-  /// `problem` must outlive this.
   explicit OfferedActions(const SearchProblem& problem);
 
-  Actions At(VertexId vertex);
+  bool operator==(const OfferedActions&) const = default;
+
+  Actions At(VertexId vertex) const {
+    const First& from = first_[static_cast<std::size_t>(vertex)];
+    const First& to = first_[static_cast<std::size_t>(vertex) + 1];
+    return {{edges_.data() + from.edge, edges_.data() + to.edge},
+            {views_.data() + from.view, views_.data() + to.view}};
+  }
 
  private:
-  std::vector<int> OfferedViews(VertexId vertex) const;
+  /// Where the edges and views of a vertex begin.
+  struct First {
+    std::size_t edge = 0;
+    std::size_t view = 0;
+    bool operator==(const First&) const = default;
+  };
 
-  const SearchProblem& problem_;
-  std::vector<std::optional<std::vector<int>>> views_;  // by vertex
+  void AddViews(const SearchProblem& problem, VertexId vertex);
+
+  std::vector<First> first_;  // one more than vertices
+  std::vector<Edge> edges_;
+  std::vector<int> views_;
 };
 
 }  // namespace conav::planner

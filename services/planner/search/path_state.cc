@@ -7,7 +7,7 @@
 
 namespace conav::planner {
 
-PathState::PathState(const SearchProblem& problem)
+PathState::PathState(const SearchProblem& problem, int steps_expected)
     : visits_(Index(problem.graph.vertex_count())),
       visited_((visits_.size() + 63) / 64),
       passed_(Index(problem.graph.uncertainty_count())),
@@ -16,6 +16,7 @@ PathState::PathState(const SearchProblem& problem)
       steps_to_goal_(StepsToNearestGoal(problem)),
       guided_before_(problem.guided_before || !problem.guidance.empty()) {
   DEMAND(problem.start >= 0 && problem.start < problem.graph.vertex_count(), problem.start);
+  steps_.reserve(Index(steps_expected) + 1);
   ReadGuidance(problem);
   ReadPath(problem);
   for (const Cell goal : problem.goals_left) {
@@ -54,42 +55,6 @@ void PathState::ReadPath(const SearchProblem& problem) {
   const Cell start = problem.graph.CellOf(problem.start);
   if (problem.path.empty() || problem.path.back() != start) Enter(problem.start);
   steps_.push_back({problem.start, -1});
-}
-
-void PathState::Enter(VertexId vertex) {
-  ++length_;
-  if (visits_[Index(vertex)]++ > 0) return;
-  visited_[Index(vertex) / 64] |= std::uint64_t{1} << (vertex % 64);
-  unvisited_guidance_ -= is_guidance_[Index(vertex)];
-}
-
-void PathState::Leave(VertexId vertex) {
-  --length_;
-  if (--visits_[Index(vertex)] > 0) return;
-  visited_[Index(vertex) / 64] &= ~(std::uint64_t{1} << (vertex % 64));
-  unvisited_guidance_ += is_guidance_[Index(vertex)];
-}
-
-double PathState::progress() const {
-  if (steps_.size() < 2) return 0.0;
-  const VertexId before = steps_[steps_.size() - 2].vertex;
-  return steps_to_goal_[Index(before)] - steps_to_goal_[Index(vertex())];
-}
-
-bool PathState::IsKnownFree(const Edge& edge) const {
-  return edge.feasibility >= 1.0 || passed_[Index(edge.uncertainty)] > 0;
-}
-
-void PathState::Go(const Edge& edge) {
-  Enter(edge.target);
-  ++passed_[Index(edge.uncertainty)];
-  steps_.push_back({edge.target, edge.uncertainty});
-}
-
-void PathState::Stay() {
-  const VertexId here = vertex();
-  Enter(here);
-  steps_.push_back({here, -1});
 }
 
 void PathState::TakeBack(std::size_t steps) {

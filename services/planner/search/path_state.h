@@ -15,8 +15,11 @@ namespace conav::planner {
 /// which the robot stands already counts as reached.
 class PathState {
  public:
-  explicit PathState(const SearchProblem& problem);
+  /// `steps_expected`: so many steps are taken without allocating memory.
+  explicit PathState(const SearchProblem& problem, int steps_expected = 0);
 
+  std::size_t vertex_count() const { return visits_.size(); }
+  std::size_t uncertainty_count() const { return passed_.size(); }
   VertexId vertex() const { return steps_.back().vertex; }
   /// |tau|: states since the last picture, that picture's and repeats included.
   int length() const { return length_; }
@@ -24,22 +27,41 @@ class PathState {
   int earlier_visits() const { return visits_[Index(vertex())] - 1; }
   /// How often `vertex` occurs in tau.
   int visits(VertexId vertex) const { return visits_[Index(vertex)]; }
-  bool at_goal() const { return is_goal_[Index(vertex())] != 0; }
-  bool on_guidance() const { return is_guidance_[Index(vertex())] != 0; }
+  bool at_goal() const { return IsGoal(vertex()); }
+  bool on_guidance() const { return IsGuidance(vertex()); }
+  /// Of any vertex: whether it is a goal left, lies on the operator's path, and its steps to the
+  /// nearest goal.
+  bool IsGoal(VertexId vertex) const { return is_goal_[Index(vertex)] != 0; }
+  bool IsGuidance(VertexId vertex) const { return is_guidance_[Index(vertex)] != 0; }
+  double StepsToGoal(VertexId vertex) const { return steps_to_goal_[Index(vertex)]; }
   bool guided_before() const { return guided_before_; }
   int goals_left() const { return goals_left_; }
   /// Steps to the nearest goal that the last step saved; below 0 if it led away.
-  double progress() const;
+  double progress() const {
+    if (steps_.size() < 2) return 0.0;
+    const VertexId before = steps_[steps_.size() - 2].vertex;
+    return steps_to_goal_[Index(before)] - steps_to_goal_[Index(vertex())];
+  }
   /// m: cells of the operator's path that are not in tau.
   int unvisited_guidance() const { return unvisited_guidance_; }
 
   /// Whether `edge` has been gone on this branch already, so that it is known to be free (A8).
-  bool IsKnownFree(const Edge& edge) const;
+  bool IsKnownFree(const Edge& edge) const {
+    return edge.feasibility >= 1.0 || passed_[Index(edge.uncertainty)] > 0;
+  }
 
   /// The robot goes along `edge`.
-  void Go(const Edge& edge);
+  void Go(const Edge& edge) {
+    Enter(edge.target);
+    ++passed_[Index(edge.uncertainty)];
+    steps_.push_back({edge.target, edge.uncertainty});
+  }
   /// The robot tried to move and stayed where it is: the same state once more.
-  void Stay();
+  void Stay() {
+    const VertexId here = vertex();
+    Enter(here);
+    steps_.push_back({here, -1});
+  }
 
   /// Steps gone since the start of the decision; TakeBack() returns to that number.
   std::size_t steps() const { return steps_.size() - 1; }
@@ -60,8 +82,18 @@ class PathState {
   static std::size_t Index(int number) { return static_cast<std::size_t>(number); }
   void ReadPath(const SearchProblem& problem);
   void ReadGuidance(const SearchProblem& problem);
-  void Enter(VertexId vertex);
-  void Leave(VertexId vertex);
+  void Enter(VertexId vertex) {
+    ++length_;
+    if (visits_[Index(vertex)]++ > 0) return;
+    visited_[Index(vertex) / 64] |= std::uint64_t{1} << (vertex % 64);
+    unvisited_guidance_ -= is_guidance_[Index(vertex)];
+  }
+  void Leave(VertexId vertex) {
+    --length_;
+    if (--visits_[Index(vertex)] > 0) return;
+    visited_[Index(vertex) / 64] &= ~(std::uint64_t{1} << (vertex % 64));
+    unvisited_guidance_ += is_guidance_[Index(vertex)];
+  }
 
   std::vector<Step> steps_;
   int length_ = 0;

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+#include <cmath>
+
 #include "planner/search/path_state.h"
 
 namespace conav {
@@ -23,26 +26,43 @@ struct RewardOptions {
 };
 
 /// R_env(tau): r_g on entering a goal for the first time, else the step penalty (appendix C, 1).
-double EnvironmentReward(bool reaches_goal, const RewardOptions& options);
+inline double EnvironmentReward(bool reaches_goal, const RewardOptions& options) {
+  return reaches_goal ? options.goal : options.step;
+}
 
 /// R_guidance(tau, zeta): 0 on the operator's path, else -log n, where n = |tau| counts the states
 /// since the last picture, that picture's included (appendix C, 2). 0 while no path was ever given.
 double GuidanceReward(bool guided_before, bool on_guidance, int path_length);
 
+/// log n, n >= 1: std::log, from a table as far as it goes.
+extern const std::array<double, 1024> kLogTable;
+inline double LogOf(int n) {
+  const auto index = static_cast<std::size_t>(n);
+  return index < kLogTable.size() ? kLogTable[index] : std::log(static_cast<double>(n));
+}
+
 /// R_smooth(tau): minus the number of earlier visits to the present state (appendix C, 3).
-double SmoothnessReward(int earlier_visits);
+inline double SmoothnessReward(int earlier_visits) { return -static_cast<double>(earlier_visits); }
 
 /// Steps to the nearest goal, by the robot's own map, that a move saves; below 0 when it leads
 /// away. Not in the paper: it shows the search goals beyond its horizon. A difference of
 /// potentials, undiscounted, so it hardly changes which way is best (with the discount factor it
 /// would not at all: Ng, Harada and Russell, ICML 1999); a communication gets none of it.
-double ProgressReward(double steps_saved, const RewardOptions& options);
+inline double ProgressReward(double steps_saved, const RewardOptions& options) {
+  return options.progress * steps_saved;
+}
 
 /// c = 10 + m, where m counts the states of zeta that the robot has not visited (appendix C).
-double CommunicationCost(int unvisited_guidance, const RewardOptions& options);
+inline double CommunicationCost(int unvisited_guidance, const RewardOptions& options) {
+  return options.communication_cost + unvisited_guidance;
+}
 
 /// R_task of the step that `path` has just made: the sum of the first four.
-double MoveReward(const PathState& path, const RewardOptions& options);
+inline double MoveReward(const PathState& path, const RewardOptions& options) {
+  return EnvironmentReward(path.at_goal(), options) +
+         GuidanceReward(path.guided_before(), path.on_guidance(), path.length()) +
+         SmoothnessReward(path.earlier_visits()) + ProgressReward(path.progress(), options);
+}
 
 /// Of sending a view: R_info - c. `information` is E||x' - x||_1 = ||p_add||_1 + ||p_remove||_1
 /// (section 5.2). No guidance or smoothness term, as no new state is entered.

@@ -2,41 +2,49 @@
 
 namespace conav::planner {
 
-Rollout::Rollout(const SearchOptions& options, const SearchProblem& problem,
-                 OfferedActions& offered, ViewInformation& information, Random& random)
+Rollout::Rollout(const SearchOptions& options, const PathState& path, const OfferedActions& offered,
+                 ViewInformation& information, Random& random)
     : options_(options),
       offered_(offered),
       information_(information),
       random_(random),
-      outcomes_(static_cast<std::size_t>(problem.graph.uncertainty_count()), Outcome::kNotDrawn) {}
-
-Result<double> Rollout::Run(PathState& path) {
-  const std::size_t steps = path.steps();
-  Result<double> rollout_return = Walk(path);
-  path.TakeBack(steps);
-  for (const int uncertainty : drawn_) {
-    outcomes_[static_cast<std::size_t>(uncertainty)] = Outcome::kNotDrawn;
+      vertices_(path.vertex_count()),
+      visits_(path.vertex_count()),
+      outcomes_(path.uncertainty_count()) {
+  for (std::size_t i = 0; i < vertices_.size(); ++i) {
+    const auto vertex = static_cast<VertexId>(i);
+    const bool guides = path.guided_before() && !path.IsGuidance(vertex);
+    vertices_[i] = {EnvironmentReward(path.IsGoal(vertex), options.reward), guides ? -1.0 : 0.0,
+                    path.StepsToGoal(vertex), path.IsGoal(vertex)};
   }
-  drawn_.clear();
-  return rollout_return;
+  steps_.reserve(static_cast<std::size_t>(options.rollout_depth));
 }
 
-Result<double> Rollout::Walk(PathState& path) {
+Result<double> Rollout::Run(PathState& path) {
+  ++rollout_;
+  steps_.clear();
+  length_ = path.length();
+  VertexId here = path.vertex();
   double rollout_return = 0.0;
   double weight = 1.0;  // gamma^t
   for (int t = 0; t < options_.rollout_depth; ++t, weight *= options_.discount) {
-    const Actions actions = offered_.At(path.vertex());
+    const Actions actions = offered_.At(here);
     if (actions.size() == 0) break;
     const int action = DrawAction(actions);
     if (!actions.IsMove(action)) {
-      const auto information = information_.Of(path, actions.ViewOf(action));
-      if (!information) return information;
-      return rollout_return + weight * CommunicationReward(path, *information, options_.reward);
+      const auto reward = Communicate(path, actions.ViewOf(action));
+      if (!reward) return reward;
+      return rollout_return + weight * *reward;
     }
-    Move(actions.MoveOf(action), path);
-    rollout_return += weight * MoveReward(path, options_.reward);
-    if (path.at_goal()) break;
+    const Edge& edge = actions.MoveOf(action);
+    const bool goes = CanGo(edge, path);
+    steps_.push_back(goes ? &edge : nullptr);
+    const VertexId next = goes ? edge.target : here;
+    rollout_return += weight * Enter(here, next, path);
+    here = next;
+    if (vertices_[static_cast<std::size_t>(here)].is_goal) break;
   }
+  moves_ += steps_.size();
   return rollout_return;
 }
 
@@ -47,25 +55,45 @@ int Rollout::DrawAction(const Actions& actions) {
   if (probability < 0.0 || moves == 0 || moves == all) {
     return static_cast<int>(random_.Uniform(0, all - 1));
   }
-  if (random_.Chance(probability)) return static_cast<int>(random_.Uniform(moves, all - 1));
+  if (probability > 0.0 && random_.Chance(probability)) {
+    return static_cast<int>(random_.Uniform(moves, all - 1));
+  }
   return static_cast<int>(random_.Uniform(0, moves - 1));
 }
 
-void Rollout::Move(const Edge& edge, PathState& path) {
-  if (path.IsKnownFree(edge) || DrawFree(edge)) {
-    path.Go(edge);
-  } else {
-    path.Stay();
-  }
+bool Rollout::CanGo(const Edge& edge, const PathState& path) {
+  if (path.IsKnownFree(edge)) return true;
+  Outcome& outcome = outcomes_[static_cast<std::size_t>(edge.uncertainty)];
+  if (outcome.rollout != rollout_) outcome = {rollout_, random_.Chance(edge.feasibility)};
+  return outcome.free;
 }
 
-bool Rollout::DrawFree(const Edge& edge) {
-  Outcome& outcome = outcomes_[static_cast<std::size_t>(edge.uncertainty)];
-  if (outcome == Outcome::kNotDrawn) {
-    outcome = random_.Chance(edge.feasibility) ? Outcome::kFree : Outcome::kBlocked;
-    drawn_.push_back(edge.uncertainty);
+double Rollout::Enter(VertexId from, VertexId vertex, const PathState& path) {
+  const Vertex& entered = vertices_[static_cast<std::size_t>(vertex)];
+  Visits& visits = visits_[static_cast<std::size_t>(vertex)];
+  const int of_path = path.visits(vertex);
+  const int earlier = visits.rollout == rollout_ ? visits.count : of_path;
+  visits = {rollout_, earlier + 1};
+  const double progress =
+      vertices_[static_cast<std::size_t>(from)].steps_to_goal - entered.steps_to_goal;
+  return entered.environment + entered.guidance_weight * LogOf(++length_) +
+         SmoothnessReward(earlier) + ProgressReward(progress, options_.reward);
+}
+
+Result<double> Rollout::Communicate(PathState& path, std::size_t view) {
+  moves_ += steps_.size();
+  const std::size_t steps = path.steps();
+  for (const Edge* edge : steps_) {
+    if (edge != nullptr) {
+      path.Go(*edge);
+    } else {
+      path.Stay();
+    }
   }
-  return outcome == Outcome::kFree;
+  Result<double> reward = information_.Of(path, view);
+  if (reward) reward = CommunicationReward(path, *reward, options_.reward);
+  path.TakeBack(steps);
+  return reward;
 }
 
 }  // namespace conav::planner

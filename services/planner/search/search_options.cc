@@ -29,6 +29,8 @@ void SearchOptions::Visit(ConfigReader& reader) {
   EnumField(reader, "untried_order", untried_order, {"moves_first", "random"});
   EnumField(reader, "backup", backup, {"propagated_sample", "rollout_return"});
   reader.Field("selection_uses_feasibility", selection_uses_feasibility);
+  reader.Field("guidance_prior", guidance_prior, 0.0, 1e6);
+  EnumField(reader, "tree_reuse", tree_reuse, {"none", "unchanged", "pruned"});
   reader.Field("offers_sent_views", offers_sent_views);
   reader.Field("min_information", min_information, 0.0, 1e6);
   reader.Field("rollout_communication_probability", rollout_communication_probability, -1.0, 1.0);

@@ -21,6 +21,14 @@ enum class BackupRule {
   kRolloutReturn,     // q: as printed in procedure BackPropagate, a misprint; kept to show that
 };
 
+/// What a search takes over from the one before, when the robot has moved along a branch of it and
+/// the operator's map, path and the goals are what they were.
+enum class TreeReuse {
+  kNone,
+  kUnchanged,  // the branch, if the robot's own map has not changed either
+  kPruned,     // the branch, without what its map has ruled out since
+};
+
 /// Parameters of IG-MCTS. Defaults work (measured in closed_loop_test.cc); PaperOptions() are the
 /// printed numbers.
 struct SearchOptions {
@@ -37,6 +45,10 @@ struct SearchOptions {
   BackupRule backup = BackupRule::kPropagatedSample;
   /// Selection weighs a child's value by its feasibility (A7): delta Q'/N' + (1 - delta) Q/N.
   bool selection_uses_feasibility = false;
+  /// Selection adds guidance_prior / (1 + N) to a move onto the operator's path, a head start that
+  /// visits use up (progressive bias; Chaslot and others 2008). 0 = none.
+  double guidance_prior = 0.0;
+  TreeReuse tree_reuse = TreeReuse::kNone;
   /// Offer views again that were sent already (the paper has no rule against it, A30).
   bool offers_sent_views = false;
   /// A view is sent only if it is expected to change at least this many cells of the operator's

@@ -7,22 +7,24 @@
 
 namespace conav::planner {
 
-SearchTree::SearchTree(VertexId start) : last_child_{-1} { nodes_.emplace_back().vertex = start; }
+SearchTree::SearchTree(VertexId start, std::size_t nodes_expected) {
+  nodes_.reserve(nodes_expected + 1);
+  nodes_.emplace_back().vertex = start;
+}
 
 int SearchTree::Add(SearchNode node) {
   DEMAND(node.parent >= 0 && node.action >= 0 && node.action < kMaxActions, node.parent,
          node.action);
   const int index = static_cast<int>(nodes_.size());
-  const auto parent = static_cast<std::size_t>(node.parent);
-  node.depth = nodes_[parent].depth + 1;
-  nodes_[parent].tried |= std::uint64_t{1} << node.action;
-  if (last_child_[parent] < 0) {
-    nodes_[parent].first_child = index;
+  SearchNode& parent = mutable_node(node.parent);
+  node.depth = parent.depth + 1;
+  parent.tried |= std::uint64_t{1} << node.action;
+  if (parent.last_child < 0) {
+    parent.first_child = index;
   } else {
-    mutable_node(last_child_[parent]).next_sibling = index;
+    mutable_node(parent.last_child).next_sibling = index;
   }
-  last_child_[parent] = index;
-  last_child_.push_back(-1);
+  parent.last_child = index;
   nodes_.push_back(node);
   return index;
 }
@@ -40,6 +42,7 @@ int SearchTree::SelectChild(int parent, const SearchOptions& options, Random& ra
       value = to.feasibility * value + (1.0 - to.feasibility) * from.mean();
     }
     value += options.exploration_constant * std::sqrt(log_visits / to.visit_count);
+    if (to.is_guided) value += options.guidance_prior / (1.0 + to.visit_count);
     if (value > best_value) {
       best_value = value;
       best = child;

@@ -18,12 +18,15 @@ inline constexpr int kMaxActions = 64;
 struct SearchNode {
   int parent = -1;
   int first_child = -1;
+  int last_child = -1;
   int next_sibling = -1;
   int action = -1;  // at the parent's vertex, see Actions
+  int view = -1;    // of a communication: index into NavigationGraph::HeadingsAt()
   int depth = 0;
   VertexId vertex = 0;
   bool is_communication = false;
   bool is_terminal = false;
+  bool is_guided = false;         // a move onto the operator's path
   std::uint64_t tried = 0;        // bit a: action a has a child, or is withheld
   double reward = 0.0;            // r(v): of the transition into this node; 0 at the root
   double feasibility = 1.0;       // delta(v): probability of that transition
@@ -40,13 +43,20 @@ class SearchTree {
  public:
   static constexpr int kRoot = 0;
 
-  explicit SearchTree(VertexId start);
+  /// `nodes_expected`: so many are added without allocating memory.
+  explicit SearchTree(VertexId start, std::size_t nodes_expected = 0);
 
   const SearchNode& node(int index) const { return nodes_[static_cast<std::size_t>(index)]; }
   std::size_t size() const { return nodes_.size(); }
 
   /// Appends `node` as last child of its parent; returns its number.
   int Add(SearchNode node);
+
+  /// What is known of the root from an earlier tree.
+  void SetRootVisits(std::uint32_t visit_count, double total_return) {
+    mutable_node(kRoot).visit_count = visit_count;
+    mutable_node(kRoot).total_return = total_return;
+  }
 
   /// Never expands `action` of `node`.
   void Withhold(int node, int action) { mutable_node(node).tried |= std::uint64_t{1} << action; }
@@ -67,7 +77,6 @@ class SearchTree {
   SearchNode& mutable_node(int index) { return nodes_[static_cast<std::size_t>(index)]; }
 
   std::vector<SearchNode> nodes_;
-  std::vector<int> last_child_;
 };
 
 }  // namespace conav::planner

@@ -1,68 +1,141 @@
 #include "planner/search/view_information.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "common/runtime/demand.h"
 
 namespace conav::planner {
+namespace {
 
-std::size_t ViewInformation::PlaceHash::operator()(const Place& place) const {
-  std::uint64_t hash = static_cast<std::uint64_t>(place.vertex) + 1;
-  for (const std::uint64_t word : place.visited) {
+constexpr std::int32_t kEmpty = -1;
+constexpr std::size_t kViewsExpected = 8;  // of a place
+
+std::uint64_t HashOf(VertexId vertex, std::span<const std::uint64_t> visited) {
+  std::uint64_t hash = static_cast<std::uint64_t>(vertex) + 1;
+  for (const std::uint64_t word : visited) {
     hash = (hash ^ word) * 0x9e3779b97f4a7c15ULL;
     hash ^= hash >> 29;
   }
   return hash;
 }
 
-ViewInformation::ViewInformation(const SearchProblem& problem, OfferedActions& offered,
-                                 PerceptionModel& model)
-    : problem_(problem), offered_(offered), model_(model) {}
+}  // namespace
 
-Result<double> ViewInformation::Of(const PathState& path, std::size_t index) {
-  place_.vertex = path.vertex();
-  place_.visited.assign(path.visited().begin(), path.visited().end());
-  auto found = known_.find(place_);
-  if (found == known_.end()) {
-    auto edits = Ask(path);
-    if (!edits) return tl::unexpected(edits.error());
-    found = known_.emplace(place_, *std::move(edits)).first;
-  } else {
-    ++counts_.cached;
+ViewInformation::ViewInformation(const SearchProblem& problem, const OfferedActions& offered,
+                                 PerceptionModel& model)
+    : problem_(problem), offered_(offered), model_(model), slots_(4 * kPlacesExpected, kEmpty) {
+  const auto vertices = static_cast<std::size_t>(problem.graph.vertex_count());
+  places_.reserve(kPlacesExpected);
+  words_.reserve(kPlacesExpected * ((vertices + 63) / 64));
+  edits_.reserve(kPlacesExpected * kViewsExpected);
+  cells_.reserve(vertices + problem.path.size());
+  queries_.resize(kViewsExpected);
+  for (PerceptionQuery& query : queries_) {
+    query.belief = problem.belief;
+    query.path.reserve(cells_.capacity());
+    query.visible.free.reserve(vertices);
+    query.visible.walls.reserve(vertices);
   }
-  DEMAND(index < found->second.size(), index);
-  return found->second[index];
 }
 
-Result<std::vector<double>> ViewInformation::Ask(const PathState& path) {
-  const std::vector<Cell> cells = CellsOf(path);
-  const auto headings = problem_.graph.HeadingsAt(path.vertex());
-  std::vector<PerceptionQuery> queries;
-  for (const int view : offered_.At(path.vertex()).views) {
-    queries.push_back({.belief = problem_.belief,
-                       .path = cells,
-                       .cell = problem_.graph.CellOf(path.vertex()),
-                       .heading_rad = headings[static_cast<std::size_t>(view)],
-                       .visible = problem_.graph.ViewFrom(path.vertex(), view)});
+Result<double> ViewInformation::Of(const PathState& path, std::size_t index) {
+  const Place& place = PlaceAt(path);
+  DEMAND(index < offered_.At(place.vertex).views.size(), index);
+  const double& edits = edits_[place.first_edit + index];
+  if (!std::isnan(edits)) {
+    ++counts_.cached;
+    return edits;
   }
-  const auto answers = model_.Predict(queries);
-  if (!answers) return tl::unexpected(answers.error());
-  DEMAND(answers->size() == queries.size(), answers->size(), queries.size());
-  ++counts_.calls;
-  counts_.queries += static_cast<std::uint32_t>(queries.size());
-  std::vector<double> edits;
-  for (const PerceptionAnswer& answer : *answers) edits.push_back(ExpectedEdits(answer));
+  if (auto asked = Ask(path, place, index, 1); !asked) return tl::unexpected(asked.error());
   return edits;
 }
 
-std::vector<Cell> ViewInformation::CellsOf(const PathState& path) const {
-  std::vector<Cell> cells(path.other_cells().begin(), path.other_cells().end());
-  for (VertexId vertex = 0; vertex < problem_.graph.vertex_count(); ++vertex) {
-    if (path.visits(vertex) > 0) cells.push_back(problem_.graph.CellOf(vertex));
+Result<void> ViewInformation::AskAll(const PathState& path) {
+  const Place& place = PlaceAt(path);
+  const std::size_t views = offered_.At(place.vertex).views.size();
+  return views == 0 ? Result<void>() : Ask(path, place, 0, views);
+}
+
+const ViewInformation::Place& ViewInformation::PlaceAt(const PathState& path) {
+  const std::size_t slot = SlotOf(path);
+  if (slots_[slot] != kEmpty) return places_[static_cast<std::size_t>(slots_[slot])];
+  AddPlace(path, slot);
+  return places_.back();
+}
+
+/// The slot that holds the end of `path`, or the empty one where it belongs.
+std::size_t ViewInformation::SlotOf(const PathState& path) const {
+  const std::size_t mask = slots_.size() - 1;
+  std::size_t slot = HashOf(path.vertex(), path.visited()) & mask;
+  while (slots_[slot] != kEmpty && !Is(places_[static_cast<std::size_t>(slots_[slot])], path)) {
+    slot = (slot + 1) & mask;
   }
-  std::sort(cells.begin(), cells.end());
-  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-  return cells;
+  return slot;
+}
+
+bool ViewInformation::Is(const Place& place, const PathState& path) const {
+  const auto visited = path.visited();
+  return place.vertex == path.vertex() &&
+         std::equal(visited.begin(), visited.end(),
+                    words_.begin() + static_cast<std::ptrdiff_t>(place.first_word));
+}
+
+/// Views [first, first + count) of a place.
+Result<void> ViewInformation::Ask(const PathState& path, const Place& place, std::size_t first,
+                                  std::size_t count) {
+  const auto views = offered_.At(place.vertex).views;
+  CollectCells(path);
+  queries_.resize(std::max(queries_.size(), count));
+  for (std::size_t i = 0; i < count; ++i) WriteQuery(path, views[first + i], queries_[i]);
+  const auto answers = model_.Predict(std::span(queries_).first(count));
+  if (!answers) return tl::unexpected(answers.error());
+  DEMAND(answers->size() == count, answers->size(), count);
+  ++counts_.calls;
+  counts_.queries += static_cast<std::uint32_t>(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    edits_[place.first_edit + first + i] = ExpectedEdits((*answers)[i]);
+  }
+  return {};
+}
+
+void ViewInformation::WriteQuery(const PathState& path, int view, PerceptionQuery& query) const {
+  query.belief = problem_.belief;
+  query.path = cells_;
+  query.cell = problem_.graph.CellOf(path.vertex());
+  query.heading_rad = problem_.graph.HeadingsAt(path.vertex())[static_cast<std::size_t>(view)];
+  query.visible = problem_.graph.ViewFrom(path.vertex(), view);
+}
+
+void ViewInformation::CollectCells(const PathState& path) {
+  cells_.assign(path.other_cells().begin(), path.other_cells().end());
+  for (VertexId vertex = 0; vertex < problem_.graph.vertex_count(); ++vertex) {
+    if (path.visits(vertex) > 0) cells_.push_back(problem_.graph.CellOf(vertex));
+  }
+  std::sort(cells_.begin(), cells_.end());
+  cells_.erase(std::unique(cells_.begin(), cells_.end()), cells_.end());
+}
+
+void ViewInformation::AddPlace(const PathState& path, std::size_t slot) {
+  slots_[slot] = static_cast<std::int32_t>(places_.size());
+  places_.push_back({path.vertex(), words_.size(), edits_.size()});
+  words_.insert(words_.end(), path.visited().begin(), path.visited().end());
+  edits_.resize(edits_.size() + offered_.At(path.vertex()).views.size(),
+                std::numeric_limits<double>::quiet_NaN());
+  if (2 * places_.size() > slots_.size()) GrowSlots();
+}
+
+void ViewInformation::GrowSlots() {
+  slots_.assign(2 * slots_.size(), kEmpty);
+  const std::size_t mask = slots_.size() - 1;
+  const std::size_t words_of_place = words_.size() / places_.size();
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const std::span visited(words_.data() + places_[i].first_word, words_of_place);
+    std::size_t slot = HashOf(places_[i].vertex, visited) & mask;
+    while (slots_[slot] != kEmpty) slot = (slot + 1) & mask;
+    slots_[slot] = static_cast<std::int32_t>(i);
+  }
 }
 
 }  // namespace conav::planner

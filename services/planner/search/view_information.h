@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <unordered_map>
+#include <span>
 #include <vector>
 
 #include "planner/search/offered_actions.h"
@@ -10,16 +10,19 @@
 
 namespace conav::planner {
 
-/// R_info of the views offered at the end of a path, asked of the perception model in as few calls
-/// as possible and remembered within one decision.
+/// R_info of the views offered at the end of a path, asked of the perception model when it is wanted
+/// and remembered within one decision.
 ///
-/// Nothing is approximated: the key is the whole set of cells in tau together with the place, and
-/// an answer depends on tau as a set only. All views of a place are asked in one batch, when the
-/// first of them is wanted. Searches of 2000 iterations need about 13 batches, because they come
-/// back to the same places (asking about the places around in the same batch saved one call in
-/// seven and doubled the queries, so it is not done).
+/// Nothing is approximated: the key is the whole set of cells in tau together with the place and
+/// the view, and an answer depends on tau as a set only. A search looks at few of a place's views,
+/// so each is asked by itself; where all are wanted at once (at the root), AskAll() makes one batch
+/// of them.
+///
+/// A look-up takes no memory; a new place only beyond the first kPlacesExpected.
 class ViewInformation {
  public:
+  static constexpr std::size_t kPlacesExpected = 1024;
+
   struct Counts {
     std::uint32_t queries = 0;  // asked of the model
     std::uint32_t calls = 0;    // in this many batches
@@ -27,32 +30,45 @@ class ViewInformation {
   };
 
   /// All arguments must outlive this.
-  ViewInformation(const SearchProblem& problem, OfferedActions& offered, PerceptionModel& model);
+  ViewInformation(const SearchProblem& problem, const OfferedActions& offered,
+                  PerceptionModel& model);
 
   /// Expected edits of view `index` of the views offered at the end of `path`.
   /// Errors: those of the perception model.
   [[nodiscard]] Result<double> Of(const PathState& path, std::size_t index);
 
+  /// Asks for all views offered at the end of `path` that are not known yet, in one batch.
+  [[nodiscard]] Result<void> AskAll(const PathState& path);
+
   const Counts& counts() const { return counts_; }
 
  private:
+  /// A vertex and the vertices visited.
   struct Place {
-    VertexId vertex = 0;
-    std::vector<std::uint64_t> visited;
-    bool operator==(const Place&) const = default;
-  };
-  struct PlaceHash {
-    std::size_t operator()(const Place& place) const;
+    VertexId vertex;
+    std::size_t first_word;  // of the set, in words_
+    std::size_t first_edit;  // of its views, in edits_
   };
 
-  [[nodiscard]] Result<std::vector<double>> Ask(const PathState& path);
-  std::vector<Cell> CellsOf(const PathState& path) const;
+  const Place& PlaceAt(const PathState& path);
+  std::size_t SlotOf(const PathState& path) const;
+  bool Is(const Place& place, const PathState& path) const;
+  void AddPlace(const PathState& path, std::size_t slot);
+  void GrowSlots();
+  [[nodiscard]] Result<void> Ask(const PathState& path, const Place& place, std::size_t first,
+                                 std::size_t count);
+  void WriteQuery(const PathState& path, int view, PerceptionQuery& query) const;
+  void CollectCells(const PathState& path);
 
   const SearchProblem& problem_;
-  OfferedActions& offered_;
+  const OfferedActions& offered_;
   PerceptionModel& model_;
-  std::unordered_map<Place, std::vector<double>, PlaceHash> known_;
-  Place place_;  // of the present look-up
+  std::vector<std::int32_t> slots_;  // open addressing: index into places_, -1 = empty
+  std::vector<Place> places_;
+  std::vector<std::uint64_t> words_;
+  std::vector<double> edits_;             // NaN = not asked yet
+  std::vector<PerceptionQuery> queries_;  // of the newest call; kept for their memory
+  std::vector<Cell> cells_;               // of its path
   Counts counts_;
 };
 

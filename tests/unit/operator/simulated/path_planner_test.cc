@@ -84,6 +84,17 @@ TEST_CASE("The horizon next_goal ends at the first goal of the tour", "[operator
   CHECK(PlanOn(map, {1, 4}, {{1, 3}, {1, 6}, {1, 1}}, parameters) == Path{{1, 4}, {1, 5}, {1, 6}});
 }
 
+TEST_CASE("The horizon away leads to the free cell that is farthest from the goals",
+          "[operator][simulated]") {
+  const BeliefGrid map = DrawnMap({"#######", "#     #", "# ### #", "# #   #", "#######"});
+  PathPlannerParameters parameters;
+  parameters.horizon = "away";
+  const Path path = PlanOn(map, {1, 3}, {{3, 1}}, parameters);
+  CHECK(path.back() == Cell{3, 3});
+  CHECK(path.size() == 7);
+  CHECK(PlanOn(map, {1, 3}, {}, parameters) == Path{{1, 3}});
+}
+
 TEST_CASE("More than six goals are visited nearest first, all of them", "[operator][simulated]") {
   const BeliefGrid map = DrawnMap({"###########", "#         #", "###########"});
   const Path path = PlanOn(map, {1, 4}, {{1, 3}, {1, 2}, {1, 1}, {1, 6}, {1, 7}, {1, 8}, {1, 9}});

@@ -53,6 +53,35 @@ TEST_CASE("A picture that shows no error is answered by a path alone", "[operato
   CHECK(desk.ExpectGuide().answers_snapshot == 4);
 }
 
+TEST_CASE("Somebody silent answers nothing", "[operator][simulated]") {
+  Desk desk(ParametersOfKind("silent"));
+  desk.person.Hear(MapAt(0));
+  desk.person.Hear(StateAt({1, 1}, 10));
+  desk.person.Hear(PictureOf(1, 20), desk.clock.Now());
+  desk.ExpectNothing();
+  CHECK(desk.person.open() == 0);
+}
+
+TEST_CASE("The kinds of people differ as their names say", "[operator][simulated]") {
+  const auto careful = ParametersOfKind("careful");
+  const auto hasty = ParametersOfKind("hasty");
+  CHECK(careful.reader.edit_probability == PictureReaderParameters().edit_probability);
+  CHECK(hasty.reader.edit_probability < careful.reader.edit_probability);
+  CHECK(hasty.planner.horizon == "next_goal");
+  CHECK(ParametersOfKind("wrong").reader.edit_probability == 0.0);
+  CHECK(ParametersOfKind("wrong").planner.horizon == "away");
+  CHECK(ParametersOfKind("silent").silent);
+}
+
+TEST_CASE("A config names the kind, and may change single values of it", "[operator][simulated]") {
+  SyntheticOperatorParameters person;
+  ReadConfig(YAML::Load("{kind: hasty, reader: {edit_limit: 5}}"), "person", person);
+  CHECK(person.reader.edit_limit == 5);
+  CHECK(person.planner.horizon == "next_goal");
+  CHECK_THROWS_WITH(ReadConfig(YAML::Load("{kind: grumpy}"), "person", person),
+                    Catch::Contains("person.kind") && Catch::Contains("careful"));
+}
+
 TEST_CASE("A picture newer than the state tells where the robot is", "[operator][simulated]") {
   Desk desk;
   desk.Begin();

@@ -115,7 +115,9 @@ class Episode {
         belief_(world.belief),
         cell_(world.start),
         goals_(world.goals),
-        path_{world.start} {
+        path_{world.start},
+        views_(
+            std::make_shared<const GridViews>(GridViews::Options{.headings = options.headings})) {
     Look();
     guidance_ = DrawGuidance(belief_, cell_, goals_, options_.guidance_goals);
   }
@@ -129,7 +131,7 @@ class Episode {
  private:
   void Turn() {
     const auto start = std::chrono::steady_clock::now();
-    const GridGraph graph(known_, {}, {.headings = options_.headings});
+    const GridGraph graph(known_, {}, views_, {});
     const SearchProblem problem{.graph = graph,
                                 .start = graph.VertexAt(cell_).value(),
                                 .path = path_,
@@ -235,6 +237,7 @@ class Episode {
   std::vector<Cell> path_;
   std::vector<Cell> guidance_;
   std::vector<Sent> sent_;
+  std::shared_ptr<const GridViews> views_;
   EpisodeResult result_;
 };
 

@@ -17,7 +17,7 @@ struct RolloutFixture {
         offered(text_world.problem),
         information(text_world.problem, offered, model),
         random(seed),
-        rollout(options, text_world.problem, offered, information, random) {}
+        rollout(options, path, offered, information, random) {}
 
   double Run() { return rollout.Run(path).value(); }
 

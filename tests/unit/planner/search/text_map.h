@@ -47,15 +47,15 @@ inline std::vector<Cell> CellsMarked(const std::vector<std::string_view>& rows, 
 }
 
 /// For worlds in which only moves are offered.
-inline const GridGraph::Options kNoViews{.headings = 0};
+inline const GridViews::Options kNoViews{.headings = 0};
 
 /// A small world: S start, G goals; the operator believes what the robot knows.
 struct TextWorld {
-  explicit TextWorld(std::vector<std::string_view> rows, const GridGraph::Options& options = {})
+  explicit TextWorld(std::vector<std::string_view> rows, const GridViews::Options& options = {})
       : TextWorld(rows, rows, options) {}
   TextWorld(const std::vector<std::string_view>& rows,
-            const std::vector<std::string_view>& believed, const GridGraph::Options& options = {})
-      : graph(MapFrom(rows), {}, options),
+            const std::vector<std::string_view>& believed, const GridViews::Options& options = {})
+      : graph(MapFrom(rows), {}, std::make_shared<const GridViews>(options), {}),
         belief(BeliefFrom(believed)),
         problem{.graph = graph,
                 .start = graph.VertexAt(CellsMarked(rows, 'S').at(0)).value(),

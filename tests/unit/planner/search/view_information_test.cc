@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "common/runtime/random.h"
 #include "planner/search/fake_perception_model.h"
 #include "text_map.h"
 
@@ -28,16 +29,32 @@ class CountingModel final : public PerceptionModel {
   FakePerceptionModel fake_;
 };
 
-TEST_CASE("all views of a place are asked in one call and remembered", "[planner][search]") {
+TEST_CASE("a view is asked about when it is wanted, and remembered", "[planner][search]") {
   const TextWorld world({"#####", "#S..#", "#####"});
   CountingModel model;
-  OfferedActions offered(world.problem);
+  const OfferedActions offered(world.problem);
   ViewInformation information(world.problem, offered, model);
   const PathState path(world.problem);
+  const double first = information.Of(path, 2).value();
+  CHECK(model.asked.size() == 1);
+  CHECK(model.asked[0].heading_rad == world.graph.HeadingsAt(0)[2]);
+  CHECK(information.Of(path, 2).value() == first);
+  CHECK(model.calls == 1);
+  REQUIRE(information.Of(path, 3).has_value());
+  CHECK(model.calls == 2);
+}
+
+TEST_CASE("all views of a place can be asked in one call", "[planner][search]") {
+  const TextWorld world({"#####", "#S..#", "#####"});
+  CountingModel model;
+  const OfferedActions offered(world.problem);
+  ViewInformation information(world.problem, offered, model);
+  const PathState path(world.problem);
+  REQUIRE(information.AskAll(path).has_value());
   for (std::size_t view = 0; view < 8; ++view) REQUIRE(information.Of(path, view).has_value());
   CHECK(model.calls == 1);
   CHECK(model.asked.size() == 8);
-  CHECK(information.counts().cached == 7);
+  CHECK(information.counts().cached == 8);
   CHECK(model.asked[2].heading_rad == world.graph.HeadingsAt(0)[2]);
   CHECK(model.asked[2].visible == world.graph.ViewFrom(world.problem.start, 2));
 }
@@ -46,7 +63,7 @@ TEST_CASE("the path is asked about as a set: order and repeats do not matter",
           "[planner][search]") {
   const TextWorld world({"#####", "#.S.#", "#####"});
   CountingModel model;
-  OfferedActions offered(world.problem);
+  const OfferedActions offered(world.problem);
   ViewInformation information(world.problem, offered, model);
   PathState path(world.problem);
   for (const Cell side : {Cell{1, 1}, Cell{1, 3}}) {
@@ -68,7 +85,7 @@ TEST_CASE("the path is asked about as a set: order and repeats do not matter",
 TEST_CASE("another path to the same place is another question", "[planner][search]") {
   const TextWorld world({"#####", "#.S.#", "#####"});
   CountingModel model;
-  OfferedActions offered(world.problem);
+  const OfferedActions offered(world.problem);
   ViewInformation information(world.problem, offered, model);
   PathState path(world.problem);
   REQUIRE(information.Of(path, 0).has_value());
@@ -81,18 +98,48 @@ TEST_CASE("another path to the same place is another question", "[planner][searc
 TEST_CASE("information is the sum of the expected edits", "[planner][search]") {
   const TextWorld world({"#####", "#S..#", "#####"}, {"#####", "#S#.#", "#####"});
   FakePerceptionModel model;
-  OfferedActions offered(world.problem);
+  const OfferedActions offered(world.problem);
   ViewInformation information(world.problem, offered, model);
   const PathState path(world.problem);
   CHECK(information.Of(path, 0).value() == Approx(0.6 * std::exp(-0.15)));  // east shows it
   CHECK(information.Of(path, 4).value() == 0.0);                            // west does not
 }
 
+TEST_CASE("more places than expected are remembered, too", "[planner][search]") {
+  const TextWorld world({"###########", "#S........#", "#.........#", "#.........#", "#.........#",
+                         "#.........#", "#.........#", "#.........#", "###########"});
+  CountingModel model;
+  const OfferedActions offered(world.problem);
+  ViewInformation information(world.problem, offered, model);
+  PathState path(world.problem);
+  Random random(3);
+  std::vector<std::pair<std::vector<Edge>, double>> asked;
+  for (std::size_t i = 0; i < 4 * ViewInformation::kPlacesExpected; ++i) {
+    std::vector<Edge> walk;
+    for (int step = 0; step < 24; ++step) {
+      const auto moves = offered.At(path.vertex()).moves;
+      const auto last = static_cast<std::int64_t>(moves.size()) - 1;
+      walk.push_back(moves[static_cast<std::size_t>(random.Uniform(0, last))]);
+      path.Go(walk.back());
+    }
+    asked.emplace_back(walk, information.Of(path, 0).value());
+    path.TakeBack(0);
+  }
+  const int calls = model.calls;
+  REQUIRE(static_cast<std::size_t>(calls) > 2 * ViewInformation::kPlacesExpected);
+  for (const auto& [walk, value] : asked) {
+    for (const Edge& edge : walk) path.Go(edge);
+    CHECK(information.Of(path, 0).value() == value);
+    path.TakeBack(0);
+  }
+  CHECK(model.calls == calls);
+}
+
 TEST_CASE("a failing model is reported and asked again next time", "[planner][search]") {
   const TextWorld world({"###", "#S#", "###"});
   CountingModel model;
   model.fails = true;
-  OfferedActions offered(world.problem);
+  const OfferedActions offered(world.problem);
   ViewInformation information(world.problem, offered, model);
   const PathState path(world.problem);
   REQUIRE_FALSE(information.Of(path, 0).has_value());
@@ -104,7 +151,7 @@ TEST_CASE("a failing model is reported and asked again next time", "[planner][se
 TEST_CASE("views that were sent are not offered, others are", "[planner][search]") {
   TextWorld world({"#####", "#S..#", "#####"});
   world.problem.sent_views = {{{1, 1}, 0.0}, {{1, 1}, 3.14159265358979312}, {{1, 2}, 1.0}};
-  OfferedActions offered(world.problem);
+  const OfferedActions offered(world.problem);
   const Actions actions = offered.At(world.problem.start);
   CHECK(actions.moves.size() == 1);
   CHECK(std::vector<int>(actions.views.begin(), actions.views.end()) ==

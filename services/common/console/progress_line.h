@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <string>
 
-namespace conav::nhpm {
+namespace conav {
 
 /// How a long command says how far it is: on a terminal one line that is rewritten, elsewhere a
 /// line for each call.
@@ -33,4 +33,4 @@ class ProgressLine {
 /// "0:07", "12:34", "1:02:03".
 std::string DurationText(double seconds);
 
-}  // namespace conav::nhpm
+}  // namespace conav

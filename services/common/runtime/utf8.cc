@@ -1,4 +1,4 @@
-#include "common/segments/utf8.h"
+#include "common/runtime/utf8.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "nhpm/commands/progress_line.h"
+#include "common/console/progress_line.h"
 
 #include <fcntl.h>
 #include <stdlib.h>
@@ -7,7 +7,7 @@
 #include <catch2/catch.hpp>
 #include <memory>
 
-namespace conav::nhpm {
+namespace conav {
 namespace {
 
 TEST_CASE("Progress that goes into a file is a line for each call", "[nhpm][train]") {
@@ -61,4 +61,4 @@ TEST_CASE("Durations are written as on a clock", "[nhpm][train]") {
 }
 
 }  // namespace
-}  // namespace conav::nhpm
+}  // namespace conav

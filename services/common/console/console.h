@@ -9,9 +9,9 @@
 #include "common/runtime/file_options.h"
 #include "common/runtime/result.h"
 
-/// How the programs of this folder speak to their user: results on standard output or into files,
+/// How a program that ends by itself speaks to its user: results on standard output or into files,
 /// all else on standard error.
-namespace conav::nhpm {
+namespace conav {
 
 /// Prints "conav train: <what went wrong>" on standard error and gives exit code 1.
 int Failed(std::string_view program, const Error& error);
@@ -21,9 +21,6 @@ int Refused(std::string_view program, const std::string& reason);
 
 /// "conav train: warning: <text>" on standard error.
 void Warn(std::string_view program, const std::string& text);
-
-/// The warning of weights whose file does not say which trajectories they learned from.
-std::string UnknownLearning(const std::filesystem::path& weights);
 
 /// 0, or what Failed gives.
 int ExitCode(std::string_view program, const Result<void>& done);
@@ -44,4 +41,4 @@ int ExitCode(std::string_view program, const Result<void>& done);
 int CheckFiles(std::string_view program, const std::vector<FileOption>& inputs,
                const std::vector<FileOption>& outputs);
 
-}  // namespace conav::nhpm
+}  // namespace conav

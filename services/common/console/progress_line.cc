@@ -1,9 +1,9 @@
-#include "nhpm/commands/progress_line.h"
+#include "common/console/progress_line.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
 
-namespace conav::nhpm {
+namespace conav {
 
 ProgressLine::ProgressLine(std::FILE* out) : out_(out), rewrites_(isatty(fileno(out)) == 1) {}
 
@@ -32,4 +32,4 @@ std::string DurationText(double seconds) {
   return fmt::format("{}:{:02}", minutes, whole % 60);
 }
 
-}  // namespace conav::nhpm
+}  // namespace conav

@@ -1,4 +1,4 @@
-#include "nhpm/commands/console.h"
+#include "common/console/console.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include "common/runtime/file.h"
 #include "common/runtime/json.h"
 
-namespace conav::nhpm {
+namespace conav {
 
 int Failed(std::string_view program, const Error& error) {
   std::fputs(fmt::format("{}: {}\n", program, error.text).c_str(), stderr);
@@ -23,13 +23,6 @@ int Refused(std::string_view program, const std::string& reason) {
 
 void Warn(std::string_view program, const std::string& text) {
   std::fputs(fmt::format("{}: warning: {}\n", program, text).c_str(), stderr);
-}
-
-std::string UnknownLearning(const std::filesystem::path& weights) {
-  return fmt::format(
-      "{}: does not name the trajectories that it learned from, as weights of before conav train "
-      "kept them: it may have seen what it is tested on",
-      weights.string());
 }
 
 int ExitCode(std::string_view program, const Result<void>& done) {
@@ -68,4 +61,4 @@ int CheckFiles(std::string_view program, const std::vector<FileOption>& inputs,
   return 0;
 }
 
-}  // namespace conav::nhpm
+}  // namespace conav

@@ -1,0 +1,40 @@
+#include "planner/decision/situation_problem.h"
+
+namespace conav::planner {
+namespace {
+
+std::vector<Cell> CellsOf(const std::vector<Neighbour>& neighbours) {
+  std::vector<Cell> cells;
+  for (const Neighbour& neighbour : neighbours) cells.push_back(neighbour.cell);
+  return cells;
+}
+
+}  // namespace
+
+std::shared_ptr<const GridViews> ViewsFor(const Situation& situation, int headings,
+                                          std::shared_ptr<const GridViews> kept) {
+  const GridViews::Options options{
+      .headings = headings, .lens = situation.lens, .cell_size_m = situation.map.cell_size_m};
+  if (kept && kept->options() == options) return kept;
+  return std::make_shared<const GridViews>(options);
+}
+
+SituationProblem::SituationProblem(const Situation& situation, BeliefGrid belief,
+                                   std::vector<SentView> withheld,
+                                   std::shared_ptr<const GridViews> views)
+    : graph_(situation.map.cells, CellsOf(situation.neighbours), std::move(views), {}),
+      belief_(std::move(belief)) {
+  const auto start = graph_.VertexAt(situation.state.cell);
+  if (!start) return;
+  problem_.emplace(
+      SearchProblem{.graph = graph_,
+                    .start = *start,
+                    .path = situation.state.path,
+                    .goals_left = situation.state.goals_left,
+                    .guidance = situation.guidance ? situation.guidance->path : std::vector<Cell>{},
+                    .guided_before = situation.guided_before,
+                    .belief = belief_,
+                    .sent_views = std::move(withheld)});
+}
+
+}  // namespace conav::planner

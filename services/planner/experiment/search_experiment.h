@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "nhpm/model/edit_model.h"
+#include "planner/experiment/bootstrap.h"
+#include "planner/experiment/episode.h"
+#include "planner/experiment/search_variants.h"
+
+namespace conav::planner {
+
+/// Every variant of the search with every kind of SIMULATED operator in the same mazes.
+struct SearchExperiment {
+  std::vector<SearchVariant> variants;
+  std::vector<std::string> operators;  // of operators::OperatorKinds()
+  int seeds = 100;                     // mazes first_seed, first_seed + 1, ...
+  std::uint64_t first_seed = 1;
+  std::string preset = "conav13";  // of the mazes
+  int threads = 1;                 // changes no result but the times
+};
+
+struct ExperimentEpisode {
+  std::size_t variant = 0;
+  std::size_t person = 0;  // index into SearchExperiment::operators
+  std::uint64_t seed = 0;
+  EpisodeResult result;
+};
+
+/// One variant with one kind of operator, over all mazes.
+struct VariantSummary {
+  std::size_t variant = 0;
+  std::size_t person = 0;
+  int episodes = 0;
+  int all_goals = 0;  // episodes that reached all goals
+  struct Figure {
+    double mean = 0.0;
+    Interval interval;  // BootstrapMean
+  };
+  Figure goals_share;  // goals reached over goals
+  Figure moves;
+  Figure moves_ratio;  // moves over the optimal tour; of episodes that reached all goals
+  Figure pictures;
+  Figure mapping_accuracy;
+  double decision_ms_p50 = 0.0;  // processor time, over all decisions
+  double decision_ms_p95 = 0.0;
+};
+
+/// Called after each episode, never by two threads at once.
+using EpisodeListener = std::function<void(std::size_t done, std::size_t of)>;
+
+/// All episodes, ordered by variant, operator, seed. `model` predicts the operator's edits for all.
+/// Errors: those of MakeWorldSpec.
+[[nodiscard]] Result<std::vector<ExperimentEpisode>> RunSearchExperiment(
+    const SearchExperiment& experiment, std::shared_ptr<const nhpm::EditModel> model,
+    const EpisodeListener& listener = nullptr);
+
+/// In the order of the episodes.
+std::vector<VariantSummary> Summarize(const std::vector<ExperimentEpisode>& episodes);
+
+}  // namespace conav::planner

@@ -1,0 +1,10 @@
+# Runs the benchmark shortly and looks for each documented metric. Says nothing about speed.
+execute_process(COMMAND ${PROGRAM} --rounds 1 --episodes 1 --json ${JSON} COMMAND_ERROR_IS_FATAL ANY)
+file(READ ${JSON} text)
+foreach(metric chain100_p50_ms chain100_p95_ms default_p50_ms default_p95_ms rollout_steps_per_s plain_ratio
+               robots_per_core_5hz)
+  string(JSON value GET "${text}" metrics ${metric})
+  if(NOT value GREATER 0)
+    message(FATAL_ERROR "${metric} is ${value}")
+  endif()
+endforeach()

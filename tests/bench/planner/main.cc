@@ -1,0 +1,257 @@
+// conav-bench-planner: what a decision costs, beside the same search written plainly.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "bench/planner/plain_search.h"
+#include "bench/support/bench_program.h"
+#include "bench/support/measure.h"
+#include "nhpm/model/load_model.h"
+#include "nhpm/model/perception_network.h"
+#include "planner/decision/ig_mcts_method.h"
+#include "planner/decision/situation_problem.h"
+#include "planner/experiment/episode.h"
+#include "planner/perception/embedded_perception_model.h"
+#include "planner/search/cached_perception_model.h"
+#include "planner/search/rollout.h"
+
+namespace conav::bench {
+namespace {
+
+using planner::SearchOptions;
+using planner::Situation;
+
+constexpr int kHeadings = 8;
+
+struct Options {
+  int rounds = 5;
+  int episodes = 20;
+  std::string weights;
+  std::string json;
+};
+
+/// What one way to search cost, over the decisions of all episodes.
+struct Decisions {
+  std::vector<double> ms;  // processor time
+  std::uint64_t evaluations = 0;
+  std::uint64_t remembered = 0;  // within a decision, or from one to the next
+
+  double Percentile(double share) const {
+    std::vector<double> sorted = ms;
+    std::sort(sorted.begin(), sorted.end());
+    return sorted.empty()
+               ? 0.0
+               : sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
+  }
+  double Mean() const {
+    double sum = 0.0;
+    for (const double value : ms) sum += value;
+    return ms.empty() ? 0.0 : sum / static_cast<double>(ms.size());
+  }
+};
+
+SearchOptions Chain100() {
+  SearchOptions options;
+  options.iterations = 100;
+  options.expansion = planner::Expansion::kChain;
+  return options;
+}
+
+class Benchmark {
+ public:
+  explicit Benchmark(const Options& options) : options_(options) {
+    const auto model = nhpm::ReadWeightsFile(nhpm::WeightsOrShipped(options.weights));
+    if (!model) throw StartupError(model.error().text);
+    model_ = *model;
+    network_ = std::make_shared<const nhpm::PerceptionNetwork>(model_);
+    for (int i = 0; i < options.episodes; ++i) {
+      sim::WorldOptions world;
+      world.seed = static_cast<std::uint64_t>(i) + 1;
+      worlds_.push_back(sim::MakeWorldSpec(world).value());
+    }
+  }
+
+  /// Whole decisions of the method ig-mcts, as a planner makes them, in its episodes.
+  Decisions Play(const SearchOptions& search) {
+    Decisions decisions;
+    for (std::size_t i = 0; i < worlds_.size(); ++i) {
+      const auto cache = MakeCache();
+      planner::IgMctsMethod method({.options = search}, i + 1, cache, clock_);
+      const auto result = planner::RunEpisode(worlds_[i], method, {}, i + 1, {},
+                                              [&](const Situation& s) { Keep(s); });
+      decisions.ms.insert(decisions.ms.end(), result.decision_ms.begin(), result.decision_ms.end());
+      decisions.evaluations += cache->counts().asked;
+      decisions.remembered += cache->counts().cached + result.perception_cached;
+    }
+    keeps_ = false;
+    return decisions;
+  }
+
+  /// The same problems by both, one after the other: nothing is withheld, and our cache is kept
+  /// along an episode. Returns (plain, ours) milliseconds of all; throws when they decide
+  /// differently.
+  std::pair<double, double> Compare(const SearchOptions& search) {
+    double plain_s = 0.0, ours_s = 0.0;
+    const BeliefGrid& map = situations_.front().belief.wall_probability;
+    PlainSearch plain(search, model_, map.rows(), map.columns());
+    auto cache = MakeCache();
+    std::shared_ptr<const planner::GridViews> views;
+    for (std::size_t i = 0; i < situations_.size(); ++i) {
+      const Situation& situation = situations_[i];
+      if (situation.state.cell_moves == 0) cache = MakeCache();  // another episode
+      Random plain_random(i), random(i);
+      double start = ThreadSeconds();
+      const planner::SituationProblem for_plain(situation, situation.belief.wall_probability, {},
+                                                planner::ViewsFor(situation, kHeadings));
+      const int plainly = plain.Decide(*for_plain.get(), plain_random);
+      plain_s += ThreadSeconds() - start;
+      start = ThreadSeconds();
+      views = planner::ViewsFor(situation, kHeadings, std::move(views));
+      const planner::SituationProblem problem(situation, situation.belief.wall_probability, {},
+                                              views);
+      const auto decided = planner::IgMcts(search, *cache).Decide(*problem.get(), random);
+      ours_s += ThreadSeconds() - start;
+      if (decided.value().chosen != plainly) {
+        throw std::runtime_error(fmt::format("situation {}: plain search chose {}, ours {}", i,
+                                             plainly, decided->chosen));
+      }
+    }
+    return {1e3 * plain_s, 1e3 * ours_s};
+  }
+
+  /// Moves per second of rollouts that do not communicate.
+  double RolloutSteps() {
+    const Situation& situation = situations_.front();
+    const planner::SituationProblem holder(situation, situation.belief.wall_probability, {},
+                                           planner::ViewsFor(situation, kHeadings));
+    const planner::SearchProblem& problem = *holder.get();
+    SearchOptions search;
+    search.rollout_communication_probability = 0.0;
+    const auto model = MakeCache();
+    Random random(1);
+    const planner::OfferedActions offered(problem);
+    planner::ViewInformation information(problem, offered, *model);
+    planner::PathState path(problem, 2 * search.rollout_depth);
+    planner::Rollout rollout(search, path, offered, information, random);
+    const double start = ThreadSeconds();
+    for (int i = 0; i < 20'000; ++i) kept_ += rollout.Run(path).value();
+    return static_cast<double>(rollout.moves()) / (ThreadSeconds() - start);
+  }
+
+  std::size_t situations() const { return situations_.size(); }
+
+ private:
+  std::shared_ptr<planner::CachedPerceptionModel> MakeCache() const {
+    return std::make_shared<planner::CachedPerceptionModel>(
+        std::make_shared<planner::EmbeddedPerceptionModel>(network_));
+  }
+  void Keep(const Situation& situation) {
+    if (keeps_) situations_.push_back(situation);
+  }
+
+  Options options_;
+  nhpm::NetworkModel model_;
+  std::shared_ptr<const nhpm::PerceptionNetwork> network_;
+  std::vector<sim::WorldSpec> worlds_;
+  std::vector<Situation> situations_;  // of the first Play()
+  bool keeps_ = true;
+  SteadyClock clock_;
+  double kept_ = 0.0;  // so that nothing is optimised away
+};
+
+/// Values of the rounds.
+struct Rounds {
+  std::vector<Decisions> chain100, chosen;
+  std::vector<double> plain_ms, ours_ms, steps_per_s;
+
+  double Of(const std::vector<Decisions>& rounds, double share) const {
+    std::vector<double> values;
+    for (const Decisions& round : rounds) values.push_back(round.Percentile(share));
+    return Median(values);
+  }
+};
+
+void PrintRow(const Rounds& rounds, const char* name, const std::vector<Decisions>& of) {
+  const Decisions& first = of.front();
+  const auto count = static_cast<double>(first.ms.size());
+  std::vector<double> means;
+  for (const Decisions& round : of) means.push_back(round.Mean());
+  const double mean = Median(means);
+  fmt::print("{:<22} {:6.2f} {:6.2f} {:6.2f} {:8.1f} {:10.1f} {:12.0f} {:10.0f}\n", name,
+             rounds.Of(of, 0.5), rounds.Of(of, 0.95), rounds.Of(of, 0.99),
+             static_cast<double>(first.evaluations) / count,
+             static_cast<double>(first.remembered) / count, 1e3 / mean, 200.0 / mean);
+}
+
+nlohmann::ordered_json Metrics(const Rounds& rounds) {
+  std::vector<double> ratios, means;
+  for (std::size_t i = 0; i < rounds.plain_ms.size(); ++i) {
+    ratios.push_back(rounds.plain_ms[i] / rounds.ours_ms[i]);
+    means.push_back(rounds.chosen[i].Mean());
+  }
+  return {{"chain100_p50_ms", rounds.Of(rounds.chain100, 0.5)},
+          {"chain100_p95_ms", rounds.Of(rounds.chain100, 0.95)},
+          {"default_p50_ms", rounds.Of(rounds.chosen, 0.5)},
+          {"default_p95_ms", rounds.Of(rounds.chosen, 0.95)},
+          {"rollout_steps_per_s", Median(rounds.steps_per_s)},
+          {"plain_ratio", Median(ratios)},
+          {"robots_per_core_5hz", 200.0 / Median(means)}};
+}
+
+void Run(const Options& options) {
+  Benchmark benchmark(options);
+  Rounds rounds;
+  for (int i = 0; i < options.rounds; ++i) {
+    ShowRound(i, options.rounds);
+    rounds.chain100.push_back(benchmark.Play(Chain100()));
+    rounds.chosen.push_back(benchmark.Play({}));
+    const auto [plain, ours] = benchmark.Compare(Chain100());
+    rounds.plain_ms.push_back(plain);
+    rounds.ours_ms.push_back(ours);
+    rounds.steps_per_s.push_back(benchmark.RolloutSteps());
+  }
+  const auto metrics = Metrics(rounds);
+  const auto value = [&](const char* name) { return metrics[name].get<double>(); };
+  fmt::print(
+      "{}; one thread, processor time, medians of {} rounds; decisions of {} episodes in\n"
+      "mazes of 13 x 13 with a simulated operator and the network inside the planner\n\n",
+      Machine(), options.rounds, options.episodes);
+  fmt::print("{:<22} {:>6} {:>6} {:>6} {:>8} {:>10} {:>12} {:>10}\n", "a decision, ms", "p50",
+             "p95", "p99", "network", "remembered", "decisions/s", "robots");
+  fmt::print("{:<22} {:>6} {:>6} {:>6} {:>8} {:>10} {:>12} {:>10}\n", "", "", "", "", "passes",
+             "look-ups", "and core", "at 5 Hz");
+  PrintRow(rounds, "chain, 100 iterations", rounds.chain100);
+  PrintRow(rounds, "default preset", rounds.chosen);
+  fmt::print(
+      "\nthe same {} decisions (chain, 100 iterations) by the search written plainly: "
+      "{:.1f} x the time, the same choices\n",
+      benchmark.situations(), value("plain_ratio"));
+  fmt::print("rollouts without pictures: {:.1f} M moves/s, {:.1f} ns a move\n",
+             1e-6 * value("rollout_steps_per_s"), 1e9 / value("rollout_steps_per_s"));
+  WriteFigures(options.json, {{"benchmark", "planner"},
+                              {"machine", Machine()},
+                              {"rounds", options.rounds},
+                              {"metrics", metrics}});
+}
+
+}  // namespace
+}  // namespace conav::bench
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "What a decision of IG-MCTS costs with the network inside the planner: chain expansion with\n"
+      "100 iterations, the default preset, rollouts alone, and the same search written plainly\n"
+      "(a whole pass of the network for each query, nothing remembered), which must decide alike.\n"
+      "Metrics of --json: chain100_p50_ms, chain100_p95_ms, default_p50_ms, default_p95_ms,\n"
+      "rollout_steps_per_s, plain_ratio (plain over ours), robots_per_core_5hz.",
+      "conav-bench-planner");
+  conav::bench::Options options;
+  conav::bench::AddUsualOptions(app, options.json, options.rounds);
+  app.add_option("--episodes", options.episodes, "Episodes whose decisions are made")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000));
+  app.add_option("--weights", options.weights, "Of the network (the ones that come with conav)");
+  return conav::bench::RunBenchmark(app, argc, argv, [&] { conav::bench::Run(options); });
+}

@@ -1,0 +1,78 @@
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <new>
+
+#include "planner/search/fake_perception_model.h"
+#include "planner/search/ig_mcts.h"
+#include "text_map.h"
+
+namespace {
+
+bool counting = false;
+long allocations = 0;
+
+}  // namespace
+
+// Every allocation of this program comes by here. It has one thread.
+void* operator new(std::size_t size) {
+  if (counting) ++allocations;
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace conav::planner {
+namespace {
+
+/// What a model does with memory is its own business.
+class UncountedModel final : public PerceptionModel {
+ public:
+  [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
+      std::span<const PerceptionQuery> queries) override {
+    ++calls;
+    const bool before = counting;
+    counting = false;
+    auto answers = model_.Predict(queries);
+    counting = before;
+    return answers;
+  }
+  std::string name() const override { return "uncounted"; }
+
+  int calls = 0;
+
+ private:
+  FakePerceptionModel model_;
+};
+
+TEST_CASE("an iteration takes no memory", "[planner][search]") {
+  const TextWorld world({"###########", "#S..#.....#", "#.#.#.###.#", "#.#...#...#", "#.#####.#.#",
+                         "#?????..#G#", "###########"},
+                        {"###########", "#S..#.....#", "#.#.#.###.#", "#.#...#...#", "#.#####.#.#",
+                         "#.##....#G#", "###########"});
+  const Expansion expansion = GENERATE(Expansion::kSingle, Expansion::kChain);
+  UncountedModel model;
+  const auto allocations_of = [&](int iterations) {
+    SearchOptions options;
+    options.iterations = iterations;
+    options.expansion = expansion;
+    const IgMcts search(options, model);
+    Random random(5);
+    allocations = 0;
+    counting = true;
+    const auto decided = search.Decide(world.problem, random);
+    counting = false;
+    REQUIRE(decided.value().iterations == static_cast<std::uint32_t>(iterations));
+    return allocations;
+  };
+  allocations_of(2000);  // the graph casts each view once and keeps it
+  const int calls = model.calls;
+  const long of_few = allocations_of(200);
+  const int calls_of_few = model.calls - calls;
+  const long of_many = allocations_of(2000);
+  CHECK(of_few == of_many);
+  CHECK(model.calls - calls - calls_of_few > calls_of_few);
+}
+
+}  // namespace
+}  // namespace conav::planner
