@@ -84,9 +84,10 @@ int Run(Arguments& arguments) {
 
 void AddOptions(CLI::App& app, Arguments& arguments) {
   SearchExperiment& experiment = arguments.experiment;
-  app.add_option("--variants-file", arguments.variants_file,
-                 "YAML: search_variants: {NAME: {keys of planner.search}}")
-      ->capture_default_str();
+  app.add_option(
+      "--variants-file", arguments.variants_file,
+      "YAML: search_variants: {NAME: {keys of planner.search}} (the variants that come with "
+      "conav)");
   app.add_option("--variants", arguments.chosen, "Only these, by name (all of the file)")
       ->delimiter(',');
   experiment.operators = operators::OperatorKinds();
@@ -106,7 +107,10 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
       ->capture_default_str();
   app.add_option("--weights", arguments.weights, "Of nhpm (the ones that come with conav)");
   experiment.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  app.add_option("--jobs", experiment.threads, "Episodes at once; changes no result but the times")
+  app.add_option(
+         "--jobs", experiment.threads,
+         "Episodes at once; changes no result but the times, and what a variant with a time "
+         "budget gets done in it")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   app.add_option("--json", arguments.json, "Write the summary to this file");

@@ -20,7 +20,7 @@ struct SearchExperiment {
   int seeds = 100;                     // mazes first_seed, first_seed + 1, ...
   std::uint64_t first_seed = 1;
   std::string preset = "conav13";  // of the mazes
-  int threads = 1;                 // changes no result but the times
+  int threads = 1;                 // changes no result but the times and what time budgets allow
 };
 
 struct ExperimentEpisode {
