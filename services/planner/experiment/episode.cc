@@ -9,8 +9,6 @@
 namespace conav::planner {
 namespace {
 
-const std::string kWorld = "w1";
-const std::string kRobot = "r1";
 constexpr std::chrono::seconds kActionTime{1};
 
 double ThreadMilliseconds() {
@@ -27,16 +25,16 @@ class Episode {
       : world_(world),
         method_(method),
         options_(options),
-        person_(person, seed, {{kRobot, kWorld}}) {
-    now_.state.world = kWorld;
-    now_.state.robot = kRobot;
+        person_(person, seed, {{robot_name_, world_name_}}) {
+    now_.state.world = world_name_;
+    now_.state.robot = robot_name_;
     now_.state.cell = world.starts.front();
     now_.state.goals_left = world.goals.front();
     now_.state.goals_total = static_cast<std::uint32_t>(world.goals.front().size());
     now_.state.path = {now_.state.cell};
     now_.map.cell_size_m = world.cell_size_m;
     now_.map.cells = OccupancyGrid(world.truth.rows(), world.truth.columns(), Occupancy::kUnknown);
-    now_.belief.world = kWorld;
+    now_.belief.world = world_name_;
     now_.belief.wall_probability = ToBelief(world.human_map);
     result_.goals = static_cast<int>(world.goals.front().size());
     result_.optimal_moves = OptimalMoves(world);
@@ -101,8 +99,8 @@ class Episode {
     RobotState& state = now_.state;
     Picture picture;
     picture.stamp = state.stamp;
-    picture.world = kWorld;
-    picture.robot = kRobot;
+    picture.world = world_name_;
+    picture.robot = robot_name_;
     picture.sequence_number = ++state.snapshots;
     picture.cell = state.cell;
     picture.heading_rad = heading_rad;
@@ -125,8 +123,8 @@ class Episode {
     const int before = result_.guidance + result_.edits;
     AttentionRequest request;
     request.stamp = now_.state.stamp;
-    request.world = kWorld;
-    request.robot = kRobot;
+    request.world = world_name_;
+    request.robot = robot_name_;
     request.sequence_number = ++asked_;
     request.reason = *decision.attention;
     request.cell = decision.attention_cell;
@@ -160,8 +158,8 @@ class Episode {
   std::uint64_t Guide(const GuideRequest& request) {
     Guidance guidance;
     guidance.stamp = now_.state.stamp;
-    guidance.world = kWorld;
-    guidance.robot = kRobot;
+    guidance.world = world_name_;
+    guidance.robot = robot_name_;
     guidance.revision = static_cast<std::uint64_t>(++result_.guidance);
     guidance.path = request.path;
     guidance.answers_snapshot = request.answers_snapshot;
@@ -172,6 +170,8 @@ class Episode {
     return guidance.revision;
   }
 
+  const std::string world_name_ = "w1";
+  const std::string robot_name_ = "r1";
   const sim::WorldSpec& world_;
   Method& method_;
   EpisodeOptions options_;

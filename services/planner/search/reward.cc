@@ -12,15 +12,9 @@ void RewardOptions::Visit(ConfigReader& reader) {
   reader.Field("progress", progress, 0.0, 1e6);
 }
 
-const std::array<double, 1024> kLogTable = [] {
-  std::array<double, 1024> logs{};
-  for (std::size_t n = 1; n < logs.size(); ++n) logs[n] = std::log(static_cast<double>(n));
-  return logs;
-}();
-
 double GuidanceReward(bool guided_before, bool on_guidance, int path_length) {
   if (!guided_before || on_guidance) return 0.0;
-  return -LogOf(path_length);
+  return -std::log(static_cast<double>(path_length));
 }
 
 double CommunicationReward(const PathState& path, double information,

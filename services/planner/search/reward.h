@@ -34,12 +34,21 @@ inline double EnvironmentReward(bool reaches_goal, const RewardOptions& options)
 /// since the last picture, that picture's included (appendix C, 2). 0 while no path was ever given.
 double GuidanceReward(bool guided_before, bool on_guidance, int path_length);
 
-/// log n, n >= 1: std::log, from a table as far as it goes.
-extern const std::array<double, 1024> kLogTable;
-inline double LogOf(int n) {
-  const auto index = static_cast<std::size_t>(n);
-  return index < kLogTable.size() ? kLogTable[index] : std::log(static_cast<double>(n));
-}
+/// std::log of whole numbers, from a table as far as it goes.
+class LogTable {
+ public:
+  LogTable() {
+    for (std::size_t n = 1; n < logs_.size(); ++n) logs_[n] = std::log(static_cast<double>(n));
+  }
+  /// log n, n >= 1.
+  double Of(int n) const {
+    const auto index = static_cast<std::size_t>(n);
+    return index < logs_.size() ? logs_[index] : std::log(static_cast<double>(n));
+  }
+
+ private:
+  std::array<double, 512> logs_{};
+};
 
 /// R_smooth(tau): minus the number of earlier visits to the present state (appendix C, 3).
 inline double SmoothnessReward(int earlier_visits) { return -static_cast<double>(earlier_visits); }

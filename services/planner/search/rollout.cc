@@ -1,6 +1,14 @@
 #include "planner/search/rollout.h"
 
 namespace conav::planner {
+namespace {
+
+const LogTable& SharedLogTable() {
+  static const LogTable table;
+  return table;
+}
+
+}  // namespace
 
 Rollout::Rollout(const SearchOptions& options, const PathState& path, const OfferedActions& offered,
                  ViewInformation& information, Random& random)
@@ -8,6 +16,7 @@ Rollout::Rollout(const SearchOptions& options, const PathState& path, const Offe
       offered_(offered),
       information_(information),
       random_(random),
+      log_(SharedLogTable()),
       vertices_(path.vertex_count()),
       visits_(path.vertex_count()),
       outcomes_(path.uncertainty_count()) {
@@ -76,7 +85,7 @@ double Rollout::Enter(VertexId from, VertexId vertex, const PathState& path) {
   visits = {rollout_, earlier + 1};
   const double progress =
       vertices_[static_cast<std::size_t>(from)].steps_to_goal - entered.steps_to_goal;
-  return entered.environment + entered.guidance_weight * LogOf(++length_) +
+  return entered.environment + entered.guidance_weight * log_.Of(++length_) +
          SmoothnessReward(earlier) + ProgressReward(progress, options_.reward);
 }
 

@@ -59,6 +59,7 @@ class Rollout {
   const OfferedActions& offered_;
   ViewInformation& information_;
   Random& random_;
+  const LogTable& log_;
   std::vector<Vertex> vertices_;
   std::vector<Visits> visits_;      // by vertex
   std::vector<Outcome> outcomes_;   // by uncertainty
