@@ -29,7 +29,7 @@ enum class TreeReuse {
   kPruned,     // the branch, without what its map has ruled out since
 };
 
-/// Parameters of IG-MCTS. Defaults work (measured in closed_loop_test.cc); PaperOptions() are the
+/// Parameters of IG-MCTS. Defaults work (docs/search.md); PaperOptions() are the
 /// printed numbers.
 struct SearchOptions {
   /// n: budget of a decision. With `time_budget_ms` > 0 the decision ends at that wall time too,
@@ -63,7 +63,7 @@ struct SearchOptions {
 };
 
 /// As printed in appendix E, algorithm 1: 100 iterations, k = sqrt 2, gamma = 0.99, depth 100, and
-/// no rule against sending a view again. Reaches no goals (closed_loop_test.cc).
+/// no rule against sending a view again. Hardly ever reaches the goals (docs/search.md).
 SearchOptions PaperOptions();
 
 }  // namespace conav::planner

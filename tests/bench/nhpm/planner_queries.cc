@@ -1,7 +1,8 @@
 #include "bench/nhpm/planner_queries.h"
 
+#include "planner/decision/ig_mcts_method.h"
+#include "planner/experiment/episode.h"
 #include "planner/search/fake_perception_model.h"
-#include "unit/planner/search/closed_loop.h"
 
 namespace conav::bench {
 namespace {
@@ -23,17 +24,16 @@ class Recorder final : public planner::PerceptionModel {
 
 }  // namespace
 
-QueryBatches RecordPlannerQueries(int episodes, std::uint64_t seed) {
-  constexpr int kSize = 13;
-  constexpr int kWrongCells = 20;
-  Recorder recorder;
+QueryBatches RecordPlannerQueries(int episodes, std::uint64_t first_seed) {
+  const auto recorder = std::make_shared<Recorder>();
+  const SteadyClock clock;
   for (int i = 0; i < episodes; ++i) {
-    const std::uint64_t episode_seed = DeriveSeed(seed, static_cast<std::uint64_t>(i));
-    planner::closed_loop::RunEpisode(
-        planner::closed_loop::MakeWorld(episode_seed, kSize, kWrongCells), {}, recorder,
-        episode_seed);
+    sim::WorldOptions world;
+    world.seed = first_seed + static_cast<std::uint64_t>(i);
+    planner::IgMctsMethod method({}, world.seed, recorder, clock);
+    planner::RunEpisode(sim::MakeWorldSpec(world).value(), method, {}, world.seed);
   }
-  return recorder.Take();
+  return recorder->Take();
 }
 
 }  // namespace conav::bench

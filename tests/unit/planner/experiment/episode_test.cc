@@ -17,9 +17,9 @@ sim::WorldSpec MakeWorld(std::uint64_t seed) {
 class Player {
  public:
   EpisodeResult Play(const std::string& method, const std::string& person, std::uint64_t seed,
-                     const EpisodeOptions& options = {}) {
-    const auto robot = MakeMethod(method, "r1", {}, seed, std::make_shared<FakePerceptionModel>(),
-                                  nullptr, clock_);
+                     const EpisodeOptions& options = {}, const SearchConfig& search = {}) {
+    const auto robot = MakeMethod(method, "r1", search, seed,
+                                  std::make_shared<FakePerceptionModel>(), nullptr, clock_);
     return RunEpisode(MakeWorld(seed), *robot, operators::ParametersOfKind(person), seed, options,
                       [&](const Situation&) { ++decisions; });
   }
@@ -41,6 +41,33 @@ TEST_CASE("an episode ends with all goals, and its figures agree", "[planner][ex
   CHECK(result.guidance == result.pictures + 1);  // one for each picture, and the first
   CHECK(result.decision_ms.size() == static_cast<std::size_t>(player.decisions));
   CHECK(player.decisions == result.moves + result.blocked + result.pictures);
+}
+
+TEST_CASE("the default search reaches all goals in every maze", "[planner][experiment]") {
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    INFO("seed " << seed);
+    const EpisodeResult result = Player().Play("ig-mcts", "careful", seed);
+    CHECK(result.all_goals);
+    CHECK(result.pictures < 60);
+    CHECK(result.perception_queries < 100U * result.decision_ms.size());
+  }
+}
+
+TEST_CASE("pictures mend the operator's map", "[planner][experiment]") {
+  int edits = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    edits += Player().Play("ig-mcts", "careful", seed).edits;
+  }
+  CHECK(edits >= 12);
+}
+
+TEST_CASE("the printed numbers do not get there", "[planner][experiment]") {
+  int reached = 0;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const auto result = Player().Play("ig-mcts", "careful", seed, {}, {.options = PaperOptions()});
+    reached += result.all_goals ? 1 : 0;
+  }
+  CHECK(reached < 3);
 }
 
 TEST_CASE("the same seeds give the same episode", "[planner][experiment]") {
