@@ -31,4 +31,13 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
+/// The same, its files as arguments of programs.
+class ArgumentFolder {
+ public:
+  std::string operator/(const std::string& name) const { return (folder_ / name).string(); }
+
+ private:
+  TemporaryFolder folder_;
+};
+
 }  // namespace conav::test

@@ -1,8 +1,6 @@
 #include <fmt/format.h>
-#include <sys/wait.h>
 
 #include <catch2/catch.hpp>
-#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -13,39 +11,16 @@
 #include "common/segments/trajectory_fingerprint.h"
 #include "nhpm/model/weights_file.h"
 #include "nhpm/synthesis/annotator_population.h"
-#include "support/temporary_folder.h"
+#include "support/program_desk.h"
 #include "unit/nhpm/evaluation/evaluation_samples.h"
 
 namespace conav::nhpm {
 namespace {
 
-/// A folder of this test, its files as arguments of programs.
-class Folder {
- public:
-  std::string operator/(const std::string& name) const { return (folder_ / name).string(); }
+using Folder = test::ArgumentFolder;
+using Ended = test::ProgramOutcome;
 
- private:
-  test::TemporaryFolder folder_;
-};
-
-struct Ended {
-  int exit_code = -1;
-  std::string text;  // standard output, and standard error too unless it was sent elsewhere
-};
-
-Ended Run(const std::string& arguments, const std::string& errors = "&1") {
-  const std::string command =
-      fmt::format("{}/conav-evaluate {} 2>{}", CONAV_BIN_DIR, arguments, errors);
-  std::FILE* pipe = popen(command.c_str(), "r");
-  REQUIRE(pipe != nullptr);
-  Ended ended;
-  for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) {
-    ended.text += static_cast<char>(c);
-  }
-  const int status = pclose(pipe);
-  ended.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  return ended;
-}
+Ended Run(const std::string& arguments) { return test::RunProgram("conav-evaluate", arguments); }
 
 /// Synthetic trajectories on 9 x 9 maps, written to `file`.
 std::string WriteData(const std::string& file, int trajectories = 6,
@@ -94,15 +69,15 @@ TEST_CASE("conav evaluate prints table 1 and writes JSON, CSV and a page", "[nhp
   const Ended ended =
       Run(fmt::format("--data {} --weights {} --oracle-draws 2000 --json {} --csv {} --html {}",
                       data, weights, folder / "r.json", folder / "r.csv", folder / "r.html"));
-  INFO(ended.text);
+  INFO(ended.text());
   REQUIRE(ended.exit_code == 0);
-  CHECK_THAT(ended.text, Catch::Contains("synthetic data, data.pb.zst: test 1 trajectory"));
-  CHECK_THAT(ended.text, !Catch::Contains("warning"));
+  CHECK_THAT(ended.text(), Catch::Contains("synthetic data, data.pb.zst: test 1 trajectory"));
+  CHECK_THAT(ended.text(), !Catch::Contains("warning"));
   const auto json = ReadJson(folder / "r.json");
   for (const char* key : {"glpf_train", "glpf_test", "nhpm", "oracle"}) {
     CHECK(json["models"][key]["mbce_all"].get<double>() > 0.0);
-    CHECK_THAT(ended.text, Catch::Contains(fmt::format(
-                               "{:.5f}", json["models"][key]["mbce_all"].get<double>())));
+    CHECK_THAT(ended.text(), Catch::Contains(fmt::format(
+                                 "{:.5f}", json["models"][key]["mbce_all"].get<double>())));
   }
   CHECK(json["bars"]["excess_share"]["passed"] == false);  // it learned nothing
   CHECK(json["models"]["nhpm"]["checksum"].get<std::string>().size() == 64);
@@ -117,10 +92,10 @@ TEST_CASE("Equal arguments give equal figures, on any number of threads", "[nhpm
   const std::string common =
       fmt::format("--data {} --weights {} --oracle-draws 2000 --average-oracle --json - --threads ",
                   data, weights);
-  const Ended one = Run(common + "1", "/dev/null");
+  const Ended one = Run(common + "1");
   CHECK(one.exit_code == 0);
-  CHECK(one.text == Run(common + "3", "/dev/null").text);
-  const auto json = nlohmann::json::parse(one.text, nullptr, false);
+  CHECK(one.out == Run(common + "3").out);
+  const auto json = nlohmann::json::parse(one.out, nullptr, false);
   CHECK(json["models"].contains("oracle_average"));
 }
 
@@ -131,7 +106,7 @@ TEST_CASE("Each input left out and each weights file has a row of its own", "[nh
   const Ended ended = Run(fmt::format(
       "--data {0} --weights {1} --weights {1} --without tau,o --oracle-draws 0 --json {2}", data,
       weights, folder / "r.json"));
-  INFO(ended.text);
+  INFO(ended.text());
   REQUIRE(ended.exit_code == 0);
   const auto models = ReadJson(folder / "r.json")["models"];
   CHECK(models.size() == 8);
@@ -147,18 +122,18 @@ TEST_CASE("People are no oracle, and their data is not called synthetic", "[nhpm
   const Ended ended = Run(fmt::format("--data {} --weights {} --json {}", data,
                                       WriteWeights(folder / "w.nhpm", data), folder / "r.json"));
   REQUIRE(ended.exit_code == 0);
-  CHECK_THAT(ended.text, Catch::Contains("people data"));
+  CHECK_THAT(ended.text(), Catch::Contains("people data"));
   CHECK_FALSE(ReadJson(folder / "r.json")["models"].contains("oracle"));
   CHECK(ReadJson(folder / "r.json")["bars"].empty());
-  CHECK_THAT(ended.text, !Catch::Contains("FAIL"));
+  CHECK_THAT(ended.text(), !Catch::Contains("FAIL"));
   const Ended checked = Run(
       fmt::format("--data {} --weights {} --check", data, WriteWeights(folder / "w.nhpm", data)));
   CHECK(checked.exit_code == 2);
-  CHECK_THAT(checked.text, Catch::Contains("there is nothing to check"));
+  CHECK_THAT(checked.text(), Catch::Contains("there is nothing to check"));
   const Ended average = Run(fmt::format("--data {} --weights {} --average-oracle", data,
                                         WriteWeights(folder / "w.nhpm", data)));
   CHECK(average.exit_code == 2);
-  CHECK_THAT(average.text, Catch::Contains("is people data"));
+  CHECK_THAT(average.text(), Catch::Contains("is people data"));
 }
 
 TEST_CASE("Weights that never saw an input have no further row without it", "[nhpm][evaluate]") {
@@ -171,7 +146,7 @@ TEST_CASE("Weights that never saw an input have no further row without it", "[nh
       Run(fmt::format("--data {} --weights {} --without tau,o --oracle-draws 0 --json {}", data,
                       folder / "w.nhpm", folder / "r.json"));
   CHECK(ended.exit_code == 0);
-  CHECK_THAT(ended.text, Catch::Contains("w.nhpm: was trained without tau"));
+  CHECK_THAT(ended.text(), Catch::Contains("w.nhpm: was trained without tau"));
   const auto models = ReadJson(folder / "r.json")["models"];
   CHECK_FALSE(models.contains("nhpm_without_tau"));
   CHECK(models.contains("nhpm_without_o"));
@@ -181,10 +156,9 @@ TEST_CASE("A file's name need not be text", "[nhpm][evaluate]") {
   const Folder folder;
   const std::string data = WriteData(folder / "d\xff.pb.zst");
   const Ended ended = Run(fmt::format("--data {} --weights {} --oracle-draws 0 --json -", data,
-                                      WriteWeights(folder / "w.nhpm", data)),
-                          "/dev/null");
+                                      WriteWeights(folder / "w.nhpm", data)));
   CHECK(ended.exit_code == 0);
-  CHECK(nlohmann::json::parse(ended.text)["data"]["file"] == "d\uFFFD.pb.zst");
+  CHECK(nlohmann::json::parse(ended.out)["data"]["file"] == "d\uFFFD.pb.zst");
 }
 
 TEST_CASE("A full disk is said in one line and exits with 1", "[nhpm][evaluate]") {
@@ -203,13 +177,13 @@ TEST_CASE("Data without a test part is refused, unless all of it is test", "[nhp
   const std::string weights = WriteWeights(folder / "w.nhpm", "");
   const Ended refused = Run(fmt::format("--data {} --weights {}", data, weights));
   CHECK(refused.exit_code == 1);
-  CHECK_THAT(refused.text,
+  CHECK_THAT(refused.text(),
              Catch::Contains("data.pb.zst: nothing is left to test on of 1 trajectory"));
   const Ended whole =
       Run(fmt::format("--data {} --weights {} --all-test --oracle-draws 0 --json {}", data, weights,
                       folder / "r.json"));
   CHECK(whole.exit_code == 0);
-  CHECK_THAT(whole.text, Catch::Contains("the whole file is test"));
+  CHECK_THAT(whole.text(), Catch::Contains("the whole file is test"));
   CHECK_FALSE(ReadJson(folder / "r.json")["models"].contains("glpf_train"));
 }
 
@@ -221,12 +195,12 @@ TEST_CASE("Weights that saw the test part are refused", "[nhpm][evaluate]") {
   CHECK(Run(common).exit_code == 0);
   const Ended refused = Run(common + "--all-test");
   CHECK(refused.exit_code == 1);
-  CHECK_THAT(refused.text, Catch::Contains("w.nhpm: learned from 8 of the 9 trajectories that it "
-                                           "would be tested on; pass --split-seed 1, or "
-                                           "--allow-seen"));
+  CHECK_THAT(refused.text(), Catch::Contains("w.nhpm: learned from 8 of the 9 trajectories that it "
+                                             "would be tested on; pass --split-seed 1, or "
+                                             "--allow-seen"));
   const Ended allowed = Run(common + "--all-test --allow-seen");
   CHECK(allowed.exit_code == 0);
-  CHECK_THAT(allowed.text, Catch::Contains("warning: "));
+  CHECK_THAT(allowed.text(), Catch::Contains("warning: "));
 }
 
 TEST_CASE("Weights that saw some of a file are refused, whatever file they learned from",
@@ -247,7 +221,7 @@ TEST_CASE("Weights that saw some of a file are refused, whatever file they learn
   const Ended refused = Run(fmt::format("--data {} --weights {} --oracle-draws 0 --all-test",
                                         folder / "other.pb.zst", weights));
   CHECK(refused.exit_code == 1);
-  CHECK_THAT(refused.text, Catch::Contains("pass data that it never saw"));
+  CHECK_THAT(refused.text(), Catch::Contains("pass data that it never saw"));
 }
 
 TEST_CASE("Weights of other data are fine, those of nobody knows what give a warning",
@@ -260,8 +234,8 @@ TEST_CASE("Weights of other data are fine, those of nobody knows what give a war
   const std::string common = fmt::format("--data {} --oracle-draws 0 --weights ", data);
   const Ended of_other = Run(common + WriteWeights(folder / "a.nhpm", folder / "other.pb.zst"));
   CHECK(of_other.exit_code == 0);
-  CHECK_THAT(of_other.text, !Catch::Contains("warning"));
-  CHECK_THAT(Run(common + WriteWeights(folder / "b.nhpm", "")).text,
+  CHECK_THAT(of_other.text(), !Catch::Contains("warning"));
+  CHECK_THAT(Run(common + WriteWeights(folder / "b.nhpm", "")).text(),
              Catch::Contains("warning: " + (folder / "b.nhpm") +
                              ": does not name the trajectories that it learned from"));
 }
@@ -273,8 +247,8 @@ TEST_CASE("Files that are not what they should be are named", "[nhpm][evaluate]"
   const auto refuses = [](const std::string& arguments, const std::string& why) {
     const Ended ended = Run("--oracle-draws 0 " + arguments);
     CHECK(ended.exit_code == 1);
-    CHECK_THAT(ended.text, Catch::StartsWith("conav evaluate: "));
-    CHECK_THAT(ended.text, Catch::Contains(why));
+    CHECK_THAT(ended.text(), Catch::StartsWith("conav evaluate: "));
+    CHECK_THAT(ended.text(), Catch::Contains(why));
   };
   refuses(fmt::format("--data {} --weights {}", folder / "none", weights), folder / "none");
   refuses(fmt::format("--data {} --weights {}", weights, weights), "w.nhpm");
@@ -299,7 +273,7 @@ TEST_CASE("Synthetic data without its annotators has no oracle and says why", "[
                                          WriteWeights(folder / "w.nhpm", ""));
   const Ended ended = Run(common);
   CHECK(ended.exit_code == 1);
-  CHECK_THAT(ended.text, Catch::Contains("data.pb.zst: test part: trajectory 0"));
+  CHECK_THAT(ended.text(), Catch::Contains("data.pb.zst: test part: trajectory 0"));
   CHECK(Run(common + "--oracle-draws 0").exit_code == 0);
 }
 
@@ -318,7 +292,7 @@ TEST_CASE("Wrong use exits with 2", "[nhpm][evaluate]") {
   }
   CHECK(Run("").exit_code == 2);
   CHECK(Run("--help").exit_code == 0);
-  CHECK_THAT(Run(common + "--segments 400").text, Catch::Contains("segments 0 to 3"));
+  CHECK_THAT(Run(common + "--segments 400").text(), Catch::Contains("segments 0 to 3"));
 }
 
 TEST_CASE("A report does not go over what it is of", "[nhpm][evaluate]") {
@@ -338,12 +312,11 @@ TEST_CASE("The page shows the segments that were asked for", "[nhpm][evaluate]")
   const std::string data = WriteData(folder / "data.pb.zst");
   const Ended ended =
       Run(fmt::format("--data {} --weights {} --oracle-draws 0 --segments 2,0 --html -", data,
-                      WriteWeights(folder / "w.nhpm", data)),
-          "/dev/null");
+                      WriteWeights(folder / "w.nhpm", data)));
   CHECK(ended.exit_code == 0);
-  CHECK_THAT(ended.text, Catch::StartsWith("<!DOCTYPE html>"));
-  CHECK_THAT(ended.text, Catch::Contains("Test segment 2: as asked for"));
-  CHECK_THAT(ended.text, !Catch::Contains("Test segment 1:"));
+  CHECK_THAT(ended.out, Catch::StartsWith("<!DOCTYPE html>"));
+  CHECK_THAT(ended.text(), Catch::Contains("Test segment 2: as asked for"));
+  CHECK_THAT(ended.text(), !Catch::Contains("Test segment 1:"));
 }
 
 TEST_CASE("With --check a bar that is not reached is a failure", "[nhpm][evaluate]") {
@@ -354,7 +327,7 @@ TEST_CASE("With --check a bar that is not reached is a failure", "[nhpm][evaluat
   CHECK(Run(common).exit_code == 0);
   const Ended checked = Run(common + "--check");
   CHECK(checked.exit_code == 1);
-  CHECK_THAT(checked.text, Catch::Contains("FAIL"));
+  CHECK_THAT(checked.text(), Catch::Contains("FAIL"));
 }
 
 }  // namespace

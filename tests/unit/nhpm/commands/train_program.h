@@ -24,14 +24,7 @@
 /// conav-train as its tests run it, and data for it.
 namespace conav::nhpm {
 
-/// A folder of this test, its files as arguments of programs.
-class Folder {
- public:
-  std::string operator/(const std::string& name) const { return (folder_ / name).string(); }
-
- private:
-  test::TemporaryFolder folder_;
-};
+using Folder = test::ArgumentFolder;
 
 /// conav-train, or another, as a process of its own, its standard output and error in one pipe.
 class Program {

@@ -1,13 +1,11 @@
 #include <fmt/format.h>
-#include <sys/wait.h>
 
 #include <catch2/catch.hpp>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "common/runtime/file.h"
-#include "support/temporary_folder.h"
+#include "support/program_desk.h"
 
 namespace conav::statistics {
 namespace {
@@ -15,24 +13,9 @@ namespace {
 const std::string kErgoStool =
     std::string(CONAV_TESTS_DIR) + "/unit/operator/statistics/data/oracle_ergoStool.csv";
 
-struct Ended {
-  int exit_code = -1;
-  std::string text;  // standard output, and standard error too unless it was sent elsewhere
-};
+using Ended = test::ProgramOutcome;
 
-Ended Run(const std::string& arguments, const std::string& errors = "&1") {
-  const std::string command =
-      fmt::format("{}/conav-stats {} 2>{}", CONAV_BIN_DIR, arguments, errors);
-  std::FILE* pipe = popen(command.c_str(), "r");
-  REQUIRE(pipe != nullptr);
-  Ended ended;
-  for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) {
-    ended.text += static_cast<char>(c);
-  }
-  const int status = pclose(pipe);
-  ended.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  return ended;
-}
+Ended Run(const std::string& arguments) { return test::RunProgram("conav-stats", arguments); }
 
 /// `text` in a file of `folder`.
 std::string Written(const test::TemporaryFolder& folder, const std::string& text) {
@@ -45,10 +28,10 @@ TEST_CASE("conav stats prints tables and writes JSON and a page", "[operator][st
   const test::TemporaryFolder folder;
   const Ended ended = Run(fmt::format("{} --json {} --html {}", kErgoStool,
                                       (folder / "r.json").string(), (folder / "r.html").string()));
-  INFO(ended.text);
+  INFO(ended.text());
   REQUIRE(ended.exit_code == 0);
-  CHECK_THAT(ended.text, Catch::StartsWith("oracle_ergoStool.csv: 9 subjects, 4 conditions"));
-  CHECK_THAT(ended.text, Catch::Contains("Greenhouse-Geisser  0.64592"));
+  CHECK_THAT(ended.text(), Catch::StartsWith("oracle_ergoStool.csv: 9 subjects, 4 conditions"));
+  CHECK_THAT(ended.text(), Catch::Contains("Greenhouse-Geisser  0.64592"));
   const auto json = nlohmann::json::parse(*ReadFile(folder / "r.json"));
   CHECK(json["anova"]["p"].get<double>() == Approx(3.9345638e-07));
   CHECK(json["sha256"] == "969b142037e41cb6cc4000a8b5b376be460980d3fdeb4b5a4a0428c243977438");
@@ -56,17 +39,17 @@ TEST_CASE("conav stats prints tables and writes JSON and a page", "[operator][st
 }
 
 TEST_CASE("A document on standard output is all that is there", "[operator][stats]") {
-  const Ended json = Run(kErgoStool + " --json -", "/dev/null");
+  const Ended json = Run(kErgoStool + " --json -");
   CHECK(json.exit_code == 0);
-  CHECK(nlohmann::json::parse(json.text, nullptr, false)["alpha"] == 0.05);
-  const Ended page = Run(kErgoStool + " --html -", "/dev/null");
-  CHECK_THAT(page.text, Catch::StartsWith("<!DOCTYPE html>"));
+  CHECK(nlohmann::json::parse(json.out, nullptr, false)["alpha"] == 0.05);
+  const Ended page = Run(kErgoStool + " --html -");
+  CHECK_THAT(page.out, Catch::StartsWith("<!DOCTYPE html>"));
 }
 
 TEST_CASE("Option --alpha sets the confidence of intervals", "[operator][stats]") {
   const Ended ended = Run(kErgoStool + " --alpha 0.1");
   CHECK(ended.exit_code == 0);
-  CHECK_THAT(ended.text, Catch::Contains("90 % CI"));
+  CHECK_THAT(ended.text(), Catch::Contains("90 % CI"));
 }
 
 TEST_CASE("Data that cannot be read ends with 1 and names file, line and column",
@@ -75,7 +58,7 @@ TEST_CASE("Data that cannot be read ends with 1 and names file, line and column"
   const auto fails = [](const std::string& arguments, const std::string& message) {
     const Ended ended = Run(arguments);
     CHECK(ended.exit_code == 1);
-    CHECK(ended.text == "conav stats: " + message + "\n");
+    CHECK(ended.text() == "conav stats: " + message + "\n");
   };
   fails("/none.csv", "/none.csv: no such file");
   const std::string wrong = Written(folder, "subject,a,b\np1,1,2\np2,1,two\n");
@@ -90,7 +73,8 @@ TEST_CASE("A subject that is left out is named on the way to a result", "[operat
   const test::TemporaryFolder folder;
   const Ended ended = Run(Written(folder, "subject,a,b\np1,1,2\np2,,1\np3,4,1\n"));
   CHECK(ended.exit_code == 0);
-  CHECK_THAT(ended.text, Catch::Contains("Note: Subject p2 (line 3) is left out: no value in a."));
+  CHECK_THAT(ended.text(),
+             Catch::Contains("Note: Subject p2 (line 3) is left out: no value in a."));
 }
 
 TEST_CASE("Wrong use ends with 2 and writes nothing", "[operator][stats]") {
@@ -106,7 +90,7 @@ TEST_CASE("Wrong use ends with 2 and writes nothing", "[operator][stats]") {
   }
   CHECK_FALSE(std::filesystem::exists(folder / "r"));
   CHECK_THAT(*ReadFile(data), Catch::StartsWith("subject,a,b"));
-  CHECK(Run(fmt::format("{0} --json {0}", data)).text ==
+  CHECK(Run(fmt::format("{0} --json {0}", data)).text() ==
         fmt::format("conav stats: --json {}: is the input FILE, too\n", data));
 }
 
@@ -115,7 +99,7 @@ TEST_CASE("Option --help says what each figure is", "[operator][stats]") {
   CHECK(ended.exit_code == 0);
   for (const char* part : {"subject,teleoperation", "Cousineau-Morey", "Greenhouse-Geisser",
                            "generalised eta^2", "Holm", "d_z", "Kendall's W", "Exit codes"}) {
-    CHECK_THAT(ended.text, Catch::Contains(part));
+    CHECK_THAT(ended.text(), Catch::Contains(part));
   }
 }
 

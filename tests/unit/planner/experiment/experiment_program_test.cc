@@ -13,7 +13,7 @@ const std::string kShort = "search --seeds 1 --model glpf --variants single-100 
 TEST_CASE("conav-experiment prints a table and writes JSON and CSV", "[planner][experiment]") {
   const test::ProgramDesk desk("conav-experiment");
   const auto outcome = desk.Run(kShort + "--operators careful,silent --json s.json --csv s.csv");
-  CHECK(outcome.code == 0);
+  CHECK(outcome.exit_code == 0);
   CHECK_THAT(outcome.out, Contains("SIMULATED") && Contains("single-100"));
   const auto json = nlohmann::json::parse(ReadFile(desk / "s.json").value());
   CHECK(json.at("rows").size() == 2);
@@ -23,22 +23,22 @@ TEST_CASE("conav-experiment prints a table and writes JSON and CSV", "[planner][
 TEST_CASE("conav-experiment refuses wrong use with 2, what it cannot do with 1",
           "[planner][experiment]") {
   const test::ProgramDesk desk("conav-experiment");
-  CHECK(desk.Run("").code == 2);
-  CHECK(desk.Run("search --operators grumpy").code == 2);
-  CHECK(desk.Run("search --seeds 0").code == 2);
-  CHECK(desk.Run("--help").code == 0);
+  CHECK(desk.Run("").exit_code == 2);
+  CHECK(desk.Run("search --operators grumpy").exit_code == 2);
+  CHECK(desk.Run("search --seeds 0").exit_code == 2);
+  CHECK(desk.Run("--help").exit_code == 0);
   const auto unknown = desk.Run("search --variants best");
-  CHECK(unknown.code == 1);
+  CHECK(unknown.exit_code == 1);
   CHECK_THAT(unknown.error, Contains("no variant best") && Contains("paper-literal"));
   const auto weights = desk.Run("search --seeds 1 --weights none.nhpm");
-  CHECK(weights.code == 1);
+  CHECK(weights.exit_code == 1);
   CHECK_THAT(weights.error, Contains("none.nhpm"));
 }
 
 TEST_CASE("an output that cannot be written is found before the work", "[planner][experiment]") {
   const test::ProgramDesk desk("conav-experiment");
   const auto outcome = desk.Run("search --json nowhere/s.json");
-  CHECK(outcome.code == 1);
+  CHECK(outcome.exit_code == 1);
   CHECK_THAT(outcome.error, Contains("nowhere"));
 }
 
