@@ -68,7 +68,7 @@ Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop)
     return NoDecision(situation, "the robot's cell cannot be free on its map");
   }
   const auto result =
-      search_.Decide(*problem.get(), random_, {.stop = &stop, .clock = &clock_}, &memory_);
+      search_.Decide(*problem.get(), random_, {.stop = &stop, .clock = &clock_}, &memories_);
   if (!result) {
     return NoDecision(situation, result.error().text);
   }

@@ -49,7 +49,7 @@ class IgMctsMethod final : public Method {
   SearchConfig config_;
   std::shared_ptr<PerceptionModel> model_;
   IgMcts search_;
-  SearchMemory memory_;
+  std::vector<SearchMemory> memories_;  // by tree
   std::shared_ptr<const GridViews> views_;
   Random random_;
   const Clock& clock_;                        // of the search's wall time budget and of waiting

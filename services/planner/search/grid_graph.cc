@@ -78,6 +78,7 @@ const VisibleCells& GridGraph::ViewFrom(VertexId vertex, int index) const {
   const std::size_t headings = camera_->headings().size();
   auto& view =
       views_[static_cast<std::size_t>(vertex) * headings + static_cast<std::size_t>(index)];
+  const std::lock_guard lock(mutex_);
   if (!view) view = camera_->Cast(known_, CellOf(vertex), index);
   return *view;
 }

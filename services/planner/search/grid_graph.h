@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "common/grid/camera_lens.h"
@@ -76,6 +77,7 @@ class GridGraph final : public NavigationGraph {
   Options options_;
   std::vector<Edge> edges_;              // of vertex 0, of vertex 1, ...
   std::vector<std::size_t> first_edge_;  // vertex v has edges_[first_edge_[v], first_edge_[v + 1])
+  mutable std::mutex mutex_;             // guards views_ while they are filled in
   mutable std::vector<std::optional<VisibleCells>> views_;  // vertex * headings + index
 };
 

@@ -1,24 +1,14 @@
 #pragma once
 
-#include <optional>
+#include <vector>
 
-#include "common/runtime/clock.h"
 #include "common/runtime/random.h"
-#include "common/runtime/stop_token.h"
 #include "planner/search/perception_model.h"
+#include "planner/search/search_budget.h"
 #include "planner/search/search_memory.h"
-#include "planner/search/search_options.h"
 #include "planner/search/search_problem.h"
 
 namespace conav::planner {
-
-/// When to stop early, beyond the options' budget.
-struct SearchLimits {
-  const StopToken* stop = nullptr;
-  /// Needed for the options' time budget and for `deadline`.
-  const Clock* clock = nullptr;
-  std::optional<Clock::TimePoint> deadline;
-};
 
 /// Information Gain Monte Carlo Tree Search (the paper's section 5 and appendix E): decides whether
 /// a robot moves, and where to, or shows the operator a view, and which.
@@ -31,21 +21,33 @@ struct SearchLimits {
 ///   4. Backup: the return goes up, weighed by feasibility; see search_tree.h.
 /// The chosen action is the most visited at the root.
 ///
+/// With SearchOptions::trees > 1 that many trees grow side by side, each with random numbers and
+/// remembered views of its own, on several threads where asked for; their visits and returns at the
+/// root are summed (sum_of_trees.h).
+///
+/// Time: the clock is looked at once when the decision begins and once after each iteration, which
+/// asks the model for at most one view; the decision ends at the first look past the deadline. A
+/// question under way is not interrupted: what bounds it is the model's own timeout
+/// (planner.perception_timeout_s). So a decision ends one iteration and one such timeout after its
+/// deadline at the latest; one more where already the batch of the root's views, asked before the
+/// first iteration, took all of the time.
+///
 /// Limits: at most 64 actions at a vertex. Memory: about 100 bytes per iteration, and the views'
-/// information. Repeatable: the same problem, options and state of `random` give the same tree.
+/// information. Repeatable: the same problem, options and state of `random` give the same trees,
+/// whatever the number of threads, unless time runs out.
 class IgMcts {
  public:
   /// `model` must outlive this.
   IgMcts(const SearchOptions& options, PerceptionModel& model);
 
   /// One decision. At least one iteration is made, if any action is offered and a goal is left.
-  /// With a `memory`, one per robot, it goes on with the tree of the robot's decision before, as far
-  /// as the options say, and leaves its own.
+  /// With `memories`, a vector per robot that begins empty, it goes on with the trees of the robot's
+  /// decision before, as far as the options say, and leaves its own.
   /// Errors: those of the perception model; nothing was decided then.
-  /// Threads: concurrent calls are fine with a `random` and a graph each.
+  /// Threads: concurrent calls are fine with a `random` each.
   [[nodiscard]] Result<SearchResult> Decide(const SearchProblem& problem, Random& random,
                                             const SearchLimits& limits = {},
-                                            SearchMemory* memory = nullptr) const;
+                                            std::vector<SearchMemory>* memories = nullptr) const;
 
  private:
   SearchOptions options_;

@@ -24,7 +24,7 @@ struct Edge {
 /// Where a robot can go and what it could show from there, as far as the robot knows. The search
 /// sees nothing else of the world, so mazes and waterways are two graphs to one search.
 /// Knowledge is fixed: a graph stands for one decision.
-/// Threads: one at a time, as views may be computed on first use.
+/// Threads: safe to use concurrently.
 class NavigationGraph {
  public:
   virtual ~NavigationGraph() = default;

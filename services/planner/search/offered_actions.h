@@ -29,6 +29,9 @@ class OfferedActions {
 
   bool operator==(const OfferedActions&) const = default;
 
+  /// The moves of vertex 0, of vertex 1, ...
+  std::span<const Edge> edges() const { return edges_; }
+
   Actions At(VertexId vertex) const {
     const First& from = first_[static_cast<std::size_t>(vertex)];
     const First& to = first_[static_cast<std::size_t>(vertex) + 1];

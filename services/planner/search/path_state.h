@@ -47,8 +47,9 @@ class PathState {
 
   /// Whether `edge` has been gone on this branch already, so that it is known to be free (A8).
   bool IsKnownFree(const Edge& edge) const {
-    return edge.feasibility >= 1.0 || passed_[Index(edge.uncertainty)] > 0;
+    return edge.feasibility >= 1.0 || HasPassed(edge.uncertainty);
   }
+  bool HasPassed(int uncertainty) const { return passed_[Index(uncertainty)] > 0; }
 
   /// The robot goes along `edge`.
   void Go(const Edge& edge) {

@@ -3,10 +3,14 @@
 namespace conav::planner {
 namespace {
 
+constexpr int kStayed = -1;
+
 const LogTable& SharedLogTable() {
   static const LogTable table;
   return table;
 }
+
+std::size_t Index(int number) { return static_cast<std::size_t>(number); }
 
 }  // namespace
 
@@ -15,93 +19,105 @@ Rollout::Rollout(const SearchOptions& options, const PathState& path, const Offe
     : options_(options),
       offered_(offered),
       information_(information),
-      random_(random),
+      draws_(random.Next()),
       log_(SharedLogTable()),
-      vertices_(path.vertex_count()),
       visits_(path.vertex_count()),
-      outcomes_(path.uncertainty_count()) {
-  for (std::size_t i = 0; i < vertices_.size(); ++i) {
-    const auto vertex = static_cast<VertexId>(i);
-    const bool guides = path.guided_before() && !path.IsGuidance(vertex);
-    vertices_[i] = {EnvironmentReward(path.IsGoal(vertex), options.reward), guides ? -1.0 : 0.0,
-                    path.StepsToGoal(vertex), path.IsGoal(vertex)};
+      outcomes_(path.uncertainty_count()),
+      steps_(Index(options.rollout_depth)) {
+  vertices_.reserve(path.vertex_count());
+  moves_.reserve(offered.edges().size());
+  for (std::size_t i = 0; i < path.vertex_count(); ++i) {
+    AddVertex(path, static_cast<VertexId>(i), options);
   }
-  steps_.reserve(static_cast<std::size_t>(options.rollout_depth));
+}
+
+void Rollout::AddVertex(const PathState& path, VertexId vertex, const SearchOptions& options) {
+  const Actions actions = offered_.At(vertex);
+  const bool guides = path.guided_before() && !path.IsGuidance(vertex);
+  vertices_.push_back({static_cast<int>(moves_.size()), static_cast<int>(actions.moves.size()),
+                       actions.size(), path.IsGoal(vertex),
+                       EnvironmentReward(path.IsGoal(vertex), options.reward),
+                       guides ? -1.0 : 0.0});
+  for (const Edge& edge : actions.moves) {
+    const double saved = path.StepsToGoal(vertex) - path.StepsToGoal(edge.target);
+    moves_.push_back({edge.target, edge.uncertainty, BitsBelow(edge.feasibility),
+                      ProgressReward(saved, options.reward)});
+  }
 }
 
 Result<double> Rollout::Run(PathState& path) {
   ++rollout_;
-  steps_.clear();
-  length_ = path.length();
+  const int length = path.length();
   VertexId here = path.vertex();
   double rollout_return = 0.0;
   double weight = 1.0;  // gamma^t
-  for (int t = 0; t < options_.rollout_depth; ++t, weight *= options_.discount) {
-    const Actions actions = offered_.At(here);
-    if (actions.size() == 0) break;
-    const int action = DrawAction(actions);
-    if (!actions.IsMove(action)) {
-      const auto reward = Communicate(path, actions.ViewOf(action));
+  int t = 0;
+  while (t < options_.rollout_depth) {
+    const Vertex& at = vertices_[Index(here)];
+    if (at.actions == 0) break;
+    const SplitMix64::Halves draw = draws_.NextHalves();
+    const int action = DrawAction(at, draw.upper);
+    if (action >= at.moves) {
+      const auto reward = Communicate(path, Index(action - at.moves), t);
       if (!reward) return reward;
       return rollout_return + weight * *reward;
     }
-    const Edge& edge = actions.MoveOf(action);
-    const bool goes = CanGo(edge, path);
-    steps_.push_back(goes ? &edge : nullptr);
-    const VertexId next = goes ? edge.target : here;
-    rollout_return += weight * Enter(here, next, path);
-    here = next;
-    if (vertices_[static_cast<std::size_t>(here)].is_goal) break;
+    const Move& move = moves_[Index(at.first_move + action)];
+    const bool goes = CanGo(move, draw.lower, path);
+    steps_[Index(t)] = goes ? at.first_move + action : kStayed;
+    here = goes ? move.target : here;
+    ++t;
+    rollout_return += weight * Enter(here, goes ? move.progress : 0.0, length + t, path);
+    weight *= options_.discount;
+    if (vertices_[Index(here)].is_goal) break;
   }
-  moves_ += steps_.size();
+  moves_made_ += static_cast<std::uint64_t>(t);
   return rollout_return;
 }
 
-int Rollout::DrawAction(const Actions& actions) {
-  const auto moves = static_cast<std::int64_t>(actions.moves.size());
-  const auto all = static_cast<std::int64_t>(actions.size());
+int Rollout::DrawAction(const Vertex& at, std::uint32_t bits) {
+  const auto moves = static_cast<std::uint32_t>(at.moves);
+  const auto all = static_cast<std::uint32_t>(at.actions);
   const double probability = options_.rollout_communication_probability;
-  if (probability < 0.0 || moves == 0 || moves == all) {
-    return static_cast<int>(random_.Uniform(0, all - 1));
+  if (probability < 0.0 || moves == 0 || moves == all) return static_cast<int>(ScaledTo(bits, all));
+  if (probability > 0.0 && draws_.NextHalves().lower < BitsBelow(probability)) {
+    return static_cast<int>(moves + ScaledTo(bits, all - moves));
   }
-  if (probability > 0.0 && random_.Chance(probability)) {
-    return static_cast<int>(random_.Uniform(moves, all - 1));
-  }
-  return static_cast<int>(random_.Uniform(0, moves - 1));
+  return static_cast<int>(ScaledTo(bits, moves));
 }
 
-bool Rollout::CanGo(const Edge& edge, const PathState& path) {
-  if (path.IsKnownFree(edge)) return true;
-  Outcome& outcome = outcomes_[static_cast<std::size_t>(edge.uncertainty)];
-  if (outcome.rollout != rollout_) outcome = {rollout_, random_.Chance(edge.feasibility)};
-  return outcome.free;
+/// Without branches: which way it goes is drawn.
+bool Rollout::CanGo(const Move& move, std::uint32_t bits, const PathState& path) {
+  Outcome& outcome = outcomes_[Index(move.uncertainty)];
+  const std::uint32_t drawn = bits < move.free_below ? 1 : 0;
+  outcome.is_free = outcome.rollout == rollout_ ? outcome.is_free : drawn;
+  outcome.rollout = rollout_;
+  return (outcome.is_free | static_cast<std::uint32_t>(path.HasPassed(move.uncertainty))) != 0;
 }
 
-double Rollout::Enter(VertexId from, VertexId vertex, const PathState& path) {
-  const Vertex& entered = vertices_[static_cast<std::size_t>(vertex)];
-  Visits& visits = visits_[static_cast<std::size_t>(vertex)];
-  const int of_path = path.visits(vertex);
-  const int earlier = visits.rollout == rollout_ ? visits.count : of_path;
+double Rollout::Enter(VertexId vertex, double progress, int length, const PathState& path) {
+  const Vertex& entered = vertices_[Index(vertex)];
+  Visits& visits = visits_[Index(vertex)];
+  const int earlier = visits.rollout == rollout_ ? visits.count : path.visits(vertex);
   visits = {rollout_, earlier + 1};
-  const double progress =
-      vertices_[static_cast<std::size_t>(from)].steps_to_goal - entered.steps_to_goal;
-  return entered.environment + entered.guidance_weight * log_.Of(++length_) +
-         SmoothnessReward(earlier) + ProgressReward(progress, options_.reward);
+  return entered.environment + entered.guidance_weight * log_.Of(length) +
+         SmoothnessReward(earlier) + progress;
 }
 
-Result<double> Rollout::Communicate(PathState& path, std::size_t view) {
-  moves_ += steps_.size();
-  const std::size_t steps = path.steps();
-  for (const Edge* edge : steps_) {
-    if (edge != nullptr) {
-      path.Go(*edge);
-    } else {
+Result<double> Rollout::Communicate(PathState& path, std::size_t view, int steps) {
+  moves_made_ += static_cast<std::uint64_t>(steps);
+  const std::size_t before = path.steps();
+  for (int t = 0; t < steps; ++t) {
+    const int move = steps_[Index(t)];
+    if (move == kStayed) {
       path.Stay();
+    } else {
+      path.Go(offered_.edges()[Index(move)]);
     }
   }
   Result<double> reward = information_.Of(path, view);
   if (reward) reward = CommunicationReward(path, *reward, options_.reward);
-  path.TakeBack(steps);
+  path.TakeBack(before);
   return reward;
 }
 

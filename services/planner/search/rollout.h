@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "common/runtime/random.h"
+#include "common/runtime/split_mix.h"
 #include "planner/search/search_options.h"
 #include "planner/search/view_information.h"
 
@@ -14,11 +15,14 @@ namespace conav::planner {
 /// is drawn once per rollout and remembered; a robot that cannot move stays where it is (A8).
 ///
 /// Its moves are kept apart from the path: what a move needs lies in a few kilobytes, and the path
-/// is walked only when a view is asked about. Takes no memory after construction.
+/// is walked only when a view is asked about. A move takes one draw of a SplitMix64 that is seeded
+/// from `random` at construction, upper half for the action, lower half for whether the cell is
+/// free, and hardly a branch that a processor could guess wrongly. Takes no memory after
+/// construction.
 class Rollout {
  public:
-  /// All arguments must outlive this. `path` is a path of the decision: goals and the like are
-  /// those of all paths.
+  /// All arguments but `random` must outlive this. `path` is a path of the decision: goals and the
+  /// like are those of all paths.
   Rollout(const SearchOptions& options, const PathState& path, const OfferedActions& offered,
           ViewInformation& information, Random& random);
 
@@ -27,46 +31,55 @@ class Rollout {
   [[nodiscard]] Result<double> Run(PathState& path);
 
   /// Moves made so far, in all rollouts.
-  std::uint64_t moves() const { return moves_; }
+  std::uint64_t moves() const { return moves_made_; }
 
  private:
-  /// What a move into a vertex is worth, as far as it is the same for all rollouts: MoveReward() in
-  /// parts, so that the innermost loop has few branches.
+  /// A vertex: its actions, and what a move into it is worth as far as that is the same for all
+  /// rollouts (MoveReward() in parts).
   struct Vertex {
+    int first_move = 0;  // in moves_
+    int moves = 0;
+    int actions = 0;  // moves and views
+    bool is_goal = false;
     double environment = 0.0;      // EnvironmentReward
     double guidance_weight = 0.0;  // of log |tau|: 0 or -1
-    double steps_to_goal = 0.0;
-    bool is_goal = false;
   };
-  /// What this rollout did with a vertex, or found out about an uncertainty; of an earlier rollout
-  /// unless `rollout` is the present number.
+  struct Move {
+    VertexId target = 0;
+    int uncertainty = 0;
+    std::uint64_t free_below = 0;  // BitsBelow(feasibility)
+    double progress = 0.0;         // ProgressReward
+  };
+  /// How often this rollout was at a vertex; of an earlier one unless `rollout` is the present one.
   struct Visits {
     std::uint32_t rollout = 0;
     int count = 0;
   };
+  /// What this rollout found out about an uncertainty; nothing unless `rollout` is the present one.
   struct Outcome {
     std::uint32_t rollout = 0;
-    bool free = false;
+    std::uint32_t is_free = 0;
   };
 
-  int DrawAction(const Actions& actions);
-  bool CanGo(const Edge& edge, const PathState& path);
-  /// Enters `vertex`, or stays there; the reward of that (MoveReward).
-  double Enter(VertexId from, VertexId vertex, const PathState& path);
-  [[nodiscard]] Result<double> Communicate(PathState& path, std::size_t view);
+  void AddVertex(const PathState& path, VertexId vertex, const SearchOptions& options);
+  int DrawAction(const Vertex& at, std::uint32_t bits);
+  bool CanGo(const Move& move, std::uint32_t bits, const PathState& path);
+  /// The reward of being at `vertex` as the `length`-th state of tau (MoveReward).
+  double Enter(VertexId vertex, double progress, int length, const PathState& path);
+  [[nodiscard]] Result<double> Communicate(PathState& path, std::size_t view, int steps);
 
   const SearchOptions& options_;
   const OfferedActions& offered_;
   ViewInformation& information_;
-  Random& random_;
+  SplitMix64 draws_;
   const LogTable& log_;
   std::vector<Vertex> vertices_;
-  std::vector<Visits> visits_;      // by vertex
-  std::vector<Outcome> outcomes_;   // by uncertainty
-  std::vector<const Edge*> steps_;  // of this rollout; null = stayed
-  std::uint32_t rollout_ = 0;       // number of the present one
-  int length_ = 0;                  // |tau|
-  std::uint64_t moves_ = 0;
+  std::vector<Move> moves_;        // of vertex 0, of vertex 1, ..., as OfferedActions::edges()
+  std::vector<Visits> visits_;     // by vertex
+  std::vector<Outcome> outcomes_;  // by uncertainty
+  std::vector<int> steps_;         // of this rollout: indices into moves_; -1 = stayed
+  std::uint32_t rollout_ = 0;      // number of the present one
+  std::uint64_t moves_made_ = 0;
 };
 
 }  // namespace conav::planner

@@ -21,6 +21,8 @@ void EnumField(ConfigReader& reader, const std::string& key, Enum& value,
 void SearchOptions::Visit(ConfigReader& reader) {
   reader.Field("iterations", iterations, 1, 1'000'000);
   reader.Field("time_budget_ms", time_budget_ms, 0.0, 60'000.0);
+  reader.Field("trees", trees, 1, 256);
+  reader.Field("tree_threads", tree_threads, 1, 256);
   reader.Field("exploration_constant", exploration_constant, 0.0, 1e6);
   reader.Field("discount", discount, 0.0, 1.0);
   reader.Field("rollout_depth", rollout_depth, 1, 10'000);

@@ -36,6 +36,11 @@ struct SearchOptions {
   /// whichever is first.
   int iterations = 2000;
   double time_budget_ms = 0.0;
+  /// Trees that grow side by side from the same root, n iterations each, and the threads that they
+  /// grow on: for a single robot on a machine with idle cores. Threads change no result, unless time
+  /// runs out.
+  int trees = 1;
+  int tree_threads = 1;
   double exploration_constant = 1.4142135623730951;  // k; returns are not normalised (A28)
   double discount = 0.99;                            // gamma
   int rollout_depth = 100;                           // d: steps of a rollout, and depth of the tree

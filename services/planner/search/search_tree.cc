@@ -67,6 +67,12 @@ void SearchTree::Backup(int leaf, double rollout_return, const SearchOptions& op
   }
 }
 
+int SearchTree::ChildBy(int parent, int action) const {
+  int child = node(parent).first_child;
+  while (child >= 0 && node(child).action != action) child = node(child).next_sibling;
+  return child;
+}
+
 int SearchTree::MostVisitedChild(int parent) const {
   int best = -1;
   for (int child = node(parent).first_child; child >= 0; child = node(child).next_sibling) {

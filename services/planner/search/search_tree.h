@@ -70,6 +70,9 @@ class SearchTree {
   /// with delta = 1 at the leaf and the child's feasibility above.
   void Backup(int leaf, double rollout_return, const SearchOptions& options);
 
+  /// The child that `action` leads to; -1 when it was not tried.
+  int ChildBy(int parent, int action) const;
+
   /// The most visited child; ties by higher mean, then lower action number (A27). -1 without any.
   int MostVisitedChild(int parent) const;
 

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "bench/planner/plain_search.h"
@@ -24,6 +25,7 @@ using planner::SearchOptions;
 using planner::Situation;
 
 constexpr int kHeadings = 8;
+constexpr std::array kBudgetsMs{1.0, 5.0, 20.0};
 
 struct Options {
   int rounds = 5;
@@ -49,6 +51,15 @@ struct Decisions {
     double sum = 0.0;
     for (const double value : ms) sum += value;
     return ms.empty() ? 0.0 : sum / static_cast<double>(ms.size());
+  }
+};
+
+/// The processor time of the calling thread as a clock: what others do on the machine does not count.
+class ThreadClock final : public Clock {
+ public:
+  TimePoint Now() const override {
+    return TimePoint() + std::chrono::duration_cast<std::chrono::nanoseconds>(
+                             std::chrono::duration<double>(ThreadSeconds()));
   }
 };
 
@@ -87,6 +98,54 @@ class Benchmark {
     }
     keeps_ = false;
     return decisions;
+  }
+
+  /// By how much decisions in every fourth situation of the episodes overran this budget of time at
+  /// most, by the processor time of the thread that makes them.
+  double WorstOverrun(double budget_ms) {
+    SearchOptions search;
+    search.iterations = 1'000'000;
+    search.time_budget_ms = budget_ms;
+    const auto cache = MakeCache();
+    const ThreadClock clock;
+    std::shared_ptr<const planner::GridViews> views;
+    double worst_ms = 0.0;
+    for (std::size_t i = 0; i < situations_.size(); i += 4) {
+      views = planner::ViewsFor(situations_[i], kHeadings, std::move(views));
+      const planner::SituationProblem problem(situations_[i],
+                                              situations_[i].belief.wall_probability, {}, views);
+      Random random(i);
+      const auto start = clock.Now();
+      kept_ += planner::IgMcts(search, *cache)
+                   .Decide(*problem.get(), random, {.clock = &clock})
+                   .value()
+                   .iterations;
+      const std::chrono::duration<double, std::milli> taken = clock.Now() - start;
+      worst_ms = std::max(worst_ms, taken.count() - budget_ms);
+    }
+    return worst_ms;
+  }
+
+  /// Wall time of a decision with four trees in all situations, on so many threads; the choices are
+  /// added to `chosen`.
+  double FourTrees(int threads, std::vector<int>& chosen) {
+    SearchOptions search;
+    search.trees = 4;
+    search.tree_threads = threads;
+    auto cache = MakeCache();
+    std::shared_ptr<const planner::GridViews> views;
+    std::vector<double> ms;
+    for (std::size_t i = 0; i < situations_.size(); ++i) {
+      if (situations_[i].state.cell_moves == 0) cache = MakeCache();  // another episode
+      views = planner::ViewsFor(situations_[i], kHeadings, std::move(views));
+      const planner::SituationProblem problem(situations_[i],
+                                              situations_[i].belief.wall_probability, {}, views);
+      Random random(i);
+      const auto start = clock_.Now();
+      chosen.push_back(planner::IgMcts(search, *cache).Decide(*problem.get(), random)->chosen);
+      ms.push_back(std::chrono::duration<double, std::milli>(clock_.Now() - start).count());
+    }
+    return Median(ms);
   }
 
   /// The same problems by both, one after the other: nothing is withheld, and our cache is kept
@@ -165,6 +224,8 @@ class Benchmark {
 struct Rounds {
   std::vector<Decisions> chain100, chosen;
   std::vector<double> plain_ms, ours_ms, steps_per_s;
+  std::vector<double> trees_ms_1, trees_ms_2, trees_ms_4;         // by threads
+  std::array<std::vector<double>, kBudgetsMs.size()> overrun_ms;  // worst of a round, by budget
 
   double Of(const std::vector<Decisions>& rounds, double share) const {
     std::vector<double> values;
@@ -185,6 +246,15 @@ void PrintRow(const Rounds& rounds, const char* name, const std::vector<Decision
              static_cast<double>(first.remembered) / count, 1e3 / mean, 200.0 / mean);
 }
 
+/// Over all budgets and rounds.
+double WorstOverrun(const Rounds& rounds) {
+  double worst = 0.0;
+  for (const auto& of_budget : rounds.overrun_ms) {
+    worst = std::max(worst, *std::max_element(of_budget.begin(), of_budget.end()));
+  }
+  return worst;
+}
+
 nlohmann::ordered_json Metrics(const Rounds& rounds) {
   std::vector<double> ratios, means;
   for (std::size_t i = 0; i < rounds.plain_ms.size(); ++i) {
@@ -197,7 +267,32 @@ nlohmann::ordered_json Metrics(const Rounds& rounds) {
           {"default_p95_ms", rounds.Of(rounds.chosen, 0.95)},
           {"rollout_steps_per_s", Median(rounds.steps_per_s)},
           {"plain_ratio", Median(ratios)},
-          {"robots_per_core_5hz", 200.0 / Median(means)}};
+          {"robots_per_core_5hz", 200.0 / Median(means)},
+          {"trees4_threads1_p50_ms", Median(rounds.trees_ms_1)},
+          {"trees4_threads2_p50_ms", Median(rounds.trees_ms_2)},
+          {"trees4_threads4_p50_ms", Median(rounds.trees_ms_4)},
+          {"time_budget_overrun_ms_max", WorstOverrun(rounds)}};
+}
+
+/// Throws when the number of threads changes a choice.
+void MeasureTrees(Benchmark& benchmark, Rounds& rounds) {
+  std::vector<int> by_one, by_two, by_four;
+  rounds.trees_ms_1.push_back(benchmark.FourTrees(1, by_one));
+  rounds.trees_ms_2.push_back(benchmark.FourTrees(2, by_two));
+  rounds.trees_ms_4.push_back(benchmark.FourTrees(4, by_four));
+  if (by_one != by_two || by_one != by_four) {
+    throw std::runtime_error("four trees choose differently on more threads");
+  }
+}
+
+void PrintOverruns(const Rounds& rounds) {
+  fmt::print("budgets of time, worst overrun in processor time:");
+  for (std::size_t budget = 0; budget < kBudgetsMs.size(); ++budget) {
+    const auto& worst = rounds.overrun_ms[budget];
+    fmt::print("{} {:.3f} ms of {:g} ms", budget == 0 ? "" : ";",
+               *std::max_element(worst.begin(), worst.end()), kBudgetsMs[budget]);
+  }
+  fmt::print("\n");
 }
 
 void Run(const Options& options) {
@@ -211,6 +306,10 @@ void Run(const Options& options) {
     rounds.plain_ms.push_back(plain);
     rounds.ours_ms.push_back(ours);
     rounds.steps_per_s.push_back(benchmark.RolloutSteps());
+    MeasureTrees(benchmark, rounds);
+    for (std::size_t budget = 0; budget < kBudgetsMs.size(); ++budget) {
+      rounds.overrun_ms[budget].push_back(benchmark.WorstOverrun(kBudgetsMs[budget]));
+    }
   }
   const auto metrics = Metrics(rounds);
   const auto value = [&](const char* name) { return metrics[name].get<double>(); };
@@ -230,6 +329,12 @@ void Run(const Options& options) {
       benchmark.situations(), value("plain_ratio"));
   fmt::print("rollouts without pictures: {:.1f} M moves/s, {:.1f} ns a move\n",
              1e-6 * value("rollout_steps_per_s"), 1e9 / value("rollout_steps_per_s"));
+  fmt::print(
+      "four trees of the default preset for one robot, the same choices on all, wall time p50: "
+      "{:.2f} ms on 1 thread,\n{:.2f} ms on 2, {:.2f} ms on 4\n",
+      value("trees4_threads1_p50_ms"), value("trees4_threads2_p50_ms"),
+      value("trees4_threads4_p50_ms"));
+  PrintOverruns(rounds);
   WriteFigures(options.json, {{"benchmark", "planner"},
                               {"machine", Machine()},
                               {"rounds", options.rounds},
@@ -245,7 +350,9 @@ int main(int argc, char** argv) {
       "100 iterations, the default preset, rollouts alone, and the same search written plainly\n"
       "(a whole pass of the network for each query, nothing remembered), which must decide alike.\n"
       "Metrics of --json: chain100_p50_ms, chain100_p95_ms, default_p50_ms, default_p95_ms,\n"
-      "rollout_steps_per_s, plain_ratio (plain over ours), robots_per_core_5hz.",
+      "rollout_steps_per_s, plain_ratio (plain over ours), robots_per_core_5hz,\n"
+      "trees4_threads1_p50_ms, trees4_threads2_p50_ms, trees4_threads4_p50_ms (four trees for one\n"
+      "robot, wall time), time_budget_overrun_ms_max (budgets of 1, 5 and 20 ms, processor time).",
       "conav-bench-planner");
   conav::bench::Options options;
   conav::bench::AddUsualOptions(app, options.json, options.rounds);

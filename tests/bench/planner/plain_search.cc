@@ -126,7 +126,7 @@ double PlainSearch::CommunicationReward(const SearchProblem& problem, const Walk
          options_.reward.communication_step;
 }
 
-double PlainSearch::Rollout(const SearchProblem& problem, Walk walk, Random& random) {
+double PlainSearch::Rollout(const SearchProblem& problem, Walk walk, SplitMix64& draws) {
   std::map<VertexId, bool> drawn;
   double rollout_return = 0.0;
   double weight = 1.0;
@@ -134,14 +134,15 @@ double PlainSearch::Rollout(const SearchProblem& problem, Walk walk, Random& ran
     const int moves = MovesAt(problem, walk.vertex());
     const int actions = ActionsAt(problem, walk.vertex());
     if (actions == 0) break;
-    const int action = static_cast<int>(random.Uniform(0, actions - 1));
+    const SplitMix64::Halves draw = draws.NextHalves();
+    const int action = static_cast<int>(ScaledTo(draw.upper, static_cast<std::uint32_t>(actions)));
     if (action >= moves) {
       const double information = Information(problem, walk, action - moves);
       return rollout_return + weight * CommunicationReward(problem, walk, information);
     }
     const Edge edge = problem.graph.EdgesFrom(walk.vertex())[static_cast<std::size_t>(action)];
     if (!walk.IsKnownFree(edge) && drawn.count(edge.target) == 0) {
-      drawn[edge.target] = random.Chance(edge.feasibility);
+      drawn[edge.target] = draw.lower < BitsBelow(edge.feasibility);
     }
     if (walk.IsKnownFree(edge) || drawn[edge.target]) {
       walk.Go(problem, edge);
@@ -212,6 +213,7 @@ void PlainSearch::Backup(Node* leaf, double rollout_return) const {
 }
 
 int PlainSearch::Decide(const SearchProblem& problem, Random& random) {
+  SplitMix64 draws(random.Next());
   Node root(nullptr, -1, Walk(problem));
   const int moves = MovesAt(problem, problem.start);
   for (int view = 0; view < ActionsAt(problem, problem.start) - moves; ++view) {
@@ -234,7 +236,7 @@ int PlainSearch::Decide(const SearchProblem& problem, Random& random) {
         --expansions;
       }
     }
-    Backup(node, node->terminal ? 0.0 : Rollout(problem, node->walk, random));
+    Backup(node, node->terminal ? 0.0 : Rollout(problem, node->walk, draws));
   }
   const Node* best = nullptr;
   for (const auto& child : root.children) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "common/runtime/split_mix.h"
 #include "nhpm/engine/inference_pass.h"
 #include "nhpm/model/weights_file.h"
 #include "planner/search/ig_mcts.h"
@@ -31,7 +32,7 @@ class PlainSearch {
   double MoveReward(const planner::SearchProblem& problem, const Walk& walk) const;
   double CommunicationReward(const planner::SearchProblem& problem, const Walk& walk,
                              double information) const;
-  double Rollout(const planner::SearchProblem& problem, Walk walk, Random& random);
+  double Rollout(const planner::SearchProblem& problem, Walk walk, SplitMix64& draws);
   void Expand(const planner::SearchProblem& problem, Node& node, Random& random);
   Node* Select(Node& node, Random& random) const;
   void Backup(Node* leaf, double rollout_return) const;

@@ -36,14 +36,14 @@ class TwoDecisions {
  private:
   SearchResult Decide(TextWorld& world) {
     if (world.problem.path.empty()) world.problem.path = {{1, 1}};
-    return search_.Decide(world.problem, random_, {}, &memory_).value();
+    return search_.Decide(world.problem, random_, {}, &memories_).value();
   }
 
   SearchOptions options_;
   FakePerceptionModel model_;
   IgMcts search_;
   Random random_{3};
-  SearchMemory memory_;
+  std::vector<SearchMemory> memories_;
 };
 
 std::uint32_t Visits(const SearchResult& result) {

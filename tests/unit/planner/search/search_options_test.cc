@@ -25,13 +25,16 @@ TEST_CASE("the paper's preset holds the printed numbers", "[planner][search]") {
 TEST_CASE("options are read by name and refused by name", "[planner][search]") {
   SearchOptions options;
   ReadConfig(YAML::Load("{iterations: 7, expansion: single, untried_order: moves_first, "
-                        "backup: rollout_return, reward: {goal: 30}}"),
+                        "backup: rollout_return, trees: 4, tree_threads: 2, reward: {goal: 30}}"),
              "planner.search", options);
   CHECK(options.iterations == 7);
   CHECK(options.expansion == Expansion::kSingle);
   CHECK(options.untried_order == UntriedOrder::kMovesFirst);
   CHECK(options.backup == BackupRule::kRolloutReturn);
+  CHECK(options.trees == 4);
+  CHECK(options.tree_threads == 2);
   CHECK(options.reward.goal == 30.0);
+  CHECK_THROWS_AS(ReadConfig(YAML::Load("{trees: 0}"), "planner.search", options), StartupError);
   CHECK_THROWS_AS(ReadConfig(YAML::Load("{expansion: wide}"), "planner.search", options),
                   StartupError);
   CHECK_THROWS_AS(ReadConfig(YAML::Load("{discount: 1.5}"), "planner.search", options),
