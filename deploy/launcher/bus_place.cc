@@ -45,11 +45,7 @@ std::string TryDomain(const DemoOptions& options, int domain, Episode& episode,
                       std::optional<BusPlace>& place) {
   auto lease = DomainLease::TryAcquire(domain);
   if (!lease) return fmt::format("DDS domain {} is taken by another conav demo here", domain);
-  const std::string vendor = VendorOfService(options.dds)->at("launcher");
-  auto participant =
-      std::make_unique<bus::Participant>("conav_launcher", BusOptions(options, domain, vendor));
-  auto recorder = std::make_unique<Recorder>(*participant, episode);
-  place.emplace(BusPlace{*std::move(lease), std::move(participant), std::move(recorder)});
+  place.emplace(JoinKeptDomain(options, *std::move(lease), episode));
   const std::string robot = ListenForRobots(*place);
   if (robot.empty()) return "";
   place.reset();
@@ -67,6 +63,14 @@ bus::ParticipantOptions BusOptions(const DemoOptions& options, int domain,
   bus.interface = options.interface;
   bus.peers = options.peers;
   return bus::Resolve(std::move(bus));
+}
+
+BusPlace JoinKeptDomain(const DemoOptions& options, DomainLease lease, Episode& episode) {
+  const std::string vendor = VendorOfService(options.dds)->at("launcher");
+  auto participant = std::make_unique<bus::Participant>(
+      "conav_launcher", BusOptions(options, lease.domain(), vendor));
+  auto recorder = std::make_unique<Recorder>(*participant, episode);
+  return {std::move(lease), std::move(participant), std::move(recorder)};
 }
 
 BusPlace JoinFreeDomain(const DemoOptions& options, Episode& episode) {

@@ -34,4 +34,8 @@ bus::ParticipantOptions BusOptions(const DemoOptions& options, int domain,
 /// Throws UsageError when the wanted domain is taken (by which robot), StartupError from the bus.
 BusPlace JoinFreeDomain(const DemoOptions& options, Episode& episode);
 
+/// The same in a domain that is ours already; nobody is listened for. Throws StartupError from the
+/// bus.
+BusPlace JoinKeptDomain(const DemoOptions& options, DomainLease lease, Episode& episode);
+
 }  // namespace conav::launcher

@@ -1,13 +1,9 @@
 #include "launcher/demo.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
-#include <cstdio>
-#include <cstring>
 #include <utility>
 
 #include "common/runtime/json.h"
@@ -15,7 +11,6 @@
 #include "launcher/demo_plan.h"
 #include "launcher/demo_weights.h"
 #include "launcher/svg.h"
-#include "launcher/table.h"
 
 namespace conav::launcher {
 namespace {
@@ -31,10 +26,6 @@ constexpr auto kQuietLimit = 3s;
 constexpr auto kStandStillLimit = 15s;
 constexpr std::size_t kLogLines = 8;
 
-Progress::Style StyleOf(std::FILE* output) {
-  return isatty(fileno(output)) != 0 ? Progress::Style::kTerminal : Progress::Style::kPlain;
-}
-
 std::string KilledLine(const std::string& process) {
   return process + " did not stop when asked and was killed";
 }
@@ -45,22 +36,24 @@ bool StandsStill(const RobotRecord& robot) {
 
 }  // namespace
 
-Demo::Demo(const DemoOptions& options, std::filesystem::path program_folder, const Clock& clock)
+Demo::Demo(const DemoOptions& options, std::filesystem::path program_folder, const Clock& clock,
+           Progress& progress, std::optional<DomainLease> kept)
     : options_(options),
       program_folder_(std::move(program_folder)),
       clock_(clock),
       start_(clock.Now()),
       episode_(MakeEpisode(options.robots, options.worlds)),
-      place_(JoinFreeDomain(options, episode_)),
+      place_(kept ? JoinKeptDomain(options, *std::move(kept), episode_)
+                  : JoinFreeDomain(options, episode_)),
       run_(options.out, std::chrono::system_clock::now(), options.seed),
-      progress_(stdout, StyleOf(stdout), clock) {
+      progress_(progress) {
   outcome_.dds = options.dds.empty() ? place_.participant->vendor() : options.dds;
   outcome_.domain = place_.lease.domain();
   outcome_.run_folder = run_.path().string();
   outcome_.weights_checksum = WeightsChecksum(options);
 }
 
-bool Demo::Run(const StopToken& stop) {
+DemoResult Demo::Run(const StopToken& stop) {
   progress_.Say(fmt::format("seed {}  method {}  dds {}  domain {}  run {}", options_.seed,
                             options_.method, outcome_.dds, outcome_.domain, outcome_.run_folder));
   StartProcesses();
@@ -76,8 +69,7 @@ bool Demo::Run(const StopToken& stop) {
   for (const std::string& name : processes_.StopAll(kGrace)) {
     progress_.Say(KilledLine(name));
   }
-  Finish();
-  return outcome_.reason == EndReason::kAllGoalsReached && episode_.all_goals_reached();
+  return Finish();
 }
 
 void Demo::StartProcesses() {
@@ -178,23 +170,16 @@ void Demo::TakeLastNews() {
   }
 }
 
-void Demo::Finish() {
-  const EpisodeMetrics metrics = Measure(episode_);
-  const auto json = OutcomeJson(options_, outcome_, metrics);
+DemoResult Demo::Finish() {
+  DemoResult result{outcome_, Measure(episode_)};
   const std::string title =
       fmt::format("seed {}, {}, {}", options_.seed, options_.method, OutcomeLine(outcome_));
   run_.Write(run_.path() / "episode.svg", EpisodeSvg(episode_, title));
-  fmt::print("\n{}picture {}\n", ResultTable(metrics), (run_.path() / "episode.svg").string());
-  std::vector<std::filesystem::path> files{run_.path() / "metrics.json"};
-  if (!options_.json.empty()) files.push_back(options_.json);
-  for (const auto& file : files) {
-    if (const auto written = WriteJsonFile(file, json); !written) {
-      throw StartupError(written.error().text);
-    }
+  const auto json = OutcomeJson(options_, outcome_, result.metrics);
+  if (const auto written = WriteJsonFile(run_.path() / "metrics.json", json); !written) {
+    throw StartupError(written.error().text);
   }
-  if (std::fflush(stdout) != 0) {
-    throw StartupError(fmt::format("standard output: {}", std::strerror(errno)));
-  }
+  return result;
 }
 
 }  // namespace conav::launcher

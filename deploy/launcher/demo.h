@@ -1,13 +1,16 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "common/runtime/clock.h"
 #include "common/runtime/stop_token.h"
 #include "launcher/bus_place.h"
 #include "launcher/demo_options.h"
 #include "launcher/episode.h"
+#include "launcher/metrics.h"
 #include "launcher/outcome.h"
 #include "launcher/process_group.h"
 #include "launcher/progress.h"
@@ -15,17 +18,36 @@
 
 namespace conav::launcher {
 
-/// One run of `conav demo`: starts the services, follows them on the bus, ends them.
+/// What came of a run.
+struct DemoResult {
+  Outcome outcome;
+  EpisodeMetrics metrics;
+
+  bool all_goals_reached() const {
+    return outcome.reason == EndReason::kAllGoalsReached && metrics.all_goals_reached;
+  }
+};
+
+/// One run of the whole system, as `conav demo` shows it and `conav study` repeats it: starts the
+/// services, follows them on the bus, ends them. The run folder holds metrics.json and episode.svg
+/// afterwards.
+/// Threads: one; several demos may run on a thread each, every one in a domain of its own.
 class Demo {
  public:
   /// Joins the bus and makes the run folder; starts nothing yet. `program_folder` holds conav-sim
-  /// and the others. Throws UsageError when the domain is taken by another conav, StartupError when
-  /// the bus or the run folder cannot be had.
-  Demo(const DemoOptions& options, std::filesystem::path program_folder, const Clock& clock);
+  /// and the others; `options`, `clock` and `progress` outlive the demo. `kept` is a domain that the
+  /// caller has held since an earlier demo found it free; without it one is looked for. Throws
+  /// UsageError when the domain is taken by another conav, StartupError when the bus or the run
+  /// folder cannot be had.
+  Demo(const DemoOptions& options, std::filesystem::path program_folder, const Clock& clock,
+       Progress& progress, std::optional<DomainLease> kept = std::nullopt);
 
-  /// Blocks until the run has ended and all its processes are gone; writes metrics.json and
-  /// episode.svg, prints the table. True when all goals were reached.
-  bool Run(const StopToken& stop);
+  /// Blocks until the run has ended and all its processes are gone. Throws StartupError when a
+  /// process cannot be started or the run folder cannot be written.
+  DemoResult Run(const StopToken& stop);
+
+  /// After Run(): the domain, for the next demo.
+  DomainLease TakeLease() { return std::move(place_.lease); }
 
  private:
   void StartProcesses();
@@ -38,7 +60,7 @@ class Demo {
   /// Listens until it is quiet and, after a death, until the robots stand.
   void TakeLastNews();
   void TellWhereRobotsStand();
-  void Finish();
+  DemoResult Finish();
   double ElapsedSeconds() const;
 
   const DemoOptions& options_;
@@ -48,7 +70,7 @@ class Demo {
   Episode episode_;
   BusPlace place_;
   RunFolder run_;
-  Progress progress_;
+  Progress& progress_;
   Outcome outcome_;
   std::string died_service_;  // that ended the run; "sim" also among several worlds
   ProcessGroup processes_;

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 
+#include "launcher/demo_operator.h"
 #include "launcher/demo_weights.h"
 
 namespace conav::launcher {
@@ -30,6 +31,17 @@ void AddRunOptions(CLI::App& app, DemoOptions& options) {
       ->capture_default_str();
   app.add_option("--seed", options.seed, "Seed of everything that is random")
       ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--maze-seed", options.maze_seed,
+                 "Seed of the world alone, such as the paper's 234, 666 and 9 [--seed]")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--rotation", options.rotation_deg,
+                 "Turns the world with all that is in it: 0, 90, 180 or 270 degrees")
+      ->capture_default_str();
+  app.add_option(
+         "--operator", options.simulated_operator,
+         "The simulated operator: careful, hasty, wrong (on purpose), silent, or a file like "
+         "deploy/config/simulated_operator.yaml, of which the person counts")
       ->capture_default_str();
   app.add_option("--method", options.method, "ig-mcts, instruction or teleop")
       ->capture_default_str();
@@ -112,7 +124,10 @@ DemoOptions ParseDemoCommand(int argc, char** argv) {
     if (!entry) RefuseUse(entry.error().text);
     options.run_with.insert(*std::move(entry));
   }
-  const auto valid = Validate(options).and_then([&] { return CheckWeights(options); });
+  const auto valid =
+      Validate(options).and_then([&] { return CheckWeights(options); }).and_then([&] {
+        return CheckOperator(options);
+      });
   if (!valid) RefuseUse(valid.error().text);
   return options;
 }

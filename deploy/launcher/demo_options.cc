@@ -139,6 +139,7 @@ Result<void> ValidateNumbers(const DemoOptions& options) {
     return ok;
   }
   if (auto ok = RequireRange("--speed", options.effective_speed(), 0, 1000); !ok) return ok;
+  if (auto ok = RequireRange("--rotation", options.rotation_deg, 0, 270); !ok) return ok;
   if (auto ok = RequireRange("--domain", options.domain.value_or(0), 0, 232); !ok) return ok;
   if (auto ok = RequireRange("--cell-size", options.cell_size_m.value_or(1), 1, 100); !ok) {
     return ok;
@@ -150,6 +151,10 @@ Result<void> ValidateNumbers(const DemoOptions& options) {
 
 Result<void> Validate(const DemoOptions& options) {
   if (auto ok = ValidateNumbers(options); !ok) return ok;
+  if (options.rotation_deg % 90 != 0) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("--rotation {}: not one of 0, 90, 180, 270", options.rotation_deg));
+  }
   if (auto ok = RequireOneOf("--method", options.method, kMethods); !ok) return ok;
   if (auto ok = RequireOneOf("--camera", options.camera, kCameras); !ok) return ok;
   if (auto ok = RequireOneOf("--perception", options.perception, kPerceptions); !ok) return ok;

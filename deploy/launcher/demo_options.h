@@ -24,6 +24,12 @@ struct DemoOptions {
   int robots = 1;  // in each world
   int worlds = 1;
   std::uint64_t seed = 1;
+  /// Of the first world alone, the next ones count on; without it `seed`.
+  std::optional<std::uint64_t> maze_seed;
+  int rotation_deg = 0;  // of every world: 0, 90, 180, 270
+  /// Who the simulated operator is: one of operators::OperatorKinds(), or a file whose section
+  /// `simulated_operator:` has a `person`.
+  std::string simulated_operator = "careful";
   std::string method = "ig-mcts";
   /// "cyclonedds", "fastdds", "mixed" or "service=vendor,..."; empty = the bus's default.
   std::string dds;
@@ -52,6 +58,7 @@ struct DemoOptions {
   std::filesystem::path out = "runs";
 
   double effective_speed() const { return speed.value_or(headless ? 0.0 : 4.0); }
+  std::uint64_t world_seed() const { return maze_seed.value_or(seed); }
   int total_robots() const { return robots * worlds; }
   /// None where the planner asks its own model.
   int nhpm_processes() const { return perception == "embedded" ? 0 : nhpm_replicas; }

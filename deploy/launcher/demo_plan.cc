@@ -7,6 +7,7 @@
 
 #include "common/runtime/config.h"
 #include "launcher/bus_place.h"
+#include "launcher/demo_operator.h"
 #include "nhpm/config.h"
 #include "operator/config.h"
 #include "operator/simulated_operator/config.h"
@@ -53,7 +54,8 @@ std::string SimYaml(const Setting& setting, std::size_t world_index) {
   for (const RobotRecord& robot : setting.episode.robots) {
     if (robot.world == config.world) config.robots.push_back(robot.name);
   }
-  config.seed = options.seed + world_index;
+  config.seed = options.world_seed() + world_index;
+  config.rotation_deg = options.rotation_deg;
   config.preset = options.preset;
   config.map.yaml = AbsoluteText(options.map);
   config.map.operator_yaml = AbsoluteText(options.operator_map);
@@ -85,9 +87,10 @@ operators::RecordingConfig Recording(const Setting& setting) {
   recording.participant = "simulated operator";
   recording.session = setting.run.path().filename().string();
   for (std::size_t w = 0; w < setting.episode.worlds.size(); ++w) {
-    const std::string maze = options.map.empty() ? options.preset : AbsoluteText(options.map);
+    std::string maze = options.map.empty() ? options.preset : AbsoluteText(options.map);
+    if (options.rotation_deg != 0) maze += fmt::format(" rotated {}", options.rotation_deg);
     recording.mazes.push_back(
-        fmt::format("{}={}@{}", setting.episode.worlds[w].name, maze, options.seed + w));
+        fmt::format("{}={}@{}", setting.episode.worlds[w].name, maze, options.world_seed() + w));
   }
   return recording;
 }
@@ -106,6 +109,7 @@ std::string SimulatedOperatorYaml(const Setting& setting) {
   config.bus = setting.Bus("simulated-operator");
   config.robots = setting.WorldsAndRobots();
   config.seed = setting.options.seed;
+  config.person = OperatorPerson(setting.options.simulated_operator);
   return DumpConfig("simulated_operator", config);
 }
 

@@ -17,7 +17,7 @@ struct PlannedProcess {
 };
 
 /// The processes of a demo in the order in which they start, each with its whole effective
-/// configuration, written from the service's own config struct. Requires Validate(options).
+/// configuration, written from the service's own config struct. Requires Validate(options) and CheckOperator(options).
 std::vector<PlannedProcess> PlanDemo(const DemoOptions& options, int domain, const Episode& episode,
                                      const RunFolder& run);
 

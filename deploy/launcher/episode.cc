@@ -81,6 +81,7 @@ void Record(RobotRecord& robot, const RobotState& state) {
   }
   robot.path_since_picture = state.path;
   robot.state = state;
+  if (robot.finished() && !robot.finished_at) robot.finished_at = state.stamp;
 }
 
 void Record(RobotRecord& robot, const Picture& picture) {

@@ -33,6 +33,7 @@ struct RobotRecord {
   std::vector<double> decision_ms;       // wall time of each decision heard
   std::string perception_model;          // that answered the newest decision
   std::vector<Cell> path_since_picture;  // of the newest state
+  std::optional<SimTime> finished_at;    // when it said first that it has no goals left
 
   bool finished() const { return state && state->goals_left.empty(); }
   bool reached_all() const;

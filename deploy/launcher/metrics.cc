@@ -29,6 +29,7 @@ RobotMetrics MeasureRobot(const RobotRecord& robot) {
   metrics.low_level_steps = robot.state->low_level_steps;
   metrics.pictures = robot.state->pictures;
   metrics.picture_bytes = robot.state->picture_bytes;
+  metrics.time_s = robot.finished_at.value_or(robot.state->stamp).ToSeconds();
   return metrics;
 }
 
@@ -73,6 +74,7 @@ nlohmann::ordered_json ToJson(const EpisodeMetrics& metrics) {
                       {"picture_bytes", robot.picture_bytes},
                       {"guidance", robot.guidance},
                       {"decisions", robot.decisions},
+                      {"time_s", robot.time_s},
                       {"decision_ms_median", robot.decision_ms_median},
                       {"decision_ms_p99", robot.decision_ms_p99},
                       {"perception_model", robot.perception_model}});

@@ -24,6 +24,7 @@ struct RobotMetrics {
   std::uint64_t picture_bytes = 0;
   std::uint64_t guidance = 0;
   std::uint64_t decisions = 0;
+  double time_s = 0.0;  // simulation time until its goals were reached, or so far
   double decision_ms_median = 0.0;
   double decision_ms_p99 = 0.0;
   std::string perception_model;  // that answered the newest decision; "fallback: glpf" among them

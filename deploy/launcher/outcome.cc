@@ -38,6 +38,8 @@ nlohmann::ordered_json Versions() {
 nlohmann::ordered_json OutcomeJson(const DemoOptions& options, const Outcome& outcome,
                                    const EpisodeMetrics& metrics) {
   nlohmann::ordered_json json{{"seed", options.seed},
+                              {"maze_seed", options.world_seed()},
+                              {"rotation_deg", options.rotation_deg},
                               {"method", options.method},
                               {"model", options.model},
                               {"weights", WeightsText(options)},
@@ -50,6 +52,7 @@ nlohmann::ordered_json OutcomeJson(const DemoOptions& options, const Outcome& ou
                               {"worlds", options.worlds},
                               {"robots_per_world", options.robots},
                               {"operator", "simulated"},
+                              {"simulated_operator", options.simulated_operator},
                               {"preset", options.map.empty() ? options.preset : ""},
                               {"map", options.map.string()},
                               {"perception", options.perception},

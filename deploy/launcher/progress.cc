@@ -30,6 +30,7 @@ Progress::Progress(std::FILE* output, Style style, const Clock& clock)
     : output_(output), style_(style), clock_(clock) {}
 
 void Progress::Show(const Episode& episode) {
+  if (style_ == Style::kSilent) return;
   if (style_ == Style::kPlain) {
     ShowPlain(episode);
     return;
@@ -61,6 +62,7 @@ void Progress::ShowPlain(const Episode& episode) {
 }
 
 void Progress::Say(const std::string& line) {
+  if (style_ == Style::kSilent) return;
   // The robots' lines move up with the rest; they are written again below.
   lines_on_screen_ = 0;
   fmt::print(output_, "{}\n", line);

@@ -15,10 +15,11 @@ namespace conav::launcher {
 std::string ProgressLine(const RobotRecord& robot);
 
 /// Shows a run while it goes on: on a terminal one line per robot that is rewritten in place, else
-/// plain lines - one when a robot reached a goal, and one per robot every few seconds.
+/// plain lines - one when a robot reached a goal, and one per robot every few seconds; kSilent writes
+/// nothing.
 class Progress {
  public:
-  enum class Style { kTerminal, kPlain };
+  enum class Style { kTerminal, kPlain, kSilent };
   Progress(std::FILE* output, Style style, const Clock& clock);
 
   /// Call as often as you like; it writes only when there is something to tell.

@@ -72,6 +72,9 @@ struct SimConfig {
   /// [row, column] of each robot's start, and of the goals of every robot; empty = drawn.
   std::vector<std::vector<int>> starts;
   std::vector<std::vector<int>> goals;
+  /// 0, 90, 180 or 270, counter-clockwise: the same world turned, with starts, goals and the
+  /// operator's map, for those who know it already (paper, section 6.2).
+  int rotation_deg = 0;
   /// How far a robot sees around itself, in cells; walls occlude. The paper gives no number.
   double observation_distance_cells = 2.0;
   CorruptionConfig corruption;
@@ -93,6 +96,7 @@ struct SimConfig {
     reader.Field("shared_goals", shared_goals);
     reader.Field("starts", starts);
     reader.Field("goals", goals);
+    reader.Field("rotation_deg", rotation_deg, 0, 270);
     reader.Field("observation_distance_cells", observation_distance_cells, 0.0, 100.0);
     reader.Section("corruption", corruption);
     reader.Section("camera", camera);

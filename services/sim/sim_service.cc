@@ -39,7 +39,8 @@ WorldOptions OptionsFrom(const SimConfig& config) {
           .starts = CellsFrom(config.starts, "starts"),
           .goals = CellsFrom(config.goals, "goals"),
           .wrong_share = config.corruption.wrong_share,
-          .false_wall_share = config.corruption.false_wall_share};
+          .false_wall_share = config.corruption.false_wall_share,
+          .rotation_deg = config.rotation_deg};
 }
 
 /// Names become parts of topics.
@@ -68,7 +69,7 @@ PhysicsWorld PhysicsFrom(const WorldSpec& spec, const SimConfig& config) {
   world.cell_size_m = spec.cell_size_m;
   world.texture_seed = config.seed;
   for (std::size_t i = 0; i < config.robots.size(); ++i) {
-    world.robots.push_back({config.robots[i], spec.starts[i], 0.0});
+    world.robots.push_back({config.robots[i], spec.starts[i], spec.start_heading_rad});
     if (spec.shared_goals && i > 0) continue;
     for (const Cell cell : spec.goals[i]) {
       const int color =

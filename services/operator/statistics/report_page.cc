@@ -31,22 +31,34 @@ figure { margin: 0; } svg { display: block; }
 .within { stroke: var(--within); stroke-width: 6; stroke-opacity: 0.8; }
 )css";
 
-std::string Head(const Analysis& analysis) {
-  std::string html = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
-      "<title>Repeated measures: {0}</title>\n<style>{1}</style>\n</head>\n<body>\n"
-      "<h1>Repeated measures: {0}</h1>\n<p>{2}</p>\n"
-      "<p class=\"muted\">SHA-256 of the data: {3}</p>\n",
-      EscapeXml(analysis.file), kStyle, EscapeXml(DescribeTable(analysis)),
-      EscapeXml(analysis.sha256));
+std::string Facts(const Analysis& analysis) {
+  std::string html = fmt::format("<p>{}</p>\n<p class=\"muted\">SHA-256 of the data: {}</p>\n",
+                                 EscapeXml(DescribeTable(analysis)), EscapeXml(analysis.sha256));
   if (analysis.notes.empty()) return html;
   html += "<ul>\n";
   for (const std::string& note : analysis.notes) html += "<li>" + EscapeXml(note) + "</li>\n";
   return html + "</ul>\n";
 }
 
-std::string Figure(const Analysis& analysis) {
+std::string Row(const std::vector<std::string>& cells, const char* first_scope, const char* tag) {
+  std::string html = fmt::format("<tr><th scope=\"{}\">{}</th>", first_scope, EscapeXml(cells[0]));
+  for (std::size_t c = 1; c < cells.size(); ++c) {
+    html += fmt::format("<{0}>{1}</{0}>", tag, EscapeXml(cells[c]));
+  }
+  return html + "</tr>\n";
+}
+
+}  // namespace
+
+std::string PageHead(const std::string& title) {
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
+      "<title>{0}</title>\n<style>{1}</style>\n</head>\n<body>\n<h1>{0}</h1>\n",
+      EscapeXml(title), kStyle);
+}
+
+std::string PlotFigure(const Analysis& analysis) {
   std::string caption = fmt::format(
       "Blue: mean and its {0:.4g} % confidence interval. Orange: the {0:.4g} % interval within "
       "subjects, for comparing conditions. Grey: a line per subject",
@@ -60,14 +72,6 @@ std::string Figure(const Analysis& analysis) {
       ConditionsPlot(analysis), EscapeXml(caption));
 }
 
-std::string Row(const std::vector<std::string>& cells, const char* first_scope, const char* tag) {
-  std::string html = fmt::format("<tr><th scope=\"{}\">{}</th>", first_scope, EscapeXml(cells[0]));
-  for (std::size_t c = 1; c < cells.size(); ++c) {
-    html += fmt::format("<{0}>{1}</{0}>", tag, EscapeXml(cells[c]));
-  }
-  return html + "</tr>\n";
-}
-
 std::string SectionHtml(const ReportSection& section) {
   std::string html = fmt::format(
       "<h2>{}</h2>\n<div class=\"wide\" tabindex=\"0\">\n<table>\n<thead>{}</thead>\n<tbody>\n",
@@ -78,10 +82,9 @@ std::string SectionHtml(const ReportSection& section) {
   return html;
 }
 
-}  // namespace
-
 std::string ReportPage(const Analysis& analysis) {
-  std::string html = Head(analysis) + Figure(analysis);
+  std::string html = PageHead("Repeated measures: " + analysis.file) + Facts(analysis);
+  html += PlotFigure(analysis);
   for (const ReportSection& section : ReportSections(analysis)) html += SectionHtml(section);
   return html + "</body>\n</html>\n";
 }

@@ -20,4 +20,16 @@ std::string DescribeTable(const Analysis& analysis);
 
 std::vector<ReportSection> ReportSections(const Analysis& analysis);
 
+/// For a terminal, an empty line before.
+std::string SectionText(const ReportSection& section);
+
+/// Title and table for a page that begins with PageHead().
+std::string SectionHtml(const ReportSection& section);
+
+/// The begin of a page, up to its first heading, with the style sheet of tables and plots.
+std::string PageHead(const std::string& title);
+
+/// ConditionsPlot with its legend.
+std::string PlotFigure(const Analysis& analysis);
+
 }  // namespace conav::statistics

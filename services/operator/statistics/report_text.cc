@@ -31,6 +31,8 @@ std::string Line(const std::vector<std::string>& cells, const std::vector<std::s
   return line + "\n";
 }
 
+}  // namespace
+
 std::string SectionText(const ReportSection& section) {
   const std::vector<std::size_t> widths = Widths(section);
   std::string text = "\n" + section.title + "\n" + Line(section.header, widths);
@@ -38,8 +40,6 @@ std::string SectionText(const ReportSection& section) {
   for (const std::string& remark : section.remarks) text += "  " + remark + "\n";
   return text;
 }
-
-}  // namespace
 
 std::string ReportText(const Analysis& analysis) {
   std::string text = DescribeTable(analysis) + "\n";

@@ -7,6 +7,7 @@
 
 #include "common/runtime/random.h"
 #include "sim/world/map_corruption.h"
+#include "sim/world/rotation.h"
 #include "sim/world/world_cells.h"
 #include "sim/world/world_site.h"
 
@@ -178,7 +179,7 @@ Result<WorldSpec> MakeWorldSpec(const WorldOptions& options) {
           .and_then([&] { return CheckReachable(spec); })
           .and_then([&] { return MakeHumanMap(*site, options, taken, spec); });
   if (!placed) return tl::unexpected(placed.error());
-  return spec;
+  return Rotated(std::move(spec), options.rotation_deg);
 }
 
 }  // namespace conav::sim

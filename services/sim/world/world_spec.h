@@ -28,6 +28,9 @@ struct WorldOptions {
   std::vector<Cell> goals;        // of every robot; empty = goals_per_robot are drawn for each
   double wrong_share = 0.12;      // of all cells, wrong on the initial human map (docs/paper.md)
   double false_wall_share = 0.5;  // of the wrong cells, free in truth and drawn as walls
+  /// 0, 90, 180 or 270, counter-clockwise; the whole world is turned when it is complete, given
+  /// starts and goals with it.
+  int rotation_deg = 0;
 };
 
 /// A world, complete for one seed: the truth, who starts where with which goals, and what the
@@ -38,7 +41,8 @@ struct WorldSpec {
   Grid<char> wall_classes;   // which texture each wall cell has
   Grid<char> floor_classes;  // '.' corridor, letters rooms
   double cell_size_m = 2.0;
-  std::vector<Cell> starts;  // per robot, distinct
+  std::vector<Cell> starts;        // per robot, distinct
+  double start_heading_rad = 0.0;  // of every robot
   std::vector<std::vector<Cell>>
       goals;  // per robot; equal lists when shared. All reachable from the start.
   bool shared_goals = false;
@@ -52,7 +56,7 @@ struct WorldSpec {
 /// robots.
 ///
 /// Errors: kNotFound (preset), those of LoadMapPair (map file; names file and key), kOutOfRange
-/// (too many robots or goals for the free cells, wrong_share), kInvalidArgument (given starts or
+/// (too many robots or goals for the free cells, wrong_share, rotation_deg), kInvalidArgument (given starts or
 /// goals that are walls, equal, too few, or that the robot cannot reach; a given start on a given
 /// goal).
 [[nodiscard]] Result<WorldSpec> MakeWorldSpec(const WorldOptions& options);

@@ -39,6 +39,18 @@ TEST_CASE("an unknown method is refused and the known ones are named", "[launche
              Catch::Contains("--method magic") && Catch::Contains("ig-mcts, instruction, teleop"));
 }
 
+TEST_CASE("a world turns by quarters only", "[launcher][options]") {
+  DemoOptions options;
+  for (const int good : {0, 90, 180, 270}) {
+    options.rotation_deg = good;
+    CHECK(Refusal(options) == "");
+  }
+  options.rotation_deg = 45;
+  CHECK(Refusal(options) == "--rotation 45: not one of 0, 90, 180, 270");
+  options.rotation_deg = 360;
+  CHECK_THAT(Refusal(options), Catch::Contains("--rotation 360"));
+}
+
 TEST_CASE("a model, weights or belief that do not exist are refused", "[launcher][options]") {
   DemoOptions options;
   options.model = "oracle";

@@ -103,6 +103,27 @@ TEST_CASE("each process of a demo gets a configuration that its own struct reads
   CHECK(Read<nhpm::NhpmConfig>(configs.at("nhpm"), "nhpm").bus.domain_id == 42);
 }
 
+TEST_CASE("the world's seed and turn and the operator's person can be chosen by themselves",
+          "[launcher][plan]") {
+  const TemporaryRun run;
+  DemoOptions options;
+  options.seed = 7;
+  options.maze_seed = 234;
+  options.rotation_deg = 90;
+  options.simulated_operator = "hasty";
+  const auto configs = Plan(options, run);
+  const auto sim = Read<sim::SimConfig>(configs.at("sim"), "sim");
+  CHECK(sim.seed == 234);
+  CHECK(sim.rotation_deg == 90);
+  CHECK(Read<planner::PlannerConfig>(configs.at("planner"), "planner").seed == 7);
+  const auto person = Read<operators::SimulatedOperatorConfig>(configs.at("simulated-operator"),
+                                                               "simulated_operator");
+  CHECK(person.seed == 7);
+  CHECK(person.person.planner.horizon == "next_goal");
+  CHECK(Read<operators::OperatorConfig>(configs.at("operator"), "operator").recording.mazes ==
+        std::vector<std::string>{"w1=conav13 rotated 90@234"});
+}
+
 TEST_CASE("each world has a simulator with its own robots and seed", "[launcher][plan]") {
   const TemporaryRun run;
   DemoOptions options;

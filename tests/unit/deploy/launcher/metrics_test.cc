@@ -15,6 +15,21 @@ TEST_CASE("percentiles are nearest ranks", "[launcher][metrics]") {
   CHECK(Percentile({}, 0.5) == 0);
 }
 
+TEST_CASE("a robot's time ends with its last goal", "[launcher][metrics]") {
+  Episode episode = MakeEpisode(1, 1);
+  RobotState state;
+  state.goals_left = {{1, 1}};
+  state.stamp = SimTime::FromSeconds(3.0);
+  Record(episode.robots[0], state);
+  CHECK(MeasureRobot(episode.robots[0]).time_s == 3.0);
+  state.goals_left.clear();
+  state.stamp = SimTime::FromSeconds(5.25);
+  Record(episode.robots[0], state);
+  state.stamp = SimTime::FromSeconds(9.0);
+  Record(episode.robots[0], state);
+  CHECK(MeasureRobot(episode.robots[0]).time_s == 5.25);
+}
+
 TEST_CASE("an episode is measured from what its robots said", "[launcher][metrics]") {
   Episode episode = SampleEpisode();
   for (const double duration_ms : {4.0, 6.0, 50.0}) {

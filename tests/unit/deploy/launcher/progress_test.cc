@@ -37,6 +37,16 @@ TEST_CASE("a robot's line tells cell, goals, moves, pictures and decisions",
   CHECK_THAT(ProgressLine(MakeEpisode(1, 1).robots[0]), Catch::Contains("waiting"));
 }
 
+TEST_CASE("silent progress writes nothing", "[launcher][progress]") {
+  Output output;
+  const FakeClock clock;
+  Progress progress(output.file, Progress::Style::kSilent, clock);
+  progress.Say("started");
+  progress.Show(SampleEpisode());
+  progress.Finish(SampleEpisode());
+  CHECK(output.Read().empty());
+}
+
 TEST_CASE("plain progress is written every few seconds and at each goal", "[launcher][progress]") {
   Output output;
   FakeClock clock;

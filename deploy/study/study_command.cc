@@ -1,0 +1,191 @@
+#include "study/study_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "common/console/console.h"
+#include "common/console/progress_line.h"
+#include "common/runtime/json.h"
+#include "common/runtime/random.h"
+#include "launcher/demo_weights.h"
+#include "study/episode_player.h"
+#include "study/people.h"
+#include "study/report.h"
+#include "study/study_folder.h"
+#include "study/study_run.h"
+
+namespace conav::study {
+namespace {
+
+constexpr const char* kProgram = "conav study";
+
+/// Purpose for DeriveSeed.
+constexpr std::uint64_t kPeopleSeed = 4;
+
+/// A study before its first episode.
+struct Plan {
+  Design design;
+  std::vector<std::string> people;  // YAML, as design.subjects
+  nlohmann::ordered_json document;
+};
+
+std::vector<std::string> DrawPeople(const StudyOptions& options, std::size_t count) {
+  const auto population =
+      options.population.empty() ? DefaultPopulation() : nhpm::ReadPopulation(options.population);
+  const std::uint64_t seed = DeriveSeed(options.design.seed, kPeopleSeed);
+  std::vector<std::string> people;
+  for (std::size_t subject = 0; subject < count; ++subject) {
+    people.push_back(PersonYaml(DrawPerson(population, DeriveSeed(seed, subject))));
+  }
+  return people;
+}
+
+nlohmann::ordered_json EpisodesJson(const Design& design) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const PlannedEpisode& episode : design.episodes) {
+    list.push_back({{"name", episode.name}, {"seed", episode.seed}});
+  }
+  return list;
+}
+
+/// Everything that results depend on, but the program itself.
+Plan MakePlan(const StudyOptions& options) {
+  Plan plan{.design = MakeDesign(options.design)};
+  plan.people = DrawPeople(options, plan.design.subjects.size());
+  plan.document = {{"operators", options.design.operators},
+                   {"layouts", plan.design.layouts},
+                   {"methods", plan.design.methods},
+                   {"seed", options.design.seed},
+                   {"robots", options.robots},
+                   {"camera", options.camera},
+                   {"dds", options.dds},
+                   {"weights_checksum", launcher::WeightsChecksum(BaseDemo(options))},
+                   {"time_limit_s", options.time_limit_s},
+                   {"orders", plan.design.orders},
+                   {"episodes", EpisodesJson(plan.design)},
+                   {"people", plan.people}};
+  return plan;
+}
+
+Result<void> WritePeople(const Plan& plan, const StudyFolder& folder) {
+  for (std::size_t subject = 0; subject < plan.people.size(); ++subject) {
+    const auto file =
+        std::filesystem::relative(folder.person(plan.design.subjects[subject]), folder.path());
+    if (auto written = folder.Write(file, plan.people[subject]); !written) return written;
+  }
+  return {};
+}
+
+/// "37 of 126 episodes, 1 failed, 2:10 left".
+StudyListener Progress(ProgressLine& line) {
+  const auto start = std::chrono::steady_clock::now();
+  return [&line, start](const StudyProgress& now) {
+    const double spent =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double left =
+        spent / static_cast<double>(now.ran) * static_cast<double>(now.of - now.done);
+    const std::string failed = now.failed > 0 ? fmt::format(", {} failed", now.failed) : "";
+    line.Show(
+        fmt::format("{} of {} episodes{}, {} left", now.done, now.of, failed, DurationText(left)));
+  };
+}
+
+Result<void> Play(const StudyOptions& options, const Plan& plan, StudyFolder& folder,
+                  const StopToken& stop) {
+  const SteadyClock clock;
+  const auto programs = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  std::vector<std::unique_ptr<DemoPlayer>> players;
+  for (int job = 0; job < options.jobs; ++job) {
+    players.push_back(std::make_unique<DemoPlayer>(programs, clock, stop));
+  }
+  const launcher::DemoOptions base = BaseDemo(options);
+  const EpisodePlayer play = [&](int job, const PlannedEpisode& episode) {
+    const std::string& subject = plan.design.subjects[static_cast<std::size_t>(episode.subject)];
+    return players[static_cast<std::size_t>(job)]->Play(DemoFor(base, episode, subject, folder));
+  };
+  ProgressLine line;
+  return RunEpisodes(plan.design.episodes, options.jobs, play, folder, stop, Progress(line));
+}
+
+Result<void> WriteReports(const StudyReport& report, const StudyFolder& folder,
+                          const std::filesystem::path& json_file) {
+  const auto json = StudyJson(report);
+  auto written = folder.Write("episodes.csv", EpisodesCsv(report))
+                     .and_then([&] { return folder.Write("report.html", StudyPage(report)); })
+                     .and_then([&] { return folder.Write("results.json", JsonText(json)); });
+  for (std::size_t m = 0; written && m < Measures().size(); ++m) {
+    written =
+        folder.Write(std::filesystem::path("measures") / fmt::format("{}.csv", Measures()[m].key),
+                     report.summary.analyses[m].csv);
+  }
+  return written ? WriteJsonOutput(json_file, json) : written;
+}
+
+Result<void> Tell(const StudyReport& report, const StudyFolder& folder,
+                  const std::filesystem::path& json_file) {
+  if (auto written = WriteReports(report, folder, json_file); !written) return written;
+  const std::string text =
+      fmt::format("{}\n{} holds report.html, episodes.csv, measures/, results.json and all runs\n",
+                  StudyText(report), folder.path().string());
+  if (json_file != "-") return WriteStandardOutput(text);
+  fmt::print(stderr, "{}", text);
+  return {};
+}
+
+int Interrupted(const Plan& plan, const StudyFolder& folder) {
+  return Failed(kProgram, {ErrorCode::kUnavailable,
+                           fmt::format("interrupted; {} of {} episodes are in {}; the same command "
+                                       "goes on",
+                                       folder.records().size(), plan.design.episodes.size(),
+                                       folder.path().string())});
+}
+
+bool AllMet(const StudySummary& summary) {
+  return std::all_of(summary.bars.begin(), summary.bars.end(),
+                     [](const Bar& bar) { return bar.met(); });
+}
+
+int Run(const StudyOptions& options, const StopToken& stop) {
+  const Plan plan = MakePlan(options);
+  auto folder = StudyFolder::Open(std::filesystem::absolute(options.out), plan.document);
+  if (!folder) {
+    return folder.error().code == ErrorCode::kRefused
+               ? Refused(kProgram, "--out " + folder.error().text)
+               : Failed(kProgram, folder.error());
+  }
+  const auto played =
+      WritePeople(plan, *folder).and_then([&] { return Play(options, plan, *folder, stop); });
+  if (!played) return Failed(kProgram, played.error());
+  if (stop.stop_requested()) return Interrupted(plan, *folder);
+  const StudySummary summary = Summarise(plan.design, folder->records());
+  const StudyReport report{plan.design, plan.document, folder->records(), summary,
+                           options.camera != "none"};
+  if (const auto told = Tell(report, *folder, options.json); !told) {
+    return Failed(kProgram, told.error());
+  }
+  return summary.failed.empty() && (!options.check || AllMet(summary)) ? 0 : 1;
+}
+
+}  // namespace
+
+int RunStudy(const StudyOptions& given, const StopToken& stop) {
+  StudyOptions options = given;
+  if (options.out.empty()) options.out = DefaultOut(options);
+  if (const auto valid = Validate(options); !valid) return Refused(kProgram, valid.error().text);
+  const int code =
+      CheckFiles(kProgram, {{"--population", options.population}, {"--weights", options.weights}},
+                 {{"--json", options.json}});
+  if (code != 0) return code;
+  try {
+    return Run(options, stop);
+  } catch (const StartupError& error) {
+    return Failed(kProgram, {ErrorCode::kInvalidArgument, error.what()});
+  }
+}
+
+}  // namespace conav::study

@@ -1,0 +1,73 @@
+#include "study/study_options.h"
+
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <set>
+
+#include "launcher/demo_weights.h"
+
+namespace conav::study {
+namespace {
+
+constexpr int kMostOperators = 10000;
+constexpr int kMostLayouts = 1000;
+constexpr int kMostJobs = 64;
+
+Result<void> RequireCount(const char* option, int value, int most) {
+  if (value >= 1 && value <= most) return {};
+  return Fail(ErrorCode::kOutOfRange,
+              fmt::format("{} {}: not between 1 and {}", option, value, most));
+}
+
+Result<void> ValidateMethods(const std::vector<std::string>& methods) {
+  const auto count = static_cast<int>(methods.size());
+  if (count < 1 || count > kOrientations) {
+    return Fail(ErrorCode::kOutOfRange,
+                fmt::format("--methods: {} of them; 1 to {}, as a layout can be turned so often "
+                            "before it looks the same again",
+                            count, kOrientations));
+  }
+  const std::set<std::string> distinct(methods.begin(), methods.end());
+  if (distinct.size() == methods.size()) return {};
+  return Fail(ErrorCode::kInvalidArgument, "--methods: one is named twice");
+}
+
+}  // namespace
+
+std::filesystem::path DefaultOut(const StudyOptions& options) {
+  return fmt::format("runs/study-seed{}", options.design.seed);
+}
+
+launcher::DemoOptions BaseDemo(const StudyOptions& options) {
+  launcher::DemoOptions demo;
+  demo.headless = true;
+  demo.robots = options.robots;
+  demo.camera = options.camera;
+  demo.dds = options.dds;
+  demo.weights = options.weights;
+  demo.time_limit_s = options.time_limit_s;
+  demo.out = options.out;
+  return demo;
+}
+
+Result<void> Validate(const StudyOptions& options) {
+  const DesignOptions& design = options.design;
+  if (auto ok = RequireCount("--operators", design.operators, kMostOperators); !ok) return ok;
+  if (auto ok = RequireCount("--layouts", design.layouts, kMostLayouts); !ok) return ok;
+  if (auto ok = RequireCount("--jobs", options.jobs, kMostJobs); !ok) return ok;
+  if (auto ok = ValidateMethods(design.methods); !ok) return ok;
+  if (options.jobs > 1 && std::getenv("CONAV_DOMAIN") != nullptr) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("--jobs {}: CONAV_DOMAIN leaves one DDS domain for all of them", options.jobs));
+  }
+  launcher::DemoOptions demo = BaseDemo(options);
+  for (const std::string& method : design.methods) {
+    demo.method = method;
+    if (auto ok = launcher::Validate(demo); !ok) return ok;
+  }
+  return launcher::CheckWeights(demo);
+}
+
+}  // namespace conav::study

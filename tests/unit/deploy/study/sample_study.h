@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+
+#include "study/design.h"
+#include "study/summary.h"
+
+namespace conav::study {
+
+/// Measures that a test can tell from their numbers.
+inline EpisodeMeasures SampleMeasures(double pictures, double steps) {
+  return {.pictures = pictures,
+          .picture_bytes = pictures * 1024.0,
+          .low_level_steps = steps,
+          .cell_moves = steps / 10.0,
+          .guidance = 3.0,
+          .mapping_accuracy_after = 0.5,
+          .goals_reached = 4.0,
+          .goals_total = 4.0,
+          .time_s = steps / 4.0,
+          .all_goals_reached = true};
+}
+
+inline EpisodeRecord SampleRecord(const std::string& name, const EpisodeMeasures& measures) {
+  return {.name = name,
+          .status = EpisodeStatus::kComplete,
+          .attempts = 1,
+          .wall_s = 1.5,
+          .run = "runs/x",
+          .measures = measures};
+}
+
+/// Every episode of the design: ig-mcts sends 10 pictures, the others one per step; subject i takes
+/// i steps more.
+inline Records SampleRecords(const Design& design) {
+  Records records;
+  for (const PlannedEpisode& episode : design.episodes) {
+    const double steps = 400.0 + episode.subject + (episode.method == "teleop" ? 50.0 : 0.0);
+    const double pictures = episode.method == "ig-mcts" ? 10.0 : steps;
+    records.emplace(episode.name, SampleRecord(episode.name, SampleMeasures(pictures, steps)));
+  }
+  return records;
+}
+
+}  // namespace conav::study

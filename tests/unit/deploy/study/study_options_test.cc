@@ -1,0 +1,72 @@
+#include "study/study_options.h"
+
+#include <catch2/catch.hpp>
+
+#include "study/episode_player.h"
+#include "support/temporary_folder.h"
+
+namespace conav::study {
+namespace {
+
+std::string Refusal(const StudyOptions& options) {
+  const auto valid = Validate(options);
+  return valid ? "" : valid.error().text;
+}
+
+StudyOptions Good() {
+  StudyOptions options;
+  options.out = DefaultOut(options);
+  return options;
+}
+
+TEST_CASE("The paper's study is accepted", "[study][options]") {
+  CHECK(Refusal(Good()).empty());
+  CHECK(Good().out == "runs/study-seed1");
+}
+
+TEST_CASE("Numbers and methods that cannot be are refused by the option's name",
+          "[study][options]") {
+  StudyOptions options = Good();
+  options.design.operators = 0;
+  CHECK(Refusal(options) == "--operators 0: not between 1 and 10000");
+  options = Good();
+  options.design.layouts = 0;
+  CHECK_THAT(Refusal(options), Catch::StartsWith("--layouts 0"));
+  options = Good();
+  options.jobs = 0;
+  CHECK_THAT(Refusal(options), Catch::StartsWith("--jobs 0"));
+  options = Good();
+  options.robots = 0;
+  CHECK_THAT(Refusal(options), Catch::StartsWith("--robots 0"));
+  options = Good();
+  options.design.methods = {"ig-mcts", "magic"};
+  CHECK_THAT(Refusal(options), Catch::StartsWith("--method magic"));
+  options.design.methods = {"teleop", "teleop"};
+  CHECK(Refusal(options) == "--methods: one is named twice");
+  options.design.methods = {"a", "b", "c", "d", "e"};
+  CHECK_THAT(Refusal(options), Catch::StartsWith("--methods: 5 of them; 1 to 4"));
+}
+
+TEST_CASE("An episode becomes a demo with its own world, seed, person and folder",
+          "[study][options]") {
+  const test::TemporaryFolder parent;
+  StudyOptions options = Good();
+  options.robots = 2;
+  const auto folder = StudyFolder::Open(parent / "study", {{"seed", 1}});
+  REQUIRE(folder);
+  const Design design = MakeDesign(options.design);
+  const PlannedEpisode& episode = design.episodes[5];
+  const auto demo = DemoFor(BaseDemo(options), episode, "s01", *folder);
+  CHECK(demo.robots == 2);
+  CHECK(demo.headless);
+  CHECK(demo.camera == "none");
+  CHECK(demo.method == episode.method);
+  CHECK(demo.world_seed() == episode.maze_seed);
+  CHECK(demo.rotation_deg == episode.rotation_deg);
+  CHECK(demo.seed == episode.seed);
+  CHECK(demo.simulated_operator == (parent / "study/people/s01.yaml").string());
+  CHECK(demo.out == parent / "study/runs" / episode.name);
+}
+
+}  // namespace
+}  // namespace conav::study
