@@ -12,11 +12,6 @@ namespace {
 
 using statistics::ReportSection;
 
-/// Without pixels no bytes are sent, which says nothing about a method.
-bool Told(const StudyReport& report, const Measure& measure) {
-  return report.rendered || std::string(measure.key) != "sent_mib";
-}
-
 std::string Figure(double value) { return fmt::format("{:.4g}", value); }
 
 std::string Figure(const std::optional<double>& value) { return value ? Figure(*value) : "-"; }
@@ -33,7 +28,7 @@ ReportSection TableThree(const StudyReport& report) {
     std::vector<std::string> row{method.method};
     for (std::size_t m = 0; m < Measures().size(); ++m) {
       const MeanSd& figure = method.measures[m];
-      row.push_back(method.episodes > 0 && Told(report, Measures()[m])
+      row.push_back(method.episodes > 0 && WasMeasured(report, Measures()[m])
                         ? fmt::format("{:.4g} ({:.3g})", figure.mean, figure.sd)
                         : "-");
     }
@@ -84,7 +79,7 @@ ReportSection VarianceSection(const StudyReport& report) {
                  "Friedman chi^2", "its p"}};
   for (std::size_t m = 0; m < Measures().size(); ++m) {
     const MeasureAnalysis& measure = report.summary.analyses[m];
-    if (!Told(report, Measures()[m])) continue;
+    if (!WasMeasured(report, Measures()[m])) continue;
     if (measure.analysis) {
       section.rows.push_back(VarianceRow(Measures()[m], *measure.analysis));
     } else {
@@ -99,7 +94,7 @@ ReportSection PairSection(const StudyReport& report) {
                         .header = {"measure", "pair", "difference", "t", "df", "p", "Holm", "d_z"}};
   for (std::size_t m = 0; m < Measures().size(); ++m) {
     const auto& analysis = report.summary.analyses[m].analysis;
-    if (!analysis || !Told(report, Measures()[m])) continue;
+    if (!analysis || !WasMeasured(report, Measures()[m])) continue;
     for (const statistics::Pair& pair : analysis->pairs) {
       section.rows.push_back({Measures()[m].key, pair.first + " - " + pair.second,
                               Figure(pair.t.mean_difference), Figure(pair.t.t),
@@ -130,6 +125,10 @@ std::optional<ReportSection> TroubleSection(const StudyReport& report) {
 }
 
 }  // namespace
+
+bool WasMeasured(const StudyReport& report, const Measure& measure) {
+  return report.rendered || std::string(measure.key) != "sent_mib";
+}
 
 std::string Headline(const StudyReport& report) {
   const Design& design = report.design;
@@ -171,7 +170,8 @@ std::string EpisodesCsv(const StudyReport& report) {
                        episode.session + 1, episode.task + 1, episode.method, episode.maze_seed,
                        episode.rotation_deg, episode.seed, NameOf(record.status), record.attempts);
     for (const Measure& measure : Measures()) {
-      csv += record.measures ? fmt::format(",{}", measure.value(*record.measures)) : ",";
+      const bool known = record.measures && WasMeasured(report, measure);
+      csv += known ? fmt::format(",{}", measure.value(*record.measures)) : ",";
     }
     csv += fmt::format(",{:.3f}\n", record.wall_s);
   }

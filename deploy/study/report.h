@@ -19,6 +19,9 @@ struct StudyReport {
   bool rendered = false;  // pictures had pixels; without, no bytes were sent
 };
 
+/// Without pixels no bytes were sent, which says nothing about a method.
+bool WasMeasured(const StudyReport& report, const Measure& measure);
+
 /// "SIMULATED operators: 14 synthetic people x 3 methods x 3 layouts = 126 episodes, ...".
 std::string Headline(const StudyReport& report);
 
@@ -27,11 +30,11 @@ std::vector<statistics::ReportSection> StudySections(const StudyReport& report);
 
 std::string StudyText(const StudyReport& report);
 
-/// A line per episode, design and measures; measures of a failed one are empty.
+/// A line per episode, design and measures; what was not measured is empty.
 std::string EpisodesCsv(const StudyReport& report);
 
 /// `methods.<method>.<measure>_mean` and `_sd` (over episodes) and `_sd_subjects`; `analyses` as
-/// `conav stats --json` writes them.
+/// `conav stats --json` writes them. What was not measured is null.
 nlohmann::ordered_json StudyJson(const StudyReport& report);
 
 /// One page without any other file: the sections, and a plot and all tables of each measure.

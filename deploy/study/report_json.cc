@@ -13,11 +13,11 @@ std::string MeanKey(const std::string& key) {
   return key == "goals_reached_fraction" ? key : key + "_mean";
 }
 
-Json MethodJson(const MethodSummary& method) {
+Json MethodJson(const StudyReport& report, const MethodSummary& method) {
   Json json{{"episodes", method.episodes}, {"episodes_with_all_goals", method.all_goals}};
   for (std::size_t m = 0; m < Measures().size(); ++m) {
     const std::string key = Measures()[m].key;
-    const bool known = method.episodes > 0;
+    const bool known = method.episodes > 0 && WasMeasured(report, Measures()[m]);
     json[MeanKey(key)] = known ? Json(method.measures[m].mean) : Json();
     json[key + "_sd"] = known ? Json(method.measures[m].sd) : Json();
     json[key + "_sd_subjects"] = known ? Json(method.sd_subjects[m]) : Json();
@@ -57,11 +57,12 @@ Json StudyJson(const StudyReport& report) {
             {"goals_left", TroubleJson(summary.goals_left)},
             {"analyses", Json::object()}};
   for (const MethodSummary& method : summary.methods) {
-    json["methods"][method.method] = MethodJson(method);
+    json["methods"][method.method] = MethodJson(report, method);
   }
   for (std::size_t m = 0; m < Measures().size(); ++m) {
     const auto& analysis = summary.analyses[m].analysis;
-    json["analyses"][Measures()[m].key] = analysis ? statistics::ReportJson(*analysis) : Json();
+    const bool known = analysis && WasMeasured(report, Measures()[m]);
+    json["analyses"][Measures()[m].key] = known ? statistics::ReportJson(*analysis) : Json();
   }
   return json;
 }

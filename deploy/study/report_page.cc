@@ -44,7 +44,7 @@ std::string StudyPage(const StudyReport& report) {
   for (const auto& section : StudySections(report)) html += statistics::SectionHtml(section);
   for (std::size_t m = 0; m < Measures().size(); ++m) {
     const auto& analysis = report.summary.analyses[m].analysis;
-    if (!analysis) continue;
+    if (!analysis || !WasMeasured(report, Measures()[m])) continue;
     html += Plot(Measures()[m], *analysis) + Tables(*analysis);
   }
   html += statistics::SectionHtml(OrderSection(report.design));

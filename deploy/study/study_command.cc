@@ -119,6 +119,7 @@ Result<void> WriteReports(const StudyReport& report, const StudyFolder& folder,
                      .and_then([&] { return folder.Write("report.html", StudyPage(report)); })
                      .and_then([&] { return folder.Write("results.json", JsonText(json)); });
   for (std::size_t m = 0; written && m < Measures().size(); ++m) {
+    if (!WasMeasured(report, Measures()[m])) continue;
     written =
         folder.Write(std::filesystem::path("measures") / fmt::format("{}.csv", Measures()[m].key),
                      report.summary.analyses[m].csv);

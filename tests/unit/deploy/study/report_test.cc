@@ -52,6 +52,9 @@ TEST_CASE("Bytes that nobody rendered are not told", "[study][report]") {
   CHECK_THAT(StudyText(blind),
              Catch::Contains("--camera none renders nothing") && !Catch::Contains("sent_mib"));
   CHECK_THAT(StudyText(study.report), Catch::Contains("sent_mib"));
+  CHECK(StudyJson(blind)["methods"]["teleop"]["sent_mib_mean"].is_null());
+  CHECK(StudyJson(blind)["analyses"]["sent_mib"].is_null());
+  CHECK_THAT(EpisodesCsv(blind), Catch::Contains(",complete,1,70.3125,,400,"));
 }
 
 TEST_CASE("JSON holds every figure of every method by name", "[study][report]") {
