@@ -30,6 +30,11 @@ std::string KilledLine(const std::string& process) {
   return process + " did not stop when asked and was killed";
 }
 
+/// Among several of a service they are called "planner-1", "sim-w2".
+bool IsOf(const std::string& service, const Process& process) {
+  return process.name() == service || process.name().starts_with(service + "-");
+}
+
 bool StandsStill(const RobotRecord& robot) {
   return !robot.state || robot.state->command_outcome != CommandOutcome::kRunning;
 }
@@ -46,7 +51,8 @@ Demo::Demo(const DemoOptions& options, std::filesystem::path program_folder, con
       place_(kept ? JoinKeptDomain(options, *std::move(kept), episode_)
                   : JoinFreeDomain(options, episode_)),
       run_(options.out, std::chrono::system_clock::now(), options.seed),
-      progress_(progress) {
+      progress_(progress),
+      planners_(options.planners > 1) {
   outcome_.dds = options.dds.empty() ? place_.participant->vendor() : options.dds;
   outcome_.domain = place_.lease.domain();
   outcome_.run_folder = run_.path().string();
@@ -60,7 +66,7 @@ DemoResult Demo::Run(const StopToken& stop) {
   start_ = clock_.Now();
   Follow(stop);
   outcome_.wall_s = ElapsedSeconds();
-  if (outcome_.reason != EndReason::kAllGoalsReached) StopPlanner();
+  if (outcome_.reason != EndReason::kAllGoalsReached) StopPlanners();
   TakeLastNews();
   progress_.Finish(episode_);
   progress_.Say(OutcomeLine(outcome_));
@@ -91,6 +97,7 @@ void Demo::Follow(const StopToken& stop) {
     place_.participant->Wait(kPeriod);
     place_.recorder->Take();
     progress_.Show(episode_);
+    TellWhoDrives();
     if (SomethingDied()) return;
     if (episode_.finished()) {
       outcome_.reason = EndReason::kAllGoalsReached;
@@ -112,14 +119,7 @@ bool Demo::SomethingDied() {
   for (const Process* process : processes_.TakeEnded()) {
     const std::string what = fmt::format("{} (pid {}) died: {}", process->name(), process->pid(),
                                          process->end()->Describe());
-    if (process->name().starts_with("nhpm")) {
-      const auto last = LastLines(process->log(), 1);
-      progress_.Say(last.empty() ? what : what + "; its log ends: " + last.front());
-      progress_.Say(ReplicasLeft() > 0
-                        ? fmt::format("nhpm processes that go on answering: {}", ReplicasLeft())
-                        : "the planner goes on with its own perception model");
-      continue;
-    }
+    if (CanDoWithout(*process, what)) continue;
     progress_.Say(what + "; the end of its log:");
     for (const std::string& line : LastLines(process->log(), kLogLines)) {
       progress_.Say("  | " + line);
@@ -132,13 +132,38 @@ bool Demo::SomethingDied() {
   return fatal;
 }
 
-int Demo::ReplicasLeft() const {
-  return processes_.CountRunning(
-      [](const Process& process) { return process.name().starts_with("nhpm"); });
+bool Demo::CanDoWithout(const Process& process, const std::string& what) {
+  const bool is_nhpm = IsOf("nhpm", process);
+  const int planners_left = IsOf("planner", process) ? CountRunning("planner") : 0;
+  if (!is_nhpm && planners_left == 0) return false;
+  const auto last = LastLines(process.log(), 1);
+  progress_.Say(last.empty() ? what : what + "; its log ends: " + last.front());
+  if (planners_left > 0) {
+    progress_.Say(fmt::format("planners that take its robots over: {}", planners_left));
+  } else if (const int replicas_left = CountRunning("nhpm"); replicas_left > 0) {
+    progress_.Say(fmt::format("nhpm processes that go on answering: {}", replicas_left));
+  } else {
+    progress_.Say("the planner goes on with its own perception model");
+  }
+  return true;
 }
 
-void Demo::StopPlanner() {
-  if (!processes_.Stop("planner", kGrace)) progress_.Say(KilledLine("planner"));
+int Demo::CountRunning(const std::string& service) const {
+  return processes_.CountRunning([&](const Process& process) { return IsOf(service, process); });
+}
+
+void Demo::TellWhoDrives() {
+  for (const PlannerLease& lease : place_.recorder->TakeLeases()) {
+    const std::string line = planners_.Fold(lease);
+    if (!line.empty()) progress_.Say(line);
+  }
+}
+
+void Demo::StopPlanners() {
+  for (const std::string& name :
+       processes_.Stop(kGrace, [](const Process& process) { return IsOf("planner", process); })) {
+    progress_.Say(KilledLine(name));
+  }
 }
 
 void Demo::TellWhereRobotsStand() {

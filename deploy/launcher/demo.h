@@ -12,6 +12,7 @@
 #include "launcher/episode.h"
 #include "launcher/metrics.h"
 #include "launcher/outcome.h"
+#include "launcher/planner_watch.h"
 #include "launcher/process_group.h"
 #include "launcher/progress.h"
 #include "launcher/run_folder.h"
@@ -54,9 +55,13 @@ class Demo {
   void Follow(const StopToken& stop);
   /// Sets outcome_ when one died that the run cannot do without.
   bool SomethingDied();
-  int ReplicasLeft() const;
+  /// Processes of that service that run.
+  int CountRunning(const std::string& service) const;
+  /// Whether the run goes on without a process that died as `what` tells; says so.
+  bool CanDoWithout(const Process& process, const std::string& what);
+  void TellWhoDrives();
   /// So that nobody commands the robots any more.
-  void StopPlanner();
+  void StopPlanners();
   /// Listens until it is quiet and, after a death, until the robots stand.
   void TakeLastNews();
   void TellWhereRobotsStand();
@@ -71,6 +76,7 @@ class Demo {
   BusPlace place_;
   RunFolder run_;
   Progress& progress_;
+  PlannerWatch planners_;
   Outcome outcome_;
   std::string died_service_;  // that ended the run; "sim" also among several worlds
   ProcessGroup processes_;

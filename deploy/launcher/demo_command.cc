@@ -12,7 +12,7 @@ namespace conav::launcher {
 namespace {
 
 constexpr const char* kFooter = R"(
-Starts conav-sim (one per world), conav-nhpm (or several, or none), conav-operator, conav-planner and conav-simulated-operator,
+Starts conav-sim (one per world), conav-nhpm (or several, or none), conav-operator, conav-planner (or several) and conav-simulated-operator,
 follows them until every robot has reached its goals, and leaves runs/<time>-seed<S>/ with the effective
 configuration, logs, metrics.json, episode.svg (truth, the operator's map before and after, trajectories,
 pictures) and segments.pb.zst (how the operator edited after each picture; ./conav dataset describe).
@@ -23,6 +23,7 @@ Examples:
   conav demo                                   one robot, at a speed that can be watched
   conav demo --headless --seed 7 --json r.json as fast as commanded, result as JSON
   conav demo --robots 4 --dds mixed            four robots in one maze, both DDS vendors
+  conav demo --robots 8 --planners 2           eight robots shared by two planner processes
   conav demo --run-with sim="nice -n 10"       a command put before a service's own)";
 
 void AddRunOptions(CLI::App& app, DemoOptions& options) {
@@ -58,6 +59,9 @@ void AddRunOptions(CLI::App& app, DemoOptions& options) {
   app.add_option("--person-weights", options.person_weights,
                  "Folder of weights of single operators, as conav train --adapt makes them");
   app.add_option("--nhpm-replicas", options.nhpm_replicas, "Processes conav-nhpm")
+      ->capture_default_str();
+  app.add_option("--planners", options.planners,
+                 "Processes conav-planner, which share the robots; one may die or be added")
       ->capture_default_str();
   app.add_option("--x-source", options.x_source,
                  "What the planner takes for the operator's map: observed, the published one, or "

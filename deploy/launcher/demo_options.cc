@@ -129,6 +129,13 @@ Result<void> ValidateUses(const DemoOptions& options) {
                 fmt::format("--nhpm-replicas {}: with --perception embedded nobody asks them",
                             options.nhpm_replicas));
   }
+  if (options.planners > 1 && options.x_source == "estimated") {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("--planners {}: with --x-source estimated each would guess from its own "
+                    "robots' pictures only",
+                    options.planners));
+  }
   return ValidatePerson(options);
 }
 
@@ -138,6 +145,7 @@ Result<void> ValidateNumbers(const DemoOptions& options) {
   if (auto ok = RequireRange("--nhpm-replicas", options.nhpm_replicas, 1, kMaxReplicas); !ok) {
     return ok;
   }
+  if (auto ok = RequireRange("--planners", options.planners, 1, kMaxPlanners); !ok) return ok;
   if (auto ok = RequireRange("--speed", options.effective_speed(), 0, 1000); !ok) return ok;
   if (auto ok = RequireRange("--rotation", options.rotation_deg, 0, 270); !ok) return ok;
   if (auto ok = RequireRange("--domain", options.domain.value_or(0), 0, 232); !ok) return ok;

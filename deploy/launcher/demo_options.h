@@ -18,6 +18,7 @@ inline constexpr const char* kServices[] = {"sim", "nhpm", "operator", "planner"
 inline constexpr int kMaxRobots = 64;
 inline constexpr int kMaxWorlds = 16;
 inline constexpr int kMaxReplicas = 8;
+inline constexpr int kMaxPlanners = 16;
 
 /// What `conav demo` was asked for.
 struct DemoOptions {
@@ -54,6 +55,7 @@ struct DemoOptions {
   std::string person;                    // whose edits are predicted; empty = everybody's
   std::filesystem::path person_weights;  // folder with <person>.nhpm
   int nhpm_replicas = 1;
+  int planners = 1;
   std::string x_source = "observed";  // or "estimated"
   std::filesystem::path out = "runs";
 

@@ -21,6 +21,10 @@ std::string AbsoluteText(const std::filesystem::path& file) {
   return file.empty() ? "" : std::filesystem::absolute(file).string();
 }
 
+std::string OtherVendor(const std::string& vendor) {
+  return vendor == "fastdds" ? "cyclonedds" : "fastdds";
+}
+
 /// What the planning of each process needs to know.
 struct Setting {
   const DemoOptions& options;
@@ -29,8 +33,11 @@ struct Setting {
   const RunFolder& run;
   std::map<std::string, std::string> vendors;
 
-  bus::ParticipantOptions Bus(const std::string& service) const {
-    return BusOptions(options, domain, vendors.at(service));
+  /// With --dds mixed every second process of a service gets the other vendor.
+  bus::ParticipantOptions Bus(const std::string& service, int number = 1) const {
+    const std::string& vendor = vendors.at(service);
+    const bool other = options.dds == "mixed" && number % 2 == 0;
+    return BusOptions(options, domain, other ? OtherVendor(vendor) : vendor);
   }
   /// Written out, so that the configuration means the same wherever it is used again.
   std::string Weights() const {
@@ -113,9 +120,11 @@ std::string SimulatedOperatorYaml(const Setting& setting) {
   return DumpConfig("simulated_operator", config);
 }
 
-std::string PlannerYaml(const Setting& setting) {
+std::string PlannerYaml(const Setting& setting, const std::string& name, int number) {
   planner::PlannerConfig config;
-  config.bus = setting.Bus("planner");
+  config.bus = setting.Bus("planner", number);
+  config.name = name;
+  config.lease.planners = setting.options.planners;
   config.robots = setting.WorldsAndRobots();
   config.method = setting.options.method;
   config.seed = setting.options.seed;
@@ -142,7 +151,10 @@ std::vector<PlannedProcess> PlanDemo(const DemoOptions& options, int domain, con
     processes.push_back({name, "nhpm", NhpmYaml(setting, name)});
   }
   processes.push_back({"operator", "operator", OperatorYaml(setting)});
-  processes.push_back({"planner", "planner", PlannerYaml(setting)});
+  for (int number = 1; number <= options.planners; ++number) {
+    const std::string name = options.planners == 1 ? "planner" : fmt::format("planner-{}", number);
+    processes.push_back({name, "planner", PlannerYaml(setting, name, number)});
+  }
   processes.push_back({"simulated-operator", "simulated-operator", SimulatedOperatorYaml(setting)});
   return processes;
 }

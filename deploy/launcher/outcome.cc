@@ -47,6 +47,7 @@ nlohmann::ordered_json OutcomeJson(const DemoOptions& options, const Outcome& ou
                               {"person", options.person},
                               {"person_weights", options.person_weights.string()},
                               {"nhpm_replicas", options.nhpm_processes()},
+                              {"planners", options.planners},
                               {"x_source", options.x_source},
                               {"dds", outcome.dds},
                               {"worlds", options.worlds},

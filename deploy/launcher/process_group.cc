@@ -42,10 +42,6 @@ std::vector<std::string> ProcessGroup::StopAll(std::chrono::milliseconds grace) 
   return Stop(grace, [](const Process&) { return true; });
 }
 
-bool ProcessGroup::Stop(const std::string& name, std::chrono::milliseconds grace) {
-  return Stop(grace, [&](const Process& process) { return process.name() == name; }).empty();
-}
-
 std::vector<std::string> ProcessGroup::Stop(std::chrono::milliseconds grace,
                                             const std::function<bool(const Process&)>& meant) {
   std::vector<Process*> running;

@@ -29,13 +29,11 @@ class ProcessGroup {
   /// SIGTERM to all, SIGKILL to those that still run after `grace`. Returns the names of the
   /// killed.
   std::vector<std::string> StopAll(std::chrono::milliseconds grace);
-  /// The same for the process of that name; false when it was killed.
-  bool Stop(const std::string& name, std::chrono::milliseconds grace);
-
- private:
+  /// The same for those that `meant` picks.
   std::vector<std::string> Stop(std::chrono::milliseconds grace,
                                 const std::function<bool(const Process&)>& meant);
 
+ private:
   std::vector<std::unique_ptr<Process>> processes_;
   std::vector<const Process*> reported_;
 };

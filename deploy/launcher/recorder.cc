@@ -59,7 +59,8 @@ bool Recorder::WorldTopics::Take() {
   return TakeMap(initial_maps, record.initial_map) || news;
 }
 
-Recorder::Recorder(bus::Participant& participant, Episode& episode) {
+Recorder::Recorder(bus::Participant& participant, Episode& episode)
+    : leases_(participant, bus::kPlannerLease) {
   for (RobotRecord& robot : episode.robots) robots_.emplace_back(participant, robot);
   for (WorldRecord& world : episode.worlds) worlds_.emplace_back(participant, world);
 }
@@ -70,6 +71,8 @@ bool Recorder::Take() {
   for (WorldTopics& world : worlds_) news = world.Take() || news;
   return news;
 }
+
+std::vector<PlannerLease> Recorder::TakeLeases() { return leases_.TakeValid(kConvert); }
 
 std::string Recorder::published_robot() const {
   for (const RobotTopics& robot : robots_) {

@@ -2,9 +2,11 @@
 
 #include <list>
 #include <string>
+#include <vector>
 
 #include "common/bus/participant.h"
 #include "common/bus/subscriber.h"
+#include "common/protocol/planner_lease.h"
 #include "launcher/episode.h"
 
 namespace conav::launcher {
@@ -23,6 +25,9 @@ class Recorder {
 
   /// The first of the robots that somebody publishes the state of; empty when none.
   std::string published_robot() const;
+
+  /// What planner processes announced since the last call.
+  std::vector<PlannerLease> TakeLeases();
 
  private:
   struct RobotTopics {
@@ -45,6 +50,7 @@ class Recorder {
     bus::Subscriber<nav_msgs::msg::OccupancyGrid> initial_maps;
   };
 
+  bus::Subscriber<conav_msgs::msg::PlannerLease> leases_;
   std::list<RobotTopics> robots_;
   std::list<WorldTopics> worlds_;
 };

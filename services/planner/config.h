@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -12,11 +13,38 @@
 
 namespace conav::planner {
 
+inline bool IsNodeName(std::string name) {
+  std::replace(name.begin(), name.end(), '-', '_');
+  return IsEntityName(name);
+}
+
+/// How planner processes share the robots that more than one of them has in its list
+/// (lease/lease_desk.h). Wall time.
+struct LeaseConfig {
+  double period_s = 0.25;  // between announcements
+  /// A process that is silent for longer is gone, and the others take its robots over.
+  double timeout_s = 2.0;
+  /// Processes that are waited for at the start, at most timeout_s, so that robots need not change
+  /// hands at once; more or fewer may come.
+  int planners = 1;
+
+  void Visit(ConfigReader& reader) {
+    reader.Field("period_s", period_s, 0.02, 60.0);
+    reader.Field("timeout_s", timeout_s, 0.1, 600.0);
+    if (timeout_s < 2.0 * period_s) reader.Refuse("timeout_s", "is below two periods");
+    reader.Field("planners", planners, 1, 64);
+  }
+};
+
 /// Section `planner:` of a config file.
 struct PlannerConfig {
   bus::ParticipantOptions bus;
-  /// "world/robot" of every robot that this planner drives.
+  /// Node name; give each process its own.
+  std::string name = "planner";
+  /// "world/robot" of every robot that this planner may drive; with other processes that list it,
+  /// too, it shares it by `lease`.
   std::vector<std::string> robots{"w1/r1"};
+  LeaseConfig lease;
   /// "ig-mcts", "instruction" or "teleop".
   std::string method = "ig-mcts";
   std::uint64_t seed = 1;
@@ -47,7 +75,10 @@ struct PlannerConfig {
 
   void Visit(ConfigReader& reader) {
     reader.Section("bus", bus);
+    reader.Field("name", name);
+    if (!IsNodeName(name)) reader.Refuse("name", "is not 1 to 64 of A-Z a-z 0-9 _ -");
     reader.Field("robots", robots);
+    reader.Section("lease", lease);
     reader.Choice("method", method, {"ig-mcts", "instruction", "teleop"});
     reader.Field("seed", seed);
     reader.Section("search", search);

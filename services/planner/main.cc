@@ -8,5 +8,5 @@ int main(int argc, char** argv) {
       "Drives robots by IG-MCTS, instruction following or teleoperation: listens to each robot's "
       "state and map\n"
       "and to the operator's map and guidance, and sends commands.",
-      argc, argv);
+      argc, argv, [](const conav::planner::PlannerConfig& config) { return config.name; });
 }

@@ -29,6 +29,7 @@ struct PlannerService::Link {
         report(participant, bus::kSearchReport, name),
         plan(participant, bus::kPlan, name),
         attention(participant, bus::kAttention, name),
+        attentions(participant, bus::kAttention, name),
         state(participant, bus::kRobotState, name),
         map(participant, bus::kRobotMap, name),
         guidance(participant, bus::kGuidance, name),
@@ -40,6 +41,7 @@ struct PlannerService::Link {
   bus::Publisher<conav_msgs::msg::SearchReport> report;
   bus::Publisher<nav_msgs::msg::Path> plan;
   bus::Publisher<conav_msgs::msg::AttentionRequest> attention;
+  bus::Subscriber<conav_msgs::msg::AttentionRequest> attentions;  // of any planner
   bus::Subscriber<conav_msgs::msg::RobotState> state;
   bus::Subscriber<nav_msgs::msg::OccupancyGrid> map;
   bus::Subscriber<conav_msgs::msg::Guidance> guidance;
@@ -53,6 +55,7 @@ PlannerService::PlannerService(bus::Participant& participant, const PlannerConfi
       config_(config),
       board_(WorldOfRobot("planner", config.robots)),
       perception_(participant, config, clock),
+      leases_(participant, config, WorldOfRobot("planner", config.robots), board_, clock),
       diagnostics_(participant, clock) {
   std::map<std::string, PerceptionOfWorld> worlds;
   for (const auto& [robot, world] : WorldOfRobot("planner", config.robots)) {
@@ -91,7 +94,11 @@ RobotWorker::Outputs PlannerService::OutputsOf(Link& link) {
   return {
       .command =
           [&link](const RobotCommand& command) { bus::Send(link.command, ToMessage(command)); },
-      .report = [&link](const SearchReport& report) { bus::Send(link.report, ToMessage(report)); },
+      .report =
+          [this, &link](const SearchReport& report) {
+            leases_.CountDecision(report.duration_ms);
+            bus::Send(link.report, ToMessage(report));
+          },
       .attention =
           [&link](const AttentionRequest& request) {
             bus::Send(link.attention, ToMessage(request));
@@ -101,6 +108,7 @@ RobotWorker::Outputs PlannerService::OutputsOf(Link& link) {
             const GridGeometry geometry{map.cells.rows(), map.cells.columns(), map.cell_size_m};
             bus::Send(link.plan, ToPathMessage(state.stamp, way, geometry));
           },
+      .wants = [this](const RobotWay& way) { leases_.PublishWay(way); },
   };
 }
 
@@ -115,6 +123,8 @@ void PlannerService::Run(const StopToken& stop) {
     diagnostics_.Tick([this] { return Report(); });
   }
   board_.Touch();
+  threads.clear();
+  leases_.Leave();
 }
 
 void PlannerService::Receive() {
@@ -140,11 +150,17 @@ void PlannerService::Receive() {
     for (MapUpdate& value : link->map.TakeValid(Convert<nav_msgs::msg::OccupancyGrid>)) {
       board_.PutMap(link->robot, std::move(value));
     }
+    for (const AttentionRequest& value :
+         link->attentions.TakeValid(Convert<conav_msgs::msg::AttentionRequest>)) {
+      board_.HeardAttention(link->robot, value.sequence_number);
+    }
     for (const Position& value :
          link->goal_pose.TakeValid(Convert<geometry_msgs::msg::PoseStamped>)) {
       board_.PutGoalPose(link->robot, value);
     }
   }
+  for (const RobotState& state : states) leases_.Hear(state);
+  leases_.Turn();
   for (RobotState& state : states) board_.Put(std::move(state));
 }
 
@@ -155,11 +171,13 @@ Health PlannerService::Report() const {
     if (!inputs.state) health.level = Health::Level::kWarning;
     health.values.emplace_back(
         link->robot, inputs.state
-                         ? fmt::format("at {}, {} goals left, waits for {}", inputs.state->cell,
-                                       inputs.state->goals_left.size(), board_.HoldOf(link->robot))
+                         ? fmt::format("at {}, {} goals left, {}, waits for {}", inputs.state->cell,
+                                       inputs.state->goals_left.size(),
+                                       leases_.Describe(link->robot), board_.HoldOf(link->robot))
                          : "not heard of yet");
   }
-  health.message = fmt::format("{} robots, method {}", links_.size(), config_.method);
+  health.message = fmt::format("{} of {} robots, {} planners, method {}", leases_.held(),
+                               links_.size(), leases_.live_planners(), config_.method);
   return health;
 }
 

@@ -14,10 +14,12 @@
 #include "planner/decision/blackboard.h"
 #include "planner/decision/robot_worker.h"
 #include "planner/perception_setup.h"
+#include "planner/robot_leases.h"
 
 namespace conav::planner {
 
-/// Drives its robots: one worker thread per robot decides, one thread receives.
+/// Drives its robots: one worker thread per robot decides, one thread receives. Robots that other
+/// planner processes list, too, are shared with them (robot_leases.h).
 ///
 /// Publishes nothing before the first state of a robot, its map and its world's belief arrived;
 /// then command, search report and plan per decision, and an attention request where a method needs
@@ -47,6 +49,7 @@ class PlannerService {
   PlannerConfig config_;
   Blackboard board_;
   PerceptionSetup perception_;
+  RobotLeases leases_;
   std::vector<std::unique_ptr<Link>> links_;
   std::vector<std::unique_ptr<bus::Subscriber<conav_msgs::msg::BeliefMap>>> beliefs_;
   Diagnostics diagnostics_;

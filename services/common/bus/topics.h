@@ -42,6 +42,7 @@ inline constexpr Topic<geometry_msgs::msg::PoseStamped> kGoalPose{"/{}/goal_pose
 inline constexpr Topic<nav_msgs::msg::Path> kPlan{"/{}/plan", kLatchedQos};
 inline constexpr Topic<conav_msgs::msg::SearchReport> kSearchReport{"/{}/search", kEventQos};
 inline constexpr Topic<conav_msgs::msg::AttentionRequest> kAttention{"/{}/attention", kEventQos};
+inline constexpr Topic<conav_msgs::msg::RobotWay> kRobotWay{"/{}/way", kLatchedQos};
 
 // per world
 inline constexpr Topic<conav_msgs::msg::BeliefMap> kBelief{"/{}/belief", kLatchedQos};
@@ -55,6 +56,8 @@ inline constexpr Topic<conav_msgs::msg::OperatorRequest> kOperatorRequest{"/cona
                                                                           kRequestQos};
 inline constexpr Topic<conav_msgs::msg::OperatorReply> kOperatorReply{"/conav/operator/reply",
                                                                       kRequestQos};
+inline constexpr Topic<conav_msgs::msg::PlannerLease> kPlannerLease{"/conav/planner/lease",
+                                                                    kEventQos};
 inline constexpr Topic<conav_msgs::msg::PerceptionRequest> kPerceptionRequest{
     "/conav/perception/request", kQueryQos};
 inline constexpr Topic<conav_msgs::msg::PerceptionReply> kPerceptionReply{"/conav/perception/reply",

@@ -50,6 +50,8 @@ template const TypeSupport& TypeSupportOf<conav_msgs::msg::OperatorRequest>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::OperatorReply>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::AttentionRequest>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::SearchReport>();
+template const TypeSupport& TypeSupportOf<conav_msgs::msg::PlannerLease>();
+template const TypeSupport& TypeSupportOf<conav_msgs::msg::RobotWay>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::PerceptionRequest>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::PerceptionReply>();
 

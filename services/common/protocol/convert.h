@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "common/grid/camera_lens.h"
+#include "common/protocol/planner_lease.h"
 #include "common/protocol/planning.h"
 #include "common/protocol/robot.h"
 #include "common/protocol/supervision.h"
@@ -99,5 +100,12 @@ conav_msgs::msg::PerceptionRequest ToMessage(const PerceptionRequest& request);
 Result<PerceptionReply> ToDomain(const conav_msgs::msg::PerceptionReply& message, int rows,
                                  int columns);
 conav_msgs::msg::PerceptionReply ToMessage(const PerceptionReply& reply);
+
+/// A name stands once among the robots and once among those held; lease epochs are at least 1.
+Result<PlannerLease> ToDomain(const conav_msgs::msg::PlannerLease& message);
+conav_msgs::msg::PlannerLease ToMessage(const PlannerLease& lease);
+
+Result<RobotWay> ToDomain(const conav_msgs::msg::RobotWay& message);
+conav_msgs::msg::RobotWay ToMessage(const RobotWay& way);
 
 }  // namespace conav

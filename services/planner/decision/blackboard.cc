@@ -74,12 +74,14 @@ void Blackboard::PutGoalPose(const std::string& robot, Position goal) {
   }
 }
 
-void Blackboard::PutWay(const std::string& robot, std::vector<Cell> way) {
+bool Blackboard::PutWay(const std::string& robot, std::vector<Cell> way, RoomClaim room) {
   const std::lock_guard lock(mutex_);
   Entry* entry = FindLocked(robot);
-  if (entry == nullptr || entry->way == way) return;
+  if (entry == nullptr || (entry->way == way && entry->room == room)) return false;
   entry->way = std::move(way);
+  entry->room = std::move(room);
   ChangedLocked();
+  return true;
 }
 
 void Blackboard::PutHold(const std::string& robot, std::string_view hold) {
@@ -90,6 +92,38 @@ void Blackboard::PutHold(const std::string& robot, std::string_view hold) {
 std::string_view Blackboard::HoldOf(const std::string& robot) const {
   const std::lock_guard lock(mutex_);
   return robots_.at(robot).hold;
+}
+
+void Blackboard::PutLease(const std::string& robot, Lease lease) {
+  const std::lock_guard lock(mutex_);
+  if (Entry* entry = FindLocked(robot)) {
+    entry->inputs.lease = lease;
+    ChangedLocked();
+  }
+}
+
+Lease Blackboard::LeaseOf(const std::string& robot) const {
+  const std::lock_guard lock(mutex_);
+  return robots_.at(robot).inputs.lease;
+}
+
+void Blackboard::GiveUp(const std::string& robot, Lease lease) {
+  const std::lock_guard lock(mutex_);
+  Entry* entry = FindLocked(robot);
+  if (entry == nullptr || entry->inputs.lease != lease) return;
+  entry->inputs.lease = {Lease::State::kNone, 0};
+  ChangedLocked();
+}
+
+void Blackboard::HeardAttention(const std::string& robot, std::uint64_t sequence_number) {
+  const std::lock_guard lock(mutex_);
+  Entry* entry = FindLocked(robot);
+  if (entry != nullptr) entry->attentions = std::max(entry->attentions, sequence_number);
+}
+
+std::uint64_t Blackboard::NextAttention(const std::string& robot) {
+  const std::lock_guard lock(mutex_);
+  return ++robots_.at(robot).attentions;
 }
 
 void Blackboard::ResolveGoalPose(const std::string& robot, Position goal,
@@ -115,7 +149,7 @@ std::vector<Neighbour> Blackboard::NeighboursOf(const std::string& robot) const 
   for (const auto& [name, entry] : robots_) {
     if (name == robot || entry.world != world || !entry.inputs.state) continue;
     const RobotState& state = *entry.inputs.state;
-    neighbours.push_back({name, state.cell, !state.goals_left.empty(), entry.way});
+    neighbours.push_back({name, state.cell, !state.goals_left.empty(), entry.way, entry.room});
   }
   return neighbours;
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/grid/camera_lens.h"
+#include "common/protocol/planner_lease.h"
 #include "common/protocol/planning.h"
 #include "common/protocol/robot.h"
 #include "common/protocol/supervision.h"
@@ -17,8 +18,21 @@
 
 namespace conav::planner {
 
+/// Whether this planner process may command a robot.
+struct Lease {
+  enum class State {
+    kNone,       // another process drives it, or nobody yet
+    kHeld,       // this process drives it
+    kReleasing,  // to be given up when its last command has ended
+  };
+  State state = State::kHeld;
+  std::uint64_t epoch = 0;  // for its commands; 0 = one above the robot's
+  bool operator==(const Lease&) const = default;
+};
+
 /// The newest of everything that the planner has heard about one robot.
 struct RobotInputs {
+  Lease lease;  // held, where nobody shares robots
   std::optional<RobotState> state;
   std::optional<MapUpdate> map;
   std::optional<Belief> belief;       // of the robot's world
@@ -33,6 +47,7 @@ struct Neighbour {
   Cell cell;
   bool has_goals = false;
   std::vector<Cell> way;  // cells that it wants to enter next, nearest first
+  RoomClaim room;         // by which it makes room for another
 };
 
 /// Where the receiving thread leaves what it heard and the robots' workers find it.
@@ -50,9 +65,17 @@ class Blackboard {
   void PutGoalPose(const std::string& robot, Position goal);
   /// A robot's own worker tells the others which cells it wants next, and the operator's side why
   /// it does not decide. A way that changed wakes the others; a hold wakes nobody.
-  void PutWay(const std::string& robot, std::vector<Cell> way);
+  /// True when it is another one than before.
+  bool PutWay(const std::string& robot, std::vector<Cell> way, RoomClaim room = {});
   void PutHold(const std::string& robot, std::string_view hold);
   std::string_view HoldOf(const std::string& robot) const;
+  void PutLease(const std::string& robot, Lease lease);
+  Lease LeaseOf(const std::string& robot) const;
+  /// The worker sends no more commands under `lease`; nothing happens when that has changed.
+  void GiveUp(const std::string& robot, Lease lease);
+  /// Requests for attention are numbered on from the newest that any planner process sent.
+  void HeardAttention(const std::string& robot, std::uint64_t sequence_number);
+  std::uint64_t NextAttention(const std::string& robot);
   /// The worker has turned `goal` into guidance, or could not. Nothing happens when a newer goal or
   /// the operator's own path came in the meantime.
   void ResolveGoalPose(const std::string& robot, Position goal, std::optional<Guidance> guidance);
@@ -75,6 +98,8 @@ class Blackboard {
     std::string world;
     RobotInputs inputs;
     std::vector<Cell> way;
+    RoomClaim room;
+    std::uint64_t attentions = 0;
     std::string_view hold = "its state";  // a literal, of HoldName()
   };
 

@@ -4,6 +4,11 @@
 
 namespace conav::planner {
 
+void CommandDesk::Begin(std::uint64_t lease_epoch) {
+  last_ = {};
+  last_.lease_epoch = lease_epoch;
+}
+
 RobotCommand CommandDesk::Issue(const Action& action, const RobotState& state, SimTime now) {
   last_.robot = robot_;
   last_.lease_epoch = last_.lease_epoch == 0 ? state.lease_epoch + 1 : last_.lease_epoch;

@@ -17,7 +17,10 @@ class CommandDesk {
   CommandDesk(std::string robot, std::chrono::nanoseconds ttl)
       : robot_(std::move(robot)), ttl_(ttl) {}
 
-  /// The next command. Takes the lease (one epoch above the robot's) with the first one.
+  /// Begins anew under a lease; epoch 0 = one above the robot's, taken with the first command.
+  void Begin(std::uint64_t lease_epoch);
+
+  /// The next command.
   RobotCommand Issue(const Action& action, const RobotState& state, SimTime now);
 
   /// The last command with a fresh expiry, when the robot shows another sequence number.

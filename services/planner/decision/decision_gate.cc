@@ -26,8 +26,12 @@ std::string_view HoldName(Hold hold) {
       return "the first guidance";
     case Hold::kAnswer:
       return "an answer to its picture";
+    case Hold::kNoLease:
+      return "a planner that shares its robots";
     case Hold::kLeaseLost:
       return "another planner to leave it";
+    case Hold::kRelease:
+      return "another planner to take it over";
   }
   return "?";
 }
@@ -58,6 +62,7 @@ Hold DecisionGate::Want(const RobotInputs& inputs, std::uint64_t sent_sequence_n
   const bool taken_up = state.command_sequence_number == sent_sequence_number;
   if (state.command_outcome == CommandOutcome::kRunning) return Hold::kCommand;
   if (sent_sequence_number != 0 && !taken_up) return Hold::kCommand;
+  if (inputs.lease.state == Lease::State::kReleasing) return Hold::kRelease;
   if (!inputs.map || inputs.map->stamp < state.map_stamp) return Hold::kMap;
   if (options_.pictures_are_answered && !inputs.lens) return Hold::kCamera;
   if (!inputs.belief) return Hold::kBelief;

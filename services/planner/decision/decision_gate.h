@@ -21,7 +21,9 @@ enum class Hold {
   kInconsistent,   // map, state, belief and guidance do not belong together (consistency.h)
   kFirstGuidance,  // soft: the operator has not drawn a path yet
   kAnswer,         // soft: the operator has not answered the newest picture
-  kLeaseLost,      // another planner took the robot over
+  kNoLease,        // another planner process drives it, or none yet
+  kLeaseLost,      // it shows the command of another planner that took it over
+  kRelease,        // it has ended its last command and is to be given up
 };
 
 /// What the robot waits for, in words; lives for ever.

@@ -34,8 +34,10 @@ void RobotWorker::Run(const StopToken& stop) {
 }
 
 Clock::TimePoint RobotWorker::Step(const StopToken& stop) {
-  RobotInputs inputs = board_.Read(options_.robot);
   const Clock::TimePoint now = clock_.Now();
+  if (!HasLease()) return now + kIdle;
+  RobotInputs inputs = board_.Read(options_.robot);
+  AdoptLease(inputs.lease);
   const Hold hold = gate_.Check(inputs, desk_.sent_sequence_number(), desk_.lease_epoch(), now);
   if (gate_.TakeTimedOut()) {
     LOG_WARNING("operator does not answer, going on alone", "robot", options_.robot, "snapshot",
@@ -53,32 +55,73 @@ Clock::TimePoint RobotWorker::Step(const StopToken& stop) {
   const Situation situation = SituationFrom(inputs);
   // A robot that asked for a new path will hardly go on along the old one.
   const std::vector<Cell> way = waits ? std::vector<Cell>{} : method_->WayFor(situation);
-  board_.PutWay(options_.robot, way);
-  if (GiveWay(situation, way)) return now;
+  const Traffic traffic = GiveWay(situation, way);
+  if (traffic == Traffic::kStepAside) return now;
+  if (traffic == Traffic::kWait) return now + options_.wait_retry;
   if (waits) return now + kIdle;
   waiting_for_guidance_ = false;
   const auto start = std::chrono::steady_clock::now();
   Decision decision = method_->Decide(situation, stop);
   const std::chrono::duration<double, std::milli> duration =
       std::chrono::steady_clock::now() - start;
-  if (stop.stop_requested()) return now;
+  if (stop.stop_requested() || !HoldsStill(inputs.lease)) return now;
   const bool acts = decision.action.has_value();
   Publish(std::move(decision), situation, duration.count());
   return acts ? now : now + options_.wait_retry;
 }
 
-bool RobotWorker::GiveWay(const Situation& situation, const std::vector<Cell>& own_way) {
-  const auto aside = StepAside(situation, own_way);
-  if (aside) Publish(MoveAlong({*aside}), situation, 0.0);
-  return aside.has_value();
+bool RobotWorker::HasLease() {
+  if (board_.LeaseOf(options_.robot).state != Lease::State::kNone) return true;
+  hold_ = Hold::kNoLease;
+  board_.PutHold(options_.robot, HoldName(hold_));
+  return false;
+}
+
+void RobotWorker::AdoptLease(const Lease& lease) {
+  if (lease.epoch == lease_epoch_) return;
+  lease_epoch_ = lease.epoch;
+  desk_.Begin(lease.epoch);
+  waiting_for_guidance_ = false;
+}
+
+bool RobotWorker::HoldsStill(const Lease& lease) const {
+  const Lease now = board_.LeaseOf(options_.robot);
+  return now.state != Lease::State::kNone && now.epoch == lease.epoch;
+}
+
+void RobotWorker::Want(std::vector<Cell> way, RoomClaim room) {
+  const bool changed = board_.PutWay(options_.robot, way, room);
+  if (changed && outputs_.wants) {
+    outputs_.wants({options_.robot, std::move(way), std::move(room)});
+  }
+}
+
+RobotWorker::Traffic RobotWorker::GiveWay(const Situation& situation,
+                                          const std::vector<Cell>& own_way) {
+  RoomClaim room = MakeRoom(situation, own_way);
+  Want(own_way, room);
+  if (room.way.empty()) return Traffic::kGoOn;
+  const Cell next = room.way.front();
+  if (!StandsOn(situation, next)) {
+    Publish(MoveAlong({next}), situation, 0.0);
+    return Traffic::kStepAside;
+  }
+  return room.right.tier == RightOfWay::kShutIn ? Traffic::kWait : Traffic::kGoOn;
 }
 
 Clock::TimePoint RobotWorker::WaitFor(Hold hold, const RobotInputs& inputs, Clock::TimePoint now) {
+  if (hold == Hold::kRelease) {
+    board_.GiveUp(options_.robot, inputs.lease);
+    return now;
+  }
   if (hold == Hold::kCommand) RepeatCommand(inputs, now);
-  // A robot that stands for longer claims no way. (The other holds last for a moment.)
-  if (hold != Hold::kCommand && hold != Hold::kMap) board_.PutWay(options_.robot, {});
   const bool operator_is_asked = hold == Hold::kFirstGuidance || hold == Hold::kAnswer;
-  if (operator_is_asked && GiveWay(SituationFrom(inputs), {})) return now;
+  if (operator_is_asked) {
+    const Traffic traffic = GiveWay(SituationFrom(inputs), {});
+    if (traffic == Traffic::kStepAside) return now;
+  } else if (hold != Hold::kCommand && hold != Hold::kMap) {
+    Want({}, {});  // A robot that stands for longer wants no way. (These holds last for a moment.)
+  }
   return now + std::min<std::chrono::nanoseconds>(kIdle, options_.command_repeat);
 }
 
@@ -156,12 +199,14 @@ Situation RobotWorker::SituationFrom(const RobotInputs& inputs) {
 void RobotWorker::Publish(Decision decision, const Situation& situation, double duration_ms) {
   const RobotState& state = situation.state;
   if (decision.action) {
+    const RobotCommand command =
+        desk_.Issue(*decision.action, state, board_.NewestStamp(options_.robot));
     SearchReport& report = decision.report;
     report.stamp = state.stamp;
     report.world = state.world;
     report.robot = state.robot;
     report.method = options_.method_name;
-    report.decision = ++decisions_;
+    report.decision = command.sequence_number;  // goes on when another process takes over
     report.cell = state.cell;
     report.belief_revision = situation.belief.revision;
     report.guidance_revision = situation.guidance ? situation.guidance->revision : 0;
@@ -169,7 +214,7 @@ void RobotWorker::Publish(Decision decision, const Situation& situation, double 
     outputs_.report(report);
     outputs_.way(state, situation.map, decision.plan);
     command_sent_at_ = clock_.Now();
-    outputs_.command(desk_.Issue(*decision.action, state, board_.NewestStamp(options_.robot)));
+    outputs_.command(command);
   }
   if (decision.attention) Ask(decision, situation);
 }
@@ -179,7 +224,7 @@ void RobotWorker::Ask(const Decision& decision, const Situation& situation) {
   request.stamp = situation.state.stamp;
   request.world = situation.state.world;
   request.robot = situation.state.robot;
-  request.sequence_number = ++attentions_;
+  request.sequence_number = board_.NextAttention(options_.robot);
   request.reason = *decision.attention;
   request.cell = decision.attention_cell;
   request.newest_snapshot = situation.state.snapshots;

@@ -21,6 +21,10 @@ namespace conav::planner {
 /// Whatever the method: a robot in the way of one that goes before it makes room by itself
 /// (traffic.h), also while it waits for guidance or an answer.
 ///
+/// Commands only while the blackboard says that this process holds the robot (Lease), each under
+/// the epoch of that lease; a robot that is to be given up ends its last command first. What a
+/// worker remembers of a robot that others drove meanwhile does no harm: docs/many-robots.md.
+///
 /// Before the first state arrives nothing is sent. Stale input: an expired or withdrawn guidance is
 /// left out; an operator who does not answer is waited for once per picture, then the robot goes on
 /// alone (one log line). Inputs that do not belong together (consistency.h) hold the robot, with
@@ -33,6 +37,8 @@ class RobotWorker {
     std::function<void(const SearchReport&)> report;
     std::function<void(const AttentionRequest&)> attention;
     std::function<void(const RobotState&, const MapUpdate&, const std::vector<Cell>&)> way;
+    /// What it wants of other robots, when that changed, for the planners of these; may be null.
+    std::function<void(const RobotWay&)> wants = nullptr;
   };
 
   struct Options {
@@ -55,12 +61,18 @@ class RobotWorker {
   Clock::TimePoint Step(const StopToken& stop);
 
  private:
+  bool HasLease();
+  void AdoptLease(const Lease& lease);
+  /// Whether the lease that the decision was begun under still holds.
+  bool HoldsStill(const Lease& lease) const;
+  void Want(std::vector<Cell> way, RoomClaim room);
   Clock::TimePoint WaitFor(Hold hold, const RobotInputs& inputs, Clock::TimePoint now);
   /// One log line where a person should know why the robot does not decide.
   void TellHold(Hold hold, const RobotInputs& inputs) const;
   void TellOutcome(const RobotState& state);
-  /// Makes room for a robot that goes before this one, if it is in the way.
-  bool GiveWay(const Situation& situation, const std::vector<Cell>& own_way);
+  enum class Traffic { kGoOn, kStepAside, kWait };
+  /// Tells the others which way this robot wants, and makes room for one that goes before it.
+  Traffic GiveWay(const Situation& situation, const std::vector<Cell>& own_way);
   void RepeatCommand(const RobotInputs& inputs, Clock::TimePoint now);
   void AdoptGoalPose(RobotInputs& inputs);
   Situation SituationFrom(const RobotInputs& inputs);
@@ -77,8 +89,7 @@ class RobotWorker {
   Hold hold_ = Hold::kState;
   Clock::TimePoint command_sent_at_{};
   std::uint64_t told_sequence_number_ = 0;  // of the command whose outcome was looked at
-  std::uint64_t decisions_ = 0;
-  std::uint64_t attentions_ = 0;
+  std::uint64_t lease_epoch_ = 0;
   std::uint64_t newest_revision_ = 0;         // of the guidance heard, valid or not
   std::uint64_t waiting_for_other_than_ = 0;  // revision of the guidance when it asked for another
   bool waiting_for_guidance_ = false;

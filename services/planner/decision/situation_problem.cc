@@ -1,11 +1,16 @@
 #include "planner/decision/situation_problem.h"
 
+#include "planner/decision/traffic.h"
+
 namespace conav::planner {
 namespace {
 
-std::vector<Cell> CellsOf(const std::vector<Neighbour>& neighbours) {
+std::vector<Cell> TakenCells(const Situation& situation) {
   std::vector<Cell> cells;
-  for (const Neighbour& neighbour : neighbours) cells.push_back(neighbour.cell);
+  for (std::size_t i = 0; i < situation.map.cells.size(); ++i) {
+    const Cell cell = situation.map.cells.CellAt(i);
+    if (IsTaken(situation, cell)) cells.push_back(cell);
+  }
   return cells;
 }
 
@@ -22,7 +27,7 @@ std::shared_ptr<const GridViews> ViewsFor(const Situation& situation, int headin
 SituationProblem::SituationProblem(const Situation& situation, BeliefGrid belief,
                                    std::vector<SentView> withheld,
                                    std::shared_ptr<const GridViews> views)
-    : graph_(situation.map.cells, CellsOf(situation.neighbours), std::move(views), {}),
+    : graph_(situation.map.cells, TakenCells(situation), std::move(views), {}),
       belief_(std::move(belief)) {
   const auto start = graph_.VertexAt(situation.state.cell);
   if (!start) return;

@@ -7,62 +7,129 @@
 namespace conav::planner {
 namespace {
 
-/// Room is made for a robot that would come through within this many steps.
-constexpr std::size_t kLookAhead = 4;
+using Way = std::vector<Cell>;
 
-bool Contains(const std::vector<Cell>& cells, Cell cell) {
+/// Room is made for a robot that would come through within this many steps.
+constexpr std::ptrdiff_t kLookAhead = 4;
+
+bool Contains(const Way& cells, Cell cell) {
   return std::find(cells.begin(), cells.end(), cell) != cells.end();
 }
 
-bool GoesBefore(const Neighbour& other, const Situation& situation) {
-  const bool we_have_goals = !situation.state.goals_left.empty();
-  if (other.has_goals != we_have_goals) return other.has_goals;
-  return other.robot < situation.state.robot;
+RightOfWay RightOf(const std::string& robot, bool wants_a_way, bool has_goals) {
+  const auto tier = wants_a_way ? RightOfWay::kWantsAWay
+                    : has_goals ? RightOfWay::kHasGoals
+                                : RightOfWay::kHasNone;
+  return {tier, robot, 0};
 }
 
-bool OnUrgentPart(const std::vector<Cell>& way, Cell cell) {
-  const auto end = way.begin() + static_cast<std::ptrdiff_t>(std::min(kLookAhead, way.size()));
-  return std::find(way.begin(), end, cell) != end;
+RightOfWay RightOf(const Neighbour& other) {
+  return RightOf(other.robot, !other.way.empty(), other.has_goals);
 }
 
-/// Where `other`, which stands on `way`, can get off it while this robot stands on `our_cell`:
-/// through that cell if `past_us`, and not onto it. Empty when nowhere.
-std::vector<Cell> WayOff(const Situation& situation, const Neighbour& other,
-                         const std::vector<Cell>& way, Cell our_cell, bool past_us) {
+RightOfWay RightOf(const Situation& situation, const Way& own_way) {
+  return RightOf(situation.state.robot, !own_way.empty(), !situation.state.goals_left.empty());
+}
+
+/// Cells that another robot is to have before this one.
+struct Claim {
+  const Neighbour* robot;
+  const Way* way;
+  RightOfWay right;
+};
+
+/// All that go before `right`, the first first.
+std::vector<Claim> ClaimsBefore(const Situation& situation, const RightOfWay& right) {
+  std::vector<Claim> claims;
+  for (const Neighbour& other : situation.neighbours) {
+    if (!other.way.empty()) claims.push_back({&other, &other.way, RightOf(other)});
+    if (!other.room.way.empty()) claims.push_back({&other, &other.room.way, other.room.right});
+  }
+  std::erase_if(claims, [&](const Claim& claim) {
+    return !(claim.right < right) || claim.right.robot == right.robot;
+  });
+  std::stable_sort(claims.begin(), claims.end(),
+                   [](const Claim& a, const Claim& b) { return a.right < b.right; });
+  return claims;
+}
+
+/// How this robot can get out of the way of one claim.
+class Room {
+ public:
+  Room(const Situation& situation, const Claim& asked, const std::vector<Claim>& claims)
+      : situation_(situation),
+        asked_(asked),
+        claims_(claims),
+        until_here_(asked.way->begin(),
+                    std::find(asked.way->begin(), asked.way->end(), situation.state.cell)) {}
+
+  /// The asking robot is that near.
+  bool is_urgent() const { return static_cast<std::ptrdiff_t>(until_here_.size()) < kLookAhead; }
+
+  /// Beside or behind this robot; past others if there is no other.
+  Way BesideOrBehind() const {
+    Way way = Find(
+        [&](Cell cell) { return !StandsOn(situation_, cell) && !Contains(until_here_, cell); });
+    if (!way.empty()) return way;
+    return Find(
+        [&](Cell cell) { return cell != asked_.robot->cell && !Contains(until_here_, cell); });
+  }
+  /// Towards the one that asked, without passing it.
+  Way Before() const {
+    return Find([&](Cell cell) { return !StandsOn(situation_, cell); });
+  }
+  /// Past the one that asked.
+  Way Past() const {
+    return Find([](Cell) { return true; });
+  }
+
+ private:
+  template <class Passable>
+  Way Find(Passable&& passable) const {
+    const OccupancyGrid& map = situation_.map.cells;
+    const auto known_free = [&](Cell cell) {
+      return map[cell] == Occupancy::kFree && passable(cell);
+    };
+    const auto aside = [&](Cell cell) {
+      if (cell == situation_.state.cell || StandsOn(situation_, cell)) return false;
+      return std::none_of(claims_.begin(), claims_.end(),
+                          [&](const Claim& claim) { return Contains(*claim.way, cell); });
+    };
+    return WayToNearest(map, situation_.state.cell, known_free, aside);
+  }
+
+  const Situation& situation_;
+  const Claim& asked_;
+  const std::vector<Claim>& claims_;
+  Way until_here_;  // of the way of the one that asked
+};
+
+/// Whether `other`, which stands on `way`, finds no way off it once this robot is on `our_cell`.
+bool WouldBeShutIn(const Situation& situation, const Neighbour& other, const Way& way,
+                   Cell our_cell) {
   const OccupancyGrid& map = situation.map.cells;
   const auto passable = [&](Cell cell) {
-    if (cell == our_cell) return past_us;
-    return map[cell] != Occupancy::kOccupied && !IsTaken(situation, cell);
+    return cell != our_cell && map[cell] != Occupancy::kOccupied && !StandsOn(situation, cell);
   };
   const auto off = [&](Cell cell) { return cell != our_cell && !Contains(way, cell); };
-  return WayToNearest(map, other.cell, passable, off);
-}
-
-/// Out of the way of a robot that has to make room but cannot, because this one shuts it in.
-std::optional<Cell> BackOff(const Situation& situation, const std::vector<Cell>& own_way) {
-  if (own_way.empty()) return std::nullopt;
-  const OccupancyGrid& map = situation.map.cells;
-  const Cell here = situation.state.cell;
-  for (const Neighbour& other : situation.neighbours) {
-    if (other.cell != own_way.front() || GoesBefore(other, situation)) continue;
-    if (!WayOff(situation, other, own_way, here, false).empty()) continue;
-    const std::vector<Cell> escape = WayOff(situation, other, own_way, here, true);
-    if (escape.empty()) continue;
-    const auto passable = [&](Cell cell) {
-      return map[cell] == Occupancy::kFree && !IsTaken(situation, cell);
-    };
-    const auto off = [&](Cell cell) { return cell != here && !Contains(escape, cell); };
-    const std::vector<Cell> retreat = WayToNearest(map, here, passable, off);
-    if (!retreat.empty()) return retreat.front();
-  }
-  return std::nullopt;
+  return WayToNearest(map, other.cell, passable, off).empty();
 }
 
 }  // namespace
 
-bool IsTaken(const Situation& situation, Cell cell) {
+bool StandsOn(const Situation& situation, Cell cell) {
   return std::any_of(situation.neighbours.begin(), situation.neighbours.end(),
                      [&](const Neighbour& other) { return other.cell == cell; });
+}
+
+bool IsTaken(const Situation& situation, Cell cell) {
+  const auto needs = [&](const Neighbour& other) {
+    const RightOfWay& right = other.room.right;
+    return right.tier == RightOfWay::kShutIn && right.robot != situation.state.robot &&
+           Contains(other.room.way, cell);
+  };
+  return StandsOn(situation, cell) ||
+         std::any_of(situation.neighbours.begin(), situation.neighbours.end(), needs);
 }
 
 std::vector<Cell> DesiredWay(const Situation& situation) {
@@ -72,24 +139,20 @@ std::vector<Cell> DesiredWay(const Situation& situation) {
   return WayToNearest(map, situation.state.cell, may_be_free, is_goal);
 }
 
-std::optional<Cell> StepAside(const Situation& situation, const std::vector<Cell>& own_way) {
-  std::vector<Cell> reserved;  // ways of the robots that go before
-  bool in_the_way = false;
-  for (const Neighbour& other : situation.neighbours) {
-    if (!GoesBefore(other, situation)) continue;
-    reserved.insert(reserved.end(), other.way.begin(), other.way.end());
-    in_the_way = in_the_way || OnUrgentPart(other.way, situation.state.cell);
+RoomClaim MakeRoom(const Situation& situation, const std::vector<Cell>& own_way) {
+  const auto claims = ClaimsBefore(situation, RightOf(situation, own_way));
+  const auto asked = std::find_if(claims.begin(), claims.end(), [&](const Claim& claim) {
+    return Contains(*claim.way, situation.state.cell);
+  });
+  if (asked == claims.end()) return {};
+  const Room room(situation, *asked, claims);
+  RightOfWay handed_on = asked->right;
+  ++handed_on.passed_on;
+  if (Way way = room.BesideOrBehind(); !way.empty()) {
+    return room.is_urgent() ? RoomClaim{std::move(way), std::move(handed_on)} : RoomClaim{};
   }
-  if (!in_the_way) return BackOff(situation, own_way);
-  const OccupancyGrid& map = situation.map.cells;
-  const auto known_free = [&](Cell cell) { return map[cell] == Occupancy::kFree; };
-  const auto free_now = [&](Cell cell) { return known_free(cell) && !IsTaken(situation, cell); };
-  const auto aside = [&](Cell cell) { return !Contains(reserved, cell); };
-  std::vector<Cell> way = WayToNearest(map, situation.state.cell, free_now, aside);
-  // Shut in: after the robot that backs off.
-  if (way.empty()) way = WayToNearest(map, situation.state.cell, known_free, aside);
-  if (way.empty() || IsTaken(situation, way.front())) return std::nullopt;
-  return way.front();
+  if (asked->right.tier == RightOfWay::kShutIn) return {room.Before(), std::move(handed_on)};
+  return {room.Past(), {RightOfWay::kShutIn, situation.state.robot, 0}};
 }
 
 std::optional<Cell> StepAnywhere(const Situation& situation, Random& random) {
@@ -108,10 +171,12 @@ std::optional<Cell> StepAnywhere(const Situation& situation, Random& random) {
 
 const Neighbour* WaitsFor(const Situation& situation, const std::vector<Cell>& way) {
   if (way.empty()) return nullptr;
+  const RightOfWay ours = RightOf(situation, way);
+  const auto end = way.begin() + std::min(kLookAhead, std::ssize(way));
   for (const Neighbour& other : situation.neighbours) {
-    if (GoesBefore(other, situation) || !OnUrgentPart(way, other.cell)) continue;
+    if (RightOf(other) < ours || std::find(way.begin(), end, other.cell) == end) continue;
     if (other.cell == way.front()) return &other;
-    if (WayOff(situation, other, way, way.front(), false).empty()) return &other;
+    if (WouldBeShutIn(situation, other, way, way.front())) return &other;
   }
   return nullptr;
 }

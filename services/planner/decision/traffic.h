@@ -9,15 +9,28 @@
 
 namespace conav::planner {
 
-/// Several robots in corridors one cell wide, each decided for by itself. The right of way: a robot
-/// with goals left goes before one without, then names in order. Whoever stands on the way of a
-/// robot that goes before it makes room; whoever goes before waits a moment for that, and looks for
-/// another way if nothing happens.
+/// Several robots in corridors one cell wide, each decided for by itself, perhaps in several
+/// processes. What they tell each other is the way that each wants and the cells by which each makes
+/// room (RobotWay).
+///
+/// The right of way (RightOfWay): a robot that wants a way goes before one that waits, that before
+/// one without goals; then names in order. Whoever stands on the way of a robot that goes before it
+/// makes room beside or behind itself, and asks robots that stand there to make room in turn, with
+/// the right that it was asked with. Where there is none (a dead end), it is shut in: now it goes
+/// before all others on a way past the one that it has to let pass, and that one backs off, as far
+/// as it takes. Whoever goes before waits a moment for others to make room, and looks for another
+/// way if nothing happens.
+///
+/// The idea of handing priority on is that of PIBT (Okumura, Machida, Defago, Tamura: "Priority
+/// Inheritance with Backtracking for Iterative Multi-agent Path Finding", IJCAI 2019); letting the
+/// one out that cannot get aside is added here, because mazes have dead ends.
 
 /// Wall time for which a robot waits for another one to make room, before it tries something else.
 inline constexpr std::chrono::milliseconds kPatience{500};
 
 /// Whether another robot stands on `cell`.
+bool StandsOn(const Situation& situation, Cell cell);
+/// The same, or another robot that is shut in needs it: not to be entered.
 bool IsTaken(const Situation& situation, Cell cell);
 
 /// Cells that the robot would enter next if no other robot were there: the shortest way over what
@@ -25,11 +38,10 @@ bool IsTaken(const Situation& situation, Cell cell);
 /// make room.
 std::vector<Cell> DesiredWay(const Situation& situation);
 
-/// The step that makes room: towards the nearest known free cell that is on no way of a robot that
-/// goes before this one, if this robot stands within the next few cells of such a way. Otherwise, if
-/// a robot on the first cell of `own_way` would have to make room and this one shuts it in, a step
-/// back out of its dead end. Nothing when there is no need, or no room.
-std::optional<Cell> StepAside(const Situation& situation, const std::vector<Cell>& own_way);
+/// The known free cells by which this robot makes room, up to the nearest one that nobody wants who
+/// goes before it. Empty when it is within the next few cells of nobody's way, and when there is no
+/// room. `own_way`: what it wants itself.
+RoomClaim MakeRoom(const Situation& situation, const std::vector<Cell>& own_way);
 
 /// A free neighbour cell drawn at random: the last resort of robots that wait for each other.
 std::optional<Cell> StepAnywhere(const Situation& situation, Random& random);

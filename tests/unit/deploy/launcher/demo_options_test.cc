@@ -115,6 +115,9 @@ TEST_CASE("numbers beyond their limits are refused", "[launcher][options]") {
   options.worlds = 17;
   CHECK_THAT(Refusal(options), Catch::Contains("--worlds"));
   options = {};
+  options.planners = 17;
+  CHECK_THAT(Refusal(options), Catch::Contains("--planners 17: not between 1 and 16"));
+  options.planners = 1;
   options.nhpm_replicas = 0;
   CHECK_THAT(Refusal(options), Catch::Contains("--nhpm-replicas 0: not between 1 and 8"));
   options = {};

@@ -246,3 +246,21 @@ TEST_CASE("the example configurations are what the services read", "[launcher][p
   CHECK(ReadExample<operators::OperatorConfig>("operator").bus.interface == "lo");
   CHECK(ReadExample<operators::SimulatedOperatorConfig>("simulated_operator").seed == 1);
 }
+
+TEST_CASE("several planners share all robots, under names of their own", "[launcher][plan]") {
+  const TemporaryRun run;
+  DemoOptions options;
+  options.robots = 3;
+  options.planners = 2;
+  options.dds = "mixed";
+  const auto configs = Plan(options, run);
+  CHECK_FALSE(configs.contains("planner"));
+  const auto first = Read<planner::PlannerConfig>(configs.at("planner-1"), "planner");
+  const auto second = Read<planner::PlannerConfig>(configs.at("planner-2"), "planner");
+  CHECK(first.name == "planner-1");
+  CHECK(second.name == "planner-2");
+  CHECK(first.robots == second.robots);
+  CHECK(first.robots.size() == 3);
+  CHECK(first.lease.planners == 2);
+  CHECK(first.bus.vendor != second.bus.vendor);
+}

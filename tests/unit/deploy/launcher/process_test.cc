@@ -91,10 +91,11 @@ TEST_CASE("one process of a group is stopped and the others run on", "[launcher]
   ProcessGroup group;
   const Process& a = group.Start("a", {"sleep", "600"}, log.path);
   const Process& b = group.Start("b", {"sleep", "600"}, log.path);
-  CHECK(group.Stop("a", 10s));
+  const auto is_a = [](const Process& process) { return process.name() == "a"; };
+  CHECK(group.Stop(10s, is_a).empty());
   CHECK_FALSE(a.running());
   CHECK(b.running());
-  CHECK(group.Stop("a", 10s));  // has ended before
+  CHECK(group.Stop(10s, is_a).empty());  // has ended before
 }
 
 TEST_CASE("a process that ignores the request is killed and named", "[launcher][process]") {

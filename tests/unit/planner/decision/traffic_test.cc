@@ -19,6 +19,12 @@ Situation RobotAt(const std::string& robot, Cell cell, const std::vector<std::st
   return situation;
 }
 
+/// The first cell by which the robot makes room.
+std::optional<Cell> StepAside(const Situation& situation, const std::vector<Cell>& own_way) {
+  const RoomClaim room = MakeRoom(situation, own_way);
+  return room.way.empty() ? std::nullopt : std::optional(room.way.front());
+}
+
 /// A corridor with one bay.
 const std::vector<std::string_view> kBay{"#######", "#     #", "### ###", "#######"};
 
@@ -27,6 +33,7 @@ const std::vector<std::string_view> kBay{"#######", "#     #", "### ###", "#####
 struct Fleet {
   std::vector<std::string_view> lines;
   std::map<std::string, Situation> robots;
+  std::map<std::string, RoomClaim> rooms;
   Random random{7};
 
   void Refresh() {
@@ -37,33 +44,32 @@ struct Fleet {
       situation.neighbours.clear();
       for (const auto& [other, theirs] : robots) {
         if (other != name)
-          situation.neighbours.push_back(
-              {other, theirs.state.cell, !theirs.state.goals_left.empty(), DesiredWay(theirs)});
+          situation.neighbours.push_back({other, theirs.state.cell,
+                                          !theirs.state.goals_left.empty(), DesiredWay(theirs),
+                                          rooms[other]});
       }
     }
   }
 
-  bool Taken(const Situation& situation, Cell cell) const {
-    return std::any_of(situation.neighbours.begin(), situation.neighbours.end(),
-                       [&](const Neighbour& other) { return other.cell == cell; });
-  }
-
   /// What a robot without any plan of its own does: aside, on its way, or (blocked) anywhere.
   void Move(Situation& situation) {
-    if (const auto aside = StepAside(situation, DesiredWay(situation))) {
-      situation.state.cell = *aside;
+    RoomClaim& room = rooms[situation.state.robot];
+    room = MakeRoom(situation, DesiredWay(situation));
+    if (!room.way.empty() && !StandsOn(situation, room.way.front())) {
+      situation.state.cell = room.way.front();
       return;
     }
+    if (!room.way.empty() && room.right.tier == RightOfWay::kShutIn) return;
     const std::vector<Cell> way = DesiredWay(situation);
     if (way.empty()) return;
-    if (WaitsFor(situation, way) == nullptr && !Taken(situation, way.front())) {
+    if (WaitsFor(situation, way) == nullptr && !IsTaken(situation, way.front())) {
       situation.state.cell = way.front();
       return;
     }
     if (random.Chance(0.5)) return;
     const Cell next =
         situation.state.cell + kNeighbourOffsets[static_cast<std::size_t>(random.Uniform(0, 3))];
-    if (situation.map.cells[next] == Occupancy::kFree && !Taken(situation, next))
+    if (situation.map.cells[next] == Occupancy::kFree && !IsTaken(situation, next))
       situation.state.cell = next;
   }
 
@@ -108,7 +114,7 @@ TEST_CASE("the robot that goes before stays on its way and waits", "[planner][tr
   Situation situation = RobotAt("r1", {1, 2}, kBay);
   situation.state.goals_left = {{1, 5}};
   situation.neighbours = {{"r2", {1, 3}, true, {{1, 2}, {1, 1}}}};
-  CHECK_FALSE(StepAside(situation, {}).has_value());
+  CHECK_FALSE(StepAside(situation, DesiredWay(situation)).has_value());
   REQUIRE(WaitsFor(situation, DesiredWay(situation)) != nullptr);
   CHECK(WaitsFor(situation, DesiredWay(situation))->robot == "r2");
 }
@@ -130,19 +136,52 @@ TEST_CASE("the robot that goes before does not shut in the one that has to make 
   CHECK(WaitsFor(situation, DesiredWay(situation)) == nullptr);
 }
 
-TEST_CASE("the robot that goes before backs off from a dead end that it shuts",
+TEST_CASE("a robot that is shut in goes before the one that it has to let pass",
+          "[planner][traffic]") {
+  Situation shut_in = RobotAt("r2", {1, 5}, kBay);
+  shut_in.neighbours = {{"r1", {1, 4}, true, {{1, 5}}}};
+  const RoomClaim claim = MakeRoom(shut_in, {});
+  CHECK(claim.right == RightOfWay{RightOfWay::kShutIn, "r2", 0});
+  CHECK(claim.way == std::vector<Cell>{{1, 4}, {1, 3}});
+  Situation before = RobotAt("r1", {1, 4}, kBay);
+  before.state.goals_left = {{1, 5}};
+  before.neighbours = {{"r2", {1, 5}, false, {}, claim}};
+  SECTION("which backs off") {
+    const RoomClaim room = MakeRoom(before, DesiredWay(before));
+    CHECK(room.right == RightOfWay{RightOfWay::kShutIn, "r2", 1});
+    REQUIRE(room.way.size() == 2);
+    CHECK(room.way.front() == Cell{1, 3});
+  }
+  SECTION("and does not come back onto its way") {
+    before.state.cell = {2, 3};
+    CHECK(IsTaken(before, {1, 3}));
+    CHECK_FALSE(StandsOn(before, {1, 3}));
+  }
+}
+
+TEST_CASE("a robot that makes room asks the one behind it with the right that it was asked with",
+          "[planner][traffic]") {
+  const std::vector<std::string_view> lines{"########", "#      #", "####  ##", "########"};
+  Situation middle = RobotAt("r3", {1, 3}, lines);
+  middle.neighbours = {{"r1", {1, 1}, true, {{1, 2}, {1, 3}, {1, 4}, {1, 5}, {1, 6}}},
+                       {"r2", {1, 4}, true, {}}};
+  const RoomClaim room = MakeRoom(middle, {{1, 2}});
+  CHECK(room.way == std::vector<Cell>{{1, 4}, {2, 4}});
+  CHECK(room.right == RightOfWay{RightOfWay::kWantsAWay, "r1", 1});
+  Situation behind = RobotAt("r2", {1, 4}, lines);
+  behind.neighbours = {{"r3", {1, 3}, true, {{1, 2}}, room}};
+  const RoomClaim next = MakeRoom(behind, {});
+  CHECK(next.way == std::vector<Cell>{{1, 5}});
+  CHECK(next.right.passed_on == 2);
+}
+
+TEST_CASE("a robot that waits for its operator makes room for one that wants a way",
           "[planner][traffic]") {
   Situation situation = RobotAt("r1", {1, 3}, kBay);
   situation.state.goals_left = {{1, 5}};
   situation.neighbours = {{"r2", {1, 4}, true, {{1, 3}, {1, 2}}}};
-  const auto step = StepAside(situation, DesiredWay(situation));
-  REQUIRE(step.has_value());
-  CHECK((*step == Cell{2, 3} || *step == Cell{1, 2}));
-  SECTION("and the other comes after it") {
-    Situation other = RobotAt("r2", {1, 5}, kBay);
-    other.neighbours = {{"r1", {1, 3}, true, {{1, 4}, {1, 5}}}};
-    CHECK(StepAside(other, {}) == Cell{1, 4});
-  }
+  CHECK(StepAside(situation, {}) == Cell{2, 3});
+  CHECK_FALSE(StepAside(situation, {{1, 4}, {1, 5}}).has_value());
 }
 
 TEST_CASE("a robot far from any way stays", "[planner][traffic]") {

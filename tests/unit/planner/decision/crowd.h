@@ -1,0 +1,222 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/grid/visibility.h"
+#include "planner/decision/goal_pose.h"
+#include "planner/decision/make_method.h"
+#include "planner/decision/robot_worker.h"
+#include "planner/search/fake_perception_model.h"
+#include "unit/planner/search/text_map.h"
+
+namespace conav::planner {
+
+/// What the robots of a crowd know, and what else differs between two runs.
+struct CrowdOptions {
+  std::string method = "ig-mcts";
+  bool map_is_known = true;  // false: they see two cells far
+  /// The order in which the robots turn is drawn with it; 0 = by name.
+  std::uint64_t seed = 0;
+  std::shared_ptr<PerceptionModel> model = std::make_shared<FakePerceptionModel>();
+};
+
+/// Workers of several robots on a small map, with robots that do at once what they are told and an
+/// operator who answers at once with the shortest way, blind to other robots.
+///
+/// The map: '#' is a wall; '1' to '9' are the starts of r1 to r9, 'a' to 'i' their goals; the rest
+/// is free. A robot without a letter has no goal and stands where it is. A robot whose digit is in
+/// `silent` gets no answer from its operator.
+class Crowd {
+ public:
+  Crowd(std::vector<std::string> rows, CrowdOptions options, const std::string& silent = "")
+      : options_(std::move(options)), silent_(silent), random_(options_.seed) {
+    truth_ = OccupancyGrid(static_cast<int>(rows.size()), static_cast<int>(rows[0].size()),
+                           Occupancy::kFree);
+    std::map<char, Cell> marks;
+    for (std::size_t i = 0; i < truth_.size(); ++i) {
+      const Cell cell = truth_.CellAt(i);
+      const char mark =
+          rows[static_cast<std::size_t>(cell.row)][static_cast<std::size_t>(cell.column)];
+      if (mark == '#') truth_[cell] = Occupancy::kOccupied;
+      marks[mark] = cell;
+    }
+    std::map<std::string, std::string> world_of_robot;
+    for (char digit = '1'; digit <= '9'; ++digit) {
+      if (marks.contains(digit)) world_of_robot[Name(digit)] = "w1";
+    }
+    board_.emplace(world_of_robot);
+    for (char digit = '1'; digit <= '9'; ++digit) {
+      if (!marks.contains(digit)) continue;
+      const char goal = static_cast<char>('a' + (digit - '1'));
+      Add(digit, marks[digit],
+          marks.contains(goal) ? std::vector<Cell>{marks[goal]} : std::vector<Cell>{});
+    }
+    for (auto& [name, robot] : robots_) {
+      Look(robot);
+      board_->Put(TheBelief());
+      Guide(robot);
+    }
+  }
+
+  /// True when all have reached their goals within `rounds` turns of everybody.
+  bool RunsToTheEnd(int rounds) {
+    for (int round = 0; round < rounds; ++round) {
+      std::vector<Robot*> order;
+      for (auto& [name, robot] : robots_) order.push_back(&robot);
+      if (options_.seed != 0) random_.Shuffle(order);
+      for (Robot* robot : order) {
+        robot->worker->Step(stop_);
+        REQUIRE(EachInACellOfItsOwn());
+      }
+      clock_.Advance(std::chrono::milliseconds(100));
+      if (AllArrived()) return true;
+    }
+    return false;
+  }
+
+  RobotState& state(const std::string& robot) { return robots_.at(robot).state; }
+  /// Where everybody is, for the message of a failed check.
+  std::string Picture() const {
+    std::string text;
+    for (const auto& [name, robot] : robots_) {
+      text += fmt::format("{} at {}, {} goals left, waits for {}\n", name, robot.state.cell,
+                          robot.state.goals_left.size(), board_->HoldOf(name));
+    }
+    return text;
+  }
+
+ private:
+  struct Robot {
+    char digit = '0';
+    RobotState state;
+    MapUpdate map;
+    std::uint64_t guidance = 0;  // revision
+    std::optional<RobotWorker> worker;
+  };
+
+  static std::string Name(char digit) { return fmt::format("r{}", digit); }
+
+  Belief TheBelief() const {
+    Belief belief;
+    belief.world = "w1";
+    belief.wall_probability = BeliefGrid(truth_.rows(), truth_.columns());
+    for (std::size_t i = 0; i < truth_.size(); ++i) {
+      belief.wall_probability.values()[i] =
+          truth_.values()[i] == Occupancy::kOccupied ? 1.0F : 0.0F;
+    }
+    return belief;
+  }
+
+  void Add(char digit, Cell start, std::vector<Cell> goals) {
+    const std::string name = Name(digit);
+    Robot& robot = robots_[name];
+    robot.digit = digit;
+    robot.state.world = "w1";
+    robot.state.robot = name;
+    robot.state.cell = start;
+    robot.state.path = {start};
+    robot.state.goals_left = std::move(goals);
+    robot.map = {{},
+                 2.0,
+                 options_.map_is_known
+                     ? truth_
+                     : OccupancyGrid(truth_.rows(), truth_.columns(), Occupancy::kUnknown)};
+    SearchConfig search;
+    search.options.iterations = 200;
+    RobotWorker::Outputs outputs{
+        .command = [this, &robot](const RobotCommand& command) { Do(robot, command); },
+        .report = [](const SearchReport&) {},
+        .attention = [this, &robot](const AttentionRequest&) { Guide(robot); },
+        .way = [](const RobotState&, const MapUpdate&, const std::vector<Cell>&) {}};
+    auto method =
+        MakeMethod(options_.method, name, search, DeriveSeed(options_.seed, robots_.size()),
+                   options_.model, nullptr, clock_);
+    const DecisionGate::Options gate{std::chrono::seconds(10), std::chrono::seconds(10),
+                                     method->pictures_are_answered()};
+    robot.worker.emplace(RobotWorker::Options{.robot = name,
+                                              .method_name = options_.method,
+                                              .gate = gate,
+                                              .command_ttl = std::chrono::seconds(10)},
+                         std::move(method), *board_, clock_, std::move(outputs));
+    board_->Put(robot.state);
+    board_->PutLens(name, CameraLens{});
+  }
+
+  void Look(Robot& robot) {
+    const VisibleCells seen = CastRange(truth_, robot.state.cell, 2.0);
+    for (const Cell cell : seen.free) robot.map.cells[cell] = Occupancy::kFree;
+    for (const Cell cell : seen.walls) robot.map.cells[cell] = Occupancy::kOccupied;
+    board_->PutMap(robot.state.robot, robot.map);
+  }
+
+  void Do(Robot& robot, const RobotCommand& command) {
+    RobotState& state = robot.state;
+    state.stamp = state.stamp + std::chrono::milliseconds(250);
+    state.lease_epoch = command.lease_epoch;
+    state.command_sequence_number = command.sequence_number;
+    state.command_outcome = CommandOutcome::kDone;
+    if (command.kind == CommandKind::kTransmitView) {
+      ++state.snapshots;
+      state.path = {state.cell};
+      Guide(robot);
+    } else if (truth_[command.target] == Occupancy::kOccupied) {
+      state.command_outcome = CommandOutcome::kBlocked;
+      robot.map.cells[command.target] = Occupancy::kOccupied;
+    } else if (IsTaken(command.target)) {
+      state.command_outcome = CommandOutcome::kOccupied;
+    } else {
+      state.cell = command.target;
+      state.path.push_back(state.cell);
+      std::erase(state.goals_left, state.cell);
+    }
+    Look(robot);
+    board_->Put(state);
+  }
+
+  bool IsTaken(Cell cell) const {
+    return std::any_of(robots_.begin(), robots_.end(),
+                       [&](const auto& other) { return other.second.state.cell == cell; });
+  }
+
+  bool EachInACellOfItsOwn() const {
+    std::vector<Cell> cells;
+    for (const auto& [name, robot] : robots_) cells.push_back(robot.state.cell);
+    std::sort(cells.begin(), cells.end());
+    return std::adjacent_find(cells.begin(), cells.end()) == cells.end();
+  }
+
+  bool AllArrived() const {
+    return std::all_of(robots_.begin(), robots_.end(),
+                       [](const auto& robot) { return robot.second.state.goals_left.empty(); });
+  }
+
+  void Guide(Robot& robot) {
+    if (silent_.find(robot.digit) != std::string::npos || robot.state.goals_left.empty()) return;
+    const GridGeometry geometry{truth_.rows(), truth_.columns(), robot.map.cell_size_m};
+    const MapUpdate known{{}, robot.map.cell_size_m, truth_};
+    auto guidance = GuidanceTowards(geometry.CellToPosition(robot.state.goals_left.front()),
+                                    robot.state, known, TheBelief(), std::nullopt);
+    REQUIRE(guidance);
+    guidance->revision = ++robot.guidance;
+    guidance->answers_snapshot = robot.state.snapshots;
+    board_->Put(*std::move(guidance));
+  }
+
+  CrowdOptions options_;
+  std::string silent_;
+  Random random_;
+  OccupancyGrid truth_;
+  std::optional<Blackboard> board_;
+  FakeClock clock_;
+  StopToken stop_;
+  std::map<std::string, Robot> robots_;
+};
+
+}  // namespace conav::planner
