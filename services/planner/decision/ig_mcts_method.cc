@@ -23,7 +23,12 @@ IgMctsMethod::IgMctsMethod(const SearchConfig& config, std::uint64_t seed,
       search_(config.options, *model_),
       random_(seed),
       clock_(clock),
-      estimate_(std::move(estimate)) {}
+      estimate_(std::move(estimate)) {
+  // An estimate holds what is expected, so there is nothing to measure.
+  if (config.reliability_prior > 0.0 && !estimate_) {
+    reliability_.emplace(config.reliability_prior);
+  }
+}
 
 bool IgMctsMethod::WaitsForRoom(const Situation& situation) {
   if (WaitsFor(situation, DesiredWay(situation)) == nullptr) {
@@ -40,6 +45,7 @@ void IgMctsMethod::NoteSentView(const Situation& situation) {
   if (chosen_view_ && situation.state.snapshots > chosen_view_->snapshots_before) {
     const SentViews::View view = chosen_view_->view;
     sent_views_.Sent(view, chosen_view_->visible);
+    if (reliability_) ExpectEdits(*chosen_view_);
     if (estimate_) {
       const auto noted = estimate_->NoteSent(std::move(chosen_view_->path), view.cell,
                                              view.heading_rad, std::move(chosen_view_->visible));
@@ -52,6 +58,16 @@ void IgMctsMethod::NoteSentView(const Situation& situation) {
   chosen_view_.reset();
 }
 
+void IgMctsMethod::ExpectEdits(const ChosenView& chosen) {
+  const PerceptionQuery query{.belief = chosen.belief,
+                              .path = chosen.path,
+                              .cell = chosen.view.cell,
+                              .heading_rad = chosen.view.heading_rad,
+                              .visible = chosen.visible};
+  // Without an answer this picture says nothing about the operator.
+  if (auto edits = model_->Predict({&query, 1})) reliability_->Sent(std::move(edits->front()));
+}
+
 BeliefGrid IgMctsMethod::BeliefOf(const Situation& situation) {
   return estimate_ ? estimate_->Now(situation.belief.wall_probability)
                    : situation.belief.wall_probability;
@@ -61,9 +77,11 @@ Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop)
   NoteSentView(situation);
   const BeliefGrid belief = BeliefOf(situation);
   sent_views_.Update(belief);
+  if (reliability_) reliability_->Heard(belief, situation.map.cells);
   if (WaitsForRoom(situation)) return {};
   views_ = ViewsFor(situation, config_.headings, std::move(views_));
-  const SituationProblem problem(situation, belief, ToSearch(sent_views_.Withheld()), views_);
+  const SituationProblem problem(situation, belief, ToSearch(sent_views_.Withheld()), views_,
+                                 reliability_ ? reliability_->value() : 1.0);
   if (problem.get() == nullptr) {
     return NoDecision(situation, "the robot's cell cannot be free on its map");
   }
@@ -104,6 +122,7 @@ Decision IgMctsMethod::FromResult(const SearchResult& result, const Situation& s
   chosen_view_ = ChosenView{{situation.state.cell, chosen.heading_rad},
                             CastView(situation.map.cells, view),
                             situation.state.path,
+                            BeliefOf(situation),
                             situation.state.snapshots};
   decision.attention = AttentionReason::kPicture;
   decision.attention_cell = situation.state.cell;

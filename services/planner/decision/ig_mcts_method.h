@@ -9,6 +9,7 @@
 #include "common/runtime/random.h"
 #include "planner/decision/belief_estimate.h"
 #include "planner/decision/method.h"
+#include "planner/decision/operator_reliability.h"
 #include "planner/decision/search_config.h"
 #include "planner/decision/sent_views.h"
 #include "planner/search/grid_graph.h"
@@ -36,10 +37,13 @@ class IgMctsMethod final : public Method {
     SentViews::View view;
     VisibleCells visible;
     std::vector<Cell> path;  // tau at that time
+    BeliefGrid belief;
     std::uint64_t snapshots_before = 0;
   };
 
   void NoteSentView(const Situation& situation);
+  /// Asks what edits the picture of `chosen`, which was sent, will lead to.
+  void ExpectEdits(const ChosenView& chosen);
   BeliefGrid BeliefOf(const Situation& situation);
   /// Whether to wait a moment for the robot that stands in the way and has to make room.
   bool WaitsForRoom(const Situation& situation);
@@ -54,6 +58,7 @@ class IgMctsMethod final : public Method {
   Random random_;
   const Clock& clock_;                        // of the search's wall time budget and of waiting
   std::shared_ptr<BeliefEstimate> estimate_;  // may be null
+  std::optional<OperatorReliability> reliability_;  // none where it is not measured
   SentViews sent_views_;
   std::optional<ChosenView> chosen_view_;
   LogLimit no_decision_;

@@ -15,12 +15,20 @@ struct SearchConfig {
   std::string preset = "default";
   /// Camera headings offered per cell; with the four moves they must fit the search's 64 actions.
   int headings = 8;
+  /// Edits of the operator's map that an operator is trusted with before it is known how far they do
+  /// what is expected of them (operator_reliability.h); 0 = pictures are worth what the perception
+  /// model says, whoever sees them.
+  double reliability_prior = 1.0;
   SearchOptions options;
 
   void Visit(ConfigReader& reader) {
     reader.Choice("preset", preset, {"default", "paper"});
-    if (preset == "paper" && reader.reading()) options = PaperOptions();
+    if (preset == "paper" && reader.reading()) {
+      options = PaperOptions();
+      reliability_prior = 0.0;
+    }
     reader.Field("headings", headings, 1, kMaxActions - 4);
+    reader.Field("reliability_prior", reliability_prior, 0.0, 1e6);
     options.Visit(reader);
   }
 };

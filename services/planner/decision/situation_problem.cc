@@ -26,7 +26,8 @@ std::shared_ptr<const GridViews> ViewsFor(const Situation& situation, int headin
 
 SituationProblem::SituationProblem(const Situation& situation, BeliefGrid belief,
                                    std::vector<SentView> withheld,
-                                   std::shared_ptr<const GridViews> views)
+                                   std::shared_ptr<const GridViews> views,
+                                   double information_weight)
     : graph_(situation.map.cells, TakenCells(situation), std::move(views), {}),
       belief_(std::move(belief)) {
   const auto start = graph_.VertexAt(situation.state.cell);
@@ -39,6 +40,7 @@ SituationProblem::SituationProblem(const Situation& situation, BeliefGrid belief
                     .guidance = situation.guidance ? situation.guidance->path : std::vector<Cell>{},
                     .guided_before = situation.guided_before,
                     .belief = belief_,
+                    .information_weight = information_weight,
                     .sent_views = std::move(withheld)});
 }
 

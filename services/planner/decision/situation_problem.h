@@ -18,9 +18,10 @@ std::shared_ptr<const GridViews> ViewsFor(const Situation& situation, int headin
 class SituationProblem {
  public:
   /// `belief` is what the operator's map is taken to be, `withheld` views that are not offered.
-  /// `views` stand for the situation's camera (ViewsFor).
+  /// `views` stand for the situation's camera (ViewsFor); what they tell the operator is weighed by
+  /// `information_weight`.
   SituationProblem(const Situation& situation, BeliefGrid belief, std::vector<SentView> withheld,
-                   std::shared_ptr<const GridViews> views);
+                   std::shared_ptr<const GridViews> views, double information_weight = 1.0);
   SituationProblem(const SituationProblem&) = delete;
   SituationProblem& operator=(const SituationProblem&) = delete;
 

@@ -32,7 +32,7 @@ class Search {
         random_(random),
         path_(problem, options.rollout_depth * 2),
         offered_(problem),
-        information_(problem, offered_, model),
+        information_(problem, offered_, model, options.view_questions),
         rollout_(options, path_, offered_, information_, random),
         tree_(problem.start, NodesExpected(options)) {
     if (memory == nullptr) return;

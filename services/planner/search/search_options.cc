@@ -1,5 +1,7 @@
 #include "planner/search/search_options.h"
 
+#include <cmath>
+
 #include "common/runtime/config.h"
 
 namespace conav::planner {
@@ -33,6 +35,7 @@ void SearchOptions::Visit(ConfigReader& reader) {
   reader.Field("selection_uses_feasibility", selection_uses_feasibility);
   reader.Field("guidance_prior", guidance_prior, 0.0, 1e6);
   EnumField(reader, "tree_reuse", tree_reuse, {"none", "unchanged", "pruned"});
+  EnumField(reader, "view_questions", view_questions, {"single", "place"});
   reader.Field("offers_sent_views", offers_sent_views);
   reader.Field("min_information", min_information, 0.0, 1e6);
   reader.Field("rollout_communication_probability", rollout_communication_probability, -1.0, 1.0);
@@ -42,6 +45,7 @@ void SearchOptions::Visit(ConfigReader& reader) {
 SearchOptions PaperOptions() {
   SearchOptions options;
   options.iterations = 100;
+  options.exploration_constant = std::sqrt(2.0);
   options.untried_order = UntriedOrder::kMovesFirst;
   options.offers_sent_views = true;
   options.min_information = 0.0;

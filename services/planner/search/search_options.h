@@ -29,8 +29,15 @@ enum class TreeReuse {
   kPruned,     // the branch, without what its map has ruled out since
 };
 
-/// Parameters of IG-MCTS. Defaults work (docs/search.md); PaperOptions() are the
-/// printed numbers.
+/// What is asked of the perception model when a view of a place is wanted. The root's views are
+/// asked about in one batch, before the first iteration.
+enum class ViewQuestions {
+  kSingle,  // that view: fewest questions
+  kPlace,   // all views of the place that are not known yet, in one batch: fewest round trips
+};
+
+/// Parameters of IG-MCTS. Defaults are what an experiment chose (docs/search.md); PaperOptions() are
+/// the printed numbers.
 struct SearchOptions {
   /// n: budget of a decision. With `time_budget_ms` > 0 the decision ends at that wall time too,
   /// whichever is first.
@@ -41,9 +48,9 @@ struct SearchOptions {
   /// runs out.
   int trees = 1;
   int tree_threads = 1;
-  double exploration_constant = 1.4142135623730951;  // k; returns are not normalised (A28)
-  double discount = 0.99;                            // gamma
-  int rollout_depth = 100;                           // d: steps of a rollout, and depth of the tree
+  double exploration_constant = 5.0;  // k; returns are not normalised (A28)
+  double discount = 0.99;             // gamma
+  int rollout_depth = 100;            // d: steps of a rollout, and depth of the tree
   Expansion expansion = Expansion::kSingle;
   int chain_depth = 10;  // nodes that one iteration may add when expansion is kChain
   UntriedOrder untried_order = UntriedOrder::kRandom;
@@ -54,6 +61,7 @@ struct SearchOptions {
   /// visits use up (progressive bias; Chaslot and others 2008). 0 = none.
   double guidance_prior = 0.0;
   TreeReuse tree_reuse = TreeReuse::kNone;
+  ViewQuestions view_questions = ViewQuestions::kSingle;  // of no influence on what is decided
   /// Offer views again that were sent already (the paper has no rule against it, A30).
   bool offers_sent_views = false;
   /// A view is sent only if it is expected to change at least this many cells of the operator's

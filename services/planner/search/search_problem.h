@@ -28,6 +28,9 @@ struct SearchProblem {
   bool guided_before = false;
   /// x_0: what the operator takes for a wall.
   const BeliefGrid& belief;
+  /// What a view's expected edits are multiplied by, in [0, 1]: how far the operator does what the
+  /// perception model expects (planner/decision/operator_reliability.h). 1 in the paper.
+  double information_weight = 1.0;
   /// Views that are not offered, because they were sent and nothing changed since.
   std::vector<SentView> sent_views;
 };

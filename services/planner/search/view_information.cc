@@ -24,8 +24,12 @@ std::uint64_t HashOf(VertexId vertex, std::span<const std::uint64_t> visited) {
 }  // namespace
 
 ViewInformation::ViewInformation(const SearchProblem& problem, const OfferedActions& offered,
-                                 PerceptionModel& model)
-    : problem_(problem), offered_(offered), model_(model), slots_(4 * kPlacesExpected, kEmpty) {
+                                 PerceptionModel& model, ViewQuestions questions)
+    : problem_(problem),
+      offered_(offered),
+      model_(model),
+      questions_(questions),
+      slots_(4 * kPlacesExpected, kEmpty) {
   const auto vertices = static_cast<std::size_t>(problem.graph.vertex_count());
   places_.reserve(kPlacesExpected);
   words_.reserve(kPlacesExpected * ((vertices + 63) / 64));
@@ -48,7 +52,10 @@ Result<double> ViewInformation::Of(const PathState& path, std::size_t index) {
     ++counts_.cached;
     return edits;
   }
-  if (auto asked = Ask(path, place, index, 1); !asked) return tl::unexpected(asked.error());
+  const bool asks_all = questions_ == ViewQuestions::kPlace;
+  const std::size_t views = offered_.At(place.vertex).views.size();
+  const auto asked = asks_all ? Ask(path, place, 0, views) : Ask(path, place, index, 1);
+  if (!asked) return tl::unexpected(asked.error());
   return edits;
 }
 
@@ -95,7 +102,8 @@ Result<void> ViewInformation::Ask(const PathState& path, const Place& place, std
   ++counts_.calls;
   counts_.queries += static_cast<std::uint32_t>(count);
   for (std::size_t i = 0; i < count; ++i) {
-    edits_[place.first_edit + first + i] = ExpectedEdits((*answers)[i]);
+    edits_[place.first_edit + first + i] =
+        problem_.information_weight * ExpectedEdits((*answers)[i]);
   }
   return {};
 }

@@ -7,6 +7,7 @@
 #include "planner/search/offered_actions.h"
 #include "planner/search/path_state.h"
 #include "planner/search/perception_model.h"
+#include "planner/search/search_options.h"
 
 namespace conav::planner {
 
@@ -15,8 +16,8 @@ namespace conav::planner {
 ///
 /// Nothing is approximated: the key is the whole set of cells in tau together with the place and
 /// the view, and an answer depends on tau as a set only. A search looks at few of a place's views,
-/// so each is asked by itself; where all are wanted at once (at the root), AskAll() makes one batch
-/// of them.
+/// so each is asked by itself unless all of them are to be (ViewQuestions); where all are wanted at
+/// once (at the root), AskAll() makes one batch of them.
 ///
 /// A look-up takes no memory; a new place only beyond the first kPlacesExpected.
 class ViewInformation {
@@ -31,7 +32,7 @@ class ViewInformation {
 
   /// All arguments must outlive this.
   ViewInformation(const SearchProblem& problem, const OfferedActions& offered,
-                  PerceptionModel& model);
+                  PerceptionModel& model, ViewQuestions questions = ViewQuestions::kSingle);
 
   /// Expected edits of view `index` of the views offered at the end of `path`.
   /// Errors: those of the perception model.
@@ -63,6 +64,7 @@ class ViewInformation {
   const SearchProblem& problem_;
   const OfferedActions& offered_;
   PerceptionModel& model_;
+  ViewQuestions questions_;
   std::vector<std::int32_t> slots_;  // open addressing: index into places_, -1 = empty
   std::vector<Place> places_;
   std::vector<std::uint64_t> words_;

@@ -156,6 +156,18 @@ TEST_CASE("the same seed gives the same table twice", "[launcher][system]") {
   CHECK(Table(first.Json()) == Table(second.Json()));
 }
 
+TEST_CASE("the same seed gives the same table with the model in the planner and as a service",
+          "[launcher][system]") {
+  const auto played = [](const std::string& perception) {
+    DemoRun demo({"--headless", "--camera", "none", "--seed", "8", "--perception", perception});
+    const int code = demo.Wait();
+    INFO(demo.Story());
+    REQUIRE(code == 0);
+    return Table(demo.Json());
+  };
+  CHECK(played("embedded") == played("remote"));
+}
+
 TEST_CASE("a run leaves configuration, logs, metrics and a picture", "[launcher][system]") {
   DemoRun demo({"--headless", "--seed", "9", "--camera", "none"});
   const int code = demo.Wait();

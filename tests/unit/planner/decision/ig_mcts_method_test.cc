@@ -130,3 +130,44 @@ TEST_CASE("with an estimate the published map counts only at the start",
     CHECK(estimate->Now({}) == first);
   }
 }
+
+TEST_CASE("an operator who does nothing with pictures makes further ones worth less",
+          "[planner][ig-mcts]") {
+  const double prior = GENERATE(0.0, 1.0);
+  SearchConfig config = Bench::Config();
+  config.reliability_prior = prior;
+  Bench bench;
+  const auto model = std::make_shared<FakePerceptionModel>();
+  const auto information = [](const Decision& decision) {
+    double most = 0.0;
+    for (const SearchAction& action : decision.report.actions) {
+      most = std::max(most, action.information_gain);
+    }
+    return most;
+  };
+  IgMctsMethod method(config, 1, model, bench.clock);
+  const double first = information(method.Decide(bench.situation, StopToken()));
+  REQUIRE(first > 0.1);
+  bench.situation.state.snapshots = 1;  // sent, and nothing came of it
+  const double second = information(method.Decide(bench.situation, StopToken()));
+  if (prior > 0.0) {
+    CHECK(second < 0.8 * first);
+  } else {
+    CHECK(second == first);
+  }
+}
+
+TEST_CASE("where the operator's map is estimated, their reliability is not measured",
+          "[planner][ig-mcts]") {
+  const auto second_decision = [](double prior) {
+    SearchConfig config = Bench::Config();
+    config.reliability_prior = prior;
+    Bench bench;
+    const auto model = std::make_shared<FakePerceptionModel>();
+    IgMctsMethod method(config, 1, model, bench.clock, std::make_shared<BeliefEstimate>(model));
+    method.Decide(bench.situation, StopToken());
+    bench.situation.state.snapshots = 1;
+    return method.Decide(bench.situation, StopToken()).report.actions;
+  };
+  CHECK(second_decision(1.0) == second_decision(0.0));
+}

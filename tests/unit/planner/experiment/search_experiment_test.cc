@@ -92,6 +92,17 @@ TEST_CASE("the report names variants, operators and where the figures come from"
   CHECK(json["rows"][0]["moves"]["low"] <= json["rows"][0]["moves"]["mean"]);
 }
 
+TEST_CASE("who is wrong on purpose gets few pictures, and the robot reaches its goals",
+          "[planner][experiment]") {
+  SearchExperiment experiment;
+  experiment.variants = {{"weighed", {}}, {"believed", {.reliability_prior = 0.0}}};
+  experiment.operators = {"wrong"};
+  experiment.seeds = 5;
+  const auto summaries = Summarize(Play(experiment));
+  CHECK(summaries[0].all_goals == 5);
+  CHECK(summaries[0].pictures.mean < 0.5 * summaries[1].pictures.mean);
+}
+
 TEST_CASE("an unknown preset is an error", "[planner][experiment]") {
   SearchExperiment experiment = SmallExperiment();
   experiment.preset = "nowhere";

@@ -30,6 +30,8 @@ TEST_CASE("variants are read in their order, as changes of the preset", "[planne
   CHECK(variants[1].config.options.expansion == Expansion::kChain);
   CHECK(variants[2].config.options.iterations == PaperOptions().iterations);
   CHECK(variants[2].config.options.reward.goal == 30.0);
+  CHECK(variants[0].config.reliability_prior > 0.0);
+  CHECK(variants[2].config.reliability_prior == 0.0);  // the paper has none
 }
 
 TEST_CASE("bad variants are refused by file, variant and key", "[planner][experiment]") {

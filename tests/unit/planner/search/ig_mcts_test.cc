@@ -207,6 +207,18 @@ TEST_CASE("a perception model that fails fails the decision", "[planner][search]
   CHECK(result.error().code == ErrorCode::kUnavailable);
 }
 
+TEST_CASE("how views are asked about changes no decision", "[planner][search]") {
+  TextWorld world({"#######", "#S.?..#", "#.#.#.#", "#..?.G#", "#######"},
+                  {"#######", "#S..#.#", "#.#.#.#", "#....G#", "#######"});
+  SearchOptions options;
+  const SearchResult singly = Decide(world.problem, options);
+  options.view_questions = ViewQuestions::kPlace;
+  const SearchResult by_place = Decide(world.problem, options);
+  CHECK(by_place.actions == singly.actions);
+  CHECK(by_place.perception_queries > singly.perception_queries);
+  CHECK(by_place.perception_calls < singly.perception_calls);
+}
+
 TEST_CASE("few calls of the perception model serve many iterations", "[planner][search]") {
   TextWorld world({"#########", "#S......#", "#.#.#.#.#", "#.......#", "#.#.#.#G#", "#########"},
                   {"#########", "#S..#...#", "#.#.#.#.#", "#...#...#", "#.#.#.#G#", "#########"});

@@ -22,6 +22,16 @@ TEST_CASE("the paper's preset holds the printed numbers", "[planner][search]") {
   CHECK(options.reward.communication_cost == 10.0);
 }
 
+TEST_CASE("the default preset is the one that the experiment chose", "[planner][search]") {
+  const SearchOptions options;
+  CHECK(options.iterations == 2000);
+  CHECK(options.exploration_constant == 5.0);
+  CHECK(options.expansion == Expansion::kSingle);
+  CHECK(options.tree_reuse == TreeReuse::kNone);
+  CHECK(options.guidance_prior == 0.0);
+  CHECK_FALSE(options.offers_sent_views);
+}
+
 TEST_CASE("options are read by name and refused by name", "[planner][search]") {
   SearchOptions options;
   ReadConfig(YAML::Load("{iterations: 7, expansion: single, untried_order: moves_first, "

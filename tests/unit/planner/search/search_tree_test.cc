@@ -16,7 +16,7 @@ SearchNode Child(int parent, int action, double reward = 0.0, double feasibility
 }
 
 SearchOptions Discount(double discount) {
-  SearchOptions options;
+  SearchOptions options = PaperOptions();
   options.discount = discount;
   return options;
 }

@@ -59,6 +59,34 @@ TEST_CASE("all views of a place can be asked in one call", "[planner][search]") 
   CHECK(model.asked[2].visible == world.graph.ViewFrom(world.problem.start, 2));
 }
 
+TEST_CASE("where all views of a place are to be asked about, the first that is wanted brings them",
+          "[planner][search]") {
+  const TextWorld world({"#####", "#S..#", "#####"});
+  CountingModel model;
+  const OfferedActions offered(world.problem);
+  ViewInformation singly(world.problem, offered, model);
+  ViewInformation information(world.problem, offered, model, ViewQuestions::kPlace);
+  const PathState path(world.problem);
+  const double alone = singly.Of(path, 5).value();
+  CHECK(information.Of(path, 5).value() == alone);
+  CHECK(model.calls == 2);
+  CHECK(model.asked.size() == 1 + 8);
+  REQUIRE(information.Of(path, 3).has_value());
+  CHECK(model.calls == 2);
+}
+
+TEST_CASE("what an operator is expected to do is weighed by how far they do so",
+          "[planner][search]") {
+  TextWorld world({"#####", "#G#S#", "#####"}, {"#####", "#G.S#", "#####"});
+  CountingModel model;
+  const OfferedActions offered(world.problem);
+  const PathState path(world.problem);
+  const double all = ViewInformation(world.problem, offered, model).Of(path, 4).value();
+  world.problem.information_weight = 0.25;
+  REQUIRE(all > 0.0);
+  CHECK(ViewInformation(world.problem, offered, model).Of(path, 4).value() == 0.25 * all);
+}
+
 TEST_CASE("the path is asked about as a set: order and repeats do not matter",
           "[planner][search]") {
   const TextWorld world({"#####", "#.S.#", "#####"});
