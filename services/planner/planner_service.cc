@@ -54,6 +54,7 @@ PlannerService::PlannerService(bus::Participant& participant, const PlannerConfi
       board_(WorldOfRobot("planner", config.robots)),
       perception_(participant, config, clock),
       diagnostics_(participant, clock) {
+  if (!config.decision_file.empty()) recording_.emplace(config.decision_file);
   std::map<std::string, PerceptionOfWorld> worlds;
   for (const auto& [robot, world] : WorldOfRobot("planner", config.robots)) {
     PerceptionOfWorld& in_world = worlds[world];
@@ -88,7 +89,7 @@ PlannerService::PerceptionOfWorld PlannerService::MakePerceptionOfWorld(
 }
 
 RobotWorker::Outputs PlannerService::OutputsOf(Link& link) {
-  return {
+  RobotWorker::Outputs outputs{
       .command =
           [&link](const RobotCommand& command) { bus::Send(link.command, ToMessage(command)); },
       .report = [&link](const SearchReport& report) { bus::Send(link.report, ToMessage(report)); },
@@ -101,7 +102,14 @@ RobotWorker::Outputs PlannerService::OutputsOf(Link& link) {
             const GridGeometry geometry{map.cells.rows(), map.cells.columns(), map.cell_size_m};
             bus::Send(link.plan, ToPathMessage(state.stamp, way, geometry));
           },
+      .decided = {},
   };
+  if (recording_) {
+    outputs.decided = [this](const Decision& decision, const Situation& situation) {
+      recording_->Record(decision, situation);
+    };
+  }
+  return outputs;
 }
 
 void PlannerService::Run(const StopToken& stop) {
@@ -158,6 +166,11 @@ Health PlannerService::Report() const {
                          ? fmt::format("at {}, {} goals left, waits for {}", inputs.state->cell,
                                        inputs.state->goals_left.size(), board_.HoldOf(link->robot))
                          : "not heard of yet");
+  }
+  if (recording_) {
+    health.values.emplace_back("decisions recorded", std::to_string(recording_->recorded()));
+    health.values.emplace_back("decisions not recorded", std::to_string(recording_->lost()));
+    if (recording_->lost() > 0) health.level = Health::Level::kWarning;
   }
   health.message = fmt::format("{} robots, method {}", links_.size(), config_.method);
   return health;

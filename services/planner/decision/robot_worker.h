@@ -33,6 +33,8 @@ class RobotWorker {
     std::function<void(const SearchReport&)> report;
     std::function<void(const AttentionRequest&)> attention;
     std::function<void(const RobotState&, const MapUpdate&, const std::vector<Cell>&)> way;
+    /// After the command of a decision was sent, its report complete; may be empty.
+    std::function<void(const Decision&, const Situation&)> decided;
   };
 
   struct Options {
