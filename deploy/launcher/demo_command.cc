@@ -15,7 +15,8 @@ constexpr const char* kFooter = R"(
 Starts conav-sim (one per world), conav-nhpm (or several, or none), conav-operator, conav-planner (or several) and conav-simulated-operator,
 follows them until every robot has reached its goals, and leaves runs/<time>-seed<S>/ with the effective
 configuration, logs, metrics.json, episode.svg (truth, the operator's map before and after, trajectories,
-pictures) and segments.pb.zst (how the operator edited after each picture; ./conav dataset describe).
+pictures), segments.pb.zst (how the operator edited after each picture; ./conav dataset describe) and
+decisions.pb.zst (why the robots did what they did; ./conav explain).
 
 Exit code: 0 all goals reached; 1 not (a process died, time limit, Ctrl-C); 2 wrong use.
 

@@ -133,6 +133,8 @@ std::string PlannerYaml(const Setting& setting, const std::string& name, int num
   config.weights = setting.Weights();
   config.person = setting.options.person;
   config.x_source = setting.options.x_source;
+  config.search.options.report = planner::SearchDetail::kTree;
+  config.decision_file = setting.run.decisions().string();
   return DumpConfig("planner", config);
 }
 

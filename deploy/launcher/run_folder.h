@@ -12,6 +12,8 @@ namespace conav::launcher {
 ///   runs/<id>/config/<service>.yaml   effective configuration of each process
 ///             logs/<service>.log      what it said
 ///             state/                  the operator's database
+///             segments.pb.zst         how the operator edited after each picture
+///             decisions.pb.zst        every decision, for `conav explain`
 ///             metrics.json            the result table and what it was made of
 ///             episode.svg             truth, maps, trajectories and pictures
 class RunFolder {
@@ -25,6 +27,7 @@ class RunFolder {
   std::filesystem::path config(const std::string& service) const;
   std::filesystem::path log(const std::string& service) const;
   std::filesystem::path state() const { return path_ / "state"; }
+  std::filesystem::path decisions() const { return path_ / "decisions.pb.zst"; }
 
   /// Writes a text file of this folder. Throws StartupError with path and cause.
   void Write(const std::filesystem::path& file, const std::string& text) const;

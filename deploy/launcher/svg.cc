@@ -4,9 +4,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
-#include "common/svg/svg_canvas.h"
+#include "common/svg/map_panel.h"
 
 namespace conav::launcher {
 namespace {
@@ -21,23 +20,12 @@ constexpr double kLegendPixels = 54.0;
 constexpr std::array<const char*, 6> kRobotColours{"#0072B2", "#D55E00", "#009E73",
                                                    "#CC79A7", "#56B4E9", "#E69F00"};
 constexpr std::array<const char*, 4> kDashes{"none", "7 4", "2 4", "10 3 2 3"};
-constexpr const char* kWall = "fill=\"#4a4a4a\"";
-constexpr const char* kFree = "fill=\"#f4f4f4\"";
-constexpr const char* kUnknown = "fill=\"#c8c8c8\"";
+constexpr CellStyles kCells;
 constexpr const char* kFalseWall = "stroke=\"#D55E00\" stroke-width=\"3\"";
 constexpr const char* kMissingWall = "stroke=\"#0072B2\" stroke-width=\"3\" fill=\"none\"";
 
-/// Where a grid lies on the canvas.
-struct Panel {
-  PixelPosition corner;
-  PixelPosition Middle(Cell cell) const {
-    return {corner.x + (cell.column + 0.5) * kCellPixels,
-            corner.y + (cell.row + 0.5) * kCellPixels};
-  }
-  PixelPosition Corner(Cell cell) const {
-    return {corner.x + cell.column * kCellPixels, corner.y + cell.row * kCellPixels};
-  }
-};
+constexpr const char* kStar = "fill=\"#F0E442\" stroke=\"#000000\" stroke-width=\"1\"";
+constexpr ArrowShape kPicture{.length = 0.62, .half_width = 0.20};
 
 std::string RobotStyle(std::size_t index) {
   return fmt::format(
@@ -58,58 +46,26 @@ double Offset(std::size_t index) {
   return kOffsets[index % kOffsets.size()];
 }
 
-void DrawGrid(SvgCanvas& canvas, const Panel& panel, const OccupancyGrid& map) {
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    const Occupancy occupancy = map.values()[i];
-    const char* style = occupancy == Occupancy::kOccupied ? kWall
-                        : occupancy == Occupancy::kFree   ? kFree
-                                                          : kUnknown;
-    canvas.Rectangle(panel.Corner(map.CellAt(i)), kCellPixels - 1, kCellPixels - 1, style);
-  }
-}
-
 // A cross: a wall that is not there. A ring: a wall that is missing.
-void DrawMistake(SvgCanvas& canvas, PixelPosition middle, bool drawn_as_wall) {
-  constexpr double kReach = kCellPixels * 0.28;
+void DrawMistake(const MapPanel& panel, PixelPosition middle, bool drawn_as_wall) {
+  constexpr double kReach = 0.28;
   if (drawn_as_wall) {
-    canvas.Cross(middle, kReach, kFalseWall);
+    panel.DrawCross(middle, kReach, kFalseWall);
   } else {
-    canvas.Circle(middle, kReach, kMissingWall);
+    panel.DrawRing(middle, kReach, kMissingWall);
   }
 }
 
-void DrawMistakes(SvgCanvas& canvas, const Panel& panel, const OccupancyGrid& map,
-                  const OccupancyGrid& truth) {
+void DrawMistakes(const MapPanel& panel, const OccupancyGrid& map, const OccupancyGrid& truth) {
   if (map.rows() != truth.rows() || map.columns() != truth.columns()) return;
   for (std::size_t i = 0; i < map.size(); ++i) {
     if (map.values()[i] == truth.values()[i]) continue;
-    DrawMistake(canvas, panel.Middle(map.CellAt(i)), map.values()[i] == Occupancy::kOccupied);
+    DrawMistake(panel, panel.Middle(map.CellAt(i)), map.values()[i] == Occupancy::kOccupied);
   }
 }
 
-void DrawArrow(SvgCanvas& canvas, PixelPosition from, double heading_rad, const std::string& fill) {
-  const double x = std::cos(heading_rad);
-  const double y = -std::sin(heading_rad);  // pixels run down, the map's y runs up
-  constexpr double kLength = kCellPixels * 0.62;
-  constexpr double kHalfWidth = kCellPixels * 0.20;
-  const PixelPosition tip{from.x + x * kLength, from.y + y * kLength};
-  canvas.Polygon({tip,
-                  {from.x - y * kHalfWidth, from.y + x * kHalfWidth},
-                  {from.x + y * kHalfWidth, from.y - x * kHalfWidth}},
-                 fill);
-}
-
-void DrawStar(SvgCanvas& canvas, PixelPosition middle) {
-  std::vector<PixelPosition> corners;
-  for (int i = 0; i < 10; ++i) {
-    const double radius = kCellPixels * (i % 2 == 0 ? 0.42 : 0.18);
-    const double angle = (i * 36.0 - 90.0) * 3.14159265358979 / 180.0;
-    corners.push_back({middle.x + radius * std::cos(angle), middle.y + radius * std::sin(angle)});
-  }
-  canvas.Polygon(corners, "fill=\"#F0E442\" stroke=\"#000000\" stroke-width=\"1\"");
-}
-
-void DrawRobot(SvgCanvas& canvas, const Panel& panel, const RobotRecord& robot, std::size_t index) {
+void DrawRobot(SvgCanvas& canvas, const MapPanel& panel, const RobotRecord& robot,
+               std::size_t index) {
   const double offset = Offset(index);
   const auto place = [&](Cell cell) {
     const PixelPosition middle = panel.Middle(cell);
@@ -117,25 +73,23 @@ void DrawRobot(SvgCanvas& canvas, const Panel& panel, const RobotRecord& robot, 
   };
   const std::vector<Cell> trajectory = WholeTrajectory(robot);
   if (trajectory.empty()) return;
-  std::vector<PixelPosition> line;
-  for (const Cell cell : trajectory) line.push_back(place(cell));
-  canvas.Polyline(line, RobotStyle(index));
+  panel.DrawPath(trajectory, RobotStyle(index), offset);
   for (const SentPicture& picture : robot.pictures) {
     if (!picture.streamed) {
-      DrawArrow(canvas, place(picture.cell), picture.heading_rad, RobotFill(index));
+      panel.DrawArrow(place(picture.cell), picture.heading_rad, kPicture, RobotFill(index));
     }
   }
   const PixelPosition start = place(trajectory.front());
-  canvas.Circle(start, kCellPixels * 0.36, RobotFill(index));
+  panel.DrawRing(start, 0.36, RobotFill(index));
   canvas.Text({start.x, start.y + 4}, robot.name,
               "font-size=\"10\" text-anchor=\"middle\" fill=\"#ffffff\" font-weight=\"bold\"");
 }
 
-void DrawEpisodeOnTruth(SvgCanvas& canvas, const Panel& panel, const Episode& episode,
+void DrawEpisodeOnTruth(SvgCanvas& canvas, const MapPanel& panel, const Episode& episode,
                         const WorldRecord& world) {
   for (const RobotRecord& robot : episode.robots) {
     if (robot.world != world.name) continue;
-    for (const Cell goal : robot.goals) DrawStar(canvas, panel.Middle(goal));
+    for (const Cell goal : robot.goals) panel.DrawStar(panel.Middle(goal), kStar);
   }
   for (std::size_t i = 0; i < episode.robots.size(); ++i) {
     if (episode.robots[i].world == world.name) DrawRobot(canvas, panel, episode.robots[i], i);
@@ -148,44 +102,45 @@ void DrawWorld(SvgCanvas& canvas, const Episode& episode, const WorldRecord& wor
   const auto panel = [&](int index, std::string_view title) {
     const PixelPosition corner{kMargin + index * (panel_width + kMargin), top + kTitlePixels};
     canvas.Text({corner.x, corner.y - 9}, fmt::format("{}: {}", world.name, title), heading);
-    return Panel{corner};
+    return MapPanel(canvas, corner, kCellPixels);
   };
   if (!world.truth) return;
-  const Panel truth = panel(0, "truth, trajectories, pictures");
-  DrawGrid(canvas, truth, *world.truth);
+  const MapPanel truth = panel(0, "truth, trajectories, pictures");
+  truth.DrawMap(*world.truth);
   DrawEpisodeOnTruth(canvas, truth, episode, world);
   if (!world.initial_map) return;
-  const Panel before = panel(1, "operator's map before");
-  DrawGrid(canvas, before, *world.initial_map);
-  DrawMistakes(canvas, before, *world.initial_map, *world.truth);
+  const MapPanel before = panel(1, "operator's map before");
+  before.DrawMap(*world.initial_map);
+  DrawMistakes(before, *world.initial_map, *world.truth);
   const OccupancyGrid now =
       world.belief ? BeliefAsMap(world.belief->wall_probability) : *world.initial_map;
-  const Panel after = panel(2, fmt::format("operator's map after {} edits", world.edits()));
-  DrawGrid(canvas, after, now);
-  DrawMistakes(canvas, after, now, *world.truth);
+  const MapPanel after = panel(2, fmt::format("operator's map after {} edits", world.edits()));
+  after.DrawMap(now);
+  DrawMistakes(after, now, *world.truth);
 }
 
 void DrawLegend(SvgCanvas& canvas, double top) {
   const char* text = "font-size=\"13\" fill=\"#000000\"";
+  const MapPanel signs(canvas, {}, kCellPixels);
   const double y = top + 20;
   double x = kMargin;
   const auto next = [&](std::string_view label, double advance) {
     canvas.Text({x + 20, y + 5}, label, text);
     x += advance;
   };
-  canvas.Rectangle({x, y - 8}, 16, 16, kWall);
+  canvas.Rectangle({x, y - 8}, 16, 16, kCells.wall);
   next("wall", 70);
   canvas.Circle({x + 8, y}, 8, RobotFill(0));
   next("start of a robot", 140);
   canvas.Line({x - 4, y}, {x + 16, y}, RobotStyle(0));
   next("its way", 90);
-  DrawArrow(canvas, {x, y}, 0.0, RobotFill(0));
+  signs.DrawArrow({x, y}, 0.0, kPicture, RobotFill(0));
   next("picture sent, looking this way", 225);
-  DrawStar(canvas, {x + 8, y});
+  signs.DrawStar({x + 8, y}, kStar);
   next("goal", 70);
-  DrawMistake(canvas, {x + 8, y}, true);
+  DrawMistake(signs, {x + 8, y}, true);
   next("wall drawn that is not there", 205);
-  DrawMistake(canvas, {x + 8, y}, false);
+  DrawMistake(signs, {x + 8, y}, false);
   next("wall missing", 100);
 }
 

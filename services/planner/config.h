@@ -72,6 +72,9 @@ struct PlannerConfig {
   double answer_timeout_s = 10.0;
   /// A command that was not finished after this long (simulation time) is void.
   double command_ttl_s = 10.0;
+  /// File to append every decision to, for `conav explain`; empty = none. Made when it does not
+  /// exist, its folder must. Goes together with `search: {report: tree}`.
+  std::string decision_file;
 
   void Visit(ConfigReader& reader) {
     reader.Section("bus", bus);
@@ -101,6 +104,7 @@ struct PlannerConfig {
     reader.Field("first_guidance_timeout_s", first_guidance_timeout_s, 0.0, 3600.0);
     reader.Field("answer_timeout_s", answer_timeout_s, 0.0, 3600.0);
     reader.Field("command_ttl_s", command_ttl_s, 0.5, 60.0);
+    reader.Field("decision_file", decision_file);
   }
 };
 

@@ -57,6 +57,7 @@ PlannerService::PlannerService(bus::Participant& participant, const PlannerConfi
       perception_(participant, config, clock),
       leases_(participant, config, WorldOfRobot("planner", config.robots), board_, clock),
       diagnostics_(participant, clock) {
+  if (!config.decision_file.empty()) recording_.emplace(config.decision_file);
   std::map<std::string, PerceptionOfWorld> worlds;
   for (const auto& [robot, world] : WorldOfRobot("planner", config.robots)) {
     PerceptionOfWorld& in_world = worlds[world];
@@ -91,7 +92,7 @@ PlannerService::PerceptionOfWorld PlannerService::MakePerceptionOfWorld(
 }
 
 RobotWorker::Outputs PlannerService::OutputsOf(Link& link) {
-  return {
+  RobotWorker::Outputs outputs{
       .command =
           [&link](const RobotCommand& command) { bus::Send(link.command, ToMessage(command)); },
       .report =
@@ -109,7 +110,14 @@ RobotWorker::Outputs PlannerService::OutputsOf(Link& link) {
             bus::Send(link.plan, ToPathMessage(state.stamp, way, geometry));
           },
       .wants = [this](const RobotWay& way) { leases_.PublishWay(way); },
+      .decided = {},
   };
+  if (recording_) {
+    outputs.decided = [this](const Decision& decision, const Situation& situation) {
+      recording_->Record(decision, situation);
+    };
+  }
+  return outputs;
 }
 
 void PlannerService::Run(const StopToken& stop) {
@@ -175,6 +183,11 @@ Health PlannerService::Report() const {
                                        inputs.state->goals_left.size(),
                                        leases_.Describe(link->robot), board_.HoldOf(link->robot))
                          : "not heard of yet");
+  }
+  if (recording_) {
+    health.values.emplace_back("decisions recorded", std::to_string(recording_->recorded()));
+    health.values.emplace_back("decisions not recorded", std::to_string(recording_->lost()));
+    if (recording_->lost() > 0) health.level = Health::Level::kWarning;
   }
   health.message = fmt::format("{} of {} robots, {} planners, method {}", leases_.held(),
                                links_.size(), leases_.live_planners(), config_.method);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "planner/decision/belief_estimate.h"
 #include "planner/decision/blackboard.h"
 #include "planner/decision/robot_worker.h"
+#include "planner/decision_recording.h"
 #include "planner/perception_setup.h"
 #include "planner/robot_leases.h"
 
@@ -26,7 +28,8 @@ namespace conav::planner {
 /// the operator.
 class PlannerService {
  public:
-  /// `participant` and `clock` outlive the service. Throws StartupError on a bad list of robots.
+  /// `participant` and `clock` outlive the service. Throws StartupError on a bad list of robots, or
+  /// when decisions shall be recorded and cannot.
   PlannerService(bus::Participant& participant, const PlannerConfig& config, const Clock& clock);
   ~PlannerService();
 
@@ -50,6 +53,7 @@ class PlannerService {
   Blackboard board_;
   PerceptionSetup perception_;
   RobotLeases leases_;
+  std::optional<DecisionRecording> recording_;
   std::vector<std::unique_ptr<Link>> links_;
   std::vector<std::unique_ptr<bus::Subscriber<conav_msgs::msg::BeliefMap>>> beliefs_;
   Diagnostics diagnostics_;

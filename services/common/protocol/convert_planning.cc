@@ -1,5 +1,3 @@
-#include <limits>
-
 #include "common/protocol/convert.h"
 #include "common/protocol/convert_checks.h"
 #include "common/runtime/demand.h"
@@ -11,33 +9,6 @@ using convert::ToCellMessage;
 using convert::ToCellMessages;
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::max();
-
-SearchAction ToAction(Checks& checks, const std::string& at,
-                      const conav_msgs::msg::SearchAction& message) {
-  SearchAction action;
-  action.kind = checks.Enumerator(at + "kind", message.kind(), CommandKind::kMove,
-                                  CommandKind::kTransmitView);
-  action.target = checks.ToCell(at + "target", message.target());
-  action.heading_rad = checks.Heading(at + "heading", message.heading());
-  action.visits = message.visits();
-  action.mean_value = checks.Finite(at + "mean_value", message.mean_value());
-  action.information_gain =
-      checks.Range(at + "information_gain", message.information_gain(), 0.0, kInfinity);
-  action.feasibility = checks.Range(at + "feasibility", message.feasibility(), 0.0, 1.0);
-  return action;
-}
-
-std::vector<SearchAction> ToActions(Checks& checks,
-                                    const std::vector<conav_msgs::msg::SearchAction>& messages) {
-  std::vector<SearchAction> actions;
-  checks.Size("actions", messages.size(), convert::kMaxActions);
-  for (std::size_t i = 0; i < messages.size() && !checks.failed(); ++i) {
-    actions.push_back(ToAction(checks, fmt::format("actions[{}].", i), messages[i]));
-  }
-  return actions;
-}
 
 PerceptionQuery ToQuery(Checks& checks, const std::string& at,
                         const conav_msgs::msg::PerceptionQuery& message, std::uint32_t rows,
@@ -72,63 +43,6 @@ bool CheckBatch(Checks& checks, const conav_msgs::msg::PerceptionRequest& messag
 }
 
 }  // namespace
-
-Result<SearchReport> ToDomain(const conav_msgs::msg::SearchReport& message) {
-  Checks checks;
-  SearchReport report;
-  report.stamp = checks.Stamp(message.header());
-  report.world = checks.Name("world", message.world());
-  report.robot = checks.Name("robot", message.robot());
-  report.method = checks.Client("method", message.method());
-  report.decision = message.decision();
-  report.cell = checks.ToCell("cell", message.cell());
-  report.belief_revision = message.belief_revision();
-  report.guidance_revision = message.guidance_revision();
-  report.actions = ToActions(checks, message.actions());
-  report.chosen = message.chosen();
-  if (message.chosen() < -1 || message.chosen() >= static_cast<int>(message.actions().size())) {
-    checks.Refuse(fmt::format("chosen = {} is not in [-1, {}]", message.chosen(),
-                              static_cast<int>(message.actions().size()) - 1));
-  }
-  report.iterations = message.iterations();
-  report.nodes = message.nodes();
-  report.perception_queries = message.perception_queries();
-  report.perception_cached = message.perception_cached();
-  report.perception_model = checks.Text("perception_model", message.perception_model());
-  report.duration_ms = checks.Range("duration_ms", message.duration_ms(), 0.0, kInfinity);
-  if (checks.failed()) return checks.failure();
-  return report;
-}
-
-conav_msgs::msg::SearchReport ToMessage(const SearchReport& report) {
-  conav_msgs::msg::SearchReport message;
-  message.header(ToHeader(report.stamp));
-  message.world(report.world);
-  message.robot(report.robot);
-  message.method(report.method);
-  message.decision(report.decision);
-  message.cell(ToCellMessage(report.cell));
-  message.belief_revision(report.belief_revision);
-  message.guidance_revision(report.guidance_revision);
-  for (const SearchAction& action : report.actions) {
-    auto& out = message.actions().emplace_back();
-    out.kind(static_cast<std::uint8_t>(action.kind));
-    out.target(ToCellMessage(action.target));
-    out.heading(action.heading_rad);
-    out.visits(action.visits);
-    out.mean_value(action.mean_value);
-    out.information_gain(action.information_gain);
-    out.feasibility(action.feasibility);
-  }
-  message.chosen(report.chosen);
-  message.iterations(report.iterations);
-  message.nodes(report.nodes);
-  message.perception_queries(report.perception_queries);
-  message.perception_cached(report.perception_cached);
-  message.perception_model(report.perception_model);
-  message.duration_ms(report.duration_ms);
-  return message;
-}
 
 Result<PerceptionRequest> SenderOf(const conav_msgs::msg::PerceptionRequest& message) {
   Checks checks;

@@ -6,42 +6,11 @@
 #include <vector>
 
 #include "common/protocol/robot.h"
+#include "common/protocol/search_report.h"
 #include "common/runtime/result.h"
 
-/// Domain values of the planner's reports and of perception queries; see idl/conav_planning.idl.
+/// Domain values of perception queries and, by search_report.h, of the planner's reports; see idl/conav_planning.idl.
 namespace conav {
-
-/// One action at the root of a search.
-struct SearchAction {
-  CommandKind kind = CommandKind::kMove;
-  Cell target;
-  double heading_rad = 0.0;
-  std::uint32_t visits = 0;
-  double mean_value = 0.0;
-  double information_gain = 0.0;
-  double feasibility = 1.0;
-  bool operator==(const SearchAction&) const = default;
-};
-
-struct SearchReport {
-  SimTime stamp;
-  std::string world;
-  std::string robot;
-  std::string method;
-  std::uint64_t decision = 0;
-  Cell cell;
-  std::uint64_t belief_revision = 0;
-  std::uint64_t guidance_revision = 0;
-  std::vector<SearchAction> actions;
-  int chosen = -1;  // index into actions; -1 = wait
-  std::uint32_t iterations = 0;
-  std::uint32_t nodes = 0;
-  std::uint32_t perception_queries = 0;
-  std::uint32_t perception_cached = 0;
-  std::string perception_model;
-  double duration_ms = 0.0;
-  bool operator==(const SearchReport&) const = default;
-};
 
 /// Who can predict the operator's edits: the network of the paper, or the GLPF.
 inline constexpr const char* kNhpmModel = "nhpm";

@@ -17,7 +17,7 @@ tl::unexpected<Error> Refuse(std::size_t record, const std::string& reason) {
 
 }  // namespace
 
-std::string Delimited(const segments::Record& record) {
+std::string Delimited(const google::protobuf::MessageLite& record) {
   std::string bytes;
   {
     google::protobuf::io::StringOutputStream target(&bytes);
@@ -41,37 +41,36 @@ Result<void> RecordReader::Fill(std::size_t count) {
   return {};
 }
 
-Result<std::optional<std::size_t>> RecordReader::Size() {
+Result<bool> RecordReader::ReadSize(std::size_t& size) {
   if (const auto filled = Fill(kMaxVarintBytes); !filled) return tl::unexpected(filled.error());
-  if (begin_ == buffer_.size()) return std::optional<std::size_t>();
-  std::size_t size = 0;
+  if (begin_ == buffer_.size()) return false;
+  size = 0;
   for (std::size_t i = 0; i < kMaxVarintBytes; ++i) {
     if (begin_ == buffer_.size()) return Refuse(taken_, "is cut off");
     const auto byte = static_cast<unsigned char>(buffer_[begin_++]);
     size |= static_cast<std::size_t>(byte & 0x7F) << (7 * i);
-    if ((byte & 0x80) == 0) return std::optional(size);
+    if ((byte & 0x80) == 0) return true;
   }
-  return Refuse(taken_, "has no size: this is no segment file");
+  return Refuse(taken_, "has no size: this is no " + kind_);
 }
 
-Result<std::optional<segments::Record>> RecordReader::Next() {
-  const auto size = Size();
-  if (!size) return tl::unexpected(size.error());
-  if (!*size) return std::optional<segments::Record>();
-  if (**size > kMaxRecordBytes) {
-    return Refuse(
-        taken_, fmt::format("says that it has {} bytes; {} is the limit", **size, kMaxRecordBytes));
+Result<bool> RecordReader::Next(google::protobuf::MessageLite& record) {
+  std::size_t size = 0;
+  const auto more = ReadSize(size);
+  if (!more || !*more) return more;
+  if (size > kMaxRecordBytes) {
+    return Refuse(taken_,
+                  fmt::format("says that it has {} bytes; {} is the limit", size, kMaxRecordBytes));
   }
-  if (const auto filled = Fill(**size); !filled) return tl::unexpected(filled.error());
-  if (buffer_.size() - begin_ < **size) return Refuse(taken_, "is cut off");
-  segments::Record record;
+  if (const auto filled = Fill(size); !filled) return tl::unexpected(filled.error());
+  if (buffer_.size() - begin_ < size) return Refuse(taken_, "is cut off");
   const google::protobuf::LogSilencer silence;  // who reads is told by the Result
-  if (!record.ParseFromArray(buffer_.data() + begin_, static_cast<int>(**size))) {
-    return Refuse(taken_, "is no record of a segment file");
+  if (!record.ParseFromArray(buffer_.data() + begin_, static_cast<int>(size))) {
+    return Refuse(taken_, "is no record of a " + kind_);
   }
-  begin_ += **size;
+  begin_ += size;
   ++taken_;
-  return std::optional(std::move(record));
+  return true;
 }
 
 }  // namespace conav

@@ -75,13 +75,14 @@ class Assembly {
 };
 
 Result<SegmentSet> ReadRecords(std::string_view frames) {
-  RecordReader reader(frames);
+  RecordReader reader(frames, "segment file");
   Assembly assembly;
+  segments::Record record;
   while (true) {
-    const auto record = reader.Next();
-    if (!record) return tl::unexpected(record.error());
-    if (!*record) return assembly.Finish();
-    if (const auto added = assembly.Add(**record); !added) return tl::unexpected(added.error());
+    const auto more = reader.Next(record);
+    if (!more) return tl::unexpected(more.error());
+    if (!*more) return assembly.Finish();
+    if (const auto added = assembly.Add(record); !added) return tl::unexpected(added.error());
   }
 }
 

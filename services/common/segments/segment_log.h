@@ -3,17 +3,16 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
-#include <string>
-#include <string_view>
+#include <utility>
 
 #include "common/runtime/result.h"
+#include "common/segments/frame_log.h"
 #include "common/segments/segment.h"
 
 namespace conav {
 
-/// A segment file that grows while a session runs: each segment is a zstd frame of its own, handed
-/// to the operating system before Append() returns, so that it outlives a kill of this process (not
-/// a loss of power). ReadSegmentFile reads it at any time.
+/// A segment file that grows while a session runs: a FrameLog, each segment a frame of its own.
+/// ReadSegmentFile reads it at any time.
 ///
 /// Threads: not synchronised; one owner. Calls block on the disk.
 class SegmentLog {
@@ -23,10 +22,6 @@ class SegmentLog {
   /// Errors, with the path; then the file stays as it is: kIo; kUnavailable (another process records
   /// to it); kMalformed (it is no segment file, it is damaged, or none of its frames is complete).
   [[nodiscard]] static Result<SegmentLog> Open(const std::filesystem::path& path);
-
-  SegmentLog(SegmentLog&& other) noexcept;
-  SegmentLog& operator=(SegmentLog&&) = delete;
-  ~SegmentLog();
 
   /// Number for the next new trajectory.
   std::uint32_t trajectories() const { return trajectories_; }
@@ -39,15 +34,9 @@ class SegmentLog {
                                     const Segment& segment);
 
  private:
-  SegmentLog(std::filesystem::path path, int file);
-  Result<void> Begin();
-  Result<void> SetAside(std::string_view torn_end);
-  Result<void> Write(const std::string& bytes);
-  Error Failure(const std::string& what) const;
+  explicit SegmentLog(FrameLog log) : log_(std::move(log)) {}
 
-  std::filesystem::path path_;
-  int file_ = -1;
-  std::uint64_t size_ = 0;
+  FrameLog log_;
   std::uint32_t trajectories_ = 0;
   std::map<std::uint32_t, Segment> newest_;  // of each trajectory that was appended to here
 };

@@ -12,7 +12,6 @@
 namespace conav {
 namespace {
 
-constexpr int kLevel = 9;
 constexpr int kMaxWindowLog = 24;  // 16 MiB
 constexpr std::size_t kChunkBytes = std::size_t{64} * 1024;
 
@@ -46,9 +45,9 @@ struct ZstdFrame::Context {
   ~Context() { ZSTD_freeCCtx(handle); }
 };
 
-ZstdFrame::ZstdFrame() : context_(std::make_unique<Context>()) {
+ZstdFrame::ZstdFrame(int level) : context_(std::make_unique<Context>()) {
   if (context_->handle == nullptr) throw std::bad_alloc();
-  Must(ZSTD_CCtx_setParameter(context_->handle, ZSTD_c_compressionLevel, kLevel));
+  Must(ZSTD_CCtx_setParameter(context_->handle, ZSTD_c_compressionLevel, level));
   Must(ZSTD_CCtx_setParameter(context_->handle, ZSTD_c_checksumFlag, 1));
 }
 

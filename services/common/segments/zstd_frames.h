@@ -13,7 +13,7 @@ namespace conav {
 /// Makes one frame, with a checksum, of bytes that arrive in parts.
 class ZstdFrame {
  public:
-  ZstdFrame();
+  explicit ZstdFrame(int level = 9);
   ~ZstdFrame();
   void Add(std::string_view bytes);
   /// The frame. Call once, last.

@@ -3,10 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "common/segments/segment_labels.h"
-#include "common/svg/svg_canvas.h"
+#include "common/svg/map_panel.h"
 
 namespace conav::nhpm {
 namespace {
@@ -29,92 +28,66 @@ constexpr const char* kAdded = "stroke=\"#D55E00\" stroke-width=\"3\"";
 constexpr const char* kRemoved = "stroke=\"#009E73\" stroke-width=\"3\" fill=\"none\"";
 constexpr const char* kText = "font-size=\"13\" fill=\"#000000\"";
 
-/// Where a map lies on the canvas.
-struct Panel {
-  PixelPosition corner;
-  PixelPosition Corner(Cell cell) const {
-    return {corner.x + cell.column * kCellPixels, corner.y + cell.row * kCellPixels};
-  }
-  PixelPosition Middle(Cell cell) const {
-    return {corner.x + (cell.column + 0.5) * kCellPixels,
-            corner.y + (cell.row + 0.5) * kCellPixels};
-  }
-};
+constexpr CellStyles kCells{.wall = kWall, .free = kFree, .unknown = kUnseen};
+constexpr ArrowShape kCameraShape{.length = 0.75, .half_width = 0.3};
 
-void DrawCell(SvgCanvas& canvas, PixelPosition corner, const char* style) {
-  canvas.Rectangle(corner, kCellPixels - 1, kCellPixels - 1, style);
+void DrawCamera(const MapPanel& panel, const PerceptionQuery& query) {
+  panel.DrawArrow(panel.Middle(query.cell), query.heading_rad, kCameraShape, kCamera);
 }
 
-void DrawMap(SvgCanvas& canvas, const Panel& panel, const BeliefGrid& map) {
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    DrawCell(canvas, panel.Corner(map.CellAt(i)), map.values()[i] != 0.0F ? kWall : kFree);
-  }
+void DrawBefore(const MapPanel& panel, const PerceptionQuery& query) {
+  panel.DrawMap(query.belief, kCells);
+  panel.DrawPath(query.path, kPath);
+  DrawCamera(panel, query);
 }
 
-void DrawArrow(SvgCanvas& canvas, PixelPosition from, double heading_rad) {
-  const double x = std::cos(heading_rad);
-  const double y = -std::sin(heading_rad);  // pixels run down, the map's y runs up
-  constexpr double kLength = kCellPixels * 0.75;
-  constexpr double kHalfWidth = kCellPixels * 0.3;
-  canvas.Polygon({{from.x + x * kLength, from.y + y * kLength},
-                  {from.x - y * kHalfWidth, from.y + x * kHalfWidth},
-                  {from.x + y * kHalfWidth, from.y - x * kHalfWidth}},
-                 kCamera);
-}
-
-void DrawRobot(SvgCanvas& canvas, const Panel& panel, const PerceptionQuery& query) {
-  std::vector<PixelPosition> line;
-  for (const Cell cell : query.path) line.push_back(panel.Middle(cell));
-  canvas.Polyline(line, kPath);
-  DrawArrow(canvas, panel.Middle(query.cell), query.heading_rad);
-}
-
-void DrawShown(SvgCanvas& canvas, const Panel& panel, const PerceptionQuery& query) {
+void DrawShown(const MapPanel& panel, const PerceptionQuery& query) {
   for (std::size_t i = 0; i < query.belief.size(); ++i) {
-    DrawCell(canvas, panel.Corner(query.belief.CellAt(i)), kUnseen);
+    panel.DrawCell(query.belief.CellAt(i), kUnseen);
   }
-  for (const Cell cell : query.visible.free) DrawCell(canvas, panel.Corner(cell), kFree);
-  for (const Cell cell : query.visible.walls) DrawCell(canvas, panel.Corner(cell), kWall);
-  DrawArrow(canvas, panel.Middle(query.cell), query.heading_rad);
+  for (const Cell cell : query.visible.free) panel.DrawCell(cell, kFree);
+  for (const Cell cell : query.visible.walls) panel.DrawCell(cell, kWall);
+  DrawCamera(panel, query);
 }
 
 /// A cross: a wall was added. A ring: one was removed.
-void DrawEdit(SvgCanvas& canvas, PixelPosition middle, bool added) {
-  constexpr double kReach = kCellPixels * 0.3;
+void DrawEdit(const MapPanel& panel, PixelPosition middle, bool added) {
+  constexpr double kReach = 0.3;
   if (added) {
-    canvas.Cross(middle, kReach, kAdded);
+    panel.DrawCross(middle, kReach, kAdded);
   } else {
-    canvas.Circle(middle, kReach, kRemoved);
+    panel.DrawRing(middle, kReach, kRemoved);
   }
 }
 
-void DrawAfter(SvgCanvas& canvas, const Panel& panel, const Segment& segment) {
-  DrawMap(canvas, panel, segment.belief_after);
+void DrawAfter(const MapPanel& panel, const Segment& segment) {
+  panel.DrawMap(segment.belief_after, kCells);
   const EditLabels labels = LabelsOf(segment);
   for (std::size_t i = 0; i < labels.add.size(); ++i) {
     const bool added = labels.add.values()[i] != 0;
     if (!added && labels.remove.values()[i] == 0) continue;
-    DrawEdit(canvas, panel.Middle(labels.add.CellAt(i)), added);
+    DrawEdit(panel, panel.Middle(labels.add.CellAt(i)), added);
   }
 }
 
 void DrawSegment(SvgCanvas& canvas, const ChosenSegment& chosen, double top, double panel_width) {
   const Segment& segment = *chosen.segment;
   const auto panel = [&](int index) {
-    return Panel{{kMargin + index * (panel_width + kMargin), top + kLabelPixels}};
+    return MapPanel(canvas, {kMargin + index * (panel_width + kMargin), top + kLabelPixels},
+                    kCellPixels);
   };
   canvas.Text(
       {kMargin, top + 16},
       fmt::format("segment {}, trajectory {}, step {}, {}: {} edits", chosen.index,
                   chosen.trajectory, segment.step, ToText(chosen.origin), EditCount(segment)),
       kText);
-  DrawMap(canvas, panel(0), segment.query.belief);
-  DrawRobot(canvas, panel(0), segment.query);
-  DrawShown(canvas, panel(1), segment.query);
-  DrawAfter(canvas, panel(2), segment);
+  DrawBefore(panel(0), segment.query);
+  DrawShown(panel(1), segment.query);
+  DrawAfter(panel(2), segment);
 }
 
 void DrawLegend(SvgCanvas& canvas, double top) {
+  const MapPanel signs(canvas, {}, kCellPixels);
   const double y = top + 16;
   double x = kMargin;
   const auto next = [&](std::string_view label, double advance) {
@@ -127,11 +100,11 @@ void DrawLegend(SvgCanvas& canvas, double top) {
   next("not shown", 100);
   canvas.Polyline({{x - 2, y}, {x + 16, y}}, kPath);
   next("path", 64);
-  DrawArrow(canvas, {x + 2, y}, 0.0);
+  signs.DrawArrow({x + 2, y}, 0.0, kCameraShape, kCamera);
   next("camera", 82);
-  DrawEdit(canvas, {x + 8, y}, true);
+  DrawEdit(signs, {x + 8, y}, true);
   next("wall added", 104);
-  DrawEdit(canvas, {x + 8, y}, false);
+  DrawEdit(signs, {x + 8, y}, false);
   next("wall removed", 110);
 }
 

@@ -8,7 +8,7 @@
 namespace conav::nhpm {
 
 /// The operator's map before the picture.
-std::string MapPanel(const Segment& segment);
+std::string BeforePanel(const Segment& segment);
 
 /// The path since the last picture, the cells that the picture shows, and the camera.
 std::string ViewPanel(const Segment& segment);

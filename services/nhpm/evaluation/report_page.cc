@@ -84,7 +84,7 @@ std::string SegmentFigure(const EvaluationReport& report, const FigureSegment& c
   const Segment& segment = *AllSegments(report.data.test)[chosen.index];
   std::string html = fmt::format("<h3>Test segment {}: {}</h3>\n<div class=\"row\">\n",
                                  chosen.index, EscapeXml(chosen.reason));
-  html += Figure(MapPanel(segment), "Input: the operator's map");
+  html += Figure(BeforePanel(segment), "Input: the operator's map");
   html += Figure(ViewPanel(segment), "Input: path and picture");
   for (const char* key : {"glpf_test", "nhpm", "oracle"}) {
     const ModelRow* row = FindRow(report.rows, key);

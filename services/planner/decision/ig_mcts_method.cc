@@ -105,6 +105,9 @@ Decision IgMctsMethod::FromResult(const SearchResult& result, const Situation& s
   Decision decision;
   decision.report.actions = result.actions;
   decision.report.chosen = result.chosen;
+  decision.report.has_terms = result.has_terms;
+  decision.report.tree = result.tree;
+  decision.report.views = result.views;
   decision.report.iterations = result.iterations;
   decision.report.nodes = result.nodes;
   decision.report.perception_queries = result.perception_queries;

@@ -215,6 +215,7 @@ void RobotWorker::Publish(Decision decision, const Situation& situation, double 
     outputs_.way(state, situation.map, decision.plan);
     command_sent_at_ = clock_.Now();
     outputs_.command(command);
+    if (outputs_.decided) outputs_.decided(decision, situation);
   }
   if (decision.attention) Ask(decision, situation);
 }

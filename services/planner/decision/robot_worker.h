@@ -39,6 +39,8 @@ class RobotWorker {
     std::function<void(const RobotState&, const MapUpdate&, const std::vector<Cell>&)> way;
     /// What it wants of other robots, when that changed, for the planners of these; may be null.
     std::function<void(const RobotWay&)> wants = nullptr;
+    /// After the command of a decision was sent, its report complete; may be empty.
+    std::function<void(const Decision&, const Situation&)> decided = nullptr;
   };
 
   struct Options {

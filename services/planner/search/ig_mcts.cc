@@ -6,6 +6,7 @@
 
 #include "common/runtime/demand.h"
 #include "common/runtime/workers.h"
+#include "planner/search/reported_tree.h"
 #include "planner/search/rollout.h"
 #include "planner/search/search_budget.h"
 #include "planner/search/search_tree.h"
@@ -34,10 +35,10 @@ class Search {
         offered_(problem),
         information_(problem, offered_, model, options.view_questions),
         rollout_(options, path_, offered_, information_, random),
-        tree_(problem.start, NodesExpected(options)) {
+        tree_(problem.start, NodesExpected(options), options.report != SearchDetail::kActions) {
     if (memory == nullptr) return;
     auto branch = memory->BranchFor(problem, offered_, options, NodesExpected(options));
-    if (branch) tree_ = *std::move(branch);
+    if (branch && branch->keeps_terms() == tree_.keeps_terms()) tree_ = *std::move(branch);
   }
 
   /// Prepares the root. False when nothing can or need be decided.
@@ -55,6 +56,7 @@ class Search {
   int Select(int node);
   Result<int> Expand(int node);
   Result<double> Evaluate(int leaf);
+  void Backup(int leaf, double rollout_return);
 
   int UntriedAction(const Actions& actions, std::uint64_t tried);
   SearchNode Move(int parent, int action, const Edge& edge);
@@ -102,9 +104,9 @@ Result<void> Search::Iterate() {
     }
   }
   const Result<double> rollout_return = Evaluate(node);  // stage 3
+  if (rollout_return) Backup(node, *rollout_return);     // stage 4
   path_.TakeBack(0);
   if (!rollout_return) return tl::unexpected(rollout_return.error());
-  tree_.Backup(node, *rollout_return, options_);  // stage 4
   ++iterations_;
   return {};
 }
@@ -129,15 +131,31 @@ Result<int> Search::Expand(int node) {
   const Actions actions = offered_.At(tree_.node(node).vertex);
   DEMAND(actions.size() <= kMaxActions, actions.size());
   const int action = UntriedAction(actions, tree_.node(node).tried);
-  if (actions.IsMove(action)) return tree_.Add(Move(node, action, actions.MoveOf(action)));
-  auto child = Communicate(node, action, actions);
+  NodeTerms terms;
+  if (actions.IsMove(action)) {
+    const SearchNode child = Move(node, action, actions.MoveOf(action));
+    if (tree_.keeps_terms()) terms.reward = MoveTerms(path_, options_.reward);
+    return tree_.Add(child, terms);
+  }
+  const auto child = Communicate(node, action, actions);
   if (!child) return tl::unexpected(child.error());
-  return tree_.Add(*std::move(child));
+  if (tree_.keeps_terms()) {
+    terms.reward = CommunicationTerms(path_, child->information, options_.reward);
+  }
+  return tree_.Add(*child, terms);
 }
 
 Result<double> Search::Evaluate(int leaf) {
   if (tree_.node(leaf).is_terminal) return 0.0;
   return rollout_.Run(path_);
+}
+
+void Search::Backup(int leaf, double rollout_return) {
+  if (tree_.keeps_terms()) {
+    const bool rolled_out = !tree_.node(leaf).is_terminal;
+    tree_.BackupTerms(leaf, rolled_out ? rollout_.Terms(path_) : RewardTerms{}, options_);
+  }
+  tree_.Backup(leaf, rollout_return, options_);
 }
 
 int Search::UntriedAction(const Actions& actions, std::uint64_t tried) {
@@ -198,7 +216,9 @@ SearchResult Search::Report() {
     action.visits = node.visit_count;
     action.mean_value = node.mean();
     action.information_gain = node.information;
+    action.terms = tree_.MeanTerms(child);
   }
+  result.has_terms = tree_.keeps_terms();
   const int chosen = tree_.MostVisitedChild(SearchTree::kRoot);
   if (chosen >= 0) result.chosen = tree_.node(chosen).action;
   result.iterations = iterations_;
@@ -207,6 +227,10 @@ SearchResult Search::Report() {
   result.perception_calls = information_.counts().calls;
   result.perception_cached = information_.counts().cached;
   result.expected_path = ExpectedPath();
+  if (options_.report == SearchDetail::kTree) {
+    result.tree = MostVisitedNodes(tree_, problem_.graph, kMaxReportedNodes);
+    result.views = information_.Asked(kMaxReportedViews);
+  }
   return result;
 }
 
@@ -223,6 +247,8 @@ SearchAction Search::Describe(const Actions& actions, int action) const {
     described.target = problem_.graph.CellOf(problem_.start);
     described.heading_rad =
         problem_.graph.HeadingsAt(problem_.start)[static_cast<std::size_t>(view)];
+    // Also of a view that was withheld.
+    described.information_gain = information_.Known(path_, actions.ViewOf(action)).value_or(0.0);
   }
   return described;
 }
@@ -325,6 +351,7 @@ SearchResult Forest::Report() {
   if (sum.chosen < 0) return sum;
   const std::size_t surest = TreeWithMostVisits(of_tree, static_cast<std::size_t>(sum.chosen));
   sum.expected_path = trees_[surest]->ExpectedPath(sum.chosen);
+  sum.tree = std::move(of_tree[surest].tree);
   return sum;
 }
 

@@ -23,4 +23,22 @@ double CommunicationReward(const PathState& path, double information,
          options.communication_step;
 }
 
+RewardTerms MoveTerms(const PathState& path, const RewardOptions& options) {
+  RewardTerms terms;
+  (path.at_goal() ? terms.goals : terms.steps) = EnvironmentReward(path.at_goal(), options);
+  terms.progress = ProgressReward(path.progress(), options);
+  terms.guidance = GuidanceReward(path.guided_before(), path.on_guidance(), path.length());
+  terms.smoothness = SmoothnessReward(path.earlier_visits());
+  return terms;
+}
+
+RewardTerms CommunicationTerms(const PathState& path, double information,
+                               const RewardOptions& options) {
+  RewardTerms terms;
+  terms.information = information;
+  terms.communication = -CommunicationCost(path.unvisited_guidance(), options);
+  terms.steps = options.communication_step;
+  return terms;
+}
+
 }  // namespace conav::planner

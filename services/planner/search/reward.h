@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "common/protocol/search_report.h"
 #include "planner/search/path_state.h"
 
 namespace conav {
@@ -76,5 +77,11 @@ inline double MoveReward(const PathState& path, const RewardOptions& options) {
 /// Of sending a view: R_info - c. `information` is E||x' - x||_1 = ||p_add||_1 + ||p_remove||_1
 /// (section 5.2). No guidance or smoothness term, as no new state is entered.
 double CommunicationReward(const PathState& path, double information, const RewardOptions& options);
+
+/// The same two by what they are made of, for reports; sums are equal but for rounding. The step
+/// penalty of a communication counts as a step.
+RewardTerms MoveTerms(const PathState& path, const RewardOptions& options);
+RewardTerms CommunicationTerms(const PathState& path, double information,
+                               const RewardOptions& options);
 
 }  // namespace conav::planner

@@ -47,6 +47,7 @@ void Rollout::AddVertex(const PathState& path, VertexId vertex, const SearchOpti
 
 Result<double> Rollout::Run(PathState& path) {
   ++rollout_;
+  sent_information_ = kNoView;
   const int length = path.length();
   VertexId here = path.vertex();
   double rollout_return = 0.0;
@@ -71,6 +72,7 @@ Result<double> Rollout::Run(PathState& path) {
     weight *= options_.discount;
     if (vertices_[Index(here)].is_goal) break;
   }
+  steps_made_ = t;
   moves_made_ += static_cast<std::uint64_t>(t);
   return rollout_return;
 }
@@ -104,21 +106,43 @@ double Rollout::Enter(VertexId vertex, double progress, int length, const PathSt
          SmoothnessReward(earlier) + progress;
 }
 
+void Rollout::Repeat(int t, PathState& path) const {
+  const int move = steps_[Index(t)];
+  if (move == kStayed) {
+    path.Stay();
+  } else {
+    path.Go(offered_.edges()[Index(move)]);
+  }
+}
+
 Result<double> Rollout::Communicate(PathState& path, std::size_t view, int steps) {
+  steps_made_ = steps;
   moves_made_ += static_cast<std::uint64_t>(steps);
   const std::size_t before = path.steps();
-  for (int t = 0; t < steps; ++t) {
-    const int move = steps_[Index(t)];
-    if (move == kStayed) {
-      path.Stay();
-    } else {
-      path.Go(offered_.edges()[Index(move)]);
-    }
-  }
+  for (int t = 0; t < steps; ++t) Repeat(t, path);
   Result<double> reward = information_.Of(path, view);
-  if (reward) reward = CommunicationReward(path, *reward, options_.reward);
+  if (reward) {
+    sent_information_ = *reward;
+    reward = CommunicationReward(path, sent_information_, options_.reward);
+  }
   path.TakeBack(before);
   return reward;
+}
+
+RewardTerms Rollout::Terms(PathState& path) const {
+  RewardTerms terms;
+  double weight = 1.0;  // gamma^t
+  const std::size_t before = path.steps();
+  for (int t = 0; t < steps_made_; ++t) {
+    Repeat(t, path);
+    terms += weight * MoveTerms(path, options_.reward);
+    weight *= options_.discount;
+  }
+  if (sent_information_ != kNoView) {
+    terms += weight * CommunicationTerms(path, sent_information_, options_.reward);
+  }
+  path.TakeBack(before);
+  return terms;
 }
 
 }  // namespace conav::planner

@@ -30,6 +30,10 @@ class Rollout {
   /// offered. Errors: those of the perception model.
   [[nodiscard]] Result<double> Run(PathState& path);
 
+  /// What the return of the newest Run(), from `path`, is made of. Goes along its steps again, so
+  /// that the rollouts of a search that nobody asks need not know of terms.
+  RewardTerms Terms(PathState& path) const;
+
   /// Moves made so far, in all rollouts.
   std::uint64_t moves() const { return moves_made_; }
 
@@ -61,11 +65,15 @@ class Rollout {
     std::uint32_t is_free = 0;
   };
 
+  static constexpr double kNoView = -1.0;
+
   void AddVertex(const PathState& path, VertexId vertex, const SearchOptions& options);
   int DrawAction(const Vertex& at, std::uint32_t bits);
   bool CanGo(const Move& move, std::uint32_t bits, const PathState& path);
   /// The reward of being at `vertex` as the `length`-th state of tau (MoveReward).
   double Enter(VertexId vertex, double progress, int length, const PathState& path);
+  /// `path` makes step t of this rollout.
+  void Repeat(int t, PathState& path) const;
   [[nodiscard]] Result<double> Communicate(PathState& path, std::size_t view, int steps);
 
   const SearchOptions& options_;
@@ -74,11 +82,13 @@ class Rollout {
   SplitMix64 draws_;
   const LogTable& log_;
   std::vector<Vertex> vertices_;
-  std::vector<Move> moves_;        // of vertex 0, of vertex 1, ..., as OfferedActions::edges()
-  std::vector<Visits> visits_;     // by vertex
-  std::vector<Outcome> outcomes_;  // by uncertainty
-  std::vector<int> steps_;         // of this rollout: indices into moves_; -1 = stayed
-  std::uint32_t rollout_ = 0;      // number of the present one
+  std::vector<Move> moves_;            // of vertex 0, of vertex 1, ..., as OfferedActions::edges()
+  std::vector<Visits> visits_;         // by vertex
+  std::vector<Outcome> outcomes_;      // by uncertainty
+  std::vector<int> steps_;             // of this rollout: indices into moves_; -1 = stayed
+  int steps_made_ = 0;                 // of this rollout
+  double sent_information_ = kNoView;  // of the view that ended it
+  std::uint32_t rollout_ = 0;          // number of the present one
   std::uint64_t moves_made_ = 0;
 };
 

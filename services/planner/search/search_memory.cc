@@ -51,7 +51,8 @@ void CopyChildren(const SearchTree& tree, int from, const OfferedActions& offere
     node.parent = to;
     node.first_child = node.last_child = node.next_sibling = -1;
     node.tried = 0;
-    CopyChildren(tree, child, offered, 0.0, branch.Add(node), branch);
+    const int copy = branch.Add(node, tree.keeps_terms() ? tree.terms(child) : NodeTerms{});
+    CopyChildren(tree, child, offered, 0.0, copy, branch);
   }
 }
 
@@ -81,9 +82,14 @@ std::optional<SearchTree> SearchMemory::BranchFor(const SearchProblem& problem,
   const int from = BranchTo(kept_->tree, problem.start);
   if (from < 0) return std::nullopt;
   const SearchNode& old = kept_->tree.node(from);
-  SearchTree branch(problem.start, nodes_expected + kept_->tree.size());
+  SearchTree branch(problem.start, nodes_expected + kept_->tree.size(), kept_->tree.keeps_terms());
   // Nothing is gained by entering the root.
   branch.SetRootVisits(old.visit_count, old.total_return - old.visit_count * old.reward);
+  if (branch.keeps_terms()) {
+    RewardTerms total = kept_->tree.terms(from).total;
+    total += -1.0 * old.visit_count * kept_->tree.terms(from).reward;
+    branch.SetRootTerms(total);
+  }
   CopyChildren(kept_->tree, from, offered, options.min_information, SearchTree::kRoot, branch);
   return branch;
 }

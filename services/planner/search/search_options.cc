@@ -40,6 +40,7 @@ void SearchOptions::Visit(ConfigReader& reader) {
   reader.Field("min_information", min_information, 0.0, 1e6);
   reader.Field("rollout_communication_probability", rollout_communication_probability, -1.0, 1.0);
   reader.Section("reward", reward);
+  EnumField(reader, "report", report, {"actions", "terms", "tree"});
 }
 
 SearchOptions PaperOptions() {

@@ -29,6 +29,13 @@ enum class TreeReuse {
   kPruned,     // the branch, without what its map has ruled out since
 };
 
+/// What a search tells of itself beside its choice.
+enum class SearchDetail {
+  kActions,  // visits and value of each root action
+  kTerms,    // and what the values are made of
+  kTree,     // and the most visited nodes, and the views that were asked about
+};
+
 /// What is asked of the perception model when a view of a place is wanted. The root's views are
 /// asked about in one batch, before the first iteration.
 enum class ViewQuestions {
@@ -71,6 +78,8 @@ struct SearchOptions {
   /// Probability that a rollout step communicates; below 0 = uniform over all actions (A6).
   double rollout_communication_probability = -1.0;
   RewardOptions reward;
+  /// Changes no decision.
+  SearchDetail report = SearchDetail::kTerms;
 
   void Visit(ConfigReader& reader);
 };

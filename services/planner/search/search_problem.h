@@ -38,6 +38,7 @@ struct SearchProblem {
 struct SearchResult {
   /// Actions of the root in their fixed order: moves, then views. Those never tried have 0 visits.
   std::vector<SearchAction> actions;
+  bool has_terms = false;
   int chosen = -1;  // index into actions; -1 = nothing can be done, or no goal is left
   std::uint32_t iterations = 0;
   std::uint32_t nodes = 0;
@@ -47,6 +48,9 @@ struct SearchResult {
   /// Cells entered along the most visited actions, nearest first; ends where that line sends a
   /// picture, reaches a goal or was not searched further.
   std::vector<Cell> expected_path;
+  /// With SearchDetail::kTree; of several trees the one that visited the chosen action most.
+  std::vector<ReportedNode> tree;
+  std::vector<ReportedView> views;
 };
 
 }  // namespace conav::planner

@@ -7,12 +7,20 @@
 
 namespace conav::planner {
 
-SearchTree::SearchTree(VertexId start, std::size_t nodes_expected) {
+SearchTree::SearchTree(VertexId start, std::size_t nodes_expected, bool keeps_terms) {
   nodes_.reserve(nodes_expected + 1);
   nodes_.emplace_back().vertex = start;
+  if (!keeps_terms) return;
+  terms_.reserve(nodes_expected + 1);
+  terms_.emplace_back();
 }
 
-int SearchTree::Add(SearchNode node) {
+RewardTerms SearchTree::MeanTerms(int index) const {
+  if (!keeps_terms() || node(index).visit_count == 0) return {};
+  return 1.0 / node(index).visit_count * terms(index).total;
+}
+
+int SearchTree::Add(SearchNode node, const NodeTerms& terms) {
   DEMAND(node.parent >= 0 && node.action >= 0 && node.action < kMaxActions, node.parent,
          node.action);
   const int index = static_cast<int>(nodes_.size());
@@ -26,6 +34,7 @@ int SearchTree::Add(SearchNode node) {
   }
   parent.last_child = index;
   nodes_.push_back(node);
+  if (keeps_terms()) terms_.push_back(terms);
   return index;
 }
 
@@ -64,6 +73,21 @@ void SearchTree::Backup(int leaf, double rollout_return, const SearchOptions& op
     v.total_return += options.backup == BackupRule::kPropagatedSample ? sample : rollout_return;
     ++v.visit_count;
     feasibility = v.feasibility;
+  }
+}
+
+void SearchTree::BackupTerms(int leaf, const RewardTerms& rollout_return,
+                             const SearchOptions& options) {
+  RewardTerms sample = rollout_return;
+  double feasibility = 1.0;
+  for (int index = leaf; index >= 0; index = node(index).parent) {
+    NodeTerms& v = terms_[static_cast<std::size_t>(index)];
+    RewardTerms next = options.discount * feasibility * sample;
+    if (feasibility < 1.0) next += options.discount * (1.0 - feasibility) * MeanTerms(index);
+    next += v.reward;
+    sample = next;
+    v.total += options.backup == BackupRule::kPropagatedSample ? sample : rollout_return;
+    feasibility = node(index).feasibility;
   }
 }
 

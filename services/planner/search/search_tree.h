@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/protocol/search_report.h"
 #include "common/runtime/random.h"
 #include "planner/search/search_options.h"
 
@@ -38,24 +39,40 @@ struct SearchNode {
   double mean() const { return visit_count > 0 ? total_return / visit_count : 0.0; }
 };
 
+/// What a node's reward and its returns are made of: `reward` of r(v), `total` of Q(v).
+struct NodeTerms {
+  RewardTerms reward;
+  RewardTerms total;
+};
+
 /// The tree and what needs no knowledge of the world: selection by UCB, backup, choice.
 class SearchTree {
  public:
   static constexpr int kRoot = 0;
 
-  /// `nodes_expected`: so many are added without allocating memory.
-  explicit SearchTree(VertexId start, std::size_t nodes_expected = 0);
+  /// `nodes_expected`: so many are added without allocating memory. `keeps_terms`: beside each node
+  /// its NodeTerms, for reports.
+  explicit SearchTree(VertexId start, std::size_t nodes_expected = 0, bool keeps_terms = false);
 
   const SearchNode& node(int index) const { return nodes_[static_cast<std::size_t>(index)]; }
   std::size_t size() const { return nodes_.size(); }
 
-  /// Appends `node` as last child of its parent; returns its number.
-  int Add(SearchNode node);
+  bool keeps_terms() const { return !terms_.empty(); }
+  /// Requires keeps_terms().
+  const NodeTerms& terms(int index) const { return terms_[static_cast<std::size_t>(index)]; }
+  /// Terms of Q/N; zeros while unvisited or when no terms are kept.
+  RewardTerms MeanTerms(int index) const;
+
+  /// Appends `node` as last child of its parent; returns its number. `terms` are kept or dropped.
+  int Add(SearchNode node, const NodeTerms& terms = {});
 
   /// What is known of the root from an earlier tree.
   void SetRootVisits(std::uint32_t visit_count, double total_return) {
     mutable_node(kRoot).visit_count = visit_count;
     mutable_node(kRoot).total_return = total_return;
+  }
+  void SetRootTerms(const RewardTerms& total) {
+    if (keeps_terms()) terms_[kRoot].total = total;
   }
 
   /// Never expands `action` of `node`.
@@ -70,6 +87,10 @@ class SearchTree {
   /// with delta = 1 at the leaf and the child's feasibility above.
   void Backup(int leaf, double rollout_return, const SearchOptions& options);
 
+  /// The same for the terms of the return; before Backup(), whose old means it needs. Requires
+  /// keeps_terms().
+  void BackupTerms(int leaf, const RewardTerms& rollout_return, const SearchOptions& options);
+
   /// The child that `action` leads to; -1 when it was not tried.
   int ChildBy(int parent, int action) const;
 
@@ -80,6 +101,7 @@ class SearchTree {
   SearchNode& mutable_node(int index) { return nodes_[static_cast<std::size_t>(index)]; }
 
   std::vector<SearchNode> nodes_;
+  std::vector<NodeTerms> terms_;  // by node, or empty
 };
 
 }  // namespace conav::planner

@@ -1,6 +1,9 @@
 #include "planner/search/sum_of_trees.h"
 
 #include <algorithm>
+#include <utility>
+
+#include "planner/search/reported_tree.h"
 
 namespace conav::planner {
 namespace {
@@ -8,13 +11,17 @@ namespace {
 void AddAction(const SearchAction& of_tree, SearchAction& sum) {
   if (of_tree.visits == 0) return;
   const double total_return = sum.mean_value * sum.visits + of_tree.mean_value * of_tree.visits;
+  RewardTerms terms = static_cast<double>(sum.visits) * sum.terms;
+  terms += static_cast<double>(of_tree.visits) * of_tree.terms;
   sum.visits += of_tree.visits;
+  sum.terms = 1.0 / sum.visits * terms;
   sum.mean_value = total_return / sum.visits;
   sum.information_gain = std::max(sum.information_gain, of_tree.information_gain);
 }
 
 void AddTree(const SearchResult& tree, SearchResult& sum) {
   for (std::size_t i = 0; i < tree.actions.size(); ++i) AddAction(tree.actions[i], sum.actions[i]);
+  sum.views.insert(sum.views.end(), tree.views.begin(), tree.views.end());
   sum.iterations += tree.iterations;
   sum.nodes += tree.nodes;
   sum.perception_queries += tree.perception_queries;
@@ -42,6 +49,8 @@ int MostVisited(std::span<const SearchAction> actions) {
 SearchResult SumOfTrees(std::span<const SearchResult> trees) {
   SearchResult sum = trees.front();
   for (const SearchResult& tree : trees.subspan(1)) AddTree(tree, sum);
+  sum.views = MostOfEach(std::move(sum.views), kMaxReportedViews);
+  sum.tree.clear();
   sum.expected_path.clear();
   sum.chosen = MostVisited(sum.actions);
   return sum;

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "common/runtime/demand.h"
+#include "planner/search/reported_tree.h"
 
 namespace conav::planner {
 namespace {
@@ -63,6 +65,28 @@ Result<void> ViewInformation::AskAll(const PathState& path) {
   const Place& place = PlaceAt(path);
   const std::size_t views = offered_.At(place.vertex).views.size();
   return views == 0 ? Result<void>() : Ask(path, place, 0, views);
+}
+
+std::optional<double> ViewInformation::Known(const PathState& path, std::size_t index) const {
+  const std::int32_t number = slots_[SlotOf(path)];
+  if (number == kEmpty) return std::nullopt;
+  const double edits = edits_[places_[static_cast<std::size_t>(number)].first_edit + index];
+  return std::isnan(edits) ? std::nullopt : std::optional(edits);
+}
+
+std::vector<ReportedView> ViewInformation::Asked(std::size_t limit) const {
+  std::vector<ReportedView> asked;
+  for (const Place& place : places_) {
+    const auto views = offered_.At(place.vertex).views;
+    const auto headings = problem_.graph.HeadingsAt(place.vertex);
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      const double edits = edits_[place.first_edit + i];
+      if (std::isnan(edits)) continue;
+      asked.push_back({problem_.graph.CellOf(place.vertex),
+                       headings[static_cast<std::size_t>(views[i])], edits});
+    }
+  }
+  return MostOfEach(std::move(asked), limit);
 }
 
 const ViewInformation::Place& ViewInformation::PlaceAt(const PathState& path) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -40,6 +41,13 @@ class ViewInformation {
 
   /// Asks for all views offered at the end of `path` that are not known yet, in one batch.
   [[nodiscard]] Result<void> AskAll(const PathState& path);
+
+  /// Of the same view, if it was asked about already; counts as no look-up.
+  std::optional<double> Known(const PathState& path, std::size_t index) const;
+
+  /// Every view that was asked about, with the most that it was worth on any path; by cell, then
+  /// heading. At most `limit`, those worth most.
+  std::vector<ReportedView> Asked(std::size_t limit) const;
 
   const Counts& counts() const { return counts_; }
 

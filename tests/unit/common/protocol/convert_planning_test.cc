@@ -62,6 +62,48 @@ TEST_CASE("A malformed search report is refused", "[protocol][convert]") {
       "actions has size 4097, more than 4096");
 }
 
+TEST_CASE("A search report with a tree that is none is refused", "[protocol][convert]") {
+  CheckRefused(
+      SampleReport(), [](Report& m) { m.actions()[1].terms().guidance(NAN); },
+      "actions[1].terms.guidance = nan is not finite");
+  CheckRefused(
+      SampleReport(), [](Report& m) { m.tree()[0].parent(0); }, "tree[0].parent = 0 is not -1");
+  CheckRefused(
+      SampleReport(), [](Report& m) { m.tree()[1].parent(-1); },
+      "tree[1].parent = -1 is not in [0, 0]");
+  CheckRefused(
+      SampleReport(), [](Report& m) { m.tree()[1].parent(1); },
+      "tree[1].parent = 1 is not in [0, 0]");
+  CheckRefused(
+      SampleReport(), [](Report& m) { m.tree()[1].kind(3); }, "tree[1].kind = 3 is not in [1, 2]");
+  CheckRefused(
+      SampleReport(), [](Report& m) { m.tree()[1].heading(NAN); },
+      "tree[1].heading = nan is not finite");
+  CheckRefused(
+      SampleReport(), [](Report& m) { m.tree()[0].mean_value(NAN); },
+      "tree[0].mean_value = nan is not finite");
+  CheckRefused(
+      SampleReport(), [](Report& m) { m.tree()[0].feasibility(-0.5); },
+      "tree[0].feasibility = -0.5 is not in [0, 1]");
+  CheckRefused(
+      SampleReport(), [](Report& m) { m.tree()[0].target().column(1024); },
+      "tree[0].target = (1,1024) is outside of 1024 x 1024 cells");
+  CheckRefused(
+      SampleReport(), [](Report& m) { m.tree().resize(257); }, "tree has size 257, more than 256");
+}
+
+TEST_CASE("A search report with views that are none is refused", "[protocol][convert]") {
+  CheckRefused(
+      SampleReport(), [](Report& m) { m.views()[1].cell().row(-1); },
+      "views[1].cell = (-1,2) is outside of 1024 x 1024 cells");
+  CheckRefused(
+      SampleReport(), [](Report& m) { m.views()[0].information_gain(-1.0); },
+      "views[0].information_gain = -1 is not in [0, 1.7976931348623157e+308]");
+  CheckRefused(
+      SampleReport(), [](Report& m) { m.views().resize(513); },
+      "views has size 513, more than 512");
+}
+
 TEST_CASE("A malformed perception request is refused", "[protocol][convert]") {
   CheckRefused(
       SampleRequest(), [](Request& m) { m.client("a b"); },

@@ -15,7 +15,7 @@ std::size_t Count(std::string_view text, std::string_view part) {
 }
 
 TEST_CASE("The map has a square per cell", "[nhpm][report_figure]") {
-  const std::string svg = MapPanel(EmptySegment(4, 5));
+  const std::string svg = BeforePanel(EmptySegment(4, 5));
   CHECK(Count(svg, "class=\"wall\"") == 14);
   CHECK(Count(svg, "class=\"free\"") == 6);
 }

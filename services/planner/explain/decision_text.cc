@@ -1,0 +1,139 @@
+#include "planner/explain/decision_text.h"
+
+#include <fmt/format.h>
+
+#include <array>
+
+#include "planner/explain/action_names.h"
+#include "planner/explain/explanation.h"
+
+namespace conav::planner {
+namespace {
+
+std::string CellsText(const std::vector<Cell>& cells) {
+  std::string text;
+  for (const Cell cell : cells) text += fmt::format(" {}", cell);
+  return text;
+}
+
+std::string SituationText(const DecisionRecord& decision) {
+  const SearchReport& report = decision.report;
+  const std::string guidance =
+      decision.guidance.empty()
+          ? std::string("no guidance")
+          : fmt::format("guidance revision {}: {} cells to {}", report.guidance_revision,
+                        decision.guidance.size(), decision.guidance.back());
+  return fmt::format(
+      "decision {} of {} in {} at {:.2f} s, method {}\n"
+      "cell {}, {} goals left:{}; {} cells since the last picture\n"
+      "operator's map revision {}; {}\n",
+      report.decision, report.robot, report.world, report.stamp.ToSeconds(), report.method,
+      report.cell, decision.goals_left.size(), CellsText(decision.goals_left), decision.path.size(),
+      report.belief_revision, guidance);
+}
+
+std::string SearchText(const SearchReport& report) {
+  return fmt::format(
+      "search: {} iterations, {} nodes, {} queries to {} ({} more looked up), {:.1f} ms\n",
+      report.iterations, report.nodes, report.perception_queries, report.perception_model,
+      report.perception_cached, report.duration_ms);
+}
+
+// As Named(), short.
+constexpr std::array kColumns{"goals",    "steps",     "progress", "guidance",
+                              "smoothn.", "informat.", "communic."};
+
+std::string HeaderRow(bool has_terms) {
+  std::string row = fmt::format("\n  {:26} {:>7} {:>9}", "action", "visits", "value");
+  if (has_terms) {
+    row += " =";
+    for (const char* name : kColumns) row += fmt::format(" {:>9}", name);
+  }
+  return row + fmt::format(" {:>9}\n", "feasible");
+}
+
+std::string ActionRow(const SearchAction& action, const DecisionRecord& decision) {
+  const char mark = IsSameCommand(action, decision.taken) ? '*' : ' ';
+  std::string row = fmt::format("{} {:26}", mark, ActionName(action, decision.report.cell));
+  if (action.visits == 0) {
+    return row +
+           (action.kind == CommandKind::kTransmitView
+                ? fmt::format("   not tried: {:.2f} cells expected\n", action.information_gain)
+                : std::string("   not tried\n"));
+  }
+  row += fmt::format(" {:7} {:9.2f}", action.visits, action.mean_value);
+  if (decision.report.has_terms) {
+    row += "  ";
+    // + 0.0: no "-0.00" for a term that plays no part.
+    for (const auto& [name, value] : Named(action.terms))
+      row += fmt::format(" {:9.2f}", value + 0.0);
+  }
+  return row + fmt::format(" {:9.2f}\n", action.feasibility);
+}
+
+std::string TableText(const DecisionRecord& decision) {
+  std::string text = HeaderRow(decision.report.has_terms);
+  for (const SearchAction& action : RankedActions(decision.report)) {
+    text += ActionRow(action, decision);
+  }
+  if (!decision.report.has_terms) {
+    text +=
+        "(what the values are made of was not recorded: planner.search.report: terms or tree)\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string DecisionText(const DecisionRecord& decision) {
+  std::string text = SituationText(decision);
+  if (decision.has_search()) {
+    text += SearchText(decision.report);
+    text += TableText(decision);
+  } else {
+    text += fmt::format("command: {}\n", ActionName(decision.taken, decision.report.cell));
+  }
+  text += "\n";
+  for (const std::string& sentence : Why(decision)) text += sentence + "\n";
+  return text;
+}
+
+DecisionSummary Summarise(const DecisionRecord& decision) {
+  const SearchReport& report = decision.report;
+  DecisionSummary summary{.robot = report.robot,
+                          .number = report.decision,
+                          .time_s = report.stamp.ToSeconds(),
+                          .cell = report.cell,
+                          .action = ActionName(decision.taken, report.cell),
+                          .picture = decision.sends_picture(),
+                          .searched = decision.has_search()};
+  const SearchAction* taken = TakenAction(decision);
+  if (!summary.searched || taken == nullptr) return summary;
+  double visits = 0.0;
+  for (const SearchAction& action : report.actions) visits += action.visits;
+  if (visits > 0.0) summary.visit_share = taken->visits / visits;
+  summary.value = taken->mean_value;
+  summary.margin = Margin(decision);
+  summary.information_gain = taken->information_gain;
+  return summary;
+}
+
+std::string ListText(std::span<const DecisionSummary> decisions) {
+  std::string text =
+      fmt::format("{:8} {:>8} {:>9}  {:9} {:26} {:>7} {:>9} {:>9}\n", "robot", "decision", "time s",
+                  "cell", "action", "visits", "value", "margin");
+  for (const DecisionSummary& one : decisions) {
+    text += fmt::format("{:8} {:8} {:9.2f}  {:9} ", one.robot, one.number, one.time_s,
+                        fmt::format("{}", one.cell));
+    if (!one.searched) {
+      text += fmt::format("{:26} no search\n", one.action);
+      continue;
+    }
+    text += fmt::format("{:26} {:5.0f} % {:9.2f} {:9.2f}", one.action, 100.0 * one.visit_share,
+                        one.value, one.margin);
+    text += one.picture ? fmt::format("  {:.2f} cells expected\n", one.information_gain) : "\n";
+  }
+  return text;
+}
+
+}  // namespace conav::planner

@@ -1,0 +1,199 @@
+#include "planner/explain/explanation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "planner/explain/action_names.h"
+
+namespace conav::planner {
+namespace {
+
+bool IsBetter(const SearchAction& a, const SearchAction& b) {
+  if (a.visits != b.visits) return a.visits > b.visits;
+  return a.mean_value > b.mean_value;
+}
+
+bool IsPicture(const SearchAction& action) { return action.kind == CommandKind::kTransmitView; }
+
+/// The best of the actions that `admits`; null when none was tried.
+template <class Predicate>
+const SearchAction* BestOf(const SearchReport& report, Predicate&& admits) {
+  const SearchAction* best = nullptr;
+  for (const SearchAction& action : report.actions) {
+    if (action.visits == 0 || !admits(action)) continue;
+    if (best == nullptr || IsBetter(action, *best)) best = &action;
+  }
+  return best;
+}
+
+std::string NoSearch(const DecisionRecord& decision) {
+  if (decision.report.method == "ig-mcts") {
+    return "No search was made for this decision: the robot made room for another robot.";
+  }
+  return fmt::format(
+      "Method {} makes no search: it compares no actions, so there are no values to explain.",
+      decision.report.method);
+}
+
+/// "12.30 less", "0.50 more".
+std::string Difference(double difference) {
+  return fmt::format("{:.2f} {}", std::abs(difference), difference < 0.0 ? "less" : "more");
+}
+
+/// The terms that make `other` worth less than `taken`, or more, the largest first; two at most.
+std::string WhichTerms(const SearchAction& taken, const SearchAction& other) {
+  NamedTerms differences = Named(other.terms);
+  const NamedTerms of_taken = Named(taken.terms);
+  for (std::size_t i = 0; i < differences.size(); ++i) differences[i].second -= of_taken[i].second;
+  const double sign = other.mean_value < taken.mean_value ? -1.0 : 1.0;
+  std::sort(differences.begin(), differences.end(),
+            [&](const auto& a, const auto& b) { return sign * a.second > sign * b.second; });
+  std::string text;
+  for (std::size_t i = 0; i < 2 && sign * differences[i].second >= 0.005; ++i) {
+    text += fmt::format("{}{} ({:+.2f})", text.empty() ? "" : " and ", differences[i].first,
+                        differences[i].second);
+  }
+  return text.empty() ? text : ", most by " + text;
+}
+
+std::string Choice(const DecisionRecord& decision, const SearchAction& taken) {
+  const SearchReport& report = decision.report;
+  std::uint32_t visits = 0;
+  for (const SearchAction& action : report.actions) visits += action.visits;
+  std::string text =
+      fmt::format("Taken: {}, visited {} of {} times, worth {:.2f}.",
+                  ActionName(taken, report.cell), taken.visits, visits, taken.mean_value);
+  const SearchAction* preferred =
+      report.chosen < 0 ? nullptr : &report.actions[static_cast<std::size_t>(report.chosen)];
+  if (preferred != nullptr && !IsSameCommand(*preferred, taken)) {
+    text += fmt::format(" The search preferred {}, visited {} times; the method decided otherwise.",
+                        ActionName(*preferred, report.cell), preferred->visits);
+  }
+  return text;
+}
+
+std::string AgainstRunnerUp(const DecisionRecord& decision, const SearchAction& taken) {
+  const SearchAction* other = RunnerUp(decision);
+  if (other == nullptr) return "No other action was tried.";
+  const double difference = other->mean_value - taken.mean_value;
+  std::string text =
+      fmt::format("The runner-up, {} ({} visits), is worth {}",
+                  ActionName(*other, decision.report.cell), other->visits, Difference(difference));
+  if (decision.report.has_terms) text += WhichTerms(taken, *other);
+  return text + (difference > 0.0 ? "; the search takes the most visited action, not the one with "
+                                    "the highest mean."
+                                  : ".");
+}
+
+int UnvisitedGuidance(const DecisionRecord& decision) {
+  std::vector<Cell> cells = decision.guidance;
+  std::sort(cells.begin(), cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  return static_cast<int>(std::count_if(cells.begin(), cells.end(), [&](Cell cell) {
+    return std::find(decision.path.begin(), decision.path.end(), cell) == decision.path.end();
+  }));
+}
+
+/// What a picture was expected to change, and its price.
+std::string Price(const DecisionRecord& decision, const SearchAction& picture) {
+  const double cost = picture.information_gain - picture.mean_value;
+  const int unvisited = UnvisitedGuidance(decision);
+  return fmt::format(
+      "was expected to change {:.2f} cells of the operator's map and costs {:.2f} ({:.2f} and {} "
+      "cells of the operator's path still ahead)",
+      picture.information_gain, cost, cost - unvisited, unvisited);
+}
+
+std::string NoPictures(const SearchReport& report) {
+  double most = -1.0;
+  for (const SearchAction& action : report.actions) {
+    if (IsPicture(action)) most = std::max(most, action.information_gain);
+  }
+  if (most < 0.0) return "No picture was offered here: each was sent, and nothing changed since.";
+  return fmt::format("No picture was considered: each promised too little, {:.2f} cells at most.",
+                     most);
+}
+
+std::string AgainstMove(const DecisionRecord& decision, const SearchAction& picture,
+                        const SearchAction& move) {
+  return fmt::format("Moving on ({}) was worth {:.2f}: {} than the picture{}.",
+                     ActionName(move, decision.report.cell), move.mean_value,
+                     Difference(move.mean_value - picture.mean_value),
+                     decision.report.has_terms ? WhichTerms(picture, move) : "");
+}
+
+std::string AboutPictures(const DecisionRecord& decision, const SearchAction& taken) {
+  const SearchReport& report = decision.report;
+  if (IsPicture(taken)) {
+    const SearchAction* move =
+        BestOf(report, [](const auto& action) { return !IsPicture(action); });
+    const std::string alternative =
+        move == nullptr ? "There was no way to move." : AgainstMove(decision, taken, *move);
+    return fmt::format("The picture {}. {}", Price(decision, taken), alternative);
+  }
+  const SearchAction* picture = nullptr;
+  for (const SearchAction& action : report.actions) {
+    if (!IsPicture(action) || action.visits == 0) continue;
+    if (picture == nullptr || action.mean_value > picture->mean_value) picture = &action;
+  }
+  if (picture == nullptr) return NoPictures(report);
+  const double difference = picture->mean_value - taken.mean_value;
+  return fmt::format("The best picture, to the {}, {}: worth {:.2f}, {} than the move{}.",
+                     HeadingName(picture->heading_rad), Price(decision, *picture),
+                     picture->mean_value, Difference(difference),
+                     difference < 0.0 ? "; it was not worth its cost" : "");
+}
+
+}  // namespace
+
+NamedTerms Named(const RewardTerms& terms) {
+  return {{{"goals", terms.goals},
+           {"steps", terms.steps},
+           {"progress", terms.progress},
+           {"guidance", terms.guidance},
+           {"smoothness", terms.smoothness},
+           {"information", terms.information},
+           {"communication", terms.communication}}};
+}
+
+std::vector<SearchAction> RankedActions(const SearchReport& report) {
+  std::vector<SearchAction> actions = report.actions;
+  std::stable_sort(actions.begin(), actions.end(), IsBetter);
+  return actions;
+}
+
+const SearchAction* TakenAction(const DecisionRecord& decision) {
+  for (const SearchAction& action : decision.report.actions) {
+    if (IsSameCommand(action, decision.taken)) return &action;
+  }
+  return nullptr;
+}
+
+const SearchAction* RunnerUp(const DecisionRecord& decision) {
+  return BestOf(decision.report,
+                [&](const SearchAction& action) { return !IsSameCommand(action, decision.taken); });
+}
+
+double Margin(const DecisionRecord& decision) {
+  const SearchAction* taken = TakenAction(decision);
+  const SearchAction* other = RunnerUp(decision);
+  if (taken == nullptr || other == nullptr) return 0.0;
+  return taken->mean_value - other->mean_value;
+}
+
+std::vector<std::string> Why(const DecisionRecord& decision) {
+  if (!decision.has_search()) return {NoSearch(decision)};
+  const SearchAction* taken = TakenAction(decision);
+  if (taken == nullptr) {
+    return {
+        fmt::format("What was commanded, {}, is none of the search's actions: the method "
+                    "decided otherwise.",
+                    ActionName(decision.taken, decision.report.cell))};
+  }
+  return {Choice(decision, *taken), AgainstRunnerUp(decision, *taken),
+          AboutPictures(decision, *taken)};
+}
+
+}  // namespace conav::planner

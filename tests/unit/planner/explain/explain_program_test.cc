@@ -1,0 +1,130 @@
+// conav-explain as its users see it.
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "planner/record/decision_log.h"
+#include "support/program_desk.h"
+#include "unit/planner/record/sample_decision.h"
+#include "xml_check.h"
+
+namespace conav::planner {
+namespace {
+
+DecisionRecord Of(const std::string& robot, DecisionRecord decision) {
+  decision.report.robot = robot;
+  return decision;
+}
+
+/// A run folder `run` with the decisions 12 and 13 of r1, the second a picture, and others of r2.
+class Desk : public test::ProgramDesk {
+ public:
+  explicit Desk(const std::vector<DecisionRecord>& others = {}) : ProgramDesk("conav-explain") {
+    std::filesystem::create_directories(*this / "run");
+    auto log = DecisionLog::Open(file());
+    REQUIRE(log);
+    REQUIRE(log->Append(SampleDecision()));
+    REQUIRE(log->Append(SamplePicture(13)));
+    for (const DecisionRecord& other : others) REQUIRE(log->Append(other));
+  }
+  std::filesystem::path file() const { return *this / "run/decisions.pb.zst"; }
+};
+
+TEST_CASE("conav explain lists the decisions of a run", "[planner][explain]") {
+  const Desk desk;
+  const auto all = desk.Run("run");
+  CHECK(all.exit_code == 0);
+  CHECK_THAT(all.out, Catch::Contains("move east to (2,3)"));
+  CHECK_THAT(all.out, Catch::Contains("picture to the north"));
+  const auto pictures = desk.Run("run --pictures --json -");
+  CHECK(pictures.exit_code == 0);
+  const auto json = nlohmann::json::parse(pictures.out);
+  REQUIRE(json.size() == 1);
+  CHECK(json[0].at("decision") == 13);
+  CHECK_THAT(pictures.error, Catch::Contains("picture to the north"));
+  CHECK_THAT(desk.Run("run --decision 1..12").out, !Catch::Contains("picture"));
+  CHECK(desk.Run("run/decisions.pb.zst").out == all.out);
+}
+
+TEST_CASE("conav explain explains one decision and draws it", "[planner][explain]") {
+  const Desk desk;
+  const auto one = desk.Run("run --decision 13 --svg why.svg --json why.json");
+  INFO(one.text());
+  CHECK(one.exit_code == 0);
+  CHECK_THAT(one.out, Catch::Contains("Taken: picture to the north"));
+  const std::string svg = ReadFile(desk / "why.svg").value();
+  CHECK(test::XmlError(svg) == "");
+  const auto json = nlohmann::json::parse(ReadFile(desk / "why.json").value());
+  CHECK(json.at("decision") == 13);
+  CHECK(desk.Run("run --decision 13 --svg -").out == svg);
+}
+
+TEST_CASE("with several robots it wants to know which", "[planner][explain]") {
+  const Desk desk({Of("r2", SampleDecision())});
+  const auto unclear = desk.Run("run --decision 12");
+  CHECK(unclear.exit_code == 2);
+  CHECK_THAT(unclear.error, Catch::Contains("--robot"));
+  CHECK_THAT(desk.Run("run --decision 12 --robot r2").out, Catch::StartsWith("decision 12 of r2"));
+  CHECK(desk.Run("run --decision 13").exit_code == 0);  // only r1 has it
+}
+
+TEST_CASE("of several decisions with one number the last is shown, and it is said",
+          "[planner][explain]") {
+  const Desk desk({SamplePicture(12)});
+  const auto one = desk.Run("run --decision 12");
+  CHECK(one.exit_code == 0);
+  CHECK_THAT(one.error, Catch::Contains("there are 2 of this number"));
+  CHECK_THAT(one.out, Catch::Contains("Taken: picture"));
+}
+
+TEST_CASE("several planners' files make one run", "[planner][explain]") {
+  const Desk desk;
+  auto other = DecisionLog::Open(desk / "run/decisions-planner-2.pb.zst");
+  REQUIRE(other);
+  REQUIRE(other->Append(Of("r2", SampleDecision())));
+  CHECK(desk.Run("run --robot r2 --decision 12").exit_code == 0);
+}
+
+TEST_CASE("what is not there is told, with what is", "[planner][explain]") {
+  const Desk desk;
+  const auto fails = [&](const std::string& arguments) {
+    const auto outcome = desk.Run(arguments);
+    CHECK(outcome.exit_code == 1);
+    CHECK(outcome.out.empty());
+    return outcome.error;
+  };
+  CHECK(fails("run --decision 14") == "conav explain: run: no decision 14; recorded: r1 12..13\n");
+  CHECK(fails("run --robot r7") == "conav explain: run: no robot r7; recorded: r1 12..13\n");
+  CHECK(fails("run --robot r1 --decision 1..5") ==
+        "conav explain: run: no such decisions of r1; recorded: r1 12..13\n");
+  CHECK_THAT(fails("run --decision 12 --pictures"), Catch::Contains("that sent a picture"));
+  CHECK_THAT(fails("nowhere"), Catch::Contains("nowhere"));
+  std::filesystem::remove(desk.file());
+  CHECK_THAT(fails("run"), Catch::Contains("made before decisions were recorded"));
+}
+
+TEST_CASE("a damaged file is refused, one that was cut off is read up to there",
+          "[planner][explain]") {
+  const Desk desk;
+  std::filesystem::resize_file(desk.file(), std::filesystem::file_size(desk.file()) - 3);
+  const auto cut = desk.Run("run");
+  CHECK(cut.exit_code == 0);
+  CHECK_THAT(cut.out, Catch::Contains("move east to (2,3)") && !Catch::Contains("picture"));
+  CHECK_THAT(cut.error, Catch::Contains("ends inside of a decision"));
+  REQUIRE(WriteFile(desk.file(), "something else"));
+  const auto damaged = desk.Run("run");
+  CHECK(damaged.exit_code == 1);
+  CHECK_THAT(damaged.error, Catch::Contains("decisions.pb.zst: it is not compressed with zstd"));
+}
+
+TEST_CASE("wrong use is exit code 2", "[planner][explain]") {
+  const Desk desk;
+  CHECK(desk.Run("").exit_code == 2);
+  CHECK(desk.Run("run --decision x").exit_code == 2);
+  CHECK(desk.Run("run --svg a.svg").exit_code == 2);
+  CHECK(desk.Run("run --decision 12 --svg - --json -").exit_code == 2);
+  CHECK(desk.Run("run --decision 12 --svg nowhere/a.svg").exit_code == 1);
+  CHECK(desk.Run("--help").exit_code == 0);
+}
+
+}  // namespace
+}  // namespace conav::planner

@@ -1,0 +1,262 @@
+// What a value is made of: each return is carried as a sum of terms through rollout and backup.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "planner/search/fake_perception_model.h"
+#include "planner/search/ig_mcts.h"
+#include "planner/search/reported_tree.h"
+#include "planner/search/rollout.h"
+#include "text_map.h"
+
+namespace conav::planner {
+namespace {
+
+SearchResult Decide(const SearchProblem& problem, const SearchOptions& options,
+                    std::vector<SearchMemory>* memory = nullptr, std::uint64_t seed = 1) {
+  FakePerceptionModel model;
+  Random random(seed);
+  return IgMcts(options, model).Decide(problem, random, {}, memory).value();
+}
+
+/// The paper's rewards, half as much each step: what can be worked out by hand.
+SearchOptions ByHand(int iterations) {
+  SearchOptions options = PaperOptions();
+  options.iterations = iterations;
+  options.discount = 0.5;
+  options.untried_order = UntriedOrder::kMovesFirst;
+  return options;
+}
+
+/// The same along the one way that there is, `depth` nodes in one iteration.
+SearchOptions AlongChain(int depth) {
+  SearchOptions options = ByHand(1);
+  options.expansion = Expansion::kChain;
+  options.chain_depth = depth;
+  return options;
+}
+
+void CheckTermsAddUp(const SearchResult& result) {
+  REQUIRE(result.has_terms);
+  for (const SearchAction& action : result.actions) {
+    CHECK(action.terms.Sum() == Approx(action.mean_value).epsilon(1e-9).margin(1e-9));
+  }
+}
+
+TEST_CASE("a goal beside the robot is worth its reward, and nothing else counts",
+          "[planner][search]") {
+  const TextWorld world({"####", "#SG#", "####"}, kNoViews);
+  const RewardTerms terms = Decide(world.problem, ByHand(10)).actions.at(0).terms;
+  CHECK(terms == RewardTerms{.goals = 100.0});
+}
+
+TEST_CASE("a step costs, the goal behind it is discounted", "[planner][search]") {
+  const TextWorld world({"#####", "#S.G#", "#####"}, kNoViews);
+  // S -> middle -> S (the first untried action of the middle is the one to the goal, east).
+  const RewardTerms terms = Decide(world.problem, AlongChain(2)).actions.at(0).terms;
+  CHECK(terms == RewardTerms{.goals = 0.5 * 100.0, .steps = -1.0});
+}
+
+TEST_CASE("what a wall in the way would cost is weighed by its feasibility", "[planner][search]") {
+  TextWorld world({"#####", "#S.?#", "#####"}, kNoViews);
+  world.problem.goals_left = {{1, 3}};
+  const RewardTerms terms = Decide(world.problem, AlongChain(2)).actions.at(0).terms;
+  CHECK(terms == RewardTerms{.goals = 0.5 * 0.5 * 100.0, .steps = -1.0});
+}
+
+TEST_CASE("progress is the steps saved", "[planner][search]") {
+  const TextWorld world({"######", "#S..G#", "######"}, kNoViews);
+  SearchOptions options = AlongChain(3);
+  options.reward.progress = 2.0;
+  const RewardTerms terms = Decide(world.problem, options).actions.at(0).terms;
+  CHECK(terms.progress == Approx(2.0 + 0.5 * 2.0 + 0.25 * 2.0));
+  CHECK(terms.steps == Approx(-1.0 - 0.5));
+  CHECK(terms.goals == Approx(25.0));
+}
+
+TEST_CASE("off the operator's path the guidance term grows with the length of the way",
+          "[planner][search]") {
+  TextWorld world({"######", "#S..G#", "######"}, kNoViews);
+  world.problem.guidance = {{1, 1}, {1, 4}};
+  const RewardTerms terms = Decide(world.problem, AlongChain(3)).actions.at(0).terms;
+  CHECK(terms.guidance == Approx(-std::log(2.0) - 0.5 * std::log(3.0)));
+  CHECK(terms.smoothness == 0.0);
+}
+
+TEST_CASE("a cell that is entered again counts in smoothness", "[planner][search]") {
+  TextWorld world({"####", "#SG#", "####"}, kNoViews);
+  world.problem.path = {{1, 2}, {1, 1}};
+  const RewardTerms terms = Decide(world.problem, ByHand(1)).actions.at(0).terms;
+  CHECK(terms == RewardTerms{.goals = 100.0, .smoothness = -1.0});
+}
+
+TEST_CASE("a picture is worth what it tells less what it costs", "[planner][search]") {
+  TextWorld world({"#####", "#G#S#", "#####"}, {"#####", "#G.S#", "#####"});
+  world.problem.guidance = {{1, 3}, {1, 2}, {1, 1}};
+  SearchOptions options = ByHand(200);
+  options.reward.communication_step = -0.5;
+  double most = 0.0;
+  for (const SearchAction& action : Decide(world.problem, options).actions) {
+    CHECK(action.terms.information == Approx(action.information_gain));
+    CHECK(action.terms.communication == Approx(-12.0));
+    CHECK(action.terms.steps == Approx(-0.5));
+    most = std::max(most, action.terms.information);
+  }
+  CHECK(most > 0.0);
+}
+
+TEST_CASE("a picture at the end of a rollout counts, discounted", "[planner][search]") {
+  // The only view is one step away; the rollout from there sends it at once.
+  TextWorld world({"####", "#S.#", "####"}, {"####", "#S##", "####"}, {.headings = 1});
+  world.problem.sent_views = {{{1, 1}, 0.0}};
+  world.problem.goals_left = {{1, 3}};  // no vertex: never reached
+  FakePerceptionModel model;
+  const OfferedActions offered(world.problem);
+  SearchOptions options = ByHand(1);
+  options.rollout_communication_probability = 1.0;
+  PathState path(world.problem);
+  ViewInformation information(world.problem, offered, model);
+  Random random(1);
+  Rollout rollout(options, path, offered, information, random);
+  const double rollout_return = rollout.Run(path).value();
+  const RewardTerms terms = rollout.Terms(path);
+  CHECK(terms.Sum() == Approx(rollout_return));
+  CHECK(terms.steps == Approx(-1.0));
+  CHECK(terms.information > 0.0);
+  CHECK(terms.communication == Approx(0.5 * -10.0));
+  CHECK(path.steps() == 0);
+}
+
+struct Maze {
+  TextWorld world{
+      {"#########", "#S.?..?.#", "#.#.#.#.#", "#G.?.#..#", "#.##..#.#", "#....?.G#", "#########"},
+      {"#########", "#S..#...#", "#.#.#.#.#", "#G...#..#", "#.#...#.#", "#..#...G#", "#########"}};
+  Maze() { world.problem.guidance = {{1, 1}, {1, 2}, {1, 3}, {2, 3}, {3, 3}, {3, 4}}; }
+};
+
+TEST_CASE("terms add up to the value, whatever the options", "[planner][search]") {
+  const Maze maze;
+  SearchOptions options;
+  SECTION("default") {}
+  SECTION("as printed in the paper") { options = PaperOptions(); }
+  SECTION("chain") { options.expansion = Expansion::kChain; }
+  SECTION("several trees") { options.trees = 3; }
+  SECTION("misprinted backup") { options.backup = BackupRule::kRolloutReturn; }
+  SECTION("few pictures in rollouts") { options.rollout_communication_probability = 0.1; }
+  const SearchResult result = Decide(maze.world.problem, options);
+  CheckTermsAddUp(result);
+  RewardTerms all;
+  for (const SearchAction& action : result.actions) all += action.terms;
+  CHECK(all.goals > 0.0);
+  if (options.backup == BackupRule::kRolloutReturn) return;
+  CHECK(all.steps < 0.0);
+  CHECK(all.guidance < 0.0);
+  CHECK(all.smoothness < 0.0);
+  CHECK(all.information > 0.0);
+  CHECK(all.communication < 0.0);
+}
+
+TEST_CASE("terms add up in a tree that was taken over", "[planner][search]") {
+  Maze maze;
+  SearchProblem& problem = maze.world.problem;
+  SearchOptions options;
+  options.iterations = 500;
+  options.tree_reuse = TreeReuse::kPruned;
+  std::vector<SearchMemory> memory;
+  const SearchResult first = Decide(problem, options, &memory);
+  problem.path = {{1, 1}, {2, 1}};
+  problem.start = maze.world.At(2, 1);
+  const SearchResult second = Decide(problem, options, &memory);
+  REQUIRE(second.nodes > Decide(problem, options).nodes);  // some came with the branch
+  CheckTermsAddUp(first);
+  CheckTermsAddUp(second);
+}
+
+TEST_CASE("what is reported changes no decision", "[planner][search]") {
+  const Maze maze;
+  SearchOptions options;
+  options.report = SearchDetail::kActions;
+  SearchResult plain = Decide(maze.world.problem, options);
+  CHECK_FALSE(plain.has_terms);
+  CHECK(plain.tree.empty());
+  for (const SearchDetail detail : {SearchDetail::kTerms, SearchDetail::kTree}) {
+    options.report = detail;
+    const SearchResult told = Decide(maze.world.problem, options);
+    CHECK(told.tree.empty() == (detail == SearchDetail::kTerms));
+    CHECK(told.nodes == plain.nodes);
+    CHECK(told.perception_cached == plain.perception_cached);
+    REQUIRE(told.actions.size() == plain.actions.size());
+    for (std::size_t i = 0; i < plain.actions.size(); ++i) {
+      CHECK(told.actions[i].visits == plain.actions[i].visits);
+      CHECK(told.actions[i].mean_value == plain.actions[i].mean_value);
+    }
+  }
+}
+
+TEST_CASE("the tree told of is the most visited part of it, whole from the root",
+          "[planner][search]") {
+  const Maze maze;
+  SearchOptions options;
+  options.report = SearchDetail::kTree;
+  const SearchResult result = Decide(maze.world.problem, options);
+  REQUIRE(result.nodes > kMaxReportedNodes);
+  REQUIRE(result.tree.size() == kMaxReportedNodes);
+  CHECK(result.tree[0].parent == -1);
+  CHECK(result.tree[0].visits == 2000);
+  std::uint32_t of_root = 0;
+  for (std::size_t i = 1; i < result.tree.size(); ++i) {
+    const ReportedNode& node = result.tree[i];
+    REQUIRE(node.parent >= 0);
+    REQUIRE(node.parent < static_cast<int>(i));
+    CHECK(node.visits <= result.tree[static_cast<std::size_t>(node.parent)].visits);
+    if (node.parent == 0) of_root += node.visits;
+  }
+  std::uint32_t of_actions = 0;
+  for (const SearchAction& action : result.actions) of_actions += action.visits;
+  CHECK(of_root == of_actions);
+  CHECK(Decide(maze.world.problem, options).tree == result.tree);
+}
+
+TEST_CASE("of views the most of each is kept, and of all those worth most", "[planner][search]") {
+  const std::vector<ReportedView> views{{{2, 1}, 0.5, 1.0},
+                                        {{1, 1}, 0.5, 2.0},
+                                        {{1, 1}, 0.5, 3.0},
+                                        {{1, 1}, 0.25, 0.5},
+                                        {{1, 2}, 0.0, 0.75}};
+  CHECK(MostOfEach(views, 10) ==
+        std::vector<ReportedView>{
+            {{1, 1}, 0.25, 0.5}, {{1, 1}, 0.5, 3.0}, {{1, 2}, 0.0, 0.75}, {{2, 1}, 0.5, 1.0}});
+  CHECK(MostOfEach(views, 2) == std::vector<ReportedView>{{{1, 1}, 0.5, 3.0}, {{2, 1}, 0.5, 1.0}});
+}
+
+TEST_CASE("every view that was asked about is told with the most that it was worth",
+          "[planner][search]") {
+  const Maze maze;
+  SearchOptions options;
+  options.report = SearchDetail::kTree;
+  const SearchResult result = Decide(maze.world.problem, options);
+  CHECK(result.views.size() > 8);
+  for (const SearchAction& action : result.actions) {
+    if (action.kind == CommandKind::kMove) continue;
+    const auto is_it = [&](const ReportedView& view) {
+      return view.cell == action.target && view.heading_rad == action.heading_rad;
+    };
+    const auto view = std::find_if(result.views.begin(), result.views.end(), is_it);
+    REQUIRE(view != result.views.end());
+    CHECK(view->information_gain >= action.information_gain);
+  }
+}
+
+TEST_CASE("a view that was withheld tells what it promised", "[planner][search]") {
+  const TextWorld world({"#####", "#G#S#", "#####"}, {"#####", "#G.S#", "#####"});
+  SearchOptions options;
+  options.min_information = 10.0;
+  const SearchResult result = Decide(world.problem, options);
+  CHECK(result.chosen == -1);
+  double most = 0.0;
+  for (const SearchAction& action : result.actions) most = std::max(most, action.information_gain);
+  CHECK(most == Approx(0.6 * std::exp(-0.15)));
+}
+
+}  // namespace
+}  // namespace conav::planner
