@@ -8,7 +8,7 @@
 #include "common/protocol/entity_name.h"
 #include "common/protocol/planning.h"
 #include "common/runtime/config.h"
-#include "planner/decision/search_config.h"
+#include "planner/decision/method_config.h"
 
 namespace conav::planner {
 
@@ -17,10 +17,12 @@ struct PlannerConfig {
   bus::ParticipantOptions bus;
   /// "world/robot" of every robot that this planner drives.
   std::vector<std::string> robots{"w1/r1"};
-  /// "ig-mcts", "instruction" or "teleop".
+  /// "ig-mcts", "instruction", "teleop" or "greedy".
   std::string method = "ig-mcts";
   std::uint64_t seed = 1;
   SearchConfig search;
+  /// Who decides that ig-mcts sends a picture.
+  CommunicationConfig communication;
   /// "remote" asks the nhpm service; "embedded" asks the model in this process. While neither can
   /// answer, the embedded GLPF does.
   std::string perception = "remote";
@@ -48,9 +50,10 @@ struct PlannerConfig {
   void Visit(ConfigReader& reader) {
     reader.Section("bus", bus);
     reader.Field("robots", robots);
-    reader.Choice("method", method, {"ig-mcts", "instruction", "teleop"});
+    reader.Choice("method", method, {"ig-mcts", "instruction", "teleop", "greedy"});
     reader.Field("seed", seed);
     reader.Section("search", search);
+    reader.Section("communication", communication);
     reader.Choice("perception", perception, {"remote", "embedded"});
     reader.Choice("perception_model", perception_model,
                   {kPerceptionModels.begin(), kPerceptionModels.end()});

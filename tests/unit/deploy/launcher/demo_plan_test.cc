@@ -246,3 +246,25 @@ TEST_CASE("the example configurations are what the services read", "[launcher][p
   CHECK(ReadExample<operators::OperatorConfig>("operator").bus.interface == "lo");
   CHECK(ReadExample<operators::SimulatedOperatorConfig>("simulated_operator").seed == 1);
 }
+
+TEST_CASE("the planner is told who decides on pictures, by names that it knows",
+          "[launcher][plan]") {
+  const TemporaryRun run;
+  DemoOptions options;
+  for (const char* policy : planner::kCommunicationPolicies) {
+    options.communication = policy;
+    REQUIRE(Validate(options));
+    const auto planner = Read<planner::PlannerConfig>(Plan(options, run).at("planner"), "planner");
+    CHECK(planner.communication.policy == policy);
+  }
+}
+
+TEST_CASE("pictures are streamed where a person steers or instructs", "[launcher][plan]") {
+  const TemporaryRun run;
+  for (const char* method : {"ig-mcts", "instruction", "teleop", "greedy"}) {
+    DemoOptions options;
+    options.method = method;
+    const auto sim = Read<sim::SimConfig>(Plan(options, run).at("sim"), "sim");
+    CHECK(sim.camera.stream == (options.method == "instruction" || options.method == "teleop"));
+  }
+}

@@ -68,9 +68,10 @@ class Corridor {
         .report = [](const SearchReport&) {},
         .attention = [this, &robot](const AttentionRequest&) { Guide(robot); },
         .way = [](const RobotState&, const MapUpdate&, const std::vector<Cell>&) {}};
-    auto made = MakeMethod(method, name, search, robots_.size(),
+    auto made = MakeMethod(method, name, {search, {}}, robots_.size(),
                            std::make_shared<FakePerceptionModel>(), nullptr, clock_);
-    const DecisionGate::Options gate{10s, 10s, made->pictures_are_answered()};
+    const DecisionGate::Options gate{10s, 10s, made->pictures_are_answered(),
+                                     made->heeds_operator()};
     robot.worker.emplace(
         RobotWorker::Options{
             .robot = name, .method_name = method, .gate = gate, .command_ttl = 10s},
@@ -128,7 +129,7 @@ class Corridor {
 
 TEST_CASE("two robots that meet in a corridor both arrive, whatever the method",
           "[planner][worker][traffic]") {
-  const std::string method = GENERATE("ig-mcts", "instruction", "teleop");
+  const std::string method = GENERATE("ig-mcts", "instruction", "teleop", "greedy");
   INFO(method);
   CHECK(Corridor(method).RunsToTheEnd(300));
 }
