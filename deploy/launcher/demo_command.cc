@@ -45,7 +45,11 @@ void AddRunOptions(CLI::App& app, DemoOptions& options) {
          "The simulated operator: careful, hasty, wrong (on purpose), silent, or a file like "
          "deploy/config/simulated_operator.yaml, of which the person counts")
       ->capture_default_str();
-  app.add_option("--method", options.method, "ig-mcts, instruction or teleop")
+  app.add_option("--method", options.method, "ig-mcts, instruction, teleop or greedy")
+      ->capture_default_str();
+  app.add_option("--communication", options.communication,
+                 "Who decides that ig-mcts sends a picture: search, the search itself; or never, "
+                 "random, every, when_blocked, threshold")
       ->capture_default_str();
   app.add_option("--perception", options.perception,
                  "remote: the planner asks nhpm; embedded: it asks its own model")

@@ -17,7 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array kMethods{"ig-mcts", "instruction", "teleop"};
+constexpr std::array kMethods{"ig-mcts", "instruction", "teleop", "greedy"};
+constexpr std::array kCommunications{"search", "never",        "random",
+                                     "every",  "when_blocked", "threshold"};
 constexpr std::array kCameras{"egl", "none"};
 constexpr std::array kPerceptions{"remote", "embedded"};
 constexpr std::array kXSources{"observed", "estimated"};
@@ -136,6 +138,11 @@ Result<void> ValidateUses(const DemoOptions& options) {
                     "robots' pictures only",
                     options.planners));
   }
+  if (options.method != "ig-mcts" && options.communication != "search") {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("--communication {}: --method {} sends no pictures for an answer",
+                            options.communication, options.method));
+  }
   return ValidatePerson(options);
 }
 
@@ -164,6 +171,9 @@ Result<void> Validate(const DemoOptions& options) {
                 fmt::format("--rotation {}: not one of 0, 90, 180, 270", options.rotation_deg));
   }
   if (auto ok = RequireOneOf("--method", options.method, kMethods); !ok) return ok;
+  if (auto ok = RequireOneOf("--communication", options.communication, kCommunications); !ok) {
+    return ok;
+  }
   if (auto ok = RequireOneOf("--camera", options.camera, kCameras); !ok) return ok;
   if (auto ok = RequireOneOf("--perception", options.perception, kPerceptions); !ok) return ok;
   if (auto ok = RequireOneOf("--model", options.model, kPerceptionModels); !ok) return ok;

@@ -32,6 +32,7 @@ struct DemoOptions {
   /// `simulated_operator:` has a `person`.
   std::string simulated_operator = "careful";
   std::string method = "ig-mcts";
+  std::string communication = "search";  // who decides that ig-mcts sends a picture
   /// "cyclonedds", "fastdds", "mixed" or "service=vendor,..."; empty = the bus's default.
   std::string dds;
   bool headless = false;

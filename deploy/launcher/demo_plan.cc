@@ -69,7 +69,7 @@ std::string SimYaml(const Setting& setting, std::size_t world_index) {
   if (options.cell_size_m) config.map.cell_size_m = *options.cell_size_m;
   config.shared_goals = options.shared_goals;
   config.camera.mode = options.camera;
-  config.camera.stream = options.method != "ig-mcts";
+  config.camera.stream = options.method == "instruction" || options.method == "teleop";
   config.speed = options.effective_speed();
   config.publish_clock = world_index == 0;
   return DumpConfig("sim", config);
@@ -127,6 +127,7 @@ std::string PlannerYaml(const Setting& setting, const std::string& name, int num
   config.lease.planners = setting.options.planners;
   config.robots = setting.WorldsAndRobots();
   config.method = setting.options.method;
+  config.communication.policy = setting.options.communication;
   config.seed = setting.options.seed;
   config.perception = setting.options.perception;
   config.perception_model = setting.options.model;

@@ -41,6 +41,7 @@ nlohmann::ordered_json OutcomeJson(const DemoOptions& options, const Outcome& ou
                               {"maze_seed", options.world_seed()},
                               {"rotation_deg", options.rotation_deg},
                               {"method", options.method},
+                              {"communication", options.communication},
                               {"model", options.model},
                               {"weights", WeightsText(options)},
                               {"weights_checksum", outcome.weights_checksum},

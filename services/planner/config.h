@@ -9,7 +9,7 @@
 #include "common/protocol/entity_name.h"
 #include "common/protocol/planning.h"
 #include "common/runtime/config.h"
-#include "planner/decision/search_config.h"
+#include "planner/decision/method_config.h"
 
 namespace conav::planner {
 
@@ -45,10 +45,12 @@ struct PlannerConfig {
   /// too, it shares it by `lease`.
   std::vector<std::string> robots{"w1/r1"};
   LeaseConfig lease;
-  /// "ig-mcts", "instruction" or "teleop".
+  /// "ig-mcts", "instruction", "teleop" or "greedy".
   std::string method = "ig-mcts";
   std::uint64_t seed = 1;
   SearchConfig search;
+  /// Who decides that ig-mcts sends a picture.
+  CommunicationConfig communication;
   /// "remote" asks the nhpm service; "embedded" asks the model in this process. While neither can
   /// answer, the embedded GLPF does.
   std::string perception = "remote";
@@ -82,9 +84,10 @@ struct PlannerConfig {
     if (!IsNodeName(name)) reader.Refuse("name", "is not 1 to 64 of A-Z a-z 0-9 _ -");
     reader.Field("robots", robots);
     reader.Section("lease", lease);
-    reader.Choice("method", method, {"ig-mcts", "instruction", "teleop"});
+    reader.Choice("method", method, {"ig-mcts", "instruction", "teleop", "greedy"});
     reader.Field("seed", seed);
     reader.Section("search", search);
+    reader.Section("communication", communication);
     reader.Choice("perception", perception, {"remote", "embedded"});
     reader.Choice("perception_model", perception_model,
                   {kPerceptionModels.begin(), kPerceptionModels.end()});

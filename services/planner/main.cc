@@ -5,8 +5,8 @@
 int main(int argc, char** argv) {
   return conav::RunServiceMain<conav::planner::PlannerConfig, conav::planner::PlannerService>(
       "planner",
-      "Drives robots by IG-MCTS, instruction following or teleoperation: listens to each robot's "
-      "state and map\n"
+      "Drives robots by IG-MCTS, instruction following, teleoperation or greedily: listens to each "
+      "robot's state and map\n"
       "and to the operator's map and guidance, and sends commands.",
       argc, argv, [](const conav::planner::PlannerConfig& config) { return config.name; });
 }

@@ -63,14 +63,14 @@ PlannerService::PlannerService(bus::Participant& participant, const PlannerConfi
     PerceptionOfWorld& in_world = worlds[world];
     if (!in_world.model) in_world = MakePerceptionOfWorld(world);
     links_.push_back(std::make_unique<Link>(participant, robot));
-    auto method =
-        MakeMethod(config.method, robot, config.search, DeriveSeed(config.seed, links_.size()),
-                   in_world.model, in_world.estimate, clock);
+    auto method = MakeMethod(config.method, robot, {config.search, config.communication},
+                             DeriveSeed(config.seed, links_.size()), in_world.model,
+                             in_world.estimate, clock);
     RobotWorker::Options options{
         .robot = robot,
         .method_name = config.method,
         .gate = {Seconds(config.first_guidance_timeout_s), Seconds(config.answer_timeout_s),
-                 method->pictures_are_answered()},
+                 method->pictures_are_answered(), method->heeds_operator()},
         .command_ttl = Seconds(config.command_ttl_s)};
     workers_.push_back(std::make_unique<RobotWorker>(std::move(options), std::move(method), board_,
                                                      clock, OutputsOf(*links_.back())));

@@ -16,15 +16,19 @@ std::optional<std::string> OutsideOf(const OccupancyGrid& map, const std::vector
                      map.columns());
 }
 
+std::optional<std::string> OtherSize(const OccupancyGrid& map, const BeliefGrid& belief) {
+  if (belief.rows() == map.rows() && belief.columns() == map.columns()) return std::nullopt;
+  return fmt::format("the operator's map has {}x{} cells, the robot's has {}x{}", belief.rows(),
+                     belief.columns(), map.rows(), map.columns());
+}
+
 }  // namespace
 
 std::optional<std::string> Inconsistency(const RobotInputs& inputs) {
   const RobotState& state = *inputs.state;
   const OccupancyGrid& map = inputs.map->cells;
-  const BeliefGrid& belief = inputs.belief->wall_probability;
-  if (belief.rows() != map.rows() || belief.columns() != map.columns()) {
-    return fmt::format("the operator's map has {}x{} cells, the robot's has {}x{}", belief.rows(),
-                       belief.columns(), map.rows(), map.columns());
+  if (inputs.belief) {
+    if (auto text = OtherSize(map, inputs.belief->wall_probability)) return text;
   }
   if (auto text = OutsideOf(map, {state.cell}, "its cell")) return text;
   if (auto text = OutsideOf(map, state.path, "cell of its path")) return text;

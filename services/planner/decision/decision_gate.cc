@@ -65,8 +65,9 @@ Hold DecisionGate::Want(const RobotInputs& inputs, std::uint64_t sent_sequence_n
   if (inputs.lease.state == Lease::State::kReleasing) return Hold::kRelease;
   if (!inputs.map || inputs.map->stamp < state.map_stamp) return Hold::kMap;
   if (options_.pictures_are_answered && !inputs.lens) return Hold::kCamera;
-  if (!inputs.belief) return Hold::kBelief;
+  if (options_.heeds_operator && !inputs.belief) return Hold::kBelief;
   if (Inconsistency(inputs)) return Hold::kInconsistent;
+  if (!options_.heeds_operator) return Hold::kNothing;
   const std::uint64_t answered = inputs.guidance ? inputs.guidance->answers_snapshot : 0;
   const bool answer_due = state.snapshots > std::max(answered, unanswered_snapshot_);
   if (options_.pictures_are_answered && answer_due) return Hold::kAnswer;

@@ -39,6 +39,8 @@ class DecisionGate {
     std::chrono::nanoseconds answer_timeout;
     /// Whether each picture gets an answer; false where pictures are streamed.
     bool pictures_are_answered = true;
+    /// Whether the operator's map and paths are waited for.
+    bool heeds_operator = true;
   };
 
   explicit DecisionGate(Options options) : options_(options) {}

@@ -24,7 +24,7 @@ bool KnownWall(const Situation& situation, Cell cell) {
 bool PathFollower::Locate(const Situation& situation) {
   if (!situation.guidance) return false;
   const Guidance& guidance = *situation.guidance;
-  if (path_ != guidance.path) waiting_since_.reset();
+  if (path_ != guidance.path) stand_off_.End();
   // A goal pose keeps the revision, not the stamp.
   if (path_ != guidance.path || revision_ != guidance.revision || stamp_ != guidance.stamp) {
     path_ = guidance.path;
@@ -47,10 +47,10 @@ std::vector<Cell> PathFollower::Rest(const Situation& situation) {
 Decision PathFollower::Next(const Situation& situation) {
   Decision decision = FollowOrAsk(situation);
   if (decision.action || decision.attention) {
-    waiting_since_.reset();
+    stand_off_.End();
     return decision;
   }
-  return WaitOrStepOut(situation);
+  return stand_off_.WaitOrStepOut(situation);
 }
 
 Decision PathFollower::FollowOrAsk(const Situation& situation) {
@@ -60,14 +60,6 @@ Decision PathFollower::FollowOrAsk(const Situation& situation) {
   if (KnownWall(situation, next)) return Ask(AttentionReason::kBlocked, next);
   if (IsTaken(situation, next) || WaitsFor(situation, rest) != nullptr) return {};
   return MoveAlong(std::move(rest));
-}
-
-Decision PathFollower::WaitOrStepOut(const Situation& situation) {
-  if (!waiting_since_) waiting_since_ = clock_.Now();
-  if (clock_.Now() - *waiting_since_ < kPatience) return {};
-  waiting_since_.reset();
-  if (const auto cell = StepAnywhere(situation, random_)) return MoveAlong({*cell});
-  return {};
 }
 
 }  // namespace conav::planner

@@ -2,12 +2,11 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "common/runtime/clock.h"
-#include "common/runtime/random.h"
 #include "planner/decision/method.h"
+#include "planner/decision/stand_off.h"
 
 namespace conav::planner {
 
@@ -16,8 +15,8 @@ namespace conav::planner {
 /// given again.
 class PathFollower {
  public:
-  /// `seed` of the steps that break a stand-off; `clock` outlives this.
-  PathFollower(std::uint64_t seed, const Clock& clock) : random_(seed), clock_(clock) {}
+  /// As StandOff.
+  PathFollower(std::uint64_t seed, const Clock& clock) : stand_off_(seed, clock) {}
 
   /// The move to the cell that follows the robot's own on the path, or what stands in the way:
   /// kBlocked with the wall's cell, kNoGuidance when there is no path, nothing left of it, or the
@@ -32,11 +31,8 @@ class PathFollower {
   /// Takes over a new path and finds the robot on it; false when it is not there.
   bool Locate(const Situation& situation);
   Decision FollowOrAsk(const Situation& situation);
-  Decision WaitOrStepOut(const Situation& situation);
 
-  Random random_;
-  const Clock& clock_;
-  std::optional<Clock::TimePoint> waiting_since_;  // for another robot to make room
+  StandOff stand_off_;  // with another robot on the path
   std::vector<Cell> path_;
   std::uint64_t revision_ = 0;  // of the guidance that path_ was; likewise:
   SimTime stamp_;

@@ -13,14 +13,30 @@ std::vector<SentView> ToSearch(const std::vector<SentViews::View>& views) {
   return sent;
 }
 
+/// A policy's choice is taken from the search by withholding all views of the robot's place.
+SearchOptions OptionsFor(SearchOptions options, const CommunicationPolicy* policy) {
+  if (policy != nullptr) options.offers_sent_views = false;
+  return options;
+}
+
+SearchProblem WithoutViewsHere(SearchProblem problem) {
+  const Cell here = problem.graph.CellOf(problem.start);
+  for (const double heading_rad : problem.graph.HeadingsAt(problem.start)) {
+    problem.sent_views.push_back({here, heading_rad});
+  }
+  return problem;
+}
+
 }  // namespace
 
 IgMctsMethod::IgMctsMethod(const SearchConfig& config, std::uint64_t seed,
                            std::shared_ptr<PerceptionModel> model, const Clock& clock,
-                           std::shared_ptr<BeliefEstimate> estimate)
+                           std::shared_ptr<BeliefEstimate> estimate,
+                           std::unique_ptr<CommunicationPolicy> policy)
     : config_(config),
       model_(std::move(model)),
-      search_(config.options, *model_),
+      policy_(std::move(policy)),
+      search_(OptionsFor(config.options, policy_.get()), SearchModel()),
       random_(seed),
       clock_(clock),
       estimate_(std::move(estimate)) {
@@ -85,12 +101,31 @@ Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop)
   if (problem.get() == nullptr) {
     return NoDecision(situation, "the robot's cell cannot be free on its map");
   }
+  if (!policy_) return Search(*problem.get(), situation, stop);
+  const auto view = ViewOfPolicy(*problem.get(), situation);
+  if (!view) return NoDecision(situation, view.error().text);
+  if (*view) return FromPolicy(**view, situation);
+  return Search(WithoutViewsHere(*problem.get()), situation, stop);
+}
+
+Decision IgMctsMethod::Search(const SearchProblem& problem, const Situation& situation,
+                              const StopToken& stop) {
   const auto result =
-      search_.Decide(*problem.get(), random_, {.stop = &stop, .clock = &clock_}, &memories_);
+      search_.Decide(problem, random_, {.stop = &stop, .clock = &clock_}, &memories_);
   if (!result) {
     return NoDecision(situation, result.error().text);
   }
   return FromResult(*result, situation);
+}
+
+Result<std::optional<BestView>> IgMctsMethod::ViewOfPolicy(const SearchProblem& problem,
+                                                           const Situation& situation) {
+  if (!policy_ || problem.goals_left.empty() || !policy_->Wants(MomentOf(situation))) {
+    return std::nullopt;
+  }
+  auto best = FindBestView(problem, *model_);
+  if (best && *best && (*best)->information < policy_->least_information()) return std::nullopt;
+  return best;
 }
 
 Decision IgMctsMethod::NoDecision(const Situation& situation, std::string_view reason) {
@@ -112,25 +147,45 @@ Decision IgMctsMethod::FromResult(const SearchResult& result, const Situation& s
   decision.report.nodes = result.nodes;
   decision.report.perception_queries = result.perception_queries;
   decision.report.perception_cached = result.perception_cached;
-  decision.report.perception_model = model_->name();
+  decision.report.perception_model = SearchModel().name();
   decision.plan = result.expected_path;
   if (result.chosen < 0) return decision;
   const SearchAction& chosen = result.actions[static_cast<std::size_t>(result.chosen)];
   decision.action = Action{chosen.kind, chosen.target, chosen.heading_rad};
-  if (chosen.kind != CommandKind::kTransmitView) return decision;
+  if (chosen.kind == CommandKind::kTransmitView) {
+    Send(chosen.heading_rad, chosen.information_gain, situation, decision);
+  }
+  return decision;
+}
+
+Decision IgMctsMethod::FromPolicy(const BestView& view, const Situation& situation) {
+  Decision decision;
+  decision.report.actions.push_back({.kind = CommandKind::kTransmitView,
+                                     .target = situation.state.cell,
+                                     .heading_rad = view.heading_rad,
+                                     .information_gain = view.information});
+  decision.report.chosen = 0;
+  decision.report.perception_queries = static_cast<std::uint32_t>(view.views);
+  decision.report.perception_model = model_->name();
+  decision.action = Action{CommandKind::kTransmitView, situation.state.cell, view.heading_rad};
+  Send(view.heading_rad, view.information, situation, decision);
+  return decision;
+}
+
+void IgMctsMethod::Send(double heading_rad, double information, const Situation& situation,
+                        Decision& decision) {
   // The picture shows the truth, the robot's map what is known of it now: cells that it adds are
   // new to all.
-  const CameraView view = ViewThrough(situation.lens, situation.state.cell, chosen.heading_rad,
-                                      situation.map.cell_size_m);
-  chosen_view_ = ChosenView{{situation.state.cell, chosen.heading_rad},
+  const CameraView view =
+      ViewThrough(situation.lens, situation.state.cell, heading_rad, situation.map.cell_size_m);
+  chosen_view_ = ChosenView{{situation.state.cell, heading_rad},
                             CastView(situation.map.cells, view),
                             situation.state.path,
                             BeliefOf(situation),
                             situation.state.snapshots};
   decision.attention = AttentionReason::kPicture;
   decision.attention_cell = situation.state.cell;
-  decision.expected_information = chosen.information_gain;
-  return decision;
+  decision.expected_information = information;
 }
 
 }  // namespace conav::planner

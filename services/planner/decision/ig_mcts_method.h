@@ -8,10 +8,13 @@
 #include "common/runtime/log_limit.h"
 #include "common/runtime/random.h"
 #include "planner/decision/belief_estimate.h"
+#include "planner/decision/communication_policy.h"
 #include "planner/decision/method.h"
+#include "planner/decision/no_news_model.h"
 #include "planner/decision/operator_reliability.h"
 #include "planner/decision/search_config.h"
 #include "planner/decision/sent_views.h"
+#include "planner/search/best_view.h"
 #include "planner/search/grid_graph.h"
 #include "planner/search/ig_mcts.h"
 
@@ -19,12 +22,16 @@ namespace conav::planner {
 
 /// The robot decides by IG-MCTS: moves by itself, and sends the picture that is worth the
 /// operator's attention. It never waits for guidance; the newest path is taken into account at each
-/// decision. With an `estimate` it searches on that instead of the published belief.
+/// decision. With an `estimate` it searches on that instead of the published belief. With a `policy`
+/// that decides when a picture is sent, and the search on the moves only: it plans as if pictures
+/// changed nothing, a branch still ends where it would send one, at the same cost, and none is sent
+/// from where the robot is.
 class IgMctsMethod final : public Method {
  public:
   IgMctsMethod(const SearchConfig& config, std::uint64_t seed,
                std::shared_ptr<PerceptionModel> model, const Clock& clock,
-               std::shared_ptr<BeliefEstimate> estimate = nullptr);
+               std::shared_ptr<BeliefEstimate> estimate = nullptr,
+               std::unique_ptr<CommunicationPolicy> policy = nullptr);
 
   Decision Decide(const Situation& situation, const StopToken& stop) override;
   std::vector<Cell> WayFor(const Situation& situation) override;
@@ -47,11 +54,23 @@ class IgMctsMethod final : public Method {
   BeliefGrid BeliefOf(const Situation& situation);
   /// Whether to wait a moment for the robot that stands in the way and has to make room.
   bool WaitsForRoom(const Situation& situation);
+  PerceptionModel& SearchModel() {
+    return policy_ ? static_cast<PerceptionModel&>(no_news_) : *model_;
+  }
+  Decision Search(const SearchProblem& problem, const Situation& situation, const StopToken& stop);
+  /// The view that the policy wants sent now, if any.
+  Result<std::optional<BestView>> ViewOfPolicy(const SearchProblem& problem,
+                                               const Situation& situation);
   Decision NoDecision(const Situation& situation, std::string_view reason);
   Decision FromResult(const SearchResult& result, const Situation& situation);
+  Decision FromPolicy(const BestView& view, const Situation& situation);
+  /// Makes `decision` the one to send a view.
+  void Send(double heading_rad, double information, const Situation& situation, Decision& decision);
 
   SearchConfig config_;
   std::shared_ptr<PerceptionModel> model_;
+  std::unique_ptr<CommunicationPolicy> policy_;  // null: the search decides
+  NoNewsModel no_news_;                          // what it plans with where it does not
   IgMcts search_;
   std::vector<SearchMemory> memories_;  // by tree
   std::shared_ptr<const GridViews> views_;

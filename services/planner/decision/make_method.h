@@ -6,16 +6,16 @@
 
 #include "planner/decision/belief_estimate.h"
 #include "planner/decision/method.h"
-#include "planner/decision/search_config.h"
+#include "planner/decision/method_config.h"
 #include "planner/search/perception_model.h"
 
 namespace conav::planner {
 
-/// The method called `name` ("ig-mcts", "instruction", "teleop") for one robot. `perception` and
+/// The method called `name` ("ig-mcts", "instruction", "teleop", "greedy") for one robot. `config`, `perception` and
 /// `estimate` (null = the published belief is believed) are used by ig-mcts only and may be shared
 /// between the robots of a world. `clock` outlives the method.
 std::unique_ptr<Method> MakeMethod(const std::string& name, const std::string& robot,
-                                   const SearchConfig& search, std::uint64_t seed,
+                                   const MethodConfig& config, std::uint64_t seed,
                                    std::shared_ptr<PerceptionModel> perception,
                                    std::shared_ptr<BeliefEstimate> estimate, const Clock& clock);
 

@@ -46,7 +46,7 @@ struct Decision {
 /// The move along `plan`, decided without a search; `plan` is not empty.
 Decision MoveAlong(std::vector<Cell> plan);
 
-/// One way of supervising a robot: IG-MCTS, instruction following, teleoperation. One object per
+/// One way of supervising a robot: IG-MCTS, instruction following, teleoperation; or none. One object per
 /// robot. Threads: one worker's.
 class Method {
  public:
@@ -58,6 +58,8 @@ class Method {
   virtual std::vector<Cell> WayFor(const Situation& situation) = 0;
   /// Whether the operator answers each picture before the next decision.
   virtual bool pictures_are_answered() const = 0;
+  /// Whether the operator's map and paths are looked at, and so waited for.
+  virtual bool heeds_operator() const { return true; }
 };
 
 }  // namespace conav::planner

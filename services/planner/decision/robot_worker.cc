@@ -164,7 +164,7 @@ void RobotWorker::RepeatCommand(const RobotInputs& inputs, Clock::TimePoint now)
 }
 
 void RobotWorker::AdoptGoalPose(RobotInputs& inputs) {
-  if (!inputs.goal_pose) return;
+  if (!inputs.goal_pose || !inputs.belief) return;
   const Position goal = *inputs.goal_pose;
   auto guidance =
       GuidanceTowards(goal, *inputs.state, *inputs.map, *inputs.belief, inputs.guidance);
@@ -183,7 +183,7 @@ void RobotWorker::AdoptGoalPose(RobotInputs& inputs) {
 Situation RobotWorker::SituationFrom(const RobotInputs& inputs) {
   Situation situation{.state = *inputs.state,
                       .map = *inputs.map,
-                      .belief = *inputs.belief,
+                      .belief = inputs.belief.value_or(Belief{}),
                       .lens = inputs.lens.value_or(CameraLens{}),
                       .guidance = std::nullopt,
                       .neighbours = board_.NeighboursOf(options_.robot)};

@@ -26,7 +26,7 @@ EpisodeResult Play(const sim::WorldSpec& world, const SearchVariant& variant,
                    const std::shared_ptr<const nhpm::EditModel>& model) {
   const SteadyClock clock;
   const auto method = MakeMethod(
-      "ig-mcts", "r1", variant.config, DeriveSeed(seed, kSearchSeed),
+      variant.method, "r1", {variant.config, variant.communication}, DeriveSeed(seed, kSearchSeed),
       std::make_shared<CachedPerceptionModel>(std::make_shared<EmbeddedPerceptionModel>(model)),
       nullptr, clock);
   return RunEpisode(world, *method, operators::ParametersOfKind(person),

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "planner/decision/search_config.h"
+#include "planner/decision/method_config.h"
 
 namespace conav::planner {
 
@@ -12,11 +12,21 @@ namespace conav::planner {
 struct SearchVariant {
   std::string name;
   SearchConfig config;
+  CommunicationConfig communication;
+  std::string method = "ig-mcts";  // or "greedy"
 };
 
 /// Reads a YAML map `search_variants: {NAME: {keys of planner.search}, ...}`, in the order of the
-/// file. An empty map is the default preset.
+/// file; beside them a variant may have `communication: {keys of planner.communication}` and
+/// `method`. An empty map is the default preset.
 /// Throws StartupError that names the file, the variant, the key and the limit.
 std::vector<SearchVariant> ReadSearchVariants(const std::filesystem::path& file);
+
+/// The variants that come with conav.
+std::filesystem::path ShippedVariants();
+
+/// The one called `name`. Throws StartupError that names `file` and what there is.
+const SearchVariant& FindVariant(const std::vector<SearchVariant>& variants,
+                                 const std::string& name, const std::filesystem::path& file);
 
 }  // namespace conav::planner

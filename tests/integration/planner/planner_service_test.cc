@@ -114,7 +114,7 @@ class PlannerOnBus {
 
 TEST_CASE("each method answers a complete situation with the step along the path",
           "[planner][integration]") {
-  const std::string method = GENERATE("ig-mcts", "instruction", "teleop");
+  const std::string method = GENERATE("ig-mcts", "instruction", "teleop", "greedy");
   PlannerOnBus planner(method);
   planner.PublishAll();
   const auto command = planner.NextCommand();

@@ -147,6 +147,31 @@ TEST_CASE("four robots under teleoperation reach all goals", "[launcher][system]
       {"--headless", "--seed", "5", "--robots", "4", "--method", "teleop", "--camera", "none"});
 }
 
+TEST_CASE("greedy robots reach all goals without pictures", "[launcher][system]") {
+  const std::string robots = GENERATE("1", "4");
+  const std::string seed = GENERATE("3", "12");
+  DemoRun demo(
+      {"--headless", "--seed", seed, "--robots", robots, "--method", "greedy", "--camera", "none"});
+  const int code = demo.Wait();
+  INFO(demo.Story());
+  CHECK(code == 0);
+  const nlohmann::json result = demo.Json();
+  CHECK(result["all_goals_reached"] == true);
+  for (const auto& robot : result["robots"]) CHECK(robot["pictures"] == 0);
+}
+
+TEST_CASE("a rule sends the pictures in the place of the search", "[launcher][system]") {
+  const std::string policy = GENERATE("never", "random", "every", "when_blocked", "threshold");
+  DemoRun demo({"--headless", "--seed", "7", "--communication", policy, "--camera", "none"});
+  const int code = demo.Wait();
+  INFO(demo.Story());
+  CHECK(code == 0);
+  const nlohmann::json result = demo.Json();
+  CHECK(result["communication"] == policy);
+  if (policy == "never") CHECK(result["robots"][0]["pictures"] == 0);
+  if (policy == "every") CHECK(result["robots"][0]["pictures"] > 0);
+}
+
 TEST_CASE("the same seed gives the same table twice", "[launcher][system]") {
   const std::vector<std::string> arguments{"--headless", "--seed", "8"};
   DemoRun first(arguments);

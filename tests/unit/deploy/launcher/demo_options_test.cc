@@ -51,6 +51,20 @@ TEST_CASE("a world turns by quarters only", "[launcher][options]") {
   CHECK_THAT(Refusal(options), Catch::Contains("--rotation 360"));
 }
 
+TEST_CASE("a communication policy is one of those that there are, and ig-mcts's",
+          "[launcher][options]") {
+  DemoOptions options;
+  options.communication = "often";
+  CHECK_THAT(Refusal(options),
+             Catch::Contains("--communication often") && Catch::Contains("when_blocked"));
+  options.communication = "every";
+  CHECK(Refusal(options) == "");
+  options.method = "greedy";
+  CHECK_THAT(Refusal(options), Catch::Contains("--communication every: --method greedy"));
+  options.communication = "search";
+  CHECK(Refusal(options) == "");
+}
+
 TEST_CASE("a model, weights or belief that do not exist are refused", "[launcher][options]") {
   DemoOptions options;
   options.model = "oracle";

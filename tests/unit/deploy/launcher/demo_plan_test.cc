@@ -264,3 +264,25 @@ TEST_CASE("several planners share all robots, under names of their own", "[launc
   CHECK(first.lease.planners == 2);
   CHECK(first.bus.vendor != second.bus.vendor);
 }
+
+TEST_CASE("the planner is told who decides on pictures, by names that it knows",
+          "[launcher][plan]") {
+  const TemporaryRun run;
+  DemoOptions options;
+  for (const char* policy : planner::kCommunicationPolicies) {
+    options.communication = policy;
+    REQUIRE(Validate(options));
+    const auto planner = Read<planner::PlannerConfig>(Plan(options, run).at("planner"), "planner");
+    CHECK(planner.communication.policy == policy);
+  }
+}
+
+TEST_CASE("pictures are streamed where a person steers or instructs", "[launcher][plan]") {
+  const TemporaryRun run;
+  for (const char* method : {"ig-mcts", "instruction", "teleop", "greedy"}) {
+    DemoOptions options;
+    options.method = method;
+    const auto sim = Read<sim::SimConfig>(Plan(options, run).at("sim"), "sim");
+    CHECK(sim.camera.stream == (options.method == "instruction" || options.method == "teleop"));
+  }
+}

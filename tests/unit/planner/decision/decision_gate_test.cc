@@ -133,3 +133,14 @@ TEST_CASE("without an operator the robot goes on alone after the timeout", "[pla
   clock.Advance(10s);
   CHECK(gate.Check(inputs, 0, 0, clock.Now()) == Hold::kNothing);
 }
+
+TEST_CASE("a robot that heeds no operator waits for none", "[planner][gate]") {
+  DecisionGate gate({10s, 10s, false, false});
+  RobotInputs inputs = CompleteInputs();
+  inputs.belief.reset();
+  inputs.guidance.reset();
+  inputs.lens.reset();
+  CHECK(gate.Check(inputs, 0, 0, {}) == Hold::kNothing);
+  inputs.state->cell = {9, 9};
+  CHECK(gate.Check(inputs, 0, 0, {}) == Hold::kInconsistent);
+}

@@ -171,3 +171,60 @@ TEST_CASE("where the operator's map is estimated, their reliability is not measu
   };
   CHECK(second_decision(1.0) == second_decision(0.0));
 }
+
+TEST_CASE("a policy sends the view with the largest expected information, and no view twice",
+          "[planner][ig-mcts][communication]") {
+  Bench bench;
+  bench.situation.state.path = {{1, 4}, {1, 3}};
+  IgMctsMethod method(Bench::Config(), 1, std::make_shared<FakePerceptionModel>(), bench.clock,
+                      nullptr, std::make_unique<EveryMovesPolicy>(1));
+  std::vector<double> information;
+  std::vector<double> headings;
+  for (std::uint64_t snapshots = 0; snapshots < 8; ++snapshots) {
+    bench.situation.state.snapshots = snapshots;
+    const Decision decision = method.Decide(bench.situation, StopToken());
+    REQUIRE(decision.action);
+    CHECK(decision.action->kind == CommandKind::kTransmitView);
+    CHECK(decision.attention == AttentionReason::kPicture);
+    CHECK(decision.report.actions.at(0).information_gain == decision.expected_information);
+    CHECK(decision.report.chosen == 0);
+    information.push_back(decision.expected_information);
+    headings.push_back(decision.action->heading_rad);
+  }
+  CHECK(std::is_sorted(information.rbegin(), information.rend()));
+  CHECK(information.front() > 0.1);
+  std::sort(headings.begin(), headings.end());
+  CHECK(std::adjacent_find(headings.begin(), headings.end()) == headings.end());
+  bench.situation.state.snapshots = 8;
+  CHECK_FALSE(method.Decide(bench.situation, StopToken()).action);  // nothing left, nowhere to go
+}
+
+TEST_CASE("with a policy the search moves where none is wanted or worth it",
+          "[planner][ig-mcts][communication]") {
+  Bench bench;
+  bench.situation.map.cells[{1, 2}] = Occupancy::kFree;
+  const double threshold = GENERATE(0.0, 1000.0);
+  std::unique_ptr<CommunicationPolicy> policy = std::make_unique<NeverPolicy>();
+  if (threshold > 0.0) policy = std::make_unique<ThresholdPolicy>(threshold);
+  IgMctsMethod method(Bench::Config(), 1, std::make_shared<FakePerceptionModel>(), bench.clock,
+                      nullptr, std::move(policy));
+  const Decision decision = method.Decide(bench.situation, StopToken());
+  REQUIRE(decision.action);
+  CHECK(decision.action->kind == CommandKind::kMove);
+  CHECK(decision.action->target == Cell{1, 2});
+  CHECK(decision.report.iterations == 300);
+  CHECK(decision.report.perception_model == "none");
+  for (const SearchAction& action : decision.report.actions) {
+    CHECK(action.kind == CommandKind::kMove);
+  }
+}
+
+TEST_CASE("no preset lets a search send pictures where a policy decides on them",
+          "[planner][ig-mcts][communication]") {
+  Bench bench;
+  SearchConfig config;
+  config.options = PaperOptions();
+  IgMctsMethod method(config, 1, std::make_shared<FakePerceptionModel>(), bench.clock, nullptr,
+                      std::make_unique<NeverPolicy>());
+  CHECK_FALSE(method.Decide(bench.situation, StopToken()).action);  // boxed in
+}

@@ -17,8 +17,9 @@ sim::WorldSpec MakeWorld(std::uint64_t seed) {
 class Player {
  public:
   EpisodeResult Play(const std::string& method, const std::string& person, std::uint64_t seed,
-                     const EpisodeOptions& options = {}, const SearchConfig& search = {}) {
-    const auto robot = MakeMethod(method, "r1", search, seed,
+                     const EpisodeOptions& options = {}, const SearchConfig& search = {},
+                     const CommunicationConfig& communication = {}) {
+    const auto robot = MakeMethod(method, "r1", {search, communication}, seed,
                                   std::make_shared<FakePerceptionModel>(), nullptr, clock_);
     return RunEpisode(MakeWorld(seed), *robot, operators::ParametersOfKind(person), seed, options,
                       [&](const Situation&) { ++decisions; });
@@ -83,6 +84,33 @@ TEST_CASE("a robot that follows instructions asks where it is blocked", "[planne
   CHECK(result.all_goals);
   CHECK(result.pictures == 0);
   CHECK(result.guidance > 1);
+}
+
+TEST_CASE("the greedy robot arrives without pictures and whatever the operator does",
+          "[planner][experiment]") {
+  const EpisodeResult result = Player().Play("greedy", "careful", 4);
+  CHECK(result.all_goals);
+  CHECK(result.pictures == 0);
+  CHECK(result.moves >= result.optimal_moves);
+  CHECK(Player().Play("greedy", "wrong", 4).trajectory == result.trajectory);
+}
+
+TEST_CASE("every communication policy arrives, with pictures as it says", "[planner][experiment]") {
+  const auto pictures = [](const CommunicationConfig& communication) {
+    const EpisodeResult result = Player().Play("ig-mcts", "careful", 3, {}, {}, communication);
+    INFO(communication.policy);
+    CHECK(result.all_goals);
+    CHECK(result.guidance == result.pictures + 1);
+    return result.pictures;
+  };
+  CHECK(pictures({.policy = "never"}) == 0);
+  CHECK(pictures({.policy = "random", .probability = 0.0}) == 0);
+  CHECK(pictures({.policy = "random", .probability = 0.3}) > 2);
+  CHECK(pictures({.policy = "every", .every_moves = 2}) >
+        pictures({.policy = "every", .every_moves = 6}));
+  CHECK(pictures({.policy = "threshold", .threshold_cells = 0.5}) >
+        pictures({.policy = "threshold", .threshold_cells = 2.0}));
+  pictures({.policy = "when_blocked"});
 }
 
 TEST_CASE("an episode ends where the robot waits for somebody silent", "[planner][experiment]") {

@@ -20,6 +20,19 @@ TEST_CASE("conav-experiment prints a table and writes JSON and CSV", "[planner][
   CHECK_THAT(ReadFile(desk / "s.csv").value(), Catch::StartsWith("variant,operator,seed,"));
 }
 
+TEST_CASE("conav-experiment draws the trade-off of pictures and moves", "[planner][experiment]") {
+  const test::ProgramDesk desk("conav-experiment");
+  const auto outcome = desk.Run(
+      "tradeoff --seeds 1 --model glpf --operators careful --json t.json --csv t.csv --svg t.svg");
+  CHECK(outcome.exit_code == 0);
+  CHECK_THAT(outcome.out, Contains("SIMULATED") && Contains("threshold"));
+  const auto json = nlohmann::json::parse(ReadFile(desk / "t.json").value());
+  CHECK(json.at("policies").size() == 6);
+  CHECK_THAT(ReadFile(desk / "t.csv").value(),
+             Catch::StartsWith("policy,parameter,operator,seed,"));
+  CHECK_THAT(ReadFile(desk / "t.svg").value(), Contains("</svg>"));
+}
+
 TEST_CASE("conav-experiment refuses wrong use with 2, what it cannot do with 1",
           "[planner][experiment]") {
   const test::ProgramDesk desk("conav-experiment");
@@ -40,6 +53,11 @@ TEST_CASE("an output that cannot be written is found before the work", "[planner
   const auto outcome = desk.Run("search --json nowhere/s.json");
   CHECK(outcome.exit_code == 1);
   CHECK_THAT(outcome.error, Contains("nowhere"));
+  CHECK_THAT(desk.Run("tradeoff --svg nowhere/t.svg").error, Contains("nowhere"));
+  const auto variant = desk.Run("tradeoff --variant best");
+  CHECK(variant.exit_code == 1);
+  CHECK_THAT(variant.error, Contains("no variant best") && Contains("paper-literal"));
+  CHECK(desk.Run("tradeoff --json t.json --csv t.json").exit_code == 2);
 }
 
 }  // namespace

@@ -34,6 +34,23 @@ TEST_CASE("variants are read in their order, as changes of the preset", "[planne
   CHECK(variants[2].config.reliability_prior == 0.0);  // the paper has none
 }
 
+TEST_CASE("a variant may say who decides on pictures, and be greedy", "[planner][experiment]") {
+  const test::TemporaryFolder folder;
+  const auto variants = ReadSearchVariants(
+      Write(folder,
+            "search_variants:\n"
+            "  often: {iterations: 7, communication: {policy: every, every_moves: 3}}\n"
+            "  alone: {method: greedy}\n"));
+  CHECK(variants[0].communication.policy == "every");
+  CHECK(variants[0].communication.every_moves == 3);
+  CHECK(variants[0].config.options.iterations == 7);
+  CHECK(variants[1].method == "greedy");
+  CHECK(variants[1].communication.policy == "search");
+  CHECK_THROWS_WITH(
+      ReadSearchVariants(Write(folder, "search_variants: {a: {communication: {policy: loud}}}\n")),
+      Contains("variants.yaml: a.communication.policy"));
+}
+
 TEST_CASE("bad variants are refused by file, variant and key", "[planner][experiment]") {
   const test::TemporaryFolder folder;
   CHECK_THROWS_WITH(ReadSearchVariants(folder / "none.yaml"), Contains("none.yaml"));

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "planner/experiment/tradeoff_sweep.h"
+
+namespace conav::planner {
+
+/// How IG-MCTS does where another policy stands: its curve over costs of a picture less that policy's
+/// point, so below 0 is better. Infinite where the curve does not get there. The interval is the
+/// 95 % percentile bootstrap over mazes, the same ones for both (paired).
+struct TradeoffDifference {
+  double value = 0.0;
+  Interval interval;
+};
+
+enum class TradeoffVerdict {
+  kBetter,  // one of both intervals lies below 0
+  kAlike,
+  kWorse,   // both lie above
+  kBeyond,  // not better, and the point has fewer pictures than the curve anywhere
+};
+
+struct TradeoffComparison {
+  TradeoffDifference moves_at_equal_pictures;
+  TradeoffDifference pictures_at_equal_moves;
+  TradeoffVerdict verdict = TradeoffVerdict::kAlike;
+};
+
+/// One point of the sweep with one kind of SIMULATED operator.
+struct TradeoffRow {
+  std::size_t point = 0;
+  std::size_t person = 0;
+  int episodes = 0;
+  int all_goals = 0;
+  VariantSummary::Figure pictures;
+  /// Cells entered; an episode that did not reach all goals counts with its limit of actions.
+  VariantSummary::Figure moves;
+  VariantSummary::Figure guidance;
+  VariantSummary::Figure mapping_accuracy;
+  std::optional<TradeoffComparison> search_less_this;  // not of points of the search
+};
+
+/// In the order of the episodes, which are those of RunSearchExperiment(sweep.experiment). `draws`:
+/// of each bootstrap.
+std::vector<TradeoffRow> AnalyseTradeoff(const TradeoffSweep& sweep,
+                                         const std::vector<ExperimentEpisode>& episodes,
+                                         int draws = 2000);
+
+/// All points of one policy with one kind of operator.
+struct PolicyVerdict {
+  std::string policy;
+  std::size_t person = 0;
+  int points = 0;
+  int better = 0;  // where IG-MCTS is
+  int worse = 0;
+  int beyond = 0;
+  bool dominated() const { return better == points; }
+};
+
+std::vector<PolicyVerdict> JudgePolicies(const TradeoffSweep& sweep,
+                                         const std::vector<TradeoffRow>& rows);
+
+}  // namespace conav::planner

@@ -1,0 +1,170 @@
+#include "planner/experiment/tradeoff_plot.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "common/svg/svg_canvas.h"
+
+namespace conav::planner {
+namespace {
+
+constexpr double kPanel = 400.0;  // of the axes, both
+constexpr double kLeft = 56.0;
+constexpr double kTop = 40.0;
+constexpr double kBelow = 96.0;
+constexpr double kBetween = 64.0;
+
+struct Look {
+  const char* policy;
+  const char* label;
+  const char* color;
+};
+
+// Okabe and Ito's colours, which people with any colour vision tell apart.
+constexpr Look kLooks[]{{"search", "IG-MCTS", "#000000"},
+                        {"random", "random", "#e69f00"},
+                        {"every", "every k moves", "#56b4e9"},
+                        {"threshold", "threshold", "#d55e00"},
+                        {"when_blocked", "when blocked", "#009e73"},
+                        {"never", "never", "#cc79a7"},
+                        {"greedy", "greedy", "#0072b2"}};
+
+const Look& LookOf(const std::string& policy) {
+  const auto* found = std::find_if(std::begin(kLooks), std::end(kLooks),
+                                   [&](const Look& look) { return look.policy == policy; });
+  return found == std::end(kLooks) ? kLooks[0] : *found;
+}
+
+/// 1, 2 or 5 times a power of ten, at least `least`.
+double RoundStep(double least) {
+  const double power = std::pow(10.0, std::floor(std::log10(least)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * power >= least) return factor * power;
+  }
+  return 10.0 * power;
+}
+
+struct Scale {
+  double low = 0.0;
+  double high = 1.0;
+  double step = 1.0;
+  double Share(double value) const { return (value - low) / (high - low); }
+};
+
+Scale ScaleFor(double low, double high) {
+  const double step = RoundStep(std::max(1e-6, high - low) / 6.0);
+  return {step * std::floor(low / step), step * std::max(std::ceil(high / step), 1.0 + low / step),
+          step};
+}
+
+/// What the points of one kind of operator need.
+class Panel {
+ public:
+  Panel(SvgCanvas& canvas, double left, const std::vector<const TradeoffRow*>& rows)
+      : canvas_(canvas), left_(left) {
+    double pictures = 0.0;
+    double least = rows.front()->moves.interval.low;
+    double most = least;
+    for (const TradeoffRow* row : rows) {
+      pictures = std::max(pictures, row->pictures.interval.high);
+      least = std::min(least, row->moves.interval.low);
+      most = std::max(most, row->moves.interval.high);
+    }
+    pictures_ = ScaleFor(0.0, pictures);
+    moves_ = ScaleFor(least, most);
+  }
+
+  void DrawAxes(const std::string& title) {
+    canvas_.Text({left_, kTop - 14}, title, "font-size=\"14\" font-weight=\"bold\"");
+    for (double value = pictures_.low; value <= pictures_.high + 1e-9; value += pictures_.step) {
+      canvas_.Line(At(value, moves_.low), At(value, moves_.high), "stroke=\"#e5e5e5\"");
+      canvas_.Text({At(value, 0).x, kTop + kPanel + 18}, fmt::format("{:g}", value),
+                   "font-size=\"11\" text-anchor=\"middle\" fill=\"#444444\"");
+    }
+    for (double value = moves_.low; value <= moves_.high + 1e-9; value += moves_.step) {
+      canvas_.Line(At(pictures_.low, value), At(pictures_.high, value), "stroke=\"#e5e5e5\"");
+      canvas_.Text({left_ - 6, At(0, value).y + 4}, fmt::format("{:g}", value),
+                   "font-size=\"11\" text-anchor=\"end\" fill=\"#444444\"");
+    }
+    canvas_.Text({left_ + kPanel / 2, kTop + kPanel + 38}, "pictures per episode",
+                 "font-size=\"12\" text-anchor=\"middle\"");
+    canvas_.Text({left_ - 44, kTop - 14}, "moves", "font-size=\"12\"");
+  }
+
+  void DrawPolicy(const std::string& policy, const std::vector<const TradeoffRow*>& rows,
+                  const TradeoffSweep& sweep) {
+    const Look& look = LookOf(policy);
+    std::vector<PixelPosition> line;
+    for (const TradeoffRow* row : rows) line.push_back(At(row->pictures.mean, row->moves.mean));
+    canvas_.Polyline(line, fmt::format("stroke=\"{}\" stroke-width=\"{}\"", look.color,
+                                       policy == "search" ? 2.5 : 1.5));
+    for (const TradeoffRow* row : rows) DrawPoint(*row, look, sweep);
+  }
+
+ private:
+  PixelPosition At(double pictures, double moves) const {
+    return {left_ + kPanel * pictures_.Share(pictures),
+            kTop + kPanel * (1.0 - moves_.Share(moves))};
+  }
+
+  void DrawPoint(const TradeoffRow& row, const Look& look, const TradeoffSweep& sweep) {
+    const std::string thin = fmt::format("stroke=\"{}\" stroke-width=\"0.8\"", look.color);
+    canvas_.BeginGroup(fmt::format("{}: {:.1f} pictures, {:.1f} moves",
+                                   sweep.experiment.variants[row.point].name, row.pictures.mean,
+                                   row.moves.mean));
+    canvas_.Line(At(row.pictures.interval.low, row.moves.mean),
+                 At(row.pictures.interval.high, row.moves.mean), thin);
+    canvas_.Line(At(row.pictures.mean, row.moves.interval.low),
+                 At(row.pictures.mean, row.moves.interval.high), thin);
+    canvas_.Circle(At(row.pictures.mean, row.moves.mean), 3.5,
+                   fmt::format("fill=\"{}\"", look.color));
+    canvas_.EndGroup();
+  }
+
+  SvgCanvas& canvas_;
+  double left_;
+  Scale pictures_, moves_;
+};
+
+void DrawLegend(SvgCanvas& canvas) {
+  double x = kLeft;
+  for (const Look& look : kLooks) {
+    const double y = kTop + kPanel + 68;
+    canvas.Line({x, y}, {x + 20, y}, fmt::format("stroke=\"{}\" stroke-width=\"2\"", look.color));
+    canvas.Circle({x + 10, y}, 3.5, fmt::format("fill=\"{}\"", look.color));
+    canvas.Text({x + 26, y + 4}, look.label, "font-size=\"12\"");
+    x += 118;
+  }
+}
+
+}  // namespace
+
+std::string TradeoffPlot(const TradeoffSweep& sweep, const std::vector<TradeoffRow>& rows) {
+  SvgCanvas canvas;
+  const std::size_t people = sweep.experiment.operators.size();
+  double left = kLeft;
+  for (std::size_t person = 0; person < people; ++person, left += kPanel + kBetween) {
+    std::vector<const TradeoffRow*> of_person;
+    for (const TradeoffRow& row : rows) {
+      if (row.person == person) of_person.push_back(&row);
+    }
+    Panel panel(canvas, left, of_person);
+    panel.DrawAxes(fmt::format("simulated operator: {}", sweep.experiment.operators[person]));
+    for (const Look& look : kLooks) {
+      std::vector<const TradeoffRow*> of_policy;
+      std::copy_if(
+          of_person.begin(), of_person.end(), std::back_inserter(of_policy),
+          [&](const TradeoffRow* row) { return sweep.points[row->point].policy == look.policy; });
+      if (!of_policy.empty()) panel.DrawPolicy(look.policy, of_policy, sweep);
+    }
+  }
+  DrawLegend(canvas);
+  const double width = std::max(left - kBetween + 24, kLeft + 7 * 118);
+  return canvas.Document(width, kTop + kPanel + kBelow,
+                         "Pictures against moves for each communication policy");
+}
+
+}  // namespace conav::planner

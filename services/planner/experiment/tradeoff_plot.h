@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "planner/experiment/tradeoff_analysis.h"
+
+namespace conav::planner {
+
+/// An SVG document: a panel per kind of operator, pictures to the right, moves upwards, a line per
+/// policy through its points in the order of their parameter, with both intervals of each.
+std::string TradeoffPlot(const TradeoffSweep& sweep, const std::vector<TradeoffRow>& rows);
+
+}  // namespace conav::planner

@@ -1,0 +1,153 @@
+#include "planner/experiment/tradeoff_report.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace conav::planner {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string Text(const VariantSummary::Figure& figure) {
+  return fmt::format("{:.1f} [{:.1f}, {:.1f}]", figure.mean, figure.interval.low,
+                     figure.interval.high);
+}
+
+std::string Text(double value) {
+  return std::isfinite(value) ? fmt::format("{:+.1f}", value) : "-";
+}
+
+std::string Text(const TradeoffDifference& difference) {
+  return fmt::format("{} [{}, {}]", Text(difference.value), Text(difference.interval.low),
+                     Text(difference.interval.high));
+}
+
+const char* Name(TradeoffVerdict verdict) {
+  switch (verdict) {
+    case TradeoffVerdict::kBetter:
+      return "better";
+    case TradeoffVerdict::kAlike:
+      return "alike";
+    case TradeoffVerdict::kWorse:
+      return "worse";
+    case TradeoffVerdict::kBeyond:
+      return "beyond";
+  }
+  return "?";
+}
+
+std::string Line(const TradeoffSweep& sweep, const TradeoffRow& row) {
+  std::string differences;
+  if (row.search_less_this) {
+    const TradeoffComparison& comparison = *row.search_less_this;
+    differences = fmt::format("{:22}  {:22}  {}", Text(comparison.moves_at_equal_pictures),
+                              Text(comparison.pictures_at_equal_moves), Name(comparison.verdict));
+  }
+  std::string line = fmt::format(
+      "{:14}  {:8}  {:>7}  {:18}  {:18}  {:>8.1f}  {:>7.0f} %  {}",
+      sweep.experiment.variants[row.point].name, sweep.experiment.operators[row.person],
+      fmt::format("{}/{}", row.all_goals, row.episodes), Text(row.pictures), Text(row.moves),
+      row.guidance.mean, 100.0 * row.mapping_accuracy.mean, differences);
+  line.erase(line.find_last_not_of(' ') + 1);
+  return line + "\n";
+}
+
+std::string Line(const TradeoffSweep& sweep, const PolicyVerdict& verdict) {
+  return fmt::format(
+      "{:14}  {:8}  IG-MCTS is better at {} of {} points, worse at {}, beyond its curve {}{}\n",
+      verdict.policy, sweep.experiment.operators[verdict.person], verdict.better, verdict.points,
+      verdict.worse, verdict.beyond, verdict.dominated() ? ": dominated" : "");
+}
+
+Json ToJson(const VariantSummary::Figure& figure) {
+  return {{"mean", figure.mean}, {"low", figure.interval.low}, {"high", figure.interval.high}};
+}
+
+Json ToJson(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+Json ToJson(const TradeoffDifference& difference) {
+  return {{"value", ToJson(difference.value)},
+          {"low", ToJson(difference.interval.low)},
+          {"high", ToJson(difference.interval.high)}};
+}
+
+Json ToJson(const TradeoffSweep& sweep, const TradeoffRow& row) {
+  const TradeoffPoint& point = sweep.points[row.point];
+  Json json{{"policy", point.policy},
+            {"parameter", point.parameter ? Json(*point.parameter) : Json()},
+            {"operator", sweep.experiment.operators[row.person]},
+            {"episodes", row.episodes},
+            {"all_goals", row.all_goals},
+            {"pictures", ToJson(row.pictures)},
+            {"moves", ToJson(row.moves)},
+            {"guidance", ToJson(row.guidance)},
+            {"mapping_accuracy", ToJson(row.mapping_accuracy)}};
+  if (row.search_less_this) {
+    const TradeoffComparison& comparison = *row.search_less_this;
+    json["search_less_this"] = {
+        {"moves_at_equal_pictures", ToJson(comparison.moves_at_equal_pictures)},
+        {"pictures_at_equal_moves", ToJson(comparison.pictures_at_equal_moves)},
+        {"verdict", Name(comparison.verdict)}};
+  }
+  return json;
+}
+
+}  // namespace
+
+std::string TradeoffTable(const TradeoffSweep& sweep, const std::vector<TradeoffRow>& rows) {
+  const SearchExperiment& experiment = sweep.experiment;
+  std::string text = fmt::format(
+      "SIMULATED operators, mazes {} with seeds {} to {}; means [95 % bootstrap interval].\n"
+      "Last columns: IG-MCTS (search) less this policy, interpolated over its costs of a picture; "
+      "'-' where it does not get there ('beyond': it nowhere sends so few).\n\n"
+      "{:14}  {:8}  {:>7}  {:18}  {:18}  {:>8}  {:>9}  {:22}  {:22}\n",
+      experiment.preset, experiment.first_seed,
+      experiment.first_seed + static_cast<std::uint64_t>(experiment.seeds) - 1, "policy",
+      "operator", "goals", "pictures", "moves", "guidance", "map right", "moves, equal pictures",
+      "pictures, equal moves");
+  for (const TradeoffRow& row : rows) text += Line(sweep, row);
+  text += "\n";
+  for (const PolicyVerdict& verdict : JudgePolicies(sweep, rows)) text += Line(sweep, verdict);
+  return text;
+}
+
+Json TradeoffJson(const TradeoffSweep& sweep, const std::vector<TradeoffRow>& rows) {
+  const SearchExperiment& experiment = sweep.experiment;
+  Json points = Json::array();
+  for (const TradeoffRow& row : rows) points.push_back(ToJson(sweep, row));
+  Json policies = Json::array();
+  for (const PolicyVerdict& verdict : JudgePolicies(sweep, rows)) {
+    policies.push_back({{"policy", verdict.policy},
+                        {"operator", experiment.operators[verdict.person]},
+                        {"points", verdict.points},
+                        {"search_better", verdict.better},
+                        {"search_worse", verdict.worse},
+                        {"beyond", verdict.beyond},
+                        {"dominated", verdict.dominated()}});
+  }
+  return {{"experiment", "tradeoff"},       {"operators", "simulated"},
+          {"preset", experiment.preset},    {"first_seed", experiment.first_seed},
+          {"seeds", experiment.seeds},      {"points", std::move(points)},
+          {"policies", std::move(policies)}};
+}
+
+std::string TradeoffCsv(const TradeoffSweep& sweep,
+                        const std::vector<ExperimentEpisode>& episodes) {
+  std::string text =
+      "policy,parameter,operator,seed,all_goals,goals_reached,moves,optimal_moves,blocked,pictures,"
+      "guidance,edits,mapping_accuracy\n";
+  for (const ExperimentEpisode& episode : episodes) {
+    const TradeoffPoint& point = sweep.points[episode.variant];
+    const EpisodeResult& r = episode.result;
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{:.6f}\n", point.policy,
+                        point.parameter ? fmt::format("{:g}", *point.parameter) : "",
+                        sweep.experiment.operators[episode.person], episode.seed,
+                        r.all_goals ? 1 : 0, r.goals_reached, r.moves, r.optimal_moves, r.blocked,
+                        r.pictures, r.guidance, r.edits, r.mapping_accuracy);
+  }
+  return text;
+}
+
+}  // namespace conav::planner

@@ -1,0 +1,38 @@
+#include "planner/experiment/tradeoff_curve.h"
+
+#include <catch2/catch.hpp>
+
+namespace conav::planner {
+namespace {
+
+/// Few pictures cost moves; more than four help no more.
+TradeoffCurve Falling() { return TradeoffCurve({{8, 30}, {2, 40}, {4, 30}}); }
+
+TEST_CASE("between its points the curve is straight", "[planner][experiment]") {
+  CHECK(Falling().MovesAt(2) == 40.0);
+  CHECK(Falling().MovesAt(3) == Approx(35.0));
+  CHECK(Falling().MovesAt(6) == Approx(30.0));
+  CHECK(Falling().PicturesAt(37.5) == Approx(2.5));
+}
+
+TEST_CASE("beyond its ends the curve gives what it has or nothing", "[planner][experiment]") {
+  CHECK_FALSE(Falling().MovesAt(1.9));
+  CHECK(Falling().MovesAt(100) == 30.0);
+  CHECK(Falling().PicturesAt(50) == 2.0);
+  CHECK_FALSE(Falling().PicturesAt(29.9));
+}
+
+TEST_CASE("the fewest pictures count where the curve comes back", "[planner][experiment]") {
+  const TradeoffCurve curve({{1, 40}, {3, 20}, {5, 30}, {7, 10}});
+  CHECK(curve.PicturesAt(25) == Approx(2.5));
+  CHECK(curve.PicturesAt(15) == Approx(6.5));
+}
+
+TEST_CASE("a curve of one point, or of equal ones", "[planner][experiment]") {
+  CHECK(TradeoffCurve({{2, 40}}).MovesAt(2) == 40.0);
+  CHECK(TradeoffCurve({{2, 40}, {2, 40}}).MovesAt(2) == 40.0);
+  CHECK_FALSE(TradeoffCurve({{2, 40}}).PicturesAt(39));
+}
+
+}  // namespace
+}  // namespace conav::planner
