@@ -37,6 +37,8 @@ class DecisionGate {
     std::chrono::nanoseconds answer_timeout;
     /// Whether each picture gets an answer; false where pictures are streamed.
     bool pictures_are_answered = true;
+    /// Whether the first guidance is waited for.
+    bool needs_guidance = true;
   };
 
   explicit DecisionGate(Options options) : options_(options) {}

@@ -54,7 +54,7 @@ Clock::TimePoint RobotWorker::Step(const StopToken& stop) {
   // A robot that asked for a new path will hardly go on along the old one.
   const std::vector<Cell> way = waits ? std::vector<Cell>{} : method_->WayFor(situation);
   board_.PutWay(options_.robot, way);
-  if (GiveWay(situation, way)) return now;
+  if (!method_->is_steered() && GiveWay(situation, way)) return now;
   if (waits) return now + kIdle;
   waiting_for_guidance_ = false;
   const auto start = std::chrono::steady_clock::now();
@@ -123,6 +123,10 @@ void RobotWorker::RepeatCommand(const RobotInputs& inputs, Clock::TimePoint now)
 void RobotWorker::AdoptGoalPose(RobotInputs& inputs) {
   if (!inputs.goal_pose) return;
   const Position goal = *inputs.goal_pose;
+  if (method_->is_steered()) {
+    LOG_WARNING("goal pose refused", "robot", options_.robot, "reason", "it is steered by hand");
+    return board_.ResolveGoalPose(options_.robot, goal, std::nullopt);
+  }
   auto guidance =
       GuidanceTowards(goal, *inputs.state, *inputs.map, *inputs.belief, inputs.guidance);
   if (guidance) {
@@ -143,6 +147,8 @@ Situation RobotWorker::SituationFrom(const RobotInputs& inputs) {
                       .belief = *inputs.belief,
                       .lens = inputs.lens.value_or(CameraLens{}),
                       .guidance = std::nullopt,
+                      .drive = inputs.drive,
+                      .now = board_.NewestStamp(options_.robot),
                       .neighbours = board_.NeighboursOf(options_.robot)};
   newest_revision_ = inputs.guidance ? inputs.guidance->revision : 0;
   if (inputs.guidance && !inputs.guidance->path.empty()) {
@@ -167,7 +173,7 @@ void RobotWorker::Publish(Decision decision, const Situation& situation, double 
     report.guidance_revision = situation.guidance ? situation.guidance->revision : 0;
     report.duration_ms = duration_ms;
     outputs_.report(report);
-    outputs_.way(state, situation.map, decision.plan);
+    if (!method_->is_steered()) outputs_.way(state, situation.map, decision.plan);
     command_sent_at_ = clock_.Now();
     outputs_.command(desk_.Issue(*decision.action, state, board_.NewestStamp(options_.robot)));
   }

@@ -19,7 +19,7 @@ namespace conav::planner {
 /// tests.
 ///
 /// Whatever the method: a robot in the way of one that goes before it makes room by itself
-/// (traffic.h), also while it waits for guidance or an answer.
+/// (traffic.h), also while it waits for guidance or an answer; unless a person steers it.
 ///
 /// Before the first state arrives nothing is sent. Stale input: an expired or withdrawn guidance is
 /// left out; an operator who does not answer is waited for once per picture, then the robot goes on
