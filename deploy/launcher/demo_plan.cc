@@ -115,6 +115,7 @@ std::string SimulatedOperatorYaml(const Setting& setting) {
   operators::SimulatedOperatorConfig config;
   config.bus = setting.Bus("simulated-operator");
   config.robots = setting.WorldsAndRobots();
+  if (setting.options.method == "teleop") config.interaction = "teleoperation";
   config.seed = setting.options.seed;
   config.person = OperatorPerson(setting.options.simulated_operator);
   return DumpConfig("simulated_operator", config);

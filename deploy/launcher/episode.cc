@@ -67,6 +67,7 @@ bool IsNews(const RobotRecord& robot, const RobotState& state) {
   RobotState before = *robot.state;
   before.stamp = state.stamp;
   before.heading_rad = state.heading_rad;
+  before.position = state.position;
   return before != state;
 }
 

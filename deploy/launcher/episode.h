@@ -63,7 +63,7 @@ struct Episode {
 /// `robots` robots in each of `worlds` worlds: r1.. numbered on over w1...
 Episode MakeEpisode(int robots_per_world, int worlds);
 
-/// Whether `state` tells more than the time; a robot's heading counts only with what it does.
+/// Whether `state` tells more than the time; a robot's pose counts only with what it does.
 bool IsNews(const RobotRecord& robot, const RobotState& state);
 void Record(RobotRecord& robot, const RobotState& state);
 /// A picture that was recorded before changes nothing.

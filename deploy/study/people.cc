@@ -35,7 +35,10 @@ operators::SyntheticOperatorParameters DrawPerson(const nhpm::AnnotatorPopulatio
   operators::SyntheticOperatorParameters person = operators::ParametersOfKind("careful");
   person.reader = nhpm::DrawAnnotator(population, random).reader;
   person.planner.wall_crossing_cost = Bell(10.0, 2.0, 4.0, 16.0, random);
-  person.glance_rate = Bell(0.30, 0.05, 0.1, 0.5, random);
+  person.glance_rate = Bell(0.03, 0.005, 0.01, 0.05, random);
+  person.steering.slip_probability = Bell(0.02, 0.008, 0.0, 0.05, random);
+  person.steering.overshoot_probability = Bell(0.05, 0.02, 0.0, 0.12, random);
+  person.steering.reaction_steps = random.Chance(0.25) ? 2 : 1;
   return person;
 }
 

@@ -45,12 +45,14 @@ struct OperatorService::RobotLink {
       : name(name),
         world(world),
         state(participant, bus::kRobotState, name),
-        attention(participant, bus::kAttention, name) {}
+        attention(participant, bus::kAttention, name),
+        drive(participant, bus::kDriveOrder, name) {}
 
   std::string name;
   std::string world;
   bus::Subscriber<conav_msgs::msg::RobotState> state;
   bus::Subscriber<conav_msgs::msg::AttentionRequest> attention;
+  bus::Publisher<conav_msgs::msg::DriveOrder> drive;
   std::optional<bus::Publisher<conav_msgs::msg::Guidance>> guidance;  // while its world is served
   std::optional<SimTime> stamp;                                       // of the newest state
   std::optional<RobotState> first_state;  // of a run that was not greeted yet
@@ -60,7 +62,9 @@ struct OperatorService::RobotLink {
 OperatorService::OperatorService(bus::Participant& participant, const OperatorConfig& config,
                                  const Clock& clock)
     : participant_(participant),
+      clock_(clock),
       store_(StoreOptions(config)),
+      drive_desk_(WorldOfRobot("operator", config.robots), {}),
       requests_(participant, bus::kOperatorRequest),
       replies_(participant, bus::kOperatorReply),
       diagnostics_(participant, clock) {
@@ -91,7 +95,14 @@ void OperatorService::Step() {
   for (const auto& world : worlds_) TakeInitialMap(*world);
   for (const auto& robot : robots_) TakeStates(*robot);
   if (recording_) recording_->Step();
-  for (const OperatorRequest& request : requests_.TakeValid(kConvert)) Answer(request);
+  const std::vector<OperatorRequest> requests = requests_.TakeValid(kConvert);
+  for (std::size_t i = 0; i < requests.size(); ++i) {
+    if (std::holds_alternative<DriveRequest>(requests[i].body)) {
+      PassOn(requests[i], ReplacedBy(requests, i));
+    } else {
+      Answer(requests[i]);
+    }
+  }
   diagnostics_.Tick([this] { return Report(); });
 }
 
@@ -174,6 +185,7 @@ void OperatorService::TakeStates(RobotLink& robot) {
     }
     const bool starts = !robot.stamp || state.stamp < *robot.stamp;
     robot.stamp = state.stamp;
+    drive_desk_.Hear(state);
     if (recording_) recording_->Hear(state);
     if (!starts) continue;
     store_.AddRobot(robot.name, robot.world);
@@ -218,6 +230,30 @@ void OperatorService::Answer(const OperatorRequest& request) {
   Log(request, answer);
   if (answer.changed) PublishChange(request);
   if (answer.changed && recording_) Record(request);
+  bus::Send(replies_, ToMessage(answer.reply));
+}
+
+void OperatorService::PassOn(const OperatorRequest& request, const OperatorRequest* replaced_by) {
+  if (replaced_by != nullptr) {
+    ++refused_;
+    bus::Send(replies_,
+              ToMessage(OperatorReply{request.client, request.request_id, false,
+                                      fmt::format("replaced by request {}, which came at once",
+                                                  replaced_by->request_id),
+                                      0}));
+    return;
+  }
+  const DriveDesk::Answer answer = drive_desk_.Handle(request, TimeOf(request.world), clock_.Now());
+  ++(answer.reply.accepted ? accepted_ : refused_);
+  if (!answer.reply.accepted) {
+    LOG_WARNING("refused", "kind", "drive", "client", request.client, "id", request.request_id,
+                "world", request.world, "reason", answer.reply.reason);
+  }
+  for (const auto& robot : robots_) {
+    if (answer.order && robot->name == answer.order->robot) {
+      bus::Send(robot->drive, ToMessage(*answer.order));
+    }
+  }
   bus::Send(replies_, ToMessage(answer.reply));
 }
 
@@ -276,6 +312,9 @@ Health OperatorService::Report() const {
                                std::to_string(guidance == nullptr ? 0 : guidance->revision));
     health.values.emplace_back(fmt::format("{} attention requests", robot->name),
                                std::to_string(robot->asked));
+    const std::string driver = drive_desk_.DriverOf(robot->name, clock_.Now());
+    health.values.emplace_back(fmt::format("{} steered by", robot->name),
+                               driver.empty() ? "nobody" : driver);
   }
   health.values.emplace_back("requests accepted", std::to_string(accepted_));
   health.values.emplace_back("requests refused", std::to_string(refused_));

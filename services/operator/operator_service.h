@@ -14,6 +14,7 @@
 #include "common/service/diagnostics.h"
 #include "operator/belief/belief_store.h"
 #include "operator/config.h"
+#include "operator/driving/drive_desk.h"
 #include "operator/session_recording.h"
 
 namespace conav::operators {
@@ -32,7 +33,8 @@ namespace conav::operators {
 /// 0. Guidance for a robot that never reported is refused. A robot that has sent fewer pictures
 /// than its stored guidance answers belongs to a new run: that guidance is withdrawn. When the disk
 /// fails, requests are refused with that reason, /diagnostics shows an error, and the service goes
-/// on. With `recording.file` it also hears pictures and true maps, and records the session.
+/// on. Low-level actions are passed on to the planner at once, see DriveDesk; they are not stored.
+/// With `recording.file` it also hears pictures and true maps, and records the session.
 /// Threads: one; Run() or repeated Step().
 class OperatorService {
  public:
@@ -60,6 +62,8 @@ class OperatorService {
   void TakeStates(RobotLink& robot);
   void Greet(RobotLink& robot, const RobotState& state);
   void Answer(const OperatorRequest& request);
+  /// A low-level action; `replaced_by` came in the same turn. Null when nothing did.
+  void PassOn(const OperatorRequest& request, const OperatorRequest* replaced_by);
   void PublishChange(const OperatorRequest& request);
   void Record(const OperatorRequest& request);
   void Log(const OperatorRequest& request, const BeliefStore::Answer& answer);
@@ -67,7 +71,9 @@ class OperatorService {
   Health Report() const;
 
   bus::Participant& participant_;
+  const Clock& clock_;
   BeliefStore store_;
+  DriveDesk drive_desk_;
   std::vector<std::unique_ptr<WorldLink>> worlds_;
   std::vector<std::unique_ptr<RobotLink>> robots_;
   bus::Subscriber<conav_msgs::msg::OperatorRequest> requests_;

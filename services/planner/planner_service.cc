@@ -33,6 +33,7 @@ struct PlannerService::Link {
         state(participant, bus::kRobotState, name),
         map(participant, bus::kRobotMap, name),
         guidance(participant, bus::kGuidance, name),
+        drive(participant, bus::kDriveOrder, name),
         goal_pose(participant, bus::kGoalPose, name),
         camera_info(participant, bus::kCameraInfo, name) {}
 
@@ -45,6 +46,7 @@ struct PlannerService::Link {
   bus::Subscriber<conav_msgs::msg::RobotState> state;
   bus::Subscriber<nav_msgs::msg::OccupancyGrid> map;
   bus::Subscriber<conav_msgs::msg::Guidance> guidance;
+  bus::Subscriber<conav_msgs::msg::DriveOrder> drive;
   bus::Subscriber<geometry_msgs::msg::PoseStamped> goal_pose;
   bus::Subscriber<sensor_msgs::msg::CameraInfo> camera_info;
 };
@@ -70,7 +72,7 @@ PlannerService::PlannerService(bus::Participant& participant, const PlannerConfi
         .robot = robot,
         .method_name = config.method,
         .gate = {Seconds(config.first_guidance_timeout_s), Seconds(config.answer_timeout_s),
-                 method->pictures_are_answered(), method->heeds_operator()},
+                 method->pictures_are_answered(), method->heeds_operator(), !method->is_steered()},
         .command_ttl = Seconds(config.command_ttl_s)};
     workers_.push_back(std::make_unique<RobotWorker>(std::move(options), std::move(method), board_,
                                                      clock, OutputsOf(*links_.back())));
@@ -149,6 +151,9 @@ void PlannerService::Receive() {
   }
   for (auto& link : links_) {
     for (Guidance& value : link->guidance.TakeValid(Convert<conav_msgs::msg::Guidance>)) {
+      board_.Put(std::move(value));
+    }
+    for (DriveOrder& value : link->drive.TakeValid(Convert<conav_msgs::msg::DriveOrder>)) {
       board_.Put(std::move(value));
     }
     for (const CameraLens& value :

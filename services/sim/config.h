@@ -29,12 +29,13 @@ struct MapFileConfig {
 
 struct CameraConfig {
   /// "egl" renders; "none" sends pictures without pixels, only with the cells that they would show,
-  /// and no frames; pictures and frames are counted as the method sends them, with 0 bytes each.
+  /// and no frames; both are counted as the method sends them, with 0 bytes each.
   std::string mode = "egl";
   int width = 320;
   int height = 192;
   int jpeg_quality = 90;
-  /// One frame per low-level step, as instruction following and teleoperation need it.
+  /// One frame per low-level step of a robot, and a streamed snapshot of what it shows, as
+  /// instruction following and teleoperation need it.
   bool stream = false;
 
   void Visit(ConfigReader& reader) {
@@ -43,6 +44,20 @@ struct CameraConfig {
     reader.Field("height", height, 16, 4096);
     reader.Field("jpeg_quality", jpeg_quality, 1, 100);
     reader.Field("stream", stream);
+  }
+};
+
+/// Speeds of teleoperation, at which a low-level action of 0.25 s ends (docs/methods.md). The motors
+/// reach 2 m/s and 73 degrees per second.
+struct DriveConfig {
+  double forward_mps = 0.8;
+  double backward_mps = 0.4;
+  double turn_deg_per_s = 45.0;
+
+  void Visit(ConfigReader& reader) {
+    reader.Field("forward_mps", forward_mps, 0.1, 2.0);
+    reader.Field("backward_mps", backward_mps, 0.0, 2.0);
+    reader.Field("turn_deg_per_s", turn_deg_per_s, 5.0, 73.0);
   }
 };
 
@@ -79,6 +94,7 @@ struct SimConfig {
   double observation_distance_cells = 2.0;
   CorruptionConfig corruption;
   CameraConfig camera;
+  DriveConfig drive;
   /// Simulated seconds per wall second; 0 = as fast as the robots are commanded.
   double speed = 0.0;
   /// False where another world's sim publishes /clock, of which a domain has only one. Stamps are
@@ -100,6 +116,7 @@ struct SimConfig {
     reader.Field("observation_distance_cells", observation_distance_cells, 0.0, 100.0);
     reader.Section("corruption", corruption);
     reader.Section("camera", camera);
+    reader.Section("drive", drive);
     reader.Field("speed", speed, 0.0, 1000.0);
     reader.Field("publish_clock", publish_clock);
   }

@@ -80,6 +80,11 @@ PhysicsWorld PhysicsFrom(const WorldSpec& spec, const SimConfig& config) {
   return world;
 }
 
+DriveLimits LimitsFrom(const DriveConfig& config) {
+  constexpr double kRadiansPerDegree = 0.017453292519943295;
+  return {config.forward_mps, config.backward_mps, config.turn_deg_per_s * kRadiansPerDegree};
+}
+
 }  // namespace
 
 SimService::SimService(bus::Participant& participant, const SimConfig& config, const Clock& clock)
@@ -107,7 +112,7 @@ void SimService::BuildWorld() {
   physics_ = OrStartupError(RobotWorld::Create(PhysicsFrom(spec_, config_)));
   episode_ = std::make_unique<Episode>(
       *physics_, EpisodeOptions{config_.world, spec_.goals, spec_.shared_goals,
-                                config_.observation_distance_cells});
+                                config_.observation_distance_cells, LimitsFrom(config_.drive)});
   if (config_.camera.mode == "none") return;
   auto camera = Camera::Open(*physics_, {config_.camera.width, config_.camera.height});
   if (!camera) {
@@ -199,14 +204,14 @@ bool SimService::StepDue() {
 }
 
 void SimService::Step() {
-  std::vector<std::uint64_t> moves_before;
+  std::vector<std::uint64_t> steps_before;
   for (int robot = 0; robot < episode_->robot_count(); ++robot) {
-    moves_before.push_back(episode_->state(robot).cell_moves);
+    steps_before.push_back(episode_->state(robot).low_level_steps);
   }
   episode_->Step();
   PublishClock();
   PublishGoals();
-  TakePictures(moves_before);
+  TakePictures(steps_before);
   for (int robot = 0; robot < episode_->robot_count(); ++robot) {
     RobotTopics& topics = *robots_[static_cast<std::size_t>(robot)];
     topics.PublishPose(*episode_, robot);
@@ -214,7 +219,7 @@ void SimService::Step() {
   }
 }
 
-void SimService::TakePictures(const std::vector<std::uint64_t>& moves_before) {
+void SimService::TakePictures(const std::vector<std::uint64_t>& steps_before) {
   for (const int robot : episode_->pictures_due()) {
     std::vector<std::uint8_t> jpeg = RenderJpeg(robot);
     Picture picture = episode_->CompleteView(robot, jpeg.size());
@@ -224,18 +229,19 @@ void SimService::TakePictures(const std::vector<std::uint64_t>& moves_before) {
   }
   if (!config_.camera.stream) return;
   for (int robot = 0; robot < episode_->robot_count(); ++robot) {
-    const auto index = static_cast<std::size_t>(robot);
-    const bool arrived = episode_->state(robot).cell_moves != moves_before[index];
-    if (!episode_->moving(robot) && !arrived) continue;
-    std::vector<std::uint8_t> jpeg = RenderJpeg(robot);
-    episode_->CountFrame(robot, jpeg.size());
-    if (!jpeg.empty()) robots_[index]->PublishFrame(episode_->now(), jpeg);
-    if (!arrived) continue;
-    Picture picture = episode_->TakeStreamedSnapshot(robot);
-    picture.jpeg = std::move(jpeg);
-    Fill(picture);
-    robots_[index]->Publish(picture);
+    const std::uint64_t before = steps_before[static_cast<std::size_t>(robot)];
+    if (episode_->state(robot).low_level_steps != before) StreamPicture(robot);
   }
+}
+
+void SimService::StreamPicture(int robot) {
+  RobotTopics& topics = *robots_[static_cast<std::size_t>(robot)];
+  const std::vector<std::uint8_t> jpeg = RenderJpeg(robot);
+  episode_->CountFrame(robot, jpeg.size());
+  if (!jpeg.empty()) topics.PublishFrame(episode_->now(), jpeg);
+  Picture picture = episode_->TakeStreamedSnapshot(robot);
+  FillFrom(robot, picture);
+  topics.Publish(picture);
 }
 
 std::vector<std::uint8_t> SimService::RenderJpeg(int robot) {
@@ -249,8 +255,21 @@ std::vector<std::uint8_t> SimService::RenderJpeg(int robot) {
 }
 
 void SimService::Fill(Picture& picture) const {
-  const CameraView view = ViewAt(picture.cell, picture.heading_rad, spec_.cell_size_m,
-                                 config_.camera.width, config_.camera.height);
+  Fill(picture, ViewAt(picture.cell, picture.heading_rad, spec_.cell_size_m, config_.camera.width,
+                       config_.camera.height));
+}
+
+void SimService::FillFrom(int robot, Picture& picture) const {
+  CameraView view = ViewAt(picture.cell, picture.heading_rad, spec_.cell_size_m,
+                           config_.camera.width, config_.camera.height);
+  const Position at = physics_->pose(robot).position;
+  const Position centre = physics_->geometry().CellToPosition(picture.cell);
+  view.east_offset_cells = (at.x_m - centre.x_m) / spec_.cell_size_m;
+  view.south_offset_cells = (centre.y_m - at.y_m) / spec_.cell_size_m;
+  Fill(picture, view);
+}
+
+void SimService::Fill(Picture& picture, const CameraView& view) const {
   picture.horizontal_fov_rad = view.horizontal_fov_rad;
   picture.width = static_cast<std::uint32_t>(config_.camera.width);
   picture.height = static_cast<std::uint32_t>(config_.camera.height);

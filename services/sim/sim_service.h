@@ -43,9 +43,13 @@ class SimService {
   Result<void> Accept(const RobotCommand& command, const std::string& robot);
   bool StepDue();
   void Step();
-  void TakePictures(const std::vector<std::uint64_t>& moves_before);
+  void TakePictures(const std::vector<std::uint64_t>& steps_before);
+  void StreamPicture(int robot);
   std::vector<std::uint8_t> RenderJpeg(int robot);
+  /// As seen from the centre of its cell, or from `robot`'s own position.
   void Fill(Picture& picture) const;
+  void FillFrom(int robot, Picture& picture) const;
+  void Fill(Picture& picture, const CameraView& view) const;
   Health Report() const;
 
   bus::Participant& participant_;

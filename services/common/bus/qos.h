@@ -25,6 +25,8 @@ inline constexpr Qos kClockQos{Reliability::kBestEffort, Durability::kVolatile, 
 inline constexpr Qos kTransformQos{Reliability::kReliable, Durability::kVolatile, 100};
 /// State, maps, commands: a late joiner gets the newest.
 inline constexpr Qos kLatchedQos{Reliability::kReliable, Durability::kTransientLocal, 1};
+/// Orders that nobody is to carry out late: no late joiner gets one, and a newer one replaces it.
+inline constexpr Qos kNewestQos{Reliability::kReliable, Durability::kVolatile, 1};
 /// Things of which each one counts: a late joiner gets the last hundred.
 inline constexpr Qos kEventQos{Reliability::kReliable, Durability::kTransientLocal, 100};
 /// Requests and replies with ids; whoever asks repeats until answered.

@@ -93,8 +93,8 @@ struct ImagePlane {
 }  // namespace
 
 ViewCaster::ViewCaster(const CameraView& view)
-    : offset_x_(view.forward_offset_cells * std::cos(view.heading_rad)),
-      offset_y_(-view.forward_offset_cells * std::sin(view.heading_rad)) {
+    : offset_x_(view.east_offset_cells + view.forward_offset_cells * std::cos(view.heading_rad)),
+      offset_y_(view.south_offset_cells - view.forward_offset_cells * std::sin(view.heading_rad)) {
   DEMAND(view.rays > 0, view.rays);
   DEMAND(view.pitch_rad >= 0.0 && view.pitch_rad + view.vertical_fov_rad / 2.0 < 1.5,
          view.pitch_rad, view.vertical_fov_rad);

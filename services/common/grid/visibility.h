@@ -14,9 +14,12 @@ struct VisibleCells {
   bool operator==(const VisibleCells&) const = default;
 };
 
-/// A camera at a cell's centre, moved forward along its heading.
+/// A camera at a cell's centre, or beside it, moved forward along its heading.
 struct CameraView {
   Cell cell;
+  /// Of the robot's axis from the cell's centre, in cells.
+  double east_offset_cells = 0.0;
+  double south_offset_cells = 0.0;
   double heading_rad = 0.0;
   double horizontal_fov_rad = 1.3962634;
   /// Rays over the field of view; at least 4 per image column when it stands for a real picture.

@@ -83,6 +83,8 @@ conav_msgs::msg::Guidance ToMessage(const Guidance& guidance);
 /// for the operator service, which can answer.
 Result<OperatorRequest> ToDomain(const conav_msgs::msg::OperatorRequest& message);
 conav_msgs::msg::OperatorRequest ToMessage(const OperatorRequest& request);
+Result<DriveOrder> ToDomain(const conav_msgs::msg::DriveOrder& message);
+conav_msgs::msg::DriveOrder ToMessage(const DriveOrder& order);
 Result<OperatorReply> ToDomain(const conav_msgs::msg::OperatorReply& message);
 conav_msgs::msg::OperatorReply ToMessage(const OperatorReply& reply);
 Result<AttentionRequest> ToDomain(const conav_msgs::msg::AttentionRequest& message);

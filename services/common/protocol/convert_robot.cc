@@ -17,10 +17,12 @@ Result<RobotCommand> ToDomain(const conav_msgs::msg::RobotCommand& message) {
   command.sequence_number = message.sequence_number();
   command.lease_epoch = message.lease_epoch();
   command.expires_at = checks.Time("expires_at", message.expires_at());
-  command.kind =
-      checks.Enumerator("kind", message.kind(), CommandKind::kStop, CommandKind::kTransmitView);
+  command.kind = checks.Enumerator("kind", message.kind(), CommandKind::kStop, CommandKind::kDrive);
   command.target = checks.ToCell("target", message.target());
   command.heading_rad = checks.Heading("heading", message.heading());
+  command.drive =
+      checks.Enumerator("drive", message.drive(), DriveAction::kStop, DriveAction::kTurnRight);
+  command.drive_order = message.drive_order();
   if (checks.failed()) return checks.failure();
   return command;
 }
@@ -35,6 +37,8 @@ conav_msgs::msg::RobotCommand ToMessage(const RobotCommand& command) {
   message.kind(static_cast<std::uint8_t>(command.kind));
   message.target(ToCellMessage(command.target));
   message.heading(command.heading_rad);
+  message.drive(static_cast<std::uint8_t>(command.drive));
+  message.drive_order(command.drive_order);
   return message;
 }
 
@@ -46,6 +50,8 @@ Result<RobotState> ToDomain(const conav_msgs::msg::RobotState& message) {
   state.robot = checks.Name("robot", message.robot());
   state.cell = checks.ToCell("cell", message.cell());
   state.heading_rad = checks.Heading("heading", message.heading());
+  state.position.x_m = checks.Finite("position.x", message.position().x());
+  state.position.y_m = checks.Finite("position.y", message.position().y());
   state.goals_left = checks.Cells("goals_left", message.goals_left());
   state.goals_reached = checks.Cells("goals_reached", message.goals_reached());
   state.goals_total = message.goals_total();
@@ -55,6 +61,7 @@ Result<RobotState> ToDomain(const conav_msgs::msg::RobotState& message) {
                                             CommandOutcome::kNone, CommandOutcome::kExpired);
   state.command_detail = checks.Text("command_detail", message.command_detail());
   state.command_cell = checks.ToCell("command_cell", message.command_cell());
+  state.drive_order = message.drive_order();
   state.lease_epoch = message.lease_epoch();
   state.cell_moves = message.cell_moves();
   state.low_level_steps = message.low_level_steps();
@@ -78,6 +85,8 @@ conav_msgs::msg::RobotState ToMessage(const RobotState& state) {
   message.robot(state.robot);
   message.cell(ToCellMessage(state.cell));
   message.heading(state.heading_rad);
+  message.position().x(state.position.x_m);
+  message.position().y(state.position.y_m);
   message.goals_left(ToCellMessages(state.goals_left));
   message.goals_reached(ToCellMessages(state.goals_reached));
   message.goals_total(state.goals_total);
@@ -86,6 +95,7 @@ conav_msgs::msg::RobotState ToMessage(const RobotState& state) {
   message.command_outcome(static_cast<std::uint8_t>(state.command_outcome));
   message.command_detail(state.command_detail);
   message.command_cell(ToCellMessage(state.command_cell));
+  message.drive_order(state.drive_order);
   message.lease_epoch(state.lease_epoch);
   message.cell_moves(state.cell_moves);
   message.low_level_steps(state.low_level_steps);

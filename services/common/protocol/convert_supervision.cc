@@ -42,6 +42,43 @@ GuideRequest ToGuideRequest(Checks& checks, const conav_msgs::msg::OperatorReque
   return request;
 }
 
+DriveAction ToDriveAction(Checks& checks, std::uint8_t value) {
+  return checks.Enumerator("drive", value, DriveAction::kStop, DriveAction::kTurnRight);
+}
+
+DriveRequest ToDriveRequest(Checks& checks, const conav_msgs::msg::OperatorRequest& message) {
+  DriveRequest request;
+  request.robot = checks.Name("robot", message.robot());
+  request.drive = ToDriveAction(checks, message.drive());
+  request.expires_at = checks.Time("expires_at", message.expires_at());
+  return request;
+}
+
+void Write(const EditRequest& edit, conav_msgs::msg::OperatorRequest& message) {
+  message.kind(conav_msgs::msg::OPERATOR_REQUEST_EDIT);
+  message.base_revision(edit.base_revision);
+  for (const CellEdit& value : edit.edits) {
+    auto& cell_edit = message.edits().emplace_back();
+    cell_edit.cell(ToCellMessage(value.cell));
+    cell_edit.wall(value.wall);
+  }
+}
+
+void Write(const GuideRequest& guide, conav_msgs::msg::OperatorRequest& message) {
+  message.kind(conav_msgs::msg::OPERATOR_REQUEST_GUIDE);
+  message.robot(guide.robot);
+  message.path(ToCellMessages(guide.path));
+  message.answers_snapshot(guide.answers_snapshot);
+  message.valid_for(guide.valid_for_s);
+}
+
+void Write(const DriveRequest& drive, conav_msgs::msg::OperatorRequest& message) {
+  message.kind(conav_msgs::msg::OPERATOR_REQUEST_DRIVE);
+  message.robot(drive.robot);
+  message.drive(static_cast<std::uint8_t>(drive.drive));
+  message.expires_at(ToMessage(drive.expires_at));
+}
+
 }  // namespace
 
 Result<Belief> ToDomain(const conav_msgs::msg::BeliefMap& message) {
@@ -119,10 +156,12 @@ Result<OperatorRequest> ToDomain(const conav_msgs::msg::OperatorRequest& message
     request.body = ToEditRequest(checks, message);
   } else if (message.kind() == conav_msgs::msg::OPERATOR_REQUEST_GUIDE) {
     request.body = ToGuideRequest(checks, message);
+  } else if (message.kind() == conav_msgs::msg::OPERATOR_REQUEST_DRIVE) {
+    request.body = ToDriveRequest(checks, message);
   } else {
     checks.Refuse(fmt::format("kind = {} is not in [{}, {}]", message.kind(),
                               conav_msgs::msg::OPERATOR_REQUEST_EDIT,
-                              conav_msgs::msg::OPERATOR_REQUEST_GUIDE));
+                              conav_msgs::msg::OPERATOR_REQUEST_DRIVE));
   }
   if (checks.failed()) return checks.failure();
   return request;
@@ -134,22 +173,34 @@ conav_msgs::msg::OperatorRequest ToMessage(const OperatorRequest& request) {
   message.client(request.client);
   message.request_id(request.request_id);
   message.world(request.world);
-  if (const auto* edit = std::get_if<EditRequest>(&request.body)) {
-    message.kind(conav_msgs::msg::OPERATOR_REQUEST_EDIT);
-    message.base_revision(edit->base_revision);
-    for (const CellEdit& value : edit->edits) {
-      auto& cell_edit = message.edits().emplace_back();
-      cell_edit.cell(ToCellMessage(value.cell));
-      cell_edit.wall(value.wall);
-    }
-  } else {
-    const auto& guide = std::get<GuideRequest>(request.body);
-    message.kind(conav_msgs::msg::OPERATOR_REQUEST_GUIDE);
-    message.robot(guide.robot);
-    message.path(ToCellMessages(guide.path));
-    message.answers_snapshot(guide.answers_snapshot);
-    message.valid_for(guide.valid_for_s);
-  }
+  std::visit([&](const auto& body) { Write(body, message); }, request.body);
+  return message;
+}
+
+Result<DriveOrder> ToDomain(const conav_msgs::msg::DriveOrder& message) {
+  Checks checks;
+  DriveOrder order;
+  order.stamp = checks.Stamp(message.header());
+  order.world = checks.Name("world", message.world());
+  order.robot = checks.Name("robot", message.robot());
+  order.sequence_number = message.sequence_number();
+  if (order.sequence_number == 0) checks.Refuse("sequence_number = 0 is below 1");
+  order.drive = ToDriveAction(checks, message.drive());
+  if (!message.given_by().empty()) order.given_by = checks.Client("given_by", message.given_by());
+  order.expires_at = checks.Time("expires_at", message.expires_at());
+  if (checks.failed()) return checks.failure();
+  return order;
+}
+
+conav_msgs::msg::DriveOrder ToMessage(const DriveOrder& order) {
+  conav_msgs::msg::DriveOrder message;
+  message.header(ToHeader(order.stamp));
+  message.world(order.world);
+  message.robot(order.robot);
+  message.sequence_number(order.sequence_number);
+  message.drive(static_cast<std::uint8_t>(order.drive));
+  message.given_by(order.given_by);
+  message.expires_at(ToMessage(order.expires_at));
   return message;
 }
 

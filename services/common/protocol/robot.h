@@ -20,7 +20,10 @@ struct MapUpdate {
   bool operator==(const MapUpdate&) const = default;
 };
 
-enum class CommandKind : std::uint8_t { kStop, kMove, kTransmitView };
+enum class CommandKind : std::uint8_t { kStop, kMove, kTransmitView, kDrive };
+
+/// A low-level action: what the robot does during one control step of 0.25 s.
+enum class DriveAction : std::uint8_t { kStop, kForward, kBackward, kTurnLeft, kTurnRight };
 
 /// In force until done, replaced or expired.
 struct RobotCommand {
@@ -32,6 +35,8 @@ struct RobotCommand {
   CommandKind kind = CommandKind::kStop;
   Cell target;               // move: a neighbour of the robot's cell
   double heading_rad = 0.0;  // transmit view
+  DriveAction drive = DriveAction::kStop;
+  std::uint64_t drive_order = 0;  // drive: sequence number of the DriveOrder that it carries out
   bool operator==(const RobotCommand&) const = default;
 };
 
@@ -39,7 +44,7 @@ enum class CommandOutcome : std::uint8_t {
   kNone,
   kRunning,
   kDone,
-  kBlocked,   // the target cell is a wall
+  kBlocked,   // the target cell, or one driven towards, is a wall
   kOccupied,  // another robot stands there or drives there
   kRefused,
   kExpired,
@@ -51,6 +56,7 @@ struct RobotState {
   std::string robot;
   Cell cell;
   double heading_rad = 0.0;
+  Position position;
   std::vector<Cell> goals_left;
   std::vector<Cell> goals_reached;
   std::uint32_t goals_total = 0;
@@ -60,6 +66,7 @@ struct RobotState {
   CommandOutcome command_outcome = CommandOutcome::kNone;
   std::string command_detail;
   Cell command_cell;
+  std::uint64_t drive_order = 0;  // of the last DriveOrder taken up
   std::uint64_t lease_epoch = 0;
   std::uint64_t cell_moves = 0;
   std::uint64_t low_level_steps = 0;
@@ -82,7 +89,7 @@ struct Picture {
   double horizontal_fov_rad = 0.0;
   std::uint32_t width = 0;
   std::uint32_t height = 0;
-  std::vector<std::uint8_t> jpeg;  // empty when the simulator runs without a camera
+  std::vector<std::uint8_t> jpeg;  // empty when streamed, or when the simulator has no camera
   VisibleCells visible;
   std::vector<Cell> path;  // since the picture before, that picture's cell first
   std::vector<Cell> goals_left;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/grid/grid.h"
+#include "common/protocol/robot.h"
 #include "common/runtime/clock.h"
 
 /// Domain values of the operator's side of the bus; idl/conav_operator.idl says who sends them and
@@ -56,13 +57,33 @@ struct GuideRequest {
   bool operator==(const GuideRequest&) const = default;
 };
 
+/// One low-level action that `robot` shall carry out before `expires_at`.
+struct DriveRequest {
+  std::string robot;
+  DriveAction drive = DriveAction::kStop;
+  SimTime expires_at;
+  bool operator==(const DriveRequest&) const = default;
+};
+
+/// A DriveRequest that the operator service passes on to the planner.
+struct DriveOrder {
+  SimTime stamp;
+  std::string world;
+  std::string robot;
+  std::uint64_t sequence_number = 0;  // rises with each order of a robot
+  DriveAction drive = DriveAction::kStop;
+  std::string given_by;
+  SimTime expires_at;
+  bool operator==(const DriveOrder&) const = default;
+};
+
 /// What any client may ask of the operator service. (client, request_id) makes a repeat harmless.
 struct OperatorRequest {
   SimTime stamp;
   std::string client;
   std::uint64_t request_id = 0;
   std::string world;
-  std::variant<EditRequest, GuideRequest> body;
+  std::variant<EditRequest, GuideRequest, DriveRequest> body;
   bool operator==(const OperatorRequest&) const = default;
 };
 

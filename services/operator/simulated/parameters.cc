@@ -27,6 +27,7 @@ void SyntheticOperatorParameters::Visit(ConfigReader& visitor) {
   visitor.Field("silent", silent);
   visitor.Section("reader", reader);
   visitor.Section("planner", planner);
+  visitor.Section("steering", steering);
   visitor.Field("glance_rate", glance_rate, 0.0, 1.0);
   visitor.Field("thinking_time_s", thinking_time_s, 0.0, 3600.0);
   visitor.Field("guidance_valid_s", guidance_valid_s, 0.1, 1e6);
@@ -51,6 +52,9 @@ SyntheticOperatorParameters ParametersOfKind(const std::string& kind) {
     person.reader.guess_probability = 0.05;
     person.reader.edit_limit = 2;
     person.planner.horizon = "next_goal";
+    person.steering.reaction_steps = 2;
+    person.steering.slip_probability = 0.04;
+    person.steering.overshoot_probability = 0.1;
   } else if (kind == "wrong") {
     person.reader.edit_probability = 0.0;
     person.reader.path_removal_probability = 0.0;

@@ -14,16 +14,19 @@
 #include "common/runtime/clock.h"
 #include "operator/simulated/path_planner.h"
 #include "operator/simulated/picture_reader.h"
+#include "operator/simulated/steering.h"
 
 namespace conav::operators {
 
 struct SyntheticOperatorParameters {
   PictureReaderParameters reader;
   PathPlannerParameters planner;
+  /// As a teleoperator.
+  SteeringParameters steering;
   /// Answers nothing and draws nothing.
   bool silent = false;
-  /// Share of the pictures of a stream that is looked at.
-  double glance_rate = 0.3;
+  /// Share of the pictures of a stream, four a second, that is looked at to correct the map.
+  double glance_rate = 0.03;
   /// Wall time that passes before each answer.
   double thinking_time_s = 0.0;
   /// How long guidance holds, simulation time.
@@ -48,7 +51,7 @@ SyntheticOperatorParameters ParametersOfKind(const std::string& kind);
 struct OperatorAsk {
   std::string world;
   SimTime stamp;
-  std::variant<EditRequest, GuideRequest> body;
+  std::variant<EditRequest, GuideRequest, DriveRequest> body;
 };
 
 /// One synthetic person who supervises several robots, one matter after the other.

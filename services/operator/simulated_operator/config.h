@@ -15,6 +15,8 @@ struct SimulatedOperatorConfig {
   bus::ParticipantOptions bus;
   /// "world/robot" of every robot that this synthetic person looks after.
   std::vector<std::string> robots{"w1/r1"};
+  /// "guidance" answers pictures by edits and paths; "teleoperation" steers by keys.
+  std::string interaction = "guidance";
   std::uint64_t seed = 1;
   /// Name under which it edits and guides; a number is added that makes it unique.
   std::string client = "synthetic-operator";
@@ -25,6 +27,7 @@ struct SimulatedOperatorConfig {
   void Visit(ConfigReader& reader) {
     reader.Section("bus", bus);
     reader.Field("robots", robots);
+    reader.Choice("interaction", interaction, {"guidance", "teleoperation"});
     reader.Field("seed", seed);
     reader.Field("client", client);
     reader.Field("request_deadline_s", request_deadline_s, 0.1, 3600.0);

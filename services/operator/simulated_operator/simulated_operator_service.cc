@@ -37,6 +37,12 @@ SimulatedOperatorService::SimulatedOperatorService(bus::Participant& participant
       client_(participant, clock,
               {UniqueClientName(config.client), 0.25, config.request_deadline_s}),
       diagnostics_(participant, clock) {
+  if (config.interaction == "teleoperation") {
+    teleoperator_ =
+        std::make_unique<TeleoperatorDesk>(participant, clock, client_, config.person, config.seed,
+                                           WorldOfRobot("simulated_operator", config.robots));
+    return;
+  }
   std::set<std::string> worlds;
   for (const auto& [robot, world] : WorldOfRobot("simulated_operator", config.robots)) {
     robots_.push_back(std::make_unique<RobotLink>(participant, robot));
@@ -53,12 +59,17 @@ SimulatedOperatorService::~SimulatedOperatorService() = default;
 void SimulatedOperatorService::Run(const StopToken& stop) {
   while (!stop.stop_requested()) {
     // Thinking and pauses end without a message.
-    participant_.Wait(person_.open() > 0 ? 10ms : 100ms);
+    const bool busy = teleoperator_ ? teleoperator_->person().open() > 0 : person_.open() > 0;
+    participant_.Wait(busy ? 10ms : 100ms);
     Step();
   }
 }
 
 void SimulatedOperatorService::Step() {
+  if (teleoperator_) {
+    teleoperator_->Step();
+    return diagnostics_.Tick([this] { return ReportTeleoperation(); });
+  }
   TakeIn();
   Ask();
   diagnostics_.Tick([this] { return Report(); });
@@ -102,6 +113,18 @@ Health SimulatedOperatorService::Report() const {
                    {"pictures", std::to_string(counts.pictures)},
                    {"cells edited", std::to_string(counts.edits)},
                    {"guidance given", std::to_string(counts.guidance)},
+                   {"requests refused", std::to_string(counts.refused)}};
+  return health;
+}
+
+Health SimulatedOperatorService::ReportTeleoperation() const {
+  const SyntheticTeleoperator::Counts& counts = teleoperator_->person().counts();
+  Health health{Health::Level::kOk, "synthetic person steers by keys", {}};
+  health.values = {{"robots with goals left", std::to_string(teleoperator_->person().open())},
+                   {"keys", std::to_string(counts.keys)},
+                   {"bumps", std::to_string(counts.bumps)},
+                   {"meetings", std::to_string(counts.meetings)},
+                   {"cells edited", std::to_string(counts.edits)},
                    {"requests refused", std::to_string(counts.refused)}};
   return health;
 }

@@ -11,11 +11,12 @@
 #include "operator/client/operator_client.h"
 #include "operator/simulated/synthetic_operator.h"
 #include "operator/simulated_operator/config.h"
+#include "operator/simulated_operator/teleoperator_desk.h"
 
 namespace conav::operators {
 
 /// A synthetic person at the operator service's door: hears what a console would show, and asks
-/// through the same client API.
+/// through the same client API, by paths and edits or, as a teleoperator, by keys and edits.
 ///
 /// Publishes nothing before a robot's state and its world's belief arrived; then requests, one at a
 /// time. When the operator service does not answer, it repeats, gives the matter up after
@@ -34,6 +35,10 @@ class SimulatedOperatorService {
   void Step();
 
   const SyntheticOperator& person() const { return person_; }
+  /// Null unless it steers by keys.
+  const SyntheticTeleoperator* teleoperator() const {
+    return teleoperator_ ? &teleoperator_->person() : nullptr;
+  }
 
  private:
   struct RobotLink;
@@ -41,11 +46,13 @@ class SimulatedOperatorService {
   void TakeIn();
   void Ask();
   Health Report() const;
+  Health ReportTeleoperation() const;
 
   bus::Participant& participant_;
   const Clock& clock_;
   SyntheticOperator person_;
   OperatorClient client_;
+  std::unique_ptr<TeleoperatorDesk> teleoperator_;  // with interaction "teleoperation", instead
   std::vector<std::unique_ptr<bus::Subscriber<conav_msgs::msg::BeliefMap>>> beliefs_;
   std::vector<std::unique_ptr<RobotLink>> robots_;
   Diagnostics diagnostics_;

@@ -58,6 +58,14 @@ void Blackboard::Put(Guidance guidance) {
   ChangedLocked();
 }
 
+void Blackboard::Put(DriveOrder order) {
+  const std::lock_guard lock(mutex_);
+  Entry* entry = FindLocked(order.robot);
+  if (entry == nullptr || entry->world != order.world) return;
+  entry->inputs.drive = std::move(order);
+  ChangedLocked();
+}
+
 void Blackboard::PutLens(const std::string& robot, const CameraLens& lens) {
   const std::lock_guard lock(mutex_);
   if (Entry* entry = FindLocked(robot)) {

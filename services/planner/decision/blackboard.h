@@ -37,6 +37,7 @@ struct RobotInputs {
   std::optional<MapUpdate> map;
   std::optional<Belief> belief;       // of the robot's world
   std::optional<Guidance> guidance;   // newest revision, or what a goal pose was turned into
+  std::optional<DriveOrder> drive;    // newest low-level action asked for, carried out or not
   std::optional<Position> goal_pose;  // not yet turned into guidance
   std::optional<CameraLens> lens;     // of its camera
 };
@@ -61,6 +62,7 @@ class Blackboard {
   void PutMap(const std::string& robot, MapUpdate map);
   void Put(const Belief& belief);
   void Put(Guidance guidance);
+  void Put(DriveOrder order);
   void PutLens(const std::string& robot, const CameraLens& lens);
   void PutGoalPose(const std::string& robot, Position goal);
   /// A robot's own worker tells the others which cells it wants next, and the operator's side why

@@ -14,10 +14,12 @@ RobotCommand CommandDesk::Issue(const Action& action, const RobotState& state, S
   last_.lease_epoch = last_.lease_epoch == 0 ? state.lease_epoch + 1 : last_.lease_epoch;
   last_.sequence_number = std::max(last_.sequence_number, state.command_sequence_number) + 1;
   last_.stamp = now;
-  last_.expires_at = now + ttl_;
+  last_.expires_at = action.kind == CommandKind::kDrive ? action.expires_at : now + ttl_;
   last_.kind = action.kind;
   last_.target = action.target;
   last_.heading_rad = action.heading_rad;
+  last_.drive = action.drive;
+  last_.drive_order = action.drive_order;
   return last_;
 }
 
@@ -26,7 +28,7 @@ std::optional<RobotCommand> CommandDesk::Repeat(const RobotState& state, SimTime
     return std::nullopt;
   }
   last_.stamp = now;
-  last_.expires_at = now + ttl_;
+  if (last_.kind != CommandKind::kDrive) last_.expires_at = now + ttl_;
   return last_;
 }
 

@@ -23,7 +23,8 @@ class CommandDesk {
   /// The next command.
   RobotCommand Issue(const Action& action, const RobotState& state, SimTime now);
 
-  /// The last command with a fresh expiry, when the robot shows another sequence number.
+  /// The last command, when the robot shows another sequence number; with a fresh expiry unless it
+  /// is a low-level action, which nobody wants late.
   std::optional<RobotCommand> Repeat(const RobotState& state, SimTime now);
 
   /// 0 before the first command.

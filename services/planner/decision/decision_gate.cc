@@ -71,6 +71,7 @@ Hold DecisionGate::Want(const RobotInputs& inputs, std::uint64_t sent_sequence_n
   const std::uint64_t answered = inputs.guidance ? inputs.guidance->answers_snapshot : 0;
   const bool answer_due = state.snapshots > std::max(answered, unanswered_snapshot_);
   if (options_.pictures_are_answered && answer_due) return Hold::kAnswer;
+  if (!options_.needs_guidance) return Hold::kNothing;
   if (!inputs.guidance && !without_guidance_) return Hold::kFirstGuidance;
   if (inputs.guidance && inputs.belief->revision < inputs.guidance->belief_revision)
     return Hold::kBelief;

@@ -41,6 +41,8 @@ class DecisionGate {
     bool pictures_are_answered = true;
     /// Whether the operator's map and paths are waited for.
     bool heeds_operator = true;
+    /// Whether the first guidance is waited for.
+    bool needs_guidance = true;
   };
 
   explicit DecisionGate(Options options) : options_(options) {}

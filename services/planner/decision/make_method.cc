@@ -19,7 +19,7 @@ std::unique_ptr<Method> MakeMethod(const std::string& name, const std::string& r
                                    std::shared_ptr<PerceptionModel> perception,
                                    std::shared_ptr<BeliefEstimate> estimate, const Clock& clock) {
   if (name == "instruction") return std::make_unique<InstructionMethod>(seed, clock);
-  if (name == "teleop") return std::make_unique<TeleopMethod>(seed, clock);
+  if (name == "teleop") return std::make_unique<TeleopMethod>();
   if (name == "greedy") return std::make_unique<GreedyMethod>(seed, clock);
   DEMAND(name == "ig-mcts", name, robot);
   return std::make_unique<IgMctsMethod>(

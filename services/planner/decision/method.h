@@ -20,16 +20,21 @@ struct Situation {
   Belief belief;
   CameraLens lens;
   std::optional<Guidance>
-      guidance;                // absent when there is none, it was withdrawn, or it has expired
-  bool guided_before = false;  // the operator has given this robot a path at some time
+      guidance;  // absent when there is none, it was withdrawn, or it has expired
+  std::optional<DriveOrder> drive;  // newest order of who steers the robot, carried out or not
+  SimTime now;                      // newest simulation time heard from the robot's world
+  bool guided_before = false;       // the operator has given this robot a path at some time
   std::vector<Neighbour> neighbours;
 };
 
-/// What the robot shall do next; `kind` is a move or a view.
+/// What the robot shall do next; `kind` is a move, a view or a low-level action.
 struct Action {
   CommandKind kind = CommandKind::kMove;
   Cell target;
   double heading_rad = 0.0;
+  DriveAction drive = DriveAction::kStop;
+  std::uint64_t drive_order = 0;  // drive: DriveOrder::sequence_number
+  SimTime expires_at;             // drive: that of its order; others expire after command_ttl
 };
 
 struct Decision {
@@ -60,6 +65,9 @@ class Method {
   virtual bool pictures_are_answered() const = 0;
   /// Whether the operator's map and paths are looked at, and so waited for.
   virtual bool heeds_operator() const { return true; }
+  /// Somebody steers the robot by low-level actions: it waits for no guidance and makes room for
+  /// nobody by itself.
+  virtual bool is_steered() const { return false; }
 };
 
 }  // namespace conav::planner

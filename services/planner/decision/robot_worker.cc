@@ -55,7 +55,7 @@ Clock::TimePoint RobotWorker::Step(const StopToken& stop) {
   const Situation situation = SituationFrom(inputs);
   // A robot that asked for a new path will hardly go on along the old one.
   const std::vector<Cell> way = waits ? std::vector<Cell>{} : method_->WayFor(situation);
-  const Traffic traffic = GiveWay(situation, way);
+  const Traffic traffic = method_->is_steered() ? Traffic::kGoOn : GiveWay(situation, way);
   if (traffic == Traffic::kStepAside) return now;
   if (traffic == Traffic::kWait) return now + options_.wait_retry;
   if (waits) return now + kIdle;
@@ -166,6 +166,10 @@ void RobotWorker::RepeatCommand(const RobotInputs& inputs, Clock::TimePoint now)
 void RobotWorker::AdoptGoalPose(RobotInputs& inputs) {
   if (!inputs.goal_pose || !inputs.belief) return;
   const Position goal = *inputs.goal_pose;
+  if (method_->is_steered()) {
+    LOG_WARNING("goal pose refused", "robot", options_.robot, "reason", "it is steered by hand");
+    return board_.ResolveGoalPose(options_.robot, goal, std::nullopt);
+  }
   auto guidance =
       GuidanceTowards(goal, *inputs.state, *inputs.map, *inputs.belief, inputs.guidance);
   if (guidance) {
@@ -186,6 +190,8 @@ Situation RobotWorker::SituationFrom(const RobotInputs& inputs) {
                       .belief = inputs.belief.value_or(Belief{}),
                       .lens = inputs.lens.value_or(CameraLens{}),
                       .guidance = std::nullopt,
+                      .drive = inputs.drive,
+                      .now = board_.NewestStamp(options_.robot),
                       .neighbours = board_.NeighboursOf(options_.robot)};
   newest_revision_ = inputs.guidance ? inputs.guidance->revision : 0;
   if (inputs.guidance && !inputs.guidance->path.empty()) {
@@ -212,7 +218,7 @@ void RobotWorker::Publish(Decision decision, const Situation& situation, double 
     report.guidance_revision = situation.guidance ? situation.guidance->revision : 0;
     report.duration_ms = duration_ms;
     outputs_.report(report);
-    outputs_.way(state, situation.map, decision.plan);
+    if (!method_->is_steered()) outputs_.way(state, situation.map, decision.plan);
     command_sent_at_ = clock_.Now();
     outputs_.command(command);
     if (outputs_.decided) outputs_.decided(decision, situation);

@@ -19,7 +19,7 @@ namespace conav::planner {
 /// tests.
 ///
 /// Whatever the method: a robot in the way of one that goes before it makes room by itself
-/// (traffic.h), also while it waits for guidance or an answer.
+/// (traffic.h), also while it waits for guidance or an answer; unless a person steers it.
 ///
 /// Commands only while the blackboard says that this process holds the robot (Lease), each under
 /// the epoch of that lease; a robot that is to be given up ends its last command first. What a

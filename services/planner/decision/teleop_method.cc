@@ -3,27 +3,22 @@
 namespace conav::planner {
 
 Decision TeleopMethod::Decide(const Situation& situation, const StopToken&) {
-  if (situation.state.goals_left.empty()) return {};
-  if (!situation.guidance || IsDone(*situation.guidance)) {
-    Decision decision;
-    decision.attention = AttentionReason::kNoGuidance;
-    decision.attention_cell = situation.state.cell;
+  Decision decision;
+  const auto& order = situation.drive;
+  // The robot itself may have carried it out for a planner that is gone.
+  if (!order || order->sequence_number == newest_order_ ||
+      order->sequence_number == situation.state.drive_order) {
     return decision;
   }
-  Decision decision = follower_.Next(situation);
-  if (decision.action || decision.attention) {
-    done_revision_ = situation.guidance->revision;
-    done_stamp_ = situation.guidance->stamp;
-  }
+  newest_order_ = order->sequence_number;
+  if (order->expires_at <= situation.now) return decision;
+  Action& action = decision.action.emplace();
+  action.kind = CommandKind::kDrive;
+  action.target = situation.state.cell;
+  action.drive = order->drive;
+  action.drive_order = order->sequence_number;
+  action.expires_at = order->expires_at;
   return decision;
-}
-
-std::vector<Cell> TeleopMethod::WayFor(const Situation& situation) {
-  return follower_.Rest(situation);
-}
-
-bool TeleopMethod::IsDone(const Guidance& order) const {
-  return order.revision == done_revision_ && order.stamp == done_stamp_;
 }
 
 }  // namespace conav::planner

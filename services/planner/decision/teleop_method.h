@@ -2,29 +2,24 @@
 
 #include <cstdint>
 
-#include "planner/decision/follow_path.h"
 #include "planner/decision/method.h"
 
 namespace conav::planner {
 
-/// Teleoperation, cell by cell: each guidance is one order, whose first step is passed on; then the
-/// robot asks for the next one. What is decided here is whether the step can be made; where robots
-/// meet, the right of way (traffic.h) moves this one, too. Pictures are streamed.
+/// Teleoperation: each low-level action of whoever steers the robot is passed on once, under this
+/// planner's lease and with the order's own expiry; an order that came too late is left out.
+/// Nothing is decided here: without orders the robot stands, and where robots meet it is the
+/// operator's to make room. Of several orders that arrive while an action is carried out, the
+/// newest counts. Guidance is not followed. Pictures are streamed. Source: paper section 6.2.
 class TeleopMethod final : public Method {
  public:
-  TeleopMethod(std::uint64_t seed, const Clock& clock) : follower_(seed, clock) {}
-
   Decision Decide(const Situation& situation, const StopToken& stop) override;
-  std::vector<Cell> WayFor(const Situation& situation) override;
+  std::vector<Cell> WayFor(const Situation&) override { return {}; }
   bool pictures_are_answered() const override { return false; }
+  bool is_steered() const override { return true; }
 
  private:
-  bool IsDone(const Guidance& order) const;
-
-  // Of the guidance whose step was passed on; a goal pose keeps the revision, not the stamp.
-  std::uint64_t done_revision_ = 0;
-  SimTime done_stamp_;
-  PathFollower follower_;
+  std::uint64_t newest_order_ = 0;  // passed on, or too late
 };
 
 }  // namespace conav::planner

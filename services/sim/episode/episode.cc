@@ -37,6 +37,7 @@ Episode::Episode(RobotWorld& physics, EpisodeOptions options)
     record.state.goals_left = options_.goals[index];
     record.state.goals_total = static_cast<std::uint32_t>(options_.goals[index].size());
     record.reserved = {start};
+    record.position = physics.pose(robot).position;
     record.map.cell_size_m = physics.world().cell_size_m;
     record.map.cells = OccupancyGrid(truth.rows(), truth.columns(), Occupancy::kUnknown);
     Observe(robot);
@@ -88,7 +89,9 @@ void Episode::Begin(int robot) {
   record.state.command_sequence_number = command.sequence_number;
   record.state.command_cell = command.target;
   record.waypoints.clear();
+  record.coasting = false;
   turned_[static_cast<std::size_t>(robot)] = false;
+  if (command.kind == CommandKind::kDrive) record.state.drive_order = command.drive_order;
   if (command.expires_at <= now()) {
     return Finish(robot, CommandOutcome::kExpired,
                   fmt::format("expired at {:.3f} s, it is {:.3f} s", command.expires_at.ToSeconds(),
@@ -105,6 +108,8 @@ void Episode::Begin(int robot) {
       return BeginMove(robot);
     case CommandKind::kTransmitView:
       return BeginView(robot);
+    case CommandKind::kDrive:
+      return BeginDrive(robot);
   }
 }
 
@@ -160,8 +165,14 @@ void Episode::Advance(int robot) {
   RobotRecord& record = At(robot);
   const bool running = physics_.motion_status(robot) == MotionStatus::kRunning;
   if (record.braking && !running) record.braking = false;
+  if (record.coasting) {
+    TrackCells(robot);
+    record.coasting = running;
+    ++versions_[static_cast<std::size_t>(robot)];
+  }
   if (!record.active) return;
   ++versions_[static_cast<std::size_t>(robot)];
+  if (record.command.kind == CommandKind::kDrive) return EndDrive(robot);
   if (now() >= record.command.expires_at) {
     return Finish(robot, CommandOutcome::kExpired,
                   fmt::format("not done by {:.3f} s", record.command.expires_at.ToSeconds()));
@@ -314,12 +325,17 @@ SimTime Episode::now() const {
   return {static_cast<std::int64_t>(physics_.steps()) * kStepNs};
 }
 
-bool Episode::moving(int robot) const { return At(robot).active || At(robot).braking; }
+bool Episode::moving(int robot) const {
+  const RobotRecord& record = At(robot);
+  return record.active || record.braking || record.coasting;
+}
 
 RobotState Episode::state(int robot) const {
   RobotState state = At(robot).state;
   state.stamp = now();
-  state.heading_rad = physics_.pose(robot).heading_rad;
+  const RobotPose pose = physics_.pose(robot);
+  state.heading_rad = pose.heading_rad;
+  state.position = pose.position;
   return state;
 }
 

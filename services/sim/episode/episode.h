@@ -12,11 +12,19 @@
 
 namespace conav::sim {
 
+/// Speeds of low-level actions, both at least 0.
+struct DriveLimits {
+  double forward_mps = 0.8;
+  double backward_mps = 0.4;
+  double turn_rps = 0.7853981633974483;  // 45 degrees per second
+};
+
 struct EpisodeOptions {
   std::string world = "w1";
   std::vector<std::vector<Cell>> goals;  // per robot, as in WorldSpec
   bool shared_goals = false;
   double observation_distance_cells = 2.0;
+  DriveLimits drive;
 };
 
 /// The rules of a world: which commands a robot takes up, what comes of them, what it has seen,
@@ -24,6 +32,10 @@ struct EpisodeOptions {
 ///
 /// Invariants: two robots never reserve one cell, and a robot is only in cells that it reserves; a
 /// command ends by success, by a named failure or by its expiry, and then the robot stands.
+/// A drive action takes exactly one control step, after which the robot brakes unless the next
+/// action came: time does not go on for the sake of braking, so a robot that is driven as fast as
+/// it is commanded keeps its speed from action to action. It is not begun towards a wall or into a
+/// cell that another robot reserves: then the step is one of braking, and the outcome says why.
 /// Threads: one caller.
 class Episode {
  public:
@@ -53,7 +65,7 @@ class Episode {
 
   SimTime now() const;
   int robot_count() const { return static_cast<int>(robots_.size()); }
-  /// Driving or turning right now.
+  /// Driving or turning right now, or about to when time goes on.
   bool moving(int robot) const;
   RobotState state(int robot) const;
   const MapUpdate& map(int robot) const;
@@ -67,6 +79,13 @@ class Episode {
   void Begin(int robot);
   void BeginMove(int robot);
   void BeginView(int robot);
+  void BeginDrive(int robot);
+  DriveSpeeds SpeedsOf(DriveAction action) const;
+  /// Whether the robot may drive to `reach`; else says in its record why not.
+  bool MayDrive(int robot, Position reach);
+  void EndDrive(int robot);
+  /// Cells that the axis entered since the last look, and what the body may touch until it stands.
+  void TrackCells(int robot);
   void Halt(int robot);
   void Advance(int robot);
   void Arrive(int robot, Cell cell);

@@ -52,11 +52,33 @@ double Approach(const Axis& axis, double distance, double rate) {
   return std::clamp(sign * (net_rate + axis.friction) / axis.max_rate, -1.0, 1.0);
 }
 
+/// Share of a rate that is left after a step without control.
+double Kept(const Axis& axis) { return std::exp(-kControlStepS / axis.lag_s); }
+
+/// The control that ends this step at `target`, in the direction of which friction works against
+/// it.
+double Reach(const Axis& axis, double rate, double target) {
+  const double steady = (target - rate * Kept(axis)) / (1.0 - Kept(axis));
+  const double friction = target == 0.0 ? 0.0 : std::copysign(axis.friction, target);
+  return std::clamp((steady + friction) / axis.max_rate, -1.0, 1.0);
+}
+
 /// The control that ends this step at rest; friction alone stops the turning.
 double Brake(const Axis& axis, double rate) {
-  if (axis.friction > 0.0) return 0.0;
-  const double kept = std::exp(-kControlStepS / axis.lag_s);
-  return std::clamp(-rate * kept / (axis.max_rate * (1.0 - kept)), -1.0, 1.0);
+  return axis.friction > 0.0 ? 0.0 : Reach(axis, rate, 0.0);
+}
+
+/// How far an axis without friction comes in a step that ends it at `target`, as far as it can, and
+/// what its rate is then.
+struct Travel {
+  double distance;
+  double rate;
+};
+Travel TravelOf(const Axis& axis, double rate, double target) {
+  const double steady = axis.max_rate * Reach(axis, rate, target);
+  const double lost = 1.0 - Kept(axis);
+  return {steady * kControlStepS + (rate - steady) * axis.lag_s * lost,
+          steady * lost + rate * Kept(axis)};
 }
 
 bool AtRest(const RobotPose& pose) {
@@ -106,6 +128,17 @@ ControlDecision DecideHalt(const RobotPose& pose) {
   if (decision.arrived) return decision;
   decision.controls = {Brake(kRoll, pose.speed_mps), Brake(kSteer, pose.yaw_rate_rps)};
   return decision;
+}
+
+ControlDecision DecideDrive(const RobotPose& pose, const DriveSpeeds& speeds) {
+  const double turn = speeds.turn_rps == 0.0 ? Brake(kSteer, pose.yaw_rate_rps)
+                                             : Reach(kSteer, pose.yaw_rate_rps, speeds.turn_rps);
+  return {{Reach(kRoll, pose.speed_mps, speeds.forward_mps), turn}};
+}
+
+double DriveReach(const RobotPose& pose, const DriveSpeeds& speeds) {
+  const Travel step = TravelOf(kRoll, pose.speed_mps, speeds.forward_mps);
+  return step.distance + TravelOf(kRoll, step.rate, 0.0).distance;
 }
 
 }  // namespace conav::sim

@@ -49,4 +49,14 @@ ControlDecision DecideTurn(const RobotPose& pose, double heading_rad);
 /// Brakes both motions.
 ControlDecision DecideHalt(const RobotPose& pose);
 
+/// Speeds that a low-level action asks for; backward and clockwise are negative.
+struct DriveSpeeds {
+  double forward_mps = 0.0;
+  double turn_rps = 0.0;
+};
+/// The control that ends this step at `speeds`, as far as the motors can.
+ControlDecision DecideDrive(const RobotPose& pose, const DriveSpeeds& speeds);
+/// How far ahead (negative: back) the robot comes in a step of DecideDrive and the braking after it.
+double DriveReach(const RobotPose& pose, const DriveSpeeds& speeds);
+
 }  // namespace conav::sim

@@ -12,7 +12,7 @@
 namespace conav::sim {
 namespace {
 
-enum class Primitive : std::uint8_t { kNone, kMove, kTurn, kHalt, kDrive };
+enum class Primitive : std::uint8_t { kNone, kMove, kTurn, kHalt, kDrive, kDriveStep };
 
 int FindId(const mjModel& model, mjtObj type, const std::string& name) {
   const int id = mj_name2id(&model, type, name.c_str());
@@ -37,6 +37,7 @@ struct RobotWorld::Robot {
   Position target;
   double heading_rad = 0.0;
   Controls drive;
+  DriveSpeeds speeds;
   bool driving = false;
   int primitive_steps = 0;
 
@@ -61,6 +62,8 @@ ControlDecision RobotWorld::Robot::Decide(const RobotPose& pose) const {
       return DecideHalt(pose);
     case Primitive::kDrive:
       return {drive};
+    case Primitive::kDriveStep:
+      return DecideDrive(pose, speeds);
     case Primitive::kNone:
       break;
   }
@@ -133,6 +136,7 @@ void RobotWorld::Step() {
   ++steps_;
   for (int i = 0; i < robot_count(); ++i) {
     Robot& robot = RobotAt(i);
+    if (robot.primitive == Primitive::kDriveStep) robot.Start(Primitive::kHalt);
     if (robot.status == MotionStatus::kRunning && robot.Decide(pose(i)).arrived) {
       robot.status = MotionStatus::kArrived;
     }
@@ -157,6 +161,11 @@ void RobotWorld::Drive(int robot, double roll, double steer) {
   DEMAND(std::abs(roll) <= 1.0 && std::abs(steer) <= 1.0, roll, steer);
   RobotAt(robot).Start(Primitive::kDrive);
   RobotAt(robot).drive = {-roll, -steer};
+}
+
+void RobotWorld::DriveStep(int robot, const DriveSpeeds& speeds) {
+  RobotAt(robot).Start(Primitive::kDriveStep);
+  RobotAt(robot).speeds = speeds;
 }
 
 MotionStatus RobotWorld::motion_status(int robot) const { return RobotAt(robot).status; }

@@ -44,6 +44,8 @@ class RobotWorld {
   /// Raw controls in [-1, 1] until the next primitive; roll -1 = full speed forward, steer +1 =
   /// turn right (MemoryMaze's convention). Stays kRunning.
   void Drive(int robot, double roll, double steer);
+  /// `speeds` for one control step, then as Halt(): a robot that is driven on is let go by nobody.
+  void DriveStep(int robot, const DriveSpeeds& speeds);
   MotionStatus motion_status(int robot) const;
 
   RobotPose pose(int robot) const;

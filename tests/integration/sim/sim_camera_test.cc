@@ -75,7 +75,7 @@ TEST_CASE("a view is counted as pictures, not as moves", "[sim][integration]") {
   CHECK(sim.robot().state().low_level_steps > 0);
 }
 
-TEST_CASE("a streaming camera sends a frame per control step and a snapshot per cell",
+TEST_CASE("a streaming camera sends a frame per control step, and what it shows",
           "[sim][integration]") {
   SimConfig config = BlindConfig();
   config.camera.mode = "egl";
@@ -89,10 +89,17 @@ TEST_CASE("a streaming camera sends a frame per control step and a snapshot per 
   const RobotState& state = sim.robot().state();
   CHECK(sim.robot().frames == static_cast<int>(state.low_level_steps));
   CHECK(state.pictures == state.low_level_steps);
-  REQUIRE(sim.robot().pictures.size() == 1);
-  CHECK(sim.robot().pictures[0].streamed);
-  CHECK(sim.robot().pictures[0].cell == state.cell);
-  CHECK_FALSE(sim.robot().pictures[0].jpeg.empty());
+  CHECK(state.picture_bytes > 0);
+  CHECK(state.snapshots == state.low_level_steps);
+  REQUIRE(sim.robot().pictures.size() == state.low_level_steps);
+  for (const Picture& picture : sim.robot().pictures) {
+    CHECK(picture.streamed);
+    CHECK(picture.jpeg.empty());  // the pixels are the frame's
+    CHECK_FALSE(picture.visible.walls.empty());
+  }
+  CHECK(sim.robot().pictures.front().cell == start);
+  CHECK(sim.robot().pictures.back().cell == state.cell);
+  CHECK(sim.robot().pictures.back().path == std::vector<Cell>{start, state.cell});
 }
 
 TEST_CASE("streaming without a camera counts its frames and publishes none", "[sim][integration]") {
@@ -106,7 +113,44 @@ TEST_CASE("streaming without a camera counts its frames and publishes none", "[s
   CHECK(state.pictures == state.low_level_steps);
   CHECK(state.picture_bytes == 0);
   CHECK(sim.robot().frames == 0);
-  CHECK(sim.robot().pictures.size() == 1);
+  CHECK(sim.robot().pictures.size() == state.low_level_steps);
+}
+
+TEST_CASE(
+    "a streamed picture shows what is seen from where the robot is, not from its cell's middle",
+    "[sim][integration]") {
+  SimConfig config = BlindConfig();
+  config.camera.stream = true;
+  SimHarness sim(config);
+  const OccupancyGrid truth = TruthOf(sim);
+  for (int i = 0; i < 3; ++i)
+    REQUIRE(sim.Do(sim.robot().Key(DriveAction::kForward)) != CommandOutcome::kExpired);
+  const RobotState& state = sim.robot().state();
+  const Picture& picture = sim.robot().pictures.back();
+  CHECK(picture.sequence_number == state.snapshots);
+  const GridGeometry geometry{truth.rows(), truth.columns(), 2.0};
+  const Position centre = geometry.CellToPosition(state.cell);
+  CameraView view =
+      ViewAt(state.cell, state.heading_rad, 2.0, config.camera.width, config.camera.height);
+  view.east_offset_cells = (state.position.x_m - centre.x_m) / 2.0;
+  view.south_offset_cells = (centre.y_m - state.position.y_m) / 2.0;
+  CHECK(picture.visible == CastView(truth, view));
+}
+
+TEST_CASE("low-level actions of an old lease, too late, or of a burst are not carried out",
+          "[sim][integration]") {
+  SimHarness sim(BlindConfig());
+  RobotLink& robot = sim.robot();
+  CHECK(sim.Do(robot.Key(DriveAction::kTurnLeft)) == CommandOutcome::kDone);
+  CHECK(robot.state().low_level_steps == 1);
+  CHECK(sim.Do(robot.Key(DriveAction::kTurnLeft, 0.0)) == CommandOutcome::kExpired);
+  CHECK(robot.state().low_level_steps == 1);
+  RobotCommand stale = robot.Key(DriveAction::kForward);
+  stale.lease_epoch = 0;
+  CHECK(sim.Do(stale) == CommandOutcome::kExpired);
+  for (int i = 0; i < 6; ++i) robot.Send(robot.Key(DriveAction::kTurnRight));
+  REQUIRE(sim.Settle());
+  CHECK(robot.state().low_level_steps == 2);
 }
 
 }  // namespace conav::sim

@@ -58,6 +58,12 @@ class RobotLink {
     command.heading_rad = heading_rad;
     return command;
   }
+  RobotCommand Key(DriveAction action, double valid_s = 1.0) {
+    RobotCommand command = Command(CommandKind::kDrive, valid_s);
+    command.drive = action;
+    command.drive_order = command.sequence_number;
+    return command;
+  }
   void Send(const RobotCommand& command) { (void)command_.Publish(ToMessage(command)); }
 
   const RobotState& state() const { return states.back(); }

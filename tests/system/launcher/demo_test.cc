@@ -142,6 +142,25 @@ TEST_CASE("teleoperation reaches all goals", "[launcher][system]") {
   ReachesAllGoals({"--headless", "--seed", "7", "--method", "teleop", "--camera", "none"});
 }
 
+TEST_CASE("teleoperation streams a picture for each low-level step and repeats itself",
+          "[launcher][system]") {
+  const std::vector<std::string> arguments{"--headless", "--seed", "9",     "--method", "teleop",
+                                           "--camera",   "none",   "--dds", "mixed"};
+  DemoRun first(arguments);
+  REQUIRE(first.Wait() == 0);
+  DemoRun second(arguments);
+  REQUIRE(second.Wait() == 0);
+  const nlohmann::json robot = first.Json()["robots"][0];
+  CHECK(robot["pictures"] == robot["low_level_steps"]);
+  CHECK(robot["decisions"] <= robot["low_level_steps"]);
+  CHECK(robot["guidance"] == 0);
+  CHECK(Table(first.Json()) == Table(second.Json()));
+}
+
+TEST_CASE("teleoperation reaches all goals by rendered pictures", "[launcher][system]") {
+  ReachesAllGoals({"--headless", "--seed", "3", "--method", "teleop"});
+}
+
 TEST_CASE("four robots under teleoperation reach all goals", "[launcher][system]") {
   ReachesAllGoals(
       {"--headless", "--seed", "5", "--robots", "4", "--method", "teleop", "--camera", "none"});

@@ -23,6 +23,9 @@ TEST_CASE("Enumerators have the numbers of the IDL", "[protocol][convert]") {
   CHECK(static_cast<int>(CommandKind::kMove) == conav_msgs::msg::COMMAND_KIND_MOVE);
   CHECK(static_cast<int>(CommandKind::kTransmitView) ==
         conav_msgs::msg::COMMAND_KIND_TRANSMIT_VIEW);
+  CHECK(static_cast<int>(CommandKind::kDrive) == conav_msgs::msg::COMMAND_KIND_DRIVE);
+  CHECK(static_cast<int>(DriveAction::kForward) == conav_msgs::msg::DRIVE_FORWARD);
+  CHECK(static_cast<int>(DriveAction::kTurnRight) == conav_msgs::msg::DRIVE_TURN_RIGHT);
   CHECK(static_cast<int>(CommandOutcome::kDone) == conav_msgs::msg::COMMAND_OUTCOME_DONE);
   CHECK(static_cast<int>(CommandOutcome::kOccupied) == conav_msgs::msg::COMMAND_OUTCOME_OCCUPIED);
   CHECK(static_cast<int>(CommandOutcome::kExpired) == conav_msgs::msg::COMMAND_OUTCOME_EXPIRED);
@@ -45,7 +48,9 @@ TEST_CASE("A malformed command is refused", "[protocol][convert]") {
       SampleCommand(), [](Command& m) { m.robot(std::string(65, 'r')); },
       "robot has size 65, more than 64");
   CheckRefused(
-      SampleCommand(), [](Command& m) { m.kind(3); }, "kind = 3 is not in [0, 2]");
+      SampleCommand(), [](Command& m) { m.kind(4); }, "kind = 4 is not in [0, 3]");
+  CheckRefused(
+      SampleCommand(), [](Command& m) { m.drive(5); }, "drive = 5 is not in [0, 4]");
   CheckRefused(
       SampleCommand(), [](Command& m) { m.heading(std::nan("")); }, "heading = nan is not finite");
   CheckRefused(
@@ -71,6 +76,8 @@ TEST_CASE("A malformed robot state is refused", "[protocol][convert]") {
       "cell = (3,1024) is outside of 1024 x 1024 cells");
   CheckRefused(
       SampleState(), [](State& m) { m.heading(INFINITY); }, "heading = inf is not finite");
+  CheckRefused(
+      SampleState(), [](State& m) { m.position().y(NAN); }, "position.y = nan is not finite");
   CheckRefused(
       SampleState(), [](State& m) { m.goals_left()[1].row(-4); },
       "goals_left[1] = (-4,4) is outside of 1024 x 1024 cells");

@@ -18,6 +18,8 @@ TEST_CASE("The operator's values survive the wire", "[protocol][convert]") {
   CheckRoundTrip(SampleGuidance());
   CheckRoundTrip(SampleEdit());
   CheckRoundTrip(SampleGuide());
+  CheckRoundTrip(SampleDrive());
+  CheckRoundTrip(SampleDriveOrder());
   CheckRoundTrip(SampleReply());
   CheckRoundTrip(SampleAttention());
 }
@@ -75,7 +77,7 @@ TEST_CASE("A malformed guidance is refused", "[protocol][convert]") {
 
 TEST_CASE("A malformed operator request is refused", "[protocol][convert]") {
   CheckRefused(
-      SampleEdit(), [](RequestMessage& m) { m.kind(3); }, "kind = 3 is not in [1, 2]");
+      SampleEdit(), [](RequestMessage& m) { m.kind(4); }, "kind = 4 is not in [1, 3]");
   CheckRefused(
       SampleEdit(), [](RequestMessage& m) { m.client(""); }, "client is empty");
   CheckRefused(
@@ -96,6 +98,25 @@ TEST_CASE("A malformed operator request is refused", "[protocol][convert]") {
   CheckRefused(
       SampleGuide(), [](RequestMessage& m) { m.path()[0].row(1024); },
       "path[0] = (1024,2) is outside of 1024 x 1024 cells");
+}
+
+TEST_CASE("A malformed low-level action is refused", "[protocol][convert]") {
+  using OrderMessage = conav_msgs::msg::DriveOrder;
+  CheckRefused(
+      SampleDrive(), [](RequestMessage& m) { m.drive(5); }, "drive = 5 is not in [0, 4]");
+  CheckRefused(
+      SampleDrive(), [](RequestMessage& m) { m.robot("r 1"); },
+      "robot = 'r 1' has a character outside of [A-Za-z0-9_]");
+  CheckRefused(
+      SampleDrive(), [](RequestMessage& m) { m.expires_at().sec(-1); },
+      "expires_at.sec = -1 is below 0");
+  CheckRefused(
+      SampleDriveOrder(), [](OrderMessage& m) { m.drive(9); }, "drive = 9 is not in [0, 4]");
+  CheckRefused(
+      SampleDriveOrder(), [](OrderMessage& m) { m.sequence_number(0); },
+      "sequence_number = 0 is below 1");
+  CheckRefused(
+      SampleDriveOrder(), [](OrderMessage& m) { m.world(""); }, "world is empty");
 }
 
 TEST_CASE("A malformed reply or attention request is refused", "[protocol][convert]") {

@@ -24,7 +24,9 @@ inline RobotCommand SampleCommand() {
           .expires_at = Stamp(5),
           .kind = CommandKind::kTransmitView,
           .target = {4, 5},
-          .heading_rad = -1.25};
+          .heading_rad = -1.25,
+          .drive = DriveAction::kTurnLeft,
+          .drive_order = 8};
 }
 
 inline RobotState SampleState() {
@@ -33,6 +35,7 @@ inline RobotState SampleState() {
           .robot = "r2",
           .cell = {3, 4},
           .heading_rad = 0.5,
+          .position = {1.25, -3.5},
           .goals_left = {{1, 2}, {3, 4}},
           .goals_reached = {{9, 8}},
           .goals_total = 4,
@@ -41,6 +44,7 @@ inline RobotState SampleState() {
           .command_outcome = CommandOutcome::kBlocked,
           .command_detail = "wall ahead",
           .command_cell = {2, 4},
+          .drive_order = 13,
           .lease_epoch = 6,
           .cell_moves = 20,
           .low_level_steps = 300,
@@ -94,6 +98,14 @@ inline OperatorRequest SampleEdit() {
 
 inline OperatorRequest SampleGuide() {
   return {Stamp(8), "browser-1", 5, "w1", GuideRequest{"r3", {{1, 2}, {1, 3}}, 8, 120.5}};
+}
+
+inline OperatorRequest SampleDrive() {
+  return {Stamp(9), "browser-1", 6, "w1", DriveRequest{"r1", DriveAction::kTurnRight, Stamp(10)}};
+}
+
+inline DriveOrder SampleDriveOrder() {
+  return {Stamp(9), "w1", "r1", 17, DriveAction::kBackward, "browser-1", Stamp(10)};
 }
 
 inline OperatorReply SampleReply() { return {"browser-1", 4, true, "because", 13}; }

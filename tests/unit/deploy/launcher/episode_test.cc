@@ -28,6 +28,7 @@ TEST_CASE("a state that only tells the time is no news", "[launcher][episode]") 
   Record(robot, state);
   state.stamp = SimTime::FromSeconds(1.0);
   state.heading_rad = 1e-9;
+  state.position = {0.0, 1e-9};
   CHECK_FALSE(IsNews(robot, state));
   ++state.pictures;
   CHECK(IsNews(robot, state));

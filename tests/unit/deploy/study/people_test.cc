@@ -22,7 +22,9 @@ TEST_CASE("People differ within their limits, around the means", "[study][people
   for (int i = 0; i < kPeople; ++i) {
     const auto person = DrawPerson(population, static_cast<std::uint64_t>(i));
     CHECK((person.planner.wall_crossing_cost >= 4.0 && person.planner.wall_crossing_cost <= 16.0));
-    CHECK((person.glance_rate >= 0.1 && person.glance_rate <= 0.5));
+    CHECK((person.glance_rate >= 0.01 && person.glance_rate <= 0.05));
+    CHECK((person.steering.reaction_steps == 1 || person.steering.reaction_steps == 2));
+    CHECK(person.steering.slip_probability <= 0.05);
     CHECK_FALSE(person.silent);
     crossing += person.planner.wall_crossing_cost / kPeople;
   }

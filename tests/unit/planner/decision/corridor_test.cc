@@ -10,7 +10,7 @@ constexpr int kRounds = 400;
 
 CrowdOptions DrawnOptions() {
   CrowdOptions options;
-  options.method = GENERATE("ig-mcts", "instruction", "teleop", "greedy");
+  options.method = GENERATE("ig-mcts", "instruction", "greedy");
   options.map_is_known = GENERATE(true, false);
   options.seed = GENERATE(0, 1, 2, 3);
   return options;

@@ -3,7 +3,6 @@
 #include <catch2/catch.hpp>
 
 #include "planner/decision/instruction_method.h"
-#include "planner/decision/teleop_method.h"
 
 using namespace conav;
 using namespace conav::planner;
@@ -72,12 +71,6 @@ TEST_CASE("a new path is followed from its beginning", "[planner][instruction]")
   CHECK(follower.Next(situation).action->target == Cell{1, 3});
   situation.guidance->path = {{1, 2}, {2, 2}, {1, 2}, {1, 1}};
   CHECK(follower.Next(situation).action->target == Cell{2, 2});
-}
-
-TEST_CASE("teleoperation takes the first step of a tour that comes back", "[planner][teleop]") {
-  Situation situation = OpenSituation();
-  situation.guidance->path = {{1, 1}, {2, 1}, {1, 1}, {1, 2}};
-  CHECK(TeleopMethod(1, FakeClock{}).Decide(situation, StopToken()).action->target == Cell{2, 1});
 }
 
 TEST_CASE("a known wall on the path makes the robot ask, and names the wall",
@@ -162,38 +155,4 @@ TEST_CASE("a new path ends the waiting on the old one", "[planner][instruction]"
   clock.Advance(std::chrono::seconds(1));
   situation.guidance->path = {{1, 1}, {1, 2}};
   CHECK_FALSE(follower.Next(situation).action);
-}
-
-TEST_CASE("a goal pose is an order of its own, though it keeps the revision", "[planner][teleop]") {
-  const FakeClock clock;
-  TeleopMethod method(1, clock);
-  Situation situation = OpenSituation();
-  CHECK(method.Decide(situation, StopToken()).action);
-  situation.guidance->stamp = {1};
-  situation.guidance->path = {{1, 1}, {2, 1}};
-  REQUIRE(method.Decide(situation, StopToken()).action);
-}
-
-TEST_CASE("a teleoperated robot tells the others the rest of its order", "[planner][teleop]") {
-  const FakeClock clock;
-  TeleopMethod method(1, clock);
-  Situation situation = OpenSituation();
-  method.Decide(situation, StopToken());
-  CHECK(method.WayFor(situation) == std::vector<Cell>{{1, 2}, {1, 3}});
-  situation.state.goals_left.clear();
-  CHECK(method.WayFor(situation).empty());
-}
-
-TEST_CASE("teleoperation takes one step per order and then asks for the next",
-          "[planner][teleop]") {
-  const FakeClock clock;
-  TeleopMethod method(1, clock);
-  Situation situation = OpenSituation();
-  CHECK(method.Decide(situation, StopToken()).action->target == Cell{1, 2});
-  situation.state.cell = {1, 2};
-  const Decision second = method.Decide(situation, StopToken());
-  CHECK_FALSE(second.action);
-  CHECK(second.attention == AttentionReason::kNoGuidance);
-  situation.guidance->revision = 2;
-  CHECK(method.Decide(situation, StopToken()).action->target == Cell{1, 3});
 }

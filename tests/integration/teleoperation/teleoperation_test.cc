@@ -1,0 +1,150 @@
+#include <catch2/catch.hpp>
+#include <optional>
+#include <thread>
+
+#include "common/protocol/convert.h"
+#include "operator/client/operator_client.h"
+#include "operator/operator_service.h"
+#include "planner/planner_service.h"
+#include "sim/sim_service.h"
+#include "support/dds_participant.h"
+#include "support/temporary_folder.h"
+
+/// A key press on its way over real DDS: client, operator service, planner, simulator, and back as a
+/// state and a streamed picture.
+namespace conav {
+namespace {
+
+using namespace std::chrono_literals;
+
+sim::SimConfig Streaming() {
+  sim::SimConfig config;
+  config.seed = 9;
+  config.camera.mode = "none";
+  config.camera.stream = true;
+  return config;
+}
+
+planner::PlannerConfig Teleoperation() {
+  planner::PlannerConfig config;
+  config.method = "teleop";
+  config.perception = "embedded";
+  config.perception_model = "glpf";
+  return config;
+}
+
+class Field {
+ public:
+  /// `vendors`: of simulator, operator service, planner and client.
+  explicit Field(const std::array<std::string, 4>& vendors)
+      : sim_participant_(test::OverDds(vendors[0])("sim")),
+        operator_participant_(test::OverDds(vendors[1])("operator")),
+        planner_participant_(test::OverDds(vendors[2])("planner")),
+        client_participant_(test::OverDds(vendors[3])("client")) {
+    operator_config_.database = (folder_ / "operator.db").string();
+    // The camera belongs to the thread that makes the service; there is none here.
+    sim_.emplace(*sim_participant_, Streaming(), clock_);
+    operator_.emplace(*operator_participant_, operator_config_, clock_);
+    planner_.emplace(*planner_participant_, Teleoperation(), clock_);
+    client_.emplace(*client_participant_, clock_,
+                    operators::OperatorClientOptions{"tester", 0.25, 10.0});
+    state_.emplace(*client_participant_, bus::kRobotState, "r1");
+    snapshot_.emplace(*client_participant_, bus::kSnapshot, "r1");
+    threads_.emplace_back([this] { sim_->Run(stop_); });
+    threads_.emplace_back([this] { operator_->Run(stop_); });
+    threads_.emplace_back([this] { planner_->Run(stop_); });
+  }
+  ~Field() {
+    stop_.RequestStop();
+    for (auto* participant : {&sim_participant_, &operator_participant_, &planner_participant_}) {
+      (*participant)->Wake();
+    }
+  }
+
+  /// The reply to a key, asked anew while the service has not heard of the robot yet.
+  OperatorReply Press(DriveAction drive, SimTime expires_at) {
+    OperatorReply reply;
+    const bool answered = Until([&] {
+      if (client_->pending() == 0) client_->Send("w1", DriveRequest{"r1", drive, expires_at}, {});
+      for (const auto& outcome : client_->Poll()) {
+        if (!outcome.reply) continue;
+        reply = *outcome.reply;
+        if (reply.reason.find("has not reported") == std::string::npos) return true;
+      }
+      return false;
+    });
+    CHECK(answered);
+    return reply;
+  }
+
+  /// Waits for a state in which `order` was carried out.
+  std::optional<RobotState> StateAfter(std::uint64_t order) {
+    const bool there = Until([&] {
+      for (RobotState& state : state_->TakeValid(kDomain)) newest_ = std::move(state);
+      for (Picture& picture : snapshot_->TakeValid(kDomain)) pictures.push_back(std::move(picture));
+      return newest_ && newest_->drive_order == order &&
+             newest_->command_outcome != CommandOutcome::kRunning &&
+             pictures.size() >= newest_->snapshots;
+    });
+    return there ? newest_ : std::nullopt;
+  }
+
+  std::vector<Picture> pictures;
+
+ private:
+  static constexpr auto kDomain = [](const auto& message) { return ToDomain(message); };
+
+  template <class Condition>
+  bool Until(Condition&& condition) {
+    const auto deadline = std::chrono::steady_clock::now() + 30s;
+    while (!condition()) {
+      if (std::chrono::steady_clock::now() > deadline) return false;
+      client_participant_->Wait(50ms);
+    }
+    return true;
+  }
+
+  test::TemporaryFolder folder_;
+  SteadyClock clock_;
+  StopToken stop_;
+  operators::OperatorConfig operator_config_;
+  std::unique_ptr<bus::Participant> sim_participant_;
+  std::unique_ptr<bus::Participant> operator_participant_;
+  std::unique_ptr<bus::Participant> planner_participant_;
+  std::unique_ptr<bus::Participant> client_participant_;
+  std::optional<sim::SimService> sim_;
+  std::optional<operators::OperatorService> operator_;
+  std::optional<planner::PlannerService> planner_;
+  std::optional<operators::OperatorClient> client_;
+  std::optional<bus::Subscriber<conav_msgs::msg::RobotState>> state_;
+  std::optional<bus::Subscriber<conav_msgs::msg::Snapshot>> snapshot_;
+  std::optional<RobotState> newest_;
+  std::vector<std::jthread> threads_;
+};
+
+TEST_CASE("a key is one control step and one picture, on every vendor", "[teleoperation]") {
+  const auto vendors =
+      GENERATE(std::array<std::string, 4>{"cyclonedds", "cyclonedds", "cyclonedds", "cyclonedds"},
+               std::array<std::string, 4>{"fastdds", "fastdds", "fastdds", "fastdds"},
+               std::array<std::string, 4>{"cyclonedds", "fastdds", "cyclonedds", "fastdds"});
+  Field field(vendors);
+  SimTime now;
+  for (std::uint64_t key = 1; key <= 5; ++key) {
+    const OperatorReply reply = field.Press(DriveAction::kTurnLeft, now + 2s);
+    REQUIRE(reply.accepted);
+    const auto state = field.StateAfter(reply.revision);
+    REQUIRE(state);
+    CHECK(state->command_outcome == CommandOutcome::kDone);
+    CHECK(state->low_level_steps == key);
+    CHECK(state->pictures == key);
+    CHECK(field.pictures.back().streamed);
+    CHECK(field.pictures.back().heading_rad == Approx(state->heading_rad));
+    now = state->stamp;
+  }
+  const OperatorReply late = field.Press(DriveAction::kForward, now);
+  CHECK_FALSE(late.accepted);
+  CHECK(late.reason == "expired at 1.250 s, it is 1.250 s");
+}
+
+}  // namespace
+}  // namespace conav

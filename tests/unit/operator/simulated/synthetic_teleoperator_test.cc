@@ -1,0 +1,271 @@
+#include "operator/simulated/synthetic_teleoperator.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "common/grid/camera_lens.h"
+#include "operator/simulated/path_planner.h"
+#include "unit/operator/support/drawn_map.h"
+
+using namespace conav;
+using namespace conav::operators;
+using namespace std::chrono_literals;
+
+namespace {
+
+/// Robots that do exactly what keys are expected to do, in a world of 2 m cells, with streamed
+/// pictures; and a person with a map of it. Every request is accepted at once.
+class Maze {
+ public:
+  struct Robot {
+    RobotState state;
+    std::vector<DriveAction> keys;
+  };
+
+  Maze(const std::vector<std::string>& truth, const std::vector<std::string>& map,
+       const std::map<std::string, std::pair<Cell, Cell>>& starts_and_goals,
+       const SyntheticOperatorParameters& parameters = {}, std::uint64_t seed = 1)
+      : truth_(DrawnMap(truth)), person(parameters, seed, WorldsOf(starts_and_goals)) {
+    belief_.world = "w1";
+    belief_.wall_probability = DrawnMap(map);
+    for (const auto& [name, way] : starts_and_goals) {
+      RobotState& state = robots[name].state;
+      state.world = "w1";
+      state.robot = name;
+      state.cell = way.first;
+      state.position = Geometry().CellToPosition(way.first);
+      state.goals_left = {way.second};
+    }
+    person.Hear(belief_);
+    person.HearCellSize("w1", 2.0);
+    for (const auto& [name, robot] : robots) person.Hear(robot.state);
+  }
+
+  /// Until the person has nothing to ask, at most `asks` requests. True when all goals are reached.
+  bool Run(int asks = 3000) {
+    for (int i = 0; i < asks; ++i) {
+      const auto ask = person.Next(clock.Now());
+      if (!ask) break;
+      OperatorReply reply{"c", 1, true, "", 0};
+      if (const auto* edit = std::get_if<EditRequest>(&ask->body)) {
+        reply.revision = Edit(*edit);
+      } else {
+        reply.revision = Press(std::get<DriveRequest>(ask->body));
+      }
+      person.Answered(reply, clock.Now());
+    }
+    return std::all_of(robots.begin(), robots.end(),
+                       [](const auto& entry) { return entry.second.state.goals_left.empty(); });
+  }
+
+  std::map<std::string, Robot> robots;
+  FakeClock clock;
+
+  int WrongCells() const {
+    int wrong = 0;
+    for (std::size_t i = 0; i < truth_.size(); ++i) {
+      const Cell cell = truth_.CellAt(i);
+      wrong += IsWall(truth_, cell) != IsWall(belief_.wall_probability, cell) ? 1 : 0;
+    }
+    return wrong;
+  }
+
+ private:
+  static std::map<std::string, std::string> WorldsOf(
+      const std::map<std::string, std::pair<Cell, Cell>>& robots) {
+    std::map<std::string, std::string> worlds;
+    for (const auto& [name, way] : robots) worlds[name] = "w1";
+    return worlds;
+  }
+  GridGeometry Geometry() const { return {truth_.rows(), truth_.columns(), 2.0}; }
+
+  std::uint64_t Edit(const EditRequest& edit) {
+    CHECK(edit.base_revision == belief_.revision);
+    for (const CellEdit& value : edit.edits) {
+      belief_.wall_probability[value.cell] = value.wall ? 1.0F : 0.0F;
+    }
+    ++belief_.revision;
+    person.Hear(belief_);
+    return belief_.revision;
+  }
+
+  std::uint64_t Press(const DriveRequest& request) {
+    Robot& robot = robots.at(request.robot);
+    RobotState& state = robot.state;
+    robot.keys.push_back(request.drive);
+    const ShownPose next =
+        Expect(SteeringParameters{}, {state.position, state.heading_rad}, request.drive);
+    now_ = now_ + 250ms;
+    state.stamp = now_;
+    state.command_outcome = CommandOutcome::kDone;
+    // The body is a square of 0.4 m here.
+    for (const auto& [dx, dy] : {std::pair{0.2, 0.2}, {0.2, -0.2}, {-0.2, 0.2}, {-0.2, -0.2}}) {
+      const Cell cell = Geometry().PositionToCell({next.position.x_m + dx, next.position.y_m + dy});
+      if (IsWall(truth_, cell)) Stop(state, CommandOutcome::kBlocked, cell);
+      for (const auto& [name, other] : robots) {
+        if (name == request.robot) continue;
+        const double away = std::hypot(other.state.position.x_m - next.position.x_m,
+                                       other.state.position.y_m - next.position.y_m);
+        if (cell == other.state.cell || away < 0.6) Stop(state, CommandOutcome::kOccupied, cell);
+      }
+    }
+    if (state.command_outcome == CommandOutcome::kDone) {
+      state.position = next.position;
+      state.heading_rad = next.heading_rad;
+      state.cell = Geometry().PositionToCell(next.position);
+      std::erase(state.goals_left, state.cell);
+    }
+    Show(state);
+    return state.drive_order;
+  }
+  static void Stop(RobotState& state, CommandOutcome outcome, Cell cell) {
+    state.command_outcome = outcome;
+    state.command_cell = cell;
+  }
+  void Show(RobotState& state) {
+    ++state.drive_order;
+    ++state.snapshots;
+    OccupancyGrid map(truth_.rows(), truth_.columns(), Occupancy::kFree);
+    for (std::size_t i = 0; i < truth_.size(); ++i) {
+      if (IsWall(truth_, truth_.CellAt(i))) map[map.CellAt(i)] = Occupancy::kOccupied;
+    }
+    Picture picture;
+    picture.world = "w1";
+    picture.robot = state.robot;
+    picture.streamed = true;
+    picture.sequence_number = state.snapshots;
+    picture.cell = state.cell;
+    picture.heading_rad = state.heading_rad;
+    picture.visible = CastView(map, ViewAt(state.cell, state.heading_rad, 2.0, 320, 192));
+    picture.path = {state.cell};
+    person.Hear(picture);
+    person.Hear(state);
+  }
+
+  BeliefGrid truth_;
+  Belief belief_;
+  SimTime now_;
+
+ public:
+  SyntheticTeleoperator person;
+};
+
+const std::vector<std::string> kTruth{"#########", "#       #", "# ##### #", "#     # #",
+                                      "### # # #", "#   #   #", "#########"};
+/// The way by the south is open on the map but closed in truth, and the other way round.
+const std::vector<std::string> kMap{"#########", "#   #   #", "# ##### #", "#       #",
+                                    "### # ###", "#   #   #", "#########"};
+
+}  // namespace
+
+TEST_CASE("a teleoperator with a wrong map reaches the goal by what the pictures show",
+          "[operator][teleoperator]") {
+  const std::uint64_t seed = GENERATE(1, 2, 3, 4, 5);
+  Maze maze(kTruth, kMap, {{"r1", {{1, 1}, {5, 7}}}}, {}, seed);
+  const int wrong = maze.WrongCells();
+  CHECK(maze.Run());
+  CHECK(maze.WrongCells() < wrong);
+  CHECK(maze.person.counts().edits > 0);
+  CHECK(maze.person.open() == 0);
+}
+
+TEST_CASE("clumsy hands arrive too, with more keys", "[operator][teleoperator]") {
+  Maze careful(kTruth, kTruth, {{"r1", {{1, 1}, {5, 1}}}});
+  REQUIRE(careful.Run());
+  SyntheticOperatorParameters clumsy;
+  clumsy.steering.slip_probability = 0.2;
+  clumsy.steering.overshoot_probability = 0.3;
+  Maze other(kTruth, kTruth, {{"r1", {{1, 1}, {5, 1}}}}, clumsy);
+  REQUIRE(other.Run());
+  CHECK(other.robots["r1"].keys.size() > careful.robots["r1"].keys.size());
+}
+
+TEST_CASE("the same seed presses the same keys", "[operator][teleoperator]") {
+  Maze first(kTruth, kMap, {{"r1", {{1, 1}, {5, 7}}}});
+  Maze second(kTruth, kMap, {{"r1", {{1, 1}, {5, 7}}}});
+  Maze other(kTruth, kMap, {{"r1", {{1, 1}, {5, 7}}}}, {}, 2);
+  first.Run();
+  second.Run();
+  other.Run();
+  CHECK(first.robots["r1"].keys == second.robots["r1"].keys);
+  CHECK(first.robots["r1"].keys != other.robots["r1"].keys);
+}
+
+TEST_CASE("one robot is steered after the other, and the one in the way makes room",
+          "[operator][teleoperator]") {
+  const std::vector<std::string> corridor{"#########", "#       #", "#### ####", "#########"};
+  Maze maze(corridor, corridor, {{"r1", {{1, 1}, {1, 7}}}, {"r2", {{1, 7}, {1, 1}}}});
+  CHECK(maze.Run());
+  CHECK(maze.person.counts().meetings > 0);
+}
+
+TEST_CASE("a robot without goals that stands on another one's goal is driven off it",
+          "[operator][teleoperator]") {
+  const std::vector<std::string> room{"#####", "#   #", "#   #", "#####"};
+  Maze maze(room, room, {{"r1", {{1, 3}, {1, 3}}}, {"r2", {{2, 1}, {1, 3}}}});
+  maze.robots["r1"].state.goals_left.clear();
+  maze.person.Hear(maze.robots["r1"].state);
+  CHECK(maze.Run());
+  CHECK_FALSE(maze.robots["r1"].keys.empty());
+}
+
+TEST_CASE("a key is pressed when the last one was carried out and shown, not before",
+          "[operator][teleoperator]") {
+  FakeClock clock;
+  SyntheticTeleoperator person({}, 1, {{"r1", "w1"}});
+  CHECK_FALSE(person.Next(clock.Now()));
+  Belief belief;
+  belief.world = "w1";
+  belief.wall_probability = DrawnMap(kMap);
+  person.Hear(belief);
+  person.HearCellSize("w1", 2.0);
+  RobotState state{.world = "w1", .robot = "r1", .cell = {1, 1}, .goals_left = {{5, 7}}};
+  state.position = {-6.0, 4.0};
+  person.Hear(state);
+  REQUIRE(person.Next(clock.Now()));
+  CHECK_FALSE(person.Next(clock.Now()));  // one request at a time
+  person.Answered(OperatorReply{"c", 1, true, "", 1}, clock.Now());
+  CHECK_FALSE(person.Next(clock.Now()));  // not carried out
+  state.drive_order = 1;
+  state.command_outcome = CommandOutcome::kRunning;
+  person.Hear(state);
+  CHECK_FALSE(person.Next(clock.Now()));
+  state.command_outcome = CommandOutcome::kDone;
+  state.snapshots = 1;
+  person.Hear(state);
+  CHECK_FALSE(person.Next(clock.Now()));  // its picture is not here
+  Picture picture;
+  picture.world = "w1";
+  picture.robot = "r1";
+  picture.sequence_number = 1;
+  picture.cell = {1, 1};
+  person.Hear(picture);
+  const auto key = person.Next(clock.Now());
+  REQUIRE(key);
+  CHECK(std::get<DriveRequest>(key->body).expires_at > state.stamp);
+}
+
+TEST_CASE("an order that is refused, or that nobody carries out, is given anew after a pause",
+          "[operator][teleoperator]") {
+  FakeClock clock;
+  SyntheticTeleoperator person({}, 1, {{"r1", "w1"}});
+  Belief belief;
+  belief.world = "w1";
+  belief.wall_probability = DrawnMap(kMap);
+  person.Hear(belief);
+  person.HearCellSize("w1", 2.0);
+  RobotState state{.world = "w1", .robot = "r1", .cell = {1, 1}, .goals_left = {{5, 7}}};
+  state.position = {-6.0, 4.0};
+  person.Hear(state);
+  REQUIRE(person.Next(clock.Now()));
+  person.Answered(OperatorReply{"c", 1, false, "no", 0}, clock.Now());
+  CHECK_FALSE(person.Next(clock.Now()));
+  clock.Advance(1s);
+  REQUIRE(person.Next(clock.Now()));
+  person.Answered(OperatorReply{"c", 2, true, "", 1}, clock.Now());
+  CHECK_FALSE(person.Next(clock.Now()));
+  clock.Advance(3s);
+  CHECK(person.Next(clock.Now()));
+  CHECK(person.counts().refused == 1);
+  CHECK(person.counts().newest_problem == "no");
+}
