@@ -42,6 +42,14 @@ GuideRequest ToGuideRequest(Checks& checks, const conav_msgs::msg::OperatorReque
   return request;
 }
 
+SelectRequest ToSelectRequest(Checks& checks, const conav_msgs::msg::OperatorRequest& message) {
+  SelectRequest request;
+  request.robot = checks.Name("robot", message.robot());
+  request.reason = checks.Enumerator("attention_reason", message.attention_reason(),
+                                     AttentionReason::kPicture, AttentionReason::kGoalsReached);
+  return request;
+}
+
 }  // namespace
 
 Result<Belief> ToDomain(const conav_msgs::msg::BeliefMap& message) {
@@ -119,10 +127,12 @@ Result<OperatorRequest> ToDomain(const conav_msgs::msg::OperatorRequest& message
     request.body = ToEditRequest(checks, message);
   } else if (message.kind() == conav_msgs::msg::OPERATOR_REQUEST_GUIDE) {
     request.body = ToGuideRequest(checks, message);
+  } else if (message.kind() == conav_msgs::msg::OPERATOR_REQUEST_SELECT) {
+    request.body = ToSelectRequest(checks, message);
   } else {
     checks.Refuse(fmt::format("kind = {} is not in [{}, {}]", message.kind(),
                               conav_msgs::msg::OPERATOR_REQUEST_EDIT,
-                              conav_msgs::msg::OPERATOR_REQUEST_GUIDE));
+                              conav_msgs::msg::OPERATOR_REQUEST_SELECT));
   }
   if (checks.failed()) return checks.failure();
   return request;
@@ -142,13 +152,17 @@ conav_msgs::msg::OperatorRequest ToMessage(const OperatorRequest& request) {
       cell_edit.cell(ToCellMessage(value.cell));
       cell_edit.wall(value.wall);
     }
-  } else {
-    const auto& guide = std::get<GuideRequest>(request.body);
+  } else if (const auto* guide = std::get_if<GuideRequest>(&request.body)) {
     message.kind(conav_msgs::msg::OPERATOR_REQUEST_GUIDE);
-    message.robot(guide.robot);
-    message.path(ToCellMessages(guide.path));
-    message.answers_snapshot(guide.answers_snapshot);
-    message.valid_for(guide.valid_for_s);
+    message.robot(guide->robot);
+    message.path(ToCellMessages(guide->path));
+    message.answers_snapshot(guide->answers_snapshot);
+    message.valid_for(guide->valid_for_s);
+  } else {
+    const auto& select = std::get<SelectRequest>(request.body);
+    message.kind(conav_msgs::msg::OPERATOR_REQUEST_SELECT);
+    message.robot(select.robot);
+    message.attention_reason(static_cast<std::uint8_t>(select.reason));
   }
   return message;
 }
@@ -183,7 +197,7 @@ Result<AttentionRequest> ToDomain(const conav_msgs::msg::AttentionRequest& messa
   request.world = checks.Name("world", message.world());
   request.robot = checks.Name("robot", message.robot());
   request.sequence_number = message.sequence_number();
-  request.reason = checks.Enumerator("reason", message.reason(), AttentionReason::kPicture,
+  request.reason = checks.Enumerator("reason", message.reason(), AttentionReason::kNone,
                                      AttentionReason::kNoGuidance);
   request.cell = checks.ToCell("cell", message.cell());
   request.newest_snapshot = message.newest_snapshot();
@@ -191,6 +205,7 @@ Result<AttentionRequest> ToDomain(const conav_msgs::msg::AttentionRequest& messa
       checks.Finite("value_lost_per_second", message.value_lost_per_second());
   request.expected_information =
       checks.Finite("expected_information", message.expected_information());
+  request.gives_up_at = checks.Time("gives_up_at", message.gives_up_at());
   if (checks.failed()) return checks.failure();
   return request;
 }
@@ -206,6 +221,7 @@ conav_msgs::msg::AttentionRequest ToMessage(const AttentionRequest& request) {
   message.newest_snapshot(request.newest_snapshot);
   message.value_lost_per_second(request.value_lost_per_s);
   message.expected_information(request.expected_information);
+  message.gives_up_at(ToMessage(request.gives_up_at));
   return message;
 }
 

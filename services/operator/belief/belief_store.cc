@@ -93,6 +93,7 @@ Result<void> BeliefStore::WithdrawGuidance(const std::string& robot, SimTime now
 }
 
 BeliefStore::Answer BeliefStore::Handle(const OperatorRequest& request, SimTime now) {
+  DEMAND(!std::holds_alternative<SelectRequest>(request.body));
   const auto logged = FindRequest(database_, request.client, request.request_id);
   if (!logged) return StorageFailure(request, logged.error(), 0);
   if (!*logged) return HandleNew(request, now);

@@ -52,7 +52,8 @@ class BeliefStore {
   /// pictures anew. The revision rises. Errors: kIo.
   [[nodiscard]] Result<void> WithdrawGuidance(const std::string& robot, SimTime now);
 
-  /// `now`: simulation time of the request's world.
+  /// `now`: simulation time of the request's world. Not for a SelectRequest (demanded): it changes
+  /// nothing that is stored.
   Answer Handle(const OperatorRequest& request, SimTime now);
 
   /// Null when unknown. Valid until the next call that is not const.

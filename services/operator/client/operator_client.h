@@ -37,6 +37,7 @@ class OperatorClient {
   /// `stamp`: simulation time at which the client asks, for the record.
   std::uint64_t Send(const std::string& world, const EditRequest& edit, SimTime stamp);
   std::uint64_t Send(const std::string& world, const GuideRequest& guide, SimTime stamp);
+  std::uint64_t Send(const std::string& world, const SelectRequest& select, SimTime stamp);
 
   /// The end of one request. Errors: kTimeout. A refusal is a reply that is not accepted.
   struct Outcome {

@@ -3,6 +3,7 @@
 #include "common/runtime/log.h"
 #include "planner/decision/situation_problem.h"
 #include "planner/decision/traffic.h"
+#include "planner/decision/value_lost.h"
 
 namespace conav::planner {
 namespace {
@@ -108,6 +109,7 @@ Decision IgMctsMethod::FromResult(const SearchResult& result, const Situation& s
   decision.attention = AttentionReason::kPicture;
   decision.attention_cell = situation.state.cell;
   decision.expected_information = chosen.information_gain;
+  decision.answer_value = AnswerValue(result.actions, chosen);
   return decision;
 }
 
