@@ -5,6 +5,7 @@
 
 #include "common/bus/participant.h"
 #include "common/runtime/config.h"
+#include "operator/attention/attention_options.h"
 #include "operator/recording_config.h"
 
 namespace conav::operators {
@@ -24,6 +25,7 @@ struct OperatorConfig {
   double max_guidance_s = 7200.0;
   /// Longest path of guidance.
   int max_path_cells = 10000;
+  AttentionOptions attention;
   RecordingConfig recording;
 
   void Visit(ConfigReader& reader) {
@@ -33,6 +35,7 @@ struct OperatorConfig {
     reader.Field("database_limit_mib", database_limit_mib, 0.0, 1e6);
     reader.Field("max_guidance_s", max_guidance_s, 1.0, 1e6);
     reader.Field("max_path_cells", max_path_cells, 1, 65536);
+    reader.Section("attention", attention);
     reader.Section("recording", recording);
   }
 };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <set>
 
@@ -67,6 +68,8 @@ OperatorService::OperatorService(bus::Participant& participant, const OperatorCo
       drive_desk_(WorldOfRobot("operator", config.robots), {}),
       requests_(participant, bus::kOperatorRequest),
       replies_(participant, bus::kOperatorReply),
+      clock_topic_(participant, bus::kClock),
+      attention_(participant, config.attention, clock),
       diagnostics_(participant, clock) {
   std::set<std::string> worlds;
   for (const auto& [robot, world] : WorldOfRobot("operator", config.robots)) {
@@ -93,7 +96,9 @@ void OperatorService::Run(const StopToken& stop) {
 
 void OperatorService::Step() {
   for (const auto& world : worlds_) TakeInitialMap(*world);
+  TakeClock();
   for (const auto& robot : robots_) TakeStates(*robot);
+  for (const auto& robot : robots_) TakeAttention(*robot);
   if (recording_) recording_->Step();
   const std::vector<OperatorRequest> requests = requests_.TakeValid(kConvert);
   for (std::size_t i = 0; i < requests.size(); ++i) {
@@ -103,6 +108,7 @@ void OperatorService::Step() {
       Answer(requests[i]);
     }
   }
+  attention_.Step(OperatorTime());
   diagnostics_.Tick([this] { return Report(); });
 }
 
@@ -121,6 +127,7 @@ void OperatorService::Serve(WorldLink& world, double cell_size_m) {
     if (recording_ && guidance != nullptr) {
       recording_->Skip(robot->name, guidance->answers_snapshot);
     }
+    if (guidance != nullptr) attention_.Hear(*guidance, OperatorTime());
     if (!robot->guidance) robot->guidance.emplace(participant_, bus::kGuidance, robot->name);
     PublishGuidance(*robot);
   }
@@ -187,6 +194,7 @@ void OperatorService::TakeStates(RobotLink& robot) {
     robot.stamp = state.stamp;
     drive_desk_.Hear(state);
     if (recording_) recording_->Hear(state);
+    attention_.Hear(state, OperatorTime());
     if (!starts) continue;
     store_.AddRobot(robot.name, robot.world);
     robot.first_state = state;
@@ -197,7 +205,21 @@ void OperatorService::TakeStates(RobotLink& robot) {
     Greet(robot, *robot.first_state);
     robot.first_state.reset();
   }
-  robot.asked += robot.attention.TakeValid(kConvert).size();
+}
+
+void OperatorService::TakeAttention(RobotLink& robot) {
+  if (robot.state.matched_publishers() == 0) attention_.LoseLink(robot.name, OperatorTime());
+  if (robot.attention.matched_publishers() == 0) attention_.LosePlanner(robot.name, OperatorTime());
+  for (const AttentionRequest& request : robot.attention.TakeValid(kConvert)) {
+    ++robot.asked;
+    attention_.Hear(request, OperatorTime());
+  }
+}
+
+void OperatorService::TakeClock() {
+  for (const auto& message : clock_topic_.Take()) {
+    if (const auto time = ToDomain(message.clock())) newest_clock_ = *time;
+  }
 }
 
 void OperatorService::Greet(RobotLink& robot, const RobotState& state) {
@@ -220,7 +242,18 @@ SimTime OperatorService::TimeOf(const std::string& world) const {
   return newest;
 }
 
+SimTime OperatorService::OperatorTime() const {
+  SimTime newest = newest_clock_;
+  for (const auto& world : worlds_) newest = std::max(newest, TimeOf(world->name));
+  return newest;
+}
+
 void OperatorService::Answer(const OperatorRequest& request) {
+  if (std::holds_alternative<SelectRequest>(request.body)) {
+    const OperatorReply reply = attention_.Select(request, OperatorTime());
+    Log(request, {reply});
+    return bus::Send(replies_, ToMessage(reply));
+  }
   const WorldLink* world = FindWorld(request.world);
   if (world != nullptr && !world->served() && world->refusal.empty()) return;
   const BeliefStore::Answer answer =
@@ -259,11 +292,13 @@ void OperatorService::PassOn(const OperatorRequest& request, const OperatorReque
 
 void OperatorService::PublishChange(const OperatorRequest& request) {
   if (const auto* guide = std::get_if<GuideRequest>(&request.body)) {
+    attention_.Guided(request.client, *store_.FindGuidance(guide->robot), OperatorTime());
     for (const auto& robot : robots_) {
       if (robot->name == guide->robot) PublishGuidance(*robot);
     }
     return;
   }
+  attention_.Edited(request.client, request.world, OperatorTime());
   if (WorldLink* world = FindWorld(request.world)) PublishBelief(*world);
 }
 
@@ -278,9 +313,11 @@ void OperatorService::Record(const OperatorRequest& request) {
 void OperatorService::Log(const OperatorRequest& request, const BeliefStore::Answer& answer) {
   const OperatorReply& reply = answer.reply;
   ++(reply.accepted ? accepted_ : refused_);
-  storage_failure_.reset();
+  const bool is_stored = !std::holds_alternative<SelectRequest>(request.body);
+  if (is_stored) storage_failure_.reset();
   if (answer.storage_failed) storage_failure_ = reply.reason;
-  const char* kind = std::holds_alternative<EditRequest>(request.body) ? "edit" : "guide";
+  constexpr std::array kKinds{"edit", "guide", "select"};  // in the order of the variant
+  const char* kind = kKinds[request.body.index()];
   if (reply.accepted) {
     LOG_INFO("accepted", "kind", kind, "client", request.client, "id", request.request_id, "world",
              request.world, "revision", reply.revision, "new", answer.changed, "sim_s",
@@ -316,6 +353,8 @@ Health OperatorService::Report() const {
     health.values.emplace_back(fmt::format("{} steered by", robot->name),
                                driver.empty() ? "nobody" : driver);
   }
+  health.values.emplace_back("matters in the attention queue",
+                             std::to_string(attention_.items().size()));
   health.values.emplace_back("requests accepted", std::to_string(accepted_));
   health.values.emplace_back("requests refused", std::to_string(refused_));
   if (recording_) {

@@ -12,6 +12,7 @@
 #include "common/runtime/clock.h"
 #include "common/runtime/stop_token.h"
 #include "common/service/diagnostics.h"
+#include "operator/attention_desk.h"
 #include "operator/belief/belief_store.h"
 #include "operator/config.h"
 #include "operator/driving/drive_desk.h"
@@ -33,8 +34,9 @@ namespace conav::operators {
 /// 0. Guidance for a robot that never reported is refused. A robot that has sent fewer pictures
 /// than its stored guidance answers belongs to a new run: that guidance is withdrawn. When the disk
 /// fails, requests are refused with that reason, /diagnostics shows an error, and the service goes
-/// on. Low-level actions are passed on to the planner at once, see DriveDesk; they are not stored.
-/// With `recording.file` it also hears pictures and true maps, and records the session.
+/// on. Keeps the queue of what asks for the operator (AttentionDesk). Low-level actions are passed
+/// on to the planner at once, see DriveDesk; they are not stored. With `recording.file` it also
+/// hears pictures and true maps, and records the session.
 /// Threads: one; Run() or repeated Step().
 class OperatorService {
  public:
@@ -59,7 +61,10 @@ class OperatorService {
   void PublishBelief(WorldLink& world);
   void PublishGuidance(RobotLink& robot);
   void TakeInitialMap(WorldLink& world);
+  void TakeClock();
   void TakeStates(RobotLink& robot);
+  /// What the robot asks, and whether it and its planner are still there.
+  void TakeAttention(RobotLink& robot);
   void Greet(RobotLink& robot, const RobotState& state);
   void Answer(const OperatorRequest& request);
   /// A low-level action; `replaced_by` came in the same turn. Null when nothing did.
@@ -68,6 +73,8 @@ class OperatorService {
   void Record(const OperatorRequest& request);
   void Log(const OperatorRequest& request, const BeliefStore::Answer& answer);
   SimTime TimeOf(const std::string& world) const;
+  /// Newest simulation time of all worlds, by their robots or by /clock, which is finer.
+  SimTime OperatorTime() const;
   Health Report() const;
 
   bus::Participant& participant_;
@@ -78,6 +85,9 @@ class OperatorService {
   std::vector<std::unique_ptr<RobotLink>> robots_;
   bus::Subscriber<conav_msgs::msg::OperatorRequest> requests_;
   bus::Publisher<conav_msgs::msg::OperatorReply> replies_;
+  bus::Subscriber<rosgraph_msgs::msg::Clock> clock_topic_;
+  SimTime newest_clock_;
+  AttentionDesk attention_;
   Diagnostics diagnostics_;
   std::optional<SessionRecording> recording_;
   std::uint64_t accepted_ = 0;

@@ -72,6 +72,9 @@ struct PlannerConfig {
   /// picture.
   double first_guidance_timeout_s = 10.0;
   double answer_timeout_s = 10.0;
+  /// "wall", or "simulation" for these two timeouts where simulation time passes by itself
+  /// (sim.speed above 0), as in a study of waiting.
+  std::string timeout_clock = "wall";
   /// A command that was not finished after this long (simulation time) is void.
   double command_ttl_s = 10.0;
   /// File to append every decision to, for `conav explain`; empty = none. Made when it does not
@@ -106,6 +109,7 @@ struct PlannerConfig {
     reader.Field("perception_timeout_s", perception_timeout_s, 0.01, 60.0);
     reader.Field("first_guidance_timeout_s", first_guidance_timeout_s, 0.0, 3600.0);
     reader.Field("answer_timeout_s", answer_timeout_s, 0.0, 3600.0);
+    reader.Choice("timeout_clock", timeout_clock, {"wall", "simulation"});
     reader.Field("command_ttl_s", command_ttl_s, 0.5, 60.0);
     reader.Field("decision_file", decision_file);
   }

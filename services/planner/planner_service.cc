@@ -73,7 +73,9 @@ PlannerService::PlannerService(bus::Participant& participant, const PlannerConfi
         .method_name = config.method,
         .gate = {Seconds(config.first_guidance_timeout_s), Seconds(config.answer_timeout_s),
                  method->pictures_are_answered(), method->heeds_operator(), !method->is_steered()},
-        .command_ttl = Seconds(config.command_ttl_s)};
+        .command_ttl = Seconds(config.command_ttl_s),
+        .timeouts_in_simulation_time = config.timeout_clock == "simulation",
+        .value_lost = {config.search.options.reward, config.search.options.discount}};
     workers_.push_back(std::make_unique<RobotWorker>(std::move(options), std::move(method), board_,
                                                      clock, OutputsOf(*links_.back())));
   }

@@ -59,6 +59,8 @@ inline constexpr Topic<conav_msgs::msg::OperatorReply> kOperatorReply{"/conav/op
                                                                       kRequestQos};
 inline constexpr Topic<conav_msgs::msg::PlannerLease> kPlannerLease{"/conav/planner/lease",
                                                                     kEventQos};
+inline constexpr Topic<conav_msgs::msg::AttentionQueue> kAttentionQueue{
+    "/conav/operator/attention_queue", kLatchedQos};
 inline constexpr Topic<conav_msgs::msg::PerceptionRequest> kPerceptionRequest{
     "/conav/perception/request", kQueryQos};
 inline constexpr Topic<conav_msgs::msg::PerceptionReply> kPerceptionReply{"/conav/perception/reply",

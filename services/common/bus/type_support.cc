@@ -50,6 +50,7 @@ template const TypeSupport& TypeSupportOf<conav_msgs::msg::BeliefMap>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::OperatorRequest>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::OperatorReply>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::AttentionRequest>();
+template const TypeSupport& TypeSupportOf<conav_msgs::msg::AttentionQueue>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::SearchReport>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::PlannerLease>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::RobotWay>();

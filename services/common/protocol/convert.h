@@ -89,6 +89,8 @@ Result<OperatorReply> ToDomain(const conav_msgs::msg::OperatorReply& message);
 conav_msgs::msg::OperatorReply ToMessage(const OperatorReply& reply);
 Result<AttentionRequest> ToDomain(const conav_msgs::msg::AttentionRequest& message);
 conav_msgs::msg::AttentionRequest ToMessage(const AttentionRequest& request);
+Result<AttentionQueueState> ToDomain(const conav_msgs::msg::AttentionQueue& message);
+conav_msgs::msg::AttentionQueue ToMessage(const AttentionQueueState& queue);
 
 // planning.h
 Result<SearchReport> ToDomain(const conav_msgs::msg::SearchReport& message);

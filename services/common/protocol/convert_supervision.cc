@@ -54,6 +54,14 @@ DriveRequest ToDriveRequest(Checks& checks, const conav_msgs::msg::OperatorReque
   return request;
 }
 
+SelectRequest ToSelectRequest(Checks& checks, const conav_msgs::msg::OperatorRequest& message) {
+  SelectRequest request;
+  request.robot = checks.Name("robot", message.robot());
+  request.reason = checks.Enumerator("attention_reason", message.attention_reason(),
+                                     AttentionReason::kPicture, AttentionReason::kGoalsReached);
+  return request;
+}
+
 void Write(const EditRequest& edit, conav_msgs::msg::OperatorRequest& message) {
   message.kind(conav_msgs::msg::OPERATOR_REQUEST_EDIT);
   message.base_revision(edit.base_revision);
@@ -77,6 +85,12 @@ void Write(const DriveRequest& drive, conav_msgs::msg::OperatorRequest& message)
   message.robot(drive.robot);
   message.drive(static_cast<std::uint8_t>(drive.drive));
   message.expires_at(ToMessage(drive.expires_at));
+}
+
+void Write(const SelectRequest& select, conav_msgs::msg::OperatorRequest& message) {
+  message.kind(conav_msgs::msg::OPERATOR_REQUEST_SELECT);
+  message.robot(select.robot);
+  message.attention_reason(static_cast<std::uint8_t>(select.reason));
 }
 
 }  // namespace
@@ -158,10 +172,12 @@ Result<OperatorRequest> ToDomain(const conav_msgs::msg::OperatorRequest& message
     request.body = ToGuideRequest(checks, message);
   } else if (message.kind() == conav_msgs::msg::OPERATOR_REQUEST_DRIVE) {
     request.body = ToDriveRequest(checks, message);
+  } else if (message.kind() == conav_msgs::msg::OPERATOR_REQUEST_SELECT) {
+    request.body = ToSelectRequest(checks, message);
   } else {
     checks.Refuse(fmt::format("kind = {} is not in [{}, {}]", message.kind(),
                               conav_msgs::msg::OPERATOR_REQUEST_EDIT,
-                              conav_msgs::msg::OPERATOR_REQUEST_DRIVE));
+                              conav_msgs::msg::OPERATOR_REQUEST_SELECT));
   }
   if (checks.failed()) return checks.failure();
   return request;
@@ -234,7 +250,7 @@ Result<AttentionRequest> ToDomain(const conav_msgs::msg::AttentionRequest& messa
   request.world = checks.Name("world", message.world());
   request.robot = checks.Name("robot", message.robot());
   request.sequence_number = message.sequence_number();
-  request.reason = checks.Enumerator("reason", message.reason(), AttentionReason::kPicture,
+  request.reason = checks.Enumerator("reason", message.reason(), AttentionReason::kNone,
                                      AttentionReason::kNoGuidance);
   request.cell = checks.ToCell("cell", message.cell());
   request.newest_snapshot = message.newest_snapshot();
@@ -242,6 +258,7 @@ Result<AttentionRequest> ToDomain(const conav_msgs::msg::AttentionRequest& messa
       checks.Finite("value_lost_per_second", message.value_lost_per_second());
   request.expected_information =
       checks.Finite("expected_information", message.expected_information());
+  request.gives_up_at = checks.Time("gives_up_at", message.gives_up_at());
   if (checks.failed()) return checks.failure();
   return request;
 }
@@ -257,6 +274,7 @@ conav_msgs::msg::AttentionRequest ToMessage(const AttentionRequest& request) {
   message.newest_snapshot(request.newest_snapshot);
   message.value_lost_per_second(request.value_lost_per_s);
   message.expected_information(request.expected_information);
+  message.gives_up_at(ToMessage(request.gives_up_at));
   return message;
 }
 

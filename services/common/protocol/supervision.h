@@ -77,13 +77,33 @@ struct DriveOrder {
   bool operator==(const DriveOrder&) const = default;
 };
 
+/// Why something asks for the operator. Robots ask for the first four, kNone = no more; the operator
+/// service finds the rest.
+enum class AttentionReason : std::uint8_t {
+  kNone = 0,
+  kPicture = 1,
+  kBlocked = 2,
+  kNoGuidance = 3,
+  kFirstPath = 4,
+  kCommandFailed = 5,
+  kLinkLost = 6,
+  kGoalsReached = 7,
+};
+
+/// The person turns to an item of the attention queue.
+struct SelectRequest {
+  std::string robot;
+  AttentionReason reason = AttentionReason::kPicture;
+  bool operator==(const SelectRequest&) const = default;
+};
+
 /// What any client may ask of the operator service. (client, request_id) makes a repeat harmless.
 struct OperatorRequest {
   SimTime stamp;
   std::string client;
   std::uint64_t request_id = 0;
   std::string world;
-  std::variant<EditRequest, GuideRequest, DriveRequest> body;
+  std::variant<EditRequest, GuideRequest, DriveRequest, SelectRequest> body;
   bool operator==(const OperatorRequest&) const = default;
 };
 
@@ -96,8 +116,6 @@ struct OperatorReply {
   bool operator==(const OperatorReply&) const = default;
 };
 
-enum class AttentionReason : std::uint8_t { kPicture = 1, kBlocked = 2, kNoGuidance = 3 };
-
 struct AttentionRequest {
   SimTime stamp;
   std::string world;
@@ -108,7 +126,58 @@ struct AttentionRequest {
   std::uint64_t newest_snapshot = 0;  // Picture::sequence_number of this robot when it asked
   double value_lost_per_s = 0.0;
   double expected_information = 0.0;
+  SimTime gives_up_at{};  // 0 = waits for ever
   bool operator==(const AttentionRequest&) const = default;
+};
+
+/// One line of the attention queue.
+struct AttentionItem {
+  std::string world;
+  std::string robot;
+  AttentionReason reason = AttentionReason::kPicture;
+  std::uint8_t tier = 1;  // 1 = first
+  SimTime since;
+  SimTime deadline;  // 0 = none
+  Cell cell;
+  std::uint64_t newest_snapshot = 0;
+  std::uint64_t source_sequence = 0;
+  double value_lost_per_s = 0.0;
+  double expected_information = 0.0;
+  double expected_interaction_s = 0.0;
+  double score = 0.0;
+  std::string selected_by;
+  bool operator==(const AttentionItem&) const = default;
+};
+
+/// How busy the operator is, in seconds of the operator's time; see idl/conav_operator.idl.
+struct OperatorWorkload {
+  std::uint32_t robots = 0;
+  std::uint64_t interactions = 0;
+  std::uint64_t abandoned = 0;
+  double observed_s = 0.0;
+  double busy_s = 0.0;
+  double interaction_time_s = 0.0;
+  double neglect_time_s = 0.0;
+  double waiting_time_s = 0.0;
+  double waiting_time_p95_s = 0.0;
+  double value_lost = 0.0;
+  double utilisation = 0.0;
+  double attended_robots = 0.0;
+  double fan_out = 0.0;
+  double fan_out_with_waits = 0.0;
+  double predicted_utilisation = 0.0;
+  double predicted_waiting_time_s = 0.0;
+  bool operator==(const OperatorWorkload&) const = default;
+};
+
+/// What asks for the operator, first first, and how busy the operator is.
+struct AttentionQueueState {
+  SimTime stamp;
+  std::uint64_t revision = 0;
+  std::string order;
+  std::vector<AttentionItem> items;
+  OperatorWorkload workload;
+  bool operator==(const AttentionQueueState&) const = default;
 };
 
 }  // namespace conav

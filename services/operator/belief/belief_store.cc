@@ -94,6 +94,7 @@ Result<void> BeliefStore::WithdrawGuidance(const std::string& robot, SimTime now
 
 BeliefStore::Answer BeliefStore::Handle(const OperatorRequest& request, SimTime now) {
   DEMAND(!std::holds_alternative<DriveRequest>(request.body), request.client, request.request_id);
+  DEMAND(!std::holds_alternative<SelectRequest>(request.body), request.client, request.request_id);
   const auto logged = FindRequest(database_, request.client, request.request_id);
   if (!logged) return StorageFailure(request, logged.error(), 0);
   if (!*logged) return HandleNew(request, now);

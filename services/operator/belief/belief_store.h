@@ -53,7 +53,7 @@ class BeliefStore {
   [[nodiscard]] Result<void> WithdrawGuidance(const std::string& robot, SimTime now);
 
   /// `now`: simulation time of the request's world. `request` edits or guides (demanded): low-level
-  /// actions are not stored.
+  /// actions and selections change nothing that is stored.
   Answer Handle(const OperatorRequest& request, SimTime now);
 
   /// Null when unknown. Valid until the next call that is not const.

@@ -39,6 +39,11 @@ std::uint64_t OperatorClient::Send(const std::string& world, const DriveRequest&
   return Send(OperatorRequest{stamp, options_.client, ++last_id_, world, drive});
 }
 
+std::uint64_t OperatorClient::Send(const std::string& world, const SelectRequest& select,
+                                   SimTime stamp) {
+  return Send(OperatorRequest{stamp, options_.client, ++last_id_, world, select});
+}
+
 std::uint64_t OperatorClient::Send(OperatorRequest request) {
   const auto now = clock_.Now();
   const auto entry = pending_.emplace(request.request_id,

@@ -38,6 +38,7 @@ class OperatorClient {
   std::uint64_t Send(const std::string& world, const EditRequest& edit, SimTime stamp);
   std::uint64_t Send(const std::string& world, const GuideRequest& guide, SimTime stamp);
   std::uint64_t Send(const std::string& world, const DriveRequest& drive, SimTime stamp);
+  std::uint64_t Send(const std::string& world, const SelectRequest& select, SimTime stamp);
 
   /// The end of one request. Errors: kTimeout. A refusal is a reply that is not accepted.
   struct Outcome {

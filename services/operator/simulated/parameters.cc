@@ -18,6 +18,13 @@ void PictureReaderParameters::Visit(ConfigReader& reader) {
   reader.Field("edit_limit", edit_limit, 0, 1000);
 }
 
+void InteractionTimeParameters::Visit(ConfigReader& reader) {
+  reader.Field("picture_s", picture_s, 0.0, 3600.0);
+  reader.Field("blocked_s", blocked_s, 0.0, 3600.0);
+  reader.Field("path_s", path_s, 0.0, 3600.0);
+  reader.Field("log_sd", log_sd, 0.0, 5.0);
+}
+
 void SyntheticOperatorParameters::Visit(ConfigReader& visitor) {
   if (visitor.reading()) {
     std::string kind = "careful";
@@ -34,6 +41,8 @@ void SyntheticOperatorParameters::Visit(ConfigReader& visitor) {
   visitor.Field("retry_pause_s", retry_pause_s, 0.0, 60.0);
   visitor.Field("attempts", attempts, 1, 100000);
   visitor.Field("patience_s", patience_s, 0.0, 3600.0);
+  visitor.Choice("order", order, {"heard", "queue"});
+  visitor.Section("interaction", interaction);
 }
 
 const std::vector<std::string>& OperatorKinds() {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace conav::operators {
@@ -23,6 +25,23 @@ std::uint64_t HashOf(const std::string& name) {
 
 bool IsGlance(const Picture& picture) { return picture.streamed; }
 
+/// Standard normal (Box and Muller 1958).
+double NormalDraw(Random& random) {
+  const double radius = std::sqrt(-2.0 * std::log(1.0 - random.Unit()));
+  return radius * std::cos(2.0 * std::numbers::pi * random.Unit());
+}
+
+double MeanOf(AttentionReason reason, const InteractionTimeParameters& times) {
+  switch (reason) {
+    case AttentionReason::kPicture:
+      return times.picture_s;
+    case AttentionReason::kBlocked:
+      return times.blocked_s;
+    default:
+      return times.path_s;
+  }
+}
+
 }  // namespace
 
 SyntheticOperator::SyntheticOperator(const SyntheticOperatorParameters& parameters,
@@ -31,7 +50,9 @@ SyntheticOperator::SyntheticOperator(const SyntheticOperatorParameters& paramete
     : parameters_(parameters) {
   for (const auto& [name, world] : world_of_robot) {
     PictureReader reader(parameters.reader, DeriveSeed(seed, HashOf(name)));
-    robots_.emplace(name, Robot{world, std::move(reader), {}, 0, 0, {}});
+    Random interaction_times(DeriveSeed(seed, ~HashOf(name)));
+    robots_.emplace(
+        name, Robot{world, std::move(reader), std::move(interaction_times), {}, 0, 0, {}, {}});
     worlds_[world];
   }
 }
@@ -58,7 +79,7 @@ void SyntheticOperator::Hear(const RobotState& state) {
   const bool restarted = robot->state && state.stamp < robot->state->stamp;
   if (restarted) robot->looked_at = robot->answered = 0;
   if (restarted || !robot->state) {
-    queue_.push_back({state.robot, FirstPath{}, {}, false, {}, 0, {}});
+    queue_.push_back({.robot = state.robot, .occasion = FirstPath{}});
   }
   worlds_[state.world].certain_walls.erase(state.cell);
   robot->state = state;
@@ -71,7 +92,12 @@ void SyntheticOperator::Hear(const Picture& picture, Clock::TimePoint now) {
     robot->looked_at = std::max(robot->looked_at, picture.sequence_number);
     return;
   }
-  queue_.push_back({picture.robot, picture, now, false, {}, 0, {}});
+  if (FollowsQueue() && IsGlance(picture)) {
+    robot->looked_at = std::max(robot->looked_at, picture.sequence_number);
+    robot->streamed = picture;
+    return;
+  }
+  queue_.push_back({.robot = picture.robot, .occasion = picture, .heard_at = now});
 }
 
 void SyntheticOperator::Hear(const AttentionRequest& attention, Clock::TimePoint now) {
@@ -83,12 +109,19 @@ void SyntheticOperator::Hear(const AttentionRequest& attention, Clock::TimePoint
     return matter.robot == attention.robot &&
            std::holds_alternative<AttentionRequest>(matter.occasion);
   });
-  queue_.push_back({attention.robot, attention, now, false, {}, 0, {}});
+  if (attention.reason == AttentionReason::kNone) return;  // asks no more
+  queue_.push_back({.robot = attention.robot, .occasion = attention, .heard_at = now});
 }
 
 void SyntheticOperator::Hear(const Guidance& guidance) {
   Robot* robot = Find(guidance.robot, guidance.world);
   if (robot != nullptr) robot->answered = guidance.answers_snapshot;
+}
+
+void SyntheticOperator::Hear(const AttentionQueueState& queue) {
+  // A service that starts again counts anew.
+  if (published_ && queue.revision < published_->revision) refused_at_ = 0;
+  published_ = queue;
 }
 
 // --- deciding what comes next ----------------------------------------------------------------
@@ -107,20 +140,68 @@ bool SyntheticOperator::ReadyForAttention(const Robot& robot,
          robot.looked_at >= attention.newest_snapshot;
 }
 
+std::deque<SyntheticOperator::Matter>::iterator SyntheticOperator::FirstOfQueue(
+    Clock::TimePoint now) {
+  if (!published_ || published_->revision <= refused_at_) return queue_.end();
+  for (const AttentionItem& item : published_->items) {
+    if (!item.selected_by.empty()) continue;
+    const auto matter = std::find_if(queue_.begin(), queue_.end(), [&](const Matter& candidate) {
+      if (candidate.robot != item.robot || !Ready(candidate, now)) return false;
+      if (const auto* attention = std::get_if<AttentionRequest>(&candidate.occasion)) {
+        return attention->reason == item.reason;
+      }
+      const auto* picture = std::get_if<Picture>(&candidate.occasion);
+      return picture != nullptr ? item.reason == AttentionReason::kPicture &&
+                                      picture->sequence_number == item.newest_snapshot
+                                : item.reason == AttentionReason::kFirstPath;
+    });
+    if (matter == queue_.end()) continue;
+    matter->reason = item.reason;
+    return matter;
+  }
+  return queue_.end();
+}
+
+SimTime SyntheticOperator::BusyUntil(const Matter& matter) {
+  const InteractionTimeParameters& times = parameters_.interaction;
+  const double draw = NormalDraw(robots_.at(matter.robot).interaction_times);
+  const double spread = std::exp(times.log_sd * (draw - times.log_sd / 2.0));  // of mean 1
+  return operator_time_ + Seconds(MeanOf(matter.reason, times) * spread);
+}
+
 bool SyntheticOperator::TakeUp(Clock::TimePoint now) {
-  const auto ready = std::find_if(queue_.begin(), queue_.end(),
-                                  [&](const Matter& matter) { return Ready(matter, now); });
-  if (ready == queue_.end()) return false;
-  current_ = std::move(*ready);
-  queue_.erase(ready);
+  const auto next = FollowsQueue()
+                        ? FirstOfQueue(now)
+                        : std::find_if(queue_.begin(), queue_.end(),
+                                       [&](const Matter& matter) { return Ready(matter, now); });
+  if (next == queue_.end()) return false;
+  current_ = std::move(*next);
+  queue_.erase(next);
   current_->not_before = After(now, parameters_.thinking_time_s);
   return true;
+}
+
+void SyntheticOperator::Selected(const Result<OperatorReply>& reply, Clock::TimePoint now) {
+  if (reply && reply->accepted) {
+    current_->selected = true;
+    current_->busy_until = BusyUntil(*current_);
+    current_->not_before = After(now, parameters_.thinking_time_s);
+    return;
+  }
+  // It was answered or withdrawn meanwhile, or nobody replied: look again at the newer queue.
+  refused_at_ = published_->revision;
+  queue_.push_front(*std::exchange(current_, std::nullopt));
 }
 
 std::optional<OperatorAsk> SyntheticOperator::Next(Clock::TimePoint now) {
   if (parameters_.silent) queue_.clear();
   while (!under_way_ && (current_ || TakeUp(now))) {
-    if (now < current_->not_before) return std::nullopt;
+    if (FollowsQueue() && !current_->selected) {
+      under_way_ = OperatorAsk{robots_.at(current_->robot).world, operator_time_,
+                               SelectRequest{current_->robot, current_->reason}};
+      break;
+    }
+    if (now < current_->not_before || operator_time_ < current_->busy_until) return std::nullopt;
     const World& world = worlds_.at(robots_.at(current_->robot).world);
     if (world.belief->revision < world.revision_needed) return std::nullopt;
     if (!current_->looked) Look(*current_);
@@ -134,8 +215,10 @@ std::optional<OperatorAsk> SyntheticOperator::Next(Clock::TimePoint now) {
 void SyntheticOperator::Answered(const Result<OperatorReply>& reply, Clock::TimePoint now) {
   DEMAND(under_way_ && current_);
   const bool edit = std::holds_alternative<EditRequest>(under_way_->body);
+  const bool select = std::holds_alternative<SelectRequest>(under_way_->body);
   under_way_.reset();
   asked_ = false;
+  if (select) return Selected(reply, now);
   World& world = worlds_.at(robots_.at(current_->robot).world);
   if (reply && edit) world.revision_needed = std::max(world.revision_needed, reply->revision);
   if (reply && reply->accepted) {
@@ -164,6 +247,12 @@ void SyntheticOperator::Finish() {
   if (const auto* picture = std::get_if<Picture>(&current_->occasion)) {
     Robot& robot = robots_.at(current_->robot);
     robot.looked_at = std::max(robot.looked_at, picture->sequence_number);
+    std::erase_if(queue_,
+                  [&](const Matter& matter) {  // pictures that it went on without answers to
+                    const auto* older = std::get_if<Picture>(&matter.occasion);
+                    return FollowsQueue() && matter.robot == current_->robot && older != nullptr &&
+                           older->sequence_number < picture->sequence_number;
+                  });
   }
   current_.reset();
 }
@@ -184,9 +273,23 @@ std::vector<CellEdit> SyntheticOperator::EditsFor(const Matter& matter, Robot& r
     return robot.reader.Read(world.belief->wall_probability, *picture, world.certain_walls);
   }
   if (const auto* attention = std::get_if<AttentionRequest>(&matter.occasion)) {
-    return MarkBlocked(*attention, robot, world);
+    std::vector<CellEdit> edits = MarkBlocked(*attention, robot, world);
+    LookAtStream(robot, world, edits);
+    return edits;
   }
   return {};
+}
+
+void SyntheticOperator::LookAtStream(Robot& robot, const World& world,
+                                     std::vector<CellEdit>& edits) {
+  if (!robot.streamed) return;
+  ++counts_.pictures;
+  const auto seen =
+      robot.reader.Read(world.belief->wall_probability, *robot.streamed, world.certain_walls);
+  for (const CellEdit& edit : seen) {
+    if (std::ranges::find(edits, edit.cell, &CellEdit::cell) == edits.end()) edits.push_back(edit);
+  }
+  robot.streamed.reset();
 }
 
 std::vector<CellEdit> SyntheticOperator::MarkBlocked(const AttentionRequest& attention,

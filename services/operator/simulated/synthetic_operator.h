@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -12,11 +13,23 @@
 #include "common/protocol/robot.h"
 #include "common/protocol/supervision.h"
 #include "common/runtime/clock.h"
+#include "common/runtime/random.h"
 #include "operator/simulated/path_planner.h"
 #include "operator/simulated/picture_reader.h"
 #include "operator/simulated/steering.h"
 
 namespace conav::operators {
+
+/// How long the person is occupied with a matter before its edit and path are sent: simulation time,
+/// log-normal with these means, fixed when log_sd is 0.
+struct InteractionTimeParameters {
+  double picture_s = 0.0;
+  double blocked_s = 0.0;
+  double path_s = 0.0;  // a first path, or another one for a robot that has come to its end
+  double log_sd = 0.0;
+
+  void Visit(ConfigReader& reader);
+};
 
 struct SyntheticOperatorParameters {
   PictureReaderParameters reader;
@@ -37,6 +50,12 @@ struct SyntheticOperatorParameters {
   /// How long an answer waits for a state or a picture that was announced but did not arrive. Wall
   /// time.
   double patience_s = 2.0;
+  /// What comes next: "heard" = in the order heard; "queue" = the first of the published attention
+  /// queue that can be dealt with, selected there first. Then streamed pictures are looked at only
+  /// while their robot is attended to.
+  std::string order = "heard";
+  /// In the order "queue".
+  InteractionTimeParameters interaction;
 
   void Visit(ConfigReader& visitor);
 };
@@ -51,7 +70,8 @@ SyntheticOperatorParameters ParametersOfKind(const std::string& kind);
 struct OperatorAsk {
   std::string world;
   SimTime stamp;
-  std::variant<EditRequest, GuideRequest, DriveRequest> body;
+  std::variant<EditRequest, GuideRequest, DriveRequest, SelectRequest>
+      body;  // the last with order "queue" only
 };
 
 /// One synthetic person who supervises several robots, one matter after the other.
@@ -71,7 +91,8 @@ struct OperatorAsk {
 /// next.
 /// Deterministic: each robot's pictures are read with random numbers of its own, in order, so that
 /// the interleaving of robots does not matter. Wall time only decides when, never what, except
-/// after patience_s.
+/// after patience_s. With the order "queue" that and the interaction times are ruled by simulation
+/// time.
 /// Pure; threads: not synchronised.
 class SyntheticOperator {
  public:
@@ -86,6 +107,10 @@ class SyntheticOperator {
   void Hear(const AttentionRequest& attention, Clock::TimePoint now);
   /// Pictures that were answered before (by somebody else, or before a restart) are left alone.
   void Hear(const Guidance& guidance);
+  /// For the order "queue".
+  void Hear(const AttentionQueueState& queue);
+  /// The operator's time, which rules interaction times.
+  void Hear(SimTime now) { operator_time_ = std::max(operator_time_, now); }
 
   /// What to ask now; nothing while a request is under way, while thinking, or without an occasion.
   std::optional<OperatorAsk> Next(Clock::TimePoint now);
@@ -109,19 +134,25 @@ class SyntheticOperator {
   struct Matter {
     std::string robot;
     std::variant<FirstPath, Picture, AttentionRequest> occasion;
-    Clock::TimePoint heard_at;
+    Clock::TimePoint heard_at{};
     bool looked = false;
-    std::vector<CellEdit> edits;  // still to be made
+    std::vector<CellEdit> edits{};  // still to be made
     int attempts = 0;
-    Clock::TimePoint not_before;
+    Clock::TimePoint not_before{};
+    /// In the order "queue":
+    AttentionReason reason = AttentionReason::kNone;
+    bool selected = false;
+    SimTime busy_until{};
   };
   struct Robot {
     std::string world;
     PictureReader reader;
+    Random interaction_times;
     std::optional<RobotState> state;
     std::uint64_t looked_at = 0;  // sequence number of the newest picture that was dealt with
     std::uint64_t answered = 0;   // sequence number of the newest picture with guidance
     std::optional<AttentionRequest> attention;  // newest heard
+    std::optional<Picture> streamed;            // newest, with order "queue"
   };
   struct World {
     std::optional<Belief> belief;
@@ -133,10 +164,17 @@ class SyntheticOperator {
   bool Ready(const Matter& matter, Clock::TimePoint now) const;
   bool ReadyForAttention(const Robot& robot, const AttentionRequest& attention) const;
   bool TakeUp(Clock::TimePoint now);
+  bool FollowsQueue() const { return parameters_.order == "queue"; }
+  /// The first of the published queue that can be dealt with; queue_.end() when there is none.
+  std::deque<Matter>::iterator FirstOfQueue(Clock::TimePoint now);
+  SimTime BusyUntil(const Matter& matter);
+  void Selected(const Result<OperatorReply>& reply, Clock::TimePoint now);
   void Look(Matter& matter);
   std::vector<CellEdit> EditsFor(const Matter& matter, Robot& robot, World& world);
   std::vector<CellEdit> MarkBlocked(const AttentionRequest& attention, const Robot& robot,
                                     World& world);
+  /// With order "queue": what the newest streamed picture shows besides.
+  void LookAtStream(Robot& robot, const World& world, std::vector<CellEdit>& edits);
   std::optional<OperatorAsk> EditAsk(const Matter& matter) const;
   std::optional<OperatorAsk> GuideAsk(const Matter& matter);
   void Finish();
@@ -146,6 +184,9 @@ class SyntheticOperator {
   std::map<std::string, World> worlds_;
   std::deque<Matter> queue_;  // in the order heard
   std::optional<Matter> current_;
+  std::optional<AttentionQueueState> published_;  // newest
+  std::uint64_t refused_at_ = 0;                  // revision of the queue at a refused selection
+  SimTime operator_time_;
   std::optional<OperatorAsk> under_way_;
   bool asked_ = false;  // under_way_ was handed out
   Counts counts_;

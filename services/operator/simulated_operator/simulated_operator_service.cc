@@ -52,6 +52,10 @@ SimulatedOperatorService::SimulatedOperatorService(bus::Participant& participant
     beliefs_.push_back(std::make_unique<bus::Subscriber<conav_msgs::msg::BeliefMap>>(
         participant, bus::kBelief, world));
   }
+  if (config.person.order == "queue") {
+    queue_.emplace(participant, bus::kAttentionQueue);
+    clock_topic_.emplace(participant, bus::kClock);
+  }
 }
 
 SimulatedOperatorService::~SimulatedOperatorService() = default;
@@ -82,10 +86,18 @@ void SimulatedOperatorService::TakeIn() {
   }
   for (const auto& robot : robots_) {
     for (const Guidance& guidance : robot->guidance.TakeValid(kConvert)) person_.Hear(guidance);
-    for (const RobotState& state : robot->state.TakeValid(kConvert)) person_.Hear(state);
+    for (const RobotState& state : robot->state.TakeValid(kConvert)) {
+      person_.Hear(state);
+      person_.Hear(state.stamp);
+    }
     for (const Picture& picture : robot->snapshot.TakeValid(kConvert)) person_.Hear(picture, now);
     for (const auto& request : robot->attention.TakeValid(kConvert)) person_.Hear(request, now);
   }
+  if (!queue_) return;
+  for (const auto& message : clock_topic_->Take()) {
+    if (const auto time = ToDomain(message.clock())) person_.Hear(*time);
+  }
+  for (const AttentionQueueState& queue : queue_->TakeValid(kConvert)) person_.Hear(queue);
 }
 
 void SimulatedOperatorService::Ask() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,7 @@ namespace conav::operators {
 /// A synthetic person at the operator service's door: hears what a console would show, and asks
 /// through the same client API, by paths and edits or, as a teleoperator, by keys and edits.
 ///
-/// Publishes nothing before a robot's state and its world's belief arrived; then requests, one at a
+/// With person.order "queue" the operator service's attention queue says what comes next. Publishes nothing before a robot's state and its world's belief arrived; then requests, one at a
 /// time. When the operator service does not answer, it repeats, gives the matter up after
 /// person.attempts deadlines, and says so in /diagnostics.
 /// Threads: one; Run() or repeated Step().
@@ -55,6 +56,8 @@ class SimulatedOperatorService {
   std::unique_ptr<TeleoperatorDesk> teleoperator_;  // with interaction "teleoperation", instead
   std::vector<std::unique_ptr<bus::Subscriber<conav_msgs::msg::BeliefMap>>> beliefs_;
   std::vector<std::unique_ptr<RobotLink>> robots_;
+  std::optional<bus::Subscriber<conav_msgs::msg::AttentionQueue>> queue_;  // with order "queue"
+  std::optional<bus::Subscriber<rosgraph_msgs::msg::Clock>> clock_topic_;  // likewise
   Diagnostics diagnostics_;
 };
 

@@ -3,6 +3,7 @@
 #include "common/runtime/log.h"
 #include "planner/decision/situation_problem.h"
 #include "planner/decision/traffic.h"
+#include "planner/decision/value_lost.h"
 
 namespace conav::planner {
 namespace {
@@ -154,6 +155,7 @@ Decision IgMctsMethod::FromResult(const SearchResult& result, const Situation& s
   decision.action = Action{chosen.kind, chosen.target, chosen.heading_rad};
   if (chosen.kind == CommandKind::kTransmitView) {
     Send(chosen.heading_rad, chosen.information_gain, situation, decision);
+    decision.answer_value = AnswerValue(result.actions, chosen);
   }
   return decision;
 }

@@ -43,6 +43,8 @@ struct Decision {
   std::optional<AttentionReason> attention;
   Cell attention_cell;
   double expected_information = 0.0;
+  /// How much more the search expects of asking than of going on, reward units, at least 0.
+  double answer_value = 0.0;
   std::vector<Cell>
       plan;             // cells that the robot means to enter, nearest first; for people to look at
   SearchReport report;  // actions, chosen, counts, model; the worker fills in the rest

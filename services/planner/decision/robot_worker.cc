@@ -38,10 +38,16 @@ Clock::TimePoint RobotWorker::Step(const StopToken& stop) {
   if (!HasLease()) return now + kIdle;
   RobotInputs inputs = board_.Read(options_.robot);
   AdoptLease(inputs.lease);
-  const Hold hold = gate_.Check(inputs, desk_.sent_sequence_number(), desk_.lease_epoch(), now);
+  const Clock::TimePoint gate_now = options_.timeouts_in_simulation_time
+                                        ? Clock::TimePoint(std::chrono::nanoseconds(
+                                              board_.NewestStamp(options_.robot).nanoseconds))
+                                        : now;
+  const Hold hold =
+      gate_.Check(inputs, desk_.sent_sequence_number(), desk_.lease_epoch(), gate_now);
   if (gate_.TakeTimedOut()) {
     LOG_WARNING("operator does not answer, going on alone", "robot", options_.robot, "snapshot",
                 inputs.state->snapshots);
+    AskNoMore(*inputs.state);
   }
   if (hold != hold_) TellHold(hold, inputs);
   hold_ = hold;
@@ -177,6 +183,7 @@ void RobotWorker::AdoptGoalPose(RobotInputs& inputs) {
              guidance->path.size());
     inputs.guidance = *guidance;
     waiting_for_guidance_ = false;
+    AskNoMore(*inputs.state);
     board_.ResolveGoalPose(options_.robot, goal, *std::move(guidance));
   } else {
     LOG_WARNING("goal pose refused", "robot", options_.robot, "reason", guidance.error().text);
@@ -236,10 +243,29 @@ void RobotWorker::Ask(const Decision& decision, const Situation& situation) {
   request.cell = decision.attention_cell;
   request.newest_snapshot = situation.state.snapshots;
   request.expected_information = decision.expected_information;
+  ValueLostOptions value_lost = options_.value_lost;
+  if (request.reason == AttentionReason::kPicture && options_.gate.pictures_are_answered) {
+    request.gives_up_at = request.stamp + options_.gate.answer_timeout;
+    value_lost.answer_timeout_s =
+        std::chrono::duration<double>(options_.gate.answer_timeout).count();
+  }
+  request.value_lost_per_s = ValueLostPerSecond(situation, decision.answer_value, value_lost);
   outputs_.attention(request);
   if (decision.action) return;
   waiting_for_guidance_ = true;
   waiting_for_other_than_ = newest_revision_;
+}
+
+void RobotWorker::AskNoMore(const RobotState& state) {
+  AttentionRequest request;
+  request.stamp = state.stamp;
+  request.world = state.world;
+  request.robot = state.robot;
+  request.sequence_number = board_.NextAttention(options_.robot);
+  request.reason = AttentionReason::kNone;
+  request.cell = state.cell;
+  request.newest_snapshot = state.snapshots;
+  outputs_.attention(request);
 }
 
 }  // namespace conav::planner

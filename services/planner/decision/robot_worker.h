@@ -11,6 +11,7 @@
 #include "planner/decision/command_desk.h"
 #include "planner/decision/decision_gate.h"
 #include "planner/decision/method.h"
+#include "planner/decision/value_lost.h"
 
 namespace conav::planner {
 
@@ -25,7 +26,8 @@ namespace conav::planner {
 /// the epoch of that lease; a robot that is to be given up ends its last command first. What a
 /// worker remembers of a robot that others drove meanwhile does no harm: docs/many-robots.md.
 ///
-/// Before the first state arrives nothing is sent. Stale input: an expired or withdrawn guidance is
+/// Before the first state arrives nothing is sent. What it asked of the operator is taken back when
+/// it goes on without. Stale input: an expired or withdrawn guidance is
 /// left out; an operator who does not answer is waited for once per picture, then the robot goes on
 /// alone (one log line). Inputs that do not belong together (consistency.h) hold the robot, with
 /// one log line. Commands that were refused or expired are logged.
@@ -50,6 +52,10 @@ class RobotWorker {
     std::chrono::nanoseconds command_ttl;
     std::chrono::nanoseconds command_repeat = std::chrono::seconds(1);
     std::chrono::nanoseconds wait_retry = std::chrono::milliseconds(100);
+    /// The gate's timeouts are simulation time.
+    bool timeouts_in_simulation_time = false;
+    /// Of attention requests; its answer_timeout_s is the gate's.
+    ValueLostOptions value_lost{};
   };
 
   RobotWorker(Options options, std::unique_ptr<Method> method, Blackboard& board,
@@ -80,6 +86,8 @@ class RobotWorker {
   Situation SituationFrom(const RobotInputs& inputs);
   void Publish(Decision decision, const Situation& situation, double duration_ms);
   void Ask(const Decision& decision, const Situation& situation);
+  /// What it asked before needs no answer any more.
+  void AskNoMore(const RobotState& state);
 
   Options options_;
   std::unique_ptr<Method> method_;

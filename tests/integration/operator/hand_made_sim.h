@@ -43,7 +43,8 @@ struct HandMadeSim {
         attention(participant, bus::kAttention, "r1"),
         belief(participant, bus::kBelief, "w1"),
         belief_map(participant, bus::kBeliefMap, "w1"),
-        guidance(participant, bus::kGuidance, "r1") {}
+        guidance(participant, bus::kGuidance, "r1"),
+        queue(participant, bus::kAttentionQueue) {}
 
   void PublishInitialMap(const std::vector<std::string>& lines) {
     REQUIRE(initial_map.Publish(ToMessage(MapUpdate{{0}, 1.5, DrawnTruth(lines)})));
@@ -61,6 +62,15 @@ struct HandMadeSim {
     REQUIRE(state.Publish(ToMessage(now)));
   }
 
+  void Ask(AttentionReason reason, double value_lost_per_s, std::uint64_t sequence_number = 1) {
+    REQUIRE(attention.Publish(ToMessage(AttentionRequest{.world = "w1",
+                                                         .robot = "r1",
+                                                         .sequence_number = sequence_number,
+                                                         .reason = reason,
+                                                         .cell = {1, 1},
+                                                         .value_lost_per_s = value_lost_per_s})));
+  }
+
   template <class T>
   static auto Newest(bus::Subscriber<T>& subscriber) {
     auto all = subscriber.TakeValid([](const T& message) { return ToDomain(message); });
@@ -69,6 +79,7 @@ struct HandMadeSim {
   }
   Belief NewestBelief() { return Newest(belief); }
   Guidance NewestGuidance() { return Newest(guidance); }
+  AttentionQueueState NewestQueue() { return Newest(queue); }
 
   bus::Participant participant;
   bus::Publisher<nav_msgs::msg::OccupancyGrid> initial_map;
@@ -78,6 +89,7 @@ struct HandMadeSim {
   bus::Subscriber<conav_msgs::msg::BeliefMap> belief;
   bus::Subscriber<nav_msgs::msg::OccupancyGrid> belief_map;
   bus::Subscriber<conav_msgs::msg::Guidance> guidance;
+  bus::Subscriber<conav_msgs::msg::AttentionQueue> queue;
 };
 
 inline OperatorConfig ConfigFor(const std::filesystem::path& database) {

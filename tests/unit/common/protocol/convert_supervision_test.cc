@@ -21,7 +21,9 @@ TEST_CASE("The operator's values survive the wire", "[protocol][convert]") {
   CheckRoundTrip(SampleDrive());
   CheckRoundTrip(SampleDriveOrder());
   CheckRoundTrip(SampleReply());
+  CheckRoundTrip(SampleSelect());
   CheckRoundTrip(SampleAttention());
+  CheckRoundTrip(SampleQueue());
 }
 
 TEST_CASE("A withdrawn guidance and an initial belief survive the wire", "[protocol][convert]") {
@@ -77,7 +79,12 @@ TEST_CASE("A malformed guidance is refused", "[protocol][convert]") {
 
 TEST_CASE("A malformed operator request is refused", "[protocol][convert]") {
   CheckRefused(
-      SampleEdit(), [](RequestMessage& m) { m.kind(4); }, "kind = 4 is not in [1, 3]");
+      SampleEdit(), [](RequestMessage& m) { m.kind(5); }, "kind = 5 is not in [1, 4]");
+  CheckRefused(
+      SampleSelect(), [](RequestMessage& m) { m.robot(""); }, "robot is empty");
+  CheckRefused(
+      SampleSelect(), [](RequestMessage& m) { m.attention_reason(0); },
+      "attention_reason = 0 is not in [1, 7]");
   CheckRefused(
       SampleEdit(), [](RequestMessage& m) { m.client(""); }, "client is empty");
   CheckRefused(
@@ -126,13 +133,32 @@ TEST_CASE("A malformed reply or attention request is refused", "[protocol][conve
       SampleReply(), [](ReplyMessage& m) { m.reason(std::string(5000, 'x')); },
       "reason has size 5000, more than 4096");
   CheckRefused(
-      SampleAttention(), [](AttentionMessage& m) { m.reason(0); }, "reason = 0 is not in [1, 3]");
+      SampleAttention(), [](AttentionMessage& m) { m.reason(4); }, "reason = 4 is not in [0, 3]");
   CheckRefused(
       SampleAttention(), [](AttentionMessage& m) { m.value_lost_per_second(INFINITY); },
       "value_lost_per_second = inf is not finite");
   CheckRefused(
       SampleAttention(), [](AttentionMessage& m) { m.expected_information(NAN); },
       "expected_information = nan is not finite");
+}
+
+TEST_CASE("A malformed attention queue is refused", "[protocol][convert]") {
+  using Message = conav_msgs::msg::AttentionQueue;
+  CheckRefused(
+      SampleQueue(), [](Message& m) { m.order(""); }, "order is empty");
+  CheckRefused(
+      SampleQueue(), [](Message& m) { m.items()[1].reason(0); },
+      "items.reason = 0 is not in [1, 7]");
+  CheckRefused(
+      SampleQueue(), [](Message& m) { m.items()[0].tier(6); }, "items.tier = 6 is not in [1, 5]");
+  CheckRefused(
+      SampleQueue(), [](Message& m) { m.items()[0].expected_interaction(-1.0); },
+      "items.expected_interaction = -1 is not in [0, 1e+12]");
+  CheckRefused(
+      SampleQueue(), [](Message& m) { m.items()[0].score(NAN); },
+      "items.score = nan is not finite");
+  CheckRefused(
+      SampleQueue(), [](Message& m) { m.utilisation(1.5); }, "utilisation = 1.5 is not in [0, 1]");
 }
 
 }  // namespace

@@ -111,7 +111,51 @@ inline DriveOrder SampleDriveOrder() {
 inline OperatorReply SampleReply() { return {"browser-1", 4, true, "because", 13}; }
 
 inline AttentionRequest SampleAttention() {
-  return {Stamp(9), "w1", "r1", 3, AttentionReason::kBlocked, {7, 8}, 2, 0.5, 1.75};
+  return {Stamp(9), "w1", "r1", 3, AttentionReason::kBlocked, {7, 8}, 2, 0.5, 1.75, Stamp(12)};
+}
+
+inline OperatorRequest SampleSelect() {
+  return {Stamp(8), "browser-1", 6, "w1", SelectRequest{"r3", AttentionReason::kNoGuidance}};
+}
+
+inline AttentionQueueState SampleQueue() {
+  const AttentionItem item{.world = "w1",
+                           .robot = "r2",
+                           .reason = AttentionReason::kBlocked,
+                           .tier = 3,
+                           .since = Stamp(3),
+                           .deadline = Stamp(20),
+                           .cell = {4, 5},
+                           .newest_snapshot = 6,
+                           .source_sequence = 7,
+                           .value_lost_per_s = 1.5,
+                           .expected_information = 0.25,
+                           .expected_interaction_s = 6.0,
+                           .score = 0.25,
+                           .selected_by = "browser-1"};
+  AttentionItem notice = item;
+  notice.reason = AttentionReason::kGoalsReached;
+  notice.tier = 5;
+  notice.selected_by = std::string();
+  const OperatorWorkload workload{
+      .robots = 3,
+      .interactions = 4,
+      .abandoned = 1,
+      .observed_s = 90.0,
+      .busy_s = 30.0,
+      .interaction_time_s = 7.5,
+      .neglect_time_s = 12.0,
+      .waiting_time_s = 3.0,
+      .waiting_time_p95_s = 5.0,
+      .value_lost = 21.0,
+      .utilisation = 0.5,
+      .attended_robots = 2.25,
+      .fan_out = 2.6,
+      .fan_out_with_waits = 2.1,
+      .predicted_utilisation = 0.75,
+      .predicted_waiting_time_s = 4.0,
+  };
+  return {Stamp(10), 8, "priority", {item, notice}, workload};
 }
 
 inline SearchReport SampleReport() {

@@ -334,3 +334,62 @@ TEST_CASE("requests for attention are numbered on from those of other planners",
   REQUIRE(bench.attentions.size() == 1);
   CHECK(bench.attentions[0].sequence_number == 5);
 }
+
+TEST_CASE("a question tells what waiting costs", "[planner][worker]") {
+  Bench bench;
+  bench.LetItAsk();
+  bench.state.goals_left = {{1, 3}};
+  bench.PutAll();
+  bench.Step();
+  REQUIRE(bench.attentions.size() == 1);
+  CHECK(bench.attentions[0].value_lost_per_s > 0.0);
+  CHECK(bench.attentions[0].gives_up_at == SimTime{0});  // it waits for ever
+}
+
+TEST_CASE("a picture tells until when it waits, and is taken back when it went on alone",
+          "[planner][worker]") {
+  Bench bench;
+  bench.method->next.action = Action{CommandKind::kTransmitView, {}, 0.0};
+  bench.method->next.attention = AttentionReason::kPicture;
+  bench.state.stamp = SimTime{5'000'000'000};
+  bench.guidance.valid_until = SimTime{1'000'000'000'000};
+  bench.PutAll();
+  bench.Step();
+  REQUIRE(bench.attentions.size() == 1);
+  CHECK(bench.attentions[0].gives_up_at == SimTime{15'000'000'000});
+  bench.state.command_sequence_number = bench.commands[0].sequence_number;
+  bench.state.command_outcome = CommandOutcome::kDone;
+  bench.state.snapshots = 1;
+  bench.board.Put(bench.state);
+  bench.Step();
+  bench.method->next = Decision{};
+  bench.clock.Advance(10s);
+  bench.Step();
+  REQUIRE(bench.attentions.size() == 2);
+  CHECK(bench.attentions[1].reason == AttentionReason::kNone);
+  CHECK(bench.attentions[1].sequence_number > bench.attentions[0].sequence_number);
+}
+
+TEST_CASE("with timeouts in simulation time the wall clock ends no waiting", "[planner][worker]") {
+  Bench bench;
+  RobotWorker::Options options{
+      .robot = "r1", .method_name = "scripted", .gate = {10s, 10s, true}, .command_ttl = 5s};
+  options.timeouts_in_simulation_time = true;
+  auto method = std::make_unique<ScriptedMethod>();
+  const ScriptedMethod& seen = *method;
+  RobotWorker worker(std::move(options), std::move(method), bench.board, bench.clock,
+                     {.command = [](const RobotCommand&) {},
+                      .report = [](const SearchReport&) {},
+                      .attention = [](const AttentionRequest&) {},
+                      .way = [](const RobotState&, const MapUpdate&, const std::vector<Cell>&) {}});
+  bench.state.snapshots = 1;
+  bench.PutAll();
+  worker.Step(bench.stop);
+  bench.clock.Advance(100s);
+  worker.Step(bench.stop);
+  CHECK(seen.seen.empty());
+  bench.state.stamp = SimTime{10'000'000'000};
+  bench.board.Put(bench.state);
+  worker.Step(bench.stop);
+  CHECK(seen.seen.size() == 1);
+}

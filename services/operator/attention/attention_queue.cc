@@ -1,0 +1,243 @@
+#include "operator/attention/attention_queue.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+namespace conav::operators {
+namespace {
+
+/// Robots say themselves when they go on unanswered, a little after the deadline that they stated;
+/// this is for those that do not.
+constexpr std::chrono::seconds kDeadlineGrace{10};
+
+bool IsNotice(AttentionReason reason) {
+  return reason == AttentionReason::kLinkLost || reason == AttentionReason::kGoalsReached;
+}
+
+/// The picture that was asked about is the one after the newest that the robot had sent by then.
+std::uint64_t SnapshotOf(const AttentionRequest& request) {
+  return request.newest_snapshot + (request.reason == AttentionReason::kPicture ? 1 : 0);
+}
+
+AttentionItem ItemOf(const AttentionRequest& request, SimTime now) {
+  AttentionItem item;
+  item.world = request.world;
+  item.robot = request.robot;
+  item.reason = request.reason;
+  item.since = now;
+  if (request.gives_up_at.nanoseconds > 0) {  // its world's clock need not be the operator's
+    item.deadline = {now.nanoseconds + request.gives_up_at.nanoseconds - request.stamp.nanoseconds};
+  }
+  item.cell = request.cell;
+  item.newest_snapshot = SnapshotOf(request);
+  item.source_sequence = request.sequence_number;
+  item.value_lost_per_s = request.value_lost_per_s;
+  item.expected_information = request.expected_information;
+  return item;
+}
+
+AttentionItem FoundItem(const RobotState& state, AttentionReason reason, double value_lost_per_s,
+                        SimTime now) {
+  AttentionItem item;
+  item.world = state.world;
+  item.robot = state.robot;
+  item.reason = reason;
+  item.since = now;
+  item.cell = state.cell;
+  item.newest_snapshot = state.snapshots;
+  item.value_lost_per_s = value_lost_per_s;
+  return item;
+}
+
+}  // namespace
+
+// --- coming ----------------------------------------------------------------------------------
+
+AttentionItem* AttentionQueue::Find(const std::string& robot, AttentionReason reason) {
+  const auto found = std::find_if(items_.begin(), items_.end(), [&](const AttentionItem& item) {
+    return item.robot == robot && item.reason == reason;
+  });
+  return found == items_.end() ? nullptr : &*found;
+}
+
+void AttentionQueue::Put(AttentionItem item, SimTime now) {
+  item.tier = TierOf(item.reason);
+  if (AttentionItem* before = Find(item.robot, item.reason)) {
+    item.since = before->since;
+    item.selected_by = before->selected_by;
+    *before = std::move(item);
+    return;
+  }
+  item.since = now;
+  if (IsQuestion(item.reason)) arrivals_.push_back(item);
+  items_.push_back(std::move(item));
+}
+
+void AttentionQueue::Hear(const AttentionRequest& request, SimTime now) {
+  const auto robot = robots_.find(request.robot);
+  const bool is_at_work = robot != robots_.end() && robot->second.linked && robot->second.has_goals;
+  if (request.reason == AttentionReason::kNone) {
+    Remove(false, now, [&](const AttentionItem& item) {
+      return item.robot == request.robot && item.source_sequence > 0 &&
+             item.source_sequence <= request.sequence_number;
+    });
+  } else if (is_at_work) {
+    Put(ItemOf(request, now), now);
+  }
+}
+
+void AttentionQueue::Hear(const RobotState& state, SimTime now) {
+  Robot& robot = robots_[state.robot];
+  const bool had_goals = std::exchange(robot.has_goals, !state.goals_left.empty());
+  robot.world = state.world;
+  robot.linked = true;
+  Remove(false, now, [&](const AttentionItem& item) {
+    return item.robot == state.robot && item.reason == AttentionReason::kLinkLost;
+  });
+  const double value = options_.default_value_lost_per_s;
+  const bool failed = state.command_outcome == CommandOutcome::kRefused ||
+                      state.command_outcome == CommandOutcome::kExpired;
+  const AttentionItem* failure = Find(state.robot, AttentionReason::kCommandFailed);
+  if (failed && robot.has_goals && robot.failed_command != state.command_sequence_number) {
+    robot.failed_command = state.command_sequence_number;
+    Put(FoundItem(state, AttentionReason::kCommandFailed, value, now), now);
+  } else if (!failed && failure != nullptr) {
+    Remove(false, now, [&](const AttentionItem& item) { return &item == failure; });
+  }
+  if (robot.has_goals && !robot.guided) {
+    Put(FoundItem(state, AttentionReason::kFirstPath, value, now), now);
+  }
+  if (robot.has_goals) return;
+  RemoveQuestions(state.robot, now);
+  if (had_goals) Put(FoundItem(state, AttentionReason::kGoalsReached, 0.0, now), now);
+}
+
+// --- leaving ---------------------------------------------------------------------------------
+
+template <class Leaves>
+void AttentionQueue::Remove(bool answered, SimTime now, Leaves&& leaves) {
+  std::vector<AttentionItem> kept;
+  for (AttentionItem& item : items_) {
+    if (leaves(item)) {
+      departures_.push_back({std::move(item), now, answered});
+    } else {
+      kept.push_back(std::move(item));
+    }
+  }
+  items_ = std::move(kept);
+}
+
+void AttentionQueue::RemoveQuestions(const std::string& robot, SimTime now) {
+  Remove(false, now,
+         [&](const AttentionItem& item) { return item.robot == robot && !IsNotice(item.reason); });
+}
+
+void AttentionQueue::Hear(const Guidance& guidance, SimTime now) {
+  if (guidance.path.empty() && guidance.answers_snapshot == 0) return;
+  robots_[guidance.robot].guided = true;
+  Remove(true, now, [&](const AttentionItem& item) {
+    if (item.robot != guidance.robot || !IsQuestion(item.reason)) return false;
+    return item.reason != AttentionReason::kPicture ||
+           item.newest_snapshot <= guidance.answers_snapshot;
+  });
+}
+
+void AttentionQueue::LoseLink(const std::string& name, SimTime now) {
+  const auto robot = robots_.find(name);
+  if (robot == robots_.end() || !robot->second.linked) return;
+  robot->second.linked = false;
+  RemoveQuestions(name, now);
+  if (!robot->second.has_goals) return;
+  AttentionItem item;
+  item.world = robot->second.world;
+  item.robot = name;
+  item.reason = AttentionReason::kLinkLost;
+  item.value_lost_per_s = options_.default_value_lost_per_s;
+  Put(std::move(item), now);
+}
+
+void AttentionQueue::LosePlanner(const std::string& robot, SimTime now) {
+  Remove(false, now, [&](const AttentionItem& item) {
+    return item.robot == robot && item.source_sequence > 0;
+  });
+}
+
+Result<AttentionItem> AttentionQueue::Select(const std::string& client, const SelectRequest& select,
+                                             SimTime now) {
+  AttentionItem* item = Find(select.robot, select.reason);
+  if (item == nullptr) {
+    return Fail(ErrorCode::kRefused,
+                fmt::format("robot '{}' does not ask for that any more", select.robot));
+  }
+  if (!item->selected_by.empty() && item->selected_by != client) {
+    return Fail(ErrorCode::kRefused, fmt::format("{} works on that of robot '{}' already",
+                                                 item->selected_by, select.robot));
+  }
+  for (AttentionItem& other : items_) {
+    if (other.selected_by == client) other.selected_by.clear();
+  }
+  item->selected_by = client;
+  AttentionItem selected = *item;
+  if (IsNotice(selected.reason)) {
+    Remove(true, now, [item](const AttentionItem& other) { return &other == item; });
+  }
+  return selected;
+}
+
+// --- order -----------------------------------------------------------------------------------
+
+void AttentionQueue::Update(const InteractionTimes& times, SimTime now) {
+  Remove(false, now, [&](const AttentionItem& item) {
+    const bool notice_is_over =
+        IsNotice(item.reason) && now >= item.since + Seconds(options_.notice_s);
+    const bool gave_up = item.deadline.nanoseconds > 0 && now > item.deadline + kDeadlineGrace;
+    return notice_is_over || gave_up;
+  });
+  for (AttentionItem& item : items_) {
+    item.expected_interaction_s = times.Expected(item.reason);
+    item.score = item.value_lost_per_s / item.expected_interaction_s;
+  }
+  SortItems(items_, options_);
+  KeepFirst(now);
+}
+
+void AttentionQueue::KeepFirst(SimTime now) {
+  if (items_.empty()) return first_.reset();
+  const AttentionItem& best = items_.front();
+  const auto before = std::find_if(items_.begin(), items_.end(), [&](const AttentionItem& item) {
+    return first_ == std::pair(item.robot, item.reason);
+  });
+  if (before == items_.begin()) return;
+  const bool stays = options_.order == "priority" && before != items_.end() &&
+                     before->tier == best.tier && now < first_since_ + Seconds(options_.dwell_s) &&
+                     best.score < before->score * options_.hysteresis_factor;
+  if (stays) {
+    std::rotate(items_.begin(), before, before + 1);
+  } else {
+    first_ = {best.robot, best.reason};
+    first_since_ = now;
+  }
+}
+
+std::size_t AttentionQueue::robots_at_work() const {
+  return static_cast<std::size_t>(std::count_if(robots_.begin(), robots_.end(), [](const auto& r) {
+    return r.second.linked && r.second.has_goals;
+  }));
+}
+
+std::size_t AttentionQueue::robots_waiting() const {
+  return static_cast<std::size_t>(
+      std::count_if(robots_.begin(), robots_.end(), [this](const auto& robot) {
+        const auto asks = [&](bool selected) {
+          return std::any_of(items_.begin(), items_.end(), [&](const AttentionItem& item) {
+            return item.robot == robot.first && IsQuestion(item.reason) &&
+                   item.selected_by.empty() != selected;
+          });
+        };
+        return asks(false) && !asks(true);
+      }));
+}
+
+}  // namespace conav::operators

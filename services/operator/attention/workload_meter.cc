@@ -1,0 +1,162 @@
+#include "operator/attention/workload_meter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "operator/attention/fan_out.h"
+
+namespace conav::operators {
+namespace {
+
+constexpr std::size_t kHistory = 1000;
+
+double Between(SimTime from, SimTime to) {
+  return static_cast<double>(std::max<std::int64_t>(0, to.nanoseconds - from.nanoseconds)) / 1e9;
+}
+
+void Keep(std::deque<double>& values, double value) {
+  values.push_back(value);
+  if (values.size() > kHistory) values.pop_front();
+}
+
+double MeanOf(const std::deque<double>& values) {
+  if (values.empty()) return 0.0;
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+/// Nearest rank.
+double Percentile95(const std::deque<double>& values) {
+  if (values.empty()) return 0.0;
+  std::vector<double> sorted(values.begin(), values.end());
+  std::sort(sorted.begin(), sorted.end());
+  const auto rank = static_cast<std::size_t>(std::ceil(0.95 * static_cast<double>(sorted.size())));
+  return sorted[std::max<std::size_t>(rank, 1) - 1];
+}
+
+}  // namespace
+
+void WorkloadMeter::Arrived(const AttentionItem& item, SimTime now) {
+  const auto since = neglect_since_.find(item.robot);
+  if (since == neglect_since_.end()) return;
+  Keep(neglect_s_, Between(since->second, now));
+  neglect_since_.erase(since);
+}
+
+void WorkloadMeter::Selected(const std::string& client, const AttentionItem& item, SimTime now) {
+  const auto before = open_.find(client);
+  if (before != open_.end()) {
+    const Interaction& open = before->second;
+    if (!open.is_over && open.robot == item.robot && open.reason == item.reason) return;
+    if (!open.is_over) Close(open, open.last_command.value_or(now));
+    open_.erase(before);
+  }
+  if (!IsQuestion(item.reason)) return;
+  AddWait(Between(item.since, now));
+  open_[client] = {item.robot, item.world, item.reason, now, std::nullopt, false};
+}
+
+void WorkloadMeter::Accepted(const std::string& client, const std::string& robot_or_world,
+                             SimTime now) {
+  const auto found = open_.find(client);
+  if (found == open_.end()) return;
+  Interaction& open = found->second;
+  if (open.robot != robot_or_world && open.world != robot_or_world) return;
+  if (!open.is_over) {
+    open.last_command = now;
+    return;
+  }
+  const double later = Between(*open.last_command, now);
+  if (later > options_.linger_s) return;
+  const double before = interaction_s_.back();
+  interaction_s_.back() += later;
+  times_.Replace(open.reason, before, before + later);
+  busy_s_ += later;
+  busy_spans_.push_back({*open.last_command, now});
+  open.last_command = now;
+}
+
+void WorkloadMeter::Left(const AttentionQueue::Departure& departure) {
+  const AttentionItem& item = departure.item;
+  if (!IsQuestion(item.reason)) return;
+  value_lost_ += item.value_lost_per_s * Between(item.since, departure.at);
+  neglect_since_[item.robot] = departure.at;
+  if (!departure.answered) ++abandoned_;
+  if (item.selected_by.empty()) return AddWait(Between(item.since, departure.at));
+  const auto found = open_.find(item.selected_by);
+  if (found == open_.end() || found->second.is_over || !departure.answered) return;
+  Interaction& open = found->second;
+  if (open.robot != item.robot || open.reason != item.reason) return;
+  open.last_command = departure.at;
+  Close(open, departure.at);
+  open.is_over = true;
+}
+
+void WorkloadMeter::Close(const Interaction& interaction, SimTime now) {
+  busy_s_ += Between(interaction.start, now);
+  busy_spans_.push_back({interaction.start, now});
+  while (busy_spans_.size() > kHistory) busy_spans_.pop_front();
+  ++interactions_;
+  if (!interaction.last_command) return;
+  const double seconds = Between(interaction.start, *interaction.last_command);
+  Keep(interaction_s_, seconds);
+  times_.Add(interaction.reason, seconds);
+}
+
+void WorkloadMeter::AddWait(double seconds) { Keep(wait_s_, seconds); }
+
+void WorkloadMeter::Advance(std::size_t robots_at_work, std::size_t robots_waiting, SimTime now) {
+  if (observed_since_) {
+    const double seconds = Between(advanced_to_, now);
+    robot_s_ += static_cast<double>(robots_at_work_) * seconds;
+    waiting_robot_s_ += static_cast<double>(robots_waiting_) * seconds;
+  }
+  if (!observed_since_ && robots_at_work > 0) observed_since_ = now;
+  robots_at_work_ = robots_at_work;
+  robots_waiting_ = robots_waiting;
+  advanced_to_ = now;
+}
+
+double WorkloadMeter::BusyInWindow(SimTime now) const {
+  const SimTime start = std::max(now + Seconds(-options_.window_s), *observed_since_);
+  double busy = 0.0;
+  for (const Span& span : busy_spans_) busy += Between(std::max(span.start, start), span.end);
+  for (const auto& [client, open] : open_) {
+    if (!open.is_over) busy += Between(std::max(open.start, start), now);
+  }
+  return std::min(1.0, busy / std::max(Between(start, now), 1e-9));
+}
+
+OperatorWorkload WorkloadMeter::Workload(SimTime now) const {
+  OperatorWorkload workload;
+  workload.robots = static_cast<std::uint32_t>(robots_at_work_);
+  if (!observed_since_) return workload;
+  workload.interactions = interactions_;
+  workload.abandoned = abandoned_;
+  workload.observed_s = Between(*observed_since_, now);
+  workload.busy_s = busy_s_;
+  for (const auto& [client, open] : open_) {
+    if (!open.is_over) workload.busy_s += Between(open.start, now);
+  }
+  workload.interaction_time_s = MeanOf(interaction_s_);
+  workload.neglect_time_s = MeanOf(neglect_s_);
+  workload.waiting_time_s = MeanOf(wait_s_);
+  workload.waiting_time_p95_s = Percentile95(wait_s_);
+  workload.value_lost = value_lost_;
+  workload.utilisation = BusyInWindow(now);
+  if (workload.observed_s > 0.0) {
+    workload.attended_robots = (robot_s_ - waiting_robot_s_) / workload.observed_s;
+  }
+  const double neglect_s = workload.neglect_time_s;
+  const double interaction_s = workload.interaction_time_s;
+  workload.fan_out = FanOut(neglect_s, interaction_s);
+  workload.fan_out_with_waits = FanOutWithWaits(neglect_s, interaction_s, workload.waiting_time_s);
+  const auto predicted =
+      PredictFiniteSource(static_cast<int>(robots_at_work_), neglect_s, interaction_s);
+  workload.predicted_utilisation = predicted.utilisation;
+  workload.predicted_waiting_time_s = predicted.waiting_time;
+  return workload;
+}
+
+}  // namespace conav::operators

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/bus/publisher.h"
+#include "common/protocol/robot.h"
+#include "common/protocol/supervision.h"
+#include "common/runtime/clock.h"
+#include "operator/attention/attention_queue.h"
+#include "operator/attention/workload_meter.h"
+
+namespace conav::operators {
+
+/// The operator service's attention queue on the bus: keeps it, measures the operator's work on it,
+/// publishes both.
+///
+/// Publishes an empty queue at once; then the queue whenever an item has come, gone or moved, and at
+/// least each second (wall time) for the measures. Selections are not stored: they change nothing
+/// that has to outlive the service.
+/// Threads: one, the service's.
+class AttentionDesk {
+ public:
+  /// `participant` and `clock` outlive it.
+  AttentionDesk(bus::Participant& participant, const AttentionOptions& options, const Clock& clock);
+
+  /// `now` is the operator's time throughout: the newest simulation time of all worlds.
+  void Hear(const AttentionRequest& request, SimTime now) { queue_.Hear(request, now); }
+  void Hear(const RobotState& state, SimTime now) { queue_.Hear(state, now); }
+  /// Found in the database or withdrawn by the service itself.
+  void Hear(const Guidance& guidance, SimTime now) { queue_.Hear(guidance, now); }
+  void LoseLink(const std::string& robot, SimTime now) { queue_.LoseLink(robot, now); }
+  void LosePlanner(const std::string& robot, SimTime now) { queue_.LosePlanner(robot, now); }
+  /// A request of `client` was accepted.
+  void Guided(const std::string& client, const Guidance& guidance, SimTime now);
+  void Edited(const std::string& client, const std::string& world, SimTime now);
+  /// `request` holds a SelectRequest. A repeat gets the reply of the first time.
+  OperatorReply Select(const OperatorRequest& request, SimTime now);
+
+  /// After everything that one step brought.
+  void Step(SimTime now);
+
+  const std::vector<AttentionItem>& items() const { return queue_.items(); }
+
+ private:
+  void Publish(SimTime now);
+
+  AttentionOptions options_;
+  const Clock& clock_;
+  AttentionQueue queue_;
+  WorkloadMeter meter_;
+  std::map<std::string, OperatorReply> newest_selections_;  // by client
+  bus::Publisher<conav_msgs::msg::AttentionQueue> publisher_;
+  AttentionQueueState published_;
+  Clock::TimePoint published_at_{};
+};
+
+}  // namespace conav::operators

@@ -1,0 +1,152 @@
+#include <catch2/catch.hpp>
+
+#include "integration/operator/hand_made_sim.h"
+#include "operator/client/operator_client.h"
+
+namespace conav::operators {
+namespace {
+
+using namespace std::chrono_literals;
+
+const std::vector<std::string> kMap = {"######", "#    #", "# ## #", "#    #", "######"};
+constexpr std::int64_t kSecond = 1'000'000'000;
+
+/// The service on an in-memory bus with a hand-made simulator whose robot r1 was guided, and a
+/// client.
+struct Bench {
+  explicit Bench(const std::filesystem::path& database)
+      : sim(bus),
+        operator_participant("operator", bus),
+        client_participant("client", bus),
+        service(operator_participant, ConfigFor(database), clock),
+        client(client_participant, clock, {"anna", 0.25, 10.0}) {
+    sim.PublishInitialMap(kMap);
+    sim.PublishState({1, 1}, kSecond);
+    service.Step();
+    Guide();
+    sim.queue.Take();
+  }
+
+  OperatorReply Settle(std::uint64_t id) {
+    service.Step();
+    for (const auto& outcome : client.Poll()) {
+      REQUIRE(outcome.reply.has_value());
+      if (outcome.request_id == id) return *outcome.reply;
+    }
+    FAIL("no reply to request " << id);
+    return {};
+  }
+  OperatorReply Guide() {
+    return Settle(client.Send("w1", GuideRequest{"r1", {{1, 1}, {1, 2}}, 0, 60.0}, {}));
+  }
+  OperatorReply Select(AttentionReason reason) {
+    return Settle(client.Send("w1", SelectRequest{"r1", reason}, {}));
+  }
+  void PassTo(std::int64_t second) {
+    sim.PublishState({1, 1}, second * kSecond);
+    service.Step();
+  }
+
+  std::shared_ptr<bus::InMemoryBus> bus = std::make_shared<bus::InMemoryBus>();
+  FakeClock clock;
+  HandMadeSim sim;
+  bus::Participant operator_participant;
+  bus::Participant client_participant;
+  OperatorService service;
+  OperatorClient client;
+};
+
+TEST_CASE("Before anybody was heard of the queue is published, empty", "[operator][integration]") {
+  const TemporaryFolder folder;
+  const auto bus = std::make_shared<bus::InMemoryBus>();
+  HandMadeSim sim(bus);
+  bus::Participant participant("operator", bus);
+  const FakeClock clock;
+  OperatorConfig config = ConfigFor(folder / "operator.db");
+  config.attention.order = "fifo";
+  const OperatorService service(participant, config, clock);
+  const AttentionQueueState queue = sim.NewestQueue();
+  CHECK(queue.items.empty());
+  CHECK(queue.order == "fifo");
+  CHECK(queue.workload == OperatorWorkload{});
+}
+
+TEST_CASE("A robot's first path, and then its question, are in the queue until they are answered",
+          "[operator][integration]") {
+  const TemporaryFolder folder;
+  Bench bench(folder / "operator.db");
+  bench.sim.Ask(AttentionReason::kBlocked, 3.0);
+  bench.PassTo(2);
+  const AttentionQueueState queue = bench.sim.NewestQueue();
+  REQUIRE(queue.items.size() == 1);
+  CHECK(queue.items[0].reason == AttentionReason::kBlocked);
+  CHECK(queue.items[0].since == SimTime{2 * kSecond});
+  CHECK(queue.items[0].value_lost_per_s == 3.0);
+  CHECK(queue.items[0].score > 0.0);
+  CHECK(queue.workload.robots == 1);
+  CHECK(bench.Guide().accepted);
+  CHECK(bench.sim.NewestQueue().items.empty());
+}
+
+TEST_CASE("From the selection to the guidance is the interaction, measured in the world's time",
+          "[operator][integration]") {
+  const TemporaryFolder folder;
+  Bench bench(folder / "operator.db");
+  bench.sim.Ask(AttentionReason::kBlocked, 3.0);
+  bench.PassTo(10);
+  bench.PassTo(14);
+  CHECK(bench.Select(AttentionReason::kBlocked).accepted);
+  CHECK(bench.sim.NewestQueue().items.at(0).selected_by == "anna");
+  bench.PassTo(20);
+  CHECK(bench.Settle(bench.client.Send("w1", EditRequest{0, {{{1, 2}, true}}}, {})).accepted);
+  bench.PassTo(21);
+  CHECK(bench.Guide().accepted);
+  const OperatorWorkload workload = bench.sim.NewestQueue().workload;
+  CHECK(workload.interactions == 1);
+  CHECK(workload.interaction_time_s == 7.0);
+  CHECK(workload.waiting_time_s == 4.0 + 0.0);
+  CHECK(workload.busy_s == 7.0);
+}
+
+TEST_CASE("A repeated selection gets the same reply; one of nothing is refused and stores nothing",
+          "[operator][integration]") {
+  const TemporaryFolder folder;
+  Bench bench(folder / "operator.db");
+  const OperatorReply refused = bench.Select(AttentionReason::kPicture);
+  CHECK_FALSE(refused.accepted);
+  CHECK(refused.reason == "robot 'r1' does not ask for that any more");
+  bench.sim.Ask(AttentionReason::kBlocked, 3.0);
+  bench.PassTo(10);
+  const auto id = bench.client.Send("w1", SelectRequest{"r1", AttentionReason::kBlocked}, {});
+  bench.clock.Advance(300ms);
+  bench.client.Poll();  // repeats
+  CHECK(bench.Settle(id).accepted);
+  CHECK(bench.Guide().accepted);
+  CHECK(bench.sim.NewestQueue().workload.interactions == 1);
+}
+
+TEST_CASE("A robot whose simulator has left leaves the queue, a notice says so",
+          "[operator][integration]") {
+  const TemporaryFolder folder;
+  const auto bus = std::make_shared<bus::InMemoryBus>();
+  bus::Participant operator_participant("operator", bus);
+  bus::Participant client_participant("client", bus);
+  bus::Subscriber<conav_msgs::msg::AttentionQueue> queue(client_participant, bus::kAttentionQueue);
+  const FakeClock clock;
+  OperatorService service(operator_participant, ConfigFor(folder / "operator.db"), clock);
+  {
+    HandMadeSim sim(bus);
+    sim.PublishInitialMap(kMap);
+    sim.PublishState({1, 1}, kSecond);
+    sim.Ask(AttentionReason::kBlocked, 3.0);
+    service.Step();
+  }
+  service.Step();
+  const AttentionQueueState now = HandMadeSim::Newest(queue);
+  REQUIRE(now.items.size() == 1);
+  CHECK(now.items[0].reason == AttentionReason::kLinkLost);
+  CHECK(now.workload.robots == 0);
+}
+
+}  // namespace
+}  // namespace conav::operators
