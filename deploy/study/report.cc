@@ -21,6 +21,10 @@ std::string Probability(const std::optional<double>& p) {
   return *p != 0.0 && *p < 0.001 ? fmt::format("{:.1e}", *p) : fmt::format("{:.4f}", *p);
 }
 
+std::string Count(std::size_t count, const char* noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
 ReportSection TableThree(const StudyReport& report) {
   ReportSection section{.title = "Table 3: mean (SD) over episodes", .header = {"method"}};
   for (const Measure& measure : Measures()) section.header.push_back(measure.header);
@@ -133,9 +137,10 @@ bool WasMeasured(const StudyReport& report, const Measure& measure) {
 std::string Headline(const StudyReport& report) {
   const Design& design = report.design;
   return fmt::format(
-      "SIMULATED operators: {} synthetic people x {} methods x {} layouts = {} episodes; nothing "
-      "here was measured on persons",
-      design.subjects.size(), design.methods.size(), design.layouts.size(), design.episodes.size());
+      "SIMULATED operators: {} synthetic people x {} x {} = {}; nothing here was measured on "
+      "persons",
+      design.subjects.size(), Count(design.methods.size(), "method"),
+      Count(design.layouts.size(), "layout"), Count(design.episodes.size(), "episode"));
 }
 
 std::vector<ReportSection> StudySections(const StudyReport& report) {

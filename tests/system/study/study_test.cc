@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 #include <csignal>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "common/runtime/file.h"
@@ -124,6 +125,37 @@ TEST_CASE("a study that was killed goes on and ends like one that was not", "[st
   const ProgramOutcome whole = desk.Run(SmallStudy("", "whole"));
   REQUIRE(whole.exit_code == 0);
   CHECK(Lines(desk / "study/episodes.csv") == Lines(desk / "whole/episodes.csv"));
+}
+
+TEST_CASE("an episode whose simulator dies is run again", "[study][system]") {
+  const StudyDesk desk;
+  const std::vector<std::string> words{CONAV_BIN_DIR + std::string("/conav-study"),
+                                       "--operators",
+                                       "1",
+                                       "--layouts",
+                                       "1",
+                                       "--methods",
+                                       "ig-mcts",
+                                       "--jobs",
+                                       "1",
+                                       "--out",
+                                       (desk / "study").string()};
+  launcher::Process study("conav-study", words, desk / "study.log");
+  pid_t simulator = 0;
+  REQUIRE(conav::testing::WaitUntil(
+      [&] {
+        std::ifstream children(fmt::format("/proc/{0}/task/{0}/children", study.pid()));
+        return static_cast<bool>(children >> simulator);
+      },
+      std::chrono::seconds(30)));
+  REQUIRE(kill(simulator, SIGKILL) == 0);
+  REQUIRE(conav::testing::WaitUntil([&] { return study.Poll(); }, std::chrono::seconds(90)));
+  INFO(ReadFile(desk / "study.log").value());
+  CHECK(study.end()->exit_code == 0);
+  const auto results = desk.Json("study/results.json");
+  CHECK(results["methods"]["ig-mcts"]["episodes"] == 1);
+  CHECK_THAT(ReadFile(desk / "study/episodes.csv").value(),
+             Catch::Contains(",simulated,complete,2,"));
 }
 
 TEST_CASE("an interrupted study says how to go on", "[study][system]") {
