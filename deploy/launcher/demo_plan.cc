@@ -136,7 +136,7 @@ std::string PlannerYaml(const Setting& setting, const std::string& name, int num
   config.person = setting.options.person;
   config.x_source = setting.options.x_source;
   config.search.options.report = planner::SearchDetail::kTree;
-  config.decision_file = setting.run.decisions().string();
+  config.decision_file = setting.run.decisions(name).string();
   return DumpConfig("planner", config);
 }
 

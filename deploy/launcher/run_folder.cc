@@ -43,6 +43,11 @@ std::filesystem::path RunFolder::log(const std::string& service) const {
   return path_ / "logs" / (service + ".log");
 }
 
+std::filesystem::path RunFolder::decisions(const std::string& planner) const {
+  return path_ / (planner == "planner" ? "decisions.pb.zst"
+                                       : fmt::format("decisions-{}.pb.zst", planner));
+}
+
 void RunFolder::Write(const std::filesystem::path& file, const std::string& text) const {
   std::ofstream stream(file);
   stream << text;

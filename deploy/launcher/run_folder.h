@@ -13,7 +13,8 @@ namespace conav::launcher {
 ///             logs/<service>.log      what it said
 ///             state/                  the operator's database
 ///             segments.pb.zst         how the operator edited after each picture
-///             decisions.pb.zst        every decision, for `conav explain`
+///             decisions.pb.zst        every decision, for `conav explain`; of each of several planners
+///                                     decisions-<planner>.pb.zst
 ///             metrics.json            the result table and what it was made of
 ///             episode.svg             truth, maps, trajectories and pictures
 class RunFolder {
@@ -27,7 +28,7 @@ class RunFolder {
   std::filesystem::path config(const std::string& service) const;
   std::filesystem::path log(const std::string& service) const;
   std::filesystem::path state() const { return path_ / "state"; }
-  std::filesystem::path decisions() const { return path_ / "decisions.pb.zst"; }
+  std::filesystem::path decisions(const std::string& planner) const;
 
   /// Writes a text file of this folder. Throws StartupError with path and cause.
   void Write(const std::filesystem::path& file, const std::string& text) const;

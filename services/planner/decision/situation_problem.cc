@@ -35,6 +35,7 @@ SituationProblem::SituationProblem(const Situation& situation, BeliefGrid belief
   problem_.emplace(
       SearchProblem{.graph = graph_,
                     .start = *start,
+                    .heading_rad = situation.state.heading_rad,
                     .path = situation.state.path,
                     .goals_left = situation.state.goals_left,
                     .guidance = situation.guidance ? situation.guidance->path : std::vector<Cell>{},

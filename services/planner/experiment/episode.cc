@@ -1,8 +1,10 @@
 #include "planner/experiment/episode.h"
 
+#include <cmath>
 #include <ctime>
 #include <utility>
 
+#include "common/grid/geometry.h"
 #include "common/grid/visibility.h"
 #include "operator/simulated/path_planner.h"
 
@@ -80,6 +82,7 @@ class Episode {
       return;
     }
     RobotState& state = now_.state;
+    TurnTo(HeadingTowards(state.cell, target));
     state.cell = target;
     state.path.push_back(target);
     ++state.cell_moves;
@@ -95,8 +98,15 @@ class Episode {
     for (const Cell cell : seen.walls) now_.map.cells[cell] = Occupancy::kOccupied;
   }
 
+  void TurnTo(double heading_rad) {
+    RobotState& state = now_.state;
+    result_.turning_rad += std::abs(WrapAngle(heading_rad - state.heading_rad));
+    state.heading_rad = heading_rad;
+  }
+
   void Send(double heading_rad) {
     RobotState& state = now_.state;
+    TurnTo(heading_rad);
     Picture picture;
     picture.stamp = state.stamp;
     picture.world = world_name_;

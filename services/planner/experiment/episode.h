@@ -26,9 +26,10 @@ struct EpisodeResult {
   bool all_goals = false;
   int goals_reached = 0;
   int goals = 0;
-  int moves = 0;          // cells entered
-  int optimal_moves = 0;  // shortest tour over all goals on the true map
-  int blocked = 0;        // moves into cells that turned out to be walls
+  int moves = 0;             // cells entered
+  double turning_rad = 0.0;  // of the robot on the spot, for moves and views
+  int optimal_moves = 0;     // shortest tour over all goals on the true map
+  int blocked = 0;           // moves into cells that turned out to be walls
   int pictures = 0;
   int guidance = 0;
   int edits = 0;                    // cells, by the operator

@@ -26,17 +26,18 @@ std::string ExperimentTable(const SearchExperiment& experiment,
   }
   std::string text = fmt::format(
       "SIMULATED operators, mazes {} with seeds {} to {}; means [95 % bootstrap interval]\n"
-      "{:{}}  {:8}  {:>9}  {:20}  {:20}  {:20}  {:>6}  {:>6}\n",
+      "{:{}}  {:8}  {:>9}  {:20}  {:20}  {:20}  {:>12}  {:>6}  {:>6}\n",
       experiment.preset, experiment.first_seed,
       experiment.first_seed + static_cast<std::uint64_t>(experiment.seeds) - 1, "variant", width,
-      "operator", "all goals", "moves", "moves / optimal tour", "pictures", "p50 ms", "p95 ms");
+      "operator", "all goals", "moves", "moves / optimal tour", "pictures", "turning, rad",
+      "p50 ms", "p95 ms");
   for (const VariantSummary& row : summaries) {
-    text +=
-        fmt::format("{:{}}  {:8}  {:9}  {:20}  {:20}  {:20}  {:6.2f}  {:6.2f}\n",
-                    experiment.variants[row.variant].name, width, experiment.operators[row.person],
-                    fmt::format("{:>4}/{}", row.all_goals, row.episodes),
-                    WithInterval(row.moves, 1), WithInterval(row.moves_ratio, 2),
-                    WithInterval(row.pictures, 1), row.decision_ms_p50, row.decision_ms_p95);
+    text += fmt::format(
+        "{:{}}  {:8}  {:9}  {:20}  {:20}  {:20}  {:12.1f}  {:6.2f}  {:6.2f}\n",
+        experiment.variants[row.variant].name, width, experiment.operators[row.person],
+        fmt::format("{:>4}/{}", row.all_goals, row.episodes), WithInterval(row.moves, 1),
+        WithInterval(row.moves_ratio, 2), WithInterval(row.pictures, 1), row.turning_rad.mean,
+        row.decision_ms_p50, row.decision_ms_p95);
   }
   return text;
 }
@@ -53,6 +54,7 @@ nlohmann::ordered_json ExperimentJson(const SearchExperiment& experiment,
                     {"moves", ToJson(row.moves)},
                     {"moves_ratio", ToJson(row.moves_ratio)},
                     {"pictures", ToJson(row.pictures)},
+                    {"turning_rad", ToJson(row.turning_rad)},
                     {"mapping_accuracy", ToJson(row.mapping_accuracy)},
                     {"decision_ms_p50", row.decision_ms_p50},
                     {"decision_ms_p95", row.decision_ms_p95}});
@@ -66,13 +68,14 @@ std::string ExperimentCsv(const SearchExperiment& experiment,
                           const std::vector<ExperimentEpisode>& episodes) {
   std::string text =
       "variant,operator,seed,all_goals,goals_reached,moves,optimal_moves,blocked,pictures,guidance,"
-      "edits,mapping_accuracy\n";
+      "edits,mapping_accuracy,turning_rad\n";
   for (const ExperimentEpisode& episode : episodes) {
     const EpisodeResult& r = episode.result;
-    text += fmt::format(
-        "{},{},{},{},{},{},{},{},{},{},{},{:.6f}\n", experiment.variants[episode.variant].name,
-        experiment.operators[episode.person], episode.seed, r.all_goals ? 1 : 0, r.goals_reached,
-        r.moves, r.optimal_moves, r.blocked, r.pictures, r.guidance, r.edits, r.mapping_accuracy);
+    text +=
+        fmt::format("{},{},{},{},{},{},{},{},{},{},{},{:.6f},{:.6f}\n",
+                    experiment.variants[episode.variant].name, experiment.operators[episode.person],
+                    episode.seed, r.all_goals ? 1 : 0, r.goals_reached, r.moves, r.optimal_moves,
+                    r.blocked, r.pictures, r.guidance, r.edits, r.mapping_accuracy, r.turning_rad);
   }
   return text;
 }

@@ -15,12 +15,12 @@ std::string ExperimentTable(const SearchExperiment& experiment,
 
 /// {"experiment": "search", "operator": "simulated", "seeds", ..., "rows": [{"variant",
 /// "operator", "all_goals", "episodes", and for goals_share, moves, moves_ratio, pictures,
-/// mapping_accuracy: {"mean", "low", "high"}, "decision_ms_p50", "decision_ms_p95"}]}.
+/// turning_rad, mapping_accuracy: {"mean", "low", "high"}, "decision_ms_p50", "decision_ms_p95"}]}.
 nlohmann::ordered_json ExperimentJson(const SearchExperiment& experiment,
                                       const std::vector<VariantSummary>& summaries);
 
 /// A line per episode: variant, operator, seed, all_goals, goals_reached, moves, optimal_moves,
-/// blocked, pictures, guidance, edits, mapping_accuracy.
+/// blocked, pictures, guidance, edits, mapping_accuracy, turning_rad.
 std::string ExperimentCsv(const SearchExperiment& experiment,
                           const std::vector<ExperimentEpisode>& episodes);
 

@@ -61,7 +61,7 @@ VariantSummary SummarizeOne(std::span<const ExperimentEpisode> episodes) {
   summary.variant = episodes.front().variant;
   summary.person = episodes.front().person;
   summary.episodes = static_cast<int>(episodes.size());
-  Figures goals, moves, ratio, pictures, accuracy;
+  Figures goals, moves, ratio, pictures, turning, accuracy;
   std::vector<double> decisions;
   for (const ExperimentEpisode& episode : episodes) {
     const EpisodeResult& result = episode.result;
@@ -70,6 +70,7 @@ VariantSummary SummarizeOne(std::span<const ExperimentEpisode> episodes) {
     moves.Add(result.moves);
     if (result.all_goals) ratio.Add(static_cast<double>(result.moves) / result.optimal_moves);
     pictures.Add(result.pictures);
+    turning.Add(result.turning_rad);
     accuracy.Add(result.mapping_accuracy);
     decisions.insert(decisions.end(), result.decision_ms.begin(), result.decision_ms.end());
   }
@@ -77,6 +78,7 @@ VariantSummary SummarizeOne(std::span<const ExperimentEpisode> episodes) {
   summary.moves = moves.Summarize();
   summary.moves_ratio = ratio.Summarize();
   summary.pictures = pictures.Summarize();
+  summary.turning_rad = turning.Summarize();
   summary.mapping_accuracy = accuracy.Summarize();
   summary.decision_ms_p50 = Percentile(decisions, 0.5);
   summary.decision_ms_p95 = Percentile(decisions, 0.95);

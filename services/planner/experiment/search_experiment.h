@@ -44,6 +44,7 @@ struct VariantSummary {
   Figure moves;
   Figure moves_ratio;  // moves over the optimal tour; of episodes that reached all goals
   Figure pictures;
+  Figure turning_rad;  // on the spot, for moves and views
   Figure mapping_accuracy;
   double decision_ms_p50 = 0.0;  // processor time, over all decisions
   double decision_ms_p95 = 0.0;

@@ -140,7 +140,8 @@ Result<int> Search::Expand(int node) {
   const auto child = Communicate(node, action, actions);
   if (!child) return tl::unexpected(child.error());
   if (tree_.keeps_terms()) {
-    terms.reward = CommunicationTerms(path_, child->information, options_.reward);
+    terms.reward = CommunicationTerms(path_, path_.ViewHeading(child->view), child->information,
+                                      options_.reward);
   }
   return tree_.Add(*child, terms);
 }
@@ -199,7 +200,8 @@ Result<SearchNode> Search::Communicate(int parent, int action, const Actions& ac
   child.is_terminal = true;
   child.view = actions.views[actions.ViewOf(action)];
   child.information = *information;
-  child.reward = CommunicationReward(path_, *information, options_.reward);
+  child.reward =
+      CommunicationReward(path_, path_.ViewHeading(child.view), *information, options_.reward);
   return child;
 }
 

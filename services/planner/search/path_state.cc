@@ -2,13 +2,16 @@
 
 #include <algorithm>
 
+#include "common/grid/geometry.h"
 #include "common/runtime/demand.h"
 #include "planner/search/goal_distance.h"
 
 namespace conav::planner {
 
 PathState::PathState(const SearchProblem& problem, int steps_expected)
-    : visits_(Index(problem.graph.vertex_count())),
+    : graph_(problem.graph),
+      start_heading_rad_(problem.heading_rad),
+      visits_(Index(problem.graph.vertex_count())),
       visited_((visits_.size() + 63) / 64),
       passed_(Index(problem.graph.uncertainty_count())),
       is_goal_(visits_.size()),
@@ -25,6 +28,15 @@ PathState::PathState(const SearchProblem& problem, int steps_expected)
     is_goal_[Index(*vertex)] = 1;
     ++goals_left_;
   }
+}
+
+double PathState::heading_rad() const {
+  for (std::size_t i = steps_.size(); i-- > 1;) {
+    const VertexId from = steps_[i - 1].vertex;
+    const VertexId to = steps_[i].vertex;
+    if (from != to) return HeadingTowards(graph_.CellOf(from), graph_.CellOf(to));
+  }
+  return start_heading_rad_;
 }
 
 void PathState::ReadGuidance(const SearchProblem& problem) {

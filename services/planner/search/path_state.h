@@ -42,6 +42,10 @@ class PathState {
     const VertexId before = steps_[steps_.size() - 2].vertex;
     return steps_to_goal_[Index(before)] - steps_to_goal_[Index(vertex())];
   }
+  /// Where the robot looks after its last step: the way that it came.
+  double heading_rad() const;
+  /// Of view `index` of the present vertex.
+  double ViewHeading(int index) const { return graph_.HeadingsAt(vertex())[Index(index)]; }
   /// m: cells of the operator's path that are not in tau.
   int unvisited_guidance() const { return unvisited_guidance_; }
 
@@ -96,6 +100,8 @@ class PathState {
     unvisited_guidance_ += is_guidance_[Index(vertex)];
   }
 
+  const NavigationGraph& graph_;
+  double start_heading_rad_;
   std::vector<Step> steps_;
   int length_ = 0;
   std::vector<int> visits_;  // by vertex

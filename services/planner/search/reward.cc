@@ -1,5 +1,6 @@
 #include "planner/search/reward.h"
 
+#include "common/grid/geometry.h"
 #include "common/runtime/config.h"
 
 namespace conav::planner {
@@ -9,6 +10,7 @@ void RewardOptions::Visit(ConfigReader& reader) {
   reader.Field("step", step, -1e6, 0.0);
   reader.Field("communication_cost", communication_cost, 0.0, 1e6);
   reader.Field("communication_step", communication_step, -1e6, 0.0);
+  reader.Field("view_turn", view_turn, 0.0, 1e6);
   reader.Field("progress", progress, 0.0, 1e6);
 }
 
@@ -17,10 +19,14 @@ double GuidanceReward(bool guided_before, bool on_guidance, int path_length) {
   return -std::log(static_cast<double>(path_length));
 }
 
-double CommunicationReward(const PathState& path, double information,
+double TurnCost(const PathState& path, double heading_rad, const RewardOptions& options) {
+  return options.view_turn * std::abs(WrapAngle(heading_rad - path.heading_rad()));
+}
+
+double CommunicationReward(const PathState& path, double heading_rad, double information,
                            const RewardOptions& options) {
-  return information - CommunicationCost(path.unvisited_guidance(), options) +
-         options.communication_step;
+  return information - CommunicationCost(path.unvisited_guidance(), options) -
+         TurnCost(path, heading_rad, options) + options.communication_step;
 }
 
 RewardTerms MoveTerms(const PathState& path, const RewardOptions& options) {
@@ -32,11 +38,12 @@ RewardTerms MoveTerms(const PathState& path, const RewardOptions& options) {
   return terms;
 }
 
-RewardTerms CommunicationTerms(const PathState& path, double information,
+RewardTerms CommunicationTerms(const PathState& path, double heading_rad, double information,
                                const RewardOptions& options) {
   RewardTerms terms;
   terms.information = information;
-  terms.communication = -CommunicationCost(path.unvisited_guidance(), options);
+  terms.communication =
+      -CommunicationCost(path.unvisited_guidance(), options) - TurnCost(path, heading_rad, options);
   terms.steps = options.communication_step;
   return terms;
 }

@@ -20,6 +20,11 @@ struct RewardOptions {
   /// Added to a communication as to any other step; the paper does not say so, hence 0.
   double communication_step = 0.0;
 
+  /// Of the turn that a view costs, per radian between the way that the robot came and the view's
+  /// heading; an addition to the paper, where turning is free. A move from cell to cell costs
+  /// `step`; turning there and back takes a robot of the simulator as long as 0.75 moves a radian.
+  double view_turn = 0.75;
+
   /// Weight of the progress term, an addition to the paper (which allows for one, section 5.1).
   double progress = 1.0;
 
@@ -74,14 +79,18 @@ inline double MoveReward(const PathState& path, const RewardOptions& options) {
          SmoothnessReward(path.earlier_visits()) + ProgressReward(path.progress(), options);
 }
 
-/// Of sending a view: R_info - c. `information` is E||x' - x||_1 = ||p_add||_1 + ||p_remove||_1
+/// What it costs to look towards `heading_rad` at the end of `path`.
+double TurnCost(const PathState& path, double heading_rad, const RewardOptions& options);
+
+/// Of sending a view towards `heading_rad`: R_info - c - TurnCost(). `information` is E||x' - x||_1 = ||p_add||_1 + ||p_remove||_1
 /// (section 5.2). No guidance or smoothness term, as no new state is entered.
-double CommunicationReward(const PathState& path, double information, const RewardOptions& options);
+double CommunicationReward(const PathState& path, double heading_rad, double information,
+                           const RewardOptions& options);
 
 /// The same two by what they are made of, for reports; sums are equal but for rounding. The step
-/// penalty of a communication counts as a step.
+/// penalty of a communication counts as a step, its turn as a cost of communication.
 RewardTerms MoveTerms(const PathState& path, const RewardOptions& options);
-RewardTerms CommunicationTerms(const PathState& path, double information,
+RewardTerms CommunicationTerms(const PathState& path, double heading_rad, double information,
                                const RewardOptions& options);
 
 }  // namespace conav::planner

@@ -123,7 +123,8 @@ Result<double> Rollout::Communicate(PathState& path, std::size_t view, int steps
   Result<double> reward = information_.Of(path, view);
   if (reward) {
     sent_information_ = *reward;
-    reward = CommunicationReward(path, sent_information_, options_.reward);
+    sent_heading_rad_ = path.ViewHeading(offered_.At(path.vertex()).views[view]);
+    reward = CommunicationReward(path, sent_heading_rad_, sent_information_, options_.reward);
   }
   path.TakeBack(before);
   return reward;
@@ -139,7 +140,8 @@ RewardTerms Rollout::Terms(PathState& path) const {
     weight *= options_.discount;
   }
   if (sent_information_ != kNoView) {
-    terms += weight * CommunicationTerms(path, sent_information_, options_.reward);
+    terms +=
+        weight * CommunicationTerms(path, sent_heading_rad_, sent_information_, options_.reward);
   }
   path.TakeBack(before);
   return terms;

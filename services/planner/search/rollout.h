@@ -88,6 +88,7 @@ class Rollout {
   std::vector<int> steps_;             // of this rollout: indices into moves_; -1 = stayed
   int steps_made_ = 0;                 // of this rollout
   double sent_information_ = kNoView;  // of the view that ended it
+  double sent_heading_rad_ = 0.0;      // and where it looks
   std::uint32_t rollout_ = 0;          // number of the present one
   std::uint64_t moves_made_ = 0;
 };

@@ -50,6 +50,7 @@ SearchOptions PaperOptions() {
   options.untried_order = UntriedOrder::kMovesFirst;
   options.offers_sent_views = true;
   options.min_information = 0.0;
+  options.reward.view_turn = 0.0;
   options.reward.progress = 0.0;
   return options;
 }

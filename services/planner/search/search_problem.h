@@ -18,6 +18,8 @@ struct SentView {
 struct SearchProblem {
   const NavigationGraph& graph;
   VertexId start = 0;
+  /// Where the robot looks now.
+  double heading_rad = 0.0;
   /// tau_0: cells since the last picture, the present one last (added if it is missing).
   std::vector<Cell> path;
   std::vector<Cell> goals_left;

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "common/grid/geometry.h"
 #include "nhpm/model/encoding.h"
 #include "planner/search/goal_distance.h"
 
@@ -54,6 +55,15 @@ class PlainSearch::Walk {
   void Stay() {
     cells.push_back(cells.back());
     vertices.push_back(vertices.back());
+  }
+  /// Where the robot looks: the way that it came.
+  double Heading(const SearchProblem& problem) const {
+    for (std::size_t i = vertices.size() - 1; i > 0; --i) {
+      if (vertices[i] == vertices[i - 1]) continue;
+      return HeadingTowards(problem.graph.CellOf(vertices[i - 1]),
+                            problem.graph.CellOf(vertices[i]));
+    }
+    return problem.heading_rad;
   }
   bool IsKnownFree(const Edge& edge) const {
     return edge.feasibility >= 1.0 || entered.count(edge.target) > 0;
@@ -117,13 +127,15 @@ double PlainSearch::MoveReward(const SearchProblem& problem, const Walk& walk) c
   return reward + options_.reward.progress * (steps(before) - steps(here));
 }
 
-double PlainSearch::CommunicationReward(const SearchProblem& problem, const Walk& walk,
+double PlainSearch::CommunicationReward(const SearchProblem& problem, const Walk& walk, int view,
                                         double information) const {
+  const double heading = problem.graph.HeadingsAt(walk.vertex())[static_cast<std::size_t>(view)];
   const std::set<Cell> guidance(problem.guidance.begin(), problem.guidance.end());
   const std::set<Cell> visited(walk.cells.begin(), walk.cells.end());
   const auto left = std::ranges::count_if(guidance, [&](Cell c) { return visited.count(c) == 0; });
-  return information - (options_.reward.communication_cost + static_cast<double>(left)) +
-         options_.reward.communication_step;
+  const double turn = std::abs(WrapAngle(heading - walk.Heading(problem)));
+  return information - (options_.reward.communication_cost + static_cast<double>(left)) -
+         options_.reward.view_turn * turn + options_.reward.communication_step;
 }
 
 double PlainSearch::Rollout(const SearchProblem& problem, Walk walk, SplitMix64& draws) {
@@ -138,7 +150,8 @@ double PlainSearch::Rollout(const SearchProblem& problem, Walk walk, SplitMix64&
     const int action = static_cast<int>(ScaledTo(draw.upper, static_cast<std::uint32_t>(actions)));
     if (action >= moves) {
       const double information = Information(problem, walk, action - moves);
-      return rollout_return + weight * CommunicationReward(problem, walk, information);
+      return rollout_return +
+             weight * CommunicationReward(problem, walk, action - moves, information);
     }
     const Edge edge = problem.graph.EdgesFrom(walk.vertex())[static_cast<std::size_t>(action)];
     if (!walk.IsKnownFree(edge) && drawn.count(edge.target) == 0) {
@@ -175,8 +188,8 @@ void PlainSearch::Expand(const SearchProblem& problem, Node& node, Random& rando
     child->terminal = IsGoal(problem, edge.target) || child->depth >= options_.rollout_depth ||
                       ActionsAt(problem, edge.target) == 0;
   } else {
-    child->reward =
-        CommunicationReward(problem, node.walk, Information(problem, node.walk, action - moves));
+    child->reward = CommunicationReward(problem, node.walk, action - moves,
+                                        Information(problem, node.walk, action - moves));
     child->terminal = true;
   }
   node.children.push_back(std::move(child));

@@ -30,7 +30,7 @@ class PlainSearch {
 
   double Information(const planner::SearchProblem& problem, const Walk& walk, int view);
   double MoveReward(const planner::SearchProblem& problem, const Walk& walk) const;
-  double CommunicationReward(const planner::SearchProblem& problem, const Walk& walk,
+  double CommunicationReward(const planner::SearchProblem& problem, const Walk& walk, int view,
                              double information) const;
   double Rollout(const planner::SearchProblem& problem, Walk walk, SplitMix64& draws);
   void Expand(const planner::SearchProblem& problem, Node& node, Random& random);

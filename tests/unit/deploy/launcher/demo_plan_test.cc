@@ -257,6 +257,7 @@ TEST_CASE("several planners share all robots, under names of their own", "[launc
   CHECK_FALSE(configs.contains("planner"));
   const auto first = Read<planner::PlannerConfig>(configs.at("planner-1"), "planner");
   const auto second = Read<planner::PlannerConfig>(configs.at("planner-2"), "planner");
+  CHECK(first.decision_file != second.decision_file);  // both are read by conav explain
   CHECK(first.name == "planner-1");
   CHECK(second.name == "planner-2");
   CHECK(first.robots == second.robots);

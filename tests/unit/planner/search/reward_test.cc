@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 #include "text_map.h"
 
@@ -63,10 +64,29 @@ TEST_CASE("a communication gives its information less its cost", "[planner][sear
   TextWorld world({"######", "#S..G#", "######"});
   world.problem.guidance = {{1, 1}, {1, 2}, {1, 3}, {1, 4}};
   const PathState path(world.problem);
-  CHECK(CommunicationReward(path, 1.75, kOptions) == Approx(1.75 - 13.0));
+  CHECK(CommunicationReward(path, 0.0, 1.75, kOptions) == Approx(1.75 - 13.0));
   RewardOptions with_step = kOptions;
   with_step.communication_step = -1.0;
-  CHECK(CommunicationReward(path, 1.75, with_step) == Approx(1.75 - 14.0));
+  CHECK(CommunicationReward(path, 0.0, 1.75, with_step) == Approx(1.75 - 14.0));
+}
+
+TEST_CASE("a view costs the turn away from where the robot looks", "[planner][search]") {
+  TextWorld world({"#####", "#S.G#", "#...#", "#####"});
+  world.problem.heading_rad = 0.5;
+  PathState path(world.problem);
+  RewardOptions options = kOptions;
+  options.view_turn = 2.0;
+  CHECK(TurnCost(path, 0.2, options) == Approx(0.6));
+  CHECK(CommunicationReward(path, 0.2, 0.0, options) == Approx(-10.0 - 0.6));
+  path.Go(world.EdgeBetween({1, 1}, {2, 1}));  // south
+  CHECK(TurnCost(path, 0.0, options) == Approx(std::numbers::pi));
+  CHECK(TurnCost(path, std::numbers::pi, options) == Approx(std::numbers::pi));
+  path.Stay();
+  CHECK(TurnCost(path, -std::numbers::pi / 2.0, options) == Approx(0.0).margin(1e-12));
+  path.Go(world.EdgeBetween({2, 1}, {2, 2}));
+  CHECK(TurnCost(path, 0.0, options) == Approx(0.0).margin(1e-12));
+  path.TakeBack(0);
+  CHECK(TurnCost(path, 0.5, options) == Approx(0.0).margin(1e-12));
 }
 
 }  // namespace
