@@ -1,6 +1,7 @@
 #pragma once
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -88,6 +89,15 @@ class Crowd {
     for (const auto& [name, robot] : robots_) {
       text += fmt::format("{} at {}, {} goals left, waits for {}\n", name, robot.state.cell,
                           robot.state.goals_left.size(), board_->HoldOf(name));
+    }
+    // Each robot as another one sees it.
+    for (const auto& [name, robot] : robots_) {
+      for (const Neighbour& other : board_->NeighboursOf(name)) {
+        text += fmt::format("{} hears of {}: wants {}, room by {} (tier {} of {}, {})\n", name,
+                            other.robot, fmt::join(other.way, " "), fmt::join(other.room.way, " "),
+                            static_cast<int>(other.room.right.tier), other.room.right.robot,
+                            other.room.right.passed_on);
+      }
     }
     return text;
   }
