@@ -31,6 +31,11 @@ Error FrameLog::Failure(const std::string& what) const {
 Result<FrameLog> FrameLog::Open(const std::filesystem::path& path, const Check& check) {
   FrameLog log(path, ::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644));
   if (log.file_ < 0) return tl::unexpected(log.Failure("cannot record"));
+  // Reading a device may never end.
+  if (!std::filesystem::is_regular_file(path)) {
+    return Fail(ErrorCode::kIo,
+                fmt::format("{}: cannot record: it is no regular file", path.string()));
+  }
   if (::flock(log.file_, LOCK_EX | LOCK_NB) != 0) {
     return Fail(ErrorCode::kUnavailable,
                 fmt::format("{}: another process records to it", path.string()));

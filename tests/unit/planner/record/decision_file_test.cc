@@ -1,6 +1,9 @@
 #include "planner/record/decision_file.h"
 
+#include <sys/resource.h>
+
 #include <catch2/catch.hpp>
+#include <csignal>
 #include <vector>
 
 #include "common/runtime/file.h"
@@ -56,7 +59,7 @@ TEST_CASE("a file that a kill cut off loses its last decision only, and is conti
   const auto complete = std::filesystem::file_size(file);
   Write(file, {SamplePicture(13)});
   const auto size = std::filesystem::file_size(file);
-  for (auto cut = complete + 1; cut < size; ++cut) {
+  for (auto cut = complete + 1; cut < size; cut += 64) {
     std::filesystem::resize_file(file, cut);
     const Contents contents = Read(file);
     CHECK(contents.torn);
@@ -116,10 +119,49 @@ TEST_CASE("one planner at a time records to a file, into a folder that is there"
   CHECK(nowhere.error().code == ErrorCode::kIo);
 }
 
-TEST_CASE("a full disk is told", "[planner][record]") {
-  auto log = DecisionLog::Open("/dev/full");
+/// No file of this process grows beyond `bytes` while this lives, as on a full disk.
+class FullDisk {
+ public:
+  explicit FullDisk(std::uintmax_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FullDisk() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  FullDisk(const FullDisk&) = delete;
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int);
+};
+
+TEST_CASE("a decision that finds the disk full is told, and leaves the file as it was",
+          "[planner][record]") {
+  const test::TemporaryFolder folder;
+  const auto file = folder / "decisions.pb.zst";
+  auto log = DecisionLog::Open(file);
+  REQUIRE(log);
+  REQUIRE(log->Append(SampleDecision()));
+  {
+    const FullDisk full(std::filesystem::file_size(file) + 10);
+    const auto written = log->Append(SamplePicture(13));
+    REQUIRE_FALSE(written);
+    CHECK(written.error().code == ErrorCode::kIo);
+    CHECK_THAT(written.error().text, Catch::StartsWith(file.string() + ": cannot write"));
+  }
+  CHECK(Read(file).decisions == std::vector{SampleDecision()});
+  CHECK_FALSE(Read(file).torn);
+  REQUIRE(log->Append(SamplePicture(13)));
+  CHECK(Read(file).decisions.size() == 2);
+}
+
+TEST_CASE("a device cannot be recorded to", "[planner][record]") {
+  const auto log = DecisionLog::Open("/dev/full");
   REQUIRE_FALSE(log);
-  CHECK(log.error().code == ErrorCode::kIo);
+  CHECK(log.error().text == "/dev/full: cannot record: it is no regular file");
 }
 
 }  // namespace
