@@ -153,7 +153,7 @@ TEST_CASE("A malformed attention queue is refused", "[protocol][convert]") {
       SampleQueue(), [](Message& m) { m.items()[0].tier(6); }, "items.tier = 6 is not in [1, 5]");
   CheckRefused(
       SampleQueue(), [](Message& m) { m.items()[0].expected_interaction(-1.0); },
-      "items.expected_interaction = -1 is not in [0, 1e+12]");
+      "items.expected_interaction = -1 is not in [0, 1000000000000]");
   CheckRefused(
       SampleQueue(), [](Message& m) { m.items()[0].score(NAN); },
       "items.score = nan is not finite");
