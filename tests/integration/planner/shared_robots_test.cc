@@ -3,12 +3,9 @@
 #include <catch2/catch.hpp>
 #include <functional>
 #include <list>
-#include <numbers>
-#include <set>
 #include <thread>
 
 #include "common/bus/send.h"
-#include "common/grid/visibility.h"
 #include "common/protocol/convert.h"
 #include "planner/planner_service.h"
 #include "support/test_domain.h"
@@ -111,7 +108,6 @@ class Robots {
       participant_.Wait(20ms);
       for (Robot& robot : robots_) {
         for (const RobotCommand& command : robot.commands.TakeValid(kConvert)) Do(robot, command);
-        for (SearchReport& report : robot.reports.TakeValid(kConvert)) robot.report = report;
       }
       for (PlannerLease& lease : leases_.TakeValid(kConvert)) said_[lease.node] = lease;
     }
@@ -129,23 +125,8 @@ class Robots {
   }
 
   const RobotState& state(const std::string& robot) { return Of(robot).state; }
-  /// Largest information gain of the views that `robot` was offered in its newest decision.
-  double BestGain(const std::string& robot) {
-    double best = 0.0;
-    for (const SearchAction& action : Of(robot).report.actions) {
-      best = std::max(best, action.information_gain);
-    }
-    return best;
-  }
-  bool HasDecidedOn(const std::string& robot, std::uint64_t belief_revision) {
-    const SearchReport& report = Of(robot).report;
-    return report.decision > 0 && report.belief_revision == belief_revision;
-  }
   /// Commands under an epoch that was older than the robot's.
   int stale_commands() const { return stale_commands_; }
-  /// What the operator draws after a picture; without it nothing.
-  std::function<void(const RobotState&, double heading_rad)> on_picture;
-
   void PublishBelief(const BeliefGrid& probability, std::uint64_t revision) {
     Belief belief;
     belief.world = "w1";
@@ -153,9 +134,6 @@ class Robots {
     belief.wall_probability = probability;
     bus::Send(beliefs_, ToMessage(belief));
     revision_ = revision;
-  }
-  void GuideAll() {
-    for (Robot& robot : robots_) Guide(robot, robot.state.snapshots);
   }
 
  private:
@@ -167,17 +145,14 @@ class Robots {
           map(participant, bus::kRobotMap, name),
           camera_info(participant, bus::kCameraInfo, name),
           guidance(participant, bus::kGuidance, name),
-          commands(participant, bus::kRobotCommand, name),
-          reports(participant, bus::kSearchReport, name) {}
+          commands(participant, bus::kRobotCommand, name) {}
 
     bus::Publisher<conav_msgs::msg::RobotState> states;
     bus::Publisher<nav_msgs::msg::OccupancyGrid> map;
     bus::Publisher<sensor_msgs::msg::CameraInfo> camera_info;
     bus::Publisher<conav_msgs::msg::Guidance> guidance;
     bus::Subscriber<conav_msgs::msg::RobotCommand> commands;
-    bus::Subscriber<conav_msgs::msg::SearchReport> reports;
     RobotState state;
-    SearchReport report;
     std::uint64_t guidances = 0;
   };
 
@@ -222,7 +197,6 @@ class Robots {
     if (command.kind == CommandKind::kTransmitView) {
       ++state.snapshots;
       state.path = {state.cell};
-      if (on_picture) on_picture(state, command.heading_rad);
     } else {
       const bool taken = std::any_of(robots_.begin(), robots_.end(), [&](const Robot& other) {
         return other.state.cell == command.target;
@@ -279,39 +253,4 @@ TEST_CASE("planners come and go and hand the robots over", "[planner][integratio
   CHECK(robots.state("r1").command_sequence_number >= commands);
   CHECK(robots.state("r1").lease_epoch + robots.state("r2").lease_epoch == 4);
   CHECK(robots.stale_commands() == 0);
-}
-
-TEST_CASE("a picture of one robot lowers what another planner's robot expects of the same place",
-          "[planner][integration][lease]") {
-  // The operator does not know of the block in the middle; both robots do.
-  BeliefGrid belief = Truth();
-  for (int column = 2; column <= 4; ++column) belief[{2, column}] = 0.0F;
-  Robots robots("cyclonedds");
-  robots.PublishAll(belief);
-  planner::PlannerConfig config = Config("first");
-  config.method = "ig-mcts";
-  config.lease.planners = 2;
-  config.search.options.reward.communication_cost = 0.0;
-  Planner first(config, "cyclonedds");
-  config.name = "second";
-  Planner second(config, "cyclonedds");
-  std::set<std::string> sent;
-  double before = 0.0;
-  robots.on_picture = [&](const RobotState& state, double) {
-    if (sent.empty()) before = robots.BestGain(state.robot == "r1" ? "r2" : "r1");
-    sent.insert(state.robot);
-  };
-  REQUIRE(robots.RunUntil([&] {
-    return !sent.empty() && robots.HasDecidedOn("r1", 0) && robots.HasDecidedOn("r2", 0);
-  }));
-  REQUIRE((robots.Drives("first", 1) && robots.Drives("second", 1)));
-  const std::string sender = *sent.begin();
-  const std::string other = sender == "r1" ? "r2" : "r1";
-  before = std::max(before, robots.BestGain(other));
-  REQUIRE(before > 0.5);
-  // The operator has seen the block in the picture and draws it.
-  robots.PublishBelief(Truth(), 1);
-  robots.GuideAll();
-  REQUIRE(robots.RunUntil([&] { return robots.HasDecidedOn(other, 1); }));
-  CHECK(robots.BestGain(other) < 0.5 * before);
 }
