@@ -13,6 +13,8 @@ using namespace std::chrono_literals;
 
 namespace {
 
+const SyntheticOperatorParameters default_person;
+
 /// Robots that do exactly what keys are expected to do, in a world of 2 m cells, with streamed
 /// pictures; and a person with a map of it. Every request is accepted at once.
 class Maze {
@@ -24,7 +26,7 @@ class Maze {
 
   Maze(const std::vector<std::string>& truth, const std::vector<std::string>& map,
        const std::map<std::string, std::pair<Cell, Cell>>& starts_and_goals,
-       const SyntheticOperatorParameters& parameters = {}, std::uint64_t seed = 1)
+       const SyntheticOperatorParameters& parameters = default_person, std::uint64_t seed = 1)
       : truth_(DrawnMap(truth)), person(parameters, seed, WorldsOf(starts_and_goals)) {
     belief_.world = "w1";
     belief_.wall_probability = DrawnMap(map);
