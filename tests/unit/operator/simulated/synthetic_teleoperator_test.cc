@@ -214,7 +214,7 @@ TEST_CASE("a robot without goals that stands on another one's goal is driven off
 TEST_CASE("a key is pressed when the last one was carried out and shown, not before",
           "[operator][teleoperator]") {
   FakeClock clock;
-  SyntheticTeleoperator person({}, 1, {{"r1", "w1"}});
+  SyntheticTeleoperator person(default_person, 1, {{"r1", "w1"}});
   CHECK_FALSE(person.Next(clock.Now()));
   Belief belief;
   belief.world = "w1";
@@ -250,7 +250,7 @@ TEST_CASE("a key is pressed when the last one was carried out and shown, not bef
 TEST_CASE("an order that is refused, or that nobody carries out, is given anew after a pause",
           "[operator][teleoperator]") {
   FakeClock clock;
-  SyntheticTeleoperator person({}, 1, {{"r1", "w1"}});
+  SyntheticTeleoperator person(default_person, 1, {{"r1", "w1"}});
   Belief belief;
   belief.world = "w1";
   belief.wall_probability = DrawnMap(kMap);
