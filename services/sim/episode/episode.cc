@@ -89,7 +89,6 @@ void Episode::Begin(int robot) {
   record.state.command_sequence_number = command.sequence_number;
   record.state.command_cell = command.target;
   record.waypoints.clear();
-  record.coasting = false;
   turned_[static_cast<std::size_t>(robot)] = false;
   if (command.kind == CommandKind::kDrive) record.state.drive_order = command.drive_order;
   if (command.expires_at <= now()) {
@@ -98,6 +97,7 @@ void Episode::Begin(int robot) {
                               now().ToSeconds()));
   }
   record.active = true;
+  record.coasting = false;
   record.state.command_outcome = CommandOutcome::kRunning;
   record.state.command_detail.clear();
   ++versions_[static_cast<std::size_t>(robot)];
@@ -216,7 +216,9 @@ void Episode::Finish(int robot, CommandOutcome outcome, std::string detail) {
   record.waypoints.clear();
   turned_[static_cast<std::size_t>(robot)] = false;
   ++versions_[static_cast<std::size_t>(robot)];
-  if (physics_.motion_status(robot) == MotionStatus::kRunning) Halt(robot);
+  // A robot that coasts brakes already, when time goes on.
+  const bool running = physics_.motion_status(robot) == MotionStatus::kRunning;
+  if (running && !record.coasting) Halt(robot);
 }
 
 void Episode::Halt(int robot) {

@@ -205,6 +205,19 @@ TEST_CASE("an action that comes too late is void, and of a burst one is carried 
   CHECK(hall.episode->state(0).drive_order == 9);
 }
 
+TEST_CASE("an action that comes too late makes no time pass for a robot that still rolls",
+          "[sim][drive]") {
+  Hall hall;
+  hall.Press(DriveAction::kForward, 3);
+  RobotCommand late = hall.Key(DriveAction::kForward);
+  late.expires_at = hall.episode->now();
+  REQUIRE(hall.episode->Accept(late));
+  CHECK(hall.episode->state(0).command_outcome == CommandOutcome::kExpired);
+  CHECK_FALSE(hall.episode->active());
+  CHECK(hall.Press(DriveAction::kForward) == CommandOutcome::kDone);
+  CHECK(hall.episode->state(0).low_level_steps == 4);
+}
+
 TEST_CASE("a move primitive goes on from wherever a robot was driven to", "[sim][drive]") {
   Hall hall;
   hall.Press(DriveAction::kTurnLeft, 2);
