@@ -1,11 +1,13 @@
 // conav-study: the methods side by side, with simulated operators.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <string_view>
 #include <thread>
 
 #include "common/runtime/log.h"
 #include "common/runtime/stop_token.h"
 #include "study/study_command.h"
+#include "study/supervision_command.h"
 
 namespace {
 
@@ -21,7 +23,9 @@ a population and the same in all methods. docs/study.md says more.
 
 Each episode is on disk when it has ended: after a kill the same command goes on. Another design in the
 same --out is refused. An episode that does not reach all goals is run a second time, then kept and
-reported.)";
+reported.
+
+Another study, of one operator with many robots: conav study --supervision --help.)";
 
 constexpr const char* kExitCodes =
     R"(Exit codes: 0 done; 1 an episode failed, interrupted, writing failed, or with --check a bar missed;
@@ -63,6 +67,12 @@ void AddOptions(CLI::App& app, conav::study::StudyOptions& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  const auto is_supervision = [](const char* word) {
+    return std::string_view(word) == "--supervision";
+  };
+  if (std::any_of(argv + 1, argv + argc, is_supervision)) {
+    return conav::study::SupervisionMain(argc, argv);
+  }
   CLI::App app(kAbout, "conav study");
   conav::study::StudyOptions options;
   AddOptions(app, options);

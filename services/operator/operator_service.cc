@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <set>
 
@@ -22,6 +21,11 @@ constexpr auto kConvert = [](const auto& message) { return ToDomain(message); };
 BeliefStoreOptions StoreOptions(const OperatorConfig& config) {
   const auto limit = static_cast<std::int64_t>(config.database_limit_mib * 1024.0 * 1024.0);
   return {{config.database, limit}, {config.max_guidance_s, config.max_path_cells}};
+}
+
+const char* KindOf(const OperatorRequest& request) {
+  if (std::holds_alternative<EditRequest>(request.body)) return "edit";
+  return std::holds_alternative<GuideRequest>(request.body) ? "guide" : "select";
 }
 
 }  // namespace
@@ -316,8 +320,7 @@ void OperatorService::Log(const OperatorRequest& request, const BeliefStore::Ans
   const bool is_stored = !std::holds_alternative<SelectRequest>(request.body);
   if (is_stored) storage_failure_.reset();
   if (answer.storage_failed) storage_failure_ = reply.reason;
-  constexpr std::array kKinds{"edit", "guide", "select"};  // in the order of the variant
-  const char* kind = kKinds[request.body.index()];
+  const char* kind = KindOf(request);
   if (reply.accepted) {
     LOG_INFO("accepted", "kind", kind, "client", request.client, "id", request.request_id, "world",
              request.world, "revision", reply.revision, "new", answer.changed, "sim_s",

@@ -50,7 +50,7 @@ BEGIN {
       !(part[2] == "planner" && wires && inc ~ /^nhpm\/model\//))
     refuse("a service includes no other service (the planner may embed nhpm/model)")
   # A study draws people and computes statistics, both pure.
-  studies = below("deploy/study/") && inc ~ /^(operator\/(simulated|statistics)|nhpm\/synthesis)\//
+  studies = below("deploy/study/") && inc ~ /^(operator\/(attention|simulated|statistics)|nhpm\/synthesis)\//
   if (below("deploy/") && is_service && inc !~ /\/config\.h$/ && inc !~ /^(nhpm\/model|sim\/world)\// && !studies)
     refuse("the launcher sees only config.h of a service, and weights and worlds to see whether they fit")
   if (below("services/") && inc ~ /^launcher\//) refuse("services know nothing of the launcher")

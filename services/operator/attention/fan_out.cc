@@ -1,5 +1,7 @@
 #include "operator/attention/fan_out.h"
 
+#include <algorithm>
+
 namespace conav::operators {
 
 double FanOut(double neglect_s, double interaction_s) {
@@ -28,7 +30,8 @@ FiniteSourcePrediction PredictFiniteSource(int robots, double neglect_s, double 
   prediction.idle = term / sum;
   prediction.utilisation = 1.0 - prediction.idle;
   prediction.time_in_system = robots * interaction_s / prediction.utilisation - neglect_s;
-  prediction.waiting_time = prediction.time_in_system - interaction_s;
+  // One robot waits for nobody: what rounding leaves of that may be below 0.
+  prediction.waiting_time = std::max(0.0, prediction.time_in_system - interaction_s);
   const double rate = prediction.utilisation / interaction_s;
   prediction.attended = robots - rate * prediction.waiting_time;
   return prediction;

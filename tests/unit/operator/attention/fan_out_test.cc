@@ -23,6 +23,12 @@ TEST_CASE("One robot waits for nobody and keeps the operator busy IT of NT + IT"
   CHECK(one.attended == Approx(1.0));
 }
 
+TEST_CASE("Rounding never makes a waiting time negative", "[operator][attention]") {
+  for (int i = 0; i < 1000; ++i) {
+    CHECK(PredictFiniteSource(1, 0.7 + 0.31 * i, 6.0 + 0.013 * i).waiting_time >= 0.0);
+  }
+}
+
 TEST_CASE("Two robots with lambda / mu = 1/2, by hand", "[operator][attention]") {
   // P0 = 1 / (1 + 2 * 1/2 + 2 * 1/4) = 0.4; W = 2 / (0.1 * 0.6) - 20 = 13.333
   const auto two = PredictFiniteSource(2, 20.0, 10.0);

@@ -163,7 +163,7 @@ const std::vector<std::string> kMap{"#########", "#   #   #", "# ##### #", "#   
 TEST_CASE("a teleoperator with a wrong map reaches the goal by what the pictures show",
           "[operator][teleoperator]") {
   const std::uint64_t seed = GENERATE(1, 2, 3, 4, 5);
-  Maze maze(kTruth, kMap, {{"r1", {{1, 1}, {5, 7}}}}, {}, seed);
+  Maze maze(kTruth, kMap, {{"r1", {{1, 1}, {5, 7}}}}, default_person, seed);
   const int wrong = maze.WrongCells();
   CHECK(maze.Run());
   CHECK(maze.WrongCells() < wrong);
@@ -185,7 +185,7 @@ TEST_CASE("clumsy hands arrive too, with more keys", "[operator][teleoperator]")
 TEST_CASE("the same seed presses the same keys", "[operator][teleoperator]") {
   Maze first(kTruth, kMap, {{"r1", {{1, 1}, {5, 7}}}});
   Maze second(kTruth, kMap, {{"r1", {{1, 1}, {5, 7}}}});
-  Maze other(kTruth, kMap, {{"r1", {{1, 1}, {5, 7}}}}, {}, 2);
+  Maze other(kTruth, kMap, {{"r1", {{1, 1}, {5, 7}}}}, default_person, 2);
   first.Run();
   second.Run();
   other.Run();

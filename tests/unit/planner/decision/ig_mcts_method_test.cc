@@ -18,6 +18,7 @@ Situation Boxed() {
   situation.state.robot = "r1";
   situation.state.cell = {1, 3};
   situation.state.path = {{1, 3}};
+  situation.state.heading_rad = std::numbers::pi;
   situation.state.goals_left = {{1, 1}};
   situation.map.cells = OccupancyGrid(3, 5, Occupancy::kOccupied);
   situation.map.cells[{1, 1}] = Occupancy::kFree;

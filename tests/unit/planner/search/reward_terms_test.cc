@@ -143,7 +143,7 @@ TEST_CASE("terms add up to the value, whatever the options", "[planner][search]"
   SECTION("several trees") { options.trees = 3; }
   SECTION("misprinted backup") { options.backup = BackupRule::kRolloutReturn; }
   SECTION("few pictures in rollouts") { options.rollout_communication_probability = 0.1; }
-  options.exploration_constant = 50.0;
+  options.exploration_constant = 200.0;
   const SearchResult result = Decide(maze.world.problem, options);
   CheckTermsAddUp(result);
   RewardTerms all;
@@ -162,7 +162,7 @@ TEST_CASE("terms add up in a tree that was taken over", "[planner][search]") {
   SearchProblem& problem = maze.world.problem;
   SearchOptions options;
   options.iterations = 500;
-  options.exploration_constant = 50.0;
+  options.exploration_constant = 200.0;
   options.tree_reuse = TreeReuse::kPruned;
   std::vector<SearchMemory> memory;
   const SearchResult first = Decide(problem, options, &memory);
@@ -200,7 +200,7 @@ TEST_CASE("the tree told of is the most visited part of it, whole from the root"
   const Maze maze;
   SearchOptions options;
   options.report = SearchDetail::kTree;
-  options.exploration_constant = 50.0;
+  options.exploration_constant = 200.0;
   const SearchResult result = Decide(maze.world.problem, options);
   REQUIRE(result.nodes > kMaxReportedNodes);
   REQUIRE(result.tree.size() == kMaxReportedNodes);

@@ -1,0 +1,151 @@
+#include "study/supervision_measures.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/runtime/demand.h"
+#include "operator/attention/fan_out.h"
+#include "operator/statistics/interval.h"
+
+namespace conav::study {
+namespace {
+
+constexpr double kAlpha = 0.05;
+
+double PerMinute(double value, const SupervisionRecord& record) {
+  return record.minutes > 0.0 ? value / record.minutes : 0.0;
+}
+
+double AtMostAll(double fan_out, const SupervisionRecord& record) {
+  return std::min(fan_out, static_cast<double>(record.trial.robots));
+}
+
+operators::FiniteSourcePrediction Predicted(const SupervisionRecord& record) {
+  return operators::PredictFiniteSource(record.trial.robots, record.workload.neglect_time_s,
+                                        record.workload.interaction_time_s);
+}
+
+std::vector<double> Values(const SupervisionCell& cell, const SupervisionMeasure& measure) {
+  std::vector<double> values;
+  for (const SupervisionRecord* record : cell.records) values.push_back(measure.value(*record));
+  return values;
+}
+
+const SupervisionRecord* Find(const SupervisionCell& cell, std::uint64_t seed) {
+  const auto found = std::ranges::find_if(
+      cell.records, [seed](const SupervisionRecord* record) { return record->trial.seed == seed; });
+  return found == cell.records.end() ? nullptr : *found;
+}
+
+statistics::ConditionTable TableOf(const std::vector<const SupervisionCell*>& cells,
+                                   const SupervisionMeasure& measure) {
+  statistics::ConditionTable table;
+  for (const SupervisionCell* cell : cells) table.conditions.push_back(cell->order);
+  for (const SupervisionRecord* record : cells.front()->records) {
+    std::vector<double> row;
+    for (const SupervisionCell* cell : cells) {
+      if (const auto* same = Find(*cell, record->trial.seed)) row.push_back(measure.value(*same));
+    }
+    if (row.size() != cells.size()) continue;
+    table.subjects.push_back(std::to_string(record->trial.seed));
+    table.values.insert(table.values.end(), row.begin(), row.end());
+  }
+  return table;
+}
+
+}  // namespace
+
+const std::vector<SupervisionMeasure>& SupervisionMeasures() {
+  using Record = const SupervisionRecord&;
+  static const std::vector<SupervisionMeasure> measures{
+      {"goals_per_minute", "goals/min", "Throughput, goals per minute",
+       [](Record r) { return PerMinute(r.goals, r); }},
+      {"waiting_s", "wait s", "Mean waiting time, s",
+       [](Record r) { return r.workload.waiting_time_s; }},
+      {"waiting_p95_s", "wait p95", "Waiting time, 95th percentile, s",
+       [](Record r) { return r.workload.waiting_time_p95_s; }},
+      {"value_lost_per_minute", "lost/min", "Value lost while unanswered, reward units per minute",
+       [](Record r) { return PerMinute(r.workload.value_lost, r); }},
+      {"abandoned", "unanswered", "Questions that went unanswered",
+       [](Record r) { return static_cast<double>(r.workload.abandoned); }},
+      {"utilisation", "UT", "Utilisation: busy share of the operator's time",
+       [](Record r) {
+         return r.workload.observed_s > 0.0 ? r.workload.busy_s / r.workload.observed_s : 0.0;
+       }},
+      {"interaction_s", "IT s", "Interaction time, s",
+       [](Record r) { return r.workload.interaction_time_s; }},
+      {"neglect_s", "NT s", "Neglect time, s", [](Record r) { return r.workload.neglect_time_s; }},
+      {"attended_robots", "FO", "Fan-out measured: mean number of robots that do not wait",
+       [](Record r) { return r.workload.attended_robots; }},
+      {"fan_out", "NT/IT+1", "Fan-out predicted, NT / IT + 1",
+       [](Record r) { return AtMostAll(r.workload.fan_out, r); }},
+      {"fan_out_with_waits", "with waits", "Fan-out predicted, NT / (IT + WT) + 1",
+       [](Record r) { return AtMostAll(r.workload.fan_out_with_waits, r); }},
+      {"queue_attended_robots", "M/M/1//N", "Fan-out predicted, M/M/1//N",
+       [](Record r) { return Predicted(r).attended; }},
+      {"queue_utilisation", "UT M/M/1//N", "Utilisation predicted, M/M/1//N",
+       [](Record r) { return Predicted(r).utilisation; }},
+      {"queue_waiting_s", "wait M/M/1//N", "Waiting time predicted, M/M/1//N, s",
+       [](Record r) { return Predicted(r).waiting_time; }},
+  };
+  return measures;
+}
+
+const SupervisionMeasure& FindMeasure(const std::string& key) {
+  const auto& measures = SupervisionMeasures();
+  const auto found = std::ranges::find_if(
+      measures, [&](const SupervisionMeasure& measure) { return key == measure.key; });
+  DEMAND(found != measures.end(), key);
+  return *found;
+}
+
+double SupervisionCell::Mean(const SupervisionMeasure& measure) const {
+  const std::vector<double> values = Values(*this, measure);
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
+}
+
+double SupervisionCell::HalfInterval(const SupervisionMeasure& measure) const {
+  const std::vector<double> values = Values(*this, measure);
+  if (values.size() < 2) return 0.0;
+  const double mean = Mean(measure);
+  const auto count = static_cast<double>(values.size());
+  double squares = 0.0;
+  for (const double value : values) squares += (value - mean) * (value - mean);
+  const double error = std::sqrt(squares / (count - 1.0) / count);
+  const auto interval = statistics::StudentInterval(mean, error, count - 1.0, kAlpha);
+  return (interval.high - interval.low) / 2.0;
+}
+
+SupervisionSummary Summarise(const SupervisionOptions& options,
+                             const std::vector<SupervisionRecord>& records) {
+  SupervisionSummary summary;
+  for (const int robots : options.robots) {
+    for (const std::string& order : options.orders) {
+      summary.cells.push_back({robots, order, {}});
+      for (const SupervisionRecord& record : records) {
+        const bool is_of = record.trial.robots == robots && record.trial.order == order;
+        if (is_of && record.failure.empty()) summary.cells.back().records.push_back(&record);
+      }
+    }
+  }
+  for (const SupervisionRecord& record : records) {
+    if (!record.failure.empty()) summary.failed.push_back(&record);
+  }
+  for (const int robots : options.robots) {
+    std::vector<const SupervisionCell*> cells;
+    for (const SupervisionCell& cell : summary.cells) {
+      if (cell.robots == robots) cells.push_back(&cell);
+    }
+    for (const char* key : {"goals_per_minute", "value_lost_per_minute", "waiting_s"}) {
+      const SupervisionMeasure& measure = FindMeasure(key);
+      const statistics::ConditionTable table = TableOf(cells, measure);
+      if (table.subject_count() < 2 || cells.size() < 2) continue;
+      summary.comparisons.push_back({robots, &measure, statistics::ComparePairs(table, kAlpha)});
+    }
+  }
+  return summary;
+}
+
+}  // namespace conav::study

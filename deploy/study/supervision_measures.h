@@ -1,0 +1,66 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/protocol/supervision.h"
+#include "operator/statistics/pairs.h"
+#include "study/supervision_options.h"
+
+namespace conav::study {
+
+/// What came of a trial; seconds and minutes are simulation time.
+struct SupervisionRecord {
+  SupervisionTrial trial;
+  std::string failure;  // empty = measured
+  double minutes = 0.0;
+  double goals = 0.0;  // of all robots
+  OperatorWorkload workload;
+  double wall_s = 0.0;  // from the simulators' start
+};
+
+/// One figure of a trial.
+struct SupervisionMeasure {
+  const char* key;  // in JSON and CSV
+  const char* header;
+  const char* title;
+  double (*value)(const SupervisionRecord&);
+};
+
+/// goals_per_minute, waiting_s, waiting_p95_s, value_lost_per_minute, abandoned, utilisation,
+/// interaction_s, neglect_s, attended_robots and the predictions of the last four from NT and IT:
+/// fan_out, fan_out_with_waits (both at most the number of robots), queue_attended_robots,
+/// queue_utilisation, queue_waiting_s (finite-source queue M/M/1//N).
+const std::vector<SupervisionMeasure>& SupervisionMeasures();
+/// One of them.
+const SupervisionMeasure& FindMeasure(const std::string& key);
+
+/// All trials of one number of robots in one order.
+struct SupervisionCell {
+  int robots = 1;
+  std::string order;
+  std::vector<const SupervisionRecord*> records;  // measured ones, by seed
+  double Mean(const SupervisionMeasure& measure) const;
+  /// Half of the 95 % interval of the mean (Student); 0 for fewer than two.
+  double HalfInterval(const SupervisionMeasure& measure) const;
+};
+
+/// Orders against each other for one number of robots, paired by seed; seeds without all orders are
+/// left out. No pairs for fewer than two seeds or orders.
+struct SupervisionComparison {
+  int robots = 1;
+  const SupervisionMeasure* measure = nullptr;
+  std::vector<statistics::Pair> pairs;
+};
+
+struct SupervisionSummary {
+  std::vector<SupervisionCell> cells;  // by robots, then order, as asked for
+  std::vector<SupervisionComparison> comparisons;
+  std::vector<const SupervisionRecord*> failed;
+};
+
+/// `records` outlive it.
+SupervisionSummary Summarise(const SupervisionOptions& options,
+                             const std::vector<SupervisionRecord>& records);
+
+}  // namespace conav::study

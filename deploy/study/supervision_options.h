@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/runtime/result.h"
+#include "operator/simulated_operator/config.h"
+
+namespace conav::study {
+
+/// What `conav study --supervision` was asked for. All seconds and minutes are simulation time.
+struct SupervisionOptions {
+  std::vector<int> robots{1, 2, 4, 8, 16};
+  std::vector<std::string> orders{"priority", "fifo", "nearest_deadline"};
+  /// Of the worlds in turn, begun with another one for each seed.
+  std::vector<std::string> methods{"ig-mcts", "instruction"};
+  /// Of the simulated operator.
+  operators::InteractionTimeParameters interaction{4.0, 6.0, 6.0, 0.5};
+  int seeds = 10;
+  std::uint64_t seed = 1;  // the first
+  double minutes = 4.0;    // of a trial
+  int goals = 30;          // of each robot: more than it can reach in that time
+  int robots_per_world = 1;
+  double answer_timeout_s = 60.0;  // after which a robot goes on without an answer to its picture
+  double speed = 20.0;             // simulated seconds per wall second
+  int jobs = 1;
+  std::string dds;
+  std::filesystem::path out = "runs/supervision";
+  std::filesystem::path json;
+};
+
+/// "picture=6,blocked=10,path=12,log_sd=0.5"; what is not named stays. Errors: kInvalidArgument.
+[[nodiscard]] Result<void> ParseInteractionTimes(const std::string& text,
+                                                 operators::InteractionTimeParameters& times);
+
+/// Refuses what cannot be: the option by name, its value, what would do.
+[[nodiscard]] Result<void> Validate(const SupervisionOptions& options);
+
+/// One run of all services.
+struct SupervisionTrial {
+  int robots = 1;
+  std::string order;
+  std::uint64_t seed = 1;
+  std::string name() const;  // "n04-fifo-seed3"
+};
+
+/// Orders innermost, so that what is compared runs close together.
+std::vector<SupervisionTrial> TrialsOf(const SupervisionOptions& options);
+
+}  // namespace conav::study

@@ -1,0 +1,170 @@
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "study/supervision_plan.h"
+#include "study/supervision_report.h"
+#include "support/temporary_folder.h"
+
+namespace conav::study {
+namespace {
+
+SupervisionOptions Small() {
+  SupervisionOptions options;
+  options.robots = {1, 4};
+  options.orders = {"priority", "fifo"};
+  options.seeds = 3;
+  return options;
+}
+
+/// NT 20 s, IT 10 s, half of the time busy; priority brings one more goal than FIFO.
+SupervisionRecord RecordOf(const SupervisionTrial& trial) {
+  SupervisionRecord record;
+  record.trial = trial;
+  record.minutes = 2.0;
+  record.goals = 10.0 + static_cast<double>(trial.seed) + (trial.order == "priority" ? 1.0 : 0.0);
+  record.workload.neglect_time_s = 20.0;
+  record.workload.interaction_time_s = 10.0;
+  record.workload.observed_s = 120.0;
+  record.workload.busy_s = 60.0;
+  record.workload.fan_out = 3.0;
+  record.workload.waiting_time_s = 4.0;
+  return record;
+}
+
+std::vector<SupervisionRecord> AllRecords(const SupervisionOptions& options) {
+  std::vector<SupervisionRecord> records;
+  for (const SupervisionTrial& trial : TrialsOf(options)) records.push_back(RecordOf(trial));
+  return records;
+}
+
+TEST_CASE("Every number of robots with every order and seed", "[study][supervision]") {
+  const auto trials = TrialsOf(Small());
+  REQUIRE(trials.size() == 12);
+  CHECK(trials[0].name() == "n01-priority-seed1");
+  CHECK(trials[1].name() == "n01-fifo-seed1");
+  CHECK(trials[11].name() == "n04-fifo-seed3");
+}
+
+TEST_CASE("Interaction times are parsed by name, nonsense is refused by its text",
+          "[study][supervision]") {
+  operators::InteractionTimeParameters times{6.0, 10.0, 12.0, 0.5};
+  REQUIRE(ParseInteractionTimes("blocked=3.5,log_sd=0", times));
+  CHECK(times.blocked_s == 3.5);
+  CHECK(times.log_sd == 0.0);
+  CHECK(times.picture_s == 6.0);
+  for (const char* text :
+       {"picture", "picture=", "picture=x", "picture=-1", "look=3", "picture=4s"}) {
+    const auto parsed = ParseInteractionTimes(text, times);
+    REQUIRE_FALSE(parsed);
+    CHECK(parsed.error().text.find(text) != std::string::npos);
+  }
+}
+
+TEST_CASE("Impossible options are refused by name", "[study][supervision]") {
+  CHECK(Validate(Small()));
+  SupervisionOptions options = Small();
+  options.robots = {0};
+  CHECK(Validate(options).error().text == "--robots: 0 is not in [1, 64]");
+  options = Small();
+  options.orders = {"fifo", "lifo"};
+  CHECK(Validate(options).error().text ==
+        "--orders: lifo is unknown; there are priority, fifo, nearest_deadline");
+  options = Small();
+  options.orders = {"fifo", "fifo"};
+  CHECK(Validate(options).error().text == "--orders: fifo is named twice");
+  options = Small();
+  options.methods.clear();
+  CHECK(Validate(options).error().text == "--methods: names none");
+  options = Small();
+  options.speed = 0.0;
+  CHECK(Validate(options).error().text == "--speed: 0 is not in [0.1, 1000]");
+}
+
+TEST_CASE("Robots fill their worlds, worlds have the methods in turn, every robot one planner",
+          "[study][supervision]") {
+  const test::TemporaryFolder folder;
+  SupervisionOptions options = Small();
+  options.robots_per_world = 2;
+  const SupervisionTrial trial{3, "fifo", 2};
+  const launcher::Episode episode = EpisodeFor(trial, options);
+  REQUIRE(episode.robots.size() == 3);
+  REQUIRE(episode.worlds.size() == 2);
+  CHECK(episode.robots[2].world == "w2");
+  CHECK(MethodOf(0, trial, options) == "ig-mcts");
+  CHECK(MethodOf(1, trial, options) == "instruction");
+
+  const launcher::RunFolder run(folder.path(), {}, 2);
+  const auto services = PlanServices(trial, options, {}, episode, run);
+  REQUIRE(services.size() == 5);
+  CHECK(services[1].config.find("order: fifo") != std::string::npos);
+  CHECK(services[2].config.find("order: queue") != std::string::npos);
+  CHECK(services[3].config.find("w1/r2") != std::string::npos);
+  CHECK(services[3].config.find("w2/r3") == std::string::npos);
+  CHECK(services[4].config.find("w2/r3") != std::string::npos);
+  CHECK(services[4].config.find("timeout_clock: simulation") != std::string::npos);
+
+  const auto simulators = PlanSimulators(trial, options, {}, episode);
+  REQUIRE(simulators.size() == 2);
+  CHECK(simulators[0].config.find("publish_clock: true") != std::string::npos);
+  CHECK(simulators[1].config.find("publish_clock: false") != std::string::npos);
+  CHECK(simulators[0].config.find("stream: false") != std::string::npos);
+  CHECK(simulators[1].config.find("stream: true") != std::string::npos);
+}
+
+TEST_CASE("Measures: per minute, shares, and predictions from NT and IT, by hand",
+          "[study][supervision]") {
+  const SupervisionRecord one = RecordOf({1, "fifo", 2});
+  CHECK(FindMeasure("goals_per_minute").value(one) == 6.0);
+  CHECK(FindMeasure("utilisation").value(one) == 0.5);
+  CHECK(FindMeasure("fan_out").value(one) == 1.0);  // no more than there are robots
+  CHECK(FindMeasure("fan_out").value(RecordOf({4, "fifo", 2})) == 3.0);
+  const SupervisionRecord two = RecordOf({2, "fifo", 2});
+  CHECK(FindMeasure("queue_utilisation").value(two) == Approx(0.6));
+  CHECK(FindMeasure("queue_waiting_s").value(two) == Approx(10.0 / 3.0));
+  CHECK(FindMeasure("queue_attended_robots").value(two) == Approx(1.8));
+}
+
+TEST_CASE("Cells have mean and interval, orders are compared by seed", "[study][supervision]") {
+  const SupervisionOptions options = Small();
+  const auto records = AllRecords(options);
+  const SupervisionSummary summary = Summarise(options, records);
+  REQUIRE(summary.cells.size() == 4);
+  CHECK(summary.cells[0].records.size() == 3);
+  CHECK(summary.cells[0].Mean(FindMeasure("goals_per_minute")) == Approx(6.5));
+  // sd 0.5 of three, t(2) = 4.303
+  CHECK(summary.cells[0].HalfInterval(FindMeasure("goals_per_minute")) ==
+        Approx(4.3027 * 0.5 / std::sqrt(3.0)).epsilon(1e-4));
+  REQUIRE(summary.comparisons.size() == 6);
+  CHECK(summary.comparisons[0].pairs.at(0).t.mean_difference == Approx(0.5));
+}
+
+TEST_CASE("A failed trial is named and leaves its seed out of the comparison",
+          "[study][supervision]") {
+  const SupervisionOptions options = Small();
+  auto records = AllRecords(options);
+  records[0].failure = "sim-w1 died";
+  const SupervisionSummary summary = Summarise(options, records);
+  CHECK(summary.cells[0].records.size() == 2);
+  REQUIRE(summary.failed.size() == 1);
+  CHECK(summary.comparisons[0].pairs.at(0).t.df == 1.0);
+  CHECK(SupervisionText(options, summary).find("sim-w1 died") != std::string::npos);
+  const std::string csv = SupervisionCsv(records);
+  CHECK(csv.find("\n1,priority,1,,") != std::string::npos);
+  CHECK(csv.find("\n1,fifo,1,5.5,") != std::string::npos);
+}
+
+TEST_CASE("Text, JSON, page and plot say that the operator was simulated", "[study][supervision]") {
+  const SupervisionOptions options = Small();
+  const auto records = AllRecords(options);
+  const SupervisionSummary summary = Summarise(options, records);
+  CHECK(SupervisionText(options, summary).find("SIMULATED") != std::string::npos);
+  CHECK(SupervisionPage(options, summary).find("SIMULATED") != std::string::npos);
+  CHECK(SupervisionPlot(options, summary).find("simulated operator") != std::string::npos);
+  const auto json = SupervisionJson(options, summary);
+  CHECK(json["simulated"] == true);
+  CHECK(json["metrics"]["goals_per_minute_priority_4"] == Approx(6.5));
+  CHECK(json["cells"].size() == 4);
+}
+
+}  // namespace
+}  // namespace conav::study
