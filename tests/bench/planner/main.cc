@@ -90,7 +90,7 @@ class Benchmark {
     for (std::size_t i = 0; i < worlds_.size(); ++i) {
       const auto cache = MakeCache();
       planner::IgMctsMethod method({.options = search}, i + 1, cache, clock_);
-      const auto result = planner::RunEpisode(worlds_[i], method, {}, i + 1, {},
+      const auto result = planner::RunEpisode(worlds_[i], method, person_, i + 1, {},
                                               [&](const Situation& s) { Keep(s); });
       decisions.ms.insert(decisions.ms.end(), result.decision_ms.begin(), result.decision_ms.end());
       decisions.evaluations += cache->counts().asked;
@@ -214,6 +214,7 @@ class Benchmark {
   nhpm::NetworkModel model_;
   std::shared_ptr<const nhpm::PerceptionNetwork> network_;
   std::vector<sim::WorldSpec> worlds_;
+  const operators::SyntheticOperatorParameters person_;
   std::vector<Situation> situations_;  // of the first Play()
   bool keeps_ = true;
   SteadyClock clock_;
