@@ -44,8 +44,8 @@ std::filesystem::path RunFolder::log(const std::string& service) const {
 }
 
 std::filesystem::path RunFolder::decisions(const std::string& planner) const {
-  return path_ / (planner == "planner" ? "decisions.pb.zst"
-                                       : fmt::format("decisions-{}.pb.zst", planner));
+  return path_ /
+         (planner == "planner" ? "decisions.pb.zst" : fmt::format("decisions-{}.pb.zst", planner));
 }
 
 void RunFolder::Write(const std::filesystem::path& file, const std::string& text) const {

@@ -145,12 +145,11 @@ class Crowd {
         .report = [](const SearchReport&) {},
         .attention = [this, &robot](const AttentionRequest&) { Guide(robot); },
         .way = [](const RobotState&, const MapUpdate&, const std::vector<Cell>&) {}};
-    auto method = MakeMethod(options_.method, name, {search, {}},
-                             DeriveSeed(options_.seed, robots_.size()), options_.model, nullptr,
-                             clock_);
+    auto method =
+        MakeMethod(options_.method, name, {search, {}}, DeriveSeed(options_.seed, robots_.size()),
+                   options_.model, nullptr, clock_);
     const DecisionGate::Options gate{std::chrono::seconds(10), std::chrono::seconds(10),
-                                     method->pictures_are_answered(),
-                                     method->heeds_operator()};
+                                     method->pictures_are_answered(), method->heeds_operator()};
     robot.worker.emplace(RobotWorker::Options{.robot = name,
                                               .method_name = options_.method,
                                               .gate = gate,
