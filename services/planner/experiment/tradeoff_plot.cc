@@ -16,6 +16,7 @@ constexpr double kLeft = 56.0;
 constexpr double kTop = 40.0;
 constexpr double kBelow = 96.0;
 constexpr double kBetween = 64.0;
+constexpr double kPictureTicks[]{0.0, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0};
 
 struct Look {
   const char* policy;
@@ -73,23 +74,25 @@ class Panel {
       least = std::min(least, row->moves.interval.low);
       most = std::max(most, row->moves.interval.high);
     }
-    pictures_ = ScaleFor(0.0, pictures);
+    most_pictures_ = std::max(pictures, 1.0);
     moves_ = ScaleFor(least, most);
   }
 
   void DrawAxes(const std::string& title) {
     canvas_.Text({left_, kTop - 14}, title, "font-size=\"14\" font-weight=\"bold\"");
-    for (double value = pictures_.low; value <= pictures_.high + 1e-9; value += pictures_.step) {
+    for (const double value : kPictureTicks) {
+      if (value > most_pictures_) break;
       canvas_.Line(At(value, moves_.low), At(value, moves_.high), "stroke=\"#e5e5e5\"");
       canvas_.Text({At(value, 0).x, kTop + kPanel + 18}, fmt::format("{:g}", value),
                    "font-size=\"11\" text-anchor=\"middle\" fill=\"#444444\"");
     }
     for (double value = moves_.low; value <= moves_.high + 1e-9; value += moves_.step) {
-      canvas_.Line(At(pictures_.low, value), At(pictures_.high, value), "stroke=\"#e5e5e5\"");
+      canvas_.Line(At(0.0, value), At(most_pictures_, value), "stroke=\"#e5e5e5\"");
       canvas_.Text({left_ - 6, At(0, value).y + 4}, fmt::format("{:g}", value),
                    "font-size=\"11\" text-anchor=\"end\" fill=\"#444444\"");
     }
-    canvas_.Text({left_ + kPanel / 2, kTop + kPanel + 38}, "pictures per episode",
+    canvas_.Text({left_ + kPanel / 2, kTop + kPanel + 38},
+                 "pictures per episode (square-root scale)",
                  "font-size=\"12\" text-anchor=\"middle\"");
     canvas_.Text({left_ - 44, kTop - 14}, "moves", "font-size=\"12\"");
   }
@@ -106,7 +109,7 @@ class Panel {
 
  private:
   PixelPosition At(double pictures, double moves) const {
-    return {left_ + kPanel * pictures_.Share(pictures),
+    return {left_ + kPanel * std::sqrt(pictures / most_pictures_),
             kTop + kPanel * (1.0 - moves_.Share(moves))};
   }
 
@@ -126,7 +129,8 @@ class Panel {
 
   SvgCanvas& canvas_;
   double left_;
-  Scale pictures_, moves_;
+  double most_pictures_ = 1.0;
+  Scale moves_;
 };
 
 void DrawLegend(SvgCanvas& canvas) {
