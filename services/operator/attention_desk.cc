@@ -34,6 +34,7 @@ void AttentionDesk::Edited(const std::string& client, const std::string& world, 
 OperatorReply AttentionDesk::Select(const OperatorRequest& request, SimTime now) {
   OperatorReply& newest = newest_selections_[request.client];
   if (newest.request_id == request.request_id) return newest;
+  TakeArrivals(now);
   const auto selected = queue_.Select(request.client, std::get<SelectRequest>(request.body), now);
   newest = {request.client, request.request_id, selected.has_value(), "", 0};
   if (selected) {
@@ -44,10 +45,14 @@ OperatorReply AttentionDesk::Select(const OperatorRequest& request, SimTime now)
   return newest;
 }
 
+void AttentionDesk::TakeArrivals(SimTime now) {
+  for (const AttentionItem& item : queue_.TakeArrivals()) meter_.Arrived(item, now);
+}
+
 void AttentionDesk::Step(SimTime now) {
   queue_.Update(meter_.times(), now);
+  TakeArrivals(now);
   for (const auto& departure : queue_.TakeDepartures()) meter_.Left(departure);
-  for (const AttentionItem& item : queue_.TakeArrivals()) meter_.Arrived(item, now);
   meter_.Advance(queue_.robots_at_work(), queue_.robots_waiting(), now);
   const bool changed = queue_.items() != published_.items;
   if (changed || clock_.Now() - published_at_ >= kPeriod) Publish(now);

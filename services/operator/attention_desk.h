@@ -45,6 +45,8 @@ class AttentionDesk {
   const std::vector<AttentionItem>& items() const { return queue_.items(); }
 
  private:
+  /// The meter hears of a question before it hears what became of it.
+  void TakeArrivals(SimTime now);
   void Publish(SimTime now);
 
   AttentionOptions options_;

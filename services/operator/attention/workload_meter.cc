@@ -38,6 +38,7 @@ double Percentile95(const std::deque<double>& values) {
 }  // namespace
 
 void WorkloadMeter::Arrived(const AttentionItem& item, SimTime now) {
+  waiting_since_[{item.robot, item.reason}] = item.since;
   const auto since = neglect_since_.find(item.robot);
   if (since == neglect_since_.end()) return;
   Keep(neglect_s_, Between(since->second, now));
@@ -53,7 +54,7 @@ void WorkloadMeter::Selected(const std::string& client, const AttentionItem& ite
     open_.erase(before);
   }
   if (!IsQuestion(item.reason)) return;
-  AddWait(Between(item.since, now));
+  EndWait(item, now);
   open_[client] = {item.robot, item.world, item.reason, now, std::nullopt, false};
 }
 
@@ -83,7 +84,8 @@ void WorkloadMeter::Left(const AttentionQueue::Departure& departure) {
   value_lost_ += item.value_lost_per_s * Between(item.since, departure.at);
   neglect_since_[item.robot] = departure.at;
   if (!departure.answered) ++abandoned_;
-  if (item.selected_by.empty()) return AddWait(Between(item.since, departure.at));
+  if (!item.selected_by.empty()) waiting_since_.erase({item.robot, item.reason});
+  if (item.selected_by.empty()) return EndWait(item, departure.at);
   const auto found = open_.find(item.selected_by);
   if (found == open_.end() || found->second.is_over || !departure.answered) return;
   Interaction& open = found->second;
@@ -104,7 +106,16 @@ void WorkloadMeter::Close(const Interaction& interaction, SimTime now) {
   times_.Add(interaction.reason, seconds);
 }
 
-void WorkloadMeter::AddWait(double seconds) { Keep(wait_s_, seconds); }
+void WorkloadMeter::EndWait(const AttentionItem& item, SimTime now) {
+  waiting_since_.erase({item.robot, item.reason});
+  Keep(wait_s_, Between(item.since, now));
+}
+
+std::deque<double> WorkloadMeter::Waits(SimTime now) const {
+  std::deque<double> waits = wait_s_;
+  for (const auto& [question, since] : waiting_since_) waits.push_back(Between(since, now));
+  return waits;
+}
 
 void WorkloadMeter::Advance(std::size_t robots_at_work, std::size_t robots_waiting, SimTime now) {
   if (observed_since_) {
@@ -141,8 +152,9 @@ OperatorWorkload WorkloadMeter::Workload(SimTime now) const {
   }
   workload.interaction_time_s = MeanOf(interaction_s_);
   workload.neglect_time_s = MeanOf(neglect_s_);
-  workload.waiting_time_s = MeanOf(wait_s_);
-  workload.waiting_time_p95_s = Percentile95(wait_s_);
+  const std::deque<double> waits = Waits(now);
+  workload.waiting_time_s = MeanOf(waits);
+  workload.waiting_time_p95_s = Percentile95(waits);
   workload.value_lost = value_lost_;
   workload.utilisation = BusyInWindow(now);
   if (workload.observed_s > 0.0) {

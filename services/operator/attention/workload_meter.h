@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "operator/attention/attention_queue.h"
 #include "operator/attention/interaction_times.h"
@@ -17,7 +18,8 @@ namespace conav::operators {
 ///        world, up to linger_s after the answer (Crandall, Goodrich, Olsen and Nielsen, IEEE Trans.
 ///        SMC-A 35(4), 2005)
 ///   NT   from when a robot's question left the queue until its next one came
-///   WTQ  from a question to its selection, or, when nobody selected it, to its end
+///   WTQ  from a question to its selection, or, when nobody selected it, to its end; of those that
+///        wait still, as far as they have waited, or an order that never serves some would look good
 ///   UT   share of the time in which an interaction was open
 ///
 /// Means are those of the newest 1000; counts and sums of all. Seconds of the operator's time.
@@ -55,7 +57,9 @@ class WorkloadMeter {
 
   void Close(const Interaction& interaction, SimTime now);
   double BusyInWindow(SimTime now) const;
-  void AddWait(double seconds);
+  /// The waits that have ended and those that have not.
+  std::deque<double> Waits(SimTime now) const;
+  void EndWait(const AttentionItem& item, SimTime now);
 
   AttentionOptions options_;
   InteractionTimes times_;
@@ -63,7 +67,8 @@ class WorkloadMeter {
   std::map<std::string, SimTime> neglect_since_;  // by robot
   std::deque<double> interaction_s_;
   std::deque<double> neglect_s_;
-  std::deque<double> wait_s_;
+  std::deque<double> wait_s_;  // of those that have ended
+  std::map<std::pair<std::string, AttentionReason>, SimTime> waiting_since_;  // the others
   std::deque<Span> busy_spans_;
   std::uint64_t interactions_ = 0;
   std::uint64_t abandoned_ = 0;

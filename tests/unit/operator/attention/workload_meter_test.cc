@@ -89,6 +89,19 @@ TEST_CASE("A question that nobody answered counts as abandoned and its wait coun
   CHECK(meter.Workload(At(45)).neglect_time_s == 15.0);
 }
 
+TEST_CASE("Questions that wait still count as far as they have waited", "[operator][attention]") {
+  WorkloadMeter meter({});
+  meter.Advance(2, 0, At(0));
+  meter.Arrived(Blocked("r1", 0), At(0));
+  meter.Arrived(Blocked("r2", 10), At(10));
+  CHECK(meter.Workload(At(20)).waiting_time_s == 15.0);
+  meter.Selected("anna", Blocked("r1", 0), At(20));
+  CHECK(meter.Workload(At(40)).waiting_time_s == 25.0);
+  CHECK(meter.Workload(At(40)).waiting_time_p95_s == 30.0);
+  meter.Left({Blocked("r2", 10), At(40), false});
+  CHECK(meter.Workload(At(90)).waiting_time_s == 25.0);
+}
+
 TEST_CASE("Who turns to another robot has ended the interaction; without a command it has no time",
           "[operator][attention]") {
   WorkloadMeter meter({});
