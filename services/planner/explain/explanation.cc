@@ -101,8 +101,8 @@ std::string Price(const DecisionRecord& decision, const SearchAction& picture) {
   const double cost = picture.information_gain - picture.mean_value;
   const int unvisited = UnvisitedGuidance(decision);
   return fmt::format(
-      "was expected to change {:.2f} cells of the operator's map and costs {:.2f} ({:.2f} and {} "
-      "cells of the operator's path still ahead)",
+      "was expected to change {:.2f} cells of the operator's map and costs {:.2f}: {:.2f} with its "
+      "turn, and {} for the cells of the operator's path still ahead",
       picture.information_gain, cost, cost - unvisited, unvisited);
 }
 
@@ -129,9 +129,10 @@ std::string AboutPictures(const DecisionRecord& decision, const SearchAction& ta
   if (IsPicture(taken)) {
     const SearchAction* move =
         BestOf(report, [](const auto& action) { return !IsPicture(action); });
-    const std::string alternative =
-        move == nullptr ? "There was no way to move." : AgainstMove(decision, taken, *move);
-    return fmt::format("The picture {}. {}", Price(decision, taken), alternative);
+    std::string text = fmt::format("The picture {}.", Price(decision, taken));
+    if (move == nullptr) return text + " No move was tried.";
+    // A runner-up has been compared already.
+    return move == RunnerUp(decision) ? text : text + " " + AgainstMove(decision, taken, *move);
   }
   const SearchAction* picture = nullptr;
   for (const SearchAction& action : report.actions) {
@@ -140,7 +141,7 @@ std::string AboutPictures(const DecisionRecord& decision, const SearchAction& ta
   }
   if (picture == nullptr) return NoPictures(report);
   const double difference = picture->mean_value - taken.mean_value;
-  return fmt::format("The best picture, to the {}, {}: worth {:.2f}, {} than the move{}.",
+  return fmt::format("The best picture, to the {}, {}. It is worth {:.2f}, {} than the move{}.",
                      HeadingName(picture->heading_rad), Price(decision, *picture),
                      picture->mean_value, Difference(difference),
                      difference < 0.0 ? "; it was not worth its cost" : "");

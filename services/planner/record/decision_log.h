@@ -8,7 +8,7 @@
 namespace conav::planner {
 
 /// A file of decisions (idl/decisions.proto) that grows while a planner runs: a FrameLog, each
-/// decision a frame of its own. A decision takes about 6 kB with a whole tree.
+/// decision a frame of its own. A decision takes about 2 kB, several with a whole tree.
 class DecisionLog {
  public:
   /// Goes on after what the file has. Errors: as FrameLog::Open(); kMalformed also for a file of

@@ -28,19 +28,34 @@ TEST_CASE("a move is explained by what the runner-up lacks and what a picture wo
         "(-3.50) and goals (-3.00).");
   CHECK(why[2] ==
         "The best picture, to the north, was expected to change 2.75 cells of the operator's map "
-        "and costs 12.00 (10.00 and 2 cells of the operator's path still ahead): worth -9.25, "
-        "110.25 less than the move; it was not worth its cost.");
+        "and costs 12.00: 10.00 with its turn, and 2 for the cells of the operator's path still "
+        "ahead. It is worth -9.25, 110.25 less than the move; it was not worth its cost.");
 }
 
-TEST_CASE("a picture is explained by its gain, its cost and the best move", "[planner][explain]") {
+constexpr const char* kPriceOfPicture =
+    "The picture was expected to change 120.00 cells of the operator's map and costs 12.00: 10.00 "
+    "with its turn, and 2 for the cells of the operator's path still ahead.";
+
+TEST_CASE("a picture is explained by its gain and its cost", "[planner][explain]") {
   const auto why = Why(SamplePicture(13));
   REQUIRE(why.size() == 3);
   CHECK(why[0] == "Taken: picture to the north, visited 60 of 100 times, worth 108.00.");
-  CHECK(why[2] ==
-        "The picture was expected to change 120.00 cells of the operator's map and costs 12.00 "
-        "(10.00 and 2 cells of the operator's path still ahead). Moving on (move west to (2,1)) "
-        "was worth 90.50: 17.50 less than the picture, most by information (-117.00) and "
-        "progress (-2.00).");
+  CHECK(why[1] ==
+        "The runner-up, move west to (2,1) (30 visits), is worth 17.50 less, most by information "
+        "(-117.00) and progress (-2.00).");
+  CHECK(why[2] == kPriceOfPicture);
+}
+
+TEST_CASE("a picture is also compared with the best move, where that is not the runner-up",
+          "[planner][explain]") {
+  DecisionRecord decision = SamplePicture(13);
+  decision.report.actions[3].visits = 40;
+  CHECK(Why(decision)[2] ==
+        std::string(kPriceOfPicture) +
+            " Moving on (move west to (2,1)) was worth 90.50: 17.50 less than the picture, most by "
+            "information (-117.00) and progress (-2.00).");
+  decision.report.actions[0].visits = decision.report.actions[1].visits = 0;
+  CHECK(Why(decision)[2] == std::string(kPriceOfPicture) + " No move was tried.");
 }
 
 TEST_CASE("a runner-up with the higher mean is not hidden", "[planner][explain]") {
