@@ -111,11 +111,12 @@ TEST_CASE("a planner that is started by hand in the middle gets its share", "[la
   DemoRun demo(SharedRun("cyclonedds", "1"));
   demo.PidOf("planner");
   REQUIRE(demo.WaitForMoves());
-  // The demo's own configuration under another name.
+  // The demo's own configuration under another name, with a record of its own.
   const auto config = demo.RunFolder() / "config" / "planner-late.yaml";
   std::ifstream original(demo.RunFolder() / "config" / "planner.yaml");
   std::string text{std::istreambuf_iterator<char>(original), {}};
   text = std::regex_replace(text, std::regex("name: planner\\b"), "name: planner-late");
+  text = std::regex_replace(text, std::regex("decisions\\.pb"), "decisions-planner-late.pb");
   std::ofstream(config) << text;
   conav::launcher::Process late(
       "planner-late", {std::string(CONAV_BIN_DIR) + "/conav-planner", "--config", config.string()},
