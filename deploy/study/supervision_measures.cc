@@ -87,6 +87,8 @@ const std::vector<SupervisionMeasure>& SupervisionMeasures() {
        [](Record r) { return Predicted(r).utilisation; }},
       {"queue_waiting_s", "wait M/M/1//N", "Waiting time predicted, M/M/1//N, s",
        [](Record r) { return Predicted(r).waiting_time; }},
+      {"pace", "pace", "Simulated seconds per second, as a share of --speed",
+       [](Record r) { return r.pace; }},
   };
   return measures;
 }
@@ -131,7 +133,11 @@ SupervisionSummary Summarise(const SupervisionOptions& options,
     }
   }
   for (const SupervisionRecord& record : records) {
-    if (!record.failure.empty()) summary.failed.push_back(&record);
+    if (!record.failure.empty()) {
+      summary.failed.push_back(&record);
+    } else if (record.pace < kLeastPace) {
+      summary.slow.push_back(&record);
+    }
   }
   for (const int robots : options.robots) {
     std::vector<const SupervisionCell*> cells;

@@ -17,6 +17,7 @@ struct SupervisionRecord {
   double goals = 0.0;  // of all robots
   OperatorWorkload workload;
   double wall_s = 0.0;  // from the simulators' start
+  double pace = 0.0;    // simulated seconds per wall second, as a share of what was asked for
 };
 
 /// One figure of a trial.
@@ -30,7 +31,7 @@ struct SupervisionMeasure {
 /// goals_per_minute, waiting_s, waiting_p95_s, value_lost_per_minute, abandoned, utilisation,
 /// interaction_s, neglect_s, attended_robots and the predictions of the last four from NT and IT:
 /// fan_out, fan_out_with_waits (both at most the number of robots), queue_attended_robots,
-/// queue_utilisation, queue_waiting_s (finite-source queue M/M/1//N).
+/// queue_utilisation, queue_waiting_s (finite-source queue M/M/1//N); pace.
 const std::vector<SupervisionMeasure>& SupervisionMeasures();
 /// One of them.
 const SupervisionMeasure& FindMeasure(const std::string& key);
@@ -53,10 +54,14 @@ struct SupervisionComparison {
   std::vector<statistics::Pair> pairs;
 };
 
+/// Below this pace a machine was too slow: answers took simulation time that no operator needed.
+inline constexpr double kLeastPace = 0.9;
+
 struct SupervisionSummary {
   std::vector<SupervisionCell> cells;  // by robots, then order, as asked for
   std::vector<SupervisionComparison> comparisons;
   std::vector<const SupervisionRecord*> failed;
+  std::vector<const SupervisionRecord*> slow;  // measured, below kLeastPace
 };
 
 /// `records` outlive it.

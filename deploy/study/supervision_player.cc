@@ -137,7 +137,9 @@ class Trial {
       record_.goals += static_cast<double>(robot.state->goals_reached.size());
       seconds += robot.state->stamp.ToSeconds();
     }
-    record_.minutes = seconds / static_cast<double>(episode_.robots.size()) / 60.0;
+    seconds /= static_cast<double>(episode_.robots.size());
+    record_.minutes = seconds / 60.0;
+    if (record_.wall_s > 0.0) record_.pace = seconds / record_.wall_s / options_.speed;
   }
 
   SupervisionTrial trial_;

@@ -59,6 +59,17 @@ statistics::ReportSection ComparisonSection(const SupervisionSummary& summary) {
   return section;
 }
 
+statistics::ReportSection SlowSection(const SupervisionSummary& summary) {
+  statistics::ReportSection section;
+  section.title = "Trials in which the machine did not keep pace";
+  section.header = {"trial", "share of --speed"};
+  for (const SupervisionRecord* record : summary.slow) {
+    section.rows.push_back({record->trial.name(), fmt::format("{:.2f}", record->pace)});
+  }
+  section.remarks = {"They are in the tables. A lower --speed or an idle machine mends it."};
+  return section;
+}
+
 statistics::ReportSection FailedSection(const SupervisionSummary& summary) {
   statistics::ReportSection section;
   section.title = "Trials that failed";
@@ -91,6 +102,7 @@ std::vector<statistics::ReportSection> SupervisionSections(const SupervisionSumm
       CellSection("Fan-out: measured and predicted", kFanOutKeys, summary),
       CellSection("Utilisation and waiting: measured and predicted", kQueueKeys, summary)};
   if (!summary.comparisons.empty()) sections.push_back(ComparisonSection(summary));
+  if (!summary.slow.empty()) sections.push_back(SlowSection(summary));
   if (!summary.failed.empty()) sections.push_back(FailedSection(summary));
   return sections;
 }
@@ -125,6 +137,7 @@ nlohmann::ordered_json SupervisionJson(const SupervisionOptions& options,
                               {"cells", nlohmann::ordered_json::array()},
                               {"comparisons", nlohmann::ordered_json::array()},
                               {"failed", nlohmann::ordered_json::array()},
+                              {"slow", nlohmann::ordered_json::array()},
                               {"metrics", nlohmann::ordered_json::object()}};
   for (const SupervisionCell& cell : summary.cells) {
     nlohmann::ordered_json entry{
@@ -153,6 +166,9 @@ nlohmann::ordered_json SupervisionJson(const SupervisionOptions& options,
       if (pair.t_adjusted.holm) entry["p_holm"] = *pair.t_adjusted.holm;
       json["comparisons"].push_back(std::move(entry));
     }
+  }
+  for (const SupervisionRecord* record : summary.slow) {
+    json["slow"].push_back({{"trial", record->trial.name()}, {"pace", record->pace}});
   }
   for (const SupervisionRecord* record : summary.failed) {
     json["failed"].push_back({{"trial", record->trial.name()}, {"why", record->failure}});

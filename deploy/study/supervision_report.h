@@ -22,7 +22,7 @@ std::string SupervisionText(const SupervisionOptions& options, const Supervision
 std::string SupervisionCsv(const std::vector<SupervisionRecord>& records);
 
 /// `cells` (robots, order, trials, <measure>_mean, <measure>_half_interval), `comparisons`,
-/// `failed`, and `metrics` with <measure>_<order>_<robots> for goals_per_minute, waiting_s,
+/// `failed`, `slow`, and `metrics` with <measure>_<order>_<robots> for goals_per_minute, waiting_s,
 /// value_lost_per_minute, utilisation and attended_robots.
 nlohmann::ordered_json SupervisionJson(const SupervisionOptions& options,
                                        const SupervisionSummary& summary);

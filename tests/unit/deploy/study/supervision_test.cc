@@ -21,6 +21,7 @@ SupervisionRecord RecordOf(const SupervisionTrial& trial) {
   SupervisionRecord record;
   record.trial = trial;
   record.minutes = 2.0;
+  record.pace = 0.98;
   record.goals = 10.0 + static_cast<double>(trial.seed) + (trial.order == "priority" ? 1.0 : 0.0);
   record.workload.neglect_time_s = 20.0;
   record.workload.interaction_time_s = 10.0;
@@ -151,6 +152,21 @@ TEST_CASE("A failed trial is named and leaves its seed out of the comparison",
   const std::string csv = SupervisionCsv(records);
   CHECK(csv.find("\n1,priority,1,,") != std::string::npos);
   CHECK(csv.find("\n1,fifo,1,5.5,") != std::string::npos);
+}
+
+TEST_CASE("A trial in which the machine fell behind is named and stays in the tables",
+          "[study][supervision]") {
+  const SupervisionOptions options = Small();
+  auto records = AllRecords(options);
+  CHECK(Summarise(options, records).slow.empty());
+  records[3].pace = 0.5;
+  const SupervisionSummary summary = Summarise(options, records);
+  REQUIRE(summary.slow.size() == 1);
+  CHECK(summary.cells[3].records.size() == 3);
+  const std::string text = SupervisionText(options, summary);
+  CHECK(text.find("did not keep pace") != std::string::npos);
+  CHECK(text.find("n04-fifo-seed1") != std::string::npos);
+  CHECK(SupervisionJson(options, summary)["slow"][0]["pace"] == 0.5);
 }
 
 TEST_CASE("Text, JSON, page and plot say that the operator was simulated", "[study][supervision]") {
