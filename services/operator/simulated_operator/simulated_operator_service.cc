@@ -5,6 +5,7 @@
 
 #include "common/protocol/convert.h"
 #include "common/service/robot_list.h"
+#include "operator/simulated_operator/ask_through.h"
 
 namespace conav::operators {
 namespace {
@@ -75,7 +76,7 @@ void SimulatedOperatorService::Step() {
     return diagnostics_.Tick([this] { return ReportTeleoperation(); });
   }
   TakeIn();
-  Ask();
+  AskThrough(client_, person_, clock_);
   diagnostics_.Tick([this] { return Report(); });
 }
 
@@ -98,20 +99,6 @@ void SimulatedOperatorService::TakeIn() {
     if (const auto time = ToDomain(message.clock())) person_.Hear(*time);
   }
   for (const AttentionQueueState& queue : queue_->TakeValid(kConvert)) person_.Hear(queue);
-}
-
-void SimulatedOperatorService::Ask() {
-  for (const OperatorClient::Outcome& outcome : client_.Poll()) {
-    if (!outcome.reply) {
-      LOG_WARNING("no reply", "reason", outcome.reply.error().text);
-    } else if (!outcome.reply->accepted) {
-      LOG_WARNING("refused", "id", outcome.request_id, "reason", outcome.reply->reason);
-    }
-    person_.Answered(outcome.reply, clock_.Now());
-  }
-  if (const auto ask = person_.Next(clock_.Now())) {
-    std::visit([&](const auto& body) { client_.Send(ask->world, body, ask->stamp); }, ask->body);
-  }
 }
 
 Health SimulatedOperatorService::Report() const {

@@ -45,7 +45,6 @@ class SimulatedOperatorService {
   struct RobotLink;
 
   void TakeIn();
-  void Ask();
   Health Report() const;
   Health ReportTeleoperation() const;
 

@@ -3,6 +3,7 @@
 #include <set>
 
 #include "common/protocol/convert.h"
+#include "operator/simulated_operator/ask_through.h"
 
 namespace conav::operators {
 namespace {
@@ -63,17 +64,7 @@ void TeleoperatorDesk::TakeIn() {
 
 void TeleoperatorDesk::Step() {
   TakeIn();
-  for (const OperatorClient::Outcome& outcome : client_.Poll()) {
-    if (!outcome.reply) {
-      LOG_WARNING("no reply", "reason", outcome.reply.error().text);
-    } else if (!outcome.reply->accepted) {
-      LOG_WARNING("refused", "id", outcome.request_id, "reason", outcome.reply->reason);
-    }
-    person_.Answered(outcome.reply, clock_.Now());
-  }
-  if (const auto ask = person_.Next(clock_.Now())) {
-    std::visit([&](const auto& body) { client_.Send(ask->world, body, ask->stamp); }, ask->body);
-  }
+  AskThrough(client_, person_, clock_);
 }
 
 }  // namespace conav::operators

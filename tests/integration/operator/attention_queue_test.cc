@@ -1,7 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "integration/operator/hand_made_sim.h"
-#include "operator/client/operator_client.h"
+#include "integration/operator/operator_bench.h"
 
 namespace conav::operators {
 namespace {
@@ -11,15 +10,9 @@ using namespace std::chrono_literals;
 const std::vector<std::string> kMap = {"######", "#    #", "# ## #", "#    #", "######"};
 constexpr std::int64_t kSecond = 1'000'000'000;
 
-/// The service on an in-memory bus with a hand-made simulator whose robot r1 was guided, and a
-/// client.
-struct Bench {
-  explicit Bench(const std::filesystem::path& database)
-      : sim(bus),
-        operator_participant("operator", bus),
-        client_participant("client", bus),
-        service(operator_participant, ConfigFor(database), clock),
-        client(client_participant, clock, {"anna", 0.25, 10.0}) {
+/// A bench whose robot r1 was guided.
+struct Bench : OperatorBench {
+  explicit Bench(const std::filesystem::path& database) : OperatorBench(database) {
     sim.PublishInitialMap(kMap);
     sim.PublishState({1, 1}, kSecond);
     service.Step();
@@ -27,15 +20,6 @@ struct Bench {
     sim.queue.Take();
   }
 
-  OperatorReply Settle(std::uint64_t id) {
-    service.Step();
-    for (const auto& outcome : client.Poll()) {
-      REQUIRE(outcome.reply.has_value());
-      if (outcome.request_id == id) return *outcome.reply;
-    }
-    FAIL("no reply to request " << id);
-    return {};
-  }
   OperatorReply Guide() {
     return Settle(client.Send("w1", GuideRequest{"r1", {{1, 1}, {1, 2}}, 0, 60.0}, {}));
   }
@@ -46,14 +30,6 @@ struct Bench {
     sim.PublishState({1, 1}, second * kSecond);
     service.Step();
   }
-
-  std::shared_ptr<bus::InMemoryBus> bus = std::make_shared<bus::InMemoryBus>();
-  FakeClock clock;
-  HandMadeSim sim;
-  bus::Participant operator_participant;
-  bus::Participant client_participant;
-  OperatorService service;
-  OperatorClient client;
 };
 
 TEST_CASE("Before anybody was heard of the queue is published, empty", "[operator][integration]") {

@@ -3,8 +3,7 @@
 #include <catch2/catch.hpp>
 #include <thread>
 
-#include "integration/operator/hand_made_sim.h"
-#include "operator/client/operator_client.h"
+#include "integration/operator/operator_bench.h"
 
 namespace conav::operators {
 namespace {
@@ -13,38 +12,10 @@ using namespace std::chrono_literals;
 
 const std::vector<std::string> kMap = {"######", "#  ? #", "# ## #", "#    #", "######"};
 
-/// The service on an in-memory bus with a hand-made simulator and one client.
-struct Bench {
-  explicit Bench(const std::filesystem::path& database)
-      : sim(bus),
-        operator_participant("operator", bus),
-        client_participant("client", bus),
-        service(operator_participant, ConfigFor(database), clock),
-        client(client_participant, clock, {"anna", 0.25, 10.0}) {}
-
-  OperatorReply Settle(std::uint64_t id) {
-    service.Step();
-    for (const auto& outcome : client.Poll()) {
-      REQUIRE(outcome.reply.has_value());
-      if (outcome.request_id == id) return *outcome.reply;
-    }
-    FAIL("no reply to request " << id);
-    return {};
-  }
-
-  std::shared_ptr<bus::InMemoryBus> bus = std::make_shared<bus::InMemoryBus>();
-  FakeClock clock;
-  HandMadeSim sim;
-  bus::Participant operator_participant;
-  bus::Participant client_participant;
-  OperatorService service;
-  OperatorClient client;
-};
-
 TEST_CASE("The initial map becomes revision 0, unknown cells at even odds",
           "[operator][integration]") {
   const TemporaryFolder folder;
-  Bench bench(folder / "operator.db");
+  OperatorBench bench(folder / "operator.db");
   bench.service.Step();
   CHECK(bench.sim.belief.Take().empty());
   bench.sim.PublishInitialMap(kMap);
@@ -59,7 +30,7 @@ TEST_CASE("The initial map becomes revision 0, unknown cells at even odds",
 TEST_CASE("An accepted edit and guidance are published, with the world's time",
           "[operator][integration]") {
   const TemporaryFolder folder;
-  Bench bench(folder / "operator.db");
+  OperatorBench bench(folder / "operator.db");
   bench.sim.PublishInitialMap(kMap);
   bench.sim.PublishState({1, 1}, 5'000'000'000);
   const auto edit = bench.client.Send("w1", EditRequest{0, {{{1, 3}, true}}}, {});
@@ -79,7 +50,7 @@ TEST_CASE("An accepted edit and guidance are published, with the world's time",
 TEST_CASE("Guidance for a robot that never reported, or of another world, is refused",
           "[operator][integration]") {
   const TemporaryFolder folder;
-  Bench bench(folder / "operator.db");
+  OperatorBench bench(folder / "operator.db");
   bench.sim.PublishInitialMap(kMap);
   CHECK_FALSE(bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {}, 0, 1.0}, {})).accepted);
   bench.sim.PublishState({1, 1}, 5, 0, "w2");
@@ -92,13 +63,13 @@ TEST_CASE("A service that starts again publishes what it knew once the initial m
           "[operator][integration]") {
   const TemporaryFolder folder;
   {
-    Bench bench(folder / "operator.db");
+    OperatorBench bench(folder / "operator.db");
     bench.sim.PublishInitialMap(kMap);
     bench.sim.PublishState({1, 1}, 5);
     bench.Settle(bench.client.Send("w1", EditRequest{0, {{{1, 3}, true}}}, {}));
     bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {{1, 1}}, 0, 1.0}, {}));
   }
-  Bench again(folder / "operator.db");
+  OperatorBench again(folder / "operator.db");
   OperatorClient bert(again.client_participant, again.clock, {"bert", 0.25, 10.0});
   bert.Send("w1", EditRequest{1, {{{1, 1}, true}}}, {});
   again.service.Step();
@@ -121,12 +92,12 @@ TEST_CASE("A database of another world is refused by name and nothing of it is p
           "[operator][integration]") {
   const TemporaryFolder folder;
   {
-    Bench bench(folder / "operator.db");
+    OperatorBench bench(folder / "operator.db");
     bench.sim.PublishInitialMap(kMap);
     bench.sim.PublishState({1, 1}, 5);
     bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {{1, 1}}, 0, 1.0}, {}));
   }
-  Bench other(folder / "operator.db");
+  OperatorBench other(folder / "operator.db");
   bus::Subscriber<diagnostic_msgs::msg::DiagnosticArray> health(other.client_participant,
                                                                 bus::kDiagnostics);
   std::vector<std::string> maze = kMap;
@@ -159,20 +130,20 @@ TEST_CASE("A database of another world is refused by name and nothing of it is p
 TEST_CASE("A refused database stays as it is", "[operator][integration]") {
   const TemporaryFolder folder;
   {
-    Bench bench(folder / "operator.db");
+    OperatorBench bench(folder / "operator.db");
     bench.sim.PublishInitialMap(kMap);
     bench.sim.PublishState({1, 1}, 5, 3);
     bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {{1, 1}}, 3, 1.0}, {}));
   }
   {
-    Bench other(folder / "operator.db");
+    OperatorBench other(folder / "operator.db");
     std::vector<std::string> maze = kMap;
     maze[1][1] = '#';
     other.sim.PublishInitialMap(maze);
     other.sim.PublishState({1, 2}, 5, 0);  // fewer pictures than the guidance answers
     other.service.Step();
   }
-  Bench again(folder / "operator.db");
+  OperatorBench again(folder / "operator.db");
   again.sim.PublishInitialMap(kMap);
   again.sim.PublishState({1, 1}, 5, 3);
   again.service.Step();
@@ -186,13 +157,13 @@ TEST_CASE("Stored guidance is withdrawn from a robot that counts its pictures an
           "[operator][integration]") {
   const TemporaryFolder folder;
   {
-    Bench bench(folder / "operator.db");
+    OperatorBench bench(folder / "operator.db");
     bench.sim.PublishInitialMap(kMap);
     bench.sim.PublishState({1, 1}, 5, 3);
     REQUIRE(
         bench.Settle(bench.client.Send("w1", GuideRequest{"r1", {{1, 1}}, 3, 1.0}, {})).accepted);
   }
-  Bench again(folder / "operator.db");
+  OperatorBench again(folder / "operator.db");
   again.sim.PublishInitialMap(kMap);
   again.service.Step();
   CHECK(again.sim.NewestGuidance().answers_snapshot == 3);
@@ -206,7 +177,7 @@ TEST_CASE("Stored guidance is withdrawn from a robot that counts its pictures an
 
 TEST_CASE("A request is repeated until its reply and carried out once", "[operator][integration]") {
   const TemporaryFolder folder;
-  Bench bench(folder / "operator.db");
+  OperatorBench bench(folder / "operator.db");
   bench.sim.PublishInitialMap(kMap);
   const auto id = bench.client.Send("w1", EditRequest{0, {{{1, 3}, true}}}, {});
   for (int i = 0; i < 4; ++i) {
@@ -238,7 +209,7 @@ TEST_CASE("Without a service the client gives up at its deadline", "[operator][i
 
 TEST_CASE("Replies to other clients are not taken", "[operator][integration]") {
   const TemporaryFolder folder;
-  Bench bench(folder / "operator.db");
+  OperatorBench bench(folder / "operator.db");
   OperatorClient other(bench.client_participant, bench.clock, {"bert", 0.25, 2.0});
   bench.sim.PublishInitialMap(kMap);
   const auto mine = bench.client.Send("w1", EditRequest{0, {{{1, 3}, true}}}, {});
@@ -257,7 +228,7 @@ TEST_CASE("Two client names are never the same", "[operator]") {
 
 TEST_CASE("Health tells of missing maps and of a disk that fails", "[operator][integration]") {
   const TemporaryFolder folder;
-  Bench bench(folder / "operator.db");
+  OperatorBench bench(folder / "operator.db");
   bus::Subscriber<diagnostic_msgs::msg::DiagnosticArray> health(bench.client_participant,
                                                                 bus::kDiagnostics);
   const auto newest = [&] {

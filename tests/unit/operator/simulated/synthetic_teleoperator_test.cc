@@ -158,6 +158,19 @@ const std::vector<std::string> kTruth{"#########", "#       #", "# ##### #", "# 
 const std::vector<std::string> kMap{"#########", "#   #   #", "# ##### #", "#       #",
                                     "### # ###", "#   #   #", "#########"};
 
+/// Map and robot r1 at its start; the robot's state is returned.
+RobotState ShowTheWorld(SyntheticTeleoperator& person) {
+  Belief belief;
+  belief.world = "w1";
+  belief.wall_probability = DrawnMap(kMap);
+  person.Hear(belief);
+  person.HearCellSize("w1", 2.0);
+  RobotState state{.world = "w1", .robot = "r1", .cell = {1, 1}, .goals_left = {{5, 7}}};
+  state.position = {-6.0, 4.0};
+  person.Hear(state);
+  return state;
+}
+
 }  // namespace
 
 TEST_CASE("a teleoperator with a wrong map reaches the goal by what the pictures show",
@@ -216,14 +229,7 @@ TEST_CASE("a key is pressed when the last one was carried out and shown, not bef
   FakeClock clock;
   SyntheticTeleoperator person(default_person, 1, {{"r1", "w1"}});
   CHECK_FALSE(person.Next(clock.Now()));
-  Belief belief;
-  belief.world = "w1";
-  belief.wall_probability = DrawnMap(kMap);
-  person.Hear(belief);
-  person.HearCellSize("w1", 2.0);
-  RobotState state{.world = "w1", .robot = "r1", .cell = {1, 1}, .goals_left = {{5, 7}}};
-  state.position = {-6.0, 4.0};
-  person.Hear(state);
+  RobotState state = ShowTheWorld(person);
   REQUIRE(person.Next(clock.Now()));
   CHECK_FALSE(person.Next(clock.Now()));  // one request at a time
   person.Answered(OperatorReply{"c", 1, true, "", 1}, clock.Now());
@@ -251,14 +257,7 @@ TEST_CASE("an order that is refused, or that nobody carries out, is given anew a
           "[operator][teleoperator]") {
   FakeClock clock;
   SyntheticTeleoperator person(default_person, 1, {{"r1", "w1"}});
-  Belief belief;
-  belief.world = "w1";
-  belief.wall_probability = DrawnMap(kMap);
-  person.Hear(belief);
-  person.HearCellSize("w1", 2.0);
-  RobotState state{.world = "w1", .robot = "r1", .cell = {1, 1}, .goals_left = {{5, 7}}};
-  state.position = {-6.0, 4.0};
-  person.Hear(state);
+  ShowTheWorld(person);
   REQUIRE(person.Next(clock.Now()));
   person.Answered(OperatorReply{"c", 1, false, "no", 0}, clock.Now());
   CHECK_FALSE(person.Next(clock.Now()));
