@@ -6,8 +6,8 @@
 
 #include "integration/operator/hand_made_sim.h"
 #include "operator/client/operator_client.h"
+#include "support/loopback.h"
 #include "support/service_process.h"
-#include "support/test_domain.h"
 
 namespace conav::operators {
 namespace {
@@ -16,15 +16,6 @@ using namespace std::chrono_literals;
 
 const std::vector<std::string> kMap = {"######", "#    #", "# ## #", "#    #", "######"};
 constexpr std::int64_t kSecond = 1'000'000'000;
-
-bus::ParticipantOptions Options(const std::string& vendor) {
-  bus::ParticipantOptions options;
-  options.vendor = vendor;
-  options.domain_id = test::TestDomain();
-  options.interface = "lo";
-  options.lease_s = 2.0;
-  return options;
-}
 
 /// A robot with simulator and planner, by hand.
 struct HandMadeRobot {
@@ -109,14 +100,14 @@ TEST_CASE("Over DDS: the order, a measured selection, and a robot that dies leav
   const std::string vendor = GENERATE("cyclonedds", "fastdds");
   const TemporaryFolder folder;
   OperatorConfig config = ConfigFor(folder / "operator.db");
-  config.bus = Options(vendor);
+  config.bus = test::OnLoopback(vendor);
   config.robots = {"w1/r1", "w1/r2"};
   std::ofstream(folder / "operator.yaml") << DumpConfig("operator", config);
   test::ServiceProcess service("conav-operator", folder / "operator.yaml");
 
-  HandMadeSim sim(Options(vendor));  // world and r1
-  std::optional<HandMadeRobot> r2(std::in_place, Options(vendor), "r2");
-  Console console(Options(vendor));
+  HandMadeSim sim(test::OnLoopback(vendor));  // world and r1
+  std::optional<HandMadeRobot> r2(std::in_place, test::OnLoopback(vendor), "r2");
+  Console console(test::OnLoopback(vendor));
   sim.PublishInitialMap(kMap);
   sim.PublishState({1, 1}, 10 * kSecond);
   r2->PublishState(10);

@@ -7,8 +7,8 @@
 
 #include "integration/operator/hand_made_sim.h"
 #include "operator/simulated_operator/config.h"
+#include "support/loopback.h"
 #include "support/service_process.h"
-#include "support/test_domain.h"
 
 namespace conav::operators {
 namespace {
@@ -16,15 +16,6 @@ namespace {
 using namespace std::chrono_literals;
 
 const std::vector<std::string> kMap = {"######", "#    #", "# ## #", "#    #", "######"};
-
-bus::ParticipantOptions Options(const std::string& vendor) {
-  bus::ParticipantOptions options;
-  options.vendor = vendor;
-  options.domain_id = test::TestDomain();
-  options.interface = "lo";
-  options.lease_s = 2.0;
-  return options;
-}
 
 /// Guidance for r1 that `wanted` accepts, or a failure after 20 s.
 Guidance WaitForGuidance(HandMadeSim& sim, const std::function<bool(const Guidance&)>& wanted) {
@@ -52,15 +43,15 @@ TEST_CASE("Killed between two pictures, the operator service goes on where it wa
   const std::string vendor = GENERATE("cyclonedds", "fastdds");
   const TemporaryFolder folder;
   OperatorConfig service_config = ConfigFor(folder / "operator.db");
-  service_config.bus = Options(vendor);
+  service_config.bus = test::OnLoopback(vendor);
   SimulatedOperatorConfig person_config;
-  person_config.bus = Options(vendor);
+  person_config.bus = test::OnLoopback(vendor);
   const auto service_file =
       WriteConfig(folder / "operator.yaml", DumpConfig("operator", service_config));
   const auto person_file =
       WriteConfig(folder / "person.yaml", DumpConfig("simulated_operator", person_config));
 
-  HandMadeSim sim(Options(vendor));
+  HandMadeSim sim(test::OnLoopback(vendor));
   sim.PublishInitialMap(kMap);
   sim.PublishState({1, 1}, 5);
   test::ServiceProcess service("conav-operator", service_file);
@@ -98,7 +89,7 @@ TEST_CASE("A program that is used wrongly, or cannot start, says so by its exit 
   CHECK(misspelt.End(0).exit_code == 1);
   std::ofstream(folder / "broken.db") << std::string(9000, 'x');
   OperatorConfig config = ConfigFor(folder / "broken.db");
-  config.bus = Options("cyclonedds");
+  config.bus = test::OnLoopback("cyclonedds");
   test::ServiceProcess corrupt("conav-operator",
                                WriteConfig(folder / "b.yaml", DumpConfig("operator", config)));
   CHECK(corrupt.End(0).exit_code == 1);
