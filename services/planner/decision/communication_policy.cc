@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/runtime/demand.h"
+#include "planner/decision/known_wall.h"
 
 namespace conav::planner {
 
@@ -13,9 +14,7 @@ bool GuidanceFails(const Situation& situation) {
   // Where a path comes through a cell twice: what the robot has gone of it is free anyway.
   const auto here = std::find(path.begin(), path.end(), situation.state.cell);
   if (here == path.end() || here + 1 == path.end()) return true;
-  return std::any_of(here, path.end(), [&](Cell cell) {
-    return !map.Contains(cell) || map[cell] == Occupancy::kOccupied;
-  });
+  return IsKnownBlocked(map, {here, path.end()});
 }
 
 CommunicationMoment MomentOf(const Situation& situation) {
@@ -25,15 +24,26 @@ CommunicationMoment MomentOf(const Situation& situation) {
           .guidance_fails = GuidanceFails(situation)};
 }
 
-std::unique_ptr<CommunicationPolicy> MakeCommunicationPolicy(const CommunicationConfig& config,
-                                                             std::uint64_t seed) {
-  if (config.policy == "search") return nullptr;
+namespace {
+
+std::unique_ptr<CommunicationPolicy> MakeRule(const CommunicationConfig& config,
+                                              std::uint64_t seed) {
   if (config.policy == "never") return std::make_unique<NeverPolicy>();
   if (config.policy == "random") return std::make_unique<RandomPolicy>(config.probability, seed);
   if (config.policy == "every") return std::make_unique<EveryMovesPolicy>(config.every_moves);
   if (config.policy == "when_blocked") return std::make_unique<WhenBlockedPolicy>();
   DEMAND(config.policy == "threshold", config.policy);
   return std::make_unique<ThresholdPolicy>(config.threshold_cells);
+}
+
+}  // namespace
+
+std::unique_ptr<CommunicationPolicy> MakeCommunicationPolicy(const CommunicationConfig& config,
+                                                             std::uint64_t seed) {
+  if (config.policy == "search") return nullptr;
+  auto rule = MakeRule(config, seed);
+  rule->set_turn_cost(config.turn_cost);
+  return rule;
 }
 
 }  // namespace conav::planner

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "planner/decision/known_wall.h"
 #include "planner/decision/traffic.h"
 
 namespace conav::planner {
@@ -12,11 +13,6 @@ Decision Ask(AttentionReason reason, Cell cell) {
   decision.attention = reason;
   decision.attention_cell = cell;
   return decision;
-}
-
-bool KnownWall(const Situation& situation, Cell cell) {
-  const OccupancyGrid& map = situation.map.cells;
-  return !map.Contains(cell) || map[cell] == Occupancy::kOccupied;
 }
 
 }  // namespace
@@ -57,7 +53,7 @@ Decision PathFollower::FollowOrAsk(const Situation& situation) {
   std::vector<Cell> rest = Rest(situation);
   if (rest.empty()) return Ask(AttentionReason::kNoGuidance, situation.state.cell);
   const Cell next = rest.front();
-  if (KnownWall(situation, next)) return Ask(AttentionReason::kBlocked, next);
+  if (IsKnownWall(situation.map.cells, next)) return Ask(AttentionReason::kBlocked, next);
   if (IsTaken(situation, next) || WaitsFor(situation, rest) != nullptr) return {};
   return MoveAlong(std::move(rest));
 }

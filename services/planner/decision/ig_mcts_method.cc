@@ -98,7 +98,8 @@ Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop)
   if (WaitsForRoom(situation)) return {};
   views_ = ViewsFor(situation, config_.headings, std::move(views_));
   const SituationProblem problem(situation, belief, ToSearch(sent_views_.Withheld()), views_,
-                                 reliability_ ? reliability_->value() : 1.0);
+                                 {.information_weight = reliability_ ? reliability_->value() : 1.0,
+                                  .blocked_path_guides = config_.blocked_path_guides});
   if (problem.get() == nullptr) {
     return NoDecision(situation, "the robot's cell cannot be free on its map");
   }
@@ -124,9 +125,7 @@ Result<std::optional<BestView>> IgMctsMethod::ViewOfPolicy(const SearchProblem& 
   if (!policy_ || problem.goals_left.empty() || !policy_->Wants(MomentOf(situation))) {
     return std::nullopt;
   }
-  auto best = FindBestView(problem, *model_);
-  if (best && *best && (*best)->information < policy_->least_information()) return std::nullopt;
-  return best;
+  return FindBestView(problem, *model_, policy_->least_information(), policy_->turn_cost());
 }
 
 Decision IgMctsMethod::NoDecision(const Situation& situation, std::string_view reason) {

@@ -19,6 +19,10 @@ struct SearchConfig {
   /// what is expected of them (operator_reliability.h); 0 = pictures are worth what the perception
   /// model says, whoever sees them.
   double reliability_prior = 1.0;
+  /// Whether an operator's path still guides once the robot knows of a wall on it (the paper has no
+  /// rule). If not, it counts as none until the operator draws another: otherwise the penalty for
+  /// being off the path holds the robot to a way that it cannot go.
+  bool blocked_path_guides = false;
   SearchOptions options;
 
   void Visit(ConfigReader& reader) {
@@ -26,9 +30,11 @@ struct SearchConfig {
     if (preset == "paper" && reader.reading()) {
       options = PaperOptions();
       reliability_prior = 0.0;
+      blocked_path_guides = true;
     }
     reader.Field("headings", headings, 1, kMaxActions - 4);
     reader.Field("reliability_prior", reliability_prior, 0.0, 1e6);
+    reader.Field("blocked_path_guides", blocked_path_guides);
     options.Visit(reader);
   }
 };

@@ -194,6 +194,12 @@ class Episode {
 
 }  // namespace
 
+double EstimatedLowLevelSteps(double moves, double turning_rad) {
+  constexpr double kPerMove = 7.03;
+  constexpr double kPerRadian = 3.73;
+  return kPerMove * moves + kPerRadian * turning_rad;
+}
+
 EpisodeResult RunEpisode(const sim::WorldSpec& world, Method& method,
                          const operators::SyntheticOperatorParameters& person, std::uint64_t seed,
                          const EpisodeOptions& options, const SituationListener& listener) {

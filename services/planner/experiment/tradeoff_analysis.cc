@@ -18,6 +18,10 @@ double MovesOf(const EpisodeResult& result) {
   return result.all_goals ? result.moves : EpisodeOptions().action_limit;
 }
 
+double StepsOf(const EpisodeResult& result) {
+  return EstimatedLowLevelSteps(MovesOf(result), result.all_goals ? result.turning_rad : 0.0);
+}
+
 /// Episodes of one variant with one kind of operator, by maze.
 using Episodes = std::span<const ExperimentEpisode>;
 
@@ -36,31 +40,33 @@ TradeoffRow Describe(Episodes cell) {
   for (const ExperimentEpisode& episode : cell) row.all_goals += episode.result.all_goals ? 1 : 0;
   row.pictures = FigureOf(cell, [](const EpisodeResult& r) { return r.pictures; });
   row.moves = FigureOf(cell, MovesOf);
+  row.steps = FigureOf(cell, StepsOf);
   row.guidance = FigureOf(cell, [](const EpisodeResult& r) { return r.guidance; });
   row.mapping_accuracy = FigureOf(cell, [](const EpisodeResult& r) { return r.mapping_accuracy; });
   return row;
 }
 
 /// Means over the mazes in `drawn`, some of them several times.
-TradeoffMeans MeansOf(Episodes cell, const std::vector<std::size_t>& drawn) {
+TradeoffMeans MeansOf(Episodes cell, const std::vector<std::size_t>& drawn, Effort effort) {
+  const auto effort_of = effort == Effort::kSteps ? StepsOf : MovesOf;
   TradeoffMeans means;
   for (const std::size_t maze : drawn) {
     means.pictures += cell[maze].result.pictures;
-    means.moves += MovesOf(cell[maze].result);
+    means.effort += effort_of(cell[maze].result);
   }
   const auto count = static_cast<double>(drawn.size());
-  return {means.pictures / count, means.moves / count};
+  return {means.pictures / count, means.effort / count};
 }
 
 struct Differences {
-  double moves = 0.0;
+  double effort = 0.0;
   double pictures = 0.0;
 };
 
 Differences Compare(const TradeoffCurve& curve, const TradeoffMeans& other) {
-  const auto moves = curve.MovesAt(other.pictures);
-  const auto pictures = curve.PicturesAt(other.moves);
-  return {moves ? *moves - other.moves : kNever, pictures ? *pictures - other.pictures : kNever};
+  const auto effort = curve.EffortAt(other.pictures);
+  const auto pictures = curve.PicturesAt(other.effort);
+  return {effort ? *effort - other.effort : kNever, pictures ? *pictures - other.pictures : kNever};
 }
 
 Interval PercentilesOf(std::vector<double> values) {
@@ -72,11 +78,11 @@ Interval PercentilesOf(std::vector<double> values) {
 }
 
 TradeoffVerdict VerdictOf(const TradeoffComparison& comparison) {
-  const Interval& moves = comparison.moves_at_equal_pictures.interval;
-  const Interval& pictures = comparison.pictures_at_equal_moves.interval;
-  if (moves.high < 0.0 || pictures.high < 0.0) return TradeoffVerdict::kBetter;
-  if (std::isinf(comparison.moves_at_equal_pictures.value)) return TradeoffVerdict::kBeyond;
-  if (moves.low > 0.0 && pictures.low > 0.0) return TradeoffVerdict::kWorse;
+  const Interval& effort = comparison.effort_at_equal_pictures.interval;
+  const Interval& pictures = comparison.pictures_at_equal_effort.interval;
+  if (effort.high < 0.0 || pictures.high < 0.0) return TradeoffVerdict::kBetter;
+  if (std::isinf(comparison.effort_at_equal_pictures.value)) return TradeoffVerdict::kBeyond;
+  if (effort.low > 0.0 && pictures.low > 0.0) return TradeoffVerdict::kWorse;
   return TradeoffVerdict::kAlike;
 }
 
@@ -100,15 +106,16 @@ class Comparer {
   }
 
   TradeoffComparison ComparisonOf(std::size_t point) const {
-    std::vector<double> moves, pictures;
+    std::vector<double> efforts, pictures;
     for (const Differences& draw : draws_[point]) {
-      moves.push_back(draw.moves);
+      efforts.push_back(draw.effort);
       pictures.push_back(draw.pictures);
     }
     TradeoffComparison comparison;
-    comparison.moves_at_equal_pictures = {of_all_[point].moves, PercentilesOf(std::move(moves))};
-    comparison.pictures_at_equal_moves = {of_all_[point].pictures,
-                                          PercentilesOf(std::move(pictures))};
+    comparison.effort_at_equal_pictures = {of_all_[point].effort,
+                                           PercentilesOf(std::move(efforts))};
+    comparison.pictures_at_equal_effort = {of_all_[point].pictures,
+                                           PercentilesOf(std::move(pictures))};
     comparison.verdict = VerdictOf(comparison);
     return comparison;
   }
@@ -117,7 +124,7 @@ class Comparer {
   std::vector<Differences> CompareAll(const std::vector<std::size_t>& drawn) const {
     std::vector<TradeoffMeans> means, of_search;
     for (std::size_t i = 0; i < cells_.size(); ++i) {
-      means.push_back(MeansOf(cells_[i], drawn));
+      means.push_back(MeansOf(cells_[i], drawn, sweep_.effort));
       if (sweep_.points[i].policy == "search") of_search.push_back(means.back());
     }
     const TradeoffCurve curve(std::move(of_search));

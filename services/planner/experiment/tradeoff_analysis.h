@@ -24,8 +24,8 @@ enum class TradeoffVerdict {
 };
 
 struct TradeoffComparison {
-  TradeoffDifference moves_at_equal_pictures;
-  TradeoffDifference pictures_at_equal_moves;
+  TradeoffDifference effort_at_equal_pictures;
+  TradeoffDifference pictures_at_equal_effort;
   TradeoffVerdict verdict = TradeoffVerdict::kAlike;
 };
 
@@ -36,11 +36,17 @@ struct TradeoffRow {
   int episodes = 0;
   int all_goals = 0;
   VariantSummary::Figure pictures;
-  /// Cells entered; an episode that did not reach all goals counts with its limit of actions.
+  /// Cells entered, and EstimatedLowLevelSteps; an episode that did not reach all goals counts with
+  /// its limit of actions, as moves.
   VariantSummary::Figure moves;
+  VariantSummary::Figure steps;
   VariantSummary::Figure guidance;
   VariantSummary::Figure mapping_accuracy;
   std::optional<TradeoffComparison> search_less_this;  // not of points of the search
+
+  const VariantSummary::Figure& effort(Effort kind) const {
+    return kind == Effort::kSteps ? steps : moves;
+  }
 };
 
 /// In the order of the episodes, which are those of RunSearchExperiment(sweep.experiment). `draws`:

@@ -1,25 +1,46 @@
 #include "planner/experiment/tradeoff_command.h"
 
+#include <map>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "common/console/console.h"
 #include "planner/experiment/tradeoff_plot.h"
 #include "planner/experiment/tradeoff_report.h"
 
 namespace conav::planner {
+namespace {
+
+const std::map<std::string, Effort> kEfforts{{"steps", Effort::kSteps}, {"moves", Effort::kMoves}};
+
+}  // namespace
 
 CLI::App* AddTradeoffCommand(CLI::App& app, TradeoffArguments& arguments) {
   CLI::App* command = app.add_subcommand(
       "tradeoff",
       "Plays IG-MCTS over costs of a picture, and every other communication policy over its "
-      "parameter, in the same mazes with simulated operators; prints pictures against moves and "
-      "where IG-MCTS needs fewer moves at equal pictures or fewer pictures at equal moves.");
+      "parameter, in the same mazes with simulated operators; prints pictures against steps and "
+      "where IG-MCTS needs fewer steps at equal pictures or fewer pictures at equal steps.");
   AddExperimentOptions(*command, {"careful", "hasty"}, arguments.options);
   command->add_option("--variants-file", arguments.variants_file,
                       "Variants of the search, as of the subcommand search");
   command
       ->add_option("--variant", arguments.variant,
                    "The search in which all policies play, by its name in that file")
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--against", arguments.effort,
+          "What pictures are weighed against: low-level control steps (estimated from moves "
+          "and turning) or cell moves")
+      ->transform(CLI::CheckedTransformer(kEfforts))
+      ->default_str("steps");
+  command
+      ->add_option(
+          "--turn-cost", arguments.turn_cost,
+          "Expected edits that a radian of turning outweighs when the other policies choose "
+          "a heading; 0: they send the most informative view")
+      ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
   command->add_option("--svg", arguments.svg, "Draw the curves into this file");
   return command;
@@ -33,7 +54,8 @@ int RunTradeoff(const TradeoffArguments& arguments) {
   if (code != 0) return code;
   const SearchVariant search = FindVariant(ReadSearchVariants(arguments.variants_file),
                                            arguments.variant, arguments.variants_file);
-  const TradeoffSweep sweep = MakeTradeoffSweep(search.config, options.experiment);
+  TradeoffSweep sweep = MakeTradeoffSweep(search.config, options.experiment, arguments.turn_cost);
+  sweep.effort = arguments.effort;
   const auto episodes = PlayExperiment(sweep.experiment, options);
   if (!episodes) return Failed(kProgram, episodes.error());
   const auto rows = AnalyseTradeoff(sweep, *episodes);

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "planner/experiment/experiment_options.h"
+#include "planner/experiment/tradeoff_sweep.h"
 
 namespace conav::planner {
 
@@ -12,6 +13,8 @@ struct TradeoffArguments {
   std::filesystem::path svg;
   std::filesystem::path variants_file = ShippedVariants();
   std::string variant = "default";
+  Effort effort = Effort::kSteps;
+  double turn_cost = 0.0;
 };
 
 /// Adds the subcommand that RunTradeoff() carries out.

@@ -14,8 +14,10 @@ namespace {
 constexpr double kPanel = 400.0;  // of the axes, both
 constexpr double kLeft = 56.0;
 constexpr double kTop = 40.0;
-constexpr double kBelow = 96.0;
+constexpr double kBelow = 140.0;
+constexpr double kLegendEntry = 128.0;
 constexpr double kBetween = 64.0;
+constexpr double kMostPictures = 40.0;
 constexpr double kPictureTicks[]{0.0, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0};
 
 struct Look {
@@ -64,29 +66,31 @@ Scale ScaleFor(double low, double high) {
 /// What the points of one kind of operator need.
 class Panel {
  public:
-  Panel(SvgCanvas& canvas, double left, const std::vector<const TradeoffRow*>& rows)
-      : canvas_(canvas), left_(left) {
-    double pictures = 0.0;
-    double least = rows.front()->moves.interval.low;
+  Panel(SvgCanvas& canvas, double left, const TradeoffSweep& sweep,
+        const std::vector<const TradeoffRow*>& rows)
+      : canvas_(canvas), left_(left), sweep_(sweep) {
+    double pictures = 1.0;
+    double least = EffortOf(*rows.front()).interval.low;
     double most = least;
     for (const TradeoffRow* row : rows) {
+      if (row->pictures.mean > kMostPictures) continue;
       pictures = std::max(pictures, row->pictures.interval.high);
-      least = std::min(least, row->moves.interval.low);
-      most = std::max(most, row->moves.interval.high);
+      least = std::min(least, EffortOf(*row).interval.low);
+      most = std::max(most, EffortOf(*row).interval.high);
     }
-    most_pictures_ = std::max(pictures, 1.0);
-    moves_ = ScaleFor(least, most);
+    most_pictures_ = pictures;
+    effort_ = ScaleFor(least, most);
   }
 
   void DrawAxes(const std::string& title) {
     canvas_.Text({left_, kTop - 14}, title, "font-size=\"14\" font-weight=\"bold\"");
     for (const double value : kPictureTicks) {
       if (value > most_pictures_) break;
-      canvas_.Line(At(value, moves_.low), At(value, moves_.high), "stroke=\"#e5e5e5\"");
+      canvas_.Line(At(value, effort_.low), At(value, effort_.high), "stroke=\"#e5e5e5\"");
       canvas_.Text({At(value, 0).x, kTop + kPanel + 18}, fmt::format("{:g}", value),
                    "font-size=\"11\" text-anchor=\"middle\" fill=\"#444444\"");
     }
-    for (double value = moves_.low; value <= moves_.high + 1e-9; value += moves_.step) {
+    for (double value = effort_.low; value <= effort_.high + 1e-9; value += effort_.step) {
       canvas_.Line(At(0.0, value), At(most_pictures_, value), "stroke=\"#e5e5e5\"");
       canvas_.Text({left_ - 6, At(0, value).y + 4}, fmt::format("{:g}", value),
                    "font-size=\"11\" text-anchor=\"end\" fill=\"#444444\"");
@@ -94,54 +98,83 @@ class Panel {
     canvas_.Text({left_ + kPanel / 2, kTop + kPanel + 38},
                  "pictures per episode (square-root scale)",
                  "font-size=\"12\" text-anchor=\"middle\"");
-    canvas_.Text({left_ - 44, kTop - 14}, "moves", "font-size=\"12\"");
+    canvas_.Text({left_ - 44, kTop - 14}, sweep_.effort == Effort::kSteps ? "steps" : "moves",
+                 "font-size=\"12\"");
   }
 
-  void DrawPolicy(const std::string& policy, const std::vector<const TradeoffRow*>& rows,
-                  const TradeoffSweep& sweep) {
+  /// Points with more pictures than the axis has room for are left out.
+  void DrawPolicy(const std::string& policy, const std::vector<const TradeoffRow*>& rows) {
     const Look& look = LookOf(policy);
+    std::vector<const TradeoffRow*> drawn;
     std::vector<PixelPosition> line;
-    for (const TradeoffRow* row : rows) line.push_back(At(row->pictures.mean, row->moves.mean));
+    for (const TradeoffRow* row : rows) {
+      if (row->pictures.mean > kMostPictures) continue;
+      drawn.push_back(row);
+      line.push_back(At(row->pictures.mean, EffortOf(*row).mean));
+    }
     canvas_.Polyline(line, fmt::format("stroke=\"{}\" stroke-width=\"{}\"", look.color,
                                        policy == "search" ? 2.5 : 1.5));
-    for (const TradeoffRow* row : rows) DrawPoint(*row, look, sweep);
+    for (const TradeoffRow* row : drawn) DrawPoint(*row, look);
   }
 
  private:
-  PixelPosition At(double pictures, double moves) const {
-    return {left_ + kPanel * std::sqrt(pictures / most_pictures_),
-            kTop + kPanel * (1.0 - moves_.Share(moves))};
+  const VariantSummary::Figure& EffortOf(const TradeoffRow& row) const {
+    return row.effort(sweep_.effort);
   }
 
-  void DrawPoint(const TradeoffRow& row, const Look& look, const TradeoffSweep& sweep) {
+  PixelPosition At(double pictures, double effort) const {
+    return {left_ + kPanel * std::sqrt(pictures / most_pictures_),
+            kTop + kPanel * (1.0 - effort_.Share(effort))};
+  }
+
+  void DrawPoint(const TradeoffRow& row, const Look& look) {
+    const VariantSummary::Figure& effort = EffortOf(row);
     const std::string thin = fmt::format("stroke=\"{}\" stroke-width=\"0.8\"", look.color);
-    canvas_.BeginGroup(fmt::format("{}: {:.1f} pictures, {:.1f} moves",
-                                   sweep.experiment.variants[row.point].name, row.pictures.mean,
-                                   row.moves.mean));
-    canvas_.Line(At(row.pictures.interval.low, row.moves.mean),
-                 At(row.pictures.interval.high, row.moves.mean), thin);
-    canvas_.Line(At(row.pictures.mean, row.moves.interval.low),
-                 At(row.pictures.mean, row.moves.interval.high), thin);
-    canvas_.Circle(At(row.pictures.mean, row.moves.mean), 3.5,
-                   fmt::format("fill=\"{}\"", look.color));
+    canvas_.BeginGroup(fmt::format("{}: {:.1f} pictures, {:.1f} steps, {:.1f} moves",
+                                   sweep_.experiment.variants[row.point].name, row.pictures.mean,
+                                   row.steps.mean, row.moves.mean));
+    canvas_.Line(At(row.pictures.interval.low, effort.mean),
+                 At(row.pictures.interval.high, effort.mean), thin);
+    canvas_.Line(At(row.pictures.mean, effort.interval.low),
+                 At(row.pictures.mean, effort.interval.high), thin);
+    canvas_.Circle(At(row.pictures.mean, effort.mean), 3.5, fmt::format("fill=\"{}\"", look.color));
+    DrawParameter(row, look);
     canvas_.EndGroup();
+  }
+
+  /// Of IG-MCTS below its point, of the others above.
+  void DrawParameter(const TradeoffRow& row, const Look& look) {
+    const TradeoffPoint& point = sweep_.points[row.point];
+    if (!point.parameter) return;
+    PixelPosition at = At(row.pictures.mean, EffortOf(row).mean);
+    at.y += point.policy == "search" ? 15.0 : -7.0;
+    canvas_.Text(at, fmt::format("{:g}", *point.parameter),
+                 fmt::format("font-size=\"9\" text-anchor=\"middle\" fill=\"{}\"", look.color));
   }
 
   SvgCanvas& canvas_;
   double left_;
+  const TradeoffSweep& sweep_;
   double most_pictures_ = 1.0;
-  Scale moves_;
+  Scale effort_;
 };
 
+/// In two rows below the axes.
 void DrawLegend(SvgCanvas& canvas) {
   double x = kLeft;
+  double y = kTop + kPanel + 64;
   for (const Look& look : kLooks) {
-    const double y = kTop + kPanel + 68;
+    if (x + kLegendEntry > kLeft + kPanel) {
+      x = kLeft;
+      y += 20;
+    }
     canvas.Line({x, y}, {x + 20, y}, fmt::format("stroke=\"{}\" stroke-width=\"2\"", look.color));
     canvas.Circle({x + 10, y}, 3.5, fmt::format("fill=\"{}\"", look.color));
     canvas.Text({x + 26, y + 4}, look.label, "font-size=\"12\"");
-    x += 118;
+    x += kLegendEntry;
   }
+  canvas.Text({kLeft, y + 24}, "numbers: cost, probability, k or threshold of the policy",
+              "font-size=\"11\" fill=\"#444444\"");
 }
 
 }  // namespace
@@ -155,20 +188,19 @@ std::string TradeoffPlot(const TradeoffSweep& sweep, const std::vector<TradeoffR
     for (const TradeoffRow& row : rows) {
       if (row.person == person) of_person.push_back(&row);
     }
-    Panel panel(canvas, left, of_person);
+    Panel panel(canvas, left, sweep, of_person);
     panel.DrawAxes(fmt::format("simulated operator: {}", sweep.experiment.operators[person]));
     for (const Look& look : kLooks) {
       std::vector<const TradeoffRow*> of_policy;
       std::copy_if(
           of_person.begin(), of_person.end(), std::back_inserter(of_policy),
           [&](const TradeoffRow* row) { return sweep.points[row->point].policy == look.policy; });
-      if (!of_policy.empty()) panel.DrawPolicy(look.policy, of_policy, sweep);
+      if (!of_policy.empty()) panel.DrawPolicy(look.policy, of_policy);
     }
   }
   DrawLegend(canvas);
-  const double width = std::max(left - kBetween + 24, kLeft + 7 * 118);
-  return canvas.Document(width, kTop + kPanel + kBelow,
-                         "Pictures against moves for each communication policy");
+  return canvas.Document(left - kBetween + 24, kTop + kPanel + kBelow,
+                         "Pictures against effort for each communication policy");
 }
 
 }  // namespace conav::planner

@@ -19,7 +19,9 @@ std::string Text(double value) {
   return std::isfinite(value) ? fmt::format("{:+.1f}", value) : "-";
 }
 
+/// "-" where the curve of IG-MCTS does not get there.
 std::string Text(const TradeoffDifference& difference) {
+  if (!std::isfinite(difference.value)) return "-";
   return fmt::format("{} [{}, {}]", Text(difference.value), Text(difference.interval.low),
                      Text(difference.interval.high));
 }
@@ -38,18 +40,20 @@ const char* Name(TradeoffVerdict verdict) {
   return "?";
 }
 
+const char* Name(Effort effort) { return effort == Effort::kSteps ? "steps" : "moves"; }
+
 std::string Line(const TradeoffSweep& sweep, const TradeoffRow& row) {
   std::string differences;
   if (row.search_less_this) {
     const TradeoffComparison& comparison = *row.search_less_this;
-    differences = fmt::format("{:22}  {:22}  {}", Text(comparison.moves_at_equal_pictures),
-                              Text(comparison.pictures_at_equal_moves), Name(comparison.verdict));
+    differences = fmt::format("{:22}  {:22}  {}", Text(comparison.effort_at_equal_pictures),
+                              Text(comparison.pictures_at_equal_effort), Name(comparison.verdict));
   }
   std::string line = fmt::format(
-      "{:14}  {:8}  {:>7}  {:18}  {:18}  {:>8.1f}  {:>7.0f} %  {}",
+      "{:14}  {:8}  {:>7}  {:18}  {:18}  {:18}  {:>8.1f}  {:>7.0f} %  {}",
       sweep.experiment.variants[row.point].name, sweep.experiment.operators[row.person],
-      fmt::format("{}/{}", row.all_goals, row.episodes), Text(row.pictures), Text(row.moves),
-      row.guidance.mean, 100.0 * row.mapping_accuracy.mean, differences);
+      fmt::format("{}/{}", row.all_goals, row.episodes), Text(row.pictures), Text(row.steps),
+      Text(row.moves), row.guidance.mean, 100.0 * row.mapping_accuracy.mean, differences);
   line.erase(line.find_last_not_of(' ') + 1);
   return line + "\n";
 }
@@ -81,14 +85,15 @@ Json ToJson(const TradeoffSweep& sweep, const TradeoffRow& row) {
             {"episodes", row.episodes},
             {"all_goals", row.all_goals},
             {"pictures", ToJson(row.pictures)},
+            {"steps", ToJson(row.steps)},
             {"moves", ToJson(row.moves)},
             {"guidance", ToJson(row.guidance)},
             {"mapping_accuracy", ToJson(row.mapping_accuracy)}};
   if (row.search_less_this) {
     const TradeoffComparison& comparison = *row.search_less_this;
     json["search_less_this"] = {
-        {"moves_at_equal_pictures", ToJson(comparison.moves_at_equal_pictures)},
-        {"pictures_at_equal_moves", ToJson(comparison.pictures_at_equal_moves)},
+        {"effort_at_equal_pictures", ToJson(comparison.effort_at_equal_pictures)},
+        {"pictures_at_equal_effort", ToJson(comparison.pictures_at_equal_effort)},
         {"verdict", Name(comparison.verdict)}};
   }
   return json;
@@ -100,13 +105,15 @@ std::string TradeoffTable(const TradeoffSweep& sweep, const std::vector<Tradeoff
   const SearchExperiment& experiment = sweep.experiment;
   std::string text = fmt::format(
       "SIMULATED operators, mazes {} with seeds {} to {}; means [95 % bootstrap interval].\n"
-      "Last columns: IG-MCTS (search) less this policy, interpolated over its costs of a picture; "
-      "'-' where it does not get there ('beyond': it nowhere sends so few).\n\n"
-      "{:14}  {:8}  {:>7}  {:18}  {:18}  {:>8}  {:>9}  {:22}  {:22}\n",
+      "Steps: low-level control steps (0.25 s), estimated from moves and turning.\n"
+      "Last columns: IG-MCTS (search) less this policy in {}, interpolated over its costs of a "
+      "picture; '-' where it does not get there ('beyond': it nowhere sends so few).\n\n"
+      "{:14}  {:8}  {:>7}  {:18}  {:18}  {:18}  {:>8}  {:>9}  {:22}  {:22}\n",
       experiment.preset, experiment.first_seed,
-      experiment.first_seed + static_cast<std::uint64_t>(experiment.seeds) - 1, "policy",
-      "operator", "goals", "pictures", "moves", "guidance", "map right", "moves, equal pictures",
-      "pictures, equal moves");
+      experiment.first_seed + static_cast<std::uint64_t>(experiment.seeds) - 1, Name(sweep.effort),
+      "policy", "operator", "goals", "pictures", "steps", "moves", "guidance", "map right",
+      fmt::format("{}, equal pictures", Name(sweep.effort)),
+      fmt::format("pictures, equal {}", Name(sweep.effort)));
   for (const TradeoffRow& row : rows) text += Line(sweep, row);
   text += "\n";
   for (const PolicyVerdict& verdict : JudgePolicies(sweep, rows)) text += Line(sweep, verdict);
@@ -127,25 +134,26 @@ Json TradeoffJson(const TradeoffSweep& sweep, const std::vector<TradeoffRow>& ro
                         {"beyond", verdict.beyond},
                         {"dominated", verdict.dominated()}});
   }
-  return {{"experiment", "tradeoff"},       {"operators", "simulated"},
-          {"preset", experiment.preset},    {"first_seed", experiment.first_seed},
-          {"seeds", experiment.seeds},      {"points", std::move(points)},
-          {"policies", std::move(policies)}};
+  return {{"experiment", "tradeoff"},    {"operators", "simulated"},
+          {"preset", experiment.preset}, {"first_seed", experiment.first_seed},
+          {"seeds", experiment.seeds},   {"effort", Name(sweep.effort)},
+          {"points", std::move(points)}, {"policies", std::move(policies)}};
 }
 
 std::string TradeoffCsv(const TradeoffSweep& sweep,
                         const std::vector<ExperimentEpisode>& episodes) {
   std::string text =
       "policy,parameter,operator,seed,all_goals,goals_reached,moves,optimal_moves,blocked,pictures,"
-      "guidance,edits,mapping_accuracy\n";
+      "guidance,edits,mapping_accuracy,turning_rad,estimated_steps\n";
   for (const ExperimentEpisode& episode : episodes) {
     const TradeoffPoint& point = sweep.points[episode.variant];
     const EpisodeResult& r = episode.result;
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{:.6f}\n", point.policy,
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{:.6f},{:.6f},{:.1f}\n", point.policy,
                         point.parameter ? fmt::format("{:g}", *point.parameter) : "",
                         sweep.experiment.operators[episode.person], episode.seed,
                         r.all_goals ? 1 : 0, r.goals_reached, r.moves, r.optimal_moves, r.blocked,
-                        r.pictures, r.guidance, r.edits, r.mapping_accuracy);
+                        r.pictures, r.guidance, r.edits, r.mapping_accuracy, r.turning_rad,
+                        EstimatedLowLevelSteps(r.moves, r.turning_rad));
   }
   return text;
 }

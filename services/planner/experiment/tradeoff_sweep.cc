@@ -8,7 +8,7 @@
 namespace conav::planner {
 namespace {
 
-constexpr double kCosts[]{0.0, 10.0, 30.0, 60.0, 100.0, 150.0, 200.0, 300.0, 500.0};
+constexpr double kCosts[]{0.0, 0.125, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0};
 constexpr double kProbabilities[]{0.02, 0.05, 0.1, 0.2, 0.4, 0.8};
 constexpr double kEveryMoves[]{1.0, 2.0, 3.0, 5.0, 8.0, 12.0, 20.0};
 constexpr double kThresholds[]{0.1, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0};
@@ -35,7 +35,8 @@ void Add(TradeoffSweep& sweep, const SearchConfig& search, const std::string& po
 
 }  // namespace
 
-TradeoffSweep MakeTradeoffSweep(const SearchConfig& search, SearchExperiment experiment) {
+TradeoffSweep MakeTradeoffSweep(const SearchConfig& search, SearchExperiment experiment,
+                                double turn_cost) {
   TradeoffSweep sweep;
   sweep.experiment = std::move(experiment);
   sweep.experiment.variants.clear();
@@ -46,11 +47,14 @@ TradeoffSweep MakeTradeoffSweep(const SearchConfig& search, SearchExperiment exp
   for (const char* policy : {"when_blocked", "never", "greedy"}) {
     Add(sweep, search, policy, std::nullopt);
   }
+  for (SearchVariant& variant : sweep.experiment.variants) {
+    variant.communication.turn_cost = turn_cost;
+  }
   return sweep;
 }
 
 std::string ParameterName(const std::string& policy) {
-  if (policy == "search") return "fixed cost of a picture";
+  if (policy == "search") return "cost of a picture";
   if (policy == "random") return "probability per decision";
   if (policy == "every") return "moves";
   if (policy == "threshold") return "expected edits";

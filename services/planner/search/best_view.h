@@ -14,10 +14,13 @@ struct BestView {
   int views = 0;             // that were compared, each asked of the model
 };
 
-/// The view offered at the start of `problem` with the largest expected information, the first of
-/// equals; nothing where none is offered. For who decides by other means than the search that a
-/// picture is sent now. Errors: those of the model.
+/// Of the views offered at the start of `problem` with `least_information` or more (expected edits,
+/// in cells) the one with the largest information less `turn_cost` for each radian that the robot
+/// turns, the first of equals; nothing where there is none. For who decides by other means than the search that a picture is sent now.
+/// Errors: those of the model.
 [[nodiscard]] Result<std::optional<BestView>> FindBestView(const SearchProblem& problem,
-                                                           PerceptionModel& model);
+                                                           PerceptionModel& model,
+                                                           double least_information = 0.0,
+                                                           double turn_cost = 0.0);
 
 }  // namespace conav::planner

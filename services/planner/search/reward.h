@@ -14,16 +14,19 @@ namespace conav::planner {
 
 /// Numbers of the reward, appendix C of the paper.
 struct RewardOptions {
-  double goal = 100.0;               // r_g
-  double step = -1.0;                // R_env of any other step
-  double communication_cost = 10.0;  // the fixed part of c = 10 + m
+  double goal = 100.0;  // r_g
+  double step = -1.0;   // R_env of any other step
+  /// c of a picture is communication_cost (1 + m / 10): with 10 the paper's 10 + m. With the paper's
+  /// a picture is never worth its cost where a branch may end without one
+  /// (SearchOptions::optional_pictures), hence less; an experiment chose it (docs/methods.md).
+  double communication_cost = 0.25;
   /// Added to a communication as to any other step; the paper does not say so, hence 0.
   double communication_step = 0.0;
 
   /// Of the turn that a view costs, per radian between the way that the robot came and the view's
   /// heading; an addition to the paper, where turning is free. A move from cell to cell costs
-  /// `step`; turning there and back takes a robot of the simulator as long as 0.75 moves a radian.
-  double view_turn = 0.75;
+  /// `step`; turning there and back takes a robot of the simulator about as long as one move a radian.
+  double view_turn = 1.0;
 
   /// Weight of the progress term, an addition to the paper (which allows for one, section 5.1).
   double progress = 1.0;
@@ -67,9 +70,10 @@ inline double ProgressReward(double steps_saved, const RewardOptions& options) {
   return options.progress * steps_saved;
 }
 
-/// c = 10 + m, where m counts the states of zeta that the robot has not visited (appendix C).
+/// c, where m counts the states of zeta that the robot has not visited: 10 + m in appendix C, here
+/// scaled by communication_cost / 10.
 inline double CommunicationCost(int unvisited_guidance, const RewardOptions& options) {
-  return options.communication_cost + unvisited_guidance;
+  return options.communication_cost * (1.0 + 0.1 * unvisited_guidance);
 }
 
 /// R_task of the step that `path` has just made: the sum of the first four.

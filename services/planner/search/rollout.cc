@@ -126,6 +126,10 @@ Result<double> Rollout::Communicate(PathState& path, std::size_t view, int steps
     sent_heading_rad_ = path.ViewHeading(offered_.At(path.vertex()).views[view]);
     reward = CommunicationReward(path, sent_heading_rad_, sent_information_, options_.reward);
   }
+  if (reward && options_.optional_pictures && *reward < 0.0) {
+    sent_information_ = kNoView;
+    reward = 0.0;
+  }
   path.TakeBack(before);
   return reward;
 }

@@ -36,15 +36,18 @@ int ActionOf(const SearchNode& node, const Actions& actions) {
   return found == actions.moves.end() ? -1 : static_cast<int>(found - actions.moves.begin());
 }
 
-/// Copies what is below `from` in `tree` to below `to` in `branch`, as far as it is still offered.
+/// Copies what is below `from` in `tree` to below `to` in `branch`, as far as it is still offered
+/// and, at the root, worth it.
 void CopyChildren(const SearchTree& tree, int from, const OfferedActions& offered,
-                  double least_information, int to, SearchTree& branch) {
+                  const SearchOptions& options, int to, SearchTree& branch) {
   const Actions actions = offered.At(branch.node(to).vertex);
   for (int child = tree.node(from).first_child; child >= 0; child = tree.node(child).next_sibling) {
     SearchNode node = tree.node(child);
     node.action = ActionOf(node, actions);
     if (node.action < 0) continue;
-    if (node.is_communication && node.information < least_information) continue;
+    const bool may_be_sent =
+        to != SearchTree::kRoot || IsWorthSending(node.information, node.reward, options);
+    if (node.is_communication && !may_be_sent) continue;
     if (actions.IsMove(node.action) && actions.MoveOf(node.action).feasibility >= 1.0) {
       node.feasibility = 1.0;
     }
@@ -52,7 +55,7 @@ void CopyChildren(const SearchTree& tree, int from, const OfferedActions& offere
     node.first_child = node.last_child = node.next_sibling = -1;
     node.tried = 0;
     const int copy = branch.Add(node, tree.keeps_terms() ? tree.terms(child) : NodeTerms{});
-    CopyChildren(tree, child, offered, 0.0, copy, branch);
+    CopyChildren(tree, child, offered, options, copy, branch);
   }
 }
 
@@ -90,7 +93,7 @@ std::optional<SearchTree> SearchMemory::BranchFor(const SearchProblem& problem,
     total += -1.0 * old.visit_count * kept_->tree.terms(from).reward;
     branch.SetRootTerms(total);
   }
-  CopyChildren(kept_->tree, from, offered, options.min_information, SearchTree::kRoot, branch);
+  CopyChildren(kept_->tree, from, offered, options, SearchTree::kRoot, branch);
   return branch;
 }
 

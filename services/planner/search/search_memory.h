@@ -17,8 +17,8 @@ class SearchMemory {
   /// The branch of the kept tree that begins where `problem` begins: if the robot has made one move
   /// of that tree since, and belief, guidance and goals are what they were. Under kUnchanged also
   /// the actions offered must be the same ones; under kPruned branches with actions that are not
-  /// offered any more are left out, as are pictures at the root that promise less than
-  /// `options.min_information`. `nodes_expected` as in SearchTree.
+  /// offered any more are left out, as are pictures at the root that are not worth sending
+  /// (IsWorthSending). `nodes_expected` as in SearchTree.
   std::optional<SearchTree> BranchFor(const SearchProblem& problem, const OfferedActions& offered,
                                       const SearchOptions& options,
                                       std::size_t nodes_expected) const;

@@ -37,6 +37,7 @@ void SearchOptions::Visit(ConfigReader& reader) {
   EnumField(reader, "tree_reuse", tree_reuse, {"none", "unchanged", "pruned"});
   EnumField(reader, "view_questions", view_questions, {"single", "place"});
   reader.Field("offers_sent_views", offers_sent_views);
+  reader.Field("optional_pictures", optional_pictures);
   reader.Field("min_information", min_information, 0.0, 1e6);
   reader.Field("rollout_communication_probability", rollout_communication_probability, -1.0, 1.0);
   reader.Section("reward", reward);
@@ -49,7 +50,9 @@ SearchOptions PaperOptions() {
   options.exploration_constant = std::sqrt(2.0);
   options.untried_order = UntriedOrder::kMovesFirst;
   options.offers_sent_views = true;
+  options.optional_pictures = false;
   options.min_information = 0.0;
+  options.reward.communication_cost = 10.0;
   options.reward.view_turn = 0.0;
   options.reward.progress = 0.0;
   return options;

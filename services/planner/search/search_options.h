@@ -71,6 +71,11 @@ struct SearchOptions {
   ViewQuestions view_questions = ViewQuestions::kSingle;  // of no influence on what is decided
   /// Offer views again that were sent already (the paper has no rule against it, A30).
   bool offers_sent_views = false;
+  /// Below the root a branch that ends with a picture is worth max(0, R_info - c - turn): the robot
+  /// need not send it. The robot sends one now only if that is above 0 and above all moves. Without
+  /// this (the paper) every branch ends with a picture or a goal, so that what a picture costs is
+  /// paid in all of them and hardly decides anything.
+  bool optional_pictures = true;
   /// A view is sent only if it is expected to change at least this many cells of the operator's
   /// map. Holds for the decision itself, not deeper in the tree, where a communication stands for
   /// "stop here": a robot that has nothing to tell goes on instead of sending its views one by one.
@@ -83,6 +88,11 @@ struct SearchOptions {
 
   void Visit(ConfigReader& reader);
 };
+
+/// Whether the robot may send a view now that tells `information` and is worth `reward`.
+inline bool IsWorthSending(double information, double reward, const SearchOptions& options) {
+  return information >= options.min_information && (!options.optional_pictures || reward > 0.0);
+}
 
 /// As printed in appendix E, algorithm 1: 100 iterations, k = sqrt 2, gamma = 0.99, depth 100, and
 /// no rule against sending a view again. Hardly ever reaches the goals (docs/search.md).

@@ -134,7 +134,8 @@ double PlainSearch::CommunicationReward(const SearchProblem& problem, const Walk
   const std::set<Cell> visited(walk.cells.begin(), walk.cells.end());
   const auto left = std::ranges::count_if(guidance, [&](Cell c) { return visited.count(c) == 0; });
   const double turn = std::abs(WrapAngle(heading - walk.Heading(problem)));
-  return information - (options_.reward.communication_cost + static_cast<double>(left)) -
+  return information -
+         options_.reward.communication_cost * (1.0 + 0.1 * static_cast<double>(left)) -
          options_.reward.view_turn * turn + options_.reward.communication_step;
 }
 
@@ -150,8 +151,9 @@ double PlainSearch::Rollout(const SearchProblem& problem, Walk walk, SplitMix64&
     const int action = static_cast<int>(ScaledTo(draw.upper, static_cast<std::uint32_t>(actions)));
     if (action >= moves) {
       const double information = Information(problem, walk, action - moves);
+      const double reward = CommunicationReward(problem, walk, action - moves, information);
       return rollout_return +
-             weight * CommunicationReward(problem, walk, action - moves, information);
+             weight * (options_.optional_pictures ? std::max(0.0, reward) : reward);
     }
     const Edge edge = problem.graph.EdgesFrom(walk.vertex())[static_cast<std::size_t>(action)];
     if (!walk.IsKnownFree(edge) && drawn.count(edge.target) == 0) {
@@ -190,6 +192,8 @@ void PlainSearch::Expand(const SearchProblem& problem, Node& node, Random& rando
   } else {
     child->reward = CommunicationReward(problem, node.walk, action - moves,
                                         Information(problem, node.walk, action - moves));
+    if (node.parent != nullptr && options_.optional_pictures)
+      child->reward = std::max(0.0, child->reward);
     child->terminal = true;
   }
   node.children.push_back(std::move(child));
@@ -230,8 +234,9 @@ int PlainSearch::Decide(const SearchProblem& problem, Random& random) {
   Node root(nullptr, -1, Walk(problem));
   const int moves = MovesAt(problem, problem.start);
   for (int view = 0; view < ActionsAt(problem, problem.start) - moves; ++view) {
-    const bool says_little = Information(problem, root.walk, view) < options_.min_information;
-    if (says_little) root.tried.insert(moves + view);
+    const double information = Information(problem, root.walk, view);
+    const double reward = CommunicationReward(problem, root.walk, view, information);
+    if (!IsWorthSending(information, reward, options_)) root.tried.insert(moves + view);
   }
   const auto full = [&](const Node& node) {
     return static_cast<int>(node.tried.size()) == ActionsAt(problem, node.walk.vertex());

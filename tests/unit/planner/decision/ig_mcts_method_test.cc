@@ -43,6 +43,7 @@ struct Bench {
     SearchConfig config;
     config.options.iterations = 300;
     config.options.min_information = 0.0;
+    config.options.optional_pictures = false;  // in the box there is nothing else to do
     return config;
   }
 

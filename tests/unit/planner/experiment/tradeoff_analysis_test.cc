@@ -18,6 +18,7 @@ class MadeUp {
   MadeUp() {
     sweep.experiment.seeds = kSeeds;
     sweep.experiment.operators = {"careful"};
+    sweep.effort = Effort::kMoves;
   }
 
   void Add(const std::string& policy, int pictures, int moves, int failed = 0) {
@@ -55,18 +56,32 @@ TEST_CASE("differences are paired: mazes that differ do not blur them", "[planne
   MadeUp made = WithSearch();
   made.Add("random", 3, 37);
   const TradeoffComparison comparison = made.Last();
-  CHECK(comparison.moves_at_equal_pictures.value == Approx(-2.0));
-  CHECK(comparison.moves_at_equal_pictures.interval.high == Approx(-2.0));
-  CHECK(comparison.pictures_at_equal_moves.value == Approx(-0.4));
+  CHECK(comparison.effort_at_equal_pictures.value == Approx(-2.0));
+  CHECK(comparison.effort_at_equal_pictures.interval.high == Approx(-2.0));
+  CHECK(comparison.pictures_at_equal_effort.value == Approx(-0.4));
   CHECK(comparison.verdict == TradeoffVerdict::kBetter);
 }
 
 TEST_CASE("a point below the curve is better than IG-MCTS", "[planner][experiment]") {
   MadeUp made = WithSearch();
   made.Add("threshold", 3, 33);
-  CHECK(made.Last().moves_at_equal_pictures.value == Approx(2.0));
-  CHECK(made.Last().pictures_at_equal_moves.value == Approx(0.4));
+  CHECK(made.Last().effort_at_equal_pictures.value == Approx(2.0));
+  CHECK(made.Last().pictures_at_equal_effort.value == Approx(0.4));
   CHECK(made.Last().verdict == TradeoffVerdict::kWorse);
+}
+
+TEST_CASE("steps count turning, moves do not", "[planner][experiment]") {
+  MadeUp made = WithSearch();
+  made.Add("every", 4, 30);
+  for (ExperimentEpisode& episode : made.episodes) {
+    if (episode.variant == 2) episode.result.turning_rad = 10.0;
+  }
+  CHECK(made.Last().verdict == TradeoffVerdict::kAlike);
+  made.sweep.effort = Effort::kSteps;
+  CHECK(made.Last().verdict == TradeoffVerdict::kBetter);
+  CHECK(made.Last().effort_at_equal_pictures.value == Approx(-EstimatedLowLevelSteps(0.0, 10.0)));
+  CHECK(made.Analyse().back().steps.mean ==
+        Approx(EstimatedLowLevelSteps(made.Analyse().back().moves.mean, 10.0)));
 }
 
 TEST_CASE("a point on the curve is alike", "[planner][experiment]") {
@@ -79,13 +94,13 @@ TEST_CASE("where the curve does not get there the difference is infinite and tol
           "[planner][experiment]") {
   MadeUp made = WithSearch();
   made.Add("never", 0, 20);
-  CHECK(std::isinf(made.Last().moves_at_equal_pictures.value));
-  CHECK(std::isinf(made.Last().pictures_at_equal_moves.value));
+  CHECK(std::isinf(made.Last().effort_at_equal_pictures.value));
+  CHECK(std::isinf(made.Last().pictures_at_equal_effort.value));
   CHECK(made.Last().verdict == TradeoffVerdict::kBeyond);
   CHECK(JudgePolicies(made.sweep, made.Analyse()).back().beyond == 1);
   const auto json = TradeoffJson(made.sweep, made.Analyse());
   const auto& point = json.at("points").back().at("search_less_this");
-  CHECK(point.at("moves_at_equal_pictures").at("value").is_null());
+  CHECK(point.at("effort_at_equal_pictures").at("value").is_null());
 }
 
 TEST_CASE("an episode that does not arrive counts with its limit of actions",

@@ -19,13 +19,15 @@ struct Bench {
     SearchProblem problem{.graph = graph, .start = *graph.VertexAt({1, 2}), .belief = belief};
     problem.goals_left = {{1, 1}};
     problem.sent_views = sent;
-    return FindBestView(problem, model);
+    return FindBestView(problem, model, least_information, turn_cost);
   }
 
   GridGraph graph{MapFrom(kRoom), {}};  // eight headings
   BeliefGrid belief = BeliefFrom(kRoom);
   std::vector<SentView> sent;
   FakePerceptionModel model;
+  double least_information = 0.0;
+  double turn_cost = 0.0;
 };
 
 }  // namespace
@@ -52,4 +54,19 @@ TEST_CASE("views that were sent are not the best one", "[planner][search]") {
   const auto none = bench.Find();
   REQUIRE(none);
   CHECK_FALSE(*none);
+}
+
+TEST_CASE("a view that tells too little is not offered, and a turn can cost more than it tells",
+          "[planner][search]") {
+  Bench bench;
+  bench.belief[{1, 1}] = 1.0F;
+  const BestView most = **bench.Find();
+  bench.turn_cost = 100.0;
+  const BestView ahead = **bench.Find();  // the robot looks east, away from the mistake
+  CHECK(std::cos(ahead.heading_rad) == Approx(1.0));
+  CHECK(ahead.information < most.information);
+  bench.least_information = most.information;
+  CHECK((*bench.Find())->heading_rad == most.heading_rad);
+  bench.least_information = most.information + 0.01;
+  CHECK_FALSE(*bench.Find());
 }

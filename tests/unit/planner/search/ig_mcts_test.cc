@@ -110,6 +110,51 @@ TEST_CASE("views that promise nothing are not sent, unless the paper is to be fo
   CHECK(Decide(world.problem, PaperOptions()).chosen >= 0);
 }
 
+TEST_CASE("a branch may end without its picture, so that its cost decides", "[planner][search]") {
+  // A mistake beside the robot, a goal far beyond what rollouts reach.
+  const TextWorld world(
+      {"##############", "#S...........#", "#............#", "#...........G#", "##############"},
+      {"##############", "#S#..........#", "#............#", "#...........G#", "##############"});
+  SearchOptions options;
+  const auto pictures_tried = [&](double cost) {
+    options.reward.communication_cost = cost;
+    const SearchResult result = Decide(world.problem, options);
+    const auto is_tried = [](const SearchAction& action) {
+      return action.kind == CommandKind::kTransmitView && action.visits > 0;
+    };
+    return std::count_if(result.actions.begin(), result.actions.end(), is_tried);
+  };
+  const auto worst_move = [&](double cost) {
+    options.reward.communication_cost = cost;
+    double worst = 0.0;
+    for (const SearchAction& action : Decide(world.problem, options).actions) {
+      if (action.kind == CommandKind::kMove) worst = std::min(worst, action.mean_value);
+    }
+    return worst;
+  };
+  SECTION("what costs more than it tells is not sent, and costs nothing deeper in the tree") {
+    CHECK(pictures_tried(0.0) > 0);
+    CHECK(pictures_tried(1000.0) == 0);
+    CHECK(worst_move(1000.0) > -50.0);
+  }
+  SECTION("in the paper every branch pays") {
+    options.optional_pictures = false;
+    CHECK(pictures_tried(1000.0) > 0);
+    CHECK(worst_move(1000.0) < -500.0);
+  }
+}
+
+TEST_CASE("terms add up to the value where a branch ends without its picture",
+          "[planner][search]") {
+  const TextWorld world({"######", "#S...#", "#...G#", "######"},
+                        {"######", "#S#..#", "#...G#", "######"});
+  SearchOptions options;
+  options.reward.communication_cost = 0.4;
+  for (const SearchAction& action : Decide(world.problem, options).actions) {
+    CHECK(action.terms.Sum() == Approx(action.mean_value).margin(1e-9));
+  }
+}
+
 TEST_CASE("a view that was sent is not offered again, unless the paper is to be followed",
           "[planner][search]") {
   TextWorld world({"#####", "#G#S#", "#####"}, {"#####", "#G.S#", "#####"});

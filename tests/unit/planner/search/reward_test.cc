@@ -9,7 +9,8 @@
 namespace conav::planner {
 namespace {
 
-const RewardOptions kOptions{};
+/// With the paper's cost.
+const RewardOptions kOptions{.communication_cost = 10.0};
 
 TEST_CASE("a goal gives 100, any other step -1", "[planner][search]") {
   CHECK(EnvironmentReward(true, kOptions) == 100.0);
@@ -31,9 +32,14 @@ TEST_CASE("each earlier visit costs 1", "[planner][search]") {
   CHECK(SmoothnessReward(3) == -3.0);
 }
 
-TEST_CASE("a communication costs 10 and 1 per cell of the path not visited", "[planner][search]") {
+TEST_CASE("a communication costs 10 and 1 per cell of the path not visited, or less in proportion",
+          "[planner][search]") {
   CHECK(CommunicationCost(0, kOptions) == 10.0);
   CHECK(CommunicationCost(4, kOptions) == 14.0);
+  RewardOptions cheap;
+  cheap.communication_cost = 0.5;
+  CHECK(CommunicationCost(0, cheap) == 0.5);
+  CHECK(CommunicationCost(4, cheap) == Approx(0.7));
 }
 
 TEST_CASE("the reward of a move is the sum of its terms", "[planner][search]") {

@@ -20,6 +20,7 @@ TEST_CASE("the paper's preset holds the printed numbers", "[planner][search]") {
   CHECK(options.reward.progress == 0.0);
   CHECK(options.reward.goal == 100.0);
   CHECK(options.reward.communication_cost == 10.0);
+  CHECK_FALSE(options.optional_pictures);
 }
 
 TEST_CASE("the default preset is the one that the experiment chose", "[planner][search]") {
@@ -30,6 +31,8 @@ TEST_CASE("the default preset is the one that the experiment chose", "[planner][
   CHECK(options.tree_reuse == TreeReuse::kNone);
   CHECK(options.guidance_prior == 0.0);
   CHECK_FALSE(options.offers_sent_views);
+  CHECK(options.optional_pictures);
+  CHECK(options.reward.communication_cost == 0.25);
 }
 
 TEST_CASE("options are read by name and refused by name", "[planner][search]") {
