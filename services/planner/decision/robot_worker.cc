@@ -22,7 +22,7 @@ RobotWorker::RobotWorker(Options options, std::unique_ptr<Method> method, Blackb
       board_(board),
       clock_(clock),
       outputs_(std::move(outputs)),
-      gate_(options_.gate),
+      gate_(method_->awaits(), options_.timeouts),
       desk_(options_.robot, options_.command_ttl) {}
 
 void RobotWorker::Run(const StopToken& stop) {
@@ -170,10 +170,11 @@ void RobotWorker::RepeatCommand(const RobotInputs& inputs, Clock::TimePoint now)
 }
 
 void RobotWorker::AdoptGoalPose(RobotInputs& inputs) {
-  if (!inputs.goal_pose || !inputs.belief) return;
+  if (!inputs.goal_pose) return;
   const Position goal = *inputs.goal_pose;
-  if (method_->is_steered()) {
-    LOG_WARNING("goal pose refused", "robot", options_.robot, "reason", "it is steered by hand");
+  if (method_->awaits() < AwaitedInput::kGuidance) {
+    LOG_WARNING("goal pose refused", "robot", options_.robot, "reason",
+                "its method follows no paths");
     return board_.ResolveGoalPose(options_.robot, goal, std::nullopt);
   }
   auto guidance =
@@ -244,10 +245,9 @@ void RobotWorker::Ask(const Decision& decision, const Situation& situation) {
   request.newest_snapshot = situation.state.snapshots;
   request.expected_information = decision.expected_information;
   ValueLostOptions value_lost = options_.value_lost;
-  if (request.reason == AttentionReason::kPicture && options_.gate.pictures_are_answered) {
-    request.gives_up_at = request.stamp + options_.gate.answer_timeout;
-    value_lost.answer_timeout_s =
-        std::chrono::duration<double>(options_.gate.answer_timeout).count();
+  if (request.reason == AttentionReason::kPicture && method_->awaits() == AwaitedInput::kAnswers) {
+    request.gives_up_at = request.stamp + options_.timeouts.answer;
+    value_lost.answer_timeout_s = std::chrono::duration<double>(options_.timeouts.answer).count();
   }
   request.value_lost_per_s = ValueLostPerSecond(situation, decision.answer_value, value_lost);
   outputs_.attention(request);

@@ -48,13 +48,13 @@ class RobotWorker {
   struct Options {
     std::string robot;
     std::string method_name;
-    DecisionGate::Options gate;
+    DecisionGate::Timeouts timeouts;
     std::chrono::nanoseconds command_ttl;
     std::chrono::nanoseconds command_repeat = std::chrono::seconds(1);
     std::chrono::nanoseconds wait_retry = std::chrono::milliseconds(100);
-    /// The gate's timeouts are simulation time.
+    /// Whether `timeouts` are simulation time; else they are wall time.
     bool timeouts_in_simulation_time = false;
-    /// Of attention requests; its answer_timeout_s is the gate's.
+    /// Of attention requests; its answer_timeout_s is that of `timeouts`.
     ValueLostOptions value_lost{};
   };
 

@@ -11,22 +11,32 @@ namespace {
 /// Says what it is told to say, and keeps what it saw.
 class ScriptedMethod final : public Method {
  public:
+  explicit ScriptedMethod(AwaitedInput awaits) : awaits_(awaits) {}
+
   Decision Decide(const Situation& situation, const StopToken&) override {
     seen.push_back(situation);
     if (while_deciding) while_deciding();
     return next;
   }
   std::vector<Cell> WayFor(const Situation&) override { return {{1, 2}}; }
-  bool pictures_are_answered() const override { return true; }
+  AwaitedInput awaits() const override { return awaits_; }
 
   Decision next;
   std::function<void()> while_deciding;
   std::vector<Situation> seen;
+
+ private:
+  AwaitedInput awaits_;
 };
 
+RobotWorker::Options WorkerOptions() {
+  return {.robot = "r1", .method_name = "scripted", .timeouts = {10s, 10s}, .command_ttl = 5s};
+}
+
 struct Bench {
-  Bench() {
-    auto owned = std::make_unique<ScriptedMethod>();
+  explicit Bench(AwaitedInput awaits = AwaitedInput::kAnswers,
+                 RobotWorker::Options options = WorkerOptions()) {
+    auto owned = std::make_unique<ScriptedMethod>(awaits);
     method = owned.get();
     method->next.action = Action{CommandKind::kMove, {1, 2}, 0.0};
     RobotWorker::Outputs outputs{
@@ -34,13 +44,18 @@ struct Bench {
         .report = [this](const SearchReport& report) { reports.push_back(report); },
         .attention = [this](const AttentionRequest& request) { attentions.push_back(request); },
         .way = [](const RobotState&, const MapUpdate&, const std::vector<Cell>&) {}};
-    worker.emplace(
-        RobotWorker::Options{
-            .robot = "r1", .method_name = "scripted", .gate = {10s, 10s, true}, .command_ttl = 5s},
-        std::move(owned), board, clock, std::move(outputs));
+    worker.emplace(std::move(options), std::move(owned), board, clock, std::move(outputs));
   }
 
   void Step() { worker->Step(stop); }
+
+  /// The robot took up the newest command.
+  void Report(CommandOutcome outcome) {
+    state.lease_epoch = commands.back().lease_epoch;
+    state.command_sequence_number = commands.back().sequence_number;
+    state.command_outcome = outcome;
+    board.Put(state);
+  }
 
   /// The next decision is to ask for guidance.
   void LetItAsk() {
@@ -96,9 +111,7 @@ TEST_CASE("the next decision waits for the outcome of the last", "[planner][work
   bench.Step();
   bench.Step();
   CHECK(bench.method->seen.size() == 1);
-  bench.state.command_sequence_number = bench.commands[0].sequence_number;
-  bench.state.command_outcome = CommandOutcome::kDone;
-  bench.board.Put(bench.state);
+  bench.Report(CommandOutcome::kDone);
   bench.Step();
   CHECK(bench.method->seen.size() == 2);
 }
@@ -146,8 +159,7 @@ TEST_CASE("a robot makes room also while it waits for guidance", "[planner][work
   bench.PutAll();
   bench.Step();
   REQUIRE(bench.commands.empty());
-  bench.board.Put(RobotState{.world = "w1", .robot = "r0", .cell = {1, 0}, .goals_left = {{4, 4}}});
-  bench.board.PutWay("r0", {{1, 1}, {1, 2}});
+  bench.PutRobotThatGoesBefore();
   bench.Step();
   REQUIRE(bench.commands.size() == 1);
   CHECK(bench.commands[0].target.column == 1);
@@ -161,8 +173,7 @@ TEST_CASE("a robot makes room while the operator looks at its picture", "[planne
   bench.Step();
   REQUIRE(bench.commands.empty());
   CHECK(bench.board.HoldOf("r1") == HoldName(Hold::kAnswer));
-  bench.board.Put(RobotState{.world = "w1", .robot = "r0", .cell = {1, 0}, .goals_left = {{4, 4}}});
-  bench.board.PutWay("r0", {{1, 1}, {1, 2}});
+  bench.PutRobotThatGoesBefore();
   bench.Step();
   CHECK(bench.commands.size() == 1);
   CHECK(bench.method->seen.empty());
@@ -236,6 +247,15 @@ TEST_CASE("a goal pose becomes guidance until the operator's next path", "[plann
   CHECK(guidance->path.size() == 5);
 }
 
+TEST_CASE("a goal pose for a robot whose method follows no paths is refused", "[planner][worker]") {
+  Bench bench(AwaitedInput::kNothing);
+  bench.PutAll();
+  bench.board.PutGoalPose("r1", {4.0, 4.0});
+  bench.Step();
+  CHECK(bench.method->seen.at(0).guidance->given_by != "goal_pose");
+  CHECK_FALSE(bench.board.Read("r1").goal_pose.has_value());
+}
+
 TEST_CASE("nothing is decided for a robot without the lease", "[planner][worker][lease]") {
   Bench bench;
   bench.board.PutLease("r1", {Lease::State::kNone, 0});
@@ -282,10 +302,7 @@ TEST_CASE("a robot that is to be given up ends its command first", "[planner][wo
   bench.Step();
   REQUIRE(bench.commands.size() == 1);
   bench.board.PutLease("r1", {Lease::State::kReleasing, 1});
-  bench.state.lease_epoch = 1;
-  bench.state.command_sequence_number = bench.commands[0].sequence_number;
-  bench.state.command_outcome = CommandOutcome::kRunning;
-  bench.board.Put(bench.state);
+  bench.Report(CommandOutcome::kRunning);
   bench.Step();
   CHECK(bench.board.LeaseOf("r1").state == Lease::State::kReleasing);
   bench.state.command_outcome = CommandOutcome::kDone;
@@ -357,10 +374,8 @@ TEST_CASE("a picture tells until when it waits, and is taken back when it went o
   bench.Step();
   REQUIRE(bench.attentions.size() == 1);
   CHECK(bench.attentions[0].gives_up_at == SimTime{15'000'000'000});
-  bench.state.command_sequence_number = bench.commands[0].sequence_number;
-  bench.state.command_outcome = CommandOutcome::kDone;
   bench.state.snapshots = 1;
-  bench.board.Put(bench.state);
+  bench.Report(CommandOutcome::kDone);
   bench.Step();
   bench.method->next = Decision{};
   bench.clock.Advance(10s);
@@ -371,25 +386,17 @@ TEST_CASE("a picture tells until when it waits, and is taken back when it went o
 }
 
 TEST_CASE("with timeouts in simulation time the wall clock ends no waiting", "[planner][worker]") {
-  Bench bench;
-  RobotWorker::Options options{
-      .robot = "r1", .method_name = "scripted", .gate = {10s, 10s, true}, .command_ttl = 5s};
+  RobotWorker::Options options = WorkerOptions();
   options.timeouts_in_simulation_time = true;
-  auto method = std::make_unique<ScriptedMethod>();
-  const ScriptedMethod& seen = *method;
-  RobotWorker worker(std::move(options), std::move(method), bench.board, bench.clock,
-                     {.command = [](const RobotCommand&) {},
-                      .report = [](const SearchReport&) {},
-                      .attention = [](const AttentionRequest&) {},
-                      .way = [](const RobotState&, const MapUpdate&, const std::vector<Cell>&) {}});
+  Bench bench(AwaitedInput::kAnswers, options);
   bench.state.snapshots = 1;
   bench.PutAll();
-  worker.Step(bench.stop);
+  bench.Step();
   bench.clock.Advance(100s);
-  worker.Step(bench.stop);
-  CHECK(seen.seen.empty());
+  bench.Step();
+  CHECK(bench.method->seen.empty());
   bench.state.stamp = SimTime{10'000'000'000};
   bench.board.Put(bench.state);
-  worker.Step(bench.stop);
-  CHECK(seen.seen.size() == 1);
+  bench.Step();
+  CHECK(bench.method->seen.size() == 1);
 }
