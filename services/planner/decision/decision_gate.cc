@@ -55,10 +55,12 @@ Hold DecisionGate::Check(const RobotInputs& inputs, std::uint64_t sent_sequence_
 
 Hold DecisionGate::Want(const RobotInputs& inputs, std::uint64_t sent_sequence_number,
                         std::uint64_t lease_epoch) const {
+  if (inputs.lease.state == Lease::State::kNone) return Hold::kNoLease;
   if (!inputs.state) return Hold::kState;
   const RobotState& state = *inputs.state;
   if (lease_epoch != 0 && state.lease_epoch > lease_epoch) return Hold::kLeaseLost;
-  const bool taken_up = state.command_sequence_number == sent_sequence_number;
+  const bool taken_up =
+      state.command_sequence_number == sent_sequence_number && state.lease_epoch == lease_epoch;
   if (state.command_outcome == CommandOutcome::kRunning) return Hold::kCommand;
   if (sent_sequence_number != 0 && !taken_up) return Hold::kCommand;
   if (inputs.lease.state == Lease::State::kReleasing) return Hold::kRelease;

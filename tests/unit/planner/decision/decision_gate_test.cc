@@ -81,11 +81,13 @@ TEST_CASE("a map older than the robot's newest step holds the decision", "[plann
 TEST_CASE("a running command or one not taken up holds the decision", "[planner][gate]") {
   RobotInputs inputs = CompleteInputs();
   inputs.state->command_sequence_number = 3;
+  inputs.state->lease_epoch = 1;
   inputs.state->command_outcome = CommandOutcome::kRunning;
   CHECK(CheckFresh(inputs, 3, 1) == Hold::kCommand);
   inputs.state->command_outcome = CommandOutcome::kDone;
   CHECK(CheckFresh(inputs, 3, 1) == Hold::kNothing);
   CHECK(CheckFresh(inputs, 4, 1) == Hold::kCommand);
+  CHECK(CheckFresh(inputs, 3, 2) == Hold::kCommand);  // it shows the last driver's third
 }
 
 TEST_CASE("a higher lease epoch on the robot means that it is no longer ours", "[planner][gate]") {
@@ -93,6 +95,12 @@ TEST_CASE("a higher lease epoch on the robot means that it is no longer ours", "
   inputs.state->lease_epoch = 5;
   CHECK(CheckFresh(inputs, 0, 4) == Hold::kLeaseLost);
   CHECK(CheckFresh(inputs, 0, 5) == Hold::kNothing);
+}
+
+TEST_CASE("without a lease a robot is held, whatever is there", "[planner][gate]") {
+  RobotInputs inputs = CompleteInputs();
+  inputs.lease.state = Lease::State::kNone;
+  CHECK(CheckFresh(inputs) == Hold::kNoLease);
 }
 
 TEST_CASE("guidance drawn on a newer belief waits for that belief", "[planner][gate]") {
