@@ -71,8 +71,7 @@ PlannerService::PlannerService(bus::Participant& participant, const PlannerConfi
     RobotWorker::Options options{
         .robot = robot,
         .method_name = config.method,
-        .gate = {Seconds(config.first_guidance_timeout_s), Seconds(config.answer_timeout_s),
-                 method->pictures_are_answered(), method->heeds_operator(), !method->is_steered()},
+        .timeouts = {Seconds(config.first_guidance_timeout_s), Seconds(config.answer_timeout_s)},
         .command_ttl = Seconds(config.command_ttl_s),
         .timeouts_in_simulation_time = config.timeout_clock == "simulation",
         .value_lost = {config.search.options.reward, config.search.options.discount}};

@@ -40,7 +40,7 @@ class RobotLeases {
   void CountDecision(double duration_ms);
   void PublishWay(const RobotWay& way);
 
-  /// "r1 lease 3" / "driven by planner-2" / "driven by nobody", for /diagnostics.
+  /// "lease epoch 3" / "driven by planner-2" / "driven by nobody that is heard", for /diagnostics.
   std::string Describe(const std::string& robot) const;
   int held() const;
   int live_planners() const { return desk_.live_planners(); }

@@ -23,10 +23,13 @@ RobotCommand CommandDesk::Issue(const Action& action, const RobotState& state, S
   return last_;
 }
 
+bool CommandDesk::IsShownBy(const RobotState& state) const {
+  return state.command_sequence_number == last_.sequence_number &&
+         state.lease_epoch == last_.lease_epoch;
+}
+
 std::optional<RobotCommand> CommandDesk::Repeat(const RobotState& state, SimTime now) {
-  if (last_.sequence_number == 0 || state.command_sequence_number == last_.sequence_number) {
-    return std::nullopt;
-  }
+  if (last_.sequence_number == 0 || IsShownBy(state)) return std::nullopt;
   last_.stamp = now;
   if (last_.kind != CommandKind::kDrive) last_.expires_at = now + ttl_;
   return last_;

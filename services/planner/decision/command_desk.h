@@ -23,7 +23,11 @@ class CommandDesk {
   /// The next command.
   RobotCommand Issue(const Action& action, const RobotState& state, SimTime now);
 
-  /// The last command, when the robot shows another sequence number; with a fresh expiry unless it
+  /// Whether the robot took up the last command. Another planner's may have its number, but not its
+  /// epoch.
+  bool IsShownBy(const RobotState& state) const;
+
+  /// The last command, when the robot shows another one; with a fresh expiry unless it
   /// is a low-level action, which nobody wants late.
   std::optional<RobotCommand> Repeat(const RobotState& state, SimTime now);
 

@@ -44,9 +44,8 @@ Hold DecisionGate::Check(const RobotInputs& inputs, std::uint64_t sent_sequence_
     hold_ = wanted;
     hold_since_ = now;
   }
-  const bool first =
-      hold_ == Hold::kFirstGuidance && now - hold_since_ >= options_.first_guidance_timeout;
-  const bool answer = hold_ == Hold::kAnswer && now - hold_since_ >= options_.answer_timeout;
+  const bool first = hold_ == Hold::kFirstGuidance && now - hold_since_ >= timeouts_.first_guidance;
+  const bool answer = hold_ == Hold::kAnswer && now - hold_since_ >= timeouts_.answer;
   if (first || answer) {
     GiveUp(hold_, inputs);
     return Check(inputs, sent_sequence_number, lease_epoch, now);
@@ -56,22 +55,23 @@ Hold DecisionGate::Check(const RobotInputs& inputs, std::uint64_t sent_sequence_
 
 Hold DecisionGate::Want(const RobotInputs& inputs, std::uint64_t sent_sequence_number,
                         std::uint64_t lease_epoch) const {
+  if (inputs.lease.state == Lease::State::kNone) return Hold::kNoLease;
   if (!inputs.state) return Hold::kState;
   const RobotState& state = *inputs.state;
   if (lease_epoch != 0 && state.lease_epoch > lease_epoch) return Hold::kLeaseLost;
-  const bool taken_up = state.command_sequence_number == sent_sequence_number;
+  const bool taken_up =
+      state.command_sequence_number == sent_sequence_number && state.lease_epoch == lease_epoch;
   if (state.command_outcome == CommandOutcome::kRunning) return Hold::kCommand;
   if (sent_sequence_number != 0 && !taken_up) return Hold::kCommand;
   if (inputs.lease.state == Lease::State::kReleasing) return Hold::kRelease;
   if (!inputs.map || inputs.map->stamp < state.map_stamp) return Hold::kMap;
-  if (options_.pictures_are_answered && !inputs.lens) return Hold::kCamera;
-  if (options_.heeds_operator && !inputs.belief) return Hold::kBelief;
+  if (awaits_ >= AwaitedInput::kAnswers && !inputs.lens) return Hold::kCamera;
+  if (awaits_ >= AwaitedInput::kBelief && !inputs.belief) return Hold::kBelief;
   if (Inconsistency(inputs)) return Hold::kInconsistent;
-  if (!options_.heeds_operator) return Hold::kNothing;
   const std::uint64_t answered = inputs.guidance ? inputs.guidance->answers_snapshot : 0;
   const bool answer_due = state.snapshots > std::max(answered, unanswered_snapshot_);
-  if (options_.pictures_are_answered && answer_due) return Hold::kAnswer;
-  if (!options_.needs_guidance) return Hold::kNothing;
+  if (awaits_ >= AwaitedInput::kAnswers && answer_due) return Hold::kAnswer;
+  if (awaits_ < AwaitedInput::kGuidance) return Hold::kNothing;
   if (!inputs.guidance && !without_guidance_) return Hold::kFirstGuidance;
   if (inputs.guidance && inputs.belief->revision < inputs.guidance->belief_revision)
     return Hold::kBelief;

@@ -7,6 +7,7 @@
 
 #include "common/runtime/clock.h"
 #include "planner/decision/blackboard.h"
+#include "planner/decision/method.h"
 
 namespace conav::planner {
 
@@ -16,7 +17,7 @@ enum class Hold {
   kState,          // nothing heard of the robot yet
   kCommand,        // its last command is still being executed
   kMap,            // the map of its newest step has not arrived
-  kCamera,         // what its camera shows; only where pictures are sent for an answer
+  kCamera,         // its camera's lens
   kBelief,         // the operator's map, at the revision that the guidance was drawn on
   kInconsistent,   // map, state, belief and guidance do not belong together (consistency.h)
   kFirstGuidance,  // soft: the operator has not drawn a path yet
@@ -34,18 +35,13 @@ std::string_view HoldName(Hold hold);
 /// alone. Threads: one worker's.
 class DecisionGate {
  public:
-  struct Options {
-    std::chrono::nanoseconds first_guidance_timeout;
-    std::chrono::nanoseconds answer_timeout;
-    /// Whether each picture gets an answer; false where pictures are streamed.
-    bool pictures_are_answered = true;
-    /// Whether the operator's map and paths are waited for.
-    bool heeds_operator = true;
-    /// Whether the first guidance is waited for.
-    bool needs_guidance = true;
+  /// Of the soft holds; by the clock that Check() is told the time of.
+  struct Timeouts {
+    std::chrono::nanoseconds first_guidance;
+    std::chrono::nanoseconds answer;
   };
 
-  explicit DecisionGate(Options options) : options_(options) {}
+  DecisionGate(AwaitedInput awaits, Timeouts timeouts) : awaits_(awaits), timeouts_(timeouts) {}
 
   /// `sent_sequence_number` and `lease_epoch` are those of the worker's last command.
   Hold Check(const RobotInputs& inputs, std::uint64_t sent_sequence_number,
@@ -59,7 +55,8 @@ class DecisionGate {
             std::uint64_t lease_epoch) const;
   void GiveUp(Hold hold, const RobotInputs& inputs);
 
-  Options options_;
+  AwaitedInput awaits_;
+  Timeouts timeouts_;
   Hold hold_ = Hold::kState;  // kCommand passes over: a step aside does not start the waiting anew
   Clock::TimePoint hold_since_{};
   bool without_guidance_ = false;          // stopped waiting for the first guidance

@@ -18,8 +18,7 @@ class GreedyMethod final : public Method {
 
   Decision Decide(const Situation& situation, const StopToken& stop) override;
   std::vector<Cell> WayFor(const Situation& situation) override;
-  bool pictures_are_answered() const override { return false; }
-  bool heeds_operator() const override { return false; }
+  AwaitedInput awaits() const override { return AwaitedInput::kNothing; }
 
  private:
   StandOff stand_off_;

@@ -35,7 +35,7 @@ class IgMctsMethod final : public Method {
 
   Decision Decide(const Situation& situation, const StopToken& stop) override;
   std::vector<Cell> WayFor(const Situation& situation) override;
-  bool pictures_are_answered() const override { return true; }
+  AwaitedInput awaits() const override { return AwaitedInput::kAnswers; }
 
  private:
   /// The view that the last decision asked for; it counts as sent when the robot shows one more

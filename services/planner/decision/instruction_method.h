@@ -16,7 +16,7 @@ class InstructionMethod final : public Method {
 
   Decision Decide(const Situation& situation, const StopToken& stop) override;
   std::vector<Cell> WayFor(const Situation& situation) override;
-  bool pictures_are_answered() const override { return false; }
+  AwaitedInput awaits() const override { return AwaitedInput::kGuidance; }
 
  private:
   PathFollower follower_;

@@ -53,6 +53,14 @@ struct Decision {
 /// The move along `plan`, decided without a search; `plan` is not empty.
 Decision MoveAlong(std::vector<Cell> plan);
 
+/// What a robot's decisions wait for from its operator; each includes those before it.
+enum class AwaitedInput {
+  kNothing,   // decides whether there is an operator or not
+  kBelief,    // the operator's map
+  kGuidance,  // and a first path, and the map that the newest path was drawn on
+  kAnswers,   // and an answer to each picture, which so needs the camera's lens
+};
+
 /// One way of supervising a robot: IG-MCTS, instruction following, teleoperation; or none. One object per
 /// robot. Threads: one worker's.
 class Method {
@@ -63,12 +71,9 @@ class Method {
   /// Cells that the robot would enter next if no other robot were there; the others make room on
   /// them.
   virtual std::vector<Cell> WayFor(const Situation& situation) = 0;
-  /// Whether the operator answers each picture before the next decision.
-  virtual bool pictures_are_answered() const = 0;
-  /// Whether the operator's map and paths are looked at, and so waited for.
-  virtual bool heeds_operator() const { return true; }
-  /// Somebody steers the robot by low-level actions: it waits for no guidance and makes room for
-  /// nobody by itself.
+  /// The same throughout; below kGuidance the operator's paths are not followed.
+  virtual AwaitedInput awaits() const = 0;
+  /// Somebody steers the robot by low-level actions: it makes room for nobody by itself.
   virtual bool is_steered() const { return false; }
 };
 

@@ -22,7 +22,7 @@ RobotWorker::RobotWorker(Options options, std::unique_ptr<Method> method, Blackb
       board_(board),
       clock_(clock),
       outputs_(std::move(outputs)),
-      gate_(options_.gate),
+      gate_(method_->awaits(), options_.timeouts),
       desk_(options_.robot, options_.command_ttl) {}
 
 void RobotWorker::Run(const StopToken& stop) {
@@ -35,15 +35,27 @@ void RobotWorker::Run(const StopToken& stop) {
 
 Clock::TimePoint RobotWorker::Step(const StopToken& stop) {
   const Clock::TimePoint now = clock_.Now();
-  if (!HasLease()) return now + kIdle;
+  // Lease and all in one go: what is sent below goes under the lease that was looked at here.
   RobotInputs inputs = board_.Read(options_.robot);
+  const Hold hold = CheckInputs(inputs, now);
+  if (hold != Hold::kNothing) return WaitFor(hold, inputs, now);
+  AdoptGoalPose(inputs);
+  const Situation situation = SituationFrom(inputs);
+  const bool waits = waiting_for_guidance_ && newest_revision_ == waiting_for_other_than_;
+  // A robot that asked for a new path will hardly go on along the old one.
+  const std::vector<Cell> way = waits ? std::vector<Cell>{} : method_->WayFor(situation);
+  const Traffic traffic = method_->is_steered() ? Traffic::kGoOn : GiveWay(situation, way);
+  if (traffic == Traffic::kStepAside) return now;
+  if (traffic == Traffic::kWait) return now + options_.wait_retry;
+  if (waits) return now + kIdle;
+  waiting_for_guidance_ = false;
+  return Decide(situation, inputs.lease, stop, now);
+}
+
+Hold RobotWorker::CheckInputs(const RobotInputs& inputs, Clock::TimePoint now) {
   AdoptLease(inputs.lease);
-  const Clock::TimePoint gate_now = options_.timeouts_in_simulation_time
-                                        ? Clock::TimePoint(std::chrono::nanoseconds(
-                                              board_.NewestStamp(options_.robot).nanoseconds))
-                                        : now;
   const Hold hold =
-      gate_.Check(inputs, desk_.sent_sequence_number(), desk_.lease_epoch(), gate_now);
+      gate_.Check(inputs, desk_.sent_sequence_number(), desk_.lease_epoch(), GateTime(now));
   if (gate_.TakeTimedOut()) {
     LOG_WARNING("operator does not answer, going on alone", "robot", options_.robot, "snapshot",
                 inputs.state->snapshots);
@@ -52,42 +64,33 @@ Clock::TimePoint RobotWorker::Step(const StopToken& stop) {
   if (hold != hold_) TellHold(hold, inputs);
   hold_ = hold;
   board_.PutHold(options_.robot, HoldName(hold));
-  if (inputs.state) TellOutcome(*inputs.state);
-  if (hold != Hold::kNothing) return WaitFor(hold, inputs, now);
-  AdoptGoalPose(inputs);
-  const std::uint64_t revision = inputs.guidance ? inputs.guidance->revision : 0;
-  const bool waits = waiting_for_guidance_ && revision == waiting_for_other_than_;
+  if (hold != Hold::kNoLease && inputs.state) TellOutcome(*inputs.state);
+  return hold;
+}
 
-  const Situation situation = SituationFrom(inputs);
-  // A robot that asked for a new path will hardly go on along the old one.
-  const std::vector<Cell> way = waits ? std::vector<Cell>{} : method_->WayFor(situation);
-  const Traffic traffic = method_->is_steered() ? Traffic::kGoOn : GiveWay(situation, way);
-  if (traffic == Traffic::kStepAside) return now;
-  if (traffic == Traffic::kWait) return now + options_.wait_retry;
-  if (waits) return now + kIdle;
-  waiting_for_guidance_ = false;
+Clock::TimePoint RobotWorker::GateTime(Clock::TimePoint now) const {
+  if (!options_.timeouts_in_simulation_time) return now;
+  return Clock::TimePoint(std::chrono::nanoseconds(board_.NewestStamp(options_.robot).nanoseconds));
+}
+
+Clock::TimePoint RobotWorker::Decide(const Situation& situation, const Lease& lease,
+                                     const StopToken& stop, Clock::TimePoint now) {
   const auto start = std::chrono::steady_clock::now();
   Decision decision = method_->Decide(situation, stop);
   const std::chrono::duration<double, std::milli> duration =
       std::chrono::steady_clock::now() - start;
-  if (stop.stop_requested() || !HoldsStill(inputs.lease)) return now;
+  if (stop.stop_requested() || !HoldsStill(lease)) return now;
   const bool acts = decision.action.has_value();
   Publish(std::move(decision), situation, duration.count());
   return acts ? now : now + options_.wait_retry;
 }
 
-bool RobotWorker::HasLease() {
-  if (board_.LeaseOf(options_.robot).state != Lease::State::kNone) return true;
-  hold_ = Hold::kNoLease;
-  board_.PutHold(options_.robot, HoldName(hold_));
-  return false;
-}
-
 void RobotWorker::AdoptLease(const Lease& lease) {
-  if (lease.epoch == lease_epoch_) return;
+  if (lease.state == Lease::State::kNone || lease.epoch == lease_epoch_) return;
   lease_epoch_ = lease.epoch;
   desk_.Begin(lease.epoch);
   waiting_for_guidance_ = false;
+  way_told_ = false;
 }
 
 bool RobotWorker::HoldsStill(const Lease& lease) const {
@@ -97,9 +100,10 @@ bool RobotWorker::HoldsStill(const Lease& lease) const {
 
 void RobotWorker::Want(std::vector<Cell> way, RoomClaim room) {
   const bool changed = board_.PutWay(options_.robot, way, room);
-  if (changed && outputs_.wants) {
+  if ((changed || !way_told_) && outputs_.wants) {
     outputs_.wants({options_.robot, std::move(way), std::move(room)});
   }
+  way_told_ = true;
 }
 
 RobotWorker::Traffic RobotWorker::GiveWay(const Situation& situation,
@@ -120,6 +124,8 @@ Clock::TimePoint RobotWorker::WaitFor(Hold hold, const RobotInputs& inputs, Cloc
     board_.GiveUp(options_.robot, inputs.lease);
     return now;
   }
+  // Who drives it speaks for it.
+  if (hold == Hold::kNoLease || hold == Hold::kLeaseLost) return now + kIdle;
   if (hold == Hold::kCommand) RepeatCommand(inputs, now);
   const bool operator_is_asked = hold == Hold::kFirstGuidance || hold == Hold::kAnswer;
   if (operator_is_asked) {
@@ -146,8 +152,7 @@ void RobotWorker::TellHold(Hold hold, const RobotInputs& inputs) const {
 }
 
 void RobotWorker::TellOutcome(const RobotState& state) {
-  if (state.command_outcome == CommandOutcome::kRunning ||
-      state.command_sequence_number != desk_.sent_sequence_number() ||
+  if (state.command_outcome == CommandOutcome::kRunning || !desk_.IsShownBy(state) ||
       state.command_sequence_number == told_sequence_number_) {
     return;
   }
@@ -170,10 +175,11 @@ void RobotWorker::RepeatCommand(const RobotInputs& inputs, Clock::TimePoint now)
 }
 
 void RobotWorker::AdoptGoalPose(RobotInputs& inputs) {
-  if (!inputs.goal_pose || !inputs.belief) return;
+  if (!inputs.goal_pose) return;
   const Position goal = *inputs.goal_pose;
-  if (method_->is_steered()) {
-    LOG_WARNING("goal pose refused", "robot", options_.robot, "reason", "it is steered by hand");
+  if (method_->awaits() < AwaitedInput::kGuidance) {
+    LOG_WARNING("goal pose refused", "robot", options_.robot, "reason",
+                "its method follows no paths");
     return board_.ResolveGoalPose(options_.robot, goal, std::nullopt);
   }
   auto guidance =
@@ -244,10 +250,9 @@ void RobotWorker::Ask(const Decision& decision, const Situation& situation) {
   request.newest_snapshot = situation.state.snapshots;
   request.expected_information = decision.expected_information;
   ValueLostOptions value_lost = options_.value_lost;
-  if (request.reason == AttentionReason::kPicture && options_.gate.pictures_are_answered) {
-    request.gives_up_at = request.stamp + options_.gate.answer_timeout;
-    value_lost.answer_timeout_s =
-        std::chrono::duration<double>(options_.gate.answer_timeout).count();
+  if (request.reason == AttentionReason::kPicture && method_->awaits() == AwaitedInput::kAnswers) {
+    request.gives_up_at = request.stamp + options_.timeouts.answer;
+    value_lost.answer_timeout_s = std::chrono::duration<double>(options_.timeouts.answer).count();
   }
   request.value_lost_per_s = ValueLostPerSecond(situation, decision.answer_value, value_lost);
   outputs_.attention(request);

@@ -27,10 +27,10 @@ namespace conav::planner {
 /// worker remembers of a robot that others drove meanwhile does no harm: docs/many-robots.md.
 ///
 /// Before the first state arrives nothing is sent. What it asked of the operator is taken back when
-/// it goes on without. Stale input: an expired or withdrawn guidance is
-/// left out; an operator who does not answer is waited for once per picture, then the robot goes on
-/// alone (one log line). Inputs that do not belong together (consistency.h) hold the robot, with
-/// one log line. Commands that were refused or expired are logged.
+/// it goes on without. Stale input: an expired or withdrawn guidance is left out; an operator who
+/// does not answer is waited for once per picture, then the robot goes on alone (one log line).
+/// Inputs that do not belong together (consistency.h) hold the robot, with one log line. Commands
+/// that were refused or expired are logged.
 class RobotWorker {
  public:
   /// What the worker sends; all are called on the worker's thread.
@@ -48,13 +48,15 @@ class RobotWorker {
   struct Options {
     std::string robot;
     std::string method_name;
-    DecisionGate::Options gate;
-    std::chrono::nanoseconds command_ttl;
+    DecisionGate::Timeouts timeouts;
+    std::chrono::nanoseconds command_ttl;  // simulation time; low-level actions have their own
+    /// Wall time until a command that was not taken up is sent again.
     std::chrono::nanoseconds command_repeat = std::chrono::seconds(1);
+    /// Wall time until a robot that waits for another one looks again.
     std::chrono::nanoseconds wait_retry = std::chrono::milliseconds(100);
-    /// The gate's timeouts are simulation time.
+    /// Whether `timeouts` are simulation time; else they are wall time.
     bool timeouts_in_simulation_time = false;
-    /// Of attention requests; its answer_timeout_s is the gate's.
+    /// Of attention requests; its answer_timeout_s is that of `timeouts`.
     ValueLostOptions value_lost{};
   };
 
@@ -69,11 +71,20 @@ class RobotWorker {
   Clock::TimePoint Step(const StopToken& stop);
 
  private:
-  bool HasLease();
+  /// Whether `inputs` allow a decision, else why not; logs and tells what changed about that.
+  Hold CheckInputs(const RobotInputs& inputs, Clock::TimePoint now);
+  /// The time that the gate counts by, when it is `now` by the clock.
+  Clock::TimePoint GateTime(Clock::TimePoint now) const;
+  /// Returns when to look again, as Step() does.
+  Clock::TimePoint Decide(const Situation& situation, const Lease& lease, const StopToken& stop,
+                          Clock::TimePoint now);
   void AdoptLease(const Lease& lease);
   /// Whether the lease that the decision was begun under still holds.
   bool HoldsStill(const Lease& lease) const;
+  /// Tells the others, on the board and in other processes, the first time under a lease in any
+  /// case: those that come later hear of it from this process only.
   void Want(std::vector<Cell> way, RoomClaim room);
+  /// What is done meanwhile; returns when to look again.
   Clock::TimePoint WaitFor(Hold hold, const RobotInputs& inputs, Clock::TimePoint now);
   /// One log line where a person should know why the robot does not decide.
   void TellHold(Hold hold, const RobotInputs& inputs) const;
@@ -102,6 +113,7 @@ class RobotWorker {
   std::uint64_t lease_epoch_ = 0;
   std::uint64_t newest_revision_ = 0;         // of the guidance heard, valid or not
   std::uint64_t waiting_for_other_than_ = 0;  // revision of the guidance when it asked for another
+  bool way_told_ = false;                     // under this lease
   bool waiting_for_guidance_ = false;
   bool guided_before_ = false;
 };

@@ -15,7 +15,7 @@ class TeleopMethod final : public Method {
  public:
   Decision Decide(const Situation& situation, const StopToken& stop) override;
   std::vector<Cell> WayFor(const Situation&) override { return {}; }
-  bool pictures_are_answered() const override { return false; }
+  AwaitedInput awaits() const override { return AwaitedInput::kBelief; }
   bool is_steered() const override { return true; }
 
  private:

@@ -38,6 +38,7 @@ std::string ActionName(const SearchAction& action, Cell robot) {
   if (action.kind == CommandKind::kTransmitView) {
     return fmt::format("picture to the {}", HeadingName(action.heading_rad));
   }
+  if (action.kind == CommandKind::kDrive) return "low-level action";
   return fmt::format("move {}to {}", StepName(action.target - robot), action.target);
 }
 

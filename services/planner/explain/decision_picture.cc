@@ -44,8 +44,9 @@ constexpr const char* kMissingWall = "stroke=\"#CC79A7\" stroke-width=\"2\" fill
 
 // --- the map -----------------------------------------------------------------------------------
 
-/// Where the operator's map contradicts what the robot knows.
+/// Where the operator's map, if it was heard of, contradicts what the robot knows.
 void DrawMistakes(const MapPanel& panel, const DecisionRecord& decision) {
+  if (decision.belief.size() == 0) return;
   for (std::size_t i = 0; i < decision.map.size(); ++i) {
     const Occupancy known = decision.map.values()[i];
     if (known == Occupancy::kUnknown) continue;

@@ -29,6 +29,9 @@ const SearchAction* BestOf(const SearchReport& report, Predicate&& admits) {
 }
 
 std::string NoSearch(const DecisionRecord& decision) {
+  if (decision.report.method == "ig-mcts" && decision.sends_picture()) {
+    return "No search was made for this decision: the communication policy wanted a picture.";
+  }
   if (decision.report.method == "ig-mcts") {
     return "No search was made for this decision: the robot made room for another robot.";
   }

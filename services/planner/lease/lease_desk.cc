@@ -124,7 +124,7 @@ void LeaseDesk::Rebalance(TimePoint now, Changes& changes) {
     }
     if (!ours || holders.contains(name) || !MayTake(robot, now)) continue;
     robot.epoch = ++robot.highest_epoch;
-    changes.taken.push_back({name, robot.epoch, robot.shown_epoch != 0});
+    changes.taken.push_back({name, robot.epoch});
   }
 }
 

@@ -48,7 +48,6 @@ class LeaseDesk {
     struct Grant {
       std::string robot;
       std::uint64_t lease_epoch = 0;
-      bool commanded_before = false;  // by somebody, us included
     };
     std::vector<Grant> taken;
     std::vector<std::string> to_release;

@@ -120,7 +120,8 @@ class Reader {
       return false;
     }
     const std::size_t cells = std::size_t{record_.rows()} * record_.columns();
-    if (record_.map().size() != cells || static_cast<std::size_t>(record_.belief_size()) != cells) {
+    const auto believed = static_cast<std::size_t>(record_.belief_size());
+    if (record_.map().size() != cells || (believed != cells && believed != 0)) {
       Refuse("{} cells of the robot's map and {} of the operator's where {} x {} are said",
              record_.map().size(), record_.belief_size(), record_.rows(), record_.columns());
       return false;
@@ -128,17 +129,21 @@ class Reader {
     const int rows = static_cast<int>(record_.rows());
     const int columns = static_cast<int>(record_.columns());
     decision_.map = OccupancyGrid(rows, columns);
-    decision_.belief = BeliefGrid(rows, columns);
-    for (std::size_t i = 0; i < cells; ++i) ReadCell(i);
+    if (believed != 0) decision_.belief = BeliefGrid(rows, columns);
+    for (std::size_t i = 0; i < cells; ++i) ReadMapCell(i);
+    for (std::size_t i = 0; i < believed; ++i) ReadBeliefCell(i);
     return true;
   }
 
-  void ReadCell(std::size_t i) {
+  void ReadMapCell(std::size_t i) {
     const auto value = static_cast<std::uint8_t>(record_.map()[i]);
-    const float wall = record_.belief(static_cast<int>(i));
     if (value > 2) Refuse("the map has the value {}", value);
-    if (!(wall >= 0.0F && wall <= 1.0F)) Refuse("the belief {} is outside of [0, 1]", wall);
     decision_.map.values()[i] = static_cast<Occupancy>(value);
+  }
+
+  void ReadBeliefCell(std::size_t i) {
+    const float wall = record_.belief(static_cast<int>(i));
+    if (!(wall >= 0.0F && wall <= 1.0F)) Refuse("the belief {} is outside of [0, 1]", wall);
     decision_.belief.values()[i] = wall;
   }
 
@@ -159,8 +164,11 @@ class Reader {
     return value;
   }
 
-  CommandKind ReadKind(std::string_view what, std::uint32_t kind) {
-    if (kind != 1 && kind != 2) Refuse("{}: there is no action of kind {}", what, kind);
+  CommandKind ReadKind(std::string_view what, std::uint32_t kind,
+                       CommandKind last = CommandKind::kTransmitView) {
+    const bool known = kind >= static_cast<std::uint32_t>(CommandKind::kMove) &&
+                       kind <= static_cast<std::uint32_t>(last);
+    if (!known) Refuse("{}: there is no action of kind {}", what, kind);
     return static_cast<CommandKind>(kind);
   }
 
@@ -169,12 +177,14 @@ class Reader {
     decision_.path = ReadCells("path", record_.path());
     decision_.guidance = ReadCells("guidance", record_.guidance());
     decision_.plan = ReadCells("plan", record_.plan());
-    decision_.taken = ReadAction("taken", record_.taken());
+    decision_.taken = ReadAction("taken", record_.taken(), CommandKind::kDrive);
   }
 
-  SearchAction ReadAction(std::string_view what, const decisions::Action& record) {
+  /// `last`: of the kinds that it can be.
+  SearchAction ReadAction(std::string_view what, const decisions::Action& record,
+                          CommandKind last = CommandKind::kTransmitView) {
     SearchAction action;
-    action.kind = ReadKind(what, record.kind());
+    action.kind = ReadKind(what, record.kind(), last);
     action.target = ReadCell(what, record.target());
     action.heading_rad = ReadNumber(what, record.heading());
     action.visits = record.visits();

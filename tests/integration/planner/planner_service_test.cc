@@ -141,6 +141,7 @@ TEST_CASE("a goal pose from RViz moves the robot towards it", "[planner][integra
   planner.state.stamp = SimTime{} + 1s;
   planner.state.cell = {1, 2};
   planner.state.path = {{1, 1}, {1, 2}};
+  planner.state.lease_epoch = 1;
   planner.state.command_sequence_number = 1;
   planner.state.command_outcome = CommandOutcome::kDone;
   planner.PublishState();
@@ -168,6 +169,7 @@ TEST_CASE("instruction following goes on when the outcome is reported", "[planne
   planner.PublishAll();
   REQUIRE(planner.NextCommand());
   planner.state.cell = {1, 2};
+  planner.state.lease_epoch = 1;
   planner.state.command_sequence_number = 1;
   planner.state.command_outcome = CommandOutcome::kDone;
   planner.PublishState();

@@ -1,6 +1,5 @@
 // What the store does when the disk, the file or the process fails.
 #include <signal.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -8,6 +7,7 @@
 #include <fstream>
 
 #include "operator/belief/belief_store.h"
+#include "support/full_disk.h"
 #include "support/temporary_folder.h"
 #include "unit/operator/support/drawn_map.h"
 
@@ -106,24 +106,6 @@ TEST_CASE("On a full database requests are refused, nothing is lost and the stor
   CHECK_FALSE(store.Handle(Edit(id + 1, id - 1), {3}).reply.accepted);
 }
 
-/// While it lives, no file of this process grows beyond `bytes`: the write fails, as on a disk.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) {
-    signal(SIGXFSZ, SIG_IGN);
-    getrlimit(RLIMIT_FSIZE, &before_);
-    rlimit limit = before_;
-    limit.rlim_cur = bytes;
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FileSizeLimit() { setrlimit(RLIMIT_FSIZE, &before_); }
-  FileSizeLimit(const FileSizeLimit&) = delete;
-  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-
- private:
-  rlimit before_{};
-};
-
 TEST_CASE("A write that fails refuses the request; a repeat succeeds when the disk is well again",
           "[operator][belief]") {
   const TemporaryFolder folder;
@@ -134,7 +116,7 @@ TEST_CASE("A write that fails refuses the request; a repeat succeeds when the di
     REQUIRE(store.Handle(Edit(1, 0), {3}).reply.accepted);
     BeliefStore::Answer failed;
     {
-      const FileSizeLimit limit(4096);
+      const test::FullDisk full(4096);
       failed = store.Handle(Edit(2, 1), {3});
     }
     CHECK_FALSE(failed.reply.accepted);

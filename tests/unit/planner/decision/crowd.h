@@ -148,12 +148,11 @@ class Crowd {
     auto method =
         MakeMethod(options_.method, name, {search, {}}, DeriveSeed(options_.seed, robots_.size()),
                    options_.model, nullptr, clock_);
-    const DecisionGate::Options gate{std::chrono::seconds(10), std::chrono::seconds(10),
-                                     method->pictures_are_answered(), method->heeds_operator()};
+    constexpr std::chrono::seconds kTimeout{10};
     robot.worker.emplace(RobotWorker::Options{.robot = name,
                                               .method_name = options_.method,
-                                              .gate = gate,
-                                              .command_ttl = std::chrono::seconds(10)},
+                                              .timeouts = {kTimeout, kTimeout},
+                                              .command_ttl = kTimeout},
                          std::move(method), *board_, clock_, std::move(outputs));
     board_->Put(robot.state);
     board_->PutLens(name, CameraLens{});

@@ -19,8 +19,11 @@ RobotInputs CompleteInputs() {
   return inputs;
 }
 
-Hold CheckFresh(const RobotInputs& inputs, std::uint64_t sent = 0, std::uint64_t epoch = 0) {
-  return DecisionGate({10s, 10s, true}).Check(inputs, sent, epoch, {});
+constexpr DecisionGate::Timeouts kTimeouts{.first_guidance = 10s, .answer = 10s};
+
+Hold CheckFresh(const RobotInputs& inputs, std::uint64_t sent = 0, std::uint64_t epoch = 0,
+                AwaitedInput awaits = AwaitedInput::kAnswers) {
+  return DecisionGate(awaits, kTimeouts).Check(inputs, sent, epoch, {});
 }
 
 }  // namespace
@@ -42,14 +45,13 @@ TEST_CASE("each missing input holds the decision and is named", "[planner][gate]
   inputs = CompleteInputs();
   inputs.lens.reset();
   CHECK(CheckFresh(inputs) == Hold::kCamera);
-  CHECK(DecisionGate({10s, 10s, false}).Check(inputs, 0, 0, {}) == Hold::kNothing);
   inputs = CompleteInputs();
   inputs.guidance.reset();
   CHECK(CheckFresh(inputs) == Hold::kFirstGuidance);
 }
 
 TEST_CASE("a step aside does not start the waiting for an answer anew", "[planner][gate]") {
-  DecisionGate gate({10s, 10s, true});
+  DecisionGate gate(AwaitedInput::kAnswers, kTimeouts);
   RobotInputs inputs = CompleteInputs();
   inputs.state->snapshots = 1;
   Clock::TimePoint now{};
@@ -79,11 +81,13 @@ TEST_CASE("a map older than the robot's newest step holds the decision", "[plann
 TEST_CASE("a running command or one not taken up holds the decision", "[planner][gate]") {
   RobotInputs inputs = CompleteInputs();
   inputs.state->command_sequence_number = 3;
+  inputs.state->lease_epoch = 1;
   inputs.state->command_outcome = CommandOutcome::kRunning;
   CHECK(CheckFresh(inputs, 3, 1) == Hold::kCommand);
   inputs.state->command_outcome = CommandOutcome::kDone;
   CHECK(CheckFresh(inputs, 3, 1) == Hold::kNothing);
   CHECK(CheckFresh(inputs, 4, 1) == Hold::kCommand);
+  CHECK(CheckFresh(inputs, 3, 2) == Hold::kCommand);  // it shows the last driver's third
 }
 
 TEST_CASE("a higher lease epoch on the robot means that it is no longer ours", "[planner][gate]") {
@@ -91,6 +95,12 @@ TEST_CASE("a higher lease epoch on the robot means that it is no longer ours", "
   inputs.state->lease_epoch = 5;
   CHECK(CheckFresh(inputs, 0, 4) == Hold::kLeaseLost);
   CHECK(CheckFresh(inputs, 0, 5) == Hold::kNothing);
+}
+
+TEST_CASE("without a lease a robot is held, whatever is there", "[planner][gate]") {
+  RobotInputs inputs = CompleteInputs();
+  inputs.lease.state = Lease::State::kNone;
+  CHECK(CheckFresh(inputs) == Hold::kNoLease);
 }
 
 TEST_CASE("guidance drawn on a newer belief waits for that belief", "[planner][gate]") {
@@ -102,7 +112,7 @@ TEST_CASE("guidance drawn on a newer belief waits for that belief", "[planner][g
 
 TEST_CASE("an unanswered picture is waited for once, until the timeout", "[planner][gate]") {
   FakeClock clock;
-  DecisionGate gate({10s, 10s, true});
+  DecisionGate gate(AwaitedInput::kAnswers, kTimeouts);
   RobotInputs inputs = CompleteInputs();
   inputs.state->snapshots = 1;
   CHECK(gate.Check(inputs, 0, 0, clock.Now()) == Hold::kAnswer);
@@ -118,15 +128,9 @@ TEST_CASE("an unanswered picture is waited for once, until the timeout", "[plann
   CHECK(gate.Check(inputs, 0, 0, clock.Now()) == Hold::kNothing);
 }
 
-TEST_CASE("streamed pictures are not waited for", "[planner][gate]") {
-  RobotInputs inputs = CompleteInputs();
-  inputs.state->snapshots = 7;
-  CHECK(DecisionGate({10s, 10s, false}).Check(inputs, 0, 0, {}) == Hold::kNothing);
-}
-
 TEST_CASE("without an operator the robot goes on alone after the timeout", "[planner][gate]") {
   FakeClock clock;
-  DecisionGate gate({10s, 10s, true});
+  DecisionGate gate(AwaitedInput::kAnswers, kTimeouts);
   RobotInputs inputs = CompleteInputs();
   inputs.guidance.reset();
   CHECK(gate.Check(inputs, 0, 0, clock.Now()) == Hold::kFirstGuidance);
@@ -134,13 +138,30 @@ TEST_CASE("without an operator the robot goes on alone after the timeout", "[pla
   CHECK(gate.Check(inputs, 0, 0, clock.Now()) == Hold::kNothing);
 }
 
-TEST_CASE("a robot that heeds no operator waits for none", "[planner][gate]") {
-  DecisionGate gate({10s, 10s, false, false});
+TEST_CASE("what is waited for from the operator grows with the method's need", "[planner][gate]") {
+  using enum AwaitedInput;
   RobotInputs inputs = CompleteInputs();
   inputs.belief.reset();
   inputs.guidance.reset();
   inputs.lens.reset();
-  CHECK(gate.Check(inputs, 0, 0, {}) == Hold::kNothing);
+  const auto held = [&](AwaitedInput awaits) { return CheckFresh(inputs, 0, 0, awaits); };
+  CHECK(held(kNothing) == Hold::kNothing);
+  CHECK(held(kBelief) == Hold::kBelief);
+  inputs.belief = CompleteInputs().belief;
+  CHECK(held(kBelief) == Hold::kNothing);
+  CHECK(held(kGuidance) == Hold::kFirstGuidance);
+  inputs.guidance = Guidance{};
+  inputs.state->snapshots = 7;
+  CHECK(held(kGuidance) == Hold::kNothing);
+  CHECK(held(kAnswers) == Hold::kCamera);
+  inputs.lens = CameraLens{};
+  CHECK(held(kAnswers) == Hold::kAnswer);
+}
+
+TEST_CASE("a robot that waits for no operator is held by inputs of different worlds, too",
+          "[planner][gate]") {
+  RobotInputs inputs = CompleteInputs();
+  inputs.belief.reset();
   inputs.state->cell = {9, 9};
-  CHECK(gate.Check(inputs, 0, 0, {}) == Hold::kInconsistent);
+  CHECK(CheckFresh(inputs, 0, 0, AwaitedInput::kNothing) == Hold::kInconsistent);
 }

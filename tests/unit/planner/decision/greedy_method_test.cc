@@ -58,8 +58,7 @@ TEST_CASE("the greedy robot pays no heed to the operator", "[planner][greedy]") 
   Bench bench;
   bench.situation.guidance = Guidance{.path = {{1, 1}, {2, 1}, {3, 1}}};
   CHECK(bench.Target() == Cell{1, 2});
-  CHECK_FALSE(bench.method.heeds_operator());
-  CHECK_FALSE(bench.method.pictures_are_answered());
+  CHECK(bench.method.awaits() == AwaitedInput::kNothing);
 }
 
 TEST_CASE("without goals, or a way to one, the greedy robot stays", "[planner][greedy]") {

@@ -22,13 +22,10 @@ struct Steered {
         .report = [](const SearchReport&) {},
         .attention = [this](const AttentionRequest&) { ++attentions; },
         .way = [](const RobotState&, const MapUpdate&, const std::vector<Cell>&) {}};
-    auto method = std::make_unique<TeleopMethod>();
-    const DecisionGate::Options gate{10s, 10s, method->pictures_are_answered(),
-                                     !method->is_steered()};
     worker.emplace(
         RobotWorker::Options{
-            .robot = "r1", .method_name = "teleop", .gate = gate, .command_ttl = 10s},
-        std::move(method), board, clock, std::move(outputs));
+            .robot = "r1", .method_name = "teleop", .timeouts = {10s, 10s}, .command_ttl = 10s},
+        std::make_unique<TeleopMethod>(), board, clock, std::move(outputs));
     state.stamp = SimTime{} + 10s;
     state.lease_epoch = 3;
     board.PutMap("r1", MapUpdate{{}, 2.0, OccupancyGrid(5, 5, Occupancy::kFree)});

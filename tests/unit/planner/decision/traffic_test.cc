@@ -1,9 +1,7 @@
 #include "planner/decision/traffic.h"
 
 #include <catch2/catch.hpp>
-#include <map>
 
-#include "common/runtime/random.h"
 #include "unit/planner/search/text_map.h"
 
 using namespace conav;
@@ -27,70 +25,6 @@ std::optional<Cell> StepAside(const Situation& situation, const std::vector<Cell
 
 /// A corridor with one bay.
 const std::vector<std::string_view> kBay{"#######", "#     #", "### ###", "#######"};
-
-/// Drives robots by nothing but their desired way and the traffic rules, one move of one robot at a
-/// time.
-struct Fleet {
-  std::vector<std::string_view> lines;
-  std::map<std::string, Situation> robots;
-  std::map<std::string, RoomClaim> rooms;
-  Random random{7};
-
-  void Refresh() {
-    for (auto& [name, situation] : robots) {
-      std::erase(situation.state.goals_left, situation.state.cell);
-    }
-    for (auto& [name, situation] : robots) {
-      situation.neighbours.clear();
-      for (const auto& [other, theirs] : robots) {
-        if (other != name)
-          situation.neighbours.push_back({other, theirs.state.cell,
-                                          !theirs.state.goals_left.empty(), DesiredWay(theirs),
-                                          rooms[other]});
-      }
-    }
-  }
-
-  /// What a robot without any plan of its own does: aside, on its way, or (blocked) anywhere.
-  void Move(Situation& situation) {
-    RoomClaim& room = rooms[situation.state.robot];
-    room = MakeRoom(situation, DesiredWay(situation));
-    if (!room.way.empty() && !StandsOn(situation, room.way.front())) {
-      situation.state.cell = room.way.front();
-      return;
-    }
-    if (!room.way.empty() && room.right.tier == RightOfWay::kShutIn) return;
-    const std::vector<Cell> way = DesiredWay(situation);
-    if (way.empty()) return;
-    if (WaitsFor(situation, way) == nullptr && !IsTaken(situation, way.front())) {
-      situation.state.cell = way.front();
-      return;
-    }
-    if (random.Chance(0.5)) return;
-    const Cell next =
-        situation.state.cell + kNeighbourOffsets[static_cast<std::size_t>(random.Uniform(0, 3))];
-    if (situation.map.cells[next] == Occupancy::kFree && !IsTaken(situation, next))
-      situation.state.cell = next;
-  }
-
-  bool Done() const {
-    return std::all_of(robots.begin(), robots.end(),
-                       [](const auto& entry) { return entry.second.state.goals_left.empty(); });
-  }
-
-  /// Rounds until all goals are reached; -1 after 2000.
-  int Run() {
-    for (int round = 0; round < 2000; ++round) {
-      Refresh();
-      if (Done()) return round;
-      for (auto& [name, situation] : robots) {
-        Refresh();
-        Move(situation);
-      }
-    }
-    return -1;
-  }
-};
 
 }  // namespace
 
@@ -188,40 +122,4 @@ TEST_CASE("a robot far from any way stays", "[planner][traffic]") {
   Situation situation = RobotAt("r2", {2, 3}, kBay);
   situation.neighbours = {{"r1", {1, 2}, true, {{1, 3}, {1, 4}}}};
   CHECK_FALSE(StepAside(situation, {}).has_value());
-}
-
-TEST_CASE("head-on meetings, dead ends and parked robots end with all goals reached",
-          "[planner][traffic]") {
-  Fleet fleet;
-  SECTION("head-on in a corridor with one bay") {
-    fleet.lines = kBay;
-    fleet.robots["r1"] = RobotAt("r1", {1, 1}, kBay);
-    fleet.robots["r1"].state.goals_left = {{1, 5}};
-    fleet.robots["r2"] = RobotAt("r2", {1, 5}, kBay);
-    fleet.robots["r2"].state.goals_left = {{1, 1}};
-  }
-  SECTION("a finished robot is parked in front of the other's goal") {
-    fleet.lines = kBay;
-    fleet.robots["r1"] = RobotAt("r1", {1, 4}, kBay);
-    fleet.robots["r2"] = RobotAt("r2", {1, 1}, kBay);
-    fleet.robots["r2"].state.goals_left = {{1, 5}};
-  }
-  SECTION("four robots exchange their places around a ring") {
-    fleet.lines = {"#######", "#     #", "# ### #", "#     #", "### ###", "#######"};
-    const std::vector<std::pair<Cell, Cell>> trips{
-        {{1, 1}, {3, 5}}, {{1, 5}, {3, 1}}, {{3, 1}, {1, 5}}, {{3, 5}, {1, 1}}};
-    for (std::size_t i = 0; i < trips.size(); ++i) {
-      const std::string name = fmt::format("r{}", i + 1);
-      fleet.robots[name] = RobotAt(name, trips[i].first, fleet.lines);
-      fleet.robots[name].state.goals_left = {trips[i].second};
-    }
-  }
-  SECTION("a robot comes out of a dead end that another wants to enter") {
-    fleet.lines = {"########", "#      #", "#### ###", "########"};
-    fleet.robots["r1"] = RobotAt("r1", {1, 5}, fleet.lines);
-    fleet.robots["r1"].state.goals_left = {{1, 1}};
-    fleet.robots["r2"] = RobotAt("r2", {1, 1}, fleet.lines);
-    fleet.robots["r2"].state.goals_left = {{1, 6}};
-  }
-  CHECK(fleet.Run() >= 0);
 }

@@ -41,6 +41,13 @@ TEST_CASE("a decision without a search shows no table", "[planner][explain]") {
   CHECK_THAT(text, Catch::Contains("makes no search"));
 }
 
+TEST_CASE("an order that was passed on is told as what it is", "[planner][explain]") {
+  const std::string text = DecisionText(SampleLowLevelAction());
+  CHECK_THAT(text, Catch::Contains("command: low-level action\n") &&
+                       Catch::Contains("Method teleop makes no search"));
+  CHECK(DecisionJson(SampleLowLevelAction()).at("taken") == "low-level action");
+}
+
 TEST_CASE("a list has a line for each decision", "[planner][explain]") {
   const DecisionSummary summaries[] = {Summarise(SampleDecision()), Summarise(SamplePicture(13)),
                                        Summarise(SampleWithoutSearch())};

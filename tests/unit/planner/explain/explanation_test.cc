@@ -108,6 +108,8 @@ TEST_CASE("methods without a search say so", "[planner][explain]") {
   CHECK_THAT(Why(decision)[0], Catch::StartsWith("Method instruction makes no search"));
   decision.report.method = "ig-mcts";
   CHECK_THAT(Why(decision)[0], Catch::Contains("made room for another robot"));
+  decision.taken.kind = CommandKind::kTransmitView;
+  CHECK_THAT(Why(decision)[0], Catch::Contains("the communication policy wanted a picture"));
 }
 
 }  // namespace

@@ -153,7 +153,6 @@ TEST_CASE("a robot that somebody commands is left alone until it stops", "[plann
   while (changes.taken.empty() && turns++ < 100) changes = desk.Turn(now += 100ms);
   REQUIRE(changes.taken.size() == 1);
   CHECK(changes.taken[0].lease_epoch == 8);
-  CHECK(changes.taken[0].commanded_before);
   CHECK(turns == 20);
 }
 

@@ -1,9 +1,6 @@
 #include "planner/record/decision_file.h"
 
-#include <sys/resource.h>
-
 #include <catch2/catch.hpp>
-#include <csignal>
 #include <vector>
 
 #include "common/runtime/file.h"
@@ -11,6 +8,7 @@
 #include "planner/record/decision_log.h"
 #include "planner/record/decision_records.h"
 #include "sample_decision.h"
+#include "support/full_disk.h"
 #include "support/temporary_folder.h"
 
 namespace conav::planner {
@@ -119,25 +117,6 @@ TEST_CASE("one planner at a time records to a file, into a folder that is there"
   CHECK(nowhere.error().code == ErrorCode::kIo);
 }
 
-/// No file of this process grows beyond `bytes` while this lives, as on a full disk.
-class FullDisk {
- public:
-  explicit FullDisk(std::uintmax_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit limit{bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FullDisk() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-  FullDisk(const FullDisk&) = delete;
-
- private:
-  rlimit before_{};
-  void (*handler_)(int);
-};
-
 TEST_CASE("a decision that finds the disk full is told, and leaves the file as it was",
           "[planner][record]") {
   const test::TemporaryFolder folder;
@@ -146,7 +125,7 @@ TEST_CASE("a decision that finds the disk full is told, and leaves the file as i
   REQUIRE(log);
   REQUIRE(log->Append(SampleDecision()));
   {
-    const FullDisk full(std::filesystem::file_size(file) + 10);
+    const test::FullDisk full(std::filesystem::file_size(file) + 10);
     const auto written = log->Append(SamplePicture(13));
     REQUIRE_FALSE(written);
     CHECK(written.error().code == ErrorCode::kIo);

@@ -20,7 +20,7 @@ void CheckRefused(void (*spoil)(decisions::Decision&), const std::string& text) 
 
 TEST_CASE("decisions come back from their records", "[planner][record]") {
   for (const DecisionRecord& decision :
-       {SampleDecision(), SamplePicture(3), SampleWithoutSearch()}) {
+       {SampleDecision(), SamplePicture(3), SampleWithoutSearch(), SampleLowLevelAction()}) {
     const auto back = ToDomain(ToRecord(decision).decision());
     REQUIRE(back);
     CHECK(*back == decision);
@@ -42,6 +42,8 @@ TEST_CASE("maps that are none are refused", "[planner][record]") {
   CheckRefused([](auto& r) { r.set_rows(4); },
                "25 cells of the robot's map and 25 of the operator's where 4 x 5 are said");
   CheckRefused([](auto& r) { (*r.mutable_map())[3] = '\3'; }, "the map has the value 3");
+  CheckRefused([](auto& r) { r.mutable_belief()->RemoveLast(); },
+               "25 cells of the robot's map and 24 of the operator's where 5 x 5 are said");
   CheckRefused([](auto& r) { r.set_belief(2, 1.5F); }, "the belief 1.5 is outside of [0, 1]");
   CheckRefused([](auto& r) { r.set_belief(2, NAN); }, "the belief nan is outside of [0, 1]");
 }
@@ -52,6 +54,10 @@ TEST_CASE("cells, actions and trees that are none are refused", "[planner][recor
   CheckRefused([](auto& r) { r.set_chosen(4); }, "chosen: there is no action 4");
   CheckRefused([](auto& r) { r.mutable_taken()->set_kind(0); },
                "taken: there is no action of kind 0");
+  CheckRefused([](auto& r) { r.mutable_taken()->set_kind(4); },
+               "taken: there is no action of kind 4");
+  CheckRefused([](auto& r) { r.mutable_actions(1)->set_kind(3); },
+               "action: there is no action of kind 3");
   CheckRefused([](auto& r) { r.mutable_actions(1)->set_mean_value(NAN); },
                "action: nan is no number");
   CheckRefused([](auto& r) { r.mutable_actions(1)->add_terms(1.0); },

@@ -90,6 +90,22 @@ inline DecisionRecord SamplePicture(std::uint64_t number) {
   return decision;
 }
 
+/// As an order of whoever steers the robot is passed on, before the operator's map was heard of.
+inline DecisionRecord SampleLowLevelAction() {
+  DecisionRecord decision = SampleDecision();
+  decision.belief = {};
+  decision.guidance.clear();
+  decision.plan.clear();
+  decision.taken = {.kind = CommandKind::kDrive, .target = {2, 2}};
+  decision.report = {.stamp = decision.report.stamp,
+                     .world = "w1",
+                     .robot = "r1",
+                     .method = "teleop",
+                     .decision = 12,
+                     .cell = {2, 2}};
+  return decision;
+}
+
 /// As a method without a search decides.
 inline DecisionRecord SampleWithoutSearch() {
   DecisionRecord decision = SampleDecision();

@@ -178,6 +178,19 @@ TEST_CASE("two robots never get one cell, neither where one stands nor where it 
   CHECK(world.Outcome(0) == CommandOutcome::kOccupied);
 }
 
+TEST_CASE("another robot's body blocks a cell only while it stands there", "[sim][episode]") {
+  Corridor world({{1, 1}, {1, 2}}, {{{1, 5}}, {{1, 5}}});
+  REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {1, 2}, "r1")));
+  CHECK(world.Outcome(0) == CommandOutcome::kOccupied);
+  CHECK(world.episode->map(0).cells[{1, 2}] == Occupancy::kFree);
+  REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {1, 3}, "r2")));
+  world.Settle();
+  REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {1, 2}, "r1")));
+  world.Settle();
+  CHECK(world.Outcome(0) == CommandOutcome::kDone);
+  CHECK(world.episode->state(0).cell == Cell{1, 2});
+}
+
 TEST_CASE("a view turns the robot, then waits for its picture", "[sim][episode]") {
   Corridor world;
   RobotCommand command = world.Command(CommandKind::kTransmitView, {});
