@@ -66,6 +66,8 @@ TEST_CASE("Impossible options are refused by name", "[study][supervision]") {
   SupervisionOptions options = Small();
   options.robots = {0};
   CHECK(Validate(options).error().text == "--robots: 0 is not in [1, 64]");
+  options.robots = {4, 2, 4};
+  CHECK(Validate(options).error().text == "--robots: 4 is named twice");
   options = Small();
   options.orders = {"fifo", "lifo"};
   CHECK(Validate(options).error().text ==
@@ -79,6 +81,27 @@ TEST_CASE("Impossible options are refused by name", "[study][supervision]") {
   options = Small();
   options.speed = 0.0;
   CHECK(Validate(options).error().text == "--speed: 0 is not in [0.1, 1000]");
+  options = Small();
+  options.dds = "opendds";
+  CHECK(Validate(options).error().text ==
+        "--dds: opendds is unknown; there are cyclonedds, fastdds");
+}
+
+TEST_CASE("More seeds, numbers or orders belong to the same study, another condition does not",
+          "[study][supervision]") {
+  const SupervisionOptions small = Small();
+  SupervisionOptions more = small;
+  more.seeds = 20;
+  more.robots = {1, 4, 16};
+  more.orders.push_back("nearest_deadline");
+  more.jobs = 2;
+  CHECK(DesignOf(more) == DesignOf(small));
+  SupervisionOptions other = small;
+  other.interaction.blocked_s += 1.0;
+  CHECK(DesignOf(other) != DesignOf(small));
+  other = small;
+  other.minutes += 1.0;
+  CHECK(DesignOf(other) != DesignOf(small));
 }
 
 TEST_CASE("Robots fill their worlds, worlds have the methods in turn, every robot one planner",
