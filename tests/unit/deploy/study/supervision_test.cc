@@ -177,6 +177,22 @@ TEST_CASE("A failed trial is named and leaves its seed out of the comparison",
   CHECK(csv.find("\n1,fifo,1,5.5,") != std::string::npos);
 }
 
+TEST_CASE("What no trial measured is not told as 0", "[study][supervision]") {
+  SupervisionOptions options = Small();
+  options.robots = {1};
+  options.seeds = 1;
+  auto records = AllRecords(options);
+  records[0].failure = "sim-w1 died";
+  const SupervisionSummary summary = Summarise(options, records);
+  const auto json = SupervisionJson(options, summary);
+  CHECK(json["cells"][0]["waiting_s_mean"].is_null());
+  CHECK(json["metrics"]["waiting_s_priority_1"].is_null());
+  CHECK(json["cells"][1]["waiting_s_mean"] == 4.0);
+  CHECK(json["cells"][1]["waiting_s_half_interval"].is_null());
+  const std::string text = SupervisionText(options, summary);
+  CHECK_THAT(text, !Catch::Contains("0.00 ±0.00") && Catch::Contains("4.00"));
+}
+
 TEST_CASE("A trial in which the machine fell behind is named and stays in the tables",
           "[study][supervision]") {
   const SupervisionOptions options = Small();
