@@ -12,11 +12,12 @@ namespace conav::launcher {
 namespace {
 
 constexpr const char* kFooter = R"(
-Starts conav-sim (one per world), conav-nhpm (or several, or none), conav-operator, conav-planner (or several) and conav-simulated-operator,
-follows them until every robot has reached its goals, and leaves runs/<time>-seed<S>/ with the effective
-configuration, logs, metrics.json, episode.svg (truth, the operator's map before and after, trajectories,
-pictures), segments.pb.zst (how the operator edited after each picture; ./conav dataset describe) and
-decisions.pb.zst (why the robots did what they did; ./conav explain).
+Starts conav-sim (one per world), conav-nhpm (one, several or none), conav-operator, conav-planner (one
+or several) and conav-simulated-operator, follows them until every robot has reached its goals, and
+leaves runs/<time>-seed<S>/ with the effective configuration, logs, metrics.json, episode.svg (truth,
+the operator's map before and after, trajectories, pictures), segments.pb.zst (how the operator edited
+after each picture; conav dataset describe) and decisions.pb.zst (why the robots did what they did;
+conav explain).
 
 Exit code: 0 all goals reached; 1 not (a process died, time limit, Ctrl-C); 2 wrong use.
 
@@ -34,23 +35,35 @@ void AddRunOptions(CLI::App& app, DemoOptions& options) {
   app.add_option("--seed", options.seed, "Seed of everything that is random")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  app.add_option("--maze-seed", options.maze_seed,
-                 "Seed of the world alone, such as the paper's 234, 666 and 9 [--seed]")
-      ->check(CLI::NonNegativeNumber);
-  app.add_option("--rotation", options.rotation_deg,
-                 "Turns the world with all that is in it: 0, 90, 180 or 270 degrees")
-      ->capture_default_str();
   app.add_option(
          "--operator", options.simulated_operator,
          "The simulated operator: careful, hasty, wrong (on purpose), silent, or a file like "
          "deploy/config/simulated_operator.yaml, of which the person counts")
       ->capture_default_str();
+  app.add_option("--planners", options.planners,
+                 "Processes conav-planner, which share the robots; one may die or be added")
+      ->capture_default_str();
+  app.add_flag("--headless", options.headless, "No watching: as fast as the robots are commanded");
+  app.add_option("--speed", options.speed,
+                 "Simulated seconds per second, 0 = as fast as commanded [4; headless 0]");
+  app.add_option("--time-limit", options.time_limit_s, "Give up after this many seconds")
+      ->capture_default_str();
+}
+
+void AddMethodOptions(CLI::App& app, DemoOptions& options) {
   app.add_option("--method", options.method, "ig-mcts, instruction, teleop or greedy")
       ->capture_default_str();
   app.add_option("--communication", options.communication,
                  "Who decides that ig-mcts sends a picture: search, the search itself; or never, "
                  "random, every, when_blocked, threshold")
       ->capture_default_str();
+  app.add_option("--x-source", options.x_source,
+                 "What the planner takes for the operator's map: observed, the published one, or "
+                 "estimated by the model")
+      ->capture_default_str();
+}
+
+void AddModelOptions(CLI::App& app, DemoOptions& options) {
   app.add_option("--perception", options.perception,
                  "remote: the planner asks nhpm; embedded: it asks its own model")
       ->capture_default_str();
@@ -65,21 +78,15 @@ void AddRunOptions(CLI::App& app, DemoOptions& options) {
                  "Folder of weights of single operators, as conav train --adapt makes them");
   app.add_option("--nhpm-replicas", options.nhpm_replicas, "Processes conav-nhpm")
       ->capture_default_str();
-  app.add_option("--planners", options.planners,
-                 "Processes conav-planner, which share the robots; one may die or be added")
-      ->capture_default_str();
-  app.add_option("--x-source", options.x_source,
-                 "What the planner takes for the operator's map: observed, the published one, or "
-                 "estimated by the model")
-      ->capture_default_str();
-  app.add_flag("--headless", options.headless, "No watching: as fast as the robots are commanded");
-  app.add_option("--speed", options.speed,
-                 "Simulated seconds per second, 0 = as fast as commanded [4; headless 0]");
-  app.add_option("--time-limit", options.time_limit_s, "Give up after this many seconds")
-      ->capture_default_str();
 }
 
 void AddWorldOptions(CLI::App& app, DemoOptions& options) {
+  app.add_option("--maze-seed", options.maze_seed,
+                 "Seed of the world alone, such as the paper's 234, 666 and 9 [--seed]")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--rotation", options.rotation_deg,
+                 "Turns the world with all that is in it: 0, 90, 180 or 270 degrees")
+      ->capture_default_str();
   app.add_option("--preset", options.preset, "Maze preset; `conav maze --help` lists them")
       ->capture_default_str();
   app.add_option("--map", options.map, "ROS map_server YAML of the true plan, instead of a maze");
@@ -121,6 +128,8 @@ DemoOptions ParseDemoCommand(int argc, char** argv) {
   DemoOptions options;
   std::vector<std::string> run_with;
   AddRunOptions(*demo, options);
+  AddMethodOptions(*demo, options);
+  AddModelOptions(*demo, options);
   AddWorldOptions(*demo, options);
   AddSystemOptions(*demo, options, run_with);
   try {

@@ -61,22 +61,22 @@ nlohmann::ordered_json ToJson(const EpisodeRecord& record) {
   return json;
 }
 
-Result<EpisodeRecord> RecordFromJson(const std::string& text) {
+Result<void> FromJson(const std::string& text, EpisodeRecord& record) {
   try {
     const auto json = nlohmann::json::parse(text);
     const auto status = StatusFrom(json.at("status").get<std::string>());
     if (!status) return tl::unexpected(status.error());
-    EpisodeRecord record{.name = json.at("name").get<std::string>(),
-                         .status = *status,
-                         .detail = json.at("detail").get<std::string>(),
-                         .attempts = json.at("attempts").get<int>(),
-                         .wall_s = json.at("wall_s").get<double>(),
-                         .run = json.at("run").get<std::string>()};
+    record = {.name = json.at("name").get<std::string>(),
+              .status = *status,
+              .detail = json.at("detail").get<std::string>(),
+              .attempts = json.at("attempts").get<int>(),
+              .wall_s = json.at("wall_s").get<double>(),
+              .run = json.at("run").get<std::string>()};
     if (!json.at("measures").is_null()) record.measures = MeasuresFrom(json.at("measures"));
-    if (record.measures.has_value() != (record.status != EpisodeStatus::kFailed)) {
+    if (record.measures.has_value() == record.has_failed()) {
       return Fail(ErrorCode::kMalformed, "status and measures contradict each other");
     }
-    return record;
+    return {};
   } catch (const nlohmann::json::exception& error) {
     return Fail(ErrorCode::kMalformed, error.what());
   }

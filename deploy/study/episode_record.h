@@ -26,12 +26,15 @@ struct EpisodeRecord {
   double wall_s = 0.0;                      // of the last attempt
   std::string run;                          // run folder of the last attempt
   std::optional<EpisodeMeasures> measures;  // none of a failed one
+
+  bool is_complete() const { return status == EpisodeStatus::kComplete; }
+  bool has_failed() const { return status == EpisodeStatus::kFailed; }
   bool operator==(const EpisodeRecord&) const = default;
 };
 
 nlohmann::ordered_json ToJson(const EpisodeRecord& record);
 
 /// Errors: kMalformed with what is wrong.
-[[nodiscard]] Result<EpisodeRecord> RecordFromJson(const std::string& text);
+[[nodiscard]] Result<void> FromJson(const std::string& text, EpisodeRecord& record);
 
 }  // namespace conav::study

@@ -3,19 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <vector>
 
 #include "common/console/console.h"
-#include "common/console/progress_line.h"
 #include "common/runtime/json.h"
 #include "common/runtime/random.h"
 #include "launcher/demo_weights.h"
 #include "study/episode_player.h"
 #include "study/people.h"
 #include "study/report.h"
+#include "study/study_console.h"
 #include "study/study_folder.h"
 #include "study/study_run.h"
 
@@ -81,22 +80,8 @@ Result<void> WritePeople(const Plan& plan, const StudyFolder& folder) {
   return {};
 }
 
-/// "37 of 126 episodes, 1 failed, 2:10 left".
-StudyListener Progress(ProgressLine& line) {
-  const auto start = std::chrono::steady_clock::now();
-  return [&line, start](const StudyProgress& now) {
-    const double spent =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const double left =
-        spent / static_cast<double>(now.ran) * static_cast<double>(now.of - now.done);
-    const std::string failed = now.failed > 0 ? fmt::format(", {} failed", now.failed) : "";
-    line.Show(
-        fmt::format("{} of {} episodes{}, {} left", now.done, now.of, failed, DurationText(left)));
-  };
-}
-
-Result<void> Play(const StudyOptions& options, const Plan& plan, StudyFolder& folder,
-                  const StopToken& stop) {
+Result<void> Play(const StudyOptions& options, const Plan& plan, const StudyFolder& folder,
+                  EpisodeStore& store, const StopToken& stop) {
   const SteadyClock clock;
   const auto programs = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   std::vector<std::unique_ptr<DemoPlayer>> players;
@@ -109,7 +94,8 @@ Result<void> Play(const StudyOptions& options, const Plan& plan, StudyFolder& fo
     return players[static_cast<std::size_t>(job)]->Play(DemoFor(base, episode, subject, folder));
   };
   ProgressLine line;
-  return RunEpisodes(plan.design.episodes, options.jobs, play, folder, stop, Progress(line));
+  return RunEpisodes(plan.design.episodes, options.jobs, play, store, stop,
+                     ShowOn(line, "episodes"));
 }
 
 Result<void> WriteReports(const StudyReport& report, const StudyFolder& folder,
@@ -133,17 +119,7 @@ Result<void> Tell(const StudyReport& report, const StudyFolder& folder,
   const std::string text =
       fmt::format("{}\n{} holds report.html, episodes.csv, measures/, results.json and all runs\n",
                   StudyText(report), folder.path().string());
-  if (json_file != "-") return WriteStandardOutput(text);
-  fmt::print(stderr, "{}", text);
-  return {};
-}
-
-int Interrupted(const Plan& plan, const StudyFolder& folder) {
-  return Failed(kProgram, {ErrorCode::kUnavailable,
-                           fmt::format("interrupted; {} of {} episodes are in {}; the same command "
-                                       "goes on",
-                                       folder.records().size(), plan.design.episodes.size(),
-                                       folder.path().string())});
+  return PrintTables(text, json_file);
 }
 
 bool AllMet(const StudySummary& summary) {
@@ -153,18 +129,20 @@ bool AllMet(const StudySummary& summary) {
 
 int Run(const StudyOptions& options, const StopToken& stop) {
   const Plan plan = MakePlan(options);
-  auto folder = StudyFolder::Open(std::filesystem::absolute(options.out), plan.document);
-  if (!folder) {
-    return folder.error().code == ErrorCode::kRefused
-               ? Refused(kProgram, "--out " + folder.error().text)
-               : Failed(kProgram, folder.error());
-  }
-  const auto played =
-      WritePeople(plan, *folder).and_then([&] { return Play(options, plan, *folder, stop); });
+  const auto folder = StudyFolder::Open(std::filesystem::absolute(options.out), plan.document);
+  if (!folder) return RefusedFolder(kProgram, folder.error());
+  auto store = OpenEpisodes(*folder);
+  if (!store) return Failed(kProgram, store.error());
+  const auto played = WritePeople(plan, *folder).and_then([&] {
+    return Play(options, plan, *folder, *store, stop);
+  });
   if (!played) return Failed(kProgram, played.error());
-  if (stop.stop_requested()) return Interrupted(plan, *folder);
-  const StudySummary summary = Summarise(plan.design, folder->records());
-  const StudyReport report{plan.design, plan.document, folder->records(), summary,
+  if (stop.stop_requested()) {
+    return Interrupted(kProgram, store->records().size(), plan.design.episodes.size(), "episodes",
+                       *folder);
+  }
+  const StudySummary summary = Summarise(plan.design, store->records());
+  const StudyReport report{plan.design, plan.document, store->records(), summary,
                            options.camera != "none"};
   if (const auto told = Tell(report, *folder, options.json); !told) {
     return Failed(kProgram, told.error());

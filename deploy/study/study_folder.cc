@@ -20,7 +20,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* kDesignFile = "study.json";
 constexpr const char* kLockFile = "lock";
-constexpr const char* kEpisodes = "episodes";
 
 Result<void> MakeFolder(const fs::path& path) {
   std::error_code error;
@@ -70,10 +69,12 @@ Result<void> CheckSameDesign(const fs::path& file, const nlohmann::ordered_json&
                           file.parent_path().string(), Difference(there["design"], design)));
 }
 
-/// A new folder may hold nothing but our own lock: we do not mix with other files.
+/// A new folder may hold nothing but our own lock and what a kill left of our first file: we do not
+/// mix with other files.
 Result<void> CheckEmpty(const fs::path& path) {
   for (const auto& entry : fs::directory_iterator(path)) {
-    if (entry.path().filename() == kLockFile) continue;
+    const std::string name = entry.path().filename().string();
+    if (name == kLockFile || name.starts_with(std::string(kDesignFile) + ".")) continue;
     return Fail(ErrorCode::kRefused,
                 fmt::format("{} is not empty and holds no study", path.string()));
   }
@@ -95,18 +96,13 @@ Result<StudyFolder> StudyFolder::Open(const fs::path& path, const nlohmann::orde
   if (!lock) return tl::unexpected(lock.error());
   StudyFolder folder(path, *lock);
   const nlohmann::ordered_json document{{"fingerprint", Fingerprint(design)}, {"design", design}};
-  auto ready = known ? Result<void>() : folder.Write(kDesignFile, JsonText(document));
-  ready = ready.and_then([&] { return MakeFolder(path / kEpisodes); }).and_then([&] {
-    return folder.LoadRecords();
-  });
+  const auto ready = known ? Result<void>() : folder.Write(kDesignFile, JsonText(document));
   if (!ready) return tl::unexpected(ready.error());
   return folder;
 }
 
 StudyFolder::StudyFolder(StudyFolder&& other) noexcept
-    : path_(std::move(other.path_)),
-      lock_(std::exchange(other.lock_, -1)),
-      records_(std::move(other.records_)) {}
+    : path_(std::move(other.path_)), lock_(std::exchange(other.lock_, -1)) {}
 
 StudyFolder::~StudyFolder() {
   if (lock_ >= 0) close(lock_);
@@ -118,27 +114,29 @@ fs::path StudyFolder::person(const std::string& subject) const {
 
 fs::path StudyFolder::runs(const std::string& episode) const { return path_ / "runs" / episode; }
 
-Result<void> StudyFolder::LoadRecords() {
-  for (const auto& entry : fs::directory_iterator(path_ / kEpisodes)) {
+Result<std::map<std::string, std::string>> StudyFolder::ReadRecords(const std::string& kind) const {
+  std::map<std::string, std::string> texts;
+  if (auto made = MakeFolder(path_ / kind); !made) return tl::unexpected(made.error());
+  for (const auto& entry : fs::directory_iterator(path_ / kind)) {
     if (entry.path().extension() != ".json") continue;
-    const auto text = ReadFile(entry.path());
+    auto text = ReadFile(entry.path());
     if (!text) return tl::unexpected(text.error());
-    auto record = RecordFromJson(*text);
-    if (!record) {
-      return Fail(ErrorCode::kMalformed,
-                  fmt::format("{}: is no record of an episode ({}); without it the episode runs "
-                              "again",
-                              entry.path().string(), record.error().text));
-    }
-    records_.insert_or_assign(record->name, *std::move(record));
+    texts.emplace(entry.path().stem().string(), *std::move(text));
   }
-  return {};
+  return texts;
 }
 
-Result<void> StudyFolder::Save(const EpisodeRecord& record) {
-  auto written = WriteJsonFile(path_ / kEpisodes / (record.name + ".json"), study::ToJson(record));
-  if (written) records_.insert_or_assign(record.name, record);
-  return written;
+Result<void> StudyFolder::WriteRecord(const std::string& kind, const std::string& name,
+                                      const nlohmann::ordered_json& record) const {
+  return WriteJsonFile(path_ / kind / (name + ".json"), record);
+}
+
+Error StudyFolder::NotARecord(const std::string& kind, const std::string& name,
+                              const std::string& reason) const {
+  return {
+      ErrorCode::kMalformed,
+      fmt::format("{}: is no record of this study ({}); without it the same command runs it again",
+                  (path_ / kind / (name + ".json")).string(), reason)};
 }
 
 Result<void> StudyFolder::Write(const fs::path& relative, std::string_view text) const {

@@ -7,7 +7,6 @@
 #include <string_view>
 
 #include "common/runtime/result.h"
-#include "study/episode_record.h"
 
 namespace conav::study {
 
@@ -15,9 +14,10 @@ namespace conav::study {
 ///
 ///   study.json             the design and its fingerprint
 ///   people/s01.yaml        each simulated operator, for `conav demo --operator`
-///   episodes/<name>.json   a record as soon as the episode has ended
+///   episodes/<name>.json   a record as soon as the episode has ended; trials/ with --supervision
 ///   runs/<name>/           run folders of its attempts
-///   episodes.csv, measures/<measure>.csv, report.html, results.json   at the end
+///   episodes.csv, measures/<measure>.csv, report.html, results.json   at the end; with
+///                          --supervision trials.csv, report.html, results.json, supervision.svg
 ///
 /// One process at a time: a second one is refused while the first lives.
 class StudyFolder {
@@ -25,7 +25,7 @@ class StudyFolder {
   /// Makes the folder, or goes on with the one of the same design. `design` is everything that the
   /// results depend on.
   /// Errors: kRefused (it belongs to another design, whose first difference is named; it holds
-  /// other files; another process uses it), kIo, kMalformed (a file of it cannot be read back).
+  /// other files; another process uses it), kIo, kMalformed (study.json cannot be read back).
   static Result<StudyFolder> Open(const std::filesystem::path& path,
                                   const nlohmann::ordered_json& design);
 
@@ -37,21 +37,23 @@ class StudyFolder {
   std::filesystem::path person(const std::string& subject) const;
   std::filesystem::path runs(const std::string& episode) const;
 
-  /// By name.
-  const std::map<std::string, EpisodeRecord>& records() const { return records_; }
-  /// On disk when it returns. Errors: kIo. Threads: one at a time.
-  [[nodiscard]] Result<void> Save(const EpisodeRecord& record);
+  /// What WriteRecord() left of this kind, by name. Errors: kIo.
+  Result<std::map<std::string, std::string>> ReadRecords(const std::string& kind) const;
+  /// Writes <kind>/<name>.json, whole or not at all. Errors: kIo.
+  [[nodiscard]] Result<void> WriteRecord(const std::string& kind, const std::string& name,
+                                         const nlohmann::ordered_json& record) const;
+  /// kMalformed: that file, what is wrong with it, what to do.
+  Error NotARecord(const std::string& kind, const std::string& name,
+                   const std::string& reason) const;
   /// A file of this folder, its folders made. Errors: kIo.
   [[nodiscard]] Result<void> Write(const std::filesystem::path& relative,
                                    std::string_view text) const;
 
  private:
   StudyFolder(std::filesystem::path path, int lock) : path_(std::move(path)), lock_(lock) {}
-  Result<void> LoadRecords();
 
   std::filesystem::path path_;
   int lock_;
-  std::map<std::string, EpisodeRecord> records_;
 };
 
 /// SHA-256 of the design.

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <cstdlib>
 #include <set>
 
 #include "launcher/demo_weights.h"
+#include "study/run_pieces.h"
 
 namespace conav::study {
 namespace {
@@ -57,11 +57,7 @@ Result<void> Validate(const StudyOptions& options) {
   if (auto ok = RequireCount("--layouts", design.layouts, kMostLayouts); !ok) return ok;
   if (auto ok = RequireCount("--jobs", options.jobs, kMostJobs); !ok) return ok;
   if (auto ok = ValidateMethods(design.methods); !ok) return ok;
-  if (options.jobs > 1 && std::getenv("CONAV_DOMAIN") != nullptr) {
-    return Fail(
-        ErrorCode::kInvalidArgument,
-        fmt::format("--jobs {}: CONAV_DOMAIN leaves one DDS domain for all of them", options.jobs));
-  }
+  if (auto ok = CheckDomains(options.jobs); !ok) return ok;
   launcher::DemoOptions demo = BaseDemo(options);
   for (const std::string& method : design.methods) {
     demo.method = method;

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <span>
 #include <utility>
 
 #include "common/runtime/sha256.h"
+#include "operator/statistics/moments.h"
 #include "operator/statistics/table_reader.h"
 
 namespace conav::study {
@@ -17,14 +17,8 @@ constexpr double kAlpha = 0.05;
 constexpr const char* kIgMcts = "ig-mcts";
 
 MeanSd Describe(std::span<const double> values) {
-  MeanSd result;
-  if (values.empty()) return result;
-  for (const double value : values) result.mean += value;
-  result.mean /= static_cast<double>(values.size());
-  if (values.size() < 2) return result;
-  for (const double value : values) result.sd += (value - result.mean) * (value - result.mean);
-  result.sd = std::sqrt(result.sd / static_cast<double>(values.size() - 1));
-  return result;
+  if (values.empty()) return {};
+  return {statistics::Mean(values), statistics::StandardDeviation(values)};
 }
 
 const EpisodeRecord* Find(const Records& records, const std::string& name) {

@@ -3,15 +3,14 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <chrono>
-#include <mutex>
 #include <nlohmann/json.hpp>
 
 #include "common/console/console.h"
-#include "common/console/progress_line.h"
 #include "common/runtime/json.h"
 #include "common/runtime/log.h"
-#include "common/runtime/workers.h"
+#include "common/runtime/stop_token.h"
+#include "study/study_console.h"
+#include "study/supervision_plan.h"
 #include "study/supervision_player.h"
 #include "study/supervision_report.h"
 
@@ -31,7 +30,11 @@ Simulation time passes at a fixed speed while the operator thinks. Each robot is
 unless --robots-per-world says otherwise; worlds have the methods in turn. The operator takes what is
 first in the published queue, selects it, is busy for its interaction time, and answers. Thread timing
 enters: equal seeds give the same worlds and interaction times, not the same figures to the last
-digit.)";
+digit.
+
+Each trial is on disk when it has ended: after a kill the same command goes on, and one with more
+--seeds, --robots or --orders adds to what is there. Other trials in the same --out are refused. A
+trial that fails is run a second time, then reported, left out, and tried again by the same command.)";
 
 constexpr const char* kExitCodes =
     "Exit codes: 0 done; 1 a trial failed, interrupted or writing failed; 2 wrong use.";
@@ -75,41 +78,29 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--jobs", options.jobs, "Trials at once")->capture_default_str();
   app.add_option("--dds", options.dds, "cyclonedds or fastdds");
   app.add_option("--out", options.out, "Folder of the study")->capture_default_str();
-  app.add_option("--json", options.json, "Write the result to this file, too");
+  app.add_option("--json", options.json,
+                 "Write the result to this file, too; - = standard output (the tables then go to "
+                 "standard error)");
   app.footer(kExitCodes);
 }
 
-std::vector<SupervisionRecord> PlayAll(const SupervisionOptions& options, const StopToken& stop) {
+using TrialStore = RecordStore<SupervisionRecord>;
+
+Result<void> Play(const SupervisionOptions& options, const std::vector<SupervisionTrial>& trials,
+                  TrialStore& store, const StopToken& stop) {
   const SteadyClock clock;
-  const auto program_folder = std::filesystem::canonical("/proc/self/exe").parent_path();
-  const std::vector<SupervisionTrial> trials = TrialsOf(options);
-  std::vector<SupervisionRecord> records(trials.size());
-  ProgressLine progress;
-  std::mutex mutex;  // guards progress, done
-  std::size_t done = 0;
-  const auto start = clock.Now();
-  RunOnWorkers(options.jobs, static_cast<int>(trials.size()), [&](int, int index) {
-    const auto i = static_cast<std::size_t>(index);
-    records[i].trial = trials[i];
-    records[i].failure = "interrupted";
-    if (stop.stop_requested()) return;
-    records[i] = PlayTrial(trials[i], options, program_folder, clock, stop);
-    const std::lock_guard lock(mutex);
-    ++done;
-    const double spent_s = std::chrono::duration<double>(clock.Now() - start).count();
-    const double left_s =
-        spent_s / static_cast<double>(done) * static_cast<double>(trials.size() - done);
-    progress.Show(fmt::format("{}/{} trials, {} left; {}: {}", done, trials.size(),
-                              DurationText(left_s), trials[i].name(),
-                              records[i].failure.empty()
-                                  ? fmt::format("{:.0f} goals", records[i].goals)
-                                  : records[i].failure));
-  });
-  return records;
+  const auto programs = std::filesystem::canonical("/proc/self/exe").parent_path();
+  std::vector<std::string> names;
+  for (const SupervisionTrial& trial : trials) names.push_back(trial.name());
+  const PiecePlayer<SupervisionRecord> play = [&](int, std::size_t index) {
+    return PlayTrial(trials[index], options, programs, clock, stop);
+  };
+  ProgressLine line;
+  return RunPieces(names, options.jobs, play, store, stop, ShowOn(line, "trials"));
 }
 
 Result<void> WriteFiles(const SupervisionOptions& options, const SupervisionSummary& summary,
-                        const std::vector<SupervisionRecord>& records) {
+                        const std::vector<SupervisionRecord>& records, const StudyFolder& folder) {
   const nlohmann::ordered_json json = SupervisionJson(options, summary);
   const std::pair<const char*, std::string> files[] = {
       {"trials.csv", SupervisionCsv(records)},
@@ -117,30 +108,38 @@ Result<void> WriteFiles(const SupervisionOptions& options, const SupervisionSumm
       {"supervision.svg", SupervisionPlot(options, summary)},
       {"report.html", SupervisionPage(options, summary)}};
   for (const auto& [name, text] : files) {
-    if (auto written = WriteOutput(options.out / name, text); !written) return written;
+    if (auto written = folder.Write(name, text); !written) return written;
   }
   return WriteJsonOutput(options.json, json);
 }
 
-int Run(const SupervisionOptions& options, const StopToken& stop) {
-  std::error_code error;
-  std::filesystem::create_directories(options.out, error);
-  if (error) {
-    return Failed(kProgram, {ErrorCode::kIo, fmt::format("{}: cannot make this folder: {}",
-                                                         options.out.string(), error.message())});
-  }
-  if (const int code = CheckFiles(
-          kProgram, {}, {{"--json", options.json}, {"--out", options.out / "trials.csv"}});
-      code != 0) {
-    return code;
-  }
-  const std::vector<SupervisionRecord> records = PlayAll(options, stop);
+int Report(const SupervisionOptions& options, const std::vector<SupervisionRecord>& records,
+           const StudyFolder& folder) {
   const SupervisionSummary summary = Summarise(options, records);
-  if (const auto written = WriteFiles(options, summary, records); !written) {
+  if (const auto written = WriteFiles(options, summary, records, folder); !written) {
     return Failed(kProgram, written.error());
   }
-  const auto printed = WriteStandardOutput(SupervisionText(options, summary));
+  const auto printed = PrintTables(SupervisionText(options, summary), options.json);
   return printed && !summary.failed.empty() ? 1 : ExitCode(kProgram, printed);
+}
+
+int Run(const SupervisionOptions& options, const StopToken& stop) {
+  if (const int code = CheckFiles(kProgram, {}, {{"--json", options.json}}); code != 0) return code;
+  const auto folder = StudyFolder::Open(std::filesystem::absolute(options.out), DesignOf(options));
+  if (!folder) return RefusedFolder(kProgram, folder.error());
+  auto store = TrialStore::Open(*folder, "trials");
+  if (!store) return Failed(kProgram, store.error());
+  const std::vector<SupervisionTrial> trials = TrialsOf(options);
+  if (const auto played = Play(options, trials, *store, stop); !played) {
+    return Failed(kProgram, played.error());
+  }
+  std::vector<SupervisionRecord> records;
+  for (const SupervisionTrial& trial : trials) {
+    const auto found = store->records().find(trial.name());
+    if (found != store->records().end()) records.push_back(found->second);
+  }
+  if (!stop.stop_requested()) return Report(options, records, *folder);
+  return Interrupted(kProgram, records.size(), trials.size(), "trials", *folder);
 }
 
 }  // namespace

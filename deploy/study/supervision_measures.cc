@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "common/runtime/demand.h"
 #include "operator/attention/fan_out.h"
 #include "operator/statistics/interval.h"
+#include "operator/statistics/moments.h"
 
 namespace conav::study {
 namespace {
@@ -51,6 +53,33 @@ statistics::ConditionTable TableOf(const std::vector<const SupervisionCell*>& ce
     table.values.insert(table.values.end(), row.begin(), row.end());
   }
   return table;
+}
+
+SupervisionCell CellOf(int robots, const std::string& order,
+                       const std::vector<SupervisionRecord>& records) {
+  SupervisionCell cell{robots, order, {}};
+  for (const SupervisionRecord& record : records) {
+    const bool is_of = record.trial.robots == robots && record.trial.order == order;
+    if (is_of && record.is_complete()) cell.records.push_back(&record);
+  }
+  return cell;
+}
+
+/// Nothing for fewer than two seeds or orders.
+std::vector<SupervisionComparison> CompareOrders(const std::vector<SupervisionCell>& all_cells,
+                                                 int robots) {
+  std::vector<const SupervisionCell*> cells;
+  for (const SupervisionCell& cell : all_cells) {
+    if (cell.robots == robots) cells.push_back(&cell);
+  }
+  std::vector<SupervisionComparison> comparisons;
+  for (const char* key : {"goals_per_minute", "value_lost_per_minute", "waiting_s"}) {
+    const SupervisionMeasure& measure = FindMeasure(key);
+    const statistics::ConditionTable table = TableOf(cells, measure);
+    if (table.subject_count() < 2 || cells.size() < 2) continue;
+    comparisons.push_back({robots, &measure, statistics::ComparePairs(table, kAlpha)});
+  }
+  return comparisons;
 }
 
 }  // namespace
@@ -102,22 +131,14 @@ const SupervisionMeasure& FindMeasure(const std::string& key) {
 }
 
 double SupervisionCell::Mean(const SupervisionMeasure& measure) const {
-  const std::vector<double> values = Values(*this, measure);
-  double sum = 0.0;
-  for (const double value : values) sum += value;
-  return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
+  return records.empty() ? 0.0 : statistics::Mean(Values(*this, measure));
 }
 
 double SupervisionCell::HalfInterval(const SupervisionMeasure& measure) const {
-  const std::vector<double> values = Values(*this, measure);
-  if (values.size() < 2) return 0.0;
-  const double mean = Mean(measure);
-  const auto count = static_cast<double>(values.size());
-  double squares = 0.0;
-  for (const double value : values) squares += (value - mean) * (value - mean);
-  const double error = std::sqrt(squares / (count - 1.0) / count);
-  const auto interval = statistics::StudentInterval(mean, error, count - 1.0, kAlpha);
-  return (interval.high - interval.low) / 2.0;
+  if (records.size() < 2) return 0.0;
+  const auto count = static_cast<double>(records.size());
+  const double error = statistics::StandardDeviation(Values(*this, measure)) / std::sqrt(count);
+  return statistics::StudentInterval(0.0, error, count - 1.0, kAlpha).high;
 }
 
 SupervisionSummary Summarise(const SupervisionOptions& options,
@@ -125,31 +146,19 @@ SupervisionSummary Summarise(const SupervisionOptions& options,
   SupervisionSummary summary;
   for (const int robots : options.robots) {
     for (const std::string& order : options.orders) {
-      summary.cells.push_back({robots, order, {}});
-      for (const SupervisionRecord& record : records) {
-        const bool is_of = record.trial.robots == robots && record.trial.order == order;
-        if (is_of && record.failure.empty()) summary.cells.back().records.push_back(&record);
-      }
+      summary.cells.push_back(CellOf(robots, order, records));
     }
   }
   for (const SupervisionRecord& record : records) {
-    if (!record.failure.empty()) {
+    if (record.has_failed()) {
       summary.failed.push_back(&record);
     } else if (record.pace < kLeastPace) {
       summary.slow.push_back(&record);
     }
   }
   for (const int robots : options.robots) {
-    std::vector<const SupervisionCell*> cells;
-    for (const SupervisionCell& cell : summary.cells) {
-      if (cell.robots == robots) cells.push_back(&cell);
-    }
-    for (const char* key : {"goals_per_minute", "value_lost_per_minute", "waiting_s"}) {
-      const SupervisionMeasure& measure = FindMeasure(key);
-      const statistics::ConditionTable table = TableOf(cells, measure);
-      if (table.subject_count() < 2 || cells.size() < 2) continue;
-      summary.comparisons.push_back({robots, &measure, statistics::ComparePairs(table, kAlpha)});
-    }
+    auto comparisons = CompareOrders(summary.cells, robots);
+    std::ranges::move(comparisons, std::back_inserter(summary.comparisons));
   }
   return summary;
 }

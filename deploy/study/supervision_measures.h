@@ -3,22 +3,11 @@
 #include <string>
 #include <vector>
 
-#include "common/protocol/supervision.h"
 #include "operator/statistics/pairs.h"
 #include "study/supervision_options.h"
+#include "study/supervision_record.h"
 
 namespace conav::study {
-
-/// What came of a trial; seconds and minutes are simulation time.
-struct SupervisionRecord {
-  SupervisionTrial trial;
-  std::string failure;  // empty = measured
-  double minutes = 0.0;
-  double goals = 0.0;  // of all robots
-  OperatorWorkload workload;
-  double wall_s = 0.0;  // from the simulators' start
-  double pace = 0.0;    // simulated seconds per wall second, as a share of what was asked for
-};
 
 /// One figure of a trial.
 struct SupervisionMeasure {

@@ -8,6 +8,10 @@
 #include <map>
 #include <sstream>
 
+#include "launcher/demo_options.h"
+#include "operator/attention/attention_order.h"
+#include "study/run_pieces.h"
+
 namespace conav::study {
 namespace {
 
@@ -23,6 +27,19 @@ Result<void> CheckNames(const std::string& option, const std::vector<std::string
     if (std::ranges::find(known, name) == known.end()) {
       return Refuse(
           fmt::format("{}: {} is unknown; there are {}", option, name, fmt::join(known, ", ")));
+    }
+  }
+  return {};
+}
+
+Result<void> CheckRobots(const std::vector<int>& robots) {
+  if (robots.empty()) return Refuse("--robots: names none");
+  for (const int count : robots) {
+    if (count < 1 || count > launcher::kMaxRobots) {
+      return Refuse(fmt::format("--robots: {} is not in [1, {}]", count, launcher::kMaxRobots));
+    }
+    if (std::ranges::count(robots, count) > 1) {
+      return Refuse(fmt::format("--robots: {} is named twice", count));
     }
   }
   return {};
@@ -62,18 +79,12 @@ Result<void> ParseInteractionTimes(const std::string& text,
 }
 
 Result<void> Validate(const SupervisionOptions& options) {
-  if (options.robots.empty()) return Refuse("--robots: names none");
-  for (const int robots : options.robots) {
-    if (auto checked = CheckRange("--robots", robots, 1, 64); !checked) return checked;
+  if (auto ok = CheckRobots(options.robots); !ok) return ok;
+  if (auto ok = CheckNames("--orders", options.orders, operators::AttentionOrders()); !ok) {
+    return ok;
   }
-  if (auto checked =
-          CheckNames("--orders", options.orders, {"priority", "fifo", "nearest_deadline"});
-      !checked) {
-    return checked;
-  }
-  if (auto checked = CheckNames("--methods", options.methods, {"ig-mcts", "instruction"});
-      !checked) {
-    return checked;
+  if (auto ok = CheckNames("--methods", options.methods, {"ig-mcts", "instruction"}); !ok) {
+    return ok;
   }
   for (const auto& [option, value, low, high] :
        {std::tuple{"--seeds", static_cast<double>(options.seeds), 1.0, 10000.0},
@@ -83,9 +94,12 @@ Result<void> Validate(const SupervisionOptions& options) {
         std::tuple{"--answer-timeout", options.answer_timeout_s, 1.0, 3600.0},
         std::tuple{"--speed", options.speed, 0.1, 1000.0},
         std::tuple{"--jobs", static_cast<double>(options.jobs), 1.0, 64.0}}) {
-    if (auto checked = CheckRange(option, value, low, high); !checked) return checked;
+    if (auto ok = CheckRange(option, value, low, high); !ok) return ok;
   }
-  return {};
+  if (!options.dds.empty()) {
+    if (auto ok = CheckNames("--dds", {options.dds}, {"cyclonedds", "fastdds"}); !ok) return ok;
+  }
+  return CheckDomains(options.jobs);
 }
 
 std::string SupervisionTrial::name() const {

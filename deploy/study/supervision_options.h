@@ -44,6 +44,7 @@ struct SupervisionTrial {
   std::string order;
   std::uint64_t seed = 1;
   std::string name() const;  // "n04-fifo-seed3"
+  bool operator==(const SupervisionTrial&) const = default;
 };
 
 /// Orders innermost, so that what is compared runs close together.

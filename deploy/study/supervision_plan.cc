@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "common/runtime/config.h"
+#include "launcher/demo_weights.h"
 #include "nhpm/config.h"
 #include "operator/config.h"
 #include "planner/config.h"
@@ -73,6 +75,24 @@ std::string PlannerYaml(const std::string& method, std::vector<std::string> robo
 }
 
 }  // namespace
+
+nlohmann::ordered_json DesignOf(const SupervisionOptions& options) {
+  const operators::InteractionTimeParameters& times = options.interaction;
+  return {{"study", "supervision"},
+          {"methods", options.methods},
+          {"interaction_times",
+           {{"picture_s", times.picture_s},
+            {"blocked_s", times.blocked_s},
+            {"path_s", times.path_s},
+            {"log_sd", times.log_sd}}},
+          {"minutes", options.minutes},
+          {"goals", options.goals},
+          {"robots_per_world", options.robots_per_world},
+          {"answer_timeout_s", options.answer_timeout_s},
+          {"speed", options.speed},
+          {"dds", options.dds},
+          {"weights_checksum", launcher::WeightsChecksum({})}};
+}
 
 launcher::Episode EpisodeFor(const SupervisionTrial& trial, const SupervisionOptions& options) {
   const int worlds = (trial.robots + options.robots_per_world - 1) / options.robots_per_world;

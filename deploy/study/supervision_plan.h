@@ -1,5 +1,6 @@
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,10 @@
 #include "study/supervision_options.h"
 
 namespace conav::study {
+
+/// Everything that a trial's result depends on beside the trial itself and the program. What may
+/// grow from one command to the next is not in it: numbers of robots, orders and seeds.
+nlohmann::ordered_json DesignOf(const SupervisionOptions& options);
 
 /// A process of a trial.
 struct SupervisionProcess {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <optional>
 #include <set>
 
@@ -163,7 +164,7 @@ SupervisionRecord PlayTrial(const SupervisionTrial& trial, const SupervisionOpti
                             const StopToken& stop) {
   try {
     return Trial(trial, options, program_folder, clock).Play(stop);
-  } catch (const StartupError& error) {
+  } catch (const std::exception& error) {
     SupervisionRecord record;
     record.trial = trial;
     record.failure = error.what();

@@ -4,7 +4,7 @@
 
 #include "common/runtime/clock.h"
 #include "common/runtime/stop_token.h"
-#include "study/supervision_measures.h"
+#include "study/supervision_record.h"
 
 namespace conav::study {
 

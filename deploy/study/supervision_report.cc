@@ -17,6 +17,23 @@ constexpr const char* kFanOutKeys[] = {"attended_robots", "fan_out", "fan_out_wi
 constexpr const char* kQueueKeys[] = {"utilisation", "queue_utilisation", "waiting_s",
                                       "queue_waiting_s"};
 
+constexpr const char* kMetricKeys[] = {"goals_per_minute", "waiting_s", "value_lost_per_minute",
+                                       "utilisation", "attended_robots"};
+
+using Json = nlohmann::ordered_json;
+
+/// Nothing was measured where all trials failed; one trial has no interval.
+std::string FigureText(const SupervisionCell& cell, const SupervisionMeasure& measure) {
+  if (cell.records.empty()) return "-";
+  const std::string mean = fmt::format("{:.2f}", cell.Mean(measure));
+  if (cell.records.size() < 2) return mean;
+  return fmt::format("{} ±{:.2f}", mean, cell.HalfInterval(measure));
+}
+
+Json MeanJson(const SupervisionCell& cell, const SupervisionMeasure& measure) {
+  return cell.records.empty() ? Json() : Json(cell.Mean(measure));
+}
+
 template <std::size_t kCount>
 statistics::ReportSection CellSection(std::string title, const char* const (&keys)[kCount],
                                       const SupervisionSummary& summary) {
@@ -28,8 +45,7 @@ statistics::ReportSection CellSection(std::string title, const char* const (&key
     std::vector<std::string> row{fmt::format("{} {}", cell.robots, cell.order),
                                  fmt::format("{}", cell.records.size())};
     for (const char* key : keys) {
-      const SupervisionMeasure& measure = FindMeasure(key);
-      row.push_back(fmt::format("{:.2f} ±{:.2f}", cell.Mean(measure), cell.HalfInterval(measure)));
+      row.push_back(FigureText(cell, FindMeasure(key)));
     }
     section.rows.push_back(std::move(row));
   }
@@ -78,6 +94,29 @@ statistics::ReportSection FailedSection(const SupervisionSummary& summary) {
     section.rows.push_back({record->trial.name(), record->failure});
   }
   return section;
+}
+
+Json CellJson(const SupervisionCell& cell) {
+  Json json{{"robots", cell.robots}, {"order", cell.order}, {"trials", cell.records.size()}};
+  for (const SupervisionMeasure& measure : SupervisionMeasures()) {
+    json[fmt::format("{}_mean", measure.key)] = MeanJson(cell, measure);
+    json[fmt::format("{}_half_interval", measure.key)] =
+        cell.records.size() < 2 ? Json() : Json(cell.HalfInterval(measure));
+  }
+  return json;
+}
+
+Json PairJson(const SupervisionComparison& comparison, const statistics::Pair& pair) {
+  Json json{{"robots", comparison.robots},
+            {"measure", comparison.measure->key},
+            {"first", pair.first},
+            {"second", pair.second},
+            {"mean_difference", pair.t.mean_difference},
+            {"low", pair.t.interval.low},
+            {"high", pair.t.interval.high}};
+  if (pair.t.p) json["p"] = *pair.t.p;
+  if (pair.t_adjusted.holm) json["p_holm"] = *pair.t_adjusted.holm;
+  return json;
 }
 
 }  // namespace
@@ -132,39 +171,20 @@ std::string SupervisionCsv(const std::vector<SupervisionRecord>& records) {
 
 nlohmann::ordered_json SupervisionJson(const SupervisionOptions& options,
                                        const SupervisionSummary& summary) {
-  nlohmann::ordered_json json{{"simulated", true},
-                              {"headline", SupervisionHeadline(options, summary)},
-                              {"cells", nlohmann::ordered_json::array()},
-                              {"comparisons", nlohmann::ordered_json::array()},
-                              {"failed", nlohmann::ordered_json::array()},
-                              {"slow", nlohmann::ordered_json::array()},
-                              {"metrics", nlohmann::ordered_json::object()}};
+  Json json{{"simulated", true},        {"headline", SupervisionHeadline(options, summary)},
+            {"cells", Json::array()},   {"comparisons", Json::array()},
+            {"failed", Json::array()},  {"slow", Json::array()},
+            {"metrics", Json::object()}};
   for (const SupervisionCell& cell : summary.cells) {
-    nlohmann::ordered_json entry{
-        {"robots", cell.robots}, {"order", cell.order}, {"trials", cell.records.size()}};
-    for (const SupervisionMeasure& measure : SupervisionMeasures()) {
-      entry[fmt::format("{}_mean", measure.key)] = cell.Mean(measure);
-      entry[fmt::format("{}_half_interval", measure.key)] = cell.HalfInterval(measure);
-    }
-    json["cells"].push_back(std::move(entry));
-    for (const char* key : {"goals_per_minute", "waiting_s", "value_lost_per_minute", "utilisation",
-                            "attended_robots"}) {
+    json["cells"].push_back(CellJson(cell));
+    for (const char* key : kMetricKeys) {
       json["metrics"][fmt::format("{}_{}_{}", key, cell.order, cell.robots)] =
-          cell.Mean(FindMeasure(key));
+          MeanJson(cell, FindMeasure(key));
     }
   }
   for (const SupervisionComparison& comparison : summary.comparisons) {
     for (const statistics::Pair& pair : comparison.pairs) {
-      nlohmann::ordered_json entry{{"robots", comparison.robots},
-                                   {"measure", comparison.measure->key},
-                                   {"first", pair.first},
-                                   {"second", pair.second},
-                                   {"mean_difference", pair.t.mean_difference},
-                                   {"low", pair.t.interval.low},
-                                   {"high", pair.t.interval.high}};
-      if (pair.t.p) entry["p"] = *pair.t.p;
-      if (pair.t_adjusted.holm) entry["p_holm"] = *pair.t_adjusted.holm;
-      json["comparisons"].push_back(std::move(entry));
+      json["comparisons"].push_back(PairJson(comparison, pair));
     }
   }
   for (const SupervisionRecord* record : summary.slow) {

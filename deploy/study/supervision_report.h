@@ -23,7 +23,8 @@ std::string SupervisionCsv(const std::vector<SupervisionRecord>& records);
 
 /// `cells` (robots, order, trials, <measure>_mean, <measure>_half_interval), `comparisons`,
 /// `failed`, `slow`, and `metrics` with <measure>_<order>_<robots> for goals_per_minute, waiting_s,
-/// value_lost_per_minute, utilisation and attended_robots.
+/// value_lost_per_minute, utilisation and attended_robots. What was not measured is null: means
+/// where all trials failed, intervals of fewer than two.
 nlohmann::ordered_json SupervisionJson(const SupervisionOptions& options,
                                        const SupervisionSummary& summary);
 

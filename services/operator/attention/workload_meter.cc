@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include "operator/attention/fan_out.h"
@@ -24,6 +25,13 @@ void Keep(std::deque<double>& values, double value) {
 double MeanOf(const std::deque<double>& values) {
   if (values.empty()) return 0.0;
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+double MeanOf(const std::map<std::uint64_t, double>& values) {
+  if (values.empty()) return 0.0;
+  double sum = 0.0;
+  for (const auto& [number, value] : values) sum += value;
+  return sum / static_cast<double>(values.size());
 }
 
 /// Nearest rank.
@@ -48,14 +56,14 @@ void WorkloadMeter::Arrived(const AttentionItem& item, SimTime now) {
 void WorkloadMeter::Selected(const std::string& client, const AttentionItem& item, SimTime now) {
   const auto before = open_.find(client);
   if (before != open_.end()) {
-    const Interaction& open = before->second;
+    Interaction& open = before->second;
     if (!open.is_over && open.robot == item.robot && open.reason == item.reason) return;
     if (!open.is_over) Close(open, open.last_command.value_or(now));
     open_.erase(before);
   }
   if (!IsQuestion(item.reason)) return;
   EndWait(item, now);
-  open_[client] = {item.robot, item.world, item.reason, now, std::nullopt, false};
+  open_[client] = {item.robot, item.world, item.reason, now};
 }
 
 void WorkloadMeter::Accepted(const std::string& client, const std::string& robot_or_world,
@@ -64,18 +72,20 @@ void WorkloadMeter::Accepted(const std::string& client, const std::string& robot
   if (found == open_.end()) return;
   Interaction& open = found->second;
   if (open.robot != robot_or_world && open.world != robot_or_world) return;
-  if (!open.is_over) {
-    open.last_command = now;
-    return;
-  }
-  const double later = Between(*open.last_command, now);
-  if (later > options_.linger_s) return;
-  const double before = interaction_s_.back();
-  interaction_s_.back() += later;
-  times_.Replace(open.reason, before, before + later);
-  busy_s_ += later;
-  busy_spans_.push_back({*open.last_command, now});
+  if (open.is_over) return Lengthen(open, now);
   open.last_command = now;
+}
+
+void WorkloadMeter::Lengthen(Interaction& interaction, SimTime now) {
+  const double later = Between(*interaction.last_command, now);
+  if (later > options_.linger_s) return;
+  const double before = std::exchange(interaction.seconds, interaction.seconds + later);
+  times_.Replace(interaction.reason, before, interaction.seconds);
+  const auto kept = interaction_s_.find(interaction.number);
+  if (kept != interaction_s_.end()) kept->second = interaction.seconds;
+  busy_s_ += later;
+  busy_spans_.push_back({*interaction.last_command, now});
+  interaction.last_command = now;
 }
 
 void WorkloadMeter::Left(const AttentionQueue::Departure& departure) {
@@ -95,15 +105,16 @@ void WorkloadMeter::Left(const AttentionQueue::Departure& departure) {
   open.is_over = true;
 }
 
-void WorkloadMeter::Close(const Interaction& interaction, SimTime now) {
+void WorkloadMeter::Close(Interaction& interaction, SimTime now) {
   busy_s_ += Between(interaction.start, now);
   busy_spans_.push_back({interaction.start, now});
   while (busy_spans_.size() > kHistory) busy_spans_.pop_front();
-  ++interactions_;
+  interaction.number = ++interactions_;
   if (!interaction.last_command) return;
-  const double seconds = Between(interaction.start, *interaction.last_command);
-  Keep(interaction_s_, seconds);
-  times_.Add(interaction.reason, seconds);
+  interaction.seconds = Between(interaction.start, *interaction.last_command);
+  interaction_s_.emplace(interaction.number, interaction.seconds);
+  if (interaction_s_.size() > kHistory) interaction_s_.erase(interaction_s_.begin());
+  times_.Add(interaction.reason, interaction.seconds);
 }
 
 void WorkloadMeter::EndWait(const AttentionItem& item, SimTime now) {

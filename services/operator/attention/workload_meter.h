@@ -48,14 +48,17 @@ class WorkloadMeter {
     AttentionReason reason;
     SimTime start;
     std::optional<SimTime> last_command;
-    bool is_over = false;  // answered
+    bool is_over = false;      // answered
+    std::uint64_t number = 0;  // in interaction_s_, once it is over
+    double seconds = 0.0;      // likewise: from `start` to `last_command`
   };
   struct Span {
     SimTime start;
     SimTime end;
   };
 
-  void Close(const Interaction& interaction, SimTime now);
+  void Close(Interaction& interaction, SimTime now);
+  void Lengthen(Interaction& interaction, SimTime now);
   double BusyInWindow(SimTime now) const;
   /// The waits that have ended and those that have not.
   std::deque<double> Waits(SimTime now) const;
@@ -63,9 +66,9 @@ class WorkloadMeter {
 
   AttentionOptions options_;
   InteractionTimes times_;
-  std::map<std::string, Interaction> open_;       // by client; the last one, over or not
-  std::map<std::string, SimTime> neglect_since_;  // by robot
-  std::deque<double> interaction_s_;
+  std::map<std::string, Interaction> open_;        // by client; the last one, over or not
+  std::map<std::string, SimTime> neglect_since_;   // by robot
+  std::map<std::uint64_t, double> interaction_s_;  // by number
   std::deque<double> neglect_s_;
   std::deque<double> wait_s_;  // of those that have ended
   std::map<std::pair<std::string, AttentionReason>, SimTime> waiting_since_;  // the others

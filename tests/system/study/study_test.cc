@@ -1,47 +1,20 @@
 #include <catch2/catch.hpp>
 #include <csignal>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
-#include "common/runtime/file.h"
-#include "launcher/process.h"
-#include "support/program_desk.h"
-#include "support/test_domain.h"
-#include "system/launcher/demo_run.h"
+#include "system/study/study_desk.h"
 
 namespace conav::test {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// 2 operators, 2 methods, 1 layout: four episodes, one at a time in a domain of our own.
+/// 2 operators, 2 methods, 1 layout: four episodes, one at a time.
+constexpr const char* kSmall = "--operators 2 --layouts 1 --methods ig-mcts,instruction --jobs 1 ";
+
 std::string SmallStudy(const std::string& more = "", const std::string& out = "study") {
-  return "--operators 2 --layouts 1 --methods ig-mcts,instruction --jobs 1 --out " + out + " " +
-         more;
+  return kSmall + more + " --out " + out;
 }
-
-/// A desk whose programs keep to the test's domain.
-class StudyDesk {
- public:
-  StudyDesk() { setenv("CONAV_DOMAIN", std::to_string(TestDomain()).c_str(), 1); }
-  ~StudyDesk() { unsetenv("CONAV_DOMAIN"); }
-
-  ProgramOutcome Run(const std::string& arguments) const { return desk_.Run(arguments); }
-  fs::path operator/(const std::string& name) const { return desk_ / name; }
-  nlohmann::json Json(const std::string& name) const {
-    return nlohmann::json::parse(ReadFile(desk_ / name).value());
-  }
-  std::size_t Episodes() const {
-    std::error_code none;
-    const fs::directory_iterator files(desk_ / "study/episodes", none);
-    return none ? 0 : static_cast<std::size_t>(std::count_if(begin(files), end(files), [](auto& e) {
-      return e.path().extension() == ".json";
-    }));
-  }
-
- private:
-  ProgramDesk desk_{"conav-study"};
-};
 
 /// The episodes without wall times: what must be the same for the same seed.
 std::vector<std::string> Lines(const fs::path& csv) {
@@ -97,30 +70,14 @@ TEST_CASE("a study runs over DDS, tells its table, and conav stats reads its mea
 
 TEST_CASE("a study that was killed goes on and ends like one that was not", "[study][system]") {
   const StudyDesk desk;
-  const std::vector<std::string> words{CONAV_BIN_DIR + std::string("/conav-study"),
-                                       "--operators",
-                                       "2",
-                                       "--layouts",
-                                       "1",
-                                       "--methods",
-                                       "ig-mcts,instruction",
-                                       "--jobs",
-                                       "1",
-                                       "--out",
-                                       (desk / "study").string()};
-  {
-    launcher::Process first("conav-study", words, desk / "first.log");
-    REQUIRE(
-        conav::testing::WaitUntil([&] { return desk.Episodes() > 0; }, std::chrono::seconds(60)));
-    first.Signal(SIGKILL);
-    REQUIRE(conav::testing::WaitUntil([&] { return first.Poll(); }, std::chrono::seconds(10)));
-  }
-  const std::size_t kept = desk.Episodes();
+  RunningStudy first(desk, kSmall);
+  WaitForRecord(desk, "episodes");
+  CHECK(first.End(SIGKILL).signal == SIGKILL);
   const ProgramOutcome rest = desk.Run(SmallStudy());
   INFO(rest.text());
   REQUIRE(rest.exit_code == 0);
-  CHECK(kept >= 1);
-  CHECK(desk.Episodes() == 4);
+  CHECK_THAT(rest.error, !Catch::Contains("1 of 4 episodes"));  // that one is there already
+  CHECK(desk.Records("episodes") == 4);
 
   const ProgramOutcome whole = desk.Run(SmallStudy("", "whole"));
   REQUIRE(whole.exit_code == 0);
@@ -129,18 +86,7 @@ TEST_CASE("a study that was killed goes on and ends like one that was not", "[st
 
 TEST_CASE("an episode whose simulator dies is run again", "[study][system]") {
   const StudyDesk desk;
-  const std::vector<std::string> words{CONAV_BIN_DIR + std::string("/conav-study"),
-                                       "--operators",
-                                       "1",
-                                       "--layouts",
-                                       "1",
-                                       "--methods",
-                                       "ig-mcts",
-                                       "--jobs",
-                                       "1",
-                                       "--out",
-                                       (desk / "study").string()};
-  launcher::Process study("conav-study", words, desk / "study.log");
+  RunningStudy study(desk, "--operators 1 --layouts 1 --methods ig-mcts --jobs 1");
   pid_t simulator = 0;
   REQUIRE(conav::testing::WaitUntil(
       [&] {
@@ -149,33 +95,21 @@ TEST_CASE("an episode whose simulator dies is run again", "[study][system]") {
       },
       std::chrono::seconds(30)));
   REQUIRE(kill(simulator, SIGKILL) == 0);
-  REQUIRE(conav::testing::WaitUntil([&] { return study.Poll(); }, std::chrono::seconds(90)));
-  INFO(ReadFile(desk / "study.log").value());
-  CHECK(study.end()->exit_code == 0);
-  const auto results = desk.Json("study/results.json");
-  CHECK(results["methods"]["ig-mcts"]["episodes"] == 1);
+  const launcher::ProcessEnd end = study.Wait(std::chrono::seconds(90));
+  INFO(ReadFile(desk.log()).value());
+  CHECK(end.exit_code == 0);
+  CHECK(desk.Json("study/results.json")["methods"]["ig-mcts"]["episodes"] == 1);
   CHECK_THAT(ReadFile(desk / "study/episodes.csv").value(),
              Catch::Contains(",simulated,complete,2,"));
 }
 
 TEST_CASE("an interrupted study says how to go on", "[study][system]") {
   const StudyDesk desk;
-  const std::vector<std::string> words{CONAV_BIN_DIR + std::string("/conav-study"),
-                                       "--operators",
-                                       "20",
-                                       "--layouts",
-                                       "1",
-                                       "--jobs",
-                                       "1",
-                                       "--out",
-                                       (desk / "study").string()};
-  launcher::Process study("conav-study", words, desk / "study.log");
-  REQUIRE(conav::testing::WaitUntil([&] { return desk.Episodes() > 0; }, std::chrono::seconds(60)));
-  study.Signal(SIGTERM);
-  REQUIRE(conav::testing::WaitUntil([&] { return study.Poll(); }, std::chrono::seconds(30)));
-  CHECK(study.end()->exit_code == 1);
-  CHECK_THAT(ReadFile(desk / "study.log").value(), Catch::Contains("of 60 episodes are in") &&
-                                                       Catch::Contains("the same command goes on"));
+  RunningStudy study(desk, "--operators 20 --layouts 1 --jobs 1");
+  WaitForRecord(desk, "episodes");
+  CHECK(study.End(SIGTERM).exit_code == 1);
+  CHECK_THAT(ReadFile(desk.log()).value(), Catch::Contains("of 60 episodes are in") &&
+                                               Catch::Contains("the same command goes on"));
 }
 
 TEST_CASE("a study that cannot be is refused before anything runs", "[study][system]") {

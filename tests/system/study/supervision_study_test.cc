@@ -1,34 +1,29 @@
 // The supervision study in small: real processes, real DDS, real MuJoCo.
 #include <catch2/catch.hpp>
+#include <csignal>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
-#include "common/runtime/file.h"
-#include "support/program_desk.h"
-#include "support/test_domain.h"
+#include "system/study/study_desk.h"
 
 namespace conav::test {
 namespace {
 
-/// A desk whose programs keep to the test's domain.
-struct SupervisionDesk {
-  SupervisionDesk() { setenv("CONAV_DOMAIN", std::to_string(TestDomain()).c_str(), 1); }
-  ~SupervisionDesk() { unsetenv("CONAV_DOMAIN"); }
-
-  ProgramDesk desk{"conav-study"};
-};
+/// Two robots, both in one minute's work; the operator needs 3 s for everything.
+constexpr const char* kSmall =
+    "--supervision --robots 2 --minutes 0.7 --speed 10 "
+    "--interaction-times picture=3,blocked=3,path=3,log_sd=0 ";
 
 TEST_CASE("two robots and one operator: every trial is measured and every file is there",
           "[study][supervision][system]") {
-  const SupervisionDesk bench;
-  const ProgramOutcome study = bench.desk.Run(
-      "--supervision --robots 2 --orders priority,fifo --seeds 2 --minutes 0.7 --speed 10 "
-      "--interaction-times picture=3,blocked=3,path=3,log_sd=0 --out out --json result.json");
+  const StudyDesk bench;
+  const std::string command =
+      std::string(kSmall) + "--orders priority,fifo --seeds 2 --out study --json result.json";
+  const ProgramOutcome study = bench.Run(command);
   INFO(study.text());
   REQUIRE(study.exit_code == 0);
   CHECK_THAT(study.out, Catch::Contains("SIMULATED operator") && Catch::Contains("2 priority") &&
                             Catch::Contains("M/M/1//N"));
-  const auto json = nlohmann::json::parse(ReadFile(bench.desk / "result.json").value());
+  const auto json = bench.Json("result.json");
   REQUIRE(json["cells"].size() == 2);
   for (const auto& cell : json["cells"]) {
     INFO(cell.dump());
@@ -43,26 +38,54 @@ TEST_CASE("two robots and one operator: every trial is measured and every file i
   }
   CHECK(json["comparisons"].size() == 3);
   for (const char* file : {"trials.csv", "results.json", "supervision.svg", "report.html"}) {
-    CHECK(std::filesystem::file_size(bench.desk / ("out/" + std::string(file))) > 100);
+    CHECK(std::filesystem::file_size(bench / ("study/" + std::string(file))) > 100);
   }
+
+  // All is there: nothing runs again, and the tables are the same.
+  const ProgramOutcome again = bench.Run(command);
+  CHECK(again.exit_code == 0);
+  CHECK(again.out == study.out);
+  CHECK(again.error.empty());
+
+  const ProgramOutcome other = bench.Run(command + " --goals 29");
+  CHECK(other.exit_code == 2);
+  CHECK_THAT(other.error, Catch::Contains("belongs to another study: goals is 30 there, 29 here"));
+}
+
+TEST_CASE("a supervision study that was killed goes on, and more seeds add to it",
+          "[study][supervision][system]") {
+  const StudyDesk bench;
+  RunningStudy first(bench, std::string(kSmall) + "--orders fifo --seeds 2");
+  WaitForRecord(bench, "trials");
+  CHECK(first.End(SIGKILL).signal == SIGKILL);
+  const std::string kept = ReadFile(bench / "study/trials/n02-fifo-seed1.json").value();
+
+  const ProgramOutcome rest =
+      bench.Run(std::string(kSmall) + "--orders fifo --seeds 3 --out study");
+  INFO(rest.text());
+  REQUIRE(rest.exit_code == 0);
+  CHECK_THAT(rest.error, !Catch::Contains("1 of 3 trials") && Catch::Contains("3 of 3 trials"));
+  CHECK(bench.Records("trials") == 3);
+  CHECK(ReadFile(bench / "study/trials/n02-fifo-seed1.json").value() == kept);
+  CHECK(bench.Json("study/results.json")["cells"][0]["trials"] == 3);
 }
 
 TEST_CASE("wrong use of the supervision study is refused by name", "[study][supervision][system]") {
-  const SupervisionDesk bench;
-  const ProgramOutcome unknown = bench.desk.Run("--supervision --orders lifo");
+  const StudyDesk bench;
+  const ProgramOutcome unknown = bench.Run("--supervision --orders lifo");
   CHECK(unknown.exit_code == 2);
   CHECK_THAT(unknown.error, Catch::Contains("--orders: lifo is unknown"));
-  CHECK(bench.desk.Run("--supervision --interaction-times look=3").exit_code == 2);
-  CHECK(bench.desk.Run("--supervision --robots 0").exit_code == 2);
-  const ProgramOutcome help = bench.desk.Run("--supervision --help");
+  CHECK(bench.Run("--supervision --interaction-times look=3").exit_code == 2);
+  CHECK(bench.Run("--supervision --robots 0").exit_code == 2);
+  const ProgramOutcome help = bench.Run("--supervision --help");
   CHECK(help.exit_code == 0);
   CHECK_THAT(help.out, Catch::Contains("--interaction-times"));
 }
 
 TEST_CASE("a folder that cannot be made fails before anything runs",
           "[study][supervision][system]") {
-  const SupervisionDesk bench;
-  const ProgramOutcome study = bench.desk.Run("--supervision --seeds 1 --out /proc/none");
+  const StudyDesk bench;
+  const ProgramOutcome study = bench.Run("--supervision --seeds 1 --out /proc/none");
   CHECK(study.exit_code == 1);
   CHECK_THAT(study.error, Catch::Contains("/proc/none: cannot make this folder"));
 }

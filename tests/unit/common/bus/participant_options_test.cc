@@ -1,35 +1,14 @@
 #include <catch2/catch.hpp>
-#include <cstdlib>
-#include <optional>
 
 #include "common/bus/participant.h"
 #include "common/bus/vendors.h"
 #include "common/runtime/result.h"
+#include "support/scoped_variable.h"
 
 namespace conav::bus {
 namespace {
 
-/// Sets an environment variable for the time of a test.
-class ScopedVariable {
- public:
-  ScopedVariable(const char* name, const char* value) : name_(name) {
-    if (const char* before = std::getenv(name)) before_ = before;
-    setenv(name, value, 1);
-  }
-  ~ScopedVariable() {
-    if (before_) {
-      setenv(name_, before_->c_str(), 1);
-    } else {
-      unsetenv(name_);
-    }
-  }
-  ScopedVariable(const ScopedVariable&) = delete;
-  ScopedVariable& operator=(const ScopedVariable&) = delete;
-
- private:
-  const char* name_;
-  std::optional<std::string> before_;
-};
+using test::ScopedVariable;
 
 TEST_CASE("the environment fills what the options leave open", "[bus][options]") {
   const ScopedVariable vendor("CONAV_DDS", "fastdds");

@@ -3,16 +3,15 @@
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
-#include <cstdlib>
 #include <filesystem>
 #include <map>
-#include <optional>
 
 #include "nhpm/config.h"
 #include "operator/config.h"
 #include "operator/simulated_operator/config.h"
 #include "planner/config.h"
 #include "sim/config.h"
+#include "support/scoped_variable.h"
 
 using namespace conav;
 using namespace conav::launcher;
@@ -24,22 +23,6 @@ struct TemporaryRun {
   fs::path parent = fs::temp_directory_path() / ("conav_demo_plan_" + std::to_string(getpid()));
   RunFolder folder{parent, std::chrono::system_clock::time_point{}, 1};
   ~TemporaryRun() { fs::remove_all(parent); }
-};
-
-/// A variable of the environment, put back at the end.
-class Environment {
- public:
-  Environment(const char* name, const char* value) : name_(name) {
-    if (const char* before = std::getenv(name)) before_ = before;
-    value == nullptr ? unsetenv(name) : setenv(name, value, 1);
-  }
-  ~Environment() { before_ ? setenv(name_, before_->c_str(), 1) : unsetenv(name_); }
-  Environment(const Environment&) = delete;
-  Environment& operator=(const Environment&) = delete;
-
- private:
-  const char* name_;
-  std::optional<std::string> before_;
 };
 
 std::map<std::string, std::string> Plan(const DemoOptions& options, const TemporaryRun& run) {
@@ -165,10 +148,10 @@ TEST_CASE("what the environment says of the bus is written into every configurat
   const TemporaryRun run;
   DemoOptions options;
   options.interface = "";
-  const Environment no_vendor("CONAV_DDS", nullptr);
+  const test::ScopedVariable no_vendor("CONAV_DDS", nullptr);
   CHECK(Read<sim::SimConfig>(Plan(options, run).at("sim"), "sim").bus.vendor == "cyclonedds");
-  const Environment vendor("CONAV_DDS", "fastdds");
-  const Environment interface("CONAV_INTERFACE", "eth7");
+  const test::ScopedVariable vendor("CONAV_DDS", "fastdds");
+  const test::ScopedVariable interface("CONAV_INTERFACE", "eth7");
   options.dds = "planner=cyclonedds";
   const auto configs = Plan(options, run);
   const auto sim = Read<sim::SimConfig>(configs.at("sim"), "sim");

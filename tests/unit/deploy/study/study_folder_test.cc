@@ -4,6 +4,7 @@
 
 #include "common/runtime/file.h"
 #include "sample_study.h"
+#include "study/study_run.h"
 #include "support/temporary_folder.h"
 
 namespace conav::study {
@@ -21,15 +22,31 @@ TEST_CASE("A record is there again for the same design", "[study][folder]") {
   const auto record = SampleRecord("s01", SampleMeasures(10.0, 400.0));
   EpisodeRecord failed{.name = "s02", .detail = "planner died", .attempts = 2};
   {
-    auto folder = StudyFolder::Open(parent / "study", kDesign);
+    const auto folder = StudyFolder::Open(parent / "study", kDesign);
     REQUIRE(folder);
-    REQUIRE(folder->Save(record));
-    REQUIRE(folder->Save(failed));
+    auto store = OpenEpisodes(*folder);
+    REQUIRE(store);
+    REQUIRE(store->Save("s01", record));
+    REQUIRE(store->Save("s02", failed));
   }
   const auto folder = StudyFolder::Open(parent / "study", kDesign);
   REQUIRE(folder);
-  CHECK(folder->records().at("s01") == record);
-  CHECK(folder->records().at("s02") == failed);
+  const auto store = OpenEpisodes(*folder);
+  REQUIRE(store);
+  CHECK(store->records() == Records{{"s01", record}, {"s02", failed}});
+}
+
+TEST_CASE("What a kill leaves of a file that was being written is no obstacle", "[study][folder]") {
+  const test::TemporaryFolder parent;
+  std::filesystem::create_directory(parent / "study");
+  REQUIRE(WriteFile(parent / "study/study.json.0123456789abcdef.partial", "{\"fing"));
+  const auto folder = StudyFolder::Open(parent / "study", kDesign);
+  REQUIRE(folder);
+  REQUIRE(OpenEpisodes(*folder));
+  REQUIRE(WriteFile(parent / "study/episodes/s01.json.0123456789abcdef.partial", "{\"name"));
+  const auto store = OpenEpisodes(*folder);
+  REQUIRE(store);
+  CHECK(store->records().empty());
 }
 
 TEST_CASE("Another design is refused and the first difference named", "[study][folder]") {
@@ -61,13 +78,17 @@ TEST_CASE("Two studies do not share a folder at a time", "[study][folder]") {
 
 TEST_CASE("A record that cannot be read is named", "[study][folder]") {
   const test::TemporaryFolder parent;
-  REQUIRE(Refusal(parent / "study", kDesign).empty());
+  const auto folder = StudyFolder::Open(parent / "study", kDesign);
+  REQUIRE(folder);
+  REQUIRE(OpenEpisodes(*folder));
   const auto file = parent / "study/episodes/s01.json";
   for (const char* text : {"{\"name\": \"s01\"", "{}", R"({"name": "s01", "status": "complete",
         "detail": "", "attempts": 1, "wall_s": 1, "run": "", "measures": null})"}) {
     REQUIRE(WriteFile(file, text));
-    CHECK_THAT(Refusal(parent / "study", kDesign),
-               Catch::StartsWith(file.string() + ": is no record of an episode"));
+    const auto store = OpenEpisodes(*folder);
+    REQUIRE_FALSE(store);
+    CHECK_THAT(store.error().text, Catch::StartsWith(file.string() + ": is no record of") &&
+                                       Catch::EndsWith("the same command runs it again"));
   }
 }
 

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "study/episode_player.h"
+#include "support/scoped_variable.h"
 #include "support/temporary_folder.h"
 
 namespace conav::study {
@@ -45,6 +46,15 @@ TEST_CASE("Numbers and methods that cannot be are refused by the option's name",
   CHECK(Refusal(options) == "--methods: one is named twice");
   options.design.methods = {"a", "b", "c", "d", "e"};
   CHECK_THAT(Refusal(options), Catch::StartsWith("--methods: 5 of them; 1 to 4"));
+}
+
+TEST_CASE("Several jobs need more than the one domain that the environment leaves",
+          "[study][options]") {
+  const test::ScopedVariable domain("CONAV_DOMAIN", "7");
+  StudyOptions options = Good();
+  CHECK(Refusal(options).empty());
+  options.jobs = 2;
+  CHECK(Refusal(options) == "--jobs 2: CONAV_DOMAIN leaves one DDS domain for all of them");
 }
 
 TEST_CASE("An episode becomes a demo with its own world, seed, person and folder",

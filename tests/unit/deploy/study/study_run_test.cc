@@ -15,11 +15,13 @@ class Fixture {
  public:
   Result<void> Run(const EpisodePlayer& play, int jobs = 1) { return Run(play, jobs, StopToken()); }
   Result<void> Run(const EpisodePlayer& play, int jobs, const StopToken& stop) {
-    auto folder = StudyFolder::Open(parent_ / "study", {{"seed", 1}});
+    const auto folder = StudyFolder::Open(parent_ / "study", {{"seed", 1}});
     REQUIRE(folder);
-    auto done = RunEpisodes(design.episodes, jobs, play, *folder, stop,
+    auto store = OpenEpisodes(*folder);
+    REQUIRE(store);
+    auto done = RunEpisodes(design.episodes, jobs, play, *store, stop,
                             [this](const StudyProgress& now) { progress = now; });
-    records = folder->records();
+    records = store->records();
     return done;
   }
 
@@ -127,8 +129,10 @@ TEST_CASE("Goals left over are a result after the second attempt", "[study][run]
 TEST_CASE("A record that cannot be written ends the study with the reason", "[study][run]") {
   const test::TemporaryFolder parent;
   const Design design = MakeDesign({.operators = 2, .layouts = 2});
-  auto folder = StudyFolder::Open(parent / "study", {{"seed", 1}});
+  const auto folder = StudyFolder::Open(parent / "study", {{"seed", 1}});
   REQUIRE(folder);
+  auto store = OpenEpisodes(*folder);
+  REQUIRE(store);
   std::filesystem::remove(parent / "study/episodes");
   int played = 0;
   const auto play = [&](int job, const PlannedEpisode& episode) {
@@ -136,11 +140,11 @@ TEST_CASE("A record that cannot be written ends the study with the reason", "[st
     return Good(job, episode);
   };
   const auto done =
-      RunEpisodes(design.episodes, 1, play, *folder, StopToken(), [](const StudyProgress&) {});
+      RunEpisodes(design.episodes, 1, play, *store, StopToken(), [](const StudyProgress&) {});
   REQUIRE_FALSE(done);
   CHECK_THAT(done.error().text, Catch::Contains("episodes"));
   CHECK(played == 1);
-  CHECK(folder->records().empty());
+  CHECK(store->records().empty());
 }
 
 }  // namespace

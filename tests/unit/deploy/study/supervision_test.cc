@@ -66,6 +66,8 @@ TEST_CASE("Impossible options are refused by name", "[study][supervision]") {
   SupervisionOptions options = Small();
   options.robots = {0};
   CHECK(Validate(options).error().text == "--robots: 0 is not in [1, 64]");
+  options.robots = {4, 2, 4};
+  CHECK(Validate(options).error().text == "--robots: 4 is named twice");
   options = Small();
   options.orders = {"fifo", "lifo"};
   CHECK(Validate(options).error().text ==
@@ -79,6 +81,27 @@ TEST_CASE("Impossible options are refused by name", "[study][supervision]") {
   options = Small();
   options.speed = 0.0;
   CHECK(Validate(options).error().text == "--speed: 0 is not in [0.1, 1000]");
+  options = Small();
+  options.dds = "opendds";
+  CHECK(Validate(options).error().text ==
+        "--dds: opendds is unknown; there are cyclonedds, fastdds");
+}
+
+TEST_CASE("More seeds, numbers or orders belong to the same study, another condition does not",
+          "[study][supervision]") {
+  const SupervisionOptions small = Small();
+  SupervisionOptions more = small;
+  more.seeds = 20;
+  more.robots = {1, 4, 16};
+  more.orders.push_back("nearest_deadline");
+  more.jobs = 2;
+  CHECK(DesignOf(more) == DesignOf(small));
+  SupervisionOptions other = small;
+  other.interaction.blocked_s += 1.0;
+  CHECK(DesignOf(other) != DesignOf(small));
+  other = small;
+  other.minutes += 1.0;
+  CHECK(DesignOf(other) != DesignOf(small));
 }
 
 TEST_CASE("Robots fill their worlds, worlds have the methods in turn, every robot one planner",
@@ -152,6 +175,22 @@ TEST_CASE("A failed trial is named and leaves its seed out of the comparison",
   const std::string csv = SupervisionCsv(records);
   CHECK(csv.find("\n1,priority,1,,") != std::string::npos);
   CHECK(csv.find("\n1,fifo,1,5.5,") != std::string::npos);
+}
+
+TEST_CASE("What no trial measured is not told as 0", "[study][supervision]") {
+  SupervisionOptions options = Small();
+  options.robots = {1};
+  options.seeds = 1;
+  auto records = AllRecords(options);
+  records[0].failure = "sim-w1 died";
+  const SupervisionSummary summary = Summarise(options, records);
+  const auto json = SupervisionJson(options, summary);
+  CHECK(json["cells"][0]["waiting_s_mean"].is_null());
+  CHECK(json["metrics"]["waiting_s_priority_1"].is_null());
+  CHECK(json["cells"][1]["waiting_s_mean"] == 4.0);
+  CHECK(json["cells"][1]["waiting_s_half_interval"].is_null());
+  const std::string text = SupervisionText(options, summary);
+  CHECK_THAT(text, !Catch::Contains("0.00 ±0.00") && Catch::Contains("4.00"));
 }
 
 TEST_CASE("A trial in which the machine fell behind is named and stays in the tables",

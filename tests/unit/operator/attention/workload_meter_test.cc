@@ -76,6 +76,25 @@ TEST_CASE("A command soon after the answer makes the interaction longer, a late 
   CHECK(meter.Workload(At(26)).busy_s == 8.0);
 }
 
+TEST_CASE("A command after the answer makes its own client's interaction longer, no other one",
+          "[operator][attention]") {
+  WorkloadMeter meter({});
+  WorkloadMeter apart({});
+  for (WorkloadMeter* each : {&meter, &apart}) {
+    each->Advance(2, 0, At(0));
+    Answer(*each, 10, 12, 18);  // anna: 6 s
+  }
+  AttentionItem picture = Blocked("r2", 10);
+  picture.reason = AttentionReason::kPicture;
+  meter.Selected("bert", picture, At(10));
+  picture.selected_by = "bert";
+  meter.Left({picture, At(19), true});   // bert: 9 s
+  meter.Accepted("anna", "r1", At(21));  // anna: 9 s
+  apart.Accepted("anna", "r1", At(21));
+  CHECK(meter.times().Expected(AttentionReason::kBlocked) ==
+        apart.times().Expected(AttentionReason::kBlocked));
+}
+
 TEST_CASE("A question that nobody answered counts as abandoned and its wait counts",
           "[operator][attention]") {
   WorkloadMeter meter({});
