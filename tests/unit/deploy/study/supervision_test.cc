@@ -4,6 +4,7 @@
 #include "study/supervision_plan.h"
 #include "study/supervision_report.h"
 #include "support/temporary_folder.h"
+#include "support/xml_check.h"
 
 namespace conav::study {
 namespace {
@@ -215,6 +216,8 @@ TEST_CASE("Text, JSON, page and plot say that the operator was simulated", "[stu
   CHECK(SupervisionText(options, summary).find("SIMULATED") != std::string::npos);
   CHECK(SupervisionPage(options, summary).find("SIMULATED") != std::string::npos);
   CHECK(SupervisionPlot(options, summary).find("simulated operator") != std::string::npos);
+  CHECK(test::XmlError(SupervisionPlot(options, summary)) == "");
+  CHECK(test::XmlError(SupervisionPage(options, summary)) == "");
   const auto json = SupervisionJson(options, summary);
   CHECK(json["simulated"] == true);
   CHECK(json["metrics"]["goals_per_minute_priority_4"] == Approx(6.5));
