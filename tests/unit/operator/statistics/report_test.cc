@@ -116,6 +116,15 @@ TEST_CASE("The plot has a line per subject and marks per condition", "[operator]
   CHECK_THAT(plot, !Catch::Contains("nan") && !Catch::Contains("inf"));
 }
 
+TEST_CASE("An axis has its label and ends where no value can be", "[operator][statistics]") {
+  const Analysis analysis = AnalysisOf(MakeTable({"a", "b"}, {0, 90, 2, 100, 90, 95}));
+  CHECK_THAT(ConditionsPlot(analysis), Catch::Contains(">-100</text>"));
+  const std::string share = ConditionsPlot(analysis, {"share (%)", {0.0, 100.0}});
+  CHECK_THAT(share, Catch::Contains(">share (%)</text>") && Catch::Contains(">100</text>"));
+  CHECK_THAT(share, !Catch::Contains(">-") && !Catch::Contains(">120</text>"));
+  CHECK(test::XmlError(share) == "");
+}
+
 TEST_CASE("Values that are all the same, or very many, can be drawn", "[operator][statistics]") {
   for (const double value : {0.0, -5.0, 1e100, 1e-100}) {
     const std::string plot =
