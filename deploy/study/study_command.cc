@@ -127,8 +127,9 @@ bool AllMet(const StudySummary& summary) {
                      [](const Bar& bar) { return bar.met(); });
 }
 
-int Run(const StudyOptions& options, const StopToken& stop) {
+int Run(StudyOptions options, const StopToken& stop) {
   const Plan plan = MakePlan(options);
+  if (options.out.empty()) options.out = DefaultOut(options, Fingerprint(plan.document));
   const auto folder = StudyFolder::Open(std::filesystem::absolute(options.out), plan.document);
   if (!folder) return RefusedFolder(kProgram, folder.error());
   auto store = OpenEpisodes(*folder);
@@ -152,9 +153,7 @@ int Run(const StudyOptions& options, const StopToken& stop) {
 
 }  // namespace
 
-int RunStudy(const StudyOptions& given, const StopToken& stop) {
-  StudyOptions options = given;
-  if (options.out.empty()) options.out = DefaultOut(options);
+int RunStudy(const StudyOptions& options, const StopToken& stop) {
   if (const auto valid = Validate(options); !valid) return Refused(kProgram, valid.error().text);
   const int code =
       CheckFiles(kProgram, {{"--population", options.population}, {"--weights", options.weights}},

@@ -49,7 +49,7 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   SupervisionOptions& options = arguments.options;
   app.add_flag("--supervision", arguments.is_supervision,
                "This study rather than that of the methods");
-  app.add_option("--robots", options.robots, "Numbers of robots")
+  app.add_option("--robots", options.robots, "Numbers of robots, each 1 to 16")
       ->delimiter(',')
       ->capture_default_str();
   app.add_option("--orders", options.orders, "Orders of the attention queue")
@@ -77,7 +77,7 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--speed", options.speed, "Simulated seconds per second")->capture_default_str();
   app.add_option("--jobs", options.jobs, "Trials at once")->capture_default_str();
   app.add_option("--dds", options.dds, "cyclonedds or fastdds");
-  app.add_option("--out", options.out, "Folder of the study")->capture_default_str();
+  app.add_option("--out", options.out, "Folder of the study [one in runs/, named by the design]");
   app.add_option("--json", options.json,
                  "Write the result to this file, too; - = standard output (the tables then go to "
                  "standard error)");
@@ -119,13 +119,18 @@ int Report(const SupervisionOptions& options, const std::vector<SupervisionRecor
   if (const auto written = WriteFiles(options, summary, records, folder); !written) {
     return Failed(kProgram, written.error());
   }
-  const auto printed = PrintTables(SupervisionText(options, summary), options.json);
+  const std::string text = fmt::format(
+      "{}\n{} holds report.html, supervision.svg, trials.csv, results.json and all runs\n",
+      SupervisionText(options, summary), folder.path().string());
+  const auto printed = PrintTables(text, options.json);
   return printed && !summary.failed.empty() ? 1 : ExitCode(kProgram, printed);
 }
 
-int Run(const SupervisionOptions& options, const StopToken& stop) {
+int Run(SupervisionOptions options, const StopToken& stop) {
+  const auto design = DesignOf(options);
+  if (options.out.empty()) options.out = DefaultSupervisionOut(Fingerprint(design));
   if (const int code = CheckFiles(kProgram, {}, {{"--json", options.json}}); code != 0) return code;
-  const auto folder = StudyFolder::Open(std::filesystem::absolute(options.out), DesignOf(options));
+  const auto folder = StudyFolder::Open(std::filesystem::absolute(options.out), design);
   if (!folder) return RefusedFolder(kProgram, folder.error());
   auto store = TrialStore::Open(*folder, "trials");
   if (!store) return Failed(kProgram, store.error());

@@ -66,7 +66,9 @@ TEST_CASE("Impossible options are refused by name", "[study][supervision]") {
   CHECK(Validate(Small()));
   SupervisionOptions options = Small();
   options.robots = {0};
-  CHECK(Validate(options).error().text == "--robots: 0 is not in [1, 64]");
+  CHECK(Validate(options).error().text == "--robots: 0 is not in [1, 16]");
+  options.robots = {1, 17};
+  CHECK(Validate(options).error().text == "--robots: 17 is not in [1, 16]");
   options.robots = {4, 2, 4};
   CHECK(Validate(options).error().text == "--robots: 4 is named twice");
   options = Small();
@@ -83,9 +85,9 @@ TEST_CASE("Impossible options are refused by name", "[study][supervision]") {
   options.speed = 0.0;
   CHECK(Validate(options).error().text == "--speed: 0 is not in [0.1, 1000]");
   options = Small();
-  options.dds = "opendds";
+  options.dds = "mixed";
   CHECK(Validate(options).error().text ==
-        "--dds: opendds is unknown; there are cyclonedds, fastdds");
+        "--dds: mixed is unknown; there are cyclonedds, fastdds");
 }
 
 TEST_CASE("More seeds, numbers or orders belong to the same study, another condition does not",
