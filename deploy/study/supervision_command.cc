@@ -9,6 +9,7 @@
 #include "common/runtime/json.h"
 #include "common/runtime/log.h"
 #include "common/runtime/stop_token.h"
+#include "study/provenance.h"
 #include "study/study_console.h"
 #include "study/supervision_plan.h"
 #include "study/supervision_player.h"
@@ -100,13 +101,15 @@ Result<void> Play(const SupervisionOptions& options, const std::vector<Supervisi
 }
 
 Result<void> WriteFiles(const SupervisionOptions& options, const SupervisionSummary& summary,
-                        const std::vector<SupervisionRecord>& records, const StudyFolder& folder) {
+                        const std::vector<SupervisionRecord>& records, const StudyFolder& folder,
+                        const Provenance& provenance) {
   const nlohmann::ordered_json json = SupervisionJson(options, summary);
   const std::pair<const char*, std::string> files[] = {
       {"trials.csv", SupervisionCsv(records)},
       {"results.json", JsonText(json)},
       {"supervision.svg", SupervisionPlot(options, summary)},
-      {"report.html", SupervisionPage(options, summary)}};
+      {"report.html",
+       SupervisionPage(options, summary, ProvenanceSection(provenance, DesignOf(options)))}};
   for (const auto& [name, text] : files) {
     if (auto written = folder.Write(name, text); !written) return written;
   }
@@ -114,9 +117,9 @@ Result<void> WriteFiles(const SupervisionOptions& options, const SupervisionSumm
 }
 
 int Report(const SupervisionOptions& options, const std::vector<SupervisionRecord>& records,
-           const StudyFolder& folder) {
+           const StudyFolder& folder, const Provenance& provenance) {
   const SupervisionSummary summary = Summarise(options, records);
-  if (const auto written = WriteFiles(options, summary, records, folder); !written) {
+  if (const auto written = WriteFiles(options, summary, records, folder, provenance); !written) {
     return Failed(kProgram, written.error());
   }
   const std::string text = fmt::format(
@@ -126,7 +129,7 @@ int Report(const SupervisionOptions& options, const std::vector<SupervisionRecor
   return printed && !summary.failed.empty() ? 1 : ExitCode(kProgram, printed);
 }
 
-int Run(SupervisionOptions options, const StopToken& stop) {
+int Run(SupervisionOptions options, const Provenance& provenance, const StopToken& stop) {
   const auto design = DesignOf(options);
   if (options.out.empty()) options.out = DefaultSupervisionOut(Fingerprint(design));
   if (const int code = CheckFiles(kProgram, {}, {{"--json", options.json}}); code != 0) return code;
@@ -143,7 +146,7 @@ int Run(SupervisionOptions options, const StopToken& stop) {
     const auto found = store->records().find(trial.name());
     if (found != store->records().end()) records.push_back(found->second);
   }
-  if (!stop.stop_requested()) return Report(options, records, *folder);
+  if (!stop.stop_requested()) return Report(options, records, *folder, provenance);
   return Interrupted(kProgram, records.size(), trials.size(), "trials", *folder);
 }
 
@@ -164,7 +167,7 @@ int SupervisionMain(int argc, char** argv) {
   log::SetService("study");
   log::SetMinimumLevel(log::Level::kError);
   InstallStopSignals();
-  return Run(arguments.options, ProcessStopToken());
+  return Run(arguments.options, DescribeRun(argc, argv), ProcessStopToken());
 }
 
 }  // namespace conav::study
