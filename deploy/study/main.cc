@@ -84,5 +84,6 @@ int main(int argc, char** argv) {
   conav::log::SetService("study");
   conav::log::SetMinimumLevel(conav::log::Level::kError);
   conav::InstallStopSignals();
-  return conav::study::RunStudy(options, conav::ProcessStopToken());
+  return conav::study::RunStudy(options, conav::study::DescribeRun(argc, argv),
+                                conav::ProcessStopToken());
 }
