@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <set>
-#include <string_view>
 
 #include "launcher/demo_weights.h"
 #include "nhpm/synthesis/annotator_population.h"
@@ -30,14 +29,6 @@ Result<void> ValidatePopulation(const std::filesystem::path& file) {
   } catch (const StartupError& error) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("--population: {}", error.what()));
   }
-}
-
-/// What a demo of one method says, by the option's name here.
-Result<void> ValidateDemo(const launcher::DemoOptions& demo) {
-  auto valid = launcher::Validate(demo);
-  constexpr std::string_view kOption = "--method ";
-  if (valid || !valid.error().text.starts_with(kOption)) return valid;
-  return Fail(valid.error().code, "--methods " + valid.error().text.substr(kOption.size()));
 }
 
 Result<void> ValidateMethods(const std::vector<std::string>& methods) {
@@ -84,7 +75,7 @@ Result<void> Validate(const StudyOptions& options) {
   launcher::DemoOptions demo = BaseDemo(options);
   for (const std::string& method : design.methods) {
     demo.method = method;
-    if (auto ok = ValidateDemo(demo); !ok) return ok;
+    if (auto ok = launcher::Validate(demo); !ok) return ok;
   }
   return launcher::CheckWeights(demo);
 }
