@@ -56,7 +56,7 @@ void AddOptions(CLI::App& app, conav::study::StudyOptions& options) {
   app.add_option("--dds", options.dds, "cyclonedds, fastdds, mixed or SERVICE=VENDOR,...");
   app.add_option("--time-limit", options.time_limit_s, "Seconds that an episode may take")
       ->capture_default_str();
-  app.add_option("--out", options.out, "Folder of the study [runs/study-seed<S>]");
+  app.add_option("--out", options.out, "Folder of the study [one in runs/, named by the design]");
   app.add_option("--json", options.json,
                  "Write the result to this file, too; - = standard output (the tables then go to "
                  "standard error)");
@@ -84,5 +84,6 @@ int main(int argc, char** argv) {
   conav::log::SetService("study");
   conav::log::SetMinimumLevel(conav::log::Level::kError);
   conav::InstallStopSignals();
-  return conav::study::RunStudy(options, conav::ProcessStopToken());
+  return conav::study::RunStudy(options, conav::study::DescribeRun(argc, argv),
+                                conav::ProcessStopToken());
 }

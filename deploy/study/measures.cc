@@ -22,11 +22,12 @@ constexpr Measure kMeasures[] = {
     {"guidance", "guidance", "Paths that the operator gave",
      [](const EpisodeMeasures& e) { return e.guidance; }},
     {"mapping_accuracy_after", "mapping", "Mapping accuracy at the end",
-     [](const EpisodeMeasures& e) { return e.mapping_accuracy_after; }},
+     [](const EpisodeMeasures& e) { return e.mapping_accuracy_after; }, true},
     {"goals_reached_fraction", "goals", "Share of the goals reached",
      [](const EpisodeMeasures& e) {
        return e.goals_total > 0.0 ? e.goals_reached / e.goals_total : 0.0;
-     }},
+     },
+     true},
     {"time_s", "time s", "Simulated time (s)", [](const EpisodeMeasures& e) { return e.time_s; }},
 };
 

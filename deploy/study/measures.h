@@ -34,6 +34,7 @@ struct Measure {
   const char* header;  // of a column
   const char* title;
   double (*value)(const EpisodeMeasures&);
+  bool is_share = false;  // in [0, 1]; all others are from 0 on
 };
 
 /// In the order of table 3: image_mib, sent_mib, low_level_steps, cell_moves, pictures, guidance,

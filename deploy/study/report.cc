@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <optional>
 
 #include "operator/statistics/report.h"
@@ -12,13 +14,24 @@ namespace {
 
 using statistics::ReportSection;
 
-std::string Figure(double value) { return fmt::format("{:.4g}", value); }
+std::string Figure(double value) {
+  return std::isfinite(value) ? fmt::format("{:.4g}", value) : "-";
+}
 
 std::string Figure(const std::optional<double>& value) { return value ? Figure(*value) : "-"; }
 
 std::string Probability(const std::optional<double>& p) {
   if (!p) return "-";
   return *p != 0.0 && *p < 0.001 ? fmt::format("{:.1e}", *p) : fmt::format("{:.4f}", *p);
+}
+
+std::string Range(const statistics::Interval& interval) {
+  return fmt::format("[{}, {}]", Figure(interval.low), Figure(interval.high));
+}
+
+/// Without spread there is no test, whatever its formula gives.
+bool HasTest(const std::optional<double>& statistic) {
+  return statistic && std::isfinite(*statistic);
 }
 
 std::string Count(std::size_t count, const char* noun) {
@@ -58,17 +71,49 @@ ReportSection BarSection(const StudyReport& report) {
   return section;
 }
 
+/// `b` is `a` in another unit.
+bool AreProportional(const std::vector<double>& a, const std::vector<double>& b) {
+  const double sum_a = std::accumulate(a.begin(), a.end(), 0.0);
+  const double sum_b = std::accumulate(b.begin(), b.end(), 0.0);
+  if (a.size() != b.size() || sum_a <= 0.0 || sum_b <= 0.0) return false;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (std::abs(a[i] / sum_a - b[i] / sum_b) > 1e-12) return false;
+  }
+  return true;
+}
+
+/// A line for each measure that is an earlier one in another unit: its tests are no others.
+std::vector<std::string> SameTests(const StudyReport& report) {
+  std::vector<std::string> remarks;
+  const auto values = [&](std::size_t m) -> const std::vector<double>* {
+    const auto& analysis = report.summary.analyses[m].analysis;
+    return analysis && WasMeasured(report, Measures()[m]) ? &analysis->table.values : nullptr;
+  };
+  for (std::size_t later = 1; later < Measures().size(); ++later) {
+    for (std::size_t m = 0; m < later; ++m) {
+      if (values(m) == nullptr || values(later) == nullptr) continue;
+      if (!AreProportional(*values(m), *values(later))) continue;
+      remarks.push_back(
+          fmt::format("{} and {} are one measure in two units here: their tests are "
+                      "the same, not further evidence",
+                      Measures()[m].header, Measures()[later].header));
+      break;
+    }
+  }
+  return remarks;
+}
+
 std::vector<std::string> VarianceRow(const Measure& measure, const statistics::Analysis& analysis) {
   const statistics::Anova& anova = analysis.anova;
   std::string epsilon = "-";
   std::string corrected = "-";
   if (anova.sphericity) epsilon = Figure(anova.sphericity->greenhouse_geisser);
   if (anova.greenhouse_geisser) corrected = Probability(anova.greenhouse_geisser->p);
-  return {measure.key,
+  return {measure.header,
           std::to_string(analysis.table.subject_count()),
           fmt::format("{:g}, {:g}", anova.uncorrected.df_conditions, anova.uncorrected.df_error),
           Figure(anova.f),
-          Probability(anova.uncorrected.p),
+          HasTest(anova.f) ? Probability(anova.uncorrected.p) : "-",
           epsilon,
           corrected,
           Figure(anova.partial_eta_squared),
@@ -86,25 +131,48 @@ ReportSection VarianceSection(const StudyReport& report) {
     if (!WasMeasured(report, Measures()[m])) continue;
     if (measure.analysis) {
       section.rows.push_back(VarianceRow(Measures()[m], *measure.analysis));
+      if (!HasTest(measure.analysis->anova.f)) {
+        section.remarks.push_back(
+            fmt::format("{}: no F: the methods differ by the same, or not at all, "
+                        "for every operator",
+                        Measures()[m].header));
+      }
     } else {
       section.remarks.push_back(measure.why_not);
     }
   }
+  for (std::string& remark : SameTests(report)) section.remarks.push_back(std::move(remark));
   return section;
 }
 
+std::vector<std::string> PairRow(const Measure& measure, const statistics::Pair& pair) {
+  const bool has_test = HasTest(pair.t.t);
+  return {measure.header,
+          pair.first + " - " + pair.second,
+          Figure(pair.t.mean_difference),
+          Range(pair.t.interval),
+          Figure(pair.t.t),
+          fmt::format("{:g}", pair.t.df),
+          has_test ? Probability(pair.t.p) : "-",
+          has_test ? Probability(pair.t_adjusted.holm) : "-",
+          Figure(pair.t.d_z)};
+}
+
 ReportSection PairSection(const StudyReport& report) {
-  ReportSection section{.title = "Which differ: paired t tests, p by Holm over the pairs",
-                        .header = {"measure", "pair", "difference", "t", "df", "p", "Holm", "d_z"}};
+  ReportSection section{
+      .title = "Which differ: paired t tests, p by Holm over the pairs",
+      .header = {"measure", "pair", "difference", "95 % CI", "t", "df", "p", "Holm", "d_z"}};
+  bool lacks_tests = false;
   for (std::size_t m = 0; m < Measures().size(); ++m) {
     const auto& analysis = report.summary.analyses[m].analysis;
     if (!analysis || !WasMeasured(report, Measures()[m])) continue;
     for (const statistics::Pair& pair : analysis->pairs) {
-      section.rows.push_back({Measures()[m].key, pair.first + " - " + pair.second,
-                              Figure(pair.t.mean_difference), Figure(pair.t.t),
-                              fmt::format("{:g}", pair.t.df), Probability(pair.t.p),
-                              Probability(pair.t_adjusted.holm), Figure(pair.t.d_z)});
+      section.rows.push_back(PairRow(Measures()[m], pair));
+      lacks_tests = lacks_tests || !HasTest(pair.t.t);
     }
+  }
+  if (lacks_tests) {
+    section.remarks = {"t -: the difference is the same for every operator, nothing to test"};
   }
   return section;
 }

@@ -6,6 +6,7 @@
 
 #include "operator/statistics/report_sections.h"
 #include "study/design.h"
+#include "study/provenance.h"
 #include "study/summary.h"
 
 namespace conav::study {
@@ -17,6 +18,7 @@ struct StudyReport {
   const Records& records;
   const StudySummary& summary;
   bool rendered = false;  // pictures had pixels; without, no bytes were sent
+  Provenance provenance{};
 };
 
 /// Without pixels no bytes were sent, which says nothing about a method.
@@ -37,7 +39,8 @@ std::string EpisodesCsv(const StudyReport& report);
 /// `conav stats --json` writes them. What was not measured is null.
 nlohmann::ordered_json StudyJson(const StudyReport& report);
 
-/// One page without any other file: the sections, and a plot and all tables of each measure.
+/// One page without any other file: the sections, a plot and all tables of each measure, who had
+/// which method when, and how the study was made.
 std::string StudyPage(const StudyReport& report);
 
 }  // namespace conav::study

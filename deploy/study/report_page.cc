@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "common/svg/svg_canvas.h"
 #include "operator/statistics/report.h"
 #include "operator/statistics/report_plot.h"
@@ -9,7 +11,9 @@ namespace conav::study {
 namespace {
 
 std::string Plot(const Measure& measure, const statistics::Analysis& analysis) {
-  return fmt::format("<h2>{}</h2>\n{}", EscapeXml(measure.title), statistics::PlotFigure(analysis));
+  const statistics::PlotAxis axis{measure.title, {0.0, measure.is_share ? 1.0 : AxisLimits{}.most}};
+  return fmt::format("<h2>{}</h2>\n{}", EscapeXml(measure.title),
+                     statistics::PlotFigure(analysis, axis));
 }
 
 std::string Tables(const statistics::Analysis& analysis) {
@@ -48,6 +52,7 @@ std::string StudyPage(const StudyReport& report) {
     html += Plot(Measures()[m], *analysis) + Tables(*analysis);
   }
   html += statistics::SectionHtml(OrderSection(report.design));
+  html += statistics::SectionHtml(ProvenanceSection(report.provenance, report.document));
   return html + "</body>\n</html>\n";
 }
 

@@ -127,8 +127,9 @@ bool AllMet(const StudySummary& summary) {
                      [](const Bar& bar) { return bar.met(); });
 }
 
-int Run(const StudyOptions& options, const StopToken& stop) {
+int Run(StudyOptions options, const Provenance& provenance, const StopToken& stop) {
   const Plan plan = MakePlan(options);
+  if (options.out.empty()) options.out = DefaultOut(options, Fingerprint(plan.document));
   const auto folder = StudyFolder::Open(std::filesystem::absolute(options.out), plan.document);
   if (!folder) return RefusedFolder(kProgram, folder.error());
   auto store = OpenEpisodes(*folder);
@@ -142,8 +143,8 @@ int Run(const StudyOptions& options, const StopToken& stop) {
                        *folder);
   }
   const StudySummary summary = Summarise(plan.design, store->records());
-  const StudyReport report{plan.design, plan.document, store->records(), summary,
-                           options.camera != "none"};
+  const StudyReport report{
+      plan.design, plan.document, store->records(), summary, options.camera != "none", provenance};
   if (const auto told = Tell(report, *folder, options.json); !told) {
     return Failed(kProgram, told.error());
   }
@@ -152,16 +153,14 @@ int Run(const StudyOptions& options, const StopToken& stop) {
 
 }  // namespace
 
-int RunStudy(const StudyOptions& given, const StopToken& stop) {
-  StudyOptions options = given;
-  if (options.out.empty()) options.out = DefaultOut(options);
+int RunStudy(const StudyOptions& options, const Provenance& provenance, const StopToken& stop) {
   if (const auto valid = Validate(options); !valid) return Refused(kProgram, valid.error().text);
   const int code =
       CheckFiles(kProgram, {{"--population", options.population}, {"--weights", options.weights}},
                  {{"--json", options.json}});
   if (code != 0) return code;
   try {
-    return Run(options, stop);
+    return Run(options, provenance, stop);
   } catch (const StartupError& error) {
     return Failed(kProgram, {ErrorCode::kInvalidArgument, error.what()});
   }

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "launcher/demo_weights.h"
+#include "nhpm/synthesis/annotator_population.h"
 #include "study/run_pieces.h"
 
 namespace conav::study {
@@ -18,6 +19,16 @@ Result<void> RequireCount(const char* option, int value, int most) {
   if (value >= 1 && value <= most) return {};
   return Fail(ErrorCode::kOutOfRange,
               fmt::format("{} {}: not between 1 and {}", option, value, most));
+}
+
+Result<void> ValidatePopulation(const std::filesystem::path& file) {
+  if (file.empty()) return {};
+  try {
+    nhpm::ReadPopulation(file);
+    return {};
+  } catch (const StartupError& error) {
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("--population: {}", error.what()));
+  }
 }
 
 Result<void> ValidateMethods(const std::vector<std::string>& methods) {
@@ -35,8 +46,10 @@ Result<void> ValidateMethods(const std::vector<std::string>& methods) {
 
 }  // namespace
 
-std::filesystem::path DefaultOut(const StudyOptions& options) {
-  return fmt::format("runs/study-seed{}", options.design.seed);
+std::filesystem::path DefaultOut(const StudyOptions& options, const std::string& fingerprint) {
+  const DesignOptions& design = options.design;
+  return fmt::format("runs/study-{}x{}-seed{}-{:.8}", design.operators, design.layouts, design.seed,
+                     fingerprint);
 }
 
 launcher::DemoOptions BaseDemo(const StudyOptions& options) {
@@ -47,7 +60,7 @@ launcher::DemoOptions BaseDemo(const StudyOptions& options) {
   demo.dds = options.dds;
   demo.weights = options.weights;
   demo.time_limit_s = options.time_limit_s;
-  demo.out = options.out;
+  demo.out = options.out.empty() ? "runs" : options.out;
   return demo;
 }
 
@@ -58,6 +71,7 @@ Result<void> Validate(const StudyOptions& options) {
   if (auto ok = RequireCount("--jobs", options.jobs, kMostJobs); !ok) return ok;
   if (auto ok = ValidateMethods(design.methods); !ok) return ok;
   if (auto ok = CheckDomains(options.jobs); !ok) return ok;
+  if (auto ok = ValidatePopulation(options.population); !ok) return ok;
   launcher::DemoOptions demo = BaseDemo(options);
   for (const std::string& method : design.methods) {
     demo.method = method;

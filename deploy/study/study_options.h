@@ -24,8 +24,8 @@ struct StudyOptions {
   bool check = false;  // a missed bar is a failure
 };
 
-/// "runs/study-seed1".
-std::filesystem::path DefaultOut(const StudyOptions& options);
+/// "runs/study-14x3-seed1-0a1b2c3d": another one for each design, by its fingerprint's begin.
+std::filesystem::path DefaultOut(const StudyOptions& options, const std::string& fingerprint);
 
 /// What all episodes have in common.
 launcher::DemoOptions BaseDemo(const StudyOptions& options);

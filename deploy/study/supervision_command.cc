@@ -9,6 +9,7 @@
 #include "common/runtime/json.h"
 #include "common/runtime/log.h"
 #include "common/runtime/stop_token.h"
+#include "study/provenance.h"
 #include "study/study_console.h"
 #include "study/supervision_plan.h"
 #include "study/supervision_player.h"
@@ -49,7 +50,7 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   SupervisionOptions& options = arguments.options;
   app.add_flag("--supervision", arguments.is_supervision,
                "This study rather than that of the methods");
-  app.add_option("--robots", options.robots, "Numbers of robots")
+  app.add_option("--robots", options.robots, "Numbers of robots, each 1 to 16")
       ->delimiter(',')
       ->capture_default_str();
   app.add_option("--orders", options.orders, "Orders of the attention queue")
@@ -77,7 +78,7 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--speed", options.speed, "Simulated seconds per second")->capture_default_str();
   app.add_option("--jobs", options.jobs, "Trials at once")->capture_default_str();
   app.add_option("--dds", options.dds, "cyclonedds or fastdds");
-  app.add_option("--out", options.out, "Folder of the study")->capture_default_str();
+  app.add_option("--out", options.out, "Folder of the study [one in runs/, named by the design]");
   app.add_option("--json", options.json,
                  "Write the result to this file, too; - = standard output (the tables then go to "
                  "standard error)");
@@ -100,13 +101,15 @@ Result<void> Play(const SupervisionOptions& options, const std::vector<Supervisi
 }
 
 Result<void> WriteFiles(const SupervisionOptions& options, const SupervisionSummary& summary,
-                        const std::vector<SupervisionRecord>& records, const StudyFolder& folder) {
+                        const std::vector<SupervisionRecord>& records, const StudyFolder& folder,
+                        const Provenance& provenance) {
   const nlohmann::ordered_json json = SupervisionJson(options, summary);
   const std::pair<const char*, std::string> files[] = {
       {"trials.csv", SupervisionCsv(records)},
       {"results.json", JsonText(json)},
       {"supervision.svg", SupervisionPlot(options, summary)},
-      {"report.html", SupervisionPage(options, summary)}};
+      {"report.html",
+       SupervisionPage(options, summary, ProvenanceSection(provenance, DesignOf(options)))}};
   for (const auto& [name, text] : files) {
     if (auto written = folder.Write(name, text); !written) return written;
   }
@@ -114,18 +117,23 @@ Result<void> WriteFiles(const SupervisionOptions& options, const SupervisionSumm
 }
 
 int Report(const SupervisionOptions& options, const std::vector<SupervisionRecord>& records,
-           const StudyFolder& folder) {
+           const StudyFolder& folder, const Provenance& provenance) {
   const SupervisionSummary summary = Summarise(options, records);
-  if (const auto written = WriteFiles(options, summary, records, folder); !written) {
+  if (const auto written = WriteFiles(options, summary, records, folder, provenance); !written) {
     return Failed(kProgram, written.error());
   }
-  const auto printed = PrintTables(SupervisionText(options, summary), options.json);
+  const std::string text = fmt::format(
+      "{}\n{} holds report.html, supervision.svg, trials.csv, results.json and all runs\n",
+      SupervisionText(options, summary), folder.path().string());
+  const auto printed = PrintTables(text, options.json);
   return printed && !summary.failed.empty() ? 1 : ExitCode(kProgram, printed);
 }
 
-int Run(const SupervisionOptions& options, const StopToken& stop) {
+int Run(SupervisionOptions options, const Provenance& provenance, const StopToken& stop) {
+  const auto design = DesignOf(options);
+  if (options.out.empty()) options.out = DefaultSupervisionOut(Fingerprint(design));
   if (const int code = CheckFiles(kProgram, {}, {{"--json", options.json}}); code != 0) return code;
-  const auto folder = StudyFolder::Open(std::filesystem::absolute(options.out), DesignOf(options));
+  const auto folder = StudyFolder::Open(std::filesystem::absolute(options.out), design);
   if (!folder) return RefusedFolder(kProgram, folder.error());
   auto store = TrialStore::Open(*folder, "trials");
   if (!store) return Failed(kProgram, store.error());
@@ -138,7 +146,7 @@ int Run(const SupervisionOptions& options, const StopToken& stop) {
     const auto found = store->records().find(trial.name());
     if (found != store->records().end()) records.push_back(found->second);
   }
-  if (!stop.stop_requested()) return Report(options, records, *folder);
+  if (!stop.stop_requested()) return Report(options, records, *folder, provenance);
   return Interrupted(kProgram, records.size(), trials.size(), "trials", *folder);
 }
 
@@ -159,7 +167,7 @@ int SupervisionMain(int argc, char** argv) {
   log::SetService("study");
   log::SetMinimumLevel(log::Level::kError);
   InstallStopSignals();
-  return Run(arguments.options, ProcessStopToken());
+  return Run(arguments.options, DescribeRun(argc, argv), ProcessStopToken());
 }
 
 }  // namespace conav::study

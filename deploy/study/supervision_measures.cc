@@ -14,22 +14,40 @@ namespace {
 
 constexpr double kAlpha = 0.05;
 
+using Figure = std::optional<double>;
+
 double PerMinute(double value, const SupervisionRecord& record) {
   return record.minutes > 0.0 ? value / record.minutes : 0.0;
 }
 
-double AtMostAll(double fan_out, const SupervisionRecord& record) {
-  return std::min(fan_out, static_cast<double>(record.trial.robots));
+Figure If(bool is_measured, double value) { return is_measured ? Figure(value) : std::nullopt; }
+
+bool HasQuestions(const SupervisionRecord& record) {
+  return record.workload.interactions + record.workload.abandoned > 0 ||
+         record.workload.waiting_time_s > 0.0;
 }
 
-operators::FiniteSourcePrediction Predicted(const SupervisionRecord& record) {
+bool HasPredictions(const SupervisionRecord& record) {
+  return record.workload.neglect_time_s > 0.0 && record.workload.interaction_time_s > 0.0;
+}
+
+Figure AtMostAll(double fan_out, const SupervisionRecord& record) {
+  return If(HasPredictions(record), std::min(fan_out, static_cast<double>(record.trial.robots)));
+}
+
+Figure Predicted(const SupervisionRecord& record,
+                 double operators::FiniteSourcePrediction::*figure) {
+  if (!HasPredictions(record)) return std::nullopt;
   return operators::PredictFiniteSource(record.trial.robots, record.workload.neglect_time_s,
-                                        record.workload.interaction_time_s);
+                                        record.workload.interaction_time_s).*
+         figure;
 }
 
 std::vector<double> Values(const SupervisionCell& cell, const SupervisionMeasure& measure) {
   std::vector<double> values;
-  for (const SupervisionRecord* record : cell.records) values.push_back(measure.value(*record));
+  for (const SupervisionRecord* record : cell.records) {
+    if (const Figure value = measure.value(*record)) values.push_back(*value);
+  }
   return values;
 }
 
@@ -46,7 +64,9 @@ statistics::ConditionTable TableOf(const std::vector<const SupervisionCell*>& ce
   for (const SupervisionRecord* record : cells.front()->records) {
     std::vector<double> row;
     for (const SupervisionCell* cell : cells) {
-      if (const auto* same = Find(*cell, record->trial.seed)) row.push_back(measure.value(*same));
+      const SupervisionRecord* same = Find(*cell, record->trial.seed);
+      const Figure value = same != nullptr ? measure.value(*same) : std::nullopt;
+      if (value) row.push_back(*value);
     }
     if (row.size() != cells.size()) continue;
     table.subjects.push_back(std::to_string(record->trial.seed));
@@ -86,38 +106,42 @@ std::vector<SupervisionComparison> CompareOrders(const std::vector<SupervisionCe
 
 const std::vector<SupervisionMeasure>& SupervisionMeasures() {
   using Record = const SupervisionRecord&;
+  using Prediction = operators::FiniteSourcePrediction;
   static const std::vector<SupervisionMeasure> measures{
       {"goals_per_minute", "goals/min", "Throughput, goals per minute",
-       [](Record r) { return PerMinute(r.goals, r); }},
+       [](Record r) { return Figure(PerMinute(r.goals, r)); }},
       {"waiting_s", "wait s", "Mean waiting time, s",
-       [](Record r) { return r.workload.waiting_time_s; }},
+       [](Record r) { return If(HasQuestions(r), r.workload.waiting_time_s); }},
       {"waiting_p95_s", "wait p95", "Waiting time, 95th percentile, s",
-       [](Record r) { return r.workload.waiting_time_p95_s; }},
+       [](Record r) { return If(HasQuestions(r), r.workload.waiting_time_p95_s); }},
       {"value_lost_per_minute", "lost/min", "Value lost while unanswered, reward units per minute",
-       [](Record r) { return PerMinute(r.workload.value_lost, r); }},
+       [](Record r) { return Figure(PerMinute(r.workload.value_lost, r)); }},
       {"abandoned", "unanswered", "Questions that went unanswered",
-       [](Record r) { return static_cast<double>(r.workload.abandoned); }},
+       [](Record r) { return Figure(static_cast<double>(r.workload.abandoned)); }},
       {"utilisation", "UT", "Utilisation: busy share of the operator's time",
        [](Record r) {
-         return r.workload.observed_s > 0.0 ? r.workload.busy_s / r.workload.observed_s : 0.0;
+         return If(r.workload.observed_s > 0.0, r.workload.busy_s / r.workload.observed_s);
        }},
       {"interaction_s", "IT s", "Interaction time, s",
-       [](Record r) { return r.workload.interaction_time_s; }},
-      {"neglect_s", "NT s", "Neglect time, s", [](Record r) { return r.workload.neglect_time_s; }},
+       [](Record r) {
+         return If(r.workload.interaction_time_s > 0.0, r.workload.interaction_time_s);
+       }},
+      {"neglect_s", "NT s", "Neglect time, s",
+       [](Record r) { return If(r.workload.neglect_time_s > 0.0, r.workload.neglect_time_s); }},
       {"attended_robots", "FO", "Fan-out measured: mean number of robots that do not wait",
-       [](Record r) { return r.workload.attended_robots; }},
+       [](Record r) { return If(r.workload.observed_s > 0.0, r.workload.attended_robots); }},
       {"fan_out", "NT/IT+1", "Fan-out predicted, NT / IT + 1",
        [](Record r) { return AtMostAll(r.workload.fan_out, r); }},
       {"fan_out_with_waits", "with waits", "Fan-out predicted, NT / (IT + WT) + 1",
        [](Record r) { return AtMostAll(r.workload.fan_out_with_waits, r); }},
       {"queue_attended_robots", "M/M/1//N", "Fan-out predicted, M/M/1//N",
-       [](Record r) { return Predicted(r).attended; }},
+       [](Record r) { return Predicted(r, &Prediction::attended); }},
       {"queue_utilisation", "UT M/M/1//N", "Utilisation predicted, M/M/1//N",
-       [](Record r) { return Predicted(r).utilisation; }},
+       [](Record r) { return Predicted(r, &Prediction::utilisation); }},
       {"queue_waiting_s", "wait M/M/1//N", "Waiting time predicted, M/M/1//N, s",
-       [](Record r) { return Predicted(r).waiting_time; }},
+       [](Record r) { return Predicted(r, &Prediction::waiting_time); }},
       {"pace", "pace", "Simulated seconds per second, as a share of --speed",
-       [](Record r) { return r.pace; }},
+       [](Record r) { return Figure(r.pace); }},
   };
   return measures;
 }
@@ -130,14 +154,16 @@ const SupervisionMeasure& FindMeasure(const std::string& key) {
   return *found;
 }
 
-double SupervisionCell::Mean(const SupervisionMeasure& measure) const {
-  return records.empty() ? 0.0 : statistics::Mean(Values(*this, measure));
+std::optional<double> SupervisionCell::Mean(const SupervisionMeasure& measure) const {
+  const std::vector<double> values = Values(*this, measure);
+  return values.empty() ? Figure() : statistics::Mean(values);
 }
 
-double SupervisionCell::HalfInterval(const SupervisionMeasure& measure) const {
-  if (records.size() < 2) return 0.0;
-  const auto count = static_cast<double>(records.size());
-  const double error = statistics::StandardDeviation(Values(*this, measure)) / std::sqrt(count);
+std::optional<double> SupervisionCell::HalfInterval(const SupervisionMeasure& measure) const {
+  const std::vector<double> values = Values(*this, measure);
+  if (values.size() < 2) return std::nullopt;
+  const auto count = static_cast<double>(values.size());
+  const double error = statistics::StandardDeviation(values) / std::sqrt(count);
   return statistics::StudentInterval(0.0, error, count - 1.0, kAlpha).high;
 }
 

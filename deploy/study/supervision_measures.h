@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,13 +15,16 @@ struct SupervisionMeasure {
   const char* key;  // in JSON and CSV
   const char* header;
   const char* title;
-  double (*value)(const SupervisionRecord&);
+  std::optional<double> (*value)(
+      const SupervisionRecord&);  // nothing: the trial did not measure it
 };
 
 /// goals_per_minute, waiting_s, waiting_p95_s, value_lost_per_minute, abandoned, utilisation,
 /// interaction_s, neglect_s, attended_robots and the predictions of the last four from NT and IT:
 /// fan_out, fan_out_with_waits (both at most the number of robots), queue_attended_robots,
-/// queue_utilisation, queue_waiting_s (finite-source queue M/M/1//N); pace.
+/// queue_utilisation, queue_waiting_s (finite-source queue M/M/1//N); pace. Without a question there
+/// is no wait, without an answer no IT, without a robot that asked twice no NT, and no prediction
+/// without both.
 const std::vector<SupervisionMeasure>& SupervisionMeasures();
 /// One of them.
 const SupervisionMeasure& FindMeasure(const std::string& key);
@@ -30,9 +34,10 @@ struct SupervisionCell {
   int robots = 1;
   std::string order;
   std::vector<const SupervisionRecord*> records;  // measured ones, by seed
-  double Mean(const SupervisionMeasure& measure) const;
-  /// Half of the 95 % interval of the mean (Student); 0 for fewer than two.
-  double HalfInterval(const SupervisionMeasure& measure) const;
+  /// Of the trials that measured it; nothing where none did.
+  std::optional<double> Mean(const SupervisionMeasure& measure) const;
+  /// Half of the 95 % interval of the mean (Student); nothing for fewer than two.
+  std::optional<double> HalfInterval(const SupervisionMeasure& measure) const;
 };
 
 /// Orders against each other for one number of robots, paired by seed; seeds without all orders are

@@ -8,7 +8,6 @@
 #include <map>
 #include <sstream>
 
-#include "launcher/demo_options.h"
 #include "operator/attention/attention_order.h"
 #include "study/run_pieces.h"
 
@@ -35,8 +34,8 @@ Result<void> CheckNames(const std::string& option, const std::vector<std::string
 Result<void> CheckRobots(const std::vector<int>& robots) {
   if (robots.empty()) return Refuse("--robots: names none");
   for (const int count : robots) {
-    if (count < 1 || count > launcher::kMaxRobots) {
-      return Refuse(fmt::format("--robots: {} is not in [1, {}]", count, launcher::kMaxRobots));
+    if (count < 1 || count > kMostSupervised) {
+      return Refuse(fmt::format("--robots: {} is not in [1, {}]", count, kMostSupervised));
     }
     if (std::ranges::count(robots, count) > 1) {
       return Refuse(fmt::format("--robots: {} is named twice", count));
@@ -51,6 +50,10 @@ Result<void> CheckRange(const std::string& option, double value, double low, dou
 }
 
 }  // namespace
+
+std::filesystem::path DefaultSupervisionOut(const std::string& fingerprint) {
+  return fmt::format("runs/supervision-{:.8}", fingerprint);
+}
 
 Result<void> ParseInteractionTimes(const std::string& text,
                                    operators::InteractionTimeParameters& times) {

@@ -27,9 +27,15 @@ struct SupervisionOptions {
   double speed = 20.0;             // simulated seconds per wall second
   int jobs = 1;
   std::string dds;
-  std::filesystem::path out = "runs/supervision";
+  std::filesystem::path out;  // empty = DefaultSupervisionOut()
   std::filesystem::path json;
 };
+
+/// Robots of one operator, at most.
+inline constexpr int kMostSupervised = 16;
+
+/// "runs/supervision-0a1b2c3d": another one for each design, by its fingerprint's begin.
+std::filesystem::path DefaultSupervisionOut(const std::string& fingerprint);
 
 /// "picture=6,blocked=10,path=12,log_sd=0.5"; what is not named stays. Errors: kInvalidArgument.
 [[nodiscard]] Result<void> ParseInteractionTimes(const std::string& text,

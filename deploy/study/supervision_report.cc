@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
+
+#include "common/svg/svg_canvas.h"
 
 namespace conav::study {
 namespace {
@@ -20,18 +23,22 @@ constexpr const char* kQueueKeys[] = {"utilisation", "queue_utilisation", "waiti
 constexpr const char* kMetricKeys[] = {"goals_per_minute", "waiting_s", "value_lost_per_minute",
                                        "utilisation", "attended_robots"};
 
+constexpr const char* kWhyNone =
+    "-: no trial measured it: NT needs a robot that asks a second time, IT an answer, predictions "
+    "need both.";
+
 using Json = nlohmann::ordered_json;
 
-/// Nothing was measured where all trials failed; one trial has no interval.
 std::string FigureText(const SupervisionCell& cell, const SupervisionMeasure& measure) {
-  if (cell.records.empty()) return "-";
-  const std::string mean = fmt::format("{:.2f}", cell.Mean(measure));
-  if (cell.records.size() < 2) return mean;
-  return fmt::format("{} ±{:.2f}", mean, cell.HalfInterval(measure));
+  const auto mean = cell.Mean(measure);
+  if (!mean) return "-";
+  const auto half = cell.HalfInterval(measure);
+  return half ? fmt::format("{:.2f} ±{:.2f}", *mean, *half) : fmt::format("{:.2f}", *mean);
 }
 
-Json MeanJson(const SupervisionCell& cell, const SupervisionMeasure& measure) {
-  return cell.records.empty() ? Json() : Json(cell.Mean(measure));
+/// What does not exist, or is infinite, is null.
+Json NumberJson(const std::optional<double>& value) {
+  return value && std::isfinite(*value) ? Json(*value) : Json();
 }
 
 template <std::size_t kCount>
@@ -41,19 +48,25 @@ statistics::ReportSection CellSection(std::string title, const char* const (&key
   section.title = std::move(title);
   section.header = {"robots, order", "trials"};
   for (const char* key : keys) section.header.emplace_back(FindMeasure(key).header);
+  bool lacks_figures = false;
   for (const SupervisionCell& cell : summary.cells) {
     std::vector<std::string> row{fmt::format("{} {}", cell.robots, cell.order),
                                  fmt::format("{}", cell.records.size())};
     for (const char* key : keys) {
       row.push_back(FigureText(cell, FindMeasure(key)));
+      if (row.back() == "-" && !cell.records.empty()) lacks_figures = true;
     }
     section.rows.push_back(std::move(row));
   }
+  if (lacks_figures) section.remarks = {kWhyNone};
   return section;
 }
 
-std::string PText(const std::optional<double>& p) {
-  return p ? fmt::format("{:.4f}", *p) : std::string("-");
+/// Without spread there is no test, whatever its formula gives.
+bool HasTest(const statistics::Pair& pair) { return pair.t.t && std::isfinite(*pair.t.t); }
+
+std::string PText(const statistics::Pair& pair, const std::optional<double>& p) {
+  return p && HasTest(pair) ? fmt::format("{:.4f}", *p) : std::string("-");
 }
 
 statistics::ReportSection ComparisonSection(const SupervisionSummary& summary) {
@@ -61,6 +74,7 @@ statistics::ReportSection ComparisonSection(const SupervisionSummary& summary) {
   section.title = "Orders against each other, paired by seed";
   section.header = {"robots, measure", "first - second", "difference", "95 % interval", "p",
                     "p (Holm)"};
+  bool lacks_tests = false;
   for (const SupervisionComparison& comparison : summary.comparisons) {
     for (const statistics::Pair& pair : comparison.pairs) {
       section.rows.push_back(
@@ -68,10 +82,14 @@ statistics::ReportSection ComparisonSection(const SupervisionSummary& summary) {
            fmt::format("{} - {}", pair.first, pair.second),
            fmt::format("{:.3f}", pair.t.mean_difference),
            fmt::format("[{:.3f}, {:.3f}]", pair.t.interval.low, pair.t.interval.high),
-           PText(pair.t.p), PText(pair.t_adjusted.holm)});
+           PText(pair, pair.t.p), PText(pair, pair.t_adjusted.holm)});
+      lacks_tests = lacks_tests || !HasTest(pair);
     }
   }
   section.remarks = {"Paired t tests; Holm's correction within each number of robots and measure."};
+  if (lacks_tests) {
+    section.remarks.push_back("-: the difference is the same for every seed: nothing to test.");
+  }
   return section;
 }
 
@@ -99,9 +117,8 @@ statistics::ReportSection FailedSection(const SupervisionSummary& summary) {
 Json CellJson(const SupervisionCell& cell) {
   Json json{{"robots", cell.robots}, {"order", cell.order}, {"trials", cell.records.size()}};
   for (const SupervisionMeasure& measure : SupervisionMeasures()) {
-    json[fmt::format("{}_mean", measure.key)] = MeanJson(cell, measure);
-    json[fmt::format("{}_half_interval", measure.key)] =
-        cell.records.size() < 2 ? Json() : Json(cell.HalfInterval(measure));
+    json[fmt::format("{}_mean", measure.key)] = NumberJson(cell.Mean(measure));
+    json[fmt::format("{}_half_interval", measure.key)] = NumberJson(cell.HalfInterval(measure));
   }
   return json;
 }
@@ -114,8 +131,8 @@ Json PairJson(const SupervisionComparison& comparison, const statistics::Pair& p
             {"mean_difference", pair.t.mean_difference},
             {"low", pair.t.interval.low},
             {"high", pair.t.interval.high}};
-  if (pair.t.p) json["p"] = *pair.t.p;
-  if (pair.t_adjusted.holm) json["p_holm"] = *pair.t_adjusted.holm;
+  json["p"] = HasTest(pair) ? NumberJson(pair.t.p) : Json();
+  json["p_holm"] = HasTest(pair) ? NumberJson(pair.t_adjusted.holm) : Json();
   return json;
 }
 
@@ -162,7 +179,8 @@ std::string SupervisionCsv(const std::vector<SupervisionRecord>& records) {
   for (const SupervisionRecord& record : records) {
     csv += fmt::format("{},{},{}", record.trial.robots, record.trial.order, record.trial.seed);
     for (const SupervisionMeasure& measure : SupervisionMeasures()) {
-      csv += record.failure.empty() ? fmt::format(",{}", measure.value(record)) : ",";
+      const auto value = record.is_complete() ? measure.value(record) : std::nullopt;
+      csv += value ? fmt::format(",{}", *value) : ",";
     }
     csv += fmt::format(",{}\n", record.wall_s);
   }
@@ -179,7 +197,7 @@ nlohmann::ordered_json SupervisionJson(const SupervisionOptions& options,
     json["cells"].push_back(CellJson(cell));
     for (const char* key : kMetricKeys) {
       json["metrics"][fmt::format("{}_{}_{}", key, cell.order, cell.robots)] =
-          MeanJson(cell, FindMeasure(key));
+          NumberJson(cell.Mean(FindMeasure(key)));
     }
   }
   for (const SupervisionComparison& comparison : summary.comparisons) {
@@ -196,15 +214,16 @@ nlohmann::ordered_json SupervisionJson(const SupervisionOptions& options,
   return json;
 }
 
-std::string SupervisionPage(const SupervisionOptions& options, const SupervisionSummary& summary) {
-  std::string page = statistics::PageHead("conav study --supervision");
-  page += fmt::format("<h1>One operator, many robots</h1>\n<p>{}</p>\n",
-                      SupervisionHeadline(options, summary));
-  page += SupervisionPlot(options, summary);
+std::string SupervisionPage(const SupervisionOptions& options, const SupervisionSummary& summary,
+                            const statistics::ReportSection& made) {
+  std::string page = statistics::PageHead("One operator, many robots");
+  page += fmt::format("<p>{}</p>\n<div class=\"wide\" tabindex=\"0\">\n{}</div>\n",
+                      EscapeXml(SupervisionHeadline(options, summary)),
+                      SupervisionPlot(options, summary));
   for (const auto& section : SupervisionSections(summary)) {
     page += statistics::SectionHtml(section);
   }
-  return page + "</body>\n</html>\n";
+  return page + statistics::SectionHtml(made) + "</body>\n</html>\n";
 }
 
 }  // namespace conav::study

@@ -2,6 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <utility>
+
+#include "common/runtime/demand.h"
+
 namespace conav {
 namespace {
 
@@ -12,6 +17,40 @@ std::string List(const std::vector<PixelPosition>& positions) {
   }
   return text;
 }
+
+using Attributes = std::vector<std::pair<std::string_view, std::string>>;
+
+void Set(Attributes& attributes, std::string_view name, std::string_view value) {
+  const auto found = std::find_if(attributes.begin(), attributes.end(),
+                                  [&](const auto& attribute) { return attribute.first == name; });
+  if (found == attributes.end())
+    attributes.emplace_back(name, value);
+  else
+    found->second = value;
+}
+
+/// Adds those of a list as the header describes it.
+void SetAll(Attributes& attributes, std::string_view list) {
+  const std::string_view whole = list;
+  while (!list.empty()) {
+    const std::size_t equals = list.find("=\"");
+    DEMAND(equals != 0 && equals != std::string_view::npos, whole);
+    const std::size_t end = list.find('"', equals + 2);
+    DEMAND(end != std::string_view::npos, whole);
+    Set(attributes, list.substr(0, equals), list.substr(equals + 2, end - equals - 2));
+    list.remove_prefix(std::min(list.find_first_not_of(' ', end + 1), list.size()));
+  }
+}
+
+/// "<name a="1" b="2"": whoever calls it closes the tag.
+std::string OpenTag(std::string_view name, Attributes attributes, std::string_view style) {
+  SetAll(attributes, style);
+  std::string text = fmt::format("<{}", name);
+  for (const auto& [key, value] : attributes) text += fmt::format(" {}=\"{}\"", key, value);
+  return text;
+}
+
+std::string Pixels(double value) { return fmt::format("{:.1f}", value); }
 
 }  // namespace
 
@@ -32,7 +71,8 @@ std::string EscapeXml(std::string_view text) {
         escaped += "&quot;";
         break;
       default:
-        escaped += c;
+        // XML has no control characters, by no name either.
+        escaped += static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t' ? ' ' : c;
     }
   }
   return escaped;
@@ -40,26 +80,38 @@ std::string EscapeXml(std::string_view text) {
 
 void SvgCanvas::Rectangle(PixelPosition corner, double width, double height,
                           std::string_view style) {
-  body_ += fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" {}/>\n",
-                       corner.x, corner.y, width, height, style);
+  body_ += OpenTag("rect",
+                   {{"x", Pixels(corner.x)},
+                    {"y", Pixels(corner.y)},
+                    {"width", Pixels(width)},
+                    {"height", Pixels(height)}},
+                   style) +
+           "/>\n";
 }
 
 void SvgCanvas::Line(PixelPosition from, PixelPosition to, std::string_view style) {
-  body_ += fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" {}/>\n",
-                       from.x, from.y, to.x, to.y, style);
+  body_ += OpenTag("line",
+                   {{"x1", Pixels(from.x)},
+                    {"y1", Pixels(from.y)},
+                    {"x2", Pixels(to.x)},
+                    {"y2", Pixels(to.y)}},
+                   style) +
+           "/>\n";
 }
 
 void SvgCanvas::Polyline(const std::vector<PixelPosition>& positions, std::string_view style) {
-  body_ += fmt::format("<polyline points=\"{}\" fill=\"none\" {}/>\n", List(positions), style);
+  body_ += OpenTag("polyline", {{"points", List(positions)}, {"fill", "none"}}, style) + "/>\n";
 }
 
 void SvgCanvas::Polygon(const std::vector<PixelPosition>& positions, std::string_view style) {
-  body_ += fmt::format("<polygon points=\"{}\" {}/>\n", List(positions), style);
+  body_ += OpenTag("polygon", {{"points", List(positions)}}, style) + "/>\n";
 }
 
 void SvgCanvas::Circle(PixelPosition middle, double radius, std::string_view style) {
-  body_ += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\" {}/>\n", middle.x,
-                       middle.y, radius, style);
+  body_ +=
+      OpenTag("circle", {{"cx", Pixels(middle.x)}, {"cy", Pixels(middle.y)}, {"r", Pixels(radius)}},
+              style) +
+      "/>\n";
 }
 
 void SvgCanvas::Cross(PixelPosition middle, double reach, std::string_view style) {
@@ -68,8 +120,10 @@ void SvgCanvas::Cross(PixelPosition middle, double reach, std::string_view style
 }
 
 void SvgCanvas::Text(PixelPosition position, std::string_view text, std::string_view style) {
-  body_ += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" {}>{}</text>\n", position.x, position.y,
-                       style, EscapeXml(text));
+  body_ +=
+      fmt::format("{}>{}</text>\n",
+                  OpenTag("text", {{"x", Pixels(position.x)}, {"y", Pixels(position.y)}}, style),
+                  EscapeXml(text));
 }
 
 void SvgCanvas::BeginGroup(std::string_view title) {

@@ -12,11 +12,16 @@ struct PixelPosition {
   double y = 0.0;
 };
 
-/// Collects the elements of an SVG document. `style` is a list of attributes, `fill="#000"`.
+/// Collects the elements of an SVG document, which is well-formed XML whatever is drawn.
+///
+/// `style` is a list of attributes with blanks between, `fill="#000" stroke="#888"`; anything else is
+/// a broken contract. An attribute that is there already, from the element or from the list, is
+/// replaced.
 class SvgCanvas {
  public:
   void Rectangle(PixelPosition corner, double width, double height, std::string_view style);
   void Line(PixelPosition from, PixelPosition to, std::string_view style);
+  /// Not filled, unless `style` says so.
   void Polyline(const std::vector<PixelPosition>& positions, std::string_view style);
   void Polygon(const std::vector<PixelPosition>& positions, std::string_view style);
   void Circle(PixelPosition middle, double radius, std::string_view style);
@@ -38,7 +43,7 @@ class SvgCanvas {
   std::string body_;
 };
 
-/// `text` with <, >, & and quotes as entities.
+/// `text` with <, >, & and quotes as entities, and blanks for control characters.
 std::string EscapeXml(std::string_view text);
 
 }  // namespace conav

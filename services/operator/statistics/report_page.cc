@@ -58,7 +58,7 @@ std::string PageHead(const std::string& title) {
       EscapeXml(title), kStyle);
 }
 
-std::string PlotFigure(const Analysis& analysis) {
+std::string PlotFigure(const Analysis& analysis, const PlotAxis& values) {
   std::string caption = fmt::format(
       "Blue: mean and its {0:.4g} % confidence interval. Orange: the {0:.4g} % interval within "
       "subjects, for comparing conditions. Grey: a line per subject",
@@ -69,7 +69,7 @@ std::string PlotFigure(const Analysis& analysis) {
   return fmt::format(
       "<figure>\n<div class=\"wide\" tabindex=\"0\">\n{}</div>\n<figcaption>{}.</figcaption>\n"
       "</figure>\n",
-      ConditionsPlot(analysis), EscapeXml(caption));
+      ConditionsPlot(analysis, values), EscapeXml(caption));
 }
 
 std::string SectionHtml(const ReportSection& section) {

@@ -3,14 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
+#include "common/svg/axis.h"
 #include "common/svg/svg_canvas.h"
 
 namespace conav::statistics {
 namespace {
 
-constexpr double kLeft = 64.0;
+constexpr double kLeft = 72.0;
 constexpr double kRight = 16.0;
 constexpr double kTop = 12.0;
 constexpr double kHeight = 320.0;  // of the axis
@@ -18,24 +18,14 @@ constexpr double kBelow = 32.0;
 constexpr double kConditionWidth = 120.0;
 constexpr std::size_t kMostLetters = 16;
 
-/// y upwards from `low` to `high`, with a tick every `step`.
-struct Axis {
-  double low = 0.0;
-  double high = 1.0;
-  double step = 1.0;
-  double At(double value) const { return kTop + kHeight * (high - value) / (high - low); }
-};
+constexpr int kTicks = 6;
 
-/// 1, 2 or 5 times a power of ten, at least `least`.
-double RoundStep(double least) {
-  const double power = std::pow(10.0, std::floor(std::log10(least)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * power >= least) return factor * power;
-  }
-  return 10.0 * power;
+/// y upwards.
+double At(const Axis& axis, double value) {
+  return kTop + kHeight * (1.0 - axis.Share(axis.Clamp(value)));
 }
 
-Axis AxisFor(const Analysis& analysis) {
+Axis AxisFor(const Analysis& analysis, const AxisLimits& limits) {
   const auto [least, most] =
       std::minmax_element(analysis.table.values.begin(), analysis.table.values.end());
   double low = *least;
@@ -44,13 +34,7 @@ Axis AxisFor(const Analysis& analysis) {
     low = std::min({low, row.mean_interval.low, row.within_interval.low});
     high = std::max({high, row.mean_interval.high, row.within_interval.high});
   }
-  if (high - low <= 1e-9 * std::max(std::abs(low), std::abs(high))) {
-    const double room = low == 0.0 ? 1.0 : 0.1 * std::abs(low);
-    low -= room;
-    high += room;
-  }
-  const double step = RoundStep((high - low) / 6.0);
-  return {step * std::floor(low / step), step * std::ceil(high / step), step};
+  return RoundAxis(low, high, kTicks, limits);
 }
 
 double MiddleOf(std::size_t condition) {
@@ -70,12 +54,10 @@ std::string Shortened(const std::string& name) {
 void DrawAxes(SvgCanvas& canvas, const Axis& axis, const Analysis& analysis) {
   const std::size_t k = analysis.table.condition_count();
   const double right = kLeft + kConditionWidth * static_cast<double>(k);
-  const auto ticks = static_cast<int>(std::lround((axis.high - axis.low) / axis.step));
-  for (int i = 0; i <= ticks; ++i) {
-    double value = axis.low + axis.step * i;
-    if (std::abs(value) < 1e-9 * axis.step) value = 0.0;
-    canvas.Line({kLeft, axis.At(value)}, {right, axis.At(value)}, "class=\"rule\"");
-    canvas.Text({kLeft - 6, axis.At(value) + 4}, fmt::format("{:.6g}", value),
+  for (const double value : axis.Ticks()) {
+    const double y = At(axis, value);
+    canvas.Line({kLeft, y}, {right, y}, "class=\"rule\"");
+    canvas.Text({kLeft - 6, y + 4}, fmt::format("{:.6g}", value),
                 "class=\"tick\" text-anchor=\"end\"");
   }
   for (std::size_t j = 0; j < k; ++j) {
@@ -86,11 +68,19 @@ void DrawAxes(SvgCanvas& canvas, const Axis& axis, const Analysis& analysis) {
   }
 }
 
+/// Along the axis, upwards.
+void DrawLabel(SvgCanvas& canvas, const std::string& label) {
+  constexpr double kMiddle = kTop + kHeight / 2;
+  canvas.Text({14.0, kMiddle}, label,
+              fmt::format(R"x(class="label" text-anchor="middle" transform="rotate(-90 14 {})")x",
+                          kMiddle));
+}
+
 void DrawSubjects(SvgCanvas& canvas, const Axis& axis, const ConditionTable& table) {
   for (std::size_t i = 0; i < std::min(table.subject_count(), kMostLines); ++i) {
     std::vector<PixelPosition> line;
     for (std::size_t j = 0; j < table.condition_count(); ++j) {
-      line.push_back({MiddleOf(j), axis.At(table.At(i, j))});
+      line.push_back({MiddleOf(j), At(axis, table.At(i, j))});
     }
     canvas.BeginGroup(table.subjects[i]);
     canvas.Polyline(line, "class=\"subject\"");
@@ -104,22 +94,25 @@ void DrawMean(SvgCanvas& canvas, const Axis& axis, double x, const Description& 
                   row.condition, row.mean, row.mean_interval.low, row.mean_interval.high,
                   row.within_interval.low, row.within_interval.high));
   for (const double end : {row.mean_interval.low, row.mean_interval.high}) {
-    canvas.Line({x - 7, axis.At(end)}, {x + 7, axis.At(end)}, "class=\"interval\"");
+    if (!axis.Has(end)) continue;  // the interval runs on where no value can be
+    canvas.Line({x - 7, At(axis, end)}, {x + 7, At(axis, end)}, "class=\"interval\"");
   }
-  canvas.Line({x, axis.At(row.mean_interval.low)}, {x, axis.At(row.mean_interval.high)},
-              "class=\"interval\"");
-  canvas.Line({x, axis.At(row.within_interval.low)}, {x, axis.At(row.within_interval.high)},
-              "class=\"within\"");
-  canvas.Circle({x, axis.At(row.mean)}, 5, "class=\"mean\"");
+  const auto draw = [&](const Interval& interval, const char* style) {
+    canvas.Line({x, At(axis, interval.low)}, {x, At(axis, interval.high)}, style);
+  };
+  draw(row.mean_interval, "class=\"interval\"");
+  draw(row.within_interval, "class=\"within\"");
+  canvas.Circle({x, At(axis, row.mean)}, 5, "class=\"mean\"");
   canvas.EndGroup();
 }
 
 }  // namespace
 
-std::string ConditionsPlot(const Analysis& analysis) {
+std::string ConditionsPlot(const Analysis& analysis, const PlotAxis& values) {
   SvgCanvas canvas;
-  const Axis axis = AxisFor(analysis);
+  const Axis axis = AxisFor(analysis, values.limits);
   DrawAxes(canvas, axis, analysis);
+  if (!values.label.empty()) DrawLabel(canvas, values.label);
   DrawSubjects(canvas, axis, analysis.table);
   std::string title = "Means of the conditions:";
   for (std::size_t j = 0; j < analysis.conditions.size(); ++j) {

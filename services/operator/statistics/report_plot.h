@@ -3,6 +3,7 @@
 #include <string>
 
 #include "operator/statistics/analysis.h"
+#include "operator/statistics/report_sections.h"
 
 namespace conav::statistics {
 
@@ -12,6 +13,6 @@ inline constexpr std::size_t kMostLines = 200;
 /// A line per subject (the first kMostLines) over the conditions, each condition's mean with its
 /// interval (thin) and its within-subject interval (thick), as an SVG element with the classes of
 /// the page's style sheet.
-std::string ConditionsPlot(const Analysis& analysis);
+std::string ConditionsPlot(const Analysis& analysis, const PlotAxis& values = {});
 
 }  // namespace conav::statistics

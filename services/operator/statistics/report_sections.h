@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "common/svg/axis.h"
 #include "operator/statistics/analysis.h"
 
 namespace conav::statistics {
@@ -29,7 +30,13 @@ std::string SectionHtml(const ReportSection& section);
 /// The begin of a page, up to its first heading, with the style sheet of tables and plots.
 std::string PageHead(const std::string& title);
 
+/// What the values of a plot are.
+struct PlotAxis {
+  std::string label;  // with the unit
+  AxisLimits limits;  // intervals that reach beyond are cut there
+};
+
 /// ConditionsPlot with its legend.
-std::string PlotFigure(const Analysis& analysis);
+std::string PlotFigure(const Analysis& analysis, const PlotAxis& values = {});
 
 }  // namespace conav::statistics

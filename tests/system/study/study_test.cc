@@ -119,7 +119,7 @@ TEST_CASE("a study that cannot be is refused before anything runs", "[study][sys
                             "--camera film", "--operators two", "--colour", "--seed -1"}) {
     const ProgramOutcome outcome = desk.Run(std::string("--out study ") + wrong);
     CAPTURE(wrong, outcome.text());
-    CHECK(outcome.exit_code != 0);
+    CHECK(outcome.exit_code == 2);
     CHECK(outcome.out.empty());
   }
   CHECK_FALSE(fs::exists(desk / "study"));

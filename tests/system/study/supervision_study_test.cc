@@ -70,13 +70,30 @@ TEST_CASE("a supervision study that was killed goes on, and more seeds add to it
   CHECK(bench.Json("study/results.json")["cells"][0]["trials"] == 3);
 }
 
+TEST_CASE("an interrupted supervision study says what is left and calls nothing failed",
+          "[study][supervision][system]") {
+  const StudyDesk bench;
+  RunningStudy study(bench, std::string(kSmall) + "--orders fifo --seeds 20");
+  WaitForRecord(bench, "trials");
+  CHECK(study.End(SIGTERM).exit_code == 1);
+  CHECK_THAT(ReadFile(bench.log()).value(), Catch::Contains("of 20 trials are in") &&
+                                                Catch::Contains("the same command goes on") &&
+                                                !Catch::Contains("failed"));
+}
+
 TEST_CASE("wrong use of the supervision study is refused by name", "[study][supervision][system]") {
   const StudyDesk bench;
   const ProgramOutcome unknown = bench.Run("--supervision --orders lifo");
   CHECK(unknown.exit_code == 2);
   CHECK_THAT(unknown.error, Catch::Contains("--orders: lifo is unknown"));
   CHECK(bench.Run("--supervision --interaction-times look=3").exit_code == 2);
-  CHECK(bench.Run("--supervision --robots 0").exit_code == 2);
+  CHECK(bench.Run("--supervision --robots 17").exit_code == 2);
+  REQUIRE(std::filesystem::create_directories(bench / "docs"));
+  REQUIRE(WriteFile(bench / "docs/supervision.svg", "mine"));
+  const ProgramOutcome foreign = bench.Run("--supervision --out docs");
+  CHECK(foreign.exit_code == 2);
+  CHECK_THAT(foreign.error, Catch::Contains("is not empty and holds no study"));
+  CHECK(ReadFile(bench / "docs/supervision.svg").value() == "mine");
   const ProgramOutcome help = bench.Run("--supervision --help");
   CHECK(help.exit_code == 0);
   CHECK_THAT(help.out, Catch::Contains("--interaction-times"));

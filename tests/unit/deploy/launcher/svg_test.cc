@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "sample_episode.h"
+#include "support/xml_check.h"
 
 using namespace conav::launcher;
 
@@ -24,7 +25,7 @@ TEST_CASE("the picture shows three maps, the way and the picture that was sent",
   CHECK(Count(svg, "operator's map before") == 1);
   CHECK(Count(svg, "operator's map after 0 edits") == 1);
   CHECK(Count(svg, "looking this way") == 1);
-  CHECK(svg.ends_with("</svg>\n"));
+  CHECK(conav::test::XmlError(svg) == "");
 }
 
 TEST_CASE("each mistake of the operator's map is marked by its kind", "[launcher][svg]") {
@@ -36,5 +37,7 @@ TEST_CASE("each mistake of the operator's map is marked by its kind", "[launcher
 }
 
 TEST_CASE("a world that was never heard of leaves an empty picture", "[launcher][svg]") {
-  CHECK_THAT(EpisodeSvg(MakeEpisode(1, 1), "nothing"), Catch::Contains("<title>nothing</title>"));
+  const std::string svg = EpisodeSvg(MakeEpisode(1, 1), "no & thing");
+  CHECK_THAT(svg, Catch::Contains("<title>no &amp; thing</title>"));
+  CHECK(conav::test::XmlError(svg) == "");
 }

@@ -16,13 +16,26 @@ std::string Refusal(const StudyOptions& options) {
 
 StudyOptions Good() {
   StudyOptions options;
-  options.out = DefaultOut(options);
+  options.out = "runs/study";
   return options;
 }
 
 TEST_CASE("The paper's study is accepted", "[study][options]") {
   CHECK(Refusal(Good()).empty());
-  CHECK(Good().out == "runs/study-seed1");
+  CHECK(Refusal({}).empty());
+}
+
+TEST_CASE("Each design has a folder of its own", "[study][options]") {
+  StudyOptions options;
+  options.design.operators = 2;
+  CHECK(DefaultOut(options, "0a1b2c3d4e5f") == "runs/study-2x3-seed1-0a1b2c3d");
+}
+
+TEST_CASE("A population that cannot be read is refused", "[study][options]") {
+  StudyOptions options = Good();
+  options.population = "/none.yaml";
+  CHECK_THAT(Refusal(options),
+             Catch::StartsWith("--population: ") && Catch::Contains("/none.yaml"));
 }
 
 TEST_CASE("Numbers and methods that cannot be are refused by the option's name",

@@ -1,9 +1,11 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "study/provenance.h"
 #include "study/supervision_plan.h"
 #include "study/supervision_report.h"
 #include "support/temporary_folder.h"
+#include "support/xml_check.h"
 
 namespace conav::study {
 namespace {
@@ -65,7 +67,9 @@ TEST_CASE("Impossible options are refused by name", "[study][supervision]") {
   CHECK(Validate(Small()));
   SupervisionOptions options = Small();
   options.robots = {0};
-  CHECK(Validate(options).error().text == "--robots: 0 is not in [1, 64]");
+  CHECK(Validate(options).error().text == "--robots: 0 is not in [1, 16]");
+  options.robots = {1, 17};
+  CHECK(Validate(options).error().text == "--robots: 17 is not in [1, 16]");
   options.robots = {4, 2, 4};
   CHECK(Validate(options).error().text == "--robots: 4 is named twice");
   options = Small();
@@ -82,9 +86,8 @@ TEST_CASE("Impossible options are refused by name", "[study][supervision]") {
   options.speed = 0.0;
   CHECK(Validate(options).error().text == "--speed: 0 is not in [0.1, 1000]");
   options = Small();
-  options.dds = "opendds";
-  CHECK(Validate(options).error().text ==
-        "--dds: opendds is unknown; there are cyclonedds, fastdds");
+  options.dds = "mixed";
+  CHECK(Validate(options).error().text == "--dds: mixed is unknown; there are cyclonedds, fastdds");
 }
 
 TEST_CASE("More seeds, numbers or orders belong to the same study, another condition does not",
@@ -143,9 +146,9 @@ TEST_CASE("Measures: per minute, shares, and predictions from NT and IT, by hand
   CHECK(FindMeasure("fan_out").value(one) == 1.0);  // no more than there are robots
   CHECK(FindMeasure("fan_out").value(RecordOf({4, "fifo", 2})) == 3.0);
   const SupervisionRecord two = RecordOf({2, "fifo", 2});
-  CHECK(FindMeasure("queue_utilisation").value(two) == Approx(0.6));
-  CHECK(FindMeasure("queue_waiting_s").value(two) == Approx(10.0 / 3.0));
-  CHECK(FindMeasure("queue_attended_robots").value(two) == Approx(1.8));
+  CHECK(FindMeasure("queue_utilisation").value(two).value() == Approx(0.6));
+  CHECK(FindMeasure("queue_waiting_s").value(two).value() == Approx(10.0 / 3.0));
+  CHECK(FindMeasure("queue_attended_robots").value(two).value() == Approx(1.8));
 }
 
 TEST_CASE("Cells have mean and interval, orders are compared by seed", "[study][supervision]") {
@@ -154,9 +157,9 @@ TEST_CASE("Cells have mean and interval, orders are compared by seed", "[study][
   const SupervisionSummary summary = Summarise(options, records);
   REQUIRE(summary.cells.size() == 4);
   CHECK(summary.cells[0].records.size() == 3);
-  CHECK(summary.cells[0].Mean(FindMeasure("goals_per_minute")) == Approx(6.5));
+  CHECK(summary.cells[0].Mean(FindMeasure("goals_per_minute")).value() == Approx(6.5));
   // sd 0.5 of three, t(2) = 4.303
-  CHECK(summary.cells[0].HalfInterval(FindMeasure("goals_per_minute")) ==
+  CHECK(summary.cells[0].HalfInterval(FindMeasure("goals_per_minute")).value() ==
         Approx(4.3027 * 0.5 / std::sqrt(3.0)).epsilon(1e-4));
   REQUIRE(summary.comparisons.size() == 6);
   CHECK(summary.comparisons[0].pairs.at(0).t.mean_difference == Approx(0.5));
@@ -193,6 +196,41 @@ TEST_CASE("What no trial measured is not told as 0", "[study][supervision]") {
   CHECK_THAT(text, !Catch::Contains("0.00 ±0.00") && Catch::Contains("4.00"));
 }
 
+TEST_CASE("Without a second question there is no NT and nothing is predicted",
+          "[study][supervision]") {
+  SupervisionOptions options = Small();
+  options.robots = {1};
+  auto records = AllRecords(options);
+  for (SupervisionRecord& record : records) {
+    record.workload.neglect_time_s = 0.0;
+    record.workload.fan_out = 1.0;
+  }
+  records[1].workload.waiting_time_s = 0.0;  // of fifo; and nobody asked
+  const SupervisionSummary summary = Summarise(options, records);
+  for (const char* key : {"neglect_s", "fan_out", "fan_out_with_waits", "queue_attended_robots",
+                          "queue_utilisation", "queue_waiting_s"}) {
+    CAPTURE(key);
+    CHECK_FALSE(summary.cells[0].Mean(FindMeasure(key)));
+  }
+  CHECK(summary.cells[0].Mean(FindMeasure("interaction_s")).value() == 10.0);
+  CHECK(summary.cells[1].Mean(FindMeasure("waiting_s")).value() == 4.0);  // of the two that asked
+  CHECK_THAT(SupervisionText(options, summary),
+             Catch::Contains("NT needs a robot that asks a second time"));
+  CHECK(SupervisionJson(options, summary)["cells"][0]["queue_utilisation_mean"].is_null());
+  CHECK_THAT(SupervisionCsv(records), Catch::Contains("\n1,fifo,1,5.5,,,"));
+  CHECK(test::XmlError(SupervisionPlot(options, summary)) == "");
+}
+
+TEST_CASE("A difference that no seed changes is not tested", "[study][supervision]") {
+  const SupervisionOptions options = Small();
+  const auto records = AllRecords(options);  // priority: always half a goal per minute more
+  const SupervisionSummary summary = Summarise(options, records);
+  CHECK_THAT(SupervisionText(options, summary), Catch::Contains("nothing to test"));
+  const auto json = SupervisionJson(options, summary);
+  CHECK(json["comparisons"][0]["mean_difference"] == Approx(0.5));
+  CHECK(json["comparisons"][0]["p"].is_null());
+}
+
 TEST_CASE("A trial in which the machine fell behind is named and stays in the tables",
           "[study][supervision]") {
   const SupervisionOptions options = Small();
@@ -213,8 +251,14 @@ TEST_CASE("Text, JSON, page and plot say that the operator was simulated", "[stu
   const auto records = AllRecords(options);
   const SupervisionSummary summary = Summarise(options, records);
   CHECK(SupervisionText(options, summary).find("SIMULATED") != std::string::npos);
-  CHECK(SupervisionPage(options, summary).find("SIMULATED") != std::string::npos);
+  const statistics::ReportSection made = ProvenanceSection(
+      {"conav study --supervision", "0123abc", "today", "a & b"}, {{"goals", 30}});
+  const std::string page = SupervisionPage(options, summary, made);
+  CHECK_THAT(page, Catch::Contains("SIMULATED") && Catch::Contains("0123abc") &&
+                       Catch::Contains("a &amp; b") && Catch::Contains("<td>30</td>"));
   CHECK(SupervisionPlot(options, summary).find("simulated operator") != std::string::npos);
+  CHECK(test::XmlError(SupervisionPlot(options, summary)) == "");
+  CHECK(test::XmlError(page) == "");
   const auto json = SupervisionJson(options, summary);
   CHECK(json["simulated"] == true);
   CHECK(json["metrics"]["goals_per_minute_priority_4"] == Approx(6.5));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "support/xml_check.h"
 #include "unit/common/segments/support/sample_segments.h"
 
 namespace conav::nhpm {
@@ -84,6 +85,7 @@ TEST_CASE("the picture has three maps for each segment and marks each edit", "[n
   CHECK(Count(svg, "<circle") == 2 + 1);         // removed walls and the legend
   CHECK(Count(svg, "stroke=\"#D55E00\"") == 6);  // crosses of two lines: added walls, legend
   CHECK_THAT(svg, Catch::Contains("a &lt; b") && Catch::Contains("synthetic: 2 edits"));
+  CHECK(test::XmlError(svg) == "");
 }
 
 }  // namespace

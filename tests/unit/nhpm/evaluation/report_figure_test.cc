@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "support/xml_check.h"
 #include "unit/nhpm/evaluation/samples.h"
 
 namespace conav::nhpm {
@@ -18,6 +19,7 @@ TEST_CASE("The map has a square per cell", "[nhpm][report_figure]") {
   const std::string svg = BeforePanel(EmptySegment(4, 5));
   CHECK(Count(svg, "class=\"wall\"") == 14);
   CHECK(Count(svg, "class=\"free\"") == 6);
+  CHECK(test::XmlError(svg) == "");
 }
 
 TEST_CASE("The picture shows its cells, the path and where the camera looks",
@@ -45,6 +47,7 @@ TEST_CASE("A prediction is as strong as its probability, small ones are left out
   CHECK_THAT(svg, Catch::Contains(">38</text>"));
   CHECK(Count(svg, "fill-opacity") == 2);
   CHECK_THAT(svg, Catch::Contains("A &amp; B: 0.92 edits expected"));
+  CHECK(test::XmlError(svg) == "");
 }
 
 TEST_CASE("The truth is signed, not only coloured", "[nhpm][report_figure]") {

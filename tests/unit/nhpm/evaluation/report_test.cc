@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "nhpm/evaluation/report_json.h"
+#include "support/xml_check.h"
 #include "unit/nhpm/evaluation/evaluation_samples.h"
 
 namespace conav::nhpm {
@@ -28,27 +29,6 @@ EvaluationReport SampleReport() {
   report.bars = CheckBars(report.data, report.rows);
   report.figures = {{7, "chosen <by hand>"}};
   return report;
-}
-
-/// Empty when every element is closed in order; else what is wrong. Knows comments no more than the
-/// page does.
-std::string Malformed(std::string_view html) {
-  std::vector<std::string> open;
-  for (std::size_t at = html.find('<'); at != std::string_view::npos; at = html.find('<', at + 1)) {
-    const std::size_t end = html.find('>', at);
-    if (end == std::string_view::npos) return "a tag without end";
-    std::string_view tag = html.substr(at + 1, end - at - 1);
-    if (tag.find('<') != std::string_view::npos) return fmt::format("< inside of <{}>", tag);
-    if (tag.starts_with("!") || tag.ends_with("/")) continue;
-    if (!tag.starts_with("/")) {
-      open.emplace_back(tag.substr(0, tag.find_first_of(" \n")));
-    } else if (open.empty() || open.back() != tag.substr(1)) {
-      return fmt::format("<{}> closes {}", tag, open.empty() ? "nothing" : open.back());
-    } else {
-      open.pop_back();
-    }
-  }
-  return open.empty() ? "" : open.back() + " is not closed";
 }
 
 std::size_t Count(std::string_view text, std::string_view part) {
@@ -148,7 +128,7 @@ TEST_CASE("CSV has a line per model, with quotes where they are needed", "[nhpm]
 
 TEST_CASE("The page is well-formed and needs nothing from elsewhere", "[nhpm][report]") {
   const std::string page = ReportPage(SampleReport());
-  CHECK(Malformed(page).empty());
+  CHECK(test::XmlError(page) == "");
   CHECK_THAT(page, Catch::StartsWith("<!DOCTYPE html>"));
   CHECK_THAT(page, !Catch::Contains("http"));
   CHECK_THAT(page, !Catch::Contains("<script"));
@@ -180,7 +160,7 @@ TEST_CASE("Only the models that there are and a page without segments work, too"
   report.bars.clear();
   report.figures.clear();
   const std::string page = ReportPage(report);
-  CHECK(Malformed(page).empty());
+  CHECK(test::XmlError(page) == "");
   CHECK_THAT(page, !Catch::Contains("<h2>Bars</h2>"));
   CHECK_THAT(page, !Catch::Contains("<h2>Segments</h2>"));
 }

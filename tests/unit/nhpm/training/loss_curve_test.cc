@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "support/xml_check.h"
+
 namespace conav::nhpm {
 namespace {
 
@@ -23,6 +25,7 @@ TEST_CASE("The curve shows both losses and marks the best epoch", "[nhpm][traini
     ++lines;
   }
   CHECK(lines == 2);
+  CHECK(test::XmlError(svg) == "");
   CHECK_THAT(svg, !Catch::Contains("nan") && !Catch::Contains("inf"));
 }
 
@@ -31,6 +34,7 @@ TEST_CASE("A single epoch and a loss of zero can be drawn", "[nhpm][training]") 
   const std::string zero = LossCurve(StateOf({{1, 0.1, 0.0}, {2, 0.0, 0.0}}, 1), "zero");
   for (const std::string& svg : {one, zero}) {
     CHECK_THAT(svg, !Catch::Contains("nan") && !Catch::Contains("inf"));
+    CHECK(test::XmlError(svg) == "");
   }
 }
 

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "operator/statistics/report_plot.h"
+#include "support/xml_check.h"
 #include "unit/operator/statistics/reference_tables.h"
 
 namespace conav::statistics {
@@ -99,7 +100,7 @@ TEST_CASE("The page has the tables, the plot and nothing from elsewhere",
           "[operator][statistics]") {
   const std::string page = ReportPage(AnalysisOf(MakeTable({"<a>", "b"}, {1, 2, 3, 5, 4, 4})));
   CHECK_THAT(page, Catch::StartsWith("<!DOCTYPE html>"));
-  CHECK_THAT(page, Catch::EndsWith("</html>\n"));
+  CHECK(test::XmlError(page) == "");
   CHECK_THAT(page, Catch::Contains("&lt;a&gt;"));
   CHECK_THAT(page, !Catch::Contains("<a>"));
   CHECK_THAT(page, !Catch::Contains("http"));
@@ -115,11 +116,21 @@ TEST_CASE("The plot has a line per subject and marks per condition", "[operator]
   CHECK_THAT(plot, !Catch::Contains("nan") && !Catch::Contains("inf"));
 }
 
+TEST_CASE("An axis has its label and ends where no value can be", "[operator][statistics]") {
+  const Analysis analysis = AnalysisOf(MakeTable({"a", "b"}, {0, 90, 2, 100, 90, 95}));
+  CHECK_THAT(ConditionsPlot(analysis), Catch::Contains(">-100</text>"));
+  const std::string share = ConditionsPlot(analysis, {"share (%)", {0.0, 100.0}});
+  CHECK_THAT(share, Catch::Contains(">share (%)</text>") && Catch::Contains(">100</text>"));
+  CHECK_THAT(share, !Catch::Contains(">-") && !Catch::Contains(">120</text>"));
+  CHECK(test::XmlError(share) == "");
+}
+
 TEST_CASE("Values that are all the same, or very many, can be drawn", "[operator][statistics]") {
   for (const double value : {0.0, -5.0, 1e100, 1e-100}) {
     const std::string plot =
         ConditionsPlot(AnalysisOf(MakeTable({"a", "b"}, std::vector<double>(4, value))));
     CHECK_THAT(plot, !Catch::Contains("nan") && !Catch::Contains("inf"));
+    CHECK(test::XmlError(plot) == "");
     CHECK(Count(plot, "class=\"rule\"") >= 4);
     CHECK(Count(plot, "class=\"rule\"") <= 12);
   }

@@ -6,6 +6,7 @@
 #include "nhpm/model/glpf.h"
 #include "planner/experiment/tradeoff_plot.h"
 #include "planner/experiment/tradeoff_report.h"
+#include "support/xml_check.h"
 
 namespace conav::planner {
 namespace {
@@ -168,6 +169,7 @@ TEST_CASE("what is written of a sweep names its policies and where the figures c
   const std::string plot = TradeoffPlot(sweep, rows);
   CHECK_THAT(plot, Catch::Contains("<svg") && Catch::Contains("simulated operator: hasty") &&
                        !Catch::Contains("nan") && !Catch::Contains("inf"));
+  CHECK(test::XmlError(plot) == "");
   const std::string csv = TradeoffCsv(sweep, episodes);
   CHECK(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')) == episodes.size() + 1);
   CHECK(TradeoffJson(sweep, rows).at("policies").size() == 12);

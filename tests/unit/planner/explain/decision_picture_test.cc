@@ -2,8 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "support/xml_check.h"
 #include "unit/planner/record/sample_decision.h"
-#include "xml_check.h"
 
 namespace conav::planner {
 namespace {

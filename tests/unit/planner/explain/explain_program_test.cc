@@ -4,8 +4,8 @@
 
 #include "planner/record/decision_log.h"
 #include "support/program_desk.h"
+#include "support/xml_check.h"
 #include "unit/planner/record/sample_decision.h"
-#include "xml_check.h"
 
 namespace conav::planner {
 namespace {
