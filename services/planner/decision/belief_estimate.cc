@@ -7,6 +7,10 @@
 namespace conav::planner {
 namespace {
 
+bool SameSize(const BeliefGrid& a, const BeliefGrid& b) {
+  return a.rows() == b.rows() && a.columns() == b.columns();
+}
+
 void Advance(BeliefGrid& belief, const PerceptionAnswer& answer) {
   // The answer's probabilities hold "and there is a wall" (or none) already: they are masked by x.
   for (std::size_t i = 0; i < belief.size(); ++i) {
@@ -19,7 +23,7 @@ void Advance(BeliefGrid& belief, const PerceptionAnswer& answer) {
 
 BeliefGrid BeliefEstimate::Now(const BeliefGrid& published) {
   const std::lock_guard lock(mutex_);
-  if (!belief_) belief_ = published;
+  if (!belief_ || !SameSize(*belief_, published)) belief_ = published;
   return *belief_;
 }
 
@@ -37,7 +41,8 @@ Result<void> BeliefEstimate::NoteSent(std::vector<Cell> path, Cell cell, double 
   const auto answers = model_->Predict({&query, 1});
   if (!answers) return tl::unexpected(answers.error());
   const std::lock_guard lock(mutex_);
-  Advance(*belief_, answers->front());
+  // Meanwhile another robot may have begun a new estimate.
+  if (SameSize(*belief_, answers->front().add)) Advance(*belief_, answers->front());
   return {};
 }
 

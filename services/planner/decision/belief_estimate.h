@@ -20,7 +20,8 @@ class BeliefEstimate {
  public:
   explicit BeliefEstimate(std::shared_ptr<PerceptionModel> model) : model_(std::move(model)) {}
 
-  /// The estimate; the first call starts it with `published`.
+  /// The estimate; the first call starts it with `published`, and so does one with a map of another
+  /// size: that world began anew.
   BeliefGrid Now(const BeliefGrid& published);
 
   /// A picture was sent: from `cell` towards `heading_rad`, after the robot went `path`, showing

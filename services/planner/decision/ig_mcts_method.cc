@@ -47,6 +47,14 @@ IgMctsMethod::IgMctsMethod(const SearchConfig& config, std::uint64_t seed,
   }
 }
 
+void IgMctsMethod::ForgetOtherSize(const OccupancyGrid& map) {
+  const std::pair size(map.rows(), map.columns());
+  if (std::exchange(map_size_, size) == size) return;
+  sent_views_ = {};
+  chosen_view_.reset();
+  if (reliability_) reliability_.emplace(config_.reliability_prior);
+}
+
 bool IgMctsMethod::WaitsForRoom(const Situation& situation) {
   if (WaitsFor(situation, DesiredWay(situation)) == nullptr) {
     waiting_since_.reset();
@@ -91,6 +99,7 @@ BeliefGrid IgMctsMethod::BeliefOf(const Situation& situation) {
 }
 
 Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop) {
+  ForgetOtherSize(situation.map.cells);
   NoteSentView(situation);
   const BeliefGrid belief = BeliefOf(situation);
   sent_views_.Update(belief);

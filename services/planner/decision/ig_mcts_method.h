@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "common/runtime/clock.h"
 #include "common/runtime/log_limit.h"
@@ -48,6 +49,9 @@ class IgMctsMethod final : public Method {
     std::uint64_t snapshots_before = 0;
   };
 
+  /// Where the world began anew with a map of another size, what was sent and measured of the one
+  /// before tells nothing.
+  void ForgetOtherSize(const OccupancyGrid& map);
   void NoteSentView(const Situation& situation);
   /// Asks what edits the picture of `chosen`, which was sent, will lead to.
   void ExpectEdits(const ChosenView& chosen);
@@ -80,6 +84,7 @@ class IgMctsMethod final : public Method {
   std::optional<OperatorReliability> reliability_;  // none where it is not measured
   SentViews sent_views_;
   std::optional<ChosenView> chosen_view_;
+  std::pair<int, int> map_size_;  // rows and columns at the last decision
   LogLimit no_decision_;
   std::optional<Clock::TimePoint> waiting_since_;  // for another robot to make room
 };

@@ -1,6 +1,7 @@
 #include "planner/decision/belief_estimate.h"
 
 #include <catch2/catch.hpp>
+#include <functional>
 
 using namespace conav;
 using conav::planner::BeliefEstimate;
@@ -14,6 +15,7 @@ class HalfModel final : public PerceptionModel {
   Result<std::vector<PerceptionAnswer>> Predict(std::span<const PerceptionQuery> queries) override {
     if (failure) return tl::unexpected(*failure);
     asked = queries[0];
+    if (while_asked) while_asked();
     PerceptionAnswer answer{queries[0].belief, queries[0].belief};
     for (float& x : answer.add.values()) x = 0.5F * (1.0F - x);
     for (float& x : answer.remove.values()) x = 0.25F * x;
@@ -23,6 +25,7 @@ class HalfModel final : public PerceptionModel {
 
   PerceptionQuery asked;
   std::optional<Error> failure;
+  std::function<void()> while_asked;
 };
 
 struct Bench {
@@ -73,5 +76,24 @@ TEST_CASE("when the model fails the estimate stays", "[planner][belief_estimate]
   const auto noted = bench.estimate.NoteSent({}, {0, 0}, 0.0, {});
   REQUIRE_FALSE(noted);
   CHECK(noted.error().text == "gone");
-  CHECK(bench.estimate.Now({}) == bench.published);
+  CHECK(bench.estimate.Now(bench.published) == bench.published);
+}
+
+TEST_CASE("a world that begins anew with a map of another size is estimated anew",
+          "[planner][belief_estimate]") {
+  Bench bench;
+  bench.estimate.Now(bench.published);
+  REQUIRE(bench.estimate.NoteSent({}, {0, 0}, 0.0, {}));
+  const BeliefGrid larger(2, 2, 0.5F);
+  CHECK(bench.estimate.Now(larger) == larger);
+}
+
+TEST_CASE("a picture of the world before does not move the estimate of the new one",
+          "[planner][belief_estimate]") {
+  Bench bench;
+  bench.estimate.Now(bench.published);
+  const BeliefGrid larger(2, 2, 0.5F);
+  bench.model->while_asked = [&] { bench.estimate.Now(larger); };  // by another robot
+  REQUIRE(bench.estimate.NoteSent({}, {0, 0}, 0.0, {}));
+  CHECK(bench.estimate.Now(larger) == larger);
 }

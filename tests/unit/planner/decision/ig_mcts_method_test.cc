@@ -11,23 +11,35 @@ using namespace conav::planner;
 
 namespace {
 
-/// A robot in a closed cell: all it can do is to show views, and what the operator does not know of
-/// is the wall west of it.
-Situation Boxed() {
+/// A robot in a closed cell at the eastern end: all it can do is to show views, and what the operator
+/// does not know of is the wall west of it.
+Situation Boxed(int columns = 5) {
+  const Cell robot{1, columns - 2};
   Situation situation;
   situation.state.robot = "r1";
-  situation.state.cell = {1, 3};
-  situation.state.path = {{1, 3}};
+  situation.state.cell = robot;
+  situation.state.path = {robot};
   situation.state.heading_rad = std::numbers::pi;
   situation.state.goals_left = {{1, 1}};
-  situation.map.cells = OccupancyGrid(3, 5, Occupancy::kOccupied);
+  situation.map.cells = OccupancyGrid(3, columns, Occupancy::kOccupied);
   situation.map.cells[{1, 1}] = Occupancy::kFree;
-  situation.map.cells[{1, 3}] = Occupancy::kFree;
-  situation.belief.wall_probability = BeliefGrid(3, 5, 1.0F);
-  for (const int column : {1, 2, 3}) situation.belief.wall_probability[{1, column}] = 0.0F;
-  situation.guidance = Guidance{.path = {{1, 3}, {1, 2}, {1, 1}}};
+  situation.map.cells[robot] = Occupancy::kFree;
+  situation.belief.wall_probability = BeliefGrid(3, columns, 1.0F);
+  situation.guidance.emplace();
+  for (int column = robot.column; column >= 1; --column) {
+    situation.belief.wall_probability[{1, column}] = 0.0F;
+    situation.guidance->path.push_back({1, column});
+  }
   situation.guided_before = true;
   return situation;
+}
+
+double MostInformation(const Decision& decision) {
+  double most = 0.0;
+  for (const SearchAction& action : decision.report.actions) {
+    most = std::max(most, action.information_gain);
+  }
+  return most;
 }
 
 struct Bench {
@@ -117,19 +129,19 @@ TEST_CASE("with an estimate the published map counts only at the start",
   SECTION("what the operator edits is not looked at") {
     bench.situation.belief.wall_probability[{1, 2}] = 1.0F;
     REQUIRE(method.Decide(bench.situation, StopToken()).action);
-    CHECK(estimate->Now({}) == first);
+    CHECK(estimate->Now(first) == first);
   }
   SECTION("a picture that was sent moves the estimate, once") {
     bench.situation.state.snapshots = 1;
     REQUIRE(method.Decide(bench.situation, StopToken()).action);
-    const BeliefGrid moved = estimate->Now({});
+    const BeliefGrid moved = estimate->Now(first);
     CHECK_FALSE(moved == first);
     REQUIRE(method.Decide(bench.situation, StopToken()).action);
-    CHECK(estimate->Now({}) == moved);
+    CHECK(estimate->Now(first) == moved);
   }
   SECTION("a picture that was not sent leaves it") {
     REQUIRE(method.Decide(bench.situation, StopToken()).action);
-    CHECK(estimate->Now({}) == first);
+    CHECK(estimate->Now(first) == first);
   }
 }
 
@@ -140,23 +152,32 @@ TEST_CASE("an operator who does nothing with pictures makes further ones worth l
   config.reliability_prior = prior;
   Bench bench;
   const auto model = std::make_shared<FakePerceptionModel>();
-  const auto information = [](const Decision& decision) {
-    double most = 0.0;
-    for (const SearchAction& action : decision.report.actions) {
-      most = std::max(most, action.information_gain);
-    }
-    return most;
-  };
   IgMctsMethod method(config, 1, model, bench.clock);
-  const double first = information(method.Decide(bench.situation, StopToken()));
+  const double first = MostInformation(method.Decide(bench.situation, StopToken()));
   REQUIRE(first > 0.1);
   bench.situation.state.snapshots = 1;  // sent, and nothing came of it
-  const double second = information(method.Decide(bench.situation, StopToken()));
+  const double second = MostInformation(method.Decide(bench.situation, StopToken()));
   if (prior > 0.0) {
     CHECK(second < 0.8 * first);
   } else {
     CHECK(second == first);
   }
+}
+
+TEST_CASE("a world that begins anew with a map of another size is judged as a new one",
+          "[planner][ig-mcts]") {
+  const auto [before, columns] = GENERATE(table<int, int>({{5, 7}, {7, 5}}));
+  Bench fresh;
+  fresh.situation = Boxed(columns);
+  Bench bench;
+  bench.situation = Boxed(before);
+  for (std::uint64_t snapshots = 0; snapshots < 3; ++snapshots) {
+    bench.situation.state.snapshots = snapshots;
+    bench.method.Decide(bench.situation, StopToken());
+  }
+  bench.situation = Boxed(columns);
+  CHECK(MostInformation(bench.method.Decide(bench.situation, StopToken())) ==
+        MostInformation(fresh.method.Decide(fresh.situation, StopToken())));
 }
 
 TEST_CASE("where the operator's map is estimated, their reliability is not measured",
