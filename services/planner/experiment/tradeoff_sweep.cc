@@ -8,7 +8,7 @@
 namespace conav::planner {
 namespace {
 
-constexpr double kCosts[]{0.0, 0.125, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0};
+constexpr double kCosts[]{0.0, 0.125, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 50.0};
 constexpr double kProbabilities[]{0.02, 0.05, 0.1, 0.2, 0.4, 0.8};
 constexpr double kEveryMoves[]{1.0, 2.0, 3.0, 5.0, 8.0, 12.0, 20.0};
 constexpr double kThresholds[]{0.1, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0};
