@@ -5,8 +5,10 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 
+#include "common/console/option_checks.h"
 #include "launcher/demo_operator.h"
 #include "launcher/demo_weights.h"
+#include "launcher/demo_world.h"
 
 namespace conav::launcher {
 namespace {
@@ -33,7 +35,7 @@ void AddRunOptions(CLI::App& app, DemoOptions& options) {
   app.add_option("--worlds", options.worlds, "Worlds, each with a simulator")
       ->capture_default_str();
   app.add_option("--seed", options.seed, "Seed of everything that is random")
-      ->check(CLI::NonNegativeNumber)
+      ->check(WholeNumber())
       ->capture_default_str();
   app.add_option(
          "--operator", options.simulated_operator,
@@ -83,7 +85,7 @@ void AddModelOptions(CLI::App& app, DemoOptions& options) {
 void AddWorldOptions(CLI::App& app, DemoOptions& options) {
   app.add_option("--maze-seed", options.maze_seed,
                  "Seed of the world alone, such as the paper's 234, 666 and 9 [--seed]")
-      ->check(CLI::NonNegativeNumber);
+      ->check(WholeNumber());
   app.add_option("--rotation", options.rotation_deg,
                  "Turns the world with all that is in it: 0, 90, 180 or 270 degrees")
       ->capture_default_str();
@@ -142,10 +144,10 @@ DemoOptions ParseDemoCommand(int argc, char** argv) {
     if (!entry) RefuseUse(entry.error().text);
     options.run_with.insert(*std::move(entry));
   }
-  const auto valid =
-      Validate(options).and_then([&] { return CheckWeights(options); }).and_then([&] {
-        return CheckOperator(options);
-      });
+  const auto valid = Validate(options)
+                         .and_then([&] { return CheckWorlds(options); })
+                         .and_then([&] { return CheckWeights(options); })
+                         .and_then([&] { return CheckOperator(options); });
   if (!valid) RefuseUse(valid.error().text);
   return options;
 }

@@ -17,7 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array kMethods{"ig-mcts", "instruction", "teleop", "greedy"};
 constexpr std::array kCommunications{"search", "never",        "random",
                                      "every",  "when_blocked", "threshold"};
 constexpr std::array kCameras{"egl", "none"};

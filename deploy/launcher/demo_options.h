@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -15,6 +16,7 @@ namespace conav::launcher {
 /// The services that a demo runs, in the order in which they start.
 inline constexpr const char* kServices[] = {"sim", "nhpm", "operator", "planner",
                                             "simulated-operator"};
+inline constexpr std::array kMethods{"ig-mcts", "instruction", "teleop", "greedy"};
 inline constexpr int kMaxRobots = 64;
 inline constexpr int kMaxWorlds = 16;
 inline constexpr int kMaxReplicas = 8;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "launcher/demo_world.h"
 #include "nhpm/model/load_model.h"
 #include "nhpm/model/weights_file.h"
 #include "sim/world/world_site.h"
@@ -13,17 +14,6 @@ std::filesystem::path PersonFile(const DemoOptions& options) {
   return options.person.empty() ? "" : options.person_weights / (options.person + ".nhpm");
 }
 
-/// What the simulator will make; it says itself what is wrong with map or preset.
-Result<sim::Site> MakeSite(const DemoOptions& options) {
-  sim::WorldOptions world;
-  world.seed = options.seed;
-  world.preset = options.preset;
-  world.map_yaml = options.map;
-  world.operator_map_yaml = options.operator_map;
-  world.cell_size_m = options.cell_size_m.value_or(world.cell_size_m);
-  return sim::MakeSite(world);
-}
-
 Result<void> CheckOne(const DemoOptions& options, const char* option,
                       const std::filesystem::path& file) {
   if (file.empty()) return {};
@@ -31,7 +21,7 @@ Result<void> CheckOne(const DemoOptions& options, const char* option,
   if (!model) {
     return Fail(model.error().code, fmt::format("{} {}", option, model.error().text));
   }
-  const auto site = MakeSite(options);
+  const auto site = sim::MakeSite(WorldOptionsOf(options, 0));  // see CheckWorlds
   if (model->rows == 0 || !site) return {};
   const OccupancyGrid& map = site->truth;
   if (model->rows == map.rows() && model->columns == map.columns()) return {};

@@ -40,6 +40,11 @@ std::string RobotFill(std::size_t index) {
                      kRobotColours[index % kRobotColours.size()]);
 }
 
+std::string GoalStyle(std::size_t index) {
+  return fmt::format("fill=\"{}\" stroke=\"#000000\" stroke-width=\"1\"",
+                     kRobotColours[index % kRobotColours.size()]);
+}
+
 // Robots that share a corridor are drawn beside each other.
 double Offset(std::size_t index) {
   constexpr std::array<double, 5> kOffsets{0.0, 4.0, -4.0, 8.0, -8.0};
@@ -85,14 +90,41 @@ void DrawRobot(SvgCanvas& canvas, const MapPanel& panel, const RobotRecord& robo
               "font-size=\"10\" text-anchor=\"middle\" fill=\"#ffffff\" font-weight=\"bold\"");
 }
 
+/// Goals are told apart where robots of one world have different ones.
+bool HasOwnGoals(const Episode& episode, const RobotRecord& robot) {
+  return std::ranges::any_of(episode.robots, [&](const RobotRecord& other) {
+    return other.world == robot.world && other.goals != robot.goals;
+  });
+}
+
+void DrawGoals(const MapPanel& panel, const Episode& episode, std::size_t index) {
+  const RobotRecord& robot = episode.robots[index];
+  const std::string style = HasOwnGoals(episode, robot) ? GoalStyle(index) : kStar;
+  for (const Cell goal : robot.goals) panel.DrawStar(panel.Middle(goal), style);
+}
+
+/// In the corner of the cell that ways leave free.
+void NameGoals(SvgCanvas& canvas, const MapPanel& panel, const RobotRecord& robot) {
+  for (const Cell goal : robot.goals) {
+    const PixelPosition middle = panel.Middle(goal);
+    canvas.Text({middle.x + 11, middle.y - 4}, robot.name,
+                "font-size=\"9\" text-anchor=\"end\" font-weight=\"bold\" fill=\"#000000\" "
+                "stroke=\"#ffffff\" stroke-width=\"2.5\" paint-order=\"stroke\"");
+  }
+}
+
 void DrawEpisodeOnTruth(SvgCanvas& canvas, const MapPanel& panel, const Episode& episode,
                         const WorldRecord& world) {
-  for (const RobotRecord& robot : episode.robots) {
-    if (robot.world != world.name) continue;
-    for (const Cell goal : robot.goals) panel.DrawStar(panel.Middle(goal), kStar);
+  for (std::size_t i = 0; i < episode.robots.size(); ++i) {
+    if (episode.robots[i].world == world.name) DrawGoals(panel, episode, i);
   }
   for (std::size_t i = 0; i < episode.robots.size(); ++i) {
     if (episode.robots[i].world == world.name) DrawRobot(canvas, panel, episode.robots[i], i);
+  }
+  for (const RobotRecord& robot : episode.robots) {
+    if (robot.world == world.name && HasOwnGoals(episode, robot)) {
+      NameGoals(canvas, panel, robot);
+    }
   }
 }
 
@@ -119,7 +151,7 @@ void DrawWorld(SvgCanvas& canvas, const Episode& episode, const WorldRecord& wor
   DrawMistakes(after, now, *world.truth);
 }
 
-void DrawLegend(SvgCanvas& canvas, double top) {
+void DrawLegend(SvgCanvas& canvas, double top, bool own_goals) {
   const char* text = "font-size=\"13\" fill=\"#000000\"";
   const MapPanel signs(canvas, {}, kCellPixels);
   const double y = top + 20;
@@ -136,8 +168,8 @@ void DrawLegend(SvgCanvas& canvas, double top) {
   next("its way", 90);
   signs.DrawArrow({x, y}, 0.0, kPicture, RobotFill(0));
   next("picture sent, looking this way", 225);
-  signs.DrawStar({x + 8, y}, kStar);
-  next("goal", 70);
+  signs.DrawStar({x + 8, y}, own_goals ? GoalStyle(0) : kStar);
+  next(own_goals ? "its goal" : "goal", 80);
   DrawMistake(signs, {x + 8, y}, true);
   next("wall drawn that is not there", 205);
   DrawMistake(signs, {x + 8, y}, false);
@@ -163,7 +195,9 @@ std::string EpisodeSvg(const Episode& episode, std::string_view title) {
     DrawWorld(canvas, episode, world, top, panel_width);
     top += world_height;
   }
-  DrawLegend(canvas, top);
+  DrawLegend(canvas, top, std::ranges::any_of(episode.robots, [&](const RobotRecord& robot) {
+               return HasOwnGoals(episode, robot);
+             }));
   return canvas.Document(kMargin + 3 * (panel_width + kMargin), top + kLegendPixels, title);
 }
 

@@ -11,7 +11,8 @@ namespace conav::launcher {
 /// trajectories, goals, starts and an arrow for each picture that was sent; the operator's map
 /// before, and after - the cells that differ from the truth marked - and a legend. Colours are
 /// those of Okabe and Ito (told apart with every common colour blindness); each robot also has its
-/// own dash pattern, each kind of mistake its own sign.
+/// own dash pattern, each kind of mistake its own sign. Goals that are a robot's own have its colour
+/// and, among several robots, its name.
 std::string EpisodeSvg(const Episode& episode, std::string_view title);
 
 }  // namespace conav::launcher

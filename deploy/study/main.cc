@@ -4,6 +4,7 @@
 #include <string_view>
 #include <thread>
 
+#include "common/console/option_checks.h"
 #include "common/runtime/log.h"
 #include "common/runtime/stop_token.h"
 #include "study/study_command.h"
@@ -41,7 +42,7 @@ void AddOptions(CLI::App& app, conav::study::StudyOptions& options) {
       ->capture_default_str();
   app.add_option("--robots", options.robots, "Robots that an operator has")->capture_default_str();
   app.add_option("--seed", options.design.seed, "Seed of orders, people and random layouts")
-      ->check(CLI::NonNegativeNumber)
+      ->check(conav::WholeNumber())
       ->capture_default_str();
   options.jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   app.add_option("--jobs", options.jobs, "Episodes at once")->capture_default_str();

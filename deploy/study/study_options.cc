@@ -1,10 +1,13 @@
 #include "study/study_options.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <set>
 
 #include "launcher/demo_weights.h"
+#include "launcher/demo_world.h"
 #include "nhpm/synthesis/annotator_population.h"
 #include "study/run_pieces.h"
 
@@ -38,6 +41,11 @@ Result<void> ValidateMethods(const std::vector<std::string>& methods) {
                 fmt::format("--methods: {} of them; 1 to {}, as a layout can be turned so often "
                             "before it looks the same again",
                             count, kOrientations));
+  }
+  for (const std::string& method : methods) {
+    if (std::ranges::find(launcher::kMethods, method) != launcher::kMethods.end()) continue;
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("--methods: {} is not one of {}", method,
+                                                         fmt::join(launcher::kMethods, ", ")));
   }
   const std::set<std::string> distinct(methods.begin(), methods.end());
   if (distinct.size() == methods.size()) return {};
@@ -76,6 +84,10 @@ Result<void> Validate(const StudyOptions& options) {
   for (const std::string& method : design.methods) {
     demo.method = method;
     if (auto ok = launcher::Validate(demo); !ok) return ok;
+  }
+  for (const std::uint64_t layout : MakeDesign(design).layouts) {
+    demo.maze_seed = layout;
+    if (auto ok = launcher::CheckWorlds(demo); !ok) return ok;
   }
   return launcher::CheckWeights(demo);
 }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/console/console.h"
+#include "common/console/option_checks.h"
 #include "common/runtime/json.h"
 #include "common/runtime/log.h"
 #include "common/runtime/stop_token.h"
@@ -65,7 +66,7 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--seeds", options.seeds, "Seeds, each with every number and order")
       ->capture_default_str();
   app.add_option("--seed", options.seed, "The first of them")
-      ->check(CLI::NonNegativeNumber)
+      ->check(WholeNumber())
       ->capture_default_str();
   app.add_option("--minutes", options.minutes, "Simulation time of a trial")->capture_default_str();
   app.add_option("--goals", options.goals, "Of each robot; more than it can reach")

@@ -54,8 +54,7 @@ int CheckFiles(std::string_view program, const std::vector<FileOption>& inputs,
   for (const auto& [option, path] : outputs) {
     if (path.empty() || path == "-") continue;
     if (const auto writable = CheckWritable(path); !writable) {
-      return Failed(program,
-                    {writable.error().code, fmt::format("{} {}", option, writable.error().text)});
+      return Refused(program, fmt::format("{} {}", option, writable.error().text));
     }
   }
   return 0;

@@ -36,8 +36,7 @@ int ExitCode(std::string_view program, const Result<void>& done);
                                            const nlohmann::ordered_json& document);
 
 /// Before long work rather than after it: whether no output is an input or another output, and
-/// WriteOutput can write to all of them. 0; else prints the reason and gives 2 for the first, 1 for
-/// the second.
+/// WriteOutput can write to all of them. 0; else prints the reason and gives 2.
 int CheckFiles(std::string_view program, const std::vector<FileOption>& inputs,
                const std::vector<FileOption>& outputs);
 

@@ -5,7 +5,17 @@
 
 #include <algorithm>
 
+#include "common/runtime/yaml_file.h"
+
 namespace conav {
+namespace {
+
+/// A key may be anything in YAML, a list even.
+std::string KeyText(const YAML::Node& key) {
+  return key.IsScalar() ? key.Scalar() : YAML::Dump(key);
+}
+
+}  // namespace
 
 ConfigReader::ConfigReader(const YAML::Node& node, std::string path)
     : node_(node), path_(std::move(path)) {
@@ -27,7 +37,7 @@ void ConfigReader::Choice(const std::string& key, std::string& value,
 void ConfigReader::RefuseUnknownKeys() const {
   if (!node_ || !node_.IsMap()) return;
   for (const auto& entry : node_) {
-    const auto key = entry.first.as<std::string>();
+    const std::string key = KeyText(entry.first);
     if (keys_.count(key) == 0) {
       throw StartupError(
           fmt::format("{}: unknown key '{}'; known keys: {}", path_, key, fmt::join(keys_, ", ")));
@@ -41,23 +51,17 @@ void ConfigReader::Refuse(const std::string& key, const std::string& what) const
 }
 
 YAML::Node LoadParameters(const std::filesystem::path& file, const std::string& service) {
-  YAML::Node document;
-  try {
-    document = YAML::LoadFile(file.string());
-  } catch (const YAML::BadFile&) {
-    throw StartupError(fmt::format("{}: cannot read this config file", file.string()));
-  } catch (const YAML::Exception& error) {
-    throw StartupError(fmt::format("{}: not valid YAML: {}", file.string(), error.what()));
+  const auto read = ReadYamlFile(file);
+  if (!read) throw StartupError(read.error().text);
+  const YAML::Node& document = *read;
+  const YAML::Node section = document.IsMap() ? document[service] : YAML::Node();
+  if (section && section.IsMap() && section["ros__parameters"]) return section["ros__parameters"];
+  std::vector<std::string> sections;
+  if (document.IsMap()) {
+    for (const auto& entry : document) sections.push_back(KeyText(entry.first));
   }
-  if (!document.IsMap() || !document[service] || !document[service]["ros__parameters"]) {
-    std::vector<std::string> sections;
-    if (document.IsMap()) {
-      for (const auto& entry : document) sections.push_back(entry.first.as<std::string>());
-    }
-    throw StartupError(fmt::format("{}: no section '{}: ros__parameters:'; sections here: {}",
-                                   file.string(), service, fmt::join(sections, ", ")));
-  }
-  return document[service]["ros__parameters"];
+  throw StartupError(fmt::format("{}: no section '{}: ros__parameters:'; sections here: {}",
+                                 file.string(), service, fmt::join(sections, ", ")));
 }
 
 }  // namespace conav

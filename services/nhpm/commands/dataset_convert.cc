@@ -6,6 +6,7 @@
 #include <sstream>
 #include <vector>
 
+#include "common/console/option_checks.h"
 #include "common/segments/segment_file.h"
 #include "common/segments/segment_json.h"
 #include "common/segments/segment_labels.h"
@@ -179,7 +180,7 @@ void AddSplitCommand(CLI::App& app, int& exit_code) {
   command
       ->add_option("--seed", arguments->seed,
                    "equal seeds split equally: --split-seed of conav train and conav evaluate")
-      ->check(CLI::NonNegativeNumber)
+      ->check(WholeNumber())
       ->capture_default_str();
   command->add_option("--test-share", arguments->shares.test, "of all trajectories")
       ->check(CLI::Range(0.0, 1.0))

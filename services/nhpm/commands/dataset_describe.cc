@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "common/console/option_checks.h"
 #include "common/runtime/file.h"
 #include "common/segments/segment_file.h"
 #include "nhpm/commands/dataset_commands.h"
@@ -78,7 +79,7 @@ void AddDescribeCommand(CLI::App& app, int& exit_code) {
       ->add_option(
           "--segments", arguments->segments,
           "which ones to draw, by their numbers from 0 on: 3,14,15 (default: some with edits)")
-      ->check(CLI::NonNegativeNumber)
+      ->check(WholeNumber())
       ->delimiter(',');
   command->add_flag("--recover", arguments->recover,
                     "of a recording that was cut off, take what is complete");

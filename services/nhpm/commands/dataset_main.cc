@@ -1,6 +1,7 @@
 // conav-dataset: makes, converts and shows segments, what perception models learn from.
 #include <fmt/format.h>
 
+#include "common/console/option_checks.h"
 #include "nhpm/commands/dataset_commands.h"
 
 int main(int argc, char** argv) {
@@ -16,9 +17,7 @@ int main(int argc, char** argv) {
   conav::nhpm::AddExportCommand(app, exit_code);
   conav::nhpm::AddMergeCommand(app, exit_code);
   conav::nhpm::AddSplitCommand(app, exit_code);
-  // CLI11 would only say that it wants a subcommand.
-  const auto is_first = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
-  if (argc > 1 && argv[1][0] != '-' && app.get_subcommands(is_first).empty()) {
+  if (conav::NamesUnknownCommand(app, argc, argv)) {
     return conav::Refused(
         conav::nhpm::kDatasetProgram,
         fmt::format("there is no command '{}'; conav dataset --help lists them", argv[1]));

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "common/console/option_checks.h"
 #include "common/console/progress_line.h"
 #include "common/segments/segment_file.h"
 #include "nhpm/commands/dataset_commands.h"
@@ -127,7 +128,7 @@ void AddOptions(CLI::App& command, Arguments& arguments) {
   command
       .add_option("--seed", options.seed,
                   "equal seeds give equal files; more trajectories begin with the same ones")
-      ->check(CLI::NonNegativeNumber)
+      ->check(WholeNumber())
       ->capture_default_str();
   command.add_option(
       "--population", arguments.population,

@@ -6,6 +6,7 @@
 #include <string>
 #include <thread>
 
+#include "common/console/option_checks.h"
 #include "nhpm/commands/evaluate_command.h"
 
 namespace {
@@ -16,7 +17,7 @@ void AddDataFlags(CLI::App& app, EvaluateArguments& arguments) {
   app.add_option("--data", arguments.data, "Segment file, as conav dataset makes it")->required();
   auto* seed = app.add_option("--split-seed", arguments.split_seed,
                               "Which trajectories are for test: the seed given to conav train")
-                   ->check(CLI::NonNegativeNumber)
+                   ->check(conav::WholeNumber())
                    ->capture_default_str();
   app.add_flag("--all-test", arguments.all_test,
                "Test on the whole file, of which the weights saw nothing; no GLPF-Train row")
@@ -59,7 +60,7 @@ void AddOutputFlags(CLI::App& app, EvaluateArguments& arguments) {
   app.add_option("--segments", arguments.segments,
                  "Test segments that the page shows, numbers from 0 (those with a misplaced near "
                  "wall, a preferred far wall, and where NHPM and GLPF-Test differ most)")
-      ->check(CLI::NonNegativeNumber)
+      ->check(conav::WholeNumber())
       ->delimiter(',');
   app.add_flag("--check", arguments.check,
                "Exit with 1 when a bar is not reached; synthetic data only");

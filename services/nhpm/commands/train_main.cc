@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/console/option_checks.h"
 #include "common/runtime/stop_token.h"
 #include "nhpm/commands/adapt_command.h"
 #include "nhpm/commands/train_command.h"
@@ -63,11 +64,11 @@ void AddOptimiserFlags(CLI::App& app, Flags& flags) {
       ->capture_default_str()
       ->check(CLI::IsMember({"constant", "linear"}));
   app.add_option("--seed", options.seed, "Of first weights, order and turning of segments")
-      ->check(CLI::NonNegativeNumber)
+      ->check(conav::WholeNumber())
       ->capture_default_str();
   app.add_option("--split-seed", flags.train.split_seed,
                  "Decides which trajectories are for learning, validation and test")
-      ->check(CLI::NonNegativeNumber)
+      ->check(conav::WholeNumber())
       ->capture_default_str();
 }
 

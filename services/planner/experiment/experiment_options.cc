@@ -6,8 +6,10 @@
 #include <chrono>
 #include <thread>
 
+#include "common/console/option_checks.h"
 #include "common/console/progress_line.h"
 #include "nhpm/model/load_model.h"
+#include "sim/world/maze_presets.h"
 
 namespace conav::planner {
 namespace {
@@ -21,6 +23,23 @@ EpisodeListener Progress(ProgressLine& line) {
     const double left = spent / static_cast<double>(done) * static_cast<double>(of - done);
     line.ShowNowAndThen(fmt::format("{} of {} episodes, {} left", done, of, DurationText(left)));
   };
+}
+
+CLI::Validator MazePreset() {
+  return {[](const std::string& name) {
+            const auto preset = sim::FindMazePreset(name);
+            return preset ? "" : preset.error().text;
+          },
+          ""};
+}
+
+std::shared_ptr<const nhpm::EditModel> ModelOf(const ExperimentOptions& options) {
+  if (options.model == kGlpfModel && !options.weights.empty()) {
+    throw StartupError("--weights: --model glpf has none");
+  }
+  auto model = nhpm::LoadEditModel(options.model, options.weights, {});
+  if (!model) throw StartupError("--weights " + model.error().text);
+  return *std::move(model);
 }
 
 }  // namespace
@@ -37,8 +56,10 @@ void AddExperimentOptions(CLI::App& app, const std::vector<std::string>& operato
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   app.add_option("--first-seed", experiment.first_seed, "Seed of the first maze")
+      ->check(WholeNumber())
       ->capture_default_str();
   app.add_option("--preset", experiment.preset, "Of the mazes; ./conav maze --help lists them")
+      ->check(MazePreset())
       ->capture_default_str();
   app.add_option("--model", options.model, "Who predicts the operator's edits")
       ->check(CLI::IsMember({"nhpm", "glpf"}))
@@ -57,10 +78,9 @@ void AddExperimentOptions(CLI::App& app, const std::vector<std::string>& operato
 
 Result<std::vector<ExperimentEpisode>> PlayExperiment(const SearchExperiment& experiment,
                                                       const ExperimentOptions& options) {
-  const auto model = nhpm::LoadEditModel(options.model, options.weights, {});
-  if (!model) return tl::unexpected(model.error());
+  const auto model = ModelOf(options);
   ProgressLine line;
-  return RunSearchExperiment(experiment, *model, Progress(line));
+  return RunSearchExperiment(experiment, model, Progress(line));
 }
 
 }  // namespace conav::planner

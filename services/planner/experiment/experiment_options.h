@@ -24,7 +24,8 @@ struct ExperimentOptions {
 void AddExperimentOptions(CLI::App& app, const std::vector<std::string>& operators,
                           ExperimentOptions& options);
 
-/// Plays `experiment`, with a progress line. Errors: the model's, those of RunSearchExperiment.
+/// Plays `experiment`, with a progress line. Errors: those of RunSearchExperiment. Throws
+/// StartupError when there is no such model.
 [[nodiscard]] Result<std::vector<ExperimentEpisode>> PlayExperiment(
     const SearchExperiment& experiment, const ExperimentOptions& options);
 

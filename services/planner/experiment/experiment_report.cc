@@ -12,8 +12,16 @@ std::string WithInterval(const VariantSummary::Figure& figure, int digits) {
                      figure.interval.high, digits);
 }
 
+std::string WithInterval(const std::optional<VariantSummary::Figure>& figure, int digits) {
+  return figure ? WithInterval(*figure, digits) : "-";
+}
+
 nlohmann::ordered_json ToJson(const VariantSummary::Figure& figure) {
   return {{"mean", figure.mean}, {"low", figure.interval.low}, {"high", figure.interval.high}};
+}
+
+nlohmann::ordered_json ToJson(const std::optional<VariantSummary::Figure>& figure) {
+  return figure ? ToJson(*figure) : nlohmann::ordered_json(nullptr);
 }
 
 }  // namespace

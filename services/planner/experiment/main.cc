@@ -1,7 +1,10 @@
 // conav-experiment: compares variants of the search, and communication policies, over many mazes.
+#include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
 
 #include "common/console/console.h"
+#include "common/console/option_checks.h"
 #include "common/runtime/result.h"
 #include "planner/experiment/experiment_options.h"
 #include "planner/experiment/experiment_report.h"
@@ -72,6 +75,11 @@ int main(int argc, char** argv) {
   AddOptions(*search, arguments);
   TradeoffArguments tradeoff_arguments;
   const CLI::App* tradeoff = AddTradeoffCommand(app, tradeoff_arguments);
+  if (conav::NamesUnknownCommand(app, argc, argv)) {
+    return conav::Refused(
+        kProgram,
+        fmt::format("there is no experiment '{}'; there are search and tradeoff", argv[1]));
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -80,6 +88,6 @@ int main(int argc, char** argv) {
   try {
     return tradeoff->parsed() ? RunTradeoff(tradeoff_arguments) : Run(arguments);
   } catch (const conav::StartupError& error) {
-    return conav::Failed(kProgram, {conav::ErrorCode::kInvalidArgument, error.what()});
+    return conav::Refused(kProgram, error.what());
   }
 }

@@ -76,7 +76,7 @@ VariantSummary SummarizeOne(std::span<const ExperimentEpisode> episodes) {
   }
   summary.goals_share = goals.Summarize();
   summary.moves = moves.Summarize();
-  summary.moves_ratio = ratio.Summarize();
+  if (summary.all_goals > 0) summary.moves_ratio = ratio.Summarize();
   summary.pictures = pictures.Summarize();
   summary.turning_rad = turning.Summarize();
   summary.mapping_accuracy = accuracy.Summarize();

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,7 +43,8 @@ struct VariantSummary {
   };
   Figure goals_share;  // goals reached over goals
   Figure moves;
-  Figure moves_ratio;  // moves over the optimal tour; of episodes that reached all goals
+  /// Moves over the optimal tour, of the episodes that reached all goals; nothing without such.
+  std::optional<Figure> moves_ratio;
   Figure pictures;
   Figure turning_rad;  // on the spot, for moves and views
   Figure mapping_accuracy;

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "common/runtime/result.h"
+#include "common/runtime/yaml_file.h"
 #include "nhpm/model/load_model.h"
 
 namespace conav::planner {
@@ -20,23 +21,24 @@ struct VariantKeys {
   }
 };
 
-}  // namespace
-
-std::vector<SearchVariant> ReadSearchVariants(const std::filesystem::path& file) {
-  YAML::Node document;
-  try {
-    document = YAML::LoadFile(file.string());
-  } catch (const YAML::Exception& error) {
-    throw StartupError(file.string() + ": " + error.what());
-  }
-  const YAML::Node section = document["search_variants"];
+/// Not empty.
+YAML::Node VariantsIn(const YAML::Node& document, const std::filesystem::path& file) {
+  const YAML::Node section = document.IsMap() ? document["search_variants"] : YAML::Node();
   if (!section || !section.IsMap() || section.size() == 0) {
     throw StartupError(file.string() + ": no map search_variants: {NAME: {...}}");
   }
+  return section;
+}
+
+}  // namespace
+
+std::vector<SearchVariant> ReadSearchVariants(const std::filesystem::path& file) {
+  const auto document = ReadYamlFile(file);
+  if (!document) throw StartupError(document.error().text);
   std::vector<SearchVariant> variants;
-  for (const auto& entry : section) {
+  for (const auto& entry : VariantsIn(*document, file)) {
     SearchVariant variant;
-    variant.name = entry.first.as<std::string>();
+    variant.name = entry.first.Scalar();
     VariantKeys keys{variant};
     ReadConfig(entry.second, file.string() + ": " + variant.name, keys);
     variants.push_back(std::move(variant));

@@ -1,11 +1,12 @@
 #include "sim/world/map_image.h"
 
 #include <fmt/format.h>
-#include <yaml-cpp/yaml.h>
 
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
+
+#include "common/runtime/yaml_file.h"
 
 namespace conav::sim {
 namespace {
@@ -96,20 +97,13 @@ MapHeader ReadKeys(KeyReader& keys, const std::filesystem::path& folder) {
 }  // namespace
 
 Result<MapHeader> ReadMapHeader(const std::filesystem::path& file) {
-  YAML::Node node;
-  try {
-    node = YAML::LoadFile(file.string());
-  } catch (const YAML::BadFile&) {
-    return Fail(ErrorCode::kIo, fmt::format("{}: cannot be read", file.string()));
-  } catch (const YAML::Exception& error) {
-    return Fail(ErrorCode::kMalformed,
-                fmt::format("{}: is no YAML: {}", file.string(), error.what()));
-  }
-  if (!node.IsMap()) {
+  const auto node = ReadYamlFile(file);
+  if (!node) return tl::unexpected(node.error());
+  if (!node->IsMap()) {
     return Fail(ErrorCode::kMalformed,
                 fmt::format("{}: is no map_server file: no keys", file.string()));
   }
-  KeyReader keys(node, file.string());
+  KeyReader keys(*node, file.string());
   const MapHeader header = ReadKeys(keys, file.parent_path());
   if (keys.error().has_value()) return tl::unexpected(*keys.error());
   return header;

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "common/console/option_checks.h"
 #include "common/runtime/json.h"
 #include "sim/world/maze_presets.h"
 
@@ -64,18 +65,19 @@ void AddFlags(CLI::App& app, Arguments& arguments) {
   AddStyleFlags(app, arguments);
   auto* seed = app.add_option("--seed", arguments.seed,
                               "labmaze's own seed, given to the generator as it is");
-  seed->capture_default_str();
+  seed->check(conav::WholeNumber())->capture_default_str();
   auto* paper_seed = app.add_option(
       "--paper-seed", arguments.paper_seed,
       "a seed as the paper gives it (234, 666, 9): mapped to labmaze's seed as MemoryMaze does; "
       "shows generation 2 unless told otherwise");
-  paper_seed->excludes(seed);
+  paper_seed->check(conav::WholeNumber())->excludes(seed);
   app.add_option("--generation", arguments.generation,
                  "1 = the first maze of a labmaze object, 2 = after one regeneration, ...")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   app.add_option("--json", arguments.json, "write JSON to this file, - = standard output")
       ->expected(0, 1)
+      ->check(conav::WritableFile())
       ->default_str("-");
 }
 

@@ -7,13 +7,14 @@
 #include <exception>
 #include <nlohmann/json.hpp>
 
+#include "common/console/option_checks.h"
 #include "common/runtime/json.h"
 #include "common/runtime/log.h"
 
 namespace conav::bench {
 
 void AddUsualOptions(CLI::App& app, std::string& json_file, int& rounds) {
-  app.add_option("--json", json_file, "Write figures to this file");
+  app.add_option("--json", json_file, "Write figures to this file")->check(WritableFile());
   app.add_option("--rounds", rounds, "Repetitions; medians are over these")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));

@@ -7,7 +7,7 @@
 
 namespace conav::bench {
 
-/// The options that every benchmark has.
+/// The options that every benchmark has. A file that cannot be written is wrong use.
 void AddUsualOptions(CLI::App& app, std::string& json_file, int& rounds);
 
 /// Shows on a terminal how far it is; nothing elsewhere. `round` from 0.

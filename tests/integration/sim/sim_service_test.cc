@@ -173,7 +173,7 @@ TEST_CASE("impossible configs stop the start with what is wrong", "[sim][integra
   }
   SECTION("map") {
     config.map.yaml = "/none.yaml";
-    CHECK(RefusalOf(config) == "/none.yaml: cannot be read");
+    CHECK(RefusalOf(config) == "/none.yaml: no such file");
   }
   SECTION("start that is no cell") {
     config.starts = {{1, 2, 3}};

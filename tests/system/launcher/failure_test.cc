@@ -175,6 +175,15 @@ TEST_CASE("wrong use of the demo ends with 2 and names the option", "[launcher][
   DemoRun method({"--method", "magic"});
   CHECK(method.Wait(30s) == 2);
   CHECK_THAT(method.Output(), Catch::Contains("--method magic"));
+  DemoRun preset({"--preset", "nope"});
+  CHECK(preset.Wait(30s) == 2);
+  CHECK_THAT(preset.Output(), Catch::Contains("--preset nope") && !Catch::Contains("started"));
+  DemoRun crowd({"--robots", "40"});
+  CHECK(crowd.Wait(30s) == 2);
+  CHECK_THAT(crowd.Output(), Catch::Contains("--robots 40") && !Catch::Contains("started"));
+  DemoRun seed({"--seed", "-1"});
+  CHECK(seed.Wait(30s) == 2);
+  CHECK_THAT(seed.Output(), Catch::Contains("--seed: '-1' is not a whole number"));
   DemoRun map({"--map", "/nowhere.yaml"});
   CHECK(map.Wait(30s) == 2);
   CHECK_THAT(map.Output(), Catch::Contains("/nowhere.yaml"));

@@ -110,8 +110,7 @@ TEST_CASE("the effective config reads back as it was written", "[runtime][config
 }
 
 TEST_CASE("a missing file, bad YAML and a missing section are named", "[runtime][config]") {
-  CHECK_THROWS_WITH(LoadParameters("/none.yaml", "sim"),
-                    "/none.yaml: cannot read this config file");
+  CHECK_THROWS_WITH(LoadParameters("/none.yaml", "sim"), "/none.yaml: no such file");
   const File bad("a: [1");
   CHECK_THROWS_WITH(LoadParameters(bad.path(), "sim"),
                     Catch::StartsWith(bad.path().string() + ": not valid YAML"));
@@ -120,6 +119,18 @@ TEST_CASE("a missing file, bad YAML and a missing section are named", "[runtime]
       LoadParameters(other.path(), "sim"),
       other.path().string() + ": no section 'sim: ros__parameters:'; sections here: planner, nhpm");
   CHECK_THROWS_AS(LoadParameters(other.path(), "nhpm"), StartupError);
+}
+
+TEST_CASE("a config file that is no mapping, or a folder, is refused", "[runtime][config]") {
+  const std::string no_section = ": no section 'sim: ros__parameters:'; sections here: ";
+  for (const char* text : {"hello", "", "[sim]"}) {
+    const File file(text);
+    CHECK_THROWS_WITH(LoadParameters(file.path(), "sim"), file.path().string() + no_section);
+  }
+  const File scalar("sim: hello\n[a, b]: 1\n");
+  CHECK_THROWS_WITH(LoadParameters(scalar.path(), "sim"), Catch::Contains(no_section + "sim"));
+  CHECK_THROWS_AS(LoadParameters("/proc", "sim"), StartupError);
+  CHECK_THROWS_WITH(Read("{[a, b]: 1}"), Catch::Contains("unknown key '[a, b]'"));
 }
 
 }  // namespace conav

@@ -34,7 +34,7 @@ TEST_CASE("weights for maps of another size are refused, naming both", "[launche
   CHECK_THAT(Refusal(options),
              Catch::EndsWith("is for maps of 13 x 13 cells; this run's have 17 x 17"));
   options.preset = "unknown";
-  CHECK(Refusal(options) == "");  // the simulator says it
+  CHECK(Refusal(options) == "");  // CheckWorlds says it
 }
 
 TEST_CASE("the checksum is that of the weights that shall answer", "[launcher][weights]") {

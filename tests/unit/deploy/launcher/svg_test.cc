@@ -28,6 +28,34 @@ TEST_CASE("the picture shows three maps, the way and the picture that was sent",
   CHECK(conav::test::XmlError(svg) == "");
 }
 
+TEST_CASE("among several robots each goal has the colour and the name of its robot",
+          "[launcher][svg]") {
+  const std::string blue = "fill=\"#0072B2\" stroke=\"#000000\"";
+  const std::string orange = "fill=\"#D55E00\" stroke=\"#000000\"";
+  const std::string yellow = "fill=\"#F0E442\" stroke=\"#000000\"";
+  Episode episode = SampleEpisode();
+  const std::string alone = EpisodeSvg(episode, "");
+  CHECK(Count(alone, yellow) == 2);  // the goal and the legend
+  CHECK(Count(alone, ">goal<") == 1);
+  CHECK(Count(alone, ">r1<") == 1);  // its start
+
+  episode.robots.push_back(episode.robots[0]);
+  episode.robots[1].name = "r2";
+  CHECK(Count(EpisodeSvg(episode, ""), yellow) == 2 + 1);  // shared
+
+  episode.robots[1].goals = {{1, 1}, {2, 3}};
+  const std::string own = EpisodeSvg(episode, "");
+  CHECK(Count(own, yellow) == 0);
+  CHECK(Count(own, blue) == 1 + 1);
+  CHECK(Count(own, orange) == 2);
+  CHECK(Count(own, ">r1<") == 1 + 1);
+  CHECK(Count(own, ">r2<") == 1 + 2);
+  CHECK(Count(own, ">its goal<") == 1);
+
+  episode.robots[1].world = "w2";
+  CHECK(Count(EpisodeSvg(episode, ""), yellow) == 2);  // alone in its world
+}
+
 TEST_CASE("each mistake of the operator's map is marked by its kind", "[launcher][svg]") {
   const std::string svg = EpisodeSvg(SampleEpisode(), "");
   // before, after (nothing was edited) and the legend; a cross is two lines, the legend has one

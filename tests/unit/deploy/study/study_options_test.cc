@@ -54,7 +54,7 @@ TEST_CASE("Numbers and methods that cannot be are refused by the option's name",
   CHECK_THAT(Refusal(options), Catch::StartsWith("--robots 0"));
   options = Good();
   options.design.methods = {"ig-mcts", "magic"};
-  CHECK_THAT(Refusal(options), Catch::StartsWith("--method magic"));
+  CHECK_THAT(Refusal(options), Catch::StartsWith("--methods: magic is not one of ig-mcts, instr"));
   options.design.methods = {"teleop", "teleop"};
   CHECK(Refusal(options) == "--methods: one is named twice");
   options.design.methods = {"a", "b", "c", "d", "e"};
@@ -68,6 +68,13 @@ TEST_CASE("Several jobs need more than the one domain that the environment leave
   CHECK(Refusal(options).empty());
   options.jobs = 2;
   CHECK(Refusal(options) == "--jobs 2: CONAV_DOMAIN leaves one DDS domain for all of them");
+}
+
+TEST_CASE("More robots than a layout has room for are refused with its seed", "[study][options]") {
+  StudyOptions options = Good();
+  options.robots = 24;
+  CHECK_THAT(Refusal(options),
+             Catch::StartsWith("--robots 24: the world of seed 234 has room for"));
 }
 
 TEST_CASE("An episode becomes a demo with its own world, seed, person and folder",

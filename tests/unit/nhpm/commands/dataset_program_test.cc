@@ -144,10 +144,10 @@ TEST_CASE("wrong use, missing files and a full disk have their exit codes", "[nh
   CHECK(desk.Run("split data.pb.zst --out-prefix part --seed -1").exit_code == 2);
   CHECK(desk.Run("describe none.pb.zst").exit_code == 1);
   CHECK(desk.Run("merge data.pb.zst --out /dev/full").exit_code == 1);
-  CHECK(desk.Run("merge data.pb.zst --out none/data.pb.zst").exit_code == 1);
+  CHECK(desk.Run("merge data.pb.zst --out none/data.pb.zst").exit_code == 2);
   CHECK(desk.Run("export data.pb.zst --out /dev/full").exit_code == 1);
   CHECK(desk.Run("describe data.pb.zst --json /dev/full").exit_code == 1);
-  CHECK(desk.Run("describe data.pb.zst --svg none/data.svg").exit_code == 1);
+  CHECK(desk.Run("describe data.pb.zst --svg none/data.svg").exit_code == 2);
 }
 
 }  // namespace

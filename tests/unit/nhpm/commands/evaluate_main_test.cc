@@ -260,8 +260,16 @@ TEST_CASE("Files that are not what they should be are named", "[nhpm][evaluate]"
   const std::string large = WriteWeights(folder / "large.nhpm", data, 13);
   refuses(fmt::format("--data {} --weights {}", data, large), "large.nhpm");
   refuses(fmt::format("--data {} --weights {}", data, large), "13 x 13");
-  refuses(fmt::format("--data {} --weights {} --json {}/none/r.json", data, weights, folder / ""),
-          "none/r.json");
+}
+
+TEST_CASE("An output that cannot be written is wrong use, found before the work",
+          "[nhpm][evaluate]") {
+  const Folder folder;
+  const Ended ended =
+      Run(fmt::format("--data {} --json {}", folder / "none", folder / "no/r.json"));
+  CHECK(ended.exit_code == 2);
+  CHECK_THAT(ended.text(), Catch::StartsWith("conav evaluate: --json ") &&
+                               Catch::Contains("no/r.json: cannot write"));
 }
 
 TEST_CASE("Synthetic data without its annotators has no oracle and says why", "[nhpm][evaluate]") {

@@ -163,7 +163,7 @@ TEST_CASE("conav-train knows before the first epoch that it cannot write", "[nhp
         "--out " + (folder / "")}) {
     const Outcome outcome =
         Run("--data " + (folder / "data.pb.zst") + " --epochs 1000000 " + flags);
-    CHECK(outcome.exit_code == 1);
+    CHECK(outcome.exit_code == 2);
     CHECK_THAT(outcome.text, Catch::Contains("cannot write"));
   }
 }

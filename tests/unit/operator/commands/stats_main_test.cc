@@ -63,10 +63,16 @@ TEST_CASE("Data that cannot be read ends with 1 and names file, line and column"
   fails("/none.csv", "/none.csv: no such file");
   const std::string wrong = Written(folder, "subject,a,b\np1,1,2\np2,1,two\n");
   fails(wrong, wrong + ":3: column 'b': 'two' is not a number");
+}
+
+TEST_CASE("A file that cannot be written is wrong use, found before the data is read",
+          "[operator][stats]") {
+  const test::TemporaryFolder folder;
   const std::string nowhere = (folder / "none" / "r.json").string();
-  fails(fmt::format("{} --json {}", kErgoStool, nowhere),
-        "--json " + nowhere + ": cannot write: there is no folder " +
-            std::filesystem::path(nowhere).parent_path().string());
+  const Ended ended = Run("/none.csv --json " + nowhere);
+  CHECK(ended.exit_code == 2);
+  CHECK(ended.text() == "conav stats: --json " + nowhere + ": cannot write: there is no folder " +
+                            std::filesystem::path(nowhere).parent_path().string() + "\n");
 }
 
 TEST_CASE("A subject that is left out is named on the way to a result", "[operator][stats]") {

@@ -33,30 +33,43 @@ TEST_CASE("conav-experiment draws the trade-off of pictures and moves", "[planne
   CHECK_THAT(ReadFile(desk / "t.svg").value(), Contains("</svg>"));
 }
 
-TEST_CASE("conav-experiment refuses wrong use with 2, what it cannot do with 1",
+TEST_CASE("conav-experiment refuses wrong use with 2 and says what is wrong",
           "[planner][experiment]") {
   const test::ProgramDesk desk("conav-experiment");
   CHECK(desk.Run("").exit_code == 2);
   CHECK(desk.Run("search --operators grumpy").exit_code == 2);
   CHECK(desk.Run("search --seeds 0").exit_code == 2);
   CHECK(desk.Run("--help").exit_code == 0);
-  const auto unknown = desk.Run("search --variants best");
-  CHECK(unknown.exit_code == 1);
-  CHECK_THAT(unknown.error, Contains("no variant best") && Contains("paper-literal"));
-  const auto weights = desk.Run("search --seeds 1 --weights none.nhpm");
-  CHECK(weights.exit_code == 1);
-  CHECK_THAT(weights.error, Contains("none.nhpm"));
+  const auto refuses = [&](const std::string& arguments, const std::string& why) {
+    CAPTURE(arguments);
+    const auto outcome = desk.Run(arguments);
+    CHECK(outcome.exit_code == 2);
+    CHECK(outcome.out.empty());
+    CHECK_THAT(outcome.error, Contains(why));
+  };
+  refuses("sweep", "there is no experiment 'sweep'; there are search and tradeoff");
+  refuses("search --first-seed -1", "--first-seed: '-1' is not a whole number");
+  for (const std::string experiment : {"search ", "tradeoff "}) {
+    refuses(experiment + "--preset round", "maze preset \"round\" is unknown");
+    refuses(experiment + "--weights none.nhpm", "--weights none.nhpm: no such file");
+    refuses(experiment + "--model glpf --weights none.nhpm", "--weights: --model glpf has none");
+    refuses(experiment + "--variants-file none.yaml", "experiment: none.yaml: no such file");
+  }
+  for (const std::string option : {"search --variants best", "tradeoff --variant best"}) {
+    refuses(option, "no variant best");
+    refuses(option, "paper-literal");
+  }
+  REQUIRE(WriteFile(desk / "hello.yaml", "hello"));
+  refuses("search --variants-file hello.yaml", "hello.yaml: no map search_variants");
+  refuses("search --variants-file /proc", "/proc: cannot read: Is a directory");
 }
 
 TEST_CASE("an output that cannot be written is found before the work", "[planner][experiment]") {
   const test::ProgramDesk desk("conav-experiment");
   const auto outcome = desk.Run("search --json nowhere/s.json");
-  CHECK(outcome.exit_code == 1);
+  CHECK(outcome.exit_code == 2);
   CHECK_THAT(outcome.error, Contains("nowhere"));
   CHECK_THAT(desk.Run("tradeoff --svg nowhere/t.svg").error, Contains("nowhere"));
-  const auto variant = desk.Run("tradeoff --variant best");
-  CHECK(variant.exit_code == 1);
-  CHECK_THAT(variant.error, Contains("no variant best") && Contains("paper-literal"));
   CHECK(desk.Run("tradeoff --json t.json --csv t.json").exit_code == 2);
 }
 

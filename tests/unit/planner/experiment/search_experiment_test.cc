@@ -73,7 +73,7 @@ TEST_CASE("a summary counts and averages its episodes", "[planner][experiment]")
   CHECK(summaries[0].all_goals == 1);
   CHECK(summaries[0].goals_share.mean == Approx(0.625));
   CHECK(summaries[0].moves.mean == Approx(7.0));
-  CHECK(summaries[0].moves_ratio.mean == Approx(1.2));  // of the episode that got there
+  CHECK(summaries[0].moves_ratio.value().mean == Approx(1.2));  // of the episode that got there
   CHECK(summaries[0].pictures.mean == Approx(6.0));
   CHECK(summaries[0].decision_ms_p50 == 2.0);
 }
@@ -90,6 +90,20 @@ TEST_CASE("the report names variants, operators and where the figures come from"
   REQUIRE(json["rows"].size() == 4);
   CHECK(json["rows"][1]["operator"] == "silent");
   CHECK(json["rows"][0]["moves"]["low"] <= json["rows"][0]["moves"]["mean"]);
+}
+
+TEST_CASE("where nobody arrived there is no ratio to the optimal tour", "[planner][experiment]") {
+  const SearchExperiment experiment = SmallExperiment();
+  std::vector<ExperimentEpisode> episodes(2);
+  for (ExperimentEpisode& episode : episodes) {
+    episode.result = {.goals_reached = 1, .goals = 4, .moves = 30, .optimal_moves = 10};
+  }
+  const auto summaries = Summarize(episodes);
+  const std::string table = ExperimentTable(experiment, summaries);
+  CHECK_THAT(table, Catch::Contains("   0/2     30.0 [30.0, 30.0]     -                     0.0 ["));
+  const auto row = ExperimentJson(experiment, summaries)["rows"][0];
+  CHECK(row["moves_ratio"].is_null());
+  CHECK(row["moves"]["mean"] == 30.0);
 }
 
 TEST_CASE("who is wrong on purpose gets few pictures, and the robot reaches its goals",

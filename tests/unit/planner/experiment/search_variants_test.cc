@@ -62,6 +62,18 @@ TEST_CASE("bad variants are refused by file, variant and key", "[planner][experi
                     Contains("iteration"));
 }
 
+TEST_CASE("what is no map of variants is refused, a folder too", "[planner][experiment]") {
+  const test::TemporaryFolder folder;
+  for (const char* text : {"", "hello", "[search_variants]", "search_variants: hello",
+                           "search_variants: {}", "search_variants: [a]"}) {
+    CHECK_THROWS_WITH(ReadSearchVariants(Write(folder, text)),
+                      Contains("variants.yaml: no map search_variants"));
+  }
+  CHECK_THROWS_WITH(ReadSearchVariants(folder.path()), Contains("cannot read: Is a directory"));
+  CHECK_THROWS_WITH(ReadSearchVariants(Write(folder, "search_variants: {a: hello}")),
+                    Contains("variants.yaml: a: expected a mapping"));
+}
+
 TEST_CASE("the variants that come with conav can be read", "[planner][experiment]") {
   CHECK(ReadSearchVariants(CONAV_BIN_DIR "/../share/conav/config/search_variants.yaml").size() > 5);
 }

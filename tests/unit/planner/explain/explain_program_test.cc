@@ -122,7 +122,7 @@ TEST_CASE("wrong use is exit code 2", "[planner][explain]") {
   CHECK(desk.Run("run --decision x").exit_code == 2);
   CHECK(desk.Run("run --svg a.svg").exit_code == 2);
   CHECK(desk.Run("run --decision 12 --svg - --json -").exit_code == 2);
-  CHECK(desk.Run("run --decision 12 --svg nowhere/a.svg").exit_code == 1);
+  CHECK(desk.Run("run --decision 12 --svg nowhere/a.svg").exit_code == 2);
   CHECK(desk.Run("--help").exit_code == 0);
 }
 

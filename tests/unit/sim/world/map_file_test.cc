@@ -144,12 +144,12 @@ TEST_CASE("bad map files are refused by file, key and value", "[sim][map]") {
   CHECK(refusal_of(std::string(kHeader) + "mode: scale\n") ==
         name + ": mode is not \"trinary\", the one that is understood");
   CHECK(refusal_of("just text") == name + ": is no map_server file: no keys");
-  CHECK_THAT(refusal_of("image: [a"), Catch::StartsWith(name + ": is no YAML"));
+  CHECK_THAT(refusal_of("image: [a"), Catch::StartsWith(name + ": not valid YAML"));
   CHECK(refusal_of(Replaced(kHeader, "map.pgm", "other.pgm")) ==
         (folder.path() / "other.pgm").string() + ": no such image");
   CHECK(refusal_of(Replaced(kHeader, "map.pgm", "map.yaml")) == name + ": is no image");
   CHECK(RefusalOf(LoadMapFile(folder.path() / "none.yaml", {})) ==
-        (folder.path() / "none.yaml").string() + ": cannot be read");
+        (folder.path() / "none.yaml").string() + ": no such file");
 }
 
 TEST_CASE("a map of too few cells is refused", "[sim][map]") {

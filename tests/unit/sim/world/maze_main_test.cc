@@ -90,11 +90,12 @@ TEST_CASE("conav-maze refuses impossible mazes by name, with exit code 2", "[sim
   CHECK(RunMaze("--height 13").exit_code == 2);
   CHECK(RunMaze("--generation 0").exit_code == 2);
   CHECK(RunMaze("--seed many").exit_code == 2);
+  CHECK(RunMaze("--seed -1").exit_code == 2);
   CHECK(RunMaze("--unknown").exit_code == 2);
 }
 
-TEST_CASE("conav-maze fails with exit code 1 when it cannot write", "[sim][maze]") {
-  CHECK(RunMaze("--json /nonexistent/folder/maze.json").exit_code == 1);
+TEST_CASE("conav-maze refuses an output that cannot be written", "[sim][maze]") {
+  CHECK(RunMaze("--json /nonexistent/folder/maze.json").exit_code == 2);
 }
 
 }  // namespace conav::sim

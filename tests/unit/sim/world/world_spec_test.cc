@@ -180,7 +180,7 @@ TEST_CASE("impossible worlds are refused by name and value", "[sim][world]") {
   CHECK_THAT(RefusalOf({.goals_per_robot = 99}), Catch::Contains("of 99 of robot 1 has no place"));
   CHECK(RefusalOf({.wrong_share = 1.5}) ==
         "wrong_share = 1.5 and false_wall_share = 0.5 must be in [0, 1]");
-  CHECK(RefusalOf({.map_yaml = "/none.yaml"}) == "/none.yaml: cannot be read");
+  CHECK(RefusalOf({.map_yaml = "/none.yaml"}) == "/none.yaml: no such file");
   CHECK(RefusalOf({.operator_map_yaml = "plan.yaml"}) ==
         "the operator's map plan.yaml needs a map of the truth");
 }
