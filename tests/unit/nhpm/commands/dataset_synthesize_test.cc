@@ -115,13 +115,14 @@ TEST_CASE("Wrong use has exit code 2, a bad input 1; both make no file", "[nhpm]
   CHECK_FALSE(std::filesystem::exists(file));
 }
 
-TEST_CASE("An output that cannot be written has exit code 1", "[nhpm][synthesis]") {
+TEST_CASE("An output that cannot be written is wrong use, a full disk is not",
+          "[nhpm][synthesis]") {
   const TemporaryFolder folder;
   const std::string file = (folder / "set.pb.zst").string();
   REQUIRE(WriteFile(folder / "file", ""));
   const std::string below = (folder / "file/set").string();
-  CHECK(Synthesize({"--trajectories", "1", "--out", below}) == 1);
-  CHECK(Synthesize({"--trajectories", "1", "--out", file, "--json", below}) == 1);
+  CHECK(Synthesize({"--trajectories", "1", "--out", below}) == 2);
+  CHECK(Synthesize({"--trajectories", "1", "--out", file, "--json", below}) == 2);
   CHECK_FALSE(std::filesystem::exists(file));
   CHECK(Synthesize({"--trajectories", "1", "--out", "/dev/full"}) == 1);
   CHECK(Synthesize({"--trajectories", "1", "--out", file, "--json", "/dev/full"}) == 1);

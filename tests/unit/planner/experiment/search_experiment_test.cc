@@ -100,7 +100,8 @@ TEST_CASE("where nobody arrived there is no ratio to the optimal tour", "[planne
   }
   const auto summaries = Summarize(episodes);
   const std::string table = ExperimentTable(experiment, summaries);
-  CHECK_THAT(table, Catch::Contains("   0/2     30.0 [30.0, 30.0]     -                     0.0 ["));
+  CHECK_THAT(table,
+             Catch::Contains("   0/2     30.0 [30.0, 30.0]     -                     0.0 ["));
   const auto row = ExperimentJson(experiment, summaries)["rows"][0];
   CHECK(row["moves_ratio"].is_null());
   CHECK(row["moves"]["mean"] == 30.0);
