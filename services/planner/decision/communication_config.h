@@ -18,8 +18,8 @@ struct CommunicationConfig {
   double probability = 0.2;       // random: of a picture, per decision
   int every_moves = 5;            // every: a picture is due when so many moves were made since
   double threshold_cells = 1.0;   // threshold: expected edits that make a view worth sending
-  /// Expected edits that a radian of turning outweighs when a rule's heading is chosen; 0 = the most
-  /// informative view, wherever it looks.
+  /// Expected edits that a radian of turning outweighs when a rule's heading is chosen; 0 = the
+  /// most informative view, wherever it looks.
   double turn_cost = 0.0;
 
   void Visit(ConfigReader& reader) {

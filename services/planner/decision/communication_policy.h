@@ -22,17 +22,17 @@ bool GuidanceFails(const Situation& situation);
 
 CommunicationMoment MomentOf(const Situation& situation);
 
-/// A rule that sends pictures in the place of the search, for comparison with it. The heading is the
-/// one with the largest expected information, less what its turn costs, of those not sent yet.
+/// A rule that sends pictures in the place of the search, for comparison with it. The heading is
+/// the one with the largest expected information, less what its turn costs, of those not sent yet.
 /// Threads: one worker's.
 class CommunicationPolicy {
  public:
   virtual ~CommunicationPolicy() = default;
   /// Whether a picture shall be sent before the next move. Asked once per decision.
   virtual bool Wants(const CommunicationMoment& moment) = 0;
-  /// Expected edits, in cells, below which the best view is not sent nevertheless.
+  /// Expected edits, in cells, below which a view is not sent nevertheless.
   virtual double least_information() const { return 0.0; }
-  /// CommunicationConfig::turn_cost.
+  /// CommunicationConfig::turn_cost, expected edits per radian.
   double turn_cost() const { return turn_cost_; }
   void set_turn_cost(double turn_cost) { turn_cost_ = turn_cost; }
 

@@ -11,8 +11,8 @@
 namespace conav::planner {
 
 /// Goes along a guidance path cell by cell and remembers how far it has come, because a tour may
-/// lead through one cell several times. A new path starts at its beginning, and so does the same one
-/// given again.
+/// lead through one cell several times. A new path starts at its beginning, and so does the same
+/// one given again.
 class PathFollower {
  public:
   /// As StandOff.

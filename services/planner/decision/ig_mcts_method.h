@@ -23,10 +23,10 @@ namespace conav::planner {
 
 /// The robot decides by IG-MCTS: moves by itself, and sends the picture that is worth the
 /// operator's attention. It never waits for guidance; the newest path is taken into account at each
-/// decision. With an `estimate` it searches on that instead of the published belief. With a `policy`
-/// that decides when a picture is sent, and the search on the moves only: it plans as if pictures
-/// changed nothing, a branch still ends where it would send one, at the same cost, and none is sent
-/// from where the robot is.
+/// decision. With an `estimate` it searches on that instead of the published belief. With a
+/// `policy` that decides when a picture is sent, and the search on the moves only: it plans as if
+/// pictures changed nothing, a branch still ends where it would send one, at the same cost, and
+/// none is sent from where the robot is.
 class IgMctsMethod final : public Method {
  public:
   IgMctsMethod(const SearchConfig& config, std::uint64_t seed,

@@ -11,9 +11,9 @@
 
 namespace conav::planner {
 
-/// The method called `name` ("ig-mcts", "instruction", "teleop", "greedy") for one robot. `config`, `perception` and
-/// `estimate` (null = the published belief is believed) are used by ig-mcts only and may be shared
-/// between the robots of a world. `clock` outlives the method.
+/// The method called `name` ("ig-mcts", "instruction", "teleop", "greedy") for one robot. `config`,
+/// `perception` and `estimate` (null = the published belief is believed) are used by ig-mcts only
+/// and may be shared between the robots of a world. `clock` outlives the method.
 std::unique_ptr<Method> MakeMethod(const std::string& name, const std::string& robot,
                                    const MethodConfig& config, std::uint64_t seed,
                                    std::shared_ptr<PerceptionModel> perception,

@@ -61,8 +61,8 @@ enum class AwaitedInput {
   kAnswers,   // and an answer to each picture, which so needs the camera's lens
 };
 
-/// One way of supervising a robot: IG-MCTS, instruction following, teleoperation; or none. One object per
-/// robot. Threads: one worker's.
+/// One way of supervising a robot: IG-MCTS, instruction following, teleoperation; or none. One
+/// object per robot. Threads: one worker's.
 class Method {
  public:
   virtual ~Method() = default;

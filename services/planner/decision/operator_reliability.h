@@ -6,13 +6,13 @@
 
 namespace conav::planner {
 
-/// How much of what the perception model expects of an operator they do: measured with each picture,
-/// and a weight for what further pictures are worth. An addition to the paper, whose operator always
-/// means well (docs/paper.md).
+/// How much of what the perception model expects of an operator they do: measured with each
+/// picture, and a weight for what further pictures are worth. An addition to the paper, whose
+/// operator always means well (docs/paper.md).
 ///
-/// Only cells count that the robot knows. Expected are the edits there that would put the map right;
-/// shown is by how many more of these cells the published map is right from then on, below 0 where
-/// edits broke more than they mended:
+/// Only cells count that the robot knows. Expected are the edits there that would put the map
+/// right; shown is by how many more of these cells the published map is right from then on, below 0
+/// where edits broke more than they mended:
 ///
 ///   reliability = (prior + shown) / (prior + expected),   -prior <= shown <= expected
 ///

@@ -15,13 +15,13 @@ struct SearchConfig {
   std::string preset = "default";
   /// Camera headings offered per cell; with the four moves they must fit the search's 64 actions.
   int headings = 8;
-  /// Edits of the operator's map that an operator is trusted with before it is known how far they do
-  /// what is expected of them (operator_reliability.h); 0 = pictures are worth what the perception
-  /// model says, whoever sees them.
+  /// Edits of the operator's map that an operator is trusted with before it is known how far they
+  /// do what is expected of them (operator_reliability.h); 0 = pictures are worth what the
+  /// perception model says, whoever sees them.
   double reliability_prior = 1.0;
   /// Whether an operator's path still guides once the robot knows of a wall on it (the paper has no
-  /// rule). If not, it counts as none until the operator draws another: otherwise the penalty for
-  /// being off the path holds the robot to a way that it cannot go.
+  /// rule), also behind the robot. If not, it counts as none until the operator draws another:
+  /// otherwise the penalty for being off the path holds the robot to a way that it cannot go.
   bool blocked_path_guides = false;
   SearchOptions options;
 

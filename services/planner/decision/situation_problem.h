@@ -10,7 +10,8 @@
 
 namespace conav::planner {
 
-/// The views of the situation's camera in `headings` directions: `kept` if it is of the same camera.
+/// The views of the situation's camera in `headings` directions: `kept` if it is of the same
+/// camera.
 std::shared_ptr<const GridViews> ViewsFor(const Situation& situation, int headings,
                                           std::shared_ptr<const GridViews> kept = nullptr);
 
@@ -18,7 +19,8 @@ std::shared_ptr<const GridViews> ViewsFor(const Situation& situation, int headin
 struct Reliance {
   /// What a view tells the operator is multiplied by this, in [0, 1].
   double information_weight = 1.0;
-  /// Whether a path on which the robot knows of a wall still guides it; if not, it counts as none.
+  /// Whether a path on which the robot knows of a wall, ahead of it or behind, still guides it; if
+  /// not, it counts as none.
   bool blocked_path_guides = false;
 };
 

@@ -9,8 +9,8 @@
 
 namespace conav::planner {
 
-/// What a robot does while another one stands in its way: waits for kPatience, then steps out of the
-/// way at random, so that two that wait for each other do not do so for ever.
+/// What a robot does while another one stands in its way: waits for kPatience, then steps out of
+/// the way at random, so that two that wait for each other do not do so for ever.
 class StandOff {
  public:
   /// `clock` outlives this.

@@ -10,8 +10,8 @@
 namespace conav::planner {
 
 /// Several robots in corridors one cell wide, each decided for by itself, perhaps in several
-/// processes. What they tell each other is the way that each wants and the cells by which each makes
-/// room (RobotWay).
+/// processes. What they tell each other is the way that each wants and the cells by which each
+/// makes room (RobotWay).
 ///
 /// The right of way (RightOfWay): a robot that wants a way goes before one that waits, that before
 /// one without goals; then names in order. Whoever stands on the way of a robot that goes before it

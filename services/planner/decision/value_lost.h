@@ -32,7 +32,8 @@ struct ValueLostOptions {
 double ValueLostPerSecond(const Situation& situation, double answer_value,
                           const ValueLostOptions& options);
 
-/// Discounted return of the tour that ValueLostPerSecond() speaks of; 0 when no goal can be reached.
+/// Discounted return of the tour that ValueLostPerSecond() speaks of; 0 when no goal can be
+/// reached.
 double TourReturn(const Situation& situation, const ValueLostOptions& options);
 
 /// Mean time of the robot's moves so far, with turns and pictures; 2.5 s before its first.

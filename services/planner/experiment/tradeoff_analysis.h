@@ -8,9 +8,9 @@
 
 namespace conav::planner {
 
-/// How IG-MCTS does where another policy stands: its curve over costs of a picture less that policy's
-/// point, so below 0 is better. Infinite where the curve does not get there. The interval is the
-/// 95 % percentile bootstrap over mazes, the same ones for both (paired).
+/// How IG-MCTS does where another policy stands: its curve over costs of a picture less that
+/// policy's point, so below 0 is better. Infinite where the curve does not get there. The interval
+/// is the 95 % percentile bootstrap over mazes, the same ones for both (paired).
 struct TradeoffDifference {
   double value = 0.0;
   Interval interval;

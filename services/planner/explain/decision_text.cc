@@ -58,7 +58,7 @@ std::string ActionRow(const SearchAction& action, const DecisionRecord& decision
   if (action.visits == 0) {
     return row +
            (action.kind == CommandKind::kTransmitView
-                ? fmt::format("   not tried: {:.2f} cells expected\n", action.information_gain)
+                ? fmt::format("   not worth it: {:.2f} cells expected\n", action.information_gain)
                 : std::string("   not tried\n"));
   }
   row += fmt::format(" {:7} {:9.2f}", action.visits, action.mean_value);

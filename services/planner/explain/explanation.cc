@@ -90,23 +90,13 @@ std::string AgainstRunnerUp(const DecisionRecord& decision, const SearchAction& 
                                   : ".");
 }
 
-int UnvisitedGuidance(const DecisionRecord& decision) {
-  std::vector<Cell> cells = decision.guidance;
-  std::sort(cells.begin(), cells.end());
-  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-  return static_cast<int>(std::count_if(cells.begin(), cells.end(), [&](Cell cell) {
-    return std::find(decision.path.begin(), decision.path.end(), cell) == decision.path.end();
-  }));
-}
-
 /// What a picture was expected to change, and its price.
-std::string Price(const DecisionRecord& decision, const SearchAction& picture) {
-  const double cost = picture.information_gain - picture.mean_value;
-  const int unvisited = UnvisitedGuidance(decision);
+std::string Price(const SearchAction& picture) {
   return fmt::format(
-      "was expected to change {:.2f} cells of the operator's map and costs {:.2f}: {:.2f} with its "
-      "turn, and {} for the cells of the operator's path still ahead",
-      picture.information_gain, cost, cost - unvisited, unvisited);
+      "was expected to change {:.2f} cells of the operator's map and costs {:.2f}, its turn and "
+      "the "
+      "operator's path still ahead included",
+      picture.information_gain, picture.information_gain - picture.mean_value);
 }
 
 std::string NoPictures(const SearchReport& report) {
@@ -115,8 +105,10 @@ std::string NoPictures(const SearchReport& report) {
     if (IsPicture(action)) most = std::max(most, action.information_gain);
   }
   if (most < 0.0) return "No picture was offered here: each was sent, and nothing changed since.";
-  return fmt::format("No picture was considered: each promised too little, {:.2f} cells at most.",
-                     most);
+  return fmt::format(
+      "No picture was considered: each promised too little, or less than it costs; {:.2f} cells "
+      "at most.",
+      most);
 }
 
 std::string AgainstMove(const DecisionRecord& decision, const SearchAction& picture,
@@ -132,7 +124,7 @@ std::string AboutPictures(const DecisionRecord& decision, const SearchAction& ta
   if (IsPicture(taken)) {
     const SearchAction* move =
         BestOf(report, [](const auto& action) { return !IsPicture(action); });
-    std::string text = fmt::format("The picture {}.", Price(decision, taken));
+    std::string text = fmt::format("The picture {}.", Price(taken));
     if (move == nullptr) return text + " No move was tried.";
     // A runner-up has been compared already.
     return move == RunnerUp(decision) ? text : text + " " + AgainstMove(decision, taken, *move);
@@ -145,9 +137,8 @@ std::string AboutPictures(const DecisionRecord& decision, const SearchAction& ta
   if (picture == nullptr) return NoPictures(report);
   const double difference = picture->mean_value - taken.mean_value;
   return fmt::format("The best picture, to the {}, {}. It is worth {:.2f}, {} than the move{}.",
-                     HeadingName(picture->heading_rad), Price(decision, *picture),
-                     picture->mean_value, Difference(difference),
-                     difference < 0.0 ? "; it was not worth its cost" : "");
+                     HeadingName(picture->heading_rad), Price(*picture), picture->mean_value,
+                     Difference(difference), difference < 0.0 ? "; it was not worth its cost" : "");
 }
 
 }  // namespace

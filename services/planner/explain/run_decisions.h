@@ -26,8 +26,8 @@ struct RunDecisions {
 
 /// Reads `run`: a run folder with its files decisions*.pb.zst, or such a file.
 /// Errors, for people: kNotFound: no such folder; it has no decisions (it was made before they were
-/// recorded, or by a planner that does not record); no such robot; no such decision, with those that
-/// there are. kMalformed, kIo: a file cannot be read.
+/// recorded, or by a planner that does not record); no such robot; no such decision, with those
+/// that there are. kMalformed, kIo: a file cannot be read.
 [[nodiscard]] Result<RunDecisions> ReadRun(const std::filesystem::path& run,
                                            const DecisionQuery& query);
 

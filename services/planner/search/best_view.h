@@ -16,8 +16,8 @@ struct BestView {
 
 /// Of the views offered at the start of `problem` with `least_information` or more (expected edits,
 /// in cells) the one with the largest information less `turn_cost` for each radian that the robot
-/// turns, the first of equals; nothing where there is none. For who decides by other means than the search that a picture is sent now.
-/// Errors: those of the model.
+/// turns, the first of equals; nothing where there is none. For who decides by other means than the
+/// search that a picture is sent now. Errors: those of the model.
 [[nodiscard]] Result<std::optional<BestView>> FindBestView(const SearchProblem& problem,
                                                            PerceptionModel& model,
                                                            double least_information = 0.0,

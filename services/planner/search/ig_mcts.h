@@ -40,9 +40,10 @@ class IgMcts {
   /// `model` must outlive this.
   IgMcts(const SearchOptions& options, PerceptionModel& model);
 
-  /// One decision. At least one iteration is made, if any action is offered and a goal is left.
-  /// With `memories`, a vector per robot that begins empty, it goes on with the trees of the robot's
-  /// decision before, as far as the options say, and leaves its own.
+  /// One decision. At least one iteration is made, if a move or a view worth sending is offered
+  /// and a goal is left.
+  /// With `memories`, a vector per robot that begins empty, it goes on with the trees of the
+  /// robot's decision before, as far as the options say, and leaves its own.
   /// Errors: those of the perception model; nothing was decided then.
   /// Threads: concurrent calls are fine with a `random` each.
   [[nodiscard]] Result<SearchResult> Decide(const SearchProblem& problem, Random& random,

@@ -16,16 +16,17 @@ namespace conav::planner {
 struct RewardOptions {
   double goal = 100.0;  // r_g
   double step = -1.0;   // R_env of any other step
-  /// c of a picture is communication_cost (1 + m / 10): with 10 the paper's 10 + m. With the paper's
-  /// a picture is never worth its cost where a branch may end without one
-  /// (SearchOptions::optional_pictures), hence less; an experiment chose it (docs/methods.md).
+  /// c of a picture, in expected edits (cells), is communication_cost (1 + m / 10): with 10 the
+  /// paper's 10 + m, which hardly a picture is worth where a branch may end without one
+  /// (SearchOptions::optional_pictures), hence less; an experiment chose it (docs/search.md).
   double communication_cost = 0.25;
   /// Added to a communication as to any other step; the paper does not say so, hence 0.
   double communication_step = 0.0;
 
   /// Of the turn that a view costs, per radian between the way that the robot came and the view's
   /// heading; an addition to the paper, where turning is free. A move from cell to cell costs
-  /// `step`; turning there and back takes a robot of the simulator about as long as one move a radian.
+  /// `step`; turning there and back takes a robot of the simulator about as long as one move a
+  /// radian.
   double view_turn = 1.0;
 
   /// Weight of the progress term, an addition to the paper (which allows for one, section 5.1).
@@ -86,8 +87,9 @@ inline double MoveReward(const PathState& path, const RewardOptions& options) {
 /// What it costs to look towards `heading_rad` at the end of `path`.
 double TurnCost(const PathState& path, double heading_rad, const RewardOptions& options);
 
-/// Of sending a view towards `heading_rad`: R_info - c - TurnCost(). `information` is E||x' - x||_1 = ||p_add||_1 + ||p_remove||_1
-/// (section 5.2). No guidance or smoothness term, as no new state is entered.
+/// Of sending a view towards `heading_rad`: R_info - c - TurnCost(). `information` is E||x' - x||_1
+/// = ||p_add||_1 + ||p_remove||_1 (section 5.2). No guidance or smoothness term, as no new state is
+/// entered.
 double CommunicationReward(const PathState& path, double heading_rad, double information,
                            const RewardOptions& options);
 

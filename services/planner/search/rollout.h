@@ -11,8 +11,9 @@
 namespace conav::planner {
 
 /// Stage 3 of an iteration: random actions from the end of a path until a goal is reached, a view
-/// is sent or the depth is used up (procedure ROLLOUT, appendix C). Whether an unknown cell is free
-/// is drawn once per rollout and remembered; a robot that cannot move stays where it is (A8).
+/// is sent (or would be, if it were worth its cost) or the depth is used up (procedure ROLLOUT,
+/// appendix C). Whether an unknown cell is free is drawn once per rollout and remembered; a robot
+/// that cannot move stays where it is (A8).
 ///
 /// Its moves are kept apart from the path: what a move needs lies in a few kilobytes, and the path
 /// is walked only when a view is asked about. A move takes one draw of a SplitMix64 that is seeded

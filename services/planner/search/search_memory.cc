@@ -64,7 +64,8 @@ void CopyChildren(const SearchTree& tree, int from, const OfferedActions& offere
 void SearchMemory::Keep(const SearchProblem& problem, const OfferedActions& offered,
                         SearchTree tree) {
   kept_.emplace(Kept{std::move(tree), offered, PathToStart(problem), problem.goals_left,
-                     problem.guidance, problem.guided_before, problem.belief});
+                     problem.guidance, problem.guided_before, problem.belief,
+                     problem.information_weight});
 }
 
 std::optional<SearchTree> SearchMemory::BranchFor(const SearchProblem& problem,
@@ -74,10 +75,10 @@ std::optional<SearchTree> SearchMemory::BranchFor(const SearchProblem& problem,
   if (!kept_ || options.tree_reuse == TreeReuse::kNone) return std::nullopt;
   std::vector<Cell> path = kept_->path;
   path.push_back(problem.graph.CellOf(problem.start));
-  const bool same = kept_->goals_left == problem.goals_left &&
-                    kept_->guidance == problem.guidance &&
-                    kept_->guided_before == problem.guided_before &&
-                    kept_->belief == problem.belief && path == PathToStart(problem);
+  const bool same =
+      kept_->goals_left == problem.goals_left && kept_->guidance == problem.guidance &&
+      kept_->guided_before == problem.guided_before && kept_->belief == problem.belief &&
+      kept_->information_weight == problem.information_weight && path == PathToStart(problem);
   if (!same) return std::nullopt;
   if (options.tree_reuse == TreeReuse::kUnchanged && kept_->offered != offered) {
     return std::nullopt;

@@ -32,6 +32,7 @@ class SearchMemory {
     std::vector<Cell> guidance;
     bool guided_before;
     BeliefGrid belief;
+    double information_weight;
   };
 
   std::optional<Kept> kept_;

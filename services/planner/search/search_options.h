@@ -43,16 +43,16 @@ enum class ViewQuestions {
   kPlace,   // all views of the place that are not known yet, in one batch: fewest round trips
 };
 
-/// Parameters of IG-MCTS. Defaults are what an experiment chose (docs/search.md); PaperOptions() are
-/// the printed numbers.
+/// Parameters of IG-MCTS. Defaults are what an experiment chose (docs/search.md); PaperOptions()
+/// are the printed numbers.
 struct SearchOptions {
   /// n: budget of a decision. With `time_budget_ms` > 0 the decision ends at that wall time too,
   /// whichever is first.
   int iterations = 2000;
   double time_budget_ms = 0.0;
   /// Trees that grow side by side from the same root, n iterations each, and the threads that they
-  /// grow on: for a single robot on a machine with idle cores. Threads change no result, unless time
-  /// runs out.
+  /// grow on: for a single robot on a machine with idle cores. Threads change no result, unless
+  /// time runs out.
   int trees = 1;
   int tree_threads = 1;
   double exploration_constant = 5.0;  // k; returns are not normalised (A28)
@@ -71,10 +71,11 @@ struct SearchOptions {
   ViewQuestions view_questions = ViewQuestions::kSingle;  // of no influence on what is decided
   /// Offer views again that were sent already (the paper has no rule against it, A30).
   bool offers_sent_views = false;
-  /// Below the root a branch that ends with a picture is worth max(0, R_info - c - turn): the robot
-  /// need not send it. The robot sends one now only if that is above 0 and above all moves. Without
-  /// this (the paper) every branch ends with a picture or a goal, so that what a picture costs is
-  /// paid in all of them and hardly decides anything.
+  /// Below the root a picture is worth max(0, R_info - c - turn): the robot need not send it, and
+  /// the branch ends there without it (only where a view is offered; elsewhere it goes on). At the
+  /// root one is tried only if that is above 0. Without this (the paper) nearly every branch ends
+  /// with a picture or a goal, so that what a picture costs is paid in all and only postpones
+  /// pictures.
   bool optional_pictures = true;
   /// A view is sent only if it is expected to change at least this many cells of the operator's
   /// map. Holds for the decision itself, not deeper in the tree, where a communication stands for

@@ -9,6 +9,7 @@
 #include "planner/search/perception_model.h"
 #include "planner/search/rollout.h"
 #include "planner/search/search_memory.h"
+#include "planner/search/search_options.h"
 #include "planner/search/search_problem.h"
 #include "planner/search/search_tree.h"
 
@@ -18,13 +19,13 @@ namespace conav::planner {
 /// Threads: one at a time.
 class TreeSearch {
  public:
-  /// All arguments must outlive this. Goes on with the branch that `memory` holds, if there is one
-  /// for the problem.
+  /// All arguments but `memory` must outlive this. Goes on with the branch that it holds, if there
+  /// is one for the problem.
   TreeSearch(const SearchOptions& options, const SearchProblem& problem, PerceptionModel& model,
              Random& random, const SearchMemory* memory);
 
-  /// Prepares the root: views that are not worth sending are not tried there. False when nothing can
-  /// or need be decided. Errors: those of the perception model, as of Iterate().
+  /// Prepares the root: views that are not worth sending are not tried there. False when nothing
+  /// can or need be decided. Errors: those of the perception model, as of Iterate().
   [[nodiscard]] Result<bool> Start();
   [[nodiscard]] Result<void> Iterate();
 

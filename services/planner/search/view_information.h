@@ -12,8 +12,8 @@
 
 namespace conav::planner {
 
-/// R_info of the views offered at the end of a path, asked of the perception model when it is wanted
-/// and remembered within one decision.
+/// R_info of the views offered at the end of a path, asked of the perception model when it is
+/// wanted and remembered within one decision.
 ///
 /// Nothing is approximated: the key is the whole set of cells in tau together with the place and
 /// the view, and an answer depends on tau as a set only. A search looks at few of a place's views,

@@ -192,8 +192,9 @@ void PlainSearch::Expand(const SearchProblem& problem, Node& node, Random& rando
   } else {
     child->reward = CommunicationReward(problem, node.walk, action - moves,
                                         Information(problem, node.walk, action - moves));
-    if (node.parent != nullptr && options_.optional_pictures)
+    if (node.parent != nullptr && options_.optional_pictures) {
       child->reward = std::max(0.0, child->reward);
+    }
     child->terminal = true;
   }
   node.children.push_back(std::move(child));

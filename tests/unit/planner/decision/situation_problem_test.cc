@@ -5,8 +5,8 @@
 namespace conav::planner {
 namespace {
 
-/// An open room of 3 x 5 cells of which the robot has seen the left half; the operator's path leads
-/// through it from left to right.
+/// An open room of 3 x 5 cells of which the robot has seen three; the operator's path leads through it
+/// from left to right.
 Situation InARoom() {
   Situation situation;
   situation.state.cell = {2, 1};

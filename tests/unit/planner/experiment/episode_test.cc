@@ -31,6 +31,11 @@ class Player {
   SteadyClock clock_;
 };
 
+TEST_CASE("steps are estimated from moves and turning", "[planner][experiment]") {
+  CHECK(EstimatedLowLevelSteps(0.0, 0.0) == 0.0);
+  CHECK(EstimatedLowLevelSteps(20.0, 10.0) == Approx(140.6 + 37.3));
+}
+
 TEST_CASE("an episode ends with all goals, and its figures agree", "[planner][experiment]") {
   Player player;
   const EpisodeResult result = player.Play("ig-mcts", "careful", 3);

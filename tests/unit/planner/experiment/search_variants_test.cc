@@ -32,6 +32,8 @@ TEST_CASE("variants are read in their order, as changes of the preset", "[planne
   CHECK(variants[2].config.options.reward.goal == 30.0);
   CHECK(variants[0].config.reliability_prior > 0.0);
   CHECK(variants[2].config.reliability_prior == 0.0);  // the paper has none
+  CHECK_FALSE(variants[0].config.blocked_path_guides);
+  CHECK(variants[2].config.blocked_path_guides);
 }
 
 TEST_CASE("a variant may say who decides on pictures, and be greedy", "[planner][experiment]") {

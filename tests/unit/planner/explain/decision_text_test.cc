@@ -22,7 +22,8 @@ TEST_CASE("a decision is told with its situation, its actions and why", "[planne
   REQUIRE(other != std::string::npos);
   CHECK(taken < other);
   CHECK_THAT(text, Catch::Contains("60    101.00      100.00      0.00      1.00"));
-  CHECK_THAT(text, Catch::Contains("picture to the west          not tried: 0.06 cells expected"));
+  CHECK_THAT(text,
+             Catch::Contains("picture to the west          not worth it: 0.06 cells expected"));
   CHECK_THAT(text, Catch::Contains("Taken: move east to (2,3)"));
 }
 

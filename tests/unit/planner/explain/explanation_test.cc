@@ -28,13 +28,13 @@ TEST_CASE("a move is explained by what the runner-up lacks and what a picture wo
         "(-3.50) and goals (-3.00).");
   CHECK(why[2] ==
         "The best picture, to the north, was expected to change 2.75 cells of the operator's map "
-        "and costs 12.00: 10.00 with its turn, and 2 for the cells of the operator's path still "
-        "ahead. It is worth -9.25, 110.25 less than the move; it was not worth its cost.");
+        "and costs 12.00, its turn and the operator's path still ahead included. It is worth "
+        "-9.25, 110.25 less than the move; it was not worth its cost.");
 }
 
 constexpr const char* kPriceOfPicture =
-    "The picture was expected to change 120.00 cells of the operator's map and costs 12.00: 10.00 "
-    "with its turn, and 2 for the cells of the operator's path still ahead.";
+    "The picture was expected to change 120.00 cells of the operator's map and costs 12.00, its "
+    "turn and the operator's path still ahead included.";
 
 TEST_CASE("a picture is explained by its gain and its cost", "[planner][explain]") {
   const auto why = Why(SamplePicture(13));
@@ -77,7 +77,8 @@ TEST_CASE("where no picture was considered it is said why", "[planner][explain]"
   DecisionRecord decision = SampleDecision();
   decision.report.actions[2].visits = 0;
   CHECK(Why(decision)[2] ==
-        "No picture was considered: each promised too little, 2.75 cells at most.");
+        "No picture was considered: each promised too little, or less than it costs; 2.75 cells at "
+        "most.");
   decision.report.actions.resize(2);
   CHECK(Why(decision)[2] ==
         "No picture was offered here: each was sent, and nothing changed since.");

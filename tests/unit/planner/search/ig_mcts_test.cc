@@ -1,5 +1,6 @@
 #include "planner/search/ig_mcts.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "planner/search/fake_perception_model.h"
@@ -144,15 +145,42 @@ TEST_CASE("a branch may end without its picture, so that its cost decides", "[pl
   }
 }
 
-TEST_CASE("terms add up to the value where a branch ends without its picture",
+TEST_CASE("terms add up to the value where branches end without their pictures",
           "[planner][search]") {
   const TextWorld world({"######", "#S...#", "#...G#", "######"},
                         {"######", "#S#..#", "#...G#", "######"});
   SearchOptions options;
-  options.reward.communication_cost = 0.4;
+  options.reward.communication_cost = 1000.0;
+  const SearchResult result = Decide(world.problem, options);
+  REQUIRE(result.has_terms);
+  REQUIRE(Chosen(result).kind == CommandKind::kMove);
+  for (const SearchAction& action : result.actions) {
+    CHECK(action.terms.Sum() == Approx(action.mean_value).margin(1e-9));
+    CHECK(action.terms.communication == 0.0);
+  }
+  options.optional_pictures = false;
+  CHECK(Chosen(Decide(world.problem, options)).terms.communication < 0.0);
+}
+
+TEST_CASE("several trees keep to pictures that are worth it as well", "[planner][search]") {
+  const TextWorld world({"######", "#S...#", "#...G#", "######"},
+                        {"######", "#S#..#", "#...G#", "######"});
+  SearchOptions options;
+  options.trees = 3;
+  options.reward.communication_cost = 1000.0;
   for (const SearchAction& action : Decide(world.problem, options).actions) {
     CHECK(action.terms.Sum() == Approx(action.mean_value).margin(1e-9));
+    CHECK((action.kind == CommandKind::kMove || action.visits == 0));
   }
+}
+
+TEST_CASE("a robot that can do nothing but send pictures not worth it does nothing",
+          "[planner][search]") {
+  const TextWorld world({"#####", "#G#S#", "#####"}, {"#####", "#G.S#", "#####"});
+  SearchOptions options;
+  CHECK(Decide(world.problem, options).chosen >= 0);
+  options.reward.communication_cost = 1000.0;
+  CHECK(Decide(world.problem, options).chosen == -1);
 }
 
 TEST_CASE("a view that was sent is not offered again, unless the paper is to be followed",

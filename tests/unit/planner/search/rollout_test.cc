@@ -36,6 +36,21 @@ SearchOptions PaperRewards() {
   return options;
 }
 
+TEST_CASE("a view that costs more than it tells ends a rollout without being sent",
+          "[planner][search]") {
+  // Nowhere to go: the first action is a view.
+  const TextWorld world({"#####", "#S#G#", "#####"}, {"#####", "##.G#", "#####"});
+  SearchOptions options;
+  options.reward.communication_cost = 1000.0;
+  RolloutFixture dear(world, options);
+  CHECK(dear.Run() == 0.0);
+  CHECK(dear.rollout.Terms(dear.path) == RewardTerms{});
+  options.optional_pictures = false;
+  RolloutFixture owed(world, options);
+  CHECK(owed.Run() < -900.0);
+  CHECK(owed.rollout.Terms(owed.path).communication < -900.0);
+}
+
 TEST_CASE("a rollout ends at a goal", "[planner][search]") {
   const TextWorld world({"####", "#SG#", "####"}, kNoViews);
   RolloutFixture fixture(world, PaperRewards());

@@ -35,6 +35,17 @@ TEST_CASE("the default preset is the one that the experiment chose", "[planner][
   CHECK(options.reward.communication_cost == 0.25);
 }
 
+TEST_CASE("a view is worth sending when it tells enough and more than it costs",
+          "[planner][search]") {
+  SearchOptions options;
+  options.min_information = 0.5;
+  CHECK(IsWorthSending(0.5, 0.01, options));
+  CHECK_FALSE(IsWorthSending(0.49, 0.01, options));
+  CHECK_FALSE(IsWorthSending(0.5, 0.0, options));
+  options.optional_pictures = false;
+  CHECK(IsWorthSending(0.5, -10.0, options));
+}
+
 TEST_CASE("options are read by name and refused by name", "[planner][search]") {
   SearchOptions options;
   ReadConfig(YAML::Load("{iterations: 7, expansion: single, untried_order: moves_first, "
