@@ -178,6 +178,7 @@ TEST_CASE("a robot that can do nothing but send pictures not worth it does nothi
           "[planner][search]") {
   const TextWorld world({"#####", "#G#S#", "#####"}, {"#####", "#G.S#", "#####"});
   SearchOptions options;
+  options.reward.view_turn = 0.0;
   CHECK(Decide(world.problem, options).chosen >= 0);
   options.reward.communication_cost = 1000.0;
   CHECK(Decide(world.problem, options).chosen == -1);
