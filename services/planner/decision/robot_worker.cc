@@ -48,6 +48,7 @@ Clock::TimePoint RobotWorker::Step(const StopToken& stop) {
   if (traffic == Traffic::kStepAside) return now;
   if (traffic == Traffic::kWait) return now + options_.wait_retry;
   if (waits) return now + kIdle;
+  if (IsNewlyOccupied(situation.state)) return now + options_.wait_retry;
   waiting_for_guidance_ = false;
   return Decide(situation, inputs.lease, stop, now);
 }
@@ -162,6 +163,15 @@ void RobotWorker::TellOutcome(const RobotState& state) {
   if (!expired && state.command_outcome != CommandOutcome::kRefused) return;
   LOG_WARNING(expired ? "command expired" : "command refused", "robot", options_.robot, "sequence",
               state.command_sequence_number, "reason", state.command_detail);
+}
+
+bool RobotWorker::IsNewlyOccupied(const RobotState& state) {
+  if (state.command_outcome != CommandOutcome::kOccupied ||
+      state.command_sequence_number == occupied_sequence_number_) {
+    return false;
+  }
+  occupied_sequence_number_ = state.command_sequence_number;
+  return true;
 }
 
 void RobotWorker::RepeatCommand(const RobotInputs& inputs, Clock::TimePoint now) {

@@ -92,6 +92,9 @@ class RobotWorker {
   enum class Traffic { kGoOn, kStepAside, kWait };
   /// Tells the others which way this robot wants, and makes room for one that goes before it.
   Traffic GiveWay(const Situation& situation, const std::vector<Cell>& own_way);
+  /// Whether the last command met another robot, the first time that this is asked of it. A method
+  /// that does not know of that robot would command the same again and again.
+  bool IsNewlyOccupied(const RobotState& state);
   void RepeatCommand(const RobotInputs& inputs, Clock::TimePoint now);
   void AdoptGoalPose(RobotInputs& inputs);
   Situation SituationFrom(const RobotInputs& inputs);
@@ -109,7 +112,8 @@ class RobotWorker {
   CommandDesk desk_;
   Hold hold_ = Hold::kState;
   Clock::TimePoint command_sent_at_{};
-  std::uint64_t told_sequence_number_ = 0;  // of the command whose outcome was looked at
+  std::uint64_t told_sequence_number_ = 0;      // of the command whose outcome was looked at
+  std::uint64_t occupied_sequence_number_ = 0;  // of the newest command that met another robot
   std::uint64_t lease_epoch_ = 0;
   std::uint64_t newest_revision_ = 0;         // of the guidance heard, valid or not
   std::uint64_t waiting_for_other_than_ = 0;  // revision of the guidance when it asked for another

@@ -26,6 +26,20 @@ TEST_CASE("the next decision waits for the outcome of the last", "[planner][work
   CHECK(bench.method->seen.size() == 2);
 }
 
+TEST_CASE("a robot that met another one waits for a change or a moment before it decides again",
+          "[planner][worker]") {
+  WorkerBench bench;
+  bench.PutAll();
+  bench.Step();
+  bench.Report(CommandOutcome::kOccupied);
+  const auto again = bench.Step();
+  CHECK(bench.method->seen.size() == 1);
+  CHECK(again > bench.clock.Now());
+  CHECK(again <= bench.clock.Now() + 1s);
+  bench.Step();
+  CHECK(bench.method->seen.size() == 2);
+}
+
 TEST_CASE("a command that is not taken up is sent again after a second", "[planner][worker]") {
   WorkerBench bench;
   bench.PutAll();

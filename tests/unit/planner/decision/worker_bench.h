@@ -56,7 +56,7 @@ struct WorkerBench {
     worker.emplace(std::move(options), std::move(owned), board, clock, std::move(outputs));
   }
 
-  void Step() { worker->Step(stop); }
+  Clock::TimePoint Step() { return worker->Step(stop); }
 
   /// The robot took up the newest command.
   void Report(CommandOutcome outcome) {
