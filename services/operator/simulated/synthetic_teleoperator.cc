@@ -250,6 +250,7 @@ bool SyntheticTeleoperator::KnowsAll() const {
 
 std::optional<OperatorAsk> SyntheticTeleoperator::Next(Clock::TimePoint now) {
   if (under_way_ || parameters_.silent || now < not_before_ || !KnowsAll()) return std::nullopt;
+  if ((under_way_ = Again())) return under_way_;
   // A robot that has to wait for another one may lead from one to the next.
   for (std::size_t round = 0; !under_way_ && round <= robots_.size() + 1; ++round) {
     const std::string name = Choose();
@@ -257,6 +258,13 @@ std::optional<OperatorAsk> SyntheticTeleoperator::Next(Clock::TimePoint now) {
     under_way_ = AskFor(name, now);
   }
   return under_way_;
+}
+
+std::optional<OperatorAsk> SyntheticTeleoperator::Again() {
+  std::optional<OperatorAsk> ask = std::exchange(refused_, std::nullopt);
+  if (!ask) return std::nullopt;
+  const Robot& robot = robots_.at(std::get<DriveRequest>(ask->body).robot);
+  return robot.state && robot.state->stamp == ask->stamp ? ask : std::nullopt;
 }
 
 /// What to ask for the sake of this robot; nothing when another one has to be steered first.
@@ -296,7 +304,10 @@ void SyntheticTeleoperator::Answered(const Result<OperatorReply>& reply, Clock::
     if (accepted) counts_.edits += edit->edits.size();
     return;
   }
-  if (!accepted) return;
+  if (!accepted) {
+    refused_ = ask;
+    return;
+  }
   Robot& robot = robots_.at(std::get<DriveRequest>(ask.body).robot);
   robot.order = reply->revision;
   ++counts_.keys;

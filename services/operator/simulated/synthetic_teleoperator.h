@@ -28,8 +28,9 @@ namespace conav::operators {
 ///
 /// The next key is chosen when the last one was carried out and its picture is here, so that with a
 /// simulator that runs as fast as it is commanded everything is the same for a seed; with several
-/// robots in a world, as far as their states arrive in one order. An order that is refused or not
-/// carried out is given anew after a pause (wall time).
+/// robots in a world, as far as their states arrive in one order. After a pause (wall time) a key
+/// that was refused is pressed again, the same one where nothing has changed since (a service that
+/// has not heard of the robot yet, say); one that is not carried out is chosen anew.
 /// One request is under way at a time: after Next() gave one, Answered() must follow.
 /// Pure; threads: not synchronised. Source: paper section 6.2.
 class SyntheticTeleoperator {
@@ -106,6 +107,8 @@ class SyntheticTeleoperator {
   std::vector<Cell> PlanPath(const Robot& robot, Cell start, const std::set<Cell>& obstacles,
                              const std::vector<Cell>& goals) const;
   std::set<Cell> CellsOfOthers(const std::string& name, const std::string& world) const;
+  /// The refused key, if the robot is where it was.
+  std::optional<OperatorAsk> Again();
   DriveAction Press(Robot& robot, DriveAction meant);
   OperatorAsk Order(const std::string& name, Robot& robot, DriveAction key, Clock::TimePoint now);
   void Refresh(Robot& robot);
@@ -119,6 +122,7 @@ class SyntheticTeleoperator {
   std::size_t goals_left_ = 0;
   std::string steered_;
   std::optional<OperatorAsk> under_way_;
+  std::optional<OperatorAsk> refused_;  // the newest key, if it was
   Clock::TimePoint not_before_{};
   Counts counts_;
 };

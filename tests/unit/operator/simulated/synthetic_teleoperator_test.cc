@@ -270,3 +270,28 @@ TEST_CASE("an order that is refused, or that nobody carries out, is given anew a
   CHECK(person.counts().refused == 1);
   CHECK(person.counts().newest_problem == "no");
 }
+
+TEST_CASE("a key that is refused is pressed again, whatever chance would say now",
+          "[operator][teleoperator]") {
+  // Clumsy hands: one key in two is a slip.
+  SyntheticOperatorParameters clumsy;
+  clumsy.steering.slip_probability = 0.5;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    FakeClock clock;
+    SyntheticTeleoperator person(clumsy, seed, {{"r1", "w1"}});
+    RobotState state = ShowTheWorld(person);
+    const auto first = person.Next(clock.Now());
+    REQUIRE(first);
+    person.Answered(OperatorReply{"c", 1, false, "no", 0}, clock.Now());
+    clock.Advance(1s);
+    const auto second = person.Next(clock.Now());
+    REQUIRE(second);
+    CHECK(std::get<DriveRequest>(second->body).drive == std::get<DriveRequest>(first->body).drive);
+    person.Answered(OperatorReply{"c", 2, false, "no", 0}, clock.Now());
+    // Elsewhere by now: a key of its own, for the new state.
+    state.stamp = state.stamp + 1s;
+    person.Hear(state);
+    clock.Advance(1s);
+    CHECK(person.Next(clock.Now())->stamp == state.stamp);
+  }
+}
