@@ -65,14 +65,15 @@ PlannerService::PlannerService(bus::Participant& participant, const PlannerConfi
     PerceptionOfWorld& in_world = worlds[world];
     if (!in_world.model) in_world = MakePerceptionOfWorld(world);
     links_.push_back(std::make_unique<Link>(participant, robot));
-    auto method = MakeMethod(config.method, robot, {config.search, config.communication},
-                             DeriveSeed(config.seed, links_.size()), in_world.model,
-                             in_world.estimate, clock);
+    const std::uint64_t seed = DeriveSeed(config.seed, links_.size());
+    auto method = MakeMethod(config.method, robot, {config.search, config.communication}, seed,
+                             in_world.model, in_world.estimate, clock);
     RobotWorker::Options options{
         .robot = robot,
         .method_name = config.method,
         .timeouts = {Seconds(config.first_guidance_timeout_s), Seconds(config.answer_timeout_s)},
         .command_ttl = Seconds(config.command_ttl_s),
+        .seed = seed,
         .timeouts_in_simulation_time = config.timeout_clock == "simulation",
         .value_lost = {config.search.options.reward, config.search.options.discount}};
     workers_.push_back(std::make_unique<RobotWorker>(std::move(options), std::move(method), board_,

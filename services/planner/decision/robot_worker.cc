@@ -12,6 +12,9 @@ namespace conav::planner {
 namespace {
 
 constexpr std::chrono::seconds kIdle{1};
+/// A robot that has been shut in for so long, but for short gaps, insists (MakeRoom()).
+constexpr std::chrono::seconds kInsistAfter{2};
+constexpr std::chrono::seconds kShutInGap{1};
 
 }  // namespace
 
@@ -23,7 +26,8 @@ RobotWorker::RobotWorker(Options options, std::unique_ptr<Method> method, Blackb
       clock_(clock),
       outputs_(std::move(outputs)),
       gate_(method_->awaits(), options_.timeouts),
-      desk_(options_.robot, options_.command_ttl) {}
+      desk_(options_.robot, options_.command_ttl),
+      backoff_(options_.seed, options_.wait_retry) {}
 
 void RobotWorker::Run(const StopToken& stop) {
   while (!stop.stop_requested()) {
@@ -45,8 +49,12 @@ Clock::TimePoint RobotWorker::Step(const StopToken& stop) {
   // A robot that asked for a new path will hardly go on along the old one.
   const std::vector<Cell> way = waits ? std::vector<Cell>{} : method_->WayFor(situation);
   const Traffic traffic = method_->is_steered() ? Traffic::kGoOn : GiveWay(situation, way);
-  if (traffic == Traffic::kStepAside) return now;
+  if (traffic == Traffic::kStepAside) {
+    backoff_.MakesRoom(now);
+    return now;
+  }
   if (traffic == Traffic::kWait) return now + options_.wait_retry;
+  if (now < backoff_.until()) return backoff_.until();
   if (waits) return now + kIdle;
   if (IsNewlyOccupied(situation.state)) return now + options_.wait_retry;
   waiting_for_guidance_ = false;
@@ -82,6 +90,7 @@ Clock::TimePoint RobotWorker::Decide(const Situation& situation, const Lease& le
       std::chrono::steady_clock::now() - start;
   if (stop.stop_requested() || !HoldsStill(lease)) return now;
   const bool acts = decision.action.has_value();
+  if (acts) backoff_.Moves();
   Publish(std::move(decision), situation, duration.count());
   return acts ? now : now + options_.wait_retry;
 }
@@ -109,7 +118,12 @@ void RobotWorker::Want(std::vector<Cell> way, RoomClaim room) {
 
 RobotWorker::Traffic RobotWorker::GiveWay(const Situation& situation,
                                           const std::vector<Cell>& own_way) {
-  RoomClaim room = MakeRoom(situation, own_way);
+  const Clock::TimePoint now = clock_.Now();
+  if (now - shut_in_at_ > kShutInGap) shut_in_since_ = now;
+  RoomClaim room = MakeRoom(situation, own_way, now - shut_in_since_ >= kInsistAfter);
+  const bool is_shut_in =
+      room.right.tier == RightOfWay::kShutIn && room.right.robot == options_.robot;
+  if (is_shut_in) shut_in_at_ = now;
   Want(own_way, room);
   if (room.way.empty()) return Traffic::kGoOn;
   const Cell next = room.way.front();

@@ -12,6 +12,7 @@
 #include "planner/decision/decision_gate.h"
 #include "planner/decision/method.h"
 #include "planner/decision/value_lost.h"
+#include "planner/decision/yield_backoff.h"
 
 namespace conav::planner {
 
@@ -54,6 +55,8 @@ class RobotWorker {
     std::chrono::nanoseconds command_repeat = std::chrono::seconds(1);
     /// Wall time until a robot that waits for another one looks again.
     std::chrono::nanoseconds wait_retry = std::chrono::milliseconds(100);
+    /// Of random waits; another one for each robot.
+    std::uint64_t seed = 0;
     /// Whether `timeouts` are simulation time; else they are wall time.
     bool timeouts_in_simulation_time = false;
     /// Of attention requests; its answer_timeout_s is that of `timeouts`.
@@ -110,8 +113,11 @@ class RobotWorker {
   Outputs outputs_;
   DecisionGate gate_;
   CommandDesk desk_;
+  YieldBackoff backoff_;
   Hold hold_ = Hold::kState;
   Clock::TimePoint command_sent_at_{};
+  Clock::TimePoint shut_in_at_{};               // when it last was
+  Clock::TimePoint shut_in_since_{};            // but for short gaps
   std::uint64_t told_sequence_number_ = 0;      // of the command whose outcome was looked at
   std::uint64_t occupied_sequence_number_ = 0;  // of the newest command that met another robot
   std::uint64_t lease_epoch_ = 0;

@@ -1,6 +1,7 @@
 #include "planner/decision/traffic.h"
 
 #include <algorithm>
+#include <span>
 
 #include "planner/decision/way_to_nearest.h"
 
@@ -68,31 +69,49 @@ class Room {
 
   /// Beside or behind this robot; past others if there is no other.
   Way BesideOrBehind() const {
-    Way way = Find(
-        [&](Cell cell) { return !StandsOn(situation_, cell) && !Contains(until_here_, cell); });
-    if (!way.empty()) return way;
-    return Find(
-        [&](Cell cell) { return cell != asked_.robot->cell && !Contains(until_here_, cell); });
+    const auto free = [&](Cell cell) {
+      return !StandsOn(situation_, cell) && !Contains(until_here_, cell);
+    };
+    const auto not_past = [&](Cell cell) {
+      return cell != asked_.robot->cell && !Contains(until_here_, cell);
+    };
+    Way way = Find(free, claims_);
+    if (way.empty()) way = Find(not_past, claims_);
+    // On the way of those that would not go before the one that asked.
+    if (asked_.right.tier != RightOfWay::kShutIn) return way;
+    if (way.empty()) way = Find(free, BeforeAsked());
+    if (way.empty()) way = Find(not_past, BeforeAsked());
+    return way;
   }
   /// Towards the one that asked, without passing it.
   Way Before() const {
-    return Find([&](Cell cell) { return !StandsOn(situation_, cell); });
+    return Find([&](Cell cell) { return !StandsOn(situation_, cell); }, claims_);
+  }
+  /// Ahead of the one that asked, along its way.
+  Way Ahead() const {
+    const auto here = std::find(asked_.way->begin(), asked_.way->end(), situation_.state.cell);
+    return here == asked_.way->end() ? Way{} : Way(here + 1, asked_.way->end());
   }
   /// Past the one that asked.
   Way Past() const {
-    return Find([](Cell) { return true; });
+    return Find([](Cell) { return true; }, claims_);
   }
 
  private:
+  /// The claims up to the one that asked.
+  std::span<const Claim> BeforeAsked() const {
+    return {claims_.data(), static_cast<std::size_t>(&asked_ - claims_.data()) + 1};
+  }
+
   template <class Passable>
-  Way Find(Passable&& passable) const {
+  Way Find(Passable&& passable, std::span<const Claim> kept_clear) const {
     const OccupancyGrid& map = situation_.map.cells;
     const auto known_free = [&](Cell cell) {
       return map[cell] == Occupancy::kFree && passable(cell);
     };
     const auto aside = [&](Cell cell) {
       if (cell == situation_.state.cell || StandsOn(situation_, cell)) return false;
-      return std::none_of(claims_.begin(), claims_.end(),
+      return std::none_of(kept_clear.begin(), kept_clear.end(),
                           [&](const Claim& claim) { return Contains(*claim.way, cell); });
     };
     return WayToNearest(map, situation_.state.cell, known_free, aside);
@@ -139,20 +158,26 @@ std::vector<Cell> DesiredWay(const Situation& situation) {
   return WayToNearest(map, situation.state.cell, may_be_free, is_goal);
 }
 
-RoomClaim MakeRoom(const Situation& situation, const std::vector<Cell>& own_way) {
+RoomClaim MakeRoom(const Situation& situation, const std::vector<Cell>& own_way, bool insists) {
   const auto claims = ClaimsBefore(situation, RightOf(situation, own_way));
-  const auto asked = std::find_if(claims.begin(), claims.end(), [&](const Claim& claim) {
-    return Contains(*claim.way, situation.state.cell);
-  });
-  if (asked == claims.end()) return {};
-  const Room room(situation, *asked, claims);
-  RightOfWay handed_on = asked->right;
-  ++handed_on.passed_on;
-  if (Way way = room.BesideOrBehind(); !way.empty()) {
-    return room.is_urgent() ? RoomClaim{std::move(way), std::move(handed_on)} : RoomClaim{};
+  for (const Claim& asked : claims) {
+    if (!Contains(*asked.way, situation.state.cell)) continue;
+    const Room room(situation, asked, claims);
+    RightOfWay handed_on = asked.right;
+    ++handed_on.passed_on;
+    if (Way way = room.BesideOrBehind(); !way.empty()) {
+      if (room.is_urgent()) return {std::move(way), std::move(handed_on)};
+      continue;  // there is time, but perhaps not for the next one
+    }
+    if (asked.right.tier == RightOfWay::kShutIn) {
+      Way way = room.Before();
+      return {way.empty() ? room.Ahead() : std::move(way), std::move(handed_on)};
+    }
+    Way out = room.Past();
+    if (out.empty() && insists) out = own_way;
+    return {std::move(out), {RightOfWay::kShutIn, situation.state.robot, 0}};
   }
-  if (asked->right.tier == RightOfWay::kShutIn) return {room.Before(), std::move(handed_on)};
-  return {room.Past(), {RightOfWay::kShutIn, situation.state.robot, 0}};
+  return {};
 }
 
 std::optional<Cell> StepAnywhere(const Situation& situation, Random& random) {

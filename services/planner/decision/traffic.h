@@ -18,8 +18,10 @@ namespace conav::planner {
 /// makes room beside or behind itself, and asks robots that stand there to make room in turn, with
 /// the right that it was asked with. Where there is none (a dead end), it is shut in: now it goes
 /// before all others on a way past the one that it has to let pass, and that one backs off, as far
-/// as it takes. Whoever goes before waits a moment for others to make room, and looks for another
-/// way if nothing happens.
+/// as it takes, also onto the ways of robots that wait. One that knows of no such way insists after
+/// a while: it goes before all others on its own way, into what it does not know. Whoever goes
+/// before waits a moment for others to make room, and looks for another way if nothing happens.
+/// Robots that keep making room for each other fall out of step by random waits (yield_backoff.h).
 ///
 /// The idea of handing priority on is that of PIBT (Okumura, Machida, Defago, Tamura: "Priority
 /// Inheritance with Backtracking for Iterative Multi-agent Path Finding", IJCAI 2019); letting the
@@ -40,8 +42,9 @@ std::vector<Cell> DesiredWay(const Situation& situation);
 
 /// The known free cells by which this robot makes room, up to the nearest one that nobody wants who
 /// goes before it. Empty when it is within the next few cells of nobody's way, and when there is no
-/// room. `own_way`: what it wants itself.
-RoomClaim MakeRoom(const Situation& situation, const std::vector<Cell>& own_way);
+/// room. `own_way`: what it wants itself. `insists`: shut in for long, without a known way out.
+RoomClaim MakeRoom(const Situation& situation, const std::vector<Cell>& own_way,
+                   bool insists = false);
 
 /// A free neighbour cell drawn at random: the last resort of robots that wait for each other.
 std::optional<Cell> StepAnywhere(const Situation& situation, Random& random);

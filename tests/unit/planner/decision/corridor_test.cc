@@ -6,13 +6,13 @@ using namespace conav::planner;
 
 namespace {
 
-constexpr int kRounds = 400;
+constexpr int kRounds = 1000;
 
 CrowdOptions DrawnOptions() {
   CrowdOptions options;
   options.method = GENERATE("ig-mcts", "instruction", "greedy");
   options.map_is_known = GENERATE(true, false);
-  options.seed = GENERATE(0, 1, 2, 3);
+  options.seed = GENERATE(range(0, 10));
   return options;
 }
 
@@ -80,16 +80,12 @@ TEST_CASE("three in a corridor without pockets, with rooms at the ends", "[plann
 }
 
 TEST_CASE("four exchange their places around a ring with one pocket", "[planner][traffic]") {
-  const CrowdOptions options = DrawnOptions();
-  // Known limit (docs/many-robots.md): unknown maps and turns strictly by name.
-  if (!options.map_is_known && options.seed == 0) return;
   AllArrive({"#########",  //
              "#1d   c2#",  //
              "# ##### #",  //
              "#3b   a4#",  //
              "#### ####",  //
-             "#########"},
-            options);
+             "#########"});
 }
 
 TEST_CASE("a robot that waits for its operator in the corridor makes room", "[planner][traffic]") {
@@ -110,16 +106,11 @@ TEST_CASE("a robot that waits for its operator in the corridor makes room", "[pl
 }
 
 TEST_CASE("two come from one side and one from the other, with one pocket", "[planner][traffic]") {
-  const CrowdOptions options = DrawnOptions();
-  // Known limit (docs/many-robots.md): with unknown maps and turns strictly by name, two of them
-  // step to and fro in step for ever, and greedy robots, who never look for another way, may stand.
-  if (!options.map_is_known && (options.seed == 0 || options.method == "greedy")) return;
   AllArrive({"############",  //
              "#c #########",  //
              "#12     ab3#",  //
              "#### #######",  //
-             "############"},
-            options);
+             "############"});
 }
 
 TEST_CASE("a robot that goes before waits for its operator, and the other cannot pass",

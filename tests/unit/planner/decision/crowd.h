@@ -145,14 +145,15 @@ class Crowd {
         .report = [](const SearchReport&) {},
         .attention = [this, &robot](const AttentionRequest&) { Guide(robot); },
         .way = [](const RobotState&, const MapUpdate&, const std::vector<Cell>&) {}};
+    const std::uint64_t seed = DeriveSeed(options_.seed, robots_.size());
     auto method =
-        MakeMethod(options_.method, name, {search, {}}, DeriveSeed(options_.seed, robots_.size()),
-                   options_.model, nullptr, clock_);
+        MakeMethod(options_.method, name, {search, {}}, seed, options_.model, nullptr, clock_);
     constexpr std::chrono::seconds kTimeout{10};
     robot.worker.emplace(RobotWorker::Options{.robot = name,
                                               .method_name = options_.method,
                                               .timeouts = {kTimeout, kTimeout},
-                                              .command_ttl = kTimeout},
+                                              .command_ttl = kTimeout,
+                                              .seed = seed},
                          std::move(method), *board_, clock_, std::move(outputs));
     board_->Put(robot.state);
     board_->PutLens(name, CameraLens{});

@@ -123,3 +123,44 @@ TEST_CASE("a robot far from any way stays", "[planner][traffic]") {
   situation.neighbours = {{"r1", {1, 2}, true, {{1, 3}, {1, 4}}}};
   CHECK_FALSE(StepAside(situation, {}).has_value());
 }
+
+TEST_CASE("shut in without a known way out: waits, then insists on its own way",
+          "[planner][traffic]") {
+  // Nothing is known beyond the robot that stands before it.
+  Situation shut_in = RobotAt("r2", {1, 3}, {"######", "??  ##", "######"});
+  shut_in.neighbours = {{"r1", {1, 2}, true, {{1, 3}}}};
+  const std::vector<Cell> own_way{{1, 2}, {1, 1}};
+  CHECK(MakeRoom(shut_in, own_way).way.empty());
+  const RoomClaim claim = MakeRoom(shut_in, own_way, true);
+  CHECK(claim.right == RightOfWay{RightOfWay::kShutIn, "r2", 0});
+  CHECK(claim.way == own_way);
+}
+
+TEST_CASE("for one that is shut in a robot backs off along its way, where nothing else is free",
+          "[planner][traffic]") {
+  Situation situation = RobotAt("r1", {1, 3}, {"#######", "#     #", "#######"});
+  Neighbour shut_in{"r2", {1, 4}, true, {}, {}};
+  shut_in.room = {{{1, 3}, {1, 2}, {1, 1}}, {RightOfWay::kShutIn, "r2", 0}};
+  situation.neighbours = {shut_in};
+  situation.map.cells[{1, 5}] = Occupancy::kOccupied;
+  CHECK(StepAside(situation, {}) == Cell{1, 2});
+}
+
+TEST_CASE("for one that is shut in a robot also steps onto the way of one that waits",
+          "[planner][traffic]") {
+  Situation situation = RobotAt("r1", {1, 3}, kBay);
+  Neighbour shut_in{"r2", {1, 4}, true, {}, {}};
+  shut_in.room = {{{1, 3}, {1, 2}, {1, 1}}, {RightOfWay::kShutIn, "r2", 0}};
+  // Wants through the bay's cell.
+  const Neighbour waits{"r0", {1, 5}, true, {{1, 4}, {1, 3}, {2, 3}}};
+  situation.neighbours = {shut_in, waits};
+  CHECK(StepAside(situation, {}) == Cell{2, 3});
+}
+
+TEST_CASE("who has time for the first one makes room for the next one that has not",
+          "[planner][traffic]") {
+  Situation situation = RobotAt("r3", {1, 6}, {"#########", "#       #", "###### ##", "#########"});
+  situation.neighbours = {{"r1", {1, 1}, true, {{1, 2}, {1, 3}, {1, 4}, {1, 5}, {1, 6}, {1, 7}}},
+                          {"r2", {1, 7}, true, {{1, 6}, {1, 5}}}};
+  CHECK(StepAside(situation, {}) == Cell{2, 6});
+}
