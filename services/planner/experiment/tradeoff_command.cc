@@ -11,7 +11,7 @@
 namespace conav::planner {
 namespace {
 
-const std::map<std::string, Effort> kEfforts{{"steps", Effort::kSteps}, {"moves", Effort::kMoves}};
+const std::map<std::string, Effort> efforts{{"steps", Effort::kSteps}, {"moves", Effort::kMoves}};
 
 }  // namespace
 
@@ -33,7 +33,7 @@ CLI::App* AddTradeoffCommand(CLI::App& app, TradeoffArguments& arguments) {
           "--against", arguments.effort,
           "What pictures are weighed against: low-level control steps (estimated from moves "
           "and turning) or cell moves")
-      ->transform(CLI::CheckedTransformer(kEfforts))
+      ->transform(CLI::CheckedTransformer(efforts))
       ->default_str("steps");
   command
       ->add_option(
