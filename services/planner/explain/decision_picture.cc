@@ -68,7 +68,23 @@ double MostInformation(const std::vector<ReportedView>& views) {
 }
 
 /// The longest leads to the edge of its cell.
-ArrowShape ViewShape(double share) { return {.length = 0.5 * share, .half_width = 0.13}; }
+ArrowShape ViewShape(double share) {
+  return {.length = 0.5 * share, .half_width = 0.03 + 0.05 * share};
+}
+
+/// Numbers of rows and columns beside the map.
+void DrawScales(SvgCanvas& canvas, const MapPanel& panel, const OccupancyGrid& map) {
+  constexpr const char* kStyle = "font-size=\"8\" text-anchor=\"middle\" fill=\"#666666\"";
+  const double cell = panel.Middle({0, 1}).x - panel.Middle({0, 0}).x;
+  for (int row = 0; row < map.rows(); ++row) {
+    const PixelPosition at = panel.Middle({row, 0});
+    canvas.Text({at.x - 0.5 * cell - 7, at.y + 3}, std::to_string(row), kStyle);
+  }
+  for (int column = 0; column < map.columns(); ++column) {
+    const PixelPosition at = panel.Middle({map.rows() - 1, column});
+    canvas.Text({at.x, at.y + 0.5 * cell + 9}, std::to_string(column), kStyle);
+  }
+}
 
 void DrawViews(SvgCanvas& canvas, const MapPanel& panel, const std::vector<ReportedView>& views) {
   const double most = MostInformation(views);
@@ -85,6 +101,7 @@ void DrawViews(SvgCanvas& canvas, const MapPanel& panel, const std::vector<Repor
 void DrawMapPanel(SvgCanvas& canvas, const MapPanel& panel, const DecisionRecord& decision) {
   const Cell robot = decision.report.cell;
   panel.DrawMap(decision.map);
+  DrawScales(canvas, panel, decision.map);
   DrawMistakes(panel, decision);
   panel.DrawPath(decision.path, kPath);
   panel.DrawPath(decision.guidance, kGuidance, 3.0);
@@ -259,7 +276,7 @@ std::string DecisionSvg(const DecisionRecord& decision) {
   DrawMapPanel(canvas, MapPanel(canvas, {kMargin, kTop}, cell), decision);
   canvas.Text({tree_corner.x, kTop - 10}, TreeTitle(decision, tree.nodes()), kText);
   tree.Draw();
-  const double legend_top = kTop + decision.map.rows() * cell + kLegendRow;
+  const double legend_top = kTop + decision.map.rows() * cell + 1.5 * kLegendRow;
   DrawLegend(canvas, decision, legend_top);
   double bottom = std::max(legend_top + kLegendRows * kLegendRow, kTop + tree.height() + kMargin);
   const double width = tree_corner.x + std::max(tree.width(), 3 * kTreeStep) + kMargin;

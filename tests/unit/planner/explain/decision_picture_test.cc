@@ -1,5 +1,8 @@
 #include "planner/explain/decision_picture.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "support/xml_check.h"
@@ -29,6 +32,21 @@ TEST_CASE("it shows the information gain of each view that promises something",
   CHECK_THAT(svg, Catch::Contains("picture from (2,2) to the north: 2.75 cells expected"));
   CHECK_THAT(svg, !Catch::Contains("picture from (2,2) to the west"));  // under 2 % of the most
   CHECK_THAT(svg, Catch::Contains("the longest: 3.50 cells expected"));
+}
+
+TEST_CASE("rows and columns are numbered", "[planner][explain]") {
+  const DecisionRecord decision = SampleDecision();
+  const std::string svg = DecisionSvg(decision);
+  const auto labels = [&](int number) {
+    const std::string label = fmt::format("fill=\"#666666\">{}</text>", number);
+    int count = 0;
+    for (auto at = svg.find(label); at != std::string::npos; at = svg.find(label, at + 1)) ++count;
+    return count;
+  };
+  CHECK(labels(0) == 2);
+  CHECK(labels(decision.map.rows() - 1) >= 1);
+  CHECK(labels(decision.map.columns() - 1) >= 1);
+  CHECK(labels(std::max(decision.map.rows(), decision.map.columns())) == 0);
 }
 
 TEST_CASE("it shows the tree with its figures, and why", "[planner][explain]") {
