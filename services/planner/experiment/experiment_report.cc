@@ -24,6 +24,21 @@ nlohmann::ordered_json ToJson(const std::optional<VariantSummary::Figure>& figur
   return figure ? ToJson(*figure) : nlohmann::ordered_json(nullptr);
 }
 
+constexpr double kMostMovesRatio = 1.25;
+constexpr double kMostPictures = 14.0;
+
+/// What the default preset has to reach with the careful operator.
+std::string BarLine(const VariantSummary& row) {
+  const bool arrives = row.all_goals == row.episodes;
+  const bool is_short = row.moves_ratio && row.moves_ratio->mean <= kMostMovesRatio;
+  const bool is_quiet = row.pictures.mean <= kMostPictures;
+  const auto verdict = [](bool met) { return met ? "met" : "MISSED"; };
+  return fmt::format(
+      "bars of the default with the careful operator: all goals {}; moves / optimal tour at most "
+      "{} {}; pictures at most {} {}\n",
+      verdict(arrives), kMostMovesRatio, verdict(is_short), kMostPictures, verdict(is_quiet));
+}
+
 }  // namespace
 
 std::string ExperimentTable(const SearchExperiment& experiment,
@@ -46,6 +61,11 @@ std::string ExperimentTable(const SearchExperiment& experiment,
         fmt::format("{:>4}/{}", row.all_goals, row.episodes), WithInterval(row.moves, 1),
         WithInterval(row.moves_ratio, 2), WithInterval(row.pictures, 1), row.turning_rad.mean,
         row.decision_ms_p50, row.decision_ms_p95);
+  }
+  for (const VariantSummary& row : summaries) {
+    const bool has_bars = experiment.variants[row.variant].name == "default" &&
+                          experiment.operators[row.person] == "careful";
+    if (has_bars) text += BarLine(row);
   }
   return text;
 }

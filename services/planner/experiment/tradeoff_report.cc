@@ -101,6 +101,22 @@ Json ToJson(const TradeoffSweep& sweep, const TradeoffRow& row) {
 
 }  // namespace
 
+namespace {
+
+/// Over the policies that send pictures.
+std::string BarLine(const std::vector<PolicyVerdict>& verdicts) {
+  int better = 0, points = 0;
+  for (const PolicyVerdict& verdict : verdicts) {
+    if (verdict.policy == "never" || verdict.policy == "greedy") continue;
+    better += verdict.better;
+    points += verdict.points;
+  }
+  return fmt::format("bar: better than every policy that sends pictures: {} of {} points: {}\n",
+                     better, points, better == points ? "met" : "MISSED");
+}
+
+}  // namespace
+
 std::string TradeoffTable(const TradeoffSweep& sweep, const std::vector<TradeoffRow>& rows) {
   const SearchExperiment& experiment = sweep.experiment;
   std::string text = fmt::format(
@@ -116,8 +132,9 @@ std::string TradeoffTable(const TradeoffSweep& sweep, const std::vector<Tradeoff
       fmt::format("pictures, equal {}", Name(sweep.effort)));
   for (const TradeoffRow& row : rows) text += Line(sweep, row);
   text += "\n";
-  for (const PolicyVerdict& verdict : JudgePolicies(sweep, rows)) text += Line(sweep, verdict);
-  return text;
+  const std::vector<PolicyVerdict> verdicts = JudgePolicies(sweep, rows);
+  for (const PolicyVerdict& verdict : verdicts) text += Line(sweep, verdict);
+  return text + BarLine(verdicts);
 }
 
 Json TradeoffJson(const TradeoffSweep& sweep, const std::vector<TradeoffRow>& rows) {

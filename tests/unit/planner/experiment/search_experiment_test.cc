@@ -92,6 +92,27 @@ TEST_CASE("the report names variants, operators and where the figures come from"
   CHECK(json["rows"][0]["moves"]["low"] <= json["rows"][0]["moves"]["mean"]);
 }
 
+TEST_CASE("the bars are those of the default with the careful operator", "[planner][experiment]") {
+  SearchExperiment experiment = SmallExperiment();
+  experiment.variants.resize(1);
+  experiment.variants[0].name = "default";
+  experiment.operators = {"careful"};
+  std::vector<ExperimentEpisode> episodes(2);
+  for (ExperimentEpisode& episode : episodes) {
+    episode.result = {.all_goals = true,
+                      .goals_reached = 4,
+                      .goals = 4,
+                      .moves = 12,
+                      .optimal_moves = 10,
+                      .pictures = 15};
+  }
+  CHECK_THAT(ExperimentTable(experiment, Summarize(episodes)),
+             Catch::Contains("all goals met; moves / optimal tour at most 1.25 met; pictures at "
+                             "most 14 MISSED"));
+  experiment.variants[0].name = "another";
+  CHECK_THAT(ExperimentTable(experiment, Summarize(episodes)), !Catch::Contains("bars of"));
+}
+
 TEST_CASE("where nobody arrived there is no ratio to the optimal tour", "[planner][experiment]") {
   const SearchExperiment experiment = SmallExperiment();
   std::vector<ExperimentEpisode> episodes(2);

@@ -130,6 +130,16 @@ TEST_CASE("a policy is dominated when IG-MCTS is better at each of its points",
   CHECK_FALSE(verdicts[1].dominated());
 }
 
+TEST_CASE("the bar is met when IG-MCTS is better than every policy that sends pictures",
+          "[planner][experiment]") {
+  MadeUp made = WithSearch();
+  made.Add("random", 3, 37);
+  made.Add("never", 0, 20);
+  CHECK_THAT(TradeoffTable(made.sweep, made.Analyse()), Catch::Contains("1 of 1 points: met"));
+  made.Add("every", 4, 30);
+  CHECK_THAT(TradeoffTable(made.sweep, made.Analyse()), Catch::Contains("1 of 2 points: MISSED"));
+}
+
 TEST_CASE("a sweep has a point per cost and policy, each within the same search",
           "[planner][experiment]") {
   SearchExperiment experiment;
