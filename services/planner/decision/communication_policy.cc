@@ -6,6 +6,19 @@
 #include "planner/decision/known_wall.h"
 
 namespace conav::planner {
+namespace {
+
+std::unique_ptr<CommunicationPolicy> MakeRule(const CommunicationConfig& config,
+                                              std::uint64_t seed) {
+  if (config.policy == "never") return std::make_unique<NeverPolicy>();
+  if (config.policy == "random") return std::make_unique<RandomPolicy>(config.probability, seed);
+  if (config.policy == "every") return std::make_unique<EveryMovesPolicy>(config.every_moves);
+  if (config.policy == "when_blocked") return std::make_unique<WhenBlockedPolicy>();
+  DEMAND(config.policy == "threshold", config.policy);
+  return std::make_unique<ThresholdPolicy>(config.threshold_cells);
+}
+
+}  // namespace
 
 bool GuidanceFails(const Situation& situation) {
   if (!situation.guidance) return situation.guided_before;
@@ -23,20 +36,6 @@ CommunicationMoment MomentOf(const Situation& situation) {
           .sent_before = situation.state.snapshots > 0,
           .guidance_fails = GuidanceFails(situation)};
 }
-
-namespace {
-
-std::unique_ptr<CommunicationPolicy> MakeRule(const CommunicationConfig& config,
-                                              std::uint64_t seed) {
-  if (config.policy == "never") return std::make_unique<NeverPolicy>();
-  if (config.policy == "random") return std::make_unique<RandomPolicy>(config.probability, seed);
-  if (config.policy == "every") return std::make_unique<EveryMovesPolicy>(config.every_moves);
-  if (config.policy == "when_blocked") return std::make_unique<WhenBlockedPolicy>();
-  DEMAND(config.policy == "threshold", config.policy);
-  return std::make_unique<ThresholdPolicy>(config.threshold_cells);
-}
-
-}  // namespace
 
 std::unique_ptr<CommunicationPolicy> MakeCommunicationPolicy(const CommunicationConfig& config,
                                                              std::uint64_t seed) {

@@ -94,8 +94,7 @@ std::string AgainstRunnerUp(const DecisionRecord& decision, const SearchAction& 
 std::string Price(const SearchAction& picture) {
   return fmt::format(
       "was expected to change {:.2f} cells of the operator's map and costs {:.2f}, its turn and "
-      "the "
-      "operator's path still ahead included",
+      "the operator's path still ahead included",
       picture.information_gain, picture.information_gain - picture.mean_value);
 }
 

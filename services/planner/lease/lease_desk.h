@@ -24,9 +24,8 @@ namespace conav::planner {
 /// - A robot that another process shall have is released: Turn() says so once, and it counts as
 ///   held until Released() tells that its command has ended.
 /// - A robot is lost when it shows a higher epoch than ours, or when a live process announces one
-///   (with the same epoch the higher instance wins). Who lost a robot does not fight for it: it
-/// gets
-///   robots again as any newcomer does, from those who hold more.
+///   (with the same epoch the higher instance wins). Who lost a robot does not fight for it:
+///   it gets robots again as any newcomer does, from those who hold more.
 /// - After a pause of its own (a suspended process) it gives the others `timeout` to be heard
 ///   before it counts them as gone.
 ///
