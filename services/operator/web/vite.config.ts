@@ -1,0 +1,14 @@
+import { defineConfig } from "vitest/config";
+
+// `npm run build -- --outDir DIR`; the build of conav calls it so.
+export default defineConfig({
+  esbuild: { jsx: "automatic", jsxImportSource: "preact" },
+  build: { target: "es2022", sourcemap: false, assetsInlineLimit: 0 },
+  server: {
+    proxy: {
+      "/ws": { target: "ws://127.0.0.1:8080", ws: true },
+      "/pictures": "http://127.0.0.1:8080",
+    },
+  },
+  test: { include: ["src/**/*.test.{ts,tsx}"], environment: "node" },
+});
