@@ -6,6 +6,7 @@
 #include "common/bus/participant.h"
 #include "common/runtime/config.h"
 #include "operator/attention/attention_options.h"
+#include "operator/control/control_desk.h"
 #include "operator/gateway/gateway_options.h"
 #include "operator/recording_config.h"
 
@@ -28,6 +29,7 @@ struct OperatorConfig {
   int max_path_cells = 10000;
   AttentionOptions attention;
   RecordingConfig recording;
+  ControlOptions control;
   GatewayOptions console;
 
   void Visit(ConfigReader& reader) {
@@ -39,6 +41,7 @@ struct OperatorConfig {
     reader.Field("max_path_cells", max_path_cells, 1, 65536);
     reader.Section("attention", attention);
     reader.Section("recording", recording);
+    reader.Section("control", control);
     reader.Section("console", console);
   }
 };

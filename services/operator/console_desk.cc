@@ -9,12 +9,15 @@
 
 #include "common/protocol/convert.h"
 #include "common/service/robot_list.h"
+#include "operator/console/console_messages.h"
 #include "operator/gateway/convert_request.h"
 
 namespace conav::operators {
 namespace {
 
 constexpr auto kConvert = [](const auto& message) { return ToDomain(message); };
+/// A page that reconnects within this time keeps its control of robots.
+constexpr std::chrono::seconds kGoneAfter{10};
 constexpr double kSilentAfter = 5.0;          // s without health from a process
 constexpr double kDriveAdvisedAgainst = 0.3;  // s, round trip
 constexpr double kDriveRefused = 1.0;         // s, round trip
@@ -42,6 +45,7 @@ console::Welcome WelcomeOf(const OperatorConfig& config) {
   limits->set_edit_cells(65536);
   limits->set_path_cells(static_cast<std::uint32_t>(config.max_path_cells));
   limits->set_guidance_valid_for(config.max_guidance_s);
+  limits->set_control_time(config.control.control_s);
   limits->set_drive_advised_against(kDriveAdvisedAgainst);
   limits->set_drive_refused(kDriveRefused);
   return welcome;
@@ -200,6 +204,7 @@ std::optional<ConsoleDesk::Asked> ConsoleDesk::Take(const PageEvent& event) {
     people_[event.page] = {event.who.client, event.who.name, event.who.role, ""};
   } else if (std::holds_alternative<PageLeft>(event.body)) {
     people_.erase(event.page);
+    left_at_[event.who.client] = clock_.Now();
   } else {
     return std::nullopt;
   }
@@ -218,18 +223,44 @@ void ConsoleDesk::Reply(std::uint64_t page, const OperatorReply& reply) {
   gateway_->Send(page, message);
 }
 
-void ConsoleDesk::Log(console::EventKind kind, const OperatorRequest& request,
-                      std::uint64_t revision, const std::string& text) {
-  console::Event event;
-  event.set_kind(kind);
+void ConsoleDesk::Hear(const ControlDesk& control) {
+  const double now_s = WallSeconds();
+  for (const auto& [name, robot] : control.robots()) {
+    console::Control message;
+    message.set_robot(name);
+    message.set_holder(robot.holder);
+    message.set_reason(robot.reason);
+    for (const auto& [page, person] : people_) {
+      if (person.client == robot.holder) message.set_holder_name(person.name);
+    }
+    const std::chrono::duration<double> left = robot.held_until - clock_.Now();
+    if (!robot.holder.empty()) message.set_held_until(now_s + left.count());
+    message.set_stopped(robot.hold.stopped);
+    message.set_stopped_by(robot.hold.given_by);
+    message.set_stop_reason(robot.hold.reason);
+    state_.Hear(message, now_s);
+  }
+}
+
+void ConsoleDesk::Hear(const AnswerRequest& answer, const std::string& client) {
+  state_.HearAnswer(answer.robot, answer.snapshot, client);
+}
+
+void ConsoleDesk::Hear(const OperatorRequest& request, const OperatorReply& reply) {
+  console::Event event = EventOf(request, reply);
   event.set_time(WallSeconds());
   event.set_stamp(state_.TimeOf(request.world).ToSeconds());
-  event.set_client(request.client);
-  event.set_world(request.world);
-  if (const auto* guide = std::get_if<GuideRequest>(&request.body)) event.set_robot(guide->robot);
-  event.set_text(text);
-  event.set_revision(revision);
   state_.Hear(std::move(event));
+}
+
+std::vector<std::string> ConsoleDesk::TakeGone() {
+  std::vector<std::string> gone;
+  for (const auto& [page, person] : people_) left_at_.erase(person.client);
+  for (const auto& [client, at] : left_at_) {
+    if (clock_.Now() - at >= kGoneAfter) gone.push_back(client);
+  }
+  for (const std::string& client : gone) left_at_.erase(client);
+  return gone;
 }
 
 void ConsoleDesk::Publish(const Health& health) {

@@ -15,6 +15,7 @@
 #include "common/service/diagnostics.h"
 #include "operator/config.h"
 #include "operator/console/console_state.h"
+#include "operator/control/control_desk.h"
 #include "operator/gateway/gateway.h"
 
 namespace conav::operators {
@@ -36,6 +37,11 @@ class ConsoleDesk {
   void Hear(const Belief& belief, const BeliefGrid& initial);
   void Hear(const Guidance& guidance);
   void Hear(const AttentionQueueState& queue);
+  void Hear(const ControlDesk& control);
+  /// "Nothing new here", by `client`; before the guidance that it made of it.
+  void Hear(const AnswerRequest& answer, const std::string& client);
+  /// What was decided about a request, for the command log.
+  void Hear(const OperatorRequest& request, const OperatorReply& reply);
 
   struct Asked {
     std::uint64_t page = 0;
@@ -46,9 +52,8 @@ class ConsoleDesk {
   std::vector<Asked> Step();
   /// To what a page asked.
   void Reply(std::uint64_t page, const OperatorReply& reply);
-  /// Something was accepted, by whatever client.
-  void Log(console::EventKind kind, const OperatorRequest& request, std::uint64_t revision,
-           const std::string& text);
+  /// Clients whose page has been gone for a while.
+  std::vector<std::string> TakeGone();
   /// After everything that one step brought.
   void Publish(const Health& health);
 
@@ -69,8 +74,9 @@ class ConsoleDesk {
   ConsoleState state_;
   std::vector<std::unique_ptr<RobotLink>> robots_;
   bus::Subscriber<diagnostic_msgs::msg::DiagnosticArray> diagnostics_;
-  std::map<std::uint64_t, Person> people_;    // by page
-  std::map<std::string, double> heard_at_s_;  // of each process's health
+  std::map<std::uint64_t, Person> people_;           // by page
+  std::map<std::string, Clock::TimePoint> left_at_;  // by client
+  std::map<std::string, double> heard_at_s_;         // of each process's health
   std::unique_ptr<Gateway> gateway_;
 };
 

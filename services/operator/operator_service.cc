@@ -1,8 +1,7 @@
-#include "operator/operator_service.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <set>
 
@@ -10,6 +9,7 @@
 #include "common/grid/map_accuracy.h"
 #include "common/protocol/convert.h"
 #include "common/service/robot_list.h"
+#include "operator/operator_links.h"
 
 namespace conav::operators {
 namespace {
@@ -23,53 +23,28 @@ BeliefStoreOptions StoreOptions(const OperatorConfig& config) {
   return {{config.database, limit}, {config.max_guidance_s, config.max_path_cells}};
 }
 
-const char* KindOf(const OperatorRequest& request) {
-  if (std::holds_alternative<EditRequest>(request.body)) return "edit";
-  return std::holds_alternative<GuideRequest>(request.body) ? "guide" : "select";
+/// In the order of OperatorRequest::body.
+constexpr std::array kKinds{"edit",  "guide", "drive",        "select",          "answer",
+                            "stop",  "go",    "take_control", "release_control", "acknowledge",
+                            "shelve"};
+static_assert(kKinds.size() == std::variant_size_v<decltype(OperatorRequest::body)>);
+
+const char* KindOf(const OperatorRequest& request) { return kKinds[request.body.index()]; }
+
+/// Of a request that guides or answers.
+const std::string& GuidedRobot(const OperatorRequest& request) {
+  const auto* answer = std::get_if<AnswerRequest>(&request.body);
+  return answer != nullptr ? answer->robot : std::get<GuideRequest>(request.body).robot;
 }
 
 }  // namespace
-
-struct OperatorService::WorldLink {
-  WorldLink(bus::Participant& participant, const std::string& name)
-      : name(name), initial_map(participant, bus::kInitialMap, name) {}
-
-  bool served() const { return belief.has_value(); }
-
-  std::string name;
-  bus::Subscriber<nav_msgs::msg::OccupancyGrid> initial_map;
-  std::optional<bus::Publisher<conav_msgs::msg::BeliefMap>> belief;  // while it is served
-  std::optional<bus::Publisher<nav_msgs::msg::OccupancyGrid>> belief_map;
-  double cell_size_m = 0.0;
-  BeliefGrid initial;                // while it is served
-  std::optional<MapUpdate> pending;  // initial map that is not stored yet
-  std::string refusal;               // why the newest initial map is not served; empty otherwise
-};
-
-struct OperatorService::RobotLink {
-  RobotLink(bus::Participant& participant, const std::string& name, const std::string& world)
-      : name(name),
-        world(world),
-        state(participant, bus::kRobotState, name),
-        attention(participant, bus::kAttention, name),
-        drive(participant, bus::kDriveOrder, name) {}
-
-  std::string name;
-  std::string world;
-  bus::Subscriber<conav_msgs::msg::RobotState> state;
-  bus::Subscriber<conav_msgs::msg::AttentionRequest> attention;
-  bus::Publisher<conav_msgs::msg::DriveOrder> drive;
-  std::optional<bus::Publisher<conav_msgs::msg::Guidance>> guidance;  // while its world is served
-  std::optional<SimTime> stamp;                                       // of the newest state
-  std::optional<RobotState> first_state;  // of a run that was not greeted yet
-  std::uint64_t asked = 0;                // attention requests heard
-};
 
 OperatorService::OperatorService(bus::Participant& participant, const OperatorConfig& config,
                                  const Clock& clock)
     : participant_(participant),
       clock_(clock),
       store_(StoreOptions(config)),
+      control_(participant, config, store_, clock),
       drive_desk_(WorldOfRobot("operator", config.robots), {}),
       requests_(participant, bus::kOperatorRequest),
       replies_(participant, bus::kOperatorReply),
@@ -109,6 +84,7 @@ void OperatorService::Step() {
   AnswerBus();
   if (console_) AnswerConsole();
   attention_.Step(OperatorTime());
+  control_.Step();
   if (console_) ShowOnConsole();
   diagnostics_.Tick([this] { return Report(); });
 }
@@ -122,6 +98,7 @@ void OperatorService::AnswerBus() {
 }
 
 void OperatorService::AnswerConsole() {
+  for (const std::string& client : console_->TakeGone()) control_.Leave(client);
   for (const ConsoleDesk::Asked& asked : console_->Step()) {
     const OperatorRequest& request = asked.request;
     const auto reply = Answer(request, nullptr);
@@ -137,6 +114,10 @@ void OperatorService::ShowOnConsole() {
   if (attention_.published().revision != attention_shown_) {
     attention_shown_ = attention_.published().revision;
     console_->Hear(attention_.published());
+  }
+  if (control_.desk().version() != control_shown_) {
+    control_shown_ = control_.desk().version();
+    console_->Hear(control_.desk());
   }
   console_->Publish(Report());
 }
@@ -284,14 +265,26 @@ SimTime OperatorService::OperatorTime() const {
 
 std::optional<OperatorReply> OperatorService::Answer(const OperatorRequest& request,
                                                      const OperatorRequest* replaced_by) {
+  const auto reply_of = [&](const BeliefStore::Answer& answer) {
+    Log(request, answer);
+    return answer.reply;
+  };
+  if (RobotControl::Handles(request)) return reply_of(control_.Answer(request, OperatorTime()));
+  if (std::string why = control_.WhyNot(request); !why.empty()) {
+    return reply_of({{request.client, request.request_id, false, std::move(why), 0}});
+  }
+  control_.Renew(request.client);
   if (std::holds_alternative<DriveRequest>(request.body)) return PassOn(request, replaced_by);
   if (std::holds_alternative<SelectRequest>(request.body)) {
-    const OperatorReply reply = attention_.Select(request, OperatorTime());
-    Log(request, {reply});
-    return reply;
+    return reply_of({attention_.Select(request, OperatorTime())});
   }
   const WorldLink* world = FindWorld(request.world);
   if (world != nullptr && !world->served() && world->refusal.empty()) return std::nullopt;
+  return AnswerStored(request, world);
+}
+
+OperatorReply OperatorService::AnswerStored(const OperatorRequest& request,
+                                            const WorldLink* world) {
   const BeliefStore::Answer answer =
       world != nullptr && !world->served()
           ? BeliefStore::Answer{{request.client, request.request_id, false, world->refusal, 0}}
@@ -324,22 +317,25 @@ OperatorReply OperatorService::PassOn(const OperatorRequest& request,
 }
 
 void OperatorService::PublishChange(const OperatorRequest& request) {
-  if (const auto* guide = std::get_if<GuideRequest>(&request.body)) {
-    attention_.Guided(request.client, *store_.FindGuidance(guide->robot), OperatorTime());
-    for (const auto& robot : robots_) {
-      if (robot->name == guide->robot) PublishGuidance(*robot);
-    }
+  if (std::holds_alternative<EditRequest>(request.body)) {
+    attention_.Edited(request.client, request.world, OperatorTime());
+    if (WorldLink* world = FindWorld(request.world)) PublishBelief(*world);
     return;
   }
-  attention_.Edited(request.client, request.world, OperatorTime());
-  if (WorldLink* world = FindWorld(request.world)) PublishBelief(*world);
+  const auto* answer = std::get_if<AnswerRequest>(&request.body);
+  const std::string& name = GuidedRobot(request);
+  if (console_ && answer != nullptr) console_->Hear(*answer, request.client);
+  attention_.Guided(request.client, *store_.FindGuidance(name), OperatorTime());
+  for (const auto& robot : robots_) {
+    if (robot->name == name) PublishGuidance(*robot);
+  }
 }
 
 void OperatorService::Record(const OperatorRequest& request) {
-  if (const auto* guide = std::get_if<GuideRequest>(&request.body)) {
-    recording_->Guided(*store_.FindGuidance(guide->robot));
-  } else {
+  if (std::holds_alternative<EditRequest>(request.body)) {
     recording_->Edited(*store_.FindBelief(request.world));
+  } else {
+    recording_->Guided(*store_.FindGuidance(GuidedRobot(request)));
   }
 }
 
@@ -349,6 +345,7 @@ void OperatorService::Log(const OperatorRequest& request, const BeliefStore::Ans
   const bool is_stored = !std::holds_alternative<SelectRequest>(request.body);
   if (is_stored) storage_failure_.reset();
   if (answer.storage_failed) storage_failure_ = reply.reason;
+  if (console_ && (answer.changed || !reply.accepted)) console_->Hear(request, reply);
   const char* kind = KindOf(request);
   if (reply.accepted) {
     LOG_INFO("accepted", "kind", kind, "client", request.client, "id", request.request_id, "world",
@@ -358,47 +355,6 @@ void OperatorService::Log(const OperatorRequest& request, const BeliefStore::Ans
     LOG_WARNING("refused", "kind", kind, "client", request.client, "id", request.request_id,
                 "world", request.world, "reason", reply.reason);
   }
-}
-
-Health OperatorService::Report() const {
-  Health health{Health::Level::kOk, "serving", {}};
-  for (const auto& world : worlds_) {
-    const Belief* belief = store_.FindBelief(world->name);
-    if (!world->served() && health.level == Health::Level::kOk) {
-      health.level = Health::Level::kWarning;
-      health.message = fmt::format("waiting for the initial map of world {}", world->name);
-    }
-    if (!world->refusal.empty()) {
-      health.level = Health::Level::kError;
-      health.message = world->refusal;
-    }
-    health.values.emplace_back(fmt::format("{} belief revision", world->name),
-                               belief == nullptr ? "none" : std::to_string(belief->revision));
-  }
-  for (const auto& robot : robots_) {
-    const Guidance* guidance = store_.FindGuidance(robot->name);
-    health.values.emplace_back(fmt::format("{} guidance revision", robot->name),
-                               std::to_string(guidance == nullptr ? 0 : guidance->revision));
-    health.values.emplace_back(fmt::format("{} attention requests", robot->name),
-                               std::to_string(robot->asked));
-    const std::string driver = drive_desk_.DriverOf(robot->name, clock_.Now());
-    health.values.emplace_back(fmt::format("{} steered by", robot->name),
-                               driver.empty() ? "nobody" : driver);
-  }
-  health.values.emplace_back("matters in the attention queue",
-                             std::to_string(attention_.items().size()));
-  health.values.emplace_back("requests accepted", std::to_string(accepted_));
-  health.values.emplace_back("requests refused", std::to_string(refused_));
-  if (recording_) {
-    health.values.emplace_back("segments recorded", std::to_string(recording_->recorded()));
-    health.values.emplace_back("segments lost", std::to_string(recording_->lost()));
-    health.values.emplace_back("pictures lost", std::to_string(recording_->lost_pictures()));
-  }
-  if (storage_failure_) {
-    health.level = Health::Level::kError;
-    health.message = *storage_failure_;
-  }
-  return health;
 }
 
 }  // namespace conav::operators

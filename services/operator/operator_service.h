@@ -17,6 +17,7 @@
 #include "operator/config.h"
 #include "operator/console_desk.h"
 #include "operator/driving/drive_desk.h"
+#include "operator/robot_control.h"
 #include "operator/session_recording.h"
 
 namespace conav::operators {
@@ -76,6 +77,7 @@ class OperatorService {
   void AnswerBus();
   void AnswerConsole();
   void ShowOnConsole();
+  OperatorReply AnswerStored(const OperatorRequest& request, const WorldLink* world);
   void PublishChange(const OperatorRequest& request);
   void Record(const OperatorRequest& request);
   void Log(const OperatorRequest& request, const BeliefStore::Answer& answer);
@@ -87,6 +89,7 @@ class OperatorService {
   bus::Participant& participant_;
   const Clock& clock_;
   BeliefStore store_;
+  RobotControl control_;
   DriveDesk drive_desk_;
   std::vector<std::unique_ptr<WorldLink>> worlds_;
   std::vector<std::unique_ptr<RobotLink>> robots_;
@@ -99,6 +102,7 @@ class OperatorService {
   std::optional<SessionRecording> recording_;
   std::optional<ConsoleDesk> console_;
   std::uint64_t attention_shown_ = 0;  // revision of the queue
+  std::uint64_t control_shown_ = 0;    // version
   std::uint64_t accepted_ = 0;
   std::uint64_t refused_ = 0;
   std::optional<std::string> storage_failure_;  // of the newest request

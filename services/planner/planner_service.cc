@@ -34,6 +34,7 @@ struct PlannerService::Link {
         map(participant, bus::kRobotMap, name),
         guidance(participant, bus::kGuidance, name),
         drive(participant, bus::kDriveOrder, name),
+        hold(participant, bus::kHoldOrder, name),
         goal_pose(participant, bus::kGoalPose, name),
         camera_info(participant, bus::kCameraInfo, name) {}
 
@@ -47,6 +48,7 @@ struct PlannerService::Link {
   bus::Subscriber<nav_msgs::msg::OccupancyGrid> map;
   bus::Subscriber<conav_msgs::msg::Guidance> guidance;
   bus::Subscriber<conav_msgs::msg::DriveOrder> drive;
+  bus::Subscriber<conav_msgs::msg::HoldOrder> hold;
   bus::Subscriber<geometry_msgs::msg::PoseStamped> goal_pose;
   bus::Subscriber<sensor_msgs::msg::CameraInfo> camera_info;
 };
@@ -153,6 +155,9 @@ void PlannerService::Receive() {
   }
   for (auto& link : links_) {
     for (Guidance& value : link->guidance.TakeValid(Convert<conav_msgs::msg::Guidance>)) {
+      board_.Put(std::move(value));
+    }
+    for (HoldOrder& value : link->hold.TakeValid(Convert<conav_msgs::msg::HoldOrder>)) {
       board_.Put(std::move(value));
     }
     for (DriveOrder& value : link->drive.TakeValid(Convert<conav_msgs::msg::DriveOrder>)) {

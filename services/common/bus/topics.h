@@ -39,6 +39,7 @@ inline constexpr Topic<sensor_msgs::msg::CameraInfo> kCameraInfo{"/{}/camera/cam
 inline constexpr Topic<conav_msgs::msg::Snapshot> kSnapshot{"/{}/snapshot", kEventQos};
 inline constexpr Topic<conav_msgs::msg::Guidance> kGuidance{"/{}/guidance", kLatchedQos};
 inline constexpr Topic<conav_msgs::msg::DriveOrder> kDriveOrder{"/{}/drive", kNewestQos};
+inline constexpr Topic<conav_msgs::msg::HoldOrder> kHoldOrder{"/{}/hold", kLatchedQos};
 inline constexpr Topic<geometry_msgs::msg::PoseStamped> kGoalPose{"/{}/goal_pose", kDefaultQos};
 inline constexpr Topic<nav_msgs::msg::Path> kPlan{"/{}/plan", kLatchedQos};
 inline constexpr Topic<conav_msgs::msg::SearchReport> kSearchReport{"/{}/search", kEventQos};

@@ -45,6 +45,7 @@ template const TypeSupport& TypeSupportOf<conav_msgs::msg::RobotState>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::RobotCommand>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::Snapshot>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::DriveOrder>();
+template const TypeSupport& TypeSupportOf<conav_msgs::msg::HoldOrder>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::Guidance>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::BeliefMap>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::OperatorRequest>();

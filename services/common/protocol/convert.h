@@ -85,6 +85,8 @@ Result<OperatorRequest> ToDomain(const conav_msgs::msg::OperatorRequest& message
 conav_msgs::msg::OperatorRequest ToMessage(const OperatorRequest& request);
 Result<DriveOrder> ToDomain(const conav_msgs::msg::DriveOrder& message);
 conav_msgs::msg::DriveOrder ToMessage(const DriveOrder& order);
+Result<HoldOrder> ToDomain(const conav_msgs::msg::HoldOrder& message);
+conav_msgs::msg::HoldOrder ToMessage(const HoldOrder& order);
 Result<OperatorReply> ToDomain(const conav_msgs::msg::OperatorReply& message);
 conav_msgs::msg::OperatorReply ToMessage(const OperatorReply& reply);
 Result<AttentionRequest> ToDomain(const conav_msgs::msg::AttentionRequest& message);

@@ -25,6 +25,7 @@ inline constexpr std::size_t kMaxJpegBytes = 16U << 20;   // 16 MiB
 inline constexpr std::uint32_t kMaxImageSide = 16384;     // pixels
 inline constexpr std::size_t kMaxClient = 128;            // characters of a client
 inline constexpr std::size_t kMaxText = 4096;             // characters of a reason
+inline constexpr std::size_t kMaxRobots = 4096;           // of a process, or of a request
 inline constexpr std::size_t kMaxActions = 4096;          // at the root of a search
 inline constexpr std::size_t kMaxQueries = 1024;          // in one perception request
 inline constexpr std::size_t kMaxQueryValues = 1U << 24;  // cells of all beliefs of a request

@@ -10,8 +10,6 @@ using convert::Checks;
 
 namespace {
 
-constexpr std::size_t kMaxRobots = 4096;
-
 void EachOnce(Checks& checks, const char* field, const std::vector<std::string>& names) {
   std::set<std::string> seen;
   for (const std::string& name : names) {
@@ -23,7 +21,7 @@ std::vector<PlannerLease::Held> ToHolds(Checks& checks,
                                         const std::vector<conav_msgs::msg::HeldRobot>& messages) {
   std::vector<PlannerLease::Held> holds;
   std::vector<std::string> names;
-  checks.Size("holds", messages.size(), kMaxRobots);
+  checks.Size("holds", messages.size(), convert::kMaxRobots);
   for (std::size_t i = 0; i < messages.size() && !checks.failed(); ++i) {
     const std::string at = fmt::format("holds[{}].", i);
     names.push_back(checks.Name(at + "robot", messages[i].robot()));
@@ -41,7 +39,7 @@ Result<PlannerLease> ToDomain(const conav_msgs::msg::PlannerLease& message) {
   PlannerLease lease;
   lease.node = checks.Client("node", message.node());
   lease.instance = checks.Client("instance", message.instance());
-  checks.Size("robots", message.robots().size(), kMaxRobots);
+  checks.Size("robots", message.robots().size(), convert::kMaxRobots);
   for (std::size_t i = 0; i < message.robots().size() && !checks.failed(); ++i) {
     lease.robots.push_back(checks.Name(fmt::format("robots[{}]", i), message.robots()[i]));
   }

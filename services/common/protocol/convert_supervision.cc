@@ -9,88 +9,12 @@ using convert::ToCellMessages;
 
 namespace {
 
-constexpr double kMaxValidFor = 1.0e6;  // seconds
-
 void CheckConnected(Checks& checks, const std::vector<Cell>& path) {
   for (std::size_t i = 1; i < path.size(); ++i) {
     if (AreNeighbours(path[i - 1], path[i])) continue;
     return checks.Refuse(
         fmt::format("path[{}] = {} is not a neighbour of {}", i, path[i], path[i - 1]));
   }
-}
-
-EditRequest ToEditRequest(Checks& checks, const conav_msgs::msg::OperatorRequest& message) {
-  EditRequest request;
-  request.base_revision = message.base_revision();
-  checks.Size("edits", message.edits().size(), convert::kMaxPath);
-  if (checks.failed()) return request;
-  for (std::size_t i = 0; i < message.edits().size() && !checks.failed(); ++i) {
-    const auto& edit = message.edits()[i];
-    request.edits.push_back(
-        {checks.ToCell(fmt::format("edits[{}].cell", i), edit.cell()), edit.wall()});
-  }
-  return request;
-}
-
-GuideRequest ToGuideRequest(Checks& checks, const conav_msgs::msg::OperatorRequest& message) {
-  GuideRequest request;
-  request.robot = checks.Name("robot", message.robot());
-  request.path = checks.Cells("path", message.path());
-  request.answers_snapshot = message.answers_snapshot();
-  request.valid_for_s = checks.Range("valid_for", message.valid_for(), 0.0, kMaxValidFor);
-  if (request.valid_for_s <= 0.0) checks.Refuse("valid_for = 0 is not above 0");
-  return request;
-}
-
-DriveAction ToDriveAction(Checks& checks, std::uint8_t value) {
-  return checks.Enumerator("drive", value, DriveAction::kStop, DriveAction::kTurnRight);
-}
-
-DriveRequest ToDriveRequest(Checks& checks, const conav_msgs::msg::OperatorRequest& message) {
-  DriveRequest request;
-  request.robot = checks.Name("robot", message.robot());
-  request.drive = ToDriveAction(checks, message.drive());
-  request.expires_at = checks.Time("expires_at", message.expires_at());
-  return request;
-}
-
-SelectRequest ToSelectRequest(Checks& checks, const conav_msgs::msg::OperatorRequest& message) {
-  SelectRequest request;
-  request.robot = checks.Name("robot", message.robot());
-  request.reason = checks.Enumerator("attention_reason", message.attention_reason(),
-                                     AttentionReason::kPicture, AttentionReason::kGoalsReached);
-  return request;
-}
-
-void Write(const EditRequest& edit, conav_msgs::msg::OperatorRequest& message) {
-  message.kind(conav_msgs::msg::OPERATOR_REQUEST_EDIT);
-  message.base_revision(edit.base_revision);
-  for (const CellEdit& value : edit.edits) {
-    auto& cell_edit = message.edits().emplace_back();
-    cell_edit.cell(ToCellMessage(value.cell));
-    cell_edit.wall(value.wall);
-  }
-}
-
-void Write(const GuideRequest& guide, conav_msgs::msg::OperatorRequest& message) {
-  message.kind(conav_msgs::msg::OPERATOR_REQUEST_GUIDE);
-  message.robot(guide.robot);
-  message.path(ToCellMessages(guide.path));
-  message.answers_snapshot(guide.answers_snapshot);
-  message.valid_for(guide.valid_for_s);
-}
-
-void Write(const DriveRequest& drive, conav_msgs::msg::OperatorRequest& message) {
-  message.kind(conav_msgs::msg::OPERATOR_REQUEST_DRIVE);
-  message.robot(drive.robot);
-  message.drive(static_cast<std::uint8_t>(drive.drive));
-  message.expires_at(ToMessage(drive.expires_at));
-}
-
-void Write(const SelectRequest& select, conav_msgs::msg::OperatorRequest& message) {
-  message.kind(conav_msgs::msg::OPERATOR_REQUEST_SELECT);
-  message.robot(select.robot);
-  message.attention_reason(static_cast<std::uint8_t>(select.reason));
 }
 
 }  // namespace
@@ -158,41 +82,6 @@ conav_msgs::msg::Guidance ToMessage(const Guidance& guidance) {
   return message;
 }
 
-Result<OperatorRequest> ToDomain(const conav_msgs::msg::OperatorRequest& message) {
-  Checks checks;
-  OperatorRequest request;
-  request.stamp = checks.Stamp(message.header());
-  request.client = checks.Client("client", message.client());
-  request.request_id = message.request_id();
-  if (request.request_id == 0) checks.Refuse("request_id = 0 is below 1");
-  request.world = checks.Name("world", message.world());
-  if (message.kind() == conav_msgs::msg::OPERATOR_REQUEST_EDIT) {
-    request.body = ToEditRequest(checks, message);
-  } else if (message.kind() == conav_msgs::msg::OPERATOR_REQUEST_GUIDE) {
-    request.body = ToGuideRequest(checks, message);
-  } else if (message.kind() == conav_msgs::msg::OPERATOR_REQUEST_DRIVE) {
-    request.body = ToDriveRequest(checks, message);
-  } else if (message.kind() == conav_msgs::msg::OPERATOR_REQUEST_SELECT) {
-    request.body = ToSelectRequest(checks, message);
-  } else {
-    checks.Refuse(fmt::format("kind = {} is not in [{}, {}]", message.kind(),
-                              conav_msgs::msg::OPERATOR_REQUEST_EDIT,
-                              conav_msgs::msg::OPERATOR_REQUEST_SELECT));
-  }
-  if (checks.failed()) return checks.failure();
-  return request;
-}
-
-conav_msgs::msg::OperatorRequest ToMessage(const OperatorRequest& request) {
-  conav_msgs::msg::OperatorRequest message;
-  message.header(ToHeader(request.stamp));
-  message.client(request.client);
-  message.request_id(request.request_id);
-  message.world(request.world);
-  std::visit([&](const auto& body) { Write(body, message); }, request.body);
-  return message;
-}
-
 Result<DriveOrder> ToDomain(const conav_msgs::msg::DriveOrder& message) {
   Checks checks;
   DriveOrder order;
@@ -201,7 +90,8 @@ Result<DriveOrder> ToDomain(const conav_msgs::msg::DriveOrder& message) {
   order.robot = checks.Name("robot", message.robot());
   order.sequence_number = message.sequence_number();
   if (order.sequence_number == 0) checks.Refuse("sequence_number = 0 is below 1");
-  order.drive = ToDriveAction(checks, message.drive());
+  order.drive =
+      checks.Enumerator("drive", message.drive(), DriveAction::kStop, DriveAction::kTurnRight);
   if (!message.given_by().empty()) order.given_by = checks.Client("given_by", message.given_by());
   order.expires_at = checks.Time("expires_at", message.expires_at());
   if (checks.failed()) return checks.failure();
@@ -220,26 +110,30 @@ conav_msgs::msg::DriveOrder ToMessage(const DriveOrder& order) {
   return message;
 }
 
-Result<OperatorReply> ToDomain(const conav_msgs::msg::OperatorReply& message) {
+Result<HoldOrder> ToDomain(const conav_msgs::msg::HoldOrder& message) {
   Checks checks;
-  OperatorReply reply;
-  reply.client = checks.Client("client", message.client());
-  reply.request_id = message.request_id();
-  if (reply.request_id == 0) checks.Refuse("request_id = 0 is below 1");
-  reply.accepted = message.accepted();
-  reply.reason = checks.Text("reason", message.reason());
-  reply.revision = message.revision();
+  HoldOrder order;
+  order.stamp = checks.Stamp(message.header());
+  order.world = checks.Name("world", message.world());
+  order.robot = checks.Name("robot", message.robot());
+  order.revision = message.revision();
+  if (order.revision == 0) checks.Refuse("revision = 0 is below 1");
+  order.stopped = message.stopped();
+  order.given_by = checks.OptionalClient("given_by", message.given_by());
+  order.reason = checks.Text("reason", message.reason());
   if (checks.failed()) return checks.failure();
-  return reply;
+  return order;
 }
 
-conav_msgs::msg::OperatorReply ToMessage(const OperatorReply& reply) {
-  conav_msgs::msg::OperatorReply message;
-  message.client(reply.client);
-  message.request_id(reply.request_id);
-  message.accepted(reply.accepted);
-  message.reason(reply.reason);
-  message.revision(reply.revision);
+conav_msgs::msg::HoldOrder ToMessage(const HoldOrder& order) {
+  conav_msgs::msg::HoldOrder message;
+  message.header(ToHeader(order.stamp));
+  message.world(order.world);
+  message.robot(order.robot);
+  message.revision(order.revision);
+  message.stopped(order.stopped);
+  message.given_by(order.given_by);
+  message.reason(order.reason);
   return message;
 }
 

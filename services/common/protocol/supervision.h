@@ -97,13 +97,70 @@ struct SelectRequest {
   bool operator==(const SelectRequest&) const = default;
 };
 
+/// A picture was looked at and shows nothing new: the robot's path stays as it is.
+struct AnswerRequest {
+  std::string robot;
+  std::uint64_t snapshot = 0;  // Picture::sequence_number
+  bool operator==(const AnswerRequest&) const = default;
+};
+
+/// `robots` stand until a GoRequest; none = all. So with the requests below.
+struct StopRequest {
+  std::vector<std::string> robots;
+  std::string reason;
+  bool operator==(const StopRequest&) const = default;
+};
+
+struct GoRequest {
+  std::vector<std::string> robots;
+  bool operator==(const GoRequest&) const = default;
+};
+
+/// From now on only this client commands `robots`; a reason is asked for where another one does.
+struct TakeControlRequest {
+  std::vector<std::string> robots;
+  std::string reason;
+  bool operator==(const TakeControlRequest&) const = default;
+};
+
+struct ReleaseControlRequest {
+  std::vector<std::string> robots;
+  bool operator==(const ReleaseControlRequest&) const = default;
+};
+
+struct AcknowledgeRequest {
+  std::uint64_t alert = 0;
+  bool operator==(const AcknowledgeRequest&) const = default;
+};
+
+struct ShelveRequest {
+  std::uint64_t alert = 0;
+  double duration_s = 0.0;  // wall time
+  bool operator==(const ShelveRequest&) const = default;
+};
+
+/// Whether `robot` shall stand, whatever else was asked of it.
+struct HoldOrder {
+  SimTime stamp;
+  std::string world;
+  std::string robot;
+  std::uint64_t revision = 0;
+  bool stopped = false;
+  std::string given_by;
+  std::string reason;
+  bool operator==(const HoldOrder&) const = default;
+};
+
 /// What any client may ask of the operator service. (client, request_id) makes a repeat harmless.
 struct OperatorRequest {
   SimTime stamp;
   std::string client;
   std::uint64_t request_id = 0;
   std::string world;
-  std::variant<EditRequest, GuideRequest, DriveRequest, SelectRequest> body;
+  std::variant<EditRequest, GuideRequest, DriveRequest, SelectRequest, AnswerRequest, StopRequest,
+               GoRequest, TakeControlRequest, ReleaseControlRequest, AcknowledgeRequest,
+               ShelveRequest>
+      body;
   bool operator==(const OperatorRequest&) const = default;
 };
 

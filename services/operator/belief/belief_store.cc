@@ -53,6 +53,7 @@ BeliefStore::BeliefStore(const BeliefStoreOptions& options)
   OrStartupError(file_, EnsureSchema(database_).map([] { return true; }));
   beliefs_ = OrStartupError(file_, LoadBeliefs(database_));
   guidance_ = OrStartupError(file_, LoadGuidance(database_));
+  holds_ = OrStartupError(file_, LoadHolds(database_));
 }
 
 Result<bool> BeliefStore::AddWorld(const std::string& world, const BeliefGrid& initial,
@@ -92,19 +93,40 @@ Result<void> BeliefStore::WithdrawGuidance(const std::string& robot, SimTime now
   return saved;
 }
 
-BeliefStore::Answer BeliefStore::Handle(const OperatorRequest& request, SimTime now) {
-  DEMAND(!std::holds_alternative<DriveRequest>(request.body), request.client, request.request_id);
-  DEMAND(!std::holds_alternative<SelectRequest>(request.body), request.client, request.request_id);
+std::optional<BeliefStore::Answer> BeliefStore::FindRepeat(const OperatorRequest& request) {
   const auto logged = FindRequest(database_, request.client, request.request_id);
   if (!logged) return StorageFailure(request, logged.error(), 0);
-  if (!*logged) return HandleNew(request, now);
+  if (!*logged) return std::nullopt;
   if ((*logged)->world == request.world && (*logged)->body == RequestBody(request)) {
-    return {(*logged)->reply};
+    return Answer{(*logged)->reply};
   }
-  return {{request.client, request.request_id, false,
-           fmt::format("request {} of client {} was used for something else before",
-                       request.request_id, request.client),
-           0}};
+  return Answer{{request.client, request.request_id, false,
+                 fmt::format("request {} of client {} was used for something else before",
+                             request.request_id, request.client),
+                 0}};
+}
+
+BeliefStore::Answer BeliefStore::Keep(const OperatorRequest& request,
+                                      const std::vector<HoldOrder>& orders) {
+  const OperatorReply reply = Accepted(request, 0);
+  const auto saved = database_.Transaction([&]() -> Result<void> {
+    for (const HoldOrder& order : orders) {
+      if (auto hold_saved = SaveHold(database_, order); !hold_saved) return hold_saved;
+    }
+    return SaveRequest(database_, request, reply);
+  });
+  if (!saved) return StorageFailure(request, saved.error(), 0);
+  for (const HoldOrder& order : orders) holds_[order.robot] = order;
+  return {reply, true};
+}
+
+BeliefStore::Answer BeliefStore::Handle(const OperatorRequest& request, SimTime now) {
+  DEMAND(std::holds_alternative<EditRequest>(request.body) ||
+             std::holds_alternative<GuideRequest>(request.body) ||
+             std::holds_alternative<AnswerRequest>(request.body),
+         request.client, request.request_id);
+  if (auto repeat = FindRepeat(request)) return *std::move(repeat);
+  return HandleNew(request, now);
 }
 
 BeliefStore::Answer BeliefStore::HandleNew(const OperatorRequest& request, SimTime now) {
@@ -114,6 +136,9 @@ BeliefStore::Answer BeliefStore::HandleNew(const OperatorRequest& request, SimTi
   }
   if (const auto* edit = std::get_if<EditRequest>(&request.body)) {
     return HandleEdit(request, *edit, now);
+  }
+  if (const auto* answer = std::get_if<AnswerRequest>(&request.body)) {
+    return HandleAnswer(request, *answer, now);
   }
   return HandleGuide(request, std::get<GuideRequest>(request.body), now);
 }
@@ -137,22 +162,53 @@ BeliefStore::Answer BeliefStore::HandleGuide(const OperatorRequest& request,
                                              const GuideRequest& guide, SimTime now) {
   const Guidance* last = FindGuidance(guide.robot);
   const std::uint64_t last_revision = last != nullptr ? last->revision : 0;
-  const auto robot = worlds_.find(guide.robot);
-  if (robot == worlds_.end() || robot->second != request.world) {
-    return Refuse(request,
-                  fmt::format("robot '{}' is not known in world {}", guide.robot, request.world),
-                  last_revision);
+  if (std::string why = WhyUnknown(request, guide.robot); !why.empty()) {
+    return Refuse(request, std::move(why), last_revision);
   }
   auto guidance =
       MakeGuidance(beliefs_.at(request.world), guide, last_revision, request.client, now, limits_);
   if (!guidance) return Refuse(request, guidance.error().text, last_revision);
-  const OperatorReply reply = Accepted(request, guidance->revision);
+  return SaveAsAnswer(request, *std::move(guidance));
+}
+
+BeliefStore::Answer BeliefStore::HandleAnswer(const OperatorRequest& request,
+                                              const AnswerRequest& answer, SimTime now) {
+  if (std::string why = WhyUnknown(request, answer.robot); !why.empty()) {
+    return Refuse(request, std::move(why), 0);
+  }
+  Guidance guidance;
+  if (const Guidance* last = FindGuidance(answer.robot)) guidance = *last;
+  if (guidance.answers_snapshot >= answer.snapshot) {
+    return Refuse(
+        request, fmt::format("picture {} of {} was answered before", answer.snapshot, answer.robot),
+        guidance.revision);
+  }
+  if (guidance.path.empty()) guidance.valid_until = now;
+  guidance.world = request.world;
+  guidance.robot = answer.robot;
+  guidance.stamp = now;
+  guidance.given_by = request.client;
+  guidance.answers_snapshot = answer.snapshot;
+  guidance.belief_revision = beliefs_.at(request.world).revision;
+  ++guidance.revision;
+  return SaveAsAnswer(request, std::move(guidance));
+}
+
+std::string BeliefStore::WhyUnknown(const OperatorRequest& request,
+                                    const std::string& robot) const {
+  const auto found = worlds_.find(robot);
+  if (found != worlds_.end() && found->second == request.world) return "";
+  return fmt::format("robot '{}' is not known in world {}", robot, request.world);
+}
+
+BeliefStore::Answer BeliefStore::SaveAsAnswer(const OperatorRequest& request, Guidance guidance) {
+  const OperatorReply reply = Accepted(request, guidance.revision);
   const auto saved = database_.Transaction([&]() -> Result<void> {
-    if (auto path_saved = SaveGuidance(database_, *guidance); !path_saved) return path_saved;
+    if (auto path_saved = SaveGuidance(database_, guidance); !path_saved) return path_saved;
     return SaveRequest(database_, request, reply);
   });
-  if (!saved) return StorageFailure(request, saved.error(), last_revision);
-  guidance_[guide.robot] = *std::move(guidance);
+  if (!saved) return StorageFailure(request, saved.error(), guidance.revision - 1);
+  guidance_[guidance.robot] = std::move(guidance);
   return {reply, true};
 }
 

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/protocol/supervision.h"
 #include "common/runtime/result.h"
@@ -35,7 +36,7 @@ class BeliefStore {
 
   struct Answer {
     OperatorReply reply;
-    bool changed = false;  // the belief (edit) or the guidance (guide) is new
+    bool changed = false;  // the belief (edit) or the guidance (guide, answer) is new
     bool storage_failed = false;
   };
 
@@ -52,9 +53,14 @@ class BeliefStore {
   /// pictures anew. The revision rises. Errors: kIo.
   [[nodiscard]] Result<void> WithdrawGuidance(const std::string& robot, SimTime now);
 
-  /// `now`: simulation time of the request's world. `request` edits or guides (demanded): low-level
-  /// actions and selections change nothing that is stored.
+  /// `now`: simulation time of the request's world. `request` edits, guides or answers (demanded).
   Answer Handle(const OperatorRequest& request, SimTime now);
+
+  /// The reply that a request with this client and id got before; nothing when it is new.
+  std::optional<Answer> FindRepeat(const OperatorRequest& request);
+  /// Stores a request that was decided elsewhere and is new, with the orders that it leads to.
+  Answer Keep(const OperatorRequest& request, const std::vector<HoldOrder>& orders);
+  const std::map<std::string, HoldOrder>& holds() const { return holds_; }
 
   /// Null when unknown. Valid until the next call that is not const.
   const Belief* FindBelief(const std::string& world) const;
@@ -69,6 +75,11 @@ class BeliefStore {
   Answer HandleNew(const OperatorRequest& request, SimTime now);
   Answer HandleEdit(const OperatorRequest& request, const EditRequest& edit, SimTime now);
   Answer HandleGuide(const OperatorRequest& request, const GuideRequest& guide, SimTime now);
+  /// "Nothing new here": the path stays, and answers the picture.
+  Answer HandleAnswer(const OperatorRequest& request, const AnswerRequest& answer, SimTime now);
+  /// Why `robot` is not guided in the world of `request`; empty = it is.
+  std::string WhyUnknown(const OperatorRequest& request, const std::string& robot) const;
+  Answer SaveAsAnswer(const OperatorRequest& request, Guidance guidance);
   Answer Refuse(const OperatorRequest& request, std::string reason, std::uint64_t revision);
 
   Database database_;
@@ -76,6 +87,7 @@ class BeliefStore {
   GuidanceLimits limits_;
   std::map<std::string, Belief> beliefs_;      // by world
   std::map<std::string, Guidance> guidance_;   // by robot
+  std::map<std::string, HoldOrder> holds_;     // by robot
   std::map<std::string, std::string> worlds_;  // of each robot
 };
 

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <span>
 
 namespace conav::operators {
 namespace {
@@ -14,9 +15,10 @@ static_assert(std::endian::native == std::endian::little, "beliefs are stored li
 using nlohmann::json;
 
 constexpr std::int64_t kApplicationId = 0x636f6e76;  // "conv", marks the file as ours
-constexpr std::int64_t kSchemaVersion = 1;
+constexpr std::int64_t kSchemaVersion = 2;
 
-constexpr const char* kSchema[] = {
+/// Version 1.
+constexpr const char* kFirstTables[] = {
     "CREATE TABLE beliefs (world TEXT NOT NULL, revision INTEGER NOT NULL, stamp_ns INTEGER NOT "
     "NULL, rows INTEGER NOT NULL, columns INTEGER NOT NULL, cells BLOB NOT NULL, edited_by TEXT "
     "NOT NULL, PRIMARY KEY (world, revision))",
@@ -26,6 +28,12 @@ constexpr const char* kSchema[] = {
     "CREATE TABLE requests (client TEXT NOT NULL, request_id INTEGER NOT NULL, stamp_ns INTEGER "
     "NOT NULL, world TEXT NOT NULL, body TEXT NOT NULL, accepted INTEGER NOT NULL, reason TEXT NOT "
     "NULL, revision INTEGER NOT NULL, PRIMARY KEY (client, request_id))"};
+
+/// Added by version 2.
+constexpr const char* kSecondTables[] = {
+    "CREATE TABLE holds (robot TEXT PRIMARY KEY, world TEXT NOT NULL, revision INTEGER NOT NULL, "
+    "stamp_ns INTEGER NOT NULL, stopped INTEGER NOT NULL, given_by TEXT NOT NULL, reason TEXT NOT "
+    "NULL)"};
 
 std::int64_t Signed(std::uint64_t value) { return static_cast<std::int64_t>(value); }
 std::uint64_t Unsigned(const Database::Value& value) {
@@ -105,11 +113,20 @@ Result<std::int64_t> Pragma(Database& database, const std::string& name) {
   });
 }
 
-Result<void> CreateSchema(Database& database) {
+Result<void> RunAll(Database& database, std::span<const char* const> statements) {
+  for (const char* statement : statements) {
+    if (auto done = database.Execute(statement); !done) return done;
+  }
+  return {};
+}
+
+/// From `version` (0 = an empty file) to ours.
+Result<void> Upgrade(Database& database, std::int64_t version) {
   return database.Transaction([&]() -> Result<void> {
-    for (const char* statement : kSchema) {
-      if (auto created = database.Execute(statement); !created) return created;
+    if (version < 1) {
+      if (auto made = RunAll(database, kFirstTables); !made) return made;
     }
+    if (auto made = RunAll(database, kSecondTables); !made) return made;
     for (const std::string& mark : {fmt::format("application_id = {}", kApplicationId),
                                     fmt::format("user_version = {}", kSchemaVersion)}) {
       if (auto set = database.Execute("PRAGMA " + mark); !set) return set;
@@ -118,22 +135,59 @@ Result<void> CreateSchema(Database& database) {
   });
 }
 
+json EditBody(const EditRequest& edit) {
+  json edits = json::array();
+  for (const CellEdit& e : edit.edits) edits.push_back({e.cell.row, e.cell.column, e.wall});
+  return {{"kind", "edit"}, {"base_revision", edit.base_revision}, {"edits", edits}};
+}
+
+json GuideBody(const GuideRequest& guide) {
+  return {{"kind", "guide"},
+          {"robot", guide.robot},
+          {"path", CellsToJson(guide.path)},
+          {"answers_snapshot", guide.answers_snapshot},
+          {"valid_for_s", guide.valid_for_s}};
+}
+
+struct BodyOf {
+  json operator()(const EditRequest& edit) const { return EditBody(edit); }
+  json operator()(const GuideRequest& guide) const { return GuideBody(guide); }
+  json operator()(const AnswerRequest& answer) const {
+    return {{"kind", "answer"}, {"robot", answer.robot}, {"snapshot", answer.snapshot}};
+  }
+  json operator()(const StopRequest& stop) const {
+    return {{"kind", "stop"}, {"robots", stop.robots}, {"reason", stop.reason}};
+  }
+  json operator()(const GoRequest& go) const { return {{"kind", "go"}, {"robots", go.robots}}; }
+  json operator()(const TakeControlRequest& take) const {
+    return {{"kind", "take_control"}, {"robots", take.robots}, {"reason", take.reason}};
+  }
+  json operator()(const ReleaseControlRequest& release) const {
+    return {{"kind", "release_control"}, {"robots", release.robots}};
+  }
+  json operator()(const AcknowledgeRequest& acknowledge) const {
+    return {{"kind", "acknowledge"}, {"alert", acknowledge.alert}};
+  }
+  json operator()(const ShelveRequest& shelve) const {
+    return {{"kind", "shelve"}, {"alert", shelve.alert}, {"duration_s", shelve.duration_s}};
+  }
+  json operator()(const DriveRequest& drive) const {
+    return {{"kind", "drive"}, {"robot", drive.robot}};
+  }
+  json operator()(const SelectRequest& select) const {
+    return {{"kind", "select"}, {"robot", select.robot}};
+  }
+};
+
+HoldOrder HoldFromRow(const Database::Row& row) {
+  return {{Integer(row[3])},    Text(row[1]), Text(row[0]), Unsigned(row[2]),
+          Integer(row[4]) != 0, Text(row[5]), Text(row[6])};
+}
+
 }  // namespace
 
 std::string RequestBody(const OperatorRequest& request) {
-  json body;
-  if (const auto* edit = std::get_if<EditRequest>(&request.body)) {
-    json edits = json::array();
-    for (const CellEdit& e : edit->edits) edits.push_back({e.cell.row, e.cell.column, e.wall});
-    body = {{"kind", "edit"}, {"base_revision", edit->base_revision}, {"edits", edits}};
-  } else {
-    const auto& guide = std::get<GuideRequest>(request.body);
-    body = {{"kind", "guide"},
-            {"robot", guide.robot},
-            {"path", CellsToJson(guide.path)},
-            {"answers_snapshot", guide.answers_snapshot},
-            {"valid_for_s", guide.valid_for_s}};
-  }
+  const json body = std::visit(BodyOf{}, request.body);
   // Texts come from other processes and need not be UTF-8; they must not stop the service.
   return body.dump(-1, ' ', false, json::error_handler_t::replace);
 }
@@ -141,7 +195,7 @@ std::string RequestBody(const OperatorRequest& request) {
 Result<void> EnsureSchema(Database& database) {
   const auto tables = database.Query("SELECT count(*) FROM sqlite_master");
   if (!tables) return tl::unexpected(tables.error());
-  if (Integer(tables->at(0).at(0)) == 0) return CreateSchema(database);
+  if (Integer(tables->at(0).at(0)) == 0) return Upgrade(database, 0);
   const auto application = Pragma(database, "application_id");
   if (!application) return tl::unexpected(application.error());
   const auto version = Pragma(database, "user_version");
@@ -149,6 +203,7 @@ Result<void> EnsureSchema(Database& database) {
   if (*application != kApplicationId) {
     return Fail(ErrorCode::kMalformed, "this is a database of another program");
   }
+  if (*version == 1) return Upgrade(database, 1);
   if (*version != kSchemaVersion) {
     return Fail(ErrorCode::kMalformed, fmt::format("written by another version: schema {}, not {}",
                                                    *version, kSchemaVersion));
@@ -189,6 +244,19 @@ Result<std::map<std::string, Guidance>> LoadGuidance(Database& database) {
   return guidance;
 }
 
+Result<std::map<std::string, HoldOrder>> LoadHolds(Database& database) {
+  const auto rows = database.Query(
+      "SELECT robot, world, revision, stamp_ns, stopped, given_by, reason FROM holds");
+  if (!rows) return tl::unexpected(rows.error());
+  std::map<std::string, HoldOrder> holds;
+  for (const Database::Row& row : *rows) {
+    auto hold = ReadRow("holds", row, [](const auto& r) { return HoldFromRow(r); });
+    if (!hold) return tl::unexpected(hold.error());
+    holds[hold->robot] = *hold;
+  }
+  return holds;
+}
+
 Result<std::optional<BeliefGrid>> LoadInitialMap(Database& database, const std::string& world) {
   const auto rows = database.Query(
       "SELECT rows, columns, cells FROM beliefs WHERE world = ? AND revision = 0", {world});
@@ -216,6 +284,12 @@ Result<void> SaveGuidance(Database& database, const Guidance& guidance) {
       {guidance.robot, guidance.world, Signed(guidance.revision), guidance.stamp.nanoseconds,
        CellsToJson(guidance.path).dump(), guidance.given_by, Signed(guidance.belief_revision),
        Signed(guidance.answers_snapshot), guidance.valid_until.nanoseconds});
+}
+
+Result<void> SaveHold(Database& database, const HoldOrder& hold) {
+  return database.Execute("INSERT OR REPLACE INTO holds VALUES (?, ?, ?, ?, ?, ?, ?)",
+                          {hold.robot, hold.world, Signed(hold.revision), hold.stamp.nanoseconds,
+                           std::int64_t{hold.stopped}, hold.given_by, hold.reason});
 }
 
 Result<void> SaveRequest(Database& database, const OperatorRequest& request,

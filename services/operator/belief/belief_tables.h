@@ -14,6 +14,8 @@
 ///     revision 0 and the newest
 ///   guidance(robot, world, revision, stamp_ns, path, ...)
 ///     the newest of each robot
+///   holds(robot, world, revision, stamp_ns, stopped, given_by, reason)
+///     the newest of each robot that was ever stopped
 ///   requests(client, request_id, stamp_ns, world, body, accepted, reason, revision)
 ///     all of them
 ///
@@ -31,7 +33,8 @@ struct LoggedRequest {
 /// What is asked, as JSON: two requests with equal text ask for the same thing.
 std::string RequestBody(const OperatorRequest& request);
 
-/// Makes the tables in an empty file. Errors: kMalformed for a file of another program or of a
+/// Makes the tables in an empty file, and those that an older version of conav did not have.
+/// Errors: kMalformed for a file of another program or of a
 /// version that this one does not know.
 [[nodiscard]] Result<void> EnsureSchema(Database& database);
 
@@ -40,12 +43,16 @@ std::string RequestBody(const OperatorRequest& request);
 [[nodiscard]] Result<std::map<std::string, Belief>> LoadBeliefs(Database& database);
 [[nodiscard]] Result<std::map<std::string, Guidance>> LoadGuidance(Database& database);
 
+/// By robot.
+[[nodiscard]] Result<std::map<std::string, HoldOrder>> LoadHolds(Database& database);
+
 /// The initial map of `world`; nothing when the world is not known.
 [[nodiscard]] Result<std::optional<BeliefGrid>> LoadInitialMap(Database& database,
                                                                const std::string& world);
 
 [[nodiscard]] Result<void> SaveBelief(Database& database, const Belief& belief);
 [[nodiscard]] Result<void> SaveGuidance(Database& database, const Guidance& guidance);
+[[nodiscard]] Result<void> SaveHold(Database& database, const HoldOrder& hold);
 [[nodiscard]] Result<void> SaveRequest(Database& database, const OperatorRequest& request,
                                        const OperatorReply& reply);
 

@@ -23,6 +23,8 @@ console::Guidance ToConsole(const Guidance& guidance);
 /// Without an answer.
 console::Picture ToConsole(const Picture& picture, double heard_at_s);
 console::Search ToConsole(const SearchReport& report);
+/// A line of the command log, without its id and times.
+console::Event EventOf(const OperatorRequest& request, const OperatorReply& reply);
 console::Attention ToConsole(const AttentionQueueState& queue);
 
 }  // namespace conav::operators

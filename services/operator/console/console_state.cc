@@ -277,7 +277,11 @@ void ConsoleState::Hear(console::Event event) {
   log_.Put(fmt::format("event/{}", last_event_), std::move(update), "event", kEventsKept);
 }
 
-void ConsoleState::Hear(const console::Control& control) {
+void ConsoleState::Hear(console::Control control, double now_s) {
+  if (!control.stopped()) stopped_since_s_.erase(control.robot());
+  if (control.stopped()) {
+    control.set_stopped_since(stopped_since_s_.emplace(control.robot(), now_s).first->second);
+  }
   console::Update update;
   *update.mutable_control() = control;
   log_.Put("control/" + control.robot(), std::move(update));

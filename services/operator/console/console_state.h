@@ -68,7 +68,8 @@ class ConsoleState {
   void Hear(const ServiceHealth& health, double now_s);
   void Hear(const std::vector<Person>& people);
   void Hear(console::Event event);
-  void Hear(const console::Control& control);
+  /// `stopped_since` is set here.
+  void Hear(console::Control control, double now_s);
   void Hear(const console::Alert& alert);
   void Hear(const console::Playback& playback);
 
@@ -104,6 +105,7 @@ class ConsoleState {
   std::map<std::string, WorldMemory> worlds_;
   std::map<std::string, ServiceHealth> services_;
   std::map<std::string, double> service_said_at_s_;
+  std::map<std::string, double> stopped_since_s_;  // by robot
   std::uint64_t last_event_ = 0;
 };
 

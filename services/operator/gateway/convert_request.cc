@@ -63,6 +63,19 @@ std::string Write(const console::Select& select, Message& message) {
   return "";
 }
 
+void Write(const console::Answer& answer, Message& message) {
+  message.kind(conav_msgs::msg::OPERATOR_REQUEST_ANSWER);
+  message.robot(answer.robot());
+  message.answers_snapshot(answer.snapshot());
+}
+
+/// Whom a request is about, where it may be several robots.
+template <class Body>
+void WriteRobots(std::uint8_t kind, const Body& body, Message& message) {
+  message.kind(kind);
+  message.robots().assign(body.robots().begin(), body.robots().end());
+}
+
 /// What cannot even be written down in the message; empty otherwise.
 std::string WriteBody(const console::Request& request, Message& message) {
   switch (request.body_case()) {
@@ -76,9 +89,37 @@ std::string WriteBody(const console::Request& request, Message& message) {
       return Write(request.drive(), message);
     case console::Request::kSelect:
       return Write(request.select(), message);
-    default:
+    case console::Request::kAnswer:
+      Write(request.answer(), message);
+      return "";
+    case console::Request::kStop:
+      WriteRobots(conav_msgs::msg::OPERATOR_REQUEST_STOP, request.stop(), message);
+      message.reason(request.stop().reason());
+      return "";
+    case console::Request::kGo:
+      WriteRobots(conav_msgs::msg::OPERATOR_REQUEST_GO, request.go(), message);
+      return "";
+    case console::Request::kTakeControl:
+      WriteRobots(conav_msgs::msg::OPERATOR_REQUEST_TAKE_CONTROL, request.take_control(), message);
+      message.reason(request.take_control().reason());
+      return "";
+    case console::Request::kReleaseControl:
+      WriteRobots(conav_msgs::msg::OPERATOR_REQUEST_RELEASE_CONTROL, request.release_control(),
+                  message);
+      return "";
+    case console::Request::kAcknowledge:
+      message.kind(conav_msgs::msg::OPERATOR_REQUEST_ACKNOWLEDGE);
+      message.alert(request.acknowledge().alert());
+      return "";
+    case console::Request::kShelve:
+      message.kind(conav_msgs::msg::OPERATOR_REQUEST_SHELVE);
+      message.alert(request.shelve().alert());
+      message.duration(request.shelve().duration());
+      return "";
+    case console::Request::BODY_NOT_SET:
       return "the request asks for nothing that is known here";
   }
+  return "the request asks for nothing that is known here";
 }
 
 }  // namespace

@@ -66,6 +66,14 @@ void Blackboard::Put(DriveOrder order) {
   ChangedLocked();
 }
 
+void Blackboard::Put(HoldOrder order) {
+  const std::lock_guard lock(mutex_);
+  Entry* entry = FindLocked(order.robot);
+  if (entry == nullptr || entry->world != order.world) return;
+  entry->inputs.hold = std::move(order);
+  ChangedLocked();
+}
+
 void Blackboard::PutLens(const std::string& robot, const CameraLens& lens) {
   const std::lock_guard lock(mutex_);
   if (Entry* entry = FindLocked(robot)) {

@@ -37,9 +37,12 @@ struct RobotInputs {
   std::optional<MapUpdate> map;
   std::optional<Belief> belief;       // of the robot's world
   std::optional<Guidance> guidance;   // newest revision, or what a goal pose was turned into
+  std::optional<HoldOrder> hold;      // whether somebody has stopped the robot
   std::optional<DriveOrder> drive;    // newest low-level action asked for, carried out or not
   std::optional<Position> goal_pose;  // not yet turned into guidance
   std::optional<CameraLens> lens;     // of its camera
+
+  bool stopped() const { return hold && hold->stopped; }
 };
 
 /// What another robot of the same world is about to do; decides who gives way.
@@ -63,6 +66,7 @@ class Blackboard {
   void Put(const Belief& belief);
   void Put(Guidance guidance);
   void Put(DriveOrder order);
+  void Put(HoldOrder order);
   void PutLens(const std::string& robot, const CameraLens& lens);
   void PutGoalPose(const std::string& robot, Position goal);
   /// A robot's own worker tells the others which cells it wants next, and the operator's side why

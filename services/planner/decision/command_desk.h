@@ -34,6 +34,8 @@ class CommandDesk {
   /// 0 before the first command.
   std::uint64_t sent_sequence_number() const { return last_.sequence_number; }
   std::uint64_t lease_epoch() const { return last_.lease_epoch; }
+  /// Of the last command; kStop also before the first.
+  CommandKind last_kind() const { return last_.kind; }
 
  private:
   std::string robot_;

@@ -14,6 +14,8 @@ std::string_view HoldName(Hold hold) {
       return "its state";
     case Hold::kCommand:
       return "its command to end";
+    case Hold::kStopped:
+      return "whoever stopped it to let it go";
     case Hold::kMap:
       return "its map";
     case Hold::kCamera:
@@ -59,11 +61,14 @@ Hold DecisionGate::Want(const RobotInputs& inputs, std::uint64_t sent_sequence_n
   if (!inputs.state) return Hold::kState;
   const RobotState& state = *inputs.state;
   if (lease_epoch != 0 && state.lease_epoch > lease_epoch) return Hold::kLeaseLost;
+  const bool running = state.command_outcome == CommandOutcome::kRunning;
+  const bool releasing = inputs.lease.state == Lease::State::kReleasing;
+  if (inputs.stopped() && (running || !releasing)) return Hold::kStopped;
   const bool taken_up =
       state.command_sequence_number == sent_sequence_number && state.lease_epoch == lease_epoch;
-  if (state.command_outcome == CommandOutcome::kRunning) return Hold::kCommand;
+  if (running) return Hold::kCommand;
   if (sent_sequence_number != 0 && !taken_up) return Hold::kCommand;
-  if (inputs.lease.state == Lease::State::kReleasing) return Hold::kRelease;
+  if (releasing) return Hold::kRelease;
   if (!inputs.map || inputs.map->stamp < state.map_stamp) return Hold::kMap;
   if (awaits_ >= AwaitedInput::kAnswers && !inputs.lens) return Hold::kCamera;
   if (awaits_ >= AwaitedInput::kBelief && !inputs.belief) return Hold::kBelief;

@@ -16,6 +16,7 @@ enum class Hold {
   kNothing,        // decide
   kState,          // nothing heard of the robot yet
   kCommand,        // its last command is still being executed
+  kStopped,        // somebody has stopped it
   kMap,            // the map of its newest step has not arrived
   kCamera,         // its camera's lens
   kBelief,         // the operator's map, at the revision that the guidance was drawn on

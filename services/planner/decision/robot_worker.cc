@@ -142,6 +142,7 @@ Clock::TimePoint RobotWorker::WaitFor(Hold hold, const RobotInputs& inputs, Cloc
   // Who drives it speaks for it.
   if (hold == Hold::kNoLease || hold == Hold::kLeaseLost) return now + kIdle;
   if (hold == Hold::kCommand) RepeatCommand(inputs, now);
+  if (hold == Hold::kStopped) Halt(inputs, now);
   const bool operator_is_asked = hold == Hold::kFirstGuidance || hold == Hold::kAnswer;
   if (operator_is_asked) {
     const Traffic traffic = GiveWay(SituationFrom(inputs), {});
@@ -156,6 +157,10 @@ void RobotWorker::TellHold(Hold hold, const RobotInputs& inputs) const {
   if (hold == Hold::kLeaseLost) {
     LOG_WARNING("another planner took the robot over", "robot", options_.robot, "its_epoch",
                 inputs.state->lease_epoch, "our_epoch", desk_.lease_epoch());
+  }
+  if (hold == Hold::kStopped) {
+    LOG_INFO("stopped", "robot", options_.robot, "by", inputs.hold->given_by, "reason",
+             inputs.hold->reason);
   }
   if (hold == Hold::kCamera) {
     LOG_INFO("waiting for the camera info", "robot", options_.robot);
@@ -196,6 +201,16 @@ void RobotWorker::RepeatCommand(const RobotInputs& inputs, Clock::TimePoint now)
               command->sequence_number, "robot_shows", inputs.state->command_sequence_number);
   command_sent_at_ = now;
   outputs_.command(*command);
+}
+
+void RobotWorker::Halt(const RobotInputs& inputs, Clock::TimePoint now) {
+  if (inputs.state->command_outcome != CommandOutcome::kRunning) return;
+  const bool halted = desk_.sent_sequence_number() != 0 && desk_.last_kind() == CommandKind::kStop;
+  if (halted) return RepeatCommand(inputs, now);
+  Action stop;
+  stop.kind = CommandKind::kStop;
+  command_sent_at_ = now;
+  outputs_.command(desk_.Issue(stop, *inputs.state, board_.NewestStamp(options_.robot)));
 }
 
 void RobotWorker::AdoptGoalPose(RobotInputs& inputs) {

@@ -27,6 +27,9 @@ namespace conav::planner {
 /// the epoch of that lease; a robot that is to be given up ends its last command first. What a
 /// worker remembers of a robot that others drove meanwhile does no harm: docs/many-robots.md.
 ///
+/// A robot that somebody has stopped (HoldOrder) ends its command at once and stands until it is let
+/// go, whatever its method.
+///
 /// Before the first state arrives nothing is sent. What it asked of the operator is taken back when
 /// it goes on without. Stale input: an expired or withdrawn guidance is left out; an operator who
 /// does not answer is waited for once per picture, then the robot goes on alone (one log line).
@@ -99,6 +102,8 @@ class RobotWorker {
   /// that does not know of that robot would command the same again and again.
   bool IsNewlyOccupied(const RobotState& state);
   void RepeatCommand(const RobotInputs& inputs, Clock::TimePoint now);
+  /// Ends the command that the robot carries out, once; it was stopped.
+  void Halt(const RobotInputs& inputs, Clock::TimePoint now);
   void AdoptGoalPose(RobotInputs& inputs);
   Situation SituationFrom(const RobotInputs& inputs);
   void Publish(Decision decision, const Situation& situation, double duration_ms);
