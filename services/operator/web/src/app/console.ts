@@ -1,0 +1,27 @@
+import type { Signal } from "@preact/signals";
+import { createContext } from "preact";
+import { useContext } from "preact/hooks";
+import type { Pixels } from "../panels/pictures/pixels";
+import type { Teleoperation } from "../panels/teleoperation/teleoperation";
+import type { Tour } from "../panels/tour/tour";
+import type { History } from "../panels/workload/history";
+import type { Store } from "../state/store";
+import type { Actions } from "./actions";
+
+/** What every panel gets. */
+export interface Console {
+  readonly store: Store;
+  readonly actions: Actions;
+  readonly teleoperation: Teleoperation;
+  readonly pixels: Pixels;
+  readonly tour: Tour;
+  readonly history: Signal<History>;
+}
+
+export const ConsoleContext = createContext<Console | undefined>(undefined);
+
+export function useConsole(): Console {
+  const found = useContext(ConsoleContext);
+  if (found === undefined) throw new Error("a panel is outside of the console");
+  return found;
+}
