@@ -65,7 +65,8 @@ export class Actions {
   turnPages(step: number): void {
     const { chosenRobot, chosenPicture, chosenSequence } = this.#store;
     const all = this.#state.pictures.get(chosenRobot.value ?? "") ?? [];
-    const at = all.findIndex((picture) => picture === chosenPicture.value) + step;
+    const shown = chosenPicture.value;
+    const at = (shown === undefined ? -1 : all.indexOf(shown)) + step;
     if (at < 0 || at >= all.length) return;
     chosenSequence.value = at === all.length - 1 ? undefined : all[at]?.sequenceNumber;
   }

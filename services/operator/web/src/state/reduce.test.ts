@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { emptyState, mostEvents } from "./console_state";
+import { mostEvents } from "./console_state";
 import { message, stateOf, type UpdateBody, updates, welcomeMessage } from "./fixtures";
 import { reduce } from "./reduce";
 import { trailCells } from "./selectors";
@@ -117,7 +117,7 @@ describe("trails", () => {
     value: { robot: "r1", first, cells: columns.map((column) => cell(0, column)) },
   });
   const columns = (...pieces: UpdateBody[]) =>
-    trailCells(stateOf(...pieces), "r1").map(({ column }) => column);
+    trailCells(stateOf(...pieces).trails.get("r1") ?? new Map()).map(({ column }) => column);
 
   it("join pieces in the order of their numbers", () => {
     expect(columns(piece(2, 2, 3), piece(0, 0, 1))).toEqual([0, 1, 2, 3]);
@@ -125,10 +125,6 @@ describe("trails", () => {
 
   it("grow with their newest piece", () => {
     expect(columns(piece(0, 0, 1), piece(2, 2), piece(2, 2, 3))).toEqual([0, 1, 2, 3]);
-  });
-
-  it("of an unknown robot are empty", () => {
-    expect(trailCells(emptyState, "r1")).toEqual([]);
   });
 });
 

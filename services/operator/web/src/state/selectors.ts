@@ -9,6 +9,7 @@ import {
   type Picture,
   PictureAnswer,
   Role,
+  type Trail,
   type World,
 } from "../protocol/generated/console_pb";
 import type { ConsoleState } from "./console_state";
@@ -94,13 +95,14 @@ export function waitsForStart(state: ConsoleState): boolean {
   return controls.length > 0 && controls.every(idle) && mayCommand(state);
 }
 
-/** Cells in the order in which the robot entered them. */
-export function trailCells(state: ConsoleState, robot: string): readonly CellAt[] {
-  const pieces = [...(state.trails.get(robot)?.entries() ?? [])].sort(([a], [b]) => a - b);
+/** Cells in the order in which the robot entered them, of the pieces of its trail. */
+export function trailCells(trail: ReadonlyMap<number, Trail>): readonly CellAt[] {
   const cells: CellAt[] = [];
-  // A piece that was cut anew may overlap the one before.
-  for (const [first, piece] of pieces)
-    cells.splice(Math.min(first, cells.length), Infinity, ...piece.cells);
+  for (const [first, piece] of [...trail].sort(([a], [b]) => a - b)) {
+    // A piece that was cut anew may overlap the one before.
+    cells.length = Math.min(first, cells.length);
+    cells.push(...piece.cells);
+  }
   return cells;
 }
 

@@ -54,6 +54,8 @@ export interface Store {
   /** Requests without a reply. */
   readonly pending: Signal<number>;
   readonly dialog: Signal<Dialog | undefined>;
+  /** To play on with after a pause. */
+  readonly replaySpeed: Signal<number>;
   receive(message: ServerMessage): void;
   choose(robot: string | undefined): void;
   centre(cell: CellAt | undefined): void;
@@ -81,6 +83,7 @@ export function createStore(settings: Settings): Store {
     turns: signal(0),
     pending: signal(0),
     dialog: signal<Dialog | undefined>(undefined),
+    replaySpeed: signal(1),
     receive: (message) => {
       state.value = reduce(state.value, message);
       // The selection never changes by itself, but somebody who chose nothing yet gets the first robot.

@@ -13,7 +13,7 @@ export interface TourStep {
   readonly title: string;
   readonly text: string;
   /** `data-tour` of what it is about. */
-  readonly about?: string;
+  readonly about?: "map" | "queue" | "pictures";
   /** Whether it has happened since the step began; without one the person goes on by a button. */
   done?(before: Sight, now: Sight): boolean;
   /** The button is there when this holds. */
