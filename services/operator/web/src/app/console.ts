@@ -16,6 +16,8 @@ export interface Console {
   readonly pixels: Pixels;
   readonly tour: Tour;
   readonly history: Signal<History>;
+  /** What the others read of who sits here. */
+  rename(name: string): void;
 }
 
 export const ConsoleContext = createContext<Console | undefined>(undefined);

@@ -6,9 +6,10 @@ import "./link_banner.css";
 /** Across the page when what it shows may be old, and why. */
 export function LinkBanner() {
   const { store } = useConsole();
-  const text = linkText(store.link.value) ?? modeText(store.state.value.welcome?.mode);
+  const problem = linkText(store.link.value);
+  const text = problem ?? modeText(store.state.value.welcome?.mode);
   return text === undefined ? undefined : (
-    <p class="banner" role="status">
+    <p class={`banner ${problem === undefined ? "calm" : ""}`} role="status">
       {text}
     </p>
   );

@@ -1,7 +1,10 @@
+// First: panels build on it.
+import "./theme.css";
+
 import { signal } from "@preact/signals";
 import { render } from "preact";
 import { pageClock } from "../connection/clock";
-import { identify } from "../connection/identity";
+import { identify, rememberName } from "../connection/identity";
 import { ServiceConnection } from "../connection/service_connection";
 import { serviceUrl, webSocketFactory } from "../connection/socket";
 import { Announcer } from "../panels/announcements/announcer";
@@ -18,7 +21,6 @@ import { commandsOf } from "./commands";
 import type { Console } from "./console";
 import { listenToKeys } from "./keyboard";
 import { askForFrames, follow, keepSettings, keepTime, offerStart, stopWithoutLink } from "./wire";
-import "./theme.css";
 
 const clock = pageClock;
 const identity = identify(window);
@@ -66,6 +68,10 @@ const console: Console = {
   }),
   tour: new Tour(),
   history: signal(emptyHistory),
+  rename: (name) => {
+    rememberName(window, name);
+    location.reload();
+  },
 };
 const announcer = new Announcer(clock);
 

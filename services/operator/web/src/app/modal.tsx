@@ -18,13 +18,12 @@ export function Modal({ title, onClose, children }: Props) {
   }, []);
   return (
     <dialog ref={dialog} class="modal" aria-labelledby={heading} onCancel={onClose}>
-      <div class="row">
-        <h2 id={heading}>{title}</h2>
-        <button type="button" class="end" onClick={onClose} aria-label="Close">
-          ✕
-        </button>
-      </div>
+      <h2 id={heading}>{title}</h2>
       {children}
+      {/* Last, so that the focus begins at what the dialog is about. */}
+      <button type="button" class="close" onClick={onClose} aria-label="Close">
+        ✕
+      </button>
     </dialog>
   );
 }

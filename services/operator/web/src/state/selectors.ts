@@ -32,6 +32,11 @@ export function mayCommand(state: ConsoleState): boolean {
   return welcome !== undefined && welcome.role !== Role.OBSERVER && welcome.mode !== Mode.REPLAY;
 }
 
+/** Whoever is connected to a running session may stop robots. */
+export function mayStop({ welcome }: ConsoleState): boolean {
+  return welcome?.mode !== Mode.REPLAY;
+}
+
 export type Holder =
   | { readonly kind: "nobody" }
   | { readonly kind: "me"; readonly until: number }

@@ -1,28 +1,17 @@
 import { useConsole } from "../../app/console";
 import { keyHint } from "../../app/shortcuts";
-import { holderOf, mayCommand } from "../../state/selectors";
+import { holderOf, mayCommand, mayStop } from "../../state/selectors";
 import { duration } from "../format";
 import "./control.css";
 
 /** Stop, go, and who has control. Stop works for everybody, always. */
 export function ControlBar() {
-  const { store, actions } = useConsole();
+  const { store } = useConsole();
   const state = store.state.value;
-  const robots = store.robots.value;
   const robot = store.chosenRobot.value;
-  const anyStopped = robots.some((name) => state.controls.get(name)?.stopped);
   return (
     <section class="control" aria-label="Control">
-      <button type="button" class="danger" onClick={() => void actions.stop([])}>
-        ■ Stop all <kbd>{keyHint("stop all")}</kbd>
-      </button>
-      <button
-        type="button"
-        disabled={!mayCommand(state) || !anyStopped}
-        onClick={() => void actions.go([...robots])}
-      >
-        ▶ Go all <kbd>{keyHint("go all")}</kbd>
-      </button>
+      {mayStop(state) && <ForAll />}
       {robot !== undefined && mayCommand(state) && <ControlOf robot={robot} />}
       <button
         type="button"
@@ -34,6 +23,27 @@ export function ControlBar() {
         ?
       </button>
     </section>
+  );
+}
+
+function ForAll() {
+  const { store, actions } = useConsole();
+  const state = store.state.value;
+  const robots = store.robots.value;
+  const anyStopped = robots.some((name) => state.controls.get(name)?.stopped);
+  return (
+    <>
+      <button type="button" class="danger" onClick={() => void actions.stop([])}>
+        ■ Stop all <kbd>{keyHint("stop all")}</kbd>
+      </button>
+      <button
+        type="button"
+        disabled={!mayCommand(state) || !anyStopped}
+        onClick={() => void actions.go([...robots])}
+      >
+        ▶ Go all <kbd>{keyHint("go all")}</kbd>
+      </button>
+    </>
   );
 }
 

@@ -18,7 +18,8 @@ export function Events() {
     <section class="panel events" aria-label="Command log">
       <h2>Command log</h2>
       {shown.length === 0 && <p class="quiet">Nothing was asked for yet.</p>}
-      <ol>
+      {/* biome-ignore lint/a11y/noNoninteractiveTabindex: who has no mouse scrolls it by the keyboard. */}
+      <ol tabIndex={0}>
         {shown.map((event) => (
           <li key={String(event.id)} class={event.kind === EventKind.EVENT_REFUSED ? "warn" : ""}>
             <time class="quiet">{timeOfDay(event.time)}</time>{" "}

@@ -1,5 +1,6 @@
 import { useConsole } from "../../app/console";
 import { RobotMark } from "../../app/robot_mark";
+import { mayCommand, mayStop } from "../../state/selectors";
 import { duration } from "../format";
 import { type FleetRow, fleetRow } from "./fleet_row";
 import "./fleet.css";
@@ -43,7 +44,7 @@ function FleetCard({ name }: { name: string }) {
         </span>
         <span class="doing">{doing(row)}</span>
       </button>
-      <StopOrGo row={row} />
+      {mayStop(store.state.value) && <StopOrGo row={row} />}
     </li>
   );
 }
@@ -61,14 +62,13 @@ function FreshnessBadge({ row: { freshness, age } }: { row: FleetRow }) {
 }
 
 function StopOrGo({ row: { name, stopped } }: { row: FleetRow }) {
-  const { actions } = useConsole();
-  return stopped ? (
-    <button type="button" onClick={() => void actions.go([name])} aria-label={`Go ${name}`}>
-      ▶ Go
-    </button>
-  ) : (
-    <button type="button" onClick={() => void actions.stop([name])} aria-label={`Stop ${name}`}>
-      ■ Stop
+  const { store, actions } = useConsole();
+  const may = !stopped || mayCommand(store.state.value);
+  const act = () => void (stopped ? actions.go([name]) : actions.stop([name]));
+  const word = stopped ? "Go" : "Stop";
+  return (
+    <button type="button" disabled={!may} title={word} aria-label={`${word} ${name}`} onClick={act}>
+      {stopped ? "▶" : "■"}
     </button>
   );
 }
@@ -76,7 +76,7 @@ function StopOrGo({ row: { name, stopped } }: { row: FleetRow }) {
 function doing({ wait, stopped, doing: does, holder }: FleetRow): string {
   const who = holder.kind === "other" ? ` · ${holder.name} has control` : "";
   if (stopped) return `■ stopped${who}`;
-  return wait ? `✋ ${wait.why}, ${duration(wait.seconds)}${who}` : `${does}${who}`;
+  return wait ? `! ${wait.why}, ${duration(wait.seconds)}${who}` : `${does}${who}`;
 }
 
 function whoControls({ holder, name }: FleetRow): string {

@@ -30,6 +30,7 @@ export function HelpDialog() {
         {session?.drives && <Keys title="Driving" rows={driveHelp} />}
         {welcome?.mode === Mode.REPLAY && <Keys title="Recording" rows={of("Recording")} />}
         <Legend />
+        <YourName />
       </div>
     </Modal>
   );
@@ -72,7 +73,7 @@ function Legend() {
       <p>
         <span class="good">● live</span>: heard of within a second;{" "}
         <span class="warn">◐ stale</span>: not for a second; <span class="bad">○ lost</span>: not
-        for three seconds. ✋ waits for you. ■ stopped. ⚑ goals reached.
+        for three seconds. <strong>!</strong> waits for you. ■ stopped. ⚑ goals reached.
       </p>
       <ul class="row">
         {store.robots.value.map((name) => (
@@ -81,6 +82,29 @@ function Legend() {
           </li>
         ))}
       </ul>
+    </section>
+  );
+}
+
+/** The service hears the name when the page connects, so the page loads anew. */
+function YourName() {
+  const { rename, store } = useConsole();
+  const { presence, welcome } = store.state.value;
+  const name = presence?.people.find(({ client }) => client === welcome?.client)?.name ?? "";
+  const save = (event: SubmitEvent) => {
+    event.preventDefault();
+    if (!(event.currentTarget instanceof HTMLFormElement)) return;
+    rename(String(new FormData(event.currentTarget).get("name") ?? ""));
+  };
+  return (
+    <section>
+      <h3>You</h3>
+      <form class="row" onSubmit={save}>
+        <label>
+          Name <input name="name" type="text" maxLength={40} defaultValue={name} size={14} />
+        </label>
+        <button type="submit">Save</button>
+      </form>
     </section>
   );
 }

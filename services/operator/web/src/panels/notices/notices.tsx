@@ -5,16 +5,16 @@ import "./notices.css";
 export function Notices() {
   const { store, actions } = useConsole();
   return (
-    <ul class="notices" role="status" aria-label="Notices">
+    <div class="notices" role="status">
       {store.notices.value.map(({ id, text, kind }) => (
-        <li key={id} class={kind}>
+        <div key={id} class={kind}>
           {kind === "problem" ? "▲ " : ""}
           {text}
           <button type="button" aria-label="Dismiss" onClick={() => actions.dismiss(id)}>
             ✕
           </button>
-        </li>
+        </div>
       ))}
-    </ul>
+    </div>
   );
 }

@@ -49,7 +49,7 @@ function Thumbnail({ picture }: { picture: Picture }) {
   const { store } = useConsole();
   const { sequenceNumber, answer, bytes } = picture;
   const me = store.state.value.welcome?.client ?? "";
-  const sign = answer === PictureAnswer.ANSWER_NONE ? "✋" : "✓";
+  const sign = answer === PictureAnswer.ANSWER_NONE ? "!" : "✓";
   return (
     <li>
       <button

@@ -1,7 +1,7 @@
 import { useConsole } from "../../app/console";
 import { keyHint } from "../../app/shortcuts";
 import { cellText } from "../../protocol/cells";
-import { type Picture, PictureAnswer } from "../../protocol/generated/console_pb";
+import type { Picture } from "../../protocol/generated/console_pb";
 import { ageOf } from "../../state/freshness";
 import { unanswered, whyNotCommand, worldOf } from "../../state/selectors";
 import { duration } from "../format";
@@ -37,14 +37,25 @@ function OnePicture({ picture }: { picture: Picture }) {
   const state = store.state.value;
   const { robot, world, sequenceNumber, cell, heading } = picture;
   const columns = worldOf(state, robot)?.columns ?? 0;
-  const waits = picture.answer === PictureAnswer.ANSWER_NONE;
   return (
     <>
       <div class="row">
         <h2>
           {robot}: picture {String(sequenceNumber)}
         </h2>
-        <span class="end quiet">{duration(ageOf(picture.heardAt, store.now.value))} old</span>
+        <span class="quiet">{duration(ageOf(picture.heardAt, store.now.value))} old</span>
+        {unanswered(state, robot) === picture ? (
+          <button
+            type="button"
+            class="end main"
+            disabled={whyNotCommand(state, robot) !== undefined}
+            onClick={() => actions.nothingNew()}
+          >
+            Nothing new here <kbd>{keyHint("nothing new")}</kbd>
+          </button>
+        ) : (
+          <span class="end quiet">{answerText(picture, state.welcome?.client ?? "")}</span>
+        )}
       </div>
       <PictureImage picture={picture} />
       <p>{summaryOf(picture, state.beliefs.get(world), columns)}</p>
@@ -56,22 +67,6 @@ function OnePicture({ picture }: { picture: Picture }) {
           Show on the map
         </button>
       </p>
-      <div class="row">
-        <span class={waits ? "warn" : "quiet"}>
-          {waits ? "✋ " : "✓ "}
-          {answerText(picture, state.welcome?.client ?? "")}
-        </span>
-        {unanswered(state, robot) === picture && (
-          <button
-            type="button"
-            class="end main"
-            disabled={whyNotCommand(state, robot) !== undefined}
-            onClick={() => actions.nothingNew()}
-          >
-            Nothing new here <kbd>{keyHint("nothing new")}</kbd>
-          </button>
-        )}
-      </div>
     </>
   );
 }
