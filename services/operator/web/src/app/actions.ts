@@ -6,7 +6,7 @@ import { needsReason, takeOverOf } from "../panels/control/take_over";
 import type { CellAt } from "../protocol/cells";
 import type { RequestBody } from "../protocol/codec";
 import type { AttentionItem, DriveAction } from "../protocol/generated/console_pb";
-import { nextItem, unanswered, worldOf } from "../state/selectors";
+import { mayCommand, nextItem, unanswered, worldOf } from "../state/selectors";
 import type { Notice, Store } from "../state/store";
 
 const noticeTime = 8;
@@ -54,6 +54,8 @@ export class Actions {
     this.#store.choose(robot);
     this.#store.chosenSequence.value = undefined;
     this.#store.centre(item.cell ?? this.#state.robots.get(robot)?.cell);
+    // Who only watches works on nothing.
+    if (!mayCommand(this.#state)) return;
     void this.#ask(
       "Turn to it",
       { case: "select", value: { robot, reason } },

@@ -7,11 +7,13 @@ import type { Tour } from "../panels/tour/tour";
 import type { History } from "../panels/workload/history";
 import type { Store } from "../state/store";
 import type { Actions } from "./actions";
+import type { Commands } from "./shortcuts";
 
 /** What every panel gets. */
 export interface Console {
   readonly store: Store;
   readonly actions: Actions;
+  readonly commands: Commands;
   readonly teleoperation: Teleoperation;
   readonly pixels: Pixels;
   readonly tour: Tour;

@@ -10,26 +10,38 @@ const driveKeys: ReadonlyMap<string, DriveAction> = new Map([
   ["ArrowRight", DriveAction.DRIVE_TURN_RIGHT],
 ]);
 
-/** Listens on the whole page. What somebody else has dealt with, such as the map, is left alone. */
+/**
+ * Listens on the whole page. What somebody else has dealt with, such as the map, is left alone. The function that it returns
+ * ends the listening.
+ */
 export function listenToKeys(
   page: Window,
   store: Store,
   commands: Commands,
   driving: Teleoperation,
-): void {
-  page.addEventListener("keydown", (event) => {
+): () => void {
+  const ended = new AbortController();
+  const { signal } = ended;
+  page.addEventListener("keydown", keyDown, { signal });
+  page.addEventListener("keyup", keyUp, { signal });
+  page.addEventListener("blur", () => driving.halt(), { signal });
+  page.document.addEventListener("visibilitychange", hidden, { signal });
+  return () => ended.abort();
+
+  function keyDown(event: KeyboardEvent): void {
     if (event.defaultPrevented) return;
     const place = event.target instanceof Element ? event.target : undefined;
     if (pressed(event, place)) event.preventDefault();
-  });
-  page.addEventListener("keyup", ({ key }) => {
+  }
+
+  function keyUp({ key }: KeyboardEvent): void {
     const action = driveKeys.get(key);
     if (action !== undefined) driving.release(action);
-  });
-  page.addEventListener("blur", () => driving.halt());
-  page.document.addEventListener("visibilitychange", () => {
+  }
+
+  function hidden(): void {
     if (page.document.hidden) driving.halt();
-  });
+  }
 
   function pressed(event: KeyboardEvent, place: Element | undefined): boolean {
     const busy = store.dialog.value !== undefined || typesIn(place);

@@ -13,6 +13,7 @@ import { whyNotDrive } from "../panels/teleoperation/permission";
 import { Teleoperation } from "../panels/teleoperation/teleoperation";
 import { Tour } from "../panels/tour/tour";
 import { emptyHistory } from "../panels/workload/history";
+import { Inbox } from "../state/inbox";
 import { readSettings } from "../state/settings";
 import { createStore } from "../state/store";
 import { Actions } from "./actions";
@@ -25,17 +26,21 @@ import { askForFrames, follow, keepSettings, keepTime, offerStart, stopWithoutLi
 const clock = pageClock;
 const identity = identify(window);
 const store = createStore(readSettings(localStorage));
+const inbox = new Inbox(store, clock);
 const connection = new ServiceConnection({
   sockets: webSocketFactory(serviceUrl(location)),
   clock,
   identity,
-  known: () => store.state.peek(),
+  known: () => {
+    inbox.empty();
+    return store.state.peek();
+  },
   events: {
     linkChanged: (link) => {
       store.link.value = link;
       stopWithoutLink(link, teleoperation);
     },
-    received: (message) => store.receive(message),
+    received: (message) => inbox.receive(message),
     timingChanged: (timing) => {
       store.timing.value = timing;
     },
@@ -56,9 +61,11 @@ const teleoperation = new Teleoperation({
     ),
   blocked: (reason) => actions.notify(`No driving: ${reason}.`, "problem"),
 });
+const commands = commandsOf(store, actions);
 const console: Console = {
   store,
   actions,
+  commands,
   teleoperation,
   pixels: new Pixels({
     token: identity.token,
@@ -80,7 +87,7 @@ keepTime(store, connection, clock);
 askForFrames(store, connection, document);
 follow(console, announcer);
 offerStart(store);
-listenToKeys(window, store, commandsOf(store, actions), teleoperation);
+listenToKeys(window, store, commands, teleoperation);
 
 const root = document.getElementById("app");
 if (root) render(<App console={console} announcer={announcer} />, root);

@@ -56,7 +56,7 @@ export interface Store {
   readonly dialog: Signal<Dialog | undefined>;
   /** To play on with after a pause. */
   readonly replaySpeed: Signal<number>;
-  receive(message: ServerMessage): void;
+  receive(...messages: ServerMessage[]): void;
   choose(robot: string | undefined): void;
   centre(cell: CellAt | undefined): void;
 }
@@ -84,8 +84,8 @@ export function createStore(settings: Settings): Store {
     pending: signal(0),
     dialog: signal<Dialog | undefined>(undefined),
     replaySpeed: signal(1),
-    receive: (message) => {
-      state.value = reduce(state.value, message);
+    receive: (...messages) => {
+      state.value = messages.reduce(reduce, state.value);
       // The selection never changes by itself, but somebody who chose nothing yet gets the first robot.
       if (chosenRobot.value === undefined) chosenRobot.value = robots.value[0];
     },

@@ -67,7 +67,14 @@ function StopOrGo({ row: { name, stopped } }: { row: FleetRow }) {
   const act = () => void (stopped ? actions.go([name]) : actions.stop([name]));
   const word = stopped ? "Go" : "Stop";
   return (
-    <button type="button" disabled={!may} title={word} aria-label={`${word} ${name}`} onClick={act}>
+    <button
+      type="button"
+      class="stop-or-go"
+      disabled={!may}
+      title={word}
+      aria-label={`${word} ${name}`}
+      onClick={act}
+    >
       {stopped ? "▶" : "■"}
     </button>
   );

@@ -55,11 +55,16 @@ function LinkState() {
 }
 
 function Services() {
-  const services = [...useConsole().store.state.value.services.values()];
+  const { store } = useConsole();
+  const services = [...store.state.value.services.values()];
   return (
     <ul class="services" aria-label="Services">
-      {services.map(({ name, level, message }) => (
-        <li key={name} class="item" title={message}>
+      {services.map(({ name, level, message, heardAt }) => (
+        <li
+          key={name}
+          class="item"
+          title={`${message} (heard ${duration(ageOf(heardAt, store.now.value))} ago)`}
+        >
           <span class="quiet">{name}</span>{" "}
           <span class={levelClass(level)}>{levelText(level)}</span>
         </li>

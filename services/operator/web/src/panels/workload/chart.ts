@@ -27,7 +27,7 @@ function optionsOf(place: HTMLElement): uPlot.Options {
   const axis = {
     stroke: colour("--muted"),
     grid: { stroke: colour("--line"), width: 0.5 },
-    size: 48,
+    size: 54,
   };
   return {
     ...sizeOf(place),
