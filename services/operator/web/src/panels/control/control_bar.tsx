@@ -13,31 +13,7 @@ export function ControlBar() {
     <section class="control" aria-label="Control">
       {mayStop(state) && <ForAll />}
       {robot !== undefined && mayCommand(state) && <ControlOf robot={robot} />}
-      <PageButtons />
     </section>
-  );
-}
-
-/** How the page itself looks; the same as their keys. */
-function PageButtons() {
-  const { store, commands } = useConsole();
-  const { workload, events, theme } = store.settings.value;
-  return (
-    <>
-      <button type="button" aria-pressed={workload} onClick={commands.workload}>
-        Workload
-      </button>
-      <button type="button" aria-pressed={events} onClick={commands.events}>
-        Log
-      </button>
-      <button type="button" title="Dark, light, or as the system" onClick={commands.theme}>
-        <span aria-hidden="true">◐ </span>
-        {theme}
-      </button>
-      <button type="button" onClick={commands.help} aria-label="Help: all keys">
-        ?
-      </button>
-    </>
   );
 }
 

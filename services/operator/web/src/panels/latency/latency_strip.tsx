@@ -4,6 +4,7 @@ import { type Role, Role as Roles } from "../../protocol/generated/console_pb";
 import { ageOf } from "../../state/freshness";
 import { count, duration, milliseconds } from "../format";
 import { framesSkipped, levelClass, levelText, plannerTime, roundTripClass } from "./health";
+import { PageButtons } from "./page_buttons";
 import "./latency.css";
 
 /** How old and how quick everything is, how the services are, and who else is here. */
@@ -31,6 +32,7 @@ export function LatencyStrip() {
       )}
       <Services />
       <People />
+      <PageButtons />
     </section>
   );
 }
