@@ -46,6 +46,10 @@ void AddRunOptions(CLI::App& app, DemoOptions& options) {
                  "Processes conav-planner, which share the robots; one may die or be added")
       ->capture_default_str();
   app.add_flag("--headless", options.headless, "No watching: as fast as the robots are commanded");
+  app.add_option("--console", options.console,
+                 "Port of the operator's console on this machine, 0 = any free one, -1 = none "
+                 "[8080; headless -1]")
+      ->check(CLI::Range(-1, 65535));
   app.add_option("--speed", options.speed,
                  "Simulated seconds per second, 0 = as fast as commanded [4; headless 0]");
   app.add_option("--time-limit", options.time_limit_s, "Give up after this many seconds")

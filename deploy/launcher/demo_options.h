@@ -61,8 +61,12 @@ struct DemoOptions {
   int planners = 1;
   std::string x_source = "observed";  // or "estimated"
   std::filesystem::path out = "runs";
+  /// Port of the operator's console on this machine, 0 = any free one, -1 = none. Default 8080,
+  /// headless none.
+  std::optional<int> console;
 
   double effective_speed() const { return speed.value_or(headless ? 0.0 : 4.0); }
+  int console_port() const { return console.value_or(headless ? -1 : 8080); }
   std::uint64_t world_seed() const { return maze_seed.value_or(seed); }
   int total_robots() const { return robots * worlds; }
   /// None where the planner asks its own model.

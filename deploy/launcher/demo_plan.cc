@@ -108,6 +108,7 @@ std::string OperatorYaml(const Setting& setting) {
   config.robots = setting.WorldsAndRobots();
   config.database = (setting.run.state() / "operator.db").string();
   config.recording = Recording(setting);
+  config.console.port = setting.options.console_port();
   return DumpConfig("operator", config);
 }
 

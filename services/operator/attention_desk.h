@@ -42,6 +42,8 @@ class AttentionDesk {
   /// After everything that one step brought.
   void Step(SimTime now);
 
+  /// As it was published last.
+  const AttentionQueueState& published() const { return published_; }
   const std::vector<AttentionItem>& items() const { return queue_.items(); }
 
  private:

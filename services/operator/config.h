@@ -6,6 +6,7 @@
 #include "common/bus/participant.h"
 #include "common/runtime/config.h"
 #include "operator/attention/attention_options.h"
+#include "operator/gateway/gateway_options.h"
 #include "operator/recording_config.h"
 
 namespace conav::operators {
@@ -27,6 +28,7 @@ struct OperatorConfig {
   int max_path_cells = 10000;
   AttentionOptions attention;
   RecordingConfig recording;
+  GatewayOptions console;
 
   void Visit(ConfigReader& reader) {
     reader.Section("bus", bus);
@@ -37,6 +39,7 @@ struct OperatorConfig {
     reader.Field("max_path_cells", max_path_cells, 1, 65536);
     reader.Section("attention", attention);
     reader.Section("recording", recording);
+    reader.Section("console", console);
   }
 };
 

@@ -41,6 +41,7 @@ struct OperatorService::WorldLink {
   std::optional<bus::Publisher<conav_msgs::msg::BeliefMap>> belief;  // while it is served
   std::optional<bus::Publisher<nav_msgs::msg::OccupancyGrid>> belief_map;
   double cell_size_m = 0.0;
+  BeliefGrid initial;                // while it is served
   std::optional<MapUpdate> pending;  // initial map that is not stored yet
   std::string refusal;               // why the newest initial map is not served; empty otherwise
 };
@@ -87,6 +88,7 @@ OperatorService::OperatorService(bus::Participant& participant, const OperatorCo
     recording_.emplace(participant, config.recording, WorldOfRobot("operator", config.robots),
                        clock);
   }
+  if (config.console.on()) console_.emplace(participant, config, clock);
 }
 
 OperatorService::~OperatorService() = default;
@@ -104,16 +106,39 @@ void OperatorService::Step() {
   for (const auto& robot : robots_) TakeStates(*robot);
   for (const auto& robot : robots_) TakeAttention(*robot);
   if (recording_) recording_->Step();
+  AnswerBus();
+  if (console_) AnswerConsole();
+  attention_.Step(OperatorTime());
+  if (console_) ShowOnConsole();
+  diagnostics_.Tick([this] { return Report(); });
+}
+
+void OperatorService::AnswerBus() {
   const std::vector<OperatorRequest> requests = requests_.TakeValid(kConvert);
   for (std::size_t i = 0; i < requests.size(); ++i) {
-    if (std::holds_alternative<DriveRequest>(requests[i].body)) {
-      PassOn(requests[i], ReplacedBy(requests, i));
-    } else {
-      Answer(requests[i]);
-    }
+    const auto reply = Answer(requests[i], ReplacedBy(requests, i));
+    if (reply) bus::Send(replies_, ToMessage(*reply));
   }
-  attention_.Step(OperatorTime());
-  diagnostics_.Tick([this] { return Report(); });
+}
+
+void OperatorService::AnswerConsole() {
+  for (const ConsoleDesk::Asked& asked : console_->Step()) {
+    const OperatorRequest& request = asked.request;
+    const auto reply = Answer(request, nullptr);
+    console_->Reply(
+        asked.page,
+        reply.value_or(OperatorReply{
+            request.client, request.request_id, false,
+            fmt::format("world {} is not known yet: wait for its map", request.world), 0}));
+  }
+}
+
+void OperatorService::ShowOnConsole() {
+  if (attention_.published().revision != attention_shown_) {
+    attention_shown_ = attention_.published().revision;
+    console_->Hear(attention_.published());
+  }
+  console_->Publish(Report());
 }
 
 void OperatorService::Serve(WorldLink& world, double cell_size_m) {
@@ -156,12 +181,14 @@ void OperatorService::PublishBelief(WorldLink& world) {
   if (belief == nullptr || !world.served()) return;
   bus::Send(*world.belief, ToMessage(*belief));
   bus::Send(*world.belief_map, ToOccupancyMessage(*belief, world.cell_size_m));
+  if (console_) console_->Hear(*belief, world.initial);
 }
 
 void OperatorService::PublishGuidance(RobotLink& robot) {
   const Guidance* guidance = store_.FindGuidance(robot.name);
   if (robot.guidance && guidance != nullptr && guidance->world == robot.world) {
     bus::Send(*robot.guidance, ToMessage(*guidance));
+    if (console_) console_->Hear(*guidance);
   }
 }
 
@@ -179,6 +206,8 @@ void OperatorService::TakeInitialMap(WorldLink& world) {
   if (added) {
     LOG_INFO("world", "world", world.name, "new", *added, "revision",
              store_.FindBelief(world.name)->revision);
+    if (console_) console_->HearGeometry(world.name, *world.pending);
+    world.initial = ToBelief(world.pending->cells);
     Serve(world, world.pending->cell_size_m);
   } else {
     LOG_ERROR("initial map refused", "world", world.name, "reason", added.error().text);
@@ -198,6 +227,7 @@ void OperatorService::TakeStates(RobotLink& robot) {
     robot.stamp = state.stamp;
     drive_desk_.Hear(state);
     if (recording_) recording_->Hear(state);
+    if (console_) console_->Hear(state);
     attention_.Hear(state, OperatorTime());
     if (!starts) continue;
     store_.AddRobot(robot.name, robot.world);
@@ -252,14 +282,16 @@ SimTime OperatorService::OperatorTime() const {
   return newest;
 }
 
-void OperatorService::Answer(const OperatorRequest& request) {
+std::optional<OperatorReply> OperatorService::Answer(const OperatorRequest& request,
+                                                     const OperatorRequest* replaced_by) {
+  if (std::holds_alternative<DriveRequest>(request.body)) return PassOn(request, replaced_by);
   if (std::holds_alternative<SelectRequest>(request.body)) {
     const OperatorReply reply = attention_.Select(request, OperatorTime());
     Log(request, {reply});
-    return bus::Send(replies_, ToMessage(reply));
+    return reply;
   }
   const WorldLink* world = FindWorld(request.world);
-  if (world != nullptr && !world->served() && world->refusal.empty()) return;
+  if (world != nullptr && !world->served() && world->refusal.empty()) return std::nullopt;
   const BeliefStore::Answer answer =
       world != nullptr && !world->served()
           ? BeliefStore::Answer{{request.client, request.request_id, false, world->refusal, 0}}
@@ -267,18 +299,15 @@ void OperatorService::Answer(const OperatorRequest& request) {
   Log(request, answer);
   if (answer.changed) PublishChange(request);
   if (answer.changed && recording_) Record(request);
-  bus::Send(replies_, ToMessage(answer.reply));
+  return answer.reply;
 }
 
-void OperatorService::PassOn(const OperatorRequest& request, const OperatorRequest* replaced_by) {
+OperatorReply OperatorService::PassOn(const OperatorRequest& request,
+                                      const OperatorRequest* replaced_by) {
   if (replaced_by != nullptr) {
     ++refused_;
-    bus::Send(replies_,
-              ToMessage(OperatorReply{request.client, request.request_id, false,
-                                      fmt::format("replaced by request {}, which came at once",
-                                                  replaced_by->request_id),
-                                      0}));
-    return;
+    return {request.client, request.request_id, false,
+            fmt::format("replaced by request {}, which came at once", replaced_by->request_id), 0};
   }
   const DriveDesk::Answer answer = drive_desk_.Handle(request, TimeOf(request.world), clock_.Now());
   ++(answer.reply.accepted ? accepted_ : refused_);
@@ -291,7 +320,7 @@ void OperatorService::PassOn(const OperatorRequest& request, const OperatorReque
       bus::Send(robot->drive, ToMessage(*answer.order));
     }
   }
-  bus::Send(replies_, ToMessage(answer.reply));
+  return answer.reply;
 }
 
 void OperatorService::PublishChange(const OperatorRequest& request) {

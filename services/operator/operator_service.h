@@ -15,6 +15,7 @@
 #include "operator/attention_desk.h"
 #include "operator/belief/belief_store.h"
 #include "operator/config.h"
+#include "operator/console_desk.h"
 #include "operator/driving/drive_desk.h"
 #include "operator/session_recording.h"
 
@@ -36,7 +37,8 @@ namespace conav::operators {
 /// fails, requests are refused with that reason, /diagnostics shows an error, and the service goes
 /// on. Keeps the queue of what asks for the operator (AttentionDesk). Low-level actions are passed
 /// on to the planner at once, see DriveDesk; they are not stored. With `recording.file` it also
-/// hears pictures and true maps, and records the session.
+/// hears pictures and true maps, and records the session. With
+/// `console.port` it serves the console's page, whose requests are answered like all others.
 /// Threads: one; Run() or repeated Step().
 class OperatorService {
  public:
@@ -66,9 +68,14 @@ class OperatorService {
   /// What the robot asks, and whether it and its planner are still there.
   void TakeAttention(RobotLink& robot);
   void Greet(RobotLink& robot, const RobotState& state);
-  void Answer(const OperatorRequest& request);
-  /// A low-level action; `replaced_by` came in the same turn. Null when nothing did.
-  void PassOn(const OperatorRequest& request, const OperatorRequest* replaced_by);
+  /// Carries out what can be carried out. Nothing: no reply yet, the request will be repeated.
+  /// `replaced_by`: a newer low-level action of the same turn; null when there is none.
+  std::optional<OperatorReply> Answer(const OperatorRequest& request,
+                                      const OperatorRequest* replaced_by);
+  OperatorReply PassOn(const OperatorRequest& request, const OperatorRequest* replaced_by);
+  void AnswerBus();
+  void AnswerConsole();
+  void ShowOnConsole();
   void PublishChange(const OperatorRequest& request);
   void Record(const OperatorRequest& request);
   void Log(const OperatorRequest& request, const BeliefStore::Answer& answer);
@@ -90,6 +97,8 @@ class OperatorService {
   AttentionDesk attention_;
   Diagnostics diagnostics_;
   std::optional<SessionRecording> recording_;
+  std::optional<ConsoleDesk> console_;
+  std::uint64_t attention_shown_ = 0;  // revision of the queue
   std::uint64_t accepted_ = 0;
   std::uint64_t refused_ = 0;
   std::optional<std::string> storage_failure_;  // of the newest request

@@ -11,7 +11,7 @@ function any_below(list,   i, n, folders) {
 
 BEGIN {
   pure = "services/common/grid/ services/common/runtime/ services/common/segments/ services/common/svg/ services/nhpm/dataset/ services/nhpm/engine/ services/nhpm/evaluation/ services/nhpm/synthesis/ services/nhpm/training/ services/sim/world/ services/sim/physics/ services/sim/episode/ " \
-         "services/planner/search/ services/planner/decision/ services/planner/lease/ services/planner/record/ services/planner/explain/ services/nhpm/model/ services/operator/attention/ services/operator/belief/ services/operator/driving/ services/operator/recording/ services/operator/simulated/ services/operator/statistics/"
+         "services/planner/search/ services/planner/decision/ services/planner/lease/ services/planner/record/ services/planner/explain/ services/nhpm/model/ services/operator/attention/ services/operator/belief/ services/operator/console/ services/operator/driving/ services/operator/recording/ services/operator/simulated/ services/operator/statistics/"
   vendor_places = "services/common/bus/ tests/system/bus/ tests/bench/ tests/unit/common/bus/"
   idl_places = "services/common/bus/ services/common/protocol/convert services/common/service/ tests/"
 }
@@ -24,7 +24,7 @@ BEGIN {
   # services/<x>/<file> wires; services/<x>/<folder>/... is a library or a part of its own.
   split(file, part, "/")
   in_service = part[1] == "services" && part[2] != "common"
-  wires = in_service && (part[4] == "" || part[3] == "simulated_operator" || part[3] == "client" || part[3] == "perception")
+  wires = in_service && (part[4] == "" || part[3] == "simulated_operator" || part[3] == "client" || part[3] == "gateway" || part[3] == "perception")
   other = inc
   sub(/\/.*/, "", other)
   # Offline: synthetic annotators look at the simulator's mazes, experiments play in them.
@@ -34,7 +34,7 @@ BEGIN {
 
   if (is_vendor && !any_below(vendor_places)) refuse("only services/common/bus includes DDS")
   if (is_idl && !wires && !any_below(idl_places)) refuse("IDL types stop at common/protocol/convert.h")
-  if (inc ~ /\.pb\.h$/ && !any_below("services/common/segments/ services/nhpm/model/ services/nhpm/training/ services/planner/record/ tests/"))
+  if (inc ~ /\.pb\.h$/ && !any_below("services/common/segments/ services/nhpm/model/ services/nhpm/training/ services/planner/record/ services/operator/console/ services/operator/gateway/ tests/"))
     refuse("protobuf types stay with the readers and writers of their files")
   if (any_below(pure)) {
     if (inc ~ /^common\/(bus|service)\// || inc == "common/protocol/convert.h" || inc ~ /^sys\/socket|^netinet\//)

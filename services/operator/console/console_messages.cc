@@ -1,0 +1,166 @@
+#include "operator/console/console_messages.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace conav::operators {
+
+console::Cell ToConsole(Cell cell) {
+  console::Cell message;
+  message.set_row(cell.row);
+  message.set_column(cell.column);
+  return message;
+}
+
+void AddCells(std::span<const Cell> cells, google::protobuf::RepeatedPtrField<console::Cell>* to) {
+  to->Reserve(static_cast<int>(cells.size()));
+  for (const Cell cell : cells) *to->Add() = ToConsole(cell);
+}
+
+console::Robot ToConsole(const RobotState& state, double heard_at_s) {
+  console::Robot robot;
+  robot.set_name(state.robot);
+  robot.set_world(state.world);
+  robot.set_stamp(state.stamp.ToSeconds());
+  robot.set_heard_at(heard_at_s);
+  *robot.mutable_cell() = ToConsole(state.cell);
+  robot.set_x(state.position.x_m);
+  robot.set_y(state.position.y_m);
+  robot.set_heading(state.heading_rad);
+  AddCells(state.goals_left, robot.mutable_goals_left());
+  AddCells(state.goals_reached, robot.mutable_goals_reached());
+  robot.set_goals_total(state.goals_total);
+  robot.set_outcome(static_cast<console::CommandOutcome>(state.command_outcome));
+  robot.set_detail(state.command_detail);
+  *robot.mutable_command_cell() = ToConsole(state.command_cell);
+  robot.set_drive_order(state.drive_order);
+  robot.set_lease_epoch(state.lease_epoch);
+  robot.set_cell_moves(state.cell_moves);
+  robot.set_low_level_steps(state.low_level_steps);
+  robot.set_pictures(state.pictures);
+  robot.set_picture_bytes(state.picture_bytes);
+  robot.set_snapshots(state.snapshots);
+  return robot;
+}
+
+std::string ToBytes(const Grid<float>& probabilities) {
+  std::string bytes;
+  bytes.reserve(probabilities.size());
+  for (const float p : probabilities.values()) {
+    bytes.push_back(static_cast<char>(std::lround(255.0F * std::clamp(p, 0.0F, 1.0F))));
+  }
+  return bytes;
+}
+
+std::string ToBytes(const OccupancyGrid& cells) {
+  std::string bytes;
+  bytes.reserve(cells.size());
+  for (const Occupancy cell : cells.values()) bytes.push_back(static_cast<char>(cell));
+  return bytes;
+}
+
+console::Guidance ToConsole(const Guidance& guidance) {
+  console::Guidance message;
+  message.set_robot(guidance.robot);
+  message.set_world(guidance.world);
+  message.set_revision(guidance.revision);
+  AddCells(guidance.path, message.mutable_path());
+  message.set_given_by(guidance.given_by);
+  message.set_belief_revision(guidance.belief_revision);
+  message.set_answers_snapshot(guidance.answers_snapshot);
+  message.set_stamp(guidance.stamp.ToSeconds());
+  message.set_valid_until(guidance.valid_until.ToSeconds());
+  return message;
+}
+
+console::Picture ToConsole(const Picture& picture, double heard_at_s) {
+  console::Picture message;
+  message.set_robot(picture.robot);
+  message.set_world(picture.world);
+  message.set_sequence_number(picture.sequence_number);
+  message.set_stamp(picture.stamp.ToSeconds());
+  message.set_heard_at(heard_at_s);
+  *message.mutable_cell() = ToConsole(picture.cell);
+  message.set_heading(picture.heading_rad);
+  message.set_field_of_view(picture.horizontal_fov_rad);
+  message.set_width(picture.width);
+  message.set_height(picture.height);
+  message.set_bytes(static_cast<std::uint32_t>(picture.jpeg.size()));
+  AddCells(picture.visible.free, message.mutable_free_cells());
+  AddCells(picture.visible.walls, message.mutable_wall_cells());
+  AddCells(picture.path, message.mutable_path());
+  return message;
+}
+
+console::Search ToConsole(const SearchReport& report) {
+  console::Search message;
+  message.set_robot(report.robot);
+  message.set_stamp(report.stamp.ToSeconds());
+  message.set_decision(report.decision);
+  *message.mutable_cell() = ToConsole(report.cell);
+  message.set_method(report.method);
+  message.set_belief_revision(report.belief_revision);
+  message.set_guidance_revision(report.guidance_revision);
+  for (const SearchAction& action : report.actions) {
+    console::SearchAction* to = message.add_actions();
+    to->set_picture(action.kind == CommandKind::kTransmitView);
+    *to->mutable_target() = ToConsole(action.target);
+    to->set_heading(action.heading_rad);
+    to->set_visits(action.visits);
+    to->set_mean_value(action.mean_value);
+    to->set_information_gain(action.information_gain);
+    to->set_feasibility(action.feasibility);
+  }
+  message.set_chosen(report.chosen);
+  message.set_iterations(report.iterations);
+  message.set_perception_model(report.perception_model);
+  message.set_duration_ms(report.duration_ms);
+  return message;
+}
+
+namespace {
+
+console::AttentionItem ToConsole(const AttentionItem& item) {
+  console::AttentionItem message;
+  message.set_world(item.world);
+  message.set_robot(item.robot);
+  message.set_reason(static_cast<console::AttentionReason>(item.reason));
+  message.set_tier(item.tier);
+  message.set_since(item.since.ToSeconds());
+  message.set_deadline(item.deadline.ToSeconds());
+  *message.mutable_cell() = operators::ToConsole(item.cell);
+  message.set_newest_snapshot(item.newest_snapshot);
+  message.set_value_lost_per_second(item.value_lost_per_s);
+  message.set_expected_information(item.expected_information);
+  message.set_expected_interaction(item.expected_interaction_s);
+  message.set_score(item.score);
+  message.set_selected_by(item.selected_by);
+  return message;
+}
+
+}  // namespace
+
+console::Attention ToConsole(const AttentionQueueState& queue) {
+  console::Attention message;
+  message.set_stamp(queue.stamp.ToSeconds());
+  message.set_order(queue.order);
+  for (const AttentionItem& item : queue.items) *message.add_items() = ToConsole(item);
+  const OperatorWorkload& workload = queue.workload;
+  message.set_robots(workload.robots);
+  message.set_interactions(workload.interactions);
+  message.set_abandoned(workload.abandoned);
+  message.set_observed(workload.observed_s);
+  message.set_busy(workload.busy_s);
+  message.set_interaction_time(workload.interaction_time_s);
+  message.set_neglect_time(workload.neglect_time_s);
+  message.set_waiting_time(workload.waiting_time_s);
+  message.set_utilisation(workload.utilisation);
+  message.set_fan_out(workload.fan_out);
+  message.set_fan_out_with_waits(workload.fan_out_with_waits);
+  message.set_attended_robots(workload.attended_robots);
+  message.set_predicted_utilisation(workload.predicted_utilisation);
+  message.set_predicted_waiting_time(workload.predicted_waiting_time_s);
+  return message;
+}
+
+}  // namespace conav::operators

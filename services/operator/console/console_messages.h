@@ -1,0 +1,28 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "common/protocol/planning.h"
+#include "common/protocol/robot.h"
+#include "common/protocol/supervision.h"
+#include "console.pb.h"
+
+/// Domain values as idl/console.proto has them. `heard_at_s`: wall time of the service, s since 1970.
+namespace conav::operators {
+
+console::Cell ToConsole(Cell cell);
+void AddCells(std::span<const Cell> cells, google::protobuf::RepeatedPtrField<console::Cell>* to);
+
+console::Robot ToConsole(const RobotState& state, double heard_at_s);
+/// 255 * P(wall), row-major.
+std::string ToBytes(const Grid<float>& probabilities);
+/// 0 unknown, 1 free, 2 wall, row-major.
+std::string ToBytes(const OccupancyGrid& cells);
+console::Guidance ToConsole(const Guidance& guidance);
+/// Without an answer.
+console::Picture ToConsole(const Picture& picture, double heard_at_s);
+console::Search ToConsole(const SearchReport& report);
+console::Attention ToConsole(const AttentionQueueState& queue);
+
+}  // namespace conav::operators

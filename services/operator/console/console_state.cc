@@ -1,0 +1,298 @@
+#include "operator/console/console_state.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "operator/console/console_messages.h"
+
+namespace conav::operators {
+namespace {
+
+constexpr double kTimePeriod = 0.2;      // s between updates of a world's time
+constexpr double kHealthPeriod = 1.0;    // s, of a process that says the same
+constexpr std::size_t kTrailPiece = 64;  // cells
+
+/// Cells that were entered after the trail's last one: `path` leads there, with gaps where the state
+/// between was not heard.
+std::vector<Cell> NewCells(const std::vector<Cell>& trail, const std::vector<Cell>& path,
+                           Cell cell) {
+  std::vector<Cell> fresh;
+  if (!trail.empty()) {
+    const auto known = std::find(path.rbegin(), path.rend(), trail.back());
+    fresh.assign(known.base(), path.end());
+    if (known == path.rend()) fresh = path;
+  }
+  if (fresh.empty() || fresh.back() != cell) fresh.push_back(cell);
+  return fresh;
+}
+
+}  // namespace
+
+ConsoleState::ConsoleState(UpdateLog& log, console::Session session)
+    : log_(log), session_(std::move(session)) {
+  PutSession();
+}
+
+void ConsoleState::PutSession() {
+  console::Update update;
+  *update.mutable_session() = session_;
+  log_.Put("session", std::move(update));
+}
+
+void ConsoleState::BeginAnew() {
+  robots_.clear();
+  worlds_.clear();
+  services_.clear();
+  service_said_at_s_.clear();
+  log_.Clear();
+  PutSession();
+}
+
+SimTime ConsoleState::TimeOf(const std::string& world) const {
+  const auto found = worlds_.find(world);
+  return found == worlds_.end() ? SimTime{} : found->second.stamp;
+}
+
+void ConsoleState::Hear(const RobotState& state, double now_s) {
+  if (const auto known = robots_.find(state.robot);
+      known != robots_.end() && state.stamp < known->second.stamp) {
+    BeginAnew();
+  }
+  RobotMemory& memory = robots_[state.robot];
+  memory.stamp = state.stamp;
+  ExtendTrail(memory, state);
+  console::Update update;
+  *update.mutable_robot() = ToConsole(state, now_s);
+  log_.Put("robot/" + state.robot, std::move(update));
+  NoteTime(state, now_s);
+}
+
+void ConsoleState::ExtendTrail(RobotMemory& memory, const RobotState& state) {
+  if (!memory.trail.empty() && memory.trail.back() == state.cell) return;
+  const std::size_t before = memory.trail.size();
+  const std::vector<Cell> fresh = NewCells(memory.trail, state.path, state.cell);
+  memory.trail.insert(memory.trail.end(), fresh.begin(), fresh.end());
+  PutTrail(state.robot, memory.trail, before);
+}
+
+void ConsoleState::PutTrail(const std::string& robot, const std::vector<Cell>& trail,
+                            std::size_t from) {
+  for (std::size_t piece = from / kTrailPiece; piece * kTrailPiece < trail.size(); ++piece) {
+    const std::size_t first = piece * kTrailPiece;
+    const std::size_t count = std::min(kTrailPiece, trail.size() - first);
+    console::Update update;
+    update.mutable_trail()->set_robot(robot);
+    update.mutable_trail()->set_first(static_cast<std::uint32_t>(first));
+    AddCells({trail.data() + first, count}, update.mutable_trail()->mutable_cells());
+    log_.Put(fmt::format("trail/{}/{}", robot, piece), std::move(update));
+  }
+}
+
+void ConsoleState::NoteTime(const RobotState& state, double now_s) {
+  WorldMemory& memory = worlds_[state.world];
+  memory.stamp = std::max(memory.stamp, state.stamp);
+  if (memory.world.rows() == 0 || now_s - memory.said_at_s < kTimePeriod) return;
+  memory.said_at_s = now_s;
+  memory.world.set_time(memory.stamp.ToSeconds());
+  console::Update update;
+  *update.mutable_world() = memory.world;
+  log_.Put("world/" + state.world, std::move(update));
+}
+
+void ConsoleState::HearGeometry(const std::string& world, const MapUpdate& map) {
+  WorldMemory& memory = worlds_[world];
+  memory.world.set_name(world);
+  memory.world.set_rows(map.cells.rows());
+  memory.world.set_columns(map.cells.columns());
+  memory.world.set_cell_size(map.cell_size_m);
+  memory.world.set_time(memory.stamp.ToSeconds());
+  console::Update update;
+  *update.mutable_world() = memory.world;
+  log_.Put("world/" + world, std::move(update));
+}
+
+void ConsoleState::HearSeen(const std::string& robot, const std::string& world,
+                            const MapUpdate& map) {
+  std::string bytes = ToBytes(map.cells);
+  RobotMemory& memory = robots_[robot];
+  if (bytes == memory.seen) return;
+  memory.seen = bytes;
+  console::Update update;
+  update.mutable_seen()->set_robot(robot);
+  update.mutable_seen()->set_world(world);
+  update.mutable_seen()->set_stamp(map.stamp.ToSeconds());
+  update.mutable_seen()->set_cells(std::move(bytes));
+  log_.Put("seen/" + robot, std::move(update));
+}
+
+void ConsoleState::HearTruth(const std::string& world, const OccupancyGrid& truth) {
+  console::Update update;
+  update.mutable_truth()->set_world(world);
+  update.mutable_truth()->set_cells(ToBytes(truth));
+  log_.Put("truth/" + world, std::move(update));
+}
+
+void ConsoleState::Hear(const Belief& belief, const BeliefGrid& initial) {
+  console::Update update;
+  console::Belief* message = update.mutable_belief();
+  message->set_world(belief.world);
+  message->set_revision(belief.revision);
+  message->set_walls(ToBytes(belief.wall_probability));
+  message->set_edited_by(belief.edited_by);
+  message->set_stamp(belief.stamp.ToSeconds());
+  message->set_initial_walls(ToBytes(initial));
+  log_.Put("belief/" + belief.world, std::move(update));
+}
+
+void ConsoleState::Hear(const Guidance& guidance) {
+  console::Update update;
+  *update.mutable_guidance() = ToConsole(guidance);
+  log_.Put("guidance/" + guidance.robot, std::move(update));
+  Close(guidance.robot, guidance.answers_snapshot, console::ANSWER_PATH, guidance.given_by);
+}
+
+void ConsoleState::HearPlan(const std::string& robot, SimTime stamp,
+                            const std::vector<Cell>& cells) {
+  console::Update update;
+  update.mutable_plan()->set_robot(robot);
+  update.mutable_plan()->set_stamp(stamp.ToSeconds());
+  AddCells(cells, update.mutable_plan()->mutable_cells());
+  log_.Put("plan/" + robot, std::move(update));
+}
+
+void ConsoleState::Hear(const SearchReport& report) {
+  if (session_.method() != report.method) {
+    session_.set_method(report.method);
+    session_.set_drives(report.method == "teleop");
+    PutSession();
+  }
+  console::Update update;
+  *update.mutable_search() = ToConsole(report);
+  log_.Put("search/" + report.robot, std::move(update));
+}
+
+void ConsoleState::Hear(const Picture& picture, double now_s) {
+  RobotMemory& memory = robots_[picture.robot];
+  Close(picture.robot, picture.sequence_number, console::ANSWER_OUTDATED, "");
+  const console::Picture message = ToConsole(picture, now_s);
+  memory.unanswered[picture.sequence_number] = message;
+  PutPicture(message);
+}
+
+void ConsoleState::PutPicture(const console::Picture& picture) {
+  console::Update update;
+  *update.mutable_picture() = picture;
+  log_.Put(fmt::format("picture/{}/{}", picture.robot(), picture.sequence_number()),
+           std::move(update), "picture/" + picture.robot(), kPicturesKept);
+}
+
+void ConsoleState::Close(const std::string& robot, std::uint64_t snapshot,
+                         console::PictureAnswer answer, const std::string& by) {
+  auto& unanswered = robots_[robot].unanswered;
+  while (!unanswered.empty() && unanswered.begin()->first <= snapshot) {
+    console::Picture& picture = unanswered.begin()->second;
+    const bool is_the_one = unanswered.begin()->first == snapshot;
+    picture.set_answer(is_the_one ? answer : console::ANSWER_OUTDATED);
+    if (is_the_one) picture.set_answered_by(by);
+    PutPicture(picture);
+    unanswered.erase(unanswered.begin());
+  }
+}
+
+void ConsoleState::HearAnswer(const std::string& robot, std::uint64_t snapshot,
+                              const std::string& client) {
+  Close(robot, snapshot, console::ANSWER_NOTHING_NEW, client);
+}
+
+void ConsoleState::Hear(const std::string& robot, const std::string& world, std::uint64_t snapshot,
+                        std::uint64_t belief_revision, const std::string& model,
+                        const PerceptionAnswer& answer) {
+  console::Update update;
+  console::Prediction* message = update.mutable_prediction();
+  message->set_robot(robot);
+  message->set_world(world);
+  message->set_snapshot(snapshot);
+  message->set_belief_revision(belief_revision);
+  message->set_add(ToBytes(answer.add));
+  message->set_remove(ToBytes(answer.remove));
+  message->set_model(model);
+  log_.Put("prediction/" + robot, std::move(update));
+}
+
+void ConsoleState::HearStream() {
+  if (session_.streams()) return;
+  session_.set_streams(true);
+  PutSession();
+}
+
+void ConsoleState::Hear(const AttentionQueueState& queue) {
+  console::Update update;
+  *update.mutable_attention() = ToConsole(queue);
+  log_.Put("attention", std::move(update));
+}
+
+void ConsoleState::HearGoalPose(const std::string& robot, Cell cell, double stamp_s) {
+  console::Update update;
+  update.mutable_goal_pose()->set_robot(robot);
+  *update.mutable_goal_pose()->mutable_cell() = ToConsole(cell);
+  update.mutable_goal_pose()->set_stamp(stamp_s);
+  log_.Put("goal_pose/" + robot, std::move(update));
+}
+
+void ConsoleState::Hear(const ServiceHealth& health, double now_s) {
+  const auto known = services_.find(health.name);
+  double& said_at_s = service_said_at_s_[health.name];
+  if (known != services_.end() && known->second == health && now_s - said_at_s < kHealthPeriod) {
+    return;
+  }
+  services_[health.name] = health;
+  said_at_s = now_s;
+  console::Update update;
+  update.mutable_service()->set_name(health.name);
+  update.mutable_service()->set_level(health.level);
+  update.mutable_service()->set_message(health.message);
+  update.mutable_service()->set_heard_at(now_s);
+  log_.Put("service/" + health.name, std::move(update));
+}
+
+void ConsoleState::Hear(const std::vector<Person>& people) {
+  console::Update update;
+  update.mutable_presence();
+  for (const Person& person : people) {
+    console::Person* to = update.mutable_presence()->add_people();
+    to->set_client(person.client);
+    to->set_name(person.name);
+    to->set_role(person.role);
+    to->set_robot(person.robot);
+  }
+  log_.Put("presence", std::move(update));
+}
+
+void ConsoleState::Hear(console::Event event) {
+  event.set_id(++last_event_);
+  console::Update update;
+  *update.mutable_event() = std::move(event);
+  log_.Put(fmt::format("event/{}", last_event_), std::move(update), "event", kEventsKept);
+}
+
+void ConsoleState::Hear(const console::Control& control) {
+  console::Update update;
+  *update.mutable_control() = control;
+  log_.Put("control/" + control.robot(), std::move(update));
+}
+
+void ConsoleState::Hear(const console::Alert& alert) {
+  console::Update update;
+  *update.mutable_alert() = alert;
+  log_.Put(fmt::format("alert/{}", alert.id()), std::move(update), "alert", kEventsKept);
+}
+
+void ConsoleState::Hear(const console::Playback& playback) {
+  console::Update update;
+  *update.mutable_playback() = playback;
+  log_.Put("playback", std::move(update));
+}
+
+}  // namespace conav::operators

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/protocol/planning.h"
+#include "common/protocol/robot.h"
+#include "common/protocol/supervision.h"
+#include "operator/console/update_log.h"
+
+namespace conav::operators {
+
+/// How a process is, as it said last.
+struct ServiceHealth {
+  std::string name;
+  console::Level level = console::LEVEL_OK;
+  std::string message;
+  bool operator==(const ServiceHealth&) const = default;
+};
+
+/// Somebody who looks at the console.
+struct Person {
+  std::string client;
+  std::string name;
+  console::Role role = console::ROLE_OBSERVER;
+  std::string robot;  // that they work on
+  bool operator==(const Person&) const = default;
+};
+
+/// Folds what happens into the updates that pages show (idl/console.proto says which): live in the
+/// operator service, from a recording in a replay.
+///
+/// A robot whose time goes back belongs to a new run of its world: all is forgotten and begins anew.
+/// `now_s`: wall time, s since 1970, which never decides anything but how often something is said.
+/// Threads: one caller; `log` may be read by others.
+class ConsoleState {
+ public:
+  /// Of each robot; pictures of before are forgotten, with their pixels.
+  static constexpr std::size_t kPicturesKept = 200;
+  static constexpr std::size_t kEventsKept = 500;
+
+  /// `log` outlives it.
+  ConsoleState(UpdateLog& log, console::Session session);
+
+  void Hear(const RobotState& state, double now_s);
+  void HearSeen(const std::string& robot, const std::string& world, const MapUpdate& map);
+  void HearGeometry(const std::string& world, const MapUpdate& map);
+  void HearTruth(const std::string& world, const OccupancyGrid& truth);
+  /// `initial`: revision 0 of it.
+  void Hear(const Belief& belief, const BeliefGrid& initial);
+  void Hear(const Guidance& guidance);
+  void HearPlan(const std::string& robot, SimTime stamp, const std::vector<Cell>& cells);
+  void Hear(const SearchReport& report);
+  /// Not a streamed one.
+  void Hear(const Picture& picture, double now_s);
+  /// What the model expects the operator to do with the picture of that number.
+  void Hear(const std::string& robot, const std::string& world, std::uint64_t snapshot,
+            std::uint64_t belief_revision, const std::string& model,
+            const PerceptionAnswer& answer);
+  /// "Nothing new here".
+  void HearAnswer(const std::string& robot, std::uint64_t snapshot, const std::string& client);
+  /// A frame of a live view came.
+  void HearStream();
+  void Hear(const AttentionQueueState& queue);
+  void HearGoalPose(const std::string& robot, Cell cell, double stamp_s);
+  void Hear(const ServiceHealth& health, double now_s);
+  void Hear(const std::vector<Person>& people);
+  void Hear(console::Event event);
+  void Hear(const console::Control& control);
+  void Hear(const console::Alert& alert);
+  void Hear(const console::Playback& playback);
+
+  const console::Session& session() const { return session_; }
+  SimTime TimeOf(const std::string& world) const;
+
+ private:
+  struct RobotMemory {
+    SimTime stamp;
+    std::vector<Cell> trail;
+    std::string seen;  // bytes of the newest map
+    std::map<std::uint64_t, console::Picture> unanswered;
+  };
+  struct WorldMemory {
+    console::World world;
+    SimTime stamp;
+    double said_at_s = 0.0;
+  };
+
+  void BeginAnew();
+  void PutSession();
+  void ExtendTrail(RobotMemory& memory, const RobotState& state);
+  void PutTrail(const std::string& robot, const std::vector<Cell>& trail, std::size_t from);
+  void NoteTime(const RobotState& state, double now_s);
+  void PutPicture(const console::Picture& picture);
+  /// Pictures up to `snapshot` that nobody answered.
+  void Close(const std::string& robot, std::uint64_t snapshot, console::PictureAnswer answer,
+             const std::string& by);
+
+  UpdateLog& log_;
+  console::Session session_;
+  std::map<std::string, RobotMemory> robots_;
+  std::map<std::string, WorldMemory> worlds_;
+  std::map<std::string, ServiceHealth> services_;
+  std::map<std::string, double> service_said_at_s_;
+  std::uint64_t last_event_ = 0;
+};
+
+}  // namespace conav::operators

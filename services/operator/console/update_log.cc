@@ -1,0 +1,85 @@
+#include "operator/console/update_log.h"
+
+#include <utility>
+
+#include "operator/console/wire.h"
+
+namespace conav::operators {
+
+void UpdateLog::Put(std::string_view key, console::Update update) {
+  const std::lock_guard lock(mutex_);
+  PutLocked(key, update);
+}
+
+void UpdateLog::Put(std::string_view key, console::Update update, std::string_view group,
+                    std::size_t keep) {
+  const std::lock_guard lock(mutex_);
+  const bool is_new = !sequence_of_.contains(key);
+  PutLocked(key, update);
+  if (!is_new) return;
+  std::deque<std::string>& keys = groups_[std::string(group)];
+  keys.emplace_back(key);
+  while (keys.size() > keep) {
+    EraseLocked(keys.front());
+    keys.pop_front();
+  }
+}
+
+void UpdateLog::PutLocked(std::string_view key, console::Update& update) {
+  EraseLocked(std::string(key));
+  update.set_sequence(++sequence_);
+  std::string encoded = EncodeUpdate(update);
+  bytes_ += encoded.size();
+  sequence_of_[std::string(key)] = sequence_;
+  entries_.emplace_hint(entries_.end(), sequence_, Entry{std::string(key), std::move(encoded)});
+}
+
+void UpdateLog::EraseLocked(const std::string& key) {
+  const auto found = sequence_of_.find(key);
+  if (found == sequence_of_.end()) return;
+  const auto entry = entries_.find(found->second);
+  bytes_ -= entry->second.encoded.size();
+  entries_.erase(entry);
+  sequence_of_.erase(found);
+}
+
+void UpdateLog::Clear() {
+  const std::lock_guard lock(mutex_);
+  ++generation_;
+  bytes_ = 0;
+  entries_.clear();
+  sequence_of_.clear();
+  groups_.clear();
+}
+
+UpdateLog::Batch UpdateLog::After(std::uint64_t generation, std::uint64_t sequence,
+                                  std::size_t size_limit) const {
+  const std::lock_guard lock(mutex_);
+  Batch batch{{}, sequence, generation_, false};
+  auto entry = generation == generation_ ? entries_.upper_bound(sequence) : entries_.begin();
+  for (; entry != entries_.end(); ++entry) {
+    const std::string& encoded = entry->second.encoded;
+    batch.more = !batch.updates.empty() && batch.updates.size() + encoded.size() > size_limit;
+    if (batch.more) break;
+    batch.updates += encoded;
+    batch.sequence = entry->first;
+  }
+  return batch;
+}
+
+std::uint64_t UpdateLog::generation() const {
+  const std::lock_guard lock(mutex_);
+  return generation_;
+}
+
+std::uint64_t UpdateLog::sequence() const {
+  const std::lock_guard lock(mutex_);
+  return sequence_;
+}
+
+std::size_t UpdateLog::bytes() const {
+  const std::lock_guard lock(mutex_);
+  return bytes_;
+}
+
+}  // namespace conav::operators

@@ -1,0 +1,244 @@
+#include "operator/console_desk.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "common/protocol/convert.h"
+#include "common/service/robot_list.h"
+#include "operator/gateway/convert_request.h"
+
+namespace conav::operators {
+namespace {
+
+constexpr auto kConvert = [](const auto& message) { return ToDomain(message); };
+constexpr double kSilentAfter = 5.0;          // s without health from a process
+constexpr double kDriveAdvisedAgainst = 0.3;  // s, round trip
+constexpr double kDriveRefused = 1.0;         // s, round trip
+
+double WallSeconds() {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+console::Session SessionOf(const OperatorConfig& config) {
+  console::Session session;
+  std::set<std::string> worlds;
+  for (const auto& [robot, world] : WorldOfRobot("operator", config.robots)) {
+    session.add_robots(robot);
+    worlds.insert(world);
+  }
+  for (const std::string& world : worlds) session.add_worlds(world);
+  return session;
+}
+
+console::Welcome WelcomeOf(const OperatorConfig& config) {
+  console::Welcome welcome;
+  welcome.set_run(fmt::format("{:x}", std::chrono::system_clock::now().time_since_epoch().count()));
+  welcome.set_mode(console::MODE_SUPERVISE);
+  console::Limits* limits = welcome.mutable_limits();
+  limits->set_edit_cells(65536);
+  limits->set_path_cells(static_cast<std::uint32_t>(config.max_path_cells));
+  limits->set_guidance_valid_for(config.max_guidance_s);
+  limits->set_drive_advised_against(kDriveAdvisedAgainst);
+  limits->set_drive_refused(kDriveRefused);
+  return welcome;
+}
+
+std::size_t Bytes(double mib) { return static_cast<std::size_t>(mib * 1024.0 * 1024.0); }
+
+}  // namespace
+
+struct ConsoleDesk::RobotLink {
+  RobotLink(bus::Participant& participant, const std::string& name, const std::string& world)
+      : name(name),
+        world(world),
+        map(participant, bus::kRobotMap, name),
+        plan(participant, bus::kPlan, name),
+        search(participant, bus::kSearchReport, name),
+        snapshot(participant, bus::kSnapshot, name),
+        image(participant, bus::kCameraImage, name),
+        goal_pose(participant, bus::kGoalPose, name) {}
+
+  std::string name;
+  std::string world;
+  bus::Subscriber<nav_msgs::msg::OccupancyGrid> map;
+  bus::Subscriber<nav_msgs::msg::Path> plan;
+  bus::Subscriber<conav_msgs::msg::SearchReport> search;
+  bus::Subscriber<conav_msgs::msg::Snapshot> snapshot;
+  bus::Subscriber<sensor_msgs::msg::CompressedImage> image;
+  bus::Subscriber<geometry_msgs::msg::PoseStamped> goal_pose;
+  std::optional<GridGeometry> geometry;  // of its world
+  Cell cell;
+  double heading_rad = 0.0;
+};
+
+ConsoleDesk::ConsoleDesk(bus::Participant& participant, const OperatorConfig& config,
+                         const Clock& clock)
+    : participant_(participant),
+      clock_(clock),
+      pictures_(Bytes(config.console.pictures_mib)),
+      state_(updates_, SessionOf(config)),
+      diagnostics_(participant, bus::kDiagnostics) {
+  for (const auto& [robot, world] : WorldOfRobot("operator", config.robots)) {
+    robots_.push_back(std::make_unique<RobotLink>(participant, robot, world));
+  }
+  gateway_ =
+      std::make_unique<Gateway>(config.console, Gateway::Shared{updates_, frames_, pictures_},
+                                WelcomeOf(config), [&participant] { participant.Wake(); });
+  LOG_INFO("console", "url", url());
+}
+
+ConsoleDesk::~ConsoleDesk() = default;
+
+void ConsoleDesk::Hear(const RobotState& state) {
+  state_.Hear(state, WallSeconds());
+  for (const auto& robot : robots_) {
+    if (robot->name != state.robot) continue;
+    robot->cell = state.cell;
+    robot->heading_rad = state.heading_rad;
+  }
+}
+
+void ConsoleDesk::HearGeometry(const std::string& world, const MapUpdate& map) {
+  state_.HearGeometry(world, map);
+  for (const auto& robot : robots_) {
+    if (robot->world != world) continue;
+    robot->geometry = GridGeometry{map.cells.rows(), map.cells.columns(), map.cell_size_m};
+  }
+}
+
+void ConsoleDesk::Hear(const Belief& belief, const BeliefGrid& initial) {
+  state_.Hear(belief, initial);
+}
+
+void ConsoleDesk::Hear(const Guidance& guidance) { state_.Hear(guidance); }
+
+void ConsoleDesk::Hear(const AttentionQueueState& queue) { state_.Hear(queue); }
+
+std::vector<ConsoleDesk::Asked> ConsoleDesk::Step() {
+  for (const auto& robot : robots_) TakeFrom(*robot);
+  TakeHealth();
+  std::vector<Asked> asked;
+  for (const PageEvent& event : gateway_->Take()) {
+    if (auto request = Take(event)) asked.push_back(*std::move(request));
+  }
+  return asked;
+}
+
+void ConsoleDesk::TakeFrom(RobotLink& robot) {
+  const double now_s = WallSeconds();
+  for (const MapUpdate& map : robot.map.TakeValid(kConvert)) {
+    state_.HearSeen(robot.name, robot.world, map);
+  }
+  for (Picture& picture : robot.snapshot.TakeValid(kConvert)) {
+    if (picture.streamed) continue;
+    state_.Hear(picture, now_s);
+    pictures_.Put(robot.name, picture.sequence_number, std::move(picture.jpeg));
+  }
+  for (const SearchReport& report : robot.search.TakeValid(kConvert)) state_.Hear(report);
+  for (const Position& goal : robot.goal_pose.TakeValid(kConvert)) {
+    if (!robot.geometry) continue;
+    state_.HearGoalPose(robot.name, robot.geometry->PositionToCell(goal),
+                        state_.TimeOf(robot.world).ToSeconds());
+  }
+  for (const auto& path : robot.plan.Take()) {
+    if (!robot.geometry) continue;
+    std::vector<Cell> cells;
+    for (const auto& pose : path.poses()) {
+      const auto& position = pose.pose().position();
+      cells.push_back(robot.geometry->PositionToCell({position.x(), position.y()}));
+    }
+    state_.HearPlan(robot.name, ToDomain(path.header().stamp()).value_or(SimTime{}), cells);
+  }
+  for (auto& image : robot.image.Take()) {
+    state_.HearStream();
+    console::Frame frame;
+    frame.set_robot(robot.name);
+    frame.set_stamp(ToDomain(image.header().stamp()).value_or(SimTime{}).ToSeconds());
+    frame.set_heard_at(now_s);
+    frame.mutable_cell()->set_row(robot.cell.row);
+    frame.mutable_cell()->set_column(robot.cell.column);
+    frame.set_heading(robot.heading_rad);
+    frame.mutable_jpeg()->assign(image.data().begin(), image.data().end());
+    frames_.Put(std::move(frame));
+  }
+}
+
+void ConsoleDesk::TakeHealth() {
+  const double now_s = WallSeconds();
+  for (const auto& array : diagnostics_.Take()) {
+    for (const auto& status : array.status()) {
+      const std::string& name = status.hardware_id();
+      if (name.empty()) continue;  // not one of conav's processes
+      heard_at_s_[name] = now_s;
+      const auto level = std::min<int>(status.level(), console::LEVEL_ERROR);
+      state_.Hear(ServiceHealth{name, static_cast<console::Level>(level), status.message()}, now_s);
+    }
+  }
+  for (const auto& [name, heard_at_s] : heard_at_s_) {
+    if (now_s - heard_at_s < kSilentAfter) continue;
+    state_.Hear(ServiceHealth{name, console::LEVEL_SILENT,
+                              fmt::format("silent for more than {:.0f} s", kSilentAfter)},
+                heard_at_s);
+  }
+}
+
+std::optional<ConsoleDesk::Asked> ConsoleDesk::Take(const PageEvent& event) {
+  if (const auto* asked = std::get_if<PageAsked>(&event.body)) {
+    const console::Request& request = asked->request;
+    const std::string why_not = WhyNotNow(event.who, *asked, WallSeconds(), kDriveRefused);
+    auto domain = ToOperatorRequest(request, event.who.client, state_.TimeOf(request.world()));
+    if (why_not.empty() && domain) return Asked{event.page, *std::move(domain)};
+    Reply(event.page, {event.who.client, request.id(), false,
+                       why_not.empty() ? domain.error().text : why_not, 0});
+    return std::nullopt;
+  }
+  if (std::holds_alternative<PageJoined>(event.body)) {
+    people_[event.page] = {event.who.client, event.who.name, event.who.role, ""};
+  } else if (std::holds_alternative<PageLeft>(event.body)) {
+    people_.erase(event.page);
+  } else {
+    return std::nullopt;
+  }
+  std::vector<Person> people;
+  for (const auto& [page, person] : people_) people.push_back(person);
+  state_.Hear(people);
+  return std::nullopt;
+}
+
+void ConsoleDesk::Reply(std::uint64_t page, const OperatorReply& reply) {
+  console::Reply message;
+  message.set_id(reply.request_id);
+  message.set_accepted(reply.accepted);
+  message.set_reason(reply.reason);
+  message.set_revision(reply.revision);
+  gateway_->Send(page, message);
+}
+
+void ConsoleDesk::Log(console::EventKind kind, const OperatorRequest& request,
+                      std::uint64_t revision, const std::string& text) {
+  console::Event event;
+  event.set_kind(kind);
+  event.set_time(WallSeconds());
+  event.set_stamp(state_.TimeOf(request.world).ToSeconds());
+  event.set_client(request.client);
+  event.set_world(request.world);
+  if (const auto* guide = std::get_if<GuideRequest>(&request.body)) event.set_robot(guide->robot);
+  event.set_text(text);
+  event.set_revision(revision);
+  state_.Hear(std::move(event));
+}
+
+void ConsoleDesk::Publish(const Health& health) {
+  nlohmann::ordered_json report;
+  report["ready"] = health.level == Health::Level::kOk;
+  report["message"] = health.message;
+  for (const auto& [name, value] : health.values) report["values"][name] = value;
+  gateway_->SetReadiness({health.level == Health::Level::kOk, report.dump() + "\n"});
+  gateway_->Notify();
+}
+
+}  // namespace conav::operators

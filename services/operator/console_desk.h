@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/bus/participant.h"
+#include "common/bus/subscriber.h"
+#include "common/protocol/supervision.h"
+#include "common/runtime/clock.h"
+#include "common/service/diagnostics.h"
+#include "operator/config.h"
+#include "operator/console/console_state.h"
+#include "operator/gateway/gateway.h"
+
+namespace conav::operators {
+
+/// The operator service's console: shows pages what the service decides and what it hears itself for
+/// them (maps, pictures, plans, searches, health), and hands over what they ask.
+///
+/// A page is one client of the service among others: its requests are those of DDS
+/// (OperatorRequest), and answered by the same code.
+/// Threads: one, the service's; the gateway has its own.
+class ConsoleDesk {
+ public:
+  /// `participant` and `clock` outlive it. Throws StartupError as Gateway does.
+  ConsoleDesk(bus::Participant& participant, const OperatorConfig& config, const Clock& clock);
+  ~ConsoleDesk();
+
+  void Hear(const RobotState& state);
+  void HearGeometry(const std::string& world, const MapUpdate& map);
+  void Hear(const Belief& belief, const BeliefGrid& initial);
+  void Hear(const Guidance& guidance);
+  void Hear(const AttentionQueueState& queue);
+
+  struct Asked {
+    std::uint64_t page = 0;
+    OperatorRequest request;
+  };
+  /// Takes in what arrived. The requests of pages that are sound, in the order in which they came;
+  /// the others are answered here.
+  std::vector<Asked> Step();
+  /// To what a page asked.
+  void Reply(std::uint64_t page, const OperatorReply& reply);
+  /// Something was accepted, by whatever client.
+  void Log(console::EventKind kind, const OperatorRequest& request, std::uint64_t revision,
+           const std::string& text);
+  /// After everything that one step brought.
+  void Publish(const Health& health);
+
+  std::string url() const { return gateway_->url(); }
+
+ private:
+  struct RobotLink;
+
+  void TakeFrom(RobotLink& robot);
+  void TakeHealth();
+  std::optional<Asked> Take(const PageEvent& event);
+
+  bus::Participant& participant_;
+  const Clock& clock_;
+  UpdateLog updates_;
+  FrameSlots frames_;
+  PictureShelf pictures_;
+  ConsoleState state_;
+  std::vector<std::unique_ptr<RobotLink>> robots_;
+  bus::Subscriber<diagnostic_msgs::msg::DiagnosticArray> diagnostics_;
+  std::map<std::uint64_t, Person> people_;    // by page
+  std::map<std::string, double> heard_at_s_;  // of each process's health
+  std::unique_ptr<Gateway> gateway_;
+};
+
+}  // namespace conav::operators

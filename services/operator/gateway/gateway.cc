@@ -1,0 +1,280 @@
+#include "operator/gateway/gateway.h"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/ssl/context.hpp>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include "common/runtime/log.h"
+#include "common/runtime/log_limit.h"
+#include "operator/gateway/access.h"
+#include "operator/gateway/connections.h"
+#include "operator/gateway/gateway_metrics.h"
+
+namespace conav::operators {
+namespace {
+
+using asio::ip::tcp;
+
+constexpr std::chrono::milliseconds kGoodbyeLimit{500};
+
+GatewayOptions Checked(const GatewayOptions& options) {
+  if (const auto valid = CheckAccess(options); !valid) throw StartupError(valid.error().text);
+  return options;
+}
+
+WebFiles LoadPage(const GatewayOptions& options) {
+  return WebFiles(options.web.empty() ? DefaultWebFolder() : std::filesystem::path(options.web));
+}
+
+std::optional<asio::ssl::context> MakeTls(const ConsoleTls& tls) {
+  if (!tls.on()) return std::nullopt;
+  asio::ssl::context context(asio::ssl::context::tls_server);
+  try {
+    context.set_options(asio::ssl::context::default_workarounds | asio::ssl::context::no_tlsv1 |
+                        asio::ssl::context::no_tlsv1_1);
+    context.use_certificate_chain_file(tls.certificate);
+    context.use_private_key_file(tls.key, asio::ssl::context::pem);
+  } catch (const boost::system::system_error& error) {
+    throw StartupError(fmt::format("operator.console.tls: {} with {}: {}", tls.certificate, tls.key,
+                                   error.code().message()));
+  }
+  return context;
+}
+
+}  // namespace
+
+class Gateway::Server final : public ConnectionHost {
+ public:
+  Server(const GatewayOptions& options, Shared shared, console::Welcome welcome,
+         std::function<void()> wake)
+      : options_(Checked(options)),
+        shared_(shared),
+        welcome_(std::move(welcome)),
+        wake_(std::move(wake)),
+        tls_(MakeTls(options_.tls)),
+        routes_(options_, LoadPage(options_),
+                {shared.pictures, [this] { return readiness(); }, [this] { return Metrics(); }}),
+        acceptor_(io_) {
+    Listen();
+    Accept();
+    thread_ = std::thread([this] { io_.run(); });
+  }
+
+  ~Server() override {
+    asio::post(io_, [this] { SayGoodbye(); });
+    thread_.join();
+    pages_.clear();  // while io_ exists, which their sockets belong to
+  }
+
+  int port() const { return port_; }
+  bool has_tls() const { return tls_.has_value(); }
+  const GatewayOptions& options() const override { return options_; }
+
+  void Notify() {
+    if (notified_.exchange(true)) return;
+    asio::post(io_, [this] {
+      notified_ = false;
+      for (const auto& page : LivePages()) page->Pump();
+    });
+  }
+
+  std::vector<PageEvent> Take() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(events_, {});
+  }
+
+  void Send(std::uint64_t page, const console::Reply& reply) {
+    asio::post(io_, [this, page, reply] {
+      const auto found = pages_.find(page);
+      if (found == pages_.end()) return;
+      found->second->feed().Add(reply);
+      found->second->Pump();
+    });
+  }
+
+  void SetReadiness(Readiness readiness) {
+    const std::lock_guard lock(mutex_);
+    readiness_ = std::move(readiness);
+  }
+
+  int pages() const { return page_count_; }
+
+  HttpResponse Answer(const HttpRequest& request) override {
+    HttpResponse response = routes_.Answer(request);
+    metrics_.CountRequest(response.status);
+    return response;
+  }
+
+  std::string WhyNoPage(const HttpRequest& request) override {
+    std::string why = WhyForeign(options_, request.host, request.origin);
+    if (why.empty() && page_count_ >= options_.max_pages) {
+      why = fmt::format("{} pages are open, the limit of operator.console.max_pages",
+                        options_.max_pages);
+    }
+    if (!why.empty()) Refuse(why);
+    return why;
+  }
+
+  PageContext page_context() override {
+    return {options_, shared_.updates, shared_.frames, welcome_};
+  }
+
+  std::uint64_t Enter(const std::shared_ptr<PageConnection>& page) override {
+    pages_[++last_page_] = page;
+    CountPages();
+    return last_page_;
+  }
+
+  void Leave(std::uint64_t page) override {
+    const auto found = pages_.find(page);
+    if (found == pages_.end()) return;
+    const PageFeed& feed = found->second->feed();
+    if (!feed.close_reason().empty() && !leaving_) Refuse(feed.close_reason());
+    metrics_.CountSkippedFrames(feed.frames_skipped());
+    if (feed.identity()) Deliver({{page, *feed.identity(), PageLeft{}}});
+    pages_.erase(found);
+    CountPages();
+    if (leaving_ && pages_.empty()) io_.stop();
+  }
+
+  void Deliver(std::vector<PageEvent> events) override {
+    if (events.empty()) return;
+    {
+      const std::lock_guard lock(mutex_);
+      events_.insert(events_.end(), std::make_move_iterator(events.begin()),
+                     std::make_move_iterator(events.end()));
+    }
+    if (wake_) wake_();
+  }
+
+  void CountMessage(bool sent, std::size_t bytes) override { metrics_.CountMessage(sent, bytes); }
+
+ private:
+  void Listen() {
+    try {
+      const tcp::endpoint endpoint(asio::ip::make_address(options_.address),
+                                   static_cast<std::uint16_t>(options_.port));
+      acceptor_.open(endpoint.protocol());
+      acceptor_.set_option(asio::socket_base::reuse_address(true));
+      acceptor_.bind(endpoint);
+      acceptor_.listen();
+      port_ = acceptor_.local_endpoint().port();
+    } catch (const boost::system::system_error& error) {
+      throw StartupError(fmt::format("console: cannot listen on {}:{}: {}", options_.address,
+                                     options_.port, error.code().message()));
+    }
+  }
+
+  void Accept() {
+    acceptor_.async_accept([this](ErrorCodeOfAsio failed, tcp::socket socket) {
+      if (leaving_) return;
+      if (!failed) Begin(std::move(socket));
+      Accept();
+    });
+  }
+
+  void Begin(tcp::socket socket) {
+    if (connections_ >= options_.max_connections) return;  // closes it
+    ErrorCodeOfAsio ignored;
+    socket.set_option(tcp::no_delay(true), ignored);
+    metrics_.SetConnections(++connections_);
+    const std::shared_ptr<void> token(nullptr,
+                                      [this](void*) { metrics_.SetConnections(--connections_); });
+    if (tls_) {
+      std::make_shared<HttpConnection<TlsStream>>(TlsStream(std::move(socket), *tls_), *this, token)
+          ->Start();
+    } else {
+      std::make_shared<HttpConnection<PlainStream>>(PlainStream(std::move(socket)), *this, token)
+          ->Start();
+    }
+  }
+
+  std::vector<std::shared_ptr<PageConnection>> LivePages() const {
+    std::vector<std::shared_ptr<PageConnection>> pages;
+    for (const auto& [number, page] : pages_) pages.push_back(page);
+    return pages;  // a page that leaves while it is pumped changes the map
+  }
+
+  void CountPages() {
+    page_count_ = static_cast<int>(pages_.size());
+    metrics_.SetPages(page_count_);
+  }
+
+  void Refuse(const std::string& why) {
+    metrics_.CountRefusedPage();
+    if (const auto held_back = refusals_logged_.Allow()) {
+      LOG_WARNING("page of the console refused", "reason", why, "held_back", *held_back);
+    }
+  }
+
+  void SayGoodbye() {
+    leaving_ = true;
+    ErrorCodeOfAsio ignored;
+    acceptor_.close(ignored);
+    if (pages_.empty()) return io_.stop();
+    for (const auto& page : LivePages()) {
+      page->feed().Close("the service stops", true);
+      page->Pump();
+    }
+    goodbye_timer_.expires_after(kGoodbyeLimit);
+    goodbye_timer_.async_wait([this](ErrorCodeOfAsio) { io_.stop(); });
+  }
+
+  Readiness readiness() const {
+    const std::lock_guard lock(mutex_);
+    return readiness_;
+  }
+  std::string Metrics() const { return metrics_.Text(); }
+
+  const GatewayOptions options_;
+  Shared shared_;
+  console::Welcome welcome_;
+  std::function<void()> wake_;
+  std::optional<asio::ssl::context> tls_;
+  GatewayMetrics metrics_;
+  HttpRoutes routes_;
+  int connections_ = 0;  // outlives io_, whose handlers hold the connections
+  std::atomic<int> page_count_{0};
+  std::atomic<bool> notified_{false};
+  LogLimit refusals_logged_;
+  mutable std::mutex mutex_;  // guards the two below
+  std::vector<PageEvent> events_;
+  Readiness readiness_;
+  std::map<std::uint64_t, std::shared_ptr<PageConnection>> pages_;
+  std::uint64_t last_page_ = 0;
+  bool leaving_ = false;
+  asio::io_context io_{1};
+  tcp::acceptor acceptor_;
+  asio::steady_timer goodbye_timer_{io_};
+  int port_ = 0;
+  std::thread thread_;
+};
+
+Gateway::Gateway(const GatewayOptions& options, Shared shared, console::Welcome welcome,
+                 std::function<void()> wake)
+    : server_(std::make_unique<Server>(options, shared, std::move(welcome), std::move(wake))) {}
+
+Gateway::~Gateway() = default;
+
+int Gateway::port() const { return server_->port(); }
+
+std::string Gateway::url() const {
+  const std::string& address = server_->options().address;
+  const bool is_v6 = address.find(':') != std::string::npos;
+  return fmt::format("{}://{}{}{}:{}", server_->has_tls() ? "https" : "http", is_v6 ? "[" : "",
+                     address, is_v6 ? "]" : "", server_->port());
+}
+
+void Gateway::Notify() { server_->Notify(); }
+std::vector<PageEvent> Gateway::Take() { return server_->Take(); }
+void Gateway::Send(std::uint64_t page, const console::Reply& reply) { server_->Send(page, reply); }
+void Gateway::SetReadiness(Readiness readiness) { server_->SetReadiness(std::move(readiness)); }
+int Gateway::pages() const { return server_->pages(); }
+
+}  // namespace conav::operators

@@ -1,0 +1,117 @@
+#include "operator/gateway/http_routes.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cstdint>
+#include <optional>
+
+#include "operator/gateway/access.h"
+
+namespace conav::operators {
+namespace {
+
+constexpr std::string_view kPictures = "/pictures/";
+constexpr std::string_view kJpeg = ".jpg";
+
+HttpResponse Text(unsigned status, std::string text) {
+  HttpResponse response;
+  response.status = status;
+  response.headers = {{"Cache-Control", "no-store"}};
+  response.body = std::make_shared<const std::string>(std::move(text));
+  return response;
+}
+
+/// What browsers shall not let this page, or a page around it, do.
+void AddSecurityHeaders(HttpResponse& response) {
+  response.headers.emplace_back(
+      "Content-Security-Policy",
+      "default-src 'self'; img-src 'self' blob: data:; object-src 'none'; base-uri 'none'; "
+      "form-action 'none'; frame-ancestors 'none'");
+  response.headers.emplace_back("X-Content-Type-Options", "nosniff");
+  response.headers.emplace_back("Referrer-Policy", "no-referrer");
+  response.headers.emplace_back("Cross-Origin-Resource-Policy", "same-origin");
+}
+
+std::optional<std::uint64_t> NumberOf(std::string_view text) {
+  std::uint64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+}  // namespace
+
+HttpRoutes::HttpRoutes(const GatewayOptions& options, WebFiles files, Sources sources)
+    : options_(options), files_(std::move(files)), sources_(std::move(sources)) {}
+
+HttpResponse HttpRoutes::Answer(const HttpRequest& request) const {
+  HttpResponse response = Route(request);
+  AddSecurityHeaders(response);
+  return response;
+}
+
+HttpResponse HttpRoutes::Route(const HttpRequest& request) const {
+  if (request.method != "GET" && request.method != "HEAD") {
+    HttpResponse refused = Text(405, "only GET and HEAD\n");
+    refused.headers.emplace_back("Allow", "GET, HEAD");
+    return refused;
+  }
+  if (const auto why = WhyForeign(options_, request.host, request.origin); !why.empty()) {
+    return Text(403, why + "\n");
+  }
+  const std::string_view path =
+      std::string_view(request.target).substr(0, request.target.find_first_of("?#"));
+  if (const auto* file = files_.Find(path)) return AnswerFile(*file, request);
+  if (path == "/livez") return Text(200, "ok\n");
+  if (path == "/readyz") {
+    Readiness readiness = sources_.readiness();
+    HttpResponse response = Text(readiness.ready ? 200 : 503, std::move(readiness.json));
+    response.type = "application/json";
+    return response;
+  }
+  const bool is_picture = path.starts_with(kPictures);
+  if (path != "/metrics" && !is_picture) return Text(404, "nothing here\n");
+  if (!RoleOf(options_.tokens, BearerToken(request.authorization))) {
+    HttpResponse refused = Text(401, "a token is asked for: Authorization: Bearer TOKEN\n");
+    refused.headers.emplace_back("WWW-Authenticate", "Bearer");
+    return refused;
+  }
+  if (is_picture) return AnswerPicture(path.substr(kPictures.size()));
+  HttpResponse metrics = Text(200, sources_.metrics());
+  metrics.type = "text/plain; version=0.0.4; charset=utf-8";
+  return metrics;
+}
+
+HttpResponse HttpRoutes::AnswerFile(const WebFiles::File& file, const HttpRequest& request) const {
+  HttpResponse response;
+  response.type = file.type;
+  response.headers = {
+      {"ETag", file.etag},
+      {"Vary", "Accept-Encoding"},
+      {"Cache-Control", file.immutable ? "public, max-age=31536000, immutable" : "no-cache"}};
+  if (request.if_none_match == file.etag) {
+    response.status = 304;
+    return response;
+  }
+  const bool takes_gzip = request.accept_encoding.find("gzip") != std::string::npos;
+  response.body = takes_gzip && file.gzip ? file.gzip : file.plain;
+  if (response.body == file.gzip) response.headers.emplace_back("Content-Encoding", "gzip");
+  return response;
+}
+
+HttpResponse HttpRoutes::AnswerPicture(std::string_view rest) const {
+  const auto slash = rest.find('/');
+  const auto number = slash != std::string_view::npos && rest.ends_with(kJpeg)
+                          ? NumberOf(rest.substr(slash + 1, rest.size() - slash - 1 - kJpeg.size()))
+                          : std::nullopt;
+  if (!number) return Text(404, "/pictures/<robot>/<number>.jpg\n");
+  HttpResponse response;
+  response.body = sources_.pictures.Find(std::string(rest.substr(0, slash)), *number);
+  if (!response.body) return Text(404, "this picture is not kept (any more)\n");
+  response.type = "image/jpeg";
+  response.headers = {{"Cache-Control", "private, no-cache"}};
+  return response;
+}
+
+}  // namespace conav::operators

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "operator/gateway/gateway_options.h"
+#include "operator/gateway/picture_shelf.h"
+#include "operator/gateway/web_files.h"
+
+namespace conav::operators {
+
+/// What the gateway looks at of an HTTP request.
+struct HttpRequest {
+  std::string method;
+  std::string target;
+  std::string host;
+  std::string origin;
+  std::string authorization;
+  std::string accept_encoding;
+  std::string if_none_match;
+};
+
+struct HttpResponse {
+  unsigned status = 200;
+  std::string type = "text/plain; charset=utf-8";
+  std::vector<std::pair<std::string, std::string>> headers;
+  std::shared_ptr<const std::string> body;  // may be null: empty
+};
+
+/// How the service is, for those who start and watch it.
+struct Readiness {
+  bool ready = false;
+  std::string json = "{}";  // per dependency
+};
+
+/// Answers everything but the WebSocket:
+///   /, /assets/...                the page
+///   /pictures/<robot>/<n>.jpg     pixels; with a token, where tokens are set
+///   /livez                        200 while the process answers
+///   /readyz                       200 or 503, and why, as JSON
+///   /metrics                      Prometheus text; with a token, where tokens are set
+/// Threads: safe to call concurrently where the functions are.
+class HttpRoutes {
+ public:
+  struct Sources {
+    const PictureShelf& pictures;
+    std::function<Readiness()> readiness;
+    std::function<std::string()> metrics;
+  };
+
+  HttpRoutes(const GatewayOptions& options, WebFiles files, Sources sources);
+
+  HttpResponse Answer(const HttpRequest& request) const;
+
+ private:
+  HttpResponse Route(const HttpRequest& request) const;
+  HttpResponse AnswerFile(const WebFiles::File& file, const HttpRequest& request) const;
+  HttpResponse AnswerPicture(std::string_view rest) const;
+
+  GatewayOptions options_;
+  WebFiles files_;
+  Sources sources_;
+};
+
+}  // namespace conav::operators

@@ -1,0 +1,75 @@
+#include "operator/gateway/web_files.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "common/runtime/file.h"
+#include "common/runtime/result.h"
+#include "common/runtime/sha256.h"
+
+namespace conav::operators {
+namespace {
+
+constexpr std::array<std::pair<std::string_view, const char*>, 9> kTypes{{
+    {".html", "text/html; charset=utf-8"},
+    {".js", "text/javascript; charset=utf-8"},
+    {".css", "text/css; charset=utf-8"},
+    {".svg", "image/svg+xml"},
+    {".png", "image/png"},
+    {".ico", "image/x-icon"},
+    {".json", "application/json"},
+    {".webmanifest", "application/manifest+json"},
+    {".woff2", "font/woff2"},
+}};
+
+const char* TypeOf(const std::filesystem::path& file) {
+  const std::string extension = file.extension().string();
+  for (const auto& [ending, type] : kTypes) {
+    if (extension == ending) return type;
+  }
+  return "application/octet-stream";
+}
+
+std::shared_ptr<const std::string> Read(const std::filesystem::path& file) {
+  auto text = ReadFile(file);
+  if (!text) throw StartupError(fmt::format("console page: {}", text.error().text));
+  return std::make_shared<const std::string>(*std::move(text));
+}
+
+}  // namespace
+
+WebFiles::WebFiles(const std::filesystem::path& folder) {
+  std::error_code unreadable;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder, unreadable)) {
+    if (!entry.is_regular_file() || entry.path().extension() == ".gz") continue;
+    File file;
+    file.type = TypeOf(entry.path());
+    file.plain = Read(entry.path());
+    const std::filesystem::path compressed = entry.path().string() + ".gz";
+    if (std::filesystem::exists(compressed)) file.gzip = Read(compressed);
+    file.etag = fmt::format("\"{}\"", Sha256Hex(*file.plain).substr(0, 16));
+    const std::string path = "/" + std::filesystem::relative(entry.path(), folder).generic_string();
+    file.immutable = path.starts_with("/assets/");
+    files_[path] = std::move(file);
+  }
+  if (!files_.contains("/index.html")) {
+    throw StartupError(fmt::format("console page: {} holds no index.html", folder.string()));
+  }
+  files_["/"] = files_["/index.html"];
+}
+
+const WebFiles::File* WebFiles::Find(std::string_view path) const {
+  const auto found = files_.find(path);
+  return found == files_.end() ? nullptr : &found->second;
+}
+
+std::filesystem::path DefaultWebFolder() {
+  std::error_code unknown;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", unknown);
+  return program.parent_path().parent_path() / "share/conav/console";
+}
+
+}  // namespace conav::operators
