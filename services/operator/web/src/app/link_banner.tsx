@@ -9,9 +9,7 @@ export function LinkBanner() {
   const problem = linkText(store.link.value);
   const text = problem ?? modeText(store.state.value.welcome?.mode);
   return text === undefined ? undefined : (
-    <p class={`banner ${problem === undefined ? "calm" : ""}`} role="status">
-      {text}
-    </p>
+    <output class={`banner ${problem === undefined ? "calm" : ""}`}>{text}</output>
   );
 }
 

@@ -61,12 +61,14 @@ describe("updates", () => {
     expect(slice instanceof Map && [...slice.keys()]).toEqual(["k"]);
   });
 
-  it.each(["session", "attention", "presence", "playback"] as const)(
-    "replace the one %s",
-    (name) => {
-      expect(stateOf({ case: name, value: {} })[name]).toBeDefined();
-    },
-  );
+  it.each([
+    "session",
+    "attention",
+    "presence",
+    "playback",
+  ] as const)("replace the one %s", (name) => {
+    expect(stateOf({ case: name, value: {} })[name]).toBeDefined();
+  });
 });
 
 describe("welcome", () => {

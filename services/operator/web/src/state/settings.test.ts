@@ -21,12 +21,16 @@ describe("settings", () => {
     expect(readSettings(place)).toEqual(settings);
   });
 
-  it.each([undefined, "", "no JSON", "null", "[]", '{"theme": 3, "layers": {"plan": "x"}}'])(
-    "are the defaults for %s",
-    (kept) => {
-      expect(readSettings(storage(kept))).toEqual(defaultSettings);
-    },
-  );
+  it.each([
+    undefined,
+    "",
+    "no JSON",
+    "null",
+    "[]",
+    '{"theme": 3, "layers": {"plan": "x"}}',
+  ])("are the defaults for %s", (kept) => {
+    expect(readSettings(storage(kept))).toEqual(defaultSettings);
+  });
 
   it("survive a storage that is full", () => {
     const full = {

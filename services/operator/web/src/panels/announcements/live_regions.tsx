@@ -4,9 +4,9 @@ import type { Announcer } from "./announcer";
 export function LiveRegions({ announcer }: { announcer: Announcer }) {
   return (
     <>
-      <div class="unseen" role="status" aria-live="polite">
+      <output class="unseen" aria-live="polite">
         {announcer.polite.value}
-      </div>
+      </output>
       <div class="unseen" role="alert" aria-live="assertive">
         {announcer.urgent.value}
       </div>

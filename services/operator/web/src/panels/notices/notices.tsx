@@ -5,16 +5,16 @@ import "./notices.css";
 export function Notices() {
   const { store, actions } = useConsole();
   return (
-    <div class="notices" role="status">
+    <output class="notices">
       {store.notices.value.map(({ id, text, kind }) => (
-        <div key={id} class={kind}>
+        <span key={id} class={kind}>
           {kind === "problem" ? "▲ " : ""}
           {text}
           <button type="button" aria-label="Dismiss" onClick={() => actions.dismiss(id)}>
             ✕
           </button>
-        </div>
+        </span>
       ))}
-    </div>
+    </output>
   );
 }

@@ -21,7 +21,7 @@ export function DriveBadge() {
   const blocked = whyNotDrive(state.value, link.value, timing.value, now.value, robot);
   const action = teleoperation.action.value;
   return (
-    <p class="drive panel" role="status">
+    <output class="drive panel">
       {blocked !== undefined ? (
         <span class="bad">No driving: {blocked}.</span>
       ) : (
@@ -37,6 +37,6 @@ export function DriveBadge() {
           The round trip is {milliseconds(timing.value.roundTrip)}: better guide by paths.
         </span>
       )}
-    </p>
+    </output>
   );
 }
