@@ -1,3 +1,93 @@
-export function App() {
-  return <main>conav console</main>;
+import { useMemo } from "preact/hooks";
+import { MapCanvas } from "../map/map_canvas";
+import { Alerts } from "../panels/alerts/alerts";
+import type { Announcer } from "../panels/announcements/announcer";
+import { LiveRegions } from "../panels/announcements/live_regions";
+import { ControlBar } from "../panels/control/control_bar";
+import { TakeOverDialog } from "../panels/control/take_over_dialog";
+import { Events } from "../panels/events/events";
+import { FleetStrip } from "../panels/fleet/fleet_strip";
+import { HelpDialog } from "../panels/help/help_dialog";
+import { LatencyStrip } from "../panels/latency/latency_strip";
+import { Notices } from "../panels/notices/notices";
+import { Pictures } from "../panels/pictures/pictures";
+import { Queue } from "../panels/queue/queue";
+import { ReplayBar } from "../panels/replay/replay_bar";
+import { StartDialog } from "../panels/start/start_dialog";
+import { DriveBadge } from "../panels/teleoperation/drive_badge";
+import { TourCard } from "../panels/tour/tour_card";
+import { Workload } from "../panels/workload/workload";
+import { type Console, ConsoleContext, useConsole } from "./console";
+import { LinkBanner } from "./link_banner";
+import { mapView } from "./map_view";
+import "./layout.css";
+
+export function App({ console, announcer }: { console: Console; announcer: Announcer }) {
+  return (
+    <ConsoleContext.Provider value={console}>
+      <a class="skip" href="#map">
+        To the map
+      </a>
+      <h1 class="unseen">conav console</h1>
+      <div class="console">
+        <header class="top">
+          <FleetStrip />
+          <ControlBar />
+        </header>
+        <LinkBanner />
+        <Stage />
+        <aside class="side" aria-label="Attention">
+          <Queue />
+          <Pictures />
+          <Alerts />
+        </aside>
+        <ReplayBar />
+        <LatencyStrip />
+      </div>
+      <TourCard />
+      <Notices />
+      <Dialogs />
+      <LiveRegions announcer={announcer} />
+    </ConsoleContext.Provider>
+  );
+}
+
+function Stage() {
+  const { settings } = useConsole().store;
+  const { workload, events } = settings.value;
+  return (
+    <main class="stage">
+      <DriveBadge />
+      <div class="map" id="map" tabIndex={-1} data-tour="map">
+        <WorldMap />
+      </div>
+      {(workload || events) && (
+        <div class="drawers">
+          {workload && <Workload />}
+          {events && <Events />}
+        </div>
+      )}
+    </main>
+  );
+}
+
+function WorldMap() {
+  const { store, actions } = useConsole();
+  const view = useMemo(() => mapView(store, actions), [store, actions]);
+  const props = view.value;
+  return props === undefined ? <p class="quiet">No world yet.</p> : <MapCanvas {...props} />;
+}
+
+function Dialogs() {
+  const { dialog } = useConsole().store;
+  switch (dialog.value?.kind) {
+    case "help":
+      return <HelpDialog />;
+    case "start":
+      return <StartDialog />;
+    case "take over":
+      return <TakeOverDialog takeOver={dialog.value.takeOver} />;
+    default:
+      return undefined;
+  }
 }

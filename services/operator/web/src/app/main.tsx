@@ -1,5 +1,94 @@
+// First: panels build on it.
+import "./theme.css";
+
+import { signal } from "@preact/signals";
 import { render } from "preact";
+import { pageClock } from "../connection/clock";
+import { identify, rememberName } from "../connection/identity";
+import { ServiceConnection } from "../connection/service_connection";
+import { serviceUrl, webSocketFactory } from "../connection/socket";
+import { Announcer } from "../panels/announcements/announcer";
+import { Pixels } from "../panels/pictures/pixels";
+import { whyNotDrive } from "../panels/teleoperation/permission";
+import { Teleoperation } from "../panels/teleoperation/teleoperation";
+import { Tour } from "../panels/tour/tour";
+import { emptyHistory } from "../panels/workload/history";
+import { Inbox } from "../state/inbox";
+import { readSettings } from "../state/settings";
+import { createStore } from "../state/store";
+import { Actions } from "./actions";
 import { App } from "./app";
+import { commandsOf } from "./commands";
+import type { Console } from "./console";
+import { listenToKeys } from "./keyboard";
+import { askForFrames, follow, keepSettings, keepTime, offerStart, stopWithoutLink } from "./wire";
+
+const clock = pageClock;
+const identity = identify(window);
+const store = createStore(readSettings(localStorage));
+const inbox = new Inbox(store, clock);
+const connection = new ServiceConnection({
+  sockets: webSocketFactory(serviceUrl(location)),
+  clock,
+  identity,
+  known: () => {
+    inbox.empty();
+    return store.state.peek();
+  },
+  events: {
+    linkChanged: (link) => {
+      store.link.value = link;
+      stopWithoutLink(link, teleoperation);
+    },
+    received: (message) => inbox.receive(message),
+    timingChanged: (timing) => {
+      store.timing.value = timing;
+    },
+  },
+});
+const actions = new Actions(store, connection, clock);
+const teleoperation = new Teleoperation({
+  clock,
+  drive: (robot, action) => void actions.drive(robot, action),
+  chosenRobot: () => store.chosenRobot.peek(),
+  whyNot: (robot) =>
+    whyNotDrive(
+      store.state.peek(),
+      store.link.peek(),
+      store.timing.peek(),
+      connection.serviceTime(),
+      robot,
+    ),
+  blocked: (reason) => actions.notify(`No driving: ${reason}.`, "problem"),
+});
+const commands = commandsOf(store, actions);
+const console: Console = {
+  store,
+  actions,
+  commands,
+  teleoperation,
+  pixels: new Pixels({
+    token: identity.token,
+    fetch: (path, init) => fetch(path, init),
+    createUrl: (blob) => URL.createObjectURL(blob),
+    revokeUrl: (url) => URL.revokeObjectURL(url),
+  }),
+  tour: new Tour(),
+  history: signal(emptyHistory),
+  rename: (name) => {
+    rememberName(window, name);
+    location.reload();
+  },
+};
+const announcer = new Announcer(clock);
+
+keepSettings(store, window);
+keepTime(store, connection, clock);
+askForFrames(store, connection, document);
+follow(console, announcer);
+offerStart(store);
+listenToKeys(window, store, commands, teleoperation);
 
 const root = document.getElementById("app");
-if (root) render(<App />, root);
+if (root) render(<App console={console} announcer={announcer} />, root);
+connection.start();

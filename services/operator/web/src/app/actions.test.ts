@@ -1,0 +1,141 @@
+import { beforeEach, describe, expect, it } from "vitest";
+import { FakeClock, FakeConnection } from "../connection/fake";
+import { DriveAction } from "../protocol/generated/console_pb";
+import { type UpdateBody, updates, welcomeMessage } from "../state/fixtures";
+import { defaultSettings } from "../state/settings";
+import { createStore, type Store } from "../state/store";
+import { Actions } from "./actions";
+
+let store: Store;
+let connection: FakeConnection;
+let actions: Actions;
+
+beforeEach(() => {
+  store = createStore(defaultSettings);
+  connection = new FakeConnection();
+  actions = new Actions(store, connection, new FakeClock());
+  store.receive(welcomeMessage());
+});
+
+function hear(...bodies: UpdateBody[]): void {
+  store.receive(updates(bodies));
+}
+
+const picture = (sequenceNumber: bigint): UpdateBody => ({
+  case: "picture",
+  value: { robot: "r1", sequenceNumber },
+});
+const robot = (name: string, column = 0): UpdateBody => ({
+  case: "robot",
+  value: { name, world: "w1", cell: { row: 0, column } },
+});
+
+describe("next", () => {
+  it("chooses the robot, shows its newest picture, centres the map, and tells the service", () => {
+    const item = { robot: "r2", world: "w1", reason: 1, cell: { row: 3, column: 4 } };
+    hear(robot("r1"), robot("r2"), { case: "attention", value: { items: [item] } });
+    store.chosenSequence.value = 1n;
+    actions.next();
+    expect(store.chosenRobot.value).toBe("r2");
+    expect(store.chosenSequence.value).toBeUndefined();
+    expect(store.focus.value).toMatchObject({ cell: { row: 3, column: 4 }, counter: 1 });
+    expect(connection.asked).toEqual([{ case: "select", value: { robot: "r2", reason: 1 } }]);
+  });
+
+  it("says so when nothing asks", () => {
+    actions.next();
+    expect(connection.asked).toEqual([]);
+    expect(store.notices.value[0]?.text).toContain("Nothing");
+  });
+});
+
+describe("control", () => {
+  it("is taken at once where nobody has it", () => {
+    actions.takeControl(["r1"]);
+    expect(connection.asked[0]).toMatchObject({ case: "takeControl", value: { robots: ["r1"] } });
+    expect(store.dialog.value).toBeUndefined();
+  });
+
+  it("is asked a reason for where somebody else has it", () => {
+    hear({ case: "control", value: { robot: "r1", holder: "you", holderName: "Bo" } });
+    actions.takeControl(["r1"]);
+    expect(connection.asked).toEqual([]);
+    expect(store.dialog.value).toEqual({
+      kind: "take over",
+      takeOver: { robots: ["r1"], from: ["Bo"] },
+    });
+  });
+
+  it("stops all without naming them", async () => {
+    await actions.stop([]);
+    expect(connection.asked[0]).toMatchObject({ case: "stop", value: { robots: [] } });
+  });
+});
+
+describe("requests", () => {
+  it("that were not done are told", async () => {
+    connection.outcome = { kind: "refused", reason: "your map is old" };
+    const outcome = await actions.edit("w1", [], 3n);
+    expect(outcome).toEqual({ accepted: false, reason: "your map is old" });
+    expect(store.notices.value).toMatchObject([{ kind: "problem", text: "Edit: your map is old" }]);
+  });
+
+  it("are counted while on the way", async () => {
+    const going = actions.go(["r1"]);
+    expect(store.pending.value).toBe(1);
+    await going;
+    expect(store.pending.value).toBe(0);
+  });
+
+  it("to drive expire in simulation time, and are not sent late", async () => {
+    hear(robot("r1"), { case: "world", value: { name: "w1", time: 40 } });
+    await actions.drive("r1", DriveAction.DRIVE_FORWARD);
+    expect(connection.asked[0]).toMatchObject({ case: "drive", value: { expiresAt: 41 } });
+    expect(connection.options[0]).toEqual({ world: "w1", validFor: 1 });
+  });
+});
+
+describe("pictures", () => {
+  beforeEach(() => hear(robot("r1"), picture(1n), picture(2n), picture(3n)));
+
+  it("are turned like pages, and the newest stays the newest", () => {
+    actions.turnPages(1);
+    expect(store.chosenPicture.value?.sequenceNumber).toBe(3n);
+    actions.turnPages(-1);
+    expect(store.chosenPicture.value?.sequenceNumber).toBe(2n);
+    actions.turnPages(1);
+    expect(store.chosenSequence.value).toBeUndefined();
+    hear(picture(4n));
+    expect(store.chosenPicture.value?.sequenceNumber).toBe(4n);
+  });
+
+  it("are answered by nothing new, the newest only", () => {
+    actions.turnPages(-1);
+    actions.nothingNew();
+    expect(connection.asked).toEqual([{ case: "answer", value: { robot: "r1", snapshot: 3n } }]);
+  });
+
+  it("that were answered are not answered again", () => {
+    hear({ case: "picture", value: { robot: "r1", sequenceNumber: 3n, answer: 1 } });
+    actions.nothingNew();
+    expect(connection.asked).toEqual([]);
+  });
+});
+
+describe("robots", () => {
+  it("are chosen in turn, round and round, and the map follows", () => {
+    hear(robot("r1", 1), robot("r2", 2));
+    expect(store.chosenRobot.value).toBe("r1");
+    actions.chooseBy(1);
+    expect(store.chosenRobot.value).toBe("r2");
+    expect(store.focus.value?.cell).toMatchObject({ column: 2 });
+    actions.chooseBy(1);
+    expect(store.chosenRobot.value).toBe("r1");
+  });
+
+  it("stay chosen when others come or ask", () => {
+    hear(robot("r2"));
+    hear(robot("r1"), { case: "attention", value: { items: [{ robot: "r1" }] } });
+    expect(store.chosenRobot.value).toBe("r2");
+  });
+});

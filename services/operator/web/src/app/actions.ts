@@ -1,0 +1,183 @@
+import type { Clock } from "../connection/clock";
+import type { Connection, RequestOptions } from "../connection/connection";
+import type { Outcome as RequestOutcome } from "../connection/requests";
+import type { CellChange, Outcome } from "../map/map_props";
+import { needsReason, takeOverOf } from "../panels/control/take_over";
+import type { CellAt } from "../protocol/cells";
+import type { RequestBody } from "../protocol/codec";
+import type { AttentionItem, DriveAction } from "../protocol/generated/console_pb";
+import { mayCommand, nextItem, unanswered, worldOf } from "../state/selectors";
+import type { Notice, Store } from "../state/store";
+
+const noticeTime = 8;
+/** A low-level action counts so long, simulation time, and is sent so long, wall time: silence must soon mean stop. */
+const driveValidFor = 1;
+const stopValidFor = 20;
+const defaultGuidanceTime = 600;
+
+/** What a person can do with the console. Each says in a notice when the service did not do it. */
+export class Actions {
+  #store: Store;
+  #connection: Connection;
+  #clock: Clock;
+  #notices = 0;
+
+  constructor(store: Store, connection: Connection, clock: Clock) {
+    this.#store = store;
+    this.#connection = connection;
+    this.#clock = clock;
+  }
+
+  /** Chooses `robot` and centres the map on it. */
+  goTo(robot: string | undefined): void {
+    this.#store.choose(robot);
+    this.#store.centre(this.#state.robots.get(robot ?? "")?.cell);
+  }
+
+  chooseBy(step: number): void {
+    const { robots, chosenRobot } = this.#store;
+    const names = robots.value;
+    const at = names.indexOf(chosenRobot.value ?? "");
+    this.goTo(names[(at + step + names.length) % Math.max(1, names.length)]);
+  }
+
+  /** To the next of the queue, with map and picture in place. */
+  next(): void {
+    const item = nextItem(this.#state, this.#store.chosenRobot.value);
+    if (item === undefined) this.notify("Nothing asks for you.");
+    else this.turnTo(item);
+  }
+
+  turnTo(item: AttentionItem): void {
+    const { robot, reason } = item;
+    this.#store.turns.value += 1;
+    this.#store.choose(robot);
+    this.#store.chosenSequence.value = undefined;
+    this.#store.centre(item.cell ?? this.#state.robots.get(robot)?.cell);
+    // Who only watches works on nothing.
+    if (!mayCommand(this.#state)) return;
+    void this.#ask(
+      "Turn to it",
+      { case: "select", value: { robot, reason } },
+      { world: item.world },
+    );
+  }
+
+  /** Older (-1) or newer (1) picture of the chosen robot. */
+  turnPages(step: number): void {
+    const { chosenRobot, chosenPicture, chosenSequence } = this.#store;
+    const all = this.#state.pictures.get(chosenRobot.value ?? "") ?? [];
+    const shown = chosenPicture.value;
+    const at = (shown === undefined ? -1 : all.indexOf(shown)) + step;
+    if (at < 0 || at >= all.length) return;
+    chosenSequence.value = at === all.length - 1 ? undefined : all[at]?.sequenceNumber;
+  }
+
+  /** The chosen robot's newest picture was looked at and needs nothing. */
+  nothingNew(): void {
+    const picture = unanswered(this.#state, this.#store.chosenRobot.value);
+    if (picture === undefined) {
+      this.notify("No picture of this robot waits for an answer.");
+      return;
+    }
+    const { robot, sequenceNumber: snapshot, world } = picture;
+    void this.#ask("Answer", { case: "answer", value: { robot, snapshot } }, { world });
+  }
+
+  /** None = all, in every world. */
+  stop(robots: readonly string[]): Promise<Outcome> {
+    const value = { robots: [...robots], reason: "stopped by hand" };
+    return this.#ask("Stop", { case: "stop", value }, { validFor: stopValidFor });
+  }
+
+  go(robots: readonly string[]): Promise<Outcome> {
+    return this.#ask("Go", { case: "go", value: { robots: [...robots] } });
+  }
+
+  /** Asks for a reason first where somebody else has control. */
+  takeControl(robots: readonly string[]): void {
+    const takeOver = takeOverOf(this.#state, robots);
+    if (needsReason(takeOver)) this.#store.dialog.value = { kind: "take over", takeOver };
+    else void this.takeControlNow(robots, "");
+  }
+
+  takeControlNow(robots: readonly string[], reason: string): Promise<Outcome> {
+    const value = { robots: [...robots], reason };
+    return this.#ask("Take control", { case: "takeControl", value });
+  }
+
+  releaseControl(robots: readonly string[]): Promise<Outcome> {
+    return this.#ask("Release control", {
+      case: "releaseControl",
+      value: { robots: [...robots] },
+    });
+  }
+
+  edit(world: string, cells: readonly CellChange[], baseRevision: bigint): Promise<Outcome> {
+    const value = { baseRevision, cells: [...cells] };
+    return this.#ask("Edit", { case: "edit", value }, { world });
+  }
+
+  /** An empty path withdraws. */
+  guide(robot: string, path: readonly CellAt[], answersSnapshot: bigint): Promise<Outcome> {
+    const limit = this.#state.welcome?.limits?.guidanceValidFor;
+    const validFor = limit || defaultGuidanceTime;
+    const value = { robot, path: [...path], answersSnapshot, validFor };
+    return this.#ask("Path", { case: "guide", value }, { world: this.#worldName(robot) });
+  }
+
+  drive(robot: string, action: DriveAction): Promise<Outcome> {
+    const time = worldOf(this.#state, robot)?.time ?? 0;
+    const value = { robot, action, expiresAt: time + driveValidFor };
+    const options = { world: this.#worldName(robot), validFor: driveValidFor };
+    return this.#ask("Drive", { case: "drive", value }, options);
+  }
+
+  acknowledge(alert: bigint): Promise<Outcome> {
+    return this.#ask("Acknowledge", { case: "acknowledge", value: { alert } });
+  }
+
+  /** `duration`: s of wall time. */
+  shelve(alert: bigint, duration: number): Promise<Outcome> {
+    return this.#ask("Shelve", { case: "shelve", value: { alert, duration } });
+  }
+
+  seek(to: { position?: number; speed?: number }): void {
+    this.#connection.seek(to);
+  }
+
+  notify(text: string, kind: Notice["kind"] = "info"): void {
+    this.#notices += 1;
+    const { notices } = this.#store;
+    const notice = { id: this.#notices, text, kind, until: this.#clock.now() + noticeTime };
+    notices.value = [...notices.value.filter((other) => other.text !== text), notice].slice(-4);
+  }
+
+  dismiss(id: number): void {
+    const { notices } = this.#store;
+    notices.value = notices.value.filter((notice) => notice.id !== id);
+  }
+
+  get #state() {
+    return this.#store.state.value;
+  }
+
+  #worldName(robot: string): string {
+    return worldOf(this.#state, robot)?.name ?? "";
+  }
+
+  async #ask(what: string, body: RequestBody, options: RequestOptions = {}): Promise<Outcome> {
+    const { pending } = this.#store;
+    pending.value += 1;
+    const outcome = await this.#connection.request(body, options);
+    pending.value -= 1;
+    if (outcome.kind !== "accepted") this.notify(`${what}: ${outcome.reason}`, "problem");
+    return toOutcome(outcome);
+  }
+}
+
+function toOutcome(outcome: RequestOutcome): Outcome {
+  return outcome.kind === "accepted"
+    ? { accepted: true, reason: "" }
+    : { accepted: false, reason: outcome.reason };
+}

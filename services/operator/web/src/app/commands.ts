@@ -1,0 +1,53 @@
+import { sortAlerts } from "../panels/alerts/order";
+import { jump, togglePlay } from "../panels/replay/use_replay";
+import type { Settings, Theme } from "../state/settings";
+import type { Store } from "../state/store";
+import type { Actions } from "./actions";
+import type { Commands } from "./shortcuts";
+
+const themes: readonly Theme[] = ["system", "dark", "light"];
+
+/** What the keys of the table do. */
+export function commandsOf(store: Store, actions: Actions): Commands {
+  const chosen = () => (store.chosenRobot.value === undefined ? [] : [store.chosenRobot.value]);
+  /** Stop and the like of no robot would mean all. */
+  const withChosen = (act: (robots: string[]) => unknown) => () => {
+    if (chosen().length > 0) act(chosen());
+    else actions.notify("Choose a robot first.");
+  };
+  const set = (change: (settings: Settings) => Partial<Settings>) => () => {
+    store.settings.value = { ...store.settings.value, ...change(store.settings.value) };
+  };
+  return {
+    "stop all": () => void actions.stop([]),
+    "stop robot": withChosen((robots) => actions.stop(robots)),
+    "go robot": withChosen((robots) => actions.go(robots)),
+    "go all": () => void actions.go(store.robots.value),
+    "take control": withChosen((robots) => actions.takeControl(robots)),
+    "release control": withChosen((robots) => actions.releaseControl(robots)),
+    next: () => actions.next(),
+    "nothing new": () => actions.nothingNew(),
+    "older picture": () => actions.turnPages(-1),
+    "newer picture": () => actions.turnPages(1),
+    "next robot": () => actions.chooseBy(1),
+    "previous robot": () => actions.chooseBy(-1),
+    centre: () => actions.goTo(store.chosenRobot.value),
+    acknowledge: () => acknowledgeGravest(store, actions),
+    workload: set(({ workload }) => ({ workload: !workload })),
+    events: set(({ events }) => ({ events: !events })),
+    theme: set(({ theme }) => ({ theme: themes[(themes.indexOf(theme) + 1) % 3] ?? "system" })),
+    help: () => {
+      store.dialog.value = { kind: "help" };
+    },
+    play: () => togglePlay(store, actions),
+    "mark before": () => jump(store, actions, -1),
+    "mark after": () => jump(store, actions, 1),
+  };
+}
+
+function acknowledgeGravest(store: Store, actions: Actions): void {
+  const { active } = sortAlerts(store.state.value.alerts, store.now.value ?? 0);
+  const gravest = active.find(({ acknowledgedBy }) => acknowledgedBy === "");
+  if (gravest) void actions.acknowledge(gravest.id);
+  else actions.notify("There is no alert to acknowledge.");
+}

@@ -1,0 +1,31 @@
+import type { Signal } from "@preact/signals";
+import { createContext } from "preact";
+import { useContext } from "preact/hooks";
+import type { Pixels } from "../panels/pictures/pixels";
+import type { Teleoperation } from "../panels/teleoperation/teleoperation";
+import type { Tour } from "../panels/tour/tour";
+import type { History } from "../panels/workload/history";
+import type { Store } from "../state/store";
+import type { Actions } from "./actions";
+import type { Commands } from "./shortcuts";
+
+/** What every panel gets. */
+export interface Console {
+  readonly store: Store;
+  readonly actions: Actions;
+  readonly commands: Commands;
+  readonly teleoperation: Teleoperation;
+  readonly pixels: Pixels;
+  readonly tour: Tour;
+  readonly history: Signal<History>;
+  /** What the others read of who sits here. */
+  rename(name: string): void;
+}
+
+export const ConsoleContext = createContext<Console | undefined>(undefined);
+
+export function useConsole(): Console {
+  const found = useContext(ConsoleContext);
+  if (found === undefined) throw new Error("a panel is outside of the console");
+  return found;
+}

@@ -1,0 +1,127 @@
+// @vitest-environment happy-dom
+import { afterEach, beforeEach, describe, expect, it } from "vitest";
+import { FakeClock, FakeConnection } from "../connection/fake";
+import { Teleoperation } from "../panels/teleoperation/teleoperation";
+import { DriveAction } from "../protocol/generated/console_pb";
+import { updates, welcomeMessage } from "../state/fixtures";
+import { defaultSettings } from "../state/settings";
+import { createStore, type Store } from "../state/store";
+import { Actions } from "./actions";
+import { commandsOf } from "./commands";
+import { listenToKeys } from "./keyboard";
+
+let store: Store;
+let connection: FakeConnection;
+let driven: DriveAction[];
+let unlisten: () => void;
+
+afterEach(() => unlisten());
+
+beforeEach(() => {
+  document.body.innerHTML = '<button id="b"></button><input id="i"><canvas id="map"></canvas>';
+  store = createStore(defaultSettings);
+  connection = new FakeConnection();
+  driven = [];
+  const clock = new FakeClock();
+  const actions = new Actions(store, connection, clock);
+  const driving = new Teleoperation({
+    clock,
+    drive: (_robot, action) => driven.push(action),
+    chosenRobot: () => store.chosenRobot.value,
+    whyNot: () => undefined,
+    blocked: () => undefined,
+  });
+  unlisten = listenToKeys(window, store, commandsOf(store, actions), driving);
+  store.receive(welcomeMessage());
+  session(true);
+});
+
+function session(drives: boolean): void {
+  store.receive(updates([{ case: "session", value: { robots: ["r1", "r2"], drives } }]));
+}
+
+function press(key: string, more: KeyboardEventInit = {}, id?: string): KeyboardEvent {
+  const event = new KeyboardEvent("keydown", { key, bubbles: true, cancelable: true, ...more });
+  (id === undefined ? document.body : document.querySelector(`#${id}`))?.dispatchEvent(event);
+  return event;
+}
+
+describe("keys", () => {
+  it("stop all by Shift and Escape, also from a field and with a dialog open", () => {
+    store.dialog.value = { kind: "help" };
+    press("Escape", { shiftKey: true }, "i");
+    expect(connection.asked).toMatchObject([{ case: "stop", value: { robots: [] } }]);
+  });
+
+  it("stop the chosen robot only", () => {
+    press(".");
+    expect(connection.asked).toMatchObject([{ case: "stop", value: { robots: ["r1"] } }]);
+  });
+
+  it("write into fields", () => {
+    expect(press("s", {}, "i").defaultPrevented).toBe(false);
+    expect(connection.asked).toEqual([]);
+  });
+
+  it("ask once while they are held", () => {
+    press("g");
+    press("g", { repeat: true });
+    expect(connection.asked).toHaveLength(1);
+  });
+
+  it("that the map has dealt with do nothing else", () => {
+    const map = document.querySelector("#map");
+    map?.addEventListener("keydown", (event) => event.preventDefault());
+    press("ArrowUp", {}, "map");
+    press("s", {}, "map");
+    expect(driven).toEqual([]);
+    expect(connection.asked).toEqual([]);
+  });
+
+  it("never stop everybody when nobody is chosen", () => {
+    store.choose(undefined);
+    press("s");
+    expect(connection.asked).toEqual([]);
+  });
+});
+
+describe("driving keys", () => {
+  const { DRIVE_FORWARD: forward, DRIVE_STOP: stop } = DriveAction;
+
+  it("drive while held and stop when released", () => {
+    expect(press("ArrowUp").defaultPrevented).toBe(true);
+    window.dispatchEvent(new KeyboardEvent("keyup", { key: "ArrowUp" }));
+    expect(driven).toEqual([forward, stop]);
+  });
+
+  it("stop when the window loses the focus", () => {
+    press("ArrowUp");
+    window.dispatchEvent(new Event("blur"));
+    expect(driven).toEqual([forward, stop]);
+  });
+
+  it("stop when the page is hidden", () => {
+    press("ArrowUp");
+    Object.defineProperty(document, "hidden", { value: true, configurable: true });
+    document.dispatchEvent(new Event("visibilitychange"));
+    Object.defineProperty(document, "hidden", { value: false, configurable: true });
+    expect(driven).toEqual([forward, stop]);
+  });
+
+  it("stop when they are released in a field", () => {
+    press("ArrowUp");
+    const up = new KeyboardEvent("keyup", { key: "ArrowUp", bubbles: true });
+    document.querySelector("#i")?.dispatchEvent(up);
+    expect(driven).toEqual([forward, stop]);
+  });
+
+  it("do nothing in other methods, in fields and behind dialogs", () => {
+    press("ArrowUp", {}, "i");
+    store.dialog.value = { kind: "help" };
+    press("ArrowUp");
+    store.dialog.value = undefined;
+    session(false);
+    press("ArrowUp");
+    expect(driven).toEqual([]);
+  });
+});

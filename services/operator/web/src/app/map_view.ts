@@ -1,0 +1,156 @@
+import { computed, type ReadonlySignal } from "@preact/signals";
+import type { MapProps, MapRobot, Permission } from "../map/map_props";
+import type { CellAt } from "../protocol/cells";
+import { type Picture, Role } from "../protocol/generated/console_pb";
+import type { ConsoleState } from "../state/console_state";
+import { freshnessOf } from "../state/freshness";
+import { trailCells, unanswered, whyNotCommand, worldOf } from "../state/selectors";
+import type { Store } from "../state/store";
+import type { Actions } from "./actions";
+import { lookOf } from "./palette";
+
+/** What the map shows: the world of the chosen robot. Undefined while no world is known. */
+export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps | undefined> {
+  const { state, link, now, chosenRobot } = store;
+  const world = computed(() => worldOf(state.value, chosenRobot.value)?.name);
+  const names = computed(() => robotsIn(state.value, store.robots.value, world.value));
+  const parts = {
+    seen: ofRobots(() => state.value.seen, names),
+    plans: ofRobots(() => state.value.plans, names),
+    searches: ofRobots(() => state.value.searches, names),
+    predictions: ofRobots(() => state.value.predictions, names),
+    guidance: ofRobots(() => state.value.guidance, names),
+    goalPoses: ofRobots(() => state.value.goalPoses, names),
+    trails: trailsOf(() => state.value, names),
+    pictures: picturesOf(() => state.value.pictures, names),
+  };
+  const robots = computed(() => mapRobots(state.value, now.value, names.value, store.robots.value));
+  const chosenPicture = computed(() => {
+    const picture = store.chosenPicture.value;
+    return picture && { robot: picture.robot, sequenceNumber: picture.sequenceNumber };
+  });
+  const mayEdit = computed(() => permission(whyNotEdit(state.value, link.value.state)));
+  const mayGuide = computed(() =>
+    permission(whyNotGuide(state.value, link.value.state, chosenRobot.value)),
+  );
+  const callbacks = callbacksOf(store, actions, world);
+
+  return computed(() => {
+    const shown = state.value.worlds.get(world.value ?? "");
+    return (
+      shown && {
+        world: shown,
+        belief: state.value.beliefs.get(shown.name),
+        truth: state.value.truths.get(shown.name),
+        robots: robots.value,
+        seen: parts.seen.value,
+        trails: parts.trails.value,
+        plans: parts.plans.value,
+        searches: parts.searches.value,
+        predictions: parts.predictions.value,
+        guidance: parts.guidance.value,
+        goalPoses: parts.goalPoses.value,
+        pictures: parts.pictures.value,
+        chosenPicture: chosenPicture.value,
+        layers: store.settings.value.layers,
+        chosenRobot: chosenRobot.value,
+        tool: store.tool.value,
+        mayEdit: mayEdit.value,
+        mayGuide: mayGuide.value,
+        editLimit: state.value.welcome?.limits?.editCells || undefined,
+        focus: store.focus.value,
+        ...callbacks,
+      }
+    );
+  });
+}
+
+function callbacksOf(store: Store, actions: Actions, world: ReadonlySignal<string | undefined>) {
+  return {
+    onLayers: (layers: MapProps["layers"]) => {
+      store.settings.value = { ...store.settings.value, layers };
+    },
+    onTool: (tool: MapProps["tool"]) => {
+      store.tool.value = tool;
+    },
+    onChooseRobot: (name: string) => store.choose(name),
+    onEdit: (...[cells, baseRevision]: Parameters<MapProps["onEdit"]>) =>
+      actions.edit(world.value ?? "", cells, baseRevision),
+    // A path answers the robot's newest picture, also when an older one is shown.
+    onPath: (...[robot, cells, answers]: Parameters<MapProps["onPath"]>) =>
+      actions.guide(
+        robot,
+        cells,
+        answers ?? unanswered(store.state.value, robot)?.sequenceNumber ?? 0n,
+      ),
+  };
+}
+
+/** All of them where there is one world: then what is shown is what was told, the very same objects. */
+function robotsIn(state: ConsoleState, all: readonly string[], world: string | undefined) {
+  if (state.worlds.size <= 1) return all;
+  return all.filter((name) => state.robots.get(name)?.world === world);
+}
+
+/** Changes only when something of `names` does. */
+function ofRobots<T>(
+  source: () => ReadonlyMap<string, T>,
+  names: ReadonlySignal<readonly string[]>,
+): ReadonlySignal<ReadonlyMap<string, T>> {
+  let kept: ReadonlyMap<string, T> = new Map();
+  return computed(() => {
+    const all = source();
+    const now = new Map([...all].filter(([name]) => names.value.includes(name)));
+    const same = now.size === kept.size && [...now].every(([name, v]) => kept.get(name) === v);
+    if (!same) kept = now;
+    return kept;
+  });
+}
+
+function trailsOf(state: () => ConsoleState, names: ReadonlySignal<readonly string[]>) {
+  const pieces = ofRobots(() => state().trails, names);
+  return computed<ReadonlyMap<string, readonly CellAt[]>>(() => {
+    const trails = pieces.value;
+    return new Map([...trails].map(([name, trail]) => [name, trailCells(trail)]));
+  });
+}
+
+function picturesOf(
+  source: () => ReadonlyMap<string, readonly Picture[]>,
+  names: ReadonlySignal<readonly string[]>,
+) {
+  const all = ofRobots(source, names);
+  return computed(() => [...all.value.values()].flat());
+}
+
+function mapRobots(
+  state: ConsoleState,
+  now: number | undefined,
+  names: readonly string[],
+  all: readonly string[],
+): readonly MapRobot[] {
+  return names.flatMap((name) => {
+    const robot = state.robots.get(name);
+    if (robot === undefined) return [];
+    return [{ robot, fresh: freshnessOf(robot.heardAt, now), ...lookOf(all.indexOf(name)) }];
+  });
+}
+
+function permission(reason: string | undefined): Permission {
+  return reason === undefined ? { allowed: true } : { allowed: false, reason };
+}
+
+function whyNotEdit(state: ConsoleState, link: string): string | undefined {
+  if (link !== "live") return "the connection is not live";
+  if (state.playback !== undefined) return "this is a recording";
+  return state.welcome?.role === Role.OBSERVER ? "you are an observer" : undefined;
+}
+
+function whyNotGuide(
+  state: ConsoleState,
+  link: string,
+  robot: string | undefined,
+): string | undefined {
+  if (robot === undefined) return "no robot is chosen";
+  return whyNotEdit(state, link) ?? whyNotCommand(state, robot);
+}

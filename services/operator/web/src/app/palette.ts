@@ -1,0 +1,68 @@
+import type { RobotShape } from "../map/map_props";
+
+/** How a robot looks, everywhere: no two of 16 look the same, even without colour. */
+export interface RobotLook {
+  readonly letter: string;
+  readonly colour: string;
+  readonly shape: RobotShape;
+  /** Of its lines, CSS pixels; empty = solid. */
+  readonly dash: readonly number[];
+}
+
+// After Okabe and Ito, lightened or darkened until they stand out from both backgrounds by 3 to 1.
+const colours = [
+  "#d55e00",
+  "#0a84c6",
+  "#009e73",
+  "#c2669c",
+  "#a67c00",
+  "#7b6fd0",
+  "#3d8f9e",
+  "#b3564a",
+] as const;
+
+const shapes: readonly RobotShape[] = [
+  "circle",
+  "square",
+  "triangle",
+  "diamond",
+  "pentagon",
+  "star",
+];
+const dashes: readonly (readonly number[])[] = [[], [8, 4], [2, 3], [8, 3, 2, 3]];
+
+/** `index`: place in the order of the configuration. */
+export function lookOf(index: number): RobotLook {
+  return {
+    letter: String.fromCharCode(65 + (index % 26)),
+    colour: colours[index % colours.length] ?? colours[0],
+    // 6 shapes and 8 colours: the pair comes again after 24 robots.
+    shape: shapes[index % shapes.length] ?? "circle",
+    dash: dashes[Math.floor(index / 2) % dashes.length] ?? [],
+  };
+}
+
+/** Corners of a shape in a square of -1..1; none for the circle. For icons, and for whoever draws robots. */
+export function cornersOf(shape: RobotShape): readonly (readonly [number, number])[] {
+  switch (shape) {
+    case "circle":
+      return [];
+    case "square":
+      return ring(4, 45, 1.2);
+    case "triangle":
+      return ring(3, -90, 1.1);
+    case "diamond":
+      return ring(4, -90, 1.15);
+    case "pentagon":
+      return ring(5, -90, 1.05);
+    case "star":
+      return ring(5, -90, 1.2).flatMap((tip, i) => [tip, ring(5, -54, 0.55)[i] ?? tip]);
+  }
+}
+
+function ring(count: number, startDegrees: number, radius: number): (readonly [number, number])[] {
+  return Array.from({ length: count }, (_, i) => {
+    const angle = ((startDegrees + (360 / count) * i) * Math.PI) / 180;
+    return [radius * Math.cos(angle), radius * Math.sin(angle)] as const;
+  });
+}

@@ -1,0 +1,24 @@
+import { useConsole } from "./console";
+import { cornersOf, lookOf } from "./palette";
+import "./robot_mark.css";
+
+/** A robot's shape, colour and letter. What it is called stands beside it. */
+export function RobotMark({ robot }: { robot: string }) {
+  const { letter, colour, shape } = lookOf(
+    Math.max(0, useConsole().store.robots.value.indexOf(robot)),
+  );
+  const corners = cornersOf(shape);
+  const points = corners.map(([x, y]) => `${12 + 10 * x},${12 + 10 * y}`).join(" ");
+  return (
+    <svg class="robot-mark" viewBox="0 0 24 24" aria-hidden="true">
+      {corners.length > 0 ? (
+        <polygon points={points} fill={colour} />
+      ) : (
+        <circle cx="12" cy="12" r="10" fill={colour} />
+      )}
+      <text x="12" y="16">
+        {letter}
+      </text>
+    </svg>
+  );
+}

@@ -1,0 +1,54 @@
+import { describe, expect, it } from "vitest";
+import { commandOf, keyHint, keyOf, keyParts, shortcuts } from "./shortcuts";
+
+const plain = { shiftKey: false, ctrlKey: false, altKey: false, metaKey: false };
+const calm = { replay: false, busy: false, onControl: false };
+const press = (key: string, more = {}) => ({ ...plain, key, ...more });
+
+describe("shortcuts", () => {
+  it("have each key once", () => {
+    const keys = shortcuts.flatMap((shortcut) => shortcut.keys);
+    expect(new Set(keys).size).toBe(keys.length);
+  });
+
+  it("have each command once", () => {
+    const commands = shortcuts.map(({ command }) => command);
+    expect(new Set(commands).size).toBe(commands.length);
+  });
+
+  it("find capital and small letters, and tell Shift apart", () => {
+    expect(commandOf(press("g"), calm)).toBe("go robot");
+    expect(commandOf(press("G", { shiftKey: true }), calm)).toBe("go all");
+  });
+
+  it("find signs with whatever Shift it takes to write them", () => {
+    expect(commandOf(press("?", { shiftKey: true }), calm)).toBe("help");
+    expect(commandOf(press(".", { shiftKey: true }), calm)).toBe("stop robot");
+  });
+
+  it("leave the browser's own keys alone", () => {
+    expect(keyOf(press("n", { ctrlKey: true }))).toBeUndefined();
+    expect(commandOf(press("s", { metaKey: true }), calm)).toBeUndefined();
+  });
+
+  it("are silent while somebody types, but for stopping all", () => {
+    const busy = { ...calm, busy: true };
+    expect(commandOf(press("n"), busy)).toBeUndefined();
+    expect(commandOf(press("Escape", { shiftKey: true }), busy)).toBe("stop all");
+  });
+
+  it("stop nothing by Escape alone", () => {
+    expect(commandOf(press("Escape"), calm)).toBeUndefined();
+  });
+
+  it("play recordings only where there is one, and not from a button", () => {
+    expect(commandOf(press(" "), calm)).toBeUndefined();
+    expect(commandOf(press(" "), { ...calm, replay: true })).toBe("play");
+    expect(commandOf(press(" "), { ...calm, replay: true, onControl: true })).toBeUndefined();
+  });
+
+  it("are named for people", () => {
+    expect(keyParts("Shift+Escape")).toEqual(["Shift", "Esc"]);
+    expect(keyHint("next")).toBe("N");
+  });
+});

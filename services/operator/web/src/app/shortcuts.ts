@@ -1,0 +1,156 @@
+/** What a key does; `Commands` says how. */
+export type CommandName =
+  | "stop all"
+  | "stop robot"
+  | "go robot"
+  | "go all"
+  | "take control"
+  | "release control"
+  | "next"
+  | "nothing new"
+  | "older picture"
+  | "newer picture"
+  | "next robot"
+  | "previous robot"
+  | "centre"
+  | "acknowledge"
+  | "workload"
+  | "events"
+  | "theme"
+  | "help"
+  | "play"
+  | "mark before"
+  | "mark after";
+
+export type Commands = Readonly<Record<CommandName, () => void>>;
+
+export type Group = "Safety" | "Attention" | "Robots" | "Page" | "Recording" | "Driving";
+
+export interface Shortcut {
+  readonly command: CommandName;
+  /** As `keyOf` writes them; any of them. */
+  readonly keys: readonly string[];
+  readonly text: string;
+  readonly group: Group;
+  /** Also while somebody types, or a dialog is open. */
+  readonly always?: true;
+  /** In recordings only; all others in recordings as well. */
+  readonly replay?: true;
+}
+
+/** All there are: the key handler and the help dialog read this table. */
+export const shortcuts: readonly Shortcut[] = [
+  {
+    command: "stop all",
+    keys: ["Shift+Escape"],
+    text: "Stop all robots",
+    group: "Safety",
+    always: true,
+  },
+  { command: "stop robot", keys: ["s", "."], text: "Stop the chosen robot", group: "Safety" },
+  { command: "go robot", keys: ["g"], text: "Let the chosen robot go on", group: "Safety" },
+  { command: "go all", keys: ["Shift+g"], text: "Let all robots go on", group: "Safety" },
+  {
+    command: "take control",
+    keys: ["t"],
+    text: "Take control of the chosen robot",
+    group: "Safety",
+  },
+  { command: "release control", keys: ["Shift+t"], text: "Release control of it", group: "Safety" },
+  { command: "acknowledge", keys: ["a"], text: "Acknowledge the gravest alert", group: "Safety" },
+  { command: "next", keys: ["n"], text: "Go to what asks for you next", group: "Attention" },
+  {
+    command: "nothing new",
+    keys: ["x"],
+    text: "Answer: nothing new in this picture",
+    group: "Attention",
+  },
+  { command: "older picture", keys: ["["], text: "Older picture", group: "Attention" },
+  { command: "newer picture", keys: ["]"], text: "Newer picture", group: "Attention" },
+  { command: "next robot", keys: ["j"], text: "Next robot", group: "Robots" },
+  { command: "previous robot", keys: ["k"], text: "Previous robot", group: "Robots" },
+  { command: "centre", keys: ["c"], text: "Centre the map on the chosen robot", group: "Robots" },
+  { command: "workload", keys: ["w"], text: "Show your workload", group: "Page" },
+  { command: "events", keys: ["q"], text: "Show the command log", group: "Page" },
+  { command: "theme", keys: ["d"], text: "Dark, light, or as the system", group: "Page" },
+  { command: "help", keys: ["?", "F1"], text: "Show this help", group: "Page" },
+  { command: "play", keys: ["Space"], text: "Play or pause", group: "Recording", replay: true },
+  {
+    command: "mark before",
+    keys: ["PageUp"],
+    text: "To the mark before",
+    group: "Recording",
+    replay: true,
+  },
+  {
+    command: "mark after",
+    keys: ["PageDown"],
+    text: "To the next mark",
+    group: "Recording",
+    replay: true,
+  },
+];
+
+/** Keys that work while they are held, in the methods that drive; see Teleoperation. Shown in the help. */
+export const driveHelp = [
+  { keys: ["ArrowUp"], text: "Drive forward while held" },
+  { keys: ["ArrowDown"], text: "Drive backward while held" },
+  { keys: ["ArrowLeft"], text: "Turn left while held" },
+  { keys: ["ArrowRight"], text: "Turn right while held" },
+] as const;
+
+export interface KeyPress {
+  readonly key: string;
+  readonly shiftKey: boolean;
+  readonly ctrlKey: boolean;
+  readonly altKey: boolean;
+  readonly metaKey: boolean;
+}
+
+/** "n", "Shift+n", "Shift+Escape", "?", ...; Shift is told of letters and named keys only: signs differ by keyboard. */
+export function keyOf({ key, shiftKey, ctrlKey, altKey, metaKey }: KeyPress): string | undefined {
+  if (ctrlKey || altKey || metaKey) return undefined;
+  if (key === " ") return "Space";
+  const name = key.length === 1 ? key.toLowerCase() : key;
+  const isSign = key.length === 1 && key.toLowerCase() === key.toUpperCase();
+  return shiftKey && !isSign ? `Shift+${name}` : name;
+}
+
+export interface Circumstances {
+  readonly replay: boolean;
+  /** Somebody types, or a dialog is open. */
+  readonly busy: boolean;
+  /** The focus is on something that Space and the arrows work on. */
+  readonly onControl: boolean;
+}
+
+export function commandOf(press: KeyPress, at: Circumstances): CommandName | undefined {
+  const key = keyOf(press);
+  const found = shortcuts.find(({ keys }) => key !== undefined && keys.includes(key));
+  if (found === undefined) return undefined;
+  if (at.busy && !found.always) return undefined;
+  if (found.replay && !at.replay) return undefined;
+  if (at.onControl && key === "Space") return undefined;
+  return found.command;
+}
+
+const keyNames: Readonly<Record<string, string>> = {
+  Escape: "Esc",
+  ArrowUp: "↑",
+  ArrowDown: "↓",
+  ArrowLeft: "←",
+  ArrowRight: "→",
+};
+
+/** For people: ["Shift", "Esc"]. */
+export function keyParts(key: string): readonly string[] {
+  return key
+    .split("+")
+    .map((part) => keyNames[part] ?? (part.length === 1 ? part.toUpperCase() : part));
+}
+
+/** The first key of a command, for buttons: "Shift Esc". */
+export function keyHint(command: CommandName): string {
+  const key = shortcuts.find((shortcut) => shortcut.command === command)?.keys[0] ?? "";
+  return keyParts(key).join(" ");
+}

@@ -1,0 +1,82 @@
+import { effect } from "@preact/signals";
+import type { Clock } from "../connection/clock";
+import type { Connection, Link } from "../connection/connection";
+import { type Announcer, newsOf } from "../panels/announcements/announcer";
+import type { Teleoperation } from "../panels/teleoperation/teleoperation";
+import { sightOf } from "../panels/tour/sight";
+import { withSample } from "../panels/workload/history";
+import { waitsForStart } from "../state/selectors";
+import { writeSettings } from "../state/settings";
+import type { Store } from "../state/store";
+import type { Console } from "./console";
+
+/** s between two looks at the clock: ages on screen are so old at most. */
+const tick = 0.25;
+
+/** Time: what is shown of ages, and notices that go. */
+export function keepTime(store: Store, connection: Connection, clock: Clock): void {
+  clock.every(tick, () => {
+    store.now.value = connection.serviceTime();
+    const now = clock.now();
+    const { notices } = store;
+    if (notices.value.some(({ until }) => until <= now)) {
+      notices.value = notices.value.filter(({ until }) => until > now);
+    }
+  });
+}
+
+/** Frames come only for the robot that is looked at, while the page is. */
+export function askForFrames(store: Store, connection: Connection, page: Document): void {
+  const ask = () => {
+    const streams = store.state.value.session?.streams ?? false;
+    const robot = store.chosenRobot.value;
+    connection.attend(streams && !page.hidden ? robot : undefined);
+  };
+  effect(ask);
+  page.addEventListener("visibilitychange", ask);
+}
+
+/** What follows from what the service tells. */
+export function follow({ store, tour, history }: Console, announcer: Announcer): void {
+  let before = store.state.peek();
+  effect(() => {
+    const now = store.state.value;
+    announcer.tell(newsOf(before, now));
+    before = now;
+    if (now.attention) history.value = withSample(history.peek(), now.attention);
+  });
+  effect(() => tour.look(sightOf(store)));
+}
+
+/** Offers to begin, once per run; whoever begins elsewhere ends the offer. */
+export function offerStart(store: Store): void {
+  let offered = "";
+  effect(() => {
+    const state = store.state.value;
+    const waits = waitsForStart(state);
+    const dialog = store.dialog.peek();
+    if (waits && offered !== state.run && dialog === undefined) {
+      offered = state.run;
+      store.dialog.value = { kind: "start" };
+    } else if (!waits && dialog?.kind === "start") {
+      store.dialog.value = undefined;
+    }
+  });
+}
+
+/** Silence stops what is driven by hand. */
+export function stopWithoutLink(link: Link, driving: Teleoperation): void {
+  if (link.state !== "live") driving.halt();
+}
+
+export function keepSettings(store: Store, page: Window): void {
+  const prefersDark = page.matchMedia("(prefers-color-scheme: dark)");
+  const show = () => {
+    const { theme } = store.settings.value;
+    const dark = theme === "dark" || (theme === "system" && prefersDark.matches);
+    page.document.documentElement.dataset.theme = dark ? "dark" : "light";
+  };
+  effect(show);
+  prefersDark.addEventListener("change", show);
+  effect(() => writeSettings(page.localStorage, store.settings.value));
+}

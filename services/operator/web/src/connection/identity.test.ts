@@ -1,0 +1,43 @@
+import { describe, expect, it } from "vitest";
+import { identify, type Surroundings } from "./identity";
+
+function browser(hash: string, stored: Record<string, string> = {}) {
+  const session = new Map(Object.entries(stored));
+  const addresses: string[] = [];
+  const surroundings: Surroundings = {
+    location: { hash, pathname: "/", search: "?x=1" },
+    history: { replaceState: (_data, _unused, url) => addresses.push(url) },
+    sessionStorage: {
+      getItem: (key) => session.get(key) ?? null,
+      setItem: (key, value) => session.set(key, value),
+    },
+    localStorage: { getItem: () => null, setItem: () => undefined },
+    crypto: { getRandomValues: (array) => array.fill(171) },
+  };
+  return { surroundings, session, addresses };
+}
+
+describe("identify", () => {
+  it("moves the token from the address to the session", () => {
+    const { surroundings, session, addresses } = browser("#token=a%20b&layer=seen");
+    expect(identify(surroundings).token).toBe("a b");
+    expect(session.get("conav.token")).toBe("a b");
+    expect(addresses).toEqual(["/?x=1#layer=seen"]);
+  });
+
+  it("finds the token again after a reload", () => {
+    expect(identify(browser("", { "conav.token": "kept" }).surroundings).token).toBe("kept");
+  });
+
+  it("leaves an address without a token alone", () => {
+    const { surroundings, addresses } = browser("#layer=seen");
+    expect(identify(surroundings).token).toBe("");
+    expect(addresses).toEqual([]);
+  });
+
+  it("makes an instance that the service accepts, and has a name", () => {
+    const { instance, name } = identify(browser("").surroundings);
+    expect(instance).toMatch(/^[0-9a-z-]{16,64}$/);
+    expect(name).toBe("operator");
+  });
+});

@@ -1,0 +1,87 @@
+import type { RequestBody } from "../protocol/codec";
+import type { Reply } from "../protocol/generated/console_pb";
+
+/** What became of a request. */
+export type Outcome =
+  | { readonly kind: "accepted"; readonly revision: number }
+  | { readonly kind: "refused"; readonly reason: string }
+  /** It never left the page. */
+  | { readonly kind: "not sent"; readonly reason: string }
+  /** It left the page, and nobody knows whether it counted. */
+  | { readonly kind: "unanswered"; readonly reason: string };
+
+export interface PendingRequest {
+  readonly id: bigint;
+  readonly validUntil: number;
+  readonly world: string;
+  readonly body: RequestBody;
+  sent: boolean;
+}
+
+interface Entry extends PendingRequest {
+  settle(outcome: Outcome): void;
+}
+
+/** An answer may be under way when the request's time is over. */
+const grace = 1;
+
+/**
+ * Requests that wait for their Reply, in order. They keep their ids across connections, so the service does nothing twice;
+ * none is sent when its time is over.
+ */
+export class RequestBook {
+  #entries = new Map<bigint, Entry>();
+  #newest = 0n;
+
+  get size(): number {
+    return this.#entries.size;
+  }
+
+  /** `validUntil`: wall time of the service. The promise is never rejected. */
+  add(body: RequestBody, world: string, validUntil: number): [PendingRequest, Promise<Outcome>] {
+    this.#newest += 1n;
+    let settle: (outcome: Outcome) => void = () => undefined;
+    const outcome = new Promise<Outcome>((resolve) => {
+      settle = resolve;
+    });
+    const entry: Entry = { id: this.#newest, validUntil, world, body, sent: false, settle };
+    this.#entries.set(entry.id, entry);
+    return [entry, outcome];
+  }
+
+  answer(reply: Reply): void {
+    const entry = this.#entries.get(reply.id);
+    if (entry === undefined) return;
+    this.#entries.delete(reply.id);
+    entry.settle(
+      reply.accepted
+        ? { kind: "accepted", revision: Number(reply.revision) }
+        : { kind: "refused", reason: reply.reason },
+    );
+  }
+
+  /** `now`: wall time of the service. */
+  expire(now: number): void {
+    for (const entry of [...this.#entries.values()]) {
+      if (now <= entry.validUntil + (entry.sent ? grace : 0)) continue;
+      this.#entries.delete(entry.id);
+      entry.settle(
+        entry.sent
+          ? { kind: "unanswered", reason: "no answer in time: see whether it counted" }
+          : { kind: "not sent", reason: "not sent: too old" },
+      );
+    }
+  }
+
+  /** What still has to be sent, or sent again, over a new connection. */
+  toSend(now: number): PendingRequest[] {
+    return [...this.#entries.values()].filter(({ validUntil }) => now <= validUntil);
+  }
+
+  giveUp(reason: string): void {
+    for (const entry of this.#entries.values()) {
+      entry.settle({ kind: entry.sent ? "unanswered" : "not sent", reason });
+    }
+    this.#entries.clear();
+  }
+}

@@ -1,0 +1,223 @@
+import { type ClientBody, decode, encode, type RequestBody } from "../protocol/codec";
+import type { ServerMessage } from "../protocol/generated/console_pb";
+import { backoff } from "./backoff";
+import type { Cancel, Clock } from "./clock";
+import {
+  type Connection,
+  type ConnectionEvents,
+  deadAfter,
+  type Known,
+  type Link,
+  pingPeriod,
+  type RequestOptions,
+  staleAfter,
+  validFor,
+} from "./connection";
+import type { Identity } from "./identity";
+import { type Outcome, type PendingRequest, RequestBook } from "./requests";
+import type { Socket, SocketFactory } from "./socket";
+import { TimingFilter } from "./timing";
+
+/** How often silence is looked for. */
+const watchPeriod = 0.25;
+
+export interface ConnectionParts {
+  readonly sockets: SocketFactory;
+  readonly clock: Clock;
+  readonly identity: Identity;
+  readonly known: () => Known;
+  readonly events: ConnectionEvents;
+}
+
+/** A Connection over one socket at a time; comes back by itself. */
+export class ServiceConnection implements Connection {
+  #parts: ConnectionParts;
+  #link: Link = { state: "connecting" };
+  #socket: Socket | undefined;
+  #requests = new RequestBook();
+  #timing = new TimingFilter();
+  #attended: string | undefined;
+  #attempt = 0;
+  #heardAt = 0;
+  #welcomed = false;
+  #pingedAt = Number.NEGATIVE_INFINITY;
+  #cancelWatch: Cancel = () => undefined;
+  #cancelRetry: Cancel = () => undefined;
+
+  constructor(parts: ConnectionParts) {
+    this.#parts = parts;
+  }
+
+  get link(): Link {
+    return this.#link;
+  }
+
+  start(): void {
+    this.#cancelWatch = this.#parts.clock.every(watchPeriod, () => this.#watch());
+    this.#open();
+  }
+
+  stop(): void {
+    this.#end("this page was closed");
+  }
+
+  request(body: RequestBody, options: RequestOptions = {}): Promise<Outcome> {
+    const now = this.serviceTime();
+    if (this.#link.state === "closed" || now === undefined) {
+      return Promise.resolve({ kind: "not sent", reason: "not sent: no connection" });
+    }
+    const until = now + (options.validFor ?? validFor);
+    const [request, outcome] = this.#requests.add(body, options.world ?? "", until);
+    if (this.#welcomed) this.#sendRequest(request);
+    return outcome;
+  }
+
+  attend(robot: string | undefined): void {
+    if (robot === this.#attended) return;
+    this.#attended = robot;
+    if (this.#welcomed) this.#sendAttend();
+  }
+
+  seek(to: { position?: number; speed?: number }): void {
+    if (this.#welcomed) this.#send({ case: "seek", value: to });
+  }
+
+  serviceTime(): number | undefined {
+    const now = this.#parts.clock.now();
+    const { clockOffset } = this.#timing.timing(now);
+    return clockOffset === undefined ? undefined : now + clockOffset;
+  }
+
+  #open(): void {
+    this.#welcomed = false;
+    this.#heardAt = this.#parts.clock.now();
+    this.#setLink({ state: "connecting" });
+    // Events of a socket that was given up no longer count.
+    const current = () => this.#socket === socket;
+    const socket = this.#parts.sockets({
+      opened: () => current() && this.#hello(),
+      received: (data) => current() && this.#receive(data),
+      closed: () => current() && this.#lose(),
+    });
+    this.#socket = socket;
+  }
+
+  #hello(): void {
+    const { token, name, instance } = this.#parts.identity;
+    this.#send({ case: "hello", value: { token, name, instance, ...this.#parts.known() } });
+  }
+
+  #receive(data: ArrayBuffer): void {
+    const message = decode(data);
+    this.#heardAt = this.#parts.clock.now();
+    if (message === undefined) return;
+    if (this.#welcomed && this.#link.state === "stale") this.#setLink({ state: "live" });
+    this.#dispatch(message);
+  }
+
+  #dispatch(message: ServerMessage): void {
+    const { body } = message;
+    switch (body.case) {
+      case "pong":
+        this.#timing.answered(body.value.pageTime, body.value.serviceTime, this.#heardAt);
+        this.#tellTiming();
+        break;
+      case "reply":
+        this.#requests.answer(body.value);
+        break;
+      case "goodbye":
+        if (body.value.retry) this.#lose();
+        else this.#end(body.value.reason);
+        break;
+      case "welcome":
+        this.#timing.greet(body.value.serviceTime, this.#heardAt);
+        this.#parts.events.received(message);
+        this.#begin();
+        break;
+      default:
+        this.#parts.events.received(message);
+    }
+  }
+
+  /** Welcomed: what waited goes first, in its order. */
+  #begin(): void {
+    this.#welcomed = true;
+    this.#attempt = 0;
+    this.#setLink({ state: "live" });
+    const now = this.serviceTime() ?? 0;
+    this.#requests.expire(now);
+    for (const request of this.#requests.toSend(now)) this.#sendRequest(request);
+    if (this.#attended !== undefined) this.#sendAttend();
+    this.#ping();
+  }
+
+  #watch(): void {
+    const now = this.#parts.clock.now();
+    this.#requests.expire(this.serviceTime() ?? 0);
+    if (this.#socket !== undefined && now - this.#heardAt >= deadAfter) this.#lose();
+    if (!this.#welcomed) return;
+    if (now - this.#heardAt >= staleAfter && this.#link.state === "live") {
+      this.#setLink({ state: "stale", since: this.#heardAt });
+    }
+    if (now - this.#pingedAt >= pingPeriod) this.#ping();
+    this.#tellTiming();
+  }
+
+  #ping(): void {
+    this.#pingedAt = this.#parts.clock.now();
+    this.#timing.sent(this.#pingedAt);
+    const measuredRoundTrip = this.#timing.measured();
+    this.#send({ case: "ping", value: { pageTime: this.#pingedAt, measuredRoundTrip } });
+  }
+
+  #lose(): void {
+    this.#drop();
+    const { clock } = this.#parts;
+    const wait = backoff(this.#attempt, clock.random());
+    this.#attempt += 1;
+    this.#setLink({ state: "lost", attempt: this.#attempt, retryAt: clock.now() + wait });
+    this.#cancelRetry = clock.after(wait, () => this.#open());
+  }
+
+  #end(reason: string): void {
+    this.#cancelWatch();
+    this.#drop();
+    this.#requests.giveUp(`not sent: ${reason}`);
+    this.#setLink({ state: "closed", reason });
+  }
+
+  #drop(): void {
+    this.#cancelRetry();
+    const socket = this.#socket;
+    this.#socket = undefined;
+    this.#welcomed = false;
+    this.#pingedAt = Number.NEGATIVE_INFINITY;
+    this.#timing.forget();
+    socket?.close();
+    this.#tellTiming();
+  }
+
+  #sendRequest(request: PendingRequest): void {
+    request.sent = true;
+    const { id, validUntil, world, body } = request;
+    this.#send({ case: "request", value: { id, validUntil, world, body } });
+  }
+
+  #sendAttend(): void {
+    const robot = this.#attended ?? "";
+    this.#send({ case: "attend", value: { robot, frames: this.#attended !== undefined } });
+  }
+
+  #send(body: ClientBody): void {
+    this.#socket?.send(encode(body));
+  }
+
+  #setLink(link: Link): void {
+    this.#link = link;
+    this.#parts.events.linkChanged(link);
+  }
+
+  #tellTiming(): void {
+    this.#parts.events.timingChanged(this.#timing.timing(this.#parts.clock.now()));
+  }
+}

@@ -1,0 +1,82 @@
+import { beforeEach, describe, expect, it } from "vitest";
+import { FakeClock } from "../../connection/fake";
+import { Severity } from "../../protocol/generated/console_pb";
+import { emptyState } from "../../state/console_state";
+import { stateOf, type UpdateBody } from "../../state/fixtures";
+import { Announcer, newsOf } from "./announcer";
+
+const session: UpdateBody = { case: "session", value: {} };
+const queue = (...items: [string, number][]): UpdateBody => ({
+  case: "attention",
+  value: { items: items.map(([robot, reason]) => ({ robot, reason })) },
+});
+const alert = (id: bigint, more = {}): UpdateBody => ({
+  case: "alert",
+  value: { id, source: "r1", text: "silent", active: true, severity: Severity.ALARM, ...more },
+});
+
+describe("news", () => {
+  const texts = (before: UpdateBody[], after: UpdateBody[]) =>
+    newsOf(stateOf(session, ...before), stateOf(session, ...after)).map(({ text }) => text);
+
+  it("are new items, not old ones in another order", () => {
+    expect(texts([queue(["r1", 1])], [queue(["r2", 2], ["r1", 1])])).toEqual([
+      "r2 is blocked by a wall and waits",
+    ]);
+  });
+
+  it("are another reason of the same robot too", () => {
+    expect(texts([queue(["r1", 1])], [queue(["r1", 2])])).toHaveLength(1);
+  });
+
+  it("are new alerts, and old ones that come again, but none that somebody acknowledged", () => {
+    expect(texts([alert(1n)], [alert(1n), alert(2n)])).toEqual(["Alert, r1: silent"]);
+    expect(texts([alert(1n, { active: false })], [alert(1n)])).toHaveLength(1);
+    expect(texts([], [alert(1n, { acknowledgedBy: "you" })])).toEqual([]);
+  });
+
+  it("are none when the page begins", () => {
+    expect(newsOf(emptyState, stateOf(session, alert(1n)))).toEqual([]);
+  });
+});
+
+describe("announcer", () => {
+  let clock: FakeClock;
+  let announcer: Announcer;
+  const say = (...texts: string[]) =>
+    announcer.tell(texts.map((text) => ({ text, urgent: false })));
+
+  beforeEach(() => {
+    clock = new FakeClock();
+    announcer = new Announcer(clock);
+  });
+
+  it("says the first at once, and puts together what follows too quickly", () => {
+    say("a");
+    expect(announcer.polite.value).toBe("a");
+    say("b");
+    clock.advance(1);
+    say("c");
+    expect(announcer.polite.value).toBe("a");
+    clock.advance(3);
+    expect(announcer.polite.value).toBe("b. c");
+  });
+
+  it("counts what is too much to be read", () => {
+    say("a", "b", "c", "d", "e");
+    expect(announcer.polite.value).toBe("a. b. c. and 2 more");
+  });
+
+  it("says at once again after a pause", () => {
+    say("a");
+    clock.advance(10);
+    say("b");
+    expect(announcer.polite.value).toBe("b");
+  });
+
+  it("interrupts only for what is urgent", () => {
+    announcer.tell([{ text: "fire", urgent: true }]);
+    expect(announcer.urgent.value).toBe("fire");
+    expect(announcer.polite.value).toBe("");
+  });
+});

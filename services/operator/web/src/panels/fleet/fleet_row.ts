@@ -1,0 +1,57 @@
+import { CommandOutcome } from "../../protocol/generated/console_pb";
+import type { ConsoleState } from "../../state/console_state";
+import { ageOf, type Freshness, freshnessOf } from "../../state/freshness";
+import { type Holder, holderOf, itemsOf } from "../../state/selectors";
+import { reasonText } from "../queue/words";
+
+/** What the fleet strip tells of a robot. */
+export interface FleetRow {
+  readonly name: string;
+  readonly freshness: Freshness;
+  /** s since the newest news of it. */
+  readonly age: number | undefined;
+  readonly goalsReached: number;
+  readonly goalsTotal: number;
+  readonly stopped: boolean;
+  readonly holder: Holder;
+  /** That it waits for the operator: why, and since how many s of the operator's time. */
+  readonly wait: { readonly why: string; readonly seconds: number } | undefined;
+  /** What it does otherwise, in a word. */
+  readonly doing: string;
+}
+
+export function fleetRow(state: ConsoleState, now: number | undefined, name: string): FleetRow {
+  const robot = state.robots.get(name);
+  const item = itemsOf(state, name)[0];
+  return {
+    name,
+    freshness: freshnessOf(robot?.heardAt, now),
+    age: ageOf(robot?.heardAt, now),
+    goalsReached: (robot?.goalsTotal ?? 0) - (robot?.goalsLeft.length ?? 0),
+    goalsTotal: robot?.goalsTotal ?? 0,
+    stopped: state.controls.get(name)?.stopped ?? false,
+    holder: holderOf(state, name),
+    wait: item && {
+      why: reasonText(item.reason),
+      seconds: Math.max(0, (state.attention?.stamp ?? item.since) - item.since),
+    },
+    doing: doingText(robot?.outcome),
+  };
+}
+
+function doingText(outcome: CommandOutcome | undefined): string {
+  switch (outcome) {
+    case CommandOutcome.OUTCOME_RUNNING:
+      return "on its way";
+    case CommandOutcome.OUTCOME_BLOCKED:
+      return "met a wall";
+    case CommandOutcome.OUTCOME_OCCUPIED:
+      return "makes way";
+    case CommandOutcome.OUTCOME_REFUSED:
+      return "command refused";
+    case CommandOutcome.OUTCOME_EXPIRED:
+      return "command expired";
+    default:
+      return "stands";
+  }
+}

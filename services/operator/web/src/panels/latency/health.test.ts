@@ -1,0 +1,23 @@
+import { describe, expect, it } from "vitest";
+import { stateOf } from "../../state/fixtures";
+import { plannerTime, roundTripClass } from "./health";
+
+describe("latency", () => {
+  it("of the planner is the slowest robot's newest decision", () => {
+    const state = stateOf(
+      { case: "search", value: { robot: "r1", durationMs: 12 } },
+      { case: "search", value: { robot: "r2", durationMs: 30 } },
+    );
+    expect(plannerTime(state.searches)).toBeCloseTo(0.03);
+    expect(plannerTime(stateOf().searches)).toBeUndefined();
+  });
+
+  it("is amber and red above the limits, usual ones where there are none", () => {
+    const limits = { driveAdvisedAgainst: 0.1, driveRefused: 0.2 };
+    expect(roundTripClass(0.1, limits)).toBe("good");
+    expect(roundTripClass(0.15, limits)).toBe("warn");
+    expect(roundTripClass(0.25, limits)).toBe("bad");
+    expect(roundTripClass(0.25, undefined)).toBe("good");
+    expect(roundTripClass(undefined, limits)).toBe("quiet");
+  });
+});

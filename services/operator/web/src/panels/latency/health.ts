@@ -1,0 +1,40 @@
+import { Level, type Search } from "../../protocol/generated/console_pb";
+import type { ConsoleState } from "../../state/console_state";
+
+/** s that the newest decisions took: of the robot that was slowest. */
+export function plannerTime(searches: ReadonlyMap<string, Search>): number | undefined {
+  const times = [...searches.values()].map(({ durationMs }) => durationMs / 1000);
+  return times.length === 0 ? undefined : Math.max(...times);
+}
+
+export function framesSkipped({ frames }: ConsoleState): number {
+  return [...frames.values()].reduce((sum, { skipped }) => sum + Number(skipped), 0);
+}
+
+export function levelText(level: Level): string {
+  switch (level) {
+    case Level.OK:
+      return "● ok";
+    case Level.WARNING:
+      return "◆ warning";
+    case Level.ERROR:
+      return "▲ error";
+    default:
+      return "○ silent";
+  }
+}
+
+export function levelClass(level: Level): string {
+  if (level === Level.OK) return "good";
+  return level === Level.WARNING ? "warn" : "bad";
+}
+
+/** Amber and red by the limits of driving by hand. */
+export function roundTripClass(
+  roundTrip: number | undefined,
+  limits: { driveAdvisedAgainst: number; driveRefused: number } | undefined,
+): string {
+  if (roundTrip === undefined) return "quiet";
+  if (roundTrip > (limits?.driveRefused || 1)) return "bad";
+  return roundTrip > (limits?.driveAdvisedAgainst || 0.3) ? "warn" : "good";
+}

@@ -1,0 +1,97 @@
+import type { ComponentChildren } from "preact";
+import { useConsole } from "../../app/console";
+import { type Role, Role as Roles } from "../../protocol/generated/console_pb";
+import { ageOf } from "../../state/freshness";
+import { count, duration, milliseconds } from "../format";
+import { framesSkipped, levelClass, levelText, plannerTime, roundTripClass } from "./health";
+import { PageButtons } from "./page_buttons";
+import "./latency.css";
+
+/** How old and how quick everything is, how the services are, and who else is here. */
+export function LatencyStrip() {
+  const { store } = useConsole();
+  const state = store.state.value;
+  const { roundTrip } = store.timing.value;
+  const skipped = framesSkipped(state);
+  const age = ageOf(store.chosenPicture.value?.heardAt, store.now.value);
+  return (
+    <section class="strip latency" aria-label="Latency and health">
+      <Item name="Link">
+        <LinkState />
+      </Item>
+      <Item name="Round trip">
+        <span class={roundTripClass(roundTrip, state.welcome?.limits)}>
+          {milliseconds(roundTrip)}
+        </span>
+      </Item>
+      <Item name="Planner">{milliseconds(plannerTime(state.searches))}</Item>
+      <Item name="Picture age">{duration(age)}</Item>
+      {skipped > 0 && <Item name="Frames skipped">{skipped}</Item>}
+      {store.pending.value > 0 && (
+        <Item name="On the way">{count(store.pending.value, "request")}</Item>
+      )}
+      <Services />
+      <People />
+      <PageButtons />
+    </section>
+  );
+}
+
+function Item({ name, children }: { name: string; children: ComponentChildren }) {
+  return (
+    <span class="item">
+      <span class="quiet">{name}</span> {children}
+    </span>
+  );
+}
+
+function LinkState() {
+  const { state } = useConsole().store.link.value;
+  const kind = { connecting: "warn", live: "good", stale: "warn", lost: "bad", closed: "bad" };
+  const sign = { connecting: "◌", live: "●", stale: "◐", lost: "○", closed: "✕" };
+  return (
+    <span class={kind[state]}>
+      {sign[state]} {state}
+    </span>
+  );
+}
+
+function Services() {
+  const { store } = useConsole();
+  const services = [...store.state.value.services.values()];
+  return (
+    <ul class="services" aria-label="Services">
+      {services.map(({ name, level, message, heardAt }) => (
+        <li
+          key={name}
+          class="item"
+          title={`${message} (heard ${duration(ageOf(heardAt, store.now.value))} ago)`}
+        >
+          <span class="quiet">{name}</span>{" "}
+          <span class={levelClass(level)}>{levelText(level)}</span>
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+function People() {
+  const { store } = useConsole();
+  const { presence, welcome } = store.state.value;
+  const people = presence?.people ?? [];
+  const names = people.map(({ client, name, role, robot }) => {
+    const me = client === welcome?.client ? " (you)" : "";
+    return `${name}${me}, ${roleText(role)}${robot && `, at ${robot}`}`;
+  });
+  return (
+    <span class="item end" title={names.join("\n")}>
+      <span class="quiet">{welcome && roleText(welcome.role)}</span>{" "}
+      {count(people.length, "person", "people")} here
+    </span>
+  );
+}
+
+function roleText(role: Role): string {
+  if (role === Roles.ADMIN) return "admin";
+  return role === Roles.OPERATOR ? "operator" : "observer";
+}

@@ -1,0 +1,20 @@
+import { useConsole } from "../../app/console";
+import "./notices.css";
+
+/** What became of requests, for a while. */
+export function Notices() {
+  const { store, actions } = useConsole();
+  return (
+    <output class="notices">
+      {store.notices.value.map(({ id, text, kind }) => (
+        <span key={id} class={kind}>
+          {kind === "problem" ? "▲ " : ""}
+          {text}
+          <button type="button" aria-label="Dismiss" onClick={() => actions.dismiss(id)}>
+            ✕
+          </button>
+        </span>
+      ))}
+    </output>
+  );
+}

@@ -1,0 +1,76 @@
+import { useConsole } from "../../app/console";
+import { keyHint } from "../../app/shortcuts";
+import { type Picture, PictureAnswer } from "../../protocol/generated/console_pb";
+import { answerText } from "./summary";
+import { usePixels } from "./use_pixels";
+import { windowStart } from "./window";
+
+const mostShown = 12;
+
+/** The newest pictures of a robot, oldest first. */
+export function HistoryStrip({ robot }: { robot: string }) {
+  const { store, actions } = useConsole();
+  const all = store.state.value.pictures.get(robot) ?? [];
+  const chosen = store.chosenPicture.value?.sequenceNumber;
+  const at = all.findIndex(({ sequenceNumber }) => sequenceNumber === chosen);
+  if (all.length < 2) return undefined;
+  const first = windowStart(all.length, at, mostShown);
+  const shown = all.slice(first, first + mostShown);
+  return (
+    <div class="history">
+      <button
+        type="button"
+        disabled={at <= 0}
+        onClick={() => actions.turnPages(-1)}
+        aria-label="Older picture"
+        title={keyHint("older picture")}
+      >
+        ◀
+      </button>
+      <ol>
+        {shown.map((picture) => (
+          <Thumbnail key={String(picture.sequenceNumber)} picture={picture} />
+        ))}
+      </ol>
+      <button
+        type="button"
+        disabled={at >= all.length - 1}
+        onClick={() => actions.turnPages(1)}
+        aria-label="Newer picture"
+        title={keyHint("newer picture")}
+      >
+        ▶
+      </button>
+    </div>
+  );
+}
+
+function Thumbnail({ picture }: { picture: Picture }) {
+  const { store } = useConsole();
+  const { sequenceNumber, answer, bytes } = picture;
+  const me = store.state.value.welcome?.client ?? "";
+  const sign = answer === PictureAnswer.ANSWER_NONE ? "!" : "✓";
+  return (
+    <li>
+      <button
+        type="button"
+        aria-pressed={store.chosenPicture.value === picture}
+        aria-label={`Picture ${sequenceNumber}, ${answerText(picture, me)}`}
+        onClick={() => {
+          store.chosenSequence.value = sequenceNumber;
+          store.centre(picture.cell);
+        }}
+      >
+        {bytes > 0 && <SmallImage picture={picture} />}
+        <span>
+          {String(sequenceNumber)} {sign}
+        </span>
+      </button>
+    </li>
+  );
+}
+
+function SmallImage({ picture: { robot, sequenceNumber } }: { picture: Picture }) {
+  const state = usePixels(robot, sequenceNumber);
+  return state.kind === "ready" ? <img src={state.url} alt="" /> : undefined;
+}

@@ -1,0 +1,72 @@
+import { useConsole } from "../../app/console";
+import { keyHint } from "../../app/shortcuts";
+import { cellText } from "../../protocol/cells";
+import type { Picture } from "../../protocol/generated/console_pb";
+import { ageOf } from "../../state/freshness";
+import { unanswered, whyNotCommand, worldOf } from "../../state/selectors";
+import { duration } from "../format";
+import { HistoryStrip } from "./history_strip";
+import { LiveView } from "./live_view";
+import { PictureImage } from "./picture_image";
+import { answerText, directionText, summaryOf } from "./summary";
+import "./pictures.css";
+
+/** What the chosen robot shows: its newest picture, those before, and a live view where the method streams. */
+export function Pictures() {
+  const { store } = useConsole();
+  const robot = store.chosenRobot.value;
+  const picture = store.chosenPicture.value;
+  return (
+    <section class="panel pictures" aria-label="Pictures" data-tour="pictures">
+      {store.state.value.session?.streams && robot !== undefined && <LiveView robot={robot} />}
+      {picture === undefined ? (
+        <>
+          <h2>Pictures{robot !== undefined && ` of ${robot}`}</h2>
+          <p class="quiet">None yet. A robot sends one when it is worth your time.</p>
+        </>
+      ) : (
+        <OnePicture picture={picture} />
+      )}
+      {robot !== undefined && <HistoryStrip robot={robot} />}
+    </section>
+  );
+}
+
+function OnePicture({ picture }: { picture: Picture }) {
+  const { store, actions } = useConsole();
+  const state = store.state.value;
+  const { robot, world, sequenceNumber, cell, heading } = picture;
+  const columns = worldOf(state, robot)?.columns ?? 0;
+  return (
+    <>
+      <div class="row">
+        <h2>
+          {robot}: picture {String(sequenceNumber)}
+        </h2>
+        <span class="quiet">{duration(ageOf(picture.heardAt, store.now.value))} old</span>
+        {unanswered(state, robot) === picture ? (
+          <button
+            type="button"
+            class="end main"
+            disabled={whyNotCommand(state, robot) !== undefined}
+            onClick={() => actions.nothingNew()}
+          >
+            Nothing new here <kbd>{keyHint("nothing new")}</kbd>
+          </button>
+        ) : (
+          <span class="end quiet">{answerText(picture, state.welcome?.client ?? "")}</span>
+        )}
+      </div>
+      <PictureImage picture={picture} />
+      <p>{summaryOf(picture, state.beliefs.get(world), columns)}</p>
+      <p class="row">
+        <span class="quiet">
+          from {cellText(cell)}, to the {directionText(heading)}
+        </span>
+        <button type="button" class="end" onClick={() => store.centre(cell)}>
+          Show on the map
+        </button>
+      </p>
+    </>
+  );
+}

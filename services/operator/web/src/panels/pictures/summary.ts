@@ -1,0 +1,49 @@
+import { type Belief, type Picture, PictureAnswer } from "../../protocol/generated/console_pb";
+import { type Difference, differenceOf } from "../../state/selectors";
+import { count } from "../format";
+
+/** What the picture shows, in words. */
+export function summaryOf(picture: Picture, belief: Belief | undefined, columns: number): string {
+  const seen = picture.freeCells.length + picture.wallCells.length;
+  const cells = `It shows ${count(seen, "cell")}`;
+  if (belief === undefined || columns === 0) return `${cells}.`;
+  return `${cells}. ${differenceText(differenceOf(picture, belief, columns))}`;
+}
+
+function differenceText({ missing, wrong }: Difference): string {
+  const parts = [
+    ...(missing.length > 0 ? [`lacks ${count(missing.length, "wall")}`] : []),
+    ...(wrong.length > 0 ? [`has ${count(wrong.length, "wall")} too many`] : []),
+  ];
+  return parts.length > 0 ? `Your map ${parts.join(" and ")}.` : "Your map agrees with it.";
+}
+
+export function answerText({ answer, answeredBy }: Picture, me: string): string {
+  const who = answeredBy === me ? "you" : answeredBy;
+  switch (answer) {
+    case PictureAnswer.ANSWER_PATH:
+      return `answered with a path${who && ` by ${who}`}`;
+    case PictureAnswer.ANSWER_NOTHING_NEW:
+      return `nothing new${who && `, by ${who}`}`;
+    case PictureAnswer.ANSWER_OUTDATED:
+      return "a newer one came first";
+    default:
+      return "waits for your answer";
+  }
+}
+
+/** "north-east", of radians from east, counter-clockwise. */
+export function directionText(heading: number): string {
+  const names = [
+    "east",
+    "north-east",
+    "north",
+    "north-west",
+    "west",
+    "south-west",
+    "south",
+    "south-east",
+  ];
+  const eighth = Math.round(heading / (Math.PI / 4));
+  return names[((eighth % 8) + 8) % 8] ?? "east";
+}

@@ -1,0 +1,68 @@
+import { useConsole } from "../../app/console";
+import { RobotMark } from "../../app/robot_mark";
+import { keyHint } from "../../app/shortcuts";
+import type { AttentionItem } from "../../protocol/generated/console_pb";
+import { duration, measured } from "../format";
+import { adviceText, reasonText } from "./words";
+import "./queue.css";
+
+/** All that asks for the operator, in the service's order. */
+export function Queue() {
+  const { store, actions } = useConsole();
+  const attention = store.state.value.attention;
+  const items = attention?.items ?? [];
+  return (
+    <section class="panel queue" aria-label="Attention queue" data-tour="queue">
+      <div class="row">
+        <h2>Who asks for you ({items.length})</h2>
+        <button
+          type="button"
+          class={`end ${items.length > 0 ? "main" : ""}`}
+          onClick={() => actions.next()}
+        >
+          Next <kbd>{keyHint("next")}</kbd>
+        </button>
+      </div>
+      {items.length === 0 && <p class="quiet">Nobody. The robots get along.</p>}
+      <ol>
+        {items.map((item) => (
+          <QueueItem key={`${item.robot} ${item.reason}`} item={item} now={attention?.stamp ?? 0} />
+        ))}
+      </ol>
+      {attention !== undefined && attention.predictedWaitingTime > 0 && (
+        <p class="quiet">Expected wait per question: {duration(attention.predictedWaitingTime)}</p>
+      )}
+    </section>
+  );
+}
+
+function QueueItem({ item, now }: { item: AttentionItem; now: number }) {
+  const { store, actions } = useConsole();
+  const { robot, reason, since, deadline, selectedBy } = item;
+  const state = store.state.value;
+  const mine = selectedBy !== "" && selectedBy === state.welcome?.client;
+  return (
+    <li class={mine ? "mine" : ""}>
+      <button
+        type="button"
+        onClick={() => actions.turnTo(item)}
+        aria-current={mine ? "true" : undefined}
+        title={`${adviceText(reason)} Value lost: ${measured(item.valueLostPerSecond, 2)} per second; expected work: ${duration(item.expectedInteraction)}`}
+      >
+        <RobotMark robot={robot} />
+        <span>
+          <strong>{robot}</strong> {reasonText(reason)}
+          <span class="quiet times">
+            waits {duration(now - since)}
+            {deadline > 0 && `, goes on alone in ${duration(Math.max(0, deadline - now))}`}
+            {selectedBy !== "" && ` · ${mine ? "you are" : `${nameOf(selectedBy)} is`} on it`}
+          </span>
+        </span>
+      </button>
+    </li>
+  );
+
+  function nameOf(client: string): string {
+    return state.presence?.people.find((person) => person.client === client)?.name ?? client;
+  }
+}

@@ -1,0 +1,42 @@
+import { AttentionReason } from "../../protocol/generated/console_pb";
+
+/** What a robot wants of the operator, to follow its name. */
+export function reasonText(reason: AttentionReason): string {
+  switch (reason) {
+    case AttentionReason.REASON_PICTURE:
+      return "sent a picture";
+    case AttentionReason.REASON_BLOCKED:
+      return "is blocked by a wall and waits";
+    case AttentionReason.REASON_NO_GUIDANCE:
+      return "needs a path";
+    case AttentionReason.REASON_FIRST_PATH:
+      return "never had a path";
+    case AttentionReason.REASON_COMMAND_FAILED:
+      return "stands: its command failed";
+    case AttentionReason.REASON_LINK_LOST:
+      return "is not heard any more";
+    case AttentionReason.REASON_GOALS_REACHED:
+      return "has reached all its goals";
+    default:
+      return "asks for you";
+  }
+}
+
+/** What to do about it. */
+export function adviceText(reason: AttentionReason): string {
+  switch (reason) {
+    case AttentionReason.REASON_PICTURE:
+      return "Compare the picture with your map: edit walls, then draw a path, or answer “nothing new”.";
+    case AttentionReason.REASON_BLOCKED:
+      return "Draw a path around the wall.";
+    case AttentionReason.REASON_NO_GUIDANCE:
+    case AttentionReason.REASON_FIRST_PATH:
+      return "Draw a path to its goals.";
+    case AttentionReason.REASON_COMMAND_FAILED:
+      return "Look at the alerts; draw another path, or stop it.";
+    case AttentionReason.REASON_LINK_LOST:
+      return "Its newest position stays on the map; look at the services.";
+    default:
+      return "";
+  }
+}

@@ -1,0 +1,41 @@
+import { create } from "@bufbuild/protobuf";
+import { describe, expect, it } from "vitest";
+import { MarkKind, MarkSchema } from "../../protocol/generated/console_pb";
+import { markFrom, played } from "./marks";
+
+const { MARK_PICTURE: picture, MARK_EDIT: edit } = MarkKind;
+const marks = [
+  create(MarkSchema, { kind: picture, position: 20 }),
+  create(MarkSchema, { kind: picture, position: 5 }),
+  create(MarkSchema, { kind: edit, position: 10 }),
+];
+
+describe("marks", () => {
+  it("are found on both sides, whatever their order", () => {
+    expect(markFrom(marks, 7, 1)?.position).toBe(10);
+    expect(markFrom(marks, 7, -1)?.position).toBe(5);
+    expect(markFrom(marks, 7, 1, picture)?.position).toBe(20);
+  });
+
+  it("are left behind when we stand on one", () => {
+    expect(markFrom(marks, 10, 1)?.position).toBe(20);
+    expect(markFrom(marks, 10, -1)?.position).toBe(5);
+  });
+
+  it("end at both ends", () => {
+    expect(markFrom(marks, 20, 1)).toBeUndefined();
+    expect(markFrom([], 0, -1)).toBeUndefined();
+  });
+});
+
+describe("play", () => {
+  const at = (position: number, speed: number) => ({ position, duration: 60, speed });
+  it("pauses what plays, and goes on with the speed before", () => {
+    expect(played(at(10, 4), 4)).toEqual({ speed: 0 });
+    expect(played(at(10, 0), 4)).toEqual({ speed: 4 });
+  });
+
+  it("begins again at the end", () => {
+    expect(played(at(60, 0), 1)).toEqual({ position: 0, speed: 1 });
+  });
+});

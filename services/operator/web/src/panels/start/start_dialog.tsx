@@ -1,0 +1,67 @@
+import { useConsole } from "../../app/console";
+import { Modal } from "../../app/modal";
+import { count } from "../format";
+import { sightOf } from "../tour/sight";
+import "./start.css";
+
+/** All robots stand and nobody has control: how to begin. */
+export function StartDialog() {
+  const { store, actions, tour } = useConsole();
+  const robots = store.robots.value;
+  const close = () => {
+    store.dialog.value = undefined;
+  };
+  const guide = async () => {
+    close();
+    const taken = await actions.takeControlNow(robots, "");
+    if (taken.accepted) await actions.go(robots);
+  };
+  const watch = () => {
+    close();
+    void actions.go(robots);
+  };
+  const showRound = () => {
+    void guide();
+    tour.begin(sightOf(store));
+  };
+  return (
+    <Modal title={`${count(robots.length, "robot")} ready`} onClose={close}>
+      <p class="start-text">
+        Your map is partly wrong. The robots see what is there, and send you pictures. Correct the
+        map, and draw paths to the goals ⚑.
+      </p>
+      <ul class="start">
+        <Choice
+          text="Guide the robots yourself"
+          detail="You get control of all of them."
+          main
+          act={() => void guide()}
+        />
+        <Choice
+          text="Show me round"
+          detail="The same, with a guide of two minutes."
+          act={showRound}
+        />
+        <Choice text="Watch" detail="The robots go; whoever is there guides them." act={watch} />
+      </ul>
+    </Modal>
+  );
+}
+
+interface ChoiceProps {
+  text: string;
+  detail: string;
+  main?: boolean;
+  act: () => void;
+}
+
+function Choice({ text, detail, main, act }: ChoiceProps) {
+  return (
+    <li>
+      <button type="button" class={main ? "main" : ""} onClick={act}>
+        <strong>{text}</strong>
+        <span>{detail}</span>
+      </button>
+    </li>
+  );
+}

@@ -1,0 +1,32 @@
+import type { Link } from "../../connection/connection";
+import type { Timing } from "../../connection/timing";
+import type { ConsoleState } from "../../state/console_state";
+import { freshnessOf } from "../../state/freshness";
+import { whyNotCommand } from "../../state/selectors";
+
+/** Where the service names no limits, s of round trip. */
+const usualAdvice = 0.3;
+const usualRefusal = 1;
+
+/** Why `robot` cannot be driven now, in words; undefined = it can. `now`: wall time of the service. */
+export function whyNotDrive(
+  state: ConsoleState,
+  link: Link,
+  { roundTrip }: Timing,
+  now: number | undefined,
+  robot: string,
+): string | undefined {
+  if (!state.session?.drives) return "this method is not driven by hand";
+  if (link.state !== "live") return "the connection is not live";
+  const forbidden = whyNotCommand(state, robot);
+  if (forbidden !== undefined) return forbidden;
+  if (state.controls.get(robot)?.stopped) return `${robot} is stopped: press Go first`;
+  if (freshnessOf(state.robots.get(robot)?.heardAt, now) === "lost") return `${robot} is lost`;
+  if (roundTrip === undefined) return "the round trip is not measured yet";
+  const refusal = state.welcome?.limits?.driveRefused || usualRefusal;
+  return roundTrip > refusal ? `the round trip is above ${refusal} s` : undefined;
+}
+
+export function isAdvisedAgainst(state: ConsoleState, { roundTrip }: Timing): boolean {
+  return (roundTrip ?? 0) > (state.welcome?.limits?.driveAdvisedAgainst || usualAdvice);
+}

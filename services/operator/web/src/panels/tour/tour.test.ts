@@ -1,0 +1,71 @@
+import { describe, expect, it } from "vitest";
+import { emptyState } from "../../state/console_state";
+import { stateOf, type UpdateBody } from "../../state/fixtures";
+import { type Sight, Tour, tourSteps } from "./tour";
+
+const sight = (turns: number, ...bodies: UpdateBody[]): Sight => ({
+  state: bodies.length > 0 ? stateOf(...bodies) : emptyState,
+  chosenRobot: "r1",
+  turns,
+});
+const path = (givenBy: string, revision: bigint): UpdateBody => ({
+  case: "guidance",
+  value: { robot: "r1", givenBy, revision },
+});
+const edit = (revision: bigint): UpdateBody => ({
+  case: "belief",
+  value: { world: "w1", editedBy: "me", revision },
+});
+
+/** A tour that is at the step of that title. */
+function at(title: string, now: Sight): Tour {
+  const tour = new Tour();
+  tour.begin(now);
+  const wanted = tourSteps.findIndex((step) => step.title === title);
+  for (let step = 0; step < wanted; step += 1) tour.goOn(now);
+  expect(tour.step.value).toBe(wanted);
+  return tour;
+}
+
+describe("the tour", () => {
+  it("is none until it begins, and can be left", () => {
+    const tour = new Tour();
+    tour.look(sight(1));
+    expect(tour.step.value).toBeUndefined();
+    tour.begin(sight(0));
+    expect(tour.step.value).toBe(0);
+    tour.leave();
+    expect(tour.step.value).toBeUndefined();
+  });
+
+  it("goes on when N was pressed, not before", () => {
+    const tour = at("Who asks for you?", sight(3));
+    tour.look(sight(3));
+    expect(tourSteps[tour.step.value ?? -1]?.title).toBe("Who asks for you?");
+    tour.look(sight(4));
+    expect(tourSteps[tour.step.value ?? -1]?.title).toBe("Draw a path");
+  });
+
+  it("goes on with my path, not with another's", () => {
+    const tour = at("Draw a path", sight(0, path("me", 2n)));
+    tour.look(sight(0, path("you", 3n)));
+    expect(tourSteps[tour.step.value ?? -1]?.title).toBe("Draw a path");
+    tour.look(sight(0, path("me", 4n)));
+    expect(tourSteps[tour.step.value ?? -1]?.title).toBe("Look at a picture");
+  });
+
+  it("goes on with an edit, or an answer", () => {
+    const answered: UpdateBody = { case: "picture", value: { robot: "r1", answeredBy: "me" } };
+    for (const happened of [sight(0, edit(1n)), sight(0, answered)]) {
+      const tour = at("Mark the wall", sight(0));
+      tour.look(happened);
+      expect(tourSteps[tour.step.value ?? -1]?.title).toBe("And the next");
+    }
+  });
+
+  it("ends after its last step", () => {
+    const tour = at("That is all", sight(0));
+    tour.goOn(sight(0));
+    expect(tour.step.value).toBeUndefined();
+  });
+});

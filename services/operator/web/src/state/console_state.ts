@@ -1,0 +1,102 @@
+import type {
+  Alert,
+  Attention,
+  Belief,
+  Control,
+  Event,
+  Frame,
+  GoalPose,
+  Guidance,
+  Picture,
+  Plan,
+  Playback,
+  Prediction,
+  Presence,
+  Robot,
+  Search,
+  SeenMap,
+  Service,
+  Session,
+  Trail,
+  Truth,
+  Welcome,
+  World,
+} from "../protocol/generated/console_pb";
+
+/** Values with a key, by it. What an update replaces is a new map; all other maps stay the same objects. */
+export interface KeyedState {
+  /** By world: */
+  readonly worlds: ReadonlyMap<string, World>;
+  readonly beliefs: ReadonlyMap<string, Belief>;
+  readonly truths: ReadonlyMap<string, Truth>;
+  /** By robot: */
+  readonly robots: ReadonlyMap<string, Robot>;
+  readonly seen: ReadonlyMap<string, SeenMap>;
+  readonly plans: ReadonlyMap<string, Plan>;
+  readonly searches: ReadonlyMap<string, Search>;
+  readonly predictions: ReadonlyMap<string, Prediction>;
+  readonly guidance: ReadonlyMap<string, Guidance>;
+  readonly goalPoses: ReadonlyMap<string, GoalPose>;
+  readonly controls: ReadonlyMap<string, Control>;
+  /** The newest of a robot that streams. */
+  readonly frames: ReadonlyMap<string, Frame>;
+  /** By process: */
+  readonly services: ReadonlyMap<string, Service>;
+}
+
+/** Of these there is one. */
+export interface SingleState {
+  readonly session: Session | undefined;
+  readonly attention: Attention | undefined;
+  readonly presence: Presence | undefined;
+  readonly playback: Playback | undefined;
+}
+
+/**
+ * All that the page knows of the service, from its messages alone. Never changed: a message makes a new one, which shares what
+ * did not change, so that parts can be compared by identity. The values are the protocol's messages.
+ */
+export interface ConsoleState extends KeyedState, SingleState {
+  readonly welcome: Welcome | undefined;
+  /** For Hello: the run that the rest is of, and up to where it is complete. */
+  readonly run: string;
+  readonly sequence: bigint;
+  /** By robot, then by the number of the first cell. */
+  readonly trails: ReadonlyMap<string, ReadonlyMap<number, Trail>>;
+  /** By robot, oldest first; the newest `mostPictures`. */
+  readonly pictures: ReadonlyMap<string, readonly Picture[]>;
+  /** Oldest first. */
+  readonly alerts: readonly Alert[];
+  /** The command log, oldest first; the newest `mostEvents`. */
+  readonly events: readonly Event[];
+}
+
+export const mostPictures = 500;
+export const mostEvents = 1000;
+
+export const emptyState: ConsoleState = {
+  welcome: undefined,
+  run: "",
+  sequence: 0n,
+  session: undefined,
+  worlds: new Map(),
+  beliefs: new Map(),
+  truths: new Map(),
+  robots: new Map(),
+  seen: new Map(),
+  trails: new Map(),
+  plans: new Map(),
+  searches: new Map(),
+  predictions: new Map(),
+  guidance: new Map(),
+  goalPoses: new Map(),
+  pictures: new Map(),
+  attention: undefined,
+  controls: new Map(),
+  alerts: [],
+  events: [],
+  services: new Map(),
+  presence: undefined,
+  playback: undefined,
+  frames: new Map(),
+};

@@ -1,0 +1,22 @@
+/** How old what somebody tells is. Robots that were never heard of are lost. */
+export type Freshness = "live" | "stale" | "lost";
+
+/** s of wall time without news of a robot. */
+export const staleAfter = 1;
+export const lostAfter = 3;
+
+/** A stream's frame older than this is no live view any more. */
+export const frameStaleAfter = 1;
+
+/** s since `heardAt`, both wall time of the service; undefined while either is unknown. Clocks differ a little: never below 0. */
+export function ageOf(heardAt: number | undefined, now: number | undefined): number | undefined {
+  return heardAt === undefined || heardAt === 0 || now === undefined
+    ? undefined
+    : Math.max(0, now - heardAt);
+}
+
+export function freshnessOf(heardAt: number | undefined, now: number | undefined): Freshness {
+  const age = ageOf(heardAt, now);
+  if (age === undefined || age >= lostAfter) return "lost";
+  return age >= staleAfter ? "stale" : "live";
+}

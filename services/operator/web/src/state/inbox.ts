@@ -1,0 +1,38 @@
+import type { Clock } from "../connection/clock";
+import type { ServerMessage } from "../protocol/generated/console_pb";
+import type { Store } from "./store";
+
+/** s between two changes of what is shown: quicker than anybody sees, slower than many robots tell. */
+export const showPeriod = 0.03;
+
+/** Brings messages to the store: the first at once, those that follow quickly together. */
+export class Inbox {
+  #store: Store;
+  #clock: Clock;
+  #waiting: ServerMessage[] = [];
+  #resting = false;
+
+  constructor(store: Store, clock: Clock) {
+    this.#store = store;
+    this.#clock = clock;
+  }
+
+  receive(message: ServerMessage): void {
+    this.#waiting.push(message);
+    if (!this.#resting) this.#show();
+  }
+
+  /** Everything that came is in the store afterwards. */
+  empty(): void {
+    const messages = this.#waiting;
+    this.#waiting = [];
+    if (messages.length > 0) this.#store.receive(...messages);
+  }
+
+  #show(): void {
+    this.#resting = this.#waiting.length > 0;
+    if (!this.#resting) return;
+    this.empty();
+    this.#clock.after(showPeriod, () => this.#show());
+  }
+}

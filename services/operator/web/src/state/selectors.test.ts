@@ -1,0 +1,153 @@
+import { describe, expect, it } from "vitest";
+import { Mode, Role } from "../protocol/generated/console_pb";
+import { emptyState } from "./console_state";
+import { stateOf, type UpdateBody, welcomeMessage } from "./fixtures";
+import { ageOf, freshnessOf } from "./freshness";
+import { reduce } from "./reduce";
+import {
+  differenceOf,
+  holderOf,
+  nextItem,
+  placeOf,
+  robotNames,
+  unanswered,
+  waitsForStart,
+  whyNotCommand,
+} from "./selectors";
+
+const session = (...robots: string[]): UpdateBody => ({ case: "session", value: { robots } });
+const control = (robot: string, holder = "", stopped = false): UpdateBody => ({
+  case: "control",
+  value: { robot, holder, holderName: holder && `name of ${holder}`, stopped },
+});
+const items = (...all: [robot: string, selectedBy: string][]): UpdateBody => ({
+  case: "attention",
+  value: { items: all.map(([robot, selectedBy]) => ({ robot, selectedBy })) },
+});
+
+describe("freshness", () => {
+  it.each([
+    [0, "live"],
+    [0.9, "live"],
+    [1, "stale"],
+    [2.9, "stale"],
+    [3, "lost"],
+  ])("after %f s is %s", (age, expected) => {
+    expect(freshnessOf(100, 100 + age)).toBe(expected);
+  });
+
+  it("of what was never heard of is lost", () => {
+    expect(freshnessOf(undefined, 5)).toBe("lost");
+    expect(freshnessOf(0, 5)).toBe("lost");
+    expect(freshnessOf(5, undefined)).toBe("lost");
+  });
+
+  it("bears clocks that differ a little", () => {
+    expect(ageOf(10.1, 10)).toBe(0);
+  });
+});
+
+describe("robots", () => {
+  it("come in the order of the configuration, then by name", () => {
+    const robot = (name: string): UpdateBody => ({ case: "robot", value: { name } });
+    const state = stateOf(session("r2", "r1"), robot("r9"), robot("r1"), robot("r3"));
+    expect(robotNames(state)).toEqual(["r2", "r1", "r3", "r9"]);
+  });
+});
+
+describe("command", () => {
+  it("is anybody's while nobody has control", () => {
+    expect(whyNotCommand(stateOf(control("r1")), "r1")).toBeUndefined();
+    expect(whyNotCommand(stateOf(), "r1")).toBeUndefined();
+  });
+
+  it("is mine while I have control", () => {
+    expect(whyNotCommand(stateOf(control("r1", "me")), "r1")).toBeUndefined();
+    expect(holderOf(stateOf(control("r1", "me")), "r1").kind).toBe("me");
+  });
+
+  it("is not mine while another has control, and the name is told", () => {
+    expect(whyNotCommand(stateOf(control("r1", "you")), "r1")).toContain("name of you");
+  });
+
+  it("is no observer's, and nobody's in a recording or before the Welcome", () => {
+    const observer = reduce(emptyState, welcomeMessage({ role: Role.OBSERVER }));
+    const replay = reduce(emptyState, welcomeMessage({ mode: Mode.REPLAY }));
+    expect(whyNotCommand(observer, "r1")).toContain("observer");
+    expect(whyNotCommand(replay, "r1")).toContain("recording");
+    expect(whyNotCommand(emptyState, "r1")).toContain("not connected");
+  });
+});
+
+describe("the next item", () => {
+  it("is the first of the service's order", () => {
+    expect(nextItem(stateOf(items(["r2", ""], ["r1", ""])), "r1")?.robot).toBe("r2");
+  });
+
+  it("is the second when I already work on the first", () => {
+    expect(nextItem(stateOf(items(["r2", "me"], ["r1", ""])), "r2")?.robot).toBe("r1");
+  });
+
+  it("stays when there is no other", () => {
+    expect(nextItem(stateOf(items(["r2", "me"])), "r2")?.robot).toBe("r2");
+  });
+
+  it("leaves out what somebody else works on", () => {
+    expect(nextItem(stateOf(items(["r2", "you"], ["r1", ""])), undefined)?.robot).toBe("r1");
+    expect(nextItem(stateOf(items(["r2", "you"])), undefined)).toBeUndefined();
+  });
+});
+
+describe("pictures", () => {
+  const picture = (sequenceNumber: bigint, answer: number): UpdateBody => ({
+    case: "picture",
+    value: { robot: "r1", sequenceNumber, answer },
+  });
+
+  it("only the newest can be waiting", () => {
+    expect(unanswered(stateOf(picture(1n, 0), picture(2n, 0)), "r1")?.sequenceNumber).toBe(2n);
+    expect(unanswered(stateOf(picture(1n, 0), picture(2n, 1)), "r1")).toBeUndefined();
+    expect(unanswered(stateOf(), undefined)).toBeUndefined();
+  });
+
+  it("differ from the map in missing and wrong walls", () => {
+    const cells = { wallCells: [{ row: 0, column: 1 }], freeCells: [{ row: 1, column: 0 }] };
+    const state = stateOf(
+      { case: "picture", value: { robot: "r1", ...cells } },
+      { case: "belief", value: { world: "w1", walls: new Uint8Array([0, 127, 128, 0]) } },
+    );
+    const shown = state.pictures.get("r1")?.[0];
+    const belief = state.beliefs.get("w1");
+    if (!shown || !belief) throw new Error("no picture, or no map");
+    const { missing, wrong } = differenceOf(shown, belief, 2);
+    expect([missing, wrong]).toMatchObject([[{ row: 0, column: 1 }], [{ row: 1, column: 0 }]]);
+  });
+});
+
+describe("the start", () => {
+  it("waits while all robots stand and nobody has control", () => {
+    const all = [session("r1", "r2"), control("r1", "", true)];
+    expect(waitsForStart(stateOf(...all, control("r2", "", true)))).toBe(true);
+    expect(waitsForStart(stateOf(...all, control("r2", "", false)))).toBe(false);
+    expect(waitsForStart(stateOf(...all, control("r2", "you", true)))).toBe(false);
+    expect(waitsForStart(stateOf(...all))).toBe(false);
+    expect(waitsForStart(stateOf())).toBe(false);
+  });
+});
+
+describe("alerts", () => {
+  const alert = (value: Extract<UpdateBody, { case: "alert" }>["value"]) => {
+    const found = stateOf({ case: "alert", value }).alerts[0];
+    if (!found) throw new Error("no alert");
+    return placeOf(found, 100);
+  };
+
+  it("are active, shelved, acknowledged or over", () => {
+    expect(alert({ id: 1n, active: true })).toBe("active");
+    expect(alert({ id: 1n, active: false })).toBe("active");
+    expect(alert({ id: 1n, active: true, acknowledgedBy: "me" })).toBe("acknowledged");
+    expect(alert({ id: 1n, active: false, acknowledgedBy: "me" })).toBe("over");
+    expect(alert({ id: 1n, active: true, shelvedUntil: 101 })).toBe("shelved");
+    expect(alert({ id: 1n, active: true, shelvedUntil: 99 })).toBe("active");
+  });
+});

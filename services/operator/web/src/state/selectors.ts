@@ -1,0 +1,135 @@
+import type { CellAt } from "../protocol/cells";
+import { isWall } from "../protocol/cells";
+import {
+  type Alert,
+  type AttentionItem,
+  type Belief,
+  type Control,
+  Mode,
+  type Picture,
+  PictureAnswer,
+  Role,
+  type Trail,
+  type World,
+} from "../protocol/generated/console_pb";
+import type { ConsoleState } from "./console_state";
+
+/** In the order of the configuration; robots that it does not name come last. */
+export function robotNames(state: ConsoleState): readonly string[] {
+  const named = state.session?.robots ?? [];
+  const others = [...state.robots.keys()].filter((name) => !named.includes(name)).sort();
+  return [...named, ...others];
+}
+
+export function worldOf(state: ConsoleState, robot: string | undefined): World | undefined {
+  const name = state.robots.get(robot ?? "")?.world ?? state.session?.worlds[0];
+  return name === undefined ? state.worlds.values().next().value : state.worlds.get(name);
+}
+
+/** Only in supervision something can be commanded; observers watch. */
+export function mayCommand(state: ConsoleState): boolean {
+  const { welcome } = state;
+  return welcome !== undefined && welcome.role !== Role.OBSERVER && welcome.mode !== Mode.REPLAY;
+}
+
+/** Whoever is connected to a running session may stop robots. */
+export function mayStop({ welcome }: ConsoleState): boolean {
+  return welcome?.mode !== Mode.REPLAY;
+}
+
+export type Holder =
+  | { readonly kind: "nobody" }
+  | { readonly kind: "me"; readonly until: number }
+  | { readonly kind: "other"; readonly name: string; readonly reason: string };
+
+export function holderOf(state: ConsoleState, robot: string): Holder {
+  const control = state.controls.get(robot);
+  if (control === undefined || control.holder === "") return { kind: "nobody" };
+  if (control.holder === state.welcome?.client) return { kind: "me", until: control.heldUntil };
+  const name = control.holderName || control.holder;
+  return { kind: "other", name, reason: control.reason };
+}
+
+/** Why this page may not command `robot` now, in words; undefined = it may. */
+export function whyNotCommand(state: ConsoleState, robot: string): string | undefined {
+  if (state.welcome === undefined) return "not connected";
+  if (state.welcome.mode === Mode.REPLAY) return "this is a recording";
+  if (state.welcome.role === Role.OBSERVER) return "you are an observer";
+  const holder = holderOf(state, robot);
+  return holder.kind === "other" ? `${holder.name} has control of ${robot}` : undefined;
+}
+
+/** Picture of a robot: number `sequence`, or its newest. */
+export function pictureOf(
+  state: ConsoleState,
+  robot: string | undefined,
+  sequence?: bigint,
+): Picture | undefined {
+  const all = state.pictures.get(robot ?? "") ?? [];
+  return sequence === undefined
+    ? all.at(-1)
+    : all.find(({ sequenceNumber }) => sequenceNumber === sequence);
+}
+
+/** The robot's newest picture while it waits for an answer. */
+export function unanswered(state: ConsoleState, robot: string | undefined): Picture | undefined {
+  const newest = pictureOf(state, robot);
+  return newest?.answer === PictureAnswer.ANSWER_NONE ? newest : undefined;
+}
+
+/** The first item that nobody else works on, after `robot`'s own if that is first: N never stays where it is. */
+export function nextItem(
+  state: ConsoleState,
+  robot: string | undefined,
+): AttentionItem | undefined {
+  const me = state.welcome?.client ?? "";
+  const items = (state.attention?.items ?? []).filter(
+    ({ selectedBy }) => selectedBy === "" || selectedBy === me,
+  );
+  return items.find((item) => item.robot !== robot || item.selectedBy === "") ?? items[0];
+}
+
+export function itemsOf(state: ConsoleState, robot: string): readonly AttentionItem[] {
+  return (state.attention?.items ?? []).filter((item) => item.robot === robot);
+}
+
+/** All robots stand by command, and nobody has control: a session that has not begun. */
+export function waitsForStart(state: ConsoleState): boolean {
+  const controls = robotNames(state).map((name) => state.controls.get(name));
+  const idle = (control: Control | undefined) => control?.stopped === true && control.holder === "";
+  return controls.length > 0 && controls.every(idle) && mayCommand(state);
+}
+
+/** Cells in the order in which the robot entered them, of the pieces of its trail. */
+export function trailCells(trail: ReadonlyMap<number, Trail>): readonly CellAt[] {
+  const cells: CellAt[] = [];
+  for (const [first, piece] of [...trail].sort(([a], [b]) => a - b)) {
+    // A piece that was cut anew may overlap the one before.
+    cells.length = Math.min(first, cells.length);
+    cells.push(...piece.cells);
+  }
+  return cells;
+}
+
+export interface Difference {
+  /** Cells that a picture shows as walls and the map as free, and the other way round. */
+  readonly missing: readonly CellAt[];
+  readonly wrong: readonly CellAt[];
+}
+
+/** What a picture shows that the operator's map has otherwise. */
+export function differenceOf(picture: Picture, belief: Belief, columns: number): Difference {
+  return {
+    missing: picture.wallCells.filter((cell) => !isWall(belief.walls, cell, columns)),
+    wrong: picture.freeCells.filter((cell) => isWall(belief.walls, cell, columns)),
+  };
+}
+
+export type AlertPlace = "active" | "acknowledged" | "shelved" | "over";
+
+/** `now`: wall time of the service. */
+export function placeOf(alert: Alert, now: number): AlertPlace {
+  if (alert.shelvedUntil > now) return "shelved";
+  if (alert.acknowledgedBy !== "") return alert.active ? "acknowledged" : "over";
+  return "active";
+}

@@ -1,0 +1,43 @@
+import { describe, expect, it } from "vitest";
+import { defaultLayers } from "../map/map_props";
+import { defaultSettings, readSettings, writeSettings } from "./settings";
+
+function storage(kept?: string) {
+  let text = kept;
+  return {
+    getItem: () => text ?? null,
+    setItem: (_key: string, value: string) => {
+      text = value;
+    },
+  };
+}
+
+describe("settings", () => {
+  it("come back as they were written", () => {
+    const place = storage();
+    const layers = { ...defaultLayers, search: !defaultLayers.search };
+    const settings = { layers, theme: "light", workload: true, events: true } as const;
+    writeSettings(place, settings);
+    expect(readSettings(place)).toEqual(settings);
+  });
+
+  it.each([
+    undefined,
+    "",
+    "no JSON",
+    "null",
+    "[]",
+    '{"theme": 3, "layers": {"plan": "x"}}',
+  ])("are the defaults for %s", (kept) => {
+    expect(readSettings(storage(kept))).toEqual(defaultSettings);
+  });
+
+  it("survive a storage that is full", () => {
+    const full = {
+      setItem: () => {
+        throw new Error("full");
+      },
+    };
+    expect(() => writeSettings(full, defaultSettings)).not.toThrow();
+  });
+});

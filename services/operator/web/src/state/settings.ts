@@ -1,0 +1,63 @@
+import { defaultLayers, type LayerName, type Layers, layerNames } from "../map/map_props";
+
+export type Theme = "system" | "dark" | "light";
+
+/** How a person likes to see things; kept in the browser. */
+export interface Settings {
+  readonly layers: Layers;
+  readonly theme: Theme;
+  /** Panels that are open. */
+  readonly workload: boolean;
+  readonly events: boolean;
+}
+
+export const defaultSettings: Settings = {
+  layers: defaultLayers,
+  theme: "system",
+  workload: false,
+  events: false,
+};
+
+const key = "conav.settings";
+
+export function readSettings(storage: Pick<Storage, "getItem">): Settings {
+  try {
+    return toSettings(JSON.parse(storage.getItem(key) ?? "{}"));
+  } catch {
+    return defaultSettings;
+  }
+}
+
+export function writeSettings(storage: Pick<Storage, "setItem">, settings: Settings): void {
+  try {
+    storage.setItem(key, JSON.stringify(settings));
+  } catch {
+    // A full or forbidden storage costs the memory of the settings, nothing else.
+  }
+}
+
+function toSettings(value: unknown): Settings {
+  const theme = member(value, "theme");
+  return {
+    layers: toLayers(member(value, "layers")),
+    theme: theme === "dark" || theme === "light" ? theme : "system",
+    workload: member(value, "workload") === true,
+    events: member(value, "events") === true,
+  };
+}
+
+/** A layer that was not kept, perhaps because it is new, is as by default. */
+function toLayers(value: unknown): Layers {
+  const layers: Record<LayerName, boolean> = { ...defaultLayers };
+  for (const name of layerNames) {
+    const kept = member(value, name);
+    if (typeof kept === "boolean") layers[name] = kept;
+  }
+  return layers;
+}
+
+function member(value: unknown, name: string): unknown {
+  return typeof value === "object" && value !== null
+    ? Object.entries(value).find(([other]) => other === name)?.[1]
+    : undefined;
+}

@@ -1,0 +1,111 @@
+import { computed, type ReadonlySignal, type Signal, signal } from "@preact/signals";
+import type { Link } from "../connection/connection";
+import type { Timing } from "../connection/timing";
+import type { Tool } from "../map/map_props";
+import type { CellAt } from "../protocol/cells";
+import type { Picture, ServerMessage } from "../protocol/generated/console_pb";
+import { type ConsoleState, emptyState } from "./console_state";
+import { reduce } from "./reduce";
+import { pictureOf, robotNames } from "./selectors";
+import type { Settings } from "./settings";
+
+/** Something that the person should read, and that goes by itself. */
+export interface Notice {
+  readonly id: number;
+  readonly text: string;
+  readonly kind: "info" | "problem";
+  /** Page time. */
+  readonly until: number;
+}
+
+export interface TakeOver {
+  readonly robots: readonly string[];
+  readonly from: readonly string[];
+}
+
+export type Dialog =
+  | { readonly kind: "help" }
+  | { readonly kind: "start" }
+  | { readonly kind: "take over"; readonly takeOver: TakeOver };
+
+export interface Focus {
+  readonly cell: CellAt;
+  readonly counter: number;
+}
+
+/** What the page shows, as signals: the state that the service told, and what the person does with the page itself. */
+export interface Store {
+  readonly state: ReadonlySignal<ConsoleState>;
+  readonly link: Signal<Link>;
+  readonly timing: Signal<Timing>;
+  /** Wall time of the service; moves on four times a second. */
+  readonly now: Signal<number | undefined>;
+  readonly settings: Signal<Settings>;
+  readonly tool: Signal<Tool>;
+  readonly chosenRobot: Signal<string | undefined>;
+  /** Number of the chosen robot's picture; undefined = its newest. */
+  readonly chosenSequence: Signal<bigint | undefined>;
+  readonly chosenPicture: ReadonlySignal<Picture | undefined>;
+  readonly robots: ReadonlySignal<readonly string[]>;
+  readonly focus: Signal<Focus | undefined>;
+  readonly notices: Signal<readonly Notice[]>;
+  /** How often the person turned to an item of the queue. */
+  readonly turns: Signal<number>;
+  /** Requests without a reply. */
+  readonly pending: Signal<number>;
+  readonly dialog: Signal<Dialog | undefined>;
+  /** To play on with after a pause. */
+  readonly replaySpeed: Signal<number>;
+  receive(...messages: ServerMessage[]): void;
+  choose(robot: string | undefined): void;
+  centre(cell: CellAt | undefined): void;
+}
+
+export function createStore(settings: Settings): Store {
+  const state = signal(emptyState);
+  const chosenRobot = signal<string | undefined>(undefined);
+  const chosenSequence = signal<bigint | undefined>(undefined);
+  const focus = signal<Focus | undefined>(undefined);
+  const robots = sameNames(computed(() => robotNames(state.value)));
+  const store: Store = {
+    state,
+    link: signal<Link>({ state: "connecting" }),
+    timing: signal<Timing>({ roundTrip: undefined, clockOffset: undefined }),
+    now: signal<number | undefined>(undefined),
+    settings: signal(settings),
+    tool: signal<Tool>("look"),
+    chosenRobot,
+    chosenSequence,
+    chosenPicture: computed(() => pictureOf(state.value, chosenRobot.value, chosenSequence.value)),
+    robots,
+    focus,
+    notices: signal<readonly Notice[]>([]),
+    turns: signal(0),
+    pending: signal(0),
+    dialog: signal<Dialog | undefined>(undefined),
+    replaySpeed: signal(1),
+    receive: (...messages) => {
+      state.value = messages.reduce(reduce, state.value);
+      // The selection never changes by itself, but somebody who chose nothing yet gets the first robot.
+      if (chosenRobot.value === undefined) chosenRobot.value = robots.value[0];
+    },
+    choose: (robot) => {
+      if (robot !== chosenRobot.value) chosenSequence.value = undefined;
+      chosenRobot.value = robot;
+    },
+    centre: (cell) => {
+      if (cell) focus.value = { cell, counter: (focus.value?.counter ?? 0) + 1 };
+    },
+  };
+  return store;
+}
+
+/** Changes only when a name does, not with every message. */
+function sameNames(names: ReadonlySignal<readonly string[]>): ReadonlySignal<readonly string[]> {
+  let kept: readonly string[] = [];
+  return computed(() => {
+    const now = names.value;
+    if (now.length !== kept.length || now.some((name, i) => name !== kept[i])) kept = now;
+    return kept;
+  });
+}
