@@ -67,6 +67,9 @@ struct DemoOptions {
 
   double effective_speed() const { return speed.value_or(headless ? 0.0 : 4.0); }
   int console_port() const { return console.value_or(headless ? -1 : 8080); }
+  /// Whoever opens the console's page lets the robots go, and may guide them instead of the
+  /// simulated operator.
+  bool waits_for_operator() const { return console_port() >= 0 && !headless; }
   std::uint64_t world_seed() const { return maze_seed.value_or(seed); }
   int total_robots() const { return robots * worlds; }
   /// None where the planner asks its own model.

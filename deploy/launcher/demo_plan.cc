@@ -109,6 +109,7 @@ std::string OperatorYaml(const Setting& setting) {
   config.database = (setting.run.state() / "operator.db").string();
   config.recording = Recording(setting);
   config.console.port = setting.options.console_port();
+  config.control.start_stopped = setting.options.waits_for_operator();
   return DumpConfig("operator", config);
 }
 
