@@ -28,9 +28,9 @@ export function App({ console, announcer }: { console: Console; announcer: Annou
       <a class="skip" href="#map">
         To the map
       </a>
-      <h1 class="unseen">conav console</h1>
       <div class="console">
         <header class="top">
+          <h1 class="unseen">conav console</h1>
           <FleetStrip />
           <ControlBar />
         </header>

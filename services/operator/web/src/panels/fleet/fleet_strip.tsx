@@ -5,12 +5,19 @@ import { duration } from "../format";
 import { type FleetRow, fleetRow } from "./fleet_row";
 import "./fleet.css";
 
+/** More robots than these get small cards, so that all are in sight. */
+const mostLarge = 8;
+
 /** Every robot at a glance: how fresh its state is, goals, whether it waits for the operator. */
 export function FleetStrip() {
   const { store } = useConsole();
   const names = store.robots.value;
   return (
-    <nav class="fleet" aria-label="Robots" data-tour="fleet">
+    <nav
+      class={`fleet ${names.length > mostLarge ? "compact" : ""}`}
+      aria-label="Robots"
+      data-tour="fleet"
+    >
       {names.length === 0 && <p class="quiet">No robot was heard of yet.</p>}
       <ul>
         {names.map((name) => (
@@ -31,7 +38,7 @@ function FleetCard({ name }: { name: string }) {
         type="button"
         class="choose"
         aria-pressed={chosen}
-        title={whoControls(row)}
+        title={`${doing(row)}\n${whoControls(row)}`}
         onClick={() => actions.goTo(name)}
       >
         <span class="row">
@@ -42,6 +49,9 @@ function FleetCard({ name }: { name: string }) {
             ⚑ {row.goalsReached}/{row.goalsTotal}
           </span>
         </span>
+        <span class="sign" aria-hidden="true">
+          {row.wait ? "!" : row.stopped ? "■" : ""}
+        </span>
         <span class="doing">{doing(row)}</span>
       </button>
       {mayStop(store.state.value) && <StopOrGo row={row} />}
@@ -50,13 +60,17 @@ function FleetCard({ name }: { name: string }) {
 }
 
 function FreshnessBadge({ row: { freshness, age } }: { row: FleetRow }) {
-  const words = { live: "● live", stale: "◐ stale", lost: "○ lost" };
+  const signs = { live: "●", stale: "◐", lost: "○" };
   const kind = { live: "good", stale: "warn", lost: "bad" };
   const old = freshness === "live" || age === undefined ? "" : ` ${duration(age)}`;
   return (
     <span class={kind[freshness]}>
-      {words[freshness]}
-      {old}
+      {signs[freshness]}
+      <span class="word">
+        {" "}
+        {freshness}
+        {old}
+      </span>
     </span>
   );
 }

@@ -30,6 +30,7 @@ export function LatencyStrip() {
       {store.pending.value > 0 && (
         <Item name="On the way">{count(store.pending.value, "request")}</Item>
       )}
+      {state.session?.method && <Item name="Method">{state.session.method}</Item>}
       <Services />
       <People />
       <PageButtons />

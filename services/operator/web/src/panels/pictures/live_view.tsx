@@ -15,7 +15,7 @@ export function LiveView({ robot }: { robot: string }) {
   const age = ageOf(frame?.heardAt, store.now.value);
   const old = age === undefined || age > frameStaleAfter;
   return (
-    <figure class={`live ${old ? "old" : ""}`}>
+    <figure class={`live-view ${old ? "old" : ""}`}>
       <canvas ref={canvas} role="img" aria-label={`Live view of ${robot}`} />
       <figcaption class={old ? "bad" : "good"}>{caption(age, old)}</figcaption>
       {frame !== undefined && frame.skipped > 0n && (
