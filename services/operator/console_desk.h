@@ -13,6 +13,7 @@
 #include "common/protocol/supervision.h"
 #include "common/runtime/clock.h"
 #include "common/service/diagnostics.h"
+#include "operator/alert_desk.h"
 #include "operator/config.h"
 #include "operator/console/console_state.h"
 #include "operator/control/control_desk.h"
@@ -38,6 +39,7 @@ class ConsoleDesk {
   void Hear(const Guidance& guidance);
   void Hear(const AttentionQueueState& queue);
   void Hear(const ControlDesk& control);
+  void Hear(const Alert& alert);
   /// "Nothing new here", by `client`; before the guidance that it made of it.
   void Hear(const AnswerRequest& answer, const std::string& client);
   /// What was decided about a request, for the command log.
@@ -56,6 +58,9 @@ class ConsoleDesk {
   std::vector<std::string> TakeGone();
   /// After everything that one step brought.
   void Publish(const Health& health);
+
+  /// How the other processes are, as they said last.
+  std::vector<ServiceStatus> services() const;
 
   std::string url() const { return gateway_->url(); }
 

@@ -54,6 +54,7 @@ BeliefStore::BeliefStore(const BeliefStoreOptions& options)
   beliefs_ = OrStartupError(file_, LoadBeliefs(database_));
   guidance_ = OrStartupError(file_, LoadGuidance(database_));
   holds_ = OrStartupError(file_, LoadHolds(database_));
+  alerts_ = OrStartupError(file_, LoadAlerts(database_));
 }
 
 Result<bool> BeliefStore::AddWorld(const std::string& world, const BeliefGrid& initial,
@@ -107,17 +108,30 @@ std::optional<BeliefStore::Answer> BeliefStore::FindRepeat(const OperatorRequest
 }
 
 BeliefStore::Answer BeliefStore::Keep(const OperatorRequest& request,
-                                      const std::vector<HoldOrder>& orders) {
+                                      const std::vector<HoldOrder>& orders,
+                                      const std::vector<Alert>& alerts) {
   const OperatorReply reply = Accepted(request, 0);
   const auto saved = database_.Transaction([&]() -> Result<void> {
     for (const HoldOrder& order : orders) {
       if (auto hold_saved = SaveHold(database_, order); !hold_saved) return hold_saved;
+    }
+    for (const Alert& alert : alerts) {
+      if (auto alert_saved = SaveAlert(database_, alert); !alert_saved) return alert_saved;
     }
     return SaveRequest(database_, request, reply);
   });
   if (!saved) return StorageFailure(request, saved.error(), 0);
   for (const HoldOrder& order : orders) holds_[order.robot] = order;
   return {reply, true};
+}
+
+Result<void> BeliefStore::SaveAlerts(const std::vector<Alert>& alerts) {
+  return database_.Transaction([&]() -> Result<void> {
+    for (const Alert& alert : alerts) {
+      if (auto saved = SaveAlert(database_, alert); !saved) return saved;
+    }
+    return {};
+  });
 }
 
 BeliefStore::Answer BeliefStore::Handle(const OperatorRequest& request, SimTime now) {

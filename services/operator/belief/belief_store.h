@@ -8,6 +8,7 @@
 
 #include "common/protocol/supervision.h"
 #include "common/runtime/result.h"
+#include "operator/alerts/alert.h"
 #include "operator/belief/belief_rules.h"
 #include "operator/belief/database.h"
 
@@ -58,8 +59,12 @@ class BeliefStore {
 
   /// The reply that a request with this client and id got before; nothing when it is new.
   std::optional<Answer> FindRepeat(const OperatorRequest& request);
-  /// Stores a request that was decided elsewhere and is new, with the orders that it leads to.
-  Answer Keep(const OperatorRequest& request, const std::vector<HoldOrder>& orders);
+  /// Stores a request that was decided elsewhere and is new, with what it leads to.
+  Answer Keep(const OperatorRequest& request, const std::vector<HoldOrder>& orders,
+              const std::vector<Alert>& alerts = {});
+  [[nodiscard]] Result<void> SaveAlerts(const std::vector<Alert>& alerts);
+  /// Those of before; none of them is active.
+  const std::vector<Alert>& alerts() const { return alerts_; }
   const std::map<std::string, HoldOrder>& holds() const { return holds_; }
 
   /// Null when unknown. Valid until the next call that is not const.
@@ -88,6 +93,7 @@ class BeliefStore {
   std::map<std::string, Belief> beliefs_;      // by world
   std::map<std::string, Guidance> guidance_;   // by robot
   std::map<std::string, HoldOrder> holds_;     // by robot
+  std::vector<Alert> alerts_;                  // at the start
   std::map<std::string, std::string> worlds_;  // of each robot
 };
 

@@ -33,7 +33,11 @@ constexpr const char* kFirstTables[] = {
 constexpr const char* kSecondTables[] = {
     "CREATE TABLE holds (robot TEXT PRIMARY KEY, world TEXT NOT NULL, revision INTEGER NOT NULL, "
     "stamp_ns INTEGER NOT NULL, stopped INTEGER NOT NULL, given_by TEXT NOT NULL, reason TEXT NOT "
-    "NULL)"};
+    "NULL)",
+    "CREATE TABLE alerts (id INTEGER PRIMARY KEY, key TEXT NOT NULL, severity INTEGER NOT NULL, "
+    "source TEXT NOT NULL, text TEXT NOT NULL, advice TEXT NOT NULL, raised_s REAL NOT NULL, "
+    "newest_s REAL NOT NULL, count INTEGER NOT NULL, acknowledged_by TEXT NOT NULL, "
+    "acknowledged_s REAL NOT NULL, shelved_until_s REAL NOT NULL)"};
 
 std::int64_t Signed(std::uint64_t value) { return static_cast<std::int64_t>(value); }
 std::uint64_t Unsigned(const Database::Value& value) {
@@ -93,6 +97,24 @@ Guidance GuidanceFromRow(const Database::Row& row) {
   guidance.answers_snapshot = Unsigned(row[7]);
   guidance.valid_until = {Integer(row[8])};
   return guidance;
+}
+
+double Real(const Database::Value& value) { return std::get<double>(value); }
+
+/// Not `active`: that is for the service to see.
+Alert AlertFromRow(const Database::Row& row) {
+  Alert alert;
+  alert.id = Unsigned(row[0]);
+  alert.condition = {Text(row[1]), static_cast<Severity>(Integer(row[2])), Text(row[3]),
+                     Text(row[4]), Text(row[5])};
+  alert.raised_s = Real(row[6]);
+  alert.newest_s = Real(row[7]);
+  alert.count = static_cast<std::uint32_t>(Integer(row[8]));
+  alert.active = false;
+  alert.acknowledged_by = Text(row[9]);
+  alert.acknowledged_s = Real(row[10]);
+  alert.shelved_until_s = Real(row[11]);
+  return alert;
 }
 
 /// A row of a type or a text that we did not write: std::get and the JSON parser throw on it.
@@ -257,6 +279,20 @@ Result<std::map<std::string, HoldOrder>> LoadHolds(Database& database) {
   return holds;
 }
 
+Result<std::vector<Alert>> LoadAlerts(Database& database) {
+  const auto rows = database.Query(
+      "SELECT id, key, severity, source, text, advice, raised_s, newest_s, count, acknowledged_by, "
+      "acknowledged_s, shelved_until_s FROM alerts ORDER BY id");
+  if (!rows) return tl::unexpected(rows.error());
+  std::vector<Alert> alerts;
+  for (const Database::Row& row : *rows) {
+    auto alert = ReadRow("alerts", row, [](const auto& r) { return AlertFromRow(r); });
+    if (!alert) return tl::unexpected(alert.error());
+    alerts.push_back(*std::move(alert));
+  }
+  return alerts;
+}
+
 Result<std::optional<BeliefGrid>> LoadInitialMap(Database& database, const std::string& world) {
   const auto rows = database.Query(
       "SELECT rows, columns, cells FROM beliefs WHERE world = ? AND revision = 0", {world});
@@ -290,6 +326,16 @@ Result<void> SaveHold(Database& database, const HoldOrder& hold) {
   return database.Execute("INSERT OR REPLACE INTO holds VALUES (?, ?, ?, ?, ?, ?, ?)",
                           {hold.robot, hold.world, Signed(hold.revision), hold.stamp.nanoseconds,
                            std::int64_t{hold.stopped}, hold.given_by, hold.reason});
+}
+
+Result<void> SaveAlert(Database& database, const Alert& alert) {
+  const Condition& condition = alert.condition;
+  return database.Execute(
+      "INSERT OR REPLACE INTO alerts VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+      {Signed(alert.id), condition.key, static_cast<std::int64_t>(condition.severity),
+       condition.source, condition.text, condition.advice, alert.raised_s, alert.newest_s,
+       std::int64_t{alert.count}, alert.acknowledged_by, alert.acknowledged_s,
+       alert.shelved_until_s});
 }
 
 Result<void> SaveRequest(Database& database, const OperatorRequest& request,

@@ -3,9 +3,11 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/protocol/supervision.h"
 #include "common/runtime/result.h"
+#include "operator/alerts/alert.h"
 #include "operator/belief/database.h"
 
 /// The tables of the operator's database, and the values that go into them.
@@ -16,6 +18,8 @@
 ///     the newest of each robot
 ///   holds(robot, world, revision, stamp_ns, stopped, given_by, reason)
 ///     the newest of each robot that was ever stopped
+///   alerts(id, key, severity, source, text, advice, raised_s, newest_s, count, ...)
+///     all of them
 ///   requests(client, request_id, stamp_ns, world, body, accepted, reason, revision)
 ///     all of them
 ///
@@ -46,6 +50,9 @@ std::string RequestBody(const OperatorRequest& request);
 /// By robot.
 [[nodiscard]] Result<std::map<std::string, HoldOrder>> LoadHolds(Database& database);
 
+/// By id.
+[[nodiscard]] Result<std::vector<Alert>> LoadAlerts(Database& database);
+
 /// The initial map of `world`; nothing when the world is not known.
 [[nodiscard]] Result<std::optional<BeliefGrid>> LoadInitialMap(Database& database,
                                                                const std::string& world);
@@ -53,6 +60,7 @@ std::string RequestBody(const OperatorRequest& request);
 [[nodiscard]] Result<void> SaveBelief(Database& database, const Belief& belief);
 [[nodiscard]] Result<void> SaveGuidance(Database& database, const Guidance& guidance);
 [[nodiscard]] Result<void> SaveHold(Database& database, const HoldOrder& hold);
+[[nodiscard]] Result<void> SaveAlert(Database& database, const Alert& alert);
 [[nodiscard]] Result<void> SaveRequest(Database& database, const OperatorRequest& request,
                                        const OperatorReply& reply);
 

@@ -197,6 +197,23 @@ console::Event EventOf(const OperatorRequest& request, const OperatorReply& repl
   return event;
 }
 
+console::Alert ToConsole(const Alert& alert) {
+  console::Alert message;
+  message.set_id(alert.id);
+  message.set_severity(static_cast<console::Severity>(alert.condition.severity));
+  message.set_source(alert.condition.source);
+  message.set_text(alert.condition.text);
+  message.set_advice(alert.condition.advice);
+  message.set_raised(alert.raised_s);
+  message.set_newest(alert.newest_s);
+  message.set_count(alert.count);
+  message.set_active(alert.active);
+  message.set_acknowledged_by(alert.acknowledged_by);
+  message.set_acknowledged(alert.acknowledged_s);
+  message.set_shelved_until(alert.shelved_until_s);
+  return message;
+}
+
 namespace {
 
 console::AttentionItem ToConsole(const AttentionItem& item) {

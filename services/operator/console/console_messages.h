@@ -7,6 +7,7 @@
 #include "common/protocol/robot.h"
 #include "common/protocol/supervision.h"
 #include "console.pb.h"
+#include "operator/alerts/alert.h"
 
 /// Domain values as idl/console.proto has them. `heard_at_s`: wall time of the service, s since 1970.
 namespace conav::operators {
@@ -25,6 +26,7 @@ console::Picture ToConsole(const Picture& picture, double heard_at_s);
 console::Search ToConsole(const SearchReport& report);
 /// A line of the command log, without its id and times.
 console::Event EventOf(const OperatorRequest& request, const OperatorReply& reply);
+console::Alert ToConsole(const Alert& alert);
 console::Attention ToConsole(const AttentionQueueState& queue);
 
 }  // namespace conav::operators

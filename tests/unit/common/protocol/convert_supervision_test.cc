@@ -20,6 +20,8 @@ TEST_CASE("The operator's values survive the wire", "[protocol][convert]") {
   CheckRoundTrip(SampleGuide());
   CheckRoundTrip(SampleDrive());
   CheckRoundTrip(SampleDriveOrder());
+  CheckRoundTrip(SampleHold());
+  for (const OperatorRequest& request : SampleControlRequests()) CheckRoundTrip(request);
   CheckRoundTrip(SampleReply());
   CheckRoundTrip(SampleSelect());
   CheckRoundTrip(SampleAttention());
@@ -79,7 +81,7 @@ TEST_CASE("A malformed guidance is refused", "[protocol][convert]") {
 
 TEST_CASE("A malformed operator request is refused", "[protocol][convert]") {
   CheckRefused(
-      SampleEdit(), [](RequestMessage& m) { m.kind(5); }, "kind = 5 is not in [1, 4]");
+      SampleEdit(), [](RequestMessage& m) { m.kind(12); }, "kind = 12 is not in [1, 11]");
   CheckRefused(
       SampleSelect(), [](RequestMessage& m) { m.robot(""); }, "robot is empty");
   CheckRefused(
@@ -124,6 +126,35 @@ TEST_CASE("A malformed low-level action is refused", "[protocol][convert]") {
       "sequence_number = 0 is below 1");
   CheckRefused(
       SampleDriveOrder(), [](OrderMessage& m) { m.world(""); }, "world is empty");
+}
+
+TEST_CASE("A stop of all robots names no world; an edit does", "[protocol][convert]") {
+  CheckRoundTrip(OperatorRequest{Stamp(8), "browser-1", 7, "", StopRequest{{}, ""}});
+  CheckRefused(
+      SampleEdit(), [](RequestMessage& m) { m.world(""); }, "world is empty");
+}
+
+TEST_CASE("A malformed control request or hold order is refused", "[protocol][convert]") {
+  const auto samples = SampleControlRequests();
+  CheckRefused(
+      samples[0], [](RequestMessage& m) { m.answers_snapshot(0); },
+      "answers_snapshot = 0 is below 1");
+  CheckRefused(
+      samples[1], [](RequestMessage& m) { m.robots()[1] = "r 2"; },
+      "robots[1] = 'r 2' has a character outside of [A-Za-z0-9_]");
+  CheckRefused(
+      samples[1], [](RequestMessage& m) { m.robots().resize(5000, "r1"); },
+      "robots has size 5000, more than 4096");
+  CheckRefused(
+      samples[6], [](RequestMessage& m) { m.duration(0.0); }, "duration = 0 is not above 0");
+  CheckRefused(
+      samples[6], [](RequestMessage& m) { m.duration(NAN); },
+      "duration = nan is not finite");
+  using HoldMessage = conav_msgs::msg::HoldOrder;
+  CheckRefused(
+      SampleHold(), [](HoldMessage& m) { m.revision(0); }, "revision = 0 is below 1");
+  CheckRefused(
+      SampleHold(), [](HoldMessage& m) { m.robot(""); }, "robot is empty");
 }
 
 TEST_CASE("A malformed reply or attention request is refused", "[protocol][convert]") {

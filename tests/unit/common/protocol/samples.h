@@ -118,6 +118,24 @@ inline OperatorRequest SampleSelect() {
   return {Stamp(8), "browser-1", 6, "w1", SelectRequest{"r3", AttentionReason::kNoGuidance}};
 }
 
+inline HoldOrder SampleHold() {
+  return {Stamp(7), "w1", "r1", 3, true, "browser-1", "a person walks there"};
+}
+
+/// A request of each kind that names robots or an alert.
+inline std::vector<OperatorRequest> SampleControlRequests() {
+  const auto request = [](auto body) {
+    return OperatorRequest{Stamp(8), "browser-1", 7, "w1", std::move(body)};
+  };
+  return {request(AnswerRequest{"r2", 5}),
+          request(StopRequest{{"r1", "r2"}, "a person walks there"}),
+          request(GoRequest{{"r2"}}),
+          request(TakeControlRequest{{"r1"}, "shift change"}),
+          request(ReleaseControlRequest{{"r1", "r2"}}),
+          request(AcknowledgeRequest{9}),
+          request(ShelveRequest{9, 60.0})};
+}
+
 inline AttentionQueueState SampleQueue() {
   const AttentionItem item{.world = "w1",
                            .robot = "r2",

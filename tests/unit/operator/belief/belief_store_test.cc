@@ -113,6 +113,69 @@ TEST_CASE("A repeated request gets the same reply and changes nothing, also afte
   CHECK(reopened.FindGuidance("r1")->revision == 1);
 }
 
+TEST_CASE("Nothing new: the path stays and answers the picture, once", "[operator][belief]") {
+  const TemporaryFolder folder;
+  BeliefStore store = OpenStore(folder / "operator.db");
+  REQUIRE(store.Handle(Guide(1, {{1, 1}, {1, 2}}), {3}).reply.accepted);
+  const OperatorRequest nothing_new{{2}, "ben", 1, "w1", AnswerRequest{"r1", 7}};
+  REQUIRE(store.Handle(nothing_new, {4}).changed);
+  const Guidance& guidance = *store.FindGuidance("r1");
+  CHECK(guidance.path == std::vector<Cell>{{1, 1}, {1, 2}});
+  CHECK(guidance.answers_snapshot == 7);
+  CHECK(guidance.revision == 2);
+  CHECK(guidance.given_by == "ben");
+  CHECK(guidance.valid_until == SimTime{3} + std::chrono::seconds(30));
+
+  const auto again = store.Handle({{2}, "ben", 2, "w1", AnswerRequest{"r1", 7}}, {5});
+  CHECK_FALSE(again.reply.accepted);
+  CHECK(again.reply.reason == "picture 7 of r1 was answered before");
+  CHECK_FALSE(store.Handle({{2}, "ben", 3, "w1", AnswerRequest{"r9", 7}}, {5}).reply.accepted);
+}
+
+TEST_CASE("Nothing new is an answer also where no path was ever drawn", "[operator][belief]") {
+  const TemporaryFolder folder;
+  BeliefStore store = OpenStore(folder / "operator.db");
+  REQUIRE(store.Handle({{2}, "ben", 1, "w1", AnswerRequest{"r1", 1}}, {4}).changed);
+  CHECK(store.FindGuidance("r1")->path.empty());
+  CHECK(store.FindGuidance("r1")->answers_snapshot == 1);
+}
+
+TEST_CASE("What was decided elsewhere is kept with its orders, and its repeat is known",
+          "[operator][belief]") {
+  const TemporaryFolder folder;
+  const OperatorRequest stop{{2}, "anna", 1, "", StopRequest{{"r1"}, "look"}};
+  const HoldOrder order{{2}, "w1", "r1", 1, true, "anna", "look"};
+  {
+    BeliefStore store = OpenStore(folder / "operator.db");
+    CHECK_FALSE(store.FindRepeat(stop));
+    REQUIRE(store.Keep(stop, {order}).changed);
+  }
+  BeliefStore reopened = OpenStore(folder / "operator.db");
+  CHECK(reopened.holds() == std::map<std::string, HoldOrder>{{"r1", order}});
+  REQUIRE(reopened.FindRepeat(stop));
+  CHECK(reopened.FindRepeat(stop)->reply.accepted);
+  CHECK_FALSE(reopened.FindRepeat(stop)->changed);
+  const OperatorRequest other{{2}, "anna", 1, "", StopRequest{{"r2"}, "look"}};
+  CHECK_FALSE(reopened.FindRepeat(other)->reply.accepted);
+}
+
+TEST_CASE("A database of the first version goes on with what it holds", "[operator][belief]") {
+  const TemporaryFolder folder;
+  {
+    BeliefStore store = OpenStore(folder / "operator.db");
+    REQUIRE(store.Handle(Edit(1, 0, {1, 1}, true), {3}).reply.accepted);
+  }
+  {
+    auto database = Database::Open({folder / "operator.db"});
+    REQUIRE(database);
+    REQUIRE(database->Execute("DROP TABLE holds"));
+    REQUIRE(database->Execute("PRAGMA user_version = 1"));
+  }
+  BeliefStore store = OpenStore(folder / "operator.db");
+  CHECK(store.FindBelief("w1")->revision == 1);
+  CHECK(store.Keep({{2}, "anna", 2, "", GoRequest{}}, {}).changed);
+}
+
 TEST_CASE("A refusal is repeated as it was, even when the request would be right by now",
           "[operator][belief]") {
   const TemporaryFolder folder;

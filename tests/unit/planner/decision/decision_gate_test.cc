@@ -165,3 +165,15 @@ TEST_CASE("a robot that waits for no operator is held by inputs of different wor
   inputs.state->cell = {9, 9};
   CHECK(CheckFresh(inputs, 0, 0, AwaitedInput::kNothing) == Hold::kInconsistent);
 }
+
+TEST_CASE("a stopped robot is held, but may still be given up once it stands", "[planner][gate]") {
+  RobotInputs inputs = CompleteInputs();
+  inputs.hold = HoldOrder{.stopped = true};
+  CHECK(CheckFresh(inputs) == Hold::kStopped);
+  inputs.lease.state = Lease::State::kReleasing;
+  CHECK(CheckFresh(inputs) == Hold::kRelease);
+  inputs.state->command_outcome = CommandOutcome::kRunning;
+  CHECK(CheckFresh(inputs) == Hold::kStopped);
+  inputs.lease.state = Lease::State::kNone;
+  CHECK(CheckFresh(inputs) == Hold::kNoLease);
+}

@@ -228,3 +228,55 @@ TEST_CASE("with timeouts in simulation time the wall clock ends no waiting", "[p
   bench.Step();
   CHECK(bench.method->seen.size() == 1);
 }
+
+namespace {
+
+HoldOrder HoldOf(std::uint64_t revision, bool stopped) {
+  return {{1000}, "w1", "r1", revision, stopped, "anna", "look"};
+}
+
+}  // namespace
+
+TEST_CASE("a robot that is stopped ends its command at once and stands until it is let go",
+          "[planner][worker]") {
+  WorkerBench bench;
+  bench.PutAll();
+  bench.Step();
+  REQUIRE(bench.commands.size() == 1);
+  bench.Report(CommandOutcome::kRunning);
+  bench.board.Put(HoldOf(1, true));
+  bench.Step();
+  REQUIRE(bench.commands.size() == 2);
+  CHECK(bench.commands[1].kind == CommandKind::kStop);
+  bench.Step();
+  CHECK(bench.commands.size() == 2);
+  bench.Report(CommandOutcome::kDone);
+  bench.Step();
+  CHECK(bench.commands.size() == 2);
+  CHECK(bench.board.HoldOf("r1") == "whoever stopped it to let it go");
+  bench.board.Put(HoldOf(2, false));
+  bench.Step();
+  REQUIRE(bench.commands.size() == 3);
+  CHECK(bench.commands[2].kind == CommandKind::kMove);
+}
+
+TEST_CASE("a robot that is stopped before it moves gets no command at all", "[planner][worker]") {
+  WorkerBench bench;
+  bench.board.Put(HoldOf(1, true));
+  bench.PutAll();
+  bench.Step();
+  CHECK(bench.commands.empty());
+}
+
+TEST_CASE("a stop that is not taken up is sent again", "[planner][worker]") {
+  WorkerBench bench;
+  bench.PutAll();
+  bench.Step();
+  bench.Report(CommandOutcome::kRunning);
+  bench.board.Put(HoldOf(1, true));
+  bench.Step();
+  bench.clock.Advance(1s);
+  bench.Step();
+  REQUIRE(bench.commands.size() == 3);
+  CHECK(bench.commands[2].sequence_number == bench.commands[1].sequence_number);
+}

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/protocol/supervision.h"
+#include "common/service/diagnostics.h"
+#include "operator/alerts/alert_book.h"
+#include "operator/belief/belief_store.h"
+
+namespace conav::operators {
+
+/// How another process is.
+struct ServiceStatus {
+  std::string name;
+  Health::Level level = Health::Level::kOk;
+  bool silent = false;  // nothing heard of it for a while
+  std::string message;
+};
+
+/// What is wrong now, of what the operator service sees: robots that stand for want of a command or
+/// are not heard of, processes that are ill or silent, and its own disk. What robots ask is no alert:
+/// that is the attention queue's.
+std::vector<Condition> ConditionsOf(const std::vector<AttentionItem>& items,
+                                    const std::vector<ServiceStatus>& services,
+                                    const std::string& storage_failure);
+
+/// The alerts of the operator service: on disk before they are shown, also over restarts.
+/// Threads: one, the service's.
+class AlertDesk {
+ public:
+  /// `store` outlives it.
+  explicit AlertDesk(BeliefStore& store);
+
+  static bool Handles(const OperatorRequest& request);
+  /// Requires Handles(request). `now_s`: wall time.
+  BeliefStore::Answer Answer(const OperatorRequest& request, double now_s);
+  void Update(const std::vector<Condition>& conditions, double now_s);
+  /// Alerts that changed since the last call; all of them the first time.
+  std::vector<Alert> TakeChanges();
+
+ private:
+  BeliefStore& store_;
+  AlertBook book_;
+  std::vector<Alert> changes_;
+};
+
+}  // namespace conav::operators

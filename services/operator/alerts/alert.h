@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace conav::operators {
+
+/// How much it matters; alarms are for what a person must do something about at once.
+enum class Severity : std::uint8_t { kNotice, kWarning, kAlarm };
+
+/// Something that is wrong now.
+struct Condition {
+  std::string key;  // the same for the same matter
+  Severity severity = Severity::kWarning;
+  std::string source;  // robot, world or service
+  std::string text;
+  std::string advice;  // what the operator can do
+  bool operator==(const Condition&) const = default;
+};
+
+/// A condition that was or is true, and what people did about it. Times: wall time, s since 1970.
+struct Alert {
+  std::uint64_t id = 0;
+  Condition condition;
+  double raised_s = 0.0;
+  double newest_s = 0.0;    // when it became true last
+  std::uint32_t count = 1;  // how often it became true
+  bool active = true;
+  std::string acknowledged_by;
+  double acknowledged_s = 0.0;
+  double shelved_until_s = 0.0;
+  bool operator==(const Alert&) const = default;
+};
+
+}  // namespace conav::operators

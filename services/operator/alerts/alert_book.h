@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "common/runtime/result.h"
+#include "operator/alerts/alert.h"
+
+namespace conav::operators {
+
+/// The alerts of a run: one for each matter, however often it comes and goes (ISA 18.2: no
+/// chattering), until somebody has acknowledged it and it is over.
+///
+/// A matter that comes back while its alert is still there raises that one again: the count goes up,
+/// and it has to be acknowledged again. One that was acknowledged and is over is history; the next
+/// time is a new alert.
+/// Pure; threads: not synchronised. Times: wall time, s since 1970.
+class AlertBook {
+ public:
+  /// What was stored; of these nothing is true until Update() says so.
+  void Restore(std::vector<Alert> alerts);
+
+  /// All that is wrong now. The alerts that this changes, as they are now.
+  std::vector<Alert> Update(const std::vector<Condition>& conditions, double now_s);
+
+  /// What the alert will be; it counts once it is adopted. Errors: kNotFound.
+  [[nodiscard]] Result<Alert> Acknowledge(std::uint64_t id, const std::string& client,
+                                          double now_s) const;
+  [[nodiscard]] Result<Alert> Shelve(std::uint64_t id, double duration_s, double now_s) const;
+  void Adopt(const Alert& alert);
+
+  const std::map<std::uint64_t, Alert>& alerts() const { return alerts_; }
+
+ private:
+  Alert* FindOpen(const std::string& key);
+
+  std::map<std::uint64_t, Alert> alerts_;
+  std::uint64_t last_id_ = 0;
+};
+
+}  // namespace conav::operators
