@@ -108,6 +108,7 @@ std::string OperatorYaml(const Setting& setting) {
   config.robots = setting.WorldsAndRobots();
   config.database = (setting.run.state() / "operator.db").string();
   config.recording = Recording(setting);
+  config.method = setting.options.method;
   config.console.port = setting.options.console_port();
   config.control.start_stopped = setting.options.waits_for_operator();
   return DumpConfig("operator", config);

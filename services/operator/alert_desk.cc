@@ -32,7 +32,7 @@ Condition OfService(const ServiceStatus& service) {
 }  // namespace
 
 std::vector<Condition> ConditionsOf(const std::vector<AttentionItem>& items,
-                                    const std::vector<ServiceStatus>& services,
+                                    const std::map<std::string, ServiceStatus>& services,
                                     const std::string& storage_failure) {
   std::vector<Condition> conditions;
   for (const AttentionItem& item : items) {
@@ -40,7 +40,7 @@ std::vector<Condition> ConditionsOf(const std::vector<AttentionItem>& items,
         item.reason == AttentionReason::kLinkLost || item.reason == AttentionReason::kCommandFailed;
     if (stands) conditions.push_back(OfItem(item));
   }
-  for (const ServiceStatus& service : services) {
+  for (const auto& [name, service] : services) {
     if (service.silent || service.level == Health::Level::kError) {
       conditions.push_back(OfService(service));
     }

@@ -1,28 +1,21 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
 #include "common/protocol/supervision.h"
-#include "common/service/diagnostics.h"
 #include "operator/alerts/alert_book.h"
 #include "operator/belief/belief_store.h"
+#include "operator/service_watch.h"
 
 namespace conav::operators {
-
-/// How another process is.
-struct ServiceStatus {
-  std::string name;
-  Health::Level level = Health::Level::kOk;
-  bool silent = false;  // nothing heard of it for a while
-  std::string message;
-};
 
 /// What is wrong now, of what the operator service sees: robots that stand for want of a command or
 /// are not heard of, processes that are ill or silent, and its own disk. What robots ask is no alert:
 /// that is the attention queue's.
 std::vector<Condition> ConditionsOf(const std::vector<AttentionItem>& items,
-                                    const std::vector<ServiceStatus>& services,
+                                    const std::map<std::string, ServiceStatus>& services,
                                     const std::string& storage_failure);
 
 /// The alerts of the operator service: on disk before they are shown, also over restarts.

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "common/protocol/convert.h"
 #include "common/service/robot_list.h"
 #include "operator/console/console_messages.h"
+#include "operator/console/wall_seconds.h"
 #include "operator/gateway/convert_request.h"
 
 namespace conav::operators {
@@ -18,13 +20,9 @@ namespace {
 constexpr auto kConvert = [](const auto& message) { return ToDomain(message); };
 /// A page that reconnects within this time keeps its control of robots.
 constexpr std::chrono::seconds kGoneAfter{10};
-constexpr double kSilentAfter = 5.0;          // s without health from a process
+constexpr std::size_t kLongestPlan = 10000;   // cells
 constexpr double kDriveAdvisedAgainst = 0.3;  // s, round trip
 constexpr double kDriveRefused = 1.0;         // s, round trip
-
-double WallSeconds() {
-  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-}
 
 console::Session SessionOf(const OperatorConfig& config) {
   console::Session session;
@@ -34,6 +32,8 @@ console::Session SessionOf(const OperatorConfig& config) {
     worlds.insert(world);
   }
   for (const std::string& world : worlds) session.add_worlds(world);
+  session.set_method(config.method);
+  session.set_drives(config.method == "teleop");
   return session;
 }
 
@@ -49,6 +49,28 @@ console::Welcome WelcomeOf(const OperatorConfig& config) {
   limits->set_drive_advised_against(kDriveAdvisedAgainst);
   limits->set_drive_refused(kDriveRefused);
   return welcome;
+}
+
+/// Nothing for what is no number, or not on the map.
+std::optional<Cell> CellAt(Position position, const GridGeometry& grid) {
+  const double limit_m = (grid.rows + grid.columns) * grid.cell_size_m;  // far away has no cell
+  if (!(std::abs(position.x_m) < limit_m && std::abs(position.y_m) < limit_m)) return std::nullopt;
+  const Cell cell = grid.PositionToCell(position);
+  const bool is_on_map =
+      cell.row >= 0 && cell.row < grid.rows && cell.column >= 0 && cell.column < grid.columns;
+  return is_on_map ? std::optional(cell) : std::nullopt;
+}
+
+/// Up to the first position that is not on the map, which no planner of ours sends.
+std::vector<Cell> CellsOf(const nav_msgs::msg::Path& path, const GridGeometry& grid) {
+  std::vector<Cell> cells;
+  for (const auto& pose : path.poses()) {
+    const auto& position = pose.pose().position();
+    const auto cell = CellAt({position.x(), position.y()}, grid);
+    if (!cell || cells.size() == kLongestPlan) break;
+    cells.push_back(*cell);
+  }
+  return cells;
 }
 
 std::size_t Bytes(double mib) { return static_cast<std::size_t>(mib * 1024.0 * 1024.0); }
@@ -84,8 +106,7 @@ ConsoleDesk::ConsoleDesk(bus::Participant& participant, const OperatorConfig& co
     : participant_(participant),
       clock_(clock),
       pictures_(Bytes(config.console.pictures_mib)),
-      state_(updates_, SessionOf(config)),
-      diagnostics_(participant, bus::kDiagnostics) {
+      state_(updates_, SessionOf(config)) {
   for (const auto& [robot, world] : WorldOfRobot("operator", config.robots)) {
     robots_.push_back(std::make_unique<RobotLink>(participant, robot, world));
   }
@@ -124,7 +145,6 @@ void ConsoleDesk::Hear(const AttentionQueueState& queue) { state_.Hear(queue); }
 
 std::vector<ConsoleDesk::Asked> ConsoleDesk::Step() {
   for (const auto& robot : robots_) TakeFrom(*robot);
-  TakeHealth();
   std::vector<Asked> asked;
   for (const PageEvent& event : gateway_->Take()) {
     if (auto request = Take(event)) asked.push_back(*std::move(request));
@@ -145,17 +165,14 @@ void ConsoleDesk::TakeFrom(RobotLink& robot) {
   for (const SearchReport& report : robot.search.TakeValid(kConvert)) state_.Hear(report);
   for (const Position& goal : robot.goal_pose.TakeValid(kConvert)) {
     if (!robot.geometry) continue;
-    state_.HearGoalPose(robot.name, robot.geometry->PositionToCell(goal),
-                        state_.TimeOf(robot.world).ToSeconds());
+    if (const auto cell = CellAt(goal, *robot.geometry)) {
+      state_.HearGoalPose(robot.name, *cell, state_.TimeOf(robot.world).ToSeconds());
+    }
   }
   for (const auto& path : robot.plan.Take()) {
     if (!robot.geometry) continue;
-    std::vector<Cell> cells;
-    for (const auto& pose : path.poses()) {
-      const auto& position = pose.pose().position();
-      cells.push_back(robot.geometry->PositionToCell({position.x(), position.y()}));
-    }
-    state_.HearPlan(robot.name, ToDomain(path.header().stamp()).value_or(SimTime{}), cells);
+    state_.HearPlan(robot.name, ToDomain(path.header().stamp()).value_or(SimTime{}),
+                    CellsOf(path, *robot.geometry));
   }
   for (auto& image : robot.image.Take()) {
     state_.HearStream();
@@ -171,24 +188,18 @@ void ConsoleDesk::TakeFrom(RobotLink& robot) {
   }
 }
 
-void ConsoleDesk::TakeHealth() {
+void ConsoleDesk::Hear(const std::map<std::string, ServiceStatus>& services) {
   const double now_s = WallSeconds();
-  for (const auto& array : diagnostics_.Take()) {
-    for (const auto& status : array.status()) {
-      const std::string& name = status.hardware_id();
-      if (name.empty()) continue;  // not one of conav's processes
-      heard_at_s_[name] = now_s;
-      const auto level = std::min<int>(status.level(), console::LEVEL_ERROR);
-      state_.Hear(ServiceHealth{name, static_cast<console::Level>(level), status.message()}, now_s);
-    }
-  }
-  for (const auto& [name, heard_at_s] : heard_at_s_) {
-    if (now_s - heard_at_s < kSilentAfter) continue;
-    state_.Hear(ServiceHealth{name, console::LEVEL_SILENT,
-                              fmt::format("silent for more than {:.0f} s", kSilentAfter)},
-                heard_at_s);
+  for (const auto& [name, service] : services) {
+    const std::chrono::duration<double> age = clock_.Now() - service.heard_at;
+    const auto level =
+        service.silent ? console::LEVEL_SILENT : static_cast<console::Level>(service.level);
+    state_.Hear(ServiceHealth{name, level, service.silent ? "silent" : service.message},
+                now_s - age.count());
   }
 }
+
+void ConsoleDesk::Hear(const Alert& alert) { state_.Hear(ToConsole(alert)); }
 
 std::optional<ConsoleDesk::Asked> ConsoleDesk::Take(const PageEvent& event) {
   if (const auto* asked = std::get_if<PageAsked>(&event.body)) {
@@ -208,8 +219,10 @@ std::optional<ConsoleDesk::Asked> ConsoleDesk::Take(const PageEvent& event) {
   } else {
     return std::nullopt;
   }
+  std::map<std::string, Person> by_client;  // one that came back may not have left yet
+  for (const auto& [page, person] : people_) by_client[person.client] = person;
   std::vector<Person> people;
-  for (const auto& [page, person] : people_) people.push_back(person);
+  for (const auto& [client, person] : by_client) people.push_back(person);
   state_.Hear(people);
   return std::nullopt;
 }
@@ -268,7 +281,9 @@ void ConsoleDesk::Publish(const Health& health) {
   report["ready"] = health.level == Health::Level::kOk;
   report["message"] = health.message;
   for (const auto& [name, value] : health.values) report["values"][name] = value;
-  gateway_->SetReadiness({health.level == Health::Level::kOk, report.dump() + "\n"});
+  gateway_->SetReadiness(
+      {health.level == Health::Level::kOk,
+       report.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"});
   gateway_->Notify();
 }
 

@@ -13,11 +13,12 @@
 #include "common/protocol/supervision.h"
 #include "common/runtime/clock.h"
 #include "common/service/diagnostics.h"
-#include "operator/alert_desk.h"
+#include "operator/alerts/alert.h"
 #include "operator/config.h"
 #include "operator/console/console_state.h"
 #include "operator/control/control_desk.h"
 #include "operator/gateway/gateway.h"
+#include "operator/service_watch.h"
 
 namespace conav::operators {
 
@@ -40,6 +41,8 @@ class ConsoleDesk {
   void Hear(const AttentionQueueState& queue);
   void Hear(const ControlDesk& control);
   void Hear(const Alert& alert);
+  /// How the processes are, by name.
+  void Hear(const std::map<std::string, ServiceStatus>& services);
   /// "Nothing new here", by `client`; before the guidance that it made of it.
   void Hear(const AnswerRequest& answer, const std::string& client);
   /// What was decided about a request, for the command log.
@@ -59,16 +62,12 @@ class ConsoleDesk {
   /// After everything that one step brought.
   void Publish(const Health& health);
 
-  /// How the other processes are, as they said last.
-  std::vector<ServiceStatus> services() const;
-
   std::string url() const { return gateway_->url(); }
 
  private:
   struct RobotLink;
 
   void TakeFrom(RobotLink& robot);
-  void TakeHealth();
   std::optional<Asked> Take(const PageEvent& event);
 
   bus::Participant& participant_;
@@ -78,10 +77,8 @@ class ConsoleDesk {
   PictureShelf pictures_;
   ConsoleState state_;
   std::vector<std::unique_ptr<RobotLink>> robots_;
-  bus::Subscriber<diagnostic_msgs::msg::DiagnosticArray> diagnostics_;
   std::map<std::uint64_t, Person> people_;           // by page
   std::map<std::string, Clock::TimePoint> left_at_;  // by client
-  std::map<std::string, double> heard_at_s_;         // of each process's health
   std::unique_ptr<Gateway> gateway_;
 };
 

@@ -9,6 +9,7 @@
 #include "common/grid/map_accuracy.h"
 #include "common/protocol/convert.h"
 #include "common/service/robot_list.h"
+#include "operator/console/wall_seconds.h"
 #include "operator/operator_links.h"
 
 namespace conav::operators {
@@ -16,6 +17,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
+constexpr auto kAlertPeriod = 250ms;
 constexpr auto kConvert = [](const auto& message) { return ToDomain(message); };
 
 BeliefStoreOptions StoreOptions(const OperatorConfig& config) {
@@ -50,6 +52,8 @@ OperatorService::OperatorService(bus::Participant& participant, const OperatorCo
       replies_(participant, bus::kOperatorReply),
       clock_topic_(participant, bus::kClock),
       attention_(participant, config.attention, clock),
+      services_(participant, clock),
+      alerts_(store_),
       diagnostics_(participant, clock) {
   std::set<std::string> worlds;
   for (const auto& [robot, world] : WorldOfRobot("operator", config.robots)) {
@@ -85,8 +89,17 @@ void OperatorService::Step() {
   if (console_) AnswerConsole();
   attention_.Step(OperatorTime());
   control_.Step();
+  services_.Step();
+  if (clock_.Now() >= alerts_due_) LookForAlerts();
   if (console_) ShowOnConsole();
   diagnostics_.Tick([this] { return Report(); });
+}
+
+void OperatorService::LookForAlerts() {
+  alerts_due_ = clock_.Now() + kAlertPeriod;
+  alerts_.Update(
+      ConditionsOf(attention_.items(), services_.services(), storage_failure_.value_or("")),
+      WallSeconds());
 }
 
 void OperatorService::AnswerBus() {
@@ -119,6 +132,9 @@ void OperatorService::ShowOnConsole() {
     control_shown_ = control_.desk().version();
     console_->Hear(control_.desk());
   }
+  const std::vector<Alert> alerts = alerts_.TakeChanges();
+  for (const Alert& alert : alerts) console_->Hear(alert);
+  console_->Hear(services_.services());
   console_->Publish(Report());
 }
 
@@ -269,6 +285,7 @@ std::optional<OperatorReply> OperatorService::Answer(const OperatorRequest& requ
     Log(request, answer);
     return answer.reply;
   };
+  if (AlertDesk::Handles(request)) return reply_of(alerts_.Answer(request, WallSeconds()));
   if (RobotControl::Handles(request)) return reply_of(control_.Answer(request, OperatorTime()));
   if (std::string why = control_.WhyNot(request); !why.empty()) {
     return reply_of({{request.client, request.request_id, false, std::move(why), 0}});

@@ -12,6 +12,7 @@
 #include "common/runtime/clock.h"
 #include "common/runtime/stop_token.h"
 #include "common/service/diagnostics.h"
+#include "operator/alert_desk.h"
 #include "operator/attention_desk.h"
 #include "operator/belief/belief_store.h"
 #include "operator/config.h"
@@ -77,6 +78,7 @@ class OperatorService {
   void AnswerBus();
   void AnswerConsole();
   void ShowOnConsole();
+  void LookForAlerts();
   OperatorReply AnswerStored(const OperatorRequest& request, const WorldLink* world);
   void PublishChange(const OperatorRequest& request);
   void Record(const OperatorRequest& request);
@@ -98,6 +100,9 @@ class OperatorService {
   bus::Subscriber<rosgraph_msgs::msg::Clock> clock_topic_;
   SimTime newest_clock_;
   AttentionDesk attention_;
+  ServiceWatch services_;
+  AlertDesk alerts_;
+  Clock::TimePoint alerts_due_{};
   Diagnostics diagnostics_;
   std::optional<SessionRecording> recording_;
   std::optional<ConsoleDesk> console_;

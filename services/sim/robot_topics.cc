@@ -9,7 +9,7 @@
 namespace conav::sim {
 namespace {
 
-constexpr std::int64_t kStatePeriodNs = 1'000'000'000;
+constexpr std::int64_t kStatePeriodNs = 500'000'000;
 
 }  // namespace
 

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
 #include <utility>
 
 #include "operator/console/console_messages.h"
@@ -14,18 +17,41 @@ constexpr double kTimePeriod = 0.2;      // s between updates of a world's time
 constexpr double kHealthPeriod = 1.0;    // s, of a process that says the same
 constexpr std::size_t kTrailPiece = 64;  // cells
 
-/// Cells that were entered after the trail's last one: `path` leads there, with gaps where the state
-/// between was not heard.
-std::vector<Cell> NewCells(const std::vector<Cell>& trail, const std::vector<Cell>& path,
-                           Cell cell) {
-  std::vector<Cell> fresh;
+/// Cells that were entered after the trail's last one. The state's path leads there, unless states
+/// between were not heard: then with a gap. `moves`: cells entered since, 0 where nobody counts.
+std::vector<Cell> NewCells(const std::vector<Cell>& trail, const RobotState& state,
+                           std::uint64_t moves) {
+  const std::vector<Cell>& path = state.path;
+  std::vector<Cell> fresh = path;
   if (!trail.empty()) {
+    if (moves == 0 && trail.back() == state.cell) return {};
     const auto known = std::find(path.rbegin(), path.rend(), trail.back());
-    fresh.assign(known.base(), path.end());
-    if (known == path.rend()) fresh = path;
+    if (moves > 0 && moves < path.size()) {
+      fresh.assign(path.end() - static_cast<std::ptrdiff_t>(moves), path.end());
+    } else if (known != path.rend()) {
+      fresh.assign(known.base(), path.end());
+    }
   }
-  if (fresh.empty() || fresh.back() != cell) fresh.push_back(cell);
+  const Cell last = !fresh.empty() ? fresh.back() : !trail.empty() ? trail.back() : Cell{-1, -1};
+  if (last != state.cell) fresh.push_back(state.cell);
   return fresh;
+}
+
+/// Whether `period_s` has passed, or the wall clock was set back.
+bool IsDue(double said_at_s, double now_s, double period_s) {
+  return std::abs(now_s - said_at_s) >= period_s;
+}
+
+/// Of "robot/r1", "trail/r1/3", ...: kind and robot; what a robot told of its run, and the operator
+/// did not make.
+bool IsToldBy(std::string_view key, const std::set<std::string, std::less<>>& robots) {
+  constexpr std::array<std::string_view, 8> kKinds{"robot",  "seen",       "trail",   "plan",
+                                                   "search", "prediction", "picture", "goal_pose"};
+  const auto slash = key.find('/');
+  if (slash == std::string_view::npos) return false;
+  const std::string_view rest = key.substr(slash + 1);
+  return std::find(kKinds.begin(), kKinds.end(), key.substr(0, slash)) != kKinds.end() &&
+         robots.contains(rest.substr(0, rest.find('/')));
 }
 
 }  // namespace
@@ -50,6 +76,17 @@ void ConsoleState::BeginAnew() {
   PutSession();
 }
 
+void ConsoleState::BeginAnew(const std::string& world) {
+  std::set<std::string, std::less<>> gone;
+  for (const auto& [robot, memory] : robots_) {
+    if (memory.world == world) gone.insert(robot);
+  }
+  std::erase_if(robots_, [&](const auto& known) { return gone.contains(known.first); });
+  worlds_[world].stamp = SimTime{};
+  worlds_[world].said_at_s = 0.0;
+  log_.Forget([&](std::string_view key) { return IsToldBy(key, gone); });
+}
+
 SimTime ConsoleState::TimeOf(const std::string& world) const {
   const auto found = worlds_.find(world);
   return found == worlds_.end() ? SimTime{} : found->second.stamp;
@@ -58,10 +95,12 @@ SimTime ConsoleState::TimeOf(const std::string& world) const {
 void ConsoleState::Hear(const RobotState& state, double now_s) {
   if (const auto known = robots_.find(state.robot);
       known != robots_.end() && state.stamp < known->second.stamp) {
-    BeginAnew();
+    BeginAnew(known->second.world);
   }
   RobotMemory& memory = robots_[state.robot];
+  memory.world = state.world;
   memory.stamp = state.stamp;
+  if (state.snapshots < memory.answered) memory.answered = 0;  // it counts them anew
   ExtendTrail(memory, state);
   console::Update update;
   *update.mutable_robot() = ToConsole(state, now_s);
@@ -70,9 +109,11 @@ void ConsoleState::Hear(const RobotState& state, double now_s) {
 }
 
 void ConsoleState::ExtendTrail(RobotMemory& memory, const RobotState& state) {
-  if (!memory.trail.empty() && memory.trail.back() == state.cell) return;
   const std::size_t before = memory.trail.size();
-  const std::vector<Cell> fresh = NewCells(memory.trail, state.path, state.cell);
+  const std::uint64_t moves = std::max(state.cell_moves, memory.cell_moves) - memory.cell_moves;
+  memory.cell_moves = state.cell_moves;
+  const std::vector<Cell> fresh = NewCells(memory.trail, state, moves);
+  if (fresh.empty()) return;
   memory.trail.insert(memory.trail.end(), fresh.begin(), fresh.end());
   PutTrail(state.robot, memory.trail, before);
 }
@@ -93,7 +134,7 @@ void ConsoleState::PutTrail(const std::string& robot, const std::vector<Cell>& t
 void ConsoleState::NoteTime(const RobotState& state, double now_s) {
   WorldMemory& memory = worlds_[state.world];
   memory.stamp = std::max(memory.stamp, state.stamp);
-  if (memory.world.rows() == 0 || now_s - memory.said_at_s < kTimePeriod) return;
+  if (memory.world.rows() == 0 || !IsDue(memory.said_at_s, now_s, kTimePeriod)) return;
   memory.said_at_s = now_s;
   memory.world.set_time(memory.stamp.ToSeconds());
   console::Update update;
@@ -150,7 +191,7 @@ void ConsoleState::Hear(const Guidance& guidance) {
   console::Update update;
   *update.mutable_guidance() = ToConsole(guidance);
   log_.Put("guidance/" + guidance.robot, std::move(update));
-  Close(guidance.robot, guidance.answers_snapshot, console::ANSWER_PATH, guidance.given_by);
+  Answered(guidance.robot, guidance.answers_snapshot, console::ANSWER_PATH, guidance.given_by);
 }
 
 void ConsoleState::HearPlan(const std::string& robot, SimTime stamp,
@@ -175,9 +216,13 @@ void ConsoleState::Hear(const SearchReport& report) {
 
 void ConsoleState::Hear(const Picture& picture, double now_s) {
   RobotMemory& memory = robots_[picture.robot];
-  Close(picture.robot, picture.sequence_number, console::ANSWER_OUTDATED, "");
-  const console::Picture message = ToConsole(picture, now_s);
-  memory.unanswered[picture.sequence_number] = message;
+  if (memory.unanswered) {
+    memory.unanswered->set_answer(console::ANSWER_OUTDATED);
+    PutPicture(*std::exchange(memory.unanswered, std::nullopt));
+  }
+  console::Picture message = ToConsole(picture, now_s);
+  Close(message, memory);
+  if (message.answer() == console::ANSWER_NONE) memory.unanswered = message;
   PutPicture(message);
 }
 
@@ -188,22 +233,28 @@ void ConsoleState::PutPicture(const console::Picture& picture) {
            std::move(update), "picture/" + picture.robot(), kPicturesKept);
 }
 
-void ConsoleState::Close(const std::string& robot, std::uint64_t snapshot,
-                         console::PictureAnswer answer, const std::string& by) {
-  auto& unanswered = robots_[robot].unanswered;
-  while (!unanswered.empty() && unanswered.begin()->first <= snapshot) {
-    console::Picture& picture = unanswered.begin()->second;
-    const bool is_the_one = unanswered.begin()->first == snapshot;
-    picture.set_answer(is_the_one ? answer : console::ANSWER_OUTDATED);
-    if (is_the_one) picture.set_answered_by(by);
-    PutPicture(picture);
-    unanswered.erase(unanswered.begin());
-  }
+void ConsoleState::Close(console::Picture& picture, const RobotMemory& memory) {
+  if (picture.sequence_number() > memory.answered) return;
+  const bool is_the_one = picture.sequence_number() == memory.answered;
+  picture.set_answer(is_the_one ? memory.answer : console::ANSWER_OUTDATED);
+  if (is_the_one) picture.set_answered_by(memory.answered_by);
+}
+
+void ConsoleState::Answered(const std::string& robot, std::uint64_t snapshot,
+                            console::PictureAnswer answer, const std::string& by) {
+  RobotMemory& memory = robots_[robot];
+  if (snapshot <= memory.answered) return;
+  memory.answered = snapshot;
+  memory.answer = answer;
+  memory.answered_by = by;
+  if (!memory.unanswered || memory.unanswered->sequence_number() > snapshot) return;
+  Close(*memory.unanswered, memory);
+  PutPicture(*std::exchange(memory.unanswered, std::nullopt));
 }
 
 void ConsoleState::HearAnswer(const std::string& robot, std::uint64_t snapshot,
                               const std::string& client) {
-  Close(robot, snapshot, console::ANSWER_NOTHING_NEW, client);
+  Answered(robot, snapshot, console::ANSWER_NOTHING_NEW, client);
 }
 
 void ConsoleState::Hear(const std::string& robot, const std::string& world, std::uint64_t snapshot,
@@ -244,7 +295,8 @@ void ConsoleState::HearGoalPose(const std::string& robot, Cell cell, double stam
 void ConsoleState::Hear(const ServiceHealth& health, double now_s) {
   const auto known = services_.find(health.name);
   double& said_at_s = service_said_at_s_[health.name];
-  if (known != services_.end() && known->second == health && now_s - said_at_s < kHealthPeriod) {
+  if (known != services_.end() && known->second == health &&
+      !IsDue(said_at_s, now_s, kHealthPeriod)) {
     return;
   }
   services_[health.name] = health;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,12 +33,13 @@ struct Person {
 /// Folds what happens into the updates that pages show (idl/console.proto says which): live in the
 /// operator service, from a recording in a replay.
 ///
-/// A robot whose time goes back belongs to a new run of its world: all is forgotten and begins anew.
+/// A robot whose time goes back belongs to a new run of its world: what the robots of that world told
+/// is forgotten. What the operator made (map, guidance, the log of commands) is not.
 /// `now_s`: wall time, s since 1970, which never decides anything but how often something is said.
 /// Threads: one caller; `log` may be read by others.
 class ConsoleState {
  public:
-  /// Of each robot; pictures of before are forgotten, with their pixels.
+  /// Of each robot; older ones are forgotten.
   static constexpr std::size_t kPicturesKept = 200;
   static constexpr std::size_t kEventsKept = 500;
 
@@ -73,15 +75,24 @@ class ConsoleState {
   void Hear(const console::Alert& alert);
   void Hear(const console::Playback& playback);
 
+  /// Forgets all but the session.
+  void BeginAnew();
+
   const console::Session& session() const { return session_; }
   SimTime TimeOf(const std::string& world) const;
 
  private:
   struct RobotMemory {
+    std::string world;
     SimTime stamp;
+    std::uint64_t cell_moves = 0;
     std::vector<Cell> trail;
-    std::string seen;  // bytes of the newest map
-    std::map<std::uint64_t, console::Picture> unanswered;
+    std::string seen;                            // bytes of the newest map
+    std::optional<console::Picture> unanswered;  // the newest, while nobody answered it
+    /// The newest picture that was answered; it may come after its answer, when the service starts.
+    std::uint64_t answered = 0;
+    console::PictureAnswer answer = console::ANSWER_NONE;
+    std::string answered_by;
   };
   struct WorldMemory {
     console::World world;
@@ -89,15 +100,16 @@ class ConsoleState {
     double said_at_s = 0.0;
   };
 
-  void BeginAnew();
+  void BeginAnew(const std::string& world);
   void PutSession();
   void ExtendTrail(RobotMemory& memory, const RobotState& state);
   void PutTrail(const std::string& robot, const std::vector<Cell>& trail, std::size_t from);
   void NoteTime(const RobotState& state, double now_s);
   void PutPicture(const console::Picture& picture);
-  /// Pictures up to `snapshot` that nobody answered.
-  void Close(const std::string& robot, std::uint64_t snapshot, console::PictureAnswer answer,
-             const std::string& by);
+  /// All pictures up to `snapshot`, which was answered so.
+  void Answered(const std::string& robot, std::uint64_t snapshot, console::PictureAnswer answer,
+                const std::string& by);
+  static void Close(console::Picture& picture, const RobotMemory& memory);
 
   UpdateLog& log_;
   console::Session session_;

@@ -43,13 +43,23 @@ void UpdateLog::EraseLocked(const std::string& key) {
   sequence_of_.erase(found);
 }
 
-void UpdateLog::Clear() {
+void UpdateLog::Forget(const std::function<bool(std::string_view)>& is_void) {
   const std::lock_guard lock(mutex_);
   ++generation_;
-  bytes_ = 0;
-  entries_.clear();
-  sequence_of_.clear();
-  groups_.clear();
+  std::erase_if(entries_, [&](const auto& numbered) {
+    const Entry& entry = numbered.second;
+    if (!is_void(entry.key)) return false;
+    bytes_ -= entry.encoded.size();
+    sequence_of_.erase(entry.key);
+    return true;
+  });
+  for (auto& [group, keys] : groups_) {
+    std::erase_if(keys, [this](const std::string& key) { return !sequence_of_.contains(key); });
+  }
+}
+
+void UpdateLog::Clear() {
+  Forget([](std::string_view) { return true; });
 }
 
 UpdateLog::Batch UpdateLog::After(std::uint64_t generation, std::uint64_t sequence,

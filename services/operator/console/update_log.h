@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <string>
@@ -27,7 +28,10 @@ class UpdateLog {
   /// are kept: pictures, events. Whoever has an older one may keep it.
   void Put(std::string_view key, console::Update update, std::string_view group, std::size_t keep);
 
-  /// Forgets everything: the world has begun anew. Pages get everything that comes then.
+  /// Forgets the keys for which `is_void` holds: what they tell of has begun anew. Pages forget
+  /// everything, and get what is left and what comes then.
+  void Forget(const std::function<bool(std::string_view)>& is_void);
+  /// The same of all keys.
   void Clear();
 
   struct Batch {
@@ -40,9 +44,9 @@ class UpdateLog {
   /// `size_limit` bytes. Of another generation: from the beginning.
   Batch After(std::uint64_t generation, std::uint64_t sequence, std::size_t size_limit) const;
 
-  /// Rises with each Clear().
+  /// Rises with each Forget() and Clear().
   std::uint64_t generation() const;
-  /// Of the newest update ever put; goes on rising over Clear().
+  /// Of the newest update ever put; goes on rising over them.
   std::uint64_t sequence() const;
   std::size_t bytes() const;
 

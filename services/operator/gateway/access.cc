@@ -26,6 +26,13 @@ std::string_view WithoutPort(std::string_view host) {
   return host.substr(0, colon);
 }
 
+/// Names of hosts count alike in both cases.
+std::string Lower(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return lower;
+}
+
 std::string_view HostOfOrigin(std::string_view origin) {
   const auto scheme = origin.find("://");
   return scheme == std::string_view::npos ? std::string_view() : origin.substr(scheme + 3);
@@ -44,6 +51,24 @@ bool IsListedHost(const GatewayOptions& options, std::string_view host) {
   return std::any_of(
       options.origins.begin(), options.origins.end(),
       [&](const std::string& origin) { return WithoutPort(HostOfOrigin(origin)) == host; });
+}
+
+/// "https://console.example.org:8443", as browsers write it.
+bool IsOrigin(std::string_view origin) {
+  const std::string_view host = HostOfOrigin(origin);
+  return (origin.starts_with("http://") || origin.starts_with("https://")) && !host.empty() &&
+         host.find_first_of("/?#@ ") == std::string_view::npos && origin == Lower(origin);
+}
+
+Result<void> CheckOrigins(const std::vector<std::string>& origins) {
+  for (const std::string& origin : origins) {
+    if (IsOrigin(origin)) continue;
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("operator.console.origins: '{}' is not like https://host or "
+                            "https://host:port, in lower case and without a path",
+                            origin));
+  }
+  return {};
 }
 
 using NamedTokens = std::array<std::pair<const char*, std::string_view>, 3>;
@@ -93,6 +118,7 @@ Result<void> CheckAccess(const GatewayOptions& options) {
     return Fail(ErrorCode::kInvalidArgument,
                 "operator.console.tls needs certificate and key, or neither");
   }
+  if (auto sound = CheckOrigins(options.origins); !sound) return sound;
   return CheckTokens(options.tokens);
 }
 
@@ -114,8 +140,9 @@ std::string_view BearerToken(std::string_view authorization) {
                                             : std::string_view();
 }
 
-std::string WhyForeign(const GatewayOptions& options, std::string_view host,
+std::string WhyForeign(const GatewayOptions& options, std::string_view given_host,
                        std::string_view origin) {
+  const std::string host = Lower(given_host);
   const std::string_view name = WithoutPort(host);
   if (!IsAddress(name) && name != "localhost" && !IsListedHost(options, name)) {
     return fmt::format(

@@ -13,7 +13,8 @@
 namespace conav::operators {
 
 /// Refuses options that would let strangers in or cannot work: an address that others reach without
-/// tokens, a token that is short or used twice, a certificate without its key.
+/// tokens, a token that is short or used twice, a certificate without its key, an origin that no
+/// browser would send so.
 /// Errors: kInvalidArgument names the key.
 [[nodiscard]] Result<void> CheckAccess(const GatewayOptions& options);
 

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "operator/console/wall_seconds.h"
 #include "operator/gateway/http_routes.h"
 #include "operator/gateway/page_feed.h"
 
@@ -47,32 +48,51 @@ class ConnectionHost {
   virtual ~ConnectionHost() = default;
   virtual const GatewayOptions& options() const = 0;
   virtual HttpResponse Answer(const HttpRequest& request) = 0;
-  /// Why no page may be opened now; empty = one may.
-  virtual std::string WhyNoPage(const HttpRequest& request) = 0;
+  /// To what is no request.
+  virtual HttpResponse Refuse(unsigned status, const std::string& why) = 0;
+  /// Why no page may be opened now; nothing = one may.
+  virtual std::optional<HttpResponse> RefusePage(const HttpRequest& request) = 0;
+  /// Counts a page from its upgrade on until it is destroyed.
+  virtual std::shared_ptr<void> TakePlace() = 0;
   virtual PageContext page_context() = 0;
   virtual std::uint64_t Enter(const std::shared_ptr<PageConnection>& page) = 0;
   virtual void Leave(std::uint64_t page) = 0;
-  virtual void Deliver(std::vector<PageEvent> events) = 0;
+  /// False when too much waits for the service already: nothing was delivered.
+  virtual bool Deliver(std::vector<PageEvent> events) = 0;
   virtual void CountMessage(bool sent, std::size_t bytes) = 0;
 };
 
-inline double WallSeconds() {
-  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+/// What a stream over TCP can do. A test specialises them for a stream in memory.
+template <class Lowest>
+void LimitTime(Lowest& layer, std::chrono::seconds limit) {
+  layer.expires_after(limit);
+}
+template <class Lowest>
+void LimitTimeNoLonger(Lowest& layer) {
+  layer.expires_never();
+}
+template <class Lowest>
+void EndSending(Lowest& layer) {
+  ErrorCodeOfAsio ignored;
+  layer.socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
 }
 
 template <class Stream>
 class WebSocketPage final : public PageConnection,
                             public std::enable_shared_from_this<WebSocketPage<Stream>> {
  public:
-  WebSocketPage(Stream&& stream, ConnectionHost& host)
-      : host_(host), socket_(std::move(stream)), timer_(socket_.get_executor()) {}
+  /// `token` counts the connection, as in HttpConnection.
+  WebSocketPage(Stream&& stream, ConnectionHost& host, std::shared_ptr<void> token)
+      : host_(host),
+        token_(std::move(token)),
+        place_(host.TakePlace()),
+        socket_(std::move(stream)),
+        timer_(socket_.get_executor()) {}
 
   void Accept(const PlainRequest& upgrade) {
-    beast::get_lowest_layer(socket_).expires_never();
-    const auto idle = Seconds(host_.options().idle_s);
-    socket_.set_option(websocket::stream_base::timeout{
-        std::chrono::seconds(10), std::chrono::duration_cast<std::chrono::milliseconds>(idle),
-        true});
+    LimitTimeNoLonger(beast::get_lowest_layer(socket_));
+    const auto idle = std::chrono::duration_cast<std::chrono::milliseconds>(idle_limit());
+    socket_.set_option(websocket::stream_base::timeout{std::chrono::seconds(10), idle, true});
     socket_.read_message_max(static_cast<std::size_t>(host_.options().max_message_kib) * 1024U);
     socket_.binary(true);
     socket_.async_accept(upgrade, [self = this->shared_from_this()](ErrorCodeOfAsio failed) {
@@ -85,7 +105,7 @@ class WebSocketPage final : public PageConnection,
     if (auto message = feed_->Next(Clock::TimePoint::clock::now()))
       return Write(*std::move(message));
     if (feed_->finished()) return Close();
-    if (const auto due = feed_->due()) WaitUntil(*due);
+    if (const auto due = feed_->due()) At(*due, [this] { Pump(); });
   }
 
   PageFeed& feed() override { return *feed_; }
@@ -110,7 +130,8 @@ class WebSocketPage final : public PageConnection,
     const std::string_view bytes(static_cast<const char*>(incoming_.data().data()),
                                  incoming_.size());
     host_.CountMessage(false, bytes.size());
-    host_.Deliver(feed_->Take(bytes, Clock::TimePoint::clock::now(), WallSeconds()));
+    auto events = feed_->Take(bytes, Clock::TimePoint::clock::now(), WallSeconds());
+    if (!host_.Deliver(std::move(events))) feed_->Close("the service does not keep up", true);
     incoming_.consume(incoming_.size());
     Pump();
     Read();
@@ -119,26 +140,36 @@ class WebSocketPage final : public PageConnection,
   void Write(std::string message) {
     writing_ = true;
     outgoing_ = std::move(message);
+    // A page that takes nothing for so long is gone, however much it sends.
+    At(Clock::TimePoint::clock::now() + idle_limit(), [this] { Leave(); });
     socket_.async_write(asio::buffer(outgoing_),
                         [self = this->shared_from_this()](ErrorCodeOfAsio failed, std::size_t) {
                           self->writing_ = false;
+                          self->timer_.cancel();
                           if (failed) return self->Leave();
                           self->host_.CountMessage(true, self->outgoing_.size());
                           self->Pump();
                         });
   }
 
-  void WaitUntil(Clock::TimePoint due) {
+  /// One at a time: whoever comes later replaces what waits.
+  template <class Act>
+  void At(Clock::TimePoint due, Act act) {
     timer_.expires_at(due);
-    timer_.async_wait([self = this->shared_from_this()](ErrorCodeOfAsio cancelled) {
-      if (!cancelled) self->Pump();
+    timer_.async_wait([self = this->shared_from_this(), act](ErrorCodeOfAsio cancelled) {
+      const bool replaced = self->timer_.expiry() > Clock::TimePoint::clock::now();
+      if (!cancelled && !replaced) act();
     });
   }
+
+  std::chrono::nanoseconds idle_limit() const { return Seconds(host_.options().idle_s); }
 
   void Close() {
     if (std::exchange(gone_, true)) return;
     timer_.cancel();
-    socket_.async_close(websocket::close_code::policy_error,
+    const auto code =
+        feed_->retry() ? websocket::close_code::going_away : websocket::close_code::policy_error;
+    socket_.async_close(code,
                         [self = this->shared_from_this()](ErrorCodeOfAsio) { self->Leave(); });
   }
 
@@ -150,6 +181,8 @@ class WebSocketPage final : public PageConnection,
   }
 
   ConnectionHost& host_;
+  std::shared_ptr<void> token_;
+  std::shared_ptr<void> place_;
   websocket::stream<Stream> socket_;
   asio::steady_timer timer_;
   std::optional<PageFeed> feed_;
@@ -163,13 +196,13 @@ class WebSocketPage final : public PageConnection,
 template <class Stream>
 class HttpConnection final : public std::enable_shared_from_this<HttpConnection<Stream>> {
  public:
-  /// `over` runs when the connection has ended, or has become a page's.
+  /// `token` counts this connection while it lives.
   HttpConnection(Stream&& stream, ConnectionHost& host, std::shared_ptr<void> token)
       : host_(host), stream_(std::move(stream)), token_(std::move(token)) {}
 
   void Start() {
     if constexpr (std::is_same_v<Stream, TlsStream>) {
-      beast::get_lowest_layer(stream_).expires_after(kTimeLimit);
+      LimitTime(beast::get_lowest_layer(stream_), kTimeLimit);
       stream_.async_handshake(asio::ssl::stream_base::server,
                               [self = this->shared_from_this()](ErrorCodeOfAsio failed) {
                                 if (!failed) self->Read();
@@ -181,17 +214,31 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection<
 
  private:
   static constexpr std::chrono::seconds kTimeLimit{30};
+  static constexpr std::chrono::seconds kEndLimit{2};
+  static constexpr std::size_t kDrainBytes = 4096;
   static constexpr std::uint32_t kHeaderLimit = 16U * 1024U;
 
   void Read() {
     parser_.emplace();
     parser_->header_limit(kHeaderLimit);
     parser_->body_limit(0);
-    beast::get_lowest_layer(stream_).expires_after(kTimeLimit);
+    LimitTime(beast::get_lowest_layer(stream_), kTimeLimit);
     http::async_read(stream_, buffer_, *parser_,
                      [self = this->shared_from_this()](ErrorCodeOfAsio failed, std::size_t) {
-                       if (!failed) self->Handle();
+                       failed ? self->Complain(failed) : self->Handle();
                      });
+  }
+
+  /// Says what is wrong with a request to a client that is still there.
+  void Complain(ErrorCodeOfAsio failed) {
+    static const auto& http_errors = http::make_error_code(http::error::bad_method).category();
+    const bool ended = failed == http::error::end_of_stream ||
+                       failed == http::error::partial_message || failed.category() != http_errors;
+    if (ended) return;
+    const bool has_body =
+        failed == http::error::body_limit || failed == http::error::unexpected_body;
+    const unsigned status = has_body ? 413 : failed == http::error::header_limit ? 431 : 400;
+    Write(host_.Refuse(status, failed.message()), false);
   }
 
   static std::string Text(beast::string_view text) { return {text.data(), text.size()}; }
@@ -209,27 +256,22 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection<
 
   void Handle() {
     const HttpRequest request = Seen();
-    if (!websocket::is_upgrade(parser_->get())) return Write(host_.Answer(request));
-    const std::string refusal =
-        request.target == "/ws" ? host_.WhyNoPage(request) : "pages connect to /ws";
-    if (refusal.empty()) {
-      const auto page = std::make_shared<WebSocketPage<Stream>>(std::move(stream_), host_);
-      return page->Accept(parser_->release());
-    }
-    HttpResponse response;
-    response.status = 403;
-    response.body = std::make_shared<const std::string>(refusal + "\n");
-    Write(std::move(response));
+    const bool keep_alive = parser_->get().keep_alive();
+    if (!websocket::is_upgrade(parser_->get())) return Write(host_.Answer(request), keep_alive);
+    if (auto refusal = host_.RefusePage(request)) return Write(*std::move(refusal), keep_alive);
+    const auto page =
+        std::make_shared<WebSocketPage<Stream>>(std::move(stream_), host_, std::move(token_));
+    page->Accept(parser_->release());
   }
 
-  void Write(HttpResponse answer) {
+  void Write(HttpResponse answer, bool keep_alive) {
     body_ = std::move(answer.body);
     const bool head = parser_->get().method() == http::verb::head;
     const std::size_t size = body_ ? body_->size() : 0;
     http::response<http::buffer_body> response;
     response.result(answer.status);
     response.version(parser_->get().version());
-    response.keep_alive(parser_->get().keep_alive());
+    response.keep_alive(keep_alive);
     response.set(http::field::content_type, answer.type);
     for (const auto& [name, value] : answer.headers) response.set(name, value);
     if (answer.status != 304) response.content_length(size);
@@ -239,7 +281,7 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection<
     response.body().more = false;
     response_ = std::move(response);
     serializer_.emplace(*response_);
-    beast::get_lowest_layer(stream_).expires_after(kTimeLimit);
+    LimitTime(beast::get_lowest_layer(stream_), kTimeLimit);
     if (head) {
       http::async_write_header(stream_, *serializer_, Written());
     } else {
@@ -250,12 +292,27 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection<
   auto Written() {
     return [self = this->shared_from_this()](ErrorCodeOfAsio failed, std::size_t) {
       if (failed) return;
-      if (self->response_->keep_alive()) return self->Read();
-      ErrorCodeOfAsio ignored;
-      beast::get_lowest_layer(self->stream_)
-          .socket()
-          .shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
+      self->response_->keep_alive() ? self->Read() : self->End();
     };
+  }
+
+  void End() {
+    LimitTime(beast::get_lowest_layer(stream_), kEndLimit);
+    if constexpr (std::is_same_v<Stream, TlsStream>) {
+      stream_.async_shutdown([self = this->shared_from_this()](ErrorCodeOfAsio) {});
+    } else {
+      EndSending(beast::get_lowest_layer(stream_));
+      Drain();
+    }
+  }
+
+  /// Closed with bytes unread, the connection would be reset, and the answer with it.
+  void Drain() {
+    buffer_.clear();
+    stream_.async_read_some(buffer_.prepare(kDrainBytes),
+                            [self = this->shared_from_this()](ErrorCodeOfAsio failed, std::size_t) {
+                              if (!failed) self->Drain();
+                            });
   }
 
   ConnectionHost& host_;

@@ -22,6 +22,19 @@ namespace {
 using asio::ip::tcp;
 
 constexpr std::chrono::milliseconds kGoodbyeLimit{500};
+constexpr std::chrono::milliseconds kAcceptPause{100};
+/// Of requests that the service has not taken; a page with more shall come back later.
+constexpr std::size_t kWaitingLimit = 8U * 1024U * 1024U;
+
+/// Of requests; who comes and goes is always told.
+std::size_t BytesOf(const std::vector<PageEvent>& events) {
+  std::size_t bytes = 0;
+  for (const PageEvent& event : events) {
+    const auto* asked = std::get_if<PageAsked>(&event.body);
+    if (asked != nullptr) bytes += sizeof(PageEvent) + asked->request.ByteSizeLong();
+  }
+  return bytes;
+}
 
 GatewayOptions Checked(const GatewayOptions& options) {
   if (const auto valid = CheckAccess(options); !valid) throw StartupError(valid.error().text);
@@ -86,6 +99,7 @@ class Gateway::Server final : public ConnectionHost {
 
   std::vector<PageEvent> Take() {
     const std::lock_guard lock(mutex_);
+    waiting_bytes_ = 0;
     return std::exchange(events_, {});
   }
 
@@ -111,14 +125,31 @@ class Gateway::Server final : public ConnectionHost {
     return response;
   }
 
-  std::string WhyNoPage(const HttpRequest& request) override {
+  HttpResponse Refuse(unsigned status, const std::string& why) override {
+    metrics_.CountRequest(status);
+    return HttpRoutes::Refuse(status, why);
+  }
+
+  std::optional<HttpResponse> RefusePage(const HttpRequest& request) override {
+    unsigned status = 403;
     std::string why = WhyForeign(options_, request.host, request.origin);
-    if (why.empty() && page_count_ >= options_.max_pages) {
+    if (why.empty() && request.target != "/ws") {
+      status = 404;
+      why = "pages connect to /ws";
+    }
+    if (why.empty() && places_ >= options_.max_pages) {
+      status = 503;
       why = fmt::format("{} pages are open, the limit of operator.console.max_pages",
                         options_.max_pages);
     }
-    if (!why.empty()) Refuse(why);
-    return why;
+    if (why.empty()) return std::nullopt;
+    Note(why);
+    return Refuse(status, why);
+  }
+
+  std::shared_ptr<void> TakePlace() override {
+    ++places_;
+    return {nullptr, [this](void*) { --places_; }};
   }
 
   PageContext page_context() override {
@@ -135,7 +166,7 @@ class Gateway::Server final : public ConnectionHost {
     const auto found = pages_.find(page);
     if (found == pages_.end()) return;
     const PageFeed& feed = found->second->feed();
-    if (!feed.close_reason().empty() && !leaving_) Refuse(feed.close_reason());
+    if (!feed.fault().empty()) Note(feed.fault());
     metrics_.CountSkippedFrames(feed.frames_skipped());
     if (feed.identity()) Deliver({{page, *feed.identity(), PageLeft{}}});
     pages_.erase(found);
@@ -143,14 +174,18 @@ class Gateway::Server final : public ConnectionHost {
     if (leaving_ && pages_.empty()) io_.stop();
   }
 
-  void Deliver(std::vector<PageEvent> events) override {
-    if (events.empty()) return;
+  bool Deliver(std::vector<PageEvent> events) override {
+    if (events.empty()) return true;
+    const std::size_t bytes = BytesOf(events);
     {
       const std::lock_guard lock(mutex_);
+      if (bytes > 0 && waiting_bytes_ + bytes > kWaitingLimit) return false;
+      waiting_bytes_ += bytes;
       events_.insert(events_.end(), std::make_move_iterator(events.begin()),
                      std::make_move_iterator(events.end()));
     }
     if (wake_) wake_();
+    return true;
   }
 
   void CountMessage(bool sent, std::size_t bytes) override { metrics_.CountMessage(sent, bytes); }
@@ -174,8 +209,17 @@ class Gateway::Server final : public ConnectionHost {
   void Accept() {
     acceptor_.async_accept([this](ErrorCodeOfAsio failed, tcp::socket socket) {
       if (leaving_) return;
-      if (!failed) Begin(std::move(socket));
+      if (failed) return AcceptLater();
+      Begin(std::move(socket));
       Accept();
+    });
+  }
+
+  /// Out of file descriptors, say: to try again at once would only burn the processor.
+  void AcceptLater() {
+    accept_timer_.expires_after(kAcceptPause);
+    accept_timer_.async_wait([this](ErrorCodeOfAsio) {
+      if (!leaving_) Accept();
     });
   }
 
@@ -206,7 +250,7 @@ class Gateway::Server final : public ConnectionHost {
     metrics_.SetPages(page_count_);
   }
 
-  void Refuse(const std::string& why) {
+  void Note(const std::string& why) {
     metrics_.CountRefusedPage();
     if (const auto held_back = refusals_logged_.Allow()) {
       LOG_WARNING("page of the console refused", "reason", why, "held_back", *held_back);
@@ -219,7 +263,7 @@ class Gateway::Server final : public ConnectionHost {
     acceptor_.close(ignored);
     if (pages_.empty()) return io_.stop();
     for (const auto& page : LivePages()) {
-      page->feed().Close("the service stops", true);
+      page->feed().End("the service stops");
       page->Pump();
     }
     goodbye_timer_.expires_after(kGoodbyeLimit);
@@ -239,18 +283,21 @@ class Gateway::Server final : public ConnectionHost {
   std::optional<asio::ssl::context> tls_;
   GatewayMetrics metrics_;
   HttpRoutes routes_;
-  int connections_ = 0;  // outlives io_, whose handlers hold the connections
+  int connections_ = 0;  // outlive io_, whose handlers hold the connections and pages
+  int places_ = 0;       // of pages that are open, or opening
   std::atomic<int> page_count_{0};
   std::atomic<bool> notified_{false};
   LogLimit refusals_logged_;
-  mutable std::mutex mutex_;  // guards the two below
+  mutable std::mutex mutex_;  // guards the three below
   std::vector<PageEvent> events_;
+  std::size_t waiting_bytes_ = 0;  // of them
   Readiness readiness_;
   std::map<std::uint64_t, std::shared_ptr<PageConnection>> pages_;
   std::uint64_t last_page_ = 0;
   bool leaving_ = false;
   asio::io_context io_{1};
   tcp::acceptor acceptor_;
+  asio::steady_timer accept_timer_{io_};
   asio::steady_timer goodbye_timer_{io_};
   int port_ = 0;
   std::thread thread_;

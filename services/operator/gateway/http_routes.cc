@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <optional>
@@ -33,6 +34,22 @@ void AddSecurityHeaders(HttpResponse& response) {
   response.headers.emplace_back("Cross-Origin-Resource-Policy", "same-origin");
 }
 
+/// Whether a browser that has one of `if_none_match` has `etag` (RFC 9110, 13.1.2: the weak comparison,
+/// because proxies that compress make it weak).
+bool IsAmong(std::string_view if_none_match, std::string_view etag) {
+  if (if_none_match == "*") return true;
+  while (!if_none_match.empty()) {
+    const auto comma = std::min(if_none_match.find(','), if_none_match.size());
+    std::string_view one = if_none_match.substr(0, comma);
+    if_none_match.remove_prefix(std::min(comma + 1, if_none_match.size()));
+    one.remove_prefix(std::min(one.find_first_not_of(" \t"), one.size()));
+    one = one.substr(0, one.find_last_not_of(" \t") + 1);
+    if (one.starts_with("W/")) one.remove_prefix(2);
+    if (one == etag) return true;
+  }
+  return false;
+}
+
 std::optional<std::uint64_t> NumberOf(std::string_view text) {
   std::uint64_t number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -47,6 +64,12 @@ HttpRoutes::HttpRoutes(const GatewayOptions& options, WebFiles files, Sources so
 
 HttpResponse HttpRoutes::Answer(const HttpRequest& request) const {
   HttpResponse response = Route(request);
+  AddSecurityHeaders(response);
+  return response;
+}
+
+HttpResponse HttpRoutes::Refuse(unsigned status, const std::string& why) {
+  HttpResponse response = Text(status, why + "\n");
   AddSecurityHeaders(response);
   return response;
 }
@@ -90,7 +113,7 @@ HttpResponse HttpRoutes::AnswerFile(const WebFiles::File& file, const HttpReques
       {"ETag", file.etag},
       {"Vary", "Accept-Encoding"},
       {"Cache-Control", file.immutable ? "public, max-age=31536000, immutable" : "no-cache"}};
-  if (request.if_none_match == file.etag) {
+  if (IsAmong(request.if_none_match, file.etag)) {
     response.status = 304;
     return response;
   }

@@ -55,6 +55,8 @@ class HttpRoutes {
   HttpRoutes(const GatewayOptions& options, WebFiles files, Sources sources);
 
   HttpResponse Answer(const HttpRequest& request) const;
+  /// What is no request that could be answered.
+  static HttpResponse Refuse(unsigned status, const std::string& why);
 
  private:
   HttpResponse Route(const HttpRequest& request) const;

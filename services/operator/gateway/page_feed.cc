@@ -23,6 +23,13 @@ bool IsInstance(std::string_view text) {
          text.find_first_not_of("0123456789abcdefghijklmnopqrstuvwxyz-") == std::string_view::npos;
 }
 
+/// Of UTF-8.
+std::size_t Characters(std::string_view text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
+  }));
+}
+
 /// A name as part of a client's: what is not of its alphabet becomes "_".
 std::string ClientPart(const std::string& name) {
   std::string part = name.empty() ? "console" : name;
@@ -102,9 +109,11 @@ std::optional<PageIdentity> PageFeed::Identify(const console::Hello& hello) {
           false);
     return std::nullopt;
   }
-  if (hello.name().size() > kNameLimit * 4 ||
-      (!hello.name().empty() && !IsPlainName(hello.name()))) {
-    Close("the name is too long or has control characters", false);
+  const std::string& name = hello.name();
+  if (!name.empty() && (Characters(name) > kNameLimit || !IsPlainName(name))) {
+    Close(fmt::format("the name has a slash, control characters, or more than {} characters",
+                      kNameLimit),
+          false);
     return std::nullopt;
   }
   const std::string part = ClientPart(hello.name()).substr(0, kNameLimit);
@@ -116,7 +125,8 @@ void PageFeed::Greet(const console::Hello& hello, double wall_s) {
   if (!identity_) return;
   generation_ = context_.updates.generation();
   const std::string run = RunOf(context_.welcome, generation_);
-  everything_ = hello.run() != run || hello.sequence() > context_.updates.sequence();
+  everything_ =
+      hello.run() != run || hello.sequence() == 0 || hello.sequence() > context_.updates.sequence();
   sequence_ = everything_ ? 0 : hello.sequence();
   console::ServerMessage message;
   *message.mutable_welcome() = context_.welcome;
@@ -142,10 +152,19 @@ void PageFeed::Queue(const console::ServerMessage& message) {
 
 void PageFeed::Close(std::string reason, bool retry) {
   if (closing_) return;
+  fault_ = reason;
+  SayGoodbye(std::move(reason), retry);
+}
+
+void PageFeed::End(std::string reason) {
+  if (!closing_) SayGoodbye(std::move(reason), true);
+}
+
+void PageFeed::SayGoodbye(std::string reason, bool retry) {
   closing_ = true;
-  close_reason_ = std::move(reason);
+  retry_ = retry;
   console::ServerMessage message;
-  message.mutable_goodbye()->set_reason(close_reason_);
+  message.mutable_goodbye()->set_reason(std::move(reason));
   message.mutable_goodbye()->set_retry(retry);
   queue_.push_back(Encode(message));
 }
@@ -162,7 +181,14 @@ std::optional<std::string> PageFeed::Next(Clock::TimePoint now) {
     return message;
   }
   if (closing_ || !has_joined()) return std::nullopt;
-  if (auto updates = NextUpdates(now)) return updates;
+  // In turn: a page that takes fewer messages than there are updates still sees its streams move.
+  if (std::exchange(frame_is_next_, false)) {
+    if (auto frame = NextFrame()) return frame;
+  }
+  if (auto updates = NextUpdates(now)) {
+    frame_is_next_ = !closing_;
+    return updates;
+  }
   return NextFrame();
 }
 
@@ -173,8 +199,8 @@ std::optional<std::string> PageFeed::NextUpdates(Clock::TimePoint now) {
     return std::nullopt;
   }
   const auto batch = context_.updates.After(generation_, sequence_, kBatchBytes);
-  if (batch.generation != generation_) {  // the world has begun anew
-    Close("the run begins anew", true);
+  if (batch.generation != generation_) {  // a world has begun anew
+    End("the run begins anew");
     return Next(now);
   }
   if (batch.updates.empty()) return std::nullopt;
@@ -184,24 +210,38 @@ std::optional<std::string> PageFeed::NextUpdates(Clock::TimePoint now) {
 }
 
 void PageFeed::SeeNewestFrames() {
-  frames_seen_ = context_.frames.Numbers();
-  for (auto& [robot, number] : frames_seen_) number -= 1;
+  for (const auto& [robot, number] : context_.frames.Numbers()) {
+    std::uint64_t& seen = frames_seen_[robot];
+    seen = std::max(seen, number - 1);
+  }
+}
+
+std::optional<FrameSlots::Slot> PageFeed::NewestFrame() const {
+  const auto newer = context_.frames.Newer(frames_seen_);
+  if (!frames_of_.empty()) {
+    const auto found = newer.find(frames_of_);
+    return found == newer.end() ? std::nullopt : std::optional(found->second);
+  }
+  if (newer.empty()) return std::nullopt;
+  // Round and round, or the first robot alone is seen on a slow connection.
+  const auto next = newer.upper_bound(last_frame_of_);
+  return next == newer.end() ? newer.begin()->second : next->second;
 }
 
 std::optional<std::string> PageFeed::NextFrame() {
   if (!wants_frames_) return std::nullopt;
-  for (const auto& [robot, slot] : context_.frames.Newer(frames_seen_)) {
-    const std::uint64_t skipped = slot.number - frames_seen_[robot] - 1;
-    frames_seen_[robot] = slot.number;
-    if (!frames_of_.empty() && frames_of_ != robot) continue;
-    skipped_[robot] += skipped;
-    frames_skipped_ += skipped;
-    console::ServerMessage message;
-    *message.mutable_frame() = *slot.frame;
-    message.mutable_frame()->set_skipped(skipped_[robot]);
-    return Encode(message);
-  }
-  return std::nullopt;
+  const auto slot = NewestFrame();
+  if (!slot) return std::nullopt;
+  const std::string& robot = slot->frame->robot();
+  const std::uint64_t skipped = slot->number - frames_seen_[robot] - 1;
+  frames_seen_[robot] = slot->number;
+  skipped_[robot] += skipped;
+  frames_skipped_ += skipped;
+  last_frame_of_ = robot;
+  console::ServerMessage message;
+  *message.mutable_frame() = *slot->frame;
+  message.mutable_frame()->set_skipped(skipped_[robot]);
+  return Encode(message);
 }
 
 }  // namespace conav::operators

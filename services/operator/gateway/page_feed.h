@@ -46,17 +46,21 @@ class PageFeed {
   std::vector<PageEvent> Take(std::string_view bytes, Clock::TimePoint now, double wall_s);
   /// To a request of this page.
   void Add(const console::Reply& reply);
-  /// Ends the connection after what is queued.
+  /// Ends the connection after what is queued, for what the page did or takes part in.
   void Close(std::string reason, bool retry);
+  /// The same, and the page has no part in it: it shall come back.
+  void End(std::string reason);
 
-  /// The next message to send, if there is one now. In this order: answers, updates, frames.
+  /// The next message to send, if there is one now: answers first, then updates and frames in turn.
   std::optional<std::string> Next(Clock::TimePoint now);
   /// When Next() may have something although nothing new comes.
   std::optional<Clock::TimePoint> due() const { return due_; }
   /// True when everything was said and the connection shall end.
   bool finished() const { return closing_ && queue_.empty(); }
-  /// Why, for the log; empty when the page is as it should be.
-  const std::string& close_reason() const { return close_reason_; }
+  /// What the page was closed for; empty when it is as it should be.
+  const std::string& fault() const { return fault_; }
+  /// Whether it was told to come back.
+  bool retry() const { return retry_; }
   std::uint64_t page() const { return page_; }
   const std::optional<PageIdentity>& identity() const { return identity_; }
   bool has_joined() const { return identity_.has_value(); }
@@ -66,9 +70,11 @@ class PageFeed {
   void Greet(const console::Hello& hello, double wall_s);
   std::optional<PageIdentity> Identify(const console::Hello& hello);
   void Queue(const console::ServerMessage& message);
+  void SayGoodbye(std::string reason, bool retry);
   std::optional<std::string> NextUpdates(Clock::TimePoint now);
   /// Frames count as skipped from here on.
   void SeeNewestFrames();
+  std::optional<FrameSlots::Slot> NewestFrame() const;
   std::optional<std::string> NextFrame();
 
   PageContext context_;
@@ -85,11 +91,14 @@ class PageFeed {
   std::map<std::string, std::uint64_t> frames_seen_;  // number, by robot
   std::map<std::string, std::uint64_t> skipped_;      // by robot
   std::uint64_t frames_skipped_ = 0;
+  std::string last_frame_of_;  // robot
+  bool frame_is_next_ = false;
   bool wants_frames_ = false;
   std::string frames_of_;  // robot; empty = all
   double round_trip_s_ = 0.0;
   bool closing_ = false;
-  std::string close_reason_;
+  bool retry_ = false;
+  std::string fault_;
 };
 
 }  // namespace conav::operators

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <utility>
+#include <vector>
 
 #include "common/runtime/file.h"
 #include "common/runtime/result.h"
@@ -39,26 +40,42 @@ std::shared_ptr<const std::string> Read(const std::filesystem::path& file) {
   return std::make_shared<const std::string>(*std::move(text));
 }
 
+/// Without compressed ones. None where there is no such folder.
+std::vector<std::filesystem::path> FilesBelow(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  if (!std::filesystem::exists(folder)) return files;
+  try {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+      if (entry.is_regular_file() && entry.path().extension() != ".gz") {
+        files.push_back(entry.path());
+      }
+    }
+  } catch (const std::filesystem::filesystem_error& error) {
+    throw StartupError(fmt::format("console page: {}", error.what()));
+  }
+  return files;
+}
+
 }  // namespace
 
 WebFiles::WebFiles(const std::filesystem::path& folder) {
-  std::error_code unreadable;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder, unreadable)) {
-    if (!entry.is_regular_file() || entry.path().extension() == ".gz") continue;
-    File file;
-    file.type = TypeOf(entry.path());
-    file.plain = Read(entry.path());
-    const std::filesystem::path compressed = entry.path().string() + ".gz";
-    if (std::filesystem::exists(compressed)) file.gzip = Read(compressed);
-    file.etag = fmt::format("\"{}\"", Sha256Hex(*file.plain).substr(0, 16));
-    const std::string path = "/" + std::filesystem::relative(entry.path(), folder).generic_string();
-    file.immutable = path.starts_with("/assets/");
-    files_[path] = std::move(file);
-  }
+  for (const auto& path : FilesBelow(folder)) Add(folder, path);
   if (!files_.contains("/index.html")) {
     throw StartupError(fmt::format("console page: {} holds no index.html", folder.string()));
   }
   files_["/"] = files_["/index.html"];
+}
+
+void WebFiles::Add(const std::filesystem::path& folder, const std::filesystem::path& path) {
+  File file;
+  file.type = TypeOf(path);
+  file.plain = Read(path);
+  const std::filesystem::path compressed = path.string() + ".gz";
+  if (std::filesystem::exists(compressed)) file.gzip = Read(compressed);
+  file.etag = fmt::format("\"{}\"", Sha256Hex(*file.plain).substr(0, 16));
+  const std::string url = fmt::format("/{}", path.lexically_relative(folder).generic_string());
+  file.immutable = url.starts_with("/assets/");
+  files_[url] = std::move(file);
 }
 
 const WebFiles::File* WebFiles::Find(std::string_view path) const {

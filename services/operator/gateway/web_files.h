@@ -26,6 +26,8 @@ class WebFiles {
   const File* Find(std::string_view path) const;
 
  private:
+  void Add(const std::filesystem::path& folder, const std::filesystem::path& path);
+
   std::map<std::string, File, std::less<>> files_;  // by URL path
 };
 

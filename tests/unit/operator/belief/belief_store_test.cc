@@ -169,6 +169,7 @@ TEST_CASE("A database of the first version goes on with what it holds", "[operat
     auto database = Database::Open({folder / "operator.db"});
     REQUIRE(database);
     REQUIRE(database->Execute("DROP TABLE holds"));
+    REQUIRE(database->Execute("DROP TABLE alerts"));
     REQUIRE(database->Execute("PRAGMA user_version = 1"));
   }
   BeliefStore store = OpenStore(folder / "operator.db");

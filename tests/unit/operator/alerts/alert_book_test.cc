@@ -1,0 +1,75 @@
+#include "operator/alerts/alert_book.h"
+
+#include <catch2/catch.hpp>
+
+namespace conav::operators {
+namespace {
+
+Condition Link(const std::string& robot) {
+  return {"link/" + robot, Severity::kAlarm, robot, "nothing is heard of " + robot, "look"};
+}
+
+TEST_CASE("A condition raises one alert, however often it is told", "[operator][alerts]") {
+  AlertBook book;
+  const auto raised = book.Update({Link("r1")}, 100.0);
+  REQUIRE(raised.size() == 1);
+  CHECK(raised[0] == Alert{.id = 1, .condition = Link("r1"), .raised_s = 100.0, .newest_s = 100.0});
+  CHECK(book.Update({Link("r1")}, 101.0).empty());
+  CHECK(book.alerts().size() == 1);
+}
+
+TEST_CASE("An alert whose condition comes and goes is counted, not repeated",
+          "[operator][alerts]") {
+  AlertBook book;
+  book.Update({Link("r1")}, 100.0);
+  REQUIRE(book.Update({}, 101.0).size() == 1);
+  CHECK_FALSE(book.alerts().at(1).active);
+  book.Update({Link("r1")}, 102.0);
+  const Alert& alert = book.alerts().at(1);
+  CHECK(alert.active);
+  CHECK(alert.count == 2);
+  CHECK(alert.raised_s == 100.0);
+  CHECK(alert.newest_s == 102.0);
+}
+
+TEST_CASE("An acknowledged alert that is over is history, the next time is another one",
+          "[operator][alerts]") {
+  AlertBook book;
+  book.Update({Link("r1")}, 100.0);
+  book.Adopt(*book.Acknowledge(1, "anna", 101.0));
+  CHECK(book.Update({Link("r1")}, 102.0).empty());
+  book.Update({}, 103.0);
+  book.Update({Link("r1")}, 104.0);
+  REQUIRE(book.alerts().size() == 2);
+  CHECK(book.alerts().at(1).acknowledged_by == "anna");
+  CHECK(book.alerts().at(2).active);
+}
+
+TEST_CASE("What comes back after a restart is the same alert, unless it was acknowledged",
+          "[operator][alerts]") {
+  Alert open{.id = 4, .condition = Link("r1"), .raised_s = 1.0, .newest_s = 1.0};
+  Alert read{.id = 7, .condition = Link("r2"), .acknowledged_by = "anna"};
+  AlertBook book;
+  book.Restore({open, read});
+  CHECK_FALSE(book.alerts().at(4).active);
+  book.Update({Link("r1"), Link("r2")}, 9.0);
+  CHECK(book.alerts().at(4).active);
+  CHECK(book.alerts().at(4).count == 2);
+  CHECK_FALSE(book.alerts().at(7).active);
+  CHECK(book.alerts().at(8).condition == Link("r2"));
+}
+
+TEST_CASE("Acknowledging and shelving count once they are adopted", "[operator][alerts]") {
+  AlertBook book;
+  book.Update({Link("r1")}, 100.0);
+  const auto shelved = book.Shelve(1, 60.0, 105.0);
+  CHECK(shelved->shelved_until_s == 165.0);
+  CHECK(book.alerts().at(1).shelved_until_s == 0.0);
+  book.Adopt(*shelved);
+  CHECK(book.alerts().at(1).shelved_until_s == 165.0);
+  CHECK(book.Acknowledge(9, "anna", 1.0).error().text == "alert 9 is not known here");
+  CHECK_FALSE(book.Shelve(9, 1.0, 1.0));
+}
+
+}  // namespace
+}  // namespace conav::operators

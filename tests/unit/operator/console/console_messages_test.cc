@@ -1,0 +1,145 @@
+#include "operator/console/console_messages.h"
+
+#include <fmt/format.h>
+#include <google/protobuf/descriptor.h>
+
+#include <catch2/catch.hpp>
+#include <set>
+
+#include "unit/common/protocol/samples.h"
+
+namespace conav::operators {
+namespace {
+
+using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
+
+bool IsSet(const Message& message, const FieldDescriptor& field) {
+  const auto* reflection = message.GetReflection();
+  return field.is_repeated() ? reflection->FieldSize(message, &field) > 0
+                             : reflection->HasField(message, &field);
+}
+
+/// Names of fields, also of messages within, that are at their default everywhere.
+std::set<std::string> Unset(const Message& message) {
+  std::set<std::string> unset;
+  const auto* reflection = message.GetReflection();
+  for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
+    const FieldDescriptor& field = *message.GetDescriptor()->field(i);
+    if (!IsSet(message, field)) unset.insert(field.name());
+    if (field.cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE || !IsSet(message, field)) continue;
+    if (!field.is_repeated()) {
+      for (const auto& name : Unset(reflection->GetMessage(message, &field))) {
+        unset.insert(fmt::format("{}.{}", field.name(), name));
+      }
+      continue;
+    }
+    for (const auto& name : Unset(reflection->GetRepeatedMessage(message, &field, 0))) {
+      unset.insert(fmt::format("{}.{}", field.name(), name));
+    }
+  }
+  return unset;
+}
+
+const std::set<std::string> kNone;
+
+}  // namespace
+
+TEST_CASE("the check finds fields at their default", "[operator][console]") {
+  console::Plan plan;
+  plan.set_robot("r1");
+  plan.add_cells()->set_row(3);
+  CHECK(Unset(plan) == std::set<std::string>{"stamp", "cells.column"});
+}
+
+TEST_CASE("of a robot's state no field is lost", "[operator][console]") {
+  const RobotState state = samples::SampleState();
+  const console::Robot robot = ToConsole(state, 12.5);
+  CHECK(Unset(robot) == kNone);
+  CHECK(robot.stamp() == Approx(state.stamp.ToSeconds()));
+  CHECK(robot.heard_at() == 12.5);
+  CHECK(robot.cell().row() == 3);
+  CHECK(robot.x() == 1.25);
+  CHECK(robot.y() == -3.5);
+  CHECK(robot.goals_left_size() == 2);
+  CHECK(robot.outcome() == console::OUTCOME_BLOCKED);
+  CHECK(robot.cell_moves() == 20);
+  CHECK(robot.low_level_steps() == 300);
+  CHECK(robot.pictures() == 5);
+  CHECK(robot.picture_bytes() == 50000);
+  CHECK(robot.snapshots() == 4);
+}
+
+TEST_CASE("outcomes have the same numbers here and there", "[operator][console]") {
+  for (int i = 0; i <= static_cast<int>(CommandOutcome::kExpired); ++i) {
+    CHECK(console::CommandOutcome_IsValid(i));
+  }
+  CHECK(static_cast<int>(CommandOutcome::kExpired) == console::OUTCOME_EXPIRED);
+  CHECK(static_cast<int>(AttentionReason::kGoalsReached) == console::REASON_GOALS_REACHED);
+  CHECK(static_cast<int>(DriveAction::kTurnRight) == console::DRIVE_TURN_RIGHT);
+}
+
+TEST_CASE("of guidance no field is lost", "[operator][console]") {
+  const console::Guidance guidance = ToConsole(samples::SampleGuidance());
+  CHECK(Unset(guidance) == kNone);
+  CHECK(guidance.path_size() == 3);
+  CHECK(guidance.revision() == 2);
+  CHECK(guidance.belief_revision() == 5);
+  CHECK(guidance.answers_snapshot() == 3);
+}
+
+TEST_CASE("of a picture all but its answer is known", "[operator][console]") {
+  const console::Picture picture = ToConsole(samples::SamplePicture(), 12.5);
+  CHECK(Unset(picture) == std::set<std::string>{"answer", "answered_by"});
+  CHECK(picture.bytes() == 3);
+  CHECK(picture.width() == 320);
+  CHECK(picture.height() == 192);
+  CHECK(picture.free_cells_size() == 2);
+  CHECK(picture.wall_cells(0).column() == 3);
+}
+
+TEST_CASE("of a search no field is lost", "[operator][console]") {
+  const console::Search search = ToConsole(samples::SampleReport());
+  CHECK(Unset(search) == std::set<std::string>{"actions.picture"});  // the first is a move
+  REQUIRE(search.actions_size() == 2);
+  CHECK(search.actions(1).picture());
+  CHECK(search.actions(1).heading() == 1.5);
+  CHECK(search.actions(1).visits() == 10);
+  CHECK(search.actions(1).mean_value() == -12.0);
+  CHECK(search.actions(1).information_gain() == 2.25);
+  CHECK(search.actions(1).feasibility() == 0.75);
+}
+
+TEST_CASE("of the attention queue no field is lost", "[operator][console]") {
+  const console::Attention attention = ToConsole(samples::SampleQueue());
+  CHECK(Unset(attention) == kNone);
+  REQUIRE(attention.items_size() == 2);
+  CHECK(attention.items(0).reason() == console::REASON_BLOCKED);
+  CHECK(attention.items(0).expected_interaction() == 6.0);
+  CHECK(attention.fan_out() == 2.6);
+  CHECK(attention.predicted_waiting_time() == 4.0);
+}
+
+TEST_CASE("probabilities become bytes", "[operator][console]") {
+  Grid<float> grid(1, 6);
+  const std::vector<float> values{0.0F, 0.5F, 1.0F, 0.25F, -3.0F, 7.0F};
+  std::copy(values.begin(), values.end(), grid.values().begin());
+  CHECK(ToBytes(grid) == std::string("\x00\x80\xFF\x40\x00\xFF", 6));
+}
+
+TEST_CASE("what a robot has seen becomes bytes", "[operator][console]") {
+  OccupancyGrid grid(1, 3, Occupancy::kUnknown);
+  grid[{0, 1}] = Occupancy::kFree;
+  grid[{0, 2}] = Occupancy::kOccupied;
+  CHECK(ToBytes(grid) == std::string("\x00\x01\x02", 3));
+}
+
+TEST_CASE("text that is no UTF-8 is made readable", "[operator][console]") {
+  CHECK(Readable("wall ahead, \xC3\xBC") == "wall ahead, \xC3\xBC");
+  CHECK(Readable("bad \xFF\x01 byte") == "bad ?\x01 byte");
+  RobotState state = samples::SampleState();
+  state.command_detail = std::string(1, '\xC3');
+  CHECK(ToConsole(state, 0.0).detail() == "?");
+}
+
+}  // namespace conav::operators
