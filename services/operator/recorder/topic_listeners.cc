@@ -98,9 +98,9 @@ TopicListeners::TopicListeners(bus::Participant& participant, const RecorderConf
         participant.backend().CreateReader({name, type, qos}, SinkFor<T>(channel, arrivals)));
   };
   std::set<std::string> worlds;
-  for (const auto& [robot, world] : WorldOfRobot("recorder", config.robots)) {
-    bus::ForEachTopic(bus::kRobotTopics, [&](const auto& topic) { listen(topic, robot); });
-    worlds.insert(world);
+  for (const auto& entry : WorldOfRobot("recorder", config.robots)) {
+    bus::ForEachTopic(bus::kRobotTopics, [&](const auto& topic) { listen(topic, entry.first); });
+    worlds.insert(entry.second);
   }
   for (const std::string& world : worlds) {
     bus::ForEachTopic(bus::kWorldTopics, [&](const auto& topic) { listen(topic, world); });
