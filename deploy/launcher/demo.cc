@@ -72,9 +72,7 @@ DemoResult Demo::Run(const StopToken& stop) {
   progress_.Say(OutcomeLine(outcome_));
   if (outcome_.reason == EndReason::kProcessDied) TellWhereRobotsStand();
   place_.recorder.reset();  // that the services leave now is no news
-  for (const std::string& name : processes_.StopAll(kGrace)) {
-    progress_.Say(KilledLine(name));
-  }
+  StopAll();
   return Finish();
 }
 
@@ -134,11 +132,14 @@ bool Demo::SomethingDied() {
 
 bool Demo::CanDoWithout(const Process& process, const std::string& what) {
   const bool is_nhpm = IsOf("nhpm", process);
+  const bool is_recorder = process.name() == kRecorderName;
   const int planners_left = IsOf("planner", process) ? CountRunning("planner") : 0;
-  if (!is_nhpm && planners_left == 0) return false;
+  if (!is_nhpm && !is_recorder && planners_left == 0) return false;
   const auto last = LastLines(process.log(), 1);
   progress_.Say(last.empty() ? what : what + "; its log ends: " + last.front());
-  if (planners_left > 0) {
+  if (is_recorder) {
+    progress_.Say("the run goes on and is not recorded any more");
+  } else if (planners_left > 0) {
     progress_.Say(fmt::format("planners that take its robots over: {}", planners_left));
   } else if (const int replicas_left = CountRunning("nhpm"); replicas_left > 0) {
     progress_.Say(fmt::format("nhpm processes that go on answering: {}", replicas_left));
@@ -159,11 +160,17 @@ void Demo::TellWhoDrives() {
   }
 }
 
+void Demo::Stop(const std::function<bool(const Process&)>& meant) {
+  for (const std::string& name : processes_.Stop(kGrace, meant)) progress_.Say(KilledLine(name));
+}
+
 void Demo::StopPlanners() {
-  for (const std::string& name :
-       processes_.Stop(kGrace, [](const Process& process) { return IsOf("planner", process); })) {
-    progress_.Say(KilledLine(name));
-  }
+  Stop([](const Process& process) { return IsOf("planner", process); });
+}
+
+void Demo::StopAll() {
+  Stop([](const Process& process) { return process.name() != kRecorderName; });
+  Stop([](const Process&) { return true; });
 }
 
 void Demo::TellWhereRobotsStand() {

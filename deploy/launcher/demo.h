@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -60,8 +61,12 @@ class Demo {
   /// Whether the run goes on without a process that died as `what` tells; says so.
   bool CanDoWithout(const Process& process, const std::string& what);
   void TellWhoDrives();
+  /// Says who had to be killed.
+  void Stop(const std::function<bool(const Process&)>& meant);
   /// So that nobody commands the robots any more.
   void StopPlanners();
+  /// The recorder last, so that it hears all others.
+  void StopAll();
   /// Listens until it is quiet and, after a death, until the robots stand.
   void TakeLastNews();
   void TellWhereRobotsStand();

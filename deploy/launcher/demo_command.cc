@@ -14,10 +14,11 @@ namespace conav::launcher {
 namespace {
 
 constexpr const char* kFooter = R"(
-Starts conav-sim (one per world), conav-nhpm (one, several or none), conav-operator, conav-planner (one
-or several) and conav-simulated-operator, follows them until every robot has reached its goals, and
+Starts conav-recorder, conav-sim (one per world), conav-nhpm (one, several or none), conav-operator,
+conav-planner (one or several) and conav-simulated-operator, follows them until every robot has reached its goals, and
 leaves runs/<time>-seed<S>/ with the effective configuration, logs, metrics.json, episode.svg (truth,
-the operator's map before and after, trajectories, pictures), segments.pb.zst (how the operator edited
+the operator's map before and after, trajectories, pictures), recording.mcap (what was said on the bus;
+conav bag, Foxglove), segments.pb.zst (how the operator edited
 after each picture; conav dataset describe) and decisions.pb.zst (why the robots did what they did;
 conav explain).
 
@@ -115,6 +116,8 @@ void AddSystemOptions(CLI::App& app, DemoOptions& options, std::vector<std::stri
       ->delimiter(',');
   app.add_option("--run-with", run_with, "SERVICE=COMMAND: put COMMAND before that service's own")
       ->allow_extra_args(false);
+  app.add_flag("!--no-recording", options.recording, "Write no recording.mcap");
+  app.add_flag("--streams", options.streams, "Record the pictures that cameras stream, too");
   app.add_option("--json", options.json, "Write the result to this file, too");
   app.add_option("--out", options.out, "Where run folders are made")->capture_default_str();
 }

@@ -14,8 +14,8 @@
 namespace conav::launcher {
 
 /// The services that a demo runs, in the order in which they start.
-inline constexpr const char* kServices[] = {"sim", "nhpm", "operator", "planner",
-                                            "simulated-operator"};
+inline constexpr const char* kServices[] = {"recorder", "sim",     "nhpm",
+                                            "operator", "planner", "simulated-operator"};
 inline constexpr std::array kMethods{"ig-mcts", "instruction", "teleop", "greedy"};
 inline constexpr int kMaxRobots = 64;
 inline constexpr int kMaxWorlds = 16;
@@ -64,6 +64,8 @@ struct DemoOptions {
   /// Port of the operator's console on this machine, 0 = any free one, -1 = none. Default 8080,
   /// headless none.
   std::optional<int> console;
+  bool recording = true;  // the run folder gets a recording.mcap,
+  bool streams = false;   // with the pictures that cameras stream
 
   double effective_speed() const { return speed.value_or(headless ? 0.0 : 4.0); }
   int console_port() const { return console.value_or(headless ? -1 : 8080); }
@@ -84,7 +86,8 @@ struct DemoOptions {
 [[nodiscard]] Result<std::pair<std::string, std::string>> ParseRunWith(const std::string& text);
 
 /// Which vendor each process gets, "launcher" among them; an empty text is the bus's default.
-/// "mixed" gives each service in turn one and the other.
+/// "mixed" gives each service in turn one and the other; the recorder, which takes no part, the
+/// first.
 [[nodiscard]] Result<std::map<std::string, std::string>> VendorOfService(const std::string& dds);
 
 }  // namespace conav::launcher

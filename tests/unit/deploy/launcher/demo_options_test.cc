@@ -179,7 +179,7 @@ TEST_CASE("a run is watchable on a terminal and as fast as commanded when headle
 TEST_CASE("one vendor is given to every process", "[launcher][options]") {
   const auto vendors = VendorOfService("fastdds");
   REQUIRE(vendors);
-  CHECK(vendors->size() == 6);
+  CHECK(vendors->size() == 7);
   for (const auto& [service, vendor] : *vendors) CHECK(vendor == "fastdds");
 }
 
