@@ -6,6 +6,7 @@
 #include <chrono>
 #include <utility>
 
+#include "common/runtime/file.h"
 #include "common/runtime/json.h"
 #include "common/runtime/log.h"
 #include "launcher/demo_plan.h"
@@ -71,6 +72,9 @@ DemoResult Demo::Run(const StopToken& stop) {
   progress_.Finish(episode_);
   progress_.Say(OutcomeLine(outcome_));
   if (outcome_.reason == EndReason::kProcessDied) TellWhereRobotsStand();
+  if (options_.waits_for_operator() && outcome_.reason == EndReason::kAllGoalsReached) {
+    StayOpen(stop);
+  }
   place_.recorder.reset();  // that the services leave now is no news
   StopAll();
   return Finish();
@@ -96,6 +100,7 @@ void Demo::Follow(const StopToken& stop) {
     place_.recorder->Take();
     progress_.Show(episode_);
     TellWhoDrives();
+    TellConsole();
     if (SomethingDied()) return;
     if (episode_.finished()) {
       outcome_.reason = EndReason::kAllGoalsReached;
@@ -105,7 +110,7 @@ void Demo::Follow(const StopToken& stop) {
       outcome_.reason = EndReason::kInterrupted;
       return;
     }
-    if (ElapsedSeconds() > options_.time_limit_s) {
+    if (ElapsedSeconds() > options_.effective_time_limit_s()) {
       outcome_.reason = EndReason::kTimeLimit;
       return;
     }
@@ -162,6 +167,25 @@ void Demo::TellWhoDrives() {
 
 void Demo::Stop(const std::function<bool(const Process&)>& meant) {
   for (const std::string& name : processes_.Stop(kGrace, meant)) progress_.Say(KilledLine(name));
+}
+
+void Demo::TellConsole() {
+  if (options_.console_port() < 0 || !console_.empty()) return;
+  const auto url = ReadFile(run_.console_url());
+  if (!url) return;
+  console_ = url->substr(0, url->find('\n'));
+  progress_.Say(fmt::format("console {}", console_));
+  if (options_.waits_for_operator()) {
+    progress_.Say("open it in a browser: the robots wait for you there; Ctrl-C ends");
+  }
+}
+
+void Demo::StayOpen(const StopToken& stop) {
+  progress_.Say(fmt::format("the console stays open at {} until Ctrl-C", console_));
+  while (!stop.stop_requested() && processes_.TakeEnded().empty()) {
+    place_.participant->Wait(kPeriod);
+    place_.recorder->Take();
+  }
 }
 
 void Demo::StopPlanners() {

@@ -61,6 +61,10 @@ class Demo {
   /// Whether the run goes on without a process that died as `what` tells; says so.
   bool CanDoWithout(const Process& process, const std::string& what);
   void TellWhoDrives();
+  /// Once, when it can be opened.
+  void TellConsole();
+  /// All goals are reached: whoever looks at the console may go on looking.
+  void StayOpen(const StopToken& stop);
   /// Says who had to be killed.
   void Stop(const std::function<bool(const Process&)>& meant);
   /// So that nobody commands the robots any more.
@@ -83,6 +87,7 @@ class Demo {
   Progress& progress_;
   PlannerWatch planners_;
   Outcome outcome_;
+  std::string console_;       // its URL, once it was told
   std::string died_service_;  // that ended the run; "sim" also among several worlds
   ProcessGroup processes_;
 };

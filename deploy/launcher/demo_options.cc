@@ -161,7 +161,7 @@ Result<void> ValidateNumbers(const DemoOptions& options) {
   if (auto ok = RequireRange("--cell-size", options.cell_size_m.value_or(1), 1, 100); !ok) {
     return ok;
   }
-  return RequireRange("--time-limit", options.time_limit_s, 1, 1e6);
+  return RequireRange("--time-limit", options.time_limit_s.value_or(1.0), 1, 1e6);
 }
 
 }  // namespace

@@ -137,6 +137,7 @@ std::string OperatorYaml(const Setting& setting) {
   config.recording = Recording(setting);
   config.method = setting.options.method;
   config.console.port = setting.options.console_port();
+  if (config.console.on()) config.console.url_file = setting.run.console_url().string();
   config.control.start_stopped = setting.options.waits_for_operator();
   return DumpConfig("operator", config);
 }

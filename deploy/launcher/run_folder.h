@@ -29,6 +29,8 @@ class RunFolder {
   std::filesystem::path config(const std::string& service) const;
   std::filesystem::path log(const std::string& service) const;
   std::filesystem::path state() const { return path_ / "state"; }
+  /// Where the operator service tells the console's address.
+  std::filesystem::path console_url() const { return path_ / "state" / "console.url"; }
   std::filesystem::path recording() const { return path_ / "recording.mcap"; }
   std::filesystem::path decisions(const std::string& planner) const;
 
