@@ -1,0 +1,89 @@
+// Cells and grids. Row 0 is the northern row, column 0 the western; cells in row-major order.
+
+/** The protocol's Cell is one. */
+export type Cell = { readonly row: number; readonly column: number };
+
+export type GridSize = { readonly rows: number; readonly columns: number };
+
+/** From this byte on a cell of the operator's map counts as a wall. */
+export const wallFrom = 128;
+
+/** Values of SeenMap.cells and Truth.cells. */
+export const unknownCell = 0;
+export const freeCell = 1;
+export const wallCell = 2;
+
+export function sameCell(a: Cell | undefined, b: Cell | undefined): boolean {
+  return a !== undefined && b !== undefined && a.row === b.row && a.column === b.column;
+}
+
+export function contains(size: GridSize, cell: Cell): boolean {
+  return cell.row >= 0 && cell.row < size.rows && cell.column >= 0 && cell.column < size.columns;
+}
+
+/** Border cells are walls for good: the service refuses to edit them. */
+export function onBorder(size: GridSize, cell: Cell): boolean {
+  return (
+    cell.row === 0 ||
+    cell.column === 0 ||
+    cell.row === size.rows - 1 ||
+    cell.column === size.columns - 1
+  );
+}
+
+export function cellIndex(size: GridSize, cell: Cell): number {
+  return cell.row * size.columns + cell.column;
+}
+
+export function cellOfIndex(size: GridSize, index: number): Cell {
+  return { row: Math.floor(index / size.columns), column: index % size.columns };
+}
+
+export function clampCell(size: GridSize, cell: Cell): Cell {
+  return {
+    row: Math.min(size.rows - 1, Math.max(0, cell.row)),
+    column: Math.min(size.columns - 1, Math.max(0, cell.column)),
+  };
+}
+
+export function distance(a: Cell, b: Cell): number {
+  return Math.abs(a.row - b.row) + Math.abs(a.column - b.column);
+}
+
+export function isWall(walls: Uint8Array, size: GridSize, cell: Cell): boolean {
+  return contains(size, cell) && (walls[cellIndex(size, cell)] ?? 0) >= wallFrom;
+}
+
+export function cellText(cell: Cell): string {
+  return `row ${cell.row}, column ${cell.column}`;
+}
+
+/** All cells of the rectangle that has the two as corners. */
+export function rectangleCells(a: Cell, b: Cell): Cell[] {
+  const cells: Cell[] = [];
+  for (let row = Math.min(a.row, b.row); row <= Math.max(a.row, b.row); ++row) {
+    for (
+      let column = Math.min(a.column, b.column);
+      column <= Math.max(a.column, b.column);
+      ++column
+    ) {
+      cells.push({ row, column });
+    }
+  }
+  return cells;
+}
+
+/** The straight line from one cell to another, both included, each step to a 4-neighbour: what a brush passes over. */
+export function lineCells(from: Cell, to: Cell): Cell[] {
+  const rows = Math.abs(to.row - from.row);
+  const columns = Math.abs(to.column - from.column);
+  const down = Math.sign(to.row - from.row);
+  const right = Math.sign(to.column - from.column);
+  const cells: Cell[] = [{ row: from.row, column: from.column }];
+  for (let y = 0, x = 0; y < rows || x < columns; ) {
+    if ((2 * x + 1) * rows < (2 * y + 1) * columns) ++x;
+    else ++y;
+    cells.push({ row: from.row + y * down, column: from.column + x * right });
+  }
+  return cells;
+}

@@ -1,0 +1,121 @@
+import type {
+  Belief,
+  GoalPose,
+  Guidance,
+  Picture,
+  Plan,
+  Prediction,
+  Robot,
+  Search,
+  SeenMap,
+  Truth,
+  World,
+} from "../protocol/generated/console_pb";
+import type { Cell } from "./grid";
+
+export type { Cell } from "./grid";
+
+export type RobotShape = "circle" | "square" | "triangle" | "diamond" | "pentagon" | "star";
+
+/** How old what the robot tells is. */
+export type Freshness = "live" | "stale" | "lost";
+
+/** A robot and how it looks, so that robots can be told apart without their colour. */
+export type MapRobot = {
+  robot: Robot;
+  colour: string; // CSS colour
+  shape: RobotShape;
+  dash: readonly number[]; // of its lines, CSS pixels; empty = solid
+  letter: string; // in its mark, 1 or 2 characters
+  fresh: Freshness;
+};
+
+export type Tool = "look" | "wall" | "erase" | "rectangle" | "path";
+
+export const layerNames = [
+  "belief",
+  "changes",
+  "seen",
+  "heat",
+  "plan",
+  "search",
+  "trails",
+  "pictures",
+  "goals",
+  "paths",
+  "goalPoses",
+  "truth",
+] as const;
+
+export type LayerName = (typeof layerNames)[number];
+export type Layers = Readonly<Record<LayerName, boolean>>;
+
+/** What a new page shows. */
+export const defaultLayers: Layers = {
+  belief: true,
+  changes: true,
+  seen: true,
+  heat: false,
+  plan: true,
+  search: false,
+  trails: true,
+  pictures: true,
+  goals: true,
+  paths: true,
+  goalPoses: true,
+  truth: false,
+};
+
+/** Whether something may be done now, and if not, why, in words for the person. */
+export type Permission = { allowed: true } | { allowed: false; reason: string };
+
+export type CellChange = { cell: Cell; wall: boolean };
+
+/** What the service said to a request; `reason` is empty when it was accepted. */
+export type Outcome = { accepted: boolean; reason: string };
+
+export type ChosenPicture = { robot: string; sequenceNumber: bigint };
+
+/**
+ * Everything that the map shows and all that it can ask for. Of the world `world` only: the caller leaves out the
+ * robots, pictures, ... of other worlds. The maps have a robot's name as key. Byte arrays are compared by identity:
+ * a new value is a new array.
+ */
+export type MapProps = {
+  world: World;
+  belief: Belief | undefined; // undefined = has not come yet
+  robots: readonly MapRobot[];
+  seen: ReadonlyMap<string, SeenMap>;
+  trails: ReadonlyMap<string, readonly Cell[]>; // in the order in which the robot entered them
+  plans: ReadonlyMap<string, Plan>;
+  searches: ReadonlyMap<string, Search>;
+  predictions: ReadonlyMap<string, Prediction>;
+  guidance: ReadonlyMap<string, Guidance>;
+  pictures: readonly Picture[];
+  chosenPicture: ChosenPicture | undefined; // what it shows is marked; a path for its robot answers it
+  goalPoses: ReadonlyMap<string, GoalPose>;
+  truth: Truth | undefined; // only in replay
+
+  layers: Layers;
+  onLayers: (layers: Layers) => void;
+  chosenRobot: string | undefined;
+  onChooseRobot: (name: string) => void;
+  tool: Tool;
+  onTool: (tool: Tool) => void;
+
+  mayEdit: Permission;
+  mayGuide: Permission; // of the chosen robot
+  /** At most so many cells in one edit; a larger one is sent in parts. Not given: no limit. */
+  editLimit?: number | undefined;
+  /** Resolves with the service's reply. Until then, and until a belief with a newer revision came, the edit is pending. */
+  onEdit: (cells: readonly CellChange[], baseRevision: bigint) => Promise<Outcome>;
+  /** An empty path withdraws. `answersSnapshot`: the chosen picture, if it is this robot's and still unanswered. */
+  onPath: (
+    robot: string,
+    cells: readonly Cell[],
+    answersSnapshot?: bigint | undefined,
+  ) => Promise<Outcome>;
+
+  /** Centres the map on the cell whenever `counter` changes. */
+  focus?: { cell: Cell; counter: number } | undefined;
+};
