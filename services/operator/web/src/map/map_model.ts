@@ -30,6 +30,7 @@ export class MapModel {
   readonly paths = signal<ReadonlyMap<string, paths.PathSession>>(new Map());
   readonly rectangle = signal<Rectangle | undefined>(undefined);
   readonly sendAtRelease = signal(true);
+  readonly layersOpen = signal(false);
   /** Why something was not done, for the person; the object is new each time it is said. */
   readonly note = signal<{ text: string } | undefined>(undefined);
 
@@ -115,10 +116,7 @@ export class MapModel {
     this.cursor.value = cell;
     this.byKeyboard.value = true;
     const view = this.view.peek();
-    if (view && reveal(view, cell) !== view) this.#revealed(view, cell);
-  }
-
-  #revealed(view: View, cell: Cell): void {
+    if (!view) return;
     const moved = reveal(view, cell);
     if (moved.x !== view.x || moved.y !== view.y) this.lookAt(moved);
   }
@@ -132,7 +130,7 @@ export class MapModel {
   /** Whether editing may begin; says why not. */
   mayEdit(): boolean {
     const { mayEdit } = this.props.peek();
-    if (!mayEdit.allowed) this.say(mayEdit.reason);
+    if (!mayEdit.allowed) this.say(`Not now: ${mayEdit.reason}.`);
     else if (!this.editing.peek()) this.say("The map has not come yet.");
     return mayEdit.allowed && this.editing.peek() !== undefined;
   }
@@ -166,7 +164,7 @@ export class MapModel {
 
   mayGuide(): boolean {
     const { mayGuide } = this.props.peek();
-    if (!mayGuide.allowed) this.say(mayGuide.reason);
+    if (!mayGuide.allowed) this.say(`Not now: ${mayGuide.reason}.`);
     return mayGuide.allowed;
   }
 
