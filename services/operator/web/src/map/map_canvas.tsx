@@ -1,6 +1,6 @@
 import { useEffect, useId, useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import { showOn } from "./canvas_view";
-import { EditNotes } from "./edit/edit_notes";
+import { RefusedEdit } from "./edit/refused_edit";
 import { Hand } from "./hand";
 import { MapModel } from "./map_model";
 import type { MapProps } from "./map_props";
@@ -34,10 +34,10 @@ export function MapCanvas(props: MapProps) {
           aria-label={`Your map of ${props.world.name}, ${props.world.rows} rows, ${props.world.columns} columns`}
           aria-describedby={help}
         />
-        <div class="map-notes">
-          <EditNotes model={model} />
-          <PathBar model={model} hand={hand} />
-        </div>
+      </div>
+      <div class="map-notes">
+        <RefusedEdit model={model} />
+        <PathBar model={model} hand={hand} />
       </div>
       <p id={help} class="map-unseen">
         Arrow keys move a cell cursor, Space uses the tool there. V, W, E, R and P choose the tool.

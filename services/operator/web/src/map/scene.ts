@@ -13,7 +13,7 @@ import { drawGoals } from "./layers/goals";
 import { drawGridLines, drawRulers } from "./layers/grid_lines";
 import { drawHeat } from "./layers/heat";
 import { laneShift } from "./layers/lanes";
-import { drawDraftPath, drawPaths } from "./layers/paths";
+import { drawDraftPath, drawPathNames, drawPaths, type PathsData } from "./layers/paths";
 import { drawChosenPicture, drawPictures, findPicture } from "./layers/pictures";
 import { drawPlans } from "./layers/plans";
 import { drawRobots } from "./layers/robots";
@@ -109,10 +109,7 @@ function drawLines(context: Draw, scene: Scene): void {
   if (layers.trails) drawTrails(context, view, { robots, trails: props.trails }, palette);
   if (layers.pictures) drawPictures(context, view, { robots, pictures: props.pictures }, palette);
   drawChosen(context, scene);
-  if (layers.paths) {
-    const drawn = [...scene.paths].find((path) => path.cells.length > 1)?.robot;
-    drawPaths(context, view, { robots, guidance: props.guidance, hidden: drawn }, palette);
-  }
+  if (layers.paths) drawPaths(context, view, pathsOf(scene), palette);
   if (layers.plan) drawPlans(context, view, { robots, plans: props.plans }, palette);
   if (layers.search) drawSearches(context, view, { robots, searches: props.searches }, palette);
   for (const path of scene.paths) drawDraft(context, scene, path);
@@ -124,6 +121,11 @@ function drawChosen(context: Draw, { props, view, palette }: Scene): void {
   const robot = props.robots.find((one) => one.robot.name === picture.robot);
   const colour = robot?.colour ?? palette.muted;
   drawChosenPicture(context, view, { picture, colour }, palette);
+}
+
+function pathsOf({ props, paths }: Scene): PathsData {
+  const hidden = [...paths].find((path) => path.cells.length > 1)?.robot;
+  return { robots: props.robots, guidance: props.guidance, hidden };
 }
 
 function drawDraft(context: Draw, { props, view, palette }: Scene, path: PathSession): void {
@@ -149,6 +151,7 @@ function drawMarks(context: Draw, scene: Scene): void {
   if (layers.goalPoses) {
     drawGoalPoses(context, view, { robots, goalPoses: props.goalPoses }, palette);
   }
+  if (layers.paths) drawPathNames(context, view, pathsOf(scene), palette);
   drawRobots(context, view, { world, robots, chosen: props.chosenRobot }, palette);
   const { hover, rectangle, cursor } = scene;
   if (rectangle) drawFrame(context, view, rectangle, palette);

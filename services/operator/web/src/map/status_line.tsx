@@ -1,5 +1,6 @@
 import { useComputed } from "@preact/signals";
 import { cellWords } from "./cell_words";
+import { draftLayers } from "./edit/edit_session";
 import type { MapModel } from "./map_model";
 import type { Cell } from "./map_props";
 
@@ -20,11 +21,20 @@ export function StatusLine({ model }: { model: MapModel }) {
       <span class="map-unseen" role="status">
         {aloud}
       </span>
+      <span>{pendingText(model)}</span>
       <span class="map-note" role="status">
         {model.note.value?.text}
       </span>
     </div>
   );
+}
+
+/** What the service has not confirmed yet. */
+function pendingText(model: MapModel): string {
+  const session = model.editing.value;
+  const drafts = session ? draftLayers(session).pending : [];
+  const count = drafts.reduce((sum, draft) => sum + draft.size, 0);
+  return count > 0 ? `${count} ${count === 1 ? "cell" : "cells"} sent, not confirmed yet` : "";
 }
 
 function wordsOf(model: MapModel, cell: Cell): string {

@@ -21,8 +21,18 @@ export function drawPaths(context: Draw, view: View, data: PathsData, palette: P
     isolated(context, () => {
       context.globalAlpha = one.robot.name === data.hidden ? 0.35 : 1;
       drawPath(context, view, points, one, palette);
-      if (showsDetail(view)) drawName(context, points, one.robot.name, palette);
     });
+  });
+}
+
+/** The robots' names where their paths end; apart from the lines, so that flags do not cover them. */
+export function drawPathNames(context: Draw, view: View, data: PathsData, palette: Palette): void {
+  if (!showsDetail(view)) return;
+  data.robots.forEach(({ robot: { name } }, index) => {
+    const path = data.guidance.get(name)?.path ?? [];
+    if (path.length < 2 || name === data.hidden) return;
+    const points = lanePoints(view, path, laneShift(data.robots, index, view));
+    isolated(context, () => drawName(context, view, points, name, palette));
   });
 }
 
@@ -75,15 +85,19 @@ function drawHead(
   context.stroke();
 }
 
-function drawName(context: Draw, points: readonly Point[], name: string, palette: Palette): void {
+function drawName(
+  context: Draw,
+  view: View,
+  points: readonly Point[],
+  name: string,
+  palette: Palette,
+): void {
   const end = points.at(-1);
-  const before = points.at(-2);
-  if (!end || !before) return;
-  const right = end.x >= before.x;
+  if (!end) return;
   context.font = font(12, 700);
-  context.textAlign = right ? "left" : "right";
-  context.textBaseline = end.y > before.y ? "top" : "bottom";
-  const at = { x: end.x + (right ? 9 : -9), y: end.y + (end.y > before.y ? 6 : -6) };
+  context.textAlign = "center";
+  context.textBaseline = "middle";
+  const at = { x: end.x, y: end.y + Math.max(14, 0.4 * view.scale) };
   haloText(context, name, at, palette.ink, palette);
 }
 
@@ -107,7 +121,7 @@ export function drawDraftPath(
   isolated(context, () => {
     context.globalAlpha = data.sent ? 0.6 : 1;
     drawPath(context, view, points, { colour: data.robot.colour, dash: [8, 5] }, palette);
-    if (showsDetail(view)) drawName(context, points, data.robot.robot.name, palette);
+    if (showsDetail(view)) drawName(context, view, points, data.robot.robot.name, palette);
     const radius = pathWidth(view) + 1.5;
     for (const vertex of data.sent ? [] : data.vertices) {
       const at = points[vertex];

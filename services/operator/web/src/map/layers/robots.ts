@@ -61,16 +61,16 @@ function drawHeading(
 ): void {
   const angle = -one.robot.heading;
   const tip = {
-    x: at.x + (radius + 9) * Math.cos(angle),
-    y: at.y + (radius + 9) * Math.sin(angle),
+    x: at.x + (radius + 11) * Math.cos(angle),
+    y: at.y + (radius + 11) * Math.sin(angle),
   };
   context.fillStyle = one.fresh === "lost" ? palette.muted : one.colour;
   context.lineJoin = "round";
-  arrowHead(context, tip, angle, 11);
+  arrowHead(context, tip, angle, 13);
   context.strokeStyle = palette.halo;
   context.lineWidth = 3;
   context.stroke();
-  arrowHead(context, tip, angle, 11);
+  arrowHead(context, tip, angle, 13);
   context.strokeStyle = palette.ink;
   context.lineWidth = 1;
   context.stroke();
@@ -80,7 +80,7 @@ function drawName(context: Draw, at: Point, radius: number, one: MapRobot, palet
   context.font = font(11);
   context.textBaseline = "top";
   const age = one.fresh === "live" ? "" : ` (${one.fresh})`;
-  const below = { x: at.x, y: at.y + 1.25 * radius + 2 };
+  const below = { x: at.x, y: at.y + radius + 4 };
   context.setLineDash([]);
   haloText(context, one.robot.name + age, below, palette.ink, palette);
 }
@@ -94,8 +94,11 @@ function drawQuestion(context: Draw, at: Point, radius: number, palette: Palette
 
 function drawChosen(context: Draw, at: Point, radius: number, palette: Palette): void {
   context.beginPath();
-  context.arc(at.x, at.y, 1.25 * radius + 4, 0, 2 * Math.PI);
+  context.arc(at.x, at.y, radius + 15, 0, 2 * Math.PI);
+  context.strokeStyle = palette.halo;
+  context.lineWidth = 5;
+  context.stroke();
   context.strokeStyle = palette.focus;
-  context.lineWidth = 2.5;
+  context.lineWidth = 3;
   context.stroke();
 }

@@ -11,12 +11,12 @@ export function PathBar({ model, hand }: { model: MapModel; hand: Hand }) {
   const session = model.paths.value.get(chosenRobot ?? "");
   if (tool !== "path" && !(session && hasDraft(session))) return undefined;
   if (!robot || !session) {
-    return <p class="map-note-card">Choose a robot: click on it, then drag its path.</p>;
+    return <p class="map-card">Choose a robot: click on it, then drag its path.</p>;
   }
   const given = guidance.get(robot.robot.name);
   const sent = session.sent !== undefined;
   return (
-    <div class={`map-note-card path ${session.refusal ? "refused" : ""}`}>
+    <div class={`map-card path ${session.refusal ? "refused" : ""}`}>
       <PathText robot={robot} session={session} model={model} />
       <button
         type="button"
