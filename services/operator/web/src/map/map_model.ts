@@ -61,8 +61,9 @@ export class MapModel {
     this.#takeBelief(props);
     const next = new Map<string, paths.PathSession>();
     for (const one of props.robots) {
-      const { name, cell } = one.robot;
-      if (!cell) continue;
+      const { name } = one.robot;
+      if (!one.robot.cell) continue;
+      const cell = { row: one.robot.cell.row, column: one.robot.cell.column };
       const kept = this.paths.peek().get(name) ?? paths.newPathSession(name, cell);
       const moved = paths.robotMoved(kept, gridOf(props), cell);
       next.set(name, paths.guidanceCame(moved, props.guidance.get(name)?.revision ?? 0n));
