@@ -51,7 +51,7 @@ export class MapModel {
     this.#take(props);
     const { world } = props;
     const view = this.view.peek();
-    if (world.rows !== before.world.rows || world.columns !== before.world.columns) this.fit();
+    if (world.rows !== before.world.rows || world.columns !== before.world.columns) this.showAll();
     if (props.focus && props.focus.counter !== before.focus?.counter && view) {
       this.lookAt(centreOn(view, props.focus.cell));
     }
@@ -94,7 +94,7 @@ export class MapModel {
     else this.lookAt(resized(view, width, height));
   }
 
-  fit(): void {
+  showAll(): void {
     const view = this.view.peek();
     if (view) this.view.value = fitView(this.props.peek().world, view.width, view.height);
     this.#fitted = true;

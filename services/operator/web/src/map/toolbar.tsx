@@ -21,7 +21,7 @@ export function Toolbar({ model }: { model: MapModel }) {
       <HistoryButtons model={model} />
       <div class="map-group">
         <Button icon="minus" name="Zoom out" keys="-" onClick={() => model.zoom(1 / zoomStep)} />
-        <Button icon="fit" name="Show all" keys="0" onClick={() => model.fit()} />
+        <Button icon="fit" name="Show all" keys="0" onClick={() => model.showAll()} />
         <Button icon="plus" name="Zoom in" keys="+" onClick={() => model.zoom(zoomStep)} />
       </div>
       <LayersMenu
