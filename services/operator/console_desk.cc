@@ -297,7 +297,7 @@ std::vector<std::string> ConsoleDesk::TakeGone() {
   return gone;
 }
 
-void ConsoleDesk::Publish(const Health& health) {
+void ConsoleDesk::SetReadiness(const Health& health) {
   nlohmann::ordered_json report;
   report["ready"] = health.level == Health::Level::kOk;
   report["message"] = health.message;
@@ -305,7 +305,6 @@ void ConsoleDesk::Publish(const Health& health) {
   gateway_->SetReadiness(
       {health.level == Health::Level::kOk,
        report.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"});
-  gateway_->Notify();
 }
 
 }  // namespace conav::operators
