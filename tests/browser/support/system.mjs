@@ -1,0 +1,161 @@
+import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { dirname, join, resolve } from "node:path";
+import { fileURLToPath } from "node:url";
+import { leaseDomain } from "./domain.mjs";
+import { Process } from "./processes.mjs";
+import { until } from "./wait.mjs";
+
+const root = resolve(dirname(fileURLToPath(import.meta.url)), "../../..");
+
+/** Folder of the programs. */
+export const programs = process.env.CONAV_BIN_DIR ?? join(root, "build/release/bin");
+
+/** What `conav demo` starts: all services and the simulated operator, the console on a port of its own. */
+export class DemoSystem {
+  /** @param {Process} demo */
+  constructor(demo, url, run) {
+    this.demo = demo;
+    this.url = url;
+    this.run = run;
+  }
+
+  /**
+   * @param {string} folder for its run folder and what it says
+   * @param {readonly string[]} options of the demo
+   */
+  static async start(folder, options) {
+    const words = ["demo", "--console", "0", "--out", join(folder, "runs"), ...options];
+    const demo = new Process("conav demo", [join(programs, "conav"), ...words], {
+      log: join(folder, "demo.log"),
+    });
+    const [, run] = await demo.hears(/ run (\S+)/);
+    const log = join(run, "logs/operator.log");
+    const [, url] = await demo.hears(/ console url=(\S+)/, () => textOf(log));
+    return new DemoSystem(demo, url, run);
+  }
+
+  /** Of a service that the demo has started. */
+  pidOf(service) {
+    const found = new RegExp(`started ${service} \\(pid (\\d+)\\)`).exec(this.demo.said());
+    if (found === null) throw new Error(`the demo has not started ${service}`);
+    return Number(found[1]);
+  }
+
+  logs() {
+    return [this.demo.log, join(this.run, "logs/operator.log")];
+  }
+
+  async stop() {
+    await this.demo.stop();
+  }
+}
+
+function textOf(file) {
+  try {
+    return readFileSync(file, "utf8");
+  } catch {
+    return "";
+  }
+}
+
+/**
+ * Simulator, planner and operator service, each by itself, without anybody simulated: any of them can be killed and started
+ * again, on the same port and database.
+ */
+export class ServiceSystem {
+  /** @type {Map<string, Process>} */
+  #services = new Map();
+  #starts = 0;
+
+  constructor(folder, domain, keeper) {
+    this.folder = folder;
+    this.domain = domain;
+    this.keeper = keeper;
+    this.url = "";
+  }
+
+  /**
+   * @param {string} folder
+   * @param {{ robots?: number, sim?: object, planner?: object, operator?: object }} [more] keys of the configuration files
+   */
+  static async start(folder, { robots = 2, sim = {}, planner = {}, operator = {} } = {}) {
+    const { domain, keeper } = await leaseDomain(join(folder, "domain"));
+    const system = new ServiceSystem(folder, domain, keeper);
+    const names = Array.from({ length: robots }, (_, i) => `r${i + 1}`);
+    const placed = names.map((name) => `w1/${name}`);
+    system.#write("sim", { world: "w1", robots: names, seed: 7, speed: 4, ...sim });
+    system.#write("planner", { robots: placed, perception: "embedded", ...planner });
+    system.#write("operator", {
+      robots: placed,
+      database: join(folder, "operator.db"),
+      control: { start_stopped: true },
+      ...operator,
+      console: { port: 0, ...operator.console },
+    });
+    for (const service of ["sim", "operator", "planner"]) system.#run(service);
+    system.url = await system.#address();
+    // From now on the same port, also for the next start.
+    const { port } = new URL(system.url);
+    const file = system.#config("operator");
+    writeFileSync(file, readFileSync(file, "utf8").replace('"port": 0', `"port": ${port}`));
+    return system;
+  }
+
+  pidOf(service) {
+    return this.#one(service).pid;
+  }
+
+  /** @param {NodeJS.Signals} signal */
+  signal(service, signal) {
+    this.#one(service).signal(signal);
+  }
+
+  kill(service) {
+    return this.#one(service).kill();
+  }
+
+  /** On the same configuration; waits until it serves the page again. */
+  async startAgain(service) {
+    this.#run(service);
+    if (service === "operator") await this.#address();
+  }
+
+  logs() {
+    return [...this.#services.values()].map(({ log }) => log);
+  }
+
+  async stop() {
+    await Promise.all([...this.#services.values()].map((service) => service.stop()));
+    await this.keeper.stop();
+  }
+
+  async #address() {
+    const [, url] = await this.#one("operator").hears(/ console url=(\S+)/);
+    return url;
+  }
+
+  #one(service) {
+    const found = this.#services.get(service);
+    if (found === undefined) throw new Error(`no service ${service}`);
+    return found;
+  }
+
+  #config(service) {
+    return join(this.folder, `${service}.yaml`);
+  }
+
+  /** JSON is YAML. */
+  #write(service, keys) {
+    mkdirSync(this.folder, { recursive: true });
+    const bus = { domain_id: this.domain, interface: "lo" };
+    const parameters = { [service]: { ros__parameters: { bus, ...keys } } };
+    writeFileSync(this.#config(service), JSON.stringify(parameters, undefined, 1));
+  }
+
+  #run(service) {
+    this.#starts += 1;
+    const command = [join(programs, `conav-${service}`), "--config", this.#config(service)];
+    const log = join(this.folder, `${service}-${this.#starts}.log`);
+    this.#services.set(service, new Process(service, command, { log }));
+  }
+}
