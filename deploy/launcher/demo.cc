@@ -6,6 +6,7 @@
 #include <chrono>
 #include <utility>
 
+#include "common/runtime/file.h"
 #include "common/runtime/json.h"
 #include "common/runtime/log.h"
 #include "launcher/demo_plan.h"
@@ -71,10 +72,11 @@ DemoResult Demo::Run(const StopToken& stop) {
   progress_.Finish(episode_);
   progress_.Say(OutcomeLine(outcome_));
   if (outcome_.reason == EndReason::kProcessDied) TellWhereRobotsStand();
-  place_.recorder.reset();  // that the services leave now is no news
-  for (const std::string& name : processes_.StopAll(kGrace)) {
-    progress_.Say(KilledLine(name));
+  if (options_.waits_for_operator() && outcome_.reason == EndReason::kAllGoalsReached) {
+    StayOpen(stop);
   }
+  place_.recorder.reset();  // that the services leave now is no news
+  StopAll();
   return Finish();
 }
 
@@ -98,6 +100,7 @@ void Demo::Follow(const StopToken& stop) {
     place_.recorder->Take();
     progress_.Show(episode_);
     TellWhoDrives();
+    TellConsole();
     if (SomethingDied()) return;
     if (episode_.finished()) {
       outcome_.reason = EndReason::kAllGoalsReached;
@@ -107,7 +110,7 @@ void Demo::Follow(const StopToken& stop) {
       outcome_.reason = EndReason::kInterrupted;
       return;
     }
-    if (ElapsedSeconds() > options_.time_limit_s) {
+    if (ElapsedSeconds() > options_.effective_time_limit_s()) {
       outcome_.reason = EndReason::kTimeLimit;
       return;
     }
@@ -134,11 +137,14 @@ bool Demo::SomethingDied() {
 
 bool Demo::CanDoWithout(const Process& process, const std::string& what) {
   const bool is_nhpm = IsOf("nhpm", process);
+  const bool is_recorder = process.name() == kRecorderName;
   const int planners_left = IsOf("planner", process) ? CountRunning("planner") : 0;
-  if (!is_nhpm && planners_left == 0) return false;
+  if (!is_nhpm && !is_recorder && planners_left == 0) return false;
   const auto last = LastLines(process.log(), 1);
   progress_.Say(last.empty() ? what : what + "; its log ends: " + last.front());
-  if (planners_left > 0) {
+  if (is_recorder) {
+    progress_.Say("the run goes on and is not recorded any more");
+  } else if (planners_left > 0) {
     progress_.Say(fmt::format("planners that take its robots over: {}", planners_left));
   } else if (const int replicas_left = CountRunning("nhpm"); replicas_left > 0) {
     progress_.Say(fmt::format("nhpm processes that go on answering: {}", replicas_left));
@@ -159,11 +165,36 @@ void Demo::TellWhoDrives() {
   }
 }
 
-void Demo::StopPlanners() {
-  for (const std::string& name :
-       processes_.Stop(kGrace, [](const Process& process) { return IsOf("planner", process); })) {
-    progress_.Say(KilledLine(name));
+void Demo::Stop(const std::function<bool(const Process&)>& meant) {
+  for (const std::string& name : processes_.Stop(kGrace, meant)) progress_.Say(KilledLine(name));
+}
+
+void Demo::TellConsole() {
+  if (options_.console_port() < 0 || !console_.empty()) return;
+  const auto url = ReadFile(run_.console_url());
+  if (!url) return;
+  console_ = url->substr(0, url->find('\n'));
+  progress_.Say(fmt::format("console {}", console_));
+  if (options_.waits_for_operator()) {
+    progress_.Say("open it in a browser: the robots wait for you there; Ctrl-C ends");
   }
+}
+
+void Demo::StayOpen(const StopToken& stop) {
+  progress_.Say(fmt::format("the console stays open at {} until Ctrl-C", console_));
+  while (!stop.stop_requested() && processes_.TakeEnded().empty()) {
+    place_.participant->Wait(kPeriod);
+    place_.recorder->Take();
+  }
+}
+
+void Demo::StopPlanners() {
+  Stop([](const Process& process) { return IsOf("planner", process); });
+}
+
+void Demo::StopAll() {
+  Stop([](const Process& process) { return process.name() != kRecorderName; });
+  Stop([](const Process&) { return true; });
 }
 
 void Demo::TellWhereRobotsStand() {

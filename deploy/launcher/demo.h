@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -60,8 +61,16 @@ class Demo {
   /// Whether the run goes on without a process that died as `what` tells; says so.
   bool CanDoWithout(const Process& process, const std::string& what);
   void TellWhoDrives();
+  /// Once, when it can be opened.
+  void TellConsole();
+  /// All goals are reached: whoever looks at the console may go on looking.
+  void StayOpen(const StopToken& stop);
+  /// Says who had to be killed.
+  void Stop(const std::function<bool(const Process&)>& meant);
   /// So that nobody commands the robots any more.
   void StopPlanners();
+  /// The recorder last, so that it hears all others.
+  void StopAll();
   /// Listens until it is quiet and, after a death, until the robots stand.
   void TakeLastNews();
   void TellWhereRobotsStand();
@@ -78,6 +87,7 @@ class Demo {
   Progress& progress_;
   PlannerWatch planners_;
   Outcome outcome_;
+  std::string console_;       // its URL, once it was told
   std::string died_service_;  // that ended the run; "sim" also among several worlds
   ProcessGroup processes_;
 };

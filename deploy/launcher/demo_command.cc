@@ -14,24 +14,28 @@ namespace conav::launcher {
 namespace {
 
 constexpr const char* kFooter = R"(
-Starts conav-sim (one per world), conav-nhpm (one, several or none), conav-operator, conav-planner (one
-or several) and conav-simulated-operator, follows them until every robot has reached its goals, and
-leaves runs/<time>-seed<S>/ with the effective configuration, logs, metrics.json, episode.svg (truth,
-the operator's map before and after, trajectories, pictures), segments.pb.zst (how the operator edited
-after each picture; conav dataset describe) and decisions.pb.zst (why the robots did what they did;
-conav explain).
+Without --headless it serves the operator's console on http://127.0.0.1:8080: the robots wait until
+somebody opens that page and guides them, or lets the simulated operator do it; Ctrl-C ends.
+
+Starts conav-recorder, conav-sim (one per world), conav-nhpm (one, several or none), conav-operator,
+conav-planner (one or several) and conav-simulated-operator, follows them until every robot has
+reached its goals, and leaves runs/<time>-seed<S>/ with the effective configuration, logs,
+metrics.json, episode.svg (truth, the operator's map before and after, trajectories, pictures),
+recording.mcap (what was said on the bus; conav bag, Foxglove), segments.pb.zst (how the operator
+edited after each picture; conav dataset describe) and decisions.pb.zst (why the robots did what they
+did; conav explain).
 
 Exit code: 0 all goals reached; 1 not (a process died, time limit, Ctrl-C); 2 wrong use.
 
 Examples:
-  conav demo                                   one robot, at a speed that can be watched
+  conav demo                                   two robots and the console, for you to guide them
   conav demo --headless --seed 7 --json r.json as fast as commanded, result as JSON
   conav demo --robots 4 --dds mixed            four robots in one maze, both DDS vendors
   conav demo --robots 8 --planners 2           eight robots shared by two planner processes
   conav demo --run-with sim="nice -n 10"       a command put before a service's own)";
 
 void AddRunOptions(CLI::App& app, DemoOptions& options) {
-  app.add_option("--robots", options.robots, "Robots in each world")->capture_default_str();
+  app.add_option("--robots", options.robots, "Robots in each world [2; headless 1]");
   app.add_option("--worlds", options.worlds, "Worlds, each with a simulator")
       ->capture_default_str();
   app.add_option("--seed", options.seed, "Seed of everything that is random")
@@ -51,9 +55,9 @@ void AddRunOptions(CLI::App& app, DemoOptions& options) {
                  "[8080; headless -1]")
       ->check(CLI::Range(-1, 65535));
   app.add_option("--speed", options.speed,
-                 "Simulated seconds per second, 0 = as fast as commanded [4; headless 0]");
-  app.add_option("--time-limit", options.time_limit_s, "Give up after this many seconds")
-      ->capture_default_str();
+                 "Simulated seconds per second, 0 = as fast as commanded [2; headless 0]");
+  app.add_option("--time-limit", options.time_limit_s,
+                 "Give up after this many seconds [1800; with a console never]");
 }
 
 void AddMethodOptions(CLI::App& app, DemoOptions& options) {
@@ -115,6 +119,8 @@ void AddSystemOptions(CLI::App& app, DemoOptions& options, std::vector<std::stri
       ->delimiter(',');
   app.add_option("--run-with", run_with, "SERVICE=COMMAND: put COMMAND before that service's own")
       ->allow_extra_args(false);
+  app.add_flag("!--no-recording", options.recording, "Write no recording.mcap");
+  app.add_flag("--streams", options.streams, "Record the pictures that cameras stream, too");
   app.add_option("--json", options.json, "Write the result to this file, too");
   app.add_option("--out", options.out, "Where run folders are made")->capture_default_str();
 }
@@ -143,6 +149,7 @@ DemoOptions ParseDemoCommand(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     std::exit(app.exit(error) == 0 ? 0 : 2);
   }
+  if (demo->count("--robots") == 0 && options.waits_for_operator()) options.robots = 2;
   for (const std::string& text : run_with) {
     auto entry = ParseRunWith(text);
     if (!entry) RefuseUse(entry.error().text);

@@ -137,6 +137,9 @@ Result<void> ValidateUses(const DemoOptions& options) {
                     "robots' pictures only",
                     options.planners));
   }
+  if (options.streams && !options.recording) {
+    return Fail(ErrorCode::kInvalidArgument, "--streams: --no-recording records nothing");
+  }
   if (options.method != "ig-mcts" && options.communication != "search") {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("--communication {}: --method {} sends no pictures for an answer",
@@ -158,7 +161,7 @@ Result<void> ValidateNumbers(const DemoOptions& options) {
   if (auto ok = RequireRange("--cell-size", options.cell_size_m.value_or(1), 1, 100); !ok) {
     return ok;
   }
-  return RequireRange("--time-limit", options.time_limit_s, 1, 1e6);
+  return RequireRange("--time-limit", options.time_limit_s.value_or(1.0), 1, 1e6);
 }
 
 }  // namespace
@@ -205,7 +208,9 @@ Result<std::map<std::string, std::string>> VendorOfService(const std::string& dd
   if (dds.empty()) return vendors;
   if (dds == "mixed") {
     std::size_t turn = 0;
-    for (auto& [service, vendor] : vendors) vendor = kVendors[turn++ % kVendors.size()];
+    for (auto& [service, vendor] : vendors) {
+      vendor = service == "recorder" ? kVendors[0] : kVendors[turn++ % kVendors.size()];
+    }
     return vendors;
   }
   if (dds.find('=') == std::string::npos) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -14,8 +15,8 @@
 namespace conav::launcher {
 
 /// The services that a demo runs, in the order in which they start.
-inline constexpr const char* kServices[] = {"sim", "nhpm", "operator", "planner",
-                                            "simulated-operator"};
+inline constexpr const char* kServices[] = {"recorder", "sim",     "nhpm",
+                                            "operator", "planner", "simulated-operator"};
 inline constexpr std::array kMethods{"ig-mcts", "instruction", "teleop", "greedy"};
 inline constexpr int kMaxRobots = 64;
 inline constexpr int kMaxWorlds = 16;
@@ -39,7 +40,8 @@ struct DemoOptions {
   std::string dds;
   bool headless = false;
   std::filesystem::path json;
-  /// Simulation time over wall time; 0 = as fast as commanded. Default 4, headless 0.
+  /// Simulation time over wall time; 0 = as fast as commanded. Default 2 with a console, else 4;
+  /// headless 0.
   std::optional<double> speed;
   std::string camera = "egl";
   std::optional<int> domain;  // without it the first free one
@@ -51,7 +53,8 @@ struct DemoOptions {
   std::optional<double> cell_size_m;
   bool shared_goals = false;
   std::map<std::string, std::string> run_with;  // service -> command to put before it
-  double time_limit_s = 1800.0;                 // wall time
+  /// Wall time; default 1800, with people at the console none.
+  std::optional<double> time_limit_s;
   std::string perception = "remote";
   std::string model = kDefaultPerceptionModel;  // one of kPerceptionModels
   std::filesystem::path weights;         // of the network; empty = the one that comes with conav
@@ -64,12 +67,20 @@ struct DemoOptions {
   /// Port of the operator's console on this machine, 0 = any free one, -1 = none. Default 8080,
   /// headless none.
   std::optional<int> console;
+  bool recording = true;  // the run folder gets a recording.mcap,
+  bool streams = false;   // with the pictures that cameras stream
 
-  double effective_speed() const { return speed.value_or(headless ? 0.0 : 4.0); }
+  double effective_speed() const {
+    return speed.value_or(headless ? 0.0 : waits_for_operator() ? 2.0 : 4.0);
+  }
   int console_port() const { return console.value_or(headless ? -1 : 8080); }
   /// Whoever opens the console's page lets the robots go, and may guide them instead of the
   /// simulated operator.
   bool waits_for_operator() const { return console_port() >= 0 && !headless; }
+  double effective_time_limit_s() const {
+    return time_limit_s.value_or(waits_for_operator() ? std::numeric_limits<double>::infinity()
+                                                      : 1800.0);
+  }
   std::uint64_t world_seed() const { return maze_seed.value_or(seed); }
   int total_robots() const { return robots * worlds; }
   /// None where the planner asks its own model.
@@ -84,7 +95,8 @@ struct DemoOptions {
 [[nodiscard]] Result<std::pair<std::string, std::string>> ParseRunWith(const std::string& text);
 
 /// Which vendor each process gets, "launcher" among them; an empty text is the bus's default.
-/// "mixed" gives each service in turn one and the other.
+/// "mixed" gives each service in turn one and the other; the recorder, which takes no part, the
+/// first.
 [[nodiscard]] Result<std::map<std::string, std::string>> VendorOfService(const std::string& dds);
 
 }  // namespace conav::launcher

@@ -10,6 +10,7 @@
 #include "launcher/demo_operator.h"
 #include "nhpm/config.h"
 #include "operator/config.h"
+#include "operator/recorder/config.h"
 #include "operator/simulated_operator/config.h"
 #include "planner/config.h"
 #include "sim/config.h"
@@ -51,6 +52,32 @@ struct Setting {
     return entries;
   }
 };
+
+/// What is worth knowing of a recording without its run folder.
+std::map<std::string, std::string> Facts(const Setting& setting) {
+  const DemoOptions& options = setting.options;
+  return {{"run", setting.run.path().filename().string()},
+          {"seed", std::to_string(options.seed)},
+          {"world_seed", std::to_string(options.world_seed())},
+          {"world", options.map.empty() ? options.preset : AbsoluteText(options.map)},
+          {"rotation_deg", std::to_string(options.rotation_deg)},
+          {"method", options.method},
+          {"communication", options.communication},
+          {"model", options.model},
+          {"x_source", options.x_source},
+          {"operator", options.simulated_operator},
+          {"speed", fmt::format("{}", options.effective_speed())}};
+}
+
+std::string RecorderYaml(const Setting& setting) {
+  recorder::RecorderConfig config;
+  config.bus = setting.Bus("recorder");
+  config.robots = setting.WorldsAndRobots();
+  config.file = setting.run.recording().string();
+  config.streams = setting.options.streams;
+  config.facts = Facts(setting);
+  return DumpConfig("recorder", config);
+}
 
 std::string SimYaml(const Setting& setting, std::size_t world_index) {
   const DemoOptions& options = setting.options;
@@ -110,6 +137,7 @@ std::string OperatorYaml(const Setting& setting) {
   config.recording = Recording(setting);
   config.method = setting.options.method;
   config.console.port = setting.options.console_port();
+  if (config.console.on()) config.console.url_file = setting.run.console_url().string();
   config.control.start_stopped = setting.options.waits_for_operator();
   return DumpConfig("operator", config);
 }
@@ -149,6 +177,9 @@ std::vector<PlannedProcess> PlanDemo(const DemoOptions& options, int domain, con
                                      const RunFolder& run) {
   const Setting setting{options, domain, episode, run, *VendorOfService(options.dds)};
   std::vector<PlannedProcess> processes;
+  if (options.recording) {
+    processes.push_back({kRecorderName, "recorder", RecorderYaml(setting)});
+  }
   for (std::size_t w = 0; w < episode.worlds.size(); ++w) {
     const std::string name = episode.worlds.size() == 1 ? "sim" : "sim-" + episode.worlds[w].name;
     processes.push_back({name, "sim", SimYaml(setting, w)});

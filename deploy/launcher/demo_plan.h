@@ -9,6 +9,9 @@
 
 namespace conav::launcher {
 
+/// Starts first and ends last, and the run does not depend on it.
+inline constexpr const char* kRecorderName = "recorder";
+
 /// A process that a demo will start.
 struct PlannedProcess {
   std::string name;     // of its config and log file: "sim", or "sim-w2" among several worlds

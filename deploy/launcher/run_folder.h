@@ -12,6 +12,7 @@ namespace conav::launcher {
 ///   runs/<id>/config/<service>.yaml   effective configuration of each process
 ///             logs/<service>.log      what it said
 ///             state/                  the operator's database
+///             recording.mcap          what was said on the bus (docs/recording.md)
 ///             segments.pb.zst         how the operator edited after each picture
 ///             decisions.pb.zst        every decision, for `conav explain`; of each of several planners
 ///                                     decisions-<planner>.pb.zst
@@ -28,6 +29,9 @@ class RunFolder {
   std::filesystem::path config(const std::string& service) const;
   std::filesystem::path log(const std::string& service) const;
   std::filesystem::path state() const { return path_ / "state"; }
+  /// Where the operator service tells the console's address.
+  std::filesystem::path console_url() const { return path_ / "state" / "console.url"; }
+  std::filesystem::path recording() const { return path_ / "recording.mcap"; }
   std::filesystem::path decisions(const std::string& planner) const;
 
   /// Writes a text file of this folder. Throws StartupError with path and cause.

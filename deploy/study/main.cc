@@ -55,6 +55,7 @@ void AddOptions(CLI::App& app, conav::study::StudyOptions& options) {
   app.add_option("--weights", options.weights,
                  "Weights file of the perception model [the one that comes with conav]");
   app.add_option("--dds", options.dds, "cyclonedds, fastdds, mixed or SERVICE=VENDOR,...");
+  app.add_flag("--recording", options.recording, "Record each episode, as conav demo does");
   app.add_option("--time-limit", options.time_limit_s, "Seconds that an episode may take")
       ->capture_default_str();
   app.add_option("--out", options.out, "Folder of the study [one in runs/, named by the design]");

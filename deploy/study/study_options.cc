@@ -67,6 +67,7 @@ launcher::DemoOptions BaseDemo(const StudyOptions& options) {
   demo.camera = options.camera;
   demo.dds = options.dds;
   demo.weights = options.weights;
+  demo.recording = options.recording;
   demo.time_limit_s = options.time_limit_s;
   demo.out = options.out.empty() ? "runs" : options.out;
   return demo;

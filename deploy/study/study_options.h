@@ -18,6 +18,7 @@ struct StudyOptions {
   std::string dds;                   // as `conav demo --dds`
   std::filesystem::path weights;     // as `conav demo --weights`
   std::filesystem::path population;  // file like annotators.yaml; empty = DefaultPopulation()
+  bool recording = false;            // each episode, as `conav demo` does
   double time_limit_s = 300.0;       // wall time of an episode
   std::filesystem::path out;         // empty = DefaultOut()
   std::filesystem::path json;

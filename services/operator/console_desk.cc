@@ -9,6 +9,7 @@
 #include <set>
 
 #include "common/protocol/convert.h"
+#include "common/runtime/file.h"
 #include "common/service/robot_list.h"
 #include "operator/console/console_messages.h"
 #include "operator/console/wall_seconds.h"
@@ -114,6 +115,11 @@ ConsoleDesk::ConsoleDesk(bus::Participant& participant, const OperatorConfig& co
       std::make_unique<Gateway>(config.console, Gateway::Shared{updates_, frames_, pictures_},
                                 WelcomeOf(config), [&participant] { participant.Wake(); });
   LOG_INFO("console", "url", url());
+  const std::string& url_file = config.console.url_file;
+  if (url_file.empty()) return;
+  if (const auto written = WriteFile(url_file, url() + "\n"); !written) {
+    throw StartupError("operator.console.url_file: " + written.error().text);
+  }
 }
 
 ConsoleDesk::~ConsoleDesk() = default;

@@ -53,6 +53,8 @@ class OperatorService {
   void Run(const StopToken& stop);
   /// Handles everything that arrived so far. Blocks on the disk only.
   void Step();
+  /// Address of the console's page; empty without one.
+  std::string console_url() const { return console_ ? console_->url() : std::string(); }
 
  private:
   struct WorldLink;

@@ -40,6 +40,8 @@ struct GatewayOptions {
   int port = -1;
   /// Numeric address to listen on. Beyond this machine only with tokens.
   std::string address = "127.0.0.1";
+  /// File that the console's URL is written to when it listens; empty = none.
+  std::string url_file;
   /// Folder of the page; empty = ../share/conav/console beside the program.
   std::string web;
   ConsoleTokens tokens;
@@ -63,6 +65,7 @@ struct GatewayOptions {
   void Visit(ConfigReader& reader) {
     reader.Field("port", port, -1, 65535);
     reader.Field("address", address);
+    reader.Field("url_file", url_file);
     reader.Field("web", web);
     reader.Section("tokens", tokens);
     reader.Section("tls", tls);

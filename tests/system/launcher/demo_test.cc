@@ -218,7 +218,8 @@ TEST_CASE("a run leaves configuration, logs, metrics and a picture", "[launcher]
   INFO(demo.Story());
   REQUIRE(code == 0);
   const std::filesystem::path run = demo.RunFolder();
-  for (const char* service : {"sim", "nhpm", "operator", "planner", "simulated-operator"}) {
+  for (const char* service :
+       {"recorder", "sim", "nhpm", "operator", "planner", "simulated-operator"}) {
     CHECK(std::filesystem::file_size(run / "config" / (std::string(service) + ".yaml")) > 0);
     CHECK(std::filesystem::file_size(run / "logs" / (std::string(service) + ".log")) > 0);
   }

@@ -139,7 +139,8 @@ TEST_CASE("killing one of two perception replicas changes no result", "[launcher
 TEST_CASE("Ctrl-C stops every process and says so", "[launcher][system]") {
   DemoRun demo(SlowRun());
   std::vector<pid_t> pids;
-  for (const char* service : {"sim", "nhpm", "operator", "planner", "simulated-operator"}) {
+  for (const char* service :
+       {"recorder", "sim", "nhpm", "operator", "planner", "simulated-operator"}) {
     pids.push_back(demo.PidOf(service));
   }
   REQUIRE(demo.WaitForMoves());
@@ -199,7 +200,8 @@ TEST_CASE("a service refuses an unknown key by its name", "[launcher][system]") 
   const auto log = folder / ("conav-unknown-key-" + std::to_string(getpid()) + ".log");
   for (const auto& [program, section] :
        {std::pair("sim", "sim"), std::pair("planner", "planner"), std::pair("nhpm", "nhpm"),
-        std::pair("operator", "operator"), std::pair("simulated-operator", "simulated_operator")}) {
+        std::pair("operator", "operator"), std::pair("recorder", "recorder"),
+        std::pair("simulated-operator", "simulated_operator")}) {
     std::ofstream(config) << section << ":\n  ros__parameters:\n    colour: red\n";
     std::filesystem::remove(log);
     conav::launcher::Process process(

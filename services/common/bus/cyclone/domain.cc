@@ -42,6 +42,13 @@ std::string Datagrams(const Network& network) {
   return "<MaxMessageSize>65500B</MaxMessageSize><FragmentSize>64000B</FragmentSize>";
 }
 
+/// Only for finding each other. Readers that ask for data by multicast end a Fast DDS 2.9.1 writer
+/// of Debian 12 as soon as it has two of them: "OutputTrafficManager ... Assertion `it !=
+/// collection_.end()' failed".
+std::string Multicast(const Network& network) {
+  return fmt::format("<AllowMulticast>{}</AllowMulticast>", network.multicast ? "spdp" : "false");
+}
+
 std::string Interfaces(const Network& network) {
   if (network.interface_name.empty()) return {};
   return fmt::format("<Interfaces><NetworkInterface address=\"{}\"/></Interfaces>",
@@ -60,9 +67,8 @@ std::string CycloneConfiguration(const Network& network, double lease_s) {
       "<Internal><GenerateKeyhash>true</GenerateKeyhash>"
       "<SocketReceiveBufferSize min=\"default\" max=\"4MB\"/></Internal>"
       "</Domain>",
-      Interfaces(network), network.multicast ? "" : "<AllowMulticast>false</AllowMulticast>",
-      Datagrams(network), kHighestParticipantIndex, Peers(network),
-      static_cast<int>(lease_s * 1000.0));
+      Interfaces(network), Multicast(network), Datagrams(network), kHighestParticipantIndex,
+      Peers(network), static_cast<int>(lease_s * 1000.0));
 }
 
 std::shared_ptr<CycloneDomain> CycloneDomain::Open(int domain_id,

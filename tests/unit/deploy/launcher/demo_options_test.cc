@@ -1,6 +1,7 @@
 #include "launcher/demo_options.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <filesystem>
 
 #include "common/runtime/file.h"
@@ -169,7 +170,15 @@ TEST_CASE("an output folder that cannot be is refused", "[launcher][options]") {
 TEST_CASE("a run is watchable on a terminal and as fast as commanded when headless",
           "[launcher][options]") {
   DemoOptions options;
+  CHECK(options.effective_speed() == 2.0);
+  CHECK(options.console_port() == 8080);
+  CHECK(options.waits_for_operator());
+  CHECK(std::isinf(options.effective_time_limit_s()));
+  options.console = -1;
   CHECK(options.effective_speed() == 4.0);
+  CHECK_FALSE(options.waits_for_operator());
+  CHECK(options.effective_time_limit_s() == 1800.0);
+  options.console.reset();
   options.headless = true;
   CHECK(options.effective_speed() == 0.0);
   options.speed = 2.0;
@@ -179,7 +188,7 @@ TEST_CASE("a run is watchable on a terminal and as fast as commanded when headle
 TEST_CASE("one vendor is given to every process", "[launcher][options]") {
   const auto vendors = VendorOfService("fastdds");
   REQUIRE(vendors);
-  CHECK(vendors->size() == 6);
+  CHECK(vendors->size() == 7);
   for (const auto& [service, vendor] : *vendors) CHECK(vendor == "fastdds");
 }
 

@@ -8,6 +8,7 @@
 
 #include "nhpm/config.h"
 #include "operator/config.h"
+#include "operator/recorder/config.h"
 #include "operator/simulated_operator/config.h"
 #include "planner/config.h"
 #include "sim/config.h"
@@ -61,7 +62,7 @@ TEST_CASE("each process of a demo gets a configuration that its own struct reads
   options.headless = true;
   options.peers = {"10.0.0.1"};
   const auto configs = Plan(options, run);
-  REQUIRE(configs.size() == 5);
+  REQUIRE(configs.size() == 6);
   const auto sim = Read<sim::SimConfig>(configs.at("sim"), "sim");
   CHECK(sim.robots == std::vector<std::string>{"r1", "r2"});
   CHECK(sim.seed == 7);
@@ -196,7 +197,7 @@ TEST_CASE("a planner with a model of its own needs no nhpm", "[launcher][plan]")
   DemoOptions options;
   options.perception = "embedded";
   const auto configs = Plan(options, run);
-  CHECK(configs.size() == 4);
+  CHECK(configs.size() == 5);
   CHECK_FALSE(configs.contains("nhpm"));
 }
 
@@ -205,7 +206,7 @@ TEST_CASE("replicas of nhpm have names of their own", "[launcher][plan]") {
   DemoOptions options;
   options.nhpm_replicas = 2;
   const auto configs = Plan(options, run);
-  CHECK(configs.size() == 6);
+  CHECK(configs.size() == 7);
   CHECK(Read<nhpm::NhpmConfig>(configs.at("nhpm-1"), "nhpm").name == "nhpm-1");
   CHECK(Read<nhpm::NhpmConfig>(configs.at("nhpm-2"), "nhpm").name == "nhpm-2");
 }
@@ -228,6 +229,30 @@ TEST_CASE("the example configurations are what the services read", "[launcher][p
   CHECK(ReadExample<nhpm::NhpmConfig>("nhpm").model == kDefaultPerceptionModel);
   CHECK(ReadExample<operators::OperatorConfig>("operator").bus.interface == "lo");
   CHECK(ReadExample<operators::SimulatedOperatorConfig>("simulated_operator").seed == 1);
+  CHECK(ReadExample<recorder::RecorderConfig>("recorder").file == "recording.mcap");
+}
+
+TEST_CASE("a run is recorded from its begin unless it shall not be", "[launcher][plan]") {
+  const TemporaryRun run;
+  DemoOptions options;
+  options.robots = 2;
+  options.seed = 7;
+  options.dds = "recorder=fastdds";
+  const auto first = PlanDemo(options, 42, MakeEpisode(2, 1), run.folder).at(0);
+  CHECK(first.name == kRecorderName);
+  const auto config = Read<recorder::RecorderConfig>(first.config, "recorder");
+  CHECK(config.file == (run.folder.path() / "recording.mcap").string());
+  CHECK(config.robots == std::vector<std::string>{"w1/r1", "w1/r2"});
+  CHECK(config.bus.vendor == "fastdds");
+  CHECK_FALSE(config.streams);
+  CHECK(config.facts.at("seed") == "7");
+  CHECK(config.facts.at("world") == "conav13");
+  options.streams = true;
+  CHECK(Read<recorder::RecorderConfig>(Plan(options, run).at("recorder"), "recorder").streams);
+  CHECK(Validate(options));
+  options.recording = false;
+  CHECK_FALSE(Plan(options, run).contains("recorder"));
+  CHECK_FALSE(Validate(options));
 }
 
 TEST_CASE("several planners share all robots, under names of their own", "[launcher][plan]") {

@@ -98,5 +98,12 @@ TEST_CASE("An episode becomes a demo with its own world, seed, person and folder
   CHECK(demo.out == parent / "study/runs" / episode.name);
 }
 
+TEST_CASE("a study records its episodes only when asked to", "[study]") {
+  StudyOptions options;
+  CHECK_FALSE(BaseDemo(options).recording);
+  options.recording = true;
+  CHECK(BaseDemo(options).recording);
+}
+
 }  // namespace
 }  // namespace conav::study

@@ -1,10 +1,48 @@
+import { useEffect, useId, useLayoutEffect, useMemo, useRef } from "preact/hooks";
+import { showOn } from "./canvas_view";
+import { RefusedEdit } from "./edit/refused_edit";
+import { Hand } from "./hand";
+import { MapModel } from "./map_model";
 import type { MapProps } from "./map_props";
+import { PathBar } from "./path/path_bar";
+import { StatusLine } from "./status_line";
+import { Toolbar } from "./toolbar";
+import "./map.css";
 
-/** Stands in until the map is there. */
-export function MapCanvas({ world }: MapProps) {
+export { mapShortcuts } from "./shortcuts";
+
+/** The operator's map of one world, with its tools. Fills the element that it is in, which has a size of its own. */
+export function MapCanvas(props: MapProps) {
+  const model = useMemo(() => new MapModel(props), []);
+  const hand = useMemo(() => new Hand(model), [model]);
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const help = useId();
+  useLayoutEffect(() => model.update(props));
+  useEffect(() => {
+    return canvas.current ? showOn(canvas.current, model, hand) : undefined;
+  }, [model, hand]);
   return (
-    <p class="panel">
-      {world.name}: {world.rows} × {world.columns} cells
-    </p>
+    <section class="map-root" aria-label={`Map of ${props.world.name}`}>
+      <Toolbar model={model} />
+      <div class="map-stage">
+        {/* biome-ignore lint/a11y/noInteractiveElementToNoninteractiveRole: it takes keys of its own, as an application does */}
+        <canvas
+          ref={canvas}
+          class={`map-surface tool-${props.tool}`}
+          tabIndex={0}
+          role="application"
+          aria-label={`Your map of ${props.world.name}, ${props.world.rows} rows, ${props.world.columns} columns`}
+          aria-describedby={help}
+        />
+      </div>
+      <div class="map-notes">
+        <RefusedEdit model={model} />
+        <PathBar model={model} hand={hand} />
+      </div>
+      <p id={help} class="map-unseen">
+        Arrow keys move a cell cursor, Space uses the tool there. V, W, E, R and P choose the tool.
+      </p>
+      <StatusLine model={model} />
+    </section>
   );
 }

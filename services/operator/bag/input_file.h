@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "common/runtime/result.h"
+#include "operator/bag/bytes.h"
+
+namespace conav::bag {
+
+/// A file that is read in pieces. Threads: one.
+class InputFile {
+ public:
+  /// Errors: kNotFound, kIo, each with the path; a folder is kIo.
+  [[nodiscard]] static Result<InputFile> Open(const std::filesystem::path& path);
+
+  InputFile(InputFile&& other) noexcept;
+  InputFile& operator=(InputFile&&) = delete;
+  ~InputFile();
+
+  /// Errors: kIo with the path (also when the file has become shorter), kMalformed when the piece
+  /// is not in the file.
+  [[nodiscard]] Result<Bytes> Read(std::uint64_t offset, std::uint64_t size) const;
+
+  /// When it was opened.
+  std::uint64_t size() const { return size_; }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  InputFile(std::filesystem::path path, int descriptor, std::uint64_t size);
+
+  std::filesystem::path path_;
+  int descriptor_;
+  std::uint64_t size_;
+};
+
+}  // namespace conav::bag

@@ -1,0 +1,160 @@
+#include "operator/bag/mcap_scan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "operator/bag/chunk_codec.h"
+
+namespace conav::bag {
+namespace {
+
+class Scan {
+ public:
+  explicit Scan(const InputFile& file) : file_(file) {}
+
+  Result<McapContents> Run() {
+    while (at_ < file_.size() && !ended_) {
+      if (auto done = TakeNext(); !done) return tl::unexpected(done.error());
+    }
+    if (contents_.cut_off.empty()) contents_.cut_off = "the file was not finished: no summary";
+    contents_.statistics.chunk_count = static_cast<std::uint32_t>(contents_.chunks.size());
+    return std::move(contents_);
+  }
+
+ private:
+  std::uint64_t left() const { return file_.size() - at_; }
+
+  Result<void> EndHere() {
+    ended_ = true;
+    contents_.cut_off = fmt::format("the file was not finished: it is whole up to byte {} of {}",
+                                    at_, file_.size());
+    return {};
+  }
+
+  Result<void> TakeNext() {
+    if (left() < kRecordHeaderSize) return EndHere();
+    const auto header = file_.Read(at_, kRecordHeaderSize);
+    if (!header) return tl::unexpected(header.error());
+    ByteReader reader(*header);
+    const auto opcode = static_cast<Opcode>(reader.U8());
+    const std::uint64_t length = reader.U64();
+    if (opcode == Opcode{0}) return TakeZeros();
+    if (length > left() - kRecordHeaderSize) return EndHere();
+    auto done = Take(opcode, kRecordHeaderSize + length);
+    at_ += kRecordHeaderSize + length;
+    return done;
+  }
+
+  Result<void> Take(Opcode opcode, std::uint64_t length) {
+    switch (opcode) {
+      case Opcode::kChunk:
+        return TakeChunk(length);
+      case Opcode::kSchema:
+      case Opcode::kChannel:
+      case Opcode::kMetadata:
+        return TakeDescription(length);
+      case Opcode::kMessage:
+        return DamagedAt(file_, at_, "a message outside of chunks, which is not read here",
+                         ErrorCode::kRefused);
+      case Opcode::kDataEnd:
+      case Opcode::kFooter:
+        ended_ = true;
+        return {};
+      default:
+        return {};  // a record that readers may leave out
+    }
+  }
+
+  Result<void> TakeZeros() {
+    constexpr std::uint64_t kPiece = 1 << 16;
+    for (std::uint64_t from = at_; from < file_.size(); from += kPiece) {
+      const auto bytes = file_.Read(from, std::min(kPiece, file_.size() - from));
+      if (!bytes) return tl::unexpected(bytes.error());
+      if (std::any_of(bytes->begin(), bytes->end(), [](std::uint8_t byte) { return byte != 0; })) {
+        return DamagedAt(file_, at_, "no record");
+      }
+    }
+    return EndHere();
+  }
+
+  Result<void> TakeDescription(std::uint64_t length) {
+    if (length > kLargestChunk) {
+      return DamagedAt(file_, at_, fmt::format("a record of {} bytes", length),
+                       ErrorCode::kRefused);
+    }
+    const auto bytes = file_.Read(at_, length);
+    if (!bytes) return tl::unexpected(bytes.error());
+    ByteSpan rest = *bytes;
+    const auto record = TakeRecord(rest);
+    if (!record || !AddDescription(*record, contents_)) {
+      return DamagedAt(file_, at_, "a damaged record");
+    }
+    return {};
+  }
+
+  Result<void> TakeChunk(std::uint64_t length) {
+    const auto records = ReadChunkAt(file_, at_, length);
+    if (!records) {
+      if (length == left() && records.error().code == ErrorCode::kMalformed) return EndHere();
+      return tl::unexpected(records.error());
+    }
+    ChunkIndex index{.offset = at_, .length = length};
+    ByteSpan rest = *records;
+    bool first = true;
+    while (!rest.empty()) {
+      const auto record = TakeRecord(rest);
+      if (!record || !TakeChunkRecord(*record, index, first)) {
+        return DamagedAt(file_, at_, "chunk: a record in it is damaged");
+      }
+    }
+    contents_.chunks.push_back(std::move(index));
+    return {};
+  }
+
+  bool TakeChunkRecord(const Record& record, ChunkIndex& index, bool& first) {
+    if (record.opcode != Opcode::kMessage) return AddDescription(record, contents_);
+    const auto message = ReadMessage(record.content);
+    if (!message || !contents_.channels.contains(message->header.channel_id)) return false;
+    const std::uint64_t time = message->header.log_time;
+    index.start_time = first ? time : std::min(index.start_time, time);
+    index.end_time = std::max(index.end_time, time);
+    first = false;
+    Statistics& statistics = contents_.statistics;
+    statistics.start_time =
+        statistics.message_count == 0 ? time : std::min(statistics.start_time, time);
+    statistics.end_time = std::max(statistics.end_time, time);
+    ++statistics.message_count;
+    ++statistics.channel_counts[message->header.channel_id];
+    return true;
+  }
+
+  const InputFile& file_;
+  std::uint64_t at_ = kMagicSize;
+  bool ended_ = false;
+  McapContents contents_;
+};
+
+}  // namespace
+
+bool AddDescription(const Record& record, McapContents& contents) {
+  if (record.opcode == Opcode::kSchema) {
+    auto schema = ReadSchema(record.content);
+    if (!schema || schema->id == 0) return false;
+    contents.schemas.emplace(schema->id, *std::move(schema));
+  } else if (record.opcode == Opcode::kChannel) {
+    auto channel = ReadChannel(record.content);
+    if (!channel) return false;
+    contents.channels.emplace(channel->id, *std::move(channel));
+  } else if (record.opcode == Opcode::kMetadata) {
+    auto metadata = ReadMetadata(record.content);
+    if (!metadata) return false;
+    contents.metadata.push_back(*std::move(metadata));
+  }
+  return true;
+}
+
+Result<McapContents> ScanContents(const InputFile& file) { return Scan(file).Run(); }
+
+}  // namespace conav::bag

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/runtime/result.h"
+#include "operator/bag/idl_syntax.h"
+
+namespace conav::bag {
+
+/// The definitions of message types as ROS 2 writes them in .msg files and as MCAP's schema
+/// encoding "ros2msg" has them: the type's fields, then, behind a line of '=' and "MSG: package/Name",
+/// those of every type that it is made of.
+///
+/// ROS keeps constants in the message that uses them, our IDL beside the structs: a field whose
+/// comment names constants ("COMMAND_KIND_*", or one by its whole name) gets them in the lines
+/// before it, where Foxglove takes them for the names of its values.
+class MessageSchemas {
+ public:
+  explicit MessageSchemas(IdlDocument idl);
+
+  /// Of "conav_msgs/msg/RobotState". Errors: kNotFound.
+  [[nodiscard]] Result<std::string> TextOf(const std::string& type) const;
+
+  /// "conav_msgs/msg/RobotState", ..., in the order of the IDL.
+  std::vector<std::string> types() const;
+
+ private:
+  const IdlStruct* Find(const std::string& package_and_name) const;
+  void AppendFields(const IdlStruct& type, std::string& text) const;
+  void AppendDependencies(const IdlStruct& type, std::vector<const IdlStruct*>& all) const;
+
+  IdlDocument idl_;
+};
+
+/// Of idl/: every type of a topic. Read from the text that the program was built with.
+const MessageSchemas& ConavSchemas();
+
+}  // namespace conav::bag

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+
+#include "operator/bag/mcap_reader.h"
+
+namespace conav::bag {
+
+/// Writes all messages of a recording as a rosbag2 folder:
+///
+///   FOLDER/metadata.yaml     version 5
+///          <name>_0.db3      SQLite; times are log times, QoS that of the channels' metadata
+///
+/// `progress` is called now and then with the number of messages written so far. After an error
+/// nothing of the folder is left.
+/// Errors: kRefused: the folder exists, or a topic is not CDR with ros2msg; those of
+/// McapReader::Next; kIo with path and cause.
+[[nodiscard]] Result<void> WriteRosbag2(McapReader& reader, const std::filesystem::path& folder,
+                                        const std::function<void(std::uint64_t)>& progress);
+
+}  // namespace conav::bag

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/bus/participant.h"
+#include "common/runtime/config.h"
+
+namespace conav::recorder {
+
+/// Section `recorder:` of a config file.
+struct RecorderConfig {
+  bus::ParticipantOptions bus;
+  /// "world/robot" of every robot that is recorded; the topics of their worlds and those of the
+  /// system are, too.
+  std::vector<std::string> robots{"w1/r1"};
+  /// MCAP file, which must not exist yet; its folder must.
+  std::string file = "recording.mcap";
+  /// Record the pictures that cameras stream, too.
+  bool streams = false;
+  /// Topics that are not recorded, as "/r1/odom", or as "/{}/odom" for every robot or world.
+  std::vector<std::string> exclude;
+  /// What else shall be known of the run: written into the file as it is.
+  std::map<std::string, std::string> facts;
+
+  void Visit(ConfigReader& reader) {
+    reader.Section("bus", bus);
+    reader.Field("robots", robots);
+    reader.Field("file", file);
+    reader.Field("streams", streams);
+    reader.Field("exclude", exclude);
+    reader.Field("facts", facts);
+  }
+};
+
+}  // namespace conav::recorder

@@ -1,0 +1,73 @@
+// The canvas element: its size, its theme, and a frame whenever something that it shows has changed.
+import { effect } from "@preact/signals";
+import { FrameScheduler } from "./draw/frame_scheduler";
+import { type Palette, readPalette } from "./draw/palette";
+import { watchTheme } from "./draw/theme";
+import type { Hand } from "./hand";
+import { attachKeyboard } from "./keyboard_input";
+import type { MapModel } from "./map_model";
+import { attachPointer } from "./pointer_input";
+import { drawScene, type Scene, SceneCache } from "./scene";
+
+/** The function that it returns ends it all. */
+export function showOn(canvas: HTMLCanvasElement, model: MapModel, hand: Hand): () => void {
+  const cache = new SceneCache();
+  let palette = readPalette(canvas);
+  const frames = new FrameScheduler(() => draw(canvas, sceneOf(model, palette), cache));
+  const ends = [
+    effect(() => {
+      sceneOf(model, palette); // reads every signal that a frame depends on
+      frames.request();
+    }),
+    () => frames.stop(),
+    watchSize(canvas, model, () => frames.request()),
+    watchTheme(() => {
+      palette = readPalette(canvas);
+      frames.request();
+    }),
+  ];
+  const panKey = { held: false, used: false };
+  ends.push(attachPointer(canvas, model, hand, panKey));
+  ends.push(attachKeyboard(canvas, model, hand, panKey));
+  return () => {
+    for (const end of ends) end();
+  };
+}
+
+function sceneOf(model: MapModel, palette: Palette): Scene | undefined {
+  const view = model.view.value;
+  const scene = {
+    props: model.props.value,
+    palette,
+    editing: model.editing.value,
+    paths: [...model.paths.value.values()],
+    cursor: model.byKeyboard.value ? model.cursor.value : undefined,
+    hover: model.hover.value,
+    rectangle: model.rectangle.value,
+  };
+  return view && { ...scene, view };
+}
+
+function watchSize(canvas: HTMLCanvasElement, model: MapModel, changed: () => void): () => void {
+  const sizes = new ResizeObserver(() => {
+    if (canvas.clientWidth === 0 || canvas.clientHeight === 0) return;
+    model.resize(canvas.clientWidth, canvas.clientHeight);
+    changed();
+  });
+  sizes.observe(canvas);
+  return () => sizes.disconnect();
+}
+
+function draw(canvas: HTMLCanvasElement, scene: Scene | undefined, cache: SceneCache): void {
+  const context = canvas.getContext("2d", { alpha: false });
+  if (!context || !scene) return;
+  const ratio = devicePixelRatio;
+  const width = Math.round(scene.view.width * ratio);
+  const height = Math.round(scene.view.height * ratio);
+  if (canvas.width !== width || canvas.height !== height) {
+    canvas.width = width;
+    canvas.height = height;
+  }
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  drawScene(context, scene, cache);
+}

@@ -1,0 +1,45 @@
+import type { SeenMap } from "../protocol/generated/console_pb";
+import { type Cell, cellIndex, cellText, freeCell, type GridSize, isWall, wallCell } from "./grid";
+
+export type CellFacts = {
+  readonly size: GridSize;
+  readonly walls: Uint8Array | undefined; // operator's map
+  readonly seen: ReadonlyMap<string, SeenMap>;
+  readonly robots: readonly { name: string; cell?: Cell | undefined; goalsLeft: readonly Cell[] }[];
+};
+
+/** What is known of a cell, as one line of text. */
+export function cellWords(cell: Cell, facts: CellFacts): string {
+  const parts = [mapWords(cell, facts), ...seenWords(cell, facts), ...robotWords(cell, facts)];
+  const text = parts.join("; ");
+  return `${capital(cellText(cell))}: ${text}.`;
+}
+
+function mapWords(cell: Cell, { size, walls }: CellFacts): string {
+  if (!walls) return "your map has not come yet";
+  return `${isWall(walls, size, cell) ? "wall" : "free"} on your map`;
+}
+
+function seenWords(cell: Cell, { size, seen }: CellFacts): string[] {
+  const index = cellIndex(size, cell);
+  const by = (value: number) =>
+    [...seen].filter(([, map]) => map.cells[index] === value).map(([name]) => name);
+  const words = (names: string[], what: string) =>
+    names.length > 0 ? [`${names.join(", ")} saw ${what}`] : [];
+  const known = [...words(by(wallCell), "a wall"), ...words(by(freeCell), "it free")];
+  return known.length > 0 ? known : ["no robot saw it"];
+}
+
+function robotWords(cell: Cell, { robots }: CellFacts): string[] {
+  const isHere = (other: Cell) => other.row === cell.row && other.column === cell.column;
+  const standing = robots.filter((robot) => robot.cell && isHere(robot.cell));
+  const goals = robots.filter((robot) => robot.goalsLeft.some(isHere));
+  return [
+    ...standing.map(({ name }) => `${name} is here`),
+    ...goals.map(({ name }) => `a goal of ${name}`),
+  ];
+}
+
+export function capital(text: string): string {
+  return text.slice(0, 1).toUpperCase() + text.slice(1);
+}

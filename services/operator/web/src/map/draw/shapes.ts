@@ -1,0 +1,120 @@
+import type { RobotShape } from "../map_props";
+import type { Point } from "../view";
+import type { Draw } from "./context";
+import type { Palette } from "./palette";
+
+/** Corners on the unit circle by shape, from the top clockwise; none = a circle. */
+const corners: Record<RobotShape, number> = {
+  circle: 0,
+  square: 4,
+  triangle: 3,
+  diamond: 4,
+  pentagon: 5,
+  star: 10,
+};
+
+/** The outline of a robot's mark, to fill or stroke; all shapes cover about the same area. */
+export function shapePath(context: Draw, shape: RobotShape, at: Point, radius: number): void {
+  context.beginPath();
+  const count = corners[shape];
+  if (count === 0) context.arc(at.x, at.y, radius, 0, 2 * Math.PI);
+  const turn = shape === "square" ? Math.PI / 4 : 0;
+  const size = shape === "triangle" ? 1.35 * radius : count === 0 ? radius : 1.2 * radius;
+  const middle = shape === "triangle" ? { x: at.x, y: at.y + 0.22 * radius } : at;
+  for (let corner = 0; corner < count; ++corner) {
+    const angle = turn + (2 * Math.PI * corner) / count - Math.PI / 2;
+    const reach = shape === "star" && corner % 2 === 1 ? 0.62 * size : size;
+    context.lineTo(middle.x + reach * Math.cos(angle), middle.y + reach * Math.sin(angle));
+  }
+  context.closePath();
+}
+
+export function polyline(context: Draw, points: readonly Point[]): void {
+  context.beginPath();
+  for (const point of points) context.lineTo(point.x, point.y);
+  context.stroke();
+}
+
+/** A filled head with its tip at `tip`, pointing in direction `angle` of the canvas (0 = right, clockwise). */
+export function arrowHead(context: Draw, tip: Point, angle: number, size: number): void {
+  const back = (side: number): Point => ({
+    x: tip.x - size * Math.cos(angle + side),
+    y: tip.y - size * Math.sin(angle + side),
+  });
+  context.beginPath();
+  for (const point of [tip, back(0.5), back(-0.5)]) context.lineTo(point.x, point.y);
+  context.closePath();
+  context.fill();
+}
+
+export function arrow(context: Draw, from: Point, to: Point, headSize: number): void {
+  const angle = Math.atan2(to.y - from.y, to.x - from.x);
+  const neck = {
+    x: to.x - 0.8 * headSize * Math.cos(angle),
+    y: to.y - 0.8 * headSize * Math.sin(angle),
+  };
+  polyline(context, [from, neck]);
+  arrowHead(context, to, angle, headSize);
+}
+
+/** What a camera sees: heading in radians, 0 = east, counter-clockwise. */
+export function conePath(
+  context: Draw,
+  at: Point,
+  heading: number,
+  fieldOfView: number,
+  reach: number,
+): void {
+  context.beginPath();
+  context.moveTo(at.x, at.y);
+  context.arc(at.x, at.y, reach, -heading - fieldOfView / 2, -heading + fieldOfView / 2);
+  context.closePath();
+}
+
+/** Diagonal lines in a square, rising or falling, to tell fills apart without colour. One path; the caller strokes. */
+export function hatchPath(context: Draw, corner: Point, size: number, falling: boolean): void {
+  const { x, y } = corner;
+  const step = Math.max(4, size / 4);
+  for (let at = step / 2; at < 2 * size; at += step) {
+    const near = Math.max(0, at - size);
+    const far = Math.min(size, at);
+    context.moveTo(x + near, falling ? y + size - far : y + far);
+    context.lineTo(x + far, falling ? y + size - near : y + near);
+  }
+}
+
+export function font(size: number, weight = 600): string {
+  return `${weight} ${size}px system-ui, sans-serif`;
+}
+
+/** Text that reads on anything, by a rim of the halo colour. */
+export function haloText(
+  context: Draw,
+  text: string,
+  at: Point,
+  colour: string,
+  palette: Palette,
+): void {
+  context.lineJoin = "round";
+  context.lineWidth = 3;
+  context.strokeStyle = palette.halo;
+  context.strokeText(text, at.x, at.y);
+  context.fillStyle = colour;
+  context.fillText(text, at.x, at.y);
+}
+
+/** Twice: wide in the halo colour, then as `colour` wants it, so that a line reads on free cells and walls. */
+export function haloStroke(
+  context: Draw,
+  colour: string,
+  width: number,
+  palette: Palette,
+  stroke: () => void,
+): void {
+  context.strokeStyle = palette.halo;
+  context.lineWidth = width + 2;
+  stroke();
+  context.strokeStyle = colour;
+  context.lineWidth = width;
+  stroke();
+}

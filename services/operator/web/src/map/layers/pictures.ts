@@ -1,0 +1,129 @@
+import type { Picture } from "../../protocol/generated/console_pb";
+import { PictureAnswer } from "../../protocol/generated/console_pb";
+import { type Draw, isolated } from "../draw/context";
+import type { Palette } from "../draw/palette";
+import { conePath, hatchPath } from "../draw/shapes";
+import { distance } from "../grid";
+import type { Cell, ChosenPicture, MapRobot } from "../map_props";
+import { cellCentre, cellCorner, type Point, type View } from "../view";
+
+export type PicturesData = {
+  readonly robots: readonly MapRobot[];
+  readonly pictures: readonly Picture[];
+};
+
+/** Where each picture was taken, and its field of view; filled while it waits for an answer. */
+export function drawPictures(
+  context: Draw,
+  view: View,
+  data: PicturesData,
+  palette: Palette,
+): void {
+  const colours = new Map(data.robots.map(({ robot, colour }) => [robot.name, colour]));
+  isolated(context, () => {
+    context.lineWidth = 1.5;
+    context.lineJoin = "round";
+    for (const picture of data.pictures) {
+      if (!picture.cell) continue;
+      const at = cellCentre(view, picture.cell);
+      const waits = picture.answer === PictureAnswer.ANSWER_NONE;
+      const colour = colours.get(picture.robot) ?? palette.muted;
+      context.strokeStyle = colour;
+      context.fillStyle = colour;
+      conePath(context, at, picture.heading, picture.fieldOfView, Math.max(9, 0.62 * view.scale));
+      context.globalAlpha = waits ? 0.45 : 0.12;
+      context.fill();
+      context.globalAlpha = waits ? 1 : 0.65;
+      context.stroke();
+    }
+  });
+}
+
+export function findPicture(
+  pictures: readonly Picture[],
+  chosen: ChosenPicture | undefined,
+): Picture | undefined {
+  return pictures.find(
+    (one) => one.robot === chosen?.robot && one.sequenceNumber === chosen.sequenceNumber,
+  );
+}
+
+/** What the chosen picture shows: a dot per free cell, a hatched frame per wall, within its field of view. */
+export function drawChosenPicture(
+  context: Draw,
+  view: View,
+  data: { picture: Picture; colour: string },
+  palette: Palette,
+): void {
+  const { picture, colour } = data;
+  if (!picture.cell) return;
+  const at = cellCentre(view, picture.cell);
+  isolated(context, () => {
+    drawField(context, view, at, data);
+    context.globalAlpha = 1;
+    for (const cell of picture.freeCells) drawFreeCell(context, view, cell, colour, palette);
+    for (const cell of picture.wallCells) drawWallCell(context, view, cell, colour, palette);
+  });
+}
+
+function drawField(
+  context: Draw,
+  view: View,
+  at: Point,
+  { picture, colour }: { picture: Picture; colour: string },
+): void {
+  const from = picture.cell;
+  const far = [...picture.freeCells, ...picture.wallCells].map((cell) =>
+    from ? distance(from, cell) : 0,
+  );
+  const reach = (Math.min(12, Math.max(2, ...far)) + 0.5) * view.scale;
+  conePath(context, at, picture.heading, picture.fieldOfView, reach);
+  context.fillStyle = colour;
+  context.strokeStyle = colour;
+  context.globalAlpha = 0.14;
+  context.fill();
+  context.globalAlpha = 0.8;
+  context.lineWidth = 1.5;
+  context.setLineDash([5, 4]);
+  context.stroke();
+  context.setLineDash([]);
+}
+
+function drawFreeCell(
+  context: Draw,
+  view: View,
+  cell: Cell,
+  colour: string,
+  palette: Palette,
+): void {
+  const at = cellCentre(view, cell);
+  context.beginPath();
+  context.arc(at.x, at.y, Math.max(1.2, Math.min(5, 0.13 * view.scale)), 0, 2 * Math.PI);
+  context.fillStyle = colour;
+  context.strokeStyle = palette.halo;
+  context.lineWidth = 1.5;
+  context.stroke();
+  context.fill();
+}
+
+function drawWallCell(
+  context: Draw,
+  view: View,
+  cell: Cell,
+  colour: string,
+  palette: Palette,
+): void {
+  const corner = cellCorner(view, cell);
+  const inset = Math.min(3, 0.1 * view.scale);
+  const size = view.scale - 2 * inset;
+  const inner = { x: corner.x + inset, y: corner.y + inset };
+  context.beginPath();
+  context.rect(inner.x, inner.y, size, size);
+  context.strokeStyle = palette.halo;
+  context.lineWidth = 4;
+  context.stroke();
+  if (view.scale >= 14) hatchPath(context, inner, size, true);
+  context.strokeStyle = colour;
+  context.lineWidth = 2;
+  context.stroke();
+}

@@ -1,0 +1,89 @@
+import type { Signal } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+import { icons } from "./icons";
+import { type LayerName, type Layers, layerNames } from "./map_props";
+
+const layerTexts: Record<LayerName, string> = {
+  belief: "Your map",
+  changes: "What you changed",
+  seen: "Seen by robots",
+  heat: "Edits expected of you",
+  plan: "Plans of the robots",
+  search: "Search: visits",
+  trails: "Where robots have been",
+  pictures: "Pictures",
+  goals: "Goals",
+  paths: "Paths given",
+  goalPoses: "Goal poses",
+  truth: "True map (recordings)",
+};
+
+export function LayersMenu(props: {
+  layers: Layers;
+  onLayers: (layers: Layers) => void;
+  open: Signal<boolean>;
+}) {
+  const { layers, onLayers, open } = props;
+  const place = useRef<HTMLDivElement>(null);
+  useCloseOutside(place, open);
+  return (
+    <div class="map-layers" ref={place}>
+      <button
+        type="button"
+        class="map-tool"
+        aria-expanded={open.value}
+        aria-keyshortcuts="L"
+        title="What the map shows (L)"
+        onClick={() => {
+          open.value = !open.peek();
+        }}
+      >
+        {icons.layers}
+        <span>Layers</span>
+        <kbd>L</kbd>
+      </button>
+      {open.value && (
+        <fieldset class="map-layer-list">
+          <legend>Show on the map</legend>
+          {layerNames.map((name) => (
+            <label key={name}>
+              <input
+                type="checkbox"
+                checked={layers[name]}
+                onChange={(event) => onLayers({ ...layers, [name]: event.currentTarget.checked })}
+              />
+              <span class={`map-swatch ${name}`} aria-hidden="true" />
+              {layerTexts[name]}
+            </label>
+          ))}
+        </fieldset>
+      )}
+    </div>
+  );
+}
+
+/** A press elsewhere or Escape closes; opening puts the focus on the first layer. */
+function useCloseOutside(place: { current: HTMLDivElement | null }, open: Signal<boolean>): void {
+  const isOpen = open.value;
+  useEffect(() => {
+    if (!isOpen) return undefined;
+    place.current?.querySelector("input")?.focus();
+    const ended = new AbortController();
+    const close = () => {
+      open.value = false;
+    };
+    const outside = (event: PointerEvent) => {
+      if (!(event.target instanceof Node && place.current?.contains(event.target))) close();
+    };
+    const key = (event: KeyboardEvent) => {
+      if (event.key !== "Escape") return;
+      event.preventDefault();
+      close();
+      place.current?.querySelector("button")?.focus();
+    };
+    const options = { signal: ended.signal, capture: true };
+    window.addEventListener("pointerdown", outside, options);
+    window.addEventListener("keydown", key, options);
+    return () => ended.abort();
+  }, [isOpen, open, place]);
+}

@@ -1,0 +1,207 @@
+// What the map knows beyond its props: the view, the cursor, the drafts of edits and paths; and what it asks for.
+import { type Signal, signal } from "@preact/signals";
+import { PictureAnswer } from "../protocol/generated/console_pb";
+import * as edits from "./edit/edit_session";
+import { type Cell, contains } from "./grid";
+import { findPicture } from "./layers/pictures";
+import type { MapProps, Outcome } from "./map_props";
+import * as paths from "./path/path_session";
+import type { WayGrid } from "./path/ways";
+import type { Rectangle } from "./scene";
+import {
+  centreOn,
+  fitView,
+  keepInSight,
+  type Point,
+  resized,
+  reveal,
+  type View,
+  zoomAbout,
+} from "./view";
+
+export class MapModel {
+  readonly props: Signal<MapProps>;
+  readonly view = signal<View | undefined>(undefined);
+  readonly hover = signal<Cell | undefined>(undefined);
+  readonly cursor = signal<Cell | undefined>(undefined);
+  /** The keyboard is in use: the cursor shows. */
+  readonly byKeyboard = signal(false);
+  readonly editing = signal<edits.EditSession | undefined>(undefined);
+  readonly paths = signal<ReadonlyMap<string, paths.PathSession>>(new Map());
+  readonly rectangle = signal<Rectangle | undefined>(undefined);
+  readonly sendAtRelease = signal(true);
+  readonly layersOpen = signal(false);
+  /** Why something was not done, for the person; the object is new each time it is said. */
+  readonly note = signal<{ text: string } | undefined>(undefined);
+
+  #fitted = true;
+  #sentEdit = 0;
+  #sentPaths = new Map<string, number>();
+
+  constructor(props: MapProps) {
+    this.props = signal(props);
+    this.#take(props);
+  }
+
+  /** New data from the page. */
+  update(props: MapProps): void {
+    const before = this.props.peek();
+    if (sameProps(before, props)) return;
+    this.props.value = props;
+    this.#take(props);
+    const { world } = props;
+    const view = this.view.peek();
+    if (world.rows !== before.world.rows || world.columns !== before.world.columns) this.fit();
+    if (props.focus && props.focus.counter !== before.focus?.counter && view) {
+      this.lookAt(centreOn(view, props.focus.cell));
+    }
+  }
+
+  #take(props: MapProps): void {
+    this.#takeBelief(props);
+    const next = new Map<string, paths.PathSession>();
+    for (const one of props.robots) {
+      const { name, cell } = one.robot;
+      if (!cell) continue;
+      const kept = this.paths.peek().get(name) ?? paths.newPathSession(name, cell);
+      const moved = paths.robotMoved(kept, gridOf(props), cell);
+      next.set(name, paths.guidanceCame(moved, props.guidance.get(name)?.revision ?? 0n));
+    }
+    const before = this.paths.peek();
+    const same =
+      next.size === before.size && [...next].every(([name, path]) => before.get(name) === path);
+    if (!same) this.paths.value = next;
+  }
+
+  #takeBelief({ belief, world }: MapProps): void {
+    if (!belief) return;
+    const editing = this.editing.peek();
+    const shown = { world: belief.world, revision: belief.revision, walls: belief.walls };
+    if (editing?.walls === belief.walls && editing.revision === belief.revision) return;
+    this.edit((session) =>
+      session
+        ? edits.mapConfirmed(session, shown, world)
+        : edits.newEditSession(shown, { rows: world.rows, columns: world.columns }),
+    );
+  }
+
+  // --- View ---
+
+  resize(width: number, height: number): void {
+    const view = this.view.peek();
+    if (!view || this.#fitted) this.view.value = fitView(this.props.peek().world, width, height);
+    else this.lookAt(resized(view, width, height));
+  }
+
+  fit(): void {
+    const view = this.view.peek();
+    if (view) this.view.value = fitView(this.props.peek().world, view.width, view.height);
+    this.#fitted = true;
+  }
+
+  lookAt(view: View): void {
+    this.view.value = keepInSight(view, this.props.peek().world);
+    this.#fitted = false;
+  }
+
+  /** About `point`, or the middle. */
+  zoom(factor: number, point?: Point): void {
+    const view = this.view.peek();
+    if (!view) return;
+    this.lookAt(zoomAbout(view, point ?? { x: view.width / 2, y: view.height / 2 }, factor));
+  }
+
+  moveCursor(cell: Cell): void {
+    if (!contains(this.props.peek().world, cell)) return;
+    this.cursor.value = cell;
+    this.byKeyboard.value = true;
+    const view = this.view.peek();
+    if (!view) return;
+    const moved = reveal(view, cell);
+    if (moved.x !== view.x || moved.y !== view.y) this.lookAt(moved);
+  }
+
+  say(text: string): void {
+    this.note.value = { text };
+  }
+
+  // --- Edits ---
+
+  /** Whether editing may begin; says why not. */
+  mayEdit(): boolean {
+    const { mayEdit } = this.props.peek();
+    if (!mayEdit.allowed) this.say(`Not now: ${mayEdit.reason}.`);
+    else if (!this.editing.peek()) this.say("The map has not come yet.");
+    return mayEdit.allowed && this.editing.peek() !== undefined;
+  }
+
+  edit(change: (session: edits.EditSession | undefined) => edits.EditSession | undefined): void {
+    const session = change(this.editing.peek());
+    this.editing.value = session;
+    const pending = session?.pending;
+    if (!session || !pending || pending.id === this.#sentEdit) return;
+    this.#sentEdit = pending.id;
+    const { onEdit } = this.props.peek();
+    void answer(onEdit(edits.changesOf(pending.draft, session.size), pending.base)).then(
+      (outcome) => this.change((now) => edits.replied(now, pending.id, outcome)),
+    );
+  }
+
+  /** Of the session, if there is one. */
+  change(change: (session: edits.EditSession) => edits.EditSession): void {
+    this.edit((session) => session && change(session));
+  }
+
+  endStroke(): void {
+    this.change((session) => edits.endStroke(session, this.props.peek().editLimit));
+  }
+
+  // --- Paths ---
+
+  get grid(): WayGrid {
+    return gridOf(this.props.peek());
+  }
+
+  mayGuide(): boolean {
+    const { mayGuide } = this.props.peek();
+    if (!mayGuide.allowed) this.say(`Not now: ${mayGuide.reason}.`);
+    return mayGuide.allowed;
+  }
+
+  changePath(robot: string, change: (session: paths.PathSession) => paths.PathSession): void {
+    const before = this.paths.peek().get(robot);
+    if (!before) return;
+    const session = change(before);
+    this.paths.value = new Map([...this.paths.peek(), [robot, session]]);
+    const { sent } = session;
+    if (!sent || sent.id <= (this.#sentPaths.get(robot) ?? 0)) return;
+    this.#sentPaths.set(robot, sent.id);
+    const { onPath } = this.props.peek();
+    void answer(onPath(robot, sent.cells, this.#answers(robot, sent.cells))).then((outcome) =>
+      this.changePath(robot, (now) => paths.replied(now, sent.id, outcome)),
+    );
+  }
+
+  /** The chosen picture, if the path answers it. */
+  #answers(robot: string, cells: readonly Cell[]): bigint | undefined {
+    const { pictures, chosenPicture } = this.props.peek();
+    const picture = findPicture(pictures, chosenPicture);
+    if (cells.length === 0 || picture?.robot !== robot) return undefined;
+    return picture.answer === PictureAnswer.ANSWER_NONE ? picture.sequenceNumber : undefined;
+  }
+}
+
+function gridOf({ world, belief }: MapProps): WayGrid {
+  const size = { rows: world.rows, columns: world.columns };
+  return { size, walls: belief?.walls ?? new Uint8Array(world.rows * world.columns) };
+}
+
+function answer(outcome: Promise<Outcome>): Promise<Outcome> {
+  return outcome.catch((error: unknown) => ({ accepted: false, reason: String(error) }));
+}
+
+function sameProps(a: MapProps, b: MapProps): boolean {
+  const other = new Map<string, unknown>(Object.entries(b));
+  const entries = Object.entries(a);
+  return entries.length === other.size && entries.every(([key, value]) => other.get(key) === value);
+}

@@ -1,0 +1,29 @@
+import { create } from "@bufbuild/protobuf";
+import { expect, it } from "vitest";
+import { SeenMapSchema } from "../../protocol/generated/console_pb";
+import { assess, assessmentText } from "./assessment";
+
+const grid = { size: { rows: 1, columns: 4 }, walls: Uint8Array.of(0, 0, 255, 0) };
+const path = [0, 1, 2, 3].map((column) => ({ row: 0, column }));
+
+function seenBy(robot: string, ...cells: number[]) {
+  return new Map([[robot, create(SeenMapSchema, { robot, cells: Uint8Array.from(cells) })]]);
+}
+
+it("says the length, and the walls of the operator's own map", () => {
+  const crossing = assess(path, grid, 2, new Map());
+  expect(crossing).toMatchObject({ steps: 3, metres: 6, blocked: undefined });
+  expect(assessmentText(crossing)).toBe(
+    "3 steps, 6 m. Crosses a wall of your map at row 0, column 2.",
+  );
+  expect(assessmentText(assess(path.slice(0, 2), grid, 2, new Map()))).toBe("1 step, 2 m.");
+});
+
+it("says first where a robot has seen a wall", () => {
+  const blocked = assess(path, grid, 2, seenBy("r2", 1, 2, 0, 0));
+  expect(blocked.blocked).toEqual({ cell: { row: 0, column: 1 }, robot: "r2" });
+  expect(assessmentText(blocked)).toBe(
+    "3 steps, 6 m. Blocked at row 0, column 1: r2 saw a wall there.",
+  );
+  expect(assess(path, grid, 2, seenBy("r2", 1, 1, 0, 1)).blocked).toBeUndefined();
+});

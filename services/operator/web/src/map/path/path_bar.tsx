@@ -1,0 +1,83 @@
+import type { Hand } from "../hand";
+import type { MapModel } from "../map_model";
+import type { MapRobot } from "../map_props";
+import { type Assessment, assess, assessmentText } from "./assessment";
+import { hasDraft, type PathSession } from "./path_session";
+
+/** For the chosen robot, while its path is drawn: what is known of the path, and what to do with it. */
+export function PathBar({ model, hand }: { model: MapModel; hand: Hand }) {
+  const { tool, robots, chosenRobot, guidance, mayGuide } = model.props.value;
+  const robot = robots.find((one) => one.robot.name === chosenRobot);
+  const session = model.paths.value.get(chosenRobot ?? "");
+  if (tool !== "path" && !(session && hasDraft(session))) return undefined;
+  if (!robot || !session) {
+    return <p class="map-card">Choose a robot: click on it, then drag its path.</p>;
+  }
+  const given = guidance.get(robot.robot.name);
+  const sent = session.sent !== undefined;
+  return (
+    <div class={`map-card path ${session.refusal ? "refused" : ""}`}>
+      <PathText robot={robot} session={session} model={model} />
+      <button
+        type="button"
+        class="main"
+        disabled={!hasDraft(session) || sent || !mayGuide.allowed}
+        title={mayGuide.allowed ? "Send path (Enter)" : `Not now: ${mayGuide.reason}`}
+        onClick={() => hand.send()}
+      >
+        Send path
+      </button>
+      <button
+        type="button"
+        disabled={!hasDraft(session) && !given?.path.length}
+        title="Drops what is drawn, and takes back the path that the robot has"
+        onClick={() => hand.clear()}
+      >
+        Clear
+      </button>
+      <label>
+        <input
+          type="checkbox"
+          checked={model.sendAtRelease.value}
+          onChange={(event) => {
+            model.sendAtRelease.value = event.currentTarget.checked;
+          }}
+        />
+        Send at release
+      </label>
+    </div>
+  );
+}
+
+function PathText(props: { robot: MapRobot; session: PathSession; model: MapModel }) {
+  const { robot, session, model } = props;
+  const { world, seen, guidance } = model.props.value;
+  const { name } = robot.robot;
+  const given = guidance.get(name);
+  const cells = hasDraft(session) ? session.cells : (given?.path ?? []);
+  const known = assess(cells, model.grid, world.cellSize, seen);
+  return (
+    <p role="status">
+      <strong class="map-robot-name">
+        <span class="map-dot" style={{ background: robot.colour }} aria-hidden="true" />
+        {name}
+      </strong>{" "}
+      {stateText(session, cells.length > 1, given?.givenBy)}
+      {cells.length > 1 && <KnownText known={known} />}
+      {session.refusal && <span class="map-trouble"> Not sent: {session.refusal}.</span>}
+    </p>
+  );
+}
+
+function KnownText({ known }: { known: Assessment }) {
+  const troubled = known.blocked !== undefined || known.walls.length > 0;
+  return <span class={troubled ? "map-trouble" : ""}>{assessmentText(known)}</span>;
+}
+
+function stateText(session: PathSession, any: boolean, givenBy: string | undefined): string {
+  if (session.sent)
+    return session.sent.cells.length > 0 ? "Sent, not confirmed yet. " : "Clearing. ";
+  if (hasDraft(session)) return session.drawing || session.bend ? "" : "Not sent yet. ";
+  if (any) return givenBy ? `Path by ${givenBy}: ` : "Has a path: ";
+  return "has no path. Drag from the robot to where it shall go.";
+}

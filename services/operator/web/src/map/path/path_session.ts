@@ -1,0 +1,233 @@
+// The path that is being drawn for one robot, as a pure state machine. A draft is always 4-connected, begins in the robot's
+// cell and stays in the grid; it is empty or has at least one cell. It is kept until the service has accepted it and shown
+// it as newer guidance.
+import { type Cell, cellIndex, clampCell, sameCell } from "../grid";
+import type { Outcome } from "../map_props";
+import { freehandWay, shortestWay, type WayGrid, way } from "./ways";
+
+export type SentPath = {
+  readonly id: number;
+  readonly cells: readonly Cell[]; // empty = withdraw
+  readonly after: bigint; // revision of the robot's guidance when it was sent; 0 = none
+  readonly accepted: boolean;
+};
+
+/** The parts of a path that stay while a place in between is moved. */
+type Bend = { readonly before: readonly Cell[]; readonly after: readonly Cell[] };
+
+export type PathSession = {
+  readonly robot: string;
+  readonly start: Cell; // where the robot is
+  readonly cells: readonly Cell[];
+  readonly drawing: boolean;
+  readonly bend: Bend | undefined;
+  readonly sent: SentPath | undefined;
+  readonly refusal: string | undefined;
+  readonly revision: bigint; // of the robot's guidance as the service shows it; 0 = none
+  readonly lastId: number;
+};
+
+export function newPathSession(robot: string, start: Cell): PathSession {
+  return {
+    robot,
+    start,
+    cells: [],
+    drawing: false,
+    bend: undefined,
+    sent: undefined,
+    refusal: undefined,
+    revision: 0n,
+    lastId: 0,
+  };
+}
+
+/** Begins at the robot, or goes on from the end of what is drawn already; pressing on the robot begins anew. */
+export function beginDrawing(session: PathSession, grid: WayGrid, cell: Cell): PathSession {
+  const goOn = session.cells.length > 1 && !sameCell(cell, session.start);
+  const cells = goOn ? session.cells : [session.start];
+  return extend({ ...session, cells, drawing: true, refusal: undefined }, grid, cell, way);
+}
+
+/** Passing back over the last step takes it back. */
+export function drawTo(session: PathSession, grid: WayGrid, cell: Cell): PathSession {
+  if (!session.drawing) return session;
+  if (session.cells.length > 1 && sameCell(cell, session.cells.at(-2))) {
+    return { ...session, cells: session.cells.slice(0, -1) };
+  }
+  return extend(session, grid, cell, freehandWay);
+}
+
+export function endDrawing(session: PathSession): PathSession {
+  return { ...session, cells: worthKeeping(session.cells), drawing: false };
+}
+
+/** Without dragging: a click or a key adds the way to the cell. */
+export function addCell(session: PathSession, grid: WayGrid, cell: Cell): PathSession {
+  return endDrawing(beginDrawing(session, grid, cell));
+}
+
+function extend(
+  session: PathSession,
+  grid: WayGrid,
+  cell: Cell,
+  route: (grid: WayGrid, from: Cell, to: Cell) => Cell[],
+): PathSession {
+  const last = session.cells.at(-1) ?? session.start;
+  return {
+    ...session,
+    cells: joined(session.cells, route(grid, last, clampCell(grid.size, cell))),
+  };
+}
+
+function worthKeeping(cells: readonly Cell[]): readonly Cell[] {
+  return cells.length > 1 ? cells : [];
+}
+
+function joined(...parts: (readonly Cell[])[]): Cell[] {
+  return parts.flat().filter((cell, index, all) => !sameCell(cell, all[index - 1]));
+}
+
+/** Ends and corners: the places to drag a path by. Indices into `cells`, ascending. */
+export function vertices(cells: readonly Cell[]): number[] {
+  return cells.flatMap((cell, index) => {
+    const before = cells[index - 1];
+    const after = cells[index + 1];
+    const straight =
+      before &&
+      after &&
+      cell.row - before.row === after.row - cell.row &&
+      cell.column - before.column === after.column - cell.column;
+    return straight ? [] : [index];
+  });
+}
+
+/** The index of the path's cell to take hold of at `cell`; never the robot's own cell. */
+function handle(cells: readonly Cell[], cell: Cell): number | undefined {
+  const index = cells.map((other) => sameCell(other, cell)).lastIndexOf(true);
+  return index > 0 ? index : undefined;
+}
+
+export function canGrab(session: PathSession, cell: Cell): boolean {
+  return handle(session.cells, cell) !== undefined;
+}
+
+/** Takes hold of the path at a vertex, or in between, which makes a new one. */
+export function grab(session: PathSession, cell: Cell): PathSession {
+  const index = handle(session.cells, cell);
+  if (index === undefined) return session;
+  const corners = vertices(session.cells);
+  const from = corners.filter((corner) => corner < index).at(-1) ?? 0;
+  const to = corners.find((corner) => corner > index);
+  const bend = {
+    before: session.cells.slice(0, from + 1),
+    after: to === undefined ? [] : session.cells.slice(to),
+  };
+  return { ...session, bend, refusal: undefined };
+}
+
+export function bendTo(session: PathSession, grid: WayGrid, target: Cell): PathSession {
+  if (!session.bend) return session;
+  const { before, after } = session.bend;
+  const cell = clampCell(grid.size, target);
+  const onward = after[0] ? way(grid, cell, after[0]) : [];
+  const toThere = way(grid, before.at(-1) ?? session.start, cell);
+  return { ...session, cells: joined(before, toThere, onward, after) };
+}
+
+export function endBend(session: PathSession): PathSession {
+  return { ...session, cells: worthKeeping(session.cells), bend: undefined };
+}
+
+/** The end: the path ends at the vertex before. In between: a shortest way from the one before to the one after, not by it if it can be helped. */
+export function removeVertex(session: PathSession, grid: WayGrid, cell?: Cell): PathSession {
+  const index = cell ? handle(session.cells, cell) : session.cells.length - 1;
+  if (index === undefined || index < 1) return session;
+  const { bend, ...grabbed } = grab(session, session.cells[index] ?? session.start);
+  if (!bend) return session;
+  const from = bend.before.at(-1);
+  const onward = bend.after[0];
+  const between = onward && from ? wayWithout(grid, from, onward, session.cells[index]) : [];
+  const cells = worthKeeping(joined(bend.before, between, bend.after));
+  return { ...grabbed, bend: undefined, cells };
+}
+
+/** Not by `without` where another way is as short. */
+function wayWithout(grid: WayGrid, from: Cell, to: Cell, without: Cell | undefined): Cell[] {
+  const shortest = way(grid, from, to);
+  if (!without) return shortest;
+  const walls = grid.walls.slice();
+  walls[cellIndex(grid.size, without)] = 255;
+  const other = shortestWay({ ...grid, walls }, from, to);
+  return other && other.length <= shortest.length ? other : shortest;
+}
+
+/** Makes the path that the robot has the draft, to go on from. */
+export function adopt(session: PathSession, grid: WayGrid, path: readonly Cell[]): PathSession {
+  return { ...session, cells: worthKeeping(startingAt(session.start, grid, path)) };
+}
+
+export function robotMoved(session: PathSession, grid: WayGrid, cell: Cell): PathSession {
+  if (sameCell(cell, session.start)) return session;
+  const moved = (cells: readonly Cell[]) => startingAt(cell, grid, cells);
+  const bend = session.bend && { ...session.bend, before: moved(session.bend.before) };
+  const active = session.drawing || session.bend !== undefined;
+  const rest = moved(session.cells);
+  const cells = active ? rest : worthKeeping(rest);
+  const { sent } = session;
+  const follows = sent && sent.cells === session.cells ? { ...sent, cells } : sent;
+  return { ...session, start: cell, bend, cells, sent: follows };
+}
+
+/** What is left of the path for a robot that is in `start`; with the way to it when that is not on the path. */
+function startingAt(start: Cell, grid: WayGrid, path: readonly Cell[]): readonly Cell[] {
+  const index = path.findIndex((cell) => sameCell(cell, start));
+  if (index >= 0) return path.slice(index);
+  return path[0] ? joined(way(grid, start, path[0]), path) : path;
+}
+
+export function leave(session: PathSession): PathSession {
+  return { ...session, cells: [], drawing: false, bend: undefined, refusal: undefined };
+}
+
+export function hasDraft(session: PathSession): boolean {
+  return session.cells.length > 1;
+}
+
+/** Sends the draft; nothing happens without one. */
+export function send(session: PathSession): PathSession {
+  return hasDraft(session) ? sending(session, session.cells) : session;
+}
+
+/** Takes the robot's path away from it, and drops the draft. */
+export function withdraw(session: PathSession): PathSession {
+  return sending(leave(session), []);
+}
+
+function sending(session: PathSession, cells: readonly Cell[]): PathSession {
+  const id = session.lastId + 1;
+  const sent = { id, cells, after: session.revision, accepted: false };
+  return { ...session, drawing: false, bend: undefined, refusal: undefined, lastId: id, sent };
+}
+
+/** The service's answer; one to a path that was replaced since is ignored. A refused draft stays. */
+export function replied(session: PathSession, id: number, outcome: Outcome): PathSession {
+  if (session.sent?.id !== id) return session;
+  if (outcome.accepted) return settled({ ...session, sent: { ...session.sent, accepted: true } });
+  const cells = session.cells.length > 0 ? session.cells : session.sent.cells;
+  const refusal = outcome.reason || "the service refused the path";
+  return { ...session, cells, sent: undefined, refusal };
+}
+
+/** Revision of the guidance that the service shows; 0 = none. */
+export function guidanceCame(session: PathSession, revision: bigint): PathSession {
+  if (revision === session.revision) return session;
+  return settled({ ...session, revision });
+}
+
+/** The draft goes when it has become the robot's path; one begun meanwhile stays. */
+function settled(session: PathSession): PathSession {
+  const { sent } = session;
+  if (!sent?.accepted || session.revision === sent.after) return session;
+  const done = sent.cells === session.cells;
+  return { ...session, sent: undefined, cells: done ? [] : session.cells };
+}

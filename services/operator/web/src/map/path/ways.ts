@@ -1,0 +1,78 @@
+import {
+  type Cell,
+  cellIndex,
+  cellOfIndex,
+  contains,
+  distance,
+  type GridSize,
+  lineCells,
+  wallFrom,
+} from "../grid";
+
+/** The operator's map, as far as ways need it. */
+export type WayGrid = { readonly size: GridSize; readonly walls: Uint8Array };
+
+const neighbours = [
+  { row: -1, column: 0 },
+  { row: 0, column: 1 },
+  { row: 1, column: 0 },
+  { row: 0, column: -1 },
+];
+
+/**
+ * A shortest way over cells that are no walls, 4-connected, both ends included (which may be walls themselves);
+ * undefined when there is none. Breadth first.
+ */
+export function shortestWay(grid: WayGrid, from: Cell, to: Cell): Cell[] | undefined {
+  const { size } = grid;
+  if (!contains(size, from) || !contains(size, to)) return undefined;
+  const target = cellIndex(size, to);
+  // Searched from the end, so that following `next` from the beginning gives the way in order.
+  const next = new Int32Array(size.rows * size.columns).fill(-1);
+  const goal = cellIndex(size, from);
+  const queue = [target];
+  next[target] = target;
+  for (let read = 0; read < queue.length && next[goal] === -1; ++read) {
+    const index = queue[read] ?? 0;
+    for (const neighbour of openNeighbours(grid, index, goal)) {
+      if (next[neighbour] !== -1) continue;
+      next[neighbour] = index;
+      queue.push(neighbour);
+    }
+  }
+  return next[goal] === -1 ? undefined : follow(size, next, goal, target);
+}
+
+function openNeighbours(grid: WayGrid, index: number, goal: number): number[] {
+  const cell = cellOfIndex(grid.size, index);
+  return neighbours
+    .map((by) => ({ row: cell.row + by.row, column: cell.column + by.column }))
+    .filter((other) => contains(grid.size, other))
+    .map((other) => cellIndex(grid.size, other))
+    .filter((other) => other === goal || (grid.walls[other] ?? 0) < wallFrom);
+}
+
+function follow(size: GridSize, next: Int32Array, from: number, to: number): Cell[] {
+  const cells = [cellOfIndex(size, from)];
+  for (let at = from; at !== to; ) {
+    at = next[at] ?? to;
+    cells.push(cellOfIndex(size, at));
+  }
+  return cells;
+}
+
+/** For a way asked for by its ends: the shortest one, straight through the walls where there is none. */
+export function way(grid: WayGrid, from: Cell, to: Cell): Cell[] {
+  return shortestWay(grid, from, to) ?? lineCells(from, to);
+}
+
+/**
+ * For the gap between two places of a line drawn by hand: round a corner as the map has it, but straight on rather than
+ * by a detour. Who draws through a wall means it.
+ */
+export function freehandWay(grid: WayGrid, from: Cell, to: Cell): Cell[] {
+  const direct = distance(from, to);
+  if (direct <= 1) return lineCells(from, to);
+  const shortest = shortestWay(grid, from, to);
+  return shortest && shortest.length - 1 <= direct + 2 ? shortest : lineCells(from, to);
+}

@@ -1,0 +1,162 @@
+// One frame of the map, from the data to the pixels: which layers there are, and which lies over which.
+import { type Bitmap, bitmapOf, drawBitmap } from "./draw/bitmap";
+import type { Draw } from "./draw/context";
+import type { Palette } from "./draw/palette";
+import { draftLayers, type EditSession } from "./edit/edit_session";
+import { isWall } from "./grid";
+import { paintBelief } from "./layers/belief";
+import { drawChanges } from "./layers/changes";
+import { drawCursor, drawFrame } from "./layers/cursor";
+import { drawEdits } from "./layers/edits";
+import { drawGoalPoses } from "./layers/goal_poses";
+import { drawGoals } from "./layers/goals";
+import { drawGridLines, drawRulers } from "./layers/grid_lines";
+import { drawHeat } from "./layers/heat";
+import { laneShift } from "./layers/lanes";
+import { drawDraftPath, drawPathNames, drawPaths, type PathsData } from "./layers/paths";
+import { drawChosenPicture, drawPictures, findPicture } from "./layers/pictures";
+import { drawPlans } from "./layers/plans";
+import { drawRobots } from "./layers/robots";
+import { drawSearches } from "./layers/searches";
+import { drawDifferences, paintFog, seenByAny } from "./layers/seen";
+import { drawTrails } from "./layers/trails";
+import { drawTruth } from "./layers/truth";
+import type { Cell, MapProps } from "./map_props";
+import { type PathSession, vertices } from "./path/path_session";
+import type { View } from "./view";
+
+export type Rectangle = { readonly from: Cell; readonly to: Cell; readonly wall: boolean };
+
+export type Scene = {
+  readonly props: MapProps;
+  readonly view: View;
+  readonly palette: Palette;
+  readonly editing: EditSession | undefined;
+  readonly paths: Iterable<PathSession>;
+  readonly cursor: Cell | undefined; // keyboard's, while it is in use
+  readonly hover: Cell | undefined;
+  readonly rectangle: Rectangle | undefined;
+};
+
+/** What is kept from frame to frame: the layers that change seldom. */
+export class SceneCache {
+  belief: Bitmap | undefined;
+  fog: Bitmap | undefined;
+  #seen: { readonly keys: readonly unknown[]; readonly cells: Uint8Array } | undefined;
+
+  seen(props: MapProps): Uint8Array {
+    const maps = [...props.seen.values()];
+    const keys = [props.world.rows, props.world.columns, ...maps.map((map) => map.cells)];
+    const same =
+      this.#seen?.keys.length === keys.length &&
+      this.#seen.keys.every((key, index) => key === keys[index]);
+    if (this.#seen && same) return this.#seen.cells;
+    const cells = seenByAny(props.world, maps);
+    this.#seen = { keys, cells };
+    return cells;
+  }
+}
+
+export function drawScene(context: Draw, scene: Scene, cache: SceneCache): void {
+  const { view, palette } = scene;
+  context.fillStyle = palette.paper;
+  context.fillRect(0, 0, view.width, view.height);
+  drawCells(context, scene, cache);
+  drawLines(context, scene);
+  drawMarks(context, scene);
+  drawRulers(
+    context,
+    view,
+    { size: scene.props.world, cell: scene.cursor ?? scene.hover },
+    palette,
+  );
+}
+
+function drawCells(context: Draw, scene: Scene, cache: SceneCache): void {
+  const { props, view, palette, editing } = scene;
+  const { world: size, belief, layers } = props;
+  const walls = belief?.walls ?? new Uint8Array(size.rows * size.columns);
+  if (layers.belief) {
+    cache.belief = bitmapOf(cache.belief, size, [walls, size.columns, palette], (on) =>
+      paintBelief(on, { size, walls }, palette),
+    );
+    drawBitmap(context, view, size, cache.belief);
+  }
+  const seen = cache.seen(props);
+  if (layers.seen) {
+    cache.fog = bitmapOf(cache.fog, size, [seen, palette], (on) =>
+      paintFog(on, size, seen, palette),
+    );
+    drawBitmap(context, view, size, cache.fog);
+  }
+  drawGridLines(context, view, size, palette);
+  if (layers.changes && belief) {
+    drawChanges(context, view, { size, walls, initial: belief.initialWalls }, palette);
+  }
+  if (layers.seen) drawDifferences(context, view, { size, walls, seen }, palette);
+  if (layers.heat) {
+    drawHeat(context, view, { size, predictions: props.predictions.values() }, palette);
+  }
+  if (layers.truth && props.truth) {
+    drawTruth(context, view, { size, walls, truth: props.truth.cells }, palette);
+  }
+  if (editing) drawEdits(context, view, { size, ...draftLayers(editing) }, palette);
+}
+
+function drawLines(context: Draw, scene: Scene): void {
+  const { props, view, palette } = scene;
+  const { layers, robots } = props;
+  if (layers.trails) drawTrails(context, view, { robots, trails: props.trails }, palette);
+  if (layers.pictures) drawPictures(context, view, { robots, pictures: props.pictures }, palette);
+  drawChosen(context, scene);
+  if (layers.paths) drawPaths(context, view, pathsOf(scene), palette);
+  if (layers.plan) drawPlans(context, view, { robots, plans: props.plans }, palette);
+  if (layers.search) drawSearches(context, view, { robots, searches: props.searches }, palette);
+  for (const path of scene.paths) drawDraft(context, scene, path);
+}
+
+function drawChosen(context: Draw, { props, view, palette }: Scene): void {
+  const picture = findPicture(props.pictures, props.chosenPicture);
+  if (!picture) return;
+  const robot = props.robots.find((one) => one.robot.name === picture.robot);
+  const colour = robot?.colour ?? palette.muted;
+  drawChosenPicture(context, view, { picture, colour }, palette);
+}
+
+function pathsOf({ props, paths }: Scene): PathsData {
+  const hidden = [...paths].find((path) => path.cells.length > 1)?.robot;
+  return { robots: props.robots, guidance: props.guidance, hidden };
+}
+
+function drawDraft(context: Draw, { props, view, palette }: Scene, path: PathSession): void {
+  const index = props.robots.findIndex((one) => one.robot.name === path.robot);
+  const robot = props.robots[index];
+  if (!robot || path.cells.length < 2) return;
+  const walls = props.belief?.walls;
+  const data = {
+    robot,
+    cells: path.cells,
+    vertices: vertices(path.cells),
+    sent: path.sent?.cells === path.cells,
+    trouble: walls ? path.cells.filter((cell) => isWall(walls, props.world, cell)) : [],
+    shift: laneShift(props.robots, index, view),
+  };
+  drawDraftPath(context, view, data, palette);
+}
+
+function drawMarks(context: Draw, scene: Scene): void {
+  const { props, view, palette } = scene;
+  const { layers, robots, world } = props;
+  if (layers.goals) drawGoals(context, view, robots, palette);
+  if (layers.goalPoses) {
+    drawGoalPoses(context, view, { robots, goalPoses: props.goalPoses }, palette);
+  }
+  if (layers.paths) drawPathNames(context, view, pathsOf(scene), palette);
+  drawRobots(context, view, { world, robots, chosen: props.chosenRobot }, palette);
+  const { hover, rectangle, cursor } = scene;
+  if (rectangle) drawFrame(context, view, rectangle, palette);
+  else if (hover && props.tool !== "look") {
+    drawFrame(context, view, { from: hover, to: hover }, palette);
+  }
+  if (cursor) drawCursor(context, view, cursor, palette);
+}

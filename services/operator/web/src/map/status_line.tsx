@@ -1,0 +1,60 @@
+import { useComputed } from "@preact/signals";
+import { cellWords } from "./cell_words";
+import { draftLayers } from "./edit/edit_session";
+import type { MapModel } from "./map_model";
+import type { Cell } from "./map_props";
+
+/** The cell under the pointer or the cursor in words. Only what the keyboard or a refusal says is read aloud. */
+export function StatusLine({ model }: { model: MapModel }) {
+  const text = useComputed(() => {
+    const cursor = model.byKeyboard.value ? model.cursor.value : undefined;
+    const cell = cursor ?? model.hover.value;
+    return cell ? wordsOf(model, cell) : hintOf(model);
+  });
+  const aloud = useComputed(() => {
+    const cursor = model.byKeyboard.value ? model.cursor.value : undefined;
+    return cursor ? wordsOf(model, cursor) : "";
+  });
+  return (
+    <div class="map-status">
+      <span>{text}</span>
+      <span class="map-unseen" role="status">
+        {aloud}
+      </span>
+      <span>{pendingText(model)}</span>
+      <span class="map-note" role="status">
+        {model.note.value?.text}
+      </span>
+    </div>
+  );
+}
+
+/** What the service has not confirmed yet. */
+function pendingText(model: MapModel): string {
+  const session = model.editing.value;
+  const drafts = session ? draftLayers(session).pending : [];
+  const count = drafts.reduce((sum, draft) => sum + draft.size, 0);
+  return count > 0 ? `${count} ${count === 1 ? "cell" : "cells"} sent, not confirmed yet` : "";
+}
+
+function wordsOf(model: MapModel, cell: Cell): string {
+  const { world, belief, seen, robots } = model.props.value;
+  return cellWords(cell, {
+    size: world,
+    walls: belief?.walls,
+    seen,
+    robots: robots.map((one) => one.robot),
+  });
+}
+
+const hints = {
+  look: "Drag to move the map, wheel to zoom, click on a robot to choose it.",
+  wall: "Drag to draw walls where you know of one. Shift erases.",
+  erase: "Drag over walls that are not there.",
+  rectangle: "Drag from corner to corner. Shift erases.",
+  path: "Drag from the robot to where it shall go.",
+} as const;
+
+function hintOf(model: MapModel): string {
+  return hints[model.props.value.tool];
+}

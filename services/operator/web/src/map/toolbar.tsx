@@ -1,0 +1,101 @@
+import { canRedo, canUndo, redo, undo } from "./edit/edit_session";
+import { icons } from "./icons";
+import { zoomStep } from "./keyboard_input";
+import { LayersMenu } from "./layers_menu";
+import type { MapModel } from "./map_model";
+import type { Tool } from "./map_props";
+
+const tools: readonly { tool: Tool; name: string; key: string; hint: string }[] = [
+  { tool: "look", name: "Look", key: "V", hint: "drag moves the map, a click chooses a robot" },
+  { tool: "wall", name: "Wall", key: "W", hint: "draw walls on your map" },
+  { tool: "erase", name: "Erase", key: "E", hint: "erase walls" },
+  { tool: "rectangle", name: "Rectangle", key: "R", hint: "walls; with Shift erase" },
+  { tool: "path", name: "Path", key: "P", hint: "draw the chosen robot's path" },
+];
+
+export function Toolbar({ model }: { model: MapModel }) {
+  const { layers, onLayers } = model.props.value;
+  return (
+    <div class="map-toolbar" role="toolbar" aria-label="Map">
+      <ToolButtons model={model} />
+      <HistoryButtons model={model} />
+      <div class="map-group">
+        <Button icon="minus" name="Zoom out" keys="-" onClick={() => model.zoom(1 / zoomStep)} />
+        <Button icon="fit" name="Show all" keys="0" onClick={() => model.fit()} />
+        <Button icon="plus" name="Zoom in" keys="+" onClick={() => model.zoom(zoomStep)} />
+      </div>
+      <LayersMenu layers={layers} onLayers={onLayers} open={model.layersOpen} />
+    </div>
+  );
+}
+
+function ToolButtons({ model }: { model: MapModel }) {
+  const { tool: chosen, onTool, mayEdit } = model.props.value;
+  return (
+    <div class="map-group">
+      {tools.map(({ tool, name, key, hint }) => {
+        const edits = tool !== "look" && tool !== "path";
+        const reason = edits && !mayEdit.allowed ? ` Not now: ${mayEdit.reason}.` : "";
+        return (
+          <button
+            type="button"
+            class="map-tool"
+            key={tool}
+            aria-pressed={tool === chosen}
+            aria-keyshortcuts={key}
+            title={`${name} (${key}): ${hint}.${reason}`}
+            onClick={() => onTool(tool)}
+          >
+            {icons[tool]}
+            <span>{name}</span>
+            <kbd>{key}</kbd>
+          </button>
+        );
+      })}
+    </div>
+  );
+}
+
+function HistoryButtons({ model }: { model: MapModel }) {
+  const session = model.editing.value;
+  const allowed = session !== undefined && model.props.value.mayEdit.allowed;
+  return (
+    <div class="map-group">
+      <Button
+        icon="undo"
+        name="Undo"
+        keys="Ctrl+Z"
+        disabled={!allowed || !canUndo(session)}
+        onClick={() => model.change(undo)}
+      />
+      <Button
+        icon="redo"
+        name="Redo"
+        keys="Ctrl+Y"
+        disabled={!allowed || !canRedo(session)}
+        onClick={() => model.change(redo)}
+      />
+    </div>
+  );
+}
+
+function Button(props: {
+  icon: keyof typeof icons;
+  name: string;
+  keys: string;
+  disabled?: boolean;
+  onClick: () => void;
+}) {
+  return (
+    <button
+      type="button"
+      class="map-button"
+      aria-label={props.name}
+      title={`${props.name} (${props.keys})`}
+      disabled={props.disabled ?? false}
+      onClick={props.onClick}
+    >
+      {icons[props.icon]}
+    </button>
+  );
+}

@@ -1,0 +1,152 @@
+import type { Cell, GridSize } from "./grid";
+
+/** Where the grid lies on the canvas. Positions on the canvas: CSS pixels from its upper left corner. */
+export type View = {
+  readonly scale: number; // CSS pixels per cell
+  readonly x: number; // of the grid's north-western corner
+  readonly y: number;
+  readonly width: number; // of the canvas
+  readonly height: number;
+};
+
+export type Point = { readonly x: number; readonly y: number };
+
+/** Room for the row and column numbers at the left and at the top. */
+export const rulerSize = 24;
+
+export const smallestScale = 1.5;
+export const largestScale = 120;
+
+/** Below it cells are too small for grid lines, labels and marks in cells. */
+export const detailScale = 11;
+
+export function showsDetail(view: View): boolean {
+  return view.scale >= detailScale;
+}
+
+/** All of the grid, as large as it can be, in the middle of what the rulers leave. */
+export function fitView(size: GridSize, width: number, height: number): View {
+  const margin = 8;
+  const room = {
+    width: Math.max(1, width - rulerSize - 2 * margin),
+    height: Math.max(1, height - rulerSize - 2 * margin),
+  };
+  const scale = limitScale(Math.min(room.width / size.columns, room.height / size.rows));
+  return {
+    scale,
+    x: rulerSize + margin + (room.width - scale * size.columns) / 2,
+    y: rulerSize + margin + (room.height - scale * size.rows) / 2,
+    width,
+    height,
+  };
+}
+
+function limitScale(scale: number): number {
+  return Math.min(largestScale, Math.max(smallestScale, scale));
+}
+
+/** `factor` times as large, while what lies at `point` stays there. */
+export function zoomAbout(view: View, point: Point, factor: number): View {
+  const scale = limitScale(view.scale * factor);
+  const applied = scale / view.scale;
+  return {
+    ...view,
+    scale,
+    x: point.x - (point.x - view.x) * applied,
+    y: point.y - (point.y - view.y) * applied,
+  };
+}
+
+export function panBy(view: View, dx: number, dy: number): View {
+  return { ...view, x: view.x + dx, y: view.y + dy };
+}
+
+/** At least a few cells of the grid stay in sight, so that the map cannot get lost. */
+export function keepInSight(view: View, size: GridSize): View {
+  const least = Math.min(view.width, view.height, 3 * view.scale + rulerSize);
+  const keep = (at: number, length: number, room: number) =>
+    Math.min(room - least, Math.max(least - length, at));
+  return {
+    ...view,
+    x: keep(view.x, view.scale * size.columns, view.width),
+    y: keep(view.y, view.scale * size.rows, view.height),
+  };
+}
+
+export function centreOn(view: View, cell: Cell): View {
+  return {
+    ...view,
+    x: rulerSize + (view.width - rulerSize) / 2 - (cell.column + 0.5) * view.scale,
+    y: rulerSize + (view.height - rulerSize) / 2 - (cell.row + 0.5) * view.scale,
+  };
+}
+
+/** Moves as little as brings the whole cell into sight. */
+export function reveal(view: View, cell: Cell): View {
+  const corner = cellCorner(view, cell);
+  const shift = (at: number, room: number) =>
+    at < rulerSize ? rulerSize - at : Math.min(0, room - view.scale - at);
+  return panBy(view, shift(corner.x, view.width), shift(corner.y, view.height));
+}
+
+/** Same middle, other canvas. */
+export function resized(view: View, width: number, height: number): View {
+  return {
+    ...view,
+    x: view.x + (width - view.width) / 2,
+    y: view.y + (height - view.height) / 2,
+    width,
+    height,
+  };
+}
+
+/** Upper left corner of the cell. */
+export function cellCorner(view: View, cell: Cell): Point {
+  return { x: view.x + cell.column * view.scale, y: view.y + cell.row * view.scale };
+}
+
+export function cellCentre(view: View, cell: Cell): Point {
+  return {
+    x: view.x + (cell.column + 0.5) * view.scale,
+    y: view.y + (cell.row + 0.5) * view.scale,
+  };
+}
+
+/** The cell at the point; may lie outside of the grid. */
+export function cellAt(view: View, point: Point): Cell {
+  return {
+    row: Math.floor((point.y - view.y) / view.scale),
+    column: Math.floor((point.x - view.x) / view.scale),
+  };
+}
+
+/** Of a position in frame "map" (metres, x east, y north, origin in the middle of the grid). */
+export function positionPoint(view: View, size: GridSize, cellSize: number, at: Point): Point {
+  return {
+    x: view.x + (at.x / cellSize + size.columns / 2) * view.scale,
+    y: view.y + (size.rows / 2 - at.y / cellSize) * view.scale,
+  };
+}
+
+export type CellRange = { top: number; left: number; bottom: number; right: number };
+
+/** The cells in sight, both ends included; empty (bottom < top) when there are none. */
+export function visibleRange(view: View, size: GridSize): CellRange {
+  const first = cellAt(view, { x: 0, y: 0 });
+  const last = cellAt(view, { x: view.width, y: view.height });
+  return {
+    top: Math.max(0, first.row),
+    left: Math.max(0, first.column),
+    bottom: Math.min(size.rows - 1, last.row),
+    right: Math.min(size.columns - 1, last.column),
+  };
+}
+
+export function inSight(range: CellRange, cell: Cell): boolean {
+  return (
+    cell.row >= range.top &&
+    cell.row <= range.bottom &&
+    cell.column >= range.left &&
+    cell.column <= range.right
+  );
+}

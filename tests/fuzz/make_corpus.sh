@@ -1,0 +1,91 @@
+#!/usr/bin/env bash
+# make_corpus.sh: writes the seeds in corpus/, from which the fuzz programs begin. Needs protoc.
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+idl=$(cd "$here/../../idl" && pwd)
+pages=$here/corpus/page_input
+requests=$here/corpus/http_upgrade
+rm -rf "$here/corpus"
+mkdir -p "$pages" "$requests"
+
+encode() { protoc --encode=conav.console.ClientMessage -I "$idl" console.proto <<<"$1"; }
+byte() { printf '%b' "\\x$(printf '%02x' "$1")"; }
+
+# message TEXT: behind its length, as page_input_fuzz.cc reads it.
+message() {
+  local size
+  size=$(encode "$1" | wc -c)
+  byte $((size % 256))
+  byte $((size / 256))
+  encode "$1"
+}
+
+# page NAME JOINED TEXT...: a page that said hello (1) or not (0), and what it sends then.
+page() {
+  local file=$pages/$1 joined=$2
+  shift 2
+  {
+    byte "$joined"
+    for text in "$@"; do message "$text"; done
+  } >"$file"
+}
+
+hello='hello { name: "anna" instance: "0123456789abcdef" run: "1.1" sequence: 3 }'
+cells='{ row: 1 column: 2 }'
+page hello 0 "$hello" "$hello"
+page token 0 'hello { token: "observer-observer" name: "Zoë" instance: "0123456789abcdef" }'
+page ping 1 'ping { page_time: 1.5 measured_round_trip: 0.02 }' 'ping { measured_round_trip: nan }'
+page attend 1 'attend { robot: "r1" frames: true }' 'attend { frames: true }' 'attend { }'
+page seek 1 'seek { position: 2.5 speed: 2 }'
+page edit 1 "request { id: 1 valid_until: 2000 world: \"w1\" edit { base_revision: 3 cells { cell $cells wall: true } } }"
+page guide 1 "request { id: 2 valid_until: 2000 world: \"w1\" guide { robot: \"r1\" path $cells path $cells valid_for: 60 } }"
+page drive 1 'request { id: 3 valid_until: 2000 world: "w1" drive { robot: "r1" action: DRIVE_FORWARD expires_at: 2 } }'
+page select 1 'request { id: 4 valid_until: 2000 world: "w1" select { robot: "r1" reason: REASON_BLOCKED } }'
+page answer 1 'request { id: 5 world: "w1" answer { robot: "r1" snapshot: 3 } }'
+page stop 1 'request { id: 6 stop { robots: "r1" reason: "fire" } }' 'request { id: 7 go { robots: "r1" } }'
+page control 1 'request { id: 8 take_control { robots: "r1" reason: "mine" } }' \
+  'request { id: 9 release_control { robots: "r1" } }'
+page alert 1 'request { id: 10 acknowledge { alert: 1 } }' 'request { id: 11 shelve { alert: 1 duration: 60 } }'
+
+host=$'Host: 127.0.0.1:8080\r\n'
+upgrade=$'Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n'
+upgrade+=$'Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n'
+
+# request NAME PIECE TEXT...: bytes of a connection that come PIECE at a time, 0 = all at once.
+request() {
+  local file=$requests/$1 piece=$2
+  shift 2
+  {
+    byte "$piece"
+    printf '%s' "$@"
+  } >"$file"
+}
+
+# frame NAME OPCODE FILE: after an upgrade, one frame with what is in FILE, masked with zeros. Below 126 bytes.
+frame() {
+  request "$1" 0 $'GET /ws HTTP/1.1\r\n' "$host" "$upgrade" $'\r\n'
+  {
+    byte $((0x80 + $2))
+    byte $((0x80 + $(wc -c <"$3")))
+    printf '\0\0\0\0'
+    cat "$3"
+  } >>"$requests/$1"
+}
+
+request page 0 $'GET / HTTP/1.1\r\n' "$host" $'Accept-Encoding: gzip\r\nIf-None-Match: "0123", W/"4567"\r\n\r\n'
+request two 7 $'GET /livez HTTP/1.1\r\n' "$host" $'\r\nHEAD /readyz HTTP/1.1\r\n' "$host" $'\r\n'
+request picture 0 $'GET /pictures/r1/7.jpg HTTP/1.1\r\n' "$host" $'Authorization: Bearer observer-observer\r\n\r\n'
+request body 0 $'POST / HTTP/1.1\r\n' "$host" $'Content-Length: 5\r\n\r\n12345'
+request chunked 0 $'POST / HTTP/1.1\r\n' "$host" $'Transfer-Encoding: chunked\r\n\r\n3\r\nabc\r\n0\r\n\r\n'
+request close 0 $'GET /metrics HTTP/1.0\r\n' "$host" $'Connection: close\r\n\r\n'
+request foreign 0 $'GET /ws HTTP/1.1\r\nHost: evil.example\r\nOrigin: http://evil.example\r\n' "$upgrade" $'\r\n'
+request upgrade 1 $'GET /ws HTTP/1.1\r\n' "$host" $'Origin: http://127.0.0.1:8080\r\n' "$upgrade" $'\r\n'
+request elsewhere 0 $'GET / HTTP/1.1\r\n' "$host" "$upgrade" $'\r\n'
+scratch=$(mktemp)
+trap 'rm -f "$scratch"' EXIT
+encode "$hello" >"$scratch"
+frame ws_hello 2 "$scratch"
+printf 'ping' >"$scratch"
+frame ws_ping 9 "$scratch"
+printf '\x03\xe8' >"$scratch"
+frame ws_close 8 "$scratch"

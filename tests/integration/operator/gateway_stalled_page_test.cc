@@ -1,0 +1,80 @@
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <fstream>
+
+#include "integration/operator/gateway_bench.h"
+
+namespace conav::operators {
+namespace {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kMeasuresMemory = false;  // sanitizers keep what is freed
+#else
+constexpr bool kMeasuresMemory = true;
+#endif
+
+constexpr int kKeys = 40;
+constexpr std::size_t kUpdateBytes = 20'000;
+constexpr std::size_t kFrameBytes = 60'000;
+constexpr double kMiB = 1024.0 * 1024.0;
+
+double ResidentMiB() {
+  std::ifstream file("/proc/self/statm");
+  double pages = 0.0;
+  double resident = 0.0;
+  file >> pages >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / kMiB;
+}
+
+console::ClientMessage AttendToAll() {
+  console::ClientMessage message;
+  message.mutable_attend()->set_frames(true);
+  return message;
+}
+
+/// Puts an update and a frame each, while `reader` takes them all.
+void Put(GatewayBench& bench, KnowingPage& reader, int rounds) {
+  for (int round = 0; round < rounds; ++round) {
+    const std::string content(kUpdateBytes, static_cast<char>('a' + round % 26));
+    bench.updates.Put(std::to_string(round % kKeys), Said(std::to_string(round % kKeys), content));
+    console::Frame frame;
+    frame.set_robot("r1");
+    frame.set_jpeg(std::string(kFrameBytes, static_cast<char>('a' + round % 26)));
+    bench.frames.Put(std::move(frame));
+    bench.gateway->Notify();
+    reader.ReadUpTo(bench.updates.sequence());
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a page that takes nothing costs the service under 8 MB and the others nothing",
+          "[operator][integration]") {
+  GatewayBench bench;
+  bench.options.update_rate_hz = 1000.0;
+  bench.Start();
+  KnowingPage reader(bench.Page(), HelloOf('a'));
+  REQUIRE(reader.client.Send(AttendToAll()));
+  Put(bench, reader, 2 * kKeys);  // the service holds now what it will hold
+
+  KnowingPage stalled(bench.Page(), HelloOf('b'));
+  REQUIRE(stalled.client.Send(AttendToAll()));
+  const double before = ResidentMiB();
+  constexpr int kRounds = 1250;
+  static_assert(kRounds * (kUpdateBytes + kFrameBytes) >= 100'000'000);
+  Put(bench, reader, kRounds);
+  const double grown = ResidentMiB() - before;
+  CAPTURE(before, grown);
+  if (kMeasuresMemory) CHECK(grown < 8.0);
+
+  CHECK(reader.repeated == 0);
+  CHECK(reader.frames > 0);
+  CHECK(bench.gateway->pages() == 2);
+  // Who begins to read again gets what is true now.
+  stalled.ReadUpTo(bench.updates.sequence());
+  CHECK(stalled.known == reader.known);
+  CHECK(stalled.repeated == 0);
+}
+
+}  // namespace conav::operators

@@ -1,0 +1,311 @@
+#include "operator/gateway/gateway.h"
+
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <fstream>
+
+#include "common/runtime/result.h"
+#include "integration/operator/gateway_bench.h"
+
+namespace conav::operators {
+namespace {
+
+using namespace std::chrono_literals;
+
+console::ClientMessage PingAt(double page_time) {
+  console::ClientMessage message;
+  message.mutable_ping()->set_page_time(page_time);
+  return message;
+}
+
+console::ClientMessage StopRequest(std::uint64_t id, const std::string& reason = "") {
+  console::ClientMessage message;
+  message.mutable_request()->set_id(id);
+  message.mutable_request()->mutable_stop()->set_reason(reason);
+  return message;
+}
+
+/// PEM files of a certificate that nobody else has signed.
+ConsoleTls MakeCertificate(const test::TemporaryFolder& folder) {
+  const ConsoleTls tls{(folder / "cert.pem").string(), (folder / "key.pem").string()};
+  const std::string command =
+      "openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:P-256"
+      " -nodes -days 1 -subj /CN=localhost -keyout " +
+      tls.key + " -out " + tls.certificate + " 2>/dev/null";
+  REQUIRE(std::system(command.c_str()) == 0);
+  return tls;
+}
+
+}  // namespace
+
+TEST_CASE("a page is welcome, gets everything, and then what is new", "[operator][integration]") {
+  GatewayBench bench;
+  bench.Start();
+  KnowingPage page(bench.Page());
+  CHECK(page.welcome.client() == "anna/aaaaaaaaaaaaaaaa");
+  CHECK_FALSE(page.welcome.resumed());
+  page.ReadUpTo(1);
+  CHECK(page.last.updates().everything());
+  bench.PutUpdate("b", "1");
+  page.ReadUpTo(2);
+  CHECK(page.known == std::map<std::string, std::string>{{"a", "1"}, {"b", "1"}});
+  CHECK_FALSE(page.last.updates().everything());
+  CHECK(bench.gateway->pages() == 1);
+}
+
+TEST_CASE("a page that lost its connection goes on where it was", "[operator][integration]") {
+  GatewayBench bench;
+  bench.Start();
+  console::Welcome welcome;
+  {
+    KnowingPage page(bench.Page());
+    page.ReadUpTo(1);
+    welcome = page.welcome;
+  }
+  bench.PutUpdate("b", "1");
+  KnowingPage page(bench.Page(), HelloOf('a', welcome, 1));
+  CHECK(page.welcome.resumed());
+  page.sequence = 1;
+  page.ReadUpTo(2);
+  CHECK(page.known == std::map<std::string, std::string>{{"b", "1"}});
+  CHECK(page.repeated == 0);
+}
+
+TEST_CASE("the service hears who comes, asks and leaves", "[operator][integration]") {
+  GatewayBench bench;
+  Gateway& gateway = bench.Start();
+  KnowingPage page(bench.Page());
+  const PageEvent joined = bench.NextEvent();
+  CHECK(std::holds_alternative<PageJoined>(joined.body));
+  CHECK(joined.who.client == "anna/aaaaaaaaaaaaaaaa");
+  REQUIRE(page.client.Send(StopRequest(7, "fire")));
+  const PageEvent asked = bench.NextEvent();
+  CHECK(std::get<PageAsked>(asked.body).request.stop().reason() == "fire");
+  console::Reply reply;
+  reply.set_id(7);
+  reply.set_accepted(true);
+  gateway.Send(asked.page, reply);
+  gateway.Send(asked.page + 1, reply);  // nobody's
+  page.ReadUntil([&] { return page.last.has_reply(); });
+  CHECK(page.last.reply().accepted());
+  page.client.Close();
+  const PageEvent left = bench.NextEvent();
+  CHECK(std::holds_alternative<PageLeft>(left.body));
+  CHECK(left.page == joined.page);
+  CHECK(gateway.pages() == 0);
+  gateway.Send(asked.page, reply);
+}
+
+TEST_CASE("several pages see the same", "[operator][integration]") {
+  GatewayBench bench;
+  bench.Start();
+  KnowingPage first(bench.Page(), HelloOf('a'));
+  KnowingPage second(bench.Page(), HelloOf('b'));
+  for (int i = 0; i < 50; ++i) bench.PutUpdate("a", std::to_string(i));
+  first.ReadUpTo(51);
+  second.ReadUpTo(51);
+  CHECK(first.known == second.known);
+  CHECK(first.known["a"] == "49");
+}
+
+TEST_CASE("frames come to the page that attends", "[operator][integration]") {
+  GatewayBench bench;
+  Gateway& gateway = bench.Start();
+  KnowingPage page(bench.Page());
+  console::ClientMessage attend;
+  attend.mutable_attend()->set_frames(true);
+  REQUIRE(page.client.Send(attend));
+  REQUIRE(page.client.Send(PingAt(1.0)));
+  page.ReadUntil([&] { return page.last.has_pong(); });
+  console::Frame frame;
+  frame.set_robot("r1");
+  frame.set_jpeg("pixels");
+  bench.frames.Put(frame);
+  gateway.Notify();
+  page.ReadUntil([&] { return page.frames == 1; });
+  CHECK(page.last.frame().jpeg() == "pixels");
+}
+
+TEST_CASE("pages of other sites, and other paths, are refused", "[operator][integration]") {
+  GatewayBench bench;
+  bench.Start();
+  PageOptions page = bench.Page();
+  unsigned status = 403;
+  SECTION("a foreign origin") { page.origin = "http://evil.example"; }
+  SECTION("a foreign host") { page.host = "evil.example"; }
+  SECTION("another path") {
+    page.target = "/";
+    status = 404;
+  }
+  CHECK(PageClient(page).refused() == status);
+  CHECK(bench.gateway->pages() == 0);
+}
+
+TEST_CASE("a page of the console's own origin may connect", "[operator][integration]") {
+  GatewayBench bench;
+  bench.Start();
+  PageOptions page = bench.Page();
+  page.host = "127.0.0.1:" + std::to_string(page.port);
+  page.origin = "http://" + page.host;
+  CHECK(PageClient(page).refused() == 0);
+}
+
+TEST_CASE("there are only so many pages, and a place that is left is free",
+          "[operator][integration]") {
+  GatewayBench bench;
+  bench.options.max_pages = 2;
+  bench.Start();
+  const PageClient silent(bench.Page());  // has no Hello yet, and counts
+  auto second = std::make_unique<PageClient>(bench.Page());
+  CHECK(second->refused() == 0);
+  CHECK(PageClient(bench.Page()).refused() == 503);
+  second->Close();
+  const auto deadline = std::chrono::steady_clock::now() + 10s;
+  while (PageClient(bench.Page()).refused() != 0) {
+    REQUIRE(std::chrono::steady_clock::now() < deadline);
+  }
+}
+
+TEST_CASE("there are only so many connections", "[operator][integration]") {
+  GatewayBench bench;
+  bench.options.max_connections = 1;
+  bench.Start();
+  const PageClient page(bench.Page());
+  CHECK(page.refused() == 0);
+  CHECK(PageClient(bench.Page()).refused() != 0);
+}
+
+TEST_CASE("what a page must not send ends its connection", "[operator][integration]") {
+  GatewayBench bench;
+  bench.options.max_message_kib = 4;
+  bench.Start();
+  PageClient page(bench.Page());
+  SECTION("too much at once") {
+    page.Send(StopRequest(1, std::string(5000, 'x')));
+    CHECK_FALSE(page.Receive());
+    CHECK(page.close_code() == 1009);
+  }
+  SECTION("no message") {
+    page.SendBytes("\xFF\xFF");
+    const auto goodbye = page.Receive();
+    REQUIRE(goodbye);
+    CHECK_FALSE(goodbye->goodbye().retry());
+    CHECK_FALSE(page.Receive());
+    CHECK(page.close_code() == 1008);
+  }
+  CHECK(page.ended());
+}
+
+TEST_CASE("requests that nobody takes are not kept without end", "[operator][integration]") {
+  GatewayBench bench;
+  bench.Start();
+  KnowingPage page(bench.Page());
+  const std::string large(500'000, 'x');
+  std::uint64_t id = 0;
+  while (!page.last.has_goodbye()) {
+    REQUIRE(++id < 100);
+    page.client.Send(StopRequest(id, large));
+    page.client.Send(PingAt(static_cast<double>(id)));
+    page.ReadUntil([&] {
+      return page.last.has_goodbye() || page.last.pong().page_time() == static_cast<double>(id);
+    });
+  }
+  CHECK(page.last.goodbye().retry());
+  CHECK(id == 17);  // 8 MiB
+}
+
+TEST_CASE("a page that sends and takes nothing is gone", "[operator][integration]") {
+  GatewayBench bench;
+  bench.options.idle_s = 1.0;
+  bench.options.message_rate = 10000.0;
+  bench.Start();
+  KnowingPage page(bench.Page());
+  CHECK(std::holds_alternative<PageJoined>(bench.NextEvent().body));
+  const std::string large(1U << 20U, 'x');
+  int round = 0;
+  while (bench.events.empty()) {
+    REQUIRE(++round < 1000);
+    bench.PutUpdate("large", large);
+    page.client.Send(PingAt(round));
+    bench.TakeEvents();
+  }
+  CHECK(std::holds_alternative<PageLeft>(bench.events[0].body));
+}
+
+TEST_CASE("a connection with TLS is the same", "[operator][integration]") {
+  GatewayBench bench;
+  bench.options.tls = MakeCertificate(bench.folder);
+  Gateway& gateway = bench.Start();
+  CHECK_THAT(gateway.url(), Catch::StartsWith("https://127.0.0.1:"));
+  PageOptions options = bench.Page();
+  CHECK(PageClient(options).refused() != 0);  // without
+  options.certificate = bench.options.tls.certificate;
+  KnowingPage page(options);
+  bench.PutUpdate("b", "1");
+  page.ReadUpTo(2);
+  CHECK(page.known["b"] == "1");
+  page.client.Close();
+  CHECK(std::holds_alternative<PageJoined>(bench.NextEvent().body));
+  CHECK(std::holds_alternative<PageLeft>(bench.NextEvent().body));
+}
+
+TEST_CASE("a certificate that cannot be used stops the start", "[operator][integration]") {
+  GatewayBench bench;
+  bench.options.tls = {(bench.folder / "cert.pem").string(), (bench.folder / "key.pem").string()};
+  SECTION("no file") {}
+  SECTION("no certificate") {
+    std::ofstream(bench.options.tls.certificate) << "nothing";
+    std::ofstream(bench.options.tls.key) << "nothing";
+  }
+  SECTION("another certificate's key") {
+    const ConsoleTls good = MakeCertificate(bench.folder);
+    const test::TemporaryFolder other;
+    std::filesystem::copy_file(MakeCertificate(other).key, good.key,
+                               std::filesystem::copy_options::overwrite_existing);
+  }
+  CHECK_THROWS_AS(bench.Start(), StartupError);
+}
+
+TEST_CASE("a port that is taken stops the start by its number", "[operator][integration]") {
+  GatewayBench first;
+  first.Start();
+  GatewayBench second;
+  second.options.port = first.gateway->port();
+  CHECK_THROWS_WITH(second.Start(), Catch::Contains(std::to_string(second.options.port)));
+  CHECK_THROWS_AS(second.Start(), StartupError);
+}
+
+TEST_CASE("options that let strangers in stop the start", "[operator][integration]") {
+  GatewayBench bench;
+  bench.options.address = "0.0.0.0";
+  CHECK_THROWS_AS(bench.Start(), StartupError);
+}
+
+TEST_CASE("the service that stops says goodbye, and waits for no page", "[operator][integration]") {
+  GatewayBench bench;
+  bench.Start();
+  KnowingPage page(bench.Page(), HelloOf('a'));
+  KnowingPage stalled(bench.Page(), HelloOf('b'));
+  page.ReadUpTo(1);
+  for (int i = 0; i < 20; ++i) {  // more than the connection holds
+    bench.PutUpdate("large", std::string(1U << 20U, 'x'));
+    page.ReadUpTo(static_cast<std::uint64_t>(i) + 2);
+  }
+  const PageOptions options = bench.Page();
+  const auto began = std::chrono::steady_clock::now();
+  bench.gateway.reset();
+  CHECK(std::chrono::steady_clock::now() - began < 5s);  // half a second, on a machine at ease
+  page.ReadUntil([&] { return page.last.has_goodbye(); });
+  CHECK(page.last.goodbye().retry());
+  CHECK(page.last.goodbye().reason() == "the service stops");
+  CHECK(PageClient(options).refused() != 0);
+}
+
+TEST_CASE("a gateway nobody came to ends", "[operator][integration]") {
+  GatewayBench bench;
+  bench.Start();
+  bench.gateway.reset();
+  CHECK(bench.events.empty());
+}
+
+}  // namespace conav::operators

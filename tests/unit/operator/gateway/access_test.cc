@@ -1,0 +1,125 @@
+#include "operator/gateway/access.h"
+
+#include <catch2/catch.hpp>
+
+namespace conav::operators {
+namespace {
+
+const ConsoleTokens kTokens{"observer-observer", "operator-operator", "admin-admin-admin"};
+
+std::string WhyNot(const GatewayOptions& options) {
+  const auto checked = CheckAccess(options);
+  return checked ? "" : checked.error().text;
+}
+
+}  // namespace
+
+TEST_CASE("the console as it is set without a word is sound", "[operator][gateway]") {
+  CHECK(WhyNot({}).empty());
+}
+
+TEST_CASE("an address that others reach needs tokens", "[operator][gateway]") {
+  GatewayOptions options;
+  options.address = GENERATE("0.0.0.0", "192.168.1.2", "::", "fe80::1");
+  CHECK_THAT(WhyNot(options), Catch::Contains("operator.console.tokens"));
+  options.tokens.observer = "observer-observer";
+  CHECK(WhyNot(options).empty());
+}
+
+TEST_CASE("loopback needs none", "[operator][gateway]") {
+  GatewayOptions options;
+  options.address = GENERATE("127.0.0.1", "127.9.9.9", "::1");
+  CHECK(WhyNot(options).empty());
+}
+
+TEST_CASE("options that cannot work are refused by their name", "[operator][gateway]") {
+  GatewayOptions options;
+  std::string key;
+  SECTION("a name for an address") {
+    options.address = "localhost";
+    key = "operator.console.address";
+  }
+  SECTION("a certificate without its key") {
+    options.tls.certificate = "cert.pem";
+    key = "operator.console.tls";
+  }
+  SECTION("a key without its certificate") {
+    options.tls.key = "key.pem";
+    key = "operator.console.tls";
+  }
+  SECTION("a short token") {
+    options.tokens.admin = "fifteen-letters";
+    key = "operator.console.tokens.admin";
+  }
+  SECTION("the same token twice") {
+    options.tokens = {"sixteen-letters-", "operator-operator", "sixteen-letters-"};
+    key = "observer and admin";
+  }
+  SECTION("an origin that no browser sends") {
+    options.origins = {GENERATE("console.example.org", "https://", "https://a.example/",
+                                "https://A.example", "ftp://a.example", "https://me@a.example")};
+    key = "operator.console.origins";
+  }
+  CHECK_THAT(WhyNot(options), Catch::Contains(key));
+}
+
+TEST_CASE("each token gives its role", "[operator][gateway]") {
+  CHECK(RoleOf(kTokens, "observer-observer") == console::ROLE_OBSERVER);
+  CHECK(RoleOf(kTokens, "operator-operator") == console::ROLE_OPERATOR);
+  CHECK(RoleOf(kTokens, "admin-admin-admin") == console::ROLE_ADMIN);
+}
+
+TEST_CASE("what is no token gives none", "[operator][gateway]") {
+  CHECK_FALSE(RoleOf(kTokens, ""));
+  CHECK_FALSE(RoleOf(kTokens, "observer-observe"));
+  CHECK_FALSE(RoleOf(kTokens, "observer-observers"));
+  CHECK_FALSE(RoleOf({"observer-observer", "", ""}, ""));  // a role without a token is nobody's
+}
+
+TEST_CASE("without tokens everybody is an operator", "[operator][gateway]") {
+  CHECK(RoleOf({}, "") == console::ROLE_OPERATOR);
+  CHECK(RoleOf({}, "left over") == console::ROLE_OPERATOR);
+}
+
+TEST_CASE("a token comes as Bearer", "[operator][gateway]") {
+  CHECK(BearerToken("Bearer abc") == "abc");
+  CHECK(BearerToken("Basic abc").empty());
+  CHECK(BearerToken("").empty());
+}
+
+TEST_CASE("addresses and localhost lead here", "[operator][gateway]") {
+  const std::string host = GENERATE("127.0.0.1:8080", "127.0.0.1", "localhost:8080", "LocalHost",
+                                    "[::1]:8080", "[::1]", "192.168.1.2:80");
+  CHECK(WhyForeign({}, host, "").empty());
+}
+
+TEST_CASE("other names do not, unless their origin is listed", "[operator][gateway]") {
+  GatewayOptions options;
+  const std::string host = GENERATE("evil.example:8080", "", "localhost.evil.example", "::1",
+                                    "[::1", "127.0.0.1.evil.example");
+  CHECK_THAT(WhyForeign(options, host, ""), Catch::Contains("operator.console.origins"));
+  options.origins = {"https://console.example:8443"};
+  CHECK_FALSE(WhyForeign(options, host, "").empty());
+  CHECK(WhyForeign(options, "console.example:8443", "").empty());
+  CHECK(WhyForeign(options, "Console.example", "https://console.example:8443").empty());
+}
+
+TEST_CASE("a page of the console itself may connect", "[operator][gateway]") {
+  CHECK(WhyForeign({}, "127.0.0.1:8080", "http://127.0.0.1:8080").empty());
+  CHECK(WhyForeign({}, "[::1]:8080", "http://[::1]:8080").empty());
+  GatewayOptions secure;
+  secure.tls = {"cert.pem", "key.pem"};
+  CHECK(WhyForeign(secure, "127.0.0.1:8080", "https://127.0.0.1:8080").empty());
+}
+
+TEST_CASE("a page of another site may not", "[operator][gateway]") {
+  const std::string origin =
+      GENERATE("http://evil.example", "null", "http://127.0.0.1:8081", "https://127.0.0.1:8080",
+               "http://127.0.0.1", "127.0.0.1:8080", "http://localhost:8080");
+  CHECK_THAT(WhyForeign({}, "127.0.0.1:8080", origin), Catch::Contains("origin"));
+  GatewayOptions options;
+  options.origins = {"https://console.example"};
+  CHECK_FALSE(WhyForeign(options, "127.0.0.1:8080", origin).empty());
+}
+
+}  // namespace conav::operators

@@ -1,0 +1,40 @@
+#include "operator/gateway/gateway_metrics.h"
+
+#include <catch2/catch.hpp>
+
+namespace conav::operators {
+
+TEST_CASE("what the gateway counts is there from the beginning", "[operator][gateway]") {
+  const GatewayMetrics metrics;
+  for (const char* name :
+       {"conav_console_pages", "conav_console_connections", "conav_console_received_messages_total",
+        "conav_console_sent_bytes_total", "conav_console_refused_pages_total"}) {
+    CHECK_THAT(metrics.Text(), Catch::Contains(std::string(name) + " 0"));
+  }
+}
+
+TEST_CASE("what happens is counted", "[operator][gateway]") {
+  GatewayMetrics metrics;
+  metrics.SetPages(2);
+  metrics.SetConnections(3);
+  metrics.CountMessage(true, 10);
+  metrics.CountMessage(true, 5);
+  metrics.CountMessage(false, 4);
+  metrics.CountSkippedFrames(6);
+  metrics.CountRefusedPage();
+  metrics.CountRequest(200);
+  metrics.CountRequest(404);
+  metrics.CountRequest(404);
+  const std::string text = metrics.Text();
+  for (const char* line :
+       {"conav_console_pages 2", "conav_console_connections 3",
+        "conav_console_sent_messages_total 2", "conav_console_sent_bytes_total 15",
+        "conav_console_received_messages_total 1", "conav_console_received_bytes_total 4",
+        "conav_console_skipped_frames_total 6", "conav_console_refused_pages_total 1",
+        "conav_console_http_requests_total{status=\"200\"} 1",
+        "conav_console_http_requests_total{status=\"404\"} 2"}) {
+    CHECK_THAT(text, Catch::Contains(line));
+  }
+}
+
+}  // namespace conav::operators

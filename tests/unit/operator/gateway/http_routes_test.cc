@@ -1,0 +1,213 @@
+#include "operator/gateway/http_routes.h"
+
+#include <catch2/catch.hpp>
+#include <fstream>
+
+#include "common/runtime/result.h"
+#include "support/temporary_folder.h"
+
+namespace conav::operators {
+namespace {
+
+void Write(const std::filesystem::path& file, const std::string& text) {
+  std::filesystem::create_directories(file.parent_path());
+  std::ofstream(file) << text;
+}
+
+struct Bench {
+  Bench() {
+    Write(folder / "page/index.html", "<page>");
+    Write(folder / "page/index.html.gz", "compressed page");
+    Write(folder / "page/assets/x-123.js", "script");
+    Write(folder / "secret.txt", "secret");
+    pictures.Put("r1", 7, {'j', 'p', 'g'});
+  }
+
+  HttpResponse Ask(const HttpRequest& request) const {
+    const HttpRoutes routes(options, WebFiles(folder / "page"),
+                            {pictures, [this] { return readiness; }, [] { return "metrics\n"; }});
+    return routes.Answer(request);
+  }
+  HttpResponse Get(const std::string& target) const { return Ask(RequestOf(target)); }
+
+  static HttpRequest RequestOf(const std::string& target) {
+    HttpRequest request;
+    request.method = "GET";
+    request.target = target;
+    request.host = "127.0.0.1:8080";
+    return request;
+  }
+
+  test::TemporaryFolder folder;
+  PictureShelf pictures{1000};
+  Readiness readiness;
+  GatewayOptions options;
+};
+
+std::string BodyOf(const HttpResponse& response) { return response.body ? *response.body : ""; }
+
+std::string Header(const HttpResponse& response, const std::string& name) {
+  for (const auto& [key, value] : response.headers) {
+    if (key == name) return value;
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("the page and its files are served", "[operator][gateway]") {
+  const Bench bench;
+  const auto page = bench.Get("/");
+  CHECK(page.status == 200);
+  CHECK(page.type == "text/html; charset=utf-8");
+  CHECK(BodyOf(page) == "<page>");
+  CHECK(Header(page, "Cache-Control") == "no-cache");
+  CHECK(BodyOf(bench.Get("/index.html?x=1#y")) == "<page>");
+  const auto script = bench.Get("/assets/x-123.js");
+  CHECK(script.type == "text/javascript; charset=utf-8");
+  CHECK_THAT(Header(script, "Cache-Control"), Catch::Contains("immutable"));
+}
+
+TEST_CASE("who takes gzip gets the compressed form, where there is one", "[operator][gateway]") {
+  const Bench bench;
+  HttpRequest request = Bench::RequestOf("/");
+  request.accept_encoding = "gzip, deflate, br";
+  const auto page = bench.Ask(request);
+  CHECK(BodyOf(page) == "compressed page");
+  CHECK(Header(page, "Content-Encoding") == "gzip");
+  CHECK(Header(page, "Vary") == "Accept-Encoding");
+  request.target = "/assets/x-123.js";
+  CHECK(BodyOf(bench.Ask(request)) == "script");
+  CHECK(Header(bench.Ask(request), "Content-Encoding").empty());
+}
+
+TEST_CASE("who has the file is told so", "[operator][gateway]") {
+  const Bench bench;
+  const std::string etag = Header(bench.Get("/"), "ETag");
+  REQUIRE(etag.size() == 18);
+  HttpRequest request = Bench::RequestOf("/");
+  request.if_none_match = GENERATE_COPY(std::string(etag), "W/" + etag, "\"other\", " + etag,
+                                        etag + " ,\"other\"", std::string("*"));
+  const auto unchanged = bench.Ask(request);
+  CHECK(unchanged.status == 304);
+  CHECK_FALSE(unchanged.body);
+  CHECK(Header(unchanged, "ETag") == etag);
+}
+
+TEST_CASE("who has another version gets this one", "[operator][gateway]") {
+  const Bench bench;
+  HttpRequest request = Bench::RequestOf("/");
+  request.if_none_match = GENERATE("\"other\"", ",", " , ,", "W/", "0123");
+  CHECK(bench.Ask(request).status == 200);
+}
+
+TEST_CASE("nothing beside the page's folder is served", "[operator][gateway]") {
+  const Bench bench;
+  const std::string target =
+      GENERATE("/../secret.txt", "/assets/../../secret.txt", "/%2e%2e/secret.txt", "//secret.txt",
+               "/index.html/", "/index.html.gz", "secret.txt", "", "*", "/assets/", "/.",
+               "http://127.0.0.1:8080/");
+  CHECK(bench.Get(target).status == 404);
+}
+
+TEST_CASE("only GET and HEAD are understood", "[operator][gateway]") {
+  const Bench bench;
+  HttpRequest request = Bench::RequestOf("/");
+  request.method = GENERATE("POST", "PUT", "DELETE", "OPTIONS", "TRACE", "get", "");
+  CHECK(bench.Ask(request).status == 405);
+  CHECK(Header(bench.Ask(request), "Allow") == "GET, HEAD");
+  request.method = "HEAD";
+  CHECK(bench.Ask(request).status == 200);
+}
+
+TEST_CASE("every answer says what browsers shall not do", "[operator][gateway]") {
+  const Bench bench;
+  const std::string target = GENERATE("/", "/livez", "/nothing", "/pictures/r1/7.jpg");
+  const auto answer = bench.Get(target);
+  CHECK_THAT(Header(answer, "Content-Security-Policy"), Catch::Contains("default-src 'self'"));
+  CHECK_THAT(Header(answer, "Content-Security-Policy"), Catch::Contains("frame-ancestors 'none'"));
+  CHECK_THAT(Header(answer, "Content-Security-Policy"), !Catch::Contains("unsafe"));
+  CHECK(Header(answer, "X-Content-Type-Options") == "nosniff");
+  CHECK(Header(answer, "Referrer-Policy") == "no-referrer");
+  CHECK(Header(answer, "Cross-Origin-Resource-Policy") == "same-origin");
+  CHECK(Header(HttpRoutes::Refuse(400, "no"), "X-Content-Type-Options") == "nosniff");
+}
+
+TEST_CASE("other sites get nothing", "[operator][gateway]") {
+  const Bench bench;
+  HttpRequest request = Bench::RequestOf(GENERATE("/", "/livez", "/pictures/r1/7.jpg"));
+  SECTION("a foreign name") { request.host = "evil.example"; }
+  SECTION("a foreign page") { request.origin = "http://evil.example"; }
+  CHECK(bench.Ask(request).status == 403);
+}
+
+TEST_CASE("pictures are served by robot and number", "[operator][gateway]") {
+  const Bench bench;
+  const auto picture = bench.Get("/pictures/r1/7.jpg");
+  CHECK(picture.status == 200);
+  CHECK(picture.type == "image/jpeg");
+  CHECK(BodyOf(picture) == "jpg");
+  const std::string unknown =
+      GENERATE("/pictures/r1/8.jpg", "/pictures/r2/7.jpg", "/pictures/r1/7.png", "/pictures/r1/7",
+               "/pictures/r1/.jpg", "/pictures/r1/-7.jpg", "/pictures/r1/7x.jpg", "/pictures/7.jpg",
+               "/pictures/", "/pictures/r1/99999999999999999999.jpg", "/pictures//7.jpg",
+               "/pictures/r1/../r1/7.jpg", "/pictures/.jpg", "/pictures//.jpg");
+  CHECK(bench.Get(unknown).status == 404);
+}
+
+TEST_CASE("pictures and metrics ask for a token, where there are any", "[operator][gateway]") {
+  Bench bench;
+  bench.options.tokens.observer = "observer-observer";
+  HttpRequest request = Bench::RequestOf(GENERATE("/metrics", "/pictures/r1/7.jpg"));
+  CHECK(bench.Ask(request).status == 401);
+  CHECK(Header(bench.Ask(request), "WWW-Authenticate") == "Bearer");
+  request.authorization = "Bearer observer-observes";
+  CHECK(bench.Ask(request).status == 401);
+  request.authorization = "Bearer observer-observer";
+  CHECK(bench.Ask(request).status == 200);
+  CHECK(bench.Get("/").status == 200);
+  CHECK(bench.Get("/livez").status == 200);
+  CHECK(bench.Get("/readyz").status == 503);
+}
+
+TEST_CASE("the service says whether it is ready", "[operator][gateway]") {
+  Bench bench;
+  CHECK(BodyOf(bench.Get("/livez")) == "ok\n");
+  CHECK(bench.Get("/readyz").status == 503);
+  bench.readiness = {true, "{\"ready\":true}"};
+  const auto ready = bench.Get("/readyz");
+  CHECK(ready.status == 200);
+  CHECK(ready.type == "application/json");
+  CHECK(BodyOf(ready) == "{\"ready\":true}");
+  CHECK(Header(ready, "Cache-Control") == "no-store");
+}
+
+TEST_CASE("metrics are served as Prometheus reads them", "[operator][gateway]") {
+  const Bench bench;
+  const auto metrics = bench.Get("/metrics");
+  CHECK(BodyOf(metrics) == "metrics\n");
+  CHECK_THAT(metrics.type, Catch::Contains("version=0.0.4"));
+}
+
+TEST_CASE("a folder without a page stops the start", "[operator][gateway]") {
+  const test::TemporaryFolder folder;
+  CHECK_THROWS_AS(WebFiles(folder.path()), StartupError);
+  CHECK_THROWS_AS(WebFiles(folder / "nowhere"), StartupError);
+  Write(folder / "index.html.gz", "compressed, and nothing else");
+  CHECK_THROWS_WITH(WebFiles(folder.path()), Catch::Contains("no index.html"));
+}
+
+TEST_CASE("files have types and tags of their own", "[operator][gateway]") {
+  const test::TemporaryFolder folder;
+  for (const char* name : {"index.html", "a.css", "b.svg", "c.unknown"}) {
+    Write(folder / name, name);
+  }
+  const WebFiles files(folder.path());
+  CHECK(files.Find("/a.css")->type == "text/css; charset=utf-8");
+  CHECK(files.Find("/b.svg")->type == "image/svg+xml");
+  CHECK(files.Find("/c.unknown")->type == "application/octet-stream");
+  CHECK(files.Find("/a.css")->etag != files.Find("/b.svg")->etag);
+  CHECK(files.Find("/d") == nullptr);
+}
+
+}  // namespace conav::operators

@@ -1,0 +1,410 @@
+#include "operator/gateway/page_feed.h"
+
+#include <limits>
+
+#include "unit/operator/gateway/page_bench.h"
+
+namespace conav::operators {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+/// "a=1 b=2!" with "!" for everything.
+std::string Text(const console::ServerMessage& message) {
+  std::string text;
+  for (const auto& update : message.updates().update()) {
+    if (!text.empty()) text += ' ';
+    text += update.service().name() + '=' + update.service().message();
+  }
+  return text + (message.updates().everything() ? "!" : "");
+}
+
+}  // namespace
+
+TEST_CASE("a page that says hello is welcome and gets everything", "[operator][gateway]") {
+  PageBench bench;
+  const auto events = bench.Send(PageBench::Hello());
+  REQUIRE(events.size() == 1);
+  CHECK(events[0].page == 1);
+  CHECK(events[0].who.client == "anna/0123456789abcdef");
+  CHECK(events[0].who.name == "anna");
+  CHECK(std::holds_alternative<PageJoined>(events[0].body));
+  const auto welcome = bench.NextOne().welcome();
+  CHECK(welcome.client() == "anna/0123456789abcdef");
+  CHECK(welcome.role() == console::ROLE_OPERATOR);
+  CHECK(welcome.limits().edit_cells() == 100);
+  CHECK(welcome.service_time() == 1000.0);
+  CHECK_FALSE(welcome.resumed());
+  CHECK(Text(bench.NextOne()) == "a=1!");
+  CHECK_FALSE(bench.Next());
+  CHECK(bench.feed->fault().empty());
+}
+
+TEST_CASE("nothing is said before Hello", "[operator][gateway]") {
+  PageBench bench;
+  bench.PutFrame("r1");
+  CHECK_FALSE(bench.Next());
+  CHECK(bench.feed->due() == bench.clock.Now() + PageFeed::kHelloLimit);
+}
+
+TEST_CASE("a page without Hello is closed after a while", "[operator][gateway]") {
+  PageBench bench;
+  bench.clock.Advance(PageFeed::kHelloLimit - milliseconds(1));
+  CHECK_FALSE(bench.Next());
+  bench.clock.Advance(milliseconds(1));
+  bench.ExpectGoodbye("no Hello", true);
+}
+
+TEST_CASE("a page that said hello in time stays", "[operator][gateway]") {
+  PageBench bench;
+  bench.Join();
+  bench.clock.Advance(2 * PageFeed::kHelloLimit);
+  CHECK_FALSE(bench.Next());
+  CHECK_FALSE(bench.feed->finished());
+}
+
+TEST_CASE("the first message is Hello, and no other one is", "[operator][gateway]") {
+  PageBench bench;
+  SECTION("no Hello") {
+    CHECK(bench.Ping(1.0).empty());
+    bench.ExpectGoodbye("first message is no Hello", false);
+  }
+  SECTION("two of them") {
+    bench.Join();
+    CHECK(bench.Send(PageBench::Hello()).empty());
+    bench.ExpectGoodbye("second Hello", false);
+  }
+}
+
+TEST_CASE("who says hello in another way is refused", "[operator][gateway]") {
+  PageBench bench;
+  console::Hello hello = PageBench::Hello();
+  std::string reason = "instance";
+  SECTION("no instance") { hello.clear_instance(); }
+  SECTION("a short instance") { hello.set_instance("0123456789abcde"); }
+  SECTION("a long instance") { hello.set_instance(std::string(65, 'a')); }
+  SECTION("letters that an instance has not") { hello.set_instance("0123456789ABCDEF"); }
+  SECTION("a long name") {
+    hello.set_name(std::string(41, 'a'));
+    reason = "name";
+  }
+  SECTION("a name with a line break") {
+    hello.set_name("an\nna");
+    reason = "name";
+  }
+  SECTION("a name with a slash") {
+    hello.set_name("an/na");
+    reason = "name";
+  }
+  CHECK(bench.Send(hello).empty());
+  bench.ExpectGoodbye(reason, false);
+  CHECK_FALSE(bench.feed->identity());
+  CHECK_FALSE(bench.feed->fault().empty());
+}
+
+TEST_CASE("names keep their letters, clients have those of the bus", "[operator][gateway]") {
+  PageBench bench;
+  console::Hello hello = PageBench::Hello();
+  SECTION("none") {
+    hello.clear_name();
+    CHECK(bench.Join(hello).client() == "console/0123456789abcdef");
+  }
+  SECTION("foreign letters") {
+    hello.set_name("Zo\xC3\xAB B.");
+    CHECK(bench.Join(hello).client() == "Zo___B_/0123456789abcdef");
+    CHECK(bench.feed->identity()->name == "Zo\xC3\xAB B.");
+  }
+  SECTION("40 letters of two bytes") {
+    std::string name;
+    for (int i = 0; i < 40; ++i) name += "\xC3\xAB";
+    hello.set_name(name);
+    CHECK(bench.Join(hello).client() == std::string(40, '_') + "/0123456789abcdef");
+  }
+}
+
+TEST_CASE("tokens give roles, where there are any", "[operator][gateway]") {
+  PageBench bench;
+  bench.options.tokens = {"observer-observer", "operator-operator", "admin-admin-admin"};
+  console::Hello hello = PageBench::Hello();
+  SECTION("observer") {
+    hello.set_token("observer-observer");
+    CHECK(bench.Join(hello).role() == console::ROLE_OBSERVER);
+  }
+  SECTION("admin") {
+    hello.set_token("admin-admin-admin");
+    CHECK(bench.Join(hello).role() == console::ROLE_ADMIN);
+  }
+  SECTION("none") {
+    CHECK(bench.Send(hello).empty());
+    bench.ExpectGoodbye("a token is asked for", false);
+  }
+  SECTION("a wrong one") {
+    hello.set_token("observer-observes");
+    CHECK(bench.Send(hello).empty());
+    bench.ExpectGoodbye("not known", false);
+  }
+}
+
+TEST_CASE("a page that comes back gets what changed since, once", "[operator][gateway]") {
+  PageBench bench;
+  bench.updates.Put("b", Said("b", "1"));
+  console::Hello hello = PageBench::Hello();
+  hello.set_run(bench.Join().run());
+  hello.set_sequence(2);
+  bench.updates.Put("a", Said("a", "2"));
+  bench.Connect();
+  bench.Send(hello);
+  CHECK(bench.NextOne().welcome().resumed());
+  CHECK(Text(bench.NextOne()) == "a=2");
+  CHECK_FALSE(bench.Next());
+}
+
+TEST_CASE("a page that cannot go on begins anew", "[operator][gateway]") {
+  PageBench bench;
+  console::Hello hello = PageBench::Hello();
+  hello.set_run(bench.Join().run());
+  hello.set_sequence(1);
+  SECTION("another run of the service") { hello.set_run("before.1"); }
+  SECTION("no run") { hello.clear_run(); }
+  SECTION("a sequence number of the future") { hello.set_sequence(99); }
+  SECTION("it lost the connection between Welcome and the first updates") { hello.set_sequence(0); }
+  SECTION("a world has begun anew") {
+    bench.updates.Forget([](std::string_view) { return false; });
+  }
+  bench.Connect();
+  bench.Send(hello);
+  CHECK_FALSE(bench.NextOne().welcome().resumed());
+  CHECK(Text(bench.NextOne()) == "a=1!");
+}
+
+TEST_CASE("when a world begins anew, pages come back for everything", "[operator][gateway]") {
+  PageBench bench;
+  const std::string run = bench.Join().run();
+  bench.updates.Clear();
+  bench.updates.Put("b", Said("b", "1"));
+  bench.clock.Advance(seconds(1));
+  bench.ExpectGoodbye("begins anew", true);
+  CHECK(bench.feed->fault().empty());  // of the page, it is none
+  bench.Connect();
+  console::Hello hello = PageBench::Hello();
+  hello.set_run(run);
+  hello.set_sequence(2);
+  bench.Send(hello);
+  const auto welcome = bench.NextOne().welcome();
+  CHECK_FALSE(welcome.resumed());
+  CHECK(welcome.run() != run);
+  CHECK(Text(bench.NextOne()) == "b=1!");
+}
+
+TEST_CASE("a large beginning comes in messages that are small", "[operator][gateway]") {
+  PageBench bench;
+  const std::string large(PageFeed::kBatchBytes / 2, 'x');
+  for (const char* key : {"b", "c", "d"}) bench.updates.Put(key, Said(key, large));
+  bench.Send(PageBench::Hello());
+  bench.NextOne();
+  const auto messages = bench.Drain();
+  REQUIRE(messages.size() == 3);
+  CHECK(messages[0].updates().everything());
+  CHECK_FALSE(messages[1].updates().everything());
+  CHECK_FALSE(messages[2].updates().everything());
+  std::uint64_t sequence = 0;
+  for (const auto& message : messages) {
+    for (const auto& update : message.updates().update()) CHECK(update.sequence() == ++sequence);
+  }
+  CHECK(sequence == 4);
+}
+
+TEST_CASE("updates come so often and no oftener", "[operator][gateway]") {
+  PageBench bench;
+  bench.options.update_rate_hz = 10.0;
+  bench.Join();
+  bench.updates.Put("a", Said("a", "2"));
+  CHECK_FALSE(bench.Next());
+  CHECK(bench.feed->due() == bench.clock.Now() + milliseconds(100));
+  bench.clock.Advance(milliseconds(100));
+  bench.updates.Put("a", Said("a", "3"));
+  CHECK(Text(bench.NextOne()) == "a=3");
+  bench.clock.Advance(milliseconds(100));
+  CHECK_FALSE(bench.Next());
+  CHECK_FALSE(bench.feed->due());
+}
+
+TEST_CASE("a ping is answered at once", "[operator][gateway]") {
+  PageBench bench;
+  bench.Join();
+  CHECK(bench.Ping(12.5).empty());
+  const auto pong = bench.NextOne().pong();
+  CHECK(pong.page_time() == 12.5);
+  CHECK(pong.service_time() == 1000.0);
+}
+
+TEST_CASE("a request is handed over with the round trip", "[operator][gateway]") {
+  PageBench bench;
+  bench.Join();
+  const double measured = GENERATE(0.25, -3.0, std::numeric_limits<double>::quiet_NaN(),
+                                   std::numeric_limits<double>::infinity());
+  bench.Ping(1.0, measured);
+  console::ClientMessage message;
+  message.mutable_request()->set_id(7);
+  const auto events = bench.Send(message);
+  REQUIRE(events.size() == 1);
+  const auto& asked = std::get<PageAsked>(events[0].body);
+  CHECK(asked.request.id() == 7);
+  CHECK(asked.round_trip_s == (measured == 0.25 ? 0.25 : 0.0));
+  CHECK(events[0].who.client == "anna/0123456789abcdef");
+}
+
+TEST_CASE("a seek is handed over", "[operator][gateway]") {
+  PageBench bench;
+  bench.Join();
+  console::ClientMessage message;
+  message.mutable_seek()->set_position(3.5);
+  const auto events = bench.Send(message);
+  REQUIRE(events.size() == 1);
+  CHECK(std::get<console::Seek>(events[0].body).position() == 3.5);
+}
+
+TEST_CASE("answers go before updates", "[operator][gateway]") {
+  PageBench bench;
+  bench.Join();
+  bench.updates.Put("a", Said("a", "2"));
+  bench.clock.Advance(seconds(1));
+  console::Reply reply;
+  reply.set_id(7);
+  bench.feed->Add(reply);
+  CHECK(bench.NextOne().reply().id() == 7);
+  CHECK(Text(bench.NextOne()) == "a=2");
+}
+
+TEST_CASE("a page that takes no answers is closed", "[operator][gateway]") {
+  PageBench bench;
+  bench.Join();
+  for (std::size_t i = 0; i < PageFeed::kQueueLimit; ++i) bench.feed->Add(console::Reply());
+  CHECK_FALSE(bench.feed->retry());
+  bench.feed->Add(console::Reply());
+  const auto messages = bench.Drain();
+  CHECK(messages.size() == PageFeed::kQueueLimit + 1);
+  CHECK(messages.back().has_goodbye());
+  CHECK(bench.feed->finished());
+  bench.feed->Add(console::Reply());
+  CHECK_FALSE(bench.Next());
+}
+
+TEST_CASE("a page that says too much is closed", "[operator][gateway]") {
+  PageBench bench;
+  bench.options.message_rate = 1.0;
+  bench.options.message_burst = 3;
+  bench.Connect();
+  bench.Join();
+  bench.Ping(1.0);
+  bench.Ping(2.0);
+  CHECK_FALSE(bench.Drain().back().has_goodbye());
+  bench.Ping(3.0);
+  bench.ExpectGoodbye("too many", true);
+  CHECK(bench.Ping(4.0).empty());
+  CHECK_FALSE(bench.Next());
+}
+
+TEST_CASE("what is no message ends the connection", "[operator][gateway]") {
+  PageBench bench;
+  bench.Join();
+  const std::string bytes = GENERATE(std::string(), std::string("\xFF\xFF"), std::string(99, 'x'));
+  CHECK(bench.feed->Take(bytes, bench.clock.Now(), 0.0).empty());
+  bench.ExpectGoodbye("ClientMessage", false);
+}
+
+TEST_CASE("frames come to those who attend", "[operator][gateway]") {
+  PageBench bench;
+  bench.Join();
+  bench.PutFrame("r1", "first");
+  CHECK_FALSE(bench.Next());
+  bench.Attend("r1");
+  const auto frame = bench.NextOne().frame();
+  CHECK(frame.robot() == "r1");
+  CHECK(frame.jpeg() == "first");
+  CHECK(frame.number() == 1);
+  CHECK(frame.skipped() == 0);
+  CHECK_FALSE(bench.Next());
+  bench.Attend("", false);
+  bench.PutFrame("r1");
+  CHECK_FALSE(bench.Next());
+}
+
+TEST_CASE("a slow page gets the newest frame and how many it missed", "[operator][gateway]") {
+  PageBench bench;
+  bench.Join();
+  for (int i = 0; i < 5; ++i) bench.PutFrame("r1");
+  bench.Attend("");
+  CHECK(bench.NextOne().frame().skipped() == 0);  // before it attended
+  for (int i = 0; i < 4; ++i) bench.PutFrame("r1");
+  CHECK(bench.NextOne().frame().skipped() == 3);
+  for (int i = 0; i < 3; ++i) bench.PutFrame("r1", "newest");
+  const auto frame = bench.NextOne().frame();
+  CHECK(frame.skipped() == 5);
+  CHECK(frame.number() == 12);
+  CHECK(frame.jpeg() == "newest");
+  CHECK(bench.feed->frames_skipped() == 5);
+}
+
+TEST_CASE("robots take turns on a slow page", "[operator][gateway]") {
+  PageBench bench;
+  bench.Join();
+  bench.Attend("");
+  std::string seen;
+  for (int i = 0; i < 6; ++i) {
+    for (const char* robot : {"r1", "r2", "r3"}) bench.PutFrame(robot);
+    seen += bench.NextOne().frame().robot();
+  }
+  CHECK(seen == "r1r2r3r1r2r3");
+}
+
+TEST_CASE("only the robot that is attended to is seen, and at once", "[operator][gateway]") {
+  PageBench bench;
+  bench.Join();
+  bench.Attend("r2");
+  for (int i = 0; i < 3; ++i) bench.PutFrame("r1");
+  CHECK_FALSE(bench.Next());
+  bench.Attend("r1");
+  CHECK(bench.NextOne().frame().skipped() == 0);
+  bench.Attend("r1");
+  CHECK_FALSE(bench.Next());  // it has that one
+}
+
+TEST_CASE("frames and updates take turns on a slow page", "[operator][gateway]") {
+  PageBench bench;
+  bench.Join();
+  bench.Attend("");
+  std::string kinds;
+  for (int i = 0; i < 6; ++i) {
+    bench.updates.Put("a", Said("a", "more"));
+    bench.PutFrame("r1");
+    bench.clock.Advance(seconds(1));
+    kinds += bench.NextOne().has_frame() ? 'f' : 'u';
+  }
+  CHECK(kinds == "ufufuf");
+}
+
+TEST_CASE("a page that is closed hears why and nothing else", "[operator][gateway]") {
+  PageBench bench;
+  bench.Join();
+  bench.feed->Close("enough", false);
+  bench.feed->Close("again", true);
+  bench.updates.Put("a", Said("a", "2"));
+  bench.clock.Advance(seconds(1));
+  CHECK_FALSE(bench.feed->finished());
+  CHECK(bench.Drain().size() == 1);
+  CHECK(bench.feed->finished());
+  CHECK(bench.feed->fault() == "enough");
+  CHECK(bench.Ping(1.0).empty());
+}
+
+TEST_CASE("the service ends a page without blaming it", "[operator][gateway]") {
+  PageBench bench;
+  bench.Join();
+  bench.feed->End("the service stops");
+  bench.ExpectGoodbye("stops", true);
+  CHECK(bench.feed->fault().empty());
+}
+
+}  // namespace conav::operators
