@@ -29,8 +29,8 @@ export class DemoSystem {
       log: join(folder, "demo.log"),
     });
     const [, run] = await demo.hears(/ run (\S+)/);
-    const log = join(run, "logs/operator.log");
-    const [, url] = await demo.hears(/ console url=(\S+)/, () => textOf(log));
+    const file = join(run, "state/console.url");
+    const [url] = await demo.hears(/^http:\S+/, () => textOf(file));
     return new DemoSystem(demo, url, run);
   }
 
