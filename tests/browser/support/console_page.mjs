@@ -20,11 +20,6 @@ export class ConsolePage {
     });
   }
 
-  /** @param {string} url */
-  async open(url) {
-    await this.page.goto(url);
-    await this.hasRobots();
-  }
 
   /** The page shows robots, and the link is live. */
   async hasRobots() {
@@ -66,9 +61,13 @@ export class ConsolePage {
   }
 
   async chooses(robot) {
-    const card = this.card(robot).locator(".choose");
-    await card.click();
-    await until(`${robot} is chosen`, async () => (await card.getAttribute("aria-pressed")) === "true");
+    await this.card(robot).locator(".choose").click();
+    await this.isChosen(robot);
+  }
+
+  /** Waits until it is. */
+  isChosen(robot) {
+    return this.card(robot).locator(".choose[aria-pressed=true]").waitFor();
   }
 
   press(key) {
@@ -91,5 +90,60 @@ export class ConsolePage {
   async stands(robot) {
     const running = 1; // CommandOutcome
     await until(`${robot} ends its command`, () => this.told.robot(robot).outcome !== running);
+  }
+
+  // --- the map ---
+
+  /** Its canvas. */
+  get map() {
+    return this.page.getByRole("application", { name: /^Your map/ });
+  }
+
+  /** Puts the pointer on a cell; the status line below the map confirms that it is this one. */
+  async pointAt({ row, column }) {
+    const { x, y } = await this.#centreOf({ row, column });
+    await this.page.mouse.move(x, y);
+    await this.page.getByText(`Row ${row}, column ${column}:`).first().waitFor();
+    return { x, y };
+  }
+
+  /** The status line's words about a cell. */
+  async wordsAbout(cell) {
+    await this.pointAt(cell);
+    return (await this.page.locator(".map-status span").first().textContent()) ?? "";
+  }
+
+  /** Draws (or erases) one wall with the mouse, and waits until the service has confirmed it. */
+  async edits(cell, tool = "Wall") {
+    const { revision } = this.told.belief();
+    await this.draws([cell], tool);
+    await until("the edit is confirmed", () => this.told.belief().revision > revision);
+  }
+
+  /** Makes a wall of a free cell or the other way round; waits until the service has confirmed it. */
+  toggles(cell) {
+    return this.edits(cell, this.told.isWall(cell) ? "Erase" : "Wall");
+  }
+
+  /** Takes a tool and draws with the mouse through the middles of cells. */
+  async draws([first, ...others], tool) {
+    await this.page.getByRole("toolbar", { name: "Map" }).getByRole("button", { name: tool }).click();
+    await this.pointAt(first);
+    await this.page.mouse.down();
+    for (const cell of others) await this.pointAt(cell);
+    await this.page.mouse.up();
+  }
+
+  /** Shows all of the map and computes where a cell is then: the grid in the middle of what rulers and margins leave. */
+  async #centreOf({ row, column }) {
+    await this.page.getByRole("button", { name: "Show all" }).click();
+    const { rows, columns } = this.told.newest("world", "w1");
+    const box = await this.map.boundingBox();
+    const [ruler, margin] = [24, 8];
+    const room = { width: box.width - ruler - 2 * margin, height: box.height - ruler - 2 * margin };
+    const scale = Math.min(room.width / columns, room.height / rows);
+    const left = box.x + ruler + margin + (room.width - scale * columns) / 2;
+    const top = box.y + ruler + margin + (room.height - scale * rows) / 2;
+    return { x: left + (column + 0.5) * scale, y: top + (row + 0.5) * scale };
   }
 }

@@ -55,12 +55,16 @@ class Scene {
 
   /** The whole system as `conav demo` starts it; options as on its command line. */
   async demo(...options) {
-    return this.#keep(await DemoSystem.start(this.folder, options));
+    const system = this.#keep(new DemoSystem(this.folder));
+    await system.start(options);
+    return system;
   }
 
   /** Without anybody simulated; see ServiceSystem. */
   async services(more) {
-    return this.#keep(await ServiceSystem.start(this.folder, more));
+    const system = this.#keep(new ServiceSystem(this.folder));
+    await system.start(more);
+    return system;
   }
 
   async line(url) {
@@ -74,12 +78,19 @@ class Scene {
    * @param {string} url
    * @param {{ name?: string, browser?: import("playwright-core").Browser } & import("playwright-core").BrowserContextOptions} [options]
    */
-  async open(url, { name, browser, ...options } = {}) {
+  async open(url, options) {
+    const page = await this.openOnly(url, options);
+    await page.hasRobots();
+    return page;
+  }
+
+  /** Without waiting for what it shows. */
+  async openOnly(url, { name, browser, ...options } = {}) {
     const context = await (browser ?? (await this.#launch())).newContext({ viewport: screen, ...options });
     if (name) await context.addInitScript((text) => localStorage.setItem("conav.name", text), name);
     const page = new ConsolePage(await context.newPage());
     this.#pages.push(page);
-    await page.open(url);
+    await page.page.goto(url);
     return page;
   }
 

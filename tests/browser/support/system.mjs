@@ -1,9 +1,8 @@
-import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { readFileSync, writeFileSync } from "node:fs";
 import { dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
 import { leaseDomain } from "./domain.mjs";
 import { Process } from "./processes.mjs";
-import { until } from "./wait.mjs";
 
 const root = resolve(dirname(fileURLToPath(import.meta.url)), "../../..");
 
@@ -12,49 +11,38 @@ export const programs = process.env.CONAV_BIN_DIR ?? join(root, "build/release/b
 
 /** What `conav demo` starts: all services and the simulated operator, the console on a port of its own. */
 export class DemoSystem {
-  /** @param {Process} demo */
-  constructor(demo, url, run) {
-    this.demo = demo;
-    this.url = url;
-    this.run = run;
+  #folder;
+  #demo;
+  #run = "";
+  url = "";
+
+  /** @param {string} folder for its run folder and what it says */
+  constructor(folder) {
+    this.#folder = folder;
   }
 
-  /**
-   * @param {string} folder for its run folder and what it says
-   * @param {readonly string[]} options of the demo
-   */
-  static async start(folder, options) {
-    const words = ["demo", "--console", "0", "--out", join(folder, "runs"), ...options];
-    const demo = new Process("conav demo", [join(programs, "conav"), ...words], {
-      log: join(folder, "demo.log"),
-    });
-    const [, run] = await demo.hears(/ run (\S+)/);
-    const file = join(run, "state/console.url");
-    const [url] = await demo.hears(/^http:\S+/, () => textOf(file));
-    return new DemoSystem(demo, url, run);
+  /** @param {readonly string[]} options of the demo */
+  async start(options) {
+    const words = ["demo", "--console", "0", "--out", join(this.#folder, "runs"), ...options];
+    const log = join(this.#folder, "demo.log");
+    this.#demo = new Process("conav demo", [join(programs, "conav"), ...words], { log });
+    [, this.#run] = await this.#demo.hears(/ run (\S+)/);
+    [, this.url] = await this.#demo.hears(/^console (http:\S+)$/m);
   }
 
   /** Of a service that the demo has started. */
   pidOf(service) {
-    const found = new RegExp(`started ${service} \\(pid (\\d+)\\)`).exec(this.demo.said());
+    const found = new RegExp(`started ${service} \\(pid (\\d+)\\)`).exec(this.#demo.said());
     if (found === null) throw new Error(`the demo has not started ${service}`);
     return Number(found[1]);
   }
 
   logs() {
-    return [this.demo.log, join(this.run, "logs/operator.log")];
+    return [this.#demo.log, join(this.#run, "logs/operator.log")];
   }
 
   async stop() {
-    await this.demo.stop();
-  }
-}
-
-function textOf(file) {
-  try {
-    return readFileSync(file, "utf8");
-  } catch {
-    return "";
+    await this.#demo?.stop();
   }
 }
 
@@ -67,38 +55,38 @@ export class ServiceSystem {
   #services = new Map();
   #starts = 0;
 
-  constructor(folder, domain, keeper) {
-    this.folder = folder;
-    this.domain = domain;
-    this.keeper = keeper;
-    this.url = "";
+  #folder;
+  #domain = 0;
+  #keeper;
+  url = "";
+
+  /** @param {string} folder for configuration, database and logs */
+  constructor(folder) {
+    this.#folder = folder;
   }
 
-  /**
-   * @param {string} folder
-   * @param {{ robots?: number, sim?: object, planner?: object, operator?: object }} [more] keys of the configuration files
-   */
-  static async start(folder, { robots = 2, sim = {}, planner = {}, operator = {} } = {}) {
-    const { domain, keeper } = await leaseDomain(join(folder, "domain"));
-    const system = new ServiceSystem(folder, domain, keeper);
+  /** @param {{ robots?: number, sim?: object, planner?: object, operator?: object }} [more] keys of the configuration files */
+  async start({ robots = 2, sim = {}, planner = {}, operator = {} } = {}) {
+    const { domain, keeper } = await leaseDomain(join(this.#folder, "domain"));
+    this.#domain = domain;
+    this.#keeper = keeper;
     const names = Array.from({ length: robots }, (_, i) => `r${i + 1}`);
     const placed = names.map((name) => `w1/${name}`);
-    system.#write("sim", { world: "w1", robots: names, seed: 7, speed: 4, ...sim });
-    system.#write("planner", { robots: placed, perception: "embedded", ...planner });
-    system.#write("operator", {
+    this.#write("sim", { world: "w1", robots: names, seed: 7, speed: 4, ...sim });
+    this.#write("planner", { robots: placed, perception: "embedded", ...planner });
+    this.#write("operator", {
       robots: placed,
-      database: join(folder, "operator.db"),
+      database: join(this.#folder, "operator.db"),
       control: { start_stopped: true },
       ...operator,
       console: { port: 0, ...operator.console },
     });
-    for (const service of ["sim", "operator", "planner"]) system.#run(service);
-    system.url = await system.#address();
+    for (const service of ["sim", "operator", "planner"]) this.#run(service);
+    this.url = await this.#address();
     // From now on the same port, also for the next start.
-    const { port } = new URL(system.url);
-    const file = system.#config("operator");
+    const { port } = new URL(this.url);
+    const file = this.#config("operator");
     writeFileSync(file, readFileSync(file, "utf8").replace('"port": 0', `"port": ${port}`));
-    return system;
   }
 
   pidOf(service) {
@@ -126,7 +114,7 @@ export class ServiceSystem {
 
   async stop() {
     await Promise.all([...this.#services.values()].map((service) => service.stop()));
-    await this.keeper.stop();
+    await this.#keeper?.stop();
   }
 
   async #address() {
@@ -141,13 +129,12 @@ export class ServiceSystem {
   }
 
   #config(service) {
-    return join(this.folder, `${service}.yaml`);
+    return join(this.#folder, `${service}.yaml`);
   }
 
   /** JSON is YAML. */
   #write(service, keys) {
-    mkdirSync(this.folder, { recursive: true });
-    const bus = { domain_id: this.domain, interface: "lo" };
+    const bus = { domain_id: this.#domain, interface: "lo" };
     const parameters = { [service]: { ros__parameters: { bus, ...keys } } };
     writeFileSync(this.#config(service), JSON.stringify(parameters, undefined, 1));
   }
@@ -155,7 +142,7 @@ export class ServiceSystem {
   #run(service) {
     this.#starts += 1;
     const command = [join(programs, `conav-${service}`), "--config", this.#config(service)];
-    const log = join(this.folder, `${service}-${this.#starts}.log`);
+    const log = join(this.#folder, `${service}-${this.#starts}.log`);
     this.#services.set(service, new Process(service, command, { log }));
   }
 }
