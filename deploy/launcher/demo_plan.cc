@@ -168,6 +168,10 @@ std::string PlannerYaml(const Setting& setting, const std::string& name, int num
   config.x_source = setting.options.x_source;
   config.search.options.report = planner::SearchDetail::kTree;
   config.decision_file = setting.run.decisions(name).string();
+  if (setting.options.waits_for_operator()) {  // people need longer than the simulated operator
+    config.first_guidance_timeout_s = 30.0;
+    config.answer_timeout_s = 30.0;
+  }
   return DumpConfig("planner", config);
 }
 

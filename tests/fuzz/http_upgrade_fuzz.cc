@@ -12,7 +12,7 @@
 /// Whatever comes in over a connection: requests, upgrades, and the frames of a page, as the gateway
 /// reads them, over a stream in memory.
 ///
-/// Input: a byte, how many bytes come at a time (0 = all at once); then the bytes.
+/// Input: a byte, how many bytes come at a time (0 = as many as can); then the bytes.
 namespace conav::operators {
 
 using MemoryStream = beast::test::stream;
@@ -80,6 +80,14 @@ const HttpRoutes& Routes() {
   return routes;
 }
 
+/// A client sends nothing behind an upgrade before it was answered: what follows a head comes later.
+std::size_t SizeOfNext(std::string_view input, std::size_t piece) {
+  constexpr std::string_view kEndOfHead = "\r\n\r\n";
+  std::size_t size = piece == 0 ? input.size() : std::min(piece, input.size());
+  const auto head = input.substr(0, size).find(kEndOfHead);
+  return head == std::string_view::npos ? size : head + kEndOfHead.size();
+}
+
 void Serve(std::string_view input) {
   const std::size_t piece = input.empty() ? 0 : static_cast<std::uint8_t>(input.front());
   if (!input.empty()) input.remove_prefix(1);
@@ -91,7 +99,7 @@ void Serve(std::string_view input) {
   auto token = std::make_shared<int>();
   std::make_shared<HttpConnection<MemoryStream>>(std::move(stream), host, token)->Start();
   while (!input.empty()) {
-    const std::size_t size = piece == 0 ? input.size() : std::min(piece, input.size());
+    const std::size_t size = SizeOfNext(input, piece);
     boost::system::error_code ended;
     client.write_some(asio::buffer(input.data(), size), ended);
     input.remove_prefix(size);

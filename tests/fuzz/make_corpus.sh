@@ -51,7 +51,7 @@ host=$'Host: 127.0.0.1:8080\r\n'
 upgrade=$'Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n'
 upgrade+=$'Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n'
 
-# request NAME PIECE TEXT...: bytes of a connection that come PIECE at a time, 0 = all at once.
+# request NAME PIECE TEXT...: bytes of a connection that come PIECE at a time, 0 = as many as can.
 request() {
   local file=$requests/$1 piece=$2
   shift 2

@@ -148,8 +148,7 @@ TEST_CASE("A malformed control request or hold order is refused", "[protocol][co
   CheckRefused(
       samples[6], [](RequestMessage& m) { m.duration(0.0); }, "duration = 0 is not above 0");
   CheckRefused(
-      samples[6], [](RequestMessage& m) { m.duration(NAN); },
-      "duration = nan is not finite");
+      samples[6], [](RequestMessage& m) { m.duration(NAN); }, "duration = nan is not finite");
   using HoldMessage = conav_msgs::msg::HoldOrder;
   CheckRefused(
       SampleHold(), [](HoldMessage& m) { m.revision(0); }, "revision = 0 is below 1");

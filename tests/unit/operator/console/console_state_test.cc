@@ -1,81 +1,6 @@
-#include "operator/console/console_state.h"
-
-#include <catch2/catch.hpp>
-
-#include "unit/common/protocol/samples.h"
-#include "unit/operator/support/updates.h"
+#include "unit/operator/console/state_bench.h"
 
 namespace conav::operators {
-namespace {
-
-using Kind = console::Update;
-
-RobotState At(std::int64_t stamp_s, Cell cell, std::vector<Cell> path = {},
-              const std::string& robot = "r1", const std::string& world = "w1") {
-  RobotState state;
-  state.stamp = {stamp_s * 1'000'000'000};
-  state.world = world;
-  state.robot = robot;
-  state.cell = cell;
-  state.path = std::move(path);
-  state.cell_moves = state.path.empty() ? 0 : state.path.size() - 1;
-  return state;
-}
-
-Picture PictureOf(std::uint64_t number, const std::string& robot = "r1") {
-  Picture picture = samples::SamplePicture();
-  picture.robot = robot;
-  picture.sequence_number = number;
-  return picture;
-}
-
-Guidance Answering(std::uint64_t snapshot) {
-  Guidance guidance = samples::SampleGuidance();
-  guidance.answers_snapshot = snapshot;
-  return guidance;
-}
-
-MapUpdate MapOf(int rows, int columns) {
-  return {{}, 2.0, OccupancyGrid(rows, columns, Occupancy::kUnknown)};
-}
-
-struct Bench {
-  UpdateLog log;
-  ConsoleState state{log, console::Session()};
-
-  /// Of r1: "1,1 1,2", over all pieces.
-  std::string Trail() const {
-    std::string text;
-    std::uint32_t next = 0;
-    std::map<std::uint32_t, console::Trail> pieces;
-    for (const auto& update : AllOf(log, Kind::kTrail)) {
-      if (update.trail().robot() == "r1") pieces[update.trail().first()] = update.trail();
-    }
-    for (const auto& [first, piece] : pieces) {
-      CHECK(first == next);
-      for (const auto& cell : piece.cells()) {
-        if (!text.empty()) text += ' ';
-        text += std::to_string(cell.row()) + ',' + std::to_string(cell.column());
-        ++next;
-      }
-    }
-    return text;
-  }
-
-  std::vector<console::PictureAnswer> Answers() const {
-    std::map<std::uint64_t, console::PictureAnswer> answers;
-    for (const auto& update : AllOf(log, Kind::kPicture)) {
-      answers[update.picture().sequence_number()] = update.picture().answer();
-    }
-    std::vector<console::PictureAnswer> in_order;
-    for (const auto& [number, answer] : answers) in_order.push_back(answer);
-    return in_order;
-  }
-};
-
-using Answers = std::vector<console::PictureAnswer>;
-
-}  // namespace
 
 TEST_CASE("the session is there from the beginning", "[operator][console]") {
   UpdateLog log;
@@ -86,7 +11,7 @@ TEST_CASE("the session is there from the beginning", "[operator][console]") {
 }
 
 TEST_CASE("a robot appears with its newest state", "[operator][console]") {
-  Bench bench;
+  StateBench bench;
   bench.state.Hear(At(1, {1, 1}), 100.0);
   bench.state.Hear(At(2, {1, 2}), 101.0);
   const auto robot = OnlyOf(bench.log, Kind::kRobot).robot();
@@ -98,7 +23,7 @@ TEST_CASE("a robot appears with its newest state", "[operator][console]") {
 }
 
 TEST_CASE("a world says its time with its size, five times a second", "[operator][console]") {
-  Bench bench;
+  StateBench bench;
   bench.state.Hear(At(1, {1, 1}), 100.0);
   CHECK(AllOf(bench.log, Kind::kWorld).empty());  // its size is not known yet
   bench.state.HearGeometry("w1", MapOf(3, 4));
@@ -115,66 +40,9 @@ TEST_CASE("a world says its time with its size, five times a second", "[operator
   CHECK(OnlyOf(bench.log, Kind::kWorld).world().time() == 4.0);
 }
 
-TEST_CASE("a trail follows the robot cell by cell", "[operator][console]") {
-  Bench bench;
-  bench.state.Hear(At(1, {1, 1}, {{1, 1}}), 0.0);
-  bench.state.Hear(At(2, {1, 2}, {{1, 1}, {1, 2}}), 0.0);
-  const std::uint64_t before = bench.log.sequence();
-  bench.state.Hear(At(3, {1, 2}, {{1, 1}, {1, 2}}), 0.0);
-  CHECK(bench.log.sequence() == before + 1);  // the state, and no trail
-  bench.state.Hear(At(4, {2, 2}, {{1, 1}, {1, 2}, {2, 2}}), 0.0);
-  CHECK(bench.Trail() == "1,1 1,2 2,2");
-}
-
-TEST_CASE("a trail has the cells between two states that were heard", "[operator][console]") {
-  Bench bench;
-  bench.state.Hear(At(1, {1, 1}, {{1, 1}}), 0.0);
-  bench.state.Hear(At(5, {1, 3}, {{1, 1}, {1, 2}, {1, 1}, {1, 2}, {1, 3}}), 0.0);
-  CHECK(bench.Trail() == "1,1 1,2 1,1 1,2 1,3");
-  bench.state.Hear(At(9, {1, 3}, {{1, 1}, {1, 2}, {1, 1}, {1, 2}, {1, 3}, {1, 4}, {1, 3}}), 0.0);
-  CHECK(bench.Trail() == "1,1 1,2 1,1 1,2 1,3 1,4 1,3");
-}
-
-TEST_CASE("a trail goes on behind a picture whose way there was not heard", "[operator][console]") {
-  Bench bench;
-  bench.state.Hear(At(1, {1, 1}, {{1, 1}}), 0.0);
-  RobotState later = At(9, {5, 6}, {{5, 5}, {5, 6}});
-  later.cell_moves = 20;
-  bench.state.Hear(later, 0.0);
-  CHECK(bench.Trail() == "1,1 5,5 5,6");
-}
-
-TEST_CASE("a robot that does not count its moves has a trail, too", "[operator][console]") {
-  Bench bench;
-  const std::vector<std::vector<Cell>> paths{
-      {{1, 1}}, {{1, 1}, {1, 2}, {1, 3}}, {}, {{1, 4}, {1, 5}}};
-  const std::vector<Cell> cells{{1, 1}, {1, 3}, {1, 4}, {1, 5}};
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    RobotState state = At(static_cast<std::int64_t>(i), cells[i], paths[i]);
-    state.cell_moves = 0;
-    bench.state.Hear(state, 0.0);
-  }
-  CHECK(bench.Trail() == "1,1 1,2 1,3 1,4 1,5");
-}
-
-TEST_CASE("a long trail comes in pieces, and only the last one again", "[operator][console]") {
-  Bench bench;
-  std::vector<Cell> path;
-  for (int i = 0; i < 130; ++i) path.push_back({0, i});
-  bench.state.Hear(At(1, path.back(), path), 0.0);
-  CHECK(AllOf(bench.log, Kind::kTrail).size() == 3);
-  const std::uint64_t before = bench.log.sequence();
-  path.push_back({0, 130});
-  bench.state.Hear(At(2, path.back(), path), 0.0);
-  const auto fresh = Parsed(bench.log.After(bench.log.generation(), before, SIZE_MAX));
-  REQUIRE(fresh.size() == 2);
-  CHECK(fresh[0].trail().first() == 128);
-  CHECK(fresh[0].trail().cells_size() == 3);
-}
-
 TEST_CASE("a robot whose time goes back begins anew, with all robots of its world",
           "[operator][console]") {
-  Bench bench;
+  StateBench bench;
   for (const char* robot : {"r1", "r2"}) bench.state.Hear(At(9, {1, 1}, {}, robot), 0.0);
   bench.state.Hear(At(9, {1, 1}, {}, "r3", "w2"), 0.0);
   bench.state.HearSeen("r1", "w1", MapOf(2, 2));
@@ -201,7 +69,7 @@ TEST_CASE("a robot whose time goes back begins anew, with all robots of its worl
 
 TEST_CASE("what the operator made outlives a run, and a map that came before its first state",
           "[operator][console]") {
-  Bench bench;
+  StateBench bench;
   bench.state.Hear(At(9, {1, 1}), 0.0);
   bench.state.HearGeometry("w1", MapOf(3, 4));
   const Belief belief = samples::SampleBelief();
@@ -223,7 +91,7 @@ TEST_CASE("what the operator made outlives a run, and a map that came before its
 }
 
 TEST_CASE("robots with names that begin alike are not mixed up", "[operator][console]") {
-  Bench bench;
+  StateBench bench;
   bench.state.Hear(At(9, {1, 1}, {}, "r1", "w1"), 0.0);
   bench.state.Hear(At(9, {1, 1}, {}, "r10", "w2"), 0.0);
   bench.state.Hear(At(3, {1, 1}, {}, "r1", "w1"), 0.0);
@@ -231,7 +99,7 @@ TEST_CASE("robots with names that begin alike are not mixed up", "[operator][con
 }
 
 TEST_CASE("begun anew, only the session is left", "[operator][console]") {
-  Bench bench;
+  StateBench bench;
   bench.state.Hear(At(9, {1, 1}), 0.0);
   bench.state.Hear(Answering(0));
   bench.state.BeginAnew();
@@ -242,7 +110,7 @@ TEST_CASE("begun anew, only the session is left", "[operator][console]") {
 }
 
 TEST_CASE("what a robot has seen is said when it changes", "[operator][console]") {
-  Bench bench;
+  StateBench bench;
   bench.state.HearSeen("r1", "w1", MapOf(2, 2));
   const std::uint64_t before = bench.log.sequence();
   bench.state.HearSeen("r1", "w1", MapOf(2, 2));
@@ -257,7 +125,7 @@ TEST_CASE("what a robot has seen is said when it changes", "[operator][console]"
 }
 
 TEST_CASE("a belief comes with what it was at first", "[operator][console]") {
-  Bench bench;
+  StateBench bench;
   const Belief belief = samples::SampleBelief();
   bench.state.Hear(belief, BeliefGrid(2, 3, 0.0F));
   const auto message = OnlyOf(bench.log, Kind::kBelief).belief();
@@ -270,7 +138,7 @@ TEST_CASE("a belief comes with what it was at first", "[operator][console]") {
 }
 
 TEST_CASE("truth, plans, goal poses, searches and predictions appear", "[operator][console]") {
-  Bench bench;
+  StateBench bench;
   bench.state.HearTruth("w1", OccupancyGrid(1, 2, Occupancy::kFree));
   bench.state.HearPlan("r1", {2'000'000'000}, {{1, 2}, {1, 3}});
   bench.state.HearGoalPose("r1", {4, 5}, 6.0);
@@ -291,7 +159,7 @@ TEST_CASE("truth, plans, goal poses, searches and predictions appear", "[operato
 }
 
 TEST_CASE("the session learns its method from searches and streams", "[operator][console]") {
-  Bench bench;
+  StateBench bench;
   SearchReport report = samples::SampleReport();
   bench.state.Hear(report);
   CHECK(OnlyOf(bench.log, Kind::kSession).session().method() == "ig-mcts");
@@ -306,76 +174,14 @@ TEST_CASE("the session learns its method from searches and streams", "[operator]
   CHECK(bench.log.sequence() == before);
 }
 
-TEST_CASE("a picture is open until another one comes", "[operator][console]") {
-  Bench bench;
-  bench.state.Hear(PictureOf(1), 100.0);
-  CHECK(bench.Answers() == Answers{console::ANSWER_NONE});
-  bench.state.Hear(PictureOf(2), 101.0);
-  CHECK(bench.Answers() == Answers{console::ANSWER_OUTDATED, console::ANSWER_NONE});
-}
-
-TEST_CASE("guidance that names a picture answers it", "[operator][console]") {
-  Bench bench;
-  bench.state.Hear(PictureOf(1), 100.0);
-  bench.state.Hear(Answering(0));
-  CHECK(bench.Answers() == Answers{console::ANSWER_NONE});
-  bench.state.Hear(Answering(1));
-  const auto picture = OnlyOf(bench.log, Kind::kPicture).picture();
-  CHECK(picture.answer() == console::ANSWER_PATH);
-  CHECK(picture.answered_by() == "simulated_operator");
-  CHECK(picture.heard_at() == 100.0);
-}
-
-TEST_CASE("nothing new answers a picture, too", "[operator][console]") {
-  Bench bench;
-  bench.state.Hear(PictureOf(1), 100.0);
-  bench.state.HearAnswer("r1", 1, "anna/1");
-  CHECK(OnlyOf(bench.log, Kind::kPicture).picture().answer() == console::ANSWER_NOTHING_NEW);
-  CHECK(OnlyOf(bench.log, Kind::kPicture).picture().answered_by() == "anna/1");
-  bench.state.Hear(PictureOf(2), 101.0);
-  CHECK(bench.Answers() == Answers{console::ANSWER_NOTHING_NEW, console::ANSWER_NONE});
-}
-
-TEST_CASE("a picture that comes after its answer is not open", "[operator][console]") {
-  Bench bench;  // the service began anew: stored guidance first, then what robots sent before
-  bench.state.Hear(Answering(2));
-  for (const std::uint64_t number : {1U, 2U, 3U}) bench.state.Hear(PictureOf(number), 0.0);
-  CHECK(bench.Answers() ==
-        Answers{console::ANSWER_OUTDATED, console::ANSWER_PATH, console::ANSWER_NONE});
-}
-
-TEST_CASE("a robot that counts its pictures anew has none answered", "[operator][console]") {
-  Bench bench;
-  bench.state.Hear(Answering(2));
-  bench.state.Hear(At(1, {1, 1}), 0.0);
-  bench.state.Hear(PictureOf(1), 0.0);
-  CHECK(bench.Answers() == Answers{console::ANSWER_NONE});
-}
-
-TEST_CASE("the newest pictures and events are kept", "[operator][console]") {
-  Bench bench;
-  for (std::uint64_t i = 1; i <= ConsoleState::kPicturesKept + 5; ++i) {
-    bench.state.Hear(PictureOf(i), 0.0);
-  }
-  const auto pictures = AllOf(bench.log, Kind::kPicture);
-  CHECK(pictures.size() == ConsoleState::kPicturesKept);
-  CHECK(pictures.front().picture().sequence_number() == 6);
-  for (std::size_t i = 0; i < ConsoleState::kEventsKept + 3; ++i) {
-    bench.state.Hear(console::Event());
-  }
-  const auto events = AllOf(bench.log, Kind::kEvent);
-  CHECK(events.size() == ConsoleState::kEventsKept);
-  CHECK(events.front().event().id() == 4);
-}
-
 TEST_CASE("the attention queue appears", "[operator][console]") {
-  Bench bench;
+  StateBench bench;
   bench.state.Hear(samples::SampleQueue());
   CHECK(OnlyOf(bench.log, Kind::kAttention).attention().items_size() == 2);
 }
 
 TEST_CASE("health is said when it changes, and once a second", "[operator][console]") {
-  Bench bench;
+  StateBench bench;
   const ServiceHealth good{"planner", console::LEVEL_OK, "plans"};
   bench.state.Hear(good, 100.0);
   bench.state.Hear(good, 100.5);
@@ -389,7 +195,7 @@ TEST_CASE("health is said when it changes, and once a second", "[operator][conso
 }
 
 TEST_CASE("presence, control, alerts and playback appear", "[operator][console]") {
-  Bench bench;
+  StateBench bench;
   bench.state.Hear(std::vector<Person>{{"anna/1", "anna", console::ROLE_ADMIN, "r1"}});
   console::Control control;
   control.set_robot("r1");

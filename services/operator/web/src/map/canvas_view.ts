@@ -20,7 +20,7 @@ export function showOn(canvas: HTMLCanvasElement, model: MapModel, hand: Hand): 
       frames.request();
     }),
     () => frames.stop(),
-    watchSize(canvas, model, () => frames.request()),
+    watchSize(canvas, model, () => frames.drawNow()),
     watchTheme(() => {
       palette = readPalette(canvas);
       frames.request();

@@ -46,7 +46,7 @@ export function attachKeyboard(
     if (tool) model.props.peek().onTool(tool);
     else if (key === "+" || key === "=") model.zoom(zoomStep);
     else if (key === "-") model.zoom(1 / zoomStep);
-    else if (key === "0") model.fit();
+    else if (key === "0") model.showAll();
     else if (key === "l") model.layersOpen.value = !model.layersOpen.peek();
     else return false;
     return true;

@@ -15,15 +15,16 @@ const layerTexts: Record<LayerName, string> = {
   goals: "Goals",
   paths: "Paths given",
   goalPoses: "Goal poses",
-  truth: "True map (recordings)",
+  truth: "True map",
 };
 
 export function LayersMenu(props: {
   layers: Layers;
   onLayers: (layers: Layers) => void;
+  hasTruth: boolean;
   open: Signal<boolean>;
 }) {
-  const { layers, onLayers, open } = props;
+  const { layers, onLayers, hasTruth, open } = props;
   const place = useRef<HTMLDivElement>(null);
   useCloseOutside(place, open);
   return (
@@ -45,17 +46,19 @@ export function LayersMenu(props: {
       {open.value && (
         <fieldset class="map-layer-list">
           <legend>Show on the map</legend>
-          {layerNames.map((name) => (
-            <label key={name}>
-              <input
-                type="checkbox"
-                checked={layers[name]}
-                onChange={(event) => onLayers({ ...layers, [name]: event.currentTarget.checked })}
-              />
-              <span class={`map-swatch ${name}`} aria-hidden="true" />
-              {layerTexts[name]}
-            </label>
-          ))}
+          {layerNames
+            .filter((name) => hasTruth || name !== "truth")
+            .map((name) => (
+              <label key={name}>
+                <input
+                  type="checkbox"
+                  checked={layers[name]}
+                  onChange={(event) => onLayers({ ...layers, [name]: event.currentTarget.checked })}
+                />
+                <span class={`map-swatch ${name}`} aria-hidden="true" />
+                {layerTexts[name]}
+              </label>
+            ))}
         </fieldset>
       )}
     </div>

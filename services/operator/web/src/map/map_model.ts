@@ -51,7 +51,7 @@ export class MapModel {
     this.#take(props);
     const { world } = props;
     const view = this.view.peek();
-    if (world.rows !== before.world.rows || world.columns !== before.world.columns) this.fit();
+    if (world.rows !== before.world.rows || world.columns !== before.world.columns) this.showAll();
     if (props.focus && props.focus.counter !== before.focus?.counter && view) {
       this.lookAt(centreOn(view, props.focus.cell));
     }
@@ -61,8 +61,9 @@ export class MapModel {
     this.#takeBelief(props);
     const next = new Map<string, paths.PathSession>();
     for (const one of props.robots) {
-      const { name, cell } = one.robot;
-      if (!cell) continue;
+      const { name } = one.robot;
+      if (!one.robot.cell) continue;
+      const cell = { row: one.robot.cell.row, column: one.robot.cell.column };
       const kept = this.paths.peek().get(name) ?? paths.newPathSession(name, cell);
       const moved = paths.robotMoved(kept, gridOf(props), cell);
       next.set(name, paths.guidanceCame(moved, props.guidance.get(name)?.revision ?? 0n));
@@ -93,7 +94,7 @@ export class MapModel {
     else this.lookAt(resized(view, width, height));
   }
 
-  fit(): void {
+  showAll(): void {
     const view = this.view.peek();
     if (view) this.view.value = fitView(this.props.peek().world, view.width, view.height);
     this.#fitted = true;

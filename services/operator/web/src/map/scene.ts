@@ -120,7 +120,7 @@ function drawChosen(context: Draw, { props, view, palette }: Scene): void {
   if (!picture) return;
   const robot = props.robots.find((one) => one.robot.name === picture.robot);
   const colour = robot?.colour ?? palette.muted;
-  drawChosenPicture(context, view, { picture, colour }, palette);
+  drawChosenPicture(context, view, { size: props.world, picture, colour }, palette);
 }
 
 function pathsOf({ props, paths }: Scene): PathsData {

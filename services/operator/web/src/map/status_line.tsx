@@ -18,13 +18,9 @@ export function StatusLine({ model }: { model: MapModel }) {
   return (
     <div class="map-status">
       <span>{text}</span>
-      <span class="map-unseen" role="status">
-        {aloud}
-      </span>
+      <output class="map-unseen">{aloud}</output>
       <span>{pendingText(model)}</span>
-      <span class="map-note" role="status">
-        {model.note.value?.text}
-      </span>
+      <output class="map-note">{model.note.value?.text}</output>
     </div>
   );
 }

@@ -14,17 +14,22 @@ const tools: readonly { tool: Tool; name: string; key: string; hint: string }[] 
 ];
 
 export function Toolbar({ model }: { model: MapModel }) {
-  const { layers, onLayers } = model.props.value;
+  const { layers, onLayers, truth } = model.props.value;
   return (
     <div class="map-toolbar" role="toolbar" aria-label="Map">
       <ToolButtons model={model} />
       <HistoryButtons model={model} />
       <div class="map-group">
         <Button icon="minus" name="Zoom out" keys="-" onClick={() => model.zoom(1 / zoomStep)} />
-        <Button icon="fit" name="Show all" keys="0" onClick={() => model.fit()} />
+        <Button icon="fit" name="Show all" keys="0" onClick={() => model.showAll()} />
         <Button icon="plus" name="Zoom in" keys="+" onClick={() => model.zoom(zoomStep)} />
       </div>
-      <LayersMenu layers={layers} onLayers={onLayers} open={model.layersOpen} />
+      <LayersMenu
+        layers={layers}
+        onLayers={onLayers}
+        hasTruth={truth !== undefined}
+        open={model.layersOpen}
+      />
     </div>
   );
 }

@@ -14,6 +14,12 @@ export class FrameScheduler {
     });
   }
 
+  /** At once, such as before the first paint in a new size. */
+  drawNow(): void {
+    this.stop();
+    this.#draw();
+  }
+
   stop(): void {
     if (this.#pending !== undefined) cancelAnimationFrame(this.#pending);
     this.#pending = undefined;

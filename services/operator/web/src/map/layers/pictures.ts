@@ -3,7 +3,7 @@ import { PictureAnswer } from "../../protocol/generated/console_pb";
 import { type Draw, isolated } from "../draw/context";
 import type { Palette } from "../draw/palette";
 import { conePath, hatchPath } from "../draw/shapes";
-import { distance } from "../grid";
+import type { GridSize } from "../grid";
 import type { Cell, ChosenPicture, MapRobot } from "../map_props";
 import { cellCentre, cellCorner, type Point, type View } from "../view";
 
@@ -52,13 +52,16 @@ export function findPicture(
 export function drawChosenPicture(
   context: Draw,
   view: View,
-  data: { picture: Picture; colour: string },
+  data: { size: GridSize; picture: Picture; colour: string },
   palette: Palette,
 ): void {
-  const { picture, colour } = data;
+  const { size, picture, colour } = data;
   if (!picture.cell) return;
   const at = cellCentre(view, picture.cell);
   isolated(context, () => {
+    context.beginPath();
+    context.rect(view.x, view.y, size.columns * view.scale, size.rows * view.scale);
+    context.clip();
     drawField(context, view, at, data);
     context.globalAlpha = 1;
     for (const cell of picture.freeCells) drawFreeCell(context, view, cell, colour, palette);
@@ -74,7 +77,7 @@ function drawField(
 ): void {
   const from = picture.cell;
   const far = [...picture.freeCells, ...picture.wallCells].map((cell) =>
-    from ? distance(from, cell) : 0,
+    from ? Math.hypot(cell.row - from.row, cell.column - from.column) : 0,
   );
   const reach = (Math.min(12, Math.max(2, ...far)) + 0.5) * view.scale;
   conePath(context, at, picture.heading, picture.fieldOfView, reach);

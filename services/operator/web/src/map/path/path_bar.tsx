@@ -57,7 +57,7 @@ function PathText(props: { robot: MapRobot; session: PathSession; model: MapMode
   const cells = hasDraft(session) ? session.cells : (given?.path ?? []);
   const known = assess(cells, model.grid, world.cellSize, seen);
   return (
-    <p role="status">
+    <output class="map-path-facts">
       <strong class="map-robot-name">
         <span class="map-dot" style={{ background: robot.colour }} aria-hidden="true" />
         {name}
@@ -65,7 +65,7 @@ function PathText(props: { robot: MapRobot; session: PathSession; model: MapMode
       {stateText(session, cells.length > 1, given?.givenBy)}
       {cells.length > 1 && <KnownText known={known} />}
       {session.refusal && <span class="map-trouble"> Not sent: {session.refusal}.</span>}
-    </p>
+    </output>
   );
 }
 

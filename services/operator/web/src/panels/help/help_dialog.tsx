@@ -2,7 +2,7 @@ import { useConsole } from "../../app/console";
 import { Modal } from "../../app/modal";
 import { RobotMark } from "../../app/robot_mark";
 import { driveHelp, type Group, keyParts, shortcuts } from "../../app/shortcuts";
-import { mapKeys } from "../../map/map_keys";
+import { mapShortcuts as mapKeys } from "../../map/shortcuts";
 import { Mode } from "../../protocol/generated/console_pb";
 import "./help.css";
 

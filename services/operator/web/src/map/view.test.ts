@@ -1,0 +1,109 @@
+import fc from "fast-check";
+import { describe, expect, it } from "vitest";
+import {
+  cellAt,
+  cellCentre,
+  centreOn,
+  fitView,
+  inSight,
+  keepInSight,
+  largestScale,
+  panBy,
+  positionPoint,
+  resized,
+  reveal,
+  rulerSize,
+  smallestScale,
+  visibleRange,
+  zoomAbout,
+} from "./view";
+
+const size = { rows: 13, columns: 21 };
+const start = () => fitView(size, 800, 600);
+
+const views = fc
+  .record({
+    scale: fc.double({ min: smallestScale, max: largestScale, noNaN: true }),
+    x: fc.double({ min: -2000, max: 2000, noNaN: true }),
+    y: fc.double({ min: -2000, max: 2000, noNaN: true }),
+  })
+  .map((at) => ({ ...at, width: 800, height: 600 }));
+
+it("a cell's centre lies in the cell, in every view", () => {
+  fc.assert(
+    fc.property(views, fc.nat(12), fc.nat(20), (view, row, column) => {
+      expect(cellAt(view, cellCentre(view, { row, column }))).toEqual({ row, column });
+    }),
+  );
+});
+
+it("zooming keeps what lies at the point, also at the limits", () => {
+  const point = fc.record({ x: fc.nat(800), y: fc.nat(600) });
+  const factor = fc.double({ min: 0.01, max: 100, noNaN: true });
+  fc.assert(
+    fc.property(views, point, factor, (view, at, by) => {
+      const zoomed = zoomAbout(view, at, by);
+      expect(zoomed.scale).toBeGreaterThanOrEqual(smallestScale);
+      expect(zoomed.scale).toBeLessThanOrEqual(largestScale);
+      expect((at.x - zoomed.x) / zoomed.scale).toBeCloseTo((at.x - view.x) / view.scale, 6);
+      expect((at.y - zoomed.y) / zoomed.scale).toBeCloseTo((at.y - view.y) / view.scale, 6);
+    }),
+  );
+});
+
+it("fitting shows all cells, clear of the rulers, at any size", () => {
+  for (const grid of [size, { rows: 150, columns: 150 }, { rows: 3, columns: 3 }]) {
+    const view = fitView(grid, 800, 600);
+    expect(view.x).toBeGreaterThan(rulerSize);
+    expect(view.y).toBeGreaterThan(rulerSize);
+    expect(view.x + grid.columns * view.scale).toBeLessThanOrEqual(800);
+    expect(view.y + grid.rows * view.scale).toBeLessThanOrEqual(600);
+    expect(visibleRange(view, grid)).toMatchObject({ top: 0, left: 0, bottom: grid.rows - 1 });
+  }
+});
+
+describe("moving", () => {
+  it("keeps some of the grid in sight", () => {
+    for (const [dx, dy] of [
+      [9999, 0],
+      [-9999, 0],
+      [0, 9999],
+      [0, -9999],
+    ] as const) {
+      const { top, bottom, left, right } = visibleRange(
+        keepInSight(panBy(start(), dx, dy), size),
+        size,
+      );
+      expect(bottom).toBeGreaterThanOrEqual(top);
+      expect(right).toBeGreaterThanOrEqual(left);
+    }
+  });
+
+  it("centres a cell", () => {
+    const at = cellCentre(centreOn(start(), { row: 2, column: 3 }), { row: 2, column: 3 });
+    expect(at.x).toBeCloseTo((800 + rulerSize) / 2);
+    expect(at.y).toBeCloseTo((600 + rulerSize) / 2);
+  });
+
+  it("reveals a hidden cell, and leaves the view of a visible one alone", () => {
+    const close = zoomAbout(start(), { x: 400, y: 300 }, 8);
+    const corner = { row: 0, column: 0 };
+    expect(inSight(visibleRange(close, size), corner)).toBe(false);
+    const shown = reveal(close, corner);
+    expect(inSight(visibleRange(shown, size), corner)).toBe(true);
+    expect(reveal(shown, corner)).toEqual(shown);
+  });
+
+  it("keeps the middle when the canvas changes its size", () => {
+    const before = start();
+    const middle = cellAt(before, { x: 400, y: 300 });
+    expect(cellAt(resized(before, 1000, 400), { x: 500, y: 200 })).toEqual(middle);
+  });
+});
+
+it("positions in metres: the origin is the grid's middle, north is up", () => {
+  const view = { scale: 10, x: 0, y: 0, width: 800, height: 600 };
+  const grid = { rows: 4, columns: 6 };
+  expect(positionPoint(view, grid, 2, { x: 0, y: 0 })).toEqual({ x: 30, y: 20 });
+  expect(positionPoint(view, grid, 2, { x: 2, y: 2 })).toEqual({ x: 40, y: 10 });
+});
