@@ -12,7 +12,7 @@ journey("one key stops all robots, and they stand until somebody lets them go", 
 
   await page.press("Shift+Escape");
   for (const robot of both) await page.card(robot).getByText("■ stopped").waitFor();
-  await Promise.all(both.map((robot) => page.stands(robot)));
+  await Promise.all(both.map((robot) => page.comesToRest(robot)));
   const places = both.map((robot) => page.cellOf(robot));
   const steps = both.map((robot) => page.told.robot(robot).lowLevelSteps);
   await stays("stopped robots stand", 2, () =>

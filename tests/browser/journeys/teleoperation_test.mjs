@@ -13,7 +13,8 @@ async function stopsAfter(page, release) {
   await turns(page, asked);
   await release();
   await until("the page asks for a stop", () => page.told.requests("drive").at(-1).body.value.action === stop);
-  await standsStill(page);
+  await page.page.locator(".drive").getByText("stands").waitFor();
+  await page.comesToRest("r1");
   await page.page.keyboard.up("ArrowLeft");
   const now = page.told.requests("drive").length;
   await stays("nothing more is asked for", 0.6, () => page.told.requests("drive").length === now);
@@ -28,28 +29,15 @@ async function turns(page, asked) {
   await page.page.locator(".drive").getByText("← left").waitFor();
 }
 
-async function standsStill(page) {
-  await page.page.locator(".drive").getByText("stands").waitFor();
-  const newest = () => page.told.robot("r1");
-  let before;
-  await until("the robot comes to rest", async () => {
-    const now = `${newest().heading} ${newest().lowLevelSteps}`;
-    const rests = before === now;
-    before = now;
-    return rests;
-  }, { every: 0.8 });
-}
-
 journey("driving stops with the key, with the focus, and with the page", async (scene) => {
   const system = await scene.demo("--robots", "1", "--seed", "7", "--method", "teleop", "--operator", "silent");
   const page = await scene.open(system.url);
   await page.begin();
   await page.reads(/Hold the arrow keys to drive/);
-  await page.page.getByRole("img", { name: "Live view of r1" }).waitFor();
-  await until("frames come", () => page.told.frames > 0);
-  await page.page.locator(".live-view .good").waitFor();
 
   await stopsAfter(page, () => page.page.keyboard.up("ArrowLeft"));
+  await page.page.getByRole("img", { name: "Live view of r1" }).waitFor();
+  assert.ok(page.told.frames > 0, "frames of the live view came");
   await stopsAfter(page, () => page.page.evaluate(() => window.dispatchEvent(new Event("blur"))));
 
   // Without a key nothing is driven; stopping the robot forbids it.
@@ -68,23 +56,19 @@ journey("driving stops when the socket closes, and does not begin again by itsel
   const line = await scene.line(system.url);
   const page = await scene.open(line.url);
   await page.begin();
+  await page.reads(/Hold the arrow keys to drive/);
   await page.page.keyboard.down("ArrowLeft");
   await turns(page, 0);
   line.cut();
   await page.link("lost");
-  const steps = () => witness.told.robot("r1").lowLevelSteps;
   // An action counts for one second of simulation time at most.
-  let before;
-  await until("the robot comes to rest", () => {
-    const rests = before === steps();
-    before = steps();
-    return rests;
-  }, { every: 0.8 });
+  await witness.comesToRest("r1");
+  const { lowLevelSteps } = witness.told.robot("r1");
   line.mend();
   await page.link("live");
   // The key is still down, and keeps repeating nothing: driving begins with a new press only.
   const asked = page.told.requests("drive").length;
-  await stays("the robot stands", 1.5, () => witness.told.robot("r1").lowLevelSteps === before);
+  await stays("the robot stands", 1.5, () => witness.told.robot("r1").lowLevelSteps === lowLevelSteps);
   assert.equal(page.told.requests("drive").length, asked);
   await page.page.keyboard.up("ArrowLeft");
 });

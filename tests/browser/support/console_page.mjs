@@ -86,10 +86,22 @@ export class ConsolePage {
     await until(`${robot} moves on`, () => this.told.robot(robot).cellMoves > before);
   }
 
-  /** Waits until the robot is under no command any more, so that from then on it stands. */
-  async stands(robot) {
-    const running = 1; // CommandOutcome
-    await until(`${robot} ends its command`, () => this.told.robot(robot).outcome !== running);
+  /** Waits until the robot has stood for a moment: what it was about when it was stopped it ends first. */
+  async comesToRest(robot) {
+    const looks = () => {
+      const { cell, heading, lowLevelSteps } = this.told.robot(robot);
+      return `row ${cell.row}, column ${cell.column}, heading ${heading}, ${lowLevelSteps} steps`;
+    };
+    let before = "";
+    await until(
+      `${robot} stands`,
+      () => {
+        const rests = before === looks();
+        before = looks();
+        return rests;
+      },
+      { every: 0.8, now: looks },
+    );
   }
 
   // --- the map ---
@@ -118,6 +130,13 @@ export class ConsolePage {
     const { revision } = this.told.belief();
     await this.draws([cell], tool);
     await until("the edit is confirmed", () => this.told.belief().revision > revision);
+  }
+
+  /** Waits for the map of that revision, and returns it. */
+  async waitsForRevision(revision) {
+    const now = () => this.told.belief().revision;
+    await until(`map revision ${revision}`, () => now() >= revision, { now });
+    return this.told.belief();
   }
 
   /** Makes a wall of a free cell or the other way round; waits until the service has confirmed it. */
