@@ -3,9 +3,11 @@ import { journey } from "../support/journey.mjs";
 import { stays, until } from "../support/wait.mjs";
 
 const both = ["r1", "r2"];
+/** Robots do not wait for anybody. */
+const restless = { first_guidance_timeout_s: 0.2, answer_timeout_s: 0.2 };
 
 journey("one key stops all robots, and they stand until somebody lets them go", async (scene) => {
-  const system = await scene.demo("--robots", "2", "--seed", "7", "--operator", "silent");
+  const system = await scene.services({ robots: 2, planner: restless });
   const page = await scene.open(system.url);
   await page.begin();
   await Promise.all(both.map((robot) => page.moves(robot)));
@@ -51,7 +53,7 @@ journey("a second operator takes over with a reason, which the first one reads",
 const tokens = { observer: "observer-token-0123456789", operator: "operator-token-0123456789" };
 
 journey("an observer sees all and may only stop", async (scene) => {
-  const system = await scene.services({ robots: 1, operator: { console: { tokens } } });
+  const system = await scene.services({ robots: 1, planner: restless, operator: { console: { tokens } } });
   const guide = await scene.open(`${system.url}#token=${tokens.operator}`, { name: "Guide" });
   await guide.begin();
   const watcher = await scene.open(`${system.url}#token=${tokens.observer}`, { name: "Watcher" });

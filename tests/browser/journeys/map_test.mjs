@@ -93,15 +93,20 @@ journey("a path that is drawn for the chosen robot is the way that it takes", as
   assert.equal(page.told.robot("r2").cellMoves, 0n, "nobody let the other one go");
 });
 
-/** Three cells straight on, free on the operator's map and, as far as the robot sees, in truth. */
-function wayFrom(page, { row, column }) {
+/** Three cells, one after the other, free on the operator's map and, as far as the robot sees, in truth. */
+function wayFrom(page, start) {
   const seen = page.told.newest("seen", "r1").cells;
   const { columns } = page.told.newest("world", "w1");
   const isOpen = (cell) => !page.told.isWall(cell) && seen[cell.row * columns + cell.column] === 1;
-  const ways = [[-1, 0], [1, 0], [0, -1], [0, 1]].map(([down, right]) =>
-    [1, 2].map((step) => ({ row: row + step * down, column: column + step * right })),
-  );
-  const found = ways.find((way) => way.every(isOpen));
-  if (found === undefined) throw new Error("no way in sight of the robot");
-  return found;
+  const isNew = (cell, way) => way.every(({ row, column }) => row !== cell.row || column !== cell.column);
+  const steps = ({ row, column }) =>
+    [[-1, 0], [1, 0], [0, -1], [0, 1]].map(([down, right]) => ({ row: row + down, column: column + right }));
+  let ways = [[start]];
+  for (let length = 0; length < 3; length += 1) {
+    ways = ways.flatMap((way) =>
+      steps(way.at(-1)).filter((cell) => isOpen(cell) && isNew(cell, way)).map((cell) => [...way, cell]),
+    );
+  }
+  if (ways.length === 0) throw new Error("no way in sight of the robot");
+  return ways[0].slice(1);
 }

@@ -6,7 +6,7 @@ const first = { row: 1, column: 1 };
 const second = { row: 1, column: 3 };
 
 journey("a killed operator service comes back with all edits, and what waited is done once", async (scene) => {
-  const system = await scene.services({ robots: 1 });
+  const system = await scene.services({ robots: 1, planner: { first_guidance_timeout_s: 0.2 } });
   scene.expectConnectionTrouble();
   const page = await scene.open(system.url);
   await page.begin();
