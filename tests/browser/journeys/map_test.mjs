@@ -67,7 +67,8 @@ journey("an edit on an old map is refused and shown, and can be sent again", asy
 });
 
 journey("a path that is drawn for the chosen robot is the way that it takes", async (scene) => {
-  const system = await scene.services({ robots: 2 });
+  // This method follows paths to the letter; ig-mcts takes them as advice.
+  const system = await scene.services({ robots: 2, planner: { method: "instruction" } });
   const page = await scene.open(system.url, { name: "Ada" });
   await page.dialog(/ready/).getByRole("button", { name: "Close" }).click();
   await page.chooses("r1");

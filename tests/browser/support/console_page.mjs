@@ -111,8 +111,9 @@ export class ConsolePage {
     return this.page.getByRole("application", { name: /^Your map/ });
   }
 
-  /** Puts the pointer on a cell; the status line below the map confirms that it is this one. */
+  /** Puts the pointer on a cell, without leaving the map; the status line confirms that it is this one. */
   async pointAt({ row, column }) {
+    await this.press("0"); // shows all of it
     const { x, y } = await this.#centreOf({ row, column });
     await this.page.mouse.move(x, y);
     await this.page.getByText(`Row ${row}, column ${column}:`).first().waitFor();
@@ -153,9 +154,8 @@ export class ConsolePage {
     await this.page.mouse.up();
   }
 
-  /** Shows all of the map and computes where a cell is then: the grid in the middle of what rulers and margins leave. */
+  /** Where a cell is while all of the map is shown: the grid in the middle of what rulers and margins leave. */
   async #centreOf({ row, column }) {
-    await this.page.getByRole("button", { name: "Show all" }).click();
     const { rows, columns } = this.told.newest("world", "w1");
     const box = await this.map.boundingBox();
     const [ruler, margin] = [24, 8];
