@@ -77,6 +77,7 @@ request two 7 $'GET /livez HTTP/1.1\r\n' "$host" $'\r\nHEAD /readyz HTTP/1.1\r\n
 request picture 0 $'GET /pictures/r1/7.jpg HTTP/1.1\r\n' "$host" $'Authorization: Bearer observer-observer\r\n\r\n'
 request body 0 $'POST / HTTP/1.1\r\n' "$host" $'Content-Length: 5\r\n\r\n12345'
 request chunked 0 $'POST / HTTP/1.1\r\n' "$host" $'Transfer-Encoding: chunked\r\n\r\n3\r\nabc\r\n0\r\n\r\n'
+request chunked_pieces 1 $'GET / HTTP/1.1\r\n' "$host" $'Transfer-Encoding: chunked\r\n\r\n0\r\nabc\r\n0\r\n\r\n'
 request close 0 $'GET /metrics HTTP/1.0\r\n' "$host" $'Connection: close\r\n\r\n'
 request foreign 0 $'GET /ws HTTP/1.1\r\nHost: evil.example\r\nOrigin: http://evil.example\r\n' "$upgrade" $'\r\n'
 request upgrade 1 $'GET /ws HTTP/1.1\r\n' "$host" $'Origin: http://127.0.0.1:8080\r\n' "$upgrade" $'\r\n'

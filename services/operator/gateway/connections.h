@@ -223,10 +223,15 @@ class HttpConnection final : public std::enable_shared_from_this<HttpConnection<
     parser_->header_limit(kHeaderLimit);
     parser_->body_limit(0);
     LimitTime(beast::get_lowest_layer(stream_), kTimeLimit);
-    http::async_read(stream_, buffer_, *parser_,
-                     [self = this->shared_from_this()](ErrorCodeOfAsio failed, std::size_t) {
-                       failed ? self->Complain(failed) : self->Handle();
-                     });
+    // The head only: nothing here takes a body, and Beast of Boost 1.74 may abort on one that comes
+    // in chunks and in pieces.
+    http::async_read_header(stream_, buffer_, *parser_,
+                            [self = this->shared_from_this()](ErrorCodeOfAsio failed, std::size_t) {
+                              if (!failed && !self->parser_->is_done()) {
+                                failed = http::error::unexpected_body;
+                              }
+                              failed ? self->Complain(failed) : self->Handle();
+                            });
   }
 
   /// Says what is wrong with a request to a client that is still there.

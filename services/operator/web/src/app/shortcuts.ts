@@ -70,7 +70,7 @@ export const shortcuts: readonly Shortcut[] = [
   { command: "next robot", keys: ["j"], text: "Next robot", group: "Robots" },
   { command: "previous robot", keys: ["k"], text: "Previous robot", group: "Robots" },
   { command: "centre", keys: ["c"], text: "Centre the map on the chosen robot", group: "Robots" },
-  { command: "workload", keys: ["w"], text: "Show your workload", group: "Page" },
+  { command: "workload", keys: ["u"], text: "Show your workload", group: "Page" },
   { command: "events", keys: ["q"], text: "Show the command log", group: "Page" },
   { command: "theme", keys: ["d"], text: "Dark, light, or as the system", group: "Page" },
   { command: "help", keys: ["?", "F1"], text: "Show this help", group: "Page" },

@@ -1,6 +1,11 @@
 import { create } from "@bufbuild/protobuf";
 import { describe, expect, it } from "vitest";
-import { GuidanceSchema, PictureAnswer, PictureSchema } from "../protocol/generated/console_pb";
+import {
+  GuidanceSchema,
+  PictureAnswer,
+  PictureSchema,
+  WorldSchema,
+} from "../protocol/generated/console_pb";
 import { at, beliefOf, FakePage, robotIn, worldRows } from "./fixtures";
 import { Hand } from "./hand";
 import { MapModel } from "./map_model";
@@ -82,6 +87,23 @@ describe("the brush", () => {
     drag(at(1, 2));
     await settle();
     expect(model.editing.value?.refused?.reason).toBe("revision 3 is old");
+  });
+
+  it("keeps a draft while another world is shown, and sends nothing of it there", async () => {
+    const { page, model, drag, update } = start({ tool: "wall" });
+    page.outcome = { accepted: false, reason: "old" };
+    drag(at(1, 2));
+    drag(at(1, 3));
+    const { world, belief } = page.props;
+    update({ world: create(WorldSchema, { ...world, name: "w2" }), belief: undefined });
+    await settle();
+    expect(page.asked).toHaveLength(1);
+    expect(model.editing.value).toBeUndefined();
+    update({ world, belief });
+    expect(model.editing.value?.refused?.draft.size).toBe(1);
+    expect(model.editing.value?.pending?.id).toBe(2);
+    await settle();
+    expect(page.asked).toHaveLength(2);
   });
 
   it("keeps what could not be sent at all", async () => {

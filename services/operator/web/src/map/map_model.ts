@@ -35,7 +35,9 @@ export class MapModel {
   readonly note = signal<{ text: string } | undefined>(undefined);
 
   #fitted = true;
-  #sentEdit = 0;
+  /** By world: what is drafted in one is kept while another is shown. */
+  #sessions = new Map<string, edits.EditSession>();
+  #sentEdits = new Map<string, number>();
   #sentPaths = new Map<string, number>();
 
   constructor(props: MapProps) {
@@ -50,8 +52,9 @@ export class MapModel {
     this.props.value = props;
     this.#take(props);
     const { world } = props;
+    if (world.name !== before.world.name) this.cursor.value = undefined;
+    if (sizeOf(world) !== sizeOf(before.world)) this.showAll();
     const view = this.view.peek();
-    if (world.rows !== before.world.rows || world.columns !== before.world.columns) this.showAll();
     if (props.focus && props.focus.counter !== before.focus?.counter && view) {
       this.lookAt(centreOn(view, props.focus.cell));
     }
@@ -59,31 +62,30 @@ export class MapModel {
 
   #take(props: MapProps): void {
     this.#takeBelief(props);
-    const next = new Map<string, paths.PathSession>();
+    const before = this.paths.peek();
+    const next = new Map(before);
     for (const one of props.robots) {
       const { name } = one.robot;
       if (!one.robot.cell) continue;
       const cell = { row: one.robot.cell.row, column: one.robot.cell.column };
-      const kept = this.paths.peek().get(name) ?? paths.newPathSession(name, cell);
+      const kept = before.get(name) ?? paths.newPathSession(name, cell);
       const moved = paths.robotMoved(kept, gridOf(props), cell);
       next.set(name, paths.guidanceCame(moved, props.guidance.get(name)?.revision ?? 0n));
     }
-    const before = this.paths.peek();
-    const same =
-      next.size === before.size && [...next].every(([name, path]) => before.get(name) === path);
+    const same = [...next].every(([name, path]) => before.get(name) === path);
     if (!same) this.paths.value = next;
   }
 
   #takeBelief({ belief, world }: MapProps): void {
+    const session = belief && this.#sessions.get(world.name);
+    this.editing.value = session;
     if (!belief) return;
-    const editing = this.editing.peek();
-    const shown = { world: belief.world, revision: belief.revision, walls: belief.walls };
-    if (editing?.walls === belief.walls && editing.revision === belief.revision) return;
-    this.edit((session) =>
-      session
-        ? edits.mapConfirmed(session, shown, world)
-        : edits.newEditSession(shown, { rows: world.rows, columns: world.columns }),
-    );
+    const size = { rows: world.rows, columns: world.columns };
+    const shown = { world: world.name, revision: belief.revision, walls: belief.walls };
+    if (!session) this.#setSession(edits.newEditSession(shown, size));
+    else if (session.walls === belief.walls && session.revision === belief.revision)
+      this.#setSession(session);
+    else this.#setSession(edits.mapConfirmed(session, shown, size));
   }
 
   // --- View ---
@@ -136,21 +138,27 @@ export class MapModel {
     return mayEdit.allowed && this.editing.peek() !== undefined;
   }
 
-  edit(change: (session: edits.EditSession | undefined) => edits.EditSession | undefined): void {
-    const session = change(this.editing.peek());
-    this.editing.value = session;
-    const pending = session?.pending;
-    if (!session || !pending || pending.id === this.#sentEdit) return;
-    this.#sentEdit = pending.id;
-    const { onEdit } = this.props.peek();
-    void answer(onEdit(edits.changesOf(pending.draft, session.size), pending.base)).then(
-      (outcome) => this.change((now) => edits.replied(now, pending.id, outcome)),
-    );
+  /** Of the world shown, if its map has come. */
+  change(change: (session: edits.EditSession) => edits.EditSession): void {
+    const session = this.editing.peek();
+    if (session) this.#setSession(change(session));
   }
 
-  /** Of the session, if there is one. */
-  change(change: (session: edits.EditSession) => edits.EditSession): void {
-    this.edit((session) => session && change(session));
+  /** Requests go to the world shown: those of another wait until it is shown again. */
+  #setSession(session: edits.EditSession): void {
+    const { world, pending } = session;
+    this.#sessions.set(world, session);
+    if (world !== this.props.peek().world.name) return;
+    this.editing.value = session;
+    if (!pending || pending.id === this.#sentEdits.get(world)) return;
+    this.#sentEdits.set(world, pending.id);
+    const { onEdit } = this.props.peek();
+    void answer(onEdit(edits.changesOf(pending.draft, session.size), pending.base)).then(
+      (outcome) => {
+        const now = this.#sessions.get(world);
+        if (now) this.#setSession(edits.replied(now, pending.id, outcome));
+      },
+    );
   }
 
   endStroke(): void {
@@ -190,6 +198,10 @@ export class MapModel {
     if (cells.length === 0 || picture?.robot !== robot) return undefined;
     return picture.answer === PictureAnswer.ANSWER_NONE ? picture.sequenceNumber : undefined;
   }
+}
+
+function sizeOf({ name, rows, columns }: MapProps["world"]): string {
+  return `${name} ${rows} ${columns}`;
 }
 
 function gridOf({ world, belief }: MapProps): WayGrid {
