@@ -91,5 +91,5 @@ function focusText(page) {
 
 /** What a screen reader reads of the cell under the cursor. */
 function spoken(page, text) {
-  return page.page.locator(".map-status [role=status]").getByText(text).waitFor({ state: "attached" });
+  return page.page.locator(".map-status output").filter({ hasText: text }).waitFor({ state: "attached" });
 }
