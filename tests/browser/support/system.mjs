@@ -38,7 +38,7 @@ export class DemoSystem {
   }
 
   logs() {
-    return [this.#demo.log, join(this.#run, "logs/operator.log")];
+    return [this.#demo.log, ...(this.#run === "" ? [] : [join(this.#run, "logs/operator.log")])];
   }
 
   async stop() {
