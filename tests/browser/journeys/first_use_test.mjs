@@ -3,6 +3,7 @@ import { journey } from "../support/journey.mjs";
 import { valueOf } from "../support/protocol.mjs";
 import { until } from "../support/wait.mjs";
 
+const picture = valueOf("AttentionReason", "REASON_PICTURE");
 const nothingNew = valueOf("PictureAnswer", "ANSWER_NOTHING_NEW");
 
 journey("a newcomer guides the robots from the start dialog on", async (scene) => {
@@ -15,7 +16,7 @@ journey("a newcomer guides the robots from the start dialog on", async (scene) =
   await page.button(/You control r1/).waitFor();
   await page.moves("r1");
 
-  const asks = () => page.told.newest("attention")?.items.find(({ newestSnapshot }) => newestSnapshot > 0n);
+  const asks = () => page.told.newest("attention")?.items.find(({ reason }) => reason === picture);
   const { robot } = await until("a robot sends a picture", asks);
   await page.chooses(robot);
   const image = page.page.getByRole("img", { name: new RegExp(`Picture \\d+ of ${robot}`) });

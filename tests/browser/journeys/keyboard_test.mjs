@@ -3,11 +3,14 @@ import { journey } from "../support/journey.mjs";
 import { valueOf } from "../support/protocol.mjs";
 import { until } from "../support/wait.mjs";
 
+const picture = valueOf("AttentionReason", "REASON_PICTURE");
 const nothingNew = valueOf("PictureAnswer", "ANSWER_NOTHING_NEW");
+/** Robots go at once, and then wait for answers as long as it takes. */
+const patient = { first_guidance_timeout_s: 0.2, answer_timeout_s: 600, timeout_clock: "simulation" };
 const farthest = 60; // elements that Tab may pass
 
 journey("everything can be done by the keyboard alone", async (scene) => {
-  const system = await scene.services({ robots: 2 });
+  const system = await scene.services({ robots: 2, planner: patient });
   const page = await scene.open(system.url, { name: "Ada" });
   const press = async (...keys) => {
     for (const key of keys) await page.press(key);
@@ -49,17 +52,17 @@ journey("everything can be done by the keyboard alone", async (scene) => {
   await press("Escape", "v");
 
   // Answers a picture.
-  const asks = () => page.told.newest("attention").items.find(({ newestSnapshot }) => newestSnapshot > 0n);
-  await until("a robot asks about a picture", asks);
+  const asks = () => page.told.newest("attention").items.filter(({ reason }) => reason === picture);
+  await until("a robot asks about a picture", () => asks().length > 0);
   await until("N goes to it", async () => {
     await press("n");
-    const mine = page.told.newest("attention").items.find(({ selectedBy }) => selectedBy === me);
-    return mine !== undefined && mine.newestSnapshot > 0n;
+    return asks().some(({ selectedBy }) => selectedBy === me);
   }, { every: 0.5 });
   await press("x");
   await until("the service has the answer", () =>
     page.told.all("picture").some(({ answer, answeredBy }) => answer === nothingNew && answeredBy === me),
   );
+  await page.reads(/nothing new, by you/);
 
   await press("Shift+Escape");
   for (const robot of ["r1", "r2"]) await page.card(robot).getByText("■ stopped").waitFor();

@@ -82,8 +82,9 @@ export class ConsolePage {
 
   /** Waits until the robot has entered another cell. */
   async moves(robot) {
-    const before = this.told.robot(robot).cellMoves;
-    await until(`${robot} moves on`, () => this.told.robot(robot).cellMoves > before);
+    const moves = () => this.told.robot(robot)?.cellMoves ?? 0n;
+    const before = moves();
+    await until(`${robot} moves on`, () => moves() > before);
   }
 
   /** Waits until the robot has stood for a moment: what it was about when it was stopped it ends first. */

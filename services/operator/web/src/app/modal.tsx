@@ -16,7 +16,10 @@ export function Modal({ title, onClose, toRead = false, children }: Props) {
   const heading = useId();
   useEffect(() => {
     dialog.current?.showModal();
-    if (toRead) dialog.current?.focus();
+    if (toRead) {
+      dialog.current?.focus();
+      dialog.current?.scrollTo(0, 0);
+    }
     return () => dialog.current?.close();
   }, []);
   return (
