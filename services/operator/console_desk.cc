@@ -28,9 +28,9 @@ constexpr double kDriveRefused = 1.0;         // s, round trip
 console::Session SessionOf(const OperatorConfig& config) {
   console::Session session;
   std::set<std::string> worlds;
-  for (const auto& [robot, world] : WorldOfRobot("operator", config.robots)) {
-    session.add_robots(robot);
-    worlds.insert(world);
+  for (const auto& [robot, world] : WorldOfRobot("operator", config.robots)) worlds.insert(world);
+  for (const std::string& entry : config.robots) {  // in the order of the configuration
+    session.add_robots(entry.substr(entry.find('/') + 1));
   }
   for (const std::string& world : worlds) session.add_worlds(world);
   session.set_method(config.method);
