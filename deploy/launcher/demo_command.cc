@@ -135,7 +135,8 @@ void AddSystemOptions(CLI::App& app, DemoOptions& options, std::vector<std::stri
 DemoOptions ParseDemoCommand(int argc, char** argv) {
   CLI::App app{"conav: robots explore a maze that the operator's map shows wrongly", "conav"};
   app.require_subcommand(1);
-  CLI::App* demo = app.add_subcommand("demo", "Run the whole system with a simulated operator");
+  CLI::App* demo = app.add_subcommand(
+      "demo", "Run the whole system, with the operator's console or a simulated operator alone");
   demo->footer(kFooter);
   DemoOptions options;
   std::vector<std::string> run_with;

@@ -107,7 +107,8 @@ ConsoleDesk::ConsoleDesk(bus::Participant& participant, const OperatorConfig& co
     : participant_(participant),
       clock_(clock),
       pictures_(Bytes(config.console.pictures_mib)),
-      state_(updates_, SessionOf(config)) {
+      state_(updates_, SessionOf(config)),
+      predictions_(participant, clock) {
   for (const auto& [robot, world] : WorldOfRobot("operator", config.robots)) {
     robots_.push_back(std::make_unique<RobotLink>(participant, robot, world));
   }
@@ -142,6 +143,7 @@ void ConsoleDesk::HearGeometry(const std::string& world, const MapUpdate& map) {
 }
 
 void ConsoleDesk::Hear(const Belief& belief, const BeliefGrid& initial) {
+  beliefs_[belief.world] = belief;
   state_.Hear(belief, initial);
 }
 
@@ -151,6 +153,7 @@ void ConsoleDesk::Hear(const AttentionQueueState& queue) { state_.Hear(queue); }
 
 std::vector<ConsoleDesk::Asked> ConsoleDesk::Step() {
   for (const auto& robot : robots_) TakeFrom(*robot);
+  TakePredictions();
   std::vector<Asked> asked;
   for (const PageEvent& event : gateway_->Take()) {
     if (auto request = Take(event)) asked.push_back(*std::move(request));
@@ -163,11 +166,7 @@ void ConsoleDesk::TakeFrom(RobotLink& robot) {
   for (const MapUpdate& map : robot.map.TakeValid(kConvert)) {
     state_.HearSeen(robot.name, robot.world, map);
   }
-  for (Picture& picture : robot.snapshot.TakeValid(kConvert)) {
-    if (picture.streamed) continue;
-    state_.Hear(picture, now_s);
-    pictures_.Put(robot.name, picture.sequence_number, std::move(picture.jpeg));
-  }
+  TakePictures(robot, now_s);
   for (const SearchReport& report : robot.search.TakeValid(kConvert)) state_.Hear(report);
   for (const Position& goal : robot.goal_pose.TakeValid(kConvert)) {
     if (!robot.geometry) continue;
@@ -206,6 +205,22 @@ void ConsoleDesk::Hear(const std::map<std::string, ServiceStatus>& services) {
 }
 
 void ConsoleDesk::Hear(const Alert& alert) { state_.Hear(ToConsole(alert)); }
+
+void ConsoleDesk::TakePictures(RobotLink& robot, double now_s) {
+  for (Picture& picture : robot.snapshot.TakeValid(kConvert)) {
+    if (picture.streamed) continue;
+    state_.Hear(picture, now_s);
+    const auto belief = beliefs_.find(robot.world);
+    if (belief != beliefs_.end()) predictions_.Ask(picture, belief->second);
+    pictures_.Put(robot.name, picture.sequence_number, std::move(picture.jpeg));
+  }
+}
+
+void ConsoleDesk::TakePredictions() {
+  for (const Prediction& p : predictions_.Step()) {
+    state_.Hear(p.robot, p.world, p.snapshot, p.belief_revision, p.model, p.answer);
+  }
+}
 
 std::optional<ConsoleDesk::Asked> ConsoleDesk::Take(const PageEvent& event) {
   if (const auto* asked = std::get_if<PageAsked>(&event.body)) {
@@ -282,7 +297,7 @@ std::vector<std::string> ConsoleDesk::TakeGone() {
   return gone;
 }
 
-void ConsoleDesk::Publish(const Health& health) {
+void ConsoleDesk::SetReadiness(const Health& health) {
   nlohmann::ordered_json report;
   report["ready"] = health.level == Health::Level::kOk;
   report["message"] = health.message;
@@ -290,7 +305,6 @@ void ConsoleDesk::Publish(const Health& health) {
   gateway_->SetReadiness(
       {health.level == Health::Level::kOk,
        report.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"});
-  gateway_->Notify();
 }
 
 }  // namespace conav::operators

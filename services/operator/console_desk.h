@@ -18,6 +18,7 @@
 #include "operator/console/console_state.h"
 #include "operator/control/control_desk.h"
 #include "operator/gateway/gateway.h"
+#include "operator/prediction_desk.h"
 #include "operator/service_watch.h"
 
 namespace conav::operators {
@@ -60,7 +61,9 @@ class ConsoleDesk {
   /// Clients whose page has been gone for a while.
   std::vector<std::string> TakeGone();
   /// After everything that one step brought.
-  void Publish(const Health& health);
+  void Publish() { gateway_->Notify(); }
+  /// For /readyz.
+  void SetReadiness(const Health& health);
 
   std::string url() const { return gateway_->url(); }
 
@@ -68,6 +71,8 @@ class ConsoleDesk {
   struct RobotLink;
 
   void TakeFrom(RobotLink& robot);
+  void TakePictures(RobotLink& robot, double now_s);
+  void TakePredictions();
   std::optional<Asked> Take(const PageEvent& event);
 
   bus::Participant& participant_;
@@ -77,6 +82,8 @@ class ConsoleDesk {
   PictureShelf pictures_;
   ConsoleState state_;
   std::vector<std::unique_ptr<RobotLink>> robots_;
+  std::map<std::string, Belief> beliefs_;  // by world
+  PredictionDesk predictions_;
   std::map<std::uint64_t, Person> people_;           // by page
   std::map<std::string, Clock::TimePoint> left_at_;  // by client
   std::unique_ptr<Gateway> gateway_;

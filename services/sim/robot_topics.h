@@ -12,7 +12,7 @@ namespace conav::sim {
 /// The topics of one robot, and what has been published on them.
 ///
 /// Publishes map, state, camera_info, odom and tf before the first command; then whenever they
-/// change. The state is published at least once per second of simulation time, so that its newest
+/// change. The state is published at least twice per second of simulation time, so that its newest
 /// stamp tells others what time it is while the robot waits.
 class RobotTopics {
  public:
