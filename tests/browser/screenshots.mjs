@@ -14,10 +14,26 @@ if (folder === undefined) {
 mkdirSync(folder, { recursive: true });
 
 const restless = { first_guidance_timeout_s: 0.2, answer_timeout_s: 2 };
-const patient = { first_guidance_timeout_s: 0.2, answer_timeout_s: 600, timeout_clock: "simulation" };
-const teleoperation = ["--robots", "1", "--seed", "7", "--method", "teleop", "--operator", "silent"];
+const patient = {
+  first_guidance_timeout_s: 0.2,
+  answer_timeout_s: 600,
+  timeout_clock: "simulation",
+};
+const teleoperation = [
+  "--robots",
+  "1",
+  "--seed",
+  "7",
+  "--method",
+  "teleop",
+  "--operator",
+  "silent",
+];
 
-const states = url === undefined ? [supervision, bothThemes, manyRobots, bigMap, driving, smallScreen] : [asItIs];
+const states =
+  url === undefined
+    ? [supervision, bothThemes, manyRobots, bigMap, driving, smallScreen]
+    : [asItIs];
 for (const state of states) {
   const scene = new Scene(state.name);
   try {
@@ -38,7 +54,8 @@ async function shoot(page, name) {
 }
 
 async function asItIs(scene) {
-  for (const theme of ["dark", "light"]) await shoot(await scene.open(url, { colorScheme: theme }), `now-${theme}`);
+  for (const theme of ["dark", "light"])
+    await shoot(await scene.open(url, { colorScheme: theme }), `now-${theme}`);
 }
 
 /** From the start dialog to a path that answers a picture, and what can go wrong. */
@@ -51,12 +68,21 @@ async function supervision(scene) {
   await shoot(page, "tour");
   await page.button("Leave the tour").click();
 
-  await until("both robots send pictures", () => ["r1", "r2"].every((robot) => page.told.pictures(robot).length > 0));
+  await until("both robots send pictures", () =>
+    ["r1", "r2"].every((robot) => page.told.pictures(robot).length > 0),
+  );
   await page.press("n");
   await page.page.getByRole("img", { name: /^Picture/ }).waitFor();
   await shoot(page, "supervising");
 
-  await page.draws([{ row: 11, column: 1 }, { row: 11, column: 2 }, { row: 11, column: 3 }], "Wall");
+  await page.draws(
+    [
+      { row: 11, column: 1 },
+      { row: 11, column: 2 },
+      { row: 11, column: 3 },
+    ],
+    "Wall",
+  );
   await page.draws([{ row: 1, column: 5 }], "Wall");
   await page.button(/Layers/).click();
   await shoot(page, "editing");
@@ -143,9 +169,20 @@ async function driving(scene) {
 
 async function smallScreen(scene) {
   const system = await scene.services({ robots: 2, planner: restless });
-  for (const [name, width, height] of [["laptop", 1280, 720], ["tablet", 820, 1100], ["phone", 390, 800]]) {
-    const page = await scene.open(system.url, { name: "Ada", viewport: { ...screen, width, height } });
-    await page.dialog(/ready/).getByRole("button", { name: "Close" }).click({ timeout: 2000 }).catch(() => undefined);
+  for (const [name, width, height] of [
+    ["laptop", 1280, 720],
+    ["tablet", 820, 1100],
+    ["phone", 390, 800],
+  ]) {
+    const page = await scene.open(system.url, {
+      name: "Ada",
+      viewport: { ...screen, width, height },
+    });
+    await page
+      .dialog(/ready/)
+      .getByRole("button", { name: "Close" })
+      .click({ timeout: 2000 })
+      .catch(() => undefined);
     await shoot(page, name);
   }
 }

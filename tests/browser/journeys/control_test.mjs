@@ -18,12 +18,17 @@ journey("one key stops all robots, and they stand until somebody lets them go", 
   const places = both.map((robot) => page.cellOf(robot));
   const steps = both.map((robot) => page.told.robot(robot).lowLevelSteps);
   await stays("stopped robots stand", 2, () =>
-    both.every((robot, i) => page.cellOf(robot) === places[i] && page.told.robot(robot).lowLevelSteps === steps[i]),
+    both.every(
+      (robot, i) =>
+        page.cellOf(robot) === places[i] && page.told.robot(robot).lowLevelSteps === steps[i],
+    ),
   );
 
   await page.press("Shift+G");
   await page.card("r1").getByText("■ stopped").waitFor({ state: "hidden" });
-  await until("somebody moves again", () => both.some((robot, i) => page.cellOf(robot) !== places[i]));
+  await until("somebody moves again", () =>
+    both.some((robot, i) => page.cellOf(robot) !== places[i]),
+  );
 });
 
 journey("a second operator takes over with a reason, which the first one reads", async (scene) => {
@@ -40,7 +45,10 @@ journey("a second operator takes over with a reason, which the first one reads",
   await take.click();
   await ben.button(/You control r1/).waitFor();
   await ada.button("Ben controls r1: take over").waitFor();
-  assert.match((await ada.card("r1").locator(".choose").getAttribute("title")) ?? "", /Ada has a phone call/);
+  assert.match(
+    (await ada.card("r1").locator(".choose").getAttribute("title")) ?? "",
+    /Ada has a phone call/,
+  );
 
   // What is Ben's, Ada can only stop.
   await ada.card("r1").getByRole("button", { name: "Stop r1" }).click();
@@ -53,7 +61,11 @@ journey("a second operator takes over with a reason, which the first one reads",
 const tokens = { observer: "observer-token-0123456789", operator: "operator-token-0123456789" };
 
 journey("an observer sees all and may only stop", async (scene) => {
-  const system = await scene.services({ robots: 1, planner: restless, operator: { console: { tokens } } });
+  const system = await scene.services({
+    robots: 1,
+    planner: restless,
+    operator: { console: { tokens } },
+  });
   const guide = await scene.open(`${system.url}#token=${tokens.operator}`, { name: "Guide" });
   await guide.begin();
   const watcher = await scene.open(`${system.url}#token=${tokens.observer}`, { name: "Watcher" });
@@ -73,7 +85,9 @@ journey("an observer sees all and may only stop", async (scene) => {
   await guide.card("r1").getByText("■ stopped").waitFor();
   assert.equal(await watcher.button("Go r1").isDisabled(), true);
   await watcher.press("g");
-  const refused = await until("the service refuses Go", () => watcher.told.replies.find(({ accepted }) => !accepted));
+  const refused = await until("the service refuses Go", () =>
+    watcher.told.replies.find(({ accepted }) => !accepted),
+  );
   assert.match(refused.reason, /observer/);
   assert.equal(guide.told.control("r1").stopped, true);
   assert.equal(guide.told.belief().revision, revision);

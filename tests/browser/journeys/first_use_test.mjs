@@ -1,10 +1,10 @@
 import assert from "node:assert/strict";
 import { journey } from "../support/journey.mjs";
-import { valueOf } from "../support/protocol.mjs";
+import { numberOf } from "../support/protocol.mjs";
 import { until } from "../support/wait.mjs";
 
-const picture = valueOf("AttentionReason", "REASON_PICTURE");
-const nothingNew = valueOf("PictureAnswer", "ANSWER_NOTHING_NEW");
+const picture = numberOf("AttentionReason", "REASON_PICTURE");
+const nothingNew = numberOf("PictureAnswer", "ANSWER_NOTHING_NEW");
 
 journey("a newcomer guides the robots from the start dialog on", async (scene) => {
   const system = await scene.demo("--robots", "2", "--seed", "7");
@@ -31,14 +31,27 @@ journey("a newcomer guides the robots from the start dialog on", async (scene) =
     return picture.answer === nothingNew && picture.answeredBy === page.told.welcome.client;
   });
 
-  // Not one that the robot is about to give up.
+  // Not the one that was just answered, and none that the robot is about to give up.
   await until("another question", () => {
     const { stamp, items } = page.told.newest("attention");
-    return items.find(({ deadline }) => deadline === 0 || deadline > stamp + 4);
+    const isOver = (item) => item.robot === robot && item.newestSnapshot <= sequenceNumber;
+    const isFirm = ({ deadline }) => deadline === 0 || deadline > stamp + 4;
+    return items.length > 0 && items.every((item) => !isOver(item) && isFirm(item));
   });
   await page.press("n");
-  const mine = await until("N turns to what asks next", () =>
-    page.told.newest("attention").items.find(({ selectedBy }) => selectedBy === page.told.welcome.client),
+  const mine = await until(
+    "N turns to what asks next",
+    () =>
+      page.told
+        .newest("attention")
+        .items.find(({ selectedBy }) => selectedBy === page.told.welcome.client),
+    {
+      now: () => [
+        page.told.newest("attention").items,
+        page.told.requests("select"),
+        page.told.replies,
+      ],
+    },
   );
   await page.isChosen(mine.robot);
 });

@@ -1,12 +1,16 @@
 import assert from "node:assert/strict";
 import { journey } from "../support/journey.mjs";
-import { valueOf } from "../support/protocol.mjs";
+import { numberOf } from "../support/protocol.mjs";
 import { until } from "../support/wait.mjs";
 
-const picture = valueOf("AttentionReason", "REASON_PICTURE");
-const nothingNew = valueOf("PictureAnswer", "ANSWER_NOTHING_NEW");
+const picture = numberOf("AttentionReason", "REASON_PICTURE");
+const nothingNew = numberOf("PictureAnswer", "ANSWER_NOTHING_NEW");
 /** Robots go at once, and then wait for answers as long as it takes. */
-const patient = { first_guidance_timeout_s: 0.2, answer_timeout_s: 600, timeout_clock: "simulation" };
+const patient = {
+  first_guidance_timeout_s: 0.2,
+  answer_timeout_s: 600,
+  timeout_clock: "simulation",
+};
 const farthest = 60; // elements that Tab may pass
 
 journey("everything can be done by the keyboard alone", async (scene) => {
@@ -54,13 +58,19 @@ journey("everything can be done by the keyboard alone", async (scene) => {
   // Answers a picture.
   const asks = () => page.told.newest("attention").items.filter(({ reason }) => reason === picture);
   await until("a robot asks about a picture", () => asks().length > 0);
-  await until("N goes to it", async () => {
-    await press("n");
-    return asks().some(({ selectedBy }) => selectedBy === me);
-  }, { every: 0.5 });
+  await until(
+    "N goes to it",
+    async () => {
+      await press("n");
+      return asks().some(({ selectedBy }) => selectedBy === me);
+    },
+    { every: 0.5 },
+  );
   await press("x");
   await until("the service has the answer", () =>
-    page.told.all("picture").some(({ answer, answeredBy }) => answer === nothingNew && answeredBy === me),
+    page.told
+      .all("picture")
+      .some(({ answer, answeredBy }) => answer === nothingNew && answeredBy === me),
   );
   await page.reads(/nothing new, by you/);
 
@@ -80,7 +90,9 @@ async function tabsTo(page, target) {
     await page.press("Tab");
     const outlined = await page.page.evaluate(() => {
       const { outlineStyle, outlineWidth, boxShadow } = getComputedStyle(document.activeElement);
-      return (outlineStyle !== "none" && Number.parseFloat(outlineWidth) > 0) || boxShadow !== "none";
+      return (
+        (outlineStyle !== "none" && Number.parseFloat(outlineWidth) > 0) || boxShadow !== "none"
+      );
     });
     assert.ok(outlined, `the focus can be seen at ${await focusText(page)}`);
     if (await target.evaluate((element) => element === document.activeElement)) return;
@@ -94,5 +106,8 @@ function focusText(page) {
 
 /** What a screen reader reads of the cell under the cursor. */
 function spoken(page, text) {
-  return page.page.locator(".map-status output").filter({ hasText: text }).waitFor({ state: "attached" });
+  return page.page
+    .locator(".map-status output")
+    .filter({ hasText: text })
+    .waitFor({ state: "attached" });
 }

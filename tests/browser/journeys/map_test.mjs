@@ -8,32 +8,35 @@ const cells = [
   { row: 11, column: 3 },
 ];
 
-journey("an edited wall is confirmed, seen by others, and can be undone and done again", async (scene) => {
-  const system = await scene.services({ robots: 1 });
-  const page = await scene.open(system.url, { name: "Ada" });
-  const other = await scene.open(system.url, { name: "Ben" });
-  await page.begin();
-  const before = page.told.belief();
-  for (const cell of cells) assert.match(await page.wordsAbout(cell), /: free on your map/);
+journey(
+  "an edited wall is confirmed, seen by others, and can be undone and done again",
+  async (scene) => {
+    const system = await scene.services({ robots: 1 });
+    const page = await scene.open(system.url, { name: "Ada" });
+    const other = await scene.open(system.url, { name: "Ben" });
+    await page.begin();
+    const before = page.told.belief();
+    for (const cell of cells) assert.match(await page.wordsAbout(cell), /: free on your map/);
 
-  await page.draws(cells, "Wall");
-  const after = await other.waitsForRevision(before.revision + 1n);
-  await page.waitsForRevision(before.revision + 1n);
-  assert.equal(after.editedBy, page.told.welcome.client);
-  for (const cell of cells) {
-    assert.match(await page.wordsAbout(cell), /: wall on your map/);
-    assert.match(await other.wordsAbout(cell), /: wall on your map/);
-  }
-  assert.equal(await page.page.getByText(/not confirmed yet/).count(), 0);
+    await page.draws(cells, "Wall");
+    const after = await other.waitsForRevision(before.revision + 1n);
+    await page.waitsForRevision(before.revision + 1n);
+    assert.equal(after.editedBy, page.told.welcome.client);
+    for (const cell of cells) {
+      assert.match(await page.wordsAbout(cell), /: wall on your map/);
+      assert.match(await other.wordsAbout(cell), /: wall on your map/);
+    }
+    assert.equal(await page.page.getByText(/not confirmed yet/).count(), 0);
 
-  await page.press("Control+z");
-  await other.waitsForRevision(before.revision + 2n);
-  assert.deepEqual(other.told.belief().walls, before.walls);
-  await page.waitsForRevision(before.revision + 2n);
-  await page.press("Control+y");
-  await other.waitsForRevision(before.revision + 3n);
-  assert.deepEqual(other.told.belief().walls, after.walls);
-});
+    await page.press("Control+z");
+    await other.waitsForRevision(before.revision + 2n);
+    assert.deepEqual(other.told.belief().walls, before.walls);
+    await page.waitsForRevision(before.revision + 2n);
+    await page.press("Control+y");
+    await other.waitsForRevision(before.revision + 3n);
+    assert.deepEqual(other.told.belief().walls, after.walls);
+  },
+);
 
 journey("an edit on an old map is refused and shown, and can be sent again", async (scene) => {
   const system = await scene.services({ robots: 1 });
@@ -88,7 +91,9 @@ journey("a path that is drawn for the chosen robot is the way that it takes", as
   await page.press("g");
   for (const cell of way) {
     await until(`r1 comes by ${cell.row},${cell.column}`, () =>
-      page.told.all("trail").some((piece) => piece.robot === "r1" && texts(piece.cells).includes(texts([cell])[0])),
+      page.told
+        .all("trail")
+        .some((piece) => piece.robot === "r1" && texts(piece.cells).includes(texts([cell])[0])),
     );
   }
   assert.equal(page.told.robot("r2").cellMoves, 0n, "nobody let the other one go");
@@ -99,13 +104,21 @@ function wayFrom(page, start) {
   const seen = page.told.newest("seen", "r1").cells;
   const { columns } = page.told.newest("world", "w1");
   const isOpen = (cell) => !page.told.isWall(cell) && seen[cell.row * columns + cell.column] === 1;
-  const isNew = (cell, way) => way.every(({ row, column }) => row !== cell.row || column !== cell.column);
+  const isNew = (cell, way) =>
+    way.every(({ row, column }) => row !== cell.row || column !== cell.column);
   const steps = ({ row, column }) =>
-    [[-1, 0], [1, 0], [0, -1], [0, 1]].map(([down, right]) => ({ row: row + down, column: column + right }));
+    [
+      [-1, 0],
+      [1, 0],
+      [0, -1],
+      [0, 1],
+    ].map(([down, right]) => ({ row: row + down, column: column + right }));
   let ways = [[start]];
   for (let length = 0; length < 3; length += 1) {
     ways = ways.flatMap((way) =>
-      steps(way.at(-1)).filter((cell) => isOpen(cell) && isNew(cell, way)).map((cell) => [...way, cell]),
+      steps(way.at(-1))
+        .filter((cell) => isOpen(cell) && isNew(cell, way))
+        .map((cell) => [...way, cell]),
     );
   }
   if (ways.length === 0) throw new Error("no way in sight of the robot");

@@ -14,9 +14,19 @@ export function writeBigMap(folder) {
       if (isWall(row, column)) pixels[row * side + column] = 0;
     }
   }
-  writeFileSync(join(folder, "big.pgm"), Buffer.concat([Buffer.from(`P5\n${side} ${side}\n255\n`), pixels]));
+  writeFileSync(
+    join(folder, "big.pgm"),
+    Buffer.concat([Buffer.from(`P5\n${side} ${side}\n255\n`), pixels]),
+  );
   const file = join(folder, "big.yaml");
-  const keys = { image: "big.pgm", resolution: 2, origin: [0, 0, 0], negate: 0, occupied_thresh: 0.65, free_thresh: 0.196 };
+  const keys = {
+    image: "big.pgm",
+    resolution: 2,
+    origin: [0, 0, 0],
+    negate: 0,
+    occupied_thresh: 0.65,
+    free_thresh: 0.196,
+  };
   writeFileSync(file, JSON.stringify(keys));
   return file;
 }

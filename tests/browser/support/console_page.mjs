@@ -20,7 +20,6 @@ export class ConsolePage {
     });
   }
 
-
   /** The page shows robots, and the link is live. */
   async hasRobots() {
     await this.page.locator(".fleet-card").first().waitFor();
@@ -42,7 +41,9 @@ export class ConsolePage {
 
   /** In the fleet strip. */
   card(robot) {
-    return this.page.locator(".fleet-card").filter({ has: this.page.getByText(robot, { exact: true }) });
+    return this.page
+      .locator(".fleet-card")
+      .filter({ has: this.page.getByText(robot, { exact: true }) });
   }
 
   panel(name) {
@@ -148,7 +149,10 @@ export class ConsolePage {
 
   /** Takes a tool and draws with the mouse through the middles of cells. */
   async draws([first, ...others], tool) {
-    await this.page.getByRole("toolbar", { name: "Map" }).getByRole("button", { name: tool }).click();
+    await this.page
+      .getByRole("toolbar", { name: "Map" })
+      .getByRole("button", { name: tool })
+      .click();
     await this.pointAt(first);
     await this.page.mouse.down();
     for (const cell of others) await this.pointAt(cell);

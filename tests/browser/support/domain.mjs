@@ -20,7 +20,10 @@ export async function leaseDomain(log) {
     if (spawnSync("flock", ["-n", file("domain"), "true"]).status !== 0) continue;
     // `cat` waits for the end of its input, which comes with ours.
     const command = ["flock", "-n", file("test"), "sh", "-c", "echo kept; exec cat"];
-    const keeper = new Process(`domain ${domain}`, command, { log: `${log}-${domain}`, stdin: "pipe" });
+    const keeper = new Process(`domain ${domain}`, command, {
+      log: `${log}-${domain}`,
+      stdin: "pipe",
+    });
     const kept = await until(`the lock of domain ${domain}`, () => {
       if (keeper.said().includes("kept")) return "yes";
       return keeper.ended === undefined ? undefined : "no";

@@ -32,11 +32,21 @@ export class FastHand {
     this.#name += 1;
     const instance = `fasthand${this.#name}-0123456789`;
     const until = Date.now() / 1000 + 60;
-    const edit = (i) => ({ baseRevision: revision + BigInt(i), cells: [{ cell, wall: i % 2 === 0 }] });
-    const request = (i) => ({ id: BigInt(i + 1), validUntil: until, world: "w1", body: { case: "edit", value: edit(i) } });
+    const edit = (i) => ({
+      baseRevision: revision + BigInt(i),
+      cells: [{ cell, wall: i % 2 === 0 }],
+    });
+    const request = (i) => ({
+      id: BigInt(i + 1),
+      validUntil: until,
+      world: "w1",
+      body: { case: "edit", value: edit(i) },
+    });
     const messages = [
       encodeClient({ case: "hello", value: { name: "Fast hand", instance } }),
-      ...Array.from({ length: times }, (_, i) => encodeClient({ case: "request", value: request(i) })),
+      ...Array.from({ length: times }, (_, i) =>
+        encodeClient({ case: "request", value: request(i) }),
+      ),
     ];
     await this.#page.evaluate(sendAll, {
       url: this.#url,

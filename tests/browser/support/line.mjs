@@ -66,7 +66,10 @@ export class Line {
     near.on("data", (bytes) => far.write(bytes));
     far.on("data", (bytes) => near.write(bytes));
     if (this.#holds) far.pause();
-    for (const [socket, other] of [[near, far], [far, near]]) {
+    for (const [socket, other] of [
+      [near, far],
+      [far, near],
+    ]) {
       socket.on("error", () => undefined);
       socket.on("close", () => {
         this.#pairs.delete(pair);

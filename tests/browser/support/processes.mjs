@@ -69,7 +69,9 @@ export class Process {
     return until(`${this.name} says ${text}`, () => {
       const found = text.exec(said());
       if (found === null && this.ended !== undefined) {
-        throw new Error(`${this.name} ended (${this.ended}) without saying ${text}:\n${this.said().slice(-2000)}`);
+        throw new Error(
+          `${this.name} ended (${this.ended}) without saying ${text}:\n${this.said().slice(-2000)}`,
+        );
       }
       return found ?? undefined;
     });

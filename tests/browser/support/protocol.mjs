@@ -3,7 +3,7 @@ import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
-import { createFileRegistry, fromBinary, toBinary, create } from "@bufbuild/protobuf";
+import { create, createFileRegistry, fromBinary, toBinary } from "@bufbuild/protobuf";
 import { FileDescriptorSetSchema } from "@bufbuild/protobuf/wkt";
 
 const idl = resolve(dirname(fileURLToPath(import.meta.url)), "../../../idl");
@@ -34,8 +34,10 @@ export const decodeClient = (bytes) => fromBinary(client, bytes);
 export const encodeClient = (body) => toBinary(client, create(client, { body }));
 
 /** Of an enumeration: number of `name`. */
-export function valueOf(enumeration, name) {
-  const found = registry.getEnum(`conav.console.${enumeration}`)?.values.find((one) => one.name === name);
+export function numberOf(enumeration, name) {
+  const found = registry
+    .getEnum(`conav.console.${enumeration}`)
+    ?.values.find((one) => one.name === name);
   if (found === undefined) throw new Error(`idl/console.proto has no ${enumeration}.${name}`);
   return found.number;
 }

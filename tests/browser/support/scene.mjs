@@ -1,9 +1,9 @@
+import assert from "node:assert/strict";
 import { mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import assert from "node:assert/strict";
 import { launch } from "./browser.mjs";
-import { connectionTrouble, ConsolePage } from "./console_page.mjs";
+import { ConsolePage, connectionTrouble } from "./console_page.mjs";
 import { Line } from "./line.mjs";
 import { DemoSystem, ServiceSystem } from "./system.mjs";
 
@@ -65,7 +65,10 @@ export class Scene {
 
   /** Without waiting for what it shows. */
   async openOnly(url, { name, browser, ...options } = {}) {
-    const context = await (browser ?? (await this.#launch())).newContext({ viewport: screen, ...options });
+    const context = await (browser ?? (await this.#launch())).newContext({
+      viewport: screen,
+      ...options,
+    });
     if (name) await context.addInitScript((text) => localStorage.setItem("conav.name", text), name);
     const page = new ConsolePage(await context.newPage());
     this.#pages.push(page);
@@ -75,7 +78,9 @@ export class Scene {
 
   checkFaults() {
     const expected = this.expectedFaults ?? /^$/;
-    const faults = this.#pages.flatMap((page) => page.faults).filter((fault) => !expected.test(fault));
+    const faults = this.#pages
+      .flatMap((page) => page.faults)
+      .filter((fault) => !expected.test(fault));
     assert.deepEqual(faults, [], "the browser complains of the page");
   }
 
@@ -94,7 +99,8 @@ export class Scene {
       console.log(`page ${i}: ${path}${faults.map((fault) => `\n  ${fault}`).join("")}`);
     }
     for (const system of this.#systems) {
-      for (const log of system.logs()) console.log(`${log}:\n${readFileSync(log, "utf8").slice(-3000)}`);
+      for (const log of system.logs())
+        console.log(`${log}:\n${readFileSync(log, "utf8").slice(-3000)}`);
     }
   }
 
