@@ -45,8 +45,8 @@ export class Line {
   cut() {
     this.#isCut = true;
     for (const [near, far] of this.#pairs) {
-      near.resetAndDestroy();
-      far.resetAndDestroy();
+      near.destroy();
+      far.destroy();
     }
   }
 

@@ -57,7 +57,8 @@ TEST_CASE("every message of a demo's recording decodes, and says what happened",
   const nlohmann::json belief = topics["/w1/belief"]["last"];
   CHECK(belief["rows"] == 13);
   CHECK(belief["wall_probability"]["length"] == 13 * 13);
-  CHECK(belief["revision"] == topics["/w1/belief"]["count"].get<int>() - 1);
+  // Who is found late gets the newest map, not those before it.
+  CHECK(topics["/w1/belief"]["count"].get<int>() <= belief["revision"].get<int>() + 1);
   // Recorded to the end: a planner says when it leaves.
   CHECK(topics["/conav/planner/lease"]["last"]["leaving"] == true);
 }
@@ -65,7 +66,9 @@ TEST_CASE("every message of a demo's recording decodes, and says what happened",
 TEST_CASE("conav bag finds what others' readers find, and so does the rosbag2 folder that it makes",
           "[recording][system]") {
   const std::string dds = GENERATE("cyclonedds", "fastdds", "mixed");
-  DemoRun demo({"--headless", "--seed", "7", "--camera", "none", "--robots", "2", "--dds", dds});
+  // Long enough that the recorder is found by all: what is not latched is not sent to it before.
+  DemoRun demo({"--headless", "--seed", "7", "--camera", "none", "--robots", "2", "--dds", dds,
+                "--speed", "20"});
   EndsWell(demo);
   const auto recording = RecordingOf(demo);
   const auto folder = demo.RunFolder() / "bag";
