@@ -1,5 +1,6 @@
 // Pointer and wheel on the canvas.
 
+import type { PanKey } from "./cursor_keys";
 import { contains } from "./grid";
 import type { Hand } from "./hand";
 import { markRadius } from "./layers/lanes";
@@ -16,92 +17,107 @@ export function attachPointer(
   canvas: HTMLCanvasElement,
   model: MapModel,
   hand: Hand,
-  panKey: { held: boolean; used: boolean },
+  panKey: PanKey,
 ): () => void {
   const ended = new AbortController();
   const { signal } = ended;
-  let drag: Drag | undefined;
-
-  canvas.addEventListener("pointerdown", down, { signal });
-  canvas.addEventListener("pointermove", move, { signal });
-  canvas.addEventListener("pointerup", up, { signal });
-  canvas.addEventListener("pointercancel", cancel, { signal });
-  canvas.addEventListener("pointerleave", leave, { signal });
-  canvas.addEventListener("dblclick", double, { signal });
-  canvas.addEventListener("wheel", wheel, { signal, passive: false });
+  const pointer = new Pointer(canvas, model, hand, panKey);
+  canvas.addEventListener("pointerdown", (event) => pointer.down(event), { signal });
+  canvas.addEventListener("pointermove", (event) => pointer.move(event), { signal });
+  canvas.addEventListener("pointerup", () => pointer.up(), { signal });
+  canvas.addEventListener("pointercancel", () => pointer.cancel(), { signal });
+  canvas.addEventListener("pointerleave", () => pointer.leave(), { signal });
+  canvas.addEventListener("dblclick", (event) => pointer.double(event), { signal });
+  canvas.addEventListener("wheel", (event) => pointer.wheel(event), { signal, passive: false });
   return () => ended.abort();
+}
 
-  function pointOf(event: MouseEvent): Point {
-    return { x: event.offsetX, y: event.offsetY };
+class Pointer {
+  readonly #canvas: HTMLCanvasElement;
+  readonly #model: MapModel;
+  readonly #hand: Hand;
+  readonly #panKey: PanKey;
+  #drag: Drag | undefined;
+
+  constructor(canvas: HTMLCanvasElement, model: MapModel, hand: Hand, panKey: PanKey) {
+    this.#canvas = canvas;
+    this.#model = model;
+    this.#hand = hand;
+    this.#panKey = panKey;
   }
 
-  function down(event: PointerEvent): void {
-    const view = model.view.peek();
-    if (!view || drag || event.button > 1) return;
+  down(event: PointerEvent): void {
+    const view = this.#model.view.peek();
+    if (!view || this.#drag || event.button > 1) return;
     if (event.button === 1) event.preventDefault();
-    canvas.setPointerCapture(event.pointerId);
+    this.#canvas.setPointerCapture(event.pointerId);
     const at = pointOf(event);
     const cell = cellAt(view, at);
-    const robot = robotAt(model, at);
-    model.byKeyboard.value = false;
-    if (contains(model.props.peek().world, cell)) model.cursor.value = cell;
-    const pans = event.button === 1 || panKey.held;
-    if (pans || model.props.peek().tool === "look") {
-      panKey.used = true;
-      drag = { kind: "pan", last: at, moved: 0, robot: pans ? undefined : robot };
+    const robot = robotAt(this.#model, at);
+    this.#model.byKeyboard.value = false;
+    if (contains(this.#model.props.peek().world, cell)) this.#model.cursor.value = cell;
+    const pans = event.button === 1 || this.#panKey.held;
+    if (pans || this.#model.props.peek().tool === "look") {
+      this.#panKey.used = true;
+      this.#drag = { kind: "pan", last: at, moved: 0, robot: pans ? undefined : robot };
     } else {
-      drag = { kind: "hand" };
-      hand.press(cell, { erase: event.shiftKey }, robot);
+      this.#drag = { kind: "hand" };
+      this.#hand.press(cell, { erase: event.shiftKey }, robot);
     }
   }
 
-  function move(event: PointerEvent): void {
-    const view = model.view.peek();
+  move(event: PointerEvent): void {
+    const view = this.#model.view.peek();
     if (!view) return;
     const at = pointOf(event);
-    hover(cellAt(view, at));
-    if (drag?.kind === "hand") hand.drag(cellAt(view, at));
-    if (drag?.kind !== "pan") return;
-    drag.moved += Math.hypot(at.x - drag.last.x, at.y - drag.last.y);
-    if (drag.moved > 3) model.lookAt(panBy(view, at.x - drag.last.x, at.y - drag.last.y));
-    drag.last = at;
+    this.#hover(cellAt(view, at));
+    if (this.#drag?.kind === "hand") this.#hand.drag(cellAt(view, at));
+    if (this.#drag?.kind !== "pan") return;
+    this.#drag.moved += Math.hypot(at.x - this.#drag.last.x, at.y - this.#drag.last.y);
+    if (this.#drag.moved > 3)
+      this.#model.lookAt(panBy(view, at.x - this.#drag.last.x, at.y - this.#drag.last.y));
+    this.#drag.last = at;
   }
 
-  function hover(cell: { row: number; column: number }): void {
-    const before = model.hover.peek();
+  #hover(cell: { row: number; column: number }): void {
+    const before = this.#model.hover.peek();
     if (before?.row === cell.row && before.column === cell.column) return;
-    model.hover.value = contains(model.props.peek().world, cell) ? cell : undefined;
+    this.#model.hover.value = contains(this.#model.props.peek().world, cell) ? cell : undefined;
   }
 
-  function up(): void {
-    const done = drag;
-    drag = undefined;
-    if (done?.kind === "hand") hand.release();
+  up(): void {
+    const done = this.#drag;
+    this.#drag = undefined;
+    if (done?.kind === "hand") this.#hand.release();
     if (done?.kind === "pan" && done.moved <= 3 && done.robot !== undefined) {
-      model.props.peek().onChooseRobot(done.robot);
+      this.#model.props.peek().onChooseRobot(done.robot);
     }
   }
 
-  function cancel(): void {
-    if (drag?.kind === "hand") hand.cancel();
-    drag = undefined;
+  cancel(): void {
+    if (this.#drag?.kind === "hand") this.#hand.cancel();
+    this.#drag = undefined;
   }
 
-  function leave(): void {
-    model.hover.value = undefined;
+  leave(): void {
+    this.#model.hover.value = undefined;
   }
 
-  function double(event: MouseEvent): void {
-    const view = model.view.peek();
-    if (view) hand.doublePress(cellAt(view, pointOf(event)));
+  double(event: MouseEvent): void {
+    const view = this.#model.view.peek();
+    if (view) this.#hand.doublePress(cellAt(view, pointOf(event)));
   }
 
-  function wheel(event: WheelEvent): void {
+  wheel(event: WheelEvent): void {
     event.preventDefault();
     const lines = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 16 : 1;
     const strength = event.ctrlKey ? 0.01 : 0.0015;
-    model.zoom(Math.exp(-event.deltaY * lines * strength), pointOf(event));
+    this.#model.zoom(Math.exp(-event.deltaY * lines * strength), pointOf(event));
   }
+}
+
+function pointOf(event: MouseEvent): Point {
+  return { x: event.offsetX, y: event.offsetY };
 }
 
 /** The robot whose mark is at the point; the one that is drawn last when several are. */

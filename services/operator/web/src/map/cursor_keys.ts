@@ -1,0 +1,124 @@
+// Keys of the cell cursor, while the canvas has the focus.
+import { clampCell } from "./grid";
+import type { Hand } from "./hand";
+import type { MapModel } from "./map_model";
+import type { Cell } from "./map_props";
+import { hasPathDraft } from "./page_keys";
+import { cellAt, panBy } from "./view";
+
+const arrows: ReadonlyMap<string, Cell> = new Map([
+  ["ArrowUp", { row: -1, column: 0 }],
+  ["ArrowDown", { row: 1, column: 0 }],
+  ["ArrowLeft", { row: 0, column: -1 }],
+  ["ArrowRight", { row: 0, column: 1 }],
+]);
+
+/** The key that pans while it is held, and uses the tool when it was only pressed. */
+export interface PanKey {
+  held: boolean;
+  used: boolean;
+}
+
+export class CursorKeys {
+  readonly #model: MapModel;
+  readonly #hand: Hand;
+  readonly #panKey: PanKey;
+
+  constructor(model: MapModel, hand: Hand, panKey: PanKey) {
+    this.#model = model;
+    this.#hand = hand;
+    this.#panKey = panKey;
+  }
+
+  /** Whether it was one of them. */
+  press(event: KeyboardEvent): boolean {
+    const by = arrows.get(event.key);
+    if (by && event.shiftKey) this.#pan(by);
+    else if (by)
+      this.#moveTo((cell) => ({ row: cell.row + by.row, column: cell.column + by.column }));
+    else if (event.key === "Home") this.#moveTo((cell) => homeOf(cell, event.ctrlKey));
+    else if (event.key === "End") this.#moveTo((cell) => this.#endOf(cell, event.ctrlKey));
+    else if (event.key === " ") this.#panKey.held = true;
+    else if (event.key === "Enter") this.#enter(event.shiftKey);
+    else if (event.key === "Delete" || event.key === "Backspace") this.#remove();
+    else return false;
+    return true;
+  }
+
+  release(event: KeyboardEvent): void {
+    if (event.key !== " " || !this.#panKey.held) return;
+    if (!this.#panKey.used) this.#apply(event.shiftKey);
+    this.#panKey.held = false;
+    this.#panKey.used = false;
+  }
+
+  leave(): void {
+    this.#panKey.held = false;
+    this.#model.byKeyboard.value = false;
+  }
+
+  #pan(by: Cell): void {
+    const view = this.#model.view.peek();
+    if (view) this.#model.lookAt(panBy(view, -60 * by.column, -60 * by.row));
+  }
+
+  /** The first key only shows where the cursor is. */
+  #moveTo(target: (cell: Cell) => Cell): void {
+    const { world } = this.#model.props.peek();
+    const cursor = this.#model.cursor.peek();
+    const shown = this.#model.byKeyboard.peek() && cursor !== undefined;
+    const from = cursor ?? this.#startCell();
+    this.#model.moveCursor(clampCell(world, shown ? target(from) : from));
+  }
+
+  /** In the chosen robot's cell, or in the middle of what is in sight. */
+  #startCell(): Cell {
+    const { robots, chosenRobot } = this.#model.props.peek();
+    const robot = robots.find((one) => one.robot.name === chosenRobot)?.robot.cell;
+    const view = this.#model.view.peek();
+    if (robot || !view) return robot ?? { row: 0, column: 0 };
+    return cellAt(view, { x: view.width / 2, y: view.height / 2 });
+  }
+
+  #endOf(cell: Cell, all: boolean): Cell {
+    const { rows, columns } = this.#model.props.peek().world;
+    return { row: all ? rows - 1 : cell.row, column: columns - 1 };
+  }
+
+  #enter(shift: boolean): void {
+    if (this.#model.props.peek().tool === "path" && hasPathDraft(this.#model)) this.#hand.send();
+    else this.#apply(shift);
+  }
+
+  #apply(shift: boolean): void {
+    const cursor = this.#model.cursor.peek();
+    if (!cursor || !this.#model.byKeyboard.peek()) {
+      this.#moveTo((cell) => cell);
+      return;
+    }
+    if (this.#model.props.peek().tool === "look") this.#chooseRobotIn(cursor);
+    else this.#hand.apply(cursor, { erase: shift });
+  }
+
+  #chooseRobotIn(cell: Cell): void {
+    const { robots, onChooseRobot } = this.#model.props.peek();
+    const here = robots.find(
+      ({ robot }) => robot.cell?.row === cell.row && robot.cell.column === cell.column,
+    );
+    if (here) onChooseRobot(here.robot.name);
+  }
+
+  #remove(): void {
+    if (this.#model.props.peek().tool !== "path") return;
+    const cursor = this.#model.cursor.peek();
+    const session = this.#model.paths.peek().get(this.#model.props.peek().chosenRobot ?? "");
+    const onPath = session?.cells.some(
+      (cell) => cell.row === cursor?.row && cell.column === cursor.column,
+    );
+    this.#hand.removeVertex(onPath ? cursor : undefined);
+  }
+}
+
+function homeOf(cell: Cell, all: boolean): Cell {
+  return { row: all ? 0 : cell.row, column: 0 };
+}

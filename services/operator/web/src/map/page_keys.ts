@@ -1,0 +1,58 @@
+// Keys of the tools, anywhere on the page.
+import { redo, undo } from "./edit/edit_session";
+import type { Hand } from "./hand";
+import type { MapModel } from "./map_model";
+import { hasDraft } from "./path/path_session";
+import { toolKeys } from "./shortcuts";
+
+export const zoomStep = 1.3;
+
+export class PageKeys {
+  readonly #model: MapModel;
+  readonly #hand: Hand;
+
+  constructor(model: MapModel, hand: Hand) {
+    this.#model = model;
+    this.#hand = hand;
+  }
+
+  /** Whether it was one of them. */
+  press(event: KeyboardEvent): boolean {
+    const key = event.key.toLowerCase();
+    if (event.altKey) return false;
+    if (event.ctrlKey || event.metaKey) return this.#historyPressed(key, event.shiftKey);
+    if (event.key === "Escape" && !event.shiftKey) return this.#escapePressed();
+    const tool = event.shiftKey ? undefined : toolKeys.get(key);
+    if (tool) this.#model.props.peek().onTool(tool);
+    else if (key === "+" || key === "=") this.#model.zoom(zoomStep);
+    else if (key === "-") this.#model.zoom(1 / zoomStep);
+    else if (key === "0") this.#model.showAll();
+    else if (key === "l") this.#model.layersOpen.value = !this.#model.layersOpen.peek();
+    else return false;
+    return true;
+  }
+
+  #historyPressed(key: string, shift: boolean): boolean {
+    const backwards = key === "z" && !shift;
+    if (!backwards && key !== "y" && !(key === "z" && shift)) return false;
+    if (this.#model.mayEdit()) this.#model.change(backwards ? undo : redo);
+    return true;
+  }
+
+  /** First what is being drawn, then the draft, then the tool. */
+  #escapePressed(): boolean {
+    const { tool, onTool } = this.#model.props.peek();
+    if (this.#model.layersOpen.peek()) return false; // the menu closes
+    if (this.#hand.busy) this.#hand.cancel();
+    else if (hasPathDraft(this.#model)) this.#hand.leave();
+    else if (tool !== "look") onTool("look");
+    else return false;
+    return true;
+  }
+}
+
+/** Whether a path of the chosen robot is drawn and not sent. */
+export function hasPathDraft(model: MapModel): boolean {
+  const session = model.paths.peek().get(model.props.peek().chosenRobot ?? "");
+  return session !== undefined && hasDraft(session);
+}
