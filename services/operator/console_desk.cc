@@ -104,8 +104,7 @@ struct ConsoleDesk::RobotLink {
 
 ConsoleDesk::ConsoleDesk(bus::Participant& participant, const OperatorConfig& config,
                          const Clock& clock)
-    : participant_(participant),
-      clock_(clock),
+    : clock_(clock),
       pictures_(Bytes(config.console.pictures_mib)),
       state_(updates_, SessionOf(config)),
       predictions_(participant, clock) {
@@ -233,7 +232,7 @@ std::optional<ConsoleDesk::Asked> ConsoleDesk::Take(const PageEvent& event) {
     return std::nullopt;
   }
   if (std::holds_alternative<PageJoined>(event.body)) {
-    people_[event.page] = {event.who.client, event.who.name, event.who.role, ""};
+    people_[event.page] = {event.who.client, event.who.name, event.who.role};
   } else if (std::holds_alternative<PageLeft>(event.body)) {
     people_.erase(event.page);
     left_at_[event.who.client] = clock_.Now();

@@ -75,7 +75,6 @@ class ConsoleDesk {
   void TakePredictions();
   std::optional<Asked> Take(const PageEvent& event);
 
-  bus::Participant& participant_;
   const Clock& clock_;
   UpdateLog updates_;
   FrameSlots frames_;

@@ -20,7 +20,7 @@ struct BeliefStoreOptions {
 };
 
 /// The one truth about what the operator believes and wants: the belief map of each world, the
-/// guidance of each robot, and every request that was answered.
+/// guidance of each robot, which robots are stopped, the alerts, and every request that was answered.
 ///
 /// Whatever Handle() acknowledges is on disk before it returns, together with its reply: opening
 /// the same file again gives back the same beliefs, guidance, revisions and replies, also after a

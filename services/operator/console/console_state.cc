@@ -317,7 +317,6 @@ void ConsoleState::Hear(const std::vector<Person>& people) {
     to->set_client(person.client);
     to->set_name(person.name);
     to->set_role(person.role);
-    to->set_robot(person.robot);
   }
   log_.Put("presence", std::move(update));
 }

@@ -26,7 +26,6 @@ struct Person {
   std::string client;
   std::string name;
   console::Role role = console::ROLE_OBSERVER;
-  std::string robot;  // that they work on
   bool operator==(const Person&) const = default;
 };
 

@@ -75,7 +75,7 @@ TEST_CASE("what the operator made outlives a run, and a map that came before its
   const Belief belief = samples::SampleBelief();
   bench.state.Hear(belief, belief.wall_probability);
   bench.state.Hear(Answering(0));
-  bench.state.Hear(std::vector<Person>{{"anna/1", "anna", console::ROLE_OPERATOR, ""}});
+  bench.state.Hear(std::vector<Person>{{"anna/1", "anna", console::ROLE_OPERATOR}});
   bench.state.Hear(console::Event());
   bench.state.Hear(console::Alert());
 
@@ -196,7 +196,7 @@ TEST_CASE("health is said when it changes, and once a second", "[operator][conso
 
 TEST_CASE("presence, control, alerts and playback appear", "[operator][console]") {
   StateBench bench;
-  bench.state.Hear(std::vector<Person>{{"anna/1", "anna", console::ROLE_ADMIN, "r1"}});
+  bench.state.Hear(std::vector<Person>{{"anna/1", "anna", console::ROLE_ADMIN}});
   console::Control control;
   control.set_robot("r1");
   control.set_stopped(true);
@@ -214,7 +214,6 @@ TEST_CASE("presence, control, alerts and playback appear", "[operator][console]"
   CHECK(person.client() == "anna/1");
   CHECK(person.name() == "anna");
   CHECK(person.role() == console::ROLE_ADMIN);
-  CHECK(person.robot() == "r1");
   CHECK(OnlyOf(bench.log, Kind::kControl).control().stopped());
   CHECK(OnlyOf(bench.log, Kind::kAlert).alert().count() == 2);
   CHECK(OnlyOf(bench.log, Kind::kPlayback).playback().position() == 4.0);

@@ -80,9 +80,9 @@ function People() {
   const { store } = useConsole();
   const { presence, welcome } = store.state.value;
   const people = presence?.people ?? [];
-  const names = people.map(({ client, name, role, robot }) => {
+  const names = people.map(({ client, name, role }) => {
     const me = client === welcome?.client ? " (you)" : "";
-    return `${name}${me}, ${roleText(role)}${robot && `, at ${robot}`}`;
+    return `${name}${me}, ${roleText(role)}`;
   });
   return (
     <span class="item end" title={names.join("\n")}>
