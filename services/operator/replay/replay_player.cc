@@ -119,7 +119,7 @@ void ReplayPlayer::Hear(std::vector<Person> people) {
 
 void ReplayPlayer::BeginAnew() {
   state_.BeginAnew();
-  state_.Hear(people_);
+  if (!people_.empty()) state_.Hear(people_);
   next_ = 0;
   states_.clear();
   pictures_.clear();
