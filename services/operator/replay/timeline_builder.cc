@@ -45,7 +45,11 @@ TimelineBuilder::TimelineBuilder(console::Session session) {
 
 void TimelineBuilder::MoveTo(double wall_s) {
   if (!first_wall_s_) first_wall_s_ = wall_s;
-  position_s_ = std::max(position_s_, wall_s - *first_wall_s_);
+  Follow(wall_s);
+}
+
+void TimelineBuilder::Follow(double wall_s) {
+  if (first_wall_s_) position_s_ = std::max(position_s_, wall_s - *first_wall_s_);
 }
 
 void TimelineBuilder::MoveWith(const RobotState& state) {
@@ -217,7 +221,7 @@ void TimelineBuilder::HearFrame(double wall_s, StreamFrame frame) {
 }
 
 void TimelineBuilder::Hear(double wall_s, AttentionQueueState queue) {
-  MoveTo(wall_s);
+  Follow(wall_s);
   items_ = queue.items;
   Add("attention", true, std::move(queue));
   LookForAlerts(wall_s);
@@ -238,7 +242,7 @@ void TimelineBuilder::Hear(double wall_s, HoldOrder order) {
 }
 
 void TimelineBuilder::Hear(double wall_s, ServiceHealth health) {
-  MoveTo(wall_s);
+  Follow(wall_s);
   processes_[health.name] = {health, wall_s};
   const std::string group = "health/" + health.name;
   Add(group, true, std::move(health));
@@ -273,14 +277,14 @@ void TimelineBuilder::LookForAlerts(double wall_s) {
 }
 
 void TimelineBuilder::Hear(double wall_s, OperatorRequest request) {
-  MoveTo(wall_s);
+  Follow(wall_s);
   if (std::holds_alternative<DriveRequest>(request.body)) return;
   RequestKey key{request.client, request.request_id};
   if (!answered_.contains(key)) requests_.emplace(std::move(key), std::move(request));
 }
 
 void TimelineBuilder::Hear(double wall_s, const OperatorReply& reply) {
-  MoveTo(wall_s);
+  Follow(wall_s);
   const RequestKey key{reply.client, reply.request_id};
   const auto found = requests_.find(key);
   if (found == requests_.end()) return;

@@ -19,6 +19,7 @@ namespace conav::operators {
 /// Makes a timeline of what was said, in the order in which it was recorded, and of what the
 /// operator service concluded from it and did not say on the bus: the command log and the alerts.
 ///
+/// It begins with the first thing of a world or a robot, behind the start of the processes.
 /// Positions go on with the wall time of the recording; where simulation time went on quicker, as in
 /// a run without a page, with that: it is played as quickly as the robots believed to move.
 /// `wall_s`: s since 1970, when it was recorded.
@@ -77,6 +78,8 @@ class TimelineBuilder {
   };
 
   void MoveTo(double wall_s);
+  /// The same, but it does not begin the recording.
+  void Follow(double wall_s);
   void MoveWith(const RobotState& state);
   std::size_t Add(Heard heard);
   /// `replaceable`: void as soon as the next one of `group` is heard.

@@ -122,6 +122,7 @@ TEST_CASE("what was heard is as old as at that place of the recording", "[operat
 
 TEST_CASE("alerts are as old as at that place of the recording", "[operator][replay]") {
   TimelineBuilder builder(SessionOfOne());
+  builder.Hear(kBegin, BeliefOf(0, 0.0F));
   builder.Hear(kBegin, ServiceHealth{"sim", console::LEVEL_OK, ""});
   builder.Hear(kBegin + 1.0, ServiceHealth{"sim", console::LEVEL_ERROR, "no camera"});
   builder.Hear(kBegin + 4.0, ServiceHealth{"sim", console::LEVEL_ERROR, "no camera"});

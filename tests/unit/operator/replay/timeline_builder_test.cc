@@ -116,6 +116,7 @@ TEST_CASE("a world that begins anew goes on behind what was", "[operator][replay
 TEST_CASE("processes that fail, fall silent or come back are alerts", "[operator][replay]") {
   Builder bench;
   const auto sim = [](console::Level level) { return ServiceHealth{"sim", level, "no camera"}; };
+  bench.builder.Hear(kBegin, BeliefOf(0, 0.0F));
   bench.builder.Hear(kBegin, sim(console::LEVEL_OK));
   bench.builder.Hear(kBegin + 1.0, sim(console::LEVEL_ERROR));
   bench.builder.Hear(kBegin + 2.0, sim(console::LEVEL_ERROR));
@@ -127,6 +128,17 @@ TEST_CASE("processes that fail, fall silent or come back are alerts", "[operator
   CHECK(run.marks[0].position() == 1.0);
   CHECK(run.marks[1].text() == "sim is silent");
   CHECK(run.marks[1].position() == 9.0);
+}
+
+TEST_CASE("a run begins with its world, not with the start of its processes",
+          "[operator][replay]") {
+  Builder bench;
+  bench.builder.Hear(kBegin, ServiceHealth{"sim", console::LEVEL_OK, "starts"});
+  bench.builder.Hear(kBegin + 3.0, BeliefOf(0, 0.0F));
+  bench.builder.Hear(kBegin + 4.0, ServiceHealth{"sim", console::LEVEL_OK, "runs"});
+  const Timeline run = bench.Finish();
+  CHECK(run.moments[1].position_s == 0.0);
+  CHECK(run.duration_s == 1.0);
 }
 
 TEST_CASE("a link that the attention queue tells lost is an alert", "[operator][replay]") {
