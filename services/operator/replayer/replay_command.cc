@@ -32,6 +32,8 @@ GatewayOptions OptionsOf(const ReplayArguments& arguments) {
   GatewayOptions options;
   options.port = arguments.port;
   options.web = arguments.web.string();
+  options.message_rate = 500.0;  // a slider that is dragged tells each place
+  options.message_burst = 2000;
   return options;
 }
 
