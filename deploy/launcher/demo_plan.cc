@@ -169,8 +169,9 @@ std::string PlannerYaml(const Setting& setting, const std::string& name, int num
   config.search.options.report = planner::SearchDetail::kTree;
   config.decision_file = setting.run.decisions(name).string();
   if (setting.options.waits_for_operator()) {  // people need longer than the simulated operator
-    config.first_guidance_timeout_s = 30.0;
-    config.answer_timeout_s = 30.0;
+    config.first_guidance_timeout_s = 60.0;
+    config.answer_timeout_s = 60.0;
+    config.timeout_clock = "simulation";  // time passes by itself, also for the queue's deadlines
   }
   return DumpConfig("planner", config);
 }

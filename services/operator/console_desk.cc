@@ -27,9 +27,9 @@ constexpr double kDriveRefused = 1.0;         // s, round trip
 console::Session SessionOf(const OperatorConfig& config) {
   console::Session session;
   std::set<std::string> worlds;
-  for (const auto& [robot, world] : WorldOfRobot("operator", config.robots)) {
-    session.add_robots(robot);
-    worlds.insert(world);
+  for (const auto& [robot, world] : WorldOfRobot("operator", config.robots)) worlds.insert(world);
+  for (const std::string& entry : config.robots) {  // in the order of the configuration
+    session.add_robots(entry.substr(entry.find('/') + 1));
   }
   for (const std::string& world : worlds) session.add_worlds(world);
   session.set_method(config.method);
@@ -283,7 +283,7 @@ std::vector<std::string> ConsoleDesk::TakeGone() {
   return gone;
 }
 
-void ConsoleDesk::Publish(const Health& health) {
+void ConsoleDesk::SetReadiness(const Health& health) {
   nlohmann::ordered_json report;
   report["ready"] = health.level == Health::Level::kOk;
   report["message"] = health.message;
@@ -291,7 +291,6 @@ void ConsoleDesk::Publish(const Health& health) {
   gateway_->SetReadiness(
       {health.level == Health::Level::kOk,
        report.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"});
-  gateway_->Notify();
 }
 
 }  // namespace conav::operators

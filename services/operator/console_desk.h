@@ -61,7 +61,9 @@ class ConsoleDesk {
   /// Clients whose page has been gone for a while.
   std::vector<std::string> TakeGone();
   /// After everything that one step brought.
-  void Publish(const Health& health);
+  void Publish() { gateway_->Notify(); }
+  /// For /readyz.
+  void SetReadiness(const Health& health);
 
   std::string url() const { return gateway_->url(); }
 

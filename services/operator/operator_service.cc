@@ -17,7 +17,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kAlertPeriod = 250ms;
+constexpr auto kLookAroundPeriod = 250ms;
 constexpr auto kConvert = [](const auto& message) { return ToDomain(message); };
 
 BeliefStoreOptions StoreOptions(const OperatorConfig& config) {
@@ -90,16 +90,19 @@ void OperatorService::Step() {
   attention_.Step(OperatorTime());
   control_.Step();
   services_.Step();
-  if (clock_.Now() >= alerts_due_) LookForAlerts();
+  if (clock_.Now() >= look_around_at_) LookAround();
   if (console_) ShowOnConsole();
   diagnostics_.Tick([this] { return Report(); });
 }
 
-void OperatorService::LookForAlerts() {
-  alerts_due_ = clock_.Now() + kAlertPeriod;
+void OperatorService::LookAround() {
+  look_around_at_ = clock_.Now() + kLookAroundPeriod;
   alerts_.Update(
       ConditionsOf(attention_.items(), services_.services(), storage_failure_.value_or("")),
       WallSeconds());
+  if (!console_) return;
+  console_->Hear(services_.services());
+  console_->SetReadiness(Report());
 }
 
 void OperatorService::AnswerBus() {
@@ -134,8 +137,7 @@ void OperatorService::ShowOnConsole() {
   }
   const std::vector<Alert> alerts = alerts_.TakeChanges();
   for (const Alert& alert : alerts) console_->Hear(alert);
-  console_->Hear(services_.services());
-  console_->Publish(Report());
+  console_->Publish();
 }
 
 void OperatorService::Serve(WorldLink& world, double cell_size_m) {

@@ -80,7 +80,8 @@ class OperatorService {
   void AnswerBus();
   void AnswerConsole();
   void ShowOnConsole();
-  void LookForAlerts();
+  /// A few times a second: what is wrong, and how the processes are.
+  void LookAround();
   OperatorReply AnswerStored(const OperatorRequest& request, const WorldLink* world);
   void PublishChange(const OperatorRequest& request);
   void Record(const OperatorRequest& request);
@@ -104,7 +105,7 @@ class OperatorService {
   AttentionDesk attention_;
   ServiceWatch services_;
   AlertDesk alerts_;
-  Clock::TimePoint alerts_due_{};
+  Clock::TimePoint look_around_at_{};
   Diagnostics diagnostics_;
   std::optional<SessionRecording> recording_;
   std::optional<ConsoleDesk> console_;

@@ -33,7 +33,8 @@ Alert* AlertBook::FindOpen(const std::string& key) {
 
 std::vector<Alert> AlertBook::Update(const std::vector<Condition>& conditions, double now_s) {
   std::map<std::uint64_t, Alert> before = alerts_;
-  for (auto& [id, alert] : alerts_) {
+  for (auto& entry : alerts_) {
+    Alert& alert = entry.second;
     alert.active = std::any_of(conditions.begin(), conditions.end(), [&](const Condition& c) {
       return alert.active && c.key == alert.condition.key;
     });

@@ -152,7 +152,9 @@ struct Describe {
     event.set_text(std::move(text));
   }
   void operator()(const EditRequest& edit) const {
-    Say(console::EVENT_EDIT, "", fmt::format("edited {} cells of the map", edit.edits.size()));
+    Say(console::EVENT_EDIT, "",
+        fmt::format("edited {} {} of the map", edit.edits.size(),
+                    edit.edits.size() == 1 ? "cell" : "cells"));
   }
   void operator()(const GuideRequest& guide) const {
     Say(console::EVENT_GUIDE, guide.robot,

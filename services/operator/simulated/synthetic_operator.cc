@@ -14,6 +14,9 @@ Clock::TimePoint After(Clock::TimePoint time, double seconds) {
                     std::chrono::duration<double>(seconds));
 }
 
+/// Of the pause before what was refused is asked again.
+constexpr int kMostDoublings = 5;
+
 /// FNV-1a: the same number for a name on every platform.
 std::uint64_t HashOf(const std::string& name) {
   std::uint64_t hash = 0xcbf29ce484222325ULL;
@@ -232,7 +235,9 @@ void SyntheticOperator::Answered(const Result<OperatorReply>& reply, Clock::Time
   }
   ++counts_.refused;
   counts_.newest_problem = reply ? reply->reason : reply.error().text;
-  current_->not_before = After(now, parameters_.retry_pause_s);
+  // The longer it is refused, the less it asks: whoever has control of the robot may keep it.
+  const double pauses = std::exp2(std::min(current_->attempts, kMostDoublings));
+  current_->not_before = After(now, pauses * parameters_.retry_pause_s);
   if (++current_->attempts < parameters_.attempts) return;
   current_->attempts = 0;
   ++counts_.given_up;

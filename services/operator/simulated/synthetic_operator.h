@@ -44,7 +44,8 @@ struct SyntheticOperatorParameters {
   double thinking_time_s = 0.0;
   /// How long guidance holds, simulation time.
   double guidance_valid_s = 1800.0;
-  /// A refused or unanswered request is asked anew after a pause, so often. Wall time.
+  /// A refused or unanswered request is asked anew after a pause, so often; each pause is twice as
+  /// long as the one before, up to 32 times the first. Wall time.
   double retry_pause_s = 0.1;
   int attempts = 50;
   /// How long an answer waits for a state or a picture that was announced but did not arrive. Wall

@@ -1,5 +1,6 @@
 #include "operator/simulated_operator/simulated_operator_service.h"
 
+#include <algorithm>
 #include <chrono>
 #include <set>
 
@@ -21,12 +22,15 @@ struct SimulatedOperatorService::RobotLink {
       : state(participant, bus::kRobotState, name),
         snapshot(participant, bus::kSnapshot, name),
         attention(participant, bus::kAttention, name),
-        guidance(participant, bus::kGuidance, name) {}
+        guidance(participant, bus::kGuidance, name),
+        hold(participant, bus::kHoldOrder, name) {}
 
   bus::Subscriber<conav_msgs::msg::RobotState> state;
   bus::Subscriber<conav_msgs::msg::Snapshot> snapshot;
   bus::Subscriber<conav_msgs::msg::AttentionRequest> attention;
   bus::Subscriber<conav_msgs::msg::Guidance> guidance;
+  bus::Subscriber<conav_msgs::msg::HoldOrder> hold;
+  bool stopped = false;
 };
 
 SimulatedOperatorService::SimulatedOperatorService(bus::Participant& participant,
@@ -76,7 +80,9 @@ void SimulatedOperatorService::Step() {
     return diagnostics_.Tick([this] { return ReportTeleoperation(); });
   }
   TakeIn();
-  AskThrough(client_, person_, clock_);
+  const bool all_stopped =
+      std::ranges::all_of(robots_, [](const auto& robot) { return robot->stopped; });
+  if (!all_stopped) AskThrough(client_, person_, clock_);
   diagnostics_.Tick([this] { return Report(); });
 }
 
@@ -87,6 +93,7 @@ void SimulatedOperatorService::TakeIn() {
   }
   for (const auto& robot : robots_) {
     for (const Guidance& guidance : robot->guidance.TakeValid(kConvert)) person_.Hear(guidance);
+    for (const HoldOrder& hold : robot->hold.TakeValid(kConvert)) robot->stopped = hold.stopped;
     for (const RobotState& state : robot->state.TakeValid(kConvert)) {
       person_.Hear(state);
       person_.Hear(state.stamp);

@@ -19,8 +19,9 @@ namespace conav::operators {
 /// A synthetic person at the operator service's door: hears what a console would show, and asks
 /// through the same client API, by paths and edits or, as a teleoperator, by keys and edits.
 ///
-/// With person.order "queue" the operator service's attention queue says what comes next. Publishes nothing before a robot's state and its world's belief arrived; then requests, one at a
-/// time. When the operator service does not answer, it repeats, gives the matter up after
+/// With person.order "queue" the operator service's attention queue says what comes next. Publishes
+/// nothing before a robot's state and its world's belief arrived, and while all its robots are
+/// stopped; then requests, one at a time. When the operator service does not answer, it repeats, gives the matter up after
 /// person.attempts deadlines, and says so in /diagnostics.
 /// Threads: one; Run() or repeated Step().
 class SimulatedOperatorService {

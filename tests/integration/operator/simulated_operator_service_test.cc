@@ -90,6 +90,25 @@ TEST_CASE("A snapshot leads to a belief revision and to guidance that answers it
   CHECK(bench.person.person().open() == 0);
 }
 
+TEST_CASE("While all robots are stopped the simulated operator asks for nothing",
+          "[operator][integration]") {
+  const TemporaryFolder folder;
+  Bench bench(folder / "operator.db");
+  bus::Publisher<conav_msgs::msg::HoldOrder> holds(bench.sim.participant, bus::kHoldOrder, "r1");
+  const auto publish = [&](std::uint64_t revision, bool stopped) {
+    REQUIRE(holds.Publish(
+        ToMessage(HoldOrder{{5}, "w1", "r1", revision, stopped, "anna", "wait for me"})));
+  };
+  publish(1, true);
+  bench.sim.PublishInitialMap(kMap);
+  bench.sim.PublishState({1, 1}, 5);
+  bench.Settle();
+  CHECK(bench.sim.guidance.Take().empty());
+  publish(2, false);
+  bench.Settle();
+  CHECK(bench.sim.NewestGuidance().path.size() == 4);
+}
+
 TEST_CASE("A blocked robot gets a wall on the map and a new path", "[operator][integration]") {
   const TemporaryFolder folder;
   Bench bench(folder / "operator.db");

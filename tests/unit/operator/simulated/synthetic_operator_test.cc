@@ -155,10 +155,10 @@ TEST_CASE("A refused edit is made again on the new map, as far as it is still a 
   CHECK(desk.ExpectEdit() == EditRequest{1, {{{1, 3}, true}}});
 }
 
-TEST_CASE("Refused guidance is asked for again after a pause, and given up in the end",
+TEST_CASE("Refused guidance is asked for again after ever longer pauses, and given up in the end",
           "[operator][simulated]") {
   SyntheticOperatorParameters parameters = Flawless();
-  parameters.attempts = 2;
+  parameters.attempts = 3;
   Desk desk(parameters);
   desk.person.Hear(MapAt(0));
   desk.person.Hear(StateAt({1, 1}, 10));
@@ -166,6 +166,11 @@ TEST_CASE("Refused guidance is asked for again after a pause, and given up in th
   desk.Refuse(0);
   desk.ExpectNothing();
   desk.clock.Advance(100ms);
+  desk.ExpectGuide();
+  desk.Refuse(0);
+  desk.clock.Advance(199ms);
+  desk.ExpectNothing();
+  desk.clock.Advance(1ms);
   desk.ExpectGuide();
   desk.person.Answered(Fail(ErrorCode::kTimeout, "no reply"), desk.clock.Now());
   CHECK(desk.person.open() == 0);

@@ -4,7 +4,7 @@ import "./theme.css";
 import { signal } from "@preact/signals";
 import { render } from "preact";
 import { pageClock } from "../connection/clock";
-import { identify, rememberName } from "../connection/identity";
+import { identify, rememberName, surroundingsOf } from "../connection/identity";
 import { ServiceConnection } from "../connection/service_connection";
 import { serviceUrl, webSocketFactory } from "../connection/socket";
 import { Announcer } from "../panels/announcements/announcer";
@@ -24,7 +24,7 @@ import { listenToKeys } from "./keyboard";
 import { askForFrames, follow, keepSettings, keepTime, offerStart, stopWithoutLink } from "./wire";
 
 const clock = pageClock;
-const identity = identify(window);
+const identity = identify(surroundingsOf(window));
 const store = createStore(readSettings(localStorage));
 const inbox = new Inbox(store, clock);
 const connection = new ServiceConnection({

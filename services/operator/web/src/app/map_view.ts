@@ -4,7 +4,7 @@ import type { CellAt } from "../protocol/cells";
 import { type Picture, Role } from "../protocol/generated/console_pb";
 import type { ConsoleState } from "../state/console_state";
 import { freshnessOf } from "../state/freshness";
-import { trailCells, unanswered, whyNotCommand, worldOf } from "../state/selectors";
+import { nameOf, trailCells, unanswered, whyNotCommand, worldOf } from "../state/selectors";
 import type { Store } from "../state/store";
 import type { Actions } from "./actions";
 import { lookOf } from "./palette";
@@ -70,6 +70,7 @@ function callbacksOf(store: Store, actions: Actions, world: ReadonlySignal<strin
     onLayers: (layers: MapProps["layers"]) => {
       store.settings.value = { ...store.settings.value, layers };
     },
+    nameOf: (client: string) => nameOf(store.state.peek(), client),
     onTool: (tool: MapProps["tool"]) => {
       store.tool.value = tool;
     },

@@ -49,6 +49,7 @@ describe("shortcuts", () => {
 
   it("are named for people", () => {
     expect(keyParts("Shift+Escape")).toEqual(["Shift", "Esc"]);
+    expect(keyParts("+")).toEqual(["+"]);
     expect(keyHint("next")).toBe("N");
   });
 });

@@ -144,8 +144,9 @@ const keyNames: Readonly<Record<string, string>> = {
 
 /** For people: ["Shift", "Esc"]. */
 export function keyParts(key: string): readonly string[] {
+  // The sign itself may be the last part.
   return key
-    .split("+")
+    .split(/\+(?=.)/)
     .map((part) => keyNames[part] ?? (part.length === 1 ? part.toUpperCase() : part));
 }
 

@@ -12,6 +12,8 @@ function browser(hash: string, stored: Record<string, string> = {}) {
       setItem: (key, value) => session.set(key, value),
     },
     localStorage: { getItem: () => null, setItem: () => undefined },
+    reloaded: false,
+    now: 1000,
     crypto: { getRandomValues: (array) => array.fill(171) },
   };
   return { surroundings, session, addresses };
@@ -33,6 +35,22 @@ describe("identify", () => {
     const { surroundings, addresses } = browser("#layer=seen");
     expect(identify(surroundings).token).toBe("");
     expect(addresses).toEqual([]);
+  });
+
+  it("stays the same instance when it is reloaded, and asks with higher ids", () => {
+    const stored = { "conav.instance": "0123456789abcdef" };
+    const { surroundings } = browser("", stored);
+    const again = identify({ ...surroundings, reloaded: true, now: 1001 });
+    expect(again.instance).toBe("0123456789abcdef");
+    expect(again.idsAbove).toBeGreaterThan(identify(surroundings).idsAbove);
+  });
+
+  it("is another instance in a tab that was duplicated", () => {
+    const stored = { "conav.instance": "0123456789abcdef" };
+    const { surroundings, session } = browser("", stored);
+    const { instance } = identify(surroundings);
+    expect(instance).not.toBe("0123456789abcdef");
+    expect(session.get("conav.instance")).toBe(instance);
   });
 
   it("makes an instance that the service accepts, and has a name", () => {

@@ -3,6 +3,8 @@ export interface Identity {
   readonly token: string;
   readonly name: string;
   readonly instance: string;
+  /** Ids of requests are above it: also above those of the same instance before a reload. */
+  readonly idsAbove: bigint;
 }
 
 /** What is read and written of the browser. */
@@ -11,10 +13,15 @@ export interface Surroundings {
   readonly history: { replaceState(data: unknown, unused: string, url: string): void };
   readonly sessionStorage: Pick<Storage, "getItem" | "setItem">;
   readonly localStorage: Pick<Storage, "getItem" | "setItem">;
+  /** Whether the page was loaded anew in its tab, rather than opened. */
+  readonly reloaded: boolean;
+  /** s since 1970. */
+  readonly now: number;
   readonly crypto: { getRandomValues(array: Uint8Array<ArrayBuffer>): unknown };
 }
 
 const tokenKey = "conav.token";
+const instanceKey = "conav.instance";
 const nameKey = "conav.name";
 const longestName = 40;
 
@@ -22,11 +29,12 @@ export function identify(browser: Surroundings): Identity {
   return {
     token: takeToken(browser),
     name: (browser.localStorage.getItem(nameKey) ?? "").trim().slice(0, longestName) || "operator",
-    instance: makeInstance(browser.crypto),
+    instance: takeInstance(browser),
+    idsAbove: BigInt(Math.round(browser.now * 1e6)),
   };
 }
 
-export function rememberName(browser: Surroundings, name: string): void {
+export function rememberName(browser: Pick<Surroundings, "localStorage">, name: string): void {
   browser.localStorage.setItem(nameKey, name.trim().slice(0, longestName));
 }
 
@@ -48,6 +56,33 @@ function decodeToken(text: string): string {
   } catch {
     return text;
   }
+}
+
+/**
+ * A page that is reloaded stays who it was, and keeps its control of robots. A tab that was duplicated has the same
+ * session, but is another page.
+ */
+function takeInstance(browser: Surroundings): string {
+  const kept = browser.reloaded ? browser.sessionStorage.getItem(instanceKey) : null;
+  const instance = kept ?? makeInstance(browser.crypto);
+  browser.sessionStorage.setItem(instanceKey, instance);
+  return instance;
+}
+
+/** The browser's own surroundings. */
+export function surroundingsOf(window: Window & typeof globalThis): Surroundings {
+  const [entry] = window.performance.getEntriesByType("navigation");
+  const reloaded = entry instanceof PerformanceNavigationTiming && entry.type === "reload";
+  const { location, history, sessionStorage, localStorage, crypto } = window;
+  return {
+    location,
+    history,
+    sessionStorage,
+    localStorage,
+    crypto,
+    reloaded,
+    now: Date.now() / 1000,
+  };
 }
 
 function makeInstance(crypto: Surroundings["crypto"]): string {

@@ -31,7 +31,12 @@ const grace = 1;
  */
 export class RequestBook {
   #entries = new Map<bigint, Entry>();
-  #newest = 0n;
+  #newest: bigint;
+
+  /** Ids begin above `idsAbove`. */
+  constructor(idsAbove = 0n) {
+    this.#newest = idsAbove;
+  }
 
   get size(): number {
     return this.#entries.size;

@@ -28,7 +28,7 @@ beforeEach(() => {
   connection = new ServiceConnection({
     sockets: service.factory,
     clock,
-    identity: { token: "secret", name: "Ada", instance: "0123456789abcdef" },
+    identity: { token: "secret", name: "Ada", instance: "0123456789abcdef", idsAbove: 0n },
     known: () => known,
     events: {
       linkChanged: (link) => links.push(link),

@@ -34,7 +34,7 @@ export class ServiceConnection implements Connection {
   #parts: ConnectionParts;
   #link: Link = { state: "connecting" };
   #socket: Socket | undefined;
-  #requests = new RequestBook();
+  #requests: RequestBook;
   #timing = new TimingFilter();
   #attended: string | undefined;
   #attempt = 0;
@@ -46,6 +46,7 @@ export class ServiceConnection implements Connection {
 
   constructor(parts: ConnectionParts) {
     this.#parts = parts;
+    this.#requests = new RequestBook(parts.identity.idsAbove);
   }
 
   get link(): Link {

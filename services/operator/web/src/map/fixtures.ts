@@ -64,6 +64,7 @@ export class FakePage {
       chosenRobot: "r1",
       onChooseRobot: (name) => this.asked.push({ kind: "robot", name }),
       tool: "look",
+      nameOf: (client) => client,
       onTool: (tool) => this.asked.push({ kind: "tool", tool }),
       mayEdit: { allowed: true },
       mayGuide: { allowed: true },

@@ -55,7 +55,7 @@ export function LayersMenu(props: {
                   checked={layers[name]}
                   onChange={(event) => onLayers({ ...layers, [name]: event.currentTarget.checked })}
                 />
-                <span class={`map-swatch ${name}`} aria-hidden="true" />
+                <span class={`map-swatch of-${name}`} aria-hidden="true" />
                 {layerTexts[name]}
               </label>
             ))}

@@ -55,7 +55,8 @@ export class MapModel {
     if (world.name !== before.world.name) this.cursor.value = undefined;
     if (sizeOf(world) !== sizeOf(before.world)) this.showAll();
     const view = this.view.peek();
-    if (props.focus && props.focus.counter !== before.focus?.counter && view) {
+    // While all of the map is in sight, nothing is gained by moving it.
+    if (props.focus && props.focus.counter !== before.focus?.counter && view && !this.#fitted) {
       this.lookAt(centreOn(view, props.focus.cell));
     }
   }

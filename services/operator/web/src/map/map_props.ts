@@ -116,6 +116,9 @@ export type MapProps = {
     answersSnapshot?: bigint | undefined,
   ) => Promise<Outcome>;
 
-  /** Centres the map on the cell whenever `counter` changes. */
+  /** Of a client, as people read it; `Guidance.givenBy` is one. */
+  nameOf: (client: string) => string;
+
+  /** Unless all of the map is in sight: centres it on the cell whenever `counter` changes. */
   focus?: { cell: Cell; counter: number } | undefined;
 };

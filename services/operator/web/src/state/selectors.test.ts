@@ -7,6 +7,7 @@ import { reduce } from "./reduce";
 import {
   differenceOf,
   holderOf,
+  nameOf,
   nextItem,
   placeOf,
   robotNames,
@@ -23,6 +24,21 @@ const control = (robot: string, holder = "", stopped = false): UpdateBody => ({
 const items = (...all: [robot: string, selectedBy: string][]): UpdateBody => ({
   case: "attention",
   value: { items: all.map(([robot, selectedBy]) => ({ robot, selectedBy })) },
+});
+
+describe("names", () => {
+  const here: UpdateBody = {
+    case: "presence",
+    value: { people: [{ client: "x/1", name: "Zoë" }] },
+  };
+
+  it("are those of who is here, or was", () => {
+    const state = stateOf(here);
+    expect(nameOf(state, "me")).toBe("you");
+    expect(nameOf(state, "x/1")).toBe("Zoë");
+    expect(nameOf(state, "Ben/2")).toBe("Ben");
+    expect(nameOf(state, "")).toBe("");
+  });
 });
 
 describe("freshness", () => {

@@ -37,6 +37,13 @@ export function mayStop({ welcome }: ConsoleState): boolean {
   return welcome?.mode !== Mode.REPLAY;
 }
 
+/** Of a client, as people read it: "you", the name of who is here, or of who was. */
+export function nameOf({ presence, welcome }: ConsoleState, client: string): string {
+  if (client === welcome?.client) return "you";
+  const here = presence?.people.find((person) => person.client === client);
+  return here?.name || (client.split("/")[0] ?? client);
+}
+
 export type Holder =
   | { readonly kind: "nobody" }
   | { readonly kind: "me"; readonly until: number }

@@ -51,7 +51,7 @@ export function PathBar({ model, hand }: { model: MapModel; hand: Hand }) {
 
 function PathText(props: { robot: MapRobot; session: PathSession; model: MapModel }) {
   const { robot, session, model } = props;
-  const { world, seen, guidance } = model.props.value;
+  const { world, seen, guidance, nameOf } = model.props.value;
   const { name } = robot.robot;
   const given = guidance.get(name);
   const cells = hasDraft(session) ? session.cells : (given?.path ?? []);
@@ -62,7 +62,7 @@ function PathText(props: { robot: MapRobot; session: PathSession; model: MapMode
         <span class="map-dot" style={{ background: robot.colour }} aria-hidden="true" />
         {name}
       </strong>{" "}
-      {stateText(session, cells.length > 1, given?.givenBy)}
+      {stateText(session, cells.length > 1, given?.givenBy && nameOf(given.givenBy))}
       {cells.length > 1 && <KnownText known={known} />}
       {session.refusal && <span class="map-trouble"> Not sent: {session.refusal}.</span>}
     </output>

@@ -1,6 +1,6 @@
 import { useConsole } from "../../app/console";
 import type { Alert } from "../../protocol/generated/console_pb";
-import { mayCommand } from "../../state/selectors";
+import { mayCommand, nameOf } from "../../state/selectors";
 import { duration, timeOfDay } from "../format";
 import { severityClass, severityText, sortAlerts } from "./order";
 import "./alerts.css";
@@ -64,7 +64,8 @@ function OneAlert({ alert }: { alert: Alert }) {
       <p class="row quiet">
         <span title={timeOfDay(alert.raised)}>
           {duration(Math.max(0, now - alert.raised))} ago{!active && ", over"}
-          {acknowledgedBy !== "" && `, acknowledged by ${acknowledgedBy}`}
+          {acknowledgedBy !== "" &&
+            `, acknowledged by ${nameOf(store.state.value, acknowledgedBy)}`}
         </span>
         {acknowledgedBy === "" && (
           <button

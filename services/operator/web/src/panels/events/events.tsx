@@ -1,5 +1,6 @@
 import { useConsole } from "../../app/console";
 import { type Event, EventKind } from "../../protocol/generated/console_pb";
+import { nameOf } from "../../state/selectors";
 import { timeOfDay } from "../format";
 import "./events.css";
 
@@ -8,12 +9,8 @@ const mostShown = 200;
 /** Who asked for what, newest first. */
 export function Events() {
   const { store } = useConsole();
-  const { events, presence, welcome } = store.state.value;
-  const nameOf = (client: string) =>
-    client === welcome?.client
-      ? "you"
-      : (presence?.people.find((person) => person.client === client)?.name ?? client);
-  const shown = events.slice(-mostShown).reverse();
+  const state = store.state.value;
+  const shown = state.events.slice(-mostShown).reverse();
   return (
     <section class="panel events" aria-label="Command log">
       <h2>Command log</h2>
@@ -23,7 +20,7 @@ export function Events() {
         {shown.map((event) => (
           <li key={String(event.id)} class={event.kind === EventKind.EVENT_REFUSED ? "warn" : ""}>
             <time class="quiet">{timeOfDay(event.time)}</time>{" "}
-            <strong>{nameOf(event.client)}</strong> {textOf(event)}
+            <strong>{nameOf(state, event.client)}</strong> {textOf(event)}
           </li>
         ))}
       </ol>

@@ -21,7 +21,7 @@ export function HelpDialog() {
     store.dialog.value = undefined;
   };
   return (
-    <Modal title="Keys and signs" onClose={close}>
+    <Modal title="Keys and signs" onClose={close} toRead>
       <div class="help">
         {groups.map((group) => (
           <Keys key={group} title={group} rows={of(group)} />

@@ -1,6 +1,7 @@
 import { useConsole } from "../../app/console";
 import { keyHint } from "../../app/shortcuts";
 import { type Picture, PictureAnswer } from "../../protocol/generated/console_pb";
+import { nameOf } from "../../state/selectors";
 import { answerText } from "./summary";
 import { usePixels } from "./use_pixels";
 import { windowStart } from "./window";
@@ -48,14 +49,14 @@ export function HistoryStrip({ robot }: { robot: string }) {
 function Thumbnail({ picture }: { picture: Picture }) {
   const { store } = useConsole();
   const { sequenceNumber, answer, bytes } = picture;
-  const me = store.state.value.welcome?.client ?? "";
+  const who = nameOf(store.state.value, picture.answeredBy);
   const sign = answer === PictureAnswer.ANSWER_NONE ? "!" : "✓";
   return (
     <li>
       <button
         type="button"
         aria-pressed={store.chosenPicture.value === picture}
-        aria-label={`Picture ${sequenceNumber}, ${answerText(picture, me)}`}
+        aria-label={`Picture ${sequenceNumber}, ${answerText(picture, who)}`}
         onClick={() => {
           store.chosenSequence.value = sequenceNumber;
           store.centre(picture.cell);

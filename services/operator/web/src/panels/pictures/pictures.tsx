@@ -3,7 +3,7 @@ import { keyHint } from "../../app/shortcuts";
 import { cellText } from "../../protocol/cells";
 import type { Picture } from "../../protocol/generated/console_pb";
 import { ageOf } from "../../state/freshness";
-import { unanswered, whyNotCommand, worldOf } from "../../state/selectors";
+import { nameOf, unanswered, whyNotCommand, worldOf } from "../../state/selectors";
 import { duration } from "../format";
 import { HistoryStrip } from "./history_strip";
 import { LiveView } from "./live_view";
@@ -54,7 +54,7 @@ function OnePicture({ picture }: { picture: Picture }) {
             Nothing new here <kbd>{keyHint("nothing new")}</kbd>
           </button>
         ) : (
-          <span class="end quiet">{answerText(picture, state.welcome?.client ?? "")}</span>
+          <span class="end quiet">{answerText(picture, nameOf(state, picture.answeredBy))}</span>
         )}
       </div>
       <PictureImage picture={picture} />

@@ -25,10 +25,8 @@ describe("a picture's summary", () => {
 
   it("tells who answered, and that it waits", () => {
     const answer = PictureAnswer.ANSWER_NOTHING_NEW;
-    expect(answerText(create(PictureSchema, { answer, answeredBy: "me" }), "me")).toBe(
-      "nothing new, by you",
-    );
-    expect(answerText(create(PictureSchema), "me")).toBe("waits for your answer");
+    expect(answerText(create(PictureSchema, { answer }), "you")).toBe("nothing new, by you");
+    expect(answerText(create(PictureSchema), "")).toBe("waits for your answer");
   });
 });
 

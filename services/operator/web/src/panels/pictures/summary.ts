@@ -18,8 +18,8 @@ function differenceText({ missing, wrong }: Difference): string {
   return parts.length > 0 ? `Your map ${parts.join(" and ")}.` : "Your map agrees with it.";
 }
 
-export function answerText({ answer, answeredBy }: Picture, me: string): string {
-  const who = answeredBy === me ? "you" : answeredBy;
+/** `who` answered it, as people read it; empty = nobody. */
+export function answerText({ answer }: Picture, who: string): string {
   switch (answer) {
     case PictureAnswer.ANSWER_PATH:
       return `answered with a path${who && ` by ${who}`}`;

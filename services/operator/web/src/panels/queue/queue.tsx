@@ -2,6 +2,7 @@ import { useConsole } from "../../app/console";
 import { RobotMark } from "../../app/robot_mark";
 import { keyHint } from "../../app/shortcuts";
 import type { AttentionItem } from "../../protocol/generated/console_pb";
+import { nameOf } from "../../state/selectors";
 import { duration, measured } from "../format";
 import { adviceText, reasonText } from "./words";
 import "./queue.css";
@@ -55,14 +56,11 @@ function QueueItem({ item, now }: { item: AttentionItem; now: number }) {
           <span class="quiet times">
             waits {duration(now - since)}
             {deadline > 0 && `, goes on alone in ${duration(Math.max(0, deadline - now))}`}
-            {selectedBy !== "" && ` · ${mine ? "you are" : `${nameOf(selectedBy)} is`} on it`}
+            {selectedBy !== "" &&
+              ` · ${mine ? "you are" : `${nameOf(state, selectedBy)} is`} on it`}
           </span>
         </span>
       </button>
     </li>
   );
-
-  function nameOf(client: string): string {
-    return state.presence?.people.find((person) => person.client === client)?.name ?? client;
-  }
 }

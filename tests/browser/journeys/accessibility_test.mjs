@@ -1,0 +1,60 @@
+import assert from "node:assert/strict";
+import axe from "axe-core";
+import { journey } from "../support/journey.mjs";
+import { until } from "../support/wait.mjs";
+
+journey("axe finds nothing serious in any state of the page, dark or light", async (scene) => {
+  const system = await scene.services({ robots: 2, planner: { first_guidance_timeout_s: 0.2 } });
+  const page = await scene.open(system.url, { colorScheme: "dark" });
+  await page.dialog(/ready/).waitFor();
+  await finds(page, "start dialog");
+
+  await page.begin();
+  await until("a robot sends a picture", () => page.told.all("picture").length > 0);
+  await page.chooses(page.told.all("picture")[0].robot);
+  await page.page.getByRole("img", { name: /^Picture/ }).waitFor();
+  await page.button("Workload").click();
+  await page.button("Log").click();
+  await finds(page, "supervising");
+
+  await page.page
+    .getByRole("toolbar", { name: "Map" })
+    .getByRole("button", { name: "Path" })
+    .click();
+  await page.button(/Layers/).click();
+  await finds(page, "path tool and layers");
+  await page.press("Escape");
+
+  await page.press("?");
+  await page.dialog("Keys and signs").waitFor();
+  await finds(page, "help");
+  await page.press("Escape");
+
+  await page.press("Shift+Escape");
+  await page.card("r1").getByText("■ stopped").waitFor();
+  await system.kill("planner");
+  await page.panel("Alerts").locator("li").first().waitFor();
+  await finds(page, "alerts");
+
+  const other = await scene.open(system.url, { colorScheme: "dark" });
+  await other.button(/take over/).click();
+  await other.dialog("Take over?").waitFor();
+  await finds(other, "take over");
+});
+
+/** In both themes, without motion: a colour on its way to another one has any contrast. */
+async function finds(page, state) {
+  for (const theme of ["dark", "light"]) {
+    await page.page.emulateMedia({ colorScheme: theme, reducedMotion: "reduce" });
+    await page.page.locator(`html[data-theme=${theme}]`).waitFor();
+    await page.page.evaluate(axe.source);
+    const { violations, passes } = await page.page.evaluate(() => globalThis.axe.run());
+    assert.ok(passes.length > 10, "axe has looked");
+    const grave = violations.filter(({ impact }) => impact === "serious" || impact === "critical");
+    assert.deepEqual(grave.map(inWords), [], `${state}, ${theme}`);
+  }
+}
+
+function inWords({ id, help, nodes }) {
+  return `${id}: ${help}: ${nodes.map(({ html }) => html.slice(0, 150)).join(" | ")}`;
+}

@@ -1,0 +1,75 @@
+import assert from "node:assert/strict";
+import { journey } from "../support/journey.mjs";
+import { until } from "../support/wait.mjs";
+
+const first = { row: 1, column: 1 };
+const second = { row: 1, column: 3 };
+
+journey(
+  "a killed operator service comes back with all edits, and what waited is done once",
+  async (scene) => {
+    const system = await scene.services({ robots: 1, planner: { first_guidance_timeout_s: 0.2 } });
+    scene.expectConnectionTrouble();
+    const page = await scene.open(system.url);
+    await page.begin();
+    await page.toggles(first);
+    const accepted = page.told.belief();
+    const isWall = page.told.isWall(second);
+
+    // The service hears nothing of this edit before it dies.
+    system.signal("operator", "SIGSTOP");
+    await page.draws([second], isWall ? "Erase" : "Wall");
+    await page.reads("1 cell sent, not confirmed yet");
+    const edit = page.told.requests("edit").at(-1);
+    await system.kill("operator");
+    await page.link("lost");
+    await page.reads(/Connection lost/);
+    await system.startAgain("operator");
+    await page.link("live");
+
+    await until("the service answers the repeated edit", () => page.told.replyTo(edit));
+    const repeats = page.told.requests("edit").filter(({ id }) => id === edit.id);
+    assert.equal(repeats.length, 2, "sent once before and once after");
+    assert.equal(page.told.replyTo(edit).reason, "");
+    await until("the edit is on the map", () => page.told.isWall(second) !== isWall);
+    const belief = page.told.belief();
+    assert.equal(belief.revision, accepted.revision + 1n, "done once");
+    assert.equal(belief.walls[14], accepted.walls[14], "the edit of before is there");
+    await page.moves("r1");
+  },
+);
+
+journey(
+  "an edit that was done, but not answered before the service died, is not done twice",
+  async (scene) => {
+    const system = await scene.services({ robots: 1 });
+    scene.expectConnectionTrouble();
+    const line = await scene.line(system.url);
+    const page = await scene.open(line.url);
+    const witness = await scene.open(system.url);
+    await page.begin();
+    const before = page.told.belief();
+    const isWall = page.told.isWall(first);
+
+    line.hold();
+    await page.draws([first], isWall ? "Erase" : "Wall");
+    await until("the edit is done", () => witness.told.belief().revision === before.revision + 1n);
+    assert.equal(page.told.belief().revision, before.revision);
+    await system.kill("operator");
+    line.cut();
+    await page.link("lost");
+    await system.startAgain("operator");
+    line.release();
+    line.mend();
+    await page.link("live");
+
+    const edit = page.told.requests("edit").at(-1);
+    const reply = await until("the service answers the repeated edit", () =>
+      page.told.replyTo(edit),
+    );
+    assert.deepEqual([reply.accepted, reply.reason], [true, ""]);
+    await until("the page has the map again", () => page.told.isWall(first) !== isWall);
+    assert.equal(page.told.belief().revision, before.revision + 1n);
+    assert.equal(await page.page.getByText(/not confirmed yet/).count(), 0);
+  },
+);

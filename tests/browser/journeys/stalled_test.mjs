@@ -1,0 +1,96 @@
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { writeBigMap } from "../support/big_map.mjs";
+import { connect, launchServer } from "../support/browser.mjs";
+import { FastHand } from "../support/fast_hand.mjs";
+import { journey } from "../support/journey.mjs";
+import { familyOf, memoryOf } from "../support/processes.mjs";
+import { until } from "../support/wait.mjs";
+
+const mostGrowth = 8 * 1024; // KiB
+const edits = 120;
+const cell = { row: 1, column: 1 };
+
+journey(
+  "a browser that stands still costs the service little, and the others nothing",
+  async (scene) => {
+    // A large map: each of its edits goes to each page as a whole. Pages that take nothing stay for the whole journey.
+    const system = await scene.services({
+      robots: 2,
+      sim: { map: { yaml: writeBigMap(scene.folder) }, camera: { mode: "egl", stream: true } },
+      planner: { method: "greedy", first_guidance_timeout_s: 0.2 },
+      operator: { console: { idle_s: 600 } },
+    });
+    const server = await launchServer();
+    scene.later(() => server.close());
+    const frozen = await scene.open(system.url, { name: "Frozen", browser: await connect(server) });
+    const lively = await scene.open(system.url, { name: "Lively" });
+    await lively.begin(/Watch/); // nobody has control: the fast hand may edit
+    await lively.moves("r1");
+    await until("frames come", () => frozen.told.frames > 0 && lively.told.frames > 0);
+
+    const processes = familyOf(server.process().pid);
+    const signal = (name) => {
+      for (const pid of processes) sendTo(pid, name);
+    };
+    scene.later(() => signal("SIGCONT"));
+    signal("SIGSTOP");
+    const { port } = new URL(system.url);
+    const operator = system.pidOf("operator");
+    const before = memoryOf(operator);
+    const frames = lively.told.frames;
+    const hand = await FastHand.of(lively);
+    const floods = async () => {
+      const { revision } = lively.told.belief();
+      await hand.toggles(cell, edits, revision);
+      await lively.waitsForRevision(revision + BigInt(edits));
+    };
+
+    // Until the kernel takes no more for the frozen one, and as much again.
+    await floods();
+    const full = waitingFor(port);
+    assert.ok(full > 100_000, `${full} bytes wait for the frozen one: it is not full yet`);
+    await floods();
+    const grown = memoryOf(operator) - before;
+    assert.ok(
+      waitingFor(port) < 2 * full,
+      "the kernel takes on and on: nothing has to wait in the service",
+    );
+    assert.ok(grown < mostGrowth, `the service grew by ${grown} KiB`);
+
+    assert.ok(lively.told.frames > frames, "the other one sees its streams");
+    await lively.link("live");
+    await lively.toggles({ row: 2, column: 2 });
+
+    // Let go on, it has everything again, and nothing of what it was spared.
+    signal("SIGCONT");
+    await until(
+      "the frozen one catches up",
+      () => frozen.told.belief().revision === lively.told.belief().revision,
+      {
+        within: 40,
+        now: () => [frozen.told.belief().revision, lively.told.belief().revision],
+      },
+    );
+  },
+);
+
+function sendTo(pid, name) {
+  try {
+    process.kill(pid, name);
+  } catch {
+    // It has ended meanwhile.
+  }
+}
+
+/** Bytes that the kernel keeps for the slowest client of the service on `port`. */
+function waitingFor(port) {
+  const local = `0100007F:${Number(port).toString(16).toUpperCase().padStart(4, "0")}`;
+  const sockets = readFileSync("/proc/net/tcp", "utf8")
+    .split("\n")
+    .map((line) => line.trim().split(/\s+/));
+  const queues = sockets
+    .filter(([, address]) => address === local)
+    .map((words) => Number.parseInt(words[4].split(":")[0], 16));
+  return Math.max(0, ...queues);
+}

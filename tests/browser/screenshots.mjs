@@ -1,0 +1,188 @@
+// node screenshots.mjs OUTDIR [URL]: pictures of the console's main states, for people to look at. Each state has a system of its
+// own; with a URL only the states that a running system has, without touching it.
+import { mkdirSync } from "node:fs";
+import { join } from "node:path";
+import { writeBigMap } from "./support/big_map.mjs";
+import { Scene, screen } from "./support/scene.mjs";
+import { until } from "./support/wait.mjs";
+
+const [, , folder, url] = process.argv;
+if (folder === undefined) {
+  console.error("usage: node screenshots.mjs OUTDIR [URL]");
+  process.exit(2);
+}
+mkdirSync(folder, { recursive: true });
+
+const restless = { first_guidance_timeout_s: 0.2, answer_timeout_s: 2 };
+const patient = {
+  first_guidance_timeout_s: 0.2,
+  answer_timeout_s: 600,
+  timeout_clock: "simulation",
+};
+const teleoperation = [
+  "--robots",
+  "1",
+  "--seed",
+  "7",
+  "--method",
+  "teleop",
+  "--operator",
+  "silent",
+];
+
+const states =
+  url === undefined
+    ? [supervision, bothThemes, manyRobots, bigMap, driving, smallScreen]
+    : [asItIs];
+for (const state of states) {
+  const scene = new Scene(state.name);
+  try {
+    await state(scene);
+  } catch (error) {
+    process.exitCode = 1;
+    console.error(`${state.name}: ${error}`);
+    await scene.tell();
+  } finally {
+    await scene.end();
+  }
+}
+
+async function shoot(page, name) {
+  const path = join(folder, `${name}.png`);
+  await page.page.screenshot({ path });
+  console.log(path);
+}
+
+async function asItIs(scene) {
+  for (const theme of ["dark", "light"])
+    await shoot(await scene.open(url, { colorScheme: theme }), `now-${theme}`);
+}
+
+/** From the start dialog to a path that answers a picture, and what can go wrong. */
+async function supervision(scene) {
+  const system = await scene.services({ robots: 2, planner: patient });
+  const page = await scene.open(system.url, { name: "Ada", colorScheme: "light" });
+  await page.dialog(/ready/).waitFor();
+  await shoot(page, "start");
+  await page.begin(/Show me round/);
+  await shoot(page, "tour");
+  await page.button("Leave the tour").click();
+
+  await until("both robots send pictures", () =>
+    ["r1", "r2"].every((robot) => page.told.pictures(robot).length > 0),
+  );
+  await page.press("n");
+  await page.page.getByRole("img", { name: /^Picture/ }).waitFor();
+  await shoot(page, "supervising");
+
+  await page.draws(
+    [
+      { row: 11, column: 1 },
+      { row: 11, column: 2 },
+      { row: 11, column: 3 },
+    ],
+    "Wall",
+  );
+  await page.draws([{ row: 1, column: 5 }], "Wall");
+  await page.button(/Layers/).click();
+  await shoot(page, "editing");
+  await page.press("Escape");
+
+  const robot = page.told.pictures("r1").length > 0 ? "r1" : "r2";
+  await page.chooses(robot);
+  await page.draws([page.told.robot(robot).cell, { row: 1, column: 3 }], "Path");
+  await until("the path is given", () => page.told.newest("guidance", robot)?.path.length > 1);
+  await shoot(page, "path");
+
+  await page.press("w");
+  await page.press("v");
+  await page.button("Workload").click();
+  await page.button("Log").click();
+  await shoot(page, "workload-and-log");
+  await page.press("?");
+  await shoot(page, "help");
+  await page.press("Escape");
+
+  await page.press("Shift+Escape");
+  await system.kill("planner");
+  await page.panel("Alerts").locator("li").first().waitFor();
+  await shoot(page, "alerts");
+  scene.expectConnectionTrouble();
+  await system.kill("operator");
+  await page.link("lost");
+  await shoot(page, "connection-lost");
+}
+
+async function bothThemes(scene) {
+  const system = await scene.services({ robots: 2, planner: restless });
+  const page = await scene.open(system.url, { name: "Ada", colorScheme: "dark" });
+  await shoot(page, "dark-start");
+  await page.begin();
+  await until("pictures come", () => page.told.pictures("r1").length > 1);
+  await page.press("l");
+  await page.page.getByLabel("Edits expected of you").check();
+  await page.page.getByLabel("Search: visits").check();
+  await page.press("Escape");
+  for (const theme of ["dark", "light"]) {
+    await page.page.emulateMedia({ colorScheme: theme });
+    await shoot(page, `${theme}-all-layers`);
+  }
+  const other = await scene.open(system.url, { name: "Ben", colorScheme: "dark" });
+  await other.button(/take over/).click();
+  await other.dialog("Take over?").waitFor();
+  await shoot(other, "dark-take-over");
+}
+
+async function manyRobots(scene) {
+  const system = await scene.services({ robots: 16, planner: restless });
+  const page = await scene.open(system.url, { name: "Ada", colorScheme: "dark" });
+  await page.begin();
+  await until("pictures come", () => page.told.all("picture").length > 4);
+  await shoot(page, "16-robots");
+}
+
+async function bigMap(scene) {
+  const system = await scene.services({
+    robots: 4,
+    sim: { map: { yaml: writeBigMap(scene.folder) } },
+    planner: { ...restless, method: "greedy" },
+  });
+  const page = await scene.open(system.url, { name: "Ada", colorScheme: "light" });
+  await page.begin();
+  await page.moves("r1");
+  await shoot(page, "150x150");
+  for (let i = 0; i < 6; i += 1) await page.press("+");
+  await page.press("c");
+  await shoot(page, "150x150-near");
+}
+
+async function driving(scene) {
+  const system = await scene.demo(...teleoperation);
+  const page = await scene.open(system.url, { name: "Ada", colorScheme: "dark" });
+  await page.begin();
+  await page.reads(/Hold the arrow keys to drive/);
+  await page.page.keyboard.down("ArrowUp");
+  await until("frames come", () => page.told.frames > 3);
+  await shoot(page, "driving");
+  await page.page.keyboard.up("ArrowUp");
+}
+
+async function smallScreen(scene) {
+  const system = await scene.services({ robots: 2, planner: restless });
+  for (const [name, width, height] of [
+    ["laptop", 1280, 720],
+    ["tablet", 820, 1100],
+    ["phone", 390, 800],
+  ]) {
+    const page = await scene.open(system.url, {
+      name: "Ada",
+      viewport: { ...screen, width, height },
+    });
+    await page
+      .dialog(/ready/)
+      .getByRole("button", { name: "Close" })
+      .click({ timeout: 2000 })
+      .catch(() => undefined);
+    await shoot(page, name);
+  }
+}

@@ -1,0 +1,22 @@
+import { test } from "node:test";
+import { Scene } from "./scene.mjs";
+
+/**
+ * A test that goes through the console as a person does, on a system of its own.
+ * @param {string} name a sentence that states the fact
+ * @param {(scene: Scene) => Promise<void>} walk
+ */
+export function journey(name, walk) {
+  test(name, async () => {
+    const scene = new Scene(name);
+    try {
+      await walk(scene);
+      scene.checkFaults();
+    } catch (error) {
+      await scene.tell();
+      throw error;
+    } finally {
+      await scene.end();
+    }
+  });
+}

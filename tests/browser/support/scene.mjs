@@ -1,0 +1,126 @@
+import assert from "node:assert/strict";
+import { mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { launch } from "./browser.mjs";
+import { ConsolePage, connectionTrouble } from "./console_page.mjs";
+import { Line } from "./line.mjs";
+import { DemoSystem, ServiceSystem } from "./system.mjs";
+
+/** Where failed journeys leave what their pages looked like. */
+const failures = process.env.CONAV_BROWSER_FAILURES ?? join(tmpdir(), "conav-browser-failures");
+
+/** Wide enough for all panels. */
+export const screen = { width: 1400, height: 900 };
+
+/** What a journey has started: ended with it, last things first. */
+export class Scene {
+  /** Faults of the browser that the journey brings about on purpose. */
+  expectedFaults = undefined;
+  #ends = [];
+  #pages = [];
+  #systems = [];
+  #browser;
+
+  constructor(name) {
+    this.name = name;
+    this.folder = mkdtempSync(join(tmpdir(), "conav-browser-"));
+  }
+
+  /** `act` ends something that was begun. */
+  later(act) {
+    this.#ends.push(act);
+  }
+
+  /** The whole system as `conav demo` starts it; options as on its command line. */
+  async demo(...options) {
+    const system = this.#keep(new DemoSystem(this.folder));
+    await system.start(options);
+    return system;
+  }
+
+  /** Without anybody simulated; see ServiceSystem. */
+  async services(more) {
+    const system = this.#keep(new ServiceSystem(this.folder));
+    await system.start(more);
+    return system;
+  }
+
+  async line(url) {
+    const line = await Line.to(url);
+    this.later(() => line.stop());
+    return line;
+  }
+
+  /**
+   * The console in a browser profile of its own.
+   * @param {string} url
+   * @param {{ name?: string, browser?: import("playwright-core").Browser } & import("playwright-core").BrowserContextOptions} [options]
+   */
+  async open(url, options) {
+    const page = await this.openOnly(url, options);
+    await page.hasRobots();
+    return page;
+  }
+
+  /** Without waiting for what it shows. */
+  async openOnly(url, { name, browser, ...options } = {}) {
+    const context = await (browser ?? (await this.#launch())).newContext({
+      viewport: screen,
+      ...options,
+    });
+    if (name) await context.addInitScript((text) => localStorage.setItem("conav.name", text), name);
+    const page = new ConsolePage(await context.newPage());
+    this.#pages.push(page);
+    await page.page.goto(url);
+    return page;
+  }
+
+  checkFaults() {
+    const expected = this.expectedFaults ?? /^$/;
+    const faults = this.#pages
+      .flatMap((page) => page.faults)
+      .filter((fault) => !expected.test(fault));
+    assert.deepEqual(faults, [], "the browser complains of the page");
+  }
+
+  /** The service goes away on purpose. */
+  expectConnectionTrouble() {
+    this.expectedFaults = connectionTrouble;
+  }
+
+  /** What there was when it went wrong. */
+  async tell() {
+    mkdirSync(failures, { recursive: true });
+    const stem = this.name.replace(/[^a-z0-9]+/gi, "_").slice(0, 60);
+    for (const [i, { page, faults }] of this.#pages.entries()) {
+      const path = join(failures, `${stem}-${i}.png`);
+      await page.screenshot({ path, timeout: 5000 }).catch(() => undefined);
+      console.log(`page ${i}: ${path}${faults.map((fault) => `\n  ${fault}`).join("")}`);
+    }
+    for (const system of this.#systems) {
+      for (const log of system.logs())
+        console.log(`${log}:\n${readFileSync(log, "utf8").slice(-3000)}`);
+    }
+  }
+
+  async end() {
+    for (const act of this.#ends.reverse()) await act();
+    rmSync(this.folder, { recursive: true, force: true });
+  }
+
+  #keep(system) {
+    this.#systems.push(system);
+    this.later(() => system.stop());
+    return system;
+  }
+
+  async #launch() {
+    if (this.#browser === undefined) {
+      const browser = await launch();
+      this.#browser = browser;
+      this.later(() => browser.close());
+    }
+    return this.#browser;
+  }
+}
