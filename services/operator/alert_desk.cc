@@ -1,56 +1,20 @@
 #include "operator/alert_desk.h"
 
-#include <fmt/format.h>
-
 #include <utility>
 
 #include "common/runtime/log.h"
 
 namespace conav::operators {
-namespace {
-
-Condition OfItem(const AttentionItem& item) {
-  if (item.reason == AttentionReason::kLinkLost) {
-    return {"link/" + item.robot, Severity::kAlarm, item.robot,
-            fmt::format("nothing is heard of {} any more", item.robot),
-            "Look at its last known place. Is its simulator or radio alive?"};
-  }
-  return {"command/" + item.robot, Severity::kWarning, item.robot,
-          fmt::format("{} stands: its command was refused or expired", item.robot),
-          "Is its planner alive? Draw it another path, or stop it."};
-}
-
-Condition OfService(const ServiceStatus& service) {
-  if (service.silent) {
-    return {"silent/" + service.name, Severity::kWarning, service.name,
-            fmt::format("{} is silent", service.name), "Is the process, or its host, alive?"};
-  }
-  return {"health/" + service.name, Severity::kWarning, service.name,
-          fmt::format("{}: {}", service.name, service.message), "See its log."};
-}
-
-}  // namespace
 
 std::vector<Condition> ConditionsOf(const std::vector<AttentionItem>& items,
                                     const std::map<std::string, ServiceStatus>& services,
                                     const std::string& storage_failure) {
-  std::vector<Condition> conditions;
-  for (const AttentionItem& item : items) {
-    const bool stands =
-        item.reason == AttentionReason::kLinkLost || item.reason == AttentionReason::kCommandFailed;
-    if (stands) conditions.push_back(OfItem(item));
-  }
+  std::vector<ProcessCondition> processes;
   for (const auto& [name, service] : services) {
-    if (service.silent || service.level == Health::Level::kError) {
-      conditions.push_back(OfService(service));
-    }
+    const bool failed = service.level == Health::Level::kError;
+    processes.push_back({name, failed, service.silent, service.message});
   }
-  if (!storage_failure.empty()) {
-    conditions.push_back({"storage", Severity::kAlarm, "operator",
-                          "edits and paths cannot be stored: " + storage_failure,
-                          "Make room on the disk; nothing that was accepted is lost."});
-  }
-  return conditions;
+  return ConditionsOf(items, processes, storage_failure);
 }
 
 AlertDesk::AlertDesk(BeliefStore& store) : store_(store) {

@@ -6,14 +6,13 @@
 
 #include "common/protocol/supervision.h"
 #include "operator/alerts/alert_book.h"
+#include "operator/alerts/conditions.h"
 #include "operator/belief/belief_store.h"
 #include "operator/service_watch.h"
 
 namespace conav::operators {
 
-/// What is wrong now, of what the operator service sees: robots that stand for want of a command or
-/// are not heard of, processes that are ill or silent, and its own disk. What robots ask is no alert:
-/// that is the attention queue's.
+/// ConditionsOf of conditions.h.
 std::vector<Condition> ConditionsOf(const std::vector<AttentionItem>& items,
                                     const std::map<std::string, ServiceStatus>& services,
                                     const std::string& storage_failure);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -12,6 +11,7 @@
 #include "common/runtime/file.h"
 #include "common/service/robot_list.h"
 #include "operator/console/console_messages.h"
+#include "operator/console/map_cells.h"
 #include "operator/console/wall_seconds.h"
 #include "operator/gateway/convert_request.h"
 
@@ -21,7 +21,6 @@ namespace {
 constexpr auto kConvert = [](const auto& message) { return ToDomain(message); };
 /// A page that reconnects within this time keeps its control of robots.
 constexpr std::chrono::seconds kGoneAfter{10};
-constexpr std::size_t kLongestPlan = 10000;   // cells
 constexpr double kDriveAdvisedAgainst = 0.3;  // s, round trip
 constexpr double kDriveRefused = 1.0;         // s, round trip
 
@@ -52,26 +51,13 @@ console::Welcome WelcomeOf(const OperatorConfig& config) {
   return welcome;
 }
 
-/// Nothing for what is no number, or not on the map.
-std::optional<Cell> CellAt(Position position, const GridGeometry& grid) {
-  const double limit_m = (grid.rows + grid.columns) * grid.cell_size_m;  // far away has no cell
-  if (!(std::abs(position.x_m) < limit_m && std::abs(position.y_m) < limit_m)) return std::nullopt;
-  const Cell cell = grid.PositionToCell(position);
-  const bool is_on_map =
-      cell.row >= 0 && cell.row < grid.rows && cell.column >= 0 && cell.column < grid.columns;
-  return is_on_map ? std::optional(cell) : std::nullopt;
-}
-
-/// Up to the first position that is not on the map, which no planner of ours sends.
-std::vector<Cell> CellsOf(const nav_msgs::msg::Path& path, const GridGeometry& grid) {
-  std::vector<Cell> cells;
+std::vector<Position> PositionsOf(const nav_msgs::msg::Path& path) {
+  std::vector<Position> positions;
   for (const auto& pose : path.poses()) {
     const auto& position = pose.pose().position();
-    const auto cell = CellAt({position.x(), position.y()}, grid);
-    if (!cell || cells.size() == kLongestPlan) break;
-    cells.push_back(*cell);
+    positions.push_back({position.x(), position.y()});
   }
-  return cells;
+  return positions;
 }
 
 std::size_t Bytes(double mib) { return static_cast<std::size_t>(mib * 1024.0 * 1024.0); }
@@ -176,7 +162,7 @@ void ConsoleDesk::TakeFrom(RobotLink& robot) {
   for (const auto& path : robot.plan.Take()) {
     if (!robot.geometry) continue;
     state_.HearPlan(robot.name, ToDomain(path.header().stamp()).value_or(SimTime{}),
-                    CellsOf(path, *robot.geometry));
+                    CellsAt(PositionsOf(path), *robot.geometry));
   }
   for (auto& image : robot.image.Take()) {
     state_.HearStream();

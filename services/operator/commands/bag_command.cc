@@ -8,6 +8,7 @@
 #include "common/console/console.h"
 #include "common/console/progress_line.h"
 #include "operator/bag/rosbag2_export.h"
+#include "operator/bag/run_recording.h"
 #include "operator/commands/bag_report.h"
 
 namespace conav::bag {
@@ -16,17 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kProgram = "conav bag";
-
-Result<fs::path> FindRecording(const fs::path& run) {
-  std::error_code ignored;
-  if (!fs::is_directory(run, ignored)) return run;
-  const fs::path file = run / "recording.mcap";
-  if (fs::exists(file, ignored)) return file;
-  return Fail(ErrorCode::kNotFound,
-              fmt::format("{}: no recording.mcap in it: no run folder, or it ran with "
-                          "--no-recording",
-                          run.string()));
-}
 
 Result<void> Export(McapReader& reader, const fs::path& folder) {
   if (folder.empty()) return {};
@@ -56,7 +46,7 @@ Result<void> Tell(const BagArguments& arguments, const McapReader& reader, const
 }  // namespace
 
 int RunBag(const BagArguments& arguments) {
-  const auto file = FindRecording(arguments.run);
+  const auto file = RecordingOf(arguments.run);
   if (!file) return Failed(kProgram, file.error());
   const int code = CheckFiles(kProgram, {{"RUN", *file}}, {{"--json", arguments.json}});
   if (code != 0) return code;

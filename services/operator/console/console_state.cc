@@ -72,6 +72,8 @@ void ConsoleState::BeginAnew() {
   worlds_.clear();
   services_.clear();
   service_said_at_s_.clear();
+  stopped_since_s_.clear();
+  last_event_ = 0;
   log_.Clear();
   PutSession();
 }
@@ -226,7 +228,17 @@ void ConsoleState::Hear(const Picture& picture, double now_s) {
   PutPicture(message);
 }
 
+void ConsoleState::HearPictureAgain(const std::string& robot, double now_s) {
+  RobotMemory& memory = robots_[robot];
+  if (!memory.newest_picture) return;
+  if (memory.unanswered) memory.unanswered->set_heard_at(now_s);
+  memory.newest_picture->set_heard_at(now_s);
+  PutPicture(console::Picture(*memory.newest_picture));
+}
+
 void ConsoleState::PutPicture(const console::Picture& picture) {
+  std::optional<console::Picture>& newest = robots_[picture.robot()].newest_picture;
+  if (!newest || newest->sequence_number() <= picture.sequence_number()) newest = picture;
   console::Update update;
   *update.mutable_picture() = picture;
   log_.Put(fmt::format("picture/{}/{}", picture.robot(), picture.sequence_number()),

@@ -56,6 +56,8 @@ class ConsoleState {
   void Hear(const SearchReport& report);
   /// Not a streamed one.
   void Hear(const Picture& picture, double now_s);
+  /// The newest picture of `robot` counts as if it had come then: a replay's time goes on otherwise.
+  void HearPictureAgain(const std::string& robot, double now_s);
   /// What the model expects the operator to do with the picture of that number.
   void Hear(const std::string& robot, const std::string& world, std::uint64_t snapshot,
             std::uint64_t belief_revision, const std::string& model,
@@ -88,6 +90,7 @@ class ConsoleState {
     std::vector<Cell> trail;
     std::string seen;                            // bytes of the newest map
     std::optional<console::Picture> unanswered;  // the newest, while nobody answered it
+    std::optional<console::Picture> newest_picture;
     /// The newest picture that was answered; it may come after its answer, when the service starts.
     std::uint64_t answered = 0;
     console::PictureAnswer answer = console::ANSWER_NONE;

@@ -62,9 +62,15 @@ void UpdateLog::Clear() {
   Forget([](std::string_view) { return true; });
 }
 
+void UpdateLog::Hold(bool held) {
+  const std::lock_guard lock(mutex_);
+  held_ = held;
+}
+
 UpdateLog::Batch UpdateLog::After(std::uint64_t generation, std::uint64_t sequence,
                                   std::size_t size_limit) const {
   const std::lock_guard lock(mutex_);
+  if (held_) return {{}, sequence, generation, false};
   Batch batch{{}, sequence, generation_, false};
   auto entry = generation == generation_ ? entries_.upper_bound(sequence) : entries_.begin();
   for (; entry != entries_.end(); ++entry) {

@@ -34,6 +34,19 @@ class UpdateLog {
   /// The same of all keys.
   void Clear();
 
+  /// While one lives, pages get nothing: what is said meanwhile comes together, without the values
+  /// that were replaced. One at a time.
+  class Together {
+   public:
+    explicit Together(UpdateLog& log) : log_(log) { log_.Hold(true); }
+    ~Together() { log_.Hold(false); }
+    Together(const Together&) = delete;
+    Together& operator=(const Together&) = delete;
+
+   private:
+    UpdateLog& log_;
+  };
+
   struct Batch {
     std::string updates;         // body of a console::Updates; empty when there is nothing new
     std::uint64_t sequence = 0;  // of the newest update in it
@@ -56,10 +69,12 @@ class UpdateLog {
     std::string encoded;  // as field `update` of console::Updates
   };
 
+  void Hold(bool held);
   void PutLocked(std::string_view key, console::Update& update);
   void EraseLocked(const std::string& key);
 
   mutable std::mutex mutex_;  // guards all below
+  bool held_ = false;
   std::uint64_t generation_ = 1;
   std::uint64_t sequence_ = 0;
   std::size_t bytes_ = 0;

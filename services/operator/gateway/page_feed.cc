@@ -200,8 +200,12 @@ std::optional<std::string> PageFeed::NextUpdates(Clock::TimePoint now) {
   }
   const auto batch = context_.updates.After(generation_, sequence_, kBatchBytes);
   if (batch.generation != generation_) {  // a world has begun anew
-    End("the run begins anew");
-    return Next(now);
+    if (context_.welcome.mode() != console::MODE_REPLAY) {
+      End("the run begins anew");
+      return Next(now);
+    }
+    generation_ = batch.generation;  // nothing of the page's own is lost: it goes on at once
+    everything_ = true;
   }
   if (batch.updates.empty()) return std::nullopt;
   sequence_ = batch.sequence;

@@ -64,4 +64,22 @@ TEST_CASE("the newest pictures and events are kept", "[operator][console]") {
   CHECK(events.front().event().id() == 4);
 }
 
+TEST_CASE("the newest picture can be heard again, with its answer", "[operator][console]") {
+  StateBench bench;
+  bench.state.HearPictureAgain("r1", 5.0);
+  CHECK(AllOf(bench.log, Kind::kPicture).empty());
+  bench.state.Hear(PictureOf(1), 10.0);
+  bench.state.Hear(PictureOf(2), 11.0);
+  bench.state.HearPictureAgain("r1", 20.0);
+  bench.state.HearAnswer("r1", 2, "anna");
+  const auto pictures = AllOf(bench.log, Kind::kPicture);
+  REQUIRE(pictures.size() == 2);
+  CHECK(pictures[0].picture().heard_at() == 10.0);
+  CHECK(pictures[1].picture().heard_at() == 20.0);
+  bench.state.HearPictureAgain("r1", 30.0);
+  const auto again = AllOf(bench.log, Kind::kPicture).back().picture();
+  CHECK(again.heard_at() == 30.0);
+  CHECK(again.answer() == console::ANSWER_NOTHING_NEW);
+}
+
 }  // namespace conav::operators

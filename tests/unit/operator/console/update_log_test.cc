@@ -133,6 +133,24 @@ TEST_CASE("after Clear nothing is left but the count", "[operator][console]") {
   CHECK(log.sequence() == 3);
 }
 
+TEST_CASE("what is said together comes together", "[operator][console]") {
+  UpdateLog log;
+  Put(log, "a", "1");
+  Reader page;
+  page.ReadAll(log, 1000);
+  {
+    const UpdateLog::Together together(log);
+    log.Clear();
+    Put(log, "b", "1");
+    Put(log, "b", "2");
+    page.ReadAll(log, 1000);
+    CHECK(page.known == std::map<std::string, std::string>{{"a", "1"}});
+  }
+  page.ReadAll(log, 1000);
+  CHECK(page.known == std::map<std::string, std::string>{{"b", "2"}});
+  CHECK(page.repeated == 0);
+}
+
 TEST_CASE("resumed anywhere, a page ends where a fresh one does, and gets nothing twice",
           "[operator][console]") {
   std::mt19937 random(GENERATE(range(1U, 21U)));

@@ -197,6 +197,20 @@ TEST_CASE("when a world begins anew, pages come back for everything", "[operator
   CHECK(Text(bench.NextOne()) == "b=1!");
 }
 
+TEST_CASE("a page of a replay that goes back stays and gets everything", "[operator][gateway]") {
+  PageBench bench;
+  bench.welcome.set_mode(console::MODE_REPLAY);
+  bench.Join();
+  bench.updates.Clear();
+  bench.updates.Put("b", Said("b", "1"));
+  bench.clock.Advance(seconds(1));
+  CHECK(Text(bench.NextOne()) == "b=1!");
+  bench.updates.Put("c", Said("c", "1"));
+  bench.clock.Advance(seconds(1));
+  CHECK(Text(bench.NextOne()) == "c=1");
+  CHECK_FALSE(bench.feed->finished());
+}
+
 TEST_CASE("a large beginning comes in messages that are small", "[operator][gateway]") {
   PageBench bench;
   const std::string large(PageFeed::kBatchBytes / 2, 'x');
