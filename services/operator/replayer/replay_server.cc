@@ -71,7 +71,7 @@ void ReplayServer::Take(const PageEvent& event) {
     reply.set_reason("this is a recording");
     gateway_->Send(event.page, reply);
   } else if (std::holds_alternative<PageJoined>(event.body)) {
-    people_[event.page] = {event.who.client, event.who.name, event.who.role, ""};
+    people_[event.page] = {event.who.client, event.who.name, event.who.role};
     if (!std::exchange(was_seen_, true)) speed_ = 1.0;
     TellWhoIsHere();
   } else {

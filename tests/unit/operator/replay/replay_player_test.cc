@@ -69,7 +69,7 @@ TEST_CASE("pictures come and go with the place, and their answers", "[operator][
 
 TEST_CASE("a seek back is a beginning for pages, a seek ahead is none", "[operator][replay]") {
   ReplayBench bench;
-  bench.player.Hear({{"anna/1", "anna", console::ROLE_OPERATOR, ""}});
+  bench.player.Hear({{"anna/1", "anna", console::ROLE_OPERATOR}});
   const auto generation = bench.log.generation();
   bench.Seek(9.0);
   CHECK(bench.log.generation() == generation);
