@@ -1,5 +1,6 @@
 import { beforeEach, describe, expect, it } from "vitest";
 import { FakeClock, FakeConnection } from "../connection/fake";
+import { Role } from "../protocol/generated/console_pb";
 import { type UpdateBody, updates, welcomeMessage } from "../state/fixtures";
 import { defaultSettings } from "../state/settings";
 import { createStore, type Store } from "../state/store";
@@ -72,6 +73,19 @@ describe("the map's view", () => {
     store.link.value = { state: "live" };
     expect(view.value?.mayEdit).toEqual({ allowed: true });
     expect(view.value?.mayGuide).toEqual({ allowed: true });
+  });
+
+  it("has no tools that change something for who may only watch", () => {
+    hear(world("w1"), robot("r1"));
+    store.link.value = { state: "live" };
+    store.receive(welcomeMessage({ role: Role.OBSERVER }));
+    expect(view.value?.watchesOnly).toBe(true);
+    view.value?.onTool("wall");
+    expect(store.tool.value).toBe("look");
+    store.receive(welcomeMessage({ role: Role.OPERATOR }));
+    expect(view.value?.watchesOnly).toBe(false);
+    view.value?.onTool("wall");
+    expect(store.tool.value).toBe("wall");
   });
 
   it("forbids to guide a robot that somebody else controls, not to edit the map", () => {

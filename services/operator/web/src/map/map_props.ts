@@ -103,6 +103,8 @@ export type MapProps = {
   tool: Tool;
   onTool: (tool: Tool) => void;
 
+  /** An observer or a recording: no tools that change something. */
+  watchesOnly: boolean;
   mayEdit: Permission;
   mayGuide: Permission; // of the chosen robot
   /** At most so many cells in one edit; a larger one is sent in parts. Not given: no limit. */
