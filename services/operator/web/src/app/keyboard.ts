@@ -1,3 +1,5 @@
+import { inMappingTask } from "../panels/task/task_keys";
+import { isMappingTask } from "../panels/task/task_state";
 import type { Teleoperation } from "../panels/teleoperation/teleoperation";
 import { DriveAction, Mode } from "../protocol/generated/console_pb";
 import type { Store } from "../state/store";
@@ -53,7 +55,8 @@ export function listenToKeys(
     const replay = store.state.value.welcome?.mode === Mode.REPLAY;
     const onControl =
       (place?.closest("button, summary, a, select, input") ?? undefined) !== undefined;
-    const command = commandOf(event, { replay, busy, onControl });
+    const meant = commandOf(event, { replay, busy, onControl });
+    const command = isMappingTask(store.state.value) ? inMappingTask(meant) : meant;
     if (command === undefined || (event.repeat && !mayRepeat(command))) return false;
     commands[command]();
     return true;

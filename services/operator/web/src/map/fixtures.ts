@@ -67,6 +67,7 @@ export class FakePage {
       nameOf: (client) => client,
       onTool: (tool) => this.asked.push({ kind: "tool", tool }),
       watchesOnly: false,
+      mapsOnly: false,
       mayEdit: { allowed: true },
       mayGuide: { allowed: true },
       onEdit: async (cells, base) => {

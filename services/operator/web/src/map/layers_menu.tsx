@@ -18,13 +18,24 @@ const layerTexts: Record<LayerName, string> = {
   truth: "True map",
 };
 
+/** Of these a participant of the mapping task is told something. */
+const participantLayers: ReadonlySet<LayerName> = new Set([
+  "belief",
+  "changes",
+  "trails",
+  "pictures",
+  "goals",
+]);
+
 export function LayersMenu(props: {
   layers: Layers;
   onLayers: (layers: Layers) => void;
   hasTruth: boolean;
+  /** As MapProps.mapsOnly. */
+  mapsOnly: boolean;
   open: Signal<boolean>;
 }) {
-  const { layers, onLayers, hasTruth, open } = props;
+  const { layers, onLayers, hasTruth, mapsOnly, open } = props;
   const place = useRef<HTMLDivElement>(null);
   useCloseOutside(place, open);
   return (
@@ -48,6 +59,7 @@ export function LayersMenu(props: {
           <legend>Show on the map</legend>
           {layerNames
             .filter((name) => hasTruth || name !== "truth")
+            .filter((name) => !mapsOnly || participantLayers.has(name))
             .map((name) => (
               <label key={name}>
                 <input

@@ -105,6 +105,8 @@ export type MapProps = {
 
   /** An observer or a recording: no tools that change something. */
   watchesOnly: boolean;
+  /** The mapping task: no paths, and no layers of what a participant is not told. */
+  mapsOnly: boolean;
   mayEdit: Permission;
   mayGuide: Permission; // of the chosen robot
   /** At most so many cells in one edit; a larger one is sent in parts. Not given: no limit. */

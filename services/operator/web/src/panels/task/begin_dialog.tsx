@@ -1,0 +1,42 @@
+import { useConsole } from "../../app/console";
+import { Modal } from "../../app/modal";
+import { percent } from "../format";
+import { Instructions } from "./instructions";
+
+/** The robot stands until the participant begins. */
+export function BeginDialog() {
+  const { store } = useConsole();
+  const task = store.state.value.task;
+  const close = () => {
+    store.dialog.value = undefined;
+  };
+  if (task === undefined) return undefined;
+  const last = task.earlier.at(-1);
+  return (
+    <Modal title={`Maze ${task.number} of ${task.count}`} onClose={close}>
+      {last !== undefined && (
+        <p class="task-result">
+          Maze {task.number - 1}: you corrected {percent(last)} of its mistakes. The next one is
+          ready.
+        </p>
+      )}
+      <Instructions />
+      <BeginButton after={close} />
+    </Modal>
+  );
+}
+
+export function BeginButton({ after }: { after?: () => void }) {
+  const { store, actions } = useConsole();
+  const begin = () => {
+    after?.();
+    store.chosenSequence.value = undefined;
+    store.tool.value = "wall";
+    void actions.go(store.robots.value);
+  };
+  return (
+    <button type="button" class="main" onClick={begin}>
+      Begin
+    </button>
+  );
+}

@@ -1,0 +1,42 @@
+import type { ComponentChildren } from "preact";
+import { useEffect } from "preact/hooks";
+import { useConsole } from "../../app/console";
+import { LinkBanner } from "../../app/link_banner";
+import { pictureOf } from "../../state/selectors";
+import { TaskBar } from "./task_bar";
+import { TaskPictures } from "./task_pictures";
+import "./task.css";
+
+/** All that a participant of the mapping task sees: task, map and pictures. */
+export function TaskPage({ map }: { map: ComponentChildren }) {
+  const { commands } = useConsole();
+  useNewestPicture();
+  return (
+    <div class="console task">
+      <header class="top">
+        <TaskBar />
+      </header>
+      <LinkBanner />
+      <main class="stage">
+        <div class="map" id="map" tabIndex={-1}>
+          {map}
+        </div>
+      </main>
+      <aside class="side" aria-label="Pictures and help">
+        <TaskPictures />
+        <button type="button" onClick={() => commands.help()}>
+          What to do, and keys <kbd>?</kbd>
+        </button>
+      </aside>
+    </div>
+  );
+}
+
+/** A picture that was asked for is shown, also to those who looked at an older one. */
+function useNewestPicture(): void {
+  const { store } = useConsole();
+  const newest = pictureOf(store.state.value, store.chosenRobot.value)?.sequenceNumber;
+  useEffect(() => {
+    store.chosenSequence.value = undefined;
+  }, [newest, store]);
+}
