@@ -9,6 +9,7 @@
 #include "common/runtime/log.h"
 #include "common/runtime/stop_token.h"
 #include "launcher/bus_place.h"
+#include "mapping_task/port_check.h"
 #include "mapping_task/task_session.h"
 
 namespace {
@@ -75,6 +76,9 @@ void Say(const std::string& line) {
 int Run(const mapping_task::TaskOptions& options) {
   if (const auto valid = mapping_task::Validate(options); !valid) {
     return Refused(kProgram, valid.error().text);
+  }
+  if (const auto port = mapping_task::CheckPort(options.port); !port) {
+    return Failed(kProgram, port.error());
   }
   const SteadyClock clock;
   const auto program_folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();

@@ -42,7 +42,8 @@ bool IsParticipantCode(const std::string& code) {
 }
 
 std::filesystem::path FolderOf(const TaskOptions& options) {
-  return options.out.empty() ? "runs/mapping-" + options.participant : options.out;
+  if (!options.out.empty()) return options.out;
+  return "runs/mapping-" + options.participant;
 }
 
 std::vector<std::uint64_t> SeedsOf(const TaskOptions& options) {

@@ -5,7 +5,7 @@ import { join } from "node:path";
 import { launch } from "./browser.mjs";
 import { ConsolePage, connectionTrouble } from "./console_page.mjs";
 import { Line } from "./line.mjs";
-import { DemoSystem, ServiceSystem } from "./system.mjs";
+import { DemoSystem, MappingTask, ServiceSystem } from "./system.mjs";
 
 /** Where failed journeys leave what their pages looked like. */
 const failures = process.env.CONAV_BROWSER_FAILURES ?? join(tmpdir(), "conav-browser-failures");
@@ -44,6 +44,13 @@ export class Scene {
     const system = this.#keep(new ServiceSystem(this.folder));
     await system.start(more);
     return system;
+  }
+
+  /** A participant's mazes; options as on the command line of `conav mapping-task`. */
+  async mappingTask(...options) {
+    const task = this.#keep(new MappingTask(this.folder));
+    await task.start(options);
+    return task;
   }
 
   async line(url) {

@@ -35,7 +35,12 @@ export function BeginButton({ after }: { after?: () => void }) {
     void actions.go(store.robots.value);
   };
   return (
-    <button type="button" class="main" onClick={begin}>
+    <button
+      type="button"
+      class="main"
+      disabled={store.state.value.worlds.size === 0}
+      onClick={begin}
+    >
       Begin
     </button>
   );
