@@ -39,19 +39,12 @@ struct Bench {
     desk->Hear(state);
   }
   void Correct() {
-    OperatorRequest request;
-    request.client = "page";
-    request.request_id = 1;
-    request.world = "w1";
-    request.body = EditRequest{0, {{{2, 2}, true}}};
+    const OperatorRequest request{
+        {}, "page", 1, std::string("w1"), EditRequest{0, {{{2, 2}, true}}}};
     REQUIRE(store->Handle(request, {}).reply.accepted);
   }
   BeliefStore::Answer Finish(std::uint64_t id = 9) {
-    OperatorRequest request;
-    request.client = "page";
-    request.request_id = id;
-    request.body = FinishRequest{};
-    return desk->Finish(request);
+    return desk->Finish({{}, "page", id, {}, FinishRequest{}});
   }
   nlohmann::json Result() const {
     return nlohmann::json::parse(ReadFile(folder / "result.json").value_or("null"));

@@ -30,7 +30,7 @@ using operators::PageClient;
 class Task {
  public:
   Task(const fs::path& folder, const std::vector<std::string>& options, int port = 0)
-      : folder_(folder), output_(folder.string() + ".txt") {
+      : output_(NewOutput(folder)) {
     std::vector<std::string> command{std::string(CONAV_BIN_DIR) + "/conav-mapping-task",
                                      "--domain",
                                      std::to_string(TestDomain()),
@@ -69,7 +69,14 @@ class Task {
   std::string Output() const { return ReadFile(output_).value_or(""); }
 
  private:
-  fs::path folder_;
+  /// A file beside the folder; an earlier task's stays as it is.
+  static fs::path NewOutput(const fs::path& folder) {
+    for (int number = 1;; ++number) {
+      fs::path file = fmt::format("{}-{}.txt", folder.string(), number);
+      if (!fs::exists(file)) return file;
+    }
+  }
+
   fs::path output_;
   std::unique_ptr<launcher::Process> process_;
 };
