@@ -24,6 +24,7 @@ struct Planning {
     return launcher::BusOptions(demo, setting.domain,
                                 launcher::VendorOfService(options.dds)->at(service));
   }
+  std::string Method() const { return MethodOf(options, maze.number); }
   std::vector<std::string> Robots() const { return {fmt::format("{}/{}", kWorld, kRobot)}; }
 };
 
@@ -35,6 +36,7 @@ std::string SimYaml(const Planning& planning) {
   config.seed = planning.maze.seed;
   config.preset = planning.options.preset;
   config.camera.mode = planning.options.camera;
+  config.camera.stream = planning.Method() == "instruction" || planning.Method() == "teleop";
   config.speed = planning.options.speed;
   return DumpConfig("sim", config);
 }
@@ -45,7 +47,7 @@ std::string OperatorYaml(const Planning& planning) {
   config.bus = planning.Bus("operator");
   config.robots = planning.Robots();
   config.database = (maze.folder / "operator.db").string();
-  config.method = planner::kMappingMethod;
+  config.method = planning.Method();
   config.control.start_stopped = true;
   config.console.port = setting.port;
   config.console.url_file = maze.url().string();
@@ -55,7 +57,7 @@ std::string OperatorYaml(const Planning& planning) {
       fmt::format("{}-maze{}-{}", options.participant, maze.number, maze.attempt);
   config.recording.mazes = {fmt::format("{}={}@{}", kWorld, options.preset, maze.seed)};
   config.recording.pictures = true;
-  config.task.kind = "mapping";
+  config.task.kind = options.is_study() ? "study" : "mapping";
   config.task.participant = options.participant;
   config.task.number = maze.number;
   config.task.count = options.mazes;
@@ -68,10 +70,14 @@ std::string PlannerYaml(const Planning& planning) {
   planner::PlannerConfig config;
   config.bus = planning.Bus("planner");
   config.robots = planning.Robots();
-  config.method = planner::kMappingMethod;
+  config.method = planning.Method();
   config.seed = planning.maze.seed;
-  config.perception = "embedded";  // nobody is asked
-  config.perception_model = kGlpfModel;
+  config.perception = "embedded";
+  if (!planning.options.is_study()) config.perception_model = kGlpfModel;  // nobody is asked
+  // People take their time.
+  config.first_guidance_timeout_s = 8.0;
+  config.answer_timeout_s = 60.0;
+  config.timeout_clock = "simulation";
   return DumpConfig("planner", config);
 }
 

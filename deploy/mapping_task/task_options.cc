@@ -1,17 +1,23 @@
 #include "mapping_task/task_options.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 
 #include "common/runtime/random.h"
 #include "common/runtime/sha256.h"
 #include "launcher/demo_world.h"
+#include "planner/config.h"
+#include "study/design.h"
 
 namespace conav::mapping_task {
 namespace {
 
 constexpr std::size_t kLongestCode = 40;
+/// In which a person does something.
+constexpr std::array kStudyMethods{"ig-mcts", "instruction", "teleop"};
 constexpr int kMostMazes = 100;
 constexpr std::uint64_t kSeedRange = 1'000'000'000;  // seeds that people can read out
 
@@ -35,6 +41,17 @@ Result<void> CheckMazes(const TaskOptions& options) {
               fmt::format("--maze-seed: {} of them for {} mazes", given, options.mazes));
 }
 
+Result<void> CheckMethods(const TaskOptions& options) {
+  for (const std::string& method : options.methods) {
+    if (std::ranges::find(kStudyMethods, method) != kStudyMethods.end()) continue;
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("--methods: {} is not one of {}", method,
+                                                         fmt::join(kStudyMethods, ", ")));
+  }
+  if (!options.is_study() || static_cast<int>(options.methods.size()) == options.mazes) return {};
+  return Fail(ErrorCode::kInvalidArgument, fmt::format("--methods: {} of them for {} mazes",
+                                                       options.methods.size(), options.mazes));
+}
+
 }  // namespace
 
 bool IsParticipantCode(const std::string& code) {
@@ -43,7 +60,26 @@ bool IsParticipantCode(const std::string& code) {
 
 std::filesystem::path FolderOf(const TaskOptions& options) {
   if (!options.out.empty()) return options.out;
-  return "runs/mapping-" + options.participant;
+  return (options.is_study() ? "runs/study-" : "runs/mapping-") + options.participant;
+}
+
+Result<std::vector<std::string>> MethodsInOrder(const std::vector<std::string>& methods, int order,
+                                                const std::string& participant) {
+  const auto orders = study::WilliamsDesign(static_cast<int>(methods.size()));
+  if (order < 0 || order > static_cast<int>(orders.size())) {
+    return Fail(ErrorCode::kOutOfRange,
+                fmt::format("--order {}: not between 1 and {}", order, orders.size()));
+  }
+  const std::size_t row =
+      order > 0 ? static_cast<std::size_t>(order) - 1 : NumberOf(participant) % orders.size();
+  std::vector<std::string> ordered;
+  for (const int index : orders[row]) ordered.push_back(methods[static_cast<std::size_t>(index)]);
+  return ordered;
+}
+
+std::string MethodOf(const TaskOptions& options, int number) {
+  if (!options.is_study()) return planner::kMappingMethod;
+  return options.methods.at(static_cast<std::size_t>(number) - 1);
 }
 
 std::vector<std::uint64_t> SeedsOf(const TaskOptions& options) {
@@ -57,9 +93,11 @@ std::vector<std::uint64_t> SeedsOf(const TaskOptions& options) {
 }
 
 nlohmann::ordered_json DesignOf(const TaskOptions& options) {
-  return {{"participant", options.participant},
-          {"preset", options.preset},
-          {"maze_seeds", SeedsOf(options)}};
+  nlohmann::ordered_json design{{"participant", options.participant},
+                                {"preset", options.preset},
+                                {"maze_seeds", SeedsOf(options)}};
+  if (options.is_study()) design["methods"] = options.methods;
+  return design;
 }
 
 launcher::DemoOptions DemoOf(const TaskOptions& options, std::uint64_t maze_seed) {
@@ -82,6 +120,7 @@ Result<void> Validate(const TaskOptions& options) {
                             options.participant, kLongestCode));
   }
   if (auto ok = CheckMazes(options); !ok) return ok;
+  if (auto ok = CheckMethods(options); !ok) return ok;
   if (options.speed <= 0.0) {
     return Fail(ErrorCode::kOutOfRange, fmt::format("--speed {}: not above 0", options.speed));
   }

@@ -40,8 +40,11 @@ nlohmann::ordered_json TaskJson(const TaskOptions& options,
   double sum = 0.0;
   int valid = 0;
   for (std::size_t i = 0; i < results.size(); ++i) {
-    nlohmann::ordered_json maze = {
-        {"number", i + 1}, {"seed", seeds.at(i)}, {"valid", IsValid(results[i])}};
+    const int number = static_cast<int>(i) + 1;
+    nlohmann::ordered_json maze = {{"number", number},
+                                   {"method", MethodOf(options, number)},
+                                   {"seed", seeds.at(i)},
+                                   {"valid", IsValid(results[i])}};
     maze.update(results[i].document);
     maze.erase("participant");
     mazes.push_back(std::move(maze));

@@ -115,7 +115,8 @@ Result<bool> TaskSession::Play(const Maze& maze, const StopToken& stop) {
 
 void TaskSession::Opened(const Maze& maze, const std::string& url) {
   port_ = PortOf(url);
-  say_(fmt::format("maze {} of {} (seed {}): {}", maze.number, options_.mazes, maze.seed, url));
+  say_(fmt::format("maze {} of {} (method {}, seed {}): {}", maze.number, options_.mazes,
+                   MethodOf(options_, maze.number), maze.seed, url));
 }
 
 Result<void> TaskSession::WriteReport() const {

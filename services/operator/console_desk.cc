@@ -37,10 +37,15 @@ console::Session SessionOf(const OperatorConfig& config) {
   return session;
 }
 
+console::Mode ModeOf(const TaskOptions& task) {
+  if (!task.on()) return console::MODE_SUPERVISE;
+  return task.kind == "study" ? console::MODE_STUDY : console::MODE_MAPPING_TASK;
+}
+
 console::Welcome WelcomeOf(const OperatorConfig& config) {
   console::Welcome welcome;
   welcome.set_run(fmt::format("{:x}", std::chrono::system_clock::now().time_since_epoch().count()));
-  welcome.set_mode(config.task.on() ? console::MODE_MAPPING_TASK : console::MODE_SUPERVISE);
+  welcome.set_mode(ModeOf(config.task));
   console::Limits* limits = welcome.mutable_limits();
   limits->set_edit_cells(65536);
   limits->set_path_cells(static_cast<std::uint32_t>(config.max_path_cells));

@@ -28,7 +28,7 @@ namespace conav::operators {
 /// them (maps, pictures, plans, searches, health), and hands over what they ask.
 ///
 /// A page is one client of the service among others: its requests are those of DDS
-/// (OperatorRequest), and answered by the same code. In the mapping task pages are told nothing that
+/// (OperatorRequest), and answered by the same code. In the mapping task and in studies pages are told nothing that
 /// gives the true maze away (idl/console.proto, Task).
 /// Threads: one, the service's; the gateway has its own.
 class ConsoleDesk {

@@ -55,7 +55,7 @@ TaskDesk::TaskDesk(bus::Participant& participant, const OperatorConfig& config, 
       store_(store),
       clock_(clock),
       truth_(participant, bus::kTruth, world_),
-      task_(Robots(config)) {
+      task_(Robots(config), config.task.kind == "study" ? TaskKind::kStudy : TaskKind::kMapping) {
   if (const auto before = ReadResult(options_.result)) Adopt(*before);
 }
 

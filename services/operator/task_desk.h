@@ -13,7 +13,7 @@
 
 namespace conav::operators {
 
-/// The operator service's part of a mapping task: hears the true maze, decides when the participant
+/// The operator service's part of a mapping task or a study: hears the true maze, decides when the participant
 /// may finish, and writes down how well they did.
 ///
 /// The result file is on disk before a Finish is acknowledged; with such a file from before, the

@@ -49,11 +49,12 @@ std::uint32_t ParticipantTask::goals_left() const {
 }
 
 std::string ParticipantTask::WhyNot(const OperatorRequest& request) const {
-  if (CommandsARobot(request)) {
+  const bool commands = CommandsARobot(request);
+  if (commands && kind_ == TaskKind::kMapping) {
     return "in the mapping task the robot finds its own way: answer its picture instead";
   }
-  if (phase_ == TaskPhase::kFinished && ChangesTheMaze(request)) return "this maze is finished";
-  return "";
+  const bool is_over = phase_ == TaskPhase::kFinished;
+  return is_over && (commands || ChangesTheMaze(request)) ? "this maze is finished" : "";
 }
 
 std::string ParticipantTask::WhyNotFinish() const {

@@ -14,6 +14,11 @@
 
 namespace conav::operators {
 
+enum class TaskKind {
+  kMapping,  // the robot finds its own way
+  kStudy,    // the participant guides or drives it, as the method says
+};
+
 enum class TaskPhase {
   kWaiting,  // the robots stand until somebody lets them go
   kRunning,
@@ -48,13 +53,14 @@ struct TaskResult {
   bool operator==(const TaskResult&) const = default;
 };
 
-/// One maze of the mapping task (paper, Appendix A) as the participant goes through it: begins when
-/// the robots are let go, may be finished from the moment on that they have reached all goals, and
+/// One maze of the mapping task (paper, Appendix A), or of a study, as the participant goes through
+/// it: begins when the robots are let go, may be finished from the moment on that they have reached all goals, and
 /// then the map stays as it is. Pure; threads: not synchronised.
 class ParticipantTask {
  public:
   /// `robots`: those of the maze.
-  explicit ParticipantTask(std::set<std::string> robots) : robots_(std::move(robots)) {}
+  explicit ParticipantTask(std::set<std::string> robots, TaskKind kind = TaskKind::kMapping)
+      : robots_(std::move(robots)), kind_(kind) {}
 
   void Hear(const RobotState& state);
   /// The true maze.
@@ -82,6 +88,7 @@ class ParticipantTask {
   };
 
   std::set<std::string> robots_;
+  TaskKind kind_;
   std::map<std::string, Robot> heard_;
   std::optional<OccupancyGrid> truth_;
   TaskPhase phase_ = TaskPhase::kWaiting;

@@ -43,11 +43,11 @@ journey("a participant maps one maze after the other at one page", async (scene)
   await seeAllGoals(page);
   await page.button("Finish this maze").click();
   await page.button("Yes, finish").click();
-  await page.reads(/Maze 1 is finished: 0 % of its mistakes corrected/);
+  await page.reads(/Maze 1 is finished: 0 % of the map's mistakes corrected/);
   assert.equal(page.told.newest("task").phase, finished);
 
   await page.dialog("Maze 2 of 2").waitFor();
-  await page.reads("Maze 1: you corrected 0 % of its mistakes.");
+  await page.reads("Maze 1: you corrected 0 % of the map's mistakes.");
   assert.equal(await page.button("Undo").isDisabled(), true, "nothing of maze 1 can be undone");
   const result = JSON.parse(readFileSync(join(task.folder, "result.json"), "utf8"));
   assert.equal(result.mazes_finished, 1);

@@ -5,7 +5,7 @@ import { join } from "node:path";
 import { launch } from "./browser.mjs";
 import { ConsolePage, connectionTrouble } from "./console_page.mjs";
 import { Line } from "./line.mjs";
-import { DemoSystem, MappingTask, ServiceSystem } from "./system.mjs";
+import { DemoSystem, ParticipantSystem, ServiceSystem } from "./system.mjs";
 
 /** Where failed journeys leave what their pages looked like. */
 const failures = process.env.CONAV_BROWSER_FAILURES ?? join(tmpdir(), "conav-browser-failures");
@@ -47,10 +47,19 @@ export class Scene {
   }
 
   /** A participant's mazes; options as on the command line of `conav mapping-task`. */
-  async mappingTask(...options) {
-    const task = this.#keep(new MappingTask(this.folder));
-    await task.start(options);
-    return task;
+  mappingTask(...options) {
+    return this.#participant("conav-mapping-task", options);
+  }
+
+  /** The same for `conav study --live`. */
+  liveStudy(...options) {
+    return this.#participant("conav-live-study", options);
+  }
+
+  async #participant(program, options) {
+    const system = this.#keep(new ParticipantSystem(program, this.folder));
+    await system.start(options);
+    return system;
   }
 
   async line(url) {

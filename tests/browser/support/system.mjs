@@ -46,25 +46,30 @@ export class DemoSystem {
   }
 }
 
-/** What `conav mapping-task` starts, on a port of its own. */
-export class MappingTask {
+/** What `conav mapping-task` or `conav study --live` starts, on a port of its own. */
+export class ParticipantSystem {
+  #program;
   #log;
   #task;
   /** The participant's. */
   folder;
   url = "";
 
-  /** @param {string} folder for the participant's folder and what the task says */
-  constructor(folder) {
+  /**
+   * @param {string} program conav-mapping-task or conav-live-study
+   * @param {string} folder for the participant's folder and what the program says
+   */
+  constructor(program, folder) {
+    this.#program = program;
     this.folder = join(folder, "participant");
-    this.#log = join(folder, "mapping-task.log");
+    this.#log = join(folder, `${program}.log`);
   }
 
   /** @param {readonly string[]} options of the task */
   async start(options) {
     const words = ["--port", "0", "--speed", "20", "--out", this.folder, ...options];
-    const command = [join(programs, "conav-mapping-task"), ...words];
-    this.#task = new Process("conav mapping-task", command, { log: this.#log });
+    const command = [join(programs, this.#program), ...words];
+    this.#task = new Process(this.#program, command, { log: this.#log });
     [, this.url] = await this.#task.hears(/^maze 1 .*(http:\S+)$/m);
   }
 

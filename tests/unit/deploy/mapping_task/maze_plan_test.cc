@@ -17,9 +17,10 @@ Config Read(const std::map<std::string, std::string>& plan, const std::string& s
   return config;
 }
 
-std::map<std::string, std::string> Plan() {
+std::map<std::string, std::string> Plan(std::vector<std::string> methods = {}) {
   TaskOptions options;
   options.participant = "P07";
+  options.methods = std::move(methods);
   const Maze maze{2, 4, 99, "/data/P07/maze-2-4"};
   const MazeSetting setting{43, 8123, {0.25}, "/data/P07"};
   std::map<std::string, std::string> plan;
@@ -40,6 +41,18 @@ TEST_CASE("the services of a maze get configurations that their own structs read
   const auto planner = Read<planner::PlannerConfig>(plan, "planner");
   CHECK(planner.method == "mapping");
   CHECK(planner.decision_file.empty());
+}
+
+TEST_CASE("the services of a study's part have its method, and stream where that needs it",
+          "[mapping_task]") {
+  const auto teleop = Plan({"ig-mcts", "teleop", "instruction"});
+  CHECK(Read<sim::SimConfig>(teleop, "sim").camera.stream);
+  CHECK(Read<planner::PlannerConfig>(teleop, "planner").method == "teleop");
+  CHECK(Read<operators::OperatorConfig>(teleop, "operator").method == "teleop");
+  CHECK(Read<operators::OperatorConfig>(teleop, "operator").task.kind == "study");
+  const auto ours = Plan({"teleop", "ig-mcts", "instruction"});
+  CHECK_FALSE(Read<sim::SimConfig>(ours, "sim").camera.stream);
+  CHECK(Read<planner::PlannerConfig>(ours, "planner").perception_model == "nhpm");
 }
 
 TEST_CASE("the operator service of a maze records a person, and waits until they begin",

@@ -1,6 +1,7 @@
 #include "mapping_task/task_options.h"
 
 #include <catch2/catch.hpp>
+#include <map>
 #include <set>
 
 namespace conav::mapping_task {
@@ -43,6 +44,37 @@ TEST_CASE("each participant gets mazes of their own, the same ones again", "[map
   CHECK(SeedsOf(options)[0] != seeds[0]);
   options.maze_seeds = {7, 9};
   CHECK(SeedsOf(options) == std::vector<std::uint64_t>{7, 9});
+}
+
+TEST_CASE("over all orders of a study each method is as often at each place", "[mapping_task]") {
+  const std::vector<std::string> methods{"ig-mcts", "instruction", "teleop"};
+  std::map<std::string, int> first;
+  std::set<std::vector<std::string>> orders;
+  for (int order = 1; order <= 6; ++order) {
+    const auto ordered = MethodsInOrder(methods, order, "P07");
+    REQUIRE(ordered);
+    orders.insert(*ordered);
+    ++first[ordered->front()];
+  }
+  CHECK(orders.size() == 6);
+  for (const std::string& method : methods) CHECK(first[method] == 2);
+  CHECK(*MethodsInOrder(methods, 0, "P07") == *MethodsInOrder(methods, 0, "P07"));
+  CHECK(orders.contains(*MethodsInOrder(methods, 0, "P07")));
+  CHECK_FALSE(MethodsInOrder(methods, 7, "P07"));
+}
+
+TEST_CASE("a study has a method for each maze, the mapping task one of its own", "[mapping_task]") {
+  TaskOptions options = Good();
+  CHECK(MethodOf(options, 2) == "mapping");
+  options.methods = {"teleop", "ig-mcts", "instruction"};
+  CHECK(Validate(options).has_value());
+  CHECK(MethodOf(options, 2) == "ig-mcts");
+  CHECK(FolderOf(options) == "runs/study-P07");
+  CHECK(DesignOf(options)["methods"][0] == "teleop");
+  options.methods[0] = "greedy";
+  CHECK(Refusal(options) == "--methods: greedy is not one of ig-mcts, instruction, teleop");
+  options.methods = {"teleop"};
+  CHECK(Refusal(options) == "--methods: 1 of them for 3 mazes");
 }
 
 TEST_CASE("the folder is the participant's, unless another one is named", "[mapping_task]") {

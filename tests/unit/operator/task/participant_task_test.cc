@@ -120,6 +120,17 @@ TEST_CASE(
   CHECK_THAT(other.error().text, Catch::Contains("another size"));
 }
 
+TEST_CASE("in a study the participant commands the robot, until the end", "[operator][task]") {
+  ParticipantTask task({"r1"}, TaskKind::kStudy);
+  task.Begin();
+  CHECK(task.WhyNot(RequestOf(GuideRequest{})).empty());
+  CHECK(task.WhyNot(RequestOf(DriveRequest{})).empty());
+  CHECK(task.WhyNot(RequestOf(EditRequest{})).empty());
+  task.Finish();
+  CHECK(task.WhyNot(RequestOf(GuideRequest{})) == "this maze is finished");
+  CHECK(task.WhyNot(RequestOf(DriveRequest{})) == "this maze is finished");
+}
+
 TEST_CASE("a participant edits and answers until the end, and never commands the robot",
           "[operator][task]") {
   Bench bench;

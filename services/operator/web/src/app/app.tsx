@@ -18,7 +18,7 @@ import { StartDialog } from "../panels/start/start_dialog";
 import { BeginDialog } from "../panels/task/begin_dialog";
 import { TaskHelp } from "../panels/task/task_help";
 import { TaskPage } from "../panels/task/task_page";
-import { isMappingTask } from "../panels/task/task_state";
+import { isTask } from "../panels/task/task_state";
 import { DriveBadge } from "../panels/teleoperation/drive_badge";
 import { TourCard } from "../panels/tour/tour_card";
 import { Workload } from "../panels/workload/workload";
@@ -41,13 +41,13 @@ export function App({ console, announcer }: { console: Console; announcer: Annou
   );
 }
 
-/** For whoever supervises, or for the participant of a mapping task. */
+/** For whoever supervises, or for a participant of a mapping task or a study. */
 function Layout() {
   const { store } = useConsole();
-  const isTask = useComputed(() => isMappingTask(store.state.value)).value;
+  const forTask = useComputed(() => isTask(store.state.value)).value;
   const maze = useComputed(() => store.state.value.task?.number).value;
   // A map of its own for each maze: what could be undone in the one before is over.
-  if (isTask) return <TaskPage map={<WorldMap key={maze} />} />;
+  if (forTask) return <TaskPage map={<WorldMap key={maze} />} />;
   return (
     <>
       <div class="console">
@@ -99,12 +99,12 @@ function WorldMap() {
 
 function Dialogs() {
   const { dialog, state } = useConsole().store;
-  const isTask = useComputed(() => isMappingTask(state.value)).value;
+  const forTask = useComputed(() => isTask(state.value)).value;
   switch (dialog.value?.kind) {
     case "help":
-      return isTask ? <TaskHelp /> : <HelpDialog />;
+      return forTask ? <TaskHelp /> : <HelpDialog />;
     case "start":
-      return isTask ? <BeginDialog /> : <StartDialog />;
+      return forTask ? <BeginDialog /> : <StartDialog />;
     case "take over":
       return <TakeOverDialog takeOver={dialog.value.takeOver} />;
     default:

@@ -1,5 +1,4 @@
-import { inMappingTask } from "../panels/task/task_keys";
-import { isMappingTask } from "../panels/task/task_state";
+import { inTask } from "../panels/task/task_keys";
 import type { Teleoperation } from "../panels/teleoperation/teleoperation";
 import { DriveAction, Mode } from "../protocol/generated/console_pb";
 import type { Store } from "../state/store";
@@ -56,7 +55,7 @@ export function listenToKeys(
     const onControl =
       (place?.closest("button, summary, a, select, input") ?? undefined) !== undefined;
     const meant = commandOf(event, { replay, busy, onControl });
-    const command = isMappingTask(store.state.value) ? inMappingTask(meant) : meant;
+    const command = inTask(store.state.value, meant);
     if (command === undefined || (event.repeat && !mayRepeat(command))) return false;
     commands[command]();
     return true;

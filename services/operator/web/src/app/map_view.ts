@@ -1,6 +1,6 @@
 import { computed, type ReadonlySignal } from "@preact/signals";
 import type { MapProps, MapRobot, Permission } from "../map/map_props";
-import { isMappingTask, whyNotMap } from "../panels/task/task_state";
+import { isTask, offersPaths, whyNotMap } from "../panels/task/task_state";
 import type { CellAt } from "../protocol/cells";
 import { type Picture, Role } from "../protocol/generated/console_pb";
 import type { ConsoleState } from "../state/console_state";
@@ -65,7 +65,8 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
         chosenRobot: chosenRobot.value,
         tool: store.tool.value,
         watchesOnly: watchesOnly.value,
-        mapsOnly: isMappingTask(state.value),
+        participates: isTask(state.value),
+        offersPaths: offersPaths(state.value),
         mayEdit: mayEdit.value,
         mayGuide: mayGuide.value,
         editLimit: state.value.welcome?.limits?.editCells || undefined,
@@ -156,7 +157,7 @@ function whyNotEdit(state: ConsoleState, link: string): string | undefined {
   if (link !== "live") return "the connection is not live";
   if (state.playback !== undefined) return "this is a recording";
   if (state.welcome?.role === Role.OBSERVER) return "you are an observer";
-  return isMappingTask(state) ? whyNotMap(state) : undefined;
+  return isTask(state) ? whyNotMap(state) : undefined;
 }
 
 function whyNotGuide(

@@ -18,24 +18,25 @@ const layerTexts: Record<LayerName, string> = {
   truth: "True map",
 };
 
-/** Of these a participant of the mapping task is told something. */
+/** Of these a participant is told something. */
 const participantLayers: ReadonlySet<LayerName> = new Set([
   "belief",
   "changes",
   "trails",
   "pictures",
   "goals",
+  "paths",
 ]);
 
 export function LayersMenu(props: {
   layers: Layers;
   onLayers: (layers: Layers) => void;
   hasTruth: boolean;
-  /** As MapProps.mapsOnly. */
-  mapsOnly: boolean;
+  /** As in MapProps. */
+  participates: boolean;
   open: Signal<boolean>;
 }) {
-  const { layers, onLayers, hasTruth, mapsOnly, open } = props;
+  const { layers, onLayers, hasTruth, participates, open } = props;
   const place = useRef<HTMLDivElement>(null);
   useCloseOutside(place, open);
   return (
@@ -59,7 +60,7 @@ export function LayersMenu(props: {
           <legend>Show on the map</legend>
           {layerNames
             .filter((name) => hasTruth || name !== "truth")
-            .filter((name) => !mapsOnly || participantLayers.has(name))
+            .filter((name) => !participates || participantLayers.has(name))
             .map((name) => (
               <label key={name}>
                 <input

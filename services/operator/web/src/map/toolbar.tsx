@@ -14,7 +14,7 @@ const tools: readonly { tool: Tool; name: string; key: string; hint: string }[] 
 ];
 
 export function Toolbar({ model }: { model: MapModel }) {
-  const { layers, onLayers, truth, watchesOnly, mapsOnly } = model.props.value;
+  const { layers, onLayers, truth, watchesOnly, participates } = model.props.value;
   return (
     <div class="map-toolbar" role="toolbar" aria-label="Map">
       {!watchesOnly && <ToolButtons model={model} />}
@@ -28,7 +28,7 @@ export function Toolbar({ model }: { model: MapModel }) {
         layers={layers}
         onLayers={onLayers}
         hasTruth={truth !== undefined}
-        mapsOnly={mapsOnly}
+        participates={participates}
         open={model.layersOpen}
       />
     </div>
@@ -36,8 +36,8 @@ export function Toolbar({ model }: { model: MapModel }) {
 }
 
 function ToolButtons({ model }: { model: MapModel }) {
-  const { tool: chosen, onTool, mayEdit, mapsOnly } = model.props.value;
-  const offered = tools.filter(({ tool }) => !mapsOnly || tool !== "path");
+  const { tool: chosen, onTool, mayEdit, offersPaths } = model.props.value;
+  const offered = tools.filter(({ tool }) => offersPaths || tool !== "path");
   return (
     <div class="map-group">
       {offered.map(({ tool, name, key, hint }) => {

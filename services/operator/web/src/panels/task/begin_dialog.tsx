@@ -2,22 +2,25 @@ import { useConsole } from "../../app/console";
 import { Modal } from "../../app/modal";
 import { percent } from "../format";
 import { Instructions } from "./instructions";
+import { isMappingTask, partName } from "./task_state";
 
 /** The robot stands until the participant begins. */
 export function BeginDialog() {
   const { store } = useConsole();
-  const task = store.state.value.task;
+  const state = store.state.value;
+  const { task } = state;
+  const part = partName(state);
   const close = () => {
     store.dialog.value = undefined;
   };
   if (task === undefined) return undefined;
   const last = task.earlier.at(-1);
   return (
-    <Modal title={`Maze ${task.number} of ${task.count}`} onClose={close}>
+    <Modal title={`${part} ${task.number} of ${task.count}`} onClose={close}>
       {last !== undefined && (
         <p class="task-result">
-          Maze {task.number - 1}: you corrected {percent(last)} of its mistakes. The next one is
-          ready.
+          {part} {task.number - 1}: you corrected {percent(last)} of the map's mistakes. The next
+          one is ready.
         </p>
       )}
       <Instructions />
@@ -31,7 +34,7 @@ export function BeginButton({ after }: { after?: () => void }) {
   const begin = () => {
     after?.();
     store.chosenSequence.value = undefined;
-    store.tool.value = "wall";
+    if (isMappingTask(store.state.value)) store.tool.value = "wall";
     void actions.go(store.robots.value);
   };
   return (

@@ -1,8 +1,18 @@
 import type { CommandName } from "../../app/shortcuts";
+import type { ConsoleState } from "../../state/console_state";
+import { isMappingTask, isTask } from "./task_state";
 
-/** Keys that a participant of the mapping task has, beside those of the map. */
-export const taskKeys: readonly { readonly keys: readonly string[]; readonly text: string }[] = [
-  { keys: ["n", "x"], text: "Next picture" },
+interface Key {
+  readonly keys: readonly string[];
+  readonly text: string;
+}
+
+/** The key by which a participant answers a picture. */
+export const nextPictureKey: Key = { keys: ["n", "x"], text: "Next picture" };
+export const nothingNewKey: Key = { keys: ["x"], text: "Nothing new in this picture" };
+
+/** Keys that a participant has besides, and beside those of the map. */
+export const taskKeys: readonly Key[] = [
   { keys: ["["], text: "Look at an older picture" },
   { keys: ["]"], text: "Look at a newer picture" },
   { keys: ["c"], text: "Centre the map on the robot" },
@@ -25,8 +35,12 @@ const allowed: ReadonlySet<CommandName> = new Set([
   "help",
 ]);
 
-/** What a key means in the mapping task: N is the next picture there; undefined = nothing. */
-export function inMappingTask(command: CommandName | undefined): CommandName | undefined {
-  if (command === "next") return "nothing new";
+/** What a key means for whoever sits here; undefined = nothing. In the mapping task N is the next picture. */
+export function inTask(
+  state: ConsoleState,
+  command: CommandName | undefined,
+): CommandName | undefined {
+  if (!isTask(state)) return command;
+  if (command === "next" && isMappingTask(state)) return "nothing new";
   return command !== undefined && allowed.has(command) ? command : undefined;
 }

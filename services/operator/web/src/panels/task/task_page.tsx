@@ -3,13 +3,18 @@ import { useEffect } from "preact/hooks";
 import { useConsole } from "../../app/console";
 import { LinkBanner } from "../../app/link_banner";
 import { pictureOf } from "../../state/selectors";
+import { LiveView } from "../pictures/live_view";
+import { DriveBadge } from "../teleoperation/drive_badge";
 import { TaskBar } from "./task_bar";
 import { TaskPictures } from "./task_pictures";
+import { hasLiveView } from "./task_state";
 import "./task.css";
 
-/** All that a participant of the mapping task sees: task, map and pictures. */
+/** All that a participant sees: task, map and pictures; a live view where the method of a study streams. */
 export function TaskPage({ map }: { map: ComponentChildren }) {
-  const { commands } = useConsole();
+  const { commands, store } = useConsole();
+  const robot = store.chosenRobot.value;
+  const streams = hasLiveView(store.state.value);
   useNewestPicture();
   return (
     <div class="console task">
@@ -18,12 +23,19 @@ export function TaskPage({ map }: { map: ComponentChildren }) {
       </header>
       <LinkBanner />
       <main class="stage">
+        <DriveBadge />
         <div class="map" id="map" tabIndex={-1}>
           {map}
         </div>
       </main>
       <aside class="side" aria-label="Pictures and help">
-        <TaskPictures />
+        {streams && robot !== undefined ? (
+          <section class="panel" aria-label="Camera">
+            <LiveView robot={robot} />
+          </section>
+        ) : (
+          <TaskPictures />
+        )}
         <button type="button" onClick={() => commands.help()}>
           What to do, and keys <kbd>?</kbd>
         </button>

@@ -15,7 +15,7 @@ export function TaskPictures() {
       {picture === undefined ? (
         <>
           <h2>Pictures</h2>
-          <p class="quiet">None yet: the robot drives to its first stop.</p>
+          <p class="quiet">None yet.</p>
         </>
       ) : (
         <>

@@ -5,8 +5,12 @@ import { type UpdateBody, updates, welcomeMessage } from "../../state/fixtures";
 import { reduce } from "../../state/reduce";
 import {
   goalsText,
+  hasLiveView,
   isBetweenMazes,
   isMappingTask,
+  isTask,
+  offersPaths,
+  partName,
   resultText,
   robotNow,
   taskNews,
@@ -61,6 +65,37 @@ describe("the mapping task", () => {
   });
 });
 
+describe("a study", () => {
+  const inStudy = (method: string, drives: boolean) =>
+    reduce(
+      reduce(emptyState, welcomeMessage({ mode: Mode.STUDY })),
+      updates([{ case: "session", value: { robots: ["r1"], method, drives } }, task(finished)]),
+    );
+
+  it("offers paths in methods that follow them, the mapping task none", () => {
+    expect(offersPaths(inStudy("ig-mcts", false))).toBe(true);
+    expect(offersPaths(inStudy("teleop", true))).toBe(false);
+    expect(offersPaths(inTask())).toBe(false);
+    expect(offersPaths(reduce(emptyState, welcomeMessage()))).toBe(true);
+  });
+
+  it("has a live view in methods that stream", () => {
+    expect(hasLiveView(inStudy("ig-mcts", false))).toBe(false);
+    expect(hasLiveView(inStudy("instruction", false))).toBe(true);
+    expect(hasLiveView(inStudy("teleop", true))).toBe(true);
+    expect(hasLiveView(inTask())).toBe(false);
+  });
+
+  it("has parts instead of mazes, and is between them, too", () => {
+    const state = inStudy("ig-mcts", false);
+    expect(partName(state)).toBe("Part");
+    expect(isBetweenMazes(state)).toBe(true);
+    expect(isMappingTask(state)).toBe(false);
+    expect(isTask(state) && isTask(inTask())).toBe(true);
+    expect(whyNotMap(state)).toBe("this part is finished");
+  });
+});
+
 describe("the robot of the mapping task", () => {
   it("drives until its picture has come, then waits for the participant", () => {
     expect(robotNow(inTask(), "r1")).toBe("driving");
@@ -83,10 +118,10 @@ describe("texts", () => {
   });
 
   it("tell the result, and what comes next", () => {
-    expect(resultText(taskOf(finished))).toBe(
-      "Maze 1 is finished: 73 % of its mistakes corrected. The next maze is being prepared…",
+    expect(resultText(taskOf(finished), "Maze")).toBe(
+      "Maze 1 is finished: 73 % of the map's mistakes corrected. The next one is being prepared…",
     );
-    expect(resultText(taskOf({ ...finished, number: 3 }))).toContain("the last one");
+    expect(resultText(taskOf({ ...finished, number: 3 }), "Part")).toContain("the last one");
   });
 });
 
