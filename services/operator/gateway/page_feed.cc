@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/protocol/entity_name.h"
+#include "common/runtime/sha256.h"
 #include "common/runtime/utf8.h"
 #include "operator/console/wire.h"
 #include "operator/gateway/access.h"
@@ -17,6 +18,7 @@ namespace {
 constexpr std::size_t kNameLimit = 40;
 constexpr std::size_t kInstanceShortest = 16;
 constexpr std::size_t kInstanceLongest = 64;
+constexpr std::size_t kClientDigits = 16;
 
 bool IsInstance(std::string_view text) {
   return text.size() >= kInstanceShortest && text.size() <= kInstanceLongest &&
@@ -117,12 +119,20 @@ std::optional<PageIdentity> PageFeed::Identify(const console::Hello& hello) {
     return std::nullopt;
   }
   const std::string part = ClientPart(hello.name()).substr(0, kNameLimit);
-  return PageIdentity{part + "/" + hello.instance(), hello.name(), *role};
+  // Everybody sees what a page is called; nobody who knows that may speak for it.
+  const std::string secret = hello.token() + "\n" + hello.instance();
+  return PageIdentity{part + "/" + Sha256Hex(secret).substr(0, kClientDigits), hello.name(), *role};
 }
 
 void PageFeed::Greet(const console::Hello& hello, double wall_s) {
-  identity_ = Identify(hello);
-  if (!identity_) return;
+  const auto identity = Identify(hello);
+  if (!identity) return;
+  if (!context_.has_room()) {
+    return Close(fmt::format("{} pages are open, the limit of operator.console.max_pages",
+                             context_.options.max_pages),
+                 true);
+  }
+  identity_ = identity;
   generation_ = context_.updates.generation();
   const std::string run = RunOf(context_.welcome, generation_);
   everything_ =

@@ -3,10 +3,12 @@
 #include <chrono>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/runtime/clock.h"
@@ -25,6 +27,8 @@ struct PageContext {
   const FrameSlots& frames;
   /// With mode, version and limits; `run` names this run of the service.
   const console::Welcome& welcome;
+  /// Whether one more page may join.
+  std::function<bool()> has_room;
 };
 
 /// One connected page, as far as it has nothing to do with sockets: takes what it sends, and says
@@ -64,7 +68,10 @@ class PageFeed {
   std::uint64_t page() const { return page_; }
   const std::optional<PageIdentity>& identity() const { return identity_; }
   bool has_joined() const { return identity_.has_value(); }
-  std::uint64_t frames_skipped() const { return frames_skipped_; }
+  /// Neither joined nor sent away.
+  bool is_stranger() const { return !has_joined() && !closing_; }
+  /// Frames that this page was too slow for, since the call before.
+  std::uint64_t TakeFramesSkipped() { return std::exchange(frames_skipped_, 0); }
 
  private:
   void Greet(const console::Hello& hello, double wall_s);

@@ -156,6 +156,14 @@ TEST_CASE("A malformed control request or hold order is refused", "[protocol][co
       SampleHold(), [](HoldMessage& m) { m.robot(""); }, "robot is empty");
 }
 
+TEST_CASE("Texts in another encoding come in as UTF-8", "[protocol][convert]") {
+  HoldOrder hold = SampleHold();
+  hold.reason = "caf\xE9";
+  const auto read = ToDomain(ToMessage(hold));
+  REQUIRE(read);
+  CHECK(read->reason == "caf?");
+}
+
 TEST_CASE("A malformed reply or attention request is refused", "[protocol][convert]") {
   CheckRefused(
       SampleReply(), [](ReplyMessage& m) { m.request_id(0); }, "request_id = 0 is below 1");

@@ -134,12 +134,4 @@ TEST_CASE("what a robot has seen becomes bytes", "[operator][console]") {
   CHECK(ToBytes(grid) == std::string("\x00\x01\x02", 3));
 }
 
-TEST_CASE("text that is no UTF-8 is made readable", "[operator][console]") {
-  CHECK(Readable("wall ahead, \xC3\xBC") == "wall ahead, \xC3\xBC");
-  CHECK(Readable("bad \xFF\x01 byte") == "bad ?\x01 byte");
-  RobotState state = samples::SampleState();
-  state.command_detail = std::string(1, '\xC3');
-  CHECK(ToConsole(state, 0.0).detail() == "?");
-}
-
 }  // namespace conav::operators
