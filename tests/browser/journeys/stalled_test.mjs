@@ -4,7 +4,7 @@ import { writeBigMap } from "../support/big_map.mjs";
 import { connect, launchServer } from "../support/browser.mjs";
 import { FastHand } from "../support/fast_hand.mjs";
 import { journey } from "../support/journey.mjs";
-import { familyOf, memoryOf } from "../support/processes.mjs";
+import { familyOf, memoryOf, signalAll } from "../support/processes.mjs";
 import { until } from "../support/wait.mjs";
 
 const mostGrowth = 8 * 1024; // KiB
@@ -30,9 +30,7 @@ journey(
     await until("frames come", () => frozen.told.frames > 0 && lively.told.frames > 0);
 
     const processes = familyOf(server.process().pid);
-    const signal = (name) => {
-      for (const pid of processes) sendTo(pid, name);
-    };
+    const signal = (name) => signalAll(processes, name);
     scene.later(() => signal("SIGCONT"));
     signal("SIGSTOP");
     const { port } = new URL(system.url);
@@ -74,14 +72,6 @@ journey(
     );
   },
 );
-
-function sendTo(pid, name) {
-  try {
-    process.kill(pid, name);
-  } catch {
-    // It has ended meanwhile.
-  }
-}
 
 /** Bytes that the kernel keeps for the slowest client of the service on `port`. */
 function waitingFor(port) {
