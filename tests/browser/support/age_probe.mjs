@@ -27,13 +27,11 @@ function probe(fitted, drive) {
   let pending = false;
   let taken = {};
 
+  /** Where the grid lies; asked for once per frame, for it makes the browser look at its layout. */
+  let place;
   const fresh = () => ({ shown: [], drawn: [], any: [], frames: 0, since: performance.now() });
   const ageAt = (x, now) => {
-    const { left, scale } = fitted(
-      { width: canvas.clientWidth, height: canvas.clientHeight },
-      drive,
-    );
-    const metres = ((x - left) / scale - drive.columns / 2) * drive.cellSize;
+    const metres = ((x - place.left) / place.scale - drive.columns / 2) * drive.cellSize;
     const sent = (metres - drive.west) / drive.speed;
     const age = (now - drive.begin - sent) % drive.period;
     // Clocks of one machine: a state from the future is a mistake of ours, and shall be seen as one.
@@ -42,6 +40,7 @@ function probe(fitted, drive) {
   const show = () => {
     pending = false;
     taken.frames += 1;
+    place = fitted({ width: canvas.clientWidth, height: canvas.clientHeight }, drive);
     const now = wall();
     for (const robot of robots.values()) {
       if (robot.x === robot.shownX) continue;
@@ -53,7 +52,8 @@ function probe(fitted, drive) {
     }
   };
   const look = (robot, now) => {
-    for (let at = robot.since; at < now; at += grain / 1000) taken.any.push(ageAt(robot.shownX, at));
+    for (let at = robot.since; at < now; at += grain / 1000)
+      taken.any.push(ageAt(robot.shownX, at));
   };
 
   const { fillText } = CanvasRenderingContext2D.prototype;
