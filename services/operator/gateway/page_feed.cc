@@ -87,6 +87,9 @@ std::vector<PageEvent> PageFeed::Take(std::string_view bytes, Clock::TimePoint n
       frames_of_ = message->attend().robot();
       SeeNewestFrames();
       return {};
+    case console::ClientMessage::kTaken:
+      NoteTaken(message->taken().messages());
+      return {};
     case console::ClientMessage::kRequest:
       return {{page_, *identity_, PageAsked{message->request(), round_trip_s_}}};
     case console::ClientMessage::kSeek:
@@ -133,6 +136,7 @@ void PageFeed::Greet(const console::Hello& hello, double wall_s) {
                  true);
   }
   identity_ = identity;
+  says_taken_ = hello.says_taken();
   generation_ = context_.updates.generation();
   const std::string run = RunOf(context_.welcome, generation_);
   everything_ =
@@ -191,6 +195,13 @@ std::optional<std::string> PageFeed::Next(Clock::TimePoint now) {
     return message;
   }
   if (closing_ || !has_joined()) return std::nullopt;
+  if (says_taken_ && sent_ - taken_ >= kUntakenLimit) return std::nullopt;
+  auto state = NextState(now);
+  if (state && !closing_) ++sent_;
+  return state;
+}
+
+std::optional<std::string> PageFeed::NextState(Clock::TimePoint now) {
   // In turn: a page that takes fewer messages than there are updates still sees its streams move.
   if (std::exchange(frame_is_next_, false)) {
     if (auto frame = NextFrame()) return frame;
@@ -200,6 +211,12 @@ std::optional<std::string> PageFeed::Next(Clock::TimePoint now) {
     return updates;
   }
   return NextFrame();
+}
+
+void PageFeed::NoteTaken(std::uint64_t messages) {
+  if (messages <= taken_ || messages > sent_) return;
+  taken_ = messages;
+  rate_.GiveBack();  // it says no more than it was sent
 }
 
 std::optional<std::string> PageFeed::NextUpdates(Clock::TimePoint now) {

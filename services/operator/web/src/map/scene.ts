@@ -1,5 +1,6 @@
 // One frame of the map, from the data to the pixels: which layers there are, and which lies over which.
 import { type Bitmap, bitmapOf, drawBitmap } from "./draw/bitmap";
+import { CachedLayer, sameValues } from "./draw/cached_layer";
 import type { Draw } from "./draw/context";
 import type { Palette } from "./draw/palette";
 import { draftLayers, type EditSession } from "./edit/edit_session";
@@ -14,7 +15,8 @@ import { drawGridLines, drawRulers } from "./layers/grid_lines";
 import { drawHeat } from "./layers/heat";
 import { laneShift } from "./layers/lanes";
 import { drawDraftPath, drawPathNames, drawPaths, type PathsData } from "./layers/paths";
-import { drawChosenPicture, drawPictures, findPicture } from "./layers/pictures";
+import { PictureMarks } from "./layers/picture_marks";
+import { drawChosenPicture, findPicture } from "./layers/pictures";
 import { drawPlans } from "./layers/plans";
 import { drawRobots } from "./layers/robots";
 import { drawSearches } from "./layers/searches";
@@ -42,15 +44,16 @@ export type Scene = {
 export class SceneCache {
   belief: Bitmap | undefined;
   fog: Bitmap | undefined;
+  readonly ground = new CachedLayer();
+  readonly chosen = new CachedLayer();
+  readonly goals = new CachedLayer();
+  readonly pictures = new PictureMarks();
   #seen: { readonly keys: readonly unknown[]; readonly cells: Uint8Array } | undefined;
 
   seen(props: MapProps): Uint8Array {
     const maps = [...props.seen.values()];
     const keys = [props.world.rows, props.world.columns, ...maps.map((map) => map.cells)];
-    const same =
-      this.#seen?.keys.length === keys.length &&
-      this.#seen.keys.every((key, index) => key === keys[index]);
-    if (this.#seen && same) return this.#seen.cells;
+    if (this.#seen && sameValues(this.#seen.keys, keys)) return this.#seen.cells;
     const cells = seenByAny(props.world, maps);
     this.#seen = { keys, cells };
     return cells;
@@ -59,17 +62,32 @@ export class SceneCache {
 
 export function drawScene(context: Draw, scene: Scene, cache: SceneCache): void {
   const { view, palette } = scene;
-  context.fillStyle = palette.paper;
-  context.fillRect(0, 0, view.width, view.height);
-  drawCells(context, scene, cache);
-  drawLines(context, scene);
-  drawMarks(context, scene);
+  cache.ground.draw(context, view, groundKeys(scene, cache), (on) => drawGround(on, scene, cache));
+  drawLines(context, scene, cache);
+  drawMarks(context, scene, cache);
   drawRulers(
     context,
     view,
     { size: scene.props.world, cell: scene.cursor ?? scene.hover },
     palette,
   );
+}
+
+/** All that drawGround() draws from, besides the view. */
+function groundKeys({ props, palette, editing }: Scene, cache: SceneCache): readonly unknown[] {
+  const { world, belief, layers, trails, robots } = props;
+  const looks = robots.map(({ robot, colour }) => `${robot.name} ${colour}`).join();
+  const told = [world.rows, world.columns, belief?.walls, belief?.initialWalls, cache.seen(props)];
+  return [palette, editing, layers, trails, looks, props.predictions, props.truth, ...told];
+}
+
+function drawGround(context: Draw, scene: Scene, cache: SceneCache): void {
+  const { props, view, palette } = scene;
+  context.fillStyle = palette.paper;
+  context.fillRect(0, 0, view.width, view.height);
+  drawCells(context, scene, cache);
+  const { layers, robots, trails } = props;
+  if (layers.trails) drawTrails(context, view, { robots, trails }, palette);
 }
 
 function drawCells(context: Draw, scene: Scene, cache: SceneCache): void {
@@ -103,24 +121,27 @@ function drawCells(context: Draw, scene: Scene, cache: SceneCache): void {
   if (editing) drawEdits(context, view, { size, ...draftLayers(editing) }, palette);
 }
 
-function drawLines(context: Draw, scene: Scene): void {
+function drawLines(context: Draw, scene: Scene, cache: SceneCache): void {
   const { props, view, palette } = scene;
   const { layers, robots } = props;
-  if (layers.trails) drawTrails(context, view, { robots, trails: props.trails }, palette);
-  if (layers.pictures) drawPictures(context, view, { robots, pictures: props.pictures }, palette);
-  drawChosen(context, scene);
+  if (layers.pictures)
+    cache.pictures.draw(context, view, { robots, pictures: props.pictures }, palette);
+  drawChosen(context, scene, cache);
   if (layers.paths) drawPaths(context, view, pathsOf(scene), palette);
   if (layers.plan) drawPlans(context, view, { robots, plans: props.plans }, palette);
   if (layers.search) drawSearches(context, view, { robots, searches: props.searches }, palette);
   for (const path of scene.paths) drawDraft(context, scene, path);
 }
 
-function drawChosen(context: Draw, { props, view, palette }: Scene): void {
+function drawChosen(context: Draw, { props, view, palette }: Scene, cache: SceneCache): void {
   const picture = findPicture(props.pictures, props.chosenPicture);
   if (!picture) return;
   const robot = props.robots.find((one) => one.robot.name === picture.robot);
   const colour = robot?.colour ?? palette.muted;
-  drawChosenPicture(context, view, { size: props.world, picture, colour }, palette);
+  const { rows, columns } = props.world;
+  cache.chosen.draw(context, view, [palette, picture, colour, rows, columns], (on) =>
+    drawChosenPicture(on, view, { size: props.world, picture, colour }, palette),
+  );
 }
 
 function pathsOf({ props, paths }: Scene): PathsData {
@@ -144,10 +165,23 @@ function drawDraft(context: Draw, { props, view, palette }: Scene, path: PathSes
   drawDraftPath(context, view, data, palette);
 }
 
-function drawMarks(context: Draw, scene: Scene): void {
+/** All that drawGoals() draws from, besides the view; robots tell of their goals with each state. */
+function goalKeys({ props, palette }: Scene): readonly unknown[] {
+  const words = (cells: readonly Cell[]) => cells.map(({ row, column }) => `${row},${column}`);
+  const told = props.robots.map(({ robot, colour, letter }) =>
+    [robot.name, colour, letter, ...words(robot.goalsLeft), "/", ...words(robot.goalsReached)].join(
+      " ",
+    ),
+  );
+  return [palette, told.join()];
+}
+
+function drawMarks(context: Draw, scene: Scene, cache: SceneCache): void {
   const { props, view, palette } = scene;
   const { layers, robots, world } = props;
-  if (layers.goals) drawGoals(context, view, robots, palette);
+  if (layers.goals) {
+    cache.goals.draw(context, view, goalKeys(scene), (on) => drawGoals(on, view, robots, palette));
+  }
   if (layers.goalPoses) {
     drawGoalPoses(context, view, { robots, goalPoses: props.goalPoses }, palette);
   }

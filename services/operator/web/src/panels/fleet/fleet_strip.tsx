@@ -1,5 +1,8 @@
+import { useComputed } from "@preact/signals";
+import { useMemo } from "preact/hooks";
 import { useConsole } from "../../app/console";
 import { RobotMark } from "../../app/robot_mark";
+import { sameText } from "../../state/same_text";
 import { mayCommand, mayStop } from "../../state/selectors";
 import { duration } from "../format";
 import { type FleetRow, fleetRow } from "./fleet_row";
@@ -30,8 +33,9 @@ export function FleetStrip() {
 
 function FleetCard({ name }: { name: string }) {
   const { store, actions } = useConsole();
-  const row = fleetRow(store.state.value, store.now.value, name);
+  const row = useRow(name);
   const chosen = store.chosenRobot.value === name;
+  const maySeeStop = useComputed(() => mayStop(store.state.value)).value;
   return (
     <li class={`fleet-card ${row.freshness} ${row.wait ? "waits" : ""}`}>
       <button
@@ -54,9 +58,23 @@ function FleetCard({ name }: { name: string }) {
         </span>
         <span class="doing">{doing(row)}</span>
       </button>
-      {mayStop(store.state.value) && <StopOrGo row={row} />}
+      {maySeeStop && <StopOrGo row={row} />}
     </li>
   );
+}
+
+/** Robots tell of themselves many times a second, what a card says changes seldom. */
+function useRow(name: string): FleetRow {
+  const { store } = useConsole();
+  const row = useMemo(
+    () =>
+      sameText(() => {
+        const now = fleetRow(store.state.value, store.now.value, name);
+        return now.freshness === "live" ? { ...now, age: undefined } : now;
+      }),
+    [store, name],
+  );
+  return row.value;
 }
 
 function FreshnessBadge({ row: { freshness, age } }: { row: FleetRow }) {
@@ -77,7 +95,7 @@ function FreshnessBadge({ row: { freshness, age } }: { row: FleetRow }) {
 
 function StopOrGo({ row: { name, stopped } }: { row: FleetRow }) {
   const { store, actions } = useConsole();
-  const may = !stopped || mayCommand(store.state.value);
+  const may = useComputed(() => mayCommand(store.state.value)).value || !stopped;
   const act = () => void (stopped ? actions.go([name]) : actions.stop([name]));
   const word = stopped ? "Go" : "Stop";
   return (
