@@ -17,8 +17,8 @@ export type { Cell } from "./grid";
 
 export type RobotShape = "circle" | "square" | "triangle" | "diamond" | "pentagon" | "star";
 
-/** How old what the robot tells is. */
-export type Freshness = "live" | "stale" | "lost";
+/** How old what the robot tells is; "no news": nobody can be heard now. */
+export type Freshness = "live" | "stale" | "lost" | "no news";
 
 /** A robot and how it looks, so that robots can be told apart without their colour. */
 export type MapRobot = {

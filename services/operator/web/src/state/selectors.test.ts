@@ -49,13 +49,17 @@ describe("freshness", () => {
     [2.9, "stale"],
     [3, "lost"],
   ])("after %f s is %s", (age, expected) => {
-    expect(freshnessOf(100, 100 + age)).toBe(expected);
+    expect(freshnessOf(100, 100 + age, true)).toBe(expected);
   });
 
   it("of what was never heard of is lost", () => {
-    expect(freshnessOf(undefined, 5)).toBe("lost");
-    expect(freshnessOf(0, 5)).toBe("lost");
-    expect(freshnessOf(5, undefined)).toBe("lost");
+    expect(freshnessOf(undefined, 5, true)).toBe("lost");
+    expect(freshnessOf(0, 5, true)).toBe("lost");
+    expect(freshnessOf(5, undefined, true)).toBe("lost");
+  });
+
+  it("is none without a link", () => {
+    expect(freshnessOf(100, 100, false)).toBe("no news");
   });
 
   it("bears clocks that differ a little", () => {

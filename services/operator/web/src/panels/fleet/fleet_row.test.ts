@@ -6,13 +6,20 @@ import { fleetRow } from "./fleet_row";
 
 describe("a row of the fleet strip", () => {
   it("of a robot that was never heard of is lost", () => {
-    expect(fleetRow(emptyState, 10, "r1")).toMatchObject({
+    expect(fleetRow(emptyState, 10, true, "r1")).toMatchObject({
       freshness: "lost",
       goalsTotal: 0,
       goalsReached: 0,
       stopped: false,
       wait: undefined,
     });
+  });
+
+  it("has no news while the link is down, however young the newest is", () => {
+    const state = stateOf({ case: "robot", value: { name: "r1", heardAt: 99.9 } });
+    expect(fleetRow(state, 100, true, "r1").freshness).toBe("live");
+    expect(fleetRow(state, 100, false, "r1")).toMatchObject({ freshness: "no news" });
+    expect(fleetRow(state, 140, false, "r1").age).toBeCloseTo(40.1);
   });
 
   it("tells goals, age, stop, control and why it waits since when", () => {
@@ -27,7 +34,7 @@ describe("a row of the fleet strip", () => {
       { case: "control", value: { robot: "r1", stopped: true, holder: "you", holderName: "Bo" } },
       { case: "attention", value: { stamp: 30, items: [{ robot: "r1", reason, since: 18 }] } },
     );
-    expect(fleetRow(state, 100, "r1")).toEqual({
+    expect(fleetRow(state, 100, true, "r1")).toEqual({
       name: "r1",
       freshness: "stale",
       age: 1.5,

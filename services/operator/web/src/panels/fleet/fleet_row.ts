@@ -20,12 +20,18 @@ export interface FleetRow {
   readonly doing: string;
 }
 
-export function fleetRow(state: ConsoleState, now: number | undefined, name: string): FleetRow {
+/** `linked`: whether the service is heard now. */
+export function fleetRow(
+  state: ConsoleState,
+  now: number | undefined,
+  linked: boolean,
+  name: string,
+): FleetRow {
   const robot = state.robots.get(name);
   const item = itemsOf(state, name)[0];
   return {
     name,
-    freshness: freshnessOf(robot?.heardAt, now),
+    freshness: freshnessOf(robot?.heardAt, now, linked),
     age: ageOf(robot?.heardAt, now),
     goalsReached: (robot?.goalsTotal ?? 0) - (robot?.goalsLeft.length ?? 0),
     goalsTotal: robot?.goalsTotal ?? 0,

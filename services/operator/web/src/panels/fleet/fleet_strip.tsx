@@ -30,10 +30,10 @@ export function FleetStrip() {
 
 function FleetCard({ name }: { name: string }) {
   const { store, actions } = useConsole();
-  const row = fleetRow(store.state.value, store.now.value, name);
+  const row = fleetRow(store.state.value, store.now.value, store.linked.value, name);
   const chosen = store.chosenRobot.value === name;
   return (
-    <li class={`fleet-card ${row.freshness} ${row.wait ? "waits" : ""}`}>
+    <li class={`fleet-card ${row.freshness === "live" ? "" : "old"} ${row.wait ? "waits" : ""}`}>
       <button
         type="button"
         class="choose"
@@ -60,8 +60,8 @@ function FleetCard({ name }: { name: string }) {
 }
 
 function FreshnessBadge({ row: { freshness, age } }: { row: FleetRow }) {
-  const signs = { live: "●", stale: "◐", lost: "○" };
-  const kind = { live: "good", stale: "warn", lost: "bad" };
+  const signs = { live: "●", stale: "◐", lost: "○", "no news": "◌" };
+  const kind = { live: "good", stale: "warn", lost: "bad", "no news": "bad" };
   const old = freshness === "live" || age === undefined ? "" : ` ${duration(age)}`;
   return (
     <span class={kind[freshness]}>

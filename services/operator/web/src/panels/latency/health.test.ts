@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { stateOf } from "../../state/fixtures";
-import { plannerTime, roundTripClass } from "./health";
+import { levelClass, levelText, plannerTime, roundTripClass } from "./health";
 
 describe("latency", () => {
   it("of the planner is the slowest robot's newest decision", () => {
@@ -10,6 +10,11 @@ describe("latency", () => {
     );
     expect(plannerTime(state.searches)).toBeCloseTo(0.03);
     expect(plannerTime(stateOf().searches)).toBeUndefined();
+  });
+
+  it("of nobody is known without a link", () => {
+    expect(levelText(undefined)).toContain("unknown");
+    expect(levelClass(undefined)).toBe("quiet");
   });
 
   it("is amber and red above the limits, usual ones where there are none", () => {

@@ -11,8 +11,11 @@ export function framesSkipped({ frames }: ConsoleState): number {
   return [...frames.values()].reduce((sum, { skipped }) => sum + Number(skipped), 0);
 }
 
-export function levelText(level: Level): string {
+/** `level`: undefined = nobody can be heard now. */
+export function levelText(level: Level | undefined): string {
   switch (level) {
+    case undefined:
+      return "◌ unknown";
     case Level.OK:
       return "● ok";
     case Level.WARNING:
@@ -24,7 +27,8 @@ export function levelText(level: Level): string {
   }
 }
 
-export function levelClass(level: Level): string {
+export function levelClass(level: Level | undefined): string {
+  if (level === undefined) return "quiet";
   if (level === Level.OK) return "good";
   return level === Level.WARNING ? "warn" : "bad";
 }

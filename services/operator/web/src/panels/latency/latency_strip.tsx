@@ -60,6 +60,7 @@ function LinkState() {
 function Services() {
   const { store } = useConsole();
   const services = [...store.state.value.services.values()];
+  const linked = store.linked.value;
   return (
     <ul class="services" aria-label="Services">
       {services.map(({ name, level, message, heardAt }) => (
@@ -69,7 +70,9 @@ function Services() {
           title={`${message} (heard ${duration(ageOf(heardAt, store.now.value))} ago)`}
         >
           <span class="quiet">{name}</span>{" "}
-          <span class={levelClass(level)}>{levelText(level)}</span>
+          <span class={levelClass(linked ? level : undefined)}>
+            {levelText(linked ? level : undefined)}
+          </span>
         </li>
       ))}
     </ul>

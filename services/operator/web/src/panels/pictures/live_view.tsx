@@ -13,7 +13,7 @@ export function LiveView({ robot }: { robot: string }) {
     if (jpeg !== undefined && canvas.current) void draw(jpeg, canvas.current);
   }, [jpeg]);
   const age = ageOf(frame?.heardAt, store.now.value);
-  const old = age === undefined || age > frameStaleAfter;
+  const old = age === undefined || age > frameStaleAfter || !store.linked.value;
   return (
     <figure class={`live-view ${old ? "old" : ""}`}>
       <canvas ref={canvas} role="img" aria-label={`Live view of ${robot}`} />
