@@ -100,21 +100,30 @@ describe("command", () => {
 });
 
 describe("the next item", () => {
+  const none = new Set<string>();
+  const key = (robot: string) => `${robot} 0 0`;
+  const next = (all: UpdateBody, passed = none, gone = none) =>
+    nextItem(stateOf(all), passed, gone)?.robot;
+
   it("is the first of the service's order", () => {
-    expect(nextItem(stateOf(items(["r2", ""], ["r1", ""])), "r1")?.robot).toBe("r2");
+    expect(next(items(["r2", ""], ["r1", ""]))).toBe("r2");
   });
 
-  it("is the second when I already work on the first", () => {
-    expect(nextItem(stateOf(items(["r2", "me"], ["r1", ""])), "r2")?.robot).toBe("r1");
+  it("is the first that was not passed", () => {
+    const all = items(["r2", ""], ["r1", "me"], ["r3", ""]);
+    expect(next(all, new Set([key("r2"), key("r1")]))).toBe("r3");
   });
 
-  it("stays when there is no other", () => {
-    expect(nextItem(stateOf(items(["r2", "me"])), "r2")?.robot).toBe("r2");
+  it("is another one than mine when all were passed, and stays when there is no other", () => {
+    const passed = new Set([key("r1"), key("r2")]);
+    expect(next(items(["r2", "me"], ["r1", ""]), passed)).toBe("r1");
+    expect(next(items(["r2", "me"]), passed)).toBe("r2");
   });
 
-  it("leaves out what somebody else works on", () => {
-    expect(nextItem(stateOf(items(["r2", "you"], ["r1", ""])), undefined)?.robot).toBe("r1");
-    expect(nextItem(stateOf(items(["r2", "you"])), undefined)).toBeUndefined();
+  it("leaves out what somebody else works on, and what asks no more", () => {
+    expect(next(items(["r2", "you"], ["r1", ""]))).toBe("r1");
+    expect(next(items(["r2", "you"]))).toBeUndefined();
+    expect(next(items(["r2", ""], ["r1", ""]), none, new Set([key("r2")]))).toBe("r1");
   });
 });
 

@@ -84,16 +84,29 @@ export function unanswered(state: ConsoleState, robot: string | undefined): Pict
   return newest?.answer === PictureAnswer.ANSWER_NONE ? newest : undefined;
 }
 
-/** The first item that nobody else works on, after `robot`'s own if that is first: N never stays where it is. */
+/** The same reason at another time is another item. */
+export function itemKey({ robot, reason, since }: AttentionItem): string {
+  return `${robot} ${reason} ${since}`;
+}
+
+/**
+ * The first item that nobody else works on and that is not in `passed`. When all of them are, the first again, but not the one
+ * that I work on while there is another. Never one of `gone`.
+ */
 export function nextItem(
   state: ConsoleState,
-  robot: string | undefined,
+  passed: ReadonlySet<string>,
+  gone: ReadonlySet<string>,
 ): AttentionItem | undefined {
   const me = state.welcome?.client ?? "";
   const items = (state.attention?.items ?? []).filter(
-    ({ selectedBy }) => selectedBy === "" || selectedBy === me,
+    (item) => (item.selectedBy === "" || item.selectedBy === me) && !gone.has(itemKey(item)),
   );
-  return items.find((item) => item.robot !== robot || item.selectedBy === "") ?? items[0];
+  return (
+    items.find((item) => !passed.has(itemKey(item))) ??
+    items.find(({ selectedBy }) => selectedBy === "") ??
+    items[0]
+  );
 }
 
 export function itemsOf(state: ConsoleState, robot: string): readonly AttentionItem[] {

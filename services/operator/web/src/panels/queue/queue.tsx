@@ -19,7 +19,7 @@ export function Queue() {
         <button
           type="button"
           class={`end ${items.length > 0 ? "main" : ""}`}
-          onClick={() => actions.next()}
+          onClick={() => void actions.next()}
         >
           Next <kbd>{keyHint("next")}</kbd>
         </button>
@@ -46,7 +46,7 @@ function QueueItem({ item, now }: { item: AttentionItem; now: number }) {
     <li class={mine ? "mine" : ""}>
       <button
         type="button"
-        onClick={() => actions.turnTo(item)}
+        onClick={() => void actions.turnTo(item)}
         aria-current={mine ? "true" : undefined}
         title={`${adviceText(reason)} Value lost: ${measured(item.valueLostPerSecond, 2)} per second; expected work: ${duration(item.expectedInteraction)}`}
       >
