@@ -38,7 +38,7 @@ export function fleetRow(
     stopped: state.controls.get(name)?.stopped ?? false,
     holder: holderOf(state, name),
     wait: item && {
-      why: reasonText(item.reason),
+      why: reasonText(item.reason, state.session?.drives ?? false),
       seconds: Math.max(0, (state.attention?.stamp ?? item.since) - item.since),
     },
     doing: doingText(robot?.outcome),

@@ -4,7 +4,7 @@ import { keyHint } from "../../app/shortcuts";
 import type { AttentionItem } from "../../protocol/generated/console_pb";
 import { nameOf } from "../../state/selectors";
 import { duration, measured } from "../format";
-import { adviceText, reasonText } from "./words";
+import { adviceText, patienceText, reasonText } from "./words";
 import "./queue.css";
 
 /** All that asks for the operator, in the service's order. */
@@ -12,6 +12,9 @@ export function Queue() {
   const { store, actions } = useConsole();
   const attention = store.state.value.attention;
   const items = attention?.items ?? [];
+  const me = store.state.value.welcome?.client ?? "";
+  const advised =
+    items.find(({ selectedBy }) => selectedBy !== "" && selectedBy === me) ?? items[0];
   return (
     <section class="panel queue" aria-label="Attention queue" data-tour="queue">
       <div class="row">
@@ -27,7 +30,12 @@ export function Queue() {
       {items.length === 0 && <p class="quiet">Nobody. The robots get along.</p>}
       <ol>
         {items.map((item) => (
-          <QueueItem key={`${item.robot} ${item.reason}`} item={item} now={attention?.stamp ?? 0} />
+          <QueueItem
+            key={`${item.robot} ${item.reason}`}
+            item={item}
+            now={attention?.stamp ?? 0}
+            advised={item === advised}
+          />
         ))}
       </ol>
       {attention !== undefined && attention.predictedWaitingTime > 0 && (
@@ -37,10 +45,18 @@ export function Queue() {
   );
 }
 
-function QueueItem({ item, now }: { item: AttentionItem; now: number }) {
+interface ItemProps {
+  item: AttentionItem;
+  now: number;
+  /** What to do about it can be read. */
+  advised: boolean;
+}
+
+function QueueItem({ item, now, advised }: ItemProps) {
   const { store, actions } = useConsole();
-  const { robot, reason, since, deadline, selectedBy } = item;
+  const { robot, reason, since, selectedBy } = item;
   const state = store.state.value;
+  const drives = state.session?.drives ?? false;
   const mine = selectedBy !== "" && selectedBy === state.welcome?.client;
   return (
     <li class={mine ? "mine" : ""}>
@@ -48,17 +64,18 @@ function QueueItem({ item, now }: { item: AttentionItem; now: number }) {
         type="button"
         onClick={() => void actions.turnTo(item)}
         aria-current={mine ? "true" : undefined}
-        title={`${adviceText(reason)} Value lost: ${measured(item.valueLostPerSecond, 2)} per second; expected work: ${duration(item.expectedInteraction)}`}
+        title={`Value lost: ${measured(item.valueLostPerSecond, 2)} per second; expected work: ${duration(item.expectedInteraction)}`}
       >
         <RobotMark robot={robot} />
         <span>
-          <strong>{robot}</strong> {reasonText(reason)}
+          <strong>{robot}</strong> {reasonText(reason, drives)}
           <span class="quiet times">
             waits {duration(now - since)}
-            {deadline > 0 && `, goes on alone in ${duration(Math.max(0, deadline - now))}`}
+            {patienceText(item, now)}
             {selectedBy !== "" &&
               ` · ${mine ? "you are" : `${nameOf(state, selectedBy)} is`} on it`}
           </span>
+          {advised && <span class="advice">{adviceText(reason, drives)}</span>}
         </span>
       </button>
     </li>
