@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 import { AttentionReason, CommandOutcome } from "../../protocol/generated/console_pb";
 import { emptyState } from "../../state/console_state";
 import { stateOf } from "../../state/fixtures";
-import { fleetRow } from "./fleet_row";
+import { controlText, fleetRow } from "./fleet_row";
 
 describe("a row of the fleet strip", () => {
   it("of a robot that was never heard of is lost", () => {
@@ -20,6 +20,18 @@ describe("a row of the fleet strip", () => {
     expect(fleetRow(state, 100, true, "r1").freshness).toBe("live");
     expect(fleetRow(state, 100, false, "r1")).toMatchObject({ freshness: "no news" });
     expect(fleetRow(state, 140, false, "r1").age).toBeCloseTo(40.1);
+  });
+
+  it("of a robot without goals left is done, whatever its last command", () => {
+    const { OUTCOME_DONE } = CommandOutcome;
+    const value = { name: "r1", goalsTotal: 4, outcome: OUTCOME_DONE };
+    expect(fleetRow(stateOf({ case: "robot", value }), 0, true, "r1").doing).toContain("all goals");
+  });
+
+  it("says that nobody has control only where it can know", () => {
+    const row = fleetRow(stateOf(), 0, true, "r1");
+    expect(controlText(row, false)).toBe("Nobody has control of r1");
+    expect(controlText(row, true)).toContain("not in the recording");
   });
 
   it("tells goals, age, stop, control and why it waits since when", () => {

@@ -1,4 +1,4 @@
-import { CommandOutcome } from "../../protocol/generated/console_pb";
+import { CommandOutcome, type Robot } from "../../protocol/generated/console_pb";
 import type { ConsoleState } from "../../state/console_state";
 import { ageOf, type Freshness, freshnessOf } from "../../state/freshness";
 import { type Holder, holderOf, itemsOf } from "../../state/selectors";
@@ -41,8 +41,12 @@ export function fleetRow(
       why: reasonText(item.reason, state.session?.drives ?? false),
       seconds: Math.max(0, (state.attention?.stamp ?? item.since) - item.since),
     },
-    doing: doingText(robot?.outcome),
+    doing: isDone(robot) ? "✓ all goals reached" : doingText(robot?.outcome),
   };
+}
+
+function isDone(robot: Robot | undefined): boolean {
+  return robot !== undefined && robot.goalsTotal > 0 && robot.goalsLeft.length === 0;
 }
 
 function doingText(outcome: CommandOutcome | undefined): string {
@@ -59,5 +63,19 @@ function doingText(outcome: CommandOutcome | undefined): string {
       return "command expired";
     default:
       return "stands";
+  }
+}
+
+/** Who has control. `recorded`: the run is one of before; leases of control are not on the bus, so not in its recording. */
+export function controlText({ holder, name }: FleetRow, recorded: boolean): string {
+  switch (holder.kind) {
+    case "me":
+      return `You have control of ${name}`;
+    case "other":
+      return `${holder.name} has control of ${name}: ${holder.reason || "no reason given"}`;
+    default:
+      return recorded
+        ? `Who had control of ${name} is not in the recording`
+        : `Nobody has control of ${name}`;
   }
 }

@@ -1,8 +1,9 @@
 import { useConsole } from "../../app/console";
 import { RobotMark } from "../../app/robot_mark";
+import { Mode } from "../../protocol/generated/console_pb";
 import { mayCommand, mayStop } from "../../state/selectors";
 import { duration } from "../format";
-import { type FleetRow, fleetRow } from "./fleet_row";
+import { controlText, type FleetRow, fleetRow } from "./fleet_row";
 import "./fleet.css";
 
 /** More robots than these get small cards, so that all are in sight. */
@@ -32,13 +33,14 @@ function FleetCard({ name }: { name: string }) {
   const { store, actions } = useConsole();
   const row = fleetRow(store.state.value, store.now.value, store.linked.value, name);
   const chosen = store.chosenRobot.value === name;
+  const recorded = store.state.value.welcome?.mode === Mode.REPLAY;
   return (
     <li class={`fleet-card ${row.freshness === "live" ? "" : "old"} ${row.wait ? "waits" : ""}`}>
       <button
         type="button"
         class="choose"
         aria-pressed={chosen}
-        title={`${doing(row)}\n${whoControls(row)}`}
+        title={`${doing(row)}\n${controlText(row, recorded)}`}
         onClick={() => actions.goTo(name)}
       >
         <span class="row">
@@ -53,6 +55,7 @@ function FleetCard({ name }: { name: string }) {
           {row.wait ? "!" : row.stopped ? "■" : ""}
         </span>
         <span class="doing">{doing(row)}</span>
+        {row.holder.kind === "other" && <span class="holder">{row.holder.name} has control</span>}
       </button>
       {mayStop(store.state.value) && <StopOrGo row={row} />}
     </li>
@@ -94,15 +97,7 @@ function StopOrGo({ row: { name, stopped } }: { row: FleetRow }) {
   );
 }
 
-function doing({ wait, stopped, doing: does, holder }: FleetRow): string {
-  const who = holder.kind === "other" ? ` · ${holder.name} has control` : "";
-  if (stopped) return `■ stopped${who}`;
-  return wait ? `! ${wait.why}, ${duration(wait.seconds)}${who}` : `${does}${who}`;
-}
-
-function whoControls({ holder, name }: FleetRow): string {
-  if (holder.kind === "me") return `You have control of ${name}`;
-  return holder.kind === "other"
-    ? `${holder.name} has control of ${name}: ${holder.reason || "no reason given"}`
-    : `Nobody has control of ${name}`;
+function doing({ wait, stopped, doing: does }: FleetRow): string {
+  if (stopped) return "■ stopped";
+  return wait ? `! ${wait.why}, ${duration(wait.seconds)}` : does;
 }

@@ -1,4 +1,4 @@
-import { Level, type Search } from "../../protocol/generated/console_pb";
+import { Level, type Search, type Service } from "../../protocol/generated/console_pb";
 import type { ConsoleState } from "../../state/console_state";
 
 /** s that the newest decisions took: of the robot that was slowest. */
@@ -9,6 +9,19 @@ export function plannerTime(searches: ReadonlyMap<string, Search>): number | und
 
 export function framesSkipped({ frames }: ConsoleState): number {
   return [...frames.values()].reduce((sum, { skipped }) => sum + Number(skipped), 0);
+}
+
+export interface ServicesHealth {
+  /** How many are well. */
+  readonly ok: number;
+  /** The others, by name. */
+  readonly ill: readonly Service[];
+}
+
+export function healthOf(services: Iterable<Service>): ServicesHealth {
+  const all = [...services];
+  const ill = all.filter(({ level }) => level !== Level.OK);
+  return { ok: all.length - ill.length, ill };
 }
 
 /** `level`: undefined = nobody can be heard now. */
