@@ -152,8 +152,8 @@ async function bothThemes(scene) {
   await page.begin();
   await until("pictures come", () => page.told.pictures("r1").length > 1);
   await page.press("l");
-  await page.page.getByLabel("Edits expected of you").check();
-  await page.page.getByLabel("Search: visits").check();
+  await page.page.getByLabel("Edits expected of you", { exact: true }).check();
+  await page.page.getByLabel("Search: visits", { exact: true }).check();
   await page.press("Escape");
   for (const theme of ["dark", "light"]) {
     await page.page.emulateMedia({ colorScheme: theme });

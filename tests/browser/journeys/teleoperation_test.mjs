@@ -46,7 +46,7 @@ journey("driving stops with the key, with the focus, and with the page", async (
   const page = await scene.open(system.url);
   await page.begin();
   await page.reads(/Hold the arrow keys to drive/);
-  await page.reads(/waits for you to drive it/);
+  await page.reads(/waits to be driven/);
   await page.page.getByRole("img", { name: "Live view of r1" }).waitFor();
   await until("frames come before anything moves", () => page.told.frames > 0);
   assert.equal(page.told.robot("r1").lowLevelSteps, 0n);

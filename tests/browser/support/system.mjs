@@ -61,10 +61,10 @@ export class ReplaySystem {
   /** @param {readonly string[]} options of the demo, which runs by itself first */
   async start(options) {
     const out = join(this.#folder, "recorded");
-    const demo = this.#run("demo", ["demo", "--headless", "--out", out, ...options]);
+    const demo = this.#run("conav", ["demo", "--headless", "--out", out, ...options]);
     const [, run] = await demo.hears(/ run (\S+)/);
     await until("the end of the demo", () => demo.ended !== undefined, { within: 120 });
-    const replay = this.#run("replay", ["replay", run, "--port", "0"]);
+    const replay = this.#run("conav-replay", [run, "--port", "0"]);
     [, this.url] = await replay.hears(/(http:\S+)/);
   }
 
@@ -76,9 +76,9 @@ export class ReplaySystem {
     await Promise.all(this.#processes.map((process) => process.stop()));
   }
 
-  #run(name, words) {
-    const log = join(this.#folder, `${name}.log`);
-    const process = new Process(`conav ${name}`, [join(programs, "conav"), ...words], { log });
+  #run(program, words) {
+    const log = join(this.#folder, `${program}.log`);
+    const process = new Process(program, [join(programs, program), ...words], { log });
     this.#processes.push(process);
     return process;
   }

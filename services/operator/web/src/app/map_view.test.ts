@@ -1,5 +1,6 @@
 import { beforeEach, describe, expect, it } from "vitest";
 import { FakeClock, FakeConnection } from "../connection/fake";
+import { Role } from "../protocol/generated/console_pb";
 import { type UpdateBody, updates, welcomeMessage } from "../state/fixtures";
 import { defaultSettings } from "../state/settings";
 import { createStore, type Store } from "../state/store";
@@ -62,6 +63,14 @@ describe("the map's view", () => {
     expect(view.value?.robots[0]?.fresh).toBe("live");
     store.link.value = { state: "lost", attempt: 1, retryAt: 0 };
     expect(view.value?.robots[0]?.fresh).toBe("no news");
+  });
+
+  it("has no tools for who only looks", () => {
+    hear(world("w1"));
+    store.receive(welcomeMessage());
+    expect(view.value?.readOnly).toBe(false);
+    store.receive(welcomeMessage({ role: Role.OBSERVER }));
+    expect(view.value?.readOnly).toBe(true);
   });
 
   it("gives a robot its look by its place in the configuration", () => {

@@ -4,7 +4,14 @@ import type { CellAt } from "../protocol/cells";
 import { type Picture, Role } from "../protocol/generated/console_pb";
 import type { ConsoleState } from "../state/console_state";
 import { freshnessOf } from "../state/freshness";
-import { nameOf, trailCells, unanswered, whyNotCommand, worldOf } from "../state/selectors";
+import {
+  mayCommand,
+  nameOf,
+  trailCells,
+  unanswered,
+  whyNotCommand,
+  worldOf,
+} from "../state/selectors";
 import type { Store } from "../state/store";
 import type { Actions } from "./actions";
 import { lookOf } from "./palette";
@@ -55,6 +62,7 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
         layers: store.settings.value.layers,
         chosenRobot: chosenRobot.value,
         tool: store.tool.value,
+        readOnly: state.value.welcome !== undefined && !mayCommand(state.value),
         mayEdit: mayEdit.value,
         mayGuide: mayGuide.value,
         editLimit: state.value.welcome?.limits?.editCells || undefined,

@@ -19,7 +19,7 @@ const signs: Partial<Record<LayerName, ComponentChildren>> = {
   ),
   pictures: <path d="M2 6 13 1q2 5 0 10z" />,
   goals: <path class="filled" d="M4 11.5V1l8 2.5L4 6" />,
-  paths: <path class="thick" d="M1.5 9h6V5H12M9.5 2.5 12.5 5 9.5 7.5" />,
+  paths: <path class="thick" d="M1.5 10h7V4.5h4.5M10.5 1.8 13.3 4.5 10.5 7.2" />,
   goalPoses: <path d="M8 2.5a3.5 3.5 0 1 0 .01 0M8 0v4M8 8v4M2 6h4M10 6h4" />,
 };
 

@@ -62,15 +62,17 @@ function OnePicture({ picture }: { picture: Picture }) {
         )}
       </div>
       <PictureImage picture={picture} />
-      <p>{summaryOf(picture, state.beliefs.get(world), columns)}</p>
-      <p class="row">
-        <span class="quiet">
-          from {cellText(cell)}, to the {directionText(heading)}
-        </span>
-        <button type="button" class="end" onClick={() => store.centre(cell)}>
+      <div class="about">
+        <p>
+          {summaryOf(picture, state.beliefs.get(world), columns)}{" "}
+          <span class="quiet">
+            From {cellText(cell)}, to the {directionText(heading)}.
+          </span>
+        </p>
+        <button type="button" onClick={() => store.centre(cell)}>
           Show on the map
         </button>
-      </p>
+      </div>
     </>
   );
 }

@@ -2,7 +2,7 @@ import { useConsole } from "../../app/console";
 import { RobotMark } from "../../app/robot_mark";
 import { keyHint } from "../../app/shortcuts";
 import type { AttentionItem } from "../../protocol/generated/console_pb";
-import { nameOf } from "../../state/selectors";
+import { mayCommand, nameOf } from "../../state/selectors";
 import { duration, measured } from "../format";
 import { adviceText, patienceText, reasonText } from "./words";
 import "./queue.css";
@@ -75,7 +75,7 @@ function QueueItem({ item, now, advised }: ItemProps) {
             {selectedBy !== "" &&
               ` · ${mine ? "you are" : `${nameOf(state, selectedBy)} is`} on it`}
           </span>
-          {advised && <span class="advice">{adviceText(reason, drives)}</span>}
+          {advised && mayCommand(state) && <span class="advice">{adviceText(reason, drives)}</span>}
         </span>
       </button>
     </li>

@@ -7,7 +7,7 @@ describe("what a robot wants", () => {
   const { REASON_FIRST_PATH } = AttentionReason;
 
   it("is to be driven where that is the method", () => {
-    expect(reasonText(REASON_FIRST_PATH, true)).toContain("drive");
+    expect(reasonText(REASON_FIRST_PATH, true)).toContain("driven");
     expect(adviceText(REASON_FIRST_PATH, true)).toContain("arrow keys");
     expect(reasonText(REASON_FIRST_PATH, false)).toContain("path");
   });

@@ -11,7 +11,7 @@ export function reasonText(reason: AttentionReason, drives: boolean): string {
     case AttentionReason.REASON_NO_GUIDANCE:
       return "needs a path";
     case AttentionReason.REASON_FIRST_PATH:
-      return drives ? "waits for you to drive it" : "waits for its first path";
+      return drives ? "waits to be driven" : "waits for its first path";
     case AttentionReason.REASON_COMMAND_FAILED:
       return "stands: its command failed";
     case AttentionReason.REASON_LINK_LOST:
