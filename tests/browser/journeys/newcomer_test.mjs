@@ -18,7 +18,7 @@ journey(
         await answersFirst(page);
         return told().every(({ goalsLeft }) => goalsLeft.length === 0);
       },
-      { within: 240, every: 0.5, now: told },
+      { within: 200, every: 0.5, now: told },
     );
     await page.panel("End of the run").getByText("All 8 goals reached").waitFor();
   },

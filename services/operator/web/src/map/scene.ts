@@ -4,7 +4,6 @@ import type { Draw } from "./draw/context";
 import { Fader } from "./draw/fader";
 import type { Palette } from "./draw/palette";
 import { draftLayers, type EditSession } from "./edit/edit_session";
-import { isWall } from "./grid";
 import { paintBelief } from "./layers/belief";
 import { drawChanges } from "./layers/changes";
 import { drawCursor, drawFrame } from "./layers/cursor";
@@ -23,6 +22,7 @@ import { drawDifferences, paintFog, seenByAny } from "./layers/seen";
 import { drawTrails } from "./layers/trails";
 import { drawTruth } from "./layers/truth";
 import type { Cell, LayerName, MapProps } from "./map_props";
+import { wallsCrossed } from "./path/assessment";
 import { type PathSession, vertices } from "./path/path_session";
 import type { View } from "./view";
 
@@ -147,7 +147,7 @@ function drawDraft(context: Draw, { props, view, palette }: Scene, path: PathSes
     cells: path.cells,
     vertices: vertices(path.cells),
     sent: path.sent?.cells === path.cells,
-    trouble: walls ? path.cells.filter((cell) => isWall(walls, props.world, cell)) : [],
+    trouble: walls ? wallsCrossed(path.cells, { size: props.world, walls }, props.seen) : [],
     shift: laneShift(props.robots, index, view),
   };
   drawDraftPath(context, view, data, palette);

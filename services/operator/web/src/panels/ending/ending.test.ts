@@ -27,7 +27,6 @@ describe("the end of a run", () => {
   it("is when no robot has a goal left, and tells what it took", () => {
     expect(endingOf(stateOf(robot("r1", 0), robot("r2", 1), belief))).toBeUndefined();
     expect(endingOf(stateOf(robot("r1", 0), robot("r2", 0), belief))).toEqual({
-      robots: 2,
       goals: 8,
       moves: 40,
       pictures: 6,

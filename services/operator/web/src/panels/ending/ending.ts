@@ -4,7 +4,6 @@ import { robotNames } from "../../state/selectors";
 
 /** What a run was, when every robot has reached its goals. */
 export interface Ending {
-  readonly robots: number;
   readonly goals: number;
   readonly moves: number;
   readonly pictures: number;
@@ -21,7 +20,6 @@ export function endingOf(state: ConsoleState): Ending | undefined {
   const goals = all.reduce((sum, { goalsTotal }) => sum + goalsTotal, 0);
   if (goals === 0 || all.some(({ goalsLeft }) => goalsLeft.length > 0)) return undefined;
   return {
-    robots: all.length,
     goals,
     moves: all.reduce((sum, { cellMoves }) => sum + Number(cellMoves), 0),
     pictures: all.reduce((sum, { pictures }) => sum + Number(pictures), 0),

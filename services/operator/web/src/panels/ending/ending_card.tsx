@@ -11,19 +11,18 @@ export function EndingCard() {
   const dismissed = useSignal("");
   const ending = endingOf(state);
   if (ending === undefined || dismissed.value === state.run) return undefined;
-  const { robots, goals, moves, pictures, changed } = ending;
+  const { goals, moves, pictures, changed } = ending;
   return (
     <section class="stage-card ending" aria-label="End of the run" aria-live="polite">
       <div>
         <h2 class="good">✓ All {goals} goals reached</h2>
         <p>
-          {count(robots, "robot")} took {count(moves, "move")} and sent {count(pictures, "picture")}
-          ; your map changed in {count(changed, "cell")}. This run is over: you can look round as
-          long as you like.
+          {count(moves, "move")}, {count(pictures, "picture")} sent, {count(changed, "cell")} of
+          your map changed. The run is over; look round as long as you like.
         </p>
         <p class="quiet">
-          In the terminal Ctrl-C ends it. <code>./conav replay RUN</code> plays it again; RUN is the
-          folder that the terminal names. <code>./conav demo --seed 2</code> is another maze.
+          In the terminal Ctrl-C ends it. <code>./conav replay RUN</code> plays it again, RUN being
+          its folder in <code>runs/</code>; <code>./conav demo --seed 2</code> is another maze.
         </p>
       </div>
       <button

@@ -25,7 +25,11 @@ describe("a row of the fleet strip", () => {
   it("of a robot without goals left is done, whatever its last command", () => {
     const { OUTCOME_DONE } = CommandOutcome;
     const value = { name: "r1", goalsTotal: 4, outcome: OUTCOME_DONE };
-    expect(fleetRow(stateOf({ case: "robot", value }), 0, true, "r1").doing).toContain("all goals");
+    const items = [{ robot: "r1", reason: AttentionReason.REASON_GOALS_REACHED }];
+    const state = stateOf({ case: "robot", value }, { case: "attention", value: { items } });
+    const row = fleetRow(state, 0, true, "r1");
+    expect(row.doing).toContain("all goals");
+    expect(row.wait).toBeUndefined();
   });
 
   it("says that nobody has control only where it can know", () => {

@@ -2,7 +2,7 @@ import { CommandOutcome, type Robot } from "../../protocol/generated/console_pb"
 import type { ConsoleState } from "../../state/console_state";
 import { ageOf, type Freshness, freshnessOf } from "../../state/freshness";
 import { type Holder, holderOf, itemsOf } from "../../state/selectors";
-import { reasonText } from "../queue/words";
+import { isNotice, reasonText } from "../queue/words";
 
 /** What the fleet strip tells of a robot. */
 export interface FleetRow {
@@ -28,7 +28,7 @@ export function fleetRow(
   name: string,
 ): FleetRow {
   const robot = state.robots.get(name);
-  const item = itemsOf(state, name)[0];
+  const item = itemsOf(state, name).find(({ reason }) => !isNotice(reason));
   return {
     name,
     freshness: freshnessOf(robot?.heardAt, now, linked),

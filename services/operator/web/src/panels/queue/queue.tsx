@@ -4,7 +4,7 @@ import { keyHint } from "../../app/shortcuts";
 import type { AttentionItem } from "../../protocol/generated/console_pb";
 import { mayCommand, nameOf } from "../../state/selectors";
 import { duration, measured } from "../format";
-import { adviceText, patienceText, reasonText } from "./words";
+import { adviceText, isNotice, patienceText, reasonText } from "./words";
 import "./queue.css";
 
 /** All that asks for the operator, in the service's order. */
@@ -70,7 +70,7 @@ function QueueItem({ item, now, advised }: ItemProps) {
         <span>
           <strong>{robot}</strong> {reasonText(reason, drives)}
           <span class="quiet times">
-            waits {duration(now - since)}
+            {isNotice(reason) ? `${duration(now - since)} ago` : `waits ${duration(now - since)}`}
             {patienceText(item, now)}
             {selectedBy !== "" &&
               ` · ${mine ? "you are" : `${nameOf(state, selectedBy)} is`} on it`}

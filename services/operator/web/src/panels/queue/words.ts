@@ -23,6 +23,11 @@ export function reasonText(reason: AttentionReason, drives: boolean): string {
   }
 }
 
+/** For information: nobody waits. */
+export function isNotice(reason: AttentionReason): boolean {
+  return reason === AttentionReason.REASON_GOALS_REACHED;
+}
+
 /** What to do about it. */
 export function adviceText(reason: AttentionReason, drives: boolean): string {
   switch (reason) {
