@@ -35,6 +35,7 @@ const states = [
   bigMap,
   driving,
   streaming,
+  ended,
   replaying,
   observing,
   smallScreen,
@@ -62,6 +63,7 @@ for (const state of states) {
 }
 
 async function shoot(page, name, options = {}) {
+  await page.page.waitForTimeout(200); // colours change in steps
   const path = join(folder, `${name}.png`);
   await page.page.screenshot({ path, ...options });
   console.log(path);
@@ -141,6 +143,8 @@ async function readme(scene) {
   await page.isChosen("r2");
   await page.page.getByRole("img", { name: /^Picture \d+ of r2/ }).waitFor();
   await page.reads(/you are on it/);
+  await page.page.mouse.move(0, 0);
+  await page.page.evaluate(() => document.activeElement.blur());
   await shoot(page, "console");
   if (wanted.includes("--docs")) copyFileSync(join(folder, "console.png"), docsPicture);
 }
@@ -196,10 +200,19 @@ async function driving(scene) {
   await until("a frame comes before anything moves", () => page.told.frames > 0);
   await page.page.waitForTimeout(300);
   await shoot(page, "driving-at-rest");
-  await page.page.keyboard.down("ArrowUp");
-  await until("frames come", () => page.told.frames > 3);
+  await page.page.keyboard.down("ArrowLeft");
+  await until("the robot turns", () => page.told.robot("r1").lowLevelSteps > 3n);
   await shoot(page, "driving");
-  await page.page.keyboard.up("ArrowUp");
+  await page.page.keyboard.up("ArrowLeft");
+}
+
+/** Both robots have reached all their goals. */
+async function ended(scene) {
+  const system = await scene.demo("--seed", "7");
+  const page = await scene.open(system.url, { name: "Ada", colorScheme: "light" });
+  await page.begin(/Watch/);
+  await page.panel("End of the run").waitFor({ timeout: 120_000 });
+  await shoot(page, "ended");
 }
 
 /** Method instruction: a live view, and paths. */

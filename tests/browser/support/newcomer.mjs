@@ -53,7 +53,7 @@ function shortestWay(start, goals, isWall) {
 
 /** Where the way turns, and its ends: nobody stops in each cell. */
 function cornersOf(way) {
-  return way.filter((cell, i) => {
+  return way.filter((_, i) => {
     const [before, after] = [way[i - 1], way[i + 1]];
     if (before === undefined || after === undefined) return true;
     return before.row !== after.row && before.column !== after.column;

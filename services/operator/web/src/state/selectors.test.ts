@@ -37,6 +37,7 @@ describe("names", () => {
     expect(nameOf(state, "me")).toBe("you");
     expect(nameOf(state, "x/1")).toBe("Zoë");
     expect(nameOf(state, "Ben/2")).toBe("Ben");
+    expect(nameOf(state, "synthetic-operator-18ea54bd9bd4577e-19746")).toBe("synthetic-operator");
     expect(nameOf(state, "")).toBe("");
   });
 });

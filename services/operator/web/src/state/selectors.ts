@@ -41,7 +41,12 @@ export function mayStop({ welcome }: ConsoleState): boolean {
 export function nameOf({ presence, welcome }: ConsoleState, client: string): string {
   if (client === welcome?.client) return "you";
   const here = presence?.people.find((person) => person.client === client);
-  return here?.name || (client.split("/")[0] ?? client);
+  return here?.name || readable(client);
+}
+
+/** Without what makes it unlike all others: "Ben/2", "synthetic-operator-18ea54bd9bd4577e-19746". */
+function readable(client: string): string {
+  return client.replace(/\/.*$/, "").replace(/-[0-9a-f]{8,}-\d+$/, "");
 }
 
 export type Holder =
@@ -53,7 +58,7 @@ export function holderOf(state: ConsoleState, robot: string): Holder {
   const control = state.controls.get(robot);
   if (control === undefined || control.holder === "") return { kind: "nobody" };
   if (control.holder === state.welcome?.client) return { kind: "me", until: control.heldUntil };
-  const name = control.holderName || control.holder;
+  const name = readable(control.holderName || control.holder);
   return { kind: "other", name, reason: control.reason };
 }
 
