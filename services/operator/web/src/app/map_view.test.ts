@@ -65,14 +65,6 @@ describe("the map's view", () => {
     expect(view.value?.robots[0]?.fresh).toBe("no news");
   });
 
-  it("has no tools for who only looks", () => {
-    hear(world("w1"));
-    store.receive(welcomeMessage());
-    expect(view.value?.readOnly).toBe(false);
-    store.receive(welcomeMessage({ role: Role.OBSERVER }));
-    expect(view.value?.readOnly).toBe(true);
-  });
-
   it("gives a robot its look by its place in the configuration", () => {
     hear(
       { case: "session", value: { robots: ["r2", "r1"] } },
@@ -90,6 +82,19 @@ describe("the map's view", () => {
     store.link.value = { state: "live" };
     expect(view.value?.mayEdit).toEqual({ allowed: true });
     expect(view.value?.mayGuide).toEqual({ allowed: true });
+  });
+
+  it("has no tools that change something for who may only watch", () => {
+    hear(world("w1"), robot("r1"));
+    store.link.value = { state: "live" };
+    store.receive(welcomeMessage({ role: Role.OBSERVER }));
+    expect(view.value?.watchesOnly).toBe(true);
+    view.value?.onTool("wall");
+    expect(store.tool.value).toBe("look");
+    store.receive(welcomeMessage({ role: Role.OPERATOR }));
+    expect(view.value?.watchesOnly).toBe(false);
+    view.value?.onTool("wall");
+    expect(store.tool.value).toBe("wall");
   });
 
   it("forbids to guide a robot that somebody else controls, not to edit the map", () => {

@@ -36,6 +36,7 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
     const picture = store.chosenPicture.value;
     return picture && { robot: picture.robot, sequenceNumber: picture.sequenceNumber };
   });
+  const watchesOnly = computed(() => link.value.state === "live" && !mayCommand(state.value));
   const mayEdit = computed(() => permission(whyNotEdit(state.value, link.value.state)));
   const mayGuide = computed(() =>
     permission(whyNotGuide(state.value, link.value.state, chosenRobot.value)),
@@ -62,7 +63,7 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
         layers: store.settings.value.layers,
         chosenRobot: chosenRobot.value,
         tool: store.tool.value,
-        readOnly: state.value.welcome !== undefined && !mayCommand(state.value),
+        watchesOnly: watchesOnly.value,
         mayEdit: mayEdit.value,
         mayGuide: mayGuide.value,
         editLimit: state.value.welcome?.limits?.editCells || undefined,
@@ -80,7 +81,7 @@ function callbacksOf(store: Store, actions: Actions, world: ReadonlySignal<strin
     },
     nameOf: (client: string) => nameOf(store.state.peek(), client),
     onTool: (tool: MapProps["tool"]) => {
-      store.tool.value = tool;
+      if (tool === "look" || mayCommand(store.state.peek())) store.tool.value = tool;
     },
     onChooseRobot: (name: string) => store.choose(name),
     onEdit: (...[cells, baseRevision]: Parameters<MapProps["onEdit"]>) =>

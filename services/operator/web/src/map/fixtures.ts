@@ -66,7 +66,7 @@ export class FakePage {
       tool: "look",
       nameOf: (client) => client,
       onTool: (tool) => this.asked.push({ kind: "tool", tool }),
-      readOnly: false,
+      watchesOnly: false,
       mayEdit: { allowed: true },
       mayGuide: { allowed: true },
       onEdit: async (cells, base) => {

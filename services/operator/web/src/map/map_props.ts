@@ -104,8 +104,8 @@ export type MapProps = {
   tool: Tool;
   onTool: (tool: Tool) => void;
 
-  /** Who only looks, at a recording or as an observer, has no tools. */
-  readOnly: boolean;
+  /** An observer or a recording: no tools that change something. */
+  watchesOnly: boolean;
   mayEdit: Permission;
   mayGuide: Permission; // of the chosen robot
   /** At most so many cells in one edit; a larger one is sent in parts. Not given: no limit. */

@@ -14,11 +14,11 @@ const tools: readonly { tool: Tool; name: string; key: string; hint: string }[] 
 ];
 
 export function Toolbar({ model }: { model: MapModel }) {
-  const { layers, onLayers, truth, readOnly } = model.props.value;
+  const { layers, onLayers, truth, watchesOnly } = model.props.value;
   return (
     <div class="map-toolbar" role="toolbar" aria-label="Map">
-      {!readOnly && <ToolButtons model={model} />}
-      {!readOnly && <HistoryButtons model={model} />}
+      {!watchesOnly && <ToolButtons model={model} />}
+      {!watchesOnly && <HistoryButtons model={model} />}
       <div class="map-group">
         <Button icon="minus" name="Zoom out" keys="-" onClick={() => model.zoom(1 / zoomStep)} />
         <Button icon="fit" name="Show all" keys="0" onClick={() => model.showAll()} />
