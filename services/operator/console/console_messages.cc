@@ -226,6 +226,7 @@ console::AttentionItem ToConsole(const AttentionItem& item) {
   message.set_tier(item.tier);
   message.set_since(item.since.ToSeconds());
   message.set_deadline(item.deadline.ToSeconds());
+  message.set_gives_up_after(item.gives_up_after_s);
   *message.mutable_cell() = operators::ToConsole(item.cell);
   message.set_newest_snapshot(item.newest_snapshot);
   message.set_value_lost_per_second(item.value_lost_per_s);

@@ -178,6 +178,9 @@ TEST_CASE("A malformed reply or attention request is refused", "[protocol][conve
   CheckRefused(
       SampleAttention(), [](AttentionMessage& m) { m.expected_information(NAN); },
       "expected_information = nan is not finite");
+  CheckRefused(
+      SampleAttention(), [](AttentionMessage& m) { m.gives_up_after(-1.0); },
+      "gives_up_after = -1 is not in [0, 1000000000000]");
 }
 
 TEST_CASE("A malformed attention queue is refused", "[protocol][convert]") {

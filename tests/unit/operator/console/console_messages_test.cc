@@ -116,6 +116,7 @@ TEST_CASE("of the attention queue no field is lost", "[operator][console]") {
   REQUIRE(attention.items_size() == 2);
   CHECK(attention.items(0).reason() == console::REASON_BLOCKED);
   CHECK(attention.items(0).expected_interaction() == 6.0);
+  CHECK(attention.items(0).gives_up_after() == 12.5);
   CHECK(attention.fan_out() == 2.6);
   CHECK(attention.predicted_waiting_time() == 4.0);
 }

@@ -5,6 +5,7 @@ import type { Announcer } from "../panels/announcements/announcer";
 import { LiveRegions } from "../panels/announcements/live_regions";
 import { ControlBar } from "../panels/control/control_bar";
 import { TakeOverDialog } from "../panels/control/take_over_dialog";
+import { EndingCard } from "../panels/ending/ending_card";
 import { Events } from "../panels/events/events";
 import { FleetStrip } from "../panels/fleet/fleet_strip";
 import { HelpDialog } from "../panels/help/help_dialog";
@@ -44,7 +45,6 @@ export function App({ console, announcer }: { console: Console; announcer: Annou
         <ReplayBar />
         <LatencyStrip />
       </div>
-      <TourCard />
       <Notices />
       <Dialogs />
       <LiveRegions announcer={announcer} />
@@ -57,6 +57,8 @@ function Stage() {
   const { workload, events } = settings.value;
   return (
     <main class="stage">
+      <TourCard />
+      <EndingCard />
       <DriveBadge />
       <div class="map" id="map" tabIndex={-1} data-tour="map">
         <WorldMap />

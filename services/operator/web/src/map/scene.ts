@@ -2,9 +2,9 @@
 import { type Bitmap, bitmapOf, drawBitmap } from "./draw/bitmap";
 import { CachedLayer, sameValues } from "./draw/cached_layer";
 import type { Draw } from "./draw/context";
+import { Fader } from "./draw/fader";
 import type { Palette } from "./draw/palette";
 import { draftLayers, type EditSession } from "./edit/edit_session";
-import { isWall } from "./grid";
 import { paintBelief } from "./layers/belief";
 import { drawChanges } from "./layers/changes";
 import { drawCursor, drawFrame } from "./layers/cursor";
@@ -23,7 +23,8 @@ import { drawSearches } from "./layers/searches";
 import { drawDifferences, paintFog, seenByAny } from "./layers/seen";
 import { drawTrails } from "./layers/trails";
 import { drawTruth } from "./layers/truth";
-import type { Cell, MapProps } from "./map_props";
+import type { Cell, LayerName, MapProps } from "./map_props";
+import { wallsCrossed } from "./path/assessment";
 import { type PathSession, vertices } from "./path/path_session";
 import type { View } from "./view";
 
@@ -48,6 +49,7 @@ export class SceneCache {
   readonly chosen = new CachedLayer();
   readonly goals = new CachedLayer();
   readonly pictures = new PictureMarks();
+  readonly fader = new Fader();
   #seen: { readonly keys: readonly unknown[]; readonly cells: Uint8Array } | undefined;
 
   seen(props: MapProps): Uint8Array {
@@ -86,50 +88,57 @@ function drawGround(context: Draw, scene: Scene, cache: SceneCache): void {
   context.fillStyle = palette.paper;
   context.fillRect(0, 0, view.width, view.height);
   drawCells(context, scene, cache);
-  const { layers, robots, trails } = props;
-  if (layers.trails) drawTrails(context, view, { robots, trails }, palette);
+  const { robots, trails } = props;
+  const show = shower(context, scene, cache);
+  show("trails", (on) => drawTrails(on, view, { robots, trails }, palette));
+}
+
+/** Draws a layer if it shows, and as strongly as it shall. */
+function shower(context: Draw, { props, view }: Scene, { fader }: SceneCache) {
+  return (name: LayerName, paint: (on: Draw) => void) =>
+    fader.draw(context, view, props.layers[name], paint);
 }
 
 function drawCells(context: Draw, scene: Scene, cache: SceneCache): void {
   const { props, view, palette, editing } = scene;
   const { world: size, belief, layers } = props;
+  const show = shower(context, scene, cache);
   const walls = belief?.walls ?? new Uint8Array(size.rows * size.columns);
   if (layers.belief) {
     cache.belief = bitmapOf(cache.belief, size, [walls, size.columns, palette], (on) =>
       paintBelief(on, { size, walls }, palette),
     );
-    drawBitmap(context, view, size, cache.belief);
+    show("belief", (on) => drawBitmap(on, view, size, cache.belief));
   }
   const seen = cache.seen(props);
   if (layers.seen) {
     cache.fog = bitmapOf(cache.fog, size, [seen, palette], (on) =>
       paintFog(on, size, seen, palette),
     );
-    drawBitmap(context, view, size, cache.fog);
+    show("seen", (on) => drawBitmap(on, view, size, cache.fog));
   }
   drawGridLines(context, view, size, palette);
-  if (layers.changes && belief) {
-    drawChanges(context, view, { size, walls, initial: belief.initialWalls }, palette);
+  if (belief) {
+    const changes = { size, walls, initial: belief.initialWalls };
+    show("changes", (on) => drawChanges(on, view, changes, palette));
   }
-  if (layers.seen) drawDifferences(context, view, { size, walls, seen }, palette);
-  if (layers.heat) {
-    drawHeat(context, view, { size, predictions: props.predictions.values() }, palette);
-  }
-  if (layers.truth && props.truth) {
-    drawTruth(context, view, { size, walls, truth: props.truth.cells }, palette);
-  }
+  show("seen", (on) => drawDifferences(on, view, { size, walls, seen }, palette));
+  const predictions = props.predictions.values();
+  show("heat", (on) => drawHeat(on, view, { size, predictions }, palette));
+  const truth = props.truth?.cells;
+  if (truth) show("truth", (on) => drawTruth(on, view, { size, walls, truth }, palette));
   if (editing) drawEdits(context, view, { size, ...draftLayers(editing) }, palette);
 }
 
 function drawLines(context: Draw, scene: Scene, cache: SceneCache): void {
   const { props, view, palette } = scene;
-  const { layers, robots } = props;
-  if (layers.pictures)
-    cache.pictures.draw(context, view, { robots, pictures: props.pictures }, palette);
+  const { robots, pictures, plans, searches } = props;
+  const show = shower(context, scene, cache);
+  show("pictures", (on) => cache.pictures.draw(on, view, { robots, pictures }, palette));
   drawChosen(context, scene, cache);
-  if (layers.paths) drawPaths(context, view, pathsOf(scene), palette);
-  if (layers.plan) drawPlans(context, view, { robots, plans: props.plans }, palette);
-  if (layers.search) drawSearches(context, view, { robots, searches: props.searches }, palette);
+  show("paths", (on) => drawPaths(on, view, pathsOf(scene), palette));
+  show("plan", (on) => drawPlans(on, view, { robots, plans }, palette));
+  show("search", (on) => drawSearches(on, view, { robots, searches }, palette));
   for (const path of scene.paths) drawDraft(context, scene, path);
 }
 
@@ -159,7 +168,7 @@ function drawDraft(context: Draw, { props, view, palette }: Scene, path: PathSes
     cells: path.cells,
     vertices: vertices(path.cells),
     sent: path.sent?.cells === path.cells,
-    trouble: walls ? path.cells.filter((cell) => isWall(walls, props.world, cell)) : [],
+    trouble: walls ? wallsCrossed(path.cells, { size: props.world, walls }, props.seen) : [],
     shift: laneShift(props.robots, index, view),
   };
   drawDraftPath(context, view, data, palette);
@@ -178,14 +187,15 @@ function goalKeys({ props, palette }: Scene): readonly unknown[] {
 
 function drawMarks(context: Draw, scene: Scene, cache: SceneCache): void {
   const { props, view, palette } = scene;
-  const { layers, robots, world } = props;
-  if (layers.goals) {
-    cache.goals.draw(context, view, goalKeys(scene), (on) => drawGoals(on, view, robots, palette));
-  }
-  if (layers.goalPoses) {
-    drawGoalPoses(context, view, { robots, goalPoses: props.goalPoses }, palette);
-  }
-  if (layers.paths) drawPathNames(context, view, pathsOf(scene), palette);
+  const { robots, goalPoses, world } = props;
+  const show = shower(context, scene, cache);
+  show("goals", (on) =>
+    cache.goals.draw(on, view, goalKeys(scene), (cached) =>
+      drawGoals(cached, view, robots, palette),
+    ),
+  );
+  show("goalPoses", (on) => drawGoalPoses(on, view, { robots, goalPoses }, palette));
+  show("paths", (on) => drawPathNames(on, view, pathsOf(scene), palette));
   drawRobots(context, view, { world, robots, chosen: props.chosenRobot }, palette);
   const { hover, rectangle, cursor } = scene;
   if (rectangle) drawFrame(context, view, rectangle, palette);

@@ -2,10 +2,11 @@ import { useComputed } from "@preact/signals";
 import { useMemo } from "preact/hooks";
 import { useConsole } from "../../app/console";
 import { RobotMark } from "../../app/robot_mark";
+import { Mode } from "../../protocol/generated/console_pb";
 import { sameText } from "../../state/same_text";
 import { mayCommand, mayStop } from "../../state/selectors";
 import { duration } from "../format";
-import { type FleetRow, fleetRow } from "./fleet_row";
+import { controlText, type FleetRow, fleetRow } from "./fleet_row";
 import "./fleet.css";
 
 /** More robots than these get small cards, so that all are in sight. */
@@ -36,13 +37,14 @@ function FleetCard({ name }: { name: string }) {
   const row = useRow(name);
   const chosen = store.chosenRobot.value === name;
   const maySeeStop = useComputed(() => mayStop(store.state.value)).value;
+  const recorded = useComputed(() => store.state.value.welcome?.mode === Mode.REPLAY).value;
   return (
-    <li class={`fleet-card ${row.freshness} ${row.wait ? "waits" : ""}`}>
+    <li class={`fleet-card ${row.freshness === "live" ? "" : "old"} ${row.wait ? "waits" : ""}`}>
       <button
         type="button"
         class="choose"
         aria-pressed={chosen}
-        title={`${doing(row)}\n${whoControls(row)}`}
+        title={`${doing(row)}\n${controlText(row, recorded)}`}
         onClick={() => actions.goTo(name)}
       >
         <span class="row">
@@ -57,6 +59,7 @@ function FleetCard({ name }: { name: string }) {
           {row.wait ? "!" : row.stopped ? "■" : ""}
         </span>
         <span class="doing">{doing(row)}</span>
+        {row.holder.kind === "other" && <span class="holder">{row.holder.name} has control</span>}
       </button>
       {maySeeStop && <StopOrGo row={row} />}
     </li>
@@ -69,7 +72,7 @@ function useRow(name: string): FleetRow {
   const row = useMemo(
     () =>
       sameText(() => {
-        const now = fleetRow(store.state.value, store.now.value, name);
+        const now = fleetRow(store.state.value, store.now.value, store.linked.value, name);
         return now.freshness === "live" ? { ...now, age: undefined } : now;
       }),
     [store, name],
@@ -78,8 +81,8 @@ function useRow(name: string): FleetRow {
 }
 
 function FreshnessBadge({ row: { freshness, age } }: { row: FleetRow }) {
-  const signs = { live: "●", stale: "◐", lost: "○" };
-  const kind = { live: "good", stale: "warn", lost: "bad" };
+  const signs = { live: "●", stale: "◐", lost: "○", "no news": "◌" };
+  const kind = { live: "good", stale: "warn", lost: "bad", "no news": "bad" };
   const old = freshness === "live" || age === undefined ? "" : ` ${duration(age)}`;
   return (
     <span class={kind[freshness]}>
@@ -112,15 +115,7 @@ function StopOrGo({ row: { name, stopped } }: { row: FleetRow }) {
   );
 }
 
-function doing({ wait, stopped, doing: does, holder }: FleetRow): string {
-  const who = holder.kind === "other" ? ` · ${holder.name} has control` : "";
-  if (stopped) return `■ stopped${who}`;
-  return wait ? `! ${wait.why}, ${duration(wait.seconds)}${who}` : `${does}${who}`;
-}
-
-function whoControls({ holder, name }: FleetRow): string {
-  if (holder.kind === "me") return `You have control of ${name}`;
-  return holder.kind === "other"
-    ? `${holder.name} has control of ${name}: ${holder.reason || "no reason given"}`
-    : `Nobody has control of ${name}`;
+function doing({ wait, stopped, doing: does }: FleetRow): string {
+  if (stopped) return "■ stopped";
+  return wait ? `! ${wait.why}, ${duration(wait.seconds)}` : does;
 }
