@@ -176,6 +176,9 @@ struct Describe {
   void operator()(const ShelveRequest&) const {
     Say(console::EVENT_NONE, "", "put an alert aside");
   }
+  void operator()(const FinishRequest&) const {
+    Say(console::EVENT_FINISH, "", "finished the maze");
+  }
   void operator()(const DriveRequest& drive) const {
     Say(console::EVENT_NONE, drive.robot, "drove");
   }
@@ -197,6 +200,20 @@ console::Event EventOf(const OperatorRequest& request, const OperatorReply& repl
     event.set_kind(console::EVENT_REFUSED);
   }
   return event;
+}
+
+console::Task ToConsole(const TaskStatus& task) {
+  console::Task message;
+  message.set_participant(Readable(task.participant));
+  message.set_number(static_cast<std::uint32_t>(task.number));
+  message.set_count(static_cast<std::uint32_t>(task.count));
+  message.set_phase(static_cast<console::TaskPhase>(task.phase));
+  message.set_goals_left(task.goals_left);
+  message.set_may_finish(task.may_finish);
+  message.set_mapping_accuracy(task.mapping_accuracy);
+  message.set_cell_accuracy(task.cell_accuracy);
+  message.mutable_earlier()->Add(task.earlier.begin(), task.earlier.end());
+  return message;
 }
 
 console::Alert ToConsole(const Alert& alert) {

@@ -8,6 +8,7 @@
 #include "common/protocol/supervision.h"
 #include "console.pb.h"
 #include "operator/alerts/alert.h"
+#include "operator/task/participant_task.h"
 
 /// Domain values as idl/console.proto has them. `heard_at_s`: wall time of the service, s since 1970.
 namespace conav::operators {
@@ -27,6 +28,7 @@ console::Search ToConsole(const SearchReport& report);
 /// A line of the command log, without its id and times.
 console::Event EventOf(const OperatorRequest& request, const OperatorReply& reply);
 console::Alert ToConsole(const Alert& alert);
+console::Task ToConsole(const TaskStatus& task);
 console::Attention ToConsole(const AttentionQueueState& queue);
 
 }  // namespace conav::operators

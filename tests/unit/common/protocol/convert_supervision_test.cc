@@ -81,7 +81,7 @@ TEST_CASE("A malformed guidance is refused", "[protocol][convert]") {
 
 TEST_CASE("A malformed operator request is refused", "[protocol][convert]") {
   CheckRefused(
-      SampleEdit(), [](RequestMessage& m) { m.kind(12); }, "kind = 12 is not in [1, 11]");
+      SampleEdit(), [](RequestMessage& m) { m.kind(13); }, "kind = 13 is not in [1, 12]");
   CheckRefused(
       SampleSelect(), [](RequestMessage& m) { m.robot(""); }, "robot is empty");
   CheckRefused(

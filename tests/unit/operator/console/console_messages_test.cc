@@ -121,6 +121,18 @@ TEST_CASE("of the attention queue no field is lost", "[operator][console]") {
   CHECK(attention.predicted_waiting_time() == 4.0);
 }
 
+TEST_CASE("of a participant's task no field is lost", "[operator][console]") {
+  const TaskStatus status{"P07", 2, 3, {0.5}, TaskPhase::kFinished, 1, true, 0.75, 0.9};
+  const console::Task message = ToConsole(status);
+  CHECK(Unset(message) == kNone);
+  CHECK(message.phase() == console::PHASE_FINISHED);
+  CHECK(message.number() == 2);
+  CHECK(message.count() == 3);
+  CHECK(message.earlier(0) == 0.5);
+  CHECK(message.mapping_accuracy() == 0.75);
+  CHECK(message.cell_accuracy() == 0.9);
+}
+
 TEST_CASE("probabilities become bytes", "[operator][console]") {
   Grid<float> grid(1, 6);
   const std::vector<float> values{0.0F, 0.5F, 1.0F, 0.25F, -3.0F, 7.0F};
