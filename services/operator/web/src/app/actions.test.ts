@@ -1,6 +1,11 @@
+import { create } from "@bufbuild/protobuf";
 import { beforeEach, describe, expect, it } from "vitest";
 import { FakeClock, FakeConnection } from "../connection/fake";
-import { DriveAction } from "../protocol/generated/console_pb";
+import {
+  AttentionItemSchema,
+  AttentionReason,
+  DriveAction,
+} from "../protocol/generated/console_pb";
 import { type UpdateBody, updates, welcomeMessage } from "../state/fixtures";
 import { defaultSettings } from "../state/settings";
 import { createStore, type Store } from "../state/store";
@@ -40,6 +45,14 @@ describe("next", () => {
     expect(store.chosenSequence.value).toBeUndefined();
     expect(store.focus.value).toMatchObject({ cell: { row: 3, column: 4 }, counter: 1 });
     expect(connection.asked).toEqual([{ case: "select", value: { robot: "r2", reason: 1 } }]);
+  });
+
+  it("takes up the tool for paths where a path is the only answer", async () => {
+    const asks = (reason: number) => ({ robot: "r1", world: "w1", reason });
+    await actions.turnTo(create(AttentionItemSchema, asks(AttentionReason.REASON_PICTURE)));
+    expect(store.tool.value).toBe("look");
+    await actions.turnTo(create(AttentionItemSchema, asks(AttentionReason.REASON_FIRST_PATH)));
+    expect(store.tool.value).toBe("path");
   });
 
   it("passes over what was answered a moment ago", async () => {

@@ -5,7 +5,11 @@ import type { CellChange, Outcome } from "../map/map_props";
 import { needsReason, takeOverOf } from "../panels/control/take_over";
 import type { CellAt } from "../protocol/cells";
 import type { RequestBody } from "../protocol/codec";
-import type { AttentionItem, DriveAction } from "../protocol/generated/console_pb";
+import {
+  type AttentionItem,
+  AttentionReason,
+  type DriveAction,
+} from "../protocol/generated/console_pb";
 import { itemKey, mayCommand, nextItem, unanswered, worldOf } from "../state/selectors";
 import type { Notice, Store } from "../state/store";
 
@@ -71,6 +75,7 @@ export class Actions {
     this.#store.centre(item.cell ?? this.#state.robots.get(robot)?.cell);
     // Who only watches works on nothing.
     if (!mayCommand(this.#state)) return Promise.resolve({ kind: "accepted", revision: 0 });
+    if (wantsPath(reason) && !this.#state.session?.drives) this.#store.tool.value = "path";
     return this.#request({ case: "select", value: { robot, reason } }, { world });
   }
 
@@ -206,6 +211,12 @@ export class Actions {
   #tell(what: string, outcome: RequestOutcome): void {
     if (outcome.kind !== "accepted") this.notify(`${what}: ${outcome.reason}`, "problem");
   }
+}
+
+/** A path is the only answer: the tool for it is taken up. */
+function wantsPath(reason: AttentionReason): boolean {
+  const { REASON_FIRST_PATH, REASON_NO_GUIDANCE } = AttentionReason;
+  return reason === REASON_FIRST_PATH || reason === REASON_NO_GUIDANCE;
 }
 
 function toOutcome(outcome: RequestOutcome): Outcome {

@@ -39,7 +39,7 @@ export function adviceText(reason: AttentionReason, drives: boolean): string {
     case AttentionReason.REASON_FIRST_PATH:
       return drives
         ? "Hold the arrow keys, and look at its live view."
-        : "Take the tool “Path” (P), and draw from the robot to its flags.";
+        : "Draw its way with the tool “Path” (P): from the robot to its flags.";
     case AttentionReason.REASON_COMMAND_FAILED:
       return "Look at the alerts; draw another path, or stop it.";
     case AttentionReason.REASON_LINK_LOST:
