@@ -35,7 +35,8 @@ struct CameraConfig {
   int height = 192;
   int jpeg_quality = 90;
   /// One frame per low-level step of a robot, and a streamed snapshot of what it shows, as
-  /// instruction following and teleoperation need it.
+  /// instruction following and teleoperation need it; of a robot that stands two frames per second
+  /// of wall time, not counted, while anybody takes them.
   bool stream = false;
 
   void Visit(ConfigReader& reader) {

@@ -23,6 +23,8 @@ class RobotTopics {
   /// Pose on odom and tf.
   void PublishPose(const Episode& episode, int robot);
   void PublishCameraInfo(SimTime stamp, int width, int height);
+  /// Whether anybody takes the frames.
+  bool has_viewers() const { return frame_.matched_subscribers() > 0; }
   void PublishFrame(SimTime stamp, const std::vector<std::uint8_t>& jpeg);
   void Publish(const Picture& picture);
 

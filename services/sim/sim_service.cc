@@ -13,6 +13,7 @@ namespace conav::sim {
 namespace {
 
 constexpr std::chrono::milliseconds kIdleWait{100};
+constexpr std::chrono::milliseconds kRestFramePeriod{500};
 
 std::vector<Cell> CellsFrom(const std::vector<std::vector<int>>& pairs, const char* key) {
   std::vector<Cell> cells;
@@ -101,6 +102,7 @@ SimService::SimService(bus::Participant& participant, const SimConfig& config, c
   if (config.publish_clock) clock_topic_.emplace(participant, bus::kClock);
   for (const std::string& robot : config.robots) {
     robots_.push_back(std::make_unique<RobotTopics>(participant, robot));
+    frame_sent_at_.push_back(clock.Now());
   }
   PublishWorld();
 }
@@ -167,6 +169,7 @@ void SimService::Run(const StopToken& stop) {
 
 bool SimService::Turn() {
   TakeCommands();
+  StreamAtRest();
   if (!StepDue()) return false;
   Step();
   return true;
@@ -239,9 +242,22 @@ void SimService::StreamPicture(int robot) {
   const std::vector<std::uint8_t> jpeg = RenderJpeg(robot);
   episode_->CountFrame(robot, jpeg.size());
   if (!jpeg.empty()) topics.PublishFrame(episode_->now(), jpeg);
+  frame_sent_at_[static_cast<std::size_t>(robot)] = clock_.Now();
   Picture picture = episode_->TakeStreamedSnapshot(robot);
   FillFrom(robot, picture);
   topics.Publish(picture);
+}
+
+void SimService::StreamAtRest() {
+  if (!config_.camera.stream || !camera_) return;
+  for (int robot = 0; robot < episode_->robot_count(); ++robot) {
+    RobotTopics& topics = *robots_[static_cast<std::size_t>(robot)];
+    Clock::TimePoint& sent_at = frame_sent_at_[static_cast<std::size_t>(robot)];
+    if (clock_.Now() - sent_at < kRestFramePeriod || !topics.has_viewers()) continue;
+    sent_at = clock_.Now();
+    const std::vector<std::uint8_t> jpeg = RenderJpeg(robot);
+    if (!jpeg.empty()) topics.PublishFrame(episode_->now(), jpeg);
+  }
 }
 
 std::vector<std::uint8_t> SimService::RenderJpeg(int robot) {

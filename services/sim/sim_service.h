@@ -45,6 +45,9 @@ class SimService {
   void Step();
   void TakePictures(const std::vector<std::uint64_t>& steps_before);
   void StreamPicture(int robot);
+  /// Frames of robots that stand, for those who look on: frames are not latched, and whoever comes
+  /// late would see none. They belong to no low-level step and are not counted.
+  void StreamAtRest();
   std::vector<std::uint8_t> RenderJpeg(int robot);
   /// As seen from the centre of its cell, or from `robot`'s own position.
   void Fill(Picture& picture) const;
@@ -60,6 +63,7 @@ class SimService {
   std::unique_ptr<Episode> episode_;
   std::unique_ptr<Camera> camera_;  // absent with camera.mode none
   std::vector<std::unique_ptr<RobotTopics>> robots_;
+  std::vector<Clock::TimePoint> frame_sent_at_;  // by robot
   bus::Publisher<nav_msgs::msg::OccupancyGrid> truth_;
   bus::Publisher<nav_msgs::msg::OccupancyGrid> initial_map_;
   bus::Publisher<visualization_msgs::msg::MarkerArray> goals_;

@@ -1,17 +1,14 @@
-// node screenshots.mjs OUTDIR [URL]: pictures of the console's main states, for people to look at. Each state has a system of its
-// own; with a URL only the states that a running system has, without touching it.
-import { mkdirSync } from "node:fs";
+// node screenshots.mjs OUTDIR [--docs | STATE...]: pictures of the console's main states, for people to look at. Each state has a
+// system of its own. With --docs only the one of the README, which goes to docs/console.png as well.
+import { copyFileSync, mkdirSync } from "node:fs";
 import { join } from "node:path";
+import { fileURLToPath } from "node:url";
 import { writeBigMap } from "./support/big_map.mjs";
 import { Scene, screen } from "./support/scene.mjs";
 import { until } from "./support/wait.mjs";
 
-const [, , folder, url] = process.argv;
-if (folder === undefined) {
-  console.error("usage: node screenshots.mjs OUTDIR [URL]");
-  process.exit(2);
-}
-mkdirSync(folder, { recursive: true });
+const [, , folder, ...wanted] = process.argv;
+const docsPicture = fileURLToPath(new URL("../../docs/console.png", import.meta.url));
 
 const restless = { first_guidance_timeout_s: 0.2, answer_timeout_s: 2 };
 const patient = {
@@ -30,11 +27,29 @@ const teleoperation = [
   "silent",
 ];
 
-const states =
-  url === undefined
-    ? [supervision, bothThemes, manyRobots, bigMap, driving, smallScreen]
-    : [asItIs];
+const states = [
+  supervision,
+  readme,
+  bothThemes,
+  manyRobots,
+  bigMap,
+  driving,
+  streaming,
+  ended,
+  replaying,
+  observing,
+  smallScreen,
+];
+const names = wanted.includes("--docs") ? ["readme"] : wanted;
+if (folder === undefined || names.some((name) => !states.some((state) => state.name === name))) {
+  console.error("usage: node screenshots.mjs OUTDIR [--docs | STATE...]; there are");
+  console.error(states.map((state) => `  ${state.name}`).join("\n"));
+  process.exit(2);
+}
+mkdirSync(folder, { recursive: true });
+
 for (const state of states) {
+  if (names.length > 0 && !names.includes(state.name)) continue;
   const scene = new Scene(state.name);
   try {
     await state(scene);
@@ -47,15 +62,11 @@ for (const state of states) {
   }
 }
 
-async function shoot(page, name) {
+async function shoot(page, name, options = {}) {
+  await page.page.waitForTimeout(200); // colours change in steps
   const path = join(folder, `${name}.png`);
-  await page.page.screenshot({ path });
+  await page.page.screenshot({ path, ...options });
   console.log(path);
-}
-
-async function asItIs(scene) {
-  for (const theme of ["dark", "light"])
-    await shoot(await scene.open(url, { colorScheme: theme }), `now-${theme}`);
 }
 
 /** From the start dialog to a path that answers a picture, and what can go wrong. */
@@ -113,6 +124,31 @@ async function supervision(scene) {
   await shoot(page, "connection-lost");
 }
 
+/** What README and docs/console.md show: two robots, a picture, a path, and the queue. */
+async function readme(scene) {
+  const system = await scene.services({ robots: 2, planner: patient });
+  const page = await scene.open(system.url, { name: "Ada", colorScheme: "light" });
+  await page.begin();
+  await until("both robots send pictures", () =>
+    ["r1", "r2"].every((robot) => page.told.pictures(robot).length > 0),
+  );
+  await page.chooses("r1");
+  await page.draws(
+    [page.told.robot("r1").cell, { row: 7, column: 10 }, { row: 7, column: 7 }],
+    "Path",
+  );
+  await until("the path is given", () => page.told.newest("guidance", "r1")?.path.length > 1);
+  await page.press("v");
+  await page.press("n");
+  await page.isChosen("r2");
+  await page.page.getByRole("img", { name: /^Picture \d+ of r2/ }).waitFor();
+  await page.reads(/you are on it/);
+  await page.page.mouse.move(0, 0);
+  await page.page.evaluate(() => document.activeElement.blur());
+  await shoot(page, "console");
+  if (wanted.includes("--docs")) copyFileSync(join(folder, "console.png"), docsPicture);
+}
+
 async function bothThemes(scene) {
   const system = await scene.services({ robots: 2, planner: restless });
   const page = await scene.open(system.url, { name: "Ada", colorScheme: "dark" });
@@ -120,8 +156,8 @@ async function bothThemes(scene) {
   await page.begin();
   await until("pictures come", () => page.told.pictures("r1").length > 1);
   await page.press("l");
-  await page.page.getByLabel("Edits expected of you").check();
-  await page.page.getByLabel("Search: visits").check();
+  await page.page.getByLabel("Edits expected of you", { exact: true }).check();
+  await page.page.getByLabel("Search: visits", { exact: true }).check();
   await page.press("Escape");
   for (const theme of ["dark", "light"]) {
     await page.page.emulateMedia({ colorScheme: theme });
@@ -161,10 +197,67 @@ async function driving(scene) {
   const page = await scene.open(system.url, { name: "Ada", colorScheme: "dark" });
   await page.begin();
   await page.reads(/Hold the arrow keys to drive/);
-  await page.page.keyboard.down("ArrowUp");
-  await until("frames come", () => page.told.frames > 3);
+  await until("a frame comes before anything moves", () => page.told.frames > 0);
+  await page.page.waitForTimeout(300);
+  await shoot(page, "driving-at-rest");
+  await page.page.keyboard.down("ArrowLeft");
+  await until("the robot turns", () => page.told.robot("r1").lowLevelSteps > 3n);
   await shoot(page, "driving");
-  await page.page.keyboard.up("ArrowUp");
+  await page.page.keyboard.up("ArrowLeft");
+}
+
+/** Both robots have reached all their goals. */
+async function ended(scene) {
+  const system = await scene.demo("--seed", "7");
+  const page = await scene.open(system.url, { name: "Ada", colorScheme: "light" });
+  await page.begin(/Watch/);
+  await page.panel("End of the run").waitFor({ timeout: 120_000 });
+  await shoot(page, "ended");
+}
+
+/** Method instruction: a live view, and paths. */
+async function streaming(scene) {
+  const system = await scene.demo("--seed", "7", "--method", "instruction", "--operator", "silent");
+  const page = await scene.open(system.url, { name: "Ada", colorScheme: "light" });
+  await page.begin();
+  await until("frames come", () => page.told.frames > 1);
+  await page.page
+    .getByRole("toolbar", { name: "Map" })
+    .getByRole("button", { name: "Path" })
+    .click();
+  await page.pointAt(page.told.robot("r1").cell);
+  await page.page.mouse.down();
+  await page.pointAt({ row: 9, column: 10 });
+  await page.pointAt({ row: 10, column: 7 });
+  await shoot(page, "drawing-a-path");
+  await page.page.mouse.up();
+}
+
+async function replaying(scene) {
+  const system = await scene.replay("--seed", "7", "--robots", "2");
+  const page = await scene.open(system.url, { name: "Ada", colorScheme: "light" });
+  await page.press("l");
+  await page.page.getByLabel("True map", { exact: true }).check();
+  await until("it has played for a while", () => page.told.newest("playback").position > 4);
+  await shoot(page, "replay-layers");
+  await page.press("Escape");
+  await page.page.emulateMedia({ colorScheme: "dark" });
+  await shoot(page, "replay");
+}
+
+async function observing(scene) {
+  const [observer, operator] = ["look-only-look-only", "may-do-may-do-may-do"];
+  const system = await scene.services({
+    robots: 2,
+    planner: restless,
+    operator: { console: { tokens: { observer, operator } } },
+  });
+  const ada = await scene.open(`${system.url}#token=${operator}`, { name: "Ada" });
+  await ada.begin();
+  await ada.moves("r1");
+  const page = await scene.open(`${system.url}#token=${observer}`, { name: "Ben" });
+  await page.reads(/Ada has control/);
+  await shoot(page, "observer");
 }
 
 async function smallScreen(scene) {
@@ -184,5 +277,6 @@ async function smallScreen(scene) {
       .click({ timeout: 2000 })
       .catch(() => undefined);
     await shoot(page, name);
+    if (name === "phone") await shoot(page, "phone-whole", { fullPage: true });
   }
 }

@@ -24,6 +24,8 @@ AttentionItem ToItem(Checks& checks, const conav_msgs::msg::AttentionItem& messa
   }
   item.since = checks.Time("items.since", message.since());
   item.deadline = checks.Time("items.deadline", message.deadline());
+  item.gives_up_after_s =
+      checks.Range("items.gives_up_after", message.gives_up_after(), 0.0, kMost);
   item.cell = checks.ToCell("items.cell", message.cell());
   item.newest_snapshot = message.newest_snapshot();
   item.source_sequence = message.source_sequence();
@@ -46,6 +48,7 @@ conav_msgs::msg::AttentionItem ToMessage(const AttentionItem& item) {
   message.tier(item.tier);
   message.since(conav::ToMessage(item.since));
   message.deadline(conav::ToMessage(item.deadline));
+  message.gives_up_after(item.gives_up_after_s);
   message.cell(ToCellMessage(item.cell));
   message.newest_snapshot(item.newest_snapshot);
   message.source_sequence(item.source_sequence);

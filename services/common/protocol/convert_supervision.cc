@@ -9,6 +9,8 @@ using convert::ToCellMessages;
 
 namespace {
 
+constexpr double kMostSeconds = 1.0e12;
+
 void CheckConnected(Checks& checks, const std::vector<Cell>& path) {
   for (std::size_t i = 1; i < path.size(); ++i) {
     if (AreNeighbours(path[i - 1], path[i])) continue;
@@ -153,6 +155,8 @@ Result<AttentionRequest> ToDomain(const conav_msgs::msg::AttentionRequest& messa
   request.expected_information =
       checks.Finite("expected_information", message.expected_information());
   request.gives_up_at = checks.Time("gives_up_at", message.gives_up_at());
+  request.gives_up_after_s =
+      checks.Range("gives_up_after", message.gives_up_after(), 0.0, kMostSeconds);
   if (checks.failed()) return checks.failure();
   return request;
 }
@@ -169,6 +173,7 @@ conav_msgs::msg::AttentionRequest ToMessage(const AttentionRequest& request) {
   message.value_lost_per_second(request.value_lost_per_s);
   message.expected_information(request.expected_information);
   message.gives_up_at(ToMessage(request.gives_up_at));
+  message.gives_up_after(request.gives_up_after_s);
   return message;
 }
 

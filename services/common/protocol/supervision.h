@@ -188,7 +188,9 @@ struct AttentionRequest {
   std::uint64_t newest_snapshot = 0;  // Picture::sequence_number of this robot when it asked
   double value_lost_per_s = 0.0;
   double expected_information = 0.0;
-  SimTime gives_up_at{};  // 0 = waits for ever
+  // When the robot goes on unanswered: one of them at most; both 0 = it waits for ever.
+  SimTime gives_up_at{};
+  double gives_up_after_s = 0.0;  // wall time after it asked
   bool operator==(const AttentionRequest&) const = default;
 };
 
@@ -199,7 +201,8 @@ struct AttentionItem {
   AttentionReason reason = AttentionReason::kPicture;
   std::uint8_t tier = 1;  // 1 = first
   SimTime since;
-  SimTime deadline;  // 0 = none
+  SimTime deadline;               // 0 = none by the operator's time
+  double gives_up_after_s = 0.0;  // wall time after it asked; 0 = none by the wall clock
   Cell cell;
   std::uint64_t newest_snapshot = 0;
   std::uint64_t source_sequence = 0;

@@ -11,6 +11,9 @@ namespace {
 
 std::int64_t DeadlineOf(const AttentionItem& item, const AttentionOptions& options) {
   if (item.deadline.nanoseconds > 0) return item.deadline.nanoseconds;
+  if (item.gives_up_after_s > 0.0) {
+    return (item.since + Seconds(item.gives_up_after_s)).nanoseconds;
+  }
   if (!IsQuestion(item.reason)) return std::numeric_limits<std::int64_t>::max();
   return (item.since + Seconds(options.default_deadline_s)).nanoseconds;
 }

@@ -16,7 +16,8 @@
 ///   fifo              in the order asked.
 ///   nearest_deadline  what gives up first comes first (Jackson's rule, 1955). Questions that wait
 ///                     for ever have a deadline default_deadline_s after they were asked; notices
-///                     come last.
+///                     come last. Where a robot waits by the wall clock, its seconds are taken for
+///                     those of the operator's time.
 namespace conav::operators {
 
 /// The names above.

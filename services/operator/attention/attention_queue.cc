@@ -30,6 +30,7 @@ AttentionItem ItemOf(const AttentionRequest& request, SimTime now) {
   if (request.gives_up_at.nanoseconds > 0) {  // its world's clock need not be the operator's
     item.deadline = {now.nanoseconds + request.gives_up_at.nanoseconds - request.stamp.nanoseconds};
   }
+  item.gives_up_after_s = request.gives_up_after_s;
   item.cell = request.cell;
   item.newest_snapshot = SnapshotOf(request);
   item.source_sequence = request.sequence_number;
@@ -105,6 +106,11 @@ void AttentionQueue::Hear(const RobotState& state, SimTime now) {
     Put(FoundItem(state, AttentionReason::kCommandFailed, value, now), now);
   } else if (!failed && failure != nullptr) {
     Remove(false, now, [&](const AttentionItem& item) { return &item == failure; });
+  }
+  if (state.drive_order > 0 && !std::exchange(robot.guided, true)) {
+    Remove(true, now, [&](const AttentionItem& item) {
+      return item.robot == state.robot && item.reason == AttentionReason::kFirstPath;
+    });
   }
   if (robot.has_goals && !robot.guided) {
     Put(FoundItem(state, AttentionReason::kFirstPath, value, now), now);

@@ -20,7 +20,7 @@ namespace conav::operators {
 ///   picture, blocked,   the robot asks           answered by guidance, asked no more, answer timeout,
 ///   no guidance                                  the robot's planner is gone
 ///   first path          a robot with goals was   guidance
-///                       never guided
+///                       never guided nor driven
 ///   command failed      refused or expired       the next command is taken up
 ///   link lost           nobody publishes it      it is back, selected, or notice_s passed
 ///   goals reached       none are left            selected, or notice_s passed

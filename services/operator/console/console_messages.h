@@ -2,7 +2,6 @@
 
 #include <span>
 #include <string>
-#include <string_view>
 
 #include "common/protocol/planning.h"
 #include "common/protocol/robot.h"
@@ -13,10 +12,6 @@
 
 /// Domain values as idl/console.proto has them. `heard_at_s`: wall time of the service, s since 1970.
 namespace conav::operators {
-
-/// `text` with "?" for each byte that is no ASCII where it is no UTF-8: a page takes no message with
-/// anything else, and what robots and processes say of themselves is not checked for it.
-std::string Readable(std::string_view text);
 
 console::Cell ToConsole(Cell cell);
 void AddCells(std::span<const Cell> cells, google::protobuf::RepeatedPtrField<console::Cell>* to);

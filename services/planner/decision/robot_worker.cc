@@ -295,8 +295,12 @@ void RobotWorker::Ask(const Decision& decision, const Situation& situation) {
   request.expected_information = decision.expected_information;
   ValueLostOptions value_lost = options_.value_lost;
   if (request.reason == AttentionReason::kPicture && method_->awaits() == AwaitedInput::kAnswers) {
-    request.gives_up_at = request.stamp + options_.timeouts.answer;
     value_lost.answer_timeout_s = std::chrono::duration<double>(options_.timeouts.answer).count();
+    if (options_.timeouts_in_simulation_time) {
+      request.gives_up_at = request.stamp + options_.timeouts.answer;
+    } else {
+      request.gives_up_after_s = value_lost.answer_timeout_s;
+    }
   }
   request.value_lost_per_s = ValueLostPerSecond(situation, decision.answer_value, value_lost);
   outputs_.attention(request);

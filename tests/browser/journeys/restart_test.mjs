@@ -24,6 +24,8 @@ journey(
     await system.kill("operator");
     await page.link("lost");
     await page.reads(/Connection lost/);
+    const alive = page.page.locator(".fleet-card .good, .services .good");
+    assert.equal(await alive.count(), 0, "nothing looks live under the banner");
     await system.startAgain("operator");
     await page.link("live");
 

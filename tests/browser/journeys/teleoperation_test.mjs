@@ -46,10 +46,15 @@ journey("driving stops with the key, with the focus, and with the page", async (
   const page = await scene.open(system.url);
   await page.begin();
   await page.reads(/Hold the arrow keys to drive/);
+  await page.reads(/waits to be driven/);
+  await page.page.getByRole("img", { name: "Live view of r1" }).waitFor();
+  await until("frames come before anything moves", () => page.told.frames > 0);
+  assert.equal(page.told.robot("r1").lowLevelSteps, 0n);
 
   await stopsAfter(page, () => page.page.keyboard.up("ArrowLeft"));
-  await page.page.getByRole("img", { name: "Live view of r1" }).waitFor();
-  assert.ok(page.told.frames > 0, "frames of the live view came");
+  await until("a driven robot needs no path", () =>
+    page.told.all("attention")[0].items.every(({ robot }) => robot !== "r1"),
+  );
   await stopsAfter(page, () => page.page.evaluate(() => window.dispatchEvent(new Event("blur"))));
 
   // Without a key nothing is driven; stopping the robot forbids it.

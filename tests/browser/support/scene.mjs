@@ -5,7 +5,7 @@ import { join } from "node:path";
 import { launch } from "./browser.mjs";
 import { ConsolePage, connectionTrouble } from "./console_page.mjs";
 import { Line } from "./line.mjs";
-import { DemoSystem, ParticipantSystem, ServiceSystem } from "./system.mjs";
+import { DemoSystem, ParticipantSystem, ReplaySystem, ServiceSystem } from "./system.mjs";
 
 /** Where failed journeys leave what their pages looked like. */
 const failures = process.env.CONAV_BROWSER_FAILURES ?? join(tmpdir(), "conav-browser-failures");
@@ -35,6 +35,13 @@ export class Scene {
   /** The whole system as `conav demo` starts it; options as on its command line. */
   async demo(...options) {
     const system = this.#keep(new DemoSystem(this.folder));
+    await system.start(options);
+    return system;
+  }
+
+  /** The recording of a demo that ran by itself; options as on its command line. */
+  async replay(...options) {
+    const system = this.#keep(new ReplaySystem(this.folder));
     await system.start(options);
     return system;
   }

@@ -3,6 +3,7 @@ import { dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
 import { leaseDomain } from "./domain.mjs";
 import { Process } from "./processes.mjs";
+import { until } from "./wait.mjs";
 
 const root = resolve(dirname(fileURLToPath(import.meta.url)), "../../..");
 
@@ -43,6 +44,43 @@ export class DemoSystem {
 
   async stop() {
     await this.#demo?.stop();
+  }
+}
+
+/** `conav replay` on the run of a demo that has ended. */
+export class ReplaySystem {
+  #folder;
+  #processes = [];
+  url = "";
+
+  /** @param {string} folder for the run and what is said */
+  constructor(folder) {
+    this.#folder = folder;
+  }
+
+  /** @param {readonly string[]} options of the demo, which runs by itself first */
+  async start(options) {
+    const out = join(this.#folder, "recorded");
+    const demo = this.#run("conav", ["demo", "--headless", "--out", out, ...options]);
+    const [, run] = await demo.hears(/ run (\S+)/);
+    await until("the end of the demo", () => demo.ended !== undefined, { within: 120 });
+    const replay = this.#run("conav-replay", [run, "--port", "0"]);
+    [, this.url] = await replay.hears(/(http:\S+)/);
+  }
+
+  logs() {
+    return this.#processes.map(({ log }) => log);
+  }
+
+  async stop() {
+    await Promise.all(this.#processes.map((process) => process.stop()));
+  }
+
+  #run(program, words) {
+    const log = join(this.#folder, `${program}.log`);
+    const process = new Process(program, [join(programs, program), ...words], { log });
+    this.#processes.push(process);
+    return process;
   }
 }
 

@@ -102,6 +102,24 @@ TEST_CASE("a streaming camera sends a frame per control step, and what it shows"
   CHECK(sim.robot().pictures.back().path == std::vector<Cell>{start, state.cell});
 }
 
+TEST_CASE("a streaming robot that stands is seen by who looks on, and it is not counted",
+          "[sim][integration]") {
+  SimConfig config = BlindConfig();
+  config.camera.mode = "egl";
+  config.camera.stream = true;
+  SimHarness sim(config);
+  sim.Turn();
+  CHECK(sim.robot().frames == 0);
+  for (int frames = 1; frames <= 2; ++frames) {
+    sim.clock.Advance(std::chrono::milliseconds(500));
+    sim.Turn();
+    sim.Turn();
+    CHECK(sim.robot().frames == frames);
+  }
+  CHECK(sim.robot().state().pictures == 0);
+  CHECK(sim.robot().pictures.empty());
+}
+
 TEST_CASE("streaming without a camera counts its frames and publishes none", "[sim][integration]") {
   SimConfig config = BlindConfig();
   config.camera.stream = true;

@@ -156,6 +156,14 @@ TEST_CASE("A malformed control request or hold order is refused", "[protocol][co
       SampleHold(), [](HoldMessage& m) { m.robot(""); }, "robot is empty");
 }
 
+TEST_CASE("Texts in another encoding come in as UTF-8", "[protocol][convert]") {
+  HoldOrder hold = SampleHold();
+  hold.reason = "caf\xE9";
+  const auto read = ToDomain(ToMessage(hold));
+  REQUIRE(read);
+  CHECK(read->reason == "caf?");
+}
+
 TEST_CASE("A malformed reply or attention request is refused", "[protocol][convert]") {
   CheckRefused(
       SampleReply(), [](ReplyMessage& m) { m.request_id(0); }, "request_id = 0 is below 1");
@@ -170,6 +178,9 @@ TEST_CASE("A malformed reply or attention request is refused", "[protocol][conve
   CheckRefused(
       SampleAttention(), [](AttentionMessage& m) { m.expected_information(NAN); },
       "expected_information = nan is not finite");
+  CheckRefused(
+      SampleAttention(), [](AttentionMessage& m) { m.gives_up_after(-1.0); },
+      "gives_up_after = -1 is not in [0, 1000000000000]");
 }
 
 TEST_CASE("A malformed attention queue is refused", "[protocol][convert]") {

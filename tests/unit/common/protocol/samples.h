@@ -111,7 +111,7 @@ inline DriveOrder SampleDriveOrder() {
 inline OperatorReply SampleReply() { return {"browser-1", 4, true, "because", 13}; }
 
 inline AttentionRequest SampleAttention() {
-  return {Stamp(9), "w1", "r1", 3, AttentionReason::kBlocked, {7, 8}, 2, 0.5, 1.75, Stamp(12)};
+  return {Stamp(9), "w1", "r1", 3, AttentionReason::kBlocked, {7, 8}, 2, 0.5, 1.75, Stamp(12), 2.5};
 }
 
 inline OperatorRequest SampleSelect() {
@@ -144,6 +144,7 @@ inline AttentionQueueState SampleQueue() {
                            .tier = 3,
                            .since = Stamp(3),
                            .deadline = Stamp(20),
+                           .gives_up_after_s = 12.5,
                            .cell = {4, 5},
                            .newest_snapshot = 6,
                            .source_sequence = 7,

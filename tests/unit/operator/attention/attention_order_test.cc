@@ -64,6 +64,9 @@ TEST_CASE("Nearest deadline: stated, assumed for questions that wait, none for n
   CHECK(ComesBefore(picture, blocked, options));
   CHECK(ComesBefore(older, picture, options));
   CHECK(ComesBefore(blocked, notice, options));
+  AttentionItem by_wall_clock = Item(AttentionReason::kPicture, 1.0, 30.0);
+  by_wall_clock.gives_up_after_s = 40.0;
+  CHECK(ComesBefore(by_wall_clock, older, options));
 }
 
 }  // namespace

@@ -139,6 +139,30 @@ TEST_CASE("What a robot never withdrew leaves a while after its deadline",
   CHECK(bench.Order(30.1).empty());
 }
 
+TEST_CASE("A robot that is driven needs no first path any more", "[operator][attention]") {
+  AttentionQueue queue({});
+  RobotState state = WorkingRobot("r1");
+  queue.Hear(state, At(1));
+  CHECK(queue.items().size() == 1);
+  for (const std::uint64_t order : {1, 2}) {
+    state.drive_order = order;
+    queue.Hear(state, At(2));
+    CHECK(queue.items().empty());
+  }
+  CHECK(queue.TakeDepartures().at(0).answered);
+}
+
+TEST_CASE("A robot that waits by the wall clock has no deadline in the operator's time",
+          "[operator][attention]") {
+  QueueBench bench;
+  AttentionRequest request = Question("r1", AttentionReason::kPicture, 1.0);
+  request.gives_up_after_s = 10.0;
+  bench.queue.Hear(request, At(1));
+  CHECK(bench.Order(1000) == Robots{"r1"});  // simulation time may go by more quickly
+  CHECK(bench.queue.items()[0].deadline == SimTime{});
+  CHECK(bench.queue.items()[0].gives_up_after_s == 10.0);
+}
+
 TEST_CASE("A lost link replaces what the robot asked by a notice that ends",
           "[operator][attention]") {
   AttentionOptions options;

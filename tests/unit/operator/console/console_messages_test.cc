@@ -116,6 +116,7 @@ TEST_CASE("of the attention queue no field is lost", "[operator][console]") {
   REQUIRE(attention.items_size() == 2);
   CHECK(attention.items(0).reason() == console::REASON_BLOCKED);
   CHECK(attention.items(0).expected_interaction() == 6.0);
+  CHECK(attention.items(0).gives_up_after() == 12.5);
   CHECK(attention.fan_out() == 2.6);
   CHECK(attention.predicted_waiting_time() == 4.0);
 }
@@ -144,14 +145,6 @@ TEST_CASE("what a robot has seen becomes bytes", "[operator][console]") {
   grid[{0, 1}] = Occupancy::kFree;
   grid[{0, 2}] = Occupancy::kOccupied;
   CHECK(ToBytes(grid) == std::string("\x00\x01\x02", 3));
-}
-
-TEST_CASE("text that is no UTF-8 is made readable", "[operator][console]") {
-  CHECK(Readable("wall ahead, \xC3\xBC") == "wall ahead, \xC3\xBC");
-  CHECK(Readable("bad \xFF\x01 byte") == "bad ?\x01 byte");
-  RobotState state = samples::SampleState();
-  state.command_detail = std::string(1, '\xC3');
-  CHECK(ToConsole(state, 0.0).detail() == "?");
 }
 
 }  // namespace conav::operators

@@ -189,10 +189,28 @@ TEST_CASE("a question tells what waiting costs", "[planner][worker]") {
   REQUIRE(bench.attentions.size() == 1);
   CHECK(bench.attentions[0].value_lost_per_s > 0.0);
   CHECK(bench.attentions[0].gives_up_at == SimTime{0});  // it waits for ever
+  CHECK(bench.attentions[0].gives_up_after_s == 0.0);
 }
 
-TEST_CASE("a picture tells until when it waits, and is taken back when it went on alone",
+TEST_CASE("a picture tells until when it waits by the clock that its timeout counts on",
           "[planner][worker]") {
+  const bool in_simulation_time = GENERATE(false, true);
+  RobotWorker::Options options = WorkerOptions();
+  options.timeouts_in_simulation_time = in_simulation_time;
+  WorkerBench bench(AwaitedInput::kAnswers, options);
+  bench.method->next.action = Action{CommandKind::kTransmitView, {}, 0.0};
+  bench.method->next.attention = AttentionReason::kPicture;
+  bench.state.stamp = SimTime{5'000'000'000};
+  bench.guidance.valid_until = SimTime{1'000'000'000'000};
+  bench.PutAll();
+  bench.Step();
+  REQUIRE(bench.attentions.size() == 1);
+  const AttentionRequest& asked = bench.attentions[0];
+  CHECK(asked.gives_up_at == SimTime{in_simulation_time ? 15'000'000'000 : 0});
+  CHECK(asked.gives_up_after_s == (in_simulation_time ? 0.0 : 10.0));
+}
+
+TEST_CASE("a picture's question is taken back when the robot went on alone", "[planner][worker]") {
   WorkerBench bench;
   bench.method->next.action = Action{CommandKind::kTransmitView, {}, 0.0};
   bench.method->next.attention = AttentionReason::kPicture;
@@ -201,7 +219,6 @@ TEST_CASE("a picture tells until when it waits, and is taken back when it went o
   bench.PutAll();
   bench.Step();
   REQUIRE(bench.attentions.size() == 1);
-  CHECK(bench.attentions[0].gives_up_at == SimTime{15'000'000'000});
   bench.state.snapshots = 1;
   bench.Report(CommandOutcome::kDone);
   bench.Step();

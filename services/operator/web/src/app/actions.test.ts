@@ -1,6 +1,11 @@
+import { create } from "@bufbuild/protobuf";
 import { beforeEach, describe, expect, it } from "vitest";
 import { FakeClock, FakeConnection } from "../connection/fake";
-import { DriveAction } from "../protocol/generated/console_pb";
+import {
+  AttentionItemSchema,
+  AttentionReason,
+  DriveAction,
+} from "../protocol/generated/console_pb";
 import { type UpdateBody, updates, welcomeMessage } from "../state/fixtures";
 import { defaultSettings } from "../state/settings";
 import { createStore, type Store } from "../state/store";
@@ -42,8 +47,46 @@ describe("next", () => {
     expect(connection.asked).toEqual([{ case: "select", value: { robot: "r2", reason: 1 } }]);
   });
 
-  it("says so when nothing asks", () => {
-    actions.next();
+  it("takes up the tool for paths where a path is the only answer", async () => {
+    const asks = (reason: number) => ({ robot: "r1", world: "w1", reason });
+    await actions.turnTo(create(AttentionItemSchema, asks(AttentionReason.REASON_PICTURE)));
+    expect(store.tool.value).toBe("look");
+    await actions.turnTo(create(AttentionItemSchema, asks(AttentionReason.REASON_FIRST_PATH)));
+    expect(store.tool.value).toBe("path");
+  });
+
+  it("passes over what was answered a moment ago", async () => {
+    const asks = (name: string) => ({ robot: name, world: "w1", reason: 1 });
+    hear(robot("r1"), robot("r2"), {
+      case: "attention",
+      value: { items: [asks("r1"), asks("r2")] },
+    });
+    connection.outcomes = [{ kind: "refused", reason: "does not ask for that any more" }];
+    await actions.next();
+    expect(store.chosenRobot.value).toBe("r2");
+    expect(store.notices.value).toEqual([]);
+  });
+
+  it("goes round: each once, then the first again", async () => {
+    const asks = (name: string) => ({ robot: name, world: "w1", reason: 1 });
+    hear({ case: "attention", value: { items: [asks("r1"), asks("r2"), asks("r3")] } });
+    const seen: unknown[] = [];
+    for (let i = 0; i < 4; i += 1) {
+      await actions.next();
+      seen.push(store.chosenRobot.value);
+    }
+    expect(seen).toEqual(["r1", "r2", "r3", "r1"]);
+  });
+
+  it("says so when nothing asks, or nothing any more", async () => {
+    connection.outcomes = [{ kind: "refused", reason: "does not ask for that any more" }];
+    hear({ case: "attention", value: { items: [{ robot: "r1", world: "w1", reason: 1 }] } });
+    await actions.next();
+    expect(store.notices.value[0]?.text).toContain("Nothing");
+  });
+
+  it("says so when nothing asks", async () => {
+    await actions.next();
     expect(connection.asked).toEqual([]);
     expect(store.notices.value[0]?.text).toContain("Nothing");
   });

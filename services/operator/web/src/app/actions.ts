@@ -5,8 +5,12 @@ import type { CellChange, Outcome } from "../map/map_props";
 import { needsReason, takeOverOf } from "../panels/control/take_over";
 import type { CellAt } from "../protocol/cells";
 import type { RequestBody } from "../protocol/codec";
-import type { AttentionItem, DriveAction } from "../protocol/generated/console_pb";
-import { mayCommand, nextItem, unanswered, worldOf } from "../state/selectors";
+import {
+  type AttentionItem,
+  AttentionReason,
+  type DriveAction,
+} from "../protocol/generated/console_pb";
+import { itemKey, mayCommand, nextItem, unanswered, worldOf } from "../state/selectors";
 import type { Notice, Store } from "../state/store";
 
 const noticeTime = 8;
@@ -14,6 +18,7 @@ const noticeTime = 8;
 const driveValidFor = 1;
 const stopValidFor = 20;
 const defaultGuidanceTime = 600;
+const turning = "Turn to it";
 
 /** What a person can do with the console. Each says in a notice when the service did not do it. */
 export class Actions {
@@ -21,6 +26,8 @@ export class Actions {
   #connection: Connection;
   #clock: Clock;
   #notices = 0;
+  /** Keys of the queue's items that the person turned to, until it was all of them. */
+  #passed = new Set<string>();
 
   constructor(store: Store, connection: Connection, clock: Clock) {
     this.#store = store;
@@ -41,26 +48,42 @@ export class Actions {
     this.goTo(names[(at + step + names.length) % Math.max(1, names.length)]);
   }
 
-  /** To the next of the queue, with map and picture in place. */
-  next(): void {
-    const item = nextItem(this.#state, this.#store.chosenRobot.value);
-    if (item === undefined) this.notify("Nothing asks for you.");
-    else this.turnTo(item);
+  /** To the next of the queue, with map and picture in place; what asks no more by now is passed over. */
+  async next(): Promise<void> {
+    const gone = new Set<string>();
+    for (;;) {
+      const item = nextItem(this.#state, this.#passed, gone);
+      if (item === undefined) return this.notify("Nothing asks for you.");
+      const outcome = await this.#select(item);
+      if (outcome.kind === "not sent") this.#tell(turning, outcome);
+      if (outcome.kind !== "refused") return;
+      gone.add(itemKey(item));
+    }
   }
 
-  turnTo(item: AttentionItem): void {
-    const { robot, reason } = item;
+  async turnTo(item: AttentionItem): Promise<void> {
+    this.#tell(turning, await this.#select(item));
+  }
+
+  /** Shows what it is about, and tells the service that somebody works on it. */
+  #select(item: AttentionItem): Promise<RequestOutcome> {
+    const { robot, reason, world } = item;
+    this.#pass(itemKey(item));
     this.#store.turns.value += 1;
     this.#store.choose(robot);
     this.#store.chosenSequence.value = undefined;
     this.#store.centre(item.cell ?? this.#state.robots.get(robot)?.cell);
     // Who only watches works on nothing.
-    if (!mayCommand(this.#state)) return;
-    void this.#ask(
-      "Turn to it",
-      { case: "select", value: { robot, reason } },
-      { world: item.world },
-    );
+    if (!mayCommand(this.#state)) return Promise.resolve({ kind: "accepted", revision: 0 });
+    if (wantsPath(reason) && !this.#state.session?.drives) this.#store.tool.value = "path";
+    return this.#request({ case: "select", value: { robot, reason } }, { world });
+  }
+
+  /** Round and round: who has been to all begins anew. */
+  #pass(key: string): void {
+    this.#passed.add(key);
+    const items = this.#state.attention?.items ?? [];
+    if (items.every((item) => this.#passed.has(itemKey(item)))) this.#passed = new Set([key]);
   }
 
   /** Older (-1) or newer (1) picture of the chosen robot. */
@@ -172,13 +195,28 @@ export class Actions {
   }
 
   async #ask(what: string, body: RequestBody, options: RequestOptions = {}): Promise<Outcome> {
+    const outcome = await this.#request(body, options);
+    this.#tell(what, outcome);
+    return toOutcome(outcome);
+  }
+
+  async #request(body: RequestBody, options: RequestOptions): Promise<RequestOutcome> {
     const { pending } = this.#store;
     pending.value += 1;
     const outcome = await this.#connection.request(body, options);
     pending.value -= 1;
-    if (outcome.kind !== "accepted") this.notify(`${what}: ${outcome.reason}`, "problem");
-    return toOutcome(outcome);
+    return outcome;
   }
+
+  #tell(what: string, outcome: RequestOutcome): void {
+    if (outcome.kind !== "accepted") this.notify(`${what}: ${outcome.reason}`, "problem");
+  }
+}
+
+/** A path is the only answer: the tool for it is taken up. */
+function wantsPath(reason: AttentionReason): boolean {
+  const { REASON_FIRST_PATH, REASON_NO_GUIDANCE } = AttentionReason;
+  return reason === REASON_FIRST_PATH || reason === REASON_NO_GUIDANCE;
 }
 
 function toOutcome(outcome: RequestOutcome): Outcome {

@@ -6,6 +6,7 @@ import type { Announcer } from "../panels/announcements/announcer";
 import { LiveRegions } from "../panels/announcements/live_regions";
 import { ControlBar } from "../panels/control/control_bar";
 import { TakeOverDialog } from "../panels/control/take_over_dialog";
+import { EndingCard } from "../panels/ending/ending_card";
 import { Events } from "../panels/events/events";
 import { FleetStrip } from "../panels/fleet/fleet_strip";
 import { HelpDialog } from "../panels/help/help_dialog";
@@ -49,25 +50,22 @@ function Layout() {
   // A map of its own for each maze: what could be undone in the one before is over.
   if (forTask) return <TaskPage map={<WorldMap key={maze} />} />;
   return (
-    <>
-      <div class="console">
-        <header class="top">
-          <h1 class="unseen">conav console</h1>
-          <FleetStrip />
-          <ControlBar />
-        </header>
-        <LinkBanner />
-        <Stage />
-        <aside class="side" aria-label="Attention">
-          <Queue />
-          <Pictures />
-          <Alerts />
-        </aside>
-        <ReplayBar />
-        <LatencyStrip />
-      </div>
-      <TourCard />
-    </>
+    <div class="console">
+      <header class="top">
+        <h1 class="unseen">conav console</h1>
+        <FleetStrip />
+        <ControlBar />
+      </header>
+      <LinkBanner />
+      <Stage />
+      <aside class="side" aria-label="Attention">
+        <Queue />
+        <Pictures />
+        <Alerts />
+      </aside>
+      <ReplayBar />
+      <LatencyStrip />
+    </div>
   );
 }
 
@@ -76,6 +74,8 @@ function Stage() {
   const { workload, events } = settings.value;
   return (
     <main class="stage">
+      <TourCard />
+      <EndingCard />
       <DriveBadge />
       <div class="map" id="map" tabIndex={-1} data-tour="map">
         <WorldMap />

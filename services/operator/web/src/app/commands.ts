@@ -25,7 +25,7 @@ export function commandsOf(store: Store, actions: Actions): Commands {
     "go all": () => void actions.go(store.robots.value),
     "take control": withChosen((robots) => actions.takeControl(robots)),
     "release control": withChosen((robots) => actions.releaseControl(robots)),
-    next: () => actions.next(),
+    next: () => void actions.next(),
     "nothing new": () => actions.nothingNew(),
     "older picture": () => actions.turnPages(-1),
     "newer picture": () => actions.turnPages(1),

@@ -56,6 +56,15 @@ describe("the map's view", () => {
     expect(view.value?.pictures).toBe(before?.pictures);
   });
 
+  it("shows no robot as live while the link is down", () => {
+    hear(world("w1"), { case: "robot", value: { name: "r1", world: "w1", heardAt: 99.9 } });
+    store.now.value = 100;
+    store.link.value = { state: "live" };
+    expect(view.value?.robots[0]?.fresh).toBe("live");
+    store.link.value = { state: "lost", attempt: 1, retryAt: 0 };
+    expect(view.value?.robots[0]?.fresh).toBe("no news");
+  });
+
   it("gives a robot its look by its place in the configuration", () => {
     hear(
       { case: "session", value: { robots: ["r2", "r1"] } },

@@ -19,7 +19,7 @@ import { lookOf } from "./palette";
 
 /** What the map shows: the world of the chosen robot. Undefined while no world is known. */
 export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps | undefined> {
-  const { state, link, now, chosenRobot } = store;
+  const { state, link, chosenRobot } = store;
   const world = computed(() => worldOf(state.value, chosenRobot.value)?.name);
   const names = computed(() => robotsIn(state.value, store.robots.value, world.value));
   const parts = {
@@ -32,7 +32,7 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
     trails: trailsOf(() => state.value, names),
     pictures: picturesOf(() => state.value.pictures, names),
   };
-  const robots = computed(() => mapRobots(state.value, now.value, names.value, store.robots.value));
+  const robots = computed(() => mapRobots(store, names.value));
   const chosenPicture = computed(() => {
     const picture = store.chosenPicture.value;
     return picture && { robot: picture.robot, sequenceNumber: picture.sequenceNumber };
@@ -137,15 +137,14 @@ function picturesOf(
 }
 
 function mapRobots(
-  state: ConsoleState,
-  now: number | undefined,
+  { state, now, linked, robots }: Store,
   names: readonly string[],
-  all: readonly string[],
 ): readonly MapRobot[] {
   return names.flatMap((name) => {
-    const robot = state.robots.get(name);
+    const robot = state.value.robots.get(name);
     if (robot === undefined) return [];
-    return [{ robot, fresh: freshnessOf(robot.heardAt, now), ...lookOf(all.indexOf(name)) }];
+    const fresh = freshnessOf(robot.heardAt, now.value, linked.value);
+    return [{ robot, fresh, ...lookOf(robots.value.indexOf(name)) }];
   });
 }
 

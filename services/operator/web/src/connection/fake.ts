@@ -123,6 +123,8 @@ export class FakeService {
 export class FakeConnection implements Connection {
   link: Link = { state: "live" };
   outcome: Outcome = { kind: "accepted", revision: 1 };
+  /** Of the next requests, before `outcome`. */
+  outcomes: Outcome[] = [];
   time: number | undefined = 5000;
   readonly asked: RequestBody[] = [];
   readonly options: RequestOptions[] = [];
@@ -131,11 +133,12 @@ export class FakeConnection implements Connection {
 
   start(): void {}
   stop(): void {}
+  shown(): void {}
 
   request(body: RequestBody, options: RequestOptions = {}): Promise<Outcome> {
     this.asked.push(body);
     this.options.push(options);
-    return Promise.resolve(this.outcome);
+    return Promise.resolve(this.outcomes.shift() ?? this.outcome);
   }
 
   attend(robot: string | undefined): void {

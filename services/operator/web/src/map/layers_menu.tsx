@@ -1,6 +1,7 @@
 import type { Signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { icons } from "./icons";
+import { LayerSwatch } from "./layer_swatch";
 import { type LayerName, type Layers, layerNames } from "./map_props";
 
 const layerTexts: Record<LayerName, string> = {
@@ -62,18 +63,49 @@ export function LayersMenu(props: {
             .filter((name) => hasTruth || name !== "truth")
             .filter((name) => !participates || participantLayers.has(name))
             .map((name) => (
-              <label key={name}>
-                <input
-                  type="checkbox"
-                  checked={layers[name]}
-                  onChange={(event) => onLayers({ ...layers, [name]: event.currentTarget.checked })}
-                />
-                <span class={`map-swatch of-${name}`} aria-hidden="true" />
-                {layerTexts[name]}
-              </label>
+              <LayerRow
+                key={name}
+                name={name}
+                strength={layers[name]}
+                onStrength={(strength) => onLayers({ ...layers, [name]: strength })}
+              />
             ))}
         </fieldset>
       )}
+    </div>
+  );
+}
+
+interface RowProps {
+  name: LayerName;
+  strength: number;
+  onStrength: (strength: number) => void;
+}
+
+/** On or off, and how strongly it shows while it is on. */
+function LayerRow({ name, strength, onStrength }: RowProps) {
+  return (
+    <div class="map-layer-row">
+      <label>
+        <input
+          type="checkbox"
+          checked={strength > 0}
+          onChange={(event) => onStrength(event.currentTarget.checked ? 1 : 0)}
+        />
+        <LayerSwatch name={name} />
+        {layerTexts[name]}
+      </label>
+      <input
+        type="range"
+        min={0.1}
+        max={1}
+        step={0.1}
+        value={strength}
+        disabled={strength === 0}
+        aria-label={`Opacity: ${layerTexts[name]}`}
+        title="How strongly it shows"
+        onInput={(event) => onStrength(event.currentTarget.valueAsNumber)}
+      />
     </div>
   );
 }

@@ -17,8 +17,8 @@ export type { Cell } from "./grid";
 
 export type RobotShape = "circle" | "square" | "triangle" | "diamond" | "pentagon" | "star";
 
-/** How old what the robot tells is. */
-export type Freshness = "live" | "stale" | "lost";
+/** How old what the robot tells is; "no news": nobody can be heard now. */
+export type Freshness = "live" | "stale" | "lost" | "no news";
 
 /** A robot and how it looks, so that robots can be told apart without their colour. */
 export type MapRobot = {
@@ -48,22 +48,23 @@ export const layerNames = [
 ] as const;
 
 export type LayerName = (typeof layerNames)[number];
-export type Layers = Readonly<Record<LayerName, boolean>>;
+/** How much of each shows: 0 = nothing, 1 = all. */
+export type Layers = Readonly<Record<LayerName, number>>;
 
 /** What a new page shows. */
 export const defaultLayers: Layers = {
-  belief: true,
-  changes: true,
-  seen: true,
-  heat: false,
-  plan: true,
-  search: false,
-  trails: true,
-  pictures: true,
-  goals: true,
-  paths: true,
-  goalPoses: true,
-  truth: false,
+  belief: 1,
+  changes: 1,
+  seen: 1,
+  heat: 0,
+  plan: 1,
+  search: 0,
+  trails: 1,
+  pictures: 1,
+  goals: 1,
+  paths: 1,
+  goalPoses: 1,
+  truth: 0,
 };
 
 /** Whether something may be done now, and if not, why, in words for the person. */

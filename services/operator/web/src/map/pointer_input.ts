@@ -6,10 +6,11 @@ import type { Hand } from "./hand";
 import { markRadius } from "./layers/lanes";
 import { robotPoint } from "./layers/robots";
 import type { MapModel } from "./map_model";
-import { cellAt, type Point, panBy } from "./view";
+import { cellAt, type Point, panBy, pinch, type TwoPoints, type View } from "./view";
 
 type Drag =
   | { kind: "pan"; last: Point; moved: number; robot: string | undefined }
+  | { kind: "pinch"; last: TwoPoints }
   | { kind: "hand" };
 
 /** `panKey` says whether the key that pans is held. The function that it returns ends the listening. */
@@ -24,8 +25,8 @@ export function attachPointer(
   const pointer = new Pointer(canvas, model, hand, panKey);
   canvas.addEventListener("pointerdown", (event) => pointer.down(event), { signal });
   canvas.addEventListener("pointermove", (event) => pointer.move(event), { signal });
-  canvas.addEventListener("pointerup", () => pointer.up(), { signal });
-  canvas.addEventListener("pointercancel", () => pointer.cancel(), { signal });
+  canvas.addEventListener("pointerup", (event) => pointer.up(event), { signal });
+  canvas.addEventListener("pointercancel", (event) => pointer.cancel(event), { signal });
   canvas.addEventListener("pointerleave", () => pointer.leave(), { signal });
   canvas.addEventListener("dblclick", (event) => pointer.double(event), { signal });
   canvas.addEventListener("wheel", (event) => pointer.wheel(event), { signal, passive: false });
@@ -38,6 +39,8 @@ class Pointer {
   readonly #hand: Hand;
   readonly #panKey: PanKey;
   #drag: Drag | undefined;
+  /** Where each pointer that is down is; the mouse is one, each finger another. */
+  readonly #down = new Map<number, Point>();
 
   constructor(canvas: HTMLCanvasElement, model: MapModel, hand: Hand, panKey: PanKey) {
     this.#canvas = canvas;
@@ -48,10 +51,15 @@ class Pointer {
 
   down(event: PointerEvent): void {
     const view = this.#model.view.peek();
-    if (!view || this.#drag || event.button > 1) return;
+    if (!view || event.button > 1) return;
+    const at = pointOf(event);
+    if (this.#down.size > 0) {
+      this.#secondDown(event, at);
+      return;
+    }
     if (event.button === 1) event.preventDefault();
     this.#canvas.setPointerCapture(event.pointerId);
-    const at = pointOf(event);
+    this.#down.set(event.pointerId, at);
     const cell = cellAt(view, at);
     const robot = robotAt(this.#model, at);
     this.#model.byKeyboard.value = false;
@@ -66,10 +74,34 @@ class Pointer {
     }
   }
 
+  /** Two fingers move the map, whatever the tool; what the first one has begun is undone. A third finger does nothing. */
+  #secondDown({ pointerId, pointerType }: PointerEvent, at: Point): void {
+    const [first, another] = [...this.#down.values()];
+    if (pointerType !== "touch" || first === undefined || another !== undefined) return;
+    if (this.#drag?.kind === "hand") this.#hand.cancel();
+    this.#canvas.setPointerCapture(pointerId);
+    this.#down.set(pointerId, at);
+    this.#drag = { kind: "pinch", last: [first, at] };
+    this.#model.hover.value = undefined;
+  }
+
+  #pinchTo(view: View): void {
+    const [first, second] = [...this.#down.values()];
+    if (this.#drag?.kind !== "pinch" || first === undefined || second === undefined) return;
+    const now: TwoPoints = [first, second];
+    this.#model.lookAt(pinch(view, this.#drag.last, now));
+    this.#drag.last = now;
+  }
+
   move(event: PointerEvent): void {
     const view = this.#model.view.peek();
     if (!view) return;
     const at = pointOf(event);
+    if (this.#down.has(event.pointerId)) this.#down.set(event.pointerId, at);
+    if (this.#drag?.kind === "pinch") {
+      this.#pinchTo(view);
+      return;
+    }
     this.#hover(cellAt(view, at));
     if (this.#drag?.kind === "hand") this.#hand.drag(cellAt(view, at));
     if (this.#drag?.kind !== "pan") return;
@@ -85,8 +117,11 @@ class Pointer {
     this.#model.hover.value = contains(this.#model.props.peek().world, cell) ? cell : undefined;
   }
 
-  up(): void {
+  up({ pointerId }: PointerEvent): void {
+    if (!this.#down.delete(pointerId)) return;
     const done = this.#drag;
+    // The finger that stays does nothing more, or it would draw.
+    if (done?.kind === "pinch" && this.#down.size > 0) return;
     this.#drag = undefined;
     if (done?.kind === "hand") this.#hand.release();
     if (done?.kind === "pan" && done.moved <= 3 && done.robot !== undefined) {
@@ -94,9 +129,10 @@ class Pointer {
     }
   }
 
-  cancel(): void {
+  cancel({ pointerId }: PointerEvent): void {
+    if (!this.#down.delete(pointerId)) return;
     if (this.#drag?.kind === "hand") this.#hand.cancel();
-    this.#drag = undefined;
+    if (this.#down.size === 0) this.#drag = undefined;
   }
 
   leave(): void {

@@ -1,9 +1,10 @@
 // One frame of the map, from the data to the pixels: which layers there are, and which lies over which.
 import { type Bitmap, bitmapOf, drawBitmap } from "./draw/bitmap";
+import { CachedLayer, sameValues } from "./draw/cached_layer";
 import type { Draw } from "./draw/context";
+import { Fader } from "./draw/fader";
 import type { Palette } from "./draw/palette";
 import { draftLayers, type EditSession } from "./edit/edit_session";
-import { isWall } from "./grid";
 import { paintBelief } from "./layers/belief";
 import { drawChanges } from "./layers/changes";
 import { drawCursor, drawFrame } from "./layers/cursor";
@@ -14,14 +15,16 @@ import { drawGridLines, drawRulers } from "./layers/grid_lines";
 import { drawHeat } from "./layers/heat";
 import { laneShift } from "./layers/lanes";
 import { drawDraftPath, drawPathNames, drawPaths, type PathsData } from "./layers/paths";
-import { drawChosenPicture, drawPictures, findPicture } from "./layers/pictures";
+import { PictureMarks } from "./layers/picture_marks";
+import { drawChosenPicture, findPicture } from "./layers/pictures";
 import { drawPlans } from "./layers/plans";
 import { drawRobots } from "./layers/robots";
 import { drawSearches } from "./layers/searches";
 import { drawDifferences, paintFog, seenByAny } from "./layers/seen";
 import { drawTrails } from "./layers/trails";
 import { drawTruth } from "./layers/truth";
-import type { Cell, MapProps } from "./map_props";
+import type { Cell, LayerName, MapProps } from "./map_props";
+import { wallsCrossed } from "./path/assessment";
 import { type PathSession, vertices } from "./path/path_session";
 import type { View } from "./view";
 
@@ -42,15 +45,17 @@ export type Scene = {
 export class SceneCache {
   belief: Bitmap | undefined;
   fog: Bitmap | undefined;
+  readonly ground = new CachedLayer();
+  readonly chosen = new CachedLayer();
+  readonly goals = new CachedLayer();
+  readonly pictures = new PictureMarks();
+  readonly fader = new Fader();
   #seen: { readonly keys: readonly unknown[]; readonly cells: Uint8Array } | undefined;
 
   seen(props: MapProps): Uint8Array {
     const maps = [...props.seen.values()];
     const keys = [props.world.rows, props.world.columns, ...maps.map((map) => map.cells)];
-    const same =
-      this.#seen?.keys.length === keys.length &&
-      this.#seen.keys.every((key, index) => key === keys[index]);
-    if (this.#seen && same) return this.#seen.cells;
+    if (this.#seen && sameValues(this.#seen.keys, keys)) return this.#seen.cells;
     const cells = seenByAny(props.world, maps);
     this.#seen = { keys, cells };
     return cells;
@@ -59,11 +64,9 @@ export class SceneCache {
 
 export function drawScene(context: Draw, scene: Scene, cache: SceneCache): void {
   const { view, palette } = scene;
-  context.fillStyle = palette.paper;
-  context.fillRect(0, 0, view.width, view.height);
-  drawCells(context, scene, cache);
-  drawLines(context, scene);
-  drawMarks(context, scene);
+  cache.ground.draw(context, view, groundKeys(scene, cache), (on) => drawGround(on, scene, cache));
+  drawLines(context, scene, cache);
+  drawMarks(context, scene, cache);
   drawRulers(
     context,
     view,
@@ -72,55 +75,82 @@ export function drawScene(context: Draw, scene: Scene, cache: SceneCache): void 
   );
 }
 
+/** All that drawGround() draws from, besides the view. */
+function groundKeys({ props, palette, editing }: Scene, cache: SceneCache): readonly unknown[] {
+  const { world, belief, layers, trails, robots } = props;
+  const looks = robots.map(({ robot, colour }) => `${robot.name} ${colour}`).join();
+  const told = [world.rows, world.columns, belief?.walls, belief?.initialWalls, cache.seen(props)];
+  return [palette, editing, layers, trails, looks, props.predictions, props.truth, ...told];
+}
+
+function drawGround(context: Draw, scene: Scene, cache: SceneCache): void {
+  const { props, view, palette } = scene;
+  context.fillStyle = palette.paper;
+  context.fillRect(0, 0, view.width, view.height);
+  drawCells(context, scene, cache);
+  const { robots, trails } = props;
+  const show = shower(context, scene, cache);
+  show("trails", (on) => drawTrails(on, view, { robots, trails }, palette));
+}
+
+/** Draws a layer if it shows, and as strongly as it shall. */
+function shower(context: Draw, { props, view }: Scene, { fader }: SceneCache) {
+  return (name: LayerName, paint: (on: Draw) => void) =>
+    fader.draw(context, view, props.layers[name], paint);
+}
+
 function drawCells(context: Draw, scene: Scene, cache: SceneCache): void {
   const { props, view, palette, editing } = scene;
   const { world: size, belief, layers } = props;
+  const show = shower(context, scene, cache);
   const walls = belief?.walls ?? new Uint8Array(size.rows * size.columns);
   if (layers.belief) {
     cache.belief = bitmapOf(cache.belief, size, [walls, size.columns, palette], (on) =>
       paintBelief(on, { size, walls }, palette),
     );
-    drawBitmap(context, view, size, cache.belief);
+    show("belief", (on) => drawBitmap(on, view, size, cache.belief));
   }
   const seen = cache.seen(props);
   if (layers.seen) {
     cache.fog = bitmapOf(cache.fog, size, [seen, palette], (on) =>
       paintFog(on, size, seen, palette),
     );
-    drawBitmap(context, view, size, cache.fog);
+    show("seen", (on) => drawBitmap(on, view, size, cache.fog));
   }
   drawGridLines(context, view, size, palette);
-  if (layers.changes && belief) {
-    drawChanges(context, view, { size, walls, initial: belief.initialWalls }, palette);
+  if (belief) {
+    const changes = { size, walls, initial: belief.initialWalls };
+    show("changes", (on) => drawChanges(on, view, changes, palette));
   }
-  if (layers.seen) drawDifferences(context, view, { size, walls, seen }, palette);
-  if (layers.heat) {
-    drawHeat(context, view, { size, predictions: props.predictions.values() }, palette);
-  }
-  if (layers.truth && props.truth) {
-    drawTruth(context, view, { size, walls, truth: props.truth.cells }, palette);
-  }
+  show("seen", (on) => drawDifferences(on, view, { size, walls, seen }, palette));
+  const predictions = props.predictions.values();
+  show("heat", (on) => drawHeat(on, view, { size, predictions }, palette));
+  const truth = props.truth?.cells;
+  if (truth) show("truth", (on) => drawTruth(on, view, { size, walls, truth }, palette));
   if (editing) drawEdits(context, view, { size, ...draftLayers(editing) }, palette);
 }
 
-function drawLines(context: Draw, scene: Scene): void {
+function drawLines(context: Draw, scene: Scene, cache: SceneCache): void {
   const { props, view, palette } = scene;
-  const { layers, robots } = props;
-  if (layers.trails) drawTrails(context, view, { robots, trails: props.trails }, palette);
-  if (layers.pictures) drawPictures(context, view, { robots, pictures: props.pictures }, palette);
-  drawChosen(context, scene);
-  if (layers.paths) drawPaths(context, view, pathsOf(scene), palette);
-  if (layers.plan) drawPlans(context, view, { robots, plans: props.plans }, palette);
-  if (layers.search) drawSearches(context, view, { robots, searches: props.searches }, palette);
+  const { robots, pictures, plans, searches } = props;
+  const show = shower(context, scene, cache);
+  show("pictures", (on) => cache.pictures.draw(on, view, { robots, pictures }, palette));
+  drawChosen(context, scene, cache);
+  show("paths", (on) => drawPaths(on, view, pathsOf(scene), palette));
+  show("plan", (on) => drawPlans(on, view, { robots, plans }, palette));
+  show("search", (on) => drawSearches(on, view, { robots, searches }, palette));
   for (const path of scene.paths) drawDraft(context, scene, path);
 }
 
-function drawChosen(context: Draw, { props, view, palette }: Scene): void {
+function drawChosen(context: Draw, { props, view, palette }: Scene, cache: SceneCache): void {
   const picture = findPicture(props.pictures, props.chosenPicture);
   if (!picture) return;
   const robot = props.robots.find((one) => one.robot.name === picture.robot);
   const colour = robot?.colour ?? palette.muted;
-  drawChosenPicture(context, view, { size: props.world, picture, colour }, palette);
+  const { rows, columns } = props.world;
+  cache.chosen.draw(context, view, [palette, picture, colour, rows, columns], (on) =>
+    drawChosenPicture(on, view, { size: props.world, picture, colour }, palette),
+  );
 }
 
 function pathsOf({ props, paths }: Scene): PathsData {
@@ -138,20 +168,34 @@ function drawDraft(context: Draw, { props, view, palette }: Scene, path: PathSes
     cells: path.cells,
     vertices: vertices(path.cells),
     sent: path.sent?.cells === path.cells,
-    trouble: walls ? path.cells.filter((cell) => isWall(walls, props.world, cell)) : [],
+    trouble: walls ? wallsCrossed(path.cells, { size: props.world, walls }, props.seen) : [],
     shift: laneShift(props.robots, index, view),
   };
   drawDraftPath(context, view, data, palette);
 }
 
-function drawMarks(context: Draw, scene: Scene): void {
+/** All that drawGoals() draws from, besides the view; robots tell of their goals with each state. */
+function goalKeys({ props, palette }: Scene): readonly unknown[] {
+  const words = (cells: readonly Cell[]) => cells.map(({ row, column }) => `${row},${column}`);
+  const told = props.robots.map(({ robot, colour, letter }) =>
+    [robot.name, colour, letter, ...words(robot.goalsLeft), "/", ...words(robot.goalsReached)].join(
+      " ",
+    ),
+  );
+  return [palette, told.join()];
+}
+
+function drawMarks(context: Draw, scene: Scene, cache: SceneCache): void {
   const { props, view, palette } = scene;
-  const { layers, robots, world } = props;
-  if (layers.goals) drawGoals(context, view, robots, palette);
-  if (layers.goalPoses) {
-    drawGoalPoses(context, view, { robots, goalPoses: props.goalPoses }, palette);
-  }
-  if (layers.paths) drawPathNames(context, view, pathsOf(scene), palette);
+  const { robots, goalPoses, world } = props;
+  const show = shower(context, scene, cache);
+  show("goals", (on) =>
+    cache.goals.draw(on, view, goalKeys(scene), (cached) =>
+      drawGoals(cached, view, robots, palette),
+    ),
+  );
+  show("goalPoses", (on) => drawGoalPoses(on, view, { robots, goalPoses }, palette));
+  show("paths", (on) => drawPathNames(on, view, pathsOf(scene), palette));
   drawRobots(context, view, { world, robots, chosen: props.chosenRobot }, palette);
   const { hover, rectangle, cursor } = scene;
   if (rectangle) drawFrame(context, view, rectangle, palette);

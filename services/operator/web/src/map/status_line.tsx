@@ -20,8 +20,25 @@ export function StatusLine({ model }: { model: MapModel }) {
       <span>{text}</span>
       <output class="map-unseen">{aloud}</output>
       <span>{pendingText(model)}</span>
+      {model.props.value.layers.seen > 0 && <Legend />}
       <output class="map-note">{model.note.value?.text}</output>
     </div>
+  );
+}
+
+/** The two signs that a newcomer must know: where robots saw it otherwise than the map has it. */
+function Legend() {
+  return (
+    <span class="map-legend">
+      <svg class="map-swatch map-icon" viewBox="0 0 16 12" aria-hidden="true">
+        <path d="M3 1h10v10H3zM3 6l5-5M4 11 13 2M9 11l4-4" />
+      </svg>
+      robots saw a wall
+      <svg class="map-swatch map-icon" viewBox="0 0 16 12" aria-hidden="true">
+        <circle cx="8" cy="6" r="4" />
+      </svg>
+      no wall there
+    </span>
   );
 }
 

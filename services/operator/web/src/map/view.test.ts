@@ -9,11 +9,13 @@ import {
   keepInSight,
   largestScale,
   panBy,
+  pinch,
   positionPoint,
   resized,
   reveal,
   rulerSize,
   smallestScale,
+  type TwoPoints,
   visibleRange,
   zoomAbout,
 } from "./view";
@@ -60,6 +62,32 @@ it("fitting shows all cells, clear of the rulers, at any size", () => {
     expect(view.y + grid.rows * view.scale).toBeLessThanOrEqual(600);
     expect(visibleRange(view, grid)).toMatchObject({ top: 0, left: 0, bottom: grid.rows - 1 });
   }
+});
+
+describe("two fingers", () => {
+  const before: TwoPoints = [
+    { x: 100, y: 100 },
+    { x: 200, y: 100 },
+  ];
+  const moved = (dx: number, dy: number, apart: number): TwoPoints => [
+    { x: 150 + dx - apart / 2, y: 100 + dy },
+    { x: 150 + dx + apart / 2, y: 100 + dy },
+  ];
+  const view = { scale: 20, x: 30, y: 40, width: 400, height: 300 };
+
+  it("move the map with them", () => {
+    expect(pinch(view, before, moved(7, -5, 100))).toEqual({ ...view, x: 37, y: 35 });
+  });
+
+  it("zoom about their middle", () => {
+    const near = pinch(view, before, moved(0, 0, 200));
+    expect(near.scale).toBe(40);
+    expect((150 - near.x) / near.scale).toBeCloseTo((150 - view.x) / view.scale);
+  });
+
+  it("that meet in a point zoom no further", () => {
+    expect(pinch(view, moved(0, 0, 0), moved(0, 0, 5)).scale).toBe(20);
+  });
 });
 
 describe("moving", () => {

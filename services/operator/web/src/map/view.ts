@@ -57,6 +57,18 @@ export function zoomAbout(view: View, point: Point, factor: number): View {
   };
 }
 
+export type TwoPoints = readonly [Point, Point];
+
+/** What two fingers do: what lay between them stays there, and grows as they move apart. */
+export function pinch(view: View, before: TwoPoints, now: TwoPoints): View {
+  const middle = ([a, b]: TwoPoints) => ({ x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 });
+  // Fingers that touch would make it grow without end.
+  const apart = ([a, b]: TwoPoints) => Math.max(10, Math.hypot(a.x - b.x, a.y - b.y));
+  const [from, to] = [middle(before), middle(now)];
+  const zoomed = zoomAbout(view, from, apart(now) / apart(before));
+  return panBy(zoomed, to.x - from.x, to.y - from.y);
+}
+
 export function panBy(view: View, dx: number, dy: number): View {
   return { ...view, x: view.x + dx, y: view.y + dy };
 }

@@ -1,5 +1,5 @@
-/** How old what somebody tells is. Robots that were never heard of are lost. */
-export type Freshness = "live" | "stale" | "lost";
+/** How old what somebody tells is. Robots that were never heard of are lost; without a link nobody can be heard. */
+export type Freshness = "live" | "stale" | "lost" | "no news";
 
 /** s of wall time without news of a robot. */
 export const staleAfter = 1;
@@ -15,7 +15,13 @@ export function ageOf(heardAt: number | undefined, now: number | undefined): num
     : Math.max(0, now - heardAt);
 }
 
-export function freshnessOf(heardAt: number | undefined, now: number | undefined): Freshness {
+/** `linked`: whether the service is heard now; what it tells is unknown otherwise, however young. */
+export function freshnessOf(
+  heardAt: number | undefined,
+  now: number | undefined,
+  linked: boolean,
+): Freshness {
+  if (!linked) return "no news";
   const age = ageOf(heardAt, now);
   if (age === undefined || age >= lostAfter) return "lost";
   return age >= staleAfter ? "stale" : "live";

@@ -37,6 +37,7 @@ describe("names", () => {
     expect(nameOf(state, "me")).toBe("you");
     expect(nameOf(state, "x/1")).toBe("Zoë");
     expect(nameOf(state, "Ben/2")).toBe("Ben");
+    expect(nameOf(state, "synthetic-operator-18ea54bd9bd4577e-19746")).toBe("synthetic-operator");
     expect(nameOf(state, "")).toBe("");
   });
 });
@@ -49,13 +50,17 @@ describe("freshness", () => {
     [2.9, "stale"],
     [3, "lost"],
   ])("after %f s is %s", (age, expected) => {
-    expect(freshnessOf(100, 100 + age)).toBe(expected);
+    expect(freshnessOf(100, 100 + age, true)).toBe(expected);
   });
 
   it("of what was never heard of is lost", () => {
-    expect(freshnessOf(undefined, 5)).toBe("lost");
-    expect(freshnessOf(0, 5)).toBe("lost");
-    expect(freshnessOf(5, undefined)).toBe("lost");
+    expect(freshnessOf(undefined, 5, true)).toBe("lost");
+    expect(freshnessOf(0, 5, true)).toBe("lost");
+    expect(freshnessOf(5, undefined, true)).toBe("lost");
+  });
+
+  it("is none without a link", () => {
+    expect(freshnessOf(100, 100, false)).toBe("no news");
   });
 
   it("bears clocks that differ a little", () => {
@@ -96,21 +101,30 @@ describe("command", () => {
 });
 
 describe("the next item", () => {
+  const none = new Set<string>();
+  const key = (robot: string) => `${robot} 0 0`;
+  const next = (all: UpdateBody, passed = none, gone = none) =>
+    nextItem(stateOf(all), passed, gone)?.robot;
+
   it("is the first of the service's order", () => {
-    expect(nextItem(stateOf(items(["r2", ""], ["r1", ""])), "r1")?.robot).toBe("r2");
+    expect(next(items(["r2", ""], ["r1", ""]))).toBe("r2");
   });
 
-  it("is the second when I already work on the first", () => {
-    expect(nextItem(stateOf(items(["r2", "me"], ["r1", ""])), "r2")?.robot).toBe("r1");
+  it("is the first that was not passed", () => {
+    const all = items(["r2", ""], ["r1", "me"], ["r3", ""]);
+    expect(next(all, new Set([key("r2"), key("r1")]))).toBe("r3");
   });
 
-  it("stays when there is no other", () => {
-    expect(nextItem(stateOf(items(["r2", "me"])), "r2")?.robot).toBe("r2");
+  it("is another one than mine when all were passed, and stays when there is no other", () => {
+    const passed = new Set([key("r1"), key("r2")]);
+    expect(next(items(["r2", "me"], ["r1", ""]), passed)).toBe("r1");
+    expect(next(items(["r2", "me"]), passed)).toBe("r2");
   });
 
-  it("leaves out what somebody else works on", () => {
-    expect(nextItem(stateOf(items(["r2", "you"], ["r1", ""])), undefined)?.robot).toBe("r1");
-    expect(nextItem(stateOf(items(["r2", "you"])), undefined)).toBeUndefined();
+  it("leaves out what somebody else works on, and what asks no more", () => {
+    expect(next(items(["r2", "you"], ["r1", ""]))).toBe("r1");
+    expect(next(items(["r2", "you"]))).toBeUndefined();
+    expect(next(items(["r2", ""], ["r1", ""]), none, new Set([key("r2")]))).toBe("r1");
   });
 });
 

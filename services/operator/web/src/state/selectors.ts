@@ -41,7 +41,12 @@ export function mayStop({ welcome }: ConsoleState): boolean {
 export function nameOf({ presence, welcome }: ConsoleState, client: string): string {
   if (client === welcome?.client) return "you";
   const here = presence?.people.find((person) => person.client === client);
-  return here?.name || (client.split("/")[0] ?? client);
+  return here?.name || readable(client);
+}
+
+/** Without what makes it unlike all others: "Ben/2", "synthetic-operator-18ea54bd9bd4577e-19746". */
+function readable(client: string): string {
+  return client.replace(/\/.*$/, "").replace(/-[0-9a-f]{8,}-\d+$/, "");
 }
 
 export type Holder =
@@ -53,7 +58,7 @@ export function holderOf(state: ConsoleState, robot: string): Holder {
   const control = state.controls.get(robot);
   if (control === undefined || control.holder === "") return { kind: "nobody" };
   if (control.holder === state.welcome?.client) return { kind: "me", until: control.heldUntil };
-  const name = control.holderName || control.holder;
+  const name = readable(control.holderName || control.holder);
   return { kind: "other", name, reason: control.reason };
 }
 
@@ -84,16 +89,29 @@ export function unanswered(state: ConsoleState, robot: string | undefined): Pict
   return newest?.answer === PictureAnswer.ANSWER_NONE ? newest : undefined;
 }
 
-/** The first item that nobody else works on, after `robot`'s own if that is first: N never stays where it is. */
+/** The same reason at another time is another item. */
+export function itemKey({ robot, reason, since }: AttentionItem): string {
+  return `${robot} ${reason} ${since}`;
+}
+
+/**
+ * The first item that nobody else works on and that is not in `passed`. When all of them are, the first again, but not the one
+ * that I work on while there is another. Never one of `gone`.
+ */
 export function nextItem(
   state: ConsoleState,
-  robot: string | undefined,
+  passed: ReadonlySet<string>,
+  gone: ReadonlySet<string>,
 ): AttentionItem | undefined {
   const me = state.welcome?.client ?? "";
   const items = (state.attention?.items ?? []).filter(
-    ({ selectedBy }) => selectedBy === "" || selectedBy === me,
+    (item) => (item.selectedBy === "" || item.selectedBy === me) && !gone.has(itemKey(item)),
   );
-  return items.find((item) => item.robot !== robot || item.selectedBy === "") ?? items[0];
+  return (
+    items.find((item) => !passed.has(itemKey(item))) ??
+    items.find(({ selectedBy }) => selectedBy === "") ??
+    items[0]
+  );
 }
 
 export function itemsOf(state: ConsoleState, robot: string): readonly AttentionItem[] {

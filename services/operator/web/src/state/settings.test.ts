@@ -15,7 +15,7 @@ function storage(kept?: string) {
 describe("settings", () => {
   it("come back as they were written", () => {
     const place = storage();
-    const layers = { ...defaultLayers, search: !defaultLayers.search };
+    const layers = { ...defaultLayers, search: 1, heat: 0.3, plan: 0 };
     const settings = { layers, theme: "light", workload: true, events: true } as const;
     writeSettings(place, settings);
     expect(readSettings(place)).toEqual(settings);
@@ -30,6 +30,13 @@ describe("settings", () => {
     '{"theme": 3, "layers": {"plan": "x"}}',
   ])("are the defaults for %s", (kept) => {
     expect(readSettings(storage(kept))).toEqual(defaultSettings);
+  });
+
+  it("know layers that were only on or off", () => {
+    const { layers } = readSettings(
+      storage('{"layers": {"plan": false, "search": true, "heat": 7}}'),
+    );
+    expect(layers).toMatchObject({ plan: 0, search: 1, heat: defaultLayers.heat });
   });
 
   it("survive a storage that is full", () => {

@@ -48,10 +48,10 @@ function toSettings(value: unknown): Settings {
 
 /** A layer that was not kept, perhaps because it is new, is as by default. */
 function toLayers(value: unknown): Layers {
-  const layers: Record<LayerName, boolean> = { ...defaultLayers };
+  const layers: Record<LayerName, number> = { ...defaultLayers };
   for (const name of layerNames) {
-    const kept = member(value, name);
-    if (typeof kept === "boolean") layers[name] = kept;
+    const kept = Number(member(value, name));
+    if (kept >= 0 && kept <= 1) layers[name] = kept;
   }
   return layers;
 }

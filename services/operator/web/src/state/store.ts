@@ -37,6 +37,8 @@ export interface Focus {
 export interface Store {
   readonly state: ReadonlySignal<ConsoleState>;
   readonly link: Signal<Link>;
+  /** Whether the service is heard now: nothing looks live while it is not. */
+  readonly linked: ReadonlySignal<boolean>;
   readonly timing: Signal<Timing>;
   /** Wall time of the service; moves on four times a second. */
   readonly now: Signal<number | undefined>;
@@ -66,10 +68,12 @@ export function createStore(settings: Settings): Store {
   const chosenRobot = signal<string | undefined>(undefined);
   const chosenSequence = signal<bigint | undefined>(undefined);
   const focus = signal<Focus | undefined>(undefined);
+  const link = signal<Link>({ state: "connecting" });
   const robots = sameNames(computed(() => robotNames(state.value)));
   const store: Store = {
     state,
-    link: signal<Link>({ state: "connecting" }),
+    link,
+    linked: computed(() => link.value.state === "live"),
     timing: signal<Timing>({ roundTrip: undefined, clockOffset: undefined }),
     now: signal<number | undefined>(undefined),
     settings: signal(settings),

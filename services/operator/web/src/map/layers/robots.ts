@@ -16,7 +16,10 @@ export function robotPoint(view: View, world: World, one: MapRobot): Point {
   return positionPoint(view, world, world.cellSize, one.robot);
 }
 
-/** Each robot in its colour and shape, with its letter and heading. Stale: dashed rim. Lost: hollow, with a question mark. */
+/**
+ * Each robot in its colour and shape, with its letter and heading. Stale: dashed rim. Lost, or nobody can be heard: hollow, with
+ * a question mark.
+ */
 export function drawRobots(context: Draw, view: View, data: RobotsData, palette: Palette): void {
   const chosenLast = [...data.robots].sort(
     (a, b) => Number(a.robot.name === data.chosen) - Number(b.robot.name === data.chosen),
@@ -29,9 +32,13 @@ export function drawRobots(context: Draw, view: View, data: RobotsData, palette:
   }
 }
 
+function isLost({ fresh }: MapRobot): boolean {
+  return fresh === "lost" || fresh === "no news";
+}
+
 function drawRobot(context: Draw, view: View, at: Point, one: MapRobot, palette: Palette): void {
   const radius = markRadius(view);
-  const lost = one.fresh === "lost";
+  const lost = isLost(one);
   drawHeading(context, at, one, radius, palette);
   shapePath(context, one.shape, at, radius);
   context.strokeStyle = palette.halo;
@@ -64,7 +71,7 @@ function drawHeading(
     x: at.x + (radius + 11) * Math.cos(angle),
     y: at.y + (radius + 11) * Math.sin(angle),
   };
-  context.fillStyle = one.fresh === "lost" ? palette.muted : one.colour;
+  context.fillStyle = isLost(one) ? palette.muted : one.colour;
   context.lineJoin = "round";
   arrowHead(context, tip, angle, 13);
   context.strokeStyle = palette.halo;

@@ -27,3 +27,8 @@ it("says first where a robot has seen a wall", () => {
   );
   expect(assess(path, grid, 2, seenBy("r2", 1, 1, 0, 1)).blocked).toBeUndefined();
 });
+
+it("takes what a robot saw free for free, whatever the map says", () => {
+  expect(assess(path, grid, 2, seenBy("r2", 0, 0, 1, 0)).walls).toEqual([]);
+  expect(assess(path, grid, 2, seenBy("r2", 0, 0, 0, 0)).walls).toHaveLength(1);
+});

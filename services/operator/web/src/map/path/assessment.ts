@@ -1,12 +1,12 @@
 import type { SeenMap } from "../../protocol/generated/console_pb";
-import { type Cell, cellIndex, cellText, isWall, wallCell } from "../grid";
+import { type Cell, cellIndex, cellText, freeCell, isWall, wallCell } from "../grid";
 import type { WayGrid } from "./ways";
 
 /** What is known of a path before anybody drives it. */
 export type Assessment = {
   readonly steps: number;
   readonly metres: number;
-  readonly walls: readonly Cell[]; // of the operator's own map that it crosses
+  readonly walls: readonly Cell[]; // see wallsCrossed
   readonly blocked: { readonly cell: Cell; readonly robot: string } | undefined; // seen as a wall
 };
 
@@ -20,9 +20,23 @@ export function assess(
   return {
     steps,
     metres: steps * cellSize,
-    walls: cells.filter((cell) => isWall(grid.walls, grid.size, cell)),
+    walls: wallsCrossed(cells, grid, seen),
     blocked: firstBlocked(cells, grid, seen),
   };
+}
+
+/** Walls of the operator's own map, but those that a robot saw to be none: they are no trouble. */
+export function wallsCrossed(
+  cells: readonly Cell[],
+  grid: WayGrid,
+  seen: ReadonlyMap<string, SeenMap>,
+): readonly Cell[] {
+  const maps = [...seen.values()];
+  const seenFree = (cell: Cell) => {
+    const index = cellIndex(grid.size, cell);
+    return maps.some((map) => map.cells[index] === freeCell);
+  };
+  return cells.filter((cell) => isWall(grid.walls, grid.size, cell) && !seenFree(cell));
 }
 
 function firstBlocked(

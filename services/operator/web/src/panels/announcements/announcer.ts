@@ -22,7 +22,7 @@ function attentionNews(before: ConsoleState, after: ConsoleState): News[] {
   const known = new Set(before.attention?.items.map(key));
   const fresh = (after.attention?.items ?? []).filter((item) => !known.has(key(item)));
   return fresh.map(({ robot, reason }) => ({
-    text: `${robot} ${reasonText(reason)}`,
+    text: `${robot} ${reasonText(reason, after.session?.drives ?? false)}`,
     urgent: false,
   }));
 }

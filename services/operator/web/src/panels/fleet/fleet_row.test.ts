@@ -2,17 +2,40 @@ import { describe, expect, it } from "vitest";
 import { AttentionReason, CommandOutcome } from "../../protocol/generated/console_pb";
 import { emptyState } from "../../state/console_state";
 import { stateOf } from "../../state/fixtures";
-import { fleetRow } from "./fleet_row";
+import { controlText, fleetRow } from "./fleet_row";
 
 describe("a row of the fleet strip", () => {
   it("of a robot that was never heard of is lost", () => {
-    expect(fleetRow(emptyState, 10, "r1")).toMatchObject({
+    expect(fleetRow(emptyState, 10, true, "r1")).toMatchObject({
       freshness: "lost",
       goalsTotal: 0,
       goalsReached: 0,
       stopped: false,
       wait: undefined,
     });
+  });
+
+  it("has no news while the link is down, however young the newest is", () => {
+    const state = stateOf({ case: "robot", value: { name: "r1", heardAt: 99.9 } });
+    expect(fleetRow(state, 100, true, "r1").freshness).toBe("live");
+    expect(fleetRow(state, 100, false, "r1")).toMatchObject({ freshness: "no news" });
+    expect(fleetRow(state, 140, false, "r1").age).toBeCloseTo(40.1);
+  });
+
+  it("of a robot without goals left is done, whatever its last command", () => {
+    const { OUTCOME_DONE } = CommandOutcome;
+    const value = { name: "r1", goalsTotal: 4, outcome: OUTCOME_DONE };
+    const items = [{ robot: "r1", reason: AttentionReason.REASON_GOALS_REACHED }];
+    const state = stateOf({ case: "robot", value }, { case: "attention", value: { items } });
+    const row = fleetRow(state, 0, true, "r1");
+    expect(row.doing).toContain("all goals");
+    expect(row.wait).toBeUndefined();
+  });
+
+  it("says that nobody has control only where it can know", () => {
+    const row = fleetRow(stateOf(), 0, true, "r1");
+    expect(controlText(row, false)).toBe("Nobody has control of r1");
+    expect(controlText(row, true)).toContain("not in the recording");
   });
 
   it("tells goals, age, stop, control and why it waits since when", () => {
@@ -27,7 +50,7 @@ describe("a row of the fleet strip", () => {
       { case: "control", value: { robot: "r1", stopped: true, holder: "you", holderName: "Bo" } },
       { case: "attention", value: { stamp: 30, items: [{ robot: "r1", reason, since: 18 }] } },
     );
-    expect(fleetRow(state, 100, "r1")).toEqual({
+    expect(fleetRow(state, 100, true, "r1")).toEqual({
       name: "r1",
       freshness: "stale",
       age: 1.5,

@@ -1,8 +1,8 @@
-import { CommandOutcome } from "../../protocol/generated/console_pb";
+import { CommandOutcome, type Robot } from "../../protocol/generated/console_pb";
 import type { ConsoleState } from "../../state/console_state";
 import { ageOf, type Freshness, freshnessOf } from "../../state/freshness";
 import { type Holder, holderOf, itemsOf } from "../../state/selectors";
-import { reasonText } from "../queue/words";
+import { isNotice, reasonText } from "../queue/words";
 
 /** What the fleet strip tells of a robot. */
 export interface FleetRow {
@@ -20,23 +20,33 @@ export interface FleetRow {
   readonly doing: string;
 }
 
-export function fleetRow(state: ConsoleState, now: number | undefined, name: string): FleetRow {
+/** `linked`: whether the service is heard now. */
+export function fleetRow(
+  state: ConsoleState,
+  now: number | undefined,
+  linked: boolean,
+  name: string,
+): FleetRow {
   const robot = state.robots.get(name);
-  const item = itemsOf(state, name)[0];
+  const item = itemsOf(state, name).find(({ reason }) => !isNotice(reason));
   return {
     name,
-    freshness: freshnessOf(robot?.heardAt, now),
+    freshness: freshnessOf(robot?.heardAt, now, linked),
     age: ageOf(robot?.heardAt, now),
     goalsReached: (robot?.goalsTotal ?? 0) - (robot?.goalsLeft.length ?? 0),
     goalsTotal: robot?.goalsTotal ?? 0,
     stopped: state.controls.get(name)?.stopped ?? false,
     holder: holderOf(state, name),
     wait: item && {
-      why: reasonText(item.reason),
+      why: reasonText(item.reason, state.session?.drives ?? false),
       seconds: Math.max(0, (state.attention?.stamp ?? item.since) - item.since),
     },
-    doing: doingText(robot?.outcome),
+    doing: isDone(robot) ? "✓ all goals reached" : doingText(robot?.outcome),
   };
+}
+
+function isDone(robot: Robot | undefined): boolean {
+  return robot !== undefined && robot.goalsTotal > 0 && robot.goalsLeft.length === 0;
 }
 
 function doingText(outcome: CommandOutcome | undefined): string {
@@ -53,5 +63,19 @@ function doingText(outcome: CommandOutcome | undefined): string {
       return "command expired";
     default:
       return "stands";
+  }
+}
+
+/** Who has control. `recorded`: the run is one of before; leases of control are not on the bus, so not in its recording. */
+export function controlText({ holder, name }: FleetRow, recorded: boolean): string {
+  switch (holder.kind) {
+    case "me":
+      return `You have control of ${name}`;
+    case "other":
+      return `${holder.name} has control of ${name}: ${holder.reason || "no reason given"}`;
+    default:
+      return recorded
+        ? `Who had control of ${name} is not in the recording`
+        : `Nobody has control of ${name}`;
   }
 }

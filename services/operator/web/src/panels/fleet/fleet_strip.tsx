@@ -1,8 +1,12 @@
+import { useComputed } from "@preact/signals";
+import { useMemo } from "preact/hooks";
 import { useConsole } from "../../app/console";
 import { RobotMark } from "../../app/robot_mark";
+import { Mode } from "../../protocol/generated/console_pb";
+import { sameText } from "../../state/same_text";
 import { mayCommand, mayStop } from "../../state/selectors";
 import { duration } from "../format";
-import { type FleetRow, fleetRow } from "./fleet_row";
+import { controlText, type FleetRow, fleetRow } from "./fleet_row";
 import "./fleet.css";
 
 /** More robots than these get small cards, so that all are in sight. */
@@ -30,15 +34,17 @@ export function FleetStrip() {
 
 function FleetCard({ name }: { name: string }) {
   const { store, actions } = useConsole();
-  const row = fleetRow(store.state.value, store.now.value, name);
+  const row = useRow(name);
   const chosen = store.chosenRobot.value === name;
+  const maySeeStop = useComputed(() => mayStop(store.state.value)).value;
+  const recorded = useComputed(() => store.state.value.welcome?.mode === Mode.REPLAY).value;
   return (
-    <li class={`fleet-card ${row.freshness} ${row.wait ? "waits" : ""}`}>
+    <li class={`fleet-card ${row.freshness === "live" ? "" : "old"} ${row.wait ? "waits" : ""}`}>
       <button
         type="button"
         class="choose"
         aria-pressed={chosen}
-        title={`${doing(row)}\n${whoControls(row)}`}
+        title={`${doing(row)}\n${controlText(row, recorded)}`}
         onClick={() => actions.goTo(name)}
       >
         <span class="row">
@@ -53,15 +59,30 @@ function FleetCard({ name }: { name: string }) {
           {row.wait ? "!" : row.stopped ? "■" : ""}
         </span>
         <span class="doing">{doing(row)}</span>
+        {row.holder.kind === "other" && <span class="holder">{row.holder.name} has control</span>}
       </button>
-      {mayStop(store.state.value) && <StopOrGo row={row} />}
+      {maySeeStop && <StopOrGo row={row} />}
     </li>
   );
 }
 
+/** Robots tell of themselves many times a second, what a card says changes seldom. */
+function useRow(name: string): FleetRow {
+  const { store } = useConsole();
+  const row = useMemo(
+    () =>
+      sameText(() => {
+        const now = fleetRow(store.state.value, store.now.value, store.linked.value, name);
+        return now.freshness === "live" ? { ...now, age: undefined } : now;
+      }),
+    [store, name],
+  );
+  return row.value;
+}
+
 function FreshnessBadge({ row: { freshness, age } }: { row: FleetRow }) {
-  const signs = { live: "●", stale: "◐", lost: "○" };
-  const kind = { live: "good", stale: "warn", lost: "bad" };
+  const signs = { live: "●", stale: "◐", lost: "○", "no news": "◌" };
+  const kind = { live: "good", stale: "warn", lost: "bad", "no news": "bad" };
   const old = freshness === "live" || age === undefined ? "" : ` ${duration(age)}`;
   return (
     <span class={kind[freshness]}>
@@ -77,7 +98,7 @@ function FreshnessBadge({ row: { freshness, age } }: { row: FleetRow }) {
 
 function StopOrGo({ row: { name, stopped } }: { row: FleetRow }) {
   const { store, actions } = useConsole();
-  const may = !stopped || mayCommand(store.state.value);
+  const may = useComputed(() => mayCommand(store.state.value)).value || !stopped;
   const act = () => void (stopped ? actions.go([name]) : actions.stop([name]));
   const word = stopped ? "Go" : "Stop";
   return (
@@ -94,15 +115,7 @@ function StopOrGo({ row: { name, stopped } }: { row: FleetRow }) {
   );
 }
 
-function doing({ wait, stopped, doing: does, holder }: FleetRow): string {
-  const who = holder.kind === "other" ? ` · ${holder.name} has control` : "";
-  if (stopped) return `■ stopped${who}`;
-  return wait ? `! ${wait.why}, ${duration(wait.seconds)}${who}` : `${does}${who}`;
-}
-
-function whoControls({ holder, name }: FleetRow): string {
-  if (holder.kind === "me") return `You have control of ${name}`;
-  return holder.kind === "other"
-    ? `${holder.name} has control of ${name}: ${holder.reason || "no reason given"}`
-    : `Nobody has control of ${name}`;
+function doing({ wait, stopped, doing: does }: FleetRow): string {
+  if (stopped) return "■ stopped";
+  return wait ? `! ${wait.why}, ${duration(wait.seconds)}` : does;
 }

@@ -1,6 +1,7 @@
 import { describe, expect, it } from "vitest";
+import { Level } from "../../protocol/generated/console_pb";
 import { stateOf } from "../../state/fixtures";
-import { plannerTime, roundTripClass } from "./health";
+import { healthOf, levelClass, levelText, plannerTime, roundTripClass } from "./health";
 
 describe("latency", () => {
   it("of the planner is the slowest robot's newest decision", () => {
@@ -10,6 +11,22 @@ describe("latency", () => {
     );
     expect(plannerTime(state.searches)).toBeCloseTo(0.03);
     expect(plannerTime(stateOf().searches)).toBeUndefined();
+  });
+
+  it("of services counts those that are well and names the others", () => {
+    const state = stateOf(
+      { case: "service", value: { name: "sim_w1", level: Level.OK } },
+      { case: "service", value: { name: "planner", level: Level.SILENT } },
+      { case: "service", value: { name: "nhpm", level: Level.OK } },
+    );
+    const { ok, ill } = healthOf(state.services.values());
+    expect(ok).toBe(2);
+    expect(ill.map(({ name }) => name)).toEqual(["planner"]);
+  });
+
+  it("of nobody is known without a link", () => {
+    expect(levelText(undefined)).toContain("unknown");
+    expect(levelClass(undefined)).toBe("quiet");
   });
 
   it("is amber and red above the limits, usual ones where there are none", () => {

@@ -1,4 +1,4 @@
-import { Level, type Search } from "../../protocol/generated/console_pb";
+import { Level, type Search, type Service } from "../../protocol/generated/console_pb";
 import type { ConsoleState } from "../../state/console_state";
 
 /** s that the newest decisions took: of the robot that was slowest. */
@@ -11,8 +11,24 @@ export function framesSkipped({ frames }: ConsoleState): number {
   return [...frames.values()].reduce((sum, { skipped }) => sum + Number(skipped), 0);
 }
 
-export function levelText(level: Level): string {
+export interface ServicesHealth {
+  /** How many are well. */
+  readonly ok: number;
+  /** The others, by name. */
+  readonly ill: readonly Service[];
+}
+
+export function healthOf(services: Iterable<Service>): ServicesHealth {
+  const all = [...services];
+  const ill = all.filter(({ level }) => level !== Level.OK);
+  return { ok: all.length - ill.length, ill };
+}
+
+/** `level`: undefined = nobody can be heard now. */
+export function levelText(level: Level | undefined): string {
   switch (level) {
+    case undefined:
+      return "◌ unknown";
     case Level.OK:
       return "● ok";
     case Level.WARNING:
@@ -24,7 +40,8 @@ export function levelText(level: Level): string {
   }
 }
 
-export function levelClass(level: Level): string {
+export function levelClass(level: Level | undefined): string {
+  if (level === undefined) return "quiet";
   if (level === Level.OK) return "good";
   return level === Level.WARNING ? "warn" : "bad";
 }

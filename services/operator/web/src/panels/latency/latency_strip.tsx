@@ -1,9 +1,16 @@
 import type { ComponentChildren } from "preact";
 import { useConsole } from "../../app/console";
-import { type Role, Role as Roles } from "../../protocol/generated/console_pb";
+import { Level, type Role, Role as Roles } from "../../protocol/generated/console_pb";
 import { ageOf } from "../../state/freshness";
 import { count, duration, milliseconds } from "../format";
-import { framesSkipped, levelClass, levelText, plannerTime, roundTripClass } from "./health";
+import {
+  framesSkipped,
+  healthOf,
+  levelClass,
+  levelText,
+  plannerTime,
+  roundTripClass,
+} from "./health";
 import { PageButtons } from "./page_buttons";
 import "./latency.css";
 
@@ -57,22 +64,29 @@ function LinkState() {
   );
 }
 
+/** Those that are well are counted, the others named; pointing at it tells all. */
 function Services() {
   const { store } = useConsole();
   const services = [...store.state.value.services.values()];
+  if (services.length === 0) return undefined;
+  const told = services.map(
+    ({ name, level, message, heardAt }) =>
+      `${name}: ${levelText(level)}, ${message} (heard ${duration(ageOf(heardAt, store.now.value))} ago)`,
+  );
+  const { ok, ill } = healthOf(services);
+  const unknown = !store.linked.value;
   return (
-    <ul class="services" aria-label="Services">
-      {services.map(({ name, level, message, heardAt }) => (
-        <li
-          key={name}
-          class="item"
-          title={`${message} (heard ${duration(ageOf(heardAt, store.now.value))} ago)`}
-        >
-          <span class="quiet">{name}</span>{" "}
-          <span class={levelClass(level)}>{levelText(level)}</span>
-        </li>
-      ))}
-    </ul>
+    <span class="services" title={told.join("\n")}>
+      <span class="quiet">Services</span>
+      {unknown && <span class={levelClass(undefined)}>{levelText(undefined)}</span>}
+      {!unknown && ok > 0 && <span class={levelClass(Level.OK)}>● {ok} ok</span>}
+      {!unknown &&
+        ill.map(({ name, level }) => (
+          <span key={name} class={levelClass(level)}>
+            {name} {levelText(level)}
+          </span>
+        ))}
+    </span>
   );
 }
 

@@ -13,15 +13,18 @@ export function LiveView({ robot }: { robot: string }) {
     if (jpeg !== undefined && canvas.current) void draw(jpeg, canvas.current);
   }, [jpeg]);
   const age = ageOf(frame?.heardAt, store.now.value);
-  const old = age === undefined || age > frameStaleAfter;
+  const old = age === undefined || age > frameStaleAfter || !store.linked.value;
   return (
-    <figure class={`live-view ${old ? "old" : ""}`}>
-      <canvas ref={canvas} role="img" aria-label={`Live view of ${robot}`} />
-      <figcaption class={old ? "bad" : "good"}>{caption(age, old)}</figcaption>
-      {frame !== undefined && frame.skipped > 0n && (
-        <span class="quiet skipped">{String(frame.skipped)} frames skipped</span>
-      )}
-    </figure>
+    <>
+      <h2>Live view of {robot}</h2>
+      <figure class={`live-view ${old ? "old" : ""}`}>
+        <canvas ref={canvas} role="img" aria-label={`Live view of ${robot}`} />
+        <figcaption class={old ? "bad" : "good"}>{caption(age, old)}</figcaption>
+        {frame !== undefined && frame.skipped > 0n && (
+          <span class="quiet skipped">{String(frame.skipped)} frames skipped</span>
+        )}
+      </figure>
+    </>
   );
 }
 

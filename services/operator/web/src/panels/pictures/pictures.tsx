@@ -16,19 +16,23 @@ export function Pictures() {
   const { store } = useConsole();
   const robot = store.chosenRobot.value;
   const picture = store.chosenPicture.value;
+  const streams = store.state.value.session?.streams ?? false;
   return (
     <section class="panel pictures" aria-label="Pictures" data-tour="pictures">
-      {store.state.value.session?.streams && robot !== undefined && <LiveView robot={robot} />}
-      {picture === undefined ? (
-        <>
-          <h2>Pictures{robot !== undefined && ` of ${robot}`}</h2>
-          <p class="quiet">None yet. A robot sends one when it is worth your time.</p>
-        </>
-      ) : (
-        <OnePicture picture={picture} />
-      )}
+      {streams && robot !== undefined && <LiveView robot={robot} />}
+      {picture !== undefined && <OnePicture picture={picture} />}
+      {picture === undefined && !streams && <NoPicture robot={robot} />}
       {robot !== undefined && <HistoryStrip robot={robot} />}
     </section>
+  );
+}
+
+function NoPicture({ robot }: { robot: string | undefined }) {
+  return (
+    <>
+      <h2>Pictures{robot !== undefined && ` of ${robot}`}</h2>
+      <p class="quiet">None yet. A robot sends one when it is worth your time.</p>
+    </>
   );
 }
 
@@ -58,15 +62,17 @@ function OnePicture({ picture }: { picture: Picture }) {
         )}
       </div>
       <PictureImage picture={picture} />
-      <p>{summaryOf(picture, state.beliefs.get(world), columns)}</p>
-      <p class="row">
-        <span class="quiet">
-          from {cellText(cell)}, to the {directionText(heading)}
-        </span>
-        <button type="button" class="end" onClick={() => store.centre(cell)}>
+      <div class="about">
+        <p>
+          {summaryOf(picture, state.beliefs.get(world), columns)}{" "}
+          <span class="quiet">
+            From {cellText(cell)}, to the {directionText(heading)}.
+          </span>
+        </p>
+        <button type="button" onClick={() => store.centre(cell)}>
           Show on the map
         </button>
-      </p>
+      </div>
     </>
   );
 }

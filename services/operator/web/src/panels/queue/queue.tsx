@@ -2,9 +2,9 @@ import { useConsole } from "../../app/console";
 import { RobotMark } from "../../app/robot_mark";
 import { keyHint } from "../../app/shortcuts";
 import type { AttentionItem } from "../../protocol/generated/console_pb";
-import { nameOf } from "../../state/selectors";
+import { mayCommand, nameOf } from "../../state/selectors";
 import { duration, measured } from "../format";
-import { adviceText, reasonText } from "./words";
+import { adviceText, isNotice, patienceText, reasonText } from "./words";
 import "./queue.css";
 
 /** All that asks for the operator, in the service's order. */
@@ -12,6 +12,9 @@ export function Queue() {
   const { store, actions } = useConsole();
   const attention = store.state.value.attention;
   const items = attention?.items ?? [];
+  const me = store.state.value.welcome?.client ?? "";
+  const advised =
+    items.find(({ selectedBy }) => selectedBy !== "" && selectedBy === me) ?? items[0];
   return (
     <section class="panel queue" aria-label="Attention queue" data-tour="queue">
       <div class="row">
@@ -19,7 +22,7 @@ export function Queue() {
         <button
           type="button"
           class={`end ${items.length > 0 ? "main" : ""}`}
-          onClick={() => actions.next()}
+          onClick={() => void actions.next()}
         >
           Next <kbd>{keyHint("next")}</kbd>
         </button>
@@ -27,7 +30,12 @@ export function Queue() {
       {items.length === 0 && <p class="quiet">Nobody. The robots get along.</p>}
       <ol>
         {items.map((item) => (
-          <QueueItem key={`${item.robot} ${item.reason}`} item={item} now={attention?.stamp ?? 0} />
+          <QueueItem
+            key={`${item.robot} ${item.reason}`}
+            item={item}
+            now={attention?.stamp ?? 0}
+            advised={item === advised}
+          />
         ))}
       </ol>
       {attention !== undefined && attention.predictedWaitingTime > 0 && (
@@ -37,28 +45,37 @@ export function Queue() {
   );
 }
 
-function QueueItem({ item, now }: { item: AttentionItem; now: number }) {
+interface ItemProps {
+  item: AttentionItem;
+  now: number;
+  /** What to do about it can be read. */
+  advised: boolean;
+}
+
+function QueueItem({ item, now, advised }: ItemProps) {
   const { store, actions } = useConsole();
-  const { robot, reason, since, deadline, selectedBy } = item;
+  const { robot, reason, since, selectedBy } = item;
   const state = store.state.value;
+  const drives = state.session?.drives ?? false;
   const mine = selectedBy !== "" && selectedBy === state.welcome?.client;
   return (
     <li class={mine ? "mine" : ""}>
       <button
         type="button"
-        onClick={() => actions.turnTo(item)}
+        onClick={() => void actions.turnTo(item)}
         aria-current={mine ? "true" : undefined}
-        title={`${adviceText(reason)} Value lost: ${measured(item.valueLostPerSecond, 2)} per second; expected work: ${duration(item.expectedInteraction)}`}
+        title={`Value lost: ${measured(item.valueLostPerSecond, 2)} per second; expected work: ${duration(item.expectedInteraction)}`}
       >
         <RobotMark robot={robot} />
         <span>
-          <strong>{robot}</strong> {reasonText(reason)}
+          <strong>{robot}</strong> {reasonText(reason, drives)}
           <span class="quiet times">
-            waits {duration(now - since)}
-            {deadline > 0 && `, goes on alone in ${duration(Math.max(0, deadline - now))}`}
+            {isNotice(reason) ? `${duration(now - since)} ago` : `waits ${duration(now - since)}`}
+            {patienceText(item, now)}
             {selectedBy !== "" &&
               ` · ${mine ? "you are" : `${nameOf(state, selectedBy)} is`} on it`}
           </span>
+          {advised && mayCommand(state) && <span class="advice">{adviceText(reason, drives)}</span>}
         </span>
       </button>
     </li>

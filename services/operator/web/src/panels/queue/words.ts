@@ -1,7 +1,8 @@
-import { AttentionReason } from "../../protocol/generated/console_pb";
+import { type AttentionItem, AttentionReason } from "../../protocol/generated/console_pb";
+import { duration } from "../format";
 
-/** What a robot wants of the operator, to follow its name. */
-export function reasonText(reason: AttentionReason): string {
+/** What a robot wants of the operator, to follow its name. `drives`: by keys, in place of paths. */
+export function reasonText(reason: AttentionReason, drives: boolean): string {
   switch (reason) {
     case AttentionReason.REASON_PICTURE:
       return "sent a picture";
@@ -10,7 +11,7 @@ export function reasonText(reason: AttentionReason): string {
     case AttentionReason.REASON_NO_GUIDANCE:
       return "needs a path";
     case AttentionReason.REASON_FIRST_PATH:
-      return "never had a path";
+      return drives ? "waits to be driven" : "waits for its first path";
     case AttentionReason.REASON_COMMAND_FAILED:
       return "stands: its command failed";
     case AttentionReason.REASON_LINK_LOST:
@@ -22,8 +23,13 @@ export function reasonText(reason: AttentionReason): string {
   }
 }
 
+/** For information: nobody waits. */
+export function isNotice(reason: AttentionReason): boolean {
+  return reason === AttentionReason.REASON_GOALS_REACHED;
+}
+
 /** What to do about it. */
-export function adviceText(reason: AttentionReason): string {
+export function adviceText(reason: AttentionReason, drives: boolean): string {
   switch (reason) {
     case AttentionReason.REASON_PICTURE:
       return "Compare the picture with your map: edit walls, then draw a path, or answer “nothing new”.";
@@ -31,7 +37,9 @@ export function adviceText(reason: AttentionReason): string {
       return "Draw a path around the wall.";
     case AttentionReason.REASON_NO_GUIDANCE:
     case AttentionReason.REASON_FIRST_PATH:
-      return "Draw a path to its goals.";
+      return drives
+        ? "Hold the arrow keys, and look at its live view."
+        : "Draw its way with the tool “Path” (P): from the robot to its flags.";
     case AttentionReason.REASON_COMMAND_FAILED:
       return "Look at the alerts; draw another path, or stop it.";
     case AttentionReason.REASON_LINK_LOST:
@@ -39,4 +47,10 @@ export function adviceText(reason: AttentionReason): string {
     default:
       return "";
   }
+}
+
+/** When it goes on by itself. `now`: of the operator's time, as in Attention.stamp. */
+export function patienceText({ deadline, givesUpAfter }: AttentionItem, now: number): string {
+  if (deadline > 0) return `, goes on alone in ${duration(Math.max(0, deadline - now))}`;
+  return givesUpAfter > 0 ? `, goes on alone after ${duration(givesUpAfter)}` : "";
 }

@@ -91,10 +91,11 @@ function NothingNewButton({ live }: { live: boolean }) {
 /** What the robot asks for now. */
 function Wish() {
   const { store } = useConsole();
-  const item = store.state.value.attention?.items[0];
+  const { attention, session } = store.state.value;
+  const item = attention?.items[0];
   return item === undefined ? undefined : (
     <strong>
-      {item.robot} {reasonText(item.reason)}
+      {item.robot} {reasonText(item.reason, session?.drives ?? false)}
     </strong>
   );
 }

@@ -21,7 +21,8 @@ export function whyNotDrive(
   const forbidden = whyNotCommand(state, robot);
   if (forbidden !== undefined) return forbidden;
   if (state.controls.get(robot)?.stopped) return `${robot} is stopped: press Go first`;
-  if (freshnessOf(state.robots.get(robot)?.heardAt, now) === "lost") return `${robot} is lost`;
+  if (freshnessOf(state.robots.get(robot)?.heardAt, now, true) === "lost")
+    return `${robot} is lost`;
   if (roundTrip === undefined) return "the round trip is not measured yet";
   const refusal = state.welcome?.limits?.driveRefused || usualRefusal;
   return roundTrip > refusal ? `the round trip is above ${refusal} s` : undefined;

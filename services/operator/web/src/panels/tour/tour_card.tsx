@@ -15,12 +15,16 @@ export function TourCard() {
   const ready = step.done === undefined && (step.ready?.(sight) ?? true);
   const last = number === tourSteps.length - 1;
   return (
-    <section class="tour" aria-label="Tour" aria-live="polite">
-      <p class="quiet">
-        {number + 1} of {tourSteps.length}
-      </p>
-      <h2>{step.title}</h2>
-      <p>{step.text}</p>
+    <section class="stage-card" aria-label="Tour" aria-live="polite">
+      <div>
+        <h2>
+          {step.title}{" "}
+          <span class="quiet">
+            {number + 1} of {tourSteps.length}
+          </span>
+        </h2>
+        <p>{step.text}</p>
+      </div>
       <div class="row">
         <button type="button" class={ready ? "main" : ""} onClick={() => tour.goOn(sight)}>
           {ready ? (last ? "Done" : "Next") : "Skip this"}
