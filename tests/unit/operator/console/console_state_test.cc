@@ -200,7 +200,7 @@ TEST_CASE("presence, control, alerts and playback appear", "[operator][console]"
   console::Control control;
   control.set_robot("r1");
   control.set_stopped(true);
-  bench.state.Hear(control, 100.0);
+  bench.state.Hear(control);
   console::Alert alert;
   alert.set_id(3);
   alert.set_count(1);
