@@ -28,7 +28,6 @@ bool AlertDesk::Handles(const OperatorRequest& request) {
 }
 
 BeliefStore::Answer AlertDesk::Answer(const OperatorRequest& request, double now_s) {
-  if (auto repeat = store_.FindRepeat(request)) return *std::move(repeat);
   const auto* acknowledge = std::get_if<AcknowledgeRequest>(&request.body);
   const auto* shelve = std::get_if<ShelveRequest>(&request.body);
   const auto alert = acknowledge != nullptr

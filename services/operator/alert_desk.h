@@ -25,7 +25,7 @@ class AlertDesk {
   explicit AlertDesk(BeliefStore& store);
 
   static bool Handles(const OperatorRequest& request);
-  /// Requires Handles(request). `now_s`: wall time.
+  /// Requires Handles(request), and that it is no repeat. `now_s`: wall time.
   BeliefStore::Answer Answer(const OperatorRequest& request, double now_s);
   void Update(const std::vector<Condition>& conditions, double now_s);
   /// Alerts that changed since the last call; all of them the first time.

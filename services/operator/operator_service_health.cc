@@ -31,8 +31,8 @@ Health OperatorService::Report() const {
   }
   health.values.emplace_back("matters in the attention queue",
                              std::to_string(attention_.items().size()));
-  health.values.emplace_back("requests accepted", std::to_string(accepted_));
-  health.values.emplace_back("requests refused", std::to_string(refused_));
+  health.values.emplace_back("requests accepted", std::to_string(journal_.accepted()));
+  health.values.emplace_back("requests refused", std::to_string(journal_.refused()));
   if (recording_) {
     health.values.emplace_back("segments recorded", std::to_string(recording_->recorded()));
     health.values.emplace_back("segments lost", std::to_string(recording_->lost()));

@@ -37,8 +37,9 @@ class BeliefStore {
 
   struct Answer {
     OperatorReply reply;
-    bool changed = false;  // the belief (edit) or the guidance (guide, answer) is new
-    bool storage_failed = false;
+    bool changed = false;         // what the request asks for is new, not a repeat, and stored
+    bool written = false;         // the disk took something in
+    std::string storage_failure;  // why it did not; empty = it did, or was not asked to
   };
 
   /// Gives `world` its initial map as revision 0. False when the store has one already, which then
