@@ -15,6 +15,10 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kLookAroundPeriod = 250ms;
+constexpr auto kTidyUpPeriod = 10s;
+/// Nobody repeats a request so long: those of pages count for seconds, other clients give up earlier.
+constexpr double kRequestsKeptS = 86400.0;
+constexpr std::int64_t kForgottenAtOnce = 200;
 constexpr auto kConvert = [](const auto& message) { return ToDomain(message); };
 
 BeliefStoreOptions StoreOptions(const OperatorConfig& config) {
@@ -80,12 +84,31 @@ void OperatorService::Step() {
 
 void OperatorService::LookAround() {
   look_around_at_ = clock_.Now() + kLookAroundPeriod;
-  alerts_.Update(
-      ConditionsOf(attention_.items(), services_.services(), storage_failure_.value_or("")),
-      WallSeconds());
+  alerts_.Update(RobotConditions(), services_.services(), storage_failure_, WallSeconds());
+  if (clock_.Now() >= tidy_up_at_) TidyUp();
   if (!console_) return;
   console_->Hear(services_.services());
   console_->SetReadiness(Report());
+}
+
+std::vector<RobotCondition> OperatorService::RobotConditions() const {
+  std::vector<RobotCondition> conditions;
+  for (const auto& robot : robots_) {
+    if (!robot->stamp) continue;
+    const bool stands = std::ranges::any_of(attention_.items(), [&](const AttentionItem& item) {
+      return item.robot == robot->name && item.reason == AttentionReason::kCommandFailed;
+    });
+    conditions.push_back({robot->name, robot->state.matched_publishers() == 0, stands});
+  }
+  return conditions;
+}
+
+void OperatorService::TidyUp() {
+  tidy_up_at_ = clock_.Now() + kTidyUpPeriod;
+  const double kept_from_s = WallSeconds() - kRequestsKeptS;
+  if (const auto forgotten = store_.ForgetRequests(kept_from_s, kForgottenAtOnce); !forgotten) {
+    LOG_WARNING("old requests not removed", "reason", forgotten.error().text);
+  }
 }
 
 void OperatorService::ShowOnConsole() {
@@ -164,7 +187,7 @@ void OperatorService::TakeInitialMap(WorldLink& world) {
     return;
   }
   if (added) {
-    if (*added) storage_failure_.reset();
+    if (*added) storage_failure_ = "";
     LOG_INFO("world", "world", world.name, "new", *added, "revision",
              store_.FindBelief(world.name)->revision);
     if (console_) console_->HearGeometry(world.name, *world.pending);

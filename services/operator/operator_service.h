@@ -88,6 +88,9 @@ class OperatorService {
   void ShowOnConsole();
   /// A few times a second: what is wrong, and how the processes are.
   void LookAround();
+  std::vector<RobotCondition> RobotConditions() const;
+  /// Forgets, a little at a time, what nobody will ask for any more.
+  void TidyUp();
   void PublishChange(const OperatorRequest& request);
   void Record(const OperatorRequest& request);
   /// What was decided, to all who shall know of it.
@@ -113,6 +116,7 @@ class OperatorService {
   ServiceWatch services_;
   AlertDesk alerts_;
   Clock::TimePoint look_around_at_{};
+  Clock::TimePoint tidy_up_at_{};
   Diagnostics diagnostics_;
   std::optional<SessionRecording> recording_;
   std::optional<ConsoleDesk> console_;
@@ -120,7 +124,8 @@ class OperatorService {
   std::uint64_t control_shown_ = 0;          // version
   std::vector<ConsoleDesk::Asked> waiting_;  // for their world; oldest first
   RequestJournal journal_;
-  std::optional<std::string> storage_failure_;  // until something is stored again
+  /// Until something is stored again; empty = the disk is well, nothing = it was not written to yet.
+  std::optional<std::string> storage_failure_;
 };
 
 }  // namespace conav::operators

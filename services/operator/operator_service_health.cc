@@ -38,7 +38,7 @@ Health OperatorService::Report() const {
     health.values.emplace_back("segments lost", std::to_string(recording_->lost()));
     health.values.emplace_back("pictures lost", std::to_string(recording_->lost_pictures()));
   }
-  if (storage_failure_) {
+  if (storage_failure_ && !storage_failure_->empty()) {
     health.level = Health::Level::kError;
     health.message = *storage_failure_;
   }

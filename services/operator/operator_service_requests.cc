@@ -164,7 +164,7 @@ OperatorReply OperatorService::Tell(const OperatorRequest& request,
 }
 
 void OperatorService::NoteStorage(const BeliefStore::Answer& answer) {
-  if (answer.written) storage_failure_.reset();
+  if (answer.written) storage_failure_ = "";
   if (!answer.storage_failure.empty()) storage_failure_ = answer.storage_failure;
 }
 

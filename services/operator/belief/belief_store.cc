@@ -126,13 +126,21 @@ BeliefStore::Answer BeliefStore::Keep(const OperatorRequest& request,
   return {reply, true, true};
 }
 
-Result<void> BeliefStore::SaveAlerts(const std::vector<Alert>& alerts) {
+Result<void> BeliefStore::SaveAlerts(const std::vector<Alert>& alerts,
+                                     const std::vector<std::uint64_t>& dropped) {
   return database_.Transaction([&]() -> Result<void> {
     for (const Alert& alert : alerts) {
       if (auto saved = SaveAlert(database_, alert); !saved) return saved;
     }
+    for (const std::uint64_t id : dropped) {
+      if (auto removed = RemoveAlert(database_, id); !removed) return removed;
+    }
     return {};
   });
+}
+
+Result<std::int64_t> BeliefStore::ForgetRequests(double wall_s, std::int64_t most) {
+  return RemoveRequests(database_, wall_s, most);
 }
 
 BeliefStore::Answer BeliefStore::Handle(const OperatorRequest& request, SimTime now) {

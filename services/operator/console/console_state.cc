@@ -349,7 +349,12 @@ void ConsoleState::Hear(console::Control control) {
 void ConsoleState::Hear(const console::Alert& alert) {
   console::Update update;
   *update.mutable_alert() = alert;
-  log_.Put(fmt::format("alert/{}", alert.id()), std::move(update), "alert", kEventsKept);
+  const std::string key = fmt::format("alert/{}", alert.id());
+  if (alert.active() || alert.acknowledged_by().empty()) {
+    log_.Put(key, std::move(update));
+  } else {
+    log_.Put(key, std::move(update), "alert", kAlertsKept);
+  }
 }
 
 void ConsoleState::Hear(const console::Playback& playback) {

@@ -42,6 +42,8 @@ class ConsoleState {
   /// Of each robot; older ones are forgotten.
   static constexpr std::size_t kPicturesKept = 200;
   static constexpr std::size_t kEventsKept = 500;
+  /// Alerts that are over and acknowledged.
+  static constexpr std::size_t kAlertsKept = 200;
 
   /// `log` outlives it.
   ConsoleState(UpdateLog& log, console::Session session);

@@ -38,7 +38,7 @@ function FleetCard({ name }: { name: string }) {
         type="button"
         class="choose"
         aria-pressed={chosen}
-        title={`${doing(row)}\n${whoControls(row)}`}
+        title={[doing(row), row.stop, whoControls(row)].filter(Boolean).join("\n")}
         onClick={() => actions.goTo(name)}
       >
         <span class="row">
