@@ -21,6 +21,7 @@ export class Actions {
   #connection: Connection;
   #clock: Clock;
   #notices = 0;
+  #drives = 0;
 
   constructor(store: Store, connection: Connection, clock: Clock) {
     this.#store = store;
@@ -130,7 +131,10 @@ export class Actions {
     const time = worldOf(this.#state, robot)?.time ?? 0;
     const value = { robot, action, expiresAt: time + driveValidFor };
     const options = { world: this.#worldName(robot), validFor: driveValidFor };
-    return this.#ask("Drive", { case: "drive", value }, options);
+    this.#drives += 1;
+    const number = this.#drives;
+    // What became of an action matters only until the next one: of a burst the service carries out the newest.
+    return this.#ask("Drive", { case: "drive", value }, options, () => number === this.#drives);
   }
 
   acknowledge(alert: bigint): Promise<Outcome> {
@@ -166,12 +170,20 @@ export class Actions {
     return worldOf(this.#state, robot)?.name ?? "";
   }
 
-  async #ask(what: string, body: RequestBody, options: RequestOptions = {}): Promise<Outcome> {
+  /** `matters`: whether to say that it was not done. */
+  async #ask(
+    what: string,
+    body: RequestBody,
+    options: RequestOptions = {},
+    matters = () => true,
+  ): Promise<Outcome> {
     const { pending } = this.#store;
     pending.value += 1;
     const outcome = await this.#connection.request(body, options);
     pending.value -= 1;
-    if (outcome.kind !== "accepted") this.notify(`${what}: ${outcome.reason}`, "problem");
+    if (outcome.kind !== "accepted" && matters()) {
+      this.notify(`${what}: ${outcome.reason}`, "problem");
+    }
     return toOutcome(outcome);
   }
 }
