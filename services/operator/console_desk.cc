@@ -20,7 +20,9 @@ namespace conav::operators {
 namespace {
 
 constexpr auto kConvert = [](const auto& message) { return ToDomain(message); };
-constexpr std::uint32_t kMostEdits = 65536;   // cells of a request, as on the bus
+constexpr std::uint32_t kMostEdits = 65536;  // cells of a request, as on the bus
+/// s; requests that were answered are remembered for longer, so that no repeat is carried out anew.
+constexpr double kLongestValid = 3600.0;
 constexpr double kDriveAdvisedAgainst = 0.3;  // s, round trip
 constexpr double kDriveRefused = 1.0;         // s, round trip
 
@@ -239,8 +241,12 @@ std::optional<ConsoleDesk::Asked> ConsoleDesk::Read(const PageEvent& event, cons
     Reply(event.page, {client, request.id(), false, domain.error().text, 0});
     return std::nullopt;
   }
-  return Asked{event.page, *std::move(domain), request.valid_until(),
-               WhyNotNow(event.who, body, WallSeconds(), kDriveRefused)};
+  const double now_s = WallSeconds();
+  std::string why_not = WhyNotNow(event.who, body, now_s, kDriveRefused);
+  if (why_not.empty() && request.valid_until() > now_s + kLongestValid) {
+    why_not = fmt::format("it would count for longer than {} s", kLongestValid);
+  }
+  return Asked{event.page, *std::move(domain), request.valid_until(), std::move(why_not)};
 }
 
 void ConsoleDesk::Reply(std::uint64_t page, const OperatorReply& reply) {

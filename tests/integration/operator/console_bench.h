@@ -63,6 +63,7 @@ class Page {
     last_.Clear();
     ReadUntil([this] { return last_.has_welcome(); });
     welcome = last_.welcome();
+    if (!welcome.resumed()) Forget();
   }
   void Disconnect() { client_.reset(); }
 

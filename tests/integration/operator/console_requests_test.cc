@@ -35,6 +35,11 @@ struct RequestBench : SteppedBench {
     return {};
   }
 
+  /// Who is there, as the page sees it.
+  int People() const {
+    return page.Has("presence") ? page.at("presence").presence().people_size() : 0;
+  }
+
   /// A line of the command log by `client`; with the lines before it, all have come.
   std::vector<console::Event> EventsUntil(const std::string& client) {
     AskAs(client, 1, StopRequest{{"r1"}, "done"});
@@ -130,6 +135,7 @@ TEST_CASE("what comes too late is refused and not carried out", "[operator][inte
   CHECK(bench.sim.NewestBelief().revision == 0);
   // Even a stop: whoever asked for it has given up, and may have let the robot go again.
   CHECK_FALSE(bench.page.Ask(StopOf("late"), false, -1000.0).accepted());
+  CHECK_THAT(bench.page.Ask(EditOf(0, {1, 3}), false, 4000.0).reason(), Catch::Contains("3600 s"));
 }
 
 TEST_CASE("whatever a client asks renews its control", "[operator][integration]") {
@@ -150,10 +156,9 @@ TEST_CASE("control of a page that left is free after ten seconds", "[operator][i
   Page leaving = bench.MakePage('b');
   leaving.Connect(bench.port);
   REQUIRE(leaving.Ask(TakeControlOf()).accepted());
+  bench.page.ReadUntil([&] { return bench.People() == 2; });
   leaving.Disconnect();
-  bench.page.ReadUntil([&] {
-    return bench.page.Has("presence") && bench.page.at("presence").presence().people_size() == 1;
-  });
+  bench.page.ReadUntil([&] { return bench.People() == 1; });
   bench.clock.Advance(9s);
   CHECK_FALSE(bench.AskAs("bert", 1, TakeControlRequest{{}, ""}).accepted);
   bench.clock.Advance(1s);
