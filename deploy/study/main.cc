@@ -26,7 +26,8 @@ Each episode is on disk when it has ended: after a kill the same command goes on
 same --out is refused. An episode that does not reach all goals is run a second time, then kept and
 reported.
 
-Another study, of one operator with many robots: conav study --supervision --help.)";
+Another study, of one operator with many robots: conav study --supervision --help. With a person: conav
+study --live --help.)";
 
 constexpr const char* kExitCodes =
     R"(Exit codes: 0 done; 1 an episode failed, interrupted, writing failed, or with --check a bar missed;

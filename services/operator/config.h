@@ -9,6 +9,7 @@
 #include "operator/control/control_desk.h"
 #include "operator/gateway/gateway_options.h"
 #include "operator/recording_config.h"
+#include "operator/task/task_options.h"
 
 namespace conav::operators {
 
@@ -27,12 +28,13 @@ struct OperatorConfig {
   double max_guidance_s = 7200.0;
   /// Longest path of guidance.
   int max_path_cells = 10000;
-  /// What the planners run, for the console: ig-mcts, instruction, teleop, greedy; empty = it finds
+  /// What the planners run, for the console: ig-mcts, instruction, teleop, greedy, mapping; empty = it finds
   /// out from their first report.
   std::string method;
   AttentionOptions attention;
   RecordingConfig recording;
   ControlOptions control;
+  TaskOptions task;
   GatewayOptions console;
 
   void Visit(ConfigReader& reader) {
@@ -42,10 +44,11 @@ struct OperatorConfig {
     reader.Field("database_limit_mib", database_limit_mib, 0.0, 1e6);
     reader.Field("max_guidance_s", max_guidance_s, 1.0, 1e6);
     reader.Field("max_path_cells", max_path_cells, 1, 65536);
-    reader.Choice("method", method, {"", "ig-mcts", "instruction", "teleop", "greedy"});
+    reader.Choice("method", method, {"", "ig-mcts", "instruction", "teleop", "greedy", "mapping"});
     reader.Section("attention", attention);
     reader.Section("recording", recording);
     reader.Section("control", control);
+    reader.Section("task", task);
     reader.Section("console", console);
   }
 };

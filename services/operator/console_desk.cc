@@ -37,10 +37,15 @@ console::Session SessionOf(const OperatorConfig& config) {
   return session;
 }
 
+console::Mode ModeOf(const TaskOptions& task) {
+  if (!task.on()) return console::MODE_SUPERVISE;
+  return task.kind == "study" ? console::MODE_STUDY : console::MODE_MAPPING_TASK;
+}
+
 console::Welcome WelcomeOf(const OperatorConfig& config) {
   console::Welcome welcome;
   welcome.set_run(fmt::format("{:x}", std::chrono::system_clock::now().time_since_epoch().count()));
-  welcome.set_mode(console::MODE_SUPERVISE);
+  welcome.set_mode(ModeOf(config.task));
   console::Limits* limits = welcome.mutable_limits();
   limits->set_edit_cells(65536);
   limits->set_path_cells(static_cast<std::uint32_t>(config.max_path_cells));
@@ -91,6 +96,7 @@ struct ConsoleDesk::RobotLink {
 ConsoleDesk::ConsoleDesk(bus::Participant& participant, const OperatorConfig& config,
                          const Clock& clock)
     : clock_(clock),
+      keeps_secrets_(config.task.on()),
       pictures_(Bytes(config.console.pictures_mib)),
       state_(updates_, SessionOf(config)),
       predictions_(participant, clock) {
@@ -148,10 +154,15 @@ std::vector<ConsoleDesk::Asked> ConsoleDesk::Step() {
 
 void ConsoleDesk::TakeFrom(RobotLink& robot) {
   const double now_s = WallSeconds();
+  TakePictures(robot, now_s);
+  if (!keeps_secrets_) TakeKnowledge(robot);
+  TakeFrames(robot, now_s);
+}
+
+void ConsoleDesk::TakeKnowledge(RobotLink& robot) {
   for (const MapUpdate& map : robot.map.TakeValid(kConvert)) {
     state_.HearSeen(robot.name, robot.world, map);
   }
-  TakePictures(robot, now_s);
   for (const SearchReport& report : robot.search.TakeValid(kConvert)) state_.Hear(report);
   for (const Position& goal : robot.goal_pose.TakeValid(kConvert)) {
     if (!robot.geometry) continue;
@@ -164,6 +175,9 @@ void ConsoleDesk::TakeFrom(RobotLink& robot) {
     state_.HearPlan(robot.name, ToDomain(path.header().stamp()).value_or(SimTime{}),
                     CellsAt(PositionsOf(path), *robot.geometry));
   }
+}
+
+void ConsoleDesk::TakeFrames(RobotLink& robot, double now_s) {
   for (auto& image : robot.image.Take()) {
     state_.HearStream();
     console::Frame frame;
@@ -189,14 +203,17 @@ void ConsoleDesk::Hear(const std::map<std::string, ServiceStatus>& services) {
   }
 }
 
+void ConsoleDesk::Hear(const TaskStatus& task) { state_.Hear(ToConsole(task)); }
+
 void ConsoleDesk::Hear(const Alert& alert) { state_.Hear(ToConsole(alert)); }
 
 void ConsoleDesk::TakePictures(RobotLink& robot, double now_s) {
   for (Picture& picture : robot.snapshot.TakeValid(kConvert)) {
     if (picture.streamed) continue;
+    if (keeps_secrets_) picture.visible = {};
     state_.Hear(picture, now_s);
     const auto belief = beliefs_.find(robot.world);
-    if (belief != beliefs_.end()) predictions_.Ask(picture, belief->second);
+    if (belief != beliefs_.end() && !keeps_secrets_) predictions_.Ask(picture, belief->second);
     pictures_.Put(robot.name, picture.sequence_number, std::move(picture.jpeg));
   }
 }

@@ -20,6 +20,7 @@
 #include "operator/gateway/gateway.h"
 #include "operator/prediction_desk.h"
 #include "operator/service_watch.h"
+#include "operator/task/participant_task.h"
 
 namespace conav::operators {
 
@@ -27,7 +28,8 @@ namespace conav::operators {
 /// them (maps, pictures, plans, searches, health), and hands over what they ask.
 ///
 /// A page is one client of the service among others: its requests are those of DDS
-/// (OperatorRequest), and answered by the same code.
+/// (OperatorRequest), and answered by the same code. In the mapping task and in studies pages are told nothing that
+/// gives the true maze away (idl/console.proto, Task).
 /// Threads: one, the service's; the gateway has its own.
 class ConsoleDesk {
  public:
@@ -42,6 +44,7 @@ class ConsoleDesk {
   void Hear(const AttentionQueueState& queue);
   void Hear(const ControlDesk& control);
   void Hear(const Alert& alert);
+  void Hear(const TaskStatus& task);
   /// How the processes are, by name.
   void Hear(const std::map<std::string, ServiceStatus>& services);
   /// "Nothing new here", by `client`; before the guidance that it made of it.
@@ -71,11 +74,15 @@ class ConsoleDesk {
   struct RobotLink;
 
   void TakeFrom(RobotLink& robot);
+  /// What the robot knows and plans.
+  void TakeKnowledge(RobotLink& robot);
+  void TakeFrames(RobotLink& robot, double now_s);
   void TakePictures(RobotLink& robot, double now_s);
   void TakePredictions();
   std::optional<Asked> Take(const PageEvent& event);
 
   const Clock& clock_;
+  bool keeps_secrets_;  // pages must not learn the true maze: a participant sits there
   UpdateLog updates_;
   FrameSlots frames_;
   PictureShelf pictures_;

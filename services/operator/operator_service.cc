@@ -26,9 +26,9 @@ BeliefStoreOptions StoreOptions(const OperatorConfig& config) {
 }
 
 /// In the order of OperatorRequest::body.
-constexpr std::array kKinds{"edit",  "guide", "drive",        "select",          "answer",
-                            "stop",  "go",    "take_control", "release_control", "acknowledge",
-                            "shelve"};
+constexpr std::array kKinds{"edit",   "guide", "drive",        "select",          "answer",
+                            "stop",   "go",    "take_control", "release_control", "acknowledge",
+                            "shelve", "finish"};
 static_assert(kKinds.size() == std::variant_size_v<decltype(OperatorRequest::body)>);
 
 const char* KindOf(const OperatorRequest& request) { return kKinds[request.body.index()]; }
@@ -67,6 +67,7 @@ OperatorService::OperatorService(bus::Participant& participant, const OperatorCo
     recording_.emplace(participant, config.recording, WorldOfRobot("operator", config.robots),
                        clock);
   }
+  if (config.task.on()) task_.emplace(participant, config, store_, clock);
   if (config.console.on()) console_.emplace(participant, config, clock);
 }
 
@@ -85,12 +86,14 @@ void OperatorService::Step() {
   for (const auto& robot : robots_) TakeStates(*robot);
   for (const auto& robot : robots_) TakeAttention(*robot);
   if (recording_) recording_->Step();
+  if (task_) task_->Step();
   AnswerBus();
   if (console_) AnswerConsole();
   attention_.Step(OperatorTime());
   control_.Step();
   services_.Step();
   if (clock_.Now() >= look_around_at_) LookAround();
+  if (task_) FollowTask();
   if (console_) ShowOnConsole();
   diagnostics_.Tick([this] { return Report(); });
 }
@@ -226,6 +229,7 @@ void OperatorService::TakeStates(RobotLink& robot) {
     robot.stamp = state.stamp;
     drive_desk_.Hear(state);
     if (recording_) recording_->Hear(state);
+    if (task_) task_->Hear(state);
     if (console_) console_->Hear(state);
     attention_.Hear(state, OperatorTime());
     if (!starts) continue;
@@ -289,7 +293,10 @@ std::optional<OperatorReply> OperatorService::Answer(const OperatorRequest& requ
   };
   if (AlertDesk::Handles(request)) return reply_of(alerts_.Answer(request, WallSeconds()));
   if (RobotControl::Handles(request)) return reply_of(control_.Answer(request, OperatorTime()));
-  if (std::string why = control_.WhyNot(request); !why.empty()) {
+  if (std::holds_alternative<FinishRequest>(request.body)) return reply_of(Finish(request));
+  std::string why = control_.WhyNot(request);
+  if (why.empty() && task_) why = task_->WhyNot(request);
+  if (!why.empty()) {
     return reply_of({{request.client, request.request_id, false, std::move(why), 0}});
   }
   control_.Renew(request.client);

@@ -20,6 +20,7 @@
 #include "operator/driving/drive_desk.h"
 #include "operator/robot_control.h"
 #include "operator/session_recording.h"
+#include "operator/task_desk.h"
 
 namespace conav::operators {
 
@@ -39,7 +40,8 @@ namespace conav::operators {
 /// fails, requests are refused with that reason, /diagnostics shows an error, and the service goes
 /// on. Keeps the queue of what asks for the operator (AttentionDesk). Low-level actions are passed
 /// on to the planner at once, see DriveDesk; they are not stored. With `recording.file` it also
-/// hears pictures and true maps, and records the session. With
+/// hears pictures and true maps, and records the session. With `task.kind` a participant goes through
+/// a maze of the mapping task here (TaskDesk). With
 /// `console.port` it serves the console's page, whose requests are answered like all others.
 /// Threads: one; Run() or repeated Step().
 class OperatorService {
@@ -85,6 +87,8 @@ class OperatorService {
   OperatorReply AnswerStored(const OperatorRequest& request, const WorldLink* world);
   void PublishChange(const OperatorRequest& request);
   void Record(const OperatorRequest& request);
+  BeliefStore::Answer Finish(const OperatorRequest& request);
+  void FollowTask();
   void Log(const OperatorRequest& request, const BeliefStore::Answer& answer);
   SimTime TimeOf(const std::string& world) const;
   /// Newest simulation time of all worlds, by their robots or by /clock, which is finer.
@@ -108,9 +112,11 @@ class OperatorService {
   Clock::TimePoint look_around_at_{};
   Diagnostics diagnostics_;
   std::optional<SessionRecording> recording_;
+  std::optional<TaskDesk> task_;
   std::optional<ConsoleDesk> console_;
   std::uint64_t attention_shown_ = 0;  // revision of the queue
   std::uint64_t control_shown_ = 0;    // version
+  std::optional<TaskStatus> task_shown_;
   std::uint64_t accepted_ = 0;
   std::uint64_t refused_ = 0;
   std::optional<std::string> storage_failure_;  // of the newest request

@@ -5,12 +5,6 @@
 #include "common/runtime/utf8.h"
 
 namespace conav::operators {
-namespace {
-
-/// A text of another process, which need not be UTF-8.
-std::string Readable(const std::string& text) { return IsUtf8(text) ? text : "(not UTF-8)"; }
-
-}  // namespace
 
 void ServiceWatch::Step() {
   const Clock::TimePoint now = clock_.Now();

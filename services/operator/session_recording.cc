@@ -83,6 +83,11 @@ void SessionRecording::Guided(const Guidance& guidance) {
   Write();
 }
 
+void SessionRecording::Finish() {
+  recorder_.Finish(clock_.Now());
+  Write();
+}
+
 void SessionRecording::Write() {
   for (RecordedSegment& done : recorder_.Take()) {
     const auto written = Append(done);

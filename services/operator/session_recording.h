@@ -39,6 +39,8 @@ class SessionRecording {
   void Hear(const RobotState& state) { recorder_.Hear(state); }
   void Edited(const Belief& belief);
   void Guided(const Guidance& guidance);
+  /// The person says that they are done.
+  void Finish();
 
   std::uint64_t recorded() const { return recorded_; }
   std::uint64_t lost() const { return lost_; }

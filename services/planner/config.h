@@ -45,7 +45,7 @@ struct PlannerConfig {
   /// too, it shares it by `lease`.
   std::vector<std::string> robots{"w1/r1"};
   LeaseConfig lease;
-  /// "ig-mcts", "instruction", "teleop" or "greedy".
+  /// "ig-mcts", "instruction", "teleop", "greedy", or "mapping" (docs/mapping-task.md).
   std::string method = "ig-mcts";
   std::uint64_t seed = 1;
   SearchConfig search;
@@ -87,7 +87,7 @@ struct PlannerConfig {
     if (!IsNodeName(name)) reader.Refuse("name", "is not 1 to 64 of A-Z a-z 0-9 _ -");
     reader.Field("robots", robots);
     reader.Section("lease", lease);
-    reader.Choice("method", method, {"ig-mcts", "instruction", "teleop", "greedy"});
+    reader.Choice("method", method, {"ig-mcts", "instruction", "teleop", "greedy", kMappingMethod});
     reader.Field("seed", seed);
     reader.Section("search", search);
     reader.Section("communication", communication);

@@ -1,6 +1,5 @@
 #include "planner/planner_service.h"
 
-#include <map>
 #include <thread>
 
 #include "common/bus/send.h"
@@ -84,6 +83,9 @@ PlannerService::PlannerService(bus::Participant& participant, const PlannerConfi
   for (const auto& [world, perception] : worlds) {
     beliefs_.push_back(std::make_unique<bus::Subscriber<conav_msgs::msg::BeliefMap>>(
         participant, bus::kBelief, world));
+    if (config.method == kMappingMethod) {
+      truths_.try_emplace(world, participant, bus::kTruth, world);
+    }
   }
 }
 
@@ -152,6 +154,11 @@ void PlannerService::Receive() {
   }
   for (auto& belief : beliefs_) {
     for (Belief& value : belief->TakeValid(Convert<conav_msgs::msg::BeliefMap>)) board_.Put(value);
+  }
+  for (auto& [world, truth] : truths_) {
+    for (const MapUpdate& value : truth.TakeValid(Convert<nav_msgs::msg::OccupancyGrid>)) {
+      board_.PutTruth(world, value.cells);
+    }
   }
   for (auto& link : links_) {
     for (Guidance& value : link->guidance.TakeValid(Convert<conav_msgs::msg::Guidance>)) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -56,6 +57,8 @@ class PlannerService {
   std::optional<DecisionRecording> recording_;
   std::vector<std::unique_ptr<Link>> links_;
   std::vector<std::unique_ptr<bus::Subscriber<conav_msgs::msg::BeliefMap>>> beliefs_;
+  /// By world; in the mapping task only.
+  std::map<std::string, bus::Subscriber<nav_msgs::msg::OccupancyGrid>> truths_;
   Diagnostics diagnostics_;
   std::vector<std::unique_ptr<RobotWorker>> workers_;
 };

@@ -47,8 +47,9 @@ class Host final : public ConnectionHost {
     if (why.empty() && request.target == "/ws") return std::nullopt;
     return HttpRoutes::Refuse(403, why);
   }
-  std::shared_ptr<void> TakePlace() override { return nullptr; }
-  PageContext page_context() override { return {options_, updates_, frames_, welcome_}; }
+  PageContext page_context() override {
+    return {options_, updates_, frames_, welcome_, [] { return true; }};
+  }
   std::uint64_t Enter(const std::shared_ptr<PageConnection>& page) override {
     page_ = page;
     return 1;
@@ -56,6 +57,7 @@ class Host final : public ConnectionHost {
   void Leave(std::uint64_t) override { page_.reset(); }
   bool Deliver(std::vector<PageEvent>) override { return true; }
   void CountMessage(bool, std::size_t) override {}
+  void CountSkippedFrames(std::size_t) override {}
 
   bool has_page() const { return page_ != nullptr; }
 

@@ -10,8 +10,8 @@ function any_below(list,   i, n, folders) {
 }
 
 BEGIN {
-  pure = "services/common/grid/ services/common/runtime/ services/common/segments/ services/common/svg/ services/nhpm/dataset/ services/nhpm/engine/ services/nhpm/evaluation/ services/nhpm/synthesis/ services/nhpm/training/ services/sim/world/ services/sim/physics/ services/sim/episode/ " \
-         "services/planner/search/ services/planner/decision/ services/planner/lease/ services/planner/record/ services/planner/explain/ services/nhpm/model/ services/operator/alerts/ services/operator/attention/ services/operator/bag/ services/operator/belief/ services/operator/console/ services/operator/control/ services/operator/driving/ services/operator/recording/ services/operator/replay/ services/operator/simulated/ services/operator/statistics/"
+  pure = "services/common/grid/ services/common/mapping/ services/common/runtime/ services/common/segments/ services/common/svg/ services/nhpm/dataset/ services/nhpm/engine/ services/nhpm/evaluation/ services/nhpm/synthesis/ services/nhpm/training/ services/sim/world/ services/sim/physics/ services/sim/episode/ " \
+         "services/planner/search/ services/planner/decision/ services/planner/lease/ services/planner/record/ services/planner/explain/ services/nhpm/model/ services/operator/alerts/ services/operator/attention/ services/operator/bag/ services/operator/belief/ services/operator/console/ services/operator/control/ services/operator/driving/ services/operator/recording/ services/operator/replay/ services/operator/simulated/ services/operator/statistics/ services/operator/task/"
   vendor_places = "services/common/bus/ tests/system/bus/ tests/bench/ tests/unit/common/bus/"
   idl_places = "services/common/bus/ services/common/protocol/convert services/common/service/ tests/"
 }

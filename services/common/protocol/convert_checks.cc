@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "common/protocol/convert.h"
+#include "common/runtime/utf8.h"
 
 namespace conav::convert {
 namespace {
@@ -81,7 +82,7 @@ std::string Checks::Checksum(std::string_view field, const std::string& value) {
 
 std::string Checks::Text(std::string_view field, const std::string& value) {
   Size(field, value.size(), kMaxText);
-  return failed() ? std::string() : value;
+  return failed() ? std::string() : Readable(value);
 }
 
 double Checks::Finite(std::string_view field, double value) {

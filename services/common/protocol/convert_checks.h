@@ -49,6 +49,7 @@ class Checks {
   std::string OptionalClient(std::string_view field, const std::string& value);
   /// 64 lower-case hexadecimal digits, or empty.
   std::string Checksum(std::string_view field, const std::string& value);
+  /// Readable(): DDS carries any bytes, protobuf and JSON do not.
   std::string Text(std::string_view field, const std::string& value);
   double Finite(std::string_view field, double value);
   double Range(std::string_view field, double value, double low, double high);

@@ -112,6 +112,9 @@ bool ReadBody(Checks& checks, const conav_msgs::msg::OperatorRequest& message,
     case msg::OPERATOR_REQUEST_SHELVE:
       request.body = ToShelveRequest(checks, message);
       return true;
+    case msg::OPERATOR_REQUEST_FINISH:
+      request.body = FinishRequest{};
+      return true;
     default:
       return false;
   }
@@ -195,6 +198,10 @@ void Write(const ShelveRequest& shelve, conav_msgs::msg::OperatorRequest& messag
   message.duration(shelve.duration_s);
 }
 
+void Write(const FinishRequest&, conav_msgs::msg::OperatorRequest& message) {
+  message.kind(conav_msgs::msg::OPERATOR_REQUEST_FINISH);
+}
+
 }  // namespace
 
 Result<OperatorRequest> ToDomain(const conav_msgs::msg::OperatorRequest& message) {
@@ -207,7 +214,7 @@ Result<OperatorRequest> ToDomain(const conav_msgs::msg::OperatorRequest& message
   if (!ReadBody(checks, message, request)) {
     checks.Refuse(fmt::format("kind = {} is not in [{}, {}]", message.kind(),
                               conav_msgs::msg::OPERATOR_REQUEST_EDIT,
-                              conav_msgs::msg::OPERATOR_REQUEST_SHELVE));
+                              conav_msgs::msg::OPERATOR_REQUEST_FINISH));
   }
   request.world = NamesWorld(request) ? checks.Name("world", message.world())
                                       : checks.OptionalName("world", message.world());

@@ -139,6 +139,11 @@ struct ShelveRequest {
   bool operator==(const ShelveRequest&) const = default;
 };
 
+/// Whoever takes part in a task is done with it: only where the operator service runs one.
+struct FinishRequest {
+  bool operator==(const FinishRequest&) const = default;
+};
+
 /// Whether `robot` shall stand, whatever else was asked of it.
 struct HoldOrder {
   SimTime stamp;
@@ -159,7 +164,7 @@ struct OperatorRequest {
   std::string world;
   std::variant<EditRequest, GuideRequest, DriveRequest, SelectRequest, AnswerRequest, StopRequest,
                GoRequest, TakeControlRequest, ReleaseControlRequest, AcknowledgeRequest,
-               ShelveRequest>
+               ShelveRequest, FinishRequest>
       body;
   bool operator==(const OperatorRequest&) const = default;
 };

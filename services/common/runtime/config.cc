@@ -24,7 +24,8 @@ ConfigReader::ConfigReader(const YAML::Node& node, std::string path)
   }
 }
 
-ConfigReader::ConfigReader() : writing_(true), output_(YAML::NodeType::Map) {}
+ConfigReader::ConfigReader(Secrets secrets)
+    : writing_(true), secrets_(secrets), output_(YAML::NodeType::Map) {}
 
 void ConfigReader::Choice(const std::string& key, std::string& value,
                           const std::vector<std::string>& choices) {
@@ -32,6 +33,11 @@ void ConfigReader::Choice(const std::string& key, std::string& value,
   if (std::find(choices.begin(), choices.end(), value) == choices.end()) {
     Refuse(key, fmt::format("is not one of: {}", fmt::join(choices, ", ")));
   }
+}
+
+void ConfigReader::Secret(const std::string& key, std::string& value) {
+  Field(key, value);
+  if (writing_ && secrets_ == Secrets::kKept && !value.empty()) output_[key] = "(not shown)";
 }
 
 void ConfigReader::RefuseUnknownKeys() const {

@@ -27,8 +27,10 @@ class ConfigReader {
  public:
   /// `node` may be null or undefined: every default is kept. `path` names the section in messages.
   ConfigReader(const YAML::Node& node, std::string path);
-  /// Writing mode: Field() stores the current values, to be taken by emitted().
-  ConfigReader();
+  /// Writing mode: Field() stores the current values, to be taken by emitted(). Where what is written
+  /// may be read by others, as a log, it keeps secrets.
+  enum class Secrets { kWritten, kKept };
+  explicit ConfigReader(Secrets secrets = Secrets::kWritten);
 
   template <class T>
   void Field(const std::string& key, T& value) {
@@ -57,12 +59,15 @@ class ConfigReader {
   /// A text that must be one of `choices`.
   void Choice(const std::string& key, std::string& value, const std::vector<std::string>& choices);
 
+  /// A password or token.
+  void Secret(const std::string& key, std::string& value);
+
   /// A nested struct with its own Visit.
   template <class T>
   void Section(const std::string& key, T& value) {
     keys_.insert(key);
     if (writing_) {
-      ConfigReader inner;
+      ConfigReader inner(secrets_);
       value.Visit(inner);
       output_[key] = inner.output_;
       return;
@@ -90,6 +95,7 @@ class ConfigReader {
   }
 
   bool writing_ = false;
+  Secrets secrets_ = Secrets::kWritten;
   YAML::Node node_;
   YAML::Node output_;
   std::string path_;
@@ -108,10 +114,11 @@ void ReadConfig(const YAML::Node& node, const std::string& path, T& config) {
   reader.RefuseUnknownKeys();
 }
 
-/// The effective config as a YAML document that LoadParameters reads back.
+/// The effective config as a YAML document that LoadParameters reads back, unless secrets are kept.
 template <class T>
-std::string DumpConfig(const std::string& service, T config) {
-  ConfigReader writer;
+std::string DumpConfig(const std::string& service, T config,
+                       ConfigReader::Secrets secrets = ConfigReader::Secrets::kWritten) {
+  ConfigReader writer(secrets);
   config.Visit(writer);
   YAML::Node document;
   document[service]["ros__parameters"] = writer.emitted();

@@ -36,6 +36,15 @@ bool IsUtf8(std::string_view text) {
   return true;
 }
 
+std::string Readable(std::string_view text) {
+  std::string readable(text);
+  if (IsUtf8(text)) return readable;
+  std::replace_if(
+      readable.begin(), readable.end(), [](char c) { return static_cast<unsigned char>(c) > 0x7F; },
+      '?');
+  return readable;
+}
+
 bool IsPlainName(std::string_view text) {
   const auto is_plain = [](char c) {
     return c != '/' && c != '\x7F' && static_cast<unsigned char>(c) >= 0x20;

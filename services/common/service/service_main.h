@@ -44,7 +44,7 @@ int RunServiceMain(const std::string& service, const std::string& description, i
   InstallStopSignals();
   try {
     const auto config = LoadConfig<Config>(file, service);
-    std::fputs(DumpConfig(service, config).c_str(), stderr);
+    std::fputs(DumpConfig(service, config, ConfigReader::Secrets::kKept).c_str(), stderr);
     const SteadyClock clock;
     bus::Participant participant(node_name ? node_name(config) : service, config.bus);
     const Rosout rosout(participant);

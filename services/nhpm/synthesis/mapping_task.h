@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 
+#include "common/mapping/mapping_tour.h"
 #include "common/runtime/result.h"
 #include "common/segments/segment.h"
 #include "nhpm/synthesis/annotator_population.h"
@@ -14,19 +15,13 @@ namespace conav::nhpm {
 struct MappingTaskOptions {
   std::string preset = "conav13";  // of the maze; see sim/world/maze_presets.h
   sim::MapCorruptionOptions corruption;
-  int headings = 8;  // that a camera may look to, evenly spaced; 1 to 360
-  /// After the goals a cell is drawn with a chance in proportion to `background` + how many cells
-  /// of the map are wrong up to `attraction_cells` away (Euclidean, between cell centres); where
-  /// that is 0 for all cells, one as likely as the other. Both are finite and not negative.
-  double background = 0.5;
-  double attraction_cells = 3.0;
+  MappingTourOptions tour;
 };
 
 /// The dataset collection task of paper Appendix A with a SYNTHETIC annotator: a maze of its own
-/// and a map of it that is wrong. The robot, which knows both, drives the shortest way to one
-/// target after the other: all goals, in random order, then `annotator.extra_pictures` random
-/// cells, preferring areas where the map is wrong. At each target it takes a picture in a random
-/// direction, with the lens of the simulated camera, and the annotator edits the map.
+/// and a map of it that is wrong. The robot drives the shortest way from stop to stop of a
+/// MappingTour: all goals, then `annotator.extra_pictures` more. At each it takes a picture with
+/// the lens of the simulated camera, and the annotator edits the map.
 ///
 /// Gives one segment per picture; whether the trajectory is good enough to keep
 /// (kAcceptedMappingAccuracy) is for the caller. Participant and session are left empty.

@@ -74,9 +74,9 @@ Result<void> McapReader::LoadChunk() {
     if (!record) return DamagedAt(file_, index.offset, "chunk: it ends within a record");
     if (record->opcode != Opcode::kMessage) continue;
     const auto message = ReadMessage(record->content);
-    if (!message || TopicOf(message->header.channel_id) == nullptr) {
-      return DamagedAt(file_, index.offset, "chunk: a message in it is damaged");
-    }
+    const bool is_known = message && TopicOf(message->header.channel_id) != nullptr;
+    if (message && !is_known && !cut_off().empty()) continue;  // that says so
+    if (!is_known) return DamagedAt(file_, index.offset, "chunk: a message in it is damaged");
     if (message->header.log_time < from_) continue;
     heap_.push_back({message->header.log_time, chunk, position, *message, owner});
     std::push_heap(heap_.begin(), heap_.end(), IsLater);

@@ -19,6 +19,7 @@ class Scan {
       if (auto done = TakeNext(); !done) return tl::unexpected(done.error());
     }
     if (contents_.cut_off.empty()) contents_.cut_off = "the file was not finished: no summary";
+    TellLosses();
     contents_.statistics.chunk_count = static_cast<std::uint32_t>(contents_.chunks.size());
     return std::move(contents_);
   }
@@ -33,6 +34,16 @@ class Scan {
     return {};
   }
 
+  void TellLosses() {
+    if (damaged_chunks_ > 0) {
+      contents_.cut_off += fmt::format("; {} damaged chunks are left out", damaged_chunks_);
+    }
+    if (unknown_messages_ > 0) {
+      contents_.cut_off += fmt::format(
+          "; {} messages of topics that are not described are left out", unknown_messages_);
+    }
+  }
+
   Result<void> TakeNext() {
     if (left() < kRecordHeaderSize) return EndHere();
     const auto header = file_.Read(at_, kRecordHeaderSize);
@@ -40,8 +51,8 @@ class Scan {
     ByteReader reader(*header);
     const auto opcode = static_cast<Opcode>(reader.U8());
     const std::uint64_t length = reader.U64();
-    if (opcode == Opcode{0}) return TakeZeros();
-    if (length > left() - kRecordHeaderSize) return EndHere();
+    // Zeros, which a loss of power can leave, or what is behind a damaged length: no record.
+    if (opcode == Opcode{0} || length > left() - kRecordHeaderSize) return EndHere();
     auto done = Take(opcode, kRecordHeaderSize + length);
     at_ += kRecordHeaderSize + length;
     return done;
@@ -67,18 +78,6 @@ class Scan {
     }
   }
 
-  Result<void> TakeZeros() {
-    constexpr std::uint64_t kPiece = 1 << 16;
-    for (std::uint64_t from = at_; from < file_.size(); from += kPiece) {
-      const auto bytes = file_.Read(from, std::min(kPiece, file_.size() - from));
-      if (!bytes) return tl::unexpected(bytes.error());
-      if (std::any_of(bytes->begin(), bytes->end(), [](std::uint8_t byte) { return byte != 0; })) {
-        return DamagedAt(file_, at_, "no record");
-      }
-    }
-    return EndHere();
-  }
-
   Result<void> TakeDescription(std::uint64_t length) {
     if (length > kLargestChunk) {
       return DamagedAt(file_, at_, fmt::format("a record of {} bytes", length),
@@ -96,27 +95,36 @@ class Scan {
 
   Result<void> TakeChunk(std::uint64_t length) {
     const auto records = ReadChunkAt(file_, at_, length);
-    if (!records) {
-      if (length == left() && records.error().code == ErrorCode::kMalformed) return EndHere();
+    if (!records && records.error().code != ErrorCode::kMalformed) {
       return tl::unexpected(records.error());
     }
+    const Statistics before = contents_.statistics;
+    if (!records || !TakeChunkRecords(*records, length)) {
+      contents_.statistics = before;
+      ++damaged_chunks_;
+    }
+    return {};
+  }
+
+  bool TakeChunkRecords(ByteSpan records, std::uint64_t length) {
     ChunkIndex index{.offset = at_, .length = length};
-    ByteSpan rest = *records;
     bool first = true;
-    while (!rest.empty()) {
-      const auto record = TakeRecord(rest);
-      if (!record || !TakeChunkRecord(*record, index, first)) {
-        return DamagedAt(file_, at_, "chunk: a record in it is damaged");
-      }
+    while (!records.empty()) {
+      const auto record = TakeRecord(records);
+      if (!record || !TakeChunkRecord(*record, index, first)) return false;
     }
     contents_.chunks.push_back(std::move(index));
-    return {};
+    return true;
   }
 
   bool TakeChunkRecord(const Record& record, ChunkIndex& index, bool& first) {
     if (record.opcode != Opcode::kMessage) return AddDescription(record, contents_);
     const auto message = ReadMessage(record.content);
-    if (!message || !contents_.channels.contains(message->header.channel_id)) return false;
+    if (!message) return false;
+    if (!contents_.channels.contains(message->header.channel_id)) {
+      ++unknown_messages_;  // its description was in a chunk that is damaged
+      return true;
+    }
     const std::uint64_t time = message->header.log_time;
     index.start_time = first ? time : std::min(index.start_time, time);
     index.end_time = std::max(index.end_time, time);
@@ -133,6 +141,8 @@ class Scan {
   const InputFile& file_;
   std::uint64_t at_ = kMagicSize;
   bool ended_ = false;
+  std::uint64_t damaged_chunks_ = 0;
+  std::uint64_t unknown_messages_ = 0;
   McapContents contents_;
 };
 

@@ -9,9 +9,9 @@ namespace conav::bag {
 bool AddDescription(const Record& record, McapContents& contents);
 
 /// ReadContents without a summary: reads every record of the data section, and unpacks every chunk.
-/// A record that the end of the file cuts off, a last chunk that is damaged, and zeros up to the
-/// end (what a loss of power can leave) end the data; `cut_off` tells where. `cut_off` is never
-/// empty: the summary is missing at least.
+/// A record that the end of the file cuts off and what is no record (zeros, which a loss of power can
+/// leave) end the data; chunks that are damaged are left out, and so are messages whose topics were
+/// described in these. `cut_off` tells all that, and is never empty: the summary is missing at least.
 [[nodiscard]] Result<McapContents> ScanContents(const InputFile& file);
 
 }  // namespace conav::bag

@@ -50,45 +50,74 @@ Result<Topics> TopicsOf(const McapReader& reader) {
   return topics;
 }
 
-Result<void> CopyMessages(McapReader& reader, Topics& topics, Rosbag2Database& database,
-                          const std::function<void(std::uint64_t)>& progress) {
+/// What was written.
+struct Copied {
+  std::uint64_t messages = 0;
+  std::uint64_t start_time = 0;
+  std::uint64_t end_time = 0;
+  std::vector<std::string> left_out;
+};
+
+/// In the order of log times, from which a damaged chunk may only take away.
+void Count(Copied& copied, const RecordedMessage& message) {
+  if (copied.messages == 0) copied.start_time = message.log_time;
+  copied.end_time = std::max(copied.end_time, message.log_time);
+  ++copied.messages;
+}
+
+Result<Copied> CopyMessages(McapReader& reader, Topics& topics, Rosbag2Database& database,
+                            const std::function<void(std::uint64_t)>& progress) {
   reader.Seek(0);
-  for (std::uint64_t done = 0;; ++done) {
+  Copied copied;
+  for (;;) {
     const auto message = reader.Next();
-    if (!message) return tl::unexpected(message.error());
-    if (!*message) return {};
+    if (!message && message.error().code != ErrorCode::kMalformed) {
+      return tl::unexpected(message.error());
+    }
+    if (!message) {
+      copied.left_out.push_back(message.error().text);
+      continue;
+    }
+    if (!*message) return copied;
     const std::int64_t id = topics.ids.at((*message)->topic);
     auto added = database.AddMessage(id, (*message)->log_time, (*message)->data);
-    if (!added) return added;
+    if (!added) return tl::unexpected(added.error());
     ++topics.list[static_cast<std::size_t>(id) - 1].message_count;
-    if ((done + 1) % kProgressEvery == 0) progress(done + 1);
+    Count(copied, **message);
+    if (copied.messages % kProgressEvery == 0) progress(copied.messages);
   }
 }
 
-Result<void> FillFolder(McapReader& reader, Topics& topics, const fs::path& folder,
-                        const std::function<void(std::uint64_t)>& progress) {
+Result<std::vector<std::string>> FillFolder(McapReader& reader, Topics& topics,
+                                            const fs::path& folder,
+                                            const std::function<void(std::uint64_t)>& progress) {
   const std::string name = fs::absolute(folder).lexically_normal().filename().string() + "_0.db3";
   auto database = Rosbag2Database::Create(folder / name);
   if (!database) return tl::unexpected(database.error());
   std::int64_t id = 0;
   for (const Rosbag2Topic& topic : topics.list) {
-    if (auto added = database->AddTopic(++id, topic); !added) return added;
+    if (auto added = database->AddTopic(++id, topic); !added) return tl::unexpected(added.error());
   }
-  if (auto copied = CopyMessages(reader, topics, *database, progress); !copied) return copied;
+  auto copied = CopyMessages(reader, topics, *database, progress);
+  if (!copied) return tl::unexpected(copied.error());
   const std::string metadata =
       Rosbag2MetadataText({.database = name,
-                           .start_time = reader.start_time(),
-                           .duration = reader.end_time() - reader.start_time(),
-                           .message_count = reader.message_count(),
+                           .start_time = copied->start_time,
+                           .duration = copied->end_time - copied->start_time,
+                           .message_count = copied->messages,
                            .topics = topics.list});
-  if (auto committed = database->Commit(metadata); !committed) return committed;
-  return WriteFile(folder / "metadata.yaml", metadata);
+  if (auto committed = database->Commit(metadata); !committed) {
+    return tl::unexpected(committed.error());
+  }
+  return WriteFile(folder / "metadata.yaml", metadata).map([&] {
+    return std::move(copied->left_out);
+  });
 }
 
 }  // namespace
 
-Result<void> WriteRosbag2(McapReader& reader, const fs::path& folder,
-                          const std::function<void(std::uint64_t)>& progress) {
+Result<std::vector<std::string>> WriteRosbag2(McapReader& reader, const fs::path& folder,
+                                              const std::function<void(std::uint64_t)>& progress) {
   auto topics = TopicsOf(reader);
   if (!topics) return tl::unexpected(topics.error());
   // "bag/" has no name of its own.

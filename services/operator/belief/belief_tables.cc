@@ -193,6 +193,7 @@ struct BodyOf {
   json operator()(const ShelveRequest& shelve) const {
     return {{"kind", "shelve"}, {"alert", shelve.alert}, {"duration_s", shelve.duration_s}};
   }
+  json operator()(const FinishRequest&) const { return {{"kind", "finish"}}; }
   json operator()(const DriveRequest& drive) const {
     return {{"kind", "drive"}, {"robot", drive.robot}};
   }

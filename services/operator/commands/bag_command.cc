@@ -18,13 +18,20 @@ namespace fs = std::filesystem;
 
 constexpr const char* kProgram = "conav bag";
 
-Result<void> Export(McapReader& reader, const fs::path& folder) {
-  if (folder.empty()) return {};
+Result<std::vector<std::string>> ExportWithProgress(McapReader& reader, const fs::path& folder) {
   ProgressLine line;
   const auto show = [&](std::uint64_t done) {
     line.ShowNowAndThen(fmt::format("{} of {} messages", done, reader.message_count()));
   };
   return WriteRosbag2(reader, folder, show);
+}
+
+Result<void> Export(McapReader& reader, const fs::path& folder) {
+  if (folder.empty()) return {};
+  const auto left_out = ExportWithProgress(reader, folder);
+  if (!left_out) return tl::unexpected(left_out.error());
+  for (const std::string& what : *left_out) Warn(kProgram, what + "; left out");
+  return {};
 }
 
 Result<void> Tell(const BagArguments& arguments, const McapReader& reader, const fs::path& file) {

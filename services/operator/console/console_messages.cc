@@ -6,18 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/runtime/utf8.h"
-
 namespace conav::operators {
-
-std::string Readable(std::string_view text) {
-  std::string readable(text);
-  if (IsUtf8(text)) return readable;
-  std::replace_if(
-      readable.begin(), readable.end(), [](char c) { return static_cast<unsigned char>(c) > 0x7F; },
-      '?');
-  return readable;
-}
 
 console::Cell ToConsole(Cell cell) {
   console::Cell message;
@@ -45,7 +34,7 @@ console::Robot ToConsole(const RobotState& state, double heard_at_s) {
   AddCells(state.goals_reached, robot.mutable_goals_reached());
   robot.set_goals_total(state.goals_total);
   robot.set_outcome(static_cast<console::CommandOutcome>(state.command_outcome));
-  robot.set_detail(Readable(state.command_detail));
+  robot.set_detail(state.command_detail);
   *robot.mutable_command_cell() = ToConsole(state.command_cell);
   robot.set_drive_order(state.drive_order);
   robot.set_lease_epoch(state.lease_epoch);
@@ -112,7 +101,7 @@ console::Search ToConsole(const SearchReport& report) {
   message.set_stamp(report.stamp.ToSeconds());
   message.set_decision(report.decision);
   *message.mutable_cell() = ToConsole(report.cell);
-  message.set_method(Readable(report.method));
+  message.set_method(report.method);
   message.set_belief_revision(report.belief_revision);
   message.set_guidance_revision(report.guidance_revision);
   for (const SearchAction& action : report.actions) {
@@ -127,7 +116,7 @@ console::Search ToConsole(const SearchReport& report) {
   }
   message.set_chosen(report.chosen);
   message.set_iterations(report.iterations);
-  message.set_perception_model(Readable(report.perception_model));
+  message.set_perception_model(report.perception_model);
   message.set_duration_ms(report.duration_ms);
   return message;
 }
@@ -187,6 +176,9 @@ struct Describe {
   void operator()(const ShelveRequest&) const {
     Say(console::EVENT_NONE, "", "put an alert aside");
   }
+  void operator()(const FinishRequest&) const {
+    Say(console::EVENT_FINISH, "", "finished the maze");
+  }
   void operator()(const DriveRequest& drive) const {
     Say(console::EVENT_NONE, drive.robot, "drove");
   }
@@ -208,6 +200,20 @@ console::Event EventOf(const OperatorRequest& request, const OperatorReply& repl
     event.set_kind(console::EVENT_REFUSED);
   }
   return event;
+}
+
+console::Task ToConsole(const TaskStatus& task) {
+  console::Task message;
+  message.set_participant(Readable(task.participant));
+  message.set_number(static_cast<std::uint32_t>(task.number));
+  message.set_count(static_cast<std::uint32_t>(task.count));
+  message.set_phase(static_cast<console::TaskPhase>(task.phase));
+  message.set_goals_left(task.goals_left);
+  message.set_may_finish(task.may_finish);
+  message.set_mapping_accuracy(task.mapping_accuracy);
+  message.set_cell_accuracy(task.cell_accuracy);
+  message.mutable_earlier()->Add(task.earlier.begin(), task.earlier.end());
+  return message;
 }
 
 console::Alert ToConsole(const Alert& alert) {
@@ -253,7 +259,7 @@ console::AttentionItem ToConsole(const AttentionItem& item) {
 console::Attention ToConsole(const AttentionQueueState& queue) {
   console::Attention message;
   message.set_stamp(queue.stamp.ToSeconds());
-  message.set_order(Readable(queue.order));
+  message.set_order(queue.order);
   for (const AttentionItem& item : queue.items) *message.add_items() = ToConsole(item);
   const OperatorWorkload& workload = queue.workload;
   message.set_robots(workload.robots);

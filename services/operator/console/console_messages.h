@@ -2,20 +2,16 @@
 
 #include <span>
 #include <string>
-#include <string_view>
 
 #include "common/protocol/planning.h"
 #include "common/protocol/robot.h"
 #include "common/protocol/supervision.h"
 #include "console.pb.h"
 #include "operator/alerts/alert.h"
+#include "operator/task/participant_task.h"
 
 /// Domain values as idl/console.proto has them. `heard_at_s`: wall time of the service, s since 1970.
 namespace conav::operators {
-
-/// `text` with "?" for each byte that is no ASCII where it is no UTF-8: a page takes no message with
-/// anything else, and what robots and processes say of themselves is not checked for it.
-std::string Readable(std::string_view text);
 
 console::Cell ToConsole(Cell cell);
 void AddCells(std::span<const Cell> cells, google::protobuf::RepeatedPtrField<console::Cell>* to);
@@ -32,6 +28,7 @@ console::Search ToConsole(const SearchReport& report);
 /// A line of the command log, without its id and times.
 console::Event EventOf(const OperatorRequest& request, const OperatorReply& reply);
 console::Alert ToConsole(const Alert& alert);
+console::Task ToConsole(const TaskStatus& task);
 console::Attention ToConsole(const AttentionQueueState& queue);
 
 }  // namespace conav::operators

@@ -356,6 +356,12 @@ void ConsoleState::Hear(const console::Alert& alert) {
   log_.Put(fmt::format("alert/{}", alert.id()), std::move(update), "alert", kEventsKept);
 }
 
+void ConsoleState::Hear(const console::Task& task) {
+  console::Update update;
+  *update.mutable_task() = task;
+  log_.Put("task", std::move(update));
+}
+
 void ConsoleState::Hear(const console::Playback& playback) {
   console::Update update;
   *update.mutable_playback() = playback;

@@ -75,6 +75,7 @@ class ConsoleState {
   void Hear(console::Control control, double now_s);
   void Hear(const console::Alert& alert);
   void Hear(const console::Playback& playback);
+  void Hear(const console::Task& task);
 
   /// Forgets all but the session.
   void BeginAnew();

@@ -52,14 +52,13 @@ class ConnectionHost {
   virtual HttpResponse Refuse(unsigned status, const std::string& why) = 0;
   /// Why no page may be opened now; nothing = one may.
   virtual std::optional<HttpResponse> RefusePage(const HttpRequest& request) = 0;
-  /// Counts a page from its upgrade on until it is destroyed.
-  virtual std::shared_ptr<void> TakePlace() = 0;
   virtual PageContext page_context() = 0;
   virtual std::uint64_t Enter(const std::shared_ptr<PageConnection>& page) = 0;
   virtual void Leave(std::uint64_t page) = 0;
   /// False when too much waits for the service already: nothing was delivered.
   virtual bool Deliver(std::vector<PageEvent> events) = 0;
   virtual void CountMessage(bool sent, std::size_t bytes) = 0;
+  virtual void CountSkippedFrames(std::size_t frames) = 0;
 };
 
 /// What a stream over TCP can do. A test specialises them for a stream in memory.
@@ -85,7 +84,6 @@ class WebSocketPage final : public PageConnection,
   WebSocketPage(Stream&& stream, ConnectionHost& host, std::shared_ptr<void> token)
       : host_(host),
         token_(std::move(token)),
-        place_(host.TakePlace()),
         socket_(std::move(stream)),
         timer_(socket_.get_executor()) {}
 
@@ -102,8 +100,9 @@ class WebSocketPage final : public PageConnection,
 
   void Pump() override {
     if (writing_ || gone_) return;
-    if (auto message = feed_->Next(Clock::TimePoint::clock::now()))
-      return Write(*std::move(message));
+    auto message = feed_->Next(Clock::TimePoint::clock::now());
+    host_.CountSkippedFrames(feed_->TakeFramesSkipped());
+    if (message) return Write(*std::move(message));
     if (feed_->finished()) return Close();
     if (const auto due = feed_->due()) At(*due, [this] { Pump(); });
   }
@@ -182,7 +181,6 @@ class WebSocketPage final : public PageConnection,
 
   ConnectionHost& host_;
   std::shared_ptr<void> token_;
-  std::shared_ptr<void> place_;
   websocket::stream<Stream> socket_;
   asio::steady_timer timer_;
   std::optional<PageFeed> feed_;

@@ -116,6 +116,9 @@ std::string WriteBody(const console::Request& request, Message& message) {
       message.alert(request.shelve().alert());
       message.duration(request.shelve().duration());
       return "";
+    case console::Request::kFinish:
+      message.kind(conav_msgs::msg::OPERATOR_REQUEST_FINISH);
+      return "";
     case console::Request::BODY_NOT_SET:
       return "the request asks for nothing that is known here";
   }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
@@ -23,6 +24,8 @@ using asio::ip::tcp;
 
 constexpr std::chrono::milliseconds kGoodbyeLimit{500};
 constexpr std::chrono::milliseconds kAcceptPause{100};
+/// Of pages that have not said Hello.
+constexpr int kStrangersLimit = 16;
 /// Of requests that the service has not taken; a page with more shall come back later.
 constexpr std::size_t kWaitingLimit = 8U * 1024U * 1024U;
 
@@ -115,6 +118,7 @@ class Gateway::Server final : public ConnectionHost {
   void SetReadiness(Readiness readiness) {
     const std::lock_guard lock(mutex_);
     readiness_ = std::move(readiness);
+    readiness_set_at_ = Clock::TimePoint::clock::now();
   }
 
   int pages() const { return page_count_; }
@@ -137,26 +141,18 @@ class Gateway::Server final : public ConnectionHost {
       status = 404;
       why = "pages connect to /ws";
     }
-    if (why.empty() && places_ >= options_.max_pages) {
-      status = 503;
-      why = fmt::format("{} pages are open, the limit of operator.console.max_pages",
-                        options_.max_pages);
-    }
     if (why.empty()) return std::nullopt;
     Note(why);
     return Refuse(status, why);
   }
 
-  std::shared_ptr<void> TakePlace() override {
-    ++places_;
-    return {nullptr, [this](void*) { --places_; }};
-  }
-
   PageContext page_context() override {
-    return {options_, shared_.updates, shared_.frames, welcome_};
+    return {options_, shared_.updates, shared_.frames, welcome_,
+            [this] { return CountOf(&PageFeed::has_joined) < options_.max_pages; }};
   }
 
   std::uint64_t Enter(const std::shared_ptr<PageConnection>& page) override {
+    if (CountOf(&PageFeed::is_stranger) >= kStrangersLimit) TurnOutOldestStranger();
     pages_[++last_page_] = page;
     CountPages();
     return last_page_;
@@ -167,7 +163,6 @@ class Gateway::Server final : public ConnectionHost {
     if (found == pages_.end()) return;
     const PageFeed& feed = found->second->feed();
     if (!feed.fault().empty()) Note(feed.fault());
-    metrics_.CountSkippedFrames(feed.frames_skipped());
     if (feed.identity()) Deliver({{page, *feed.identity(), PageLeft{}}});
     pages_.erase(found);
     CountPages();
@@ -189,6 +184,7 @@ class Gateway::Server final : public ConnectionHost {
   }
 
   void CountMessage(bool sent, std::size_t bytes) override { metrics_.CountMessage(sent, bytes); }
+  void CountSkippedFrames(std::size_t frames) override { metrics_.CountSkippedFrames(frames); }
 
  private:
   void Listen() {
@@ -224,7 +220,12 @@ class Gateway::Server final : public ConnectionHost {
   }
 
   void Begin(tcp::socket socket) {
-    if (connections_ >= options_.max_connections) return;  // closes it
+    if (connections_ >= options_.max_connections) {  // closes it
+      return Note(
+          fmt::format("{} connections are open, the limit of "
+                      "operator.console.max_connections",
+                      connections_));
+    }
     ErrorCodeOfAsio ignored;
     socket.set_option(tcp::no_delay(true), ignored);
     metrics_.SetConnections(++connections_);
@@ -243,6 +244,22 @@ class Gateway::Server final : public ConnectionHost {
     std::vector<std::shared_ptr<PageConnection>> pages;
     for (const auto& [number, page] : pages_) pages.push_back(page);
     return pages;  // a page that leaves while it is pumped changes the map
+  }
+
+  int CountOf(bool (PageFeed::*is)() const) const {
+    return static_cast<int>(std::count_if(pages_.begin(), pages_.end(), [is](const auto& page) {
+      return (page.second->feed().*is)();
+    }));
+  }
+
+  /// Whoever means it says Hello at once: many who are mute keep nobody out.
+  void TurnOutOldestStranger() {
+    const auto oldest = std::find_if(pages_.begin(), pages_.end(), [](const auto& page) {
+      return page.second->feed().is_stranger();
+    });
+    const auto page = oldest->second;
+    page->feed().Close("no Hello came, and others wait", true);
+    page->Pump();
   }
 
   void CountPages() {
@@ -272,7 +289,9 @@ class Gateway::Server final : public ConnectionHost {
 
   Readiness readiness() const {
     const std::lock_guard lock(mutex_);
-    return readiness_;
+    Readiness readiness = readiness_;
+    readiness.age = Clock::TimePoint::clock::now() - readiness_set_at_;
+    return readiness;
   }
   std::string Metrics() const { return metrics_.Text(); }
 
@@ -284,14 +303,14 @@ class Gateway::Server final : public ConnectionHost {
   GatewayMetrics metrics_;
   HttpRoutes routes_;
   int connections_ = 0;  // outlive io_, whose handlers hold the connections and pages
-  int places_ = 0;       // of pages that are open, or opening
   std::atomic<int> page_count_{0};
   std::atomic<bool> notified_{false};
   LogLimit refusals_logged_;
-  mutable std::mutex mutex_;  // guards the three below
+  mutable std::mutex mutex_;  // guards the four below
   std::vector<PageEvent> events_;
   std::size_t waiting_bytes_ = 0;  // of them
   Readiness readiness_;
+  Clock::TimePoint readiness_set_at_ = Clock::TimePoint::clock::now();
   std::map<std::uint64_t, std::shared_ptr<PageConnection>> pages_;
   std::uint64_t last_page_ = 0;
   bool leaving_ = false;

@@ -16,9 +16,9 @@ struct ConsoleTokens {
 
   bool empty() const { return observer.empty() && operator_token.empty() && admin.empty(); }
   void Visit(ConfigReader& reader) {
-    reader.Field("observer", observer);
-    reader.Field("operator", operator_token);
-    reader.Field("admin", admin);
+    reader.Secret("observer", observer);
+    reader.Secret("operator", operator_token);
+    reader.Secret("admin", admin);
   }
 };
 
@@ -49,7 +49,7 @@ struct GatewayOptions {
   /// Other origins whose pages may connect, such as "https://console.example.org" of a proxy.
   std::vector<std::string> origins;
   int max_connections = 128;
-  int max_pages = 32;  // of these, with a WebSocket
+  int max_pages = 32;  // of these, with a WebSocket and a token that counts
   /// What one page may send: messages per second on average, and in a burst.
   double message_rate = 50.0;
   int message_burst = 200;

@@ -14,6 +14,8 @@ namespace {
 
 constexpr std::string_view kPictures = "/pictures/";
 constexpr std::string_view kJpeg = ".jpg";
+constexpr std::chrono::seconds kReadinessCounts{5};
+constexpr std::chrono::seconds kStuckAfter{30};
 
 HttpResponse Text(unsigned status, std::string text) {
   HttpResponse response;
@@ -34,16 +36,31 @@ void AddSecurityHeaders(HttpResponse& response) {
   response.headers.emplace_back("Cross-Origin-Resource-Policy", "same-origin");
 }
 
+/// The first of a list that is separated by `separator`, without blanks around it; it leaves `list`.
+std::string_view TakeFirst(std::string_view& list, char separator) {
+  const auto end = std::min(list.find(separator), list.size());
+  std::string_view one = list.substr(0, end);
+  list.remove_prefix(std::min(end + 1, list.size()));
+  one.remove_prefix(std::min(one.find_first_not_of(" \t"), one.size()));
+  return one.substr(0, one.find_last_not_of(" \t") + 1);
+}
+
+/// Whether `accept_encoding` (RFC 9110, 12.5.3) takes gzip, by name and not with quality 0.
+bool TakesGzip(std::string_view accept_encoding) {
+  while (!accept_encoding.empty()) {
+    std::string_view one = TakeFirst(accept_encoding, ',');
+    if (TakeFirst(one, ';') != "gzip") continue;
+    return one.find_first_of("123456789") != std::string_view::npos || one.empty();
+  }
+  return false;
+}
+
 /// Whether a browser that has one of `if_none_match` has `etag` (RFC 9110, 13.1.2: the weak comparison,
 /// because proxies that compress make it weak).
 bool IsAmong(std::string_view if_none_match, std::string_view etag) {
   if (if_none_match == "*") return true;
   while (!if_none_match.empty()) {
-    const auto comma = std::min(if_none_match.find(','), if_none_match.size());
-    std::string_view one = if_none_match.substr(0, comma);
-    if_none_match.remove_prefix(std::min(comma + 1, if_none_match.size()));
-    one.remove_prefix(std::min(one.find_first_not_of(" \t"), one.size()));
-    one = one.substr(0, one.find_last_not_of(" \t") + 1);
+    std::string_view one = TakeFirst(if_none_match, ',');
     if (one.starts_with("W/")) one.remove_prefix(2);
     if (one == etag) return true;
   }
@@ -86,13 +103,11 @@ HttpResponse HttpRoutes::Route(const HttpRequest& request) const {
   const std::string_view path =
       std::string_view(request.target).substr(0, request.target.find_first_of("?#"));
   if (const auto* file = files_.Find(path)) return AnswerFile(*file, request);
-  if (path == "/livez") return Text(200, "ok\n");
-  if (path == "/readyz") {
-    Readiness readiness = sources_.readiness();
-    HttpResponse response = Text(readiness.ready ? 200 : 503, std::move(readiness.json));
-    response.type = "application/json";
-    return response;
+  if (path == "/livez") {
+    const bool is_stuck = sources_.readiness().age > kStuckAfter;
+    return is_stuck ? Text(503, "the service is stuck\n") : Text(200, "ok\n");
   }
+  if (path == "/readyz") return AnswerReadiness(sources_.readiness());
   const bool is_picture = path.starts_with(kPictures);
   if (path != "/metrics" && !is_picture) return Text(404, "nothing here\n");
   if (!RoleOf(options_.tokens, BearerToken(request.authorization))) {
@@ -106,20 +121,29 @@ HttpResponse HttpRoutes::Route(const HttpRequest& request) const {
   return metrics;
 }
 
+HttpResponse HttpRoutes::AnswerReadiness(Readiness readiness) {
+  const bool is_old = readiness.age > kReadinessCounts;
+  if (is_old) readiness.json = "{\"ready\":false,\"message\":\"the service does not answer\"}\n";
+  HttpResponse response = Text(readiness.ready && !is_old ? 200 : 503, std::move(readiness.json));
+  response.type = "application/json";
+  return response;
+}
+
 HttpResponse HttpRoutes::AnswerFile(const WebFiles::File& file, const HttpRequest& request) const {
+  const bool sends_gzip = file.gzip && TakesGzip(request.accept_encoding);
+  const std::string& etag = sends_gzip ? file.gzip_etag : file.etag;
   HttpResponse response;
   response.type = file.type;
   response.headers = {
-      {"ETag", file.etag},
+      {"ETag", etag},
       {"Vary", "Accept-Encoding"},
       {"Cache-Control", file.immutable ? "public, max-age=31536000, immutable" : "no-cache"}};
-  if (IsAmong(request.if_none_match, file.etag)) {
+  if (IsAmong(request.if_none_match, etag)) {
     response.status = 304;
     return response;
   }
-  const bool takes_gzip = request.accept_encoding.find("gzip") != std::string::npos;
-  response.body = takes_gzip && file.gzip ? file.gzip : file.plain;
-  if (response.body == file.gzip) response.headers.emplace_back("Content-Encoding", "gzip");
+  response.body = sends_gzip ? file.gzip : file.plain;
+  if (sends_gzip) response.headers.emplace_back("Content-Encoding", "gzip");
   return response;
 }
 

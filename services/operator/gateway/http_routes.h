@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -34,14 +35,15 @@ struct HttpResponse {
 /// How the service is, for those who start and watch it.
 struct Readiness {
   bool ready = false;
-  std::string json = "{}";  // per dependency
+  std::string json = "{}";          // per dependency
+  std::chrono::nanoseconds age{0};  // since the service said so
 };
 
 /// Answers everything but the WebSocket:
 ///   /, /assets/...                the page
 ///   /pictures/<robot>/<n>.jpg     pixels; with a token, where tokens are set
-///   /livez                        200 while the process answers
-///   /readyz                       200 or 503, and why, as JSON
+///   /livez                        200 or, when the service has said nothing for 30 s, 503
+///   /readyz                       200 or 503, and why, as JSON; 503 also when that is 5 s old
 ///   /metrics                      Prometheus text; with a token, where tokens are set
 /// Threads: safe to call concurrently where the functions are.
 class HttpRoutes {
@@ -60,6 +62,7 @@ class HttpRoutes {
 
  private:
   HttpResponse Route(const HttpRequest& request) const;
+  static HttpResponse AnswerReadiness(Readiness readiness);
   HttpResponse AnswerFile(const WebFiles::File& file, const HttpRequest& request) const;
   HttpResponse AnswerPicture(std::string_view rest) const;
 

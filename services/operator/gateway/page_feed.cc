@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/protocol/entity_name.h"
+#include "common/runtime/sha256.h"
 #include "common/runtime/utf8.h"
 #include "operator/console/wire.h"
 #include "operator/gateway/access.h"
@@ -17,6 +18,7 @@ namespace {
 constexpr std::size_t kNameLimit = 40;
 constexpr std::size_t kInstanceShortest = 16;
 constexpr std::size_t kInstanceLongest = 64;
+constexpr std::size_t kClientDigits = 16;
 
 bool IsInstance(std::string_view text) {
   return text.size() >= kInstanceShortest && text.size() <= kInstanceLongest &&
@@ -85,6 +87,9 @@ std::vector<PageEvent> PageFeed::Take(std::string_view bytes, Clock::TimePoint n
       frames_of_ = message->attend().robot();
       SeeNewestFrames();
       return {};
+    case console::ClientMessage::kTaken:
+      NoteTaken(message->taken().messages());
+      return {};
     case console::ClientMessage::kRequest:
       return {{page_, *identity_, PageAsked{message->request(), round_trip_s_}}};
     case console::ClientMessage::kSeek:
@@ -117,12 +122,21 @@ std::optional<PageIdentity> PageFeed::Identify(const console::Hello& hello) {
     return std::nullopt;
   }
   const std::string part = ClientPart(hello.name()).substr(0, kNameLimit);
-  return PageIdentity{part + "/" + hello.instance(), hello.name(), *role};
+  // Everybody sees what a page is called; nobody who knows that may speak for it.
+  const std::string secret = hello.token() + "\n" + hello.instance();
+  return PageIdentity{part + "/" + Sha256Hex(secret).substr(0, kClientDigits), hello.name(), *role};
 }
 
 void PageFeed::Greet(const console::Hello& hello, double wall_s) {
-  identity_ = Identify(hello);
-  if (!identity_) return;
+  const auto identity = Identify(hello);
+  if (!identity) return;
+  if (!context_.has_room()) {
+    return Close(fmt::format("{} pages are open, the limit of operator.console.max_pages",
+                             context_.options.max_pages),
+                 true);
+  }
+  identity_ = identity;
+  says_taken_ = hello.says_taken();
   generation_ = context_.updates.generation();
   const std::string run = RunOf(context_.welcome, generation_);
   everything_ =
@@ -181,6 +195,13 @@ std::optional<std::string> PageFeed::Next(Clock::TimePoint now) {
     return message;
   }
   if (closing_ || !has_joined()) return std::nullopt;
+  if (says_taken_ && sent_ - taken_ >= kUntakenLimit) return std::nullopt;
+  auto state = NextState(now);
+  if (state && !closing_) ++sent_;
+  return state;
+}
+
+std::optional<std::string> PageFeed::NextState(Clock::TimePoint now) {
   // In turn: a page that takes fewer messages than there are updates still sees its streams move.
   if (std::exchange(frame_is_next_, false)) {
     if (auto frame = NextFrame()) return frame;
@@ -190,6 +211,12 @@ std::optional<std::string> PageFeed::Next(Clock::TimePoint now) {
     return updates;
   }
   return NextFrame();
+}
+
+void PageFeed::NoteTaken(std::uint64_t messages) {
+  if (messages <= taken_ || messages > sent_) return;
+  taken_ = messages;
+  rate_.GiveBack();  // it says no more than it was sent
 }
 
 std::optional<std::string> PageFeed::NextUpdates(Clock::TimePoint now) {

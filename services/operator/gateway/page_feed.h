@@ -3,10 +3,12 @@
 #include <chrono>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/runtime/clock.h"
@@ -25,19 +27,24 @@ struct PageContext {
   const FrameSlots& frames;
   /// With mode, version and limits; `run` names this run of the service.
   const console::Welcome& welcome;
+  /// Whether one more page may join.
+  std::function<bool()> has_room;
 };
 
 /// One connected page, as far as it has nothing to do with sockets: takes what it sends, and says
 /// what to send it next. A page that is slow costs its queue of replies (bounded) and the one
 /// message that is under way; updates and frames wait in the log and the slots, for all pages
-/// together.
+/// together. One that says what it has shown is sent no more than it can show, and so sees nothing
+/// old: buffers on the way and in the browser would otherwise hold seconds of it.
 ///
 /// Threads: one caller.
 class PageFeed {
  public:
   /// How long a page may take until its Hello.
   static constexpr std::chrono::seconds kHelloLimit{5};
-  static constexpr std::size_t kQueueLimit = 1000;          // replies that the page did not take
+  static constexpr std::size_t kQueueLimit = 1000;  // replies that the page did not take
+  /// Updates and frames that a page may have before it has shown them, if it tells (Taken).
+  static constexpr std::uint64_t kUntakenLimit = 2;
   static constexpr std::size_t kBatchBytes = 128U * 1024U;  // of updates in one message
 
   PageFeed(const PageContext& context, std::uint64_t page, Clock::TimePoint now);
@@ -64,13 +71,19 @@ class PageFeed {
   std::uint64_t page() const { return page_; }
   const std::optional<PageIdentity>& identity() const { return identity_; }
   bool has_joined() const { return identity_.has_value(); }
-  std::uint64_t frames_skipped() const { return frames_skipped_; }
+  /// Neither joined nor sent away.
+  bool is_stranger() const { return !has_joined() && !closing_; }
+  /// Frames that this page was too slow for, since the call before.
+  std::uint64_t TakeFramesSkipped() { return std::exchange(frames_skipped_, 0); }
 
  private:
   void Greet(const console::Hello& hello, double wall_s);
   std::optional<PageIdentity> Identify(const console::Hello& hello);
   void Queue(const console::ServerMessage& message);
   void SayGoodbye(std::string reason, bool retry);
+  void NoteTaken(std::uint64_t messages);
+  /// Updates or a frame, in turn.
+  std::optional<std::string> NextState(Clock::TimePoint now);
   std::optional<std::string> NextUpdates(Clock::TimePoint now);
   /// Frames count as skipped from here on.
   void SeeNewestFrames();
@@ -93,6 +106,9 @@ class PageFeed {
   std::uint64_t frames_skipped_ = 0;
   std::string last_frame_of_;  // robot
   bool frame_is_next_ = false;
+  bool says_taken_ = false;
+  std::uint64_t sent_ = 0;   // updates and frames
+  std::uint64_t taken_ = 0;  // of these
   bool wants_frames_ = false;
   std::string frames_of_;  // robot; empty = all
   double round_trip_s_ = 0.0;

@@ -9,7 +9,7 @@ void PictureShelf::Put(const std::string& robot, std::uint64_t number,
   const Key key{robot, number};
   const std::lock_guard lock(mutex_);
   EraseLocked(key);
-  if (jpeg.size() > limit_) return;
+  if (jpeg.empty() || jpeg.size() > limit_) return;
   while (bytes_ + jpeg.size() > limit_) {
     const Key oldest = order_.front();
     EraseLocked(oldest);
@@ -23,13 +23,6 @@ PictureShelf::Pixels PictureShelf::Find(const std::string& robot, std::uint64_t 
   const std::lock_guard lock(mutex_);
   const auto found = pixels_.find({robot, number});
   return found == pixels_.end() ? nullptr : found->second;
-}
-
-void PictureShelf::Clear() {
-  const std::lock_guard lock(mutex_);
-  bytes_ = 0;
-  pixels_.clear();
-  order_.clear();
 }
 
 void PictureShelf::EraseLocked(const Key& key) {

@@ -20,11 +20,11 @@ class PictureShelf {
 
   explicit PictureShelf(std::size_t limit_bytes) : limit_(limit_bytes) {}
 
-  /// A picture of the same robot and number is replaced. One larger than the limit is not kept.
+  /// A picture of the same robot and number is replaced. One without pixels, or larger than the
+  /// limit, is not kept.
   void Put(const std::string& robot, std::uint64_t number, std::vector<std::uint8_t> jpeg);
   /// Null when it is not kept (any more).
   Pixels Find(const std::string& robot, std::uint64_t number) const;
-  void Clear();
 
  private:
   using Key = std::pair<std::string, std::uint64_t>;

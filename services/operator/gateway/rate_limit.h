@@ -22,6 +22,8 @@ class RateLimit {
     left_ -= 1.0;
     return true;
   }
+  /// The one that was allowed last shall not count.
+  void GiveBack() { left_ = std::min(static_cast<double>(burst_), left_ + 1.0); }
 
  private:
   double per_second_;

@@ -72,7 +72,9 @@ void WebFiles::Add(const std::filesystem::path& folder, const std::filesystem::p
   file.plain = Read(path);
   const std::filesystem::path compressed = path.string() + ".gz";
   if (std::filesystem::exists(compressed)) file.gzip = Read(compressed);
-  file.etag = fmt::format("\"{}\"", Sha256Hex(*file.plain).substr(0, 16));
+  const std::string digits = Sha256Hex(*file.plain).substr(0, 16);
+  file.etag = fmt::format("\"{}\"", digits);
+  file.gzip_etag = fmt::format("\"{}-gz\"", digits);
   const std::string url = fmt::format("/{}", path.lexically_relative(folder).generic_string());
   file.immutable = url.starts_with("/assets/");
   files_[url] = std::move(file);

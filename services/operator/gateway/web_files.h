@@ -16,6 +16,7 @@ class WebFiles {
     std::shared_ptr<const std::string> plain;
     std::shared_ptr<const std::string> gzip;  // may be null
     std::string etag;
+    std::string gzip_etag;
     bool immutable = false;  // its name changes with its content
   };
 

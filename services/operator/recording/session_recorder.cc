@@ -145,6 +145,15 @@ void SessionRecorder::Guided(const Guidance& guidance, Clock::TimePoint now) {
   Settle(guidance.world);
 }
 
+void SessionRecorder::Finish(Clock::TimePoint now) {
+  for (auto& [name, robot] : robots_) {
+    const auto world = worlds_.find(robot.world);
+    if (!robot.open || world == worlds_.end()) continue;
+    Close(world->second, name, TakeFrom(robot.open), world->second.belief, now);
+    Settle(robot.world);
+  }
+}
+
 void SessionRecorder::End() {
   for (auto& [name, robot] : robots_) {
     const auto world = worlds_.find(robot.world);

@@ -73,6 +73,8 @@ class SessionRecorder {
   void Edited(const Belief& belief, Clock::TimePoint now);
   /// Guidance that was accepted.
   void Guided(const Guidance& guidance, Clock::TimePoint now);
+  /// The person is done: they have looked at every picture that came.
+  void Finish(Clock::TimePoint now);
   void End();
 
   /// The segments that were completed since the last call, in that order.

@@ -42,13 +42,18 @@ struct ReplayPlayer::Sound {
     player.pictures_[picture.robot] = moment;
     state().Hear(picture, heard_at_s);
     PictureShelf& shelf = player.shared_.pictures;
-    if (shelf.Find(picture.robot, picture.sequence_number)) return;
-    shelf.Put(picture.robot, picture.sequence_number, picture.jpeg);
+    const auto kept = shelf.Find(picture.robot, picture.sequence_number);
+    const bool same = kept && std::equal(kept->begin(), kept->end(), picture.jpeg.begin(),
+                                         picture.jpeg.end(), [](char a, std::uint8_t b) {
+                                           return static_cast<std::uint8_t>(a) == b;
+                                         });
+    if (!same) shelf.Put(picture.robot, picture.sequence_number, picture.jpeg);
   }
   void operator()(const PictureAnswered& answer) const {
     state().HearAnswer(answer.robot, answer.snapshot, answer.client);
   }
   void operator()(const StreamFrame& stream) const {
+    player.frames_[stream.robot] = moment;
     console::Frame frame;
     frame.set_robot(stream.robot);
     frame.set_stamp(stream.stamp.ToSeconds());
@@ -68,7 +73,7 @@ struct ReplayPlayer::Sound {
     control.set_robot(order.robot);
     control.set_stopped(order.stopped);
     control.set_stopped_by(order.given_by);
-    control.set_stop_reason(Readable(order.reason));
+    control.set_stop_reason(order.reason);
     state().Hear(std::move(control), heard_at_s);
   }
   void operator()(const ServiceHealth& health) const {
@@ -123,6 +128,7 @@ void ReplayPlayer::BeginAnew() {
   next_ = 0;
   states_.clear();
   pictures_.clear();
+  frames_.clear();
   processes_.clear();
   alerts_.clear();
 }
@@ -145,7 +151,7 @@ void ReplayPlayer::Refresh(double now_s) {
   const double age_zero_s = now_s - position_s_;
   if (std::abs(age_zero_s - age_zero_s_) < kAgeError) return;
   age_zero_s_ = age_zero_s;
-  for (const auto* of_kind : {&states_, &processes_}) {
+  for (const auto* of_kind : {&states_, &processes_, &frames_}) {
     for (const auto& [name, moment] : *of_kind) {
       const Moment& heard = timeline_.moments[moment];
       std::visit(Sound{*this, moment, HeardAt(heard.position_s, now_s), now_s}, heard.heard);

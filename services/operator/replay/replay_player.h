@@ -20,7 +20,7 @@ namespace conav::operators {
 /// Threads: one caller; what it fills may be read by others.
 class ReplayPlayer {
  public:
-  static constexpr double kFastest = 64.0;
+  static constexpr double kFastest = 32.0;
 
   struct Shared {
     UpdateLog& updates;
@@ -67,6 +67,7 @@ class ReplayPlayer {
   /// Numbers of the newest moments, by robot, process and alert.
   std::map<std::string, std::size_t> states_;
   std::map<std::string, std::size_t> pictures_;
+  std::map<std::string, std::size_t> frames_;
   std::map<std::string, std::size_t> processes_;
   std::map<std::uint64_t, std::size_t> alerts_;
 };

@@ -231,7 +231,7 @@ void TimelineBuilder::Hear(double wall_s, HoldOrder order) {
   MoveTo(wall_s);
   bool& stopped = robots_[order.robot].stopped;
   if (stopped != order.stopped) {
-    const std::string why = order.reason.empty() ? "" : ": " + Readable(order.reason);
+    const std::string why = order.reason.empty() ? "" : ": " + order.reason;
     const std::string text =
         order.stopped ? "stopped " + order.robot + why : "let " + order.robot + " go";
     AddEvent(wall_s, order.stopped ? console::EVENT_STOP : console::EVENT_GO, order.given_by,

@@ -7,7 +7,7 @@
 #include "common/bus/topics.h"
 #include "common/bus/type_support.h"
 #include "common/protocol/convert.h"
-#include "operator/console/console_messages.h"
+#include "common/runtime/utf8.h"
 
 namespace conav::operators {
 namespace {

@@ -6,9 +6,9 @@
 #include <sstream>
 #include <utility>
 
+#include "common/runtime/utf8.h"
 #include "common/service/robot_list.h"
 #include "operator/bag/mcap_reader.h"
-#include "operator/console/console_messages.h"
 #include "operator/replayer/recorded_topics.h"
 
 namespace conav::operators {

@@ -33,7 +33,6 @@ ReplayServer::ReplayServer(const Timeline& timeline, const GatewayOptions& optio
     woken_ = true;
     wake_.notify_one();
   });
-  gateway_->SetReadiness({true, "{\"ready\":true,\"message\":\"a recording\"}\n"});
 }
 
 void ReplayServer::Run(const StopToken& stop) {
@@ -58,6 +57,7 @@ void ReplayServer::Step() {
   if (position_s_ || speed_) player_.Seek(position_s_, speed_, WallSeconds());
   position_s_.reset();
   speed_.reset();
+  gateway_->SetReadiness({true, "{\"ready\":true,\"message\":\"a recording\"}\n"});
   gateway_->Notify();
 }
 

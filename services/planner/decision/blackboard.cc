@@ -74,6 +74,14 @@ void Blackboard::Put(HoldOrder order) {
   ChangedLocked();
 }
 
+void Blackboard::PutTruth(const std::string& world, const OccupancyGrid& truth) {
+  const std::lock_guard lock(mutex_);
+  for (auto& [robot, entry] : robots_) {
+    if (entry.world == world) entry.inputs.truth = truth;
+  }
+  ChangedLocked();
+}
+
 void Blackboard::PutLens(const std::string& robot, const CameraLens& lens) {
   const std::lock_guard lock(mutex_);
   if (Entry* entry = FindLocked(robot)) {

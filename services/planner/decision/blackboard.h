@@ -35,12 +35,13 @@ struct RobotInputs {
   Lease lease;  // held, where nobody shares robots
   std::optional<RobotState> state;
   std::optional<MapUpdate> map;
-  std::optional<Belief> belief;       // of the robot's world
-  std::optional<Guidance> guidance;   // newest revision, or what a goal pose was turned into
-  std::optional<HoldOrder> hold;      // whether somebody has stopped the robot
-  std::optional<DriveOrder> drive;    // newest low-level action asked for, carried out or not
-  std::optional<Position> goal_pose;  // not yet turned into guidance
-  std::optional<CameraLens> lens;     // of its camera
+  std::optional<Belief> belief;        // of the robot's world
+  std::optional<Guidance> guidance;    // newest revision, or what a goal pose was turned into
+  std::optional<HoldOrder> hold;       // whether somebody has stopped the robot
+  std::optional<DriveOrder> drive;     // newest low-level action asked for, carried out or not
+  std::optional<Position> goal_pose;   // not yet turned into guidance
+  std::optional<CameraLens> lens;      // of its camera
+  std::optional<OccupancyGrid> truth;  // of the robot's world; in the mapping task only
 
   bool stopped() const { return hold && hold->stopped; }
 };
@@ -67,6 +68,8 @@ class Blackboard {
   void Put(Guidance guidance);
   void Put(DriveOrder order);
   void Put(HoldOrder order);
+  /// The true map of a world.
+  void PutTruth(const std::string& world, const OccupancyGrid& truth);
   void PutLens(const std::string& robot, const CameraLens& lens);
   void PutGoalPose(const std::string& robot, Position goal);
   /// A robot's own worker tells the others which cells it wants next, and the operator's side why

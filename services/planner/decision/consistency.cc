@@ -16,10 +16,12 @@ std::optional<std::string> OutsideOf(const OccupancyGrid& map, const std::vector
                      map.columns());
 }
 
-std::optional<std::string> OtherSize(const OccupancyGrid& map, const BeliefGrid& belief) {
-  if (belief.rows() == map.rows() && belief.columns() == map.columns()) return std::nullopt;
-  return fmt::format("the operator's map has {}x{} cells, the robot's has {}x{}", belief.rows(),
-                     belief.columns(), map.rows(), map.columns());
+template <class T>
+std::optional<std::string> OtherSize(const OccupancyGrid& map, const Grid<T>& other,
+                                     std::string_view what) {
+  if (other.rows() == map.rows() && other.columns() == map.columns()) return std::nullopt;
+  return fmt::format("{} has {}x{} cells, the robot's has {}x{}", what, other.rows(),
+                     other.columns(), map.rows(), map.columns());
 }
 
 }  // namespace
@@ -28,7 +30,11 @@ std::optional<std::string> Inconsistency(const RobotInputs& inputs) {
   const RobotState& state = *inputs.state;
   const OccupancyGrid& map = inputs.map->cells;
   if (inputs.belief) {
-    if (auto text = OtherSize(map, inputs.belief->wall_probability)) return text;
+    const BeliefGrid& belief = inputs.belief->wall_probability;
+    if (auto text = OtherSize(map, belief, "the operator's map")) return text;
+  }
+  if (inputs.truth) {
+    if (auto text = OtherSize(map, *inputs.truth, "the true map")) return text;
   }
   if (auto text = OutsideOf(map, {state.cell}, "its cell")) return text;
   if (auto text = OutsideOf(map, state.path, "cell of its path")) return text;

@@ -5,6 +5,7 @@
 #include "planner/decision/greedy_method.h"
 #include "planner/decision/ig_mcts_method.h"
 #include "planner/decision/instruction_method.h"
+#include "planner/decision/mapping_method.h"
 #include "planner/decision/teleop_method.h"
 
 namespace conav::planner {
@@ -21,6 +22,7 @@ std::unique_ptr<Method> MakeMethod(const std::string& name, const std::string& r
   if (name == "instruction") return std::make_unique<InstructionMethod>(seed, clock);
   if (name == "teleop") return std::make_unique<TeleopMethod>();
   if (name == "greedy") return std::make_unique<GreedyMethod>(seed, clock);
+  if (name == kMappingMethod) return std::make_unique<MappingMethod>(seed, clock);
   DEMAND(name == "ig-mcts", name, robot);
   return std::make_unique<IgMctsMethod>(
       config.search, seed, std::move(perception), clock, std::move(estimate),

@@ -11,7 +11,7 @@
 
 namespace conav::planner {
 
-/// The method called `name` ("ig-mcts", "instruction", "teleop", "greedy") for one robot. `config`,
+/// The method called `name` ("ig-mcts", "instruction", "teleop", "greedy", kMappingMethod) for one robot. `config`,
 /// `perception` and `estimate` (null = the published belief is believed) are used by ig-mcts only
 /// and may be shared between the robots of a world. `clock` outlives the method.
 std::unique_ptr<Method> MakeMethod(const std::string& name, const std::string& robot,

@@ -21,9 +21,12 @@ struct Situation {
   CameraLens lens;
   std::optional<Guidance>
       guidance;  // absent when there is none, it was withdrawn, or it has expired
-  std::optional<DriveOrder> drive;  // newest order of who steers the robot, carried out or not
-  SimTime now;                      // newest simulation time heard from the robot's world
-  bool guided_before = false;       // the operator has given this robot a path at some time
+  std::optional<DriveOrder> drive;      // newest order of who steers the robot, carried out or not
+  SimTime now;                          // newest simulation time heard from the robot's world
+  std::uint64_t answered_snapshot = 0;  // newest picture that the operator answered
+  std::uint64_t answered_belief = 0;    // revision of the map at that answer
+  std::optional<OccupancyGrid> truth;   // in the mapping task only
+  bool guided_before = false;           // the operator has given this robot a path at some time
   std::vector<Neighbour> neighbours;
 };
 

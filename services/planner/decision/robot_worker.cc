@@ -244,8 +244,13 @@ Situation RobotWorker::SituationFrom(const RobotInputs& inputs) {
                       .guidance = std::nullopt,
                       .drive = inputs.drive,
                       .now = board_.NewestStamp(options_.robot),
+                      .truth = inputs.truth,
                       .neighbours = board_.NeighboursOf(options_.robot)};
   newest_revision_ = inputs.guidance ? inputs.guidance->revision : 0;
+  if (inputs.guidance) {
+    situation.answered_snapshot = inputs.guidance->answers_snapshot;
+    situation.answered_belief = inputs.guidance->belief_revision;
+  }
   if (inputs.guidance && !inputs.guidance->path.empty()) {
     guided_before_ = true;
     if (inputs.guidance->valid_until >= situation.state.stamp) situation.guidance = inputs.guidance;

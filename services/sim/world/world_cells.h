@@ -9,9 +9,6 @@
 
 namespace conav::sim {
 
-/// Free cells that 4-connected steps reach from `from`, itself included.
-std::set<Cell> ReachableCells(const OccupancyGrid& truth, Cell from);
-
 /// The largest connected free area; the northernmost one when several are as large. Empty when no
 /// cell is free.
 std::set<Cell> LargestFreeArea(const OccupancyGrid& truth);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "common/grid/reachable_cells.h"
 #include "common/runtime/random.h"
 #include "sim/world/map_corruption.h"
 #include "sim/world/rotation.h"

@@ -42,6 +42,20 @@ journey("axe finds nothing serious in any state of the page, dark or light", asy
   await finds(other, "take over");
 });
 
+journey("axe finds nothing serious on a participant's page", async (scene) => {
+  const task = await scene.mappingTask("--participant", "P07", "--maze-seed", "7");
+  const page = await scene.openOnly(task.url, { colorScheme: "dark" });
+  const begin = page.dialog("Maze 1 of 1").getByRole("button", { name: "Begin" });
+  await begin.waitFor();
+  await finds(page, "begin dialog");
+  await begin.click();
+  await page.page.getByRole("img", { name: "Picture 1 of r1" }).waitFor();
+  await finds(page, "mapping");
+  await page.press("?");
+  await page.dialog("What to do, and keys").waitFor();
+  await finds(page, "help of the task");
+});
+
 /** In both themes, without motion: a colour on its way to another one has any contrast. */
 async function finds(page, state) {
   for (const theme of ["dark", "light"]) {

@@ -1,9 +1,9 @@
 import { chromium } from "playwright-core";
 
 /** Debian's own; another one by CONAV_CHROMIUM. */
-const executablePath = process.env.CONAV_CHROMIUM ?? "/usr/bin/chromium";
+export const executablePath = process.env.CONAV_CHROMIUM ?? "/usr/bin/chromium";
 
-const quiet = [
+export const quiet = [
   "--no-sandbox",
   "--disable-gpu",
   "--disable-background-networking",

@@ -1,3 +1,4 @@
+import { fittedGrid } from "./fitted_grid.mjs";
 import { Told } from "./told.mjs";
 import { patience, until } from "./wait.mjs";
 
@@ -163,11 +164,7 @@ export class ConsolePage {
   async #centreOf({ row, column }) {
     const { rows, columns } = this.told.newest("world", "w1");
     const box = await this.map.boundingBox();
-    const [ruler, margin] = [24, 8];
-    const room = { width: box.width - ruler - 2 * margin, height: box.height - ruler - 2 * margin };
-    const scale = Math.min(room.width / columns, room.height / rows);
-    const left = box.x + ruler + margin + (room.width - scale * columns) / 2;
-    const top = box.y + ruler + margin + (room.height - scale * rows) / 2;
-    return { x: left + (column + 0.5) * scale, y: top + (row + 0.5) * scale };
+    const { left, top, scale } = fittedGrid(box, { rows, columns });
+    return { x: box.x + left + (column + 0.5) * scale, y: box.y + top + (row + 0.5) * scale };
   }
 }

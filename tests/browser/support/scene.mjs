@@ -5,7 +5,7 @@ import { join } from "node:path";
 import { launch } from "./browser.mjs";
 import { ConsolePage, connectionTrouble } from "./console_page.mjs";
 import { Line } from "./line.mjs";
-import { DemoSystem, ReplaySystem, ServiceSystem } from "./system.mjs";
+import { DemoSystem, ParticipantSystem, ReplaySystem, ServiceSystem } from "./system.mjs";
 
 /** Where failed journeys leave what their pages looked like. */
 const failures = process.env.CONAV_BROWSER_FAILURES ?? join(tmpdir(), "conav-browser-failures");
@@ -50,6 +50,22 @@ export class Scene {
   async services(more) {
     const system = this.#keep(new ServiceSystem(this.folder));
     await system.start(more);
+    return system;
+  }
+
+  /** A participant's mazes; options as on the command line of `conav mapping-task`. */
+  mappingTask(...options) {
+    return this.#participant("conav-mapping-task", options);
+  }
+
+  /** The same for `conav study --live`. */
+  liveStudy(...options) {
+    return this.#participant("conav-live-study", options);
+  }
+
+  async #participant(program, options) {
+    const system = this.#keep(new ParticipantSystem(program, this.folder));
+    await system.start(options);
     return system;
   }
 

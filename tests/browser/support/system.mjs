@@ -84,6 +84,46 @@ export class ReplaySystem {
   }
 }
 
+/** What `conav mapping-task` or `conav study --live` starts, on a port of its own. */
+export class ParticipantSystem {
+  #program;
+  #log;
+  #task;
+  /** The participant's. */
+  folder;
+  url = "";
+
+  /**
+   * @param {string} program conav-mapping-task or conav-live-study
+   * @param {string} folder for the participant's folder and what the program says
+   */
+  constructor(program, folder) {
+    this.#program = program;
+    this.folder = join(folder, "participant");
+    this.#log = join(folder, `${program}.log`);
+  }
+
+  /** @param {readonly string[]} options of the task */
+  async start(options) {
+    const words = ["--port", "0", "--speed", "20", "--out", this.folder, ...options];
+    const command = [join(programs, this.#program), ...words];
+    this.#task = new Process(this.#program, command, { log: this.#log });
+    [, this.url] = await this.#task.hears(/^maze 1 .*(http:\S+)$/m);
+  }
+
+  logs() {
+    return [this.#log, ...["sim", "operator", "planner"].map((name) => this.#logOf(name))];
+  }
+
+  async stop() {
+    await this.#task?.stop();
+  }
+
+  #logOf(service) {
+    return join(this.folder, "maze-1-1/logs", `${service}.log`);
+  }
+}
+
 /**
  * Simulator, planner and operator service, each by itself, without anybody simulated: any of them can be killed and started
  * again, on the same port and database.

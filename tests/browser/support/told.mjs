@@ -13,6 +13,7 @@ const keys = {
   service: ({ name }) => name,
   presence: () => "",
   playback: () => "",
+  task: () => "",
   truth: ({ world }) => world,
 };
 

@@ -81,7 +81,7 @@ TEST_CASE("A malformed guidance is refused", "[protocol][convert]") {
 
 TEST_CASE("A malformed operator request is refused", "[protocol][convert]") {
   CheckRefused(
-      SampleEdit(), [](RequestMessage& m) { m.kind(12); }, "kind = 12 is not in [1, 11]");
+      SampleEdit(), [](RequestMessage& m) { m.kind(13); }, "kind = 13 is not in [1, 12]");
   CheckRefused(
       SampleSelect(), [](RequestMessage& m) { m.robot(""); }, "robot is empty");
   CheckRefused(
@@ -154,6 +154,14 @@ TEST_CASE("A malformed control request or hold order is refused", "[protocol][co
       SampleHold(), [](HoldMessage& m) { m.revision(0); }, "revision = 0 is below 1");
   CheckRefused(
       SampleHold(), [](HoldMessage& m) { m.robot(""); }, "robot is empty");
+}
+
+TEST_CASE("Texts in another encoding come in as UTF-8", "[protocol][convert]") {
+  HoldOrder hold = SampleHold();
+  hold.reason = "caf\xE9";
+  const auto read = ToDomain(ToMessage(hold));
+  REQUIRE(read);
+  CHECK(read->reason == "caf?");
 }
 
 TEST_CASE("A malformed reply or attention request is refused", "[protocol][convert]") {

@@ -133,7 +133,8 @@ inline std::vector<OperatorRequest> SampleControlRequests() {
           request(TakeControlRequest{{"r1"}, "shift change"}),
           request(ReleaseControlRequest{{"r1", "r2"}}),
           request(AcknowledgeRequest{9}),
-          request(ShelveRequest{9, 60.0})};
+          request(ShelveRequest{9, 60.0}),
+          request(FinishRequest{})};
 }
 
 inline AttentionQueueState SampleQueue() {

@@ -12,7 +12,11 @@ namespace fs = std::filesystem;
 
 struct Inner {
   double gain = 0.5;
-  void Visit(ConfigReader& reader) { reader.Field("gain", gain, 0.0, 1.0); }
+  std::string token;
+  void Visit(ConfigReader& reader) {
+    reader.Field("gain", gain, 0.0, 1.0);
+    reader.Secret("token", token);
+  }
 };
 
 struct Outer {
@@ -107,6 +111,16 @@ TEST_CASE("the effective config reads back as it was written", "[runtime][config
   CHECK(copy.names == std::vector<std::string>{"p", "q"});
   CHECK(copy.loud);
   CHECK(copy.inner.gain == 0.75);
+}
+
+TEST_CASE("a config that is written for others keeps its secrets", "[runtime][config]") {
+  const Outer config = Read("{inner: {token: open-sesame}}");
+  CHECK(DumpConfig("robot", config).find("open-sesame") != std::string::npos);
+  const std::string shown = DumpConfig("robot", config, ConfigReader::Secrets::kKept);
+  CHECK(shown.find("open-sesame") == std::string::npos);
+  CHECK(shown.find("token: (not shown)") != std::string::npos);
+  const std::string without = DumpConfig("robot", Outer(), ConfigReader::Secrets::kKept);
+  CHECK(without.find("not shown") == std::string::npos);
 }
 
 TEST_CASE("a missing file, bad YAML and a missing section are named", "[runtime][config]") {

@@ -21,5 +21,10 @@ TEST_CASE("Other encodings, cut, overlong and surrogate characters are not UTF-8
   CHECK_FALSE(IsUtf8("\xF4\x90\x80\x80"));
 }
 
+TEST_CASE("What is not UTF-8 is made readable", "[runtime][utf8]") {
+  CHECK(Readable("wall ahead, \xC3\xBC") == "wall ahead, \xC3\xBC");
+  CHECK(Readable("bad \xFF\x01 byte") == "bad ?\x01 byte");
+}
+
 }  // namespace
 }  // namespace conav

@@ -109,9 +109,9 @@ TEST_CASE("The map is wrong at first by the corruption, and its accuracies are w
 
 TEST_CASE("After the goals the robot prefers places where the map is wrong", "[nhpm][synthesis]") {
   MappingTaskOptions indifferent;
-  indifferent.background = 1e9;
+  indifferent.tour.background = 1e9;
   MappingTaskOptions attracted;
-  attracted.background = 0.0;
+  attracted.tour.background = 0.0;
   const auto wrong_around = [](const MappingTaskOptions& options) {
     Annotator asleep;
     asleep.reader.lapse_probability = 1.0;
@@ -137,8 +137,8 @@ TEST_CASE("After the goals the robot prefers places where the map is wrong", "[n
 
 TEST_CASE("Where no place attracts the robot, it goes to any", "[nhpm][synthesis]") {
   MappingTaskOptions options;
-  options.background = 0.0;
-  options.attraction_cells = 0.0;  // only cells that are wrong themselves
+  options.tour.background = 0.0;
+  options.tour.attraction_cells = 0.0;  // only cells that are wrong themselves
   options.corruption.wrong_share = 0.0;
   Annotator annotator;
   annotator.reader.guess_probability = 0.0;
@@ -157,10 +157,12 @@ TEST_CASE("Options of the task out of range are refused by name", "[nhpm][synthe
     CHECK(trajectory.error().code == ErrorCode::kInvalidArgument);
     return trajectory.error().text;
   };
-  CHECK(refusal({.headings = 0}) == "headings = 0: not from 1 to 360");
-  CHECK_THAT(refusal({.background = -1.0}), Catch::StartsWith("background = -1"));
-  CHECK_THAT(refusal({.background = std::nan("")}), Catch::StartsWith("background = nan"));
-  CHECK_THAT(refusal({.attraction_cells = -1.0}), Catch::StartsWith("attraction_cells = -1"));
+  CHECK(refusal({.tour = {.headings = 0}}) == "headings = 0: not from 1 to 360");
+  CHECK_THAT(refusal({.tour = {.background = -1.0}}), Catch::StartsWith("background = -1"));
+  CHECK_THAT(refusal({.tour = {.background = std::nan("")}}),
+             Catch::StartsWith("background = nan"));
+  CHECK_THAT(refusal({.tour = {.attraction_cells = -1.0}}),
+             Catch::StartsWith("attraction_cells = -1"));
 }
 
 TEST_CASE("Equal seeds give equal trajectories, other seeds other mazes, maps and ways",

@@ -121,6 +121,18 @@ TEST_CASE("of the attention queue no field is lost", "[operator][console]") {
   CHECK(attention.predicted_waiting_time() == 4.0);
 }
 
+TEST_CASE("of a participant's task no field is lost", "[operator][console]") {
+  const TaskStatus status{"P07", 2, 3, {0.5}, TaskPhase::kFinished, 1, true, 0.75, 0.9};
+  const console::Task message = ToConsole(status);
+  CHECK(Unset(message) == kNone);
+  CHECK(message.phase() == console::PHASE_FINISHED);
+  CHECK(message.number() == 2);
+  CHECK(message.count() == 3);
+  CHECK(message.earlier(0) == 0.5);
+  CHECK(message.mapping_accuracy() == 0.75);
+  CHECK(message.cell_accuracy() == 0.9);
+}
+
 TEST_CASE("probabilities become bytes", "[operator][console]") {
   Grid<float> grid(1, 6);
   const std::vector<float> values{0.0F, 0.5F, 1.0F, 0.25F, -3.0F, 7.0F};
@@ -133,14 +145,6 @@ TEST_CASE("what a robot has seen becomes bytes", "[operator][console]") {
   grid[{0, 1}] = Occupancy::kFree;
   grid[{0, 2}] = Occupancy::kOccupied;
   CHECK(ToBytes(grid) == std::string("\x00\x01\x02", 3));
-}
-
-TEST_CASE("text that is no UTF-8 is made readable", "[operator][console]") {
-  CHECK(Readable("wall ahead, \xC3\xBC") == "wall ahead, \xC3\xBC");
-  CHECK(Readable("bad \xFF\x01 byte") == "bad ?\x01 byte");
-  RobotState state = samples::SampleState();
-  state.command_detail = std::string(1, '\xC3');
-  CHECK(ToConsole(state, 0.0).detail() == "?");
 }
 
 }  // namespace conav::operators

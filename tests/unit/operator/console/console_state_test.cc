@@ -194,6 +194,14 @@ TEST_CASE("health is said when it changes, and once a second", "[operator][conso
   CHECK(service.message() == "lost");
 }
 
+TEST_CASE("a participant's task appears", "[operator][console]") {
+  StateBench bench;
+  console::Task task;
+  task.set_participant("P07");
+  bench.state.Hear(task);
+  CHECK(OnlyOf(bench.log, Kind::kTask).task().participant() == "P07");
+}
+
 TEST_CASE("presence, control, alerts and playback appear", "[operator][console]") {
   StateBench bench;
   bench.state.Hear(std::vector<Person>{{"anna/1", "anna", console::ROLE_ADMIN}});

@@ -85,6 +85,14 @@ TEST_CASE("each kind of request becomes what the bus asks", "[operator][gateway]
         Expected(SelectRequest{"r1", AttentionReason::kBlocked}));
 }
 
+TEST_CASE("a participant may say that they are done", "[operator][gateway]") {
+  console::Request request = Base();
+  request.mutable_finish();
+  const auto converted = Convert(request);
+  REQUIRE(converted);
+  CHECK(std::holds_alternative<FinishRequest>(converted->body));
+}
+
 TEST_CASE("an empty path withdraws guidance", "[operator][gateway]") {
   console::Request request = GuideOf(30.0);
   request.mutable_guide()->clear_path();

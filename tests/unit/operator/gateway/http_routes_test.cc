@@ -76,9 +76,22 @@ TEST_CASE("who takes gzip gets the compressed form, where there is one", "[opera
   CHECK(BodyOf(page) == "compressed page");
   CHECK(Header(page, "Content-Encoding") == "gzip");
   CHECK(Header(page, "Vary") == "Accept-Encoding");
+  CHECK(Header(page, "ETag") != Header(bench.Get("/"), "ETag"));
+  request.if_none_match = Header(page, "ETag");
+  CHECK(bench.Ask(request).status == 304);
+  request.if_none_match.clear();
   request.target = "/assets/x-123.js";
   CHECK(BodyOf(bench.Ask(request)) == "script");
   CHECK(Header(bench.Ask(request), "Content-Encoding").empty());
+}
+
+TEST_CASE("who does not take gzip gets none", "[operator][gateway]") {
+  const Bench bench;
+  HttpRequest request = Bench::RequestOf("/");
+  request.accept_encoding = GENERATE("", "br", "gzip;q=0", "br, gzip ; q=0.000", "x-gzip-like");
+  CHECK(BodyOf(bench.Ask(request)) == "<page>");
+  request.accept_encoding = GENERATE("gzip;q=0.5", "br;q=1, gzip;q=1.0");
+  CHECK(BodyOf(bench.Ask(request)) == "compressed page");
 }
 
 TEST_CASE("who has the file is told so", "[operator][gateway]") {
@@ -99,6 +112,20 @@ TEST_CASE("who has another version gets this one", "[operator][gateway]") {
   HttpRequest request = Bench::RequestOf("/");
   request.if_none_match = GENERATE("\"other\"", ",", " , ,", "W/", "0123");
   CHECK(bench.Ask(request).status == 200);
+}
+
+TEST_CASE("a service that has stopped to answer is not ready, and then stuck",
+          "[operator][gateway]") {
+  Bench bench;
+  bench.readiness = {true, "{\"ready\":true}", std::chrono::seconds(5)};
+  CHECK(bench.Get("/readyz").status == 200);
+  CHECK(bench.Get("/livez").status == 200);
+  bench.readiness.age = std::chrono::seconds(6);
+  CHECK(bench.Get("/readyz").status == 503);
+  CHECK_THAT(BodyOf(bench.Get("/readyz")), Catch::Contains("does not answer"));
+  CHECK(bench.Get("/livez").status == 200);
+  bench.readiness.age = std::chrono::seconds(31);
+  CHECK(bench.Get("/livez").status == 503);
 }
 
 TEST_CASE("nothing beside the page's folder is served", "[operator][gateway]") {

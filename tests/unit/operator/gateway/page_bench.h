@@ -21,7 +21,8 @@ struct PageBench {
   }
 
   void Connect() {
-    feed.emplace(PageContext{options, updates, frames, welcome}, ++connections, clock.Now());
+    feed.emplace(PageContext{options, updates, frames, welcome, [this] { return has_room; }},
+                 ++connections, clock.Now());
   }
 
   static console::Hello Hello() {
@@ -101,6 +102,7 @@ struct PageBench {
   UpdateLog updates;
   FrameSlots frames;
   console::Welcome welcome;
+  bool has_room = true;
   FakeClock clock;
   std::uint64_t connections = 0;
   std::optional<PageFeed> feed;

@@ -32,7 +32,8 @@ TEST_CASE("a slow page gets the newest frame and how many it missed", "[operator
   CHECK(frame.skipped() == 5);
   CHECK(frame.number() == 12);
   CHECK(frame.jpeg() == "newest");
-  CHECK(bench.feed->frames_skipped() == 5);
+  CHECK(bench.feed->TakeFramesSkipped() == 5);
+  CHECK(bench.feed->TakeFramesSkipped() == 0);
 }
 
 TEST_CASE("robots take turns on a slow page", "[operator][gateway]") {

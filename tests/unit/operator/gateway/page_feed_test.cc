@@ -10,6 +10,9 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
+/// Her name, and what SHA-256 makes of the newline and instance that PageBench says.
+constexpr const char* kAnna = "anna/871c40f90aad17b5";
+
 /// "a=1 b=2!" with "!" for everything.
 std::string Text(const console::ServerMessage& message) {
   std::string text;
@@ -27,11 +30,11 @@ TEST_CASE("a page that says hello is welcome and gets everything", "[operator][g
   const auto events = bench.Send(PageBench::Hello());
   REQUIRE(events.size() == 1);
   CHECK(events[0].page == 1);
-  CHECK(events[0].who.client == "anna/0123456789abcdef");
+  CHECK(events[0].who.client == kAnna);
   CHECK(events[0].who.name == "anna");
   CHECK(std::holds_alternative<PageJoined>(events[0].body));
   const auto welcome = bench.NextOne().welcome();
-  CHECK(welcome.client() == "anna/0123456789abcdef");
+  CHECK(welcome.client() == kAnna);
   CHECK(welcome.role() == console::ROLE_OPERATOR);
   CHECK(welcome.limits().edit_cells() == 100);
   CHECK(welcome.service_time() == 1000.0);
@@ -39,6 +42,25 @@ TEST_CASE("a page that says hello is welcome and gets everything", "[operator][g
   CHECK(Text(bench.NextOne()) == "a=1!");
   CHECK_FALSE(bench.Next());
   CHECK(bench.feed->fault().empty());
+}
+
+TEST_CASE("what a page is called does not tell how to be it", "[operator][gateway]") {
+  PageBench bench;
+  const std::string name = bench.Join().client();
+  bench.Connect();
+  CHECK(bench.Join().client() == name);  // the same page comes back
+  console::Hello other = PageBench::Hello();
+  other.set_instance(name.substr(name.find('/') + 1));
+  bench.Connect();
+  CHECK(bench.Join(other).client() != name);
+}
+
+TEST_CASE("a page that is one too many is told so and may come back", "[operator][gateway]") {
+  PageBench bench;
+  bench.has_room = false;
+  CHECK(bench.Send(PageBench::Hello()).empty());
+  CHECK_FALSE(bench.feed->has_joined());
+  bench.ExpectGoodbye("pages are open, the limit of operator.console.max_pages", true);
 }
 
 TEST_CASE("nothing is said before Hello", "[operator][gateway]") {
@@ -108,18 +130,18 @@ TEST_CASE("names keep their letters, clients have those of the bus", "[operator]
   console::Hello hello = PageBench::Hello();
   SECTION("none") {
     hello.clear_name();
-    CHECK(bench.Join(hello).client() == "console/0123456789abcdef");
+    CHECK(bench.Join(hello).client() == "console/871c40f90aad17b5");
   }
   SECTION("foreign letters") {
     hello.set_name("Zo\xC3\xAB B.");
-    CHECK(bench.Join(hello).client() == "Zo___B_/0123456789abcdef");
+    CHECK(bench.Join(hello).client() == "Zo___B_/871c40f90aad17b5");
     CHECK(bench.feed->identity()->name == "Zo\xC3\xAB B.");
   }
   SECTION("40 letters of two bytes") {
     std::string name;
     for (int i = 0; i < 40; ++i) name += "\xC3\xAB";
     hello.set_name(name);
-    CHECK(bench.Join(hello).client() == std::string(40, '_') + "/0123456789abcdef");
+    CHECK(bench.Join(hello).client() == std::string(40, '_') + "/871c40f90aad17b5");
   }
 }
 
@@ -266,7 +288,7 @@ TEST_CASE("a request is handed over with the round trip", "[operator][gateway]")
   const auto& asked = std::get<PageAsked>(events[0].body);
   CHECK(asked.request.id() == 7);
   CHECK(asked.round_trip_s == (measured == 0.25 ? 0.25 : 0.0));
-  CHECK(events[0].who.client == "anna/0123456789abcdef");
+  CHECK(events[0].who.client == kAnna);
 }
 
 TEST_CASE("a seek is handed over", "[operator][gateway]") {

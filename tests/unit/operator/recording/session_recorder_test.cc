@@ -274,6 +274,24 @@ TEST_CASE("At the end an open picture counts only with an edit", "[operator][rec
   CHECK(untouched.recorder.Take().empty());
 }
 
+TEST_CASE("Who finishes has looked at the open picture, with an edit or without",
+          "[operator][recording]") {
+  Session edited;
+  edited.Send("r1", 1);
+  edited.Edit({1, 1});
+  edited.clock.Advance(2s);
+  edited.recorder.Finish(edited.clock.Now());
+  const Segment segment = edited.Only().segment;
+  CHECK(Edits(segment) == std::vector<Cell>{{1, 1}});
+  CHECK(segment.confirmed_s == 4.0);
+  Session untouched;
+  untouched.Send("r1", 1);
+  untouched.recorder.Finish(untouched.clock.Now());
+  CHECK(Edits(untouched.Only().segment).empty());
+  untouched.recorder.Finish(untouched.clock.Now());
+  CHECK(untouched.recorder.Take().empty());
+}
+
 TEST_CASE("A robot that starts anew counts its pictures anew", "[operator][recording]") {
   Session session;
   session.Robot("r1", 100);

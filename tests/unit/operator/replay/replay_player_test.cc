@@ -142,7 +142,24 @@ TEST_CASE("streams show the newest frame, with where the robot is", "[operator][
   const auto slot = bench.frames.Newer({}).at("r1");
   CHECK(slot.frame->jpeg() == std::string(1, '\3'));
   CHECK(slot.frame->cell().column() == 2);
-  CHECK(slot.number == 2);  // the first one and this
+  CHECK(slot.number == 3);  // the first one, this, and this with its age
+  CHECK(slot.frame->heard_at() == Approx(kNow).margin(1e-3));
+  bench.Advance(60.0);  // a pause
+  CHECK(bench.frames.Newer({}).at("r1").frame->heard_at() == Approx(kNow + 60.0).margin(1e-3));
+}
+
+TEST_CASE("a world that began anew shows its own picture of a number", "[operator][replay]") {
+  TimelineBuilder builder(SessionOfOne());
+  Picture picture = SentPicture(1);
+  picture.jpeg = {1, 2, 3};
+  builder.Hear(kBegin, picture);
+  picture.jpeg = {4, 5};
+  builder.Hear(kBegin + 5.0, picture);
+  ReplayBench bench(std::move(builder).Finish());
+  bench.Seek(5.0);
+  CHECK(*bench.pictures.Find("r1", 1) == "\4\5");
+  bench.Seek(0.0);
+  CHECK(*bench.pictures.Find("r1", 1) == "\1\2\3");
 }
 
 TEST_CASE("a robot that was stopped is shown so, since then", "[operator][replay]") {

@@ -30,6 +30,10 @@ TEST_CASE("what does not fit is named with both values", "[planner][consistency]
     inputs.belief->wall_probability = BeliefGrid(5, 4);
     expected = "the operator's map has 5x4 cells, the robot's has 3x4";
   }
+  SECTION("true map of another size") {
+    inputs.truth = OccupancyGrid(3, 5);
+    expected = "the true map has 3x5 cells, the robot's has 3x4";
+  }
   SECTION("robot outside of its map") {
     inputs.state->cell = {3, 1};
     expected = "its cell (3,1) is outside of the robot's 3x4 map";

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "common/grid/geometry.h"
-#include "sim/world/world_cells.h"
+#include "common/grid/reachable_cells.h"
 
 namespace conav::sim {
 namespace {

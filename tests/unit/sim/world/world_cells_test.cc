@@ -14,11 +14,6 @@ OccupancyGrid TwoRooms() {
 
 }  // namespace
 
-TEST_CASE("reachable cells end at walls", "[sim][world]") {
-  CHECK(ReachableCells(TwoRooms(), {1, 6}) == std::set<Cell>{{1, 5}, {1, 6}});
-  CHECK(ReachableCells(TwoRooms(), {1, 2}).size() == 3);
-}
-
 TEST_CASE("the largest free area is found, none where nothing is free", "[sim][world]") {
   CHECK(LargestFreeArea(TwoRooms()) == std::set<Cell>{{1, 1}, {1, 2}, {1, 3}});
   CHECK(LargestFreeArea(OccupancyGrid(3, 3, Occupancy::kOccupied)).empty());

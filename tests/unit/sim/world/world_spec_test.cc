@@ -7,8 +7,8 @@
 #include <set>
 
 #include "common/grid/map_accuracy.h"
+#include "common/grid/reachable_cells.h"
 #include "sim/world/maze_presets.h"
-#include "sim/world/world_cells.h"
 
 namespace conav::sim {
 namespace {

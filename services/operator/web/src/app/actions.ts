@@ -156,6 +156,11 @@ export class Actions {
     return this.#ask("Drive", { case: "drive", value }, options);
   }
 
+  /** The participant of a mapping task is done with this maze. */
+  finish(): Promise<Outcome> {
+    return this.#ask("Finish", { case: "finish", value: {} });
+  }
+
   acknowledge(alert: bigint): Promise<Outcome> {
     return this.#ask("Acknowledge", { case: "acknowledge", value: { alert } });
   }

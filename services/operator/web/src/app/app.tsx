@@ -1,3 +1,4 @@
+import { useComputed } from "@preact/signals";
 import { useMemo } from "preact/hooks";
 import { MapCanvas } from "../map/map_canvas";
 import { Alerts } from "../panels/alerts/alerts";
@@ -15,6 +16,10 @@ import { Pictures } from "../panels/pictures/pictures";
 import { Queue } from "../panels/queue/queue";
 import { ReplayBar } from "../panels/replay/replay_bar";
 import { StartDialog } from "../panels/start/start_dialog";
+import { BeginDialog } from "../panels/task/begin_dialog";
+import { TaskHelp } from "../panels/task/task_help";
+import { TaskPage } from "../panels/task/task_page";
+import { isTask } from "../panels/task/task_state";
 import { DriveBadge } from "../panels/teleoperation/drive_badge";
 import { TourCard } from "../panels/tour/tour_card";
 import { Workload } from "../panels/workload/workload";
@@ -29,26 +34,38 @@ export function App({ console, announcer }: { console: Console; announcer: Annou
       <a class="skip" href="#map">
         To the map
       </a>
-      <div class="console">
-        <header class="top">
-          <h1 class="unseen">conav console</h1>
-          <FleetStrip />
-          <ControlBar />
-        </header>
-        <LinkBanner />
-        <Stage />
-        <aside class="side" aria-label="Attention">
-          <Queue />
-          <Pictures />
-          <Alerts />
-        </aside>
-        <ReplayBar />
-        <LatencyStrip />
-      </div>
+      <Layout />
       <Notices />
       <Dialogs />
       <LiveRegions announcer={announcer} />
     </ConsoleContext.Provider>
+  );
+}
+
+/** For whoever supervises, or for a participant of a mapping task or a study. */
+function Layout() {
+  const { store } = useConsole();
+  const forTask = useComputed(() => isTask(store.state.value)).value;
+  const maze = useComputed(() => store.state.value.task?.number).value;
+  // A map of its own for each maze: what could be undone in the one before is over.
+  if (forTask) return <TaskPage map={<WorldMap key={maze} />} />;
+  return (
+    <div class="console">
+      <header class="top">
+        <h1 class="unseen">conav console</h1>
+        <FleetStrip />
+        <ControlBar />
+      </header>
+      <LinkBanner />
+      <Stage />
+      <aside class="side" aria-label="Attention">
+        <Queue />
+        <Pictures />
+        <Alerts />
+      </aside>
+      <ReplayBar />
+      <LatencyStrip />
+    </div>
   );
 }
 
@@ -81,12 +98,13 @@ function WorldMap() {
 }
 
 function Dialogs() {
-  const { dialog } = useConsole().store;
+  const { dialog, state } = useConsole().store;
+  const forTask = useComputed(() => isTask(state.value)).value;
   switch (dialog.value?.kind) {
     case "help":
-      return <HelpDialog />;
+      return forTask ? <TaskHelp /> : <HelpDialog />;
     case "start":
-      return <StartDialog />;
+      return forTask ? <BeginDialog /> : <StartDialog />;
     case "take over":
       return <TakeOverDialog takeOver={dialog.value.takeOver} />;
     default:

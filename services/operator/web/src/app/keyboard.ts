@@ -1,3 +1,4 @@
+import { inTask } from "../panels/task/task_keys";
 import type { Teleoperation } from "../panels/teleoperation/teleoperation";
 import { DriveAction, Mode } from "../protocol/generated/console_pb";
 import type { Store } from "../state/store";
@@ -53,7 +54,8 @@ export function listenToKeys(
     const replay = store.state.value.welcome?.mode === Mode.REPLAY;
     const onControl =
       (place?.closest("button, summary, a, select, input") ?? undefined) !== undefined;
-    const command = commandOf(event, { replay, busy, onControl });
+    const meant = commandOf(event, { replay, busy, onControl });
+    const command = inTask(store.state.value, meant);
     if (command === undefined || (event.repeat && !mayRepeat(command))) return false;
     commands[command]();
     return true;

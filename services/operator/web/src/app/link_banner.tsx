@@ -1,4 +1,5 @@
 import type { Link } from "../connection/connection";
+import { isBetweenMazes } from "../panels/task/task_state";
 import { Mode } from "../protocol/generated/console_pb";
 import { useConsole } from "./console";
 import "./link_banner.css";
@@ -6,6 +7,8 @@ import "./link_banner.css";
 /** Across the page when what it shows may be old, and why. */
 export function LinkBanner() {
   const { store } = useConsole();
+  // Between two mazes the service is away, and that is as it should be.
+  if (isBetweenMazes(store.state.value)) return undefined;
   const problem = linkText(store.link.value);
   const text = problem ?? modeText(store.state.value.welcome?.mode);
   return text === undefined ? undefined : (

@@ -26,7 +26,7 @@ import { askForFrames, follow, keepSettings, keepTime, offerStart, stopWithoutLi
 const clock = pageClock;
 const identity = identify(surroundingsOf(window));
 const store = createStore(readSettings(localStorage));
-const inbox = new Inbox(store, clock);
+const inbox = new Inbox(store, clock, () => connection.shown());
 const connection = new ServiceConnection({
   sockets: webSocketFactory(serviceUrl(location)),
   clock,

@@ -1,5 +1,6 @@
 import { computed, type ReadonlySignal } from "@preact/signals";
 import type { MapProps, MapRobot, Permission } from "../map/map_props";
+import { isTask, offersPaths, whyNotMap } from "../panels/task/task_state";
 import type { CellAt } from "../protocol/cells";
 import { type Picture, Role } from "../protocol/generated/console_pb";
 import type { ConsoleState } from "../state/console_state";
@@ -64,6 +65,8 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
         chosenRobot: chosenRobot.value,
         tool: store.tool.value,
         watchesOnly: watchesOnly.value,
+        participates: isTask(state.value),
+        offersPaths: offersPaths(state.value),
         mayEdit: mayEdit.value,
         mayGuide: mayGuide.value,
         editLimit: state.value.welcome?.limits?.editCells || undefined,
@@ -152,7 +155,8 @@ function permission(reason: string | undefined): Permission {
 function whyNotEdit(state: ConsoleState, link: string): string | undefined {
   if (link !== "live") return "the connection is not live";
   if (state.playback !== undefined) return "this is a recording";
-  return state.welcome?.role === Role.OBSERVER ? "you are an observer" : undefined;
+  if (state.welcome?.role === Role.OBSERVER) return "you are an observer";
+  return isTask(state) ? whyNotMap(state) : undefined;
 }
 
 function whyNotGuide(

@@ -2,6 +2,7 @@ import { effect } from "@preact/signals";
 import type { Clock } from "../connection/clock";
 import type { Connection, Link } from "../connection/connection";
 import { type Announcer, newsOf } from "../panels/announcements/announcer";
+import { isTask, taskNews } from "../panels/task/task_state";
 import type { Teleoperation } from "../panels/teleoperation/teleoperation";
 import { sightOf } from "../panels/tour/sight";
 import { withSample } from "../panels/workload/history";
@@ -41,7 +42,7 @@ export function follow({ store, tour, history }: Console, announcer: Announcer):
   let before = store.state.peek();
   effect(() => {
     const now = store.state.value;
-    announcer.tell(newsOf(before, now));
+    announcer.tell(isTask(now) ? taskNews(before, now) : newsOf(before, now));
     before = now;
     if (now.attention) history.value = withSample(history.peek(), now.attention);
   });

@@ -42,6 +42,8 @@ export interface Connection {
   stop(): void;
   /** Kept until answered or too old, also while the connection is lost; never rejected. */
   request(body: RequestBody, options?: RequestOptions): Promise<Outcome>;
+  /** All that `received` has told of is shown: the service sends more only then. */
+  shown(): void;
   /** Which robot's frames to send from now on; undefined = none. */
   attend(robot: string | undefined): void;
   seek(to: { position?: number; speed?: number }): void;

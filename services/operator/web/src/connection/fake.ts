@@ -133,6 +133,7 @@ export class FakeConnection implements Connection {
 
   start(): void {}
   stop(): void {}
+  shown(): void {}
 
   request(body: RequestBody, options: RequestOptions = {}): Promise<Outcome> {
     this.asked.push(body);

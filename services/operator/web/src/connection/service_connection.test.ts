@@ -54,6 +54,50 @@ function pong(after: number, serviceTime: number): void {
   service.newest.say({ case: "pong", value: { pageTime: ping.value.pageTime, serviceTime } });
 }
 
+describe("what was taken", () => {
+  const updates = { case: "updates", value: {} } as const;
+  const frame = { case: "frame", value: { robot: "r1" } } as const;
+  const taken = () =>
+    service.newest.ofCase("taken").map(({ body }) => body.case === "taken" && body.value.messages);
+
+  it("is promised in the greeting, and told when it is shown", () => {
+    goLive();
+    expect(service.newest.sent[0]?.body.value).toMatchObject({ saysTaken: true });
+    service.newest.say(updates);
+    service.newest.say(frame);
+    expect(taken()).toEqual([]);
+    connection.shown();
+    service.newest.say(updates);
+    connection.shown();
+    expect(taken()).toEqual([2n, 3n]);
+  });
+
+  it("is not told twice, nor of what is neither updates nor a frame", () => {
+    goLive();
+    connection.shown();
+    pong(0.1, 9000);
+    connection.shown();
+    expect(taken()).toEqual([]);
+    service.newest.say(updates);
+    connection.shown();
+    connection.shown();
+    expect(taken()).toEqual([1n]);
+  });
+
+  it("is counted anew with each connection", () => {
+    goLive();
+    service.newest.say(updates);
+    service.newest.break();
+    connection.shown();
+    clock.advance(30);
+    goLive();
+    connection.shown();
+    service.newest.say(updates);
+    connection.shown();
+    expect(taken()).toEqual([1n]);
+  });
+});
+
 describe("greeting", () => {
   it("says who it is and what it knows, first of all", () => {
     known = { run: "run-0", sequence: 17n };

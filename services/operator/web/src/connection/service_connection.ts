@@ -40,6 +40,9 @@ export class ServiceConnection implements Connection {
   #attempt = 0;
   #heardAt = 0;
   #welcomed = false;
+  /** Updates and frames of this connection: that came, and that the service knows of as shown. */
+  #received = 0n;
+  #taken = 0n;
   #pingedAt = Number.NEGATIVE_INFINITY;
   #cancelWatch: Cancel = () => undefined;
   #cancelRetry: Cancel = () => undefined;
@@ -73,6 +76,12 @@ export class ServiceConnection implements Connection {
     return outcome;
   }
 
+  shown(): void {
+    if (!this.#welcomed || this.#received === this.#taken) return;
+    this.#taken = this.#received;
+    this.#send({ case: "taken", value: { messages: this.#taken } });
+  }
+
   attend(robot: string | undefined): void {
     if (robot === this.#attended) return;
     this.#attended = robot;
@@ -91,6 +100,8 @@ export class ServiceConnection implements Connection {
 
   #open(): void {
     this.#welcomed = false;
+    this.#received = 0n;
+    this.#taken = 0n;
     this.#heardAt = this.#parts.clock.now();
     this.#setLink({ state: "connecting" });
     // Events of a socket that was given up no longer count.
@@ -105,7 +116,8 @@ export class ServiceConnection implements Connection {
 
   #hello(): void {
     const { token, name, instance } = this.#parts.identity;
-    this.#send({ case: "hello", value: { token, name, instance, ...this.#parts.known() } });
+    const hello = { token, name, instance, ...this.#parts.known(), saysTaken: true };
+    this.#send({ case: "hello", value: hello });
   }
 
   #receive(data: ArrayBuffer): void {
@@ -136,6 +148,7 @@ export class ServiceConnection implements Connection {
         this.#begin();
         break;
       default:
+        this.#received += 1n;
         this.#parts.events.received(message);
     }
   }

@@ -67,6 +67,8 @@ export class FakePage {
       nameOf: (client) => client,
       onTool: (tool) => this.asked.push({ kind: "tool", tool }),
       watchesOnly: false,
+      participates: false,
+      offersPaths: true,
       mayEdit: { allowed: true },
       mayGuide: { allowed: true },
       onEdit: async (cells, base) => {

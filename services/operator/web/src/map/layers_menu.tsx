@@ -19,13 +19,25 @@ const layerTexts: Record<LayerName, string> = {
   truth: "True map",
 };
 
+/** Of these a participant is told something. */
+const participantLayers: ReadonlySet<LayerName> = new Set([
+  "belief",
+  "changes",
+  "trails",
+  "pictures",
+  "goals",
+  "paths",
+]);
+
 export function LayersMenu(props: {
   layers: Layers;
   onLayers: (layers: Layers) => void;
   hasTruth: boolean;
+  /** As in MapProps. */
+  participates: boolean;
   open: Signal<boolean>;
 }) {
-  const { layers, onLayers, hasTruth, open } = props;
+  const { layers, onLayers, hasTruth, participates, open } = props;
   const place = useRef<HTMLDivElement>(null);
   useCloseOutside(place, open);
   return (
@@ -49,6 +61,7 @@ export function LayersMenu(props: {
           <legend>Show on the map</legend>
           {layerNames
             .filter((name) => hasTruth || name !== "truth")
+            .filter((name) => !participates || participantLayers.has(name))
             .map((name) => (
               <LayerRow
                 key={name}

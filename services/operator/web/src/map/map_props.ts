@@ -106,6 +106,10 @@ export type MapProps = {
 
   /** An observer or a recording: no tools that change something. */
   watchesOnly: boolean;
+  /** A participant's: no layers of what they are not told. */
+  participates: boolean;
+  /** Where the robot follows no paths there is no tool for them. */
+  offersPaths: boolean;
   mayEdit: Permission;
   mayGuide: Permission; // of the chosen robot
   /** At most so many cells in one edit; a larger one is sent in parts. Not given: no limit. */

@@ -23,6 +23,7 @@ export class PageKeys {
     if (event.ctrlKey || event.metaKey) return this.#historyPressed(key, event.shiftKey);
     if (event.key === "Escape" && !event.shiftKey) return this.#escapePressed();
     const tool = event.shiftKey ? undefined : toolKeys.get(key);
+    if (tool === "path" && !this.#model.props.peek().offersPaths) return false;
     if (tool) this.#model.props.peek().onTool(tool);
     else if (key === "+" || key === "=") this.#model.zoom(zoomStep);
     else if (key === "-") this.#model.zoom(1 / zoomStep);

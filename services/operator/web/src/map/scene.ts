@@ -1,5 +1,6 @@
 // One frame of the map, from the data to the pixels: which layers there are, and which lies over which.
 import { type Bitmap, bitmapOf, drawBitmap } from "./draw/bitmap";
+import { CachedLayer, sameValues } from "./draw/cached_layer";
 import type { Draw } from "./draw/context";
 import { Fader } from "./draw/fader";
 import type { Palette } from "./draw/palette";
@@ -14,7 +15,8 @@ import { drawGridLines, drawRulers } from "./layers/grid_lines";
 import { drawHeat } from "./layers/heat";
 import { laneShift } from "./layers/lanes";
 import { drawDraftPath, drawPathNames, drawPaths, type PathsData } from "./layers/paths";
-import { drawChosenPicture, drawPictures, findPicture } from "./layers/pictures";
+import { PictureMarks } from "./layers/picture_marks";
+import { drawChosenPicture, findPicture } from "./layers/pictures";
 import { drawPlans } from "./layers/plans";
 import { drawRobots } from "./layers/robots";
 import { drawSearches } from "./layers/searches";
@@ -43,16 +45,17 @@ export type Scene = {
 export class SceneCache {
   belief: Bitmap | undefined;
   fog: Bitmap | undefined;
+  readonly ground = new CachedLayer();
+  readonly chosen = new CachedLayer();
+  readonly goals = new CachedLayer();
+  readonly pictures = new PictureMarks();
   readonly fader = new Fader();
   #seen: { readonly keys: readonly unknown[]; readonly cells: Uint8Array } | undefined;
 
   seen(props: MapProps): Uint8Array {
     const maps = [...props.seen.values()];
     const keys = [props.world.rows, props.world.columns, ...maps.map((map) => map.cells)];
-    const same =
-      this.#seen?.keys.length === keys.length &&
-      this.#seen.keys.every((key, index) => key === keys[index]);
-    if (this.#seen && same) return this.#seen.cells;
+    if (this.#seen && sameValues(this.#seen.keys, keys)) return this.#seen.cells;
     const cells = seenByAny(props.world, maps);
     this.#seen = { keys, cells };
     return cells;
@@ -61,9 +64,7 @@ export class SceneCache {
 
 export function drawScene(context: Draw, scene: Scene, cache: SceneCache): void {
   const { view, palette } = scene;
-  context.fillStyle = palette.paper;
-  context.fillRect(0, 0, view.width, view.height);
-  drawCells(context, scene, cache);
+  cache.ground.draw(context, view, groundKeys(scene, cache), (on) => drawGround(on, scene, cache));
   drawLines(context, scene, cache);
   drawMarks(context, scene, cache);
   drawRulers(
@@ -72,6 +73,24 @@ export function drawScene(context: Draw, scene: Scene, cache: SceneCache): void 
     { size: scene.props.world, cell: scene.cursor ?? scene.hover },
     palette,
   );
+}
+
+/** All that drawGround() draws from, besides the view. */
+function groundKeys({ props, palette, editing }: Scene, cache: SceneCache): readonly unknown[] {
+  const { world, belief, layers, trails, robots } = props;
+  const looks = robots.map(({ robot, colour }) => `${robot.name} ${colour}`).join();
+  const told = [world.rows, world.columns, belief?.walls, belief?.initialWalls, cache.seen(props)];
+  return [palette, editing, layers, trails, looks, props.predictions, props.truth, ...told];
+}
+
+function drawGround(context: Draw, scene: Scene, cache: SceneCache): void {
+  const { props, view, palette } = scene;
+  context.fillStyle = palette.paper;
+  context.fillRect(0, 0, view.width, view.height);
+  drawCells(context, scene, cache);
+  const { robots, trails } = props;
+  const show = shower(context, scene, cache);
+  show("trails", (on) => drawTrails(on, view, { robots, trails }, palette));
 }
 
 /** Draws a layer if it shows, and as strongly as it shall. */
@@ -113,23 +132,25 @@ function drawCells(context: Draw, scene: Scene, cache: SceneCache): void {
 
 function drawLines(context: Draw, scene: Scene, cache: SceneCache): void {
   const { props, view, palette } = scene;
-  const { robots, trails, pictures, plans, searches } = props;
+  const { robots, pictures, plans, searches } = props;
   const show = shower(context, scene, cache);
-  show("trails", (on) => drawTrails(on, view, { robots, trails }, palette));
-  show("pictures", (on) => drawPictures(on, view, { robots, pictures }, palette));
-  drawChosen(context, scene);
+  show("pictures", (on) => cache.pictures.draw(on, view, { robots, pictures }, palette));
+  drawChosen(context, scene, cache);
   show("paths", (on) => drawPaths(on, view, pathsOf(scene), palette));
   show("plan", (on) => drawPlans(on, view, { robots, plans }, palette));
   show("search", (on) => drawSearches(on, view, { robots, searches }, palette));
   for (const path of scene.paths) drawDraft(context, scene, path);
 }
 
-function drawChosen(context: Draw, { props, view, palette }: Scene): void {
+function drawChosen(context: Draw, { props, view, palette }: Scene, cache: SceneCache): void {
   const picture = findPicture(props.pictures, props.chosenPicture);
   if (!picture) return;
   const robot = props.robots.find((one) => one.robot.name === picture.robot);
   const colour = robot?.colour ?? palette.muted;
-  drawChosenPicture(context, view, { size: props.world, picture, colour }, palette);
+  const { rows, columns } = props.world;
+  cache.chosen.draw(context, view, [palette, picture, colour, rows, columns], (on) =>
+    drawChosenPicture(on, view, { size: props.world, picture, colour }, palette),
+  );
 }
 
 function pathsOf({ props, paths }: Scene): PathsData {
@@ -153,11 +174,26 @@ function drawDraft(context: Draw, { props, view, palette }: Scene, path: PathSes
   drawDraftPath(context, view, data, palette);
 }
 
+/** All that drawGoals() draws from, besides the view; robots tell of their goals with each state. */
+function goalKeys({ props, palette }: Scene): readonly unknown[] {
+  const words = (cells: readonly Cell[]) => cells.map(({ row, column }) => `${row},${column}`);
+  const told = props.robots.map(({ robot, colour, letter }) =>
+    [robot.name, colour, letter, ...words(robot.goalsLeft), "/", ...words(robot.goalsReached)].join(
+      " ",
+    ),
+  );
+  return [palette, told.join()];
+}
+
 function drawMarks(context: Draw, scene: Scene, cache: SceneCache): void {
   const { props, view, palette } = scene;
   const { robots, goalPoses, world } = props;
   const show = shower(context, scene, cache);
-  show("goals", (on) => drawGoals(on, view, robots, palette));
+  show("goals", (on) =>
+    cache.goals.draw(on, view, goalKeys(scene), (cached) =>
+      drawGoals(cached, view, robots, palette),
+    ),
+  );
   show("goalPoses", (on) => drawGoalPoses(on, view, { robots, goalPoses }, palette));
   show("paths", (on) => drawPathNames(on, view, pathsOf(scene), palette));
   drawRobots(context, view, { world, robots, chosen: props.chosenRobot }, palette);

@@ -14,7 +14,7 @@ const tools: readonly { tool: Tool; name: string; key: string; hint: string }[] 
 ];
 
 export function Toolbar({ model }: { model: MapModel }) {
-  const { layers, onLayers, truth, watchesOnly } = model.props.value;
+  const { layers, onLayers, truth, watchesOnly, participates } = model.props.value;
   return (
     <div class="map-toolbar" role="toolbar" aria-label="Map">
       {!watchesOnly && <ToolButtons model={model} />}
@@ -28,6 +28,7 @@ export function Toolbar({ model }: { model: MapModel }) {
         layers={layers}
         onLayers={onLayers}
         hasTruth={truth !== undefined}
+        participates={participates}
         open={model.layersOpen}
       />
     </div>
@@ -35,10 +36,11 @@ export function Toolbar({ model }: { model: MapModel }) {
 }
 
 function ToolButtons({ model }: { model: MapModel }) {
-  const { tool: chosen, onTool, mayEdit } = model.props.value;
+  const { tool: chosen, onTool, mayEdit, offersPaths } = model.props.value;
+  const offered = tools.filter(({ tool }) => offersPaths || tool !== "path");
   return (
     <div class="map-group">
-      {tools.map(({ tool, name, key, hint }) => {
+      {offered.map(({ tool, name, key, hint }) => {
         const edits = tool !== "look" && tool !== "path";
         const reason = edits && !mayEdit.allowed ? ` Not now: ${mayEdit.reason}.` : "";
         return (

@@ -17,6 +17,7 @@ import type {
   SeenMap,
   Service,
   Session,
+  Task,
   Trail,
   Truth,
   Welcome,
@@ -50,6 +51,7 @@ export interface SingleState {
   readonly attention: Attention | undefined;
   readonly presence: Presence | undefined;
   readonly playback: Playback | undefined;
+  readonly task: Task | undefined;
 }
 
 /**
@@ -98,5 +100,6 @@ export const emptyState: ConsoleState = {
   services: new Map(),
   presence: undefined,
   playback: undefined,
+  task: undefined,
   frames: new Map(),
 };

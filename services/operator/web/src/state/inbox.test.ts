@@ -10,13 +10,17 @@ let clock: FakeClock;
 let store: Store;
 let inbox: Inbox;
 let shown: number[];
+let told: number;
 
 const robot = (x: number) => updates([{ case: "robot", value: { name: "r1", x } }]);
 
 beforeEach(() => {
   clock = new FakeClock();
   store = createStore(defaultSettings);
-  inbox = new Inbox(store, clock);
+  told = 0;
+  inbox = new Inbox(store, clock, () => {
+    told += 1;
+  });
   shown = [];
   effect(() => {
     const found = store.state.value.robots.get("r1");
@@ -46,4 +50,14 @@ it("can be emptied before its time, and then shows nothing twice", () => {
   inbox.empty();
   clock.advance(1);
   expect(shown).toEqual([1, 2]);
+});
+
+it("tells each time when what came is shown", () => {
+  inbox.receive(robot(1));
+  expect(told).toBe(1);
+  inbox.receive(robot(2));
+  inbox.receive(robot(3));
+  expect(told).toBe(1);
+  clock.advance(1);
+  expect(told).toBe(2);
 });

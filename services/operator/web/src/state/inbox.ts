@@ -9,12 +9,15 @@ export const showPeriod = 0.03;
 export class Inbox {
   #store: Store;
   #clock: Clock;
+  #shown: () => void;
   #waiting: ServerMessage[] = [];
   #resting = false;
 
-  constructor(store: Store, clock: Clock) {
+  /** `shown` is called whenever everything that came is in the store. */
+  constructor(store: Store, clock: Clock, shown: () => void) {
     this.#store = store;
     this.#clock = clock;
+    this.#shown = shown;
   }
 
   receive(message: ServerMessage): void {
@@ -26,7 +29,9 @@ export class Inbox {
   empty(): void {
     const messages = this.#waiting;
     this.#waiting = [];
-    if (messages.length > 0) this.#store.receive(...messages);
+    if (messages.length === 0) return;
+    this.#store.receive(...messages);
+    this.#shown();
   }
 
   #show(): void {

@@ -66,6 +66,7 @@ describe("updates", () => {
     "attention",
     "presence",
     "playback",
+    "task",
   ] as const)("replace the one %s", (name) => {
     expect(stateOf({ case: name, value: {} })[name]).toBeDefined();
   });

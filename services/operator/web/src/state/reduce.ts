@@ -56,6 +56,8 @@ function applyBody(state: ConsoleState, body: Update["body"]): ConsoleState {
       return { ...state, presence: body.value };
     case "playback":
       return { ...state, playback: body.value };
+    case "task":
+      return { ...state, task: body.value };
     case "world":
       return keyed(state, "worlds", body.value.name, body.value);
     case "belief":

@@ -1,5 +1,6 @@
 import type { GridSize } from "../grid";
 import type { View } from "../view";
+import { sameValues } from "./cached_layer";
 import { type Draw, isolated } from "./context";
 
 /** One pixel per cell, painted when its data changes and stretched over the grid in each frame. */
@@ -12,9 +13,7 @@ export function bitmapOf(
   keys: readonly unknown[],
   paint: (context: Draw) => void,
 ): Bitmap | undefined {
-  const same =
-    before?.keys.length === keys.length && before.keys.every((key, i) => key === keys[i]);
-  if (same) return before;
+  if (before && sameValues(before.keys, keys)) return before;
   const image = document.createElement("canvas");
   image.width = size.columns;
   image.height = size.rows;

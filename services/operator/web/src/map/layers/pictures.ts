@@ -79,7 +79,8 @@ function drawField(
   const far = [...picture.freeCells, ...picture.wallCells].map((cell) =>
     from ? Math.hypot(cell.row - from.row, cell.column - from.column) : 0,
   );
-  const reach = (Math.min(12, Math.max(2, ...far)) + 0.5) * view.scale;
+  const least = far.length > 0 ? 2 : 5; // the participant of a mapping task is not told what it shows
+  const reach = (Math.min(12, Math.max(least, ...far)) + 0.5) * view.scale;
   conePath(context, at, picture.heading, picture.fieldOfView, reach);
   context.fillStyle = colour;
   context.strokeStyle = colour;

@@ -1,6 +1,9 @@
+import { useComputed } from "@preact/signals";
+import { useMemo } from "preact/hooks";
 import { useConsole } from "../../app/console";
 import { RobotMark } from "../../app/robot_mark";
 import { Mode } from "../../protocol/generated/console_pb";
+import { sameText } from "../../state/same_text";
 import { mayCommand, mayStop } from "../../state/selectors";
 import { duration } from "../format";
 import { controlText, type FleetRow, fleetRow } from "./fleet_row";
@@ -31,9 +34,10 @@ export function FleetStrip() {
 
 function FleetCard({ name }: { name: string }) {
   const { store, actions } = useConsole();
-  const row = fleetRow(store.state.value, store.now.value, store.linked.value, name);
+  const row = useRow(name);
   const chosen = store.chosenRobot.value === name;
-  const recorded = store.state.value.welcome?.mode === Mode.REPLAY;
+  const maySeeStop = useComputed(() => mayStop(store.state.value)).value;
+  const recorded = useComputed(() => store.state.value.welcome?.mode === Mode.REPLAY).value;
   return (
     <li class={`fleet-card ${row.freshness === "live" ? "" : "old"} ${row.wait ? "waits" : ""}`}>
       <button
@@ -57,9 +61,23 @@ function FleetCard({ name }: { name: string }) {
         <span class="doing">{doing(row)}</span>
         {row.holder.kind === "other" && <span class="holder">{row.holder.name} has control</span>}
       </button>
-      {mayStop(store.state.value) && <StopOrGo row={row} />}
+      {maySeeStop && <StopOrGo row={row} />}
     </li>
   );
+}
+
+/** Robots tell of themselves many times a second, what a card says changes seldom. */
+function useRow(name: string): FleetRow {
+  const { store } = useConsole();
+  const row = useMemo(
+    () =>
+      sameText(() => {
+        const now = fleetRow(store.state.value, store.now.value, store.linked.value, name);
+        return now.freshness === "live" ? { ...now, age: undefined } : now;
+      }),
+    [store, name],
+  );
+  return row.value;
 }
 
 function FreshnessBadge({ row: { freshness, age } }: { row: FleetRow }) {
@@ -80,7 +98,7 @@ function FreshnessBadge({ row: { freshness, age } }: { row: FleetRow }) {
 
 function StopOrGo({ row: { name, stopped } }: { row: FleetRow }) {
   const { store, actions } = useConsole();
-  const may = !stopped || mayCommand(store.state.value);
+  const may = useComputed(() => mayCommand(store.state.value)).value || !stopped;
   const act = () => void (stopped ? actions.go([name]) : actions.stop([name]));
   const word = stopped ? "Go" : "Stop";
   return (

@@ -40,7 +40,7 @@ function of(group: Group): readonly Row[] {
   return shortcuts.filter((shortcut) => shortcut.group === group);
 }
 
-function Keys({ title, rows }: { title: string; rows: readonly Row[] }) {
+export function Keys({ title, rows }: { title: string; rows: readonly Row[] }) {
   return rows.length === 0 ? undefined : (
     <section>
       <h3>{title}</h3>

@@ -1,0 +1,50 @@
+import { useConsole } from "../../app/console";
+import { Modal } from "../../app/modal";
+import { percent } from "../format";
+import { Instructions } from "./instructions";
+import { isMappingTask, partName } from "./task_state";
+
+/** The robot stands until the participant begins. */
+export function BeginDialog() {
+  const { store } = useConsole();
+  const state = store.state.value;
+  const { task } = state;
+  const part = partName(state);
+  const close = () => {
+    store.dialog.value = undefined;
+  };
+  if (task === undefined) return undefined;
+  const last = task.earlier.at(-1);
+  return (
+    <Modal title={`${part} ${task.number} of ${task.count}`} onClose={close}>
+      {last !== undefined && (
+        <p class="task-result">
+          {part} {task.number - 1}: you corrected {percent(last)} of the map's mistakes. The next
+          one is ready.
+        </p>
+      )}
+      <Instructions />
+      <BeginButton after={close} />
+    </Modal>
+  );
+}
+
+export function BeginButton({ after }: { after?: () => void }) {
+  const { store, actions } = useConsole();
+  const begin = () => {
+    after?.();
+    store.chosenSequence.value = undefined;
+    if (isMappingTask(store.state.value)) store.tool.value = "wall";
+    void actions.go(store.robots.value);
+  };
+  return (
+    <button
+      type="button"
+      class="main"
+      disabled={store.state.value.worlds.size === 0}
+      onClick={begin}
+    >
+      Begin
+    </button>
+  );
+}

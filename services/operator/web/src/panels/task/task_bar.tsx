@@ -1,0 +1,125 @@
+import { useState } from "preact/hooks";
+import { useConsole } from "../../app/console";
+import { type Task, TaskPhase } from "../../protocol/generated/console_pb";
+import { reasonText } from "../queue/words";
+import { BeginButton } from "./begin_dialog";
+import {
+  goalsText,
+  isMappingTask,
+  isStudy,
+  offersPaths,
+  partName,
+  type RobotNow,
+  resultText,
+  robotNow,
+} from "./task_state";
+
+/** Which maze it is, how far the participant has come, and what they can do now. */
+export function TaskBar() {
+  const { store } = useConsole();
+  const state = store.state.value;
+  const { task } = state;
+  const part = partName(state);
+  if (task === undefined) return <p class="quiet">It is being prepared…</p>;
+  const { participant, number, count, phase } = task;
+  return (
+    <section class="panel task-bar" aria-label="Task">
+      <h1>
+        {part} {number} of {count}
+      </h1>
+      {phase === TaskPhase.PHASE_WAITING && <BeginButton />}
+      {phase === TaskPhase.PHASE_RUNNING && <Running task={task} />}
+      {phase === TaskPhase.PHASE_FINISHED && (
+        <output class="task-result">{resultText(task, part)}</output>
+      )}
+      <span class="end quiet">Participant {participant}</span>
+    </section>
+  );
+}
+
+function Running({ task }: { task: Task }) {
+  const { store } = useConsole();
+  const live = store.link.value.state === "live";
+  const state = store.state.value;
+  const now = robotNow(state, store.chosenRobot.value);
+  return (
+    <>
+      {now === "stopped" && <GoButton live={live} />}
+      {now !== "stopped" && isMappingTask(state) && <NextButton now={now} live={live} />}
+      {now === "waiting for you" && isStudy(state) && <NothingNewButton live={live} />}
+      {task.mayFinish && <FinishButton live={live} part={partName(state).toLowerCase()} />}
+      {isStudy(state) && offersPaths(state) && <Wish />}
+      <span>{goalsText(task)}</span>
+    </>
+  );
+}
+
+function GoButton({ live }: { live: boolean }) {
+  const { store, actions } = useConsole();
+  const go = () => void actions.go(store.robots.value);
+  return (
+    <button type="button" class="main" disabled={!live} onClick={go}>
+      Let the robot go on <kbd>G</kbd>
+    </button>
+  );
+}
+
+function NextButton({ now, live }: { now: RobotNow; live: boolean }) {
+  const { actions } = useConsole();
+  const drives = now === "driving";
+  return (
+    <button
+      type="button"
+      class="main"
+      disabled={!live || drives}
+      onClick={() => actions.nothingNew()}
+    >
+      {drives ? "The robot is on its way…" : "Next picture"} {!drives && <kbd>N</kbd>}
+    </button>
+  );
+}
+
+function NothingNewButton({ live }: { live: boolean }) {
+  const { actions } = useConsole();
+  return (
+    <button type="button" class="main" disabled={!live} onClick={() => actions.nothingNew()}>
+      Nothing new in this picture <kbd>X</kbd>
+    </button>
+  );
+}
+
+/** What the robot asks for now. */
+function Wish() {
+  const { store } = useConsole();
+  const { attention, session } = store.state.value;
+  const item = attention?.items[0];
+  return item === undefined ? undefined : (
+    <strong>
+      {item.robot} {reasonText(item.reason, session?.drives ?? false)}
+    </strong>
+  );
+}
+
+/** Asks once more: the map cannot be changed afterwards. */
+function FinishButton({ live, part }: { live: boolean; part: string }) {
+  const { actions } = useConsole();
+  const [asked, setAsked] = useState(false);
+  if (!asked) {
+    return (
+      <button type="button" disabled={!live} onClick={() => setAsked(true)}>
+        Finish this {part}
+      </button>
+    );
+  }
+  return (
+    <span class="row">
+      Finish? Your map stays as it is then.
+      <button type="button" class="main" disabled={!live} onClick={() => void actions.finish()}>
+        Yes, finish
+      </button>
+      <button type="button" onClick={() => setAsked(false)}>
+        No, go on
+      </button>
+    </span>
+  );
+}

@@ -1,0 +1,34 @@
+import { useConsole } from "../../app/console";
+import { Modal } from "../../app/modal";
+import { driveHelp } from "../../app/shortcuts";
+import { mapShortcuts } from "../../map/shortcuts";
+import { Keys } from "../help/help_dialog";
+import { Instructions } from "./instructions";
+import { nextPictureKey, nothingNewKey, taskKeys } from "./task_keys";
+import { isMappingTask, offersPaths } from "./task_state";
+
+/** What a participant has to do, and with which keys. */
+export function TaskHelp() {
+  const { store } = useConsole();
+  const close = () => {
+    store.dialog.value = undefined;
+  };
+  const state = store.state.value;
+  const paths = offersPaths(state);
+  const mapKeys = mapShortcuts.filter(({ keys }) => paths || !pathKeys.has(keys[0] ?? ""));
+  const answer = isMappingTask(state) ? nextPictureKey : nothingNewKey;
+  const answers = isMappingTask(state) || state.session?.method === "ig-mcts";
+  return (
+    <Modal title="What to do, and keys" onClose={close} toRead>
+      <Instructions />
+      <div class="help">
+        <Keys title="Task" rows={answers ? [answer, ...taskKeys] : taskKeys} />
+        {state.session?.drives && <Keys title="Driving" rows={driveHelp} />}
+        <Keys title="Map" rows={mapKeys} />
+      </div>
+    </Modal>
+  );
+}
+
+/** Of the path tool, and of layers. */
+const pathKeys: ReadonlySet<string> = new Set(["P", "Delete"]);

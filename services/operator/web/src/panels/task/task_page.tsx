@@ -1,0 +1,54 @@
+import type { ComponentChildren } from "preact";
+import { useEffect } from "preact/hooks";
+import { useConsole } from "../../app/console";
+import { LinkBanner } from "../../app/link_banner";
+import { pictureOf } from "../../state/selectors";
+import { LiveView } from "../pictures/live_view";
+import { DriveBadge } from "../teleoperation/drive_badge";
+import { TaskBar } from "./task_bar";
+import { TaskPictures } from "./task_pictures";
+import { hasLiveView } from "./task_state";
+import "./task.css";
+
+/** All that a participant sees: task, map and pictures; a live view where the method of a study streams. */
+export function TaskPage({ map }: { map: ComponentChildren }) {
+  const { commands, store } = useConsole();
+  const robot = store.chosenRobot.value;
+  const streams = hasLiveView(store.state.value);
+  useNewestPicture();
+  return (
+    <div class="console task">
+      <header class="top">
+        <TaskBar />
+      </header>
+      <LinkBanner />
+      <main class="stage">
+        <DriveBadge />
+        <div class="map" id="map" tabIndex={-1}>
+          {map}
+        </div>
+      </main>
+      <aside class="side" aria-label="Pictures and help">
+        {streams && robot !== undefined ? (
+          <section class="panel" aria-label="Camera">
+            <LiveView robot={robot} />
+          </section>
+        ) : (
+          <TaskPictures />
+        )}
+        <button type="button" onClick={() => commands.help()}>
+          What to do, and keys <kbd>?</kbd>
+        </button>
+      </aside>
+    </div>
+  );
+}
+
+/** A picture that was asked for is shown, also to those who looked at an older one. */
+function useNewestPicture(): void {
+  const { store } = useConsole();
+  const newest = pictureOf(store.state.value, store.chosenRobot.value)?.sequenceNumber;
+  useEffect(() => {
+    store.chosenSequence.value = undefined;
+  }, [newest, store]);
+}

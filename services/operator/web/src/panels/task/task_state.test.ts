@@ -1,0 +1,145 @@
+import { describe, expect, it } from "vitest";
+import { Mode, PictureAnswer, TaskPhase } from "../../protocol/generated/console_pb";
+import { emptyState } from "../../state/console_state";
+import { type UpdateBody, updates, welcomeMessage } from "../../state/fixtures";
+import { reduce } from "../../state/reduce";
+import {
+  goalsText,
+  hasLiveView,
+  isBetweenMazes,
+  isMappingTask,
+  isTask,
+  offersPaths,
+  partName,
+  resultText,
+  robotNow,
+  taskNews,
+  whyNotMap,
+} from "./task_state";
+
+const waiting = { number: 1, count: 3, phase: TaskPhase.PHASE_WAITING, goalsLeft: 4 };
+const running = { ...waiting, phase: TaskPhase.PHASE_RUNNING };
+const finished = {
+  ...running,
+  phase: TaskPhase.PHASE_FINISHED,
+  goalsLeft: 0,
+  mappingAccuracy: 0.734,
+};
+
+const task = (value: object): UpdateBody => ({ case: "task", value });
+const picture = (sequenceNumber: bigint, answer = PictureAnswer.ANSWER_NONE): UpdateBody => ({
+  case: "picture",
+  value: { robot: "r1", sequenceNumber, answer },
+});
+const session: UpdateBody = { case: "session", value: { robots: ["r1"] } };
+
+function inTask(...bodies: UpdateBody[]) {
+  const welcomed = reduce(emptyState, welcomeMessage({ mode: Mode.MAPPING_TASK }));
+  return reduce(welcomed, updates([session, ...bodies]));
+}
+
+function taskOf(value: object) {
+  const { task: found } = inTask(task(value));
+  if (found === undefined) throw new Error("no task");
+  return found;
+}
+
+describe("the mapping task", () => {
+  it("is told by the welcome", () => {
+    expect(isMappingTask(inTask())).toBe(true);
+    expect(isMappingTask(reduce(emptyState, welcomeMessage()))).toBe(false);
+  });
+
+  it("allows edits from its beginning to its end only", () => {
+    expect(whyNotMap(inTask())).toBe("begin first");
+    expect(whyNotMap(inTask(task(waiting)))).toBe("begin first");
+    expect(whyNotMap(inTask(task(running)))).toBeUndefined();
+    expect(whyNotMap(inTask(task(finished)))).toBe("this maze is finished");
+  });
+
+  it("is between two mazes when one is finished, and only in its own mode", () => {
+    expect(isBetweenMazes(inTask(task(running)))).toBe(false);
+    expect(isBetweenMazes(inTask(task(finished)))).toBe(true);
+    const supervised = reduce(reduce(emptyState, welcomeMessage()), updates([task(finished)]));
+    expect(isBetweenMazes(supervised)).toBe(false);
+  });
+});
+
+describe("a study", () => {
+  const inStudy = (method: string, drives: boolean) =>
+    reduce(
+      reduce(emptyState, welcomeMessage({ mode: Mode.STUDY })),
+      updates([{ case: "session", value: { robots: ["r1"], method, drives } }, task(finished)]),
+    );
+
+  it("offers paths in methods that follow them, the mapping task none", () => {
+    expect(offersPaths(inStudy("ig-mcts", false))).toBe(true);
+    expect(offersPaths(inStudy("teleop", true))).toBe(false);
+    expect(offersPaths(inTask())).toBe(false);
+    expect(offersPaths(reduce(emptyState, welcomeMessage()))).toBe(true);
+  });
+
+  it("has a live view in methods that stream", () => {
+    expect(hasLiveView(inStudy("ig-mcts", false))).toBe(false);
+    expect(hasLiveView(inStudy("instruction", false))).toBe(true);
+    expect(hasLiveView(inStudy("teleop", true))).toBe(true);
+    expect(hasLiveView(inTask())).toBe(false);
+  });
+
+  it("has parts instead of mazes, and is between them, too", () => {
+    const state = inStudy("ig-mcts", false);
+    expect(partName(state)).toBe("Part");
+    expect(isBetweenMazes(state)).toBe(true);
+    expect(isMappingTask(state)).toBe(false);
+    expect(isTask(state) && isTask(inTask())).toBe(true);
+    expect(whyNotMap(state)).toBe("this part is finished");
+  });
+});
+
+describe("the robot of the mapping task", () => {
+  it("drives until its picture has come, then waits for the participant", () => {
+    expect(robotNow(inTask(), "r1")).toBe("driving");
+    expect(robotNow(inTask(picture(1n)), "r1")).toBe("waiting for you");
+    const answered = picture(1n, PictureAnswer.ANSWER_NOTHING_NEW);
+    expect(robotNow(inTask(answered), "r1")).toBe("driving");
+  });
+
+  it("that was stopped says so, whatever else", () => {
+    const stopped: UpdateBody = { case: "control", value: { robot: "r1", stopped: true } };
+    expect(robotNow(inTask(stopped, picture(1n)), "r1")).toBe("stopped");
+  });
+});
+
+describe("texts", () => {
+  it("tell how many goals are left, and when the participant may finish", () => {
+    expect(goalsText(taskOf(running))).toBe("4 goals to go");
+    expect(goalsText(taskOf({ ...running, goalsLeft: 1 }))).toBe("1 goal to go");
+    expect(goalsText(taskOf({ ...running, goalsLeft: 0, mayFinish: true }))).toContain("finish");
+  });
+
+  it("tell the result, and what comes next", () => {
+    expect(resultText(taskOf(finished), "Maze")).toBe(
+      "Maze 1 is finished: 73 % of the map's mistakes corrected. The next one is being prepared…",
+    );
+    expect(resultText(taskOf({ ...finished, number: 3 }), "Part")).toContain("the last one");
+  });
+});
+
+describe("news", () => {
+  const texts = (before: UpdateBody[], after: UpdateBody[]) =>
+    taskNews(inTask(...before), inTask(...after)).map(({ text }) => text);
+
+  it("are pictures that come, and the right to finish", () => {
+    expect(texts([task(running)], [task(running), picture(1n)])).toEqual(["Picture 1 has come"]);
+    const ready = { ...running, goalsLeft: 0, mayFinish: true };
+    expect(texts([task(running)], [task(ready)])[0]).toContain("All goals reached");
+    expect(texts([task(running)], [task(finished)])[0]).toContain("73 %");
+  });
+
+  it("are none when nothing came up, at the beginning, and when the next maze began", () => {
+    expect(texts([task(running), picture(1n)], [task(running), picture(1n)])).toEqual([]);
+    expect(texts([], [task(running), picture(1n)])).toEqual([]);
+    const next = reduce(inTask(task(finished)), welcomeMessage({ run: "run-2" }));
+    expect(taskNews(inTask(task(running)), next)).toEqual([]);
+  });
+});

@@ -1,0 +1,93 @@
+import { Mode, type Task, TaskPhase } from "../../protocol/generated/console_pb";
+import type { ConsoleState } from "../../state/console_state";
+import { pictureOf, unanswered } from "../../state/selectors";
+import type { News } from "../announcements/announcer";
+import { count, percent } from "../format";
+
+/** Whether a participant of the mapping task sits here. */
+export function isMappingTask({ welcome }: ConsoleState): boolean {
+  return welcome?.mode === Mode.MAPPING_TASK;
+}
+
+/** One method of a study after the other. */
+export function isStudy({ welcome }: ConsoleState): boolean {
+  return welcome?.mode === Mode.STUDY;
+}
+
+/** A participant of either sits here. */
+export function isTask(state: ConsoleState): boolean {
+  return isMappingTask(state) || isStudy(state);
+}
+
+/** Whether the robot follows paths that the person draws. */
+export function offersPaths(state: ConsoleState): boolean {
+  return !isMappingTask(state) && !(isStudy(state) && state.session?.drives);
+}
+
+/** Methods of a study that stream have a live view, before their first frame, too. */
+export function hasLiveView(state: ConsoleState): boolean {
+  const { method = "", streams = false } = state.session ?? {};
+  return streams || (isStudy(state) && (method === "instruction" || method === "teleop"));
+}
+
+/** "Maze" of a mapping task, "Part" of a study. */
+export function partName(state: ConsoleState): string {
+  return isStudy(state) ? "Part" : "Maze";
+}
+
+/** Finished, and the service of the next maze, if there is one, is not there yet. */
+export function isBetweenMazes(state: ConsoleState): boolean {
+  return isTask(state) && state.task?.phase === TaskPhase.PHASE_FINISHED;
+}
+
+/** Why the participant may not edit the map now; undefined = they may. */
+export function whyNotMap(state: ConsoleState): string | undefined {
+  switch (state.task?.phase) {
+    case TaskPhase.PHASE_RUNNING:
+      return undefined;
+    case TaskPhase.PHASE_FINISHED:
+      return `this ${partName(state).toLowerCase()} is finished`;
+    default:
+      return "begin first";
+  }
+}
+
+/** What the robot is about, for whoever asks for pictures. */
+export type RobotNow = "stopped" | "driving" | "waiting for you";
+
+export function robotNow(state: ConsoleState, robot: string | undefined): RobotNow {
+  if (state.controls.get(robot ?? "")?.stopped) return "stopped";
+  return unanswered(state, robot) === undefined ? "driving" : "waiting for you";
+}
+
+/** "2 goals to go", or what may be done without. */
+export function goalsText({ goalsLeft, mayFinish }: Task): string {
+  if (goalsLeft > 0) return `${count(goalsLeft, "goal")} to go`;
+  return mayFinish ? "All goals reached: finish, or go on." : "All goals reached";
+}
+
+/** How the maze went, and what comes next. */
+export function resultText({ mappingAccuracy, number, count: all }: Task, part: string): string {
+  const share = percent(mappingAccuracy);
+  const done = `${part} ${number} is finished: ${share} of the map's mistakes corrected.`;
+  const next =
+    number < all
+      ? "The next one is being prepared…"
+      : "That was the last one. Thank you! You can close this page.";
+  return `${done} ${next}`;
+}
+
+/** For screen readers: what came up between two states. */
+export function taskNews(before: ConsoleState, after: ConsoleState): readonly News[] {
+  if (before.run !== after.run || before.task === undefined || after.task === undefined) return [];
+  const robot = after.session?.robots[0];
+  const picture = pictureOf(after, robot);
+  const texts = [
+    picture !== undefined && pictureOf(before, robot)?.sequenceNumber !== picture.sequenceNumber
+      ? `Picture ${picture.sequenceNumber} has come`
+      : "",
+    after.task.mayFinish && !before.task.mayFinish ? goalsText(after.task) : "",
+    isBetweenMazes(after) && !isBetweenMazes(before) ? resultText(after.task, partName(after)) : "",
+  ];
+  return texts.filter((text) => text !== "").map((text) => ({ text, urgent: false }));
+}

@@ -1,0 +1,17 @@
+# Runs the benchmark shortly and looks for each documented metric. Says nothing about speed.
+execute_process(COMMAND ${PROGRAM} --rounds 1 --seconds 2 --pages 1,2 --robots 4 --side 30 --stall 2 --json ${JSON}
+  COMMAND_ERROR_IS_FATAL ANY)
+file(READ ${JSON} text)
+foreach(pages pages1 pages2)
+  foreach(metric p50_ms p95_ms worst_page_p95_ms bare_p95_ms bare_ratio service_cores service_mb)
+    string(JSON value GET "${text}" metrics ${pages}_${metric})
+    if(NOT value GREATER 0)
+      message(FATAL_ERROR "${pages}_${metric} is ${value}")
+    endif()
+  endforeach()
+endforeach()
+string(JSON value GET "${text}" metrics stall_others_ratio)
+if(NOT value GREATER 0)
+  message(FATAL_ERROR "stall_others_ratio is ${value}")
+endif()
+string(JSON value GET "${text}" metrics stall_grown_mb)

@@ -1,0 +1,17 @@
+/**
+ * Where the grid lies on the map's canvas while all of the map is shown: in the middle of what rulers and margins leave. CSS pixels
+ * from the canvas's upper left corner. Also runs in pages, as text: it must need nothing of this file.
+ * @param {{ width: number, height: number }} canvas
+ * @param {{ rows: number, columns: number }} size
+ */
+export function fittedGrid(canvas, { rows, columns }) {
+  const [ruler, margin] = [24, 8];
+  const room = {
+    width: canvas.width - ruler - 2 * margin,
+    height: canvas.height - ruler - 2 * margin,
+  };
+  const scale = Math.min(room.width / columns, room.height / rows);
+  const left = ruler + margin + (room.width - scale * columns) / 2;
+  const top = ruler + margin + (room.height - scale * rows) / 2;
+  return { left, top, scale };
+}

@@ -1,0 +1,352 @@
+// Participants of the mapping task: their mazes, their data, and what goes wrong.
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+#include <csignal>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "common/grid/map_accuracy.h"
+#include "common/runtime/file.h"
+#include "common/segments/segment_checks.h"
+#include "common/segments/segment_file.h"
+#include "integration/operator/page_client.h"
+#include "launcher/process.h"
+#include "sim/world/world_spec.h"
+#include "support/temporary_folder.h"
+#include "system/launcher/demo_run.h"
+
+using conav::testing::TestDomain;
+using conav::testing::WaitUntil;
+
+namespace conav::mapping_task {
+namespace {
+
+namespace fs = std::filesystem;
+using operators::PageClient;
+
+/// `conav mapping-task` without pixels and as fast as it goes.
+class Task {
+ public:
+  Task(const fs::path& folder, const std::vector<std::string>& options, int port = 0)
+      : output_(NewOutput(folder)) {
+    std::vector<std::string> command{std::string(CONAV_BIN_DIR) + "/conav-mapping-task",
+                                     "--domain",
+                                     std::to_string(TestDomain()),
+                                     "--out",
+                                     folder.string(),
+                                     "--port",
+                                     std::to_string(port),
+                                     "--camera",
+                                     "none",
+                                     "--speed",
+                                     "1000"};
+    command.insert(command.end(), options.begin(), options.end());
+    process_ = std::make_unique<launcher::Process>("conav-mapping-task", command, output_);
+  }
+
+  /// Of maze `number`, once it is there.
+  int Port(int number) {
+    const std::string begin = fmt::format("maze {} of", number);
+    std::string text;
+    const bool open = WaitUntil(
+        [&] {
+          text = Output();
+          return text.find(begin) != std::string::npos || process_->Poll();
+        },
+        std::chrono::seconds(60));
+    INFO(text);
+    REQUIRE(open);
+    REQUIRE(text.find(begin) != std::string::npos);
+    return std::stoi(text.substr(text.find("127.0.0.1:", text.find(begin)) + 10));
+  }
+  int Wait() {
+    REQUIRE(WaitUntil([&] { return process_->Poll(); }, std::chrono::seconds(60)));
+    return process_->end()->exit_code;
+  }
+  void Signal(int signal) { process_->Signal(signal); }
+  std::string Output() const { return ReadFile(output_).value_or(""); }
+
+ private:
+  /// A file beside the folder; an earlier task's stays as it is.
+  static fs::path NewOutput(const fs::path& folder) {
+    for (int number = 1;; ++number) {
+      fs::path file = fmt::format("{}-{}.txt", folder.string(), number);
+      if (!fs::exists(file)) return file;
+    }
+  }
+
+  fs::path output_;
+  std::unique_ptr<launcher::Process> process_;
+};
+
+/// A participant at the page of one maze, who knows the maze.
+class Participant {
+ public:
+  Participant(int port, std::uint64_t maze_seed) {
+    sim::WorldOptions options;
+    options.seed = maze_seed;
+    spec_ = *sim::MakeWorldSpec(options);
+    client_.emplace(operators::PageOptions{.port = port});
+    REQUIRE(client_->refused() == 0);
+    console::ClientMessage message;
+    message.mutable_hello()->set_instance(std::string(16, 'p'));
+    REQUIRE(client_->Send(message));
+    ReadUntil([&] { return task.number() > 0 && belief_.walls().size() > 0; });
+    CHECK(mode_ == console::MODE_MAPPING_TASK);
+  }
+
+  console::Reply Ask(const std::function<void(console::Request&)>& fill) {
+    console::ClientMessage message;
+    console::Request& request = *message.mutable_request();
+    request.set_id(++id_);
+    request.set_world("w1");
+    request.set_valid_until(service_time_ + 1000.0);
+    fill(request);
+    REQUIRE(client_->Send(message));
+    ReadUntil([&] { return reply_.id() == id_; });
+    return reply_;
+  }
+  void Begin() {
+    CHECK(task.phase() == console::PHASE_WAITING);
+    CHECK(Ask([](auto& request) { request.mutable_go(); }).accepted());
+    ReadUntil([&] { return task.phase() == console::PHASE_RUNNING; });
+  }
+  /// Waits for the next picture, which is then the newest.
+  const console::Picture& NextPicture() {
+    const std::uint64_t before = answered_;
+    ReadUntil([&] { return picture.sequence_number() > before; });
+    return picture;
+  }
+  /// Sets `count` wrong cells right.
+  void Correct(int count) {
+    const auto reply = Ask([&](auto& request) {
+      request.mutable_edit()->set_base_revision(belief_.revision());
+      for (std::size_t i = 0; i < spec_.truth.size() && count > 0; ++i) {
+        const bool wall = spec_.truth.values()[i] == Occupancy::kOccupied;
+        if (wall == (static_cast<unsigned char>(belief_.walls()[i]) >= 128)) continue;
+        const Cell cell = spec_.truth.CellAt(i);
+        auto* edit = request.mutable_edit()->add_cells();
+        edit->mutable_cell()->set_row(cell.row);
+        edit->mutable_cell()->set_column(cell.column);
+        edit->set_wall(wall);
+        --count;
+      }
+    });
+    CHECK(reply.accepted());
+    ReadUntil([&] { return belief_.revision() >= reply.revision(); });
+  }
+  void Answer() {
+    answered_ = picture.sequence_number();
+    CHECK(Ask([&](auto& request) {
+            request.mutable_answer()->set_robot("r1");
+            request.mutable_answer()->set_snapshot(answered_);
+          }).accepted());
+  }
+  console::Reply Finish() {
+    return Ask([](auto& request) { request.mutable_finish(); });
+  }
+  /// Reads on until all goals are reached and a picture waits.
+  void GoOnToTheEnd() {
+    while (!task.may_finish()) {
+      NextPicture();
+      if (!task.may_finish()) Answer();
+    }
+    NextPicture();
+  }
+  template <class Condition>
+  void ReadUntil(const Condition& condition) {
+    while (!condition()) Read();
+  }
+
+  int mistakes() const {
+    return CompareMaps(spec_.truth, spec_.human_map, ToBelief(spec_.human_map)).wrong_at_first;
+  }
+
+  console::Task task;
+  console::Picture picture;
+  std::set<int> told;  // which kinds of updates
+
+ private:
+  void Read() {
+    const auto message = client_->Receive();
+    REQUIRE(message);
+    if (message->has_welcome()) {
+      mode_ = message->welcome().mode();
+      service_time_ = message->welcome().service_time();
+    }
+    if (message->has_reply()) reply_ = message->reply();
+    for (const console::Update& update : message->updates().update()) {
+      told.insert(update.body_case());
+      if (update.has_task()) task = update.task();
+      if (update.has_picture()) picture = update.picture();
+      if (update.has_belief()) belief_ = update.belief();
+    }
+  }
+
+  sim::WorldSpec spec_;
+  std::optional<PageClient> client_;
+  console::Mode mode_ = console::MODE_SUPERVISE;
+  double service_time_ = 0.0;
+  console::Belief belief_;
+  console::Reply reply_;
+  std::uint64_t id_ = 0;
+  std::uint64_t answered_ = 0;
+};
+
+nlohmann::json Json(const fs::path& file) {
+  return nlohmann::json::parse(ReadFile(file).value_or("null"));
+}
+
+int CodeOf(const fs::path& folder, const std::vector<std::string>& options, std::string& output) {
+  Task task(folder, options);
+  const int code = task.Wait();
+  output = task.Output();
+  return code;
+}
+
+}  // namespace
+
+TEST_CASE("a participant corrects two mazes, and their segments are there to learn from",
+          "[system][mapping_task]") {
+  const test::TemporaryFolder temporary;
+  const fs::path folder = temporary / "P07";
+  Task task(folder, {"--participant", "P07", "--maze-seed", "7,9"});
+
+  {
+    Participant person(task.Port(1), 7);
+    CHECK(person.task.participant() == "P07");
+    CHECK(person.task.count() == 2);
+    CHECK(person.task.goals_left() == 4);
+    person.Begin();
+    const auto early = person.Finish();
+    CHECK_FALSE(early.accepted());
+    CHECK_THAT(early.reason(), Catch::Contains("goal"));
+    const auto guided = person.Ask([](auto& request) {
+      request.mutable_guide()->set_robot("r1");
+      request.mutable_guide()->set_valid_for(60.0);
+    });
+    CHECK_THAT(guided.reason(), Catch::Contains("its own way"));
+    CHECK(person.NextPicture().free_cells_size() == 0);  // what it shows is for people to see
+    person.Correct(person.mistakes());
+    person.Answer();
+    person.GoOnToTheEnd();
+    CHECK(person.Finish().accepted());
+    person.ReadUntil([&] { return person.task.phase() == console::PHASE_FINISHED; });
+    CHECK(person.task.mapping_accuracy() == 1.0);
+    for (const int secret :
+         {console::Update::kSeen, console::Update::kPlan, console::Update::kSearch,
+          console::Update::kPrediction, console::Update::kTruth}) {
+      CHECK_FALSE(person.told.contains(secret));
+    }
+  }
+  {
+    Participant person(task.Port(2), 9);
+    CHECK(person.task.number() == 2);
+    CHECK(person.task.earlier_size() == 1);
+    person.Begin();
+    person.GoOnToTheEnd();
+    person.Correct(1);
+    CHECK(person.Finish().accepted());
+  }
+  CHECK(task.Wait() == 0);
+  INFO(task.Output());
+
+  const auto result = Json(folder / "result.json");
+  REQUIRE(result.is_object());
+  CHECK(result["complete"] == true);
+  CHECK(result["mazes_valid"] == 1);
+  CHECK(result["mazes"][0]["mapping_accuracy"] == 1.0);
+  CHECK(result["mazes"][0]["seed"] == 7);
+  CHECK(result["mazes"][0]["edits"] == 1);
+  CHECK(result["mazes"][1]["valid"] == false);
+
+  const auto segments = ReadSegmentFile(folder / "segments.pb.zst", TornEnd::kRefuse);
+  REQUIRE(segments);
+  CHECK(CheckSegments(*segments).has_value());
+  REQUIRE(segments->trajectories.size() == 2);
+  const Trajectory& first = segments->trajectories[0];
+  CHECK(first.origin == SegmentOrigin::kPerson);
+  CHECK(first.participant == "P07");
+  CHECK(first.world == "conav13");
+  CHECK(first.world_seed == 7);
+  CHECK(first.final_mapping_accuracy == 1.0);
+  CHECK(first.segments.size() == result["mazes"][0]["pictures"]);
+  CHECK(EditCount(first.segments.front()) > 1);
+  CHECK(segments->trajectories[1].final_mapping_accuracy ==
+        Approx(result["mazes"][1]["mapping_accuracy"].get<double>()));
+  CHECK(EditCount(segments->trajectories[1].segments.back()) == 1);  // answered by the finish
+}
+
+TEST_CASE("after a kill the same command goes on at the maze that was not finished",
+          "[system][mapping_task]") {
+  const test::TemporaryFolder temporary;
+  const fs::path folder = temporary / "P08";
+  const std::vector<std::string> options{"--participant", "P08", "--maze-seed", "7"};
+  {
+    Task task(folder, options);
+    Participant person(task.Port(1), 7);
+    person.Begin();
+    person.NextPicture();
+    person.Correct(2);
+    person.Answer();
+    person.NextPicture();
+    task.Signal(SIGKILL);
+    const int port = task.Port(1);
+    REQUIRE(WaitUntil([&] { return PageClient({.port = port}).refused() != 0; },
+                      std::chrono::seconds(30)));
+  }
+  const auto segments = ReadSegmentFile(folder / "segments.pb.zst", TornEnd::kDrop);
+  REQUIRE(segments);
+  REQUIRE(segments->trajectories.size() == 1);
+  CHECK(segments->trajectories[0].segments.size() == 1);
+
+  Task again(folder, options);
+  Participant person(again.Port(1), 7);
+  person.Begin();
+  person.GoOnToTheEnd();
+  CHECK(person.Finish().accepted());
+  CHECK(again.Wait() == 0);
+  CHECK(ReadSegmentFile(folder / "segments.pb.zst", TornEnd::kRefuse)->trajectories.size() == 2);
+
+  std::string output;
+  CHECK(CodeOf(folder, options, output) == 0);  // nothing is left to do
+  CHECK_THAT(output, Catch::Contains("all mazes are finished"));
+}
+
+TEST_CASE("wrong use of the mapping task is refused by name", "[system][mapping_task]") {
+  const test::TemporaryFolder temporary;
+  const fs::path folder = temporary / "P09";
+  const std::vector<std::string> options{"--participant", "P09", "--maze-seed", "7"};
+  std::string output;
+  {
+    Task task(folder, options);
+    task.Port(1);
+    CHECK(CodeOf(folder, options, output) == 2);
+    CHECK_THAT(output, Catch::Contains("in use"));
+    task.Signal(SIGTERM);
+    CHECK(task.Wait() == 1);
+    CHECK_THAT(task.Output(), Catch::Contains("the same command goes on"));
+  }
+  CHECK(CodeOf(folder, {"--participant", "P10", "--maze-seed", "7"}, output) == 2);
+  CHECK_THAT(output, Catch::Contains("P09") && Catch::Contains("P10"));
+  CHECK(CodeOf(folder, {"--participant", "P09", "--maze-seed", "8"}, output) == 2);
+  CHECK_THAT(output, Catch::Contains("maze_seeds"));
+  CHECK(CodeOf(folder, {"--participant", "a b"}, output) == 2);
+  CHECK_THAT(output, Catch::Contains("--participant"));
+  CHECK(CodeOf(folder, {}, output) == 2);
+}
+
+TEST_CASE("a port that is taken is told", "[system][mapping_task]") {
+  const test::TemporaryFolder temporary;
+  Task first(temporary / "P11", {"--participant", "P11", "--maze-seed", "7"});
+  const int port = first.Port(1);
+  Task second(temporary / "P12", {"--participant", "P12", "--maze-seed", "7"}, port);
+  CHECK(second.Wait() == 1);
+  CHECK_THAT(second.Output(), Catch::Contains(fmt::format("--port {}", port)));
+  first.Signal(SIGTERM);
+  CHECK(first.Wait() == 1);
+}
+
+}  // namespace conav::mapping_task
