@@ -29,3 +29,8 @@ it("says what the map has, who saw what, and what is there", () => {
 it("says when there is no map yet", () => {
   expect(cellWords(at(0, 0), { ...facts, walls: undefined })).toContain("has not come yet");
 });
+
+it("says nothing of what robots saw where nobody is told", () => {
+  const told = { ...facts, seen: new Map() };
+  expect(cellWords(at(0, 0), told)).toBe("Row 0, column 0: free on your map; r1 is here.");
+});

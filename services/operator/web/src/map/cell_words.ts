@@ -20,7 +20,9 @@ function mapWords(cell: Cell, { size, walls }: CellFacts): string {
   return `${isWall(walls, size, cell) ? "wall" : "free"} on your map`;
 }
 
+/** Participants are told nothing of it. */
 function seenWords(cell: Cell, { size, seen }: CellFacts): string[] {
+  if (seen.size === 0) return [];
   const index = cellIndex(size, cell);
   const by = (value: number) =>
     [...seen].filter(([, map]) => map.cells[index] === value).map(([name]) => name);
