@@ -6,16 +6,18 @@
 
 namespace conav::operators {
 
-std::vector<Condition> ConditionsOf(const std::vector<AttentionItem>& items,
-                                    const std::map<std::string, ServiceStatus>& services,
-                                    const std::string& storage_failure) {
+namespace {
+
+std::vector<ProcessCondition> ProcessesOf(const std::map<std::string, ServiceStatus>& services) {
   std::vector<ProcessCondition> processes;
   for (const auto& [name, service] : services) {
     const bool failed = service.level == Health::Level::kError;
     processes.push_back({name, failed, service.silent, service.message});
   }
-  return ConditionsOf(items, processes, storage_failure);
+  return processes;
 }
+
+}  // namespace
 
 AlertDesk::AlertDesk(BeliefStore& store) : store_(store) {
   book_.Restore(store.alerts());
@@ -28,7 +30,6 @@ bool AlertDesk::Handles(const OperatorRequest& request) {
 }
 
 BeliefStore::Answer AlertDesk::Answer(const OperatorRequest& request, double now_s) {
-  if (auto repeat = store_.FindRepeat(request)) return *std::move(repeat);
   const auto* acknowledge = std::get_if<AcknowledgeRequest>(&request.body);
   const auto* shelve = std::get_if<ShelveRequest>(&request.body);
   const auto alert = acknowledge != nullptr
@@ -42,11 +43,14 @@ BeliefStore::Answer AlertDesk::Answer(const OperatorRequest& request, double now
   return answer;
 }
 
-void AlertDesk::Update(const std::vector<Condition>& conditions, double now_s) {
-  const std::vector<Alert> changed = book_.Update(conditions, now_s);
-  if (changed.empty()) return;
+void AlertDesk::Update(const std::vector<RobotCondition>& robots,
+                       const std::map<std::string, ServiceStatus>& services,
+                       const std::optional<std::string>& storage_failure, double now_s) {
+  const auto [changed, dropped] =
+      book_.Update(FindingsOf(robots, ProcessesOf(services), storage_failure), now_s);
+  if (changed.empty() && dropped.empty()) return;
   // That the disk fails is an alert, too: shown although it cannot be stored.
-  if (const auto saved = store_.SaveAlerts(changed); !saved) {
+  if (const auto saved = store_.SaveAlerts(changed, dropped); !saved) {
     LOG_WARNING("alerts not stored", "reason", saved.error().text);
   }
   changes_.insert(changes_.end(), changed.begin(), changed.end());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,11 +13,6 @@
 
 namespace conav::operators {
 
-/// ConditionsOf of conditions.h.
-std::vector<Condition> ConditionsOf(const std::vector<AttentionItem>& items,
-                                    const std::map<std::string, ServiceStatus>& services,
-                                    const std::string& storage_failure);
-
 /// The alerts of the operator service: on disk before they are shown, also over restarts.
 /// Threads: one, the service's.
 class AlertDesk {
@@ -25,9 +21,12 @@ class AlertDesk {
   explicit AlertDesk(BeliefStore& store);
 
   static bool Handles(const OperatorRequest& request);
-  /// Requires Handles(request). `now_s`: wall time.
+  /// Requires Handles(request), and that it is no repeat. `now_s`: wall time.
   BeliefStore::Answer Answer(const OperatorRequest& request, double now_s);
-  void Update(const std::vector<Condition>& conditions, double now_s);
+  /// All that was looked at.
+  void Update(const std::vector<RobotCondition>& robots,
+              const std::map<std::string, ServiceStatus>& services,
+              const std::optional<std::string>& storage_failure, double now_s);
   /// Alerts that changed since the last call; all of them the first time.
   std::vector<Alert> TakeChanges();
 

@@ -1,5 +1,6 @@
 #include "operator/attention_desk.h"
 
+#include <algorithm>
 #include <chrono>
 
 #include "common/bus/send.h"
@@ -9,6 +10,8 @@ namespace conav::operators {
 namespace {
 
 constexpr std::chrono::seconds kPeriod{1};
+/// Each load of a page is a client.
+constexpr std::size_t kClientsRemembered = 64;
 
 }  // namespace
 
@@ -32,8 +35,13 @@ void AttentionDesk::Edited(const std::string& client, const std::string& world, 
 }
 
 OperatorReply AttentionDesk::Select(const OperatorRequest& request, SimTime now) {
-  OperatorReply& newest = newest_selections_[request.client];
-  if (newest.request_id == request.request_id) return newest;
+  const auto known = std::ranges::find(newest_selections_, request.client, &OperatorReply::client);
+  if (known != newest_selections_.end()) {
+    if (known->request_id == request.request_id) return *known;
+    newest_selections_.erase(known);
+  }
+  if (newest_selections_.size() >= kClientsRemembered) newest_selections_.pop_front();
+  OperatorReply& newest = newest_selections_.emplace_back();
   TakeArrivals(now);
   const auto selected = queue_.Select(request.client, std::get<SelectRequest>(request.body), now);
   newest = {request.client, request.request_id, selected.has_value(), "", 0};

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
+#include <deque>
 #include <string>
 #include <vector>
 
@@ -36,7 +36,8 @@ class AttentionDesk {
   /// A request of `client` was accepted.
   void Guided(const std::string& client, const Guidance& guidance, SimTime now);
   void Edited(const std::string& client, const std::string& world, SimTime now);
-  /// `request` holds a SelectRequest. A repeat gets the reply of the first time.
+  /// `request` holds a SelectRequest. A repeat gets the reply of the first time, unless many other
+  /// clients selected something meanwhile.
   OperatorReply Select(const OperatorRequest& request, SimTime now);
 
   /// After everything that one step brought.
@@ -55,7 +56,7 @@ class AttentionDesk {
   const Clock& clock_;
   AttentionQueue queue_;
   WorkloadMeter meter_;
-  std::map<std::string, OperatorReply> newest_selections_;  // by client
+  std::deque<OperatorReply> newest_selections_;  // one for each client, newest last
   bus::Publisher<conav_msgs::msg::AttentionQueue> publisher_;
   AttentionQueueState published_;
   Clock::TimePoint published_at_{};

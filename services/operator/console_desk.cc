@@ -12,6 +12,7 @@
 #include "common/service/robot_list.h"
 #include "operator/console/console_messages.h"
 #include "operator/console/map_cells.h"
+#include "operator/console/request_limits.h"
 #include "operator/console/wall_seconds.h"
 #include "operator/gateway/convert_request.h"
 
@@ -19,8 +20,9 @@ namespace conav::operators {
 namespace {
 
 constexpr auto kConvert = [](const auto& message) { return ToDomain(message); };
-/// A page that reconnects within this time keeps its control of robots.
-constexpr std::chrono::seconds kGoneAfter{10};
+constexpr std::uint32_t kMostEdits = 65536;  // cells of a request, as on the bus
+/// s; requests that were answered are remembered for longer, so that no repeat is carried out anew.
+constexpr double kLongestValid = 3600.0;
 constexpr double kDriveAdvisedAgainst = 0.3;  // s, round trip
 constexpr double kDriveRefused = 1.0;         // s, round trip
 
@@ -47,8 +49,11 @@ console::Welcome WelcomeOf(const OperatorConfig& config) {
   welcome.set_run(fmt::format("{:x}", std::chrono::system_clock::now().time_since_epoch().count()));
   welcome.set_mode(ModeOf(config.task));
   console::Limits* limits = welcome.mutable_limits();
-  limits->set_edit_cells(65536);
-  limits->set_path_cells(static_cast<std::uint32_t>(config.max_path_cells));
+  const RequestLimits cells =
+      LimitsOf(static_cast<std::size_t>(config.console.max_message_kib) * 1024,
+               {kMostEdits, static_cast<std::uint32_t>(config.max_path_cells)});
+  limits->set_edit_cells(cells.edit_cells);
+  limits->set_path_cells(cells.path_cells);
   limits->set_guidance_valid_for(config.max_guidance_s);
   limits->set_control_time(config.control.control_s);
   limits->set_drive_advised_against(kDriveAdvisedAgainst);
@@ -64,6 +69,10 @@ std::vector<Position> PositionsOf(const nav_msgs::msg::Path& path) {
   }
   return positions;
 }
+
+/// When something was said, as pages are told: hosts' clocks may differ, but nothing comes before it
+/// was said.
+double HeardAt(bus::SourceTime source) { return std::min(ToWallSeconds(source), WallSeconds()); }
 
 std::size_t Bytes(double mib) { return static_cast<std::size_t>(mib * 1024.0 * 1024.0); }
 
@@ -116,8 +125,9 @@ ConsoleDesk::ConsoleDesk(bus::Participant& participant, const OperatorConfig& co
 
 ConsoleDesk::~ConsoleDesk() = default;
 
-void ConsoleDesk::Hear(const RobotState& state) {
-  state_.Hear(state, WallSeconds());
+void ConsoleDesk::Hear(const bus::Stamped<RobotState>& stamped) {
+  const RobotState& state = stamped.value;
+  state_.Hear(state, HeardAt(stamped.source));
   for (const auto& robot : robots_) {
     if (robot->name != state.robot) continue;
     robot->cell = state.cell;
@@ -147,16 +157,15 @@ std::vector<ConsoleDesk::Asked> ConsoleDesk::Step() {
   TakePredictions();
   std::vector<Asked> asked;
   for (const PageEvent& event : gateway_->Take()) {
-    if (auto request = Take(event)) asked.push_back(*std::move(request));
+    Take(event, asked);
   }
   return asked;
 }
 
 void ConsoleDesk::TakeFrom(RobotLink& robot) {
-  const double now_s = WallSeconds();
-  TakePictures(robot, now_s);
+  TakePictures(robot);
   if (!keeps_secrets_) TakeKnowledge(robot);
-  TakeFrames(robot, now_s);
+  TakeFrames(robot);
 }
 
 void ConsoleDesk::TakeKnowledge(RobotLink& robot) {
@@ -177,13 +186,13 @@ void ConsoleDesk::TakeKnowledge(RobotLink& robot) {
   }
 }
 
-void ConsoleDesk::TakeFrames(RobotLink& robot, double now_s) {
-  for (auto& image : robot.image.Take()) {
+void ConsoleDesk::TakeFrames(RobotLink& robot) {
+  for (auto& [image, source] : robot.image.TakeStamped()) {
     state_.HearStream();
     console::Frame frame;
     frame.set_robot(robot.name);
     frame.set_stamp(ToDomain(image.header().stamp()).value_or(SimTime{}).ToSeconds());
-    frame.set_heard_at(now_s);
+    frame.set_heard_at(HeardAt(source));
     frame.mutable_cell()->set_row(robot.cell.row);
     frame.mutable_cell()->set_column(robot.cell.column);
     frame.set_heading(robot.heading_rad);
@@ -207,14 +216,15 @@ void ConsoleDesk::Hear(const TaskStatus& task) { state_.Hear(ToConsole(task)); }
 
 void ConsoleDesk::Hear(const Alert& alert) { state_.Hear(ToConsole(alert)); }
 
-void ConsoleDesk::TakePictures(RobotLink& robot, double now_s) {
-  for (Picture& picture : robot.snapshot.TakeValid(kConvert)) {
+void ConsoleDesk::TakePictures(RobotLink& robot) {
+  for (auto& [picture, source] : robot.snapshot.TakeValidStamped(kConvert)) {
     if (picture.streamed) continue;
+    // First the pixels: a page fetches them as soon as it hears of the picture.
+    pictures_.Put(robot.name, picture.sequence_number, picture.jpeg);
     if (keeps_secrets_) picture.visible = {};
-    state_.Hear(picture, now_s);
+    state_.Hear(picture, HeardAt(source));
     const auto belief = beliefs_.find(robot.world);
     if (belief != beliefs_.end() && !keeps_secrets_) predictions_.Ask(picture, belief->second);
-    pictures_.Put(robot.name, picture.sequence_number, std::move(picture.jpeg));
   }
 }
 
@@ -224,30 +234,32 @@ void ConsoleDesk::TakePredictions() {
   }
 }
 
-std::optional<ConsoleDesk::Asked> ConsoleDesk::Take(const PageEvent& event) {
-  if (const auto* asked = std::get_if<PageAsked>(&event.body)) {
-    const console::Request& request = asked->request;
-    const std::string why_not = WhyNotNow(event.who, *asked, WallSeconds(), kDriveRefused);
-    auto domain = ToOperatorRequest(request, event.who.client, state_.TimeOf(request.world()));
-    if (why_not.empty() && domain) return Asked{event.page, *std::move(domain)};
-    Reply(event.page, {event.who.client, request.id(), false,
-                       why_not.empty() ? domain.error().text : why_not, 0});
-    return std::nullopt;
-  }
-  if (std::holds_alternative<PageJoined>(event.body)) {
-    people_[event.page] = {event.who.client, event.who.name, event.who.role};
+void ConsoleDesk::Take(const PageEvent& event, std::vector<Asked>& asked) {
+  if (const auto* body = std::get_if<PageAsked>(&event.body)) {
+    if (auto request = Read(event, *body)) asked.push_back(*std::move(request));
+  } else if (std::holds_alternative<PageJoined>(event.body)) {
+    presence_.Join(event.page, event.who);
+    state_.Hear(presence_.People());
   } else if (std::holds_alternative<PageLeft>(event.body)) {
-    people_.erase(event.page);
-    left_at_[event.who.client] = clock_.Now();
-  } else {
+    presence_.Leave(event.page, clock_.Now());
+    state_.Hear(presence_.People());
+  }
+}
+
+std::optional<ConsoleDesk::Asked> ConsoleDesk::Read(const PageEvent& event, const PageAsked& body) {
+  const console::Request& request = body.request;
+  const std::string& client = event.who.client;
+  auto domain = ToOperatorRequest(request, client, state_.TimeOf(request.world()));
+  if (!domain) {
+    Reply(event.page, {client, request.id(), false, domain.error().text, 0});
     return std::nullopt;
   }
-  std::map<std::string, Person> by_client;  // one that came back may not have left yet
-  for (const auto& [page, person] : people_) by_client[person.client] = person;
-  std::vector<Person> people;
-  for (const auto& [client, person] : by_client) people.push_back(person);
-  state_.Hear(people);
-  return std::nullopt;
+  const double now_s = WallSeconds();
+  std::string why_not = WhyNotNow(event.who, body, now_s, kDriveRefused);
+  if (why_not.empty() && request.valid_until() > now_s + kLongestValid) {
+    why_not = fmt::format("it would count for longer than {} s", kLongestValid);
+  }
+  return Asked{event.page, *std::move(domain), request.valid_until(), std::move(why_not)};
 }
 
 void ConsoleDesk::Reply(std::uint64_t page, const OperatorReply& reply) {
@@ -266,15 +278,13 @@ void ConsoleDesk::Hear(const ControlDesk& control) {
     message.set_robot(name);
     message.set_holder(robot.holder);
     message.set_reason(robot.reason);
-    for (const auto& [page, person] : people_) {
-      if (person.client == robot.holder) message.set_holder_name(person.name);
-    }
+    message.set_holder_name(presence_.NameOf(robot.holder));
     const std::chrono::duration<double> left = robot.held_until - clock_.Now();
     if (!robot.holder.empty()) message.set_held_until(now_s + left.count());
     message.set_stopped(robot.hold.stopped);
     message.set_stopped_by(robot.hold.given_by);
     message.set_stop_reason(robot.hold.reason);
-    state_.Hear(message, now_s);
+    state_.Hear(std::move(message));
   }
 }
 
@@ -287,16 +297,6 @@ void ConsoleDesk::Hear(const OperatorRequest& request, const OperatorReply& repl
   event.set_time(WallSeconds());
   event.set_stamp(state_.TimeOf(request.world).ToSeconds());
   state_.Hear(std::move(event));
-}
-
-std::vector<std::string> ConsoleDesk::TakeGone() {
-  std::vector<std::string> gone;
-  for (const auto& [page, person] : people_) left_at_.erase(person.client);
-  for (const auto& [client, at] : left_at_) {
-    if (clock_.Now() - at >= kGoneAfter) gone.push_back(client);
-  }
-  for (const std::string& client : gone) left_at_.erase(client);
-  return gone;
 }
 
 void ConsoleDesk::SetReadiness(const Health& health) {

@@ -18,6 +18,7 @@
 #include "operator/console/console_state.h"
 #include "operator/control/control_desk.h"
 #include "operator/gateway/gateway.h"
+#include "operator/page_presence.h"
 #include "operator/prediction_desk.h"
 #include "operator/service_watch.h"
 #include "operator/task/participant_task.h"
@@ -37,7 +38,7 @@ class ConsoleDesk {
   ConsoleDesk(bus::Participant& participant, const OperatorConfig& config, const Clock& clock);
   ~ConsoleDesk();
 
-  void Hear(const RobotState& state);
+  void Hear(const bus::Stamped<RobotState>& state);
   void HearGeometry(const std::string& world, const MapUpdate& map);
   void Hear(const Belief& belief, const BeliefGrid& initial);
   void Hear(const Guidance& guidance);
@@ -55,14 +56,16 @@ class ConsoleDesk {
   struct Asked {
     std::uint64_t page = 0;
     OperatorRequest request;
+    double valid_until_s = 0.0;  // wall time, s since 1970
+    std::string why_not;         // the page may not ask that now; empty = it may
   };
-  /// Takes in what arrived. The requests of pages that are sound, in the order in which they came;
-  /// the others are answered here.
+  /// Takes in what arrived. What pages ask, in the order in which it came; what is no request is
+  /// answered here.
   std::vector<Asked> Step();
   /// To what a page asked.
   void Reply(std::uint64_t page, const OperatorReply& reply);
   /// Clients whose page has been gone for a while.
-  std::vector<std::string> TakeGone();
+  std::vector<std::string> TakeGone() { return presence_.TakeGone(clock_.Now()); }
   /// After everything that one step brought.
   void Publish() { gateway_->Notify(); }
   /// For /readyz.
@@ -76,10 +79,11 @@ class ConsoleDesk {
   void TakeFrom(RobotLink& robot);
   /// What the robot knows and plans.
   void TakeKnowledge(RobotLink& robot);
-  void TakeFrames(RobotLink& robot, double now_s);
-  void TakePictures(RobotLink& robot, double now_s);
+  void TakePictures(RobotLink& robot);
+  void TakeFrames(RobotLink& robot);
   void TakePredictions();
-  std::optional<Asked> Take(const PageEvent& event);
+  void Take(const PageEvent& event, std::vector<Asked>& asked);
+  std::optional<Asked> Read(const PageEvent& event, const PageAsked& body);
 
   const Clock& clock_;
   bool keeps_secrets_;  // pages must not learn the true maze: a participant sits there
@@ -90,8 +94,7 @@ class ConsoleDesk {
   std::vector<std::unique_ptr<RobotLink>> robots_;
   std::map<std::string, Belief> beliefs_;  // by world
   PredictionDesk predictions_;
-  std::map<std::uint64_t, Person> people_;           // by page
-  std::map<std::string, Clock::TimePoint> left_at_;  // by client
+  PagePresence presence_;
   std::unique_ptr<Gateway> gateway_;
 };
 

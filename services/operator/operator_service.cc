@@ -1,7 +1,4 @@
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <set>
 
@@ -18,25 +15,15 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kLookAroundPeriod = 250ms;
+constexpr auto kTidyUpPeriod = 10s;
+/// Nobody repeats a request so long: those of pages count for seconds, other clients give up earlier.
+constexpr double kRequestsKeptS = 86400.0;
+constexpr std::int64_t kForgottenAtOnce = 200;
 constexpr auto kConvert = [](const auto& message) { return ToDomain(message); };
 
 BeliefStoreOptions StoreOptions(const OperatorConfig& config) {
   const auto limit = static_cast<std::int64_t>(config.database_limit_mib * 1024.0 * 1024.0);
   return {{config.database, limit}, {config.max_guidance_s, config.max_path_cells}};
-}
-
-/// In the order of OperatorRequest::body.
-constexpr std::array kKinds{"edit",   "guide", "drive",        "select",          "answer",
-                            "stop",   "go",    "take_control", "release_control", "acknowledge",
-                            "shelve", "finish"};
-static_assert(kKinds.size() == std::variant_size_v<decltype(OperatorRequest::body)>);
-
-const char* KindOf(const OperatorRequest& request) { return kKinds[request.body.index()]; }
-
-/// Of a request that guides or answers.
-const std::string& GuidedRobot(const OperatorRequest& request) {
-  const auto* answer = std::get_if<AnswerRequest>(&request.body);
-  return answer != nullptr ? answer->robot : std::get<GuideRequest>(request.body).robot;
 }
 
 }  // namespace
@@ -100,32 +87,30 @@ void OperatorService::Step() {
 
 void OperatorService::LookAround() {
   look_around_at_ = clock_.Now() + kLookAroundPeriod;
-  alerts_.Update(
-      ConditionsOf(attention_.items(), services_.services(), storage_failure_.value_or("")),
-      WallSeconds());
+  alerts_.Update(RobotConditions(), services_.services(), storage_failure_, WallSeconds());
+  if (clock_.Now() >= tidy_up_at_) TidyUp();
   if (!console_) return;
   console_->Hear(services_.services());
   console_->SetReadiness(Report());
 }
 
-void OperatorService::AnswerBus() {
-  const std::vector<OperatorRequest> requests = requests_.TakeValid(kConvert);
-  for (std::size_t i = 0; i < requests.size(); ++i) {
-    const auto reply = Answer(requests[i], ReplacedBy(requests, i));
-    if (reply) bus::Send(replies_, ToMessage(*reply));
+std::vector<RobotCondition> OperatorService::RobotConditions() const {
+  std::vector<RobotCondition> conditions;
+  for (const auto& robot : robots_) {
+    if (!robot->stamp) continue;
+    const bool stands = std::ranges::any_of(attention_.items(), [&](const AttentionItem& item) {
+      return item.robot == robot->name && item.reason == AttentionReason::kCommandFailed;
+    });
+    conditions.push_back({robot->name, robot->state.matched_publishers() == 0, stands});
   }
+  return conditions;
 }
 
-void OperatorService::AnswerConsole() {
-  for (const std::string& client : console_->TakeGone()) control_.Leave(client);
-  for (const ConsoleDesk::Asked& asked : console_->Step()) {
-    const OperatorRequest& request = asked.request;
-    const auto reply = Answer(request, nullptr);
-    console_->Reply(
-        asked.page,
-        reply.value_or(OperatorReply{
-            request.client, request.request_id, false,
-            fmt::format("world {} is not known yet: wait for its map", request.world), 0}));
+void OperatorService::TidyUp() {
+  tidy_up_at_ = clock_.Now() + kTidyUpPeriod;
+  const double kept_from_s = WallSeconds() - kRequestsKeptS;
+  if (const auto forgotten = store_.ForgetRequests(kept_from_s, kForgottenAtOnce); !forgotten) {
+    LOG_WARNING("old requests not removed", "reason", forgotten.error().text);
   }
 }
 
@@ -204,8 +189,8 @@ void OperatorService::TakeInitialMap(WorldLink& world) {
     storage_failure_ = added.error().text;  // the map stays pending; the next step tries again
     return;
   }
-  storage_failure_.reset();
   if (added) {
+    if (*added) storage_failure_ = "";
     LOG_INFO("world", "world", world.name, "new", *added, "revision",
              store_.FindBelief(world.name)->revision);
     if (console_) console_->HearGeometry(world.name, *world.pending);
@@ -219,7 +204,8 @@ void OperatorService::TakeInitialMap(WorldLink& world) {
 }
 
 void OperatorService::TakeStates(RobotLink& robot) {
-  for (const RobotState& state : robot.state.TakeValid(kConvert)) {
+  for (const auto& stamped : robot.state.TakeValidStamped(kConvert)) {
+    const RobotState& state = stamped.value;
     if (state.world != robot.world) {
       LOG_WARNING("state of another world ignored", "robot", robot.name, "world", state.world,
                   "configured", robot.world);
@@ -230,7 +216,7 @@ void OperatorService::TakeStates(RobotLink& robot) {
     drive_desk_.Hear(state);
     if (recording_) recording_->Hear(state);
     if (task_) task_->Hear(state);
-    if (console_) console_->Hear(state);
+    if (console_) console_->Hear(stamped);
     attention_.Hear(state, OperatorTime());
     if (!starts) continue;
     store_.AddRobot(robot.name, robot.world);
@@ -283,104 +269,6 @@ SimTime OperatorService::OperatorTime() const {
   SimTime newest = newest_clock_;
   for (const auto& world : worlds_) newest = std::max(newest, TimeOf(world->name));
   return newest;
-}
-
-std::optional<OperatorReply> OperatorService::Answer(const OperatorRequest& request,
-                                                     const OperatorRequest* replaced_by) {
-  const auto reply_of = [&](const BeliefStore::Answer& answer) {
-    Log(request, answer);
-    return answer.reply;
-  };
-  if (AlertDesk::Handles(request)) return reply_of(alerts_.Answer(request, WallSeconds()));
-  if (RobotControl::Handles(request)) return reply_of(control_.Answer(request, OperatorTime()));
-  if (std::holds_alternative<FinishRequest>(request.body)) return reply_of(Finish(request));
-  std::string why = control_.WhyNot(request);
-  if (why.empty() && task_) why = task_->WhyNot(request);
-  if (!why.empty()) {
-    return reply_of({{request.client, request.request_id, false, std::move(why), 0}});
-  }
-  control_.Renew(request.client);
-  if (std::holds_alternative<DriveRequest>(request.body)) return PassOn(request, replaced_by);
-  if (std::holds_alternative<SelectRequest>(request.body)) {
-    return reply_of({attention_.Select(request, OperatorTime())});
-  }
-  const WorldLink* world = FindWorld(request.world);
-  if (world != nullptr && !world->served() && world->refusal.empty()) return std::nullopt;
-  return AnswerStored(request, world);
-}
-
-OperatorReply OperatorService::AnswerStored(const OperatorRequest& request,
-                                            const WorldLink* world) {
-  const BeliefStore::Answer answer =
-      world != nullptr && !world->served()
-          ? BeliefStore::Answer{{request.client, request.request_id, false, world->refusal, 0}}
-          : store_.Handle(request, TimeOf(request.world));
-  Log(request, answer);
-  if (answer.changed) PublishChange(request);
-  if (answer.changed && recording_) Record(request);
-  return answer.reply;
-}
-
-OperatorReply OperatorService::PassOn(const OperatorRequest& request,
-                                      const OperatorRequest* replaced_by) {
-  if (replaced_by != nullptr) {
-    ++refused_;
-    return {request.client, request.request_id, false,
-            fmt::format("replaced by request {}, which came at once", replaced_by->request_id), 0};
-  }
-  const DriveDesk::Answer answer = drive_desk_.Handle(request, TimeOf(request.world), clock_.Now());
-  ++(answer.reply.accepted ? accepted_ : refused_);
-  if (!answer.reply.accepted) {
-    LOG_WARNING("refused", "kind", "drive", "client", request.client, "id", request.request_id,
-                "world", request.world, "reason", answer.reply.reason);
-  }
-  for (const auto& robot : robots_) {
-    if (answer.order && robot->name == answer.order->robot) {
-      bus::Send(robot->drive, ToMessage(*answer.order));
-    }
-  }
-  return answer.reply;
-}
-
-void OperatorService::PublishChange(const OperatorRequest& request) {
-  if (std::holds_alternative<EditRequest>(request.body)) {
-    attention_.Edited(request.client, request.world, OperatorTime());
-    if (WorldLink* world = FindWorld(request.world)) PublishBelief(*world);
-    return;
-  }
-  const auto* answer = std::get_if<AnswerRequest>(&request.body);
-  const std::string& name = GuidedRobot(request);
-  if (console_ && answer != nullptr) console_->Hear(*answer, request.client);
-  attention_.Guided(request.client, *store_.FindGuidance(name), OperatorTime());
-  for (const auto& robot : robots_) {
-    if (robot->name == name) PublishGuidance(*robot);
-  }
-}
-
-void OperatorService::Record(const OperatorRequest& request) {
-  if (std::holds_alternative<EditRequest>(request.body)) {
-    recording_->Edited(*store_.FindBelief(request.world));
-  } else {
-    recording_->Guided(*store_.FindGuidance(GuidedRobot(request)));
-  }
-}
-
-void OperatorService::Log(const OperatorRequest& request, const BeliefStore::Answer& answer) {
-  const OperatorReply& reply = answer.reply;
-  ++(reply.accepted ? accepted_ : refused_);
-  const bool is_stored = !std::holds_alternative<SelectRequest>(request.body);
-  if (is_stored) storage_failure_.reset();
-  if (answer.storage_failed) storage_failure_ = reply.reason;
-  if (console_ && (answer.changed || !reply.accepted)) console_->Hear(request, reply);
-  const char* kind = KindOf(request);
-  if (reply.accepted) {
-    LOG_INFO("accepted", "kind", kind, "client", request.client, "id", request.request_id, "world",
-             request.world, "revision", reply.revision, "new", answer.changed, "sim_s",
-             TimeOf(request.world).ToSeconds());
-  } else {
-    LOG_WARNING("refused", "kind", kind, "client", request.client, "id", request.request_id,
-                "world", request.world, "reason", reply.reason);
-  }
 }
 
 }  // namespace conav::operators

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/bus/publisher.h"
@@ -18,6 +19,7 @@
 #include "operator/config.h"
 #include "operator/console_desk.h"
 #include "operator/driving/drive_desk.h"
+#include "operator/request_journal.h"
 #include "operator/robot_control.h"
 #include "operator/session_recording.h"
 #include "operator/task_desk.h"
@@ -29,10 +31,12 @@ namespace conav::operators {
 ///
 /// Serves a world from the moment that the simulator's initial map arrives: a world that is not in
 /// the database gets revision 0, of one that is the stored belief and guidance are published, both
-/// latched. Until then its requests wait for their repeat. Another initial map than the stored one
+/// latched. Until then its requests wait: those of the bus for their repeat, those of pages here,
+/// until they are not valid any more. Another initial map than the stored one
 /// is refused: then nothing is published for that world, its requests are refused with that reason,
 /// and /diagnostics shows an error. A change is on disk before it is published, and published
-/// before it is acknowledged.
+/// before it is acknowledged. A request that was answered before gets that answer again, whoever
+/// has control by now and however late it comes.
 ///
 /// Simulation time of a world is the newest stamp of its robots' states; until the first one it is
 /// 0. Guidance for a robot that never reported is refused. A robot that has sent fewer pictures
@@ -74,22 +78,28 @@ class OperatorService {
   /// What the robot asks, and whether it and its planner are still there.
   void TakeAttention(RobotLink& robot);
   void Greet(RobotLink& robot, const RobotState& state);
-  /// Carries out what can be carried out. Nothing: no reply yet, the request will be repeated.
+  /// The reply of the first time to a repeat. Otherwise carries out what can be carried out.
+  /// Nothing: no reply yet, the world is not served. `why_not`: the console's, empty = none.
   /// `replaced_by`: a newer low-level action of the same turn; null when there is none.
-  std::optional<OperatorReply> Answer(const OperatorRequest& request,
+  std::optional<OperatorReply> Answer(const OperatorRequest& request, std::string_view why_not,
                                       const OperatorRequest* replaced_by);
+  OperatorReply Decide(const OperatorRequest& request, const OperatorRequest* replaced_by);
   OperatorReply PassOn(const OperatorRequest& request, const OperatorRequest* replaced_by);
   void AnswerBus();
   void AnswerConsole();
   void ShowOnConsole();
   /// A few times a second: what is wrong, and how the processes are.
   void LookAround();
-  OperatorReply AnswerStored(const OperatorRequest& request, const WorldLink* world);
+  std::vector<RobotCondition> RobotConditions() const;
+  /// Forgets, a little at a time, what nobody will ask for any more.
+  void TidyUp();
   void PublishChange(const OperatorRequest& request);
   void Record(const OperatorRequest& request);
   BeliefStore::Answer Finish(const OperatorRequest& request);
   void FollowTask();
-  void Log(const OperatorRequest& request, const BeliefStore::Answer& answer);
+  /// What was decided, to all who shall know of it.
+  OperatorReply Tell(const OperatorRequest& request, const BeliefStore::Answer& answer);
+  void NoteStorage(const BeliefStore::Answer& answer);
   SimTime TimeOf(const std::string& world) const;
   /// Newest simulation time of all worlds, by their robots or by /clock, which is finer.
   SimTime OperatorTime() const;
@@ -110,6 +120,7 @@ class OperatorService {
   ServiceWatch services_;
   AlertDesk alerts_;
   Clock::TimePoint look_around_at_{};
+  Clock::TimePoint tidy_up_at_{};
   Diagnostics diagnostics_;
   std::optional<SessionRecording> recording_;
   std::optional<TaskDesk> task_;
@@ -117,9 +128,10 @@ class OperatorService {
   std::uint64_t attention_shown_ = 0;  // revision of the queue
   std::uint64_t control_shown_ = 0;    // version
   std::optional<TaskStatus> task_shown_;
-  std::uint64_t accepted_ = 0;
-  std::uint64_t refused_ = 0;
-  std::optional<std::string> storage_failure_;  // of the newest request
+  std::vector<ConsoleDesk::Asked> waiting_;  // for their world; oldest first
+  RequestJournal journal_;
+  /// Until something is stored again; empty = the disk is well, nothing = it was not written to yet.
+  std::optional<std::string> storage_failure_;
 };
 
 }  // namespace conav::operators

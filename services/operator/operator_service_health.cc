@@ -31,14 +31,14 @@ Health OperatorService::Report() const {
   }
   health.values.emplace_back("matters in the attention queue",
                              std::to_string(attention_.items().size()));
-  health.values.emplace_back("requests accepted", std::to_string(accepted_));
-  health.values.emplace_back("requests refused", std::to_string(refused_));
+  health.values.emplace_back("requests accepted", std::to_string(journal_.accepted()));
+  health.values.emplace_back("requests refused", std::to_string(journal_.refused()));
   if (recording_) {
     health.values.emplace_back("segments recorded", std::to_string(recording_->recorded()));
     health.values.emplace_back("segments lost", std::to_string(recording_->lost()));
     health.values.emplace_back("pictures lost", std::to_string(recording_->lost_pictures()));
   }
-  if (storage_failure_) {
+  if (storage_failure_ && !storage_failure_->empty()) {
     health.level = Health::Level::kError;
     health.message = *storage_failure_;
   }

@@ -41,7 +41,6 @@ Result<std::vector<HoldOrder>> RobotControl::Decide(const OperatorRequest& reque
 }
 
 BeliefStore::Answer RobotControl::Answer(const OperatorRequest& request, SimTime now) {
-  if (auto repeat = store_.FindRepeat(request)) return *std::move(repeat);
   ControlDesk decided = desk_;  // counts only when it is stored
   const auto orders = Decide(request, now, decided);
   if (!orders) return {{request.client, request.request_id, false, orders.error().text, 0}};

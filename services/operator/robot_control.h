@@ -26,11 +26,11 @@ class RobotControl {
                const Clock& clock);
 
   static bool Handles(const OperatorRequest& request);
-  /// Requires Handles(request). `now`: the operator's time.
+  /// Requires Handles(request), and that it is no repeat. `now`: the operator's time.
   BeliefStore::Answer Answer(const OperatorRequest& request, SimTime now);
   /// Why another client's control forbids `request`; empty = it does not.
   std::string WhyNot(const OperatorRequest& request) const;
-  /// `client` asked for something that was not refused for want of control.
+  /// `client` asked for something, whatever it is, that was not refused for want of control.
   void Renew(const std::string& client) { desk_.Renew(client, clock_.Now()); }
   void Leave(const std::string& client) { desk_.ReleaseAll(client); }
   void Step() { desk_.Expire(clock_.Now()); }

@@ -39,8 +39,18 @@ class Reader {
   virtual std::uint64_t malformed() const = 0;
 };
 
+/// When a message was published, by the clock of the publisher's host.
+using SourceTime = std::chrono::system_clock::time_point;
+
+/// Of a vendor's source timestamp, ns since 1970. The present for a publisher that states none.
+inline SourceTime ToSourceTime(std::int64_t nanoseconds) {
+  if (nanoseconds <= 0) return std::chrono::system_clock::now();
+  return SourceTime(
+      std::chrono::duration_cast<SourceTime::duration>(std::chrono::nanoseconds(nanoseconds)));
+}
+
 /// Called on the vendor's receive thread with a decoded message, which the callee may move from.
-using Sink = std::function<void(void* message)>;
+using Sink = std::function<void(void* message, SourceTime source)>;
 
 class Backend {
  public:

@@ -7,8 +7,8 @@ namespace {
 
 class InMemoryWriter final : public Writer {
  public:
-  InMemoryWriter(InMemoryTopic& topic, std::shared_ptr<InMemoryWriterState> state)
-      : topic_(topic), state_(std::move(state)) {
+  InMemoryWriter(InMemoryBus& bus, std::shared_ptr<InMemoryWriterState> state)
+      : bus_(bus), topic_(bus.TopicNamed(state->options.topic)), state_(std::move(state)) {
     topic_.Add(state_);
   }
   ~InMemoryWriter() override { topic_.Remove(state_); }
@@ -22,12 +22,14 @@ class InMemoryWriter final : public Writer {
     if (payload.empty()) {
       return Fail(ErrorCode::kMalformed, "a message of " + type.name + " cannot be serialised");
     }
-    topic_.Write(*state_, std::make_shared<const std::vector<std::uint8_t>>(std::move(payload)));
+    topic_.Write(*state_, std::make_shared<const InMemorySample>(
+                              InMemorySample{std::move(payload), bus_.source_time()}));
     return {};
   }
   int matched() const override { return state_->matched; }
 
  private:
+  InMemoryBus& bus_;
   InMemoryTopic& topic_;
   std::shared_ptr<InMemoryWriterState> state_;
 };
@@ -55,7 +57,7 @@ class InMemoryBackend final : public Backend {
 
   std::unique_ptr<Writer> CreateWriter(const EndpointOptions& options) override {
     return std::make_unique<InMemoryWriter>(
-        bus_->TopicNamed(options.topic), std::make_shared<InMemoryWriterState>(options, events_));
+        *bus_, std::make_shared<InMemoryWriterState>(options, events_));
   }
   std::unique_ptr<Reader> CreateReader(const EndpointOptions& options, Sink sink) override {
     return std::make_unique<InMemoryReader>(

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+#include <chrono>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -34,7 +36,15 @@ class InMemoryBus {
   /// The topic of that name, made when needed. Lives as long as the bus.
   InMemoryTopic& TopicNamed(const std::string& name);
 
+  /// From now on messages count as published so long ago.
+  void SetSourceDelay(std::chrono::nanoseconds delay) { source_delay_ = delay; }
+  SourceTime source_time() const {
+    return std::chrono::system_clock::now() -
+           std::chrono::duration_cast<SourceTime::duration>(source_delay_.load());
+  }
+
  private:
+  std::atomic<std::chrono::nanoseconds> source_delay_{std::chrono::nanoseconds(0)};
   std::mutex mutex_;  // guards topics_
   std::map<std::string, std::unique_ptr<InMemoryTopic>> topics_;
 };

@@ -57,7 +57,7 @@ void InMemoryReaderState::Drain() {
     const InMemoryPayload payload = std::move(queue_.front());
     queue_.pop_front();
     lock.unlock();
-    intake_.Deliver(*payload);
+    intake_.Deliver(payload->bytes, payload->source);
     lock.lock();
   }
   delivering_ = false;

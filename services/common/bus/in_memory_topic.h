@@ -14,7 +14,11 @@
 namespace conav::bus {
 
 /// One serialised message, shared by the queues that hold it.
-using InMemoryPayload = std::shared_ptr<const std::vector<std::uint8_t>>;
+struct InMemorySample {
+  std::vector<std::uint8_t> bytes;
+  SourceTime source;
+};
+using InMemoryPayload = std::shared_ptr<const InMemorySample>;
 
 /// What writers and readers of the in-memory bus have in common.
 struct InMemoryEndpoint {

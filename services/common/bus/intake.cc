@@ -6,11 +6,11 @@
 
 namespace conav::bus {
 
-void Intake::Deliver(std::span<const std::uint8_t> payload) noexcept {
+void Intake::Deliver(std::span<const std::uint8_t> payload, SourceTime source) noexcept {
   try {
     void* message = Acquire();
     if (endpoint_.type.deserialize(payload, message)) {
-      Accept(message);
+      Accept(message, source);
     } else {
       Refuse(message);
     }
@@ -24,9 +24,9 @@ void* Intake::Acquire() {
   return message != nullptr ? message : endpoint_.type.create();
 }
 
-void Intake::Accept(void* message) noexcept {
+void Intake::Accept(void* message, SourceTime source) noexcept {
   try {
-    sink_(message);
+    sink_(message, source);
   } catch (const std::exception& error) {
     LOG_ERROR("a handler threw", "topic", endpoint_.topic, "reason", error.what());
   }

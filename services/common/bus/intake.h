@@ -22,12 +22,12 @@ class Intake {
   Intake& operator=(const Intake&) = delete;
 
   /// CDR with encapsulation.
-  void Deliver(std::span<const std::uint8_t> payload) noexcept;
+  void Deliver(std::span<const std::uint8_t> payload, SourceTime source) noexcept;
 
   /// The two halves of Deliver, for a vendor that decodes by itself: a message to decode into, and
   /// what became of it.
   void* Acquire();
-  void Accept(void* message) noexcept;
+  void Accept(void* message, SourceTime source) noexcept;
   void Refuse(void* message) noexcept;
   void Discard(void* message) noexcept { Release(message); }
 

@@ -19,6 +19,15 @@
 
 namespace conav::bus {
 
+/// A message, and when it was published: by the clock of the publisher's host, whose wall time must
+/// agree with this one's as closely as the two are to be compared. For a late joiner that is long
+/// before it came.
+template <class T>
+struct Stamped {
+  T value;
+  SourceTime source;
+};
+
 /// Receives messages of type T from one topic. Constructing connects, destroying disconnects.
 ///
 /// Either the owner takes messages from a queue (bounded by the topic's depth, oldest dropped
@@ -39,11 +48,15 @@ class Subscriber {
 
   /// Everything that arrived since the last call, oldest first; empty when nothing did.
   std::vector<T> Take();
+  std::vector<Stamped<T>> TakeStamped();
 
   /// Take(), each message passed through `convert` (a T -> Result<D>). What is refused is left
   /// out, counted, and logged with topic, field and value, at most once a second.
   template <class Convert>
   auto TakeValid(Convert&& convert);
+  /// The same, each as Stamped<D>.
+  template <class Convert>
+  auto TakeValidStamped(Convert&& convert);
 
   int matched_publishers() const { return reader_->matched(); }
   /// Payloads that could not be decoded, and messages that `convert` refused.
@@ -51,14 +64,15 @@ class Subscriber {
   std::uint64_t refused() const { return refused_; }
 
  private:
-  void Receive(T&& message);
+  void Receive(T&& message, SourceTime source);
+  void NoteRefused(const Error& error);
 
   std::string topic_;
   Handler handler_;
   Notifier* notifier_;
   std::size_t capacity_;
   std::mutex mutex_;  // guards queue_
-  std::deque<T> queue_;
+  std::deque<Stamped<T>> queue_;
   std::uint64_t refused_ = 0;
   LogLimit refusals_logged_;
   std::unique_ptr<Reader> reader_;  // last: no delivery before the rest exists
@@ -72,12 +86,13 @@ Subscriber<T>::Subscriber(Participant& participant, const Topic<T>& topic, std::
       notifier_(&participant.notifier()),
       capacity_(static_cast<std::size_t>(topic.qos.depth > 0 ? topic.qos.depth : kKeepAllLimit)) {
   reader_ = participant.backend().CreateReader(
-      {topic_, TypeSupportOf<T>(), topic.qos},
-      [this](void* message) { Receive(std::move(*static_cast<T*>(message))); });
+      {topic_, TypeSupportOf<T>(), topic.qos}, [this](void* message, SourceTime source) {
+        Receive(std::move(*static_cast<T*>(message)), source);
+      });
 }
 
 template <class T>
-void Subscriber<T>::Receive(T&& message) {
+void Subscriber<T>::Receive(T&& message, SourceTime source) {
   if (handler_) {
     handler_(std::move(message));
     return;
@@ -85,14 +100,14 @@ void Subscriber<T>::Receive(T&& message) {
   {
     const std::lock_guard lock(mutex_);
     if (queue_.size() >= capacity_) queue_.pop_front();
-    queue_.push_back(std::move(message));
+    queue_.push_back({std::move(message), source});
   }
   notifier_->Notify();
 }
 
 template <class T>
-std::vector<T> Subscriber<T>::Take() {
-  std::deque<T> taken;
+std::vector<Stamped<T>> Subscriber<T>::TakeStamped() {
+  std::deque<Stamped<T>> taken;
   {
     const std::lock_guard lock(mutex_);
     taken.swap(queue_);
@@ -101,21 +116,42 @@ std::vector<T> Subscriber<T>::Take() {
 }
 
 template <class T>
+std::vector<T> Subscriber<T>::Take() {
+  std::vector<T> messages;
+  for (Stamped<T>& taken : TakeStamped()) messages.push_back(std::move(taken.value));
+  return messages;
+}
+
+template <class T>
+void Subscriber<T>::NoteRefused(const Error& error) {
+  ++refused_;
+  if (!refusals_logged_.Allow()) return;
+  LOG_WARNING("message refused", "topic", topic_, "reason", error.text, "count", refused_);
+}
+
+template <class T>
+template <class Convert>
+auto Subscriber<T>::TakeValidStamped(Convert&& convert) {
+  using Domain = typename std::invoke_result_t<Convert, const T&>::value_type;
+  std::vector<Stamped<Domain>> valid;
+  for (const Stamped<T>& taken : TakeStamped()) {
+    Result<Domain> result = convert(taken.value);
+    if (result) {
+      valid.push_back({*std::move(result), taken.source});
+    } else {
+      NoteRefused(result.error());
+    }
+  }
+  return valid;
+}
+
+template <class T>
 template <class Convert>
 auto Subscriber<T>::TakeValid(Convert&& convert) {
   using Domain = typename std::invoke_result_t<Convert, const T&>::value_type;
   std::vector<Domain> valid;
-  for (const T& message : Take()) {
-    Result<Domain> result = convert(message);
-    if (result) {
-      valid.push_back(*std::move(result));
-      continue;
-    }
-    ++refused_;
-    if (refusals_logged_.Allow()) {
-      LOG_WARNING("message refused", "topic", topic_, "reason", result.error().text, "count",
-                  refused_);
-    }
+  for (auto& taken : TakeValidStamped(std::forward<Convert>(convert))) {
+    valid.push_back(std::move(taken.value));
   }
   return valid;
 }

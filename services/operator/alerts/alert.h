@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace conav::operators {
 
@@ -18,6 +19,13 @@ struct Condition {
   bool operator==(const Condition&) const = default;
 };
 
+/// What was looked at: matters that are wrong now, and the keys of those that are not. Of a matter in
+/// neither list nobody knows, as of a robot that was not heard of yet.
+struct Findings {
+  std::vector<Condition> wrong;
+  std::vector<std::string> fine;
+};
+
 /// A condition that was or is true, and what people did about it. Times: wall time, s since 1970.
 struct Alert {
   std::uint64_t id = 0;
@@ -25,7 +33,7 @@ struct Alert {
   double raised_s = 0.0;
   double newest_s = 0.0;    // when it became true last
   std::uint32_t count = 1;  // how often it became true
-  bool active = true;
+  bool active = true;       // as far as is known
   std::string acknowledged_by;
   double acknowledged_s = 0.0;
   double shelved_until_s = 0.0;

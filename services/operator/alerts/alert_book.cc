@@ -8,8 +8,6 @@
 namespace conav::operators {
 namespace {
 
-bool IsHistory(const Alert& alert) { return !alert.active && !alert.acknowledged_by.empty(); }
-
 tl::unexpected<Error> Unknown(std::uint64_t id) {
   return Fail(ErrorCode::kNotFound, fmt::format("alert {} is not known here", id));
 }
@@ -18,7 +16,6 @@ tl::unexpected<Error> Unknown(std::uint64_t id) {
 
 void AlertBook::Restore(std::vector<Alert> alerts) {
   for (Alert& alert : alerts) {
-    alert.active = false;
     last_id_ = std::max(last_id_, alert.id);
     alerts_[alert.id] = std::move(alert);
   }
@@ -31,36 +28,48 @@ Alert* AlertBook::FindOpen(const std::string& key) {
   return nullptr;
 }
 
-std::vector<Alert> AlertBook::Update(const std::vector<Condition>& conditions, double now_s) {
-  std::map<std::uint64_t, Alert> before = alerts_;
-  for (auto& entry : alerts_) {
-    Alert& alert = entry.second;
-    alert.active = std::any_of(conditions.begin(), conditions.end(), [&](const Condition& c) {
-      return alert.active && c.key == alert.condition.key;
-    });
+AlertBook::Changes AlertBook::Update(const Findings& findings, double now_s) {
+  Changes changes;
+  for (const std::string& key : findings.fine) {
+    Alert* open = FindOpen(key);
+    if (open == nullptr || !open->active) continue;
+    open->active = false;
+    changes.changed.push_back(*open);
   }
-  for (const Condition& condition : conditions) {
-    Alert* open = FindOpen(condition.key);
-    if (open == nullptr) {
-      ++last_id_;
-      alerts_[last_id_] = {
-          .id = last_id_, .condition = condition, .raised_s = now_s, .newest_s = now_s};
-      continue;
-    }
-    open->condition = condition;
-    if (open->active) continue;
+  for (const Condition& condition : findings.wrong) Raise(condition, now_s, changes);
+  changes.dropped = DropHistory();
+  return changes;
+}
+
+void AlertBook::Raise(const Condition& condition, double now_s, Changes& changes) {
+  Alert* open = FindOpen(condition.key);
+  if (open == nullptr) {
+    ++last_id_;
+    alerts_[last_id_] = {
+        .id = last_id_, .condition = condition, .raised_s = now_s, .newest_s = now_s};
+    changes.changed.push_back(alerts_[last_id_]);
+    return;
+  }
+  if (open->active && open->condition == condition) return;
+  open->condition = condition;
+  if (!open->active) {
     open->active = true;
     open->newest_s = now_s;
     ++open->count;
     open->acknowledged_by.clear();
     open->acknowledged_s = 0.0;
   }
-  std::vector<Alert> changed;
+  changes.changed.push_back(*open);
+}
+
+std::vector<std::uint64_t> AlertBook::DropHistory() {
+  std::vector<std::uint64_t> history;  // oldest first
   for (const auto& [id, alert] : alerts_) {
-    const auto known = before.find(id);
-    if (known == before.end() || known->second != alert) changed.push_back(alert);
+    if (IsHistory(alert)) history.push_back(id);
   }
-  return changed;
+  history.resize(history.size() - std::min(history.size(), kHistoryKept));
+  for (const std::uint64_t id : history) alerts_.erase(id);
+  return history;
 }
 
 Result<Alert> AlertBook::Acknowledge(std::uint64_t id, const std::string& client,

@@ -23,7 +23,8 @@ BeliefStore::Answer StorageFailure(const OperatorRequest& request, const Error& 
   return {{request.client, request.request_id, false,
            fmt::format("not stored, ask again later: {}", error.text), revision},
           false,
-          true};
+          false,
+          error.text};
 }
 
 /// In what the stored initial map differs from the new one; empty when it does not.
@@ -122,16 +123,24 @@ BeliefStore::Answer BeliefStore::Keep(const OperatorRequest& request,
   });
   if (!saved) return StorageFailure(request, saved.error(), 0);
   for (const HoldOrder& order : orders) holds_[order.robot] = order;
-  return {reply, true};
+  return {reply, true, true};
 }
 
-Result<void> BeliefStore::SaveAlerts(const std::vector<Alert>& alerts) {
+Result<void> BeliefStore::SaveAlerts(const std::vector<Alert>& alerts,
+                                     const std::vector<std::uint64_t>& dropped) {
   return database_.Transaction([&]() -> Result<void> {
     for (const Alert& alert : alerts) {
       if (auto saved = SaveAlert(database_, alert); !saved) return saved;
     }
+    for (const std::uint64_t id : dropped) {
+      if (auto removed = RemoveAlert(database_, id); !removed) return removed;
+    }
     return {};
   });
+}
+
+Result<std::int64_t> BeliefStore::ForgetRequests(double wall_s, std::int64_t most) {
+  return RemoveRequests(database_, wall_s, most);
 }
 
 BeliefStore::Answer BeliefStore::Handle(const OperatorRequest& request, SimTime now) {
@@ -169,7 +178,7 @@ BeliefStore::Answer BeliefStore::HandleEdit(const OperatorRequest& request, cons
   });
   if (!saved) return StorageFailure(request, saved.error(), current.revision);
   current = *std::move(edited);
-  return {reply, true};
+  return {reply, true, true};
 }
 
 BeliefStore::Answer BeliefStore::HandleGuide(const OperatorRequest& request,
@@ -223,7 +232,7 @@ BeliefStore::Answer BeliefStore::SaveAsAnswer(const OperatorRequest& request, Gu
   });
   if (!saved) return StorageFailure(request, saved.error(), guidance.revision - 1);
   guidance_[guidance.robot] = std::move(guidance);
-  return {reply, true};
+  return {reply, true, true};
 }
 
 BeliefStore::Answer BeliefStore::Refuse(const OperatorRequest& request, std::string reason,
@@ -232,7 +241,7 @@ BeliefStore::Answer BeliefStore::Refuse(const OperatorRequest& request, std::str
   // A refusal is as final as an acceptance. When it cannot be stored, a repeat is judged anew,
   // which changes nothing that was acknowledged.
   const auto saved = database_.Transaction([&] { return SaveRequest(database_, request, reply); });
-  return {reply, false, !saved};
+  return {reply, false, saved.has_value(), saved ? "" : saved.error().text};
 }
 
 const Belief* BeliefStore::FindBelief(const std::string& world) const {

@@ -20,7 +20,7 @@ struct BeliefStoreOptions {
 };
 
 /// The one truth about what the operator believes and wants: the belief map of each world, the
-/// guidance of each robot, which robots are stopped, the alerts, and every request that was answered.
+/// guidance of each robot, which robots are stopped, the alerts, and the requests that were answered.
 ///
 /// Whatever Handle() acknowledges is on disk before it returns, together with its reply: opening
 /// the same file again gives back the same beliefs, guidance, revisions and replies, also after a
@@ -37,8 +37,9 @@ class BeliefStore {
 
   struct Answer {
     OperatorReply reply;
-    bool changed = false;  // the belief (edit) or the guidance (guide, answer) is new
-    bool storage_failed = false;
+    bool changed = false;         // what the request asks for is new, not a repeat, and stored
+    bool written = false;         // the disk took something in
+    std::string storage_failure;  // why it did not; empty = it did, or was not asked to
   };
 
   /// Gives `world` its initial map as revision 0. False when the store has one already, which then
@@ -62,8 +63,13 @@ class BeliefStore {
   /// Stores a request that was decided elsewhere and is new, with what it leads to.
   Answer Keep(const OperatorRequest& request, const std::vector<HoldOrder>& orders,
               const std::vector<Alert>& alerts = {});
-  [[nodiscard]] Result<void> SaveAlerts(const std::vector<Alert>& alerts);
-  /// Those of before; none of them is active.
+  /// Also removes those with the ids of `dropped`.
+  [[nodiscard]] Result<void> SaveAlerts(const std::vector<Alert>& alerts,
+                                        const std::vector<std::uint64_t>& dropped = {});
+  /// Forgets requests that were answered before `wall_s` (s since 1970), the oldest first and at most
+  /// `most` of them: they are not repeated any more. How many. Errors: kIo.
+  [[nodiscard]] Result<std::int64_t> ForgetRequests(double wall_s, std::int64_t most);
+  /// Those of before.
   const std::vector<Alert>& alerts() const { return alerts_; }
   const std::map<std::string, HoldOrder>& holds() const { return holds_; }
 

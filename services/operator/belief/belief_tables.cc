@@ -15,7 +15,7 @@ static_assert(std::endian::native == std::endian::little, "beliefs are stored li
 using nlohmann::json;
 
 constexpr std::int64_t kApplicationId = 0x636f6e76;  // "conv", marks the file as ours
-constexpr std::int64_t kSchemaVersion = 2;
+constexpr std::int64_t kSchemaVersion = 3;
 
 /// Version 1.
 constexpr const char* kFirstTables[] = {
@@ -38,6 +38,13 @@ constexpr const char* kSecondTables[] = {
     "source TEXT NOT NULL, text TEXT NOT NULL, advice TEXT NOT NULL, raised_s REAL NOT NULL, "
     "newest_s REAL NOT NULL, count INTEGER NOT NULL, acknowledged_by TEXT NOT NULL, "
     "acknowledged_s REAL NOT NULL, shelved_until_s REAL NOT NULL)"};
+
+/// Added by version 3. What an older version stored counts as answered now.
+constexpr const char* kThirdColumns[] = {
+    "ALTER TABLE alerts ADD COLUMN active INTEGER NOT NULL DEFAULT 0",
+    "ALTER TABLE requests ADD COLUMN answered_s REAL NOT NULL DEFAULT 0",
+    "UPDATE requests SET answered_s = strftime('%s', 'now')",
+    "CREATE INDEX requests_by_time ON requests (answered_s)"};
 
 std::int64_t Signed(std::uint64_t value) { return static_cast<std::int64_t>(value); }
 std::uint64_t Unsigned(const Database::Value& value) {
@@ -101,7 +108,6 @@ Guidance GuidanceFromRow(const Database::Row& row) {
 
 double Real(const Database::Value& value) { return std::get<double>(value); }
 
-/// Not `active`: that is for the service to see.
 Alert AlertFromRow(const Database::Row& row) {
   Alert alert;
   alert.id = Unsigned(row[0]);
@@ -110,10 +116,10 @@ Alert AlertFromRow(const Database::Row& row) {
   alert.raised_s = Real(row[6]);
   alert.newest_s = Real(row[7]);
   alert.count = static_cast<std::uint32_t>(Integer(row[8]));
-  alert.active = false;
   alert.acknowledged_by = Text(row[9]);
   alert.acknowledged_s = Real(row[10]);
   alert.shelved_until_s = Real(row[11]);
+  alert.active = Integer(row[12]) != 0;
   return alert;
 }
 
@@ -148,7 +154,10 @@ Result<void> Upgrade(Database& database, std::int64_t version) {
     if (version < 1) {
       if (auto made = RunAll(database, kFirstTables); !made) return made;
     }
-    if (auto made = RunAll(database, kSecondTables); !made) return made;
+    if (version < 2) {
+      if (auto made = RunAll(database, kSecondTables); !made) return made;
+    }
+    if (auto made = RunAll(database, kThirdColumns); !made) return made;
     for (const std::string& mark : {fmt::format("application_id = {}", kApplicationId),
                                     fmt::format("user_version = {}", kSchemaVersion)}) {
       if (auto set = database.Execute("PRAGMA " + mark); !set) return set;
@@ -226,7 +235,7 @@ Result<void> EnsureSchema(Database& database) {
   if (*application != kApplicationId) {
     return Fail(ErrorCode::kMalformed, "this is a database of another program");
   }
-  if (*version == 1) return Upgrade(database, 1);
+  if (*version == 1 || *version == 2) return Upgrade(database, *version);
   if (*version != kSchemaVersion) {
     return Fail(ErrorCode::kMalformed, fmt::format("written by another version: schema {}, not {}",
                                                    *version, kSchemaVersion));
@@ -283,7 +292,7 @@ Result<std::map<std::string, HoldOrder>> LoadHolds(Database& database) {
 Result<std::vector<Alert>> LoadAlerts(Database& database) {
   const auto rows = database.Query(
       "SELECT id, key, severity, source, text, advice, raised_s, newest_s, count, acknowledged_by, "
-      "acknowledged_s, shelved_until_s FROM alerts ORDER BY id");
+      "acknowledged_s, shelved_until_s, active FROM alerts ORDER BY id");
   if (!rows) return tl::unexpected(rows.error());
   std::vector<Alert> alerts;
   for (const Database::Row& row : *rows) {
@@ -332,19 +341,32 @@ Result<void> SaveHold(Database& database, const HoldOrder& hold) {
 Result<void> SaveAlert(Database& database, const Alert& alert) {
   const Condition& condition = alert.condition;
   return database.Execute(
-      "INSERT OR REPLACE INTO alerts VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+      "INSERT OR REPLACE INTO alerts VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
       {Signed(alert.id), condition.key, static_cast<std::int64_t>(condition.severity),
        condition.source, condition.text, condition.advice, alert.raised_s, alert.newest_s,
        std::int64_t{alert.count}, alert.acknowledged_by, alert.acknowledged_s,
-       alert.shelved_until_s});
+       alert.shelved_until_s, std::int64_t{alert.active}});
+}
+
+Result<void> RemoveAlert(Database& database, std::uint64_t id) {
+  return database.Execute("DELETE FROM alerts WHERE id = ?", {Signed(id)});
 }
 
 Result<void> SaveRequest(Database& database, const OperatorRequest& request,
                          const OperatorReply& reply) {
   return database.Execute(
-      "INSERT INTO requests VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
+      "INSERT INTO requests VALUES (?, ?, ?, ?, ?, ?, ?, ?, strftime('%s', 'now'))",
       {request.client, Signed(request.request_id), request.stamp.nanoseconds, request.world,
        RequestBody(request), std::int64_t{reply.accepted}, reply.reason, Signed(reply.revision)});
+}
+
+Result<std::int64_t> RemoveRequests(Database& database, double wall_s, std::int64_t most) {
+  const auto removed = database.Query(
+      "DELETE FROM requests WHERE rowid IN (SELECT rowid FROM requests WHERE answered_s < ? "
+      "ORDER BY answered_s LIMIT ?) RETURNING 1",
+      {wall_s, most});
+  if (!removed) return tl::unexpected(removed.error());
+  return static_cast<std::int64_t>(removed->size());
 }
 
 Result<std::optional<LoggedRequest>> FindRequest(Database& database, const std::string& client,

@@ -18,10 +18,10 @@
 ///     the newest of each robot
 ///   holds(robot, world, revision, stamp_ns, stopped, given_by, reason)
 ///     the newest of each robot that was ever stopped
-///   alerts(id, key, severity, source, text, advice, raised_s, newest_s, count, ...)
-///     all of them
-///   requests(client, request_id, stamp_ns, world, body, accepted, reason, revision)
-///     all of them
+///   alerts(id, key, severity, source, text, advice, raised_s, newest_s, count, ..., active)
+///     all that are not over and acknowledged, and the newest of the others
+///   requests(client, request_id, stamp_ns, world, body, accepted, reason, revision, answered_s)
+///     of the last day or so; answered_s: wall time, s since 1970
 ///
 /// `cells` is row-major float32, little-endian; `path` and `body` are JSON, for people with
 /// sqlite3.
@@ -61,8 +61,13 @@ std::string RequestBody(const OperatorRequest& request);
 [[nodiscard]] Result<void> SaveGuidance(Database& database, const Guidance& guidance);
 [[nodiscard]] Result<void> SaveHold(Database& database, const HoldOrder& hold);
 [[nodiscard]] Result<void> SaveAlert(Database& database, const Alert& alert);
+[[nodiscard]] Result<void> RemoveAlert(Database& database, std::uint64_t id);
 [[nodiscard]] Result<void> SaveRequest(Database& database, const OperatorRequest& request,
                                        const OperatorReply& reply);
+
+/// The oldest that were answered before `wall_s`, at most `most`. How many.
+[[nodiscard]] Result<std::int64_t> RemoveRequests(Database& database, double wall_s,
+                                                  std::int64_t most);
 
 [[nodiscard]] Result<std::optional<LoggedRequest>> FindRequest(Database& database,
                                                                const std::string& client,

@@ -206,7 +206,7 @@ console::Event EventOf(const OperatorRequest& request, const OperatorReply& repl
 
 console::Task ToConsole(const TaskStatus& task) {
   console::Task message;
-  message.set_participant(Readable(task.participant));
+  message.set_participant(task.participant);
   message.set_number(static_cast<std::uint32_t>(task.number));
   message.set_count(static_cast<std::uint32_t>(task.count));
   message.set_phase(static_cast<console::TaskPhase>(task.phase));

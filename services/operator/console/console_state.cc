@@ -72,7 +72,6 @@ void ConsoleState::BeginAnew() {
   worlds_.clear();
   services_.clear();
   service_said_at_s_.clear();
-  stopped_since_s_.clear();
   last_event_ = 0;
   log_.Clear();
   PutSession();
@@ -94,7 +93,7 @@ SimTime ConsoleState::TimeOf(const std::string& world) const {
   return found == worlds_.end() ? SimTime{} : found->second.stamp;
 }
 
-void ConsoleState::Hear(const RobotState& state, double now_s) {
+void ConsoleState::Hear(const RobotState& state, double heard_s) {
   if (const auto known = robots_.find(state.robot);
       known != robots_.end() && state.stamp < known->second.stamp) {
     BeginAnew(known->second.world);
@@ -105,9 +104,9 @@ void ConsoleState::Hear(const RobotState& state, double now_s) {
   if (state.snapshots < memory.answered) memory.answered = 0;  // it counts them anew
   ExtendTrail(memory, state);
   console::Update update;
-  *update.mutable_robot() = ToConsole(state, now_s);
+  *update.mutable_robot() = ToConsole(state, heard_s);
   log_.Put("robot/" + state.robot, std::move(update));
-  NoteTime(state, now_s);
+  NoteTime(state, heard_s);
 }
 
 void ConsoleState::ExtendTrail(RobotMemory& memory, const RobotState& state) {
@@ -133,11 +132,11 @@ void ConsoleState::PutTrail(const std::string& robot, const std::vector<Cell>& t
   }
 }
 
-void ConsoleState::NoteTime(const RobotState& state, double now_s) {
+void ConsoleState::NoteTime(const RobotState& state, double heard_s) {
   WorldMemory& memory = worlds_[state.world];
   memory.stamp = std::max(memory.stamp, state.stamp);
-  if (memory.world.rows() == 0 || !IsDue(memory.said_at_s, now_s, kTimePeriod)) return;
-  memory.said_at_s = now_s;
+  if (memory.world.rows() == 0 || !IsDue(memory.said_at_s, heard_s, kTimePeriod)) return;
+  memory.said_at_s = heard_s;
   memory.world.set_time(memory.stamp.ToSeconds());
   console::Update update;
   *update.mutable_world() = memory.world;
@@ -216,13 +215,13 @@ void ConsoleState::Hear(const SearchReport& report) {
   log_.Put("search/" + report.robot, std::move(update));
 }
 
-void ConsoleState::Hear(const Picture& picture, double now_s) {
+void ConsoleState::Hear(const Picture& picture, double heard_s) {
   RobotMemory& memory = robots_[picture.robot];
   if (memory.unanswered) {
     memory.unanswered->set_answer(console::ANSWER_OUTDATED);
     PutPicture(*std::exchange(memory.unanswered, std::nullopt));
   }
-  console::Picture message = ToConsole(picture, now_s);
+  console::Picture message = ToConsole(picture, heard_s);
   Close(message, memory);
   if (message.answer() == console::ANSWER_NONE) memory.unanswered = message;
   PutPicture(message);
@@ -340,20 +339,22 @@ void ConsoleState::Hear(console::Event event) {
   log_.Put(fmt::format("event/{}", last_event_), std::move(update), "event", kEventsKept);
 }
 
-void ConsoleState::Hear(console::Control control, double now_s) {
-  if (!control.stopped()) stopped_since_s_.erase(control.robot());
-  if (control.stopped()) {
-    control.set_stopped_since(stopped_since_s_.emplace(control.robot(), now_s).first->second);
-  }
+void ConsoleState::Hear(console::Control control) {
+  const std::string key = "control/" + control.robot();
   console::Update update;
-  *update.mutable_control() = control;
-  log_.Put("control/" + control.robot(), std::move(update));
+  *update.mutable_control() = std::move(control);
+  log_.Put(key, std::move(update));
 }
 
 void ConsoleState::Hear(const console::Alert& alert) {
   console::Update update;
   *update.mutable_alert() = alert;
-  log_.Put(fmt::format("alert/{}", alert.id()), std::move(update), "alert", kEventsKept);
+  const std::string key = fmt::format("alert/{}", alert.id());
+  if (alert.active() || alert.acknowledged_by().empty()) {
+    log_.Put(key, std::move(update));
+  } else {
+    log_.Put(key, std::move(update), "alert", kAlertsKept);
+  }
 }
 
 void ConsoleState::Hear(const console::Task& task) {

@@ -34,18 +34,21 @@ struct Person {
 ///
 /// A robot whose time goes back belongs to a new run of its world: what the robots of that world told
 /// is forgotten. What the operator made (map, guidance, the log of commands) is not.
-/// `now_s`: wall time, s since 1970, which never decides anything but how often something is said.
+/// `heard_s`, `now_s`: wall time, s since 1970, when something was said, and the present. They never
+/// decide anything but how often something is passed on.
 /// Threads: one caller; `log` may be read by others.
 class ConsoleState {
  public:
   /// Of each robot; older ones are forgotten.
   static constexpr std::size_t kPicturesKept = 200;
   static constexpr std::size_t kEventsKept = 500;
+  /// Alerts that are over and acknowledged.
+  static constexpr std::size_t kAlertsKept = 200;
 
   /// `log` outlives it.
   ConsoleState(UpdateLog& log, console::Session session);
 
-  void Hear(const RobotState& state, double now_s);
+  void Hear(const RobotState& state, double heard_s);
   void HearSeen(const std::string& robot, const std::string& world, const MapUpdate& map);
   void HearGeometry(const std::string& world, const MapUpdate& map);
   void HearTruth(const std::string& world, const OccupancyGrid& truth);
@@ -55,7 +58,7 @@ class ConsoleState {
   void HearPlan(const std::string& robot, SimTime stamp, const std::vector<Cell>& cells);
   void Hear(const SearchReport& report);
   /// Not a streamed one.
-  void Hear(const Picture& picture, double now_s);
+  void Hear(const Picture& picture, double heard_s);
   /// The newest picture of `robot` counts as if it had come then: a replay's time goes on otherwise.
   void HearPictureAgain(const std::string& robot, double now_s);
   /// What the model expects the operator to do with the picture of that number.
@@ -71,8 +74,7 @@ class ConsoleState {
   void Hear(const ServiceHealth& health, double now_s);
   void Hear(const std::vector<Person>& people);
   void Hear(console::Event event);
-  /// `stopped_since` is set here.
-  void Hear(console::Control control, double now_s);
+  void Hear(console::Control control);
   void Hear(const console::Alert& alert);
   void Hear(const console::Playback& playback);
   void Hear(const console::Task& task);
@@ -107,7 +109,7 @@ class ConsoleState {
   void PutSession();
   void ExtendTrail(RobotMemory& memory, const RobotState& state);
   void PutTrail(const std::string& robot, const std::vector<Cell>& trail, std::size_t from);
-  void NoteTime(const RobotState& state, double now_s);
+  void NoteTime(const RobotState& state, double heard_s);
   void PutPicture(const console::Picture& picture);
   /// All pictures up to `snapshot`, which was answered so.
   void Answered(const std::string& robot, std::uint64_t snapshot, console::PictureAnswer answer,
@@ -120,7 +122,6 @@ class ConsoleState {
   std::map<std::string, WorldMemory> worlds_;
   std::map<std::string, ServiceHealth> services_;
   std::map<std::string, double> service_said_at_s_;
-  std::map<std::string, double> stopped_since_s_;  // by robot
   std::uint64_t last_event_ = 0;
 };
 

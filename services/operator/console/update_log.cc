@@ -1,5 +1,6 @@
 #include "operator/console/update_log.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "operator/console/wire.h"
@@ -14,10 +15,9 @@ void UpdateLog::Put(std::string_view key, console::Update update) {
 void UpdateLog::Put(std::string_view key, console::Update update, std::string_view group,
                     std::size_t keep) {
   const std::lock_guard lock(mutex_);
-  const bool is_new = !sequence_of_.contains(key);
   PutLocked(key, update);
-  if (!is_new) return;
   std::deque<std::string>& keys = groups_[std::string(group)];
+  if (std::ranges::find(keys, key) != keys.end()) return;
   keys.emplace_back(key);
   while (keys.size() > keep) {
     EraseLocked(keys.front());

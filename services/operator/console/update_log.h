@@ -25,7 +25,8 @@ class UpdateLog {
   void Put(std::string_view key, console::Update update);
 
   /// The same for a key that never changes its meaning, of which only the newest `keep` of `group`
-  /// are kept: pictures, events. Whoever has an older one may keep it.
+  /// are kept: pictures, events. It belongs to the group from then on. Whoever has an older one may
+  /// keep it.
   void Put(std::string_view key, console::Update update, std::string_view group, std::size_t keep);
 
   /// Forgets the keys for which `is_void` holds: what they tell of has begun anew. Pages forget

@@ -5,8 +5,9 @@
 namespace conav::operators {
 
 /// Wall time as pages know it: s since 1970.
-inline double WallSeconds() {
-  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+inline double ToWallSeconds(std::chrono::system_clock::time_point time) {
+  return std::chrono::duration<double>(time.time_since_epoch()).count();
 }
+inline double WallSeconds() { return ToWallSeconds(std::chrono::system_clock::now()); }
 
 }  // namespace conav::operators

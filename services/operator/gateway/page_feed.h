@@ -45,7 +45,9 @@ class PageFeed {
   static constexpr std::size_t kQueueLimit = 1000;  // replies that the page did not take
   /// Updates and frames that a page may have before it has shown them, if it tells (Taken).
   static constexpr std::uint64_t kUntakenLimit = 2;
-  static constexpr std::size_t kBatchBytes = 128U * 1024U;  // of updates in one message
+  /// Of updates in one message: more than a slow page lets gather. What is told often stands behind
+  /// all else in the log, and would never be reached in smaller pieces.
+  static constexpr std::size_t kBatchBytes = 1024U * 1024U;
 
   PageFeed(const PageContext& context, std::uint64_t page, Clock::TimePoint now);
 

@@ -40,7 +40,7 @@ std::optional<std::uint64_t> StampOf(const T& message) {
 
 template <class T>
 bus::Sink SinkFor(std::uint16_t channel, Arrivals& arrivals) {
-  return [channel, &arrivals](void* message) {
+  return [channel, &arrivals](void* message, bus::SourceTime) {
     const bus::TypeSupport& type = bus::TypeSupportOf<T>();
     bag::Bytes data(type.serialized_size(message));
     data.resize(type.serialize(message, data));

@@ -74,7 +74,7 @@ struct ReplayPlayer::Sound {
     control.set_stopped(order.stopped);
     control.set_stopped_by(order.given_by);
     control.set_stop_reason(order.reason);
-    state().Hear(std::move(control), heard_at_s);
+    state().Hear(std::move(control));
   }
   void operator()(const ServiceHealth& health) const {
     player.processes_[health.name] = moment;

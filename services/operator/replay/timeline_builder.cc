@@ -115,6 +115,7 @@ void TimelineBuilder::Hear(double wall_s, RobotState state) {
                      state.goals_total));
   }
   robot.heard = true;
+  robot.lost = false;
   robot.world = state.world;
   robot.stamp = state.stamp;
   robot.cell_moves = state.cell_moves;
@@ -223,6 +224,10 @@ void TimelineBuilder::HearFrame(double wall_s, StreamFrame frame) {
 void TimelineBuilder::Hear(double wall_s, AttentionQueueState queue) {
   Follow(wall_s);
   items_ = queue.items;
+  // The notice leaves the queue after a while; the robot is lost until it is heard again.
+  for (const AttentionItem& item : items_) {
+    if (item.reason == AttentionReason::kLinkLost) robots_[item.robot].lost = true;
+  }
   Add("attention", true, std::move(queue));
   LookForAlerts(wall_s);
 }
@@ -259,6 +264,18 @@ void TimelineBuilder::LookForSilence(double wall_s) {
   }
 }
 
+std::vector<RobotCondition> TimelineBuilder::RobotConditions() const {
+  std::vector<RobotCondition> conditions;
+  for (const auto& [name, robot] : robots_) {
+    if (!robot.heard && !robot.lost) continue;
+    const bool stands = std::ranges::any_of(items_, [&](const AttentionItem& item) {
+      return item.robot == name && item.reason == AttentionReason::kCommandFailed;
+    });
+    conditions.push_back({name, robot.lost, stands});
+  }
+  return conditions;
+}
+
 void TimelineBuilder::LookForAlerts(double wall_s) {
   LookForSilence(wall_s);
   std::vector<ProcessCondition> processes;
@@ -267,7 +284,8 @@ void TimelineBuilder::LookForAlerts(double wall_s) {
     processes.push_back({name, level == console::LEVEL_ERROR, level == console::LEVEL_SILENT,
                          process.health.message});
   }
-  for (const Alert& alert : alerts_.Update(ConditionsOf(items_, processes, ""), position_s_)) {
+  const Findings findings = FindingsOf(RobotConditions(), processes, std::nullopt);
+  for (const Alert& alert : alerts_.Update(findings, position_s_).changed) {
     std::uint32_t& told = alert_counts_[alert.id];
     if (alert.active && alert.count > std::exchange(told, alert.count)) {
       Mark(console::MARK_ALERT, alert.condition.source, alert.condition.text);

@@ -58,6 +58,7 @@ class TimelineBuilder {
     bool heard = false;
     std::optional<Guidance> guidance;
     bool stopped = false;
+    bool lost = false;  // as the attention queue told once
   };
   struct WorldMemory {
     std::optional<GridGeometry> geometry;
@@ -90,6 +91,7 @@ class TimelineBuilder {
                 std::uint64_t revision);
   void LookForAlerts(double wall_s);
   void LookForSilence(double wall_s);
+  std::vector<RobotCondition> RobotConditions() const;
 
   Timeline timeline_;
   std::optional<double> first_wall_s_;

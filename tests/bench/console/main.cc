@@ -1,5 +1,6 @@
 // conav-bench-console: how old the robots are that the console's page shows, and what serving it costs.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "bench/console/report.h"
@@ -39,6 +40,7 @@ bench::Stall MeasureStall(bench::Stage& stage, int pages, double seconds) {
 bench::Report Measure(Options options) {
   const conav::test::TemporaryFolder folder;
   const auto domain = conav::test::LeaseDomain();
+  std::sort(options.pages.begin(), options.pages.end());
   options.load.drive.begin_s = conav::operators::WallSeconds();
   bench::ConsoleService service(folder.path(), options.load.drive, domain.domain());
   conav::bus::Participant participant("bench_console", BusOn(domain.domain()));
@@ -57,7 +59,7 @@ bench::Report Measure(Options options) {
     report.series.push_back(std::move(series));
   }
   const int most = options.pages.back();
-  if (options.stall_s > 0.0) report.stall = MeasureStall(stage, most, options.stall_s);
+  if (options.stall_s > 0.0 && most > 1) report.stall = MeasureStall(stage, most, options.stall_s);
   if (bare.ended()) throw conav::StartupError("the service has closed the bare client");
   return report;
 }
@@ -77,7 +79,7 @@ int main(int argc, char** argv) {
   app.add_option("--seconds", options.seconds, "Length of a round")
       ->capture_default_str()
       ->check(CLI::Range(0.5, 600.0));
-  app.add_option("--pages", options.pages, "Numbers of browsers, rising, such as 1,8")
+  app.add_option("--pages", options.pages, "Numbers of browsers, such as 1,8")
       ->delimiter(',')
       ->capture_default_str()
       ->check(CLI::Range(1, 30));
@@ -94,7 +96,7 @@ int main(int argc, char** argv) {
       ->capture_default_str()
       ->check(CLI::Range(0.1, 100.0));
   app.add_option("--stall", options.stall_s,
-                 "s for which the last browser is stopped; 0 = not at all")
+                 "s for which the last of several browsers is stopped; 0 = not at all")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 18.0));
   return bench::RunBenchmark(app, argc, argv, [&] {

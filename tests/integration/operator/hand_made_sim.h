@@ -1,7 +1,9 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "common/bus/in_memory_bus.h"
 #include "common/bus/participant.h"
@@ -38,13 +40,17 @@ struct HandMadeSim {
   explicit HandMadeSim(const Where& where)
       : participant("sim", where),
         initial_map(participant, bus::kInitialMap, "w1"),
-        state(participant, bus::kRobotState, "r1"),
         snapshot(participant, bus::kSnapshot, "r1"),
         attention(participant, bus::kAttention, "r1"),
         belief(participant, bus::kBelief, "w1"),
         belief_map(participant, bus::kBeliefMap, "w1"),
         guidance(participant, bus::kGuidance, "r1"),
-        queue(participant, bus::kAttentionQueue) {}
+        queue(participant, bus::kAttentionQueue) {
+    FindRobot();
+  }
+
+  void FindRobot() { state.emplace(participant, bus::kRobotState, "r1"); }
+  void LoseRobot() { state.reset(); }
 
   void PublishInitialMap(const std::vector<std::string>& lines) {
     REQUIRE(initial_map.Publish(ToMessage(MapUpdate{{0}, 1.5, DrawnTruth(lines)})));
@@ -56,10 +62,10 @@ struct HandMadeSim {
     now.world = world;
     now.robot = "r1";
     now.cell = cell;
-    now.goals_left = {{1, 4}};
+    now.goals_left = goals_left;
     now.goals_total = 1;
     now.snapshots = snapshots;
-    REQUIRE(state.Publish(ToMessage(now)));
+    REQUIRE(state->Publish(ToMessage(now)));
   }
 
   void Ask(AttentionReason reason, double value_lost_per_s, std::uint64_t sequence_number = 1) {
@@ -82,8 +88,9 @@ struct HandMadeSim {
   AttentionQueueState NewestQueue() { return Newest(queue); }
 
   bus::Participant participant;
+  std::vector<Cell> goals_left{{1, 4}};  // of the states to come
   bus::Publisher<nav_msgs::msg::OccupancyGrid> initial_map;
-  bus::Publisher<conav_msgs::msg::RobotState> state;
+  std::optional<bus::Publisher<conav_msgs::msg::RobotState>> state;  // until the robot is lost
   bus::Publisher<conav_msgs::msg::Snapshot> snapshot;
   bus::Publisher<conav_msgs::msg::AttentionRequest> attention;
   bus::Subscriber<conav_msgs::msg::BeliefMap> belief;

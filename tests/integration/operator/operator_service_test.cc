@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "integration/operator/operator_bench.h"
+#include "support/full_disk.h"
 
 namespace conav::operators {
 namespace {
@@ -242,6 +243,43 @@ TEST_CASE("Health tells of missing maps and of a disk that fails", "[operator][i
   CHECK(newest().message().find("w1") != std::string::npos);
   bench.sim.PublishInitialMap(kMap);
   CHECK(newest().level() == 0);
+  const auto edit = [&](std::uint64_t base) {
+    return bench.Settle(bench.client.Send("w1", EditRequest{base, {{{1, 3}, true}}}, {}));
+  };
+  {
+    const test::FullDisk full(4096);
+    const OperatorReply refused = edit(0);
+    CHECK_FALSE(refused.accepted);
+    CHECK_THAT(refused.reason, Catch::Contains("not stored"));
+    CHECK(newest().level() == 2);
+    // Asks nothing of the disk, and says nothing about it.
+    CHECK_FALSE(bench.Settle(bench.client.Send("w1", SelectRequest{}, {})).accepted);
+    CHECK_FALSE(bench.AskUnknownAlert().accepted);
+    const auto failed = newest();
+    CHECK(failed.level() == 2);
+    CHECK_THAT(failed.message(), Catch::Contains("operator.db"));
+  }
+  CHECK(newest().level() == 2);  // nobody knows yet
+  CHECK(edit(0).accepted);
+  CHECK(newest().level() == 0);
+}
+
+TEST_CASE("A refusal that cannot be stored is a failure of the disk, by the disk's reason",
+          "[operator][integration]") {
+  const TemporaryFolder folder;
+  OperatorBench bench(folder / "operator.db");
+  bus::Subscriber<diagnostic_msgs::msg::DiagnosticArray> health(bench.client_participant,
+                                                                bus::kDiagnostics);
+  bench.sim.PublishInitialMap(kMap);
+  bench.service.Step();
+  const test::FullDisk full(4096);
+  CHECK_FALSE(bench.Settle(bench.client.Send("w1", EditRequest{7, {{{1, 3}, true}}}, {})).accepted);
+  health.Take();
+  bench.clock.Advance(1s);
+  bench.service.Step();
+  const auto reports = health.Take();
+  REQUIRE(reports.size() == 1);
+  CHECK_THAT(reports[0].status().at(0).message(), Catch::Contains("operator.db"));
 }
 
 TEST_CASE("A bad list of robots stops the start", "[operator][integration]") {

@@ -131,6 +131,29 @@ TEST_CASE("a late joiner gets exactly the last samples of the history", "[system
   }
 }
 
+/// When the newest samples of the history were published, for a subscriber that joins now.
+std::vector<bus::SourceTime> SourceTimes(Participant& participant) {
+  Subscriber<Blob> history(participant, kHistory);
+  std::vector<bus::SourceTime> times;
+  const bool complete = WaitUntil(participant, [&] {
+    for (const auto& taken : history.TakeStamped()) times.push_back(taken.source);
+    return times.size() >= kHistoryDepth;
+  });
+  REQUIRE(complete);
+  return times;
+}
+
+TEST_CASE("a late joiner learns when a sample was published, not when it came", "[system][bus]") {
+  const auto before = std::chrono::system_clock::now();
+  VendorPair pair;
+  CAPTURE(pair.here, pair.there);
+  const auto first = SourceTimes(pair.participant);
+  const auto after = std::chrono::system_clock::now();
+  CHECK(first.front() > before);
+  CHECK(first.back() < after);
+  CHECK(SourceTimes(pair.participant) == first);
+}
+
 TEST_CASE("malformed payloads are dropped and counted, the next message arrives", "[system][bus]") {
   VendorPair pair;
   CAPTURE(pair.here, pair.there);

@@ -140,7 +140,7 @@ void CycloneReader::TakeAll(dds_entity_t reader) noexcept {
     count = dds_takecdr(reader, samples, kBatch, infos, DDS_ANY_STATE);
     for (int i = 0; i < count; ++i) {
       if (infos[i].valid_data && !(check_repeats_ && IsRepeated(reader, infos[i]))) {
-        intake_.Deliver(AsSerdata(samples[i]).payload());
+        intake_.Deliver(AsSerdata(samples[i]).payload(), ToSourceTime(infos[i].source_timestamp));
       }
       ddsi_serdata_unref(samples[i]);
     }

@@ -136,7 +136,7 @@ bool FastReader::TakeOne(dds::DataReader& reader) {
   if (!info.valid_data || (check_repeats_ && IsRepeated(info))) {
     intake_.Discard(sample.message);
   } else if (sample.valid) {
-    intake_.Accept(sample.message);
+    intake_.Accept(sample.message, ToSourceTime(info.source_timestamp.to_ns()));
   } else {
     intake_.Refuse(sample.message);
   }

@@ -56,6 +56,22 @@ TEST_CASE("topics of other entities and participants alone do not mix", "[bus][i
   CHECK(Ids(own.Take()) == std::vector<std::uint64_t>{1});
 }
 
+TEST_CASE("a message tells when it was published, also to who comes later", "[bus][in-memory]") {
+  Pair pair;
+  Publisher<Blob> publisher(pair.left, kLatched, "r1");
+  const auto now = std::chrono::system_clock::now();
+  pair.bus->SetSourceDelay(std::chrono::hours(1));
+  PublishIds(publisher, {1});
+  pair.bus->SetSourceDelay(std::chrono::hours(0));
+  Subscriber<Blob> late(pair.right, kLatched, "r1");
+  const auto taken = late.TakeStamped();
+  REQUIRE(taken.size() == 1);
+  CHECK(taken[0].value.id() == 1);
+  CHECK(taken[0].source < now);
+  PublishIds(publisher, {2});
+  CHECK(late.TakeStamped().at(0).source >= now);
+}
+
 TEST_CASE("a volatile message is lost on who comes later", "[bus][in-memory]") {
   Pair pair;
   Publisher<Blob> publisher(pair.left, kVolatile, "r1");

@@ -24,13 +24,13 @@ TEST_CASE("a payload reaches the sink as a message, memory is used again", "[bus
   std::vector<Blob> received;
   Intake intake(
       kBlobs,
-      [&](void* message) {
+      [&](void* message, SourceTime) {
         received.push_back(*static_cast<Blob*>(message));
         places.push_back(static_cast<Blob*>(message)->data().data());
       },
       events);
-  intake.Deliver(Payload(1, 500));
-  intake.Deliver(Payload(2, 400));
+  intake.Deliver(Payload(1, 500), {});
+  intake.Deliver(Payload(2, 400), {});
   CHECK(received == std::vector<Blob>{test::MakeBlob(1, 500), test::MakeBlob(2, 400)});
   CHECK(places[0] == places[1]);
 }
@@ -39,11 +39,11 @@ TEST_CASE("a malformed payload is dropped and counted", "[bus][intake]") {
   EventLog events;
   int received = 0;
   Intake intake(
-      kBlobs, [&](void*) { ++received; }, events);
-  intake.Deliver(std::vector<std::uint8_t>{0, 1, 0, 0, 5});
+      kBlobs, [&](void*, SourceTime) { ++received; }, events);
+  intake.Deliver(std::vector<std::uint8_t>{0, 1, 0, 0, 5}, {});
   CHECK(received == 0);
   CHECK(intake.malformed() == 1);
-  intake.Deliver(Payload(1, 5));
+  intake.Deliver(Payload(1, 5), {});
   CHECK(received == 1);
   CHECK(intake.malformed() == 1);
 }
@@ -51,9 +51,9 @@ TEST_CASE("a malformed payload is dropped and counted", "[bus][intake]") {
 TEST_CASE("a sink that throws ends nothing", "[bus][intake]") {
   EventLog events;
   Intake intake(
-      kBlobs, [](void*) { throw std::runtime_error("no"); }, events);
-  intake.Deliver(Payload(1, 5));
-  intake.Deliver(Payload(2, 5));
+      kBlobs, [](void*, SourceTime) { throw std::runtime_error("no"); }, events);
+  intake.Deliver(Payload(1, 5), {});
+  intake.Deliver(Payload(2, 5), {});
   CHECK(intake.malformed() == 0);
 }
 
@@ -63,14 +63,14 @@ TEST_CASE("a sink may cause another delivery to itself", "[bus][intake]") {
   Intake* self = nullptr;
   Intake intake(
       kBlobs,
-      [&](void* message) {
+      [&](void* message, SourceTime) {
         ids.push_back(static_cast<Blob*>(message)->id());
-        if (ids.size() == 1) self->Deliver(Payload(2, 5));
+        if (ids.size() == 1) self->Deliver(Payload(2, 5), {});
         ids.push_back(static_cast<Blob*>(message)->id());
       },
       events);
   self = &intake;
-  intake.Deliver(Payload(1, 5));
+  intake.Deliver(Payload(1, 5), {});
   CHECK(ids == std::vector<std::uint64_t>{1, 2, 2, 1});
 }
 

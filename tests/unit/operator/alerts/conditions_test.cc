@@ -5,37 +5,35 @@
 namespace conav::operators {
 namespace {
 
-AttentionItem ItemOf(AttentionReason reason) {
-  AttentionItem item;
-  item.robot = "r1";
-  item.reason = reason;
-  return item;
+using Keys = std::vector<std::string>;
+
+TEST_CASE("a robot that is lost or stands is a matter, another one is fine", "[operator][alerts]") {
+  const Findings findings = FindingsOf(
+      {{.name = "r1", .lost = true}, {.name = "r2", .stands = true}, {.name = "r3"}}, {}, {});
+  REQUIRE(findings.wrong.size() == 2);
+  CHECK(findings.wrong[0].key == "link/r1");
+  CHECK(findings.wrong[0].severity == Severity::kAlarm);
+  CHECK(findings.wrong[1].key == "command/r2");
+  CHECK(findings.fine == Keys{"command/r1", "link/r2", "link/r3", "command/r3"});
 }
 
-TEST_CASE("what robots ask is no condition, that they stand or are silent is",
+TEST_CASE("processes that are silent or ill, and the disk, are matters", "[operator][alerts]") {
+  const std::vector<ProcessCondition> processes{{"sim", false, false, "fine"},
+                                                {"nhpm", true, false, "no weights"},
+                                                {"planner", true, true, "old"}};
+  const Findings findings = FindingsOf({}, processes, "full");
+  REQUIRE(findings.wrong.size() == 3);
+  CHECK(findings.wrong[0].key == "health/nhpm");
+  CHECK(findings.wrong[0].text == "nhpm: no weights");
+  CHECK(findings.wrong[1].key == "silent/planner");
+  CHECK(findings.wrong[2].key == "storage");
+  CHECK(findings.fine == Keys{"silent/sim", "health/sim", "silent/nhpm", "health/planner"});
+}
+
+TEST_CASE("the disk is fine once something was stored; before that nobody knows",
           "[operator][alerts]") {
-  const auto conditions =
-      ConditionsOf({ItemOf(AttentionReason::kPicture), ItemOf(AttentionReason::kLinkLost),
-                    ItemOf(AttentionReason::kBlocked), ItemOf(AttentionReason::kCommandFailed)},
-                   std::vector<ProcessCondition>{}, "");
-  REQUIRE(conditions.size() == 2);
-  CHECK(conditions[0].key == "link/r1");
-  CHECK(conditions[0].severity == Severity::kAlarm);
-  CHECK(conditions[1].key == "command/r1");
-}
-
-TEST_CASE("processes that are silent or ill, and the disk, are conditions", "[operator][alerts]") {
-  const auto conditions =
-      ConditionsOf({},
-                   std::vector<ProcessCondition>{{"sim", false, false, "fine"},
-                                                 {"nhpm", true, false, "no weights"},
-                                                 {"planner", true, true, "old"}},
-                   "full");
-  REQUIRE(conditions.size() == 3);
-  CHECK(conditions[0].key == "health/nhpm");
-  CHECK(conditions[0].text == "nhpm: no weights");
-  CHECK(conditions[1].key == "silent/planner");
-  CHECK(conditions[2].key == "storage");
+  CHECK(FindingsOf({}, {}, std::nullopt).fine.empty());
+  CHECK(FindingsOf({}, {}, "").fine == Keys{"storage"});
 }
 
 }  // namespace

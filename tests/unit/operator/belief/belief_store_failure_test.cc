@@ -98,7 +98,7 @@ TEST_CASE("On a full database requests are refused, nothing is lost and the stor
     REQUIRE(id < 10000);
     answer = store.Handle(Edit(id, id - 1), {3});
   } while (answer.reply.accepted);
-  CHECK(answer.storage_failed);
+  CHECK_FALSE(answer.storage_failure.empty());
   CHECK(answer.reply.reason.find("full") != std::string::npos);
   CHECK(answer.reply.reason.find("operator.db") != std::string::npos);
   CHECK(store.FindBelief("w1")->revision == id - 1);
@@ -120,7 +120,8 @@ TEST_CASE("A write that fails refuses the request; a repeat succeeds when the di
       failed = store.Handle(Edit(2, 1), {3});
     }
     CHECK_FALSE(failed.reply.accepted);
-    CHECK(failed.storage_failed);
+    CHECK_FALSE(failed.storage_failure.empty());
+    CHECK_FALSE(failed.written);
     CHECK(failed.reply.reason.find("not stored") != std::string::npos);
     CHECK(store.FindBelief("w1")->revision == 1);
 

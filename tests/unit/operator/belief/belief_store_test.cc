@@ -159,8 +159,46 @@ TEST_CASE("What was decided elsewhere is kept with its orders, and its repeat is
   CHECK_FALSE(reopened.FindRepeat(other)->reply.accepted);
 }
 
-TEST_CASE("A database of the first version goes on with what it holds", "[operator][belief]") {
+TEST_CASE("Alerts are kept as they are, whether they are true included", "[operator][belief]") {
   const TemporaryFolder folder;
+  const Alert active{.id = 3,
+                     .condition = {"link/r1", Severity::kAlarm, "r1", "nothing is heard", "look"},
+                     .raised_s = 1.5,
+                     .newest_s = 2.5,
+                     .count = 4,
+                     .active = true,
+                     .acknowledged_by = "anna",
+                     .acknowledged_s = 3.5,
+                     .shelved_until_s = 4.5};
+  Alert over = active;
+  over.id = 4;
+  over.active = false;
+  Alert dropped = over;
+  dropped.id = 5;
+  {
+    BeliefStore store = OpenStore(folder / "operator.db");
+    REQUIRE(store.SaveAlerts({active, over, dropped}));
+    REQUIRE(store.SaveAlerts({}, {5}));
+  }
+  CHECK(OpenStore(folder / "operator.db").alerts() == std::vector<Alert>{active, over});
+}
+
+TEST_CASE("Requests that nobody repeats any more are forgotten, a few at a time",
+          "[operator][belief]") {
+  const TemporaryFolder folder;
+  BeliefStore store = OpenStore(folder / "operator.db");
+  for (std::uint64_t id = 1; id <= 3; ++id) {
+    REQUIRE(store.Keep({{2}, "anna", id, "", StopRequest{}}, {}).changed);
+  }
+  CHECK(store.ForgetRequests(1e9, 10) == 0);  // before 2001
+  CHECK(store.ForgetRequests(1e11, 2) == 2);
+  CHECK(store.ForgetRequests(1e11, 2) == 1);
+  CHECK_FALSE(store.FindRepeat({{2}, "anna", 3, "", StopRequest{}}));
+}
+
+TEST_CASE("A database of an older version goes on with what it holds", "[operator][belief]") {
+  const TemporaryFolder folder;
+  const int version = GENERATE(1, 2);
   {
     BeliefStore store = OpenStore(folder / "operator.db");
     REQUIRE(store.Handle(Edit(1, 0, {1, 1}, true), {3}).reply.accepted);
@@ -168,13 +206,18 @@ TEST_CASE("A database of the first version goes on with what it holds", "[operat
   {
     auto database = Database::Open({folder / "operator.db"});
     REQUIRE(database);
-    REQUIRE(database->Execute("DROP TABLE holds"));
-    REQUIRE(database->Execute("DROP TABLE alerts"));
-    REQUIRE(database->Execute("PRAGMA user_version = 1"));
+    REQUIRE(database->Execute("DROP INDEX requests_by_time"));
+    REQUIRE(database->Execute("ALTER TABLE requests DROP COLUMN answered_s"));
+    REQUIRE(database->Execute("ALTER TABLE alerts DROP COLUMN active"));
+    if (version == 1) REQUIRE(database->Execute("DROP TABLE holds"));
+    if (version == 1) REQUIRE(database->Execute("DROP TABLE alerts"));
+    REQUIRE(database->Execute("PRAGMA user_version = " + std::to_string(version)));
   }
   BeliefStore store = OpenStore(folder / "operator.db");
   CHECK(store.FindBelief("w1")->revision == 1);
   CHECK(store.Keep({{2}, "anna", 2, "", GoRequest{}}, {}).changed);
+  CHECK(store.FindRepeat(Edit(1, 0, {1, 1}, true))->reply.accepted);
+  CHECK(store.ForgetRequests(1e9, 10) == 0);  // what was there counts as answered now
 }
 
 TEST_CASE("A refusal is repeated as it was, even when the request would be right by now",

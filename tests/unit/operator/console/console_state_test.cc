@@ -202,13 +202,34 @@ TEST_CASE("a participant's task appears", "[operator][console]") {
   CHECK(OnlyOf(bench.log, Kind::kTask).task().participant() == "P07");
 }
 
+TEST_CASE("alerts that nobody has read stay, however many others come and go",
+          "[operator][console]") {
+  StateBench bench;
+  console::Alert open;
+  open.set_id(1);
+  bench.state.Hear(open);
+  for (std::uint64_t id = 2; id < 3 + ConsoleState::kAlertsKept; ++id) {
+    console::Alert alert;
+    alert.set_id(id);
+    alert.set_active(true);
+    bench.state.Hear(alert);
+    alert.set_active(false);
+    alert.set_acknowledged_by("anna/1");
+    bench.state.Hear(alert);
+  }
+  const auto alerts = AllOf(bench.log, Kind::kAlert);
+  REQUIRE(alerts.size() == ConsoleState::kAlertsKept + 1);
+  CHECK(alerts[0].alert().id() == 1);
+  CHECK(alerts[1].alert().id() == 3);
+}
+
 TEST_CASE("presence, control, alerts and playback appear", "[operator][console]") {
   StateBench bench;
   bench.state.Hear(std::vector<Person>{{"anna/1", "anna", console::ROLE_ADMIN}});
   console::Control control;
   control.set_robot("r1");
   control.set_stopped(true);
-  bench.state.Hear(control, 100.0);
+  bench.state.Hear(control);
   console::Alert alert;
   alert.set_id(3);
   alert.set_count(1);

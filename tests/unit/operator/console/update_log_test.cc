@@ -102,6 +102,14 @@ TEST_CASE("of a group the newest are kept", "[operator][console]") {
   CHECK(Text(AllOf(log)) == "g3=1 h1=1 g4=1");
 }
 
+TEST_CASE("what was there before belongs to a group from when it is put there",
+          "[operator][console]") {
+  UpdateLog log;
+  for (const char* key : {"a1", "a2", "a3"}) log.Put(key, Said(key, "1"));
+  for (const char* key : {"a2", "a3"}) log.Put(key, Said(key, "2"), "a", 1);
+  CHECK(Text(AllOf(log)) == "a1=1 a3=2");
+}
+
 TEST_CASE("what is forgotten begins a generation of what is left", "[operator][console]") {
   UpdateLog log;
   Put(log, "a/1", "1");

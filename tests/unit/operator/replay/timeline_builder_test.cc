@@ -149,9 +149,29 @@ TEST_CASE("a link that the attention queue tells lost is an alert", "[operator][
   item.reason = AttentionReason::kLinkLost;
   queue.items = {item};
   bench.builder.Hear(kBegin, queue);
-  const Timeline run = bench.Finish();
-  REQUIRE(run.marks.size() == 1);
-  CHECK(run.marks[0].robot() == "r1");
+  queue.items.clear();  // the notice goes, the robot does not come back
+  bench.builder.Hear(kBegin + 60.0, queue);
+  const auto alerts = [](const Timeline& run) {
+    std::vector<Alert> all;
+    for (const Moment& moment : run.moments) {
+      if (const auto* alert = std::get_if<Alert>(&moment.heard)) all.push_back(*alert);
+    }
+    return all;
+  };
+  SECTION("until the robot is heard again") {
+    bench.builder.Hear(kBegin + 61.0, At(5, {1, 1}));
+    bench.builder.Hear(kBegin + 62.0, queue);
+    const Timeline run = bench.Finish();
+    REQUIRE(run.marks.size() == 1);
+    CHECK(run.marks[0].robot() == "r1");
+    REQUIRE(alerts(run).size() == 2);
+    CHECK_FALSE(alerts(run)[1].active);
+  }
+  SECTION("and stays one without") {
+    const Timeline run = bench.Finish();
+    REQUIRE(alerts(run).size() == 1);
+    CHECK(alerts(run)[0].active);
+  }
 }
 
 TEST_CASE("streamed pictures are no marks, and frames make a session of streams",

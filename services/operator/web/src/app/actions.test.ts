@@ -136,6 +136,14 @@ describe("requests", () => {
     expect(connection.asked[0]).toMatchObject({ case: "drive", value: { expiresAt: 41 } });
     expect(connection.options[0]).toEqual({ world: "w1", validFor: 1 });
   });
+
+  it("to drive say why they were refused, unless another one followed", async () => {
+    connection.outcome = { kind: "refused", reason: "replaced by request 2" };
+    const replaced = actions.drive("r1", DriveAction.DRIVE_FORWARD);
+    connection.outcome = { kind: "refused", reason: "r1 is stopped" };
+    await Promise.all([replaced, actions.drive("r1", DriveAction.DRIVE_STOP)]);
+    expect(store.notices.value.map(({ text }) => text)).toEqual(["Drive: r1 is stopped"]);
+  });
 });
 
 describe("pictures", () => {

@@ -28,6 +28,7 @@ export class Actions {
   #notices = 0;
   /** Keys of the queue's items that the person turned to, until it was all of them. */
   #passed = new Set<string>();
+  #drives = 0;
 
   constructor(store: Store, connection: Connection, clock: Clock) {
     this.#store = store;
@@ -153,7 +154,10 @@ export class Actions {
     const time = worldOf(this.#state, robot)?.time ?? 0;
     const value = { robot, action, expiresAt: time + driveValidFor };
     const options = { world: this.#worldName(robot), validFor: driveValidFor };
-    return this.#ask("Drive", { case: "drive", value }, options);
+    this.#drives += 1;
+    const number = this.#drives;
+    // What became of an action matters only until the next one: of a burst the service carries out the newest.
+    return this.#ask("Drive", { case: "drive", value }, options, () => number === this.#drives);
   }
 
   /** The participant of a mapping task is done with this maze. */
@@ -194,9 +198,15 @@ export class Actions {
     return worldOf(this.#state, robot)?.name ?? "";
   }
 
-  async #ask(what: string, body: RequestBody, options: RequestOptions = {}): Promise<Outcome> {
+  /** `matters`: whether to say that it was not done. */
+  async #ask(
+    what: string,
+    body: RequestBody,
+    options: RequestOptions = {},
+    matters = () => true,
+  ): Promise<Outcome> {
     const outcome = await this.#request(body, options);
-    this.#tell(what, outcome);
+    if (matters()) this.#tell(what, outcome);
     return toOutcome(outcome);
   }
 

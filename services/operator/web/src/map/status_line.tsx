@@ -65,7 +65,7 @@ const hints = {
   wall: "Drag to draw walls where you know of one. Shift erases.",
   erase: "Drag over walls that are not there.",
   rectangle: "Drag from corner to corner. Shift erases.",
-  path: "Drag from the robot to where it shall go.",
+  path: "Drag a corner of a path to bend it; a double click takes the corner away.",
 } as const;
 
 function hintOf(model: MapModel): string {

@@ -1,14 +1,17 @@
-/** How old what somebody tells is. Robots that were never heard of are lost; without a link nobody can be heard. */
+/**
+ * How old what somebody tells is, counted from when it said so. Robots that were never heard of are lost; without a link nobody
+ * can be heard.
+ */
 export type Freshness = "live" | "stale" | "lost" | "no news";
 
-/** s of wall time without news of a robot. */
+/** s of wall time since a robot said something. */
 export const staleAfter = 1;
 export const lostAfter = 3;
 
 /** A stream's frame older than this is no live view any more. */
 export const frameStaleAfter = 1;
 
-/** s since `heardAt`, both wall time of the service; undefined while either is unknown. Clocks differ a little: never below 0. */
+/** s since `heardAt`, both wall time; undefined while either is unknown. Clocks differ a little: never below 0. */
 export function ageOf(heardAt: number | undefined, now: number | undefined): number | undefined {
   return heardAt === undefined || heardAt === 0 || now === undefined
     ? undefined

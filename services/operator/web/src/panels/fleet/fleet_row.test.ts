@@ -11,6 +11,7 @@ describe("a row of the fleet strip", () => {
       goalsTotal: 0,
       goalsReached: 0,
       stopped: false,
+      stop: undefined,
       wait: undefined,
     });
   });
@@ -47,7 +48,17 @@ describe("a row of the fleet strip", () => {
         case: "robot",
         value: { name: "r1", heardAt: 98.5, goalsTotal: 4, goalsLeft, outcome: OUTCOME_RUNNING },
       },
-      { case: "control", value: { robot: "r1", stopped: true, holder: "you", holderName: "Bo" } },
+      {
+        case: "control",
+        value: {
+          robot: "r1",
+          stopped: true,
+          stoppedBy: "carl/1",
+          stopReason: "a cat",
+          holder: "you",
+          holderName: "Bo",
+        },
+      },
       { case: "attention", value: { stamp: 30, items: [{ robot: "r1", reason, since: 18 }] } },
     );
     expect(fleetRow(state, 100, true, "r1")).toEqual({
@@ -57,9 +68,18 @@ describe("a row of the fleet strip", () => {
       goalsReached: 3,
       goalsTotal: 4,
       stopped: true,
+      stop: "stopped by carl: a cat",
       holder: { kind: "other", name: "Bo", reason: "" },
       wait: { why: "is blocked by a wall and waits", seconds: 12 },
       doing: "on its way",
     });
+  });
+
+  it("of a robot that nobody has let go yet names nobody", () => {
+    const reason = "waits for somebody to let it go";
+    const value = { robot: "r1", stopped: true, stopReason: reason };
+    expect(fleetRow(stateOf({ case: "control", value }), 0, true, "r1").stop).toBe(
+      `stopped: ${reason}`,
+    );
   });
 });

@@ -1,7 +1,7 @@
 import { CommandOutcome, type Robot } from "../../protocol/generated/console_pb";
 import type { ConsoleState } from "../../state/console_state";
 import { ageOf, type Freshness, freshnessOf } from "../../state/freshness";
-import { type Holder, holderOf, itemsOf } from "../../state/selectors";
+import { type Holder, holderOf, itemsOf, nameOf } from "../../state/selectors";
 import { isNotice, reasonText } from "../queue/words";
 
 /** What the fleet strip tells of a robot. */
@@ -13,6 +13,8 @@ export interface FleetRow {
   readonly goalsReached: number;
   readonly goalsTotal: number;
   readonly stopped: boolean;
+  /** Who stopped it, and why; undefined = it is not stopped. */
+  readonly stop: string | undefined;
   readonly holder: Holder;
   /** That it waits for the operator: why, and since how many s of the operator's time. */
   readonly wait: { readonly why: string; readonly seconds: number } | undefined;
@@ -36,6 +38,7 @@ export function fleetRow(
     goalsReached: (robot?.goalsTotal ?? 0) - (robot?.goalsLeft.length ?? 0),
     goalsTotal: robot?.goalsTotal ?? 0,
     stopped: state.controls.get(name)?.stopped ?? false,
+    stop: stopText(state, name),
     holder: holderOf(state, name),
     wait: item && {
       why: reasonText(item.reason, state.session?.drives ?? false),
@@ -47,6 +50,13 @@ export function fleetRow(
 
 function isDone(robot: Robot | undefined): boolean {
   return robot !== undefined && robot.goalsTotal > 0 && robot.goalsLeft.length === 0;
+}
+
+function stopText(state: ConsoleState, name: string): string | undefined {
+  const control = state.controls.get(name);
+  if (!control?.stopped) return undefined;
+  const by = control.stoppedBy === "" ? "" : ` by ${nameOf(state, control.stoppedBy)}`;
+  return `stopped${by}${control.stopReason === "" ? "" : `: ${control.stopReason}`}`;
 }
 
 function doingText(outcome: CommandOutcome | undefined): string {

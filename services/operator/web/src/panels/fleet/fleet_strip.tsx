@@ -44,7 +44,7 @@ function FleetCard({ name }: { name: string }) {
         type="button"
         class="choose"
         aria-pressed={chosen}
-        title={`${doing(row)}\n${controlText(row, recorded)}`}
+        title={[doing(row), row.stop, controlText(row, recorded)].filter(Boolean).join("\n")}
         onClick={() => actions.goTo(name)}
       >
         <span class="row">

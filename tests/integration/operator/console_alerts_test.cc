@@ -1,0 +1,151 @@
+// Alerts and ages, as pages see them.
+#include <catch2/catch.hpp>
+
+#include "integration/operator/console_bench.h"
+#include "unit/common/protocol/samples.h"
+
+namespace conav::operators {
+namespace {
+
+using namespace std::chrono_literals;
+
+const std::vector<std::string> kMap = {"######", "#    #", "# ## #", "#    #", "######"};
+
+struct AlertBench : SteppedBench {
+  AlertBench() {
+    sim.PublishInitialMap(kMap);
+    sim.PublishState({1, 1}, 5);
+    page.Connect(Start());
+    page.ReadBelief(0);
+  }
+
+  /// The alert about the lost robot, once `is` holds for it.
+  template <class Condition>
+  console::Alert ReadAlert(const Condition& is) {
+    const console::Alert* found = nullptr;
+    page.ReadUntil([&] {
+      for (const auto& [id, alert] : page.alerts()) {
+        if (alert.source() == "r1" && is(alert)) found = &alert;
+      }
+      return found != nullptr;
+    });
+    return *found;
+  }
+  console::Alert ReadAlert(bool active) {
+    return ReadAlert([&](const console::Alert& alert) { return alert.active() == active; });
+  }
+  void LookAround() {
+    clock.Advance(250ms);
+    service->Step();
+  }
+
+  Page page = Page('a', [this] {
+    clock.Advance(50ms);
+    service->Step();
+  });
+};
+
+console::Request AcknowledgeOf(std::uint64_t alert) {
+  console::Request request;
+  request.mutable_acknowledge()->set_alert(alert);
+  return request;
+}
+
+console::Request ShelveOf(std::uint64_t alert) {
+  console::Request request;
+  request.mutable_shelve()->set_alert(alert);
+  request.mutable_shelve()->set_duration(600.0);
+  return request;
+}
+
+TEST_CASE("that a robot is lost is an alarm as long as it is, whatever the queue shows",
+          "[operator][integration]") {
+  AlertBench bench;
+  const bool has_goals = GENERATE(true, false);
+  CAPTURE(has_goals);
+  if (!has_goals) {
+    bench.sim.goals_left.clear();
+    bench.sim.PublishState({1, 1}, 6);
+    bench.service->Step();
+  }
+  bench.sim.LoseRobot();
+  const console::Alert lost = bench.ReadAlert(true);
+  CHECK(lost.severity() == console::SEVERITY_ALARM);
+  console::Request select;  // after which the notice leaves the queue
+  select.mutable_select()->set_robot("r1");
+  select.mutable_select()->set_reason(console::REASON_LINK_LOST);
+  CHECK(bench.page.Ask(select).accepted() == has_goals);
+  bench.LookAround();
+  CHECK(bench.page.Ask(ShelveOf(lost.id())).accepted());
+  const auto shelved = bench.ReadAlert([](const auto& alert) { return alert.shelved_until() > 0; });
+  CHECK(shelved.active());
+  CHECK(shelved.count() == 1);
+
+  bench.sim.FindRobot();
+  bench.sim.PublishState({1, 1}, 7);
+  CHECK(bench.ReadAlert(false).id() == lost.id());
+}
+
+TEST_CASE("what was acknowledged and put aside is so after a restart, while it lasts",
+          "[operator][integration]") {
+  AlertBench bench;
+  bench.sim.LoseRobot();
+  const std::uint64_t id = bench.ReadAlert(true).id();
+  REQUIRE(bench.page.Ask(AcknowledgeOf(id)).accepted());
+  REQUIRE(bench.page.Ask(ShelveOf(id)).accepted());
+  const auto is_shelved = [](const auto& alert) { return alert.shelved_until() > 0; };
+  const console::Alert before = bench.ReadAlert(is_shelved);
+  CHECK(before.acknowledged_by() == bench.page.welcome.client());
+
+  bench.page.Connect(bench.Start());
+  CHECK(bench.ReadAlert(is_shelved).SerializeAsString() == before.SerializeAsString());
+  for (int i = 0; i < 4; ++i) bench.LookAround();
+  bench.sim.FindRobot();
+  bench.sim.PublishState({1, 1}, 7);
+  const console::Alert over = bench.ReadAlert(false);
+  CHECK(over.id() == id);
+  CHECK(over.acknowledged_by() == before.acknowledged_by());
+  bench.sim.LoseRobot();
+  CHECK(bench.ReadAlert(true).id() == id + 1);  // another time
+}
+
+TEST_CASE("an alert that nobody knows cannot be acknowledged", "[operator][integration]") {
+  AlertBench bench;
+  CHECK(bench.page.Ask(AcknowledgeOf(9)).reason() == "alert 9 is not known here");
+}
+
+TEST_CASE("what a robot or a picture said long ago is old for a service that comes later",
+          "[operator][integration]") {
+  SteppedBench bench;
+  bench.bus->SetSourceDelay(1h);
+  bench.sim.PublishInitialMap(kMap);
+  bench.sim.PublishState({1, 1}, 5'000'000'000);
+  Picture picture = samples::SamplePicture();
+  picture.streamed = false;
+  REQUIRE(bench.sim.snapshot.Publish(ToMessage(picture)));
+  bench.bus->SetSourceDelay(0s);
+  Page page = bench.MakePage('a');
+  page.Connect(bench.Start());
+  page.ReadUntil([&] { return page.Has("robot") && page.Has("picture"); });
+  const double now_s = page.welcome.service_time();
+  CHECK(page.at("robot").robot().heard_at() < now_s - 3500.0);
+  CHECK(page.at("picture").picture().heard_at() < now_s - 3500.0);
+  bench.sim.PublishState({1, 1}, 6'000'000'000);
+  page.ReadUntil([&] { return page.at("robot").robot().stamp() == 6.0; });
+  CHECK(page.at("robot").robot().heard_at() > now_s - 60.0);
+}
+
+TEST_CASE("nothing is heard before it was said, whatever another host's clock tells",
+          "[operator][integration]") {
+  SteppedBench bench;
+  bench.bus->SetSourceDelay(-1h);
+  bench.sim.PublishInitialMap(kMap);
+  bench.sim.PublishState({1, 1}, 5);
+  Page page = bench.MakePage('a');
+  page.Connect(bench.Start());
+  page.ReadUntil([&] { return page.Has("robot"); });
+  CHECK(page.at("robot").robot().heard_at() < page.welcome.service_time() + 60.0);
+}
+
+}  // namespace
+}  // namespace conav::operators

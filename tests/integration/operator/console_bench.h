@@ -1,0 +1,233 @@
+#pragma once
+
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/runtime/stop_token.h"
+#include "integration/operator/hand_made_sim.h"
+#include "integration/operator/page_client.h"
+
+namespace conav::operators {
+
+/// The real service with its console, on a thread of its own.
+class ServiceOnThread {
+ public:
+  ServiceOnThread(const std::shared_ptr<bus::InMemoryBus>& bus, const OperatorConfig& config)
+      : participant_("operator", bus),
+        service_(participant_, config, clock_),
+        thread_([this] { service_.Run(stop_); }) {}
+  ~ServiceOnThread() {
+    stop_.RequestStop();
+    participant_.Wake();
+    thread_.join();
+  }
+  ServiceOnThread(const ServiceOnThread&) = delete;
+  ServiceOnThread& operator=(const ServiceOnThread&) = delete;
+
+  int port() const {
+    const std::string url = service_.console_url();
+    return std::stoi(url.substr(url.rfind(':') + 1));
+  }
+
+ private:
+  SteadyClock clock_;
+  StopToken stop_;
+  bus::Participant participant_;
+  OperatorService service_;
+  std::thread thread_;
+};
+
+/// What one loaded page of the console knows and asks, over all its connections.
+class Page {
+ public:
+  /// `step` is called again and again while the page waits; empty = the service has a thread.
+  explicit Page(char instance, std::function<void()> step = nullptr)
+      : instance_(instance), step_(std::move(step)) {}
+
+  void Connect(int port, const std::string& token = "") {
+    client_.emplace(PageOptions{.port = port});
+    REQUIRE(client_->refused() == 0);
+    console::ClientMessage message;
+    message.mutable_hello()->set_token(token);
+    message.mutable_hello()->set_instance(std::string(16, instance_));
+    message.mutable_hello()->set_run(welcome.run());
+    message.mutable_hello()->set_sequence(sequence_);
+    REQUIRE(client_->Send(message));
+    last_.Clear();
+    ReadUntil([this] { return last_.has_welcome(); });
+    welcome = last_.welcome();
+    if (!welcome.resumed()) Forget();
+  }
+  void Disconnect() { client_.reset(); }
+
+  /// The reply to a request with the next id, or with that of the request before. `valid_s`: for how
+  /// long, counted from the connection.
+  console::Reply Ask(console::Request request, bool again = false, double valid_s = 1000.0) {
+    Send(std::move(request), again, valid_s);
+    return WaitForReply();
+  }
+  void Send(console::Request request, bool again = false, double valid_s = 1000.0) {
+    console::ClientMessage message;
+    request.set_id(again ? id_ : ++id_);
+    request.set_world("w1");
+    request.set_valid_until(welcome.service_time() + valid_s);
+    *message.mutable_request() = std::move(request);
+    REQUIRE(client_->Send(message));
+  }
+  /// To the newest request, or to the one with that id.
+  console::Reply WaitForReply(std::uint64_t id = 0) {
+    if (id == 0) id = id_;
+    ReadUntil([&] { return replies_.contains(id); });
+    const console::Reply reply = replies_.at(id);
+    replies_.erase(id);
+    return reply;
+  }
+
+  template <class Condition>
+  void ReadUntil(const Condition& condition) {
+    while (!condition()) Read();
+  }
+  /// Reads until the belief has that revision.
+  void ReadBelief(std::uint64_t revision) {
+    ReadUntil([&] { return Has("belief") && at("belief").belief().revision() == revision; });
+  }
+
+  bool Has(const std::string& key) const { return known_.contains(key); }
+  const console::Update& at(const std::string& key) const { return known_.at(key); }
+  /// Lines of the command log, oldest first.
+  const std::vector<console::Event>& events() const { return events_; }
+  const std::map<std::uint64_t, console::Alert>& alerts() const { return alerts_; }
+  std::uint64_t newest_id() const { return id_; }
+
+  console::Welcome welcome;
+
+ private:
+  void Read() {
+    const auto message = Receive();
+    REQUIRE(message);
+    last_ = *message;
+    if (last_.has_reply()) replies_[last_.reply().id()] = last_.reply();
+    if (last_.updates().everything()) Forget();
+    for (const console::Update& update : last_.updates().update()) {
+      sequence_ = update.sequence();
+      known_[NameOf(update)] = update;
+      if (update.has_event()) events_.push_back(update.event());
+      if (update.has_alert()) alerts_[update.alert().id()] = update.alert();
+    }
+  }
+
+  std::optional<console::ServerMessage> Receive() {
+    if (!step_) return client_->Receive();
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    while (std::chrono::steady_clock::now() < deadline) {
+      step_();
+      if (auto message = client_->Receive(std::chrono::milliseconds(2))) return message;
+    }
+    return std::nullopt;
+  }
+
+  void Forget() {
+    known_.clear();
+    events_.clear();
+    alerts_.clear();
+  }
+
+  static std::string NameOf(const console::Update& update) {
+    return update.GetDescriptor()->FindFieldByNumber(update.body_case())->name();
+  }
+
+  char instance_;
+  std::function<void()> step_;
+  std::optional<PageClient> client_;
+  console::ServerMessage last_;
+  std::map<std::string, console::Update> known_;  // newest of each kind
+  std::vector<console::Event> events_;
+  std::map<std::uint64_t, console::Alert> alerts_;
+  std::map<std::uint64_t, console::Reply> replies_;
+  std::uint64_t sequence_ = 0;
+  std::uint64_t id_ = 0;
+};
+
+inline console::Request EditOf(std::uint64_t base_revision, Cell cell) {
+  console::Request request;
+  request.mutable_edit()->set_base_revision(base_revision);
+  console::CellEdit* edit = request.mutable_edit()->add_cells();
+  edit->mutable_cell()->set_row(cell.row);
+  edit->mutable_cell()->set_column(cell.column);
+  edit->set_wall(true);
+  return request;
+}
+
+inline console::Request GuideOf(const std::vector<Cell>& path) {
+  console::Request request;
+  request.mutable_guide()->set_robot("r1");
+  request.mutable_guide()->set_valid_for(60.0);
+  for (const Cell cell : path) {
+    console::Cell* to = request.mutable_guide()->add_path();
+    to->set_row(cell.row);
+    to->set_column(cell.column);
+  }
+  return request;
+}
+
+struct Bench {
+  Bench() : sim(bus) {
+    std::ofstream(folder / "index.html") << "<page>";
+    config = ConfigFor(folder / "operator.db");
+    config.console.port = 0;
+    config.console.web = folder.path().string();
+  }
+
+  int Start() {
+    service.emplace(bus, config);
+    return service->port();
+  }
+
+  TemporaryFolder folder;
+  std::shared_ptr<bus::InMemoryBus> bus = std::make_shared<bus::InMemoryBus>();
+  HandMadeSim sim;
+  OperatorConfig config;
+  std::optional<ServiceOnThread> service;
+};
+
+/// The real service with its console and a clock that stands still, stepped while a page waits.
+struct SteppedBench {
+  SteppedBench() : sim(bus) {
+    std::ofstream(folder / "index.html") << "<page>";
+    config = ConfigFor(folder / "operator.db");
+    config.console.port = 0;
+    config.console.web = folder.path().string();
+  }
+
+  int Start() {
+    Stop();
+    participant.emplace("operator", bus);
+    service.emplace(*participant, config, clock);
+    const std::string url = service->console_url();
+    return std::stoi(url.substr(url.rfind(':') + 1));
+  }
+  void Stop() {
+    service.reset();
+    participant.reset();
+  }
+  Page MakePage(char instance) {
+    return Page(instance, [this] { service->Step(); });
+  }
+
+  TemporaryFolder folder;
+  std::shared_ptr<bus::InMemoryBus> bus = std::make_shared<bus::InMemoryBus>();
+  FakeClock clock;
+  HandMadeSim sim;
+  OperatorConfig config;
+  std::optional<bus::Participant> participant;
+  std::optional<OperatorService> service;
+};
+
+}  // namespace conav::operators

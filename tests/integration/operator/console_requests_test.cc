@@ -1,0 +1,239 @@
+// How the service decides what pages ask: repeats, worlds that are not known yet, control, bursts.
+#include <catch2/catch.hpp>
+
+#include "integration/operator/console_bench.h"
+#include "operator/client/operator_client.h"
+
+namespace conav::operators {
+namespace {
+
+using namespace std::chrono_literals;
+
+const std::vector<std::string> kMap = {"######", "#    #", "# ## #", "#    #", "######"};
+
+/// The service with a served world, and a page that has its map.
+struct RequestBench : SteppedBench {
+  RequestBench() {
+    config.method = "teleop";
+    sim.PublishInitialMap(kMap);
+    sim.PublishState({1, 1}, 5);
+    port = Start();
+    page.Connect(port);
+    page.ReadBelief(0);
+  }
+
+  /// What another client of the bus is answered.
+  OperatorReply AskAs(const std::string& client, std::uint64_t id,
+                      decltype(OperatorRequest::body) body) {
+    REQUIRE(requests.Publish(ToMessage(OperatorRequest{{5}, client, id, "w1", std::move(body)})));
+    service->Step();
+    for (const auto& message : replies.Take()) {
+      const auto reply = ToDomain(message);
+      if (reply && reply->client == client && reply->request_id == id) return *reply;
+    }
+    FAIL("no reply to " << client);
+    return {};
+  }
+
+  /// Who is there, as the page sees it.
+  int People() const {
+    return page.Has("presence") ? page.at("presence").presence().people_size() : 0;
+  }
+
+  /// A line of the command log by `client`; with the lines before it, all have come.
+  std::vector<console::Event> EventsUntil(const std::string& client) {
+    AskAs(client, 1, StopRequest{{"r1"}, "done"});
+    page.ReadUntil([&] {
+      const auto& all = page.events();
+      return !all.empty() && all.back().client() == client;
+    });
+    std::vector<console::Event> events = page.events();
+    events.pop_back();
+    return events;
+  }
+
+  bus::Participant other{"other", bus};
+  bus::Publisher<conav_msgs::msg::OperatorRequest> requests{other, bus::kOperatorRequest};
+  bus::Subscriber<conav_msgs::msg::OperatorReply> replies{other, bus::kOperatorReply};
+  bus::Subscriber<conav_msgs::msg::DriveOrder> drives{other, bus::kDriveOrder, "r1"};
+  Page page = MakePage('a');
+  int port = 0;
+};
+
+console::Request DriveOf(console::DriveAction action) {
+  console::Request request;
+  request.mutable_drive()->set_robot("r1");
+  request.mutable_drive()->set_action(action);
+  request.mutable_drive()->set_expires_at(2.0);
+  return request;
+}
+
+console::Request StopOf(const std::string& reason) {
+  console::Request request;
+  request.mutable_stop()->add_robots("r1");
+  request.mutable_stop()->set_reason(reason);
+  return request;
+}
+
+console::Request TakeControlOf() {
+  console::Request request;
+  request.mutable_take_control()->add_robots("r1");
+  return request;
+}
+
+TEST_CASE("a repeat of what is stored is answered as before, also before the map has come",
+          "[operator][integration]") {
+  RequestBench bench;
+  const console::Request edit = EditOf(0, {1, 3});
+  REQUIRE(bench.page.Ask(edit).accepted());
+  bench.bus = std::make_shared<bus::InMemoryBus>();  // on which no simulator is
+  bench.page.Connect(bench.Start());
+  const auto again = bench.page.Ask(edit, true);
+  CHECK(again.accepted());
+  CHECK(again.revision() == 1);
+}
+
+TEST_CASE("what a page asks of a world that is not known yet waits for its map",
+          "[operator][integration]") {
+  SteppedBench bench;
+  Page page = bench.MakePage('a');
+  page.Connect(bench.Start());
+  page.Send(EditOf(0, {1, 3}));
+  page.Send(StopOf("wait"));
+  CHECK(page.WaitForReply().accepted());  // which came behind it
+  bench.sim.PublishInitialMap(kMap);
+  CHECK(page.WaitForReply(1).revision() == 1);
+}
+
+TEST_CASE("what a page asks of a world that is not known is refused when its time is over",
+          "[operator][integration]") {
+  SteppedBench bench;
+  Page page = bench.MakePage('a');
+  page.Connect(bench.Start());
+  const auto reply = page.Ask(EditOf(0, {1, 3}), false, 0.1);
+  CHECK_FALSE(reply.accepted());
+  CHECK(reply.reason() == "world w1 is not known yet: its map has not come");
+}
+
+TEST_CASE(
+    "a repeat is answered as before although another one has control, and although it is late",
+    "[operator][integration]") {
+  RequestBench bench;
+  const console::Request edit = EditOf(0, {1, 3});
+  REQUIRE(bench.page.Ask(edit).accepted());
+  REQUIRE(bench.AskAs("bert", 1, TakeControlRequest{{}, ""}).accepted);
+  CHECK(bench.page.Ask(edit, true).accepted());
+  CHECK(bench.page.Ask(edit, true, -1000.0).accepted());
+  CHECK_THAT(bench.page.Ask(EditOf(1, {1, 2})).reason(), Catch::Contains("bert has control"));
+}
+
+TEST_CASE("what comes too late is refused and not carried out", "[operator][integration]") {
+  RequestBench bench;
+  const auto late = bench.page.Ask(EditOf(0, {1, 3}), false, -1000.0);
+  CHECK_FALSE(late.accepted());
+  CHECK_THAT(late.reason(), Catch::Contains("too late"));
+  CHECK(bench.sim.NewestBelief().revision == 0);
+  // Even a stop: whoever asked for it has given up, and may have let the robot go again.
+  CHECK_FALSE(bench.page.Ask(StopOf("late"), false, -1000.0).accepted());
+  CHECK_THAT(bench.page.Ask(EditOf(0, {1, 3}), false, 4000.0).reason(), Catch::Contains("3600 s"));
+}
+
+TEST_CASE("whatever a client asks renews its control", "[operator][integration]") {
+  RequestBench bench;
+  REQUIRE(bench.AskAs("anna", 1, TakeControlRequest{{}, ""}).accepted);
+  bench.clock.Advance(40s);
+  REQUIRE(bench.AskAs("anna", 2, StopRequest{{"r1"}, "look"}).accepted);
+  bench.clock.Advance(40s);
+  REQUIRE(bench.AskAs("anna", 3, GoRequest{{"r1"}}).accepted);
+  bench.clock.Advance(40s);
+  CHECK_FALSE(bench.AskAs("bert", 1, TakeControlRequest{{}, ""}).accepted);
+  bench.clock.Advance(21s);
+  CHECK(bench.AskAs("bert", 2, TakeControlRequest{{}, ""}).accepted);
+}
+
+TEST_CASE("control of a page that left is free after ten seconds", "[operator][integration]") {
+  RequestBench bench;
+  Page leaving = bench.MakePage('b');
+  leaving.Connect(bench.port);
+  REQUIRE(leaving.Ask(TakeControlOf()).accepted());
+  bench.page.ReadUntil([&] { return bench.People() == 2; });
+  leaving.Disconnect();
+  bench.page.ReadUntil([&] { return bench.People() == 1; });
+  bench.clock.Advance(9s);
+  CHECK_FALSE(bench.AskAs("bert", 1, TakeControlRequest{{}, ""}).accepted);
+  bench.clock.Advance(1s);
+  bench.service->Step();
+  CHECK(bench.AskAs("bert", 2, TakeControlRequest{{}, ""}).accepted);
+}
+
+TEST_CASE("a page that comes back within ten seconds keeps its control",
+          "[operator][integration]") {
+  RequestBench bench;
+  REQUIRE(bench.page.Ask(TakeControlOf()).accepted());
+  bench.page.Disconnect();
+  bench.clock.Advance(5s);
+  bench.page.Connect(bench.port);
+  bench.clock.Advance(20s);
+  bench.service->Step();
+  CHECK_FALSE(bench.AskAs("bert", 1, TakeControlRequest{{}, ""}).accepted);
+}
+
+TEST_CASE("a stopped robot stays stopped over a restart, and the page sees by whom and why",
+          "[operator][integration]") {
+  RequestBench bench;
+  REQUIRE(bench.page.Ask(StopOf("a cat")).accepted());
+  bench.page.Connect(bench.Start());
+  bench.page.ReadUntil([&] { return bench.page.Has("control"); });
+  const auto control = bench.page.at("control").control();
+  CHECK(control.stopped());
+  CHECK(control.stopped_by() == bench.page.welcome.client());
+  CHECK(control.stop_reason() == "a cat");
+  CHECK_THAT(bench.page.Ask(DriveOf(console::DRIVE_FORWARD)).reason(), Catch::Contains("stopped"));
+  bus::Subscriber<conav_msgs::msg::HoldOrder> late(bench.other, bus::kHoldOrder, "r1");
+  const auto holds = late.Take();
+  REQUIRE(holds.size() == 1);
+  CHECK(holds[0].stopped());
+}
+
+TEST_CASE("the command log has a refused request once, and no low-level actions",
+          "[operator][integration]") {
+  RequestBench bench;
+  REQUIRE(bench.AskAs("bert", 1, TakeControlRequest{{}, ""}).accepted);
+  const EditRequest edit{0, {{{1, 3}, true}}};
+  for (int i = 0; i < 3; ++i) CHECK_FALSE(bench.AskAs("anna", 1, edit).accepted);
+  for (std::uint64_t id = 2; id < 6; ++id) {
+    const DriveRequest drive{"r1", DriveAction::kForward, SimTime::FromSeconds(2.0)};
+    CHECK_FALSE(bench.AskAs("anna", id, drive).accepted);
+  }
+  const auto events = bench.EventsUntil("carl");
+  REQUIRE(events.size() == 2);
+  CHECK(events[0].kind() == console::EVENT_TAKE_CONTROL);
+  CHECK(events[1].kind() == console::EVENT_REFUSED);
+  CHECK(events[1].client() == "anna");
+}
+
+TEST_CASE("of a burst of low-level actions of a page only the newest is carried out",
+          "[operator][integration]") {
+  RequestBench bench;
+  for (int i = 0; i < 3; ++i) bench.page.Send(DriveOf(console::DRIVE_FORWARD));
+  bench.page.Send(DriveOf(console::DRIVE_STOP));
+  const auto received = [&] {  // which the gateway counts on a thread of its own
+    const std::string text = Get(bench.port, "/metrics").body;
+    const std::string name = "\nconav_console_received_messages_total ";
+    const auto at = text.find(name);
+    REQUIRE(at != std::string::npos);
+    return std::stoi(text.substr(at + name.size()));
+  };
+  while (received() < 5) {  // with the Hello
+  }
+  CHECK(bench.page.WaitForReply(4).accepted());
+  for (std::uint64_t id = 1; id < 4; ++id) {
+    const auto reply = bench.page.WaitForReply(id);
+    CHECK_FALSE(reply.accepted());
+    CHECK_THAT(reply.reason(), Catch::Contains("replaced by request 4"));
+  }
+  CHECK(bench.drives.Take().size() == 1);
+}
+
+}  // namespace
+}  // namespace conav::operators
