@@ -51,9 +51,10 @@ void OperatorService::AnswerBus() {
 }
 
 void OperatorService::AnswerConsole() {
-  for (const std::string& client : console_->TakeGone()) control_.Leave(client);
   std::vector<ConsoleDesk::Asked> asked = std::exchange(waiting_, {});
   std::ranges::move(console_->Step(), std::back_inserter(asked));
+  // After Step(): who is back by now has not gone.
+  for (const std::string& client : console_->TakeGone()) control_.Leave(client);
   std::vector<OperatorRequest> requests;
   for (ConsoleDesk::Asked& one : asked) requests.push_back(std::move(one.request));
   for (std::size_t i = 0; i < asked.size(); ++i) {

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
 
 #include "integration/operator/operator_bench.h"
@@ -122,6 +124,28 @@ TEST_CASE("A robot whose simulator has left leaves the queue, a notice says so",
   REQUIRE(now.items.size() == 1);
   CHECK(now.items[0].reason == AttentionReason::kLinkLost);
   CHECK(now.workload.robots == 0);
+}
+
+TEST_CASE("A repeated selection gets its reply, until many other clients have selected something",
+          "[operator][integration]") {
+  const TemporaryFolder folder;
+  Bench bench(folder / "operator.db");
+  bus::Publisher<conav_msgs::msg::OperatorRequest> requests(bench.client_participant,
+                                                            bus::kOperatorRequest);
+  bus::Subscriber<conav_msgs::msg::OperatorReply> replies(bench.client_participant,
+                                                          bus::kOperatorReply);
+  const auto select = [&](const std::string& client) {
+    const SelectRequest lost{"r1", AttentionReason::kLinkLost};
+    REQUIRE(requests.Publish(ToMessage(OperatorRequest{{}, client, 1, "w1", lost})));
+    bench.service.Step();
+    return HandMadeSim::Newest(replies).accepted;
+  };
+  bench.sim.LoseRobot();
+  bench.service.Step();
+  CHECK(select("anna"));  // and the notice is gone
+  CHECK(select("anna"));
+  for (int i = 0; i < 64; ++i) CHECK_FALSE(select(fmt::format("page/{}", i)));
+  CHECK_FALSE(select("anna"));
 }
 
 }  // namespace

@@ -106,8 +106,12 @@ TEST_CASE("A database of another world is refused by name and nothing of it is p
   other.sim.PublishInitialMap(maze);
   other.sim.PublishState({1, 2}, 5);
   other.clock.Advance(1s);
-  const OperatorReply reply =
-      other.Settle(other.client.Send("w1", EditRequest{0, {{{1, 3}, true}}}, {}));
+  OperatorClient bert(other.client_participant, other.clock, {"bert", 0.25, 10.0});
+  bert.Send("w1", EditRequest{0, {{{1, 3}, true}}}, {});
+  other.service.Step();
+  const auto outcomes = bert.Poll();
+  REQUIRE(outcomes.size() == 1);
+  const OperatorReply& reply = *outcomes[0].reply;
   CHECK_FALSE(reply.accepted);
   CHECK_THAT(reply.reason, Catch::Contains((folder / "operator.db").string()) &&
                                Catch::Contains("another world w1"));
@@ -253,7 +257,9 @@ TEST_CASE("Health tells of missing maps and of a disk that fails", "[operator][i
     CHECK_THAT(refused.reason, Catch::Contains("not stored"));
     CHECK(newest().level() == 2);
     // Asks nothing of the disk, and says nothing about it.
-    CHECK_FALSE(bench.Settle(bench.client.Send("w1", SelectRequest{}, {})).accepted);
+    CHECK_FALSE(
+        bench.Settle(bench.client.Send("w1", SelectRequest{"r1", AttentionReason::kPicture}, {}))
+            .accepted);
     CHECK_FALSE(bench.AskUnknownAlert().accepted);
     const auto failed = newest();
     CHECK(failed.level() == 2);
