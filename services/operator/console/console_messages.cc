@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/runtime/utf8.h"
-
 namespace conav::operators {
 
 console::Cell ToConsole(Cell cell) {

@@ -163,9 +163,10 @@ class Gateway::Server final : public ConnectionHost {
     if (found == pages_.end()) return;
     const PageFeed& feed = found->second->feed();
     if (!feed.fault().empty()) Note(feed.fault());
-    if (feed.identity()) Deliver({{page, *feed.identity(), PageLeft{}}});
+    const std::optional<PageIdentity> who = feed.identity();
     pages_.erase(found);
     CountPages();
+    if (who) Deliver({{page, *who, PageLeft{}}});
     if (leaving_ && pages_.empty()) io_.stop();
   }
 
