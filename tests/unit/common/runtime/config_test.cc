@@ -98,7 +98,8 @@ TEST_CASE("wrong types, choices and shapes are refused by key and value", "[runt
 TEST_CASE("an unknown key is refused with the known ones, also in a section", "[runtime][config]") {
   CHECK(RefusalOf("cuont: 4") ==
         "test: unknown key 'cuont'; known keys: count, inner, loud, mode, names");
-  CHECK(RefusalOf("inner: {gian: 0.5}") == "test.inner: unknown key 'gian'; known keys: gain");
+  CHECK(RefusalOf("inner: {gian: 0.5}") ==
+        "test.inner: unknown key 'gian'; known keys: gain, token");
 }
 
 TEST_CASE("the effective config reads back as it was written", "[runtime][config]") {
