@@ -51,8 +51,8 @@ OperatorService::OperatorService(bus::Participant& participant, const OperatorCo
     worlds_.push_back(std::make_unique<WorldLink>(participant, world));
   }
   if (!config.recording.file.empty()) {
-    recording_.emplace(participant, config.recording, WorldOfRobot("operator", config.robots),
-                       clock);
+    segments_.emplace(participant, config.recording, WorldOfRobot("operator", config.robots),
+                      clock);
   }
   if (config.task.on()) task_.emplace(participant, config, store_, clock);
   if (config.console.on()) console_.emplace(participant, config, clock);
@@ -72,7 +72,7 @@ void OperatorService::Step() {
   TakeClock();
   for (const auto& robot : robots_) TakeStates(*robot);
   for (const auto& robot : robots_) TakeAttention(*robot);
-  if (recording_) recording_->Step();
+  if (segments_) segments_->Step();
   if (task_) task_->Step();
   AnswerBus();
   if (console_) AnswerConsole();
@@ -136,12 +136,12 @@ void OperatorService::Serve(WorldLink& world, double cell_size_m) {
     world.belief_map.emplace(participant_, bus::kBeliefMap, world.name);
   }
   PublishBelief(world);
-  if (recording_) recording_->Begin(*store_.FindBelief(world.name));
+  if (segments_) segments_->Begin(*store_.FindBelief(world.name));
   for (const auto& robot : robots_) {
     if (robot->world != world.name) continue;
     const Guidance* guidance = store_.FindGuidance(robot->name);
-    if (recording_ && guidance != nullptr) {
-      recording_->Skip(robot->name, guidance->answers_snapshot);
+    if (segments_ && guidance != nullptr) {
+      segments_->Skip(robot->name, guidance->answers_snapshot);
     }
     if (guidance != nullptr) attention_.Hear(*guidance, OperatorTime());
     if (!robot->guidance) robot->guidance.emplace(participant_, bus::kGuidance, robot->name);
@@ -214,7 +214,7 @@ void OperatorService::TakeStates(RobotLink& robot) {
     const bool starts = !robot.stamp || state.stamp < *robot.stamp;
     robot.stamp = state.stamp;
     drive_desk_.Hear(state);
-    if (recording_) recording_->Hear(state);
+    if (segments_) segments_->Hear(state);
     if (task_) task_->Hear(state);
     if (console_) console_->Hear(stamped);
     attention_.Hear(state, OperatorTime());
@@ -253,7 +253,7 @@ void OperatorService::Greet(RobotLink& robot, const RobotState& state) {
   if (const auto withdrawn = store_.WithdrawGuidance(robot.name, state.stamp); !withdrawn) {
     LOG_ERROR("guidance not withdrawn", "robot", robot.name, "reason", withdrawn.error().text);
   }
-  if (recording_) recording_->Skip(robot.name, 0);
+  if (segments_) segments_->Skip(robot.name, 0);
   PublishGuidance(robot);
 }
 

@@ -13,16 +13,16 @@
 #include "common/runtime/clock.h"
 #include "common/runtime/stop_token.h"
 #include "common/service/diagnostics.h"
-#include "operator/alert_desk.h"
-#include "operator/attention_desk.h"
 #include "operator/belief/belief_store.h"
 #include "operator/config.h"
-#include "operator/console_desk.h"
+#include "operator/desks/alert_desk.h"
+#include "operator/desks/attention_desk.h"
+#include "operator/desks/console_desk.h"
+#include "operator/desks/request_journal.h"
+#include "operator/desks/robot_control.h"
+#include "operator/desks/segment_desk.h"
+#include "operator/desks/task_desk.h"
 #include "operator/driving/drive_desk.h"
-#include "operator/request_journal.h"
-#include "operator/robot_control.h"
-#include "operator/session_recording.h"
-#include "operator/task_desk.h"
 
 namespace conav::operators {
 
@@ -122,7 +122,7 @@ class OperatorService {
   Clock::TimePoint look_around_at_{};
   Clock::TimePoint tidy_up_at_{};
   Diagnostics diagnostics_;
-  std::optional<SessionRecording> recording_;
+  std::optional<SegmentDesk> segments_;
   std::optional<TaskDesk> task_;
   std::optional<ConsoleDesk> console_;
   std::uint64_t attention_shown_ = 0;  // revision of the queue

@@ -113,7 +113,7 @@ OperatorReply OperatorService::Decide(const OperatorRequest& request,
     return Tell(request, {Refusal(request, world->refusal)});
   const BeliefStore::Answer answer = store_.Handle(request, TimeOf(request.world));
   if (answer.changed) PublishChange(request);
-  if (answer.changed && recording_) Record(request);
+  if (answer.changed && segments_) Record(request);
   return Tell(request, answer);
 }
 
@@ -151,9 +151,9 @@ void OperatorService::PublishChange(const OperatorRequest& request) {
 
 void OperatorService::Record(const OperatorRequest& request) {
   if (std::holds_alternative<EditRequest>(request.body)) {
-    recording_->Edited(*store_.FindBelief(request.world));
+    segments_->Edited(*store_.FindBelief(request.world));
   } else {
-    recording_->Guided(*store_.FindGuidance(GuidedRobot(request)));
+    segments_->Guided(*store_.FindGuidance(GuidedRobot(request)));
   }
 }
 

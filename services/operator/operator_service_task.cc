@@ -6,7 +6,7 @@ namespace conav::operators {
 BeliefStore::Answer OperatorService::Finish(const OperatorRequest& request) {
   if (!task_) return {{request.client, request.request_id, false, "there is no task here", 0}};
   BeliefStore::Answer answer = task_->Finish(request);
-  if (answer.changed && recording_) recording_->Finish();
+  if (answer.changed && segments_) segments_->Finish();
   return answer;
 }
 

@@ -1,4 +1,4 @@
-#include "operator/task_desk.h"
+#include "operator/desks/task_desk.h"
 
 #include <catch2/catch.hpp>
 #include <fstream>
