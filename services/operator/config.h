@@ -6,7 +6,7 @@
 #include "common/bus/participant.h"
 #include "common/runtime/config.h"
 #include "operator/attention/attention_options.h"
-#include "operator/control/control_desk.h"
+#include "operator/control/control_book.h"
 #include "operator/gateway/gateway_options.h"
 #include "operator/segments/segment_options.h"
 #include "operator/task/task_options.h"

@@ -34,7 +34,7 @@ OperatorService::OperatorService(bus::Participant& participant, const OperatorCo
       clock_(clock),
       store_(StoreOptions(config)),
       control_(participant, config, store_, clock),
-      drive_desk_(WorldOfRobot("operator", config.robots), {}),
+      drive_gate_(WorldOfRobot("operator", config.robots), {}),
       requests_(participant, bus::kOperatorRequest),
       replies_(participant, bus::kOperatorReply),
       clock_topic_(participant, bus::kClock),
@@ -98,10 +98,8 @@ std::vector<RobotCondition> OperatorService::RobotConditions() const {
   std::vector<RobotCondition> conditions;
   for (const auto& robot : robots_) {
     if (!robot->stamp) continue;
-    const bool stands = std::ranges::any_of(attention_.items(), [&](const AttentionItem& item) {
-      return item.robot == robot->name && item.reason == AttentionReason::kCommandFailed;
-    });
-    conditions.push_back({robot->name, robot->state.matched_publishers() == 0, stands});
+    conditions.push_back({robot->name, robot->state.matched_publishers() == 0,
+                          Stands(attention_.items(), robot->name)});
   }
   return conditions;
 }
@@ -119,9 +117,9 @@ void OperatorService::ShowOnConsole() {
     attention_shown_ = attention_.published().revision;
     console_->Hear(attention_.published());
   }
-  if (control_.desk().version() != control_shown_) {
-    control_shown_ = control_.desk().version();
-    console_->Hear(control_.desk());
+  if (control_.book().version() != control_shown_) {
+    control_shown_ = control_.book().version();
+    console_->Hear(control_.book());
   }
   const std::vector<Alert> alerts = alerts_.TakeChanges();
   for (const Alert& alert : alerts) console_->Hear(alert);
@@ -213,7 +211,7 @@ void OperatorService::TakeStates(RobotLink& robot) {
     }
     const bool starts = !robot.stamp || state.stamp < *robot.stamp;
     robot.stamp = state.stamp;
-    drive_desk_.Hear(state);
+    drive_gate_.Hear(state);
     if (segments_) segments_->Hear(state);
     if (task_) task_->Hear(state);
     if (console_) console_->Hear(stamped);

@@ -25,7 +25,7 @@ Health OperatorService::Report() const {
                                std::to_string(guidance == nullptr ? 0 : guidance->revision));
     health.values.emplace_back(fmt::format("{} attention requests", robot->name),
                                std::to_string(robot->asked));
-    const std::string driver = drive_desk_.DriverOf(robot->name, clock_.Now());
+    const std::string driver = drive_gate_.DriverOf(robot->name, clock_.Now());
     health.values.emplace_back(fmt::format("{} steered by", robot->name),
                                driver.empty() ? "nobody" : driver);
   }

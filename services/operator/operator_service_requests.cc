@@ -100,7 +100,7 @@ std::optional<OperatorReply> OperatorService::Answer(const OperatorRequest& requ
 OperatorReply OperatorService::Decide(const OperatorRequest& request,
                                       const OperatorRequest* replaced_by) {
   if (AlertDesk::Handles(request)) return Tell(request, alerts_.Answer(request, WallSeconds()));
-  if (RobotControl::Handles(request)) {
+  if (ControlDesk::Handles(request)) {
     return Tell(request, control_.Answer(request, OperatorTime()));
   }
   if (std::holds_alternative<FinishRequest>(request.body)) return Tell(request, Finish(request));
@@ -123,7 +123,7 @@ OperatorReply OperatorService::PassOn(const OperatorRequest& request,
     return Tell(request, {Refusal(request, fmt::format("replaced by request {}, which came at once",
                                                        replaced_by->request_id))});
   }
-  const DriveDesk::Answer answer = drive_desk_.Handle(request, TimeOf(request.world), clock_.Now());
+  const DriveGate::Answer answer = drive_gate_.Handle(request, TimeOf(request.world), clock_.Now());
   for (const auto& robot : robots_) {
     if (answer.order && robot->name == answer.order->robot) {
       bus::Send(robot->drive, ToMessage(*answer.order));

@@ -11,7 +11,7 @@ BeliefStore::Answer OperatorService::Finish(const OperatorRequest& request) {
 }
 
 void OperatorService::FollowTask() {
-  task_->Hear(control_.desk());
+  task_->Hear(control_.book());
   TaskStatus status = task_->status();
   if (!console_ || status == task_shown_) return;
   console_->Hear(status);

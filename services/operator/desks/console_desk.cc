@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "common/protocol/convert.h"
 #include "common/runtime/file.h"
 #include "common/service/robot_list.h"
+#include "operator/console/command_log.h"
 #include "operator/console/console_messages.h"
 #include "operator/console/map_cells.h"
 #include "operator/console/request_limits.h"
@@ -26,19 +26,6 @@ constexpr double kLongestValid = 3600.0;
 constexpr double kDriveAdvisedAgainst = 0.3;  // s, round trip
 constexpr double kDriveRefused = 1.0;         // s, round trip
 
-console::Session SessionOf(const OperatorConfig& config) {
-  console::Session session;
-  std::set<std::string> worlds;
-  for (const auto& [robot, world] : WorldOfRobot("operator", config.robots)) worlds.insert(world);
-  for (const std::string& entry : config.robots) {  // in the order of the configuration
-    session.add_robots(entry.substr(entry.find('/') + 1));
-  }
-  for (const std::string& world : worlds) session.add_worlds(world);
-  session.set_method(config.method);
-  session.set_drives(config.method == "teleop");
-  return session;
-}
-
 console::Mode ModeOf(const TaskOptions& task) {
   if (!task.on()) return console::MODE_SUPERVISE;
   return task.kind == "study" ? console::MODE_STUDY : console::MODE_MAPPING_TASK;
@@ -46,7 +33,6 @@ console::Mode ModeOf(const TaskOptions& task) {
 
 console::Welcome WelcomeOf(const OperatorConfig& config) {
   console::Welcome welcome;
-  welcome.set_run(fmt::format("{:x}", std::chrono::system_clock::now().time_since_epoch().count()));
   welcome.set_mode(ModeOf(config.task));
   console::Limits* limits = welcome.mutable_limits();
   const RequestLimits cells =
@@ -61,20 +47,9 @@ console::Welcome WelcomeOf(const OperatorConfig& config) {
   return welcome;
 }
 
-std::vector<Position> PositionsOf(const nav_msgs::msg::Path& path) {
-  std::vector<Position> positions;
-  for (const auto& pose : path.poses()) {
-    const auto& position = pose.pose().position();
-    positions.push_back({position.x(), position.y()});
-  }
-  return positions;
-}
-
 /// When something was said, as pages are told: hosts' clocks may differ, but nothing comes before it
 /// was said.
 double HeardAt(bus::SourceTime source) { return std::min(ToWallSeconds(source), WallSeconds()); }
-
-std::size_t Bytes(double mib) { return static_cast<std::size_t>(mib * 1024.0 * 1024.0); }
 
 }  // namespace
 
@@ -106,8 +81,8 @@ ConsoleDesk::ConsoleDesk(bus::Participant& participant, const OperatorConfig& co
                          const Clock& clock)
     : clock_(clock),
       keeps_secrets_(config.task.on()),
-      pictures_(Bytes(config.console.pictures_mib)),
-      state_(updates_, SessionOf(config)),
+      pictures_(config.console.pictures_bytes()),
+      state_(updates_, SessionOf(config.robots, config.method)),
       predictions_(participant, clock) {
   for (const auto& [robot, world] : WorldOfRobot("operator", config.robots)) {
     robots_.push_back(std::make_unique<RobotLink>(participant, robot, world));
@@ -182,7 +157,7 @@ void ConsoleDesk::TakeKnowledge(RobotLink& robot) {
   for (const auto& path : robot.plan.Take()) {
     if (!robot.geometry) continue;
     state_.HearPlan(robot.name, ToDomain(path.header().stamp()).value_or(SimTime{}),
-                    CellsAt(PositionsOf(path), *robot.geometry));
+                    CellsAt(ToPositions(path), *robot.geometry));
   }
 }
 
@@ -271,7 +246,7 @@ void ConsoleDesk::Reply(std::uint64_t page, const OperatorReply& reply) {
   gateway_->Send(page, message);
 }
 
-void ConsoleDesk::Hear(const ControlDesk& control) {
+void ConsoleDesk::Hear(const ControlBook& control) {
   const double now_s = WallSeconds();
   for (const auto& [name, robot] : control.robots()) {
     console::Control message;

@@ -16,11 +16,11 @@
 #include "operator/alerts/alert.h"
 #include "operator/config.h"
 #include "operator/console/console_state.h"
-#include "operator/control/control_desk.h"
-#include "operator/desks/page_presence.h"
+#include "operator/control/control_book.h"
 #include "operator/desks/prediction_desk.h"
 #include "operator/desks/service_watch.h"
 #include "operator/gateway/gateway.h"
+#include "operator/gateway/page_presence.h"
 #include "operator/task/participant_task.h"
 
 namespace conav::operators {
@@ -43,7 +43,7 @@ class ConsoleDesk {
   void Hear(const Belief& belief, const BeliefGrid& initial);
   void Hear(const Guidance& guidance);
   void Hear(const AttentionQueueState& queue);
-  void Hear(const ControlDesk& control);
+  void Hear(const ControlBook& control);
   void Hear(const Alert& alert);
   void Hear(const TaskStatus& task);
   /// How the processes are, by name.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/runtime/utf8.h"
+#include "operator/alerts/conditions.h"
 
 namespace conav::operators {
 

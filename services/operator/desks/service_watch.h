@@ -17,15 +17,13 @@ struct ServiceStatus {
   Health::Level level = Health::Level::kOk;
   std::string message;
   Clock::TimePoint heard_at{};
-  bool silent = false;  // for longer than ServiceWatch::kSilentAfter
+  bool silent = false;  // for longer than kSilentAfter
 };
 
 /// Listens to the health of conav's processes; those of others on /diagnostics are left out.
 /// Threads: one.
 class ServiceWatch {
  public:
-  static constexpr std::chrono::seconds kSilentAfter{5};
-
   ServiceWatch(bus::Participant& participant, const Clock& clock)
       : clock_(clock), diagnostics_(participant, bus::kDiagnostics) {}
 

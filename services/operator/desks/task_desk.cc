@@ -63,7 +63,7 @@ void TaskDesk::Step() {
   for (const MapUpdate& truth : truth_.TakeValid(kConvert)) task_.Hear(truth.cells);
 }
 
-void TaskDesk::Hear(const ControlDesk& control) {
+void TaskDesk::Hear(const ControlBook& control) {
   if (task_.phase() != TaskPhase::kWaiting) return;
   for (const auto& [name, robot] : control.robots()) {
     if (robot.hold.stopped) continue;

@@ -8,7 +8,7 @@
 #include "common/runtime/clock.h"
 #include "operator/belief/belief_store.h"
 #include "operator/config.h"
-#include "operator/control/control_desk.h"
+#include "operator/control/control_book.h"
 #include "operator/task/participant_task.h"
 
 namespace conav::operators {
@@ -29,7 +29,7 @@ class TaskDesk {
   void Step();
   void Hear(const RobotState& state) { task_.Hear(state); }
   /// Whether the robots go.
-  void Hear(const ControlDesk& control);
+  void Hear(const ControlBook& control);
 
   std::string WhyNot(const OperatorRequest& request) const { return task_.WhyNot(request); }
   /// Requires a FinishRequest.

@@ -37,15 +37,6 @@ class Topics {
   std::map<std::string, TakeUp> take_up_;
 };
 
-std::vector<Position> PositionsOf(const nav_msgs::msg::Path& path) {
-  std::vector<Position> positions;
-  for (const auto& pose : path.poses()) {
-    const auto& position = pose.pose().position();
-    positions.push_back({position.x(), position.y()});
-  }
-  return positions;
-}
-
 void AddRobot(Topics& topics, const std::string& robot, TimelineBuilder& builder) {
   const auto hear = [&builder](auto value, double wall_s) {
     builder.Hear(wall_s, std::move(value));
@@ -63,7 +54,7 @@ void AddRobot(Topics& topics, const std::string& robot, TimelineBuilder& builder
   });
   topics.On(bus::kPlan, robot, [&builder, robot](const nav_msgs::msg::Path& path, double wall_s) {
     const auto stamp = ToDomain(path.header().stamp());
-    builder.HearPlan(wall_s, robot, stamp.value_or(SimTime{}), PositionsOf(path));
+    builder.HearPlan(wall_s, robot, stamp.value_or(SimTime{}), ToPositions(path));
     return true;
   });
   topics.On(bus::kCameraImage, robot,

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <set>
 #include <sstream>
 #include <utility>
 
 #include "common/runtime/utf8.h"
 #include "common/service/robot_list.h"
 #include "operator/bag/mcap_reader.h"
+#include "operator/console/console_messages.h"
 #include "operator/replay/recorded_topics.h"
 
 namespace conav::operators {
@@ -29,30 +29,27 @@ std::string FactOf(const bag::TextMap& facts, const std::string& name) {
   return found == facts.end() ? "" : found->second;
 }
 
-Result<std::map<std::string, std::string>> RobotsOf(const bag::TextMap& facts,
-                                                    const std::filesystem::path& file) {
+/// "world/robot" of each.
+std::vector<std::string> RobotsOf(const bag::TextMap& facts) {
   std::istringstream words(FactOf(facts, "robots"));
-  std::vector<std::string> entries;
-  for (std::string entry; words >> entry;) entries.push_back(entry);
+  std::vector<std::string> robots;
+  for (std::string entry; words >> entry;) robots.push_back(entry);
+  return robots;
+}
+
+Result<std::map<std::string, std::string>> WorldsOf(const std::vector<std::string>& robots,
+                                                    const std::filesystem::path& file) {
   try {
-    return WorldOfRobot("recorder", entries);
+    return WorldOfRobot("recorder", robots);
   } catch (const StartupError& error) {
     return Fail(ErrorCode::kMalformed,
                 fmt::format("{}: not a recording of conav's: {}", file.string(), error.what()));
   }
 }
 
-console::Session SessionOf(const bag::TextMap& facts,
-                           const std::map<std::string, std::string>& world_of_robot) {
-  console::Session session;
-  std::set<std::string> worlds;
-  for (const auto& [robot, world] : world_of_robot) {
-    session.add_robots(robot);
-    if (worlds.insert(world).second) session.add_worlds(world);
-  }
+console::Session SessionOfRun(const bag::TextMap& facts, const std::vector<std::string>& robots) {
+  console::Session session = SessionOf(robots, Readable(FactOf(facts, "method")));
   session.set_name(Readable(FactOf(facts, "run")));
-  session.set_method(Readable(FactOf(facts, "method")));
-  session.set_drives(session.method() == "teleop");
   return session;
 }
 
@@ -99,12 +96,13 @@ Result<RecordedRun> ReadRun(const std::filesystem::path& file) {
   auto reader = bag::McapReader::Open(file);
   if (!reader) return tl::unexpected(reader.error());
   const bag::TextMap facts = FactsOf(*reader);
-  const auto robots = RobotsOf(facts, file);
-  if (!robots) return tl::unexpected(robots.error());
-  TimelineBuilder builder(SessionOf(facts, *robots));
+  const std::vector<std::string> robots = RobotsOf(facts);
+  const auto world_of_robot = WorldsOf(robots, file);
+  if (!world_of_robot) return tl::unexpected(world_of_robot.error());
+  TimelineBuilder builder(SessionOfRun(facts, robots));
   RecordedRun run;
   run.name = FactOf(facts, "run");
-  Reading(*std::move(reader), RecordedTopics(*robots, builder)).ReadAll(run);
+  Reading(*std::move(reader), RecordedTopics(*world_of_robot, builder)).ReadAll(run);
   run.timeline = std::move(builder).Finish();
   if (run.timeline.moments.empty()) {
     return Fail(ErrorCode::kMalformed,

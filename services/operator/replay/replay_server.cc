@@ -1,7 +1,5 @@
 #include "operator/replay/replay_server.h"
 
-#include <fmt/format.h>
-
 #include <chrono>
 #include <utility>
 
@@ -11,11 +9,9 @@ namespace conav::operators {
 namespace {
 
 constexpr std::chrono::milliseconds kPeriod{30};
-constexpr double kMiB = 1024.0 * 1024.0;
 
 console::Welcome MakeWelcome() {
   console::Welcome welcome;
-  welcome.set_run(fmt::format("{:x}", std::chrono::system_clock::now().time_since_epoch().count()));
   welcome.set_mode(console::MODE_REPLAY);
   return welcome;
 }
@@ -25,7 +21,7 @@ console::Welcome MakeWelcome() {
 ReplayServer::ReplayServer(const Timeline& timeline, const GatewayOptions& options,
                            const Clock& clock)
     : clock_(clock),
-      pictures_(static_cast<std::size_t>(options.pictures_mib * kMiB)),
+      pictures_(options.pictures_bytes()),
       player_(timeline, {updates_, frames_, pictures_}, WallSeconds()),
       stepped_at_(clock.Now()) {
   gateway_.emplace(options, Gateway::Shared{updates_, frames_, pictures_}, MakeWelcome(), [this] {
@@ -71,21 +67,13 @@ void ReplayServer::Take(const PageEvent& event) {
     reply.set_reason("this is a recording");
     gateway_->Send(event.page, reply);
   } else if (std::holds_alternative<PageJoined>(event.body)) {
-    people_[event.page] = {event.who.client, event.who.name, event.who.role};
+    presence_.Join(event.page, event.who);
     if (!std::exchange(was_seen_, true)) speed_ = 1.0;
-    TellWhoIsHere();
+    player_.Hear(presence_.People());
   } else {
-    people_.erase(event.page);
-    TellWhoIsHere();
+    presence_.Leave(event.page, clock_.Now());
+    player_.Hear(presence_.People());
   }
-}
-
-void ReplayServer::TellWhoIsHere() {
-  std::map<std::string, Person> by_client;  // one that came back may not have left yet
-  for (const auto& [page, person] : people_) by_client[person.client] = person;
-  std::vector<Person> people;
-  for (const auto& [client, person] : by_client) people.push_back(person);
-  player_.Hear(std::move(people));
 }
 
 }  // namespace conav::operators

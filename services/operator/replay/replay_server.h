@@ -1,7 +1,6 @@
 #pragma once
 
 #include <condition_variable>
-#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -9,6 +8,7 @@
 #include "common/runtime/clock.h"
 #include "common/runtime/stop_token.h"
 #include "operator/gateway/gateway.h"
+#include "operator/gateway/page_presence.h"
 #include "operator/timeline/replay_player.h"
 
 namespace conav::operators {
@@ -29,7 +29,6 @@ class ReplayServer {
  private:
   void Wait();
   void Take(const PageEvent& event);
-  void TellWhoIsHere();
 
   const Clock& clock_;
   UpdateLog updates_;
@@ -41,8 +40,8 @@ class ReplayServer {
   std::optional<double> position_s_;
   std::optional<double> speed_;
   bool was_seen_ = false;
-  std::map<std::uint64_t, Person> people_;  // by page
-  std::mutex mutex_;                        // guards woken_
+  PagePresence presence_;
+  std::mutex mutex_;  // guards woken_
   std::condition_variable wake_;
   bool woken_ = false;
   std::optional<Gateway> gateway_;

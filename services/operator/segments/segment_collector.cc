@@ -29,14 +29,6 @@ T TakeFrom(std::optional<T>& held) {
   return value;
 }
 
-OccupancyGrid AsMap(const BeliefGrid& belief) {
-  OccupancyGrid map(belief.rows(), belief.columns());
-  std::ranges::transform(belief.values(), map.values().begin(), [](float wall) {
-    return wall != 0.0F ? Occupancy::kOccupied : Occupancy::kFree;
-  });
-  return map;
-}
-
 }  // namespace
 
 SegmentCollector::SegmentCollector(SessionFacts session, std::map<std::string, MazeFacts> mazes)
@@ -217,7 +209,7 @@ void SegmentCollector::Close(World& world, const std::string& robot, OpenSegment
 
 void SegmentCollector::Measure(Trajectory& trajectory, const BeliefGrid& initial,
                                const BeliefGrid& final) {
-  const OccupancyGrid before = AsMap(initial);
+  const OccupancyGrid before = ToOccupancy(initial);
   trajectory.initial_cell_accuracy = CompareMaps(*trajectory.truth, before, initial).cell;
   const MapAccuracy now = CompareMaps(*trajectory.truth, before, final);
   trajectory.final_cell_accuracy = now.cell;

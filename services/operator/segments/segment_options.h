@@ -37,7 +37,7 @@ struct SegmentOptions {
  private:
   static void PlainName(ConfigReader& reader, const char* key, std::string& name) {
     reader.Field(key, name);
-    if (!IsPlainName(name)) reader.Refuse(key, "is not UTF-8 without / and control characters");
+    if (!IsPlainName(name)) reader.Refuse(key, kNoPlainName);
   }
 };
 

@@ -3,22 +3,23 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "common/grid/map_accuracy.h"
-#include "operator/console/console_messages.h"
+#include "operator/console/command_log.h"
 #include "operator/console/map_cells.h"
 
 namespace conav::operators {
 namespace {
 
-constexpr double kSilentAfter = 5.0;  // s, as ServiceWatch has it
-constexpr float kWall = 0.5F;
+constexpr double kSilentAfterS = std::chrono::duration<double>(kSilentAfter).count();
 
 std::size_t EditedCells(const BeliefGrid& before, const BeliefGrid& after) {
   std::size_t edited = 0;
   for (std::size_t i = 0; i < after.size() && i < before.size(); ++i) {
-    edited += (before.values()[i] >= kWall) != (after.values()[i] >= kWall) ? 1 : 0;
+    edited +=
+        (before.values()[i] >= kWallThreshold) != (after.values()[i] >= kWallThreshold) ? 1 : 0;
   }
   return edited;
 }
@@ -150,8 +151,8 @@ void TimelineBuilder::Hear(double wall_s, Belief belief) {
     const std::size_t cells = EditedCells(world.belief->wall_probability, belief.wall_probability);
     Mark(console::MARK_EDIT, "",
          fmt::format("{}: revision {} by {}", belief.world, belief.revision, belief.edited_by));
-    AddEvent(wall_s, console::EVENT_EDIT, belief.edited_by, belief.world, "",
-             fmt::format("edited {} cells of the map", cells), belief.revision);
+    AddEvent(wall_s, console::EVENT_EDIT, belief.edited_by, belief.world, "", EditText(cells),
+             belief.revision);
   }
   world.belief = belief;
   const std::string group = "belief/" + belief.world;
@@ -168,11 +169,9 @@ void TimelineBuilder::Hear(double wall_s, Guidance guidance) {
     Mark(console::MARK_GUIDANCE, guidance.robot,
          fmt::format("{}: nothing new in picture {}", guidance.robot, guidance.answers_snapshot));
     AddEvent(wall_s, console::EVENT_ANSWER, guidance.given_by, guidance.world, guidance.robot,
-             fmt::format("picture {}: nothing new", guidance.answers_snapshot), guidance.revision);
+             AnswerText(guidance.answers_snapshot), guidance.revision);
   } else if (is_new) {
-    const std::string text = guidance.path.empty()
-                                 ? "took the path back"
-                                 : fmt::format("drew a path of {} cells", guidance.path.size());
+    const std::string text = PathText(guidance.path.size());
     Mark(console::MARK_GUIDANCE, guidance.robot,
          fmt::format("{}: {} {}", guidance.robot, guidance.given_by, text));
     AddEvent(wall_s, console::EVENT_GUIDE, guidance.given_by, guidance.world, guidance.robot, text,
@@ -236,9 +235,8 @@ void TimelineBuilder::Hear(double wall_s, HoldOrder order) {
   MoveTo(wall_s);
   bool& stopped = robots_[order.robot].stopped;
   if (stopped != order.stopped) {
-    const std::string why = order.reason.empty() ? "" : ": " + order.reason;
     const std::string text =
-        order.stopped ? "stopped " + order.robot + why : "let " + order.robot + " go";
+        order.stopped ? StopText({order.robot}, order.reason) : GoText({order.robot});
     AddEvent(wall_s, order.stopped ? console::EVENT_STOP : console::EVENT_GO, order.given_by,
              order.world, order.robot, text, order.revision);
   }
@@ -256,7 +254,7 @@ void TimelineBuilder::Hear(double wall_s, ServiceHealth health) {
 
 void TimelineBuilder::LookForSilence(double wall_s) {
   for (auto& [name, process] : processes_) {
-    if (wall_s - process.wall_s <= kSilentAfter) continue;
+    if (wall_s - process.wall_s <= kSilentAfterS) continue;
     if (process.health.level == console::LEVEL_SILENT) continue;
     process.health.level = console::LEVEL_SILENT;
     process.health.message = "silent";
@@ -268,10 +266,7 @@ std::vector<RobotCondition> TimelineBuilder::RobotConditions() const {
   std::vector<RobotCondition> conditions;
   for (const auto& [name, robot] : robots_) {
     if (!robot.heard && !robot.lost) continue;
-    const bool stands = std::ranges::any_of(items_, [&](const AttentionItem& item) {
-      return item.robot == name && item.reason == AttentionReason::kCommandFailed;
-    });
-    conditions.push_back({name, robot.lost, stands});
+    conditions.push_back({name, robot.lost, Stands(items_, name)});
   }
   return conditions;
 }

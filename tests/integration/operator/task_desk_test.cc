@@ -132,7 +132,7 @@ TEST_CASE("a task of two worlds, or with another file as its result, does not st
 TEST_CASE("a task begins when a robot is let go", "[operator][task]") {
   Bench bench;
   bench.Start();
-  ControlDesk control({{"r1", "w1"}}, {.start_stopped = true});
+  ControlBook control({{"r1", "w1"}}, {.start_stopped = true});
   bench.desk->Hear(control);
   CHECK(bench.desk->status().phase == TaskPhase::kWaiting);
   const auto orders = control.Go("page", {}, {});

@@ -35,7 +35,7 @@ TEST_CASE("the command log of a run comes from what requests changed", "[operato
   const auto events = EventsOf(SmallRun());
   REQUIRE(events.size() == 3);
   CHECK(events[0].kind() == console::EVENT_EDIT);
-  CHECK(events[0].text() == "edited 1 cells of the map");
+  CHECK(events[0].text() == "edited 1 cell of the map");
   CHECK(events[0].client() == "anna/1");
   CHECK(events[0].time() == kBegin + 4.0);
   CHECK(events[0].stamp() == 2.0);

@@ -10,20 +10,20 @@
 #include "common/runtime/clock.h"
 #include "operator/belief/belief_store.h"
 #include "operator/config.h"
-#include "operator/control/control_desk.h"
+#include "operator/control/control_book.h"
 
 namespace conav::operators {
 
-/// The operator service's word on who commands which robot, and which robots stand (ControlDesk): on
+/// The operator service's word on who commands which robot, and which robots stand (ControlBook): on
 /// disk first, then on the bus. After a restart stopped robots stay stopped; control is taken anew.
 ///
 /// Publishes a robot's newest hold order at once, when there is one.
 /// Threads: one, the service's.
-class RobotControl {
+class ControlDesk {
  public:
   /// All outlive it.
-  RobotControl(bus::Participant& participant, const OperatorConfig& config, BeliefStore& store,
-               const Clock& clock);
+  ControlDesk(bus::Participant& participant, const OperatorConfig& config, BeliefStore& store,
+              const Clock& clock);
 
   static bool Handles(const OperatorRequest& request);
   /// Requires Handles(request), and that it is no repeat. `now`: the operator's time.
@@ -31,22 +31,22 @@ class RobotControl {
   /// Why another client's control forbids `request`; empty = it does not.
   std::string WhyNot(const OperatorRequest& request) const;
   /// `client` asked for something, whatever it is, that was not refused for want of control.
-  void Renew(const std::string& client) { desk_.Renew(client, clock_.Now()); }
-  void Leave(const std::string& client) { desk_.ReleaseAll(client); }
-  void Step() { desk_.Expire(clock_.Now()); }
+  void Renew(const std::string& client) { book_.Renew(client, clock_.Now()); }
+  void Leave(const std::string& client) { book_.ReleaseAll(client); }
+  void Step() { book_.Expire(clock_.Now()); }
 
-  const ControlDesk& desk() const { return desk_; }
+  const ControlBook& book() const { return book_; }
 
  private:
   using HoldPublisher = bus::Publisher<conav_msgs::msg::HoldOrder>;
 
   Result<std::vector<HoldOrder>> Decide(const OperatorRequest& request, SimTime now,
-                                        ControlDesk& desk) const;
+                                        ControlBook& book) const;
   void Publish(const HoldOrder& order);
 
   BeliefStore& store_;
   const Clock& clock_;
-  ControlDesk desk_;
+  ControlBook book_;
   std::map<std::string, std::unique_ptr<HoldPublisher>> holds_;  // by robot
 };
 

@@ -1,4 +1,4 @@
-#include "operator/driving/drive_desk.h"
+#include "operator/driving/drive_gate.h"
 
 #include <catch2/catch.hpp>
 
@@ -9,7 +9,7 @@ using namespace std::chrono_literals;
 namespace {
 
 struct Desk {
-  Desk() { desk.Hear(State(0)); }
+  Desk() { gate.Hear(State(0)); }
 
   static RobotState State(std::uint64_t drive_order) {
     return {.world = "w1", .robot = "r1", .drive_order = drive_order};
@@ -20,11 +20,11 @@ struct Desk {
                                  const std::string& robot = "r1") {
     return {{}, client, id, "w1", DriveRequest{robot, drive, expires}};
   }
-  DriveDesk::Answer Handle(const OperatorRequest& request) {
-    return desk.Handle(request, now, wall);
+  DriveGate::Answer Handle(const OperatorRequest& request) {
+    return gate.Handle(request, now, wall);
   }
 
-  DriveDesk desk{{{"r1", "w1"}, {"r2", "w1"}, {"r3", "w2"}}, {}};
+  DriveGate gate{{{"r1", "w1"}, {"r2", "w1"}, {"r3", "w2"}}, {}};
   SimTime now = SimTime{} + 1s;
   Clock::TimePoint wall{};
 };
@@ -32,29 +32,29 @@ struct Desk {
 }  // namespace
 
 TEST_CASE("an order is passed on with the next number of its robot", "[operator][driving]") {
-  Desk desk;
-  const DriveDesk::Answer first = desk.Handle(Desk::Request(1, DriveAction::kTurnLeft));
+  Desk gate;
+  const DriveGate::Answer first = gate.Handle(Desk::Request(1, DriveAction::kTurnLeft));
   CHECK(first.reply.accepted);
   REQUIRE(first.order);
   CHECK(*first.order ==
-        DriveOrder{desk.now, "w1", "r1", 1, DriveAction::kTurnLeft, "ann", SimTime{} + 2s});
-  CHECK(desk.Handle(Desk::Request(2)).reply.revision == 2);
+        DriveOrder{gate.now, "w1", "r1", 1, DriveAction::kTurnLeft, "ann", SimTime{} + 2s});
+  CHECK(gate.Handle(Desk::Request(2)).reply.revision == 2);
 }
 
 TEST_CASE("a repeat gets the same answer and no second order", "[operator][driving]") {
-  Desk desk;
-  const DriveDesk::Answer first = desk.Handle(Desk::Request(5));
-  desk.now = SimTime{} + 100s;  // even when it has expired meanwhile
-  const DriveDesk::Answer repeat = desk.Handle(Desk::Request(5));
+  Desk gate;
+  const DriveGate::Answer first = gate.Handle(Desk::Request(5));
+  gate.now = SimTime{} + 100s;  // even when it has expired meanwhile
+  const DriveGate::Answer repeat = gate.Handle(Desk::Request(5));
   CHECK(repeat.reply == first.reply);
   CHECK_FALSE(repeat.order);
 }
 
 TEST_CASE("what must not be carried out is refused with its reason", "[operator][driving]") {
-  Desk desk;
-  desk.Handle(Desk::Request(10));
+  Desk gate;
+  gate.Handle(Desk::Request(10));
   const auto reason = [&](const OperatorRequest& request) {
-    const DriveDesk::Answer answer = desk.Handle(request);
+    const DriveGate::Answer answer = gate.Handle(request);
     CHECK_FALSE(answer.reply.accepted);
     CHECK_FALSE(answer.order);
     return answer.reply.reason;
@@ -73,23 +73,23 @@ TEST_CASE("what must not be carried out is refused with its reason", "[operator]
 }
 
 TEST_CASE("one client steers a robot, anybody may stop it", "[operator][driving]") {
-  Desk desk;
-  desk.Handle(Desk::Request(1));
-  const DriveDesk::Answer other = desk.Handle(Desk::Request(1, DriveAction::kForward, "bob"));
+  Desk gate;
+  gate.Handle(Desk::Request(1));
+  const DriveGate::Answer other = gate.Handle(Desk::Request(1, DriveAction::kForward, "bob"));
   CHECK(other.reply.reason == "robot r1 is steered by ann");
-  CHECK(desk.Handle(Desk::Request(2, DriveAction::kStop, "bob")).order);
-  CHECK(desk.desk.DriverOf("r1", desk.wall) == "ann");
-  desk.wall += 5s;
-  CHECK(desk.desk.DriverOf("r1", desk.wall).empty());
-  CHECK(desk.Handle(Desk::Request(3, DriveAction::kForward, "bob")).order);
-  CHECK(desk.Handle(Desk::Request(2)).reply.reason == "robot r1 is steered by bob");
+  CHECK(gate.Handle(Desk::Request(2, DriveAction::kStop, "bob")).order);
+  CHECK(gate.gate.DriverOf("r1", gate.wall) == "ann");
+  gate.wall += 5s;
+  CHECK(gate.gate.DriverOf("r1", gate.wall).empty());
+  CHECK(gate.Handle(Desk::Request(3, DriveAction::kForward, "bob")).order);
+  CHECK(gate.Handle(Desk::Request(2)).reply.reason == "robot r1 is steered by bob");
 }
 
 TEST_CASE("a service that starts anew numbers on from what the robot took up",
           "[operator][driving]") {
-  Desk desk;
-  desk.desk.Hear(Desk::State(41));
-  CHECK(desk.Handle(Desk::Request(1)).reply.revision == 42);
+  Desk gate;
+  gate.gate.Hear(Desk::State(41));
+  CHECK(gate.Handle(Desk::Request(1)).reply.revision == 42);
 }
 
 TEST_CASE("of a burst only the newest order for a robot counts", "[operator][driving]") {

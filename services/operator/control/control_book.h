@@ -33,7 +33,7 @@ struct ControlOptions {
 /// go. While one client has control of all robots of a world, its map is that client's, too.
 ///
 /// `now`: wall time. Pure; threads: not synchronised.
-class ControlDesk {
+class ControlBook {
  public:
   struct Robot {
     std::string world;
@@ -43,7 +43,7 @@ class ControlDesk {
     Clock::TimePoint held_until{};
   };
 
-  ControlDesk(const std::map<std::string, std::string>& world_of_robot, ControlOptions options);
+  ControlBook(const std::map<std::string, std::string>& world_of_robot, ControlOptions options);
 
   /// Why `client` may not command `robot` or edit the map of `world`; empty = it may.
   std::string WhyNotCommand(const std::string& client, const std::string& robot,

@@ -1,4 +1,4 @@
-#include "operator/desks/page_presence.h"
+#include "operator/gateway/page_presence.h"
 
 #include <algorithm>
 

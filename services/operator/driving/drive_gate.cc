@@ -1,4 +1,4 @@
-#include "operator/driving/drive_desk.h"
+#include "operator/driving/drive_gate.h"
 
 #include <fmt/format.h>
 
@@ -14,19 +14,19 @@ constexpr std::chrono::seconds kClientMemory{60};
 
 }  // namespace
 
-DriveDesk::DriveDesk(std::map<std::string, std::string> world_of_robot, DriveDeskOptions options)
+DriveGate::DriveGate(std::map<std::string, std::string> world_of_robot, DriveGateOptions options)
     : options_(options) {
   for (auto& [robot, world] : world_of_robot) robots_[robot].world = world;
 }
 
-void DriveDesk::Hear(const RobotState& state) {
+void DriveGate::Hear(const RobotState& state) {
   const auto robot = robots_.find(state.robot);
   if (robot == robots_.end() || robot->second.world != state.world) return;
   robot->second.heard = true;
   robot->second.newest_order = std::max(robot->second.newest_order, state.drive_order);
 }
 
-std::string DriveDesk::DriverOf(const std::string& name, Clock::TimePoint wall) const {
+std::string DriveGate::DriverOf(const std::string& name, Clock::TimePoint wall) const {
   const auto robot = robots_.find(name);
   if (robot == robots_.end() || wall >= robot->second.driven_at + Seconds(options_.hold_s)) {
     return "";
@@ -34,7 +34,7 @@ std::string DriveDesk::DriverOf(const std::string& name, Clock::TimePoint wall) 
   return robot->second.driver;
 }
 
-std::optional<std::string> DriveDesk::WhyNot(const OperatorRequest& request,
+std::optional<std::string> DriveGate::WhyNot(const OperatorRequest& request,
                                              const DriveRequest& drive, SimTime now,
                                              Clock::TimePoint wall) const {
   const auto robot = robots_.find(drive.robot);
@@ -57,7 +57,7 @@ std::optional<std::string> DriveDesk::WhyNot(const OperatorRequest& request,
   return std::nullopt;
 }
 
-DriveDesk::Answer DriveDesk::Handle(const OperatorRequest& request, SimTime now,
+DriveGate::Answer DriveGate::Handle(const OperatorRequest& request, SimTime now,
                                     Clock::TimePoint wall) {
   const auto* drive = std::get_if<DriveRequest>(&request.body);
   DEMAND(drive != nullptr);
@@ -90,7 +90,7 @@ DriveDesk::Answer DriveDesk::Handle(const OperatorRequest& request, SimTime now,
   return answer;
 }
 
-void DriveDesk::ForgetOldClients(Clock::TimePoint wall) {
+void DriveGate::ForgetOldClients(Clock::TimePoint wall) {
   std::erase_if(clients_,
                 [&](const auto& entry) { return wall - entry.second.heard_at > kClientMemory; });
 }

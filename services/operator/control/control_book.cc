@@ -1,4 +1,4 @@
-#include "operator/control/control_desk.h"
+#include "operator/control/control_book.h"
 
 #include <fmt/format.h>
 
@@ -7,14 +7,14 @@
 namespace conav::operators {
 namespace {
 
-bool IsHeldByOther(const ControlDesk::Robot& robot, const std::string& client,
+bool IsHeldByOther(const ControlBook::Robot& robot, const std::string& client,
                    Clock::TimePoint now) {
   return !robot.holder.empty() && robot.holder != client && now < robot.held_until;
 }
 
 }  // namespace
 
-ControlDesk::ControlDesk(const std::map<std::string, std::string>& world_of_robot,
+ControlBook::ControlBook(const std::map<std::string, std::string>& world_of_robot,
                          ControlOptions options)
     : options_(options) {
   for (const auto& [name, world] : world_of_robot) {
@@ -29,14 +29,14 @@ ControlDesk::ControlDesk(const std::map<std::string, std::string>& world_of_robo
   }
 }
 
-std::string ControlDesk::WhyNotCommand(const std::string& client, const std::string& name,
+std::string ControlBook::WhyNotCommand(const std::string& client, const std::string& name,
                                        Clock::TimePoint now) const {
   const auto found = robots_.find(name);
   if (found == robots_.end() || !IsHeldByOther(found->second, client, now)) return "";
   return fmt::format("{} has control of {}: take over first", found->second.holder, name);
 }
 
-std::string ControlDesk::WhyNotEdit(const std::string& client, const std::string& world,
+std::string ControlBook::WhyNotEdit(const std::string& client, const std::string& world,
                                     Clock::TimePoint now) const {
   const Robot* held = nullptr;
   for (const auto& [name, robot] : robots_) {
@@ -48,7 +48,7 @@ std::string ControlDesk::WhyNotEdit(const std::string& client, const std::string
   return fmt::format("{} has control of all robots of {}: take over first", held->holder, world);
 }
 
-void ControlDesk::Renew(const std::string& client, Clock::TimePoint now) {
+void ControlBook::Renew(const std::string& client, Clock::TimePoint now) {
   for (auto& [name, robot] : robots_) {
     if (robot.holder != client) continue;
     robot.held_until = now + Seconds(options_.control_s);
@@ -56,7 +56,7 @@ void ControlDesk::Renew(const std::string& client, Clock::TimePoint now) {
   }
 }
 
-Result<std::vector<std::string>> ControlDesk::Resolve(const std::vector<std::string>& names) const {
+Result<std::vector<std::string>> ControlBook::Resolve(const std::vector<std::string>& names) const {
   std::vector<std::string> all;
   for (const auto& [name, robot] : robots_) all.push_back(name);
   if (names.empty()) return all;
@@ -68,7 +68,7 @@ Result<std::vector<std::string>> ControlDesk::Resolve(const std::vector<std::str
   return names;
 }
 
-Result<void> ControlDesk::Take(const std::string& client, const TakeControlRequest& request,
+Result<void> ControlBook::Take(const std::string& client, const TakeControlRequest& request,
                                Clock::TimePoint now) {
   const auto names = Resolve(request.robots);
   if (!names) return tl::unexpected(names.error());
@@ -88,7 +88,7 @@ Result<void> ControlDesk::Take(const std::string& client, const TakeControlReque
   return {};
 }
 
-Result<void> ControlDesk::Release(const std::string& client, const ReleaseControlRequest& request) {
+Result<void> ControlBook::Release(const std::string& client, const ReleaseControlRequest& request) {
   const auto names = Resolve(request.robots);
   if (!names) return tl::unexpected(names.error());
   for (const std::string& name : *names) {
@@ -98,25 +98,25 @@ Result<void> ControlDesk::Release(const std::string& client, const ReleaseContro
   return {};
 }
 
-void ControlDesk::ReleaseAll(const std::string& client) {
+void ControlBook::ReleaseAll(const std::string& client) {
   for (auto& [name, robot] : robots_) {
     if (robot.holder == client) Free(robot);
   }
 }
 
-void ControlDesk::Expire(Clock::TimePoint now) {
+void ControlBook::Expire(Clock::TimePoint now) {
   for (auto& [name, robot] : robots_) {
     if (!robot.holder.empty() && now >= robot.held_until) Free(robot);
   }
 }
 
-void ControlDesk::Free(Robot& robot) {
+void ControlBook::Free(Robot& robot) {
   robot.holder.clear();
   robot.reason.clear();
   ++version_;
 }
 
-Result<std::vector<HoldOrder>> ControlDesk::Hold(const std::vector<std::string>& names,
+Result<std::vector<HoldOrder>> ControlBook::Hold(const std::vector<std::string>& names,
                                                  bool stopped, const std::string& client,
                                                  const std::string& reason, SimTime now) const {
   const auto resolved = Resolve(names);
@@ -130,17 +130,17 @@ Result<std::vector<HoldOrder>> ControlDesk::Hold(const std::vector<std::string>&
   return orders;
 }
 
-Result<std::vector<HoldOrder>> ControlDesk::Stop(const std::string& client,
+Result<std::vector<HoldOrder>> ControlBook::Stop(const std::string& client,
                                                  const StopRequest& request, SimTime now) const {
   return Hold(request.robots, true, client, request.reason, now);
 }
 
-Result<std::vector<HoldOrder>> ControlDesk::Go(const std::string& client, const GoRequest& request,
+Result<std::vector<HoldOrder>> ControlBook::Go(const std::string& client, const GoRequest& request,
                                                SimTime now) const {
   return Hold(request.robots, false, client, "", now);
 }
 
-void ControlDesk::Adopt(const HoldOrder& order) {
+void ControlBook::Adopt(const HoldOrder& order) {
   const auto found = robots_.find(order.robot);
   if (found == robots_.end()) return;
   found->second.hold = order;

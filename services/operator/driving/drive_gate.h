@@ -12,7 +12,7 @@
 
 namespace conav::operators {
 
-struct DriveDeskOptions {
+struct DriveGateOptions {
   /// Who steers a robot keeps it until so long (wall time) after the last order.
   double hold_s = 5.0;
   /// An order may expire at most so far ahead (simulation time): silence must soon mean stop.
@@ -27,9 +27,9 @@ struct DriveDeskOptions {
 /// client than the one that steers the robot, unless it is a stop, which is anybody's. A repeat of
 /// the newest request gets the same answer and no second order.
 /// Threads: not synchronised; one owner.
-class DriveDesk {
+class DriveGate {
  public:
-  DriveDesk(std::map<std::string, std::string> world_of_robot, DriveDeskOptions options);
+  DriveGate(std::map<std::string, std::string> world_of_robot, DriveGateOptions options);
 
   /// A robot reports; orders are numbered on from the last that it took up.
   void Hear(const RobotState& state);
@@ -62,7 +62,7 @@ class DriveDesk {
                                     SimTime now, Clock::TimePoint wall) const;
   void ForgetOldClients(Clock::TimePoint wall);
 
-  DriveDeskOptions options_;
+  DriveGateOptions options_;
   std::map<std::string, Robot> robots_;
   std::map<std::string, Client> clients_;
 };
