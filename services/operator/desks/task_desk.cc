@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -17,11 +18,17 @@ namespace {
 
 constexpr auto kConvert = [](const auto& message) { return ToDomain(message); };
 
+constexpr const char* kResultKey = "operator.task.result: ";
+
 std::string OnlyWorld(const OperatorConfig& config) {
-  std::set<std::string> worlds;
-  for (const auto& [robot, world] : WorldOfRobot("operator", config.robots)) worlds.insert(world);
-  if (worlds.size() == 1) return *worlds.begin();
-  throw StartupError("operator.task: all robots have to be in one world");
+  const auto world_of_robot = WorldOfRobot("operator", config.robots);
+  const std::string& first = world_of_robot.begin()->second;
+  for (const auto& [robot, world] : world_of_robot) {
+    if (world == first) continue;
+    throw StartupError(fmt::format(
+        "operator.task: all robots have to be in one world, not in {} and {}", first, world));
+  }
+  return first;
 }
 
 std::set<std::string> Robots(const OperatorConfig& config) {
@@ -34,16 +41,23 @@ std::set<std::string> Robots(const OperatorConfig& config) {
 std::optional<TaskResult> ReadResult(const std::string& file) {
   const auto text = ReadFile(file);
   if (!text && text.error().code == ErrorCode::kNotFound) return std::nullopt;
-  if (!text) throw StartupError("operator.task.result: " + text.error().text);
+  if (!text) throw StartupError(kResultKey + text.error().text);
   const auto json = nlohmann::json::parse(*text, nullptr, false);
   TaskResult result;
   try {
     json.at("mapping_accuracy").get_to(result.mapping_accuracy);
     json.at("cell_accuracy").get_to(result.cell_accuracy);
   } catch (const nlohmann::json::exception&) {
-    throw StartupError("operator.task.result: " + file + " is no result of a mapping task");
+    throw StartupError(kResultKey + file + " is no result of a mapping task");
   }
   return result;
+}
+
+/// Better known now than when the participant is done.
+void EnsureWritable(const std::string& file) {
+  if (const auto writable = CheckWritable(file); !writable) {
+    throw StartupError(kResultKey + writable.error().text);
+  }
 }
 
 }  // namespace
@@ -56,7 +70,11 @@ TaskDesk::TaskDesk(bus::Participant& participant, const OperatorConfig& config, 
       clock_(clock),
       truth_(participant, bus::kTruth, world_),
       task_(Robots(config), config.task.kind == "study" ? TaskKind::kStudy : TaskKind::kMapping) {
-  if (const auto before = ReadResult(options_.result)) Adopt(*before);
+  if (const auto before = ReadResult(options_.result)) {
+    Adopt(*before);
+  } else {
+    EnsureWritable(options_.result);
+  }
 }
 
 void TaskDesk::Step() {
@@ -65,12 +83,11 @@ void TaskDesk::Step() {
 
 void TaskDesk::Hear(const ControlBook& control) {
   if (task_.phase() != TaskPhase::kWaiting) return;
-  for (const auto& [name, robot] : control.robots()) {
-    if (robot.hold.stopped) continue;
-    task_.Begin();
-    began_ = clock_.Now();
-    began_at_s_ = WallSeconds();
-  }
+  const auto goes = [](const auto& robot) { return !robot.second.hold.stopped; };
+  if (!std::ranges::any_of(control.robots(), goes)) return;
+  task_.Begin();
+  began_ = clock_.Now();
+  began_at_s_ = WallSeconds();
 }
 
 BeliefStore::Answer TaskDesk::Finish(const OperatorRequest& request) {
@@ -118,15 +135,15 @@ void TaskDesk::Adopt(const TaskResult& result) {
 }
 
 TaskStatus TaskDesk::status() const {
-  return {options_.participant,
-          options_.number,
-          options_.count,
-          options_.earlier,
-          task_.phase(),
-          task_.goals_left(),
-          task_.WhyNotFinish().empty(),
-          result_.mapping_accuracy,
-          result_.cell_accuracy};
+  return {.participant = options_.participant,
+          .number = options_.number,
+          .count = options_.count,
+          .earlier = options_.earlier,
+          .phase = task_.phase(),
+          .goals_left = task_.goals_left(),
+          .may_finish = task_.WhyNotFinish().empty(),
+          .mapping_accuracy = result_.mapping_accuracy,
+          .cell_accuracy = result_.cell_accuracy};
 }
 
 }  // namespace conav::operators

@@ -13,16 +13,17 @@
 
 namespace conav::operators {
 
-/// The operator service's part of a mapping task or a study: hears the true maze, decides when the participant
-/// may finish, and writes down how well they did.
+/// The operator service's part of a mapping task or a study: hears the true maze, decides when the
+/// participant may finish, and writes down how well they did.
 ///
 /// The result file is on disk before a Finish is acknowledged; with such a file from before, the
-/// maze is finished from the start. The time of the beginning is not kept over a restart.
+/// maze is finished from the start. The time of the beginning is not kept over a restart: the
+/// duration counts from there.
 /// Threads: one, the service's.
 class TaskDesk {
  public:
   /// `participant`, `store` and `clock` outlive it. Throws StartupError: the robots are in several
-  /// worlds; the result file is there and cannot be read.
+  /// worlds; the result file is there and cannot be read, or could not be written.
   TaskDesk(bus::Participant& participant, const OperatorConfig& config, BeliefStore& store,
            const Clock& clock);
 
@@ -32,8 +33,10 @@ class TaskDesk {
   void Hear(const ControlBook& control);
 
   std::string WhyNot(const OperatorRequest& request) const { return task_.WhyNot(request); }
-  /// Requires a FinishRequest.
+  /// Requires a FinishRequest. When only the reply cannot be stored, the maze is finished all the
+  /// same.
   BeliefStore::Answer Finish(const OperatorRequest& request);
+  bool finished() const { return task_.phase() == TaskPhase::kFinished; }
 
   TaskStatus status() const;
 
