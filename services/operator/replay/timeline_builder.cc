@@ -268,7 +268,7 @@ std::vector<RobotCondition> TimelineBuilder::RobotConditions() const {
   std::vector<RobotCondition> conditions;
   for (const auto& [name, robot] : robots_) {
     if (!robot.heard && !robot.lost) continue;
-    const bool stands = std::ranges::any_of(items_, [&](const AttentionItem& item) {
+    const bool stands = std::ranges::any_of(items_, [&name = name](const AttentionItem& item) {
       return item.robot == name && item.reason == AttentionReason::kCommandFailed;
     });
     conditions.push_back({name, robot.lost, stands});
