@@ -5,6 +5,18 @@
 #include <set>
 
 namespace conav::operators {
+namespace {
+
+console::Cells CellsOf(std::span<const Cell> cells) {
+  console::Cells message;
+  for (const Cell cell : cells) {
+    message.add_row(cell.row);
+    message.add_column(cell.column);
+  }
+  return message;
+}
+
+}  // namespace
 
 console::Session SessionOf(const std::vector<std::string>& robots, const std::string& method) {
   console::Session session;
@@ -101,8 +113,8 @@ console::Picture ToConsole(const Picture& picture, double heard_at_s) {
   message.set_width(picture.width);
   message.set_height(picture.height);
   message.set_bytes(static_cast<std::uint32_t>(picture.jpeg.size()));
-  AddCells(picture.visible.free, message.mutable_free_cells());
-  AddCells(picture.visible.walls, message.mutable_wall_cells());
+  *message.mutable_free_cells() = CellsOf(picture.visible.free);
+  *message.mutable_wall_cells() = CellsOf(picture.visible.walls);
   AddCells(picture.path, message.mutable_path());
   return message;
 }

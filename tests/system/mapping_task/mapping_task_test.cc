@@ -239,7 +239,7 @@ TEST_CASE("a participant corrects two mazes, and their segments are there to lea
       request.mutable_guide()->set_valid_for(60.0);
     });
     CHECK_THAT(guided.reason(), Catch::Contains("its own way"));
-    CHECK(person.NextPicture().free_cells_size() == 0);  // what it shows is for people to see
+    CHECK(person.NextPicture().free_cells().row_size() == 0);  // what it shows is for people to see
     person.Correct(person.mistakes());
     person.Answer();
     person.GoOnToTheEnd();

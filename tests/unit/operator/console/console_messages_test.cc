@@ -104,8 +104,8 @@ TEST_CASE("of a picture all but its answer is known", "[operator][console]") {
   CHECK(picture.bytes() == 3);
   CHECK(picture.width() == 320);
   CHECK(picture.height() == 192);
-  CHECK(picture.free_cells_size() == 2);
-  CHECK(picture.wall_cells(0).column() == 3);
+  CHECK(picture.free_cells().row_size() == 2);
+  CHECK(picture.wall_cells().column(0) == 3);
 }
 
 TEST_CASE("of a search no field is lost", "[operator][console]") {

@@ -4,6 +4,14 @@ export interface CellAt {
   readonly column: number;
 }
 
+/** Of a message that tells many: cell i is (row[i], column[i]). */
+export function cellsOf(
+  cells: { readonly row: readonly number[]; readonly column: readonly number[] } | undefined,
+): CellAt[] {
+  if (cells === undefined) return [];
+  return cells.row.map((row, i) => ({ row, column: cells.column[i] ?? 0 }));
+}
+
 /** Row-major, as all grids of the protocol are. */
 export function cellIndex(cell: CellAt, columns: number): number {
   return cell.row * columns + cell.column;

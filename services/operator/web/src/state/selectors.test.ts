@@ -141,7 +141,7 @@ describe("pictures", () => {
   });
 
   it("differ from the map in missing and wrong walls", () => {
-    const cells = { wallCells: [{ row: 0, column: 1 }], freeCells: [{ row: 1, column: 0 }] };
+    const cells = { wallCells: { row: [0], column: [1] }, freeCells: { row: [1], column: [0] } };
     const state = stateOf(
       { case: "picture", value: { robot: "r1", ...cells } },
       { case: "belief", value: { world: "w1", walls: new Uint8Array([0, 127, 128, 0]) } },

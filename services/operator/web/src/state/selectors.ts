@@ -1,5 +1,4 @@
-import type { CellAt } from "../protocol/cells";
-import { isWall } from "../protocol/cells";
+import { type CellAt, cellsOf, isWall } from "../protocol/cells";
 import {
   type Alert,
   type AttentionItem,
@@ -145,8 +144,8 @@ export interface Difference {
 /** What a picture shows that the operator's map has otherwise. */
 export function differenceOf(picture: Picture, belief: Belief, columns: number): Difference {
   return {
-    missing: picture.wallCells.filter((cell) => !isWall(belief.walls, cell, columns)),
-    wrong: picture.freeCells.filter((cell) => isWall(belief.walls, cell, columns)),
+    missing: cellsOf(picture.wallCells).filter((cell) => !isWall(belief.walls, cell, columns)),
+    wrong: cellsOf(picture.freeCells).filter((cell) => isWall(belief.walls, cell, columns)),
   };
 }
 

@@ -195,8 +195,8 @@ describe("pictures", () => {
     cell: at(1, 1),
     heading: Math.PI / 2,
     fieldOfView: 1,
-    freeCells: [at(0, 1)],
-    wallCells: [at(0, 2)],
+    freeCells: { row: [0], column: [1] },
+    wallCells: { row: [0], column: [2] },
   });
 
   it("have a cone in the direction of view: north is up on the canvas", () => {

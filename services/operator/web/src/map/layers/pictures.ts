@@ -1,3 +1,4 @@
+import { cellsOf } from "../../protocol/cells";
 import type { Picture } from "../../protocol/generated/console_pb";
 import { PictureAnswer } from "../../protocol/generated/console_pb";
 import { type Draw, isolated } from "../draw/context";
@@ -64,8 +65,10 @@ export function drawChosenPicture(
     context.clip();
     drawField(context, view, at, data);
     context.globalAlpha = 1;
-    for (const cell of picture.freeCells) drawFreeCell(context, view, cell, colour, palette);
-    for (const cell of picture.wallCells) drawWallCell(context, view, cell, colour, palette);
+    for (const cell of cellsOf(picture.freeCells))
+      drawFreeCell(context, view, cell, colour, palette);
+    for (const cell of cellsOf(picture.wallCells))
+      drawWallCell(context, view, cell, colour, palette);
   });
 }
 
@@ -76,7 +79,7 @@ function drawField(
   { picture, colour }: { picture: Picture; colour: string },
 ): void {
   const from = picture.cell;
-  const far = [...picture.freeCells, ...picture.wallCells].map((cell) =>
+  const far = [...cellsOf(picture.freeCells), ...cellsOf(picture.wallCells)].map((cell) =>
     from ? Math.hypot(cell.row - from.row, cell.column - from.column) : 0,
   );
   const least = far.length > 0 ? 2 : 5; // the participant of a mapping task is not told what it shows

@@ -4,13 +4,16 @@ import { BeliefSchema, PictureAnswer, PictureSchema } from "../../protocol/gener
 import { answerText, directionText, summaryOf } from "./summary";
 
 const belief = create(BeliefSchema, { walls: new Uint8Array([255, 0, 0, 255]) });
-const cell = (row: number, column: number) => ({ row, column });
+const cells = (...at: [number, number][]) => ({
+  row: at.map(([row]) => row),
+  column: at.map(([, column]) => column),
+});
 
 describe("a picture's summary", () => {
   it("tells what the map lacks and has too many", () => {
     const picture = create(PictureSchema, {
-      wallCells: [cell(0, 1)],
-      freeCells: [cell(0, 0), cell(1, 1)],
+      wallCells: cells([0, 1]),
+      freeCells: cells([0, 0], [1, 1]),
     });
     expect(summaryOf(picture, belief, 2)).toBe(
       "It shows 3 cells. Your map lacks 1 wall and has 2 walls too many.",
@@ -18,7 +21,7 @@ describe("a picture's summary", () => {
   });
 
   it("says when the map agrees, and nothing of the map where there is none", () => {
-    const picture = create(PictureSchema, { wallCells: [cell(0, 0)], freeCells: [cell(0, 1)] });
+    const picture = create(PictureSchema, { wallCells: cells([0, 0]), freeCells: cells([0, 1]) });
     expect(summaryOf(picture, belief, 2)).toBe("It shows 2 cells. Your map agrees with it.");
     expect(summaryOf(picture, undefined, 2)).toBe("It shows 2 cells.");
   });

@@ -4,7 +4,7 @@ import { count } from "../format";
 
 /** What the picture shows, in words. */
 export function summaryOf(picture: Picture, belief: Belief | undefined, columns: number): string {
-  const seen = picture.freeCells.length + picture.wallCells.length;
+  const seen = (picture.freeCells?.row.length ?? 0) + (picture.wallCells?.row.length ?? 0);
   const cells = `It shows ${count(seen, "cell")}`;
   if (belief === undefined || columns === 0) return `${cells}.`;
   return `${cells}. ${differenceText(differenceOf(picture, belief, columns))}`;
