@@ -113,9 +113,9 @@ std::string NhpmYaml(const Setting& setting, const std::string& name) {
 }
 
 /// Whoever trains perception models finds the run's segments in its folder.
-operators::RecordingConfig Recording(const Setting& setting) {
+operators::SegmentOptions Recording(const Setting& setting) {
   const DemoOptions& options = setting.options;
-  operators::RecordingConfig recording;
+  operators::SegmentOptions recording;
   recording.file = (setting.run.path() / "segments.pb.zst").string();
   recording.origin = "simulated";
   recording.participant = "simulated operator";

@@ -19,6 +19,7 @@ struct Planning {
   const Maze& maze;
   const MazeSetting& setting;
 
+  /// Of `service`, which may have a DDS implementation of its own (--dds).
   bus::ParticipantOptions Bus(const std::string& service) const {
     const launcher::DemoOptions demo = DemoOf(options, maze.seed);
     return launcher::BusOptions(demo, setting.domain,

@@ -25,8 +25,8 @@ MazeRun::MazeRun(const std::filesystem::path& program_folder, const Maze& maze, 
                  Say say)
     : program_folder_(program_folder), maze_(maze), clock_(clock), say_(std::move(say)) {}
 
-MazeEnd MazeRun::Run(const std::vector<PlannedService>& services,
-                     const std::function<void(const std::string&)>& opened, const StopToken& stop) {
+MazeEnd MazeRun::Run(const std::vector<PlannedService>& services, const Opened& opened,
+                     const StopToken& stop) {
   for (const PlannedService& service : services) Start(service);
   const MazeEnd end = Wait(opened, stop);
   if (end == MazeEnd::kFinished) Linger(stop);
@@ -46,21 +46,21 @@ void MazeRun::Start(const PlannedService& service) {
                    maze_.log(service.name));
 }
 
-MazeEnd MazeRun::Wait(const std::function<void(const std::string&)>& opened,
-                      const StopToken& stop) {
+MazeEnd MazeRun::Wait(const Opened& opened, const StopToken& stop) {
   bool open = false;
   while (true) {
-    if (!open) {
-      if (const auto url = ReadFile(maze_.url())) {
-        open = true;
-        opened(url->substr(0, url->find('\n')));
-      }
-    }
+    open = open || TellAddress(opened);
     if (std::filesystem::exists(maze_.result())) return MazeEnd::kFinished;
     if (TellDeaths()) return MazeEnd::kServiceDied;
     if (stop.stop_requested()) return MazeEnd::kInterrupted;
     WaitAMoment();
   }
+}
+
+bool MazeRun::TellAddress(const Opened& opened) const {
+  const auto url = ReadFile(maze_.url());
+  if (url) opened(url->substr(0, url->find('\n')));
+  return url.has_value();
 }
 
 bool MazeRun::TellDeaths() {

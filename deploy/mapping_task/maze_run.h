@@ -18,6 +18,7 @@ enum class MazeEnd { kFinished, kInterrupted, kServiceDied };
 class MazeRun {
  public:
   using Say = std::function<void(const std::string&)>;
+  using Opened = std::function<void(const std::string& url)>;
 
   /// `program_folder` holds conav-sim and the others; all references outlive it.
   MazeRun(const std::filesystem::path& program_folder, const Maze& maze, const Clock& clock,
@@ -25,12 +26,14 @@ class MazeRun {
 
   /// Starts `services`, and waits. `opened` is called with the page's address. All services are
   /// gone afterwards. Throws StartupError when one cannot be started or a file not be written.
-  MazeEnd Run(const std::vector<PlannedService>& services,
-              const std::function<void(const std::string& url)>& opened, const StopToken& stop);
+  MazeEnd Run(const std::vector<PlannedService>& services, const Opened& opened,
+              const StopToken& stop);
 
  private:
   void Start(const PlannedService& service);
-  MazeEnd Wait(const std::function<void(const std::string&)>& opened, const StopToken& stop);
+  MazeEnd Wait(const Opened& opened, const StopToken& stop);
+  /// Whether the page's address is known; `opened` was told then.
+  bool TellAddress(const Opened& opened) const;
   bool TellDeaths();
   /// Pages get the result before the service goes.
   void Linger(const StopToken& stop);

@@ -47,6 +47,10 @@ Result<void> CheckMethods(const TaskOptions& options) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("--methods: {} is not one of {}", method,
                                                          fmt::join(kStudyMethods, ", ")));
   }
+  for (const std::string& method : options.methods) {
+    if (std::ranges::count(options.methods, method) == 1) continue;
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("--methods: {} is named twice", method));
+  }
   if (!options.is_study() || static_cast<int>(options.methods.size()) == options.mazes) return {};
   return Fail(ErrorCode::kInvalidArgument, fmt::format("--methods: {} of them for {} mazes",
                                                        options.methods.size(), options.mazes));

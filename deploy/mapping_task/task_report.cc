@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "common/runtime/file.h"
 #include "common/segments/segment.h"
 
@@ -22,6 +24,17 @@ std::optional<MazeResult> Parse(const std::string& text) {
   return result;
 }
 
+nlohmann::ordered_json MazeJson(const TaskOptions& options, int number, std::uint64_t seed,
+                                const MazeResult& result) {
+  nlohmann::ordered_json json = {{"number", number},
+                                 {"method", MethodOf(options, number)},
+                                 {"seed", seed},
+                                 {"valid", IsValid(result)}};
+  json.update(result.document);
+  json.erase("participant");
+  return json;
+}
+
 }  // namespace
 
 Result<std::optional<MazeResult>> ReadMazeResult(const std::filesystem::path& file) {
@@ -38,18 +51,9 @@ nlohmann::ordered_json TaskJson(const TaskOptions& options,
   const std::vector<std::uint64_t> seeds = SeedsOf(options);
   nlohmann::ordered_json mazes = nlohmann::ordered_json::array();
   double sum = 0.0;
-  int valid = 0;
   for (std::size_t i = 0; i < results.size(); ++i) {
-    const int number = static_cast<int>(i) + 1;
-    nlohmann::ordered_json maze = {{"number", number},
-                                   {"method", MethodOf(options, number)},
-                                   {"seed", seeds.at(i)},
-                                   {"valid", IsValid(results[i])}};
-    maze.update(results[i].document);
-    maze.erase("participant");
-    mazes.push_back(std::move(maze));
+    mazes.push_back(MazeJson(options, static_cast<int>(i) + 1, seeds.at(i), results[i]));
     sum += results[i].mapping_accuracy;
-    valid += IsValid(results[i]) ? 1 : 0;
   }
   const auto count = static_cast<double>(results.size());
   return {{"participant", options.participant},
@@ -57,7 +61,7 @@ nlohmann::ordered_json TaskJson(const TaskOptions& options,
           {"complete", results.size() == seeds.size()},
           {"mazes_wanted", seeds.size()},
           {"mazes_finished", results.size()},
-          {"mazes_valid", valid},
+          {"mazes_valid", std::ranges::count_if(results, IsValid)},
           {"mean_mapping_accuracy", results.empty() ? 0.0 : sum / count},
           {"segments", "segments.pb.zst"},
           {"mazes", std::move(mazes)}};
@@ -69,7 +73,9 @@ std::string MazeLine(int number, const MazeResult& result) {
       "maze {}  mapping accuracy {:.1f} %  cells right {:.1f} %  edits {}  pictures {}  {:.0f} s{}",
       number, 100.0 * result.mapping_accuracy, 100.0 * result.document.value("cell_accuracy", 0.0),
       number_of("edits"), number_of("pictures"), result.document.value("duration_s", 0.0),
-      IsValid(result) ? "" : "  (not valid: 50 % or less)");
+      IsValid(result)
+          ? ""
+          : fmt::format("  (not valid: {:.0f} % or less)", 100.0 * kAcceptedMappingAccuracy));
 }
 
 }  // namespace conav::mapping_task

@@ -6,9 +6,9 @@
 #include "common/bus/participant.h"
 #include "common/runtime/config.h"
 #include "operator/attention/attention_options.h"
-#include "operator/control/control_desk.h"
+#include "operator/control/control_book.h"
 #include "operator/gateway/gateway_options.h"
-#include "operator/recording_config.h"
+#include "operator/segments/segment_options.h"
 #include "operator/task/task_options.h"
 
 namespace conav::operators {
@@ -32,7 +32,7 @@ struct OperatorConfig {
   /// out from their first report.
   std::string method;
   AttentionOptions attention;
-  RecordingConfig recording;
+  SegmentOptions recording;
   ControlOptions control;
   TaskOptions task;
   GatewayOptions console;

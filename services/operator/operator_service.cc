@@ -34,7 +34,7 @@ OperatorService::OperatorService(bus::Participant& participant, const OperatorCo
       clock_(clock),
       store_(StoreOptions(config)),
       control_(participant, config, store_, clock),
-      drive_desk_(WorldOfRobot("operator", config.robots), {}),
+      drive_gate_(WorldOfRobot("operator", config.robots), {}),
       requests_(participant, bus::kOperatorRequest),
       replies_(participant, bus::kOperatorReply),
       clock_topic_(participant, bus::kClock),
@@ -51,8 +51,8 @@ OperatorService::OperatorService(bus::Participant& participant, const OperatorCo
     worlds_.push_back(std::make_unique<WorldLink>(participant, world));
   }
   if (!config.recording.file.empty()) {
-    recording_.emplace(participant, config.recording, WorldOfRobot("operator", config.robots),
-                       clock);
+    segments_.emplace(participant, config.recording, WorldOfRobot("operator", config.robots),
+                      clock);
   }
   if (config.task.on()) task_.emplace(participant, config, store_, clock);
   if (config.console.on()) console_.emplace(participant, config, clock);
@@ -72,7 +72,7 @@ void OperatorService::Step() {
   TakeClock();
   for (const auto& robot : robots_) TakeStates(*robot);
   for (const auto& robot : robots_) TakeAttention(*robot);
-  if (recording_) recording_->Step();
+  if (segments_) segments_->Step();
   if (task_) task_->Step();
   AnswerBus();
   if (console_) AnswerConsole();
@@ -98,10 +98,8 @@ std::vector<RobotCondition> OperatorService::RobotConditions() const {
   std::vector<RobotCondition> conditions;
   for (const auto& robot : robots_) {
     if (!robot->stamp) continue;
-    const bool stands = std::ranges::any_of(attention_.items(), [&](const AttentionItem& item) {
-      return item.robot == robot->name && item.reason == AttentionReason::kCommandFailed;
-    });
-    conditions.push_back({robot->name, robot->state.matched_publishers() == 0, stands});
+    conditions.push_back({robot->name, robot->state.matched_publishers() == 0,
+                          Stands(attention_.items(), robot->name)});
   }
   return conditions;
 }
@@ -119,9 +117,9 @@ void OperatorService::ShowOnConsole() {
     attention_shown_ = attention_.published().revision;
     console_->Hear(attention_.published());
   }
-  if (control_.desk().version() != control_shown_) {
-    control_shown_ = control_.desk().version();
-    console_->Hear(control_.desk());
+  if (control_.book().version() != control_shown_) {
+    control_shown_ = control_.book().version();
+    console_->Hear(control_.book());
   }
   const std::vector<Alert> alerts = alerts_.TakeChanges();
   for (const Alert& alert : alerts) console_->Hear(alert);
@@ -136,12 +134,12 @@ void OperatorService::Serve(WorldLink& world, double cell_size_m) {
     world.belief_map.emplace(participant_, bus::kBeliefMap, world.name);
   }
   PublishBelief(world);
-  if (recording_) recording_->Begin(*store_.FindBelief(world.name));
+  if (segments_) segments_->Begin(*store_.FindBelief(world.name));
   for (const auto& robot : robots_) {
     if (robot->world != world.name) continue;
     const Guidance* guidance = store_.FindGuidance(robot->name);
-    if (recording_ && guidance != nullptr) {
-      recording_->Skip(robot->name, guidance->answers_snapshot);
+    if (segments_ && guidance != nullptr) {
+      segments_->Skip(robot->name, guidance->answers_snapshot);
     }
     if (guidance != nullptr) attention_.Hear(*guidance, OperatorTime());
     if (!robot->guidance) robot->guidance.emplace(participant_, bus::kGuidance, robot->name);
@@ -213,8 +211,8 @@ void OperatorService::TakeStates(RobotLink& robot) {
     }
     const bool starts = !robot.stamp || state.stamp < *robot.stamp;
     robot.stamp = state.stamp;
-    drive_desk_.Hear(state);
-    if (recording_) recording_->Hear(state);
+    drive_gate_.Hear(state);
+    if (segments_) segments_->Hear(state);
     if (task_) task_->Hear(state);
     if (console_) console_->Hear(stamped);
     attention_.Hear(state, OperatorTime());
@@ -253,7 +251,7 @@ void OperatorService::Greet(RobotLink& robot, const RobotState& state) {
   if (const auto withdrawn = store_.WithdrawGuidance(robot.name, state.stamp); !withdrawn) {
     LOG_ERROR("guidance not withdrawn", "robot", robot.name, "reason", withdrawn.error().text);
   }
-  if (recording_) recording_->Skip(robot.name, 0);
+  if (segments_) segments_->Skip(robot.name, 0);
   PublishGuidance(robot);
 }
 

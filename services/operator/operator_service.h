@@ -13,16 +13,16 @@
 #include "common/runtime/clock.h"
 #include "common/runtime/stop_token.h"
 #include "common/service/diagnostics.h"
-#include "operator/alert_desk.h"
-#include "operator/attention_desk.h"
 #include "operator/belief/belief_store.h"
 #include "operator/config.h"
-#include "operator/console_desk.h"
-#include "operator/driving/drive_desk.h"
-#include "operator/request_journal.h"
-#include "operator/robot_control.h"
-#include "operator/session_recording.h"
-#include "operator/task_desk.h"
+#include "operator/desks/alert_desk.h"
+#include "operator/desks/attention_desk.h"
+#include "operator/desks/console_desk.h"
+#include "operator/desks/control_desk.h"
+#include "operator/desks/request_journal.h"
+#include "operator/desks/segment_desk.h"
+#include "operator/desks/task_desk.h"
+#include "operator/driving/drive_gate.h"
 
 namespace conav::operators {
 
@@ -43,7 +43,7 @@ namespace conav::operators {
 /// than its stored guidance answers belongs to a new run: that guidance is withdrawn. When the disk
 /// fails, requests are refused with that reason, /diagnostics shows an error, and the service goes
 /// on. Keeps the queue of what asks for the operator (AttentionDesk). Low-level actions are passed
-/// on to the planner at once, see DriveDesk; they are not stored. With `recording.file` it also
+/// on to the planner at once, see DriveGate; they are not stored. With `recording.file` it also
 /// hears pictures and true maps, and records the session. With `task.kind` a participant goes through
 /// a maze of the mapping task here (TaskDesk). With
 /// `console.port` it serves the console's page, whose requests are answered like all others.
@@ -108,8 +108,8 @@ class OperatorService {
   bus::Participant& participant_;
   const Clock& clock_;
   BeliefStore store_;
-  RobotControl control_;
-  DriveDesk drive_desk_;
+  ControlDesk control_;
+  DriveGate drive_gate_;
   std::vector<std::unique_ptr<WorldLink>> worlds_;
   std::vector<std::unique_ptr<RobotLink>> robots_;
   bus::Subscriber<conav_msgs::msg::OperatorRequest> requests_;
@@ -122,7 +122,7 @@ class OperatorService {
   Clock::TimePoint look_around_at_{};
   Clock::TimePoint tidy_up_at_{};
   Diagnostics diagnostics_;
-  std::optional<SessionRecording> recording_;
+  std::optional<SegmentDesk> segments_;
   std::optional<TaskDesk> task_;
   std::optional<ConsoleDesk> console_;
   std::uint64_t attention_shown_ = 0;  // revision of the queue

@@ -25,7 +25,7 @@ Health OperatorService::Report() const {
                                std::to_string(guidance == nullptr ? 0 : guidance->revision));
     health.values.emplace_back(fmt::format("{} attention requests", robot->name),
                                std::to_string(robot->asked));
-    const std::string driver = drive_desk_.DriverOf(robot->name, clock_.Now());
+    const std::string driver = drive_gate_.DriverOf(robot->name, clock_.Now());
     health.values.emplace_back(fmt::format("{} steered by", robot->name),
                                driver.empty() ? "nobody" : driver);
   }
@@ -33,10 +33,10 @@ Health OperatorService::Report() const {
                              std::to_string(attention_.items().size()));
   health.values.emplace_back("requests accepted", std::to_string(journal_.accepted()));
   health.values.emplace_back("requests refused", std::to_string(journal_.refused()));
-  if (recording_) {
-    health.values.emplace_back("segments recorded", std::to_string(recording_->recorded()));
-    health.values.emplace_back("segments lost", std::to_string(recording_->lost()));
-    health.values.emplace_back("pictures lost", std::to_string(recording_->lost_pictures()));
+  if (segments_) {
+    health.values.emplace_back("segments recorded", std::to_string(segments_->recorded()));
+    health.values.emplace_back("segments lost", std::to_string(segments_->lost()));
+    health.values.emplace_back("pictures lost", std::to_string(segments_->lost_pictures()));
   }
   if (storage_failure_ && !storage_failure_->empty()) {
     health.level = Health::Level::kError;

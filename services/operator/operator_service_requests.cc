@@ -100,7 +100,7 @@ std::optional<OperatorReply> OperatorService::Answer(const OperatorRequest& requ
 OperatorReply OperatorService::Decide(const OperatorRequest& request,
                                       const OperatorRequest* replaced_by) {
   if (AlertDesk::Handles(request)) return Tell(request, alerts_.Answer(request, WallSeconds()));
-  if (RobotControl::Handles(request)) {
+  if (ControlDesk::Handles(request)) {
     return Tell(request, control_.Answer(request, OperatorTime()));
   }
   if (std::holds_alternative<FinishRequest>(request.body)) return Tell(request, Finish(request));
@@ -113,7 +113,7 @@ OperatorReply OperatorService::Decide(const OperatorRequest& request,
     return Tell(request, {Refusal(request, world->refusal)});
   const BeliefStore::Answer answer = store_.Handle(request, TimeOf(request.world));
   if (answer.changed) PublishChange(request);
-  if (answer.changed && recording_) Record(request);
+  if (answer.changed && segments_) Record(request);
   return Tell(request, answer);
 }
 
@@ -123,7 +123,7 @@ OperatorReply OperatorService::PassOn(const OperatorRequest& request,
     return Tell(request, {Refusal(request, fmt::format("replaced by request {}, which came at once",
                                                        replaced_by->request_id))});
   }
-  const DriveDesk::Answer answer = drive_desk_.Handle(request, TimeOf(request.world), clock_.Now());
+  const DriveGate::Answer answer = drive_gate_.Handle(request, TimeOf(request.world), clock_.Now());
   for (const auto& robot : robots_) {
     if (answer.order && robot->name == answer.order->robot) {
       bus::Send(robot->drive, ToMessage(*answer.order));
@@ -151,9 +151,9 @@ void OperatorService::PublishChange(const OperatorRequest& request) {
 
 void OperatorService::Record(const OperatorRequest& request) {
   if (std::holds_alternative<EditRequest>(request.body)) {
-    recording_->Edited(*store_.FindBelief(request.world));
+    segments_->Edited(*store_.FindBelief(request.world));
   } else {
-    recording_->Guided(*store_.FindGuidance(GuidedRobot(request)));
+    segments_->Guided(*store_.FindGuidance(GuidedRobot(request)));
   }
 }
 

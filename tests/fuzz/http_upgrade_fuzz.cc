@@ -6,7 +6,7 @@
 
 #include "common/runtime/demand.h"
 #include "operator/gateway/access.h"
-#include "operator/gateway/connections.h"
+#include "operator/gateway/http_connection.h"
 #include "support/temporary_folder.h"
 
 /// Whatever comes in over a connection: requests, upgrades, and the frames of a page, as the gateway

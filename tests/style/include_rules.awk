@@ -11,7 +11,7 @@ function any_below(list,   i, n, folders) {
 
 BEGIN {
   pure = "services/common/grid/ services/common/mapping/ services/common/runtime/ services/common/segments/ services/common/svg/ services/nhpm/dataset/ services/nhpm/engine/ services/nhpm/evaluation/ services/nhpm/synthesis/ services/nhpm/training/ services/sim/world/ services/sim/physics/ services/sim/episode/ " \
-         "services/planner/search/ services/planner/decision/ services/planner/lease/ services/planner/record/ services/planner/explain/ services/nhpm/model/ services/operator/alerts/ services/operator/attention/ services/operator/bag/ services/operator/belief/ services/operator/console/ services/operator/control/ services/operator/driving/ services/operator/recording/ services/operator/replay/ services/operator/simulated/ services/operator/statistics/ services/operator/task/"
+         "services/planner/search/ services/planner/decision/ services/planner/lease/ services/planner/record/ services/planner/explain/ services/nhpm/model/ services/operator/alerts/ services/operator/attention/ services/operator/bag/ services/operator/belief/ services/operator/console/ services/operator/control/ services/operator/driving/ services/operator/segments/ services/operator/timeline/ services/operator/simulated/ services/operator/statistics/ services/operator/task/"
   vendor_places = "services/common/bus/ tests/system/bus/ tests/bench/ tests/unit/common/bus/"
   idl_places = "services/common/bus/ services/common/protocol/convert services/common/service/ tests/"
 }
@@ -24,7 +24,7 @@ BEGIN {
   # services/<x>/<file> wires; services/<x>/<folder>/... is a library or a part of its own.
   split(file, part, "/")
   in_service = part[1] == "services" && part[2] != "common"
-  wires = in_service && (part[4] == "" || part[3] == "simulated_operator" || part[3] == "recorder" || part[3] == "client" || part[3] == "gateway" || part[3] == "perception")
+  wires = in_service && (part[4] == "" || part[3] == "simulated_operator" || part[3] == "recorder" || part[3] == "client" || part[3] == "desks" || part[3] == "gateway" || part[3] == "perception")
   other = inc
   sub(/\/.*/, "", other)
   # Offline: synthetic annotators look at the simulator's mazes, experiments play in them.

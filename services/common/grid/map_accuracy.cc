@@ -64,4 +64,12 @@ BeliefGrid ToBelief(const OccupancyGrid& map) {
   return belief;
 }
 
+OccupancyGrid ToOccupancy(const BeliefGrid& belief) {
+  OccupancyGrid map(belief.rows(), belief.columns());
+  std::ranges::transform(belief.values(), map.values().begin(), [](float wall) {
+    return wall >= kWallThreshold ? Occupancy::kOccupied : Occupancy::kFree;
+  });
+  return map;
+}
+
 }  // namespace conav

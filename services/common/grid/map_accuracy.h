@@ -27,5 +27,7 @@ MapAccuracy CompareMaps(const OccupancyGrid& truth, const OccupancyGrid& initial
 
 /// The grid as a belief: wall 1, free 0, unknown 0.5.
 BeliefGrid ToBelief(const OccupancyGrid& map);
+/// What the operator takes for walls; all else is free.
+OccupancyGrid ToOccupancy(const BeliefGrid& belief);
 
 }  // namespace conav

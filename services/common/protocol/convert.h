@@ -45,6 +45,8 @@ Result<Position> ToDomain(const geometry_msgs::msg::PoseStamped& message);
 /// Cell centres, each pose turned towards the next one (the last as the one before it).
 nav_msgs::msg::Path ToPathMessage(SimTime stamp, std::span<const Cell> path,
                                   const GridGeometry& geometry);
+/// Where its poses are. Nothing is checked: positions may lie off the map or be no numbers.
+std::vector<Position> ToPositions(const nav_msgs::msg::Path& message);
 
 /// Width and height in [1, 16384] pixels, focal lengths k[0] and k[4] above 0, fields
 /// of view up to 2.6 rad; distortion and the

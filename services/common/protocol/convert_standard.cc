@@ -216,6 +216,15 @@ nav_msgs::msg::Path ToPathMessage(SimTime stamp, std::span<const Cell> path,
   return message;
 }
 
+std::vector<Position> ToPositions(const nav_msgs::msg::Path& message) {
+  std::vector<Position> positions;
+  for (const auto& pose : message.poses()) {
+    const auto& position = pose.pose().position();
+    positions.push_back({position.x(), position.y()});
+  }
+  return positions;
+}
+
 geometry_msgs::msg::Quaternion ToQuaternion(double yaw_rad) {
   geometry_msgs::msg::Quaternion message;
   message.z(std::sin(yaw_rad / 2.0));

@@ -15,5 +15,7 @@ std::string Readable(std::string_view text);
 /// Whether `text` is UTF-8 that may stand in a line and in a file's name: without slashes and control
 /// characters.
 bool IsPlainName(std::string_view text);
+/// What is said of a text that is none.
+inline constexpr const char* kNoPlainName = "is not UTF-8 without / and control characters";
 
 }  // namespace conav

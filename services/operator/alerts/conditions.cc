@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace conav::operators {
@@ -43,6 +44,12 @@ void Add(Findings& findings, bool wrong, Condition condition) {
 }
 
 }  // namespace
+
+bool Stands(const std::vector<AttentionItem>& items, const std::string& robot) {
+  return std::ranges::any_of(items, [&](const AttentionItem& item) {
+    return item.robot == robot && item.reason == AttentionReason::kCommandFailed;
+  });
+}
 
 Findings FindingsOf(const std::vector<RobotCondition>& robots,
                     const std::vector<ProcessCondition>& processes,

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <chrono>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "common/protocol/supervision.h"
 #include "operator/alerts/alert.h"
 
 namespace conav::operators {
@@ -14,6 +16,12 @@ struct RobotCondition {
   bool lost = false;    // nobody publishes it any more
   bool stands = false;  // its command was refused or expired
 };
+
+/// A process that says nothing on /diagnostics for longer is silent.
+inline constexpr std::chrono::seconds kSilentAfter{5};
+
+/// Whether it stands, by what asks for the operator.
+bool Stands(const std::vector<AttentionItem>& items, const std::string& robot);
 
 /// How a process is, as far as it is worth an alert.
 struct ProcessCondition {

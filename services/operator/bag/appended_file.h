@@ -5,6 +5,7 @@
 
 #include "common/runtime/result.h"
 #include "operator/bag/bytes.h"
+#include "operator/bag/file_descriptor.h"
 
 namespace conav::bag {
 
@@ -16,20 +17,16 @@ class AppendedFile {
   /// Errors: kIo with path and cause; a file that exists is not touched.
   [[nodiscard]] static Result<AppendedFile> Create(const std::filesystem::path& path);
 
-  AppendedFile(AppendedFile&& other) noexcept;
-  AppendedFile& operator=(AppendedFile&&) = delete;
-  ~AppendedFile();
-
   /// One write() where the system takes all of it at once. Errors: kIo with path and cause.
   [[nodiscard]] Result<void> Append(ByteSpan block);
 
   std::uint64_t size() const { return size_; }
 
  private:
-  AppendedFile(std::filesystem::path path, int descriptor);
+  AppendedFile(std::filesystem::path path, FileDescriptor descriptor);
 
   std::filesystem::path path_;
-  int descriptor_;
+  FileDescriptor descriptor_;
   std::uint64_t size_ = 0;
 };
 

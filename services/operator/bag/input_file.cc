@@ -6,41 +6,23 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 #include <utility>
 
 namespace conav::bag {
-namespace {
-
-tl::unexpected<Error> IoError(const std::filesystem::path& path, int cause) {
-  return Fail(cause == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo,
-              fmt::format("{}: {}", path.string(), std::strerror(cause)));
-}
-
-}  // namespace
 
 Result<InputFile> InputFile::Open(const std::filesystem::path& path) {
-  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) return IoError(path, errno);
+  FileDescriptor descriptor(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (descriptor.number() < 0) {
+    return IoError(path, errno, errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo);
+  }
   struct stat status {};
-  const int code = fstat(descriptor, &status);
-  InputFile file(path, descriptor, static_cast<std::uint64_t>(status.st_size));
-  if (code != 0) return IoError(path, errno);
+  if (fstat(descriptor.number(), &status) != 0) return IoError(path, errno);
   if (!S_ISREG(status.st_mode)) return Fail(ErrorCode::kIo, path.string() + ": is no file");
-  return file;
+  return InputFile(path, std::move(descriptor), static_cast<std::uint64_t>(status.st_size));
 }
 
-InputFile::InputFile(std::filesystem::path path, int descriptor, std::uint64_t size)
-    : path_(std::move(path)), descriptor_(descriptor), size_(size) {}
-
-InputFile::InputFile(InputFile&& other) noexcept
-    : path_(std::move(other.path_)),
-      descriptor_(std::exchange(other.descriptor_, -1)),
-      size_(other.size_) {}
-
-InputFile::~InputFile() {
-  if (descriptor_ >= 0) close(descriptor_);
-}
+InputFile::InputFile(std::filesystem::path path, FileDescriptor descriptor, std::uint64_t size)
+    : path_(std::move(path)), descriptor_(std::move(descriptor)), size_(size) {}
 
 Result<Bytes> InputFile::Read(std::uint64_t offset, std::uint64_t size) const {
   if (offset > size_ || size > size_ - offset) {
@@ -51,7 +33,7 @@ Result<Bytes> InputFile::Read(std::uint64_t offset, std::uint64_t size) const {
   Bytes bytes(size);
   std::size_t done = 0;
   while (done < bytes.size()) {
-    const ssize_t count = pread(descriptor_, bytes.data() + done, bytes.size() - done,
+    const ssize_t count = pread(descriptor_.number(), bytes.data() + done, bytes.size() - done,
                                 static_cast<off_t>(offset + done));
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) return IoError(path_, errno);

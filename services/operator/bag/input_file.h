@@ -5,6 +5,7 @@
 
 #include "common/runtime/result.h"
 #include "operator/bag/bytes.h"
+#include "operator/bag/file_descriptor.h"
 
 namespace conav::bag {
 
@@ -13,10 +14,6 @@ class InputFile {
  public:
   /// Errors: kNotFound, kIo, each with the path; a folder is kIo.
   [[nodiscard]] static Result<InputFile> Open(const std::filesystem::path& path);
-
-  InputFile(InputFile&& other) noexcept;
-  InputFile& operator=(InputFile&&) = delete;
-  ~InputFile();
 
   /// Errors: kIo with the path (also when the file has become shorter), kMalformed when the piece
   /// is not in the file.
@@ -27,10 +24,10 @@ class InputFile {
   const std::filesystem::path& path() const { return path_; }
 
  private:
-  InputFile(std::filesystem::path path, int descriptor, std::uint64_t size);
+  InputFile(std::filesystem::path path, FileDescriptor descriptor, std::uint64_t size);
 
   std::filesystem::path path_;
-  int descriptor_;
+  FileDescriptor descriptor_;
   std::uint64_t size_;
 };
 

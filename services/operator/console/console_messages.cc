@@ -1,10 +1,8 @@
 #include "operator/console/console_messages.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace conav::operators {
 namespace {
@@ -19,6 +17,20 @@ console::Cells CellsOf(std::span<const Cell> cells) {
 }
 
 }  // namespace
+
+console::Session SessionOf(const std::vector<std::string>& robots, const std::string& method) {
+  console::Session session;
+  std::set<std::string> worlds;
+  for (const std::string& entry : robots) {
+    const auto slash = entry.find('/');
+    worlds.insert(entry.substr(0, slash));
+    session.add_robots(entry.substr(slash + 1));
+  }
+  for (const std::string& world : worlds) session.add_worlds(world);
+  session.set_method(method);
+  session.set_drives(method == "teleop");
+  return session;
+}
 
 console::Cell ToConsole(Cell cell) {
   console::Cell message;
@@ -131,87 +143,6 @@ console::Search ToConsole(const SearchReport& report) {
   message.set_perception_model(report.perception_model);
   message.set_duration_ms(report.duration_ms);
   return message;
-}
-
-namespace {
-
-std::string Names(const std::vector<std::string>& robots) {
-  return robots.empty() ? "all robots" : fmt::format("{}", fmt::join(robots, ", "));
-}
-
-std::string WithReason(std::string text, const std::string& reason) {
-  return reason.empty() ? text : fmt::format("{}: {}", text, reason);
-}
-
-/// Fills kind, robot and text of an event.
-struct Describe {
-  console::Event& event;
-
-  void Say(console::EventKind kind, const std::string& robot, std::string text) const {
-    event.set_kind(kind);
-    event.set_robot(robot);
-    event.set_text(std::move(text));
-  }
-  void operator()(const EditRequest& edit) const {
-    Say(console::EVENT_EDIT, "",
-        fmt::format("edited {} {} of the map", edit.edits.size(),
-                    edit.edits.size() == 1 ? "cell" : "cells"));
-  }
-  void operator()(const GuideRequest& guide) const {
-    Say(console::EVENT_GUIDE, guide.robot,
-        guide.path.empty() ? "took the path back"
-                           : fmt::format("drew a path of {} cells", guide.path.size()));
-  }
-  void operator()(const AnswerRequest& answer) const {
-    Say(console::EVENT_ANSWER, answer.robot,
-        fmt::format("picture {}: nothing new", answer.snapshot));
-  }
-  void operator()(const StopRequest& stop) const {
-    Say(console::EVENT_STOP, stop.robots.size() == 1 ? stop.robots.front() : "",
-        WithReason("stopped " + Names(stop.robots), stop.reason));
-  }
-  void operator()(const GoRequest& go) const {
-    Say(console::EVENT_GO, go.robots.size() == 1 ? go.robots.front() : "",
-        "let " + Names(go.robots) + " go");
-  }
-  void operator()(const TakeControlRequest& take) const {
-    Say(console::EVENT_TAKE_CONTROL, take.robots.size() == 1 ? take.robots.front() : "",
-        WithReason("took control of " + Names(take.robots), take.reason));
-  }
-  void operator()(const ReleaseControlRequest& release) const {
-    Say(console::EVENT_RELEASE_CONTROL, release.robots.size() == 1 ? release.robots.front() : "",
-        "released " + Names(release.robots));
-  }
-  void operator()(const AcknowledgeRequest&) const {
-    Say(console::EVENT_NONE, "", "acknowledged an alert");
-  }
-  void operator()(const ShelveRequest&) const {
-    Say(console::EVENT_NONE, "", "put an alert aside");
-  }
-  void operator()(const FinishRequest&) const {
-    Say(console::EVENT_FINISH, "", "finished the maze");
-  }
-  void operator()(const DriveRequest& drive) const {
-    Say(console::EVENT_NONE, drive.robot, "drove");
-  }
-  void operator()(const SelectRequest& select) const {
-    Say(console::EVENT_NONE, select.robot, "turned to the robot");
-  }
-};
-
-}  // namespace
-
-console::Event EventOf(const OperatorRequest& request, const OperatorReply& reply) {
-  console::Event event;
-  std::visit(Describe{event}, request.body);
-  event.set_client(request.client);
-  event.set_world(request.world);
-  event.set_revision(reply.revision);
-  if (!reply.accepted) {
-    event.set_text(fmt::format("refused ({}): {}", event.text(), reply.reason));
-    event.set_kind(console::EVENT_REFUSED);
-  }
-  return event;
 }
 
 console::Task ToConsole(const TaskStatus& task) {

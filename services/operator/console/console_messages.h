@@ -2,6 +2,7 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "common/protocol/planning.h"
 #include "common/protocol/robot.h"
@@ -12,6 +13,10 @@
 
 /// Domain values as idl/console.proto has them. `heard_at_s`: wall time of the service, s since 1970.
 namespace conav::operators {
+
+/// What a page is shown of: `robots` are entries "world/robot" as WorldOfRobot takes them, and keep
+/// their order; worlds are in that of their names.
+console::Session SessionOf(const std::vector<std::string>& robots, const std::string& method);
 
 console::Cell ToConsole(Cell cell);
 void AddCells(std::span<const Cell> cells, google::protobuf::RepeatedPtrField<console::Cell>* to);
@@ -25,8 +30,6 @@ console::Guidance ToConsole(const Guidance& guidance);
 /// Without an answer.
 console::Picture ToConsole(const Picture& picture, double heard_at_s);
 console::Search ToConsole(const SearchReport& report);
-/// A line of the command log, without its id and times.
-console::Event EventOf(const OperatorRequest& request, const OperatorReply& reply);
 console::Alert ToConsole(const Alert& alert);
 console::Task ToConsole(const TaskStatus& task);
 console::Attention ToConsole(const AttentionQueueState& queue);

@@ -62,6 +62,7 @@ class UpdateLog {
   std::uint64_t generation() const;
   /// Of the newest update ever put; goes on rising over them.
   std::uint64_t sequence() const;
+  /// Of all updates, as pages get them.
   std::size_t bytes() const;
 
  private:

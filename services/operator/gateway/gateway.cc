@@ -14,8 +14,8 @@
 #include "common/runtime/log.h"
 #include "common/runtime/log_limit.h"
 #include "operator/gateway/access.h"
-#include "operator/gateway/connections.h"
 #include "operator/gateway/gateway_metrics.h"
+#include "operator/gateway/http_connection.h"
 
 namespace conav::operators {
 namespace {
@@ -48,6 +48,13 @@ WebFiles LoadPage(const GatewayOptions& options) {
   return WebFiles(options.web.empty() ? DefaultWebFolder() : std::filesystem::path(options.web));
 }
 
+/// Pages that saw another run than this one get everything anew.
+console::Welcome WithRun(console::Welcome welcome) {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  if (welcome.run().empty()) welcome.set_run(fmt::format("{:x}", now.count()));
+  return welcome;
+}
+
 std::optional<asio::ssl::context> MakeTls(const ConsoleTls& tls) {
   if (!tls.on()) return std::nullopt;
   asio::ssl::context context(asio::ssl::context::tls_server);
@@ -71,7 +78,7 @@ class Gateway::Server final : public ConnectionHost {
          std::function<void()> wake)
       : options_(Checked(options)),
         shared_(shared),
-        welcome_(std::move(welcome)),
+        welcome_(WithRun(std::move(welcome))),
         wake_(std::move(wake)),
         tls_(MakeTls(options_.tls)),
         routes_(options_, LoadPage(options_),
@@ -120,8 +127,6 @@ class Gateway::Server final : public ConnectionHost {
     readiness_ = std::move(readiness);
     readiness_set_at_ = Clock::TimePoint::clock::now();
   }
-
-  int pages() const { return page_count_; }
 
   HttpResponse Answer(const HttpRequest& request) override {
     HttpResponse response = routes_.Answer(request);
@@ -263,10 +268,7 @@ class Gateway::Server final : public ConnectionHost {
     page->Pump();
   }
 
-  void CountPages() {
-    page_count_ = static_cast<int>(pages_.size());
-    metrics_.SetPages(page_count_);
-  }
+  void CountPages() { metrics_.SetPages(static_cast<int>(pages_.size())); }
 
   void Note(const std::string& why) {
     metrics_.CountRefusedPage();
@@ -294,7 +296,10 @@ class Gateway::Server final : public ConnectionHost {
     readiness.age = Clock::TimePoint::clock::now() - readiness_set_at_;
     return readiness;
   }
-  std::string Metrics() const { return metrics_.Text(); }
+  std::string Metrics() {
+    metrics_.SetShownBytes(shared_.updates.bytes());
+    return metrics_.Text();
+  }
 
   const GatewayOptions options_;
   Shared shared_;
@@ -304,7 +309,6 @@ class Gateway::Server final : public ConnectionHost {
   GatewayMetrics metrics_;
   HttpRoutes routes_;
   int connections_ = 0;  // outlive io_, whose handlers hold the connections and pages
-  std::atomic<int> page_count_{0};
   std::atomic<bool> notified_{false};
   LogLimit refusals_logged_;
   mutable std::mutex mutex_;  // guards the four below
@@ -342,6 +346,5 @@ void Gateway::Notify() { server_->Notify(); }
 std::vector<PageEvent> Gateway::Take() { return server_->Take(); }
 void Gateway::Send(std::uint64_t page, const console::Reply& reply) { server_->Send(page, reply); }
 void Gateway::SetReadiness(Readiness readiness) { server_->SetReadiness(std::move(readiness)); }
-int Gateway::pages() const { return server_->pages(); }
 
 }  // namespace conav::operators

@@ -29,7 +29,7 @@ class Gateway {
     PictureShelf& pictures;
   };
 
-  /// Listens from now on. `shared` outlives it. `wake` is called on the gateway's thread, must be
+  /// Listens from now on. `shared` outlives it. A `welcome` without a run gets one of its own. `wake` is called on the gateway's thread, must be
   /// short, and may be empty.
   /// Throws StartupError: options that would let strangers in, a port that is taken, no page, no or
   /// a wrong certificate.
@@ -49,7 +49,6 @@ class Gateway {
   /// To a request of `page`; nothing happens when it has left.
   void Send(std::uint64_t page, const console::Reply& reply);
   void SetReadiness(Readiness readiness);
-  int pages() const;
 
  private:
   class Server;

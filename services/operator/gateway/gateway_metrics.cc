@@ -21,6 +21,8 @@ prometheus::Family<prometheus::Counter>& AddCounters(prometheus::Registry& regis
 GatewayMetrics::GatewayMetrics()
     : pages_(AddGauge(registry_, "conav_console_pages", "Pages of the console that are connected")),
       connections_(AddGauge(registry_, "conav_console_connections", "Open TCP connections")),
+      shown_bytes_(AddGauge(registry_, "conav_console_shown_bytes",
+                            "What a new page is sent, without pictures and live views")),
       messages_in_(AddCounters(registry_, "conav_console_received_messages_total",
                                "WebSocket messages from pages")
                        .Add({})),
@@ -41,6 +43,10 @@ GatewayMetrics::GatewayMetrics()
 
 void GatewayMetrics::SetPages(int pages) { pages_.Set(pages); }
 void GatewayMetrics::SetConnections(int connections) { connections_.Set(connections); }
+
+void GatewayMetrics::SetShownBytes(std::size_t bytes) {
+  shown_bytes_.Set(static_cast<double>(bytes));
+}
 
 void GatewayMetrics::CountRequest(unsigned status) {
   requests_.Add({{"status", std::to_string(status)}}).Increment();

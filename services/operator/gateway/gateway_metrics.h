@@ -20,6 +20,8 @@ class GatewayMetrics {
 
   void SetPages(int pages);
   void SetConnections(int connections);
+  /// Of everything that a new page is sent.
+  void SetShownBytes(std::size_t bytes);
   void CountRequest(unsigned status);
   void CountMessage(bool sent, std::size_t bytes);
   void CountSkippedFrames(std::size_t frames);
@@ -30,6 +32,7 @@ class GatewayMetrics {
   prometheus::Registry registry_;
   prometheus::Gauge& pages_;
   prometheus::Gauge& connections_;
+  prometheus::Gauge& shown_bytes_;
   prometheus::Counter& messages_in_;
   prometheus::Counter& messages_out_;
   prometheus::Counter& bytes_in_;

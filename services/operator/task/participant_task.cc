@@ -2,25 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 namespace conav::operators {
 namespace {
-
-OccupancyGrid AsMap(const BeliefGrid& belief) {
-  OccupancyGrid map(belief.rows(), belief.columns());
-  std::ranges::transform(belief.values(), map.values().begin(), [](float wall) {
-    return wall >= kWallThreshold ? Occupancy::kOccupied : Occupancy::kFree;
-  });
-  return map;
-}
 
 template <class A, class B>
 bool SameShape(const Grid<A>& a, const Grid<B>& b) {
   return a.rows() == b.rows() && a.columns() == b.columns();
 }
 
-bool ChangesTheMaze(const OperatorRequest& request) {
+bool WorksOnTheMap(const OperatorRequest& request) {
   return std::holds_alternative<EditRequest>(request.body) ||
          std::holds_alternative<AnswerRequest>(request.body);
 }
@@ -54,11 +44,12 @@ std::string ParticipantTask::WhyNot(const OperatorRequest& request) const {
     return "in the mapping task the robot finds its own way: answer its picture instead";
   }
   const bool is_over = phase_ == TaskPhase::kFinished;
-  return is_over && (commands || ChangesTheMaze(request)) ? "this maze is finished" : "";
+  return is_over && (commands || WorksOnTheMap(request)) ? "this maze is finished" : "";
 }
 
 std::string ParticipantTask::WhyNotFinish() const {
   if (phase_ == TaskPhase::kFinished) return "this maze is finished";
+  if (phase_ == TaskPhase::kWaiting) return "this maze has not begun yet: let the robot go first";
   if (heard_.size() < robots_.size()) return "the robot was not heard of yet";
   if (const std::uint32_t left = goals_left(); left > 0) {
     return fmt::format("the robot has {} more {} to reach", left, left == 1 ? "goal" : "goals");
@@ -71,7 +62,7 @@ Result<TaskResult> ParticipantTask::Measure(const Belief& belief, const BeliefGr
   if (!SameShape(*truth_, belief.wall_probability) || !SameShape(*truth_, initial)) {
     return Fail(ErrorCode::kRefused, "the true maze has another size than the map");
   }
-  const OccupancyGrid before = AsMap(initial);
+  const OccupancyGrid before = ToOccupancy(initial);
   const MapAccuracy now = CompareMaps(*truth_, before, belief.wall_probability);
   TaskResult result;
   result.mapping_accuracy = now.mapping;

@@ -20,7 +20,7 @@ enum class TaskKind {
 };
 
 enum class TaskPhase {
-  kWaiting,  // the robots stand until somebody lets them go
+  kWaiting,  // the robots stand until the participant lets them go
   kRunning,
   kFinished,  // the map stays as it is
 };
@@ -28,9 +28,9 @@ enum class TaskPhase {
 /// What a page is told.
 struct TaskStatus {
   std::string participant;
-  int number = 1;
-  int count = 1;
-  std::vector<double> earlier;
+  int number = 1;               // of the maze
+  int count = 1;                // of mazes
+  std::vector<double> earlier;  // mapping accuracies of the mazes before
   TaskPhase phase = TaskPhase::kWaiting;
   std::uint32_t goals_left = 0;
   bool may_finish = false;
@@ -54,8 +54,8 @@ struct TaskResult {
 };
 
 /// One maze of the mapping task (paper, Appendix A), or of a study, as the participant goes through
-/// it: begins when the robots are let go, may be finished from the moment on that they have reached all goals, and
-/// then the map stays as it is. Pure; threads: not synchronised.
+/// it: begins when a robot is let go, may be finished as soon as the robots have reached all goals,
+/// and then the map stays as it is. Pure; threads: not synchronised.
 class ParticipantTask {
  public:
   /// `robots`: those of the maze.
@@ -65,7 +65,7 @@ class ParticipantTask {
   void Hear(const RobotState& state);
   /// The true maze.
   void Hear(const OccupancyGrid& truth) { truth_ = truth; }
-  /// Robots were let go; of no effect later than at the beginning.
+  /// A robot was let go; of no effect later than at the beginning.
   void Begin();
 
   TaskPhase phase() const { return phase_; }

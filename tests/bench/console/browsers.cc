@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <signal.h>
-#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -26,6 +25,7 @@ Browsers::Browsers(const std::filesystem::path& folder) {
   const Pipe output;
   const std::string profiles = folder.string();
   pid_ = fork();
+  if (pid_ < 0) throw std::runtime_error("no process for the browsers");
   if (pid_ == 0) {
     dup2(input.ends[0], STDIN_FILENO);
     dup2(output.ends[1], STDOUT_FILENO);

@@ -49,12 +49,16 @@ std::string ConsoleService::WaitForUrl(const fs::path& file) {
     if (text && text->ends_with('\n')) return text->substr(0, text->size() - 1);
     std::this_thread::sleep_for(20ms);
   }
-  std::string said;
-  for (const std::string& line : launcher::LastLines(process_.log(), 5)) said += "\n" + line;
-  throw StartupError("conav-operator does not serve its page:" + said);
+  throw StartupError(WithLog("conav-operator does not serve its page:"));
 }
 
-Usage ConsoleService::Used() const {
+std::string ConsoleService::WithLog(std::string what) const {
+  for (const std::string& line : launcher::LastLines(process_.log(), 5)) what += "\n" + line;
+  return what;
+}
+
+Usage ConsoleService::Used() {
+  if (process_.Poll()) throw StartupError(WithLog("conav-operator has died:"));
   Usage usage;
   std::string text;
   std::getline(std::ifstream(fmt::format("/proc/{}/stat", process_.pid())), text);
@@ -74,10 +78,7 @@ Usage ConsoleService::Used() const {
 }
 
 double ConsoleService::Metric(const std::string& name) const {
-  std::istringstream lines(operators::Get(port_, "/metrics").body);
-  for (std::string line; std::getline(lines, line);) {
-    if (line.starts_with(name + " ")) return std::stod(line.substr(name.size()));
-  }
+  if (const auto value = operators::MetricOf(port_, name)) return *value;
   throw StartupError("the service has no figure " + name);
 }
 

@@ -22,12 +22,15 @@ class ConsoleService {
 
   const std::string& url() const { return url_; }
   int port() const { return port_; }
-  Usage Used() const;
+  /// Throws StartupError with the end of its log when it has died.
+  Usage Used();
   /// One of its own figures, of /metrics.
   double Metric(const std::string& name) const;
 
  private:
   std::string WaitForUrl(const std::filesystem::path& file);
+  /// `what`, and the end of its log.
+  std::string WithLog(std::string what) const;
 
   launcher::Process process_;
   std::string url_;

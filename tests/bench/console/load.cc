@@ -1,5 +1,6 @@
 #include "bench/console/load.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <numeric>
@@ -19,6 +20,10 @@ constexpr int kPictures = 8;
 using operators::WallSeconds;
 
 }  // namespace
+
+int StatesPerPicture(const LoadOptions& options) {
+  return std::max(1, static_cast<int>(std::lround(options.state_hz / options.picture_hz)));
+}
 
 struct Load::WorldLink {
   explicit WorldLink(bus::Participant& participant)
@@ -95,8 +100,7 @@ bool Load::WaitUntil(double wall_s) {
 }
 
 void Load::Publish(RobotLink& link, std::uint64_t round, double due_s) {
-  const auto states_per_picture =
-      static_cast<std::uint64_t>(std::lround(options_.state_hz / options_.picture_hz));
+  const auto states_per_picture = static_cast<std::uint64_t>(StatesPerPicture(options_));
   const auto number = static_cast<std::uint64_t>(link.number);
   const bool pictures = (round + number) % states_per_picture == 0;
   const double now_s = WallSeconds();

@@ -19,6 +19,10 @@ struct LoadOptions {
   double picture_hz = 2.0;
 };
 
+/// A picture comes with each so many-th state of a robot: as near to `picture_hz` as that goes, with
+/// every state at most.
+int StatesPerPicture(const LoadOptions& options);
+
 /// Publishes what simulators of these robots would, until it is destroyed: state, map whenever a
 /// cell is entered, and at `picture_hz` each a snapshot and a frame of the live view, with the same
 /// JPEG. The robots do so one after the other, evenly over the period, as robots do that have

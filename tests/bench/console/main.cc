@@ -37,6 +37,15 @@ bench::Stall MeasureStall(bench::Stage& stage, int pages, double seconds) {
   return stall;
 }
 
+bench::Series MeasureSeries(bench::Stage& stage, const Options& options, int pages) {
+  bench::Series series{pages, {}};
+  for (int round = 0; round < options.rounds; ++round) {
+    bench::ShowRound(round, options.rounds);
+    series.rounds.push_back(bench::MeasureRound(stage, options.seconds, pages + 1));
+  }
+  return series;
+}
+
 bench::Report Measure(Options options) {
   const conav::test::TemporaryFolder folder;
   const auto domain = conav::test::LeaseDomain();
@@ -51,12 +60,7 @@ bench::Report Measure(Options options) {
   bench::Report report{options.load, load.picture_bytes(), options.seconds, {}, {}};
   for (const int pages : options.pages) {
     browsers.Open(service.url(), pages, options.load.drive);
-    bench::Series series{pages, {}};
-    for (int round = 0; round < options.rounds; ++round) {
-      bench::ShowRound(round, options.rounds);
-      series.rounds.push_back(bench::MeasureRound(stage, options.seconds, pages + 1));
-    }
-    report.series.push_back(std::move(series));
+    report.series.push_back(MeasureSeries(stage, options, pages));
   }
   const int most = options.pages.back();
   if (options.stall_s > 0.0 && most > 1) report.stall = MeasureStall(stage, most, options.stall_s);
@@ -64,16 +68,7 @@ bench::Report Measure(Options options) {
   return report;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  CLI::App app(
-      "How old the robots are that the console shows: the operator service with its page in real "
-      "headless browsers, fed over DDS as simulators do it, and beside them a bare WebSocket "
-      "client; "
-      "what that costs the service; and what a browser that stands still costs it and the others.",
-      "conav bench console");
-  Options options;
+void AddOptions(CLI::App& app, Options& options) {
   bench::Drive& drive = options.load.drive;
   bench::AddUsualOptions(app, options.json_file, options.rounds);
   app.add_option("--seconds", options.seconds, "Length of a round")
@@ -92,13 +87,28 @@ int main(int argc, char** argv) {
   app.add_option("--state-hz", options.load.state_hz, "States of each robot")
       ->capture_default_str()
       ->check(CLI::Range(1.0, 1000.0));
-  app.add_option("--picture-hz", options.load.picture_hz, "Pictures of each robot")
+  app.add_option("--picture-hz", options.load.picture_hz,
+                 "Pictures of each robot; each comes with a state")
       ->capture_default_str()
       ->check(CLI::Range(0.1, 100.0));
+  // Under 20 s: then the service gives such a page up.
   app.add_option("--stall", options.stall_s,
                  "s for which the last of several browsers is stopped; 0 = not at all")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 18.0));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "How old the robots are that the console shows: the operator service with its page in real "
+      "headless browsers, fed over DDS as simulators do it, and beside them a bare WebSocket "
+      "client; what that costs the service; and what a browser that stands still costs it and the "
+      "others.",
+      "conav bench console");
+  Options options;
+  AddOptions(app, options);
   return bench::RunBenchmark(app, argc, argv, [&] {
     const bench::Report report = Measure(options);
     bench::PrintTable(report);

@@ -33,6 +33,8 @@ Quantiles MedianOf(const std::vector<Round>& rounds, Quantiles Round::*quantiles
           most.empty() ? 0.0 : *std::max_element(most.begin(), most.end())};
 }
 
+double PictureRate(const LoadOptions& load) { return load.state_hz / StatesPerPicture(load); }
+
 /// What the page adds: its age over that of a client without a browser.
 double RatioToBare(const std::vector<Round>& rounds) {
   return MedianRatio(Values(rounds, [](const Round& round) { return round.shown.p50; }),
@@ -50,6 +52,20 @@ double GrownByStall(const Stall& stall) {
 void PrintAges(const char* what, const Quantiles& ages) {
   fmt::print("  {:<34} {:7.1f} {:7.1f} {:7.1f} {:7.1f}\n", what, ages.p50, ages.p95, ages.p99,
              ages.max);
+}
+
+void PrintSetting(const Report& report) {
+  const Drive& drive = report.load.drive;
+  fmt::print("{}, everything on it, medians of {} rounds of {:.0f} s\n", Machine(),
+             report.series.empty() ? 0 : report.series[0].rounds.size(), report.seconds);
+  fmt::print(
+      "{} robots in a world of {} x {} cells: state at {:.0f} Hz each, map when a cell is "
+      "entered,\n"
+      "snapshot and frame of the live view at {:.1f} Hz each, JPEG of {:.1f} kB\n",
+      drive.robots, drive.side, drive.side, report.load.state_hz, PictureRate(report.load),
+      static_cast<double>(report.picture_bytes) / 1000.0);
+  fmt::print(
+      "age: from publishing a state on DDS until the animation frame after the one that drew it\n");
 }
 
 void PrintSeries(const Series& series) {
@@ -106,6 +122,23 @@ nlohmann::ordered_json ToJson(const Round& round) {
       {"load_lateness_ms", round.lateness_ms}};
 }
 
+nlohmann::ordered_json ToJson(const Series& series) {
+  nlohmann::ordered_json json{{"pages", series.pages}};
+  for (const Round& round : series.rounds) json["rounds"].push_back(ToJson(round));
+  return json;
+}
+
+nlohmann::ordered_json ToJson(const Stall& stall) {
+  return {{"pages", stall.pages},
+          {"before", ToJson(stall.before)},
+          {"meanwhile", ToJson(stall.meanwhile)}};
+}
+
+void AddMetrics(const Stall& stall, nlohmann::ordered_json& metrics) {
+  metrics["stall_grown_mb"] = GrownByStall(stall);
+  metrics["stall_others_ratio"] = stall.meanwhile.shown.p95 / stall.before.shown.p95;
+}
+
 void AddMetrics(const Series& series, nlohmann::ordered_json& metrics) {
   const auto add = [&](const char* name, double value) {
     metrics[fmt::format("pages{}_{}", series.pages, name)] = value;
@@ -125,17 +158,7 @@ void AddMetrics(const Series& series, nlohmann::ordered_json& metrics) {
 }  // namespace
 
 void PrintTable(const Report& report) {
-  const Drive& drive = report.load.drive;
-  fmt::print("{}, everything on it, medians of {} rounds of {:.0f} s\n", Machine(),
-             report.series.empty() ? 0 : report.series[0].rounds.size(), report.seconds);
-  fmt::print(
-      "{} robots in a world of {} x {} cells: state at {:.0f} Hz each, map when a cell is "
-      "entered,\n"
-      "snapshot and frame of the live view at {:.0f} Hz each, JPEG of {:.1f} kB\n",
-      drive.robots, drive.side, drive.side, report.load.state_hz, report.load.picture_hz,
-      static_cast<double>(report.picture_bytes) / 1000.0);
-  fmt::print(
-      "age: from publishing a state on DDS until the animation frame after the one that drew it\n");
+  PrintSetting(report);
   for (const Series& series : report.series) PrintSeries(series);
   if (report.stall) PrintStall(*report.stall);
   fmt::print("\n");
@@ -156,21 +179,15 @@ nlohmann::ordered_json ToJson(const Report& report) {
   json["robots"] = report.load.drive.robots;
   json["side"] = report.load.drive.side;
   json["state_hz"] = report.load.state_hz;
-  json["picture_hz"] = report.load.picture_hz;
+  json["picture_hz"] = PictureRate(report.load);
   json["seconds"] = report.seconds;
   for (const Series& series : report.series) {
     AddMetrics(series, json["metrics"]);
-    nlohmann::ordered_json details{{"pages", series.pages}};
-    for (const Round& round : series.rounds) details["rounds"].push_back(ToJson(round));
-    json["details"].push_back(details);
+    json["details"].push_back(ToJson(series));
   }
   if (report.stall) {
-    json["metrics"]["stall_grown_mb"] = GrownByStall(*report.stall);
-    json["metrics"]["stall_others_ratio"] =
-        report.stall->meanwhile.shown.p95 / report.stall->before.shown.p95;
-    json["stall"] = {{"pages", report.stall->pages},
-                     {"before", ToJson(report.stall->before)},
-                     {"meanwhile", ToJson(report.stall->meanwhile)}};
+    AddMetrics(*report.stall, json["metrics"]);
+    json["stall"] = ToJson(*report.stall);
   }
   return json;
 }

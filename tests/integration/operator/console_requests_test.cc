@@ -219,11 +219,7 @@ TEST_CASE("of a burst of low-level actions of a page only the newest is carried 
   for (int i = 0; i < 3; ++i) bench.page.Send(DriveOf(console::DRIVE_FORWARD));
   bench.page.Send(DriveOf(console::DRIVE_STOP));
   const auto received = [&] {  // which the gateway counts on a thread of its own
-    const std::string text = Get(bench.port, "/metrics").body;
-    const std::string name = "\nconav_console_received_messages_total ";
-    const auto at = text.find(name);
-    REQUIRE(at != std::string::npos);
-    return std::stoi(text.substr(at + name.size()));
+    return MetricOf(bench.port, "conav_console_received_messages_total").value();
   };
   const auto deadline = std::chrono::steady_clock::now() + 10s;
   while (received() < 5) REQUIRE(std::chrono::steady_clock::now() < deadline);  // with the Hello

@@ -47,6 +47,9 @@ struct GatewayBench {
 
   PageOptions Page() const { return {.port = gateway->port()}; }
 
+  /// How many there are, by the gateway's own count.
+  double Pages() const { return MetricOf(gateway->port(), "conav_console_pages").value(); }
+
   /// The next thing that a page does.
   PageEvent NextEvent() {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);

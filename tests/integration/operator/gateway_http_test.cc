@@ -89,6 +89,9 @@ TEST_CASE("the gateway says whether it is ready, and counts", "[operator][integr
   const std::string metrics = Get(gateway.port(), "/metrics").body;
   CHECK_THAT(metrics, Catch::Contains("conav_console_http_requests_total{status=\"503\"} 1"));
   CHECK_THAT(metrics, Catch::Contains("conav_console_pages 0"));
+  const auto shown = static_cast<double>(bench.updates.bytes());
+  CHECK(shown > 0.0);
+  CHECK(MetricOf(gateway.port(), "conav_console_shown_bytes") == shown);
 }
 
 TEST_CASE("a gateway on IPv6 says its address as browsers need it", "[operator][integration]") {

@@ -70,7 +70,7 @@ TEST_CASE("a page that takes nothing costs the service under 8 MB and the others
 
   CHECK(reader.repeated == 0);
   CHECK(reader.frames > 0);
-  CHECK(bench.gateway->pages() == 2);
+  CHECK(bench.Pages() == 2);
   // Who begins to read again gets what is true now.
   stalled.ReadUpTo(bench.updates.sequence());
   CHECK(stalled.known == reader.known);

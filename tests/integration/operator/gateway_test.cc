@@ -50,7 +50,7 @@ TEST_CASE("a page is welcome, gets everything, and then what is new", "[operator
   page.ReadUpTo(2);
   CHECK(page.known == std::map<std::string, std::string>{{"a", "1"}, {"b", "1"}});
   CHECK_FALSE(page.last.updates().everything());
-  CHECK(bench.gateway->pages() == 1);
+  CHECK(bench.Pages() == 1);
 }
 
 TEST_CASE("a page that lost its connection goes on where it was", "[operator][integration]") {
@@ -92,7 +92,7 @@ TEST_CASE("the service hears who comes, asks and leaves", "[operator][integratio
   const PageEvent left = bench.NextEvent();
   CHECK(std::holds_alternative<PageLeft>(left.body));
   CHECK(left.page == joined.page);
-  CHECK(gateway.pages() == 0);
+  CHECK(bench.Pages() == 0);
   gateway.Send(asked.page, reply);
 }
 
@@ -138,7 +138,7 @@ TEST_CASE("pages of other sites, and other paths, are refused", "[operator][inte
     status = 404;
   }
   CHECK(PageClient(page).refused() == status);
-  CHECK(bench.gateway->pages() == 0);
+  CHECK(bench.Pages() == 0);
 }
 
 TEST_CASE("a page of the console's own origin may connect", "[operator][integration]") {

@@ -7,6 +7,7 @@
 #include <boost/beast/ssl.hpp>
 #include <boost/beast/websocket.hpp>
 #include <boost/beast/websocket/ssl.hpp>
+#include <sstream>
 
 #include "common/runtime/demand.h"
 
@@ -211,6 +212,14 @@ HttpAnswer Get(int port, const std::string& target, const std::string& headers) 
   const auto answers =
       AskRaw(port, "GET " + target + " HTTP/1.1\r\nHost: 127.0.0.1\r\n" + headers + "\r\n");
   return answers.empty() ? HttpAnswer() : answers.front();
+}
+
+std::optional<double> MetricOf(int port, const std::string& name) {
+  std::istringstream lines(Get(port, "/metrics").body);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with(name + " ")) return std::stod(line.substr(name.size()));
+  }
+  return std::nullopt;
 }
 
 }  // namespace conav::operators

@@ -62,5 +62,7 @@ std::vector<HttpAnswer> AskRaw(int port, const std::string& bytes, std::size_t a
                                bool head = false);
 /// "GET target", with further header lines that end in "\r\n".
 HttpAnswer Get(int port, const std::string& target, const std::string& headers = "");
+/// One of the service's own figures (/metrics); nothing when it has none of that name.
+std::optional<double> MetricOf(int port, const std::string& name);
 
 }  // namespace conav::operators

@@ -1,4 +1,4 @@
-#include "operator/prediction_desk.h"
+#include "operator/desks/prediction_desk.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,4 +1,4 @@
-#include "operator/task_desk.h"
+#include "operator/desks/task_desk.h"
 
 #include <catch2/catch.hpp>
 #include <fstream>
@@ -23,7 +23,7 @@ struct Bench {
     REQUIRE(truth.Publish(ToMessage(MapUpdate{{0}, 1.5, DrawnTruth(kTruth)})));
   }
 
-  /// The desk as the service has it, from the first edit on.
+  /// The desk as the service has it, before the participant begins.
   void Start() {
     desk.reset();
     store.emplace(BeliefStoreOptions{{config.database, 0}, {}});
@@ -31,7 +31,9 @@ struct Bench {
     REQUIRE(store->AddWorld("w1", ToBelief(DrawnTruth(kMap)), {}));
     desk->Step();
   }
+  void Begin() { desk->Hear(ControlBook({{"r1", "w1"}}, {.start_stopped = false})); }
   void ReachAllGoals() {
+    if (desk->status().phase == TaskPhase::kWaiting) Begin();
     RobotState state;
     state.robot = "r1";
     state.goals_total = 4;
@@ -110,20 +112,41 @@ TEST_CASE("a maze that was finished stays so over a restart", "[operator][task]"
 
 TEST_CASE("a result that cannot be written is not acknowledged", "[operator][task]") {
   Bench bench;
-  bench.config.task.result = (bench.folder / "nowhere" / "result.json").string();
+  const auto results = bench.folder / "results";
+  std::filesystem::create_directory(results);
+  bench.config.task.result = (results / "result.json").string();
   bench.Start();
   bench.ReachAllGoals();
+  std::filesystem::remove(results);
   const auto answer = bench.Finish();
   CHECK_FALSE(answer.reply.accepted);
-  CHECK_THAT(answer.reply.reason, Catch::Contains("nowhere"));
-  CHECK(bench.desk->status().phase == TaskPhase::kWaiting);
+  CHECK_THAT(answer.reply.reason, Catch::Contains("results"));
+  CHECK_FALSE(bench.desk->finished());
+  std::filesystem::create_directory(results);
+  CHECK(bench.Finish().reply.accepted);
+}
+
+TEST_CASE("a result that could not be written is refused before the participant begins",
+          "[operator][task]") {
+  Bench bench;
+  bench.config.task.result = (bench.folder / "nowhere" / "result.json").string();
+  CHECK_THROWS_WITH(bench.Start(),
+                    Catch::Contains("operator.task.result") && Catch::Contains("nowhere"));
+}
+
+TEST_CASE("a maze that has not begun cannot be finished", "[operator][task]") {
+  Bench bench;
+  bench.Start();
+  const auto answer = bench.Finish();
+  CHECK_FALSE(answer.reply.accepted);
+  CHECK_THAT(answer.reply.reason, Catch::Contains("has not begun"));
 }
 
 TEST_CASE("a task of two worlds, or with another file as its result, does not start",
           "[operator][task]") {
   Bench bench;
   bench.config.robots = {"w1/r1", "w2/r2"};
-  CHECK_THROWS_WITH(bench.Start(), Catch::Contains("one world"));
+  CHECK_THROWS_WITH(bench.Start(), Catch::Contains("one world, not in w1 and w2"));
   bench.config.robots = {"w1/r1"};
   std::ofstream(bench.folder / "result.json") << "something else";
   CHECK_THROWS_WITH(bench.Start(), Catch::Contains("result.json"));
@@ -132,7 +155,7 @@ TEST_CASE("a task of two worlds, or with another file as its result, does not st
 TEST_CASE("a task begins when a robot is let go", "[operator][task]") {
   Bench bench;
   bench.Start();
-  ControlDesk control({{"r1", "w1"}}, {.start_stopped = true});
+  ControlBook control({{"r1", "w1"}}, {.start_stopped = true});
   bench.desk->Hear(control);
   CHECK(bench.desk->status().phase == TaskPhase::kWaiting);
   const auto orders = control.Go("page", {}, {});

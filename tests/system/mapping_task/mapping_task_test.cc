@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 #include <csignal>
+#include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -206,6 +207,16 @@ int CodeOf(const fs::path& folder, const std::vector<std::string>& options, std:
   return code;
 }
 
+/// The process that was started with this file; 0 = there is none.
+pid_t PidWith(const fs::path& config) {
+  for (const auto& entry : fs::directory_iterator("/proc")) {
+    const auto command = ReadFile(entry.path() / "cmdline");
+    if (!command || command->find(config.string() + '\0') == std::string::npos) continue;
+    return std::stoi(entry.path().filename());
+  }
+  return 0;
+}
+
 }  // namespace
 
 TEST_CASE("a participant corrects two mazes, and their segments are there to learn from",
@@ -336,6 +347,28 @@ TEST_CASE("wrong use of the mapping task is refused by name", "[system][mapping_
   CHECK(CodeOf(folder, {"--participant", "a b"}, output) == 2);
   CHECK_THAT(output, Catch::Contains("--participant"));
   CHECK(CodeOf(folder, {}, output) == 2);
+}
+
+TEST_CASE("when a service dies the task ends, and says which, and where to go on",
+          "[system][mapping_task]") {
+  const test::TemporaryFolder temporary;
+  const fs::path folder = temporary / "P13";
+  const std::vector<std::string> options{"--participant", "P13", "--maze-seed", "7"};
+  Task task(folder, options);
+  task.Port(1);
+  const pid_t planner = PidWith(folder / "maze-1-1/config/planner.yaml");
+  REQUIRE(planner > 0);
+  REQUIRE(kill(planner, SIGKILL) == 0);
+  CHECK(task.Wait() == 1);
+  CHECK_THAT(task.Output(),
+             Catch::Contains(fmt::format("planner (pid {}) died: signal 9", planner)) &&
+                 Catch::Contains("maze 1 was broken off; the same command goes on there"));
+  CHECK(PidWith(folder / "maze-1-1/config/sim.yaml") == 0);
+
+  std::string output;
+  std::ofstream(folder / "maze-1-1/result.json") << "{}";
+  CHECK(CodeOf(folder, options, output) == 1);
+  CHECK_THAT(output, Catch::Contains("maze-1-1/result.json is no result of a maze"));
 }
 
 TEST_CASE("a port that is taken is told", "[system][mapping_task]") {

@@ -89,4 +89,15 @@ TEST_CASE("an unknown cell is believed to be a wall by one half", "[grid]") {
   CHECK(belief[{1, 3}] == 0.5F);
 }
 
+TEST_CASE("from one half on a belief is a wall, all else is free", "[grid]") {
+  BeliefGrid belief(1, 3);
+  belief[{0, 0}] = 0.5F;
+  belief[{0, 1}] = 0.49F;
+  belief[{0, 2}] = 1.0F;
+  const OccupancyGrid map = ToOccupancy(belief);
+  CHECK(map[{0, 0}] == kWall);
+  CHECK(map[{0, 1}] == kFree);
+  CHECK(map[{0, 2}] == kWall);
+}
+
 }  // namespace conav

@@ -149,6 +149,10 @@ TEST_CASE("A path's poses are cell centres turned towards the next", "[protocol]
   CHECK(path.poses()[2].pose().orientation().z() == Approx(quarter));
   CHECK(path.poses()[2].pose().position().y() == 1.0);
   CHECK(path.header().stamp().sec() == 2);
+  const std::vector<Position> positions = ToPositions(path);
+  REQUIRE(positions.size() == 3);
+  CHECK(positions[1] == Position{1.0, -1.0});
+  CHECK(ToPositions({}).empty());
 }
 
 TEST_CASE("A robot's motion becomes odometry and a transform", "[protocol][convert]") {

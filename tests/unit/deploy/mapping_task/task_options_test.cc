@@ -1,6 +1,7 @@
 #include "mapping_task/task_options.h"
 
 #include <catch2/catch.hpp>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -60,7 +61,8 @@ TEST_CASE("over all orders of a study each method is as often at each place", "[
   for (const std::string& method : methods) CHECK(first[method] == 2);
   CHECK(*MethodsInOrder(methods, 0, "P07") == *MethodsInOrder(methods, 0, "P07"));
   CHECK(orders.contains(*MethodsInOrder(methods, 0, "P07")));
-  CHECK_FALSE(MethodsInOrder(methods, 7, "P07"));
+  CHECK(MethodsInOrder(methods, 7, "P07").error().text == "--order 7: not between 1 and 6");
+  CHECK_FALSE(MethodsInOrder(methods, -1, "P07"));
 }
 
 TEST_CASE("a study has a method for each maze, the mapping task one of its own", "[mapping_task]") {
@@ -73,6 +75,8 @@ TEST_CASE("a study has a method for each maze, the mapping task one of its own",
   CHECK(DesignOf(options)["methods"][0] == "teleop");
   options.methods[0] = "greedy";
   CHECK(Refusal(options) == "--methods: greedy is not one of ig-mcts, instruction, teleop");
+  options.methods = {"teleop", "ig-mcts", "teleop"};
+  CHECK(Refusal(options) == "--methods: teleop is named twice");
   options.methods = {"teleop"};
   CHECK(Refusal(options) == "--methods: 1 of them for 3 mazes");
 }
@@ -96,8 +100,13 @@ TEST_CASE("what cannot be is refused by the option and its value", "[mapping_tas
   options.maze_seeds = {7, 9};
   CHECK(Refusal(options) == "--maze-seed: 2 of them for 3 mazes");
   options = Good();
+  options.mazes = 101;
+  CHECK(Refusal(options) == "--mazes 101: not between 1 and 100");
+  options = Good();
   options.speed = 0.0;
   CHECK(Refusal(options) == "--speed 0: not above 0");
+  options.speed = std::numeric_limits<double>::quiet_NaN();
+  CHECK_THAT(Refusal(options), Catch::StartsWith("--speed nan"));
   options = Good();
   options.camera = "film";
   CHECK_THAT(Refusal(options), Catch::StartsWith("--camera film"));

@@ -17,6 +17,19 @@ TEST_CASE("a robot that is lost or stands is a matter, another one is fine", "[o
   CHECK(findings.fine == Keys{"command/r1", "link/r2", "link/r3", "command/r3"});
 }
 
+TEST_CASE("a robot stands whose command failed, not one that asks something else",
+          "[operator][alerts]") {
+  AttentionItem failed;
+  failed.robot = "r1";
+  failed.reason = AttentionReason::kCommandFailed;
+  AttentionItem lost;
+  lost.robot = "r2";
+  lost.reason = AttentionReason::kLinkLost;
+  CHECK(Stands({lost, failed}, "r1"));
+  CHECK_FALSE(Stands({lost, failed}, "r2"));
+  CHECK_FALSE(Stands({}, "r1"));
+}
+
 TEST_CASE("processes that are silent or ill, and the disk, are matters", "[operator][alerts]") {
   const std::vector<ProcessCondition> processes{{"sim", false, false, "fine"},
                                                 {"nhpm", true, false, "no weights"},

@@ -88,6 +88,16 @@ TEST_CASE("of guidance no field is lost", "[operator][console]") {
   CHECK(guidance.answers_snapshot() == 3);
 }
 
+TEST_CASE("a session shows robots in their order, and each world once", "[operator][console]") {
+  const console::Session session = SessionOf({"w2/r3", "w1/r1", "w2/r2"}, "teleop");
+  CHECK(std::vector<std::string>(session.robots().begin(), session.robots().end()) ==
+        std::vector<std::string>{"r3", "r1", "r2"});
+  CHECK(std::vector<std::string>(session.worlds().begin(), session.worlds().end()) ==
+        std::vector<std::string>{"w1", "w2"});
+  CHECK(session.drives());
+  CHECK_FALSE(SessionOf({"w1/r1"}, "ig-mcts").drives());
+}
+
 TEST_CASE("of a picture all but its answer is known", "[operator][console]") {
   const console::Picture picture = ToConsole(samples::SamplePicture(), 12.5);
   CHECK(Unset(picture) == std::set<std::string>{"answer", "answered_by"});

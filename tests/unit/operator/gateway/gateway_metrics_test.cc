@@ -17,6 +17,7 @@ TEST_CASE("what happens is counted", "[operator][gateway]") {
   GatewayMetrics metrics;
   metrics.SetPages(2);
   metrics.SetConnections(3);
+  metrics.SetShownBytes(700);
   metrics.CountMessage(true, 10);
   metrics.CountMessage(true, 5);
   metrics.CountMessage(false, 4);
@@ -27,7 +28,7 @@ TEST_CASE("what happens is counted", "[operator][gateway]") {
   metrics.CountRequest(404);
   const std::string text = metrics.Text();
   for (const char* line :
-       {"conav_console_pages 2", "conav_console_connections 3",
+       {"conav_console_pages 2", "conav_console_connections 3", "conav_console_shown_bytes 700",
         "conav_console_sent_messages_total 2", "conav_console_sent_bytes_total 15",
         "conav_console_received_messages_total 1", "conav_console_received_bytes_total 4",
         "conav_console_skipped_frames_total 6", "conav_console_refused_pages_total 1",

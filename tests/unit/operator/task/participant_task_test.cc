@@ -65,6 +65,8 @@ TEST_CASE("a task waits, runs from its beginning on, and is over when it is fini
 TEST_CASE("a maze may be finished when all robots have reached all goals", "[operator][task]") {
   ParticipantTask task({"r1", "r2"});
   task.Hear(TrueMaze());
+  CHECK(task.WhyNotFinish() == "this maze has not begun yet: let the robot go first");
+  task.Begin();
   CHECK(task.WhyNotFinish() == "the robot was not heard of yet");
   task.Hear(StateOf("r1", 1));
   task.Hear(StateOf("r2", 1));
@@ -79,6 +81,7 @@ TEST_CASE("a maze may be finished when all robots have reached all goals", "[ope
 
 TEST_CASE("without the true maze nothing can be finished", "[operator][task]") {
   ParticipantTask task({"r1"});
+  task.Begin();
   task.Hear(StateOf("r1", 0));
   CHECK_THAT(task.WhyNotFinish(), Catch::Contains("true maze"));
 }

@@ -1,0 +1,111 @@
+#include "operator/console/command_log.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <utility>
+#include <variant>
+
+namespace conav::operators {
+namespace {
+
+std::string Names(const std::vector<std::string>& robots) {
+  return robots.empty() ? "all robots" : fmt::format("{}", fmt::join(robots, ", "));
+}
+
+std::string Cells(std::size_t count) {
+  return fmt::format("{} {}", count, count == 1 ? "cell" : "cells");
+}
+
+std::string WithReason(std::string text, const std::string& reason) {
+  return reason.empty() ? text : fmt::format("{}: {}", text, reason);
+}
+
+}  // namespace
+
+std::string EditText(std::size_t cells) { return "edited " + Cells(cells) + " of the map"; }
+
+std::string PathText(std::size_t cells) {
+  return cells == 0 ? "took the path back" : "drew a path of " + Cells(cells);
+}
+
+std::string AnswerText(std::uint64_t snapshot) {
+  return fmt::format("picture {}: nothing new", snapshot);
+}
+
+std::string StopText(const std::vector<std::string>& robots, const std::string& reason) {
+  return WithReason("stopped " + Names(robots), reason);
+}
+
+std::string GoText(const std::vector<std::string>& robots) {
+  return "let " + Names(robots) + " go";
+}
+
+namespace {
+
+/// Fills kind, robot and text of an event.
+struct Describe {
+  console::Event& event;
+
+  void Say(console::EventKind kind, const std::string& robot, std::string text) const {
+    event.set_kind(kind);
+    event.set_robot(robot);
+    event.set_text(std::move(text));
+  }
+  void operator()(const EditRequest& edit) const {
+    Say(console::EVENT_EDIT, "", EditText(edit.edits.size()));
+  }
+  void operator()(const GuideRequest& guide) const {
+    Say(console::EVENT_GUIDE, guide.robot, PathText(guide.path.size()));
+  }
+  void operator()(const AnswerRequest& answer) const {
+    Say(console::EVENT_ANSWER, answer.robot, AnswerText(answer.snapshot));
+  }
+  void operator()(const StopRequest& stop) const {
+    Say(console::EVENT_STOP, stop.robots.size() == 1 ? stop.robots.front() : "",
+        StopText(stop.robots, stop.reason));
+  }
+  void operator()(const GoRequest& go) const {
+    Say(console::EVENT_GO, go.robots.size() == 1 ? go.robots.front() : "", GoText(go.robots));
+  }
+  void operator()(const TakeControlRequest& take) const {
+    Say(console::EVENT_TAKE_CONTROL, take.robots.size() == 1 ? take.robots.front() : "",
+        WithReason("took control of " + Names(take.robots), take.reason));
+  }
+  void operator()(const ReleaseControlRequest& release) const {
+    Say(console::EVENT_RELEASE_CONTROL, release.robots.size() == 1 ? release.robots.front() : "",
+        "released " + Names(release.robots));
+  }
+  void operator()(const AcknowledgeRequest&) const {
+    Say(console::EVENT_NONE, "", "acknowledged an alert");
+  }
+  void operator()(const ShelveRequest&) const {
+    Say(console::EVENT_NONE, "", "put an alert aside");
+  }
+  void operator()(const FinishRequest&) const {
+    Say(console::EVENT_FINISH, "", "finished the maze");
+  }
+  void operator()(const DriveRequest& drive) const {
+    Say(console::EVENT_NONE, drive.robot, "drove");
+  }
+  void operator()(const SelectRequest& select) const {
+    Say(console::EVENT_NONE, select.robot, "turned to the robot");
+  }
+};
+
+}  // namespace
+
+console::Event EventOf(const OperatorRequest& request, const OperatorReply& reply) {
+  console::Event event;
+  std::visit(Describe{event}, request.body);
+  event.set_client(request.client);
+  event.set_world(request.world);
+  event.set_revision(reply.revision);
+  if (!reply.accepted) {
+    event.set_text(fmt::format("refused ({}): {}", event.text(), reply.reason));
+    event.set_kind(console::EVENT_REFUSED);
+  }
+  return event;
+}
+
+}  // namespace conav::operators

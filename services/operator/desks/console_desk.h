@@ -1,0 +1,101 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/bus/participant.h"
+#include "common/bus/subscriber.h"
+#include "common/protocol/supervision.h"
+#include "common/runtime/clock.h"
+#include "common/service/diagnostics.h"
+#include "operator/alerts/alert.h"
+#include "operator/config.h"
+#include "operator/console/console_state.h"
+#include "operator/control/control_book.h"
+#include "operator/desks/prediction_desk.h"
+#include "operator/desks/service_watch.h"
+#include "operator/gateway/gateway.h"
+#include "operator/gateway/page_presence.h"
+#include "operator/task/participant_task.h"
+
+namespace conav::operators {
+
+/// The operator service's console: shows pages what the service decides and what it hears itself for
+/// them (maps, pictures, plans, searches, health), and hands over what they ask.
+///
+/// A page is one client of the service among others: its requests are those of DDS
+/// (OperatorRequest), and answered by the same code. In the mapping task and in studies pages are told nothing that
+/// gives the true maze away (idl/console.proto, Task).
+/// Threads: one, the service's; the gateway has its own.
+class ConsoleDesk {
+ public:
+  /// `participant` and `clock` outlive it. Throws StartupError as Gateway does.
+  ConsoleDesk(bus::Participant& participant, const OperatorConfig& config, const Clock& clock);
+  ~ConsoleDesk();
+
+  void Hear(const bus::Stamped<RobotState>& state);
+  void HearGeometry(const std::string& world, const MapUpdate& map);
+  void Hear(const Belief& belief, const BeliefGrid& initial);
+  void Hear(const Guidance& guidance);
+  void Hear(const AttentionQueueState& queue);
+  void Hear(const ControlBook& control);
+  void Hear(const Alert& alert);
+  void Hear(const TaskStatus& task);
+  /// How the processes are, by name.
+  void Hear(const std::map<std::string, ServiceStatus>& services);
+  /// "Nothing new here", by `client`; before the guidance that it made of it.
+  void Hear(const AnswerRequest& answer, const std::string& client);
+  /// What was decided about a request, for the command log.
+  void Hear(const OperatorRequest& request, const OperatorReply& reply);
+
+  struct Asked {
+    std::uint64_t page = 0;
+    OperatorRequest request;
+    double valid_until_s = 0.0;  // wall time, s since 1970
+    std::string why_not;         // the page may not ask that now; empty = it may
+  };
+  /// Takes in what arrived. What pages ask, in the order in which it came; what is no request is
+  /// answered here.
+  std::vector<Asked> Step();
+  /// To what a page asked.
+  void Reply(std::uint64_t page, const OperatorReply& reply);
+  /// Clients whose page has been gone for a while.
+  std::vector<std::string> TakeGone() { return presence_.TakeGone(clock_.Now()); }
+  /// After everything that one step brought.
+  void Publish() { gateway_->Notify(); }
+  /// For /readyz.
+  void SetReadiness(const Health& health);
+
+  std::string url() const { return gateway_->url(); }
+
+ private:
+  struct RobotLink;
+
+  void TakeFrom(RobotLink& robot);
+  /// What the robot knows and plans.
+  void TakeKnowledge(RobotLink& robot);
+  void TakePictures(RobotLink& robot);
+  void TakeFrames(RobotLink& robot);
+  void TakePredictions();
+  void Take(const PageEvent& event, std::vector<Asked>& asked);
+  std::optional<Asked> Read(const PageEvent& event, const PageAsked& body);
+
+  const Clock& clock_;
+  bool keeps_secrets_;  // pages must not learn the true maze: a participant sits there
+  UpdateLog updates_;
+  FrameSlots frames_;
+  PictureShelf pictures_;
+  ConsoleState state_;
+  std::vector<std::unique_ptr<RobotLink>> robots_;
+  std::map<std::string, Belief> beliefs_;  // by world
+  PredictionDesk predictions_;
+  PagePresence presence_;
+  std::unique_ptr<Gateway> gateway_;
+};
+
+}  // namespace conav::operators

@@ -1,0 +1,52 @@
+#include "operator/gateway/page_presence.h"
+
+#include <catch2/catch.hpp>
+
+namespace conav::operators {
+namespace {
+
+using namespace std::chrono_literals;
+
+const PageIdentity kAnna{"anna/1", "Anna", console::ROLE_OPERATOR};
+const PageIdentity kBert{"bert/1", "Bert", console::ROLE_OBSERVER};
+
+TEST_CASE("Each client is here once, however many pages it has for a moment",
+          "[operator][console]") {
+  PagePresence presence;
+  presence.Join(1, kAnna);
+  presence.Join(2, kBert);
+  presence.Join(3, kAnna);
+  const auto people = presence.People();
+  REQUIRE(people.size() == 2);
+  CHECK(people[0] == Person{"anna/1", "Anna", console::ROLE_OPERATOR});
+  CHECK(presence.NameOf("bert/1") == "Bert");
+  CHECK(presence.NameOf("carl/1").empty());
+}
+
+TEST_CASE("A client has gone ten seconds after its last page", "[operator][console]") {
+  PagePresence presence;
+  const Clock::TimePoint start{};
+  presence.Join(1, kAnna);
+  presence.Join(2, kAnna);
+  presence.Leave(1, start);
+  CHECK(presence.TakeGone(start + 1h).empty());
+  presence.Leave(2, start);
+  CHECK(presence.People().empty());
+  CHECK(presence.TakeGone(start + 9999ms).empty());
+  CHECK(presence.TakeGone(start + 10s) == std::vector<std::string>{"anna/1"});
+  CHECK(presence.TakeGone(start + 11s).empty());
+}
+
+TEST_CASE("A client that came back has not gone", "[operator][console]") {
+  PagePresence presence;
+  const Clock::TimePoint start{};
+  presence.Join(1, kAnna);
+  presence.Leave(1, start);
+  presence.Join(2, kAnna);
+  CHECK(presence.TakeGone(start + 1h).empty());
+  presence.Leave(7, start);  // one that never joined
+  CHECK(presence.TakeGone(start + 1h).empty());
+}
+
+}  // namespace
+}  // namespace conav::operators
