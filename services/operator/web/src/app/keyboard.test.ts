@@ -115,6 +115,42 @@ describe("driving keys", () => {
     expect(driven).toEqual([forward, stop]);
   });
 
+  it("do not begin again by repeating while they are still held", () => {
+    press("ArrowUp");
+    window.dispatchEvent(new Event("blur"));
+    expect(press("ArrowUp", { repeat: true }).defaultPrevented).toBe(true);
+    expect(driven).toEqual([forward, stop]);
+  });
+
+  it("stop with the key also when it writes something else by then", () => {
+    press("ArrowUp", { code: "Numpad8" });
+    window.dispatchEvent(new KeyboardEvent("keyup", { key: "8", code: "Numpad8" }));
+    expect(driven).toEqual([forward, stop]);
+  });
+
+  it("go on while another key for the same is held", () => {
+    press("ArrowUp", { code: "ArrowUp" });
+    press("ArrowUp", { code: "Numpad8" });
+    window.dispatchEvent(new KeyboardEvent("keyup", { key: "ArrowUp", code: "Numpad8" }));
+    expect(driven).toEqual([forward]);
+    window.dispatchEvent(new KeyboardEvent("keyup", { key: "ArrowUp", code: "ArrowUp" }));
+    expect(driven).toEqual([forward, stop]);
+  });
+
+  it.each([
+    [
+      "a context menu",
+      () => document.body.dispatchEvent(new Event("contextmenu", { bubbles: true })),
+    ],
+    ["Meta", () => press("Meta", { metaKey: true })],
+    ["Control", () => press("Control", { ctrlKey: true })],
+    ["Alt", () => press("Alt", { altKey: true })],
+  ])("stop at %s, which may swallow the release", (_, happens) => {
+    press("ArrowUp");
+    happens();
+    expect(driven).toEqual([forward, stop]);
+  });
+
   it("do nothing in other methods, in fields and behind dialogs", () => {
     press("ArrowUp", {}, "i");
     store.dialog.value = { kind: "help" };
