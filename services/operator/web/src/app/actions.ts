@@ -142,8 +142,13 @@ export class Actions {
     return this.#ask("Edit", { case: "edit", value }, { world });
   }
 
-  /** An empty path withdraws. */
-  guide(robot: string, path: readonly CellAt[], answersSnapshot: bigint): Promise<Outcome> {
+  /**
+   * A path answers the robot's newest picture, also when an older one is shown. An empty one withdraws, and answers nothing: with a
+   * picture it would mean "nothing new".
+   */
+  guide(robot: string, path: readonly CellAt[]): Promise<Outcome> {
+    const picture = path.length === 0 ? undefined : unanswered(this.#state, robot);
+    const answersSnapshot = picture?.sequenceNumber ?? 0n;
     const limit = this.#state.welcome?.limits?.guidanceValidFor;
     const validFor = limit || defaultGuidanceTime;
     const value = { robot, path: [...path], answersSnapshot, validFor };

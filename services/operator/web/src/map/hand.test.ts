@@ -1,11 +1,6 @@
 import { create } from "@bufbuild/protobuf";
 import { describe, expect, it } from "vitest";
-import {
-  GuidanceSchema,
-  PictureAnswer,
-  PictureSchema,
-  WorldSchema,
-} from "../protocol/generated/console_pb";
+import { GuidanceSchema, WorldSchema } from "../protocol/generated/console_pb";
 import { at, beliefOf, FakePage, robotIn, worldRows } from "./fixtures";
 import { Hand } from "./hand";
 import { MapModel } from "./map_model";
@@ -36,6 +31,7 @@ describe("the brush", () => {
     expect(page.asked).toEqual([
       {
         kind: "edit",
+        world: "w1",
         base: 3n,
         cells: [2, 3, 4].map((column) => ({ cell: at(1, column), wall: true })),
       },
@@ -144,7 +140,7 @@ describe("the path tool", () => {
     const { page, drag } = start({ tool: "path" });
     drag(at(1, 1), at(1, 2), at(1, 3));
     expect(page.asked).toEqual([
-      { kind: "path", robot: "r1", answers: undefined, cells: [at(1, 1), at(1, 2), at(1, 3)] },
+      { kind: "path", robot: "r1", cells: [at(1, 1), at(1, 2), at(1, 3)] },
     ]);
   });
 
@@ -176,20 +172,6 @@ describe("the path tool", () => {
     hand.doublePress(at(3, 5));
     expect(page.asked).toEqual([]);
     expect(model.paths.value.get("r1")?.cells.at(-1)).toEqual(at(1, 5));
-  });
-
-  it("answers the chosen picture of that robot, once", () => {
-    const picture = (answer: PictureAnswer) => ({
-      tool: "path" as const,
-      pictures: [create(PictureSchema, { robot: "r1", sequenceNumber: 5n, answer })],
-      chosenPicture: { robot: "r1", sequenceNumber: 5n },
-    });
-    const open = start(picture(PictureAnswer.ANSWER_NONE));
-    open.drag(at(1, 1), at(1, 2));
-    expect(open.page.asked).toMatchObject([{ answers: 5n }]);
-    const answered = start(picture(PictureAnswer.ANSWER_PATH));
-    answered.drag(at(1, 1), at(1, 2));
-    expect(answered.page.asked).toMatchObject([{ answers: undefined }]);
   });
 
   it("chooses the robot that is pressed on, and draws for it at once", () => {
