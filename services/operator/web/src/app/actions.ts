@@ -3,6 +3,7 @@ import type { Connection, RequestOptions } from "../connection/connection";
 import type { Outcome as RequestOutcome } from "../connection/requests";
 import type { CellChange, Outcome } from "../map/map_props";
 import { needsReason, takeOverOf } from "../panels/control/take_over";
+import { isMappingTask } from "../panels/task/task_state";
 import type { CellAt } from "../protocol/cells";
 import type { RequestBody } from "../protocol/codec";
 import {
@@ -97,15 +98,19 @@ export class Actions {
     chosenSequence.value = at === all.length - 1 ? undefined : all[at]?.sequenceNumber;
   }
 
-  /** The chosen robot's newest picture was looked at and needs nothing. */
+  /** The chosen robot's newest picture was looked at and needs nothing. Where an older one is looked at, shows the newest first. */
   nothingNew(): void {
-    const picture = unanswered(this.#state, this.#store.chosenRobot.value);
+    const { chosenRobot, chosenPicture, chosenSequence } = this.#store;
+    const picture = unanswered(this.#state, chosenRobot.value);
     if (picture === undefined) {
       this.notify("No picture of this robot waits for an answer.");
-      return;
+    } else if (chosenPicture.value === picture || isMappingTask(this.#state)) {
+      const { robot, sequenceNumber: snapshot, world } = picture;
+      void this.#ask("Answer", { case: "answer", value: { robot, snapshot } }, { world });
+    } else {
+      chosenSequence.value = undefined;
+      this.notify("This is the newest picture, which waits for an answer. Is it nothing new?");
     }
-    const { robot, sequenceNumber: snapshot, world } = picture;
-    void this.#ask("Answer", { case: "answer", value: { robot, snapshot } }, { world });
   }
 
   /** None = all, in every world. */

@@ -80,7 +80,12 @@ export function createStore(settings: Settings): Store {
     tool: signal<Tool>("look"),
     chosenRobot,
     chosenSequence,
-    chosenPicture: computed(() => pictureOf(state.value, chosenRobot.value, chosenSequence.value)),
+    // One that is known no more, as after a recording was wound back, gives way to the newest.
+    chosenPicture: computed(
+      () =>
+        pictureOf(state.value, chosenRobot.value, chosenSequence.value) ??
+        pictureOf(state.value, chosenRobot.value),
+    ),
     robots,
     focus,
     notices: signal<readonly Notice[]>([]),
