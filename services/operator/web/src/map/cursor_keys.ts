@@ -38,7 +38,7 @@ export class CursorKeys {
       this.#moveTo((cell) => ({ row: cell.row + by.row, column: cell.column + by.column }));
     else if (event.key === "Home") this.#moveTo((cell) => homeOf(cell, event.ctrlKey));
     else if (event.key === "End") this.#moveTo((cell) => this.#endOf(cell, event.ctrlKey));
-    else if (event.key === " ") this.#panKey.held = true;
+    else if (event.key === " ") this.#holdPanKey();
     else if (event.key === "Enter") this.#enter(event.shiftKey);
     else if (event.key === "Delete" || event.key === "Backspace") this.#remove();
     else return false;
@@ -47,8 +47,13 @@ export class CursorKeys {
 
   release(event: KeyboardEvent): void {
     if (event.key !== " " || !this.#panKey.held) return;
-    if (!this.#panKey.used) this.#apply(event.shiftKey);
     this.#panKey.held = false;
+    if (!this.#panKey.used) this.#apply(event.shiftKey);
+  }
+
+  #holdPanKey(): void {
+    if (this.#panKey.held) return; // it repeats
+    this.#panKey.held = true;
     this.#panKey.used = false;
   }
 

@@ -174,6 +174,26 @@ describe("the path tool", () => {
     expect(model.paths.value.get("r1")?.cells.at(-1)).toEqual(at(1, 5));
   });
 
+  it("goes back to the draft of before when a stroke is cancelled", () => {
+    const { model, hand, drag } = start({ tool: "path" });
+    drag(at(1, 3));
+    const { cells } = model.paths.value.get("r1") ?? {};
+    expect(cells).toHaveLength(3);
+    hand.press(at(1, 5), { erase: false });
+    hand.drag(at(3, 5));
+    hand.cancel();
+    expect(model.paths.value.get("r1")).toMatchObject({ cells, drawing: false });
+  });
+
+  it("goes back to it from where the robot is by then", () => {
+    const { model, hand, drag, update } = start({ tool: "path" });
+    drag(at(1, 3));
+    hand.press(at(1, 5), { erase: false });
+    update({ robots: [robotIn("r1", at(1, 2))] });
+    hand.cancel();
+    expect(model.paths.value.get("r1")?.cells).toEqual([at(1, 2), at(1, 3)]);
+  });
+
   it("chooses the robot that is pressed on, and draws for it at once", () => {
     const { page, hand } = start({ tool: "path", chosenRobot: undefined });
     hand.press(at(3, 5), { erase: false }, "r2");
@@ -233,5 +253,17 @@ describe("the path tool", () => {
     update({ chosenRobot: "r2" });
     update({ chosenRobot: "r1" });
     expect(model.paths.value.get("r1")?.cells.at(-1)).toEqual(at(1, 4));
+  });
+});
+
+describe("a rectangle that the keyboard has begun", () => {
+  it("is given up with its tool", () => {
+    const { page, model, hand, update } = start({ tool: "rectangle" });
+    hand.apply(at(1, 1), { erase: false });
+    expect(hand.busy).toBe(true);
+    update({ tool: "wall" });
+    expect([hand.busy, model.rectangle.value]).toEqual([false, undefined]);
+    hand.apply(at(3, 3), { erase: false });
+    expect(page.asked).toMatchObject([{ cells: [{ cell: at(3, 3) }] }]);
   });
 });

@@ -40,6 +40,27 @@ afterEach(() => {
   document.body.replaceChildren();
 });
 
+describe("the key that pans", () => {
+  it("uses the tool at the next press, however the pointer panned before", () => {
+    begin({ tool: "wall" });
+    press("ArrowRight");
+    panKey.used = true; // by a drag without it, or one whose key was released elsewhere
+    press(" ");
+    expect(page.asked).toMatchObject([{ kind: "edit" }]);
+  });
+
+  it("uses no tool when it panned", () => {
+    begin({ tool: "wall" });
+    press("ArrowRight");
+    const key = { key: " ", bubbles: true };
+    canvas.dispatchEvent(new KeyboardEvent("keydown", key));
+    panKey.used = true;
+    canvas.dispatchEvent(new KeyboardEvent("keydown", { ...key, repeat: true }));
+    canvas.dispatchEvent(new KeyboardEvent("keyup", key));
+    expect(page.asked).toEqual([]);
+  });
+});
+
 describe("the cell cursor", () => {
   it("begins at the chosen robot, moves by arrows, and stays in the grid", () => {
     press("ArrowRight");

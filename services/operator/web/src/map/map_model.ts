@@ -17,6 +17,8 @@ import {
   zoomAbout,
 } from "./view";
 
+export type Note = { readonly text: string; readonly number: number };
+
 export class MapModel {
   readonly props: Signal<MapProps>;
   readonly view = signal<View | undefined>(undefined);
@@ -29,8 +31,8 @@ export class MapModel {
   readonly rectangle = signal<Rectangle | undefined>(undefined);
   readonly sendAtRelease = signal(true);
   readonly layersOpen = signal(false);
-  /** Why something was not done, for the person; the object is new each time it is said. */
-  readonly note = signal<{ text: string } | undefined>(undefined);
+  /** Why something was not done, for the person, for a while; the object is new each time it is said. */
+  readonly note = signal<Note | undefined>(undefined);
 
   #fitted = true;
   /** By world: what is drafted in one is kept while another is shown. */
@@ -51,6 +53,9 @@ export class MapModel {
     this.#take(props);
     const { world } = props;
     if (world.name !== before.world.name) this.cursor.value = undefined;
+    if (world.name !== before.world.name || props.tool !== before.tool) {
+      this.rectangle.value = undefined;
+    }
     if (sizeOf(world) !== sizeOf(before.world)) this.showAll();
     const view = this.view.peek();
     // While all of the map is in sight, nothing is gained by moving it.
@@ -124,7 +129,7 @@ export class MapModel {
   }
 
   say(text: string): void {
-    this.note.value = { text };
+    this.note.value = { text, number: (this.note.peek()?.number ?? 0) + 1 };
   }
 
   // --- Edits ---

@@ -105,6 +105,14 @@ describe("a stroke", () => {
   });
 });
 
+it("of another maze begins from scratch, also under the same name", () => {
+  const session = confirm(stroke(begin(), true, [1, 1]));
+  const larger = { rows: 6, columns: 6 };
+  const shown = { world: "w1", revision: 9n, walls: new Uint8Array(36) };
+  const next = mapConfirmed(session, shown, larger);
+  expect([next.size, next.undo]).toEqual([larger, []]);
+});
+
 describe("a pending edit", () => {
   it("is saved only when it is accepted and a newer revision came, in either order", () => {
     const ended = stroke(begin(), true, [1, 1]);

@@ -59,9 +59,11 @@ export function newEditSession(map: ConfirmedMap, size: GridSize, lastId = 0): E
   };
 }
 
-/** Another world, or a service that counts anew, begins from scratch; ids of pending edits never come twice. */
+/** Another maze, or a service that counts anew, begins from scratch; ids of pending edits never come twice. */
 export function mapConfirmed(session: EditSession, map: ConfirmedMap, size: GridSize): EditSession {
-  if (map.world !== session.world || map.revision < session.revision) {
+  const { rows, columns } = session.size;
+  const isOther = map.world !== session.world || rows !== size.rows || columns !== size.columns;
+  if (isOther || map.revision < session.revision) {
     return newEditSession(map, size, session.lastId);
   }
   return advance(rebased({ ...session, ...map, size }));

@@ -185,6 +185,14 @@ function startingAt(start: Cell, grid: WayGrid, path: readonly Cell[]): readonly
   return path[0] ? joined(way(grid, start, path[0]), path) : path;
 }
 
+/** Draws again what was drawn in `before`, for where the robot is by now. */
+export function revert(session: PathSession, before: PathSession, grid: WayGrid): PathSession {
+  const { cells, refusal } = before;
+  const stands = sameCell(session.start, before.start);
+  const kept = stands ? cells : worthKeeping(startingAt(session.start, grid, cells));
+  return { ...leave(session), cells: kept, refusal };
+}
+
 export function leave(session: PathSession): PathSession {
   return { ...session, cells: [], drawing: false, bend: undefined, refusal: undefined };
 }
