@@ -21,7 +21,15 @@ import { App } from "./app";
 import { commandsOf } from "./commands";
 import type { Console } from "./console";
 import { listenToKeys } from "./keyboard";
-import { askForFrames, follow, keepSettings, keepTime, offerStart, stopWithoutLink } from "./wire";
+import {
+  askForFrames,
+  follow,
+  keepSettings,
+  keepTime,
+  offerStart,
+  stopWithoutLink,
+  tellOfReturn,
+} from "./wire";
 
 const clock = pageClock;
 const identity = identify(surroundingsOf(window));
@@ -86,6 +94,7 @@ keepSettings(store, window);
 keepTime(store, connection, clock);
 askForFrames(store, connection, document);
 follow(console, announcer);
+tellOfReturn(store, announcer);
 offerStart(store);
 listenToKeys(window, store, commands, teleoperation);
 

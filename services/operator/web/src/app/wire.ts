@@ -49,6 +49,16 @@ export function follow({ store, tour, history }: Console, announcer: Announcer):
   effect(() => tour.look(sightOf(store)));
 }
 
+/** For screen readers, that what is shown is new again; that it is old says the banner. */
+export function tellOfReturn(store: Store, announcer: Announcer): void {
+  let wasLost = false;
+  effect(() => {
+    const { state } = store.link.value;
+    if (state === "live" && wasLost) announcer.tell([{ text: "Connected again", urgent: false }]);
+    wasLost = state !== "live" && store.state.peek().welcome !== undefined;
+  });
+}
+
 /** Offers to begin, once per run; whoever begins elsewhere ends the offer. */
 export function offerStart(store: Store): void {
   let offered = "";
