@@ -32,8 +32,9 @@ import {
 } from "./wire";
 
 const clock = pageClock;
-const identity = identify(surroundingsOf(window));
-const store = createStore(readSettings(localStorage));
+const surroundings = surroundingsOf(window);
+const identity = identify(surroundings);
+const store = createStore(readSettings(surroundings.localStorage));
 const inbox = new Inbox(store, clock, () => connection.shown());
 const connection = new ServiceConnection({
   sockets: webSocketFactory(serviceUrl(location)),
@@ -84,13 +85,13 @@ const console: Console = {
   tour: new Tour(),
   history: signal(emptyHistory),
   rename: (name) => {
-    rememberName(window, name);
+    rememberName(surroundings, name);
     location.reload();
   },
 };
 const announcer = new Announcer(clock);
 
-keepSettings(store, window);
+keepSettings(store, window, surroundings.localStorage);
 keepTime(store, connection, clock);
 askForFrames(store, connection, document);
 follow(console, announcer);

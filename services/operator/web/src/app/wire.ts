@@ -1,4 +1,5 @@
 import { effect } from "@preact/signals";
+import type { KeptTexts } from "../connection/browser_storage";
 import type { Clock } from "../connection/clock";
 import type { Connection, Link } from "../connection/connection";
 import { type Announcer, newsOf } from "../panels/announcements/announcer";
@@ -80,7 +81,7 @@ export function stopWithoutLink(link: Link, driving: Teleoperation): void {
   if (link.state !== "live") driving.halt();
 }
 
-export function keepSettings(store: Store, page: Window): void {
+export function keepSettings(store: Store, page: Window, kept: KeptTexts): void {
   const prefersDark = page.matchMedia("(prefers-color-scheme: dark)");
   const show = () => {
     const { theme } = store.settings.value;
@@ -89,5 +90,5 @@ export function keepSettings(store: Store, page: Window): void {
   };
   effect(show);
   prefersDark.addEventListener("change", show);
-  effect(() => writeSettings(page.localStorage, store.settings.value));
+  effect(() => writeSettings(kept, store.settings.value));
 }
