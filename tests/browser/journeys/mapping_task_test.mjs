@@ -32,9 +32,10 @@ journey("a participant maps one maze after the other at one page", async (scene)
   await page.toggles({ row: 6, column: 6 });
   await page.button("Undo").click(); // and back
   await page.waitsForRevision(2n);
-  for (const panel of ["Attention queue", "Alerts", "Fleet"]) {
+  for (const panel of ["Attention queue", "Alerts", "Control", "Latency and health"]) {
     assert.equal(await page.panel(panel).count(), 0, `no ${panel}`);
   }
+  assert.equal(await page.page.locator(".fleet-card").count(), 0, "no fleet strip");
   assert.equal(await page.button(/^Path/).count(), 0, "no paths");
   for (const secret of ["seen", "plan", "search", "prediction", "truth"]) {
     assert.equal(page.told.newest(secret, "r1") ?? page.told.newest(secret, "w1"), undefined);

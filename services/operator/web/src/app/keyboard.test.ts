@@ -18,7 +18,8 @@ let unlisten: () => void;
 afterEach(() => unlisten());
 
 beforeEach(() => {
-  document.body.innerHTML = '<button id="b"></button><input id="i"><canvas id="map"></canvas>';
+  document.body.innerHTML =
+    '<button id="b"></button><input id="i"><input type="checkbox" id="c"><canvas id="map"></canvas>';
   store = createStore(defaultSettings);
   connection = new FakeConnection();
   driven = [];
@@ -61,6 +62,11 @@ describe("keys", () => {
   it("write into fields", () => {
     expect(press("s", {}, "i").defaultPrevented).toBe(false);
     expect(connection.asked).toEqual([]);
+  });
+
+  it("mean the same with the focus on a box that is ticked", () => {
+    press("s", {}, "c");
+    expect(connection.asked).toMatchObject([{ case: "stop", value: { robots: ["r1"] } }]);
   });
 
   it("ask once while they are held", () => {

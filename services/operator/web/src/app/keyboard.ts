@@ -1,3 +1,4 @@
+import { takesText } from "../map/takes_text";
 import { inTask } from "../panels/task/task_keys";
 import type { Teleoperation } from "../panels/teleoperation/teleoperation";
 import { DriveAction, Mode } from "../protocol/generated/console_pb";
@@ -43,8 +44,8 @@ export function listenToKeys(
   }
 
   function keyUp(event: KeyboardEvent): void {
-    const action = held.get(placeOf(event));
-    held.delete(placeOf(event));
+    const action = held.get(physicalKey(event));
+    held.delete(physicalKey(event));
     if (action !== undefined && ![...held.values()].includes(action)) driving.release(action);
   }
 
@@ -59,20 +60,19 @@ export function listenToKeys(
 
   function drive(event: KeyboardEvent, action: DriveAction): void {
     if (event.repeat) return;
-    held.set(placeOf(event), action);
+    held.set(physicalKey(event), action);
     driving.press(action);
   }
 
   function pressed(event: KeyboardEvent, place: Element | undefined): boolean {
-    const busy = store.dialog.value !== undefined || typesIn(place);
+    const busy = store.dialog.value !== undefined || takesText(event.target);
     const action = driveKeys.get(keyOf(event) ?? "");
     if (action !== undefined && store.state.value.session?.drives && !busy && !arrowsIn(place)) {
       drive(event, action);
       return true;
     }
     const replay = store.state.value.welcome?.mode === Mode.REPLAY;
-    const onControl =
-      (place?.closest("button, summary, a, select, input") ?? undefined) !== undefined;
+    const onControl = place !== undefined && place.closest(controls) !== null;
     const meant = commandOf(event, { replay, busy, onControl });
     const command = inTask(store.state.value, meant);
     if (command === undefined || (event.repeat && !mayRepeat(command))) return false;
@@ -81,18 +81,16 @@ export function listenToKeys(
   }
 }
 
+const controls = "button, summary, a, select, input";
+
 /** Which key of the keyboard it is; what it writes where that is not told. */
-function placeOf({ code, key }: KeyboardEvent): string {
+function physicalKey({ code, key }: KeyboardEvent): string {
   return code || key;
 }
 
 /** A key that is held down must not ask for the same again and again, but for turning pages. */
 function mayRepeat(command: string): boolean {
   return command.endsWith("picture");
-}
-
-function typesIn(place: Element | undefined): boolean {
-  return place?.matches("input:not([type=range]), textarea, [contenteditable=true]") ?? false;
 }
 
 function arrowsIn(place: Element | undefined): boolean {

@@ -56,6 +56,7 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
         watchesOnly: watchesOnly.value,
         participates: isTask(state.value),
         offersPaths: offersPaths(state.value),
+        arrowsDrive: state.value.session?.drives === true && mayCommand(state.value),
         mayEdit: mayEdit.value,
         mayGuide: mayGuide.value,
         editLimit: state.value.welcome?.limits?.editCells || undefined,

@@ -13,6 +13,10 @@ const arrows: ReadonlyMap<string, Cell> = new Map([
   ["ArrowRight", { row: 0, column: 1 }],
 ]);
 
+export function isArrow(key: string): boolean {
+  return arrows.has(key);
+}
+
 /** The key that pans while it is held, and uses the tool when it was only pressed. */
 export interface PanKey {
   held: boolean;

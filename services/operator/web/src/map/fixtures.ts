@@ -69,6 +69,7 @@ export class FakePage {
       watchesOnly: false,
       participates: false,
       offersPaths: true,
+      arrowsDrive: false,
       mayEdit: { allowed: true },
       mayGuide: { allowed: true },
       onEdit: async (world, cells, base) => {

@@ -40,6 +40,24 @@ afterEach(() => {
   document.body.replaceChildren();
 });
 
+describe("arrow keys that drive", () => {
+  beforeEach(() => begin({ arrowsDrive: true }));
+  const click = () => canvas.dispatchEvent(new Event("pointerdown"));
+
+  it("are left alone by a map that was clicked", () => {
+    click();
+    expect(press("ArrowUp")).toBe(false);
+    expect(model.cursor.value).toBeUndefined();
+  });
+
+  it("move the cursor of a map that was reached by Tab", () => {
+    click();
+    canvas.dispatchEvent(new Event("blur"));
+    expect(press("ArrowUp")).toBe(true);
+    expect(model.cursor.value).toEqual(at(1, 1));
+  });
+});
+
 describe("the key that pans", () => {
   it("uses the tool at the next press, however the pointer panned before", () => {
     begin({ tool: "wall" });

@@ -108,6 +108,8 @@ export type MapProps = {
   participates: boolean;
   /** Where the robot follows no paths there is no tool for them. */
   offersPaths: boolean;
+  /** The arrow keys drive a robot: a map that was clicked leaves them alone, one that was reached by Tab takes them. */
+  arrowsDrive: boolean;
   mayEdit: Permission;
   mayGuide: Permission; // of the chosen robot
   /** At most so many cells in one edit; a larger one is sent in parts. Not given: no limit. */
