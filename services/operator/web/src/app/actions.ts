@@ -3,6 +3,7 @@ import type { Connection, RequestOptions } from "../connection/connection";
 import type { Outcome as RequestOutcome } from "../connection/requests";
 import type { CellChange, Outcome } from "../map/map_props";
 import { needsReason, takeOverOf } from "../panels/control/take_over";
+import { type Place, Seeker } from "../panels/replay/seeker";
 import { isMappingTask } from "../panels/task/task_state";
 import type { CellAt } from "../protocol/cells";
 import type { RequestBody } from "../protocol/codec";
@@ -30,11 +31,13 @@ export class Actions {
   /** Keys of the queue's items that the person turned to, until it was all of them. */
   #passed = new Set<string>();
   #drives = 0;
+  #seeker: Seeker;
 
   constructor(store: Store, connection: Connection, clock: Clock) {
     this.#store = store;
     this.#connection = connection;
     this.#clock = clock;
+    this.#seeker = new Seeker((to) => connection.seek(to), clock);
   }
 
   /** Chooses `robot` and centres the map on it. */
@@ -184,8 +187,9 @@ export class Actions {
     return this.#ask("Shelve", { case: "shelve", value: { alert, duration } });
   }
 
-  seek(to: { position?: number; speed?: number }): void {
-    this.#connection.seek(to);
+  /** Of a recording. */
+  seek(to: Place): void {
+    this.#seeker.seek(to);
   }
 
   notify(text: string, kind: Notice["kind"] = "info"): void {
