@@ -21,10 +21,12 @@ export class ConsolePage {
     });
   }
 
-  /** The page shows robots, and the link is live. */
-  async hasRobots() {
+  /** The page shows robots and a map, and the link is live. */
+  async isReady() {
     await this.page.locator(".fleet-card").first().waitFor();
     await this.link("live");
+    await this.map.waitFor();
+    await until("the operator's map comes", () => this.told.all("belief").length > 0);
   }
 
   /** Waits until the page says so of its link to the service. */
