@@ -1,5 +1,5 @@
 // Keys of the cell cursor, while the canvas has the focus.
-import { clampCell } from "./grid";
+import { clampCell, sameCell } from "./grid";
 import type { Hand } from "./hand";
 import type { MapModel } from "./map_model";
 import type { Cell } from "./map_props";
@@ -111,9 +111,7 @@ export class CursorKeys {
 
   #chooseRobotIn(cell: Cell): void {
     const { robots, onChooseRobot } = this.#model.props.peek();
-    const here = robots.find(
-      ({ robot }) => robot.cell?.row === cell.row && robot.cell.column === cell.column,
-    );
+    const here = robots.find(({ robot }) => sameCell(robot.cell, cell));
     if (here) onChooseRobot(here.robot.name);
   }
 
@@ -121,9 +119,7 @@ export class CursorKeys {
     if (this.#model.props.peek().tool !== "path") return;
     const cursor = this.#model.cursor.peek();
     const session = this.#model.paths.peek().get(this.#model.props.peek().chosenRobot ?? "");
-    const onPath = session?.cells.some(
-      (cell) => cell.row === cursor?.row && cell.column === cursor.column,
-    );
+    const onPath = session?.cells.some((cell) => sameCell(cell, cursor));
     this.#hand.removeVertex(onPath ? cursor : undefined);
   }
 }

@@ -17,7 +17,7 @@ export type { Cell } from "./grid";
 
 export type RobotShape = "circle" | "square" | "triangle" | "diamond" | "pentagon" | "star";
 
-/** How old what the robot tells is; "no news": nobody can be heard now. */
+/** How old what a robot tells is, counted from when it said so; "no news": without a link nobody can be heard. */
 export type Freshness = "live" | "stale" | "lost" | "no news";
 
 /** A robot and how it looks, so that robots can be told apart without their colour. */

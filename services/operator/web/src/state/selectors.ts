@@ -1,5 +1,5 @@
 import type { CellAt } from "../protocol/cells";
-import { isWall } from "../protocol/cells";
+import { cellIndex, isWallAt } from "../protocol/cells";
 import {
   type Alert,
   type AttentionItem,
@@ -144,9 +144,10 @@ export interface Difference {
 
 /** What a picture shows that the operator's map has otherwise. */
 export function differenceOf(picture: Picture, belief: Belief, columns: number): Difference {
+  const isWall = (cell: CellAt) => isWallAt(belief.walls, cellIndex({ columns }, cell));
   return {
-    missing: picture.wallCells.filter((cell) => !isWall(belief.walls, cell, columns)),
-    wrong: picture.freeCells.filter((cell) => isWall(belief.walls, cell, columns)),
+    missing: picture.wallCells.filter((cell) => !isWall(cell)),
+    wrong: picture.freeCells.filter(isWall),
   };
 }
 

@@ -61,11 +61,6 @@ export function endDrawing(session: PathSession): PathSession {
   return { ...session, cells: worthKeeping(session.cells), drawing: false };
 }
 
-/** Without dragging: a click or a key adds the way to the cell. */
-export function addCell(session: PathSession, grid: WayGrid, cell: Cell): PathSession {
-  return endDrawing(beginDrawing(session, grid, cell));
-}
-
 function extend(
   session: PathSession,
   grid: WayGrid,

@@ -38,7 +38,7 @@ function alertNews(before: ConsoleState, after: ConsoleState): News[] {
 }
 
 /** s between two announcements: a screen reader must be able to finish. */
-export const announcePeriod = 4;
+const announcePeriod = 4;
 const mostAtOnce = 3;
 
 /** Texts of the page's two live regions; what comes too quickly is put together. */
