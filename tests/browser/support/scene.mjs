@@ -82,7 +82,7 @@ export class Scene {
    */
   async open(url, options) {
     const page = await this.openOnly(url, options);
-    await page.hasRobots();
+    await page.isReady();
     return page;
   }
 

@@ -18,7 +18,8 @@ let unlisten: () => void;
 afterEach(() => unlisten());
 
 beforeEach(() => {
-  document.body.innerHTML = '<button id="b"></button><input id="i"><canvas id="map"></canvas>';
+  document.body.innerHTML =
+    '<button id="b"></button><input id="i"><input type="checkbox" id="c"><canvas id="map"></canvas>';
   store = createStore(defaultSettings);
   connection = new FakeConnection();
   driven = [];
@@ -61,6 +62,11 @@ describe("keys", () => {
   it("write into fields", () => {
     expect(press("s", {}, "i").defaultPrevented).toBe(false);
     expect(connection.asked).toEqual([]);
+  });
+
+  it("mean the same with the focus on a box that is ticked", () => {
+    press("s", {}, "c");
+    expect(connection.asked).toMatchObject([{ case: "stop", value: { robots: ["r1"] } }]);
   });
 
   it("ask once while they are held", () => {
@@ -112,6 +118,42 @@ describe("driving keys", () => {
     press("ArrowUp");
     const up = new KeyboardEvent("keyup", { key: "ArrowUp", bubbles: true });
     document.querySelector("#i")?.dispatchEvent(up);
+    expect(driven).toEqual([forward, stop]);
+  });
+
+  it("do not begin again by repeating while they are still held", () => {
+    press("ArrowUp");
+    window.dispatchEvent(new Event("blur"));
+    expect(press("ArrowUp", { repeat: true }).defaultPrevented).toBe(true);
+    expect(driven).toEqual([forward, stop]);
+  });
+
+  it("stop with the key also when it writes something else by then", () => {
+    press("ArrowUp", { code: "Numpad8" });
+    window.dispatchEvent(new KeyboardEvent("keyup", { key: "8", code: "Numpad8" }));
+    expect(driven).toEqual([forward, stop]);
+  });
+
+  it("go on while another key for the same is held", () => {
+    press("ArrowUp", { code: "ArrowUp" });
+    press("ArrowUp", { code: "Numpad8" });
+    window.dispatchEvent(new KeyboardEvent("keyup", { key: "ArrowUp", code: "Numpad8" }));
+    expect(driven).toEqual([forward]);
+    window.dispatchEvent(new KeyboardEvent("keyup", { key: "ArrowUp", code: "ArrowUp" }));
+    expect(driven).toEqual([forward, stop]);
+  });
+
+  it.each([
+    [
+      "a context menu",
+      () => document.body.dispatchEvent(new Event("contextmenu", { bubbles: true })),
+    ],
+    ["Meta", () => press("Meta", { metaKey: true })],
+    ["Control", () => press("Control", { ctrlKey: true })],
+    ["Alt", () => press("Alt", { altKey: true })],
+  ])("stop at %s, which may swallow the release", (_, happens) => {
+    press("ArrowUp");
+    happens();
     expect(driven).toEqual([forward, stop]);
   });
 

@@ -14,16 +14,26 @@ interface Props {
 export function Modal({ title, onClose, toRead = false, children }: Props) {
   const dialog = useRef<HTMLDialogElement>(null);
   const heading = useId();
+  const close = useRef(onClose);
+  close.current = onClose;
   useEffect(() => {
-    dialog.current?.showModal();
+    const shown = dialog.current;
+    if (!shown) return undefined;
+    shown.showModal();
     if (toRead) {
-      dialog.current?.focus();
-      dialog.current?.scrollTo(0, 0);
+      shown.focus();
+      shown.scrollTo(0, 0);
     }
-    return () => dialog.current?.close();
-  }, []);
+    // Whichever way the browser closes it; but not when it goes because we have closed it.
+    const mounted = new AbortController();
+    shown.addEventListener("close", () => close.current(), { signal: mounted.signal });
+    return () => {
+      mounted.abort();
+      shown.close();
+    };
+  }, [toRead]);
   return (
-    <dialog ref={dialog} class="modal" tabIndex={-1} aria-labelledby={heading} onCancel={onClose}>
+    <dialog ref={dialog} class="modal" tabIndex={-1} aria-labelledby={heading}>
       <h2 id={heading}>{title}</h2>
       {children}
       {/* Last, so that the focus begins at what the dialog is about. */}

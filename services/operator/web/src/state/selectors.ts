@@ -1,4 +1,4 @@
-import { type CellAt, cellsOf, isWall } from "../protocol/cells";
+import { type CellAt, cellIndex, cellsOf, isWallAt } from "../protocol/cells";
 import {
   type Alert,
   type AttentionItem,
@@ -143,9 +143,10 @@ export interface Difference {
 
 /** What a picture shows that the operator's map has otherwise. */
 export function differenceOf(picture: Picture, belief: Belief, columns: number): Difference {
+  const isWall = (cell: CellAt) => isWallAt(belief.walls, cellIndex({ columns }, cell));
   return {
-    missing: cellsOf(picture.wallCells).filter((cell) => !isWall(belief.walls, cell, columns)),
-    wrong: cellsOf(picture.freeCells).filter((cell) => isWall(belief.walls, cell, columns)),
+    missing: cellsOf(picture.wallCells).filter((cell) => !isWall(cell)),
+    wrong: cellsOf(picture.freeCells).filter(isWall),
   };
 }
 

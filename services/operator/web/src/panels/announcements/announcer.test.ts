@@ -74,6 +74,17 @@ describe("announcer", () => {
     expect(announcer.polite.value).toBe("b");
   });
 
+  it("lets the same be read again when it happens again", () => {
+    say("a");
+    clock.advance(10);
+    say("a");
+    expect(announcer.polite.value).not.toBe("a");
+    expect(announcer.polite.value.trim()).toBe("a");
+    clock.advance(10);
+    say("a");
+    expect(announcer.polite.value).toBe("a");
+  });
+
   it("interrupts only for what is urgent", () => {
     announcer.tell([{ text: "fire", urgent: true }]);
     expect(announcer.urgent.value).toBe("fire");

@@ -1,4 +1,4 @@
-import { type ReadonlySignal, signal } from "@preact/signals";
+import { type ReadonlySignal, type Signal, signal } from "@preact/signals";
 import type { Clock } from "../../connection/clock";
 import { Severity } from "../../protocol/generated/console_pb";
 import type { ConsoleState } from "../../state/console_state";
@@ -38,7 +38,7 @@ function alertNews(before: ConsoleState, after: ConsoleState): News[] {
 }
 
 /** s between two announcements: a screen reader must be able to finish. */
-export const announcePeriod = 4;
+const announcePeriod = 4;
 const mostAtOnce = 3;
 
 /** Texts of the page's two live regions; what comes too quickly is put together. */
@@ -74,10 +74,16 @@ export class Announcer {
     const news = this.#waiting;
     this.#waiting = [];
     this.#quietUntil = this.#clock.now() + announcePeriod;
-    // A text that stays the same is not read again, so each speech empties the other region.
-    this.#urgent.value = together(news.filter(({ urgent }) => urgent));
-    this.#polite.value = together(news.filter(({ urgent }) => !urgent));
+    const of = (wanted: boolean) => news.filter(({ urgent }) => urgent === wanted);
+    speak(this.#urgent, of(true));
+    speak(this.#polite, of(false));
   }
+}
+
+/** A text that stays the same is not read again: one that comes again gets a space at its end, which is not read. */
+function speak(region: Signal<string>, news: readonly News[]): void {
+  const text = together(news);
+  region.value = text !== "" && text === region.peek() ? `${text}\u00a0` : text;
 }
 
 function together(news: readonly News[]): string {

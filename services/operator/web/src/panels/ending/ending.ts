@@ -1,3 +1,4 @@
+import { isWallAt } from "../../protocol/cells";
 import { Mode } from "../../protocol/generated/console_pb";
 import type { ConsoleState } from "../../state/console_state";
 import { robotNames } from "../../state/selectors";
@@ -28,5 +29,5 @@ export function endingOf(state: ConsoleState): Ending | undefined {
 }
 
 function differing({ walls, initialWalls }: { walls: Uint8Array; initialWalls: Uint8Array }) {
-  return walls.filter((wall, cell) => wall >= 128 !== (initialWalls[cell] ?? 0) >= 128).length;
+  return walls.filter((_, cell) => isWallAt(walls, cell) !== isWallAt(initialWalls, cell)).length;
 }

@@ -1,6 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { useConsole } from "../../app/console";
-import { Level, type Role, Role as Roles } from "../../protocol/generated/console_pb";
+import { Level, Role } from "../../protocol/generated/console_pb";
 import { ageOf } from "../../state/freshness";
 import { count, duration, milliseconds } from "../format";
 import {
@@ -107,6 +107,6 @@ function People() {
 }
 
 function roleText(role: Role): string {
-  if (role === Roles.ADMIN) return "admin";
-  return role === Roles.OPERATOR ? "operator" : "observer";
+  if (role === Role.ADMIN) return "admin";
+  return role === Role.OPERATOR ? "operator" : "observer";
 }
