@@ -5,6 +5,8 @@ import { robotNames } from "../../state/selectors";
 
 /** What a run was, when every robot has reached its goals. */
 export interface Ending {
+  /** Its folder in runs/; empty where it has none. */
+  readonly run: string;
   readonly goals: number;
   readonly moves: number;
   readonly pictures: number;
@@ -21,6 +23,7 @@ export function endingOf(state: ConsoleState): Ending | undefined {
   const goals = all.reduce((sum, { goalsTotal }) => sum + goalsTotal, 0);
   if (goals === 0 || all.some(({ goalsLeft }) => goalsLeft.length > 0)) return undefined;
   return {
+    run: state.session?.name ?? "",
     goals,
     moves: all.reduce((sum, { cellMoves }) => sum + Number(cellMoves), 0),
     pictures: all.reduce((sum, { pictures }) => sum + Number(pictures), 0),
