@@ -1,6 +1,6 @@
 import { type ReadonlySignal, type Signal, signal } from "@preact/signals";
 import type { Clock } from "../../connection/clock";
-import { Severity } from "../../protocol/generated/console_pb";
+import { type Alert, Severity } from "../../protocol/generated/console_pb";
 import type { ConsoleState } from "../../state/console_state";
 import { reasonText } from "../queue/words";
 
@@ -30,7 +30,9 @@ function attentionNews(before: ConsoleState, after: ConsoleState): News[] {
 function alertNews(before: ConsoleState, after: ConsoleState): News[] {
   if (before.alerts === after.alerts) return [];
   const known = new Set(before.alerts.filter(({ active }) => active).map(({ id }) => id));
-  const fresh = after.alerts.filter((a) => a.active && a.acknowledgedBy === "" && !known.has(a.id));
+  const calls = ({ active, acknowledgedBy, shelvedUntil, newest }: Alert) =>
+    active && acknowledgedBy === "" && shelvedUntil <= newest;
+  const fresh = after.alerts.filter((alert) => calls(alert) && !known.has(alert.id));
   return fresh.map(({ severity, source, text }) => ({
     text: `Alert, ${source}: ${text}`,
     urgent: severity === Severity.ALARM,

@@ -17,11 +17,8 @@ const groups: readonly Group[] = ["Safety", "Attention", "Robots", "Page"];
 export function HelpDialog() {
   const { store } = useConsole();
   const { session, welcome } = store.state.value;
-  const close = () => {
-    store.dialog.value = undefined;
-  };
   return (
-    <Modal title="Keys and signs" onClose={close} toRead>
+    <Modal title="Keys and signs" toRead>
       <div class="help">
         {groups.map((group) => (
           <Keys key={group} title={group} rows={of(group)} />
