@@ -23,7 +23,7 @@ export function HelpDialog() {
         {groups.map((group) => (
           <Keys key={group} title={group} rows={of(group)} />
         ))}
-        <Keys title="Map, while it has the focus" rows={mapKeys} />
+        <Keys title="Map" rows={mapKeys} />
         {session?.drives && <Keys title="Driving" rows={driveHelp} />}
         {welcome?.mode === Mode.REPLAY && <Keys title="Recording" rows={of("Recording")} />}
         <Legend />
