@@ -29,6 +29,15 @@ describe("news", () => {
     expect(texts([queue(["r1", 1])], [queue(["r1", 2])])).toHaveLength(1);
   });
 
+  it("are the same question asked anew", () => {
+    const asked = (since: number): UpdateBody => ({
+      case: "attention",
+      value: { items: [{ robot: "r1", reason: 1, since }] },
+    });
+    expect(texts([asked(10)], [asked(20)])).toHaveLength(1);
+    expect(texts([asked(10)], [asked(10)])).toEqual([]);
+  });
+
   it("are new alerts, and old ones that come again, but none that somebody acknowledged or put aside", () => {
     expect(texts([alert(1n)], [alert(1n), alert(2n)])).toEqual(["Alert, r1: silent"]);
     expect(texts([alert(1n, { active: false })], [alert(1n)])).toHaveLength(1);

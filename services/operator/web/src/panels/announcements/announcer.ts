@@ -2,6 +2,7 @@ import { type ReadonlySignal, type Signal, signal } from "@preact/signals";
 import type { Clock } from "../../connection/clock";
 import { type Alert, Severity } from "../../protocol/generated/console_pb";
 import type { ConsoleState } from "../../state/console_state";
+import { itemKey } from "../../state/selectors";
 import { reasonText } from "../queue/words";
 
 export interface News {
@@ -18,9 +19,8 @@ export function newsOf(before: ConsoleState, after: ConsoleState): readonly News
 
 function attentionNews(before: ConsoleState, after: ConsoleState): News[] {
   if (before.attention === after.attention) return [];
-  const key = ({ robot, reason }: { robot: string; reason: number }) => `${robot} ${reason}`;
-  const known = new Set(before.attention?.items.map(key));
-  const fresh = (after.attention?.items ?? []).filter((item) => !known.has(key(item)));
+  const known = new Set(before.attention?.items.map(itemKey));
+  const fresh = (after.attention?.items ?? []).filter((item) => !known.has(itemKey(item)));
   return fresh.map(({ robot, reason }) => ({
     text: `${robot} ${reasonText(reason, after.session?.drives ?? false)}`,
     urgent: false,

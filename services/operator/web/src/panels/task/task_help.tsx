@@ -27,5 +27,5 @@ export function TaskHelp() {
   );
 }
 
-/** Of the path tool, and of layers. */
+/** Of the path tool. */
 const pathKeys: ReadonlySet<string> = new Set(["P", "Delete"]);
