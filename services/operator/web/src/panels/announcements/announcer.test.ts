@@ -30,11 +30,12 @@ describe("news", () => {
   });
 
   it("are the same question asked anew", () => {
-    const asked = (since: number): UpdateBody => ({
+    const asked = (since: number, newestSnapshot = 1n): UpdateBody => ({
       case: "attention",
-      value: { items: [{ robot: "r1", reason: 1, since }] },
+      value: { items: [{ robot: "r1", reason: 1, since, newestSnapshot }] },
     });
     expect(texts([asked(10)], [asked(20)])).toHaveLength(1);
+    expect(texts([asked(10)], [asked(10, 2n)])).toHaveLength(1);
     expect(texts([asked(10)], [asked(10)])).toEqual([]);
   });
 
