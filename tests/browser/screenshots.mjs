@@ -175,6 +175,9 @@ async function manyRobots(scene) {
   await page.begin();
   await until("pictures come", () => page.told.all("picture").length > 4);
   await shoot(page, "16-robots");
+  await page.press("Shift+Escape");
+  await page.button("Go r16").waitFor();
+  await shoot(page, "16-robots-stopped");
 }
 
 async function bigMap(scene) {

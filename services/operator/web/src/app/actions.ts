@@ -192,6 +192,10 @@ export class Actions {
     this.#seeker.seek(to);
   }
 
+  closeDialog(): void {
+    this.#store.dialog.value = undefined;
+  }
+
   notify(text: string, kind: Notice["kind"] = "info"): void {
     this.#notices += 1;
     const { notices } = this.#store;

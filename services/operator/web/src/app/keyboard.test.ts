@@ -2,7 +2,7 @@
 import { afterEach, beforeEach, describe, expect, it } from "vitest";
 import { FakeClock, FakeConnection } from "../connection/fake";
 import { Teleoperation } from "../panels/teleoperation/teleoperation";
-import { DriveAction } from "../protocol/generated/console_pb";
+import { DriveAction, Mode } from "../protocol/generated/console_pb";
 import { updates, welcomeMessage } from "../state/fixtures";
 import { defaultSettings } from "../state/settings";
 import { createStore, type Store } from "../state/store";
@@ -19,7 +19,7 @@ afterEach(() => unlisten());
 
 beforeEach(() => {
   document.body.innerHTML =
-    '<button id="b"></button><input id="i"><input type="checkbox" id="c"><canvas id="map"></canvas>';
+    '<button id="b"><span id="in-b"></span></button><input id="i"><input type="checkbox" id="c"><canvas id="map"></canvas>';
   store = createStore(defaultSettings);
   connection = new FakeConnection();
   driven = [];
@@ -88,6 +88,34 @@ describe("keys", () => {
     store.choose(undefined);
     press("s");
     expect(connection.asked).toEqual([]);
+  });
+});
+
+describe("Space in a recording", () => {
+  const play = () => connection.sought.length;
+
+  beforeEach(() => {
+    store.receive(welcomeMessage({ mode: Mode.REPLAY }));
+    store.receive(updates([{ case: "playback", value: { duration: 10 } }]));
+  });
+
+  it("plays it", () => {
+    press(" ");
+    expect(connection.sought).toEqual([{ speed: 1 }]);
+  });
+
+  it("is left to a button that has the focus, also to what is in it", () => {
+    press(" ", {}, "b");
+    press(" ", {}, "in-b");
+    expect(play()).toBe(0);
+    press(" ", {}, "map");
+    expect(play()).toBe(1);
+  });
+
+  it("does nothing where nothing is recorded", () => {
+    store.receive(welcomeMessage({ mode: Mode.SUPERVISE }));
+    press(" ");
+    expect(play()).toBe(0);
   });
 });
 

@@ -3,7 +3,7 @@ import { inTask } from "../panels/task/task_keys";
 import type { Teleoperation } from "../panels/teleoperation/teleoperation";
 import { DriveAction, Mode } from "../protocol/generated/console_pb";
 import type { Store } from "../state/store";
-import { type Commands, commandOf, keyOf } from "./shortcuts";
+import { type CommandName, type Commands, commandOf, keyOf } from "./shortcuts";
 
 const driveKeys: ReadonlyMap<string, DriveAction> = new Map([
   ["ArrowUp", DriveAction.DRIVE_FORWARD],
@@ -75,7 +75,7 @@ export function listenToKeys(
     const onControl = place !== undefined && place.closest(controls) !== null;
     const meant = commandOf(event, { replay, busy, onControl });
     const command = inTask(store.state.value, meant);
-    if (command === undefined || (event.repeat && !mayRepeat(command))) return false;
+    if (command === undefined || (event.repeat && !repeating.has(command))) return false;
     commands[command]();
     return true;
   }
@@ -89,9 +89,7 @@ function physicalKey({ code, key }: KeyboardEvent): string {
 }
 
 /** A key that is held down must not ask for the same again and again, but for turning pages. */
-function mayRepeat(command: string): boolean {
-  return command.endsWith("picture");
-}
+const repeating: ReadonlySet<CommandName> = new Set(["older picture", "newer picture"]);
 
 function arrowsIn(place: Element | undefined): boolean {
   return place?.matches("input, select, textarea") ?? false;

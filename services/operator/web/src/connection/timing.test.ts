@@ -49,3 +49,19 @@ describe("the clock offset", () => {
     expect(offset()).toBeCloseTo(3700);
   });
 });
+
+describe("the round trip", () => {
+  it("is that of the newest answer, until another ping waits longer", () => {
+    ping(1, 0.2, 100);
+    timing.sent(2);
+    expect(timing.timing(2.1).roundTrip).toBeCloseTo(0.2);
+    expect(timing.timing(2.7).roundTrip).toBeCloseTo(0.7);
+  });
+
+  it("does not count a ping that was answered, nor those before it, as waiting", () => {
+    timing.sent(1);
+    timing.sent(2);
+    timing.answered(2, 102, 2.1);
+    expect(timing.timing(9).roundTrip).toBeCloseTo(0.1);
+  });
+});

@@ -2,6 +2,7 @@ import { type CellAt, cellIndex, cellsOf, isWallAt } from "../protocol/cells";
 import {
   type Alert,
   type AttentionItem,
+  AttentionReason,
   type Belief,
   type Control,
   Mode,
@@ -88,9 +89,10 @@ export function unanswered(state: ConsoleState, robot: string | undefined): Pict
   return newest?.answer === PictureAnswer.ANSWER_NONE ? newest : undefined;
 }
 
-/** The same reason at another time is another item. */
-export function itemKey({ robot, reason, since }: AttentionItem): string {
-  return `${robot} ${reason} ${since}`;
+/** The same reason at another time is another item, and so is another picture. */
+export function itemKey({ robot, reason, since, newestSnapshot }: AttentionItem): string {
+  const picture = reason === AttentionReason.REASON_PICTURE ? newestSnapshot : "";
+  return `${robot} ${reason} ${since} ${picture}`;
 }
 
 /**

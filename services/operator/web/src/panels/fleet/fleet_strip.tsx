@@ -85,7 +85,7 @@ function FreshnessBadge({ row: { freshness, age } }: { row: FleetRow }) {
   const kind = { live: "good", stale: "warn", lost: "bad", "no news": "bad" };
   const old = freshness === "live" || age === undefined ? "" : ` ${duration(age)}`;
   return (
-    <span class={kind[freshness]}>
+    <span class={`freshness ${kind[freshness]}`}>
       {signs[freshness]}
       <span class="word">
         {" "}
@@ -104,6 +104,7 @@ function StopAndGo({ row: { name, stopped } }: { row: FleetRow }) {
       {stopped && (
         <button
           type="button"
+          class="go"
           disabled={!store.mayCommand.value}
           title="Go"
           aria-label={`Go ${name}`}

@@ -3,6 +3,7 @@ import { useConsole } from "../../app/console";
 import { Level, Role } from "../../protocol/generated/console_pb";
 import { ageOf } from "../../state/freshness";
 import { count, duration, milliseconds } from "../format";
+import { driveLimits } from "../teleoperation/permission";
 import {
   framesSkipped,
   healthOf,
@@ -27,9 +28,7 @@ export function LatencyStrip() {
         <LinkState />
       </Item>
       <Item name="Round trip">
-        <span class={roundTripClass(roundTrip, state.welcome?.limits)}>
-          {milliseconds(roundTrip)}
-        </span>
+        <span class={roundTripClass(roundTrip, driveLimits(state))}>{milliseconds(roundTrip)}</span>
       </Item>
       <Item name="Planner">{milliseconds(plannerTime(state.searches))}</Item>
       <Item name="Picture age">{duration(age)}</Item>

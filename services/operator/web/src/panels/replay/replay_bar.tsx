@@ -107,15 +107,10 @@ function Ticks({ playback: { marks, duration } }: { playback: Playback }) {
     <svg class="ticks" viewBox="0 0 1000 10" preserveAspectRatio="none" aria-hidden="true">
       {marks.map(({ kind, position }, i) => {
         const x = (1000 * position) / duration;
+        const isAlert = kind === MarkKind.MARK_ALERT;
+        // Told apart by their height too, not by colour alone.
         return (
-          <line
-            key={i}
-            x1={x}
-            x2={x}
-            y1={0}
-            y2={10}
-            class={kind === MarkKind.MARK_ALERT ? "alert" : ""}
-          />
+          <line key={i} x1={x} x2={x} y1={isAlert ? 0 : 4} y2={10} class={isAlert ? "alert" : ""} />
         );
       })}
     </svg>
