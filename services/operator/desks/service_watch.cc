@@ -1,8 +1,6 @@
 #include "operator/desks/service_watch.h"
 
-#include <algorithm>
-
-#include "common/runtime/utf8.h"
+#include "common/service/reported_health.h"
 #include "operator/alerts/conditions.h"
 
 namespace conav::operators {
@@ -10,12 +8,8 @@ namespace conav::operators {
 void ServiceWatch::Step() {
   const Clock::TimePoint now = clock_.Now();
   for (const auto& array : diagnostics_.Take()) {
-    for (const auto& status : array.status()) {
-      if (status.hardware_id().empty()) continue;  // not one of conav's
-      const std::string name = Readable(status.hardware_id());
-      const auto level = std::min<int>(status.level(), static_cast<int>(Health::Level::kError));
-      services_[name] = {name, static_cast<Health::Level>(level), Readable(status.message()), now,
-                         false};
+    for (const ReportedHealth& health : HealthOf(array)) {
+      services_[health.process] = {health.process, health.level, health.message, now, false};
     }
   }
   for (auto& [name, service] : services_) service.silent = now - service.heard_at > kSilentAfter;

@@ -1,13 +1,12 @@
 #include "operator/replay/recorded_topics.h"
 
-#include <algorithm>
 #include <set>
 #include <utility>
 
 #include "common/bus/topics.h"
 #include "common/bus/type_support.h"
 #include "common/protocol/convert.h"
-#include "common/runtime/utf8.h"
+#include "common/service/reported_health.h"
 
 namespace conav::operators {
 namespace {
@@ -77,17 +76,6 @@ void AddWorld(Topics& topics, const std::string& world, TimelineBuilder& builder
   });
 }
 
-void HearHealth(const diagnostic_msgs::msg::DiagnosticArray& array, double wall_s,
-                TimelineBuilder& builder) {
-  for (const auto& status : array.status()) {
-    if (status.hardware_id().empty()) continue;  // not one of conav's
-    const int level = std::min<int>(status.level(), console::LEVEL_ERROR);
-    builder.Hear(wall_s,
-                 ServiceHealth{Readable(status.hardware_id()), static_cast<console::Level>(level),
-                               Readable(status.message())});
-  }
-}
-
 }  // namespace
 
 std::map<std::string, TakeUp> RecordedTopics(
@@ -106,7 +94,10 @@ std::map<std::string, TakeUp> RecordedTopics(
   topics.OnValue(bus::kOperatorRequest, "", hear);
   topics.OnValue(bus::kOperatorReply, "", hear);
   topics.On(bus::kDiagnostics, "", [&builder](const auto& array, double wall_s) {
-    HearHealth(array, wall_s, builder);
+    for (const ReportedHealth& health : HealthOf(array)) {
+      const auto level = static_cast<console::Level>(health.level);
+      builder.Hear(wall_s, ServiceHealth{health.process, level, health.message});
+    }
     return true;
   });
   return std::move(topics).Take();
