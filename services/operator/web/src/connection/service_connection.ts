@@ -124,7 +124,7 @@ export class ServiceConnection implements Connection {
     const message = decode(data);
     this.#heardAt = this.#parts.clock.now();
     if (message === undefined) return;
-    if (this.#welcomed && this.#link.state === "stale") this.#setLink({ state: "live" });
+    if (this.#link.state === "stale") this.#setLink({ state: "live" });
     this.#dispatch(message);
   }
 
