@@ -111,6 +111,10 @@ TEST_CASE("A withdrawn path answers nothing unless it answers a picture", "[oper
   withdrawn.answers_snapshot = 1;
   bench.queue.Hear(withdrawn, At(2));
   CHECK(bench.Order(2).empty());
+
+  bench.queue.Hear(Question("r1", AttentionReason::kBlocked, 1.0), At(3));
+  bench.queue.Hear(withdrawn, At(4));  // names the picture that was answered before
+  CHECK(bench.Order(4) == Robots{"r1"});
 }
 
 TEST_CASE("A robot that asks no more, or whose planner is gone, leaves unanswered",

@@ -166,10 +166,11 @@ export class Actions {
     this.#store.dialog.value = undefined;
   }
 
-  notify(text: string, kind: Notice["kind"] = "info"): void {
+  /** For `time` s. */
+  notify(text: string, kind: Notice["kind"] = "info", time = noticeTime): void {
     this.#notices += 1;
     const { notices } = this.#store;
-    const notice = { id: this.#notices, text, kind, until: this.#clock.now() + noticeTime };
+    const notice = { id: this.#notices, text, kind, until: this.#clock.now() + time };
     notices.value = [...notices.value.filter((other) => other.text !== text), notice].slice(-4);
   }
 

@@ -28,7 +28,9 @@ import {
   keepTime,
   offerStart,
   stopWithoutLink,
+  tellOfControl,
   tellOfReturn,
+  tellOfUse,
 } from "./wire";
 
 const clock = pageClock;
@@ -93,9 +95,11 @@ const announcer = new Announcer(clock);
 
 keepSettings(store, window, surroundings.localStorage);
 keepTime(store, connection, clock);
+tellOfUse(connection, window);
 askForFrames(store, connection, document);
 follow(console, announcer);
 tellOfReturn(store, announcer);
+tellOfControl(store, actions);
 offerStart(store);
 listenToKeys(window, store, commands, teleoperation);
 
