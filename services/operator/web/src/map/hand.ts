@@ -147,7 +147,7 @@ export class Hand {
   /** The robot to draw for: the chosen one, unless another is pressed on and no draft would be continued. */
   #chooseFor(pressed: string | undefined): string | undefined {
     const { chosenRobot, robots, onChooseRobot } = this.#model.props.peek();
-    const draft = chosenRobot === undefined ? undefined : this.#model.paths.peek().get(chosenRobot);
+    const draft = this.#model.paths.peek().get(chosenRobot ?? "");
     if (draft && paths.hasDraft(draft)) return chosenRobot;
     const only = robots.length === 1 ? robots[0]?.robot.name : undefined;
     const robot = pressed ?? chosenRobot ?? only;
