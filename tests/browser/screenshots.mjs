@@ -175,6 +175,9 @@ async function manyRobots(scene) {
   await page.begin();
   await until("pictures come", () => page.told.all("picture").length > 4);
   await shoot(page, "16-robots");
+  await page.press("Shift+Escape");
+  await page.button("Go r16").waitFor();
+  await shoot(page, "16-robots-stopped");
 }
 
 async function bigMap(scene) {
@@ -221,10 +224,7 @@ async function streaming(scene) {
   const page = await scene.open(system.url, { name: "Ada", colorScheme: "light" });
   await page.begin();
   await until("frames come", () => page.told.frames > 1);
-  await page.page
-    .getByRole("toolbar", { name: "Map" })
-    .getByRole("button", { name: "Path" })
-    .click();
+  await page.tool("Path").click();
   await page.pointAt(page.told.robot("r1").cell);
   await page.page.mouse.down();
   await page.pointAt({ row: 9, column: 10 });

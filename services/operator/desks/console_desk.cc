@@ -26,6 +26,12 @@ constexpr double kLongestValid = 3600.0;
 constexpr double kDriveAdvisedAgainst = 0.3;  // s, round trip
 constexpr double kDriveRefused = 1.0;         // s, round trip
 
+console::Session NamedSession(const OperatorConfig& config) {
+  console::Session session = SessionOf(config.robots, config.method);
+  session.set_name(config.recording.session);
+  return session;
+}
+
 console::Mode ModeOf(const TaskOptions& task) {
   if (!task.on()) return console::MODE_SUPERVISE;
   return task.kind == "study" ? console::MODE_STUDY : console::MODE_MAPPING_TASK;
@@ -82,7 +88,7 @@ ConsoleDesk::ConsoleDesk(bus::Participant& participant, const OperatorConfig& co
     : clock_(clock),
       keeps_secrets_(config.task.on()),
       pictures_(config.console.pictures_bytes()),
-      state_(updates_, SessionOf(config.robots, config.method)),
+      state_(updates_, NamedSession(config)),
       predictions_(participant, clock) {
   for (const auto& [robot, world] : WorldOfRobot("operator", config.robots)) {
     robots_.push_back(std::make_unique<RobotLink>(participant, robot, world));

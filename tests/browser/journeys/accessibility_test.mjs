@@ -17,10 +17,7 @@ journey("axe finds nothing serious in any state of the page, dark or light", asy
   await page.button("Log").click();
   await finds(page, "supervising");
 
-  await page.page
-    .getByRole("toolbar", { name: "Map" })
-    .getByRole("button", { name: "Path" })
-    .click();
+  await page.tool("Path").click();
   await page.button(/Layers/).click();
   await finds(page, "path tool and layers");
   await page.press("Escape");

@@ -20,6 +20,8 @@ journey(
       },
       { within: 200, every: 0.5, now: told },
     );
-    await page.panel("End of the run").getByText("All 8 goals reached").waitFor();
+    const ending = page.panel("End of the run");
+    await ending.getByText("All 8 goals reached").waitFor();
+    await ending.getByText(/conav replay runs\/[\w-]+seed\d+ plays/).waitFor();
   },
 );

@@ -17,7 +17,7 @@ journey("a reload keeps all that was done, and the control of robots", async (sc
   const { client } = page.told.welcome;
 
   await page.page.reload();
-  await page.hasRobots();
+  await page.isReady();
 
   assert.equal(page.told.welcome.client, client, "a reloaded page is the same client");
   assert.equal(page.told.control("r2").holder, client, "which has control still");

@@ -21,10 +21,12 @@ export class ConsolePage {
     });
   }
 
-  /** The page shows robots, and the link is live. */
-  async hasRobots() {
+  /** The page shows robots and a map, and the link is live. */
+  async isReady() {
     await this.page.locator(".fleet-card").first().waitFor();
     await this.link("live");
+    await this.map.waitFor();
+    await until("the operator's map comes", () => this.told.all("belief").length > 0);
   }
 
   /** Waits until the page says so of its link to the service. */
@@ -114,6 +116,11 @@ export class ConsolePage {
     return this.page.getByRole("application", { name: /^Your map/ });
   }
 
+  /** The button of a tool of the map. */
+  tool(name) {
+    return this.page.getByRole("group", { name: "Map tools" }).getByRole("button", { name });
+  }
+
   /** Puts the pointer on a cell, without leaving the map; the status line confirms that it is this one. */
   async pointAt({ row, column }) {
     await this.press("0"); // shows all of it
@@ -150,10 +157,7 @@ export class ConsolePage {
 
   /** Takes a tool and draws with the mouse through the middles of cells. */
   async draws([first, ...others], tool) {
-    await this.page
-      .getByRole("toolbar", { name: "Map" })
-      .getByRole("button", { name: tool })
-      .click();
+    await this.tool(tool).click();
     await this.pointAt(first);
     await this.page.mouse.down();
     for (const cell of others) await this.pointAt(cell);

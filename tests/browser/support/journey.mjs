@@ -14,9 +14,9 @@ export function journey(name, walk) {
       scene.checkFaults();
     } catch (error) {
       await scene.tell();
+      await scene.end().catch(console.log); // what went wrong first is what counts
       throw error;
-    } finally {
-      await scene.end();
     }
+    await scene.end();
   });
 }

@@ -1,11 +1,12 @@
 import assert from "node:assert/strict";
-import { mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { launch } from "./browser.mjs";
 import { ConsolePage, connectionTrouble } from "./console_page.mjs";
 import { Line } from "./line.mjs";
-import { DemoSystem, ParticipantSystem, ReplaySystem, ServiceSystem } from "./system.mjs";
+import { ServiceSystem } from "./service_system.mjs";
+import { DemoSystem, ParticipantSystem, ReplaySystem } from "./system.mjs";
 
 /** Where failed journeys leave what their pages looked like. */
 const failures = process.env.CONAV_BROWSER_FAILURES ?? join(tmpdir(), "conav-browser-failures");
@@ -82,7 +83,7 @@ export class Scene {
    */
   async open(url, options) {
     const page = await this.openOnly(url, options);
-    await page.hasRobots();
+    await page.isReady();
     return page;
   }
 
@@ -122,14 +123,25 @@ export class Scene {
       console.log(`page ${i}: ${path}${faults.map((fault) => `\n  ${fault}`).join("")}`);
     }
     for (const system of this.#systems) {
-      for (const log of system.logs())
+      // What went wrong may be that there is no log.
+      for (const log of system.logs().filter((file) => existsSync(file))) {
         console.log(`${log}:\n${readFileSync(log, "utf8").slice(-3000)}`);
+      }
     }
   }
 
+  /** All of it, also when some of it fails. */
   async end() {
-    for (const act of this.#ends.reverse()) await act();
+    const faults = [];
+    for (const act of this.#ends.reverse()) {
+      try {
+        await act();
+      } catch (error) {
+        faults.push(error);
+      }
+    }
     rmSync(this.folder, { recursive: true, force: true });
+    if (faults.length > 0) throw new AggregateError(faults, `${this.name}: could not tidy up`);
   }
 
   #keep(system) {

@@ -5,6 +5,7 @@ import {
   AttentionItemSchema,
   AttentionReason,
   DriveAction,
+  Mode,
 } from "../protocol/generated/console_pb";
 import { type UpdateBody, updates, welcomeMessage } from "../state/fixtures";
 import { defaultSettings } from "../state/settings";
@@ -160,10 +161,26 @@ describe("pictures", () => {
     expect(store.chosenPicture.value?.sequenceNumber).toBe(4n);
   });
 
-  it("are answered by nothing new, the newest only", () => {
+  it("are answered by nothing new, the newest only, and not before it is looked at", () => {
     actions.turnPages(-1);
     actions.nothingNew();
+    expect(connection.asked).toEqual([]);
+    expect(store.chosenPicture.value?.sequenceNumber).toBe(3n);
+    actions.nothingNew();
     expect(connection.asked).toEqual([{ case: "answer", value: { robot: "r1", snapshot: 3n } }]);
+  });
+
+  it("of a mapping task give way to the next one, whichever is looked at", () => {
+    store.receive(welcomeMessage({ mode: Mode.MAPPING_TASK }));
+    actions.turnPages(-1);
+    actions.nothingNew();
+    expect(connection.asked).toMatchObject([{ value: { snapshot: 3n } }]);
+  });
+
+  it("that are known no more give way to the newest", () => {
+    actions.turnPages(-1);
+    store.receive(updates([robot("r1"), picture(1n)], 9n, true));
+    expect(store.chosenPicture.value?.sequenceNumber).toBe(1n);
   });
 
   it("that were answered are not answered again", () => {

@@ -3,6 +3,8 @@ import type { Connection, RequestOptions } from "../connection/connection";
 import type { Outcome as RequestOutcome } from "../connection/requests";
 import type { CellChange, Outcome } from "../map/map_props";
 import { needsReason, takeOverOf } from "../panels/control/take_over";
+import { type Place, Seeker } from "../panels/replay/seeker";
+import { isMappingTask } from "../panels/task/task_state";
 import type { CellAt } from "../protocol/cells";
 import type { RequestBody } from "../protocol/codec";
 import {
@@ -29,11 +31,13 @@ export class Actions {
   /** Keys of the queue's items that the person turned to, until it was all of them. */
   #passed = new Set<string>();
   #drives = 0;
+  #seeker: Seeker;
 
   constructor(store: Store, connection: Connection, clock: Clock) {
     this.#store = store;
     this.#connection = connection;
     this.#clock = clock;
+    this.#seeker = new Seeker((to) => connection.seek(to), clock);
   }
 
   /** Chooses `robot` and centres the map on it. */
@@ -97,15 +101,19 @@ export class Actions {
     chosenSequence.value = at === all.length - 1 ? undefined : all[at]?.sequenceNumber;
   }
 
-  /** The chosen robot's newest picture was looked at and needs nothing. */
+  /** The chosen robot's newest picture was looked at and needs nothing. Where an older one is looked at, shows the newest first. */
   nothingNew(): void {
-    const picture = unanswered(this.#state, this.#store.chosenRobot.value);
+    const { chosenRobot, chosenPicture, chosenSequence } = this.#store;
+    const picture = unanswered(this.#state, chosenRobot.value);
     if (picture === undefined) {
       this.notify("No picture of this robot waits for an answer.");
-      return;
+    } else if (chosenPicture.value === picture || isMappingTask(this.#state)) {
+      const { robot, sequenceNumber: snapshot, world } = picture;
+      void this.#ask("Answer", { case: "answer", value: { robot, snapshot } }, { world });
+    } else {
+      chosenSequence.value = undefined;
+      this.notify("This is the newest picture, which waits for an answer. Is it nothing new?");
     }
-    const { robot, sequenceNumber: snapshot, world } = picture;
-    void this.#ask("Answer", { case: "answer", value: { robot, snapshot } }, { world });
   }
 
   /** None = all, in every world. */
@@ -142,8 +150,13 @@ export class Actions {
     return this.#ask("Edit", { case: "edit", value }, { world });
   }
 
-  /** An empty path withdraws. */
-  guide(robot: string, path: readonly CellAt[], answersSnapshot: bigint): Promise<Outcome> {
+  /**
+   * A path answers the robot's newest picture, also when an older one is shown. An empty one withdraws, and answers nothing: with a
+   * picture it would mean "nothing new".
+   */
+  guide(robot: string, path: readonly CellAt[]): Promise<Outcome> {
+    const picture = path.length === 0 ? undefined : unanswered(this.#state, robot);
+    const answersSnapshot = picture?.sequenceNumber ?? 0n;
     const limit = this.#state.welcome?.limits?.guidanceValidFor;
     const validFor = limit || defaultGuidanceTime;
     const value = { robot, path: [...path], answersSnapshot, validFor };
@@ -174,8 +187,13 @@ export class Actions {
     return this.#ask("Shelve", { case: "shelve", value: { alert, duration } });
   }
 
-  seek(to: { position?: number; speed?: number }): void {
-    this.#connection.seek(to);
+  /** Of a recording. */
+  seek(to: Place): void {
+    this.#seeker.seek(to);
+  }
+
+  closeDialog(): void {
+    this.#store.dialog.value = undefined;
   }
 
   notify(text: string, kind: Notice["kind"] = "info"): void {

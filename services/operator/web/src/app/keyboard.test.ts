@@ -2,7 +2,7 @@
 import { afterEach, beforeEach, describe, expect, it } from "vitest";
 import { FakeClock, FakeConnection } from "../connection/fake";
 import { Teleoperation } from "../panels/teleoperation/teleoperation";
-import { DriveAction } from "../protocol/generated/console_pb";
+import { DriveAction, Mode } from "../protocol/generated/console_pb";
 import { updates, welcomeMessage } from "../state/fixtures";
 import { defaultSettings } from "../state/settings";
 import { createStore, type Store } from "../state/store";
@@ -18,7 +18,8 @@ let unlisten: () => void;
 afterEach(() => unlisten());
 
 beforeEach(() => {
-  document.body.innerHTML = '<button id="b"></button><input id="i"><canvas id="map"></canvas>';
+  document.body.innerHTML =
+    '<button id="b"><span id="in-b"></span></button><input id="i"><input type="checkbox" id="c"><canvas id="map"></canvas>';
   store = createStore(defaultSettings);
   connection = new FakeConnection();
   driven = [];
@@ -63,6 +64,11 @@ describe("keys", () => {
     expect(connection.asked).toEqual([]);
   });
 
+  it("mean the same with the focus on a box that is ticked", () => {
+    press("s", {}, "c");
+    expect(connection.asked).toMatchObject([{ case: "stop", value: { robots: ["r1"] } }]);
+  });
+
   it("ask once while they are held", () => {
     press("g");
     press("g", { repeat: true });
@@ -82,6 +88,34 @@ describe("keys", () => {
     store.choose(undefined);
     press("s");
     expect(connection.asked).toEqual([]);
+  });
+});
+
+describe("Space in a recording", () => {
+  const play = () => connection.sought.length;
+
+  beforeEach(() => {
+    store.receive(welcomeMessage({ mode: Mode.REPLAY }));
+    store.receive(updates([{ case: "playback", value: { duration: 10 } }]));
+  });
+
+  it("plays it", () => {
+    press(" ");
+    expect(connection.sought).toEqual([{ speed: 1 }]);
+  });
+
+  it("is left to a button that has the focus, also to what is in it", () => {
+    press(" ", {}, "b");
+    press(" ", {}, "in-b");
+    expect(play()).toBe(0);
+    press(" ", {}, "map");
+    expect(play()).toBe(1);
+  });
+
+  it("does nothing where nothing is recorded", () => {
+    store.receive(welcomeMessage({ mode: Mode.SUPERVISE }));
+    press(" ");
+    expect(play()).toBe(0);
   });
 });
 
@@ -112,6 +146,42 @@ describe("driving keys", () => {
     press("ArrowUp");
     const up = new KeyboardEvent("keyup", { key: "ArrowUp", bubbles: true });
     document.querySelector("#i")?.dispatchEvent(up);
+    expect(driven).toEqual([forward, stop]);
+  });
+
+  it("do not begin again by repeating while they are still held", () => {
+    press("ArrowUp");
+    window.dispatchEvent(new Event("blur"));
+    expect(press("ArrowUp", { repeat: true }).defaultPrevented).toBe(true);
+    expect(driven).toEqual([forward, stop]);
+  });
+
+  it("stop with the key also when it writes something else by then", () => {
+    press("ArrowUp", { code: "Numpad8" });
+    window.dispatchEvent(new KeyboardEvent("keyup", { key: "8", code: "Numpad8" }));
+    expect(driven).toEqual([forward, stop]);
+  });
+
+  it("go on while another key for the same is held", () => {
+    press("ArrowUp", { code: "ArrowUp" });
+    press("ArrowUp", { code: "Numpad8" });
+    window.dispatchEvent(new KeyboardEvent("keyup", { key: "ArrowUp", code: "Numpad8" }));
+    expect(driven).toEqual([forward]);
+    window.dispatchEvent(new KeyboardEvent("keyup", { key: "ArrowUp", code: "ArrowUp" }));
+    expect(driven).toEqual([forward, stop]);
+  });
+
+  it.each([
+    [
+      "a context menu",
+      () => document.body.dispatchEvent(new Event("contextmenu", { bubbles: true })),
+    ],
+    ["Meta", () => press("Meta", { metaKey: true })],
+    ["Control", () => press("Control", { ctrlKey: true })],
+    ["Alt", () => press("Alt", { altKey: true })],
+  ])("stop at %s, which may swallow the release", (_, happens) => {
+    press("ArrowUp");
+    happens();
     expect(driven).toEqual([forward, stop]);
   });
 

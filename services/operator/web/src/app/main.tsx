@@ -21,11 +21,20 @@ import { App } from "./app";
 import { commandsOf } from "./commands";
 import type { Console } from "./console";
 import { listenToKeys } from "./keyboard";
-import { askForFrames, follow, keepSettings, keepTime, offerStart, stopWithoutLink } from "./wire";
+import {
+  askForFrames,
+  follow,
+  keepSettings,
+  keepTime,
+  offerStart,
+  stopWithoutLink,
+  tellOfReturn,
+} from "./wire";
 
 const clock = pageClock;
-const identity = identify(surroundingsOf(window));
-const store = createStore(readSettings(localStorage));
+const surroundings = surroundingsOf(window);
+const identity = identify(surroundings);
+const store = createStore(readSettings(surroundings.localStorage));
 const inbox = new Inbox(store, clock, () => connection.shown());
 const connection = new ServiceConnection({
   sockets: webSocketFactory(serviceUrl(location)),
@@ -76,16 +85,17 @@ const console: Console = {
   tour: new Tour(),
   history: signal(emptyHistory),
   rename: (name) => {
-    rememberName(window, name);
+    rememberName(surroundings, name);
     location.reload();
   },
 };
 const announcer = new Announcer(clock);
 
-keepSettings(store, window);
+keepSettings(store, window, surroundings.localStorage);
 keepTime(store, connection, clock);
 askForFrames(store, connection, document);
 follow(console, announcer);
+tellOfReturn(store, announcer);
 offerStart(store);
 listenToKeys(window, store, commands, teleoperation);
 

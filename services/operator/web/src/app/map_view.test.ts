@@ -114,4 +114,19 @@ describe("the map's view", () => {
       value: { robot: "r1", answersSnapshot: 7n, validFor: 600 },
     });
   });
+
+  it("answers no picture by taking a path back", async () => {
+    store.receive(welcomeMessage());
+    hear(world("w1"), robot("r1"), { case: "picture", value: { robot: "r1", sequenceNumber: 7n } });
+    await view.value?.onPath("r1", []);
+    expect(connection.asked[0]).toMatchObject({ value: { path: [], answersSnapshot: 0n } });
+  });
+
+  it("sends an edit to the world that it was drawn in, whichever is shown by then", async () => {
+    hear(world("w1"), world("w2"), robot("r1"), robot("r2", "w2"));
+    const drawn = view.value;
+    store.choose("r2");
+    await drawn?.onEdit("w1", [], 0n);
+    expect(connection.options[0]).toMatchObject({ world: "w1" });
+  });
 });

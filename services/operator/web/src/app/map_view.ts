@@ -5,14 +5,7 @@ import type { CellAt } from "../protocol/cells";
 import { type Picture, Role } from "../protocol/generated/console_pb";
 import type { ConsoleState } from "../state/console_state";
 import { freshnessOf } from "../state/freshness";
-import {
-  mayCommand,
-  nameOf,
-  trailCells,
-  unanswered,
-  whyNotCommand,
-  worldOf,
-} from "../state/selectors";
+import { mayCommand, nameOf, trailCells, whyNotCommand, worldOf } from "../state/selectors";
 import type { Store } from "../state/store";
 import type { Actions } from "./actions";
 import { lookOf } from "./palette";
@@ -33,16 +26,12 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
     pictures: picturesOf(() => state.value.pictures, names),
   };
   const robots = computed(() => mapRobots(store, names.value));
-  const chosenPicture = computed(() => {
-    const picture = store.chosenPicture.value;
-    return picture && { robot: picture.robot, sequenceNumber: picture.sequenceNumber };
-  });
   const watchesOnly = computed(() => link.value.state === "live" && !mayCommand(state.value));
   const mayEdit = computed(() => permission(whyNotEdit(state.value, link.value.state)));
   const mayGuide = computed(() =>
     permission(whyNotGuide(state.value, link.value.state, chosenRobot.value)),
   );
-  const callbacks = callbacksOf(store, actions, world);
+  const callbacks = callbacksOf(store, actions);
 
   return computed(() => {
     const shown = state.value.worlds.get(world.value ?? "");
@@ -60,13 +49,14 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
         guidance: parts.guidance.value,
         goalPoses: parts.goalPoses.value,
         pictures: parts.pictures.value,
-        chosenPicture: chosenPicture.value,
+        chosenPicture: store.chosenPicture.value,
         layers: store.settings.value.layers,
         chosenRobot: chosenRobot.value,
         tool: store.tool.value,
         watchesOnly: watchesOnly.value,
         participates: isTask(state.value),
         offersPaths: offersPaths(state.value),
+        arrowsDrive: state.value.session?.drives === true && mayCommand(state.value),
         mayEdit: mayEdit.value,
         mayGuide: mayGuide.value,
         editLimit: state.value.welcome?.limits?.editCells || undefined,
@@ -77,7 +67,7 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
   });
 }
 
-function callbacksOf(store: Store, actions: Actions, world: ReadonlySignal<string | undefined>) {
+function callbacksOf(store: Store, actions: Actions) {
   return {
     onLayers: (layers: MapProps["layers"]) => {
       store.settings.value = { ...store.settings.value, layers };
@@ -87,15 +77,8 @@ function callbacksOf(store: Store, actions: Actions, world: ReadonlySignal<strin
       if (tool === "look" || mayCommand(store.state.peek())) store.tool.value = tool;
     },
     onChooseRobot: (name: string) => store.choose(name),
-    onEdit: (...[cells, baseRevision]: Parameters<MapProps["onEdit"]>) =>
-      actions.edit(world.value ?? "", cells, baseRevision),
-    // A path answers the robot's newest picture, also when an older one is shown.
-    onPath: (...[robot, cells, answers]: Parameters<MapProps["onPath"]>) =>
-      actions.guide(
-        robot,
-        cells,
-        answers ?? unanswered(store.state.value, robot)?.sequenceNumber ?? 0n,
-      ),
+    onEdit: (...edit: Parameters<MapProps["onEdit"]>) => actions.edit(...edit),
+    onPath: (...path: Parameters<MapProps["onPath"]>) => actions.guide(...path),
   };
 }
 

@@ -41,28 +41,3 @@ export function lookOf(index: number): RobotLook {
     dash: dashes[Math.floor(index / 2) % dashes.length] ?? [],
   };
 }
-
-/** Corners of a shape in a square of -1..1; none for the circle. For icons, and for whoever draws robots. */
-export function cornersOf(shape: RobotShape): readonly (readonly [number, number])[] {
-  switch (shape) {
-    case "circle":
-      return [];
-    case "square":
-      return ring(4, 45, 1.2);
-    case "triangle":
-      return ring(3, -90, 1.1);
-    case "diamond":
-      return ring(4, -90, 1.15);
-    case "pentagon":
-      return ring(5, -90, 1.05);
-    case "star":
-      return ring(5, -90, 1.2).flatMap((tip, i) => [tip, ring(5, -54, 0.55)[i] ?? tip]);
-  }
-}
-
-function ring(count: number, startDegrees: number, radius: number): (readonly [number, number])[] {
-  return Array.from({ length: count }, (_, i) => {
-    const angle = ((startDegrees + (360 / count) * i) * Math.PI) / 180;
-    return [radius * Math.cos(angle), radius * Math.sin(angle)] as const;
-  });
-}

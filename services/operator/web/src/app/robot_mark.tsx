@@ -1,6 +1,9 @@
+import { cornersOf } from "../map/draw/shapes";
 import { useConsole } from "./console";
-import { cornersOf, lookOf } from "./palette";
+import { lookOf } from "./palette";
 import "./robot_mark.css";
+
+const radius = 9.5;
 
 /** A robot's shape, colour and letter. What it is called stands beside it. */
 export function RobotMark({ robot }: { robot: string }) {
@@ -8,13 +11,13 @@ export function RobotMark({ robot }: { robot: string }) {
     Math.max(0, useConsole().store.robots.value.indexOf(robot)),
   );
   const corners = cornersOf(shape);
-  const points = corners.map(([x, y]) => `${12 + 10 * x},${12 + 10 * y}`).join(" ");
+  const points = corners.map(({ x, y }) => `${12 + radius * x},${12 + radius * y}`).join(" ");
   return (
     <svg class="robot-mark" viewBox="0 0 24 24" aria-hidden="true">
       {corners.length > 0 ? (
         <polygon points={points} fill={colour} />
       ) : (
-        <circle cx="12" cy="12" r="10" fill={colour} />
+        <circle cx="12" cy="12" r={radius} fill={colour} />
       )}
       <text x="12" y="16">
         {letter}

@@ -1,4 +1,5 @@
 import { effect } from "@preact/signals";
+import type { KeptTexts } from "../connection/browser_storage";
 import type { Clock } from "../connection/clock";
 import type { Connection, Link } from "../connection/connection";
 import { type Announcer, newsOf } from "../panels/announcements/announcer";
@@ -49,6 +50,16 @@ export function follow({ store, tour, history }: Console, announcer: Announcer):
   effect(() => tour.look(sightOf(store)));
 }
 
+/** For screen readers, that what is shown is new again; that it is old says the banner. */
+export function tellOfReturn(store: Store, announcer: Announcer): void {
+  let wasLost = false;
+  effect(() => {
+    const { state } = store.link.value;
+    if (state === "live" && wasLost) announcer.tell([{ text: "Connected again", urgent: false }]);
+    wasLost = state !== "live" && store.state.peek().welcome !== undefined;
+  });
+}
+
 /** Offers to begin, once per run; whoever begins elsewhere ends the offer. */
 export function offerStart(store: Store): void {
   let offered = "";
@@ -70,7 +81,7 @@ export function stopWithoutLink(link: Link, driving: Teleoperation): void {
   if (link.state !== "live") driving.halt();
 }
 
-export function keepSettings(store: Store, page: Window): void {
+export function keepSettings(store: Store, page: Window, kept: KeptTexts): void {
   const prefersDark = page.matchMedia("(prefers-color-scheme: dark)");
   const show = () => {
     const { theme } = store.settings.value;
@@ -79,5 +90,5 @@ export function keepSettings(store: Store, page: Window): void {
   };
   effect(show);
   prefersDark.addEventListener("change", show);
-  effect(() => writeSettings(page.localStorage, store.settings.value));
+  effect(() => writeSettings(kept, store.settings.value));
 }

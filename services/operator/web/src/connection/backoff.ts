@@ -1,5 +1,5 @@
-export const shortestWait = 0.25;
-export const longestWait = 4;
+const shortestWait = 0.25;
+const longestWait = 4;
 
 /** How long to wait before attempt 1, 2, ..., s: doubled each time, and half of it by chance, so that not all pages come back at once. */
 export function backoff(attempt: number, random: number): number {

@@ -1,3 +1,5 @@
+import { type KeptTexts, storageOf } from "./browser_storage";
+
 /** Who this page says it is, see Hello. */
 export interface Identity {
   readonly token: string;
@@ -11,8 +13,8 @@ export interface Identity {
 export interface Surroundings {
   readonly location: { readonly hash: string; readonly pathname: string; readonly search: string };
   readonly history: { replaceState(data: unknown, unused: string, url: string): void };
-  readonly sessionStorage: Pick<Storage, "getItem" | "setItem">;
-  readonly localStorage: Pick<Storage, "getItem" | "setItem">;
+  readonly sessionStorage: KeptTexts;
+  readonly localStorage: KeptTexts;
   /** Whether the page was loaded anew in its tab, rather than opened. */
   readonly reloaded: boolean;
   /** s since 1970. */
@@ -73,12 +75,12 @@ function takeInstance(browser: Surroundings): string {
 export function surroundingsOf(window: Window & typeof globalThis): Surroundings {
   const [entry] = window.performance.getEntriesByType("navigation");
   const reloaded = entry instanceof PerformanceNavigationTiming && entry.type === "reload";
-  const { location, history, sessionStorage, localStorage, crypto } = window;
+  const { location, history, crypto } = window;
   return {
     location,
     history,
-    sessionStorage,
-    localStorage,
+    sessionStorage: storageOf(() => window.sessionStorage),
+    localStorage: storageOf(() => window.localStorage),
     crypto,
     reloaded,
     now: Date.now() / 1000,

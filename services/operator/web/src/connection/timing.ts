@@ -12,6 +12,13 @@ interface Sample {
 }
 
 const window = 16;
+/** s by which two clocks may drift apart meanwhile. */
+const clockDrift = 0.005;
+
+/** Whether both can be true of the same clocks; if not, a clock was set, or this computer slept, in between. */
+function agree(a: Sample, b: Sample): boolean {
+  return Math.abs(a.offset - b.offset) <= (a.roundTrip + b.roundTrip) / 2 + clockDrift;
+}
 
 /**
  * Round trip and clock offset from pings. Of the newest pings the one with the least round trip tells the offset best: its error
@@ -22,9 +29,12 @@ export class TimingFilter {
   #underWay: number[] = [];
   #offset: number | undefined;
 
-  /** `serviceTime` of a Welcome: less exact than any ping, but there at once. The first one counts. */
+  /**
+   * `serviceTime` of a Welcome: less exact than any ping, but there at once. It was said before it came, so the offset is not below:
+   * one that is was measured before this computer slept, while which the page's time stood still.
+   */
   greet(serviceTime: number, now: number): void {
-    this.#offset ??= serviceTime - now;
+    this.#offset = Math.max(this.#offset ?? Number.NEGATIVE_INFINITY, serviceTime - now);
   }
 
   sent(now: number): void {
@@ -35,8 +45,9 @@ export class TimingFilter {
     if (!this.#underWay.includes(pageTime)) return;
     this.#underWay = this.#underWay.filter((sent) => sent > pageTime);
     const roundTrip = now - pageTime;
-    this.#samples.push({ roundTrip, offset: serviceTime + roundTrip / 2 - now });
-    this.#samples = this.#samples.slice(-window);
+    const sample = { roundTrip, offset: serviceTime + roundTrip / 2 - now };
+    const alike = this.#samples.filter((other) => agree(other, sample));
+    this.#samples = [...alike, sample].slice(-window);
     const best = this.#samples.reduce((a, b) => (b.roundTrip <= a.roundTrip ? b : a));
     this.#offset = best.offset;
   }

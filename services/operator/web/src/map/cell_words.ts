@@ -1,5 +1,14 @@
 import type { SeenMap } from "../protocol/generated/console_pb";
-import { type Cell, cellIndex, cellText, freeCell, type GridSize, isWall, wallCell } from "./grid";
+import {
+  type Cell,
+  cellIndex,
+  cellText,
+  freeCell,
+  type GridSize,
+  isWall,
+  sameCell,
+  wallCell,
+} from "./grid";
 
 export type CellFacts = {
   readonly size: GridSize;
@@ -33,7 +42,7 @@ function seenWords(cell: Cell, { size, seen }: CellFacts): string[] {
 }
 
 function robotWords(cell: Cell, { robots }: CellFacts): string[] {
-  const isHere = (other: Cell) => other.row === cell.row && other.column === cell.column;
+  const isHere = (other: Cell) => sameCell(other, cell);
   const standing = robots.filter((robot) => robot.cell && isHere(robot.cell));
   const goals = robots.filter((robot) => robot.goalsLeft.some(isHere));
   return [
@@ -42,6 +51,6 @@ function robotWords(cell: Cell, { robots }: CellFacts): string[] {
   ];
 }
 
-export function capital(text: string): string {
+function capital(text: string): string {
   return text.slice(0, 1).toUpperCase() + text.slice(1);
 }

@@ -1,5 +1,5 @@
 // Keys of the cell cursor, while the canvas has the focus.
-import { clampCell } from "./grid";
+import { clampCell, sameCell } from "./grid";
 import type { Hand } from "./hand";
 import type { MapModel } from "./map_model";
 import type { Cell } from "./map_props";
@@ -12,6 +12,10 @@ const arrows: ReadonlyMap<string, Cell> = new Map([
   ["ArrowLeft", { row: 0, column: -1 }],
   ["ArrowRight", { row: 0, column: 1 }],
 ]);
+
+export function isArrow(key: string): boolean {
+  return arrows.has(key);
+}
 
 /** The key that pans while it is held, and uses the tool when it was only pressed. */
 export interface PanKey {
@@ -38,7 +42,7 @@ export class CursorKeys {
       this.#moveTo((cell) => ({ row: cell.row + by.row, column: cell.column + by.column }));
     else if (event.key === "Home") this.#moveTo((cell) => homeOf(cell, event.ctrlKey));
     else if (event.key === "End") this.#moveTo((cell) => this.#endOf(cell, event.ctrlKey));
-    else if (event.key === " ") this.#panKey.held = true;
+    else if (event.key === " ") this.#holdPanKey();
     else if (event.key === "Enter") this.#enter(event.shiftKey);
     else if (event.key === "Delete" || event.key === "Backspace") this.#remove();
     else return false;
@@ -47,8 +51,13 @@ export class CursorKeys {
 
   release(event: KeyboardEvent): void {
     if (event.key !== " " || !this.#panKey.held) return;
-    if (!this.#panKey.used) this.#apply(event.shiftKey);
     this.#panKey.held = false;
+    if (!this.#panKey.used) this.#apply(event.shiftKey);
+  }
+
+  #holdPanKey(): void {
+    if (this.#panKey.held) return; // it repeats
+    this.#panKey.held = true;
     this.#panKey.used = false;
   }
 
@@ -102,9 +111,7 @@ export class CursorKeys {
 
   #chooseRobotIn(cell: Cell): void {
     const { robots, onChooseRobot } = this.#model.props.peek();
-    const here = robots.find(
-      ({ robot }) => robot.cell?.row === cell.row && robot.cell.column === cell.column,
-    );
+    const here = robots.find(({ robot }) => sameCell(robot.cell, cell));
     if (here) onChooseRobot(here.robot.name);
   }
 
@@ -112,9 +119,7 @@ export class CursorKeys {
     if (this.#model.props.peek().tool !== "path") return;
     const cursor = this.#model.cursor.peek();
     const session = this.#model.paths.peek().get(this.#model.props.peek().chosenRobot ?? "");
-    const onPath = session?.cells.some(
-      (cell) => cell.row === cursor?.row && cell.column === cursor.column,
-    );
+    const onPath = session?.cells.some((cell) => sameCell(cell, cursor));
     this.#hand.removeVertex(onPath ? cursor : undefined);
   }
 }

@@ -32,8 +32,8 @@ export function robotIn(name: string, cell: Cell): MapRobot {
 }
 
 export type Asked =
-  | { kind: "edit"; cells: readonly CellChange[]; base: bigint }
-  | { kind: "path"; robot: string; cells: readonly Cell[]; answers: bigint | undefined }
+  | { kind: "edit"; world: string; cells: readonly CellChange[]; base: bigint }
+  | { kind: "path"; robot: string; cells: readonly Cell[] }
   | { kind: "robot"; name: string }
   | { kind: "tool"; tool: MapProps["tool"] };
 
@@ -69,14 +69,15 @@ export class FakePage {
       watchesOnly: false,
       participates: false,
       offersPaths: true,
+      arrowsDrive: false,
       mayEdit: { allowed: true },
       mayGuide: { allowed: true },
-      onEdit: async (cells, base) => {
-        this.asked.push({ kind: "edit", cells, base });
+      onEdit: async (world, cells, base) => {
+        this.asked.push({ kind: "edit", world, cells, base });
         return this.outcome;
       },
-      onPath: async (robot, cells, answers) => {
-        this.asked.push({ kind: "path", robot, cells, answers });
+      onPath: async (robot, cells) => {
+        this.asked.push({ kind: "path", robot, cells });
         return this.outcome;
       },
       ...more,

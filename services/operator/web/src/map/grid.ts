@@ -1,21 +1,20 @@
 // Cells and grids. Row 0 is the northern row, column 0 the western; cells in row-major order.
 
-/** The protocol's Cell is one. */
-export type Cell = { readonly row: number; readonly column: number };
+import { type CellAt as Cell, cellIndex, type GridSize, isWallAt } from "../protocol/cells";
 
-export type GridSize = { readonly rows: number; readonly columns: number };
-
-/** From this byte on a cell of the operator's map counts as a wall. */
-export const wallFrom = 128;
+export {
+  type CellAt as Cell,
+  cellIndex,
+  cellText,
+  type GridSize,
+  isWallAt,
+  sameCell,
+} from "../protocol/cells";
 
 /** Values of SeenMap.cells and Truth.cells. */
 export const unknownCell = 0;
 export const freeCell = 1;
 export const wallCell = 2;
-
-export function sameCell(a: Cell | undefined, b: Cell | undefined): boolean {
-  return a !== undefined && b !== undefined && a.row === b.row && a.column === b.column;
-}
 
 export function contains(size: GridSize, cell: Cell): boolean {
   return cell.row >= 0 && cell.row < size.rows && cell.column >= 0 && cell.column < size.columns;
@@ -29,10 +28,6 @@ export function onBorder(size: GridSize, cell: Cell): boolean {
     cell.row === size.rows - 1 ||
     cell.column === size.columns - 1
   );
-}
-
-export function cellIndex(size: GridSize, cell: Cell): number {
-  return cell.row * size.columns + cell.column;
 }
 
 export function cellOfIndex(size: GridSize, index: number): Cell {
@@ -51,11 +46,7 @@ export function distance(a: Cell, b: Cell): number {
 }
 
 export function isWall(walls: Uint8Array, size: GridSize, cell: Cell): boolean {
-  return contains(size, cell) && (walls[cellIndex(size, cell)] ?? 0) >= wallFrom;
-}
-
-export function cellText(cell: Cell): string {
-  return `row ${cell.row}, column ${cell.column}`;
+  return contains(size, cell) && isWallAt(walls, cellIndex(size, cell));
 }
 
 /** All cells of the rectangle that has the two as corners. */

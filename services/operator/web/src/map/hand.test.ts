@@ -1,11 +1,6 @@
 import { create } from "@bufbuild/protobuf";
 import { describe, expect, it } from "vitest";
-import {
-  GuidanceSchema,
-  PictureAnswer,
-  PictureSchema,
-  WorldSchema,
-} from "../protocol/generated/console_pb";
+import { GuidanceSchema, WorldSchema } from "../protocol/generated/console_pb";
 import { at, beliefOf, FakePage, robotIn, worldRows } from "./fixtures";
 import { Hand } from "./hand";
 import { MapModel } from "./map_model";
@@ -36,6 +31,7 @@ describe("the brush", () => {
     expect(page.asked).toEqual([
       {
         kind: "edit",
+        world: "w1",
         base: 3n,
         cells: [2, 3, 4].map((column) => ({ cell: at(1, column), wall: true })),
       },
@@ -144,7 +140,7 @@ describe("the path tool", () => {
     const { page, drag } = start({ tool: "path" });
     drag(at(1, 1), at(1, 2), at(1, 3));
     expect(page.asked).toEqual([
-      { kind: "path", robot: "r1", answers: undefined, cells: [at(1, 1), at(1, 2), at(1, 3)] },
+      { kind: "path", robot: "r1", cells: [at(1, 1), at(1, 2), at(1, 3)] },
     ]);
   });
 
@@ -178,18 +174,24 @@ describe("the path tool", () => {
     expect(model.paths.value.get("r1")?.cells.at(-1)).toEqual(at(1, 5));
   });
 
-  it("answers the chosen picture of that robot, once", () => {
-    const picture = (answer: PictureAnswer) => ({
-      tool: "path" as const,
-      pictures: [create(PictureSchema, { robot: "r1", sequenceNumber: 5n, answer })],
-      chosenPicture: { robot: "r1", sequenceNumber: 5n },
-    });
-    const open = start(picture(PictureAnswer.ANSWER_NONE));
-    open.drag(at(1, 1), at(1, 2));
-    expect(open.page.asked).toMatchObject([{ answers: 5n }]);
-    const answered = start(picture(PictureAnswer.ANSWER_PATH));
-    answered.drag(at(1, 1), at(1, 2));
-    expect(answered.page.asked).toMatchObject([{ answers: undefined }]);
+  it("goes back to the draft of before when a stroke is cancelled", () => {
+    const { model, hand, drag } = start({ tool: "path" });
+    drag(at(1, 3));
+    const { cells } = model.paths.value.get("r1") ?? {};
+    expect(cells).toHaveLength(3);
+    hand.press(at(1, 5), { erase: false });
+    hand.drag(at(3, 5));
+    hand.cancel();
+    expect(model.paths.value.get("r1")).toMatchObject({ cells, drawing: false });
+  });
+
+  it("goes back to it from where the robot is by then", () => {
+    const { model, hand, drag, update } = start({ tool: "path" });
+    drag(at(1, 3));
+    hand.press(at(1, 5), { erase: false });
+    update({ robots: [robotIn("r1", at(1, 2))] });
+    hand.cancel();
+    expect(model.paths.value.get("r1")?.cells).toEqual([at(1, 2), at(1, 3)]);
   });
 
   it("chooses the robot that is pressed on, and draws for it at once", () => {
@@ -251,5 +253,17 @@ describe("the path tool", () => {
     update({ chosenRobot: "r2" });
     update({ chosenRobot: "r1" });
     expect(model.paths.value.get("r1")?.cells.at(-1)).toEqual(at(1, 4));
+  });
+});
+
+describe("a rectangle that the keyboard has begun", () => {
+  it("is given up with its tool", () => {
+    const { page, model, hand, update } = start({ tool: "rectangle" });
+    hand.apply(at(1, 1), { erase: false });
+    expect(hand.busy).toBe(true);
+    update({ tool: "wall" });
+    expect([hand.busy, model.rectangle.value]).toEqual([false, undefined]);
+    hand.apply(at(3, 3), { erase: false });
+    expect(page.asked).toMatchObject([{ cells: [{ cell: at(3, 3) }] }]);
   });
 });

@@ -10,11 +10,12 @@ export type Modifiers = { readonly erase: boolean };
 
 type Stroke =
   | { kind: "brush"; last: Cell; wall: boolean }
-  | { kind: "rectangle" }
-  | { kind: "path"; robot: string; last: Cell; moved: boolean };
+  /** `before`: what was drafted when it began. */
+  | { kind: "path"; robot: string; last: Cell; moved: boolean; before: paths.PathSession };
 
 export class Hand {
   #model: MapModel;
+  /** A rectangle is the model's: another tool or world ends it. */
   #stroke: Stroke | undefined;
   /** Whether a vertex was there to press on: the last time, and the time before. */
   #onVertex = false;
@@ -25,7 +26,7 @@ export class Hand {
   }
 
   get busy(): boolean {
-    return this.#stroke !== undefined;
+    return this.#stroke !== undefined || this.#model.rectangle.peek() !== undefined;
   }
 
   /** `robot`: name of the robot that is pressed on. */
@@ -38,7 +39,6 @@ export class Hand {
   #pressEdit(cell: Cell, modifiers: Modifiers, tool: Tool): void {
     const wall = tool !== "erase" && !modifiers.erase;
     if (tool === "rectangle") {
-      this.#stroke = { kind: "rectangle" };
       this.#model.rectangle.value = { from: cell, to: cell, wall };
       return;
     }
@@ -50,13 +50,12 @@ export class Hand {
   drag(to: Cell): void {
     const stroke = this.#stroke;
     const model = this.#model;
-    if (stroke?.kind === "brush") {
+    const rectangle = model.rectangle.peek();
+    if (rectangle) {
+      model.rectangle.value = { ...rectangle, to: clampCell(model.props.peek().world, to) };
+    } else if (stroke?.kind === "brush") {
       model.change((session) => paint(session, lineCells(stroke.last, to), stroke.wall));
       stroke.last = to;
-    } else if (stroke?.kind === "rectangle") {
-      const cell = clampCell(model.props.peek().world, to);
-      const drawn = model.rectangle.peek();
-      model.rectangle.value = drawn && { ...drawn, to: cell };
     } else if (stroke?.kind === "path" && !sameCell(stroke.last, to)) {
       stroke.last = to;
       stroke.moved = true;
@@ -71,17 +70,22 @@ export class Hand {
   release(): void {
     const stroke = this.#stroke;
     this.#stroke = undefined;
+    this.#endRectangle();
     if (stroke?.kind === "brush") this.#model.endStroke();
-    if (stroke?.kind === "rectangle") this.#endRectangle();
     if (stroke?.kind === "path") this.#endPath(stroke);
   }
 
+  /** All is as it was before the press. */
   cancel(): void {
     const stroke = this.#stroke;
     this.#stroke = undefined;
     this.#model.rectangle.value = undefined;
     if (stroke?.kind === "brush") this.#model.change(cancelStroke);
-    if (stroke?.kind === "path") this.#model.changePath(stroke.robot, paths.leave);
+    if (stroke?.kind === "path") {
+      this.#model.changePath(stroke.robot, (session) =>
+        paths.revert(session, stroke.before, this.#model.grid),
+      );
+    }
   }
 
   /** A vertex that is there already goes; anything else is the end of the path, which is sent. */
@@ -94,7 +98,7 @@ export class Hand {
 
   /** Enter and Space: as a press, but a rectangle takes two, one per corner. */
   apply(cell: Cell, modifiers: Modifiers): void {
-    if (this.#stroke?.kind === "rectangle") {
+    if (this.#model.rectangle.peek()) {
       this.drag(cell);
       this.release();
       return;
@@ -127,7 +131,9 @@ export class Hand {
       return;
     }
     if (robot === model.props.peek().chosenRobot && !model.mayGuide()) return;
-    this.#stroke = { kind: "path", robot, last: cell, moved: false };
+    const before = model.paths.peek().get(robot);
+    if (!before) return;
+    this.#stroke = { kind: "path", robot, last: cell, moved: false, before };
     model.changePath(robot, (session) => {
       const held = paths.canGrab(session, cell) ? session : this.#adopted(session, cell);
       this.#onVertexBefore = this.#onVertex;

@@ -40,6 +40,45 @@ afterEach(() => {
   document.body.replaceChildren();
 });
 
+describe("arrow keys that drive", () => {
+  beforeEach(() => begin({ arrowsDrive: true }));
+  const click = () => canvas.dispatchEvent(new Event("pointerdown"));
+
+  it("are left alone by a map that was clicked", () => {
+    click();
+    expect(press("ArrowUp")).toBe(false);
+    expect(model.cursor.value).toBeUndefined();
+  });
+
+  it("move the cursor of a map that was reached by Tab", () => {
+    click();
+    canvas.dispatchEvent(new Event("blur"));
+    expect(press("ArrowUp")).toBe(true);
+    expect(model.cursor.value).toEqual(at(1, 1));
+  });
+});
+
+describe("the key that pans", () => {
+  it("uses the tool at the next press, however the pointer panned before", () => {
+    begin({ tool: "wall" });
+    press("ArrowRight");
+    panKey.used = true; // by a drag without it, or one whose key was released elsewhere
+    press(" ");
+    expect(page.asked).toMatchObject([{ kind: "edit" }]);
+  });
+
+  it("uses no tool when it panned", () => {
+    begin({ tool: "wall" });
+    press("ArrowRight");
+    const key = { key: " ", bubbles: true };
+    canvas.dispatchEvent(new KeyboardEvent("keydown", key));
+    panKey.used = true;
+    canvas.dispatchEvent(new KeyboardEvent("keydown", { ...key, repeat: true }));
+    canvas.dispatchEvent(new KeyboardEvent("keyup", key));
+    expect(page.asked).toEqual([]);
+  });
+});
+
 describe("the cell cursor", () => {
   it("begins at the chosen robot, moves by arrows, and stays in the grid", () => {
     press("ArrowRight");

@@ -1,8 +1,9 @@
 // Keys: those of the tools anywhere on the page, those of the cell cursor while the canvas has the focus.
-import { CursorKeys, type PanKey } from "./cursor_keys";
+import { CursorKeys, isArrow, type PanKey } from "./cursor_keys";
 import type { Hand } from "./hand";
 import type { MapModel } from "./map_model";
 import { PageKeys } from "./page_keys";
+import { takesText } from "./takes_text";
 
 /** Keys that it has dealt with are prevented, so that the page leaves them alone. The function that it returns ends it. */
 export function attachKeyboard(
@@ -19,22 +20,29 @@ export function attachKeyboard(
     if (event.defaultPrevented || isBusy(event)) return;
     if (ofPage.press(event)) event.preventDefault();
   };
+  let clicked = false;
+  const isDriving = ({ key, shiftKey }: KeyboardEvent) =>
+    clicked && !shiftKey && isArrow(key) && model.props.peek().arrowsDrive;
   const onCanvas = (event: KeyboardEvent) => {
-    if (event.defaultPrevented || event.altKey || event.metaKey) return;
+    if (event.defaultPrevented || event.altKey || event.metaKey || isDriving(event)) return;
     if (ofCursor.press(event)) event.preventDefault();
+  };
+  const onPointer = () => {
+    clicked = true;
+  };
+  const onBlur = () => {
+    clicked = false;
+    ofCursor.leave();
   };
   canvas.addEventListener("keydown", onCanvas, { signal });
   canvas.addEventListener("keyup", (event) => ofCursor.release(event), { signal });
-  canvas.addEventListener("blur", () => ofCursor.leave(), { signal });
+  canvas.addEventListener("pointerdown", onPointer, { signal });
+  canvas.addEventListener("blur", onBlur, { signal });
   window.addEventListener("keydown", onPage, { signal, capture: true });
   return () => ended.abort();
 }
 
 /** Somebody types, or a dialog is open: the keys are not the map's. */
-function isBusy(event: KeyboardEvent): boolean {
-  const place = event.target instanceof Element ? event.target : undefined;
-  const types = place?.matches(
-    "input:not([type=checkbox], [type=range]), select, textarea, [contenteditable=true]",
-  );
-  return types === true || document.querySelector("dialog[open], [aria-modal=true]") !== null;
+function isBusy({ target }: KeyboardEvent): boolean {
+  return takesText(target) || document.querySelector("dialog[open], [aria-modal=true]") !== null;
 }

@@ -127,11 +127,14 @@ function useCloseOutside(place: { current: HTMLDivElement | null }, open: Signal
       if (event.key !== "Escape") return;
       event.preventDefault();
       close();
-      place.current?.querySelector("button")?.focus();
     };
     const options = { signal: ended.signal, capture: true };
     window.addEventListener("pointerdown", outside, options);
     window.addEventListener("keydown", key, options);
-    return () => ended.abort();
+    return () => {
+      ended.abort();
+      // By its key it closes with the focus in it.
+      if (document.activeElement === document.body) place.current?.querySelector("button")?.focus();
+    };
   }, [isOpen, open, place]);
 }

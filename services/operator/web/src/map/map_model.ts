@@ -1,9 +1,7 @@
 // What the map knows beyond its props: the view, the cursor, the drafts of edits and paths; and what it asks for.
 import { type Signal, signal } from "@preact/signals";
-import { PictureAnswer } from "../protocol/generated/console_pb";
 import * as edits from "./edit/edit_session";
 import { type Cell, contains } from "./grid";
-import { findPicture } from "./layers/pictures";
 import type { MapProps, Outcome } from "./map_props";
 import * as paths from "./path/path_session";
 import type { WayGrid } from "./path/ways";
@@ -19,6 +17,8 @@ import {
   zoomAbout,
 } from "./view";
 
+export type Note = { readonly text: string; readonly number: number };
+
 export class MapModel {
   readonly props: Signal<MapProps>;
   readonly view = signal<View | undefined>(undefined);
@@ -31,8 +31,8 @@ export class MapModel {
   readonly rectangle = signal<Rectangle | undefined>(undefined);
   readonly sendAtRelease = signal(true);
   readonly layersOpen = signal(false);
-  /** Why something was not done, for the person; the object is new each time it is said. */
-  readonly note = signal<{ text: string } | undefined>(undefined);
+  /** Why something was not done, for the person, for a while; the object is new each time it is said. */
+  readonly note = signal<Note | undefined>(undefined);
 
   #fitted = true;
   /** By world: what is drafted in one is kept while another is shown. */
@@ -53,6 +53,9 @@ export class MapModel {
     this.#take(props);
     const { world } = props;
     if (world.name !== before.world.name) this.cursor.value = undefined;
+    if (world.name !== before.world.name || props.tool !== before.tool) {
+      this.rectangle.value = undefined;
+    }
     if (sizeOf(world) !== sizeOf(before.world)) this.showAll();
     const view = this.view.peek();
     // While all of the map is in sight, nothing is gained by moving it.
@@ -126,7 +129,7 @@ export class MapModel {
   }
 
   say(text: string): void {
-    this.note.value = { text };
+    this.note.value = { text, number: (this.note.peek()?.number ?? 0) + 1 };
   }
 
   // --- Edits ---
@@ -154,12 +157,11 @@ export class MapModel {
     if (!pending || pending.id === this.#sentEdits.get(world)) return;
     this.#sentEdits.set(world, pending.id);
     const { onEdit } = this.props.peek();
-    void answer(onEdit(edits.changesOf(pending.draft, session.size), pending.base)).then(
-      (outcome) => {
-        const now = this.#sessions.get(world);
-        if (now) this.#setSession(edits.replied(now, pending.id, outcome));
-      },
-    );
+    const cells = edits.changesOf(pending.draft, session.size);
+    void answer(onEdit(world, cells, pending.base)).then((outcome) => {
+      const now = this.#sessions.get(world);
+      if (now) this.#setSession(edits.replied(now, pending.id, outcome));
+    });
   }
 
   endStroke(): void {
@@ -187,17 +189,9 @@ export class MapModel {
     if (!sent || sent.id <= (this.#sentPaths.get(robot) ?? 0)) return;
     this.#sentPaths.set(robot, sent.id);
     const { onPath } = this.props.peek();
-    void answer(onPath(robot, sent.cells, this.#answers(robot, sent.cells))).then((outcome) =>
+    void answer(onPath(robot, sent.cells)).then((outcome) =>
       this.changePath(robot, (now) => paths.replied(now, sent.id, outcome)),
     );
-  }
-
-  /** The chosen picture, if the path answers it. */
-  #answers(robot: string, cells: readonly Cell[]): bigint | undefined {
-    const { pictures, chosenPicture } = this.props.peek();
-    const picture = findPicture(pictures, chosenPicture);
-    if (cells.length === 0 || picture?.robot !== robot) return undefined;
-    return picture.answer === PictureAnswer.ANSWER_NONE ? picture.sequenceNumber : undefined;
   }
 }
 

@@ -17,7 +17,7 @@ export type { Cell } from "./grid";
 
 export type RobotShape = "circle" | "square" | "triangle" | "diamond" | "pentagon" | "star";
 
-/** How old what the robot tells is; "no news": nobody can be heard now. */
+/** How old what a robot tells is, counted from when it said so; "no news": without a link nobody can be heard. */
 export type Freshness = "live" | "stale" | "lost" | "no news";
 
 /** A robot and how it looks, so that robots can be told apart without their colour. */
@@ -75,8 +75,6 @@ export type CellChange = { cell: Cell; wall: boolean };
 /** What the service said to a request; `reason` is empty when it was accepted. */
 export type Outcome = { accepted: boolean; reason: string };
 
-export type ChosenPicture = { robot: string; sequenceNumber: bigint };
-
 /**
  * Everything that the map shows and all that it can ask for. Of the world `world` only: the caller leaves out the
  * robots, pictures, ... of other worlds. The maps have a robot's name as key. Byte arrays are compared by identity:
@@ -93,7 +91,7 @@ export type MapProps = {
   predictions: ReadonlyMap<string, Prediction>;
   guidance: ReadonlyMap<string, Guidance>;
   pictures: readonly Picture[];
-  chosenPicture: ChosenPicture | undefined; // what it shows is marked; a path for its robot answers it
+  chosenPicture: Picture | undefined; // what it shows is marked
   goalPoses: ReadonlyMap<string, GoalPose>;
   truth: Truth | undefined; // only in replay
 
@@ -110,18 +108,16 @@ export type MapProps = {
   participates: boolean;
   /** Where the robot follows no paths there is no tool for them. */
   offersPaths: boolean;
+  /** The arrow keys drive a robot: a map that was clicked leaves them alone, one that was reached by Tab takes them. */
+  arrowsDrive: boolean;
   mayEdit: Permission;
   mayGuide: Permission; // of the chosen robot
   /** At most so many cells in one edit; a larger one is sent in parts. Not given: no limit. */
   editLimit?: number | undefined;
   /** Resolves with the service's reply. Until then, and until a belief with a newer revision came, the edit is pending. */
-  onEdit: (cells: readonly CellChange[], baseRevision: bigint) => Promise<Outcome>;
-  /** An empty path withdraws. `answersSnapshot`: the chosen picture, if it is this robot's and still unanswered. */
-  onPath: (
-    robot: string,
-    cells: readonly Cell[],
-    answersSnapshot?: bigint | undefined,
-  ) => Promise<Outcome>;
+  onEdit: (world: string, cells: readonly CellChange[], baseRevision: bigint) => Promise<Outcome>;
+  /** An empty path withdraws. */
+  onPath: (robot: string, cells: readonly Cell[]) => Promise<Outcome>;
 
   /** Of a client, as people read it; `Guidance.givenBy` is one. */
   nameOf: (client: string) => string;

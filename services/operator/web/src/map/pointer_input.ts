@@ -1,7 +1,7 @@
 // Pointer and wheel on the canvas.
 
 import type { PanKey } from "./cursor_keys";
-import { contains } from "./grid";
+import { type Cell, contains, sameCell } from "./grid";
 import type { Hand } from "./hand";
 import { markRadius } from "./layers/lanes";
 import { robotPoint } from "./layers/robots";
@@ -111,9 +111,8 @@ class Pointer {
     this.#drag.last = at;
   }
 
-  #hover(cell: { row: number; column: number }): void {
-    const before = this.#model.hover.peek();
-    if (before?.row === cell.row && before.column === cell.column) return;
+  #hover(cell: Cell): void {
+    if (sameCell(this.#model.hover.peek(), cell)) return;
     this.#model.hover.value = contains(this.#model.props.peek().world, cell) ? cell : undefined;
   }
 
@@ -157,7 +156,7 @@ function pointOf(event: MouseEvent): Point {
 }
 
 /** The robot whose mark is at the point; the one that is drawn last when several are. */
-export function robotAt(model: MapModel, at: Point): string | undefined {
+function robotAt(model: MapModel, at: Point): string | undefined {
   const view = model.view.peek();
   if (!view) return undefined;
   const { robots, world } = model.props.peek();

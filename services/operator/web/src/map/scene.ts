@@ -16,7 +16,7 @@ import { drawHeat } from "./layers/heat";
 import { laneShift } from "./layers/lanes";
 import { drawDraftPath, drawPathNames, drawPaths, type PathsData } from "./layers/paths";
 import { PictureMarks } from "./layers/picture_marks";
-import { drawChosenPicture, findPicture } from "./layers/pictures";
+import { drawChosenPicture } from "./layers/pictures";
 import { drawPlans } from "./layers/plans";
 import { drawRobots } from "./layers/robots";
 import { drawSearches } from "./layers/searches";
@@ -143,7 +143,7 @@ function drawLines(context: Draw, scene: Scene, cache: SceneCache): void {
 }
 
 function drawChosen(context: Draw, { props, view, palette }: Scene, cache: SceneCache): void {
-  const picture = findPicture(props.pictures, props.chosenPicture);
+  const picture = props.chosenPicture;
   if (!picture) return;
   const robot = props.robots.find((one) => one.robot.name === picture.robot);
   const colour = robot?.colour ?? palette.muted;

@@ -14,7 +14,7 @@ export const mapShortcuts: readonly { readonly keys: readonly string[]; readonly
     { keys: ["-"], text: "Zoom out" },
     { keys: ["0"], text: "Show all of the map" },
     { keys: ["L"], text: "Choose the layers" },
-    { keys: ["Arrow keys"], text: "Move the cell cursor (map in focus)" },
+    { keys: ["Arrow keys"], text: "Move the cell cursor, with the focus on the map" },
     { keys: ["Home", "End"], text: "Cursor to the row's first or last cell; with Ctrl the map's" },
     { keys: ["Shift+Arrow keys"], text: "Move the map" },
     { keys: ["Space"], text: "Use the tool at the cursor; held while dragging: move the map" },

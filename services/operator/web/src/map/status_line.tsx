@@ -1,7 +1,8 @@
-import { useComputed } from "@preact/signals";
+import { type Signal, useComputed } from "@preact/signals";
+import { useEffect } from "preact/hooks";
 import { cellWords } from "./cell_words";
 import { draftLayers } from "./edit/edit_session";
-import type { MapModel } from "./map_model";
+import type { MapModel, Note } from "./map_model";
 import type { Cell } from "./map_props";
 
 /** The cell under the pointer or the cursor in words. Only what the keyboard or a refusal says is read aloud. */
@@ -21,9 +22,25 @@ export function StatusLine({ model }: { model: MapModel }) {
       <output class="map-unseen">{aloud}</output>
       <span>{pendingText(model)}</span>
       {model.props.value.layers.seen > 0 && <Legend />}
-      <output class="map-note">{model.note.value?.text}</output>
+      <NoteLine note={model.note} />
     </div>
   );
+}
+
+/** s that a note stays: what it says is soon true no more. */
+const noteTime = 8;
+
+export function NoteLine({ note }: { note: Signal<Note | undefined> }) {
+  const now = note.value;
+  useEffect(() => {
+    if (now === undefined) return undefined;
+    const timer = setTimeout(() => {
+      note.value = undefined;
+    }, 1000 * noteTime);
+    return () => clearTimeout(timer);
+  }, [now, note]);
+  // A text that is said again is an element of its own: then it is read aloud again.
+  return <output class="map-note">{now && <span key={now.number}>{now.text}</span>}</output>;
 }
 
 /** The two signs that a newcomer must know: where robots saw it otherwise than the map has it. */

@@ -16,7 +16,7 @@ const tools: readonly { tool: Tool; name: string; key: string; hint: string }[] 
 export function Toolbar({ model }: { model: MapModel }) {
   const { layers, onLayers, truth, watchesOnly, participates } = model.props.value;
   return (
-    <div class="map-toolbar" role="toolbar" aria-label="Map">
+    <fieldset class="map-toolbar" aria-label="Map tools">
       {!watchesOnly && <ToolButtons model={model} />}
       {!watchesOnly && <HistoryButtons model={model} />}
       <div class="map-group">
@@ -31,7 +31,7 @@ export function Toolbar({ model }: { model: MapModel }) {
         participates={participates}
         open={model.layersOpen}
       />
-    </div>
+    </fieldset>
   );
 }
 

@@ -18,7 +18,7 @@ export const smallestScale = 1.5;
 export const largestScale = 120;
 
 /** Below it cells are too small for grid lines, labels and marks in cells. */
-export const detailScale = 11;
+const detailScale = 11;
 
 export function showsDetail(view: View): boolean {
   return view.scale >= detailScale;
@@ -152,13 +152,4 @@ export function visibleRange(view: View, size: GridSize): CellRange {
     bottom: Math.min(size.rows - 1, last.row),
     right: Math.min(size.columns - 1, last.column),
   };
-}
-
-export function inSight(range: CellRange, cell: Cell): boolean {
-  return (
-    cell.row >= range.top &&
-    cell.row <= range.bottom &&
-    cell.column >= range.left &&
-    cell.column <= range.right
-  );
 }

@@ -1,7 +1,12 @@
-/** Row 0 is the northern row, column 0 the western. */
+/** The protocol's Cell is one. Row 0 is the northern row, column 0 the western. */
 export interface CellAt {
   readonly row: number;
   readonly column: number;
+}
+
+export interface GridSize {
+  readonly rows: number;
+  readonly columns: number;
 }
 
 /** Of a message that tells many: cell i is (row[i], column[i]). */
@@ -13,23 +18,20 @@ export function cellsOf(
 }
 
 /** Row-major, as all grids of the protocol are. */
-export function cellIndex(cell: CellAt, columns: number): number {
+export function cellIndex({ columns }: Pick<GridSize, "columns">, cell: CellAt): number {
   return cell.row * columns + cell.column;
-}
-
-export function cellKey(cell: CellAt): string {
-  return `${cell.row},${cell.column}`;
 }
 
 export function sameCell(a: CellAt | undefined, b: CellAt | undefined): boolean {
   return a !== undefined && b !== undefined && a.row === b.row && a.column === b.column;
 }
 
+/** For people. */
 export function cellText(cell: CellAt | undefined): string {
-  return cell === undefined ? "–" : `(${cell.row}, ${cell.column})`;
+  return cell === undefined ? "–" : `row ${cell.row}, column ${cell.column}`;
 }
 
-/** Walls of a belief are 255 * P(wall). */
-export function isWall(walls: Uint8Array, cell: CellAt, columns: number): boolean {
-  return (walls[cellIndex(cell, columns)] ?? 0) >= 128;
+/** Whether a cell of a Belief counts as a wall; outside of the grid there are none. */
+export function isWallAt(walls: Uint8Array, index: number): boolean {
+  return (walls[index] ?? 0) >= 128;
 }

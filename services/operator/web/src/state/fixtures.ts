@@ -1,5 +1,6 @@
 // What tests of state and panels build their states from.
-import { create, type MessageInitShape } from "@bufbuild/protobuf";
+import { create } from "@bufbuild/protobuf";
+import type { ServerBody } from "../connection/fake";
 import {
   Mode,
   Role,
@@ -9,7 +10,6 @@ import {
 import { type ConsoleState, emptyState } from "./console_state";
 import { reduce } from "./reduce";
 
-export type ServerBody = NonNullable<MessageInitShape<typeof ServerMessageSchema>["body"]>;
 type UpdatesInit = Extract<ServerBody, { case: "updates" }>["value"];
 export type UpdateBody = NonNullable<NonNullable<UpdatesInit["update"]>[number]["body"]>;
 

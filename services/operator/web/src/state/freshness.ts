@@ -1,12 +1,10 @@
-/**
- * How old what somebody tells is, counted from when it said so. Robots that were never heard of are lost; without a link nobody
- * can be heard.
- */
-export type Freshness = "live" | "stale" | "lost" | "no news";
+import type { Freshness } from "../map/map_props";
+
+export type { Freshness } from "../map/map_props";
 
 /** s of wall time since a robot said something. */
 export const staleAfter = 1;
-export const lostAfter = 3;
+const lostAfter = 3;
 
 /** A stream's frame older than this is no live view any more. */
 export const frameStaleAfter = 1;
@@ -18,7 +16,7 @@ export function ageOf(heardAt: number | undefined, now: number | undefined): num
     : Math.max(0, now - heardAt);
 }
 
-/** `linked`: whether the service is heard now; what it tells is unknown otherwise, however young. */
+/** Robots that were never heard of are lost. `linked`: whether the service is heard now; what it tells is unknown otherwise, however young. */
 export function freshnessOf(
   heardAt: number | undefined,
   now: number | undefined,

@@ -3,7 +3,7 @@ import type { ServerMessage } from "../protocol/generated/console_pb";
 import type { Store } from "./store";
 
 /** s between two changes of what is shown: quicker than anybody sees, slower than many robots tell. */
-export const showPeriod = 0.03;
+const showPeriod = 0.03;
 
 /** Brings messages to the store: the first at once, those that follow quickly together. */
 export class Inbox {

@@ -1,5 +1,6 @@
+import { create } from "@bufbuild/protobuf";
 import { describe, expect, it } from "vitest";
-import { Mode, Role } from "../protocol/generated/console_pb";
+import { AttentionItemSchema, Mode, Role } from "../protocol/generated/console_pb";
 import { emptyState } from "./console_state";
 import { stateOf, type UpdateBody, welcomeMessage } from "./fixtures";
 import { ageOf, freshnessOf } from "./freshness";
@@ -7,6 +8,7 @@ import { reduce } from "./reduce";
 import {
   differenceOf,
   holderOf,
+  itemKey,
   nameOf,
   nextItem,
   placeOf,
@@ -102,7 +104,7 @@ describe("command", () => {
 
 describe("the next item", () => {
   const none = new Set<string>();
-  const key = (robot: string) => `${robot} 0 0`;
+  const key = (robot: string) => itemKey(create(AttentionItemSchema, { robot }));
   const next = (all: UpdateBody, passed = none, gone = none) =>
     nextItem(stateOf(all), passed, gone)?.robot;
 

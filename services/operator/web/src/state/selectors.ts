@@ -1,7 +1,8 @@
-import { type CellAt, cellsOf, isWall } from "../protocol/cells";
+import { type CellAt, cellIndex, cellsOf, isWallAt } from "../protocol/cells";
 import {
   type Alert,
   type AttentionItem,
+  AttentionReason,
   type Belief,
   type Control,
   Mode,
@@ -88,9 +89,10 @@ export function unanswered(state: ConsoleState, robot: string | undefined): Pict
   return newest?.answer === PictureAnswer.ANSWER_NONE ? newest : undefined;
 }
 
-/** The same reason at another time is another item. */
-export function itemKey({ robot, reason, since }: AttentionItem): string {
-  return `${robot} ${reason} ${since}`;
+/** The same reason at another time is another item, and so is another picture. */
+export function itemKey({ robot, reason, since, newestSnapshot }: AttentionItem): string {
+  const picture = reason === AttentionReason.REASON_PICTURE ? newestSnapshot : "";
+  return `${robot} ${reason} ${since} ${picture}`;
 }
 
 /**
@@ -143,9 +145,10 @@ export interface Difference {
 
 /** What a picture shows that the operator's map has otherwise. */
 export function differenceOf(picture: Picture, belief: Belief, columns: number): Difference {
+  const isWall = (cell: CellAt) => isWallAt(belief.walls, cellIndex({ columns }, cell));
   return {
-    missing: cellsOf(picture.wallCells).filter((cell) => !isWall(belief.walls, cell, columns)),
-    wrong: cellsOf(picture.freeCells).filter((cell) => isWall(belief.walls, cell, columns)),
+    missing: cellsOf(picture.wallCells).filter((cell) => !isWall(cell)),
+    wrong: cellsOf(picture.freeCells).filter(isWall),
   };
 }
 

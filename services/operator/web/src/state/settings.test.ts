@@ -38,13 +38,4 @@ describe("settings", () => {
     );
     expect(layers).toMatchObject({ plan: 0, search: 1, heat: defaultLayers.heat });
   });
-
-  it("survive a storage that is full", () => {
-    const full = {
-      setItem: () => {
-        throw new Error("full");
-      },
-    };
-    expect(() => writeSettings(full, defaultSettings)).not.toThrow();
-  });
 });

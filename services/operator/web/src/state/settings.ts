@@ -1,3 +1,4 @@
+import type { KeptTexts } from "../connection/browser_storage";
 import { defaultLayers, type LayerName, type Layers, layerNames } from "../map/map_props";
 
 export type Theme = "system" | "dark" | "light";
@@ -20,7 +21,7 @@ export const defaultSettings: Settings = {
 
 const key = "conav.settings";
 
-export function readSettings(storage: Pick<Storage, "getItem">): Settings {
+export function readSettings(storage: Pick<KeptTexts, "getItem">): Settings {
   try {
     return toSettings(JSON.parse(storage.getItem(key) ?? "{}"));
   } catch {
@@ -28,12 +29,8 @@ export function readSettings(storage: Pick<Storage, "getItem">): Settings {
   }
 }
 
-export function writeSettings(storage: Pick<Storage, "setItem">, settings: Settings): void {
-  try {
-    storage.setItem(key, JSON.stringify(settings));
-  } catch {
-    // A full or forbidden storage costs the memory of the settings, nothing else.
-  }
+export function writeSettings(storage: Pick<KeptTexts, "setItem">, settings: Settings): void {
+  storage.setItem(key, JSON.stringify(settings));
 }
 
 function toSettings(value: unknown): Settings {

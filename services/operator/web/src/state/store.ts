@@ -6,7 +6,8 @@ import type { CellAt } from "../protocol/cells";
 import type { Picture, ServerMessage } from "../protocol/generated/console_pb";
 import { type ConsoleState, emptyState } from "./console_state";
 import { reduce } from "./reduce";
-import { pictureOf, robotNames } from "./selectors";
+import { sameText } from "./same_text";
+import { mayCommand, pictureOf, robotNames } from "./selectors";
 import type { Settings } from "./settings";
 
 /** Something that the person should read, and that goes by itself. */
@@ -39,6 +40,8 @@ export interface Store {
   readonly link: Signal<Link>;
   /** Whether the service is heard now: nothing looks live while it is not. */
   readonly linked: ReadonlySignal<boolean>;
+  /** Whether who sits here can give commands now; Stop can always be tried. */
+  readonly mayCommand: ReadonlySignal<boolean>;
   readonly timing: Signal<Timing>;
   /** Wall time of the service; moves on four times a second. */
   readonly now: Signal<number | undefined>;
@@ -69,18 +72,25 @@ export function createStore(settings: Settings): Store {
   const chosenSequence = signal<bigint | undefined>(undefined);
   const focus = signal<Focus | undefined>(undefined);
   const link = signal<Link>({ state: "connecting" });
-  const robots = sameNames(computed(() => robotNames(state.value)));
+  const linked = computed(() => link.value.state === "live");
+  const robots = sameText(() => robotNames(state.value));
   const store: Store = {
     state,
     link,
-    linked: computed(() => link.value.state === "live"),
+    linked,
+    mayCommand: computed(() => linked.value && mayCommand(state.value)),
     timing: signal<Timing>({ roundTrip: undefined, clockOffset: undefined }),
     now: signal<number | undefined>(undefined),
     settings: signal(settings),
     tool: signal<Tool>("look"),
     chosenRobot,
     chosenSequence,
-    chosenPicture: computed(() => pictureOf(state.value, chosenRobot.value, chosenSequence.value)),
+    // One that is known no more, as after a recording was wound back, gives way to the newest.
+    chosenPicture: computed(
+      () =>
+        pictureOf(state.value, chosenRobot.value, chosenSequence.value) ??
+        pictureOf(state.value, chosenRobot.value),
+    ),
     robots,
     focus,
     notices: signal<readonly Notice[]>([]),
@@ -102,14 +112,4 @@ export function createStore(settings: Settings): Store {
     },
   };
   return store;
-}
-
-/** Changes only when a name does, not with every message. */
-function sameNames(names: ReadonlySignal<readonly string[]>): ReadonlySignal<readonly string[]> {
-  let kept: readonly string[] = [];
-  return computed(() => {
-    const now = names.value;
-    if (now.length !== kept.length || now.some((name, i) => name !== kept[i])) kept = now;
-    return kept;
-  });
 }

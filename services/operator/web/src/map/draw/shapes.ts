@@ -3,8 +3,8 @@ import type { Point } from "../view";
 import type { Draw } from "./context";
 import type { Palette } from "./palette";
 
-/** Corners on the unit circle by shape, from the top clockwise; none = a circle. */
-const corners: Record<RobotShape, number> = {
+/** Corners by shape, from the top clockwise; none = a circle. */
+const counts: Record<RobotShape, number> = {
   circle: 0,
   square: 4,
   triangle: 3,
@@ -13,19 +13,25 @@ const corners: Record<RobotShape, number> = {
   star: 10,
 };
 
-/** The outline of a robot's mark, to fill or stroke; all shapes cover about the same area. */
-export function shapePath(context: Draw, shape: RobotShape, at: Point, radius: number): void {
-  context.beginPath();
-  const count = corners[shape];
-  if (count === 0) context.arc(at.x, at.y, radius, 0, 2 * Math.PI);
+/** Corners of a robot's mark about the origin, y downwards; none = a circle of radius 1. All shapes cover about the same area. */
+export function cornersOf(shape: RobotShape): readonly Point[] {
+  const count = counts[shape];
   const turn = shape === "square" ? Math.PI / 4 : 0;
-  const size = shape === "triangle" ? 1.35 * radius : count === 0 ? radius : 1.2 * radius;
-  const middle = shape === "triangle" ? { x: at.x, y: at.y + 0.22 * radius } : at;
-  for (let corner = 0; corner < count; ++corner) {
+  const size = shape === "triangle" ? 1.35 : 1.2;
+  const down = shape === "triangle" ? 0.22 : 0;
+  return Array.from({ length: count }, (_, corner) => {
     const angle = turn + (2 * Math.PI * corner) / count - Math.PI / 2;
     const reach = shape === "star" && corner % 2 === 1 ? 0.62 * size : size;
-    context.lineTo(middle.x + reach * Math.cos(angle), middle.y + reach * Math.sin(angle));
-  }
+    return { x: reach * Math.cos(angle), y: down + reach * Math.sin(angle) };
+  });
+}
+
+/** The outline of a robot's mark, to fill or stroke. */
+export function shapePath(context: Draw, shape: RobotShape, at: Point, radius: number): void {
+  context.beginPath();
+  const corners = cornersOf(shape);
+  if (corners.length === 0) context.arc(at.x, at.y, radius, 0, 2 * Math.PI);
+  for (const { x, y } of corners) context.lineTo(at.x + radius * x, at.y + radius * y);
   context.closePath();
 }
 

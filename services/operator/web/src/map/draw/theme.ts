@@ -1,14 +1,6 @@
-/** Calls `changed` when colours may have: another theme of the page or of the system. Returns what ends it. */
+/** Calls `changed` when the page has another theme, and so other colours. Returns what ends it. */
 export function watchTheme(changed: () => void): () => void {
-  const dark = matchMedia("(prefers-color-scheme: dark)");
-  dark.addEventListener("change", changed);
-  const attributes = new MutationObserver(changed);
-  attributes.observe(document.documentElement, {
-    attributes: true,
-    attributeFilter: ["data-theme", "class", "style"],
-  });
-  return () => {
-    dark.removeEventListener("change", changed);
-    attributes.disconnect();
-  };
+  const theme = new MutationObserver(changed);
+  theme.observe(document.documentElement, { attributeFilter: ["data-theme"] });
+  return () => theme.disconnect();
 }

@@ -244,6 +244,14 @@ describe("undo and redo", () => {
 });
 
 describe("another world, or a service that begins anew", () => {
+  it("or another maze under the same name begins from scratch", () => {
+    const session = confirm(stroke(begin(), true, [1, 1]));
+    const larger = { rows: 6, columns: 6 };
+    const shown = { world: "w1", revision: 9n, walls: new Uint8Array(36) };
+    const next = mapConfirmed(session, shown, larger);
+    expect([next.size, next.undo]).toEqual([larger, []]);
+  });
+
   it("forgets drafts and steps, and never gives an id twice", () => {
     const session = stroke(begin(), true, [1, 1]);
     const other = mapConfirmed(session, { ...map(9), world: "w2" }, size);

@@ -3,7 +3,7 @@
 // revision. One edit is under way at a time, because each needs the revision that the one before it makes. What is refused
 // is kept as a draft until the person sends it again or drops it.
 
-import { cellIndex, cellOfIndex, contains, type GridSize, onBorder, wallFrom } from "../grid";
+import { cellIndex, cellOfIndex, contains, type GridSize, isWallAt, onBorder } from "../grid";
 import type { Cell, CellChange, Outcome } from "../map_props";
 
 /** Wanted values by cell index; true = wall. */
@@ -59,9 +59,11 @@ export function newEditSession(map: ConfirmedMap, size: GridSize, lastId = 0): E
   };
 }
 
-/** Another world, or a service that counts anew, begins from scratch; ids of pending edits never come twice. */
+/** Another maze, or a service that counts anew, begins from scratch; ids of pending edits never come twice. */
 export function mapConfirmed(session: EditSession, map: ConfirmedMap, size: GridSize): EditSession {
-  if (map.world !== session.world || map.revision < session.revision) {
+  const { rows, columns } = session.size;
+  const isOther = map.world !== session.world || rows !== size.rows || columns !== size.columns;
+  if (isOther || map.revision < session.revision) {
     return newEditSession(map, size, session.lastId);
   }
   return advance(rebased({ ...session, ...map, size }));
@@ -171,15 +173,11 @@ export function changesOf(draft: Draft, size: GridSize): CellChange[] {
   return [...draft].map(([index, wall]) => ({ cell: cellOfIndex(size, index), wall }));
 }
 
-function isWallAt(session: EditSession, index: number): boolean {
-  return (session.walls[index] ?? 0) >= wallFrom;
-}
-
 /** The refused draft without what the confirmed map already says. */
 function rebased(session: EditSession): EditSession {
   if (!session.refused) return session;
   const already = new Map(
-    [...session.refused.draft].filter(([index, wall]) => isWallAt(session, index) === wall),
+    [...session.refused.draft].filter(([index, wall]) => isWallAt(session.walls, index) === wall),
   );
   return { ...session, refused: without(session.refused, already) };
 }
@@ -216,14 +214,15 @@ function settled(session: EditSession): EditSession {
 function taken(session: EditSession, job: Job): EditSession {
   if (job.kind === "stroke") {
     const step = [...job.draft].map(([index, after]) => {
-      return { index, before: isWallAt(session, index), after };
+      return { index, before: isWallAt(session.walls, index), after };
     });
     return begun(session, job.kind, changing(step));
   }
   const step = session[job.kind].at(-1);
   if (!step) return session;
   const left = changing(step).filter(
-    (cell) => isWallAt(session, cell.index) === (job.kind === "undo" ? cell.after : cell.before),
+    (cell) =>
+      isWallAt(session.walls, cell.index) === (job.kind === "undo" ? cell.after : cell.before),
   );
   if (left.length > 0) return begun(session, job.kind, left);
   // Others have changed all of it since: nothing to take back, go on with the step before.

@@ -1,4 +1,4 @@
-import { type Cell, type GridSize, wallFrom } from "../grid";
+import type { Cell, GridSize } from "../grid";
 import { type View, visibleRange } from "../view";
 
 /** Calls `visit` for each cell in sight, row by row. */
@@ -13,8 +13,4 @@ export function eachVisible(
       visit({ row, column }, row * size.columns + column);
     }
   }
-}
-
-export function wallAt(walls: Uint8Array, index: number): boolean {
-  return (walls[index] ?? 0) >= wallFrom;
 }

@@ -1,8 +1,8 @@
 import { type Draw, isolated } from "../draw/context";
 import type { Palette } from "../draw/palette";
-import type { GridSize } from "../grid";
+import { type GridSize, isWallAt } from "../grid";
 import { cellCentre, cellCorner, showsDetail, type View } from "../view";
-import { eachVisible, wallAt } from "./cells";
+import { eachVisible } from "./cells";
 
 export type ChangesData = {
   readonly size: GridSize;
@@ -17,8 +17,8 @@ export function drawChanges(context: Draw, view: View, data: ChangesData, palett
     context.fillStyle = palette.changed;
     context.lineCap = "round";
     eachVisible(view, data.size, (cell, index) => {
-      const added = wallAt(data.walls, index);
-      if (added === wallAt(data.initial, index)) return;
+      const added = isWallAt(data.walls, index);
+      if (added === isWallAt(data.initial, index)) return;
       const corner = cellCorner(view, cell);
       context.globalAlpha = showsDetail(view) ? 0.3 : 0.6;
       context.fillRect(corner.x, corner.y, view.scale, view.scale);

@@ -36,12 +36,12 @@ export function drawPathNames(context: Draw, view: View, data: PathsData, palett
   });
 }
 
-export function pathWidth(view: View): number {
+function pathWidth(view: View): number {
   return Math.max(2, Math.min(5, 0.12 * view.scale));
 }
 
 /** A line with arrow heads along it, so that its direction reads at every zoom. */
-export function drawPath(
+function drawPath(
   context: Draw,
   view: View,
   points: readonly Point[],

@@ -5,7 +5,7 @@ import { type Draw, isolated } from "../draw/context";
 import type { Palette } from "../draw/palette";
 import { conePath, hatchPath } from "../draw/shapes";
 import type { GridSize } from "../grid";
-import type { Cell, ChosenPicture, MapRobot } from "../map_props";
+import type { Cell, MapRobot } from "../map_props";
 import { cellCentre, cellCorner, type Point, type View } from "../view";
 
 export type PicturesData = {
@@ -38,15 +38,6 @@ export function drawPictures(
       context.stroke();
     }
   });
-}
-
-export function findPicture(
-  pictures: readonly Picture[],
-  chosen: ChosenPicture | undefined,
-): Picture | undefined {
-  return pictures.find(
-    (one) => one.robot === chosen?.robot && one.sequenceNumber === chosen.sequenceNumber,
-  );
 }
 
 /** What the chosen picture shows: a dot per free cell, a hatched frame per wall, within its field of view. */

@@ -2,9 +2,9 @@ import type { SeenMap } from "../../protocol/generated/console_pb";
 import { type Draw, isolated } from "../draw/context";
 import type { Palette } from "../draw/palette";
 import { hatchPath } from "../draw/shapes";
-import { cellOfIndex, freeCell, type GridSize, unknownCell, wallCell } from "../grid";
+import { cellOfIndex, freeCell, type GridSize, isWallAt, unknownCell, wallCell } from "../grid";
 import { cellCentre, cellCorner, showsDetail, type View } from "../view";
-import { eachVisible, wallAt } from "./cells";
+import { eachVisible } from "./cells";
 
 /** What the robots have seen taken together; of two that disagree the later in `maps` counts. */
 export function seenByAny(size: GridSize, maps: Iterable<SeenMap>): Uint8Array {
@@ -41,7 +41,7 @@ export function drawDifferences(context: Draw, view: View, data: SeenData, palet
     context.lineWidth = Math.max(1.5, Math.min(3, 0.07 * view.scale));
     eachVisible(view, data.size, (cell, index) => {
       const seen = data.seen[index] ?? unknownCell;
-      const wall = wallAt(data.walls, index);
+      const wall = isWallAt(data.walls, index);
       if (!(seen === wallCell && !wall) && !(seen === freeCell && wall)) return;
       const { x, y } = cellCorner(view, cell);
       if (!showsDetail(view)) context.fillRect(x, y, view.scale, view.scale);

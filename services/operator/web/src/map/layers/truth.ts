@@ -1,8 +1,8 @@
 import { type Draw, isolated } from "../draw/context";
 import type { Palette } from "../draw/palette";
-import { type GridSize, wallCell } from "../grid";
+import { type GridSize, isWallAt, wallCell } from "../grid";
 import { cellCorner, showsDetail, type View } from "../view";
-import { eachVisible, wallAt } from "./cells";
+import { eachVisible } from "./cells";
 
 export type TruthData = {
   readonly size: GridSize;
@@ -18,7 +18,7 @@ export function drawTruth(context: Draw, view: View, data: TruthData, palette: P
     context.lineWidth = Math.max(1, Math.min(2.5, 0.06 * view.scale));
     eachVisible(view, data.size, (cell, index) => {
       const wall = data.truth[index] === wallCell;
-      const wrong = wall !== wallAt(data.walls, index);
+      const wrong = wall !== isWallAt(data.walls, index);
       const { x, y } = cellCorner(view, cell);
       if (!showsDetail(view)) {
         if (wrong) context.fillRect(x, y, view.scale, view.scale);

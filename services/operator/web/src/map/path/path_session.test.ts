@@ -2,7 +2,6 @@ import fc from "fast-check";
 import { describe, expect, it } from "vitest";
 import { type Cell, contains, distance } from "../grid";
 import {
-  addCell,
   adopt,
   beginDrawing,
   bendTo,
@@ -23,6 +22,11 @@ import {
   withdraw,
 } from "./path_session";
 import type { WayGrid } from "./ways";
+
+/** Without dragging: a click or a key adds the way to the cell. */
+function addCell(session: PathSession, grid: WayGrid, cell: Cell): PathSession {
+  return endDrawing(beginDrawing(session, grid, cell));
+}
 
 const accepted = { accepted: true, reason: "" };
 

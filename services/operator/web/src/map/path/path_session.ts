@@ -61,11 +61,6 @@ export function endDrawing(session: PathSession): PathSession {
   return { ...session, cells: worthKeeping(session.cells), drawing: false };
 }
 
-/** Without dragging: a click or a key adds the way to the cell. */
-export function addCell(session: PathSession, grid: WayGrid, cell: Cell): PathSession {
-  return endDrawing(beginDrawing(session, grid, cell));
-}
-
 function extend(
   session: PathSession,
   grid: WayGrid,
@@ -183,6 +178,14 @@ function startingAt(start: Cell, grid: WayGrid, path: readonly Cell[]): readonly
   const index = path.findIndex((cell) => sameCell(cell, start));
   if (index >= 0) return path.slice(index);
   return path[0] ? joined(way(grid, start, path[0]), path) : path;
+}
+
+/** Draws again what was drawn in `before`, for where the robot is by now. */
+export function revert(session: PathSession, before: PathSession, grid: WayGrid): PathSession {
+  const { cells, refusal } = before;
+  const stands = sameCell(session.start, before.start);
+  const kept = stands ? cells : worthKeeping(startingAt(session.start, grid, cells));
+  return { ...leave(session), cells: kept, refusal };
 }
 
 export function leave(session: PathSession): PathSession {

@@ -5,8 +5,8 @@ import {
   contains,
   distance,
   type GridSize,
+  isWallAt,
   lineCells,
-  wallFrom,
 } from "../grid";
 
 /** The operator's map, as far as ways need it. */
@@ -49,7 +49,7 @@ function openNeighbours(grid: WayGrid, index: number, goal: number): number[] {
     .map((by) => ({ row: cell.row + by.row, column: cell.column + by.column }))
     .filter((other) => contains(grid.size, other))
     .map((other) => cellIndex(grid.size, other))
-    .filter((other) => other === goal || (grid.walls[other] ?? 0) < wallFrom);
+    .filter((other) => other === goal || !isWallAt(grid.walls, other));
 }
 
 function follow(size: GridSize, next: Int32Array, from: number, to: number): Cell[] {

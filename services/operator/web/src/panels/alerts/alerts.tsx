@@ -1,6 +1,6 @@
 import { useConsole } from "../../app/console";
 import type { Alert } from "../../protocol/generated/console_pb";
-import { mayCommand, nameOf } from "../../state/selectors";
+import { nameOf } from "../../state/selectors";
 import { duration, timeOfDay } from "../format";
 import { severityClass, severityText, sortAlerts } from "./order";
 import "./alerts.css";
@@ -52,7 +52,7 @@ function OneAlert({ alert }: { alert: Alert }) {
   const { store, actions } = useConsole();
   const { id, severity, source, text, advice, count, active, acknowledgedBy } = alert;
   const now = store.now.value ?? alert.newest;
-  const may = mayCommand(store.state.value);
+  const may = store.mayCommand.value;
   return (
     <li>
       <p>

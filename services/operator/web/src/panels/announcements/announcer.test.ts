@@ -29,10 +29,22 @@ describe("news", () => {
     expect(texts([queue(["r1", 1])], [queue(["r1", 2])])).toHaveLength(1);
   });
 
-  it("are new alerts, and old ones that come again, but none that somebody acknowledged", () => {
+  it("are the same question asked anew", () => {
+    const asked = (since: number, newestSnapshot = 1n): UpdateBody => ({
+      case: "attention",
+      value: { items: [{ robot: "r1", reason: 1, since, newestSnapshot }] },
+    });
+    expect(texts([asked(10)], [asked(20)])).toHaveLength(1);
+    expect(texts([asked(10)], [asked(10, 2n)])).toHaveLength(1);
+    expect(texts([asked(10)], [asked(10)])).toEqual([]);
+  });
+
+  it("are new alerts, and old ones that come again, but none that somebody acknowledged or put aside", () => {
     expect(texts([alert(1n)], [alert(1n), alert(2n)])).toEqual(["Alert, r1: silent"]);
     expect(texts([alert(1n, { active: false })], [alert(1n)])).toHaveLength(1);
     expect(texts([], [alert(1n, { acknowledgedBy: "you" })])).toEqual([]);
+    expect(texts([], [alert(1n, { newest: 50, shelvedUntil: 60 })])).toEqual([]);
+    expect(texts([], [alert(1n, { newest: 70, shelvedUntil: 60 })])).toHaveLength(1);
   });
 
   it("are none when the page begins", () => {
@@ -72,6 +84,17 @@ describe("announcer", () => {
     clock.advance(10);
     say("b");
     expect(announcer.polite.value).toBe("b");
+  });
+
+  it("lets the same be read again when it happens again", () => {
+    say("a");
+    clock.advance(10);
+    say("a");
+    expect(announcer.polite.value).not.toBe("a");
+    expect(announcer.polite.value.trim()).toBe("a");
+    clock.advance(10);
+    say("a");
+    expect(announcer.polite.value).toBe("a");
   });
 
   it("interrupts only for what is urgent", () => {

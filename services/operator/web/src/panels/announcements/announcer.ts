@@ -1,7 +1,8 @@
-import { type ReadonlySignal, signal } from "@preact/signals";
+import { type ReadonlySignal, type Signal, signal } from "@preact/signals";
 import type { Clock } from "../../connection/clock";
-import { Severity } from "../../protocol/generated/console_pb";
+import { type Alert, Severity } from "../../protocol/generated/console_pb";
 import type { ConsoleState } from "../../state/console_state";
+import { itemKey } from "../../state/selectors";
 import { reasonText } from "../queue/words";
 
 export interface News {
@@ -18,9 +19,8 @@ export function newsOf(before: ConsoleState, after: ConsoleState): readonly News
 
 function attentionNews(before: ConsoleState, after: ConsoleState): News[] {
   if (before.attention === after.attention) return [];
-  const key = ({ robot, reason }: { robot: string; reason: number }) => `${robot} ${reason}`;
-  const known = new Set(before.attention?.items.map(key));
-  const fresh = (after.attention?.items ?? []).filter((item) => !known.has(key(item)));
+  const known = new Set(before.attention?.items.map(itemKey));
+  const fresh = (after.attention?.items ?? []).filter((item) => !known.has(itemKey(item)));
   return fresh.map(({ robot, reason }) => ({
     text: `${robot} ${reasonText(reason, after.session?.drives ?? false)}`,
     urgent: false,
@@ -30,7 +30,9 @@ function attentionNews(before: ConsoleState, after: ConsoleState): News[] {
 function alertNews(before: ConsoleState, after: ConsoleState): News[] {
   if (before.alerts === after.alerts) return [];
   const known = new Set(before.alerts.filter(({ active }) => active).map(({ id }) => id));
-  const fresh = after.alerts.filter((a) => a.active && a.acknowledgedBy === "" && !known.has(a.id));
+  const calls = ({ active, acknowledgedBy, shelvedUntil, newest }: Alert) =>
+    active && acknowledgedBy === "" && shelvedUntil <= newest;
+  const fresh = after.alerts.filter((alert) => calls(alert) && !known.has(alert.id));
   return fresh.map(({ severity, source, text }) => ({
     text: `Alert, ${source}: ${text}`,
     urgent: severity === Severity.ALARM,
@@ -38,7 +40,7 @@ function alertNews(before: ConsoleState, after: ConsoleState): News[] {
 }
 
 /** s between two announcements: a screen reader must be able to finish. */
-export const announcePeriod = 4;
+const announcePeriod = 4;
 const mostAtOnce = 3;
 
 /** Texts of the page's two live regions; what comes too quickly is put together. */
@@ -74,10 +76,16 @@ export class Announcer {
     const news = this.#waiting;
     this.#waiting = [];
     this.#quietUntil = this.#clock.now() + announcePeriod;
-    // A text that stays the same is not read again, so each speech empties the other region.
-    this.#urgent.value = together(news.filter(({ urgent }) => urgent));
-    this.#polite.value = together(news.filter(({ urgent }) => !urgent));
+    const of = (wanted: boolean) => news.filter(({ urgent }) => urgent === wanted);
+    speak(this.#urgent, of(true));
+    speak(this.#polite, of(false));
   }
+}
+
+/** A text that stays the same is not read again: one that comes again gets a space at its end, which is not read. */
+function speak(region: Signal<string>, news: readonly News[]): void {
+  const text = together(news);
+  region.value = text !== "" && text === region.peek() ? `${text}\u00a0` : text;
 }
 
 function together(news: readonly News[]): string {

@@ -29,7 +29,7 @@ function ForAll() {
       </button>
       <button
         type="button"
-        disabled={!mayCommand(state) || !anyStopped}
+        disabled={!store.mayCommand.value || !anyStopped}
         onClick={() => void actions.go([...robots])}
       >
         ▶ Go all <kbd>{keyHint("go all")}</kbd>
@@ -46,6 +46,7 @@ function ControlOf({ robot }: { robot: string }) {
     return (
       <button
         type="button"
+        disabled={!store.mayCommand.value}
         onClick={() => void actions.releaseControl([robot])}
         title="Each of your commands renews it"
       >
@@ -54,7 +55,11 @@ function ControlOf({ robot }: { robot: string }) {
     );
   }
   return (
-    <button type="button" onClick={() => actions.takeControl([robot])}>
+    <button
+      type="button"
+      disabled={!store.mayCommand.value}
+      onClick={() => actions.takeControl([robot])}
+    >
       {holder.kind === "other"
         ? `${holder.name} controls ${robot}: take over`
         : `Take control of ${robot}`}

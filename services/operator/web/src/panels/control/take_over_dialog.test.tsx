@@ -1,49 +1,12 @@
 // @vitest-environment happy-dom
-import { signal } from "@preact/signals";
 import { render } from "preact";
 import { act } from "preact/test-utils";
 import { beforeEach, expect, it } from "vitest";
-import { Actions } from "../../app/actions";
-import { commandsOf } from "../../app/commands";
-import { type Console, ConsoleContext } from "../../app/console";
-import { FakeClock, FakeConnection } from "../../connection/fake";
-import { defaultSettings } from "../../state/settings";
-import { createStore } from "../../state/store";
-import { Pixels } from "../pictures/pixels";
-import { Teleoperation } from "../teleoperation/teleoperation";
-import { Tour } from "../tour/tour";
-import { emptyHistory } from "../workload/history";
+import { fakeConsole, InConsole } from "../../app/fixtures";
+import { FakeConnection } from "../../connection/fake";
 import { TakeOverDialog } from "./take_over_dialog";
 
 const connection = new FakeConnection();
-
-function consoleWith(): Console {
-  const clock = new FakeClock();
-  const store = createStore(defaultSettings);
-  const actions = new Actions(store, connection, clock);
-  const nothing = () => undefined;
-  return {
-    store,
-    actions,
-    commands: commandsOf(store, actions),
-    tour: new Tour(),
-    history: signal(emptyHistory),
-    rename: nothing,
-    teleoperation: new Teleoperation({
-      clock,
-      drive: nothing,
-      chosenRobot: nothing,
-      whyNot: nothing,
-      blocked: nothing,
-    }),
-    pixels: new Pixels({
-      token: "",
-      fetch: () => Promise.reject(new Error("no pictures here")),
-      createUrl: () => "",
-      revokeUrl: nothing,
-    }),
-  };
-}
 
 beforeEach(() => {
   connection.asked.length = 0;
@@ -60,9 +23,9 @@ it("takes control only with a reason, which is sent along", async () => {
   const takeOver = { robots: ["r1"], from: ["Bo"] };
   await act(() =>
     render(
-      <ConsoleContext.Provider value={consoleWith()}>
+      <InConsole of={fakeConsole(connection)}>
         <TakeOverDialog takeOver={takeOver} />
-      </ConsoleContext.Provider>,
+      </InConsole>,
       document.body,
     ),
   );

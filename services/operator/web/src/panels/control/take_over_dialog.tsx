@@ -7,20 +7,17 @@ import "./control.css";
 
 /** Asks why before control is taken from somebody else. */
 export function TakeOverDialog({ takeOver }: { takeOver: TakeOver }) {
-  const { store, actions } = useConsole();
+  const { actions } = useConsole();
   const [text, setText] = useState("");
   const reason = reasonOf(text);
-  const close = () => {
-    store.dialog.value = undefined;
-  };
   const take = (event: Event) => {
     event.preventDefault();
     if (reason === undefined) return;
     void actions.takeControlNow(takeOver.robots, reason);
-    close();
+    actions.closeDialog();
   };
   return (
-    <Modal title="Take over?" onClose={close}>
+    <Modal title="Take over?">
       <form class="take-over" onSubmit={take}>
         <p>
           {takeOver.from.join(", ")} {takeOver.from.length === 1 ? "has" : "have"} control of{" "}
@@ -39,7 +36,7 @@ export function TakeOverDialog({ takeOver }: { takeOver: TakeOver }) {
           <button type="submit" class="main" disabled={reason === undefined}>
             Take over
           </button>
-          <button type="button" onClick={close}>
+          <button type="button" onClick={() => actions.closeDialog()}>
             Cancel
           </button>
         </div>

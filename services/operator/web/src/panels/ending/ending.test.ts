@@ -26,7 +26,9 @@ const belief: UpdateBody = {
 describe("the end of a run", () => {
   it("is when no robot has a goal left, and tells what it took", () => {
     expect(endingOf(stateOf(robot("r1", 0), robot("r2", 1), belief))).toBeUndefined();
-    expect(endingOf(stateOf(robot("r1", 0), robot("r2", 0), belief))).toEqual({
+    const session: UpdateBody = { case: "session", value: { name: "20261122-seed1" } };
+    expect(endingOf(stateOf(session, robot("r1", 0), robot("r2", 0), belief))).toEqual({
+      run: "20261122-seed1",
       goals: 8,
       moves: 40,
       pictures: 6,

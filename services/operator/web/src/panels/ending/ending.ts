@@ -1,9 +1,12 @@
+import { isWallAt } from "../../protocol/cells";
 import { Mode } from "../../protocol/generated/console_pb";
 import type { ConsoleState } from "../../state/console_state";
 import { robotNames } from "../../state/selectors";
 
 /** What a run was, when every robot has reached its goals. */
 export interface Ending {
+  /** Its folder in runs/; empty where it has none. */
+  readonly run: string;
   readonly goals: number;
   readonly moves: number;
   readonly pictures: number;
@@ -20,6 +23,7 @@ export function endingOf(state: ConsoleState): Ending | undefined {
   const goals = all.reduce((sum, { goalsTotal }) => sum + goalsTotal, 0);
   if (goals === 0 || all.some(({ goalsLeft }) => goalsLeft.length > 0)) return undefined;
   return {
+    run: state.session?.name ?? "",
     goals,
     moves: all.reduce((sum, { cellMoves }) => sum + Number(cellMoves), 0),
     pictures: all.reduce((sum, { pictures }) => sum + Number(pictures), 0),
@@ -28,5 +32,5 @@ export function endingOf(state: ConsoleState): Ending | undefined {
 }
 
 function differing({ walls, initialWalls }: { walls: Uint8Array; initialWalls: Uint8Array }) {
-  return walls.filter((wall, cell) => wall >= 128 !== (initialWalls[cell] ?? 0) >= 128).length;
+  return walls.filter((_, cell) => isWallAt(walls, cell) !== isWallAt(initialWalls, cell)).length;
 }

@@ -11,7 +11,7 @@ export function EndingCard() {
   const dismissed = useSignal("");
   const ending = endingOf(state);
   if (ending === undefined || dismissed.value === state.run) return undefined;
-  const { goals, moves, pictures, changed } = ending;
+  const { run, goals, moves, pictures, changed } = ending;
   return (
     <section class="stage-card ending" aria-label="End of the run" aria-live="polite">
       <div>
@@ -21,8 +21,8 @@ export function EndingCard() {
           your map changed. The run is over; look round as long as you like.
         </p>
         <p class="quiet">
-          In the terminal Ctrl-C ends it. <code>./conav replay RUN</code> plays it again, RUN being
-          its folder in <code>runs/</code>; <code>./conav demo --seed 2</code> is another maze.
+          In the terminal Ctrl-C ends it. <code>./conav replay runs/{run || "<run>"}</code> plays it
+          again; <code>./conav demo --seed 2</code> is another maze.
         </p>
       </div>
       <button

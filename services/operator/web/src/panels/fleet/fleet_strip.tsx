@@ -4,7 +4,7 @@ import { useConsole } from "../../app/console";
 import { RobotMark } from "../../app/robot_mark";
 import { Mode } from "../../protocol/generated/console_pb";
 import { sameText } from "../../state/same_text";
-import { mayCommand, mayStop } from "../../state/selectors";
+import { mayStop } from "../../state/selectors";
 import { duration } from "../format";
 import { controlText, type FleetRow, fleetRow } from "./fleet_row";
 import "./fleet.css";
@@ -61,7 +61,7 @@ function FleetCard({ name }: { name: string }) {
         <span class="doing">{doing(row)}</span>
         {row.holder.kind === "other" && <span class="holder">{row.holder.name} has control</span>}
       </button>
-      {maySeeStop && <StopOrGo row={row} />}
+      {maySeeStop && <StopAndGo row={row} />}
     </li>
   );
 }
@@ -85,7 +85,7 @@ function FreshnessBadge({ row: { freshness, age } }: { row: FleetRow }) {
   const kind = { live: "good", stale: "warn", lost: "bad", "no news": "bad" };
   const old = freshness === "live" || age === undefined ? "" : ` ${duration(age)}`;
   return (
-    <span class={kind[freshness]}>
+    <span class={`freshness ${kind[freshness]}`}>
       {signs[freshness]}
       <span class="word">
         {" "}
@@ -96,22 +96,32 @@ function FreshnessBadge({ row: { freshness, age } }: { row: FleetRow }) {
   );
 }
 
-function StopOrGo({ row: { name, stopped } }: { row: FleetRow }) {
+/** Stop keeps its place: what is about to be pressed never turns into Go. */
+function StopAndGo({ row: { name, stopped } }: { row: FleetRow }) {
   const { store, actions } = useConsole();
-  const may = useComputed(() => mayCommand(store.state.value)).value || !stopped;
-  const act = () => void (stopped ? actions.go([name]) : actions.stop([name]));
-  const word = stopped ? "Go" : "Stop";
   return (
-    <button
-      type="button"
-      class="stop-or-go"
-      disabled={!may}
-      title={word}
-      aria-label={`${word} ${name}`}
-      onClick={act}
-    >
-      {stopped ? "▶" : "■"}
-    </button>
+    <>
+      {stopped && (
+        <button
+          type="button"
+          class="go"
+          disabled={!store.mayCommand.value}
+          title="Go"
+          aria-label={`Go ${name}`}
+          onClick={() => void actions.go([name])}
+        >
+          ▶
+        </button>
+      )}
+      <button
+        type="button"
+        title="Stop"
+        aria-label={`Stop ${name}`}
+        onClick={() => void actions.stop([name])}
+      >
+        ■
+      </button>
+    </>
   );
 }
 

@@ -17,16 +17,13 @@ const groups: readonly Group[] = ["Safety", "Attention", "Robots", "Page"];
 export function HelpDialog() {
   const { store } = useConsole();
   const { session, welcome } = store.state.value;
-  const close = () => {
-    store.dialog.value = undefined;
-  };
   return (
-    <Modal title="Keys and signs" onClose={close} toRead>
+    <Modal title="Keys and signs" toRead>
       <div class="help">
         {groups.map((group) => (
           <Keys key={group} title={group} rows={of(group)} />
         ))}
-        <Keys title="Map, while it has the focus" rows={mapKeys} />
+        <Keys title="Map" rows={mapKeys} />
         {session?.drives && <Keys title="Driving" rows={driveHelp} />}
         {welcome?.mode === Mode.REPLAY && <Keys title="Recording" rows={of("Recording")} />}
         <Legend />

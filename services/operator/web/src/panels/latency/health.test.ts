@@ -1,6 +1,8 @@
 import { describe, expect, it } from "vitest";
 import { Level } from "../../protocol/generated/console_pb";
+import { emptyState } from "../../state/console_state";
 import { stateOf } from "../../state/fixtures";
+import { driveLimits } from "../teleoperation/permission";
 import { healthOf, levelClass, levelText, plannerTime, roundTripClass } from "./health";
 
 describe("latency", () => {
@@ -30,11 +32,11 @@ describe("latency", () => {
   });
 
   it("is amber and red above the limits, usual ones where there are none", () => {
-    const limits = { driveAdvisedAgainst: 0.1, driveRefused: 0.2 };
+    const limits = { advisedAgainst: 0.1, refused: 0.2 };
     expect(roundTripClass(0.1, limits)).toBe("good");
     expect(roundTripClass(0.15, limits)).toBe("warn");
     expect(roundTripClass(0.25, limits)).toBe("bad");
-    expect(roundTripClass(0.25, undefined)).toBe("good");
+    expect(roundTripClass(0.25, driveLimits(emptyState))).toBe("good");
     expect(roundTripClass(undefined, limits)).toBe("quiet");
   });
 });

@@ -49,9 +49,9 @@ export function levelClass(level: Level | undefined): string {
 /** Amber and red by the limits of driving by hand. */
 export function roundTripClass(
   roundTrip: number | undefined,
-  limits: { driveAdvisedAgainst: number; driveRefused: number } | undefined,
+  limits: { advisedAgainst: number; refused: number },
 ): string {
   if (roundTrip === undefined) return "quiet";
-  if (roundTrip > (limits?.driveRefused || 1)) return "bad";
-  return roundTrip > (limits?.driveAdvisedAgainst || 0.3) ? "warn" : "good";
+  if (roundTrip > limits.refused) return "bad";
+  return roundTrip > limits.advisedAgainst ? "warn" : "good";
 }

@@ -1,8 +1,9 @@
 import type { ComponentChildren } from "preact";
 import { useConsole } from "../../app/console";
-import { Level, type Role, Role as Roles } from "../../protocol/generated/console_pb";
+import { Level, Role } from "../../protocol/generated/console_pb";
 import { ageOf } from "../../state/freshness";
 import { count, duration, milliseconds } from "../format";
+import { driveLimits } from "../teleoperation/permission";
 import {
   framesSkipped,
   healthOf,
@@ -27,9 +28,7 @@ export function LatencyStrip() {
         <LinkState />
       </Item>
       <Item name="Round trip">
-        <span class={roundTripClass(roundTrip, state.welcome?.limits)}>
-          {milliseconds(roundTrip)}
-        </span>
+        <span class={roundTripClass(roundTrip, driveLimits(state))}>{milliseconds(roundTrip)}</span>
       </Item>
       <Item name="Planner">{milliseconds(plannerTime(state.searches))}</Item>
       <Item name="Picture age">{duration(age)}</Item>
@@ -107,6 +106,6 @@ function People() {
 }
 
 function roleText(role: Role): string {
-  if (role === Roles.ADMIN) return "admin";
-  return role === Roles.OPERATOR ? "operator" : "observer";
+  if (role === Role.ADMIN) return "admin";
+  return role === Role.OPERATOR ? "operator" : "observer";
 }

@@ -14,6 +14,7 @@ export function PageButtons() {
       </button>
       <button type="button" title="Dark, light, or as the system" onClick={commands.theme}>
         <span aria-hidden="true">◐ </span>
+        <span class="unseen">Theme: </span>
         {theme}
       </button>
       <button type="button" onClick={commands.help} aria-label="Help: all keys">

@@ -71,7 +71,7 @@ function Thumbnail({ picture }: { picture: Picture }) {
   );
 }
 
-function SmallImage({ picture: { robot, sequenceNumber } }: { picture: Picture }) {
-  const state = usePixels(robot, sequenceNumber);
+function SmallImage({ picture }: { picture: Picture }) {
+  const state = usePixels(picture);
   return state.kind === "ready" ? <img src={state.url} alt="" /> : undefined;
 }

@@ -14,7 +14,7 @@ export function PictureImage({ picture }: { picture: Picture }) {
 function FetchedImage({ picture }: { picture: Picture }) {
   const { robot, sequenceNumber, width, height } = picture;
   const [tries, setTries] = useState(0);
-  const state = usePixels(robot, sequenceNumber, tries);
+  const state = usePixels(picture, tries);
   if (state.kind === "ready") {
     const text = `Picture ${sequenceNumber} of ${robot}`;
     return <img class="pixels" src={state.url} alt={text} width={width} height={height} />;

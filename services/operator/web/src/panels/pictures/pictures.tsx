@@ -52,7 +52,7 @@ function OnePicture({ picture }: { picture: Picture }) {
           <button
             type="button"
             class="end main"
-            disabled={whyNotCommand(state, robot) !== undefined}
+            disabled={!store.linked.value || whyNotCommand(state, robot) !== undefined}
             onClick={() => actions.nothingNew()}
           >
             Nothing new here <kbd>{keyHint("nothing new")}</kbd>

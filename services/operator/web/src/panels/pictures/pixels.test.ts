@@ -28,41 +28,52 @@ function pixels(token = "") {
   });
 }
 
+const shot = (sequence: bigint, robot = "r1", run = "run-1") => ({ run, robot, sequence });
 const settled = () => new Promise((resolve) => setTimeout(resolve, 0));
 
 describe("pixels", () => {
   it("are fetched once for all who show them", async () => {
     const all = pixels();
-    const first = all.acquire("r1", 7n);
+    const first = all.acquire(shot(7n));
     expect(first.value.kind).toBe("loading");
-    expect(all.acquire("r1", 7n)).toBe(first);
+    expect(all.acquire(shot(7n))).toBe(first);
     await settled();
     expect(first.value).toEqual({ kind: "ready", url: "blob:1" });
     expect(asked).toEqual([["/pictures/r1/7.jpg", {}]]);
   });
 
+  it("of another run are others, though the service calls them the same", async () => {
+    const all = pixels();
+    const first = all.acquire(shot(1n));
+    await settled();
+    const second = all.acquire(shot(1n, "r1", "run-2"));
+    expect(second.value.kind).toBe("loading");
+    await settled();
+    expect([first.value, second.value]).toMatchObject([{ url: "blob:1" }, { url: "blob:2" }]);
+  });
+
   it("come with the token where there is one", () => {
-    pixels("secret").acquire("r/1", 1n);
+    pixels("secret").acquire(shot(1n, "r/1"));
     expect(asked).toEqual([["/pictures/r%2F1/1.jpg", { Authorization: "Bearer secret" }]]);
   });
 
   it("are given back when many others were used since", async () => {
     const all = pixels();
     for (let i = 1n; i <= 34n; i += 1n) {
-      all.acquire("r1", i);
+      all.acquire(shot(i));
       await settled();
-      all.release("r1", i);
+      all.release(shot(i));
     }
     expect(revoked).toEqual(["blob:1", "blob:2"]);
   });
 
   it("stay while somebody shows them", async () => {
     const all = pixels();
-    all.acquire("r1", 0n);
+    all.acquire(shot(0n));
     for (let i = 1n; i <= 40n; i += 1n) {
-      all.acquire("r1", i);
+      all.acquire(shot(i));
       await settled();
-      all.release("r1", i);
+      all.release(shot(i));
     }
     expect(revoked).not.toContain("blob:1");
   });
@@ -70,10 +81,10 @@ describe("pixels", () => {
   it("that are gone say so, and are asked for again next time", async () => {
     reply = { ok: false, status: 404, blob: () => Promise.reject(new Error()) };
     const all = pixels();
-    const state = all.acquire("r1", 1n);
+    const state = all.acquire(shot(1n));
     await settled();
     expect(state.value).toMatchObject({ kind: "missing" });
-    all.acquire("r1", 1n);
+    all.acquire(shot(1n));
     expect(asked).toHaveLength(2);
   });
 });

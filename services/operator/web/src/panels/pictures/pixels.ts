@@ -19,6 +19,13 @@ export interface PixelReply {
   blob(): Promise<Blob>;
 }
 
+/** Which picture. Numbers begin anew with each run, and one page may see several: the mazes of a participant. */
+export interface Shot {
+  readonly run: string;
+  readonly robot: string;
+  readonly sequence: bigint;
+}
+
 interface Entry {
   readonly state: Signal<PixelState>;
   users: number;
@@ -38,30 +45,36 @@ export class Pixels {
   }
 
   /** To be followed by one `release`. */
-  acquire(robot: string, sequence: bigint): ReadonlySignal<PixelState> {
-    const path = pathOf(robot, sequence);
-    const known = this.#entries.get(path);
+  acquire(shot: Shot): ReadonlySignal<PixelState> {
+    const known = this.#entries.get(keyOf(shot));
     const entry = known ?? { state: signal<PixelState>({ kind: "loading" }), users: 0 };
     entry.users += 1;
-    this.#entries.delete(path);
-    this.#entries.set(path, entry);
+    this.#putLast(shot, entry);
     // What was missing may be there now.
-    if (known === undefined || entry.state.value.kind === "missing") void this.#load(path, entry);
+    if (known === undefined || entry.state.value.kind === "missing") void this.#load(shot, entry);
     return entry.state;
   }
 
-  release(robot: string, sequence: bigint): void {
-    const entry = this.#entries.get(pathOf(robot, sequence));
-    if (entry !== undefined) entry.users = Math.max(0, entry.users - 1);
+  release(shot: Shot): void {
+    const entry = this.#entries.get(keyOf(shot));
+    if (entry === undefined) return;
+    entry.users = Math.max(0, entry.users - 1);
+    this.#putLast(shot, entry);
     this.#forgetOldest();
   }
 
-  async #load(path: string, entry: Entry): Promise<void> {
+  #putLast(shot: Shot, entry: Entry): void {
+    const key = keyOf(shot);
+    this.#entries.delete(key);
+    this.#entries.set(key, entry);
+  }
+
+  async #load(shot: Shot, entry: Entry): Promise<void> {
     entry.state.value = { kind: "loading" };
     const { token } = this.#parts;
     const headers: Record<string, string> = token ? { Authorization: `Bearer ${token}` } : {};
     try {
-      const reply = await this.#parts.fetch(path, { headers });
+      const reply = await this.#parts.fetch(pathOf(shot), { headers });
       entry.state.value = reply.ok
         ? { kind: "ready", url: this.#parts.createUrl(await reply.blob()) }
         : { kind: "missing", reason: reasonOf(reply.status) };
@@ -69,13 +82,13 @@ export class Pixels {
       entry.state.value = { kind: "missing", reason: "The picture could not be fetched." };
     }
     // It was forgotten meanwhile.
-    if (this.#entries.get(path) !== entry) this.#revoke(entry);
+    if (this.#entries.get(keyOf(shot)) !== entry) this.#revoke(entry);
   }
 
   #forgetOldest(): void {
     const unused = [...this.#entries].filter(([, { users }]) => users === 0);
-    for (const [path, entry] of unused.slice(0, Math.max(0, unused.length - mostUnused))) {
-      this.#entries.delete(path);
+    for (const [key, entry] of unused.slice(0, Math.max(0, unused.length - mostUnused))) {
+      this.#entries.delete(key);
       this.#revoke(entry);
     }
   }
@@ -85,7 +98,11 @@ export class Pixels {
   }
 }
 
-function pathOf(robot: string, sequence: bigint): string {
+function keyOf(shot: Shot): string {
+  return `${shot.run} ${pathOf(shot)}`;
+}
+
+function pathOf({ robot, sequence }: Shot): string {
   return `/pictures/${encodeURIComponent(robot)}/${sequence}.jpg`;
 }
 

@@ -1,20 +1,22 @@
 import { useEffect, useState } from "preact/hooks";
 import { useConsole } from "../../app/console";
+import type { Picture } from "../../protocol/generated/console_pb";
 import type { PixelState } from "./pixels";
 
 const loading: PixelState = { kind: "loading" };
 
-/** The pixels of the one picture that a component shows as long as it lives; `tries` asks again when it changes. */
-export function usePixels(robot: string, sequence: bigint, tries = 0): PixelState {
-  const { pixels } = useConsole();
+/** The pixels of a picture as long as a component shows it; missing ones are asked for again with news of it, and when `tries` changes. */
+export function usePixels(picture: Picture, tries = 0): PixelState {
+  const { pixels, store } = useConsole();
   const [state, setState] = useState<PixelState>(loading);
+  const { run } = store.state.value;
   useEffect(() => {
-    const source = pixels.acquire(robot, sequence);
-    const unsubscribe = source.subscribe(setState);
+    const shot = { run, robot: picture.robot, sequence: picture.sequenceNumber };
+    const unsubscribe = pixels.acquire(shot).subscribe(setState);
     return () => {
       unsubscribe();
-      pixels.release(robot, sequence);
+      pixels.release(shot);
     };
-  }, [pixels, robot, sequence, tries]);
+  }, [pixels, run, picture, tries]);
   return state;
 }

@@ -1,9 +1,6 @@
+import { useSignal } from "@preact/signals";
 import { useConsole } from "../../app/console";
-import {
-  MarkKind as Kinds,
-  type MarkKind,
-  type Playback,
-} from "../../protocol/generated/console_pb";
+import { MarkKind, type Playback } from "../../protocol/generated/console_pb";
 import { playTime } from "../format";
 import { markFrom, markNames, speeds } from "./marks";
 import { useReplay } from "./use_replay";
@@ -11,7 +8,7 @@ import "./replay.css";
 
 /** Where in a recording we are, and ways to go elsewhere. */
 export function ReplayBar() {
-  const { store, actions } = useConsole();
+  const { store } = useConsole();
   const playback = store.state.value.playback;
   const { toggle, speed, setSpeed } = useReplay();
   if (playback === undefined) return undefined;
@@ -22,16 +19,7 @@ export function ReplayBar() {
         {playback.speed > 0 ? "❚❚ Pause" : "▶ Play"}
       </button>
       <div class="track">
-        <input
-          type="range"
-          aria-label="Position"
-          aria-valuetext={`${playTime(position)} of ${playTime(duration)}`}
-          min={0}
-          max={duration}
-          step="any"
-          value={position}
-          onInput={(event) => actions.seek({ position: event.currentTarget.valueAsNumber })}
-        />
+        <Slider playback={playback} />
         <Ticks playback={playback} />
       </div>
       <span>
@@ -51,6 +39,31 @@ export function ReplayBar() {
         <Jumps key={name} kind={kind} name={name} playback={playback} />
       ))}
     </section>
+  );
+}
+
+/** Follows the recording, but for while it is dragged. */
+function Slider({ playback: { position, duration } }: { playback: Playback }) {
+  const { actions } = useConsole();
+  const dragged = useSignal<number | undefined>(undefined);
+  const shown = dragged.value ?? position;
+  return (
+    <input
+      type="range"
+      aria-label="Position"
+      aria-valuetext={`${playTime(shown)} of ${playTime(duration)}`}
+      min={0}
+      max={duration}
+      step="any"
+      value={shown}
+      onInput={({ currentTarget: { valueAsNumber: to } }) => {
+        dragged.value = to;
+        actions.seek({ position: to });
+      }}
+      onChange={() => {
+        dragged.value = undefined;
+      }}
+    />
   );
 }
 
@@ -94,15 +107,10 @@ function Ticks({ playback: { marks, duration } }: { playback: Playback }) {
     <svg class="ticks" viewBox="0 0 1000 10" preserveAspectRatio="none" aria-hidden="true">
       {marks.map(({ kind, position }, i) => {
         const x = (1000 * position) / duration;
+        const isAlert = kind === MarkKind.MARK_ALERT;
+        // Told apart by their height too, not by colour alone.
         return (
-          <line
-            key={i}
-            x1={x}
-            x2={x}
-            y1={0}
-            y2={10}
-            class={kind === Kinds.MARK_ALERT ? "alert" : ""}
-          />
+          <line key={i} x1={x} x2={x} y1={isAlert ? 0 : 4} y2={10} class={isAlert ? "alert" : ""} />
         );
       })}
     </svg>

@@ -8,16 +8,13 @@ import "./start.css";
 export function StartDialog() {
   const { store, actions, tour } = useConsole();
   const robots = store.robots.value;
-  const close = () => {
-    store.dialog.value = undefined;
-  };
   const guide = async () => {
-    close();
+    actions.closeDialog();
     const taken = await actions.takeControlNow(robots, "");
     if (taken.accepted) await actions.go(robots);
   };
   const watch = () => {
-    close();
+    actions.closeDialog();
     void actions.go(robots);
   };
   const showRound = () => {
@@ -25,7 +22,7 @@ export function StartDialog() {
     tour.begin(sightOf(store));
   };
   return (
-    <Modal title={`${count(robots.length, "robot")} ready`} onClose={close}>
+    <Modal title={`${count(robots.length, "robot")} ready`}>
       <p class="start-text">
         Your map is partly wrong. The robots see what is there, and send you pictures. Correct the
         map, and draw paths to the goals ⚑.

@@ -10,13 +10,10 @@ export function BeginDialog() {
   const state = store.state.value;
   const { task } = state;
   const part = partName(state);
-  const close = () => {
-    store.dialog.value = undefined;
-  };
   if (task === undefined) return undefined;
   const last = task.earlier.at(-1);
   return (
-    <Modal title={`${part} ${task.number} of ${task.count}`} onClose={close}>
+    <Modal title={`${part} ${task.number} of ${task.count}`}>
       {last !== undefined && (
         <p class="task-result">
           {part} {task.number - 1}: you corrected {percent(last)} of the map's mistakes. The next
@@ -24,15 +21,15 @@ export function BeginDialog() {
         </p>
       )}
       <Instructions />
-      <BeginButton after={close} />
+      <BeginButton />
     </Modal>
   );
 }
 
-export function BeginButton({ after }: { after?: () => void }) {
+export function BeginButton() {
   const { store, actions } = useConsole();
   const begin = () => {
-    after?.();
+    actions.closeDialog();
     store.chosenSequence.value = undefined;
     if (isMappingTask(store.state.value)) store.tool.value = "wall";
     void actions.go(store.robots.value);

@@ -10,16 +10,13 @@ import { isMappingTask, offersPaths } from "./task_state";
 /** What a participant has to do, and with which keys. */
 export function TaskHelp() {
   const { store } = useConsole();
-  const close = () => {
-    store.dialog.value = undefined;
-  };
   const state = store.state.value;
   const paths = offersPaths(state);
   const mapKeys = mapShortcuts.filter(({ keys }) => paths || !pathKeys.has(keys[0] ?? ""));
   const answer = isMappingTask(state) ? nextPictureKey : nothingNewKey;
   const answers = isMappingTask(state) || state.session?.method === "ig-mcts";
   return (
-    <Modal title="What to do, and keys" onClose={close} toRead>
+    <Modal title="What to do, and keys" toRead>
       <Instructions />
       <div class="help">
         <Keys title="Task" rows={answers ? [answer, ...taskKeys] : taskKeys} />
@@ -30,5 +27,5 @@ export function TaskHelp() {
   );
 }
 
-/** Of the path tool, and of layers. */
+/** Of the path tool. */
 const pathKeys: ReadonlySet<string> = new Set(["P", "Delete"]);

@@ -21,22 +21,25 @@ export function DriveBadge() {
   const blocked = whyNotDrive(state.value, link.value, timing.value, now.value, robot);
   const action = teleoperation.action.value;
   return (
-    <output class="drive panel">
-      {blocked !== undefined ? (
-        <span class="bad">No driving: {blocked}.</span>
-      ) : (
-        <span>
-          Hold the arrow keys to drive <strong>{robot}</strong>:{" "}
-          <strong class={action === undefined ? "quiet" : "good"}>
-            {words[action ?? DriveAction.DRIVE_STOP]}
-          </strong>
-        </span>
-      )}
+    <div class="drive panel">
+      <output>
+        {blocked !== undefined ? (
+          <span class="bad">No driving: {blocked}.</span>
+        ) : (
+          <span>
+            Hold the arrow keys to drive <strong>{robot}</strong>:{" "}
+            <strong class={action === undefined ? "quiet" : "good"}>
+              {words[action ?? DriveAction.DRIVE_STOP]}
+            </strong>
+          </span>
+        )}
+      </output>
+      {/* Not read aloud: it changes with each ping. */}
       {blocked === undefined && isAdvisedAgainst(state.value, timing.value) && (
         <span class="warn">
           The round trip is {milliseconds(timing.value.roundTrip)}: better guide by paths.
         </span>
       )}
-    </output>
+    </div>
   );
 }

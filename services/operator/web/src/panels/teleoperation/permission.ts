@@ -4,9 +4,13 @@ import type { ConsoleState } from "../../state/console_state";
 import { freshnessOf } from "../../state/freshness";
 import { whyNotCommand } from "../../state/selectors";
 
-/** Where the service names no limits, s of round trip. */
-const usualAdvice = 0.3;
-const usualRefusal = 1;
+/** s of round trip beyond which nobody should drive, or may; as usual where the service names none. */
+export function driveLimits({ welcome }: Pick<ConsoleState, "welcome">) {
+  return {
+    advisedAgainst: welcome?.limits?.driveAdvisedAgainst || 0.3,
+    refused: welcome?.limits?.driveRefused || 1,
+  };
+}
 
 /** Why `robot` cannot be driven now, in words; undefined = it can. `now`: wall time of the service. */
 export function whyNotDrive(
@@ -24,10 +28,10 @@ export function whyNotDrive(
   if (freshnessOf(state.robots.get(robot)?.heardAt, now, true) === "lost")
     return `${robot} is lost`;
   if (roundTrip === undefined) return "the round trip is not measured yet";
-  const refusal = state.welcome?.limits?.driveRefused || usualRefusal;
-  return roundTrip > refusal ? `the round trip is above ${refusal} s` : undefined;
+  const { refused } = driveLimits(state);
+  return roundTrip > refused ? `the round trip is above ${refused} s` : undefined;
 }
 
 export function isAdvisedAgainst(state: ConsoleState, { roundTrip }: Timing): boolean {
-  return (roundTrip ?? 0) > (state.welcome?.limits?.driveAdvisedAgainst || usualAdvice);
+  return (roundTrip ?? 0) > driveLimits(state).advisedAgainst;
 }

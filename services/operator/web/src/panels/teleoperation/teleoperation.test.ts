@@ -1,8 +1,14 @@
+import { create } from "@bufbuild/protobuf";
 import { beforeEach, describe, expect, it } from "vitest";
 import { FakeClock } from "../../connection/fake";
-import { DriveAction } from "../../protocol/generated/console_pb";
+import {
+  DriveAction,
+  LimitsSchema,
+  Role,
+  WelcomeSchema,
+} from "../../protocol/generated/console_pb";
 import { stateOf, type UpdateBody } from "../../state/fixtures";
-import { isAdvisedAgainst, whyNotDrive } from "./permission";
+import { driveLimits, isAdvisedAgainst, whyNotDrive } from "./permission";
 import { Teleoperation } from "./teleoperation";
 
 const { DRIVE_STOP: stop, DRIVE_FORWARD: forward, DRIVE_TURN_LEFT: left } = DriveAction;
@@ -126,6 +132,17 @@ describe("permission", () => {
     expect(whyNotDrive(state, live, unknown, 100, "r1")).toContain("round trip");
     expect(whyNotDrive(state, live, quick, 104, "r1")).toContain("lost");
     expect(whyNotDrive(stopped, live, quick, 100, "r1")).toContain("stopped");
+  });
+
+  it("goes by the limits of the service, usual ones where it names none", () => {
+    const named = { advisedAgainst: 0.2, refused: 0.6 };
+    const limits = create(LimitsSchema, { driveAdvisedAgainst: 0.2, driveRefused: 0.6 });
+    const welcome = create(WelcomeSchema, { limits, role: Role.OPERATOR });
+    expect(driveLimits({ welcome })).toEqual(named);
+    expect(driveLimits({ welcome: undefined })).toEqual({ advisedAgainst: 0.3, refused: 1 });
+    const at = (roundTrip: number) =>
+      whyNotDrive({ ...state, welcome }, live, { roundTrip, clockOffset: 0 }, 100, "r1");
+    expect([at(0.6), at(0.61)]).toEqual([undefined, "the round trip is above 0.6 s"]);
   });
 
   it("is given with advice against it between the limits", () => {

@@ -3,7 +3,7 @@ import type { Cancel, Clock } from "../../connection/clock";
 import { DriveAction } from "../../protocol/generated/console_pb";
 
 /** One low-level action takes so long, s. */
-export const drivePeriod = 0.25;
+const drivePeriod = 0.25;
 
 export interface TeleoperationParts {
   readonly clock: Clock;

@@ -1,5 +1,6 @@
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { useConsole } from "../../app/console";
+import { watchTheme } from "../../map/draw/theme";
 import { duration, measured, percent } from "../format";
 import type { Chart } from "./chart";
 import { loadLevel } from "./history";
@@ -57,10 +58,10 @@ function Value({ name, help, kind = "", children }: ValueProps) {
 }
 
 function WorkloadChart() {
-  const { history, store } = useConsole();
+  const { history } = useConsole();
   const place = useRef<HTMLDivElement>(null);
   const chart = useRef<Chart | undefined>(undefined);
-  const theme = store.settings.value.theme;
+  const colours = useColours();
   useEffect(() => {
     let gone = false;
     // Most never open this panel: its library comes when they do.
@@ -72,7 +73,7 @@ function WorkloadChart() {
       chart.current?.destroy();
       chart.current = undefined;
     };
-  }, [history, theme]);
+  }, [history, colours]);
   const now = history.value;
   useEffect(() => chart.current?.show(now), [now]);
   return (
@@ -83,4 +84,11 @@ function WorkloadChart() {
       aria-label="Utilisation and waiting robots over time"
     />
   );
+}
+
+/** Another number whenever the page has other colours, also because the system has. */
+function useColours(): number {
+  const [colours, setColours] = useState(0);
+  useEffect(() => watchTheme(() => setColours((before) => before + 1)), []);
+  return colours;
 }

@@ -1,0 +1,45 @@
+// For tests of components: a console without a service.
+import { signal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
+import { FakeClock, FakeConnection } from "../connection/fake";
+import { Pixels } from "../panels/pictures/pixels";
+import { Teleoperation } from "../panels/teleoperation/teleoperation";
+import { Tour } from "../panels/tour/tour";
+import { emptyHistory } from "../panels/workload/history";
+import { defaultSettings } from "../state/settings";
+import { createStore } from "../state/store";
+import { Actions } from "./actions";
+import { commandsOf } from "./commands";
+import { type Console, ConsoleContext } from "./console";
+
+export function fakeConsole(connection = new FakeConnection()): Console {
+  const clock = new FakeClock();
+  const store = createStore(defaultSettings);
+  const actions = new Actions(store, connection, clock);
+  const nothing = () => undefined;
+  return {
+    store,
+    actions,
+    commands: commandsOf(store, actions),
+    tour: new Tour(),
+    history: signal(emptyHistory),
+    rename: nothing,
+    teleoperation: new Teleoperation({
+      clock,
+      drive: nothing,
+      chosenRobot: nothing,
+      whyNot: nothing,
+      blocked: nothing,
+    }),
+    pixels: new Pixels({
+      token: "",
+      fetch: () => Promise.reject(new Error("no pictures here")),
+      createUrl: () => "",
+      revokeUrl: nothing,
+    }),
+  };
+}
+
+export function InConsole({ of, children }: { of: Console; children: ComponentChildren }) {
+  return <ConsoleContext.Provider value={of}>{children}</ConsoleContext.Provider>;
+}

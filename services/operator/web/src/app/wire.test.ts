@@ -1,0 +1,57 @@
+import { beforeEach, describe, expect, it } from "vitest";
+import { FakeClock } from "../connection/fake";
+import { Announcer } from "../panels/announcements/announcer";
+import { type UpdateBody, updates, welcomeMessage } from "../state/fixtures";
+import { defaultSettings } from "../state/settings";
+import { createStore, type Store } from "../state/store";
+import { offerStart, tellOfReturn } from "./wire";
+
+let store: Store;
+
+beforeEach(() => {
+  store = createStore(defaultSettings);
+});
+
+describe("the link", () => {
+  it("that comes back is told, one that comes first is not", () => {
+    const announcer = new Announcer(new FakeClock());
+    tellOfReturn(store, announcer);
+    store.receive(welcomeMessage());
+    store.link.value = { state: "live" };
+    expect(announcer.polite.value).toBe("");
+    store.link.value = { state: "lost", attempt: 1, retryAt: 0 };
+    store.link.value = { state: "connecting" };
+    expect(announcer.polite.value).toBe("");
+    store.link.value = { state: "live" };
+    expect(announcer.polite.value).toBe("Connected again");
+  });
+});
+
+describe("the offer to begin", () => {
+  const control = (stopped: boolean): UpdateBody => ({
+    case: "control",
+    value: { robot: "r1", stopped },
+  });
+  const hear = (...bodies: UpdateBody[]) =>
+    store.receive(updates([{ case: "session", value: { robots: ["r1"] } }, ...bodies]));
+
+  beforeEach(() => {
+    store.receive(welcomeMessage());
+    offerStart(store);
+    hear(control(true));
+  });
+
+  it("is made once per run", () => {
+    expect(store.dialog.value).toEqual({ kind: "start" });
+    store.dialog.value = undefined;
+    hear(control(true));
+    expect(store.dialog.value).toBeUndefined();
+    store.receive(welcomeMessage({ run: "run-2" }));
+    expect(store.dialog.value).toEqual({ kind: "start" });
+  });
+
+  it("ends when somebody begins elsewhere", () => {
+    hear(control(false));
+    expect(store.dialog.value).toBeUndefined();
+  });
+});

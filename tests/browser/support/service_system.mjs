@@ -1,0 +1,106 @@
+import { readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { leaseDomain } from "./domain.mjs";
+import { Process } from "./processes.mjs";
+import { programs } from "./system.mjs";
+
+/**
+ * Simulator, planner and operator service, each by itself, without anybody simulated: any of them can be killed and started
+ * again, on the same port and database.
+ */
+export class ServiceSystem {
+  /** @type {Map<string, Process>} */
+  #services = new Map();
+  #starts = 0;
+
+  #folder;
+  #domain = 0;
+  #keeper;
+  url = "";
+
+  /** @param {string} folder for configuration, database and logs */
+  constructor(folder) {
+    this.#folder = folder;
+  }
+
+  /** @param {{ robots?: number, sim?: object, planner?: object, operator?: object }} [more] keys of the configuration files */
+  async start({ robots = 2, sim = {}, planner = {}, operator = {} } = {}) {
+    const { domain, keeper } = await leaseDomain(join(this.#folder, "domain"));
+    this.#domain = domain;
+    this.#keeper = keeper;
+    const names = Array.from({ length: robots }, (_, i) => `r${i + 1}`);
+    const placed = names.map((name) => `w1/${name}`);
+    this.#write("sim", { world: "w1", robots: names, seed: 7, speed: 4, ...sim });
+    this.#write("planner", { robots: placed, perception: "embedded", ...planner });
+    this.#write("operator", {
+      robots: placed,
+      database: join(this.#folder, "operator.db"),
+      control: { start_stopped: true },
+      ...operator,
+      console: { port: 0, ...operator.console },
+    });
+    for (const service of ["sim", "operator", "planner"]) this.#run(service);
+    this.url = await this.#address();
+    // From now on the same port, also for the next start.
+    const { port } = new URL(this.url);
+    const file = this.#config("operator");
+    writeFileSync(file, readFileSync(file, "utf8").replace('"port": 0', `"port": ${port}`));
+  }
+
+  pidOf(service) {
+    return this.#one(service).pid;
+  }
+
+  /** @param {NodeJS.Signals} signal */
+  signal(service, signal) {
+    this.#one(service).signal(signal);
+  }
+
+  kill(service) {
+    return this.#one(service).kill();
+  }
+
+  /** On the same configuration; waits until it serves the page again. */
+  async startAgain(service) {
+    this.#run(service);
+    if (service === "operator") await this.#address();
+  }
+
+  logs() {
+    return [...this.#services.values()].map(({ log }) => log);
+  }
+
+  async stop() {
+    await Promise.all([...this.#services.values()].map((service) => service.stop()));
+    await this.#keeper?.stop();
+  }
+
+  async #address() {
+    const [, url] = await this.#one("operator").hears(/ console url=(\S+)/);
+    return url;
+  }
+
+  #one(service) {
+    const found = this.#services.get(service);
+    if (found === undefined) throw new Error(`no service ${service}`);
+    return found;
+  }
+
+  #config(service) {
+    return join(this.#folder, `${service}.yaml`);
+  }
+
+  /** JSON is YAML. */
+  #write(service, keys) {
+    const bus = { domain_id: this.#domain, interface: "lo" };
+    const parameters = { [service]: { ros__parameters: { bus, ...keys } } };
+    writeFileSync(this.#config(service), JSON.stringify(parameters, undefined, 1));
+  }
+
+  #run(service) {
+    this.#starts += 1;
+    const command = [join(programs, `conav-${service}`), "--config", this.#config(service)];
+    const log = join(this.#folder, `${service}-${this.#starts}.log`);
+    this.#services.set(service, new Process(service, command, { log }));
+  }
+}
