@@ -202,7 +202,7 @@ TEST_CASE("A failed command is shown until the next one is taken up", "[operator
   CHECK(bench.Order(3).empty());
 }
 
-TEST_CASE("A robot without goals asks for nothing; that is shown until it is selected",
+TEST_CASE("A robot without goals asks for nothing, that is shown until it is selected",
           "[operator][attention]") {
   QueueBench bench;
   bench.queue.Hear(Question("r1", AttentionReason::kBlocked, 1.0), At(1));
@@ -218,7 +218,7 @@ TEST_CASE("A robot without goals asks for nothing; that is shown until it is sel
   CHECK(bench.Order(5).empty());
 }
 
-TEST_CASE("A selection names who works on it; another client or a wrong item is refused",
+TEST_CASE("A selection names who works on it, another client or a wrong item is refused",
           "[operator][attention]") {
   QueueBench bench;
   bench.queue.Hear(Question("r1", AttentionReason::kBlocked, 1.0), At(1));

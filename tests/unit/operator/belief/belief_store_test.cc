@@ -39,7 +39,7 @@ TEST_CASE("A new world starts with its initial map at revision 0", "[operator][b
   CHECK(*store.FindBelief("w1") == Belief{{7}, "w1", 0, kInitial, ""});
 }
 
-TEST_CASE("A world that is known keeps its belief; one that begins with another map is refused",
+TEST_CASE("A world that is known keeps its belief, one that begins with another map is refused",
           "[operator][belief]") {
   const TemporaryFolder folder;
   BeliefStore store = OpenStore(folder / "operator.db");

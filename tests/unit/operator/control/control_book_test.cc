@@ -72,7 +72,7 @@ TEST_CASE("The map of a world belongs to who has control of all its robots",
   CHECK(bench.book.WhyNotEdit("ben", "w2", bench.now).empty());
 }
 
-TEST_CASE("Anybody stops robots, whoever has control; orders count once they are adopted",
+TEST_CASE("Anybody stops robots, whoever has control, orders count once they are adopted",
           "[operator][control]") {
   Bench bench;
   REQUIRE(bench.book.Take("anna", {{}, ""}, bench.now));
