@@ -9,6 +9,7 @@ import { createStore, type Store } from "../state/store";
 import { Actions } from "./actions";
 import { commandsOf } from "./commands";
 import { listenToKeys } from "./keyboard";
+import { stopForEditing } from "./wire";
 
 let store: Store;
 let connection: FakeConnection;
@@ -32,6 +33,7 @@ beforeEach(() => {
     whyNot: () => undefined,
     blocked: () => undefined,
   });
+  stopForEditing(store, driving);
   unlisten = listenToKeys(window, store, commandsOf(store, actions), driving);
   store.receive(welcomeMessage());
   session(true);
@@ -183,6 +185,17 @@ describe("driving keys", () => {
     press("ArrowUp");
     happens();
     expect(driven).toEqual([forward, stop]);
+  });
+
+  it("are the map's while a tool that edits is chosen, and what they began ends with it", () => {
+    press("ArrowUp");
+    store.tool.value = "wall";
+    expect(driven).toEqual([forward, stop]);
+    expect(press("ArrowUp").defaultPrevented).toBe(false);
+    expect(driven).toEqual([forward, stop]);
+    store.tool.value = "look";
+    press("ArrowUp");
+    expect(driven).toEqual([forward, stop, forward]);
   });
 
   it("do nothing in other methods, in fields and behind dialogs", () => {

@@ -27,6 +27,7 @@ import {
   keepSettings,
   keepTime,
   offerStart,
+  stopForEditing,
   stopWithoutLink,
   tellOfReturn,
 } from "./wire";
@@ -97,6 +98,7 @@ askForFrames(store, connection, document);
 follow(console, announcer);
 tellOfReturn(store, announcer);
 offerStart(store);
+stopForEditing(store, teleoperation);
 listenToKeys(window, store, commands, teleoperation);
 
 const root = document.getElementById("app");

@@ -52,7 +52,7 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
         chosenPicture: store.chosenPicture.value,
         layers: store.settings.value.layers,
         chosenRobot: chosenRobot.value,
-        tool: store.tool.value,
+        tool: toolOf(state.value, store.tool.value),
         watchesOnly: watchesOnly.value,
         participates: isTask(state.value),
         offersPaths: offersPaths(state.value),
@@ -65,6 +65,11 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
       }
     );
   });
+}
+
+/** One that is not offered was taken up before, in another part of a study. */
+function toolOf(state: ConsoleState, tool: MapProps["tool"]): MapProps["tool"] {
+  return tool === "path" && !offersPaths(state) ? "look" : tool;
 }
 
 function callbacksOf(store: Store, actions: Actions) {

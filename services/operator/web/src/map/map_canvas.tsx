@@ -40,7 +40,9 @@ export function MapCanvas(props: MapProps) {
         <PathBar model={model} hand={hand} />
       </div>
       <p id={help} class="map-unseen">
-        Arrow keys move a cell cursor, Space uses the tool there. V, W, E, R and P choose the tool.
+        {props.arrowsDrive
+          ? "Arrow keys drive the robot. With the tools W, E and R they move a cell cursor, Space uses the tool there, and Escape goes back to driving."
+          : "Arrow keys move a cell cursor, Space uses the tool there. V, W, E, R and P choose the tool."}
       </p>
       <StatusLine model={model} />
     </section>

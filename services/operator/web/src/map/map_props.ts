@@ -32,6 +32,10 @@ export type MapRobot = {
 
 export type Tool = "look" | "wall" | "erase" | "rectangle" | "path";
 
+export function editsMap(tool: Tool): boolean {
+  return tool !== "look" && tool !== "path";
+}
+
 export const layerNames = [
   "belief",
   "changes",
@@ -108,7 +112,7 @@ export type MapProps = {
   participates: boolean;
   /** Where the robot follows no paths there is no tool for them. */
   offersPaths: boolean;
-  /** The arrow keys drive a robot: a map that was clicked leaves them alone, one that was reached by Tab takes them. */
+  /** The arrow keys drive a robot: the map takes them only while a tool that edits is chosen. */
   arrowsDrive: boolean;
   mayEdit: Permission;
   mayGuide: Permission; // of the chosen robot
