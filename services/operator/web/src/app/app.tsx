@@ -1,6 +1,7 @@
 import { useComputed } from "@preact/signals";
 import { useMemo } from "preact/hooks";
 import { MapCanvas } from "../map/map_canvas";
+import { mapId } from "../map/map_focus";
 import { Alerts } from "../panels/alerts/alerts";
 import type { Announcer } from "../panels/announcements/announcer";
 import { LiveRegions } from "../panels/announcements/live_regions";
@@ -31,7 +32,7 @@ import "./layout.css";
 export function App({ console, announcer }: { console: Console; announcer: Announcer }) {
   return (
     <ConsoleContext.Provider value={console}>
-      <a class="skip" href="#map">
+      <a class="skip" href={`#${mapId}`}>
         To the map
       </a>
       <Layout />
@@ -77,7 +78,7 @@ function Stage() {
       <TourCard />
       <EndingCard />
       <DriveBadge />
-      <div class="map" id="map" tabIndex={-1} data-tour="map">
+      <div class="map" data-tour="map">
         <WorldMap />
       </div>
       {(workload || events) && (

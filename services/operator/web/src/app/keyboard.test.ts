@@ -20,7 +20,7 @@ afterEach(() => unlisten());
 
 beforeEach(() => {
   document.body.innerHTML =
-    '<button id="b"><span id="in-b"></span></button><input id="i"><input type="checkbox" id="c"><canvas id="map"></canvas>';
+    '<button id="b"><span id="in-b"></span></button><input id="i"><input type="checkbox" id="c"><canvas id="map" tabindex="0"></canvas>';
   store = createStore(defaultSettings);
   connection = new FakeConnection();
   driven = [];
@@ -84,6 +84,16 @@ describe("keys", () => {
     press("s", {}, "map");
     expect(driven).toEqual([]);
     expect(connection.asked).toEqual([]);
+  });
+
+  it("that lead to what asks next lead to the map, unless something has the focus", () => {
+    press("j");
+    expect(document.activeElement).toBe(document.body);
+    press("n");
+    expect(document.activeElement?.id).toBe("map");
+    document.querySelector<HTMLElement>("#b")?.focus();
+    press("n");
+    expect(document.activeElement?.id).toBe("b");
   });
 
   it("never stop everybody when nobody is chosen", () => {

@@ -1,3 +1,4 @@
+import { focusMapIfNothing } from "../map/map_focus";
 import { editsMap } from "../map/map_props";
 import { takesText } from "../map/takes_text";
 import { inTask } from "../panels/task/task_keys";
@@ -78,6 +79,7 @@ export function listenToKeys(
     const command = inTask(store.state.value, meant);
     if (command === undefined || (event.repeat && !repeating.has(command))) return false;
     commands[command]();
+    if (command === "next") focusMapIfNothing(page.document);
     return true;
   }
 }

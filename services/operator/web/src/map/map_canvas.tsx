@@ -2,6 +2,7 @@ import { useEffect, useId, useLayoutEffect, useMemo, useRef } from "preact/hooks
 import { showOn } from "./canvas_view";
 import { RefusedEdit } from "./edit/refused_edit";
 import { Hand } from "./hand";
+import { mapId } from "./map_focus";
 import { MapModel } from "./map_model";
 import type { MapProps } from "./map_props";
 import { PathBar } from "./path/path_bar";
@@ -28,6 +29,7 @@ export function MapCanvas(props: MapProps) {
         {/* biome-ignore lint/a11y/noInteractiveElementToNoninteractiveRole: it takes keys of its own, as an application does */}
         <canvas
           ref={canvas}
+          id={mapId}
           class={`map-surface tool-${props.tool}`}
           tabIndex={0}
           role="application"
