@@ -2,6 +2,7 @@ import { useConsole } from "../../app/console";
 import { Modal } from "../../app/modal";
 import { count } from "../format";
 import { sightOf } from "../tour/sight";
+import { MethodWords } from "./method_words";
 import "./start.css";
 
 /** All robots stand and nobody has control: how to begin. */
@@ -24,8 +25,7 @@ export function StartDialog() {
   return (
     <Modal title={`${count(robots.length, "robot")} ready`}>
       <p class="start-text">
-        Your map is partly wrong. The robots see what is there, and send you pictures. Correct the
-        map, and draw paths to the goals ⚑.
+        <StartWords robots={robots.length} />
       </p>
       <ul class="start">
         <Choice
@@ -42,6 +42,24 @@ export function StartDialog() {
         <Choice text="Watch" detail="The robots go; whoever is there guides them." act={watch} />
       </ul>
     </Modal>
+  );
+}
+
+function StartWords({ robots }: { robots: number }) {
+  const { method = "" } = useConsole().store.state.value.session ?? {};
+  if (method === "" || method === "ig-mcts") {
+    return (
+      <>
+        Your map is partly wrong. The robots see what is there, and send you pictures. Correct the
+        map, and draw paths to the goals ⚑.
+      </>
+    );
+  }
+  return (
+    <>
+      Your map is partly wrong: correct it as you learn more.{" "}
+      <MethodWords method={method} many={robots > 1} /> It is done when all goals ⚑ are reached.
+    </>
   );
 }
 
