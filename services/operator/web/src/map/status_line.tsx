@@ -10,7 +10,7 @@ export function StatusLine({ model }: { model: MapModel }) {
   const text = useComputed(() => {
     const cursor = model.byKeyboard.value ? model.cursor.value : undefined;
     const cell = cursor ?? model.hover.value;
-    return cell ? wordsOf(model, cell) : hintOf(model);
+    return cell && wordsOf(model, cell);
   });
   const aloud = useComputed(() => {
     const cursor = model.byKeyboard.value ? model.cursor.value : undefined;
@@ -18,7 +18,11 @@ export function StatusLine({ model }: { model: MapModel }) {
   });
   return (
     <div class="map-status">
-      <span>{text}</span>
+      {text.value === undefined ? (
+        <span class="map-hint">{hintOf(model)}</span>
+      ) : (
+        <span>{text}</span>
+      )}
       <output class="map-unseen">{aloud}</output>
       <span>{pendingText(model)}</span>
       {model.props.value.layers.seen > 0 && <Legend />}

@@ -52,7 +52,8 @@ function FleetCard({ name }: { name: string }) {
           <strong>{name}</strong>
           <FreshnessBadge row={row} />
           <span class="end" title="goals reached">
-            ⚑ {row.goalsReached}/{row.goalsTotal}
+            <span class="flag">⚑ </span>
+            {row.goalsReached}/{row.goalsTotal}
           </span>
         </span>
         <span class="sign" aria-hidden="true">
