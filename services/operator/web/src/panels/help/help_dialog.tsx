@@ -5,6 +5,7 @@ import { driveHelp, type Group, keyParts, shortcuts } from "../../app/shortcuts"
 import { shortcutsWith } from "../../map/shortcuts";
 import { Mode } from "../../protocol/generated/console_pb";
 import { offersPaths } from "../task/task_state";
+import { MapSigns } from "./map_signs";
 import "./help.css";
 
 interface Row {
@@ -29,6 +30,7 @@ export function HelpDialog() {
         <Keys title="Map" rows={mapKeys} />
         {session?.drives && <Keys title="Driving" rows={driveHelp} />}
         {welcome?.mode === Mode.REPLAY && <Keys title="Recording" rows={of("Recording")} />}
+        <MapSigns participates={false} offersPaths={offersPaths(state)} />
         <Legend />
         <YourName />
       </div>

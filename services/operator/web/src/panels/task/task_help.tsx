@@ -3,6 +3,7 @@ import { Modal } from "../../app/modal";
 import { driveHelp } from "../../app/shortcuts";
 import { shortcutsWith } from "../../map/shortcuts";
 import { Keys } from "../help/help_dialog";
+import { MapSigns } from "../help/map_signs";
 import { Instructions } from "./instructions";
 import { nextPictureKey, nothingNewKey, taskKeys } from "./task_keys";
 import { isMappingTask, offersPaths } from "./task_state";
@@ -21,6 +22,7 @@ export function TaskHelp() {
         <Keys title="Task" rows={answers ? [answer, ...taskKeys] : taskKeys} />
         {state.session?.drives && <Keys title="Driving" rows={driveHelp} />}
         <Keys title="Map" rows={mapKeys} />
+        <MapSigns participates offersPaths={offersPaths(state)} />
       </div>
     </Modal>
   );
