@@ -1,11 +1,18 @@
 import { computed, type ReadonlySignal } from "@preact/signals";
-import type { MapProps, MapRobot, Permission } from "../map/map_props";
+import type { MapProps, MapRobot, Outcome, Permission } from "../map/map_props";
 import { isTask, offersPaths, whyNotMap } from "../panels/task/task_state";
 import type { CellAt } from "../protocol/cells";
 import { type Picture, Role } from "../protocol/generated/console_pb";
 import type { ConsoleState } from "../state/console_state";
 import { freshnessOf } from "../state/freshness";
-import { mayCommand, nameOf, trailCells, whyNotCommand, worldOf } from "../state/selectors";
+import {
+  mayCommand,
+  nameOf,
+  trailCells,
+  whyNotCommand,
+  withNames,
+  worldOf,
+} from "../state/selectors";
 import type { Store } from "../state/store";
 import type { Actions } from "./actions";
 import { lookOf } from "./palette";
@@ -82,9 +89,14 @@ function callbacksOf(store: Store, actions: Actions) {
       if (tool === "look" || mayCommand(store.state.peek())) store.tool.value = tool;
     },
     onChooseRobot: (name: string) => store.choose(name),
-    onEdit: (...edit: Parameters<MapProps["onEdit"]>) => actions.edit(...edit),
-    onPath: (...path: Parameters<MapProps["onPath"]>) => actions.guide(...path),
+    onEdit: (...edit: Parameters<MapProps["onEdit"]>) => named(store, actions.edit(...edit)),
+    onPath: (...path: Parameters<MapProps["onPath"]>) => named(store, actions.guide(...path)),
   };
+}
+
+async function named(store: Store, asked: Promise<Outcome>): Promise<Outcome> {
+  const { accepted, reason } = await asked;
+  return { accepted, reason: withNames(store.state.peek(), reason) };
 }
 
 /** All of them where there is one world: then what is shown is what was told, the very same objects. */
