@@ -4,7 +4,7 @@ import { keyHint } from "../../app/shortcuts";
 import type { AttentionItem } from "../../protocol/generated/console_pb";
 import { mayCommand, nameOf } from "../../state/selectors";
 import { duration, measured } from "../format";
-import { adviceText, isNotice, patienceText, reasonText } from "./words";
+import { adviceText, isNotice, nobodyText, patienceText, reasonText } from "./words";
 import "./queue.css";
 
 /** All that asks for the operator, in the service's order. */
@@ -27,7 +27,9 @@ export function Queue() {
           Next <kbd>{keyHint("next")}</kbd>
         </button>
       </div>
-      {items.length === 0 && <p class="quiet">Nobody. The robots get along.</p>}
+      {items.length === 0 && (
+        <p class="quiet">{nobodyText(store.state.value, store.link.value.state)}</p>
+      )}
       <ol>
         {items.map((item) => (
           <QueueItem
