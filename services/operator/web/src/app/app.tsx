@@ -95,7 +95,11 @@ function WorldMap() {
   const { store, actions } = useConsole();
   const view = useMemo(() => mapView(store, actions), [store, actions]);
   const props = view.value;
-  return props === undefined ? <p class="quiet">No world yet.</p> : <MapCanvas {...props} />;
+  return props === undefined ? (
+    <p class="quiet">The world has not come yet.</p>
+  ) : (
+    <MapCanvas {...props} />
+  );
 }
 
 function Dialogs() {

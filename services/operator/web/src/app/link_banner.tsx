@@ -1,6 +1,7 @@
 import { useRef } from "preact/hooks";
 import { isBetweenMazes, isTask } from "../panels/task/task_state";
 import { Mode } from "../protocol/generated/console_pb";
+import type { ConsoleState } from "../state/console_state";
 import { useConsole } from "./console";
 import { linkProblem } from "./link_problem";
 import "./link_banner.css";
@@ -18,6 +19,10 @@ export function LinkBanner() {
   return text === undefined ? undefined : <output class="banner calm">{text}</output>;
 }
 
+function mayBeDemo(state: ConsoleState): boolean {
+  return !isTask(state) && state.welcome?.mode !== Mode.REPLAY;
+}
+
 /** After so many the service is hardly just starting again. */
 const manyAttempts = 4;
 
@@ -33,7 +38,7 @@ function Problem({ text }: { text: string }) {
       {text}
       {/* It changes all the time: who listens hears of the problem once. */}
       <span aria-hidden="true">{attempt}</span>
-      {away && attempts.current >= manyAttempts && !isTask(state.value) && (
+      {away && attempts.current >= manyAttempts && mayBeDemo(state.value) && (
         <p>
           Perhaps the demo has ended: <code>./conav demo</code> starts another one, and this page
           comes back by itself.

@@ -66,6 +66,7 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
         arrowsDrive: state.value.session?.drives === true && mayCommand(state.value),
         mayEdit: mayEdit.value,
         mayGuide: mayGuide.value,
+        stopped: state.value.controls.get(chosenRobot.value ?? "")?.stopped ?? false,
         editLimit: state.value.welcome?.limits?.editCells || undefined,
         focus: store.focus.value,
         ...callbacks,

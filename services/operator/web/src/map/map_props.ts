@@ -116,6 +116,8 @@ export type MapProps = {
   arrowsDrive: boolean;
   mayEdit: Permission;
   mayGuide: Permission; // of the chosen robot
+  /** The chosen robot was stopped: it stands, whatever its path, until somebody lets it go on. */
+  stopped: boolean;
   /** At most so many cells in one edit; a larger one is sent in parts. Not given: no limit. */
   editLimit?: number | undefined;
   /** Resolves with the service's reply. Until then, and until a belief with a newer revision came, the edit is pending. */

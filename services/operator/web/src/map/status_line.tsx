@@ -3,7 +3,7 @@ import { useEffect } from "preact/hooks";
 import { cellWords } from "./cell_words";
 import { draftLayers } from "./edit/edit_session";
 import type { MapModel, Note } from "./map_model";
-import type { Cell } from "./map_props";
+import type { Cell, MapProps } from "./map_props";
 
 /** The cell under the pointer or the cursor in words. Only what the keyboard or a refusal says is read aloud. */
 export function StatusLine({ model }: { model: MapModel }) {
@@ -25,7 +25,7 @@ export function StatusLine({ model }: { model: MapModel }) {
       )}
       <output class="map-unseen">{aloud}</output>
       <span>{pendingText(model)}</span>
-      {model.props.value.layers.seen > 0 && <Legend />}
+      {showsSeen(model.props.value) && <Legend />}
       <NoteLine note={model.note} />
     </div>
   );
@@ -45,6 +45,11 @@ export function NoteLine({ note }: { note: Signal<Note | undefined> }) {
   }, [now, note]);
   // A text that is said again is an element of its own: then it is read aloud again.
   return <output class="map-note">{now && <span key={now.number}>{now.text}</span>}</output>;
+}
+
+/** Participants are told nothing of it. */
+function showsSeen({ layers, participates }: MapProps): boolean {
+  return layers.seen > 0 && !participates;
 }
 
 /** The two signs that a newcomer must know: where robots saw it otherwise than the map has it. */

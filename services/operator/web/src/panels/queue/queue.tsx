@@ -73,7 +73,7 @@ function QueueItem({ item, now, advised }: ItemProps) {
           <strong>{robot}</strong> {reasonText(reason, drives)}
           <span class="quiet times">
             {isNotice(reason) ? `${duration(now - since)} ago` : `waits ${duration(now - since)}`}
-            {patienceText(item, now)}
+            {!state.controls.get(robot)?.stopped && patienceText(item, now)}
             {selectedBy !== "" &&
               ` · ${mine ? "you are" : `${nameOf(state, selectedBy)} is`} on it`}
           </span>

@@ -1,3 +1,4 @@
+import { useComputed } from "@preact/signals";
 import { useConsole } from "../../app/console";
 import { Modal } from "../../app/modal";
 import { count } from "../format";
@@ -9,6 +10,7 @@ import "./start.css";
 export function StartDialog() {
   const { store, actions, tour } = useConsole();
   const robots = store.robots.value;
+  const heard = useComputed(() => store.state.value.robots.size).value;
   const guide = async () => {
     actions.closeDialog();
     const taken = await actions.takeControlNow(robots, "");
@@ -23,7 +25,7 @@ export function StartDialog() {
     tour.begin(sightOf(store));
   };
   return (
-    <Modal title={`${count(robots.length, "robot")} ready`}>
+    <Modal title={readyText(robots.length, heard)}>
       <p class="start-text">
         <StartWords robots={robots.length} />
       </p>
@@ -43,6 +45,13 @@ export function StartDialog() {
       </ul>
     </Modal>
   );
+}
+
+/** `heard`: how many have told of themselves. */
+function readyText(robots: number, heard: number): string {
+  return heard < robots
+    ? `${heard} of ${count(robots, "robot")} ready`
+    : `${count(robots, "robot")} ready`;
 }
 
 function StartWords({ robots }: { robots: number }) {
