@@ -40,8 +40,8 @@ function Problem({ text }: { text: string }) {
       <span aria-hidden="true">{attempt}</span>
       {away && attempts.current >= manyAttempts && mayBeDemo(state.value) && (
         <p>
-          Perhaps the demo has ended: <code>./conav demo</code> starts another one, and this page
-          comes back by itself.
+          Perhaps the demo has ended: <code>./conav demo</code> starts another one, which this page
+          shows then.
         </p>
       )}
     </div>

@@ -87,11 +87,11 @@ function wordsOf(model: MapModel, cell: Cell): string {
 }
 
 const hints = {
-  look: "Drag to move the map, wheel to zoom, click on a robot to choose it.",
+  look: "Drag moves the map, the wheel zooms, a click chooses a robot.",
   wall: "Drag to draw walls where you know of one. Shift erases.",
   erase: "Drag over walls that are not there.",
   rectangle: "Drag from corner to corner. Shift erases.",
-  path: "Drag a corner of a path to bend it; a double click takes the corner away.",
+  path: "Drag a corner of a path to bend it; a double click removes it.",
 } as const;
 
 function hintOf(model: MapModel): string {

@@ -30,6 +30,9 @@ export function Queue() {
       {items.length === 0 && (
         <p class="quiet">{nobodyText(store.state.value, store.link.value.state)}</p>
       )}
+      {items.length > 0 && !store.linked.value && (
+        <p class="quiet">As it was before the connection was lost.</p>
+      )}
       <ol>
         {items.map((item) => (
           <QueueItem
