@@ -55,6 +55,16 @@ journey("everything can be done by the keyboard alone", async (scene) => {
   assert.deepEqual([row, column], [1, 1]);
   await press("Escape", "v");
 
+  // "To the map" leads to the map itself; N, too, where nothing has the focus.
+  const skip = page.page.getByRole("link", { name: "To the map" });
+  await skip.focus();
+  await press("Enter");
+  assert.ok(await hasFocus(page.map));
+  await page.map.evaluate((canvas) => canvas.blur());
+  await press("n");
+  assert.ok(await hasFocus(page.map));
+  await press("Escape");
+
   // Answers a picture.
   const asks = () => page.told.newest("attention").items.filter(({ reason }) => reason === picture);
   await until("a robot asks about a picture", () => asks().length > 0);
@@ -95,9 +105,13 @@ async function tabsTo(page, target) {
       );
     });
     assert.ok(outlined, `the focus can be seen at ${await focusText(page)}`);
-    if (await target.evaluate((element) => element === document.activeElement)) return;
+    if (await hasFocus(target)) return;
   }
   throw new Error(`not within ${farthest} times Tab; the focus is at ${await focusText(page)}`);
+}
+
+function hasFocus(target) {
+  return target.evaluate((element) => element === document.activeElement);
 }
 
 function focusText(page) {

@@ -60,6 +60,21 @@ journey("driving stops with the key, with the focus, and with the page", async (
   await page.map.click({ position: { x: 5, y: 5 } });
   await stopsAfter(page, () => page.page.locator(".drive").click({ button: "right" }));
 
+  // A click on the map changes nothing of that; a tool that edits does, until Escape.
+  await page.map.click({ position: { x: 5, y: 5 } });
+  await stopsAfter(page, () => page.page.keyboard.up("ArrowLeft"));
+  await page.press("w");
+  await page.reads(/You edit the map/);
+  const before = page.told.requests("drive").length;
+  await page.press("ArrowLeft");
+  await page.page
+    .locator(".map-status output")
+    .filter({ hasText: /^Row/ })
+    .waitFor({ state: "attached" });
+  assert.equal(page.told.requests("drive").length, before);
+  await page.press("Escape");
+  await stopsAfter(page, () => page.page.keyboard.up("ArrowLeft"));
+
   // Without a key nothing is driven; stopping the robot forbids it.
   await page.press("s");
   await page.page

@@ -1,6 +1,7 @@
 import { useComputed } from "@preact/signals";
 import { useMemo } from "preact/hooks";
 import { MapCanvas } from "../map/map_canvas";
+import { mapId } from "../map/map_focus";
 import { Alerts } from "../panels/alerts/alerts";
 import type { Announcer } from "../panels/announcements/announcer";
 import { LiveRegions } from "../panels/announcements/live_regions";
@@ -31,7 +32,7 @@ import "./layout.css";
 export function App({ console, announcer }: { console: Console; announcer: Announcer }) {
   return (
     <ConsoleContext.Provider value={console}>
-      <a class="skip" href="#map">
+      <a class="skip" href={`#${mapId}`}>
         To the map
       </a>
       <Layout />
@@ -80,7 +81,7 @@ function Stage() {
         <EndingCard />
       </div>
       <DriveBadge />
-      <div class="map" id="map" tabIndex={-1} data-tour="map">
+      <div class="map" data-tour="map">
         <WorldMap />
       </div>
       {(workload || events) && (
@@ -97,7 +98,11 @@ function WorldMap() {
   const { store, actions } = useConsole();
   const view = useMemo(() => mapView(store, actions), [store, actions]);
   const props = view.value;
-  return props === undefined ? <p class="quiet">No world yet.</p> : <MapCanvas {...props} />;
+  return props === undefined ? (
+    <p class="quiet">The world has not come yet.</p>
+  ) : (
+    <MapCanvas {...props} />
+  );
 }
 
 function Dialogs() {

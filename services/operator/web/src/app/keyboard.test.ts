@@ -9,6 +9,7 @@ import { createStore, type Store } from "../state/store";
 import { Actions } from "./actions";
 import { commandsOf } from "./commands";
 import { listenToKeys } from "./keyboard";
+import { stopForEditing } from "./wire";
 
 let store: Store;
 let connection: FakeConnection;
@@ -19,7 +20,7 @@ afterEach(() => unlisten());
 
 beforeEach(() => {
   document.body.innerHTML =
-    '<button id="b"><span id="in-b"></span></button><input id="i"><input type="checkbox" id="c"><canvas id="map"></canvas>';
+    '<button id="b"><span id="in-b"></span></button><input id="i"><input type="checkbox" id="c"><canvas id="map" tabindex="0"></canvas>';
   store = createStore(defaultSettings);
   connection = new FakeConnection();
   driven = [];
@@ -32,6 +33,7 @@ beforeEach(() => {
     whyNot: () => undefined,
     blocked: () => undefined,
   });
+  stopForEditing(store, driving);
   unlisten = listenToKeys(window, store, commandsOf(store, actions), driving);
   store.receive(welcomeMessage());
   session(true);
@@ -82,6 +84,16 @@ describe("keys", () => {
     press("s", {}, "map");
     expect(driven).toEqual([]);
     expect(connection.asked).toEqual([]);
+  });
+
+  it("that lead to what asks next lead to the map, unless something has the focus", () => {
+    press("j");
+    expect(document.activeElement).toBe(document.body);
+    press("n");
+    expect(document.activeElement?.id).toBe("map");
+    document.querySelector<HTMLElement>("#b")?.focus();
+    press("n");
+    expect(document.activeElement?.id).toBe("b");
   });
 
   it("never stop everybody when nobody is chosen", () => {
@@ -183,6 +195,17 @@ describe("driving keys", () => {
     press("ArrowUp");
     happens();
     expect(driven).toEqual([forward, stop]);
+  });
+
+  it("are the map's while a tool that edits is chosen, and what they began ends with it", () => {
+    press("ArrowUp");
+    store.tool.value = "wall";
+    expect(driven).toEqual([forward, stop]);
+    expect(press("ArrowUp").defaultPrevented).toBe(false);
+    expect(driven).toEqual([forward, stop]);
+    store.tool.value = "look";
+    press("ArrowUp");
+    expect(driven).toEqual([forward, stop, forward]);
   });
 
   it("do nothing in other methods, in fields and behind dialogs", () => {

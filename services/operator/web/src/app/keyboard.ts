@@ -1,3 +1,5 @@
+import { focusMapIfNothing } from "../map/map_focus";
+import { editsMap } from "../map/map_props";
 import { takesText } from "../map/takes_text";
 import { inTask } from "../panels/task/task_keys";
 import type { Teleoperation } from "../panels/teleoperation/teleoperation";
@@ -67,7 +69,7 @@ export function listenToKeys(
   function pressed(event: KeyboardEvent, place: Element | undefined): boolean {
     const busy = store.dialog.value !== undefined || takesText(event.target);
     const action = driveKeys.get(keyOf(event) ?? "");
-    if (action !== undefined && store.state.value.session?.drives && !busy && !arrowsIn(place)) {
+    if (action !== undefined && arrowsDrive(store) && !busy && !arrowsIn(place)) {
       drive(event, action);
       return true;
     }
@@ -77,6 +79,7 @@ export function listenToKeys(
     const command = inTask(store.state.value, meant);
     if (command === undefined || (event.repeat && !repeating.has(command))) return false;
     commands[command]();
+    if (command === "next") focusMapIfNothing(page.document);
     return true;
   }
 }
@@ -91,6 +94,11 @@ function physicalKey({ code, key }: KeyboardEvent): string {
 /** A key that is held down must not ask for the same again and again, but for turning pages. */
 const repeating: ReadonlySet<CommandName> = new Set(["older picture", "newer picture"]);
 
+/** Who edits the map moves its cursor by them. */
+function arrowsDrive({ state, tool }: Store): boolean {
+  return state.value.session?.drives === true && !editsMap(tool.value);
+}
+
 function arrowsIn(place: Element | undefined): boolean {
-  return place?.matches("input, select, textarea") ?? false;
+  return place?.matches("input:not([type=checkbox]), select, textarea") ?? false;
 }

@@ -1,5 +1,7 @@
-import { isBetweenMazes } from "../panels/task/task_state";
+import { useRef } from "preact/hooks";
+import { isBetweenMazes, isTask } from "../panels/task/task_state";
 import { Mode } from "../protocol/generated/console_pb";
+import type { ConsoleState } from "../state/console_state";
 import { useConsole } from "./console";
 import { linkProblem } from "./link_problem";
 import "./link_banner.css";
@@ -17,15 +19,31 @@ export function LinkBanner() {
   return text === undefined ? undefined : <output class="banner calm">{text}</output>;
 }
 
+function mayBeDemo(state: ConsoleState): boolean {
+  return !isTask(state) && state.welcome?.mode !== Mode.REPLAY;
+}
+
+/** After so many the service is hardly just starting again. */
+const manyAttempts = 4;
+
 function Problem({ text }: { text: string }) {
-  const { link } = useConsole().store;
-  const attempt =
-    link.value.state === "lost" ? ` (attempt ${link.value.attempt} to come back)` : "";
+  const { link, state } = useConsole().store;
+  const now = link.value;
+  const attempts = useRef(0);
+  if (now.state === "lost") attempts.current = now.attempt;
+  const attempt = now.state === "lost" ? ` (attempt ${now.attempt} to come back)` : "";
+  const away = now.state === "lost" || now.state === "connecting";
   return (
     <div class="banner" role="alert">
       {text}
       {/* It changes all the time: who listens hears of the problem once. */}
       <span aria-hidden="true">{attempt}</span>
+      {away && attempts.current >= manyAttempts && mayBeDemo(state.value) && (
+        <p>
+          Perhaps the demo has ended: <code>./conav demo</code> starts another one, which this page
+          shows then.
+        </p>
+      )}
     </div>
   );
 }

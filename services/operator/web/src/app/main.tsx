@@ -27,6 +27,7 @@ import {
   keepSettings,
   keepTime,
   offerStart,
+  stopForEditing,
   stopWithoutLink,
   tellOfControl,
   tellOfReturn,
@@ -101,6 +102,7 @@ follow(console, announcer);
 tellOfReturn(store, announcer);
 tellOfControl(store, actions);
 offerStart(store);
+stopForEditing(store, teleoperation);
 listenToKeys(window, store, commands, teleoperation);
 
 const root = document.getElementById("app");

@@ -1,11 +1,18 @@
 import { computed, type ReadonlySignal } from "@preact/signals";
-import type { MapProps, MapRobot, Permission } from "../map/map_props";
+import type { MapProps, MapRobot, Outcome, Permission } from "../map/map_props";
 import { isTask, offersPaths, whyNotMap } from "../panels/task/task_state";
 import type { CellAt } from "../protocol/cells";
 import { type Picture, Role } from "../protocol/generated/console_pb";
 import type { ConsoleState } from "../state/console_state";
 import { freshnessOf } from "../state/freshness";
-import { mayCommand, nameOf, trailCells, whyNotCommand, worldOf } from "../state/selectors";
+import {
+  mayCommand,
+  nameOf,
+  trailCells,
+  whyNotCommand,
+  withNames,
+  worldOf,
+} from "../state/selectors";
 import type { Store } from "../state/store";
 import type { Actions } from "./actions";
 import { lookOf } from "./palette";
@@ -52,19 +59,25 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
         chosenPicture: store.chosenPicture.value,
         layers: store.settings.value.layers,
         chosenRobot: chosenRobot.value,
-        tool: store.tool.value,
+        tool: toolOf(state.value, store.tool.value),
         watchesOnly: watchesOnly.value,
         participates: isTask(state.value),
         offersPaths: offersPaths(state.value),
         arrowsDrive: state.value.session?.drives === true && mayCommand(state.value),
         mayEdit: mayEdit.value,
         mayGuide: mayGuide.value,
+        stopped: state.value.controls.get(chosenRobot.value ?? "")?.stopped ?? false,
         editLimit: state.value.welcome?.limits?.editCells || undefined,
         focus: store.focus.value,
         ...callbacks,
       }
     );
   });
+}
+
+/** One that is not offered was taken up before, in another part of a study. */
+function toolOf(state: ConsoleState, tool: MapProps["tool"]): MapProps["tool"] {
+  return tool === "path" && !offersPaths(state) ? "look" : tool;
 }
 
 function callbacksOf(store: Store, actions: Actions) {
@@ -77,9 +90,14 @@ function callbacksOf(store: Store, actions: Actions) {
       if (tool === "look" || mayCommand(store.state.peek())) store.tool.value = tool;
     },
     onChooseRobot: (name: string) => store.choose(name),
-    onEdit: (...edit: Parameters<MapProps["onEdit"]>) => actions.edit(...edit),
-    onPath: (...path: Parameters<MapProps["onPath"]>) => actions.guide(...path),
+    onEdit: (...edit: Parameters<MapProps["onEdit"]>) => named(store, actions.edit(...edit)),
+    onPath: (...path: Parameters<MapProps["onPath"]>) => named(store, actions.guide(...path)),
   };
+}
+
+async function named(store: Store, asked: Promise<Outcome>): Promise<Outcome> {
+  const { accepted, reason } = await asked;
+  return { accepted, reason: withNames(store.state.peek(), reason) };
 }
 
 /** All of them where there is one world: then what is shown is what was told, the very same objects. */

@@ -2,6 +2,7 @@ import { effect } from "@preact/signals";
 import type { KeptTexts } from "../connection/browser_storage";
 import type { Clock } from "../connection/clock";
 import type { Connection, Link } from "../connection/connection";
+import { editsMap } from "../map/map_props";
 import { type Announcer, newsOf } from "../panels/announcements/announcer";
 import { controlNews } from "../panels/control/control_news";
 import { isTask, taskNews } from "../panels/task/task_state";
@@ -103,6 +104,13 @@ export function offerStart(store: Store): void {
 /** Silence stops what is driven by hand. */
 export function stopWithoutLink(link: Link, driving: Teleoperation): void {
   if (link.state !== "live") driving.halt();
+}
+
+/** The arrow keys drive no longer, so what they began ends. */
+export function stopForEditing(store: Store, driving: Teleoperation): void {
+  store.tool.subscribe((tool) => {
+    if (editsMap(tool)) driving.halt();
+  });
 }
 
 export function keepSettings(store: Store, page: Window, kept: KeptTexts): void {

@@ -72,6 +72,7 @@ export class FakePage {
       arrowsDrive: false,
       mayEdit: { allowed: true },
       mayGuide: { allowed: true },
+      stopped: false,
       onEdit: async (world, cells, base) => {
         this.asked.push({ kind: "edit", world, cells, base });
         return this.outcome;

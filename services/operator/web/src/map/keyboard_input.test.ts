@@ -41,20 +41,25 @@ afterEach(() => {
 });
 
 describe("arrow keys that drive", () => {
-  beforeEach(() => begin({ arrowsDrive: true }));
-  const click = () => canvas.dispatchEvent(new Event("pointerdown"));
-
-  it("are left alone by a map that was clicked", () => {
-    click();
+  it("are left alone, however the map got the focus", () => {
+    begin({ arrowsDrive: true });
+    expect(press("ArrowUp")).toBe(false);
+    canvas.dispatchEvent(new Event("pointerdown"));
+    canvas.dispatchEvent(new Event("blur"));
     expect(press("ArrowUp")).toBe(false);
     expect(model.cursor.value).toBeUndefined();
   });
 
-  it("move the cursor of a map that was reached by Tab", () => {
-    click();
-    canvas.dispatchEvent(new Event("blur"));
+  it("move the cursor while a tool that edits is chosen", () => {
+    begin({ arrowsDrive: true, tool: "wall" });
+    canvas.dispatchEvent(new Event("pointerdown"));
     expect(press("ArrowUp")).toBe(true);
     expect(model.cursor.value).toEqual(at(1, 1));
+  });
+
+  it("move the map with Shift", () => {
+    begin({ arrowsDrive: true });
+    expect(press("ArrowUp", { shiftKey: true })).toBe(true);
   });
 });
 
@@ -176,8 +181,12 @@ describe("keys of the whole page", () => {
 
   it("zoom", () => {
     const scale = model.view.value?.scale ?? 0;
+    press("+", {}, document.body);
+    press("+", {}, document.body);
+    const near = model.view.value?.scale ?? 0;
+    expect(near).toBeGreaterThan(scale);
     press("-", {}, document.body);
-    expect(model.view.value?.scale).toBeLessThan(scale);
+    expect(model.view.value?.scale).toBeLessThan(near);
     press("0", {}, document.body);
     expect(model.view.value?.scale).toBe(scale);
   });

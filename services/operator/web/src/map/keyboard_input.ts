@@ -2,6 +2,7 @@
 import { CursorKeys, isArrow, type PanKey } from "./cursor_keys";
 import type { Hand } from "./hand";
 import type { MapModel } from "./map_model";
+import { editsMap } from "./map_props";
 import { PageKeys } from "./page_keys";
 import { takesText } from "./takes_text";
 
@@ -20,24 +21,17 @@ export function attachKeyboard(
     if (event.defaultPrevented || isBusy(event)) return;
     if (ofPage.press(event)) event.preventDefault();
   };
-  let clicked = false;
-  const isDriving = ({ key, shiftKey }: KeyboardEvent) =>
-    clicked && !shiftKey && isArrow(key) && model.props.peek().arrowsDrive;
+  const isDriving = ({ key, shiftKey }: KeyboardEvent) => {
+    const { arrowsDrive, tool } = model.props.peek();
+    return arrowsDrive && !editsMap(tool) && !shiftKey && isArrow(key);
+  };
   const onCanvas = (event: KeyboardEvent) => {
     if (event.defaultPrevented || event.altKey || event.metaKey || isDriving(event)) return;
     if (ofCursor.press(event)) event.preventDefault();
   };
-  const onPointer = () => {
-    clicked = true;
-  };
-  const onBlur = () => {
-    clicked = false;
-    ofCursor.leave();
-  };
   canvas.addEventListener("keydown", onCanvas, { signal });
   canvas.addEventListener("keyup", (event) => ofCursor.release(event), { signal });
-  canvas.addEventListener("pointerdown", onPointer, { signal });
-  canvas.addEventListener("blur", onBlur, { signal });
+  canvas.addEventListener("blur", () => ofCursor.leave(), { signal });
   window.addEventListener("keydown", onPage, { signal, capture: true });
   return () => ended.abort();
 }

@@ -2,6 +2,7 @@ import { useEffect, useId, useLayoutEffect, useMemo, useRef } from "preact/hooks
 import { showOn } from "./canvas_view";
 import { RefusedEdit } from "./edit/refused_edit";
 import { Hand } from "./hand";
+import { mapId } from "./map_focus";
 import { MapModel } from "./map_model";
 import type { MapProps } from "./map_props";
 import { PathBar } from "./path/path_bar";
@@ -26,6 +27,7 @@ export function MapCanvas(props: MapProps) {
         {/* biome-ignore lint/a11y/noInteractiveElementToNoninteractiveRole: it takes keys of its own, as an application does */}
         <canvas
           ref={canvas}
+          id={mapId}
           class={`map-surface tool-${props.tool}`}
           tabIndex={0}
           role="application"
@@ -38,7 +40,9 @@ export function MapCanvas(props: MapProps) {
         <PathBar model={model} hand={hand} />
       </div>
       <p id={help} class="map-unseen">
-        Arrow keys move a cell cursor, Space uses the tool there. V, W, E, R and P choose the tool.
+        {props.arrowsDrive
+          ? "Arrow keys drive the robot. With the tools W, E and R they move a cell cursor, Space uses the tool there, and Escape goes back to driving."
+          : "Arrow keys move a cell cursor, Space uses the tool there. V, W, E, R and P choose the tool."}
       </p>
       <StatusLine model={model} />
     </section>

@@ -26,3 +26,15 @@ describe("centring on a cell", () => {
     expect(model.view.value).toEqual(zoomed);
   });
 });
+
+describe("zooming out", () => {
+  it("ends where all of the map is in sight", () => {
+    const model = new MapModel(new FakePage().props);
+    model.resize(400, 300);
+    const all = model.view.value;
+    for (const factor of [0.5, 3, 0.01]) model.zoom(factor, { x: 10, y: 200 });
+    expect(model.view.value).toEqual(all);
+    model.zoom(2);
+    expect(model.view.value?.scale).toBeCloseTo(2 * (all?.scale ?? 0));
+  });
+});

@@ -106,8 +106,15 @@ export class MapModel {
     this.#fitted = true;
   }
 
+  /** Never from farther than what shows all of it. */
   lookAt(view: View): void {
-    this.view.value = keepInSight(view, this.props.peek().world);
+    const { world } = this.props.peek();
+    const farther = view.scale < (this.view.peek()?.scale ?? 0);
+    if (farther && view.scale <= fitView(world, view.width, view.height).scale) {
+      this.showAll();
+      return;
+    }
+    this.view.value = keepInSight(view, world);
     this.#fitted = false;
   }
 

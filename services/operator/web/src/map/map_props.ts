@@ -32,6 +32,10 @@ export type MapRobot = {
 
 export type Tool = "look" | "wall" | "erase" | "rectangle" | "path";
 
+export function editsMap(tool: Tool): boolean {
+  return tool !== "look" && tool !== "path";
+}
+
 export const layerNames = [
   "belief",
   "changes",
@@ -108,10 +112,12 @@ export type MapProps = {
   participates: boolean;
   /** Where the robot follows no paths there is no tool for them. */
   offersPaths: boolean;
-  /** The arrow keys drive a robot: a map that was clicked leaves them alone, one that was reached by Tab takes them. */
+  /** The arrow keys drive a robot: the map takes them only while a tool that edits is chosen. */
   arrowsDrive: boolean;
   mayEdit: Permission;
   mayGuide: Permission; // of the chosen robot
+  /** The chosen robot was stopped: it stands, whatever its path, until somebody lets it go on. */
+  stopped: boolean;
   /** At most so many cells in one edit; a larger one is sent in parts. Not given: no limit. */
   editLimit?: number | undefined;
   /** Resolves with the service's reply. Until then, and until a belief with a newer revision came, the edit is pending. */

@@ -1,6 +1,7 @@
 // Keys of the tools, anywhere on the page.
 import { redo, undo } from "./edit/edit_session";
 import type { Hand } from "./hand";
+import { focusMapIfNothing } from "./map_focus";
 import type { MapModel } from "./map_model";
 import { hasDraft } from "./path/path_session";
 import { toolKeys } from "./shortcuts";
@@ -24,8 +25,10 @@ export class PageKeys {
     if (event.key === "Escape" && !event.shiftKey) return this.#escapePressed();
     const tool = event.shiftKey ? undefined : toolKeys.get(key);
     if (tool === "path" && !this.#model.props.peek().offersPaths) return false;
-    if (tool) this.#model.props.peek().onTool(tool);
-    else if (key === "+" || key === "=") this.#model.zoom(zoomStep);
+    if (tool) {
+      this.#model.props.peek().onTool(tool);
+      focusMapIfNothing(document);
+    } else if (key === "+" || key === "=") this.#model.zoom(zoomStep);
     else if (key === "-") this.#model.zoom(1 / zoomStep);
     else if (key === "0") this.#model.showAll();
     else if (key === "l") this.#model.layersOpen.value = !this.#model.layersOpen.peek();

@@ -23,6 +23,18 @@ export const mapShortcuts: readonly { readonly keys: readonly string[]; readonly
     { keys: ["Esc"], text: "Leave what is being drawn" },
   ];
 
+/** As `offersPaths` and `arrowsDrive` of MapProps. */
+export function shortcutsWith(offersPaths: boolean, arrowsDrive: boolean): typeof mapShortcuts {
+  const offered = mapShortcuts.filter(({ keys }) => offersPaths || !pathKeys.has(keys[0] ?? ""));
+  const cursor = "With the tools W, E and R: move the cell cursor on the map";
+  return offered.map((shortcut) =>
+    arrowsDrive && shortcut.keys[0] === "Arrow keys" ? { ...shortcut, text: cursor } : shortcut,
+  );
+}
+
+/** Of the path tool. */
+const pathKeys: ReadonlySet<string> = new Set(["P", "Delete"]);
+
 export const toolKeys: ReadonlyMap<string, Tool> = new Map([
   ["v", "look"],
   ["w", "wall"],

@@ -3,14 +3,14 @@ import { useEffect } from "preact/hooks";
 import { cellWords } from "./cell_words";
 import { draftLayers } from "./edit/edit_session";
 import type { MapModel, Note } from "./map_model";
-import type { Cell } from "./map_props";
+import type { Cell, MapProps } from "./map_props";
 
 /** The cell under the pointer or the cursor in words. Only what the keyboard or a refusal says is read aloud. */
 export function StatusLine({ model }: { model: MapModel }) {
   const text = useComputed(() => {
     const cursor = model.byKeyboard.value ? model.cursor.value : undefined;
     const cell = cursor ?? model.hover.value;
-    return cell ? wordsOf(model, cell) : hintOf(model);
+    return cell && wordsOf(model, cell);
   });
   const aloud = useComputed(() => {
     const cursor = model.byKeyboard.value ? model.cursor.value : undefined;
@@ -18,10 +18,14 @@ export function StatusLine({ model }: { model: MapModel }) {
   });
   return (
     <div class="map-status">
-      <span>{text}</span>
+      {text.value === undefined ? (
+        <span class="map-hint">{hintOf(model)}</span>
+      ) : (
+        <span>{text}</span>
+      )}
       <output class="map-unseen">{aloud}</output>
       <span>{pendingText(model)}</span>
-      {model.props.value.layers.seen > 0 && <Legend />}
+      {showsSeen(model.props.value) && <Legend />}
       <NoteLine note={model.note} />
     </div>
   );
@@ -41,6 +45,11 @@ export function NoteLine({ note }: { note: Signal<Note | undefined> }) {
   }, [now, note]);
   // A text that is said again is an element of its own: then it is read aloud again.
   return <output class="map-note">{now && <span key={now.number}>{now.text}</span>}</output>;
+}
+
+/** Participants are told nothing of it. */
+function showsSeen({ layers, participates }: MapProps): boolean {
+  return layers.seen > 0 && !participates;
 }
 
 /** The two signs that a newcomer must know: where robots saw it otherwise than the map has it. */
@@ -78,11 +87,11 @@ function wordsOf(model: MapModel, cell: Cell): string {
 }
 
 const hints = {
-  look: "Drag to move the map, wheel to zoom, click on a robot to choose it.",
+  look: "Drag moves the map, the wheel zooms, a click chooses a robot.",
   wall: "Drag to draw walls where you know of one. Shift erases.",
   erase: "Drag over walls that are not there.",
   rectangle: "Drag from corner to corner. Shift erases.",
-  path: "Drag a corner of a path to bend it; a double click takes the corner away.",
+  path: "Drag a corner of a path to bend it; a double click removes it.",
 } as const;
 
 function hintOf(model: MapModel): string {

@@ -2,7 +2,7 @@ import { canRedo, canUndo, redo, undo } from "./edit/edit_session";
 import { icons } from "./icons";
 import { LayersMenu } from "./layers_menu";
 import type { MapModel } from "./map_model";
-import type { Tool } from "./map_props";
+import { editsMap, type Tool } from "./map_props";
 import { zoomStep } from "./page_keys";
 
 const tools: readonly { tool: Tool; name: string; key: string; hint: string }[] = [
@@ -41,8 +41,7 @@ function ToolButtons({ model }: { model: MapModel }) {
   return (
     <div class="map-group">
       {offered.map(({ tool, name, key, hint }) => {
-        const edits = tool !== "look" && tool !== "path";
-        const reason = edits && !mayEdit.allowed ? ` Not now: ${mayEdit.reason}.` : "";
+        const reason = editsMap(tool) && !mayEdit.allowed ? ` Not now: ${mayEdit.reason}.` : "";
         return (
           <button
             type="button"

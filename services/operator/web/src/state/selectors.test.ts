@@ -19,6 +19,7 @@ import {
   unanswered,
   waitsForStart,
   whyNotCommand,
+  withNames,
   worldOf,
 } from "./selectors";
 
@@ -44,7 +45,21 @@ describe("names", () => {
     expect(nameOf(state, "x/1")).toBe("Zoë");
     expect(nameOf(state, "Ben/2")).toBe("Ben");
     expect(nameOf(state, "synthetic-operator-18ea54bd9bd4577e-19746")).toBe("synthetic-operator");
-    expect(nameOf(state, "")).toBe("");
+  });
+
+  it("stand in what the service says, too", () => {
+    const client = "Ada Smith/1ba2983b720ab97d";
+    const state = reduce(stateOf(here), welcomeMessage({ client }));
+    expect(withNames(state, `${client} has control of r1: take over first`)).toBe(
+      "you have control of r1: take over first",
+    );
+    expect(withNames(state, "Eve/1ba2983b720ab97e has control of all robots")).toBe(
+      "Eve has control of all robots",
+    );
+    expect(withNames(state, "synthetic-operator-18ea54bd9bd4577e-19746 has control")).toBe(
+      "synthetic-operator has control",
+    );
+    expect(withNames(stateOf(), "some other reason")).toBe("some other reason");
   });
 });
 

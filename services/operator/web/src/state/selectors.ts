@@ -44,6 +44,20 @@ export function nameOf({ presence, welcome }: ConsoleState, client: string): str
   return here?.name || readable(client);
 }
 
+/** What the service says, with names in place of clients: "you have control of r1". */
+export function withNames(state: ConsoleState, text: string): string {
+  const here = state.presence?.people.map(({ client }) => client) ?? [];
+  const known = [state.welcome?.client ?? "", ...here].filter((client) => client.includes("/"));
+  const named = known.reduce(
+    (told, client) => told.replaceAll(client, nameOf(state, client)),
+    text,
+  );
+  return named.replace(clients, readable).replace(/\byou has\b/g, "you have");
+}
+
+/** Of pages, and of programs. */
+const clients = /\S+\/[0-9a-f]{16}\b|\S+-[0-9a-f]{8,}-\d+\b/g;
+
 /** Without what makes it unlike all others: "Ben/2", "synthetic-operator-18ea54bd9bd4577e-19746". */
 function readable(client: string): string {
   return client.replace(/\/.*$/, "").replace(/-[0-9a-f]{8,}-\d+$/, "");

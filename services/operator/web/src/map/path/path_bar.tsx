@@ -51,7 +51,7 @@ export function PathBar({ model, hand }: { model: MapModel; hand: Hand }) {
 
 function PathText(props: { robot: MapRobot; session: PathSession; model: MapModel }) {
   const { robot, session, model } = props;
-  const { world, seen, guidance, nameOf } = model.props.value;
+  const { world, seen, guidance, nameOf, mayGuide, stopped } = model.props.value;
   const { name } = robot.robot;
   const given = guidance.get(name);
   const cells = hasDraft(session) ? session.cells : (given?.path ?? []);
@@ -64,6 +64,9 @@ function PathText(props: { robot: MapRobot; session: PathSession; model: MapMode
       </strong>{" "}
       {stateText(session, cells.length > 1, given?.givenBy && nameOf(given.givenBy))}
       {cells.length > 1 && <KnownText known={known} />}
+      {stopped && mayGuide.allowed && (
+        <span class="map-trouble"> {name} is stopped: Go (G) lets it drive.</span>
+      )}
       {session.refusal && <span class="map-trouble"> Not sent: {session.refusal}.</span>}
     </output>
   );

@@ -5,9 +5,10 @@ import { stateOf } from "../../state/fixtures";
 import { controlText, fleetRow } from "./fleet_row";
 
 describe("a row of the fleet strip", () => {
-  it("of a robot that was never heard of is lost", () => {
+  it("of a robot that was never heard of says so: it is not lost, nor does it stand", () => {
     expect(fleetRow(emptyState, 10, true, "r1")).toMatchObject({
-      freshness: "lost",
+      freshness: "not heard yet",
+      doing: "",
       goalsTotal: 0,
       goalsReached: 0,
       stopped: false,

@@ -7,7 +7,7 @@ import { isNotice, reasonText } from "../queue/words";
 /** What the fleet strip tells of a robot. */
 export interface FleetRow {
   readonly name: string;
-  readonly freshness: Freshness;
+  readonly freshness: Freshness | "not heard yet";
   /** s since the newest news of it. */
   readonly age: number | undefined;
   readonly goalsReached: number;
@@ -33,7 +33,8 @@ export function fleetRow(
   const item = itemsOf(state, name).find(({ reason }) => !isNotice(reason));
   return {
     name,
-    freshness: freshnessOf(robot?.heardAt, now, linked),
+    freshness:
+      linked && robot === undefined ? "not heard yet" : freshnessOf(robot?.heardAt, now, linked),
     age: ageOf(robot?.heardAt, now),
     goalsReached: (robot?.goalsTotal ?? 0) - (robot?.goalsLeft.length ?? 0),
     goalsTotal: robot?.goalsTotal ?? 0,
@@ -44,12 +45,12 @@ export function fleetRow(
       why: reasonText(item.reason, state.session?.drives ?? false),
       seconds: Math.max(0, (state.attention?.stamp ?? item.since) - item.since),
     },
-    doing: isDone(robot) ? "✓ all goals reached" : doingText(robot?.outcome),
+    doing: doingText(robot),
   };
 }
 
-function isDone(robot: Robot | undefined): boolean {
-  return robot !== undefined && robot.goalsTotal > 0 && robot.goalsLeft.length === 0;
+function isDone({ goalsTotal, goalsLeft }: Robot): boolean {
+  return goalsTotal > 0 && goalsLeft.length === 0;
 }
 
 function stopText(state: ConsoleState, name: string): string | undefined {
@@ -59,8 +60,10 @@ function stopText(state: ConsoleState, name: string): string | undefined {
   return `stopped${by}${control.stopReason === "" ? "" : `: ${control.stopReason}`}`;
 }
 
-function doingText(outcome: CommandOutcome | undefined): string {
-  switch (outcome) {
+function doingText(robot: Robot | undefined): string {
+  if (robot === undefined) return "";
+  if (isDone(robot)) return "✓ all goals reached";
+  switch (robot.outcome) {
     case CommandOutcome.OUTCOME_RUNNING:
       return "on its way";
     case CommandOutcome.OUTCOME_BLOCKED:

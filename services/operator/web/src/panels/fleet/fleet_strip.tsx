@@ -52,7 +52,8 @@ function FleetCard({ name }: { name: string }) {
           <strong>{name}</strong>
           <FreshnessBadge row={row} />
           <span class="end" title="goals reached">
-            ⚑ {row.goalsReached}/{row.goalsTotal}
+            <span class="flag">⚑ </span>
+            {row.goalsTotal > 0 ? `${row.goalsReached}/${row.goalsTotal}` : "–"}
           </span>
         </span>
         <span class="sign" aria-hidden="true">
@@ -81,8 +82,14 @@ function useRow(name: string): FleetRow {
 }
 
 function FreshnessBadge({ row: { freshness, age } }: { row: FleetRow }) {
-  const signs = { live: "●", stale: "◐", lost: "○", "no news": "◌" };
-  const kind = { live: "good", stale: "warn", lost: "bad", "no news": "bad" };
+  const signs = { live: "●", stale: "◐", lost: "○", "no news": "◌", "not heard yet": "◌" };
+  const kind = {
+    live: "good",
+    stale: "warn",
+    lost: "bad",
+    "no news": "bad",
+    "not heard yet": "warn",
+  };
   const old = freshness === "live" || age === undefined ? "" : ` ${duration(age)}`;
   return (
     <span class={`freshness ${kind[freshness]}`}>

@@ -2,8 +2,10 @@ import { useConsole } from "../../app/console";
 import { Modal } from "../../app/modal";
 import { RobotMark } from "../../app/robot_mark";
 import { driveHelp, type Group, keyParts, shortcuts } from "../../app/shortcuts";
-import { mapShortcuts as mapKeys } from "../../map/shortcuts";
+import { shortcutsWith } from "../../map/shortcuts";
 import { Mode } from "../../protocol/generated/console_pb";
+import { offersPaths } from "../task/task_state";
+import { MapSigns } from "./map_signs";
 import "./help.css";
 
 interface Row {
@@ -16,7 +18,9 @@ const groups: readonly Group[] = ["Safety", "Attention", "Robots", "Page"];
 /** Every key there is, and what the signs mean. */
 export function HelpDialog() {
   const { store } = useConsole();
-  const { session, welcome } = store.state.value;
+  const state = store.state.value;
+  const { session, welcome } = state;
+  const mapKeys = shortcutsWith(offersPaths(state), session?.drives ?? false);
   return (
     <Modal title="Keys and signs" toRead>
       <div class="help">
@@ -26,6 +30,7 @@ export function HelpDialog() {
         <Keys title="Map" rows={mapKeys} />
         {session?.drives && <Keys title="Driving" rows={driveHelp} />}
         {welcome?.mode === Mode.REPLAY && <Keys title="Recording" rows={of("Recording")} />}
+        <MapSigns participates={false} offersPaths={offersPaths(state)} />
         <Legend />
         <YourName />
       </div>

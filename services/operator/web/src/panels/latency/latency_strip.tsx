@@ -30,13 +30,21 @@ export function LatencyStrip() {
       <Item name="Round trip">
         <span class={roundTripClass(roundTrip, driveLimits(state))}>{milliseconds(roundTrip)}</span>
       </Item>
-      <Item name="Planner">{milliseconds(plannerTime(state.searches))}</Item>
-      <Item name="Picture age">{duration(age)}</Item>
+      <Item name="Planner" spare>
+        {milliseconds(plannerTime(state.searches))}
+      </Item>
+      <Item name="Picture age" spare>
+        {duration(age)}
+      </Item>
       {skipped > 0 && <Item name="Frames skipped">{skipped}</Item>}
       {store.pending.value > 0 && (
         <Item name="On the way">{count(store.pending.value, "request")}</Item>
       )}
-      {state.session?.method && <Item name="Method">{state.session.method}</Item>}
+      {state.session?.method && (
+        <Item name="Method" spare>
+          {state.session.method}
+        </Item>
+      )}
       <Services />
       <People />
       <PageButtons />
@@ -44,9 +52,16 @@ export function LatencyStrip() {
   );
 }
 
-function Item({ name, children }: { name: string; children: ComponentChildren }) {
+interface ItemProps {
+  name: string;
+  children: ComponentChildren;
+  /** Goes where there is little room. */
+  spare?: boolean;
+}
+
+function Item({ name, children, spare = false }: ItemProps) {
   return (
-    <span class="item">
+    <span class={`item ${spare ? "spare" : ""}`}>
       <span class="quiet">{name}</span> {children}
     </span>
   );

@@ -1,4 +1,5 @@
 import { useConsole } from "../../app/console";
+import { withNames } from "../../state/selectors";
 import "./notices.css";
 
 /** What became of requests, for a while. */
@@ -9,7 +10,7 @@ export function Notices() {
       {store.notices.value.map(({ id, text, kind }) => (
         <span key={id} class={kind}>
           {kind === "problem" ? "▲ " : ""}
-          {text}
+          {withNames(store.state.value, text)}
           <button type="button" aria-label="Dismiss" onClick={() => actions.dismiss(id)}>
             ✕
           </button>

@@ -4,7 +4,7 @@ import { keyHint } from "../../app/shortcuts";
 import type { AttentionItem } from "../../protocol/generated/console_pb";
 import { mayCommand, nameOf } from "../../state/selectors";
 import { duration, measured } from "../format";
-import { adviceText, isNotice, patienceText, reasonText } from "./words";
+import { adviceText, isNotice, nobodyText, patienceText, reasonText } from "./words";
 import "./queue.css";
 
 /** All that asks for the operator, in the service's order. */
@@ -27,7 +27,12 @@ export function Queue() {
           Next <kbd>{keyHint("next")}</kbd>
         </button>
       </div>
-      {items.length === 0 && <p class="quiet">Nobody. The robots get along.</p>}
+      {items.length === 0 && (
+        <p class="quiet">{nobodyText(store.state.value, store.link.value.state)}</p>
+      )}
+      {items.length > 0 && !store.linked.value && (
+        <p class="quiet">As it was before the connection was lost.</p>
+      )}
       <ol>
         {items.map((item) => (
           <QueueItem
@@ -71,7 +76,7 @@ function QueueItem({ item, now, advised }: ItemProps) {
           <strong>{robot}</strong> {reasonText(reason, drives)}
           <span class="quiet times">
             {isNotice(reason) ? `${duration(now - since)} ago` : `waits ${duration(now - since)}`}
-            {patienceText(item, now)}
+            {!state.controls.get(robot)?.stopped && patienceText(item, now)}
             {selectedBy !== "" &&
               ` · ${mine ? "you are" : `${nameOf(state, selectedBy)} is`} on it`}
           </span>

@@ -1,7 +1,9 @@
 import { create } from "@bufbuild/protobuf";
 import { describe, expect, it } from "vitest";
 import { AttentionItemSchema, AttentionReason } from "../../protocol/generated/console_pb";
-import { adviceText, patienceText, reasonText } from "./words";
+import { emptyState } from "../../state/console_state";
+import { stateOf, type UpdateBody } from "../../state/fixtures";
+import { adviceText, nobodyText, patienceText, reasonText } from "./words";
 
 describe("what a robot wants", () => {
   const { REASON_FIRST_PATH } = AttentionReason;
@@ -28,5 +30,30 @@ describe("how long it waits", () => {
 
   it("is not told of what waits for ever", () => {
     expect(patienceText(item({}), 8)).toBe("");
+  });
+});
+
+describe("an empty queue", () => {
+  const session: UpdateBody = { case: "session", value: { robots: ["r1", "r2"] } };
+  const stopped = (robot: string): UpdateBody => ({
+    case: "control",
+    value: { robot, stopped: true },
+  });
+
+  it("is nobody's while the service is heard", () => {
+    expect(nobodyText(stateOf(session, stopped("r1")), "live")).toMatch(/^Nobody/);
+    expect(nobodyText(stateOf(), "live")).toMatch(/No robot/);
+  });
+
+  it("of robots that are all stopped says so", () => {
+    const state = stateOf(session, stopped("r1"), stopped("r2"));
+    expect(nobodyText(state, "live")).toBe("All robots are stopped.");
+  });
+
+  it("tells nothing while nothing is known", () => {
+    expect(nobodyText(stateOf(session), "lost")).toMatch(/while the connection is lost/);
+    expect(nobodyText(stateOf(session), "connecting")).toMatch(/while the connection is lost/);
+    expect(nobodyText(emptyState, "connecting")).toBe("Not known yet.");
+    expect(nobodyText(emptyState, "closed")).toMatch(/without a connection/);
   });
 });

@@ -1,4 +1,7 @@
+import type { Link } from "../../connection/connection";
 import { type AttentionItem, AttentionReason } from "../../protocol/generated/console_pb";
+import type { ConsoleState } from "../../state/console_state";
+import { robotNames } from "../../state/selectors";
 import { duration } from "../format";
 
 /** What a robot wants of the operator, to follow its name. `drives`: by keys, in place of paths. */
@@ -11,7 +14,7 @@ export function reasonText(reason: AttentionReason, drives: boolean): string {
     case AttentionReason.REASON_NO_GUIDANCE:
       return "needs a path";
     case AttentionReason.REASON_FIRST_PATH:
-      return drives ? "waits to be driven" : "waits for its first path";
+      return drives ? "waits to be driven" : "has no path yet";
     case AttentionReason.REASON_COMMAND_FAILED:
       return "stands: its command failed";
     case AttentionReason.REASON_LINK_LOST:
@@ -21,6 +24,19 @@ export function reasonText(reason: AttentionReason, drives: boolean): string {
     default:
       return "asks for you";
   }
+}
+
+/** While nothing is in the queue. */
+export function nobodyText(state: ConsoleState, link: Link["state"]): string {
+  if (link === "closed") return "Not known without a connection.";
+  if (link !== "live")
+    return state.welcome === undefined
+      ? "Not known yet."
+      : "Not known while the connection is lost.";
+  const robots = robotNames(state);
+  if (robots.length === 0) return "No robot was heard of yet.";
+  const allStopped = robots.every((name) => state.controls.get(name)?.stopped);
+  return allStopped ? "All robots are stopped." : "Nobody. The robots get along.";
 }
 
 /** For information: nobody waits. */

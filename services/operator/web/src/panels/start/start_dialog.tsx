@@ -1,13 +1,16 @@
+import { useComputed } from "@preact/signals";
 import { useConsole } from "../../app/console";
 import { Modal } from "../../app/modal";
 import { count } from "../format";
 import { sightOf } from "../tour/sight";
+import { MethodWords } from "./method_words";
 import "./start.css";
 
 /** All robots stand and nobody has control: how to begin. */
 export function StartDialog() {
   const { store, actions, tour } = useConsole();
   const robots = store.robots.value;
+  const heard = useComputed(() => store.state.value.robots.size).value;
   const guide = async () => {
     actions.closeDialog();
     const taken = await actions.takeControlNow(robots, "");
@@ -22,10 +25,9 @@ export function StartDialog() {
     tour.begin(sightOf(store));
   };
   return (
-    <Modal title={`${count(robots.length, "robot")} ready`}>
+    <Modal title={readyText(robots.length, heard)}>
       <p class="start-text">
-        Your map is partly wrong. The robots see what is there, and send you pictures. Correct the
-        map, and draw paths to the goals ⚑.
+        <StartWords robots={robots.length} />
       </p>
       <ul class="start">
         <Choice
@@ -42,6 +44,31 @@ export function StartDialog() {
         <Choice text="Watch" detail="The robots go; whoever is there guides them." act={watch} />
       </ul>
     </Modal>
+  );
+}
+
+/** `heard`: how many have told of themselves. */
+function readyText(robots: number, heard: number): string {
+  return heard < robots
+    ? `${heard} of ${count(robots, "robot")} ready`
+    : `${count(robots, "robot")} ready`;
+}
+
+function StartWords({ robots }: { robots: number }) {
+  const { method = "" } = useConsole().store.state.value.session ?? {};
+  if (method === "" || method === "ig-mcts") {
+    return (
+      <>
+        Your map is partly wrong. The robots see what is there, and send you pictures. Correct the
+        map, and draw paths to the goals ⚑.
+      </>
+    );
+  }
+  return (
+    <>
+      Your map is partly wrong: correct it as you learn more.{" "}
+      <MethodWords method={method} many={robots > 1} /> It is done when all goals ⚑ are reached.
+    </>
   );
 }
 

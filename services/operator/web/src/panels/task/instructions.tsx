@@ -1,5 +1,5 @@
-import type { ComponentChildren } from "preact";
 import { useConsole } from "../../app/console";
+import { MethodWords } from "../start/method_words";
 import { isMappingTask } from "./task_state";
 
 /** What the participant has to do: in the mapping task, or with the method of this part of the study. */
@@ -14,36 +14,13 @@ export function Instructions() {
         there. Lead the robot to all its goals ⚑, and correct the map as you learn more: draw
         missing walls with <kbd>W</kbd>, erase wrong ones with <kbd>E</kbd>.
       </li>
-      <li>{methods.get(method) ?? "The robot waits for you."}</li>
+      <li>
+        <MethodWords method={method} many={false} />
+      </li>
       <li>When the robot has reached all goals you may finish this part.</li>
     </ol>
   );
 }
-
-const methods: ReadonlyMap<string, ComponentChildren> = new Map<string, ComponentChildren>([
-  [
-    "ig-mcts",
-    <>
-      The robot drives by itself. Draw a path that you would take with <kbd>P</kbd>; it takes that
-      into account. When it sends you a picture it waits: correct the map, draw a new path, or press{" "}
-      <kbd>X</kbd> if nothing is new.
-    </>,
-  ],
-  [
-    "instruction",
-    <>
-      The robot follows the path that you draw with <kbd>P</kbd>. It stops where the path ends or a
-      wall is in the way, until you draw another one. You see what its camera sees.
-    </>,
-  ],
-  [
-    "teleop",
-    <>
-      You drive the robot: hold the arrow keys. You see what its camera sees. It stands when you let
-      go.
-    </>,
-  ],
-]);
 
 function Mapping() {
   return (

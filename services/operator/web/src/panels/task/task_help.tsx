@@ -1,8 +1,9 @@
 import { useConsole } from "../../app/console";
 import { Modal } from "../../app/modal";
 import { driveHelp } from "../../app/shortcuts";
-import { mapShortcuts } from "../../map/shortcuts";
+import { shortcutsWith } from "../../map/shortcuts";
 import { Keys } from "../help/help_dialog";
+import { MapSigns } from "../help/map_signs";
 import { Instructions } from "./instructions";
 import { nextPictureKey, nothingNewKey, taskKeys } from "./task_keys";
 import { isMappingTask, offersPaths } from "./task_state";
@@ -11,8 +12,7 @@ import { isMappingTask, offersPaths } from "./task_state";
 export function TaskHelp() {
   const { store } = useConsole();
   const state = store.state.value;
-  const paths = offersPaths(state);
-  const mapKeys = mapShortcuts.filter(({ keys }) => paths || !pathKeys.has(keys[0] ?? ""));
+  const mapKeys = shortcutsWith(offersPaths(state), state.session?.drives ?? false);
   const answer = isMappingTask(state) ? nextPictureKey : nothingNewKey;
   const answers = isMappingTask(state) || state.session?.method === "ig-mcts";
   return (
@@ -22,10 +22,8 @@ export function TaskHelp() {
         <Keys title="Task" rows={answers ? [answer, ...taskKeys] : taskKeys} />
         {state.session?.drives && <Keys title="Driving" rows={driveHelp} />}
         <Keys title="Map" rows={mapKeys} />
+        <MapSigns participates offersPaths={offersPaths(state)} />
       </div>
     </Modal>
   );
 }
-
-/** Of the path tool. */
-const pathKeys: ReadonlySet<string> = new Set(["P", "Delete"]);

@@ -24,9 +24,7 @@ export function TaskPage({ map }: { map: ComponentChildren }) {
       <LinkBanner />
       <main class="stage">
         <DriveBadge />
-        <div class="map" id="map" tabIndex={-1}>
-          {map}
-        </div>
+        <div class="map">{map}</div>
       </main>
       <aside class="side" aria-label="Pictures and help">
         {streams && robot !== undefined ? (

@@ -77,6 +77,8 @@ describe("a study", () => {
     expect(offersPaths(inStudy("teleop", true))).toBe(false);
     expect(offersPaths(inTask())).toBe(false);
     expect(offersPaths(reduce(emptyState, welcomeMessage()))).toBe(true);
+    const driving = updates([{ case: "session", value: { drives: true } }]);
+    expect(offersPaths(reduce(reduce(emptyState, welcomeMessage()), driving))).toBe(false);
   });
 
   it("has a live view in methods that stream", () => {

@@ -21,7 +21,7 @@ export function isTask(state: ConsoleState): boolean {
 
 /** Whether the robot follows paths that the person draws. */
 export function offersPaths(state: ConsoleState): boolean {
-  return !isMappingTask(state) && !(isStudy(state) && state.session?.drives);
+  return !isMappingTask(state) && !state.session?.drives;
 }
 
 /** Methods of a study that stream have a live view, before their first frame, too. */

@@ -1,4 +1,5 @@
 import { useConsole } from "../../app/console";
+import { editsMap } from "../../map/map_props";
 import { DriveAction } from "../../protocol/generated/console_pb";
 import { milliseconds } from "../format";
 import { isAdvisedAgainst, whyNotDrive } from "./permission";
@@ -25,6 +26,11 @@ export function DriveBadge() {
       <output>
         {blocked !== undefined ? (
           <span class="bad">No driving: {blocked}.</span>
+        ) : editsMap(store.tool.value) ? (
+          <span>
+            You edit the map. <kbd>Esc</kbd> lets the arrow keys drive <strong>{robot}</strong>{" "}
+            again.
+          </span>
         ) : (
           <span>
             Hold the arrow keys to drive <strong>{robot}</strong>:{" "}

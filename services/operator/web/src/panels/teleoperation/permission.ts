@@ -3,6 +3,7 @@ import type { Timing } from "../../connection/timing";
 import type { ConsoleState } from "../../state/console_state";
 import { freshnessOf } from "../../state/freshness";
 import { whyNotCommand } from "../../state/selectors";
+import { isTask, whyNotMap } from "../task/task_state";
 
 /** s of round trip beyond which nobody should drive, or may; as usual where the service names none. */
 export function driveLimits({ welcome }: Pick<ConsoleState, "welcome">) {
@@ -24,7 +25,10 @@ export function whyNotDrive(
   if (link.state !== "live") return "the connection is not live";
   const forbidden = whyNotCommand(state, robot);
   if (forbidden !== undefined) return forbidden;
-  if (state.controls.get(robot)?.stopped) return `${robot} is stopped: press Go first`;
+  const begins = isTask(state) ? whyNotMap(state) : undefined;
+  if (begins !== undefined) return begins;
+  if (state.controls.get(robot)?.stopped) return `${robot} is stopped: G lets it go on`;
+  if (!state.robots.has(robot)) return `${robot} is not heard yet`;
   if (freshnessOf(state.robots.get(robot)?.heardAt, now, true) === "lost")
     return `${robot} is lost`;
   if (roundTrip === undefined) return "the round trip is not measured yet";

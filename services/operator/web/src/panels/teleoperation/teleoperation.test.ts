@@ -4,10 +4,12 @@ import { FakeClock } from "../../connection/fake";
 import {
   DriveAction,
   LimitsSchema,
+  Mode,
   Role,
   WelcomeSchema,
 } from "../../protocol/generated/console_pb";
-import { stateOf, type UpdateBody } from "../../state/fixtures";
+import { stateOf, type UpdateBody, welcomeMessage } from "../../state/fixtures";
+import { reduce } from "../../state/reduce";
 import { driveLimits, isAdvisedAgainst, whyNotDrive } from "./permission";
 import { Teleoperation } from "./teleoperation";
 
@@ -132,6 +134,12 @@ describe("permission", () => {
     expect(whyNotDrive(state, live, unknown, 100, "r1")).toContain("round trip");
     expect(whyNotDrive(state, live, quick, 104, "r1")).toContain("lost");
     expect(whyNotDrive(stopped, live, quick, 100, "r1")).toContain("stopped");
+  });
+
+  it("of a participant begins with the task; of a robot, with its first word", () => {
+    const inStudy = reduce(state, welcomeMessage({ mode: Mode.STUDY }));
+    expect(whyNotDrive(inStudy, live, quick, 100, "r1")).toBe("begin first");
+    expect(whyNotDrive(stateOf(session), live, quick, 100, "r1")).toBe("r1 is not heard yet");
   });
 
   it("goes by the limits of the service, usual ones where it names none", () => {

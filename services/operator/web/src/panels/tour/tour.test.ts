@@ -1,7 +1,8 @@
 import { describe, expect, it } from "vitest";
 import { emptyState } from "../../state/console_state";
 import { stateOf, type UpdateBody } from "../../state/fixtures";
-import { type Sight, Tour, tourSteps } from "./tour";
+import { Tour } from "./tour";
+import type { Sight } from "./tour_steps";
 
 const sight = (turns: number, ...bodies: UpdateBody[]): Sight => ({
   state: bodies.length > 0 ? stateOf(...bodies) : emptyState,
@@ -21,10 +22,14 @@ const edit = (revision: bigint): UpdateBody => ({
 function at(title: string, now: Sight): Tour {
   const tour = new Tour();
   tour.begin(now);
-  const wanted = tourSteps.findIndex((step) => step.title === title);
+  const wanted = tour.steps.findIndex((step) => step.title === title);
   for (let step = 0; step < wanted; step += 1) tour.goOn(now);
   expect(tour.step.value).toBe(wanted);
   return tour;
+}
+
+function titleOf({ steps, step }: Tour): string | undefined {
+  return steps[step.value ?? -1]?.title;
 }
 
 describe("the tour", () => {
@@ -41,17 +46,17 @@ describe("the tour", () => {
   it("goes on when N was pressed, not before", () => {
     const tour = at("Who asks for you?", sight(3));
     tour.look(sight(3));
-    expect(tourSteps[tour.step.value ?? -1]?.title).toBe("Who asks for you?");
+    expect(titleOf(tour)).toBe("Who asks for you?");
     tour.look(sight(4));
-    expect(tourSteps[tour.step.value ?? -1]?.title).toBe("Draw a path");
+    expect(titleOf(tour)).toBe("Draw a path");
   });
 
   it("goes on with my path, not with another's", () => {
     const tour = at("Draw a path", sight(0, path("me", 2n)));
     tour.look(sight(0, path("you", 3n)));
-    expect(tourSteps[tour.step.value ?? -1]?.title).toBe("Draw a path");
+    expect(titleOf(tour)).toBe("Draw a path");
     tour.look(sight(0, path("me", 4n)));
-    expect(tourSteps[tour.step.value ?? -1]?.title).toBe("Look at a picture");
+    expect(titleOf(tour)).toBe("Look at a picture");
   });
 
   it("goes on with an edit, or an answer", () => {
@@ -59,7 +64,7 @@ describe("the tour", () => {
     for (const happened of [sight(0, edit(1n)), sight(0, answered)]) {
       const tour = at("Mark the wall", sight(0));
       tour.look(happened);
-      expect(tourSteps[tour.step.value ?? -1]?.title).toBe("And the next");
+      expect(titleOf(tour)).toBe("And the next");
     }
   });
 
@@ -67,5 +72,32 @@ describe("the tour", () => {
     const tour = at("That is all", sight(0));
     tour.goOn(sight(0));
     expect(tour.step.value).toBeUndefined();
+  });
+
+  const using = (method: string, ...more: UpdateBody[]) =>
+    sight(0, { case: "session", value: { method, robots: ["r1"] } }, ...more);
+
+  it("speaks of what the method has", () => {
+    const told = (method: string) => {
+      const tour = new Tour();
+      tour.begin(using(method));
+      return tour.steps.map(({ text }) => text).join(" ");
+    };
+    expect(told("ig-mcts")).toContain("sends a picture");
+    expect(told("instruction")).toContain("“Path”");
+    expect(told("teleop")).not.toContain("“Path”");
+    for (const method of ["instruction", "teleop"]) expect(told(method)).not.toContain("picture");
+  });
+
+  it("goes on when the chosen robot was driven", () => {
+    const driven = (name: string, lowLevelSteps: bigint): UpdateBody => ({
+      case: "robot",
+      value: { name, lowLevelSteps },
+    });
+    const tour = at("Drive", using("teleop", driven("r1", 3n)));
+    tour.look(using("teleop", driven("r1", 3n), driven("r2", 9n)));
+    expect(titleOf(tour)).toBe("Drive");
+    tour.look(using("teleop", driven("r1", 4n)));
+    expect(titleOf(tour)).toBe("Mark the wall");
   });
 });

@@ -1,26 +1,26 @@
 import { useEffect } from "preact/hooks";
 import { useConsole } from "../../app/console";
 import { sightOf } from "./sight";
-import { tourSteps } from "./tour";
 import "./tour.css";
 
 /** The step of the tour; what it is about is framed. */
 export function TourCard() {
   const { store, tour } = useConsole();
   const number = tour.step.value ?? -1;
-  const step = tourSteps[number];
+  const { steps } = tour;
+  const step = steps[number];
   useFrame(step?.about);
   if (step === undefined) return undefined;
   const sight = sightOf(store);
   const ready = step.done === undefined && (step.ready?.(sight) ?? true);
-  const last = number === tourSteps.length - 1;
+  const last = number === steps.length - 1;
   return (
     <section class="stage-card" aria-label="Tour">
       <div>
         <h2>
           {step.title}{" "}
           <span class="quiet">
-            {number + 1} of {tourSteps.length}
+            {number + 1} of {steps.length}
           </span>
         </h2>
         <p>{step.text}</p>
