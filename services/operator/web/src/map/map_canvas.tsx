@@ -9,6 +9,7 @@ import { PathBar } from "./path/path_bar";
 import { StatusLine } from "./status_line";
 import { Toolbar } from "./toolbar";
 import "./map.css";
+import "./small_window.css";
 
 export { mapShortcuts } from "./shortcuts";
 
