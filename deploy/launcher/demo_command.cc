@@ -50,7 +50,7 @@ void AddRunOptions(CLI::App& app, DemoOptions& options) {
                  "Processes conav-planner, which share the robots; one may die or be added")
       ->capture_default_str();
   app.add_flag("--headless", options.headless, "No watching: as fast as the robots are commanded");
-  app.add_option("--console", options.console,
+  app.add_option("--console,--port", options.console,
                  "Port of the operator's console on this machine, 0 = any free one, -1 = none "
                  "[8080; headless -1]")
       ->check(CLI::Range(-1, 65535));

@@ -12,6 +12,7 @@
 #include "common/runtime/stop_token.h"
 #include "launcher/demo.h"
 #include "launcher/demo_command.h"
+#include "launcher/port_check.h"
 #include "launcher/table.h"
 
 namespace conav::launcher {
@@ -35,7 +36,17 @@ void Tell(const DemoOptions& options, const DemoResult& result) {
   }
 }
 
+/// Before anything is started or written. Where the operator service runs elsewhere nobody knows.
+void CheckConsolePort(const DemoOptions& options) {
+  const int port = options.console_port();
+  if (port < 0 || options.run_with.contains("operator")) return;
+  if (const auto free = CheckPort("--console", port); !free) {
+    throw StartupError(free.error().text);
+  }
+}
+
 int RunDemo(const DemoOptions& options) {
+  CheckConsolePort(options);
   const SteadyClock clock;
   const auto program_folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   Progress progress(stdout, StyleOf(stdout), clock);

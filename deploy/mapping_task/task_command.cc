@@ -9,7 +9,7 @@
 #include "common/runtime/log.h"
 #include "common/runtime/stop_token.h"
 #include "launcher/bus_place.h"
-#include "mapping_task/port_check.h"
+#include "launcher/port_check.h"
 #include "mapping_task/task_session.h"
 
 namespace conav::mapping_task {
@@ -22,7 +22,8 @@ void Say(const std::string& line) {
 
 int Run(const std::string& program, const TaskOptions& options) {
   if (const auto valid = Validate(options); !valid) return Refused(program, valid.error().text);
-  if (const auto port = CheckPort(options.port); !port) return Failed(program, port.error());
+  if (const auto port = launcher::CheckPort("--port", options.port); !port)
+    return Failed(program, port.error());
   const SteadyClock clock;
   const auto program_folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   auto session = TaskSession::Open(options, program_folder, clock, Say);

@@ -55,6 +55,7 @@ void OperatorService::AnswerConsole() {
   std::ranges::move(console_->Step(), std::back_inserter(asked));
   // After Step(): who is back by now has not gone.
   for (const std::string& client : console_->TakeGone()) control_.Leave(client);
+  for (const std::string& client : console_->TakeActive()) control_.Renew(client);
   std::vector<OperatorRequest> requests;
   for (ConsoleDesk::Asked& one : asked) requests.push_back(std::move(one.request));
   for (std::size_t i = 0; i < asked.size(); ++i) {

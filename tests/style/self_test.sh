@@ -25,6 +25,7 @@ expect accept check_files.sh services/a_b.h '#pragma once\n'
 expect refuse check_files.sh services/aB.cc '\n'
 expect refuse check_files.sh services/a.h '#include <vector>\n'
 expect refuse check_files.sh services/a.cc "$(printf '%*s' 401 '' | sed 's/ /\\n/g')"
+expect refuse check_files.sh services/a_test.cc 'TEST_CASE("a; b") {}\n'
 # shellcheck disable=SC2016
 expect accept check_shell.sh a.sh '#!/bin/bash\necho "$1"\n'
 # shellcheck disable=SC2016

@@ -32,7 +32,8 @@ struct Guidance {
   std::vector<Cell> path;
   std::string given_by;
   std::uint64_t belief_revision = 0;
-  std::uint64_t answers_snapshot = 0;  // Picture::sequence_number; 0 = given unasked
+  /// Newest picture that was answered, by this or before; Picture::sequence_number, 0 = none.
+  std::uint64_t answers_snapshot = 0;
   SimTime valid_until;
   bool operator==(const Guidance&) const = default;
 };

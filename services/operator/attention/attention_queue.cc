@@ -141,8 +141,11 @@ void AttentionQueue::RemoveQuestions(const std::string& robot, SimTime now) {
 }
 
 void AttentionQueue::Hear(const Guidance& guidance, SimTime now) {
-  if (guidance.path.empty() && guidance.answers_snapshot == 0) return;
-  robots_[guidance.robot].guided = true;
+  Robot& robot = robots_[guidance.robot];
+  const bool answers = guidance.answers_snapshot > robot.answered;
+  robot.answered = guidance.answers_snapshot;
+  if (guidance.path.empty() && !answers) return;
+  robot.guided = true;
   Remove(true, now, [&](const AttentionItem& item) {
     if (item.robot != guidance.robot || !IsQuestion(item.reason)) return false;
     return item.reason != AttentionReason::kPicture ||

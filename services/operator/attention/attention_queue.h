@@ -72,7 +72,8 @@ class AttentionQueue {
     std::string world;
     bool linked = false;
     bool has_goals = false;
-    bool guided = false;  // ever
+    bool guided = false;         // ever
+    std::uint64_t answered = 0;  // newest picture
     std::uint64_t failed_command = 0;
   };
 

@@ -191,6 +191,10 @@ BeliefStore::Answer BeliefStore::HandleGuide(const OperatorRequest& request,
   auto guidance =
       MakeGuidance(beliefs_.at(request.world), guide, last_revision, request.client, now, limits_);
   if (!guidance) return Refuse(request, guidance.error().text, last_revision);
+  // Of guidance robots see the newest only: what was answered before stays answered.
+  if (last != nullptr) {
+    guidance->answers_snapshot = std::max(guidance->answers_snapshot, last->answers_snapshot);
+  }
   return SaveAsAnswer(request, *std::move(guidance));
 }
 

@@ -224,6 +224,8 @@ void ConsoleDesk::Take(const PageEvent& event, std::vector<Asked>& asked) {
   } else if (std::holds_alternative<PageLeft>(event.body)) {
     presence_.Leave(event.page, clock_.Now());
     state_.Hear(presence_.People());
+  } else if (std::holds_alternative<PageUsed>(event.body)) {
+    used_by_.insert(event.who.client);
   }
 }
 

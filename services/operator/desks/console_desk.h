@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -66,6 +67,8 @@ class ConsoleDesk {
   void Reply(std::uint64_t page, const OperatorReply& reply);
   /// Clients whose page has been gone for a while.
   std::vector<std::string> TakeGone() { return presence_.TakeGone(clock_.Now()); }
+  /// Clients who used their page since the call before.
+  std::set<std::string> TakeActive() { return std::exchange(used_by_, {}); }
   /// After everything that one step brought.
   void Publish() { gateway_->Notify(); }
   /// For /readyz.
@@ -95,6 +98,7 @@ class ConsoleDesk {
   std::map<std::string, Belief> beliefs_;  // by world
   PredictionDesk predictions_;
   PagePresence presence_;
+  std::set<std::string> used_by_;  // clients
   std::unique_ptr<Gateway> gateway_;
 };
 

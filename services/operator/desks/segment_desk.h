@@ -12,8 +12,8 @@
 #include "common/runtime/clock.h"
 #include "common/runtime/log_limit.h"
 #include "common/segments/segment_log.h"
-#include "operator/config.h"
 #include "operator/segments/segment_collector.h"
+#include "operator/segments/segment_options.h"
 
 namespace conav::operators {
 

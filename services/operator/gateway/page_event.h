@@ -17,6 +17,8 @@ struct PageIdentity {
 
 struct PageJoined {};
 struct PageLeft {};
+/// Somebody used the page, whether or not that asked for anything.
+struct PageUsed {};
 struct PageAsked {
   console::Request request;
   double round_trip_s = 0.0;  // as the page measured last; 0 = never
@@ -26,7 +28,7 @@ struct PageAsked {
 struct PageEvent {
   std::uint64_t page = 0;
   PageIdentity who;
-  std::variant<PageJoined, PageLeft, PageAsked, console::Seek> body;
+  std::variant<PageJoined, PageLeft, PageUsed, PageAsked, console::Seek> body;
 };
 
 }  // namespace conav::operators

@@ -80,7 +80,8 @@ std::vector<PageEvent> PageFeed::Take(std::string_view bytes, Clock::TimePoint n
       answer.mutable_pong()->set_page_time(message->ping().page_time());
       answer.mutable_pong()->set_service_time(wall_s);
       Queue(answer);
-      return {};
+      if (!message->ping().active()) return {};
+      return {{page_, *identity_, PageUsed{}}};
     }
     case console::ClientMessage::kAttend:
       wants_frames_ = message->attend().frames();

@@ -56,6 +56,9 @@ journey("driving stops with the key, with the focus, and with the page", async (
     page.told.all("attention")[0].items.every(({ robot }) => robot !== "r1"),
   );
   await stopsAfter(page, () => page.page.evaluate(() => window.dispatchEvent(new Event("blur"))));
+  // After a click on the map the arrows still drive; a context menu would keep the key's release from the page.
+  await page.map.click({ position: { x: 5, y: 5 } });
+  await stopsAfter(page, () => page.page.locator(".drive").click({ button: "right" }));
 
   // A click on the map changes nothing of that; a tool that edits does, until Escape.
   await page.map.click({ position: { x: 5, y: 5 } });

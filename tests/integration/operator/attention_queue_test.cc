@@ -86,7 +86,7 @@ TEST_CASE("From the selection to the guidance is the interaction, measured in th
   CHECK(workload.busy_s == 7.0);
 }
 
-TEST_CASE("A repeated selection gets the same reply; one of nothing is refused and stores nothing",
+TEST_CASE("A repeated selection gets the same reply, one of nothing is refused and stores nothing",
           "[operator][integration]") {
   const TemporaryFolder folder;
   Bench bench(folder / "operator.db");

@@ -90,6 +90,14 @@ class Page {
     return reply;
   }
 
+  /// Says that somebody uses the page, until the gateway has heard it.
+  void Use() {
+    console::ClientMessage message;
+    message.mutable_ping()->set_active(true);
+    REQUIRE(client_->Send(message));
+    ReadUntil([this] { return last_.has_pong(); });
+  }
+
   template <class Condition>
   void ReadUntil(const Condition& condition) {
     while (!condition()) Read();

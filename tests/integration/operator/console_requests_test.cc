@@ -151,6 +151,19 @@ TEST_CASE("whatever a client asks renews its control", "[operator][integration]"
   CHECK(bench.AskAs("bert", 2, TakeControlRequest{{}, ""}).accepted);
 }
 
+TEST_CASE("a page that is used keeps its control without asking for anything",
+          "[operator][integration]") {
+  RequestBench bench;
+  REQUIRE(bench.page.Ask(TakeControlOf()).accepted());
+  bench.clock.Advance(40s);
+  bench.page.Use();
+  bench.service->Step();
+  bench.clock.Advance(40s);
+  CHECK_FALSE(bench.AskAs("bert", 1, TakeControlRequest{{}, ""}).accepted);
+  bench.clock.Advance(21s);
+  CHECK(bench.AskAs("bert", 2, TakeControlRequest{{}, ""}).accepted);
+}
+
 TEST_CASE("control of a page that left is free after ten seconds", "[operator][integration]") {
   RequestBench bench;
   Page leaving = bench.MakePage('b');

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "launcher/process.h"
+#include "support/taken_port.h"
 #include "system/launcher/demo_run.h"
 
 using conav::testing::DemoRun;
@@ -169,6 +170,17 @@ TEST_CASE("a second demo in the same domain is refused", "[launcher][system]") {
                                   Catch::Contains("--domain"));
   first.Signal(SIGINT);
   first.Wait(30s);
+}
+
+TEST_CASE("a demo whose console's port is taken says so before it starts anything",
+          "[launcher][system]") {
+  const conav::test::TakenPort taken;
+  DemoRun demo({"--console", std::to_string(taken.port)});
+  CHECK(demo.Wait(30s) == 1);
+  CHECK_THAT(demo.Output(), Catch::Contains(fmt::format("--console {}: cannot be had (Address "
+                                                        "already in use)",
+                                                        taken.port)));
+  CHECK_THAT(demo.Output(), !Catch::Contains("started"));
 }
 
 TEST_CASE("wrong use of the demo ends with 2 and names the option", "[launcher][system]") {

@@ -128,7 +128,7 @@ TEST_CASE("A malformed low-level action is refused", "[protocol][convert]") {
       SampleDriveOrder(), [](OrderMessage& m) { m.world(""); }, "world is empty");
 }
 
-TEST_CASE("A stop of all robots names no world; an edit does", "[protocol][convert]") {
+TEST_CASE("A stop of all robots names no world, an edit does", "[protocol][convert]") {
   CheckRoundTrip(OperatorRequest{Stamp(8), "browser-1", 7, "", StopRequest{{}, ""}});
   CheckRefused(
       SampleEdit(), [](RequestMessage& m) { m.world(""); }, "world is empty");

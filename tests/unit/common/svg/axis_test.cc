@@ -36,7 +36,7 @@ TEST_CASE("values that are all the same have room, within the limits", "[common]
   CHECK(RoundAxis(0.0, 0.0, 5).low < 0.0);
 }
 
-TEST_CASE("values have their place between the ends; beyond them there is none", "[common][svg]") {
+TEST_CASE("values have their place between the ends, beyond them there is none", "[common][svg]") {
   const Axis axis{.low = 10.0, .high = 20.0, .step = 5.0};
   CHECK(axis.Share(15.0) == 0.5);
   CHECK(axis.Clamp(25.0) == 20.0);

@@ -48,7 +48,7 @@ TEST_CASE("a line tells how a maze went", "[mapping_task]") {
   CHECK_THAT(MazeLine(2, Of(0.5)), Catch::EndsWith("(not valid: 50 % or less)"));
 }
 
-TEST_CASE("a maze's result is read back; another file is refused by its name", "[mapping_task]") {
+TEST_CASE("a maze's result is read back, another file is refused by its name", "[mapping_task]") {
   const test::TemporaryFolder folder;
   const auto read = [&] { return ReadMazeResult(folder / "result.json"); };
   const auto write = [&](const std::string& text) {

@@ -100,7 +100,7 @@ TEST_CASE("Another population makes other people", "[nhpm][synthesis]") {
   }
 }
 
-TEST_CASE("Wrong use has exit code 2, a bad input 1; both make no file", "[nhpm][synthesis]") {
+TEST_CASE("Wrong use has exit code 2, a bad input 1, both make no file", "[nhpm][synthesis]") {
   const TemporaryFolder folder;
   const std::string file = (folder / "set.pb.zst").string();
   std::ofstream(folder / "people.yaml") << "annotators: {ros__parameters: {cautious: {}}}";

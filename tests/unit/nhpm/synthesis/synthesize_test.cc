@@ -64,7 +64,7 @@ TEST_CASE("More trajectories begin with the same ones", "[nhpm][synthesis]") {
   CHECK(many == few);
 }
 
-TEST_CASE("Each trajectory has a maze of its own; a person maps three", "[nhpm][synthesis]") {
+TEST_CASE("Each trajectory has a maze of its own, a person maps three", "[nhpm][synthesis]") {
   SynthesisOptions options = Few(60);
   options.population.careless_share = 0.0;
   std::set<std::uint64_t> worlds;

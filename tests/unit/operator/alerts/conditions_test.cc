@@ -43,7 +43,7 @@ TEST_CASE("processes that are silent or ill, and the disk, are matters", "[opera
   CHECK(findings.fine == Keys{"silent/sim", "health/sim", "silent/nhpm", "health/planner"});
 }
 
-TEST_CASE("the disk is fine once something was stored; before that nobody knows",
+TEST_CASE("the disk is fine once something was stored, before that nobody knows",
           "[operator][alerts]") {
   CHECK(FindingsOf({}, {}, std::nullopt).fine.empty());
   CHECK(FindingsOf({}, {}, "").fine == Keys{"storage"});

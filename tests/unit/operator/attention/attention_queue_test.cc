@@ -111,6 +111,10 @@ TEST_CASE("A withdrawn path answers nothing unless it answers a picture", "[oper
   withdrawn.answers_snapshot = 1;
   bench.queue.Hear(withdrawn, At(2));
   CHECK(bench.Order(2).empty());
+
+  bench.queue.Hear(Question("r1", AttentionReason::kBlocked, 1.0), At(3));
+  bench.queue.Hear(withdrawn, At(4));  // names the picture that was answered before
+  CHECK(bench.Order(4) == Robots{"r1"});
 }
 
 TEST_CASE("A robot that asks no more, or whose planner is gone, leaves unanswered",
@@ -198,7 +202,7 @@ TEST_CASE("A failed command is shown until the next one is taken up", "[operator
   CHECK(bench.Order(3).empty());
 }
 
-TEST_CASE("A robot without goals asks for nothing; that is shown until it is selected",
+TEST_CASE("A robot without goals asks for nothing, that is shown until it is selected",
           "[operator][attention]") {
   QueueBench bench;
   bench.queue.Hear(Question("r1", AttentionReason::kBlocked, 1.0), At(1));
@@ -214,7 +218,7 @@ TEST_CASE("A robot without goals asks for nothing; that is shown until it is sel
   CHECK(bench.Order(5).empty());
 }
 
-TEST_CASE("A selection names who works on it; another client or a wrong item is refused",
+TEST_CASE("A selection names who works on it, another client or a wrong item is refused",
           "[operator][attention]") {
   QueueBench bench;
   bench.queue.Hear(Question("r1", AttentionReason::kBlocked, 1.0), At(1));

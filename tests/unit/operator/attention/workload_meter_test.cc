@@ -121,7 +121,7 @@ TEST_CASE("Questions that wait still count as far as they have waited", "[operat
   CHECK(meter.Workload(At(90)).waiting_time_s == 25.0);
 }
 
-TEST_CASE("Who turns to another robot has ended the interaction; without a command it has no time",
+TEST_CASE("Who turns to another robot has ended the interaction, without a command it has no time",
           "[operator][attention]") {
   WorkloadMeter meter({});
   meter.Advance(2, 0, At(0));

@@ -106,7 +106,7 @@ TEST_CASE("On a full database requests are refused, nothing is lost and the stor
   CHECK_FALSE(store.Handle(Edit(id + 1, id - 1), {3}).reply.accepted);
 }
 
-TEST_CASE("A write that fails refuses the request; a repeat succeeds when the disk is well again",
+TEST_CASE("A write that fails refuses the request, a repeat succeeds when the disk is well again",
           "[operator][belief]") {
   const TemporaryFolder folder;
   const auto file = folder / "operator.db";

@@ -39,7 +39,7 @@ TEST_CASE("A new world starts with its initial map at revision 0", "[operator][b
   CHECK(*store.FindBelief("w1") == Belief{{7}, "w1", 0, kInitial, ""});
 }
 
-TEST_CASE("A world that is known keeps its belief; one that begins with another map is refused",
+TEST_CASE("A world that is known keeps its belief, one that begins with another map is refused",
           "[operator][belief]") {
   const TemporaryFolder folder;
   BeliefStore store = OpenStore(folder / "operator.db");
@@ -130,6 +130,17 @@ TEST_CASE("Nothing new: the path stays and answers the picture, once", "[operato
   CHECK_FALSE(again.reply.accepted);
   CHECK(again.reply.reason == "picture 7 of r1 was answered before");
   CHECK_FALSE(store.Handle({{2}, "ben", 3, "w1", AnswerRequest{"r9", 7}}, {5}).reply.accepted);
+}
+
+TEST_CASE("A picture that was answered stays answered when the path is drawn anew or taken back",
+          "[operator][belief]") {
+  const TemporaryFolder folder;
+  BeliefStore store = OpenStore(folder / "operator.db");
+  REQUIRE(store.Handle({{2}, "ben", 1, "w1", AnswerRequest{"r1", 7}}, {4}).changed);
+  REQUIRE(store.Handle(Guide(1, {{1, 1}, {1, 2}}), {5}).reply.accepted);
+  CHECK(store.FindGuidance("r1")->answers_snapshot == 7);
+  REQUIRE(store.Handle(Guide(2, {}), {6}).reply.accepted);
+  CHECK(store.FindGuidance("r1")->answers_snapshot == 7);
 }
 
 TEST_CASE("Nothing new is an answer also where no path was ever drawn", "[operator][belief]") {

@@ -30,7 +30,7 @@ TEST_CASE("Who has control of a robot commands it alone", "[operator][control]")
   CHECK(bench.book.WhyNotCommand("ben", "r2", bench.now).empty());
 }
 
-TEST_CASE("Taking over asks for a reason; then the other one commands", "[operator][control]") {
+TEST_CASE("Taking over asks for a reason, then the other one commands", "[operator][control]") {
   Bench bench;
   REQUIRE(bench.book.Take("anna", {{"r1"}, ""}, bench.now));
   const auto refused = bench.book.Take("ben", {{"r2", "r1"}, ""}, bench.now);
@@ -72,7 +72,7 @@ TEST_CASE("The map of a world belongs to who has control of all its robots",
   CHECK(bench.book.WhyNotEdit("ben", "w2", bench.now).empty());
 }
 
-TEST_CASE("Anybody stops robots, whoever has control; orders count once they are adopted",
+TEST_CASE("Anybody stops robots, whoever has control, orders count once they are adopted",
           "[operator][control]") {
   Bench bench;
   REQUIRE(bench.book.Take("anna", {{}, ""}, bench.now));

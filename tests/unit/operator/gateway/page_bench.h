@@ -46,8 +46,9 @@ struct PageBench {
     message.mutable_attend()->set_frames(frames_wanted);
     return Send(message);
   }
-  std::vector<PageEvent> Ping(double page_time, double round_trip = 0.0) {
+  std::vector<PageEvent> Ping(double page_time, double round_trip = 0.0, bool active = false) {
     console::ClientMessage message;
+    message.mutable_ping()->set_active(active);
     message.mutable_ping()->set_page_time(page_time);
     message.mutable_ping()->set_measured_round_trip(round_trip);
     return Send(message);

@@ -275,6 +275,14 @@ TEST_CASE("a ping is answered at once", "[operator][gateway]") {
   CHECK(pong.service_time() == 1000.0);
 }
 
+TEST_CASE("a ping of a page that is used is handed over", "[operator][gateway]") {
+  PageBench bench;
+  bench.Join();
+  const auto events = bench.Ping(1.0, 0.0, true);
+  REQUIRE(events.size() == 1);
+  CHECK(std::holds_alternative<PageUsed>(events[0].body));
+}
+
 TEST_CASE("a request is handed over with the round trip", "[operator][gateway]") {
   PageBench bench;
   bench.Join();

@@ -1,12 +1,9 @@
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <catch2/catch.hpp>
 
 #include "common/protocol/convert.h"
 #include "common/runtime/file.h"
 #include "support/program_desk.h"
+#include "support/taken_port.h"
 #include "unit/common/protocol/samples.h"
 #include "unit/operator/replay/recorded_file.h"
 
@@ -23,24 +20,6 @@ struct ReplayDesk : test::ProgramDesk {
     file.Write(bus::kRobotState, "r1", 1.0, ToMessage(samples::SampleState()));
     file.Finish();
   }
-};
-
-/// A port of this machine that somebody listens on.
-struct TakenPort {
-  TakenPort() {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof(address);
-    REQUIRE(bind(socket, reinterpret_cast<sockaddr*>(&address), size) == 0);
-    REQUIRE(listen(socket, 1) == 0);
-    REQUIRE(getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) == 0);
-    port = ntohs(address.sin_port);
-  }
-  ~TakenPort() { close(socket); }
-
-  int socket = ::socket(AF_INET, SOCK_STREAM, 0);
-  int port = 0;
 };
 
 TEST_CASE("conav replay names what is wrong", "[operator][replay]") {
@@ -62,7 +41,7 @@ TEST_CASE("conav replay names what is wrong", "[operator][replay]") {
 
 TEST_CASE("conav replay says that its port is taken", "[operator][replay]") {
   const ReplayDesk desk;
-  const TakenPort taken;
+  const test::TakenPort taken;
   const auto outcome = desk.Run(fmt::format("run --web web --port {}", taken.port));
   CHECK(outcome.exit_code == 1);
   CHECK_THAT(outcome.error,

@@ -72,7 +72,7 @@ TEST_CASE("guidance goes with the belief of an operator service that began anew"
   CHECK_FALSE(board.Read("r1").guidance.has_value());
 }
 
-TEST_CASE("a change wakes who waits for it; a way that stays the same is none",
+TEST_CASE("a change wakes who waits for it, a way that stays the same is none",
           "[planner][blackboard]") {
   Blackboard board(kOneRobot);
   board.PutWay("r1", {{1, 1}});

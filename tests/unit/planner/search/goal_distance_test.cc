@@ -7,7 +7,7 @@
 namespace conav::planner {
 namespace {
 
-TEST_CASE("steps lead to the nearest goal around walls; unknown cells count twice",
+TEST_CASE("steps lead to the nearest goal around walls, unknown cells count twice",
           "[planner][search]") {
   const TextWorld world({"#######", "#S.#.G#", "#..#..#", "#..?..#", "#######"});
   const auto steps = StepsToNearestGoal(world.problem);

@@ -88,7 +88,7 @@ TEST_CASE("a rollout ends when its depth is used up or nothing is offered", "[pl
   CHECK(RolloutFixture(closed, options).Run() == 0.0);
 }
 
-TEST_CASE("an unknown cell is drawn once per rollout; a blocked robot stays", "[planner][search]") {
+TEST_CASE("an unknown cell is drawn once per rollout, a blocked robot stays", "[planner][search]") {
   const TextWorld world({"####", "#S?#", "####"}, kNoViews);
   SearchOptions options = PaperRewards();
   options.rollout_depth = 3;

@@ -41,7 +41,7 @@ TEST_CASE("visits and returns of the trees are summed, and the most visited acti
   CHECK(TreeWithMostVisits(trees, 1) == 1);
 }
 
-TEST_CASE("equal visits: the higher mean, then the lower number; nothing visited, nothing chosen",
+TEST_CASE("equal visits: the higher mean, then the lower number, nothing visited, nothing chosen",
           "[planner][search]") {
   CHECK(SumOfTrees(std::array{Tree({{5, 1.0}, {5, 2.0}})}).chosen == 1);
   CHECK(SumOfTrees(std::array{Tree({{5, 2.0}, {5, 2.0}})}).chosen == 0);

@@ -77,7 +77,7 @@ TEST_CASE("an action is one control step, and then the robot stands", "[sim][dri
   CHECK(state.position.x_m > hall.physics->geometry().CellToPosition({3, 1}).x_m + 0.08);
 }
 
-TEST_CASE("forward, held, goes 0.2 m a step; backward 0.1 m", "[sim][drive]") {
+TEST_CASE("forward, held, goes 0.2 m a step, backward 0.1 m", "[sim][drive]") {
   Hall hall({{3, 2}});
   hall.Press(DriveAction::kForward, 2);
   const double from = hall.physics->pose(0).position.x_m;

@@ -7,13 +7,10 @@ import { type Place, Seeker } from "../panels/replay/seeker";
 import { isMappingTask } from "../panels/task/task_state";
 import type { CellAt } from "../protocol/cells";
 import type { RequestBody } from "../protocol/codec";
-import {
-  type AttentionItem,
-  AttentionReason,
-  type DriveAction,
-} from "../protocol/generated/console_pb";
-import { itemKey, mayCommand, nextItem, unanswered, worldOf } from "../state/selectors";
+import type { AttentionItem, DriveAction } from "../protocol/generated/console_pb";
+import { unanswered, worldOf } from "../state/selectors";
 import type { Notice, Store } from "../state/store";
+import { QueueWalk } from "./queue_walk";
 
 const noticeTime = 8;
 /** A low-level action counts so long, simulation time, and is sent so long, wall time: silence must soon mean stop. */
@@ -28,15 +25,15 @@ export class Actions {
   #connection: Connection;
   #clock: Clock;
   #notices = 0;
-  /** Keys of the queue's items that the person turned to, until it was all of them. */
-  #passed = new Set<string>();
   #drives = 0;
+  #walk: QueueWalk;
   #seeker: Seeker;
 
   constructor(store: Store, connection: Connection, clock: Clock) {
     this.#store = store;
     this.#connection = connection;
     this.#clock = clock;
+    this.#walk = new QueueWalk(store, (body, options) => this.#request(body, options));
     this.#seeker = new Seeker((to) => connection.seek(to), clock);
   }
 
@@ -55,40 +52,13 @@ export class Actions {
 
   /** To the next of the queue, with map and picture in place; what asks no more by now is passed over. */
   async next(): Promise<void> {
-    const gone = new Set<string>();
-    for (;;) {
-      const item = nextItem(this.#state, this.#passed, gone);
-      if (item === undefined) return this.notify("Nothing asks for you.");
-      const outcome = await this.#select(item);
-      if (outcome.kind === "not sent") this.#tell(turning, outcome);
-      if (outcome.kind !== "refused") return;
-      gone.add(itemKey(item));
-    }
+    const outcome = await this.#walk.next();
+    if (outcome === undefined) this.notify("Nothing asks for you.");
+    else this.#tell(turning, outcome);
   }
 
   async turnTo(item: AttentionItem): Promise<void> {
-    this.#tell(turning, await this.#select(item));
-  }
-
-  /** Shows what it is about, and tells the service that somebody works on it. */
-  #select(item: AttentionItem): Promise<RequestOutcome> {
-    const { robot, reason, world } = item;
-    this.#pass(itemKey(item));
-    this.#store.turns.value += 1;
-    this.#store.choose(robot);
-    this.#store.chosenSequence.value = undefined;
-    this.#store.centre(item.cell ?? this.#state.robots.get(robot)?.cell);
-    // Who only watches works on nothing.
-    if (!mayCommand(this.#state)) return Promise.resolve({ kind: "accepted", revision: 0 });
-    if (wantsPath(reason) && !this.#state.session?.drives) this.#store.tool.value = "path";
-    return this.#request({ case: "select", value: { robot, reason } }, { world });
-  }
-
-  /** Round and round: who has been to all begins anew. */
-  #pass(key: string): void {
-    this.#passed.add(key);
-    const items = this.#state.attention?.items ?? [];
-    if (items.every((item) => this.#passed.has(itemKey(item)))) this.#passed = new Set([key]);
+    this.#tell(turning, await this.#walk.turnTo(item));
   }
 
   /** Older (-1) or newer (1) picture of the chosen robot. */
@@ -196,10 +166,11 @@ export class Actions {
     this.#store.dialog.value = undefined;
   }
 
-  notify(text: string, kind: Notice["kind"] = "info"): void {
+  /** For `time` s. */
+  notify(text: string, kind: Notice["kind"] = "info", time = noticeTime): void {
     this.#notices += 1;
     const { notices } = this.#store;
-    const notice = { id: this.#notices, text, kind, until: this.#clock.now() + noticeTime };
+    const notice = { id: this.#notices, text, kind, until: this.#clock.now() + time };
     notices.value = [...notices.value.filter((other) => other.text !== text), notice].slice(-4);
   }
 
@@ -239,12 +210,6 @@ export class Actions {
   #tell(what: string, outcome: RequestOutcome): void {
     if (outcome.kind !== "accepted") this.notify(`${what}: ${outcome.reason}`, "problem");
   }
-}
-
-/** A path is the only answer: the tool for it is taken up. */
-function wantsPath(reason: AttentionReason): boolean {
-  const { REASON_FIRST_PATH, REASON_NO_GUIDANCE } = AttentionReason;
-  return reason === REASON_FIRST_PATH || reason === REASON_NO_GUIDANCE;
 }
 
 function toOutcome(outcome: RequestOutcome): Outcome {

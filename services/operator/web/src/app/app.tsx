@@ -75,8 +75,11 @@ function Stage() {
   const { workload, events } = settings.value;
   return (
     <main class="stage">
-      <TourCard />
-      <EndingCard />
+      {/* There before its cards are: only then is what comes into it read aloud. */}
+      <div class="cards" aria-live="polite">
+        <TourCard />
+        <EndingCard />
+      </div>
       <DriveBadge />
       <div class="map" data-tour="map">
         <WorldMap />

@@ -29,7 +29,9 @@ import {
   offerStart,
   stopForEditing,
   stopWithoutLink,
+  tellOfControl,
   tellOfReturn,
+  tellOfUse,
 } from "./wire";
 
 const clock = pageClock;
@@ -94,9 +96,11 @@ const announcer = new Announcer(clock);
 
 keepSettings(store, window, surroundings.localStorage);
 keepTime(store, connection, clock);
+tellOfUse(connection, window);
 askForFrames(store, connection, document);
 follow(console, announcer);
 tellOfReturn(store, announcer);
+tellOfControl(store, actions);
 offerStart(store);
 stopForEditing(store, teleoperation);
 listenToKeys(window, store, commands, teleoperation);

@@ -19,7 +19,7 @@ import { lookOf } from "./palette";
 
 /** What the map shows: the world of the chosen robot. Undefined while no world is known. */
 export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps | undefined> {
-  const { state, link, chosenRobot } = store;
+  const { state, linked, chosenRobot } = store;
   const world = computed(() => worldOf(state.value, chosenRobot.value)?.name);
   const names = computed(() => robotsIn(state.value, store.robots.value, world.value));
   const parts = {
@@ -33,10 +33,10 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
     pictures: picturesOf(() => state.value.pictures, names),
   };
   const robots = computed(() => mapRobots(store, names.value));
-  const watchesOnly = computed(() => link.value.state === "live" && !mayCommand(state.value));
-  const mayEdit = computed(() => permission(whyNotEdit(state.value, link.value.state)));
+  const watchesOnly = computed(() => linked.value && !mayCommand(state.value));
+  const mayEdit = computed(() => permission(whyNotEdit(state.value, linked.value)));
   const mayGuide = computed(() =>
-    permission(whyNotGuide(state.value, link.value.state, chosenRobot.value)),
+    permission(whyNotGuide(state.value, linked.value, chosenRobot.value)),
   );
   const callbacks = callbacksOf(store, actions);
 
@@ -153,8 +153,8 @@ function permission(reason: string | undefined): Permission {
   return reason === undefined ? { allowed: true } : { allowed: false, reason };
 }
 
-function whyNotEdit(state: ConsoleState, link: string): string | undefined {
-  if (link !== "live") return "the connection is not live";
+function whyNotEdit(state: ConsoleState, linked: boolean): string | undefined {
+  if (!linked) return "the connection is not live";
   if (state.playback !== undefined) return "this is a recording";
   if (state.welcome?.role === Role.OBSERVER) return "you are an observer";
   return isTask(state) ? whyNotMap(state) : undefined;
@@ -162,9 +162,9 @@ function whyNotEdit(state: ConsoleState, link: string): string | undefined {
 
 function whyNotGuide(
   state: ConsoleState,
-  link: string,
+  linked: boolean,
   robot: string | undefined,
 ): string | undefined {
   if (robot === undefined) return "no robot is chosen";
-  return whyNotEdit(state, link) ?? whyNotCommand(state, robot);
+  return whyNotEdit(state, linked) ?? whyNotCommand(state, robot);
 }

@@ -1,10 +1,10 @@
 import { beforeEach, describe, expect, it } from "vitest";
-import { FakeClock } from "../connection/fake";
+import { FakeClock, FakeConnection } from "../connection/fake";
 import { Announcer } from "../panels/announcements/announcer";
 import { type UpdateBody, updates, welcomeMessage } from "../state/fixtures";
 import { defaultSettings } from "../state/settings";
 import { createStore, type Store } from "../state/store";
-import { offerStart, tellOfReturn } from "./wire";
+import { offerStart, tellOfReturn, tellOfUse } from "./wire";
 
 let store: Store;
 
@@ -24,6 +24,16 @@ describe("the link", () => {
     expect(announcer.polite.value).toBe("");
     store.link.value = { state: "live" };
     expect(announcer.polite.value).toBe("Connected again");
+  });
+});
+
+describe("use of the page", () => {
+  it("is told whatever is done with it", () => {
+    const connection = new FakeConnection();
+    const page = new EventTarget();
+    tellOfUse(connection, page);
+    for (const kind of ["pointermove", "keydown", "wheel"]) page.dispatchEvent(new Event(kind));
+    expect(connection.uses).toBe(3);
   });
 });
 

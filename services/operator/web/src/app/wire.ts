@@ -4,6 +4,7 @@ import type { Clock } from "../connection/clock";
 import type { Connection, Link } from "../connection/connection";
 import { editsMap } from "../map/map_props";
 import { type Announcer, newsOf } from "../panels/announcements/announcer";
+import { controlNews } from "../panels/control/control_news";
 import { isTask, taskNews } from "../panels/task/task_state";
 import type { Teleoperation } from "../panels/teleoperation/teleoperation";
 import { sightOf } from "../panels/tour/sight";
@@ -11,6 +12,7 @@ import { withSample } from "../panels/workload/history";
 import { waitsForStart } from "../state/selectors";
 import { writeSettings } from "../state/settings";
 import type { Store } from "../state/store";
+import type { Actions } from "./actions";
 import type { Console } from "./console";
 
 /** s between two looks at the clock: ages on screen are so old at most. */
@@ -26,6 +28,13 @@ export function keepTime(store: Store, connection: Connection, clock: Clock): vo
       notices.value = notices.value.filter(({ until }) => until > now);
     }
   });
+}
+
+/** Whoever looks round, reads or draws is there: what they control stays theirs. */
+export function tellOfUse(connection: Connection, page: EventTarget): void {
+  for (const kind of ["pointermove", "pointerdown", "keydown", "wheel"]) {
+    page.addEventListener(kind, () => connection.used(), { capture: true, passive: true });
+  }
 }
 
 /** Frames come only for the robot that is looked at, while the page is. */
@@ -49,6 +58,21 @@ export function follow({ store, tour, history }: Console, announcer: Announcer):
     if (now.attention) history.value = withSample(history.peek(), now.attention);
   });
   effect(() => tour.look(sightOf(store)));
+}
+
+/** Whoever loses control of robots reads why, also when they come back later. */
+export function tellOfControl(store: Store, actions: Pick<Actions, "notify">): void {
+  let before = store.state.peek();
+  effect(() => {
+    const state = store.state.value;
+    const now = store.now.peek();
+    if (now !== undefined) {
+      for (const text of controlNews(before, state, now)) {
+        actions.notify(text, "problem", Number.POSITIVE_INFINITY);
+      }
+    }
+    before = state;
+  });
 }
 
 /** For screen readers, that what is shown is new again; that it is old says the banner. */

@@ -44,6 +44,8 @@ export interface Connection {
   request(body: RequestBody, options?: RequestOptions): Promise<Outcome>;
   /** All that `received` has told of is shown: the service sends more only then. */
   shown(): void;
+  /** Somebody uses the page; the service hears of it now and then. */
+  used(): void;
   /** Which robot's frames to send from now on; undefined = none. */
   attend(robot: string | undefined): void;
   seek(to: { position?: number; speed?: number }): void;
@@ -52,6 +54,8 @@ export interface Connection {
 }
 
 export const pingPeriod = 0.5;
+/** s between two pings that say that the page is used. */
+export const usedPeriod = 5;
 export const staleAfter = 1.5;
 /** A connection that says nothing for so long is given up. */
 export const deadAfter = 6;

@@ -130,6 +130,7 @@ export class FakeConnection implements Connection {
   readonly options: RequestOptions[] = [];
   readonly sought: { position?: number; speed?: number }[] = [];
   attended: string | undefined;
+  uses = 0;
 
   start(): void {}
   stop(): void {}
@@ -139,6 +140,10 @@ export class FakeConnection implements Connection {
     this.asked.push(body);
     this.options.push(options);
     return Promise.resolve(this.outcomes.shift() ?? this.outcome);
+  }
+
+  used(): void {
+    this.uses += 1;
   }
 
   attend(robot: string | undefined): void {

@@ -199,6 +199,20 @@ describe("pings", () => {
     expect(pings[1]).toMatchObject({ measuredRoundTrip: expect.closeTo(0.1, 9) });
   });
 
+  it("say now and then that the page is used, if it is", () => {
+    goLive();
+    const told = () =>
+      service.newest.ofCase("ping").filter(({ body }) => body.case === "ping" && body.value.active);
+    clock.advance(1);
+    expect(told()).toHaveLength(0);
+    for (let second = 0; second < 9; ++second) {
+      connection.used();
+      pong(0.1, 9000.05);
+      clock.advance(0.9);
+    }
+    expect(told()).toHaveLength(2);
+  });
+
   it("take the clock offset from the quickest of the newest round trips", () => {
     goLive();
     pong(0.1, 5000.05);

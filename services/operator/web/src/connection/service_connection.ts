@@ -11,6 +11,7 @@ import {
   pingPeriod,
   type RequestOptions,
   staleAfter,
+  usedPeriod,
   validFor,
 } from "./connection";
 import type { Identity } from "./identity";
@@ -44,6 +45,8 @@ export class ServiceConnection implements Connection {
   #received = 0n;
   #taken = 0n;
   #pingedAt = Number.NEGATIVE_INFINITY;
+  #isUsed = false;
+  #usedAt = Number.NEGATIVE_INFINITY;
   #cancelWatch: Cancel = () => undefined;
   #cancelRetry: Cancel = () => undefined;
 
@@ -80,6 +83,10 @@ export class ServiceConnection implements Connection {
     if (!this.#welcomed || this.#received === this.#taken) return;
     this.#taken = this.#received;
     this.#send({ case: "taken", value: { messages: this.#taken } });
+  }
+
+  used(): void {
+    this.#isUsed = true;
   }
 
   attend(robot: string | undefined): void {
@@ -124,7 +131,7 @@ export class ServiceConnection implements Connection {
     const message = decode(data);
     this.#heardAt = this.#parts.clock.now();
     if (message === undefined) return;
-    if (this.#welcomed && this.#link.state === "stale") this.#setLink({ state: "live" });
+    if (this.#link.state === "stale") this.#setLink({ state: "live" });
     this.#dispatch(message);
   }
 
@@ -181,7 +188,15 @@ export class ServiceConnection implements Connection {
     this.#pingedAt = this.#parts.clock.now();
     this.#timing.sent(this.#pingedAt);
     const measuredRoundTrip = this.#timing.measured();
-    this.#send({ case: "ping", value: { pageTime: this.#pingedAt, measuredRoundTrip } });
+    const active = this.#tellsOfUse();
+    this.#send({ case: "ping", value: { pageTime: this.#pingedAt, measuredRoundTrip, active } });
+  }
+
+  #tellsOfUse(): boolean {
+    if (!this.#isUsed || this.#pingedAt - this.#usedAt < usedPeriod) return false;
+    this.#isUsed = false;
+    this.#usedAt = this.#pingedAt;
+    return true;
   }
 
   #lose(): void {

@@ -174,6 +174,15 @@ describe("the path tool", () => {
     expect(model.paths.value.get("r1")?.cells.at(-1)).toEqual(at(1, 5));
   });
 
+  it("leads a path that is begun on, also to where another robot stands", () => {
+    const { page, model, hand, drag } = start({ tool: "path" });
+    drag(at(1, 3));
+    hand.press(at(3, 5), { erase: false }, "r2");
+    hand.release();
+    expect(page.asked).toEqual([]);
+    expect(model.paths.value.get("r1")?.cells.at(-1)).toEqual(at(3, 5));
+  });
+
   it("goes back to the draft of before when a stroke is cancelled", () => {
     const { model, hand, drag } = start({ tool: "path" });
     drag(at(1, 3));

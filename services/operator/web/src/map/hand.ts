@@ -125,7 +125,7 @@ export class Hand {
 
   #pressPath(cell: Cell, pressed: string | undefined): void {
     const model = this.#model;
-    const robot = this.#chooseFor(cell, pressed);
+    const robot = this.#chooseFor(pressed);
     if (robot === undefined) {
       model.say("Choose a robot first: click on it.");
       return;
@@ -145,10 +145,10 @@ export class Hand {
   }
 
   /** The robot to draw for: the chosen one, unless another is pressed on and no draft would be continued. */
-  #chooseFor(cell: Cell, pressed: string | undefined): string | undefined {
+  #chooseFor(pressed: string | undefined): string | undefined {
     const { chosenRobot, robots, onChooseRobot } = this.#model.props.peek();
-    const draft = chosenRobot === undefined ? undefined : this.#model.paths.peek().get(chosenRobot);
-    if (draft && (paths.hasDraft(draft) || paths.canGrab(draft, cell))) return chosenRobot;
+    const draft = this.#model.paths.peek().get(chosenRobot ?? "");
+    if (draft && paths.hasDraft(draft)) return chosenRobot;
     const only = robots.length === 1 ? robots[0]?.robot.name : undefined;
     const robot = pressed ?? chosenRobot ?? only;
     if (robot !== undefined && robot !== chosenRobot) onChooseRobot(robot);

@@ -11,8 +11,6 @@ import { Toolbar } from "./toolbar";
 import "./map.css";
 import "./small_window.css";
 
-export { mapShortcuts } from "./shortcuts";
-
 /** The operator's map of one world, with its tools. Fills the element that it is in, which has a size of its own. */
 export function MapCanvas(props: MapProps) {
   const model = useMemo(() => new MapModel(props), []);

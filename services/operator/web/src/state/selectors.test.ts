@@ -9,14 +9,18 @@ import {
   differenceOf,
   holderOf,
   itemKey,
+  itemsOf,
+  mayStop,
   nameOf,
   nextItem,
+  pictureOf,
   placeOf,
   robotNames,
   unanswered,
   waitsForStart,
   whyNotCommand,
   withNames,
+  worldOf,
 } from "./selectors";
 
 const session = (...robots: string[]): UpdateBody => ({ case: "session", value: { robots } });
@@ -151,6 +155,14 @@ describe("pictures", () => {
     value: { robot: "r1", sequenceNumber, answer },
   });
 
+  it("are found by their number, without one the newest", () => {
+    const state = stateOf(picture(1n, 0), picture(2n, 0));
+    expect(pictureOf(state, "r1", 1n)?.sequenceNumber).toBe(1n);
+    expect(pictureOf(state, "r1")?.sequenceNumber).toBe(2n);
+    expect(pictureOf(state, "r1", 3n)).toBeUndefined();
+    expect(pictureOf(state, undefined)).toBeUndefined();
+  });
+
   it("only the newest can be waiting", () => {
     expect(unanswered(stateOf(picture(1n, 0), picture(2n, 0)), "r1")?.sequenceNumber).toBe(2n);
     expect(unanswered(stateOf(picture(1n, 0), picture(2n, 1)), "r1")).toBeUndefined();
@@ -169,6 +181,32 @@ describe("pictures", () => {
     const { missing, wrong } = differenceOf(shown, belief, 2);
     expect([missing, wrong]).toMatchObject([[{ row: 0, column: 1 }], [{ row: 1, column: 0 }]]);
   });
+});
+
+describe("a robot's own", () => {
+  const world = (name: string): UpdateBody => ({ case: "world", value: { name } });
+  const robot = (name: string, at: string): UpdateBody => ({
+    case: "robot",
+    value: { name, world: at },
+  });
+
+  it("world is the one it is in; of a robot never heard of the first", () => {
+    const state = stateOf(world("w1"), world("w2"), robot("r2", "w2"));
+    expect(worldOf(state, "r2")?.name).toBe("w2");
+    expect(worldOf(state, "r9")?.name).toBe("w1");
+    const named: UpdateBody = { case: "session", value: { worlds: ["w2", "w1"] } };
+    expect(worldOf(stateOf(world("w1"), world("w2"), named), undefined)?.name).toBe("w2");
+  });
+
+  it("questions are those that it asks", () => {
+    const state = stateOf(items(["r1", ""], ["r2", ""], ["r1", "me"]));
+    expect(itemsOf(state, "r1")).toHaveLength(2);
+  });
+});
+
+it("robots can be stopped by whoever is connected, but not in a recording", () => {
+  expect(mayStop(reduce(emptyState, welcomeMessage({ role: Role.OBSERVER })))).toBe(true);
+  expect(mayStop(reduce(emptyState, welcomeMessage({ mode: Mode.REPLAY })))).toBe(false);
 });
 
 describe("the start", () => {

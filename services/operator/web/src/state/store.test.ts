@@ -13,10 +13,10 @@ beforeEach(() => {
 describe("commands", () => {
   it("can be given by who may, while the link is live", () => {
     store.receive(welcomeMessage());
-    expect(store.mayCommand.value).toBe(false);
+    expect(store.canCommand.value).toBe(false);
     store.link.value = { state: "live" };
-    expect(store.mayCommand.value).toBe(true);
+    expect(store.canCommand.value).toBe(true);
     store.receive(welcomeMessage({ role: Role.OBSERVER }));
-    expect(store.mayCommand.value).toBe(false);
+    expect(store.canCommand.value).toBe(false);
   });
 });

@@ -41,7 +41,7 @@ export interface Store {
   /** Whether the service is heard now: nothing looks live while it is not. */
   readonly linked: ReadonlySignal<boolean>;
   /** Whether who sits here can give commands now; Stop can always be tried. */
-  readonly mayCommand: ReadonlySignal<boolean>;
+  readonly canCommand: ReadonlySignal<boolean>;
   readonly timing: Signal<Timing>;
   /** Wall time of the service; moves on four times a second. */
   readonly now: Signal<number | undefined>;
@@ -78,7 +78,7 @@ export function createStore(settings: Settings): Store {
     state,
     link,
     linked,
-    mayCommand: computed(() => linked.value && mayCommand(state.value)),
+    canCommand: computed(() => linked.value && mayCommand(state.value)),
     timing: signal<Timing>({ roundTrip: undefined, clockOffset: undefined }),
     now: signal<number | undefined>(undefined),
     settings: signal(settings),

@@ -243,6 +243,25 @@ describe("undo and redo", () => {
   });
 });
 
+describe("redo", () => {
+  const twice = () => {
+    const drawn = confirm(stroke(confirm(stroke(begin(), true, [1, 1])), true, [1, 2]));
+    return confirm(undo(confirm(undo(drawn))));
+  };
+
+  it("leaves the steps that were undone before it", () => {
+    const once = confirm(redo(twice()));
+    expect([canUndo(once), canRedo(once)]).toEqual([true, true]);
+    const all = confirm(redo(once));
+    expect([canUndo(all), canRedo(all)]).toEqual([true, false]);
+    expect(all.walls).toEqual(walls(7, 8));
+  });
+
+  it("is over with the next stroke, for all that was undone", () => {
+    expect(canRedo(confirm(stroke(twice(), true, [2, 2])))).toBe(false);
+  });
+});
+
 describe("another world, or a service that begins anew", () => {
   it("or another maze under the same name begins from scratch", () => {
     const session = confirm(stroke(begin(), true, [1, 1]));

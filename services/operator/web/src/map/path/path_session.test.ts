@@ -168,6 +168,17 @@ describe("removing", () => {
 });
 
 describe("a robot that moves", () => {
+  it("onto all that is drawn does not end the drawing", () => {
+    const begun = drawTo(beginDrawing(fresh(), open, at(1, 1)), open, at(1, 2));
+    const there = robotMoved(begun, open, at(1, 2));
+    expect(pairs(there)).toEqual([[1, 2]]);
+    expect(pairs(drawTo(there, open, at(1, 3)))).toEqual([
+      [1, 2],
+      [1, 3],
+    ]);
+    expect(robotMoved(endDrawing(begun), open, at(1, 2)).cells).toEqual([]);
+  });
+
   it("leaves what it has passed behind", () => {
     expect(pairs(robotMoved(corner(), open, at(1, 3)))[0]).toEqual([1, 3]);
   });
@@ -185,6 +196,14 @@ describe("a robot that moves", () => {
 });
 
 describe("sending", () => {
+  it("that is refused brings the path back, though it was left meanwhile", () => {
+    const sent = send(corner());
+    const left = leave(sent);
+    expect(left.cells).toEqual([]);
+    const refused = replied(left, 1, { accepted: false, reason: "a wall" });
+    expect(pairs(refused)).toEqual(pairs(corner()));
+  });
+
   it("keeps the draft until it is accepted and shown, in either order", () => {
     const sent = send(corner());
     expect(sent.sent?.cells).toEqual(corner().cells);

@@ -52,7 +52,7 @@ function OneAlert({ alert }: { alert: Alert }) {
   const { store, actions } = useConsole();
   const { id, severity, source, text, advice, count, active, acknowledgedBy } = alert;
   const now = store.now.value ?? alert.newest;
-  const may = store.mayCommand.value;
+  const may = store.canCommand.value;
   return (
     <li>
       <p>

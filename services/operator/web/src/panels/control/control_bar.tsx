@@ -29,7 +29,7 @@ function ForAll() {
       </button>
       <button
         type="button"
-        disabled={!store.mayCommand.value || !anyStopped}
+        disabled={!store.canCommand.value || !anyStopped}
         onClick={() => void actions.go([...robots])}
       >
         ▶ Go all <kbd>{keyHint("go all")}</kbd>
@@ -46,7 +46,7 @@ function ControlOf({ robot }: { robot: string }) {
     return (
       <button
         type="button"
-        disabled={!store.mayCommand.value}
+        disabled={!store.canCommand.value}
         onClick={() => void actions.releaseControl([robot])}
         title="Each of your commands renews it"
       >
@@ -57,7 +57,7 @@ function ControlOf({ robot }: { robot: string }) {
   return (
     <button
       type="button"
-      disabled={!store.mayCommand.value}
+      disabled={!store.canCommand.value}
       onClick={() => actions.takeControl([robot])}
     >
       {holder.kind === "other"

@@ -13,7 +13,7 @@ export function EndingCard() {
   if (ending === undefined || dismissed.value === state.run) return undefined;
   const { run, goals, moves, pictures, changed } = ending;
   return (
-    <section class="stage-card ending" aria-label="End of the run" aria-live="polite">
+    <section class="stage-card ending" aria-label="End of the run">
       <div>
         <h2 class="good">✓ All {goals} goals reached</h2>
         <p>

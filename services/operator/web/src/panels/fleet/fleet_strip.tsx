@@ -112,7 +112,7 @@ function StopAndGo({ row: { name, stopped } }: { row: FleetRow }) {
         <button
           type="button"
           class="go"
-          disabled={!store.mayCommand.value}
+          disabled={!store.canCommand.value}
           title="Go"
           aria-label={`Go ${name}`}
           onClick={() => void actions.go([name])}

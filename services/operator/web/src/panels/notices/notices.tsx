@@ -6,7 +6,7 @@ import "./notices.css";
 export function Notices() {
   const { store, actions } = useConsole();
   return (
-    <output class="notices">
+    <output class="notices" aria-atomic="false">
       {store.notices.value.map(({ id, text, kind }) => (
         <span key={id} class={kind}>
           {kind === "problem" ? "▲ " : ""}

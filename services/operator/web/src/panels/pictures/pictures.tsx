@@ -3,7 +3,7 @@ import { keyHint } from "../../app/shortcuts";
 import { cellText } from "../../protocol/cells";
 import type { Picture } from "../../protocol/generated/console_pb";
 import { ageOf } from "../../state/freshness";
-import { nameOf, unanswered, whyNotCommand, worldOf } from "../../state/selectors";
+import { mayCommand, nameOf, unanswered, whyNotCommand, worldOf } from "../../state/selectors";
 import { duration } from "../format";
 import { HistoryStrip } from "./history_strip";
 import { LiveView } from "./live_view";
@@ -48,7 +48,7 @@ function OnePicture({ picture }: { picture: Picture }) {
           {robot}: picture {String(sequenceNumber)}
         </h2>
         <span class="quiet">{duration(ageOf(picture.heardAt, store.now.value))} old</span>
-        {unanswered(state, robot) === picture ? (
+        {unanswered(state, robot) === picture && mayCommand(state) ? (
           <button
             type="button"
             class="end main"

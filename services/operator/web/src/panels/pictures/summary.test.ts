@@ -29,7 +29,7 @@ describe("a picture's summary", () => {
   it("tells who answered, and that it waits", () => {
     const answer = PictureAnswer.ANSWER_NOTHING_NEW;
     expect(answerText(create(PictureSchema, { answer }), "you")).toBe("nothing new, by you");
-    expect(answerText(create(PictureSchema), "")).toBe("waits for your answer");
+    expect(answerText(create(PictureSchema), "")).toBe("waits for an answer");
   });
 });
 

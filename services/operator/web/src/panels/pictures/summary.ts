@@ -28,7 +28,7 @@ export function answerText({ answer }: Picture, who: string): string {
     case PictureAnswer.ANSWER_OUTDATED:
       return "a newer one came first";
     default:
-      return "waits for your answer";
+      return "waits for an answer";
   }
 }
 

@@ -39,7 +39,7 @@ export function TaskBar() {
 
 function Running({ task }: { task: Task }) {
   const { store } = useConsole();
-  const live = store.link.value.state === "live";
+  const live = store.linked.value;
   const state = store.state.value;
   const now = robotNow(state, store.chosenRobot.value);
   return (

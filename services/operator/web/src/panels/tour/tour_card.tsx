@@ -15,7 +15,7 @@ export function TourCard() {
   const ready = step.done === undefined && (step.ready?.(sight) ?? true);
   const last = number === steps.length - 1;
   return (
-    <section class="stage-card" aria-label="Tour" aria-live="polite">
+    <section class="stage-card" aria-label="Tour">
       <div>
         <h2>
           {step.title}{" "}

@@ -1,4 +1,4 @@
-#include "mapping_task/port_check.h"
+#include "launcher/port_check.h"
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <cstring>
 
-namespace conav::mapping_task {
+namespace conav::launcher {
 namespace {
 
 /// 0, or why not.
@@ -31,13 +31,12 @@ int TryPort(int port) {
 
 }  // namespace
 
-Result<void> CheckPort(int port) {
+Result<void> CheckPort(const std::string& option, int port) {
   const int cause = port == 0 ? 0 : TryPort(port);
   if (cause == 0) return {};
-  return Fail(
-      ErrorCode::kUnavailable,
-      fmt::format("--port {}: cannot be had ({}); choose another, or 0 for any that is free", port,
-                  std::strerror(cause)));
+  return Fail(ErrorCode::kUnavailable,
+              fmt::format("{} {}: cannot be had ({}); choose another, or 0 for any that is free",
+                          option, port, std::strerror(cause)));
 }
 
-}  // namespace conav::mapping_task
+}  // namespace conav::launcher

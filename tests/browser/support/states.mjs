@@ -1,0 +1,232 @@
+// States of the console to look at: each is brought about in a scene, and shot by `shoot(page, name, options)`.
+import { writeBigMap } from "./big_map.mjs";
+import { screen } from "./scene.mjs";
+import { until } from "./wait.mjs";
+
+const restless = { first_guidance_timeout_s: 0.2, answer_timeout_s: 2 };
+const patient = {
+  first_guidance_timeout_s: 0.2,
+  answer_timeout_s: 600,
+  timeout_clock: "simulation",
+};
+const teleoperation = [
+  "--robots",
+  "1",
+  "--seed",
+  "7",
+  "--method",
+  "teleop",
+  "--operator",
+  "silent",
+];
+
+/** From the start dialog to a path that answers a picture, and what can go wrong. */
+export async function supervision(scene, shoot) {
+  const system = await scene.services({ robots: 2, planner: patient });
+  const page = await scene.open(system.url, { name: "Ada", colorScheme: "light" });
+  await page.dialog(/ready/).waitFor();
+  await shoot(page, "start");
+  await page.begin(/Show me round/);
+  await shoot(page, "tour");
+  await page.button("Leave the tour").click();
+
+  await until("both robots send pictures", () =>
+    ["r1", "r2"].every((robot) => page.told.pictures(robot).length > 0),
+  );
+  await page.press("n");
+  await page.page.getByRole("img", { name: /^Picture/ }).waitFor();
+  await shoot(page, "supervising");
+
+  await page.draws(
+    [
+      { row: 11, column: 1 },
+      { row: 11, column: 2 },
+      { row: 11, column: 3 },
+    ],
+    "Wall",
+  );
+  await page.draws([{ row: 1, column: 5 }], "Wall");
+  await page.button(/Layers/).click();
+  await shoot(page, "editing");
+  await page.press("Escape");
+
+  const robot = page.told.pictures("r1").length > 0 ? "r1" : "r2";
+  await page.chooses(robot);
+  await page.draws([page.told.robot(robot).cell, { row: 1, column: 3 }], "Path");
+  await until("the path is given", () => page.told.newest("guidance", robot)?.path.length > 1);
+  await shoot(page, "path");
+
+  await page.press("w");
+  await page.press("v");
+  await page.button("Workload").click();
+  await page.button("Log").click();
+  await shoot(page, "workload-and-log");
+  await page.press("?");
+  await shoot(page, "help");
+  await page.press("Escape");
+
+  await page.press("Shift+Escape");
+  await system.kill("planner");
+  await page.panel("Alerts").locator("li").first().waitFor();
+  await shoot(page, "alerts");
+  scene.expectConnectionTrouble();
+  await system.kill("operator");
+  await page.link("lost");
+  await shoot(page, "connection-lost");
+}
+
+/** What README and docs/console.md show: two robots, a picture, a path, and the queue. */
+export async function readme(scene, shoot) {
+  const system = await scene.services({ robots: 2, planner: patient });
+  const page = await scene.open(system.url, { name: "Ada", colorScheme: "light" });
+  await page.begin();
+  await until("both robots send pictures", () =>
+    ["r1", "r2"].every((robot) => page.told.pictures(robot).length > 0),
+  );
+  await page.chooses("r1");
+  await page.draws(
+    [page.told.robot("r1").cell, { row: 7, column: 10 }, { row: 7, column: 7 }],
+    "Path",
+  );
+  await until("the path is given", () => page.told.newest("guidance", "r1")?.path.length > 1);
+  await page.press("v");
+  await page.press("n");
+  await page.isChosen("r2");
+  await page.page.getByRole("img", { name: /^Picture \d+ of r2/ }).waitFor();
+  await page.reads(/you are on it/);
+  await page.page.mouse.move(0, 0);
+  await page.page.evaluate(() => document.activeElement.blur());
+  await shoot(page, "console");
+}
+
+export async function bothThemes(scene, shoot) {
+  const system = await scene.services({ robots: 2, planner: restless });
+  const page = await scene.open(system.url, { name: "Ada", colorScheme: "dark" });
+  await shoot(page, "dark-start");
+  await page.begin();
+  await until("pictures come", () => page.told.pictures("r1").length > 1);
+  await page.press("l");
+  await page.page.getByLabel("Edits expected of you", { exact: true }).check();
+  await page.page.getByLabel("Search: visits", { exact: true }).check();
+  await page.press("Escape");
+  for (const theme of ["dark", "light"]) {
+    await page.page.emulateMedia({ colorScheme: theme });
+    await shoot(page, `${theme}-all-layers`);
+  }
+  const other = await scene.open(system.url, { name: "Ben", colorScheme: "dark" });
+  await other.button(/take over/).click();
+  await other.dialog("Take over?").waitFor();
+  await shoot(other, "dark-take-over");
+}
+
+export async function manyRobots(scene, shoot) {
+  const system = await scene.services({ robots: 16, planner: restless });
+  const page = await scene.open(system.url, { name: "Ada", colorScheme: "dark" });
+  await page.begin();
+  await until("pictures come", () => page.told.all("picture").length > 4);
+  await shoot(page, "16-robots");
+  await page.press("Shift+Escape");
+  await page.button("Go r16").waitFor();
+  await shoot(page, "16-robots-stopped");
+}
+
+export async function bigMap(scene, shoot) {
+  const system = await scene.services({
+    robots: 4,
+    sim: { map: { yaml: writeBigMap(scene.folder) } },
+    planner: { ...restless, method: "greedy" },
+  });
+  const page = await scene.open(system.url, { name: "Ada", colorScheme: "light" });
+  await page.begin();
+  await page.moves("r1");
+  await shoot(page, "150x150");
+  for (let i = 0; i < 6; i += 1) await page.press("+");
+  await page.press("c");
+  await shoot(page, "150x150-near");
+}
+
+export async function driving(scene, shoot) {
+  const system = await scene.demo(...teleoperation);
+  const page = await scene.open(system.url, { name: "Ada", colorScheme: "dark" });
+  await page.begin();
+  await page.reads(/Hold the arrow keys to drive/);
+  await until("a frame comes before anything moves", () => page.told.frames > 0);
+  await page.page.waitForTimeout(300);
+  await shoot(page, "driving-at-rest");
+  await page.page.keyboard.down("ArrowLeft");
+  await until("the robot turns", () => page.told.robot("r1").lowLevelSteps > 3n);
+  await shoot(page, "driving");
+  await page.page.keyboard.up("ArrowLeft");
+}
+
+/** Both robots have reached all their goals. */
+export async function ended(scene, shoot) {
+  const system = await scene.demo("--seed", "7");
+  const page = await scene.open(system.url, { name: "Ada", colorScheme: "light" });
+  await page.begin(/Watch/);
+  await page.panel("End of the run").waitFor({ timeout: 120_000 });
+  await shoot(page, "ended");
+}
+
+/** Method instruction: a live view, and paths. */
+export async function streaming(scene, shoot) {
+  const system = await scene.demo("--seed", "7", "--method", "instruction", "--operator", "silent");
+  const page = await scene.open(system.url, { name: "Ada", colorScheme: "light" });
+  await page.begin();
+  await until("frames come", () => page.told.frames > 1);
+  await page.tool("Path").click();
+  await page.pointAt(page.told.robot("r1").cell);
+  await page.page.mouse.down();
+  await page.pointAt({ row: 9, column: 10 });
+  await page.pointAt({ row: 10, column: 7 });
+  await shoot(page, "drawing-a-path");
+  await page.page.mouse.up();
+}
+
+export async function replaying(scene, shoot) {
+  const system = await scene.replay("--seed", "7", "--robots", "2");
+  const page = await scene.open(system.url, { name: "Ada", colorScheme: "light" });
+  await page.press("l");
+  await page.page.getByLabel("True map", { exact: true }).check();
+  await until("it has played for a while", () => page.told.newest("playback").position > 4);
+  await shoot(page, "replay-layers");
+  await page.press("Escape");
+  await page.page.emulateMedia({ colorScheme: "dark" });
+  await shoot(page, "replay");
+}
+
+export async function observing(scene, shoot) {
+  const [observer, operator] = ["look-only-look-only", "may-do-may-do-may-do"];
+  const system = await scene.services({
+    robots: 2,
+    planner: restless,
+    operator: { console: { tokens: { observer, operator } } },
+  });
+  const ada = await scene.open(`${system.url}#token=${operator}`, { name: "Ada" });
+  await ada.begin();
+  await ada.moves("r1");
+  const page = await scene.open(`${system.url}#token=${observer}`, { name: "Ben" });
+  await page.reads(/Ada has control/);
+  await shoot(page, "observer");
+}
+
+export async function smallScreen(scene, shoot) {
+  const system = await scene.services({ robots: 2, planner: restless });
+  for (const [name, width, height] of [
+    ["laptop", 1280, 720],
+    ["tablet", 820, 1100],
+    ["phone", 390, 800],
+  ]) {
+    const page = await scene.open(system.url, {
+      name: "Ada",
+      viewport: { ...screen, width, height },
+    });
+    await page
+      .dialog(/ready/)
+      .getByRole("button", { name: "Close" })
+      .click({ timeout: 2000 })
+      .catch(() => undefined);
+    await shoot(page, name);
+    if (name === "phone") await shoot(page, "phone-whole", { fullPage: true });
+  }
+}
