@@ -22,6 +22,13 @@ journey("axe finds nothing serious in any state of the page, dark or light", asy
   await finds(page, "path tool and layers");
   await page.press("Escape");
 
+  const size = page.page.viewportSize();
+  await page.page.setViewportSize({ width: 800, height: 600 });
+  await finds(page, "small window");
+  const { height } = await page.map.boundingBox();
+  assert.ok(height >= 320, `the map keeps room for drawing, it has ${height} px`);
+  await page.page.setViewportSize(size);
+
   await page.press("?");
   await page.dialog("Keys and signs").waitFor();
   await finds(page, "help");

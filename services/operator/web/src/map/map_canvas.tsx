@@ -9,6 +9,7 @@ import { PathBar } from "./path/path_bar";
 import { StatusLine } from "./status_line";
 import { Toolbar } from "./toolbar";
 import "./map.css";
+import "./small_window.css";
 
 /** The operator's map of one world, with its tools. Fills the element that it is in, which has a size of its own. */
 export function MapCanvas(props: MapProps) {

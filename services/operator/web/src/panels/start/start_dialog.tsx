@@ -67,7 +67,8 @@ function StartWords({ robots }: { robots: number }) {
   return (
     <>
       Your map is partly wrong: correct it as you learn more.{" "}
-      <MethodWords method={method} many={robots > 1} /> It is done when all goals ⚑ are reached.
+      <MethodWords method={method} many={robots > 1} /> The run is over when all goals ⚑ are
+      reached.
     </>
   );
 }
