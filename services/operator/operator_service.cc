@@ -252,6 +252,7 @@ void OperatorService::Greet(RobotLink& robot, const RobotState& state) {
     LOG_ERROR("guidance not withdrawn", "robot", robot.name, "reason", withdrawn.error().text);
   }
   if (segments_) segments_->Skip(robot.name, 0);
+  attention_.Hear(*store_.FindGuidance(robot.name), OperatorTime());
   PublishGuidance(robot);
 }
 

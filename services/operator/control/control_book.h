@@ -14,7 +14,8 @@ namespace conav::operators {
 
 /// Section `operator.control:`.
 struct ControlOptions {
-  /// A client that has taken control of robots and asks for nothing for so long loses it (wall time).
+  /// A client that has taken control of robots, and neither asks for anything nor uses its page for
+  /// so long, loses it (wall time). Pages tell of their use every 5 s.
   double control_s = 60.0;
   /// Robots stand until somebody lets them go, unless the database says that somebody did.
   bool start_stopped = false;
@@ -28,7 +29,7 @@ struct ControlOptions {
 /// Who may command which robot, and which robots are stopped.
 ///
 /// Nobody has control of a robot at first, and every operator may command it. A client that takes
-/// control commands it alone until it releases it, asks for nothing for `control_s`, or another
+/// control commands it alone until it releases it, does nothing for `control_s`, or another
 /// client takes over, which must say why. Stopping needs no control: anyone may, and anyone may let
 /// go. While one client has control of all robots of a world, its map is that client's, too.
 ///

@@ -129,6 +129,8 @@ void SegmentCollector::Guided(const Guidance& guidance, Clock::TimePoint now) {
   const std::uint64_t answered = guidance.answers_snapshot;
   if (robot.open && robot.open->picture.sequence_number == answered) {
     Close(world, guidance.robot, TakeFrom(robot.open), world.belief, now);
+  } else if (robot.early && robot.early->sequence_number == answered) {
+    return;  // another path after the answer
   } else if (answered > robot.newest) {
     robot.early = EarlyAnswer{answered, world.settled, world.belief, world.first_edit, now};
   } else {

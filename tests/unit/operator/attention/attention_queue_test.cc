@@ -117,6 +117,18 @@ TEST_CASE("A withdrawn path answers nothing unless it answers a picture", "[oper
   CHECK(bench.Order(4) == Robots{"r1"});
 }
 
+TEST_CASE("A robot that counts its pictures anew is answered anew", "[operator][attention]") {
+  QueueBench bench;
+  bench.queue.Hear(PathFor("r1", 9), At(1));
+  Guidance guidance = PathFor("r1", 0);
+  guidance.path.clear();
+  bench.queue.Hear(guidance, At(2));  // withdrawn: the simulator was started again
+  bench.queue.Hear(Question("r1", AttentionReason::kPicture, 1.0), At(3));
+  guidance.answers_snapshot = 1;  // nothing new
+  bench.queue.Hear(guidance, At(4));
+  CHECK(bench.Order(4).empty());
+}
+
 TEST_CASE("A robot that asks no more, or whose planner is gone, leaves unanswered",
           "[operator][attention]") {
   QueueBench bench;

@@ -2,6 +2,7 @@ import type { Clock } from "../connection/clock";
 import type { Connection, RequestOptions } from "../connection/connection";
 import type { Outcome as RequestOutcome } from "../connection/requests";
 import type { CellChange, Outcome } from "../map/map_props";
+import { ControlWatch } from "../panels/control/control_watch";
 import { needsReason, takeOverOf } from "../panels/control/take_over";
 import { type Place, Seeker } from "../panels/replay/seeker";
 import { isMappingTask } from "../panels/task/task_state";
@@ -13,6 +14,7 @@ import type { Notice, Store } from "../state/store";
 import { QueueWalk } from "./queue_walk";
 
 const noticeTime = 8;
+const mostNotices = 4;
 /** A low-level action counts so long, simulation time, and is sent so long, wall time: silence must soon mean stop. */
 const driveValidFor = 1;
 const stopValidFor = 20;
@@ -21,6 +23,7 @@ const turning = "Turn to it";
 
 /** What a person can do with the console. Each says in a notice when the service did not do it. */
 export class Actions {
+  readonly control = new ControlWatch();
   #store: Store;
   #connection: Connection;
   #clock: Clock;
@@ -108,11 +111,12 @@ export class Actions {
     return this.#ask("Take control", { case: "takeControl", value });
   }
 
-  releaseControl(robots: readonly string[]): Promise<Outcome> {
-    return this.#ask("Release control", {
-      case: "releaseControl",
-      value: { robots: [...robots] },
-    });
+  async releaseControl(robots: readonly string[]): Promise<Outcome> {
+    this.control.releases(robots);
+    const value = { robots: [...robots] };
+    const outcome = await this.#ask("Release control", { case: "releaseControl", value });
+    if (!outcome.accepted) this.control.keeps(robots);
+    return outcome;
   }
 
   edit(world: string, cells: readonly CellChange[], baseRevision: bigint): Promise<Outcome> {
@@ -171,7 +175,7 @@ export class Actions {
     this.#notices += 1;
     const { notices } = this.#store;
     const notice = { id: this.#notices, text, kind, until: this.#clock.now() + time };
-    notices.value = [...notices.value.filter((other) => other.text !== text), notice].slice(-4);
+    notices.value = shortened([...notices.value.filter((other) => other.text !== text), notice]);
   }
 
   dismiss(id: number): void {
@@ -210,6 +214,13 @@ export class Actions {
   #tell(what: string, outcome: RequestOutcome): void {
     if (outcome.kind !== "accepted") this.notify(`${what}: ${outcome.reason}`, "problem");
   }
+}
+
+/** The newest; those that go by themselves make room first. */
+function shortened(notices: readonly Notice[]): readonly Notice[] {
+  if (notices.length <= mostNotices) return notices;
+  const oldest = notices.findIndex(({ until }) => Number.isFinite(until));
+  return notices.filter((_, i) => i !== Math.max(0, oldest));
 }
 
 function toOutcome(outcome: RequestOutcome): Outcome {

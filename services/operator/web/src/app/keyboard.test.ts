@@ -188,6 +188,10 @@ describe("driving keys", () => {
       "a context menu",
       () => document.body.dispatchEvent(new Event("contextmenu", { bubbles: true })),
     ],
+    [
+      "something that is dragged",
+      () => document.body.dispatchEvent(new Event("dragstart", { bubbles: true })),
+    ],
     ["Meta", () => press("Meta", { metaKey: true })],
     ["Control", () => press("Control", { ctrlKey: true })],
     ["Alt", () => press("Alt", { altKey: true })],

@@ -18,8 +18,8 @@ const driveKeys: ReadonlyMap<string, DriveAction> = new Map([
  * Listens on the whole page. What somebody else has dealt with, such as the map, is left alone. The function that it returns
  * ends the listening.
  *
- * Driving ends with the key, and with whatever may keep us from hearing of its release: focus or page lost, a context menu, Ctrl,
- * Alt or Meta. It begins with a new press only, never by a key that repeats because it is still held.
+ * Driving ends with the key, and with whatever may keep us from hearing of its release: focus or page lost, a context menu, something
+ * that is dragged, Ctrl, Alt or Meta. It begins with a new press only, never by a key that repeats because it is still held.
  */
 export function listenToKeys(
   page: Window,
@@ -35,6 +35,7 @@ export function listenToKeys(
   page.addEventListener("keyup", keyUp, { signal });
   page.addEventListener("blur", halt, { signal });
   page.addEventListener("contextmenu", halt, { signal });
+  page.addEventListener("dragstart", halt, { signal });
   page.document.addEventListener("visibilitychange", hidden, { signal });
   return () => ended.abort();
 

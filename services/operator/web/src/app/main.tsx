@@ -100,7 +100,7 @@ tellOfUse(connection, window);
 askForFrames(store, connection, document);
 follow(console, announcer);
 tellOfReturn(store, announcer);
-tellOfControl(store, actions);
+tellOfControl(store, actions, connection);
 offerStart(store);
 stopForEditing(store, teleoperation);
 listenToKeys(window, store, commands, teleoperation);

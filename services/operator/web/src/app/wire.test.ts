@@ -4,7 +4,8 @@ import { Announcer } from "../panels/announcements/announcer";
 import { type UpdateBody, updates, welcomeMessage } from "../state/fixtures";
 import { defaultSettings } from "../state/settings";
 import { createStore, type Store } from "../state/store";
-import { offerStart, tellOfReturn, tellOfUse } from "./wire";
+import { Actions } from "./actions";
+import { offerStart, tellOfControl, tellOfReturn, tellOfUse } from "./wire";
 
 let store: Store;
 
@@ -24,6 +25,30 @@ describe("the link", () => {
     expect(announcer.polite.value).toBe("");
     store.link.value = { state: "live" };
     expect(announcer.polite.value).toBe("Connected again");
+  });
+});
+
+describe("control that is lost", () => {
+  it("is told until it is dismissed, also when the service began anew", () => {
+    const connection = new FakeConnection();
+    const actions = new Actions(store, connection, new FakeClock());
+    const held = (holder: string): UpdateBody => ({
+      case: "control",
+      value: { robot: "r1", holder, heldUntil: (connection.serviceTime() ?? 0) + 30 },
+    });
+    tellOfControl(store, actions, connection);
+    store.receive(welcomeMessage({ client: "me" }));
+    store.receive(updates([held("me")]));
+    store.receive(welcomeMessage({ client: "me", run: "run-2" }));
+    expect(store.notices.value).toEqual([]);
+    store.receive(updates([held("")]));
+    for (const other of ["a", "b", "c", "d", "e"]) actions.notify(other);
+    expect(store.notices.value.map(({ text }) => text)).toEqual([
+      expect.stringContaining("You control r1 no more: the service was started anew."),
+      "c",
+      "d",
+      "e",
+    ]);
   });
 });
 

@@ -4,7 +4,6 @@ import type { Clock } from "../connection/clock";
 import type { Connection, Link } from "../connection/connection";
 import { editsMap } from "../map/map_props";
 import { type Announcer, newsOf } from "../panels/announcements/announcer";
-import { controlNews } from "../panels/control/control_news";
 import { isTask, taskNews } from "../panels/task/task_state";
 import type { Teleoperation } from "../panels/teleoperation/teleoperation";
 import { sightOf } from "../panels/tour/sight";
@@ -61,17 +60,14 @@ export function follow({ store, tour, history }: Console, announcer: Announcer):
 }
 
 /** Whoever loses control of robots reads why, also when they come back later. */
-export function tellOfControl(store: Store, actions: Pick<Actions, "notify">): void {
-  let before = store.state.peek();
+export function tellOfControl(
+  store: Store,
+  actions: Pick<Actions, "notify" | "control">,
+  connection: Pick<Connection, "serviceTime">,
+): void {
   effect(() => {
-    const state = store.state.value;
-    const now = store.now.peek();
-    if (now !== undefined) {
-      for (const text of controlNews(before, state, now)) {
-        actions.notify(text, "problem", Number.POSITIVE_INFINITY);
-      }
-    }
-    before = state;
+    const lost = actions.control.look(store.state.value, connection.serviceTime() ?? 0);
+    for (const text of lost) actions.notify(text, "problem", Number.POSITIVE_INFINITY);
   });
 }
 

@@ -49,7 +49,7 @@ export function withNames(state: ConsoleState, text: string): string {
   const here = state.presence?.people.map(({ client }) => client) ?? [];
   const known = [state.welcome?.client ?? "", ...here].filter((client) => client.includes("/"));
   const named = known.reduce(
-    (told, client) => told.replaceAll(client, nameOf(state, client)),
+    (told, client) => told.replaceAll(client, () => nameOf(state, client)),
     text,
   );
   return named.replace(clients, readable).replace(/\byou has\b/g, "you have");

@@ -48,7 +48,7 @@ function ControlOf({ robot }: { robot: string }) {
         type="button"
         disabled={!store.canCommand.value}
         onClick={() => void actions.releaseControl([robot])}
-        title="Each of your commands renews it"
+        title="Using this page renews it"
       >
         You control {robot} ({duration(Math.max(0, left))}): release
       </button>

@@ -47,6 +47,9 @@ function Slider({ playback: { position, duration } }: { playback: Playback }) {
   const { actions } = useConsole();
   const dragged = useSignal<number | undefined>(undefined);
   const shown = dragged.value ?? position;
+  const letGo = () => {
+    dragged.value = undefined;
+  };
   return (
     <input
       type="range"
@@ -60,9 +63,9 @@ function Slider({ playback: { position, duration } }: { playback: Playback }) {
         dragged.value = to;
         actions.seek({ position: to });
       }}
-      onChange={() => {
-        dragged.value = undefined;
-      }}
+      onChange={letGo}
+      onPointerCancel={letGo}
+      onBlur={letGo}
     />
   );
 }
