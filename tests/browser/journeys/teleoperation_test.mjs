@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { journey } from "../support/journey.mjs";
 import { numberOf } from "../support/protocol.mjs";
+import { teleoperation } from "../support/scene.mjs";
 import { stays, until } from "../support/wait.mjs";
 
 const stop = numberOf("DriveAction", "DRIVE_STOP");
@@ -33,16 +34,7 @@ async function turns(page, asked) {
 }
 
 journey("driving stops with the key, with the focus, and with the page", async (scene) => {
-  const system = await scene.demo(
-    "--robots",
-    "1",
-    "--seed",
-    "7",
-    "--method",
-    "teleop",
-    "--operator",
-    "silent",
-  );
+  const system = await scene.demo(...teleoperation);
   const page = await scene.open(system.url);
   await page.begin();
   await page.reads(/Hold the arrow keys to drive/);
@@ -90,16 +82,7 @@ journey("driving stops with the key, with the focus, and with the page", async (
 journey(
   "driving stops when the socket closes, and does not begin again by itself",
   async (scene) => {
-    const system = await scene.demo(
-      "--robots",
-      "1",
-      "--seed",
-      "7",
-      "--method",
-      "teleop",
-      "--operator",
-      "silent",
-    );
+    const system = await scene.demo(...teleoperation);
     scene.expectConnectionTrouble();
     const witness = await scene.open(system.url, { name: "Witness" });
     const line = await scene.line(system.url);

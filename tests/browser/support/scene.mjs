@@ -14,6 +14,12 @@ const failures = process.env.CONAV_BROWSER_FAILURES ?? join(tmpdir(), "conav-bro
 /** Wide enough for all panels. */
 export const screen = { width: 1400, height: 900 };
 
+/** Options of a demo whose one robot is driven by hand. */
+export const teleoperation = [
+  ...["--robots", "1", "--seed", "7"],
+  ...["--method", "teleop", "--operator", "silent"],
+];
+
 /** What a journey has started: ended with it, last things first. */
 export class Scene {
   /** Faults of the browser that the journey brings about on purpose. */

@@ -1,6 +1,6 @@
 // States of the console to look at: each is brought about in a scene, and shot by `shoot(page, name, options)`.
 import { writeBigMap } from "./big_map.mjs";
-import { screen } from "./scene.mjs";
+import { screen, teleoperation } from "./scene.mjs";
 import { until } from "./wait.mjs";
 
 const restless = { first_guidance_timeout_s: 0.2, answer_timeout_s: 2 };
@@ -9,16 +9,6 @@ const patient = {
   answer_timeout_s: 600,
   timeout_clock: "simulation",
 };
-const teleoperation = [
-  "--robots",
-  "1",
-  "--seed",
-  "7",
-  "--method",
-  "teleop",
-  "--operator",
-  "silent",
-];
 
 /** From the start dialog to a path that answers a picture, and what can go wrong. */
 export async function supervision(scene, shoot) {

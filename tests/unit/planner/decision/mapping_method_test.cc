@@ -10,9 +10,6 @@ using namespace conav::planner;
 
 namespace {
 
-/// Two ways from the left to the right: the upper one is shorter.
-const std::vector<std::string_view> kRing{"#######", "#     #", "# ### #", "#     #", "#######"};
-
 /// A robot that does at once what it is told.
 struct Bench {
   Bench() {

@@ -9,6 +9,10 @@
 
 namespace conav::planner {
 
+/// Two ways from the left to the right: the upper one is shorter.
+inline const std::vector<std::string_view> kRing{"#######", "#     #", "# ### #", "#     #",
+                                                 "#######"};
+
 /// A map from text: '#' wall, '?' unknown, anything else free. Rows of equal length.
 inline OccupancyGrid MapFrom(const std::vector<std::string_view>& rows) {
   OccupancyGrid map(static_cast<int>(rows.size()), static_cast<int>(rows.at(0).size()));
