@@ -5,6 +5,7 @@
 #include "common/runtime/config.h"
 #include "launcher/bus_place.h"
 #include "operator/config.h"
+#include "operator/recorder/config.h"
 #include "planner/config.h"
 #include "sim/config.h"
 
@@ -28,6 +29,22 @@ struct Planning {
   std::string Method() const { return MethodOf(options, maze.number); }
   std::vector<std::string> Robots() const { return {fmt::format("{}/{}", kWorld, kRobot)}; }
 };
+
+std::string RecorderYaml(const Planning& planning) {
+  const auto& [options, maze, setting] = planning;
+  recorder::RecorderConfig config;
+  config.bus = planning.Bus(kRecorder);
+  config.robots = planning.Robots();
+  config.file = (maze.folder / "recording.mcap").string();
+  config.facts = {{"run", maze.folder.filename().string()},
+                  {"participant", options.participant},
+                  {"seed", std::to_string(maze.seed)},
+                  {"world_seed", std::to_string(maze.seed)},
+                  {"world", options.preset},
+                  {"method", planning.Method()},
+                  {"speed", fmt::format("{}", options.speed)}};
+  return DumpConfig(kRecorder, config);
+}
 
 std::string SimYaml(const Planning& planning) {
   sim::SimConfig config;
@@ -95,7 +112,8 @@ std::filesystem::path Maze::log(const std::string& service) const {
 std::vector<PlannedService> PlanMaze(const TaskOptions& options, const Maze& maze,
                                      const MazeSetting& setting) {
   const Planning planning{options, maze, setting};
-  return {{"sim", SimYaml(planning)},
+  return {{kRecorder, RecorderYaml(planning)},
+          {"sim", SimYaml(planning)},
           {"operator", OperatorYaml(planning)},
           {"planner", PlannerYaml(planning)}};
 }

@@ -35,6 +35,9 @@ struct MazeSetting {
   std::filesystem::path folder;
 };
 
+/// Without it a maze goes on.
+inline constexpr const char* kRecorder = "recorder";
+
 /// A service with its whole effective configuration.
 struct PlannedService {
   std::string name;

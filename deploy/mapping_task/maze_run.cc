@@ -66,7 +66,7 @@ bool MazeRun::TellAddress(const Opened& opened) const {
 bool MazeRun::TellDeaths() {
   bool died = false;
   for (const launcher::Process* process : processes_.TakeEnded()) {
-    died = true;
+    died = died || process->name() != kRecorder;
     say_(fmt::format("{} (pid {}) died: {}; the end of its log:", process->name(), process->pid(),
                      process->end()->Describe()));
     for (const std::string& line : launcher::LastLines(process->log(), kLogLines)) {

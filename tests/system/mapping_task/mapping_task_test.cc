@@ -272,6 +272,12 @@ TEST_CASE("a participant corrects two mazes, and their segments are there to lea
   CHECK(result["mazes"][0]["seed"] == 7);
   CHECK(result["mazes"][0]["edits"] == 1);
   CHECK(result["mazes"][1]["valid"] == false);
+  for (const auto* maze : {"maze-1-1", "maze-2-1"}) {
+    const std::string bag = CONAV_BIN_DIR "/conav-bag " + (folder / maze).string() + " --json ";
+    const auto contents = folder / "contents.json";
+    REQUIRE(std::system((bag + contents.string() + " >/dev/null").c_str()) == 0);
+    CHECK_THAT(Json(contents).dump(), Catch::Contains("/w1/truth"));
+  }
 
   const auto segments = ReadSegmentFile(folder / "segments.pb.zst", TornEnd::kRefuse);
   REQUIRE(segments);

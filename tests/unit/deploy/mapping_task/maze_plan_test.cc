@@ -4,6 +4,7 @@
 #include <map>
 
 #include "operator/config.h"
+#include "operator/recorder/config.h"
 #include "planner/config.h"
 #include "sim/config.h"
 
@@ -35,7 +36,10 @@ std::map<std::string, std::string> Plan(std::vector<std::string> methods = {}) {
 TEST_CASE("the services of a maze get configurations that their own structs read back",
           "[mapping_task]") {
   const auto plan = Plan();
-  CHECK(plan.size() == 3);
+  CHECK(plan.size() == 4);
+  const auto recorder = Read<recorder::RecorderConfig>(plan, "recorder");
+  CHECK(recorder.file == "/data/P07/maze-2-4/recording.mcap");
+  CHECK(recorder.facts.at("method") == "mapping");
   CHECK(Read<sim::SimConfig>(plan, "sim").seed == 99);
   CHECK(Read<sim::SimConfig>(plan, "sim").bus.domain_id == 43);
   const auto planner = Read<planner::PlannerConfig>(plan, "planner");
