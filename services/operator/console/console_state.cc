@@ -77,7 +77,7 @@ void ConsoleState::BeginAnew() {
   PutSession();
 }
 
-void ConsoleState::BeginAnew(const std::string& world) {
+void ConsoleState::BeginAnew(std::string world) {
   std::set<std::string, std::less<>> gone;
   for (const auto& [robot, memory] : robots_) {
     if (memory.world == world) gone.insert(robot);

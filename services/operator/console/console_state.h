@@ -105,7 +105,8 @@ class ConsoleState {
     double said_at_s = 0.0;
   };
 
-  void BeginAnew(const std::string& world);
+  /// `world` by value: callers name it by what this erases.
+  void BeginAnew(std::string world);
   void PutSession();
   void ExtendTrail(RobotMemory& memory, const RobotState& state);
   void PutTrail(const std::string& robot, const std::vector<Cell>& trail, std::size_t from);
