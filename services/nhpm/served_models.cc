@@ -5,7 +5,7 @@
 
 #include <set>
 
-#include "common/protocol/entity_name.h"
+#include "common/msg/robot.h"
 #include "common/runtime/log.h"
 
 namespace conav::nhpm {

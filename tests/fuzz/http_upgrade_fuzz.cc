@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <fstream>
 
-#include "common/runtime/demand.h"
+#include "common/runtime/result.h"
 #include "operator/gateway/access.h"
 #include "operator/gateway/http_connection.h"
 #include "support/temporary_folder.h"

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "common/runtime/demand.h"
+#include "common/runtime/result.h"
 #include "operator/gateway/convert_request.h"
 #include "operator/gateway/page_feed.h"
 

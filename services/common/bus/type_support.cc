@@ -1,5 +1,6 @@
+#include "common/bus/type_support.h"
+
 #include "common/bus/topics.h"
-#include "common/bus/type_support_of.h"
 #include "ros2_graph.h"
 
 namespace conav::bus {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "common/protocol/supervision.h"
+#include "common/msg/supervision.h"
 #include "common/runtime/result.h"
-#include "operator/alerts/alert.h"
+#include "operator/belief/alert.h"
 #include "operator/belief/database.h"
 
 /// The tables of the operator's database, and the values that go into them.

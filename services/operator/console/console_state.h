@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "common/protocol/planning.h"
-#include "common/protocol/robot.h"
-#include "common/protocol/supervision.h"
+#include "common/msg/planning.h"
+#include "common/msg/robot.h"
+#include "common/msg/supervision.h"
 #include "operator/console/update_log.h"
 
 namespace conav::operators {

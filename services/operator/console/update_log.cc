@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "operator/console/wire.h"
+#include "operator/console/console_messages.h"
 
 namespace conav::operators {
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "common/protocol/convert.h"
+#include "common/msg/convert.h"
 
 namespace conav::operators {
 namespace {

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "common/protocol/supervision.h"
+#include "common/msg/supervision.h"
 #include "common/runtime/result.h"
 #include "console.pb.h"
-#include "operator/gateway/page_event.h"
+#include "operator/gateway/page_feed.h"
 
 namespace conav::operators {
 

@@ -10,8 +10,8 @@
 #include <variant>
 #include <vector>
 
-#include "common/protocol/robot.h"
-#include "common/protocol/supervision.h"
+#include "common/msg/robot.h"
+#include "common/msg/supervision.h"
 #include "common/runtime/clock.h"
 #include "common/runtime/random.h"
 #include "operator/simulated/path_planner.h"

@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "common/protocol/robot.h"
-#include "common/protocol/supervision.h"
+#include "common/msg/robot.h"
+#include "common/msg/supervision.h"
 #include "common/runtime/clock.h"
 #include "common/runtime/random.h"
-#include "operator/simulated/making_room.h"
-#include "operator/simulated/stream_memory.h"
+#include "operator/simulated/steering.h"
 #include "operator/simulated/synthetic_operator.h"
+#include "operator/simulated/teleoperator_errands.h"
 
 namespace conav::operators {
 

@@ -9,11 +9,11 @@
 #include <string_view>
 #include <vector>
 
-#include "common/grid/camera_lens.h"
-#include "common/protocol/planner_lease.h"
-#include "common/protocol/planning.h"
-#include "common/protocol/robot.h"
-#include "common/protocol/supervision.h"
+#include "common/grid/visibility.h"
+#include "common/msg/planner_lease.h"
+#include "common/msg/planning.h"
+#include "common/msg/robot.h"
+#include "common/msg/supervision.h"
 #include "common/runtime/clock.h"
 
 namespace conav::planner {

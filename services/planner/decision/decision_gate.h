@@ -2,6 +2,8 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -10,6 +12,11 @@
 #include "planner/decision/method.h"
 
 namespace conav::planner {
+
+/// What is wrong with inputs that are well-formed one by one but do not belong together, for
+/// example an operator's map of another building. The text names both sides and their values;
+/// nothing when all fits. Needs state and map; the rest is looked at where it is there.
+std::optional<std::string> Inconsistency(const RobotInputs& inputs);
 
 /// Why a robot does not decide right now.
 enum class Hold {

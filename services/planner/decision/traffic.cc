@@ -1,10 +1,5 @@
 #include "planner/decision/traffic.h"
 
-#include <algorithm>
-#include <span>
-
-#include "planner/decision/way_to_nearest.h"
-
 namespace conav::planner {
 namespace {
 

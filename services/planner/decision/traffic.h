@@ -1,13 +1,54 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
+#include <deque>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "common/grid/grid.h"
 #include "common/runtime/random.h"
 #include "planner/decision/method.h"
 
 namespace conav::planner {
+
+/// Whether no robot can ever be in `cell`, by a robot's own map.
+inline bool IsKnownWall(const OccupancyGrid& map, Cell cell) {
+  return !map.Contains(cell) || map[cell] == Occupancy::kOccupied;
+}
+
+/// Whether a path cannot be gone, by a robot's own map.
+inline bool IsKnownBlocked(const OccupancyGrid& map, std::span<const Cell> path) {
+  return std::any_of(path.begin(), path.end(), [&](Cell cell) { return IsKnownWall(map, cell); });
+}
+
+/// Breadth-first from `start` to the nearest cell for which `wanted` holds, over cells that
+/// `passable` admits; the cells entered, empty when there is none (or it is `start`).
+template <class Passable, class Wanted>
+std::vector<Cell> WayToNearest(const OccupancyGrid& map, Cell start, Passable&& passable,
+                               Wanted&& wanted) {
+  Grid<Cell> parent(map.rows(), map.columns(), Cell{-1, -1});
+  parent[start] = start;
+  std::deque<Cell> open{start};
+  while (!open.empty()) {
+    const Cell cell = open.front();
+    open.pop_front();
+    if (wanted(cell)) {
+      std::vector<Cell> way;
+      for (Cell at = cell; at != start; at = parent[at]) way.push_back(at);
+      std::reverse(way.begin(), way.end());
+      return way;
+    }
+    for (const Cell offset : kNeighbourOffsets) {
+      const Cell next = cell + offset;
+      if (!map.Contains(next) || parent[next].row >= 0 || !passable(next)) continue;
+      parent[next] = cell;
+      open.push_back(next);
+    }
+  }
+  return {};
+}
 
 /// Several robots in corridors one cell wide, each decided for by itself, perhaps in several
 /// processes. What they tell each other is the way that each wants and the cells by which each

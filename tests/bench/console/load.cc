@@ -8,10 +8,9 @@
 #include "bench/console/camera_pictures.h"
 #include "bench/support/measure.h"
 #include "common/bus/publisher.h"
-#include "common/bus/send.h"
 #include "common/bus/topics.h"
-#include "common/protocol/convert.h"
-#include "operator/console/wall_seconds.h"
+#include "common/msg/convert.h"
+#include "common/runtime/clock.h"
 
 namespace conav::bench {
 namespace {

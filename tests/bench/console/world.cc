@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "common/grid/camera_lens.h"
+#include "common/grid/visibility.h"
 
 namespace conav::bench {
 namespace {

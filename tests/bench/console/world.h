@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/grid/visibility.h"
-#include "common/protocol/robot.h"
+#include "common/msg/robot.h"
 
 namespace conav::bench {
 

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "integration/operator/console_bench.h"
-#include "unit/common/protocol/samples.h"
+#include "unit/common/msg/samples.h"
 
 namespace conav::operators {
 namespace {

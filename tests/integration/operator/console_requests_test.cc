@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "integration/operator/console_bench.h"
-#include "operator/client/operator_client.h"
+#include "operator/simulated/operator_client.h"
 
 namespace conav::operators {
 namespace {

@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "integration/operator/console_bench.h"
-#include "operator/client/operator_client.h"
-#include "unit/common/protocol/samples.h"
+#include "operator/simulated/operator_client.h"
+#include "unit/common/msg/samples.h"
 
 namespace conav::operators {
 namespace {

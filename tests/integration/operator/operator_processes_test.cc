@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "integration/operator/hand_made_sim.h"
-#include "operator/simulated_operator/config.h"
+#include "operator/simulated/config.h"
 #include "support/loopback.h"
 #include "support/service_process.h"
 

@@ -1,9 +1,8 @@
-#include "operator/desks/prediction_desk.h"
-
 #include <catch2/catch.hpp>
 
 #include "common/bus/in_memory_bus.h"
-#include "common/protocol/convert.h"
+#include "common/msg/convert.h"
+#include "operator/console/console_topics.h"
 
 namespace conav::operators {
 namespace {

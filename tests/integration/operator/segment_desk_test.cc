@@ -1,11 +1,11 @@
 // The operator service with a recording: what goes over the bus becomes a segment file.
 #include <catch2/catch.hpp>
 
-#include "common/runtime/sha256.h"
+#include "common/runtime/text.h"
+#include "common/segments/segment.h"
 #include "common/segments/segment_file.h"
-#include "common/segments/segment_labels.h"
 #include "integration/operator/hand_made_sim.h"
-#include "operator/client/operator_client.h"
+#include "operator/simulated/operator_client.h"
 
 namespace conav::operators {
 namespace {

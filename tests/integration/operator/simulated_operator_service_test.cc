@@ -1,4 +1,4 @@
-#include "operator/simulated_operator/simulated_operator_service.h"
+#include "operator/simulated/simulated_operator_service.h"
 
 #include <catch2/catch.hpp>
 #include <thread>

@@ -1,11 +1,10 @@
-#include "operator/desks/task_desk.h"
-
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "common/runtime/file.h"
 #include "integration/operator/hand_made_sim.h"
+#include "operator/console/task_topics.h"
 
 namespace conav::operators {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "common/grid/visibility.h"
 #include "integration/sim/sim_harness.h"
-#include "sim/physics/image.h"
+#include "sim/physics/camera.h"
 
 namespace conav::sim {
 namespace {

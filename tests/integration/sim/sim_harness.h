@@ -9,7 +9,7 @@
 #include "common/bus/in_memory_bus.h"
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
-#include "common/protocol/convert.h"
+#include "common/msg/convert.h"
 #include "common/runtime/random.h"
 #include "sim/sim_service.h"
 

@@ -2,9 +2,9 @@
 #include <optional>
 #include <thread>
 
-#include "common/protocol/convert.h"
-#include "operator/client/operator_client.h"
+#include "common/msg/convert.h"
 #include "operator/operator_service.h"
+#include "operator/simulated/operator_client.h"
 #include "planner/planner_service.h"
 #include "sim/sim_service.h"
 #include "support/dds_participant.h"

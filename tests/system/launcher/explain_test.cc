@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "common/runtime/file.h"
-#include "planner/record/decision_file.h"
+#include "planner/explain/decision_file.h"
 #include "support/program_desk.h"
 #include "system/launcher/demo_run.h"
 

@@ -1,6 +1,6 @@
-#include "launcher/planner_watch.h"
-
 #include <catch2/catch.hpp>
+
+#include "launcher/demo.h"
 
 using conav::PlannerLease;
 using conav::launcher::PlannerWatch;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "launcher/episode.h"
+#include "launcher/run_log.h"
 
 namespace conav::launcher {
 

@@ -6,7 +6,7 @@
 #include <catch2/catch.hpp>
 #include <set>
 
-#include "unit/common/protocol/samples.h"
+#include "unit/common/msg/samples.h"
 
 namespace conav::operators {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "operator/console/console_state.h"
-#include "unit/common/protocol/samples.h"
+#include "unit/common/msg/samples.h"
 #include "unit/operator/support/updates.h"
 
 namespace conav::operators {

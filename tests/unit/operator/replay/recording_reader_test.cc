@@ -2,9 +2,9 @@
 
 #include <limits>
 
-#include "common/protocol/convert.h"
+#include "common/msg/convert.h"
 #include "support/temporary_folder.h"
-#include "unit/common/protocol/samples.h"
+#include "unit/common/msg/samples.h"
 #include "unit/operator/replay/recorded_file.h"
 
 namespace conav::operators {

@@ -1,10 +1,10 @@
 #include <catch2/catch.hpp>
 
-#include "common/protocol/convert.h"
+#include "common/msg/convert.h"
 #include "common/runtime/file.h"
 #include "support/program_desk.h"
 #include "support/taken_port.h"
-#include "unit/common/protocol/samples.h"
+#include "unit/common/msg/samples.h"
 #include "unit/operator/replay/recorded_file.h"
 
 namespace conav::operators {

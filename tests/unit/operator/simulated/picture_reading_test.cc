@@ -1,5 +1,3 @@
-#include "operator/simulated/picture_reading.h"
-
 #include <catch2/catch.hpp>
 #include <map>
 

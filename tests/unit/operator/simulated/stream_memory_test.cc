@@ -1,6 +1,6 @@
-#include "operator/simulated/stream_memory.h"
-
 #include <catch2/catch.hpp>
+
+#include "operator/simulated/steering.h"
 
 using namespace conav;
 using namespace conav::operators;

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "common/grid/camera_lens.h"
+#include "common/grid/visibility.h"
 #include "operator/simulated/path_planner.h"
 #include "unit/operator/support/drawn_map.h"
 

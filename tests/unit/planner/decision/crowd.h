@@ -11,10 +11,9 @@
 #include <vector>
 
 #include "common/grid/visibility.h"
-#include "planner/decision/goal_pose.h"
-#include "planner/decision/make_method.h"
 #include "planner/decision/robot_worker.h"
-#include "planner/search/fake_perception_model.h"
+#include "planner/methods/make_method.h"
+#include "planner/search/perception_model.h"
 #include "unit/planner/search/text_map.h"
 
 namespace conav::planner {

@@ -6,7 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include "support/xml_check.h"
-#include "unit/planner/record/sample_decision.h"
+#include "unit/planner/explain/sample_decision.h"
 
 namespace conav::planner {
 namespace {

@@ -2,10 +2,10 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "planner/record/decision_log.h"
+#include "planner/explain/decision_file.h"
 #include "support/program_desk.h"
 #include "support/xml_check.h"
-#include "unit/planner/record/sample_decision.h"
+#include "unit/planner/explain/sample_decision.h"
 
 namespace conav::planner {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "unit/planner/record/sample_decision.h"
+#include "unit/planner/explain/sample_decision.h"
 
 namespace conav::planner {
 namespace {
