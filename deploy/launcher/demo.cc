@@ -16,7 +16,7 @@
 
 namespace conav::launcher {
 
-std::string PlannerWatch::Fold(const PlannerLease& lease) {
+std::string PlannerMonitor::Fold(const PlannerLease& lease) {
   std::vector<std::string> robots;
   std::set<std::string> before;
   for (const PlannerLease::Held& held : lease.holds) {
@@ -163,7 +163,7 @@ DemoResult Demo::Run(const StopToken& stop) {
   TakeLastNews();
   progress_.Finish(episode_);
   progress_.Say(OutcomeLine(outcome_));
-  if (outcome_.reason == EndReason::kProcessDied) TellWhereRobotsStand();
+  if (outcome_.reason == EndReason::kProcessDied) ReportPositions();
   if (options_.waits_for_operator() && outcome_.reason == EndReason::kAllGoalsReached) {
     StayOpen(stop);
   }
@@ -191,8 +191,8 @@ void Demo::Follow(const StopToken& stop) {
     place_.participant->Wait(kPeriod);
     place_.recorder->Take();
     progress_.Show(episode_);
-    TellWhoDrives();
-    TellConsole();
+    ReportDrivers();
+    ReportConsole();
     if (SomethingDied()) return;
     if (episode_.finished()) {
       outcome_.reason = EndReason::kAllGoalsReached;
@@ -250,7 +250,7 @@ int Demo::CountRunning(const std::string& service) const {
   return processes_.CountRunning([&](const Process& process) { return IsOf(service, process); });
 }
 
-void Demo::TellWhoDrives() {
+void Demo::ReportDrivers() {
   for (const PlannerLease& lease : place_.recorder->TakeLeases()) {
     const std::string line = planners_.Fold(lease);
     if (!line.empty()) progress_.Say(line);
@@ -261,7 +261,7 @@ void Demo::Stop(const std::function<bool(const Process&)>& meant) {
   for (const std::string& name : processes_.Stop(kGrace, meant)) progress_.Say(KilledLine(name));
 }
 
-void Demo::TellConsole() {
+void Demo::ReportConsole() {
   if (options_.console_port() < 0 || !console_.empty()) return;
   const auto url = ReadFile(run_.console_url());
   if (!url) return;
@@ -289,7 +289,7 @@ void Demo::StopAll() {
   Stop([](const Process&) { return true; });
 }
 
-void Demo::TellWhereRobotsStand() {
+void Demo::ReportPositions() {
   const bool sim_died = died_service_ == "sim";
   for (const RobotRecord& robot : episode_.robots) {
     if (!robot.state) {

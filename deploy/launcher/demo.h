@@ -23,10 +23,10 @@ namespace conav::launcher {
 
 /// Who drives which robots, in lines for the person who watches a demo with several planners:
 /// "planner-1 drives r1, r3", "planner-2 took over r1, r3 from planner-1".
-class PlannerWatch {
+class PlannerMonitor {
  public:
   /// `tells_first`: also who is the first to drive a robot.
-  explicit PlannerWatch(bool tells_first) : tells_first_(tells_first) {}
+  explicit PlannerMonitor(bool tells_first) : tells_first_(tells_first) {}
 
   /// Folds in an announcement; the line that it is worth, empty for none.
   std::string Fold(const PlannerLease& lease);
@@ -101,9 +101,9 @@ class Demo {
   int CountRunning(const std::string& service) const;
   /// Whether the run goes on without a process that died as `what` tells; says so.
   bool CanDoWithout(const Process& process, const std::string& what);
-  void TellWhoDrives();
+  void ReportDrivers();
   /// Once, when it can be opened.
-  void TellConsole();
+  void ReportConsole();
   /// All goals are reached: whoever looks at the console may go on looking.
   void StayOpen(const StopToken& stop);
   /// Says who had to be killed.
@@ -114,7 +114,7 @@ class Demo {
   void StopAll();
   /// Listens until it is quiet and, after a death, until the robots stand.
   void TakeLastNews();
-  void TellWhereRobotsStand();
+  void ReportPositions();
   DemoResult Finish();
   double ElapsedSeconds() const;
 
@@ -126,7 +126,7 @@ class Demo {
   BusPlace place_;
   RunFolder run_;
   Progress& progress_;
-  PlannerWatch planners_;
+  PlannerMonitor planners_;
   Outcome outcome_;
   std::string console_;       // its URL, once it was told
   std::string died_service_;  // that ended the run; "sim" also among several worlds

@@ -177,7 +177,7 @@ Progress::Style StyleOf(std::FILE* output) {
   return isatty(fileno(output)) != 0 ? Progress::Style::kTerminal : Progress::Style::kPlain;
 }
 
-void Tell(const DemoOptions& options, const DemoResult& result) {
+void Publish(const DemoOptions& options, const DemoResult& result) {
   fmt::print("\n{}picture {}\n", ResultTable(result.metrics),
              (std::filesystem::path(result.outcome.run_folder) / "episode.svg").string());
   if (!options.json.empty()) {
@@ -207,7 +207,7 @@ int RunDemo(const DemoOptions& options) {
   Progress progress(stdout, StyleOf(stdout), clock);
   Demo demo(options, program_folder, clock, progress);
   const DemoResult result = demo.Run(ProcessStopToken());
-  Tell(options, result);
+  Publish(options, result);
   return result.all_goals_reached() ? 0 : 1;
 }
 

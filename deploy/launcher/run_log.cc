@@ -84,7 +84,7 @@ void Record(RobotRecord& robot, const RobotState& state) {
   if (robot.finished() && !robot.finished_at) robot.finished_at = state.stamp;
 }
 
-void Record(RobotRecord& robot, const Picture& picture) {
+void Record(RobotRecord& robot, const Snapshot& picture) {
   if (picture.sequence_number <= robot.newest_picture) return;
   robot.newest_picture = picture.sequence_number;
   Append(robot.trajectory, picture.path);

@@ -16,7 +16,7 @@
 namespace conav::launcher {
 
 /// A picture as far as the episode's record needs it.
-struct SentPicture {
+struct SentSnapshot {
   Cell cell;
   double heading_rad = 0.0;
   bool streamed = false;
@@ -29,7 +29,7 @@ struct RobotRecord {
   std::optional<RobotState> state;  // the newest; nothing heard yet without it
   std::vector<Cell> goals;          // all that the first state names
   std::vector<Cell> trajectory;     // cells in the order in which they were entered; start first
-  std::vector<SentPicture> pictures;
+  std::vector<SentSnapshot> pictures;
   std::uint64_t newest_picture = 0;      // sequence number
   std::uint64_t guidance_given = 0;      // newest guidance revision
   std::uint64_t decisions = 0;           // number of the newest decision
@@ -70,7 +70,7 @@ Episode MakeEpisode(int robots_per_world, int worlds);
 bool IsNews(const RobotRecord& robot, const RobotState& state);
 void Record(RobotRecord& robot, const RobotState& state);
 /// A picture that was recorded before changes nothing.
-void Record(RobotRecord& robot, const Picture& picture);
+void Record(RobotRecord& robot, const Snapshot& picture);
 void Record(RobotRecord& robot, const Guidance& guidance);
 void Record(RobotRecord& robot, const SearchReport& report);
 /// An older revision changes nothing.

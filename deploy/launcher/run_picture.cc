@@ -79,7 +79,7 @@ void DrawRobot(SvgCanvas& canvas, const MapPanel& panel, const RobotRecord& robo
   const std::vector<Cell> trajectory = WholeTrajectory(robot);
   if (trajectory.empty()) return;
   panel.DrawPath(trajectory, RobotStyle(index), offset);
-  for (const SentPicture& picture : robot.pictures) {
+  for (const SentSnapshot& picture : robot.pictures) {
     if (!picture.streamed) {
       panel.DrawArrow(place(picture.cell), picture.heading_rad, kPicture, RobotFill(index));
     }

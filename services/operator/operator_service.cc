@@ -130,7 +130,7 @@ void OperatorService::LookAround() {
   alerts_.Update(RobotConditions(), services_.services(), storage_failure_, WallSeconds());
   if (clock_.Now() >= tidy_up_at_) TidyUp();
   if (!console_) return;
-  console_->Hear(services_.services());
+  console_->Receive(services_.services());
   console_->SetReadiness(Report());
 }
 
@@ -155,14 +155,14 @@ void OperatorService::TidyUp() {
 void OperatorService::ShowOnConsole() {
   if (attention_.published().revision != attention_shown_) {
     attention_shown_ = attention_.published().revision;
-    console_->Hear(attention_.published());
+    console_->Receive(attention_.published());
   }
   if (control_.book().version() != control_shown_) {
     control_shown_ = control_.book().version();
-    console_->Hear(control_.book());
+    console_->Receive(control_.book());
   }
   const std::vector<Alert> alerts = alerts_.TakeChanges();
-  for (const Alert& alert : alerts) console_->Hear(alert);
+  for (const Alert& alert : alerts) console_->Receive(alert);
   console_->Publish();
 }
 
@@ -181,7 +181,7 @@ void OperatorService::Serve(WorldLink& world, double cell_size_m) {
     if (segments_ && guidance != nullptr) {
       segments_->Skip(robot->name, guidance->answers_snapshot);
     }
-    if (guidance != nullptr) attention_.Hear(*guidance, OperatorTime());
+    if (guidance != nullptr) attention_.Receive(*guidance, OperatorTime());
     if (!robot->guidance) robot->guidance.emplace(participant_, bus::kGuidance, robot->name);
     PublishGuidance(*robot);
   }
@@ -206,14 +206,14 @@ void OperatorService::PublishBelief(WorldLink& world) {
   if (belief == nullptr || !world.served()) return;
   bus::Send(*world.belief, ToMessage(*belief));
   bus::Send(*world.belief_map, ToOccupancyMessage(*belief, world.cell_size_m));
-  if (console_) console_->Hear(*belief, world.initial);
+  if (console_) console_->Receive(*belief, world.initial);
 }
 
 void OperatorService::PublishGuidance(RobotLink& robot) {
   const Guidance* guidance = store_.FindGuidance(robot.name);
   if (robot.guidance && guidance != nullptr && guidance->world == robot.world) {
     bus::Send(*robot.guidance, ToMessage(*guidance));
-    if (console_) console_->Hear(*guidance);
+    if (console_) console_->Receive(*guidance);
   }
 }
 
@@ -231,7 +231,7 @@ void OperatorService::TakeInitialMap(WorldLink& world) {
     if (*added) storage_failure_ = "";
     LOG_INFO("world", "world", world.name, "new", *added, "revision",
              store_.FindBelief(world.name)->revision);
-    if (console_) console_->HearGeometry(world.name, *world.pending);
+    if (console_) console_->ReceiveGeometry(world.name, *world.pending);
     world.initial = ToBelief(world.pending->cells);
     Serve(world, world.pending->cell_size_m);
   } else {
@@ -251,11 +251,11 @@ void OperatorService::TakeStates(RobotLink& robot) {
     }
     const bool starts = !robot.stamp || state.stamp < *robot.stamp;
     robot.stamp = state.stamp;
-    drive_gate_.Hear(state);
-    if (segments_) segments_->Hear(state);
-    if (task_) task_->Hear(state);
-    if (console_) console_->Hear(stamped);
-    attention_.Hear(state, OperatorTime());
+    drive_gate_.Receive(state);
+    if (segments_) segments_->Receive(state);
+    if (task_) task_->Receive(state);
+    if (console_) console_->Receive(stamped);
+    attention_.Receive(state, OperatorTime());
     if (!starts) continue;
     store_.AddRobot(robot.name, robot.world);
     robot.first_state = state;
@@ -273,7 +273,7 @@ void OperatorService::TakeAttention(RobotLink& robot) {
   if (robot.attention.matched_publishers() == 0) attention_.LosePlanner(robot.name, OperatorTime());
   for (const AttentionRequest& request : robot.attention.TakeValid(kConvert)) {
     ++robot.asked;
-    attention_.Hear(request, OperatorTime());
+    attention_.Receive(request, OperatorTime());
   }
 }
 
@@ -292,7 +292,7 @@ void OperatorService::Greet(RobotLink& robot, const RobotState& state) {
     LOG_ERROR("guidance not withdrawn", "robot", robot.name, "reason", withdrawn.error().text);
   }
   if (segments_) segments_->Skip(robot.name, 0);
-  attention_.Hear(*store_.FindGuidance(robot.name), OperatorTime());
+  attention_.Receive(*store_.FindGuidance(robot.name), OperatorTime());
   PublishGuidance(robot);
 }
 
@@ -352,13 +352,13 @@ void OperatorService::AnswerBus() {
 }
 
 void OperatorService::AnswerConsole() {
-  std::vector<ConsoleDesk::Asked> asked = std::exchange(waiting_, {});
+  std::vector<ConsoleTopics::Asked> asked = std::exchange(waiting_, {});
   std::ranges::move(console_->Step(), std::back_inserter(asked));
   // After Step(): who is back by now has not gone.
   for (const std::string& client : console_->TakeGone()) control_.Leave(client);
   for (const std::string& client : console_->TakeActive()) control_.Renew(client);
   std::vector<OperatorRequest> requests;
-  for (ConsoleDesk::Asked& one : asked) requests.push_back(std::move(one.request));
+  for (ConsoleTopics::Asked& one : asked) requests.push_back(std::move(one.request));
   for (std::size_t i = 0; i < asked.size(); ++i) {
     OperatorRequest& request = requests[i];
     const auto reply = Answer(request, asked[i].why_not, ReplacedBy(requests, i));
@@ -387,43 +387,45 @@ std::optional<OperatorReply> OperatorService::Answer(const OperatorRequest& requ
       return repeat->reply;
     }
   }
-  if (!why_not.empty()) return Tell(request, {Refusal(request, std::string(why_not))});
+  if (!why_not.empty()) return Publish(request, {Refusal(request, std::string(why_not))});
   if (IsOfWorld(request)) {
     const WorldLink* world = FindWorld(request.world);
     if (world != nullptr && !world->served() && world->refusal.empty()) return std::nullopt;
   }
-  std::string why = control_.WhyNot(request);
-  if (why.empty() && task_) why = task_->WhyNot(request);
-  if (!why.empty()) return Tell(request, {Refusal(request, std::move(why))});
+  std::string why = control_.CheckAllowed(request);
+  if (why.empty() && task_) why = task_->CheckAllowed(request);
+  if (!why.empty()) return Publish(request, {Refusal(request, std::move(why))});
   control_.Renew(request.client);
   return Decide(request, replaced_by);
 }
 
 OperatorReply OperatorService::Decide(const OperatorRequest& request,
                                       const OperatorRequest* replaced_by) {
-  if (AlertDesk::Handles(request)) return Tell(request, alerts_.Answer(request, WallSeconds()));
-  if (ControlDesk::Handles(request)) {
-    return Tell(request, control_.Answer(request, OperatorTime()));
+  if (AlertTopics::Handles(request))
+    return Publish(request, alerts_.Answer(request, WallSeconds()));
+  if (ControlTopics::Handles(request)) {
+    return Publish(request, control_.Answer(request, OperatorTime()));
   }
-  if (std::holds_alternative<FinishRequest>(request.body)) return Tell(request, Finish(request));
+  if (std::holds_alternative<FinishRequest>(request.body)) return Publish(request, Finish(request));
   if (std::holds_alternative<DriveRequest>(request.body)) return PassOn(request, replaced_by);
   if (std::holds_alternative<SelectRequest>(request.body)) {
-    return Tell(request, {attention_.Select(request, OperatorTime())});
+    return Publish(request, {attention_.Select(request, OperatorTime())});
   }
   const WorldLink* world = FindWorld(request.world);
   if (world != nullptr && !world->served())
-    return Tell(request, {Refusal(request, world->refusal)});
+    return Publish(request, {Refusal(request, world->refusal)});
   const BeliefStore::Answer answer = store_.Handle(request, TimeOf(request.world));
   if (answer.changed) PublishChange(request);
   if (answer.changed && segments_) Record(request);
-  return Tell(request, answer);
+  return Publish(request, answer);
 }
 
 OperatorReply OperatorService::PassOn(const OperatorRequest& request,
                                       const OperatorRequest* replaced_by) {
   if (replaced_by != nullptr) {
-    return Tell(request, {Refusal(request, fmt::format("replaced by request {}, which came at once",
-                                                       replaced_by->request_id))});
+    return Publish(request,
+                   {Refusal(request, fmt::format("replaced by request {}, which came at once",
+                                                 replaced_by->request_id))});
   }
   const DriveGate::Answer answer = drive_gate_.Handle(request, TimeOf(request.world), clock_.Now());
   for (const auto& robot : robots_) {
@@ -431,7 +433,7 @@ OperatorReply OperatorService::PassOn(const OperatorRequest& request,
       bus::Send(robot->drive, ToMessage(*answer.order));
     }
   }
-  return Tell(request, {answer.reply});
+  return Publish(request, {answer.reply});
 }
 
 // --- who hears of it -------------------------------------------------------------------------
@@ -444,7 +446,7 @@ void OperatorService::PublishChange(const OperatorRequest& request) {
   }
   const auto* answer = std::get_if<AnswerRequest>(&request.body);
   const std::string& name = GuidedRobot(request);
-  if (console_ && answer != nullptr) console_->Hear(*answer, request.client);
+  if (console_ && answer != nullptr) console_->Receive(*answer, request.client);
   attention_.Guided(request.client, *store_.FindGuidance(name), OperatorTime());
   for (const auto& robot : robots_) {
     if (robot->name == name) PublishGuidance(*robot);
@@ -459,11 +461,11 @@ void OperatorService::Record(const OperatorRequest& request) {
   }
 }
 
-OperatorReply OperatorService::Tell(const OperatorRequest& request,
-                                    const BeliefStore::Answer& answer) {
+OperatorReply OperatorService::Publish(const OperatorRequest& request,
+                                       const BeliefStore::Answer& answer) {
   NoteStorage(answer);
   const bool is_news = journal_.Note(request, answer, TimeOf(request.world));
-  if (console_ && is_news) console_->Hear(request, answer.reply);
+  if (console_ && is_news) console_->Receive(request, answer.reply);
   return answer.reply;
 }
 
@@ -515,7 +517,7 @@ Health OperatorService::Report() const {
 
 }  // namespace conav::operators
 
-/// The service's part in a mapping task or a study; see TaskDesk.
+/// The service's part in a mapping task or a study; see TaskTopics.
 namespace conav::operators {
 
 BeliefStore::Answer OperatorService::Finish(const OperatorRequest& request) {
@@ -527,10 +529,10 @@ BeliefStore::Answer OperatorService::Finish(const OperatorRequest& request) {
 }
 
 void OperatorService::FollowTask() {
-  task_->Hear(control_.book());
+  task_->Receive(control_.book());
   TaskStatus status = task_->status();
   if (!console_ || status == task_shown_) return;
-  console_->Hear(status);
+  console_->Receive(status);
   task_shown_ = std::move(status);
 }
 

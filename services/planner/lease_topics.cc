@@ -22,9 +22,9 @@ std::string NewInstance(const std::string& node) {
   return fmt::format("{:012x}-{:08x}-{}", ms, std::random_device()(), node.substr(0, 64));
 }
 
-LeaseDesk::Options OptionsFrom(const bus::Participant& participant, const PlannerConfig& config,
-                               const std::map<std::string, std::string>& world_of_robot) {
-  LeaseDesk::Options options;
+LeaseTable::Options OptionsFrom(const bus::Participant& participant, const PlannerConfig& config,
+                                const std::map<std::string, std::string>& world_of_robot) {
+  LeaseTable::Options options;
   options.node = participant.node_name();
   options.instance = NewInstance(options.node);
   for (const auto& [robot, world] : world_of_robot) options.robots.push_back(robot);
@@ -38,10 +38,11 @@ LeaseDesk::Options OptionsFrom(const bus::Participant& participant, const Planne
 
 struct RobotLeases::Way {
   Way(bus::Participant& participant, const std::string& robot)
-      : ours(participant, bus::kRobotWay, robot), theirs(participant, bus::kRobotWay, robot) {}
+      : ours(participant, bus::kIntendedPath, robot),
+        theirs(participant, bus::kIntendedPath, robot) {}
 
-  bus::Publisher<conav_msgs::msg::RobotWay> ours;
-  bus::Subscriber<conav_msgs::msg::RobotWay> theirs;
+  bus::Publisher<conav_msgs::msg::IntendedPath> ours;
+  bus::Subscriber<conav_msgs::msg::IntendedPath> theirs;
 };
 
 RobotLeases::RobotLeases(bus::Participant& participant, const PlannerConfig& config,
@@ -61,23 +62,23 @@ RobotLeases::RobotLeases(bus::Participant& participant, const PlannerConfig& con
 
 RobotLeases::~RobotLeases() = default;
 
-void RobotLeases::Hear(const RobotState& state) {
-  desk_.Hear(state.robot, state.lease_epoch, state.command_sequence_number, clock_.Now());
+void RobotLeases::Receive(const RobotState& state) {
+  desk_.Receive(state.robot, state.lease_epoch, state.command_sequence_number, clock_.Now());
 }
 
 void RobotLeases::Turn() {
   const Clock::TimePoint now = clock_.Now();
   for (const PlannerLease& lease :
        others_.TakeValid([](const auto& message) { return ToDomain(message); })) {
-    desk_.Hear(lease, now);
+    desk_.Receive(lease, now);
   }
   TakeReleases();
   Apply(desk_.Turn(now));
   for (auto& [robot, way] : ways_) {
-    for (RobotWay& wanted :
+    for (IntendedPath& wanted :
          way->theirs.TakeValid([](const auto& message) { return ToDomain(message); })) {
       if (desk_.EpochOf(robot) == 0) {
-        board_.PutWay(robot, std::move(wanted.way), std::move(wanted.room));
+        board_.PutIntendedPath(robot, std::move(wanted.way), std::move(wanted.room));
       }
     }
   }
@@ -93,7 +94,7 @@ void RobotLeases::TakeReleases() {
   }
 }
 
-void RobotLeases::Apply(const LeaseDesk::Changes& changes) {
+void RobotLeases::Apply(const LeaseTable::Changes& changes) {
   for (const std::string& node : changes.planners_gone) {
     LOG_WARNING("planner is silent, its robots are taken over", "planner", node);
   }
@@ -127,7 +128,7 @@ void RobotLeases::CountDecision(double duration_ms) {
   decided_us_ += static_cast<std::int64_t>(duration_ms * 1e3);
 }
 
-void RobotLeases::PublishWay(const RobotWay& way) {
+void RobotLeases::PublishIntendedPath(const IntendedPath& way) {
   bus::Send(ways_.at(way.robot)->ours, ToMessage(way));
 }
 

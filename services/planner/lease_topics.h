@@ -17,11 +17,11 @@ namespace conav::planner {
 
 /// Shares the robots of this planner process with the others in the domain (lease/lease_desk.h):
 /// announces on /conav/planner/lease, hears the others there, and tells the blackboard which robots
-/// this process may command; the ways that robots want pass between processes on /<robot>/way.
+/// this process may command; the ways that robots want pass between processes on /<robot>/intended_path.
 ///
 /// Publishes an announcement at once, then every `lease.period_s`. A process that is told to stop
 /// says so, and the others take over at once.
-/// Threads: Turn() and Hear() on the receiving thread; CountDecision() and PublishWay() on any.
+/// Threads: Turn() and Receive() on the receiving thread; CountDecision() and PublishIntendedPath() on any.
 class RobotLeases {
  public:
   /// `world_of_robot` as the board's. Until a robot is taken, the board has no lease for it.
@@ -30,7 +30,7 @@ class RobotLeases {
               const Clock& clock);
   ~RobotLeases();
 
-  void Hear(const RobotState& state);
+  void Receive(const RobotState& state);
   /// Takes what the others said and does what follows from it.
   void Turn();
   /// Gives everything up, when no worker decides any more.
@@ -38,7 +38,7 @@ class RobotLeases {
 
   /// For the load that the others see.
   void CountDecision(double duration_ms);
-  void PublishWay(const RobotWay& way);
+  void PublishIntendedPath(const IntendedPath& way);
 
   /// "lease epoch 3" / "driven by planner-2" / "driven by nobody that is heard", for /diagnostics.
   std::string Describe(const std::string& robot) const;
@@ -49,12 +49,12 @@ class RobotLeases {
   struct Way;  // the topics of one robot
 
   void TakeReleases();
-  void Apply(const LeaseDesk::Changes& changes);
+  void Apply(const LeaseTable::Changes& changes);
   void Announce(PlannerLease lease, Clock::TimePoint now);
 
   Blackboard& board_;
   const Clock& clock_;
-  LeaseDesk desk_;
+  LeaseTable desk_;
   bus::Publisher<conav_msgs::msg::PlannerLease> announcements_;
   bus::Subscriber<conav_msgs::msg::PlannerLease> others_;
   std::map<std::string, std::unique_ptr<Way>> ways_;  // by robot

@@ -126,7 +126,7 @@ struct PlannerService::Link {
         map(participant, bus::kRobotMap, name),
         guidance(participant, bus::kGuidance, name),
         drive(participant, bus::kDriveOrder, name),
-        hold(participant, bus::kHoldOrder, name),
+        hold(participant, bus::kStopOrder, name),
         goal_pose(participant, bus::kGoalPose, name),
         camera_info(participant, bus::kCameraInfo, name) {}
 
@@ -140,7 +140,7 @@ struct PlannerService::Link {
   bus::Subscriber<nav_msgs::msg::OccupancyGrid> map;
   bus::Subscriber<conav_msgs::msg::Guidance> guidance;
   bus::Subscriber<conav_msgs::msg::DriveOrder> drive;
-  bus::Subscriber<conav_msgs::msg::HoldOrder> hold;
+  bus::Subscriber<conav_msgs::msg::StopOrder> hold;
   bus::Subscriber<geometry_msgs::msg::PoseStamped> goal_pose;
   bus::Subscriber<sensor_msgs::msg::CameraInfo> camera_info;
 };
@@ -210,7 +210,7 @@ RobotWorker::Outputs PlannerService::OutputsOf(Link& link) {
             const GridGeometry geometry{map.cells.rows(), map.cells.columns(), map.cell_size_m};
             bus::Send(link.plan, ToPathMessage(state.stamp, way, geometry));
           },
-      .wants = [this](const RobotWay& way) { leases_.PublishWay(way); },
+      .wants = [this](const IntendedPath& way) { leases_.PublishIntendedPath(way); },
       .decided = {},
   };
   if (recording_) {
@@ -257,7 +257,7 @@ void PlannerService::Receive() {
     for (Guidance& value : link->guidance.TakeValid(Convert<conav_msgs::msg::Guidance>)) {
       board_.Put(std::move(value));
     }
-    for (HoldOrder& value : link->hold.TakeValid(Convert<conav_msgs::msg::HoldOrder>)) {
+    for (StopOrder& value : link->hold.TakeValid(Convert<conav_msgs::msg::StopOrder>)) {
       board_.Put(std::move(value));
     }
     for (DriveOrder& value : link->drive.TakeValid(Convert<conav_msgs::msg::DriveOrder>)) {
@@ -272,14 +272,14 @@ void PlannerService::Receive() {
     }
     for (const AttentionRequest& value :
          link->attentions.TakeValid(Convert<conav_msgs::msg::AttentionRequest>)) {
-      board_.HeardAttention(link->robot, value.sequence_number);
+      board_.ReceivedAttention(link->robot, value.sequence_number);
     }
     for (const Position& value :
          link->goal_pose.TakeValid(Convert<geometry_msgs::msg::PoseStamped>)) {
       board_.PutGoalPose(link->robot, value);
     }
   }
-  for (const RobotState& state : states) leases_.Hear(state);
+  for (const RobotState& state : states) leases_.Receive(state);
   leases_.Turn();
   for (RobotState& state : states) board_.Put(std::move(state));
 }
@@ -290,11 +290,11 @@ Health PlannerService::Report() const {
     const RobotInputs inputs = board_.Read(link->robot);
     if (!inputs.state) health.level = Health::Level::kWarning;
     health.values.emplace_back(
-        link->robot, inputs.state
-                         ? fmt::format("at {}, {} goals left, {}, waits for {}", inputs.state->cell,
-                                       inputs.state->goals_left.size(),
-                                       leases_.Describe(link->robot), board_.HoldOf(link->robot))
-                         : "not heard of yet");
+        link->robot,
+        inputs.state ? fmt::format("at {}, {} goals left, {}, waits for {}", inputs.state->cell,
+                                   inputs.state->goals_left.size(), leases_.Describe(link->robot),
+                                   board_.BlockedReasonOf(link->robot))
+                     : "not heard of yet");
   }
   if (recording_) {
     health.values.emplace_back("decisions recorded", std::to_string(recording_->recorded()));

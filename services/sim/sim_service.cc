@@ -112,7 +112,7 @@ void RobotTopics::PublishFrame(SimTime stamp, const std::vector<std::uint8_t>& j
   bus::Send(frame_, image);
 }
 
-void RobotTopics::Publish(const Picture& picture) { bus::Send(snapshot_, ToMessage(picture)); }
+void RobotTopics::Publish(const Snapshot& picture) { bus::Send(snapshot_, ToMessage(picture)); }
 
 std::vector<RobotCommand> RobotTopics::TakeCommands() {
   return command_.TakeValid([](const auto& message) { return ToDomain(message); });
@@ -322,7 +322,7 @@ void SimService::Step() {
   episode_->Step();
   PublishClock();
   PublishGoals();
-  TakePictures(steps_before);
+  TakeSnapshots(steps_before);
   for (int robot = 0; robot < episode_->robot_count(); ++robot) {
     RobotTopics& topics = *robots_[static_cast<std::size_t>(robot)];
     topics.PublishPose(*episode_, robot);
@@ -330,10 +330,10 @@ void SimService::Step() {
   }
 }
 
-void SimService::TakePictures(const std::vector<std::uint64_t>& steps_before) {
+void SimService::TakeSnapshots(const std::vector<std::uint64_t>& steps_before) {
   for (const int robot : episode_->pictures_due()) {
     std::vector<std::uint8_t> jpeg = RenderJpeg(robot);
-    Picture picture = episode_->CompleteView(robot, jpeg.size());
+    Snapshot picture = episode_->CompleteView(robot, jpeg.size());
     picture.jpeg = std::move(jpeg);
     Fill(picture);
     robots_[static_cast<std::size_t>(robot)]->Publish(picture);
@@ -341,17 +341,17 @@ void SimService::TakePictures(const std::vector<std::uint64_t>& steps_before) {
   if (!config_.camera.stream) return;
   for (int robot = 0; robot < episode_->robot_count(); ++robot) {
     const std::uint64_t before = steps_before[static_cast<std::size_t>(robot)];
-    if (episode_->state(robot).low_level_steps != before) StreamPicture(robot);
+    if (episode_->state(robot).low_level_steps != before) StreamSnapshot(robot);
   }
 }
 
-void SimService::StreamPicture(int robot) {
+void SimService::StreamSnapshot(int robot) {
   RobotTopics& topics = *robots_[static_cast<std::size_t>(robot)];
   const std::vector<std::uint8_t> jpeg = RenderJpeg(robot);
   episode_->CountFrame(robot, jpeg.size());
   if (!jpeg.empty()) topics.PublishFrame(episode_->now(), jpeg);
   frame_sent_at_[static_cast<std::size_t>(robot)] = clock_.Now();
-  Picture picture = episode_->TakeStreamedSnapshot(robot);
+  Snapshot picture = episode_->TakeStreamedSnapshot(robot);
   FillFrom(robot, picture);
   topics.Publish(picture);
 }
@@ -378,12 +378,12 @@ std::vector<std::uint8_t> SimService::RenderJpeg(int robot) {
   return *std::move(jpeg);
 }
 
-void SimService::Fill(Picture& picture) const {
+void SimService::Fill(Snapshot& picture) const {
   Fill(picture, ViewAt(picture.cell, picture.heading_rad, spec_.cell_size_m, config_.camera.width,
                        config_.camera.height));
 }
 
-void SimService::FillFrom(int robot, Picture& picture) const {
+void SimService::FillFrom(int robot, Snapshot& picture) const {
   CameraView view = ViewAt(picture.cell, picture.heading_rad, spec_.cell_size_m,
                            config_.camera.width, config_.camera.height);
   const Position at = physics_->pose(robot).position;
@@ -393,7 +393,7 @@ void SimService::FillFrom(int robot, Picture& picture) const {
   Fill(picture, view);
 }
 
-void SimService::Fill(Picture& picture, const CameraView& view) const {
+void SimService::Fill(Snapshot& picture, const CameraView& view) const {
   picture.horizontal_fov_rad = view.horizontal_fov_rad;
   picture.width = static_cast<std::uint32_t>(config_.camera.width);
   picture.height = static_cast<std::uint32_t>(config_.camera.height);

@@ -35,7 +35,7 @@ class RobotTopics {
   /// Whether anybody takes the frames.
   bool has_viewers() const { return frame_.matched_subscribers() > 0; }
   void PublishFrame(SimTime stamp, const std::vector<std::uint8_t>& jpeg);
-  void Publish(const Picture& picture);
+  void Publish(const Snapshot& picture);
 
   std::vector<RobotCommand> TakeCommands();
   const std::string& robot() const { return robot_; }
@@ -82,16 +82,16 @@ class SimService {
   Result<void> Accept(const RobotCommand& command, const std::string& robot);
   bool StepDue();
   void Step();
-  void TakePictures(const std::vector<std::uint64_t>& steps_before);
-  void StreamPicture(int robot);
+  void TakeSnapshots(const std::vector<std::uint64_t>& steps_before);
+  void StreamSnapshot(int robot);
   /// Frames of robots that stand, for those who look on: frames are not latched, and whoever comes
   /// late would see none. They belong to no low-level step and are not counted.
   void StreamAtRest();
   std::vector<std::uint8_t> RenderJpeg(int robot);
   /// As seen from the centre of its cell, or from `robot`'s own position.
-  void Fill(Picture& picture) const;
-  void FillFrom(int robot, Picture& picture) const;
-  void Fill(Picture& picture, const CameraView& view) const;
+  void Fill(Snapshot& picture) const;
+  void FillFrom(int robot, Snapshot& picture) const;
+  void Fill(Snapshot& picture, const CameraView& view) const;
   Health Report() const;
 
   bus::Participant& participant_;

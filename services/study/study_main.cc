@@ -115,8 +115,8 @@ Result<void> WriteReports(const StudyReport& report, const StudyFolder& folder,
   return written ? WriteJsonOutput(json_file, json) : written;
 }
 
-Result<void> Tell(const StudyReport& report, const StudyFolder& folder,
-                  const std::filesystem::path& json_file) {
+Result<void> Publish(const StudyReport& report, const StudyFolder& folder,
+                     const std::filesystem::path& json_file) {
   if (auto written = WriteReports(report, folder, json_file); !written) return written;
   const std::string text =
       fmt::format("{}\n{} holds report.html, episodes.csv, measures/, results.json and all runs\n",
@@ -147,7 +147,7 @@ int Run(StudyOptions options, const Provenance& provenance, const StopToken& sto
   const StudySummary summary = Summarise(plan.design, store->records());
   const StudyReport report{
       plan.design, plan.document, store->records(), summary, options.camera != "none", provenance};
-  if (const auto told = Tell(report, *folder, options.json); !told) {
+  if (const auto told = Publish(report, *folder, options.json); !told) {
     return Failed(kProgram, told.error());
   }
   return summary.failed.empty() && (!options.check || AllMet(summary)) ? 0 : 1;

@@ -72,7 +72,7 @@ class Host final : public ConnectionHost {
 
 /// What all connections are served with.
 const HttpRoutes& Routes() {
-  static const PictureShelf pictures(1000);
+  static const SnapshotStore pictures(1000);
   static const HttpRoutes routes = [] {
     const test::TemporaryFolder folder;
     std::ofstream(folder / "index.html") << "<page>";

@@ -41,12 +41,13 @@ inline constexpr Topic<sensor_msgs::msg::CameraInfo> kCameraInfo{"/{}/camera/cam
 inline constexpr Topic<conav_msgs::msg::Snapshot> kSnapshot{"/{}/snapshot", kEventQos};
 inline constexpr Topic<conav_msgs::msg::Guidance> kGuidance{"/{}/guidance", kLatchedQos};
 inline constexpr Topic<conav_msgs::msg::DriveOrder> kDriveOrder{"/{}/drive", kNewestQos};
-inline constexpr Topic<conav_msgs::msg::HoldOrder> kHoldOrder{"/{}/hold", kLatchedQos};
+inline constexpr Topic<conav_msgs::msg::StopOrder> kStopOrder{"/{}/stop", kLatchedQos};
 inline constexpr Topic<geometry_msgs::msg::PoseStamped> kGoalPose{"/{}/goal_pose", kDefaultQos};
 inline constexpr Topic<nav_msgs::msg::Path> kPlan{"/{}/plan", kLatchedQos};
 inline constexpr Topic<conav_msgs::msg::SearchReport> kSearchReport{"/{}/search", kEventQos};
 inline constexpr Topic<conav_msgs::msg::AttentionRequest> kAttention{"/{}/attention", kEventQos};
-inline constexpr Topic<conav_msgs::msg::RobotWay> kRobotWay{"/{}/way", kLatchedQos};
+inline constexpr Topic<conav_msgs::msg::IntendedPath> kIntendedPath{"/{}/intended_path",
+                                                                    kLatchedQos};
 
 // per world
 inline constexpr Topic<conav_msgs::msg::BeliefMap> kBelief{"/{}/belief", kLatchedQos};
@@ -81,8 +82,8 @@ namespace conav::bus {
 
 inline constexpr std::tuple kRobotTopics{kRobotMap,     kOdometry,     kTransforms, kRobotState,
                                          kRobotCommand, kCameraImage,  kCameraInfo, kSnapshot,
-                                         kGuidance,     kDriveOrder,   kHoldOrder,  kGoalPose,
-                                         kPlan,         kSearchReport, kAttention,  kRobotWay};
+                                         kGuidance,     kDriveOrder,   kStopOrder,  kGoalPose,
+                                         kPlan,         kSearchReport, kAttention,  kIntendedPath};
 
 inline constexpr std::tuple kWorldTopics{kBelief, kBeliefMap, kInitialMap, kTruth, kGoals};
 

@@ -72,8 +72,8 @@ Result<RobotCommand> ToDomain(const conav_msgs::msg::RobotCommand& message);
 conav_msgs::msg::RobotCommand ToMessage(const RobotCommand& command);
 Result<RobotState> ToDomain(const conav_msgs::msg::RobotState& message);
 conav_msgs::msg::RobotState ToMessage(const RobotState& state);
-Result<Picture> ToDomain(const conav_msgs::msg::Snapshot& message);
-conav_msgs::msg::Snapshot ToMessage(const Picture& picture);
+Result<Snapshot> ToDomain(const conav_msgs::msg::Snapshot& message);
+conav_msgs::msg::Snapshot ToMessage(const Snapshot& picture);
 
 // supervision.h
 Result<Belief> ToDomain(const conav_msgs::msg::BeliefMap& message);
@@ -87,8 +87,8 @@ Result<OperatorRequest> ToDomain(const conav_msgs::msg::OperatorRequest& message
 conav_msgs::msg::OperatorRequest ToMessage(const OperatorRequest& request);
 Result<DriveOrder> ToDomain(const conav_msgs::msg::DriveOrder& message);
 conav_msgs::msg::DriveOrder ToMessage(const DriveOrder& order);
-Result<HoldOrder> ToDomain(const conav_msgs::msg::HoldOrder& message);
-conav_msgs::msg::HoldOrder ToMessage(const HoldOrder& order);
+Result<StopOrder> ToDomain(const conav_msgs::msg::StopOrder& message);
+conav_msgs::msg::StopOrder ToMessage(const StopOrder& order);
 Result<OperatorReply> ToDomain(const conav_msgs::msg::OperatorReply& message);
 conav_msgs::msg::OperatorReply ToMessage(const OperatorReply& reply);
 Result<AttentionRequest> ToDomain(const conav_msgs::msg::AttentionRequest& message);
@@ -113,7 +113,7 @@ conav_msgs::msg::PerceptionReply ToMessage(const PerceptionReply& reply);
 Result<PlannerLease> ToDomain(const conav_msgs::msg::PlannerLease& message);
 conav_msgs::msg::PlannerLease ToMessage(const PlannerLease& lease);
 
-Result<RobotWay> ToDomain(const conav_msgs::msg::RobotWay& message);
-conav_msgs::msg::RobotWay ToMessage(const RobotWay& way);
+Result<IntendedPath> ToDomain(const conav_msgs::msg::IntendedPath& message);
+conav_msgs::msg::IntendedPath ToMessage(const IntendedPath& way);
 
 }  // namespace conav

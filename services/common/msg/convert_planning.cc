@@ -154,7 +154,7 @@ void EachOnce(Checks& checks, const char* field, const std::vector<std::string>&
   }
 }
 
-std::vector<PlannerLease::Held> ToHolds(Checks& checks,
+std::vector<PlannerLease::Held> ToStops(Checks& checks,
                                         const std::vector<conav_msgs::msg::HeldRobot>& messages) {
   std::vector<PlannerLease::Held> holds;
   std::vector<std::string> names;
@@ -181,7 +181,7 @@ Result<PlannerLease> ToDomain(const conav_msgs::msg::PlannerLease& message) {
     lease.robots.push_back(checks.Name(fmt::format("robots[{}]", i), message.robots()[i]));
   }
   EachOnce(checks, "robots", lease.robots);
-  lease.holds = ToHolds(checks, message.holds());
+  lease.holds = ToStops(checks, message.holds());
   lease.load = checks.Range("load", message.load(), 0.0,
                             static_cast<double>(std::numeric_limits<int>::max()));
   lease.leaving = message.leaving();
@@ -206,9 +206,9 @@ conav_msgs::msg::PlannerLease ToMessage(const PlannerLease& lease) {
   return message;
 }
 
-Result<RobotWay> ToDomain(const conav_msgs::msg::RobotWay& message) {
+Result<IntendedPath> ToDomain(const conav_msgs::msg::IntendedPath& message) {
   Checks checks;
-  RobotWay way;
+  IntendedPath way;
   way.robot = checks.Name("robot", message.robot());
   way.way = checks.Cells("way", message.way());
   way.room.way = checks.Cells("room", message.room());
@@ -220,8 +220,8 @@ Result<RobotWay> ToDomain(const conav_msgs::msg::RobotWay& message) {
   return way;
 }
 
-conav_msgs::msg::RobotWay ToMessage(const RobotWay& way) {
-  conav_msgs::msg::RobotWay message;
+conav_msgs::msg::IntendedPath ToMessage(const IntendedPath& way) {
+  conav_msgs::msg::IntendedPath message;
   message.robot(way.robot);
   message.way(convert::ToCellMessages(way.way));
   message.room(convert::ToCellMessages(way.room.way));

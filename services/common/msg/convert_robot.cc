@@ -126,11 +126,11 @@ void CheckImage(Checks& checks, const conav_msgs::msg::Snapshot& message) {
 
 }  // namespace
 
-Result<Picture> ToDomain(const conav_msgs::msg::Snapshot& message) {
+Result<Snapshot> ToDomain(const conav_msgs::msg::Snapshot& message) {
   Checks checks;
   CheckImage(checks, message);
   if (checks.failed()) return checks.failure();
-  Picture picture;
+  Snapshot picture;
   picture.stamp = checks.Stamp(message.header());
   picture.world = checks.Name("world", message.world());
   picture.robot = checks.Name("robot", message.robot());
@@ -151,7 +151,7 @@ Result<Picture> ToDomain(const conav_msgs::msg::Snapshot& message) {
   return picture;
 }
 
-conav_msgs::msg::Snapshot ToMessage(const Picture& picture) {
+conav_msgs::msg::Snapshot ToMessage(const Snapshot& picture) {
   conav_msgs::msg::Snapshot message;
   message.header(ToHeader(picture.stamp));
   message.world(picture.world);

@@ -112,9 +112,9 @@ conav_msgs::msg::DriveOrder ToMessage(const DriveOrder& order) {
   return message;
 }
 
-Result<HoldOrder> ToDomain(const conav_msgs::msg::HoldOrder& message) {
+Result<StopOrder> ToDomain(const conav_msgs::msg::StopOrder& message) {
   Checks checks;
-  HoldOrder order;
+  StopOrder order;
   order.stamp = checks.Stamp(message.header());
   order.world = checks.Name("world", message.world());
   order.robot = checks.Name("robot", message.robot());
@@ -127,8 +127,8 @@ Result<HoldOrder> ToDomain(const conav_msgs::msg::HoldOrder& message) {
   return order;
 }
 
-conav_msgs::msg::HoldOrder ToMessage(const HoldOrder& order) {
-  conav_msgs::msg::HoldOrder message;
+conav_msgs::msg::StopOrder ToMessage(const StopOrder& order) {
+  conav_msgs::msg::StopOrder message;
   message.header(ToHeader(order.stamp));
   message.world(order.world);
   message.robot(order.robot);

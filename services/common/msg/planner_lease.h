@@ -45,11 +45,11 @@ struct RoomClaim {
 };
 
 /// What a robot wants of the others.
-struct RobotWay {
+struct IntendedPath {
   std::string robot;
   std::vector<Cell> way;  // cells that it wants to enter next, nearest first
   RoomClaim room;
-  bool operator==(const RobotWay&) const = default;
+  bool operator==(const IntendedPath&) const = default;
 };
 
 }  // namespace conav

@@ -91,13 +91,13 @@ struct RobotState {
   std::uint64_t low_level_steps = 0;
   std::uint64_t pictures = 0;
   std::uint64_t picture_bytes = 0;
-  std::uint64_t snapshots = 0;  // sequence number of the newest Picture; 0 = none yet
+  std::uint64_t snapshots = 0;  // sequence number of the newest Snapshot; 0 = none yet
   SimTime map_stamp;            // of the newest map of this robot
   bool operator==(const RobotState&) const = default;
 };
 
 /// A picture that a robot sent, and what it shows.
-struct Picture {
+struct Snapshot {
   SimTime stamp;
   std::string world;
   std::string robot;
@@ -112,7 +112,7 @@ struct Picture {
   VisibleCells visible;
   std::vector<Cell> path;  // since the picture before, that picture's cell first
   std::vector<Cell> goals_left;
-  bool operator==(const Picture&) const = default;
+  bool operator==(const Snapshot&) const = default;
 };
 
 }  // namespace conav

@@ -101,7 +101,7 @@ struct SelectRequest {
 /// A picture was looked at and shows nothing new: the robot's path stays as it is.
 struct AnswerRequest {
   std::string robot;
-  std::uint64_t snapshot = 0;  // Picture::sequence_number
+  std::uint64_t snapshot = 0;  // Snapshot::sequence_number
   bool operator==(const AnswerRequest&) const = default;
 };
 
@@ -146,7 +146,7 @@ struct FinishRequest {
 };
 
 /// Whether `robot` shall stand, whatever else was asked of it.
-struct HoldOrder {
+struct StopOrder {
   SimTime stamp;
   std::string world;
   std::string robot;
@@ -154,7 +154,7 @@ struct HoldOrder {
   bool stopped = false;
   std::string given_by;
   std::string reason;
-  bool operator==(const HoldOrder&) const = default;
+  bool operator==(const StopOrder&) const = default;
 };
 
 /// What any client may ask of the operator service. (client, request_id) makes a repeat harmless.
@@ -186,7 +186,7 @@ struct AttentionRequest {
   std::uint64_t sequence_number = 0;
   AttentionReason reason = AttentionReason::kPicture;
   Cell cell;
-  std::uint64_t newest_snapshot = 0;  // Picture::sequence_number of this robot when it asked
+  std::uint64_t newest_snapshot = 0;  // Snapshot::sequence_number of this robot when it asked
   double value_lost_per_s = 0.0;
   double expected_information = 0.0;
   // When the robot goes on unanswered: one of them at most; both 0 = it waits for ever.

@@ -66,7 +66,7 @@ PerceptionAnswer AverageOracleAnswer(std::span<const operators::PictureReaderPar
                                      const PerceptionQuery& query, int draws, Random& random) {
   DEMAND(!people.empty());
   const BeliefGrid& belief = query.belief;
-  const Picture picture = PictureOf(query);
+  const Snapshot picture = SnapshotOf(query);
   Grid<int> counts(belief.rows(), belief.columns());
   std::set<Cell> possible;
   for (const operators::PictureReaderParameters& person : people) {

@@ -50,7 +50,7 @@ class MappingTask {
     segment.query = {belief_, WayTo(stop.cell), stop.cell, stop.heading_rad, {}};
     segment.query.visible = CastView(
         world_.truth, ViewThrough(CameraLens{}, stop.cell, stop.heading_rad, world_.cell_size_m));
-    for (const CellEdit& edit : reader_.Read(belief_, PictureOf(segment.query), {})) {
+    for (const CellEdit& edit : reader_.Read(belief_, SnapshotOf(segment.query), {})) {
       belief_[edit.cell] = edit.wall ? 1.0F : 0.0F;
     }
     segment.belief_after = belief_;
@@ -96,8 +96,8 @@ Result<sim::WorldSpec> MakeWorld(const MappingTaskOptions& options, std::uint64_
 
 }  // namespace
 
-Picture PictureOf(const PerceptionQuery& query) {
-  Picture picture;
+Snapshot SnapshotOf(const PerceptionQuery& query) {
+  Snapshot picture;
   picture.cell = query.cell;
   picture.heading_rad = query.heading_rad;
   picture.visible = query.visible;

@@ -32,7 +32,7 @@ struct MappingTaskOptions {
                                                 const Annotator& annotator, std::uint64_t seed);
 
 /// The picture that a segment's query stands for, as a PictureReader looks at it.
-Picture PictureOf(const PerceptionQuery& query);
+Snapshot SnapshotOf(const PerceptionQuery& query);
 
 struct SynthesisOptions {
   int trajectories = 400;  // accepted ones, at least 1

@@ -24,8 +24,8 @@ constexpr const char* kProgram = "conav evaluate";
 Result<std::vector<ModelRow>> AllRows(const EvaluateArguments& arguments,
                                       const EvaluationData& data) {
   ProgressLine line;
-  const Teller progress = [&line](const std::string& text) { line.ShowNowAndThen(text); };
-  const Teller warn = [](const std::string& text) { Warn(kProgram, text); };
+  const Reporter progress = [&line](const std::string& text) { line.ShowNowAndThen(text); };
+  const Reporter warn = [](const std::string& text) { Warn(kProgram, text); };
   std::vector<ModelRow> rows;
   auto networks = NetworkRows(arguments, data, warn, progress);
   if (!networks) return networks;

@@ -116,7 +116,7 @@ NamedNetwork Without(const NamedNetwork& whole, const std::string& input) {
 }
 
 /// The files that were named; else the shipped one, if it is there.
-std::vector<std::filesystem::path> Files(const EvaluateArguments& arguments, const Teller& warn) {
+std::vector<std::filesystem::path> Files(const EvaluateArguments& arguments, const Reporter& warn) {
   if (!arguments.weights.empty()) return arguments.weights;
   const std::filesystem::path shipped = ShippedWeights();
   if (std::filesystem::exists(shipped)) return {shipped};
@@ -125,7 +125,7 @@ std::vector<std::filesystem::path> Files(const EvaluateArguments& arguments, con
 }
 
 Result<ModelRow> RowOf(const NamedNetwork& network, const EvaluationData& data,
-                       const Teller& progress) {
+                       const Reporter& progress) {
   return EvaluateModel(
       network.label, PerceptionNetwork(network.model), data,
       [&](std::size_t done, std::size_t total) {
@@ -136,8 +136,8 @@ Result<ModelRow> RowOf(const NamedNetwork& network, const EvaluationData& data,
 }  // namespace
 
 Result<std::vector<ModelRow>> NetworkRows(const EvaluateArguments& arguments,
-                                          const EvaluationData& data, const Teller& warn,
-                                          const Teller& progress) {
+                                          const EvaluationData& data, const Reporter& warn,
+                                          const Reporter& progress) {
   const std::vector<std::filesystem::path> files = Files(arguments, warn);
   std::vector<ModelRow> rows;
   for (std::size_t i = 0; i < files.size(); ++i) {
@@ -178,7 +178,7 @@ ModelIdentity IdentityOf(const char* name, const std::string& version) {
   return {name, version, ""};
 }
 
-OracleOptions OptionsOf(const EvaluateArguments& arguments, const Teller& progress,
+OracleOptions OptionsOf(const EvaluateArguments& arguments, const Reporter& progress,
                         const char* what) {
   return {.draws = arguments.oracle_draws,
           .threads = arguments.threads,
@@ -188,7 +188,7 @@ OracleOptions OptionsOf(const EvaluateArguments& arguments, const Teller& progre
 }
 
 Result<ModelRow> OracleRow(const EvaluateArguments& arguments, const EvaluationData& data,
-                           const Teller& progress) {
+                           const Reporter& progress) {
   auto by_trajectory =
       OracleAnswers(data.test.trajectories, OptionsOf(arguments, progress, "oracle: trajectory"));
   if (!by_trajectory) {
@@ -233,7 +233,7 @@ Result<std::vector<operators::PictureReaderParameters>> People(const EvaluationD
 }
 
 Result<ModelRow> AverageRow(const EvaluateArguments& arguments, const EvaluationData& data,
-                            const Teller& progress) {
+                            const Reporter& progress) {
   const auto people = People(data);
   if (!people) return tl::unexpected(people.error());
   return EvaluateAnswers(
@@ -253,7 +253,7 @@ bool HasOracle(const EvaluationData& data) {
 }
 
 Result<std::vector<ModelRow>> OracleRows(const EvaluateArguments& arguments,
-                                         const EvaluationData& data, const Teller& progress) {
+                                         const EvaluationData& data, const Reporter& progress) {
   std::vector<ModelRow> rows;
   if (arguments.oracle_draws == 0 || !HasOracle(data)) return rows;
   auto oracle = OracleRow(arguments, data, progress);

@@ -14,7 +14,7 @@
 namespace conav::nhpm {
 
 /// Tells what goes on, "NHPM: 64 of 85 segments".
-using Teller = std::function<void(const std::string& text)>;
+using Reporter = std::function<void(const std::string& text)>;
 
 /// Reads the segments and splits them as `conav train` does.
 /// Errors: those of ReadSegmentFile; kInvalidArgument when nothing is left to test on.
@@ -31,7 +31,8 @@ using Teller = std::function<void(const std::string& text)>;
 /// nhpm_without_tau, ... Warnings are told. Errors name the file.
 [[nodiscard]] Result<std::vector<ModelRow>> NetworkRows(const EvaluateArguments& arguments,
                                                         const EvaluationData& data,
-                                                        const Teller& warn, const Teller& progress);
+                                                        const Reporter& warn,
+                                                        const Reporter& progress);
 
 /// Whether those who edited the test part are known: synthetic annotators, all of them.
 bool HasOracle(const EvaluationData& data);
@@ -43,6 +44,6 @@ bool HasOracle(const EvaluationData& data);
 /// take the mean of.
 [[nodiscard]] Result<std::vector<ModelRow>> OracleRows(const EvaluateArguments& arguments,
                                                        const EvaluationData& data,
-                                                       const Teller& progress);
+                                                       const Reporter& progress);
 
 }  // namespace conav::nhpm

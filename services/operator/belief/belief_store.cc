@@ -147,7 +147,7 @@ BeliefStore::BeliefStore(const BeliefStoreOptions& options)
   OrStartupError(file_, EnsureSchema(database_).map([] { return true; }));
   beliefs_ = OrStartupError(file_, LoadBeliefs(database_));
   guidance_ = OrStartupError(file_, LoadGuidance(database_));
-  holds_ = OrStartupError(file_, LoadHolds(database_));
+  holds_ = OrStartupError(file_, LoadStops(database_));
   alerts_ = OrStartupError(file_, LoadAlerts(database_));
 }
 
@@ -202,12 +202,12 @@ std::optional<BeliefStore::Answer> BeliefStore::FindRepeat(const OperatorRequest
 }
 
 BeliefStore::Answer BeliefStore::Keep(const OperatorRequest& request,
-                                      const std::vector<HoldOrder>& orders,
+                                      const std::vector<StopOrder>& orders,
                                       const std::vector<Alert>& alerts) {
   const OperatorReply reply = Accepted(request, 0);
   const auto saved = database_.Transaction([&]() -> Result<void> {
-    for (const HoldOrder& order : orders) {
-      if (auto hold_saved = SaveHold(database_, order); !hold_saved) return hold_saved;
+    for (const StopOrder& order : orders) {
+      if (auto hold_saved = SaveStop(database_, order); !hold_saved) return hold_saved;
     }
     for (const Alert& alert : alerts) {
       if (auto alert_saved = SaveAlert(database_, alert); !alert_saved) return alert_saved;
@@ -215,7 +215,7 @@ BeliefStore::Answer BeliefStore::Keep(const OperatorRequest& request,
     return SaveRequest(database_, request, reply);
   });
   if (!saved) return StorageFailure(request, saved.error(), 0);
-  for (const HoldOrder& order : orders) holds_[order.robot] = order;
+  for (const StopOrder& order : orders) holds_[order.robot] = order;
   return {reply, true, true};
 }
 

@@ -80,7 +80,7 @@ class BeliefStore {
   /// The reply that a request with this client and id got before; nothing when it is new.
   std::optional<Answer> FindRepeat(const OperatorRequest& request);
   /// Stores a request that was decided elsewhere and is new, with what it leads to.
-  Answer Keep(const OperatorRequest& request, const std::vector<HoldOrder>& orders,
+  Answer Keep(const OperatorRequest& request, const std::vector<StopOrder>& orders,
               const std::vector<Alert>& alerts = {});
   /// Also removes those with the ids of `dropped`.
   [[nodiscard]] Result<void> SaveAlerts(const std::vector<Alert>& alerts,
@@ -90,7 +90,7 @@ class BeliefStore {
   [[nodiscard]] Result<std::int64_t> ForgetRequests(double wall_s, std::int64_t most);
   /// Those of before.
   const std::vector<Alert>& alerts() const { return alerts_; }
-  const std::map<std::string, HoldOrder>& holds() const { return holds_; }
+  const std::map<std::string, StopOrder>& holds() const { return holds_; }
 
   /// Null when unknown. Valid until the next call that is not const.
   const Belief* FindBelief(const std::string& world) const;
@@ -117,7 +117,7 @@ class BeliefStore {
   GuidanceLimits limits_;
   std::map<std::string, Belief> beliefs_;      // by world
   std::map<std::string, Guidance> guidance_;   // by robot
-  std::map<std::string, HoldOrder> holds_;     // by robot
+  std::map<std::string, StopOrder> holds_;     // by robot
   std::vector<Alert> alerts_;                  // at the start
   std::map<std::string, std::string> worlds_;  // of each robot
 };

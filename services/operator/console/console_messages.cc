@@ -181,7 +181,7 @@ console::Guidance ToConsole(const Guidance& guidance) {
   return message;
 }
 
-console::Picture ToConsole(const Picture& picture, double heard_at_s) {
+console::Picture ToConsole(const Snapshot& picture, double heard_at_s) {
   console::Picture message;
   message.set_robot(picture.robot);
   message.set_world(picture.world);

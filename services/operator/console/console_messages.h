@@ -61,7 +61,7 @@ std::string ToBytes(const Grid<float>& probabilities);
 std::string ToBytes(const OccupancyGrid& cells);
 console::Guidance ToConsole(const Guidance& guidance);
 /// Without an answer.
-console::Picture ToConsole(const Picture& picture, double heard_at_s);
+console::Picture ToConsole(const Snapshot& picture, double heard_at_s);
 console::Search ToConsole(const SearchReport& report);
 console::Alert ToConsole(const Alert& alert);
 console::Task ToConsole(const TaskStatus& task);

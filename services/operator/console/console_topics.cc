@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::uint32_t kTimeoutMs = 1000;
 
-bool LiesIn(const Belief& belief, const Picture& picture) {
+bool LiesIn(const Belief& belief, const Snapshot& picture) {
   const auto inside = [&](Cell cell) { return belief.wall_probability.Contains(cell); };
   return inside(picture.cell) && std::ranges::all_of(picture.path, inside) &&
          std::ranges::all_of(picture.visible.free, inside) &&
@@ -28,13 +28,13 @@ bool LiesIn(const Belief& belief, const Picture& picture) {
 
 }  // namespace
 
-PredictionDesk::PredictionDesk(bus::Participant& participant, const Clock& clock)
+PredictionClient::PredictionClient(bus::Participant& participant, const Clock& clock)
     : clock_(clock),
       client_(UniqueClientName("console")),
       requests_(participant, bus::kPerceptionRequest),
       replies_(participant, bus::kPerceptionReply) {}
 
-void PredictionDesk::Ask(const Picture& picture, const Belief& belief) {
+void PredictionClient::Ask(const Snapshot& picture, const Belief& belief) {
   if (!LiesIn(belief, picture)) return;
   Question question;
   question.of = {picture.robot, picture.world, picture.sequence_number, belief.revision, "", {}};
@@ -48,13 +48,13 @@ void PredictionDesk::Ask(const Picture& picture, const Belief& belief) {
   Send(open_[picture.robot] = std::move(question));
 }
 
-void PredictionDesk::Send(Question& question) {
+void PredictionClient::Send(Question& question) {
   ++question.tries;
   question.repeat_at = clock_.Now() + kRepeat;
   bus::Send(requests_, ToMessage(question.request));
 }
 
-std::vector<Prediction> PredictionDesk::Step() {
+std::vector<Prediction> PredictionClient::Step() {
   std::vector<Prediction> predictions;
   for (const auto& message : replies_.Take()) {
     if (message.client() != client_) continue;
@@ -119,11 +119,11 @@ console::Welcome WelcomeOf(const OperatorConfig& config) {
 
 /// When something was said, as pages are told: hosts' clocks may differ, but nothing comes before it
 /// was said.
-double HeardAt(bus::SourceTime source) { return std::min(ToWallSeconds(source), WallSeconds()); }
+double ReceivedAt(bus::SourceTime source) { return std::min(ToWallSeconds(source), WallSeconds()); }
 
 }  // namespace
 
-struct ConsoleDesk::RobotLink {
+struct ConsoleTopics::RobotLink {
   RobotLink(bus::Participant& participant, const std::string& name, const std::string& world)
       : name(name),
         world(world),
@@ -147,8 +147,8 @@ struct ConsoleDesk::RobotLink {
   double heading_rad = 0.0;
 };
 
-ConsoleDesk::ConsoleDesk(bus::Participant& participant, const OperatorConfig& config,
-                         const Clock& clock)
+ConsoleTopics::ConsoleTopics(bus::Participant& participant, const OperatorConfig& config,
+                             const Clock& clock)
     : clock_(clock),
       keeps_secrets_(config.task.on()),
       pictures_(config.console.pictures_bytes()),
@@ -168,11 +168,11 @@ ConsoleDesk::ConsoleDesk(bus::Participant& participant, const OperatorConfig& co
   }
 }
 
-ConsoleDesk::~ConsoleDesk() = default;
+ConsoleTopics::~ConsoleTopics() = default;
 
-void ConsoleDesk::Hear(const bus::Stamped<RobotState>& stamped) {
+void ConsoleTopics::Receive(const bus::Stamped<RobotState>& stamped) {
   const RobotState& state = stamped.value;
-  state_.Hear(state, HeardAt(stamped.source));
+  state_.Receive(state, ReceivedAt(stamped.source));
   for (const auto& robot : robots_) {
     if (robot->name != state.robot) continue;
     robot->cell = state.cell;
@@ -180,24 +180,24 @@ void ConsoleDesk::Hear(const bus::Stamped<RobotState>& stamped) {
   }
 }
 
-void ConsoleDesk::HearGeometry(const std::string& world, const MapUpdate& map) {
-  state_.HearGeometry(world, map);
+void ConsoleTopics::ReceiveGeometry(const std::string& world, const MapUpdate& map) {
+  state_.ReceiveGeometry(world, map);
   for (const auto& robot : robots_) {
     if (robot->world != world) continue;
     robot->geometry = GridGeometry{map.cells.rows(), map.cells.columns(), map.cell_size_m};
   }
 }
 
-void ConsoleDesk::Hear(const Belief& belief, const BeliefGrid& initial) {
+void ConsoleTopics::Receive(const Belief& belief, const BeliefGrid& initial) {
   beliefs_[belief.world] = belief;
-  state_.Hear(belief, initial);
+  state_.Receive(belief, initial);
 }
 
-void ConsoleDesk::Hear(const Guidance& guidance) { state_.Hear(guidance); }
+void ConsoleTopics::Receive(const Guidance& guidance) { state_.Receive(guidance); }
 
-void ConsoleDesk::Hear(const AttentionQueueState& queue) { state_.Hear(queue); }
+void ConsoleTopics::Receive(const AttentionQueueState& queue) { state_.Receive(queue); }
 
-std::vector<ConsoleDesk::Asked> ConsoleDesk::Step() {
+std::vector<ConsoleTopics::Asked> ConsoleTopics::Step() {
   for (const auto& robot : robots_) TakeFrom(*robot);
   TakePredictions();
   std::vector<Asked> asked;
@@ -207,37 +207,37 @@ std::vector<ConsoleDesk::Asked> ConsoleDesk::Step() {
   return asked;
 }
 
-void ConsoleDesk::TakeFrom(RobotLink& robot) {
-  TakePictures(robot);
+void ConsoleTopics::TakeFrom(RobotLink& robot) {
+  TakeSnapshots(robot);
   if (!keeps_secrets_) TakeKnowledge(robot);
   TakeFrames(robot);
 }
 
-void ConsoleDesk::TakeKnowledge(RobotLink& robot) {
+void ConsoleTopics::TakeKnowledge(RobotLink& robot) {
   for (const MapUpdate& map : robot.map.TakeValid(kConvert)) {
-    state_.HearSeen(robot.name, robot.world, map);
+    state_.ReceiveSeen(robot.name, robot.world, map);
   }
-  for (const SearchReport& report : robot.search.TakeValid(kConvert)) state_.Hear(report);
+  for (const SearchReport& report : robot.search.TakeValid(kConvert)) state_.Receive(report);
   for (const Position& goal : robot.goal_pose.TakeValid(kConvert)) {
     if (!robot.geometry) continue;
     if (const auto cell = CellAt(goal, *robot.geometry)) {
-      state_.HearGoalPose(robot.name, *cell, state_.TimeOf(robot.world).ToSeconds());
+      state_.ReceiveGoalPose(robot.name, *cell, state_.TimeOf(robot.world).ToSeconds());
     }
   }
   for (const auto& path : robot.plan.Take()) {
     if (!robot.geometry) continue;
-    state_.HearPlan(robot.name, ToDomain(path.header().stamp()).value_or(SimTime{}),
-                    CellsAt(ToPositions(path), *robot.geometry));
+    state_.ReceivePlan(robot.name, ToDomain(path.header().stamp()).value_or(SimTime{}),
+                       CellsAt(ToPositions(path), *robot.geometry));
   }
 }
 
-void ConsoleDesk::TakeFrames(RobotLink& robot) {
+void ConsoleTopics::TakeFrames(RobotLink& robot) {
   for (auto& [image, source] : robot.image.TakeStamped()) {
-    state_.HearStream();
+    state_.ReceiveStream();
     console::Frame frame;
     frame.set_robot(robot.name);
     frame.set_stamp(ToDomain(image.header().stamp()).value_or(SimTime{}).ToSeconds());
-    frame.set_heard_at(HeardAt(source));
+    frame.set_heard_at(ReceivedAt(source));
     frame.mutable_cell()->set_row(robot.cell.row);
     frame.mutable_cell()->set_column(robot.cell.column);
     frame.set_heading(robot.heading_rad);
@@ -246,54 +246,55 @@ void ConsoleDesk::TakeFrames(RobotLink& robot) {
   }
 }
 
-void ConsoleDesk::Hear(const std::map<std::string, ServiceStatus>& services) {
+void ConsoleTopics::Receive(const std::map<std::string, ServiceStatus>& services) {
   const double now_s = WallSeconds();
   for (const auto& [name, service] : services) {
     const std::chrono::duration<double> age = clock_.Now() - service.heard_at;
     const auto level =
         service.silent ? console::LEVEL_SILENT : static_cast<console::Level>(service.level);
-    state_.Hear(ServiceHealth{name, level, service.silent ? "silent" : service.message},
-                now_s - age.count());
+    state_.Receive(ServiceHealth{name, level, service.silent ? "silent" : service.message},
+                   now_s - age.count());
   }
 }
 
-void ConsoleDesk::Hear(const TaskStatus& task) { state_.Hear(ToConsole(task)); }
+void ConsoleTopics::Receive(const TaskStatus& task) { state_.Receive(ToConsole(task)); }
 
-void ConsoleDesk::Hear(const Alert& alert) { state_.Hear(ToConsole(alert)); }
+void ConsoleTopics::Receive(const Alert& alert) { state_.Receive(ToConsole(alert)); }
 
-void ConsoleDesk::TakePictures(RobotLink& robot) {
+void ConsoleTopics::TakeSnapshots(RobotLink& robot) {
   for (auto& [picture, source] : robot.snapshot.TakeValidStamped(kConvert)) {
     if (picture.streamed) continue;
     // First the pixels: a page fetches them as soon as it hears of the picture.
     pictures_.Put(robot.name, picture.sequence_number, picture.jpeg);
     if (keeps_secrets_) picture.visible = {};
-    state_.Hear(picture, HeardAt(source));
+    state_.Receive(picture, ReceivedAt(source));
     const auto belief = beliefs_.find(robot.world);
     if (belief != beliefs_.end() && !keeps_secrets_) predictions_.Ask(picture, belief->second);
   }
 }
 
-void ConsoleDesk::TakePredictions() {
+void ConsoleTopics::TakePredictions() {
   for (const Prediction& p : predictions_.Step()) {
-    state_.Hear(p.robot, p.world, p.snapshot, p.belief_revision, p.model, p.answer);
+    state_.Receive(p.robot, p.world, p.snapshot, p.belief_revision, p.model, p.answer);
   }
 }
 
-void ConsoleDesk::Take(const PageEvent& event, std::vector<Asked>& asked) {
+void ConsoleTopics::Take(const PageEvent& event, std::vector<Asked>& asked) {
   if (const auto* body = std::get_if<PageAsked>(&event.body)) {
     if (auto request = Read(event, *body)) asked.push_back(*std::move(request));
   } else if (std::holds_alternative<PageJoined>(event.body)) {
     presence_.Join(event.page, event.who);
-    state_.Hear(presence_.People());
+    state_.Receive(presence_.People());
   } else if (std::holds_alternative<PageLeft>(event.body)) {
     presence_.Leave(event.page, clock_.Now());
-    state_.Hear(presence_.People());
+    state_.Receive(presence_.People());
   } else if (std::holds_alternative<PageUsed>(event.body)) {
     used_by_.insert(event.who.client);
   }
 }
 
-std::optional<ConsoleDesk::Asked> ConsoleDesk::Read(const PageEvent& event, const PageAsked& body) {
+std::optional<ConsoleTopics::Asked> ConsoleTopics::Read(const PageEvent& event,
+                                                        const PageAsked& body) {
   const console::Request& request = body.request;
   const std::string& client = event.who.client;
   auto domain = ToOperatorRequest(request, client, state_.TimeOf(request.world()));
@@ -302,14 +303,14 @@ std::optional<ConsoleDesk::Asked> ConsoleDesk::Read(const PageEvent& event, cons
     return std::nullopt;
   }
   const double now_s = WallSeconds();
-  std::string why_not = WhyNotNow(event.who, body, now_s, kDriveRefused);
+  std::string why_not = CheckNow(event.who, body, now_s, kDriveRefused);
   if (why_not.empty() && request.valid_until() > now_s + kLongestValid) {
     why_not = fmt::format("it would count for longer than {} s", kLongestValid);
   }
   return Asked{event.page, *std::move(domain), request.valid_until(), std::move(why_not)};
 }
 
-void ConsoleDesk::Reply(std::uint64_t page, const OperatorReply& reply) {
+void ConsoleTopics::Reply(std::uint64_t page, const OperatorReply& reply) {
   console::Reply message;
   message.set_id(reply.request_id);
   message.set_accepted(reply.accepted);
@@ -318,7 +319,7 @@ void ConsoleDesk::Reply(std::uint64_t page, const OperatorReply& reply) {
   gateway_->Send(page, message);
 }
 
-void ConsoleDesk::Hear(const ControlBook& control) {
+void ConsoleTopics::Receive(const ControlRegistry& control) {
   const double now_s = WallSeconds();
   for (const auto& [name, robot] : control.robots()) {
     console::Control message;
@@ -331,22 +332,22 @@ void ConsoleDesk::Hear(const ControlBook& control) {
     message.set_stopped(robot.hold.stopped);
     message.set_stopped_by(robot.hold.given_by);
     message.set_stop_reason(robot.hold.reason);
-    state_.Hear(std::move(message));
+    state_.Receive(std::move(message));
   }
 }
 
-void ConsoleDesk::Hear(const AnswerRequest& answer, const std::string& client) {
-  state_.HearAnswer(answer.robot, answer.snapshot, client);
+void ConsoleTopics::Receive(const AnswerRequest& answer, const std::string& client) {
+  state_.ReceiveAnswer(answer.robot, answer.snapshot, client);
 }
 
-void ConsoleDesk::Hear(const OperatorRequest& request, const OperatorReply& reply) {
+void ConsoleTopics::Receive(const OperatorRequest& request, const OperatorReply& reply) {
   console::Event event = EventOf(request, reply);
   event.set_time(WallSeconds());
   event.set_stamp(state_.TimeOf(request.world).ToSeconds());
-  state_.Hear(std::move(event));
+  state_.Receive(std::move(event));
 }
 
-void ConsoleDesk::SetReadiness(const Health& health) {
+void ConsoleTopics::SetReadiness(const Health& health) {
   nlohmann::ordered_json report;
   report["ready"] = health.level == Health::Level::kOk;
   report["message"] = health.message;

@@ -42,17 +42,17 @@ struct Prediction {
 /// console. A question without an answer is asked again, three times in all; then the page shows
 /// none, and nothing else suffers.
 /// Threads: one.
-class PredictionDesk {
+class PredictionClient {
  public:
   static constexpr int kTries = 3;
   static constexpr std::chrono::seconds kRepeat{1};
 
   /// Both outlive it.
-  PredictionDesk(bus::Participant& participant, const Clock& clock);
+  PredictionClient(bus::Participant& participant, const Clock& clock);
 
   /// `picture` came while the operator's map was `belief`. Pictures that show what lies beyond the map
   /// are left out.
-  void Ask(const Picture& picture, const Belief& belief);
+  void Ask(const Snapshot& picture, const Belief& belief);
   /// The answers that came since the last call, to each robot's newest question only.
   std::vector<Prediction> Step();
 
@@ -83,26 +83,26 @@ class PredictionDesk {
 /// (OperatorRequest), and answered by the same code. In the mapping task and in studies pages are told nothing that
 /// gives the true maze away (idl/console.proto, Task).
 /// Threads: one, the service's; the gateway has its own.
-class ConsoleDesk {
+class ConsoleTopics {
  public:
   /// `participant` and `clock` outlive it. Throws StartupError as Gateway does.
-  ConsoleDesk(bus::Participant& participant, const OperatorConfig& config, const Clock& clock);
-  ~ConsoleDesk();
+  ConsoleTopics(bus::Participant& participant, const OperatorConfig& config, const Clock& clock);
+  ~ConsoleTopics();
 
-  void Hear(const bus::Stamped<RobotState>& state);
-  void HearGeometry(const std::string& world, const MapUpdate& map);
-  void Hear(const Belief& belief, const BeliefGrid& initial);
-  void Hear(const Guidance& guidance);
-  void Hear(const AttentionQueueState& queue);
-  void Hear(const ControlBook& control);
-  void Hear(const Alert& alert);
-  void Hear(const TaskStatus& task);
+  void Receive(const bus::Stamped<RobotState>& state);
+  void ReceiveGeometry(const std::string& world, const MapUpdate& map);
+  void Receive(const Belief& belief, const BeliefGrid& initial);
+  void Receive(const Guidance& guidance);
+  void Receive(const AttentionQueueState& queue);
+  void Receive(const ControlRegistry& control);
+  void Receive(const Alert& alert);
+  void Receive(const TaskStatus& task);
   /// How the processes are, by name.
-  void Hear(const std::map<std::string, ServiceStatus>& services);
+  void Receive(const std::map<std::string, ServiceStatus>& services);
   /// "Nothing new here", by `client`; before the guidance that it made of it.
-  void Hear(const AnswerRequest& answer, const std::string& client);
+  void Receive(const AnswerRequest& answer, const std::string& client);
   /// What was decided about a request, for the command log.
-  void Hear(const OperatorRequest& request, const OperatorReply& reply);
+  void Receive(const OperatorRequest& request, const OperatorReply& reply);
 
   struct Asked {
     std::uint64_t page = 0;
@@ -132,7 +132,7 @@ class ConsoleDesk {
   void TakeFrom(RobotLink& robot);
   /// What the robot knows and plans.
   void TakeKnowledge(RobotLink& robot);
-  void TakePictures(RobotLink& robot);
+  void TakeSnapshots(RobotLink& robot);
   void TakeFrames(RobotLink& robot);
   void TakePredictions();
   void Take(const PageEvent& event, std::vector<Asked>& asked);
@@ -142,11 +142,11 @@ class ConsoleDesk {
   bool keeps_secrets_;  // pages must not learn the true maze: a participant sits there
   UpdateLog updates_;
   FrameSlots frames_;
-  PictureShelf pictures_;
+  SnapshotStore pictures_;
   ConsoleState state_;
   std::vector<std::unique_ptr<RobotLink>> robots_;
   std::map<std::string, Belief> beliefs_;  // by world
-  PredictionDesk predictions_;
+  PredictionClient predictions_;
   PagePresence presence_;
   std::set<std::string> used_by_;  // clients
   std::unique_ptr<Gateway> gateway_;

@@ -22,7 +22,7 @@ bool CommandsARobot(const OperatorRequest& request) {
 
 }  // namespace
 
-void ParticipantTask::Hear(const RobotState& state) {
+void ParticipantTask::Receive(const RobotState& state) {
   if (!robots_.contains(state.robot)) return;
   heard_[state.robot] = {static_cast<std::uint32_t>(state.goals_left.size()), state.goals_total,
                          state.snapshots};
@@ -38,7 +38,7 @@ std::uint32_t ParticipantTask::goals_left() const {
   return left;
 }
 
-std::string ParticipantTask::WhyNot(const OperatorRequest& request) const {
+std::string ParticipantTask::CheckAllowed(const OperatorRequest& request) const {
   const bool commands = CommandsARobot(request);
   if (commands && kind_ == TaskKind::kMapping) {
     return "in the mapping task the robot finds its own way: answer its picture instead";
@@ -47,7 +47,7 @@ std::string ParticipantTask::WhyNot(const OperatorRequest& request) const {
   return is_over && (commands || WorksOnTheMap(request)) ? "this maze is finished" : "";
 }
 
-std::string ParticipantTask::WhyNotFinish() const {
+std::string ParticipantTask::CheckFinish() const {
   if (phase_ == TaskPhase::kFinished) return "this maze is finished";
   if (phase_ == TaskPhase::kWaiting) return "this maze has not begun yet: let the robot go first";
   if (heard_.size() < robots_.size()) return "the robot was not heard of yet";
@@ -58,7 +58,7 @@ std::string ParticipantTask::WhyNotFinish() const {
 }
 
 Result<TaskResult> ParticipantTask::Measure(const Belief& belief, const BeliefGrid& initial) const {
-  if (std::string why = WhyNotFinish(); !why.empty()) return Fail(ErrorCode::kRefused, why);
+  if (std::string why = CheckFinish(); !why.empty()) return Fail(ErrorCode::kRefused, why);
   if (!SameShape(*truth_, belief.wall_probability) || !SameShape(*truth_, initial)) {
     return Fail(ErrorCode::kRefused, "the true maze has another size than the map");
   }

@@ -98,9 +98,9 @@ class ParticipantTask {
   explicit ParticipantTask(std::set<std::string> robots, TaskKind kind = TaskKind::kMapping)
       : robots_(std::move(robots)), kind_(kind) {}
 
-  void Hear(const RobotState& state);
+  void Receive(const RobotState& state);
   /// The true maze.
-  void Hear(const OccupancyGrid& truth) { truth_ = truth; }
+  void Receive(const OccupancyGrid& truth) { truth_ = truth; }
   /// A robot was let go; of no effect later than at the beginning.
   void Begin();
 
@@ -108,11 +108,11 @@ class ParticipantTask {
   std::uint32_t goals_left() const;
 
   /// Why the task forbids `request`; empty = it does not.
-  std::string WhyNot(const OperatorRequest& request) const;
+  std::string CheckAllowed(const OperatorRequest& request) const;
   /// Why the participant may not finish; empty = they may.
-  std::string WhyNotFinish() const;
+  std::string CheckFinish() const;
   /// What it would be with the map as it is now, which was `initial` at first. Errors: kRefused with
-  /// WhyNotFinish(), or when the maps do not belong together.
+  /// CheckFinish(), or when the maps do not belong together.
   [[nodiscard]] Result<TaskResult> Measure(const Belief& belief, const BeliefGrid& initial) const;
   void Finish() { phase_ = TaskPhase::kFinished; }
 

@@ -61,8 +61,8 @@ void EnsureWritable(const std::string& file) {
 
 }  // namespace
 
-TaskDesk::TaskDesk(bus::Participant& participant, const OperatorConfig& config, BeliefStore& store,
-                   const Clock& clock)
+TaskTopics::TaskTopics(bus::Participant& participant, const OperatorConfig& config,
+                       BeliefStore& store, const Clock& clock)
     : options_(config.task),
       world_(OnlyWorld(config)),
       store_(store),
@@ -76,11 +76,11 @@ TaskDesk::TaskDesk(bus::Participant& participant, const OperatorConfig& config, 
   }
 }
 
-void TaskDesk::Step() {
-  for (const MapUpdate& truth : truth_.TakeValid(kConvert)) task_.Hear(truth.cells);
+void TaskTopics::Step() {
+  for (const MapUpdate& truth : truth_.TakeValid(kConvert)) task_.Receive(truth.cells);
 }
 
-void TaskDesk::Hear(const ControlBook& control) {
+void TaskTopics::Receive(const ControlRegistry& control) {
   if (task_.phase() != TaskPhase::kWaiting) return;
   const auto goes = [](const auto& robot) { return !robot.second.hold.stopped; };
   if (!std::ranges::any_of(control.robots(), goes)) return;
@@ -89,7 +89,7 @@ void TaskDesk::Hear(const ControlBook& control) {
   began_at_s_ = WallSeconds();
 }
 
-BeliefStore::Answer TaskDesk::Finish(const OperatorRequest& request) {
+BeliefStore::Answer TaskTopics::Finish(const OperatorRequest& request) {
   if (auto repeat = store_.FindRepeat(request)) return *std::move(repeat);
   const auto result = Measure();
   const auto written =
@@ -99,7 +99,7 @@ BeliefStore::Answer TaskDesk::Finish(const OperatorRequest& request) {
   return store_.Keep(request, {});
 }
 
-Result<TaskResult> TaskDesk::Measure() {
+Result<TaskResult> TaskTopics::Measure() {
   const Belief* belief = store_.FindBelief(world_);
   if (belief == nullptr) return Fail(ErrorCode::kRefused, "the map is not known yet");
   return store_.InitialMap(world_).and_then(
@@ -108,7 +108,7 @@ Result<TaskResult> TaskDesk::Measure() {
       });
 }
 
-Result<void> TaskDesk::WriteResult(const TaskResult& result) {
+Result<void> TaskTopics::WriteResult(const TaskResult& result) {
   const std::chrono::duration<double> taken = clock_.Now() - began_;
   nlohmann::ordered_json json;
   json["participant"] = options_.participant;
@@ -128,19 +128,19 @@ Result<void> TaskDesk::WriteResult(const TaskResult& result) {
   return WriteJsonFile(options_.result, json);
 }
 
-void TaskDesk::Adopt(const TaskResult& result) {
+void TaskTopics::Adopt(const TaskResult& result) {
   result_ = result;
   task_.Finish();
 }
 
-TaskStatus TaskDesk::status() const {
+TaskStatus TaskTopics::status() const {
   return {.participant = options_.participant,
           .number = options_.number,
           .count = options_.count,
           .earlier = options_.earlier,
           .phase = task_.phase(),
           .goals_left = task_.goals_left(),
-          .may_finish = task_.WhyNotFinish().empty(),
+          .may_finish = task_.CheckFinish().empty(),
           .mapping_accuracy = result_.mapping_accuracy,
           .cell_accuracy = result_.cell_accuracy};
 }

@@ -20,19 +20,21 @@ namespace conav::operators {
 /// maze is finished from the start. The time of the beginning is not kept over a restart: the
 /// duration counts from there.
 /// Threads: one, the service's.
-class TaskDesk {
+class TaskTopics {
  public:
   /// `participant`, `store` and `clock` outlive it. Throws StartupError: the robots are in several
   /// worlds; the result file is there and cannot be read, or could not be written.
-  TaskDesk(bus::Participant& participant, const OperatorConfig& config, BeliefStore& store,
-           const Clock& clock);
+  TaskTopics(bus::Participant& participant, const OperatorConfig& config, BeliefStore& store,
+             const Clock& clock);
 
   void Step();
-  void Hear(const RobotState& state) { task_.Hear(state); }
+  void Receive(const RobotState& state) { task_.Receive(state); }
   /// Whether the robots go.
-  void Hear(const ControlBook& control);
+  void Receive(const ControlRegistry& control);
 
-  std::string WhyNot(const OperatorRequest& request) const { return task_.WhyNot(request); }
+  std::string CheckAllowed(const OperatorRequest& request) const {
+    return task_.CheckAllowed(request);
+  }
   /// Requires a FinishRequest. When only the reply cannot be stored, the maze is finished all the
   /// same.
   BeliefStore::Answer Finish(const OperatorRequest& request);

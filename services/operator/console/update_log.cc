@@ -62,7 +62,7 @@ void UpdateLog::Clear() {
   Forget([](std::string_view) { return true; });
 }
 
-void UpdateLog::Hold(bool held) {
+void UpdateLog::Pause(bool held) {
   const std::lock_guard lock(mutex_);
   held_ = held;
 }

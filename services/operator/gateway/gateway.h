@@ -63,7 +63,7 @@ class Gateway {
   struct Shared {
     UpdateLog& updates;
     FrameSlots& frames;
-    PictureShelf& pictures;
+    SnapshotStore& pictures;
   };
 
   /// Listens from now on. `shared` outlives it. A `welcome` without a run gets one of its own. `wake` is called on the gateway's thread, must be

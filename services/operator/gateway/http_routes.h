@@ -77,7 +77,7 @@ struct Readiness {
 class HttpRoutes {
  public:
   struct Sources {
-    const PictureShelf& pictures;
+    const SnapshotStore& pictures;
     std::function<Readiness()> readiness;
     std::function<std::string()> metrics;
   };

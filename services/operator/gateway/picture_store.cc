@@ -29,8 +29,8 @@ std::map<std::string, std::uint64_t> FrameSlots::Numbers() const {
   return numbers;
 }
 
-void PictureShelf::Put(const std::string& robot, std::uint64_t number,
-                       std::vector<std::uint8_t> jpeg) {
+void SnapshotStore::Put(const std::string& robot, std::uint64_t number,
+                        std::vector<std::uint8_t> jpeg) {
   const Key key{robot, number};
   const std::lock_guard lock(mutex_);
   EraseLocked(key);
@@ -44,13 +44,13 @@ void PictureShelf::Put(const std::string& robot, std::uint64_t number,
   order_.push_back(key);
 }
 
-PictureShelf::Pixels PictureShelf::Find(const std::string& robot, std::uint64_t number) const {
+SnapshotStore::Pixels SnapshotStore::Find(const std::string& robot, std::uint64_t number) const {
   const std::lock_guard lock(mutex_);
   const auto found = pixels_.find({robot, number});
   return found == pixels_.end() ? nullptr : found->second;
 }
 
-void PictureShelf::EraseLocked(const Key& key) {
+void SnapshotStore::EraseLocked(const Key& key) {
   const auto found = pixels_.find(key);
   if (found == pixels_.end()) return;
   bytes_ -= found->second->size();

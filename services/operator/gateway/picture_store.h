@@ -37,11 +37,11 @@ class FrameSlots {
 
 /// JPEG pixels of the newest pictures, up to a number of bytes in all; the oldest leave first.
 /// Threads: safe to call concurrently.
-class PictureShelf {
+class SnapshotStore {
  public:
   using Pixels = std::shared_ptr<const std::string>;
 
-  explicit PictureShelf(std::size_t limit_bytes) : limit_(limit_bytes) {}
+  explicit SnapshotStore(std::size_t limit_bytes) : limit_(limit_bytes) {}
 
   /// A picture of the same robot and number is replaced. One without pixels, or larger than the
   /// limit, is not kept.

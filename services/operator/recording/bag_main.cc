@@ -103,7 +103,8 @@ Result<void> Export(McapReader& reader, const fs::path& folder) {
   return {};
 }
 
-Result<void> Tell(const BagArguments& arguments, const McapReader& reader, const fs::path& file) {
+Result<void> Publish(const BagArguments& arguments, const McapReader& reader,
+                     const fs::path& file) {
   std::string text = BagText(reader, file.string());
   if (!arguments.rosbag2.empty()) {
     text += fmt::format("\nwritten as rosbag2: {}\n", arguments.rosbag2.string());
@@ -139,7 +140,7 @@ int RunBag(const BagArguments& arguments) {
   if (const auto written = Export(*reader, arguments.rosbag2); !written) {
     return Failed(kProgram, written.error());
   }
-  return ExitCode(kProgram, Tell(arguments, *reader, *file));
+  return ExitCode(kProgram, Publish(arguments, *reader, *file));
 }
 
 }  // namespace

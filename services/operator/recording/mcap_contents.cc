@@ -29,7 +29,7 @@ class Scan {
       if (auto done = TakeNext(); !done) return tl::unexpected(done.error());
     }
     if (contents_.cut_off.empty()) contents_.cut_off = "the file was not finished: no summary";
-    TellLosses();
+    ReportLosses();
     contents_.statistics.chunk_count = static_cast<std::uint32_t>(contents_.chunks.size());
     return std::move(contents_);
   }
@@ -44,7 +44,7 @@ class Scan {
     return {};
   }
 
-  void TellLosses() {
+  void ReportLosses() {
     if (damaged_chunks_ > 0) {
       contents_.cut_off += fmt::format("; {} damaged chunks are left out", damaged_chunks_);
     }

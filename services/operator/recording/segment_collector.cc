@@ -65,7 +65,7 @@ void SegmentCollector::Skip(const std::string& robot, std::uint64_t answered) {
   robots_[robot].newest = answered;
 }
 
-void SegmentCollector::Hear(const RobotState& state) {
+void SegmentCollector::Receive(const RobotState& state) {
   Robot& robot = robots_[state.robot];
   const bool restarted = robot.stamp && state.stamp < *robot.stamp;
   if (restarted) {
@@ -78,7 +78,7 @@ void SegmentCollector::Hear(const RobotState& state) {
   robot.goals_total = state.goals_total;
 }
 
-void SegmentCollector::Hear(Picture picture, Clock::TimePoint now) {
+void SegmentCollector::Receive(Snapshot picture, Clock::TimePoint now) {
   Robot& robot = robots_[picture.robot];
   const auto found = worlds_.find(picture.world);
   if (found == worlds_.end() || picture.streamed || picture.sequence_number <= robot.newest) return;

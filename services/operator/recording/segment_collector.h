@@ -103,8 +103,8 @@ class SegmentCollector {
   /// Pictures of `robot` up to this one were answered before; later ones were not.
   void Skip(const std::string& robot, std::uint64_t answered);
 
-  void Hear(const RobotState& state);
-  void Hear(Picture picture, Clock::TimePoint now);
+  void Receive(const RobotState& state);
+  void Receive(Snapshot picture, Clock::TimePoint now);
   /// The belief of a world after an accepted edit.
   void Edited(const Belief& belief, Clock::TimePoint now);
   /// Guidance that was accepted.
@@ -127,7 +127,7 @@ class SegmentCollector {
     std::uint32_t next_step = 0;
   };
   struct OpenSegment {
-    Picture picture;
+    Snapshot picture;
     BeliefGrid belief;                           // x
     std::optional<Clock::TimePoint> first_edit;  // since x
     Clock::TimePoint sent;

@@ -37,9 +37,9 @@ SegmentLog OpenLog(const SegmentOptions& config) {
 
 }  // namespace
 
-SegmentDesk::SegmentDesk(bus::Participant& participant, const SegmentOptions& config,
-                         const std::map<std::string, std::string>& world_of_robot,
-                         const Clock& clock)
+SegmentTopics::SegmentTopics(bus::Participant& participant, const SegmentOptions& config,
+                             const std::map<std::string, std::string>& world_of_robot,
+                             const Clock& clock)
     : config_(config),
       session_(SessionName(config)),
       clock_(clock),
@@ -54,40 +54,40 @@ SegmentDesk::SegmentDesk(bus::Participant& participant, const SegmentOptions& co
   }
 }
 
-SegmentDesk::~SegmentDesk() {
+SegmentTopics::~SegmentTopics() {
   collector_.End();
   Write();
   LOG_INFO("recorded", "file", config_.file, "segments", recorded_, "lost", lost_, "lost_pictures",
            lost_pictures_);
 }
 
-void SegmentDesk::Step() {
+void SegmentTopics::Step() {
   for (const auto& [world, subscriber] : truths_) {
     for (const MapUpdate& truth : subscriber->TakeValid(kConvert)) {
       collector_.SetTruth(world, truth.cells);
     }
   }
   for (const auto& [robot, subscriber] : snapshots_) {
-    for (Picture& picture : subscriber->TakeValid(kConvert)) {
-      collector_.Hear(std::move(picture), clock_.Now());
+    for (Snapshot& picture : subscriber->TakeValid(kConvert)) {
+      collector_.Receive(std::move(picture), clock_.Now());
     }
   }
   Write();
 }
 
-void SegmentDesk::Edited(const Belief& belief) { collector_.Edited(belief, clock_.Now()); }
+void SegmentTopics::Edited(const Belief& belief) { collector_.Edited(belief, clock_.Now()); }
 
-void SegmentDesk::Guided(const Guidance& guidance) {
+void SegmentTopics::Guided(const Guidance& guidance) {
   collector_.Guided(guidance, clock_.Now());
   Write();
 }
 
-void SegmentDesk::Finish() {
+void SegmentTopics::Finish() {
   collector_.Finish(clock_.Now());
   Write();
 }
 
-void SegmentDesk::Write() {
+void SegmentTopics::Write() {
   for (RecordedSegment& done : collector_.Take()) {
     const auto written = Append(done);
     ++(written ? recorded_ : lost_);
@@ -99,9 +99,9 @@ void SegmentDesk::Write() {
   }
 }
 
-Result<void> SegmentDesk::Append(RecordedSegment& done) {
+Result<void> SegmentTopics::Append(RecordedSegment& done) {
   if (config_.pictures && !done.jpeg.empty()) {
-    if (const auto kept = KeepPicture(done); !kept) NoteLostPicture(done, kept.error());
+    if (const auto kept = KeepSnapshot(done); !kept) NoteLostPicture(done, kept.error());
   }
   const auto known = numbers_.find(done.world);
   const std::uint32_t number = known != numbers_.end() ? known->second : log_.trajectories();
@@ -110,7 +110,7 @@ Result<void> SegmentDesk::Append(RecordedSegment& done) {
   });
 }
 
-void SegmentDesk::NoteLostPicture(const RecordedSegment& done, const Error& why) {
+void SegmentTopics::NoteLostPicture(const RecordedSegment& done, const Error& why) {
   ++lost_pictures_;
   if (const auto held_back = pictures_logged_.Allow()) {
     LOG_ERROR("picture not kept, its segment is", "robot", done.robot, "picture",
@@ -118,7 +118,7 @@ void SegmentDesk::NoteLostPicture(const RecordedSegment& done, const Error& why)
   }
 }
 
-Result<void> SegmentDesk::KeepPicture(RecordedSegment& done) const {
+Result<void> SegmentTopics::KeepSnapshot(RecordedSegment& done) const {
   const std::filesystem::path folder = "pictures";
   const std::filesystem::path file =
       folder / fmt::format("{}-{}-{:06}.jpg", session_, done.robot, done.sequence_number);

@@ -22,20 +22,20 @@ namespace conav::operators {
 /// A segment that cannot be written is lost, logged and counted; one whose picture cannot be written
 /// is recorded without it, which is logged and counted, too. The service goes on.
 /// Threads: one, the service's.
-class SegmentDesk {
+class SegmentTopics {
  public:
   /// `participant` and `clock` outlive it. `world_of_robot`: whose pictures are recorded.
   /// Throws StartupError: the file cannot be recorded to, the list of mazes is wrong.
-  SegmentDesk(bus::Participant& participant, const SegmentOptions& config,
-              const std::map<std::string, std::string>& world_of_robot, const Clock& clock);
+  SegmentTopics(bus::Participant& participant, const SegmentOptions& config,
+                const std::map<std::string, std::string>& world_of_robot, const Clock& clock);
   /// Records what is left of the session.
-  ~SegmentDesk();
+  ~SegmentTopics();
 
   /// Takes in the pictures that arrived. Before requests are answered.
   void Step();
   void Begin(const Belief& belief) { collector_.Begin(belief, clock_.Now()); }
   void Skip(const std::string& robot, std::uint64_t answered) { collector_.Skip(robot, answered); }
-  void Hear(const RobotState& state) { collector_.Hear(state); }
+  void Receive(const RobotState& state) { collector_.Receive(state); }
   void Edited(const Belief& belief);
   void Guided(const Guidance& guidance);
   /// The person says that they are done.
@@ -51,7 +51,7 @@ class SegmentDesk {
 
   void Write();
   Result<void> Append(RecordedSegment& done);
-  Result<void> KeepPicture(RecordedSegment& done) const;
+  Result<void> KeepSnapshot(RecordedSegment& done) const;
   void NoteLostPicture(const RecordedSegment& done, const Error& why);
 
   SegmentOptions config_;

@@ -21,6 +21,9 @@
 namespace conav::operators {
 namespace {
 
+/// What conav 0.1 called bus::kStopOrder; its recordings stay readable.
+constexpr bus::Topic<conav_msgs::msg::StopOrder> kStopOrderOf01{"/{}/hold", bus::kLatchedQos};
+
 /// Takes up a serialised message that was recorded at `wall_s`; false when it is not one of the
 /// topic's, or says what cannot be.
 using TakeUp = std::function<bool(std::span<const std::uint8_t> message, double wall_s)>;
@@ -51,46 +54,47 @@ class Topics {
 };
 
 void AddRobot(Topics& topics, const std::string& robot, TimelineBuilder& builder) {
-  const auto hear = [&builder](auto value, double wall_s) {
-    builder.Hear(wall_s, std::move(value));
+  const auto receive = [&builder](auto value, double wall_s) {
+    builder.Receive(wall_s, std::move(value));
   };
-  topics.OnValue(bus::kRobotState, robot, hear);
-  topics.OnValue(bus::kGuidance, robot, hear);
-  topics.OnValue(bus::kSearchReport, robot, hear);
-  topics.OnValue(bus::kSnapshot, robot, hear);
-  topics.OnValue(bus::kHoldOrder, robot, hear);
+  topics.OnValue(bus::kRobotState, robot, receive);
+  topics.OnValue(bus::kGuidance, robot, receive);
+  topics.OnValue(bus::kSearchReport, robot, receive);
+  topics.OnValue(bus::kSnapshot, robot, receive);
+  topics.OnValue(bus::kStopOrder, robot, receive);
+  topics.OnValue(kStopOrderOf01, robot, receive);
   topics.OnValue(bus::kRobotMap, robot, [&builder, robot](MapUpdate map, double wall_s) {
-    builder.HearSeen(wall_s, robot, std::move(map));
+    builder.ReceiveSeen(wall_s, robot, std::move(map));
   });
   topics.OnValue(bus::kGoalPose, robot, [&builder, robot](Position goal, double wall_s) {
-    builder.HearGoalPose(wall_s, robot, goal);
+    builder.ReceiveGoalPose(wall_s, robot, goal);
   });
   topics.On(bus::kPlan, robot, [&builder, robot](const nav_msgs::msg::Path& path, double wall_s) {
     const auto stamp = ToDomain(path.header().stamp());
-    builder.HearPlan(wall_s, robot, stamp.value_or(SimTime{}), ToPositions(path));
+    builder.ReceivePlan(wall_s, robot, stamp.value_or(SimTime{}), ToPositions(path));
     return true;
   });
   topics.On(bus::kCameraImage, robot,
             [&builder, robot](const sensor_msgs::msg::CompressedImage& image, double wall_s) {
               const auto stamp = ToDomain(image.header().stamp());
-              builder.HearFrame(wall_s, {robot, stamp.value_or(SimTime{}), image.data()});
+              builder.ReceiveFrame(wall_s, {robot, stamp.value_or(SimTime{}), image.data()});
               return true;
             });
 }
 
 void AddWorld(Topics& topics, const std::string& world, TimelineBuilder& builder) {
   topics.OnValue(bus::kInitialMap, world, [&builder, world](MapUpdate map, double wall_s) {
-    builder.HearInitialMap(wall_s, world, std::move(map));
+    builder.ReceiveInitialMap(wall_s, world, std::move(map));
   });
   topics.OnValue(bus::kTruth, world, [&builder, world](MapUpdate truth, double wall_s) {
-    builder.HearTruth(wall_s, world, std::move(truth));
+    builder.ReceiveTruth(wall_s, world, std::move(truth));
   });
   topics.OnValue(bus::kBelief, world, [&builder](Belief belief, double wall_s) {
-    builder.Hear(wall_s, std::move(belief));
+    builder.Receive(wall_s, std::move(belief));
   });
 }
 
-/// For each topic that a console hears of these robots (their worlds by name), by topic. `builder`
+/// For each topic that a console receives of these robots (their worlds by name), by topic. `builder`
 /// outlives it.
 std::map<std::string, TakeUp> RecordedTopics(
     const std::map<std::string, std::string>& world_of_robot, TimelineBuilder& builder) {
@@ -101,16 +105,16 @@ std::map<std::string, TakeUp> RecordedTopics(
     worlds.insert(world);
   }
   for (const std::string& world : worlds) AddWorld(topics, world, builder);
-  const auto hear = [&builder](auto value, double wall_s) {
-    builder.Hear(wall_s, std::move(value));
+  const auto receive = [&builder](auto value, double wall_s) {
+    builder.Receive(wall_s, std::move(value));
   };
-  topics.OnValue(bus::kAttentionQueue, "", hear);
-  topics.OnValue(bus::kOperatorRequest, "", hear);
-  topics.OnValue(bus::kOperatorReply, "", hear);
+  topics.OnValue(bus::kAttentionQueue, "", receive);
+  topics.OnValue(bus::kOperatorRequest, "", receive);
+  topics.OnValue(bus::kOperatorReply, "", receive);
   topics.On(bus::kDiagnostics, "", [&builder](const auto& array, double wall_s) {
     for (const ReportedHealth& health : HealthOf(array)) {
       const auto level = static_cast<console::Level>(health.level);
-      builder.Hear(wall_s, ServiceHealth{health.process, level, health.message});
+      builder.Receive(wall_s, ServiceHealth{health.process, level, health.message});
     }
     return true;
   });

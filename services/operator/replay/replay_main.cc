@@ -45,7 +45,7 @@ class ReplayServer {
   const Clock& clock_;
   UpdateLog updates_;
   FrameSlots frames_;
-  PictureShelf pictures_;
+  SnapshotStore pictures_;
   ReplayPlayer player_;
   Clock::TimePoint stepped_at_;
   /// Of the seeks that came since the last step: only where they end counts.
@@ -118,10 +118,10 @@ void ReplayServer::Take(const PageEvent& event) {
   } else if (std::holds_alternative<PageJoined>(event.body)) {
     presence_.Join(event.page, event.who);
     if (!std::exchange(was_seen_, true)) speed_ = 1.0;
-    player_.Hear(presence_.People());
+    player_.Receive(presence_.People());
   } else {
     presence_.Leave(event.page, clock_.Now());
-    player_.Hear(presence_.People());
+    player_.Receive(presence_.People());
   }
 }
 

@@ -24,24 +24,30 @@ struct ReplayPlayer::Sound {
 
   void operator()(const RobotState& robot) const {
     player.states_[robot.robot] = moment;
-    state().Hear(robot, heard_at_s);
+    state().Receive(robot, heard_at_s);
   }
-  void operator()(const SeenMap& seen) const { state().HearSeen(seen.robot, seen.world, seen.map); }
-  void operator()(const InitialMap& map) const { state().HearGeometry(map.world, map.map); }
-  void operator()(const TrueMap& truth) const { state().HearTruth(truth.world, truth.map.cells); }
-  void operator()(const HeardBelief& heard) const { state().Hear(heard.belief, *heard.initial); }
-  void operator()(const Guidance& guidance) const { state().Hear(guidance); }
-  void operator()(const PlannedWay& plan) const {
-    state().HearPlan(plan.robot, plan.stamp, plan.cells);
+  void operator()(const SeenMap& seen) const {
+    state().ReceiveSeen(seen.robot, seen.world, seen.map);
+  }
+  void operator()(const InitialMap& map) const { state().ReceiveGeometry(map.world, map.map); }
+  void operator()(const TrueMap& truth) const {
+    state().ReceiveTruth(truth.world, truth.map.cells);
+  }
+  void operator()(const ReceivedBelief& heard) const {
+    state().Receive(heard.belief, *heard.initial);
+  }
+  void operator()(const Guidance& guidance) const { state().Receive(guidance); }
+  void operator()(const PlannedPath& plan) const {
+    state().ReceivePlan(plan.robot, plan.stamp, plan.cells);
   }
   void operator()(const GoalSet& goal) const {
-    state().HearGoalPose(goal.robot, goal.cell, goal.stamp.ToSeconds());
+    state().ReceiveGoalPose(goal.robot, goal.cell, goal.stamp.ToSeconds());
   }
-  void operator()(const SearchReport& report) const { state().Hear(report); }
-  void operator()(const Picture& picture) const {
+  void operator()(const SearchReport& report) const { state().Receive(report); }
+  void operator()(const Snapshot& picture) const {
     player.pictures_[picture.robot] = moment;
-    state().Hear(picture, heard_at_s);
-    PictureShelf& shelf = player.shared_.pictures;
+    state().Receive(picture, heard_at_s);
+    SnapshotStore& shelf = player.shared_.pictures;
     const auto kept = shelf.Find(picture.robot, picture.sequence_number);
     const bool same = kept && std::equal(kept->begin(), kept->end(), picture.jpeg.begin(),
                                          picture.jpeg.end(), [](char a, std::uint8_t b) {
@@ -49,8 +55,8 @@ struct ReplayPlayer::Sound {
                                          });
     if (!same) shelf.Put(picture.robot, picture.sequence_number, picture.jpeg);
   }
-  void operator()(const PictureAnswered& answer) const {
-    state().HearAnswer(answer.robot, answer.snapshot, answer.client);
+  void operator()(const SnapshotAnswered& answer) const {
+    state().ReceiveAnswer(answer.robot, answer.snapshot, answer.client);
   }
   void operator()(const StreamFrame& stream) const {
     player.frames_[stream.robot] = moment;
@@ -67,26 +73,26 @@ struct ReplayPlayer::Sound {
     frame.mutable_jpeg()->assign(stream.jpeg.begin(), stream.jpeg.end());
     player.shared_.frames.Put(std::move(frame));
   }
-  void operator()(const AttentionQueueState& queue) const { state().Hear(queue); }
-  void operator()(const HoldOrder& order) const {
+  void operator()(const AttentionQueueState& queue) const { state().Receive(queue); }
+  void operator()(const StopOrder& order) const {
     console::Control control;
     control.set_robot(order.robot);
     control.set_stopped(order.stopped);
     control.set_stopped_by(order.given_by);
     control.set_stop_reason(order.reason);
-    state().Hear(std::move(control));
+    state().Receive(std::move(control));
   }
   void operator()(const ServiceHealth& health) const {
     player.processes_[health.name] = moment;
-    state().Hear(health, heard_at_s);
+    state().Receive(health, heard_at_s);
   }
   void operator()(Alert alert) const {
     player.alerts_[alert.id] = moment;
-    alert.raised_s = player.HeardAt(alert.raised_s, now_s);
-    alert.newest_s = player.HeardAt(alert.newest_s, now_s);
-    state().Hear(ToConsole(alert));
+    alert.raised_s = player.ReceivedAt(alert.raised_s, now_s);
+    alert.newest_s = player.ReceivedAt(alert.newest_s, now_s);
+    state().Receive(ToConsole(alert));
   }
-  void operator()(const console::Event& event) const { state().Hear(event); }
+  void operator()(const console::Event& event) const { state().Receive(event); }
 };
 
 ReplayPlayer::ReplayPlayer(const Timeline& timeline, Shared shared, double now_s)
@@ -117,14 +123,14 @@ void ReplayPlayer::Seek(std::optional<double> position_s, std::optional<double> 
   PutPlayback(now_s);
 }
 
-void ReplayPlayer::Hear(std::vector<Person> people) {
+void ReplayPlayer::Receive(std::vector<Person> people) {
   people_ = std::move(people);
-  state_.Hear(people_);
+  state_.Receive(people_);
 }
 
 void ReplayPlayer::BeginAnew() {
   state_.BeginAnew();
-  if (!people_.empty()) state_.Hear(people_);
+  if (!people_.empty()) state_.Receive(people_);
   next_ = 0;
   states_.clear();
   pictures_.clear();
@@ -143,7 +149,7 @@ void ReplayPlayer::MoveTo(double position_s, double now_s) {
   for (; next_ < end; ++next_) {
     const Moment& moment = moments[next_];
     if (moment.replaced_by < end) continue;
-    std::visit(Sound{*this, next_, HeardAt(moment.position_s, now_s), now_s}, moment.heard);
+    std::visit(Sound{*this, next_, ReceivedAt(moment.position_s, now_s), now_s}, moment.heard);
   }
 }
 
@@ -154,11 +160,11 @@ void ReplayPlayer::Refresh(double now_s) {
   for (const auto* of_kind : {&states_, &processes_, &frames_}) {
     for (const auto& [name, moment] : *of_kind) {
       const Moment& heard = timeline_.moments[moment];
-      std::visit(Sound{*this, moment, HeardAt(heard.position_s, now_s), now_s}, heard.heard);
+      std::visit(Sound{*this, moment, ReceivedAt(heard.position_s, now_s), now_s}, heard.heard);
     }
   }
   for (const auto& [robot, moment] : pictures_) {
-    state_.HearPictureAgain(robot, HeardAt(timeline_.moments[moment].position_s, now_s));
+    state_.ReceiveSnapshotAgain(robot, ReceivedAt(timeline_.moments[moment].position_s, now_s));
   }
   for (const auto& [id, moment] : alerts_) {
     Sound{*this, moment, now_s, now_s}(std::get<Alert>(timeline_.moments[moment].heard));
@@ -172,7 +178,7 @@ void ReplayPlayer::PutPlayback(double now_s) {
   playback.set_duration(timeline_.duration_s);
   playback.set_speed(speed_);
   playback.mutable_marks()->Add(timeline_.marks.begin(), timeline_.marks.end());
-  state_.Hear(playback);
+  state_.Receive(playback);
 }
 
 }  // namespace conav::operators

@@ -24,7 +24,7 @@ class ReplayPlayer {
   struct Shared {
     UpdateLog& updates;
     FrameSlots& frames;
-    PictureShelf& pictures;
+    SnapshotStore& pictures;
   };
 
   /// Pauses at the beginning. Both outlive it.
@@ -36,7 +36,7 @@ class ReplayPlayer {
   /// when it goes back.
   void Seek(std::optional<double> position_s, std::optional<double> speed, double now_s);
   /// Who looks at it now.
-  void Hear(std::vector<Person> people);
+  void Receive(std::vector<Person> people);
 
   double position_s() const { return position_s_; }
   /// Recorded seconds per second; 0 = paused.
@@ -50,7 +50,7 @@ class ReplayPlayer {
   /// Says again what has an age, where pages count it wrongly by now.
   void Refresh(double now_s);
   void PutPlayback(double now_s);
-  double HeardAt(double position_s, double now_s) const {
+  double ReceivedAt(double position_s, double now_s) const {
     return now_s - (position_s_ - position_s);
   }
 

@@ -66,12 +66,12 @@ void TimelineBuilder::MoveWith(const RobotState& state) {
   position_s_ = std::max(position_s_, world.position_s + since_s);
 }
 
-std::size_t TimelineBuilder::Add(Heard heard) {
+std::size_t TimelineBuilder::Add(Received heard) {
   timeline_.moments.push_back({position_s_, Moment::kNever, std::move(heard)});
   return timeline_.moments.size() - 1;
 }
 
-void TimelineBuilder::Add(const std::string& group, bool replaceable, Heard heard) {
+void TimelineBuilder::Add(const std::string& group, bool replaceable, Received heard) {
   const std::size_t moment = Add(std::move(heard));
   Replaceable& last = groups_[group];
   if (last.is) timeline_.moments[last.moment].replaced_by = moment;
@@ -102,7 +102,7 @@ void TimelineBuilder::AddEvent(double wall_s, console::EventKind kind, const std
   Add(std::move(event));
 }
 
-void TimelineBuilder::Hear(double wall_s, RobotState state) {
+void TimelineBuilder::Receive(double wall_s, RobotState state) {
   MoveTo(wall_s);
   MoveWith(state);
   RobotMemory& robot = robots_[state.robot];
@@ -124,12 +124,12 @@ void TimelineBuilder::Hear(double wall_s, RobotState state) {
   Add(group, !moved, std::move(state));
 }
 
-void TimelineBuilder::HearSeen(double wall_s, const std::string& robot, MapUpdate map) {
+void TimelineBuilder::ReceiveSeen(double wall_s, const std::string& robot, MapUpdate map) {
   MoveTo(wall_s);
   Add("seen/" + robot, true, SeenMap{robot, robots_[robot].world, std::move(map)});
 }
 
-void TimelineBuilder::HearInitialMap(double wall_s, const std::string& world, MapUpdate map) {
+void TimelineBuilder::ReceiveInitialMap(double wall_s, const std::string& world, MapUpdate map) {
   MoveTo(wall_s);
   WorldMemory& memory = worlds_[world];
   memory.geometry = GridGeometry{map.cells.rows(), map.cells.columns(), map.cell_size_m};
@@ -137,12 +137,12 @@ void TimelineBuilder::HearInitialMap(double wall_s, const std::string& world, Ma
   Add(InitialMap{world, std::move(map)});
 }
 
-void TimelineBuilder::HearTruth(double wall_s, const std::string& world, MapUpdate truth) {
+void TimelineBuilder::ReceiveTruth(double wall_s, const std::string& world, MapUpdate truth) {
   MoveTo(wall_s);
   Add(TrueMap{world, std::move(truth)});
 }
 
-void TimelineBuilder::Hear(double wall_s, Belief belief) {
+void TimelineBuilder::Receive(double wall_s, Belief belief) {
   MoveTo(wall_s);
   WorldMemory& world = worlds_[belief.world];
   if (!world.initial) world.initial = std::make_shared<const BeliefGrid>(belief.wall_probability);
@@ -155,16 +155,16 @@ void TimelineBuilder::Hear(double wall_s, Belief belief) {
   }
   world.belief = belief;
   const std::string group = "belief/" + belief.world;
-  Add(group, true, HeardBelief{std::move(belief), world.initial});
+  Add(group, true, ReceivedBelief{std::move(belief), world.initial});
 }
 
-void TimelineBuilder::Hear(double wall_s, Guidance guidance) {
+void TimelineBuilder::Receive(double wall_s, Guidance guidance) {
   MoveTo(wall_s);
   std::optional<Guidance>& before = robots_[guidance.robot].guidance;
   const bool is_stored = !before && guidance.revision > 1;  // before the recording began
   const bool is_new = !is_stored && (!before || guidance.revision > before->revision);
   if (is_new && IsAnswer(before, guidance)) {
-    Add(PictureAnswered{guidance.robot, guidance.answers_snapshot, guidance.given_by});
+    Add(SnapshotAnswered{guidance.robot, guidance.answers_snapshot, guidance.given_by});
     Mark(console::MARK_GUIDANCE, guidance.robot,
          fmt::format("{}: nothing new in picture {}", guidance.robot, guidance.answers_snapshot));
     AddEvent(wall_s, console::EVENT_ANSWER, guidance.given_by, guidance.world, guidance.robot,
@@ -180,23 +180,23 @@ void TimelineBuilder::Hear(double wall_s, Guidance guidance) {
   Add(std::move(guidance));
 }
 
-void TimelineBuilder::HearPlan(double wall_s, const std::string& robot, SimTime stamp,
-                               const std::vector<Position>& positions) {
+void TimelineBuilder::ReceivePlan(double wall_s, const std::string& robot, SimTime stamp,
+                                  const std::vector<Position>& positions) {
   MoveTo(wall_s);
   const auto& geometry = worlds_[robots_[robot].world].geometry;
   if (geometry) {
-    Add("plan/" + robot, true, PlannedWay{robot, stamp, CellsAt(positions, *geometry)});
+    Add("plan/" + robot, true, PlannedPath{robot, stamp, CellsAt(positions, *geometry)});
   }
 }
 
-void TimelineBuilder::HearGoalPose(double wall_s, const std::string& robot, Position goal) {
+void TimelineBuilder::ReceiveGoalPose(double wall_s, const std::string& robot, Position goal) {
   MoveTo(wall_s);
   const WorldMemory& world = worlds_[robots_[robot].world];
   const auto cell = world.geometry ? CellAt(goal, *world.geometry) : std::nullopt;
   if (cell) Add("goal_pose/" + robot, true, GoalSet{robot, *cell, world.newest});
 }
 
-void TimelineBuilder::Hear(double wall_s, SearchReport report) {
+void TimelineBuilder::Receive(double wall_s, SearchReport report) {
   MoveTo(wall_s);
   report.tree.clear();  // not shown
   report.views.clear();
@@ -204,7 +204,7 @@ void TimelineBuilder::Hear(double wall_s, SearchReport report) {
   Add(group, true, std::move(report));
 }
 
-void TimelineBuilder::Hear(double wall_s, Picture picture) {
+void TimelineBuilder::Receive(double wall_s, Snapshot picture) {
   MoveTo(wall_s);
   if (picture.streamed) return;
   Mark(console::MARK_PICTURE, picture.robot,
@@ -212,14 +212,14 @@ void TimelineBuilder::Hear(double wall_s, Picture picture) {
   Add(std::move(picture));
 }
 
-void TimelineBuilder::HearFrame(double wall_s, StreamFrame frame) {
+void TimelineBuilder::ReceiveFrame(double wall_s, StreamFrame frame) {
   MoveTo(wall_s);
   timeline_.session.set_streams(true);
   const std::string group = "frame/" + frame.robot;
   Add(group, true, std::move(frame));
 }
 
-void TimelineBuilder::Hear(double wall_s, AttentionQueueState queue) {
+void TimelineBuilder::Receive(double wall_s, AttentionQueueState queue) {
   Follow(wall_s);
   items_ = queue.items;
   // The notice leaves the queue after a while; the robot is lost until it is heard again.
@@ -230,7 +230,7 @@ void TimelineBuilder::Hear(double wall_s, AttentionQueueState queue) {
   LookForAlerts(wall_s);
 }
 
-void TimelineBuilder::Hear(double wall_s, HoldOrder order) {
+void TimelineBuilder::Receive(double wall_s, StopOrder order) {
   MoveTo(wall_s);
   bool& stopped = robots_[order.robot].stopped;
   if (stopped != order.stopped) {
@@ -243,7 +243,7 @@ void TimelineBuilder::Hear(double wall_s, HoldOrder order) {
   Add(std::move(order));
 }
 
-void TimelineBuilder::Hear(double wall_s, ServiceHealth health) {
+void TimelineBuilder::Receive(double wall_s, ServiceHealth health) {
   Follow(wall_s);
   processes_[health.name] = {health, wall_s};
   const std::string group = "health/" + health.name;
@@ -288,14 +288,14 @@ void TimelineBuilder::LookForAlerts(double wall_s) {
   }
 }
 
-void TimelineBuilder::Hear(double wall_s, OperatorRequest request) {
+void TimelineBuilder::Receive(double wall_s, OperatorRequest request) {
   Follow(wall_s);
   if (std::holds_alternative<DriveRequest>(request.body)) return;
   RequestKey key{request.client, request.request_id};
   if (!answered_.contains(key)) requests_.emplace(std::move(key), std::move(request));
 }
 
-void TimelineBuilder::Hear(double wall_s, const OperatorReply& reply) {
+void TimelineBuilder::Receive(double wall_s, const OperatorReply& reply) {
   Follow(wall_s);
   const RequestKey key{reply.client, reply.request_id};
   const auto found = requests_.find(key);

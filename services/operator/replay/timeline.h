@@ -37,11 +37,11 @@ struct TrueMap {
   std::string world;
   MapUpdate map;
 };
-struct HeardBelief {
+struct ReceivedBelief {
   Belief belief;
   std::shared_ptr<const BeliefGrid> initial;
 };
-struct PlannedWay {
+struct PlannedPath {
   std::string robot;
   SimTime stamp;
   std::vector<Cell> cells;
@@ -52,7 +52,7 @@ struct GoalSet {
   SimTime stamp;
 };
 /// "Nothing new here"; before the guidance that the operator service made of it.
-struct PictureAnswered {
+struct SnapshotAnswered {
   std::string robot;
   std::uint64_t snapshot = 0;
   std::string client;
@@ -63,9 +63,10 @@ struct StreamFrame {
   std::vector<std::uint8_t> jpeg;
 };
 /// Times of an alert: positions in the recording, s.
-using Heard = std::variant<RobotState, SeenMap, InitialMap, TrueMap, HeardBelief, Guidance,
-                           PlannedWay, GoalSet, SearchReport, Picture, PictureAnswered, StreamFrame,
-                           AttentionQueueState, HoldOrder, ServiceHealth, Alert, console::Event>;
+using Received =
+    std::variant<RobotState, SeenMap, InitialMap, TrueMap, ReceivedBelief, Guidance, PlannedPath,
+                 GoalSet, SearchReport, Snapshot, SnapshotAnswered, StreamFrame,
+                 AttentionQueueState, StopOrder, ServiceHealth, Alert, console::Event>;
 
 /// Something that was heard.
 struct Moment {
@@ -74,7 +75,7 @@ struct Moment {
   double position_s = 0.0;
   /// Number of the moment that says the same anew: whoever hears that one need not hear this one.
   std::size_t replaced_by = kNever;
-  Heard heard;
+  Received heard;
 };
 
 /// A recorded run, all of it. Positions: s since its beginning.
@@ -97,24 +98,24 @@ class TimelineBuilder {
  public:
   explicit TimelineBuilder(console::Session session);
 
-  void Hear(double wall_s, RobotState state);
-  void HearSeen(double wall_s, const std::string& robot, MapUpdate map);
-  void HearInitialMap(double wall_s, const std::string& world, MapUpdate map);
-  void HearTruth(double wall_s, const std::string& world, MapUpdate truth);
-  void Hear(double wall_s, Belief belief);
-  void Hear(double wall_s, Guidance guidance);
+  void Receive(double wall_s, RobotState state);
+  void ReceiveSeen(double wall_s, const std::string& robot, MapUpdate map);
+  void ReceiveInitialMap(double wall_s, const std::string& world, MapUpdate map);
+  void ReceiveTruth(double wall_s, const std::string& world, MapUpdate truth);
+  void Receive(double wall_s, Belief belief);
+  void Receive(double wall_s, Guidance guidance);
   /// Dropped while the size of the robot's world is not known, as GoalPose.
-  void HearPlan(double wall_s, const std::string& robot, SimTime stamp,
-                const std::vector<Position>& positions);
-  void HearGoalPose(double wall_s, const std::string& robot, Position goal);
-  void Hear(double wall_s, SearchReport report);
-  void Hear(double wall_s, Picture picture);
-  void HearFrame(double wall_s, StreamFrame frame);
-  void Hear(double wall_s, AttentionQueueState queue);
-  void Hear(double wall_s, HoldOrder order);
-  void Hear(double wall_s, ServiceHealth health);
-  void Hear(double wall_s, OperatorRequest request);
-  void Hear(double wall_s, const OperatorReply& reply);
+  void ReceivePlan(double wall_s, const std::string& robot, SimTime stamp,
+                   const std::vector<Position>& positions);
+  void ReceiveGoalPose(double wall_s, const std::string& robot, Position goal);
+  void Receive(double wall_s, SearchReport report);
+  void Receive(double wall_s, Snapshot picture);
+  void ReceiveFrame(double wall_s, StreamFrame frame);
+  void Receive(double wall_s, AttentionQueueState queue);
+  void Receive(double wall_s, StopOrder order);
+  void Receive(double wall_s, ServiceHealth health);
+  void Receive(double wall_s, OperatorRequest request);
+  void Receive(double wall_s, const OperatorReply& reply);
 
   Timeline Finish() &&;
 
@@ -151,9 +152,9 @@ class TimelineBuilder {
   /// The same, but it does not begin the recording.
   void Follow(double wall_s);
   void MoveWith(const RobotState& state);
-  std::size_t Add(Heard heard);
+  std::size_t Add(Received heard);
   /// `replaceable`: void as soon as the next one of `group` is heard.
-  void Add(const std::string& group, bool replaceable, Heard heard);
+  void Add(const std::string& group, bool replaceable, Received heard);
   void Mark(console::MarkKind kind, const std::string& robot, std::string text);
   void AddEvent(double wall_s, console::EventKind kind, const std::string& client,
                 const std::string& world, const std::string& robot, std::string text,
@@ -170,7 +171,7 @@ class TimelineBuilder {
   std::map<std::string, WorldMemory> worlds_;
   std::map<std::string, ProcessMemory> processes_;
   std::vector<AttentionItem> items_;
-  AlertBook alerts_;
+  AlertRegistry alerts_;
   std::map<std::uint64_t, std::uint32_t> alert_counts_;
   using RequestKey = std::pair<std::string, std::uint64_t>;  // client and id
   std::map<RequestKey, OperatorRequest> requests_;

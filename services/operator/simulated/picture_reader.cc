@@ -30,7 +30,7 @@ bool ContinuesWall(const BeliefGrid& belief, Cell cell) {
 /// One picture beside the map.
 struct PictureReading::Look {
   const BeliefGrid& belief;
-  const Picture& picture;
+  const Snapshot& picture;
   const std::set<Cell>& certain;
   std::set<Cell> driven;  // the robot's cell and path: free beyond doubt
 
@@ -80,7 +80,7 @@ struct PictureReading::Look {
 };
 
 PictureReading::PictureReading(const PictureReaderParameters& parameters, const BeliefGrid& belief,
-                               const Picture& picture, const std::set<Cell>& certain)
+                               const Snapshot& picture, const std::set<Cell>& certain)
     : parameters_(parameters) {
   Look look{belief, picture, certain, {picture.path.begin(), picture.path.end()}};
   look.driven.insert(picture.cell);
@@ -163,7 +163,7 @@ std::vector<Cell> PictureReading::PossibleCells() const {
 PictureReader::PictureReader(const PictureReaderParameters& parameters, std::uint64_t seed)
     : parameters_(parameters), random_(seed) {}
 
-std::vector<CellEdit> PictureReader::Read(const BeliefGrid& belief, const Picture& picture,
+std::vector<CellEdit> PictureReader::Read(const BeliefGrid& belief, const Snapshot& picture,
                                           const std::set<Cell>& certain) {
   return PictureReading(parameters_, belief, picture, certain).Draw(random_);
 }

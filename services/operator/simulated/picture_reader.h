@@ -48,7 +48,7 @@ class PictureReading {
  public:
   /// Cells of the picture outside of the belief are ignored; `certain` cells are left as they are.
   PictureReading(const PictureReaderParameters& parameters, const BeliefGrid& belief,
-                 const Picture& picture, const std::set<Cell>& certain);
+                 const Snapshot& picture, const std::set<Cell>& certain);
 
   /// The edits of one look: in row-major order, each cell once, each a change of the belief.
   std::vector<CellEdit> Draw(Random& random) const;
@@ -91,7 +91,7 @@ class PictureReader {
 
   /// Edits in row-major order, each cell once, each a change of `belief`. Cells of the picture
   /// outside of the belief are ignored. `certain` cells are left as they are.
-  std::vector<CellEdit> Read(const BeliefGrid& belief, const Picture& picture,
+  std::vector<CellEdit> Read(const BeliefGrid& belief, const Snapshot& picture,
                              const std::set<Cell>& certain);
 
   /// One draw of this reader's random numbers: is a picture of a stream looked at?

@@ -33,7 +33,7 @@ constexpr auto kConvert = [](const auto& message) { return ToDomain(message); };
 
 }  // namespace
 
-struct TeleoperatorDesk::RobotLink {
+struct TeleoperatorTopics::RobotLink {
   RobotLink(bus::Participant& participant, const std::string& name)
       : state(participant, bus::kRobotState, name), snapshot(participant, bus::kSnapshot, name) {}
 
@@ -41,7 +41,7 @@ struct TeleoperatorDesk::RobotLink {
   bus::Subscriber<conav_msgs::msg::Snapshot> snapshot;
 };
 
-struct TeleoperatorDesk::WorldLink {
+struct TeleoperatorTopics::WorldLink {
   WorldLink(bus::Participant& participant, const std::string& name)
       : name(name),
         belief(participant, bus::kBelief, name),
@@ -52,11 +52,11 @@ struct TeleoperatorDesk::WorldLink {
   bus::Subscriber<nav_msgs::msg::OccupancyGrid> belief_map;
 };
 
-TeleoperatorDesk::TeleoperatorDesk(bus::Participant& participant, const Clock& clock,
-                                   OperatorClient& client,
-                                   const SyntheticOperatorParameters& parameters,
-                                   std::uint64_t seed,
-                                   const std::map<std::string, std::string>& world_of_robot)
+TeleoperatorTopics::TeleoperatorTopics(bus::Participant& participant, const Clock& clock,
+                                       OperatorClient& client,
+                                       const SyntheticOperatorParameters& parameters,
+                                       std::uint64_t seed,
+                                       const std::map<std::string, std::string>& world_of_robot)
     : clock_(clock), client_(client), person_(parameters, seed, world_of_robot) {
   std::set<std::string> worlds;
   for (const auto& [robot, world] : world_of_robot) {
@@ -68,22 +68,22 @@ TeleoperatorDesk::TeleoperatorDesk(bus::Participant& participant, const Clock& c
   }
 }
 
-TeleoperatorDesk::~TeleoperatorDesk() = default;
+TeleoperatorTopics::~TeleoperatorTopics() = default;
 
-void TeleoperatorDesk::TakeIn() {
+void TeleoperatorTopics::TakeIn() {
   for (const auto& world : worlds_) {
-    for (const Belief& belief : world->belief.TakeValid(kConvert)) person_.Hear(belief);
+    for (const Belief& belief : world->belief.TakeValid(kConvert)) person_.Receive(belief);
     for (const MapUpdate& map : world->belief_map.TakeValid(kConvert)) {
-      person_.HearCellSize(world->name, map.cell_size_m);
+      person_.ReceiveCellSize(world->name, map.cell_size_m);
     }
   }
   for (const auto& robot : robots_) {
-    for (const RobotState& state : robot->state.TakeValid(kConvert)) person_.Hear(state);
-    for (const Picture& picture : robot->snapshot.TakeValid(kConvert)) person_.Hear(picture);
+    for (const RobotState& state : robot->state.TakeValid(kConvert)) person_.Receive(state);
+    for (const Snapshot& picture : robot->snapshot.TakeValid(kConvert)) person_.Receive(picture);
   }
 }
 
-void TeleoperatorDesk::Step() {
+void TeleoperatorTopics::Step() {
   TakeIn();
   AskThrough(client_, person_, clock_);
 }
@@ -100,13 +100,13 @@ struct SimulatedOperatorService::RobotLink {
         snapshot(participant, bus::kSnapshot, name),
         attention(participant, bus::kAttention, name),
         guidance(participant, bus::kGuidance, name),
-        hold(participant, bus::kHoldOrder, name) {}
+        hold(participant, bus::kStopOrder, name) {}
 
   bus::Subscriber<conav_msgs::msg::RobotState> state;
   bus::Subscriber<conav_msgs::msg::Snapshot> snapshot;
   bus::Subscriber<conav_msgs::msg::AttentionRequest> attention;
   bus::Subscriber<conav_msgs::msg::Guidance> guidance;
-  bus::Subscriber<conav_msgs::msg::HoldOrder> hold;
+  bus::Subscriber<conav_msgs::msg::StopOrder> hold;
   bool stopped = false;
 };
 
@@ -120,9 +120,9 @@ SimulatedOperatorService::SimulatedOperatorService(bus::Participant& participant
               {UniqueClientName(config.client), 0.25, config.request_deadline_s}),
       diagnostics_(participant, clock) {
   if (config.interaction == "teleoperation") {
-    teleoperator_ =
-        std::make_unique<TeleoperatorDesk>(participant, clock, client_, config.person, config.seed,
-                                           WorldOfRobot("simulated_operator", config.robots));
+    teleoperator_ = std::make_unique<TeleoperatorTopics>(
+        participant, clock, client_, config.person, config.seed,
+        WorldOfRobot("simulated_operator", config.robots));
     return;
   }
   std::set<std::string> worlds;
@@ -166,23 +166,24 @@ void SimulatedOperatorService::Step() {
 void SimulatedOperatorService::TakeIn() {
   const auto now = clock_.Now();
   for (const auto& world : beliefs_) {
-    for (const Belief& belief : world->TakeValid(kConvert)) person_.Hear(belief);
+    for (const Belief& belief : world->TakeValid(kConvert)) person_.Receive(belief);
   }
   for (const auto& robot : robots_) {
-    for (const Guidance& guidance : robot->guidance.TakeValid(kConvert)) person_.Hear(guidance);
-    for (const HoldOrder& hold : robot->hold.TakeValid(kConvert)) robot->stopped = hold.stopped;
+    for (const Guidance& guidance : robot->guidance.TakeValid(kConvert)) person_.Receive(guidance);
+    for (const StopOrder& hold : robot->hold.TakeValid(kConvert)) robot->stopped = hold.stopped;
     for (const RobotState& state : robot->state.TakeValid(kConvert)) {
-      person_.Hear(state);
-      person_.Hear(state.stamp);
+      person_.Receive(state);
+      person_.Receive(state.stamp);
     }
-    for (const Picture& picture : robot->snapshot.TakeValid(kConvert)) person_.Hear(picture, now);
-    for (const auto& request : robot->attention.TakeValid(kConvert)) person_.Hear(request, now);
+    for (const Snapshot& picture : robot->snapshot.TakeValid(kConvert))
+      person_.Receive(picture, now);
+    for (const auto& request : robot->attention.TakeValid(kConvert)) person_.Receive(request, now);
   }
   if (!queue_) return;
   for (const auto& message : clock_topic_->Take()) {
-    if (const auto time = ToDomain(message.clock())) person_.Hear(*time);
+    if (const auto time = ToDomain(message.clock())) person_.Receive(*time);
   }
-  for (const AttentionQueueState& queue : queue_->TakeValid(kConvert)) person_.Hear(queue);
+  for (const AttentionQueueState& queue : queue_->TakeValid(kConvert)) person_.Receive(queue);
 }
 
 Health SimulatedOperatorService::Report() const {

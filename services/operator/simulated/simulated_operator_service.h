@@ -21,12 +21,12 @@ namespace conav::operators {
 /// the robots are on it, what their streamed pictures show) and sends keys and edits through
 /// `client`, one at a time. Publishes nothing before all of that is there for each robot.
 /// Threads: one.
-class TeleoperatorDesk {
+class TeleoperatorTopics {
  public:
-  TeleoperatorDesk(bus::Participant& participant, const Clock& clock, OperatorClient& client,
-                   const SyntheticOperatorParameters& parameters, std::uint64_t seed,
-                   const std::map<std::string, std::string>& world_of_robot);
-  ~TeleoperatorDesk();
+  TeleoperatorTopics(bus::Participant& participant, const Clock& clock, OperatorClient& client,
+                     const SyntheticOperatorParameters& parameters, std::uint64_t seed,
+                     const std::map<std::string, std::string>& world_of_robot);
+  ~TeleoperatorTopics();
 
   /// Takes in everything that arrived and asks what is to be asked. Does not block.
   void Step();
@@ -83,7 +83,7 @@ class SimulatedOperatorService {
   const Clock& clock_;
   SyntheticOperator person_;
   OperatorClient client_;
-  std::unique_ptr<TeleoperatorDesk> teleoperator_;  // with interaction "teleoperation", instead
+  std::unique_ptr<TeleoperatorTopics> teleoperator_;  // with interaction "teleoperation", instead
   std::vector<std::unique_ptr<bus::Subscriber<conav_msgs::msg::BeliefMap>>> beliefs_;
   std::vector<std::unique_ptr<RobotLink>> robots_;
   std::optional<bus::Subscriber<conav_msgs::msg::AttentionQueue>> queue_;  // with order "queue"

@@ -18,7 +18,7 @@ Cell AxisOffset(double heading_rad) {
 
 }  // namespace
 
-void StreamMemory::Look(const PictureReaderParameters& parameters, const Picture& picture,
+void StreamMemory::Look(const PictureReaderParameters& parameters, const Snapshot& picture,
                         Random& random) {
   if (random.Chance(parameters.lapse_probability)) return;
   const auto distance = [&](Cell cell) {

@@ -23,7 +23,7 @@ class StreamMemory {
   StreamMemory(int rows, int columns) : cells_(rows, columns) {}
 
   /// `picture` shows cells inside of the map only; others are ignored.
-  void Look(const PictureReaderParameters& parameters, const Picture& picture, Random& random);
+  void Look(const PictureReaderParameters& parameters, const Snapshot& picture, Random& random);
   /// The robot bumped into it.
   void Bump(Cell wall);
   void ForgetWalls();

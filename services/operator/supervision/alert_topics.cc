@@ -6,7 +6,7 @@
 
 namespace conav::operators {
 
-void ServiceWatch::Step() {
+void ServiceMonitor::Step() {
   const Clock::TimePoint now = clock_.Now();
   for (const auto& array : diagnostics_.Take()) {
     for (const ReportedHealth& health : HealthOf(array)) {
@@ -29,17 +29,17 @@ std::vector<ProcessCondition> ProcessesOf(const std::map<std::string, ServiceSta
 
 }  // namespace
 
-AlertDesk::AlertDesk(BeliefStore& store) : store_(store) {
+AlertTopics::AlertTopics(BeliefStore& store) : store_(store) {
   book_.Restore(store.alerts());
   for (const auto& [id, alert] : book_.alerts()) changes_.push_back(alert);
 }
 
-bool AlertDesk::Handles(const OperatorRequest& request) {
+bool AlertTopics::Handles(const OperatorRequest& request) {
   return std::holds_alternative<AcknowledgeRequest>(request.body) ||
          std::holds_alternative<ShelveRequest>(request.body);
 }
 
-BeliefStore::Answer AlertDesk::Answer(const OperatorRequest& request, double now_s) {
+BeliefStore::Answer AlertTopics::Answer(const OperatorRequest& request, double now_s) {
   const auto* acknowledge = std::get_if<AcknowledgeRequest>(&request.body);
   const auto* shelve = std::get_if<ShelveRequest>(&request.body);
   const auto alert = acknowledge != nullptr
@@ -53,9 +53,9 @@ BeliefStore::Answer AlertDesk::Answer(const OperatorRequest& request, double now
   return answer;
 }
 
-void AlertDesk::Update(const std::vector<RobotCondition>& robots,
-                       const std::map<std::string, ServiceStatus>& services,
-                       const std::optional<std::string>& storage_failure, double now_s) {
+void AlertTopics::Update(const std::vector<RobotCondition>& robots,
+                         const std::map<std::string, ServiceStatus>& services,
+                         const std::optional<std::string>& storage_failure, double now_s) {
   const auto [changed, dropped] =
       book_.Update(FindingsOf(robots, ProcessesOf(services), storage_failure), now_s);
   if (changed.empty() && dropped.empty()) return;
@@ -66,6 +66,6 @@ void AlertDesk::Update(const std::vector<RobotCondition>& robots,
   changes_.insert(changes_.end(), changed.begin(), changed.end());
 }
 
-std::vector<Alert> AlertDesk::TakeChanges() { return std::exchange(changes_, {}); }
+std::vector<Alert> AlertTopics::TakeChanges() { return std::exchange(changes_, {}); }
 
 }  // namespace conav::operators

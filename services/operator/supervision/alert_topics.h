@@ -26,9 +26,9 @@ struct ServiceStatus {
 
 /// Listens to the health of conav's processes; those of others on /diagnostics are left out.
 /// Threads: one.
-class ServiceWatch {
+class ServiceMonitor {
  public:
-  ServiceWatch(bus::Participant& participant, const Clock& clock)
+  ServiceMonitor(bus::Participant& participant, const Clock& clock)
       : clock_(clock), diagnostics_(participant, bus::kDiagnostics) {}
 
   void Step();
@@ -43,10 +43,10 @@ class ServiceWatch {
 
 /// The alerts of the operator service: on disk before they are shown, also over restarts.
 /// Threads: one, the service's.
-class AlertDesk {
+class AlertTopics {
  public:
   /// `store` outlives it.
-  explicit AlertDesk(BeliefStore& store);
+  explicit AlertTopics(BeliefStore& store);
 
   static bool Handles(const OperatorRequest& request);
   /// Requires Handles(request), and that it is no repeat. `now_s`: wall time.
@@ -60,7 +60,7 @@ class AlertDesk {
 
  private:
   BeliefStore& store_;
-  AlertBook book_;
+  AlertRegistry book_;
   std::vector<Alert> changes_;
 };
 

@@ -77,21 +77,21 @@ tl::unexpected<Error> Unknown(std::uint64_t id) {
 
 }  // namespace
 
-void AlertBook::Restore(std::vector<Alert> alerts) {
+void AlertRegistry::Restore(std::vector<Alert> alerts) {
   for (Alert& alert : alerts) {
     last_id_ = std::max(last_id_, alert.id);
     alerts_[alert.id] = std::move(alert);
   }
 }
 
-Alert* AlertBook::FindOpen(const std::string& key) {
+Alert* AlertRegistry::FindOpen(const std::string& key) {
   for (auto& [id, alert] : alerts_) {
     if (alert.condition.key == key && !IsHistory(alert)) return &alert;
   }
   return nullptr;
 }
 
-AlertBook::Changes AlertBook::Update(const Findings& findings, double now_s) {
+AlertRegistry::Changes AlertRegistry::Update(const Findings& findings, double now_s) {
   Changes changes;
   for (const std::string& key : findings.fine) {
     Alert* open = FindOpen(key);
@@ -104,7 +104,7 @@ AlertBook::Changes AlertBook::Update(const Findings& findings, double now_s) {
   return changes;
 }
 
-void AlertBook::Raise(const Condition& condition, double now_s, Changes& changes) {
+void AlertRegistry::Raise(const Condition& condition, double now_s, Changes& changes) {
   Alert* open = FindOpen(condition.key);
   if (open == nullptr) {
     ++last_id_;
@@ -125,7 +125,7 @@ void AlertBook::Raise(const Condition& condition, double now_s, Changes& changes
   changes.changed.push_back(*open);
 }
 
-std::vector<std::uint64_t> AlertBook::DropHistory() {
+std::vector<std::uint64_t> AlertRegistry::DropHistory() {
   std::vector<std::uint64_t> history;  // oldest first
   for (const auto& [id, alert] : alerts_) {
     if (IsHistory(alert)) history.push_back(id);
@@ -135,8 +135,8 @@ std::vector<std::uint64_t> AlertBook::DropHistory() {
   return history;
 }
 
-Result<Alert> AlertBook::Acknowledge(std::uint64_t id, const std::string& client,
-                                     double now_s) const {
+Result<Alert> AlertRegistry::Acknowledge(std::uint64_t id, const std::string& client,
+                                         double now_s) const {
   const auto found = alerts_.find(id);
   if (found == alerts_.end()) return Unknown(id);
   Alert alert = found->second;
@@ -145,7 +145,7 @@ Result<Alert> AlertBook::Acknowledge(std::uint64_t id, const std::string& client
   return alert;
 }
 
-Result<Alert> AlertBook::Shelve(std::uint64_t id, double duration_s, double now_s) const {
+Result<Alert> AlertRegistry::Shelve(std::uint64_t id, double duration_s, double now_s) const {
   const auto found = alerts_.find(id);
   if (found == alerts_.end()) return Unknown(id);
   Alert alert = found->second;
@@ -153,6 +153,6 @@ Result<Alert> AlertBook::Shelve(std::uint64_t id, double duration_s, double now_
   return alert;
 }
 
-void AlertBook::Adopt(const Alert& alert) { alerts_[alert.id] = alert; }
+void AlertRegistry::Adopt(const Alert& alert) { alerts_[alert.id] = alert; }
 
 }  // namespace conav::operators

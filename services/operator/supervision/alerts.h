@@ -50,7 +50,7 @@ Findings FindingsOf(const std::vector<RobotCondition>& robots,
 /// and it has to be acknowledged again. One that was acknowledged and was seen to be over is history;
 /// the next time is a new alert. Of history the newest kHistoryKept are kept.
 /// Pure; threads: not synchronised. Times: wall time, s since 1970.
-class AlertBook {
+class AlertRegistry {
  public:
   static constexpr std::size_t kHistoryKept = 200;
 

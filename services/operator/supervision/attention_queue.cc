@@ -216,7 +216,7 @@ void AttentionQueue::Put(AttentionItem item, SimTime now) {
   items_.push_back(std::move(item));
 }
 
-void AttentionQueue::Hear(const AttentionRequest& request, SimTime now) {
+void AttentionQueue::Receive(const AttentionRequest& request, SimTime now) {
   const auto robot = robots_.find(request.robot);
   const bool is_at_work = robot != robots_.end() && robot->second.linked && robot->second.has_goals;
   if (request.reason == AttentionReason::kNone) {
@@ -229,7 +229,7 @@ void AttentionQueue::Hear(const AttentionRequest& request, SimTime now) {
   }
 }
 
-void AttentionQueue::Hear(const RobotState& state, SimTime now) {
+void AttentionQueue::Receive(const RobotState& state, SimTime now) {
   Robot& robot = robots_[state.robot];
   const bool had_goals = std::exchange(robot.has_goals, !state.goals_left.empty());
   robot.world = state.world;
@@ -280,7 +280,7 @@ void AttentionQueue::RemoveQuestions(const std::string& robot, SimTime now) {
          [&](const AttentionItem& item) { return item.robot == robot && !IsNotice(item.reason); });
 }
 
-void AttentionQueue::Hear(const Guidance& guidance, SimTime now) {
+void AttentionQueue::Receive(const Guidance& guidance, SimTime now) {
   Robot& robot = robots_[guidance.robot];
   const bool answers = guidance.answers_snapshot > robot.answered;
   robot.answered = guidance.answers_snapshot;

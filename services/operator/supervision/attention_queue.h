@@ -132,12 +132,12 @@ class AttentionQueue {
  public:
   explicit AttentionQueue(const AttentionOptions& options) : options_(options) {}
 
-  void Hear(const AttentionRequest& request, SimTime now);
+  void Receive(const AttentionRequest& request, SimTime now);
   /// Also tells that the link is there.
-  void Hear(const RobotState& state, SimTime now);
+  void Receive(const RobotState& state, SimTime now);
   /// `guidance` was accepted, or is found in the database. One without a path that answers no
   /// picture answers nothing.
-  void Hear(const Guidance& guidance, SimTime now);
+  void Receive(const Guidance& guidance, SimTime now);
   void LoseLink(const std::string& robot, SimTime now);
   /// Nobody is there any more who would act on an answer to what the robot asked.
   void LosePlanner(const std::string& robot, SimTime now);

@@ -14,8 +14,8 @@ constexpr std::size_t kClientsRemembered = 64;
 
 }  // namespace
 
-AttentionDesk::AttentionDesk(bus::Participant& participant, const AttentionOptions& options,
-                             const Clock& clock)
+AttentionTopics::AttentionTopics(bus::Participant& participant, const AttentionOptions& options,
+                                 const Clock& clock)
     : options_(options),
       clock_(clock),
       queue_(options),
@@ -24,16 +24,16 @@ AttentionDesk::AttentionDesk(bus::Participant& participant, const AttentionOptio
   Publish({});
 }
 
-void AttentionDesk::Guided(const std::string& client, const Guidance& guidance, SimTime now) {
-  queue_.Hear(guidance, now);
+void AttentionTopics::Guided(const std::string& client, const Guidance& guidance, SimTime now) {
+  queue_.Receive(guidance, now);
   meter_.Accepted(client, guidance.robot, now);
 }
 
-void AttentionDesk::Edited(const std::string& client, const std::string& world, SimTime now) {
+void AttentionTopics::Edited(const std::string& client, const std::string& world, SimTime now) {
   meter_.Accepted(client, world, now);
 }
 
-OperatorReply AttentionDesk::Select(const OperatorRequest& request, SimTime now) {
+OperatorReply AttentionTopics::Select(const OperatorRequest& request, SimTime now) {
   const auto known = std::ranges::find(newest_selections_, request.client, &OperatorReply::client);
   if (known != newest_selections_.end()) {
     if (known->request_id == request.request_id) return *known;
@@ -52,11 +52,11 @@ OperatorReply AttentionDesk::Select(const OperatorRequest& request, SimTime now)
   return newest;
 }
 
-void AttentionDesk::TakeArrivals(SimTime now) {
+void AttentionTopics::TakeArrivals(SimTime now) {
   for (const AttentionItem& item : queue_.TakeArrivals()) meter_.Arrived(item, now);
 }
 
-void AttentionDesk::Step(SimTime now) {
+void AttentionTopics::Step(SimTime now) {
   queue_.Update(meter_.times(), now);
   TakeArrivals(now);
   for (const auto& departure : queue_.TakeDepartures()) meter_.Left(departure);
@@ -65,7 +65,7 @@ void AttentionDesk::Step(SimTime now) {
   if (changed || clock_.Now() - published_at_ >= kPeriod) Publish(now);
 }
 
-void AttentionDesk::Publish(SimTime now) {
+void AttentionTopics::Publish(SimTime now) {
   published_ = {now, published_.revision + 1, options_.order, queue_.items(), meter_.Workload(now)};
   published_at_ = clock_.Now();
   bus::Send(publisher_, ToMessage(published_));

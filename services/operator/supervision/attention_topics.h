@@ -21,16 +21,17 @@ namespace conav::operators {
 /// least each second (wall time) for the measures. Selections are not stored: they change nothing
 /// that has to outlive the service.
 /// Threads: one, the service's.
-class AttentionDesk {
+class AttentionTopics {
  public:
   /// `participant` and `clock` outlive it.
-  AttentionDesk(bus::Participant& participant, const AttentionOptions& options, const Clock& clock);
+  AttentionTopics(bus::Participant& participant, const AttentionOptions& options,
+                  const Clock& clock);
 
   /// `now` is the operator's time throughout: the newest simulation time of all worlds.
-  void Hear(const AttentionRequest& request, SimTime now) { queue_.Hear(request, now); }
-  void Hear(const RobotState& state, SimTime now) { queue_.Hear(state, now); }
+  void Receive(const AttentionRequest& request, SimTime now) { queue_.Receive(request, now); }
+  void Receive(const RobotState& state, SimTime now) { queue_.Receive(state, now); }
   /// Found in the database or withdrawn by the service itself.
-  void Hear(const Guidance& guidance, SimTime now) { queue_.Hear(guidance, now); }
+  void Receive(const Guidance& guidance, SimTime now) { queue_.Receive(guidance, now); }
   void LoseLink(const std::string& robot, SimTime now) { queue_.LoseLink(robot, now); }
   void LosePlanner(const std::string& robot, SimTime now) { queue_.LosePlanner(robot, now); }
   /// A request of `client` was accepted.

@@ -7,15 +7,15 @@
 namespace conav::operators {
 namespace {
 
-bool IsHeldByOther(const ControlBook::Robot& robot, const std::string& client,
+bool IsHeldByOther(const ControlRegistry::Robot& robot, const std::string& client,
                    Clock::TimePoint now) {
   return !robot.holder.empty() && robot.holder != client && now < robot.held_until;
 }
 
 }  // namespace
 
-ControlBook::ControlBook(const std::map<std::string, std::string>& world_of_robot,
-                         ControlOptions options)
+ControlRegistry::ControlRegistry(const std::map<std::string, std::string>& world_of_robot,
+                                 ControlOptions options)
     : options_(options) {
   for (const auto& [name, world] : world_of_robot) {
     Robot& robot = robots_[name];
@@ -29,15 +29,15 @@ ControlBook::ControlBook(const std::map<std::string, std::string>& world_of_robo
   }
 }
 
-std::string ControlBook::WhyNotCommand(const std::string& client, const std::string& name,
-                                       Clock::TimePoint now) const {
+std::string ControlRegistry::CheckCommand(const std::string& client, const std::string& name,
+                                          Clock::TimePoint now) const {
   const auto found = robots_.find(name);
   if (found == robots_.end() || !IsHeldByOther(found->second, client, now)) return "";
   return fmt::format("{} has control of {}: take over first", found->second.holder, name);
 }
 
-std::string ControlBook::WhyNotEdit(const std::string& client, const std::string& world,
-                                    Clock::TimePoint now) const {
+std::string ControlRegistry::CheckEdit(const std::string& client, const std::string& world,
+                                       Clock::TimePoint now) const {
   const Robot* held = nullptr;
   for (const auto& [name, robot] : robots_) {
     if (robot.world != world) continue;
@@ -48,7 +48,7 @@ std::string ControlBook::WhyNotEdit(const std::string& client, const std::string
   return fmt::format("{} has control of all robots of {}: take over first", held->holder, world);
 }
 
-void ControlBook::Renew(const std::string& client, Clock::TimePoint now) {
+void ControlRegistry::Renew(const std::string& client, Clock::TimePoint now) {
   for (auto& [name, robot] : robots_) {
     if (robot.holder != client) continue;
     robot.held_until = now + Seconds(options_.control_s);
@@ -56,7 +56,8 @@ void ControlBook::Renew(const std::string& client, Clock::TimePoint now) {
   }
 }
 
-Result<std::vector<std::string>> ControlBook::Resolve(const std::vector<std::string>& names) const {
+Result<std::vector<std::string>> ControlRegistry::Resolve(
+    const std::vector<std::string>& names) const {
   std::vector<std::string> all;
   for (const auto& [name, robot] : robots_) all.push_back(name);
   if (names.empty()) return all;
@@ -68,8 +69,8 @@ Result<std::vector<std::string>> ControlBook::Resolve(const std::vector<std::str
   return names;
 }
 
-Result<void> ControlBook::Take(const std::string& client, const TakeControlRequest& request,
-                               Clock::TimePoint now) {
+Result<void> ControlRegistry::Take(const std::string& client, const TakeControlRequest& request,
+                                   Clock::TimePoint now) {
   const auto names = Resolve(request.robots);
   if (!names) return tl::unexpected(names.error());
   for (const std::string& name : *names) {
@@ -88,7 +89,8 @@ Result<void> ControlBook::Take(const std::string& client, const TakeControlReque
   return {};
 }
 
-Result<void> ControlBook::Release(const std::string& client, const ReleaseControlRequest& request) {
+Result<void> ControlRegistry::Release(const std::string& client,
+                                      const ReleaseControlRequest& request) {
   const auto names = Resolve(request.robots);
   if (!names) return tl::unexpected(names.error());
   for (const std::string& name : *names) {
@@ -98,49 +100,51 @@ Result<void> ControlBook::Release(const std::string& client, const ReleaseContro
   return {};
 }
 
-void ControlBook::ReleaseAll(const std::string& client) {
+void ControlRegistry::ReleaseAll(const std::string& client) {
   for (auto& [name, robot] : robots_) {
     if (robot.holder == client) Free(robot);
   }
 }
 
-void ControlBook::Expire(Clock::TimePoint now) {
+void ControlRegistry::Expire(Clock::TimePoint now) {
   for (auto& [name, robot] : robots_) {
     if (!robot.holder.empty() && now >= robot.held_until) Free(robot);
   }
 }
 
-void ControlBook::Free(Robot& robot) {
+void ControlRegistry::Free(Robot& robot) {
   robot.holder.clear();
   robot.reason.clear();
   ++version_;
 }
 
-Result<std::vector<HoldOrder>> ControlBook::Hold(const std::vector<std::string>& names,
-                                                 bool stopped, const std::string& client,
-                                                 const std::string& reason, SimTime now) const {
+Result<std::vector<StopOrder>> ControlRegistry::SetStopped(const std::vector<std::string>& names,
+                                                           bool stopped, const std::string& client,
+                                                           const std::string& reason,
+                                                           SimTime now) const {
   const auto resolved = Resolve(names);
   if (!resolved) return tl::unexpected(resolved.error());
-  std::vector<HoldOrder> orders;
+  std::vector<StopOrder> orders;
   for (const std::string& name : *resolved) {
-    const HoldOrder& last = robots_.at(name).hold;
+    const StopOrder& last = robots_.at(name).hold;
     if (last.stopped == stopped) continue;
     orders.push_back({now, last.world, name, last.revision + 1, stopped, client, reason});
   }
   return orders;
 }
 
-Result<std::vector<HoldOrder>> ControlBook::Stop(const std::string& client,
-                                                 const StopRequest& request, SimTime now) const {
-  return Hold(request.robots, true, client, request.reason, now);
+Result<std::vector<StopOrder>> ControlRegistry::Stop(const std::string& client,
+                                                     const StopRequest& request,
+                                                     SimTime now) const {
+  return SetStopped(request.robots, true, client, request.reason, now);
 }
 
-Result<std::vector<HoldOrder>> ControlBook::Go(const std::string& client, const GoRequest& request,
-                                               SimTime now) const {
-  return Hold(request.robots, false, client, "", now);
+Result<std::vector<StopOrder>> ControlRegistry::Go(const std::string& client,
+                                                   const GoRequest& request, SimTime now) const {
+  return SetStopped(request.robots, false, client, "", now);
 }
 
-void ControlBook::Adopt(const HoldOrder& order) {
+void ControlRegistry::Adopt(const StopOrder& order) {
   const auto found = robots_.find(order.robot);
   if (found == robots_.end()) return;
   found->second.hold = order;

@@ -34,23 +34,23 @@ struct ControlOptions {
 /// go. While one client has control of all robots of a world, its map is that client's, too.
 ///
 /// `now`: wall time. Pure; threads: not synchronised.
-class ControlBook {
+class ControlRegistry {
  public:
   struct Robot {
     std::string world;
-    HoldOrder hold;  // revision 0 = never stopped
+    StopOrder hold;  // revision 0 = never stopped
     std::string holder;
     std::string reason;
     Clock::TimePoint held_until{};
   };
 
-  ControlBook(const std::map<std::string, std::string>& world_of_robot, ControlOptions options);
+  ControlRegistry(const std::map<std::string, std::string>& world_of_robot, ControlOptions options);
 
   /// Why `client` may not command `robot` or edit the map of `world`; empty = it may.
-  std::string WhyNotCommand(const std::string& client, const std::string& robot,
-                            Clock::TimePoint now) const;
-  std::string WhyNotEdit(const std::string& client, const std::string& world,
-                         Clock::TimePoint now) const;
+  std::string CheckCommand(const std::string& client, const std::string& robot,
+                           Clock::TimePoint now) const;
+  std::string CheckEdit(const std::string& client, const std::string& world,
+                        Clock::TimePoint now) const;
   /// `client` is at work: what it controls stays its.
   void Renew(const std::string& client, Clock::TimePoint now);
 
@@ -67,11 +67,11 @@ class ControlBook {
 
   /// The orders that it takes to stop these robots, or to let them go; none for those that stand, or
   /// go, already. They count once they are adopted. Errors: kNotFound.
-  [[nodiscard]] Result<std::vector<HoldOrder>> Stop(const std::string& client,
+  [[nodiscard]] Result<std::vector<StopOrder>> Stop(const std::string& client,
                                                     const StopRequest& request, SimTime now) const;
-  [[nodiscard]] Result<std::vector<HoldOrder>> Go(const std::string& client,
+  [[nodiscard]] Result<std::vector<StopOrder>> Go(const std::string& client,
                                                   const GoRequest& request, SimTime now) const;
-  void Adopt(const HoldOrder& order);
+  void Adopt(const StopOrder& order);
 
   const std::map<std::string, Robot>& robots() const { return robots_; }
   /// Rises with every change.
@@ -80,9 +80,9 @@ class ControlBook {
  private:
   /// `names`, or all robots. Errors: kNotFound.
   Result<std::vector<std::string>> Resolve(const std::vector<std::string>& names) const;
-  Result<std::vector<HoldOrder>> Hold(const std::vector<std::string>& names, bool stopped,
-                                      const std::string& client, const std::string& reason,
-                                      SimTime now) const;
+  Result<std::vector<StopOrder>> SetStopped(const std::vector<std::string>& names, bool stopped,
+                                            const std::string& client, const std::string& reason,
+                                            SimTime now) const;
   void Free(Robot& robot);
 
   ControlOptions options_;

@@ -19,7 +19,7 @@ DriveGate::DriveGate(std::map<std::string, std::string> world_of_robot, DriveGat
   for (auto& [robot, world] : world_of_robot) robots_[robot].world = world;
 }
 
-void DriveGate::Hear(const RobotState& state) {
+void DriveGate::Receive(const RobotState& state) {
   const auto robot = robots_.find(state.robot);
   if (robot == robots_.end() || robot->second.world != state.world) return;
   robot->second.heard = true;
@@ -34,9 +34,9 @@ std::string DriveGate::DriverOf(const std::string& name, Clock::TimePoint wall) 
   return robot->second.driver;
 }
 
-std::optional<std::string> DriveGate::WhyNot(const OperatorRequest& request,
-                                             const DriveRequest& drive, SimTime now,
-                                             Clock::TimePoint wall) const {
+std::optional<std::string> DriveGate::CheckAllowed(const OperatorRequest& request,
+                                                   const DriveRequest& drive, SimTime now,
+                                                   Clock::TimePoint wall) const {
   const auto robot = robots_.find(drive.robot);
   if (robot == robots_.end() || robot->second.world != request.world) {
     return fmt::format("robot {} is not in world {}", drive.robot, request.world);
@@ -72,7 +72,7 @@ DriveGate::Answer DriveGate::Handle(const OperatorRequest& request, SimTime now,
     return answer;
   }
   client.newest_request = request.request_id;
-  if (auto reason = WhyNot(request, *drive, now, wall)) {
+  if (auto reason = CheckAllowed(request, *drive, now, wall)) {
     answer.reply.reason = *std::move(reason);
   } else {
     Robot& robot = robots_.at(drive->robot);

@@ -32,7 +32,7 @@ class DriveGate {
   DriveGate(std::map<std::string, std::string> world_of_robot, DriveGateOptions options);
 
   /// A robot reports; orders are numbered on from the last that it took up.
-  void Hear(const RobotState& state);
+  void Receive(const RobotState& state);
 
   struct Answer {
     OperatorReply reply;
@@ -58,8 +58,8 @@ class DriveGate {
     Clock::TimePoint heard_at{};
   };
 
-  std::optional<std::string> WhyNot(const OperatorRequest& request, const DriveRequest& drive,
-                                    SimTime now, Clock::TimePoint wall) const;
+  std::optional<std::string> CheckAllowed(const OperatorRequest& request, const DriveRequest& drive,
+                                          SimTime now, Clock::TimePoint wall) const;
   void ForgetOldClients(Clock::TimePoint wall);
 
   DriveGateOptions options_;

@@ -16,7 +16,7 @@ const char* KindOf(const OperatorRequest& request) { return kKinds[request.body.
 
 }  // namespace
 
-bool RequestJournal::RememberRefusal(const OperatorRequest& request) {
+bool RequestLog::RememberRefusal(const OperatorRequest& request) {
   std::pair refusal(request.client, request.request_id);
   if (std::find(refusals_.begin(), refusals_.end(), refusal) != refusals_.end()) return false;
   refusals_.push_back(std::move(refusal));
@@ -24,8 +24,8 @@ bool RequestJournal::RememberRefusal(const OperatorRequest& request) {
   return true;
 }
 
-bool RequestJournal::Note(const OperatorRequest& request, const BeliefStore::Answer& answer,
-                          SimTime now) {
+bool RequestLog::Note(const OperatorRequest& request, const BeliefStore::Answer& answer,
+                      SimTime now) {
   const bool drives = std::holds_alternative<DriveRequest>(request.body);
   const OperatorReply& reply = answer.reply;
   if (reply.accepted) {

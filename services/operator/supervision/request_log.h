@@ -18,7 +18,7 @@ namespace conav::operators {
 /// A refusal that is not stored is decided again when its request is repeated; the newest of them
 /// are remembered here, so that it is told once.
 /// Threads: one, the service's.
-class RequestJournal {
+class RequestLog {
  public:
   static constexpr std::size_t kRefusalsRemembered = 256;
 

@@ -76,12 +76,12 @@ std::map<std::string, std::string> AssignRobots(std::vector<Member> members) {
   return assignment;
 }
 
-LeaseDesk::LeaseDesk(Options options, TimePoint now)
+LeaseTable::LeaseTable(Options options, TimePoint now)
     : options_(std::move(options)), started_(now), last_turn_(now) {
   for (const std::string& robot : options_.robots) robots_[robot] = {};
 }
 
-void LeaseDesk::Hear(const PlannerLease& lease, TimePoint now) {
+void LeaseTable::Receive(const PlannerLease& lease, TimePoint now) {
   if (lease.instance == options_.instance) return;
   const auto holds = [&](const PlannerLease::Held& before) {
     return std::find(lease.holds.begin(), lease.holds.end(), before) != lease.holds.end();
@@ -106,8 +106,8 @@ void LeaseDesk::Hear(const PlannerLease& lease, TimePoint now) {
   }
 }
 
-void LeaseDesk::Hear(const std::string& name, std::uint64_t lease_epoch,
-                     std::uint64_t command_sequence_number, TimePoint now) {
+void LeaseTable::Receive(const std::string& name, std::uint64_t lease_epoch,
+                         std::uint64_t command_sequence_number, TimePoint now) {
   const auto found = robots_.find(name);
   if (found == robots_.end()) return;
   Robot& robot = found->second;
@@ -122,7 +122,7 @@ void LeaseDesk::Hear(const std::string& name, std::uint64_t lease_epoch,
   if (robot.epoch == 0 || lease_epoch != robot.epoch) robot.foreign_command = now;
 }
 
-void LeaseDesk::Released(const std::string& name) {
+void LeaseTable::Released(const std::string& name) {
   const auto found = robots_.find(name);
   DEMAND(found != robots_.end(), name);
   Robot& robot = found->second;
@@ -133,7 +133,7 @@ void LeaseDesk::Released(const std::string& name) {
   changed_ = true;
 }
 
-LeaseDesk::Changes LeaseDesk::Turn(TimePoint now) {
+LeaseTable::Changes LeaseTable::Turn(TimePoint now) {
   Changes changes;
   ForgiveAfterPause(now);
   if (!changed_ && now - looked_at_ < options_.period / 4) return changes;
@@ -145,7 +145,7 @@ LeaseDesk::Changes LeaseDesk::Turn(TimePoint now) {
   return changes;
 }
 
-void LeaseDesk::ForgiveAfterPause(TimePoint now) {
+void LeaseTable::ForgiveAfterPause(TimePoint now) {
   const bool paused = now - last_turn_ > options_.timeout / 2;
   last_turn_ = now;
   if (!paused) return;
@@ -153,7 +153,7 @@ void LeaseDesk::ForgiveAfterPause(TimePoint now) {
   for (auto& [name, robot] : robots_) robot.foreign_command = now;
 }
 
-void LeaseDesk::ForgetSilent(TimePoint now, Changes& changes) {
+void LeaseTable::ForgetSilent(TimePoint now, Changes& changes) {
   for (auto other = others_.begin(); other != others_.end();) {
     if (now - other->second.heard < options_.timeout) {
       ++other;
@@ -164,7 +164,7 @@ void LeaseDesk::ForgetSilent(TimePoint now, Changes& changes) {
   }
 }
 
-void LeaseDesk::GiveUpLost(Changes& changes) {
+void LeaseTable::GiveUpLost(Changes& changes) {
   const Holders holders = FindHolders();
   for (auto& [name, robot] : robots_) {
     if (robot.epoch == 0) continue;
@@ -176,13 +176,13 @@ void LeaseDesk::GiveUpLost(Changes& changes) {
   }
 }
 
-bool LeaseDesk::StillGathering(TimePoint now) {
+bool LeaseTable::StillGathering(TimePoint now) {
   const bool all_there = live_planners() >= options_.planners;
   gathered_ = gathered_ || all_there || now - started_ >= options_.timeout;
   return !gathered_;
 }
 
-void LeaseDesk::Rebalance(TimePoint now, Changes& changes) {
+void LeaseTable::Rebalance(TimePoint now, Changes& changes) {
   const Holders holders = FindHolders();
   const auto assignment = AssignRobots(Members(holders));
   for (auto& [name, robot] : robots_) {
@@ -197,13 +197,13 @@ void LeaseDesk::Rebalance(TimePoint now, Changes& changes) {
   }
 }
 
-bool LeaseDesk::MayTake(const Robot& robot, TimePoint now) const {
+bool LeaseTable::MayTake(const Robot& robot, TimePoint now) const {
   if (!robot.heard_of) return false;
   const bool free = robot.shown_epoch <= robot.released_epoch;
   return free || now - robot.foreign_command >= options_.timeout;
 }
 
-LeaseDesk::Holders LeaseDesk::FindHolders() const {
+LeaseTable::Holders LeaseTable::FindHolders() const {
   Holders holders;
   for (const auto& [name, robot] : robots_) {
     if (robot.epoch != 0) holders[name] = {robot.epoch, options_.instance};
@@ -217,7 +217,7 @@ LeaseDesk::Holders LeaseDesk::FindHolders() const {
   return holders;
 }
 
-std::vector<Member> LeaseDesk::Members(const Holders& holders) const {
+std::vector<Member> LeaseTable::Members(const Holders& holders) const {
   std::map<std::string, Member> members;
   members[options_.instance].robots.insert(options_.robots.begin(), options_.robots.end());
   for (const auto& [instance, other] : others_) {
@@ -232,7 +232,7 @@ std::vector<Member> LeaseDesk::Members(const Holders& holders) const {
   return list;
 }
 
-PlannerLease LeaseDesk::Ours() const {
+PlannerLease LeaseTable::Ours() const {
   PlannerLease lease;
   lease.node = options_.node;
   lease.instance = options_.instance;
@@ -243,7 +243,7 @@ PlannerLease LeaseDesk::Ours() const {
   return lease;
 }
 
-std::optional<PlannerLease> LeaseDesk::Announcement(TimePoint now) {
+std::optional<PlannerLease> LeaseTable::Announcement(TimePoint now) {
   PlannerLease lease = Ours();
   if (announced_ == lease && now - announced_at_ < options_.period) return std::nullopt;
   announced_ = lease;
@@ -251,14 +251,14 @@ std::optional<PlannerLease> LeaseDesk::Announcement(TimePoint now) {
   return lease;
 }
 
-PlannerLease LeaseDesk::Farewell() {
+PlannerLease LeaseTable::Farewell() {
   for (auto& [name, robot] : robots_) Released(name);
   PlannerLease lease = Ours();
   lease.leaving = true;
   return lease;
 }
 
-std::string LeaseDesk::DriverOf(const std::string& robot) const {
+std::string LeaseTable::DriverOf(const std::string& robot) const {
   const Holders holders = FindHolders();
   const auto holder = holders.find(robot);
   if (holder == holders.end()) return "";
@@ -266,6 +266,8 @@ std::string LeaseDesk::DriverOf(const std::string& robot) const {
   return others_.at(holder->second.second).said.node;
 }
 
-std::uint64_t LeaseDesk::EpochOf(const std::string& robot) const { return robots_.at(robot).epoch; }
+std::uint64_t LeaseTable::EpochOf(const std::string& robot) const {
+  return robots_.at(robot).epoch;
+}
 
 }  // namespace conav::planner

@@ -46,7 +46,7 @@ std::map<std::string, std::string> AssignRobots(std::vector<Member> members);
 ///   before it counts them as gone.
 ///
 /// Time is wall time and comes with each call. Threads: one caller.
-class LeaseDesk {
+class LeaseTable {
  public:
   using TimePoint = Clock::TimePoint;
 
@@ -71,13 +71,13 @@ class LeaseDesk {
     std::vector<std::string> planners_gone;  // nodes that fell silent
   };
 
-  LeaseDesk(Options options, TimePoint now);
+  LeaseTable(Options options, TimePoint now);
 
   /// What another process announced; its own echo is ignored.
-  void Hear(const PlannerLease& lease, TimePoint now);
+  void Receive(const PlannerLease& lease, TimePoint now);
   /// What a robot's state shows; robots that are not ours to drive are ignored.
-  void Hear(const std::string& robot, std::uint64_t lease_epoch,
-            std::uint64_t command_sequence_number, TimePoint now);
+  void Receive(const std::string& robot, std::uint64_t lease_epoch,
+               std::uint64_t command_sequence_number, TimePoint now);
   /// The worker has ended the robot's last command and sends no more.
   void Released(const std::string& robot);
 

@@ -65,9 +65,9 @@ class YieldBackoff {
 
 /// Writes a robot's commands: sequence numbers, lease epoch, expiry, and the repeat of a command
 /// that the robot has not taken up. Threads: one worker's.
-class CommandDesk {
+class CommandPublisher {
  public:
-  CommandDesk(std::string robot, std::chrono::nanoseconds ttl)
+  CommandPublisher(std::string robot, std::chrono::nanoseconds ttl)
       : robot_(std::move(robot)), ttl_(ttl) {}
 
   /// Begins anew under a lease; epoch 0 = one above the robot's, taken with the first command.
@@ -107,7 +107,7 @@ class CommandDesk {
 /// the epoch of that lease; a robot that is to be given up ends its last command first. What a
 /// worker remembers of a robot that others drove meanwhile does no harm: docs/many-robots.md.
 ///
-/// A robot that somebody has stopped (HoldOrder) ends its command at once and stands until it is let
+/// A robot that somebody has stopped (StopOrder) ends its command at once and stands until it is let
 /// go, whatever its method.
 ///
 /// Before the first state arrives nothing is sent. What it asked of the operator is taken back when
@@ -124,7 +124,7 @@ class RobotWorker {
     std::function<void(const AttentionRequest&)> attention;
     std::function<void(const RobotState&, const MapUpdate&, const std::vector<Cell>&)> way;
     /// What it wants of other robots, when that changed, for the planners of these; may be null.
-    std::function<void(const RobotWay&)> wants = nullptr;
+    std::function<void(const IntendedPath&)> wants = nullptr;
     /// After the command of a decision was sent, its report complete; may be empty.
     std::function<void(const Decision&, const Situation&)> decided = nullptr;
   };
@@ -158,7 +158,7 @@ class RobotWorker {
 
  private:
   /// Whether `inputs` allow a decision, else why not; logs and tells what changed about that.
-  Hold CheckInputs(const RobotInputs& inputs, Clock::TimePoint now);
+  BlockedReason CheckInputs(const RobotInputs& inputs, Clock::TimePoint now);
   /// The time that the gate counts by, when it is `now` by the clock.
   Clock::TimePoint GateTime(Clock::TimePoint now) const;
   /// Returns when to look again, as Step() does.
@@ -166,15 +166,15 @@ class RobotWorker {
                           Clock::TimePoint now);
   void AdoptLease(const Lease& lease);
   /// Whether the lease that the decision was begun under still holds.
-  bool HoldsStill(const Lease& lease) const;
+  bool StillHolds(const Lease& lease) const;
   /// Tells the others, on the board and in other processes, the first time under a lease in any
   /// case: those that come later hear of it from this process only.
   void Want(std::vector<Cell> way, RoomClaim room);
   /// What is done meanwhile; returns when to look again.
-  Clock::TimePoint WaitFor(Hold hold, const RobotInputs& inputs, Clock::TimePoint now);
+  Clock::TimePoint WaitFor(BlockedReason hold, const RobotInputs& inputs, Clock::TimePoint now);
   /// One log line where a person should know why the robot does not decide.
-  void TellHold(Hold hold, const RobotInputs& inputs) const;
-  void TellOutcome(const RobotState& state);
+  void ReportBlocked(BlockedReason hold, const RobotInputs& inputs) const;
+  void ReportOutcome(const RobotState& state);
   enum class Traffic { kGoOn, kStepAside, kWait };
   /// Tells the others which way this robot wants, and makes room for one that goes before it.
   Traffic GiveWay(const Situation& situation, const std::vector<Cell>& own_way);
@@ -197,9 +197,9 @@ class RobotWorker {
   const Clock& clock_;
   Outputs outputs_;
   DecisionGate gate_;
-  CommandDesk desk_;
+  CommandPublisher desk_;
   YieldBackoff backoff_;
-  Hold hold_ = Hold::kState;
+  BlockedReason blocked_ = BlockedReason::kState;
   Clock::TimePoint command_sent_at_{};
   Clock::TimePoint shut_in_at_{};               // when it last was
   Clock::TimePoint shut_in_since_{};            // but for short gaps

@@ -52,7 +52,7 @@ std::vector<Cell> WayToNearest(const OccupancyGrid& map, Cell start, Passable&& 
 
 /// Several robots in corridors one cell wide, each decided for by itself, perhaps in several
 /// processes. What they tell each other is the way that each wants and the cells by which each
-/// makes room (RobotWay).
+/// makes room (IntendedPath).
 ///
 /// The right of way (RightOfWay): a robot that wants a way goes before one that waits, that before
 /// one without goals; then names in order. Whoever stands on the way of a robot that goes before it
@@ -79,7 +79,7 @@ bool IsTaken(const Situation& situation, Cell cell);
 /// Cells that the robot would enter next if no other robot were there: the shortest way over what
 /// is not known to be a wall to its nearest goal; empty without goals. The others hear of it and
 /// make room.
-std::vector<Cell> DesiredWay(const Situation& situation);
+std::vector<Cell> DesiredPath(const Situation& situation);
 
 /// The known free cells by which this robot makes room, up to the nearest one that nobody wants who
 /// goes before it. Empty when it is within the next few cells of nobody's way, and when there is no

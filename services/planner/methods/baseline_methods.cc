@@ -95,7 +95,7 @@ Decision TeleopMethod::Decide(const Situation& situation, const StopToken&) {
 }
 
 Decision GreedyMethod::Decide(const Situation& situation, const StopToken&) {
-  std::vector<Cell> way = DesiredWay(situation);
+  std::vector<Cell> way = DesiredPath(situation);
   if (way.empty()) return {};
   if (IsTaken(situation, way.front()) || WaitsFor(situation, way) != nullptr) {
     return stand_off_.WaitOrStepOut(situation);
@@ -104,7 +104,9 @@ Decision GreedyMethod::Decide(const Situation& situation, const StopToken&) {
   return MoveAlong(std::move(way));
 }
 
-std::vector<Cell> GreedyMethod::WayFor(const Situation& situation) { return DesiredWay(situation); }
+std::vector<Cell> GreedyMethod::WayFor(const Situation& situation) {
+  return DesiredPath(situation);
+}
 
 namespace {
 
@@ -126,7 +128,7 @@ bool IsAnswered(const Situation& situation) {
 
 }  // namespace
 
-bool MappingMethod::HasErrand(const Situation& situation) {
+bool MappingMethod::HasTask(const Situation& situation) {
   const RobotState& state = situation.state;
   if (errand_ && state.snapshots > errand_->snapshots_before) errand_.reset();
   if (!situation.truth || !IsAnswered(situation)) return false;
@@ -139,7 +141,7 @@ bool MappingMethod::HasErrand(const Situation& situation) {
 }
 
 Decision MappingMethod::Decide(const Situation& situation, const StopToken&) {
-  if (!HasErrand(situation)) return {};
+  if (!HasTask(situation)) return {};
   const Cell here = situation.state.cell;
   if (here == errand_->stop.cell) return SendPicture(here, errand_->stop.heading_rad);
   std::vector<Cell> way = WayFor(situation);

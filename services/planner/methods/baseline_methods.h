@@ -130,7 +130,7 @@ class MappingMethod final : public Method {
   };
 
   /// Draws the next stop, unless the robot is on its way to one; false where it has to wait.
-  bool HasErrand(const Situation& situation);
+  bool HasTask(const Situation& situation);
 
   std::uint64_t seed_;
   StandOff stand_off_;

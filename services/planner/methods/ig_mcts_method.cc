@@ -151,7 +151,7 @@ void IgMctsMethod::ForgetOtherSize(const OccupancyGrid& map) {
 }
 
 bool IgMctsMethod::WaitsForRoom(const Situation& situation) {
-  if (WaitsFor(situation, DesiredWay(situation)) == nullptr) {
+  if (WaitsFor(situation, DesiredPath(situation)) == nullptr) {
     waiting_since_.reset();
     return false;
   }
@@ -159,7 +159,9 @@ bool IgMctsMethod::WaitsForRoom(const Situation& situation) {
   return clock_.Now() - *waiting_since_ < kPatience;
 }
 
-std::vector<Cell> IgMctsMethod::WayFor(const Situation& situation) { return DesiredWay(situation); }
+std::vector<Cell> IgMctsMethod::WayFor(const Situation& situation) {
+  return DesiredPath(situation);
+}
 
 void IgMctsMethod::NoteSentView(const Situation& situation) {
   if (chosen_view_ && situation.state.snapshots > chosen_view_->snapshots_before) {
@@ -198,7 +200,7 @@ Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop)
   NoteSentView(situation);
   const BeliefGrid belief = BeliefOf(situation);
   sent_views_.Update(belief);
-  if (reliability_) reliability_->Heard(belief, situation.map.cells);
+  if (reliability_) reliability_->Received(belief, situation.map.cells);
   if (WaitsForRoom(situation)) return {};
   views_ = ViewsFor(situation, config_.headings, std::move(views_));
   const SituationProblem problem(situation, belief, ToSearch(sent_views_.Withheld()), views_,

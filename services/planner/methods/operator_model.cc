@@ -14,7 +14,7 @@ bool IsRight(float wall_probability, Occupancy known) {
 
 }  // namespace
 
-void OperatorReliability::Heard(const BeliefGrid& belief, const OccupancyGrid& known) {
+void OperatorReliability::Received(const BeliefGrid& belief, const OccupancyGrid& known) {
   if (belief_) Compare(belief, known);
   belief_ = belief;
   expected_edits_.reset();

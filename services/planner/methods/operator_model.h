@@ -31,7 +31,7 @@ class OperatorReliability {
 
   /// The published map when the robot, which knows `known`, decides: after it sent a picture, with
   /// the answer to that.
-  void Heard(const BeliefGrid& belief, const OccupancyGrid& known);
+  void Received(const BeliefGrid& belief, const OccupancyGrid& known);
 
   /// Since the map that was heard last a picture was sent, to which the model expects `edits`. Call
   /// before the answer is heard.

@@ -284,9 +284,9 @@ std::vector<int> Episode::pictures_due() const {
   return due;
 }
 
-Picture Episode::MakePicture(int robot) {
+Snapshot Episode::MakeSnapshot(int robot) {
   RobotRecord& record = At(robot);
-  Picture picture;
+  Snapshot picture;
   picture.stamp = now();
   picture.world = record.state.world;
   picture.robot = record.state.robot;
@@ -299,17 +299,17 @@ Picture Episode::MakePicture(int robot) {
   return picture;
 }
 
-Picture Episode::CompleteView(int robot, std::size_t jpeg_bytes) {
+Snapshot Episode::CompleteView(int robot, std::size_t jpeg_bytes) {
   DEMAND(turned_[static_cast<std::size_t>(robot)], robot);
-  Picture picture = MakePicture(robot);
+  Snapshot picture = MakeSnapshot(robot);
   picture.heading_rad = At(robot).command.heading_rad;
   CountFrame(robot, jpeg_bytes);
   Finish(robot, CommandOutcome::kDone);
   return picture;
 }
 
-Picture Episode::TakeStreamedSnapshot(int robot) {
-  Picture picture = MakePicture(robot);
+Snapshot Episode::TakeStreamedSnapshot(int robot) {
+  Snapshot picture = MakeSnapshot(robot);
   picture.streamed = true;
   return picture;
 }

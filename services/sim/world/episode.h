@@ -74,9 +74,9 @@ class Episode {
   std::vector<int> pictures_due() const;
   /// The picture of robot `robot` was taken: `jpeg_bytes` are counted, the path starts anew.
   /// Returns path and sequence number for the Picture, with its pixels left out.
-  Picture CompleteView(int robot, std::size_t jpeg_bytes);
+  Snapshot CompleteView(int robot, std::size_t jpeg_bytes);
   /// The same for a streamed snapshot, which ends no command.
-  Picture TakeStreamedSnapshot(int robot);
+  Snapshot TakeStreamedSnapshot(int robot);
   void CountFrame(int robot, std::size_t jpeg_bytes);
 
   SimTime now() const;
@@ -110,7 +110,7 @@ class Episode {
   void ClaimGoal(int robot, Cell cell);
   bool ReservedByAnother(int robot, Cell cell) const;
   bool Centred(int robot) const;
-  Picture MakePicture(int robot);
+  Snapshot MakeSnapshot(int robot);
 
   RobotWorld& physics_;
   EpisodeOptions options_;

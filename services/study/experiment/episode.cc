@@ -41,7 +41,7 @@ class Episode {
     result_.goals = static_cast<int>(world.goals.front().size());
     result_.optimal_moves = OptimalMoves(world);
     Look();
-    person_.Hear(now_.belief);
+    person_.Receive(now_.belief);
     LetThePersonAct();
   }
 
@@ -107,7 +107,7 @@ class Episode {
   void Send(double heading_rad) {
     RobotState& state = now_.state;
     TurnTo(heading_rad);
-    Picture picture;
+    Snapshot picture;
     picture.stamp = state.stamp;
     picture.world = world_name_;
     picture.robot = robot_name_;
@@ -123,8 +123,8 @@ class Episode {
     picture.goals_left = state.goals_left;
     ++state.pictures;
     ++result_.pictures;
-    person_.Hear(now_.state);
-    person_.Hear(picture, clock_.Now());
+    person_.Receive(now_.state);
+    person_.Receive(picture, clock_.Now());
     LetThePersonAct();
   }
 
@@ -139,14 +139,14 @@ class Episode {
     request.reason = *decision.attention;
     request.cell = decision.attention_cell;
     request.newest_snapshot = now_.state.snapshots;
-    person_.Hear(request, clock_.Now());
+    person_.Receive(request, clock_.Now());
     LetThePersonAct();
     return result_.guidance + result_.edits > before;
   }
 
   /// The person's requests, answered as the operator service does, until they have none left.
   void LetThePersonAct() {
-    person_.Hear(now_.state);
+    person_.Receive(now_.state);
     while (const auto ask = person_.Next(clock_.Now())) {
       const auto* edit = std::get_if<EditRequest>(&ask->body);
       const std::uint64_t revision =
@@ -161,7 +161,7 @@ class Episode {
     }
     result_.edits += static_cast<int>(request.edits.size());
     ++now_.belief.revision;
-    person_.Hear(now_.belief);
+    person_.Receive(now_.belief);
     return now_.belief.revision;
   }
 
@@ -176,7 +176,7 @@ class Episode {
     guidance.valid_until = now_.state.stamp + Seconds(request.valid_for_s);
     now_.guided_before = true;
     now_.guidance = guidance;
-    person_.Hear(guidance);
+    person_.Receive(guidance);
     return guidance.revision;
   }
 

@@ -168,21 +168,21 @@ void MazeRun::Start(const PlannedService& service) {
 MazeEnd MazeRun::Wait(const Opened& opened, const StopToken& stop) {
   bool open = false;
   while (true) {
-    open = open || TellAddress(opened);
+    open = open || ReportAddress(opened);
     if (std::filesystem::exists(maze_.result())) return MazeEnd::kFinished;
-    if (TellDeaths()) return MazeEnd::kServiceDied;
+    if (ReportDeaths()) return MazeEnd::kServiceDied;
     if (stop.stop_requested()) return MazeEnd::kInterrupted;
     WaitAMoment();
   }
 }
 
-bool MazeRun::TellAddress(const Opened& opened) const {
+bool MazeRun::ReportAddress(const Opened& opened) const {
   const auto url = ReadFile(maze_.url());
   if (url) opened(url->substr(0, url->find('\n')));
   return url.has_value();
 }
 
-bool MazeRun::TellDeaths() {
+bool MazeRun::ReportDeaths() {
   bool died = false;
   for (const launcher::Process* process : processes_.TakeEnded()) {
     died = died || process->name() != kRecorder;

@@ -79,8 +79,8 @@ class MazeRun {
   void Start(const PlannedService& service);
   MazeEnd Wait(const Opened& opened, const StopToken& stop);
   /// Whether the page's address is known; `opened` was told then.
-  bool TellAddress(const Opened& opened) const;
-  bool TellDeaths();
+  bool ReportAddress(const Opened& opened) const;
+  bool ReportDeaths();
   /// Pages get the result before the service goes.
   void Linger(const StopToken& stop);
 

@@ -71,7 +71,7 @@ class RobotLink {
   std::uint64_t epoch = 1;
   std::vector<RobotState> states;
   std::vector<MapUpdate> maps;
-  std::vector<Picture> pictures;
+  std::vector<Snapshot> pictures;
   Position position;
   int frames = 0;
 

@@ -25,8 +25,9 @@ TEST_CASE("an announcement of a planner comes back as it was", "[protocol][conve
 }
 
 TEST_CASE("the way that a robot wants comes back as it was", "[protocol][convert]") {
-  CheckRoundTrip(RobotWay{"r1", {{1, 2}, {1, 3}}, {{{2, 2}}, {RightOfWay::kWantsAWay, "r2", 3}}});
-  CheckRoundTrip(RobotWay{"r1", {}, {}});
+  CheckRoundTrip(
+      IntendedPath{"r1", {{1, 2}, {1, 3}}, {{{2, 2}}, {RightOfWay::kWantsAWay, "r2", 3}}});
+  CheckRoundTrip(IntendedPath{"r1", {}, {}});
 }
 
 TEST_CASE("announcements that cannot be are refused", "[protocol][convert]") {
@@ -55,8 +56,9 @@ TEST_CASE("announcements that cannot be are refused", "[protocol][convert]") {
 }
 
 TEST_CASE("a way of a robot without a name is refused", "[protocol][convert]") {
-  CHECK_FALSE(ToDomain(conav_msgs::msg::RobotWay()));
+  CHECK_FALSE(ToDomain(conav_msgs::msg::IntendedPath()));
   CheckRefused(
-      RobotWay{"r1", {}, {}}, [](conav_msgs::msg::RobotWay& message) { message.room_tier(4); },
+      IntendedPath{"r1", {}, {}},
+      [](conav_msgs::msg::IntendedPath& message) { message.room_tier(4); },
       "room_tier = 4 is not in [0, 3]");
 }

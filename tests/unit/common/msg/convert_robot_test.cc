@@ -7,7 +7,7 @@ namespace conav {
 namespace {
 
 using samples::SampleCommand;
-using samples::SamplePicture;
+using samples::SampleSnapshot;
 using samples::SampleState;
 using Command = conav_msgs::msg::RobotCommand;
 using State = conav_msgs::msg::RobotState;
@@ -16,7 +16,7 @@ using Snapshot = conav_msgs::msg::Snapshot;
 TEST_CASE("Robot commands, states and pictures survive the wire", "[protocol][convert]") {
   CheckRoundTrip(SampleCommand());
   CheckRoundTrip(SampleState());
-  CheckRoundTrip(SamplePicture());
+  CheckRoundTrip(SampleSnapshot());
 }
 
 TEST_CASE("Enumerators have the numbers of the IDL", "[protocol][convert]") {
@@ -32,7 +32,7 @@ TEST_CASE("Enumerators have the numbers of the IDL", "[protocol][convert]") {
 }
 
 TEST_CASE("A picture without a camera has format none", "[protocol][convert]") {
-  Picture picture = SamplePicture();
+  Snapshot picture = SampleSnapshot();
   picture.jpeg.clear();
   CHECK(ToMessage(picture).format() == "none");
   CheckRoundTrip(picture);
@@ -103,37 +103,38 @@ TEST_CASE("A malformed robot state is refused", "[protocol][convert]") {
 
 TEST_CASE("A malformed picture is refused", "[protocol][convert]") {
   CheckRefused(
-      SamplePicture(), [](Snapshot& m) { m.sequence_number(0); }, "sequence_number = 0 is below 1");
+      SampleSnapshot(), [](Snapshot& m) { m.sequence_number(0); },
+      "sequence_number = 0 is below 1");
   CheckRefused(
-      SamplePicture(), [](Snapshot& m) { m.horizontal_field_of_view(-0.1); },
+      SampleSnapshot(), [](Snapshot& m) { m.horizontal_field_of_view(-0.1); },
       "horizontal_field_of_view = -0.1 is not in [0, 6.283185307179586]");
   CheckRefused(
-      SamplePicture(), [](Snapshot& m) { m.width(16385); }, "width = 16385 is not in [0, 16384]");
+      SampleSnapshot(), [](Snapshot& m) { m.width(16385); }, "width = 16385 is not in [0, 16384]");
   CheckRefused(
-      SamplePicture(), [](Snapshot& m) { m.format("png"); },
+      SampleSnapshot(), [](Snapshot& m) { m.format("png"); },
       "format = 'png' is not 'jpeg' or 'none'");
   CheckRefused(
-      SamplePicture(), [](Snapshot& m) { m.format("none"); }, "data has size 3 in format 'none'");
+      SampleSnapshot(), [](Snapshot& m) { m.format("none"); }, "data has size 3 in format 'none'");
   CheckRefused(
-      SamplePicture(), [](Snapshot& m) { m.data().clear(); }, "data is empty in format 'jpeg'");
+      SampleSnapshot(), [](Snapshot& m) { m.data().clear(); }, "data is empty in format 'jpeg'");
   CheckRefused(
-      SamplePicture(), [](Snapshot& m) { m.data().resize((16U << 20) + 1); },
+      SampleSnapshot(), [](Snapshot& m) { m.data().resize((16U << 20) + 1); },
       "data has size 16777217, more than 16777216");
   CheckRefused(
-      SamplePicture(), [](Snapshot& m) { m.wall_cells()[0].column(-1); },
+      SampleSnapshot(), [](Snapshot& m) { m.wall_cells()[0].column(-1); },
       "wall_cells[0] = (1,-1) is outside of 1024 x 1024 cells");
   CheckRefused(
-      SamplePicture(), [](Snapshot& m) { m.wall_cells(m.free_cells()); },
+      SampleSnapshot(), [](Snapshot& m) { m.wall_cells(m.free_cells()); },
       "free_cells holds (2,2), which wall_cells holds too");
 }
 
 TEST_CASE("Visible cells are sorted on arrival", "[protocol][convert]") {
-  Snapshot message = ToMessage(SamplePicture());
+  Snapshot message = ToMessage(SampleSnapshot());
   std::swap(message.free_cells()[0], message.free_cells()[1]);
   message.free_cells().push_back(message.free_cells()[0]);
   const auto picture = ToDomain(message);
   REQUIRE(picture);
-  CHECK(picture->visible == SamplePicture().visible);
+  CHECK(picture->visible == SampleSnapshot().visible);
 }
 
 }  // namespace

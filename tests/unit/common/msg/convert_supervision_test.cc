@@ -20,7 +20,7 @@ TEST_CASE("The operator's values survive the wire", "[protocol][convert]") {
   CheckRoundTrip(SampleGuide());
   CheckRoundTrip(SampleDrive());
   CheckRoundTrip(SampleDriveOrder());
-  CheckRoundTrip(SampleHold());
+  CheckRoundTrip(SampleStop());
   for (const OperatorRequest& request : SampleControlRequests()) CheckRoundTrip(request);
   CheckRoundTrip(SampleReply());
   CheckRoundTrip(SampleSelect());
@@ -149,15 +149,15 @@ TEST_CASE("A malformed control request or hold order is refused", "[protocol][co
       samples[6], [](RequestMessage& m) { m.duration(0.0); }, "duration = 0 is not above 0");
   CheckRefused(
       samples[6], [](RequestMessage& m) { m.duration(NAN); }, "duration = nan is not finite");
-  using HoldMessage = conav_msgs::msg::HoldOrder;
+  using StopMessage = conav_msgs::msg::StopOrder;
   CheckRefused(
-      SampleHold(), [](HoldMessage& m) { m.revision(0); }, "revision = 0 is below 1");
+      SampleStop(), [](StopMessage& m) { m.revision(0); }, "revision = 0 is below 1");
   CheckRefused(
-      SampleHold(), [](HoldMessage& m) { m.robot(""); }, "robot is empty");
+      SampleStop(), [](StopMessage& m) { m.robot(""); }, "robot is empty");
 }
 
 TEST_CASE("Texts in another encoding come in as UTF-8", "[protocol][convert]") {
-  HoldOrder hold = SampleHold();
+  StopOrder hold = SampleStop();
   hold.reason = "caf\xE9";
   const auto read = ToDomain(ToMessage(hold));
   REQUIRE(read);

@@ -54,7 +54,7 @@ inline RobotState SampleState() {
           .map_stamp = Stamp(1)};
 }
 
-inline Picture SamplePicture() {
+inline Snapshot SampleSnapshot() {
   return {.stamp = Stamp(4),
           .world = "w1",
           .robot = "r1",
@@ -118,7 +118,7 @@ inline OperatorRequest SampleSelect() {
   return {Stamp(8), "browser-1", 6, "w1", SelectRequest{"r3", AttentionReason::kNoGuidance}};
 }
 
-inline HoldOrder SampleHold() {
+inline StopOrder SampleStop() {
   return {Stamp(7), "w1", "r1", 3, true, "browser-1", "a person walks there"};
 }
 

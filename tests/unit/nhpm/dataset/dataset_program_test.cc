@@ -6,7 +6,7 @@
 #include "common/segments/segment_file.h"
 #include "common/segments/segment_json.h"
 #include "common/segments/segment_split.h"
-#include "support/program_desk.h"
+#include "support/program_runner.h"
 #include "unit/common/segments/support/sample_segments.h"
 
 namespace conav {
@@ -15,9 +15,9 @@ namespace {
 using Outcome = test::ProgramOutcome;
 
 /// A folder with the sample as data.pb.zst, and the program run in it.
-class Desk : public test::ProgramDesk {
+class Desk : public test::ProgramRunner {
  public:
-  Desk() : ProgramDesk("conav-dataset") {
+  Desk() : ProgramRunner("conav-dataset") {
     REQUIRE(WriteSegmentFile(*this / "data.pb.zst", tests::SampleSet()));
   }
 };

@@ -10,7 +10,7 @@
 #include "common/segments/segment_split.h"
 #include "nhpm/dataset/annotators.h"
 #include "nhpm/model/weights_file.h"
-#include "support/program_desk.h"
+#include "support/program_runner.h"
 #include "unit/nhpm/evaluation/evaluation_samples.h"
 
 namespace conav::nhpm {

@@ -38,8 +38,8 @@ OperatorRequest RequestOf(Body body) {
 
 struct Bench {
   Bench() {
-    task.Hear(TrueMaze());
-    task.Hear(StateOf("r1", 0));
+    task.Receive(TrueMaze());
+    task.Receive(StateOf("r1", 0));
     task.Begin();
     belief.wall_probability = initial;
   }
@@ -64,26 +64,26 @@ TEST_CASE("a task waits, runs from its beginning on, and is over when it is fini
 
 TEST_CASE("a maze may be finished when all robots have reached all goals", "[operator][task]") {
   ParticipantTask task({"r1", "r2"});
-  task.Hear(TrueMaze());
-  CHECK(task.WhyNotFinish() == "this maze has not begun yet: let the robot go first");
+  task.Receive(TrueMaze());
+  CHECK(task.CheckFinish() == "this maze has not begun yet: let the robot go first");
   task.Begin();
-  CHECK(task.WhyNotFinish() == "the robot was not heard of yet");
-  task.Hear(StateOf("r1", 1));
-  task.Hear(StateOf("r2", 1));
-  task.Hear(StateOf("stranger", 3));
-  CHECK(task.WhyNotFinish() == "the robot has 2 more goals to reach");
-  task.Hear(StateOf("r1", 0));
-  CHECK(task.WhyNotFinish() == "the robot has 1 more goal to reach");
+  CHECK(task.CheckFinish() == "the robot was not heard of yet");
+  task.Receive(StateOf("r1", 1));
+  task.Receive(StateOf("r2", 1));
+  task.Receive(StateOf("stranger", 3));
+  CHECK(task.CheckFinish() == "the robot has 2 more goals to reach");
+  task.Receive(StateOf("r1", 0));
+  CHECK(task.CheckFinish() == "the robot has 1 more goal to reach");
   CHECK(task.goals_left() == 1);
-  task.Hear(StateOf("r2", 0));
-  CHECK(task.WhyNotFinish().empty());
+  task.Receive(StateOf("r2", 0));
+  CHECK(task.CheckFinish().empty());
 }
 
 TEST_CASE("without the true maze nothing can be finished", "[operator][task]") {
   ParticipantTask task({"r1"});
   task.Begin();
-  task.Hear(StateOf("r1", 0));
-  CHECK_THAT(task.WhyNotFinish(), Catch::Contains("true maze"));
+  task.Receive(StateOf("r1", 0));
+  CHECK_THAT(task.CheckFinish(), Catch::Contains("true maze"));
 }
 
 TEST_CASE("the result tells how many mistakes of the map were corrected", "[operator][task]") {
@@ -112,11 +112,11 @@ TEST_CASE(
     "nothing is measured before all goals are reached, or of maps that do not belong together",
     "[operator][task]") {
   Bench bench;
-  bench.task.Hear(StateOf("r1", 1));
+  bench.task.Receive(StateOf("r1", 1));
   const auto early = bench.task.Measure(bench.belief, bench.initial);
   REQUIRE_FALSE(early);
   CHECK(early.error().code == ErrorCode::kRefused);
-  bench.task.Hear(StateOf("r1", 0));
+  bench.task.Receive(StateOf("r1", 0));
   bench.belief.wall_probability = BeliefGrid(3, 3);
   const auto other = bench.task.Measure(bench.belief, bench.initial);
   REQUIRE_FALSE(other);
@@ -126,26 +126,26 @@ TEST_CASE(
 TEST_CASE("in a study the participant commands the robot, until the end", "[operator][task]") {
   ParticipantTask task({"r1"}, TaskKind::kStudy);
   task.Begin();
-  CHECK(task.WhyNot(RequestOf(GuideRequest{})).empty());
-  CHECK(task.WhyNot(RequestOf(DriveRequest{})).empty());
-  CHECK(task.WhyNot(RequestOf(EditRequest{})).empty());
+  CHECK(task.CheckAllowed(RequestOf(GuideRequest{})).empty());
+  CHECK(task.CheckAllowed(RequestOf(DriveRequest{})).empty());
+  CHECK(task.CheckAllowed(RequestOf(EditRequest{})).empty());
   task.Finish();
-  CHECK(task.WhyNot(RequestOf(GuideRequest{})) == "this maze is finished");
-  CHECK(task.WhyNot(RequestOf(DriveRequest{})) == "this maze is finished");
+  CHECK(task.CheckAllowed(RequestOf(GuideRequest{})) == "this maze is finished");
+  CHECK(task.CheckAllowed(RequestOf(DriveRequest{})) == "this maze is finished");
 }
 
 TEST_CASE("a participant edits and answers until the end, and never commands the robot",
           "[operator][task]") {
   Bench bench;
-  CHECK(bench.task.WhyNot(RequestOf(EditRequest{})).empty());
-  CHECK(bench.task.WhyNot(RequestOf(AnswerRequest{})).empty());
-  CHECK_THAT(bench.task.WhyNot(RequestOf(GuideRequest{})), Catch::Contains("its own way"));
-  CHECK_THAT(bench.task.WhyNot(RequestOf(DriveRequest{})), Catch::Contains("its own way"));
+  CHECK(bench.task.CheckAllowed(RequestOf(EditRequest{})).empty());
+  CHECK(bench.task.CheckAllowed(RequestOf(AnswerRequest{})).empty());
+  CHECK_THAT(bench.task.CheckAllowed(RequestOf(GuideRequest{})), Catch::Contains("its own way"));
+  CHECK_THAT(bench.task.CheckAllowed(RequestOf(DriveRequest{})), Catch::Contains("its own way"));
   bench.task.Finish();
-  CHECK(bench.task.WhyNot(RequestOf(EditRequest{})) == "this maze is finished");
-  CHECK(bench.task.WhyNot(RequestOf(AnswerRequest{})) == "this maze is finished");
-  CHECK(bench.task.WhyNot(RequestOf(SelectRequest{})).empty());
-  CHECK(bench.task.WhyNotFinish() == "this maze is finished");
+  CHECK(bench.task.CheckAllowed(RequestOf(EditRequest{})) == "this maze is finished");
+  CHECK(bench.task.CheckAllowed(RequestOf(AnswerRequest{})) == "this maze is finished");
+  CHECK(bench.task.CheckAllowed(RequestOf(SelectRequest{})).empty());
+  CHECK(bench.task.CheckFinish() == "this maze is finished");
 }
 
 }  // namespace conav::operators

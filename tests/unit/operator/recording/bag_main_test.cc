@@ -1,15 +1,15 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "support/program_desk.h"
+#include "support/program_runner.h"
 #include "unit/operator/recording/recordings.h"
 
 namespace conav::bag {
 namespace {
 
 /// A run folder "run" with the small recording.
-struct BagDesk : test::ProgramDesk {
-  BagDesk() : ProgramDesk("conav-bag") {
+struct BagFixture : test::ProgramRunner {
+  BagFixture() : ProgramRunner("conav-bag") {
     std::filesystem::create_directory(*this / "run");
     WriteSmallRecording(recording());
   }
@@ -17,7 +17,7 @@ struct BagDesk : test::ProgramDesk {
 };
 
 TEST_CASE("conav bag lists topics, types and counts of a run", "[operator][bag]") {
-  const BagDesk desk;
+  const BagFixture desk;
   const auto outcome = desk.Run("run");
   CHECK(outcome.exit_code == 0);
   CHECK(outcome.error.empty());
@@ -29,7 +29,7 @@ TEST_CASE("conav bag lists topics, types and counts of a run", "[operator][bag]"
 }
 
 TEST_CASE("conav bag tells programs the same", "[operator][bag]") {
-  const BagDesk desk;
+  const BagFixture desk;
   const auto outcome = desk.Run("run --json -");
   REQUIRE(outcome.exit_code == 0);
   CHECK_THAT(outcome.error, Catch::Contains("std_msgs/msg/String"));
@@ -42,7 +42,7 @@ TEST_CASE("conav bag tells programs the same", "[operator][bag]") {
 }
 
 TEST_CASE("conav bag writes a rosbag2 folder, but over none", "[operator][bag]") {
-  const BagDesk desk;
+  const BagFixture desk;
   const auto outcome = desk.Run("run --rosbag2 bag");
   CHECK(outcome.exit_code == 0);
   CHECK_THAT(outcome.out, Catch::Contains("written as rosbag2: bag"));
@@ -55,7 +55,7 @@ TEST_CASE("conav bag writes a rosbag2 folder, but over none", "[operator][bag]")
 }
 
 TEST_CASE("conav bag reads a recording that was cut off, with a warning", "[operator][bag]") {
-  const BagDesk desk;
+  const BagFixture desk;
   std::filesystem::resize_file(desk.recording(), std::filesystem::file_size(desk.recording()) - 1);
   const auto outcome = desk.Run("run --json o.json");
   CHECK(outcome.exit_code == 0);
@@ -65,7 +65,7 @@ TEST_CASE("conav bag reads a recording that was cut off, with a warning", "[oper
 }
 
 TEST_CASE("conav bag names what is wrong", "[operator][bag]") {
-  const BagDesk desk;
+  const BagFixture desk;
   const auto none = desk.Run("nowhere");
   CHECK(none.exit_code == 1);
   CHECK_THAT(none.error, Catch::Contains("conav bag: nowhere: No such file"));

@@ -26,10 +26,10 @@ struct Session {
     state.world = "w1";
     state.robot = name;
     state.goals_total = 4;
-    collector.Hear(state);
+    collector.Receive(state);
   }
-  Picture Taken(const std::string& robot, std::uint64_t sequence_number) const {
-    Picture picture;
+  Snapshot Taken(const std::string& robot, std::uint64_t sequence_number) const {
+    Snapshot picture;
     picture.world = "w1";
     picture.robot = robot;
     picture.sequence_number = sequence_number;
@@ -44,7 +44,7 @@ struct Session {
   void Send(const std::string& robot, std::uint64_t sequence_number,
             std::chrono::nanoseconds after = 1s) {
     clock.Advance(after);
-    collector.Hear(Taken(robot, sequence_number), clock.Now());
+    collector.Receive(Taken(robot, sequence_number), clock.Now());
   }
   void Edit(Cell cell, std::chrono::nanoseconds after = 1s) {
     clock.Advance(after);
@@ -246,9 +246,9 @@ TEST_CASE("A picture without an answer ends with the robot's next one", "[operat
 TEST_CASE("Streamed and repeated pictures, and those answered before, open nothing",
           "[operator][recording]") {
   Session session;
-  Picture streamed = session.Taken("r1", 1);
+  Snapshot streamed = session.Taken("r1", 1);
   streamed.streamed = true;
-  session.collector.Hear(streamed, session.clock.Now());
+  session.collector.Receive(streamed, session.clock.Now());
   session.Answer("r1", 1);
   CHECK(session.collector.Take().empty());
   session.Send("r1", 2);

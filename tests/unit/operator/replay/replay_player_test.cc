@@ -69,7 +69,7 @@ TEST_CASE("pictures come and go with the place, and their answers", "[operator][
 
 TEST_CASE("a seek back is a beginning for pages, a seek ahead is none", "[operator][replay]") {
   ReplayBench bench;
-  bench.player.Hear({{"anna/1", "anna", console::ROLE_OPERATOR}});
+  bench.player.Receive({{"anna/1", "anna", console::ROLE_OPERATOR}});
   const auto generation = bench.log.generation();
   bench.Seek(9.0);
   CHECK(bench.log.generation() == generation);
@@ -84,7 +84,7 @@ TEST_CASE("a seek back is a beginning for pages, a seek ahead is none", "[operat
 TEST_CASE("a seek puts only the newest of what replaces each other", "[operator][replay]") {
   TimelineBuilder builder(SessionOfOne());
   for (int i = 0; i < 1000; ++i)
-    builder.Hear(kBegin + i, BeliefOf(0, 0.001F * static_cast<float>(i)));
+    builder.Receive(kBegin + i, BeliefOf(0, 0.001F * static_cast<float>(i)));
   ReplayBench bench(std::move(builder).Finish());
   const auto sequence = bench.log.sequence();
   bench.Seek(999.0);
@@ -122,10 +122,10 @@ TEST_CASE("what was heard is as old as at that place of the recording", "[operat
 
 TEST_CASE("alerts are as old as at that place of the recording", "[operator][replay]") {
   TimelineBuilder builder(SessionOfOne());
-  builder.Hear(kBegin, BeliefOf(0, 0.0F));
-  builder.Hear(kBegin, ServiceHealth{"sim", console::LEVEL_OK, ""});
-  builder.Hear(kBegin + 1.0, ServiceHealth{"sim", console::LEVEL_ERROR, "no camera"});
-  builder.Hear(kBegin + 4.0, ServiceHealth{"sim", console::LEVEL_ERROR, "no camera"});
+  builder.Receive(kBegin, BeliefOf(0, 0.0F));
+  builder.Receive(kBegin, ServiceHealth{"sim", console::LEVEL_OK, ""});
+  builder.Receive(kBegin + 1.0, ServiceHealth{"sim", console::LEVEL_ERROR, "no camera"});
+  builder.Receive(kBegin + 4.0, ServiceHealth{"sim", console::LEVEL_ERROR, "no camera"});
   ReplayBench bench(std::move(builder).Finish());
   bench.Seek(3.0);
   CHECK(OnlyOf(bench.log, Kind::kAlert).alert().raised() == Approx(kNow - 2.0).margin(1e-3));
@@ -135,8 +135,8 @@ TEST_CASE("alerts are as old as at that place of the recording", "[operator][rep
 
 TEST_CASE("streams show the newest frame, with where the robot is", "[operator][replay]") {
   TimelineBuilder builder(SessionOfOne());
-  builder.Hear(kBegin, At(1, {1, 2}));
-  for (std::uint8_t i = 0; i < 5; ++i) builder.HearFrame(kBegin + i, {"r1", {}, {i}});
+  builder.Receive(kBegin, At(1, {1, 2}));
+  for (std::uint8_t i = 0; i < 5; ++i) builder.ReceiveFrame(kBegin + i, {"r1", {}, {i}});
   ReplayBench bench(std::move(builder).Finish());
   bench.Seek(3.0);
   const auto slot = bench.frames.Newer({}).at("r1");
@@ -150,11 +150,11 @@ TEST_CASE("streams show the newest frame, with where the robot is", "[operator][
 
 TEST_CASE("a world that began anew shows its own picture of a number", "[operator][replay]") {
   TimelineBuilder builder(SessionOfOne());
-  Picture picture = SentPicture(1);
+  Snapshot picture = SentSnapshot(1);
   picture.jpeg = {1, 2, 3};
-  builder.Hear(kBegin, picture);
+  builder.Receive(kBegin, picture);
   picture.jpeg = {4, 5};
-  builder.Hear(kBegin + 5.0, picture);
+  builder.Receive(kBegin + 5.0, picture);
   ReplayBench bench(std::move(builder).Finish());
   bench.Seek(5.0);
   CHECK(*bench.pictures.Find("r1", 1) == "\4\5");
@@ -164,8 +164,8 @@ TEST_CASE("a world that began anew shows its own picture of a number", "[operato
 
 TEST_CASE("a robot that was stopped is shown so, since then", "[operator][replay]") {
   TimelineBuilder builder(SessionOfOne());
-  builder.Hear(kBegin, HoldOrder{{}, "w1", "r1", 1, true, "anna/1", "a cat"});
-  builder.Hear(kBegin + 5.0, HoldOrder{{}, "w1", "r1", 2, false, "anna/1", ""});
+  builder.Receive(kBegin, StopOrder{{}, "w1", "r1", 1, true, "anna/1", "a cat"});
+  builder.Receive(kBegin + 5.0, StopOrder{{}, "w1", "r1", 2, false, "anna/1", ""});
   ReplayBench bench(std::move(builder).Finish());
   bench.Seek(2.0);
   const auto control = OnlyOf(bench.log, Kind::kControl).control();

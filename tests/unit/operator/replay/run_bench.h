@@ -47,8 +47,8 @@ inline Guidance PathOf(std::uint64_t revision, std::vector<Cell> path, std::uint
   return guidance;
 }
 
-inline Picture SentPicture(std::uint64_t number) {
-  Picture picture = PictureOf(number);
+inline Snapshot SentSnapshot(std::uint64_t number) {
+  Snapshot picture = SnapshotOf(number);
   picture.streamed = false;
   return picture;
 }
@@ -59,22 +59,22 @@ inline Picture SentPicture(std::uint64_t number) {
 inline Timeline SmallRun() {
   TimelineBuilder builder(SessionOfOne());
   const auto at = [](double s) { return kBegin + s; };
-  builder.HearInitialMap(at(0), "w1", {{}, 2.0, SmallMaze(Occupancy::kFree)});
-  builder.HearTruth(at(0), "w1", {{}, 2.0, SmallMaze(Occupancy::kOccupied)});
-  builder.Hear(at(0), BeliefOf(0, 0.0F));
-  builder.Hear(at(1), At(1, {1, 1}));
-  builder.Hear(at(2), At(2, {1, 2}, {{1, 1}, {1, 2}}));
-  builder.Hear(at(3), SentPicture(1));
-  builder.Hear(at(4), BeliefOf(1, 1.0F));
-  builder.Hear(at(4), PathOf(1, {{1, 2}, {1, 3}}, 1));
+  builder.ReceiveInitialMap(at(0), "w1", {{}, 2.0, SmallMaze(Occupancy::kFree)});
+  builder.ReceiveTruth(at(0), "w1", {{}, 2.0, SmallMaze(Occupancy::kOccupied)});
+  builder.Receive(at(0), BeliefOf(0, 0.0F));
+  builder.Receive(at(1), At(1, {1, 1}));
+  builder.Receive(at(2), At(2, {1, 2}, {{1, 1}, {1, 2}}));
+  builder.Receive(at(3), SentSnapshot(1));
+  builder.Receive(at(4), BeliefOf(1, 1.0F));
+  builder.Receive(at(4), PathOf(1, {{1, 2}, {1, 3}}, 1));
   RobotState third = At(5, {1, 3}, {{1, 1}, {1, 2}, {1, 3}});
   third.goals_reached = {{1, 3}};
   third.goals_total = 2;
-  builder.Hear(at(5), third);
-  builder.Hear(at(8), SentPicture(2));
-  builder.Hear(at(9), PathOf(2, {{1, 2}, {1, 3}}, 2));
+  builder.Receive(at(5), third);
+  builder.Receive(at(8), SentSnapshot(2));
+  builder.Receive(at(9), PathOf(2, {{1, 2}, {1, 3}}, 2));
   third.stamp = SimTime::FromSeconds(10.0);
-  builder.Hear(at(10), third);
+  builder.Receive(at(10), third);
   return std::move(builder).Finish();
 }
 
@@ -125,7 +125,7 @@ struct ReplayBench {
   Timeline timeline;
   UpdateLog log;
   FrameSlots frames;
-  PictureShelf pictures{1U << 20U};
+  SnapshotStore pictures{1U << 20U};
   double now_s = kNow;
   ReplayPlayer player{timeline, {log, frames, pictures}, kNow};
 };

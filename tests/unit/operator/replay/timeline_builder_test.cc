@@ -44,8 +44,8 @@ TEST_CASE("the command log of a run comes from what requests changed", "[operato
 
 TEST_CASE("what others did before the recording began is no event of it", "[operator][replay]") {
   Builder bench;
-  bench.builder.Hear(kBegin, BeliefOf(7, 1.0F));
-  bench.builder.Hear(kBegin, PathOf(4, {{1, 1}}, 3));
+  bench.builder.Receive(kBegin, BeliefOf(7, 1.0F));
+  bench.builder.Receive(kBegin, PathOf(4, {{1, 1}}, 3));
   const Timeline run = bench.Finish();
   CHECK(run.moments.size() == 2);
   CHECK(run.marks.empty());
@@ -56,16 +56,16 @@ TEST_CASE("refusals and control are told by requests and replies, once", "[opera
   OperatorRequest request{{}, "anna/1", 4, "w1", GuideRequest{"r1", {{1, 1}}, 0, 1.0}};
   const OperatorReply refusal{"anna/1", 4, false, "too far", 0};
   for (int i = 0; i < 2; ++i) {
-    bench.builder.Hear(kBegin, request);
-    bench.builder.Hear(kBegin, refusal);
+    bench.builder.Receive(kBegin, request);
+    bench.builder.Receive(kBegin, refusal);
   }
   request.request_id = 5;
-  bench.builder.Hear(kBegin, request);
-  bench.builder.Hear(kBegin, OperatorReply{"anna/1", 5, true, "", 1});
+  bench.builder.Receive(kBegin, request);
+  bench.builder.Receive(kBegin, OperatorReply{"anna/1", 5, true, "", 1});
   request.request_id = 6;
   request.body = TakeControlRequest{{"r1"}, "mine"};
-  bench.builder.Hear(kBegin, request);
-  bench.builder.Hear(kBegin, OperatorReply{"anna/1", 6, true, "", 0});
+  bench.builder.Receive(kBegin, request);
+  bench.builder.Receive(kBegin, OperatorReply{"anna/1", 6, true, "", 0});
   const auto events = EventsOf(bench.Finish());
   REQUIRE(events.size() == 2);
   CHECK(events[0].kind() == console::EVENT_REFUSED);
@@ -75,11 +75,11 @@ TEST_CASE("refusals and control are told by requests and replies, once", "[opera
 
 TEST_CASE("stops are events when they change something", "[operator][replay]") {
   Builder bench;
-  HoldOrder order{{}, "w1", "r1", 1, true, "anna/1", "a cat"};
-  bench.builder.Hear(kBegin, order);
-  bench.builder.Hear(kBegin, order);
+  StopOrder order{{}, "w1", "r1", 1, true, "anna/1", "a cat"};
+  bench.builder.Receive(kBegin, order);
+  bench.builder.Receive(kBegin, order);
   order.stopped = false;
-  bench.builder.Hear(kBegin, order);
+  bench.builder.Receive(kBegin, order);
   const auto events = EventsOf(bench.Finish());
   REQUIRE(events.size() == 2);
   CHECK(events[0].text() == "stopped r1: a cat");
@@ -89,11 +89,11 @@ TEST_CASE("stops are events when they change something", "[operator][replay]") {
 TEST_CASE("a run that went quicker than the wall clock is played by its own",
           "[operator][replay]") {
   Builder bench;
-  bench.builder.Hear(kBegin, BeliefOf(0, 0.0F));
-  bench.builder.Hear(kBegin + 2.0, At(0, {1, 1}));
-  bench.builder.Hear(kBegin + 2.1, At(10, {1, 1}));
-  bench.builder.Hear(kBegin + 2.2, At(30, {1, 1}));
-  bench.builder.Hear(kBegin + 2.3, BeliefOf(1, 1.0F));
+  bench.builder.Receive(kBegin, BeliefOf(0, 0.0F));
+  bench.builder.Receive(kBegin + 2.0, At(0, {1, 1}));
+  bench.builder.Receive(kBegin + 2.1, At(10, {1, 1}));
+  bench.builder.Receive(kBegin + 2.2, At(30, {1, 1}));
+  bench.builder.Receive(kBegin + 2.3, BeliefOf(1, 1.0F));
   const Timeline run = bench.Finish();
   CHECK(run.moments[1].position_s == Approx(2.0));
   CHECK(run.moments[2].position_s == Approx(12.0));
@@ -103,10 +103,10 @@ TEST_CASE("a run that went quicker than the wall clock is played by its own",
 
 TEST_CASE("a world that begins anew goes on behind what was", "[operator][replay]") {
   Builder bench;
-  bench.builder.Hear(kBegin, At(100, {1, 1}));
-  bench.builder.Hear(kBegin + 1.0, At(110, {1, 1}));
-  bench.builder.Hear(kBegin + 2.0, At(0, {1, 1}));
-  bench.builder.Hear(kBegin + 2.5, At(5, {1, 1}));
+  bench.builder.Receive(kBegin, At(100, {1, 1}));
+  bench.builder.Receive(kBegin + 1.0, At(110, {1, 1}));
+  bench.builder.Receive(kBegin + 2.0, At(0, {1, 1}));
+  bench.builder.Receive(kBegin + 2.5, At(5, {1, 1}));
   const Timeline run = bench.Finish();
   CHECK(run.moments[2].position_s == Approx(10.0));
   CHECK(run.moments[3].position_s == Approx(15.0));
@@ -115,12 +115,12 @@ TEST_CASE("a world that begins anew goes on behind what was", "[operator][replay
 TEST_CASE("processes that fail, fall silent or come back are alerts", "[operator][replay]") {
   Builder bench;
   const auto sim = [](console::Level level) { return ServiceHealth{"sim", level, "no camera"}; };
-  bench.builder.Hear(kBegin, BeliefOf(0, 0.0F));
-  bench.builder.Hear(kBegin, sim(console::LEVEL_OK));
-  bench.builder.Hear(kBegin + 1.0, sim(console::LEVEL_ERROR));
-  bench.builder.Hear(kBegin + 2.0, sim(console::LEVEL_ERROR));
-  bench.builder.Hear(kBegin + 3.0, sim(console::LEVEL_OK));
-  bench.builder.Hear(kBegin + 9.0, ServiceHealth{"nhpm", console::LEVEL_OK, "fine"});
+  bench.builder.Receive(kBegin, BeliefOf(0, 0.0F));
+  bench.builder.Receive(kBegin, sim(console::LEVEL_OK));
+  bench.builder.Receive(kBegin + 1.0, sim(console::LEVEL_ERROR));
+  bench.builder.Receive(kBegin + 2.0, sim(console::LEVEL_ERROR));
+  bench.builder.Receive(kBegin + 3.0, sim(console::LEVEL_OK));
+  bench.builder.Receive(kBegin + 9.0, ServiceHealth{"nhpm", console::LEVEL_OK, "fine"});
   const Timeline run = bench.Finish();
   REQUIRE(KindsOf(run) == std::vector{console::MARK_ALERT, console::MARK_ALERT});
   CHECK(run.marks[0].text() == "sim: no camera");
@@ -132,9 +132,9 @@ TEST_CASE("processes that fail, fall silent or come back are alerts", "[operator
 TEST_CASE("a run begins with its world, not with the start of its processes",
           "[operator][replay]") {
   Builder bench;
-  bench.builder.Hear(kBegin, ServiceHealth{"sim", console::LEVEL_OK, "starts"});
-  bench.builder.Hear(kBegin + 3.0, BeliefOf(0, 0.0F));
-  bench.builder.Hear(kBegin + 4.0, ServiceHealth{"sim", console::LEVEL_OK, "runs"});
+  bench.builder.Receive(kBegin, ServiceHealth{"sim", console::LEVEL_OK, "starts"});
+  bench.builder.Receive(kBegin + 3.0, BeliefOf(0, 0.0F));
+  bench.builder.Receive(kBegin + 4.0, ServiceHealth{"sim", console::LEVEL_OK, "runs"});
   const Timeline run = bench.Finish();
   CHECK(run.moments[1].position_s == 0.0);
   CHECK(run.duration_s == 1.0);
@@ -147,9 +147,9 @@ TEST_CASE("a link that the attention queue tells lost is an alert", "[operator][
   item.robot = "r1";
   item.reason = AttentionReason::kLinkLost;
   queue.items = {item};
-  bench.builder.Hear(kBegin, queue);
+  bench.builder.Receive(kBegin, queue);
   queue.items.clear();  // the notice goes, the robot does not come back
-  bench.builder.Hear(kBegin + 60.0, queue);
+  bench.builder.Receive(kBegin + 60.0, queue);
   const auto alerts = [](const Timeline& run) {
     std::vector<Alert> all;
     for (const Moment& moment : run.moments) {
@@ -158,8 +158,8 @@ TEST_CASE("a link that the attention queue tells lost is an alert", "[operator][
     return all;
   };
   SECTION("until the robot is heard again") {
-    bench.builder.Hear(kBegin + 61.0, At(5, {1, 1}));
-    bench.builder.Hear(kBegin + 62.0, queue);
+    bench.builder.Receive(kBegin + 61.0, At(5, {1, 1}));
+    bench.builder.Receive(kBegin + 62.0, queue);
     const Timeline run = bench.Finish();
     REQUIRE(run.marks.size() == 1);
     CHECK(run.marks[0].robot() == "r1");
@@ -176,8 +176,8 @@ TEST_CASE("a link that the attention queue tells lost is an alert", "[operator][
 TEST_CASE("streamed pictures are no marks, and frames make a session of streams",
           "[operator][replay]") {
   Builder bench;
-  bench.builder.Hear(kBegin, samples::SamplePicture());
-  bench.builder.HearFrame(kBegin, {"r1", {}, {1, 2}});
+  bench.builder.Receive(kBegin, samples::SampleSnapshot());
+  bench.builder.ReceiveFrame(kBegin, {"r1", {}, {1, 2}});
   const Timeline run = bench.Finish();
   CHECK(run.marks.empty());
   CHECK(run.moments.size() == 1);
@@ -186,16 +186,16 @@ TEST_CASE("streamed pictures are no marks, and frames make a session of streams"
 
 TEST_CASE("plans and goals are cells of a world that is known", "[operator][replay]") {
   Builder bench;
-  bench.builder.HearPlan(kBegin, "r1", {}, {{0.5, 0.5}});
-  bench.builder.HearGoalPose(kBegin, "r1", {0.5, 0.5});
-  bench.builder.HearInitialMap(kBegin, "w1", {{}, 2.0, SmallMaze(Occupancy::kFree)});
-  bench.builder.Hear(kBegin, At(1, {1, 1}));
-  bench.builder.HearPlan(kBegin, "r1", {}, {{0.5, 0.5}, {99.0, 0.0}});
-  bench.builder.HearGoalPose(kBegin, "r1", {0.5, 0.5});
-  bench.builder.HearGoalPose(kBegin, "r1", {99.0, 0.5});
+  bench.builder.ReceivePlan(kBegin, "r1", {}, {{0.5, 0.5}});
+  bench.builder.ReceiveGoalPose(kBegin, "r1", {0.5, 0.5});
+  bench.builder.ReceiveInitialMap(kBegin, "w1", {{}, 2.0, SmallMaze(Occupancy::kFree)});
+  bench.builder.Receive(kBegin, At(1, {1, 1}));
+  bench.builder.ReceivePlan(kBegin, "r1", {}, {{0.5, 0.5}, {99.0, 0.0}});
+  bench.builder.ReceiveGoalPose(kBegin, "r1", {0.5, 0.5});
+  bench.builder.ReceiveGoalPose(kBegin, "r1", {99.0, 0.5});
   const Timeline run = bench.Finish();
   REQUIRE(run.moments.size() == 4);
-  CHECK(std::get<PlannedWay>(run.moments[2].heard).cells == std::vector<Cell>{{1, 2}});
+  CHECK(std::get<PlannedPath>(run.moments[2].heard).cells == std::vector<Cell>{{1, 2}});
   CHECK(std::get<GoalSet>(run.moments[3].heard).cell == Cell{1, 2});
 }
 

@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "operator/simulated/teleoperator_errands.h"
+#include "operator/simulated/teleoperator_tasks.h"
 #include "unit/operator/support/drawn_map.h"
 
 using namespace conav;

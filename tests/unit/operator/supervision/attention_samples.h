@@ -46,8 +46,8 @@ struct QueueBench {
   explicit QueueBench(const AttentionOptions& options = {})
       : queue(options), times(options.priors) {
     for (const char* robot : {"r1", "r2", "r3"}) {
-      queue.Hear(WorkingRobot(robot), At(0));
-      queue.Hear(PathFor(robot), At(0));
+      queue.Receive(WorkingRobot(robot), At(0));
+      queue.Receive(PathFor(robot), At(0));
     }
     queue.TakeArrivals();
     queue.TakeDepartures();

@@ -11,23 +11,23 @@ using namespace std::chrono_literals;
 const std::map<std::string, std::string> kRobots{{"r1", "w1"}, {"r2", "w1"}, {"r3", "w2"}};
 
 struct Bench {
-  ControlBook book{kRobots, ControlOptions{60.0, false}};
+  ControlRegistry book{kRobots, ControlOptions{60.0, false}};
   Clock::TimePoint now{};
 };
 
 TEST_CASE("Every client may command a robot that nobody has control of", "[operator][control]") {
   Bench bench;
-  CHECK(bench.book.WhyNotCommand("anna", "r1", bench.now).empty());
-  CHECK(bench.book.WhyNotCommand("ben", "r1", bench.now).empty());
+  CHECK(bench.book.CheckCommand("anna", "r1", bench.now).empty());
+  CHECK(bench.book.CheckCommand("ben", "r1", bench.now).empty());
 }
 
 TEST_CASE("Who has control of a robot commands it alone", "[operator][control]") {
   Bench bench;
   REQUIRE(bench.book.Take("anna", {{"r1"}, ""}, bench.now));
-  CHECK(bench.book.WhyNotCommand("anna", "r1", bench.now).empty());
-  CHECK(bench.book.WhyNotCommand("ben", "r1", bench.now) ==
+  CHECK(bench.book.CheckCommand("anna", "r1", bench.now).empty());
+  CHECK(bench.book.CheckCommand("ben", "r1", bench.now) ==
         "anna has control of r1: take over first");
-  CHECK(bench.book.WhyNotCommand("ben", "r2", bench.now).empty());
+  CHECK(bench.book.CheckCommand("ben", "r2", bench.now).empty());
 }
 
 TEST_CASE("Taking over asks for a reason, then the other one commands", "[operator][control]") {
@@ -39,7 +39,7 @@ TEST_CASE("Taking over asks for a reason, then the other one commands", "[operat
   CHECK(bench.book.robots().at("r2").holder.empty());
   REQUIRE(bench.book.Take("ben", {{"r1"}, "shift change"}, bench.now));
   CHECK(bench.book.robots().at("r1").reason == "shift change");
-  CHECK_FALSE(bench.book.WhyNotCommand("anna", "r1", bench.now).empty());
+  CHECK_FALSE(bench.book.CheckCommand("anna", "r1", bench.now).empty());
 }
 
 TEST_CASE("Control ends by release, by leaving, and when nothing is asked for a minute",
@@ -51,8 +51,8 @@ TEST_CASE("Control ends by release, by leaving, and when nothing is asked for a 
   REQUIRE(bench.book.Release("anna", {{"r1"}}));
   CHECK(bench.book.robots().at("r1").holder.empty());
   bench.book.Renew("anna", bench.now + 59s);
-  CHECK_FALSE(bench.book.WhyNotCommand("ben", "r2", bench.now + 118s).empty());
-  CHECK(bench.book.WhyNotCommand("ben", "r2", bench.now + 119s).empty());
+  CHECK_FALSE(bench.book.CheckCommand("ben", "r2", bench.now + 118s).empty());
+  CHECK(bench.book.CheckCommand("ben", "r2", bench.now + 119s).empty());
   bench.book.Expire(bench.now + 119s);
   CHECK(bench.book.robots().at("r2").holder.empty());
   REQUIRE(bench.book.Take("anna", {{}, ""}, bench.now));
@@ -64,12 +64,12 @@ TEST_CASE("The map of a world belongs to who has control of all its robots",
           "[operator][control]") {
   Bench bench;
   REQUIRE(bench.book.Take("anna", {{"r1"}, ""}, bench.now));
-  CHECK(bench.book.WhyNotEdit("ben", "w1", bench.now).empty());
+  CHECK(bench.book.CheckEdit("ben", "w1", bench.now).empty());
   REQUIRE(bench.book.Take("anna", {{"r2"}, ""}, bench.now));
-  CHECK(bench.book.WhyNotEdit("ben", "w1", bench.now) ==
+  CHECK(bench.book.CheckEdit("ben", "w1", bench.now) ==
         "anna has control of all robots of w1: take over first");
-  CHECK(bench.book.WhyNotEdit("anna", "w1", bench.now).empty());
-  CHECK(bench.book.WhyNotEdit("ben", "w2", bench.now).empty());
+  CHECK(bench.book.CheckEdit("anna", "w1", bench.now).empty());
+  CHECK(bench.book.CheckEdit("ben", "w2", bench.now).empty());
 }
 
 TEST_CASE("Anybody stops robots, whoever has control, orders count once they are adopted",
@@ -79,9 +79,9 @@ TEST_CASE("Anybody stops robots, whoever has control, orders count once they are
   const auto orders = bench.book.Stop("ben", {{}, "fire"}, {5});
   REQUIRE(orders);
   REQUIRE(orders->size() == 3);
-  CHECK((*orders)[2] == HoldOrder{{5}, "w2", "r3", 1, true, "ben", "fire"});
+  CHECK((*orders)[2] == StopOrder{{5}, "w2", "r3", 1, true, "ben", "fire"});
   CHECK_FALSE(bench.book.robots().at("r3").hold.stopped);
-  for (const HoldOrder& order : *orders) bench.book.Adopt(order);
+  for (const StopOrder& order : *orders) bench.book.Adopt(order);
   CHECK(bench.book.robots().at("r3").hold.stopped);
   CHECK(bench.book.Stop("ben", {{"r3"}, ""}, {6})->empty());
   const auto go = bench.book.Go("anna", {{"r3"}}, {7});
@@ -99,7 +99,7 @@ TEST_CASE("A robot that is not known is refused by name", "[operator][control]")
 }
 
 TEST_CASE("Robots may stand from the start until somebody lets them go", "[operator][control]") {
-  const ControlBook book(kRobots, ControlOptions{60.0, true});
+  const ControlRegistry book(kRobots, ControlOptions{60.0, true});
   CHECK(book.robots().at("r1").hold.stopped);
   CHECK(book.robots().at("r1").hold.revision == 1);
   CHECK(book.Go("anna", {{"r1"}}, {})->front().revision == 2);

@@ -9,7 +9,7 @@ using namespace std::chrono_literals;
 namespace {
 
 struct Desk {
-  Desk() { gate.Hear(State(0)); }
+  Desk() { gate.Receive(State(0)); }
 
   static RobotState State(std::uint64_t drive_order) {
     return {.world = "w1", .robot = "r1", .drive_order = drive_order};
@@ -88,7 +88,7 @@ TEST_CASE("one client steers a robot, anybody may stop it", "[operator][driving]
 TEST_CASE("a service that starts anew numbers on from what the robot took up",
           "[operator][driving]") {
   Desk gate;
-  gate.gate.Hear(Desk::State(41));
+  gate.gate.Receive(Desk::State(41));
   CHECK(gate.Handle(Desk::Request(1)).reply.revision == 42);
 }
 

@@ -83,11 +83,11 @@ class Crowd {
 
   RobotState& state(const std::string& robot) { return robots_.at(robot).state; }
   /// Where everybody is, for the message of a failed check.
-  std::string Picture() const {
+  std::string Snapshot() const {
     std::string text;
     for (const auto& [name, robot] : robots_) {
       text += fmt::format("{} at {}, {} goals left, waits for {}\n", name, robot.state.cell,
-                          robot.state.goals_left.size(), board_->HoldOf(name));
+                          robot.state.goals_left.size(), board_->BlockedReasonOf(name));
     }
     // Each robot as another one sees it.
     for (const auto& [name, robot] : robots_) {

@@ -42,8 +42,8 @@ TEST_CASE("decisions are read as they were written, also while the file grows",
   CHECK(Read(file).decisions.empty());
   REQUIRE(log->Append(SampleDecision()));
   CHECK(Read(file).decisions == std::vector{SampleDecision()});
-  REQUIRE(log->Append(SamplePicture(13)));
-  CHECK(Read(file).decisions == std::vector{SampleDecision(), SamplePicture(13)});
+  REQUIRE(log->Append(SampleSnapshot(13)));
+  CHECK(Read(file).decisions == std::vector{SampleDecision(), SampleSnapshot(13)});
   CHECK_FALSE(Read(file).torn);
 }
 
@@ -53,22 +53,22 @@ TEST_CASE("a file that a kill cut off loses its last decision only, and is conti
   const auto file = folder / "decisions.pb.zst";
   Write(file, {SampleDecision()});
   const auto complete = std::filesystem::file_size(file);
-  Write(file, {SamplePicture(13)});
+  Write(file, {SampleSnapshot(13)});
   const auto size = std::filesystem::file_size(file);
   for (auto cut = complete + 1; cut < size; cut += 64) {
     std::filesystem::resize_file(file, cut);
     const Contents contents = Read(file);
     CHECK(contents.torn);
     CHECK(contents.decisions == std::vector{SampleDecision()});
-    Write(file, {SamplePicture(13)});
-    CHECK(Read(file).decisions == std::vector{SampleDecision(), SamplePicture(13)});
+    Write(file, {SampleSnapshot(13)});
+    CHECK(Read(file).decisions == std::vector{SampleDecision(), SampleSnapshot(13)});
   }
 }
 
 TEST_CASE("a file that is damaged is refused with its name", "[planner][record]") {
   const test::TemporaryFolder folder;
   const auto file = folder / "decisions.pb.zst";
-  Write(file, {SampleDecision(), SamplePicture(13)});
+  Write(file, {SampleDecision(), SampleSnapshot(13)});
   std::string bytes = ReadFile(file).value();
   bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 0x55);
   REQUIRE(WriteFile(file, bytes));
@@ -124,14 +124,14 @@ TEST_CASE("a decision that finds the disk full is told, and leaves the file as i
   REQUIRE(log->Append(SampleDecision()));
   {
     const test::FullDisk full(std::filesystem::file_size(file) + 10);
-    const auto written = log->Append(SamplePicture(13));
+    const auto written = log->Append(SampleSnapshot(13));
     REQUIRE_FALSE(written);
     CHECK(written.error().code == ErrorCode::kIo);
     CHECK_THAT(written.error().text, Catch::StartsWith(file.string() + ": cannot write"));
   }
   CHECK(Read(file).decisions == std::vector{SampleDecision()});
   CHECK_FALSE(Read(file).torn);
-  REQUIRE(log->Append(SamplePicture(13)));
+  REQUIRE(log->Append(SampleSnapshot(13)));
   CHECK(Read(file).decisions.size() == 2);
 }
 

@@ -19,7 +19,7 @@ void CheckRefused(void (*spoil)(decisions::Decision&), const std::string& text) 
 
 TEST_CASE("decisions come back from their records", "[planner][record]") {
   for (const DecisionRecord& decision :
-       {SampleDecision(), SamplePicture(3), SampleWithoutSearch(), SampleLowLevelAction()}) {
+       {SampleDecision(), SampleSnapshot(3), SampleWithoutSearch(), SampleLowLevelAction()}) {
     const auto back = ToDomain(ToRecord(decision).decision());
     REQUIRE(back);
     CHECK(*back == decision);

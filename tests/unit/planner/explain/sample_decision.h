@@ -73,7 +73,7 @@ inline DecisionRecord SampleDecision() {
 }
 
 /// The same robot sends the picture to the north, as decision `number`.
-inline DecisionRecord SamplePicture(std::uint64_t number) {
+inline DecisionRecord SampleSnapshot(std::uint64_t number) {
   DecisionRecord decision = SampleDecision();
   SearchReport& report = decision.report;
   report.decision = number;

@@ -21,7 +21,7 @@ void AllArrive(const std::vector<std::string>& rows, const CrowdOptions& options
   CAPTURE(options.method, options.map_is_known, options.seed);
   Crowd crowd(rows, options, silent);
   const bool arrived = crowd.RunsToTheEnd(kRounds);
-  INFO(crowd.Picture());
+  INFO(crowd.Snapshot());
   CHECK(arrived);
 }
 
@@ -101,7 +101,7 @@ TEST_CASE("a robot that waits for its operator in the corridor makes room", "[pl
   for (int round = 0; round < kRounds && !crowd.state("r1").goals_left.empty(); ++round) {
     crowd.RunsToTheEnd(1);
   }
-  INFO(crowd.Picture());
+  INFO(crowd.Snapshot());
   CHECK(crowd.state("r1").goals_left.empty());
 }
 
@@ -127,6 +127,6 @@ TEST_CASE("a robot that goes before waits for its operator, and the other cannot
   for (int round = 0; round < kRounds && !crowd.state("r2").goals_left.empty(); ++round) {
     crowd.RunsToTheEnd(1);
   }
-  INFO(crowd.Picture());
+  INFO(crowd.Snapshot());
   CHECK(crowd.state("r2").goals_left.empty());
 }

@@ -23,7 +23,7 @@ struct Bench {
   Decision Decide() { return method.Decide(situation, StopToken()); }
 
   /// Drives until it has sent a picture; nothing when it stands before that.
-  std::optional<Action> Picture() {
+  std::optional<Action> Snapshot() {
     for (int step = 0; step < 100; ++step) {
       const Decision decision = Decide();
       if (!decision.action) return std::nullopt;
@@ -54,7 +54,7 @@ TEST_CASE("the robot of the mapping task drives the shortest way in the true map
   CHECK(first.action->target == Cell{1, 2});
   CHECK(first.plan.size() == 4);
   CHECK_FALSE(first.attention);
-  const auto picture = bench.Picture();
+  const auto picture = bench.Snapshot();
   REQUIRE(picture);
   CHECK(picture->target == Cell{1, 5});
 }
@@ -62,18 +62,18 @@ TEST_CASE("the robot of the mapping task drives the shortest way in the true map
 TEST_CASE("after its picture the robot stands until that was answered, edits alone do not count",
           "[planner][mapping]") {
   Bench bench;
-  REQUIRE(bench.Picture());
+  REQUIRE(bench.Snapshot());
   CHECK_FALSE(bench.Decide().action);
   bench.situation.belief.revision = 5;
   CHECK_FALSE(bench.Decide().action);
   CHECK(bench.method.WayFor(bench.situation).empty());
   bench.Answer();
-  CHECK(bench.Picture());
+  CHECK(bench.Snapshot());
 }
 
 TEST_CASE("the robot waits for the map that the answer was given on", "[planner][mapping]") {
   Bench bench;
-  REQUIRE(bench.Picture());
+  REQUIRE(bench.Snapshot());
   bench.Answer();
   bench.situation.answered_belief = 3;
   CHECK_FALSE(bench.Decide().action);
@@ -84,7 +84,7 @@ TEST_CASE("the robot waits for the map that the answer was given on", "[planner]
 TEST_CASE("a picture that did not come about is tried again from the same place",
           "[planner][mapping]") {
   Bench bench;
-  const auto picture = bench.Picture();
+  const auto picture = bench.Snapshot();
   --bench.situation.state.snapshots;
   const Decision again = bench.Decide();
   REQUIRE((picture && again.action));
@@ -96,7 +96,7 @@ TEST_CASE("with all goals reached the robot goes on to other places", "[planner]
   Bench bench;
   bench.situation.state.goals_left = {};
   for (int i = 0; i < 5; ++i) {
-    CHECK(bench.Picture());
+    CHECK(bench.Snapshot());
     bench.Answer();
   }
 }

@@ -12,7 +12,7 @@ class Fixture {
   Fixture() : known_(3, 5, Occupancy::kOccupied), belief_(3, 5, 1.0F) {
     known_[{1, 1}] = known_[{1, 2}] = Occupancy::kFree;
     known_[{1, 3}] = Occupancy::kUnknown;
-    reliability_.Heard(belief_, known_);
+    reliability_.Received(belief_, known_);
   }
 
   /// A picture of which the model expects that the operator removes each wall of the corridor.
@@ -22,8 +22,8 @@ class Fixture {
     reliability_.Sent(std::move(edits));
   }
   void Edit(Cell cell, bool wall) { belief_[cell] = wall ? 1.0F : 0.0F; }
-  double Hear() {
-    reliability_.Heard(belief_, known_);
+  double Receive() {
+    reliability_.Received(belief_, known_);
     return reliability_.value();
   }
 
@@ -36,15 +36,15 @@ class Fixture {
 TEST_CASE("an operator is trusted at first, and while no picture was sent", "[planner][decision]") {
   CHECK(OperatorReliability(2.0).value() == 1.0);
   Fixture fixture;
-  CHECK(fixture.Hear() == 1.0);
+  CHECK(fixture.Receive() == 1.0);
 }
 
 TEST_CASE("expected edits of known cells that do not come lower the trust", "[planner][decision]") {
   Fixture fixture;
   fixture.Send();
-  CHECK(fixture.Hear() == Approx(2.0 / (2.0 + 2 * 0.5)));
+  CHECK(fixture.Receive() == Approx(2.0 / (2.0 + 2 * 0.5)));
   fixture.Send();
-  CHECK(fixture.Hear() == Approx(2.0 / (2.0 + 4 * 0.5)));
+  CHECK(fixture.Receive() == Approx(2.0 / (2.0 + 4 * 0.5)));
 }
 
 TEST_CASE("who does what is expected is trusted, not more than fully", "[planner][decision]") {
@@ -52,43 +52,43 @@ TEST_CASE("who does what is expected is trusted, not more than fully", "[planner
   fixture.Send();
   fixture.Edit({1, 1}, false);
   fixture.Edit({1, 2}, false);  // two where one was expected
-  CHECK(fixture.Hear() == 1.0);
+  CHECK(fixture.Receive() == 1.0);
   fixture.Send();  // nothing is wrong any more that the robot knows of
-  CHECK(fixture.Hear() == 1.0);
+  CHECK(fixture.Receive() == 1.0);
 }
 
 TEST_CASE("what the robot does not know tells nothing about the operator", "[planner][decision]") {
   Fixture fixture;
   fixture.Edit({1, 3}, false);
-  CHECK(fixture.Hear() == 1.0);
+  CHECK(fixture.Receive() == 1.0);
   fixture.Send();
   fixture.Edit({1, 3}, true);
-  CHECK(fixture.Hear() == Approx(2.0 / 3.0));
+  CHECK(fixture.Receive() == Approx(2.0 / 3.0));
 }
 
 TEST_CASE("who breaks the map loses all trust and wins it back by mending", "[planner][decision]") {
   Fixture fixture;
   fixture.Send();
   for (const int column : {0, 1, 2, 3, 4}) fixture.Edit({0, column}, false);
-  CHECK(fixture.Hear() == 0.0);
+  CHECK(fixture.Receive() == 0.0);
   for (const int column : {0, 1, 2}) fixture.Edit({0, column}, true);
-  CHECK(fixture.Hear() == 1.0);
+  CHECK(fixture.Receive() == 1.0);
 }
 
 TEST_CASE("what lies far back fades", "[planner][decision]") {
   Fixture fixture;
   for (int i = 0; i < 100; ++i) {
     fixture.Send(1.0F);
-    fixture.Hear();
+    fixture.Receive();
   }
-  CHECK(fixture.Hear() == Approx(2.0 / (2.0 + OperatorReliability::kMemoryEdits)));
+  CHECK(fixture.Receive() == Approx(2.0 / (2.0 + OperatorReliability::kMemoryEdits)));
 }
 
 TEST_CASE("a question that is not followed by a picture is forgotten", "[planner][decision]") {
   Fixture fixture;
   fixture.Send();
-  const double once = fixture.Hear();
-  CHECK(fixture.Hear() == once);
+  const double once = fixture.Receive();
+  CHECK(fixture.Receive() == once);
 }
 
 }  // namespace

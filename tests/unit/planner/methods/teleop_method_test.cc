@@ -128,7 +128,7 @@ TEST_CASE("a steered robot makes room for nobody by itself", "[planner][teleop]"
   Steered steered;
   steered.board.Put(
       RobotState{.world = "w1", .robot = "r0", .cell = {1, 0}, .goals_left = {{1, 4}}});
-  steered.board.PutWay("r0", {{1, 1}, {1, 2}});
+  steered.board.PutIntendedPath("r0", {{1, 1}, {1, 2}});
   steered.Step();
   CHECK(steered.commands.empty());
 }

@@ -198,7 +198,7 @@ TEST_CASE("a view turns the robot, then waits for its picture", "[sim][episode]"
   REQUIRE(world.episode->Accept(command));
   world.Settle();
   REQUIRE(world.episode->pictures_due() == std::vector<int>{0});
-  const Picture picture = world.episode->CompleteView(0, 1234);
+  const Snapshot picture = world.episode->CompleteView(0, 1234);
   CHECK(picture.sequence_number == 1);
   CHECK(picture.path == std::vector<Cell>{{1, 1}});
   const RobotState state = world.episode->state(0);

@@ -1,7 +1,7 @@
 // conav-experiment as a user meets it: files, messages, exit codes.
 #include <nlohmann/json.hpp>
 
-#include "support/program_desk.h"
+#include "support/program_runner.h"
 
 namespace conav {
 namespace {
@@ -11,7 +11,7 @@ using Catch::Matchers::Contains;
 const std::string kShort = "search --seeds 1 --model glpf --variants single-100 ";
 
 TEST_CASE("conav-experiment prints a table and writes JSON and CSV", "[planner][experiment]") {
-  const test::ProgramDesk desk("conav-experiment");
+  const test::ProgramRunner desk("conav-experiment");
   const auto outcome = desk.Run(kShort + "--operators careful,silent --json s.json --csv s.csv");
   CHECK(outcome.exit_code == 0);
   CHECK_THAT(outcome.out, Contains("SIMULATED") && Contains("single-100"));
@@ -21,7 +21,7 @@ TEST_CASE("conav-experiment prints a table and writes JSON and CSV", "[planner][
 }
 
 TEST_CASE("conav-experiment draws the trade-off of pictures and moves", "[planner][experiment]") {
-  const test::ProgramDesk desk("conav-experiment");
+  const test::ProgramRunner desk("conav-experiment");
   const auto outcome = desk.Run(
       "tradeoff --seeds 1 --model glpf --operators careful --json t.json --csv t.csv --svg t.svg");
   CHECK(outcome.exit_code == 0);
@@ -35,7 +35,7 @@ TEST_CASE("conav-experiment draws the trade-off of pictures and moves", "[planne
 
 TEST_CASE("conav-experiment refuses wrong use with 2 and says what is wrong",
           "[planner][experiment]") {
-  const test::ProgramDesk desk("conav-experiment");
+  const test::ProgramRunner desk("conav-experiment");
   CHECK(desk.Run("").exit_code == 2);
   CHECK(desk.Run("search --operators grumpy").exit_code == 2);
   CHECK(desk.Run("search --seeds 0").exit_code == 2);
@@ -65,7 +65,7 @@ TEST_CASE("conav-experiment refuses wrong use with 2 and says what is wrong",
 }
 
 TEST_CASE("an output that cannot be written is found before the work", "[planner][experiment]") {
-  const test::ProgramDesk desk("conav-experiment");
+  const test::ProgramRunner desk("conav-experiment");
   const auto outcome = desk.Run("search --json nowhere/s.json");
   CHECK(outcome.exit_code == 2);
   CHECK_THAT(outcome.error, Contains("nowhere"));

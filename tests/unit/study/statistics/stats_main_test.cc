@@ -5,7 +5,7 @@
 #include <string>
 
 #include "common/runtime/file.h"
-#include "support/program_desk.h"
+#include "support/program_runner.h"
 
 namespace conav::statistics {
 namespace {

@@ -1,3 +1,5 @@
+#include "planner/decision/leases.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -5,7 +7,6 @@
 #include <memory>
 
 #include "common/runtime/random.h"
-#include "planner/decision/leases.h"
 
 using namespace conav;
 using namespace conav::planner;
@@ -22,12 +23,12 @@ class Fleet {
   }
 
   void Start(const std::string& instance, int expected = 1) {
-    LeaseDesk::Options options;
+    LeaseTable::Options options;
     options.node = "planner-" + instance;
     options.instance = instance;
     for (const auto& [name, robot] : robots_) options.robots.push_back(name);
     options.planners = expected;
-    planners_[instance].desk = std::make_unique<LeaseDesk>(options, clock_.Now());
+    planners_[instance].desk = std::make_unique<LeaseTable>(options, clock_.Now());
   }
   void Kill(const std::string& instance) { planners_.erase(instance); }
   void Stop(const std::string& instance) {
@@ -50,7 +51,7 @@ class Fleet {
     for (const auto end = clock_.Now() + time; clock_.Now() < end;) Turn();
   }
 
-  LeaseDesk& desk(const std::string& instance) { return *planners_.at(instance).desk; }
+  LeaseTable& desk(const std::string& instance) { return *planners_.at(instance).desk; }
   int HeldBy(const std::string& instance) {
     return static_cast<int>(std::count_if(robots_.begin(), robots_.end(), [&](const auto& robot) {
       return desk(instance).EpochOf(robot.first) != 0;
@@ -81,16 +82,16 @@ class Fleet {
     Clock::TimePoint commanded{};
   };
   struct Planner {
-    std::unique_ptr<LeaseDesk> desk;
+    std::unique_ptr<LeaseTable> desk;
     std::vector<PlannerLease> inbox;
     bool hangs = false;
   };
 
   void Listen(Planner& planner) {
     for (const auto& [name, robot] : robots_) {
-      planner.desk->Hear(name, robot.epoch, robot.sequence_number, clock_.Now());
+      planner.desk->Receive(name, robot.epoch, robot.sequence_number, clock_.Now());
     }
-    for (const PlannerLease& lease : planner.inbox) planner.desk->Hear(lease, clock_.Now());
+    for (const PlannerLease& lease : planner.inbox) planner.desk->Receive(lease, clock_.Now());
     planner.inbox.clear();
   }
 
@@ -132,7 +133,7 @@ TEST_CASE("a lone planner takes every robot that nobody commanded at once", "[pl
 
 TEST_CASE("a robot that was never heard of is not taken", "[planner][lease]") {
   const Clock::TimePoint start{};
-  LeaseDesk desk({.node = "p", .instance = "a", .robots = {"r1"}}, start);
+  LeaseTable desk({.node = "p", .instance = "a", .robots = {"r1"}}, start);
   CHECK(desk.Turn(start).taken.empty());
   CHECK(desk.Turn(start + 1s).taken.empty());
   CHECK(desk.Turn(start + 10s).taken.empty());
@@ -140,14 +141,14 @@ TEST_CASE("a robot that was never heard of is not taken", "[planner][lease]") {
 
 TEST_CASE("a robot that somebody commands is left alone until it stops", "[planner][lease]") {
   Clock::TimePoint now{};
-  LeaseDesk desk({.node = "p", .instance = "a", .robots = {"r1"}}, now);
+  LeaseTable desk({.node = "p", .instance = "a", .robots = {"r1"}}, now);
   std::uint64_t sequence_number = 1;
   for (int i = 0; i < 100; ++i) {
     now += 100ms;
-    desk.Hear("r1", 7, ++sequence_number, now);
+    desk.Receive("r1", 7, ++sequence_number, now);
     REQUIRE(desk.Turn(now).taken.empty());
   }
-  LeaseDesk::Changes changes;
+  LeaseTable::Changes changes;
   int turns = 0;
   while (changes.taken.empty() && turns++ < 100) changes = desk.Turn(now += 100ms);
   REQUIRE(changes.taken.size() == 1);
@@ -189,16 +190,16 @@ TEST_CASE("two that start at once and know nothing of each other end with one ea
 TEST_CASE("of two that hold a robot with one epoch the higher instance keeps it",
           "[planner][lease]") {
   const Clock::TimePoint now{};
-  LeaseDesk low({.node = "p", .instance = "a", .robots = {"r1"}}, now);
-  LeaseDesk high({.node = "p", .instance = "b", .robots = {"r1"}}, now);
-  for (LeaseDesk* desk : {&low, &high}) {
-    desk->Hear("r1", 0, 0, now);
+  LeaseTable low({.node = "p", .instance = "a", .robots = {"r1"}}, now);
+  LeaseTable high({.node = "p", .instance = "b", .robots = {"r1"}}, now);
+  for (LeaseTable* desk : {&low, &high}) {
+    desk->Receive("r1", 0, 0, now);
     REQUIRE(desk->Turn(now).taken.size() == 1);
   }
   const auto from_low = *low.Announcement(now);
   const auto from_high = *high.Announcement(now);
-  low.Hear(from_high, now);
-  high.Hear(from_low, now);
+  low.Receive(from_high, now);
+  high.Receive(from_low, now);
   CHECK(low.Turn(now).lost == std::vector<std::string>{"r1"});
   CHECK(high.Turn(now).lost.empty());
   CHECK(high.EpochOf("r1") == 1);
@@ -206,21 +207,21 @@ TEST_CASE("of two that hold a robot with one epoch the higher instance keeps it"
 
 TEST_CASE("of two that hold a robot the higher epoch keeps it", "[planner][lease]") {
   const Clock::TimePoint now{};
-  LeaseDesk desk({.node = "p", .instance = "b", .robots = {"r1"}}, now);
-  desk.Hear("r1", 0, 0, now);
+  LeaseTable desk({.node = "p", .instance = "b", .robots = {"r1"}}, now);
+  desk.Receive("r1", 0, 0, now);
   REQUIRE(desk.Turn(now).taken.size() == 1);
   PlannerLease other{.node = "p", .instance = "a", .robots = {"r1"}, .holds = {{"r1", 2}}};
-  desk.Hear(other, now);
+  desk.Receive(other, now);
   CHECK(desk.Turn(now).lost.size() == 1);
   CHECK(desk.DriverOf("r1") == "p");
 }
 
 TEST_CASE("a robot that shows a higher epoch is lost, whoever commands it", "[planner][lease]") {
   const Clock::TimePoint now{};
-  LeaseDesk desk({.node = "p", .instance = "a", .robots = {"r1"}}, now);
-  desk.Hear("r1", 0, 0, now);
+  LeaseTable desk({.node = "p", .instance = "a", .robots = {"r1"}}, now);
+  desk.Receive("r1", 0, 0, now);
   REQUIRE(desk.Turn(now).taken.size() == 1);
-  desk.Hear("r1", 5, 1, now);
+  desk.Receive("r1", 5, 1, now);
   CHECK(desk.Turn(now).lost.size() == 1);
   CHECK(desk.EpochOf("r1") == 0);
 }
@@ -311,16 +312,16 @@ TEST_CASE("a lone planner that hung goes on with its robots", "[planner][lease]"
 
 TEST_CASE("planners with disjoint lists leave each other's robots alone", "[planner][lease]") {
   Clock::TimePoint now{};
-  LeaseDesk a({.node = "pa", .instance = "a", .robots = {"r1", "r2", "r3"}}, now);
-  LeaseDesk b({.node = "pb", .instance = "b", .robots = {"r4"}}, now);
+  LeaseTable a({.node = "pa", .instance = "a", .robots = {"r1", "r2", "r3"}}, now);
+  LeaseTable b({.node = "pb", .instance = "b", .robots = {"r4"}}, now);
   for (int i = 0; i < 40; ++i) {
     now += 100ms;
-    for (LeaseDesk* desk : {&a, &b}) {
-      for (const char* robot : {"r1", "r2", "r3", "r4"}) desk->Hear(robot, 0, 0, now);
+    for (LeaseTable* desk : {&a, &b}) {
+      for (const char* robot : {"r1", "r2", "r3", "r4"}) desk->Receive(robot, 0, 0, now);
       desk->Turn(now);
     }
-    if (const auto lease = a.Announcement(now)) b.Hear(*lease, now);
-    if (const auto lease = b.Announcement(now)) a.Hear(*lease, now);
+    if (const auto lease = a.Announcement(now)) b.Receive(*lease, now);
+    if (const auto lease = b.Announcement(now)) a.Receive(*lease, now);
   }
   CHECK(a.EpochOf("r3") == 1);
   CHECK(b.EpochOf("r4") == 1);

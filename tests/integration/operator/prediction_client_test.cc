@@ -34,17 +34,17 @@ struct Bench {
   std::shared_ptr<bus::InMemoryBus> bus;
   bus::Participant operator_side;
   bus::Participant nhpm_side;
-  PredictionDesk desk;
+  PredictionClient desk;
   bus::Subscriber<conav_msgs::msg::PerceptionRequest> requests;
   bus::Publisher<conav_msgs::msg::PerceptionReply> replies;
   Belief belief{.world = "w1", .revision = 4, .wall_probability = BeliefGrid(3, 4, 0.25F)};
-  Picture picture{.world = "w1",
-                  .robot = "r1",
-                  .sequence_number = 7,
-                  .cell = {1, 1},
-                  .heading_rad = 1.5,
-                  .visible = {{{1, 1}}, {{0, 1}}},
-                  .path = {{1, 2}, {1, 1}}};
+  Snapshot picture{.world = "w1",
+                   .robot = "r1",
+                   .sequence_number = 7,
+                   .cell = {1, 1},
+                   .heading_rad = 1.5,
+                   .visible = {{{1, 1}}, {{0, 1}}},
+                   .path = {{1, 2}, {1, 1}}};
 };
 
 TEST_CASE("A picture is asked about as planners ask, and its answer told once",

@@ -1,4 +1,4 @@
-#include "operator/simulated/teleoperator_errands.h"
+#include "operator/simulated/teleoperator_tasks.h"
 
 #include <algorithm>
 #include <cmath>

@@ -22,9 +22,9 @@ struct ProgramOutcome {
 };
 
 /// A folder of its own in which one of our programs is run, as a user would run it.
-class ProgramDesk {
+class ProgramRunner {
  public:
-  explicit ProgramDesk(std::string program) : program_(std::move(program)) {}
+  explicit ProgramRunner(std::string program) : program_(std::move(program)) {}
 
   /// `arguments` as typed into a shell; they may send the program's output elsewhere.
   ProgramOutcome Run(const std::string& arguments) const {
@@ -47,7 +47,7 @@ class ProgramDesk {
 
 /// Runs `program` in an empty folder.
 inline ProgramOutcome RunProgram(const std::string& program, const std::string& arguments) {
-  return ProgramDesk(program).Run(arguments);
+  return ProgramRunner(program).Run(arguments);
 }
 
 }  // namespace conav::test

@@ -7,7 +7,7 @@ using namespace conav::planner;
 using namespace std::chrono_literals;
 
 TEST_CASE("the first command takes the lease one epoch above the robot's", "[planner][command]") {
-  CommandDesk desk("r1", 5s);
+  CommandPublisher desk("r1", 5s);
   RobotState state;
   state.lease_epoch = 6;
   state.command_sequence_number = 41;
@@ -20,7 +20,7 @@ TEST_CASE("the first command takes the lease one epoch above the robot's", "[pla
 }
 
 TEST_CASE("sequence numbers rise and the epoch stays", "[planner][command]") {
-  CommandDesk desk("r1", 5s);
+  CommandPublisher desk("r1", 5s);
   const RobotState state;
   const auto first = desk.Issue({}, state, {});
   const auto second = desk.Issue({CommandKind::kTransmitView, {}, 1.5}, state, {});
@@ -31,7 +31,7 @@ TEST_CASE("sequence numbers rise and the epoch stays", "[planner][command]") {
 
 TEST_CASE("only a command that was not taken up is repeated, with a fresh expiry",
           "[planner][command]") {
-  CommandDesk desk("r1", 5s);
+  CommandPublisher desk("r1", 5s);
   RobotState state;
   CHECK_FALSE(desk.Repeat(state, {}).has_value());
   const auto command = desk.Issue({}, state, {});

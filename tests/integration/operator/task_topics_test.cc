@@ -1,10 +1,11 @@
+#include "operator/console/task_topics.h"
+
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "common/runtime/file.h"
 #include "integration/operator/hand_made_sim.h"
-#include "operator/console/task_topics.h"
 
 namespace conav::operators {
 namespace {
@@ -30,14 +31,14 @@ struct Bench {
     REQUIRE(store->AddWorld("w1", ToBelief(DrawnTruth(kMap)), {}));
     desk->Step();
   }
-  void Begin() { desk->Hear(ControlBook({{"r1", "w1"}}, {.start_stopped = false})); }
+  void Begin() { desk->Receive(ControlRegistry({{"r1", "w1"}}, {.start_stopped = false})); }
   void ReachAllGoals() {
     if (desk->status().phase == TaskPhase::kWaiting) Begin();
     RobotState state;
     state.robot = "r1";
     state.goals_total = 4;
     state.snapshots = 6;
-    desk->Hear(state);
+    desk->Receive(state);
   }
   void Correct() {
     const OperatorRequest request{
@@ -59,7 +60,7 @@ struct Bench {
   FakeClock clock;
   OperatorConfig config;
   std::optional<BeliefStore> store;
-  std::optional<TaskDesk> desk;
+  std::optional<TaskTopics> desk;
 };
 
 }  // namespace
@@ -154,13 +155,13 @@ TEST_CASE("a task of two worlds, or with another file as its result, does not st
 TEST_CASE("a task begins when a robot is let go", "[operator][task]") {
   Bench bench;
   bench.Start();
-  ControlBook control({{"r1", "w1"}}, {.start_stopped = true});
-  bench.desk->Hear(control);
+  ControlRegistry control({{"r1", "w1"}}, {.start_stopped = true});
+  bench.desk->Receive(control);
   CHECK(bench.desk->status().phase == TaskPhase::kWaiting);
   const auto orders = control.Go("page", {}, {});
   REQUIRE(orders);
-  for (const HoldOrder& order : *orders) control.Adopt(order);
-  bench.desk->Hear(control);
+  for (const StopOrder& order : *orders) control.Adopt(order);
+  bench.desk->Receive(control);
   CHECK(bench.desk->status().phase == TaskPhase::kRunning);
 }
 

@@ -12,7 +12,7 @@
 
 #include "common/runtime/file.h"
 #include "launcher/process.h"
-#include "support/program_desk.h"
+#include "support/program_runner.h"
 #include "support/scoped_variable.h"
 #include "support/test_domain.h"
 #include "system/launcher/demo_run.h"
@@ -20,7 +20,7 @@
 namespace conav::test {
 
 /// A desk for conav-study, whose programs keep to the test's domain and whose study is in `study`.
-class StudyDesk {
+class StudyFixture {
  public:
   ProgramOutcome Run(const std::string& arguments) const { return desk_.Run(arguments); }
 
@@ -40,14 +40,14 @@ class StudyDesk {
 
  private:
   ScopedVariable domain_{"CONAV_DOMAIN", std::to_string(TestDomain()).c_str()};
-  ProgramDesk desk_{"conav-study"};
+  ProgramRunner desk_{"conav-study"};
 };
 
 /// conav-study in the background; it says what it has to say into desk.log().
 class RunningStudy {
  public:
   /// `arguments` are words with spaces between; --out is added.
-  RunningStudy(const StudyDesk& desk, const std::string& arguments)
+  RunningStudy(const StudyFixture& desk, const std::string& arguments)
       : process_("conav-study", Words(arguments, desk), desk.log()) {}
 
   pid_t pid() const { return process_.pid(); }
@@ -62,7 +62,7 @@ class RunningStudy {
   }
 
  private:
-  static std::vector<std::string> Words(const std::string& arguments, const StudyDesk& desk) {
+  static std::vector<std::string> Words(const std::string& arguments, const StudyFixture& desk) {
     std::vector<std::string> words{std::string(CONAV_BIN_DIR) + "/conav-study"};
     std::istringstream text(arguments);
     for (std::string word; text >> word;) words.push_back(word);
@@ -74,7 +74,7 @@ class RunningStudy {
 };
 
 /// Waits until one of its episodes or trials is on disk.
-inline void WaitForRecord(const StudyDesk& desk, const std::string& kind) {
+inline void WaitForRecord(const StudyFixture& desk, const std::string& kind) {
   REQUIRE(
       conav::testing::WaitUntil([&] { return desk.Records(kind) > 0; }, std::chrono::seconds(90)));
 }

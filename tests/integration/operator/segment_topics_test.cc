@@ -24,8 +24,8 @@ OperatorConfig RecordingConfigFor(const TemporaryFolder& folder) {
   return config;
 }
 
-Picture SentPicture(std::uint64_t sequence_number) {
-  Picture picture;
+Snapshot SentSnapshot(std::uint64_t sequence_number) {
+  Snapshot picture;
   picture.stamp = {1};
   picture.world = "w1";
   picture.robot = "r1";
@@ -57,7 +57,7 @@ struct Session {
   }
 
   void Send(std::uint64_t sequence_number) {
-    REQUIRE(sim.snapshot.Publish(ToMessage(SentPicture(sequence_number))));
+    REQUIRE(sim.snapshot.Publish(ToMessage(SentSnapshot(sequence_number))));
     service->Step();
   }
   template <class Body>
@@ -101,8 +101,8 @@ TEST_CASE("A session is recorded segment by segment, readable while it goes on",
   CHECK(trajectory.final_mapping_accuracy == 0.5);
   REQUIRE(trajectory.segments.size() == 2);
   const Segment& first = trajectory.segments[0];
-  CHECK(first.query.path == SentPicture(1).path);
-  CHECK(first.query.visible == SentPicture(1).visible);
+  CHECK(first.query.path == SentSnapshot(1).path);
+  CHECK(first.query.visible == SentSnapshot(1).visible);
   CHECK(LabelsOf(first).add[{1, 1}] == 1);
   CHECK(EditCount(first) == 1);
   CHECK(first.goals_reached == 1);  // one in all, none left

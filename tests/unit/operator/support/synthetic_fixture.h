@@ -41,8 +41,9 @@ inline RobotState StateAt(Cell cell, std::int64_t stamp, const std::string& robo
 }
 
 /// From (1,1): a wall at (1,3), which the map does not have.
-inline Picture PictureOf(std::uint64_t sequence_number, std::int64_t stamp, bool streamed = false) {
-  Picture picture;
+inline Snapshot SnapshotOf(std::uint64_t sequence_number, std::int64_t stamp,
+                           bool streamed = false) {
+  Snapshot picture;
   picture.stamp = {stamp};
   picture.world = "w1";
   picture.robot = "r1";
@@ -88,8 +89,8 @@ struct Desk {
   }
   /// Belief and state are there and the first path is given.
   void Begin() {
-    person.Hear(MapAt(0));
-    person.Hear(StateAt({1, 1}, 10));
+    person.Receive(MapAt(0));
+    person.Receive(StateAt({1, 1}, 10));
     ExpectGuide();
     Accept(1);
     ExpectNothing();
