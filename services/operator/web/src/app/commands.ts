@@ -1,5 +1,5 @@
-import { sortAlerts } from "../panels/alerts/order";
-import { jump, togglePlay } from "../panels/replay/use_replay";
+import { sortAlerts } from "../panels/attention/alert_order";
+import { jump, togglePlay } from "../panels/replay/playback";
 import type { Settings, Theme } from "../state/settings";
 import type { Store } from "../state/store";
 import type { Actions } from "./actions";

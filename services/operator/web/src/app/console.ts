@@ -1,10 +1,10 @@
 import type { Signal } from "@preact/signals";
 import { createContext } from "preact";
 import { useContext } from "preact/hooks";
+import type { Tour } from "../panels/guide/tour";
 import type { Pixels } from "../panels/pictures/pixels";
-import type { Teleoperation } from "../panels/teleoperation/teleoperation";
-import type { Tour } from "../panels/tour/tour";
-import type { History } from "../panels/workload/history";
+import type { Teleoperation } from "../panels/robots/teleoperation";
+import type { History } from "../panels/status/workload_history";
 import type { Store } from "../state/store";
 import type { Actions } from "./actions";
 import type { Commands } from "./shortcuts";

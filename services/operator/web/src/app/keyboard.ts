@@ -1,8 +1,7 @@
-import { focusMapIfNothing } from "../map/map_focus";
+import { focusMapIfNothing, takesText } from "../map/focus";
 import { editsMap } from "../map/map_props";
-import { takesText } from "../map/takes_text";
+import type { Teleoperation } from "../panels/robots/teleoperation";
 import { inTask } from "../panels/task/task_keys";
-import type { Teleoperation } from "../panels/teleoperation/teleoperation";
 import { DriveAction, Mode } from "../protocol/generated/console_pb";
 import type { Store } from "../state/store";
 import { type CommandName, type Commands, commandOf, keyOf } from "./shortcuts";

@@ -1,10 +1,9 @@
 import { useRef } from "preact/hooks";
+import type { Link } from "../connection/connection";
 import { isBetweenMazes, isTask } from "../panels/task/task_state";
 import { Mode } from "../protocol/generated/console_pb";
 import type { ConsoleState } from "../state/console_state";
 import { useConsole } from "./console";
-import { linkProblem } from "./link_problem";
-import "./link_banner.css";
 
 /** Across the page when what it shows may be old, and why. */
 export function LinkBanner() {
@@ -52,3 +51,24 @@ function calmText(link: string, mode: Mode | undefined): string | undefined {
   if (link === "connecting") return "Connecting to the operator service…";
   return mode === Mode.REPLAY ? "This is a recording: nothing can be changed." : undefined;
 }
+
+/**
+ * Why what the page shows may be old; undefined = it is not. The same words as long as the problem is the same, also while the page
+ * tries to come back. `shows`: whether the page has been welcomed before, and shows something.
+ */
+export function linkProblem(link: Link, shows: boolean): string | undefined {
+  switch (link.state) {
+    case "live":
+      return undefined;
+    case "stale":
+      return "Nothing comes from the operator service: what you see may be old.";
+    case "closed":
+      return `The operator service closed the connection: ${link.reason}. Reload the page to try again.`;
+    case "connecting":
+      return shows ? lost : undefined;
+    case "lost":
+      return shows ? lost : "The operator service cannot be reached.";
+  }
+}
+
+const lost = "Connection lost: what you see is old. Robots stop when their commands end.";

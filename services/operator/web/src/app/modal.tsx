@@ -1,7 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useId, useRef } from "preact/hooks";
 import { useConsole } from "./console";
-import "./modal.css";
 
 interface Props {
   title: string;

@@ -1,7 +1,6 @@
 import { cornersOf } from "../map/draw/shapes";
 import { useConsole } from "./console";
 import { lookOf } from "./palette";
-import "./robot_mark.css";
 
 const radius = 9.5;
 

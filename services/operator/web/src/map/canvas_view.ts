@@ -1,13 +1,11 @@
 // The canvas element: its size, its theme, and a frame whenever something that it shows has changed.
 import { effect } from "@preact/signals";
-import { FrameScheduler } from "./draw/frame_scheduler";
-import { type Palette, readPalette } from "./draw/palette";
-import { watchTheme } from "./draw/theme";
-import type { Hand } from "./hand";
+import { type Palette, readPalette, watchTheme } from "./draw/palette";
 import { attachKeyboard } from "./keyboard_input";
 import type { MapModel } from "./map_model";
 import { attachPointer } from "./pointer_input";
 import { drawScene, type Scene, SceneCache } from "./scene";
+import type { Hand } from "./tool_driver";
 
 /** The function that it returns ends it all. */
 export function showOn(canvas: HTMLCanvasElement, model: MapModel, hand: Hand): () => void {
@@ -70,4 +68,32 @@ function draw(canvas: HTMLCanvasElement, scene: Scene | undefined, cache: SceneC
   }
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   drawScene(context, scene, cache);
+}
+
+/** At most one frame waits to be drawn, and none while nothing changes. */
+export class FrameScheduler {
+  #draw: () => void;
+  #pending: number | undefined;
+
+  constructor(draw: () => void) {
+    this.#draw = draw;
+  }
+
+  request(): void {
+    this.#pending ??= requestAnimationFrame(() => {
+      this.#pending = undefined;
+      this.#draw();
+    });
+  }
+
+  /** At once, such as before the first paint in a new size. */
+  drawNow(): void {
+    this.stop();
+    this.#draw();
+  }
+
+  stop(): void {
+    if (this.#pending !== undefined) cancelAnimationFrame(this.#pending);
+    this.#pending = undefined;
+  }
 }

@@ -1,9 +1,9 @@
 // Keys of the cell cursor, while the canvas has the focus.
 import { clampCell, sameCell } from "./grid";
-import type { Hand } from "./hand";
+import { hasPathDraft } from "./keyboard_input";
 import type { MapModel } from "./map_model";
 import type { Cell } from "./map_props";
-import { hasPathDraft } from "./page_keys";
+import type { Hand } from "./tool_driver";
 import { cellAt, panBy } from "./view";
 
 const arrows: ReadonlyMap<string, Cell> = new Map([

@@ -1,11 +1,11 @@
 // @vitest-environment happy-dom
 import { afterEach, beforeEach, describe, expect, it } from "vitest";
 import { at, FakePage } from "./fixtures";
-import { Hand } from "./hand";
 import { attachKeyboard } from "./keyboard_input";
 import { MapModel } from "./map_model";
 import type { MapProps, Tool } from "./map_props";
 import { mapShortcuts, toolKeys } from "./shortcuts";
+import { Hand } from "./tool_driver";
 
 let canvas: HTMLCanvasElement;
 let page: FakePage;

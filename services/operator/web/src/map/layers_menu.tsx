@@ -1,7 +1,6 @@
 import type { Signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { icons } from "./icons";
-import { LayerSwatch } from "./layer_swatch";
+import { icons, LayerSwatch } from "./icons";
 import { type LayerName, type Layers, layerNames } from "./map_props";
 
 const layerTexts: Record<LayerName, string> = {

@@ -1,15 +1,14 @@
 import { useEffect, useId, useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import { showOn } from "./canvas_view";
-import { RefusedEdit } from "./edit/refused_edit";
-import { Hand } from "./hand";
-import { mapId } from "./map_focus";
+import { dropRefused, sendAgain } from "./edit_session";
+import { mapId } from "./focus";
 import { MapModel } from "./map_model";
 import type { MapProps } from "./map_props";
 import { PathBar } from "./path/path_bar";
 import { StatusLine } from "./status_line";
+import { Hand } from "./tool_driver";
 import { Toolbar } from "./toolbar";
 import "./map.css";
-import "./small_window.css";
 
 /** The operator's map of one world, with its tools. Fills the element that it is in, which has a size of its own. */
 export function MapCanvas(props: MapProps) {
@@ -47,5 +46,33 @@ export function MapCanvas(props: MapProps) {
       </p>
       <StatusLine model={model} />
     </section>
+  );
+}
+
+/** An edit that the service has refused: it waits for a decision. */
+export function RefusedEdit({ model }: { model: MapModel }) {
+  const refused = model.editing.value?.refused;
+  if (!refused) return undefined;
+  const count = refused.draft.size;
+  return (
+    <div class="map-card refused" role="alert">
+      <p>
+        <strong>
+          {count} {count === 1 ? "cell" : "cells"} not saved:
+        </strong>{" "}
+        {refused.reason}. Look at the newest map, then:
+      </p>
+      <button
+        type="button"
+        class="main"
+        disabled={!model.props.value.mayEdit.allowed}
+        onClick={() => model.change(sendAgain)}
+      >
+        Send again
+      </button>
+      <button type="button" onClick={() => model.change(dropRefused)}>
+        Drop
+      </button>
+    </div>
   );
 }

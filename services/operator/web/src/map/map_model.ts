@@ -1,10 +1,10 @@
 // What the map knows beyond its props: the view, the cursor, the drafts of edits and paths; and what it asks for.
 import { type Signal, signal } from "@preact/signals";
-import * as edits from "./edit/edit_session";
+import * as edits from "./edit_session";
 import { type Cell, contains } from "./grid";
 import type { MapProps, Outcome } from "./map_props";
 import * as paths from "./path/path_session";
-import type { WayGrid } from "./path/ways";
+import type { WayGrid } from "./path/routes";
 import type { Rectangle } from "./scene";
 import {
   centreOn,

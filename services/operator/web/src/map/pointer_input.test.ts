@@ -1,10 +1,10 @@
 // @vitest-environment happy-dom
 import { beforeEach, describe, expect, it } from "vitest";
 import { at, FakePage } from "./fixtures";
-import { Hand } from "./hand";
 import { MapModel } from "./map_model";
 import type { Tool } from "./map_props";
 import { attachPointer } from "./pointer_input";
+import { Hand } from "./tool_driver";
 import { cellCentre, type Point } from "./view";
 
 let page: FakePage;

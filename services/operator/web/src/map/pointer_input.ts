@@ -2,10 +2,10 @@
 
 import type { PanKey } from "./cursor_keys";
 import { type Cell, contains, sameCell } from "./grid";
-import type { Hand } from "./hand";
-import { markRadius } from "./layers/lanes";
+import { markRadius } from "./layers/paths";
 import { robotPoint } from "./layers/robots";
 import type { MapModel } from "./map_model";
+import type { Hand } from "./tool_driver";
 import { cellAt, type Point, panBy, pinch, type TwoPoints, type View } from "./view";
 
 type Drag =

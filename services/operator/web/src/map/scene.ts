@@ -1,28 +1,39 @@
 // One frame of the map, from the data to the pixels: which layers there are, and which lies over which.
-import { type Bitmap, bitmapOf, drawBitmap } from "./draw/bitmap";
-import { CachedLayer, sameValues } from "./draw/cached_layer";
+
 import type { Draw } from "./draw/context";
-import { Fader } from "./draw/fader";
+import {
+  type Bitmap,
+  bitmapOf,
+  CachedLayer,
+  drawBitmap,
+  Fader,
+  sameValues,
+} from "./draw/offscreen";
 import type { Palette } from "./draw/palette";
-import { draftLayers, type EditSession } from "./edit/edit_session";
-import { paintBelief } from "./layers/belief";
-import { drawChanges } from "./layers/changes";
-import { drawCursor, drawFrame } from "./layers/cursor";
-import { drawEdits } from "./layers/edits";
-import { drawGoalPoses } from "./layers/goal_poses";
-import { drawGoals } from "./layers/goals";
-import { drawGridLines, drawRulers } from "./layers/grid_lines";
-import { drawHeat } from "./layers/heat";
-import { laneShift } from "./layers/lanes";
-import { drawDraftPath, drawPathNames, drawPaths, type PathsData } from "./layers/paths";
-import { PictureMarks } from "./layers/picture_marks";
-import { drawChosenPicture } from "./layers/pictures";
-import { drawPlans } from "./layers/plans";
-import { drawRobots } from "./layers/robots";
+import { draftLayers, type EditSession } from "./edit_session";
+import {
+  drawChanges,
+  drawDifferences,
+  drawEdits,
+  drawHeat,
+  drawTruth,
+  paintBelief,
+  paintFog,
+  seenByAny,
+} from "./layers/cells";
+import { drawCursor, drawFrame, drawGridLines, drawRulers } from "./layers/grid_lines";
+import {
+  drawDraftPath,
+  drawPathNames,
+  drawPaths,
+  drawPlans,
+  drawTrails,
+  laneShift,
+  type PathsData,
+} from "./layers/paths";
+import { drawChosenPicture, PictureMarks } from "./layers/pictures";
+import { drawGoalPoses, drawGoals, drawRobots } from "./layers/robots";
 import { drawSearches } from "./layers/searches";
-import { drawDifferences, paintFog, seenByAny } from "./layers/seen";
-import { drawTrails } from "./layers/trails";
-import { drawTruth } from "./layers/truth";
 import type { Cell, LayerName, MapProps } from "./map_props";
 import { wallsCrossed } from "./path/assessment";
 import { type PathSession, vertices } from "./path/path_session";

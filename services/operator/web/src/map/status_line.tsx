@@ -1,7 +1,7 @@
 import { type Signal, useComputed } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import { cellWords } from "./cell_words";
-import { draftLayers } from "./edit/edit_session";
+import { cellWords } from "./cell_description";
+import { draftLayers } from "./edit_session";
 import type { MapModel, Note } from "./map_model";
 import type { Cell, MapProps } from "./map_props";
 

@@ -1,9 +1,9 @@
-import { canRedo, canUndo, redo, undo } from "./edit/edit_session";
+import { canRedo, canUndo, redo, undo } from "./edit_session";
 import { icons } from "./icons";
+import { zoomStep } from "./keyboard_input";
 import { LayersMenu } from "./layers_menu";
 import type { MapModel } from "./map_model";
 import { editsMap, type Tool } from "./map_props";
-import { zoomStep } from "./page_keys";
 
 const tools: readonly { tool: Tool; name: string; key: string; hint: string }[] = [
   { tool: "look", name: "Look", key: "V", hint: "drag moves the map, a click chooses a robot" },

@@ -1,8 +1,9 @@
+import { effect, signal } from "@preact/signals";
 import { beforeEach, describe, expect, it } from "vitest";
 import { Role } from "../protocol/generated/console_pb";
 import { welcomeMessage } from "./fixtures";
 import { defaultSettings } from "./settings";
-import { createStore, type Store } from "./store";
+import { createStore, type Store, sameText } from "./store";
 
 let store: Store;
 
@@ -19,4 +20,17 @@ describe("commands", () => {
     store.receive(welcomeMessage({ role: Role.OBSERVER }));
     expect(store.canCommand.value).toBe(false);
   });
+});
+
+it("changes only when what it tells does", () => {
+  const source = signal({ row: 1, doing: "stands" });
+  const told = sameText(() => ({ doing: source.value.doing }));
+  const seen: unknown[] = [];
+  effect(() => {
+    seen.push(told.value);
+  });
+  source.value = { row: 2, doing: "stands" };
+  expect(seen).toEqual([{ doing: "stands" }]);
+  source.value = { row: 2, doing: "met a wall" };
+  expect(seen).toEqual([{ doing: "stands" }, { doing: "met a wall" }]);
 });

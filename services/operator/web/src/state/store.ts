@@ -6,7 +6,6 @@ import type { CellAt } from "../protocol/cells";
 import type { Picture, ServerMessage } from "../protocol/generated/console_pb";
 import { type ConsoleState, emptyState } from "./console_state";
 import { reduce } from "./reduce";
-import { sameText } from "./same_text";
 import { mayCommand, pictureOf, robotNames } from "./selectors";
 import type { Settings } from "./settings";
 
@@ -112,4 +111,15 @@ export function createStore(settings: Settings): Store {
     },
   };
   return store;
+}
+
+/** Of a plain small value: changes only when what it tells does, not whenever it is worked out anew. */
+export function sameText<T>(source: () => T): ReadonlySignal<T> {
+  let kept: { readonly value: T; readonly text: string } | undefined;
+  return computed(() => {
+    const value = source();
+    const text = JSON.stringify(value);
+    if (kept?.text !== text) kept = { value, text };
+    return kept.value;
+  });
 }

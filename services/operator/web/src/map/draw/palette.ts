@@ -61,3 +61,10 @@ export function inkOn(colour: string): string {
   });
   return 0.2126 * red + 0.7152 * green + 0.0722 * blue > 0.19 ? "#000000" : "#ffffff";
 }
+
+/** Calls `changed` when the page has another theme, and so other colours. Returns what ends it. */
+export function watchTheme(changed: () => void): () => void {
+  const theme = new MutationObserver(changed);
+  theme.observe(document.documentElement, { attributeFilter: ["data-theme"] });
+  return () => theme.disconnect();
+}

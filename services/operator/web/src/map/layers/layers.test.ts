@@ -12,18 +12,21 @@ import {
 import { namedPalette, RecordingContext } from "../draw/recording";
 import type { MapRobot } from "../map_props";
 import type { View } from "../view";
-import { paintBelief } from "./belief";
-import { drawChanges } from "./changes";
-import { drawEdits } from "./edits";
-import { drawGoals } from "./goals";
+import {
+  drawChanges,
+  drawDifferences,
+  drawEdits,
+  drawHeat,
+  drawTruth,
+  paintBelief,
+  paintFog,
+  seenByAny,
+} from "./cells";
 import { drawGridLines, drawRulers, rulerStep } from "./grid_lines";
-import { drawHeat } from "./heat";
 import { drawDraftPath, drawPathNames, drawPaths } from "./paths";
 import { drawChosenPicture, drawPictures } from "./pictures";
-import { drawRobots } from "./robots";
+import { drawGoals, drawRobots } from "./robots";
 import { drawSearches } from "./searches";
-import { drawDifferences, paintFog, seenByAny } from "./seen";
-import { drawTruth } from "./truth";
 
 const size = { rows: 3, columns: 4 };
 const near: View = { scale: 40, x: 100, y: 50, width: 800, height: 600 };

@@ -1,10 +1,9 @@
-import type { Guidance } from "../../protocol/generated/console_pb";
+import type { Guidance, Plan } from "../../protocol/generated/console_pb";
 import { type Draw, isolated } from "../draw/context";
 import type { Palette } from "../draw/palette";
 import { arrowHead, font, haloStroke, haloText, polyline } from "../draw/shapes";
 import type { Cell, MapRobot } from "../map_props";
-import { type Point, showsDetail, type View } from "../view";
-import { lanePoints, laneShift } from "./lanes";
+import { cellCentre, type Point, showsDetail, type View } from "../view";
 
 export type PathsData = {
   readonly robots: readonly MapRobot[];
@@ -148,4 +147,74 @@ function drawTrouble(context: Draw, view: View, at: Point, palette: Palette): vo
     context.lineTo(at.x - reach, at.y + reach);
     context.stroke();
   });
+}
+
+export type PlansData = {
+  readonly robots: readonly MapRobot[];
+  readonly plans: ReadonlyMap<string, Plan>;
+};
+
+/** The cells that each robot means to enter next: dots that grow smaller with the distance, the first ones ringed. */
+export function drawPlans(context: Draw, view: View, data: PlansData, palette: Palette): void {
+  isolated(context, () => {
+    data.robots.forEach(({ robot, colour }, index) => {
+      const cells = data.plans.get(robot.name)?.cells ?? [];
+      const points = lanePoints(view, cells, laneShift(data.robots, index, view));
+      points.forEach((point, step) => {
+        const radius = Math.max(1.2, Math.min(5, 0.13 * view.scale) * (1 - step / 24));
+        context.beginPath();
+        context.arc(point.x, point.y, radius, 0, 2 * Math.PI);
+        context.fillStyle = colour;
+        context.fill();
+        if (view.scale < 14) return;
+        context.strokeStyle = palette.halo;
+        context.lineWidth = 1;
+        context.stroke();
+      });
+    });
+  });
+}
+
+export type TrailsData = {
+  readonly robots: readonly MapRobot[];
+  readonly trails: ReadonlyMap<string, readonly Cell[]>;
+};
+
+/** Where each robot has been: thin, the start marked by a dot. */
+export function drawTrails(context: Draw, view: View, data: TrailsData, _palette: Palette): void {
+  isolated(context, () => {
+    context.lineJoin = "round";
+    context.globalAlpha = 0.75;
+    data.robots.forEach(({ robot, colour }, index) => {
+      const cells = data.trails.get(robot.name) ?? [];
+      const points = lanePoints(view, cells, laneShift(data.robots, index, view));
+      context.strokeStyle = colour;
+      context.fillStyle = colour;
+      context.lineWidth = Math.max(1, Math.min(2, 0.06 * view.scale));
+      polyline(context, points);
+      const [start] = points;
+      if (!start) return;
+      context.beginPath();
+      context.arc(start.x, start.y, Math.max(2, Math.min(4, 0.1 * view.scale)), 0, 2 * Math.PI);
+      context.fill();
+    });
+  });
+}
+
+/** Lines of several robots through the same cells lie side by side: how far each is shifted, CSS pixels. */
+export function laneShift(robots: readonly MapRobot[], index: number, view: View): number {
+  const spacing = Math.min(5, 0.14 * view.scale);
+  return (index - (robots.length - 1) / 2) * spacing;
+}
+
+export function lanePoints(view: View, cells: readonly Cell[], shift: number): Point[] {
+  return cells.map((cell) => {
+    const at = cellCentre(view, cell);
+    return { x: at.x + shift, y: at.y + shift };
+  });
+}
+
+/** The robot's mark on the map: large enough to be found on a large map, within its cell on a small one. */
+export function markRadius(view: View): number {
+  return Math.max(7, Math.min(16, 0.34 * view.scale));
 }

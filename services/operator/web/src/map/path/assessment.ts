@@ -1,6 +1,6 @@
 import type { SeenMap } from "../../protocol/generated/console_pb";
 import { type Cell, cellIndex, cellText, freeCell, isWall, wallCell } from "../grid";
-import type { WayGrid } from "./ways";
+import type { WayGrid } from "./routes";
 
 /** What is known of a path before anybody drives it. */
 export type Assessment = {

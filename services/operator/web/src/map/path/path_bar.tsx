@@ -1,6 +1,6 @@
-import type { Hand } from "../hand";
 import type { MapModel } from "../map_model";
 import type { MapRobot } from "../map_props";
+import type { Hand } from "../tool_driver";
 import { type Assessment, assess, assessmentText } from "./assessment";
 import { hasDraft, type PathSession } from "./path_session";
 

@@ -21,7 +21,7 @@ import {
   vertices,
   withdraw,
 } from "./path_session";
-import type { WayGrid } from "./ways";
+import type { WayGrid } from "./routes";
 
 /** Without dragging: a click or a key adds the way to the cell. */
 function addCell(session: PathSession, grid: WayGrid, cell: Cell): PathSession {

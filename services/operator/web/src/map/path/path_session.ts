@@ -3,7 +3,7 @@
 // it as newer guidance.
 import { type Cell, cellIndex, clampCell, sameCell } from "../grid";
 import type { Outcome } from "../map_props";
-import { freehandWay, shortestWay, type WayGrid, way } from "./ways";
+import { freehandWay, shortestWay, type WayGrid, way } from "./routes";
 
 export type SentPath = {
   readonly id: number;

@@ -2,9 +2,8 @@ import { useConsole } from "../../app/console";
 import { keyHint } from "../../app/shortcuts";
 import { type Picture, PictureAnswer } from "../../protocol/generated/console_pb";
 import { nameOf } from "../../state/selectors";
+import { usePixels } from "./picture_image";
 import { answerText } from "./summary";
-import { usePixels } from "./use_pixels";
-import { windowStart } from "./window";
 
 const mostShown = 12;
 
@@ -74,4 +73,10 @@ function Thumbnail({ picture }: { picture: Picture }) {
 function SmallImage({ picture }: { picture: Picture }) {
   const state = usePixels(picture);
   return state.kind === "ready" ? <img src={state.url} alt="" /> : undefined;
+}
+
+/** First of the `size` of `length` entries to show, so that number `at` is about in the middle; the newest where there is none. */
+export function windowStart(length: number, at: number, size: number): number {
+  const newest = Math.max(0, length - size);
+  return at < 0 ? newest : Math.max(0, Math.min(newest, at - Math.floor(size / 2)));
 }

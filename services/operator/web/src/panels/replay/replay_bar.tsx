@@ -2,8 +2,7 @@ import { useSignal } from "@preact/signals";
 import { useConsole } from "../../app/console";
 import { MarkKind, type Playback } from "../../protocol/generated/console_pb";
 import { playTime } from "../format";
-import { markFrom, markNames, speeds } from "./marks";
-import { useReplay } from "./use_replay";
+import { markFrom, markNames, speeds, useReplay } from "./playback";
 import "./replay.css";
 
 /** Where in a recording we are, and ways to go elsewhere. */

@@ -1,8 +1,8 @@
 import { useState } from "preact/hooks";
 import { useConsole } from "../../app/console";
 import { type Task, TaskPhase } from "../../protocol/generated/console_pb";
-import { reasonText } from "../queue/words";
-import { BeginButton } from "./begin_dialog";
+import { reasonText } from "../attention/queue_texts";
+import { BeginButton } from "./task_dialogs";
 import {
   goalsText,
   isMappingTask,

@@ -2,13 +2,17 @@ import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
 import { useConsole } from "../../app/console";
 import { LinkBanner } from "../../app/link_banner";
+import { cellText } from "../../protocol/cells";
 import { pictureOf } from "../../state/selectors";
+import { HistoryStrip } from "../pictures/history_strip";
 import { LiveView } from "../pictures/live_view";
-import { DriveBadge } from "../teleoperation/drive_badge";
+import { PictureImage } from "../pictures/picture_image";
+import { directionText } from "../pictures/summary";
+import { DriveBadge } from "../robots/drive_badge";
 import { TaskBar } from "./task_bar";
-import { TaskPictures } from "./task_pictures";
 import { hasLiveView } from "./task_state";
 import "./task.css";
+import "../pictures/pictures.css";
 
 /** All that a participant sees: task, map and pictures; a live view where the method of a study streams. */
 export function TaskPage({ map }: { map: ComponentChildren }) {
@@ -49,4 +53,30 @@ function useNewestPicture(): void {
   useEffect(() => {
     store.chosenSequence.value = undefined;
   }, [newest, store]);
+}
+
+/** The picture that the participant looks at, and those before. What it shows is for them to see. */
+export function TaskPictures() {
+  const { store } = useConsole();
+  const robot = store.chosenRobot.value;
+  const picture = store.chosenPicture.value;
+  return (
+    <section class="panel pictures" aria-label="Pictures">
+      {picture === undefined ? (
+        <>
+          <h2>Pictures</h2>
+          <p class="quiet">None yet.</p>
+        </>
+      ) : (
+        <>
+          <h2>Picture {String(picture.sequenceNumber)}</h2>
+          <PictureImage picture={picture} />
+          <p class="quiet">
+            from {cellText(picture.cell)}, to the {directionText(picture.heading)}
+          </p>
+        </>
+      )}
+      {robot !== undefined && <HistoryStrip robot={robot} />}
+    </section>
+  );
 }

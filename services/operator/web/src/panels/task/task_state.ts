@@ -1,7 +1,7 @@
 import { Mode, type Task, TaskPhase } from "../../protocol/generated/console_pb";
 import type { ConsoleState } from "../../state/console_state";
 import { pictureOf, unanswered } from "../../state/selectors";
-import type { News } from "../announcements/announcer";
+import type { News } from "../attention/announcer";
 import { count, percent } from "../format";
 
 /** Whether a participant of the mapping task sits here. */

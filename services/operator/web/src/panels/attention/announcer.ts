@@ -1,0 +1,95 @@
+import { type ReadonlySignal, type Signal, signal } from "@preact/signals";
+import type { Clock } from "../../connection/clock";
+import { type Alert, Severity } from "../../protocol/generated/console_pb";
+import type { ConsoleState } from "../../state/console_state";
+import { itemKey } from "../../state/selectors";
+import { reasonText } from "./queue_texts";
+
+export interface News {
+  readonly text: string;
+  /** Interrupts what a screen reader reads. */
+  readonly urgent: boolean;
+}
+
+/** What came up between two states: items of the queue and alerts. Nothing of what was there when the page began. */
+export function newsOf(before: ConsoleState, after: ConsoleState): readonly News[] {
+  if (before.session === undefined || before.run !== after.run) return [];
+  return [...alertNews(before, after), ...attentionNews(before, after)];
+}
+
+function attentionNews(before: ConsoleState, after: ConsoleState): News[] {
+  if (before.attention === after.attention) return [];
+  const known = new Set(before.attention?.items.map(itemKey));
+  const fresh = (after.attention?.items ?? []).filter((item) => !known.has(itemKey(item)));
+  return fresh.map(({ robot, reason }) => ({
+    text: `${robot} ${reasonText(reason, after.session?.drives ?? false)}`,
+    urgent: false,
+  }));
+}
+
+function alertNews(before: ConsoleState, after: ConsoleState): News[] {
+  if (before.alerts === after.alerts) return [];
+  const known = new Set(before.alerts.filter(({ active }) => active).map(({ id }) => id));
+  const calls = ({ active, acknowledgedBy, shelvedUntil, newest }: Alert) =>
+    active && acknowledgedBy === "" && shelvedUntil <= newest;
+  const fresh = after.alerts.filter((alert) => calls(alert) && !known.has(alert.id));
+  return fresh.map(({ severity, source, text }) => ({
+    text: `Alert, ${source}: ${text}`,
+    urgent: severity === Severity.ALARM,
+  }));
+}
+
+/** s between two announcements: a screen reader must be able to finish. */
+const announcePeriod = 4;
+const mostAtOnce = 3;
+
+/** Texts of the page's two live regions; what comes too quickly is put together. */
+export class Announcer {
+  readonly #polite = signal("");
+  readonly #urgent = signal("");
+  #clock: Clock;
+  #waiting: News[] = [];
+  #quietUntil = Number.NEGATIVE_INFINITY;
+
+  constructor(clock: Clock) {
+    this.#clock = clock;
+  }
+
+  get polite(): ReadonlySignal<string> {
+    return this.#polite;
+  }
+
+  get urgent(): ReadonlySignal<string> {
+    return this.#urgent;
+  }
+
+  tell(news: readonly News[]): void {
+    if (news.length === 0) return;
+    const idle = this.#waiting.length === 0;
+    this.#waiting.push(...news);
+    const wait = this.#quietUntil - this.#clock.now();
+    if (wait <= 0) this.#speak();
+    else if (idle) this.#clock.after(wait, () => this.#speak());
+  }
+
+  #speak(): void {
+    const news = this.#waiting;
+    this.#waiting = [];
+    this.#quietUntil = this.#clock.now() + announcePeriod;
+    const of = (wanted: boolean) => news.filter(({ urgent }) => urgent === wanted);
+    speak(this.#urgent, of(true));
+    speak(this.#polite, of(false));
+  }
+}
+
+/** A text that stays the same is not read again: one that comes again gets a space at its end, which is not read. */
+function speak(region: Signal<string>, news: readonly News[]): void {
+  const text = together(news);
+  region.value = text !== "" && text === region.peek() ? `${text}\u00a0` : text;
+}
+
+function together(news: readonly News[]): string {
+  const texts = news.slice(0, mostAtOnce).map(({ text }) => text);
+  const more = news.length - texts.length;
+  return texts.concat(more > 0 ? [`and ${more} more`] : []).join(". ");
+}

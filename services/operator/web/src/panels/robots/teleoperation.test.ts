@@ -1,0 +1,161 @@
+import { create } from "@bufbuild/protobuf";
+import { beforeEach, describe, expect, it } from "vitest";
+import { FakeClock } from "../../connection/fake";
+import {
+  DriveAction,
+  LimitsSchema,
+  Mode,
+  Role,
+  WelcomeSchema,
+} from "../../protocol/generated/console_pb";
+import { stateOf, type UpdateBody, welcomeMessage } from "../../state/fixtures";
+import { reduce } from "../../state/reduce";
+import { driveLimits, isAdvisedAgainst, Teleoperation, whyNotDrive } from "./teleoperation";
+
+const { DRIVE_STOP: stop, DRIVE_FORWARD: forward, DRIVE_TURN_LEFT: left } = DriveAction;
+
+let clock: FakeClock;
+let sent: [string, DriveAction][];
+let robot: string | undefined;
+let reason: string | undefined;
+let complaints: string[];
+let driving: Teleoperation;
+
+beforeEach(() => {
+  clock = new FakeClock();
+  sent = [];
+  robot = "r1";
+  reason = undefined;
+  complaints = [];
+  driving = new Teleoperation({
+    clock,
+    drive: (name, action) => sent.push([name, action]),
+    chosenRobot: () => robot,
+    whyNot: () => reason,
+    blocked: (why) => complaints.push(why),
+  });
+});
+
+const actions = () => sent.map(([, action]) => action);
+
+describe("driving", () => {
+  it("begins at once and goes on at 4 Hz while the key is held", () => {
+    driving.press(forward);
+    expect(actions()).toEqual([forward]);
+    clock.advance(1);
+    expect(actions()).toEqual([forward, forward, forward, forward, forward]);
+  });
+
+  it("is not quicker for a keyboard that repeats", () => {
+    driving.press(forward);
+    for (let i = 0; i < 10; i += 1) driving.press(forward);
+    expect(actions()).toEqual([forward]);
+  });
+
+  it("stops once when the key is released, and then is silent", () => {
+    driving.press(forward);
+    driving.release(forward);
+    clock.advance(2);
+    expect(actions()).toEqual([forward, stop]);
+  });
+
+  it("stops when focus or page are lost, and a release afterwards says nothing", () => {
+    driving.press(forward);
+    driving.halt();
+    driving.release(forward);
+    clock.advance(2);
+    expect(actions()).toEqual([forward, stop]);
+  });
+
+  it("takes the newest of two keys, then the other one again", () => {
+    driving.press(forward);
+    driving.press(left);
+    driving.release(left);
+    driving.release(forward);
+    expect(actions()).toEqual([forward, left, forward, stop]);
+  });
+
+  it("stops the robot that was driven when another one is chosen", () => {
+    driving.press(forward);
+    robot = "r2";
+    clock.advance(0.25);
+    expect(sent.at(-1)).toEqual(["r1", stop]);
+    clock.advance(1);
+    expect(sent).toHaveLength(2);
+  });
+
+  it("stops when the connection is lost meanwhile, and does not begin again by itself", () => {
+    driving.press(forward);
+    reason = "lost";
+    clock.advance(0.25);
+    reason = undefined;
+    clock.advance(2);
+    expect(actions()).toEqual([forward, stop]);
+  });
+
+  it("does not begin where it is forbidden, and says why", () => {
+    reason = "round trip";
+    driving.press(forward);
+    clock.advance(1);
+    expect(sent).toEqual([]);
+    expect(complaints).toEqual(["round trip"]);
+  });
+
+  it("without a robot does nothing", () => {
+    robot = undefined;
+    driving.press(forward);
+    driving.halt();
+    expect(sent).toEqual([]);
+  });
+});
+
+describe("permission", () => {
+  const session: UpdateBody = { case: "session", value: { drives: true } };
+  const heard: UpdateBody = { case: "robot", value: { name: "r1", heardAt: 100 } };
+  const live = { state: "live" } as const;
+  const quick = { roundTrip: 0.05, clockOffset: 0 };
+  const state = stateOf(session, heard);
+
+  it("is given in a method that drives, over a live and quick connection", () => {
+    expect(whyNotDrive(state, live, quick, 100, "r1")).toBeUndefined();
+  });
+
+  it("is refused with a reason otherwise", () => {
+    const slow = { roundTrip: 1.1, clockOffset: 0 };
+    const unknown = { roundTrip: undefined, clockOffset: 0 };
+    const stopped = stateOf(session, heard, {
+      case: "control",
+      value: { robot: "r1", stopped: true },
+    });
+    expect(whyNotDrive(stateOf(heard), live, quick, 100, "r1")).toContain("method");
+    expect(whyNotDrive(state, { state: "stale", since: 0 }, quick, 100, "r1")).toContain("live");
+    expect(whyNotDrive(state, live, slow, 100, "r1")).toContain("round trip");
+    expect(whyNotDrive(state, live, unknown, 100, "r1")).toContain("round trip");
+    expect(whyNotDrive(state, live, quick, 104, "r1")).toContain("lost");
+    expect(whyNotDrive(stopped, live, quick, 100, "r1")).toContain("stopped");
+  });
+
+  it("of a participant begins with the task; of a robot, with its first word", () => {
+    const inStudy = reduce(state, welcomeMessage({ mode: Mode.STUDY }));
+    expect(whyNotDrive(inStudy, live, quick, 100, "r1")).toBe("begin first");
+    expect(whyNotDrive(stateOf(session), live, quick, 100, "r1")).toBe("r1 is not heard yet");
+  });
+
+  it("goes by the limits of the service, usual ones where it names none", () => {
+    const named = { advisedAgainst: 0.2, refused: 0.6 };
+    const limits = create(LimitsSchema, { driveAdvisedAgainst: 0.2, driveRefused: 0.6 });
+    const welcome = create(WelcomeSchema, { limits, role: Role.OPERATOR });
+    expect(driveLimits({ welcome })).toEqual(named);
+    expect(driveLimits({ welcome: undefined })).toEqual({ advisedAgainst: 0.3, refused: 1 });
+    const at = (roundTrip: number) =>
+      whyNotDrive({ ...state, welcome }, live, { roundTrip, clockOffset: 0 }, 100, "r1");
+    expect([at(0.6), at(0.61)]).toEqual([undefined, "the round trip is above 0.6 s"]);
+  });
+
+  it("is given with advice against it between the limits", () => {
+    const between = { roundTrip: 0.5, clockOffset: 0 };
+    expect(whyNotDrive(state, live, between, 100, "r1")).toBeUndefined();
+    expect(isAdvisedAgainst(state, between)).toBe(true);
+    expect(isAdvisedAgainst(state, quick)).toBe(false);
+  });
+});
