@@ -23,7 +23,7 @@ beforeEach(() => {
   store.receive(welcomeMessage());
 });
 
-function hear(...bodies: UpdateBody[]): void {
+function receive(...bodies: UpdateBody[]): void {
   store.receive(updates(bodies));
 }
 
@@ -39,7 +39,7 @@ const robot = (name: string, column = 0): UpdateBody => ({
 describe("next", () => {
   it("chooses the robot, shows its newest picture, centres the map, and tells the service", () => {
     const item = { robot: "r2", world: "w1", reason: 1, cell: { row: 3, column: 4 } };
-    hear(robot("r1"), robot("r2"), { case: "attention", value: { items: [item] } });
+    receive(robot("r1"), robot("r2"), { case: "attention", value: { items: [item] } });
     store.chosenSequence.value = 1n;
     actions.next();
     expect(store.chosenRobot.value).toBe("r2");
@@ -50,15 +50,15 @@ describe("next", () => {
 
   it("takes up the tool for paths where a path is the only answer", async () => {
     const asks = (reason: number) => ({ robot: "r1", world: "w1", reason });
-    await actions.turnTo(create(AttentionItemSchema, asks(AttentionReason.REASON_PICTURE)));
+    await actions.select(create(AttentionItemSchema, asks(AttentionReason.REASON_PICTURE)));
     expect(store.tool.value).toBe("look");
-    await actions.turnTo(create(AttentionItemSchema, asks(AttentionReason.REASON_FIRST_PATH)));
+    await actions.select(create(AttentionItemSchema, asks(AttentionReason.REASON_FIRST_PATH)));
     expect(store.tool.value).toBe("path");
   });
 
   it("passes over what was answered a moment ago", async () => {
     const asks = (name: string) => ({ robot: name, world: "w1", reason: 1 });
-    hear(robot("r1"), robot("r2"), {
+    receive(robot("r1"), robot("r2"), {
       case: "attention",
       value: { items: [asks("r1"), asks("r2")] },
     });
@@ -70,7 +70,7 @@ describe("next", () => {
 
   it("goes round: each once, then the first again", async () => {
     const asks = (name: string) => ({ robot: name, world: "w1", reason: 1 });
-    hear({ case: "attention", value: { items: [asks("r1"), asks("r2"), asks("r3")] } });
+    receive({ case: "attention", value: { items: [asks("r1"), asks("r2"), asks("r3")] } });
     const seen: unknown[] = [];
     for (let i = 0; i < 4; i += 1) {
       await actions.next();
@@ -81,7 +81,7 @@ describe("next", () => {
 
   it("says so when nothing asks, or nothing any more", async () => {
     connection.outcomes = [{ kind: "refused", reason: "does not ask for that any more" }];
-    hear({ case: "attention", value: { items: [{ robot: "r1", world: "w1", reason: 1 }] } });
+    receive({ case: "attention", value: { items: [{ robot: "r1", world: "w1", reason: 1 }] } });
     await actions.next();
     expect(store.notices.value[0]?.text).toContain("Nothing");
   });
@@ -101,7 +101,7 @@ describe("control", () => {
   });
 
   it("is asked a reason for where somebody else has it", () => {
-    hear({ case: "control", value: { robot: "r1", holder: "you", holderName: "Bo" } });
+    receive({ case: "control", value: { robot: "r1", holder: "you", holderName: "Bo" } });
     actions.takeControl(["r1"]);
     expect(connection.asked).toEqual([]);
     expect(store.dialog.value).toEqual({
@@ -132,7 +132,7 @@ describe("requests", () => {
   });
 
   it("to drive expire in simulation time, and are not sent late", async () => {
-    hear(robot("r1"), { case: "world", value: { name: "w1", time: 40 } });
+    receive(robot("r1"), { case: "world", value: { name: "w1", time: 40 } });
     await actions.drive("r1", DriveAction.DRIVE_FORWARD);
     expect(connection.asked[0]).toMatchObject({ case: "drive", value: { expiresAt: 41 } });
     expect(connection.options[0]).toEqual({ world: "w1", validFor: 1 });
@@ -148,21 +148,21 @@ describe("requests", () => {
 });
 
 describe("pictures", () => {
-  beforeEach(() => hear(robot("r1"), picture(1n), picture(2n), picture(3n)));
+  beforeEach(() => receive(robot("r1"), picture(1n), picture(2n), picture(3n)));
 
   it("are turned like pages, and the newest stays the newest", () => {
-    actions.turnPages(1);
+    actions.stepPicture(1);
     expect(store.chosenPicture.value?.sequenceNumber).toBe(3n);
-    actions.turnPages(-1);
+    actions.stepPicture(-1);
     expect(store.chosenPicture.value?.sequenceNumber).toBe(2n);
-    actions.turnPages(1);
+    actions.stepPicture(1);
     expect(store.chosenSequence.value).toBeUndefined();
-    hear(picture(4n));
+    receive(picture(4n));
     expect(store.chosenPicture.value?.sequenceNumber).toBe(4n);
   });
 
   it("are answered by nothing new, the newest only, and not before it is looked at", () => {
-    actions.turnPages(-1);
+    actions.stepPicture(-1);
     actions.nothingNew();
     expect(connection.asked).toEqual([]);
     expect(store.chosenPicture.value?.sequenceNumber).toBe(3n);
@@ -172,19 +172,19 @@ describe("pictures", () => {
 
   it("of a mapping task give way to the next one, whichever is looked at", () => {
     store.receive(welcomeMessage({ mode: Mode.MAPPING_TASK }));
-    actions.turnPages(-1);
+    actions.stepPicture(-1);
     actions.nothingNew();
     expect(connection.asked).toMatchObject([{ value: { snapshot: 3n } }]);
   });
 
   it("that are known no more give way to the newest", () => {
-    actions.turnPages(-1);
+    actions.stepPicture(-1);
     store.receive(updates([robot("r1"), picture(1n)], 9n, true));
     expect(store.chosenPicture.value?.sequenceNumber).toBe(1n);
   });
 
   it("that were answered are not answered again", () => {
-    hear({ case: "picture", value: { robot: "r1", sequenceNumber: 3n, answer: 1 } });
+    receive({ case: "picture", value: { robot: "r1", sequenceNumber: 3n, answer: 1 } });
     actions.nothingNew();
     expect(connection.asked).toEqual([]);
   });
@@ -192,7 +192,7 @@ describe("pictures", () => {
 
 describe("robots", () => {
   it("are chosen in turn, round and round, and the map follows", () => {
-    hear(robot("r1", 1), robot("r2", 2));
+    receive(robot("r1", 1), robot("r2", 2));
     expect(store.chosenRobot.value).toBe("r1");
     actions.chooseBy(1);
     expect(store.chosenRobot.value).toBe("r2");
@@ -202,8 +202,8 @@ describe("robots", () => {
   });
 
   it("stay chosen when others come or ask", () => {
-    hear(robot("r2"));
-    hear(robot("r1"), { case: "attention", value: { items: [{ robot: "r1" }] } });
+    receive(robot("r2"));
+    receive(robot("r1"), { case: "attention", value: { items: [{ robot: "r1" }] } });
     expect(store.chosenRobot.value).toBe("r2");
   });
 });

@@ -2,15 +2,15 @@ import type { Clock } from "../connection/clock";
 import type { Connection, RequestOptions } from "../connection/connection";
 import type { Outcome as RequestOutcome } from "../connection/requests";
 import type { CellChange, Outcome } from "../map/map_props";
-import { type Place, Seeker } from "../panels/replay/playback";
-import { ControlWatch, needsReason, takeOverOf } from "../panels/robots/control";
+import { Seeker, type SeekTarget } from "../panels/replay/playback";
+import { ControlMonitor, needsReason, takeOverOf } from "../panels/robots/control";
 import { isMappingTask } from "../panels/task/task_state";
 import type { CellAt } from "../protocol/cells";
 import type { RequestBody } from "../protocol/codec";
 import type { AttentionItem, DriveAction } from "../protocol/generated/console_pb";
 import { unanswered, worldOf } from "../state/selectors";
 import type { Notice, Store } from "../state/store";
-import { QueueWalk } from "./queue_walk";
+import { QueueNavigator } from "./queue_navigator";
 
 const noticeTime = 8;
 const mostNotices = 4;
@@ -22,20 +22,20 @@ const turning = "Turn to it";
 
 /** What a person can do with the console. Each says in a notice when the service did not do it. */
 export class Actions {
-  readonly control = new ControlWatch();
+  readonly control = new ControlMonitor();
   #store: Store;
   #connection: Connection;
   #clock: Clock;
   #notices = 0;
   #drives = 0;
-  #walk: QueueWalk;
+  #walk: QueueNavigator;
   #seeker: Seeker;
 
   constructor(store: Store, connection: Connection, clock: Clock) {
     this.#store = store;
     this.#connection = connection;
     this.#clock = clock;
-    this.#walk = new QueueWalk(store, (body, options) => this.#request(body, options));
+    this.#walk = new QueueNavigator(store, (body, options) => this.#request(body, options));
     this.#seeker = new Seeker((to) => connection.seek(to), clock);
   }
 
@@ -59,12 +59,12 @@ export class Actions {
     else this.#tell(turning, outcome);
   }
 
-  async turnTo(item: AttentionItem): Promise<void> {
-    this.#tell(turning, await this.#walk.turnTo(item));
+  async select(item: AttentionItem): Promise<void> {
+    this.#tell(turning, await this.#walk.select(item));
   }
 
   /** Older (-1) or newer (1) picture of the chosen robot. */
-  turnPages(step: number): void {
+  stepPicture(step: number): void {
     const { chosenRobot, chosenPicture, chosenSequence } = this.#store;
     const all = this.#state.pictures.get(chosenRobot.value ?? "") ?? [];
     const shown = chosenPicture.value;
@@ -161,7 +161,7 @@ export class Actions {
   }
 
   /** Of a recording. */
-  seek(to: Place): void {
+  seek(to: SeekTarget): void {
     this.#seeker.seek(to);
   }
 

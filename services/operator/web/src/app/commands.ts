@@ -27,12 +27,12 @@ export function commandsOf(store: Store, actions: Actions): Commands {
     "release control": withChosen((robots) => actions.releaseControl(robots)),
     next: () => void actions.next(),
     "nothing new": () => actions.nothingNew(),
-    "older picture": () => actions.turnPages(-1),
-    "newer picture": () => actions.turnPages(1),
+    "older picture": () => actions.stepPicture(-1),
+    "newer picture": () => actions.stepPicture(1),
     "next robot": () => actions.chooseBy(1),
     "previous robot": () => actions.chooseBy(-1),
     centre: () => actions.goTo(store.chosenRobot.value),
-    acknowledge: () => acknowledgeGravest(store, actions),
+    acknowledge: () => acknowledgeMostSevere(store, actions),
     workload: set(({ workload }) => ({ workload: !workload })),
     events: set(({ events }) => ({ events: !events })),
     theme: set(({ theme }) => ({ theme: themes[(themes.indexOf(theme) + 1) % 3] ?? "system" })),
@@ -45,9 +45,9 @@ export function commandsOf(store: Store, actions: Actions): Commands {
   };
 }
 
-function acknowledgeGravest(store: Store, actions: Actions): void {
+function acknowledgeMostSevere(store: Store, actions: Actions): void {
   const { active } = sortAlerts(store.state.value.alerts, store.now.value ?? 0);
-  const gravest = active.find(({ acknowledgedBy }) => acknowledgedBy === "");
-  if (gravest) void actions.acknowledge(gravest.id);
+  const mostSevere = active.find(({ acknowledgedBy }) => acknowledgedBy === "");
+  if (mostSevere) void actions.acknowledge(mostSevere.id);
   else actions.notify("There is no alert to acknowledge.");
 }

@@ -28,7 +28,7 @@ export function fakeConsole(connection = new FakeConnection()): Console {
       clock,
       drive: nothing,
       chosenRobot: nothing,
-      whyNot: nothing,
+      blockedReason: nothing,
       blocked: nothing,
     }),
     pixels: new Pixels({

@@ -30,7 +30,7 @@ beforeEach(() => {
     clock,
     drive: (_robot, action) => driven.push(action),
     chosenRobot: () => store.chosenRobot.value,
-    whyNot: () => undefined,
+    blockedReason: () => undefined,
     blocked: () => undefined,
   });
   stopForEditing(store, driving);

@@ -1,15 +1,15 @@
 import { computed, type ReadonlySignal } from "@preact/signals";
 import type { MapProps, MapRobot, Outcome, Permission } from "../map/map_props";
-import { isTask, offersPaths, whyNotMap } from "../panels/task/task_state";
+import { isTask, mapBlockedReason, offersPaths } from "../panels/task/task_state";
 import type { CellAt } from "../protocol/cells";
 import { type Picture, Role } from "../protocol/generated/console_pb";
 import type { ConsoleState } from "../state/console_state";
 import { freshnessOf } from "../state/freshness";
 import {
+  commandBlockedReason,
   mayCommand,
   nameOf,
   trailCells,
-  whyNotCommand,
   withNames,
   worldOf,
 } from "../state/selectors";
@@ -33,10 +33,10 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
     pictures: picturesOf(() => state.value.pictures, names),
   };
   const robots = computed(() => mapRobots(store, names.value));
-  const watchesOnly = computed(() => linked.value && !mayCommand(state.value));
-  const mayEdit = computed(() => permission(whyNotEdit(state.value, linked.value)));
+  const readOnly = computed(() => linked.value && !mayCommand(state.value));
+  const mayEdit = computed(() => permission(editBlockedReason(state.value, linked.value)));
   const mayGuide = computed(() =>
-    permission(whyNotGuide(state.value, linked.value, chosenRobot.value)),
+    permission(guideBlockedReason(state.value, linked.value, chosenRobot.value)),
   );
   const callbacks = callbacksOf(store, actions);
 
@@ -60,7 +60,7 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
         layers: store.settings.value.layers,
         chosenRobot: chosenRobot.value,
         tool: toolOf(state.value, store.tool.value),
-        watchesOnly: watchesOnly.value,
+        readOnly: readOnly.value,
         participates: isTask(state.value),
         offersPaths: offersPaths(state.value),
         arrowsDrive: state.value.session?.drives === true && mayCommand(state.value),
@@ -153,18 +153,18 @@ function permission(reason: string | undefined): Permission {
   return reason === undefined ? { allowed: true } : { allowed: false, reason };
 }
 
-function whyNotEdit(state: ConsoleState, linked: boolean): string | undefined {
+function editBlockedReason(state: ConsoleState, linked: boolean): string | undefined {
   if (!linked) return "the connection is not live";
   if (state.playback !== undefined) return "this is a recording";
   if (state.welcome?.role === Role.OBSERVER) return "you are an observer";
-  return isTask(state) ? whyNotMap(state) : undefined;
+  return isTask(state) ? mapBlockedReason(state) : undefined;
 }
 
-function whyNotGuide(
+function guideBlockedReason(
   state: ConsoleState,
   linked: boolean,
   robot: string | undefined,
 ): string | undefined {
   if (robot === undefined) return "no robot is chosen";
-  return whyNotEdit(state, linked) ?? whyNotCommand(state, robot);
+  return editBlockedReason(state, linked) ?? commandBlockedReason(state, robot);
 }

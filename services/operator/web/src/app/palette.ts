@@ -1,7 +1,7 @@
 import type { RobotShape } from "../map/map_props";
 
 /** How a robot looks, everywhere: no two of 16 look the same, even without colour. */
-export interface RobotLook {
+interface RobotLook {
   readonly letter: string;
   readonly colour: string;
   readonly shape: RobotShape;

@@ -26,7 +26,7 @@ export type Commands = Readonly<Record<CommandName, () => void>>;
 
 export type Group = "Safety" | "Attention" | "Robots" | "Page" | "Recording" | "Driving";
 
-export interface Shortcut {
+interface Shortcut {
   readonly command: CommandName;
   /** As `keyOf` writes them; any of them. */
   readonly keys: readonly string[];
@@ -99,7 +99,7 @@ export const driveHelp = [
   { keys: ["ArrowRight"], text: "Turn right while held" },
 ] as const;
 
-export interface KeyPress {
+interface KeyPress {
   readonly key: string;
   readonly shiftKey: boolean;
   readonly ctrlKey: boolean;
@@ -116,7 +116,7 @@ export function keyOf({ key, shiftKey, ctrlKey, altKey, metaKey }: KeyPress): st
   return shiftKey && !isSign ? `Shift+${name}` : name;
 }
 
-export interface Circumstances {
+interface KeyContext {
   readonly replay: boolean;
   /** Somebody types, or a dialog is open. */
   readonly busy: boolean;
@@ -124,7 +124,7 @@ export interface Circumstances {
   readonly onControl: boolean;
 }
 
-export function commandOf(press: KeyPress, at: Circumstances): CommandName | undefined {
+export function commandOf(press: KeyPress, at: KeyContext): CommandName | undefined {
   const key = keyOf(press);
   const found = shortcuts.find(({ keys }) => key !== undefined && keys.includes(key));
   if (found === undefined) return undefined;

@@ -5,7 +5,7 @@ import { type UpdateBody, updates, welcomeMessage } from "../state/fixtures";
 import { defaultSettings } from "../state/settings";
 import { createStore, type Store } from "../state/store";
 import { Actions } from "./actions";
-import { offerStart, tellOfControl, tellOfReturn, tellOfUse } from "./wire";
+import { announceReconnect, notifyControlLoss, offerStart, reportUse } from "./wire";
 
 let store: Store;
 
@@ -16,7 +16,7 @@ beforeEach(() => {
 describe("the link", () => {
   it("that comes back is told, one that comes first is not", () => {
     const announcer = new Announcer(new FakeClock());
-    tellOfReturn(store, announcer);
+    announceReconnect(store, announcer);
     store.receive(welcomeMessage());
     store.link.value = { state: "live" };
     expect(announcer.polite.value).toBe("");
@@ -36,7 +36,7 @@ describe("control that is lost", () => {
       case: "control",
       value: { robot: "r1", holder, heldUntil: (connection.serviceTime() ?? 0) + 30 },
     });
-    tellOfControl(store, actions, connection);
+    notifyControlLoss(store, actions, connection);
     store.receive(welcomeMessage({ client: "me" }));
     store.receive(updates([held("me")]));
     store.receive(welcomeMessage({ client: "me", run: "run-2" }));
@@ -56,7 +56,7 @@ describe("use of the page", () => {
   it("is told whatever is done with it", () => {
     const connection = new FakeConnection();
     const page = new EventTarget();
-    tellOfUse(connection, page);
+    reportUse(connection, page);
     for (const kind of ["pointermove", "keydown", "wheel"]) page.dispatchEvent(new Event(kind));
     expect(connection.uses).toBe(3);
   });
@@ -67,26 +67,26 @@ describe("the offer to begin", () => {
     case: "control",
     value: { robot: "r1", stopped },
   });
-  const hear = (...bodies: UpdateBody[]) =>
+  const receive = (...bodies: UpdateBody[]) =>
     store.receive(updates([{ case: "session", value: { robots: ["r1"] } }, ...bodies]));
 
   beforeEach(() => {
     store.receive(welcomeMessage());
     offerStart(store);
-    hear(control(true));
+    receive(control(true));
   });
 
   it("is made once per run", () => {
     expect(store.dialog.value).toEqual({ kind: "start" });
     store.dialog.value = undefined;
-    hear(control(true));
+    receive(control(true));
     expect(store.dialog.value).toBeUndefined();
     store.receive(welcomeMessage({ run: "run-2" }));
     expect(store.dialog.value).toEqual({ kind: "start" });
   });
 
   it("ends when somebody begins elsewhere", () => {
-    hear(control(false));
+    receive(control(false));
     expect(store.dialog.value).toBeUndefined();
   });
 });

@@ -1,13 +1,13 @@
 import { effect } from "@preact/signals";
-import type { KeptTexts } from "../connection/browser_storage";
+import type { TextStorage } from "../connection/browser_storage";
 import type { Clock } from "../connection/clock";
 import type { Connection, Link } from "../connection/connection";
 import { editsMap } from "../map/map_props";
-import { type Announcer, newsOf } from "../panels/attention/announcer";
-import { sightOf } from "../panels/guide/tour";
+import { type Announcer, announcementsOf } from "../panels/attention/announcer";
+import { tourStateOf } from "../panels/guide/tour";
 import type { Teleoperation } from "../panels/robots/teleoperation";
 import { withSample } from "../panels/status/workload_history";
-import { isTask, taskNews } from "../panels/task/task_state";
+import { isTask, taskAnnouncements } from "../panels/task/task_state";
 import { waitsForStart } from "../state/selectors";
 import { writeSettings } from "../state/settings";
 import type { Store } from "../state/store";
@@ -30,14 +30,14 @@ export function keepTime(store: Store, connection: Connection, clock: Clock): vo
 }
 
 /** Whoever looks round, reads or draws is there: what they control stays theirs. */
-export function tellOfUse(connection: Connection, page: EventTarget): void {
+export function reportUse(connection: Connection, page: EventTarget): void {
   for (const kind of ["pointermove", "pointerdown", "keydown", "wheel"]) {
     page.addEventListener(kind, () => connection.used(), { capture: true, passive: true });
   }
 }
 
 /** Frames come only for the robot that is looked at, while the page is. */
-export function askForFrames(store: Store, connection: Connection, page: Document): void {
+export function requestFrames(store: Store, connection: Connection, page: Document): void {
   const ask = () => {
     const streams = store.state.value.session?.streams ?? false;
     const robot = store.chosenRobot.value;
@@ -52,15 +52,15 @@ export function follow({ store, tour, history }: Console, announcer: Announcer):
   let before = store.state.peek();
   effect(() => {
     const now = store.state.value;
-    announcer.tell(isTask(now) ? taskNews(before, now) : newsOf(before, now));
+    announcer.tell(isTask(now) ? taskAnnouncements(before, now) : announcementsOf(before, now));
     before = now;
     if (now.attention) history.value = withSample(history.peek(), now.attention);
   });
-  effect(() => tour.look(sightOf(store)));
+  effect(() => tour.look(tourStateOf(store)));
 }
 
 /** Whoever loses control of robots reads why, also when they come back later. */
-export function tellOfControl(
+export function notifyControlLoss(
   store: Store,
   actions: Pick<Actions, "notify" | "control">,
   connection: Pick<Connection, "serviceTime">,
@@ -72,7 +72,7 @@ export function tellOfControl(
 }
 
 /** For screen readers, that what is shown is new again; that it is old says the banner. */
-export function tellOfReturn(store: Store, announcer: Announcer): void {
+export function announceReconnect(store: Store, announcer: Announcer): void {
   let wasLost = false;
   effect(() => {
     const { state } = store.link.value;
@@ -109,7 +109,7 @@ export function stopForEditing(store: Store, driving: Teleoperation): void {
   });
 }
 
-export function keepSettings(store: Store, page: Window, kept: KeptTexts): void {
+export function keepSettings(store: Store, page: Window, kept: TextStorage): void {
   const prefersDark = page.matchMedia("(prefers-color-scheme: dark)");
   const show = () => {
     const { theme } = store.settings.value;

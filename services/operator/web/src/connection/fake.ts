@@ -64,7 +64,7 @@ export class FakeClock implements Clock {
 export type ServerBody = NonNullable<MessageInitShape<typeof ServerMessageSchema>["body"]>;
 
 /** The other end of a socket, in a test's hand. */
-export class FakeSocket implements Socket {
+class FakeSocket implements Socket {
   readonly sent: ClientMessage[] = [];
   closed = false;
   readonly #events: SocketEvents;

@@ -29,7 +29,7 @@ const grace = 1;
  * Requests that wait for their Reply, in order. They keep their ids across connections, so the service does nothing twice;
  * none is sent when its time is over.
  */
-export class RequestBook {
+export class PendingRequests {
   #entries = new Map<bigint, Entry>();
   #newest: bigint;
 

@@ -14,14 +14,14 @@ import {
   validFor,
 } from "./connection";
 import type { Identity } from "./identity";
-import { type Outcome, type PendingRequest, RequestBook } from "./requests";
+import { type Outcome, type PendingRequest, PendingRequests } from "./requests";
 import type { Socket, SocketFactory } from "./socket";
 import { TimingFilter } from "./timing";
 
 /** How often silence is looked for. */
 const watchPeriod = 0.25;
 
-export interface ConnectionParts {
+interface ConnectionParts {
   readonly sockets: SocketFactory;
   readonly clock: Clock;
   readonly identity: Identity;
@@ -34,7 +34,7 @@ export class ServiceConnection implements Connection {
   #parts: ConnectionParts;
   #link: Link = { state: "connecting" };
   #socket: Socket | undefined;
-  #requests: RequestBook;
+  #requests: PendingRequests;
   #timing = new TimingFilter();
   #attended: string | undefined;
   #attempt = 0;
@@ -51,7 +51,7 @@ export class ServiceConnection implements Connection {
 
   constructor(parts: ConnectionParts) {
     this.#parts = parts;
-    this.#requests = new RequestBook(parts.identity.idsAbove);
+    this.#requests = new PendingRequests(parts.identity.idsAbove);
   }
 
   get link(): Link {

@@ -5,10 +5,10 @@ import { attachKeyboard } from "./keyboard_input";
 import type { MapModel } from "./map_model";
 import { attachPointer } from "./pointer_input";
 import { drawScene, type Scene, SceneCache } from "./scene";
-import type { Hand } from "./tool_driver";
+import type { ToolDriver } from "./tool_driver";
 
 /** The function that it returns ends it all. */
-export function showOn(canvas: HTMLCanvasElement, model: MapModel, hand: Hand): () => void {
+export function showOn(canvas: HTMLCanvasElement, model: MapModel, driver: ToolDriver): () => void {
   const cache = new SceneCache();
   let palette = readPalette(canvas);
   const frames = new FrameScheduler(() => draw(canvas, sceneOf(model, palette), cache));
@@ -25,8 +25,8 @@ export function showOn(canvas: HTMLCanvasElement, model: MapModel, hand: Hand): 
     }),
   ];
   const panKey = { held: false, used: false };
-  ends.push(attachPointer(canvas, model, hand, panKey));
-  ends.push(attachKeyboard(canvas, model, hand, panKey));
+  ends.push(attachPointer(canvas, model, driver, panKey));
+  ends.push(attachKeyboard(canvas, model, driver, panKey));
   return () => {
     for (const end of ends) end();
   };
@@ -71,7 +71,7 @@ function draw(canvas: HTMLCanvasElement, scene: Scene | undefined, cache: SceneC
 }
 
 /** At most one frame waits to be drawn, and none while nothing changes. */
-export class FrameScheduler {
+class FrameScheduler {
   #draw: () => void;
   #pending: number | undefined;
 

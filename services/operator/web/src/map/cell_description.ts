@@ -10,7 +10,7 @@ import {
   wallCell,
 } from "./grid";
 
-export type CellFacts = {
+type CellFacts = {
   readonly size: GridSize;
   readonly walls: Uint8Array | undefined; // operator's map
   readonly seen: ReadonlyMap<string, SeenMap>;
@@ -18,19 +18,19 @@ export type CellFacts = {
 };
 
 /** What is known of a cell, as one line of text. */
-export function cellWords(cell: Cell, facts: CellFacts): string {
-  const parts = [mapWords(cell, facts), ...seenWords(cell, facts), ...robotWords(cell, facts)];
+export function describeCell(cell: Cell, facts: CellFacts): string {
+  const parts = [mapText(cell, facts), ...seenText(cell, facts), ...robotText(cell, facts)];
   const text = parts.join("; ");
   return `${capital(cellText(cell))}: ${text}.`;
 }
 
-function mapWords(cell: Cell, { size, walls }: CellFacts): string {
+function mapText(cell: Cell, { size, walls }: CellFacts): string {
   if (!walls) return "your map has not come yet";
   return `${isWall(walls, size, cell) ? "wall" : "free"} on your map`;
 }
 
 /** Participants are told nothing of it. */
-function seenWords(cell: Cell, { size, seen }: CellFacts): string[] {
+function seenText(cell: Cell, { size, seen }: CellFacts): string[] {
   if (seen.size === 0) return [];
   const index = cellIndex(size, cell);
   const by = (value: number) =>
@@ -41,7 +41,7 @@ function seenWords(cell: Cell, { size, seen }: CellFacts): string[] {
   return known.length > 0 ? known : ["no robot saw it"];
 }
 
-function robotWords(cell: Cell, { robots }: CellFacts): string[] {
+function robotText(cell: Cell, { robots }: CellFacts): string[] {
   const isHere = (other: Cell) => sameCell(other, cell);
   const standing = robots.filter((robot) => robot.cell && isHere(robot.cell));
   const goals = robots.filter((robot) => robot.goalsLeft.some(isHere));

@@ -3,7 +3,7 @@ import { clampCell, sameCell } from "./grid";
 import { hasPathDraft } from "./keyboard_input";
 import type { MapModel } from "./map_model";
 import type { Cell } from "./map_props";
-import type { Hand } from "./tool_driver";
+import type { ToolDriver } from "./tool_driver";
 import { cellAt, panBy } from "./view";
 
 const arrows: ReadonlyMap<string, Cell> = new Map([
@@ -25,12 +25,12 @@ export interface PanKey {
 
 export class CursorKeys {
   readonly #model: MapModel;
-  readonly #hand: Hand;
+  readonly #driver: ToolDriver;
   readonly #panKey: PanKey;
 
-  constructor(model: MapModel, hand: Hand, panKey: PanKey) {
+  constructor(model: MapModel, driver: ToolDriver, panKey: PanKey) {
     this.#model = model;
-    this.#hand = hand;
+    this.#driver = driver;
     this.#panKey = panKey;
   }
 
@@ -95,7 +95,7 @@ export class CursorKeys {
   }
 
   #enter(shift: boolean): void {
-    if (this.#model.props.peek().tool === "path" && hasPathDraft(this.#model)) this.#hand.send();
+    if (this.#model.props.peek().tool === "path" && hasPathDraft(this.#model)) this.#driver.send();
     else this.#apply(shift);
   }
 
@@ -106,7 +106,7 @@ export class CursorKeys {
       return;
     }
     if (this.#model.props.peek().tool === "look") this.#chooseRobotIn(cursor);
-    else this.#hand.apply(cursor, { erase: shift });
+    else this.#driver.apply(cursor, { erase: shift });
   }
 
   #chooseRobotIn(cell: Cell): void {
@@ -120,7 +120,7 @@ export class CursorKeys {
     const cursor = this.#model.cursor.peek();
     const session = this.#model.paths.peek().get(this.#model.props.peek().chosenRobot ?? "");
     const onPath = session?.cells.some((cell) => sameCell(cell, cursor));
-    this.#hand.removeVertex(onPath ? cursor : undefined);
+    this.#driver.removeVertex(onPath ? cursor : undefined);
   }
 }
 

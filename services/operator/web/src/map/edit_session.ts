@@ -12,11 +12,11 @@ export type Draft = ReadonlyMap<number, boolean>;
 type StepCell = { index: number; before: boolean; after: boolean };
 
 /** What one edit changed: enough to take it back. */
-export type Step = readonly StepCell[];
+type Step = readonly StepCell[];
 
 type Job = { kind: "stroke"; draft: Draft } | { kind: "undo" } | { kind: "redo" };
 
-export type PendingEdit = {
+type PendingEdit = {
   readonly id: number;
   readonly kind: Job["kind"];
   readonly step: Step; // as made at first, whether it is being made, undone or redone
@@ -41,7 +41,7 @@ export type EditSession = {
   readonly lastId: number;
 };
 
-export type ConfirmedMap = { world: string; revision: bigint; walls: Uint8Array };
+type ConfirmedMap = { world: string; revision: bigint; walls: Uint8Array };
 
 const nothing: Draft = new Map();
 

@@ -5,7 +5,7 @@ import { attachKeyboard } from "./keyboard_input";
 import { MapModel } from "./map_model";
 import type { MapProps, Tool } from "./map_props";
 import { mapShortcuts, toolKeys } from "./shortcuts";
-import { Hand } from "./tool_driver";
+import { ToolDriver } from "./tool_driver";
 
 let canvas: HTMLCanvasElement;
 let page: FakePage;
@@ -19,7 +19,7 @@ function begin(more: Partial<MapProps> = {}): void {
   model = new MapModel(page.props);
   model.resize(800, 600);
   panKey = { held: false, used: false };
-  detach = attachKeyboard(canvas, model, new Hand(model), panKey);
+  detach = attachKeyboard(canvas, model, new ToolDriver(model), panKey);
 }
 
 function press(key: string, more: KeyboardEventInit = {}, target: Element = canvas): boolean {

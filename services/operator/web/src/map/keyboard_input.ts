@@ -6,19 +6,19 @@ import type { MapModel } from "./map_model";
 import { editsMap } from "./map_props";
 import { hasDraft } from "./path/path_session";
 import { toolKeys } from "./shortcuts";
-import type { Hand } from "./tool_driver";
+import type { ToolDriver } from "./tool_driver";
 
 /** Keys that it has dealt with are prevented, so that the page leaves them alone. The function that it returns ends it. */
 export function attachKeyboard(
   canvas: HTMLCanvasElement,
   model: MapModel,
-  hand: Hand,
+  driver: ToolDriver,
   panKey: PanKey,
 ): () => void {
   const ended = new AbortController();
   const { signal } = ended;
-  const ofPage = new PageKeys(model, hand);
-  const ofCursor = new CursorKeys(model, hand, panKey);
+  const ofPage = new PageKeys(model, driver);
+  const ofCursor = new CursorKeys(model, driver, panKey);
   const onPage = (event: KeyboardEvent) => {
     if (event.defaultPrevented || isBusy(event)) return;
     if (ofPage.press(event)) event.preventDefault();
@@ -47,13 +47,13 @@ function isBusy({ target }: KeyboardEvent): boolean {
 
 export const zoomStep = 1.3;
 
-export class PageKeys {
+class PageKeys {
   readonly #model: MapModel;
-  readonly #hand: Hand;
+  readonly #driver: ToolDriver;
 
-  constructor(model: MapModel, hand: Hand) {
+  constructor(model: MapModel, driver: ToolDriver) {
     this.#model = model;
-    this.#hand = hand;
+    this.#driver = driver;
   }
 
   /** Whether it was one of them. */
@@ -86,8 +86,8 @@ export class PageKeys {
   #escapePressed(): boolean {
     const { tool, onTool } = this.#model.props.peek();
     if (this.#model.layersOpen.peek()) return false; // the menu closes
-    if (this.#hand.busy) this.#hand.cancel();
-    else if (hasPathDraft(this.#model)) this.#hand.leave();
+    if (this.#driver.busy) this.#driver.cancel();
+    else if (hasPathDraft(this.#model)) this.#driver.leave();
     else if (tool !== "look") onTool("look");
     else return false;
     return true;

@@ -6,20 +6,20 @@ import { MapModel } from "./map_model";
 import type { MapProps } from "./map_props";
 import { PathBar } from "./path/path_bar";
 import { StatusLine } from "./status_line";
-import { Hand } from "./tool_driver";
+import { ToolDriver } from "./tool_driver";
 import { Toolbar } from "./toolbar";
 import "./map.css";
 
 /** The operator's map of one world, with its tools. Fills the element that it is in, which has a size of its own. */
 export function MapCanvas(props: MapProps) {
   const model = useMemo(() => new MapModel(props), []);
-  const hand = useMemo(() => new Hand(model), [model]);
+  const driver = useMemo(() => new ToolDriver(model), [model]);
   const canvas = useRef<HTMLCanvasElement>(null);
   const help = useId();
   useLayoutEffect(() => model.update(props));
   useEffect(() => {
-    return canvas.current ? showOn(canvas.current, model, hand) : undefined;
-  }, [model, hand]);
+    return canvas.current ? showOn(canvas.current, model, driver) : undefined;
+  }, [model, driver]);
   return (
     <section class="map-root" aria-label={`Map of ${props.world.name}`}>
       <Toolbar model={model} />
@@ -37,7 +37,7 @@ export function MapCanvas(props: MapProps) {
       </div>
       <div class="map-notes">
         <RefusedEdit model={model} />
-        <PathBar model={model} hand={hand} />
+        <PathBar model={model} driver={driver} />
       </div>
       <p id={help} class="map-unseen">
         {props.arrowsDrive

@@ -4,7 +4,7 @@ import * as edits from "./edit_session";
 import { type Cell, contains } from "./grid";
 import type { MapProps, Outcome } from "./map_props";
 import * as paths from "./path/path_session";
-import type { WayGrid } from "./path/routes";
+import type { RouteGrid } from "./path/routes";
 import type { Rectangle } from "./scene";
 import {
   centreOn,
@@ -177,7 +177,7 @@ export class MapModel {
 
   // --- Paths ---
 
-  get grid(): WayGrid {
+  get grid(): RouteGrid {
     return gridOf(this.props.peek());
   }
 
@@ -206,7 +206,7 @@ function sizeOf({ name, rows, columns }: MapProps["world"]): string {
   return `${name} ${rows} ${columns}`;
 }
 
-function gridOf({ world, belief }: MapProps): WayGrid {
+function gridOf({ world, belief }: MapProps): RouteGrid {
   const size = { rows: world.rows, columns: world.columns };
   return { size, walls: belief?.walls ?? new Uint8Array(world.rows * world.columns) };
 }

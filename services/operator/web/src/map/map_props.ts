@@ -107,7 +107,7 @@ export type MapProps = {
   onTool: (tool: Tool) => void;
 
   /** An observer or a recording: no tools that change something. */
-  watchesOnly: boolean;
+  readOnly: boolean;
   /** A participant's: no layers of what they are not told. */
   participates: boolean;
   /** Where the robot follows no paths there is no tool for them. */

@@ -100,12 +100,12 @@ function drawGround(context: Draw, scene: Scene, cache: SceneCache): void {
   context.fillRect(0, 0, view.width, view.height);
   drawCells(context, scene, cache);
   const { robots, trails } = props;
-  const show = shower(context, scene, cache);
+  const show = layerPainter(context, scene, cache);
   show("trails", (on) => drawTrails(on, view, { robots, trails }, palette));
 }
 
 /** Draws a layer if it shows, and as strongly as it shall. */
-function shower(context: Draw, { props, view }: Scene, { fader }: SceneCache) {
+function layerPainter(context: Draw, { props, view }: Scene, { fader }: SceneCache) {
   return (name: LayerName, paint: (on: Draw) => void) =>
     fader.draw(context, view, props.layers[name], paint);
 }
@@ -113,7 +113,7 @@ function shower(context: Draw, { props, view }: Scene, { fader }: SceneCache) {
 function drawCells(context: Draw, scene: Scene, cache: SceneCache): void {
   const { props, view, palette, editing } = scene;
   const { world: size, belief, layers } = props;
-  const show = shower(context, scene, cache);
+  const show = layerPainter(context, scene, cache);
   const walls = belief?.walls ?? new Uint8Array(size.rows * size.columns);
   if (layers.belief) {
     cache.belief = bitmapOf(cache.belief, size, [walls, size.columns, palette], (on) =>
@@ -144,7 +144,7 @@ function drawCells(context: Draw, scene: Scene, cache: SceneCache): void {
 function drawLines(context: Draw, scene: Scene, cache: SceneCache): void {
   const { props, view, palette } = scene;
   const { robots, pictures, plans, searches } = props;
-  const show = shower(context, scene, cache);
+  const show = layerPainter(context, scene, cache);
   show("pictures", (on) => cache.pictures.draw(on, view, { robots, pictures }, palette));
   drawChosen(context, scene, cache);
   show("paths", (on) => drawPaths(on, view, pathsOf(scene), palette));
@@ -199,7 +199,7 @@ function goalKeys({ props, palette }: Scene): readonly unknown[] {
 function drawMarks(context: Draw, scene: Scene, cache: SceneCache): void {
   const { props, view, palette } = scene;
   const { robots, goalPoses, world } = props;
-  const show = shower(context, scene, cache);
+  const show = layerPainter(context, scene, cache);
   show("goals", (on) =>
     cache.goals.draw(on, view, goalKeys(scene), (cached) =>
       drawGoals(cached, view, robots, palette),

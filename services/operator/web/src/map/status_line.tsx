@@ -1,6 +1,6 @@
 import { type Signal, useComputed } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import { cellWords } from "./cell_description";
+import { describeCell } from "./cell_description";
 import { draftLayers } from "./edit_session";
 import type { MapModel, Note } from "./map_model";
 import type { Cell, MapProps } from "./map_props";
@@ -10,11 +10,11 @@ export function StatusLine({ model }: { model: MapModel }) {
   const text = useComputed(() => {
     const cursor = model.byKeyboard.value ? model.cursor.value : undefined;
     const cell = cursor ?? model.hover.value;
-    return cell && wordsOf(model, cell);
+    return cell && textOf(model, cell);
   });
   const aloud = useComputed(() => {
     const cursor = model.byKeyboard.value ? model.cursor.value : undefined;
-    return cursor ? wordsOf(model, cursor) : "";
+    return cursor ? textOf(model, cursor) : "";
   });
   return (
     <div class="map-status">
@@ -76,9 +76,9 @@ function pendingText(model: MapModel): string {
   return count > 0 ? `${count} ${count === 1 ? "cell" : "cells"} sent, not confirmed yet` : "";
 }
 
-function wordsOf(model: MapModel, cell: Cell): string {
+function textOf(model: MapModel, cell: Cell): string {
   const { world, belief, seen, robots } = model.props.value;
-  return cellWords(cell, {
+  return describeCell(cell, {
     size: world,
     walls: belief?.walls,
     seen,

@@ -4,22 +4,22 @@ import { GuidanceSchema, WorldSchema } from "../protocol/generated/console_pb";
 import { at, beliefOf, FakePage, robotIn, worldRows } from "./fixtures";
 import { MapModel } from "./map_model";
 import type { Cell, MapProps } from "./map_props";
-import { Hand } from "./tool_driver";
+import { ToolDriver } from "./tool_driver";
 
 function start(more: Partial<MapProps> = {}) {
   const page = new FakePage(more);
   const model = new MapModel(page.props);
-  const hand = new Hand(model);
+  const driver = new ToolDriver(model);
   const drag = (first: Cell, ...rest: Cell[]) => {
-    hand.press(first, { erase: false });
-    for (const cell of rest) hand.drag(cell);
-    hand.release();
+    driver.press(first, { erase: false });
+    for (const cell of rest) driver.drag(cell);
+    driver.release();
   };
   const update = (changed: Partial<MapProps>) => {
     page.props = { ...page.props, ...changed };
     model.update(page.props);
   };
-  return { page, model, hand, drag, update };
+  return { page, model, driver, drag, update };
 }
 
 const settle = () => new Promise<void>((done) => setTimeout(done));
@@ -42,8 +42,8 @@ describe("the brush", () => {
     const erasing = start({ tool: "erase" });
     erasing.drag(at(2, 2));
     const shifted = start({ tool: "wall" });
-    shifted.hand.press(at(2, 2), { erase: true });
-    shifted.hand.release();
+    shifted.driver.press(at(2, 2), { erase: true });
+    shifted.driver.release();
     for (const { page } of [erasing, shifted]) {
       expect(page.asked).toMatchObject([{ cells: [{ cell: at(2, 2), wall: false }] }]);
     }
@@ -60,10 +60,10 @@ describe("the brush", () => {
   });
 
   it("cancelled, sends nothing", () => {
-    const { page, hand } = start({ tool: "wall" });
-    hand.press(at(1, 2), { erase: false });
-    hand.cancel();
-    hand.release();
+    const { page, driver } = start({ tool: "wall" });
+    driver.press(at(1, 2), { erase: false });
+    driver.cancel();
+    driver.release();
     expect(page.asked).toEqual([]);
   });
 
@@ -124,12 +124,12 @@ describe("the rectangle", () => {
   });
 
   it("by keyboard takes a press for each corner", () => {
-    const { page, hand } = start({ tool: "rectangle" });
-    hand.apply(at(1, 1), { erase: false });
-    expect(hand.busy).toBe(true);
-    hand.apply(at(1, 2), { erase: false });
+    const { page, driver } = start({ tool: "rectangle" });
+    driver.apply(at(1, 1), { erase: false });
+    expect(driver.busy).toBe(true);
+    driver.apply(at(1, 2), { erase: false });
     expect(page.asked).toHaveLength(1);
-    expect(hand.busy).toBe(false);
+    expect(driver.busy).toBe(false);
   });
 });
 
@@ -145,69 +145,69 @@ describe("the path tool", () => {
   });
 
   it("keeps it as a draft when that is off, until it is sent", () => {
-    const { page, model, hand, drag } = start({ tool: "path" });
+    const { page, model, driver, drag } = start({ tool: "path" });
     model.sendAtRelease.value = false;
     drag(at(1, 1), at(1, 2));
     expect(page.asked).toEqual([]);
-    hand.send();
+    driver.send();
     expect(page.asked).toHaveLength(1);
   });
 
   it("by clicks waits for Send; a double click on a new cell sends", () => {
-    const { page, hand, drag } = start({ tool: "path" });
+    const { page, driver, drag } = start({ tool: "path" });
     drag(at(1, 4));
     expect(page.asked).toEqual([]);
     drag(at(3, 5));
     drag(at(3, 5));
-    hand.doublePress(at(3, 5));
+    driver.doublePress(at(3, 5));
     expect(page.asked).toMatchObject([{ kind: "path" }]);
   });
 
   it("a double click on a corner removes it", () => {
-    const { page, model, hand, drag } = start({ tool: "path" });
+    const { page, model, driver, drag } = start({ tool: "path" });
     drag(at(1, 5));
     drag(at(3, 5));
     drag(at(3, 5));
     drag(at(3, 5));
-    hand.doublePress(at(3, 5));
+    driver.doublePress(at(3, 5));
     expect(page.asked).toEqual([]);
     expect(model.paths.value.get("r1")?.cells.at(-1)).toEqual(at(1, 5));
   });
 
   it("leads a path that is begun on, also to where another robot stands", () => {
-    const { page, model, hand, drag } = start({ tool: "path" });
+    const { page, model, driver, drag } = start({ tool: "path" });
     drag(at(1, 3));
-    hand.press(at(3, 5), { erase: false }, "r2");
-    hand.release();
+    driver.press(at(3, 5), { erase: false }, "r2");
+    driver.release();
     expect(page.asked).toEqual([]);
     expect(model.paths.value.get("r1")?.cells.at(-1)).toEqual(at(3, 5));
   });
 
   it("goes back to the draft of before when a stroke is cancelled", () => {
-    const { model, hand, drag } = start({ tool: "path" });
+    const { model, driver, drag } = start({ tool: "path" });
     drag(at(1, 3));
     const { cells } = model.paths.value.get("r1") ?? {};
     expect(cells).toHaveLength(3);
-    hand.press(at(1, 5), { erase: false });
-    hand.drag(at(3, 5));
-    hand.cancel();
+    driver.press(at(1, 5), { erase: false });
+    driver.drag(at(3, 5));
+    driver.cancel();
     expect(model.paths.value.get("r1")).toMatchObject({ cells, drawing: false });
   });
 
   it("goes back to it from where the robot is by then", () => {
-    const { model, hand, drag, update } = start({ tool: "path" });
+    const { model, driver, drag, update } = start({ tool: "path" });
     drag(at(1, 3));
-    hand.press(at(1, 5), { erase: false });
+    driver.press(at(1, 5), { erase: false });
     update({ robots: [robotIn("r1", at(1, 2))] });
-    hand.cancel();
+    driver.cancel();
     expect(model.paths.value.get("r1")?.cells).toEqual([at(1, 2), at(1, 3)]);
   });
 
   it("chooses the robot that is pressed on, and draws for it at once", () => {
-    const { page, hand } = start({ tool: "path", chosenRobot: undefined });
-    hand.press(at(3, 5), { erase: false }, "r2");
-    hand.drag(at(3, 4));
-    hand.release();
+    const { page, driver } = start({ tool: "path", chosenRobot: undefined });
+    driver.press(at(3, 5), { erase: false }, "r2");
+    driver.drag(at(3, 4));
+    driver.release();
     expect(page.asked).toMatchObject([
       { kind: "robot", name: "r2" },
       { kind: "path", robot: "r2", cells: [at(3, 5), at(3, 4)] },
@@ -237,11 +237,11 @@ describe("the path tool", () => {
   it("clears the path that the robot has; without one only the draft", () => {
     const guidance = create(GuidanceSchema, { revision: 1n, path: [at(1, 1), at(1, 2)] });
     const has = start({ tool: "path", guidance: new Map([["r1", guidance]]) });
-    has.hand.clear();
+    has.driver.clear();
     expect(has.page.asked).toMatchObject([{ kind: "path", cells: [] }]);
     const none = start({ tool: "path" });
     none.drag(at(1, 4));
-    none.hand.clear();
+    none.driver.clear();
     expect(none.page.asked).toEqual([]);
     expect(none.model.paths.value.get("r1")?.cells).toEqual([]);
   });
@@ -267,12 +267,12 @@ describe("the path tool", () => {
 
 describe("a rectangle that the keyboard has begun", () => {
   it("is given up with its tool", () => {
-    const { page, model, hand, update } = start({ tool: "rectangle" });
-    hand.apply(at(1, 1), { erase: false });
-    expect(hand.busy).toBe(true);
+    const { page, model, driver, update } = start({ tool: "rectangle" });
+    driver.apply(at(1, 1), { erase: false });
+    expect(driver.busy).toBe(true);
     update({ tool: "wall" });
-    expect([hand.busy, model.rectangle.value]).toEqual([false, undefined]);
-    hand.apply(at(3, 3), { erase: false });
+    expect([driver.busy, model.rectangle.value]).toEqual([false, undefined]);
+    driver.apply(at(3, 3), { erase: false });
     expect(page.asked).toMatchObject([{ cells: [{ cell: at(3, 3) }] }]);
   });
 });

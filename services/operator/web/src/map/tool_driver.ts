@@ -7,14 +7,14 @@ import type { Cell, Tool } from "./map_props";
 import * as paths from "./path/path_session";
 
 /** Erases while it is held, with the tools that draw walls. */
-export type Modifiers = { readonly erase: boolean };
+type Modifiers = { readonly erase: boolean };
 
 type Stroke =
   | { kind: "brush"; last: Cell; wall: boolean }
   /** `before`: what was drafted when it began. */
   | { kind: "path"; robot: string; last: Cell; moved: boolean; before: paths.PathSession };
 
-export class Hand {
+export class ToolDriver {
   #model: MapModel;
   /** A rectangle is the model's: another tool or world ends it. */
   #stroke: Stroke | undefined;

@@ -14,11 +14,11 @@ const tools: readonly { tool: Tool; name: string; key: string; hint: string }[] 
 ];
 
 export function Toolbar({ model }: { model: MapModel }) {
-  const { layers, onLayers, truth, watchesOnly, participates } = model.props.value;
+  const { layers, onLayers, truth, readOnly, participates } = model.props.value;
   return (
     <fieldset class="map-toolbar" aria-label="Map tools">
-      {!watchesOnly && <ToolButtons model={model} />}
-      {!watchesOnly && <HistoryButtons model={model} />}
+      {!readOnly && <ToolButtons model={model} />}
+      {!readOnly && <HistoryButtons model={model} />}
       <div class="map-group">
         <Button icon="minus" name="Zoom out" keys="-" onClick={() => model.zoom(1 / zoomStep)} />
         <Button icon="fit" name="Show all" keys="0" onClick={() => model.showAll()} />

@@ -140,7 +140,7 @@ export function positionPoint(view: View, size: GridSize, cellSize: number, at: 
   };
 }
 
-export type CellRange = { top: number; left: number; bottom: number; right: number };
+type CellRange = { top: number; left: number; bottom: number; right: number };
 
 /** The cells in sight, both ends included; empty (bottom < top) when there are none. */
 export function visibleRange(view: View, size: GridSize): CellRange {

@@ -46,7 +46,7 @@ export interface KeyedState {
 }
 
 /** Of these there is one. */
-export interface SingleState {
+interface SingleState {
   readonly session: Session | undefined;
   readonly attention: Attention | undefined;
   readonly presence: Presence | undefined;

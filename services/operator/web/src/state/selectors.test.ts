@@ -6,6 +6,7 @@ import { stateOf, type UpdateBody, welcomeMessage } from "./fixtures";
 import { ageOf, freshnessOf } from "./freshness";
 import { reduce } from "./reduce";
 import {
+  commandBlockedReason,
   differenceOf,
   holderOf,
   itemKey,
@@ -18,7 +19,6 @@ import {
   robotNames,
   unanswered,
   waitsForStart,
-  whyNotCommand,
   withNames,
   worldOf,
 } from "./selectors";
@@ -99,25 +99,25 @@ describe("robots", () => {
 
 describe("command", () => {
   it("is anybody's while nobody has control", () => {
-    expect(whyNotCommand(stateOf(control("r1")), "r1")).toBeUndefined();
-    expect(whyNotCommand(stateOf(), "r1")).toBeUndefined();
+    expect(commandBlockedReason(stateOf(control("r1")), "r1")).toBeUndefined();
+    expect(commandBlockedReason(stateOf(), "r1")).toBeUndefined();
   });
 
   it("is mine while I have control", () => {
-    expect(whyNotCommand(stateOf(control("r1", "me")), "r1")).toBeUndefined();
+    expect(commandBlockedReason(stateOf(control("r1", "me")), "r1")).toBeUndefined();
     expect(holderOf(stateOf(control("r1", "me")), "r1").kind).toBe("me");
   });
 
   it("is not mine while another has control, and the name is told", () => {
-    expect(whyNotCommand(stateOf(control("r1", "you")), "r1")).toContain("name of you");
+    expect(commandBlockedReason(stateOf(control("r1", "you")), "r1")).toContain("name of you");
   });
 
   it("is no observer's, and nobody's in a recording or before the Welcome", () => {
     const observer = reduce(emptyState, welcomeMessage({ role: Role.OBSERVER }));
     const replay = reduce(emptyState, welcomeMessage({ mode: Mode.REPLAY }));
-    expect(whyNotCommand(observer, "r1")).toContain("observer");
-    expect(whyNotCommand(replay, "r1")).toContain("recording");
-    expect(whyNotCommand(emptyState, "r1")).toContain("not connected");
+    expect(commandBlockedReason(observer, "r1")).toContain("observer");
+    expect(commandBlockedReason(replay, "r1")).toContain("recording");
+    expect(commandBlockedReason(emptyState, "r1")).toContain("not connected");
   });
 });
 

@@ -77,7 +77,7 @@ export function holderOf(state: ConsoleState, robot: string): Holder {
 }
 
 /** Why this page may not command `robot` now, in words; undefined = it may. */
-export function whyNotCommand(state: ConsoleState, robot: string): string | undefined {
+export function commandBlockedReason(state: ConsoleState, robot: string): string | undefined {
   if (state.welcome === undefined) return "not connected";
   if (state.welcome.mode === Mode.REPLAY) return "this is a recording";
   if (state.welcome.role === Role.OBSERVER) return "you are an observer";

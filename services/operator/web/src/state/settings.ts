@@ -1,4 +1,4 @@
-import type { KeptTexts } from "../connection/browser_storage";
+import type { TextStorage } from "../connection/browser_storage";
 import { defaultLayers, type LayerName, type Layers, layerNames } from "../map/map_props";
 
 export type Theme = "system" | "dark" | "light";
@@ -21,7 +21,7 @@ export const defaultSettings: Settings = {
 
 const key = "conav.settings";
 
-export function readSettings(storage: Pick<KeptTexts, "getItem">): Settings {
+export function readSettings(storage: Pick<TextStorage, "getItem">): Settings {
   try {
     return toSettings(JSON.parse(storage.getItem(key) ?? "{}"));
   } catch {
@@ -29,7 +29,7 @@ export function readSettings(storage: Pick<KeptTexts, "getItem">): Settings {
   }
 }
 
-export function writeSettings(storage: Pick<KeptTexts, "setItem">, settings: Settings): void {
+export function writeSettings(storage: Pick<TextStorage, "setItem">, settings: Settings): void {
   storage.setItem(key, JSON.stringify(settings));
 }
 

@@ -3,7 +3,7 @@ import { beforeEach, describe, expect, it } from "vitest";
 import { Role } from "../protocol/generated/console_pb";
 import { welcomeMessage } from "./fixtures";
 import { defaultSettings } from "./settings";
-import { createStore, type Store, sameText } from "./store";
+import { computedByValue, createStore, type Store } from "./store";
 
 let store: Store;
 
@@ -24,7 +24,7 @@ describe("commands", () => {
 
 it("changes only when what it tells does", () => {
   const source = signal({ row: 1, doing: "stands" });
-  const told = sameText(() => ({ doing: source.value.doing }));
+  const told = computedByValue(() => ({ doing: source.value.doing }));
   const seen: unknown[] = [];
   effect(() => {
     seen.push(told.value);

@@ -23,12 +23,12 @@ export interface TakeOver {
   readonly from: readonly string[];
 }
 
-export type Dialog =
+type Dialog =
   | { readonly kind: "help" }
   | { readonly kind: "start" }
   | { readonly kind: "take over"; readonly takeOver: TakeOver };
 
-export interface Focus {
+interface Focus {
   readonly cell: CellAt;
   readonly counter: number;
 }
@@ -54,7 +54,7 @@ export interface Store {
   readonly focus: Signal<Focus | undefined>;
   readonly notices: Signal<readonly Notice[]>;
   /** How often the person turned to an item of the queue. */
-  readonly turns: Signal<number>;
+  readonly selections: Signal<number>;
   /** Requests without a reply. */
   readonly pending: Signal<number>;
   readonly dialog: Signal<Dialog | undefined>;
@@ -72,7 +72,7 @@ export function createStore(settings: Settings): Store {
   const focus = signal<Focus | undefined>(undefined);
   const link = signal<Link>({ state: "connecting" });
   const linked = computed(() => link.value.state === "live");
-  const robots = sameText(() => robotNames(state.value));
+  const robots = computedByValue(() => robotNames(state.value));
   const store: Store = {
     state,
     link,
@@ -93,7 +93,7 @@ export function createStore(settings: Settings): Store {
     robots,
     focus,
     notices: signal<readonly Notice[]>([]),
-    turns: signal(0),
+    selections: signal(0),
     pending: signal(0),
     dialog: signal<Dialog | undefined>(undefined),
     replaySpeed: signal(1),
@@ -114,7 +114,7 @@ export function createStore(settings: Settings): Store {
 }
 
 /** Of a plain small value: changes only when what it tells does, not whenever it is worked out anew. */
-export function sameText<T>(source: () => T): ReadonlySignal<T> {
+export function computedByValue<T>(source: () => T): ReadonlySignal<T> {
   let kept: { readonly value: T; readonly text: string } | undefined;
   return computed(() => {
     const value = source();

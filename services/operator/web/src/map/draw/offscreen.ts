@@ -88,7 +88,7 @@ export function drawBitmap(
 }
 
 /** Something of the size of the view to draw on, empty, and how it is shown then. */
-export type Surface = { readonly on: Draw; readonly image: CanvasImageSource };
+type Surface = { readonly on: Draw; readonly image: CanvasImageSource };
 type MakeSurface = (view: View) => Surface | undefined;
 
 /** Draws a layer as a whole more or less strongly: what lies over itself in it does not shine through. */

@@ -19,7 +19,7 @@ export const colourNames = [
   "focus",
 ] as const;
 
-export type ColourName = (typeof colourNames)[number];
+type ColourName = (typeof colourNames)[number];
 export type Palette = Readonly<Record<ColourName, string>>;
 
 /** As the theme of `element` has them now. */

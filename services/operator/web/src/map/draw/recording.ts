@@ -2,7 +2,7 @@ import type { Draw } from "./context";
 import { colourNames, type Palette, paletteFrom } from "./palette";
 
 /** One call of a recording context, with the style that it was made in. */
-export type Call = {
+type Call = {
   readonly name: string;
   readonly values: readonly unknown[];
   readonly fill: unknown;

@@ -15,7 +15,7 @@ import {
 } from "../grid";
 import { cellCentre, cellCorner, showsDetail, type View, visibleRange } from "../view";
 
-export type BeliefData = { readonly size: GridSize; readonly walls: Uint8Array };
+type BeliefData = { readonly size: GridSize; readonly walls: Uint8Array };
 
 /** The operator's map, one pixel per cell: the surer a wall, the darker. Border cells have a colour of their own. */
 export function paintBelief(context: Draw, { size, walls }: BeliefData, palette: Palette): void {
@@ -33,7 +33,7 @@ export function paintBelief(context: Draw, { size, walls }: BeliefData, palette:
   context.globalAlpha = 1;
 }
 
-export type ChangesData = {
+type ChangesData = {
   readonly size: GridSize;
   readonly walls: Uint8Array;
   readonly initial: Uint8Array;
@@ -70,7 +70,7 @@ function drawSign(context: Draw, view: View, at: { x: number; y: number }, plus:
   context.stroke();
 }
 
-export type EditsData = {
+type EditsData = {
   readonly size: GridSize;
   readonly stroke: Draft;
   readonly pending: readonly Draft[];
@@ -114,7 +114,7 @@ function drawEdit(
   context.stroke();
 }
 
-export type HeatData = { readonly size: GridSize; readonly predictions: Iterable<Prediction> };
+type HeatData = { readonly size: GridSize; readonly predictions: Iterable<Prediction> };
 
 const leastShown = 10; // of 255
 
@@ -173,7 +173,7 @@ export function paintFog(context: Draw, size: GridSize, seen: Uint8Array, palett
   });
 }
 
-export type SeenData = {
+type SeenData = {
   readonly size: GridSize;
   readonly walls: Uint8Array; // operator's map
   readonly seen: Uint8Array;
@@ -213,7 +213,7 @@ function drawSeenWall(context: Draw, corner: { x: number; y: number }, scale: nu
   context.stroke();
 }
 
-export type TruthData = {
+type TruthData = {
   readonly size: GridSize;
   readonly walls: Uint8Array; // operator's map
   readonly truth: Uint8Array;
@@ -251,11 +251,7 @@ function drawCross(context: Draw, x: number, y: number, size: number): void {
 }
 
 /** Calls `visit` for each cell in sight, row by row. */
-export function eachVisible(
-  view: View,
-  size: GridSize,
-  visit: (cell: Cell, index: number) => void,
-): void {
+function eachVisible(view: View, size: GridSize, visit: (cell: Cell, index: number) => void): void {
   const range = visibleRange(view, size);
   for (let row = range.top; row <= range.bottom; ++row) {
     for (let column = range.left; column <= range.right; ++column) {

@@ -100,7 +100,7 @@ function drawName(
   haloText(context, name, at, palette.ink, palette);
 }
 
-export type DraftPathData = {
+type DraftPathData = {
   readonly robot: MapRobot;
   readonly cells: readonly Cell[];
   readonly vertices: readonly number[];
@@ -149,7 +149,7 @@ function drawTrouble(context: Draw, view: View, at: Point, palette: Palette): vo
   });
 }
 
-export type PlansData = {
+type PlansData = {
   readonly robots: readonly MapRobot[];
   readonly plans: ReadonlyMap<string, Plan>;
 };
@@ -175,7 +175,7 @@ export function drawPlans(context: Draw, view: View, data: PlansData, palette: P
   });
 }
 
-export type TrailsData = {
+type TrailsData = {
   readonly robots: readonly MapRobot[];
   readonly trails: ReadonlyMap<string, readonly Cell[]>;
 };
@@ -207,7 +207,7 @@ export function laneShift(robots: readonly MapRobot[], index: number, view: View
   return (index - (robots.length - 1) / 2) * spacing;
 }
 
-export function lanePoints(view: View, cells: readonly Cell[], shift: number): Point[] {
+function lanePoints(view: View, cells: readonly Cell[], shift: number): Point[] {
   return cells.map((cell) => {
     const at = cellCentre(view, cell);
     return { x: at.x + shift, y: at.y + shift };

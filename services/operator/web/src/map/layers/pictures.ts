@@ -8,7 +8,7 @@ import type { GridSize } from "../grid";
 import type { Cell, MapRobot } from "../map_props";
 import { cellCentre, cellCorner, type Point, type View } from "../view";
 
-export type PicturesData = {
+type PicturesData = {
   readonly robots: readonly MapRobot[];
   readonly pictures: readonly Picture[];
 };

@@ -6,7 +6,7 @@ import type { Cell, MapRobot } from "../map_props";
 import { cellCentre, cellCorner, type Point, positionPoint, showsDetail, type View } from "../view";
 import { markRadius } from "./paths";
 
-export type RobotsData = {
+type RobotsData = {
   readonly world: World;
   readonly robots: readonly MapRobot[];
   readonly chosen: string | undefined;
@@ -194,7 +194,7 @@ function drawLetter(
   context.fillText(one.letter, at.x, at.y);
 }
 
-export type GoalPosesData = {
+type GoalPosesData = {
   readonly robots: readonly MapRobot[];
   readonly goalPoses: ReadonlyMap<string, GoalPose>;
 };

@@ -5,7 +5,7 @@ import { arrow, conePath, font, haloText } from "../draw/shapes";
 import type { MapRobot } from "../map_props";
 import { cellCentre, type Point, showsDetail, type View } from "../view";
 
-export type SearchesData = {
+type SearchesData = {
   readonly robots: readonly MapRobot[];
   readonly searches: ReadonlyMap<string, Search>;
 };

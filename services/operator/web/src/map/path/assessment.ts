@@ -1,6 +1,6 @@
 import type { SeenMap } from "../../protocol/generated/console_pb";
 import { type Cell, cellIndex, cellText, freeCell, isWall, wallCell } from "../grid";
-import type { WayGrid } from "./routes";
+import type { RouteGrid } from "./routes";
 
 /** What is known of a path before anybody drives it. */
 export type Assessment = {
@@ -12,7 +12,7 @@ export type Assessment = {
 
 export function assess(
   cells: readonly Cell[],
-  grid: WayGrid,
+  grid: RouteGrid,
   cellSize: number,
   seen: ReadonlyMap<string, SeenMap>,
 ): Assessment {
@@ -28,7 +28,7 @@ export function assess(
 /** Walls of the operator's own map, but those that a robot saw to be none: they are no trouble. */
 export function wallsCrossed(
   cells: readonly Cell[],
-  grid: WayGrid,
+  grid: RouteGrid,
   seen: ReadonlyMap<string, SeenMap>,
 ): readonly Cell[] {
   const maps = [...seen.values()];
@@ -41,7 +41,7 @@ export function wallsCrossed(
 
 function firstBlocked(
   cells: readonly Cell[],
-  grid: WayGrid,
+  grid: RouteGrid,
   seen: ReadonlyMap<string, SeenMap>,
 ): Assessment["blocked"] {
   for (const cell of cells) {

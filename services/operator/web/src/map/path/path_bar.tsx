@@ -1,11 +1,11 @@
 import type { MapModel } from "../map_model";
 import type { MapRobot } from "../map_props";
-import type { Hand } from "../tool_driver";
+import type { ToolDriver } from "../tool_driver";
 import { type Assessment, assess, assessmentText } from "./assessment";
 import { hasDraft, type PathSession } from "./path_session";
 
 /** For the chosen robot, while its path is drawn: what is known of the path, and what to do with it. */
-export function PathBar({ model, hand }: { model: MapModel; hand: Hand }) {
+export function PathBar({ model, driver }: { model: MapModel; driver: ToolDriver }) {
   const { tool, robots, chosenRobot, guidance, mayGuide } = model.props.value;
   const robot = robots.find((one) => one.robot.name === chosenRobot);
   const session = model.paths.value.get(chosenRobot ?? "");
@@ -23,7 +23,7 @@ export function PathBar({ model, hand }: { model: MapModel; hand: Hand }) {
         class="main"
         disabled={!hasDraft(session) || sent || !mayGuide.allowed}
         title={mayGuide.allowed ? "Send path (Enter)" : `Not now: ${mayGuide.reason}`}
-        onClick={() => hand.send()}
+        onClick={() => driver.send()}
       >
         Send path
       </button>
@@ -31,7 +31,7 @@ export function PathBar({ model, hand }: { model: MapModel; hand: Hand }) {
         type="button"
         disabled={!hasDraft(session) && !given?.path.length}
         title="Drops what is drawn, and takes back the path that the robot has"
-        onClick={() => hand.clear()}
+        onClick={() => driver.clear()}
       >
         Clear
       </button>

@@ -21,16 +21,16 @@ import {
   vertices,
   withdraw,
 } from "./path_session";
-import type { WayGrid } from "./routes";
+import type { RouteGrid } from "./routes";
 
 /** Without dragging: a click or a key adds the way to the cell. */
-function addCell(session: PathSession, grid: WayGrid, cell: Cell): PathSession {
+function addCell(session: PathSession, grid: RouteGrid, cell: Cell): PathSession {
   return endDrawing(beginDrawing(session, grid, cell));
 }
 
 const accepted = { accepted: true, reason: "" };
 
-function gridOf(...rows: string[]): WayGrid {
+function gridOf(...rows: string[]): RouteGrid {
   const text = rows.join("");
   return {
     size: { rows: rows.length, columns: rows[0]?.length ?? 0 },
@@ -292,7 +292,7 @@ it("whatever is done, the draft is 4-connected, begins at the robot and stays in
 
 function played(
   session: PathSession,
-  grid: WayGrid,
+  grid: RouteGrid,
   kind: string,
   cell: Cell,
   inside: Cell,

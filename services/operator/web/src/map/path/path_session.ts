@@ -3,9 +3,9 @@
 // it as newer guidance.
 import { type Cell, cellIndex, clampCell, sameCell } from "../grid";
 import type { Outcome } from "../map_props";
-import { freehandWay, shortestWay, type WayGrid, way } from "./routes";
+import { freehandRoute, type RouteGrid, route, shortestRoute } from "./routes";
 
-export type SentPath = {
+type SentPath = {
   readonly id: number;
   readonly cells: readonly Cell[]; // empty = withdraw
   readonly after: bigint; // revision of the robot's guidance when it was sent; 0 = none
@@ -42,19 +42,19 @@ export function newPathSession(robot: string, start: Cell): PathSession {
 }
 
 /** Begins at the robot, or goes on from the end of what is drawn already; pressing on the robot begins anew. */
-export function beginDrawing(session: PathSession, grid: WayGrid, cell: Cell): PathSession {
+export function beginDrawing(session: PathSession, grid: RouteGrid, cell: Cell): PathSession {
   const goOn = session.cells.length > 1 && !sameCell(cell, session.start);
   const cells = goOn ? session.cells : [session.start];
-  return extend({ ...session, cells, drawing: true, refusal: undefined }, grid, cell, way);
+  return extend({ ...session, cells, drawing: true, refusal: undefined }, grid, cell, route);
 }
 
 /** Passing back over the last step takes it back. */
-export function drawTo(session: PathSession, grid: WayGrid, cell: Cell): PathSession {
+export function drawTo(session: PathSession, grid: RouteGrid, cell: Cell): PathSession {
   if (!session.drawing) return session;
   if (session.cells.length > 1 && sameCell(cell, session.cells.at(-2))) {
     return { ...session, cells: session.cells.slice(0, -1) };
   }
-  return extend(session, grid, cell, freehandWay);
+  return extend(session, grid, cell, freehandRoute);
 }
 
 export function endDrawing(session: PathSession): PathSession {
@@ -63,9 +63,9 @@ export function endDrawing(session: PathSession): PathSession {
 
 function extend(
   session: PathSession,
-  grid: WayGrid,
+  grid: RouteGrid,
   cell: Cell,
-  route: (grid: WayGrid, from: Cell, to: Cell) => Cell[],
+  route: (grid: RouteGrid, from: Cell, to: Cell) => Cell[],
 ): PathSession {
   const last = session.cells.at(-1) ?? session.start;
   return {
@@ -120,12 +120,12 @@ export function grab(session: PathSession, cell: Cell): PathSession {
   return { ...session, bend, refusal: undefined };
 }
 
-export function bendTo(session: PathSession, grid: WayGrid, target: Cell): PathSession {
+export function bendTo(session: PathSession, grid: RouteGrid, target: Cell): PathSession {
   if (!session.bend) return session;
   const { before, after } = session.bend;
   const cell = clampCell(grid.size, target);
-  const onward = after[0] ? way(grid, cell, after[0]) : [];
-  const toThere = way(grid, before.at(-1) ?? session.start, cell);
+  const onward = after[0] ? route(grid, cell, after[0]) : [];
+  const toThere = route(grid, before.at(-1) ?? session.start, cell);
   return { ...session, cells: joined(before, toThere, onward, after) };
 }
 
@@ -134,34 +134,34 @@ export function endBend(session: PathSession): PathSession {
 }
 
 /** The end: the path ends at the vertex before. In between: a shortest way from the one before to the one after, not by it if it can be helped. */
-export function removeVertex(session: PathSession, grid: WayGrid, cell?: Cell): PathSession {
+export function removeVertex(session: PathSession, grid: RouteGrid, cell?: Cell): PathSession {
   const index = cell ? handle(session.cells, cell) : session.cells.length - 1;
   if (index === undefined || index < 1) return session;
   const { bend, ...grabbed } = grab(session, session.cells[index] ?? session.start);
   if (!bend) return session;
   const from = bend.before.at(-1);
   const onward = bend.after[0];
-  const between = onward && from ? wayWithout(grid, from, onward, session.cells[index]) : [];
+  const between = onward && from ? routeWithout(grid, from, onward, session.cells[index]) : [];
   const cells = worthKeeping(joined(bend.before, between, bend.after));
   return { ...grabbed, bend: undefined, cells };
 }
 
 /** Not by `without` where another way is as short. */
-function wayWithout(grid: WayGrid, from: Cell, to: Cell, without: Cell | undefined): Cell[] {
-  const shortest = way(grid, from, to);
+function routeWithout(grid: RouteGrid, from: Cell, to: Cell, without: Cell | undefined): Cell[] {
+  const shortest = route(grid, from, to);
   if (!without) return shortest;
   const walls = grid.walls.slice();
   walls[cellIndex(grid.size, without)] = 255;
-  const other = shortestWay({ ...grid, walls }, from, to);
+  const other = shortestRoute({ ...grid, walls }, from, to);
   return other && other.length <= shortest.length ? other : shortest;
 }
 
 /** Makes the path that the robot has the draft, to go on from. */
-export function adopt(session: PathSession, grid: WayGrid, path: readonly Cell[]): PathSession {
+export function adopt(session: PathSession, grid: RouteGrid, path: readonly Cell[]): PathSession {
   return { ...session, cells: worthKeeping(startingAt(session.start, grid, path)) };
 }
 
-export function robotMoved(session: PathSession, grid: WayGrid, cell: Cell): PathSession {
+export function robotMoved(session: PathSession, grid: RouteGrid, cell: Cell): PathSession {
   if (sameCell(cell, session.start)) return session;
   const moved = (cells: readonly Cell[]) => startingAt(cell, grid, cells);
   const bend = session.bend && { ...session.bend, before: moved(session.bend.before) };
@@ -174,14 +174,14 @@ export function robotMoved(session: PathSession, grid: WayGrid, cell: Cell): Pat
 }
 
 /** What is left of the path for a robot that is in `start`; with the way to it when that is not on the path. */
-function startingAt(start: Cell, grid: WayGrid, path: readonly Cell[]): readonly Cell[] {
+function startingAt(start: Cell, grid: RouteGrid, path: readonly Cell[]): readonly Cell[] {
   const index = path.findIndex((cell) => sameCell(cell, start));
   if (index >= 0) return path.slice(index);
-  return path[0] ? joined(way(grid, start, path[0]), path) : path;
+  return path[0] ? joined(route(grid, start, path[0]), path) : path;
 }
 
 /** Draws again what was drawn in `before`, for where the robot is by now. */
-export function revert(session: PathSession, before: PathSession, grid: WayGrid): PathSession {
+export function revert(session: PathSession, before: PathSession, grid: RouteGrid): PathSession {
   const { cells, refusal } = before;
   const stands = sameCell(session.start, before.start);
   const kept = stands ? cells : worthKeeping(startingAt(session.start, grid, cells));

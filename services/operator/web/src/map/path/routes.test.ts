@@ -1,7 +1,7 @@
 import { expect, it } from "vitest";
-import { freehandWay, shortestWay, type WayGrid, way } from "./routes";
+import { freehandRoute, type RouteGrid, route, shortestRoute } from "./routes";
 
-function gridOf(...rows: string[]): WayGrid {
+function gridOf(...rows: string[]): RouteGrid {
   return {
     size: { rows: rows.length, columns: rows[0]?.length ?? 0 },
     walls: Uint8Array.from(rows.join(""), (letter) => (letter === "#" ? 255 : 0)),
@@ -13,7 +13,7 @@ const room = gridOf("..#..", "..#..", ".....");
 const shut = gridOf("..#..", "..#..", "..#..");
 
 it("the shortest way goes round walls and has both ends", () => {
-  expect(shortestWay(room, at(0, 1), at(0, 3))).toEqual([
+  expect(shortestRoute(room, at(0, 1), at(0, 3))).toEqual([
     at(0, 1),
     at(1, 1),
     at(2, 1),
@@ -22,22 +22,22 @@ it("the shortest way goes round walls and has both ends", () => {
     at(1, 3),
     at(0, 3),
   ]);
-  expect(shortestWay(room, at(0, 0), at(0, 0))).toEqual([at(0, 0)]);
+  expect(shortestRoute(room, at(0, 0), at(0, 0))).toEqual([at(0, 0)]);
 });
 
 it("there is none through a wall or out of the grid, but one to or from a wall", () => {
-  expect(shortestWay(shut, at(0, 1), at(0, 3))).toBeUndefined();
-  expect(shortestWay(room, at(0, 0), at(9, 9))).toBeUndefined();
-  expect(shortestWay(shut, at(0, 0), at(0, 2))).toHaveLength(3);
-  expect(shortestWay(shut, at(0, 2), at(0, 0))).toHaveLength(3);
+  expect(shortestRoute(shut, at(0, 1), at(0, 3))).toBeUndefined();
+  expect(shortestRoute(room, at(0, 0), at(9, 9))).toBeUndefined();
+  expect(shortestRoute(shut, at(0, 0), at(0, 2))).toHaveLength(3);
+  expect(shortestRoute(shut, at(0, 2), at(0, 0))).toHaveLength(3);
 });
 
 it("a way asked for goes straight where there is no other", () => {
-  expect(way(shut, at(0, 1), at(0, 3))).toEqual([at(0, 1), at(0, 2), at(0, 3)]);
+  expect(route(shut, at(0, 1), at(0, 3))).toEqual([at(0, 1), at(0, 2), at(0, 3)]);
 });
 
 it("a line drawn by hand takes no detour round a wall, but the open side of a corner", () => {
-  expect(freehandWay(room, at(0, 1), at(0, 3))).toEqual([at(0, 1), at(0, 2), at(0, 3)]);
+  expect(freehandRoute(room, at(0, 1), at(0, 3))).toEqual([at(0, 1), at(0, 2), at(0, 3)]);
   const corner = gridOf(".#", "..");
-  expect(freehandWay(corner, at(0, 0), at(1, 1))).toEqual([at(0, 0), at(1, 0), at(1, 1)]);
+  expect(freehandRoute(corner, at(0, 0), at(1, 1))).toEqual([at(0, 0), at(1, 0), at(1, 1)]);
 });

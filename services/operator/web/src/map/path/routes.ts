@@ -10,7 +10,7 @@ import {
 } from "../grid";
 
 /** The operator's map, as far as ways need it. */
-export type WayGrid = { readonly size: GridSize; readonly walls: Uint8Array };
+export type RouteGrid = { readonly size: GridSize; readonly walls: Uint8Array };
 
 const neighbours = [
   { row: -1, column: 0 },
@@ -23,7 +23,7 @@ const neighbours = [
  * A shortest way over cells that are no walls, 4-connected, both ends included (which may be walls themselves);
  * undefined when there is none. Breadth first.
  */
-export function shortestWay(grid: WayGrid, from: Cell, to: Cell): Cell[] | undefined {
+export function shortestRoute(grid: RouteGrid, from: Cell, to: Cell): Cell[] | undefined {
   const { size } = grid;
   if (!contains(size, from) || !contains(size, to)) return undefined;
   const target = cellIndex(size, to);
@@ -43,7 +43,7 @@ export function shortestWay(grid: WayGrid, from: Cell, to: Cell): Cell[] | undef
   return next[goal] === -1 ? undefined : follow(size, next, goal, target);
 }
 
-function openNeighbours(grid: WayGrid, index: number, goal: number): number[] {
+function openNeighbours(grid: RouteGrid, index: number, goal: number): number[] {
   const cell = cellOfIndex(grid.size, index);
   return neighbours
     .map((by) => ({ row: cell.row + by.row, column: cell.column + by.column }))
@@ -62,17 +62,17 @@ function follow(size: GridSize, next: Int32Array, from: number, to: number): Cel
 }
 
 /** For a way asked for by its ends: the shortest one, straight through the walls where there is none. */
-export function way(grid: WayGrid, from: Cell, to: Cell): Cell[] {
-  return shortestWay(grid, from, to) ?? lineCells(from, to);
+export function route(grid: RouteGrid, from: Cell, to: Cell): Cell[] {
+  return shortestRoute(grid, from, to) ?? lineCells(from, to);
 }
 
 /**
  * For the gap between two places of a line drawn by hand: round a corner as the map has it, but straight on rather than
  * by a detour. Who draws through a wall means it.
  */
-export function freehandWay(grid: WayGrid, from: Cell, to: Cell): Cell[] {
+export function freehandRoute(grid: RouteGrid, from: Cell, to: Cell): Cell[] {
   const direct = distance(from, to);
   if (direct <= 1) return lineCells(from, to);
-  const shortest = shortestWay(grid, from, to);
+  const shortest = shortestRoute(grid, from, to);
   return shortest && shortest.length - 1 <= direct + 2 ? shortest : lineCells(from, to);
 }

@@ -1,7 +1,7 @@
 import { type Alert, Severity } from "../../protocol/generated/console_pb";
 import { type AlertPlace, placeOf } from "../../state/selectors";
 
-export interface SortedAlerts {
+interface SortedAlerts {
   readonly active: readonly Alert[];
   readonly acknowledged: readonly Alert[];
   readonly shelved: readonly Alert[];

@@ -6,7 +6,7 @@ import { severityClass, severityText, sortAlerts } from "./alert_order";
 import "./attention.css";
 
 /** s that an alert is put aside. */
-const shelfTime = 300;
+const snoozeTime = 300;
 
 /** What is wrong, as the service keeps it: here after a reload too. */
 export function Alerts() {
@@ -21,13 +21,13 @@ export function Alerts() {
       <h2 class={active.length > 0 ? "bad" : ""}>Alerts ({active.length})</h2>
       {none && <p class="quiet">None.</p>}
       <AlertList alerts={active} />
-      <Put title="Acknowledged, still true" alerts={acknowledged} />
-      <Put title="Put aside" alerts={shelved} />
+      <AlertGroup title="Acknowledged, still true" alerts={acknowledged} />
+      <AlertGroup title="AlertGroup aside" alerts={shelved} />
     </section>
   );
 }
 
-function Put({ title, alerts }: { title: string; alerts: readonly Alert[] }) {
+function AlertGroup({ title, alerts }: { title: string; alerts: readonly Alert[] }) {
   return alerts.length === 0 ? undefined : (
     <details>
       <summary>
@@ -42,13 +42,13 @@ function AlertList({ alerts }: { alerts: readonly Alert[] }) {
   return (
     <ul>
       {alerts.map((alert) => (
-        <OneAlert key={String(alert.id)} alert={alert} />
+        <AlertItem key={String(alert.id)} alert={alert} />
       ))}
     </ul>
   );
 }
 
-function OneAlert({ alert }: { alert: Alert }) {
+function AlertItem({ alert }: { alert: Alert }) {
   const { store, actions } = useConsole();
   const { id, severity, source, text, advice, count, active, acknowledgedBy } = alert;
   const now = store.now.value ?? alert.newest;
@@ -78,8 +78,8 @@ function OneAlert({ alert }: { alert: Alert }) {
           </button>
         )}
         {alert.shelvedUntil <= now && (
-          <button type="button" disabled={!may} onClick={() => void actions.shelve(id, shelfTime)}>
-            Put aside for {duration(shelfTime)}
+          <button type="button" disabled={!may} onClick={() => void actions.shelve(id, snoozeTime)}>
+            AlertGroup aside for {duration(snoozeTime)}
           </button>
         )}
       </p>

@@ -3,7 +3,7 @@ import { FakeClock } from "../../connection/fake";
 import { Severity } from "../../protocol/generated/console_pb";
 import { emptyState } from "../../state/console_state";
 import { stateOf, type UpdateBody } from "../../state/fixtures";
-import { Announcer, newsOf } from "./announcer";
+import { Announcer, announcementsOf } from "./announcer";
 
 const session: UpdateBody = { case: "session", value: {} };
 const queue = (...items: [string, number][]): UpdateBody => ({
@@ -17,7 +17,9 @@ const alert = (id: bigint, more = {}): UpdateBody => ({
 
 describe("news", () => {
   const texts = (before: UpdateBody[], after: UpdateBody[]) =>
-    newsOf(stateOf(session, ...before), stateOf(session, ...after)).map(({ text }) => text);
+    announcementsOf(stateOf(session, ...before), stateOf(session, ...after)).map(
+      ({ text }) => text,
+    );
 
   it("are new items, not old ones in another order", () => {
     expect(texts([queue(["r1", 1])], [queue(["r2", 2], ["r1", 1])])).toEqual([
@@ -48,7 +50,7 @@ describe("news", () => {
   });
 
   it("are none when the page begins", () => {
-    expect(newsOf(emptyState, stateOf(session, alert(1n)))).toEqual([]);
+    expect(announcementsOf(emptyState, stateOf(session, alert(1n)))).toEqual([]);
   });
 });
 

@@ -5,19 +5,22 @@ import type { ConsoleState } from "../../state/console_state";
 import { itemKey } from "../../state/selectors";
 import { reasonText } from "./queue_texts";
 
-export interface News {
+export interface Announcement {
   readonly text: string;
   /** Interrupts what a screen reader reads. */
   readonly urgent: boolean;
 }
 
 /** What came up between two states: items of the queue and alerts. Nothing of what was there when the page began. */
-export function newsOf(before: ConsoleState, after: ConsoleState): readonly News[] {
+export function announcementsOf(
+  before: ConsoleState,
+  after: ConsoleState,
+): readonly Announcement[] {
   if (before.session === undefined || before.run !== after.run) return [];
-  return [...alertNews(before, after), ...attentionNews(before, after)];
+  return [...alertAnnouncements(before, after), ...attentionAnnouncements(before, after)];
 }
 
-function attentionNews(before: ConsoleState, after: ConsoleState): News[] {
+function attentionAnnouncements(before: ConsoleState, after: ConsoleState): Announcement[] {
   if (before.attention === after.attention) return [];
   const known = new Set(before.attention?.items.map(itemKey));
   const fresh = (after.attention?.items ?? []).filter((item) => !known.has(itemKey(item)));
@@ -27,7 +30,7 @@ function attentionNews(before: ConsoleState, after: ConsoleState): News[] {
   }));
 }
 
-function alertNews(before: ConsoleState, after: ConsoleState): News[] {
+function alertAnnouncements(before: ConsoleState, after: ConsoleState): Announcement[] {
   if (before.alerts === after.alerts) return [];
   const known = new Set(before.alerts.filter(({ active }) => active).map(({ id }) => id));
   const calls = ({ active, acknowledgedBy, shelvedUntil, newest }: Alert) =>
@@ -48,7 +51,7 @@ export class Announcer {
   readonly #polite = signal("");
   readonly #urgent = signal("");
   #clock: Clock;
-  #waiting: News[] = [];
+  #waiting: Announcement[] = [];
   #quietUntil = Number.NEGATIVE_INFINITY;
 
   constructor(clock: Clock) {
@@ -63,7 +66,7 @@ export class Announcer {
     return this.#urgent;
   }
 
-  tell(news: readonly News[]): void {
+  tell(news: readonly Announcement[]): void {
     if (news.length === 0) return;
     const idle = this.#waiting.length === 0;
     this.#waiting.push(...news);
@@ -83,12 +86,12 @@ export class Announcer {
 }
 
 /** A text that stays the same is not read again: one that comes again gets a space at its end, which is not read. */
-function speak(region: Signal<string>, news: readonly News[]): void {
+function speak(region: Signal<string>, news: readonly Announcement[]): void {
   const text = together(news);
   region.value = text !== "" && text === region.peek() ? `${text}\u00a0` : text;
 }
 
-function together(news: readonly News[]): string {
+function together(news: readonly Announcement[]): string {
   const texts = news.slice(0, mostAtOnce).map(({ text }) => text);
   const more = news.length - texts.length;
   return texts.concat(more > 0 ? [`and ${more} more`] : []).join(". ");

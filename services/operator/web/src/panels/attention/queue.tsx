@@ -4,7 +4,7 @@ import { keyHint } from "../../app/shortcuts";
 import type { AttentionItem } from "../../protocol/generated/console_pb";
 import { mayCommand, nameOf } from "../../state/selectors";
 import { duration, measured } from "../format";
-import { adviceText, isNotice, nobodyText, patienceText, reasonText } from "./queue_texts";
+import { adviceText, emptyQueueText, isNotice, patienceText, reasonText } from "./queue_texts";
 import "./attention.css";
 
 /** All that asks for the operator, in the service's order. */
@@ -28,7 +28,7 @@ export function Queue() {
         </button>
       </div>
       {items.length === 0 && (
-        <p class="quiet">{nobodyText(store.state.value, store.link.value.state)}</p>
+        <p class="quiet">{emptyQueueText(store.state.value, store.link.value.state)}</p>
       )}
       {items.length > 0 && !store.linked.value && (
         <p class="quiet">As it was before the connection was lost.</p>
@@ -67,7 +67,7 @@ function QueueItem({ item, now, advised }: ItemProps) {
     <li class={mine ? "mine" : ""}>
       <button
         type="button"
-        onClick={() => void actions.turnTo(item)}
+        onClick={() => void actions.select(item)}
         aria-current={mine ? "true" : undefined}
         title={`Value lost: ${measured(item.valueLostPerSecond, 2)} per second; expected work: ${duration(item.expectedInteraction)}`}
       >

@@ -3,7 +3,7 @@ import { describe, expect, it } from "vitest";
 import { AttentionItemSchema, AttentionReason } from "../../protocol/generated/console_pb";
 import { emptyState } from "../../state/console_state";
 import { stateOf, type UpdateBody } from "../../state/fixtures";
-import { adviceText, nobodyText, patienceText, reasonText } from "./queue_texts";
+import { adviceText, emptyQueueText, patienceText, reasonText } from "./queue_texts";
 
 describe("what a robot wants", () => {
   const { REASON_FIRST_PATH } = AttentionReason;
@@ -41,19 +41,19 @@ describe("an empty queue", () => {
   });
 
   it("is nobody's while the service is heard", () => {
-    expect(nobodyText(stateOf(session, stopped("r1")), "live")).toMatch(/^Nobody/);
-    expect(nobodyText(stateOf(), "live")).toMatch(/No robot/);
+    expect(emptyQueueText(stateOf(session, stopped("r1")), "live")).toMatch(/^Nobody/);
+    expect(emptyQueueText(stateOf(), "live")).toMatch(/No robot/);
   });
 
   it("of robots that are all stopped says so", () => {
     const state = stateOf(session, stopped("r1"), stopped("r2"));
-    expect(nobodyText(state, "live")).toBe("All robots are stopped.");
+    expect(emptyQueueText(state, "live")).toBe("All robots are stopped.");
   });
 
   it("tells nothing while nothing is known", () => {
-    expect(nobodyText(stateOf(session), "lost")).toMatch(/while the connection is lost/);
-    expect(nobodyText(stateOf(session), "connecting")).toMatch(/while the connection is lost/);
-    expect(nobodyText(emptyState, "connecting")).toBe("Not known yet.");
-    expect(nobodyText(emptyState, "closed")).toMatch(/without a connection/);
+    expect(emptyQueueText(stateOf(session), "lost")).toMatch(/while the connection is lost/);
+    expect(emptyQueueText(stateOf(session), "connecting")).toMatch(/while the connection is lost/);
+    expect(emptyQueueText(emptyState, "connecting")).toBe("Not known yet.");
+    expect(emptyQueueText(emptyState, "closed")).toMatch(/without a connection/);
   });
 });

@@ -27,7 +27,7 @@ export function reasonText(reason: AttentionReason, drives: boolean): string {
 }
 
 /** While nothing is in the queue. */
-export function nobodyText(state: ConsoleState, link: Link["state"]): string {
+export function emptyQueueText(state: ConsoleState, link: Link["state"]): string {
   if (link === "closed") return "Not known without a connection.";
   if (link !== "live")
     return state.welcome === undefined

@@ -42,7 +42,7 @@ export function EndingCard() {
 }
 
 /** What a run was, when every robot has reached its goals. */
-export interface Ending {
+interface Ending {
   /** Its folder in runs/; empty where it has none. */
   readonly run: string;
   readonly goals: number;

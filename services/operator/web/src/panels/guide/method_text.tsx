@@ -1,5 +1,5 @@
 /** How robots and a person work together by `method`, for the start and for a study. `many`: more robots than one. */
-export function MethodWords({ method, many }: { method: string; many: boolean }) {
+export function MethodText({ method, many }: { method: string; many: boolean }) {
   const robot = many ? "Each robot" : "The robot";
   switch (method) {
     case "ig-mcts":

@@ -2,8 +2,8 @@ import { useComputed } from "@preact/signals";
 import { useConsole } from "../../app/console";
 import { Modal } from "../../app/modal";
 import { count } from "../format";
-import { MethodWords } from "./method_text";
-import { sightOf } from "./tour";
+import { MethodText } from "./method_text";
+import { tourStateOf } from "./tour";
 import "./guide.css";
 
 /** All robots stand and nobody has control: how to begin. */
@@ -22,12 +22,12 @@ export function StartDialog() {
   };
   const showRound = () => {
     void guide();
-    tour.begin(sightOf(store));
+    tour.begin(tourStateOf(store));
   };
   return (
     <Modal title={readyText(robots.length, heard)}>
       <p class="start-text">
-        <StartWords robots={robots.length} />
+        <StartText robots={robots.length} />
       </p>
       <ul class="start">
         <Choice
@@ -54,7 +54,7 @@ function readyText(robots: number, heard: number): string {
     : `${count(robots, "robot")} ready`;
 }
 
-function StartWords({ robots }: { robots: number }) {
+function StartText({ robots }: { robots: number }) {
   const { method = "" } = useConsole().store.state.value.session ?? {};
   if (method === "" || method === "ig-mcts") {
     return (
@@ -67,8 +67,7 @@ function StartWords({ robots }: { robots: number }) {
   return (
     <>
       Your map is partly wrong: correct it as you learn more.{" "}
-      <MethodWords method={method} many={robots > 1} /> The run is over when all goals ⚑ are
-      reached.
+      <MethodText method={method} many={robots > 1} /> The run is over when all goals ⚑ are reached.
     </>
   );
 }

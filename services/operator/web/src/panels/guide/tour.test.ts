@@ -2,12 +2,12 @@ import { describe, expect, it } from "vitest";
 import { emptyState } from "../../state/console_state";
 import { stateOf, type UpdateBody } from "../../state/fixtures";
 import { Tour } from "./tour";
-import type { Sight } from "./tour_steps";
+import type { TourState } from "./tour_steps";
 
-const sight = (turns: number, ...bodies: UpdateBody[]): Sight => ({
+const tourState = (selections: number, ...bodies: UpdateBody[]): TourState => ({
   state: bodies.length > 0 ? stateOf(...bodies) : emptyState,
   chosenRobot: "r1",
-  turns,
+  selections,
 });
 const path = (givenBy: string, revision: bigint): UpdateBody => ({
   case: "guidance",
@@ -19,7 +19,7 @@ const edit = (revision: bigint): UpdateBody => ({
 });
 
 /** A tour that is at the step of that title. */
-function at(title: string, now: Sight): Tour {
+function at(title: string, now: TourState): Tour {
   const tour = new Tour();
   tour.begin(now);
   const wanted = tour.steps.findIndex((step) => step.title === title);
@@ -35,47 +35,47 @@ function titleOf({ steps, step }: Tour): string | undefined {
 describe("the tour", () => {
   it("is none until it begins, and can be left", () => {
     const tour = new Tour();
-    tour.look(sight(1));
+    tour.look(tourState(1));
     expect(tour.step.value).toBeUndefined();
-    tour.begin(sight(0));
+    tour.begin(tourState(0));
     expect(tour.step.value).toBe(0);
     tour.leave();
     expect(tour.step.value).toBeUndefined();
   });
 
   it("goes on when N was pressed, not before", () => {
-    const tour = at("Who asks for you?", sight(3));
-    tour.look(sight(3));
+    const tour = at("Who asks for you?", tourState(3));
+    tour.look(tourState(3));
     expect(titleOf(tour)).toBe("Who asks for you?");
-    tour.look(sight(4));
+    tour.look(tourState(4));
     expect(titleOf(tour)).toBe("Draw a path");
   });
 
   it("goes on with my path, not with another's", () => {
-    const tour = at("Draw a path", sight(0, path("me", 2n)));
-    tour.look(sight(0, path("you", 3n)));
+    const tour = at("Draw a path", tourState(0, path("me", 2n)));
+    tour.look(tourState(0, path("you", 3n)));
     expect(titleOf(tour)).toBe("Draw a path");
-    tour.look(sight(0, path("me", 4n)));
+    tour.look(tourState(0, path("me", 4n)));
     expect(titleOf(tour)).toBe("Look at a picture");
   });
 
   it("goes on with an edit, or an answer", () => {
     const answered: UpdateBody = { case: "picture", value: { robot: "r1", answeredBy: "me" } };
-    for (const happened of [sight(0, edit(1n)), sight(0, answered)]) {
-      const tour = at("Mark the wall", sight(0));
+    for (const happened of [tourState(0, edit(1n)), tourState(0, answered)]) {
+      const tour = at("Mark the wall", tourState(0));
       tour.look(happened);
       expect(titleOf(tour)).toBe("And the next");
     }
   });
 
   it("ends after its last step", () => {
-    const tour = at("That is all", sight(0));
-    tour.goOn(sight(0));
+    const tour = at("That is all", tourState(0));
+    tour.goOn(tourState(0));
     expect(tour.step.value).toBeUndefined();
   });
 
   const using = (method: string, ...more: UpdateBody[]) =>
-    sight(0, { case: "session", value: { method, robots: ["r1"] } }, ...more);
+    tourState(0, { case: "session", value: { method, robots: ["r1"] } }, ...more);
 
   it("speaks of what the method has", () => {
     const told = (method: string) => {

@@ -1,6 +1,6 @@
 import { useEffect } from "preact/hooks";
 import { useConsole } from "../../app/console";
-import { sightOf } from "./tour";
+import { tourStateOf } from "./tour";
 import "./guide.css";
 
 /** The step of the tour; what it is about is framed. */
@@ -11,8 +11,8 @@ export function TourCard() {
   const step = steps[number];
   useFrame(step?.about);
   if (step === undefined) return undefined;
-  const sight = sightOf(store);
-  const ready = step.done === undefined && (step.ready?.(sight) ?? true);
+  const tourState = tourStateOf(store);
+  const ready = step.done === undefined && (step.ready?.(tourState) ?? true);
   const last = number === steps.length - 1;
   return (
     <section class="stage-card" aria-label="Tour">
@@ -26,7 +26,7 @@ export function TourCard() {
         <p>{step.text}</p>
       </div>
       <div class="row">
-        <button type="button" class={ready ? "main" : ""} onClick={() => tour.goOn(sight)}>
+        <button type="button" class={ready ? "main" : ""} onClick={() => tour.goOn(tourState)}>
           {ready ? (last ? "Done" : "Next") : "Skip this"}
         </button>
         {!last && (

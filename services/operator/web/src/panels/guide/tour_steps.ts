@@ -1,11 +1,11 @@
 import type { ConsoleState } from "../../state/console_state";
 
 /** What the steps of the tour look at. */
-export interface Sight {
+export interface TourState {
   readonly state: ConsoleState;
   readonly chosenRobot: string | undefined;
   /** How often the person turned to an item of the queue. */
-  readonly turns: number;
+  readonly selections: number;
 }
 
 export interface TourStep {
@@ -14,9 +14,9 @@ export interface TourStep {
   /** `data-tour` of what it is about. */
   readonly about?: "map" | "queue" | "pictures";
   /** Whether it has happened since the step began; without one the person goes on by a button. */
-  done?(before: Sight, now: Sight): boolean;
+  done?(before: TourState, now: TourState): boolean;
   /** The button is there when this holds. */
-  ready?(now: Sight): boolean;
+  ready?(now: TourState): boolean;
 }
 
 const wrongMap = {
@@ -34,7 +34,7 @@ const queue: TourStep = {
   title: "Who asks for you?",
   text: "The queue at the right tells who asks, and why; the most urgent comes first. Press N to go to the first.",
   about: "queue",
-  done: (before, now) => now.turns > before.turns,
+  done: (before, now) => now.selections > before.selections,
 };
 
 const path: TourStep = {
@@ -85,7 +85,7 @@ const another: TourStep = {
   title: "And the next",
   text: "The robot waits for a path, or goes on alone after a while. Press N whenever somebody asks.",
   about: "queue",
-  done: (before, now) => now.turns > before.turns,
+  done: (before, now) => now.selections > before.selections,
 };
 
 const anotherPath: TourStep = {
@@ -123,6 +123,6 @@ function answersByMe({ beliefs, pictures, welcome }: ConsoleState): number {
 }
 
 /** How far `robot` was driven. */
-function stepsOfChosen({ state, chosenRobot }: Sight, robot = chosenRobot): number {
+function stepsOfChosen({ state, chosenRobot }: TourState, robot = chosenRobot): number {
   return Number(state.robots.get(robot ?? "")?.lowLevelSteps ?? 0n);
 }

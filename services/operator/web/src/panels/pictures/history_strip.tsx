@@ -21,7 +21,7 @@ export function HistoryStrip({ robot }: { robot: string }) {
       <button
         type="button"
         disabled={at <= 0}
-        onClick={() => actions.turnPages(-1)}
+        onClick={() => actions.stepPicture(-1)}
         aria-label="Older picture"
         title={keyHint("older picture")}
       >
@@ -35,7 +35,7 @@ export function HistoryStrip({ robot }: { robot: string }) {
       <button
         type="button"
         disabled={at >= all.length - 1}
-        onClick={() => actions.turnPages(1)}
+        onClick={() => actions.stepPicture(1)}
         aria-label="Newer picture"
         title={keyHint("newer picture")}
       >

@@ -42,14 +42,14 @@ function caption(age: number | undefined, old: boolean): string {
   return old ? `AGE ${duration(age)}` : `● live, ${duration(age)}`;
 }
 
-export interface DecodedFrame {
+interface DecodedFrame {
   readonly width: number;
   readonly height: number;
   close(): void;
 }
 
 /** What is painted on. */
-export interface FrameSurface<Frame> {
+interface FrameSurface<Frame> {
   width: number;
   height: number;
   getContext(kind: "2d"): { drawImage(frame: Frame, x: number, y: number): void } | null;

@@ -3,7 +3,13 @@ import { keyHint } from "../../app/shortcuts";
 import { cellText } from "../../protocol/cells";
 import type { Picture } from "../../protocol/generated/console_pb";
 import { ageOf } from "../../state/freshness";
-import { mayCommand, nameOf, unanswered, whyNotCommand, worldOf } from "../../state/selectors";
+import {
+  commandBlockedReason,
+  mayCommand,
+  nameOf,
+  unanswered,
+  worldOf,
+} from "../../state/selectors";
 import { duration } from "../format";
 import { HistoryStrip } from "./history_strip";
 import { LiveView } from "./live_view";
@@ -20,7 +26,7 @@ export function Pictures() {
   return (
     <section class="panel pictures" aria-label="Pictures" data-tour="pictures">
       {streams && robot !== undefined && <LiveView robot={robot} />}
-      {picture !== undefined && <OnePicture picture={picture} />}
+      {picture !== undefined && <PictureDetails picture={picture} />}
       {picture === undefined && !streams && <NoPicture robot={robot} />}
       {robot !== undefined && <HistoryStrip robot={robot} />}
     </section>
@@ -36,7 +42,7 @@ function NoPicture({ robot }: { robot: string | undefined }) {
   );
 }
 
-function OnePicture({ picture }: { picture: Picture }) {
+function PictureDetails({ picture }: { picture: Picture }) {
   const { store, actions } = useConsole();
   const state = store.state.value;
   const { robot, world, sequenceNumber, cell, heading } = picture;
@@ -52,7 +58,7 @@ function OnePicture({ picture }: { picture: Picture }) {
           <button
             type="button"
             class="end main"
-            disabled={!store.linked.value || whyNotCommand(state, robot) !== undefined}
+            disabled={!store.linked.value || commandBlockedReason(state, robot) !== undefined}
             onClick={() => actions.nothingNew()}
           >
             Nothing new here <kbd>{keyHint("nothing new")}</kbd>

@@ -5,7 +5,7 @@ export type PixelState =
   | { readonly kind: "ready"; readonly url: string }
   | { readonly kind: "missing"; readonly reason: string };
 
-export interface PixelParts {
+interface PixelParts {
   readonly token: string;
   fetch(path: string, init: { headers: Record<string, string> }): Promise<PixelReply>;
   /** As URL.createObjectURL and revokeObjectURL. */
@@ -20,7 +20,7 @@ export interface PixelReply {
 }
 
 /** Which picture. Numbers begin anew with each run, and one page may see several: the mazes of a participant. */
-export interface Shot {
+interface PictureKey {
   readonly run: string;
   readonly robot: string;
   readonly sequence: bigint;
@@ -45,7 +45,7 @@ export class Pixels {
   }
 
   /** To be followed by one `release`. */
-  acquire(shot: Shot): ReadonlySignal<PixelState> {
+  acquire(shot: PictureKey): ReadonlySignal<PixelState> {
     const known = this.#entries.get(keyOf(shot));
     const entry = known ?? { state: signal<PixelState>({ kind: "loading" }), users: 0 };
     entry.users += 1;
@@ -55,7 +55,7 @@ export class Pixels {
     return entry.state;
   }
 
-  release(shot: Shot): void {
+  release(shot: PictureKey): void {
     const entry = this.#entries.get(keyOf(shot));
     if (entry === undefined) return;
     entry.users = Math.max(0, entry.users - 1);
@@ -63,13 +63,13 @@ export class Pixels {
     this.#forgetOldest();
   }
 
-  #putLast(shot: Shot, entry: Entry): void {
+  #putLast(shot: PictureKey, entry: Entry): void {
     const key = keyOf(shot);
     this.#entries.delete(key);
     this.#entries.set(key, entry);
   }
 
-  async #load(shot: Shot, entry: Entry): Promise<void> {
+  async #load(shot: PictureKey, entry: Entry): Promise<void> {
     entry.state.value = { kind: "loading" };
     const { token } = this.#parts;
     const headers: Record<string, string> = token ? { Authorization: `Bearer ${token}` } : {};
@@ -98,11 +98,11 @@ export class Pixels {
   }
 }
 
-function keyOf(shot: Shot): string {
+function keyOf(shot: PictureKey): string {
   return `${shot.run} ${pathOf(shot)}`;
 }
 
-function pathOf({ robot, sequence }: Shot): string {
+function pathOf({ robot, sequence }: PictureKey): string {
   return `/pictures/${encodeURIComponent(robot)}/${sequence}.jpg`;
 }
 

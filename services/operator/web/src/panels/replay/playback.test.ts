@@ -2,7 +2,7 @@ import { create } from "@bufbuild/protobuf";
 import { beforeEach, describe, expect, it } from "vitest";
 import { FakeClock } from "../../connection/fake";
 import { MarkKind, MarkSchema } from "../../protocol/generated/console_pb";
-import { markFrom, type Place, played, Seeker, seekPeriod } from "./playback";
+import { markFrom, played, Seeker, type SeekTarget, seekPeriod } from "./playback";
 
 const { MARK_PICTURE: picture, MARK_EDIT: edit } = MarkKind;
 const marks = [
@@ -42,7 +42,7 @@ describe("play", () => {
 });
 
 let clock: FakeClock;
-let asked: Place[];
+let asked: SeekTarget[];
 let seeker: Seeker;
 
 beforeEach(() => {

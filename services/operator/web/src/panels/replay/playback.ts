@@ -68,7 +68,7 @@ export function played(
   return position >= duration - here ? { position: 0, speed: before } : { speed: before };
 }
 
-export interface Place {
+export interface SeekTarget {
   /** s since the beginning of the recording. */
   readonly position?: number;
   /** Recorded seconds per second; 0 = pause. */
@@ -80,17 +80,17 @@ export const seekPeriod = 0.1;
 
 /** Asks for places in a recording: the first at once, of those that follow quickly the newest. */
 export class Seeker {
-  #seek: (to: Place) => void;
+  #seek: (to: SeekTarget) => void;
   #clock: Clock;
-  #next: Place | undefined;
+  #next: SeekTarget | undefined;
   #resting = false;
 
-  constructor(seek: (to: Place) => void, clock: Clock) {
+  constructor(seek: (to: SeekTarget) => void, clock: Clock) {
     this.#seek = seek;
     this.#clock = clock;
   }
 
-  seek(to: Place): void {
+  seek(to: SeekTarget): void {
     this.#next = { ...this.#next, ...to };
     if (!this.#resting) this.#ask();
   }

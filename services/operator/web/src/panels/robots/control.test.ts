@@ -3,7 +3,7 @@ import { Mode } from "../../protocol/generated/console_pb";
 import type { ConsoleState } from "../../state/console_state";
 import { stateOf, type UpdateBody, welcomeMessage } from "../../state/fixtures";
 import { reduce } from "../../state/reduce";
-import { ControlWatch, needsReason, reasonOf, takeOverOf } from "./control";
+import { ControlMonitor, needsReason, reasonOf, takeOverOf } from "./control";
 
 const until = 100;
 const mine = "me/1";
@@ -17,13 +17,13 @@ function stateWith(welcome: Parameters<typeof welcomeMessage>[0], ...bodies: Upd
   return { ...state, controls: stateOf(...bodies).controls };
 }
 
-let watch: ControlWatch;
+let watch: ControlMonitor;
 const both = stateWith({}, held("r1", mine), held("r2", mine));
 const look = (now: number, ...bodies: UpdateBody[]) => watch.look(stateWith({}, ...bodies), now);
 const givesBack = "“Take control” gives it back.";
 
 beforeEach(() => {
-  watch = new ControlWatch();
+  watch = new ControlMonitor();
   watch.look(both, 50);
 });
 

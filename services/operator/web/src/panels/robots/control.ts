@@ -15,7 +15,7 @@ interface Held {
 const nearlyOver = 1;
 
 /** Remembers which robots this page controls, also while it knows nothing of them, and says why it controls them no more. */
-export class ControlWatch {
+export class ControlMonitor {
   readonly #mine = new Map<string, Held>();
   readonly #releasing = new Set<string>();
   #seen: ConsoleState["controls"] | undefined;

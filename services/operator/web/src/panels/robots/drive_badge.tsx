@@ -2,7 +2,7 @@ import { useConsole } from "../../app/console";
 import { editsMap } from "../../map/map_props";
 import { DriveAction } from "../../protocol/generated/console_pb";
 import { milliseconds } from "../format";
-import { isAdvisedAgainst, whyNotDrive } from "./teleoperation";
+import { driveBlockedReason, isAdvisedAgainst } from "./teleoperation";
 import "./robots.css";
 
 const words: Readonly<Record<DriveAction, string>> = {
@@ -19,7 +19,7 @@ export function DriveBadge() {
   const { state, link, timing, now } = store;
   const robot = store.chosenRobot.value;
   if (!state.value.session?.drives || robot === undefined) return undefined;
-  const blocked = whyNotDrive(state.value, link.value, timing.value, now.value, robot);
+  const blocked = driveBlockedReason(state.value, link.value, timing.value, now.value, robot);
   const action = teleoperation.action.value;
   return (
     <div class="drive panel">

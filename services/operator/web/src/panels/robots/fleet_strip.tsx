@@ -4,7 +4,7 @@ import { useConsole } from "../../app/console";
 import { RobotMark } from "../../app/robot_mark";
 import { Mode } from "../../protocol/generated/console_pb";
 import { mayStop } from "../../state/selectors";
-import { sameText } from "../../state/store";
+import { computedByValue } from "../../state/store";
 import { duration } from "../format";
 import { controlText, type FleetRow, fleetRow } from "./fleet_row";
 import "./robots.css";
@@ -72,7 +72,7 @@ function useRow(name: string): FleetRow {
   const { store } = useConsole();
   const row = useMemo(
     () =>
-      sameText(() => {
+      computedByValue(() => {
         const now = fleetRow(store.state.value, store.now.value, store.linked.value, name);
         return now.freshness === "live" ? { ...now, age: undefined } : now;
       }),

@@ -10,7 +10,7 @@ import {
 } from "../../protocol/generated/console_pb";
 import { stateOf, type UpdateBody, welcomeMessage } from "../../state/fixtures";
 import { reduce } from "../../state/reduce";
-import { driveLimits, isAdvisedAgainst, Teleoperation, whyNotDrive } from "./teleoperation";
+import { driveBlockedReason, driveLimits, isAdvisedAgainst, Teleoperation } from "./teleoperation";
 
 const { DRIVE_STOP: stop, DRIVE_FORWARD: forward, DRIVE_TURN_LEFT: left } = DriveAction;
 
@@ -31,7 +31,7 @@ beforeEach(() => {
     clock,
     drive: (name, action) => sent.push([name, action]),
     chosenRobot: () => robot,
-    whyNot: () => reason,
+    blockedReason: () => reason,
     blocked: (why) => complaints.push(why),
   });
 });
@@ -117,7 +117,7 @@ describe("permission", () => {
   const state = stateOf(session, heard);
 
   it("is given in a method that drives, over a live and quick connection", () => {
-    expect(whyNotDrive(state, live, quick, 100, "r1")).toBeUndefined();
+    expect(driveBlockedReason(state, live, quick, 100, "r1")).toBeUndefined();
   });
 
   it("is refused with a reason otherwise", () => {
@@ -127,18 +127,22 @@ describe("permission", () => {
       case: "control",
       value: { robot: "r1", stopped: true },
     });
-    expect(whyNotDrive(stateOf(heard), live, quick, 100, "r1")).toContain("method");
-    expect(whyNotDrive(state, { state: "stale", since: 0 }, quick, 100, "r1")).toContain("live");
-    expect(whyNotDrive(state, live, slow, 100, "r1")).toContain("round trip");
-    expect(whyNotDrive(state, live, unknown, 100, "r1")).toContain("round trip");
-    expect(whyNotDrive(state, live, quick, 104, "r1")).toContain("lost");
-    expect(whyNotDrive(stopped, live, quick, 100, "r1")).toContain("stopped");
+    expect(driveBlockedReason(stateOf(heard), live, quick, 100, "r1")).toContain("method");
+    expect(driveBlockedReason(state, { state: "stale", since: 0 }, quick, 100, "r1")).toContain(
+      "live",
+    );
+    expect(driveBlockedReason(state, live, slow, 100, "r1")).toContain("round trip");
+    expect(driveBlockedReason(state, live, unknown, 100, "r1")).toContain("round trip");
+    expect(driveBlockedReason(state, live, quick, 104, "r1")).toContain("lost");
+    expect(driveBlockedReason(stopped, live, quick, 100, "r1")).toContain("stopped");
   });
 
   it("of a participant begins with the task; of a robot, with its first word", () => {
     const inStudy = reduce(state, welcomeMessage({ mode: Mode.STUDY }));
-    expect(whyNotDrive(inStudy, live, quick, 100, "r1")).toBe("begin first");
-    expect(whyNotDrive(stateOf(session), live, quick, 100, "r1")).toBe("r1 is not heard yet");
+    expect(driveBlockedReason(inStudy, live, quick, 100, "r1")).toBe("begin first");
+    expect(driveBlockedReason(stateOf(session), live, quick, 100, "r1")).toBe(
+      "r1 is not heard yet",
+    );
   });
 
   it("goes by the limits of the service, usual ones where it names none", () => {
@@ -148,13 +152,13 @@ describe("permission", () => {
     expect(driveLimits({ welcome })).toEqual(named);
     expect(driveLimits({ welcome: undefined })).toEqual({ advisedAgainst: 0.3, refused: 1 });
     const at = (roundTrip: number) =>
-      whyNotDrive({ ...state, welcome }, live, { roundTrip, clockOffset: 0 }, 100, "r1");
+      driveBlockedReason({ ...state, welcome }, live, { roundTrip, clockOffset: 0 }, 100, "r1");
     expect([at(0.6), at(0.61)]).toEqual([undefined, "the round trip is above 0.6 s"]);
   });
 
   it("is given with advice against it between the limits", () => {
     const between = { roundTrip: 0.5, clockOffset: 0 };
-    expect(whyNotDrive(state, live, between, 100, "r1")).toBeUndefined();
+    expect(driveBlockedReason(state, live, between, 100, "r1")).toBeUndefined();
     expect(isAdvisedAgainst(state, between)).toBe(true);
     expect(isAdvisedAgainst(state, quick)).toBe(false);
   });

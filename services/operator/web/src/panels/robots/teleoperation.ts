@@ -5,18 +5,18 @@ import type { Timing } from "../../connection/timing";
 import { DriveAction } from "../../protocol/generated/console_pb";
 import type { ConsoleState } from "../../state/console_state";
 import { freshnessOf } from "../../state/freshness";
-import { whyNotCommand } from "../../state/selectors";
-import { isTask, whyNotMap } from "../task/task_state";
+import { commandBlockedReason } from "../../state/selectors";
+import { isTask, mapBlockedReason } from "../task/task_state";
 
 /** One low-level action takes so long, s. */
 const drivePeriod = 0.25;
 
-export interface TeleoperationParts {
+interface TeleoperationParts {
   readonly clock: Clock;
   drive(robot: string, action: DriveAction): void;
   chosenRobot(): string | undefined;
   /** Why nobody may drive it now, in words; undefined = one may. */
-  whyNot(robot: string): string | undefined;
+  blockedReason(robot: string): string | undefined;
   /** A key was pressed in vain. */
   blocked(reason: string): void;
 }
@@ -43,7 +43,7 @@ export class Teleoperation {
     if (this.#held.includes(action)) return;
     const robot = this.#parts.chosenRobot();
     if (robot === undefined) return;
-    const reason = this.#parts.whyNot(robot);
+    const reason = this.#parts.blockedReason(robot);
     if (reason !== undefined) {
       this.halt();
       this.#parts.blocked(reason);
@@ -79,7 +79,7 @@ export class Teleoperation {
 
   #again(): void {
     const gone = this.#parts.chosenRobot() !== this.#robot;
-    if (gone || this.#parts.whyNot(this.#robot) !== undefined) this.halt();
+    if (gone || this.#parts.blockedReason(this.#robot) !== undefined) this.halt();
     else this.#send();
   }
 
@@ -100,7 +100,7 @@ export function driveLimits({ welcome }: Pick<ConsoleState, "welcome">) {
 }
 
 /** Why `robot` cannot be driven now, in words; undefined = it can. `now`: wall time of the service. */
-export function whyNotDrive(
+export function driveBlockedReason(
   state: ConsoleState,
   link: Link,
   { roundTrip }: Timing,
@@ -109,9 +109,9 @@ export function whyNotDrive(
 ): string | undefined {
   if (!state.session?.drives) return "this method is not driven by hand";
   if (link.state !== "live") return "the connection is not live";
-  const forbidden = whyNotCommand(state, robot);
+  const forbidden = commandBlockedReason(state, robot);
   if (forbidden !== undefined) return forbidden;
-  const begins = isTask(state) ? whyNotMap(state) : undefined;
+  const begins = isTask(state) ? mapBlockedReason(state) : undefined;
   if (begins !== undefined) return begins;
   if (state.controls.get(robot)?.stopped) return `${robot} is stopped: G lets it go on`;
   if (!state.robots.has(robot)) return `${robot} is not heard yet`;

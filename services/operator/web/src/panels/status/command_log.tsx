@@ -44,7 +44,7 @@ function textOf(state: ConsoleState, { text: told, robot, world }: Event): strin
 }
 
 /** A line of the command log: an event, or refusals of the same request one after the other. */
-export interface LogLine {
+interface LogLine {
   /** The newest of them. */
   readonly event: Event;
   readonly times: number;

@@ -11,7 +11,7 @@ export function framesSkipped({ frames }: ConsoleState): number {
   return [...frames.values()].reduce((sum, { skipped }) => sum + Number(skipped), 0);
 }
 
-export interface ServicesHealth {
+interface ServicesHealth {
   /** How many are well. */
   readonly ok: number;
   /** The others, by name. */

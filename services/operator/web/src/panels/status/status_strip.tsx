@@ -125,7 +125,7 @@ function roleText(role: Role): string {
 }
 
 /** How the page itself looks; the same as their keys. */
-export function PageButtons() {
+function PageButtons() {
   const { store, commands } = useConsole();
   const { workload, events, theme } = store.settings.value;
   return (

@@ -48,7 +48,7 @@ function Running({ task }: { task: Task }) {
       {now !== "stopped" && isMappingTask(state) && <NextButton now={now} live={live} />}
       {now === "waiting for you" && isStudy(state) && <NothingNewButton live={live} />}
       {task.mayFinish && <FinishButton live={live} part={partName(state).toLowerCase()} />}
-      {isStudy(state) && offersPaths(state) && <Wish />}
+      {isStudy(state) && offersPaths(state) && <CurrentRequest />}
       <span>{goalsText(task)}</span>
     </>
   );
@@ -89,7 +89,7 @@ function NothingNewButton({ live }: { live: boolean }) {
 }
 
 /** What the robot asks for now. */
-function Wish() {
+function CurrentRequest() {
   const { store } = useConsole();
   const { attention, session } = store.state.value;
   const item = attention?.items[0];

@@ -4,7 +4,7 @@ import { driveHelp } from "../../app/shortcuts";
 import { shortcutsWith } from "../../map/shortcuts";
 import { percent } from "../format";
 import { Keys, MapSigns } from "../guide/help_dialog";
-import { MethodWords } from "../guide/method_text";
+import { MethodText } from "../guide/method_text";
 import { nextPictureKey, nothingNewKey, taskKeys } from "./task_keys";
 import { isMappingTask, offersPaths, partName } from "./task_state";
 
@@ -71,7 +71,7 @@ export function TaskHelp() {
 }
 
 /** What the participant has to do: in the mapping task, or with the method of this part of the study. */
-export function Instructions() {
+function Instructions() {
   const state = useConsole().store.state.value;
   if (isMappingTask(state)) return <Mapping />;
   const method = state.session?.method ?? "";
@@ -83,7 +83,7 @@ export function Instructions() {
         missing walls with <kbd>W</kbd>, erase wrong ones with <kbd>E</kbd>.
       </li>
       <li>
-        <MethodWords method={method} many={false} />
+        <MethodText method={method} many={false} />
       </li>
       <li>When the robot has reached all goals you may finish this part.</li>
     </ol>

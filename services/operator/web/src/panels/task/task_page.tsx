@@ -56,7 +56,7 @@ function useNewestPicture(): void {
 }
 
 /** The picture that the participant looks at, and those before. What it shows is for them to see. */
-export function TaskPictures() {
+function TaskPictures() {
   const { store } = useConsole();
   const robot = store.chosenRobot.value;
   const picture = store.chosenPicture.value;

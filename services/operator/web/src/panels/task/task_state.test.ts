@@ -9,12 +9,12 @@ import {
   isBetweenMazes,
   isMappingTask,
   isTask,
+  mapBlockedReason,
   offersPaths,
   partName,
   resultText,
   robotNow,
-  taskNews,
-  whyNotMap,
+  taskAnnouncements,
 } from "./task_state";
 
 const waiting = { number: 1, count: 3, phase: TaskPhase.PHASE_WAITING, goalsLeft: 4 };
@@ -51,10 +51,10 @@ describe("the mapping task", () => {
   });
 
   it("allows edits from its beginning to its end only", () => {
-    expect(whyNotMap(inTask())).toBe("begin first");
-    expect(whyNotMap(inTask(task(waiting)))).toBe("begin first");
-    expect(whyNotMap(inTask(task(running)))).toBeUndefined();
-    expect(whyNotMap(inTask(task(finished)))).toBe("this maze is finished");
+    expect(mapBlockedReason(inTask())).toBe("begin first");
+    expect(mapBlockedReason(inTask(task(waiting)))).toBe("begin first");
+    expect(mapBlockedReason(inTask(task(running)))).toBeUndefined();
+    expect(mapBlockedReason(inTask(task(finished)))).toBe("this maze is finished");
   });
 
   it("is between two mazes when one is finished, and only in its own mode", () => {
@@ -94,7 +94,7 @@ describe("a study", () => {
     expect(isBetweenMazes(state)).toBe(true);
     expect(isMappingTask(state)).toBe(false);
     expect(isTask(state) && isTask(inTask())).toBe(true);
-    expect(whyNotMap(state)).toBe("this part is finished");
+    expect(mapBlockedReason(state)).toBe("this part is finished");
   });
 });
 
@@ -129,7 +129,7 @@ describe("texts", () => {
 
 describe("news", () => {
   const texts = (before: UpdateBody[], after: UpdateBody[]) =>
-    taskNews(inTask(...before), inTask(...after)).map(({ text }) => text);
+    taskAnnouncements(inTask(...before), inTask(...after)).map(({ text }) => text);
 
   it("are pictures that come, and the right to finish", () => {
     expect(texts([task(running)], [task(running), picture(1n)])).toEqual(["Picture 1 has come"]);
@@ -142,6 +142,6 @@ describe("news", () => {
     expect(texts([task(running), picture(1n)], [task(running), picture(1n)])).toEqual([]);
     expect(texts([], [task(running), picture(1n)])).toEqual([]);
     const next = reduce(inTask(task(finished)), welcomeMessage({ run: "run-2" }));
-    expect(taskNews(inTask(task(running)), next)).toEqual([]);
+    expect(taskAnnouncements(inTask(task(running)), next)).toEqual([]);
   });
 });

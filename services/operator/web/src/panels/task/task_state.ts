@@ -1,7 +1,7 @@
 import { Mode, type Task, TaskPhase } from "../../protocol/generated/console_pb";
 import type { ConsoleState } from "../../state/console_state";
 import { pictureOf, unanswered } from "../../state/selectors";
-import type { News } from "../attention/announcer";
+import type { Announcement } from "../attention/announcer";
 import { count, percent } from "../format";
 
 /** Whether a participant of the mapping task sits here. */
@@ -41,7 +41,7 @@ export function isBetweenMazes(state: ConsoleState): boolean {
 }
 
 /** Why the participant may not edit the map now; undefined = they may. */
-export function whyNotMap(state: ConsoleState): string | undefined {
+export function mapBlockedReason(state: ConsoleState): string | undefined {
   switch (state.task?.phase) {
     case TaskPhase.PHASE_RUNNING:
       return undefined;
@@ -78,7 +78,10 @@ export function resultText({ mappingAccuracy, number, count: all }: Task, part: 
 }
 
 /** For screen readers: what came up between two states. */
-export function taskNews(before: ConsoleState, after: ConsoleState): readonly News[] {
+export function taskAnnouncements(
+  before: ConsoleState,
+  after: ConsoleState,
+): readonly Announcement[] {
   if (before.run !== after.run || before.task === undefined || after.task === undefined) return [];
   const robot = after.session?.robots[0];
   const picture = pictureOf(after, robot);

@@ -8,7 +8,7 @@ import type { Store } from "../state/store";
 type Ask = (body: RequestBody, options: RequestOptions) => Promise<Outcome>;
 
 /** A person's way through the attention queue: turns to its items, each once, and then to all of them anew. */
-export class QueueWalk {
+export class QueueNavigator {
   #store: Store;
   #ask: Ask;
   /** Keys of the items that the person turned to, until it was all of them. */
@@ -25,18 +25,18 @@ export class QueueWalk {
     for (;;) {
       const item = nextItem(this.#store.state.value, this.#passed, gone);
       if (item === undefined) return undefined;
-      const outcome = await this.turnTo(item);
+      const outcome = await this.select(item);
       if (outcome.kind !== "refused") return outcome;
       gone.add(itemKey(item));
     }
   }
 
   /** Shows what it is about, and tells the service that somebody works on it. */
-  turnTo(item: AttentionItem): Promise<Outcome> {
+  select(item: AttentionItem): Promise<Outcome> {
     const { robot, reason, world } = item;
-    const { state, turns, chosenSequence, tool } = this.#store;
+    const { state, selections, chosenSequence, tool } = this.#store;
     this.#pass(itemKey(item));
-    turns.value += 1;
+    selections.value += 1;
     this.#store.choose(robot);
     chosenSequence.value = undefined;
     this.#store.centre(item.cell ?? state.value.robots.get(robot)?.cell);
