@@ -32,7 +32,7 @@ export function App({ console, announcer }: { console: Console; announcer: Annou
   return (
     <ConsoleContext.Provider value={console}>
       <a class="skip" href={`#${mapId}`}>
-        To the map
+        Skip to the map
       </a>
       <Layout />
       <Notices />
@@ -42,12 +42,12 @@ export function App({ console, announcer }: { console: Console; announcer: Annou
   );
 }
 
-/** For whoever supervises, or for a participant of a mapping task or a study. */
+/** The supervisor's page, or the page of a participant in a mapping task or a study. */
 function Layout() {
   const { store } = useConsole();
   const forTask = useComputed(() => isTask(store.state.value)).value;
   const maze = useComputed(() => store.state.value.task?.number).value;
-  // A map of its own for each maze: what could be undone in the one before is over.
+  // Each maze gets its own map, so that edits of the previous one cannot be undone.
   if (forTask) return <TaskPage map={<WorldMap key={maze} />} />;
   return (
     <div class="console">
@@ -74,7 +74,7 @@ function Stage() {
   const { workload, events } = settings.value;
   return (
     <main class="stage">
-      {/* There before its cards are: only then is what comes into it read aloud. */}
+      {/* The live region must exist before its cards, or screen readers do not read them. */}
       <div class="cards" aria-live="polite">
         <TourCard />
         <EndingCard />
@@ -97,11 +97,7 @@ function WorldMap() {
   const { store, actions } = useConsole();
   const view = useMemo(() => mapView(store, actions), [store, actions]);
   const props = view.value;
-  return props === undefined ? (
-    <p class="quiet">The world has not come yet.</p>
-  ) : (
-    <MapCanvas {...props} />
-  );
+  return props === undefined ? <p class="quiet">Waiting for the map.</p> : <MapCanvas {...props} />;
 }
 
 function Dialogs() {

@@ -7,10 +7,10 @@ import type { Commands } from "./shortcuts";
 
 const themes: readonly Theme[] = ["system", "dark", "light"];
 
-/** What the keys of the table do. */
+/** The actions behind the shortcuts. */
 export function commandsOf(store: Store, actions: Actions): Commands {
   const chosen = () => (store.chosenRobot.value === undefined ? [] : [store.chosenRobot.value]);
-  /** Stop and the like of no robot would mean all. */
+  /** An empty list would mean all robots. */
   const withChosen = (act: (robots: string[]) => unknown) => () => {
     if (chosen().length > 0) act(chosen());
     else actions.notify("Choose a robot first.");
@@ -21,8 +21,8 @@ export function commandsOf(store: Store, actions: Actions): Commands {
   return {
     "stop all": () => void actions.stop([]),
     "stop robot": withChosen((robots) => actions.stop(robots)),
-    "go robot": withChosen((robots) => actions.go(robots)),
-    "go all": () => void actions.go(store.robots.value),
+    "resume robot": withChosen((robots) => actions.resume(robots)),
+    "resume all": () => void actions.resume(store.robots.value),
     "take control": withChosen((robots) => actions.takeControl(robots)),
     "release control": withChosen((robots) => actions.releaseControl(robots)),
     next: () => void actions.next(),

@@ -9,7 +9,7 @@ import type { Store } from "../state/store";
 import type { Actions } from "./actions";
 import type { Commands } from "./shortcuts";
 
-/** What every panel gets. */
+/** Passed to every panel. */
 export interface Console {
   readonly store: Store;
   readonly actions: Actions;
@@ -18,7 +18,7 @@ export interface Console {
   readonly pixels: Pixels;
   readonly tour: Tour;
   readonly history: Signal<History>;
-  /** What the others read of who sits here. */
+  /** Changes the name that other people see. */
   rename(name: string): void;
 }
 

@@ -1,4 +1,4 @@
-// For tests of components: a console without a service.
+// A console without a service, for component tests.
 import { signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { FakeClock, FakeConnection } from "../connection/fake";

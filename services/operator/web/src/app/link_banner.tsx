@@ -5,12 +5,12 @@ import { Mode } from "../protocol/generated/console_pb";
 import type { ConsoleState } from "../state/console_state";
 import { useConsole } from "./console";
 
-/** Across the page when what it shows may be old, and why. */
+/** Says across the page that the data may be old, and why. */
 export function LinkBanner() {
   const { store } = useConsole();
   const { state, link } = store;
   const { welcome } = state.value;
-  // Between two mazes the service is away, and that is as it should be.
+  // The service restarts between two mazes; that is no problem.
   if (isBetweenMazes(state.value)) return undefined;
   const problem = linkProblem(link.value, welcome !== undefined);
   if (problem !== undefined) return <Problem text={problem} />;
@@ -22,7 +22,7 @@ function mayBeDemo(state: ConsoleState): boolean {
   return !isTask(state) && state.welcome?.mode !== Mode.REPLAY;
 }
 
-/** After so many the service is hardly just starting again. */
+/** After this many attempts the service is probably not just restarting. */
 const manyAttempts = 4;
 
 function Problem({ text }: { text: string }) {
@@ -30,17 +30,17 @@ function Problem({ text }: { text: string }) {
   const now = link.value;
   const attempts = useRef(0);
   if (now.state === "lost") attempts.current = now.attempt;
-  const attempt = now.state === "lost" ? ` (attempt ${now.attempt} to come back)` : "";
+  const attempt = now.state === "lost" ? ` (reconnecting, attempt ${now.attempt})` : "";
   const away = now.state === "lost" || now.state === "connecting";
   return (
     <div class="banner" role="alert">
       {text}
-      {/* It changes all the time: who listens hears of the problem once. */}
+      {/* It changes often, so screen readers skip it. */}
       <span aria-hidden="true">{attempt}</span>
       {away && attempts.current >= manyAttempts && mayBeDemo(state.value) && (
         <p>
-          Perhaps the demo has ended: <code>./conav demo</code> starts another one, which this page
-          shows then.
+          The demo may have ended. <code>./conav demo</code> starts a new one, and this page shows
+          it.
         </p>
       )}
     </div>
@@ -49,19 +49,19 @@ function Problem({ text }: { text: string }) {
 
 function calmText(link: string, mode: Mode | undefined): string | undefined {
   if (link === "connecting") return "Connecting to the operator service…";
-  return mode === Mode.REPLAY ? "This is a recording: nothing can be changed." : undefined;
+  return mode === Mode.REPLAY ? "This is a recording. Nothing can be changed." : undefined;
 }
 
 /**
- * Why what the page shows may be old; undefined = it is not. The same words as long as the problem is the same, also while the page
- * tries to come back. `shows`: whether the page has been welcomed before, and shows something.
+ * Why the data on the page may be old; undefined = it is not. The text stays the same while the page reconnects.
+ * `shows`: whether the page has connected before and shows data.
  */
 export function linkProblem(link: Link, shows: boolean): string | undefined {
   switch (link.state) {
     case "live":
       return undefined;
     case "stale":
-      return "Nothing comes from the operator service: what you see may be old.";
+      return "No messages from the operator service. What you see may be old.";
     case "closed":
       return `The operator service closed the connection: ${link.reason}. Reload the page to try again.`;
     case "connecting":
@@ -71,4 +71,4 @@ export function linkProblem(link: Link, shows: boolean): string | undefined {
   }
 }
 
-const lost = "Connection lost: what you see is old. Robots stop when their commands end.";
+const lost = "Connection lost. What you see is old. Robots stop when their commands expire.";

@@ -1,6 +1,6 @@
 import type { Announcer } from "../panels/attention/announcer";
 
-/** For screen readers: what came up. */
+/** Announcements for screen readers. */
 export function LiveRegions({ announcer }: { announcer: Announcer }) {
   return (
     <>

@@ -1,4 +1,4 @@
-// First: panels build on it.
+// First, because the panels' styles build on it.
 import "./theme.css";
 
 import { signal } from "@preact/signals";
@@ -22,7 +22,7 @@ import type { Console } from "./console";
 import { listenToKeys } from "./keyboard";
 import {
   announceReconnect,
-  follow,
+  followState,
   keepSettings,
   keepTime,
   notifyControlLoss,
@@ -97,7 +97,7 @@ keepSettings(store, window, environment.localStorage);
 keepTime(store, connection, clock);
 reportUse(connection, window);
 requestFrames(store, connection, document);
-follow(console, announcer);
+followState(console, announcer);
 announceReconnect(store, announcer);
 notifyControlLoss(store, actions, connection);
 offerStart(store);

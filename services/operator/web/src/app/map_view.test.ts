@@ -62,7 +62,7 @@ describe("the map's view", () => {
     store.link.value = { state: "live" };
     expect(view.value?.robots[0]?.fresh).toBe("live");
     store.link.value = { state: "lost", attempt: 1, retryAt: 0 };
-    expect(view.value?.robots[0]?.fresh).toBe("no news");
+    expect(view.value?.robots[0]?.fresh).toBe("unknown");
   });
 
   it("gives a robot its look by its place in the configuration", () => {
@@ -84,7 +84,7 @@ describe("the map's view", () => {
     expect(view.value?.mayGuide).toEqual({ allowed: true });
   });
 
-  it("has no tools that change something for who may only watch", () => {
+  it("has no tools for observers", () => {
     receive(world("w1"), robot("r1"));
     store.link.value = { state: "live" };
     store.receive(welcomeMessage({ role: Role.OBSERVER }));
@@ -97,7 +97,7 @@ describe("the map's view", () => {
     expect(store.tool.value).toBe("wall");
   });
 
-  it("forbids to guide a robot that somebody else controls, not to edit the map", () => {
+  it("forbids guiding a robot that somebody else controls, but not editing the map", () => {
     store.receive(welcomeMessage());
     store.link.value = { state: "live" };
     receive(world("w1"), robot("r1"), { case: "control", value: { robot: "r1", holder: "you" } });
@@ -118,7 +118,7 @@ describe("the map's view", () => {
     });
   });
 
-  it("answers no picture by taking a path back", async () => {
+  it("answers no picture by withdrawing a path", async () => {
     store.receive(welcomeMessage());
     receive(world("w1"), robot("r1"), {
       case: "picture",
@@ -128,7 +128,7 @@ describe("the map's view", () => {
     expect(connection.asked[0]).toMatchObject({ value: { path: [], answersSnapshot: 0n } });
   });
 
-  it("sends an edit to the world that it was drawn in, whichever is shown by then", async () => {
+  it("sends an edit to the world that it was drawn in, whichever is shown now", async () => {
     receive(world("w1"), world("w2"), robot("r1"), robot("r2", "w2"));
     const drawn = view.value;
     store.choose("r2");

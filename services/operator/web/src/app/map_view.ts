@@ -17,7 +17,7 @@ import type { Store } from "../state/store";
 import type { Actions } from "./actions";
 import { lookOf } from "./palette";
 
-/** What the map shows: the world of the chosen robot. Undefined while no world is known. */
+/** The map of the chosen robot's world; undefined while no world is known. */
 export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps | undefined> {
   const { state, linked, chosenRobot } = store;
   const world = computed(() => worldOf(state.value, chosenRobot.value)?.name);
@@ -75,7 +75,7 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
   });
 }
 
-/** One that is not offered was taken up before, in another part of a study. */
+/** The path tool may have been chosen in an earlier part of a study. */
 function toolOf(state: ConsoleState, tool: MapProps["tool"]): MapProps["tool"] {
   return tool === "path" && !offersPaths(state) ? "look" : tool;
 }
@@ -100,13 +100,13 @@ async function named(store: Store, asked: Promise<Outcome>): Promise<Outcome> {
   return { accepted, reason: withNames(store.state.peek(), reason) };
 }
 
-/** All of them where there is one world: then what is shown is what was told, the very same objects. */
+/** With a single world this returns `all` itself, so that identity comparisons hold. */
 function robotsIn(state: ConsoleState, all: readonly string[], world: string | undefined) {
   if (state.worlds.size <= 1) return all;
   return all.filter((name) => state.robots.get(name)?.world === world);
 }
 
-/** Changes only when something of `names` does. */
+/** The entries of `names`; changes only when one of them changes. */
 function ofRobots<T>(
   source: () => ReadonlyMap<string, T>,
   names: ReadonlySignal<readonly string[]>,

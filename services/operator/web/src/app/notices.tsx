@@ -1,7 +1,7 @@
 import { withNames } from "../state/selectors";
 import { useConsole } from "./console";
 
-/** What became of requests, for a while. */
+/** Short messages, mostly about refused requests. */
 export function Notices() {
   const { store, actions } = useConsole();
   return (

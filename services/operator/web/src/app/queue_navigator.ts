@@ -7,11 +7,11 @@ import type { Store } from "../state/store";
 
 type Ask = (body: RequestBody, options: RequestOptions) => Promise<Outcome>;
 
-/** A person's way through the attention queue: turns to its items, each once, and then to all of them anew. */
+/** Steps through the attention queue: visits each item once, then starts over. */
 export class QueueNavigator {
   #store: Store;
   #ask: Ask;
-  /** Keys of the items that the person turned to, until it was all of them. */
+  /** Keys of the items visited in this round. */
   #passed = new Set<string>();
 
   constructor(store: Store, ask: Ask) {
@@ -19,7 +19,7 @@ export class QueueNavigator {
     this.#ask = ask;
   }
 
-  /** To the next item that still asks; undefined = there is none. */
+  /** Selects the next item that still needs attention; undefined = there is none. */
   async next(): Promise<Outcome | undefined> {
     const gone = new Set<string>();
     for (;;) {
@@ -31,7 +31,7 @@ export class QueueNavigator {
     }
   }
 
-  /** Shows what it is about, and tells the service that somebody works on it. */
+  /** Shows the item's robot, picture and map, and reports to the service that somebody works on it. */
   select(item: AttentionItem): Promise<Outcome> {
     const { robot, reason, world } = item;
     const { state, selections, chosenSequence, tool } = this.#store;
@@ -40,9 +40,9 @@ export class QueueNavigator {
     this.#store.choose(robot);
     chosenSequence.value = undefined;
     this.#store.centre(item.cell ?? state.value.robots.get(robot)?.cell);
-    // Who only watches works on nothing.
+    // Observers select nothing at the service.
     if (!mayCommand(state.value)) return Promise.resolve({ kind: "accepted", revision: 0 });
-    if (wantsPath(reason) && !state.value.session?.drives) tool.value = "path";
+    if (needsPath(reason) && !state.value.session?.drives) tool.value = "path";
     return this.#ask({ case: "select", value: { robot, reason } }, { world });
   }
 
@@ -53,8 +53,8 @@ export class QueueNavigator {
   }
 }
 
-/** A path is the only answer: the tool for it is taken up. */
-function wantsPath(reason: AttentionReason): boolean {
+/** Whether only a path can answer, so that the path tool is chosen. */
+function needsPath(reason: AttentionReason): boolean {
   const { REASON_FIRST_PATH, REASON_NO_GUIDANCE } = AttentionReason;
   return reason === REASON_FIRST_PATH || reason === REASON_NO_GUIDANCE;
 }

@@ -4,7 +4,7 @@ import { lookOf } from "./palette";
 
 const radius = 9.5;
 
-/** A robot's shape, colour and letter. What it is called stands beside it. */
+/** A robot's shape, colour and letter. Callers write its name next to it. */
 export function RobotMark({ robot }: { robot: string }) {
   const { letter, colour, shape } = lookOf(
     Math.max(0, useConsole().store.robots.value.indexOf(robot)),

@@ -1,7 +1,7 @@
-/** What is kept in a browser between two loads of the page. */
+/** Texts that the browser keeps between two loads of the page. */
 export type TextStorage = Pick<Storage, "getItem" | "setItem">;
 
-/** The browser's storage that `find` finds; what it refuses to keep, because it is full or forbidden, is kept as long as the page. */
+/** The storage that `find` returns. Values that it refuses, because it is full or forbidden, live as long as the page. */
 export function storageOf(find: () => TextStorage): TextStorage {
   const refused = new Map<string, string>();
   return {

@@ -1,21 +1,21 @@
 import { storageOf, type TextStorage } from "./browser_storage";
 
-/** Who this page says it is, see Hello. */
+/** Identity of this page in Hello. */
 export interface Identity {
   readonly token: string;
   readonly name: string;
   readonly instance: string;
-  /** Ids of requests are above it: also above those of the same instance before a reload. */
+  /** Request ids are above this, and so above those used before a reload. */
   readonly idsAbove: bigint;
 }
 
-/** What is read and written of the browser. */
+/** The parts of the browser that this module uses. */
 export interface BrowserEnvironment {
   readonly location: { readonly hash: string; readonly pathname: string; readonly search: string };
   readonly history: { replaceState(data: unknown, unused: string, url: string): void };
   readonly sessionStorage: TextStorage;
   readonly localStorage: TextStorage;
-  /** Whether the page was loaded anew in its tab, rather than opened. */
+  /** Whether the page was reloaded in its tab, rather than opened. */
   readonly reloaded: boolean;
   /** s since 1970. */
   readonly now: number;
@@ -43,7 +43,7 @@ export function rememberName(
   browser.localStorage.setItem(nameKey, name.trim().slice(0, longestName));
 }
 
-/** `#token=...` of the address counts, and leaves it: addresses get copied, and shown to others. */
+/** Takes `#token=...` out of the address, because people copy and show addresses. */
 function takeToken({ location, history, sessionStorage }: BrowserEnvironment): string {
   const parts = location.hash.replace(/^#/, "").split("&");
   const given = parts.find((part) => part.startsWith("token="));
@@ -64,8 +64,8 @@ function decodeToken(text: string): string {
 }
 
 /**
- * A page that is reloaded stays who it was, and keeps its control of robots. A tab that was duplicated has the same
- * session, but is another page.
+ * A reloaded page keeps its instance, and with it the control of robots. A duplicated tab shares the session storage but gets
+ * a new instance.
  */
 function takeInstance(browser: BrowserEnvironment): string {
   const kept = browser.reloaded ? browser.sessionStorage.getItem(instanceKey) : null;
@@ -74,7 +74,7 @@ function takeInstance(browser: BrowserEnvironment): string {
   return instance;
 }
 
-/** The browser's own surroundings. */
+/** The real browser. */
 export function browserEnvironment(window: Window & typeof globalThis): BrowserEnvironment {
   const [entry] = window.performance.getEntriesByType("navigation");
   const reloaded = entry instanceof PerformanceNavigationTiming && entry.type === "reload";

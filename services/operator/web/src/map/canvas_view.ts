@@ -1,4 +1,4 @@
-// The canvas element: its size, its theme, and a frame whenever something that it shows has changed.
+// The canvas element: tracks its size and theme, and draws a frame whenever its data changes.
 import { effect } from "@preact/signals";
 import { type Palette, readPalette, watchTheme } from "./draw/palette";
 import { attachKeyboard } from "./keyboard_input";
@@ -7,7 +7,7 @@ import { attachPointer } from "./pointer_input";
 import { drawScene, type Scene, SceneCache } from "./scene";
 import type { ToolDriver } from "./tool_driver";
 
-/** The function that it returns ends it all. */
+/** Shows the map on the canvas until the returned function is called. */
 export function showOn(canvas: HTMLCanvasElement, model: MapModel, driver: ToolDriver): () => void {
   const cache = new SceneCache();
   let palette = readPalette(canvas);
@@ -70,7 +70,7 @@ function draw(canvas: HTMLCanvasElement, scene: Scene | undefined, cache: SceneC
   drawScene(context, scene, cache);
 }
 
-/** At most one frame waits to be drawn, and none while nothing changes. */
+/** Draws at most one frame per animation frame, and none while nothing changes. */
 class FrameScheduler {
   #draw: () => void;
   #pending: number | undefined;
@@ -86,7 +86,7 @@ class FrameScheduler {
     });
   }
 
-  /** At once, such as before the first paint in a new size. */
+  /** Draws at once, for example after a resize. */
   drawNow(): void {
     this.stop();
     this.#draw();

@@ -17,7 +17,7 @@ type CellFacts = {
   readonly robots: readonly { name: string; cell?: Cell | undefined; goalsLeft: readonly Cell[] }[];
 };
 
-/** What is known of a cell, as one line of text. */
+/** What is known about a cell, as one line of text. */
 export function describeCell(cell: Cell, facts: CellFacts): string {
   const parts = [mapText(cell, facts), ...seenText(cell, facts), ...robotText(cell, facts)];
   const text = parts.join("; ");
@@ -25,20 +25,20 @@ export function describeCell(cell: Cell, facts: CellFacts): string {
 }
 
 function mapText(cell: Cell, { size, walls }: CellFacts): string {
-  if (!walls) return "your map has not come yet";
+  if (!walls) return "waiting for your map";
   return `${isWall(walls, size, cell) ? "wall" : "free"} on your map`;
 }
 
-/** Participants are told nothing of it. */
+/** Empty for participants, who may not know what robots saw. */
 function seenText(cell: Cell, { size, seen }: CellFacts): string[] {
   if (seen.size === 0) return [];
   const index = cellIndex(size, cell);
   const by = (value: number) =>
     [...seen].filter(([, map]) => map.cells[index] === value).map(([name]) => name);
-  const words = (names: string[], what: string) =>
+  const part = (names: string[], what: string) =>
     names.length > 0 ? [`${names.join(", ")} saw ${what}`] : [];
-  const known = [...words(by(wallCell), "a wall"), ...words(by(freeCell), "it free")];
-  return known.length > 0 ? known : ["no robot saw it"];
+  const known = [...part(by(wallCell), "a wall"), ...part(by(freeCell), "it free")];
+  return known.length > 0 ? known : ["not seen by any robot"];
 }
 
 function robotText(cell: Cell, { robots }: CellFacts): string[] {
@@ -47,7 +47,7 @@ function robotText(cell: Cell, { robots }: CellFacts): string[] {
   const goals = robots.filter((robot) => robot.goalsLeft.some(isHere));
   return [
     ...standing.map(({ name }) => `${name} is here`),
-    ...goals.map(({ name }) => `a goal of ${name}`),
+    ...goals.map(({ name }) => `goal of ${name}`),
   ];
 }
 

@@ -183,7 +183,7 @@ describe("a refused edit", () => {
     expect(session.refused?.reason).not.toBe("");
   });
 
-  it("lets the queue go on", () => {
+  it("does not block the queue", () => {
     const two = stroke(stroke(begin(), true, [1, 1]), true, [1, 2]);
     const session = replied(two, 1, refusal);
     expect(sent(session)).toEqual([{ cell: at(1, 2), wall: true }]);
@@ -262,8 +262,8 @@ describe("redo", () => {
   });
 });
 
-describe("another world, or a service that begins anew", () => {
-  it("or another maze under the same name begins from scratch", () => {
+describe("another world, or a restarted service", () => {
+  it("or another maze with the same name starts from scratch", () => {
     const session = confirm(stroke(begin(), true, [1, 1]));
     const larger = { rows: 6, columns: 6 };
     const shown = { world: "w1", revision: 9n, walls: new Uint8Array(36) };

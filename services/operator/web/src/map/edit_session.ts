@@ -1,7 +1,7 @@
 // Edits of the operator's map, as a pure state machine. A stroke is drawn, then queued, then sent as one edit based on the
-// revision that the service has confirmed; it counts as saved when the service has both accepted it and shown a newer
-// revision. One edit is under way at a time, because each needs the revision that the one before it makes. What is refused
-// is kept as a draft until the person sends it again or drops it.
+// revision that the service has confirmed. It is saved when the service has both accepted it and sent a newer revision.
+// Only one edit is pending at a time, because each builds on the revision of the one before. A refused edit stays as a
+// draft until the person sends it again or discards it.
 
 import { cellIndex, cellOfIndex, contains, type GridSize, isWallAt, onBorder } from "./grid";
 import type { Cell, CellChange, Outcome } from "./map_props";
@@ -11,7 +11,7 @@ export type Draft = ReadonlyMap<number, boolean>;
 
 type StepCell = { index: number; before: boolean; after: boolean };
 
-/** What one edit changed: enough to take it back. */
+/** The changes of one edit, enough to undo it. */
 type Step = readonly StepCell[];
 
 type Job = { kind: "stroke"; draft: Draft } | { kind: "undo" } | { kind: "redo" };
@@ -19,7 +19,7 @@ type Job = { kind: "stroke"; draft: Draft } | { kind: "undo" } | { kind: "redo" 
 type PendingEdit = {
   readonly id: number;
   readonly kind: Job["kind"];
-  readonly step: Step; // as made at first, whether it is being made, undone or redone
+  readonly step: Step; // the original change, also for undo and redo
   readonly draft: Draft;
   readonly base: bigint;
   readonly accepted: boolean;
@@ -59,7 +59,7 @@ export function newEditSession(map: ConfirmedMap, size: GridSize, lastId = 0): E
   };
 }
 
-/** Another maze, or a service that counts anew, begins from scratch; ids of pending edits never come twice. */
+/** Another maze or a restarted service starts from scratch. Ids of pending edits never repeat. */
 export function mapConfirmed(session: EditSession, map: ConfirmedMap, size: GridSize): EditSession {
   const { rows, columns } = session.size;
   const isOther = map.world !== session.world || rows !== size.rows || columns !== size.columns;
@@ -85,7 +85,7 @@ export function cancelStroke(session: EditSession): EditSession {
   return { ...session, stroke: nothing };
 }
 
-/** The stroke is done: it goes to the service, in parts of at most `limit` cells. */
+/** Queues the finished stroke, in parts of at most `limit` cells. */
 export function endStroke(
   session: EditSession,
   limit: number = Number.POSITIVE_INFINITY,
@@ -117,7 +117,7 @@ export function redo(session: EditSession): EditSession {
     : session;
 }
 
-/** Also of what is still on its way. */
+/** Counts edits that are still pending, too. */
 export function canUndo(session: EditSession): boolean {
   return session.undo.length + underWay(session, "stroke", "redo") > underWay(session, "undo");
 }
@@ -133,7 +133,7 @@ function underWay(session: EditSession, ...kinds: Job["kind"][]): number {
   return jobs.filter((job) => kinds.includes(job.kind)).length;
 }
 
-/** The service's answer to the pending edit; one to an edit of before is ignored. */
+/** The service's reply to the pending edit. Replies to earlier edits are ignored. */
 export function replied(session: EditSession, id: number, outcome: Outcome): EditSession {
   const pending = session.pending;
   if (pending?.id !== id) return session;
@@ -155,7 +155,7 @@ export function dropRefused(session: EditSession): EditSession {
   return { ...session, refused: undefined };
 }
 
-/** What is shown over the confirmed map, the most certain first: a cell may occur again in what comes later. */
+/** Drafts to draw over the confirmed map, bottom first. Later ones may cover a cell again. */
 export function draftLayers(session: EditSession): {
   refused: Draft;
   pending: Draft[];
@@ -173,7 +173,7 @@ export function changesOf(draft: Draft, size: GridSize): CellChange[] {
   return [...draft].map(([index, wall]) => ({ cell: cellOfIndex(size, index), wall }));
 }
 
-/** The refused draft without what the confirmed map already says. */
+/** Removes from the refused draft what the confirmed map already has. */
 function rebased(session: EditSession): EditSession {
   if (!session.refused) return session;
   const already = new Map(
@@ -187,7 +187,7 @@ function without(refused: RefusedEdit, gone: Draft): RefusedEdit | undefined {
   return draft.size > 0 ? { ...refused, draft } : undefined;
 }
 
-/** Settles what is confirmed and takes up the next of the queue; jobs that change nothing fall out. */
+/** Settles a confirmed edit and starts the next job. Jobs that change nothing are dropped. */
 function advance(session: EditSession): EditSession {
   let now = settled(session);
   while (!now.pending) {
@@ -225,7 +225,7 @@ function taken(session: EditSession, job: Job): EditSession {
       isWallAt(session.walls, cell.index) === (job.kind === "undo" ? cell.after : cell.before),
   );
   if (left.length > 0) return begun(session, job.kind, left);
-  // Others have changed all of it since: nothing to take back, go on with the step before.
+  // Others have changed all of it since: nothing to undo, continue with the previous step.
   return taken({ ...session, [job.kind]: session[job.kind].slice(0, -1) }, job);
 }
 

@@ -1,4 +1,4 @@
-// For tests: a small world, and a page that remembers what the map asks it for.
+// For tests: a small world, and a page that records the map's requests.
 import { create } from "@bufbuild/protobuf";
 import { BeliefSchema, RobotSchema, WorldSchema } from "../protocol/generated/console_pb";
 import {

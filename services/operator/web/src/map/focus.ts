@@ -1,14 +1,14 @@
-/** Of the map's canvas, for the skip link and for keys. */
+/** Id of the map's canvas, for the skip link and for keys. */
 export const mapId = "map";
 
-/** Gives the map the focus where nothing has it: then the keys of its cursor work at once. */
+/** Focuses the map if nothing has the focus, so that the cursor keys work at once. */
 export function focusMapIfNothing(page: Document): void {
   const focused = page.activeElement;
   if (focused !== null && focused !== page.body) return;
   page.getElementById(mapId)?.focus({ preventScroll: true });
 }
 
-/** Whether letters that are typed there mean something there: no key of the page is meant. */
+/** Whether the element takes typed text, so that shortcuts must not react. */
 export function takesText(place: EventTarget | null): boolean {
   return place instanceof Element && place.matches(textPlaces);
 }

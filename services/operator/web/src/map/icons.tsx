@@ -9,7 +9,7 @@ function Icon({ children }: { children: ComponentChildren }) {
   );
 }
 
-/** Drawn in the text's colour, lines by default (map.css). */
+/** Line icons in the text's colour (map.css). */
 export const icons = {
   look: (
     <Icon>
@@ -71,7 +71,7 @@ export const icons = {
   ),
 } as const;
 
-/** Lines and shapes in 16 x 12; the layers of cells have their colours, by map.css. */
+/** Symbols in 16 x 12. The layers without one have colours in map.css. */
 const signs: Partial<Record<LayerName, ComponentChildren>> = {
   plan: (
     <>
@@ -93,7 +93,7 @@ const signs: Partial<Record<LayerName, ComponentChildren>> = {
   goalPoses: <path d="M8 2.5a3.5 3.5 0 1 0 .01 0M8 0v4M8 8v4M2 6h4M10 6h4" />,
 };
 
-/** How a layer looks on the map. */
+/** A sample of a layer's look. */
 export function LayerSwatch({ name }: { name: LayerName }) {
   const sign = signs[name];
   return sign === undefined ? (

@@ -1,4 +1,4 @@
-// Keys: those of the tools anywhere on the page, those of the cell cursor while the canvas has the focus.
+// Keys of the tools work anywhere on the page, keys of the cell cursor while the canvas has the focus.
 import { CursorKeys, isArrow, type PanKey } from "./cursor_keys";
 import { redo, undo } from "./edit_session";
 import { focusMapIfNothing, takesText } from "./focus";
@@ -8,7 +8,7 @@ import { hasDraft } from "./path/path_session";
 import { toolKeys } from "./shortcuts";
 import type { ToolDriver } from "./tool_driver";
 
-/** Keys that it has dealt with are prevented, so that the page leaves them alone. The function that it returns ends it. */
+/** Prevents the default of keys that it handles, so that the page ignores them. Returns a function that detaches it. */
 export function attachKeyboard(
   canvas: HTMLCanvasElement,
   model: MapModel,
@@ -38,12 +38,12 @@ export function attachKeyboard(
   return () => ended.abort();
 }
 
-/** Somebody types, or a dialog is open: the keys are not the map's. */
+/** Whether somebody types or a dialog is open. */
 function isBusy({ target }: KeyboardEvent): boolean {
   return takesText(target) || document.querySelector("dialog[open], [aria-modal=true]") !== null;
 }
 
-// Keys of the tools, anywhere on the page.
+/** Keys of the tools, anywhere on the page. */
 
 export const zoomStep = 1.3;
 
@@ -56,7 +56,7 @@ class PageKeys {
     this.#driver = driver;
   }
 
-  /** Whether it was one of them. */
+  /** Returns whether the key was handled. */
   press(event: KeyboardEvent): boolean {
     const key = event.key.toLowerCase();
     if (event.altKey) return false;
@@ -82,7 +82,7 @@ class PageKeys {
     return true;
   }
 
-  /** First what is being drawn, then the draft, then the tool. */
+  /** Cancels the stroke, then the draft, then the tool. */
   #escapePressed(): boolean {
     const { tool, onTool } = this.#model.props.peek();
     if (this.#model.layersOpen.peek()) return false; // the menu closes
@@ -94,7 +94,7 @@ class PageKeys {
   }
 }
 
-/** Whether a path of the chosen robot is drawn and not sent. */
+/** Whether the chosen robot has an unsent path. */
 export function hasPathDraft(model: MapModel): boolean {
   const session = model.paths.peek().get(model.props.peek().chosenRobot ?? "");
   return session !== undefined && hasDraft(session);

@@ -10,7 +10,7 @@ import { ToolDriver } from "./tool_driver";
 import { Toolbar } from "./toolbar";
 import "./map.css";
 
-/** The operator's map of one world, with its tools. Fills the element that it is in, which has a size of its own. */
+/** The operator's map of one world, with its tools. Fills its parent element, which must have a size. */
 export function MapCanvas(props: MapProps) {
   const model = useMemo(() => new MapModel(props), []);
   const driver = useMemo(() => new ToolDriver(model), [model]);
@@ -24,7 +24,7 @@ export function MapCanvas(props: MapProps) {
     <section class="map-root" aria-label={`Map of ${props.world.name}`}>
       <Toolbar model={model} />
       <div class="map-stage">
-        {/* biome-ignore lint/a11y/noInteractiveElementToNoninteractiveRole: it takes keys of its own, as an application does */}
+        {/* biome-ignore lint/a11y/noInteractiveElementToNoninteractiveRole: it handles its own keys, like an application */}
         <canvas
           ref={canvas}
           id={mapId}
@@ -41,15 +41,15 @@ export function MapCanvas(props: MapProps) {
       </div>
       <p id={help} class="map-unseen">
         {props.arrowsDrive
-          ? "Arrow keys drive the robot. With the tools W, E and R they move a cell cursor, Space uses the tool there, and Escape goes back to driving."
-          : "Arrow keys move a cell cursor, Space uses the tool there. V, W, E, R and P choose the tool."}
+          ? "Arrow keys drive the robot. With the tools W, E and R they move a cell cursor. Space uses the tool at the cursor. Escape returns to driving."
+          : "Arrow keys move a cell cursor. Space uses the tool at the cursor. V, W, E, R and P choose the tool."}
       </p>
       <StatusLine model={model} />
     </section>
   );
 }
 
-/** An edit that the service has refused: it waits for a decision. */
+/** A refused edit: the person sends it again or discards it. */
 export function RefusedEdit({ model }: { model: MapModel }) {
   const refused = model.editing.value?.refused;
   if (!refused) return undefined;
@@ -60,7 +60,7 @@ export function RefusedEdit({ model }: { model: MapModel }) {
         <strong>
           {count} {count === 1 ? "cell" : "cells"} not saved:
         </strong>{" "}
-        {refused.reason}. Look at the newest map, then:
+        {refused.reason}. Check the newest map, then choose:
       </p>
       <button
         type="button"
@@ -71,7 +71,7 @@ export function RefusedEdit({ model }: { model: MapModel }) {
         Send again
       </button>
       <button type="button" onClick={() => model.change(dropRefused)}>
-        Drop
+        Discard
       </button>
     </div>
   );

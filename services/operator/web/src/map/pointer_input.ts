@@ -13,7 +13,7 @@ type Drag =
   | { kind: "pinch"; last: TwoPoints }
   | { kind: "tool" };
 
-/** `panKey` says whether the key that pans is held. The function that it returns ends the listening. */
+/** `panKey`: whether Space is held. Returns a function that detaches it. */
 export function attachPointer(
   canvas: HTMLCanvasElement,
   model: MapModel,
@@ -39,7 +39,7 @@ class Pointer {
   readonly #driver: ToolDriver;
   readonly #panKey: PanKey;
   #drag: Drag | undefined;
-  /** Where each pointer that is down is; the mouse is one, each finger another. */
+  /** Positions of the pointers that are down: the mouse, or each finger. */
   readonly #down = new Map<number, Point>();
 
   constructor(canvas: HTMLCanvasElement, model: MapModel, driver: ToolDriver, panKey: PanKey) {
@@ -74,7 +74,7 @@ class Pointer {
     }
   }
 
-  /** Two fingers move the map, whatever the tool; what the first one has begun is undone. A third finger does nothing. */
+  /** Two fingers move the map with any tool and cancel the first finger's stroke. A third finger does nothing. */
   #secondDown({ pointerId, pointerType }: PointerEvent, at: Point): void {
     const [first, another] = [...this.#down.values()];
     if (pointerType !== "touch" || first === undefined || another !== undefined) return;
@@ -119,7 +119,7 @@ class Pointer {
   up({ pointerId }: PointerEvent): void {
     if (!this.#down.delete(pointerId)) return;
     const done = this.#drag;
-    // The finger that stays does nothing more, or it would draw.
+    // The remaining finger must not draw.
     if (done?.kind === "pinch" && this.#down.size > 0) return;
     this.#drag = undefined;
     if (done?.kind === "tool") this.#driver.release();
@@ -155,7 +155,7 @@ function pointOf(event: MouseEvent): Point {
   return { x: event.offsetX, y: event.offsetY };
 }
 
-/** The robot whose mark is at the point; the one that is drawn last when several are. */
+/** The robot whose mark is at the point; the topmost if there are several. */
 function robotAt(model: MapModel, at: Point): string | undefined {
   const view = model.view.peek();
   if (!view) return undefined;

@@ -1,4 +1,4 @@
-// One frame of the map, from the data to the pixels: which layers there are, and which lies over which.
+// Draws one frame of the map: all layers, in their order.
 
 import type { Draw } from "./draw/context";
 import {
@@ -52,7 +52,7 @@ export type Scene = {
   readonly rectangle: Rectangle | undefined;
 };
 
-/** What is kept from frame to frame: the layers that change seldom. */
+/** Layers that change rarely, kept from frame to frame. */
 export class SceneCache {
   belief: Bitmap | undefined;
   fog: Bitmap | undefined;
@@ -86,12 +86,12 @@ export function drawScene(context: Draw, scene: Scene, cache: SceneCache): void 
   );
 }
 
-/** All that drawGround() draws from, besides the view. */
+/** All data that drawGround() uses besides the view. */
 function groundKeys({ props, palette, editing }: Scene, cache: SceneCache): readonly unknown[] {
   const { world, belief, layers, trails, robots } = props;
   const looks = robots.map(({ robot, colour }) => `${robot.name} ${colour}`).join();
-  const told = [world.rows, world.columns, belief?.walls, belief?.initialWalls, cache.seen(props)];
-  return [palette, editing, layers, trails, looks, props.predictions, props.truth, ...told];
+  const cells = [world.rows, world.columns, belief?.walls, belief?.initialWalls, cache.seen(props)];
+  return [palette, editing, layers, trails, looks, props.predictions, props.truth, ...cells];
 }
 
 function drawGround(context: Draw, scene: Scene, cache: SceneCache): void {
@@ -104,7 +104,7 @@ function drawGround(context: Draw, scene: Scene, cache: SceneCache): void {
   show("trails", (on) => drawTrails(on, view, { robots, trails }, palette));
 }
 
-/** Draws a layer if it shows, and as strongly as it shall. */
+/** A function that draws a layer with its opacity. */
 function layerPainter(context: Draw, { props, view }: Scene, { fader }: SceneCache) {
   return (name: LayerName, paint: (on: Draw) => void) =>
     fader.draw(context, view, props.layers[name], paint);
@@ -185,15 +185,15 @@ function drawDraft(context: Draw, { props, view, palette }: Scene, path: PathSes
   drawDraftPath(context, view, data, palette);
 }
 
-/** All that drawGoals() draws from, besides the view; robots tell of their goals with each state. */
+/** All data that drawGoals() uses besides the view, as text, because each robot state has new goal objects. */
 function goalKeys({ props, palette }: Scene): readonly unknown[] {
   const words = (cells: readonly Cell[]) => cells.map(({ row, column }) => `${row},${column}`);
-  const told = props.robots.map(({ robot, colour, letter }) =>
+  const goals = props.robots.map(({ robot, colour, letter }) =>
     [robot.name, colour, letter, ...words(robot.goalsLeft), "/", ...words(robot.goalsReached)].join(
       " ",
     ),
   );
-  return [palette, told.join()];
+  return [palette, goals.join()];
 }
 
 function drawMarks(context: Draw, scene: Scene, cache: SceneCache): void {

@@ -1,4 +1,4 @@
-// What the tools do on cells, whoever moves them: the pointer or the keyboard.
+// Applies the tools to cells, for both the pointer and the keyboard.
 
 import { cancelStroke, mayChange, paint } from "./edit_session";
 import { cellText, clampCell, lineCells, rectangleCells, sameCell } from "./grid";
@@ -6,19 +6,19 @@ import type { MapModel } from "./map_model";
 import type { Cell, Tool } from "./map_props";
 import * as paths from "./path/path_session";
 
-/** Erases while it is held, with the tools that draw walls. */
+/** `erase`: Shift is held, so that drawing tools erase. */
 type Modifiers = { readonly erase: boolean };
 
 type Stroke =
   | { kind: "brush"; last: Cell; wall: boolean }
-  /** `before`: what was drafted when it began. */
+  /** `before`: the draft when the stroke began. */
   | { kind: "path"; robot: string; last: Cell; moved: boolean; before: paths.PathSession };
 
 export class ToolDriver {
   #model: MapModel;
-  /** A rectangle is the model's: another tool or world ends it. */
+  /** The rectangle belongs to the model, because another tool or world ends it. */
   #stroke: Stroke | undefined;
-  /** Whether a vertex was there to press on: the last time, and the time before. */
+  /** Whether the last press, and the one before, hit a vertex. */
   #onVertex = false;
   #onVertexBefore = false;
 
@@ -30,7 +30,7 @@ export class ToolDriver {
     return this.#stroke !== undefined || this.#model.rectangle.peek() !== undefined;
   }
 
-  /** `robot`: name of the robot that is pressed on. */
+  /** `robot`: name of the robot under the pointer. */
   press(cell: Cell, modifiers: Modifiers, robot?: string): void {
     const { tool } = this.#model.props.peek();
     if (tool === "path") this.#pressPath(cell, robot);
@@ -43,7 +43,7 @@ export class ToolDriver {
       this.#model.rectangle.value = { from: cell, to: cell, wall };
       return;
     }
-    this.#sayIfFixed(cell);
+    this.#noteIfFixed(cell);
     this.#stroke = { kind: "brush", last: cell, wall };
     this.#model.change((session) => paint(session, [cell], wall));
   }
@@ -76,7 +76,7 @@ export class ToolDriver {
     if (stroke?.kind === "path") this.#endPath(stroke);
   }
 
-  /** All is as it was before the press. */
+  /** Restores the state before the press. */
   cancel(): void {
     const stroke = this.#stroke;
     this.#stroke = undefined;
@@ -89,7 +89,7 @@ export class ToolDriver {
     }
   }
 
-  /** A vertex that is there already goes; anything else is the end of the path, which is sent. */
+  /** Removes an existing vertex; anywhere else ends the path and sends it. */
   doublePress(cell: Cell): void {
     const { tool } = this.#model.props.peek();
     if (tool !== "path") return;
@@ -97,7 +97,7 @@ export class ToolDriver {
     else this.send();
   }
 
-  /** Enter and Space: as a press, but a rectangle takes two, one per corner. */
+  /** Enter and Space: like a press, but a rectangle needs two, one per corner. */
   apply(cell: Cell, modifiers: Modifiers): void {
     if (this.#model.rectangle.peek()) {
       this.drag(cell);
@@ -108,9 +108,9 @@ export class ToolDriver {
     if (this.#model.props.peek().tool !== "rectangle") this.release();
   }
 
-  #sayIfFixed(cell: Cell): void {
+  #noteIfFixed(cell: Cell): void {
     if (mayChange(this.#model.props.peek().world, cell)) return;
-    this.#model.say(`${cellText(cell)} is on the border, which cannot be edited.`);
+    this.#model.showNote(`${cellText(cell)} is on the border and cannot be edited.`);
   }
 
   #endRectangle(): void {
@@ -128,7 +128,7 @@ export class ToolDriver {
     const model = this.#model;
     const robot = this.#chooseFor(pressed);
     if (robot === undefined) {
-      model.say("Choose a robot first: click on it.");
+      model.showNote("Choose a robot first: click it.");
       return;
     }
     if (robot === model.props.peek().chosenRobot && !model.mayGuide()) return;
@@ -145,7 +145,7 @@ export class ToolDriver {
     });
   }
 
-  /** The robot to draw for: the chosen one, unless another is pressed on and no draft would be continued. */
+  /** The robot to draw for: the pressed one, unless the chosen one has a draft to continue. */
   #chooseFor(pressed: string | undefined): string | undefined {
     const { chosenRobot, robots, onChooseRobot } = this.#model.props.peek();
     const draft = this.#model.paths.peek().get(chosenRobot ?? "");
@@ -156,7 +156,7 @@ export class ToolDriver {
     return robot;
   }
 
-  /** With the path that the robot has as draft, if that is what was pressed on. */
+  /** Makes the robot's current path the draft if the press hit it. */
   #adopted(session: paths.PathSession, cell: Cell): paths.PathSession {
     const path = this.#model.props.peek().guidance.get(session.robot)?.path ?? [];
     if (paths.hasDraft(session) || sameCell(cell, session.start)) return session;
@@ -173,7 +173,7 @@ export class ToolDriver {
     });
   }
 
-  /** Of the chosen robot's draft: the vertex in `cell`, or the end. */
+  /** Removes a vertex of the chosen robot's draft: the one in `cell`, or the end. */
   removeVertex(cell?: Cell): void {
     this.#ofChosen((session) => paths.removeVertex(session, this.#model.grid, cell));
   }
@@ -182,7 +182,7 @@ export class ToolDriver {
     if (this.#model.mayGuide()) this.#ofChosen(paths.send);
   }
 
-  /** Takes the chosen robot's path away, or only its draft when it has none. */
+  /** Withdraws the chosen robot's path, or drops its draft if it has no path. */
   clear(): void {
     const { guidance, chosenRobot } = this.#model.props.peek();
     const has = (guidance.get(chosenRobot ?? "")?.path.length ?? 0) > 0;

@@ -6,10 +6,15 @@ import type { MapModel } from "./map_model";
 import { editsMap, type Tool } from "./map_props";
 
 const tools: readonly { tool: Tool; name: string; key: string; hint: string }[] = [
-  { tool: "look", name: "Look", key: "V", hint: "drag moves the map, a click chooses a robot" },
+  { tool: "look", name: "Look", key: "V", hint: "drag to move the map, click to choose a robot" },
   { tool: "wall", name: "Wall", key: "W", hint: "draw walls on your map" },
   { tool: "erase", name: "Erase", key: "E", hint: "erase walls" },
-  { tool: "rectangle", name: "Rectangle", key: "R", hint: "walls; with Shift erase" },
+  {
+    tool: "rectangle",
+    name: "Rectangle",
+    key: "R",
+    hint: "draw a rectangle of walls; with Shift erase",
+  },
   { tool: "path", name: "Path", key: "P", hint: "draw the chosen robot's path" },
 ];
 

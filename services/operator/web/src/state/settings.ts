@@ -3,11 +3,11 @@ import { defaultLayers, type LayerName, type Layers, layerNames } from "../map/m
 
 export type Theme = "system" | "dark" | "light";
 
-/** How a person likes to see things; kept in the browser. */
+/** Display settings, kept in the browser. */
 export interface Settings {
   readonly layers: Layers;
   readonly theme: Theme;
-  /** Panels that are open. */
+  /** Whether these panels are open. */
   readonly workload: boolean;
   readonly events: boolean;
 }
@@ -43,7 +43,7 @@ function toSettings(value: unknown): Settings {
   };
 }
 
-/** A layer that was not kept, perhaps because it is new, is as by default. */
+/** A layer without a stored value, such as a new one, gets its default. */
 function toLayers(value: unknown): Layers {
   const layers: Record<LayerName, number> = { ...defaultLayers };
   for (const name of layerNames) {

@@ -12,7 +12,7 @@ beforeEach(() => {
 });
 
 describe("commands", () => {
-  it("can be given by who may, while the link is live", () => {
+  it("can be given by operators while the link is live", () => {
     store.receive(welcomeMessage());
     expect(store.canCommand.value).toBe(false);
     store.link.value = { state: "live" };
@@ -22,15 +22,15 @@ describe("commands", () => {
   });
 });
 
-it("changes only when what it tells does", () => {
-  const source = signal({ row: 1, doing: "stands" });
-  const told = computedByValue(() => ({ doing: source.value.doing }));
+it("changes only when its content does", () => {
+  const source = signal({ row: 1, doing: "idle" });
+  const value = computedByValue(() => ({ doing: source.value.doing }));
   const seen: unknown[] = [];
   effect(() => {
-    seen.push(told.value);
+    seen.push(value.value);
   });
-  source.value = { row: 2, doing: "stands" };
-  expect(seen).toEqual([{ doing: "stands" }]);
+  source.value = { row: 2, doing: "idle" };
+  expect(seen).toEqual([{ doing: "idle" }]);
   source.value = { row: 2, doing: "met a wall" };
-  expect(seen).toEqual([{ doing: "stands" }, { doing: "met a wall" }]);
+  expect(seen).toEqual([{ doing: "idle" }, { doing: "met a wall" }]);
 });

@@ -9,7 +9,7 @@ import { reduce } from "./reduce";
 import { mayCommand, pictureOf, robotNames } from "./selectors";
 import type { Settings } from "./settings";
 
-/** Something that the person should read, and that goes by itself. */
+/** A short message that disappears by itself. */
 export interface Notice {
   readonly id: number;
   readonly text: string;
@@ -33,16 +33,16 @@ interface Focus {
   readonly counter: number;
 }
 
-/** What the page shows, as signals: the state that the service told, and what the person does with the page itself. */
+/** What the page shows, as signals: the state received from the service, and the person's own choices. */
 export interface Store {
   readonly state: ReadonlySignal<ConsoleState>;
   readonly link: Signal<Link>;
-  /** Whether the service is heard now: nothing looks live while it is not. */
+  /** Whether the link is live. Without it nothing looks live. */
   readonly linked: ReadonlySignal<boolean>;
-  /** Whether who sits here can give commands now; Stop can always be tried. */
+  /** Whether this person can give commands now. Stop always works. */
   readonly canCommand: ReadonlySignal<boolean>;
   readonly timing: Signal<Timing>;
-  /** Wall time of the service; moves on four times a second. */
+  /** Wall time of the service; updated four times a second. */
   readonly now: Signal<number | undefined>;
   readonly settings: Signal<Settings>;
   readonly tool: Signal<Tool>;
@@ -53,12 +53,12 @@ export interface Store {
   readonly robots: ReadonlySignal<readonly string[]>;
   readonly focus: Signal<Focus | undefined>;
   readonly notices: Signal<readonly Notice[]>;
-  /** How often the person turned to an item of the queue. */
+  /** How often the person selected an item of the queue. */
   readonly selections: Signal<number>;
   /** Requests without a reply. */
   readonly pending: Signal<number>;
   readonly dialog: Signal<Dialog | undefined>;
-  /** To play on with after a pause. */
+  /** Speed to resume with after a pause. */
   readonly replaySpeed: Signal<number>;
   receive(...messages: ServerMessage[]): void;
   choose(robot: string | undefined): void;
@@ -84,7 +84,7 @@ export function createStore(settings: Settings): Store {
     tool: signal<Tool>("look"),
     chosenRobot,
     chosenSequence,
-    // One that is known no more, as after a recording was wound back, gives way to the newest.
+    // The chosen picture may be gone, as after rewinding a recording: then the newest.
     chosenPicture: computed(
       () =>
         pictureOf(state.value, chosenRobot.value, chosenSequence.value) ??
@@ -99,7 +99,7 @@ export function createStore(settings: Settings): Store {
     replaySpeed: signal(1),
     receive: (...messages) => {
       state.value = messages.reduce(reduce, state.value);
-      // The selection never changes by itself, but somebody who chose nothing yet gets the first robot.
+      // The selection never changes by itself, except that the first robot is chosen at the start.
       if (chosenRobot.value === undefined) chosenRobot.value = robots.value[0];
     },
     choose: (robot) => {
@@ -113,7 +113,7 @@ export function createStore(settings: Settings): Store {
   return store;
 }
 
-/** Of a plain small value: changes only when what it tells does, not whenever it is worked out anew. */
+/** Computes a small plain value that changes only when its JSON text does. */
 export function computedByValue<T>(source: () => T): ReadonlySignal<T> {
   let kept: { readonly value: T; readonly text: string } | undefined;
   return computed(() => {

@@ -4,14 +4,14 @@ import { type Draw, isolated } from "./context";
 
 type Paint = (context: Draw) => void;
 
-/** Part of a frame that changes more seldom than the rest: drawn on a canvas of its own when it changes, and copied in each frame. */
+/** A part of the frame that changes rarely: drawn on its own canvas when it changes, and copied into each frame. */
 export class CachedLayer {
   #canvas: HTMLCanvasElement | undefined;
   #keys: readonly unknown[] = [];
 
   /**
-   * `keys`: all that `paint` draws from besides the view, compared by identity; while they are the same, `add` may draw more over
-   * it. Where there is no canvas all is painted right away.
+   * `keys`: all data that `paint` uses besides the view, compared by identity. While they stay the same, `add` may draw more on
+   * top. Without a canvas, paints directly.
    */
   draw(onto: Draw, view: View, keys: readonly unknown[], paint: Paint, add?: Paint): void {
     const ratio = devicePixelRatio;
@@ -48,10 +48,10 @@ export function sameValues(a: readonly unknown[], b: readonly unknown[]): boolea
   return a.length === b.length && a.every((value, i) => value === b[i]);
 }
 
-/** One pixel per cell, painted when its data changes and stretched over the grid in each frame. */
+/** One pixel per cell: painted when its data changes, and scaled over the grid in each frame. */
 export type Bitmap = { readonly image: CanvasImageSource; readonly keys: readonly unknown[] };
 
-/** The bitmap of before if its keys are still the same; otherwise a new one. */
+/** The previous bitmap if its keys are the same, otherwise a new one. */
 export function bitmapOf(
   before: Bitmap | undefined,
   size: GridSize,
@@ -87,11 +87,11 @@ export function drawBitmap(
   });
 }
 
-/** Something of the size of the view to draw on, empty, and how it is shown then. */
+/** An empty drawing surface of the view's size, and its image. */
 type Surface = { readonly on: Draw; readonly image: CanvasImageSource };
 type MakeSurface = (view: View) => Surface | undefined;
 
-/** Draws a layer as a whole more or less strongly: what lies over itself in it does not shine through. */
+/** Draws a layer with an opacity as a whole, so that overlapping parts of it do not add up. */
 export class Fader {
   readonly #surface: MakeSurface;
 
@@ -99,7 +99,7 @@ export class Fader {
     this.#surface = surface;
   }
 
-  /** `strength`: 0 = not at all, 1 = fully. Where there is nothing else to draw on it is drawn fully. */
+  /** `strength`: opacity from 0 to 1. Without a surface the layer is opaque. */
   draw(onto: Draw, view: View, strength: number, paint: (on: Draw) => void): void {
     if (strength <= 0) return;
     const surface = strength < 1 ? this.#surface(view) : undefined;
@@ -112,7 +112,7 @@ export class Fader {
   }
 }
 
-/** One canvas for all layers, one after another. */
+/** One canvas, shared by all layers in turn. */
 function canvasSurface(): MakeSurface {
   let kept: HTMLCanvasElement | undefined;
   return ({ width, height }) => {

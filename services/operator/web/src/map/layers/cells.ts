@@ -17,7 +17,7 @@ import { cellCentre, cellCorner, showsDetail, type View, visibleRange } from "..
 
 type BeliefData = { readonly size: GridSize; readonly walls: Uint8Array };
 
-/** The operator's map, one pixel per cell: the surer a wall, the darker. Border cells have a colour of their own. */
+/** The operator's map, one pixel per cell. More certain walls are darker. Border cells have their own colour. */
 export function paintBelief(context: Draw, { size, walls }: BeliefData, palette: Palette): void {
   context.fillStyle = palette.free;
   context.fillRect(0, 0, size.columns, size.rows);
@@ -39,7 +39,7 @@ type ChangesData = {
   readonly initial: Uint8Array;
 };
 
-/** What the operator has changed since the first map: plus = wall added, minus = wall taken away. */
+/** The operator's changes since the initial map: plus = wall added, minus = wall removed. */
 export function drawChanges(context: Draw, view: View, data: ChangesData, palette: Palette): void {
   isolated(context, () => {
     context.strokeStyle = palette.changed;
@@ -77,7 +77,7 @@ type EditsData = {
   readonly refused: Draft;
 };
 
-/** Edits that the service has not confirmed: a wall hatched, a taken wall cleared, both framed; refused ones in their own colour. */
+/** Unconfirmed edits: added walls hatched, removed walls cleared, both framed. Refused ones have their own colour. */
 export function drawEdits(context: Draw, view: View, data: EditsData, palette: Palette): void {
   const paint = (draft: Draft, colour: string, dash: number[]) => {
     isolated(context, () => {
@@ -118,7 +118,7 @@ type HeatData = { readonly size: GridSize; readonly predictions: Iterable<Predic
 
 const leastShown = 10; // of 255
 
-/** Edits that the model expects of the operator: rising lines = a wall is added, falling = taken away. */
+/** Edits that the model expects from the operator: rising lines = add a wall, falling lines = remove one. */
 export function drawHeat(context: Draw, view: View, data: HeatData, palette: Palette): void {
   isolated(context, () => {
     for (const { add, remove } of data.predictions) {
@@ -152,7 +152,7 @@ function heatCell(
   context.stroke();
 }
 
-/** What the robots have seen taken together; of two that disagree the later in `maps` counts. */
+/** What all robots have seen together. If two disagree, the later in `maps` wins. */
 export function seenByAny(size: GridSize, maps: Iterable<SeenMap>): Uint8Array {
   const seen = new Uint8Array(size.rows * size.columns);
   for (const { cells } of maps) {
@@ -163,7 +163,7 @@ export function seenByAny(size: GridSize, maps: Iterable<SeenMap>): Uint8Array {
   return seen;
 }
 
-/** A veil, one pixel per cell, over what no robot has seen. */
+/** A veil over the cells that no robot has seen, one pixel per cell. */
 export function paintFog(context: Draw, size: GridSize, seen: Uint8Array, palette: Palette): void {
   context.fillStyle = palette.fog;
   seen.forEach((value, index) => {
@@ -179,7 +179,7 @@ type SeenData = {
   readonly seen: Uint8Array;
 };
 
-/** Where robots saw it otherwise than the operator's map: a hatched square = a wall, a ring = free. */
+/** Where the operator's map differs from what robots saw: hatched square = they saw a wall, ring = they saw it free. */
 export function drawDifferences(context: Draw, view: View, data: SeenData, palette: Palette): void {
   isolated(context, () => {
     context.strokeStyle = palette.differs;
@@ -219,7 +219,7 @@ type TruthData = {
   readonly truth: Uint8Array;
 };
 
-/** The true walls as frames; a cross where the operator's map is wrong. */
+/** The true walls as frames, with crosses where the operator's map is wrong. */
 export function drawTruth(context: Draw, view: View, data: TruthData, palette: Palette): void {
   isolated(context, () => {
     context.strokeStyle = palette.truth;
@@ -250,7 +250,7 @@ function drawCross(context: Draw, x: number, y: number, size: number): void {
   context.stroke();
 }
 
-/** Calls `visit` for each cell in sight, row by row. */
+/** Calls `visit` for each visible cell, row by row. */
 function eachVisible(view: View, size: GridSize, visit: (cell: Cell, index: number) => void): void {
   const range = visibleRange(view, size);
   for (let row = range.top; row <= range.bottom; ++row) {

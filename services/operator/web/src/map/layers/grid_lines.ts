@@ -29,7 +29,7 @@ export function drawGridLines(context: Draw, view: View, size: GridSize, palette
   });
 }
 
-/** So that numbers stay apart: 1, 2, 5, 10, 20, 50, ... cells. */
+/** Cells between two numbers, so that they do not overlap: 1, 2, 5, 10, 20, 50, ... */
 export function rulerStep(scale: number): number {
   const least = 24 / scale;
   let step = 1;
@@ -40,7 +40,7 @@ export function rulerStep(scale: number): number {
   return step;
 }
 
-/** Row numbers at the left edge, column numbers at the top; those of `cell` stand out. */
+/** Row numbers at the left edge, column numbers at the top. Those of `cell` are bold. */
 export function drawRulers(
   context: Draw,
   view: View,
@@ -75,7 +75,7 @@ export function drawRulers(
   });
 }
 
-/** The keyboard's cell: a frame in two colours, which reads on anything. */
+/** The keyboard cursor: a frame in two colours, visible on any background. */
 export function drawCursor(context: Draw, view: View, cell: Cell, palette: Palette): void {
   const { x, y } = cellCorner(view, cell);
   const grow = Math.max(1, (10 - view.scale) / 2);
@@ -91,7 +91,7 @@ export function drawCursor(context: Draw, view: View, cell: Cell, palette: Palet
   });
 }
 
-/** The cell under the pointer; or the rectangle that is being drawn from one cell to another. */
+/** Frame around the cell under the pointer, or around the rectangle being drawn. */
 export function drawFrame(
   context: Draw,
   view: View,

@@ -40,14 +40,14 @@ function bytes(values: Record<number, number>): Uint8Array {
 }
 
 function robot(name: string, more: Partial<MapRobot> = {}): MapRobot {
-  const told = create(RobotSchema, {
+  const robot = create(RobotSchema, {
     name,
     cell: at(1, 1),
     goalsLeft: [at(1, 2)],
     goalsReached: [at(0, 1)],
   });
   const look = { colour: `colour of ${name}`, shape: "circle", dash: [8, 4], letter: "A" } as const;
-  return { robot: told, ...look, fresh: "live", ...more };
+  return { robot, ...look, fresh: "live", ...more };
 }
 
 function recorded(draw: (context: RecordingContext) => void): RecordingContext {

@@ -8,10 +8,10 @@ import { cellCentre, type Point, showsDetail, type View } from "../view";
 export type PathsData = {
   readonly robots: readonly MapRobot[];
   readonly guidance: ReadonlyMap<string, Guidance>;
-  readonly hidden: string | undefined; // a robot whose path is being drawn anew
+  readonly hidden: string | undefined; // a robot whose path is being redrawn
 };
 
-/** The paths that the robots were given: each in its robot's colour and dash, with arrow heads and the robot's name. */
+/** The robots' paths, each in its robot's colour and dash, with arrow heads. */
 export function drawPaths(context: Draw, view: View, data: PathsData, palette: Palette): void {
   data.robots.forEach((one, index) => {
     const path = data.guidance.get(one.robot.name)?.path ?? [];
@@ -24,7 +24,7 @@ export function drawPaths(context: Draw, view: View, data: PathsData, palette: P
   });
 }
 
-/** The robots' names where their paths end; apart from the lines, so that flags do not cover them. */
+/** The robots' names at the ends of their paths. A separate pass, so that flags do not cover them. */
 export function drawPathNames(context: Draw, view: View, data: PathsData, palette: Palette): void {
   if (!showsDetail(view)) return;
   data.robots.forEach(({ robot: { name } }, index) => {
@@ -39,7 +39,7 @@ function pathWidth(view: View): number {
   return Math.max(2, Math.min(5, 0.12 * view.scale));
 }
 
-/** A line with arrow heads along it, so that its direction reads at every zoom. */
+/** A line with arrow heads along it, so that its direction is visible at every zoom. */
 function drawPath(
   context: Draw,
   view: View,
@@ -109,7 +109,7 @@ type DraftPathData = {
   readonly shift: number;
 };
 
-/** The path being drawn: dashed until the service has it, with its corners to drag, walls that it crosses ringed. */
+/** The path being drawn: dashed until the service has it, with handles at its corners and crosses on walls. */
 export function drawDraftPath(
   context: Draw,
   view: View,
@@ -154,7 +154,7 @@ type PlansData = {
   readonly plans: ReadonlyMap<string, Plan>;
 };
 
-/** The cells that each robot means to enter next: dots that grow smaller with the distance, the first ones ringed. */
+/** The next cells of each robot's plan: dots that shrink with the distance. */
 export function drawPlans(context: Draw, view: View, data: PlansData, palette: Palette): void {
   isolated(context, () => {
     data.robots.forEach(({ robot, colour }, index) => {
@@ -201,7 +201,7 @@ export function drawTrails(context: Draw, view: View, data: TrailsData, _palette
   });
 }
 
-/** Lines of several robots through the same cells lie side by side: how far each is shifted, CSS pixels. */
+/** Shift in CSS pixels that puts the lines of several robots side by side. */
 export function laneShift(robots: readonly MapRobot[], index: number, view: View): number {
   const spacing = Math.min(5, 0.14 * view.scale);
   return (index - (robots.length - 1) / 2) * spacing;
@@ -214,7 +214,7 @@ function lanePoints(view: View, cells: readonly Cell[], shift: number): Point[] 
   });
 }
 
-/** The robot's mark on the map: large enough to be found on a large map, within its cell on a small one. */
+/** Radius of a robot's mark: easy to find on a large map, within its cell on a small one. */
 export function markRadius(view: View): number {
   return Math.max(7, Math.min(16, 0.34 * view.scale));
 }

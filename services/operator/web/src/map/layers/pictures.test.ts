@@ -45,7 +45,7 @@ describe("the marks of pictures", () => {
     expect(draw(all, [one, two, picture(3)])).toEqual([1, 0]);
   });
 
-  it("are drawn anew when more than a tenth of them was forgotten", () => {
+  it("are redrawn when more than a tenth of them was dropped", () => {
     const all = new PictureMarks();
     const pictures = Array.from({ length: 20 }, (_, i) => picture(i));
     expect(draw(all, pictures)).toEqual([20, 0]);

@@ -13,7 +13,7 @@ type PicturesData = {
   readonly pictures: readonly Picture[];
 };
 
-/** Where each picture was taken, and its field of view; filled while it waits for an answer. */
+/** Position and field of view of each picture; filled while it waits for an answer. */
 export function drawPictures(
   context: Draw,
   view: View,
@@ -40,7 +40,7 @@ export function drawPictures(
   });
 }
 
-/** What the chosen picture shows: a dot per free cell, a hatched frame per wall, within its field of view. */
+/** The chosen picture's content: a dot per free cell and a hatched frame per wall, within its field of view. */
 export function drawChosenPicture(
   context: Draw,
   view: View,
@@ -73,7 +73,7 @@ function drawField(
   const far = [...cellsOf(picture.freeCells), ...cellsOf(picture.wallCells)].map((cell) =>
     from ? Math.hypot(cell.row - from.row, cell.column - from.column) : 0,
   );
-  const least = far.length > 0 ? 2 : 5; // the participant of a mapping task is not told what it shows
+  const least = far.length > 0 ? 2 : 5; // participants do not get the picture's cells
   const reach = (Math.min(12, Math.max(least, ...far)) + 0.5) * view.scale;
   conePath(context, at, picture.heading, picture.fieldOfView, reach);
   context.fillStyle = colour;
@@ -126,10 +126,10 @@ function drawWallCell(
   context.stroke();
 }
 
-/** Of the marks on screen may be of pictures that the page has forgotten: they do no harm, and all others need not be drawn anew. */
+/** Share of marks on screen that may belong to dropped pictures before all are redrawn. */
 const mostForgotten = 0.1;
 
-/** Where pictures were taken. Each one that was answered is drawn once, for there may be thousands; those that wait, in each frame. */
+/** Marks where pictures were taken. There may be thousands, so answered ones are drawn once and waiting ones in each frame. */
 export class PictureMarks {
   #layer = new CachedLayer();
   #drawn = new Set<Picture>();

@@ -16,10 +16,7 @@ export function robotPoint(view: View, world: World, one: MapRobot): Point {
   return positionPoint(view, world, world.cellSize, one.robot);
 }
 
-/**
- * Each robot in its colour and shape, with its letter and heading. Stale: dashed rim. Lost, or nobody can be heard: hollow, with
- * a question mark.
- */
+/** Each robot in its colour and shape, with letter and heading. Stale: dashed rim. Lost or unknown: hollow, with a question mark. */
 export function drawRobots(context: Draw, view: View, data: RobotsData, palette: Palette): void {
   const chosenLast = [...data.robots].sort(
     (a, b) => Number(a.robot.name === data.chosen) - Number(b.robot.name === data.chosen),
@@ -33,7 +30,7 @@ export function drawRobots(context: Draw, view: View, data: RobotsData, palette:
 }
 
 function isLost({ fresh }: MapRobot): boolean {
-  return fresh === "lost" || fresh === "no news";
+  return fresh === "lost" || fresh === "unknown";
 }
 
 function drawRobot(context: Draw, view: View, at: Point, one: MapRobot, palette: Palette): void {
@@ -95,8 +92,8 @@ function drawName(context: Draw, at: Point, radius: number, one: MapRobot, palet
 function drawQuestion(context: Draw, at: Point, radius: number, palette: Palette): void {
   context.font = font(14, 700);
   context.setLineDash([]);
-  const beside = { x: at.x + 1.1 * radius, y: at.y - 1.1 * radius };
-  haloText(context, "?", beside, palette.refused, palette);
+  const corner = { x: at.x + 1.1 * radius, y: at.y - 1.1 * radius };
+  haloText(context, "?", corner, palette.refused, palette);
 }
 
 function drawChosen(context: Draw, at: Point, radius: number, palette: Palette): void {
@@ -110,7 +107,7 @@ function drawChosen(context: Draw, at: Point, radius: number, palette: Palette):
   context.stroke();
 }
 
-/** A flag in the robot's colour at each goal; one that is reached is hollow and ticked. */
+/** A flag in the robot's colour at each goal; hollow and ticked if reached. */
 export function drawGoals(
   context: Draw,
   view: View,
@@ -199,7 +196,7 @@ type GoalPosesData = {
   readonly goalPoses: ReadonlyMap<string, GoalPose>;
 };
 
-/** A target where somebody else, such as RViz, sends a robot. */
+/** A target at each goal pose that another program, such as RViz, has sent. */
 export function drawGoalPoses(
   context: Draw,
   view: View,

@@ -2,7 +2,7 @@ import type { SeenMap } from "../../protocol/generated/console_pb";
 import { type Cell, cellIndex, cellText, freeCell, isWall, wallCell } from "../grid";
 import type { RouteGrid } from "./routes";
 
-/** What is known of a path before anybody drives it. */
+/** What is known about a path in advance. */
 export type Assessment = {
   readonly steps: number;
   readonly metres: number;
@@ -25,7 +25,7 @@ export function assess(
   };
 }
 
-/** Walls of the operator's own map, but those that a robot saw to be none: they are no trouble. */
+/** Walls of the operator's map on the path, except those that a robot saw free. */
 export function wallsCrossed(
   cells: readonly Cell[],
   grid: RouteGrid,

@@ -1,6 +1,5 @@
-// The path that is being drawn for one robot, as a pure state machine. A draft is always 4-connected, begins in the robot's
-// cell and stays in the grid; it is empty or has at least one cell. It is kept until the service has accepted it and shown
-// it as newer guidance.
+// The path that is being drawn for one robot, as a pure state machine. A draft is 4-connected, begins in the robot's cell and
+// stays in the grid, or is empty. It is kept until the service has accepted it and sent it back as newer guidance.
 import { type Cell, cellIndex, clampCell, sameCell } from "../grid";
 import type { Outcome } from "../map_props";
 import { freehandRoute, type RouteGrid, route, shortestRoute } from "./routes";
@@ -12,7 +11,7 @@ type SentPath = {
   readonly accepted: boolean;
 };
 
-/** The parts of a path that stay while a place in between is moved. */
+/** The parts of a path that stay while a cell between them is dragged. */
 type Bend = { readonly before: readonly Cell[]; readonly after: readonly Cell[] };
 
 export type PathSession = {
@@ -41,14 +40,14 @@ export function newPathSession(robot: string, start: Cell): PathSession {
   };
 }
 
-/** Begins at the robot, or goes on from the end of what is drawn already; pressing on the robot begins anew. */
+/** Starts at the robot or continues the draft. A press on the robot starts over. */
 export function beginDrawing(session: PathSession, grid: RouteGrid, cell: Cell): PathSession {
   const goOn = session.cells.length > 1 && !sameCell(cell, session.start);
   const cells = goOn ? session.cells : [session.start];
   return extend({ ...session, cells, drawing: true, refusal: undefined }, grid, cell, route);
 }
 
-/** Passing back over the last step takes it back. */
+/** Moving back over the last step removes it. */
 export function drawTo(session: PathSession, grid: RouteGrid, cell: Cell): PathSession {
   if (!session.drawing) return session;
   if (session.cells.length > 1 && sameCell(cell, session.cells.at(-2))) {
@@ -65,12 +64,12 @@ function extend(
   session: PathSession,
   grid: RouteGrid,
   cell: Cell,
-  route: (grid: RouteGrid, from: Cell, to: Cell) => Cell[],
+  find: (grid: RouteGrid, from: Cell, to: Cell) => Cell[],
 ): PathSession {
   const last = session.cells.at(-1) ?? session.start;
   return {
     ...session,
-    cells: joined(session.cells, route(grid, last, clampCell(grid.size, cell))),
+    cells: joined(session.cells, find(grid, last, clampCell(grid.size, cell))),
   };
 }
 
@@ -82,7 +81,7 @@ function joined(...parts: (readonly Cell[])[]): Cell[] {
   return parts.flat().filter((cell, index, all) => !sameCell(cell, all[index - 1]));
 }
 
-/** Ends and corners: the places to drag a path by. Indices into `cells`, ascending. */
+/** Indices of the ends and corners, where a path can be dragged; ascending. */
 export function vertices(cells: readonly Cell[]): number[] {
   return cells.flatMap((cell, index) => {
     const before = cells[index - 1];
@@ -96,7 +95,7 @@ export function vertices(cells: readonly Cell[]): number[] {
   });
 }
 
-/** The index of the path's cell to take hold of at `cell`; never the robot's own cell. */
+/** Index of the path's cell to grab at `cell`; never the robot's own cell. */
 function handle(cells: readonly Cell[], cell: Cell): number | undefined {
   const index = cells.map((other) => sameCell(other, cell)).lastIndexOf(true);
   return index > 0 ? index : undefined;
@@ -106,7 +105,7 @@ export function canGrab(session: PathSession, cell: Cell): boolean {
   return handle(session.cells, cell) !== undefined;
 }
 
-/** Takes hold of the path at a vertex, or in between, which makes a new one. */
+/** Grabs the path at a vertex, or between vertices, which makes a new one. */
 export function grab(session: PathSession, cell: Cell): PathSession {
   const index = handle(session.cells, cell);
   if (index === undefined) return session;
@@ -133,7 +132,7 @@ export function endBend(session: PathSession): PathSession {
   return { ...session, cells: worthKeeping(session.cells), bend: undefined };
 }
 
-/** The end: the path ends at the vertex before. In between: a shortest way from the one before to the one after, not by it if it can be helped. */
+/** Removes a vertex. At the end: shortens the path to the vertex before. Between: connects its neighbours by a shortest route. */
 export function removeVertex(session: PathSession, grid: RouteGrid, cell?: Cell): PathSession {
   const index = cell ? handle(session.cells, cell) : session.cells.length - 1;
   if (index === undefined || index < 1) return session;
@@ -146,7 +145,7 @@ export function removeVertex(session: PathSession, grid: RouteGrid, cell?: Cell)
   return { ...grabbed, bend: undefined, cells };
 }
 
-/** Not by `without` where another way is as short. */
+/** Avoids `without` if another route is as short. */
 function routeWithout(grid: RouteGrid, from: Cell, to: Cell, without: Cell | undefined): Cell[] {
   const shortest = route(grid, from, to);
   if (!without) return shortest;
@@ -156,7 +155,7 @@ function routeWithout(grid: RouteGrid, from: Cell, to: Cell, without: Cell | und
   return other && other.length <= shortest.length ? other : shortest;
 }
 
-/** Makes the path that the robot has the draft, to go on from. */
+/** Makes the robot's current path the draft. */
 export function adopt(session: PathSession, grid: RouteGrid, path: readonly Cell[]): PathSession {
   return { ...session, cells: worthKeeping(startingAt(session.start, grid, path)) };
 }
@@ -173,14 +172,14 @@ export function robotMoved(session: PathSession, grid: RouteGrid, cell: Cell): P
   return { ...session, start: cell, bend, cells, sent: follows };
 }
 
-/** What is left of the path for a robot that is in `start`; with the way to it when that is not on the path. */
+/** The rest of the path for a robot in `start`, with a route to the path if the robot is not on it. */
 function startingAt(start: Cell, grid: RouteGrid, path: readonly Cell[]): readonly Cell[] {
   const index = path.findIndex((cell) => sameCell(cell, start));
   if (index >= 0) return path.slice(index);
   return path[0] ? joined(route(grid, start, path[0]), path) : path;
 }
 
-/** Draws again what was drawn in `before`, for where the robot is by now. */
+/** Restores the draft of `before`, adapted to the robot's current cell. */
 export function revert(session: PathSession, before: PathSession, grid: RouteGrid): PathSession {
   const { cells, refusal } = before;
   const stands = sameCell(session.start, before.start);
@@ -201,7 +200,7 @@ export function send(session: PathSession): PathSession {
   return hasDraft(session) ? sending(session, session.cells) : session;
 }
 
-/** Takes the robot's path away from it, and drops the draft. */
+/** Withdraws the robot's path and drops the draft. */
 export function withdraw(session: PathSession): PathSession {
   return sending(leave(session), []);
 }
@@ -212,7 +211,7 @@ function sending(session: PathSession, cells: readonly Cell[]): PathSession {
   return { ...session, drawing: false, bend: undefined, refusal: undefined, lastId: id, sent };
 }
 
-/** The service's answer; one to a path that was replaced since is ignored. A refused draft stays. */
+/** The service's reply. Replies to replaced paths are ignored. A refused draft stays. */
 export function replied(session: PathSession, id: number, outcome: Outcome): PathSession {
   if (session.sent?.id !== id) return session;
   if (outcome.accepted) return settled({ ...session, sent: { ...session.sent, accepted: true } });
@@ -227,7 +226,7 @@ export function guidanceCame(session: PathSession, revision: bigint): PathSessio
   return settled({ ...session, revision });
 }
 
-/** The draft goes when it has become the robot's path; one begun meanwhile stays. */
+/** Drops the draft once it is the robot's path. A newer draft stays. */
 function settled(session: PathSession): PathSession {
   const { sent } = session;
   if (!sent?.accepted || session.revision === sent.after) return session;

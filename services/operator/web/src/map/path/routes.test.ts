@@ -12,7 +12,7 @@ const at = (row: number, column: number) => ({ row, column });
 const room = gridOf("..#..", "..#..", ".....");
 const shut = gridOf("..#..", "..#..", "..#..");
 
-it("the shortest way goes round walls and has both ends", () => {
+it("the shortest route goes around walls and has both ends", () => {
   expect(shortestRoute(room, at(0, 1), at(0, 3))).toEqual([
     at(0, 1),
     at(1, 1),
@@ -32,11 +32,11 @@ it("there is none through a wall or out of the grid, but one to or from a wall",
   expect(shortestRoute(shut, at(0, 2), at(0, 0))).toHaveLength(3);
 });
 
-it("a way asked for goes straight where there is no other", () => {
+it("a route goes straight through walls where there is no other", () => {
   expect(route(shut, at(0, 1), at(0, 3))).toEqual([at(0, 1), at(0, 2), at(0, 3)]);
 });
 
-it("a line drawn by hand takes no detour round a wall, but the open side of a corner", () => {
+it("a line drawn by hand takes no detour around a wall, but the open side of a corner", () => {
   expect(freehandRoute(room, at(0, 1), at(0, 3))).toEqual([at(0, 1), at(0, 2), at(0, 3)]);
   const corner = gridOf(".#", "..");
   expect(freehandRoute(corner, at(0, 0), at(1, 1))).toEqual([at(0, 0), at(1, 0), at(1, 1)]);

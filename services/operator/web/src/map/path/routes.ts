@@ -9,7 +9,7 @@ import {
   lineCells,
 } from "../grid";
 
-/** The operator's map, as far as ways need it. */
+/** The operator's map, as routes need it. */
 export type RouteGrid = { readonly size: GridSize; readonly walls: Uint8Array };
 
 const neighbours = [
@@ -20,14 +20,14 @@ const neighbours = [
 ];
 
 /**
- * A shortest way over cells that are no walls, 4-connected, both ends included (which may be walls themselves);
- * undefined when there is none. Breadth first.
+ * A shortest 4-connected route over free cells, both ends included, which may be walls; undefined if there is none.
+ * Breadth-first search.
  */
 export function shortestRoute(grid: RouteGrid, from: Cell, to: Cell): Cell[] | undefined {
   const { size } = grid;
   if (!contains(size, from) || !contains(size, to)) return undefined;
   const target = cellIndex(size, to);
-  // Searched from the end, so that following `next` from the beginning gives the way in order.
+  // Searches from the end, so that following `next` from the start gives the route in order.
   const next = new Int32Array(size.rows * size.columns).fill(-1);
   const goal = cellIndex(size, from);
   const queue = [target];
@@ -61,14 +61,14 @@ function follow(size: GridSize, next: Int32Array, from: number, to: number): Cel
   return cells;
 }
 
-/** For a way asked for by its ends: the shortest one, straight through the walls where there is none. */
+/** The shortest route, or a straight line through walls if there is none. */
 export function route(grid: RouteGrid, from: Cell, to: Cell): Cell[] {
   return shortestRoute(grid, from, to) ?? lineCells(from, to);
 }
 
 /**
- * For the gap between two places of a line drawn by hand: round a corner as the map has it, but straight on rather than
- * by a detour. Who draws through a wall means it.
+ * Fills the gap between two cells of a line drawn by hand: around a corner of the map, but straight on rather than by a
+ * detour. A line through a wall is intended.
  */
 export function freehandRoute(grid: RouteGrid, from: Cell, to: Cell): Cell[] {
   const direct = distance(from, to);

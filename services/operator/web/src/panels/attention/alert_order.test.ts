@@ -7,7 +7,7 @@ const alert = (id: bigint, severity: Severity, raised: number, more = {}) =>
   create(AlertSchema, { id, severity, raised, active: true, ...more });
 
 describe("alerts", () => {
-  it("come the gravest first, then the newest", () => {
+  it("are sorted by severity, then newest first", () => {
     const { active } = sortAlerts(
       [
         alert(1n, Severity.NOTICE, 9),

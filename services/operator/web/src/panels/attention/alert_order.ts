@@ -7,7 +7,7 @@ interface SortedAlerts {
   readonly shelved: readonly Alert[];
 }
 
-/** The gravest first, of equally grave ones the newest; what is over and was acknowledged is left out. */
+/** Most severe first, then newest. Resolved and acknowledged alerts are left out. */
 export function sortAlerts(alerts: readonly Alert[], now: number): SortedAlerts {
   const ordered = [...alerts].sort((a, b) => b.severity - a.severity || b.raised - a.raised);
   const at = (place: AlertPlace) => ordered.filter((alert) => placeOf(alert, now) === place);

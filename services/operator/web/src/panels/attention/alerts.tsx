@@ -5,10 +5,10 @@ import { duration, timeOfDay } from "../format";
 import { severityClass, severityText, sortAlerts } from "./alert_order";
 import "./attention.css";
 
-/** s that an alert is put aside. */
+/** s that an alert is snoozed. */
 const snoozeTime = 300;
 
-/** What is wrong, as the service keeps it: here after a reload too. */
+/** All alerts that the service keeps, so they survive a reload. */
 export function Alerts() {
   const { store } = useConsole();
   const { active, acknowledged, shelved } = sortAlerts(
@@ -21,8 +21,8 @@ export function Alerts() {
       <h2 class={active.length > 0 ? "bad" : ""}>Alerts ({active.length})</h2>
       {none && <p class="quiet">None.</p>}
       <AlertList alerts={active} />
-      <AlertGroup title="Acknowledged, still true" alerts={acknowledged} />
-      <AlertGroup title="AlertGroup aside" alerts={shelved} />
+      <AlertGroup title="Acknowledged, still active" alerts={acknowledged} />
+      <AlertGroup title="Snoozed" alerts={shelved} />
     </section>
   );
 }
@@ -63,7 +63,7 @@ function AlertItem({ alert }: { alert: Alert }) {
       {advice !== "" && <p>{advice}</p>}
       <p class="row quiet">
         <span title={timeOfDay(alert.raised)}>
-          {duration(Math.max(0, now - alert.raised))} ago{!active && ", over"}
+          {duration(Math.max(0, now - alert.raised))} ago{!active && ", resolved"}
           {acknowledgedBy !== "" &&
             `, acknowledged by ${nameOf(store.state.value, acknowledgedBy)}`}
         </span>
@@ -79,7 +79,7 @@ function AlertItem({ alert }: { alert: Alert }) {
         )}
         {alert.shelvedUntil <= now && (
           <button type="button" disabled={!may} onClick={() => void actions.shelve(id, snoozeTime)}>
-            AlertGroup aside for {duration(snoozeTime)}
+            Snooze {duration(snoozeTime)}
           </button>
         )}
       </p>

@@ -7,11 +7,11 @@ import { reasonText } from "./queue_texts";
 
 export interface Announcement {
   readonly text: string;
-  /** Interrupts what a screen reader reads. */
+  /** Interrupts the screen reader. */
   readonly urgent: boolean;
 }
 
-/** What came up between two states: items of the queue and alerts. Nothing of what was there when the page began. */
+/** New items of the queue and new alerts between two states. Nothing that was there when the page opened. */
 export function announcementsOf(
   before: ConsoleState,
   after: ConsoleState,
@@ -42,11 +42,11 @@ function alertAnnouncements(before: ConsoleState, after: ConsoleState): Announce
   }));
 }
 
-/** s between two announcements: a screen reader must be able to finish. */
+/** s between two announcements, so that a screen reader can finish. */
 const announcePeriod = 4;
 const mostAtOnce = 3;
 
-/** Texts of the page's two live regions; what comes too quickly is put together. */
+/** Texts of the page's two live regions. Announcements in quick succession are joined. */
 export class Announcer {
   readonly #polite = signal("");
   readonly #urgent = signal("");
@@ -66,33 +66,33 @@ export class Announcer {
     return this.#urgent;
   }
 
-  tell(news: readonly Announcement[]): void {
-    if (news.length === 0) return;
+  announce(announcements: readonly Announcement[]): void {
+    if (announcements.length === 0) return;
     const idle = this.#waiting.length === 0;
-    this.#waiting.push(...news);
+    this.#waiting.push(...announcements);
     const wait = this.#quietUntil - this.#clock.now();
     if (wait <= 0) this.#speak();
     else if (idle) this.#clock.after(wait, () => this.#speak());
   }
 
   #speak(): void {
-    const news = this.#waiting;
+    const announcements = this.#waiting;
     this.#waiting = [];
     this.#quietUntil = this.#clock.now() + announcePeriod;
-    const of = (wanted: boolean) => news.filter(({ urgent }) => urgent === wanted);
+    const of = (wanted: boolean) => announcements.filter(({ urgent }) => urgent === wanted);
     speak(this.#urgent, of(true));
     speak(this.#polite, of(false));
   }
 }
 
-/** A text that stays the same is not read again: one that comes again gets a space at its end, which is not read. */
-function speak(region: Signal<string>, news: readonly Announcement[]): void {
-  const text = together(news);
+/** Screen readers skip an unchanged text, so a repeated one gets a silent space at its end. */
+function speak(region: Signal<string>, announcements: readonly Announcement[]): void {
+  const text = joined(announcements);
   region.value = text !== "" && text === region.peek() ? `${text}\u00a0` : text;
 }
 
-function together(news: readonly Announcement[]): string {
-  const texts = news.slice(0, mostAtOnce).map(({ text }) => text);
-  const more = news.length - texts.length;
+function joined(announcements: readonly Announcement[]): string {
+  const texts = announcements.slice(0, mostAtOnce).map(({ text }) => text);
+  const more = announcements.length - texts.length;
   return texts.concat(more > 0 ? [`and ${more} more`] : []).join(". ");
 }

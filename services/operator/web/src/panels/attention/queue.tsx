@@ -7,7 +7,7 @@ import { duration, measured } from "../format";
 import { adviceText, emptyQueueText, isNotice, patienceText, reasonText } from "./queue_texts";
 import "./attention.css";
 
-/** All that asks for the operator, in the service's order. */
+/** The attention queue, in the service's order. */
 export function Queue() {
   const { store, actions } = useConsole();
   const attention = store.state.value.attention;
@@ -18,7 +18,7 @@ export function Queue() {
   return (
     <section class="panel queue" aria-label="Attention queue" data-tour="queue">
       <div class="row">
-        <h2>Who asks for you ({items.length})</h2>
+        <h2>Needs you ({items.length})</h2>
         <button
           type="button"
           class={`end ${items.length > 0 ? "main" : ""}`}
@@ -31,7 +31,7 @@ export function Queue() {
         <p class="quiet">{emptyQueueText(store.state.value, store.link.value.state)}</p>
       )}
       {items.length > 0 && !store.linked.value && (
-        <p class="quiet">As it was before the connection was lost.</p>
+        <p class="quiet">Last known queue, before the connection was lost.</p>
       )}
       <ol>
         {items.map((item) => (
@@ -53,7 +53,7 @@ export function Queue() {
 interface ItemProps {
   item: AttentionItem;
   now: number;
-  /** What to do about it can be read. */
+  /** Shows advice on what to do. */
   advised: boolean;
 }
 
@@ -69,13 +69,13 @@ function QueueItem({ item, now, advised }: ItemProps) {
         type="button"
         onClick={() => void actions.select(item)}
         aria-current={mine ? "true" : undefined}
-        title={`Value lost: ${measured(item.valueLostPerSecond, 2)} per second; expected work: ${duration(item.expectedInteraction)}`}
+        title={`Value lost per second: ${measured(item.valueLostPerSecond, 2)}. Expected work: ${duration(item.expectedInteraction)}.`}
       >
         <RobotMark robot={robot} />
         <span>
           <strong>{robot}</strong> {reasonText(reason, drives)}
           <span class="quiet times">
-            {isNotice(reason) ? `${duration(now - since)} ago` : `waits ${duration(now - since)}`}
+            {isNotice(reason) ? `${duration(now - since)} ago` : `waiting ${duration(now - since)}`}
             {!state.controls.get(robot)?.stopped && patienceText(item, now)}
             {selectedBy !== "" &&
               ` · ${mine ? "you are" : `${nameOf(state, selectedBy)} is`} on it`}

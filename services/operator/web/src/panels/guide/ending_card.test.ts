@@ -24,7 +24,7 @@ const belief: UpdateBody = {
 };
 
 describe("the end of a run", () => {
-  it("is when no robot has a goal left, and tells what it took", () => {
+  it("is when no robot has a goal left, and sums up the run", () => {
     expect(endingOf(stateOf(robot("r1", 0), robot("r2", 1), belief))).toBeUndefined();
     const session: UpdateBody = { case: "session", value: { name: "20261122-seed1" } };
     expect(endingOf(stateOf(session, robot("r1", 0), robot("r2", 0), belief))).toEqual({

@@ -7,7 +7,7 @@ import { robotNames } from "../../state/selectors";
 import { count } from "../format";
 import "./guide.css";
 
-/** Over the map when all goals are reached: that it is done, what it took, and what comes next. */
+/** Above the map when all goals are reached: a summary of the run, and what to do next. */
 export function EndingCard() {
   const { store } = useConsole();
   const state = store.state.value;
@@ -18,14 +18,14 @@ export function EndingCard() {
   return (
     <section class="stage-card ending" aria-label="End of the run">
       <div>
-        <h2 class="good">✓ All {goals} goals reached</h2>
+        <h2 class="good">✓ {goals === 1 ? "Goal" : `All ${goals} goals`} reached</h2>
         <p>
           {count(moves, "move")}, {count(pictures, "picture")} sent, {count(changed, "cell")} of
-          your map changed. The run is over; look round as long as you like.
+          your map changed. The run is over. You can still look around.
         </p>
         <p class="quiet">
-          In the terminal Ctrl-C ends it. <code>./conav replay runs/{run || "<run>"}</code> plays it
-          again; <code>./conav demo --seed 2</code> is another maze.
+          Press Ctrl-C in the terminal to quit. <code>./conav replay runs/{run || "<run>"}</code>{" "}
+          replays this run. <code>./conav demo --seed 2</code> starts another maze.
         </p>
       </div>
       <button
@@ -41,18 +41,18 @@ export function EndingCard() {
   );
 }
 
-/** What a run was, when every robot has reached its goals. */
+/** Summary of a run whose robots have reached all goals. */
 interface Ending {
-  /** Its folder in runs/; empty where it has none. */
+  /** Its folder in runs/; empty if it has none. */
   readonly run: string;
   readonly goals: number;
   readonly moves: number;
   readonly pictures: number;
-  /** Cells of the operator's maps that are otherwise than at first. */
+  /** Cells of the operator's maps that differ from the initial maps. */
   readonly changed: number;
 }
 
-/** Undefined while robots have goals left, and in recordings, which say themselves where they end. */
+/** Undefined while robots have goals left, and in recordings. */
 export function endingOf(state: ConsoleState): Ending | undefined {
   const { welcome, robots, beliefs } = state;
   if (welcome === undefined || welcome.mode === Mode.REPLAY) return undefined;

@@ -15,14 +15,14 @@ interface Row {
 
 const groups: readonly Group[] = ["Safety", "Attention", "Robots", "Page"];
 
-/** Every key there is, and what the signs mean. */
+/** All keys and all symbols. */
 export function HelpDialog() {
   const { store } = useConsole();
   const state = store.state.value;
   const { session, welcome } = state;
   const mapKeys = shortcutsWith(offersPaths(state), session?.drives ?? false);
   return (
-    <Modal title="Keys and signs" toRead>
+    <Modal title="Keys and symbols" toRead>
       <div class="help">
         {groups.map((group) => (
           <Keys key={group} title={group} rows={of(group)} />
@@ -71,11 +71,11 @@ function Legend() {
   const { store } = useConsole();
   return (
     <section>
-      <h3>Signs</h3>
+      <h3>Symbols</h3>
       <p>
-        <span class="good">● live</span>: heard of within a second;{" "}
-        <span class="warn">◐ stale</span>: not for a second; <span class="bad">○ lost</span>: not
-        for three seconds. <strong>!</strong> waits for you. ■ stopped. ⚑ goals reached.
+        <span class="good">● live</span>: reports normally. <span class="warn">◐ stale</span>:
+        silent for 1 s. <span class="bad">○ lost</span>: silent for 3 s. <strong>!</strong> needs
+        you. ■ stopped. ⚑ goals reached.
       </p>
       <ul class="row">
         {store.robots.value.map((name) => (
@@ -88,7 +88,7 @@ function Legend() {
   );
 }
 
-/** The service hears the name when the page connects, so the page loads anew. */
+/** The page sends its name when it connects, so saving reloads it. */
 function YourName() {
   const { rename, store } = useConsole();
   const { presence, welcome } = store.state.value;
@@ -111,16 +111,16 @@ function YourName() {
   );
 }
 
-/** What the map's colours and shapes mean. As `participates` and `offersPaths` of MapProps. */
+/** Meaning of the map's colours and shapes. For the properties see MapProps. */
 export function MapSigns(props: { participates: boolean; offersPaths: boolean }) {
-  const told = signs
+  const shown = signs
     .filter(({ secret }) => !(secret && props.participates))
     .filter(({ path }) => !path || props.offersPaths);
   return (
     <section class="map-signs">
-      <h3>What the map shows</h3>
+      <h3>Map symbols</h3>
       <ul>
-        {told.map(({ text, sign }) => (
+        {shown.map(({ text, sign }) => (
           <li key={text}>
             {sign}
             {text}

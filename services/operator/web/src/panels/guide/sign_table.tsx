@@ -6,8 +6,9 @@ import { Cell, falling, flag, frame, Lines, Mark, rising, Tint } from "./sign_sh
 interface Sign {
   readonly text: string;
   readonly sign: ComponentChildren;
-  /** Of what participants are not told, and of where no paths are given. */
+  /** Hidden from participants. */
   readonly secret?: true;
+  /** Shown only where robots follow paths. */
   readonly path?: true;
 }
 
@@ -28,7 +29,7 @@ export const signs: readonly Sign[] = [
     secret: true,
   },
   {
-    text: "You made it a wall",
+    text: "Wall that you added",
     sign: (
       <Cell fill="var(--map-wall)">
         <Tint fill="var(--map-changed)" />
@@ -37,7 +38,7 @@ export const signs: readonly Sign[] = [
     ),
   },
   {
-    text: "You took the wall away",
+    text: "Wall that you removed",
     sign: (
       <Cell>
         <Tint fill="var(--map-changed)" />
@@ -46,7 +47,7 @@ export const signs: readonly Sign[] = [
     ),
   },
   {
-    text: "Robots saw a wall, your map has none",
+    text: "Robots saw a wall that your map lacks",
     sign: (
       <Cell>
         <Lines d={frame} stroke="var(--map-differs)" width={1.5} />
@@ -55,7 +56,7 @@ export const signs: readonly Sign[] = [
     secret: true,
   },
   {
-    text: "Robots saw no wall, your map has one",
+    text: "Robots saw no wall where your map has one",
     sign: (
       <Cell fill="var(--map-wall)">
         <circle cx="10" cy="10" r="5" fill="none" stroke="var(--map-differs)" stroke-width="2" />
@@ -64,7 +65,7 @@ export const signs: readonly Sign[] = [
     secret: true,
   },
   {
-    text: "Expected of you: + a wall (a layer)",
+    text: "Wall that you are expected to add (a layer)",
     sign: (
       <Cell>
         <Tint fill="var(--map-add)" />
@@ -74,7 +75,7 @@ export const signs: readonly Sign[] = [
     secret: true,
   },
   {
-    text: "Expected of you: − a wall (a layer)",
+    text: "Wall that you are expected to remove (a layer)",
     sign: (
       <Cell>
         <Tint fill="var(--map-remove)" />
@@ -84,7 +85,7 @@ export const signs: readonly Sign[] = [
     secret: true,
   },
   {
-    text: "Where a picture was taken; filled while it waits for an answer",
+    text: "Where a picture was taken; filled: waiting for an answer",
     sign: (
       <Cell>
         <path d="M3 10 16 4q3 6 0 12z" fill={colour} fill-opacity="0.45" stroke={colour} />
@@ -110,10 +111,10 @@ export const signs: readonly Sign[] = [
     secret: true,
   },
   { text: "Trail: where a robot has been", sign: <LayerSwatch name="trails" /> },
-  { text: "Path that was given to a robot", sign: <LayerSwatch name="paths" />, path: true },
-  { text: "Plan: where it means to go next", sign: <LayerSwatch name="plan" />, secret: true },
+  { text: "Path given to a robot", sign: <LayerSwatch name="paths" />, path: true },
+  { text: "Plan: where a robot goes next", sign: <LayerSwatch name="plan" />, secret: true },
   {
-    text: "Goal of the robot of this colour and letter",
+    text: "Goal of the robot with this colour and letter",
     sign: (
       <Cell>
         <path d={flag} fill={colour} stroke="var(--map-ink)" />
@@ -129,10 +130,10 @@ export const signs: readonly Sign[] = [
       </Cell>
     ),
   },
-  { text: "Robot and where it looks", sign: <Mark fill={colour} /> },
-  { text: "Robot that is stale: not heard for a second", sign: <Mark fill={colour} dash="3 3" /> },
+  { text: "Robot and its heading", sign: <Mark fill={colour} /> },
+  { text: "Stale robot: silent for 1 s", sign: <Mark fill={colour} dash="3 3" /> },
   {
-    text: "Robot that is lost: where it was last",
+    text: "Lost robot: last known position",
     sign: (
       <Mark fill="var(--map-free)" dash="3 3">
         <text x="13" y="8" class="question">

@@ -6,51 +6,51 @@ import { MethodText } from "./method_text";
 import { tourStateOf } from "./tour";
 import "./guide.css";
 
-/** All robots stand and nobody has control: how to begin. */
+/** How to start: all robots are stopped and nobody has control. */
 export function StartDialog() {
   const { store, actions, tour } = useConsole();
   const robots = store.robots.value;
-  const heard = useComputed(() => store.state.value.robots.size).value;
+  const reported = useComputed(() => store.state.value.robots.size).value;
   const guide = async () => {
     actions.closeDialog();
     const taken = await actions.takeControlNow(robots, "");
-    if (taken.accepted) await actions.go(robots);
+    if (taken.accepted) await actions.resume(robots);
   };
   const watch = () => {
     actions.closeDialog();
-    void actions.go(robots);
+    void actions.resume(robots);
   };
-  const showRound = () => {
+  const takeTour = () => {
     void guide();
     tour.begin(tourStateOf(store));
   };
   return (
-    <Modal title={readyText(robots.length, heard)}>
+    <Modal title={readyText(robots.length, reported)}>
       <p class="start-text">
         <StartText robots={robots.length} />
       </p>
       <ul class="start">
         <Choice
           text="Guide the robots yourself"
-          detail="You get control of all of them."
+          detail="You take control of all robots."
           main
           act={() => void guide()}
         />
         <Choice
-          text="Show me round"
-          detail="The same, with a guide of two minutes."
-          act={showRound}
+          text="Take the tour"
+          detail="Guide the robots, with help for the first two minutes."
+          act={takeTour}
         />
-        <Choice text="Watch" detail="The robots go; whoever is there guides them." act={watch} />
+        <Choice text="Watch" detail="The robots start. You only watch." act={watch} />
       </ul>
     </Modal>
   );
 }
 
-/** `heard`: how many have told of themselves. */
-function readyText(robots: number, heard: number): string {
-  return heard < robots
-    ? `${heard} of ${count(robots, "robot")} ready`
+/** `reported`: number of robots that have sent their state. */
+function readyText(robots: number, reported: number): string {
+  return reported < robots
+    ? `${reported} of ${count(robots, "robot")} ready`
     : `${count(robots, "robot")} ready`;
 }
 
@@ -59,15 +59,15 @@ function StartText({ robots }: { robots: number }) {
   if (method === "" || method === "ig-mcts") {
     return (
       <>
-        Your map is partly wrong. The robots see what is there, and send you pictures. Correct the
-        map, and draw paths to the goals ⚑.
+        Your map is partly wrong. The robots see the real maze and send you pictures. Correct the
+        map and draw paths to the goals ⚑.
       </>
     );
   }
   return (
     <>
-      Your map is partly wrong: correct it as you learn more.{" "}
-      <MethodText method={method} many={robots > 1} /> The run is over when all goals ⚑ are reached.
+      Your map is partly wrong. Correct it as you learn more.{" "}
+      <MethodText method={method} many={robots > 1} /> The run ends when all goals ⚑ are reached.
     </>
   );
 }

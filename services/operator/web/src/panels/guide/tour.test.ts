@@ -18,18 +18,18 @@ const edit = (revision: bigint): UpdateBody => ({
   value: { world: "w1", editedBy: "me", revision },
 });
 
-/** A tour that is at the step of that title. */
-function at(title: string, now: TourState): Tour {
+/** A tour at the step `key`. */
+function at(key: string, now: TourState): Tour {
   const tour = new Tour();
   tour.begin(now);
-  const wanted = tour.steps.findIndex((step) => step.title === title);
+  const wanted = tour.steps.findIndex((step) => step.key === key);
   for (let step = 0; step < wanted; step += 1) tour.goOn(now);
   expect(tour.step.value).toBe(wanted);
   return tour;
 }
 
-function titleOf({ steps, step }: Tour): string | undefined {
-  return steps[step.value ?? -1]?.title;
+function keyOf({ steps, step }: Tour): string | undefined {
+  return steps[step.value ?? -1]?.key;
 }
 
 describe("the tour", () => {
@@ -44,32 +44,32 @@ describe("the tour", () => {
   });
 
   it("goes on when N was pressed, not before", () => {
-    const tour = at("Who asks for you?", tourState(3));
+    const tour = at("queue", tourState(3));
     tour.look(tourState(3));
-    expect(titleOf(tour)).toBe("Who asks for you?");
+    expect(keyOf(tour)).toBe("queue");
     tour.look(tourState(4));
-    expect(titleOf(tour)).toBe("Draw a path");
+    expect(keyOf(tour)).toBe("path");
   });
 
-  it("goes on with my path, not with another's", () => {
-    const tour = at("Draw a path", tourState(0, path("me", 2n)));
+  it("goes on with my path, not with somebody else's", () => {
+    const tour = at("path", tourState(0, path("me", 2n)));
     tour.look(tourState(0, path("you", 3n)));
-    expect(titleOf(tour)).toBe("Draw a path");
+    expect(keyOf(tour)).toBe("path");
     tour.look(tourState(0, path("me", 4n)));
-    expect(titleOf(tour)).toBe("Look at a picture");
+    expect(keyOf(tour)).toBe("picture");
   });
 
   it("goes on with an edit, or an answer", () => {
     const answered: UpdateBody = { case: "picture", value: { robot: "r1", answeredBy: "me" } };
     for (const happened of [tourState(0, edit(1n)), tourState(0, answered)]) {
-      const tour = at("Mark the wall", tourState(0));
+      const tour = at("wall", tourState(0));
       tour.look(happened);
-      expect(titleOf(tour)).toBe("And the next");
+      expect(keyOf(tour)).toBe("next");
     }
   });
 
   it("ends after its last step", () => {
-    const tour = at("That is all", tourState(0));
+    const tour = at("end", tourState(0));
     tour.goOn(tourState(0));
     expect(tour.step.value).toBeUndefined();
   });
@@ -77,16 +77,17 @@ describe("the tour", () => {
   const using = (method: string, ...more: UpdateBody[]) =>
     tourState(0, { case: "session", value: { method, robots: ["r1"] } }, ...more);
 
-  it("speaks of what the method has", () => {
-    const told = (method: string) => {
+  it("has the steps that fit the method", () => {
+    const keys = (method: string) => {
       const tour = new Tour();
       tour.begin(using(method));
-      return tour.steps.map(({ text }) => text).join(" ");
+      return tour.steps.map(({ key }) => key);
     };
-    expect(told("ig-mcts")).toContain("sends a picture");
-    expect(told("instruction")).toContain("“Path”");
-    expect(told("teleop")).not.toContain("“Path”");
-    for (const method of ["instruction", "teleop"]) expect(told(method)).not.toContain("picture");
+    expect(keys("ig-mcts")).toContain("picture");
+    expect(keys("instruction")).toEqual(expect.arrayContaining(["path", "live view"]));
+    expect(keys("teleop")).toContain("drive");
+    expect(keys("teleop")).not.toContain("path");
+    for (const method of ["instruction", "teleop"]) expect(keys(method)).not.toContain("picture");
   });
 
   it("goes on when the chosen robot was driven", () => {
@@ -94,10 +95,10 @@ describe("the tour", () => {
       case: "robot",
       value: { name, lowLevelSteps },
     });
-    const tour = at("Drive", using("teleop", driven("r1", 3n)));
+    const tour = at("drive", using("teleop", driven("r1", 3n)));
     tour.look(using("teleop", driven("r1", 3n), driven("r2", 9n)));
-    expect(titleOf(tour)).toBe("Drive");
+    expect(keyOf(tour)).toBe("drive");
     tour.look(using("teleop", driven("r1", 4n)));
-    expect(titleOf(tour)).toBe("Mark the wall");
+    expect(keyOf(tour)).toBe("wall");
   });
 });

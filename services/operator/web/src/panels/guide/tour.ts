@@ -2,7 +2,7 @@ import { type ReadonlySignal, signal } from "@preact/signals";
 import type { Store } from "../../state/store";
 import { type TourState, type TourStep, tourSteps } from "./tour_steps";
 
-/** A guided first use: each step goes on by what really happens. */
+/** A guided first use. Each step ends when the person has really done it. */
 export class Tour {
   readonly #step = signal<number | undefined>(undefined);
   #steps: readonly TourStep[] = [];
@@ -13,7 +13,7 @@ export class Tour {
     return this.#step;
   }
 
-  /** Those of the method that there was when it began. */
+  /** Steps of the method that was in use at the start. */
   get steps(): readonly TourStep[] {
     return this.#steps;
   }
@@ -23,7 +23,7 @@ export class Tour {
     this.#enter(0, now);
   }
 
-  /** By the button; the last step ends the tour. */
+  /** The person pressed the button. After the last step the tour ends. */
   goOn(now: TourState): void {
     const step = this.#step.value;
     if (step !== undefined) this.#enter(step + 1, now);
@@ -33,7 +33,7 @@ export class Tour {
     this.#step.value = undefined;
   }
 
-  /** Something happened. */
+  /** Checks whether the step is done. */
   look(now: TourState): void {
     const step = this.#steps[this.#step.value ?? -1];
     if (this.#before !== undefined && step?.done?.(this.#before, now)) this.goOn(now);

@@ -3,7 +3,7 @@ import { useConsole } from "../../app/console";
 import { tourStateOf } from "./tour";
 import "./guide.css";
 
-/** The step of the tour; what it is about is framed. */
+/** The current step of the tour. Frames the part of the page that it explains. */
 export function TourCard() {
   const { store, tour } = useConsole();
   const number = tour.step.value ?? -1;
@@ -27,11 +27,11 @@ export function TourCard() {
       </div>
       <div class="row">
         <button type="button" class={ready ? "main" : ""} onClick={() => tour.goOn(tourState)}>
-          {ready ? (last ? "Done" : "Next") : "Skip this"}
+          {ready ? (last ? "Done" : "Next") : "Skip"}
         </button>
         {!last && (
           <button type="button" onClick={() => tour.leave()}>
-            Leave the tour
+            End the tour
           </button>
         )}
       </div>

@@ -1,104 +1,114 @@
 import type { ConsoleState } from "../../state/console_state";
 
-/** What the steps of the tour look at. */
+/** What the steps of the tour depend on. */
 export interface TourState {
   readonly state: ConsoleState;
   readonly chosenRobot: string | undefined;
-  /** How often the person turned to an item of the queue. */
+  /** How often the person selected an item of the queue. */
   readonly selections: number;
 }
 
 export interface TourStep {
+  readonly key: string;
   readonly title: string;
   readonly text: string;
-  /** `data-tour` of what it is about. */
+  /** `data-tour` of the part that it explains. */
   readonly about?: "map" | "queue" | "pictures";
-  /** Whether it has happened since the step began; without one the person goes on by a button. */
+  /** Whether the person has done it since the step started. Without it, a button leads on. */
   done?(before: TourState, now: TourState): boolean;
-  /** The button is there when this holds. */
+  /** Whether the button says "Next" rather than "Skip". */
   ready?(now: TourState): boolean;
 }
 
 const wrongMap = {
+  key: "map",
   title: "Your map is wrong",
-  text: "Robots look for their goals in a maze. Your map of it, in the middle, has walls that are not there, and lacks others. Robots see the truth, and send you a picture when it is worth your time.",
+  text: "The robots look for their goals in a maze. The map in the middle is yours. Some of its walls do not exist, others are missing. The robots see the truth and send you a picture when it is worth your time.",
   about: "map",
 } as const;
 
 const wrongMapSeenLive = {
   ...wrongMap,
-  text: "Robots look for their goals in a maze. Your map of it, in the middle, has walls that are not there, and lacks others. Robots see the truth: the live view at the right shows it.",
+  text: "The robots look for their goals in a maze. The map in the middle is yours. Some of its walls do not exist, others are missing. The robots see the truth: watch the live view on the right.",
 } as const;
 
 const queue: TourStep = {
-  title: "Who asks for you?",
-  text: "The queue at the right tells who asks, and why; the most urgent comes first. Press N to go to the first.",
+  key: "queue",
+  title: "What needs you",
+  text: "The queue on the right lists the robots that need you, and why. The most urgent comes first. Press N to go to it.",
   about: "queue",
   done: (before, now) => now.selections > before.selections,
 };
 
 const path: TourStep = {
+  key: "path",
   title: "Draw a path",
-  text: "Choose the tool “Path” above the map. Draw from the robot to its goals, around the walls, and send the path.",
+  text: "Choose the “Path” tool above the map. Drag from the robot to its goals, around the walls. The path is sent when you release.",
   about: "map",
   done: (before, now) => pathsByMe(now.state) > pathsByMe(before.state),
 };
 
 const picture: TourStep = {
+  key: "picture",
   title: "Look at a picture",
-  text: "Now the robot goes. When it sees something that your map has otherwise, it sends a picture. It shows up at the right, and on the map, where it was taken. This may take a moment.",
+  text: "The robot is on its way. When it finds something that contradicts your map, it sends a picture. The picture appears on the right; the map shows where it was taken. This may take a moment.",
   about: "pictures",
   ready: ({ state }) => state.pictures.size > 0,
 };
 
 const liveView: TourStep = {
+  key: "live view",
   title: "Look at the live view",
-  text: "Now the robot goes your path. The live view shows what its camera sees: look for walls that your map has otherwise.",
+  text: "The robot follows your path. The live view shows what its camera sees. Look for walls that differ from your map.",
   about: "pictures",
 };
 
 const drive: TourStep = {
+  key: "drive",
   title: "Drive",
-  text: "Hold the arrow keys: up and down drive the chosen robot, left and right turn it. It stands when you let go. The live view shows what its camera sees.",
+  text: "Hold the arrow keys. Up and down drive the chosen robot, left and right turn it. It stops when you release the key. The live view shows what its camera sees.",
   about: "pictures",
   done: (before, now) => stepsOfChosen(now) > stepsOfChosen(before, now.chosenRobot),
 };
 
 const wall: TourStep = {
-  title: "Mark the wall",
-  text: "Compare the picture with your map. Draw missing walls with the tool “Wall”, remove wrong ones with “Erase”. If the map is right, press X: nothing new.",
+  key: "wall",
+  title: "Correct your map",
+  text: "Compare the picture with your map. Draw missing walls with the “Wall” tool. Remove wrong ones with “Erase”. If the map is right, press X: nothing new.",
   about: "map",
   done: (before, now) => answersByMe(now.state) > answersByMe(before.state),
 };
 
 const wallSeenLive: TourStep = {
   ...wall,
-  text: "Compare the live view with your map. Draw missing walls with the tool “Wall”, remove wrong ones with “Erase”.",
+  text: "Compare the live view with your map. Draw missing walls with the “Wall” tool. Remove wrong ones with “Erase”.",
 };
 
 const wallBetweenDrives: TourStep = {
   ...wall,
-  text: `${wallSeenLive.text} While such a tool is chosen the arrow keys are the map's; Esc lets them drive again.`,
+  text: `${wallSeenLive.text} While one of these tools is chosen, the arrow keys move the map's cursor. Press Esc to drive again.`,
 };
 
 const another: TourStep = {
-  title: "And the next",
-  text: "The robot waits for a path, or goes on alone after a while. Press N whenever somebody asks.",
+  key: "next",
+  title: "Keep going",
+  text: "The robot waits for a path, or continues alone after a while. Press N whenever a robot needs you.",
   about: "queue",
   done: (before, now) => now.selections > before.selections,
 };
 
 const anotherPath: TourStep = {
   ...another,
-  text: "The robot stops where its path ends or a wall is in the way, until you draw another one. Press N whenever somebody asks.",
+  text: "Where its path ends or a wall blocks it, the robot stops until you draw another path. Press N whenever a robot needs you.",
 };
 
 const end: TourStep = {
+  key: "end",
   title: "That is all",
-  text: "Shift Esc stops all robots, at any time. The key ? shows all keys. Good luck!",
+  text: "Shift Esc stops all robots at any time. Press ? for all keys. Good luck!",
 };
 
-/** By method. */
+/** Steps by method. */
 const steps: ReadonlyMap<string, readonly TourStep[]> = new Map([
   ["instruction", [wrongMapSeenLive, queue, path, liveView, wallSeenLive, anotherPath, end]],
   ["teleop", [wrongMapSeenLive, queue, drive, wallBetweenDrives, end]],
@@ -114,7 +124,7 @@ function pathsByMe({ guidance, welcome }: ConsoleState): number {
   return mine.reduce((sum, { revision }) => sum + Number(revision), 0);
 }
 
-/** Edits count, and pictures that were answered. */
+/** Number of my edits and of pictures that I answered. */
 function answersByMe({ beliefs, pictures, welcome }: ConsoleState): number {
   const me = welcome?.client;
   const edits = [...beliefs.values()].filter(({ editedBy }) => editedBy === me);
@@ -122,7 +132,7 @@ function answersByMe({ beliefs, pictures, welcome }: ConsoleState): number {
   return edits.reduce((sum, { revision }) => sum + Number(revision), answered.length);
 }
 
-/** How far `robot` was driven. */
+/** Low-level steps that `robot` was driven. */
 function stepsOfChosen({ state, chosenRobot }: TourState, robot = chosenRobot): number {
   return Number(state.robots.get(robot ?? "")?.lowLevelSteps ?? 0n);
 }

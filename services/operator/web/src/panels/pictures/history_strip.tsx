@@ -75,7 +75,7 @@ function SmallImage({ picture }: { picture: Picture }) {
   return state.kind === "ready" ? <img src={state.url} alt="" /> : undefined;
 }
 
-/** First of the `size` of `length` entries to show, so that number `at` is about in the middle; the newest where there is none. */
+/** Index of the first of `size` entries to show out of `length`, with entry `at` near the middle; the newest if `at` is negative. */
 export function windowStart(length: number, at: number, size: number): number {
   const newest = Math.max(0, length - size);
   return at < 0 ? newest : Math.max(0, Math.min(newest, at - Math.floor(size / 2)));

@@ -39,7 +39,7 @@ beforeEach(() => {
 });
 
 describe("frames", () => {
-  it("are drawn in their own size, and given back", async () => {
+  it("are drawn in their own size, and closed", async () => {
     paint(1);
     decoded[0]?.(frame(320));
     await settled();
@@ -47,7 +47,7 @@ describe("frames", () => {
     expect([drawn.length, closed]).toEqual([1, 1]);
   });
 
-  it("are decoded one at a time; of those that come meanwhile the newest counts", async () => {
+  it("are decoded one at a time; of those in between only the newest is drawn", async () => {
     paint(1);
     paint(2);
     paint(3);

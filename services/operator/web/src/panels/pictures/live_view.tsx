@@ -1,9 +1,9 @@
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import { useConsole } from "../../app/console";
 import { ageOf, frameStaleAfter } from "../../state/freshness";
-import { duration } from "../format";
+import { count, duration } from "../format";
 
-/** The newest frame of a robot that streams, with its age; dimmed when it is no live view any more. */
+/** The newest frame of a robot that streams, with its age; dimmed when it is old. */
 export function LiveView({ robot }: { robot: string }) {
   const { store } = useConsole();
   const frame = store.state.value.frames.get(robot);
@@ -13,11 +13,11 @@ export function LiveView({ robot }: { robot: string }) {
     <>
       <h2>Live view of {robot}</h2>
       <figure class={`live-view ${old ? "old" : ""}`}>
-        {/* Another robot's view is another canvas: nothing of the one before may show under its name. */}
+        {/* One canvas per robot, so that no robot shows a frame of another. */}
         <FrameCanvas key={robot} robot={robot} jpeg={frame?.jpeg} />
         <figcaption class={old ? "bad" : "good"}>{caption(age, old)}</figcaption>
         {frame !== undefined && frame.skipped > 0n && (
-          <span class="quiet skipped">{String(frame.skipped)} frames skipped</span>
+          <span class="quiet skipped">{count(Number(frame.skipped), "frame")} skipped</span>
         )}
       </figure>
     </>
@@ -48,14 +48,14 @@ interface DecodedFrame {
   close(): void;
 }
 
-/** What is painted on. */
+/** The part of a canvas that FramePainter uses. */
 interface FrameSurface<Frame> {
   width: number;
   height: number;
   getContext(kind: "2d"): { drawImage(frame: Frame, x: number, y: number): void } | null;
 }
 
-/** Frames on a canvas, in their order: one is decoded at a time, and of those that come meanwhile only the newest. */
+/** Draws frames in order. Decodes one at a time; of the frames that arrive in between it keeps only the newest. */
 export class FramePainter<Frame extends DecodedFrame> {
   #decode: (jpeg: Uint8Array) => Promise<Frame>;
   #next: Uint8Array | undefined;
@@ -88,7 +88,7 @@ export class FramePainter<Frame extends DecodedFrame> {
       canvas.getContext("2d")?.drawImage(frame, 0, 0);
       frame.close();
     } catch {
-      // Not a picture: the old one stays, and grows old on screen.
+      // Not a JPEG: the previous frame stays.
     }
   }
 }

@@ -17,7 +17,7 @@ import { PictureImage } from "./picture_image";
 import { answerText, directionText, summaryOf } from "./summary";
 import "./pictures.css";
 
-/** What the chosen robot shows: its newest picture, those before, and a live view where the method streams. */
+/** Pictures of the chosen robot, and its live view if the method streams. */
 export function Pictures() {
   const { store } = useConsole();
   const robot = store.chosenRobot.value;
@@ -37,7 +37,7 @@ function NoPicture({ robot }: { robot: string | undefined }) {
   return (
     <>
       <h2>Pictures{robot !== undefined && ` of ${robot}`}</h2>
-      <p class="quiet">None yet. A robot sends one when it is worth your time.</p>
+      <p class="quiet">None yet. A robot sends a picture when it is worth your time.</p>
     </>
   );
 }
@@ -72,7 +72,7 @@ function PictureDetails({ picture }: { picture: Picture }) {
         <p>
           {summaryOf(picture, state.beliefs.get(world), columns)}{" "}
           <span class="quiet">
-            From {cellText(cell)}, to the {directionText(heading)}.
+            From {cellText(cell)}, facing {directionText(heading)}.
           </span>
         </p>
         <button type="button" onClick={() => store.centre(cell)}>

@@ -30,7 +30,7 @@ export function useReplay() {
 /** Recorded seconds per second. */
 export const speeds = [0.5, 1, 2, 4, 8, 16, 32] as const;
 
-/** A mark this near, s, is the one that we stand on. */
+/** s; a mark this near is the current one. */
 const here = 0.25;
 
 /** The mark before (-1) or after (1) `position`, of `kind` or any. */
@@ -59,7 +59,7 @@ export const markNames: readonly (readonly [MarkKind, string])[] = [
   [MarkKind.MARK_GOAL, "goal"],
 ];
 
-/** What playing on means: the speed before the pause, or 1; at the end it begins again. */
+/** What the play button does: pause, resume at speed `before`, or restart at the end. */
 export function played(
   { position, duration, speed }: { position: number; duration: number; speed: number },
   before: number,
@@ -69,16 +69,16 @@ export function played(
 }
 
 export interface SeekTarget {
-  /** s since the beginning of the recording. */
+  /** s since the start of the recording. */
   readonly position?: number;
   /** Recorded seconds per second; 0 = pause. */
   readonly speed?: number;
 }
 
-/** s between two requests: a slider that is dragged asks more often than the service takes. */
+/** s between two requests; a dragged slider changes faster than the service accepts. */
 export const seekPeriod = 0.1;
 
-/** Asks for places in a recording: the first at once, of those that follow quickly the newest. */
+/** Sends seek requests: the first at once, then only the newest per period. */
 export class Seeker {
   #seek: (to: SeekTarget) => void;
   #clock: Clock;

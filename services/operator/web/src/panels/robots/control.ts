@@ -7,35 +7,35 @@ import { isTask } from "../task/task_state";
 interface Held {
   /** Wall time of the service. */
   readonly until: number;
-  /** Of the service. */
+  /** Run of the service. */
   readonly run: string;
 }
 
-/** s; control that ends earlier than this before its time did not run out. */
+/** s; control that ends earlier before its time did not expire. */
 const nearlyOver = 1;
 
-/** Remembers which robots this page controls, also while it knows nothing of them, and says why it controls them no more. */
+/** Remembers which robots this page controls, also while disconnected, and says why it lost control. */
 export class ControlMonitor {
   readonly #mine = new Map<string, Held>();
   readonly #releasing = new Set<string>();
   #seen: ConsoleState["controls"] | undefined;
 
-  /** They are released by hand: no news. */
-  releases(robots: readonly string[]): void {
+  /** The person releases these robots, so their loss is not reported. */
+  beginRelease(robots: readonly string[]): void {
     for (const robot of robots) this.#releasing.add(robot);
   }
 
-  /** They were not. */
-  keeps(robots: readonly string[]): void {
+  /** The release was refused. */
+  cancelRelease(robots: readonly string[]): void {
     for (const robot of robots) this.#releasing.delete(robot);
   }
 
-  /** What there is to say since the look before. `now`: wall time of the service. */
-  look(state: ConsoleState, now: number): string[] {
-    // A new Welcome comes before what is new.
+  /** Losses of control since the previous call, as texts. `now`: wall time of the service. */
+  update(state: ConsoleState, now: number): string[] {
+    // After a Welcome the state is still the old one until its updates arrive.
     if (state.controls === this.#seen) return [];
     this.#seen = state.controls;
-    if (isTask(state)) return []; // between mazes it ends without anybody's doing
+    if (isTask(state)) return []; // control ends by itself between mazes
     const lost = new Map<string, string[]>();
     for (const robot of state.controls.keys()) {
       const holder = holderOf(state, robot);
@@ -49,7 +49,7 @@ export class ControlMonitor {
         lost.set(why, [...(lost.get(why) ?? []), robot]);
       }
     }
-    return [...lost].map(([why, robots]) => `You control ${robots.join(", ")} no more: ${why}`);
+    return [...lost].map(([why, robots]) => `You no longer control ${robots.join(", ")}: ${why}`);
   }
 }
 
@@ -57,17 +57,17 @@ function whyLost(held: Held, holder: Holder, state: ConsoleState, now: number): 
   if (holder.kind === "other") {
     return `${holder.name} took over${holder.reason && ` (“${holder.reason}”)`}.`;
   }
-  return `${howEnded(held, state, now)} “Take control” gives it back.`;
+  return `${howEnded(held, state, now)} Press “Take control” to get it back.`;
 }
 
 function howEnded({ until, run }: Held, state: ConsoleState, now: number): string {
-  if (run !== state.run) return "the service was started anew.";
+  if (run !== state.run) return "the service restarted.";
   if (until - now > nearlyOver) return "the connection was lost for too long.";
   const limit = state.welcome?.limits?.controlTime;
-  return `the service heard nothing of you for ${duration(limit)}.`;
+  return `you were inactive for ${duration(limit)}.`;
 }
 
-/** Whom it takes control from, if anybody: then a reason is asked for. */
+/** The take-over of `robots`, and from whom; from nobody needs no reason. */
 export function takeOverOf(state: ConsoleState, robots: readonly string[]): TakeOver {
   const names = robots.flatMap((robot) => {
     const holder = holderOf(state, robot);
@@ -80,7 +80,7 @@ export function needsReason({ from }: TakeOver): boolean {
   return from.length > 0;
 }
 
-/** What is said to the others, and in the log; undefined while it is none. */
+/** The reason that others read, also in the log; undefined if it is too short. */
 export function reasonOf(text: string): string | undefined {
   const reason = text.trim();
   return reason.length >= 3 ? reason : undefined;

@@ -4,7 +4,7 @@ import { holderOf, mayCommand, mayStop } from "../../state/selectors";
 import { duration } from "../format";
 import "./robots.css";
 
-/** Stop, go, and who has control. Stop works for everybody, always. */
+/** Stop, resume, and who has control. Everybody can always stop. */
 export function ControlBar() {
   const { store } = useConsole();
   const state = store.state.value;
@@ -30,9 +30,9 @@ function ForAll() {
       <button
         type="button"
         disabled={!store.canCommand.value || !anyStopped}
-        onClick={() => void actions.go([...robots])}
+        onClick={() => void actions.resume([...robots])}
       >
-        ▶ Go all <kbd>{keyHint("go all")}</kbd>
+        ▶ Resume all <kbd>{keyHint("resume all")}</kbd>
       </button>
     </>
   );
@@ -48,7 +48,7 @@ function ControlOf({ robot }: { robot: string }) {
         type="button"
         disabled={!store.canCommand.value}
         onClick={() => void actions.releaseControl([robot])}
-        title="Using this page renews it"
+        title="Renewed while you use this page"
       >
         You control {robot} ({duration(Math.max(0, left))}): release
       </button>

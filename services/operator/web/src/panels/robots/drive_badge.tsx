@@ -5,15 +5,15 @@ import { milliseconds } from "../format";
 import { driveBlockedReason, isAdvisedAgainst } from "./teleoperation";
 import "./robots.css";
 
-const words: Readonly<Record<DriveAction, string>> = {
-  [DriveAction.DRIVE_STOP]: "stands",
+const actionTexts: Readonly<Record<DriveAction, string>> = {
+  [DriveAction.DRIVE_STOP]: "standing still",
   [DriveAction.DRIVE_FORWARD]: "↑ forward",
   [DriveAction.DRIVE_BACKWARD]: "↓ backward",
   [DriveAction.DRIVE_TURN_LEFT]: "← left",
   [DriveAction.DRIVE_TURN_RIGHT]: "→ right",
 };
 
-/** In methods that drive: what the keys do now, or why they do nothing. */
+/** In methods driven by hand: what the keys do now, or why they do nothing. */
 export function DriveBadge() {
   const { store, teleoperation } = useConsole();
   const { state, link, timing, now } = store;
@@ -25,25 +25,24 @@ export function DriveBadge() {
     <div class="drive panel">
       <output>
         {blocked !== undefined ? (
-          <span class="bad">No driving: {blocked}.</span>
+          <span class="bad">You cannot drive: {blocked}.</span>
         ) : editsMap(store.tool.value) ? (
           <span>
-            You edit the map. <kbd>Esc</kbd> lets the arrow keys drive <strong>{robot}</strong>{" "}
-            again.
+            You are editing the map. Press <kbd>Esc</kbd> to drive <strong>{robot}</strong> again.
           </span>
         ) : (
           <span>
             Hold the arrow keys to drive <strong>{robot}</strong>:{" "}
             <strong class={action === undefined ? "quiet" : "good"}>
-              {words[action ?? DriveAction.DRIVE_STOP]}
+              {actionTexts[action ?? DriveAction.DRIVE_STOP]}
             </strong>
           </span>
         )}
       </output>
-      {/* Not read aloud: it changes with each ping. */}
+      {/* Not in the live region: it changes with each ping. */}
       {blocked === undefined && isAdvisedAgainst(state.value, timing.value) && (
         <span class="warn">
-          The round trip is {milliseconds(timing.value.roundTrip)}: better guide by paths.
+          The round trip is {milliseconds(timing.value.roundTrip)}: drive with care.
         </span>
       )}
     </div>

@@ -4,25 +4,25 @@ import { ageOf, type Freshness, freshnessOf } from "../../state/freshness";
 import { type Holder, holderOf, itemsOf, nameOf } from "../../state/selectors";
 import { isNotice, reasonText } from "../attention/queue_texts";
 
-/** What the fleet strip tells of a robot. */
+/** What the fleet strip shows of a robot. */
 export interface FleetRow {
   readonly name: string;
-  readonly freshness: Freshness | "not heard yet";
-  /** s since the newest news of it. */
+  readonly freshness: Freshness | "no data yet";
+  /** s since its newest state. */
   readonly age: number | undefined;
   readonly goalsReached: number;
   readonly goalsTotal: number;
   readonly stopped: boolean;
-  /** Who stopped it, and why; undefined = it is not stopped. */
+  /** Who stopped it and why; undefined = not stopped. */
   readonly stop: string | undefined;
   readonly holder: Holder;
-  /** That it waits for the operator: why, and since how many s of the operator's time. */
+  /** Why it waits for the operator, and for how many s of the operator's time. */
   readonly wait: { readonly why: string; readonly seconds: number } | undefined;
-  /** What it does otherwise, in a word. */
+  /** What it does now, in a word. */
   readonly doing: string;
 }
 
-/** `linked`: whether the service is heard now. */
+/** `linked`: whether the link is live. */
 export function fleetRow(
   state: ConsoleState,
   now: number | undefined,
@@ -34,7 +34,7 @@ export function fleetRow(
   return {
     name,
     freshness:
-      linked && robot === undefined ? "not heard yet" : freshnessOf(robot?.heardAt, now, linked),
+      linked && robot === undefined ? "no data yet" : freshnessOf(robot?.heardAt, now, linked),
     age: ageOf(robot?.heardAt, now),
     goalsReached: (robot?.goalsTotal ?? 0) - (robot?.goalsLeft.length ?? 0),
     goalsTotal: robot?.goalsTotal ?? 0,
@@ -65,21 +65,21 @@ function doingText(robot: Robot | undefined): string {
   if (isDone(robot)) return "✓ all goals reached";
   switch (robot.outcome) {
     case CommandOutcome.OUTCOME_RUNNING:
-      return "on its way";
+      return "driving";
     case CommandOutcome.OUTCOME_BLOCKED:
-      return "met a wall";
+      return "blocked by a wall";
     case CommandOutcome.OUTCOME_OCCUPIED:
-      return "makes way";
+      return "giving way";
     case CommandOutcome.OUTCOME_REFUSED:
       return "command refused";
     case CommandOutcome.OUTCOME_EXPIRED:
       return "command expired";
     default:
-      return "stands";
+      return "idle";
   }
 }
 
-/** Who has control. `recorded`: the run is one of before; leases of control are not on the bus, so not in its recording. */
+/** Who has control. `recorded`: recordings do not contain it, because control is not on the bus. */
 export function controlText({ holder, name }: FleetRow, recorded: boolean): string {
   switch (holder.kind) {
     case "me":
@@ -88,7 +88,7 @@ export function controlText({ holder, name }: FleetRow, recorded: boolean): stri
       return `${holder.name} has control of ${name}: ${holder.reason || "no reason given"}`;
     default:
       return recorded
-        ? `Who had control of ${name} is not in the recording`
+        ? `The recording does not say who had control of ${name}`
         : `Nobody has control of ${name}`;
   }
 }

@@ -9,10 +9,10 @@ import { duration } from "../format";
 import { controlText, type FleetRow, fleetRow } from "./fleet_row";
 import "./robots.css";
 
-/** More robots than these get small cards, so that all are in sight. */
+/** With more robots the cards get smaller, so that all fit. */
 const mostLarge = 8;
 
-/** Every robot at a glance: how fresh its state is, goals, whether it waits for the operator. */
+/** All robots at a glance: age of their state, goals, and whether they wait for the operator. */
 export function FleetStrip() {
   const { store } = useConsole();
   const names = store.robots.value;
@@ -22,7 +22,7 @@ export function FleetStrip() {
       aria-label="Robots"
       data-tour="fleet"
     >
-      {names.length === 0 && <p class="quiet">No robot was heard of yet.</p>}
+      {names.length === 0 && <p class="quiet">No robot has reported yet.</p>}
       <ul>
         {names.map((name) => (
           <FleetCard key={name} name={name} />
@@ -62,12 +62,12 @@ function FleetCard({ name }: { name: string }) {
         <span class="doing">{doing(row)}</span>
         {row.holder.kind === "other" && <span class="holder">{row.holder.name} has control</span>}
       </button>
-      {maySeeStop && <StopAndGo row={row} />}
+      {maySeeStop && <StopAndResume row={row} />}
     </li>
   );
 }
 
-/** Robots tell of themselves many times a second, what a card says changes seldom. */
+/** Robots report many times a second, but their cards rarely change. */
 function useRow(name: string): FleetRow {
   const { store } = useConsole();
   const row = useMemo(
@@ -82,13 +82,13 @@ function useRow(name: string): FleetRow {
 }
 
 function FreshnessBadge({ row: { freshness, age } }: { row: FleetRow }) {
-  const signs = { live: "●", stale: "◐", lost: "○", "no news": "◌", "not heard yet": "◌" };
+  const signs = { live: "●", stale: "◐", lost: "○", unknown: "◌", "no data yet": "◌" };
   const kind = {
     live: "good",
     stale: "warn",
     lost: "bad",
-    "no news": "bad",
-    "not heard yet": "warn",
+    unknown: "bad",
+    "no data yet": "warn",
   };
   const old = freshness === "live" || age === undefined ? "" : ` ${duration(age)}`;
   return (
@@ -103,8 +103,8 @@ function FreshnessBadge({ row: { freshness, age } }: { row: FleetRow }) {
   );
 }
 
-/** Stop keeps its place: what is about to be pressed never turns into Go. */
-function StopAndGo({ row: { name, stopped } }: { row: FleetRow }) {
+/** Stop and resume are separate buttons, so that a press meant to stop never resumes. */
+function StopAndResume({ row: { name, stopped } }: { row: FleetRow }) {
   const { store, actions } = useConsole();
   return (
     <>
@@ -113,9 +113,9 @@ function StopAndGo({ row: { name, stopped } }: { row: FleetRow }) {
           type="button"
           class="go"
           disabled={!store.canCommand.value}
-          title="Go"
-          aria-label={`Go ${name}`}
-          onClick={() => void actions.go([name])}
+          title="Resume"
+          aria-label={`Resume ${name}`}
+          onClick={() => void actions.resume([name])}
         >
           ▶
         </button>

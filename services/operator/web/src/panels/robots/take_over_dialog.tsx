@@ -5,7 +5,7 @@ import type { TakeOver } from "../../state/store";
 import { reasonOf } from "./control";
 import "./robots.css";
 
-/** Asks why before control is taken from somebody else. */
+/** Asks for a reason before taking control from somebody else. */
 export function TakeOverDialog({ takeOver }: { takeOver: TakeOver }) {
   const { actions } = useConsole();
   const [text, setText] = useState("");

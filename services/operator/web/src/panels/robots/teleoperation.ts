@@ -8,29 +8,28 @@ import { freshnessOf } from "../../state/freshness";
 import { commandBlockedReason } from "../../state/selectors";
 import { isTask, mapBlockedReason } from "../task/task_state";
 
-/** One low-level action takes so long, s. */
+/** Duration of a low-level action, s. */
 const drivePeriod = 0.25;
 
 interface TeleoperationParts {
   readonly clock: Clock;
   drive(robot: string, action: DriveAction): void;
   chosenRobot(): string | undefined;
-  /** Why nobody may drive it now, in words; undefined = one may. */
+  /** Why the robot cannot be driven now; undefined = it can. */
   blockedReason(robot: string): string | undefined;
-  /** A key was pressed in vain. */
+  /** A key was pressed that cannot drive. */
   blocked(reason: string): void;
 }
 
 /**
- * Driving by hand: sends an action when a key goes down, and again each `drivePeriod` while it is held. Whatever ends the
- * holding ends the driving, with one stop: `release` of the last key, `halt` (focus or page lost), another chosen robot, or a
- * reason that comes up meanwhile.
+ * Driving by hand: sends an action when a key goes down, and again every `drivePeriod` while it is held. Driving ends with one
+ * stop: on `release` of the last key, on `halt` (lost focus or page), when another robot is chosen, or when driving gets blocked.
  */
 export class Teleoperation {
-  /** What is being driven; undefined = nothing. */
+  /** The current action; undefined = not driving. */
   readonly action: Signal<DriveAction | undefined> = signal(undefined);
   #parts: TeleoperationParts;
-  /** Keys that are down; the newest counts. */
+  /** Actions of the keys that are down; the newest applies. */
   #held: DriveAction[] = [];
   #robot = "";
   #cancel: Cancel = () => undefined;
@@ -62,7 +61,7 @@ export class Teleoperation {
     else if (this.action.value === action) this.#restart();
   }
 
-  /** Stops at once, if anything is driven. */
+  /** Stops the robot at once if it is driven. */
   halt(): void {
     this.#cancel();
     this.#held = [];
@@ -91,7 +90,7 @@ export class Teleoperation {
   }
 }
 
-/** s of round trip beyond which nobody should drive, or may; as usual where the service names none. */
+/** Round trips in s above which driving is advised against or refused; defaults if the service sends none. */
 export function driveLimits({ welcome }: Pick<ConsoleState, "welcome">) {
   return {
     advisedAgainst: welcome?.limits?.driveAdvisedAgainst || 0.3,
@@ -99,7 +98,7 @@ export function driveLimits({ welcome }: Pick<ConsoleState, "welcome">) {
   };
 }
 
-/** Why `robot` cannot be driven now, in words; undefined = it can. `now`: wall time of the service. */
+/** Why `robot` cannot be driven now; undefined = it can. `now`: wall time of the service. */
 export function driveBlockedReason(
   state: ConsoleState,
   link: Link,
@@ -107,14 +106,14 @@ export function driveBlockedReason(
   now: number | undefined,
   robot: string,
 ): string | undefined {
-  if (!state.session?.drives) return "this method is not driven by hand";
+  if (!state.session?.drives) return "this method does not drive by hand";
   if (link.state !== "live") return "the connection is not live";
   const forbidden = commandBlockedReason(state, robot);
   if (forbidden !== undefined) return forbidden;
   const begins = isTask(state) ? mapBlockedReason(state) : undefined;
   if (begins !== undefined) return begins;
-  if (state.controls.get(robot)?.stopped) return `${robot} is stopped: G lets it go on`;
-  if (!state.robots.has(robot)) return `${robot} is not heard yet`;
+  if (state.controls.get(robot)?.stopped) return `${robot} is stopped (G resumes it)`;
+  if (!state.robots.has(robot)) return `${robot} has not reported yet`;
   if (freshnessOf(state.robots.get(robot)?.heardAt, now, true) === "lost")
     return `${robot} is lost`;
   if (roundTrip === undefined) return "the round trip is not measured yet";

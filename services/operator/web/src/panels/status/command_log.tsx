@@ -8,7 +8,7 @@ import "./status.css";
 
 const mostShown = 200;
 
-/** Who asked for what, newest first. */
+/** Who sent which command, newest first. */
 export function Events() {
   const { store } = useConsole();
   const state = store.state.value;
@@ -17,8 +17,8 @@ export function Events() {
   return (
     <section class="panel events" aria-label="Command log">
       <h2>Command log</h2>
-      {shown.length === 0 && <p class="quiet">Nothing was asked for yet.</p>}
-      {/* biome-ignore lint/a11y/noNoninteractiveTabindex: who has no mouse scrolls it by the keyboard. */}
+      {shown.length === 0 && <p class="quiet">No commands yet.</p>}
+      {/* biome-ignore lint/a11y/noNoninteractiveTabindex: keyboard users scroll it. */}
       <ol tabIndex={0}>
         {shown.map(({ event, times, since }) => (
           <li key={String(event.id)} class={event.kind === EventKind.EVENT_REFUSED ? "warn" : ""}>
@@ -37,13 +37,13 @@ export function Events() {
   );
 }
 
-function textOf(state: ConsoleState, { text: told, robot, world }: Event): string {
+function textOf(state: ConsoleState, { text: raw, robot, world }: Event): string {
   const about = robot || world;
-  const text = withNames(state, told);
+  const text = withNames(state, raw);
   return about === "" || text.includes(about) ? text : `${about}: ${text}`;
 }
 
-/** A line of the command log: an event, or refusals of the same request one after the other. */
+/** A line of the command log: an event, or repeated refusals of the same request. */
 interface LogLine {
   /** The newest of them. */
   readonly event: Event;
@@ -52,15 +52,15 @@ interface LogLine {
   readonly since: number;
 }
 
-/** s between two refusals that still count as one after the other. */
+/** s; refusals closer than this are folded into one line. */
 const mostApart = 60;
 
 /** Newest first. `events`: oldest first. */
 export function logLines(events: readonly Event[]): readonly LogLine[] {
-  // In the order in which they got their newest event.
+  // Ordered by their newest event.
   const lines = new Map<string, LogLine>();
   for (const event of events) {
-    const key = sameness(event);
+    const key = foldKey(event);
     const before = lines.get(key);
     lines.delete(key);
     const goesOn = before !== undefined && event.time - before.event.time <= mostApart;
@@ -71,8 +71,8 @@ export function logLines(events: readonly Event[]): readonly LogLine[] {
   return [...lines.values()].sort((a, b) => Number(b.event.id - a.event.id));
 }
 
-/** Equal for repeated refusals; how many cells it was about does not matter. */
-function sameness({ kind, id, client, robot, world, text }: Event): string {
+/** Key that is equal for repeated refusals, whatever the number of cells. */
+function foldKey({ kind, id, client, robot, world, text }: Event): string {
   if (kind !== EventKind.EVENT_REFUSED) return String(id);
   return [client, world, robot, text.replace(/\d+ cells?/, "cells")].join("\n");
 }

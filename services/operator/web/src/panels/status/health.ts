@@ -1,7 +1,7 @@
 import { Level, type Search, type Service } from "../../protocol/generated/console_pb";
 import type { ConsoleState } from "../../state/console_state";
 
-/** s that the newest decisions took: of the robot that was slowest. */
+/** Duration of the slowest robot's newest decision in s. */
 export function plannerTime(searches: ReadonlyMap<string, Search>): number | undefined {
   const times = [...searches.values()].map(({ durationMs }) => durationMs / 1000);
   return times.length === 0 ? undefined : Math.max(...times);
@@ -12,9 +12,9 @@ export function framesSkipped({ frames }: ConsoleState): number {
 }
 
 interface ServicesHealth {
-  /** How many are well. */
+  /** Number of healthy services. */
   readonly ok: number;
-  /** The others, by name. */
+  /** The others. */
   readonly ill: readonly Service[];
 }
 
@@ -24,7 +24,7 @@ export function healthOf(services: Iterable<Service>): ServicesHealth {
   return { ok: all.length - ill.length, ill };
 }
 
-/** `level`: undefined = nobody can be heard now. */
+/** `level`: undefined = no link. */
 export function levelText(level: Level | undefined): string {
   switch (level) {
     case undefined:
@@ -46,7 +46,7 @@ export function levelClass(level: Level | undefined): string {
   return level === Level.WARNING ? "warn" : "bad";
 }
 
-/** Amber and red by the limits of driving by hand. */
+/** Amber and red above the limits of driving by hand. */
 export function roundTripClass(
   roundTrip: number | undefined,
   limits: { advisedAgainst: number; refused: number },

@@ -14,7 +14,7 @@ import {
 } from "./health";
 import "./status.css";
 
-/** How old and how quick everything is, how the services are, and who else is here. */
+/** Latency, health of the services, and who is here. */
 export function LatencyStrip() {
   const { store } = useConsole();
   const state = store.state.value;
@@ -37,7 +37,7 @@ export function LatencyStrip() {
       </Item>
       {skipped > 0 && <Item name="Frames skipped">{skipped}</Item>}
       {store.pending.value > 0 && (
-        <Item name="On the way">{count(store.pending.value, "request")}</Item>
+        <Item name="Pending">{count(store.pending.value, "request")}</Item>
       )}
       {state.session?.method && (
         <Item name="Method" spare>
@@ -54,7 +54,7 @@ export function LatencyStrip() {
 interface ItemProps {
   name: string;
   children: ComponentChildren;
-  /** Goes where there is little room. */
+  /** Hidden in small windows. */
   spare?: boolean;
 }
 
@@ -77,19 +77,19 @@ function LinkState() {
   );
 }
 
-/** Those that are well are counted, the others named; pointing at it tells all. */
+/** Counts the healthy services and names the others. The tooltip lists all. */
 function Services() {
   const { store } = useConsole();
   const services = [...store.state.value.services.values()];
   if (services.length === 0) return undefined;
-  const told = services.map(
+  const details = services.map(
     ({ name, level, message, heardAt }) =>
-      `${name}: ${levelText(level)}, ${message} (heard ${duration(ageOf(heardAt, store.now.value))} ago)`,
+      `${name}: ${levelText(level)}, ${message} (${duration(ageOf(heardAt, store.now.value))} ago)`,
   );
   const { ok, ill } = healthOf(services);
   const unknown = !store.linked.value;
   return (
-    <span class="services" title={told.join("\n")}>
+    <span class="services" title={details.join("\n")}>
       <span class="quiet">Services</span>
       {unknown && <span class={levelClass(undefined)}>{levelText(undefined)}</span>}
       {!unknown && ok > 0 && <span class={levelClass(Level.OK)}>● {ok} ok</span>}
@@ -124,7 +124,7 @@ function roleText(role: Role): string {
   return role === Role.OPERATOR ? "operator" : "observer";
 }
 
-/** How the page itself looks; the same as their keys. */
+/** Buttons for the page's own display; each has a key, too. */
 function PageButtons() {
   const { store, commands } = useConsole();
   const { workload, events, theme } = store.settings.value;
@@ -136,7 +136,7 @@ function PageButtons() {
       <button type="button" aria-pressed={events} onClick={commands.events}>
         Log
       </button>
-      <button type="button" title="Dark, light, or as the system" onClick={commands.theme}>
+      <button type="button" title="Switch theme: dark, light, system" onClick={commands.theme}>
         <span aria-hidden="true">◐ </span>
         <span class="unseen">Theme: </span>
         {theme}

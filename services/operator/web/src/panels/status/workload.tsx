@@ -6,7 +6,7 @@ import type { Chart } from "./workload_chart";
 import { loadLevel } from "./workload_history";
 import "./status.css";
 
-/** How busy the operator is, measured by the service; over time as a chart. */
+/** The operator's workload as measured by the service, with a chart over time. */
 export function Workload() {
   const { store } = useConsole();
   const attention = store.state.value.attention;
@@ -17,22 +17,22 @@ export function Workload() {
     <section class="panel workload" aria-label="Workload">
       <h2>Your workload</h2>
       <dl>
-        <Value name="Utilisation" help="Share of your time that questions took" kind={kind}>
+        <Value name="Utilisation" help="Share of your time spent on questions" kind={kind}>
           {percent(load)} {level}
         </Value>
-        <Value name="Interaction time" help="From turning to a question to your last command">
+        <Value name="Interaction time" help="From selecting a question to your last command">
           {duration(attention?.interactionTime || undefined)}
         </Value>
-        <Value name="Neglect time" help="How long a robot gets along without you">
+        <Value name="Neglect time" help="How long a robot works without you">
           {duration(attention?.neglectTime || undefined)}
         </Value>
-        <Value name="Fan-out" help="Robots that did not wait for you, measured">
+        <Value name="Fan-out" help="Robots that were not waiting for you (measured)">
           {measured(attention?.attendedRobots)}
         </Value>
         <Value name="Fan-out possible" help="Neglect time / interaction time + 1">
           {measured(attention?.fanOut)}
         </Value>
-        <Value name="Expected wait" help="Of a question in a queue of this many robots">
+        <Value name="Expected wait" help="Wait of a question in a queue of this many robots">
           {duration(attention?.predictedWaitingTime || undefined)}
         </Value>
       </dl>
@@ -64,7 +64,7 @@ function WorkloadChart() {
   const colours = useColours();
   useEffect(() => {
     let gone = false;
-    // Most never open this panel: its library comes when they do.
+    // Loads the chart library only when the panel is opened.
     void import("./workload_chart").then(({ makeChart }) => {
       if (!gone && place.current) chart.current = makeChart(place.current, history.peek());
     });
@@ -86,7 +86,7 @@ function WorkloadChart() {
   );
 }
 
-/** Another number whenever the page has other colours, also because the system has. */
+/** A number that changes with the page's colours. */
 function useColours(): number {
   const [colours, setColours] = useState(0);
   useEffect(() => watchTheme(() => setColours((before) => before + 1)), []);

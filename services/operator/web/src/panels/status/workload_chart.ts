@@ -7,7 +7,7 @@ export interface Chart {
   destroy(): void;
 }
 
-/** A chart that fills `place`, in the colours of the theme. */
+/** A chart that fills `place` and uses the theme's colours. */
 export function makeChart(place: HTMLElement, history: History): Chart {
   const plot = new uPlot(optionsOf(place), toData(history), place);
   const observer = new ResizeObserver(() => plot.setSize(sizeOf(place)));

@@ -22,7 +22,7 @@ describe("history", () => {
     expect(withSample(emptyHistory, at(0, { observed: 0 })).utilisation).toEqual([undefined]);
   });
 
-  it("begins anew when time runs back", () => {
+  it("starts over when time runs backwards", () => {
     expect(withSample(withSample(emptyHistory, at(10)), at(3)).time).toEqual([3]);
   });
 

@@ -1,6 +1,6 @@
 import type { Attention } from "../../protocol/generated/console_pb";
 
-/** Workload over time, as columns of equal length; what was not measured is undefined. */
+/** Workload over time, as columns of equal length; undefined = not measured. */
 export interface History {
   /** s, operator's time. */
   readonly time: readonly number[];
@@ -11,11 +11,11 @@ export interface History {
 
 export const emptyHistory: History = { time: [], utilisation: [], fanOut: [], waiting: [] };
 
-/** s between two samples, and how many are kept. */
+/** s between two samples, and the number of samples kept. */
 const period = 1;
 export const mostSamples = 900;
 
-/** The same object when `attention` brings no new sample. Time that runs back, as in a recording, begins a new history. */
+/** Returns the same object if `attention` brings no new sample. When time runs backwards, as in a recording, starts over. */
 export function withSample(history: History, attention: Attention): History {
   const newest = history.time.at(-1);
   const { stamp, utilisation, attendedRobots, observed, items } = attention;
@@ -34,7 +34,7 @@ function newestOf<T>(values: readonly T[], value: T): readonly T[] {
   return [...values.slice(1 - mostSamples), value];
 }
 
-/** 70 % is where waiting begins to grow quickly (Donmez, Nehme and Cummings 2010). */
+/** Above 70 % waiting times grow quickly (Donmez, Nehme and Cummings 2010). */
 export function loadLevel(utilisation: number): "calm" | "busy" | "overloaded" {
   if (utilisation > 0.85) return "overloaded";
   return utilisation > 0.7 ? "busy" : "calm";

@@ -8,7 +8,7 @@ import { MethodText } from "../guide/method_text";
 import { nextPictureKey, nothingNewKey, taskKeys } from "./task_keys";
 import { isMappingTask, offersPaths, partName } from "./task_state";
 
-/** The robot stands until the participant begins. */
+/** Shown before a maze starts. The robot is stopped until the participant begins. */
 export function BeginDialog() {
   const { store } = useConsole();
   const state = store.state.value;
@@ -36,7 +36,7 @@ export function BeginButton() {
     actions.closeDialog();
     store.chosenSequence.value = undefined;
     if (isMappingTask(store.state.value)) store.tool.value = "wall";
-    void actions.go(store.robots.value);
+    void actions.resume(store.robots.value);
   };
   return (
     <button
@@ -50,7 +50,7 @@ export function BeginButton() {
   );
 }
 
-/** What a participant has to do, and with which keys. */
+/** Instructions and keys for a participant. */
 export function TaskHelp() {
   const { store } = useConsole();
   const state = store.state.value;
@@ -58,7 +58,7 @@ export function TaskHelp() {
   const answer = isMappingTask(state) ? nextPictureKey : nothingNewKey;
   const answers = isMappingTask(state) || state.session?.method === "ig-mcts";
   return (
-    <Modal title="What to do, and keys" toRead>
+    <Modal title="Instructions and keys" toRead>
       <Instructions />
       <div class="help">
         <Keys title="Task" rows={answers ? [answer, ...taskKeys] : taskKeys} />
@@ -70,7 +70,7 @@ export function TaskHelp() {
   );
 }
 
-/** What the participant has to do: in the mapping task, or with the method of this part of the study. */
+/** Instructions for the mapping task, or for the method of this part of the study. */
 function Instructions() {
   const state = useConsole().store.state.value;
   if (isMappingTask(state)) return <Mapping />;
@@ -78,14 +78,14 @@ function Instructions() {
   return (
     <ol class="instructions">
       <li>
-        This is your map of a maze, and parts of it are wrong: walls are missing, and others are not
-        there. Lead the robot to all its goals ⚑, and correct the map as you learn more: draw
-        missing walls with <kbd>W</kbd>, erase wrong ones with <kbd>E</kbd>.
+        This is your map of a maze. Parts of it are wrong: some walls are missing, others do not
+        exist. Lead the robot to all its goals ⚑. Correct the map as you learn more: draw missing
+        walls with <kbd>W</kbd>, erase wrong ones with <kbd>E</kbd>.
       </li>
       <li>
         <MethodText method={method} many={false} />
       </li>
-      <li>When the robot has reached all goals you may finish this part.</li>
+      <li>When the robot has reached all goals, you may finish this part.</li>
     </ol>
   );
 }
@@ -94,18 +94,18 @@ function Mapping() {
   return (
     <ol class="instructions">
       <li>
-        This is your map of a maze, and parts of it are wrong: walls are missing, and others are not
-        there.
+        This is your map of a maze. Parts of it are wrong: some walls are missing, others do not
+        exist.
       </li>
       <li>
-        A robot drives through the real maze and sends you one picture at a time. The cone on the
+        A robot drives through the real maze. It sends you one picture at a time. The cone on the
         map shows where it stood and where its camera looked.
       </li>
       <li>
         Compare the picture with your map. Draw missing walls with <kbd>W</kbd>, erase wrong ones
         with <kbd>E</kbd>. Then ask for the next picture with <kbd>N</kbd>.
       </li>
-      <li>When the robot has reached all its goals ⚑ you may finish the maze, or go on.</li>
+      <li>When the robot has reached all its goals ⚑, you may finish the maze or continue.</li>
     </ol>
   );
 }

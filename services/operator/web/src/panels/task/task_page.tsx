@@ -14,7 +14,7 @@ import { hasLiveView } from "./task_state";
 import "./task.css";
 import "../pictures/pictures.css";
 
-/** All that a participant sees: task, map and pictures; a live view where the method of a study streams. */
+/** A participant's page: task, map, and pictures or a live view. */
 export function TaskPage({ map }: { map: ComponentChildren }) {
   const { commands, store } = useConsole();
   const robot = store.chosenRobot.value;
@@ -39,14 +39,14 @@ export function TaskPage({ map }: { map: ComponentChildren }) {
           <TaskPictures />
         )}
         <button type="button" onClick={() => commands.help()}>
-          What to do, and keys <kbd>?</kbd>
+          Instructions and keys <kbd>?</kbd>
         </button>
       </aside>
     </div>
   );
 }
 
-/** A picture that was asked for is shown, also to those who looked at an older one. */
+/** Shows each new picture, even if an older one was chosen. */
 function useNewestPicture(): void {
   const { store } = useConsole();
   const newest = pictureOf(store.state.value, store.chosenRobot.value)?.sequenceNumber;
@@ -55,7 +55,7 @@ function useNewestPicture(): void {
   }, [newest, store]);
 }
 
-/** The picture that the participant looks at, and those before. What it shows is for them to see. */
+/** The chosen picture and the earlier ones. Its summary is left out: finding the differences is the task. */
 function TaskPictures() {
   const { store } = useConsole();
   const robot = store.chosenRobot.value;
@@ -72,7 +72,7 @@ function TaskPictures() {
           <h2>Picture {String(picture.sequenceNumber)}</h2>
           <PictureImage picture={picture} />
           <p class="quiet">
-            from {cellText(picture.cell)}, to the {directionText(picture.heading)}
+            From {cellText(picture.cell)}, facing {directionText(picture.heading)}.
           </p>
         </>
       )}
