@@ -70,7 +70,7 @@ const teleoperation = new Teleoperation({
       connection.serviceTime(),
       robot,
     ),
-  blocked: (reason) => actions.notify(`No driving: ${reason}.`, "problem"),
+  blocked: (reason) => actions.notify(`You cannot drive: ${reason}.`, "problem"),
 });
 const commands = commandsOf(store, actions);
 const console: Console = {

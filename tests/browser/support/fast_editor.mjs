@@ -3,10 +3,9 @@ import { encodeClient } from "./protocol.mjs";
 const pause = 33; // ms; the service sends updates to a page at most so often
 
 /**
- * A client of its own beside the consoles, which edits as quickly as pages are told of it: a real connection of a real browser,
- * only without the page.
+ * Another client that edits as fast as the service sends updates: a real connection of a real browser, without the page.
  */
-export class FastHand {
+export class FastEditor {
   #page;
   #url;
   #name = 0;
@@ -21,16 +20,16 @@ export class FastHand {
     const { origin } = new URL(page.url());
     const own = await page.context().newPage();
     await own.goto(`${origin}/livez`);
-    return new FastHand(own, `${origin.replace("http", "ws")}/ws`);
+    return new FastEditor(own, `${origin.replace("http", "ws")}/ws`);
   }
 
   /**
    * Makes a wall of a free cell, frees it, makes it a wall, ...
-   * @param {bigint} revision of the map now; nobody else edits meanwhile
+   * @param {bigint} current revision of the map; nobody else may edit
    */
   async toggles(cell, times, revision) {
     this.#name += 1;
-    const instance = `fasthand${this.#name}-0123456789`;
+    const instance = `fasteditor${this.#name}-0123456789`;
     const until = Date.now() / 1000 + 60;
     const edit = (i) => ({
       baseRevision: revision + BigInt(i),
@@ -43,7 +42,7 @@ export class FastHand {
       body: { case: "edit", value: edit(i) },
     });
     const messages = [
-      encodeClient({ case: "hello", value: { name: "Fast hand", instance } }),
+      encodeClient({ case: "hello", value: { name: "Fast editor", instance } }),
       ...Array.from({ length: times }, (_, i) =>
         encodeClient({ case: "request", value: request(i) }),
       ),
@@ -56,7 +55,7 @@ export class FastHand {
   }
 }
 
-/** In the browser. */
+/** Runs in the browser. */
 function sendAll({ url, messages, pause }) {
   const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
   return new Promise((resolve, reject) => {

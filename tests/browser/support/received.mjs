@@ -17,15 +17,15 @@ const keys = {
   truth: ({ world }) => world,
 };
 
-/** What a page was told by the service and what it said, read off its real WebSockets. */
-export class Told {
+/** The messages that a page received and sent, read from its real WebSockets. */
+export class ReceivedMessages {
   welcome;
-  /** Updates by kind and key, newest only. */
+  /** Newest updates by kind and key. */
   #updates = new Map();
-  /** Requests in the order in which they went out, those that were repeated among them. */
+  /** Requests in the order of sending, including repeated ones. */
   asked = [];
   replies = [];
-  /** Frames of streams, without pixels. */
+  /** Number of frames of streams. */
   frames = 0;
   /** How often the page has connected. */
   connections = 0;
@@ -34,7 +34,7 @@ export class Told {
   constructor(page) {
     page.on("websocket", (socket) => {
       this.connections += 1;
-      socket.on("framereceived", ({ payload }) => this.#hear(decodeServer(payload).body));
+      socket.on("framereceived", ({ payload }) => this.#receive(decodeServer(payload).body));
       socket.on("framesent", ({ payload }) => {
         const { body } = decodeClient(payload);
         if (body.case === "request") this.asked.push(body.value);
@@ -42,7 +42,7 @@ export class Told {
     });
   }
 
-  /** The newest of a kind; of a key where there are several. */
+  /** The newest update of a kind, and of a key if the kind has keys. */
   newest(kind, key = "") {
     return this.#updates.get(`${kind}:${key}`);
   }
@@ -64,7 +64,7 @@ export class Told {
     return this.newest("control", robot);
   }
 
-  /** Of one robot, oldest first. */
+  /** Pictures of one robot, oldest first. */
   pictures(robot) {
     return this.all("picture")
       .filter((picture) => picture.robot === robot)
@@ -85,7 +85,7 @@ export class Told {
     return this.replies.find((reply) => reply.id === id);
   }
 
-  #hear(body) {
+  #receive(body) {
     if (body.case === "welcome") this.welcome = body.value;
     if (body.case === "reply") this.replies.push(body.value);
     if (body.case === "frame") this.frames += 1;
