@@ -49,10 +49,11 @@ journey("an edit on an old map is refused, stays visible, and can be sent again"
   const { revision } = late.received.belief();
   const [mine, theirs] = cells;
 
+  await late.beginsDrawing([mine], texts.wall); // a stale link would forbid to begin
   line.hold();
   await other.draws([theirs], texts.wall);
   await other.waitsForRevision(revision + 1n);
-  await late.draws([mine], texts.wall);
+  await late.page.mouse.up();
   await late.reads(texts.oneCellSent);
   line.release();
 

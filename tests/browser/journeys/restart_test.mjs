@@ -18,8 +18,9 @@ journey(
     const [wasFirst, isWall] = [first, second].map((cell) => page.received.isWall(cell));
 
     // The service does not receive this edit before it dies.
+    await page.beginsDrawing([second], isWall ? texts.erase : texts.wall);
     system.signal("operator", "SIGSTOP");
-    await page.draws([second], isWall ? texts.erase : texts.wall);
+    await page.page.mouse.up();
     await page.reads(texts.oneCellSent);
     const edit = page.received.requests("edit").at(-1);
     await system.kill("operator");
@@ -54,8 +55,9 @@ journey(
     const before = page.received.belief();
     const isWall = page.received.isWall(first);
 
+    await page.beginsDrawing([first], isWall ? texts.erase : texts.wall);
     line.hold();
-    await page.draws([first], isWall ? texts.erase : texts.wall);
+    await page.page.mouse.up();
     await until(
       "the edit is done",
       () => witness.received.belief().revision === before.revision + 1n,

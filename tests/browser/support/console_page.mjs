@@ -157,12 +157,17 @@ export class ConsolePage {
   }
 
   /** Chooses a tool and draws with the mouse through the middles of cells. */
-  async draws([first, ...others], tool) {
+  async draws(cells, tool) {
+    await this.beginsDrawing(cells, tool);
+    await this.page.mouse.up();
+  }
+
+  /** The same, but the mouse button stays down: the edit is sent when it is released. */
+  async beginsDrawing([first, ...others], tool) {
     await this.tool(tool).click();
     await this.pointAt(first);
     await this.page.mouse.down();
     for (const cell of others) await this.pointAt(cell);
-    await this.page.mouse.up();
   }
 
   /** Screen position of a cell while the whole map is shown. */
