@@ -90,7 +90,7 @@ export class Actions {
 
   /** An empty list stops all robots in every world. */
   stop(robots: readonly string[]): Promise<Outcome> {
-    const value = { robots: [...robots], reason: "stopped by hand" };
+    const value = { robots: [...robots], reason: "by hand" };
     return this.#ask("Stop", { case: "stop", value }, { validFor: stopValidFor });
   }
 

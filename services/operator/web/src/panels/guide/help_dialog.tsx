@@ -71,7 +71,7 @@ function Legend() {
   const { store } = useConsole();
   return (
     <section>
-      <h3>Symbols</h3>
+      <h3>Status symbols</h3>
       <p>
         <span class="good">● live</span>: reports normally. <span class="warn">◐ stale</span>:
         silent for 1 s. <span class="bad">○ lost</span>: silent for 3 s. <strong>!</strong> needs
