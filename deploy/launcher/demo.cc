@@ -1,19 +1,111 @@
 #include "launcher/demo.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
-#include <utility>
+#include <cstdlib>
+#include <set>
 
 #include "common/runtime/file.h"
-#include "common/runtime/json.h"
 #include "common/runtime/log.h"
+#include "common/runtime/text.h"
 #include "launcher/demo_plan.h"
-#include "launcher/demo_weights.h"
-#include "launcher/svg.h"
+#include "launcher/run_picture.h"
 
 namespace conav::launcher {
+
+std::string PlannerMonitor::Fold(const PlannerLease& lease) {
+  std::vector<std::string> robots;
+  std::set<std::string> before;
+  for (const PlannerLease::Held& held : lease.holds) {
+    Driver& driver = drivers_[held.robot];
+    if (held.lease_epoch <= driver.lease_epoch) continue;
+    if (driver.instance != lease.instance) {
+      robots.push_back(held.robot);
+      if (!driver.node.empty()) before.insert(driver.node);
+    }
+    driver = {held.lease_epoch, lease.node, lease.instance};
+  }
+  if (robots.empty() || (before.empty() && !tells_first_)) return "";
+  if (before.empty()) return fmt::format("{} drives {}", lease.node, fmt::join(robots, ", "));
+  return fmt::format("{} took over {} from {}", lease.node, fmt::join(robots, ", "),
+                     fmt::join(before, ", "));
+}
+
+namespace {
+
+const char* Name(EndReason reason) {
+  switch (reason) {
+    case EndReason::kAllGoalsReached:
+      return "all goals reached";
+    case EndReason::kProcessDied:
+      return "process died";
+    case EndReason::kTimeLimit:
+      return "time limit";
+    case EndReason::kInterrupted:
+      return "interrupted";
+  }
+  return "";
+}
+
+std::string WeightsText(const DemoOptions& options) {
+  if (options.model != kNhpmModel) return "";
+  return options.weights.empty() ? "shipped" : options.weights.string();
+}
+
+nlohmann::ordered_json Versions() {
+  nlohmann::ordered_json versions{{"conav", CONAV_VERSION}};
+  // ./conav knows the commit that it built; a program run by hand does not.
+  if (const char* commit = std::getenv("CONAV_COMMIT")) versions["commit"] = commit;
+  return versions;
+}
+
+}  // namespace
+
+nlohmann::ordered_json OutcomeJson(const DemoOptions& options, const Outcome& outcome,
+                                   const EpisodeMetrics& metrics) {
+  nlohmann::ordered_json json{{"seed", options.seed},
+                              {"maze_seed", options.world_seed()},
+                              {"rotation_deg", options.rotation_deg},
+                              {"method", options.method},
+                              {"communication", options.communication},
+                              {"model", options.model},
+                              {"weights", WeightsText(options)},
+                              {"weights_checksum", outcome.weights_checksum},
+                              {"person", options.person},
+                              {"person_weights", options.person_weights.string()},
+                              {"nhpm_replicas", options.nhpm_processes()},
+                              {"planners", options.planners},
+                              {"x_source", options.x_source},
+                              {"dds", outcome.dds},
+                              {"worlds", options.worlds},
+                              {"robots_per_world", options.robots},
+                              {"operator", "simulated"},
+                              {"simulated_operator", options.simulated_operator},
+                              {"preset", options.map.empty() ? options.preset : ""},
+                              {"map", options.map.string()},
+                              {"perception", options.perception},
+                              {"camera", options.camera},
+                              {"speed", options.effective_speed()},
+                              {"domain", outcome.domain},
+                              {"ended", Name(outcome.reason)},
+                              {"detail", outcome.detail},
+                              {"wall_s", outcome.wall_s},
+                              {"run", outcome.run_folder},
+                              {"versions", Versions()}};
+  json.update(ToJson(metrics));
+  return json;
+}
+
+std::string OutcomeLine(const Outcome& outcome) {
+  const std::string what = outcome.reason == EndReason::kProcessDied && !outcome.detail.empty()
+                               ? outcome.detail
+                               : Name(outcome.reason);
+  return fmt::format("ended after {:.1f} s: {}", outcome.wall_s, what);
+}
+
 namespace {
 
 using namespace std::chrono_literals;
@@ -71,7 +163,7 @@ DemoResult Demo::Run(const StopToken& stop) {
   TakeLastNews();
   progress_.Finish(episode_);
   progress_.Say(OutcomeLine(outcome_));
-  if (outcome_.reason == EndReason::kProcessDied) TellWhereRobotsStand();
+  if (outcome_.reason == EndReason::kProcessDied) ReportPositions();
   if (options_.waits_for_operator() && outcome_.reason == EndReason::kAllGoalsReached) {
     StayOpen(stop);
   }
@@ -99,8 +191,8 @@ void Demo::Follow(const StopToken& stop) {
     place_.participant->Wait(kPeriod);
     place_.recorder->Take();
     progress_.Show(episode_);
-    TellWhoDrives();
-    TellConsole();
+    ReportDrivers();
+    ReportConsole();
     if (SomethingDied()) return;
     if (episode_.finished()) {
       outcome_.reason = EndReason::kAllGoalsReached;
@@ -158,7 +250,7 @@ int Demo::CountRunning(const std::string& service) const {
   return processes_.CountRunning([&](const Process& process) { return IsOf(service, process); });
 }
 
-void Demo::TellWhoDrives() {
+void Demo::ReportDrivers() {
   for (const PlannerLease& lease : place_.recorder->TakeLeases()) {
     const std::string line = planners_.Fold(lease);
     if (!line.empty()) progress_.Say(line);
@@ -169,7 +261,7 @@ void Demo::Stop(const std::function<bool(const Process&)>& meant) {
   for (const std::string& name : processes_.Stop(kGrace, meant)) progress_.Say(KilledLine(name));
 }
 
-void Demo::TellConsole() {
+void Demo::ReportConsole() {
   if (options_.console_port() < 0 || !console_.empty()) return;
   const auto url = ReadFile(run_.console_url());
   if (!url) return;
@@ -197,7 +289,7 @@ void Demo::StopAll() {
   Stop([](const Process&) { return true; });
 }
 
-void Demo::TellWhereRobotsStand() {
+void Demo::ReportPositions() {
   const bool sim_died = died_service_ == "sim";
   for (const RobotRecord& robot : episode_.robots) {
     if (!robot.state) {

@@ -1,24 +1,65 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "common/msg/planner_lease.h"
 #include "common/runtime/clock.h"
-#include "common/runtime/stop_token.h"
+#include "common/runtime/threads.h"
 #include "launcher/bus_place.h"
 #include "launcher/demo_options.h"
-#include "launcher/episode.h"
-#include "launcher/metrics.h"
-#include "launcher/outcome.h"
-#include "launcher/planner_watch.h"
-#include "launcher/process_group.h"
+#include "launcher/process.h"
 #include "launcher/progress.h"
 #include "launcher/run_folder.h"
+#include "launcher/run_log.h"
 
 namespace conav::launcher {
+
+/// Who drives which robots, in lines for the person who watches a demo with several planners:
+/// "planner-1 drives r1, r3", "planner-2 took over r1, r3 from planner-1".
+class PlannerMonitor {
+ public:
+  /// `tells_first`: also who is the first to drive a robot.
+  explicit PlannerMonitor(bool tells_first) : tells_first_(tells_first) {}
+
+  /// Folds in an announcement; the line that it is worth, empty for none.
+  std::string Fold(const PlannerLease& lease);
+
+ private:
+  struct Driver {
+    std::uint64_t lease_epoch = 0;
+    std::string node;
+    std::string instance;
+  };
+  bool tells_first_;
+  std::map<std::string, Driver> drivers_;  // by robot
+};
+
+/// Why a demo ended.
+enum class EndReason { kAllGoalsReached, kProcessDied, kTimeLimit, kInterrupted };
+
+struct Outcome {
+  EndReason reason = EndReason::kAllGoalsReached;
+  std::string detail;  // which process died and how; empty when all went well
+  double wall_s = 0.0;
+  std::string dds;  // as asked for, or the default vendor
+  int domain = 0;
+  std::string run_folder;
+  std::string weights_checksum;  // of the weights that shall answer; empty without
+};
+
+/// What metrics.json and --json hold: the run's facts, then the measures of ToJson(metrics).
+nlohmann::ordered_json OutcomeJson(const DemoOptions& options, const Outcome& outcome,
+                                   const EpisodeMetrics& metrics);
+
+/// "ended: all goals reached", "ended: planner (pid 12) died: signal 9 (Killed)".
+std::string OutcomeLine(const Outcome& outcome);
 
 /// What came of a run.
 struct DemoResult {
@@ -60,9 +101,9 @@ class Demo {
   int CountRunning(const std::string& service) const;
   /// Whether the run goes on without a process that died as `what` tells; says so.
   bool CanDoWithout(const Process& process, const std::string& what);
-  void TellWhoDrives();
+  void ReportDrivers();
   /// Once, when it can be opened.
-  void TellConsole();
+  void ReportConsole();
   /// All goals are reached: whoever looks at the console may go on looking.
   void StayOpen(const StopToken& stop);
   /// Says who had to be killed.
@@ -73,7 +114,7 @@ class Demo {
   void StopAll();
   /// Listens until it is quiet and, after a death, until the robots stand.
   void TakeLastNews();
-  void TellWhereRobotsStand();
+  void ReportPositions();
   DemoResult Finish();
   double ElapsedSeconds() const;
 
@@ -85,7 +126,7 @@ class Demo {
   BusPlace place_;
   RunFolder run_;
   Progress& progress_;
-  PlannerWatch planners_;
+  PlannerMonitor planners_;
   Outcome outcome_;
   std::string console_;       // its URL, once it was told
   std::string died_service_;  // that ended the run; "sim" also among several worlds

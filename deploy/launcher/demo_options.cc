@@ -5,12 +5,11 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <span>
 #include <sstream>
 
-#include "common/protocol/entity_name.h"
-#include "common/runtime/file_options.h"
+#include "common/cli/cli.h"
+#include "common/msg/robot.h"
 
 namespace conav::launcher {
 namespace {

@@ -1,21 +1,133 @@
 #include "launcher/demo_plan.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include <filesystem>
+#include <algorithm>
 #include <sstream>
 
 #include "common/runtime/config.h"
 #include "launcher/bus_place.h"
-#include "launcher/demo_operator.h"
 #include "nhpm/config.h"
+#include "nhpm/model/load_model.h"
+#include "nhpm/model/weights_file.h"
 #include "operator/config.h"
-#include "operator/recorder/config.h"
-#include "operator/simulated_operator/config.h"
+#include "operator/recording/config.h"
 #include "planner/config.h"
 #include "sim/config.h"
+#include "sim/world/world_site.h"
 
 namespace conav::launcher {
+
+operators::SyntheticOperatorParameters OperatorPerson(const std::string& kind_or_file) {
+  const auto& kinds = operators::OperatorKinds();
+  if (std::find(kinds.begin(), kinds.end(), kind_or_file) != kinds.end()) {
+    return operators::ParametersOfKind(kind_or_file);
+  }
+  std::error_code ignored;
+  if (!std::filesystem::exists(kind_or_file, ignored)) {
+    throw StartupError(fmt::format("neither a file nor one of {}", fmt::join(kinds, ", ")));
+  }
+  constexpr const char* kSection = "simulated_operator";
+  operators::SimulatedOperatorConfig config;
+  ReadConfig(LoadParameters(kind_or_file, kSection), kSection, config);
+  return config.person;
+}
+
+Result<void> CheckOperator(const DemoOptions& options) {
+  try {
+    OperatorPerson(options.simulated_operator);
+    return {};
+  } catch (const StartupError& error) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("--operator {}: {}", options.simulated_operator, error.what()));
+  }
+}
+
+namespace {
+
+/// With fewer robots than `options` have; 0 where there is room for none.
+int MostRobots(sim::WorldOptions options) {
+  while (--options.robots > 0) {
+    if (sim::MakeWorldSpec(options)) break;
+  }
+  return options.robots;
+}
+
+Result<void> CheckWorld(const DemoOptions& options, int index) {
+  const sim::WorldOptions world = WorldOptionsOf(options, index);
+  if (const auto site = sim::MakeSite(world); !site) {
+    const std::string option = options.map.empty() ? "--preset " + options.preset + ": " : "";
+    return Fail(site.error().code, option + site.error().text);
+  }
+  const auto spec = sim::MakeWorldSpec(world);
+  if (spec) return {};
+  return Fail(
+      spec.error().code,
+      fmt::format("--robots {}: the world of seed {} has room for {}; with {}, {}", options.robots,
+                  world.seed, MostRobots(world), options.robots, spec.error().text));
+}
+
+}  // namespace
+
+sim::WorldOptions WorldOptionsOf(const DemoOptions& options, int index) {
+  sim::WorldOptions world;
+  world.seed = options.world_seed() + static_cast<std::uint64_t>(index);
+  world.preset = options.preset;
+  world.map_yaml = options.map;
+  world.operator_map_yaml = options.operator_map;
+  world.cell_size_m = options.cell_size_m.value_or(world.cell_size_m);
+  world.robots = options.robots;
+  world.shared_goals = options.shared_goals;
+  world.rotation_deg = options.rotation_deg;
+  return world;
+}
+
+Result<void> CheckWorlds(const DemoOptions& options) {
+  for (int index = 0; index < options.worlds; ++index) {
+    if (auto checked = CheckWorld(options, index); !checked) return checked;
+  }
+  return {};
+}
+
+namespace {
+
+std::filesystem::path PersonFile(const DemoOptions& options) {
+  return options.person.empty() ? "" : options.person_weights / (options.person + ".nhpm");
+}
+
+Result<void> CheckOne(const DemoOptions& options, const char* option,
+                      const std::filesystem::path& file) {
+  if (file.empty()) return {};
+  const auto model = nhpm::ReadWeightsFile(file);
+  if (!model) {
+    return Fail(model.error().code, fmt::format("{} {}", option, model.error().text));
+  }
+  const auto site = sim::MakeSite(WorldOptionsOf(options, 0));  // see CheckWorlds
+  if (model->rows == 0 || !site) return {};
+  const OccupancyGrid& map = site->truth;
+  if (model->rows == map.rows() && model->columns == map.columns()) return {};
+  return Fail(ErrorCode::kInvalidArgument,
+              fmt::format("{} {}: is for maps of {} x {} cells; this run's have {} x {}", option,
+                          file.string(), model->rows, model->columns, map.rows(), map.columns()));
+}
+
+}  // namespace
+
+Result<void> CheckWeights(const DemoOptions& options) {
+  return CheckOne(options, "--weights", options.weights).and_then([&] {
+    return CheckOne(options, "--person-weights", PersonFile(options));
+  });
+}
+
+std::string WeightsChecksum(const DemoOptions& options) {
+  if (options.model != kNhpmModel) return "";
+  const std::filesystem::path file = PersonFile(options);
+  const auto model =
+      nhpm::ReadWeightsFile(file.empty() ? nhpm::WeightsOrShipped(options.weights) : file);
+  return model ? nhpm::ChecksumOf(*model) : "";
+}
+
 namespace {
 
 std::string AbsoluteText(const std::filesystem::path& file) {

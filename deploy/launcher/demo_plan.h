@@ -1,13 +1,42 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "common/runtime/result.h"
 #include "launcher/demo_options.h"
-#include "launcher/episode.h"
 #include "launcher/run_folder.h"
+#include "launcher/run_log.h"
+#include "operator/simulated/config.h"
+#include "sim/world/world_spec.h"
 
 namespace conav::launcher {
+
+/// The synthetic person that `--operator` means: a kind, or the `person` of a file's section
+/// `simulated_operator:`. Throws StartupError: neither a kind nor a file, or what the file has wrong.
+operators::SyntheticOperatorParameters OperatorPerson(const std::string& kind_or_file);
+
+/// Whether OperatorPerson(options.simulated_operator) can be had. Errors: kInvalidArgument with the
+/// option and the reason.
+[[nodiscard]] Result<void> CheckOperator(const DemoOptions& options);
+
+/// What the simulator of a world makes it from; `index` counts the worlds from 0.
+sim::WorldOptions WorldOptionsOf(const DemoOptions& options, int index);
+
+/// Makes every world of the run as its simulator will, so that one that cannot be is refused before
+/// anything starts. Errors: an unknown --preset, a map file's own, more --robots than a world has
+/// room for (and for how many it has).
+[[nodiscard]] Result<void> CheckWorlds(const DemoOptions& options);
+
+/// Whether the weights that `options` name can be read and answer for maps of the run's size, so
+/// that a run does not go on with the fallback unasked. Those that come with conav are not looked
+/// at. Errors: the option, the file and the reason.
+[[nodiscard]] Result<void> CheckWeights(const DemoOptions& options);
+
+/// The SHA-256 of the weights that shall answer, as services report it: those of --person, of
+/// --weights, or those that come with conav. Empty where there are none, or they cannot be read.
+std::string WeightsChecksum(const DemoOptions& options);
 
 /// Starts first and ends last, and the run does not depend on it.
 inline constexpr const char* kRecorderName = "recorder";

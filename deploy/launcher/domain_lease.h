@@ -1,9 +1,16 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
 
+#include "common/runtime/result.h"
+
 namespace conav::launcher {
+
+/// Whether a page can be served at `port` of this machine, which `option` names; 0 always can.
+/// Errors: kUnavailable names option, port and cause.
+[[nodiscard]] Result<void> CheckPort(const std::string& option, int port);
 
 /// A DDS domain kept for one demo on this machine, by a lock on a file in the temporary folder; the
 /// kernel lets go of it when the process ends in whatever way.

@@ -1,28 +1,183 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <filesystem>
 
-#include "common/runtime/json.h"
+#include "common/cli/cli.h"
 #include "common/runtime/log.h"
-#include "common/runtime/stop_token.h"
+#include "common/runtime/text.h"
+#include "common/runtime/threads.h"
 #include "launcher/demo.h"
-#include "launcher/demo_command.h"
-#include "launcher/port_check.h"
-#include "launcher/table.h"
+#include "launcher/demo_options.h"
+#include "launcher/demo_plan.h"
+#include "launcher/domain_lease.h"
+#include "launcher/progress.h"
 
 namespace conav::launcher {
 namespace {
+
+constexpr const char* kFooter = R"(
+Without --headless it serves the operator's console on http://127.0.0.1:8080: the robots wait until
+somebody opens that page and guides them, or lets the simulated operator do it; Ctrl-C ends.
+
+Starts conav-recorder, conav-sim (one per world), conav-nhpm (one, several or none), conav-operator,
+conav-planner (one or several) and conav-simulated-operator, follows them until every robot has
+reached its goals, and leaves runs/<time>-seed<S>/ with the effective configuration, logs,
+metrics.json, episode.svg (truth, the operator's map before and after, trajectories, pictures),
+recording.mcap (what was said on the bus; conav bag, Foxglove), segments.pb.zst (how the operator
+edited after each picture; conav dataset describe) and decisions.pb.zst (why the robots did what they
+did; conav explain).
+
+Exit code: 0 all goals reached; 1 not (a process died, time limit, Ctrl-C); 2 wrong use.
+
+Examples:
+  conav demo                                   two robots and the console, for you to guide them
+  conav demo --headless --seed 7 --json r.json as fast as commanded, result as JSON
+  conav demo --robots 4 --dds mixed            four robots in one maze, both DDS vendors
+  conav demo --robots 8 --planners 2           eight robots shared by two planner processes
+  conav demo --run-with sim="nice -n 10"       a command put before a service's own)";
+
+void AddRunOptions(CLI::App& app, DemoOptions& options) {
+  app.add_option("--robots", options.robots, "Robots in each world [2; headless 1]");
+  app.add_option("--worlds", options.worlds, "Worlds, each with a simulator")
+      ->capture_default_str();
+  app.add_option("--seed", options.seed, "Seed of everything that is random")
+      ->check(WholeNumber())
+      ->capture_default_str();
+  app.add_option(
+         "--operator", options.simulated_operator,
+         "The simulated operator: careful, hasty, wrong (on purpose), silent, or a file like "
+         "deploy/config/simulated_operator.yaml, of which the person counts")
+      ->capture_default_str();
+  app.add_option("--planners", options.planners,
+                 "Processes conav-planner, which share the robots; one may die or be added")
+      ->capture_default_str();
+  app.add_flag("--headless", options.headless, "No watching: as fast as the robots are commanded");
+  app.add_option("--console,--port", options.console,
+                 "Port of the operator's console on this machine, 0 = any free one, -1 = none "
+                 "[8080; headless -1]")
+      ->check(CLI::Range(-1, 65535));
+  app.add_option("--speed", options.speed,
+                 "Simulated seconds per second, 0 = as fast as commanded [2; headless 0]");
+  app.add_option("--time-limit", options.time_limit_s,
+                 "Give up after this many seconds [1800; with a console never]");
+}
+
+void AddMethodOptions(CLI::App& app, DemoOptions& options) {
+  app.add_option("--method", options.method, "ig-mcts, instruction, teleop or greedy")
+      ->capture_default_str();
+  app.add_option("--communication", options.communication,
+                 "Who decides that ig-mcts sends a picture: search, the search itself; or never, "
+                 "random, every, when_blocked, threshold")
+      ->capture_default_str();
+  app.add_option("--x-source", options.x_source,
+                 "What the planner takes for the operator's map: observed, the published one, or "
+                 "estimated by the model")
+      ->capture_default_str();
+}
+
+void AddModelOptions(CLI::App& app, DemoOptions& options) {
+  app.add_option("--perception", options.perception,
+                 "remote: the planner asks nhpm; embedded: it asks its own model")
+      ->capture_default_str();
+  app.add_option("--model", options.model,
+                 "Who predicts the operator's edits: nhpm, the network, or glpf")
+      ->capture_default_str();
+  app.add_option("--weights", options.weights,
+                 "Weights file of the network [the one that comes with conav]");
+  app.add_option("--person", options.person,
+                 "Whose edits are predicted, by NAME.nhpm in --person-weights [everybody's]");
+  app.add_option("--person-weights", options.person_weights,
+                 "Folder of weights of single operators, as conav train --adapt makes them");
+  app.add_option("--nhpm-replicas", options.nhpm_replicas, "Processes conav-nhpm")
+      ->capture_default_str();
+}
+
+void AddWorldOptions(CLI::App& app, DemoOptions& options) {
+  app.add_option("--maze-seed", options.maze_seed,
+                 "Seed of the world alone, such as the paper's 234, 666 and 9 [--seed]")
+      ->check(WholeNumber());
+  app.add_option("--rotation", options.rotation_deg,
+                 "Turns the world with all that is in it: 0, 90, 180 or 270 degrees")
+      ->capture_default_str();
+  app.add_option("--preset", options.preset, "Maze preset; `conav maze --help` lists them")
+      ->capture_default_str();
+  app.add_option("--map", options.map, "ROS map_server YAML of the true plan, instead of a maze");
+  app.add_option("--operator-map", options.operator_map, "The operator's outdated plan");
+  app.add_option("--cell-size", options.cell_size_m, "Metres per cell of --map, 1 to 100 [2]");
+  app.add_flag("--shared-goals", options.shared_goals,
+               "One list of goals for all robots of a world");
+  app.add_option("--camera", options.camera, "egl renders pictures; none sends them without pixels")
+      ->capture_default_str();
+}
+
+void AddSystemOptions(CLI::App& app, DemoOptions& options, std::vector<std::string>& run_with) {
+  app.add_option("--dds", options.dds,
+                 "cyclonedds, fastdds, mixed or SERVICE=VENDOR,... [CONAV_DDS or the default]");
+  app.add_option("--domain", options.domain, "DDS domain [CONAV_DOMAIN or the first that is free]");
+  app.add_option("--interface", options.interface,
+                 "Network interface; \"\" leaves it to the vendor")
+      ->capture_default_str();
+  app.add_option("--peers", options.peers, "Hosts to look for other participants; no multicast")
+      ->delimiter(',');
+  app.add_option("--run-with", run_with, "SERVICE=COMMAND: put COMMAND before that service's own")
+      ->allow_extra_args(false);
+  app.add_flag("!--no-recording", options.recording, "Write no recording.mcap");
+  app.add_flag("--streams", options.streams, "Record the pictures that cameras stream, too");
+  app.add_option("--json", options.json, "Write the result to this file, too");
+  app.add_option("--out", options.out, "Where run folders are made")->capture_default_str();
+}
+
+[[noreturn]] void RefuseUse(const std::string& reason) {
+  fmt::print(stderr, "conav demo: {}\n", reason);
+  std::exit(2);
+}
+
+/// Reads `conav demo ...`. Exits by itself: 0 for --help, 2 for wrong use with the reason on
+/// stderr.
+DemoOptions ParseDemoCommand(int argc, char** argv) {
+  CLI::App app{"conav: robots explore a maze that the operator's map shows wrongly", "conav"};
+  app.require_subcommand(1);
+  CLI::App* demo = app.add_subcommand(
+      "demo", "Run the whole system, with the operator's console or a simulated operator alone");
+  demo->footer(kFooter);
+  DemoOptions options;
+  std::vector<std::string> run_with;
+  AddRunOptions(*demo, options);
+  AddMethodOptions(*demo, options);
+  AddModelOptions(*demo, options);
+  AddWorldOptions(*demo, options);
+  AddSystemOptions(*demo, options, run_with);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    std::exit(app.exit(error) == 0 ? 0 : 2);
+  }
+  if (demo->count("--robots") == 0 && options.waits_for_operator()) options.robots = 2;
+  for (const std::string& text : run_with) {
+    auto entry = ParseRunWith(text);
+    if (!entry) RefuseUse(entry.error().text);
+    options.run_with.insert(*std::move(entry));
+  }
+  const auto valid = Validate(options)
+                         .and_then([&] { return CheckWorlds(options); })
+                         .and_then([&] { return CheckWeights(options); })
+                         .and_then([&] { return CheckOperator(options); });
+  if (!valid) RefuseUse(valid.error().text);
+  return options;
+}
 
 Progress::Style StyleOf(std::FILE* output) {
   return isatty(fileno(output)) != 0 ? Progress::Style::kTerminal : Progress::Style::kPlain;
 }
 
-void Tell(const DemoOptions& options, const DemoResult& result) {
+void Publish(const DemoOptions& options, const DemoResult& result) {
   fmt::print("\n{}picture {}\n", ResultTable(result.metrics),
              (std::filesystem::path(result.outcome.run_folder) / "episode.svg").string());
   if (!options.json.empty()) {
@@ -52,7 +207,7 @@ int RunDemo(const DemoOptions& options) {
   Progress progress(stdout, StyleOf(stdout), clock);
   Demo demo(options, program_folder, clock, progress);
   const DemoResult result = demo.Run(ProcessStopToken());
-  Tell(options, result);
+  Publish(options, result);
   return result.all_goals_reached() ? 0 : 1;
 }
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "common/runtime/clock.h"
-#include "launcher/episode.h"
+#include "launcher/run_log.h"
 
 namespace conav::launcher {
 
@@ -40,5 +40,12 @@ class Progress {
   std::size_t lines_on_screen_ = 0;
   std::map<std::string, std::size_t> goals_told_;
 };
+
+/// The result of a run, one line per robot and a line for the maps. Everything left of the "median"
+/// column is the same for the same seed (one robot); the two time columns are wall times.
+std::string ResultTable(const EpisodeMetrics& metrics);
+
+/// "12.3 kB", "1.0 MB".
+std::string ShortBytes(std::uint64_t bytes);
 
 }  // namespace conav::launcher

@@ -5,14 +5,14 @@
 
 #include <set>
 
-#include "common/protocol/entity_name.h"
+#include "common/msg/robot.h"
 #include "common/runtime/log.h"
 
 namespace conav::nhpm {
 namespace fs = std::filesystem;
 namespace {
 
-void TellServing(const std::string& person, const ModelIdentity& identity, const fs::path& file) {
+void ReportServing(const std::string& person, const ModelIdentity& identity, const fs::path& file) {
   LOG_INFO("serving", "person", person.empty() ? "everybody" : person, "model", identity.name,
            "version", identity.version, "checksum", identity.checksum, "file", file.string());
 }
@@ -24,7 +24,7 @@ ServedModels::ServedModels(const NhpmConfig& config)
   everybody_.model = config.model;
   if (config.model == kNhpmModel) everybody_.file = config.WeightsFile();
   if (const auto loaded = Load(everybody_); !loaded) throw StartupError(loaded.error().text);
-  TellServing("", everybody_.loaded->identity(), everybody_.file);
+  ReportServing("", everybody_.loaded->identity(), everybody_.file);
   std::error_code ignored;
   if (!person_folder_.empty() && !fs::is_directory(person_folder_, ignored)) {
     throw StartupError(
@@ -67,7 +67,7 @@ void ServedModels::RefreshOne(const std::string& person, Source& source) {
     return;
   }
   if (before && before->identity() == source.loaded->identity()) return;
-  TellServing(person, source.loaded->identity(), source.file);
+  ReportServing(person, source.loaded->identity(), source.file);
 }
 
 void ServedModels::RefreshPersons() {

@@ -5,11 +5,11 @@
 
 #include "common/bus/participant.h"
 #include "common/runtime/config.h"
-#include "operator/attention/attention_options.h"
-#include "operator/control/control_book.h"
-#include "operator/gateway/gateway_options.h"
-#include "operator/segments/segment_options.h"
-#include "operator/task/task_options.h"
+#include "operator/console/participant_task.h"
+#include "operator/gateway/access.h"
+#include "operator/recording/segment_collector.h"
+#include "operator/supervision/attention_queue.h"
+#include "operator/supervision/control.h"
 
 namespace conav::operators {
 

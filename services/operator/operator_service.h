@@ -9,20 +9,20 @@
 
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
-#include "common/protocol/robot.h"
+#include "common/msg/robot.h"
 #include "common/runtime/clock.h"
-#include "common/runtime/stop_token.h"
+#include "common/runtime/threads.h"
 #include "common/service/diagnostics.h"
 #include "operator/belief/belief_store.h"
 #include "operator/config.h"
-#include "operator/desks/alert_desk.h"
-#include "operator/desks/attention_desk.h"
-#include "operator/desks/console_desk.h"
-#include "operator/desks/control_desk.h"
-#include "operator/desks/request_journal.h"
-#include "operator/desks/segment_desk.h"
-#include "operator/desks/task_desk.h"
-#include "operator/driving/drive_gate.h"
+#include "operator/console/console_topics.h"
+#include "operator/console/task_topics.h"
+#include "operator/recording/segment_topics.h"
+#include "operator/supervision/alert_topics.h"
+#include "operator/supervision/attention_topics.h"
+#include "operator/supervision/control_topics.h"
+#include "operator/supervision/drive_gate.h"
+#include "operator/supervision/request_log.h"
 
 namespace conav::operators {
 
@@ -42,10 +42,10 @@ namespace conav::operators {
 /// 0. Guidance for a robot that never reported is refused. A robot that has sent fewer pictures
 /// than its stored guidance answers belongs to a new run: that guidance is withdrawn. When the disk
 /// fails, requests are refused with that reason, /diagnostics shows an error, and the service goes
-/// on. Keeps the queue of what asks for the operator (AttentionDesk). Low-level actions are passed
+/// on. Keeps the queue of what asks for the operator (AttentionTopics). Low-level actions are passed
 /// on to the planner at once, see DriveGate; they are not stored. With `recording.file` it also
 /// hears pictures and true maps, and records the session. With `task.kind` a participant goes through
-/// a maze of the mapping task here (TaskDesk). With
+/// a maze of the mapping task here (TaskTopics). With
 /// `console.port` it serves the console's page, whose requests are answered like all others.
 /// Threads: one; Run() or repeated Step().
 class OperatorService {
@@ -98,7 +98,7 @@ class OperatorService {
   BeliefStore::Answer Finish(const OperatorRequest& request);
   void FollowTask();
   /// What was decided, to all who shall know of it.
-  OperatorReply Tell(const OperatorRequest& request, const BeliefStore::Answer& answer);
+  OperatorReply Publish(const OperatorRequest& request, const BeliefStore::Answer& answer);
   void NoteStorage(const BeliefStore::Answer& answer);
   SimTime TimeOf(const std::string& world) const;
   /// Newest simulation time of all worlds, by their robots or by /clock, which is finer.
@@ -108,7 +108,7 @@ class OperatorService {
   bus::Participant& participant_;
   const Clock& clock_;
   BeliefStore store_;
-  ControlDesk control_;
+  ControlTopics control_;
   DriveGate drive_gate_;
   std::vector<std::unique_ptr<WorldLink>> worlds_;
   std::vector<std::unique_ptr<RobotLink>> robots_;
@@ -116,20 +116,20 @@ class OperatorService {
   bus::Publisher<conav_msgs::msg::OperatorReply> replies_;
   bus::Subscriber<rosgraph_msgs::msg::Clock> clock_topic_;
   SimTime newest_clock_;
-  AttentionDesk attention_;
-  ServiceWatch services_;
-  AlertDesk alerts_;
+  AttentionTopics attention_;
+  ServiceMonitor services_;
+  AlertTopics alerts_;
   Clock::TimePoint look_around_at_{};
   Clock::TimePoint tidy_up_at_{};
   Diagnostics diagnostics_;
-  std::optional<SegmentDesk> segments_;
-  std::optional<TaskDesk> task_;
-  std::optional<ConsoleDesk> console_;
+  std::optional<SegmentTopics> segments_;
+  std::optional<TaskTopics> task_;
+  std::optional<ConsoleTopics> console_;
   std::uint64_t attention_shown_ = 0;  // revision of the queue
   std::uint64_t control_shown_ = 0;    // version
   std::optional<TaskStatus> task_shown_;
-  std::vector<ConsoleDesk::Asked> waiting_;  // for their world; oldest first
-  RequestJournal journal_;
+  std::vector<ConsoleTopics::Asked> waiting_;  // for their world; oldest first
+  RequestLog journal_;
   /// Until something is stored again; empty = the disk is well, nothing = it was not written to yet.
   std::optional<std::string> storage_failure_;
 };

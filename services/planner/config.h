@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "common/bus/participant.h"
-#include "common/protocol/entity_name.h"
-#include "common/protocol/planning.h"
+#include "common/msg/planning.h"
+#include "common/msg/robot.h"
 #include "common/runtime/config.h"
-#include "planner/decision/method_config.h"
+#include "planner/methods/method_config.h"
 
 namespace conav::planner {
 

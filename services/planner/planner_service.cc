@@ -2,21 +2,114 @@
 
 #include <thread>
 
-#include "common/bus/send.h"
-#include "common/protocol/convert.h"
-#include "common/runtime/log.h"
+#include "common/msg/convert.h"
 #include "common/runtime/random.h"
 #include "common/service/robot_list.h"
-#include "planner/decision/make_method.h"
+#include "nhpm/model/load_model.h"
+#include "planner/methods/make_method.h"
+#include "planner/perception/cached_model.h"
+#include "planner/perception/embedded_model.h"
+#include "planner/perception/fallback_model.h"
+#include "planner/perception/remote_model.h"
 
 namespace conav::planner {
+namespace {
+
+DecisionLog OpenLog(const std::filesystem::path& file) {
+  auto log = DecisionLog::Open(file);
+  if (!log) throw StartupError("planner.decision_file: " + log.error().text);
+  return *std::move(log);
+}
+
+DecisionRecord RecordOf(const Decision& decision, const Situation& situation) {
+  DecisionRecord record;
+  record.report = decision.report;
+  record.map = situation.map.cells;
+  record.belief = situation.belief.wall_probability;
+  record.goals_left = situation.state.goals_left;
+  record.path = situation.state.path;
+  if (situation.guidance) record.guidance = situation.guidance->path;
+  record.plan = decision.plan;
+  record.taken.kind = decision.action->kind;
+  record.taken.target = decision.action->target;
+  record.taken.heading_rad = decision.action->heading_rad;
+  return record;
+}
+
+}  // namespace
+
+DecisionRecording::DecisionRecording(const std::filesystem::path& file) : log_(OpenLog(file)) {}
+
+void DecisionRecording::Record(const Decision& decision, const Situation& situation) {
+  const DecisionRecord record = RecordOf(decision, situation);
+  const std::lock_guard lock(mutex_);
+  if (const auto written = log_.Append(record); !written) {
+    ++lost_;
+    if (const auto held_back = failures_logged_.Allow()) {
+      LOG_ERROR("decision not recorded", "reason", written.error().text, "held_back", *held_back);
+    }
+    return;
+  }
+  ++recorded_;
+}
+
+namespace {
+
+void ReportSwitch(const std::string& world, const std::string& model,
+                  const std::optional<Error>& why) {
+  if (why) {
+    LOG_WARNING("perception model cannot answer, using the embedded GLPF", "world", world, "model",
+                model, "reason", why->text);
+  } else {
+    LOG_INFO("perception model answers again", "world", world, "model", model);
+  }
+}
+
+std::shared_ptr<PerceptionModel> MakeEmbedded(const PlannerConfig& config) {
+  auto model = nhpm::LoadEditModel(config.perception_model, config.weights, {});
+  if (!model) throw StartupError("planner.weights: " + model.error().text);
+  const nhpm::ModelIdentity& identity = (*model)->identity();
+  LOG_INFO("perception model loaded", "model", identity.name, "version", identity.version,
+           "checksum", identity.checksum);
+  return std::make_shared<EmbeddedPerceptionModel>(*std::move(model));
+}
+
+std::shared_ptr<PerceptionModel> MakeRemote(bus::Participant& participant,
+                                            const PlannerConfig& config) {
+  RemotePerceptionModel::Options options;
+  options.model = config.perception_model;
+  options.model_checksum = config.perception_checksum;
+  options.person = config.person;
+  options.timeout = Seconds(config.perception_timeout_s);
+  return std::make_shared<RemotePerceptionModel>(participant, options);
+}
+
+}  // namespace
+
+PerceptionSetup::PerceptionSetup(bus::Participant& participant, const PlannerConfig& config,
+                                 const Clock& clock)
+    : clock_(clock),
+      needs_fallback_(config.perception == "remote" || config.perception_model != kGlpfModel),
+      primary_(config.perception == "remote" ? MakeRemote(participant, config)
+                                             : MakeEmbedded(config)),
+      glpf_(std::make_shared<EmbeddedPerceptionModel>()) {}
+
+std::shared_ptr<PerceptionModel> PerceptionSetup::ForWorld(const std::string& world) const {
+  if (!needs_fallback_) return primary_;
+  return std::make_shared<FallbackPerceptionModel>(
+      std::make_shared<CachedPerceptionModel>(primary_), glpf_, FallbackPerceptionModel::Options{},
+      clock_, [world, primary = primary_](const std::optional<Error>& why) {
+        ReportSwitch(world, primary->name(), why);
+      });
+}
+
 namespace {
 
 constexpr std::chrono::milliseconds kReceivePause{100};
 
 template <class Message>
 auto Convert(const Message& message) {
-  return ToDomain(message);
+  return conav::ToDomain(message);  // not that of the decision file
 }
 
 }  // namespace
@@ -33,7 +126,7 @@ struct PlannerService::Link {
         map(participant, bus::kRobotMap, name),
         guidance(participant, bus::kGuidance, name),
         drive(participant, bus::kDriveOrder, name),
-        hold(participant, bus::kHoldOrder, name),
+        hold(participant, bus::kStopOrder, name),
         goal_pose(participant, bus::kGoalPose, name),
         camera_info(participant, bus::kCameraInfo, name) {}
 
@@ -47,7 +140,7 @@ struct PlannerService::Link {
   bus::Subscriber<nav_msgs::msg::OccupancyGrid> map;
   bus::Subscriber<conav_msgs::msg::Guidance> guidance;
   bus::Subscriber<conav_msgs::msg::DriveOrder> drive;
-  bus::Subscriber<conav_msgs::msg::HoldOrder> hold;
+  bus::Subscriber<conav_msgs::msg::StopOrder> hold;
   bus::Subscriber<geometry_msgs::msg::PoseStamped> goal_pose;
   bus::Subscriber<sensor_msgs::msg::CameraInfo> camera_info;
 };
@@ -117,7 +210,7 @@ RobotWorker::Outputs PlannerService::OutputsOf(Link& link) {
             const GridGeometry geometry{map.cells.rows(), map.cells.columns(), map.cell_size_m};
             bus::Send(link.plan, ToPathMessage(state.stamp, way, geometry));
           },
-      .wants = [this](const RobotWay& way) { leases_.PublishWay(way); },
+      .wants = [this](const IntendedPath& way) { leases_.PublishIntendedPath(way); },
       .decided = {},
   };
   if (recording_) {
@@ -164,7 +257,7 @@ void PlannerService::Receive() {
     for (Guidance& value : link->guidance.TakeValid(Convert<conav_msgs::msg::Guidance>)) {
       board_.Put(std::move(value));
     }
-    for (HoldOrder& value : link->hold.TakeValid(Convert<conav_msgs::msg::HoldOrder>)) {
+    for (StopOrder& value : link->hold.TakeValid(Convert<conav_msgs::msg::StopOrder>)) {
       board_.Put(std::move(value));
     }
     for (DriveOrder& value : link->drive.TakeValid(Convert<conav_msgs::msg::DriveOrder>)) {
@@ -179,14 +272,14 @@ void PlannerService::Receive() {
     }
     for (const AttentionRequest& value :
          link->attentions.TakeValid(Convert<conav_msgs::msg::AttentionRequest>)) {
-      board_.HeardAttention(link->robot, value.sequence_number);
+      board_.ReceivedAttention(link->robot, value.sequence_number);
     }
     for (const Position& value :
          link->goal_pose.TakeValid(Convert<geometry_msgs::msg::PoseStamped>)) {
       board_.PutGoalPose(link->robot, value);
     }
   }
-  for (const RobotState& state : states) leases_.Hear(state);
+  for (const RobotState& state : states) leases_.Receive(state);
   leases_.Turn();
   for (RobotState& state : states) board_.Put(std::move(state));
 }
@@ -197,11 +290,11 @@ Health PlannerService::Report() const {
     const RobotInputs inputs = board_.Read(link->robot);
     if (!inputs.state) health.level = Health::Level::kWarning;
     health.values.emplace_back(
-        link->robot, inputs.state
-                         ? fmt::format("at {}, {} goals left, {}, waits for {}", inputs.state->cell,
-                                       inputs.state->goals_left.size(),
-                                       leases_.Describe(link->robot), board_.HoldOf(link->robot))
-                         : "not heard of yet");
+        link->robot,
+        inputs.state ? fmt::format("at {}, {} goals left, {}, waits for {}", inputs.state->cell,
+                                   inputs.state->goals_left.size(), leases_.Describe(link->robot),
+                                   board_.BlockedReasonOf(link->robot))
+                     : "not heard of yet");
   }
   if (recording_) {
     health.values.emplace_back("decisions recorded", std::to_string(recording_->recorded()));

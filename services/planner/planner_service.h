@@ -1,25 +1,74 @@
 #pragma once
 
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "common/bus/participant.h"
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
 #include "common/runtime/clock.h"
-#include "common/runtime/stop_token.h"
+#include "common/runtime/log.h"
+#include "common/runtime/threads.h"
 #include "common/service/diagnostics.h"
 #include "planner/config.h"
-#include "planner/decision/belief_estimate.h"
 #include "planner/decision/blackboard.h"
+#include "planner/decision/method.h"
 #include "planner/decision/robot_worker.h"
-#include "planner/decision_recording.h"
-#include "planner/perception_setup.h"
-#include "planner/robot_leases.h"
+#include "planner/explain/decision_file.h"
+#include "planner/lease_topics.h"
+#include "planner/methods/operator_model.h"
+#include "planner/search/perception_model.h"
 
 namespace conav::planner {
+
+/// Records the decisions of a planner's robots for `conav explain`. One that cannot be written is
+/// lost, logged and counted; the robots go on.
+/// Threads: any.
+class DecisionRecording {
+ public:
+  /// Throws StartupError: the file cannot be recorded to.
+  explicit DecisionRecording(const std::filesystem::path& file);
+
+  /// `decision` commands the robot and its report is complete. Blocks on the disk.
+  void Record(const Decision& decision, const Situation& situation);
+
+  std::uint64_t recorded() const { return recorded_; }
+  std::uint64_t lost() const { return lost_; }
+
+ private:
+  std::mutex mutex_;  // guards log_
+  DecisionLog log_;
+  std::atomic<std::uint64_t> recorded_ = 0;
+  std::atomic<std::uint64_t> lost_ = 0;
+  LogLimit failures_logged_;
+};
+
+/// The perception models of a planner, as its config asks for: the nhpm service or a model in this
+/// process, with the embedded GLPF to fall back on.
+class PerceptionSetup {
+ public:
+  /// `participant` and `clock` outlive it. Throws StartupError when the embedded model's weights
+  /// cannot be read.
+  PerceptionSetup(bus::Participant& participant, const PlannerConfig& config, const Clock& clock);
+
+  /// For the robots of one world. Each world has its own memory of answers and its own state of
+  /// fallback, because maps of different worlds may differ in size and a network may be made for
+  /// one. Falling back and coming back are logged, with `world`.
+  std::shared_ptr<PerceptionModel> ForWorld(const std::string& world) const;
+
+ private:
+  const Clock& clock_;
+  bool needs_fallback_;
+  std::shared_ptr<PerceptionModel> primary_;
+  std::shared_ptr<PerceptionModel> glpf_;
+};
 
 /// Drives its robots: one worker thread per robot decides, one thread receives. Robots that other
 /// planner processes list, too, are shared with them (robot_leases.h).

@@ -3,13 +3,121 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "common/bus/send.h"
-#include "common/protocol/convert.h"
-#include "common/protocol/entity_name.h"
+#include <cmath>
+
+#include "common/msg/convert.h"
+#include "common/msg/robot.h"
 #include "common/runtime/log.h"
-#include "sim/goal_markers.h"
+#include "ros2_interfaces.h"
 
 namespace conav::sim {
+namespace {
+
+constexpr std::int32_t kSphere = 2;  // visualization_msgs/Marker SPHERE
+constexpr std::int32_t kAdd = 0;
+constexpr std::int32_t kDelete = 2;
+
+float Channel(std::uint8_t value) { return static_cast<float>(value) / 255.0F; }
+
+/// The goals as RViz draws them: one sphere per goal in its colour, frame "map".
+visualization_msgs::msg::MarkerArray GoalMarkers(const Episode& episode) {
+  const PhysicsWorld& world = episode.physics().world();
+  const double diameter = 2.0 * GoalRadius(world.cell_size_m);
+  visualization_msgs::msg::MarkerArray array;
+  for (std::size_t i = 0; i < world.goals.size(); ++i) {
+    const GoalSpec& goal = world.goals[i];
+    const Rgb rgb = kGoalColors[goal.color_index % kGoalColorCount];
+    const Position position = episode.physics().geometry().CellToPosition(goal.cell);
+    visualization_msgs::msg::Marker marker;
+    marker.header().frame_id("map");
+    marker.header().stamp(ToMessage(episode.now()));
+    marker.ns("goals");
+    marker.id(static_cast<std::int32_t>(i));
+    marker.type(kSphere);
+    marker.action(episode.physics().goal_visible(static_cast<int>(i)) ? kAdd : kDelete);
+    marker.pose().position().x(position.x_m);
+    marker.pose().position().y(position.y_m);
+    marker.pose().orientation().w(1.0);
+    marker.scale().x(diameter);
+    marker.scale().y(diameter);
+    marker.scale().z(diameter);
+    marker.color().r(Channel(rgb.red));
+    marker.color().g(Channel(rgb.green));
+    marker.color().b(Channel(rgb.blue));
+    marker.color().a(1.0F);
+    array.markers().push_back(std::move(marker));
+  }
+  return array;
+}
+
+constexpr std::int64_t kStatePeriodNs = 500'000'000;
+
+}  // namespace
+
+RobotTopics::RobotTopics(bus::Participant& participant, const std::string& robot)
+    : robot_(robot),
+      state_(participant, bus::kRobotState, robot),
+      map_(participant, bus::kRobotMap, robot),
+      odometry_(participant, bus::kOdometry, robot),
+      transforms_(participant, bus::kTransforms, robot),
+      snapshot_(participant, bus::kSnapshot, robot),
+      frame_(participant, bus::kCameraImage, robot),
+      camera_info_(participant, bus::kCameraInfo, robot),
+      command_(participant, bus::kRobotCommand, robot) {}
+
+void RobotTopics::PublishChanges(const Episode& episode, int robot) {
+  const MapUpdate& map = episode.map(robot);
+  if (map.stamp != map_stamp_) {
+    map_stamp_ = map.stamp;
+    bus::Send(map_, ToMessage(map));
+  }
+  const std::uint64_t version = episode.state_version(robot);
+  const bool old = episode.now().nanoseconds - state_stamp_.nanoseconds >= kStatePeriodNs;
+  if (version == state_version_ && !old) return;
+  state_version_ = version;
+  state_stamp_ = episode.now();
+  bus::Send(state_, ToMessage(episode.state(robot)));
+}
+
+void RobotTopics::PublishPose(const Episode& episode, int robot) {
+  const RobotPose pose = episode.physics().pose(robot);
+  const RobotMotion motion{pose.position, pose.heading_rad, pose.speed_mps, pose.yaw_rate_rps};
+  bus::Send(odometry_, ToOdometry(episode.now(), robot_, motion));
+  tf2_msgs::msg::TFMessage transforms;
+  transforms.transforms().push_back(ToTransform(episode.now(), robot_, motion));
+  bus::Send(transforms_, transforms);
+}
+
+void RobotTopics::PublishCameraInfo(SimTime stamp, int width, int height) {
+  const double focal = height / 2.0 / std::tan(kCameraVerticalFovRad / 2.0);
+  sensor_msgs::msg::CameraInfo info;
+  info.header().stamp(ToMessage(stamp));
+  info.header().frame_id(robot_ + "/camera_optical_frame");
+  info.width(static_cast<std::uint32_t>(width));
+  info.height(static_cast<std::uint32_t>(height));
+  info.distortion_model("plumb_bob");
+  info.d({0.0, 0.0, 0.0, 0.0, 0.0});
+  info.k({focal, 0.0, width / 2.0, 0.0, focal, height / 2.0, 0.0, 0.0, 1.0});
+  info.r({1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0});
+  info.p({focal, 0.0, width / 2.0, 0.0, 0.0, focal, height / 2.0, 0.0, 0.0, 0.0, 1.0, 0.0});
+  bus::Send(camera_info_, info);
+}
+
+void RobotTopics::PublishFrame(SimTime stamp, const std::vector<std::uint8_t>& jpeg) {
+  sensor_msgs::msg::CompressedImage image;
+  image.header().stamp(ToMessage(stamp));
+  image.header().frame_id(robot_ + "/camera_optical_frame");
+  image.format("jpeg");
+  image.data(jpeg);
+  bus::Send(frame_, image);
+}
+
+void RobotTopics::Publish(const Snapshot& picture) { bus::Send(snapshot_, ToMessage(picture)); }
+
+std::vector<RobotCommand> RobotTopics::TakeCommands() {
+  return command_.TakeValid([](const auto& message) { return ToDomain(message); });
+}
+
 namespace {
 
 constexpr std::chrono::milliseconds kIdleWait{100};
@@ -214,7 +322,7 @@ void SimService::Step() {
   episode_->Step();
   PublishClock();
   PublishGoals();
-  TakePictures(steps_before);
+  TakeSnapshots(steps_before);
   for (int robot = 0; robot < episode_->robot_count(); ++robot) {
     RobotTopics& topics = *robots_[static_cast<std::size_t>(robot)];
     topics.PublishPose(*episode_, robot);
@@ -222,10 +330,10 @@ void SimService::Step() {
   }
 }
 
-void SimService::TakePictures(const std::vector<std::uint64_t>& steps_before) {
+void SimService::TakeSnapshots(const std::vector<std::uint64_t>& steps_before) {
   for (const int robot : episode_->pictures_due()) {
     std::vector<std::uint8_t> jpeg = RenderJpeg(robot);
-    Picture picture = episode_->CompleteView(robot, jpeg.size());
+    Snapshot picture = episode_->CompleteView(robot, jpeg.size());
     picture.jpeg = std::move(jpeg);
     Fill(picture);
     robots_[static_cast<std::size_t>(robot)]->Publish(picture);
@@ -233,17 +341,17 @@ void SimService::TakePictures(const std::vector<std::uint64_t>& steps_before) {
   if (!config_.camera.stream) return;
   for (int robot = 0; robot < episode_->robot_count(); ++robot) {
     const std::uint64_t before = steps_before[static_cast<std::size_t>(robot)];
-    if (episode_->state(robot).low_level_steps != before) StreamPicture(robot);
+    if (episode_->state(robot).low_level_steps != before) StreamSnapshot(robot);
   }
 }
 
-void SimService::StreamPicture(int robot) {
+void SimService::StreamSnapshot(int robot) {
   RobotTopics& topics = *robots_[static_cast<std::size_t>(robot)];
   const std::vector<std::uint8_t> jpeg = RenderJpeg(robot);
   episode_->CountFrame(robot, jpeg.size());
   if (!jpeg.empty()) topics.PublishFrame(episode_->now(), jpeg);
   frame_sent_at_[static_cast<std::size_t>(robot)] = clock_.Now();
-  Picture picture = episode_->TakeStreamedSnapshot(robot);
+  Snapshot picture = episode_->TakeStreamedSnapshot(robot);
   FillFrom(robot, picture);
   topics.Publish(picture);
 }
@@ -270,12 +378,12 @@ std::vector<std::uint8_t> SimService::RenderJpeg(int robot) {
   return *std::move(jpeg);
 }
 
-void SimService::Fill(Picture& picture) const {
+void SimService::Fill(Snapshot& picture) const {
   Fill(picture, ViewAt(picture.cell, picture.heading_rad, spec_.cell_size_m, config_.camera.width,
                        config_.camera.height));
 }
 
-void SimService::FillFrom(int robot, Picture& picture) const {
+void SimService::FillFrom(int robot, Snapshot& picture) const {
   CameraView view = ViewAt(picture.cell, picture.heading_rad, spec_.cell_size_m,
                            config_.camera.width, config_.camera.height);
   const Position at = physics_->pose(robot).position;
@@ -285,7 +393,7 @@ void SimService::FillFrom(int robot, Picture& picture) const {
   Fill(picture, view);
 }
 
-void SimService::Fill(Picture& picture, const CameraView& view) const {
+void SimService::Fill(Snapshot& picture, const CameraView& view) const {
   picture.horizontal_fov_rad = view.horizontal_fov_rad;
   picture.width = static_cast<std::uint32_t>(config_.camera.width);
   picture.height = static_cast<std::uint32_t>(config_.camera.height);

@@ -1,20 +1,59 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "common/bus/publisher.h"
+#include "common/bus/subscriber.h"
 #include "common/runtime/clock.h"
-#include "common/runtime/stop_token.h"
+#include "common/runtime/threads.h"
 #include "common/service/diagnostics.h"
 #include "sim/config.h"
-#include "sim/episode/episode.h"
 #include "sim/physics/camera.h"
-#include "sim/robot_topics.h"
+#include "sim/world/episode.h"
 #include "sim/world/world_spec.h"
 
 namespace conav::sim {
+
+/// The topics of one robot, and what has been published on them.
+///
+/// Publishes map, state, camera_info, odom and tf before the first command; then whenever they
+/// change. The state is published at least twice per second of simulation time, so that its newest
+/// stamp tells others what time it is while the robot waits.
+class RobotTopics {
+ public:
+  RobotTopics(bus::Participant& participant, const std::string& robot);
+
+  /// State and map if they changed since the last call; a state that has become a second old.
+  void PublishChanges(const Episode& episode, int robot);
+  /// Pose on odom and tf.
+  void PublishPose(const Episode& episode, int robot);
+  void PublishCameraInfo(SimTime stamp, int width, int height);
+  /// Whether anybody takes the frames.
+  bool has_viewers() const { return frame_.matched_subscribers() > 0; }
+  void PublishFrame(SimTime stamp, const std::vector<std::uint8_t>& jpeg);
+  void Publish(const Snapshot& picture);
+
+  std::vector<RobotCommand> TakeCommands();
+  const std::string& robot() const { return robot_; }
+
+ private:
+  std::string robot_;
+  bus::Publisher<conav_msgs::msg::RobotState> state_;
+  bus::Publisher<nav_msgs::msg::OccupancyGrid> map_;
+  bus::Publisher<nav_msgs::msg::Odometry> odometry_;
+  bus::Publisher<tf2_msgs::msg::TFMessage> transforms_;
+  bus::Publisher<conav_msgs::msg::Snapshot> snapshot_;
+  bus::Publisher<sensor_msgs::msg::CompressedImage> frame_;
+  bus::Publisher<sensor_msgs::msg::CameraInfo> camera_info_;
+  bus::Subscriber<conav_msgs::msg::RobotCommand> command_;
+  std::uint64_t state_version_ = 0;
+  SimTime state_stamp_;
+  SimTime map_stamp_{-1};
+};
 
 /// One world on the bus: owns the truth, moves the robots, takes their pictures.
 ///
@@ -43,16 +82,16 @@ class SimService {
   Result<void> Accept(const RobotCommand& command, const std::string& robot);
   bool StepDue();
   void Step();
-  void TakePictures(const std::vector<std::uint64_t>& steps_before);
-  void StreamPicture(int robot);
+  void TakeSnapshots(const std::vector<std::uint64_t>& steps_before);
+  void StreamSnapshot(int robot);
   /// Frames of robots that stand, for those who look on: frames are not latched, and whoever comes
   /// late would see none. They belong to no low-level step and are not counted.
   void StreamAtRest();
   std::vector<std::uint8_t> RenderJpeg(int robot);
   /// As seen from the centre of its cell, or from `robot`'s own position.
-  void Fill(Picture& picture) const;
-  void FillFrom(int robot, Picture& picture) const;
-  void Fill(Picture& picture, const CameraView& view) const;
+  void Fill(Snapshot& picture) const;
+  void FillFrom(int robot, Snapshot& picture) const;
+  void Fill(Snapshot& picture, const CameraView& view) const;
   Health Report() const;
 
   bus::Participant& participant_;

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <fstream>
 
-#include "common/runtime/demand.h"
+#include "common/runtime/result.h"
 #include "operator/gateway/access.h"
 #include "operator/gateway/http_connection.h"
 #include "support/temporary_folder.h"
@@ -72,7 +72,7 @@ class Host final : public ConnectionHost {
 
 /// What all connections are served with.
 const HttpRoutes& Routes() {
-  static const PictureShelf pictures(1000);
+  static const SnapshotStore pictures(1000);
   static const HttpRoutes routes = [] {
     const test::TemporaryFolder folder;
     std::ofstream(folder / "index.html") << "<page>";

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "common/runtime/demand.h"
+#include "common/runtime/result.h"
 #include "operator/gateway/convert_request.h"
 #include "operator/gateway/page_feed.h"
 
@@ -59,7 +59,7 @@ void Use(const PageEvent& event) {
   const auto* asked = std::get_if<PageAsked>(&event.body);
   if (asked == nullptr) return;
   DEMAND(asked->round_trip_s >= 0.0, asked->round_trip_s);
-  WhyNotNow(event.who, *asked, 1000.0, 1.0);
+  CheckNow(event.who, *asked, 1000.0, 1.0);
   const auto request = ToOperatorRequest(asked->request, event.who.client, SimTime{1});
   if (request) {
     DEMAND(request->request_id == asked->request.id(), request->request_id);

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "common/runtime/demand.h"
+#include "common/runtime/result.h"
 
 namespace conav::test {
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "common/runtime/demand.h"
+#include "common/runtime/result.h"
 #include "nhpm/model/weights_file.h"
 #include "support/temporary_folder.h"
 

@@ -1,8 +1,198 @@
 #include "common/bus/in_memory_bus.h"
 
-#include "common/bus/in_memory_topic.h"
+#include <algorithm>
+#include <condition_variable>
+#include <deque>
+#include <vector>
+
+#include "common/bus/events.h"
+#include "common/bus/intake.h"
 
 namespace conav::bus {
+
+/// One serialised message, shared by the queues that hold it.
+struct InMemorySample {
+  std::vector<std::uint8_t> bytes;
+  SourceTime source;
+};
+using InMemoryPayload = std::shared_ptr<const InMemorySample>;
+
+/// What writers and readers of the in-memory bus have in common.
+struct InMemoryEndpoint {
+  InMemoryEndpoint(const EndpointOptions& endpoint_options, std::shared_ptr<EventLog> event_log)
+      : options(endpoint_options), events(std::move(event_log)) {}
+  EndpointOptions options;
+  std::shared_ptr<EventLog> events;
+  std::atomic<int> matched{0};
+};
+
+struct InMemoryWriterState : InMemoryEndpoint {
+  using InMemoryEndpoint::InMemoryEndpoint;
+  std::deque<InMemoryPayload> history;  // guarded by the topic's mutex
+};
+
+/// Delivers payloads one at a time and in order, on whichever thread found the reader idle.
+class InMemoryReaderState : public InMemoryEndpoint {
+ public:
+  InMemoryReaderState(const EndpointOptions& options, std::shared_ptr<EventLog> events, Sink sink)
+      : InMemoryEndpoint(options, std::move(events)),
+        intake_(options, std::move(sink), *this->events) {}
+
+  void Enqueue(InMemoryPayload payload);
+  /// Delivers what is queued, unless another thread (or this one, further up) is about it.
+  void Drain();
+  /// No delivery any more, and none under way, when this returns.
+  void Close();
+  std::uint64_t malformed() const { return intake_.malformed(); }
+
+ private:
+  Intake intake_;
+  std::mutex mutex_;  // guards what follows
+  std::condition_variable idle_;
+  std::deque<InMemoryPayload> queue_;
+  bool delivering_ = false;
+  bool closed_ = false;
+};
+
+class InMemoryTopic {
+ public:
+  void Add(const std::shared_ptr<InMemoryWriterState>& writer);
+  void Add(const std::shared_ptr<InMemoryReaderState>& reader);
+  void Remove(const std::shared_ptr<InMemoryWriterState>& writer);
+  void Remove(const std::shared_ptr<InMemoryReaderState>& reader);
+  void Write(InMemoryWriterState& writer, InMemoryPayload payload);
+
+ private:
+  std::mutex mutex_;  // guards writers_, readers_ and the writers' histories
+  std::vector<std::shared_ptr<InMemoryWriterState>> writers_;
+  std::vector<std::shared_ptr<InMemoryReaderState>> readers_;
+};
+
+namespace {
+
+enum class Matching { kNone, kMatched };
+
+/// Matches as DDS does: by type name, then offered against requested QoS. A refusal for QoS is an
+/// event on both sides, a refusal for the type is silent.
+Matching Match(const InMemoryEndpoint& writer, const InMemoryEndpoint& reader) {
+  if (writer.options.type.name != reader.options.type.name) return Matching::kNone;
+  const Qos& offered = writer.options.qos;
+  const Qos& requested = reader.options.qos;
+  const char* policy = nullptr;
+  if (offered.durability < requested.durability) policy = "durability";
+  if (offered.reliability < requested.reliability) policy = "reliability";
+  if (policy == nullptr) return Matching::kMatched;
+  for (const auto* side : {&writer, &reader}) {
+    side->events->Add({Event::Kind::kIncompatibleQos, side->options.topic, policy});
+  }
+  return Matching::kNone;
+}
+
+void Count(InMemoryEndpoint& endpoint, int change) {
+  endpoint.matched += change;
+  const auto kind = change > 0 ? Event::Kind::kMatched : Event::Kind::kUnmatched;
+  endpoint.events->Add({kind, endpoint.options.topic, {}});
+}
+
+void Connect(InMemoryWriterState& writer, InMemoryReaderState& reader) {
+  Count(writer, 1);
+  Count(reader, 1);
+  if (reader.options.qos.durability == Durability::kVolatile) return;
+  for (const InMemoryPayload& payload : writer.history) reader.Enqueue(payload);
+}
+
+bool Compatible(const InMemoryEndpoint& writer, const InMemoryEndpoint& reader) {
+  return writer.options.type.name == reader.options.type.name &&
+         writer.options.qos.durability >= reader.options.qos.durability &&
+         writer.options.qos.reliability >= reader.options.qos.reliability;
+}
+
+}  // namespace
+
+void InMemoryReaderState::Enqueue(InMemoryPayload payload) {
+  const std::lock_guard lock(mutex_);
+  if (!closed_) queue_.push_back(std::move(payload));
+}
+
+void InMemoryReaderState::Drain() {
+  std::unique_lock lock(mutex_);
+  if (delivering_) return;
+  delivering_ = true;
+  while (!queue_.empty()) {
+    const InMemoryPayload payload = std::move(queue_.front());
+    queue_.pop_front();
+    lock.unlock();
+    intake_.Deliver(payload->bytes, payload->source);
+    lock.lock();
+  }
+  delivering_ = false;
+  idle_.notify_all();
+}
+
+void InMemoryReaderState::Close() {
+  std::unique_lock lock(mutex_);
+  closed_ = true;
+  queue_.clear();
+  idle_.wait(lock, [this] { return !delivering_; });
+}
+
+void InMemoryTopic::Add(const std::shared_ptr<InMemoryWriterState>& writer) {
+  const std::lock_guard lock(mutex_);
+  writers_.push_back(writer);
+  for (const auto& reader : readers_) {
+    if (Match(*writer, *reader) == Matching::kMatched) Connect(*writer, *reader);
+  }
+}
+
+void InMemoryTopic::Add(const std::shared_ptr<InMemoryReaderState>& reader) {
+  {
+    const std::lock_guard lock(mutex_);
+    readers_.push_back(reader);
+    for (const auto& writer : writers_) {
+      if (Match(*writer, *reader) == Matching::kMatched) Connect(*writer, *reader);
+    }
+  }
+  reader->Drain();
+}
+
+void InMemoryTopic::Remove(const std::shared_ptr<InMemoryWriterState>& writer) {
+  const std::lock_guard lock(mutex_);
+  std::erase(writers_, writer);
+  for (const auto& reader : readers_) {
+    if (Compatible(*writer, *reader)) Count(*reader, -1);
+  }
+}
+
+void InMemoryTopic::Remove(const std::shared_ptr<InMemoryReaderState>& reader) {
+  {
+    const std::lock_guard lock(mutex_);
+    std::erase(readers_, reader);
+    for (const auto& writer : writers_) {
+      if (Compatible(*writer, *reader)) Count(*writer, -1);
+    }
+  }
+  reader->Close();
+}
+
+void InMemoryTopic::Write(InMemoryWriterState& writer, InMemoryPayload payload) {
+  std::vector<std::shared_ptr<InMemoryReaderState>> targets;
+  {
+    const std::lock_guard lock(mutex_);
+    const Qos& qos = writer.options.qos;
+    if (qos.durability == Durability::kTransientLocal) {
+      const auto depth = static_cast<std::size_t>(qos.depth > 0 ? qos.depth : kKeepAllLimit);
+      if (writer.history.size() >= depth) writer.history.pop_front();
+      writer.history.push_back(payload);
+    }
+    for (const auto& reader : readers_) {
+      if (!Compatible(writer, *reader)) continue;
+      reader->Enqueue(payload);
+      targets.push_back(reader);
+    }
+  }
+  for (const auto& reader : targets) reader->Drain();
+}
+
 namespace {
 
 class InMemoryWriter final : public Writer {

@@ -1,9 +1,11 @@
 #include "common/bus/participant.h"
 
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+
 #include "common/bus/backend.h"
 #include "common/bus/in_memory_bus.h"
-#include "common/bus/notifier.h"
-#include "common/bus/vendors.h"
 #include "common/runtime/log.h"
 
 namespace conav::bus {
@@ -31,5 +33,63 @@ bool Participant::Wait(std::chrono::nanoseconds timeout) { return notifier_->Wai
 void Participant::Wake() { notifier_->Notify(); }
 
 std::vector<Event> Participant::TakeEvents() { return backend_->TakeEvents(); }
+
+namespace {
+
+constexpr int kMaximumDomain = 232;  // RTPS 2.5, 9.6.2.3: ports end there
+
+std::string Environment(const char* name) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? std::string() : std::string(value);
+}
+
+/// -1 when the variable is not set.
+int DomainFrom(const char* variable) {
+  const std::string text = Environment(variable);
+  if (text.empty()) return -1;
+  int domain = -1;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), domain);
+  const bool whole = error == std::errc() && end == text.data() + text.size();
+  if (!whole || domain < 0 || domain > kMaximumDomain) {
+    throw StartupError(std::string(variable) + " = " + text + " is no DDS domain (0 to 232)");
+  }
+  return domain;
+}
+
+}  // namespace
+
+void ParticipantOptions::Visit(ConfigReader& reader) {
+  reader.Choice("vendor", vendor, {"", kCycloneDds, kFastDds});
+  reader.Field("domain_id", domain_id, -1, kMaximumDomain);
+  reader.Field("interface", interface);
+  reader.Field("peers", peers);
+  reader.Choice("ros_distribution", ros_distribution, {"jazzy", "humble"});
+  reader.Field("lease_s", lease_s, 0.2, 3600.0);
+}
+
+ParticipantOptions Resolve(ParticipantOptions options) {
+  std::string asked_by = "vendor";
+  if (options.vendor.empty()) {
+    options.vendor = Environment("CONAV_DDS");
+    asked_by = "CONAV_DDS";
+  }
+  if (options.vendor.empty()) options.vendor = kDefaultVendor;
+  if (options.vendor != kCycloneDds && options.vendor != kFastDds) {
+    throw StartupError(asked_by + " = " + options.vendor +
+                       " is no DDS vendor (cyclonedds, fastdds)");
+  }
+  if (options.domain_id < 0) options.domain_id = DomainFrom("CONAV_DOMAIN");
+  if (options.domain_id < 0) options.domain_id = std::max(0, DomainFrom("ROS_DOMAIN_ID"));
+  if (options.domain_id > kMaximumDomain) {
+    throw StartupError("domain_id = " + std::to_string(options.domain_id) +
+                       " is no DDS domain (0 to 232)");
+  }
+  if (options.interface.empty()) options.interface = Environment("CONAV_INTERFACE");
+  if (options.ros_distribution != "jazzy" && options.ros_distribution != "humble") {
+    throw StartupError("ros_distribution = " + options.ros_distribution +
+                       " is unknown (jazzy, humble)");
+  }
+  return options;
+}
 
 }  // namespace conav::bus

@@ -8,6 +8,7 @@
 #include "common/bus/participant.h"
 #include "common/bus/topics.h"
 #include "common/bus/type_support.h"
+#include "common/runtime/log.h"
 #include "common/runtime/result.h"
 
 namespace conav::bus {
@@ -37,5 +38,14 @@ class Publisher {
  private:
   std::unique_ptr<Writer> writer_;
 };
+
+/// Publishes, and logs a failure with the topic's type: for messages whose loss the sender cannot
+/// mend.
+template <class T>
+void Send(Publisher<T>& publisher, const T& message) {
+  if (const auto sent = publisher.Publish(message); !sent) {
+    LOG_ERROR("message not sent", "type", TypeSupportOf<T>().name, "reason", sent.error().text);
+  }
+}
 
 }  // namespace conav::bus

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/bus/backend.h"
-#include "common/bus/deduplicator.h"
+#include "common/bus/intake.h"
 
 namespace conav::bus {
 

@@ -9,12 +9,10 @@
 #include <vector>
 
 #include "common/bus/backend.h"
-#include "common/bus/notifier.h"
 #include "common/bus/participant.h"
 #include "common/bus/topics.h"
 #include "common/bus/type_support.h"
 #include "common/runtime/log.h"
-#include "common/runtime/log_limit.h"
 #include "common/runtime/result.h"
 
 namespace conav::bus {

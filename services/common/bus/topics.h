@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <string_view>
+#include <tuple>
 
 #include "common/bus/qos.h"
 #include "conav_operator.h"
@@ -39,12 +41,13 @@ inline constexpr Topic<sensor_msgs::msg::CameraInfo> kCameraInfo{"/{}/camera/cam
 inline constexpr Topic<conav_msgs::msg::Snapshot> kSnapshot{"/{}/snapshot", kEventQos};
 inline constexpr Topic<conav_msgs::msg::Guidance> kGuidance{"/{}/guidance", kLatchedQos};
 inline constexpr Topic<conav_msgs::msg::DriveOrder> kDriveOrder{"/{}/drive", kNewestQos};
-inline constexpr Topic<conav_msgs::msg::HoldOrder> kHoldOrder{"/{}/hold", kLatchedQos};
+inline constexpr Topic<conav_msgs::msg::StopOrder> kStopOrder{"/{}/stop", kLatchedQos};
 inline constexpr Topic<geometry_msgs::msg::PoseStamped> kGoalPose{"/{}/goal_pose", kDefaultQos};
 inline constexpr Topic<nav_msgs::msg::Path> kPlan{"/{}/plan", kLatchedQos};
 inline constexpr Topic<conav_msgs::msg::SearchReport> kSearchReport{"/{}/search", kEventQos};
 inline constexpr Topic<conav_msgs::msg::AttentionRequest> kAttention{"/{}/attention", kEventQos};
-inline constexpr Topic<conav_msgs::msg::RobotWay> kRobotWay{"/{}/way", kLatchedQos};
+inline constexpr Topic<conav_msgs::msg::IntendedPath> kIntendedPath{"/{}/intended_path",
+                                                                    kLatchedQos};
 
 // per world
 inline constexpr Topic<conav_msgs::msg::BeliefMap> kBelief{"/{}/belief", kLatchedQos};
@@ -70,5 +73,32 @@ inline constexpr Topic<rosgraph_msgs::msg::Clock> kClock{"/clock", kClockQos};
 inline constexpr Topic<diagnostic_msgs::msg::DiagnosticArray> kDiagnostics{"/diagnostics",
                                                                            kDefaultQos};
 inline constexpr Topic<rcl_interfaces::msg::Log> kRosout{"/rosout", kEventQos};
+
+}  // namespace conav::bus
+
+/// Every topic of topics.h once more, as lists: for those who handle all of them alike, such as the
+/// recorder. A test compares the two files.
+namespace conav::bus {
+
+inline constexpr std::tuple kRobotTopics{kRobotMap,     kOdometry,     kTransforms, kRobotState,
+                                         kRobotCommand, kCameraImage,  kCameraInfo, kSnapshot,
+                                         kGuidance,     kDriveOrder,   kStopOrder,  kGoalPose,
+                                         kPlan,         kSearchReport, kAttention,  kIntendedPath};
+
+inline constexpr std::tuple kWorldTopics{kBelief, kBeliefMap, kInitialMap, kTruth, kGoals};
+
+inline constexpr std::tuple kSystemTopics{kOperatorRequest, kOperatorReply,     kPlannerLease,
+                                          kAttentionQueue,  kPerceptionRequest, kPerceptionReply,
+                                          kClock,           kDiagnostics,       kRosout};
+
+/// Patterns of the topics that carry one picture after the other, many times the bytes of all
+/// others.
+inline constexpr std::array kStreamPatterns{kCameraImage.pattern};
+
+/// Calls visit(topic) for each topic of one of the lists.
+template <class Topics, class Visit>
+void ForEachTopic(const Topics& topics, Visit&& visit) {
+  std::apply([&](const auto&... topic) { (visit(topic), ...); }, topics);
+}
 
 }  // namespace conav::bus

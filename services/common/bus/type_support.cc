@@ -1,5 +1,6 @@
+#include "common/bus/type_support.h"
+
 #include "common/bus/topics.h"
-#include "common/bus/type_support_of.h"
 #include "ros2_graph.h"
 
 namespace conav::bus {
@@ -45,7 +46,7 @@ template const TypeSupport& TypeSupportOf<conav_msgs::msg::RobotState>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::RobotCommand>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::Snapshot>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::DriveOrder>();
-template const TypeSupport& TypeSupportOf<conav_msgs::msg::HoldOrder>();
+template const TypeSupport& TypeSupportOf<conav_msgs::msg::StopOrder>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::Guidance>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::BeliefMap>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::OperatorRequest>();
@@ -54,7 +55,7 @@ template const TypeSupport& TypeSupportOf<conav_msgs::msg::AttentionRequest>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::AttentionQueue>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::SearchReport>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::PlannerLease>();
-template const TypeSupport& TypeSupportOf<conav_msgs::msg::RobotWay>();
+template const TypeSupport& TypeSupportOf<conav_msgs::msg::IntendedPath>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::PerceptionRequest>();
 template const TypeSupport& TypeSupportOf<conav_msgs::msg::PerceptionReply>();
 

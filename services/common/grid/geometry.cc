@@ -2,8 +2,9 @@
 
 #include <cmath>
 #include <numbers>
+#include <vector>
 
-#include "common/runtime/demand.h"
+#include "common/runtime/result.h"
 
 namespace conav {
 
@@ -37,6 +38,21 @@ double HeadingFromIndex(int index, int count) {
 double HeadingTowards(Cell from, Cell to) {
   return std::atan2(static_cast<double>(from.row - to.row),
                     static_cast<double>(to.column - from.column));
+}
+
+std::set<Cell> ReachableCells(const OccupancyGrid& truth, Cell from) {
+  std::set<Cell> reached{from};
+  std::vector<Cell> open{from};
+  while (!open.empty()) {
+    const Cell cell = open.back();
+    open.pop_back();
+    for (const Cell offset : kNeighbourOffsets) {
+      const Cell next = cell + offset;
+      if (!truth.Contains(next) || truth[next] != Occupancy::kFree) continue;
+      if (reached.insert(next).second) open.push_back(next);
+    }
+  }
+  return reached;
 }
 
 }  // namespace conav

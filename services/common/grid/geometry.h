@@ -1,6 +1,8 @@
 #pragma once
 
-#include "common/grid/cell.h"
+#include <set>
+
+#include "common/grid/grid.h"
 
 namespace conav {
 
@@ -37,5 +39,8 @@ double WrapAngle(double angle_rad);
 
 /// Heading from one cell to another (their centres).
 double HeadingTowards(Cell from, Cell to);
+
+/// Free cells that 4-connected steps reach from `from`, itself included.
+std::set<Cell> ReachableCells(const OccupancyGrid& truth, Cell from);
 
 }  // namespace conav

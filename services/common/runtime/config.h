@@ -12,6 +12,10 @@
 
 namespace conav {
 
+/// The document of a YAML file, whatever it is made of; that of an empty file is null.
+/// Errors, each naming the file: those of ReadFile, kMalformed.
+[[nodiscard]] Result<YAML::Node> ReadYamlFile(const std::filesystem::path& file);
+
 /// Reads one service's section of a YAML file in ROS parameter style:
 ///
 ///   planner:

@@ -3,8 +3,6 @@
 #include <fmt/chrono.h>
 #include <unistd.h>
 
-#include <atomic>
-#include <chrono>
 #include <ctime>
 #include <mutex>
 

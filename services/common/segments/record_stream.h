@@ -3,11 +3,57 @@
 #include <google/protobuf/message_lite.h>
 
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <string_view>
 
 #include "common/runtime/result.h"
-#include "common/segments/zstd_frames.h"
+
+/// zstd (RFC 8878): a file is a row of frames, which decompress to one stream of bytes.
+namespace conav {
+
+/// Makes one frame, with a checksum, of bytes that arrive in parts.
+class ZstdFrame {
+ public:
+  explicit ZstdFrame(int level = 9);
+  ~ZstdFrame();
+  void Add(std::string_view bytes);
+  /// The frame. Call once, last.
+  std::string Finish();
+
+ private:
+  struct Context;
+  void Run(std::string_view bytes, bool last);
+  std::unique_ptr<Context> context_;
+  std::string frame_;
+};
+
+/// Where the complete frames of a file end.
+struct FrameExtent {
+  std::size_t complete_bytes = 0;
+  bool torn = false;  // the file ends inside of the frame after them
+};
+
+/// Follows the frames' block headers without decompressing.
+/// Errors: kMalformed: what follows the complete frames is not the beginning of one more, or has
+/// frames behind it, so that it is damaged rather than torn.
+[[nodiscard]] Result<FrameExtent> FindFrames(std::string_view file);
+
+/// Decompresses complete frames piece by piece; `frames` outlives it.
+class ZstdReader {
+ public:
+  explicit ZstdReader(std::string_view frames);
+  ~ZstdReader();
+  /// Appends up to 64 KiB to `bytes`; false at the end.
+  /// Errors: kMalformed (damaged; made with a window above 16 MiB, more than is granted here).
+  [[nodiscard]] Result<bool> Read(std::string& bytes);
+
+ private:
+  struct Context;
+  std::unique_ptr<Context> context_;
+};
+
+}  // namespace conav
 
 /// Files of records in protobuf, each with its size as a varint before it, in zstd frames.
 namespace conav {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -7,7 +8,7 @@
 #include <vector>
 
 #include "common/grid/grid.h"
-#include "common/protocol/planning.h"
+#include "common/msg/planning.h"
 
 /// What perception models learn from: how people edited their map after each picture.
 namespace conav {
@@ -65,5 +66,30 @@ struct SegmentSet {
 
 /// Number of cells that differ between x and x'.
 int EditCount(const Segment& segment);
+
+/// What the person did, in the shape of PerceptionAnswer: 1 where the cell was edited.
+struct EditLabels {
+  Grid<std::uint8_t> add;     // x 0 -> x' 1
+  Grid<std::uint8_t> remove;  // x 1 -> x' 0
+  bool operator==(const EditLabels&) const = default;
+};
+
+/// Labels of a segment that passed CheckSegment.
+EditLabels LabelsOf(const Segment& segment);
+
+std::size_t SegmentCount(const SegmentSet& set);
+
+/// All segments, trajectory by trajectory, without copying; valid as long as `set` is not changed.
+std::vector<const Segment*> AllSegments(const SegmentSet& set);
+
+/// Their queries, as EditModel::Predict takes them.
+std::vector<PerceptionQuery> Queries(const SegmentSet& set);
+
+/// Who made the edits: "people", "simulated", "synthetic", or several joined by "+", in this order;
+/// "nobody" for an empty set. What reports and weights files call their data.
+std::string OriginText(const SegmentSet& set);
+
+/// "person", "simulated" or "synthetic".
+const char* ToText(SegmentOrigin origin);
 
 }  // namespace conav

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/runtime/utf8.h"
+#include "common/runtime/text.h"
 
 namespace conav {
 namespace {

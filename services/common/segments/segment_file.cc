@@ -2,13 +2,225 @@
 
 #include <fmt/format.h>
 
+#include <array>
+
 #include "common/runtime/file.h"
-#include "common/runtime/sha256.h"
+#include "common/runtime/text.h"
 #include "common/segments/record_stream.h"
 #include "common/segments/segment_checks.h"
-#include "common/segments/segment_records.h"
 
 namespace conav {
+namespace {
+
+// In the order of segments::Origin from 1 on.
+constexpr std::array kOrigins{SegmentOrigin::kPerson, SegmentOrigin::kSimulated,
+                              SegmentOrigin::kSynthetic};
+// In the order of the values of segments::Map::cells.
+constexpr std::array kOccupancies{Occupancy::kFree, Occupancy::kOccupied, Occupancy::kUnknown};
+
+using Indices = google::protobuf::RepeatedField<std::uint32_t>;
+
+// --- to records ------------------------------------------------------------------------------
+
+template <class T, class ToByte>
+void Fill(segments::Map& record, const Grid<T>& map, ToByte&& to_byte) {
+  record.set_rows(static_cast<std::uint32_t>(map.rows()));
+  record.set_columns(static_cast<std::uint32_t>(map.columns()));
+  std::string& cells = *record.mutable_cells();
+  cells.reserve(map.size());
+  for (const T value : map.values()) cells.push_back(static_cast<char>(to_byte(value)));
+}
+
+void Fill(segments::Map& record, const BeliefGrid& map) {
+  Fill(record, map, [](float value) { return value != 0.0F ? 1 : 0; });
+}
+
+void Fill(segments::Map& record, const OccupancyGrid& map) {
+  Fill(record, map, [](Occupancy value) {
+    return std::ranges::find(kOccupancies, value) - kOccupancies.begin();
+  });
+}
+
+void Fill(Indices& record, const std::vector<Cell>& cells, const BeliefGrid& map) {
+  record.Reserve(static_cast<int>(cells.size()));
+  for (const Cell cell : cells) record.Add(static_cast<std::uint32_t>(map.IndexOf(cell)));
+}
+
+// --- from records ----------------------------------------------------------------------------
+
+template <class... Values>
+tl::unexpected<Error> Refuse(fmt::format_string<Values...> text, Values&&... values) {
+  return Fail(ErrorCode::kMalformed, fmt::format(text, std::forward<Values>(values)...));
+}
+
+/// Before any memory is taken for the map.
+Result<void> CheckSize(const segments::Map& record, const char* what) {
+  constexpr auto kLimit = static_cast<std::uint32_t>(kMaxMapSide);
+  if (record.rows() == 0 || record.columns() == 0 || record.rows() > kLimit ||
+      record.columns() > kLimit) {
+    return Refuse("{} is {} x {}; each side must be in [1, {}]", what, record.rows(),
+                  record.columns(), kLimit);
+  }
+  const std::size_t size = std::size_t{record.rows()} * record.columns();
+  if (record.cells().size() == size) return {};
+  return Refuse("{} has {} values for {} x {} cells", what, record.cells().size(), record.rows(),
+                record.columns());
+}
+
+template <class T, class FromByte>
+Result<Grid<T>> ToGrid(const segments::Map& record, int highest, const char* what,
+                       FromByte&& from_byte) {
+  if (const auto sized = CheckSize(record, what); !sized) return tl::unexpected(sized.error());
+  Grid<T> map(static_cast<int>(record.rows()), static_cast<int>(record.columns()));
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    const int value = static_cast<unsigned char>(record.cells()[i]);
+    if (value > highest) {
+      return Refuse("{} is {} at {}; it must be at most {}", what, value, map.CellAt(i), highest);
+    }
+    map.values()[i] = from_byte(value);
+  }
+  return map;
+}
+
+Result<BeliefGrid> ToBeliefGrid(const segments::Map& record, const char* what) {
+  return ToGrid<float>(record, 1, what, [](int value) { return static_cast<float>(value); });
+}
+
+Result<std::vector<Cell>> ToCells(const Indices& record, const BeliefGrid& map, const char* what) {
+  std::vector<Cell> cells;
+  cells.reserve(static_cast<std::size_t>(record.size()));
+  for (const std::uint32_t index : record) {
+    if (index >= map.size()) {
+      return Refuse("{} cell {} is outside of the {} x {} map", what, index, map.rows(),
+                    map.columns());
+    }
+    cells.push_back(map.CellAt(index));
+  }
+  return cells;
+}
+
+std::optional<double> Optional(bool present, double value) {
+  return present ? std::optional(value) : std::nullopt;
+}
+
+void TakeScalars(const segments::Segment& record, Segment& segment) {
+  segment.step = record.step();
+  segment.query.heading_rad = record.heading();
+  segment.image = record.image();
+  segment.image_sha256 = record.image_sha256();
+  segment.sent_s = Optional(record.has_sent(), record.sent());
+  segment.first_edit_s = Optional(record.has_first_edit(), record.first_edit());
+  segment.confirmed_s = Optional(record.has_confirmed(), record.confirmed());
+  segment.goals_reached = record.goals_reached();
+}
+
+}  // namespace
+
+segments::Record HeaderRecord() {
+  segments::Record record;
+  record.mutable_header()->set_schema_version(kSegmentSchemaVersion);
+  return record;
+}
+
+segments::Record ToRecord(const Trajectory& trajectory, std::uint32_t number) {
+  segments::Record whole;
+  segments::Trajectory& record = *whole.mutable_trajectory();
+  record.set_number(number);
+  const auto origin = std::ranges::find(kOrigins, trajectory.origin) - kOrigins.begin();
+  record.set_origin(static_cast<segments::Origin>(origin + 1));
+  record.set_participant(trajectory.participant);
+  record.set_session(trajectory.session);
+  record.set_world(trajectory.world);
+  record.set_world_seed(trajectory.world_seed);
+  record.set_corruption_seed(trajectory.corruption_seed);
+  if (trajectory.truth) Fill(*record.mutable_truth(), *trajectory.truth);
+  record.set_initial_cell_accuracy(trajectory.initial_cell_accuracy);
+  record.set_final_cell_accuracy(trajectory.final_cell_accuracy);
+  record.set_final_mapping_accuracy(trajectory.final_mapping_accuracy);
+  for (const auto& [name, value] : trajectory.annotator) {
+    (*record.mutable_annotator())[name] = value;
+  }
+  record.set_annotator_seed(trajectory.annotator_seed);
+  return whole;
+}
+
+segments::Record ToRecord(const Segment& segment, std::uint32_t trajectory) {
+  segments::Record whole;
+  segments::Segment& record = *whole.mutable_segment();
+  const PerceptionQuery& query = segment.query;
+  record.set_trajectory(trajectory);
+  record.set_step(segment.step);
+  Fill(*record.mutable_map_before(), query.belief);
+  Fill(*record.mutable_map_after(), segment.belief_after);
+  Fill(*record.mutable_path(), query.path, query.belief);
+  record.set_camera_cell(static_cast<std::uint32_t>(query.belief.IndexOf(query.cell)));
+  record.set_heading(query.heading_rad);
+  Fill(*record.mutable_free_cells(), query.visible.free, query.belief);
+  Fill(*record.mutable_wall_cells(), query.visible.walls, query.belief);
+  record.set_image(segment.image);
+  record.set_image_sha256(segment.image_sha256);
+  if (segment.sent_s) record.set_sent(*segment.sent_s);
+  if (segment.first_edit_s) record.set_first_edit(*segment.first_edit_s);
+  if (segment.confirmed_s) record.set_confirmed(*segment.confirmed_s);
+  record.set_goals_reached(segment.goals_reached);
+  return whole;
+}
+
+Result<Trajectory> ToDomain(const segments::Trajectory& record) {
+  Trajectory trajectory;
+  const auto origin = static_cast<std::size_t>(record.origin()) - 1;  // 0 wraps around
+  if (origin >= kOrigins.size()) {
+    return Refuse("origin {} is not known", static_cast<int>(record.origin()));
+  }
+  trajectory.origin = kOrigins[origin];
+  trajectory.participant = record.participant();
+  trajectory.session = record.session();
+  trajectory.world = record.world();
+  trajectory.world_seed = record.world_seed();
+  trajectory.corruption_seed = record.corruption_seed();
+  if (record.has_truth()) {
+    auto truth = ToGrid<Occupancy>(record.truth(), 2, "the truth", [](int value) {
+      return kOccupancies[static_cast<std::size_t>(value)];
+    });
+    if (!truth) return tl::unexpected(truth.error());
+    trajectory.truth = *std::move(truth);
+  }
+  trajectory.initial_cell_accuracy = record.initial_cell_accuracy();
+  trajectory.final_cell_accuracy = record.final_cell_accuracy();
+  trajectory.final_mapping_accuracy = record.final_mapping_accuracy();
+  trajectory.annotator = {record.annotator().begin(), record.annotator().end()};
+  trajectory.annotator_seed = record.annotator_seed();
+  return trajectory;
+}
+
+Result<Segment> ToDomain(const segments::Segment& record) {
+  Segment segment;
+  PerceptionQuery& query = segment.query;
+  const auto take = [](auto result, auto& target) -> Result<void> {
+    if (!result) return tl::unexpected(result.error());
+    target = *std::move(result);
+    return {};
+  };
+  TakeScalars(record, segment);
+  std::vector<Cell> camera;
+  Indices camera_cell;
+  camera_cell.Add(record.camera_cell());
+  return take(ToBeliefGrid(record.map_before(), "x"), query.belief)
+      .and_then([&] { return take(ToBeliefGrid(record.map_after(), "x'"), segment.belief_after); })
+      .and_then([&] { return take(ToCells(record.path(), query.belief, "path"), query.path); })
+      .and_then([&] { return take(ToCells(camera_cell, query.belief, "camera"), camera); })
+      .and_then([&] {
+        return take(ToCells(record.free_cells(), query.belief, "seen free"), query.visible.free);
+      })
+      .and_then([&] {
+        return take(ToCells(record.wall_cells(), query.belief, "seen wall"), query.visible.walls);
+      })
+      .map([&] {
+        query.cell = camera.front();
+        return std::move(segment);
+      });
+}
+
 namespace {
 
 tl::unexpected<Error> Refuse(const std::string& reason) {

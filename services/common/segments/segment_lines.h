@@ -1,9 +1,63 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <fmt/format.h>
 
-#include "common/segments/json_fields.h"
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <string>
+
+#include "common/grid/grid.h"
 #include "common/segments/segment.h"
+
+namespace conav {
+
+/// A line that is not as it must be; what() is the reason. Stays in this folder: ImportSegments
+/// turns it into an Error. It is thrown, unlike other foreseen failures, because each of some thirty
+/// members of two kinds of lines may be at fault, and nobody between it and ImportSegments can act.
+class LineRefused : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+template <class... Values>
+[[noreturn]] void RefuseLine(fmt::format_string<Values...> text, Values&&... values) {
+  throw LineRefused(fmt::format(text, std::forward<Values>(values)...));
+}
+
+/// Takes the members of a JSON object one by one, and knows in the end whether there were others.
+class JsonFields {
+ public:
+  /// `name` is said before a key in messages: "", "pose.".
+  JsonFields(const nlohmann::json& object, std::string name);
+
+  /// Throw LineRefused: missing, of another type.
+  std::string Text(const char* key);
+  double Number(const char* key);
+  std::uint64_t Count(const char* key);
+  std::uint32_t SmallCount(const char* key);
+  const nlohmann::json& Member(const char* key);
+
+  /// The same, for keys that may be missing or null.
+  const nlohmann::json* Find(const char* key);
+  std::string TextOr(const char* key, std::string otherwise);
+  std::uint64_t CountOr(const char* key, std::uint64_t otherwise);
+  std::optional<double> MaybeNumber(const char* key);
+  std::optional<bool> MaybeFlag(const char* key);
+
+  /// Throws LineRefused for a member that was not asked for.
+  void RefuseOthers() const;
+
+ private:
+  [[noreturn]] void Wrong(const char* key, const char* wanted) const;
+
+  const nlohmann::json& object_;
+  std::string name_;
+  std::set<std::string> asked_;
+};
+
+}  // namespace conav
 
 /// One JSON line of segment_json.h <-> one value.
 namespace conav {

@@ -1,7 +1,9 @@
 #include "common/service/diagnostics.h"
 
+#include <algorithm>
+
 #include "common/runtime/log.h"
-#include "common/service/wall_time.h"
+#include "common/runtime/text.h"
 
 namespace conav {
 
@@ -27,6 +29,17 @@ void Diagnostics::Tick(const std::function<Health()>& health) {
   if (const auto sent = publisher_.Publish(array); !sent) {
     LOG_WARNING("diagnostics not sent", "reason", sent.error().text);
   }
+}
+
+std::vector<ReportedHealth> HealthOf(const diagnostic_msgs::msg::DiagnosticArray& message) {
+  std::vector<ReportedHealth> all;
+  for (const auto& status : message.status()) {
+    if (status.hardware_id().empty()) continue;  // not one of conav's
+    const auto level = std::min<int>(status.level(), static_cast<int>(Health::Level::kError));
+    all.push_back({Readable(status.hardware_id()), static_cast<Health::Level>(level),
+                   Readable(status.message())});
+  }
+  return all;
 }
 
 }  // namespace conav

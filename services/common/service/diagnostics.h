@@ -8,8 +8,20 @@
 
 #include "common/bus/publisher.h"
 #include "common/runtime/clock.h"
+#include "ros2_interfaces.h"
 
 namespace conav {
+
+/// Wall time as ROS 2 writes it. Simulation time has its own conversion, in common/protocol.
+inline builtin_interfaces::msg::Time RosWallTime(std::chrono::system_clock::time_point time) {
+  const auto since_epoch = time.time_since_epoch();
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(since_epoch);
+  builtin_interfaces::msg::Time stamp;
+  stamp.sec(static_cast<std::int32_t>(seconds.count()));
+  stamp.nanosec(static_cast<std::uint32_t>(
+      std::chrono::duration_cast<std::chrono::nanoseconds>(since_epoch - seconds).count()));
+  return stamp;
+}
 
 /// How a service is, in the words of diagnostic_msgs (REP-107).
 struct Health {
@@ -34,5 +46,16 @@ class Diagnostics {
   bus::Publisher<diagnostic_msgs::msg::DiagnosticArray> publisher_;
   Clock::TimePoint next_{};
 };
+
+/// What a process says of itself on /diagnostics.
+struct ReportedHealth {
+  std::string process;
+  Health::Level level = Health::Level::kOk;
+  std::string message;
+};
+
+/// Of conav's processes; others that publish there are left out. Names and messages are made
+/// Readable(); a level that REP-107 counts as worse than an error (stale) is an error.
+std::vector<ReportedHealth> HealthOf(const diagnostic_msgs::msg::DiagnosticArray& message);
 
 }  // namespace conav

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "common/protocol/entity_name.h"
+#include "common/msg/robot.h"
 #include "common/runtime/result.h"
 
 namespace conav {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "common/bus/ros_graph.h"
-#include "common/service/wall_time.h"
+#include "common/service/diagnostics.h"
 
 namespace conav {
 namespace {

@@ -5,12 +5,12 @@
 #include <optional>
 #include <string>
 
+#include "common/bus/backend.h"
 #include "common/bus/participant.h"
-#include "common/bus/vendors.h"
 #include "common/runtime/clock.h"
 #include "common/runtime/config.h"
 #include "common/runtime/log.h"
-#include "common/runtime/stop_token.h"
+#include "common/runtime/threads.h"
 #include "common/service/rosout.h"
 
 namespace conav {

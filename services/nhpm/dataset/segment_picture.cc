@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numbers>
 
-#include "common/segments/segment_labels.h"
-#include "common/svg/map_panel.h"
+#include "common/plot/map_panel.h"
 
 namespace conav::nhpm {
 namespace {
@@ -126,6 +128,121 @@ std::string SegmentsSvg(std::span<const ChosenSegment> chosen, std::string_view 
   }
   DrawLegend(canvas, top);
   return canvas.Document(kMargin + 3 * (panel_width + kMargin), top + kLegendPixels, title);
+}
+
+namespace {
+
+using CharacterGrid = Grid<char>;
+
+CharacterGrid Drawn(const BeliefGrid& map) {
+  CharacterGrid drawn(map.rows(), map.columns(), ' ');
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    if (map.values()[i] != 0.0F) drawn.values()[i] = '#';
+  }
+  return drawn;
+}
+
+char CameraSign(double heading_rad) {
+  constexpr std::string_view kSigns = ">^<v";
+  const auto quarter = std::lround(heading_rad / (std::numbers::pi / 2.0)) % 4;
+  return kSigns[static_cast<std::size_t>((quarter + 4) % 4)];
+}
+
+CharacterGrid Before(const PerceptionQuery& query) {
+  CharacterGrid drawn = Drawn(query.belief);
+  for (const Cell cell : query.path) drawn[cell] = 'o';
+  drawn[query.cell] = CameraSign(query.heading_rad);
+  return drawn;
+}
+
+CharacterGrid Shown(const PerceptionQuery& query) {
+  CharacterGrid drawn(query.belief.rows(), query.belief.columns(), ' ');
+  for (const Cell cell : query.visible.free) drawn[cell] = '.';
+  for (const Cell cell : query.visible.walls) drawn[cell] = '#';
+  return drawn;
+}
+
+CharacterGrid After(const Segment& segment) {
+  CharacterGrid drawn = Drawn(segment.belief_after);
+  const EditLabels labels = LabelsOf(segment);
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
+    if (labels.add.values()[i] != 0) drawn.values()[i] = '+';
+    if (labels.remove.values()[i] != 0) drawn.values()[i] = '-';
+  }
+  return drawn;
+}
+
+std::string RowOf(const CharacterGrid& grid, int row) {
+  const auto columns = static_cast<std::size_t>(grid.columns());
+  return {grid.values().data() + static_cast<std::size_t>(row) * columns, columns};
+}
+
+}  // namespace
+
+std::string SegmentText(const ChosenSegment& chosen) {
+  const Segment& segment = *chosen.segment;
+  std::string text =
+      fmt::format("segment {} (trajectory {}, step {}, {}): {} edits\n", chosen.index,
+                  chosen.trajectory, segment.step, ToText(chosen.origin), EditCount(segment));
+  const CharacterGrid panels[] = {Before(segment.query), Shown(segment.query), After(segment)};
+  const auto width = static_cast<std::size_t>(std::max(panels[0].columns(), 6));
+  text += fmt::format("  {:<{}}  {:<{}}  after\n", "before", width, "shown", width);
+  for (int row = 0; row < panels[0].rows(); ++row) {
+    text += fmt::format("  {:<{}}  {:<{}}  {}\n", RowOf(panels[0], row), width,
+                        RowOf(panels[1], row), width, RowOf(panels[2], row));
+  }
+  return text;
+}
+
+namespace {
+
+std::vector<ChosenSegment> All(const SegmentSet& set) {
+  std::vector<ChosenSegment> all;
+  for (std::size_t t = 0; t < set.trajectories.size(); ++t) {
+    for (const Segment& segment : set.trajectories[t].segments) {
+      all.push_back({all.size(), t, &segment, set.trajectories[t].origin});
+    }
+  }
+  return all;
+}
+
+/// Up to `count` of `all`, evenly spread.
+std::vector<ChosenSegment> Spread(const std::vector<ChosenSegment>& all, std::size_t count) {
+  std::vector<ChosenSegment> chosen;
+  const std::size_t taken = std::min(count, all.size());
+  for (std::size_t i = 0; i < taken; ++i) chosen.push_back(all[i * all.size() / taken]);
+  return chosen;
+}
+
+}  // namespace
+
+Result<std::vector<ChosenSegment>> ChooseSegments(const SegmentSet& set,
+                                                  std::span<const std::size_t> indices) {
+  const std::vector<ChosenSegment> all = All(set);
+  std::vector<ChosenSegment> chosen;
+  for (const std::size_t index : indices) {
+    if (index >= all.size()) {
+      return Fail(
+          ErrorCode::kOutOfRange,
+          fmt::format("there is no segment {}; the set has {}, from 0 on", index, all.size()));
+    }
+    chosen.push_back(all[index]);
+  }
+  return chosen;
+}
+
+std::vector<ChosenSegment> ChooseSegments(const SegmentSet& set, std::size_t count) {
+  std::vector<ChosenSegment> edited = All(set);
+  const auto others =
+      std::stable_partition(edited.begin(), edited.end(),
+                            [](const ChosenSegment& one) { return EditCount(*one.segment) > 0; });
+  const std::vector<ChosenSegment> unedited(others, edited.end());
+  edited.erase(others, edited.end());
+  std::vector<ChosenSegment> chosen = Spread(edited, count);
+  for (const ChosenSegment& one : Spread(unedited, count - chosen.size())) chosen.push_back(one);
+  std::sort(chosen.begin(), chosen.end(),
+            [](const ChosenSegment& a, const ChosenSegment& b) { return a.index < b.index; });
+  return chosen;
 }
 
 }  // namespace conav::nhpm

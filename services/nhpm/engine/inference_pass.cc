@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "common/runtime/demand.h"
+#include "common/runtime/result.h"
 
 namespace conav::nhpm {
 

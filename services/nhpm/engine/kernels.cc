@@ -2,8 +2,7 @@
 
 #include <algorithm>
 
-#include "common/runtime/demand.h"
-#include "nhpm/engine/kernel_sets.h"
+#include "common/runtime/result.h"
 
 namespace conav::nhpm {
 

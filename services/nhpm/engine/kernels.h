@@ -63,3 +63,12 @@ const KernelSet& KernelsFor(int width, InstructionSet set);
 const KernelSet& KernelsFor(int width);
 
 }  // namespace conav::nhpm
+
+/// One per instruction set, compiled with its own flags; `width` as KernelsFor() says.
+namespace conav::nhpm {
+
+const KernelSet& PortableKernels(int width);
+const KernelSet& Avx2Kernels(int width);
+const KernelSet& Avx512Kernels(int width);
+
+}  // namespace conav::nhpm

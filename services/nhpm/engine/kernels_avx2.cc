@@ -1,7 +1,7 @@
 #include <immintrin.h>
 
-#include "nhpm/engine/kernel_sets.h"
 #include "nhpm/engine/kernel_templates.h"
+#include "nhpm/engine/kernels.h"
 
 namespace conav::nhpm {
 namespace {

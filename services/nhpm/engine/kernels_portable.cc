@@ -1,6 +1,5 @@
-#include "nhpm/engine/exact_fma.h"
-#include "nhpm/engine/kernel_sets.h"
 #include "nhpm/engine/kernel_templates.h"
+#include "nhpm/engine/kernels.h"
 
 namespace conav::nhpm {
 namespace {

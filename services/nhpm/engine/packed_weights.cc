@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/runtime/demand.h"
+#include "common/runtime/result.h"
 #include "nhpm/engine/kernels.h"
 
 namespace conav::nhpm {

@@ -1,12 +1,32 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <new>
 #include <vector>
 
-#include "nhpm/engine/aligned_floats.h"
 #include "nhpm/engine/network_weights.h"
 
 namespace conav::nhpm {
+
+/// Memory on cache-line borders, so that no vector load touches two lines.
+template <class T>
+struct AlignedAllocator {
+  using value_type = T;
+  static constexpr std::align_val_t kAlignment{64};
+
+  AlignedAllocator() = default;
+  template <class U>
+  AlignedAllocator(const AlignedAllocator<U>&) {}  // NOLINT: allocators convert
+
+  T* allocate(std::size_t count) {
+    return static_cast<T*>(::operator new(count * sizeof(T), kAlignment));
+  }
+  void deallocate(T* memory, std::size_t) { ::operator delete(memory, kAlignment); }
+  bool operator==(const AlignedAllocator&) const { return true; }
+};
+
+using AlignedFloats = std::vector<float, AlignedAllocator<float>>;
 
 /// Parameters in the order in which the kernels read them, so that a tile walks through them once:
 ///

@@ -4,9 +4,9 @@
 #include <array>
 #include <vector>
 
-#include "common/runtime/demand.h"
+#include "common/runtime/result.h"
+#include "nhpm/engine/inference_pass.h"
 #include "nhpm/engine/kernels.h"
-#include "nhpm/engine/padded_grid.h"
 
 namespace conav::nhpm {
 namespace {

@@ -4,10 +4,185 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <set>
 
-#include "nhpm/evaluation/nelder_mead.h"
+#include "common/runtime/result.h"
+#include "nhpm/evaluation/metrics.h"
 
 namespace conav::nhpm {
+namespace {
+
+struct Corner {
+  std::vector<double> position;
+  double value = 0.0;
+};
+
+/// The corners of the simplex, best first.
+class Simplex {
+ public:
+  using Function = std::function<double(std::span<const double>)>;
+
+  Simplex(const Function& function, std::span<const double> start, double step)
+      : function_(function) {
+    corners_.push_back(At({start.begin(), start.end()}));
+    for (std::size_t i = 0; i < start.size(); ++i) {
+      std::vector<double> position(start.begin(), start.end());
+      position[i] += step;
+      corners_.push_back(At(std::move(position)));
+    }
+    Sort();
+  }
+
+  const Corner& best() const { return corners_.front(); }
+
+  bool Converged(double tolerance) const {
+    if (!(corners_.back().value - best().value < tolerance)) return false;
+    const double reach = std::sqrt(tolerance);
+    return std::ranges::all_of(corners_, [&](const Corner& corner) {
+      return std::ranges::equal(corner.position, best().position,
+                                [&](double a, double b) { return std::abs(a - b) < reach; });
+    });
+  }
+
+  void Step() {
+    Corner& worst = corners_.back();
+    const Corner reflected = Along(-1.0);
+    if (reflected.value < best().value) {
+      const Corner expanded = Along(-2.0);
+      worst = expanded.value < reflected.value ? expanded : reflected;
+    } else if (reflected.value < corners_[corners_.size() - 2].value) {
+      worst = reflected;
+    } else {
+      const bool outside = reflected.value < worst.value;
+      const Corner contracted = Along(outside ? -0.5 : 0.5);
+      if (contracted.value < std::min(reflected.value, worst.value)) {
+        worst = contracted;
+      } else {
+        Shrink();
+      }
+    }
+    Sort();
+  }
+
+ private:
+  Corner At(std::vector<double> position) const {
+    const double value = function_(position);
+    return {std::move(position),
+            std::isnan(value) ? std::numeric_limits<double>::infinity() : value};
+  }
+
+  /// On the line from the middle of all other corners (0) to the worst one (1).
+  Corner Along(double share) const {
+    const std::vector<double>& worst = corners_.back().position;
+    std::vector<double> position(worst.size(), 0.0);
+    for (std::size_t i = 0; i < worst.size(); ++i) {
+      for (std::size_t corner = 0; corner + 1 < corners_.size(); ++corner) {
+        position[i] += corners_[corner].position[i] / static_cast<double>(corners_.size() - 1);
+      }
+      position[i] += share * (worst[i] - position[i]);
+    }
+    return At(std::move(position));
+  }
+
+  void Shrink() {
+    for (std::size_t corner = 1; corner < corners_.size(); ++corner) {
+      std::vector<double> position = corners_[corner].position;
+      for (std::size_t i = 0; i < position.size(); ++i) {
+        position[i] = 0.5 * (position[i] + best().position[i]);
+      }
+      corners_[corner] = At(std::move(position));
+    }
+  }
+
+  void Sort() {
+    std::stable_sort(corners_.begin(), corners_.end(),
+                     [](const Corner& a, const Corner& b) { return a.value < b.value; });
+  }
+
+  const Function& function_;
+  std::vector<Corner> corners_;
+};
+
+}  // namespace
+
+NelderMeadResult MinimiseNelderMead(const std::function<double(std::span<const double>)>& function,
+                                    std::span<const double> start,
+                                    const NelderMeadOptions& options) {
+  DEMAND(!start.empty());
+  Simplex simplex(function, start, options.first_step);
+  NelderMeadResult result;
+  while (result.iterations < options.iterations && !result.converged) {
+    simplex.Step();
+    ++result.iterations;
+    result.converged = simplex.Converged(options.tolerance);
+  }
+  result.position = simplex.best().position;
+  result.value = simplex.best().value;
+  return result;
+}
+
+namespace {
+
+int SquaredDistance(Cell a, Cell b) {
+  const Cell offset = a - b;
+  return offset.row * offset.row + offset.column * offset.column;
+}
+
+void CountSegment(const Segment& segment, GlpfStatistics& statistics) {
+  const PerceptionQuery& query = segment.query;
+  const std::set<Cell> walls(query.visible.walls.begin(), query.visible.walls.end());
+  const std::set<Cell> free(query.visible.free.begin(), query.visible.free.end());
+  const std::set<Cell> path(query.path.begin(), query.path.end());
+  const BeliefGrid& before = query.belief;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const Cell cell = before.CellAt(i);
+    if (before.OnBorder(cell)) continue;
+    const bool is_wall = before.values()[i] >= 0.5F;
+    const bool seen_wrong = is_wall ? free.contains(cell) : walls.contains(cell);
+    const int distance = SquaredDistance(cell, query.cell);
+    StimulusCount& count = seen_wrong                       ? statistics.seen[distance]
+                           : is_wall && path.contains(cell) ? statistics.on_path[distance]
+                                                            : statistics.unstimulated;
+    count.outputs += 1.0;
+    count.edits += is_wall != (segment.belief_after.values()[i] >= 0.5F) ? 1.0 : 0.0;
+  }
+}
+
+double LossOf(const StimulusCount& count, double probability) {
+  return count.edits * CrossEntropy(probability, true) +
+         (count.outputs - count.edits) * CrossEntropy(probability, false);
+}
+
+}  // namespace
+
+double GlpfStatistics::outputs() const {
+  double sum = unstimulated.outputs;
+  for (const auto& [distance, count] : seen) sum += count.outputs;
+  for (const auto& [distance, count] : on_path) sum += count.outputs;
+  return sum;
+}
+
+GlpfStatistics CountStimuli(std::span<const Segment* const> segments) {
+  GlpfStatistics statistics;
+  for (const Segment* segment : segments) CountSegment(*segment, statistics);
+  return statistics;
+}
+
+double GlpfLoss(const GlpfStatistics& statistics, const GlpfParameters& parameters) {
+  const double outputs = statistics.outputs();
+  if (outputs == 0.0) return 0.0;
+  const Glpf model(parameters);
+  const auto response_at = [&](int squared_distance) {
+    return model.Response(model.Stimulus(std::sqrt(static_cast<double>(squared_distance))));
+  };
+  double sum = LossOf(statistics.unstimulated, model.Response(0.0));
+  for (const auto& [distance, count] : statistics.seen) sum += LossOf(count, response_at(distance));
+  for (const auto& [distance, count] : statistics.on_path) {
+    sum += LossOf(count, parameters.visible_only ? model.Response(0.0) : response_at(distance));
+  }
+  return sum / outputs;
+}
+
 namespace {
 
 constexpr double kLargestAlpha = 10.0;

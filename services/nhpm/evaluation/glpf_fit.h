@@ -1,11 +1,64 @@
 #pragma once
 
+#include <cstdint>
+#include <functional>
+#include <map>
 #include <optional>
+#include <span>
 #include <vector>
 
-#include "nhpm/evaluation/glpf_statistics.h"
+#include "common/segments/segment.h"
+#include "nhpm/model/glpf.h"
 
 namespace conav::nhpm {
+
+struct NelderMeadOptions {
+  int iterations = 2000;    // at most
+  double first_step = 0.5;  // of each coordinate
+  /// Ends when the values at the corners differ by less than this, and each coordinate of the corners
+  /// from the best one's by less than its square root: near a minimum values differ by the square.
+  double tolerance = 1.0e-10;
+};
+
+struct NelderMeadResult {
+  std::vector<double> position;
+  double value = 0.0;
+  int iterations = 0;
+  bool converged = false;
+};
+
+/// Minimises `function` from `start` without derivatives, by the downhill simplex: reflection,
+/// expansion, contraction, shrinking (J. A. Nelder, R. Mead, Computer Journal 7, 1965). Finds a
+/// local minimum; a value that is not a number counts as infinite. Deterministic.
+/// Requires at least one coordinate.
+NelderMeadResult MinimiseNelderMead(const std::function<double(std::span<const double>)>& function,
+                                    std::span<const double> start,
+                                    const NelderMeadOptions& options = {});
+
+/// Cells to which a GLPF gives one and the same probability, whatever its parameters.
+struct StimulusCount {
+  double outputs = 0.0;
+  double edits = 0.0;
+};
+
+/// All that a GLPF's loss on a set of segments depends on: how many cells have which stimulus, and
+/// how many of them were edited. So a fit costs the same for any number of segments.
+struct GlpfStatistics {
+  /// By squared distance to the camera in cells: wrong on the map, as the picture shows.
+  std::map<int, StimulusCount> seen;
+  /// Walls of the map on the path that the picture does not show: a stimulus unless visible_only.
+  std::map<int, StimulusCount> on_path;
+  StimulusCount unstimulated;
+
+  double outputs() const;
+};
+
+/// Over the outputs that are not masked. The segments passed CheckSegment.
+GlpfStatistics CountStimuli(std::span<const Segment* const> segments);
+
+/// Mean cross-entropy of the GLPF over the outputs that are not masked, in nats; 0 for none. As
+/// MeanCrossEntropy(...).unmasked of its answers, but for their rounding to float.
+double GlpfLoss(const GlpfStatistics& statistics, const GlpfParameters& parameters);
 
 struct GlpfFitOptions {
   /// Nothing = both are tried and the better one is taken.

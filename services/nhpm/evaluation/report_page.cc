@@ -2,16 +2,146 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
-#include "common/segments/segment_labels.h"
-#include "common/svg/svg_canvas.h"
+#include "common/plot/svg.h"
+#include "common/segments/segment.h"
+#include "nhpm/evaluation/evaluation.h"
 #include "nhpm/evaluation/report.h"
 #include "nhpm/evaluation/report_figure.h"
-#include "nhpm/evaluation/report_plots.h"
-#include "nhpm/evaluation/report_style.h"
 
 namespace conav::nhpm {
 namespace {
+
+/// The page's style sheet: colours by prefers-color-scheme, nothing from elsewhere. Add and remove
+/// are blue and vermilion of Okabe and Ito's palette, which colour-blind people tell apart.
+inline constexpr const char* kPageStyle = R"css(
+:root { color-scheme: light dark; --paper: #ffffff; --ink: #1c1c1c; --muted: #5a5a5a;
+  --rule: #d8d8d8; --wall: #4a4a4a; --faint-wall: #bdbdbd; --free: #f1f1f1; --seen: #ffe9a8;
+  --add: #0072b2; --remove: #d55e00; --camera: #117a3d; --good: #117a3d; --bad: #b00020; }
+@media (prefers-color-scheme: dark) {
+  :root { --paper: #16181c; --ink: #ececec; --muted: #a9a9a9; --rule: #3a3d44; --wall: #b9bcc4;
+    --faint-wall: #565a63; --free: #26292f; --seen: #6b5a1e; --add: #56b4e9; --remove: #ff8a3d;
+    --camera: #5fd38d; --good: #5fd38d; --bad: #ff7b8a; } }
+body { margin: 2rem auto; max-width: 76rem; padding: 0 1rem; background: var(--paper);
+  color: var(--ink); font: 16px/1.5 system-ui, sans-serif; }
+h1, h2, h3 { line-height: 1.2; }
+.wide { overflow-x: auto; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
+th, td { padding: 0.3rem 0.7rem; border-bottom: 1px solid var(--rule); text-align: right; }
+th:first-child, td:first-child, td.text { text-align: left; }
+.muted, figcaption { color: var(--muted); font-size: 0.9rem; }
+.origin { display: inline-block; padding: 0.1rem 0.6rem; border: 2px solid var(--remove);
+  border-radius: 0.4rem; font-weight: 600; }
+.pass { color: var(--good); font-weight: 600; }
+.fail { color: var(--bad); font-weight: 600; }
+.row { display: flex; flex-wrap: wrap; gap: 1rem; }
+figure { margin: 0; max-width: 18rem; }
+svg { max-width: 100%; height: auto; display: block; }
+.rule { stroke: var(--rule); } .ideal { stroke: var(--muted); stroke-dasharray: 5 4; }
+.tick, .label { fill: var(--muted); font-size: 11px; } .label { font-size: 12px; }
+.curve { stroke: var(--add); stroke-width: 2; } .dot { fill: var(--add); }
+.wall { fill: var(--wall); } .faint-wall { fill: var(--faint-wall); } .free { fill: var(--free); }
+.seen-free { fill: var(--seen); } .seen-wall { fill: var(--wall); stroke: var(--remove); }
+.path { stroke: var(--add); stroke-width: 3; } .camera { fill: var(--camera); }
+.add { fill: var(--add); } .remove { fill: var(--remove); }
+.percent { fill: var(--ink); font-size: 9px; } .sign { fill: var(--paper); font-size: 17px; }
+)css";
+
+}  // namespace
+}  // namespace conav::nhpm
+
+/// Plots of the page, as SVG elements with the classes of its style sheet.
+namespace conav::nhpm {
+namespace {
+
+constexpr double kSide = 200.0;
+constexpr double kLeft = 44.0;
+constexpr double kTop = 12.0;
+constexpr double kWidth = kLeft + kSide + 14.0;
+constexpr double kHeight = kTop + kSide + 44.0;
+
+/// Square axes from 0 to `largest`, y upwards.
+struct Axes {
+  double largest = 1.0;
+  PixelPosition At(double x, double y) const {
+    return {kLeft + kSide * x / largest, kTop + kSide * (1.0 - y / largest)};
+  }
+};
+
+void DrawAxes(SvgCanvas& canvas, const Axes& axes, const std::string& x_label,
+              const std::string& y_label) {
+  for (int i = 0; i <= 4; ++i) {
+    const double value = axes.largest * i / 4;
+    canvas.Line(axes.At(0, value), axes.At(axes.largest, value), "class=\"rule\"");
+    canvas.Line(axes.At(value, 0), axes.At(value, axes.largest), "class=\"rule\"");
+    const PixelPosition left = axes.At(0, value);
+    const PixelPosition below = axes.At(value, 0);
+    canvas.Text({left.x - 5, left.y + 4}, fmt::format("{:.3g}", value),
+                "class=\"tick\" text-anchor=\"end\"");
+    canvas.Text({below.x, below.y + 15}, fmt::format("{:.3g}", value),
+                "class=\"tick\" text-anchor=\"middle\"");
+  }
+  canvas.Line(axes.At(0, 0), axes.At(axes.largest, axes.largest), "class=\"ideal\"");
+  canvas.Text({kLeft + kSide / 2, kHeight - 8}, x_label, "class=\"label\" text-anchor=\"middle\"");
+  canvas.Text({11, kTop + kSide / 2}, y_label,
+              fmt::format("class=\"label\" text-anchor=\"middle\" transform=\"rotate(-90 11 {})\"",
+                          kTop + kSide / 2));
+}
+
+void DrawDot(SvgCanvas& canvas, PixelPosition at, double radius, const std::string& title) {
+  canvas.BeginGroup(title);
+  canvas.Circle(at, radius, "class=\"dot\"");
+  canvas.EndGroup();
+}
+
+/// Share of outputs that were edited over the promised probability, a dot per bin that is not
+/// empty, larger for more outputs; the diagonal is perfect.
+std::string ReliabilityPlot(const ModelRow& row) {
+  SvgCanvas canvas;
+  const Axes axes;
+  DrawAxes(canvas, axes, "probability promised", "share edited");
+  std::vector<PixelPosition> line;
+  for (const ReliabilityBin& bin : row.test.calibration.bins) {
+    if (bin.outputs > 0) line.push_back(axes.At(bin.mean_probability, bin.edited_share));
+  }
+  canvas.Polyline(line, "class=\"curve\"");
+  for (const ReliabilityBin& bin : row.test.calibration.bins) {
+    if (bin.outputs == 0) continue;
+    DrawDot(canvas, axes.At(bin.mean_probability, bin.edited_share),
+            2.0 + std::log10(static_cast<double>(bin.outputs)),
+            fmt::format("{} outputs: promised {:.3f}, edited {:.3f}", bin.outputs,
+                        bin.mean_probability, bin.edited_share));
+  }
+  return canvas.Inline(kWidth, kHeight,
+                       fmt::format("Reliability of {}: expected calibration error {:.5f}",
+                                   row.label.title, row.test.calibration.error));
+}
+
+/// The largest number of edits in the bins of a row.
+double LargestEdits(const ModelRow& row) {
+  double largest = 0.0;
+  for (const EditBin& bin : row.test.edits.bins) {
+    largest = std::max({largest, bin.mean_expected, bin.mean_true});
+  }
+  return largest;
+}
+
+/// Edits made over edits expected, a dot per bin of segments; `largest` is the end of both axes.
+std::string EditsPlot(const ModelRow& row, double largest) {
+  SvgCanvas canvas;
+  const Axes axes{std::max(largest, 1.0)};
+  DrawAxes(canvas, axes, "edits expected", "edits made");
+  for (const EditBin& bin : row.test.edits.bins) {
+    DrawDot(canvas, axes.At(bin.mean_expected, bin.mean_true), 4.0,
+            fmt::format("{} segments: expected {:.2f}, made {:.2f}", bin.segments,
+                        bin.mean_expected, bin.mean_true));
+  }
+  return canvas.Inline(
+      kWidth, kHeight,
+      fmt::format("Edits to a picture by {}: {:.3f} expected, {:.3f} made", row.label.title,
+                  row.test.edits.mean_expected, row.test.edits.mean_true));
+}
 
 std::string Figure(const std::string& picture, const std::string& caption) {
   return fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", picture,

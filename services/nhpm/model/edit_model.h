@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "common/protocol/planning.h"
+#include "common/msg/planning.h"
 #include "common/runtime/result.h"
 
 namespace conav::nhpm {

@@ -1,8 +1,9 @@
 #pragma once
 
 #include <span>
+#include <string>
 
-#include "common/protocol/planning.h"
+#include "common/msg/planning.h"
 #include "nhpm/engine/network_weights.h"
 
 namespace conav::nhpm {
@@ -45,5 +46,19 @@ PerceptionAnswer MaskedAnswer(const BeliefGrid& belief, std::span<const float> l
 /// 1 / (1 + exp(-logit)), within 3 units in the last place, in [0, 1]. Of NaN it is in [0, 1], too,
 /// and says nothing.
 float Sigmoid(float logit);
+
+}  // namespace conav::nhpm
+
+/// The network's inputs by the paper's letters: "x" the map, "tau" the path, "o" the view.
+namespace conav::nhpm {
+
+/// Whether `inputs` has the input of that name. Requires one of the three names.
+bool& InputOf(InputSelection& inputs, const std::string& name);
+
+/// "x,tau,o", less what the network does not see; "nothing".
+std::string SeenInputs(const InputSelection& inputs);
+
+/// Those that it does not see, likewise; empty where it sees all.
+std::string MissingInputs(const InputSelection& inputs);
 
 }  // namespace conav::nhpm

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "common/runtime/sha256.h"
+#include "common/runtime/text.h"
 
 namespace conav::nhpm {
 namespace {

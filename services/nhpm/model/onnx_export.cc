@@ -6,7 +6,6 @@
 #include <bit>
 
 #include "common/runtime/file.h"
-#include "nhpm/model/weights_message.h"
 #include "onnx_subset.pb.h"
 
 namespace conav::nhpm {

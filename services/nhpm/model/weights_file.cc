@@ -1,16 +1,141 @@
 #include "nhpm/model/weights_file.h"
 
 #include <fmt/format.h>
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "common/runtime/file.h"
-#include "common/runtime/sha256.h"
-#include "nhpm/model/frame.h"
-#include "nhpm/model/weights_message.h"
+#include "common/runtime/text.h"
 
 namespace conav::nhpm {
+namespace {
+
+constexpr std::size_t kMagicSize = 4;
+constexpr std::size_t kDigestSize = 64;
+constexpr std::size_t kHeaderSize = kMagicSize + 4 + 8 + kDigestSize;
+
+void AppendNumber(std::string& bytes, std::uint64_t value, int size) {
+  for (int i = 0; i < size; ++i) bytes += static_cast<char>(value >> (8 * i) & 0xFF);
+}
+
+std::uint64_t NumberOf(std::string_view bytes) {
+  std::uint64_t value = 0;
+  for (std::size_t i = bytes.size(); i-- > 0;)
+    value = value << 8 | static_cast<std::uint8_t>(bytes[i]);
+  return value;
+}
+
+template <class... Values>
+tl::unexpected<Error> Malformed(fmt::format_string<Values...> text, Values&&... values) {
+  return Fail(ErrorCode::kMalformed, fmt::format(text, std::forward<Values>(values)...));
+}
+
+}  // namespace
+
+std::string Frame(const FrameKind& kind, std::string_view payload) {
+  DEMAND(kind.magic.size() == kMagicSize, kind.magic);
+  std::string bytes(kind.magic);
+  AppendNumber(bytes, kind.version, 4);
+  AppendNumber(bytes, payload.size(), 8);
+  bytes += Sha256Hex(payload);
+  return bytes.append(payload);
+}
+
+Result<std::string_view> Unframe(const FrameKind& kind, std::string_view bytes) {
+  if (bytes.empty()) return Malformed("empty, so no {}", kind.name);
+  if (!bytes.starts_with(kind.magic)) return Malformed("no {}", kind.name);
+  if (bytes.size() < kHeaderSize) {
+    return Malformed("cut off after {} bytes of its header", bytes.size());
+  }
+  const std::uint64_t version = NumberOf(bytes.substr(4, 4));
+  if (version != kind.version) {
+    return Malformed("{} of format version {}; this program reads version {}", kind.name, version,
+                     kind.version);
+  }
+  const std::uint64_t size = NumberOf(bytes.substr(8, 8));
+  const std::string_view payload = bytes.substr(kHeaderSize);
+  if (payload.size() != size) {
+    return Malformed("{} bytes where its header says {}: {}", payload.size(), size,
+                     payload.size() < size ? "cut off" : "something was appended");
+  }
+  if (Sha256Hex(payload) != bytes.substr(16, kDigestSize)) {
+    return Malformed("damaged: its SHA-256 is not the one in its header");
+  }
+  return payload;
+}
+
+namespace {
+
+/// Copies `values` where it has as many as `target` and they are finite.
+Result<void> Fill(const google::protobuf::RepeatedField<float>& values, const std::string& what,
+                  std::vector<float>& target) {
+  if (static_cast<std::size_t>(values.size()) != target.size()) {
+    return Fail(ErrorCode::kMalformed,
+                fmt::format("{}: {} values instead of {}", what, values.size(), target.size()));
+  }
+  for (int i = 0; i < values.size(); ++i) {
+    if (!std::isfinite(values[i])) {
+      return Fail(ErrorCode::kMalformed,
+                  fmt::format("{}: value {} is not finite ({})", what, i, values[i]));
+    }
+    target[static_cast<std::size_t>(i)] = values[i];
+  }
+  return {};
+}
+
+Result<void> FillLayer(const proto::Layer& message, int layer, NetworkWeights& result) {
+  const auto i = static_cast<std::size_t>(layer);
+  return Fill(message.weights(), fmt::format("weights of layer {}", layer), result.weights[i])
+      .and_then([&] {
+        return Fill(message.biases(), fmt::format("biases of layer {}", layer), result.biases[i]);
+      });
+}
+
+}  // namespace
+
+void AddLayers(const NetworkWeights& weights,
+               google::protobuf::RepeatedPtrField<proto::Layer>& layers) {
+  for (std::size_t i = 0; i < kNetworkLayers; ++i) {
+    proto::Layer& layer = *layers.Add();
+    layer.mutable_weights()->Assign(weights.weights[i].begin(), weights.weights[i].end());
+    layer.mutable_biases()->Assign(weights.biases[i].begin(), weights.biases[i].end());
+  }
+}
+
+Result<NetworkWeights> WeightsFrom(std::uint32_t width,
+                                   const google::protobuf::RepeatedPtrField<proto::Layer>& layers) {
+  if (width > 64 || !IsNetworkWidth(static_cast<int>(width))) {
+    return Fail(ErrorCode::kMalformed, fmt::format("width {}, not 16, 32 or 64", width));
+  }
+  if (layers.size() != kNetworkLayers) {
+    return Fail(ErrorCode::kMalformed,
+                fmt::format("{} layers instead of {}", layers.size(), kNetworkLayers));
+  }
+  NetworkWeights result = ZeroWeights({static_cast<int>(width)});
+  for (int layer = 0; layer < kNetworkLayers; ++layer) {
+    if (const auto filled = FillLayer(layers[layer], layer, result); !filled) {
+      return tl::unexpected(filled.error());
+    }
+  }
+  return result;
+}
+
+std::string BytesOf(const google::protobuf::Message& message) {
+  std::string bytes;
+  {
+    google::protobuf::io::StringOutputStream stream(&bytes);
+    google::protobuf::io::CodedOutputStream coded(&stream);
+    coded.SetSerializationDeterministic(true);
+    const bool written = message.SerializeToCodedStream(&coded);
+    DEMAND(written);
+  }
+  return bytes;
+}
+
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "checksums are over little-endian bytes");

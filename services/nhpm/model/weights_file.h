@@ -4,13 +4,45 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/runtime/result.h"
 #include "nhpm/engine/network_weights.h"
 #include "nhpm/model/encoding.h"
+#include "weights.pb.h"
 
 namespace conav::nhpm {
+
+/// What a file of a given kind starts with.
+struct FrameKind {
+  std::string_view magic;  // 4 characters
+  std::uint32_t version = 1;
+  std::string_view name;  // for messages: "weights file"
+};
+
+/// Puts a payload into a frame that shows damage:
+///
+///   magic  version  payload size  SHA-256 of the payload  payload
+///   4      4        8             64 hexadecimal digits   (bytes; numbers little-endian)
+std::string Frame(const FrameKind& kind, std::string_view payload);
+
+/// The payload within `bytes`. Errors: kMalformed, saying what is wrong: not of this kind, cut off,
+/// too long, another version, another SHA-256.
+[[nodiscard]] Result<std::string_view> Unframe(const FrameKind& kind, std::string_view bytes);
+
+/// Adds one message per layer.
+void AddLayers(const NetworkWeights& weights,
+               google::protobuf::RepeatedPtrField<proto::Layer>& layers);
+
+/// The weights of a network of that width.
+/// Errors: kMalformed: unknown width, wrong number of layers, weights or biases, a value that is
+/// not finite; names the layer, the number and what it should be.
+[[nodiscard]] Result<NetworkWeights> WeightsFrom(
+    std::uint32_t width, const google::protobuf::RepeatedPtrField<proto::Layer>& layers);
+
+/// The message as bytes that are equal for equal messages.
+std::string BytesOf(const google::protobuf::Message& message);
 
 /// A network as it is kept on disk and served.
 struct NetworkModel {

@@ -7,12 +7,157 @@
 #include <memory>
 #include <numeric>
 #include <optional>
+#include <span>
 
-#include "common/runtime/demand.h"
 #include "common/runtime/random.h"
-#include "nhpm/training/fine_tuning.h"
+#include "nhpm/training/batch_pass.h"
+#include "nhpm/training/trainer.h"
 
 namespace conav::nhpm {
+namespace {
+
+/// The last layers of a network learn from one person's examples, pulled towards the weights that
+/// they start from: the loss has pull / 2 ||weights - base||^2 added.
+class FineTuning {
+ public:
+  static constexpr std::uint64_t kEpochSeed = 2;  // purpose of a seed
+
+  /// Keeps references to all but `pull`; the examples must stay, too.
+  FineTuning(const NetworkWeights& base, const std::vector<const Example*>& examples,
+             const AdaptOptions& options, double pull, BatchPass& pass);
+
+  /// Each example once, in one of so many symmetries, drawn at random.
+  void RunEpoch(int symmetries);
+
+  /// The moving mean (AdaptOptions::averaging).
+  const TrainingWeights& packed() const { return packed_mean_; }
+  const NetworkWeights& weights() const { return mean_; }
+
+ private:
+  void Step(std::span<const BatchItem> batch);
+
+  const NetworkWeights& base_;
+  const AdaptOptions& options_;
+  float pull_;
+  BatchPass& pass_;
+  Random random_;
+  NetworkWeights weights_;
+  TrainingWeights packed_;
+  NetworkWeights mean_;
+  TrainingWeights packed_mean_;
+  AdamState adam_;
+  NetworkWeights gradient_;
+  std::vector<BatchItem> items_;
+};
+
+/// gradient += pull (values - base).
+void AddPull(float pull, const std::vector<float>& values, const std::vector<float>& base,
+             std::vector<float>& gradient) {
+  for (std::size_t i = 0; i < gradient.size(); ++i) gradient[i] += pull * (values[i] - base[i]);
+}
+
+/// mean += share (values - mean).
+void MixIn(float share, const std::vector<float>& values, std::vector<float>& mean) {
+  for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += share * (values[i] - mean[i]);
+}
+
+FineTuning::FineTuning(const NetworkWeights& base, const std::vector<const Example*>& examples,
+                       const AdaptOptions& options, double pull, BatchPass& pass)
+    : base_(base),
+      options_(options),
+      pull_(static_cast<float>(pull)),
+      pass_(pass),
+      random_(DeriveSeed(options.seed, kEpochSeed)),
+      weights_(base),
+      packed_(base),
+      mean_(base),
+      packed_mean_(base),
+      adam_(InitialAdamState(base.shape)),
+      gradient_(ZeroWeights(base.shape)) {
+  for (const Example* example : examples) items_.push_back({example, 0});
+}
+
+void FineTuning::RunEpoch(int symmetries) {
+  random_.Shuffle(items_);
+  for (BatchItem& item : items_) {
+    item.symmetry = static_cast<int>(random_.Uniform(0, symmetries - 1));
+  }
+  const auto batch = static_cast<std::size_t>(options_.batch);
+  for (std::size_t i = 0; i < items_.size(); i += batch) {
+    Step(std::span(items_).subspan(i, std::min(batch, items_.size() - i)));
+  }
+  packed_mean_.Assign(mean_);
+}
+
+void FineTuning::Step(std::span<const BatchItem> batch) {
+  pass_.Gradient(packed_, batch, gradient_);
+  for (auto i = static_cast<std::size_t>(kFirstAdaptedLayer); i < kNetworkLayers; ++i) {
+    AddPull(pull_, weights_.weights[i], base_.weights[i], gradient_.weights[i]);
+    AddPull(pull_, weights_.biases[i], base_.biases[i], gradient_.biases[i]);
+  }
+  AdamStep({.learning_rate = static_cast<float>(options_.learning_rate)}, gradient_, adam_,
+           weights_, kFirstAdaptedLayer);
+  packed_.Assign(weights_);
+  const auto share = static_cast<float>(options_.averaging);
+  for (auto i = static_cast<std::size_t>(kFirstAdaptedLayer); i < kNetworkLayers; ++i) {
+    MixIn(share, weights_.weights[i], mean_.weights[i]);
+    MixIn(share, weights_.biases[i], mean_.biases[i]);
+  }
+}
+
+constexpr std::size_t kMostNamed = 8;
+
+std::string NamesOf(const std::vector<Person>& people) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(people.size(), kMostNamed); ++i) {
+    text += fmt::format("{}{}", i == 0 ? "" : ", ", people[i].participant);
+  }
+  return people.size() > kMostNamed ? text + ", ..." : text;
+}
+
+std::vector<ExampleSet> OnePerExample(const ExampleSet& set) {
+  std::vector<ExampleSet> groups;
+  for (const Example& example : set.examples) groups.push_back({set.rows, set.columns, {example}});
+  return groups;
+}
+
+}  // namespace
+
+std::vector<Person> PeopleOf(const SegmentSet& set) {
+  std::vector<Person> people;
+  for (const Trajectory& trajectory : set.trajectories) {
+    auto found = std::find_if(people.begin(), people.end(), [&](const Person& person) {
+      return person.participant == trajectory.participant;
+    });
+    if (found == people.end()) {
+      people.push_back({trajectory.participant, {}});
+      found = people.end() - 1;
+    }
+    found->set.trajectories.push_back(trajectory);
+  }
+  return people;
+}
+
+Result<Person> FindPerson(const std::vector<Person>& people, const std::string& participant) {
+  if (participant.empty() && people.size() == 1) return people.front();
+  for (const Person& person : people) {
+    if (!participant.empty() && person.participant == participant) return person;
+  }
+  return Fail(ErrorCode::kInvalidArgument,
+              fmt::format("{}; there are {} ({})",
+                          participant.empty() ? "--participant must say to whom to adapt"
+                                              : "no participant '" + participant + "'",
+                          people.size(), NamesOf(people)));
+}
+
+std::vector<ExampleSet> AdaptationGroups(const SegmentSet& set, const InputSelection& inputs) {
+  std::vector<ExampleSet> groups;
+  for (const Trajectory& trajectory : set.trajectories) {
+    groups.push_back(ExamplesOf({{trajectory}}, inputs));
+  }
+  return groups.size() == 1 ? OnePerExample(groups.front()) : groups;
+}
+
 namespace {
 
 constexpr std::uint64_t kFoldSeed = 1;  // purpose of a seed; kEpochSeed is another

@@ -1,13 +1,110 @@
 #include "nhpm/training/batch_pass.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
-#include "common/runtime/demand.h"
-#include "common/runtime/workers.h"
-#include "nhpm/training/loss.h"
+#include "common/runtime/result.h"
+#include "common/runtime/threads.h"
 
 namespace conav::nhpm {
+namespace {
+
+/// exp(-a) for a >= 0: 2^-k exp(-r) with r in [-ln(2) / 2, ln(2) / 2], by its Taylor series.
+double ExpMinus(double a) {
+  constexpr double kLn2High = 0x1.62e42fefa3800p-1;  // its last bits are 0: k kLn2High is exact
+  constexpr double kLn2Low = 0x1.ef35793c76730p-45;
+  if (a > 740.0) return 0.0;
+  const double k = std::floor(a / (kLn2High + kLn2Low) + 0.5);
+  const double r = (a - k * kLn2High) - k * kLn2Low;
+  double sum = 1.0;
+  for (int n = 14; n > 0; --n) sum = 1.0 - r / n * sum;
+  return std::ldexp(sum, -static_cast<int>(k));
+}
+
+/// log(1 + t) for t in [0, 1]: 2 artanh(s), s = t / (2 + t) <= 1/3, by its series.
+double LogOnePlus(double t) {
+  const double s = t / (2.0 + t);
+  double sum = 0.0;
+  for (int n = 33; n > 0; n -= 2) sum = sum * (s * s) + 1.0 / n;
+  return 2.0 * s * sum;
+}
+
+}  // namespace
+
+double Softplus(double x) {
+  if (std::isnan(x)) return x;
+  return std::fmax(x, 0.0) + LogOnePlus(ExpMinus(std::fabs(x)));
+}
+
+double ExampleLoss(std::span<const float> logits, std::span<const OutputLabel> labels) {
+  DEMAND(logits.size() == labels.size(), logits.size(), labels.size());
+  double sum = 0.0;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    if (labels[i] == OutputLabel::kMasked) continue;
+    const double logit = static_cast<double>(logits[i]);
+    sum += Softplus(labels[i] == OutputLabel::kEdited ? -logit : logit);
+  }
+  return sum / static_cast<double>(labels.size());
+}
+
+void LossGradient(std::span<const float> logits, std::span<const OutputLabel> labels, float factor,
+                  std::span<float> gradient) {
+  DEMAND(logits.size() == labels.size() && gradient.size() == labels.size(), logits.size(),
+         labels.size(), gradient.size());
+  const float scale = factor / static_cast<float>(labels.size());
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const float truth = labels[i] == OutputLabel::kEdited ? 1.0F : 0.0F;
+    gradient[i] = labels[i] == OutputLabel::kMasked ? 0.0F : (Sigmoid(logits[i]) - truth) * scale;
+  }
+}
+
+namespace {
+
+constexpr int kMirrorRows = 1;
+constexpr int kMirrorColumns = 2;
+constexpr int kTranspose = 4;
+
+std::vector<std::uint32_t> Sources(int element, int rows, int columns) {
+  std::vector<std::uint32_t> sources;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      int from_row = (element & kTranspose) != 0 ? column : row;
+      int from_column = (element & kTranspose) != 0 ? row : column;
+      if ((element & kMirrorRows) != 0) from_row = rows - 1 - from_row;
+      if ((element & kMirrorColumns) != 0) from_column = columns - 1 - from_column;
+      sources.push_back(static_cast<std::uint32_t>(from_row * columns + from_column));
+    }
+  }
+  return sources;
+}
+
+template <class T>
+void Move(const std::vector<std::uint32_t>& sources, const std::vector<T>& from,
+          std::vector<T>& to) {
+  const std::size_t channels = from.size() / sources.size();
+  to.resize(from.size());
+  auto target = to.begin();
+  for (const std::uint32_t source : sources) {
+    target = std::copy_n(from.data() + source * channels, channels, target);
+  }
+}
+
+}  // namespace
+
+GridSymmetries::GridSymmetries(int rows, int columns) : count_(rows == columns ? 8 : 4) {
+  for (int element = 0; element < count_; ++element) {
+    sources_[static_cast<std::size_t>(element)] = Sources(element, rows, columns);
+  }
+}
+
+void GridSymmetries::Apply(int element, const Example& from, Example& to) const {
+  DEMAND(element >= 0 && element < count_, element, count_);
+  const std::vector<std::uint32_t>& sources = sources_[static_cast<std::size_t>(element)];
+  Move(sources, from.input, to.input);
+  Move(sources, from.labels, to.labels);
+}
+
 namespace {
 
 /// Calls visit(a's array, b's array) for each array of parameters.

@@ -1,13 +1,50 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "nhpm/engine/training_pass.h"
-#include "nhpm/training/augmentation.h"
+#include "nhpm/training/example.h"
 
 namespace conav::nhpm {
+
+/// log(1 + exp(x)), within 1e-15 relatively, of plain double operations: the same bits on every
+/// machine, so that early stopping keeps the same weights everywhere.
+double Softplus(double x);
+
+/// Mean binary cross-entropy (MBCE) of one example over ALL its outputs; masked ones cost 0:
+///
+///   sum over unmasked of (softplus(logit) - y logit)  /  (rows columns kOutputChannels)
+///
+/// Source: paper Appendix B (BCE, no class weight).
+double ExampleLoss(std::span<const float> logits, std::span<const OutputLabel> labels);
+
+/// d ExampleLoss / d logit, times `factor`: factor (sigmoid(logit) - y) / outputs, 0 where masked.
+void LossGradient(std::span<const float> logits, std::span<const OutputLabel> labels, float factor,
+                  std::span<float> gradient);
+
+/// The rotations and reflections that map a grid to itself: all 8 of the dihedral group D4 for a
+/// square, 4 for other rectangles. A map that is turned is as good a map, and the person who edited
+/// it would have edited the turned one alike.
+///
+/// Element e: bit 0 mirrors the rows, bit 1 the columns, bit 2 transposes first; 0 is the identity.
+/// Source: paper Appendix B, "rotation 0/90/180/270, flip".
+class GridSymmetries {
+ public:
+  GridSymmetries(int rows, int columns);
+
+  int count() const { return count_; }
+  /// Moves all channels and labels alike.
+  void Apply(int element, const Example& from, Example& to) const;
+
+ private:
+  int count_ = 0;
+  /// sources_[element][cell] = the cell that it takes its values from.
+  std::array<std::vector<std::uint32_t>, 8> sources_;
+};
 
 /// An example and how it is turned.
 struct BatchItem {

@@ -6,8 +6,7 @@
 
 #include "checkpoint.pb.h"
 #include "common/runtime/file.h"
-#include "nhpm/model/frame.h"
-#include "nhpm/model/weights_message.h"
+#include "nhpm/model/weights_file.h"
 
 namespace conav::nhpm {
 namespace {

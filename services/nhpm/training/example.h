@@ -1,10 +1,14 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <string>
 #include <vector>
 
 #include "common/runtime/result.h"
 #include "common/segments/segment.h"
+#include "common/segments/segment_split.h"
 #include "nhpm/model/encoding.h"
 
 namespace conav::nhpm {
@@ -36,5 +40,23 @@ ExampleSet ExamplesOf(const SegmentSet& segments, const InputSelection& inputs);
 
 /// Share of the unmasked outputs that were edited, in (0, 1): with one added on either side.
 double EditShare(const ExampleSet& set);
+
+/// A segment file, ready to learn from.
+struct TrainingData {
+  std::string checksum;  // SHA-256 of the file
+  std::string origin;    // who made the edits: OriginText
+  std::size_t trajectories = 0;
+  Fingerprints learned_from;  // of `train` and `validation`
+  ExampleSet train;
+  ExampleSet validation;
+  ExampleSet test;
+};
+
+/// Splits by trajectory (SplitSegments).
+/// Errors: those of ReadSegmentFile; kInvalidArgument: no segments, fewer than three trajectories,
+/// maps of several sizes.
+[[nodiscard]] Result<TrainingData> LoadTrainingData(const std::filesystem::path& file,
+                                                    const InputSelection& inputs,
+                                                    std::uint64_t split_seed);
 
 }  // namespace conav::nhpm

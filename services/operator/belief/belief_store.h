@@ -6,13 +6,32 @@
 #include <string>
 #include <vector>
 
-#include "common/protocol/supervision.h"
+#include "common/msg/supervision.h"
 #include "common/runtime/result.h"
-#include "operator/alerts/alert.h"
-#include "operator/belief/belief_rules.h"
+#include "operator/belief/alert.h"
 #include "operator/belief/database.h"
 
+/// What a client may do to the belief and to guidance. Pure functions: the new value, or kRefused
+/// with a reason that names the value and the limit and can be shown to a person as it is.
 namespace conav::operators {
+
+struct GuidanceLimits {
+  double valid_for_s = 7200.0;  // simulation time
+  int path_cells = 10000;
+};
+
+/// The belief after `request`: the edited cells at 0 or 1, revision + 1. Refused: no edits, a cell
+/// outside of the map, on its border or named twice, a base revision that is not the current one
+/// (the edits of somebody else came first; look again).
+[[nodiscard]] Result<Belief> ApplyEdit(const Belief& current, const EditRequest& request,
+                                       const std::string& client, SimTime now);
+
+/// The guidance of `request` on `belief`; its revision is one above `last_revision`. An empty path
+/// withdraws the guidance. Refused: cells outside of the map, steps that are not to a neighbour, a
+/// path over the limit, valid_for_s not in (0, limit].
+[[nodiscard]] Result<Guidance> MakeGuidance(const Belief& belief, const GuideRequest& request,
+                                            std::uint64_t last_revision, const std::string& client,
+                                            SimTime now, const GuidanceLimits& limits);
 
 struct BeliefStoreOptions {
   Database::Options database;
@@ -61,7 +80,7 @@ class BeliefStore {
   /// The reply that a request with this client and id got before; nothing when it is new.
   std::optional<Answer> FindRepeat(const OperatorRequest& request);
   /// Stores a request that was decided elsewhere and is new, with what it leads to.
-  Answer Keep(const OperatorRequest& request, const std::vector<HoldOrder>& orders,
+  Answer Keep(const OperatorRequest& request, const std::vector<StopOrder>& orders,
               const std::vector<Alert>& alerts = {});
   /// Also removes those with the ids of `dropped`.
   [[nodiscard]] Result<void> SaveAlerts(const std::vector<Alert>& alerts,
@@ -71,7 +90,7 @@ class BeliefStore {
   [[nodiscard]] Result<std::int64_t> ForgetRequests(double wall_s, std::int64_t most);
   /// Those of before.
   const std::vector<Alert>& alerts() const { return alerts_; }
-  const std::map<std::string, HoldOrder>& holds() const { return holds_; }
+  const std::map<std::string, StopOrder>& holds() const { return holds_; }
 
   /// Null when unknown. Valid until the next call that is not const.
   const Belief* FindBelief(const std::string& world) const;
@@ -98,7 +117,7 @@ class BeliefStore {
   GuidanceLimits limits_;
   std::map<std::string, Belief> beliefs_;      // by world
   std::map<std::string, Guidance> guidance_;   // by robot
-  std::map<std::string, HoldOrder> holds_;     // by robot
+  std::map<std::string, StopOrder> holds_;     // by robot
   std::vector<Alert> alerts_;                  // at the start
   std::map<std::string, std::string> worlds_;  // of each robot
 };

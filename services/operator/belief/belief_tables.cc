@@ -211,7 +211,7 @@ struct BodyOf {
   }
 };
 
-HoldOrder HoldFromRow(const Database::Row& row) {
+StopOrder StopFromRow(const Database::Row& row) {
   return {{Integer(row[3])},    Text(row[1]), Text(row[0]), Unsigned(row[2]),
           Integer(row[4]) != 0, Text(row[5]), Text(row[6])};
 }
@@ -276,13 +276,13 @@ Result<std::map<std::string, Guidance>> LoadGuidance(Database& database) {
   return guidance;
 }
 
-Result<std::map<std::string, HoldOrder>> LoadHolds(Database& database) {
+Result<std::map<std::string, StopOrder>> LoadStops(Database& database) {
   const auto rows = database.Query(
       "SELECT robot, world, revision, stamp_ns, stopped, given_by, reason FROM holds");
   if (!rows) return tl::unexpected(rows.error());
-  std::map<std::string, HoldOrder> holds;
+  std::map<std::string, StopOrder> holds;
   for (const Database::Row& row : *rows) {
-    auto hold = ReadRow("holds", row, [](const auto& r) { return HoldFromRow(r); });
+    auto hold = ReadRow("holds", row, [](const auto& r) { return StopFromRow(r); });
     if (!hold) return tl::unexpected(hold.error());
     holds[hold->robot] = *hold;
   }
@@ -332,7 +332,7 @@ Result<void> SaveGuidance(Database& database, const Guidance& guidance) {
        Signed(guidance.answers_snapshot), guidance.valid_until.nanoseconds});
 }
 
-Result<void> SaveHold(Database& database, const HoldOrder& hold) {
+Result<void> SaveStop(Database& database, const StopOrder& hold) {
   return database.Execute("INSERT OR REPLACE INTO holds VALUES (?, ?, ?, ?, ?, ?, ?)",
                           {hold.robot, hold.world, Signed(hold.revision), hold.stamp.nanoseconds,
                            std::int64_t{hold.stopped}, hold.given_by, hold.reason});

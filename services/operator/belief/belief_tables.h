@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "common/protocol/supervision.h"
+#include "common/msg/supervision.h"
 #include "common/runtime/result.h"
-#include "operator/alerts/alert.h"
+#include "operator/belief/alert.h"
 #include "operator/belief/database.h"
 
 /// The tables of the operator's database, and the values that go into them.
@@ -48,7 +48,7 @@ std::string RequestBody(const OperatorRequest& request);
 [[nodiscard]] Result<std::map<std::string, Guidance>> LoadGuidance(Database& database);
 
 /// By robot.
-[[nodiscard]] Result<std::map<std::string, HoldOrder>> LoadHolds(Database& database);
+[[nodiscard]] Result<std::map<std::string, StopOrder>> LoadStops(Database& database);
 
 /// By id.
 [[nodiscard]] Result<std::vector<Alert>> LoadAlerts(Database& database);
@@ -59,7 +59,7 @@ std::string RequestBody(const OperatorRequest& request);
 
 [[nodiscard]] Result<void> SaveBelief(Database& database, const Belief& belief);
 [[nodiscard]] Result<void> SaveGuidance(Database& database, const Guidance& guidance);
-[[nodiscard]] Result<void> SaveHold(Database& database, const HoldOrder& hold);
+[[nodiscard]] Result<void> SaveStop(Database& database, const StopOrder& hold);
 [[nodiscard]] Result<void> SaveAlert(Database& database, const Alert& alert);
 [[nodiscard]] Result<void> RemoveAlert(Database& database, std::uint64_t id);
 [[nodiscard]] Result<void> SaveRequest(Database& database, const OperatorRequest& request,

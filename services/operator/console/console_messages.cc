@@ -1,10 +1,91 @@
 #include "operator/console/console_messages.h"
 
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+#include <google/protobuf/wire_format_lite.h>
+
 #include <algorithm>
 #include <cmath>
 #include <set>
 
 namespace conav::operators {
+namespace {
+
+constexpr std::size_t kLongest = 10000;
+
+}  // namespace
+
+std::optional<Cell> CellAt(Position position, const GridGeometry& grid) {
+  const double limit_m = (grid.rows + grid.columns) * grid.cell_size_m;  // far away has no cell
+  if (!(std::abs(position.x_m) < limit_m && std::abs(position.y_m) < limit_m)) return std::nullopt;
+  const Cell cell = grid.PositionToCell(position);
+  const bool is_on_map =
+      cell.row >= 0 && cell.row < grid.rows && cell.column >= 0 && cell.column < grid.columns;
+  return is_on_map ? std::optional(cell) : std::nullopt;
+}
+
+std::vector<Cell> CellsAt(std::span<const Position> positions, const GridGeometry& grid) {
+  std::vector<Cell> cells;
+  for (const Position position : positions) {
+    const auto cell = CellAt(position, grid);
+    if (!cell || cells.size() == kLongest) break;
+    cells.push_back(*cell);
+  }
+  return cells;
+}
+
+namespace {
+
+using google::protobuf::internal::WireFormatLite;
+using google::protobuf::io::CodedOutputStream;
+using google::protobuf::io::StringOutputStream;
+
+/// Tag and length of a message in field `field`.
+void WriteHead(CodedOutputStream& out, int field, std::size_t length) {
+  out.WriteTag(WireFormatLite::MakeTag(field, WireFormatLite::WIRETYPE_LENGTH_DELIMITED));
+  out.WriteVarint32(static_cast<std::uint32_t>(length));
+}
+
+}  // namespace
+
+std::string EncodeUpdate(const console::Update& update) {
+  std::string encoded;
+  StringOutputStream stream(&encoded);
+  CodedOutputStream out(&stream);
+  WriteHead(out, console::Updates::kUpdateFieldNumber, update.ByteSizeLong());
+  update.SerializeWithCachedSizes(&out);
+  out.Trim();
+  return encoded;
+}
+
+std::string EncodeUpdates(std::string_view updates, bool everything) {
+  console::Updates flags;
+  flags.set_everything(everything);
+  const std::string flag_bytes = flags.SerializeAsString();
+  std::string encoded;
+  StringOutputStream stream(&encoded);
+  CodedOutputStream out(&stream);
+  WriteHead(out, console::ServerMessage::kUpdatesFieldNumber, updates.size() + flag_bytes.size());
+  out.WriteRaw(updates.data(), static_cast<int>(updates.size()));
+  out.WriteRaw(flag_bytes.data(), static_cast<int>(flag_bytes.size()));
+  out.Trim();
+  return encoded;
+}
+
+std::string Encode(const console::ServerMessage& message) { return message.SerializeAsString(); }
+
+Result<console::ClientMessage> DecodeClientMessage(std::string_view bytes) {
+  console::ClientMessage message;
+  if (!message.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
+    return Fail(ErrorCode::kMalformed,
+                "a message of " + std::to_string(bytes.size()) + " bytes is no ClientMessage");
+  }
+  if (message.body_case() == console::ClientMessage::BODY_NOT_SET) {
+    return Fail(ErrorCode::kMalformed, "a ClientMessage without a body");
+  }
+  return message;
+}
+
 namespace {
 
 console::Cells CellsOf(std::span<const Cell> cells) {
@@ -100,7 +181,7 @@ console::Guidance ToConsole(const Guidance& guidance) {
   return message;
 }
 
-console::Picture ToConsole(const Picture& picture, double heard_at_s) {
+console::Picture ToConsole(const Snapshot& picture, double heard_at_s) {
   console::Picture message;
   message.set_robot(picture.robot);
   message.set_world(picture.world);

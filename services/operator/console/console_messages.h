@@ -1,15 +1,48 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "common/protocol/planning.h"
-#include "common/protocol/robot.h"
-#include "common/protocol/supervision.h"
+#include "common/grid/geometry.h"
+#include "common/grid/grid.h"
+#include "common/msg/planning.h"
+#include "common/msg/robot.h"
+#include "common/msg/supervision.h"
+#include "common/runtime/result.h"
 #include "console.pb.h"
-#include "operator/alerts/alert.h"
-#include "operator/task/participant_task.h"
+#include "operator/belief/alert.h"
+#include "operator/console/participant_task.h"
+
+/// Positions that others sent, as cells of a map.
+namespace conav::operators {
+
+/// Nothing for what is no number, or not on the map.
+std::optional<Cell> CellAt(Position position, const GridGeometry& grid);
+
+/// Up to the first position that is not on the map, which no planner of ours sends; 10000 at most.
+std::vector<Cell> CellsAt(std::span<const Position> positions, const GridGeometry& grid);
+
+}  // namespace conav::operators
+
+/// idl/console.proto as bytes. An update is encoded once, however many pages get it: encoded updates
+/// one behind the other are the body of a console::Updates.
+namespace conav::operators {
+
+/// `update` as an element of console::Updates.update.
+std::string EncodeUpdate(const console::Update& update);
+
+/// A console::ServerMessage with the updates of UpdateLog::Batch; `everything` as in the schema.
+std::string EncodeUpdates(std::string_view updates, bool everything);
+
+std::string Encode(const console::ServerMessage& message);
+
+/// Errors: kMalformed.
+[[nodiscard]] Result<console::ClientMessage> DecodeClientMessage(std::string_view bytes);
+
+}  // namespace conav::operators
 
 /// Domain values as idl/console.proto has them. `heard_at_s`: wall time of the service, s since 1970.
 namespace conav::operators {
@@ -28,7 +61,7 @@ std::string ToBytes(const Grid<float>& probabilities);
 std::string ToBytes(const OccupancyGrid& cells);
 console::Guidance ToConsole(const Guidance& guidance);
 /// Without an answer.
-console::Picture ToConsole(const Picture& picture, double heard_at_s);
+console::Picture ToConsole(const Snapshot& picture, double heard_at_s);
 console::Search ToConsole(const SearchReport& report);
 console::Alert ToConsole(const Alert& alert);
 console::Task ToConsole(const TaskStatus& task);

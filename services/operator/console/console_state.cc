@@ -77,7 +77,7 @@ void ConsoleState::BeginAnew() {
   PutSession();
 }
 
-void ConsoleState::BeginAnew(const std::string& world) {
+void ConsoleState::BeginAnew(std::string world) {
   std::set<std::string, std::less<>> gone;
   for (const auto& [robot, memory] : robots_) {
     if (memory.world == world) gone.insert(robot);
@@ -93,7 +93,7 @@ SimTime ConsoleState::TimeOf(const std::string& world) const {
   return found == worlds_.end() ? SimTime{} : found->second.stamp;
 }
 
-void ConsoleState::Hear(const RobotState& state, double heard_s) {
+void ConsoleState::Receive(const RobotState& state, double received_s) {
   if (const auto known = robots_.find(state.robot);
       known != robots_.end() && state.stamp < known->second.stamp) {
     BeginAnew(known->second.world);
@@ -104,9 +104,9 @@ void ConsoleState::Hear(const RobotState& state, double heard_s) {
   if (state.snapshots < memory.answered) memory.answered = 0;  // it counts them anew
   ExtendTrail(memory, state);
   console::Update update;
-  *update.mutable_robot() = ToConsole(state, heard_s);
+  *update.mutable_robot() = ToConsole(state, received_s);
   log_.Put("robot/" + state.robot, std::move(update));
-  NoteTime(state, heard_s);
+  NoteTime(state, received_s);
 }
 
 void ConsoleState::ExtendTrail(RobotMemory& memory, const RobotState& state) {
@@ -132,18 +132,18 @@ void ConsoleState::PutTrail(const std::string& robot, const std::vector<Cell>& t
   }
 }
 
-void ConsoleState::NoteTime(const RobotState& state, double heard_s) {
+void ConsoleState::NoteTime(const RobotState& state, double received_s) {
   WorldMemory& memory = worlds_[state.world];
   memory.stamp = std::max(memory.stamp, state.stamp);
-  if (memory.world.rows() == 0 || !IsDue(memory.said_at_s, heard_s, kTimePeriod)) return;
-  memory.said_at_s = heard_s;
+  if (memory.world.rows() == 0 || !IsDue(memory.said_at_s, received_s, kTimePeriod)) return;
+  memory.said_at_s = received_s;
   memory.world.set_time(memory.stamp.ToSeconds());
   console::Update update;
   *update.mutable_world() = memory.world;
   log_.Put("world/" + state.world, std::move(update));
 }
 
-void ConsoleState::HearGeometry(const std::string& world, const MapUpdate& map) {
+void ConsoleState::ReceiveGeometry(const std::string& world, const MapUpdate& map) {
   WorldMemory& memory = worlds_[world];
   memory.world.set_name(world);
   memory.world.set_rows(map.cells.rows());
@@ -155,8 +155,8 @@ void ConsoleState::HearGeometry(const std::string& world, const MapUpdate& map) 
   log_.Put("world/" + world, std::move(update));
 }
 
-void ConsoleState::HearSeen(const std::string& robot, const std::string& world,
-                            const MapUpdate& map) {
+void ConsoleState::ReceiveSeen(const std::string& robot, const std::string& world,
+                               const MapUpdate& map) {
   std::string bytes = ToBytes(map.cells);
   RobotMemory& memory = robots_[robot];
   if (bytes == memory.seen) return;
@@ -169,14 +169,14 @@ void ConsoleState::HearSeen(const std::string& robot, const std::string& world,
   log_.Put("seen/" + robot, std::move(update));
 }
 
-void ConsoleState::HearTruth(const std::string& world, const OccupancyGrid& truth) {
+void ConsoleState::ReceiveTruth(const std::string& world, const OccupancyGrid& truth) {
   console::Update update;
   update.mutable_truth()->set_world(world);
   update.mutable_truth()->set_cells(ToBytes(truth));
   log_.Put("truth/" + world, std::move(update));
 }
 
-void ConsoleState::Hear(const Belief& belief, const BeliefGrid& initial) {
+void ConsoleState::Receive(const Belief& belief, const BeliefGrid& initial) {
   console::Update update;
   console::Belief* message = update.mutable_belief();
   message->set_world(belief.world);
@@ -188,15 +188,15 @@ void ConsoleState::Hear(const Belief& belief, const BeliefGrid& initial) {
   log_.Put("belief/" + belief.world, std::move(update));
 }
 
-void ConsoleState::Hear(const Guidance& guidance) {
+void ConsoleState::Receive(const Guidance& guidance) {
   console::Update update;
   *update.mutable_guidance() = ToConsole(guidance);
   log_.Put("guidance/" + guidance.robot, std::move(update));
   Answered(guidance.robot, guidance.answers_snapshot, console::ANSWER_PATH, guidance.given_by);
 }
 
-void ConsoleState::HearPlan(const std::string& robot, SimTime stamp,
-                            const std::vector<Cell>& cells) {
+void ConsoleState::ReceivePlan(const std::string& robot, SimTime stamp,
+                               const std::vector<Cell>& cells) {
   console::Update update;
   update.mutable_plan()->set_robot(robot);
   update.mutable_plan()->set_stamp(stamp.ToSeconds());
@@ -204,7 +204,7 @@ void ConsoleState::HearPlan(const std::string& robot, SimTime stamp,
   log_.Put("plan/" + robot, std::move(update));
 }
 
-void ConsoleState::Hear(const SearchReport& report) {
+void ConsoleState::Receive(const SearchReport& report) {
   if (session_.method() != report.method) {
     session_.set_method(report.method);
     session_.set_drives(report.method == "teleop");
@@ -215,33 +215,33 @@ void ConsoleState::Hear(const SearchReport& report) {
   log_.Put("search/" + report.robot, std::move(update));
 }
 
-void ConsoleState::Hear(const Picture& picture, double heard_s) {
+void ConsoleState::Receive(const Snapshot& picture, double received_s) {
   RobotMemory& memory = robots_[picture.robot];
   if (memory.unanswered) {
     memory.unanswered->set_answer(console::ANSWER_OUTDATED);
-    PutPicture(*std::exchange(memory.unanswered, std::nullopt));
+    PutSnapshot(*std::exchange(memory.unanswered, std::nullopt));
   }
-  console::Picture message = ToConsole(picture, heard_s);
+  console::Picture message = ToConsole(picture, received_s);
   Close(message, memory);
   if (message.answer() == console::ANSWER_NONE) memory.unanswered = message;
-  PutPicture(message);
+  PutSnapshot(message);
 }
 
-void ConsoleState::HearPictureAgain(const std::string& robot, double now_s) {
+void ConsoleState::ReceiveSnapshotAgain(const std::string& robot, double now_s) {
   RobotMemory& memory = robots_[robot];
   if (!memory.newest_picture) return;
   if (memory.unanswered) memory.unanswered->set_heard_at(now_s);
   memory.newest_picture->set_heard_at(now_s);
-  PutPicture(console::Picture(*memory.newest_picture));
+  PutSnapshot(console::Picture(*memory.newest_picture));
 }
 
-void ConsoleState::PutPicture(const console::Picture& picture) {
+void ConsoleState::PutSnapshot(const console::Picture& picture) {
   std::optional<console::Picture>& newest = robots_[picture.robot()].newest_picture;
   if (!newest || newest->sequence_number() <= picture.sequence_number()) newest = picture;
   console::Update update;
   *update.mutable_picture() = picture;
   log_.Put(fmt::format("picture/{}/{}", picture.robot(), picture.sequence_number()),
-           std::move(update), "picture/" + picture.robot(), kPicturesKept);
+           std::move(update), "picture/" + picture.robot(), kSnapshotsKept);
 }
 
 void ConsoleState::Close(console::Picture& picture, const RobotMemory& memory) {
@@ -260,17 +260,17 @@ void ConsoleState::Answered(const std::string& robot, std::uint64_t snapshot,
   memory.answered_by = by;
   if (!memory.unanswered || memory.unanswered->sequence_number() > snapshot) return;
   Close(*memory.unanswered, memory);
-  PutPicture(*std::exchange(memory.unanswered, std::nullopt));
+  PutSnapshot(*std::exchange(memory.unanswered, std::nullopt));
 }
 
-void ConsoleState::HearAnswer(const std::string& robot, std::uint64_t snapshot,
-                              const std::string& client) {
+void ConsoleState::ReceiveAnswer(const std::string& robot, std::uint64_t snapshot,
+                                 const std::string& client) {
   Answered(robot, snapshot, console::ANSWER_NOTHING_NEW, client);
 }
 
-void ConsoleState::Hear(const std::string& robot, const std::string& world, std::uint64_t snapshot,
-                        std::uint64_t belief_revision, const std::string& model,
-                        const PerceptionAnswer& answer) {
+void ConsoleState::Receive(const std::string& robot, const std::string& world,
+                           std::uint64_t snapshot, std::uint64_t belief_revision,
+                           const std::string& model, const PerceptionAnswer& answer) {
   console::Update update;
   console::Prediction* message = update.mutable_prediction();
   message->set_robot(robot);
@@ -283,19 +283,19 @@ void ConsoleState::Hear(const std::string& robot, const std::string& world, std:
   log_.Put("prediction/" + robot, std::move(update));
 }
 
-void ConsoleState::HearStream() {
+void ConsoleState::ReceiveStream() {
   if (session_.streams()) return;
   session_.set_streams(true);
   PutSession();
 }
 
-void ConsoleState::Hear(const AttentionQueueState& queue) {
+void ConsoleState::Receive(const AttentionQueueState& queue) {
   console::Update update;
   *update.mutable_attention() = ToConsole(queue);
   log_.Put("attention", std::move(update));
 }
 
-void ConsoleState::HearGoalPose(const std::string& robot, Cell cell, double stamp_s) {
+void ConsoleState::ReceiveGoalPose(const std::string& robot, Cell cell, double stamp_s) {
   console::Update update;
   update.mutable_goal_pose()->set_robot(robot);
   *update.mutable_goal_pose()->mutable_cell() = ToConsole(cell);
@@ -303,7 +303,7 @@ void ConsoleState::HearGoalPose(const std::string& robot, Cell cell, double stam
   log_.Put("goal_pose/" + robot, std::move(update));
 }
 
-void ConsoleState::Hear(const ServiceHealth& health, double now_s) {
+void ConsoleState::Receive(const ServiceHealth& health, double now_s) {
   const auto known = services_.find(health.name);
   double& said_at_s = service_said_at_s_[health.name];
   if (known != services_.end() && known->second == health &&
@@ -320,7 +320,7 @@ void ConsoleState::Hear(const ServiceHealth& health, double now_s) {
   log_.Put("service/" + health.name, std::move(update));
 }
 
-void ConsoleState::Hear(const std::vector<Person>& people) {
+void ConsoleState::Receive(const std::vector<Person>& people) {
   console::Update update;
   update.mutable_presence();
   for (const Person& person : people) {
@@ -332,21 +332,21 @@ void ConsoleState::Hear(const std::vector<Person>& people) {
   log_.Put("presence", std::move(update));
 }
 
-void ConsoleState::Hear(console::Event event) {
+void ConsoleState::Receive(console::Event event) {
   event.set_id(++last_event_);
   console::Update update;
   *update.mutable_event() = std::move(event);
   log_.Put(fmt::format("event/{}", last_event_), std::move(update), "event", kEventsKept);
 }
 
-void ConsoleState::Hear(console::Control control) {
+void ConsoleState::Receive(console::Control control) {
   const std::string key = "control/" + control.robot();
   console::Update update;
   *update.mutable_control() = std::move(control);
   log_.Put(key, std::move(update));
 }
 
-void ConsoleState::Hear(const console::Alert& alert) {
+void ConsoleState::Receive(const console::Alert& alert) {
   console::Update update;
   *update.mutable_alert() = alert;
   const std::string key = fmt::format("alert/{}", alert.id());
@@ -357,13 +357,13 @@ void ConsoleState::Hear(const console::Alert& alert) {
   }
 }
 
-void ConsoleState::Hear(const console::Task& task) {
+void ConsoleState::Receive(const console::Task& task) {
   console::Update update;
   *update.mutable_task() = task;
   log_.Put("task", std::move(update));
 }
 
-void ConsoleState::Hear(const console::Playback& playback) {
+void ConsoleState::Receive(const console::Playback& playback) {
   console::Update update;
   *update.mutable_playback() = playback;
   log_.Put("playback", std::move(update));

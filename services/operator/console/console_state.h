@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "common/protocol/planning.h"
-#include "common/protocol/robot.h"
-#include "common/protocol/supervision.h"
+#include "common/msg/planning.h"
+#include "common/msg/robot.h"
+#include "common/msg/supervision.h"
 #include "operator/console/update_log.h"
 
 namespace conav::operators {
@@ -34,13 +34,13 @@ struct Person {
 ///
 /// A robot whose time goes back belongs to a new run of its world: what the robots of that world told
 /// is forgotten. What the operator made (map, guidance, the log of commands) is not.
-/// `heard_s`, `now_s`: wall time, s since 1970, when something was said, and the present. They never
+/// `received_s`, `now_s`: wall time, s since 1970, when something was said, and the present. They never
 /// decide anything but how often something is passed on.
 /// Threads: one caller; `log` may be read by others.
 class ConsoleState {
  public:
   /// Of each robot; older ones are forgotten.
-  static constexpr std::size_t kPicturesKept = 200;
+  static constexpr std::size_t kSnapshotsKept = 200;
   static constexpr std::size_t kEventsKept = 500;
   /// Alerts that are over and acknowledged.
   static constexpr std::size_t kAlertsKept = 200;
@@ -48,36 +48,36 @@ class ConsoleState {
   /// `log` outlives it.
   ConsoleState(UpdateLog& log, console::Session session);
 
-  void Hear(const RobotState& state, double heard_s);
-  void HearSeen(const std::string& robot, const std::string& world, const MapUpdate& map);
-  void HearGeometry(const std::string& world, const MapUpdate& map);
-  void HearTruth(const std::string& world, const OccupancyGrid& truth);
+  void Receive(const RobotState& state, double received_s);
+  void ReceiveSeen(const std::string& robot, const std::string& world, const MapUpdate& map);
+  void ReceiveGeometry(const std::string& world, const MapUpdate& map);
+  void ReceiveTruth(const std::string& world, const OccupancyGrid& truth);
   /// `initial`: revision 0 of it.
-  void Hear(const Belief& belief, const BeliefGrid& initial);
-  void Hear(const Guidance& guidance);
-  void HearPlan(const std::string& robot, SimTime stamp, const std::vector<Cell>& cells);
-  void Hear(const SearchReport& report);
+  void Receive(const Belief& belief, const BeliefGrid& initial);
+  void Receive(const Guidance& guidance);
+  void ReceivePlan(const std::string& robot, SimTime stamp, const std::vector<Cell>& cells);
+  void Receive(const SearchReport& report);
   /// Not a streamed one.
-  void Hear(const Picture& picture, double heard_s);
+  void Receive(const Snapshot& picture, double received_s);
   /// The newest picture of `robot` counts as if it had come then: a replay's time goes on otherwise.
-  void HearPictureAgain(const std::string& robot, double now_s);
+  void ReceiveSnapshotAgain(const std::string& robot, double now_s);
   /// What the model expects the operator to do with the picture of that number.
-  void Hear(const std::string& robot, const std::string& world, std::uint64_t snapshot,
-            std::uint64_t belief_revision, const std::string& model,
-            const PerceptionAnswer& answer);
+  void Receive(const std::string& robot, const std::string& world, std::uint64_t snapshot,
+               std::uint64_t belief_revision, const std::string& model,
+               const PerceptionAnswer& answer);
   /// "Nothing new here".
-  void HearAnswer(const std::string& robot, std::uint64_t snapshot, const std::string& client);
+  void ReceiveAnswer(const std::string& robot, std::uint64_t snapshot, const std::string& client);
   /// A frame of a live view came.
-  void HearStream();
-  void Hear(const AttentionQueueState& queue);
-  void HearGoalPose(const std::string& robot, Cell cell, double stamp_s);
-  void Hear(const ServiceHealth& health, double now_s);
-  void Hear(const std::vector<Person>& people);
-  void Hear(console::Event event);
-  void Hear(console::Control control);
-  void Hear(const console::Alert& alert);
-  void Hear(const console::Playback& playback);
-  void Hear(const console::Task& task);
+  void ReceiveStream();
+  void Receive(const AttentionQueueState& queue);
+  void ReceiveGoalPose(const std::string& robot, Cell cell, double stamp_s);
+  void Receive(const ServiceHealth& health, double now_s);
+  void Receive(const std::vector<Person>& people);
+  void Receive(console::Event event);
+  void Receive(console::Control control);
+  void Receive(const console::Alert& alert);
+  void Receive(const console::Playback& playback);
+  void Receive(const console::Task& task);
 
   /// Forgets all but the session.
   void BeginAnew();
@@ -105,12 +105,13 @@ class ConsoleState {
     double said_at_s = 0.0;
   };
 
-  void BeginAnew(const std::string& world);
+  /// `world` by value: callers name it by what this erases.
+  void BeginAnew(std::string world);
   void PutSession();
   void ExtendTrail(RobotMemory& memory, const RobotState& state);
   void PutTrail(const std::string& robot, const std::vector<Cell>& trail, std::size_t from);
-  void NoteTime(const RobotState& state, double heard_s);
-  void PutPicture(const console::Picture& picture);
+  void NoteTime(const RobotState& state, double received_s);
+  void PutSnapshot(const console::Picture& picture);
   /// All pictures up to `snapshot`, which was answered so.
   void Answered(const std::string& robot, std::uint64_t snapshot, console::PictureAnswer answer,
                 const std::string& by);

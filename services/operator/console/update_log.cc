@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "operator/console/wire.h"
+#include "operator/console/console_messages.h"
 
 namespace conav::operators {
 
@@ -62,7 +62,7 @@ void UpdateLog::Clear() {
   Forget([](std::string_view) { return true; });
 }
 
-void UpdateLog::Hold(bool held) {
+void UpdateLog::Pause(bool held) {
   const std::lock_guard lock(mutex_);
   held_ = held;
 }

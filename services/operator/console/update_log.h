@@ -39,8 +39,8 @@ class UpdateLog {
   /// that were replaced. One at a time.
   class Together {
    public:
-    explicit Together(UpdateLog& log) : log_(log) { log_.Hold(true); }
-    ~Together() { log_.Hold(false); }
+    explicit Together(UpdateLog& log) : log_(log) { log_.Pause(true); }
+    ~Together() { log_.Pause(false); }
     Together(const Together&) = delete;
     Together& operator=(const Together&) = delete;
 
@@ -71,7 +71,7 @@ class UpdateLog {
     std::string encoded;  // as field `update` of console::Updates
   };
 
-  void Hold(bool held);
+  void Pause(bool held);
   void PutLocked(std::string_view key, console::Update& update);
   void EraseLocked(const std::string& key);
 

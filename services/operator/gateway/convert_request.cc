@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "common/protocol/convert.h"
+#include "common/msg/convert.h"
 
 namespace conav::operators {
 namespace {
@@ -140,8 +140,8 @@ Result<OperatorRequest> ToOperatorRequest(const console::Request& request,
   return ToDomain(message);
 }
 
-std::string WhyNotNow(const PageIdentity& who, const PageAsked& asked, double wall_s,
-                      double drive_limit_s) {
+std::string CheckNow(const PageIdentity& who, const PageAsked& asked, double wall_s,
+                     double drive_limit_s) {
   const console::Request& request = asked.request;
   if (who.role == console::ROLE_OBSERVER && !request.has_stop()) {
     return "an observer looks on, and may stop robots only";

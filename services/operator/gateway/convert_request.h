@@ -1,9 +1,9 @@
 #pragma once
 
-#include "common/protocol/supervision.h"
+#include "common/msg/supervision.h"
 #include "common/runtime/result.h"
 #include "console.pb.h"
-#include "operator/gateway/page_event.h"
+#include "operator/gateway/page_feed.h"
 
 namespace conav::operators {
 
@@ -15,7 +15,7 @@ namespace conav::operators {
 
 /// Why a page in this role, with this connection, may not ask that now; empty = it may. `wall_s`: s
 /// since 1970, as in `valid_until`. `drive_limit_s`: the longest round trip for driving.
-std::string WhyNotNow(const PageIdentity& who, const PageAsked& asked, double wall_s,
-                      double drive_limit_s);
+std::string CheckNow(const PageIdentity& who, const PageAsked& asked, double wall_s,
+                     double drive_limit_s);
 
 }  // namespace conav::operators

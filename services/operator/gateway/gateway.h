@@ -1,5 +1,8 @@
 #pragma once
 
+#include <prometheus/registry.h>
+
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -7,13 +10,47 @@
 #include <vector>
 
 #include "operator/console/update_log.h"
-#include "operator/gateway/frame_slots.h"
-#include "operator/gateway/gateway_options.h"
+#include "operator/gateway/access.h"
 #include "operator/gateway/http_routes.h"
-#include "operator/gateway/page_event.h"
-#include "operator/gateway/picture_shelf.h"
+#include "operator/gateway/page_feed.h"
+#include "operator/gateway/picture_store.h"
+
+namespace prometheus {
+class Counter;
+class Gauge;
+}  // namespace prometheus
 
 namespace conav::operators {
+
+/// What the gateway counts, as Prometheus reads it.
+/// Threads: safe to call concurrently.
+class GatewayMetrics {
+ public:
+  GatewayMetrics();
+
+  void SetPages(int pages);
+  void SetConnections(int connections);
+  /// Of everything that a new page is sent.
+  void SetShownBytes(std::size_t bytes);
+  void CountRequest(unsigned status);
+  void CountMessage(bool sent, std::size_t bytes);
+  void CountSkippedFrames(std::size_t frames);
+  void CountRefusedPage();
+  std::string Text() const;
+
+ private:
+  prometheus::Registry registry_;
+  prometheus::Gauge& pages_;
+  prometheus::Gauge& connections_;
+  prometheus::Gauge& shown_bytes_;
+  prometheus::Counter& messages_in_;
+  prometheus::Counter& messages_out_;
+  prometheus::Counter& bytes_in_;
+  prometheus::Counter& bytes_out_;
+  prometheus::Counter& skipped_frames_;
+  prometheus::Counter& refused_pages_;
+  prometheus::Family<prometheus::Counter>& requests_;
+};
 
 /// The console's door: HTTP for the page, a WebSocket for what it shows and asks (idl/console.proto).
 /// No other server is needed, and nothing is loaded from elsewhere.
@@ -26,7 +63,7 @@ class Gateway {
   struct Shared {
     UpdateLog& updates;
     FrameSlots& frames;
-    PictureShelf& pictures;
+    SnapshotStore& pictures;
   };
 
   /// Listens from now on. `shared` outlives it. A `welcome` without a run gets one of its own. `wake` is called on the gateway's thread, must be

@@ -1,18 +1,46 @@
 #pragma once
 
 #include <chrono>
+#include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "operator/gateway/gateway_options.h"
-#include "operator/gateway/picture_shelf.h"
-#include "operator/gateway/web_files.h"
+#include "operator/gateway/access.h"
+#include "operator/gateway/picture_store.h"
 
 namespace conav::operators {
+
+/// The files of the page, read into memory once; `x.js.gz` beside `x.js` is its compressed form.
+class WebFiles {
+ public:
+  struct File {
+    std::string type;  // Content-Type
+    std::shared_ptr<const std::string> plain;
+    std::shared_ptr<const std::string> gzip;  // may be null
+    std::string etag;
+    std::string gzip_etag;
+    bool immutable = false;  // its name changes with its content
+  };
+
+  /// Throws StartupError: the folder holds no index.html, a file cannot be read.
+  explicit WebFiles(const std::filesystem::path& folder);
+
+  /// `path` as in the URL, "/" is the page itself. Null when there is no such file.
+  const File* Find(std::string_view path) const;
+
+ private:
+  void Add(const std::filesystem::path& folder, const std::filesystem::path& path);
+
+  std::map<std::string, File, std::less<>> files_;  // by URL path
+};
+
+/// Where the page lies when nobody says otherwise: share/conav/console beside the program's folder.
+std::filesystem::path DefaultWebFolder();
 
 /// What the gateway looks at of an HTTP request.
 struct HttpRequest {
@@ -49,7 +77,7 @@ struct Readiness {
 class HttpRoutes {
  public:
   struct Sources {
-    const PictureShelf& pictures;
+    const SnapshotStore& pictures;
     std::function<Readiness()> readiness;
     std::function<std::string()> metrics;
   };

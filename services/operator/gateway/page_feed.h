@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <deque>
@@ -9,16 +10,88 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "common/runtime/clock.h"
+#include "console.pb.h"
+#include "operator/console/console_state.h"
 #include "operator/console/update_log.h"
-#include "operator/gateway/frame_slots.h"
-#include "operator/gateway/gateway_options.h"
-#include "operator/gateway/page_event.h"
-#include "operator/gateway/rate_limit.h"
+#include "operator/gateway/access.h"
+#include "operator/gateway/picture_store.h"
 
 namespace conav::operators {
+
+/// Who sits at a page, once it has said hello.
+struct PageIdentity {
+  std::string client;  // as in OperatorRequest::client: "<name>/<instance>"
+  std::string name;    // as typed
+  console::Role role = console::ROLE_OBSERVER;
+};
+
+struct PageJoined {};
+struct PageLeft {};
+/// Somebody used the page, whether or not that asked for anything.
+struct PageUsed {};
+struct PageAsked {
+  console::Request request;
+  double round_trip_s = 0.0;  // as the page measured last; 0 = never
+};
+
+/// What a page did. `page` is one connection; a page that comes back is another one.
+struct PageEvent {
+  std::uint64_t page = 0;
+  PageIdentity who;
+  std::variant<PageJoined, PageLeft, PageUsed, PageAsked, console::Seek> body;
+};
+
+/// So many per second on average, and so many at once (a token bucket).
+class RateLimit {
+ public:
+  RateLimit(double per_second, int burst, Clock::TimePoint now)
+      : per_second_(per_second), burst_(burst), left_(burst), at_(now) {}
+
+  /// False when one more is too much.
+  bool Allow(Clock::TimePoint now) {
+    const double passed = std::chrono::duration<double>(now - at_).count();
+    at_ = now;
+    left_ = std::min(static_cast<double>(burst_), left_ + passed * per_second_);
+    if (left_ < 1.0) return false;
+    left_ -= 1.0;
+    return true;
+  }
+  /// The one that was allowed last shall not count.
+  void GiveBack() { left_ = std::min(static_cast<double>(burst_), left_ + 1.0); }
+
+ private:
+  double per_second_;
+  int burst_;
+  double left_;
+  Clock::TimePoint at_;
+};
+
+/// Who looks at the console now. A client that loads its page again, or loses its connection for a
+/// moment, is two pages for a while, and has gone only when none of them has come back in time.
+/// Pure; threads: not synchronised. `now`: wall time.
+class PagePresence {
+ public:
+  /// A page that reconnects within this time keeps its client's control of robots.
+  static constexpr std::chrono::seconds kGoneAfter{10};
+
+  void Join(std::uint64_t page, const PageIdentity& who);
+  void Leave(std::uint64_t page, Clock::TimePoint now);
+  /// Clients without a page for kGoneAfter, each once.
+  std::vector<std::string> TakeGone(Clock::TimePoint now);
+
+  /// Each client once.
+  std::vector<Person> People() const;
+  /// As typed; empty for one who is not here.
+  std::string NameOf(const std::string& client) const;
+
+ private:
+  std::map<std::uint64_t, Person> people_;           // by page
+  std::map<std::string, Clock::TimePoint> left_at_;  // by client without a page
+};
 
 /// What all pages share.
 struct PageContext {

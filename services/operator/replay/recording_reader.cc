@@ -2,17 +2,124 @@
 
 #include <fmt/format.h>
 
+#include <functional>
+#include <map>
+#include <set>
+#include <span>
 #include <sstream>
 #include <utility>
 
-#include "common/runtime/utf8.h"
+#include "common/bus/topics.h"
+#include "common/bus/type_support.h"
+#include "common/msg/convert.h"
+#include "common/runtime/text.h"
+#include "common/service/diagnostics.h"
 #include "common/service/robot_list.h"
-#include "operator/bag/mcap_reader.h"
 #include "operator/console/console_messages.h"
-#include "operator/replay/recorded_topics.h"
+#include "operator/recording/mcap_reader.h"
 
 namespace conav::operators {
 namespace {
+
+/// What conav 0.1 called bus::kStopOrder; its recordings stay readable.
+constexpr bus::Topic<conav_msgs::msg::StopOrder> kStopOrderOf01{"/{}/hold", bus::kLatchedQos};
+
+/// Takes up a serialised message that was recorded at `wall_s`; false when it is not one of the
+/// topic's, or says what cannot be.
+using TakeUp = std::function<bool(std::span<const std::uint8_t> message, double wall_s)>;
+
+class Topics {
+ public:
+  /// `use` gets the message as the bus carries it and gives false where it is refused.
+  template <class T, class Use>
+  void On(const bus::Topic<T>& topic, const std::string& entity, Use use) {
+    take_up_[topic.NameFor(entity)] = [use](std::span<const std::uint8_t> data, double wall_s) {
+      T message;
+      return bus::TypeSupportOf<T>().deserialize(data, &message) && use(message, wall_s);
+    };
+  }
+  /// `use` gets the domain value.
+  template <class T, class Use>
+  void OnValue(const bus::Topic<T>& topic, const std::string& entity, Use use) {
+    On(topic, entity, [use](const T& message, double wall_s) {
+      auto value = ToDomain(message);
+      if (value) use(*std::move(value), wall_s);
+      return value.has_value();
+    });
+  }
+  std::map<std::string, TakeUp> Take() && { return std::move(take_up_); }
+
+ private:
+  std::map<std::string, TakeUp> take_up_;
+};
+
+void AddRobot(Topics& topics, const std::string& robot, TimelineBuilder& builder) {
+  const auto receive = [&builder](auto value, double wall_s) {
+    builder.Receive(wall_s, std::move(value));
+  };
+  topics.OnValue(bus::kRobotState, robot, receive);
+  topics.OnValue(bus::kGuidance, robot, receive);
+  topics.OnValue(bus::kSearchReport, robot, receive);
+  topics.OnValue(bus::kSnapshot, robot, receive);
+  topics.OnValue(bus::kStopOrder, robot, receive);
+  topics.OnValue(kStopOrderOf01, robot, receive);
+  topics.OnValue(bus::kRobotMap, robot, [&builder, robot](MapUpdate map, double wall_s) {
+    builder.ReceiveSeen(wall_s, robot, std::move(map));
+  });
+  topics.OnValue(bus::kGoalPose, robot, [&builder, robot](Position goal, double wall_s) {
+    builder.ReceiveGoalPose(wall_s, robot, goal);
+  });
+  topics.On(bus::kPlan, robot, [&builder, robot](const nav_msgs::msg::Path& path, double wall_s) {
+    const auto stamp = ToDomain(path.header().stamp());
+    builder.ReceivePlan(wall_s, robot, stamp.value_or(SimTime{}), ToPositions(path));
+    return true;
+  });
+  topics.On(bus::kCameraImage, robot,
+            [&builder, robot](const sensor_msgs::msg::CompressedImage& image, double wall_s) {
+              const auto stamp = ToDomain(image.header().stamp());
+              builder.ReceiveFrame(wall_s, {robot, stamp.value_or(SimTime{}), image.data()});
+              return true;
+            });
+}
+
+void AddWorld(Topics& topics, const std::string& world, TimelineBuilder& builder) {
+  topics.OnValue(bus::kInitialMap, world, [&builder, world](MapUpdate map, double wall_s) {
+    builder.ReceiveInitialMap(wall_s, world, std::move(map));
+  });
+  topics.OnValue(bus::kTruth, world, [&builder, world](MapUpdate truth, double wall_s) {
+    builder.ReceiveTruth(wall_s, world, std::move(truth));
+  });
+  topics.OnValue(bus::kBelief, world, [&builder](Belief belief, double wall_s) {
+    builder.Receive(wall_s, std::move(belief));
+  });
+}
+
+/// For each topic that a console receives of these robots (their worlds by name), by topic. `builder`
+/// outlives it.
+std::map<std::string, TakeUp> RecordedTopics(
+    const std::map<std::string, std::string>& world_of_robot, TimelineBuilder& builder) {
+  Topics topics;
+  std::set<std::string> worlds;
+  for (const auto& [robot, world] : world_of_robot) {
+    AddRobot(topics, robot, builder);
+    worlds.insert(world);
+  }
+  for (const std::string& world : worlds) AddWorld(topics, world, builder);
+  const auto receive = [&builder](auto value, double wall_s) {
+    builder.Receive(wall_s, std::move(value));
+  };
+  topics.OnValue(bus::kAttentionQueue, "", receive);
+  topics.OnValue(bus::kOperatorRequest, "", receive);
+  topics.OnValue(bus::kOperatorReply, "", receive);
+  topics.On(bus::kDiagnostics, "", [&builder](const auto& array, double wall_s) {
+    for (const ReportedHealth& health : HealthOf(array)) {
+      const auto level = static_cast<console::Level>(health.level);
+      builder.Receive(wall_s, ServiceHealth{health.process, level, health.message});
+    }
+    return true;
+  });
+  return std::move(topics).Take();
+}
 
 constexpr double kNanosecond = 1e-9;
 

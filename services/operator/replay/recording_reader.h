@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/runtime/result.h"
-#include "operator/timeline/timeline.h"
+#include "operator/replay/timeline.h"
 
 namespace conav::operators {
 

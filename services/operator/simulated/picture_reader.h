@@ -4,12 +4,79 @@
 #include <set>
 #include <vector>
 
-#include "common/protocol/robot.h"
-#include "common/protocol/supervision.h"
+#include "common/msg/robot.h"
+#include "common/msg/supervision.h"
+#include "common/runtime/config.h"
 #include "common/runtime/random.h"
-#include "operator/simulated/picture_reading.h"
 
 namespace conav::operators {
+
+/// How carefully the synthetic person reads a picture. The defaults are the careful one: about one
+/// edit for each picture that shows errors of the map, most of them right, so that the map becomes
+/// better on balance. Distances are Euclidean between cell centres, in cells, from the camera.
+struct PictureReaderParameters {
+  /// A discrepancy at distance d is edited with probability edit_probability * exp(-d / decay).
+  double edit_probability = 0.95;
+  double decay_cells = 12.0;
+  /// A wall of the map on a cell that the robot drove through is removed with this probability.
+  double path_removal_probability = 0.97;
+  /// A missing wall at `far_cells` or more, within `centre_deg` of the view axis, that continues a
+  /// wall of the map, is added with at least this probability.
+  double far_centre_probability = 0.8;
+  double far_cells = 3.0;
+  double centre_deg = 10.0;
+  /// A missing wall nearer than far_cells and more than `lateral_deg` off the axis is overlooked
+  /// more often: its probability is multiplied by this.
+  double lateral_factor = 0.75;
+  double lateral_deg = 25.0;
+  /// A wall up to `near_cells` away that is added lands one cell off along the view axis.
+  double misplacement_probability = 0.05;
+  double near_cells = 2.0;
+  /// The picture is not looked at.
+  double lapse_probability = 0.03;
+  /// A cell beside those that the picture shows is flipped for no reason.
+  double guess_probability = 0.02;
+  /// Nearest first, a person stops after so many edits to one picture.
+  int edit_limit = 6;
+
+  void Visit(ConfigReader& reader);
+};
+
+/// What a synthetic person may do about one picture beside their map: worked out once, drawn as
+/// often as wanted. Threads: const and safe to call concurrently, with a Random each.
+class PictureReading {
+ public:
+  /// Cells of the picture outside of the belief are ignored; `certain` cells are left as they are.
+  PictureReading(const PictureReaderParameters& parameters, const BeliefGrid& belief,
+                 const Snapshot& picture, const std::set<Cell>& certain);
+
+  /// The edits of one look: in row-major order, each cell once, each a change of the belief.
+  std::vector<CellEdit> Draw(Random& random) const;
+
+  /// Every cell that a draw may edit, row-major, each once.
+  std::vector<Cell> PossibleCells() const;
+
+ private:
+  struct Look;
+  /// One difference between picture and map.
+  struct Discrepancy {
+    CellEdit edit;
+    double probability = 0.0;
+    bool near = false;  // a wall that may be misplaced: onto `beyond` or onto `before`
+    Cell beyond;
+    Cell before;
+  };
+
+  double EditProbability(const Look& look, Cell cell) const;
+  double AddProbability(const Look& look, Cell cell) const;
+  double RemoveProbability(const Look& look, Cell cell) const;
+  Discrepancy Weigh(const Look& look, const CellEdit& edit) const;
+  Cell DrawPlace(const Discrepancy& discrepancy, Random& random) const;
+
+  PictureReaderParameters parameters_;
+  std::vector<Discrepancy> discrepancies_;  // nearest first
+  std::vector<CellEdit> guesses_;           // beside what is shown, row-major
+};
 
 /// Looks at a picture as people were seen to do, and says which cells of the map they would change:
 /// a SYNTHETIC annotator, not a model fitted to data.
@@ -24,7 +91,7 @@ class PictureReader {
 
   /// Edits in row-major order, each cell once, each a change of `belief`. Cells of the picture
   /// outside of the belief are ignored. `certain` cells are left as they are.
-  std::vector<CellEdit> Read(const BeliefGrid& belief, const Picture& picture,
+  std::vector<CellEdit> Read(const BeliefGrid& belief, const Snapshot& picture,
                              const std::set<Cell>& certain);
 
   /// One draw of this reader's random numbers: is a picture of a stream looked at?

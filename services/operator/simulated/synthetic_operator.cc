@@ -1,6 +1,5 @@
 #include "operator/simulated/synthetic_operator.h"
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <numbers>
@@ -26,7 +25,7 @@ std::uint64_t HashOf(const std::string& name) {
   return hash;
 }
 
-bool IsGlance(const Picture& picture) { return picture.streamed; }
+bool IsGlance(const Snapshot& picture) { return picture.streamed; }
 
 /// Standard normal (Box and Muller 1958).
 double NormalDraw(Random& random) {
@@ -68,7 +67,7 @@ SyntheticOperator::Robot* SyntheticOperator::Find(const std::string& robot,
   return found != robots_.end() && found->second.world == world ? &found->second : nullptr;
 }
 
-void SyntheticOperator::Hear(const Belief& belief) {
+void SyntheticOperator::Receive(const Belief& belief) {
   const auto world = worlds_.find(belief.world);
   if (world == worlds_.end()) return;
   // A service that lost its database starts over at 0; then its map is the one that counts.
@@ -76,7 +75,7 @@ void SyntheticOperator::Hear(const Belief& belief) {
   world->second.belief = belief;
 }
 
-void SyntheticOperator::Hear(const RobotState& state) {
+void SyntheticOperator::Receive(const RobotState& state) {
   Robot* robot = Find(state.robot, state.world);
   if (robot == nullptr) return;
   const bool restarted = robot->state && state.stamp < robot->state->stamp;
@@ -88,7 +87,7 @@ void SyntheticOperator::Hear(const RobotState& state) {
   robot->state = state;
 }
 
-void SyntheticOperator::Hear(const Picture& picture, Clock::TimePoint now) {
+void SyntheticOperator::Receive(const Snapshot& picture, Clock::TimePoint now) {
   Robot* robot = Find(picture.robot, picture.world);
   if (robot == nullptr) return;
   if (picture.sequence_number <= robot->answered) {
@@ -103,7 +102,7 @@ void SyntheticOperator::Hear(const Picture& picture, Clock::TimePoint now) {
   queue_.push_back({.robot = picture.robot, .occasion = picture, .heard_at = now});
 }
 
-void SyntheticOperator::Hear(const AttentionRequest& attention, Clock::TimePoint now) {
+void SyntheticOperator::Receive(const AttentionRequest& attention, Clock::TimePoint now) {
   Robot* robot = Find(attention.robot, attention.world);
   if (robot == nullptr || attention.reason == AttentionReason::kPicture) return;
   if (robot->attention == attention) return;  // repeated
@@ -116,12 +115,12 @@ void SyntheticOperator::Hear(const AttentionRequest& attention, Clock::TimePoint
   queue_.push_back({.robot = attention.robot, .occasion = attention, .heard_at = now});
 }
 
-void SyntheticOperator::Hear(const Guidance& guidance) {
+void SyntheticOperator::Receive(const Guidance& guidance) {
   Robot* robot = Find(guidance.robot, guidance.world);
   if (robot != nullptr) robot->answered = guidance.answers_snapshot;
 }
 
-void SyntheticOperator::Hear(const AttentionQueueState& queue) {
+void SyntheticOperator::Receive(const AttentionQueueState& queue) {
   // A service that starts again counts anew.
   if (published_ && queue.revision < published_->revision) refused_at_ = 0;
   published_ = queue;
@@ -153,7 +152,7 @@ std::deque<SyntheticOperator::Matter>::iterator SyntheticOperator::FirstOfQueue(
       if (const auto* attention = std::get_if<AttentionRequest>(&candidate.occasion)) {
         return attention->reason == item.reason;
       }
-      const auto* picture = std::get_if<Picture>(&candidate.occasion);
+      const auto* picture = std::get_if<Snapshot>(&candidate.occasion);
       return picture != nullptr ? item.reason == AttentionReason::kPicture &&
                                       picture->sequence_number == item.newest_snapshot
                                 : item.reason == AttentionReason::kFirstPath;
@@ -249,12 +248,12 @@ void SyntheticOperator::Answered(const Result<OperatorReply>& reply, Clock::Time
 }
 
 void SyntheticOperator::Finish() {
-  if (const auto* picture = std::get_if<Picture>(&current_->occasion)) {
+  if (const auto* picture = std::get_if<Snapshot>(&current_->occasion)) {
     Robot& robot = robots_.at(current_->robot);
     robot.looked_at = std::max(robot.looked_at, picture->sequence_number);
     std::erase_if(queue_,
                   [&](const Matter& matter) {  // pictures that it went on without answers to
-                    const auto* older = std::get_if<Picture>(&matter.occasion);
+                    const auto* older = std::get_if<Snapshot>(&matter.occasion);
                     return FollowsQueue() && matter.robot == current_->robot && older != nullptr &&
                            older->sequence_number < picture->sequence_number;
                   });
@@ -272,7 +271,7 @@ void SyntheticOperator::Look(Matter& matter) {
 
 std::vector<CellEdit> SyntheticOperator::EditsFor(const Matter& matter, Robot& robot,
                                                   World& world) {
-  if (const auto* picture = std::get_if<Picture>(&matter.occasion)) {
+  if (const auto* picture = std::get_if<Snapshot>(&matter.occasion)) {
     ++counts_.pictures;
     if (IsGlance(*picture) && !robot.reader.Glances(parameters_.glance_rate)) return {};
     return robot.reader.Read(world.belief->wall_probability, *picture, world.certain_walls);
@@ -324,7 +323,7 @@ std::optional<OperatorAsk> SyntheticOperator::EditAsk(const Matter& matter) cons
 std::optional<OperatorAsk> SyntheticOperator::GuideAsk(const Matter& matter) {
   const Robot& robot = robots_.at(matter.robot);
   const World& world = worlds_.at(robot.world);
-  const auto* picture = std::get_if<Picture>(&matter.occasion);
+  const auto* picture = std::get_if<Snapshot>(&matter.occasion);
   if (picture != nullptr && IsGlance(*picture)) return std::nullopt;
   // The picture itself tells where the robot is, unless a newer state is here already.
   const bool from_picture =
@@ -345,6 +344,82 @@ std::optional<OperatorAsk> SyntheticOperator::GuideAsk(const Matter& matter) {
     counts_.newest_problem = path.error().text;  // answered nevertheless, without a path
   }
   return OperatorAsk{robot.world, robot.state ? robot.state->stamp : picture->stamp, request};
+}
+
+void PictureReaderParameters::Visit(ConfigReader& reader) {
+  reader.Field("edit_probability", edit_probability, 0.0, 1.0);
+  reader.Field("decay_cells", decay_cells, 0.01, 1e6);
+  reader.Field("path_removal_probability", path_removal_probability, 0.0, 1.0);
+  reader.Field("far_centre_probability", far_centre_probability, 0.0, 1.0);
+  reader.Field("far_cells", far_cells, 0.0, 1e6);
+  reader.Field("centre_deg", centre_deg, 0.0, 180.0);
+  reader.Field("lateral_factor", lateral_factor, 0.0, 1.0);
+  reader.Field("lateral_deg", lateral_deg, 0.0, 180.0);
+  reader.Field("misplacement_probability", misplacement_probability, 0.0, 1.0);
+  reader.Field("near_cells", near_cells, 0.0, 1e6);
+  reader.Field("lapse_probability", lapse_probability, 0.0, 1.0);
+  reader.Field("guess_probability", guess_probability, 0.0, 1.0);
+  reader.Field("edit_limit", edit_limit, 0, 1000);
+}
+
+void InteractionTimeParameters::Visit(ConfigReader& reader) {
+  reader.Field("picture_s", picture_s, 0.0, 3600.0);
+  reader.Field("blocked_s", blocked_s, 0.0, 3600.0);
+  reader.Field("path_s", path_s, 0.0, 3600.0);
+  reader.Field("log_sd", log_sd, 0.0, 5.0);
+}
+
+void SyntheticOperatorParameters::Visit(ConfigReader& visitor) {
+  if (visitor.reading()) {
+    std::string kind = "careful";
+    visitor.Choice("kind", kind, OperatorKinds());
+    *this = ParametersOfKind(kind);
+  }
+  visitor.Field("silent", silent);
+  visitor.Section("reader", reader);
+  visitor.Section("planner", planner);
+  visitor.Section("steering", steering);
+  visitor.Field("glance_rate", glance_rate, 0.0, 1.0);
+  visitor.Field("thinking_time_s", thinking_time_s, 0.0, 3600.0);
+  visitor.Field("guidance_valid_s", guidance_valid_s, 0.1, 1e6);
+  visitor.Field("retry_pause_s", retry_pause_s, 0.0, 60.0);
+  visitor.Field("attempts", attempts, 1, 100000);
+  visitor.Field("patience_s", patience_s, 0.0, 3600.0);
+  visitor.Choice("order", order, {"heard", "queue"});
+  visitor.Section("interaction", interaction);
+}
+
+const std::vector<std::string>& OperatorKinds() {
+  static const std::vector<std::string> kinds{"careful", "hasty", "wrong", "silent"};
+  return kinds;
+}
+
+SyntheticOperatorParameters ParametersOfKind(const std::string& kind) {
+  SyntheticOperatorParameters person;
+  if (kind == "hasty") {
+    person.reader.edit_probability = 0.5;
+    person.reader.decay_cells = 4.0;
+    person.reader.path_removal_probability = 0.6;
+    person.reader.misplacement_probability = 0.3;
+    person.reader.lapse_probability = 0.3;
+    person.reader.guess_probability = 0.05;
+    person.reader.edit_limit = 2;
+    person.planner.horizon = "next_goal";
+    person.steering.reaction_steps = 2;
+    person.steering.slip_probability = 0.04;
+    person.steering.overshoot_probability = 0.1;
+  } else if (kind == "wrong") {
+    person.reader.edit_probability = 0.0;
+    person.reader.path_removal_probability = 0.0;
+    person.reader.far_centre_probability = 0.0;
+    person.reader.lapse_probability = 0.0;
+    person.reader.guess_probability = 1.0;
+    person.planner.horizon = "away";
+  } else {
+    person.silent = kind == "silent";
+    DEMAND(kind == "careful" || kind == "silent", kind);
+  }
+  return person;
 }
 
 }  // namespace conav::operators

@@ -10,8 +10,8 @@
 #include <variant>
 #include <vector>
 
-#include "common/protocol/robot.h"
-#include "common/protocol/supervision.h"
+#include "common/msg/robot.h"
+#include "common/msg/supervision.h"
 #include "common/runtime/clock.h"
 #include "common/runtime/random.h"
 #include "operator/simulated/path_planner.h"
@@ -102,16 +102,16 @@ class SyntheticOperator {
 
   /// Messages of robots and worlds that are not this person's are ignored. A state older than the
   /// one before comes from a simulator that started anew: so does the person, for this robot.
-  void Hear(const Belief& belief);
-  void Hear(const RobotState& state);
-  void Hear(const Picture& picture, Clock::TimePoint now);
-  void Hear(const AttentionRequest& attention, Clock::TimePoint now);
+  void Receive(const Belief& belief);
+  void Receive(const RobotState& state);
+  void Receive(const Snapshot& picture, Clock::TimePoint now);
+  void Receive(const AttentionRequest& attention, Clock::TimePoint now);
   /// Pictures that were answered before (by somebody else, or before a restart) are left alone.
-  void Hear(const Guidance& guidance);
+  void Receive(const Guidance& guidance);
   /// For the order "queue".
-  void Hear(const AttentionQueueState& queue);
+  void Receive(const AttentionQueueState& queue);
   /// The operator's time, which rules interaction times.
-  void Hear(SimTime now) { operator_time_ = std::max(operator_time_, now); }
+  void Receive(SimTime now) { operator_time_ = std::max(operator_time_, now); }
 
   /// What to ask now; nothing while a request is under way, while thinking, or without an occasion.
   std::optional<OperatorAsk> Next(Clock::TimePoint now);
@@ -134,7 +134,7 @@ class SyntheticOperator {
   struct FirstPath {};
   struct Matter {
     std::string robot;
-    std::variant<FirstPath, Picture, AttentionRequest> occasion;
+    std::variant<FirstPath, Snapshot, AttentionRequest> occasion;
     Clock::TimePoint heard_at{};
     bool looked = false;
     std::vector<CellEdit> edits{};  // still to be made
@@ -153,7 +153,7 @@ class SyntheticOperator {
     std::uint64_t looked_at = 0;  // sequence number of the newest picture that was dealt with
     std::uint64_t answered = 0;   // sequence number of the newest picture with guidance
     std::optional<AttentionRequest> attention;  // newest heard
-    std::optional<Picture> streamed;            // newest, with order "queue"
+    std::optional<Snapshot> streamed;           // newest, with order "queue"
   };
   struct World {
     std::optional<Belief> belief;

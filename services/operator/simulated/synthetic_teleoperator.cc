@@ -37,7 +37,7 @@ SyntheticTeleoperator::Robot* SyntheticTeleoperator::Find(const std::string& nam
   return found != robots_.end() && found->second.world == world ? &found->second : nullptr;
 }
 
-void SyntheticTeleoperator::Hear(const Belief& belief) {
+void SyntheticTeleoperator::Receive(const Belief& belief) {
   const auto world = worlds_.find(belief.world);
   if (world == worlds_.end()) return;
   // A service that lost its database starts over at 0; then its map is the one that counts.
@@ -51,12 +51,12 @@ void SyntheticTeleoperator::Hear(const Belief& belief) {
   world->second.belief = belief;
 }
 
-void SyntheticTeleoperator::HearCellSize(const std::string& world, double cell_size_m) {
+void SyntheticTeleoperator::ReceiveCellSize(const std::string& world, double cell_size_m) {
   const auto found = worlds_.find(world);
   if (found != worlds_.end()) found->second.cell_size_m = cell_size_m;
 }
 
-void SyntheticTeleoperator::Hear(const RobotState& state) {
+void SyntheticTeleoperator::Receive(const RobotState& state) {
   Robot* robot = Find(state.robot, state.world);
   if (robot == nullptr) return;
   // A simulator that started anew: so does the person, for this robot.
@@ -67,7 +67,7 @@ void SyntheticTeleoperator::Hear(const RobotState& state) {
   robot->state = state;
 }
 
-void SyntheticTeleoperator::Hear(const Picture& picture) {
+void SyntheticTeleoperator::Receive(const Snapshot& picture) {
   Robot* robot = Find(picture.robot, picture.world);
   if (robot == nullptr || picture.sequence_number <= robot->newest_picture) return;
   robot->newest_picture = picture.sequence_number;

@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "common/protocol/robot.h"
-#include "common/protocol/supervision.h"
+#include "common/msg/robot.h"
+#include "common/msg/supervision.h"
 #include "common/runtime/clock.h"
 #include "common/runtime/random.h"
-#include "operator/simulated/making_room.h"
-#include "operator/simulated/stream_memory.h"
+#include "operator/simulated/steering.h"
 #include "operator/simulated/synthetic_operator.h"
+#include "operator/simulated/teleoperator_tasks.h"
 
 namespace conav::operators {
 
@@ -39,10 +39,10 @@ class SyntheticTeleoperator {
                         const std::map<std::string, std::string>& world_of_robot);
 
   /// Messages of robots and worlds that are not this person's are ignored.
-  void Hear(const Belief& belief);
-  void HearCellSize(const std::string& world, double cell_size_m);
-  void Hear(const RobotState& state);
-  void Hear(const Picture& picture);
+  void Receive(const Belief& belief);
+  void ReceiveCellSize(const std::string& world, double cell_size_m);
+  void Receive(const RobotState& state);
+  void Receive(const Snapshot& picture);
 
   std::optional<OperatorAsk> Next(Clock::TimePoint now);
   void Answered(const Result<OperatorReply>& reply, Clock::TimePoint now);
@@ -64,7 +64,7 @@ class SyntheticTeleoperator {
     std::string world;
     std::optional<RobotState> state;
     std::uint64_t newest_picture = 0;  // sequence number
-    std::deque<Picture> unseen;        // heard, not looked at
+    std::deque<Snapshot> unseen;       // heard, not looked at
     std::uint64_t order = 0;           // newest that was passed on; 0 = none of ours
     Clock::TimePoint ordered_at{};
     std::uint64_t judged_order = 0;  // whose outcome was looked at

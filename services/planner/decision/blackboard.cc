@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/runtime/demand.h"
+#include "common/runtime/result.h"
 
 namespace conav::planner {
 
@@ -66,7 +66,7 @@ void Blackboard::Put(DriveOrder order) {
   ChangedLocked();
 }
 
-void Blackboard::Put(HoldOrder order) {
+void Blackboard::Put(StopOrder order) {
   const std::lock_guard lock(mutex_);
   Entry* entry = FindLocked(order.robot);
   if (entry == nullptr || entry->world != order.world) return;
@@ -98,7 +98,7 @@ void Blackboard::PutGoalPose(const std::string& robot, Position goal) {
   }
 }
 
-bool Blackboard::PutWay(const std::string& robot, std::vector<Cell> way, RoomClaim room) {
+bool Blackboard::PutIntendedPath(const std::string& robot, std::vector<Cell> way, RoomClaim room) {
   const std::lock_guard lock(mutex_);
   Entry* entry = FindLocked(robot);
   if (entry == nullptr || (entry->way == way && entry->room == room)) return false;
@@ -108,12 +108,12 @@ bool Blackboard::PutWay(const std::string& robot, std::vector<Cell> way, RoomCla
   return true;
 }
 
-void Blackboard::PutHold(const std::string& robot, std::string_view hold) {
+void Blackboard::PutBlockedReason(const std::string& robot, std::string_view hold) {
   const std::lock_guard lock(mutex_);
   if (Entry* entry = FindLocked(robot)) entry->hold = hold;
 }
 
-std::string_view Blackboard::HoldOf(const std::string& robot) const {
+std::string_view Blackboard::BlockedReasonOf(const std::string& robot) const {
   const std::lock_guard lock(mutex_);
   return robots_.at(robot).hold;
 }
@@ -139,7 +139,7 @@ void Blackboard::GiveUp(const std::string& robot, Lease lease) {
   ChangedLocked();
 }
 
-void Blackboard::HeardAttention(const std::string& robot, std::uint64_t sequence_number) {
+void Blackboard::ReceivedAttention(const std::string& robot, std::uint64_t sequence_number) {
   const std::lock_guard lock(mutex_);
   Entry* entry = FindLocked(robot);
   if (entry != nullptr) entry->attentions = std::max(entry->attentions, sequence_number);

@@ -9,11 +9,11 @@
 #include <string_view>
 #include <vector>
 
-#include "common/grid/camera_lens.h"
-#include "common/protocol/planner_lease.h"
-#include "common/protocol/planning.h"
-#include "common/protocol/robot.h"
-#include "common/protocol/supervision.h"
+#include "common/grid/visibility.h"
+#include "common/msg/planner_lease.h"
+#include "common/msg/planning.h"
+#include "common/msg/robot.h"
+#include "common/msg/supervision.h"
 #include "common/runtime/clock.h"
 
 namespace conav::planner {
@@ -37,7 +37,7 @@ struct RobotInputs {
   std::optional<MapUpdate> map;
   std::optional<Belief> belief;        // of the robot's world
   std::optional<Guidance> guidance;    // newest revision, or what a goal pose was turned into
-  std::optional<HoldOrder> hold;       // whether somebody has stopped the robot
+  std::optional<StopOrder> hold;       // whether somebody has stopped the robot
   std::optional<DriveOrder> drive;     // newest low-level action asked for, carried out or not
   std::optional<Position> goal_pose;   // not yet turned into guidance
   std::optional<CameraLens> lens;      // of its camera
@@ -67,7 +67,7 @@ class Blackboard {
   void Put(const Belief& belief);
   void Put(Guidance guidance);
   void Put(DriveOrder order);
-  void Put(HoldOrder order);
+  void Put(StopOrder order);
   /// The true map of a world.
   void PutTruth(const std::string& world, const OccupancyGrid& truth);
   void PutLens(const std::string& robot, const CameraLens& lens);
@@ -75,15 +75,15 @@ class Blackboard {
   /// A robot's own worker tells the others which cells it wants next, and the operator's side why
   /// it does not decide. A way that changed wakes the others; a hold wakes nobody.
   /// True when it is another one than before.
-  bool PutWay(const std::string& robot, std::vector<Cell> way, RoomClaim room = {});
-  void PutHold(const std::string& robot, std::string_view hold);
-  std::string_view HoldOf(const std::string& robot) const;
+  bool PutIntendedPath(const std::string& robot, std::vector<Cell> way, RoomClaim room = {});
+  void PutBlockedReason(const std::string& robot, std::string_view hold);
+  std::string_view BlockedReasonOf(const std::string& robot) const;
   void PutLease(const std::string& robot, Lease lease);
   Lease LeaseOf(const std::string& robot) const;
   /// The worker sends no more commands under `lease`; nothing happens when that has changed.
   void GiveUp(const std::string& robot, Lease lease);
   /// Requests for attention are numbered on from the newest that any planner process sent.
-  void HeardAttention(const std::string& robot, std::uint64_t sequence_number);
+  void ReceivedAttention(const std::string& robot, std::uint64_t sequence_number);
   std::uint64_t NextAttention(const std::string& robot);
   /// The worker has turned `goal` into guidance, or could not. Nothing happens when a newer goal or
   /// the operator's own path came in the meantime.
@@ -109,7 +109,7 @@ class Blackboard {
     std::vector<Cell> way;
     RoomClaim room;
     std::uint64_t attentions = 0;
-    std::string_view hold = "its state";  // a literal, of HoldName()
+    std::string_view hold = "its state";  // a literal, of Name()
   };
 
   Entry* FindLocked(const std::string& robot);

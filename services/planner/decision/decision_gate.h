@@ -2,6 +2,8 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -11,8 +13,13 @@
 
 namespace conav::planner {
 
+/// What is wrong with inputs that are well-formed one by one but do not belong together, for
+/// example an operator's map of another building. The text names both sides and their values;
+/// nothing when all fits. Needs state and map; the rest is looked at where it is there.
+std::optional<std::string> Inconsistency(const RobotInputs& inputs);
+
 /// Why a robot does not decide right now.
-enum class Hold {
+enum class BlockedReason {
   kNothing,        // decide
   kState,          // nothing heard of the robot yet
   kCommand,        // its last command is still being executed
@@ -29,7 +36,7 @@ enum class Hold {
 };
 
 /// What the robot waits for, in words; lives for ever.
-std::string_view HoldName(Hold hold);
+std::string_view Name(BlockedReason hold);
 
 /// Decides when a robot has everything that its next decision needs, so that the same messages give
 /// the same decisions however they interleave. Soft holds end after a timeout: the robot goes on
@@ -45,21 +52,22 @@ class DecisionGate {
   DecisionGate(AwaitedInput awaits, Timeouts timeouts) : awaits_(awaits), timeouts_(timeouts) {}
 
   /// `sent_sequence_number` and `lease_epoch` are those of the worker's last command.
-  Hold Check(const RobotInputs& inputs, std::uint64_t sent_sequence_number,
-             std::uint64_t lease_epoch, Clock::TimePoint now);
+  BlockedReason Check(const RobotInputs& inputs, std::uint64_t sent_sequence_number,
+                      std::uint64_t lease_epoch, Clock::TimePoint now);
 
   /// True once after a soft hold ended by its timeout.
   bool TakeTimedOut() { return std::exchange(timed_out_, false); }
 
  private:
-  Hold Want(const RobotInputs& inputs, std::uint64_t sent_sequence_number,
-            std::uint64_t lease_epoch) const;
-  void GiveUp(Hold hold, const RobotInputs& inputs);
+  BlockedReason Want(const RobotInputs& inputs, std::uint64_t sent_sequence_number,
+                     std::uint64_t lease_epoch) const;
+  void GiveUp(BlockedReason hold, const RobotInputs& inputs);
 
   AwaitedInput awaits_;
   Timeouts timeouts_;
-  Hold hold_ = Hold::kState;  // kCommand passes over: a step aside does not start the waiting anew
-  Clock::TimePoint hold_since_{};
+  BlockedReason blocked_ =
+      BlockedReason::kState;  // kCommand passes over: a step aside does not start the waiting anew
+  Clock::TimePoint blocked_since_{};
   bool without_guidance_ = false;          // stopped waiting for the first guidance
   std::uint64_t unanswered_snapshot_ = 0;  // stopped waiting for an answer to this one
   bool timed_out_ = false;

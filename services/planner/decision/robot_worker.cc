@@ -1,14 +1,89 @@
 #include "planner/decision/robot_worker.h"
 
-#include <chrono>
+#include <algorithm>
 
 #include "common/grid/geometry.h"
 #include "common/runtime/log.h"
-#include "planner/decision/consistency.h"
-#include "planner/decision/goal_pose.h"
 #include "planner/decision/traffic.h"
 
 namespace conav::planner {
+namespace {
+
+constexpr std::chrono::minutes kValidFor{10};
+
+bool Passable(const MapUpdate& map, const Belief& belief, Cell cell) {
+  if (map.cells[cell] == Occupancy::kUnknown) return belief.wall_probability[cell] < 0.5F;
+  return map.cells[cell] == Occupancy::kFree;
+}
+
+/// With `from` as its first cell; empty when there is no path.
+std::vector<Cell> ShortestPath(const MapUpdate& map, const Belief& belief, Cell from, Cell to) {
+  if (from == to) return {from};
+  std::vector<Cell> path = WayToNearest(
+      map.cells, from, [&](Cell cell) { return Passable(map, belief, cell); },
+      [&](Cell cell) { return cell == to; });
+  if (!path.empty()) path.insert(path.begin(), from);
+  return path;
+}
+
+}  // namespace
+
+Result<Guidance> GuidanceTowards(Position goal, const RobotState& state, const MapUpdate& map,
+                                 const Belief& belief, const std::optional<Guidance>& current) {
+  const GridGeometry geometry{map.cells.rows(), map.cells.columns(), map.cell_size_m};
+  const Cell cell = geometry.PositionToCell(goal);
+  if (!map.cells.Contains(cell)) {
+    return Fail(ErrorCode::kOutOfRange,
+                fmt::format("goal pose ({:.2f}, {:.2f}) m lies in cell {}, outside of "
+                            "the {}x{} map",
+                            goal.x_m, goal.y_m, cell, map.cells.rows(), map.cells.columns()));
+  }
+  Guidance guidance = current.value_or(Guidance{});
+  guidance.path = ShortestPath(map, belief, state.cell, cell);
+  if (guidance.path.empty()) {
+    return Fail(ErrorCode::kNotFound,
+                fmt::format("no path from {} to the goal pose's cell {}", state.cell, cell));
+  }
+  guidance.stamp = state.stamp;
+  guidance.world = state.world;
+  guidance.robot = state.robot;
+  guidance.given_by = "goal_pose";
+  guidance.belief_revision = std::min(guidance.belief_revision, belief.revision);
+  guidance.valid_until = state.stamp + kValidFor;
+  return guidance;
+}
+
+void CommandPublisher::Begin(std::uint64_t lease_epoch) {
+  last_ = {};
+  last_.lease_epoch = lease_epoch;
+}
+
+RobotCommand CommandPublisher::Issue(const Action& action, const RobotState& state, SimTime now) {
+  last_.robot = robot_;
+  last_.lease_epoch = last_.lease_epoch == 0 ? state.lease_epoch + 1 : last_.lease_epoch;
+  last_.sequence_number = std::max(last_.sequence_number, state.command_sequence_number) + 1;
+  last_.stamp = now;
+  last_.expires_at = action.kind == CommandKind::kDrive ? action.expires_at : now + ttl_;
+  last_.kind = action.kind;
+  last_.target = action.target;
+  last_.heading_rad = action.heading_rad;
+  last_.drive = action.drive;
+  last_.drive_order = action.drive_order;
+  return last_;
+}
+
+bool CommandPublisher::IsShownBy(const RobotState& state) const {
+  return state.command_sequence_number == last_.sequence_number &&
+         state.lease_epoch == last_.lease_epoch;
+}
+
+std::optional<RobotCommand> CommandPublisher::Repeat(const RobotState& state, SimTime now) {
+  if (last_.sequence_number == 0 || IsShownBy(state)) return std::nullopt;
+  last_.stamp = now;
+  if (last_.kind != CommandKind::kDrive) last_.expires_at = now + ttl_;
+  return last_;
+}
+
 namespace {
 
 constexpr std::chrono::seconds kIdle{1};
@@ -41,8 +116,8 @@ Clock::TimePoint RobotWorker::Step(const StopToken& stop) {
   const Clock::TimePoint now = clock_.Now();
   // Lease and all in one go: what is sent below goes under the lease that was looked at here.
   RobotInputs inputs = board_.Read(options_.robot);
-  const Hold hold = CheckInputs(inputs, now);
-  if (hold != Hold::kNothing) return WaitFor(hold, inputs, now);
+  const BlockedReason hold = CheckInputs(inputs, now);
+  if (hold != BlockedReason::kNothing) return WaitFor(hold, inputs, now);
   AdoptGoalPose(inputs);
   const Situation situation = SituationFrom(inputs);
   const bool waits = waiting_for_guidance_ && newest_revision_ == waiting_for_other_than_;
@@ -61,19 +136,19 @@ Clock::TimePoint RobotWorker::Step(const StopToken& stop) {
   return Decide(situation, inputs.lease, stop, now);
 }
 
-Hold RobotWorker::CheckInputs(const RobotInputs& inputs, Clock::TimePoint now) {
+BlockedReason RobotWorker::CheckInputs(const RobotInputs& inputs, Clock::TimePoint now) {
   AdoptLease(inputs.lease);
-  const Hold hold =
+  const BlockedReason hold =
       gate_.Check(inputs, desk_.sent_sequence_number(), desk_.lease_epoch(), GateTime(now));
   if (gate_.TakeTimedOut()) {
     LOG_WARNING("operator does not answer, going on alone", "robot", options_.robot, "snapshot",
                 inputs.state->snapshots);
     AskNoMore(*inputs.state);
   }
-  if (hold != hold_) TellHold(hold, inputs);
-  hold_ = hold;
-  board_.PutHold(options_.robot, HoldName(hold));
-  if (hold != Hold::kNoLease && inputs.state) TellOutcome(*inputs.state);
+  if (hold != blocked_) ReportBlocked(hold, inputs);
+  blocked_ = hold;
+  board_.PutBlockedReason(options_.robot, Name(hold));
+  if (hold != BlockedReason::kNoLease && inputs.state) ReportOutcome(*inputs.state);
   return hold;
 }
 
@@ -88,7 +163,7 @@ Clock::TimePoint RobotWorker::Decide(const Situation& situation, const Lease& le
   Decision decision = method_->Decide(situation, stop);
   const std::chrono::duration<double, std::milli> duration =
       std::chrono::steady_clock::now() - start;
-  if (stop.stop_requested() || !HoldsStill(lease)) return now;
+  if (stop.stop_requested() || !StillHolds(lease)) return now;
   const bool acts = decision.action.has_value();
   if (acts) backoff_.Moves();
   Publish(std::move(decision), situation, duration.count());
@@ -103,13 +178,13 @@ void RobotWorker::AdoptLease(const Lease& lease) {
   way_told_ = false;
 }
 
-bool RobotWorker::HoldsStill(const Lease& lease) const {
+bool RobotWorker::StillHolds(const Lease& lease) const {
   const Lease now = board_.LeaseOf(options_.robot);
   return now.state != Lease::State::kNone && now.epoch == lease.epoch;
 }
 
 void RobotWorker::Want(std::vector<Cell> way, RoomClaim room) {
-  const bool changed = board_.PutWay(options_.robot, way, room);
+  const bool changed = board_.PutIntendedPath(options_.robot, way, room);
   if ((changed || !way_told_) && outputs_.wants) {
     outputs_.wants({options_.robot, std::move(way), std::move(room)});
   }
@@ -134,44 +209,46 @@ RobotWorker::Traffic RobotWorker::GiveWay(const Situation& situation,
   return room.right.tier == RightOfWay::kShutIn ? Traffic::kWait : Traffic::kGoOn;
 }
 
-Clock::TimePoint RobotWorker::WaitFor(Hold hold, const RobotInputs& inputs, Clock::TimePoint now) {
-  if (hold == Hold::kRelease) {
+Clock::TimePoint RobotWorker::WaitFor(BlockedReason hold, const RobotInputs& inputs,
+                                      Clock::TimePoint now) {
+  if (hold == BlockedReason::kRelease) {
     board_.GiveUp(options_.robot, inputs.lease);
     return now;
   }
   // Who drives it speaks for it.
-  if (hold == Hold::kNoLease || hold == Hold::kLeaseLost) return now + kIdle;
-  if (hold == Hold::kCommand) RepeatCommand(inputs, now);
-  if (hold == Hold::kStopped) Halt(inputs, now);
-  const bool operator_is_asked = hold == Hold::kFirstGuidance || hold == Hold::kAnswer;
+  if (hold == BlockedReason::kNoLease || hold == BlockedReason::kLeaseLost) return now + kIdle;
+  if (hold == BlockedReason::kCommand) RepeatCommand(inputs, now);
+  if (hold == BlockedReason::kStopped) Halt(inputs, now);
+  const bool operator_is_asked =
+      hold == BlockedReason::kFirstGuidance || hold == BlockedReason::kAnswer;
   if (operator_is_asked) {
     const Traffic traffic = GiveWay(SituationFrom(inputs), {});
     if (traffic == Traffic::kStepAside) return now;
-  } else if (hold != Hold::kCommand && hold != Hold::kMap) {
+  } else if (hold != BlockedReason::kCommand && hold != BlockedReason::kMap) {
     Want({}, {});  // A robot that stands for longer wants no way. (These holds last for a moment.)
   }
   return now + std::min<std::chrono::nanoseconds>(kIdle, options_.command_repeat);
 }
 
-void RobotWorker::TellHold(Hold hold, const RobotInputs& inputs) const {
-  if (hold == Hold::kLeaseLost) {
+void RobotWorker::ReportBlocked(BlockedReason hold, const RobotInputs& inputs) const {
+  if (hold == BlockedReason::kLeaseLost) {
     LOG_WARNING("another planner took the robot over", "robot", options_.robot, "its_epoch",
                 inputs.state->lease_epoch, "our_epoch", desk_.lease_epoch());
   }
-  if (hold == Hold::kStopped) {
+  if (hold == BlockedReason::kStopped) {
     LOG_INFO("stopped", "robot", options_.robot, "by", inputs.hold->given_by, "reason",
              inputs.hold->reason);
   }
-  if (hold == Hold::kCamera) {
+  if (hold == BlockedReason::kCamera) {
     LOG_INFO("waiting for the camera info", "robot", options_.robot);
   }
-  if (hold == Hold::kInconsistent) {
+  if (hold == BlockedReason::kInconsistent) {
     LOG_ERROR("inputs do not belong together, the robot is not driven", "robot", options_.robot,
               "reason", Inconsistency(inputs).value_or(""));
   }
 }
 
-void RobotWorker::TellOutcome(const RobotState& state) {
+void RobotWorker::ReportOutcome(const RobotState& state) {
   if (state.command_outcome == CommandOutcome::kRunning || !desk_.IsShownBy(state) ||
       state.command_sequence_number == told_sequence_number_) {
     return;

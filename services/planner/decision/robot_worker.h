@@ -1,20 +1,100 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "common/msg/robot.h"
+#include "common/msg/supervision.h"
 #include "common/runtime/clock.h"
-#include "common/runtime/stop_token.h"
+#include "common/runtime/random.h"
+#include "common/runtime/result.h"
+#include "common/runtime/threads.h"
 #include "planner/decision/blackboard.h"
-#include "planner/decision/command_desk.h"
 #include "planner/decision/decision_gate.h"
 #include "planner/decision/method.h"
-#include "planner/decision/value_lost.h"
-#include "planner/decision/yield_backoff.h"
 
 namespace conav::planner {
+
+/// Turns a goal pose (RViz "2D Goal Pose", map frame) into guidance: the shortest path from the
+/// robot's cell to the goal's, over cells that neither the robot knows as walls nor, where the
+/// robot knows nothing, the operator takes for walls. Valid for ten minutes of simulation time; it
+/// keeps the revision of `current`, so that the operator's next path replaces it. Errors:
+/// kOutOfRange (goal outside of the map), kNotFound (no path).
+Result<Guidance> GuidanceTowards(Position goal, const RobotState& state, const MapUpdate& map,
+                                 const Belief& belief, const std::optional<Guidance>& current);
+
+/// Random waits of a robot that keeps making room, so that robots which step to and fro for each
+/// other fall out of step: after the k-th time without getting on, 0 to 2^k - 2 slots, k at most 4.
+/// The first time it waits for nothing. Getting on is kOwnMoves moves of its own in a row.
+///
+/// Binary exponential back-off: Metcalfe and Boggs, "Ethernet: Distributed Packet Switching for
+/// Local Computer Networks", CACM 1976.
+class YieldBackoff {
+ public:
+  static constexpr int kOwnMoves = 4;
+
+  /// `slot`: wall time.
+  YieldBackoff(std::uint64_t seed, std::chrono::nanoseconds slot) : random_(seed), slot_(slot) {}
+
+  /// The robot steps aside.
+  void MakesRoom(Clock::TimePoint now) {
+    own_moves_ = 0;
+    times_ = times_ < kMostTimes ? times_ + 1 : kMostTimes;
+    until_ = now + random_.Uniform(0, (std::int64_t{1} << times_) - 2) * slot_;
+  }
+  /// It goes on its own way.
+  void Moves() {
+    if (++own_moves_ >= kOwnMoves) times_ = 0;
+  }
+  /// When it may go on its own way again.
+  Clock::TimePoint until() const { return until_; }
+
+ private:
+  static constexpr int kMostTimes = 4;
+
+  Random random_;
+  std::chrono::nanoseconds slot_;
+  Clock::TimePoint until_{};
+  int times_ = 0;
+  int own_moves_ = 0;
+};
+
+/// Writes a robot's commands: sequence numbers, lease epoch, expiry, and the repeat of a command
+/// that the robot has not taken up. Threads: one worker's.
+class CommandPublisher {
+ public:
+  CommandPublisher(std::string robot, std::chrono::nanoseconds ttl)
+      : robot_(std::move(robot)), ttl_(ttl) {}
+
+  /// Begins anew under a lease; epoch 0 = one above the robot's, taken with the first command.
+  void Begin(std::uint64_t lease_epoch);
+
+  /// The next command.
+  RobotCommand Issue(const Action& action, const RobotState& state, SimTime now);
+
+  /// Whether the robot took up the last command. Another planner's may have its number, but not its
+  /// epoch.
+  bool IsShownBy(const RobotState& state) const;
+
+  /// The last command, when the robot shows another one; with a fresh expiry unless it
+  /// is a low-level action, which nobody wants late.
+  std::optional<RobotCommand> Repeat(const RobotState& state, SimTime now);
+
+  /// 0 before the first command.
+  std::uint64_t sent_sequence_number() const { return last_.sequence_number; }
+  std::uint64_t lease_epoch() const { return last_.lease_epoch; }
+  /// Of the last command; kStop also before the first.
+  CommandKind last_kind() const { return last_.kind; }
+
+ private:
+  std::string robot_;
+  std::chrono::nanoseconds ttl_;
+  RobotCommand last_;
+};
 
 /// Drives one robot: waits until its next decision has everything it needs, decides, sends, and
 /// waits for the outcome. Run() is the body of the robot's thread; Step() is one turn of it, for
@@ -27,7 +107,7 @@ namespace conav::planner {
 /// the epoch of that lease; a robot that is to be given up ends its last command first. What a
 /// worker remembers of a robot that others drove meanwhile does no harm: docs/many-robots.md.
 ///
-/// A robot that somebody has stopped (HoldOrder) ends its command at once and stands until it is let
+/// A robot that somebody has stopped (StopOrder) ends its command at once and stands until it is let
 /// go, whatever its method.
 ///
 /// Before the first state arrives nothing is sent. What it asked of the operator is taken back when
@@ -44,7 +124,7 @@ class RobotWorker {
     std::function<void(const AttentionRequest&)> attention;
     std::function<void(const RobotState&, const MapUpdate&, const std::vector<Cell>&)> way;
     /// What it wants of other robots, when that changed, for the planners of these; may be null.
-    std::function<void(const RobotWay&)> wants = nullptr;
+    std::function<void(const IntendedPath&)> wants = nullptr;
     /// After the command of a decision was sent, its report complete; may be empty.
     std::function<void(const Decision&, const Situation&)> decided = nullptr;
   };
@@ -78,7 +158,7 @@ class RobotWorker {
 
  private:
   /// Whether `inputs` allow a decision, else why not; logs and tells what changed about that.
-  Hold CheckInputs(const RobotInputs& inputs, Clock::TimePoint now);
+  BlockedReason CheckInputs(const RobotInputs& inputs, Clock::TimePoint now);
   /// The time that the gate counts by, when it is `now` by the clock.
   Clock::TimePoint GateTime(Clock::TimePoint now) const;
   /// Returns when to look again, as Step() does.
@@ -86,15 +166,15 @@ class RobotWorker {
                           Clock::TimePoint now);
   void AdoptLease(const Lease& lease);
   /// Whether the lease that the decision was begun under still holds.
-  bool HoldsStill(const Lease& lease) const;
+  bool StillHolds(const Lease& lease) const;
   /// Tells the others, on the board and in other processes, the first time under a lease in any
   /// case: those that come later hear of it from this process only.
   void Want(std::vector<Cell> way, RoomClaim room);
   /// What is done meanwhile; returns when to look again.
-  Clock::TimePoint WaitFor(Hold hold, const RobotInputs& inputs, Clock::TimePoint now);
+  Clock::TimePoint WaitFor(BlockedReason hold, const RobotInputs& inputs, Clock::TimePoint now);
   /// One log line where a person should know why the robot does not decide.
-  void TellHold(Hold hold, const RobotInputs& inputs) const;
-  void TellOutcome(const RobotState& state);
+  void ReportBlocked(BlockedReason hold, const RobotInputs& inputs) const;
+  void ReportOutcome(const RobotState& state);
   enum class Traffic { kGoOn, kStepAside, kWait };
   /// Tells the others which way this robot wants, and makes room for one that goes before it.
   Traffic GiveWay(const Situation& situation, const std::vector<Cell>& own_way);
@@ -117,9 +197,9 @@ class RobotWorker {
   const Clock& clock_;
   Outputs outputs_;
   DecisionGate gate_;
-  CommandDesk desk_;
+  CommandPublisher desk_;
   YieldBackoff backoff_;
-  Hold hold_ = Hold::kState;
+  BlockedReason blocked_ = BlockedReason::kState;
   Clock::TimePoint command_sent_at_{};
   Clock::TimePoint shut_in_at_{};               // when it last was
   Clock::TimePoint shut_in_since_{};            // but for short gaps

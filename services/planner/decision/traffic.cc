@@ -1,10 +1,5 @@
 #include "planner/decision/traffic.h"
 
-#include <algorithm>
-#include <span>
-
-#include "planner/decision/way_to_nearest.h"
-
 namespace conav::planner {
 namespace {
 
@@ -151,7 +146,7 @@ bool IsTaken(const Situation& situation, Cell cell) {
          std::any_of(situation.neighbours.begin(), situation.neighbours.end(), needs);
 }
 
-std::vector<Cell> DesiredWay(const Situation& situation) {
+std::vector<Cell> DesiredPath(const Situation& situation) {
   const OccupancyGrid& map = situation.map.cells;
   const auto may_be_free = [&](Cell cell) { return map[cell] != Occupancy::kOccupied; };
   const auto is_goal = [&](Cell cell) { return Contains(situation.state.goals_left, cell); };

@@ -1,17 +1,58 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
+#include <deque>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "common/grid/grid.h"
 #include "common/runtime/random.h"
 #include "planner/decision/method.h"
 
 namespace conav::planner {
 
+/// Whether no robot can ever be in `cell`, by a robot's own map.
+inline bool IsKnownWall(const OccupancyGrid& map, Cell cell) {
+  return !map.Contains(cell) || map[cell] == Occupancy::kOccupied;
+}
+
+/// Whether a path cannot be gone, by a robot's own map.
+inline bool IsKnownBlocked(const OccupancyGrid& map, std::span<const Cell> path) {
+  return std::any_of(path.begin(), path.end(), [&](Cell cell) { return IsKnownWall(map, cell); });
+}
+
+/// Breadth-first from `start` to the nearest cell for which `wanted` holds, over cells that
+/// `passable` admits; the cells entered, empty when there is none (or it is `start`).
+template <class Passable, class Wanted>
+std::vector<Cell> WayToNearest(const OccupancyGrid& map, Cell start, Passable&& passable,
+                               Wanted&& wanted) {
+  Grid<Cell> parent(map.rows(), map.columns(), Cell{-1, -1});
+  parent[start] = start;
+  std::deque<Cell> open{start};
+  while (!open.empty()) {
+    const Cell cell = open.front();
+    open.pop_front();
+    if (wanted(cell)) {
+      std::vector<Cell> way;
+      for (Cell at = cell; at != start; at = parent[at]) way.push_back(at);
+      std::reverse(way.begin(), way.end());
+      return way;
+    }
+    for (const Cell offset : kNeighbourOffsets) {
+      const Cell next = cell + offset;
+      if (!map.Contains(next) || parent[next].row >= 0 || !passable(next)) continue;
+      parent[next] = cell;
+      open.push_back(next);
+    }
+  }
+  return {};
+}
+
 /// Several robots in corridors one cell wide, each decided for by itself, perhaps in several
 /// processes. What they tell each other is the way that each wants and the cells by which each
-/// makes room (RobotWay).
+/// makes room (IntendedPath).
 ///
 /// The right of way (RightOfWay): a robot that wants a way goes before one that waits, that before
 /// one without goals; then names in order. Whoever stands on the way of a robot that goes before it
@@ -38,7 +79,7 @@ bool IsTaken(const Situation& situation, Cell cell);
 /// Cells that the robot would enter next if no other robot were there: the shortest way over what
 /// is not known to be a wall to its nearest goal; empty without goals. The others hear of it and
 /// make room.
-std::vector<Cell> DesiredWay(const Situation& situation);
+std::vector<Cell> DesiredPath(const Situation& situation);
 
 /// The known free cells by which this robot makes room, up to the nearest one that nobody wants who
 /// goes before it. Empty when it is within the next few cells of nobody's way, and when there is no

@@ -1,9 +1,10 @@
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 
-#include "planner/record/decision_record.h"
+#include "planner/explain/decision_file.h"
 
 namespace conav::planner {
 
@@ -29,5 +30,10 @@ DecisionSummary Summarise(const DecisionRecord& decision);
 
 /// A line for each.
 std::string ListText(std::span<const DecisionSummary> decisions);
+
+/// Everything that was recorded of a decision, and why; cells as [row, column], headings in rad.
+nlohmann::ordered_json DecisionJson(const DecisionRecord& decision);
+
+nlohmann::ordered_json ListJson(std::span<const DecisionSummary> decisions);
 
 }  // namespace conav::planner

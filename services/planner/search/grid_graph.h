@@ -5,9 +5,9 @@
 #include <mutex>
 #include <vector>
 
-#include "common/grid/camera_lens.h"
 #include "common/grid/grid.h"
-#include "planner/search/navigation_graph.h"
+#include "common/grid/visibility.h"
+#include "planner/search/search_problem.h"
 
 namespace conav::planner {
 

@@ -1,58 +1,63 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "common/runtime/random.h"
 #include "planner/search/perception_model.h"
-#include "planner/search/search_budget.h"
-#include "planner/search/search_memory.h"
+#include "planner/search/rollout.h"
+#include "planner/search/search_options.h"
 #include "planner/search/search_problem.h"
+#include "planner/search/search_tree.h"
+#include "planner/search/tree_reuse.h"
 
 namespace conav::planner {
 
-/// Information Gain Monte Carlo Tree Search (the paper's section 5 and appendix E): decides whether
-/// a robot moves, and where to, or shows the operator a view, and which.
-///
-/// A node is the path since the last picture; the operator's belief is the same in all nodes, as a
-/// communication ends its branch (A12) and a move tells the operator nothing. Each iteration:
-///   1. Selection: from the root down by UCB while all actions of a node were tried.
-///   2. Expansion: one untried action becomes a child (or a chain of them, see Expansion).
-///   3. Rollout: random actions from there; see rollout.h.
-///   4. Backup: the return goes up, weighed by feasibility; see search_tree.h.
-/// The chosen action is the most visited at the root.
-///
-/// With SearchOptions::trees > 1 that many trees grow side by side, each with random numbers and
-/// remembered views of its own, on several threads where asked for; their visits and returns at the
-/// root are summed (sum_of_trees.h).
-///
-/// Time: the clock is looked at once when the decision begins and once after each iteration, which
-/// asks the model for at most one view; the decision ends at the first look past the deadline. A
-/// question under way is not interrupted: what bounds it is the model's own timeout
-/// (planner.perception_timeout_s). So a decision ends one iteration and one such timeout after its
-/// deadline at the latest; one more where already the batch of the root's views, asked before the
-/// first iteration, took all of the time.
-///
-/// Limits: at most 64 actions at a vertex. Memory: about 100 bytes per iteration, and the views'
-/// information. Repeatable: the same problem, options and state of `random` give the same trees,
-/// whatever the number of threads, unless time runs out.
-class IgMcts {
+/// One tree of a decision: the four stages of an iteration (ig_mcts.h) and what is told of them.
+/// Threads: one at a time.
+class TreeSearch {
  public:
-  /// `model` must outlive this.
-  IgMcts(const SearchOptions& options, PerceptionModel& model);
+  /// All arguments but `memory` must outlive this. Goes on with the branch that it holds, if there
+  /// is one for the problem.
+  TreeSearch(const SearchOptions& options, const SearchProblem& problem, PerceptionModel& model,
+             Random& random, const SearchMemory* memory);
 
-  /// One decision. At least one iteration is made, if a move or a view worth sending is offered
-  /// and a goal is left.
-  /// With `memories`, a vector per robot that begins empty, it goes on with the trees of the
-  /// robot's decision before, as far as the options say, and leaves its own.
-  /// Errors: those of the perception model; nothing was decided then.
-  /// Threads: concurrent calls are fine with a `random` each.
-  [[nodiscard]] Result<SearchResult> Decide(const SearchProblem& problem, Random& random,
-                                            const SearchLimits& limits = {},
-                                            std::vector<SearchMemory>* memories = nullptr) const;
+  /// Prepares the root: views that are not worth sending are not tried there. False when nothing
+  /// can or need be decided. Errors: those of the perception model, as of Iterate().
+  [[nodiscard]] Result<bool> Start();
+  [[nodiscard]] Result<void> Iterate();
+
+  SearchResult Report();
+  /// Along the most visited actions, as SearchResult::expected_path; from `action` of the root on
+  /// where it is given.
+  std::vector<Cell> ExpectedPath(std::optional<int> action = std::nullopt) const;
+  /// Ends the search.
+  void LeaveTo(SearchMemory& memory) { memory.Keep(problem_, offered_, std::move(tree_)); }
 
  private:
-  SearchOptions options_;
-  PerceptionModel& model_;
+  bool IsFullyExpanded(int node);
+  int Select(int node);
+  [[nodiscard]] Result<int> Expand(int node);
+  [[nodiscard]] Result<double> Evaluate(int leaf);
+  void Backup(int leaf, double rollout_return);
+
+  int UntriedAction(const Actions& actions, std::uint64_t tried);
+  SearchNode Move(int parent, int action, const Edge& edge);
+  [[nodiscard]] Result<SearchNode> Communicate(int parent, int action, const Actions& actions,
+                                               RewardTerms& terms);
+  SearchAction Describe(const Actions& actions, int action) const;
+
+  const SearchOptions& options_;
+  const SearchProblem& problem_;
+  Random& random_;
+  PathState path_;  // tau at the node that the iteration has reached
+  OfferedActions offered_;
+  ViewInformation information_;
+  Rollout rollout_;
+  SearchTree tree_;
+  std::uint32_t iterations_ = 0;
 };
 
 }  // namespace conav::planner

@@ -8,6 +8,11 @@
 
 namespace conav::planner {
 
+/// Expected number of steps from each vertex to the nearest goal left, other than the start, by
+/// what the robot knows: a step that may fail counts as 1 / feasibility. Where no goal can be
+/// reached the number is that of the farthest vertex plus one, 0 if there is none.
+std::vector<double> StepsToNearestGoal(const SearchProblem& problem);
+
 /// tau while the search walks along a branch: steps are pushed and taken back, and what the rewards
 /// ask of tau is kept up to date in constant time a step.
 ///

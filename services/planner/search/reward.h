@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "common/protocol/search_report.h"
+#include "common/msg/search_report.h"
 #include "planner/search/path_state.h"
 
 namespace conav {

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "common/runtime/random.h"
-#include "common/runtime/split_mix.h"
 #include "planner/search/search_options.h"
 #include "planner/search/view_information.h"
 

@@ -1,12 +1,50 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
-#include "common/protocol/planning.h"
-#include "planner/search/navigation_graph.h"
+#include "common/grid/visibility.h"
+#include "common/msg/planning.h"
 
 namespace conav::planner {
+
+/// Number of a vertex: 0 .. vertex_count() - 1.
+using VertexId = int;
+
+/// A way from one vertex to another that is not known to be blocked.
+struct Edge {
+  VertexId target = 0;
+  /// Probability that the move succeeds: 1 known free, 0.5 unknown. Source: paper section 5.2.
+  double feasibility = 1.0;
+  /// What is uncertain about it: edges with the same id are free or blocked together (in a maze the
+  /// cell that is entered). Below uncertainty_count().
+  int uncertainty = 0;
+  bool operator==(const Edge&) const = default;
+};
+
+/// Where a robot can go and what it could show from there, as far as the robot knows. The search
+/// sees nothing else of the world, so mazes and waterways are two graphs to one search.
+/// Knowledge is fixed: a graph stands for one decision.
+/// Threads: safe to use concurrently.
+class NavigationGraph {
+ public:
+  virtual ~NavigationGraph() = default;
+
+  virtual int vertex_count() const = 0;
+  virtual int uncertainty_count() const = 0;
+  /// The cell of the operator's map in which the vertex lies.
+  virtual Cell CellOf(VertexId vertex) const = 0;
+  /// The vertex that stands for `cell`; nothing where the robot cannot be.
+  virtual std::optional<VertexId> VertexAt(Cell cell) const = 0;
+  /// Moves, in a fixed order.
+  virtual std::span<const Edge> EdgesFrom(VertexId vertex) const = 0;
+  /// Headings of the views that can be sent from here, in a fixed order, in radians.
+  virtual std::span<const double> HeadingsAt(VertexId vertex) const = 0;
+  /// What view `index` of HeadingsAt() would show. Valid as long as the graph.
+  virtual const VisibleCells& ViewFrom(VertexId vertex, int index) const = 0;
+};
 
 /// A view: where from, and in which direction.
 struct SentView {
@@ -53,6 +91,53 @@ struct SearchResult {
   /// With SearchDetail::kTree; of several trees the one that visited the chosen action most.
   std::vector<ReportedNode> tree;
   std::vector<ReportedView> views;
+};
+
+/// The actions at a vertex, numbered: moves first, then views. Walls and cells occupied by others
+/// are not in the graph, so they are not offered (A9); neither are views that were sent already
+/// (A30).
+struct Actions {
+  std::span<const Edge> moves;
+  std::span<const int> views;  // indices into NavigationGraph::HeadingsAt()
+
+  int size() const { return static_cast<int>(moves.size() + views.size()); }
+  bool IsMove(int action) const { return action < static_cast<int>(moves.size()); }
+  const Edge& MoveOf(int action) const { return moves[static_cast<std::size_t>(action)]; }
+  /// Position in `views` of a communication action.
+  std::size_t ViewOf(int action) const { return static_cast<std::size_t>(action) - moves.size(); }
+};
+
+/// Which actions each vertex offers during one decision, side by side in memory: the innermost loop
+/// of the search reads it.
+class OfferedActions {
+ public:
+  explicit OfferedActions(const SearchProblem& problem);
+
+  bool operator==(const OfferedActions&) const = default;
+
+  /// The moves of vertex 0, of vertex 1, ...
+  std::span<const Edge> edges() const { return edges_; }
+
+  Actions At(VertexId vertex) const {
+    const First& from = first_[static_cast<std::size_t>(vertex)];
+    const First& to = first_[static_cast<std::size_t>(vertex) + 1];
+    return {{edges_.data() + from.edge, edges_.data() + to.edge},
+            {views_.data() + from.view, views_.data() + to.view}};
+  }
+
+ private:
+  /// Where the edges and views of a vertex begin.
+  struct First {
+    std::size_t edge = 0;
+    std::size_t view = 0;
+    bool operator==(const First&) const = default;
+  };
+
+  void AddViews(const SearchProblem& problem, VertexId vertex);
+
+  std::vector<First> first_;  // one more than vertices
+  std::vector<Edge> edges_;
+  std::vector<int> views_;
 };
 
 }  // namespace conav::planner

@@ -3,9 +3,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/protocol/search_report.h"
+#include "common/msg/search_report.h"
 #include "common/runtime/random.h"
 #include "planner/search/search_options.h"
+#include "planner/search/search_problem.h"
 
 namespace conav::planner {
 
@@ -103,5 +104,14 @@ class SearchTree {
   std::vector<SearchNode> nodes_;
   std::vector<NodeTerms> terms_;  // by node, or empty
 };
+
+/// The `limit` most visited nodes of `tree` for a report, the root first and each parent before its
+/// children; ties by age. A node is never visited more than its parent, so that none loses its own.
+std::vector<ReportedNode> MostVisitedNodes(const SearchTree& tree, const NavigationGraph& graph,
+                                           std::size_t limit);
+
+/// One view of each cell and heading, with the most that it was worth, by cell and heading; at most
+/// `limit`, those worth most.
+std::vector<ReportedView> MostOfEach(std::vector<ReportedView> views, std::size_t limit);
 
 }  // namespace conav::planner

@@ -5,15 +5,173 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <span>
 #include <thread>
 #include <utility>
 
-#include "common/runtime/demand.h"
+#include "common/grid/grid.h"
 #include "sim/physics/egl_context.h"
 #include "sim/physics/mjcf.h"
-#include "sim/physics/pixel_labels.h"
 
 namespace conav::sim {
+namespace {
+
+/// Where a camera is and how it projects, taken from MuJoCo after its kinematics.
+struct Projection {
+  double position[3] = {};
+  double rotation[9] = {};  // row-major; columns are image right, image up, backwards
+  double tan_half_height = 0.0;
+  int width = 0;
+  int height = 0;
+};
+
+/// Turns MuJoCo's geom ids into what they stand for. A wall or floor geom spans many cells; the
+/// cell of a pixel is where its ray meets the geom's plane.
+class PixelLabeler {
+ public:
+  explicit PixelLabeler(const RobotWorld& world);
+
+  /// `geoms`: one model geom id per pixel, -1 for none; row 0 is the upper row.
+  Grid<PixelLabel> Label(const Projection& projection, std::span<const int> geoms) const;
+
+ private:
+  struct GeomLabel {
+    PixelKind kind = PixelKind::kNone;
+    int index = -1;
+  };
+  Cell CellOf(int geom, PixelKind kind, const double* origin, const double* direction) const;
+
+  const RobotWorld& world_;
+  std::vector<GeomLabel> labels_;  // by geom id
+};
+
+PixelLabeler::PixelLabeler(const RobotWorld& world)
+    : world_(world), labels_(static_cast<std::size_t>(world.model().ngeom)) {
+  const mjModel& model = world.model();
+  const int scenery = mj_name2id(&model, mjOBJ_BODY, "scenery");
+  for (int geom = 0; geom < model.ngeom; ++geom) {
+    if (model.geom_bodyid[geom] != scenery || model.geom_type[geom] != mjGEOM_PLANE) continue;
+    // A standing plane is a wall, a lying one the floor: local z is (0, 0, 1) for the identity.
+    const bool lying = model.geom_quat[4 * geom] > 0.999;
+    labels_[static_cast<std::size_t>(geom)].kind = lying ? PixelKind::kFloor : PixelKind::kWall;
+  }
+  for (int goal = 0; goal < static_cast<int>(world.world().goals.size()); ++goal) {
+    const int geom = mj_name2id(&model, mjOBJ_GEOM, GoalElement(goal).c_str());
+    labels_[static_cast<std::size_t>(geom)] = {PixelKind::kGoal, goal};
+  }
+  for (int robot = 0; robot < world.robot_count(); ++robot) {
+    for (const char* part : {"head", "face", "neck", "shell"}) {
+      const int geom = mj_name2id(&model, mjOBJ_GEOM, RobotElement(robot, part).c_str());
+      labels_[static_cast<std::size_t>(geom)] = {PixelKind::kRobot, robot};
+    }
+  }
+}
+
+Cell PixelLabeler::CellOf(int geom, PixelKind kind, const double* origin,
+                          const double* direction) const {
+  const double* point = world_.data().geom_xpos + 3 * geom;
+  const double* rotation = world_.data().geom_xmat + 9 * geom;
+  const double normal[3] = {rotation[2], rotation[5], rotation[8]};
+  double ahead = 0.0;
+  double slope = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    ahead += normal[i] * (point[i] - origin[i]);
+    slope += normal[i] * direction[i];
+  }
+  const double reach = ahead / slope;
+  // A wall's face lies on the edge of its cell: step into the wall.
+  const double inside = kind == PixelKind::kWall ? world_.geometry().cell_size_m / 2.0 : 0.0;
+  return world_.geometry().PositionToCell({origin[0] + reach * direction[0] - inside * normal[0],
+                                           origin[1] + reach * direction[1] - inside * normal[1]});
+}
+
+Grid<PixelLabel> PixelLabeler::Label(const Projection& projection,
+                                     std::span<const int> geoms) const {
+  Grid<PixelLabel> labels(projection.height, projection.width);
+  DEMAND(geoms.size() == labels.size(), geoms.size(), labels.size());
+  const double tan_half_width = projection.tan_half_height * projection.width / projection.height;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    if (geoms[i] < 0) continue;
+    const GeomLabel geom = labels_[static_cast<std::size_t>(geoms[i])];
+    PixelLabel& label = labels.values()[i];
+    label = {geom.kind, {}, geom.index};
+    if (geom.kind != PixelKind::kFloor && geom.kind != PixelKind::kWall) continue;
+    const Cell pixel = labels.CellAt(i);
+    const double right = tan_half_width * (2.0 * (pixel.column + 0.5) / projection.width - 1.0);
+    const double up =
+        projection.tan_half_height * (1.0 - 2.0 * (pixel.row + 0.5) / projection.height);
+    double direction[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      const double* row = projection.rotation + 3 * axis;
+      direction[axis] = right * row[0] + up * row[1] - row[2];
+    }
+    label.cell = CellOf(geoms[i], geom.kind, projection.position, direction);
+  }
+  return labels;
+}
+
+bool IsWhole(const RgbImage& image) {
+  return image.width > 0 && image.height > 0 &&
+         image.rgb.size() ==
+             static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * 3;
+}
+
+/// Red and blue change places: OpenCV's codecs take blue first.
+cv::Mat Swapped(const cv::Mat& pixels) {
+  cv::Mat swapped(pixels.rows, pixels.cols, CV_8UC3);
+  const int pairs[] = {0, 2, 1, 1, 2, 0};
+  cv::mixChannels(&pixels, 1, &swapped, 1, pairs, 3);
+  return swapped;
+}
+
+Result<std::vector<std::uint8_t>> Encode(const RgbImage& image, const char* extension,
+                                         const std::vector<int>& parameters) {
+  if (!IsWhole(image)) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("picture of {}x{} with {} bytes", image.width, image.height, image.rgb.size()));
+  }
+  const cv::Mat pixels(image.height, image.width, CV_8UC3,
+                       const_cast<std::uint8_t*>(image.rgb.data()));
+  std::vector<std::uint8_t> bytes;
+  try {
+    if (cv::imencode(extension, Swapped(pixels), bytes, parameters)) return bytes;
+  } catch (const cv::Exception& exception) {
+    return Fail(ErrorCode::kUnavailable,
+                fmt::format("{} encoder: {}", extension, exception.what()));
+  }
+  return Fail(ErrorCode::kUnavailable, fmt::format("{} encoder failed", extension));
+}
+
+}  // namespace
+
+Result<std::vector<std::uint8_t>> EncodeJpeg(const RgbImage& image, int quality) {
+  if (quality < 1 || quality > 100) {
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("JPEG quality {}; 1 to 100", quality));
+  }
+  return Encode(image, ".jpg", {cv::IMWRITE_JPEG_QUALITY, quality});
+}
+
+Result<std::vector<std::uint8_t>> EncodePng(const RgbImage& image) {
+  return Encode(image, ".png", {});
+}
+
+Result<RgbImage> DecodeJpeg(const std::vector<std::uint8_t>& jpeg) {
+  if (jpeg.empty()) return Fail(ErrorCode::kMalformed, "empty picture");
+  cv::Mat pixels;
+  try {
+    pixels = cv::imdecode(jpeg, cv::IMREAD_COLOR);
+  } catch (const cv::Exception& exception) {
+    return Fail(ErrorCode::kMalformed, fmt::format("picture: {}", exception.what()));
+  }
+  if (pixels.empty()) return Fail(ErrorCode::kMalformed, "not a picture");
+  const cv::Mat swapped = Swapped(pixels);
+  return RgbImage{swapped.cols, swapped.rows,
+                  std::vector<std::uint8_t>(swapped.datastart, swapped.dataend)};
+}
+
 namespace {
 
 constexpr int kMinSize = 16;

@@ -4,11 +4,26 @@
 #include <memory>
 #include <vector>
 
-#include "common/grid/camera_lens.h"
-#include "sim/physics/image.h"
+#include "common/grid/visibility.h"
+#include "common/runtime/result.h"
 #include "sim/physics/robot_world.h"
 
 namespace conav::sim {
+
+/// 8-bit RGB, row-major, row 0 is the upper row; size width * height * 3.
+struct RgbImage {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> rgb;
+};
+
+/// JPEG of `image`, quality 1..100. Fails (kInvalidArgument) on an empty image or a quality out of
+/// range, (kUnavailable) when the codec fails. The same image gives the same bytes.
+Result<std::vector<std::uint8_t>> EncodeJpeg(const RgbImage& image, int quality);
+/// The picture in a JPEG; fails with kMalformed.
+Result<RgbImage> DecodeJpeg(const std::vector<std::uint8_t>& jpeg);
+/// Lossless PNG file bytes. Fails as EncodeJpeg.
+Result<std::vector<std::uint8_t>> EncodePng(const RgbImage& image);
 
 struct CameraOptions {
   int width = 320;   // 16..4096

@@ -8,8 +8,6 @@
 #include <string_view>
 #include <vector>
 
-#include "common/runtime/demand.h"
-
 namespace conav::sim {
 namespace {
 

@@ -1,11 +1,112 @@
 #include "sim/physics/mjcf.h"
 
-#include <algorithm>
+#include <fmt/format.h>
 
-#include "sim/physics/mjcf_writer.h"
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include "common/runtime/random.h"
+#include "sim/physics/camera.h"
 #include "sim/physics/textures.h"
 
 namespace conav::sim {
+
+/// Collects MJCF text line by line. Numbers that matter are written with nine digits ({:.9g}).
+class MjcfWriter {
+ public:
+  template <class... Values>
+  void Line(fmt::format_string<Values...> format, Values&&... values) {
+    fmt::format_to(std::back_inserter(text_), format, std::forward<Values>(values)...);
+    text_ += '\n';
+  }
+  std::string Take() { return std::move(text_); }
+
+ private:
+  std::string text_;
+};
+
+/// "r g b 1" in [0, 1].
+std::string Rgba(Rgb color);
+
+/// Walls, floor and goals; a part of <worldbody>. Everything drawn is in a body "scenery" that
+/// cannot collide; what collides (ground, boxes) is not drawn. Returns the number of boxes.
+int WriteMaze(MjcfWriter& out, const PhysicsWorld& world);
+/// One robot's bodies at the origin; a part of <worldbody>.
+void WriteRobot(MjcfWriter& out, int robot);
+/// Its two motors; a part of <actuator>.
+void WriteRobotMotors(MjcfWriter& out, int robot);
+
+/// What the robot's ball can touch: ground, boxes, the balls of robots before it; a part of
+/// <contact>. A list is several times faster than MuJoCo's search when there are many boxes.
+void WriteContacts(MjcfWriter& out, int robot, int boxes);
+
+namespace {
+
+int MakeOdd(int length) { return length % 2 == 0 ? length - 1 : length; }
+
+/// Cells from `start` along `step` for which `matches` holds.
+template <class Matches>
+int RunLength(Cell start, Cell step, Matches&& matches) {
+  int length = 0;
+  for (Cell cell = start; matches(cell); cell = cell + step) ++length;
+  return length;
+}
+
+}  // namespace
+
+std::vector<CellRectangle> CoverWithRectangles(const Grid<char>& classes, Sides sides) {
+  std::vector<CellRectangle> rectangles;
+  Grid<char> left = classes;
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    const char cell_class = left.values()[i];
+    if (cell_class == kNoClass) continue;
+    const Cell corner = left.CellAt(i);
+    const auto matches = [&](Cell cell) { return left.Contains(cell) && left[cell] == cell_class; };
+    int columns = RunLength(corner, {0, 1}, matches);
+    if (sides == Sides::kOdd) columns = MakeOdd(columns);
+    int rows = RunLength(corner, {1, 0}, [&](Cell row) {
+      return RunLength(row, {0, 1}, matches) >= columns;
+    });
+    if (sides == Sides::kOdd) rows = MakeOdd(rows);
+    for (int r = 0; r < rows; ++r) {
+      for (int c = 0; c < columns; ++c) left[corner + Cell{r, c}] = kNoClass;
+    }
+    rectangles.push_back({corner, rows, columns, cell_class});
+  }
+  return rectangles;
+}
+
+std::vector<FaceRun> ExposedFaces(const Grid<char>& wall_classes) {
+  std::vector<FaceRun> runs;
+  for (const Cell normal : kNeighbourOffsets) {
+    Grid<char> exposed(wall_classes.rows(), wall_classes.columns(), kNoClass);
+    for (std::size_t i = 0; i < exposed.size(); ++i) {
+      const Cell cell = exposed.CellAt(i);
+      const Cell front = cell + normal;
+      if (exposed.Contains(front) && wall_classes[front] == kNoClass) {
+        exposed[cell] = wall_classes[cell];
+      }
+    }
+    const Cell along = normal.row != 0 ? Cell{0, 1} : Cell{1, 0};
+    for (std::size_t i = 0; i < exposed.size(); ++i) {
+      const char cell_class = exposed.values()[i];
+      if (cell_class == kNoClass) continue;
+      const Cell first = exposed.CellAt(i);
+      const int length = MakeOdd(RunLength(first, along, [&](Cell cell) {
+        return exposed.Contains(cell) && exposed[cell] == cell_class;
+      }));
+      Cell cell = first;
+      for (int n = 0; n < length; ++n, cell = cell + along) exposed[cell] = kNoClass;
+      runs.push_back({first, normal, length, cell_class});
+    }
+  }
+  return runs;
+}
+
 namespace {
 
 void WriteGlobals(MjcfWriter& out, const PhysicsWorld& world) {
@@ -92,6 +193,222 @@ std::string WriteMjcf(const PhysicsWorld& world) {
   out.Line("</actuator>");
   out.Line("</mujoco>");
   return out.Take();
+}
+
+namespace {
+
+/// Wall classes: the given one, or one class for all; kNoClass where the cell is free.
+Grid<char> WallClasses(const PhysicsWorld& world) {
+  Grid<char> classes(world.truth.rows(), world.truth.columns(), kNoClass);
+  for (std::size_t i = 0; i < classes.size(); ++i) {
+    if (world.truth.values()[i] != Occupancy::kOccupied) continue;
+    const char given = world.wall_classes.size() == 0 ? '*' : world.wall_classes.values()[i];
+    classes.values()[i] = given == kNoClass ? '*' : given;
+  }
+  return classes;
+}
+
+constexpr char kCorridorFloor = 'c';
+constexpr char kRoomFloor = 'r';
+
+/// Floor classes; kNoClass under walls.
+Grid<char> FloorClasses(const PhysicsWorld& world) {
+  Grid<char> classes(world.truth.rows(), world.truth.columns(), kNoClass);
+  for (std::size_t i = 0; i < classes.size(); ++i) {
+    if (world.truth.values()[i] == Occupancy::kOccupied) continue;
+    const char given = world.floor_classes.size() == 0 ? '.' : world.floor_classes.values()[i];
+    classes.values()[i] =
+        given == '.' || given == ' ' || given == kNoClass ? kCorridorFloor : kRoomFloor;
+  }
+  return classes;
+}
+
+/// Middle of a rectangle of cells.
+Position Middle(const GridGeometry& geometry, Cell north_west, int rows, int columns) {
+  const Position corner = geometry.CellToPosition(north_west);
+  return {corner.x_m + (columns - 1) * geometry.cell_size_m / 2.0,
+          corner.y_m - (rows - 1) * geometry.cell_size_m / 2.0};
+}
+
+/// A texture for every wall class: the shuffled textures in the order of the classes' characters.
+std::map<char, int> AssignTextures(const Grid<char>& classes, std::uint64_t seed) {
+  std::map<char, int> textures;
+  for (const char cell_class : classes.values()) {
+    if (cell_class != kNoClass) textures[cell_class] = 0;
+  }
+  std::vector<int> order;
+  for (int i = 0; i < kWallTextureCount; ++i) order.push_back(i);
+  Random random(DeriveSeed(seed, 0x7e57));
+  random.Shuffle(order);
+  std::size_t next = 0;
+  for (auto& [cell_class, texture] : textures) texture = order[next++ % order.size()];
+  return textures;
+}
+
+void WriteWallFace(MjcfWriter& out, const GridGeometry& geometry, const FaceRun& run, int texture) {
+  const bool along_row = run.normal.row != 0;
+  const Position middle =
+      Middle(geometry, run.first, along_row ? 1 : run.length, along_row ? run.length : 1);
+  const int east = run.normal.column;
+  const int north = -run.normal.row;
+  const double half_cell = geometry.cell_size_m / 2.0;
+  // Local z is the face's normal, y is up, x = y cross z.
+  out.Line(R"(<geom type="plane" size="{:.9g} {:.9g} 1" pos="{:.9g} {:.9g} {:.9g}")"
+           R"( xyaxes="{} {} 0 0 0 1" material="{}"/>)",
+           run.length * half_cell, kWallHeightM / 2.0, middle.x_m + east * half_cell,
+           middle.y_m + north * half_cell, kWallHeightM / 2.0, -north, east,
+           WallTextureName(texture));
+}
+
+void WriteWallFaces(MjcfWriter& out, const GridGeometry& geometry, const Grid<char>& classes,
+                    std::uint64_t texture_seed) {
+  const std::map<char, int> textures = AssignTextures(classes, texture_seed);
+  for (const FaceRun& run : ExposedFaces(classes)) {
+    WriteWallFace(out, geometry, run, textures.at(run.cell_class));
+  }
+  const double half_cell = geometry.cell_size_m / 2.0;
+  for (const CellRectangle& block : CoverWithRectangles(classes, Sides::kAny)) {
+    const Position middle = Middle(geometry, block.north_west, block.rows, block.columns);
+    out.Line(R"(<geom type="plane" size="{:.9g} {:.9g} 1" pos="{:.9g} {:.9g} {}" group="{}")"
+             R"( rgba="{}"/>)",
+             block.columns * half_cell, block.rows * half_cell, middle.x_m, middle.y_m,
+             kWallHeightM, kTopGroup, Rgba(kWallColors[textures.at(block.cell_class)]));
+  }
+}
+
+void WriteFloor(MjcfWriter& out, const GridGeometry& geometry, const Grid<char>& classes) {
+  const double half_cell = geometry.cell_size_m / 2.0;
+  for (const CellRectangle& block : CoverWithRectangles(classes, Sides::kOdd)) {
+    const Position middle = Middle(geometry, block.north_west, block.rows, block.columns);
+    out.Line(R"(<geom type="plane" size="{:.9g} {:.9g} 1" pos="{:.9g} {:.9g} 0" material="{}"/>)",
+             block.columns * half_cell, block.rows * half_cell, middle.x_m, middle.y_m,
+             FloorTextureName(block.cell_class == kRoomFloor ? 1 : 0));
+  }
+}
+
+void WriteGoals(MjcfWriter& out, const PhysicsWorld& world, const GridGeometry& geometry) {
+  for (std::size_t i = 0; i < world.goals.size(); ++i) {
+    const Position at = geometry.CellToPosition(world.goals[i].cell);
+    out.Line(
+        R"(<geom name="{}" type="sphere" size="{:.9g}" pos="{:.9g} {:.9g} 0" rgba="{}"/>)",
+        GoalElement(static_cast<int>(i)), GoalRadius(world.cell_size_m), at.x_m, at.y_m,
+        Rgba(kGoalColors[static_cast<unsigned>(world.goals[i].color_index) % kGoalColorCount]));
+  }
+}
+
+std::string BoxName(int box) { return fmt::format("box{}", box); }
+
+/// One box per rectangle of walls, of any class, and the ground. Returns the number of boxes.
+int WriteCollisionGeoms(MjcfWriter& out, const GridGeometry& geometry, Grid<char> classes) {
+  for (char& cell_class : classes.values()) cell_class = cell_class == kNoClass ? kNoClass : '*';
+  out.Line(R"(<geom name="ground" type="plane" size="0 0 1" group="{}"/>)", kCollisionGroup);
+  const double half_cell = geometry.cell_size_m / 2.0;
+  int boxes = 0;
+  for (const CellRectangle& block : CoverWithRectangles(classes, Sides::kAny)) {
+    const Position middle = Middle(geometry, block.north_west, block.rows, block.columns);
+    out.Line(R"(<geom name="{}" type="box" size="{:.9g} {:.9g} {:.9g}" pos="{:.9g} {:.9g} {:.9g}")"
+             R"( group="{}"/>)",
+             BoxName(boxes++), block.columns * half_cell, block.rows * half_cell,
+             kWallHeightM / 2.0, middle.x_m, middle.y_m, kWallHeightM / 2.0, kCollisionGroup);
+  }
+  return boxes;
+}
+
+}  // namespace
+
+int WriteMaze(MjcfWriter& out, const PhysicsWorld& world) {
+  const GridGeometry geometry{world.truth.rows(), world.truth.columns(), world.cell_size_m};
+  const Grid<char> walls = WallClasses(world);
+  const int boxes = WriteCollisionGeoms(out, geometry, walls);
+  out.Line(R"(<body name="scenery" childclass="scenery">)");
+  out.Line(R"(<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>)");  // planes have no mass
+  WriteWallFaces(out, geometry, walls, world.texture_seed);
+  WriteFloor(out, geometry, FloorClasses(world));
+  WriteGoals(out, world, geometry);
+  out.Line("</body>");
+  return boxes;
+}
+
+void WriteContacts(MjcfWriter& out, int robot, int boxes) {
+  const std::string shell = RobotElement(robot, "shell");
+  // Two sliding directions, torsion, two rolling directions (unused in four dimensions): the larger
+  // of the two geoms' coefficients, MuJoCo's 1 for scenery and MemoryMaze's .5/.02/.02 for robots.
+  const auto pair = [&](const std::string& other, double sliding) {
+    out.Line(R"(<pair geom1="{}" geom2="{}" condim="4" friction="{} {} .02 .02 .02"/>)", other,
+             shell, sliding, sliding);
+  };
+  pair("ground", 1.0);
+  for (int box = 0; box < boxes; ++box) pair(BoxName(box), 1.0);
+  for (int other = 0; other < robot; ++other) pair(RobotElement(other, "shell"), 0.5);
+}
+
+namespace {
+
+constexpr double kHeadHeightM = 0.6;
+
+/// Shell and trim colours that tell robots apart.
+constexpr Rgb kRobotColors[] = {{235, 180, 60},  {60, 190, 220},  {230, 90, 140},
+                                {130, 210, 100}, {170, 120, 230}, {240, 240, 240}};
+
+/// The head is narrower than the ball below it, so only the ball can touch anything: the head's
+/// geoms are drawn but do not collide.
+void WriteHead(MjcfWriter& out, int robot, const std::string& trim) {
+  out.Line(R"(<inertial pos="0 0 -.08" mass="20" diaginertia=".10987294 .10986016 .14683229"/>)");
+  out.Line(
+      R"(<geom name="{}" class="scenery" type="cylinder" size=".1 .06" pos="0 0 -.07" rgba=".76 .76 .76 1"/>)",
+      RobotElement(robot, "head"));
+  out.Line(
+      R"(<geom name="{}" class="scenery" type="cylinder" size=".05 .035" pos=".1 0 -.07" zaxis="1 0 0")"
+      R"( rgba="{}"/>)",
+      RobotElement(robot, "face"), trim);
+  out.Line(
+      R"(<geom name="{}" class="scenery" type="cylinder" size=".07 .02" pos="0 0 -.13" rgba="{}"/>)",
+      RobotElement(robot, "neck"), trim);
+}
+
+void WriteCamera(MjcfWriter& out, int robot) {
+  out.Line(R"(<body name="{}" pos="{} 0 {:.9g}">)", RobotElement(robot, "camera_body"),
+           kCameraForwardM, kCameraHeightM - kHeadHeightM);
+  out.Line(R"(<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>)");
+  // The field of view is in degrees whatever the compiler's angle. Image right is -y, image up is
+  // +z leant forward by the pitch.
+  out.Line(R"(<camera name="{}" fovy="{:.9g}" xyaxes="0 -1 0 {:.9g} 0 {:.9g}"/>)",
+           RobotElement(robot, "camera"), kCameraVerticalFovRad * 180.0 / std::numbers::pi,
+           std::sin(kCameraPitchRad), std::cos(kCameraPitchRad));
+  out.Line("</body>");
+}
+
+void WriteWheel(MjcfWriter& out, int robot, const std::string& color) {
+  out.Line(R"(<body name="{}" pos="0 0 -.4">)", RobotElement(robot, "wheel"));
+  out.Line(R"(<joint name="{}" type="hinge" axis="0 1 0" damping="5"/>)",
+           RobotElement(robot, "roll"));
+  out.Line(R"(<geom name="{}" type="sphere" size=".2" mass="1" material="ball" rgba="{}"/>)",
+           RobotElement(robot, "shell"), color);
+  out.Line("</body>");
+}
+
+}  // namespace
+
+void WriteRobot(MjcfWriter& out, int robot) {
+  const std::string color =
+      Rgba(kRobotColors[static_cast<std::size_t>(robot) % std::size(kRobotColors)]);
+  out.Line(R"(<body name="{}" pos="0 0 {}">)", RobotElement(robot, "body"), kHeadHeightM);
+  out.Line(R"(<joint name="{}" type="slide" axis="1 0 0"/>)", RobotElement(robot, "x"));
+  out.Line(R"(<joint name="{}" type="slide" axis="0 1 0"/>)", RobotElement(robot, "y"));
+  out.Line(R"(<joint name="{}" type="slide" axis="0 0 1"/>)", RobotElement(robot, "z"));
+  out.Line(R"(<joint name="{}" type="hinge" axis="0 0 -1" damping="20"/>)",
+           RobotElement(robot, "steer"));
+  WriteHead(out, robot, color);
+  WriteCamera(out, robot);
+  WriteWheel(out, robot, color);
+  out.Line("</body>");
+}
+
+void WriteRobotMotors(MjcfWriter& out, int robot) {
+  out.Line(R"(<motor name="{}" joint="{}" ctrlrange="-1 1" ctrllimited="true" gear="-50"/>)",
+           RobotElement(robot, "roll"), RobotElement(robot, "roll"));
+  out.Line(R"(<motor name="{}" joint="{}" ctrlrange="-1 1" ctrllimited="true" gear="30"/>)",
+           RobotElement(robot, "steer"), RobotElement(robot, "steer"));
 }
 
 }  // namespace conav::sim

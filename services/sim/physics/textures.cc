@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/runtime/demand.h"
 #include "common/runtime/random.h"
+#include "common/runtime/result.h"
 
 namespace conav::sim {
 namespace {

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <set>
 
-#include "common/runtime/demand.h"
 #include "sim/physics/mjcf.h"
 #include "sim/physics/textures.h"
 

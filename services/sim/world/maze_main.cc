@@ -1,4 +1,3 @@
-// conav-maze: prints one maze, entity layer and variation layer.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -7,9 +6,11 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "common/console/option_checks.h"
-#include "common/runtime/json.h"
+#include "common/cli/cli.h"
+#include "common/runtime/text.h"
 #include "sim/world/maze_presets.h"
+
+// conav-maze: prints one maze, entity layer and variation layer.
 
 namespace {
 

@@ -3,16 +3,50 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
+#include <numbers>
 
-#include "common/grid/reachable_cells.h"
-#include "common/runtime/random.h"
+#include "common/grid/geometry.h"
 #include "sim/world/map_corruption.h"
-#include "sim/world/rotation.h"
-#include "sim/world/world_cells.h"
 #include "sim/world/world_site.h"
 
 namespace conav::sim {
+
+std::set<Cell> LargestFreeArea(const OccupancyGrid& truth) {
+  std::set<Cell> largest;
+  std::set<Cell> seen;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const Cell cell = truth.CellAt(i);
+    if (truth[cell] != Occupancy::kFree || seen.contains(cell)) continue;
+    std::set<Cell> area = ReachableCells(truth, cell);
+    seen.insert(area.begin(), area.end());
+    if (area.size() > largest.size()) largest = std::move(area);
+  }
+  return largest;
+}
+
+CellDeck::CellDeck(std::vector<Cell> preferred, const std::set<Cell>& all, Random& random) {
+  std::vector<Cell> others;
+  for (const Cell cell : all) {
+    if (std::find(preferred.begin(), preferred.end(), cell) == preferred.end()) {
+      others.push_back(cell);
+    }
+  }
+  std::erase_if(preferred, [&](Cell cell) { return !all.contains(cell); });
+  random.Shuffle(preferred);
+  random.Shuffle(others);
+  cells_.assign(others.rbegin(), others.rend());
+  cells_.insert(cells_.end(), preferred.rbegin(), preferred.rend());
+}
+
+Result<Cell> CellDeck::Draw(std::set<Cell>& taken) {
+  while (!cells_.empty()) {
+    const Cell cell = cells_.back();
+    cells_.pop_back();
+    if (taken.insert(cell).second) return cell;
+  }
+  return Fail(ErrorCode::kOutOfRange, "no free cell is left");
+}
+
 namespace {
 
 /// Purposes for DeriveSeed.
@@ -181,6 +215,45 @@ Result<WorldSpec> MakeWorldSpec(const WorldOptions& options) {
           .and_then([&] { return MakeHumanMap(*site, options, taken, spec); });
   if (!placed) return tl::unexpected(placed.error());
   return Rotated(std::move(spec), options.rotation_deg);
+}
+
+namespace {
+
+/// Where a quarter turn takes a cell of a grid with `columns` columns.
+Cell QuarterTurn(Cell cell, int columns) { return {columns - 1 - cell.column, cell.row}; }
+
+template <class T>
+Grid<T> QuarterTurn(const Grid<T>& grid) {
+  Grid<T> turned(grid.columns(), grid.rows());
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    turned[QuarterTurn(grid.CellAt(i), grid.columns())] = grid.values()[i];
+  }
+  return turned;
+}
+
+WorldSpec QuarterTurn(WorldSpec spec) {
+  const int columns = spec.truth.columns();
+  for (Cell& start : spec.starts) start = QuarterTurn(start, columns);
+  for (std::vector<Cell>& goals : spec.goals) {
+    for (Cell& goal : goals) goal = QuarterTurn(goal, columns);
+  }
+  spec.start_heading_rad = WrapAngle(spec.start_heading_rad + std::numbers::pi / 2);
+  spec.truth = QuarterTurn(spec.truth);
+  spec.human_map = QuarterTurn(spec.human_map);
+  spec.wall_classes = QuarterTurn(spec.wall_classes);
+  spec.floor_classes = QuarterTurn(spec.floor_classes);
+  return spec;
+}
+
+}  // namespace
+
+Result<WorldSpec> Rotated(WorldSpec spec, int rotation_deg) {
+  if (rotation_deg < 0 || rotation_deg > 270 || rotation_deg % 90 != 0) {
+    return Fail(ErrorCode::kOutOfRange,
+                fmt::format("rotation_deg = {} is not 0, 90, 180 or 270", rotation_deg));
+  }
+  for (int turned = 0; turned < rotation_deg; turned += 90) spec = QuarterTurn(std::move(spec));
+  return spec;
 }
 
 }  // namespace conav::sim

@@ -2,13 +2,31 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "common/grid/grid.h"
+#include "common/runtime/random.h"
 #include "common/runtime/result.h"
 
 namespace conav::sim {
+
+/// The largest connected free area; the northernmost one when several are as large. Empty when no
+/// cell is free.
+std::set<Cell> LargestFreeArea(const OccupancyGrid& truth);
+
+/// Hands out cells, each once: the preferred ones first, in random order, then the others.
+class CellDeck {
+ public:
+  CellDeck(std::vector<Cell> preferred, const std::set<Cell>& all, Random& random);
+
+  /// The next cell that is not in `taken`, which it then is. Errors: kOutOfRange when none is left.
+  [[nodiscard]] Result<Cell> Draw(std::set<Cell>& taken);
+
+ private:
+  std::vector<Cell> cells_;  // the next one last
+};
 
 /// What a world is made from; the sim's config fills it in.
 struct WorldOptions {
@@ -60,5 +78,11 @@ struct WorldSpec {
 /// goals that are walls, equal, too few, or that the robot cannot reach; a given start on a given
 /// goal).
 [[nodiscard]] Result<WorldSpec> MakeWorldSpec(const WorldOptions& options);
+
+/// The same world seen by somebody who stands turned: truth, operator's map, textures, starts, goals
+/// and the robots' first heading, all turned counter-clockwise around the middle. Rows and columns
+/// change places at 90 and 270 degrees. Paper, section 6.2: layouts are used again, rotated.
+/// Errors: kOutOfRange when `rotation_deg` is not 0, 90, 180 or 270.
+[[nodiscard]] Result<WorldSpec> Rotated(WorldSpec spec, int rotation_deg);
 
 }  // namespace conav::sim

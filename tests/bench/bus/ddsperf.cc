@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "common/bus/backend.h"
 #include "common/bus/cyclone/domain.h"
-#include "common/bus/vendors.h"
 
 namespace conav::bench {
 namespace {

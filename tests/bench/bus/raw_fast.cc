@@ -5,8 +5,8 @@
 #include <fastdds/dds/subscriber/DataReaderListener.hpp>
 
 #include "bench/bus/stack.h"
+#include "common/bus/fast/entities.h"
 #include "common/bus/fast/participant.h"
-#include "common/bus/fast/qos.h"
 #include "test_typesPubSubTypes.h"
 
 namespace conav::bench {

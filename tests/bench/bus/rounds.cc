@@ -1,7 +1,7 @@
 #include "bench/bus/rounds.h"
 
 #include "bench/support/measure.h"
-#include "common/bus/vendors.h"
+#include "common/bus/backend.h"
 
 namespace conav::bench {
 namespace {

@@ -1,6 +1,6 @@
 #include "bench/bus/stack.h"
 
-#include "common/bus/vendors.h"
+#include "common/bus/backend.h"
 
 namespace conav::bench {
 

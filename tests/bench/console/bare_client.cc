@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "bench/support/measure.h"
+#include "common/runtime/clock.h"
 #include "integration/operator/page_client.h"
-#include "operator/console/wall_seconds.h"
 
 namespace conav::bench {
 namespace {

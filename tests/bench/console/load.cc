@@ -8,10 +8,9 @@
 #include "bench/console/camera_pictures.h"
 #include "bench/support/measure.h"
 #include "common/bus/publisher.h"
-#include "common/bus/send.h"
 #include "common/bus/topics.h"
-#include "common/protocol/convert.h"
-#include "operator/console/wall_seconds.h"
+#include "common/msg/convert.h"
+#include "common/runtime/clock.h"
 
 namespace conav::bench {
 namespace {
@@ -110,7 +109,7 @@ void Load::Publish(RobotLink& link, std::uint64_t round, double due_s) {
   if (link.robot.HasNewMap()) bus::Send(link.map, ToMessage(link.robot.Map()));
   if (!pictures) return;
   const auto& jpeg = jpegs_[(round / states_per_picture + number) % jpegs_.size()];
-  bus::Send(link.snapshot, ToMessage(link.robot.TakePicture(jpeg)));
+  bus::Send(link.snapshot, ToMessage(link.robot.TakeSnapshot(jpeg)));
   sensor_msgs::msg::CompressedImage frame;
   frame.header().stamp(ToMessage(state.stamp));
   frame.header().frame_id(state.robot + "/camera_optical_frame");

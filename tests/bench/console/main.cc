@@ -5,7 +5,7 @@
 
 #include "bench/console/report.h"
 #include "bench/support/bench_program.h"
-#include "operator/console/wall_seconds.h"
+#include "common/runtime/clock.h"
 #include "support/temporary_folder.h"
 #include "support/test_domain.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "common/grid/camera_lens.h"
+#include "common/grid/visibility.h"
 
 namespace conav::bench {
 namespace {
@@ -101,9 +101,9 @@ void DrivingRobot::See(Cell cell) {
   }
 }
 
-Picture DrivingRobot::TakePicture(const std::vector<std::uint8_t>& jpeg) {
+Snapshot DrivingRobot::TakeSnapshot(const std::vector<std::uint8_t>& jpeg) {
   const CameraLens lens;
-  Picture picture;
+  Snapshot picture;
   picture.stamp = state_.stamp;
   picture.world = state_.world;
   picture.robot = state_.robot;

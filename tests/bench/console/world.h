@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/grid/visibility.h"
-#include "common/protocol/robot.h"
+#include "common/msg/robot.h"
 
 namespace conav::bench {
 
@@ -42,7 +42,7 @@ class DrivingRobot {
   /// `now_s`: wall time, not before the drive's begin. What it has seen grows with it.
   RobotState State(double now_s);
   /// Of a camera, after State(); the next one in its order.
-  Picture TakePicture(const std::vector<std::uint8_t>& jpeg);
+  Snapshot TakeSnapshot(const std::vector<std::uint8_t>& jpeg);
   /// What it has seen, if that is more than at the call before.
   bool HasNewMap() const { return map_is_new_; }
   MapUpdate Map();

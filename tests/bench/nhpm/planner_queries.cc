@@ -1,8 +1,8 @@
 #include "bench/nhpm/planner_queries.h"
 
-#include "planner/decision/ig_mcts_method.h"
-#include "planner/experiment/episode.h"
-#include "planner/search/fake_perception_model.h"
+#include "planner/methods/ig_mcts_method.h"
+#include "planner/search/perception_model.h"
+#include "study/experiment/episode.h"
 
 namespace conav::bench {
 namespace {

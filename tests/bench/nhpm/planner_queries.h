@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/protocol/planning.h"
+#include "common/msg/planning.h"
 
 namespace conav::bench {
 

@@ -10,7 +10,7 @@
 #include "bench/support/bench_program.h"
 #include "bench/support/measure.h"
 #include "nhpm/model/load_model.h"
-#include "planner/perception/embedded_perception_model.h"
+#include "planner/perception/embedded_model.h"
 #include "support/test_weights.h"
 
 namespace conav::bench {

@@ -6,7 +6,7 @@
 #include "common/bus/participant.h"
 #include "launcher/domain_lease.h"
 #include "launcher/process.h"
-#include "planner/perception/remote_perception_model.h"
+#include "planner/perception/remote_model.h"
 
 namespace conav::bench {
 

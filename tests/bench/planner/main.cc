@@ -11,12 +11,11 @@
 #include "bench/support/measure.h"
 #include "nhpm/model/load_model.h"
 #include "nhpm/model/perception_network.h"
-#include "planner/decision/ig_mcts_method.h"
-#include "planner/decision/situation_problem.h"
-#include "planner/experiment/episode.h"
-#include "planner/perception/embedded_perception_model.h"
-#include "planner/search/cached_perception_model.h"
+#include "planner/methods/ig_mcts_method.h"
+#include "planner/perception/cached_model.h"
+#include "planner/perception/embedded_model.h"
 #include "planner/search/rollout.h"
+#include "study/experiment/episode.h"
 
 namespace conav::bench {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "common/grid/geometry.h"
 #include "nhpm/model/encoding.h"
-#include "planner/search/goal_distance.h"
+#include "planner/search/path_state.h"
 
 namespace conav::bench {
 namespace {

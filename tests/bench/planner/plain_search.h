@@ -1,9 +1,9 @@
 #pragma once
 
-#include "common/runtime/split_mix.h"
+#include "common/runtime/random.h"
 #include "nhpm/engine/inference_pass.h"
 #include "nhpm/model/weights_file.h"
-#include "planner/search/ig_mcts.h"
+#include "planner/search/parallel_search.h"
 
 namespace conav::bench {
 

@@ -7,9 +7,9 @@
 #include <exception>
 #include <nlohmann/json.hpp>
 
-#include "common/console/option_checks.h"
-#include "common/runtime/json.h"
+#include "common/cli/cli.h"
 #include "common/runtime/log.h"
+#include "common/runtime/text.h"
 
 namespace conav::bench {
 

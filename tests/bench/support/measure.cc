@@ -7,7 +7,7 @@
 #include <fstream>
 #include <thread>
 
-#include "common/runtime/demand.h"
+#include "common/runtime/result.h"
 
 namespace conav::bench {
 

@@ -2,9 +2,9 @@
 #include <optional>
 
 #include "conformance/perception_model_conformance.h"
-#include "planner/perception/embedded_perception_model.h"
-#include "planner/perception/fallback_perception_model.h"
-#include "planner/perception/remote_perception_model.h"
+#include "planner/perception/embedded_model.h"
+#include "planner/perception/fallback_model.h"
+#include "planner/perception/remote_model.h"
 #include "support/dds_participant.h"
 #include "support/nhpm_on_thread.h"
 #include "support/nhpm_process.h"

@@ -5,8 +5,8 @@
 #include <iostream>
 
 #include "conformance/perception_model_conformance.h"
-#include "planner/perception/embedded_perception_model.h"
-#include "planner/perception/remote_perception_model.h"
+#include "planner/perception/embedded_model.h"
+#include "planner/perception/remote_model.h"
 #include "support/dds_participant.h"
 #include "support/nhpm_process.h"
 

@@ -4,8 +4,8 @@
 
 #include "conformance/perception_model_conformance.h"
 #include "nhpm/model/perception_network.h"
-#include "planner/perception/embedded_perception_model.h"
-#include "planner/perception/remote_perception_model.h"
+#include "planner/perception/embedded_model.h"
+#include "planner/perception/remote_model.h"
 #include "support/dds_participant.h"
 #include "support/nhpm_on_thread.h"
 #include "support/test_weights.h"

@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "integration/operator/hand_made_sim.h"
-#include "operator/client/operator_client.h"
+#include "operator/simulated/operator_client.h"
 #include "support/loopback.h"
 #include "support/service_process.h"
 

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "integration/operator/console_bench.h"
-#include "unit/common/protocol/samples.h"
+#include "unit/common/msg/samples.h"
 
 namespace conav::operators {
 namespace {
@@ -120,7 +120,7 @@ TEST_CASE("what a robot or a picture said long ago is old for a service that com
   bench.bus->SetSourceDelay(1h);
   bench.sim.PublishInitialMap(kMap);
   bench.sim.PublishState({1, 1}, 5'000'000'000);
-  Picture picture = samples::SamplePicture();
+  Snapshot picture = samples::SampleSnapshot();
   picture.streamed = false;
   REQUIRE(bench.sim.snapshot.Publish(ToMessage(picture)));
   bench.bus->SetSourceDelay(0s);

@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "common/runtime/stop_token.h"
+#include "common/runtime/threads.h"
 #include "integration/operator/hand_made_sim.h"
 #include "integration/operator/page_client.h"
 

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "integration/operator/console_bench.h"
-#include "operator/client/operator_client.h"
+#include "operator/simulated/operator_client.h"
 
 namespace conav::operators {
 namespace {
@@ -203,7 +203,7 @@ TEST_CASE("a stopped robot stays stopped over a restart, and the page sees by wh
   CHECK(control.stopped_by() == bench.page.welcome.client());
   CHECK(control.stop_reason() == "a cat");
   CHECK_THAT(bench.page.Ask(DriveOf(console::DRIVE_FORWARD)).reason(), Catch::Contains("stopped"));
-  bus::Subscriber<conav_msgs::msg::HoldOrder> late(bench.other, bus::kHoldOrder, "r1");
+  bus::Subscriber<conav_msgs::msg::StopOrder> late(bench.other, bus::kStopOrder, "r1");
   const auto holds = late.Take();
   REQUIRE(holds.size() == 1);
   CHECK(holds[0].stopped());

@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "integration/operator/console_bench.h"
-#include "operator/client/operator_client.h"
-#include "unit/common/protocol/samples.h"
+#include "operator/simulated/operator_client.h"
+#include "unit/common/msg/samples.h"
 
 namespace conav::operators {
 namespace {
@@ -162,7 +162,7 @@ TEST_CASE("a picture of a robot is on the page, with its pixels", "[operator][in
   Page page('a');
   page.Connect(bench.Start());
   page.ReadBelief(0);
-  Picture picture = samples::SamplePicture();
+  Snapshot picture = samples::SampleSnapshot();
   picture.streamed = false;
   REQUIRE(bench.sim.snapshot.Publish(ToMessage(picture)));
   page.ReadUntil([&] { return page.Has("picture"); });

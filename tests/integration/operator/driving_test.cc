@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "integration/operator/hand_made_sim.h"
-#include "operator/client/operator_client.h"
+#include "operator/simulated/operator_client.h"
 
 namespace conav::operators {
 namespace {

@@ -78,7 +78,7 @@ struct GatewayBench {
   GatewayOptions options;
   UpdateLog updates;
   FrameSlots frames;
-  PictureShelf pictures{1U << 20U};
+  SnapshotStore pictures{1U << 20U};
   console::Welcome welcome;
   std::vector<PageEvent> events;
   std::mutex mutex;  // guards woken

@@ -9,7 +9,7 @@
 #include "common/bus/participant.h"
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
-#include "common/protocol/convert.h"
+#include "common/msg/convert.h"
 #include "common/runtime/clock.h"
 #include "operator/config.h"
 #include "operator/operator_service.h"

@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "integration/operator/hand_made_sim.h"
-#include "operator/simulated_operator/config.h"
+#include "operator/simulated/config.h"
 #include "support/loopback.h"
 #include "support/service_process.h"
 
@@ -60,7 +60,7 @@ TEST_CASE("Killed between two pictures, the operator service goes on where it wa
   CHECK(first.path.size() == 4);
   CHECK(service.End(SIGKILL).signal == SIGKILL);
 
-  Picture picture;
+  Snapshot picture;
   picture.stamp = {10};
   picture.world = "w1";
   picture.robot = "r1";

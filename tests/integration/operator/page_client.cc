@@ -9,7 +9,7 @@
 #include <boost/beast/websocket/ssl.hpp>
 #include <sstream>
 
-#include "common/runtime/demand.h"
+#include "common/runtime/result.h"
 
 namespace conav::operators {
 namespace {

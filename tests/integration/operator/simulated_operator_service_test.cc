@@ -1,4 +1,4 @@
-#include "operator/simulated_operator/simulated_operator_service.h"
+#include "operator/simulated/simulated_operator_service.h"
 
 #include <catch2/catch.hpp>
 #include <thread>
@@ -40,8 +40,8 @@ struct Bench {
     }
   }
 
-  Picture PictureWithWall(std::uint64_t sequence_number) const {
-    Picture picture;
+  Snapshot PictureWithWall(std::uint64_t sequence_number) const {
+    Snapshot picture;
     picture.stamp = {10};
     picture.world = "w1";
     picture.robot = "r1";
@@ -94,10 +94,10 @@ TEST_CASE("While all robots are stopped the simulated operator asks for nothing"
           "[operator][integration]") {
   const TemporaryFolder folder;
   Bench bench(folder / "operator.db");
-  bus::Publisher<conav_msgs::msg::HoldOrder> holds(bench.sim.participant, bus::kHoldOrder, "r1");
+  bus::Publisher<conav_msgs::msg::StopOrder> holds(bench.sim.participant, bus::kStopOrder, "r1");
   const auto publish = [&](std::uint64_t revision, bool stopped) {
     REQUIRE(holds.Publish(
-        ToMessage(HoldOrder{{5}, "w1", "r1", revision, stopped, "anna", "wait for me"})));
+        ToMessage(StopOrder{{5}, "w1", "r1", revision, stopped, "anna", "wait for me"})));
   };
   publish(1, true);
   bench.sim.PublishInitialMap(kMap);

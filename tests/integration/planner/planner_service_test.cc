@@ -5,8 +5,8 @@
 #include <thread>
 
 #include "common/bus/in_memory_bus.h"
-#include "common/bus/send.h"
-#include "common/protocol/convert.h"
+#include "common/bus/publisher.h"
+#include "common/msg/convert.h"
 
 using namespace conav;
 using namespace std::chrono_literals;

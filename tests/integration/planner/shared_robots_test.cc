@@ -5,8 +5,8 @@
 #include <list>
 #include <thread>
 
-#include "common/bus/send.h"
-#include "common/protocol/convert.h"
+#include "common/bus/publisher.h"
+#include "common/msg/convert.h"
 #include "planner/planner_service.h"
 #include "support/test_domain.h"
 

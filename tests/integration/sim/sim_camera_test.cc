@@ -3,7 +3,7 @@
 
 #include "common/grid/visibility.h"
 #include "integration/sim/sim_harness.h"
-#include "sim/physics/image.h"
+#include "sim/physics/camera.h"
 
 namespace conav::sim {
 namespace {
@@ -24,7 +24,7 @@ TEST_CASE("a picture is a JPEG of the size asked for and says what CastView says
   const OccupancyGrid truth = TruthOf(sim);
   for (const double heading : {0.0, kPi / 4, kPi / 2, -3 * kPi / 4}) {
     REQUIRE(sim.Do(sim.robot().View(heading)) == CommandOutcome::kDone);
-    const Picture& picture = sim.robot().pictures.back();
+    const Snapshot& picture = sim.robot().pictures.back();
     CameraView view;
     view.cell = sim.robot().state().cell;
     view.heading_rad = heading;
@@ -40,7 +40,7 @@ TEST_CASE("a picture is a JPEG of the size asked for and says what CastView says
   CHECK(state.pictures == 4);
   CHECK(state.snapshots == 4);
   std::uint64_t bytes = 0;
-  for (const Picture& picture : sim.robot().pictures) bytes += picture.jpeg.size();
+  for (const Snapshot& picture : sim.robot().pictures) bytes += picture.jpeg.size();
   CHECK(state.picture_bytes == bytes);
   CHECK(sim.robot().pictures.back().sequence_number == 4);
 }
@@ -48,7 +48,7 @@ TEST_CASE("a picture is a JPEG of the size asked for and says what CastView says
 TEST_CASE("without a camera a picture has no pixels and the same cells", "[sim][integration]") {
   SimHarness sim(BlindConfig());
   REQUIRE(sim.Do(sim.robot().View(kPi)) == CommandOutcome::kDone);
-  const Picture& picture = sim.robot().pictures.back();
+  const Snapshot& picture = sim.robot().pictures.back();
   CHECK(picture.jpeg.empty());
   CHECK_FALSE(picture.visible.free.empty());
   CHECK_FALSE(picture.visible.walls.empty());
@@ -92,7 +92,7 @@ TEST_CASE("a streaming camera sends a frame per control step, and what it shows"
   CHECK(state.picture_bytes > 0);
   CHECK(state.snapshots == state.low_level_steps);
   REQUIRE(sim.robot().pictures.size() == state.low_level_steps);
-  for (const Picture& picture : sim.robot().pictures) {
+  for (const Snapshot& picture : sim.robot().pictures) {
     CHECK(picture.streamed);
     CHECK(picture.jpeg.empty());  // the pixels are the frame's
     CHECK_FALSE(picture.visible.walls.empty());
@@ -144,7 +144,7 @@ TEST_CASE(
   for (int i = 0; i < 3; ++i)
     REQUIRE(sim.Do(sim.robot().Key(DriveAction::kForward)) != CommandOutcome::kExpired);
   const RobotState& state = sim.robot().state();
-  const Picture& picture = sim.robot().pictures.back();
+  const Snapshot& picture = sim.robot().pictures.back();
   CHECK(picture.sequence_number == state.snapshots);
   const GridGeometry geometry{truth.rows(), truth.columns(), 2.0};
   const Position centre = geometry.CellToPosition(state.cell);

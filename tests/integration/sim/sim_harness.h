@@ -9,7 +9,7 @@
 #include "common/bus/in_memory_bus.h"
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
-#include "common/protocol/convert.h"
+#include "common/msg/convert.h"
 #include "common/runtime/random.h"
 #include "sim/sim_service.h"
 
@@ -71,7 +71,7 @@ class RobotLink {
   std::uint64_t epoch = 1;
   std::vector<RobotState> states;
   std::vector<MapUpdate> maps;
-  std::vector<Picture> pictures;
+  std::vector<Snapshot> pictures;
   Position position;
   int frames = 0;
 

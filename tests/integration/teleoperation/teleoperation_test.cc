@@ -2,9 +2,9 @@
 #include <optional>
 #include <thread>
 
-#include "common/protocol/convert.h"
-#include "operator/client/operator_client.h"
+#include "common/msg/convert.h"
 #include "operator/operator_service.h"
+#include "operator/simulated/operator_client.h"
 #include "planner/planner_service.h"
 #include "sim/sim_service.h"
 #include "support/dds_participant.h"
@@ -81,7 +81,8 @@ class Field {
   std::optional<RobotState> StateAfter(std::uint64_t order) {
     const bool there = Until([&] {
       for (RobotState& state : state_->TakeValid(kDomain)) newest_ = std::move(state);
-      for (Picture& picture : snapshot_->TakeValid(kDomain)) pictures.push_back(std::move(picture));
+      for (Snapshot& picture : snapshot_->TakeValid(kDomain))
+        pictures.push_back(std::move(picture));
       return newest_ && newest_->drive_order == order &&
              newest_->command_outcome != CommandOutcome::kRunning &&
              pictures.size() >= newest_->snapshots;
@@ -89,7 +90,7 @@ class Field {
     return there ? newest_ : std::nullopt;
   }
 
-  std::vector<Picture> pictures;
+  std::vector<Snapshot> pictures;
 
  private:
   static constexpr auto kDomain = [](const auto& message) { return ToDomain(message); };

@@ -8,7 +8,7 @@
 #include <functional>
 #include <set>
 
-#include "common/bus/deduplicator.h"
+#include "common/bus/intake.h"
 #include "common/bus/subscriber.h"
 #include "support/test_domain.h"
 #include "system/bus/peer_process.h"

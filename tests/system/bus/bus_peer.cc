@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "common/bus/cyclone/entities.h"
-#include "common/bus/event_log.h"
+#include "common/bus/events.h"
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
 #include "system/bus/peer_topics.h"

@@ -6,8 +6,8 @@
 #include <cstdlib>
 
 #include "common/runtime/file.h"
-#include "planner/record/decision_file.h"
-#include "support/program_desk.h"
+#include "planner/explain/decision_file.h"
+#include "support/program_runner.h"
 #include "system/launcher/demo_run.h"
 
 using conav::planner::DecisionRecord;
@@ -51,7 +51,7 @@ TEST_CASE("a demo's pictures are explained", "[launcher][system]") {
     CHECK(action.terms.Sum() == Approx(action.mean_value).epsilon(1e-9).margin(1e-9));
   }
 
-  const conav::test::ProgramDesk desk("conav-explain");
+  const conav::test::ProgramRunner desk("conav-explain");
   const std::string run = demo.RunFolder().string();
   const auto listed = desk.Run(fmt::format("'{}' --pictures", run));
   INFO(listed.text());
@@ -82,7 +82,7 @@ TEST_CASE("the same seed gives the same recorded decisions", "[launcher][system]
 TEST_CASE("a run of a method without a search says that it has none", "[launcher][system]") {
   DemoRun demo({"--headless", "--seed", "7", "--camera", "none", "--method", "instruction"});
   REQUIRE(demo.Wait() == 0);
-  const conav::test::ProgramDesk desk("conav-explain");
+  const conav::test::ProgramRunner desk("conav-explain");
   const auto explained = desk.Run(fmt::format("'{}' --decision 1", demo.RunFolder().string()));
   CHECK(explained.exit_code == 0);
   CHECK_THAT(explained.out, Catch::Contains("Method instruction makes no search"));

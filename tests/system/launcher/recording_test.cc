@@ -8,8 +8,8 @@
 #include <cstdlib>
 #include <set>
 
+#include "common/segments/segment.h"
 #include "common/segments/segment_file.h"
-#include "common/segments/segment_labels.h"
 #include "system/launcher/demo_run.h"
 
 using conav::testing::DemoRun;

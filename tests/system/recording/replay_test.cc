@@ -12,7 +12,7 @@
 #include "common/runtime/file.h"
 #include "integration/operator/page_client.h"
 #include "launcher/process.h"
-#include "operator/bag/mcap_reader.h"
+#include "operator/recording/mcap_reader.h"
 #include "support/temporary_folder.h"
 #include "system/launcher/demo_run.h"
 

@@ -2,7 +2,7 @@
 #include <csignal>
 #include <fstream>
 
-#include "system/study/study_desk.h"
+#include "system/study/study_fixture.h"
 
 namespace conav::test {
 namespace {
@@ -29,7 +29,7 @@ std::vector<std::string> Lines(const fs::path& csv) {
 
 TEST_CASE("a study runs over DDS, tells its table, and conav stats reads its measures",
           "[study][system]") {
-  const StudyDesk desk;
+  const StudyFixture desk;
   const ProgramOutcome study = desk.Run(SmallStudy("--json result.json"));
   INFO(study.text());
   REQUIRE(study.exit_code == 0);
@@ -69,7 +69,7 @@ TEST_CASE("a study runs over DDS, tells its table, and conav stats reads its mea
 }
 
 TEST_CASE("a study that was killed goes on and ends like one that was not", "[study][system]") {
-  const StudyDesk desk;
+  const StudyFixture desk;
   RunningStudy first(desk, kSmall);
   WaitForRecord(desk, "episodes");
   CHECK(first.End(SIGKILL).signal == SIGKILL);
@@ -85,7 +85,7 @@ TEST_CASE("a study that was killed goes on and ends like one that was not", "[st
 }
 
 TEST_CASE("an episode whose simulator dies is run again", "[study][system]") {
-  const StudyDesk desk;
+  const StudyFixture desk;
   RunningStudy study(desk, "--operators 1 --layouts 1 --methods ig-mcts --jobs 1");
   pid_t simulator = 0;
   REQUIRE(conav::testing::WaitUntil(
@@ -104,7 +104,7 @@ TEST_CASE("an episode whose simulator dies is run again", "[study][system]") {
 }
 
 TEST_CASE("an interrupted study says how to go on", "[study][system]") {
-  const StudyDesk desk;
+  const StudyFixture desk;
   RunningStudy study(desk, "--operators 20 --layouts 1 --jobs 1");
   WaitForRecord(desk, "episodes");
   CHECK(study.End(SIGTERM).exit_code == 1);
@@ -113,7 +113,7 @@ TEST_CASE("an interrupted study says how to go on", "[study][system]") {
 }
 
 TEST_CASE("a study that cannot be is refused before anything runs", "[study][system]") {
-  const StudyDesk desk;
+  const StudyFixture desk;
   for (const char* wrong : {"--operators 0", "--methods magic", "--methods teleop,teleop",
                             "--jobs 2", "--weights /none", "--population /none.yaml",
                             "--camera film", "--operators two", "--colour", "--seed -1"}) {

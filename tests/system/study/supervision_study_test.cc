@@ -3,7 +3,7 @@
 #include <csignal>
 #include <filesystem>
 
-#include "system/study/study_desk.h"
+#include "system/study/study_fixture.h"
 
 namespace conav::test {
 namespace {
@@ -15,7 +15,7 @@ constexpr const char* kSmall =
 
 TEST_CASE("two robots and one operator: every trial is measured and every file is there",
           "[study][supervision][system]") {
-  const StudyDesk bench;
+  const StudyFixture bench;
   const std::string command =
       std::string(kSmall) + "--orders priority,fifo --seeds 2 --out study --json result.json";
   const ProgramOutcome study = bench.Run(command);
@@ -54,7 +54,7 @@ TEST_CASE("two robots and one operator: every trial is measured and every file i
 
 TEST_CASE("a supervision study that was killed goes on, and more seeds add to it",
           "[study][supervision][system]") {
-  const StudyDesk bench;
+  const StudyFixture bench;
   RunningStudy first(bench, std::string(kSmall) + "--orders fifo --seeds 2");
   WaitForRecord(bench, "trials");
   CHECK(first.End(SIGKILL).signal == SIGKILL);
@@ -72,7 +72,7 @@ TEST_CASE("a supervision study that was killed goes on, and more seeds add to it
 
 TEST_CASE("an interrupted supervision study says what is left and calls nothing failed",
           "[study][supervision][system]") {
-  const StudyDesk bench;
+  const StudyFixture bench;
   RunningStudy study(bench, std::string(kSmall) + "--orders fifo --seeds 20");
   WaitForRecord(bench, "trials");
   CHECK(study.End(SIGTERM).exit_code == 1);
@@ -82,7 +82,7 @@ TEST_CASE("an interrupted supervision study says what is left and calls nothing 
 }
 
 TEST_CASE("wrong use of the supervision study is refused by name", "[study][supervision][system]") {
-  const StudyDesk bench;
+  const StudyFixture bench;
   const ProgramOutcome unknown = bench.Run("--supervision --orders lifo");
   CHECK(unknown.exit_code == 2);
   CHECK_THAT(unknown.error, Catch::Contains("--orders: lifo is unknown"));
@@ -101,7 +101,7 @@ TEST_CASE("wrong use of the supervision study is refused by name", "[study][supe
 
 TEST_CASE("a folder that cannot be made fails before anything runs",
           "[study][supervision][system]") {
-  const StudyDesk bench;
+  const StudyFixture bench;
   const ProgramOutcome study = bench.Run("--supervision --seeds 1 --out /proc/none");
   CHECK(study.exit_code == 1);
   CHECK_THAT(study.error, Catch::Contains("/proc/none: cannot make this folder"));

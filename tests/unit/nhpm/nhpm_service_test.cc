@@ -5,7 +5,7 @@
 #include <map>
 
 #include "common/bus/in_memory_bus.h"
-#include "common/protocol/convert.h"
+#include "common/msg/convert.h"
 #include "support/test_weights.h"
 
 namespace conav::nhpm {

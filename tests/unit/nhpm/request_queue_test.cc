@@ -1,7 +1,7 @@
-#include "nhpm/request_queue.h"
-
 #include <catch2/catch.hpp>
 #include <thread>
+
+#include "nhpm/nhpm_service.h"
 
 namespace conav::nhpm {
 namespace {

@@ -1,10 +1,9 @@
-#include "planner/decision_recording.h"
-
 #include <catch2/catch.hpp>
 #include <vector>
 
 #include "common/runtime/result.h"
-#include "planner/record/decision_file.h"
+#include "planner/explain/decision_file.h"
+#include "planner/planner_service.h"
 #include "support/full_disk.h"
 #include "support/temporary_folder.h"
 

@@ -1,5 +1,3 @@
-#include "planner/perception_setup.h"
-
 #include <catch2/catch.hpp>
 
 #include "common/bus/in_memory_bus.h"
@@ -7,6 +5,7 @@
 #include "conformance/perception_model_conformance.h"
 #include "nhpm/model/glpf.h"
 #include "nhpm/model/perception_network.h"
+#include "planner/planner_service.h"
 #include "support/test_weights.h"
 
 namespace conav::planner {

@@ -1,8 +1,9 @@
+#include "common/bus/backend.h"
+
 #include <dds/dds.h>
 
 #include "common/bus/cyclone/domain.h"
 #include "common/bus/cyclone/entities.h"
-#include "common/bus/vendors.h"
 
 namespace conav::bus {
 namespace {

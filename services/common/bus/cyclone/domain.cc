@@ -6,7 +6,6 @@
 #include <mutex>
 
 #include "common/runtime/log.h"
-#include "common/runtime/log_limit.h"
 #include "common/runtime/result.h"
 
 namespace conav::bus {

@@ -5,8 +5,7 @@
 #include <map>
 
 #include "common/bus/backend.h"
-#include "common/bus/deduplicator.h"
-#include "common/bus/endpoint_events.h"
+#include "common/bus/events.h"
 #include "common/bus/intake.h"
 #include "common/bus/ros_graph.h"
 

@@ -2,17 +2,22 @@
 
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/publisher/DataWriterListener.hpp>
+#include <fastdds/dds/publisher/qos/DataWriterQos.hpp>
 #include <fastdds/dds/subscriber/DataReader.hpp>
 #include <fastdds/dds/subscriber/DataReaderListener.hpp>
+#include <fastdds/dds/subscriber/qos/DataReaderQos.hpp>
 
 #include "common/bus/backend.h"
-#include "common/bus/deduplicator.h"
-#include "common/bus/endpoint_events.h"
+#include "common/bus/events.h"
 #include "common/bus/fast/participant.h"
 #include "common/bus/intake.h"
+#include "common/bus/qos.h"
 #include "common/bus/ros_graph.h"
 
 namespace conav::bus {
+
+eprosima::fastdds::dds::DataWriterQos FastWriterQos(const Qos& qos, double lease_s);
+eprosima::fastdds::dds::DataReaderQos FastReaderQos(const Qos& qos);
 
 /// What the endpoints of one participant share. Outlives them.
 struct FastContext {

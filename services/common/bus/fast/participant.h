@@ -8,7 +8,7 @@
 #include <mutex>
 #include <string>
 
-#include "common/bus/deduplicator.h"
+#include "common/bus/intake.h"
 #include "common/bus/network.h"
 #include "common/bus/type_support.h"
 

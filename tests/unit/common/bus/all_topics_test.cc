@@ -1,11 +1,10 @@
-#include "common/bus/all_topics.h"
-
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <regex>
 #include <string>
 #include <vector>
 
+#include "common/bus/topics.h"
 #include "common/runtime/file.h"
 
 namespace conav::bus {

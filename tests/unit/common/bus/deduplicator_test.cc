@@ -1,6 +1,6 @@
-#include "common/bus/deduplicator.h"
-
 #include <catch2/catch.hpp>
+
+#include "common/bus/intake.h"
 
 namespace conav::bus {
 namespace {

@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 
+#include "common/bus/backend.h"
 #include "common/bus/participant.h"
-#include "common/bus/vendors.h"
 #include "common/runtime/result.h"
 #include "support/scoped_variable.h"
 

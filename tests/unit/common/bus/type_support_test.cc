@@ -3,7 +3,6 @@
 #include <catch2/catch.hpp>
 
 #include "common/bus/topics.h"
-#include "common/bus/type_support_of.h"
 #include "ros2_graph.h"
 #include "support/test_messages.h"
 

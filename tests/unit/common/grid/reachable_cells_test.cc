@@ -1,6 +1,6 @@
-#include "common/grid/reachable_cells.h"
-
 #include <catch2/catch.hpp>
+
+#include "common/grid/geometry.h"
 
 namespace conav {
 

@@ -1,10 +1,9 @@
-#include "common/runtime/json.h"
-
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "common/runtime/text.h"
 #include "support/temporary_folder.h"
 
 namespace conav {

@@ -1,6 +1,6 @@
-#include "common/runtime/log_limit.h"
-
 #include <catch2/catch.hpp>
+
+#include "common/runtime/log.h"
 
 namespace conav {
 

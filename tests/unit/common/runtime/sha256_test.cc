@@ -1,7 +1,7 @@
-#include "common/runtime/sha256.h"
-
 #include <catch2/catch.hpp>
 #include <string>
+
+#include "common/runtime/text.h"
 
 namespace conav {
 namespace {

@@ -1,7 +1,7 @@
-#include "common/runtime/split_mix.h"
-
 #include <array>
 #include <catch2/catch.hpp>
+
+#include "common/runtime/random.h"
 
 namespace conav {
 namespace {

@@ -1,7 +1,7 @@
-#include "common/runtime/stop_token.h"
-
 #include <catch2/catch.hpp>
 #include <csignal>
+
+#include "common/runtime/threads.h"
 
 namespace conav {
 

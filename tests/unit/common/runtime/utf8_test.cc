@@ -1,6 +1,6 @@
-#include "common/runtime/utf8.h"
-
 #include <catch2/catch.hpp>
+
+#include "common/runtime/text.h"
 
 namespace conav {
 namespace {

@@ -1,8 +1,8 @@
-#include "common/runtime/workers.h"
-
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <vector>
+
+#include "common/runtime/threads.h"
 
 namespace conav {
 namespace {

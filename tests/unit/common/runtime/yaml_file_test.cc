@@ -1,7 +1,6 @@
-#include "common/runtime/yaml_file.h"
-
 #include <catch2/catch.hpp>
 
+#include "common/runtime/config.h"
 #include "common/runtime/file.h"
 #include "support/temporary_folder.h"
 

@@ -7,10 +7,9 @@
 
 #include "common/runtime/file.h"
 #include "common/segments/record_stream.h"
+#include "common/segments/segment.h"
 #include "common/segments/segment_checks.h"
-#include "common/segments/segment_labels.h"
 #include "common/segments/segment_log.h"
-#include "common/segments/segment_records.h"
 #include "support/temporary_folder.h"
 #include "unit/common/segments/support/sample_segments.h"
 

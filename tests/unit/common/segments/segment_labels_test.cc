@@ -1,7 +1,6 @@
-#include "common/segments/segment_labels.h"
-
 #include <catch2/catch.hpp>
 
+#include "common/segments/segment.h"
 #include "unit/common/segments/support/sample_segments.h"
 
 namespace conav {

@@ -1,8 +1,7 @@
-#include "common/segments/trajectory_fingerprint.h"
-
 #include <catch2/catch.hpp>
 #include <set>
 
+#include "common/segments/segment_split.h"
 #include "unit/common/segments/support/sample_segments.h"
 
 namespace conav {

@@ -1,6 +1,6 @@
-#include "common/service/reported_health.h"
-
 #include <catch2/catch.hpp>
+
+#include "common/service/diagnostics.h"
 
 namespace conav {
 namespace {

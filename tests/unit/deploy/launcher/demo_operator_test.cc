@@ -1,8 +1,7 @@
-#include "launcher/demo_operator.h"
-
 #include <catch2/catch.hpp>
 
 #include "common/runtime/file.h"
+#include "launcher/demo_plan.h"
 #include "support/temporary_folder.h"
 
 namespace conav::launcher {

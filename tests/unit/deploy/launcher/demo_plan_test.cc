@@ -8,8 +8,8 @@
 
 #include "nhpm/config.h"
 #include "operator/config.h"
-#include "operator/recorder/config.h"
-#include "operator/simulated_operator/config.h"
+#include "operator/recording/config.h"
+#include "operator/simulated/config.h"
 #include "planner/config.h"
 #include "sim/config.h"
 #include "support/scoped_variable.h"

@@ -1,8 +1,7 @@
-#include "launcher/demo_weights.h"
-
 #include <catch2/catch.hpp>
 
 #include "common/runtime/file.h"
+#include "launcher/demo_plan.h"
 #include "support/test_weights.h"
 
 namespace conav::launcher {

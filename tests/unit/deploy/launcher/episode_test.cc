@@ -1,8 +1,7 @@
-#include "launcher/episode.h"
-
 #include <catch2/catch.hpp>
 
-#include "sample_episode.h"
+#include "launcher/run_log.h"
+#include "unit/deploy/launcher/sample_episode.h"
 
 using namespace conav;
 using namespace conav::launcher;
@@ -47,7 +46,7 @@ TEST_CASE("a picture that arrives before the state that counts it repeats no cel
   state.cell = {1, 2};
   state.path = {{1, 1}, {1, 2}};
   Record(robot, state);
-  Picture picture;
+  Snapshot picture;
   picture.sequence_number = 1;
   picture.path = {{1, 1}, {1, 2}};
   Record(robot, picture);
@@ -56,7 +55,7 @@ TEST_CASE("a picture that arrives before the state that counts it repeats no cel
 
 TEST_CASE("a picture counts once", "[launcher][episode]") {
   RobotRecord robot;
-  Picture picture;
+  Snapshot picture;
   picture.sequence_number = 1;
   Record(robot, picture);
   Record(robot, picture);

@@ -1,8 +1,7 @@
-#include "launcher/metrics.h"
-
 #include <catch2/catch.hpp>
 
-#include "sample_episode.h"
+#include "launcher/run_log.h"
+#include "unit/deploy/launcher/sample_episode.h"
 
 using namespace conav;
 using namespace conav::launcher;

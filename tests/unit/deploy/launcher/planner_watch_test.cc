@@ -1,9 +1,9 @@
-#include "launcher/planner_watch.h"
-
 #include <catch2/catch.hpp>
 
+#include "launcher/demo.h"
+
 using conav::PlannerLease;
-using conav::launcher::PlannerWatch;
+using conav::launcher::PlannerMonitor;
 
 namespace {
 
@@ -14,14 +14,14 @@ PlannerLease Says(const std::string& node, std::vector<PlannerLease::Held> holds
 }  // namespace
 
 TEST_CASE("the first drivers are told once, where that is wanted", "[launcher][planners]") {
-  PlannerWatch watch(true);
+  PlannerMonitor watch(true);
   CHECK(watch.Fold(Says("planner-1", {{"r1", 1}, {"r3", 1}})) == "planner-1 drives r1, r3");
   CHECK(watch.Fold(Says("planner-1", {{"r1", 1}, {"r3", 1}})).empty());
-  CHECK(PlannerWatch(false).Fold(Says("planner", {{"r1", 1}})).empty());
+  CHECK(PlannerMonitor(false).Fold(Says("planner", {{"r1", 1}})).empty());
 }
 
 TEST_CASE("who takes robots over is told with the one before", "[launcher][planners]") {
-  PlannerWatch watch(false);
+  PlannerMonitor watch(false);
   watch.Fold(Says("planner-1", {{"r1", 1}, {"r3", 1}}));
   watch.Fold(Says("planner-2", {{"r2", 1}}));
   CHECK(watch.Fold(Says("planner-2", {{"r1", 2}, {"r2", 1}, {"r3", 2}})) ==
@@ -29,14 +29,14 @@ TEST_CASE("who takes robots over is told with the one before", "[launcher][plann
 }
 
 TEST_CASE("an announcement that is older than the takeover is no news", "[launcher][planners]") {
-  PlannerWatch watch(true);
+  PlannerMonitor watch(true);
   watch.Fold(Says("planner-1", {{"r1", 1}}));
   watch.Fold(Says("planner-2", {{"r1", 2}}));
   CHECK(watch.Fold(Says("planner-1", {{"r1", 1}})).empty());
 }
 
 TEST_CASE("a planner that takes its own robot again is no news", "[launcher][planners]") {
-  PlannerWatch watch(true);
+  PlannerMonitor watch(true);
   watch.Fold(Says("planner-1", {{"r1", 1}}));
   CHECK(watch.Fold(Says("planner-1", {{"r1", 2}})).empty());
 }

@@ -1,9 +1,8 @@
-#include "launcher/port_check.h"
-
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
 
+#include "launcher/domain_lease.h"
 #include "support/taken_port.h"
 
 namespace conav::launcher {

@@ -12,7 +12,6 @@
 #include <iterator>
 
 #include "common/runtime/result.h"
-#include "launcher/process_group.h"
 
 using namespace conav::launcher;
 using namespace std::chrono_literals;

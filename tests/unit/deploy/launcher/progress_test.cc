@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cstdlib>
 
-#include "sample_episode.h"
+#include "unit/deploy/launcher/sample_episode.h"
 
 using namespace conav;
 using namespace conav::launcher;

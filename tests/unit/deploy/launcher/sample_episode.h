@@ -1,6 +1,6 @@
 #pragma once
 
-#include "launcher/episode.h"
+#include "launcher/run_log.h"
 
 namespace conav::launcher {
 
@@ -27,7 +27,7 @@ inline Episode SampleEpisode() {
   state.goals_left = {{3, 3}};
   state.goals_total = 1;
   Record(episode.robots[0], state);
-  Picture picture;
+  Snapshot picture;
   picture.sequence_number = 1;
   picture.cell = {3, 2};
   picture.path = {{3, 1}, {3, 2}};

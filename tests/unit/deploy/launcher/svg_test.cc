@@ -1,9 +1,8 @@
-#include "launcher/svg.h"
-
 #include <catch2/catch.hpp>
 
-#include "sample_episode.h"
+#include "launcher/run_picture.h"
 #include "support/xml_check.h"
+#include "unit/deploy/launcher/sample_episode.h"
 
 using namespace conav::launcher;
 

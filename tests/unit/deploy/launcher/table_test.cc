@@ -1,8 +1,7 @@
-#include "launcher/table.h"
-
 #include <catch2/catch.hpp>
 
-#include "sample_episode.h"
+#include "launcher/progress.h"
+#include "unit/deploy/launcher/sample_episode.h"
 
 using namespace conav::launcher;
 

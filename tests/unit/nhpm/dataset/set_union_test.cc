@@ -1,7 +1,6 @@
-#include "nhpm/dataset/set_union.h"
-
 #include <catch2/catch.hpp>
 
+#include "nhpm/dataset/set_summary.h"
 #include "unit/common/segments/support/sample_segments.h"
 
 namespace conav::nhpm {

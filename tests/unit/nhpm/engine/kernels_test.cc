@@ -5,9 +5,9 @@
 #include <cstring>
 
 #include "common/runtime/random.h"
-#include "nhpm/engine/exact_fma.h"
+#include "nhpm/engine/inference_pass.h"
+#include "nhpm/engine/kernel_templates.h"
 #include "nhpm/engine/packed_weights.h"
-#include "nhpm/engine/padded_grid.h"
 
 using namespace conav;
 using namespace conav::nhpm;

@@ -1,8 +1,7 @@
-#include "nhpm/evaluation/bars.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "nhpm/evaluation/evaluation.h"
 #include "unit/nhpm/evaluation/evaluation_samples.h"
 
 namespace conav::nhpm {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "common/segments/segment_labels.h"
+#include "common/segments/segment.h"
 #include "unit/nhpm/evaluation/evaluation_samples.h"
 
 namespace conav::nhpm {

@@ -1,7 +1,6 @@
-#include "nhpm/evaluation/figure_segments.h"
-
 #include <catch2/catch.hpp>
 
+#include "nhpm/evaluation/report_figure.h"
 #include "unit/nhpm/evaluation/evaluation_samples.h"
 
 namespace conav::nhpm {

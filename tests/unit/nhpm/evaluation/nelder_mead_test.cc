@@ -1,8 +1,8 @@
-#include "nhpm/evaluation/nelder_mead.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
+
+#include "nhpm/evaluation/glpf_fit.h"
 
 namespace conav::nhpm {
 namespace {

@@ -1,8 +1,7 @@
-#include "nhpm/evaluation/outcomes.h"
-
 #include <catch2/catch.hpp>
 #include <limits>
 
+#include "nhpm/evaluation/metrics.h"
 #include "unit/nhpm/evaluation/samples.h"
 
 namespace conav::nhpm {

@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "nhpm/evaluation/report_json.h"
 #include "support/xml_check.h"
 #include "unit/nhpm/evaluation/evaluation_samples.h"
 

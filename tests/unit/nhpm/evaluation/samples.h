@@ -4,7 +4,7 @@
 
 #include "common/runtime/random.h"
 #include "common/segments/segment.h"
-#include "nhpm/evaluation/outcomes.h"
+#include "nhpm/evaluation/metrics.h"
 
 namespace conav::nhpm {
 

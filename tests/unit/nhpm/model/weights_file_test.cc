@@ -6,8 +6,6 @@
 #include <limits>
 
 #include "common/runtime/file.h"
-#include "nhpm/model/frame.h"
-#include "nhpm/model/weights_message.h"
 #include "support/temporary_folder.h"
 
 namespace conav::nhpm {

@@ -1,6 +1,6 @@
-#include "nhpm/training/adam.h"
-
 #include <catch2/catch.hpp>
+
+#include "nhpm/training/trainer.h"
 
 namespace conav::nhpm {
 namespace {

@@ -1,8 +1,7 @@
-#include "nhpm/training/augmentation.h"
-
 #include <catch2/catch.hpp>
 #include <set>
 
+#include "nhpm/training/batch_pass.h"
 #include "unit/nhpm/training/made_up_examples.h"
 
 namespace conav::nhpm {

@@ -3,7 +3,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "nhpm/training/loss.h"
 #include "unit/nhpm/training/made_up_examples.h"
 
 namespace conav::nhpm {

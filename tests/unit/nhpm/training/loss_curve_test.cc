@@ -1,7 +1,6 @@
-#include "nhpm/training/loss_curve.h"
-
 #include <catch2/catch.hpp>
 
+#include "nhpm/training/train_report.h"
 #include "support/xml_check.h"
 
 namespace conav::nhpm {

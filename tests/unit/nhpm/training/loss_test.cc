@@ -1,9 +1,9 @@
-#include "nhpm/training/loss.h"
-
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
+
+#include "nhpm/training/batch_pass.h"
 
 namespace conav::nhpm {
 namespace {

@@ -1,6 +1,6 @@
-#include "nhpm/training/people.h"
-
 #include <catch2/catch.hpp>
+
+#include "nhpm/training/adapt.h"
 
 namespace conav::nhpm {
 namespace {

@@ -1,8 +1,7 @@
-#include "operator/belief/belief_rules.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "operator/belief/belief_store.h"
 #include "unit/operator/support/drawn_map.h"
 
 namespace conav::operators {

@@ -155,14 +155,14 @@ TEST_CASE("What was decided elsewhere is kept with its orders, and its repeat is
           "[operator][belief]") {
   const TemporaryFolder folder;
   const OperatorRequest stop{{2}, "anna", 1, "", StopRequest{{"r1"}, "look"}};
-  const HoldOrder order{{2}, "w1", "r1", 1, true, "anna", "look"};
+  const StopOrder order{{2}, "w1", "r1", 1, true, "anna", "look"};
   {
     BeliefStore store = OpenStore(folder / "operator.db");
     CHECK_FALSE(store.FindRepeat(stop));
     REQUIRE(store.Keep(stop, {order}).changed);
   }
   BeliefStore reopened = OpenStore(folder / "operator.db");
-  CHECK(reopened.holds() == std::map<std::string, HoldOrder>{{"r1", order}});
+  CHECK(reopened.holds() == std::map<std::string, StopOrder>{{"r1", order}});
   REQUIRE(reopened.FindRepeat(stop));
   CHECK(reopened.FindRepeat(stop)->reply.accepted);
   CHECK_FALSE(reopened.FindRepeat(stop)->changed);

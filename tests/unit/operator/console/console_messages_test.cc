@@ -6,7 +6,7 @@
 #include <catch2/catch.hpp>
 #include <set>
 
-#include "unit/common/protocol/samples.h"
+#include "unit/common/msg/samples.h"
 
 namespace conav::operators {
 namespace {
@@ -99,7 +99,7 @@ TEST_CASE("a session shows robots in their order, and each world once", "[operat
 }
 
 TEST_CASE("of a picture all but its answer is known", "[operator][console]") {
-  const console::Picture picture = ToConsole(samples::SamplePicture(), 12.5);
+  const console::Picture picture = ToConsole(samples::SampleSnapshot(), 12.5);
   CHECK(Unset(picture) == std::set<std::string>{"answer", "answered_by"});
   CHECK(picture.bytes() == 3);
   CHECK(picture.width() == 320);

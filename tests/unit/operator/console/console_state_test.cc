@@ -12,8 +12,8 @@ TEST_CASE("the session is there from the beginning", "[operator][console]") {
 
 TEST_CASE("a robot appears with its newest state", "[operator][console]") {
   StateBench bench;
-  bench.state.Hear(At(1, {1, 1}), 100.0);
-  bench.state.Hear(At(2, {1, 2}), 101.0);
+  bench.state.Receive(At(1, {1, 1}), 100.0);
+  bench.state.Receive(At(2, {1, 2}), 101.0);
   const auto robot = OnlyOf(bench.log, Kind::kRobot).robot();
   CHECK(robot.name() == "r1");
   CHECK(robot.stamp() == 2.0);
@@ -24,35 +24,35 @@ TEST_CASE("a robot appears with its newest state", "[operator][console]") {
 
 TEST_CASE("a world says its time with its size, five times a second", "[operator][console]") {
   StateBench bench;
-  bench.state.Hear(At(1, {1, 1}), 100.0);
+  bench.state.Receive(At(1, {1, 1}), 100.0);
   CHECK(AllOf(bench.log, Kind::kWorld).empty());  // its size is not known yet
-  bench.state.HearGeometry("w1", MapOf(3, 4));
+  bench.state.ReceiveGeometry("w1", MapOf(3, 4));
   const auto world = OnlyOf(bench.log, Kind::kWorld).world();
   CHECK(world.rows() == 3);
   CHECK(world.columns() == 4);
   CHECK(world.cell_size() == 2.0);
   CHECK(world.time() == 1.0);
-  bench.state.Hear(At(2, {1, 1}), 100.3);
+  bench.state.Receive(At(2, {1, 1}), 100.3);
   CHECK(OnlyOf(bench.log, Kind::kWorld).world().time() == 2.0);
-  bench.state.Hear(At(3, {1, 1}), 100.4);
+  bench.state.Receive(At(3, {1, 1}), 100.4);
   CHECK(OnlyOf(bench.log, Kind::kWorld).world().time() == 2.0);
-  bench.state.Hear(At(4, {1, 1}), 50.0);  // somebody set the clock back
+  bench.state.Receive(At(4, {1, 1}), 50.0);  // somebody set the clock back
   CHECK(OnlyOf(bench.log, Kind::kWorld).world().time() == 4.0);
 }
 
 TEST_CASE("a robot whose time goes back begins anew, with all robots of its world",
           "[operator][console]") {
   StateBench bench;
-  for (const char* robot : {"r1", "r2"}) bench.state.Hear(At(9, {1, 1}, {}, robot), 0.0);
-  bench.state.Hear(At(9, {1, 1}, {}, "r3", "w2"), 0.0);
-  bench.state.HearSeen("r1", "w1", MapOf(2, 2));
-  bench.state.HearPlan("r2", {}, {{1, 1}});
-  bench.state.HearGoalPose("r2", {1, 1}, 1.0);
-  bench.state.Hear(PictureOf(1, "r3"), 0.0);
-  bench.state.Hear(PictureOf(1), 0.0);
+  for (const char* robot : {"r1", "r2"}) bench.state.Receive(At(9, {1, 1}, {}, robot), 0.0);
+  bench.state.Receive(At(9, {1, 1}, {}, "r3", "w2"), 0.0);
+  bench.state.ReceiveSeen("r1", "w1", MapOf(2, 2));
+  bench.state.ReceivePlan("r2", {}, {{1, 1}});
+  bench.state.ReceiveGoalPose("r2", {1, 1}, 1.0);
+  bench.state.Receive(SnapshotOf(1, "r3"), 0.0);
+  bench.state.Receive(SnapshotOf(1), 0.0);
   const std::uint64_t generation = bench.log.generation();
 
-  bench.state.Hear(At(3, {2, 2}), 0.0);
+  bench.state.Receive(At(3, {2, 2}), 0.0);
 
   CHECK(bench.log.generation() > generation);
   CHECK(AllOf(bench.log, Kind::kRobot).size() == 2);  // r1 anew, and r3
@@ -63,23 +63,23 @@ TEST_CASE("a robot whose time goes back begins anew, with all robots of its worl
   CHECK(OnlyOf(bench.log, Kind::kPicture).picture().robot() == "r3");
   CHECK(bench.state.TimeOf("w1") == SimTime{3'000'000'000});
   CHECK(bench.state.TimeOf("w2") == SimTime{9'000'000'000});
-  bench.state.HearSeen("r1", "w1", MapOf(2, 2));  // as before, and said again
+  bench.state.ReceiveSeen("r1", "w1", MapOf(2, 2));  // as before, and said again
   CHECK(AllOf(bench.log, Kind::kSeen).size() == 1);
 }
 
 TEST_CASE("what the operator made outlives a run, and a map that came before its first state",
           "[operator][console]") {
   StateBench bench;
-  bench.state.Hear(At(9, {1, 1}), 0.0);
-  bench.state.HearGeometry("w1", MapOf(3, 4));
+  bench.state.Receive(At(9, {1, 1}), 0.0);
+  bench.state.ReceiveGeometry("w1", MapOf(3, 4));
   const Belief belief = samples::SampleBelief();
-  bench.state.Hear(belief, belief.wall_probability);
-  bench.state.Hear(Answering(0));
-  bench.state.Hear(std::vector<Person>{{"anna/1", "anna", console::ROLE_OPERATOR}});
-  bench.state.Hear(console::Event());
-  bench.state.Hear(console::Alert());
+  bench.state.Receive(belief, belief.wall_probability);
+  bench.state.Receive(Answering(0));
+  bench.state.Receive(std::vector<Person>{{"anna/1", "anna", console::ROLE_OPERATOR}});
+  bench.state.Receive(console::Event());
+  bench.state.Receive(console::Alert());
 
-  bench.state.Hear(At(3, {2, 2}), 1.0);
+  bench.state.Receive(At(3, {2, 2}), 1.0);
 
   CHECK(OnlyOf(bench.log, Kind::kBelief).belief().revision() == belief.revision);
   CHECK(OnlyOf(bench.log, Kind::kGuidance).guidance().robot() == "r1");
@@ -92,32 +92,32 @@ TEST_CASE("what the operator made outlives a run, and a map that came before its
 
 TEST_CASE("robots with names that begin alike are not mixed up", "[operator][console]") {
   StateBench bench;
-  bench.state.Hear(At(9, {1, 1}, {}, "r1", "w1"), 0.0);
-  bench.state.Hear(At(9, {1, 1}, {}, "r10", "w2"), 0.0);
-  bench.state.Hear(At(3, {1, 1}, {}, "r1", "w1"), 0.0);
+  bench.state.Receive(At(9, {1, 1}, {}, "r1", "w1"), 0.0);
+  bench.state.Receive(At(9, {1, 1}, {}, "r10", "w2"), 0.0);
+  bench.state.Receive(At(3, {1, 1}, {}, "r1", "w1"), 0.0);
   CHECK(AllOf(bench.log, Kind::kRobot).size() == 2);
 }
 
 TEST_CASE("begun anew, only the session is left", "[operator][console]") {
   StateBench bench;
-  bench.state.Hear(At(9, {1, 1}), 0.0);
-  bench.state.Hear(Answering(0));
+  bench.state.Receive(At(9, {1, 1}), 0.0);
+  bench.state.Receive(Answering(0));
   bench.state.BeginAnew();
   CHECK(AllOf(bench.log).size() == 1);
   CHECK(bench.state.TimeOf("w1") == SimTime{});
-  bench.state.Hear(At(3, {1, 1}), 0.0);
+  bench.state.Receive(At(3, {1, 1}), 0.0);
   CHECK(AllOf(bench.log, Kind::kRobot).size() == 1);
 }
 
 TEST_CASE("what a robot has seen is said when it changes", "[operator][console]") {
   StateBench bench;
-  bench.state.HearSeen("r1", "w1", MapOf(2, 2));
+  bench.state.ReceiveSeen("r1", "w1", MapOf(2, 2));
   const std::uint64_t before = bench.log.sequence();
-  bench.state.HearSeen("r1", "w1", MapOf(2, 2));
+  bench.state.ReceiveSeen("r1", "w1", MapOf(2, 2));
   CHECK(bench.log.sequence() == before);
   MapUpdate more = MapOf(2, 2);
   more.cells[{0, 1}] = Occupancy::kOccupied;
-  bench.state.HearSeen("r1", "w1", more);
+  bench.state.ReceiveSeen("r1", "w1", more);
   const auto seen = OnlyOf(bench.log, Kind::kSeen).seen();
   CHECK(seen.robot() == "r1");
   CHECK(seen.world() == "w1");
@@ -127,7 +127,7 @@ TEST_CASE("what a robot has seen is said when it changes", "[operator][console]"
 TEST_CASE("a belief comes with what it was at first", "[operator][console]") {
   StateBench bench;
   const Belief belief = samples::SampleBelief();
-  bench.state.Hear(belief, BeliefGrid(2, 3, 0.0F));
+  bench.state.Receive(belief, BeliefGrid(2, 3, 0.0F));
   const auto message = OnlyOf(bench.log, Kind::kBelief).belief();
   CHECK(message.world() == "w2");
   CHECK(message.revision() == 12);
@@ -139,12 +139,12 @@ TEST_CASE("a belief comes with what it was at first", "[operator][console]") {
 
 TEST_CASE("truth, plans, goal poses, searches and predictions appear", "[operator][console]") {
   StateBench bench;
-  bench.state.HearTruth("w1", OccupancyGrid(1, 2, Occupancy::kFree));
-  bench.state.HearPlan("r1", {2'000'000'000}, {{1, 2}, {1, 3}});
-  bench.state.HearGoalPose("r1", {4, 5}, 6.0);
-  bench.state.Hear(samples::SampleReport());
+  bench.state.ReceiveTruth("w1", OccupancyGrid(1, 2, Occupancy::kFree));
+  bench.state.ReceivePlan("r1", {2'000'000'000}, {{1, 2}, {1, 3}});
+  bench.state.ReceiveGoalPose("r1", {4, 5}, 6.0);
+  bench.state.Receive(samples::SampleReport());
   PerceptionAnswer answer{Grid<float>(1, 2, 1.0F), Grid<float>(1, 2, 0.0F)};
-  bench.state.Hear("r1", "w1", 3, 4, "nhpm", answer);
+  bench.state.Receive("r1", "w1", 3, 4, "nhpm", answer);
   CHECK(OnlyOf(bench.log, Kind::kTruth).truth().cells() == std::string("\x01\x01"));
   CHECK(OnlyOf(bench.log, Kind::kPlan).plan().cells(1).column() == 3);
   CHECK(OnlyOf(bench.log, Kind::kPlan).plan().stamp() == 2.0);
@@ -161,34 +161,34 @@ TEST_CASE("truth, plans, goal poses, searches and predictions appear", "[operato
 TEST_CASE("the session learns its method from searches and streams", "[operator][console]") {
   StateBench bench;
   SearchReport report = samples::SampleReport();
-  bench.state.Hear(report);
+  bench.state.Receive(report);
   CHECK(OnlyOf(bench.log, Kind::kSession).session().method() == "ig-mcts");
   CHECK_FALSE(bench.state.session().drives());
   report.method = "teleop";
-  bench.state.Hear(report);
+  bench.state.Receive(report);
   CHECK(OnlyOf(bench.log, Kind::kSession).session().drives());
-  bench.state.HearStream();
+  bench.state.ReceiveStream();
   CHECK(OnlyOf(bench.log, Kind::kSession).session().streams());
   const std::uint64_t before = bench.log.sequence();
-  bench.state.HearStream();
+  bench.state.ReceiveStream();
   CHECK(bench.log.sequence() == before);
 }
 
 TEST_CASE("the attention queue appears", "[operator][console]") {
   StateBench bench;
-  bench.state.Hear(samples::SampleQueue());
+  bench.state.Receive(samples::SampleQueue());
   CHECK(OnlyOf(bench.log, Kind::kAttention).attention().items_size() == 2);
 }
 
 TEST_CASE("health is said when it changes, and once a second", "[operator][console]") {
   StateBench bench;
   const ServiceHealth good{"planner", console::LEVEL_OK, "plans"};
-  bench.state.Hear(good, 100.0);
-  bench.state.Hear(good, 100.5);
+  bench.state.Receive(good, 100.0);
+  bench.state.Receive(good, 100.5);
   CHECK(OnlyOf(bench.log, Kind::kService).service().heard_at() == 100.0);
-  bench.state.Hear(good, 101.0);
+  bench.state.Receive(good, 101.0);
   CHECK(OnlyOf(bench.log, Kind::kService).service().heard_at() == 101.0);
-  bench.state.Hear({"planner", console::LEVEL_ERROR, "lost"}, 101.1);
+  bench.state.Receive({"planner", console::LEVEL_ERROR, "lost"}, 101.1);
   const auto service = OnlyOf(bench.log, Kind::kService).service();
   CHECK(service.level() == console::LEVEL_ERROR);
   CHECK(service.message() == "lost");
@@ -198,7 +198,7 @@ TEST_CASE("a participant's task appears", "[operator][console]") {
   StateBench bench;
   console::Task task;
   task.set_participant("P07");
-  bench.state.Hear(task);
+  bench.state.Receive(task);
   CHECK(OnlyOf(bench.log, Kind::kTask).task().participant() == "P07");
 }
 
@@ -207,15 +207,15 @@ TEST_CASE("alerts that nobody has read stay, however many others come and go",
   StateBench bench;
   console::Alert open;
   open.set_id(1);
-  bench.state.Hear(open);
+  bench.state.Receive(open);
   for (std::uint64_t id = 2; id < 3 + ConsoleState::kAlertsKept; ++id) {
     console::Alert alert;
     alert.set_id(id);
     alert.set_active(true);
-    bench.state.Hear(alert);
+    bench.state.Receive(alert);
     alert.set_active(false);
     alert.set_acknowledged_by("anna/1");
-    bench.state.Hear(alert);
+    bench.state.Receive(alert);
   }
   const auto alerts = AllOf(bench.log, Kind::kAlert);
   REQUIRE(alerts.size() == ConsoleState::kAlertsKept + 1);
@@ -225,20 +225,20 @@ TEST_CASE("alerts that nobody has read stay, however many others come and go",
 
 TEST_CASE("presence, control, alerts and playback appear", "[operator][console]") {
   StateBench bench;
-  bench.state.Hear(std::vector<Person>{{"anna/1", "anna", console::ROLE_ADMIN}});
+  bench.state.Receive(std::vector<Person>{{"anna/1", "anna", console::ROLE_ADMIN}});
   console::Control control;
   control.set_robot("r1");
   control.set_stopped(true);
-  bench.state.Hear(control);
+  bench.state.Receive(control);
   console::Alert alert;
   alert.set_id(3);
   alert.set_count(1);
-  bench.state.Hear(alert);
+  bench.state.Receive(alert);
   alert.set_count(2);
-  bench.state.Hear(alert);
+  bench.state.Receive(alert);
   console::Playback playback;
   playback.set_position(4.0);
-  bench.state.Hear(playback);
+  bench.state.Receive(playback);
   const auto person = OnlyOf(bench.log, Kind::kPresence).presence().people(0);
   CHECK(person.client() == "anna/1");
   CHECK(person.name() == "anna");
@@ -246,7 +246,7 @@ TEST_CASE("presence, control, alerts and playback appear", "[operator][console]"
   CHECK(OnlyOf(bench.log, Kind::kControl).control().stopped());
   CHECK(OnlyOf(bench.log, Kind::kAlert).alert().count() == 2);
   CHECK(OnlyOf(bench.log, Kind::kPlayback).playback().position() == 4.0);
-  bench.state.Hear(std::vector<Person>{});
+  bench.state.Receive(std::vector<Person>{});
   CHECK(OnlyOf(bench.log, Kind::kPresence).presence().people().empty());
 }
 

@@ -1,7 +1,7 @@
-#include "operator/console/map_cells.h"
-
 #include <catch2/catch.hpp>
 #include <limits>
+
+#include "operator/console/console_messages.h"
 
 namespace conav::operators {
 namespace {

@@ -1,9 +1,8 @@
-#include "operator/console/request_limits.h"
-
 #include <catch2/catch.hpp>
 #include <string>
 
 #include "console.pb.h"
+#include "operator/console/command_log.h"
 
 namespace conav::operators {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "operator/console/console_state.h"
-#include "unit/common/protocol/samples.h"
+#include "unit/common/msg/samples.h"
 #include "unit/operator/support/updates.h"
 
 namespace conav::operators {
@@ -25,8 +25,8 @@ inline RobotState At(std::int64_t stamp_s, Cell cell, std::vector<Cell> path = {
   return state;
 }
 
-inline Picture PictureOf(std::uint64_t number, const std::string& robot = "r1") {
-  Picture picture = samples::SamplePicture();
+inline Snapshot SnapshotOf(std::uint64_t number, const std::string& robot = "r1") {
+  Snapshot picture = samples::SampleSnapshot();
   picture.robot = robot;
   picture.sequence_number = number;
   return picture;

@@ -1,7 +1,6 @@
-#include "operator/console/wire.h"
-
 #include <catch2/catch.hpp>
 
+#include "operator/console/console_messages.h"
 #include "unit/operator/support/updates.h"
 
 namespace conav::operators {

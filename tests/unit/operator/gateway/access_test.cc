@@ -7,7 +7,7 @@ namespace {
 
 const ConsoleTokens kTokens{"observer-observer", "operator-operator", "admin-admin-admin"};
 
-std::string WhyNot(const GatewayOptions& options) {
+std::string CheckAllowed(const GatewayOptions& options) {
   const auto checked = CheckAccess(options);
   return checked ? "" : checked.error().text;
 }
@@ -15,21 +15,21 @@ std::string WhyNot(const GatewayOptions& options) {
 }  // namespace
 
 TEST_CASE("the console as it is set without a word is sound", "[operator][gateway]") {
-  CHECK(WhyNot({}).empty());
+  CHECK(CheckAllowed({}).empty());
 }
 
 TEST_CASE("an address that others reach needs tokens", "[operator][gateway]") {
   GatewayOptions options;
   options.address = GENERATE("0.0.0.0", "192.168.1.2", "::", "fe80::1");
-  CHECK_THAT(WhyNot(options), Catch::Contains("operator.console.tokens"));
+  CHECK_THAT(CheckAllowed(options), Catch::Contains("operator.console.tokens"));
   options.tokens.observer = "observer-observer";
-  CHECK(WhyNot(options).empty());
+  CHECK(CheckAllowed(options).empty());
 }
 
 TEST_CASE("loopback needs none", "[operator][gateway]") {
   GatewayOptions options;
   options.address = GENERATE("127.0.0.1", "127.9.9.9", "::1");
-  CHECK(WhyNot(options).empty());
+  CHECK(CheckAllowed(options).empty());
 }
 
 TEST_CASE("options that cannot work are refused by their name", "[operator][gateway]") {
@@ -60,7 +60,7 @@ TEST_CASE("options that cannot work are refused by their name", "[operator][gate
                                 "https://A.example", "ftp://a.example", "https://me@a.example")};
     key = "operator.console.origins";
   }
-  CHECK_THAT(WhyNot(options), Catch::Contains(key));
+  CHECK_THAT(CheckAllowed(options), Catch::Contains(key));
 }
 
 TEST_CASE("each token gives its role", "[operator][gateway]") {

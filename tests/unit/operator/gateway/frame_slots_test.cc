@@ -1,6 +1,6 @@
-#include "operator/gateway/frame_slots.h"
-
 #include <catch2/catch.hpp>
+
+#include "operator/gateway/picture_store.h"
 
 namespace conav::operators {
 namespace {

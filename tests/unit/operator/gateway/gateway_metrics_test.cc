@@ -1,6 +1,6 @@
-#include "operator/gateway/gateway_metrics.h"
-
 #include <catch2/catch.hpp>
+
+#include "operator/gateway/gateway.h"
 
 namespace conav::operators {
 

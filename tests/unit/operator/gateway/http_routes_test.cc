@@ -39,7 +39,7 @@ struct Bench {
   }
 
   test::TemporaryFolder folder;
-  PictureShelf pictures{1000};
+  SnapshotStore pictures{1000};
   Readiness readiness;
   GatewayOptions options;
 };

@@ -1,6 +1,6 @@
-#include "operator/gateway/picture_shelf.h"
-
 #include <catch2/catch.hpp>
+
+#include "operator/gateway/picture_store.h"
 
 namespace conav::operators {
 namespace {
@@ -12,7 +12,7 @@ std::vector<std::uint8_t> Pixels(std::size_t size, std::uint8_t value) {
 }  // namespace
 
 TEST_CASE("a picture is found by robot and number", "[operator][gateway]") {
-  PictureShelf shelf(100);
+  SnapshotStore shelf(100);
   shelf.Put("r1", 1, Pixels(3, 'a'));
   shelf.Put("r2", 1, Pixels(2, 'b'));
   REQUIRE(shelf.Find("r1", 1));
@@ -23,13 +23,13 @@ TEST_CASE("a picture is found by robot and number", "[operator][gateway]") {
 }
 
 TEST_CASE("a picture without pixels is not kept", "[operator][gateway]") {
-  PictureShelf shelf(100);
+  SnapshotStore shelf(100);
   shelf.Put("r1", 1, {});
   CHECK_FALSE(shelf.Find("r1", 1));
 }
 
 TEST_CASE("the oldest pictures leave first", "[operator][gateway]") {
-  PictureShelf shelf(10);
+  SnapshotStore shelf(10);
   for (std::uint64_t number = 1; number <= 3; ++number) shelf.Put("r1", number, Pixels(4, 'a'));
   CHECK_FALSE(shelf.Find("r1", 1));
   CHECK(shelf.Find("r1", 2));
@@ -40,7 +40,7 @@ TEST_CASE("the oldest pictures leave first", "[operator][gateway]") {
 }
 
 TEST_CASE("a picture beyond the limit is not kept, and costs no other one", "[operator][gateway]") {
-  PictureShelf shelf(10);
+  SnapshotStore shelf(10);
   shelf.Put("r1", 1, Pixels(4, 'a'));
   shelf.Put("r1", 2, Pixels(11, 'a'));
   CHECK(shelf.Find("r1", 1));
@@ -48,7 +48,7 @@ TEST_CASE("a picture beyond the limit is not kept, and costs no other one", "[op
 }
 
 TEST_CASE("a picture of the same number takes the place of the one before", "[operator][gateway]") {
-  PictureShelf shelf(10);
+  SnapshotStore shelf(10);
   shelf.Put("r1", 1, Pixels(6, 'a'));
   const auto before = shelf.Find("r1", 1);
   shelf.Put("r1", 1, Pixels(6, 'b'));

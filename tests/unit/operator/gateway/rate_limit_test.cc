@@ -1,6 +1,6 @@
-#include "operator/gateway/rate_limit.h"
-
 #include <catch2/catch.hpp>
+
+#include "operator/gateway/page_feed.h"
 
 namespace conav::operators {
 namespace {

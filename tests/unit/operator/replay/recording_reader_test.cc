@@ -2,9 +2,9 @@
 
 #include <limits>
 
-#include "common/protocol/convert.h"
+#include "common/msg/convert.h"
 #include "support/temporary_folder.h"
-#include "unit/common/protocol/samples.h"
+#include "unit/common/msg/samples.h"
 #include "unit/operator/replay/recorded_file.h"
 
 namespace conav::operators {
@@ -35,7 +35,7 @@ TEST_CASE("values come back as the bus carried them", "[operator][replay]") {
   RecordedFile file(desk.path, {{"robots", "w1/r1 w2/r2"}, {"run", "a-run"}, {"method", "teleop"}});
   RobotState state = samples::SampleState();
   state.world = "w2";
-  Picture picture = samples::SamplePicture();
+  Snapshot picture = samples::SampleSnapshot();
   picture.streamed = false;
   file.Write(bus::kInitialMap, "w1", 1.0, ToMessage(samples::SampleMap()));
   file.Write(bus::kTruth, "w1", 2.0, ToMessage(samples::SampleMap()));
@@ -55,9 +55,9 @@ TEST_CASE("values come back as the bus carried them", "[operator][replay]") {
   REQUIRE(timeline.moments.size() == 6);
   CHECK(ValueOf<InitialMap>(timeline.moments[0]).map.cells == samples::SampleMap().cells);
   CHECK(ValueOf<TrueMap>(timeline.moments[1]).world == "w1");
-  CHECK(ValueOf<HeardBelief>(timeline.moments[2]).belief == samples::SampleBelief());
+  CHECK(ValueOf<ReceivedBelief>(timeline.moments[2]).belief == samples::SampleBelief());
   CHECK(ValueOf<RobotState>(timeline.moments[3]) == state);
-  CHECK(ValueOf<Picture>(timeline.moments[4]) == picture);
+  CHECK(ValueOf<Snapshot>(timeline.moments[4]) == picture);
   CHECK(ValueOf<SeenMap>(timeline.moments[5]).robot == "r1");
 }
 
@@ -107,7 +107,7 @@ TEST_CASE("health, frames, plans and requests are taken up", "[operator][replay]
   CHECK(ValueOf<ServiceHealth>(timeline.moments[0]) ==
         ServiceHealth{"sim", console::LEVEL_WARNING, "slow"});
   CHECK(ValueOf<StreamFrame>(timeline.moments[1]).jpeg == std::vector<std::uint8_t>{1, 2, 3});
-  CHECK(ValueOf<PlannedWay>(timeline.moments[4]).cells == std::vector<Cell>{{1, 1}});
+  CHECK(ValueOf<PlannedPath>(timeline.moments[4]).cells == std::vector<Cell>{{1, 1}});
   CHECK(ValueOf<console::Event>(timeline.moments[5]).kind() == console::EVENT_REFUSED);
 }
 

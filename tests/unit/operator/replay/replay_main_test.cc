@@ -1,18 +1,18 @@
 #include <catch2/catch.hpp>
 
-#include "common/protocol/convert.h"
+#include "common/msg/convert.h"
 #include "common/runtime/file.h"
-#include "support/program_desk.h"
+#include "support/program_runner.h"
 #include "support/taken_port.h"
-#include "unit/common/protocol/samples.h"
+#include "unit/common/msg/samples.h"
 #include "unit/operator/replay/recorded_file.h"
 
 namespace conav::operators {
 namespace {
 
 /// A run folder "run", and a page.
-struct ReplayDesk : test::ProgramDesk {
-  ReplayDesk() : ProgramDesk("conav-replay") {
+struct ReplayFixture : test::ProgramRunner {
+  ReplayFixture() : ProgramRunner("conav-replay") {
     std::filesystem::create_directory(*this / "run");
     std::filesystem::create_directory(*this / "web");
     REQUIRE(WriteFile(*this / "web/index.html", "<page>"));
@@ -23,7 +23,7 @@ struct ReplayDesk : test::ProgramDesk {
 };
 
 TEST_CASE("conav replay names what is wrong", "[operator][replay]") {
-  const ReplayDesk desk;
+  const ReplayFixture desk;
   const auto none = desk.Run("nowhere");
   CHECK(none.exit_code == 1);
   CHECK_THAT(none.error, Catch::Contains("conav replay: nowhere: No such file"));
@@ -40,7 +40,7 @@ TEST_CASE("conav replay names what is wrong", "[operator][replay]") {
 }
 
 TEST_CASE("conav replay says that its port is taken", "[operator][replay]") {
-  const ReplayDesk desk;
+  const ReplayFixture desk;
   const test::TakenPort taken;
   const auto outcome = desk.Run(fmt::format("run --web web --port {}", taken.port));
   CHECK(outcome.exit_code == 1);
@@ -49,7 +49,7 @@ TEST_CASE("conav replay says that its port is taken", "[operator][replay]") {
 }
 
 TEST_CASE("conav replay refuses wrong use", "[operator][replay]") {
-  const ReplayDesk desk;
+  const ReplayFixture desk;
   CHECK(desk.Run("").exit_code == 2);
   CHECK(desk.Run("run --colour red").exit_code == 2);
   CHECK(desk.Run("run --port 99999").exit_code == 2);

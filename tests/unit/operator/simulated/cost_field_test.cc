@@ -1,6 +1,6 @@
-#include "operator/simulated/cost_field.h"
-
 #include <catch2/catch.hpp>
+
+#include "operator/simulated/path_planner.h"
 
 namespace conav::operators {
 namespace {

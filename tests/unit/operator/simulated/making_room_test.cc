@@ -1,7 +1,6 @@
-#include "operator/simulated/making_room.h"
-
 #include <catch2/catch.hpp>
 
+#include "operator/simulated/teleoperator_tasks.h"
 #include "unit/operator/support/drawn_map.h"
 
 using namespace conav;

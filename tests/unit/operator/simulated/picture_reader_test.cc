@@ -27,8 +27,8 @@ PictureReaderParameters Flawless() {
 const std::vector<std::string> kCorridor = {"##########", "#        #", "##########"};
 
 /// From (1,1) to the east down the corridor.
-Picture LookEast(VisibleCells visible) {
-  Picture picture;
+Snapshot LookEast(VisibleCells visible) {
+  Snapshot picture;
   picture.cell = {1, 1};
   picture.heading_rad = 0.0;
   picture.visible = std::move(visible);
@@ -38,7 +38,7 @@ Picture LookEast(VisibleCells visible) {
 
 /// How often the reader edits `cell` in `tries` looks at the same picture.
 double Rate(const PictureReaderParameters& parameters, const BeliefGrid& belief,
-            const Picture& picture, Cell cell, int tries = 4000) {
+            const Snapshot& picture, Cell cell, int tries = 4000) {
   PictureReader reader(parameters, 7);
   int edited = 0;
   for (int i = 0; i < tries; ++i) {
@@ -52,20 +52,20 @@ TEST_CASE("A flawless reader edits every difference between picture and map",
   BeliefGrid belief = DrawnMap(kCorridor);
   belief[{1, 3}] = 1.0F;
   PictureReader reader(Flawless(), 1);
-  const Picture picture = LookEast({{{1, 1}, {1, 2}, {1, 3}, {1, 4}}, {{0, 4}, {1, 5}}});
+  const Snapshot picture = LookEast({{{1, 1}, {1, 2}, {1, 3}, {1, 4}}, {{0, 4}, {1, 5}}});
   CHECK(reader.Read(belief, picture, {}) == Edits{{{1, 3}, false}, {{1, 5}, true}});
 }
 
 TEST_CASE("A picture that agrees with the map changes nothing", "[operator][simulated]") {
   PictureReader reader(Flawless(), 1);
-  const Picture picture = LookEast({{{1, 1}, {1, 2}}, {{0, 2}, {2, 2}}});
+  const Snapshot picture = LookEast({{{1, 1}, {1, 2}}, {{0, 2}, {2, 2}}});
   CHECK(reader.Read(DrawnMap(kCorridor), picture, {}).empty());
 }
 
 TEST_CASE("Walls on the path of the robot are removed, seen or not", "[operator][simulated]") {
   BeliefGrid belief = DrawnMap(kCorridor);
   belief[{1, 2}] = 1.0F;
-  Picture picture = LookEast({});
+  Snapshot picture = LookEast({});
   picture.cell = {1, 3};
   picture.path = {{1, 1}, {1, 2}, {1, 3}};
   CHECK(PictureReader(Flawless(), 1).Read(belief, picture, {}) == Edits{{{1, 2}, false}});
@@ -78,7 +78,7 @@ TEST_CASE("Walls on the path of the robot are removed, seen or not", "[operator]
 TEST_CASE("The border, certain cells and cells outside of the map are never edited",
           "[operator][simulated]") {
   BeliefGrid belief = DrawnMap({"    ", "    ", "    ", "    "});
-  Picture picture = LookEast({{}, {{0, 1}, {1, 3}, {3, 3}, {2, 2}, {9, 9}, {-1, 0}}});
+  Snapshot picture = LookEast({{}, {{0, 1}, {1, 3}, {3, 3}, {2, 2}, {9, 9}, {-1, 0}}});
   PictureReaderParameters parameters = Flawless();
   parameters.guess_probability = 1.0;
   PictureReader reader(parameters, 3);
@@ -94,7 +94,7 @@ TEST_CASE("The border, certain cells and cells outside of the map are never edit
 TEST_CASE("No wall is put where the robot is or was", "[operator][simulated]") {
   PictureReaderParameters parameters = Flawless();
   parameters.misplacement_probability = 1.0;
-  Picture picture = LookEast({{{1, 1}}, {{1, 2}}});
+  Snapshot picture = LookEast({{{1, 1}}, {{1, 2}}});
   PictureReader reader(parameters, 5);
   int misplaced = 0;
   for (int i = 0; i < 200; ++i) {
@@ -114,7 +114,7 @@ TEST_CASE("The probability of an edit falls with distance as the parameters say"
   parameters.decay_cells = 4.0;
   BeliefGrid belief = DrawnMap(kCorridor);
   belief[{1, 2}] = belief[{1, 7}] = 1.0F;
-  const Picture picture = LookEast({{{1, 2}, {1, 7}}, {}});
+  const Snapshot picture = LookEast({{{1, 2}, {1, 7}}, {}});
   CHECK(Rate(parameters, belief, picture, {1, 2}) == Approx(0.9 * std::exp(-0.25)).margin(0.025));
   CHECK(Rate(parameters, belief, picture, {1, 7}) == Approx(0.9 * std::exp(-1.5)).margin(0.025));
 }
@@ -127,7 +127,7 @@ TEST_CASE("A far wall at the centre that continues a wall is preferred to a near
   parameters.far_centre_probability = 0.8;
   const BeliefGrid belief = DrawnMap(
       {"##########", "#        #", "#        #", "#        #", "######## #", "##########"});
-  Picture picture = LookEast({{}, {{2, 2}, {3, 7}}});
+  Snapshot picture = LookEast({{}, {{2, 2}, {3, 7}}});
   picture.cell = {3, 1};
   const double lateral = Rate(parameters, belief, picture, {2, 2});  // 45 degrees off, 1.4 away
   const double far = Rate(parameters, belief, picture, {3, 7});      // above the wall (4,7)
@@ -145,7 +145,7 @@ TEST_CASE("Lapses and guesses happen at their rates", "[operator][simulated]") {
   parameters = Flawless();
   parameters.guess_probability = 0.1;
   // Only (1,3) lies beside what is shown and can be edited.
-  const Picture picture = LookEast({{{1, 1}, {1, 2}}, {}});
+  const Snapshot picture = LookEast({{{1, 1}, {1, 2}}, {}});
   CHECK(Rate(parameters, DrawnMap(kCorridor), picture, {1, 3}) == Approx(0.1).margin(0.02));
 }
 
@@ -154,7 +154,7 @@ TEST_CASE("A near wall lands one cell off along the view axis at its rate",
   PictureReaderParameters parameters = Flawless();
   parameters.misplacement_probability = 0.2;
   parameters.near_cells = 3.0;
-  const Picture picture = LookEast({{{1, 1}}, {{1, 4}}});
+  const Snapshot picture = LookEast({{{1, 1}}, {{1, 4}}});
   const BeliefGrid belief = DrawnMap(kCorridor);
   CHECK(Rate(parameters, belief, picture, {1, 3}) == Approx(0.1).margin(0.02));
   CHECK(Rate(parameters, belief, picture, {1, 4}) == Approx(0.8).margin(0.025));
@@ -176,7 +176,7 @@ TEST_CASE("A person stops at the edit limit, nearest first", "[operator][simulat
 TEST_CASE("Equal seeds give equal edits, another seed gives others", "[operator][simulated]") {
   BeliefGrid belief = DrawnMap(kCorridor);
   belief[{1, 3}] = belief[{1, 5}] = belief[{1, 8}] = 1.0F;
-  const Picture picture = LookEast({{{1, 3}, {1, 5}, {1, 8}}, {}});
+  const Snapshot picture = LookEast({{{1, 3}, {1, 5}, {1, 8}}, {}});
   PictureReaderParameters parameters;
   parameters.decay_cells = 3.0;
   const auto read_many = [&](std::uint64_t seed) {
@@ -228,7 +228,7 @@ Mapping MapWith(const PictureReaderParameters& parameters, std::uint64_t seed) {
     do {
       cell = map.CellAt(static_cast<std::size_t>(random.Uniform(0, 168)));
     } while (map[cell] != Occupancy::kFree);
-    Picture picture;
+    Snapshot picture;
     picture.cell = cell;
     picture.path = {cell};
     picture.heading_rad = HeadingFromIndex(static_cast<int>(random.Uniform(0, 7)), 8);

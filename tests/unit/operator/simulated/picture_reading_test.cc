@@ -1,5 +1,3 @@
-#include "operator/simulated/picture_reading.h"
-
 #include <catch2/catch.hpp>
 #include <map>
 
@@ -10,8 +8,8 @@ namespace conav::operators {
 namespace {
 
 /// From (1,1) to the east: a wall of the map that is none at (1,3), a missing wall at (1,5).
-Picture TwoDifferences() {
-  Picture picture;
+Snapshot TwoDifferences() {
+  Snapshot picture;
   picture.cell = {1, 1};
   picture.path = {{1, 1}};
   picture.visible = {{{1, 1}, {1, 2}, {1, 3}, {1, 4}}, {{0, 4}, {1, 5}}};

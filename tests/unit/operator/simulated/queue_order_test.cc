@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "unit/operator/support/synthetic_desk.h"
+#include "unit/operator/support/synthetic_fixture.h"
 
 namespace conav::operators {
 namespace {
@@ -27,12 +27,12 @@ AttentionQueueState Queue(std::uint64_t revision, std::vector<AttentionItem> ite
 }
 
 /// Two robots that both have a first path to wait for.
-struct QueueDesk : Desk {
-  QueueDesk() : Desk(FollowingTheQueue(), {{"r1", "w1"}, {"r2", "w1"}}) {
-    person.Hear(MapAt(0));
-    person.Hear(StateAt({1, 1}, 10, "r1"));
-    person.Hear(StateAt({3, 1}, 10, "r2"));
-    person.Hear(SimTime::FromSeconds(100));
+struct QueueFixture : Desk {
+  QueueFixture() : Desk(FollowingTheQueue(), {{"r1", "w1"}, {"r2", "w1"}}) {
+    person.Receive(MapAt(0));
+    person.Receive(StateAt({1, 1}, 10, "r1"));
+    person.Receive(StateAt({3, 1}, 10, "r2"));
+    person.Receive(SimTime::FromSeconds(100));
   }
   SelectRequest ExpectSelect() {
     const auto ask = person.Next(clock.Now());
@@ -43,21 +43,21 @@ struct QueueDesk : Desk {
 };
 
 TEST_CASE("Without a published queue nothing is taken up", "[operator][simulated]") {
-  QueueDesk desk;
+  QueueFixture desk;
   desk.ExpectNothing();
 }
 
 TEST_CASE("The first of the queue is selected, then answered after its interaction time",
           "[operator][simulated]") {
-  QueueDesk desk;
-  desk.person.Hear(
+  QueueFixture desk;
+  desk.person.Receive(
       Queue(1, {Line("r2", AttentionReason::kFirstPath), Line("r1", AttentionReason::kFirstPath)}));
   CHECK(desk.ExpectSelect() == SelectRequest{"r2", AttentionReason::kFirstPath});
   desk.ExpectNothing();
   desk.Accept(0);
-  desk.person.Hear(SimTime::FromSeconds(111.9));
+  desk.person.Receive(SimTime::FromSeconds(111.9));
   desk.ExpectNothing();
-  desk.person.Hear(SimTime::FromSeconds(112));
+  desk.person.Receive(SimTime::FromSeconds(112));
   CHECK(desk.ExpectGuide().robot == "r2");
   desk.Accept(1);
   CHECK(desk.ExpectSelect() == SelectRequest{"r1", AttentionReason::kFirstPath});
@@ -65,44 +65,44 @@ TEST_CASE("The first of the queue is selected, then answered after its interacti
 
 TEST_CASE("What the person cannot deal with yet, or somebody else works on, is passed over",
           "[operator][simulated]") {
-  QueueDesk desk;
+  QueueFixture desk;
   AttentionItem taken = Line("r2", AttentionReason::kFirstPath);
   taken.selected_by = "bert";
-  desk.person.Hear(Queue(1, {Line("r1", AttentionReason::kPicture, 1), taken,
-                             Line("r1", AttentionReason::kFirstPath)}));
+  desk.person.Receive(Queue(1, {Line("r1", AttentionReason::kPicture, 1), taken,
+                                Line("r1", AttentionReason::kFirstPath)}));
   CHECK(desk.ExpectSelect() == SelectRequest{"r1", AttentionReason::kFirstPath});
 }
 
 TEST_CASE("A refused selection is given up until the queue has changed", "[operator][simulated]") {
-  QueueDesk desk;
-  desk.person.Hear(Queue(1, {Line("r1", AttentionReason::kFirstPath)}));
+  QueueFixture desk;
+  desk.person.Receive(Queue(1, {Line("r1", AttentionReason::kFirstPath)}));
   desk.ExpectSelect();
   desk.Refuse(0);
   desk.ExpectNothing();
   CHECK(desk.person.open() == 2);
-  desk.person.Hear(Queue(2, {Line("r2", AttentionReason::kFirstPath)}));
+  desk.person.Receive(Queue(2, {Line("r2", AttentionReason::kFirstPath)}));
   CHECK(desk.ExpectSelect() == SelectRequest{"r2", AttentionReason::kFirstPath});
 }
 
 TEST_CASE("A blocked robot is answered with what its newest streamed picture shows besides",
           "[operator][simulated]") {
-  QueueDesk desk;
-  desk.person.Hear(PictureOf(1, 11, true), desk.clock.Now());
-  desk.person.Hear(Queue(1, {}));
+  QueueFixture desk;
+  desk.person.Receive(SnapshotOf(1, 11, true), desk.clock.Now());
+  desk.person.Receive(Queue(1, {}));
   desk.ExpectNothing();  // a stream is looked at while its robot is attended to
-  desk.person.Hear(Attention(AttentionReason::kBlocked, {2, 1}, 1, 10), desk.clock.Now());
-  desk.person.Hear(Queue(2, {Line("r1", AttentionReason::kBlocked)}));
+  desk.person.Receive(Attention(AttentionReason::kBlocked, {2, 1}, 1, 10), desk.clock.Now());
+  desk.person.Receive(Queue(2, {Line("r1", AttentionReason::kBlocked)}));
   CHECK(desk.ExpectSelect() == SelectRequest{"r1", AttentionReason::kBlocked});
   desk.Accept(0);
-  desk.person.Hear(SimTime::FromSeconds(108));
+  desk.person.Receive(SimTime::FromSeconds(108));
   CHECK(desk.ExpectEdit().edits == std::vector<CellEdit>{{{2, 1}, true}, {{1, 3}, true}});
 }
 
 TEST_CASE("A question that the robot takes back is not answered", "[operator][simulated]") {
-  QueueDesk desk;
-  desk.person.Hear(Attention(AttentionReason::kBlocked, {1, 2}, 0, 10, 1), desk.clock.Now());
-  desk.person.Hear(Attention(AttentionReason::kNone, {1, 1}, 0, 12, 1), desk.clock.Now());
-  desk.person.Hear(Queue(1, {Line("r1", AttentionReason::kBlocked)}));
+  QueueFixture desk;
+  desk.person.Receive(Attention(AttentionReason::kBlocked, {1, 2}, 0, 10, 1), desk.clock.Now());
+  desk.person.Receive(Attention(AttentionReason::kNone, {1, 1}, 0, 12, 1), desk.clock.Now());
+  desk.person.Receive(Queue(1, {Line("r1", AttentionReason::kBlocked)}));
   desk.ExpectNothing();
 }
 
@@ -110,24 +110,24 @@ TEST_CASE("Log-normal interaction times have the mean that was given", "[operato
   SyntheticOperatorParameters parameters = FollowingTheQueue();
   parameters.interaction.log_sd = 0.5;
   Desk desk(parameters);
-  desk.person.Hear(MapAt(0));
-  desk.person.Hear(StateAt({1, 1}, 10));
+  desk.person.Receive(MapAt(0));
+  desk.person.Receive(StateAt({1, 1}, 10));
   double now_s = 100.0;
-  desk.person.Hear(SimTime::FromSeconds(now_s));
+  desk.person.Receive(SimTime::FromSeconds(now_s));
   constexpr int kMatters = 2000;
   double total_s = 0.0;
   for (int i = 1; i <= kMatters; ++i) {
     const auto number = static_cast<std::uint64_t>(i);
-    desk.person.Hear(Attention(AttentionReason::kNoGuidance, {1, 1}, 0, 10, number),
-                     desk.clock.Now());
-    desk.person.Hear(Queue(number, {Line("r1", AttentionReason::kNoGuidance)}));
+    desk.person.Receive(Attention(AttentionReason::kNoGuidance, {1, 1}, 0, 10, number),
+                        desk.clock.Now());
+    desk.person.Receive(Queue(number, {Line("r1", AttentionReason::kNoGuidance)}));
     REQUIRE(desk.person.Next(desk.clock.Now()));
     desk.Accept(0);
     const double start_s = now_s;
     std::optional<OperatorAsk> ask;
     while (!(ask = desk.person.Next(desk.clock.Now()))) {
       now_s += 0.1;
-      desk.person.Hear(SimTime::FromSeconds(now_s));
+      desk.person.Receive(SimTime::FromSeconds(now_s));
     }
     desk.Accept(1);
     total_s += now_s - start_s;

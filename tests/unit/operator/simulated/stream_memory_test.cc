@@ -1,6 +1,6 @@
-#include "operator/simulated/stream_memory.h"
-
 #include <catch2/catch.hpp>
+
+#include "operator/simulated/steering.h"
 
 using namespace conav;
 using namespace conav::operators;
@@ -17,8 +17,8 @@ PictureReaderParameters Perfect() {
 }
 
 /// From (2,1) to the east: (2,2) is free, (2,3) a wall.
-Picture Eastward() {
-  Picture picture;
+Snapshot Eastward() {
+  Snapshot picture;
   picture.cell = {2, 1};
   picture.visible = {{{2, 1}, {2, 2}}, {{2, 3}}};
   return picture;
@@ -60,7 +60,7 @@ TEST_CASE("a mistaken wall is put right by the next looks, and what was driven t
   for (int i = 0; i < 2; ++i) memory.Look(Perfect(), Eastward(), random);
   CHECK(memory.IsFree({2, 2}));
   memory.Bump({3, 1});
-  Picture picture = Eastward();
+  Snapshot picture = Eastward();
   picture.path = {{3, 1}, {2, 1}};
   memory.Look(Perfect(), picture, random);
   CHECK(memory.IsFree({3, 1}));

@@ -36,8 +36,8 @@ class Drive {
     state_.robot = "r1";
     state_.cell = {1, 1};
     state_.goals_left = kGoals;
-    person_.Hear(belief_);
-    person_.Hear(state_);
+    person_.Receive(belief_);
+    person_.Receive(state_);
     wrong_before_ = Wrong();
     LetThePersonAct();
   }
@@ -53,7 +53,7 @@ class Drive {
       state_.cell = target;
       std::erase(state_.goals_left, target);
       ++state_.snapshots;
-      Picture picture;
+      Snapshot picture;
       picture.stamp = state_.stamp;
       picture.world = state_.world;
       picture.robot = state_.robot;
@@ -64,18 +64,18 @@ class Drive {
       picture.visible = CastView(truth_, {target, heading});
       picture.path = {left, target};
       picture.goals_left = state_.goals_left;
-      person_.Hear(picture, {});
+      person_.Receive(picture, {});
     }
-    person_.Hear(state_);
+    person_.Receive(state_);
     LetThePersonAct();
     return moved;
   }
 
   void Ask(AttentionReason reason, Cell cell) {
     const std::size_t before = paths_;
-    person_.Hear(AttentionRequest{state_.stamp, "w1", "r1", ++asked_, reason, cell,
-                                  state_.snapshots, 0.0, 0.0},
-                 {});
+    person_.Receive(AttentionRequest{state_.stamp, "w1", "r1", ++asked_, reason, cell,
+                                     state_.snapshots, 0.0, 0.0},
+                    {});
     LetThePersonAct();
     REQUIRE(paths_ == before + 1);
   }
@@ -104,7 +104,7 @@ class Drive {
           belief_.wall_probability[e.cell] = e.wall ? 1.0F : 0.0F;
         }
         reply.revision = ++belief_.revision;
-        person_.Hear(belief_);
+        person_.Receive(belief_);
       } else {
         path_ = std::get<GuideRequest>(ask->body).path;
         reply.revision = ++paths_;

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "common/grid/camera_lens.h"
+#include "common/grid/visibility.h"
 #include "operator/simulated/path_planner.h"
 #include "unit/operator/support/drawn_map.h"
 
@@ -38,9 +38,9 @@ class Maze {
       state.position = Geometry().CellToPosition(way.first);
       state.goals_left = {way.second};
     }
-    person.Hear(belief_);
-    person.HearCellSize("w1", 2.0);
-    for (const auto& [name, robot] : robots) person.Hear(robot.state);
+    person.Receive(belief_);
+    person.ReceiveCellSize("w1", 2.0);
+    for (const auto& [name, robot] : robots) person.Receive(robot.state);
   }
 
   /// Until the person has nothing to ask, at most `asks` requests. True when all goals are reached.
@@ -87,7 +87,7 @@ class Maze {
       belief_.wall_probability[value.cell] = value.wall ? 1.0F : 0.0F;
     }
     ++belief_.revision;
-    person.Hear(belief_);
+    person.Receive(belief_);
     return belief_.revision;
   }
 
@@ -131,7 +131,7 @@ class Maze {
     for (std::size_t i = 0; i < truth_.size(); ++i) {
       if (IsWall(truth_, truth_.CellAt(i))) map[map.CellAt(i)] = Occupancy::kOccupied;
     }
-    Picture picture;
+    Snapshot picture;
     picture.world = "w1";
     picture.robot = state.robot;
     picture.streamed = true;
@@ -140,8 +140,8 @@ class Maze {
     picture.heading_rad = state.heading_rad;
     picture.visible = CastView(map, ViewAt(state.cell, state.heading_rad, 2.0, 320, 192));
     picture.path = {state.cell};
-    person.Hear(picture);
-    person.Hear(state);
+    person.Receive(picture);
+    person.Receive(state);
   }
 
   BeliefGrid truth_;
@@ -163,11 +163,11 @@ RobotState ShowTheWorld(SyntheticTeleoperator& person) {
   Belief belief;
   belief.world = "w1";
   belief.wall_probability = DrawnMap(kMap);
-  person.Hear(belief);
-  person.HearCellSize("w1", 2.0);
+  person.Receive(belief);
+  person.ReceiveCellSize("w1", 2.0);
   RobotState state{.world = "w1", .robot = "r1", .cell = {1, 1}, .goals_left = {{5, 7}}};
   state.position = {-6.0, 4.0};
-  person.Hear(state);
+  person.Receive(state);
   return state;
 }
 
@@ -219,7 +219,7 @@ TEST_CASE("a robot without goals that stands on another one's goal is driven off
   const std::vector<std::string> room{"#####", "#   #", "#   #", "#####"};
   Maze maze(room, room, {{"r1", {{1, 3}, {1, 3}}}, {"r2", {{2, 1}, {1, 3}}}});
   maze.robots["r1"].state.goals_left.clear();
-  maze.person.Hear(maze.robots["r1"].state);
+  maze.person.Receive(maze.robots["r1"].state);
   CHECK(maze.Run());
   CHECK_FALSE(maze.robots["r1"].keys.empty());
 }
@@ -236,18 +236,18 @@ TEST_CASE("a key is pressed when the last one was carried out and shown, not bef
   CHECK_FALSE(person.Next(clock.Now()));  // not carried out
   state.drive_order = 1;
   state.command_outcome = CommandOutcome::kRunning;
-  person.Hear(state);
+  person.Receive(state);
   CHECK_FALSE(person.Next(clock.Now()));
   state.command_outcome = CommandOutcome::kDone;
   state.snapshots = 1;
-  person.Hear(state);
+  person.Receive(state);
   CHECK_FALSE(person.Next(clock.Now()));  // its picture is not here
-  Picture picture;
+  Snapshot picture;
   picture.world = "w1";
   picture.robot = "r1";
   picture.sequence_number = 1;
   picture.cell = {1, 1};
-  person.Hear(picture);
+  person.Receive(picture);
   const auto key = person.Next(clock.Now());
   REQUIRE(key);
   CHECK(std::get<DriveRequest>(key->body).expires_at > state.stamp);
@@ -290,7 +290,7 @@ TEST_CASE("a key that is refused is pressed again, whatever chance would say now
     person.Answered(OperatorReply{"c", 2, false, "no", 0}, clock.Now());
     // Elsewhere by now: a key of its own, for the new state.
     state.stamp = state.stamp + 1s;
-    person.Hear(state);
+    person.Receive(state);
     clock.Advance(1s);
     CHECK(person.Next(clock.Now())->stamp == state.stamp);
   }

@@ -18,7 +18,7 @@ TEST_CASE("robots of the same world are neighbours, in order of their names",
   board.Put(RobotState{.world = "w1", .robot = "r4", .cell = {4, 4}});
   board.Put(RobotState{.world = "w1", .robot = "r2", .cell = {2, 2}, .goals_left = {{1, 1}}});
   board.Put(RobotState{.world = "w2", .robot = "r3", .cell = {3, 3}});
-  board.PutWay("r2", {{2, 1}});
+  board.PutIntendedPath("r2", {{2, 1}});
   const auto neighbours = board.NeighboursOf("r1");
   REQUIRE(neighbours.size() == 2);
   CHECK(neighbours[0].robot == "r2");
@@ -75,11 +75,11 @@ TEST_CASE("guidance goes with the belief of an operator service that began anew"
 TEST_CASE("a change wakes who waits for it, a way that stays the same is none",
           "[planner][blackboard]") {
   Blackboard board(kOneRobot);
-  board.PutWay("r1", {{1, 1}});
+  board.PutIntendedPath("r1", {{1, 1}});
   const auto seen = board.version();
-  board.PutWay("r1", {{1, 1}});
+  board.PutIntendedPath("r1", {{1, 1}});
   CHECK(board.version() == seen);
-  std::thread other([&] { board.PutWay("r1", {{1, 2}}); });
+  std::thread other([&] { board.PutIntendedPath("r1", {{1, 2}}); });
   CHECK(board.WaitForChange(seen, Clock::TimePoint::max()) != seen);
   other.join();
 }

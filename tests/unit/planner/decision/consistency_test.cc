@@ -1,6 +1,6 @@
-#include "planner/decision/consistency.h"
-
 #include <catch2/catch.hpp>
+
+#include "planner/decision/decision_gate.h"
 
 using namespace conav;
 using namespace conav::planner;

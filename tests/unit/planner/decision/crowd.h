@@ -11,10 +11,9 @@
 #include <vector>
 
 #include "common/grid/visibility.h"
-#include "planner/decision/goal_pose.h"
-#include "planner/decision/make_method.h"
 #include "planner/decision/robot_worker.h"
-#include "planner/search/fake_perception_model.h"
+#include "planner/methods/make_method.h"
+#include "planner/search/perception_model.h"
 #include "unit/planner/search/text_map.h"
 
 namespace conav::planner {
@@ -84,11 +83,11 @@ class Crowd {
 
   RobotState& state(const std::string& robot) { return robots_.at(robot).state; }
   /// Where everybody is, for the message of a failed check.
-  std::string Picture() const {
+  std::string Snapshot() const {
     std::string text;
     for (const auto& [name, robot] : robots_) {
       text += fmt::format("{} at {}, {} goals left, waits for {}\n", name, robot.state.cell,
-                          robot.state.goals_left.size(), board_->HoldOf(name));
+                          robot.state.goals_left.size(), board_->BlockedReasonOf(name));
     }
     // Each robot as another one sees it.
     for (const auto& [name, robot] : robots_) {

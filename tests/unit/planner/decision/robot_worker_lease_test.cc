@@ -11,7 +11,7 @@ TEST_CASE("nothing is decided for a robot without the lease", "[planner][worker]
   bench.Step();
   CHECK(bench.method->seen.empty());
   CHECK(bench.commands.empty());
-  CHECK(bench.board.HoldOf("r1") == HoldName(Hold::kNoLease));
+  CHECK(bench.board.BlockedReasonOf("r1") == Name(BlockedReason::kNoLease));
 }
 
 TEST_CASE("commands carry the epoch of the lease", "[planner][worker][lease]") {
@@ -94,9 +94,9 @@ TEST_CASE("who takes a robot over tells its way, also where the last driver told
   WorkerBench bench;
   bench.board.PutLease("r1", {Lease::State::kHeld, 1});
   bench.PutAll();
-  bench.board.PutWay("r1", {{1, 2}});
+  bench.board.PutIntendedPath("r1", {{1, 2}});
   bench.Step();
-  CHECK(bench.wants == std::vector<RobotWay>{{"r1", {{1, 2}}, {}}});
+  CHECK(bench.wants == std::vector<IntendedPath>{{"r1", {{1, 2}}, {}}});
   bench.Report(CommandOutcome::kDone);
   bench.Step();
   CHECK(bench.wants.size() == 1);
@@ -105,7 +105,7 @@ TEST_CASE("who takes a robot over tells its way, also where the last driver told
 TEST_CASE("nothing is wanted for a robot that another planner drives", "[planner][worker][lease]") {
   WorkerBench bench;
   bench.PutAll();
-  bench.board.PutWay("r1", {{4, 4}});
+  bench.board.PutIntendedPath("r1", {{4, 4}});
   bench.state.lease_epoch = 2;
   bench.board.Put(bench.state);
   const Lease lease = GENERATE(Lease{Lease::State::kNone, 0}, Lease{Lease::State::kHeld, 1});
@@ -119,7 +119,7 @@ TEST_CASE("requests for attention are numbered on from those of other planners",
           "[planner][worker][lease]") {
   WorkerBench bench;
   bench.LetItAsk();
-  bench.board.HeardAttention("r1", 4);
+  bench.board.ReceivedAttention("r1", 4);
   bench.PutAll();
   bench.Step();
   REQUIRE(bench.attentions.size() == 1);

@@ -96,7 +96,7 @@ TEST_CASE("a robot makes room while the operator looks at its picture", "[planne
   bench.PutAll();
   bench.Step();
   REQUIRE(bench.commands.empty());
-  CHECK(bench.board.HoldOf("r1") == HoldName(Hold::kAnswer));
+  CHECK(bench.board.BlockedReasonOf("r1") == Name(BlockedReason::kAnswer));
   bench.PutRobotThatGoesBefore();
   bench.Step();
   CHECK(bench.commands.size() == 1);
@@ -118,7 +118,7 @@ TEST_CASE("a robot whose picture is looked at claims no way", "[planner][worker]
   WorkerBench bench;
   bench.PutAll();
   bench.board.Put(RobotState{.world = "w1", .robot = "r0", .cell = {4, 4}});
-  bench.board.PutWay("r1", {{1, 2}});
+  bench.board.PutIntendedPath("r1", {{1, 2}});
   bench.state.snapshots = 1;
   bench.board.Put(bench.state);
   bench.Step();
@@ -146,7 +146,7 @@ TEST_CASE("a robot whose inputs do not belong together is not driven", "[planner
   bench.board.Put(other);
   bench.Step();
   CHECK(bench.method->seen.empty());
-  CHECK(bench.board.HoldOf("r1") == HoldName(Hold::kInconsistent));
+  CHECK(bench.board.BlockedReasonOf("r1") == Name(BlockedReason::kInconsistent));
 }
 
 TEST_CASE("a stop during a decision sends nothing", "[planner][worker]") {
@@ -248,7 +248,7 @@ TEST_CASE("with timeouts in simulation time the wall clock ends no waiting", "[p
 
 namespace {
 
-HoldOrder HoldOf(std::uint64_t revision, bool stopped) {
+StopOrder BlockedReasonOf(std::uint64_t revision, bool stopped) {
   return {{1000}, "w1", "r1", revision, stopped, "anna", "look"};
 }
 
@@ -261,7 +261,7 @@ TEST_CASE("a robot that is stopped ends its command at once and stands until it 
   bench.Step();
   REQUIRE(bench.commands.size() == 1);
   bench.Report(CommandOutcome::kRunning);
-  bench.board.Put(HoldOf(1, true));
+  bench.board.Put(BlockedReasonOf(1, true));
   bench.Step();
   REQUIRE(bench.commands.size() == 2);
   CHECK(bench.commands[1].kind == CommandKind::kStop);
@@ -270,8 +270,8 @@ TEST_CASE("a robot that is stopped ends its command at once and stands until it 
   bench.Report(CommandOutcome::kDone);
   bench.Step();
   CHECK(bench.commands.size() == 2);
-  CHECK(bench.board.HoldOf("r1") == "whoever stopped it to let it go");
-  bench.board.Put(HoldOf(2, false));
+  CHECK(bench.board.BlockedReasonOf("r1") == "whoever stopped it to let it go");
+  bench.board.Put(BlockedReasonOf(2, false));
   bench.Step();
   REQUIRE(bench.commands.size() == 3);
   CHECK(bench.commands[2].kind == CommandKind::kMove);
@@ -279,7 +279,7 @@ TEST_CASE("a robot that is stopped ends its command at once and stands until it 
 
 TEST_CASE("a robot that is stopped before it moves gets no command at all", "[planner][worker]") {
   WorkerBench bench;
-  bench.board.Put(HoldOf(1, true));
+  bench.board.Put(BlockedReasonOf(1, true));
   bench.PutAll();
   bench.Step();
   CHECK(bench.commands.empty());
@@ -290,7 +290,7 @@ TEST_CASE("a stop that is not taken up is sent again", "[planner][worker]") {
   bench.PutAll();
   bench.Step();
   bench.Report(CommandOutcome::kRunning);
-  bench.board.Put(HoldOf(1, true));
+  bench.board.Put(BlockedReasonOf(1, true));
   bench.Step();
   bench.clock.Advance(1s);
   bench.Step();

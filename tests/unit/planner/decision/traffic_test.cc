@@ -31,9 +31,9 @@ const std::vector<std::string_view> kBay{"#######", "#     #", "### ###", "#####
 TEST_CASE("the desired way is the shortest one over what may be free", "[planner][traffic]") {
   Situation situation = RobotAt("r1", {1, 1}, {"#####", "# ? #", "# # #", "#   #", "#####"});
   situation.state.goals_left = {{1, 3}};
-  CHECK(DesiredWay(situation) == std::vector<Cell>{{1, 2}, {1, 3}});
+  CHECK(DesiredPath(situation) == std::vector<Cell>{{1, 2}, {1, 3}});
   situation.map.cells[{1, 2}] = Occupancy::kOccupied;
-  CHECK(DesiredWay(situation).size() == 6);
+  CHECK(DesiredPath(situation).size() == 6);
 }
 
 TEST_CASE("a robot on the way of one that goes before it steps into the bay",
@@ -48,9 +48,9 @@ TEST_CASE("the robot that goes before stays on its way and waits", "[planner][tr
   Situation situation = RobotAt("r1", {1, 2}, kBay);
   situation.state.goals_left = {{1, 5}};
   situation.neighbours = {{"r2", {1, 3}, true, {{1, 2}, {1, 1}}}};
-  CHECK_FALSE(StepAside(situation, DesiredWay(situation)).has_value());
-  REQUIRE(WaitsFor(situation, DesiredWay(situation)) != nullptr);
-  CHECK(WaitsFor(situation, DesiredWay(situation))->robot == "r2");
+  CHECK_FALSE(StepAside(situation, DesiredPath(situation)).has_value());
+  REQUIRE(WaitsFor(situation, DesiredPath(situation)) != nullptr);
+  CHECK(WaitsFor(situation, DesiredPath(situation))->robot == "r2");
 }
 
 TEST_CASE("a robot without goals makes room for any other", "[planner][traffic]") {
@@ -65,9 +65,9 @@ TEST_CASE("the robot that goes before does not shut in the one that has to make 
   situation.state.goals_left = {{1, 5}};
   situation.neighbours = {{"r2", {1, 4}, true, {{1, 3}, {1, 2}}}};
   // Beyond the bay; from (1,3) on, r2 could not reach it.
-  REQUIRE(WaitsFor(situation, DesiredWay(situation)) != nullptr);
+  REQUIRE(WaitsFor(situation, DesiredPath(situation)) != nullptr);
   situation.neighbours[0].cell = {2, 3};
-  CHECK(WaitsFor(situation, DesiredWay(situation)) == nullptr);
+  CHECK(WaitsFor(situation, DesiredPath(situation)) == nullptr);
 }
 
 TEST_CASE("a robot that is shut in goes before the one that it has to let pass",
@@ -81,7 +81,7 @@ TEST_CASE("a robot that is shut in goes before the one that it has to let pass",
   before.state.goals_left = {{1, 5}};
   before.neighbours = {{"r2", {1, 5}, false, {}, claim}};
   SECTION("which backs off") {
-    const RoomClaim room = MakeRoom(before, DesiredWay(before));
+    const RoomClaim room = MakeRoom(before, DesiredPath(before));
     CHECK(room.right == RightOfWay{RightOfWay::kShutIn, "r2", 1});
     REQUIRE(room.way.size() == 2);
     CHECK(room.way.front() == Cell{1, 3});

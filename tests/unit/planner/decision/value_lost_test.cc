@@ -1,7 +1,7 @@
-#include "planner/decision/value_lost.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
+
+#include "planner/decision/method.h"
 
 using namespace conav;
 using namespace conav::planner;

@@ -52,7 +52,7 @@ struct WorkerBench {
         .report = [this](const SearchReport& report) { reports.push_back(report); },
         .attention = [this](const AttentionRequest& request) { attentions.push_back(request); },
         .way = [](const RobotState&, const MapUpdate&, const std::vector<Cell>&) {},
-        .wants = [this](const RobotWay& way) { wants.push_back(way); }};
+        .wants = [this](const IntendedPath& way) { wants.push_back(way); }};
     worker.emplace(std::move(options), std::move(owned), board, clock, std::move(outputs));
   }
 
@@ -75,7 +75,7 @@ struct WorkerBench {
   /// r0, which goes before r1, wants through r1's cell.
   void PutRobotThatGoesBefore() {
     board.Put(RobotState{.world = "w1", .robot = "r0", .cell = {1, 0}, .goals_left = {{4, 4}}});
-    board.PutWay("r0", {{1, 1}, {1, 2}});
+    board.PutIntendedPath("r0", {{1, 1}, {1, 2}});
   }
 
   void PutAll() {
@@ -97,7 +97,7 @@ struct WorkerBench {
   std::vector<RobotCommand> commands;
   std::vector<SearchReport> reports;
   std::vector<AttentionRequest> attentions;
-  std::vector<RobotWay> wants;
+  std::vector<IntendedPath> wants;
   std::optional<RobotWorker> worker;
   StopToken stop;
 };

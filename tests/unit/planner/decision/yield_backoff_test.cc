@@ -1,8 +1,8 @@
-#include "planner/decision/yield_backoff.h"
-
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <set>
+
+#include "planner/decision/robot_worker.h"
 
 namespace conav::planner {
 namespace {

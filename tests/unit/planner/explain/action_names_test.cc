@@ -1,7 +1,7 @@
-#include "planner/explain/action_names.h"
-
 #include <catch2/catch.hpp>
 #include <numbers>
+
+#include "planner/explain/explanation.h"
 
 namespace conav::planner {
 namespace {

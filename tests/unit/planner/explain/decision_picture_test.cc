@@ -6,7 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include "support/xml_check.h"
-#include "unit/planner/record/sample_decision.h"
+#include "unit/planner/explain/sample_decision.h"
 
 namespace conav::planner {
 namespace {
@@ -19,7 +19,7 @@ TEST_CASE("the picture is well-formed, whatever was recorded", "[planner][explai
   bare.plan.clear();
   DecisionRecord odd = SampleDecision();
   odd.report.robot = "<r&1>";
-  for (const DecisionRecord& decision : {SampleDecision(), SamplePicture(3), SampleWithoutSearch(),
+  for (const DecisionRecord& decision : {SampleDecision(), SampleSnapshot(3), SampleWithoutSearch(),
                                          SampleLowLevelAction(), bare, odd}) {
     CHECK(test::XmlError(DecisionSvg(decision)) == "");
   }

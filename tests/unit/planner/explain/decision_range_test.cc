@@ -1,6 +1,6 @@
-#include "planner/explain/decision_range.h"
-
 #include <catch2/catch.hpp>
+
+#include "planner/explain/explanation.h"
 
 namespace conav::planner {
 namespace {

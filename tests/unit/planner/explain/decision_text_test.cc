@@ -2,8 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "planner/explain/decision_json.h"
-#include "unit/planner/record/sample_decision.h"
+#include "unit/planner/explain/sample_decision.h"
 
 namespace conav::planner {
 namespace {
@@ -50,7 +49,7 @@ TEST_CASE("an order that was passed on is told as what it is", "[planner][explai
 }
 
 TEST_CASE("a list has a line for each decision", "[planner][explain]") {
-  const DecisionSummary summaries[] = {Summarise(SampleDecision()), Summarise(SamplePicture(13)),
+  const DecisionSummary summaries[] = {Summarise(SampleDecision()), Summarise(SampleSnapshot(13)),
                                        Summarise(SampleWithoutSearch())};
   const std::string text = ListText(summaries);
   CHECK_THAT(text, Catch::Contains("(2,2)     move east to (2,3)            60 %    101.00"));
@@ -71,7 +70,7 @@ TEST_CASE("as JSON a decision holds all its figures", "[planner][explain]") {
   const auto without = DecisionJson(SampleWithoutSearch());
   CHECK(without.at("searched") == false);
   CHECK(without.at("actions").empty());
-  const DecisionSummary summaries[] = {Summarise(SamplePicture(13))};
+  const DecisionSummary summaries[] = {Summarise(SampleSnapshot(13))};
   CHECK(ListJson(summaries).at(0).at("picture") == true);
   CHECK(ListJson(summaries).at(0).at("margin") == 17.5);
 }

@@ -2,10 +2,10 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "planner/record/decision_log.h"
-#include "support/program_desk.h"
+#include "planner/explain/decision_file.h"
+#include "support/program_runner.h"
 #include "support/xml_check.h"
-#include "unit/planner/record/sample_decision.h"
+#include "unit/planner/explain/sample_decision.h"
 
 namespace conav::planner {
 namespace {
@@ -16,14 +16,14 @@ DecisionRecord Of(const std::string& robot, DecisionRecord decision) {
 }
 
 /// A run folder `run` with the decisions 12 and 13 of r1, the second a picture, and others of r2.
-class Desk : public test::ProgramDesk {
+class Desk : public test::ProgramRunner {
  public:
-  explicit Desk(const std::vector<DecisionRecord>& others = {}) : ProgramDesk("conav-explain") {
+  explicit Desk(const std::vector<DecisionRecord>& others = {}) : ProgramRunner("conav-explain") {
     std::filesystem::create_directories(*this / "run");
     auto log = DecisionLog::Open(file());
     REQUIRE(log);
     REQUIRE(log->Append(SampleDecision()));
-    REQUIRE(log->Append(SamplePicture(13)));
+    REQUIRE(log->Append(SampleSnapshot(13)));
     for (const DecisionRecord& other : others) REQUIRE(log->Append(other));
   }
   std::filesystem::path file() const { return *this / "run/decisions.pb.zst"; }
@@ -69,7 +69,7 @@ TEST_CASE("with several robots it wants to know which", "[planner][explain]") {
 
 TEST_CASE("of several decisions with one number the last is shown, and it is said",
           "[planner][explain]") {
-  const Desk desk({SamplePicture(12)});
+  const Desk desk({SampleSnapshot(12)});
   const auto one = desk.Run("run --decision 12");
   CHECK(one.exit_code == 0);
   CHECK_THAT(one.error, Catch::Contains("there are 2 of this number"));

@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "unit/planner/record/sample_decision.h"
+#include "unit/planner/explain/sample_decision.h"
 
 namespace conav::planner {
 namespace {
@@ -37,7 +37,7 @@ constexpr const char* kPriceOfPicture =
     "turn and the operator's path still ahead included.";
 
 TEST_CASE("a picture is explained by its gain and its cost", "[planner][explain]") {
-  const auto why = Why(SamplePicture(13));
+  const auto why = Why(SampleSnapshot(13));
   REQUIRE(why.size() == 3);
   CHECK(why[0] == "Taken: picture to the north, visited 60 of 100 times, worth 108.00.");
   CHECK(why[1] ==
@@ -48,7 +48,7 @@ TEST_CASE("a picture is explained by its gain and its cost", "[planner][explain]
 
 TEST_CASE("a picture is also compared with the best move, where that is not the runner-up",
           "[planner][explain]") {
-  DecisionRecord decision = SamplePicture(13);
+  DecisionRecord decision = SampleSnapshot(13);
   decision.report.actions[3].visits = 40;
   CHECK(Why(decision)[2] ==
         std::string(kPriceOfPicture) +

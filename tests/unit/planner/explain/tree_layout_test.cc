@@ -1,8 +1,7 @@
-#include "planner/explain/tree_layout.h"
-
 #include <catch2/catch.hpp>
 
-#include "unit/planner/record/sample_decision.h"
+#include "planner/explain/decision_picture.h"
+#include "unit/planner/explain/sample_decision.h"
 
 namespace conav::planner {
 namespace {

@@ -1,9 +1,8 @@
-#include "planner/perception/embedded_perception_model.h"
-
 #include <catch2/catch.hpp>
 
 #include "conformance/perception_model_conformance.h"
 #include "nhpm/model/perception_network.h"
+#include "planner/perception/embedded_model.h"
 #include "support/test_weights.h"
 
 namespace conav::planner {

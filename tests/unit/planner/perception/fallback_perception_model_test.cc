@@ -1,6 +1,6 @@
-#include "planner/perception/fallback_perception_model.h"
-
 #include <catch2/catch.hpp>
+
+#include "planner/perception/fallback_model.h"
 
 namespace conav::planner {
 namespace {

@@ -1,8 +1,7 @@
-#include "planner/perception/open_requests.h"
-
 #include <catch2/catch.hpp>
 
 #include "common/runtime/log.h"
+#include "planner/perception/remote_model.h"
 #include "unit/planner/perception/scripted_service.h"
 
 namespace conav::planner {

@@ -1,8 +1,7 @@
-#include "planner/perception/remote_perception_model.h"
-
 #include <catch2/catch.hpp>
 #include <future>
 
+#include "planner/perception/remote_model.h"
 #include "unit/planner/perception/scripted_service.h"
 
 namespace conav::planner {

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "common/bus/in_memory_bus.h"
-#include "common/protocol/convert.h"
+#include "common/msg/convert.h"
 #include "conformance/perception_model_conformance.h"
-#include "planner/perception/remote_perception_model.h"
+#include "planner/perception/remote_model.h"
 
 /// A perception service whose replies are in a test's hand, and who asks it.
 namespace conav::planner::tests {

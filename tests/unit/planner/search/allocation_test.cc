@@ -2,9 +2,9 @@
 #include <cstdlib>
 #include <new>
 
-#include "planner/search/fake_perception_model.h"
-#include "planner/search/ig_mcts.h"
-#include "text_map.h"
+#include "planner/search/parallel_search.h"
+#include "planner/search/perception_model.h"
+#include "unit/planner/search/text_map.h"
 
 namespace {
 

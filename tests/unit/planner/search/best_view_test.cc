@@ -1,10 +1,9 @@
-#include "planner/search/best_view.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planner/search/fake_perception_model.h"
 #include "planner/search/grid_graph.h"
+#include "planner/search/perception_model.h"
+#include "planner/search/view_information.h"
 #include "unit/planner/search/text_map.h"
 
 using namespace conav;

@@ -1,9 +1,8 @@
-#include "planner/search/fake_perception_model.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "conformance/perception_model_conformance.h"
+#include "planner/search/perception_model.h"
 
 namespace conav::planner {
 namespace {

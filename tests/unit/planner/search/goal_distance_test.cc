@@ -1,8 +1,7 @@
-#include "planner/search/goal_distance.h"
-
 #include <catch2/catch.hpp>
 
-#include "text_map.h"
+#include "planner/search/path_state.h"
+#include "unit/planner/search/text_map.h"
 
 namespace conav::planner {
 namespace {

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <numbers>
 
-#include "text_map.h"
+#include "unit/planner/search/text_map.h"
 
 namespace conav::planner {
 namespace {

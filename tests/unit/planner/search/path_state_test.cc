@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "text_map.h"
+#include "unit/planner/search/text_map.h"
 
 namespace conav::planner {
 namespace {

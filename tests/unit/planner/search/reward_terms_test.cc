@@ -3,11 +3,11 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "planner/search/fake_perception_model.h"
-#include "planner/search/ig_mcts.h"
-#include "planner/search/reported_tree.h"
+#include "planner/search/parallel_search.h"
+#include "planner/search/perception_model.h"
 #include "planner/search/rollout.h"
-#include "text_map.h"
+#include "planner/search/search_tree.h"
+#include "unit/planner/search/text_map.h"
 
 namespace conav::planner {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "text_map.h"
+#include "unit/planner/search/text_map.h"
 
 namespace conav::planner {
 namespace {

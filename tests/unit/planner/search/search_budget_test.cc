@@ -1,10 +1,9 @@
-#include "planner/search/search_budget.h"
-
 #include <catch2/catch.hpp>
 
-#include "planner/search/fake_perception_model.h"
-#include "planner/search/ig_mcts.h"
-#include "text_map.h"
+#include "planner/search/parallel_search.h"
+#include "planner/search/perception_model.h"
+#include "planner/search/search_options.h"
+#include "unit/planner/search/text_map.h"
 
 namespace conav::planner {
 namespace {

@@ -1,14 +1,12 @@
-#include "planner/search/sum_of_trees.h"
-
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <catch2/catch.hpp>
 
-#include "planner/search/cached_perception_model.h"
-#include "planner/search/fake_perception_model.h"
-#include "planner/search/ig_mcts.h"
-#include "text_map.h"
+#include "planner/perception/cached_model.h"
+#include "planner/search/parallel_search.h"
+#include "planner/search/perception_model.h"
+#include "unit/planner/search/text_map.h"
 
 namespace conav::planner {
 namespace {

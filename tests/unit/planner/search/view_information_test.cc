@@ -3,8 +3,8 @@
 #include <catch2/catch.hpp>
 
 #include "common/runtime/random.h"
-#include "planner/search/fake_perception_model.h"
-#include "text_map.h"
+#include "planner/search/perception_model.h"
+#include "unit/planner/search/text_map.h"
 
 namespace conav::planner {
 namespace {

@@ -1,6 +1,6 @@
-#include "sim/physics/image.h"
-
 #include <catch2/catch.hpp>
+
+#include "sim/physics/camera.h"
 
 namespace conav::sim {
 namespace {

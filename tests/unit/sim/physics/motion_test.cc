@@ -1,6 +1,6 @@
-#include "sim/physics/motion.h"
-
 #include <catch2/catch.hpp>
+
+#include "sim/physics/robot_world.h"
 
 namespace conav::sim {
 namespace {

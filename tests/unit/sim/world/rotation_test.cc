@@ -1,10 +1,8 @@
-#include "sim/world/rotation.h"
-
 #include <catch2/catch.hpp>
 #include <numbers>
 
 #include "common/grid/geometry.h"
-#include "common/grid/reachable_cells.h"
+#include "sim/world/world_spec.h"
 
 namespace conav::sim {
 namespace {

@@ -1,6 +1,6 @@
-#include "sim/world/world_cells.h"
-
 #include <catch2/catch.hpp>
+
+#include "sim/world/world_spec.h"
 
 namespace conav::sim {
 namespace {

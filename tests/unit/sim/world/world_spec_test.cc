@@ -6,8 +6,8 @@
 #include <fstream>
 #include <set>
 
+#include "common/grid/geometry.h"
 #include "common/grid/map_accuracy.h"
-#include "common/grid/reachable_cells.h"
 #include "sim/world/maze_presets.h"
 
 namespace conav::sim {

@@ -1,0 +1,208 @@
+#include "launcher/run_log.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace conav::launcher {
+namespace {
+
+void Append(std::vector<Cell>& trajectory, const std::vector<Cell>& path) {
+  for (const Cell cell : path) {
+    if (trajectory.empty() || trajectory.back() != cell) trajectory.push_back(cell);
+  }
+}
+
+}  // namespace
+
+bool RobotRecord::reached_all() const {
+  return finished() && state->goals_reached.size() == state->goals_total;
+}
+
+bool Episode::finished() const {
+  return !robots.empty() && std::all_of(robots.begin(), robots.end(),
+                                        [](const RobotRecord& robot) { return robot.finished(); });
+}
+
+bool Episode::all_goals_reached() const {
+  if (!finished()) return false;
+  // A robot whose goals are its own reached as many as it had; the robots that share goals reached
+  // them together.
+  for (const WorldRecord& world : worlds) {
+    std::size_t reached = 0;
+    std::size_t total = 0;
+    bool each_alone = true;
+    for (const RobotRecord& robot : robots) {
+      if (robot.world != world.name) continue;
+      reached += robot.state->goals_reached.size();
+      total = std::max<std::size_t>(total, robot.state->goals_total);
+      each_alone = each_alone && robot.reached_all();
+    }
+    if (!each_alone && reached != total) return false;
+  }
+  return true;
+}
+
+Episode MakeEpisode(int robots_per_world, int worlds) {
+  Episode episode;
+  int number = 0;
+  for (int w = 1; w <= worlds; ++w) {
+    WorldRecord world;
+    world.name = fmt::format("w{}", w);
+    for (int r = 0; r < robots_per_world; ++r) {
+      RobotRecord robot;
+      robot.name = fmt::format("r{}", ++number);
+      robot.world = world.name;
+      episode.robots.push_back(std::move(robot));
+    }
+    episode.worlds.push_back(std::move(world));
+  }
+  return episode;
+}
+
+bool IsNews(const RobotRecord& robot, const RobotState& state) {
+  if (!robot.state) return true;
+  RobotState before = *robot.state;
+  before.stamp = state.stamp;
+  before.heading_rad = state.heading_rad;
+  before.position = state.position;
+  return before != state;
+}
+
+void Record(RobotRecord& robot, const RobotState& state) {
+  if (!robot.state) {
+    robot.goals = state.goals_reached;
+    robot.goals.insert(robot.goals.end(), state.goals_left.begin(), state.goals_left.end());
+  }
+  // Without pictures so far the state's path begins at the start; otherwise the pictures tell it.
+  if (robot.trajectory.empty() && state.snapshots == 0) {
+    robot.trajectory.push_back(state.path.empty() ? state.cell : state.path.front());
+  }
+  robot.path_since_picture = state.path;
+  robot.state = state;
+  if (robot.finished() && !robot.finished_at) robot.finished_at = state.stamp;
+}
+
+void Record(RobotRecord& robot, const Snapshot& picture) {
+  if (picture.sequence_number <= robot.newest_picture) return;
+  robot.newest_picture = picture.sequence_number;
+  Append(robot.trajectory, picture.path);
+  robot.pictures.push_back({picture.cell, picture.heading_rad, picture.streamed});
+}
+
+void Record(RobotRecord& robot, const Guidance& guidance) {
+  robot.guidance_given = std::max(robot.guidance_given, guidance.revision);
+}
+
+void Record(RobotRecord& robot, const SearchReport& report) {
+  robot.decisions = std::max(robot.decisions, report.decision);
+  robot.decision_ms.push_back(report.duration_ms);
+  robot.perception_model = report.perception_model;
+}
+
+void Record(WorldRecord& world, const Belief& belief) {
+  if (world.belief && belief.revision < world.belief->revision) return;
+  world.belief = belief;
+}
+
+std::vector<Cell> WholeTrajectory(const RobotRecord& robot) {
+  std::vector<Cell> trajectory = robot.trajectory;
+  // The state may be older than the newest picture; its path then adds nothing that is new.
+  if (robot.state && robot.state->snapshots >= robot.newest_picture) {
+    Append(trajectory, robot.path_since_picture);
+  }
+  return trajectory;
+}
+
+OccupancyGrid BeliefAsMap(const BeliefGrid& belief) {
+  OccupancyGrid map(belief.rows(), belief.columns(), Occupancy::kFree);
+  for (std::size_t i = 0; i < belief.size(); ++i) {
+    if (belief.values()[i] >= kWallThreshold) map.values()[i] = Occupancy::kOccupied;
+  }
+  return map;
+}
+
+double Percentile(std::span<const double> values, double share) {
+  if (values.empty()) return 0.0;
+  std::vector<double> sorted(values.begin(), values.end());
+  std::sort(sorted.begin(), sorted.end());
+  const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(sorted.size())));
+  return sorted[std::clamp<std::size_t>(rank, 1, sorted.size()) - 1];
+}
+
+RobotMetrics MeasureRobot(const RobotRecord& robot) {
+  RobotMetrics metrics;
+  metrics.name = robot.name;
+  metrics.world = robot.world;
+  metrics.guidance = robot.guidance_given;
+  metrics.decisions = robot.decisions;
+  metrics.perception_model = robot.perception_model;
+  metrics.decision_ms_median = Percentile(robot.decision_ms, 0.5);
+  metrics.decision_ms_p99 = Percentile(robot.decision_ms, 0.99);
+  if (!robot.state) return metrics;
+  metrics.goals_reached = robot.state->goals_reached.size();
+  metrics.goals_total = robot.state->goals_total;
+  metrics.cell_moves = robot.state->cell_moves;
+  metrics.low_level_steps = robot.state->low_level_steps;
+  metrics.pictures = robot.state->pictures;
+  metrics.picture_bytes = robot.state->picture_bytes;
+  metrics.time_s = robot.finished_at.value_or(robot.state->stamp).ToSeconds();
+  return metrics;
+}
+
+EpisodeMetrics Measure(const Episode& episode) {
+  EpisodeMetrics metrics;
+  metrics.all_goals_reached = episode.all_goals_reached();
+  for (const RobotRecord& robot : episode.robots) metrics.robots.push_back(MeasureRobot(robot));
+  metrics.before = {.mapping = 0.0, .cell = 0.0};
+  metrics.after = {.mapping = 0.0, .cell = 0.0};
+  int known = 0;
+  for (const WorldRecord& world : episode.worlds) {
+    if (!world.truth || !world.initial_map) continue;
+    const BeliefGrid initial = ToBelief(*world.initial_map);
+    const BeliefGrid& now = world.belief ? world.belief->wall_probability : initial;
+    const MapAccuracy before = CompareMaps(*world.truth, *world.initial_map, initial);
+    const MapAccuracy after = CompareMaps(*world.truth, *world.initial_map, now);
+    metrics.before.mapping += before.mapping;
+    metrics.before.cell += before.cell;
+    metrics.after.mapping += after.mapping;
+    metrics.after.cell += after.cell;
+    ++known;
+  }
+  if (known > 0) {
+    for (MapAccuracy* accuracy : {&metrics.before, &metrics.after}) {
+      accuracy->mapping /= known;
+      accuracy->cell /= known;
+    }
+  }
+  return metrics;
+}
+
+nlohmann::ordered_json ToJson(const EpisodeMetrics& metrics) {
+  nlohmann::ordered_json robots = nlohmann::ordered_json::array();
+  for (const RobotMetrics& robot : metrics.robots) {
+    robots.push_back({{"name", robot.name},
+                      {"world", robot.world},
+                      {"goals_reached", robot.goals_reached},
+                      {"goals_total", robot.goals_total},
+                      {"cell_moves", robot.cell_moves},
+                      {"low_level_steps", robot.low_level_steps},
+                      {"pictures", robot.pictures},
+                      {"picture_bytes", robot.picture_bytes},
+                      {"guidance", robot.guidance},
+                      {"decisions", robot.decisions},
+                      {"time_s", robot.time_s},
+                      {"decision_ms_median", robot.decision_ms_median},
+                      {"decision_ms_p99", robot.decision_ms_p99},
+                      {"perception_model", robot.perception_model}});
+  }
+  return {{"all_goals_reached", metrics.all_goals_reached},
+          {"mapping_accuracy_before", metrics.before.mapping},
+          {"mapping_accuracy_after", metrics.after.mapping},
+          {"cell_accuracy_before", metrics.before.cell},
+          {"cell_accuracy_after", metrics.after.cell},
+          {"robots", std::move(robots)}};
+}
+
+}  // namespace conav::launcher

@@ -1,0 +1,118 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/grid/grid.h"
+#include "common/grid/map_accuracy.h"
+#include "common/msg/planning.h"
+#include "common/msg/robot.h"
+#include "common/msg/supervision.h"
+
+namespace conav::launcher {
+
+/// A picture as far as the episode's record needs it.
+struct SentSnapshot {
+  Cell cell;
+  double heading_rad = 0.0;
+  bool streamed = false;
+};
+
+/// What was heard of one robot, from its first state to its newest.
+struct RobotRecord {
+  std::string name;
+  std::string world;
+  std::optional<RobotState> state;  // the newest; nothing heard yet without it
+  std::vector<Cell> goals;          // all that the first state names
+  std::vector<Cell> trajectory;     // cells in the order in which they were entered; start first
+  std::vector<SentSnapshot> pictures;
+  std::uint64_t newest_picture = 0;      // sequence number
+  std::uint64_t guidance_given = 0;      // newest guidance revision
+  std::uint64_t decisions = 0;           // number of the newest decision
+  std::vector<double> decision_ms;       // wall time of each decision heard
+  std::string perception_model;          // that answered the newest decision
+  std::vector<Cell> path_since_picture;  // of the newest state
+  std::optional<SimTime> finished_at;    // when it said first that it has no goals left
+
+  bool finished() const { return state && state->goals_left.empty(); }
+  bool reached_all() const;
+  Cell start() const { return trajectory.empty() ? Cell{} : trajectory.front(); }
+};
+
+/// What was heard of one world.
+struct WorldRecord {
+  std::string name;
+  std::optional<OccupancyGrid> truth;
+  std::optional<OccupancyGrid> initial_map;  // the operator's, before the first edit
+  std::optional<Belief> belief;              // the newest revision
+  std::uint64_t edits() const { return belief ? belief->revision : 0; }
+};
+
+/// A whole run as the launcher saw it, folded from messages.
+struct Episode {
+  std::vector<RobotRecord> robots;
+  std::vector<WorldRecord> worlds;
+
+  /// Every robot has said that it has no goals left.
+  bool finished() const;
+  /// Every robot reached its goals; goals that robots share count once for the team.
+  bool all_goals_reached() const;
+};
+
+/// `robots` robots in each of `worlds` worlds: r1.. numbered on over w1...
+Episode MakeEpisode(int robots_per_world, int worlds);
+
+/// Whether `state` tells more than the time; a robot's pose counts only with what it does.
+bool IsNews(const RobotRecord& robot, const RobotState& state);
+void Record(RobotRecord& robot, const RobotState& state);
+/// A picture that was recorded before changes nothing.
+void Record(RobotRecord& robot, const Snapshot& picture);
+void Record(RobotRecord& robot, const Guidance& guidance);
+void Record(RobotRecord& robot, const SearchReport& report);
+/// An older revision changes nothing.
+void Record(WorldRecord& world, const Belief& belief);
+
+/// The trajectory up to the newest state: the cells up to the newest picture, then those since.
+std::vector<Cell> WholeTrajectory(const RobotRecord& robot);
+
+/// The operator's map as free and occupied cells, see kWallThreshold.
+OccupancyGrid BeliefAsMap(const BeliefGrid& belief);
+
+/// The value below which `share` of the values lie (nearest rank); 0 without values.
+double Percentile(std::span<const double> values, double share);
+
+struct RobotMetrics {
+  std::string name;
+  std::string world;
+  std::uint64_t goals_reached = 0;
+  std::uint64_t goals_total = 0;
+  std::uint64_t cell_moves = 0;
+  std::uint64_t low_level_steps = 0;  // of 0.25 s
+  std::uint64_t pictures = 0;
+  std::uint64_t picture_bytes = 0;
+  std::uint64_t guidance = 0;
+  std::uint64_t decisions = 0;
+  double time_s = 0.0;  // simulation time until its goals were reached, or so far
+  double decision_ms_median = 0.0;
+  double decision_ms_p99 = 0.0;
+  std::string perception_model;  // that answered the newest decision; "fallback: glpf" among them
+};
+
+struct EpisodeMetrics {
+  bool all_goals_reached = false;
+  MapAccuracy before;  // means over the worlds whose maps are known
+  MapAccuracy after;
+  std::vector<RobotMetrics> robots;
+};
+
+RobotMetrics MeasureRobot(const RobotRecord& robot);
+EpisodeMetrics Measure(const Episode& episode);
+
+/// The object of --json without the facts that only the launcher knows (seed, method, ...).
+nlohmann::ordered_json ToJson(const EpisodeMetrics& metrics);
+
+}  // namespace conav::launcher

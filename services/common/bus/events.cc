@@ -1,0 +1,84 @@
+#include "common/bus/events.h"
+
+#include <exception>
+#include <map>
+
+namespace conav::bus {
+namespace {
+
+void LogEvent(const Event& event) {
+  switch (event.kind) {
+    case Event::Kind::kMatched:
+      LOG_DEBUG("matched", "topic", event.topic);
+      break;
+    case Event::Kind::kUnmatched:
+      LOG_DEBUG("unmatched", "topic", event.topic);
+      break;
+    case Event::Kind::kLivelinessLost:
+      LOG_WARNING("liveliness lost", "topic", event.topic);
+      break;
+    case Event::Kind::kLivelinessGained:
+      LOG_DEBUG("liveliness gained", "topic", event.topic);
+      break;
+    case Event::Kind::kIncompatibleQos:
+      LOG_WARNING("incompatible QoS", "topic", event.topic, "policy", event.detail);
+      break;
+  }
+}
+
+}  // namespace
+
+void EventLog::Add(Event event) {
+  LogEvent(event);
+  const std::lock_guard lock(mutex_);
+  if (events_.size() >= kLimit) events_.erase(events_.begin());
+  events_.push_back(std::move(event));
+}
+
+std::vector<Event> EventLog::Take() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(events_, {});
+}
+
+void EventLog::Malformed(const EndpointOptions& endpoint, std::uint64_t count) {
+  if (!malformed_logged_.Allow()) return;
+  LOG_WARNING("malformed payload dropped", "topic", endpoint.topic, "type", endpoint.type.name,
+              "count", count);
+}
+
+namespace {
+
+std::string PolicyName(std::uint32_t policy) {
+  static const std::map<std::uint32_t, std::string> names = {
+      {2, "durability"},         {4, "deadline"},
+      {5, "latency budget"},     {6, "ownership"},
+      {8, "liveliness"},         {11, "reliability"},
+      {12, "destination order"}, {23, "data representation"}};
+  const auto found = names.find(policy);
+  return found != names.end() ? found->second : "policy " + std::to_string(policy);
+}
+
+}  // namespace
+
+void EndpointEvents::Matched(int change) noexcept {
+  if (change > 0) Add(Event::Kind::kMatched, {});
+  if (change < 0) Add(Event::Kind::kUnmatched, {});
+}
+
+void EndpointEvents::Liveliness(int alive_change, int not_alive_change) noexcept {
+  if (not_alive_change > 0) Add(Event::Kind::kLivelinessLost, {});
+  if (alive_change > 0) Add(Event::Kind::kLivelinessGained, {});
+}
+
+void EndpointEvents::IncompatibleQos(std::uint32_t policy) noexcept try {
+  Add(Event::Kind::kIncompatibleQos, PolicyName(policy));
+} catch (const std::exception&) {
+}
+
+void EndpointEvents::Add(Event::Kind kind, const std::string& detail) noexcept try {
+  log_.Add({kind, topic_, detail});
+} catch (const std::exception&) {
+  // out of memory: an event less
+}
+
+}  // namespace conav::bus

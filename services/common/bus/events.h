@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "common/bus/backend.h"
+#include "common/runtime/log.h"
+
+namespace conav::bus {
+
+/// Collects the connection events of one participant and writes a log line for each: a warning for
+/// incompatible QoS and lost liveliness, debug for the rest.
+/// Threads: safe to call concurrently; called from receive threads.
+class EventLog {
+ public:
+  void Add(Event event);
+  /// The events since the last call, oldest first; at most kLimit, the oldest are forgotten.
+  std::vector<Event> Take();
+
+  /// Logs a payload that was dropped, at most once a second over all topics.
+  void Malformed(const EndpointOptions& endpoint, std::uint64_t count);
+
+  static constexpr std::size_t kLimit = 1000;
+
+ private:
+  LogLimit malformed_logged_;
+  std::mutex mutex_;  // guards events_
+  std::vector<Event> events_;
+};
+
+/// Turns what the vendors report about one writer or reader into Events. Never throws.
+/// Threads: as EventLog.
+class EndpointEvents {
+ public:
+  EndpointEvents(EventLog& log, std::string topic) : log_(log), topic_(std::move(topic)) {}
+
+  /// Changes of the counts of matched, alive and not alive others since the last report.
+  void Matched(int change) noexcept;
+  void Liveliness(int alive_change, int not_alive_change) noexcept;
+  /// `policy` as numbered in the DDS specification (DDS 1.4, 2.3.3), equal in both vendors.
+  void IncompatibleQos(std::uint32_t policy) noexcept;
+
+  const std::string& topic() const { return topic_; }
+
+ private:
+  void Add(Event::Kind kind, const std::string& detail) noexcept;
+
+  EventLog& log_;
+  const std::string topic_;
+};
+
+}  // namespace conav::bus

@@ -1,0 +1,249 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/grid/grid.h"
+#include "common/msg/robot.h"
+#include "common/runtime/clock.h"
+
+/// Domain values of the operator's side of the bus; idl/conav_operator.idl says who sends them and
+/// when.
+namespace conav {
+
+/// The operator's map. Revision 0 is the initial one; each accepted edit adds one.
+struct Belief {
+  SimTime stamp;
+  std::string world;
+  std::uint64_t revision = 0;
+  BeliefGrid wall_probability;
+  std::string edited_by;
+  bool operator==(const Belief&) const = default;
+};
+
+/// The path that the operator wants a robot to take; an empty path withdraws it.
+struct Guidance {
+  SimTime stamp;
+  std::string world;
+  std::string robot;
+  std::uint64_t revision = 0;
+  std::vector<Cell> path;
+  std::string given_by;
+  std::uint64_t belief_revision = 0;
+  /// Newest picture that was answered, by this or before; Picture::sequence_number, 0 = none.
+  std::uint64_t answers_snapshot = 0;
+  SimTime valid_until;
+  bool operator==(const Guidance&) const = default;
+};
+
+struct CellEdit {
+  Cell cell;
+  bool wall = false;
+  bool operator==(const CellEdit&) const = default;
+};
+
+struct EditRequest {
+  std::uint64_t base_revision = 0;
+  std::vector<CellEdit> edits;
+  bool operator==(const EditRequest&) const = default;
+};
+
+struct GuideRequest {
+  std::string robot;
+  std::vector<Cell> path;
+  std::uint64_t answers_snapshot = 0;
+  double valid_for_s = 0.0;
+  bool operator==(const GuideRequest&) const = default;
+};
+
+/// One low-level action that `robot` shall carry out before `expires_at`.
+struct DriveRequest {
+  std::string robot;
+  DriveAction drive = DriveAction::kStop;
+  SimTime expires_at;
+  bool operator==(const DriveRequest&) const = default;
+};
+
+/// A DriveRequest that the operator service passes on to the planner.
+struct DriveOrder {
+  SimTime stamp;
+  std::string world;
+  std::string robot;
+  std::uint64_t sequence_number = 0;  // rises with each order of a robot
+  DriveAction drive = DriveAction::kStop;
+  std::string given_by;
+  SimTime expires_at;
+  bool operator==(const DriveOrder&) const = default;
+};
+
+/// Why something asks for the operator. Robots ask for the first four, kNone = no more; the operator
+/// service finds the rest.
+enum class AttentionReason : std::uint8_t {
+  kNone = 0,
+  kPicture = 1,
+  kBlocked = 2,
+  kNoGuidance = 3,
+  kFirstPath = 4,
+  kCommandFailed = 5,
+  kLinkLost = 6,
+  kGoalsReached = 7,
+};
+
+/// The person turns to an item of the attention queue.
+struct SelectRequest {
+  std::string robot;
+  AttentionReason reason = AttentionReason::kPicture;
+  bool operator==(const SelectRequest&) const = default;
+};
+
+/// A picture was looked at and shows nothing new: the robot's path stays as it is.
+struct AnswerRequest {
+  std::string robot;
+  std::uint64_t snapshot = 0;  // Snapshot::sequence_number
+  bool operator==(const AnswerRequest&) const = default;
+};
+
+/// `robots` stand until a GoRequest; none = all. So with the requests below.
+struct StopRequest {
+  std::vector<std::string> robots;
+  std::string reason;
+  bool operator==(const StopRequest&) const = default;
+};
+
+struct GoRequest {
+  std::vector<std::string> robots;
+  bool operator==(const GoRequest&) const = default;
+};
+
+/// From now on only this client commands `robots`; a reason is asked for where another one does.
+struct TakeControlRequest {
+  std::vector<std::string> robots;
+  std::string reason;
+  bool operator==(const TakeControlRequest&) const = default;
+};
+
+struct ReleaseControlRequest {
+  std::vector<std::string> robots;
+  bool operator==(const ReleaseControlRequest&) const = default;
+};
+
+struct AcknowledgeRequest {
+  std::uint64_t alert = 0;
+  bool operator==(const AcknowledgeRequest&) const = default;
+};
+
+struct ShelveRequest {
+  std::uint64_t alert = 0;
+  double duration_s = 0.0;  // wall time
+  bool operator==(const ShelveRequest&) const = default;
+};
+
+/// Whoever takes part in a task is done with it: only where the operator service runs one.
+struct FinishRequest {
+  bool operator==(const FinishRequest&) const = default;
+};
+
+/// Whether `robot` shall stand, whatever else was asked of it.
+struct StopOrder {
+  SimTime stamp;
+  std::string world;
+  std::string robot;
+  std::uint64_t revision = 0;
+  bool stopped = false;
+  std::string given_by;
+  std::string reason;
+  bool operator==(const StopOrder&) const = default;
+};
+
+/// What any client may ask of the operator service. (client, request_id) makes a repeat harmless.
+struct OperatorRequest {
+  SimTime stamp;
+  std::string client;
+  std::uint64_t request_id = 0;
+  std::string world;
+  std::variant<EditRequest, GuideRequest, DriveRequest, SelectRequest, AnswerRequest, StopRequest,
+               GoRequest, TakeControlRequest, ReleaseControlRequest, AcknowledgeRequest,
+               ShelveRequest, FinishRequest>
+      body;
+  bool operator==(const OperatorRequest&) const = default;
+};
+
+struct OperatorReply {
+  std::string client;
+  std::uint64_t request_id = 0;
+  bool accepted = false;
+  std::string reason;
+  std::uint64_t revision = 0;
+  bool operator==(const OperatorReply&) const = default;
+};
+
+struct AttentionRequest {
+  SimTime stamp;
+  std::string world;
+  std::string robot;
+  std::uint64_t sequence_number = 0;
+  AttentionReason reason = AttentionReason::kPicture;
+  Cell cell;
+  std::uint64_t newest_snapshot = 0;  // Snapshot::sequence_number of this robot when it asked
+  double value_lost_per_s = 0.0;
+  double expected_information = 0.0;
+  // When the robot goes on unanswered: one of them at most; both 0 = it waits for ever.
+  SimTime gives_up_at{};
+  double gives_up_after_s = 0.0;  // wall time after it asked
+  bool operator==(const AttentionRequest&) const = default;
+};
+
+/// One line of the attention queue.
+struct AttentionItem {
+  std::string world;
+  std::string robot;
+  AttentionReason reason = AttentionReason::kPicture;
+  std::uint8_t tier = 1;  // 1 = first
+  SimTime since;
+  SimTime deadline;               // 0 = none by the operator's time
+  double gives_up_after_s = 0.0;  // wall time after it asked; 0 = none by the wall clock
+  Cell cell;
+  std::uint64_t newest_snapshot = 0;
+  std::uint64_t source_sequence = 0;
+  double value_lost_per_s = 0.0;
+  double expected_information = 0.0;
+  double expected_interaction_s = 0.0;
+  double score = 0.0;
+  std::string selected_by;
+  bool operator==(const AttentionItem&) const = default;
+};
+
+/// How busy the operator is, in seconds of the operator's time; see idl/conav_operator.idl.
+struct OperatorWorkload {
+  std::uint32_t robots = 0;
+  std::uint64_t interactions = 0;
+  std::uint64_t abandoned = 0;
+  double observed_s = 0.0;
+  double busy_s = 0.0;
+  double interaction_time_s = 0.0;
+  double neglect_time_s = 0.0;
+  double waiting_time_s = 0.0;
+  double waiting_time_p95_s = 0.0;
+  double value_lost = 0.0;
+  double utilisation = 0.0;
+  double attended_robots = 0.0;
+  double fan_out = 0.0;
+  double fan_out_with_waits = 0.0;
+  double predicted_utilisation = 0.0;
+  double predicted_waiting_time_s = 0.0;
+  bool operator==(const OperatorWorkload&) const = default;
+};
+
+/// What asks for the operator, first first, and how busy the operator is.
+struct AttentionQueueState {
+  SimTime stamp;
+  std::uint64_t revision = 0;
+  std::string order;
+  std::vector<AttentionItem> items;
+  OperatorWorkload workload;
+  bool operator==(const AttentionQueueState&) const = default;
+};
+
+}  // namespace conav

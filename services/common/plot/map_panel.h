@@ -1,0 +1,61 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "common/grid/grid.h"
+#include "common/plot/svg.h"
+
+namespace conav {
+
+/// Attributes of the cells of a map.
+struct CellStyles {
+  std::string_view wall = "fill=\"#4a4a4a\"";
+  std::string_view free = "fill=\"#f4f4f4\"";
+  std::string_view unknown = "fill=\"#c8c8c8\"";
+};
+
+/// An arrow head, in cells, from where it stands.
+struct ArrowShape {
+  double length = 0.75;
+  double half_width = 0.3;
+};
+
+/// A grid map on a canvas: where its cells lie, and what is drawn on them. Lengths are in cells.
+class MapPanel {
+ public:
+  /// `corner`: the north-western one. `canvas` outlives the panel.
+  MapPanel(SvgCanvas& canvas, PixelPosition corner, double cell_pixels)
+      : canvas_(canvas), corner_(corner), cell_pixels_(cell_pixels) {}
+
+  PixelPosition Corner(Cell cell) const {
+    return {corner_.x + cell.column * cell_pixels_, corner_.y + cell.row * cell_pixels_};
+  }
+  PixelPosition Middle(Cell cell) const {
+    return {corner_.x + (cell.column + 0.5) * cell_pixels_,
+            corner_.y + (cell.row + 0.5) * cell_pixels_};
+  }
+
+  /// Leaves a line of a pixel to the next cell.
+  void DrawCell(Cell cell, std::string_view style) const;
+  void DrawMap(const OccupancyGrid& map, const CellStyles& styles = {}) const;
+  /// From kWallThreshold on a cell is a wall; none is unknown.
+  void DrawMap(const BeliefGrid& map, const CellStyles& styles = {}) const;
+  /// From middle to middle. `shift_pixels`, right and down, keeps several ways apart.
+  void DrawPath(std::span<const Cell> cells, std::string_view style,
+                double shift_pixels = 0.0) const;
+  /// `heading_rad` as on the map: 0 east, counter-clockwise.
+  void DrawArrow(PixelPosition from, double heading_rad, const ArrowShape& shape,
+                 std::string_view style) const;
+  void DrawCross(PixelPosition middle, double reach, std::string_view style) const;
+  void DrawRing(PixelPosition middle, double radius, std::string_view style) const;
+  /// With five points.
+  void DrawStar(PixelPosition middle, std::string_view style) const;
+
+ private:
+  SvgCanvas& canvas_;
+  PixelPosition corner_;
+  double cell_pixels_;
+};
+
+}  // namespace conav

@@ -1,0 +1,140 @@
+#include "nhpm/dataset/annotators.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace conav::nhpm {
+namespace {
+
+struct SpreadField {
+  const char* name;
+  ParameterSpread AnnotatorKind::*spread;
+  double low;
+  double high;
+};
+
+/// The parameters of a PictureReader with the ends of their ranges, in the order of the draws.
+constexpr std::array<SpreadField, 13> kReaderFields{{
+    {"edit_probability", &AnnotatorKind::edit_probability, 0.0, 1.0},
+    {"decay_cells", &AnnotatorKind::decay_cells, 0.1, 1e6},
+    {"path_removal_probability", &AnnotatorKind::path_removal_probability, 0.0, 1.0},
+    {"far_centre_probability", &AnnotatorKind::far_centre_probability, 0.0, 1.0},
+    {"far_cells", &AnnotatorKind::far_cells, 0.0, 1e6},
+    {"centre_deg", &AnnotatorKind::centre_deg, 0.0, 180.0},
+    {"lateral_factor", &AnnotatorKind::lateral_factor, 0.0, 1.0},
+    {"lateral_deg", &AnnotatorKind::lateral_deg, 0.0, 180.0},
+    {"misplacement_probability", &AnnotatorKind::misplacement_probability, 0.0, 1.0},
+    {"near_cells", &AnnotatorKind::near_cells, 0.0, 1e6},
+    {"lapse_probability", &AnnotatorKind::lapse_probability, 0.0, 1.0},
+    {"guess_probability", &AnnotatorKind::guess_probability, 0.0, 1.0},
+    {"edit_limit", &AnnotatorKind::edit_limit, 0.0, 1000.0},
+}};
+constexpr SpreadField kExtraPictures{"extra_pictures", &AnnotatorKind::extra_pictures, 0.0, 1000.0};
+
+/// A ParameterSpread in a file, whose mean must be in the parameter's range.
+struct RangedSpread {
+  ParameterSpread& spread;
+  double low;
+  double high;
+
+  void Visit(ConfigReader& reader) {
+    reader.Field("mean", spread.mean, low, high);
+    reader.Field("deviation", spread.deviation, 0.0, 1e6);
+  }
+};
+
+/// Mean 0, variance 1, within +-6: twelve uniform numbers, plain additions: no function of the C library.
+double BellShaped(Random& random) {
+  double sum = -6.0;
+  for (int i = 0; i < 12; ++i) sum += random.Unit();
+  return sum;
+}
+
+double DrawValue(const AnnotatorKind& kind, const SpreadField& field, Random& random) {
+  const ParameterSpread& spread = kind.*field.spread;
+  return std::clamp(spread.mean + spread.deviation * BellShaped(random), field.low, field.high);
+}
+
+}  // namespace
+
+void AnnotatorKind::Visit(ConfigReader& reader) {
+  const auto visit = [&](const SpreadField& field) {
+    RangedSpread ranged{this->*field.spread, field.low, field.high};
+    reader.Section(field.name, ranged);
+  };
+  for (const SpreadField& field : kReaderFields) visit(field);
+  visit(kExtraPictures);
+}
+
+AnnotatorKind CarelessKind() {
+  AnnotatorKind kind;
+  kind.edit_probability = {0.35, 0.15};
+  kind.decay_cells = {4.0, 1.0};
+  kind.path_removal_probability = {0.5, 0.2};
+  kind.far_centre_probability = {0.5, 0.15};
+  kind.misplacement_probability = {0.6, 0.15};
+  kind.lapse_probability = {0.4, 0.15};
+  kind.guess_probability = {0.3, 0.15};
+  kind.edit_limit = {3.0, 1.0};
+  kind.extra_pictures = {5.0, 3.0};
+  return kind;
+}
+
+void AnnotatorPopulation::Visit(ConfigReader& reader) {
+  reader.Section("careful", careful);
+  reader.Section("careless", careless);
+  reader.Field("careless_share", careless_share, 0.0, 1.0);
+}
+
+AnnotatorPopulation ReadPopulation(const std::filesystem::path& file) {
+  AnnotatorPopulation population;
+  ReadConfig(LoadParameters(file, "annotators"), file.string() + ": annotators", population);
+  return population;
+}
+
+Annotator DrawAnnotator(const AnnotatorPopulation& population, Random& random) {
+  const AnnotatorKind& kind =
+      random.Chance(population.careless_share) ? population.careless : population.careful;
+  std::map<std::string, double> values;
+  for (const SpreadField& field : kReaderFields) {
+    values[field.name] = DrawValue(kind, field, random);
+  }
+  values["edit_limit"] = std::round(values["edit_limit"]);
+  const auto reader = FromNamedValues(values);
+  DEMAND(reader.has_value());  // kReaderFields names them all and keeps to their ranges
+  return {*reader, static_cast<int>(std::lround(DrawValue(kind, kExtraPictures, random)))};
+}
+
+std::map<std::string, double> ToNamedValues(operators::PictureReaderParameters parameters) {
+  ConfigReader writer;
+  parameters.Visit(writer);
+  std::map<std::string, double> values;
+  for (const auto& entry : writer.emitted()) {
+    values[entry.first.as<std::string>()] = entry.second.as<double>();
+  }
+  return values;
+}
+
+Result<operators::PictureReaderParameters> FromNamedValues(
+    const std::map<std::string, double>& values) {
+  operators::PictureReaderParameters parameters;
+  YAML::Node node(YAML::NodeType::Map);
+  for (const auto& [name, value] : ToNamedValues(parameters)) {
+    const auto given = values.find(name);
+    if (given == values.end()) {
+      return Fail(ErrorCode::kInvalidArgument, fmt::format("annotator: no value for '{}'", name));
+    }
+  }
+  for (const auto& [name, value] : values) node[name] = value;
+  try {
+    ReadConfig(node, "annotator", parameters);
+  } catch (const StartupError& error) {
+    return Fail(ErrorCode::kInvalidArgument, error.what());
+  }
+  return parameters;
+}
+
+}  // namespace conav::nhpm

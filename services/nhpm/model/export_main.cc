@@ -1,0 +1,42 @@
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "common/cli/cli.h"
+#include "nhpm/model/onnx_export.h"
+
+// conav-export: a weights file in a format that other programs read.
+
+namespace conav::nhpm {
+namespace {
+
+constexpr const char* kProgram = "conav export";
+
+int Export(const std::filesystem::path& weights, const std::filesystem::path& onnx) {
+  const int code = CheckFiles(kProgram, {{"--weights", weights}}, {{"--onnx", onnx}});
+  if (code != 0) return code;
+  const auto written = ReadWeightsFile(weights).and_then(
+      [&](const NetworkModel& model) { return WriteOnnxFile(onnx, model); });
+  return ExitCode(kProgram, written);
+}
+
+}  // namespace
+}  // namespace conav::nhpm
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Writes the network of a weights file as ONNX, for OpenCV, onnxruntime and others: input "
+      "\"input\" [batch, 4, rows, columns], output \"probabilities\" [batch, 2, rows, columns] "
+      "before "
+      "masking. Exit codes: 0 done; 1 failed; 2 wrong use.",
+      "conav export");
+  std::filesystem::path weights;
+  std::filesystem::path onnx;
+  app.add_option("--weights", weights, "Weights file, as conav train makes it")->required();
+  app.add_option("--onnx", onnx, "File to write")->required();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  return conav::nhpm::Export(weights, onnx);
+}

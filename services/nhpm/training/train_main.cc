@@ -1,0 +1,182 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/cli/cli.h"
+#include "common/runtime/threads.h"
+#include "nhpm/model/encoding.h"
+#include "nhpm/training/adapt_command.h"
+#include "nhpm/training/train_command.h"
+
+// conav-train: learns the weights of the NHPM from a segment file.
+
+namespace {
+
+using conav::nhpm::LearningRateSchedule;
+using conav::nhpm::TrainArguments;
+using conav::nhpm::TrainingOptions;
+
+struct Flags {
+  TrainArguments train;
+  conav::nhpm::AdaptArguments adapt;
+  bool adapts = false;
+  std::vector<std::string> without;
+  std::string schedule = "constant";
+  bool no_svg = false;
+};
+
+void AddNetworkFlags(CLI::App& app, Flags& flags) {
+  TrainingOptions& options = flags.train.options;
+  app.add_option("--width", options.width, "Channels of the hidden layers")
+      ->capture_default_str()
+      ->check(CLI::IsMember({16, 32, 64}));
+  app.add_option("--without", flags.without,
+                 "Inputs that the network shall not see, for ablations: tau (the path), o (the "
+                 "view), x (the map)")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"tau", "o", "x"}));
+  app.add_flag("--any-size", flags.train.any_size,
+               "Let the weights answer for maps of any size, not only of the size trained on");
+}
+
+void AddOptimiserFlags(CLI::App& app, Flags& flags) {
+  TrainingOptions& options = flags.train.options;
+  app.add_option("--epochs", options.epochs, "Passes over the data, at most")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000000));
+  app.add_option("--patience", options.patience,
+                 "Stop after so many epochs without a better validation loss; 0 = never")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 1000000));
+  app.add_option("--batch", options.batch, "Segments per step")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000000));
+  app.add_option("--learning-rate", options.learning_rate, "Of Adam")
+      ->capture_default_str()
+      ->check(CLI::Range(1e-9, 10.0));  // which takes nan: see WrongUse
+  app.add_option("--schedule", flags.schedule,
+                 "constant, or linear: the learning rate falls to 0 over --epochs")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"constant", "linear"}));
+  app.add_option("--seed", options.seed, "Of first weights, order and turning of segments")
+      ->check(conav::WholeNumber())
+      ->capture_default_str();
+  app.add_option("--split-seed", flags.train.split_seed,
+                 "Decides which trajectories are for learning, validation and test")
+      ->check(conav::WholeNumber())
+      ->capture_default_str();
+}
+
+void AddFileFlags(CLI::App& app, Flags& flags) {
+  TrainArguments& train = flags.train;
+  app.add_option("--data", train.data, "Segment file, as conav dataset makes it")->required();
+  app.add_option("--out", train.out, "Weights file to write; required but for --each");
+  app.add_option("--json", train.json, "Write the figures to this file, - = standard output");
+  auto* svg = app.add_option("--svg", train.svg, "Draw the losses into this file (OUT.svg)");
+  app.add_flag("--no-svg", flags.no_svg, "Draw no losses")->excludes(svg);
+  app.add_flag("--fresh", train.fresh, "Start anew, whatever OUT.checkpoint holds");
+  app.add_flag("--overwrite", train.overwrite,
+               "Replace weights of another training that OUT holds");
+  train.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  app.add_option("--threads", train.threads, "The result is the same on any number")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 256));
+}
+
+void AddAdaptFlags(CLI::App& app, Flags& flags) {
+  auto* base = app.add_option("--base", flags.adapt.base, "Weights file that --adapt starts from");
+  auto* adapt = app.add_flag(
+      "--adapt", flags.adapts,
+      "Fine-tune the last two layers of --base to one participant of the data; how far "
+      "and how long is chosen by cross-validation, never worse there than the base");
+  base->needs(adapt);
+  adapt->needs(base);
+  auto* participant =
+      app.add_option("--participant", flags.adapt.participant,
+                     "To whom --adapt adapts; may be left out if there is only one");
+  auto* each = app.add_flag(
+      "--each", flags.adapt.each,
+      "With --adapt: print for each participant what adapting to half of the trajectories "
+      "gains on the other half; writes no weights");
+  each->needs(adapt)->excludes(participant);
+  app.add_option("--general", flags.adapt.general,
+                 "With --each: segments of everybody that the base never saw; prints what adapting "
+                 "loses on them")
+      ->needs(each);
+  participant->needs(adapt);
+}
+
+/// Options that go into RunTrain only.
+std::string TrainOnlyFlag(const CLI::App& app) {
+  for (const char* flag :
+       {"--width", "--without", "--any-size", "--epochs", "--patience", "--batch",
+        "--learning-rate", "--schedule", "--split-seed", "--svg", "--no-svg", "--fresh"}) {
+    if (app.count(flag) > 0) return flag;
+  }
+  return {};
+}
+
+/// The message of wrong use that CLI11 does not find.
+std::string WrongUse(const CLI::App& app, const Flags& flags) {
+  const bool writes = !flags.adapt.each;
+  if (writes && flags.train.out.empty()) return "--out is required";
+  if (!writes && !flags.train.out.empty()) return "--each writes no weights: no --out";
+  const std::string flag = TrainOnlyFlag(app);
+  if (flags.adapts && !flag.empty()) return flag + " does not go with --adapt";
+  if (std::isnan(flags.train.options.learning_rate)) return "--learning-rate is no number";
+  const std::set<std::string> without(flags.without.begin(), flags.without.end());
+  if (without.size() == 3) return "--without tau,o,x: the network would see nothing";
+  return {};
+}
+
+/// What follows from the flags together.
+void Complete(Flags& flags) {
+  TrainArguments& train = flags.train;
+  flags.adapt.data = train.data;
+  flags.adapt.out = train.out;
+  flags.adapt.json = train.json;
+  flags.adapt.overwrite = train.overwrite;
+  flags.adapt.threads = train.threads;
+  flags.adapt.seed = train.options.seed;
+  for (const std::string& name : flags.without) {
+    conav::nhpm::InputOf(train.inputs, name) = false;
+  }
+  if (flags.schedule == "linear") train.options.schedule = LearningRateSchedule::kLinear;
+  if (train.svg.empty() && !flags.no_svg) train.svg = train.out.string() + ".svg";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Learns how people edit their map from a segment file and writes the weights that conav-nhpm "
+      "serves. The defaults are the paper's (Appendix B). The split into learning, validation and "
+      "test is by trajectory; the weights kept are those of the lowest validation loss.\n"
+      "After a kill or Ctrl-C the same command goes on from OUT.checkpoint and ends with the same "
+      "weights. Exit codes: 0 done; 1 failed or stopped; 2 wrong use.",
+      "conav train");
+  Flags flags;
+  AddFileFlags(app, flags);
+  AddNetworkFlags(app, flags);
+  AddOptimiserFlags(app, flags);
+  AddAdaptFlags(app, flags);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  if (const std::string wrong = WrongUse(app, flags); !wrong.empty()) {
+    fmt::print(stderr, "conav train: {}\n", wrong);
+    return 2;
+  }
+  Complete(flags);
+  conav::InstallStopSignals();
+  if (flags.adapts) return conav::nhpm::RunAdapt(flags.adapt, conav::ProcessStopToken());
+  return conav::nhpm::RunTrain(flags.train, conav::ProcessStopToken());
+}

@@ -1,0 +1,262 @@
+#include "nhpm/training/train_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "common/cli/progress_line.h"
+#include "common/plot/svg.h"
+#include "nhpm/model/encoding.h"
+#include "nhpm/training/checkpoint.h"
+
+namespace conav::nhpm {
+
+Result<void> CheckReplaceable(const std::filesystem::path& out,
+                              const std::map<std::string, std::string>& settings) {
+  const auto finished = ReadWeightsFile(out);
+  if (!finished && finished.error().code == ErrorCode::kNotFound) return {};
+  if (!finished) {
+    return Fail(ErrorCode::kRefused,
+                fmt::format("{}; --overwrite replaces it", finished.error().text));
+  }
+  std::map<std::string, std::string> there;
+  for (const auto& [name, value] : finished->training) {
+    const bool of_adapting = std::ranges::find(kAdaptSettings, name) != std::end(kAdaptSettings);
+    if (of_adapting || settings.contains(name)) there[name] = value;
+  }
+  const std::string difference = DifferenceText(there, settings);
+  if (difference.empty()) return {};
+  return Fail(ErrorCode::kRefused, fmt::format("{} holds weights of another training: {}; "
+                                               "--overwrite replaces them",
+                                               out.string(), difference));
+}
+
+namespace {
+
+constexpr double kWidth = 760.0;
+constexpr double kHeight = 420.0;
+constexpr double kLeft = 76.0;
+constexpr double kRight = 24.0;
+constexpr double kTop = 56.0;
+constexpr double kBottom = 52.0;
+constexpr const char* kTrainColour = "#1b6ca8";
+constexpr const char* kValidationColour = "#c2541b";
+constexpr const char* kLabelStyle = "font-size=\"12\" fill=\"#333333\"";
+
+/// Where losses and epochs lie on the picture.
+class Axes {
+ public:
+  explicit Axes(const std::vector<EpochReport>& epochs)
+      : last_epoch_(std::max(2.0, static_cast<double>(epochs.size()))) {
+    for (const EpochReport& epoch : epochs) {
+      Include(epoch.train_loss);
+      Include(epoch.validation_loss);
+    }
+    low_ /= 1.1;
+    high_ *= 1.1;
+  }
+
+  PixelPosition At(int epoch, double loss) const {
+    const double across = (epoch - 1) / (last_epoch_ - 1.0);
+    const double up = std::log(std::max(loss, low_) / low_) / std::log(high_ / low_);
+    return {kLeft + across * (kWidth - kLeft - kRight),
+            kHeight - kBottom - up * (kHeight - kTop - kBottom)};
+  }
+
+  /// 1, 2 and 5 times powers of ten.
+  std::vector<double> LossTicks() const {
+    std::vector<double> ticks;
+    for (int power = -12; power < 4; ++power) {
+      for (const double digit : {1.0, 2.0, 5.0}) {
+        const double tick = digit * std::pow(10.0, power);
+        if (tick > low_ && tick < high_) ticks.push_back(tick);
+      }
+    }
+    return ticks;
+  }
+
+  std::vector<int> EpochTicks() const {
+    const int last = static_cast<int>(last_epoch_);
+    const int step = std::max(1, (last + 7) / 8);
+    std::vector<int> ticks{1};
+    for (int epoch = step; epoch <= last; epoch += step) {
+      if (epoch > 1) ticks.push_back(epoch);
+    }
+    return ticks;
+  }
+
+ private:
+  void Include(double loss) {
+    const double shown = std::max(loss, 1e-12);
+    low_ = std::min(low_, shown);
+    high_ = std::max(high_, shown);
+  }
+
+  double last_epoch_;
+  double low_ = 1e9;
+  double high_ = 1e-12;
+};
+
+void DrawAxes(SvgCanvas& canvas, const Axes& axes) {
+  for (const double loss : axes.LossTicks()) {
+    const double y = axes.At(1, loss).y;
+    canvas.Line({kLeft, y}, {kWidth - kRight, y}, "stroke=\"#dddddd\"");
+    canvas.Text({kLeft - 8, y + 4}, fmt::format("{:g}", loss),
+                fmt::format("{} text-anchor=\"end\"", kLabelStyle));
+  }
+  const double bottom = kHeight - kBottom;
+  for (const int epoch : axes.EpochTicks()) {
+    const double x = axes.At(epoch, 1.0).x;
+    canvas.Line({x, bottom}, {x, bottom + 5}, "stroke=\"#333333\"");
+    canvas.Text({x, bottom + 19}, fmt::format("{}", epoch),
+                fmt::format("{} text-anchor=\"middle\"", kLabelStyle));
+  }
+  canvas.Line({kLeft, bottom}, {kWidth - kRight, bottom}, "stroke=\"#333333\"");
+  canvas.Text({(kLeft + kWidth - kRight) / 2, kHeight - 12}, "epoch",
+              fmt::format("{} text-anchor=\"middle\"", kLabelStyle));
+}
+
+void DrawLoss(SvgCanvas& canvas, const Axes& axes, const std::vector<EpochReport>& epochs,
+              double EpochReport::*loss, const char* colour) {
+  std::vector<PixelPosition> line;
+  for (const EpochReport& epoch : epochs) line.push_back(axes.At(epoch.epoch, epoch.*loss));
+  if (line.size() == 1) line.push_back({line[0].x + 4, line[0].y});
+  canvas.Polyline(line, fmt::format("stroke=\"{}\" stroke-width=\"1.8\"", colour));
+}
+
+void DrawLegend(SvgCanvas& canvas, const TrainingState& state) {
+  const double x = kWidth - kRight - 250;
+  canvas.Line({x, kTop + 6}, {x + 22, kTop + 6},
+              fmt::format("stroke=\"{}\" stroke-width=\"3\"", kTrainColour));
+  canvas.Text({x + 30, kTop + 10}, "MBCE, training", kLabelStyle);
+  canvas.Line({x, kTop + 26}, {x + 22, kTop + 26},
+              fmt::format("stroke=\"{}\" stroke-width=\"3\"", kValidationColour));
+  canvas.Text({x + 30, kTop + 30},
+              fmt::format("MBCE, validation (best {:.5f}, epoch {})", BestValidationLoss(state),
+                          state.best_epoch),
+              kLabelStyle);
+}
+
+}  // namespace
+
+std::string LossCurve(const TrainingState& state, const std::string& title) {
+  DEMAND(!state.epochs.empty());
+  const Axes axes(state.epochs);
+  SvgCanvas canvas;
+  canvas.Text({kLeft, 30}, title, "font-size=\"16\" fill=\"#000000\"");
+  DrawAxes(canvas, axes);
+  DrawLoss(canvas, axes, state.epochs, &EpochReport::train_loss, kTrainColour);
+  DrawLoss(canvas, axes, state.epochs, &EpochReport::validation_loss, kValidationColour);
+  canvas.Circle(axes.At(state.best_epoch, BestValidationLoss(state)), 4.5,
+                fmt::format("fill=\"{}\"", kValidationColour));
+  DrawLegend(canvas, state);
+  return canvas.Document(kWidth, kHeight, title);
+}
+
+namespace {
+
+double LossOf(const NetworkWeights& weights, const ExampleSet& set, int threads) {
+  BatchPass pass(weights.shape, set.rows, set.columns, threads);
+  return pass.MeanLoss(TrainingWeights(weights), set.examples);
+}
+
+const char* StopReason(const TrainArguments& arguments, const TrainingState& state) {
+  const bool all = static_cast<int>(state.epochs.size()) >= arguments.options.epochs;
+  return all ? "all epochs done" : "no better validation loss";
+}
+
+nlohmann::ordered_json ToJson(const EpochReport& epoch) {
+  return {{"epoch", epoch.epoch},
+          {"train_mbce", epoch.train_loss},
+          {"validation_mbce", epoch.validation_loss}};
+}
+
+}  // namespace
+
+nlohmann::ordered_json ReportJson(const TrainArguments& arguments, const TrainingOutcome& outcome,
+                                  const TrainingState& state) {
+  nlohmann::ordered_json document{{"weights", arguments.out.string()},
+                                  {"checksum", ChecksumOf(outcome.model)},
+                                  {"data_origin", outcome.model.data_origin},
+                                  {"training", outcome.model.training},
+                                  {"best_epoch", state.best_epoch},
+                                  {"validation_mbce", BestValidationLoss(state)},
+                                  {"test_mbce", outcome.test_loss},
+                                  {"threads", arguments.threads},
+                                  {"seconds", outcome.seconds},
+                                  {"epochs", nlohmann::ordered_json::array()}};
+  for (const EpochReport& epoch : state.epochs) document["epochs"].push_back(ToJson(epoch));
+  return document;
+}
+
+std::map<std::string, std::string> SettingsOf(const TrainArguments& arguments,
+                                              const TrainingData& data) {
+  const TrainingOptions& options = arguments.options;
+  const bool linear = options.schedule == LearningRateSchedule::kLinear;
+  return {{"data_sha256", data.checksum},
+          {"trajectories", fmt::format("{}", data.trajectories)},
+          {"train_segments", fmt::format("{}", data.train.examples.size())},
+          {"validation_segments", fmt::format("{}", data.validation.examples.size())},
+          {"test_segments", fmt::format("{}", data.test.examples.size())},
+          {"split_seed", fmt::format("{}", arguments.split_seed)},
+          {"inputs", SeenInputs(arguments.inputs)},
+          {"width", fmt::format("{}", options.width)},
+          {"epochs", fmt::format("{}", options.epochs)},
+          {"batch", fmt::format("{}", options.batch)},
+          {"learning_rate", fmt::format("{}", options.learning_rate)},
+          {"schedule", linear ? "linear" : "constant"},
+          {"patience", fmt::format("{}", options.patience)},
+          {"seed", fmt::format("{}", options.seed)}};
+}
+
+TrainingOutcome OutcomeOf(const TrainArguments& arguments, const TrainingData& data,
+                          const TrainingState& state, double seconds) {
+  TrainingOutcome outcome;
+  outcome.test_loss = LossOf(state.best, data.test, arguments.threads);
+  outcome.seconds = seconds;
+  NetworkModel& model = outcome.model;
+  model.weights = state.best;
+  model.inputs = arguments.inputs;
+  if (!arguments.any_size) {
+    model.rows = data.train.rows;
+    model.columns = data.train.columns;
+  }
+  model.data_origin = data.origin;
+  model.version = fmt::format("width {}, {} data {}, seed {}", arguments.options.width, data.origin,
+                              data.checksum.substr(0, 8), arguments.options.seed);
+  model.learned_from = data.learned_from;
+  model.training = SettingsOf(arguments, data);
+  model.training["epochs_done"] = fmt::format("{}", state.epochs.size());
+  model.training["best_epoch"] = fmt::format("{}", state.best_epoch);
+  model.training["stopped"] = StopReason(arguments, state);
+  model.training["validation_mbce"] = fmt::format("{:.8f}", BestValidationLoss(state));
+  model.training["test_mbce"] = fmt::format("{:.8f}", outcome.test_loss);
+  return outcome;
+}
+
+std::string CurveTitle(const TrainingOutcome& outcome) {
+  return fmt::format("{}: {}", outcome.model.name, outcome.model.version);
+}
+
+std::string SummaryText(const TrainArguments& arguments, const TrainingData& data,
+                        const TrainingOutcome& outcome, const TrainingState& state) {
+  std::string text = fmt::format(
+      "data        {} ({}): {} trajectories, {} segments to learn from, {} for validation, {} for "
+      "test\n"
+      "network     width {}, sees {}\n"
+      "trained     {} epochs in {} on {} {} ({})\n"
+      "best epoch  {}: MBCE {:.5f} on validation, {:.5f} on test\n"
+      "weights     {}  SHA-256 {}\n",
+      arguments.data.string(), data.origin, data.trajectories, data.train.examples.size(),
+      data.validation.examples.size(), data.test.examples.size(), arguments.options.width,
+      SeenInputs(arguments.inputs), state.epochs.size(), DurationText(outcome.seconds),
+      arguments.threads, arguments.threads == 1 ? "thread" : "threads",
+      StopReason(arguments, state), state.best_epoch, BestValidationLoss(state), outcome.test_loss,
+      arguments.out.string(), ChecksumOf(outcome.model));
+  if (!arguments.svg.empty()) text += fmt::format("curve       {}\n", arguments.svg.string());
+  return text;
+}
+
+}  // namespace conav::nhpm

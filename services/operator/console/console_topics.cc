@@ -1,0 +1,360 @@
+#include "operator/console/console_topics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "common/msg/convert.h"
+#include "common/runtime/file.h"
+#include "common/service/robot_list.h"
+#include "operator/console/command_log.h"
+#include "operator/console/console_messages.h"
+#include "operator/gateway/convert_request.h"
+#include "operator/simulated/operator_client.h"
+
+namespace conav::operators {
+namespace {
+
+constexpr std::uint32_t kTimeoutMs = 1000;
+
+bool LiesIn(const Belief& belief, const Snapshot& picture) {
+  const auto inside = [&](Cell cell) { return belief.wall_probability.Contains(cell); };
+  return inside(picture.cell) && std::ranges::all_of(picture.path, inside) &&
+         std::ranges::all_of(picture.visible.free, inside) &&
+         std::ranges::all_of(picture.visible.walls, inside);
+}
+
+}  // namespace
+
+PredictionClient::PredictionClient(bus::Participant& participant, const Clock& clock)
+    : clock_(clock),
+      client_(UniqueClientName("console")),
+      requests_(participant, bus::kPerceptionRequest),
+      replies_(participant, bus::kPerceptionReply) {}
+
+void PredictionClient::Ask(const Snapshot& picture, const Belief& belief) {
+  if (!LiesIn(belief, picture)) return;
+  Question question;
+  question.of = {picture.robot, picture.world, picture.sequence_number, belief.revision, "", {}};
+  question.rows = belief.wall_probability.rows();
+  question.columns = belief.wall_probability.columns();
+  question.request.client = client_;
+  question.request.request_id = ++last_id_;
+  question.request.timeout_ms = kTimeoutMs;
+  question.request.queries = {
+      {belief.wall_probability, picture.path, picture.cell, picture.heading_rad, picture.visible}};
+  Send(open_[picture.robot] = std::move(question));
+}
+
+void PredictionClient::Send(Question& question) {
+  ++question.tries;
+  question.repeat_at = clock_.Now() + kRepeat;
+  bus::Send(requests_, ToMessage(question.request));
+}
+
+std::vector<Prediction> PredictionClient::Step() {
+  std::vector<Prediction> predictions;
+  for (const auto& message : replies_.Take()) {
+    if (message.client() != client_) continue;
+    const auto asked = std::ranges::find_if(open_, [&](const auto& entry) {
+      return entry.second.request.request_id == message.request_id();
+    });
+    if (asked == open_.end()) continue;
+    const auto reply = ToDomain(message, asked->second.rows, asked->second.columns);
+    if (!reply || reply->status != PerceptionStatus::kOk || reply->answers.size() != 1) continue;
+    Prediction prediction = std::move(asked->second.of);
+    prediction.model = reply->model;
+    prediction.answer = reply->answers.front();
+    predictions.push_back(std::move(prediction));
+    open_.erase(asked);
+  }
+  for (auto entry = open_.begin(); entry != open_.end();) {
+    if (clock_.Now() >= entry->second.repeat_at && entry->second.tries >= kTries) {
+      entry = open_.erase(entry);
+      continue;
+    }
+    if (clock_.Now() >= entry->second.repeat_at) Send(entry->second);
+    ++entry;
+  }
+  return predictions;
+}
+
+namespace {
+
+constexpr auto kConvert = [](const auto& message) { return ToDomain(message); };
+constexpr std::uint32_t kMostEdits = 65536;  // cells of a request, as on the bus
+/// s; requests that were answered are remembered for longer, so that no repeat is carried out anew.
+constexpr double kLongestValid = 3600.0;
+constexpr double kDriveAdvisedAgainst = 0.3;  // s, round trip
+constexpr double kDriveRefused = 1.0;         // s, round trip
+
+console::Session NamedSession(const OperatorConfig& config) {
+  console::Session session = SessionOf(config.robots, config.method);
+  session.set_name(config.recording.session);
+  return session;
+}
+
+console::Mode ModeOf(const TaskOptions& task) {
+  if (!task.on()) return console::MODE_SUPERVISE;
+  return task.kind == "study" ? console::MODE_STUDY : console::MODE_MAPPING_TASK;
+}
+
+console::Welcome WelcomeOf(const OperatorConfig& config) {
+  console::Welcome welcome;
+  welcome.set_mode(ModeOf(config.task));
+  console::Limits* limits = welcome.mutable_limits();
+  const RequestLimits cells =
+      LimitsOf(static_cast<std::size_t>(config.console.max_message_kib) * 1024,
+               {kMostEdits, static_cast<std::uint32_t>(config.max_path_cells)});
+  limits->set_edit_cells(cells.edit_cells);
+  limits->set_path_cells(cells.path_cells);
+  limits->set_guidance_valid_for(config.max_guidance_s);
+  limits->set_control_time(config.control.control_s);
+  limits->set_drive_advised_against(kDriveAdvisedAgainst);
+  limits->set_drive_refused(kDriveRefused);
+  return welcome;
+}
+
+/// When something was said, as pages are told: hosts' clocks may differ, but nothing comes before it
+/// was said.
+double ReceivedAt(bus::SourceTime source) { return std::min(ToWallSeconds(source), WallSeconds()); }
+
+}  // namespace
+
+struct ConsoleTopics::RobotLink {
+  RobotLink(bus::Participant& participant, const std::string& name, const std::string& world)
+      : name(name),
+        world(world),
+        map(participant, bus::kRobotMap, name),
+        plan(participant, bus::kPlan, name),
+        search(participant, bus::kSearchReport, name),
+        snapshot(participant, bus::kSnapshot, name),
+        image(participant, bus::kCameraImage, name),
+        goal_pose(participant, bus::kGoalPose, name) {}
+
+  std::string name;
+  std::string world;
+  bus::Subscriber<nav_msgs::msg::OccupancyGrid> map;
+  bus::Subscriber<nav_msgs::msg::Path> plan;
+  bus::Subscriber<conav_msgs::msg::SearchReport> search;
+  bus::Subscriber<conav_msgs::msg::Snapshot> snapshot;
+  bus::Subscriber<sensor_msgs::msg::CompressedImage> image;
+  bus::Subscriber<geometry_msgs::msg::PoseStamped> goal_pose;
+  std::optional<GridGeometry> geometry;  // of its world
+  Cell cell;
+  double heading_rad = 0.0;
+};
+
+ConsoleTopics::ConsoleTopics(bus::Participant& participant, const OperatorConfig& config,
+                             const Clock& clock)
+    : clock_(clock),
+      keeps_secrets_(config.task.on()),
+      pictures_(config.console.pictures_bytes()),
+      state_(updates_, NamedSession(config)),
+      predictions_(participant, clock) {
+  for (const auto& [robot, world] : WorldOfRobot("operator", config.robots)) {
+    robots_.push_back(std::make_unique<RobotLink>(participant, robot, world));
+  }
+  gateway_ =
+      std::make_unique<Gateway>(config.console, Gateway::Shared{updates_, frames_, pictures_},
+                                WelcomeOf(config), [&participant] { participant.Wake(); });
+  LOG_INFO("console", "url", url());
+  const std::string& url_file = config.console.url_file;
+  if (url_file.empty()) return;
+  if (const auto written = WriteFile(url_file, url() + "\n"); !written) {
+    throw StartupError("operator.console.url_file: " + written.error().text);
+  }
+}
+
+ConsoleTopics::~ConsoleTopics() = default;
+
+void ConsoleTopics::Receive(const bus::Stamped<RobotState>& stamped) {
+  const RobotState& state = stamped.value;
+  state_.Receive(state, ReceivedAt(stamped.source));
+  for (const auto& robot : robots_) {
+    if (robot->name != state.robot) continue;
+    robot->cell = state.cell;
+    robot->heading_rad = state.heading_rad;
+  }
+}
+
+void ConsoleTopics::ReceiveGeometry(const std::string& world, const MapUpdate& map) {
+  state_.ReceiveGeometry(world, map);
+  for (const auto& robot : robots_) {
+    if (robot->world != world) continue;
+    robot->geometry = GridGeometry{map.cells.rows(), map.cells.columns(), map.cell_size_m};
+  }
+}
+
+void ConsoleTopics::Receive(const Belief& belief, const BeliefGrid& initial) {
+  beliefs_[belief.world] = belief;
+  state_.Receive(belief, initial);
+}
+
+void ConsoleTopics::Receive(const Guidance& guidance) { state_.Receive(guidance); }
+
+void ConsoleTopics::Receive(const AttentionQueueState& queue) { state_.Receive(queue); }
+
+std::vector<ConsoleTopics::Asked> ConsoleTopics::Step() {
+  for (const auto& robot : robots_) TakeFrom(*robot);
+  TakePredictions();
+  std::vector<Asked> asked;
+  for (const PageEvent& event : gateway_->Take()) {
+    Take(event, asked);
+  }
+  return asked;
+}
+
+void ConsoleTopics::TakeFrom(RobotLink& robot) {
+  TakeSnapshots(robot);
+  if (!keeps_secrets_) TakeKnowledge(robot);
+  TakeFrames(robot);
+}
+
+void ConsoleTopics::TakeKnowledge(RobotLink& robot) {
+  for (const MapUpdate& map : robot.map.TakeValid(kConvert)) {
+    state_.ReceiveSeen(robot.name, robot.world, map);
+  }
+  for (const SearchReport& report : robot.search.TakeValid(kConvert)) state_.Receive(report);
+  for (const Position& goal : robot.goal_pose.TakeValid(kConvert)) {
+    if (!robot.geometry) continue;
+    if (const auto cell = CellAt(goal, *robot.geometry)) {
+      state_.ReceiveGoalPose(robot.name, *cell, state_.TimeOf(robot.world).ToSeconds());
+    }
+  }
+  for (const auto& path : robot.plan.Take()) {
+    if (!robot.geometry) continue;
+    state_.ReceivePlan(robot.name, ToDomain(path.header().stamp()).value_or(SimTime{}),
+                       CellsAt(ToPositions(path), *robot.geometry));
+  }
+}
+
+void ConsoleTopics::TakeFrames(RobotLink& robot) {
+  for (auto& [image, source] : robot.image.TakeStamped()) {
+    state_.ReceiveStream();
+    console::Frame frame;
+    frame.set_robot(robot.name);
+    frame.set_stamp(ToDomain(image.header().stamp()).value_or(SimTime{}).ToSeconds());
+    frame.set_heard_at(ReceivedAt(source));
+    frame.mutable_cell()->set_row(robot.cell.row);
+    frame.mutable_cell()->set_column(robot.cell.column);
+    frame.set_heading(robot.heading_rad);
+    frame.mutable_jpeg()->assign(image.data().begin(), image.data().end());
+    frames_.Put(std::move(frame));
+  }
+}
+
+void ConsoleTopics::Receive(const std::map<std::string, ServiceStatus>& services) {
+  const double now_s = WallSeconds();
+  for (const auto& [name, service] : services) {
+    const std::chrono::duration<double> age = clock_.Now() - service.heard_at;
+    const auto level =
+        service.silent ? console::LEVEL_SILENT : static_cast<console::Level>(service.level);
+    state_.Receive(ServiceHealth{name, level, service.silent ? "silent" : service.message},
+                   now_s - age.count());
+  }
+}
+
+void ConsoleTopics::Receive(const TaskStatus& task) { state_.Receive(ToConsole(task)); }
+
+void ConsoleTopics::Receive(const Alert& alert) { state_.Receive(ToConsole(alert)); }
+
+void ConsoleTopics::TakeSnapshots(RobotLink& robot) {
+  for (auto& [picture, source] : robot.snapshot.TakeValidStamped(kConvert)) {
+    if (picture.streamed) continue;
+    // First the pixels: a page fetches them as soon as it hears of the picture.
+    pictures_.Put(robot.name, picture.sequence_number, picture.jpeg);
+    if (keeps_secrets_) picture.visible = {};
+    state_.Receive(picture, ReceivedAt(source));
+    const auto belief = beliefs_.find(robot.world);
+    if (belief != beliefs_.end() && !keeps_secrets_) predictions_.Ask(picture, belief->second);
+  }
+}
+
+void ConsoleTopics::TakePredictions() {
+  for (const Prediction& p : predictions_.Step()) {
+    state_.Receive(p.robot, p.world, p.snapshot, p.belief_revision, p.model, p.answer);
+  }
+}
+
+void ConsoleTopics::Take(const PageEvent& event, std::vector<Asked>& asked) {
+  if (const auto* body = std::get_if<PageAsked>(&event.body)) {
+    if (auto request = Read(event, *body)) asked.push_back(*std::move(request));
+  } else if (std::holds_alternative<PageJoined>(event.body)) {
+    presence_.Join(event.page, event.who);
+    state_.Receive(presence_.People());
+  } else if (std::holds_alternative<PageLeft>(event.body)) {
+    presence_.Leave(event.page, clock_.Now());
+    state_.Receive(presence_.People());
+  } else if (std::holds_alternative<PageUsed>(event.body)) {
+    used_by_.insert(event.who.client);
+  }
+}
+
+std::optional<ConsoleTopics::Asked> ConsoleTopics::Read(const PageEvent& event,
+                                                        const PageAsked& body) {
+  const console::Request& request = body.request;
+  const std::string& client = event.who.client;
+  auto domain = ToOperatorRequest(request, client, state_.TimeOf(request.world()));
+  if (!domain) {
+    Reply(event.page, {client, request.id(), false, domain.error().text, 0});
+    return std::nullopt;
+  }
+  const double now_s = WallSeconds();
+  std::string why_not = CheckNow(event.who, body, now_s, kDriveRefused);
+  if (why_not.empty() && request.valid_until() > now_s + kLongestValid) {
+    why_not = fmt::format("it would count for longer than {} s", kLongestValid);
+  }
+  return Asked{event.page, *std::move(domain), request.valid_until(), std::move(why_not)};
+}
+
+void ConsoleTopics::Reply(std::uint64_t page, const OperatorReply& reply) {
+  console::Reply message;
+  message.set_id(reply.request_id);
+  message.set_accepted(reply.accepted);
+  message.set_reason(reply.reason);
+  message.set_revision(reply.revision);
+  gateway_->Send(page, message);
+}
+
+void ConsoleTopics::Receive(const ControlRegistry& control) {
+  const double now_s = WallSeconds();
+  for (const auto& [name, robot] : control.robots()) {
+    console::Control message;
+    message.set_robot(name);
+    message.set_holder(robot.holder);
+    message.set_reason(robot.reason);
+    message.set_holder_name(presence_.NameOf(robot.holder));
+    const std::chrono::duration<double> left = robot.held_until - clock_.Now();
+    if (!robot.holder.empty()) message.set_held_until(now_s + left.count());
+    message.set_stopped(robot.hold.stopped);
+    message.set_stopped_by(robot.hold.given_by);
+    message.set_stop_reason(robot.hold.reason);
+    state_.Receive(std::move(message));
+  }
+}
+
+void ConsoleTopics::Receive(const AnswerRequest& answer, const std::string& client) {
+  state_.ReceiveAnswer(answer.robot, answer.snapshot, client);
+}
+
+void ConsoleTopics::Receive(const OperatorRequest& request, const OperatorReply& reply) {
+  console::Event event = EventOf(request, reply);
+  event.set_time(WallSeconds());
+  event.set_stamp(state_.TimeOf(request.world).ToSeconds());
+  state_.Receive(std::move(event));
+}
+
+void ConsoleTopics::SetReadiness(const Health& health) {
+  nlohmann::ordered_json report;
+  report["ready"] = health.level == Health::Level::kOk;
+  report["message"] = health.message;
+  for (const auto& [name, value] : health.values) report["values"][name] = value;
+  gateway_->SetReadiness(
+      {health.level == Health::Level::kOk,
+       report.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"});
+}
+
+}  // namespace conav::operators

@@ -1,0 +1,155 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/bus/participant.h"
+#include "common/bus/publisher.h"
+#include "common/bus/subscriber.h"
+#include "common/msg/planning.h"
+#include "common/msg/robot.h"
+#include "common/msg/supervision.h"
+#include "common/runtime/clock.h"
+#include "common/service/diagnostics.h"
+#include "operator/belief/alert.h"
+#include "operator/config.h"
+#include "operator/console/console_state.h"
+#include "operator/console/participant_task.h"
+#include "operator/gateway/gateway.h"
+#include "operator/gateway/page_feed.h"
+#include "operator/supervision/alert_topics.h"
+#include "operator/supervision/control.h"
+
+namespace conav::operators {
+
+/// How the perception service expects the operator to edit the map after a picture.
+struct Prediction {
+  std::string robot;
+  std::string world;
+  std::uint64_t snapshot = 0;
+  std::uint64_t belief_revision = 0;
+  std::string model;
+  PerceptionAnswer answer;
+};
+
+/// Asks the perception service, as planners do, about the newest picture of each robot, for the
+/// console. A question without an answer is asked again, three times in all; then the page shows
+/// none, and nothing else suffers.
+/// Threads: one.
+class PredictionClient {
+ public:
+  static constexpr int kTries = 3;
+  static constexpr std::chrono::seconds kRepeat{1};
+
+  /// Both outlive it.
+  PredictionClient(bus::Participant& participant, const Clock& clock);
+
+  /// `picture` came while the operator's map was `belief`. Pictures that show what lies beyond the map
+  /// are left out.
+  void Ask(const Snapshot& picture, const Belief& belief);
+  /// The answers that came since the last call, to each robot's newest question only.
+  std::vector<Prediction> Step();
+
+ private:
+  struct Question {
+    Prediction of;  // without the answer
+    PerceptionRequest request;
+    int rows = 0;
+    int columns = 0;
+    int tries = 0;
+    Clock::TimePoint repeat_at{};
+  };
+
+  void Send(Question& question);
+
+  const Clock& clock_;
+  std::string client_;
+  std::uint64_t last_id_ = 0;
+  std::map<std::string, Question> open_;  // by robot
+  bus::Publisher<conav_msgs::msg::PerceptionRequest> requests_;
+  bus::Subscriber<conav_msgs::msg::PerceptionReply> replies_;
+};
+
+/// The operator service's console: shows pages what the service decides and what it hears itself for
+/// them (maps, pictures, plans, searches, health), and hands over what they ask.
+///
+/// A page is one client of the service among others: its requests are those of DDS
+/// (OperatorRequest), and answered by the same code. In the mapping task and in studies pages are told nothing that
+/// gives the true maze away (idl/console.proto, Task).
+/// Threads: one, the service's; the gateway has its own.
+class ConsoleTopics {
+ public:
+  /// `participant` and `clock` outlive it. Throws StartupError as Gateway does.
+  ConsoleTopics(bus::Participant& participant, const OperatorConfig& config, const Clock& clock);
+  ~ConsoleTopics();
+
+  void Receive(const bus::Stamped<RobotState>& state);
+  void ReceiveGeometry(const std::string& world, const MapUpdate& map);
+  void Receive(const Belief& belief, const BeliefGrid& initial);
+  void Receive(const Guidance& guidance);
+  void Receive(const AttentionQueueState& queue);
+  void Receive(const ControlRegistry& control);
+  void Receive(const Alert& alert);
+  void Receive(const TaskStatus& task);
+  /// How the processes are, by name.
+  void Receive(const std::map<std::string, ServiceStatus>& services);
+  /// "Nothing new here", by `client`; before the guidance that it made of it.
+  void Receive(const AnswerRequest& answer, const std::string& client);
+  /// What was decided about a request, for the command log.
+  void Receive(const OperatorRequest& request, const OperatorReply& reply);
+
+  struct Asked {
+    std::uint64_t page = 0;
+    OperatorRequest request;
+    double valid_until_s = 0.0;  // wall time, s since 1970
+    std::string why_not;         // the page may not ask that now; empty = it may
+  };
+  /// Takes in what arrived. What pages ask, in the order in which it came; what is no request is
+  /// answered here.
+  std::vector<Asked> Step();
+  /// To what a page asked.
+  void Reply(std::uint64_t page, const OperatorReply& reply);
+  /// Clients whose page has been gone for a while.
+  std::vector<std::string> TakeGone() { return presence_.TakeGone(clock_.Now()); }
+  /// Clients who used their page since the call before.
+  std::set<std::string> TakeActive() { return std::exchange(used_by_, {}); }
+  /// After everything that one step brought.
+  void Publish() { gateway_->Notify(); }
+  /// For /readyz.
+  void SetReadiness(const Health& health);
+
+  std::string url() const { return gateway_->url(); }
+
+ private:
+  struct RobotLink;
+
+  void TakeFrom(RobotLink& robot);
+  /// What the robot knows and plans.
+  void TakeKnowledge(RobotLink& robot);
+  void TakeSnapshots(RobotLink& robot);
+  void TakeFrames(RobotLink& robot);
+  void TakePredictions();
+  void Take(const PageEvent& event, std::vector<Asked>& asked);
+  std::optional<Asked> Read(const PageEvent& event, const PageAsked& body);
+
+  const Clock& clock_;
+  bool keeps_secrets_;  // pages must not learn the true maze: a participant sits there
+  UpdateLog updates_;
+  FrameSlots frames_;
+  SnapshotStore pictures_;
+  ConsoleState state_;
+  std::vector<std::unique_ptr<RobotLink>> robots_;
+  std::map<std::string, Belief> beliefs_;  // by world
+  PredictionClient predictions_;
+  PagePresence presence_;
+  std::set<std::string> used_by_;  // clients
+  std::unique_ptr<Gateway> gateway_;
+};
+
+}  // namespace conav::operators

@@ -1,0 +1,315 @@
+#include "operator/recording/recorder_service.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <set>
+#include <utility>
+
+#include "common/bus/backend.h"
+#include "common/bus/topics.h"
+#include "common/bus/type_support.h"
+#include "common/runtime/result.h"
+#include "common/service/robot_list.h"
+#include "operator/recording/message_schemas.h"
+
+namespace conav::recorder {
+
+Arrivals::Arrivals(std::size_t limit_bytes, std::function<void()> wake, WallClock now)
+    : limit_bytes_(limit_bytes), wake_(std::move(wake)), now_(std::move(now)) {}
+
+void Arrivals::Add(std::uint16_t channel, std::optional<std::uint64_t> stamp, bag::Bytes data) {
+  bool many = false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (waiting_bytes_ + data.size() > limit_bytes_) {
+      ++dropped_;
+      return;
+    }
+    waiting_bytes_ += data.size();
+    many = waiting_bytes_ > limit_bytes_ / 4;
+    const std::uint64_t now = now_();  // here, so that the order is that of the queue
+    waiting_.push_back({channel, now, stamp.value_or(now), std::move(data)});
+  }
+  if (many) wake_();
+}
+
+std::vector<Arrival> Arrivals::Take() {
+  const std::lock_guard lock(mutex_);
+  waiting_bytes_ = 0;
+  return std::exchange(waiting_, {});
+}
+
+std::uint64_t Arrivals::dropped() const {
+  const std::lock_guard lock(mutex_);
+  return dropped_;
+}
+
+std::uint64_t Arrivals::SystemTime() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return static_cast<std::uint64_t>(std::chrono::nanoseconds(now).count());
+}
+
+namespace {
+
+// rmw_qos_history_policy_t and so on.
+constexpr int kKeepLast = 1;
+constexpr int kKeepAll = 2;
+constexpr int kReliable = 1;
+constexpr int kBestEffort = 2;
+constexpr int kTransientLocal = 1;
+constexpr int kVolatile = 2;
+
+/// "Infinite" as rmw has it: the most nanoseconds in 64 bits.
+constexpr const char* kNever = "{sec: 9223372036, nsec: 854775807}";
+
+}  // namespace
+
+std::string OfferedQosText(const bus::Qos& qos) {
+  const bool reliable = qos.reliability == bus::Reliability::kReliable;
+  const bool latched = qos.durability == bus::Durability::kTransientLocal;
+  return fmt::format(
+      "- history: {}\n  depth: {}\n  reliability: {}\n  durability: {}\n  deadline: {}\n"
+      "  lifespan: {}\n  liveliness: 1\n  liveliness_lease_duration: {}\n"
+      "  avoid_ros_namespace_conventions: false\n",
+      qos.depth > 0 ? kKeepLast : kKeepAll, qos.depth, reliable ? kReliable : kBestEffort,
+      latched ? kTransientLocal : kVolatile, kNever, kNever, kNever);
+}
+
+namespace {
+
+/// A reader never holds a writer up and takes messages as they come, so that no topic needs more.
+constexpr int kReaderDepth = 100;
+constexpr std::int64_t kNanoseconds = 1'000'000'000;
+
+/// "conav_msgs::msg::dds_::RobotState_" as "conav_msgs/msg/RobotState".
+std::string RosName(std::string_view dds_name) {
+  constexpr std::string_view kBetween = "::msg::dds_::";
+  const auto between = dds_name.find(kBetween);
+  const auto name = dds_name.substr(between + kBetween.size());
+  return fmt::format("{}/msg/{}", dds_name.substr(0, between), name.substr(0, name.size() - 1));
+}
+
+/// The stamp of a message's header, if it has one.
+template <class T>
+std::optional<std::uint64_t> StampOf(const T& message) {
+  if constexpr (requires { message.header().stamp(); }) {
+    const auto& stamp = message.header().stamp();
+    if (stamp.sec() < 0) return std::nullopt;
+    return static_cast<std::uint64_t>(stamp.sec() * kNanoseconds + stamp.nanosec());
+  }
+  return std::nullopt;
+}
+
+template <class T>
+bus::Sink SinkFor(std::uint16_t channel, Arrivals& arrivals) {
+  return [channel, &arrivals](void* message, bus::SourceTime) {
+    const bus::TypeSupport& type = bus::TypeSupportOf<T>();
+    bag::Bytes data(type.serialized_size(message));
+    data.resize(type.serialize(message, data));
+    arrivals.Add(channel, StampOf(*static_cast<const T*>(message)), std::move(data));
+  };
+}
+
+/// Which topics a config leaves out.
+class Choice {
+ public:
+  explicit Choice(const RecorderConfig& config)
+      : streams_(config.streams), entries_(config.exclude.begin(), config.exclude.end()) {}
+
+  bool Wants(std::string_view pattern, const std::string& name) {
+    const bool excluded = IsExcluded(std::string(pattern)) | IsExcluded(name);
+    const bool stream =
+        std::ranges::find(bus::kStreamPatterns, pattern) != std::end(bus::kStreamPatterns);
+    return !excluded && (streams_ || !stream);
+  }
+  /// Throws StartupError for an entry that excluded nothing.
+  void CheckAllUsed() const {
+    for (const std::string& entry : entries_) {
+      if (used_.contains(entry)) continue;
+      throw StartupError("recorder.exclude: '" + entry + "' is no topic of these robots");
+    }
+  }
+
+ private:
+  bool IsExcluded(const std::string& entry) {
+    if (!entries_.contains(entry)) return false;
+    used_.insert(entry);
+    return true;
+  }
+
+  bool streams_;
+  std::set<std::string> entries_;
+  std::set<std::string> used_;
+};
+
+}  // namespace
+
+TopicListeners::TopicListeners(bus::Participant& participant, const RecorderConfig& config,
+                               const std::function<std::uint16_t(const TopicFacts&)>& add_channel,
+                               Arrivals& arrivals) {
+  Choice choice(config);
+  const auto listen = [&]<class T>(const bus::Topic<T>& topic, const std::string& entity) {
+    const std::string name = topic.NameFor(entity);
+    if (!choice.Wants(topic.pattern, name)) return;
+    const bus::TypeSupport& type = bus::TypeSupportOf<T>();
+    const std::uint16_t channel =
+        add_channel({name, RosName(type.name), OfferedQosText(topic.qos)});
+    bus::Qos qos = topic.qos;
+    qos.depth = kReaderDepth;
+    readers_.push_back(
+        participant.backend().CreateReader({name, type, qos}, SinkFor<T>(channel, arrivals)));
+  };
+  std::set<std::string> worlds;
+  for (const auto& entry : WorldOfRobot("recorder", config.robots)) {
+    bus::ForEachTopic(bus::kRobotTopics, [&](const auto& topic) { listen(topic, entry.first); });
+    worlds.insert(entry.second);
+  }
+  for (const std::string& world : worlds) {
+    bus::ForEachTopic(bus::kWorldTopics, [&](const auto& topic) { listen(topic, world); });
+  }
+  bus::ForEachTopic(bus::kSystemTopics, [&](const auto& topic) { listen(topic, ""); });
+  choice.CheckAllUsed();
+}
+
+TopicListeners::~TopicListeners() = default;
+
+std::uint64_t TopicListeners::malformed() const {
+  std::uint64_t sum = 0;
+  for (const auto& reader : readers_) sum += reader->malformed();
+  return sum;
+}
+
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kPeriod = 100ms;
+constexpr auto kChunkAge = 900ms;  // with the period: on disk within a second
+constexpr auto kQuiet = 200ms;
+constexpr auto kQuietLimit = 2s;
+constexpr std::size_t kWaitingLimit = std::size_t{64} << 20;
+
+bag::Metadata FactsOf(const bus::Participant& participant, const RecorderConfig& config) {
+  bag::TextMap values = config.facts;
+  const char* commit = std::getenv("CONAV_COMMIT");
+  values["conav_version"] = CONAV_VERSION;
+  if (commit != nullptr) values["conav_commit"] = commit;
+  values["dds"] = participant.vendor();
+  values["domain"] = std::to_string(config.bus.domain_id);
+  values["robots"] = fmt::format("{}", fmt::join(config.robots, " "));
+  values["streams"] = config.streams ? "true" : "false";
+  values["excluded"] = fmt::format("{}", fmt::join(config.exclude, " "));
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  values["started"] = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now));
+  return {"conav", values};
+}
+
+bag::McapWriter MakeWriter(const bus::Participant& participant, const RecorderConfig& config) {
+  bag::McapWriter::Options options;
+  options.library = std::string("conav ") + CONAV_VERSION;
+  auto writer = bag::McapWriter::Create(config.file, options, {FactsOf(participant, config)});
+  if (!writer) throw StartupError("recorder.file: " + writer.error().text);
+  return *std::move(writer);
+}
+
+std::uint16_t AddChannel(bag::McapWriter& writer, const TopicFacts& topic) {
+  const auto text = bag::ConavSchemas().TextOf(topic.type);
+  DEMAND(text.has_value(), topic.type);
+  return writer.AddChannel(
+      {0, topic.type, "ros2msg", *text},
+      {0, 0, topic.name, "cdr", {{"offered_qos_profiles", topic.offered_qos}}});
+}
+
+}  // namespace
+
+RecorderService::RecorderService(bus::Participant& participant, const RecorderConfig& config,
+                                 const Clock& clock)
+    : participant_(participant),
+      clock_(clock),
+      file_(config.file),
+      writer_(MakeWriter(participant, config)),
+      arrivals_(kWaitingLimit, [&participant] { participant.Wake(); }),
+      failures_logged_(10s),
+      diagnostics_(participant, clock) {
+  listeners_.emplace(
+      participant, config, [this](const TopicFacts& topic) { return AddChannel(writer_, topic); },
+      arrivals_);
+  LOG_INFO("recording", "file", file_, "topics", listeners_->topics());
+}
+
+void RecorderService::Run(const StopToken& stop) {
+  while (!stop.stop_requested()) {
+    participant_.Wait(kPeriod);
+    Step();
+  }
+  const auto limit = clock_.Now() + kQuietLimit;
+  auto quiet_since = clock_.Now();
+  while (clock_.Now() < limit && clock_.Now() - quiet_since < kQuiet) {
+    participant_.Wait(kQuiet / 4);
+    if (Step()) quiet_since = clock_.Now();
+  }
+  Finish();
+}
+
+bool RecorderService::Step() {
+  const std::vector<Arrival> arrivals = arrivals_.Take();
+  for (const Arrival& arrival : arrivals) Write(arrival);
+  if (writer_.pending() > 0 && clock_.Now() - chunk_since_ >= kChunkAge) {
+    const std::uint64_t size = writer_.file_size();
+    Note(writer_.Flush(), size);
+  }
+  diagnostics_.Tick([this] { return Report(); });
+  return !arrivals.empty();
+}
+
+void RecorderService::Write(const Arrival& arrival) {
+  if (writer_.pending() == 0) chunk_since_ = clock_.Now();
+  const std::uint64_t size = writer_.file_size();
+  Note(writer_.Write(arrival.channel, arrival.log_time, arrival.publish_time, arrival.data), size);
+}
+
+void RecorderService::Note(const Result<void>& written, std::uint64_t size_before) {
+  if (written) {
+    if (failure_ && writer_.file_size() > size_before) {
+      LOG_INFO("recording goes on", "file", file_, "lost", writer_.lost());
+      failure_.reset();
+    }
+    return;
+  }
+  failure_ = written.error().text;
+  if (failures_logged_.Allow()) {
+    LOG_ERROR("messages not recorded", "reason", *failure_, "lost", writer_.lost());
+  }
+}
+
+void RecorderService::Finish() {
+  listeners_.reset();
+  Step();
+  if (const auto finished = writer_.Finish(); !finished) {
+    LOG_ERROR("the recording has no summary", "reason", finished.error().text, "lost",
+              writer_.lost());
+  }
+  LOG_INFO("recorded", "file", file_, "messages", writer_.message_count(), "bytes",
+           writer_.file_size(), "lost", writer_.lost() + arrivals_.dropped());
+}
+
+Health RecorderService::Report() const {
+  const std::uint64_t lost = writer_.lost() + arrivals_.dropped();
+  Health health;
+  health.message = failure_ ? "messages are lost: " + *failure_ : "recording";
+  if (lost > 0) health.level = Health::Level::kWarning;
+  if (failure_) health.level = Health::Level::kError;
+  health.values = {{"file", file_},
+                   {"messages", std::to_string(writer_.message_count() + writer_.pending())},
+                   {"bytes", std::to_string(writer_.file_size())},
+                   {"lost", std::to_string(lost)},
+                   {"malformed", std::to_string(listeners_ ? listeners_->malformed() : 0)}};
+  return health;
+}
+
+}  // namespace conav::recorder

@@ -1,0 +1,143 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/bus/participant.h"
+#include "common/bus/qos.h"
+#include "common/runtime/clock.h"
+#include "common/runtime/log.h"
+#include "common/runtime/threads.h"
+#include "common/service/diagnostics.h"
+#include "operator/recording/config.h"
+#include "operator/recording/mcap_records.h"
+#include "operator/recording/mcap_writer.h"
+
+namespace conav::recorder {
+
+/// A message as it came.
+struct Arrival {
+  std::uint16_t channel = 0;
+  std::uint64_t log_time = 0;      // ns since 1970
+  std::uint64_t publish_time = 0;  // ns: the stamp of its header, without one its log time
+  bag::Bytes data;                 // CDR with its encapsulation
+};
+
+/// Messages on their way from the bus's receive threads to the thread that writes them. Their log
+/// times are in order unless the wall clock is set back.
+/// Threads: any for Add, one for the rest.
+class Arrivals {
+ public:
+  using WallClock = std::function<std::uint64_t()>;  // ns since 1970
+
+  /// When the writer is so slow that more than `limit_bytes` wait, newer ones are dropped and
+  /// counted. `wake` is called when a quarter of that is reached.
+  Arrivals(std::size_t limit_bytes, std::function<void()> wake, WallClock now = SystemTime);
+
+  void Add(std::uint16_t channel, std::optional<std::uint64_t> stamp, bag::Bytes data);
+
+  /// All that came since the last call, oldest first.
+  std::vector<Arrival> Take();
+
+  /// Since the begin.
+  std::uint64_t dropped() const;
+
+  static std::uint64_t SystemTime();
+
+ private:
+  const std::size_t limit_bytes_;
+  const std::function<void()> wake_;
+  const WallClock now_;
+  mutable std::mutex mutex_;  // guards what follows
+  std::vector<Arrival> waiting_;
+  std::size_t waiting_bytes_ = 0;
+  std::uint64_t dropped_ = 0;
+};
+
+/// The QoS that a topic's publishers offer, as rosbag2 (Humble and later) keeps it beside a topic:
+/// a YAML list of one profile. `ros2 bag play` publishes with it.
+std::string OfferedQosText(const bus::Qos& qos);
+
+}  // namespace conav::recorder
+
+namespace conav::bus {
+class Reader;
+}
+
+namespace conav::recorder {
+
+/// What a recording says of one topic.
+struct TopicFacts {
+  std::string name;         // "/r1/state"
+  std::string type;         // "conav_msgs/msg/RobotState"
+  std::string offered_qos;  // OfferedQosText
+};
+
+/// The serialised messages of every topic that `config` wants: those of all robots, their worlds and
+/// the system, but for streams and what is excluded.
+///
+/// A message is decoded as by any other subscriber of the bus, so that a malformed one is dropped,
+/// and written again as plain little-endian CDR: what is recorded can be read.
+class TopicListeners {
+ public:
+  /// `add_channel` is called for each topic and gives the channel of its arrivals. `arrivals`
+  /// outlives this. Throws StartupError: an entry of robots or exclude that is wrong.
+  TopicListeners(bus::Participant& participant, const RecorderConfig& config,
+                 const std::function<std::uint16_t(const TopicFacts&)>& add_channel,
+                 Arrivals& arrivals);
+  ~TopicListeners();
+
+  std::size_t topics() const { return readers_.size(); }
+  /// Messages that were dropped because they could not be decoded.
+  std::uint64_t malformed() const;
+
+ private:
+  std::vector<std::unique_ptr<bus::Reader>> readers_;
+};
+
+/// Writes what is said on the bus into one MCAP file: docs/recording.md.
+///
+/// Publishes its health and log only. What arrives is in the file a second later, at the latest with
+/// the next period; so much a kill -9 can cost. When the disk fails, it says so in its log and on
+/// /diagnostics, loses the messages of that second, and tries again with the next ones; the file
+/// can be read at any time.
+/// Threads: one; Run() or repeated Step(), then Finish().
+class RecorderService {
+ public:
+  /// `participant` and `clock` outlive the service. Throws StartupError: the file cannot be made or
+  /// exists, the list of robots or of exclusions is wrong.
+  RecorderService(bus::Participant& participant, const RecorderConfig& config, const Clock& clock);
+
+  /// Blocks until `stop`, and then until nothing more arrives (two seconds at most); completes the
+  /// file.
+  void Run(const StopToken& stop);
+  /// Takes what arrived. Blocks on the disk only. False when nothing did.
+  bool Step();
+  /// Writes the summary; nothing is recorded afterwards.
+  void Finish();
+
+ private:
+  void Write(const Arrival& arrival);
+  /// What became of the disk since the file had `size_before` bytes.
+  void Note(const Result<void>& written, std::uint64_t size_before);
+  Health Report() const;
+
+  bus::Participant& participant_;
+  const Clock& clock_;
+  const std::string file_;
+  bag::McapWriter writer_;
+  Arrivals arrivals_;
+  Clock::TimePoint chunk_since_{};      // the first message that waits for the next chunk
+  std::optional<std::string> failure_;  // of the newest chunk
+  LogLimit failures_logged_;
+  Diagnostics diagnostics_;
+  std::optional<TopicListeners> listeners_;
+};
+
+}  // namespace conav::recorder

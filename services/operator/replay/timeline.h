@@ -1,0 +1,181 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "common/grid/geometry.h"
+#include "common/msg/planning.h"
+#include "common/msg/robot.h"
+#include "common/msg/supervision.h"
+#include "operator/belief/alert.h"
+#include "operator/console/console_state.h"
+#include "operator/supervision/alerts.h"
+
+/// What a console hears of a run, one value for each message or conclusion.
+namespace conav::operators {
+
+struct SeenMap {
+  std::string robot;
+  std::string world;
+  MapUpdate map;
+};
+/// The map that the operator began with: it tells how large the world is.
+struct InitialMap {
+  std::string world;
+  MapUpdate map;
+};
+struct TrueMap {
+  std::string world;
+  MapUpdate map;
+};
+struct ReceivedBelief {
+  Belief belief;
+  std::shared_ptr<const BeliefGrid> initial;
+};
+struct PlannedPath {
+  std::string robot;
+  SimTime stamp;
+  std::vector<Cell> cells;
+};
+struct GoalSet {
+  std::string robot;
+  Cell cell;
+  SimTime stamp;
+};
+/// "Nothing new here"; before the guidance that the operator service made of it.
+struct SnapshotAnswered {
+  std::string robot;
+  std::uint64_t snapshot = 0;
+  std::string client;
+};
+struct StreamFrame {
+  std::string robot;
+  SimTime stamp;
+  std::vector<std::uint8_t> jpeg;
+};
+/// Times of an alert: positions in the recording, s.
+using Received =
+    std::variant<RobotState, SeenMap, InitialMap, TrueMap, ReceivedBelief, Guidance, PlannedPath,
+                 GoalSet, SearchReport, Snapshot, SnapshotAnswered, StreamFrame,
+                 AttentionQueueState, StopOrder, ServiceHealth, Alert, console::Event>;
+
+/// Something that was heard.
+struct Moment {
+  static constexpr std::size_t kNever = std::numeric_limits<std::size_t>::max();
+
+  double position_s = 0.0;
+  /// Number of the moment that says the same anew: whoever hears that one need not hear this one.
+  std::size_t replaced_by = kNever;
+  Received heard;
+};
+
+/// A recorded run, all of it. Positions: s since its beginning.
+struct Timeline {
+  console::Session session;
+  double duration_s = 0.0;
+  std::vector<Moment> moments;  // by position
+  std::vector<console::Mark> marks;
+};
+
+/// Makes a timeline of what was said, in the order in which it was recorded, and of what the
+/// operator service concluded from it and did not say on the bus: the command log and the alerts.
+///
+/// It begins with the first thing of a world or a robot, behind the start of the processes.
+/// Positions go on with the wall time of the recording; where simulation time went on quicker, as in
+/// a run without a page, with that: it is played as quickly as the robots believed to move.
+/// `wall_s`: s since 1970, when it was recorded.
+/// Threads: one.
+class TimelineBuilder {
+ public:
+  explicit TimelineBuilder(console::Session session);
+
+  void Receive(double wall_s, RobotState state);
+  void ReceiveSeen(double wall_s, const std::string& robot, MapUpdate map);
+  void ReceiveInitialMap(double wall_s, const std::string& world, MapUpdate map);
+  void ReceiveTruth(double wall_s, const std::string& world, MapUpdate truth);
+  void Receive(double wall_s, Belief belief);
+  void Receive(double wall_s, Guidance guidance);
+  /// Dropped while the size of the robot's world is not known, as GoalPose.
+  void ReceivePlan(double wall_s, const std::string& robot, SimTime stamp,
+                   const std::vector<Position>& positions);
+  void ReceiveGoalPose(double wall_s, const std::string& robot, Position goal);
+  void Receive(double wall_s, SearchReport report);
+  void Receive(double wall_s, Snapshot picture);
+  void ReceiveFrame(double wall_s, StreamFrame frame);
+  void Receive(double wall_s, AttentionQueueState queue);
+  void Receive(double wall_s, StopOrder order);
+  void Receive(double wall_s, ServiceHealth health);
+  void Receive(double wall_s, OperatorRequest request);
+  void Receive(double wall_s, const OperatorReply& reply);
+
+  Timeline Finish() &&;
+
+ private:
+  struct RobotMemory {
+    std::string world;
+    SimTime stamp;
+    std::uint64_t cell_moves = 0;
+    std::size_t goals_reached = 0;
+    bool heard = false;
+    std::optional<Guidance> guidance;
+    bool stopped = false;
+    bool lost = false;  // as the attention queue told once
+  };
+  struct WorldMemory {
+    std::optional<GridGeometry> geometry;
+    std::shared_ptr<const BeliefGrid> initial;
+    std::optional<Belief> belief;
+    /// Simulation time and position from which on the two are compared.
+    std::optional<SimTime> stamp;
+    double position_s = 0.0;
+    SimTime newest;
+  };
+  struct Replaceable {
+    std::size_t moment = 0;
+    bool is = false;
+  };
+  struct ProcessMemory {
+    ServiceHealth health;
+    double wall_s = 0.0;
+  };
+
+  void MoveTo(double wall_s);
+  /// The same, but it does not begin the recording.
+  void Follow(double wall_s);
+  void MoveWith(const RobotState& state);
+  std::size_t Add(Received heard);
+  /// `replaceable`: void as soon as the next one of `group` is heard.
+  void Add(const std::string& group, bool replaceable, Received heard);
+  void Mark(console::MarkKind kind, const std::string& robot, std::string text);
+  void AddEvent(double wall_s, console::EventKind kind, const std::string& client,
+                const std::string& world, const std::string& robot, std::string text,
+                std::uint64_t revision);
+  void LookForAlerts(double wall_s);
+  void LookForSilence(double wall_s);
+  std::vector<RobotCondition> RobotConditions() const;
+
+  Timeline timeline_;
+  std::optional<double> first_wall_s_;
+  double position_s_ = 0.0;
+  std::map<std::string, Replaceable> groups_;
+  std::map<std::string, RobotMemory> robots_;
+  std::map<std::string, WorldMemory> worlds_;
+  std::map<std::string, ProcessMemory> processes_;
+  std::vector<AttentionItem> items_;
+  AlertRegistry alerts_;
+  std::map<std::uint64_t, std::uint32_t> alert_counts_;
+  using RequestKey = std::pair<std::string, std::uint64_t>;  // client and id
+  std::map<RequestKey, OperatorRequest> requests_;
+  std::set<RequestKey> answered_;
+};
+
+}  // namespace conav::operators

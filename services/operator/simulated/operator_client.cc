@@ -1,0 +1,92 @@
+#include "operator/simulated/operator_client.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+
+#include "common/msg/convert.h"
+
+namespace conav::operators {
+
+std::string UniqueClientName(const std::string& prefix) {
+  const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
+  return fmt::format("{}-{:x}-{}", prefix, since_epoch.count(), getpid());
+}
+
+OperatorClient::OperatorClient(bus::Participant& participant, const Clock& clock,
+                               OperatorClientOptions options)
+    : clock_(clock),
+      options_(std::move(options)),
+      requests_(participant, bus::kOperatorRequest),
+      replies_(participant, bus::kOperatorReply) {
+  DEMAND(!options_.client.empty());
+}
+
+std::uint64_t OperatorClient::Send(const std::string& world, const EditRequest& edit,
+                                   SimTime stamp) {
+  return Send(OperatorRequest{stamp, options_.client, ++last_id_, world, edit});
+}
+
+std::uint64_t OperatorClient::Send(const std::string& world, const GuideRequest& guide,
+                                   SimTime stamp) {
+  return Send(OperatorRequest{stamp, options_.client, ++last_id_, world, guide});
+}
+
+std::uint64_t OperatorClient::Send(const std::string& world, const DriveRequest& drive,
+                                   SimTime stamp) {
+  return Send(OperatorRequest{stamp, options_.client, ++last_id_, world, drive});
+}
+
+std::uint64_t OperatorClient::Send(const std::string& world, const SelectRequest& select,
+                                   SimTime stamp) {
+  return Send(OperatorRequest{stamp, options_.client, ++last_id_, world, select});
+}
+
+std::uint64_t OperatorClient::Send(OperatorRequest request) {
+  const auto now = clock_.Now();
+  const auto entry = pending_.emplace(request.request_id,
+                                      Pending{ToMessage(request), now + Seconds(options_.repeat_s),
+                                              now + Seconds(options_.deadline_s)});
+  // With the in-memory bus the reply may be here before Send returns; Poll() will find it.
+  bus::Send(requests_, entry.first->second.message);
+  return request.request_id;
+}
+
+std::vector<OperatorClient::Outcome> OperatorClient::Poll() {
+  std::vector<Outcome> outcomes;
+  TakeReplies(outcomes);
+  const auto now = clock_.Now();
+  for (auto it = pending_.begin(); it != pending_.end();) {
+    auto& [id, pending] = *it;
+    if (now >= pending.deadline) {
+      outcomes.push_back(
+          {id, Fail(ErrorCode::kTimeout, fmt::format("request {} of {} to the operator service: no "
+                                                     "reply within {} s",
+                                                     id, options_.client, options_.deadline_s))});
+      it = pending_.erase(it);
+      continue;
+    }
+    if (now >= pending.repeat_at) {
+      pending.repeat_at = now + Seconds(options_.repeat_s);
+      bus::Send(requests_, pending.message);
+    }
+    ++it;
+  }
+  return outcomes;
+}
+
+void OperatorClient::TakeReplies(std::vector<Outcome>& outcomes) {
+  const auto convert = [](const conav_msgs::msg::OperatorReply& message) {
+    return ToDomain(message);
+  };
+  for (OperatorReply& reply : replies_.TakeValid(convert)) {
+    if (reply.client != options_.client) continue;
+    // Unknown ids are answers to repeats of something that was answered before.
+    if (pending_.erase(reply.request_id) == 0) continue;
+    const std::uint64_t id = reply.request_id;
+    outcomes.push_back({id, std::move(reply)});
+  }
+}
+
+}  // namespace conav::operators

@@ -1,0 +1,94 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/bus/subscriber.h"
+#include "common/runtime/clock.h"
+#include "common/runtime/threads.h"
+#include "common/service/diagnostics.h"
+#include "operator/simulated/config.h"
+#include "operator/simulated/operator_client.h"
+#include "operator/simulated/synthetic_operator.h"
+#include "operator/simulated/synthetic_teleoperator.h"
+
+namespace conav::operators {
+
+/// A synthetic teleoperator on the bus: hears what a console would show (the operator's map, where
+/// the robots are on it, what their streamed pictures show) and sends keys and edits through
+/// `client`, one at a time. Publishes nothing before all of that is there for each robot.
+/// Threads: one.
+class TeleoperatorTopics {
+ public:
+  TeleoperatorTopics(bus::Participant& participant, const Clock& clock, OperatorClient& client,
+                     const SyntheticOperatorParameters& parameters, std::uint64_t seed,
+                     const std::map<std::string, std::string>& world_of_robot);
+  ~TeleoperatorTopics();
+
+  /// Takes in everything that arrived and asks what is to be asked. Does not block.
+  void Step();
+
+  const SyntheticTeleoperator& person() const { return person_; }
+
+ private:
+  struct RobotLink;
+  struct WorldLink;
+
+  void TakeIn();
+
+  const Clock& clock_;
+  OperatorClient& client_;
+  SyntheticTeleoperator person_;
+  std::vector<std::unique_ptr<WorldLink>> worlds_;
+  std::vector<std::unique_ptr<RobotLink>> robots_;
+};
+
+/// A synthetic person at the operator service's door: hears what a console would show, and asks
+/// through the same client API, by paths and edits or, as a teleoperator, by keys and edits.
+///
+/// With person.order "queue" the operator service's attention queue says what comes next. Publishes
+/// nothing before a robot's state and its world's belief arrived, and while all its robots are
+/// stopped; then requests, one at a time. When the operator service does not answer, it repeats, gives the matter up after
+/// person.attempts deadlines, and says so in /diagnostics.
+/// Threads: one; Run() or repeated Step().
+class SimulatedOperatorService {
+ public:
+  /// `participant` and `clock` outlive the service. Throws StartupError on a bad list of robots.
+  SimulatedOperatorService(bus::Participant& participant, const SimulatedOperatorConfig& config,
+                           const Clock& clock);
+  ~SimulatedOperatorService();
+
+  /// Blocks until `stop`.
+  void Run(const StopToken& stop);
+  /// Takes in everything that arrived and asks what is to be asked. Does not block.
+  void Step();
+
+  const SyntheticOperator& person() const { return person_; }
+  /// Null unless it steers by keys.
+  const SyntheticTeleoperator* teleoperator() const {
+    return teleoperator_ ? &teleoperator_->person() : nullptr;
+  }
+
+ private:
+  struct RobotLink;
+
+  void TakeIn();
+  Health Report() const;
+  Health ReportTeleoperation() const;
+
+  bus::Participant& participant_;
+  const Clock& clock_;
+  SyntheticOperator person_;
+  OperatorClient client_;
+  std::unique_ptr<TeleoperatorTopics> teleoperator_;  // with interaction "teleoperation", instead
+  std::vector<std::unique_ptr<bus::Subscriber<conav_msgs::msg::BeliefMap>>> beliefs_;
+  std::vector<std::unique_ptr<RobotLink>> robots_;
+  std::optional<bus::Subscriber<conav_msgs::msg::AttentionQueue>> queue_;  // with order "queue"
+  std::optional<bus::Subscriber<rosgraph_msgs::msg::Clock>> clock_topic_;  // likewise
+  Diagnostics diagnostics_;
+};
+
+}  // namespace conav::operators

@@ -1,0 +1,158 @@
+#include "operator/supervision/alerts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace conav::operators {
+namespace {
+
+Condition LostLink(const std::string& robot) {
+  return {"link/" + robot, Severity::kAlarm, robot,
+          fmt::format("nothing is heard of {} any more", robot),
+          "Look at its last known place. Is its simulator or radio alive?"};
+}
+
+Condition FailedCommand(const std::string& robot) {
+  return {"command/" + robot, Severity::kWarning, robot,
+          fmt::format("{} stands: its command was refused or expired", robot),
+          "Is its planner alive? Draw it another path, or stop it."};
+}
+
+Condition Silence(const ProcessCondition& process) {
+  return {"silent/" + process.name, Severity::kWarning, process.name,
+          fmt::format("{} is silent", process.name), "Is the process, or its host, alive?"};
+}
+
+Condition Illness(const ProcessCondition& process) {
+  return {"health/" + process.name, Severity::kWarning, process.name,
+          fmt::format("{}: {}", process.name, process.message), "See its log."};
+}
+
+Condition FailedStorage(const std::string& failure) {
+  return {"storage", Severity::kAlarm, "operator", "edits and paths cannot be stored: " + failure,
+          "Make room on the disk; nothing that was accepted is lost."};
+}
+
+void Add(Findings& findings, bool wrong, Condition condition) {
+  if (wrong) {
+    findings.wrong.push_back(std::move(condition));
+  } else {
+    findings.fine.push_back(std::move(condition.key));
+  }
+}
+
+}  // namespace
+
+bool Stands(const std::vector<AttentionItem>& items, const std::string& robot) {
+  return std::ranges::any_of(items, [&](const AttentionItem& item) {
+    return item.robot == robot && item.reason == AttentionReason::kCommandFailed;
+  });
+}
+
+Findings FindingsOf(const std::vector<RobotCondition>& robots,
+                    const std::vector<ProcessCondition>& processes,
+                    const std::optional<std::string>& storage_failure) {
+  Findings findings;
+  for (const RobotCondition& robot : robots) {
+    Add(findings, robot.lost, LostLink(robot.name));
+    Add(findings, robot.stands, FailedCommand(robot.name));
+  }
+  for (const ProcessCondition& process : processes) {
+    Add(findings, process.silent, Silence(process));
+    Add(findings, process.failed && !process.silent, Illness(process));
+  }
+  if (storage_failure) {
+    Add(findings, !storage_failure->empty(), FailedStorage(*storage_failure));
+  }
+  return findings;
+}
+
+namespace {
+
+tl::unexpected<Error> Unknown(std::uint64_t id) {
+  return Fail(ErrorCode::kNotFound, fmt::format("alert {} is not known here", id));
+}
+
+}  // namespace
+
+void AlertRegistry::Restore(std::vector<Alert> alerts) {
+  for (Alert& alert : alerts) {
+    last_id_ = std::max(last_id_, alert.id);
+    alerts_[alert.id] = std::move(alert);
+  }
+}
+
+Alert* AlertRegistry::FindOpen(const std::string& key) {
+  for (auto& [id, alert] : alerts_) {
+    if (alert.condition.key == key && !IsHistory(alert)) return &alert;
+  }
+  return nullptr;
+}
+
+AlertRegistry::Changes AlertRegistry::Update(const Findings& findings, double now_s) {
+  Changes changes;
+  for (const std::string& key : findings.fine) {
+    Alert* open = FindOpen(key);
+    if (open == nullptr || !open->active) continue;
+    open->active = false;
+    changes.changed.push_back(*open);
+  }
+  for (const Condition& condition : findings.wrong) Raise(condition, now_s, changes);
+  changes.dropped = DropHistory();
+  return changes;
+}
+
+void AlertRegistry::Raise(const Condition& condition, double now_s, Changes& changes) {
+  Alert* open = FindOpen(condition.key);
+  if (open == nullptr) {
+    ++last_id_;
+    alerts_[last_id_] = {
+        .id = last_id_, .condition = condition, .raised_s = now_s, .newest_s = now_s};
+    changes.changed.push_back(alerts_[last_id_]);
+    return;
+  }
+  if (open->active && open->condition == condition) return;
+  open->condition = condition;
+  if (!open->active) {
+    open->active = true;
+    open->newest_s = now_s;
+    ++open->count;
+    open->acknowledged_by.clear();
+    open->acknowledged_s = 0.0;
+  }
+  changes.changed.push_back(*open);
+}
+
+std::vector<std::uint64_t> AlertRegistry::DropHistory() {
+  std::vector<std::uint64_t> history;  // oldest first
+  for (const auto& [id, alert] : alerts_) {
+    if (IsHistory(alert)) history.push_back(id);
+  }
+  history.resize(history.size() - std::min(history.size(), kHistoryKept));
+  for (const std::uint64_t id : history) alerts_.erase(id);
+  return history;
+}
+
+Result<Alert> AlertRegistry::Acknowledge(std::uint64_t id, const std::string& client,
+                                         double now_s) const {
+  const auto found = alerts_.find(id);
+  if (found == alerts_.end()) return Unknown(id);
+  Alert alert = found->second;
+  alert.acknowledged_by = client;
+  alert.acknowledged_s = now_s;
+  return alert;
+}
+
+Result<Alert> AlertRegistry::Shelve(std::uint64_t id, double duration_s, double now_s) const {
+  const auto found = alerts_.find(id);
+  if (found == alerts_.end()) return Unknown(id);
+  Alert alert = found->second;
+  alert.shelved_until_s = now_s + duration_s;
+  return alert;
+}
+
+void AlertRegistry::Adopt(const Alert& alert) { alerts_[alert.id] = alert; }
+
+}  // namespace conav::operators

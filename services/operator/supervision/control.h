@@ -1,0 +1,93 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/msg/supervision.h"
+#include "common/runtime/clock.h"
+#include "common/runtime/config.h"
+#include "common/runtime/result.h"
+
+namespace conav::operators {
+
+/// Section `operator.control:`.
+struct ControlOptions {
+  /// A client that has taken control of robots, and neither asks for anything nor uses its page for
+  /// so long, loses it (wall time). Pages tell of their use every 5 s.
+  double control_s = 60.0;
+  /// Robots stand until somebody lets them go, unless the database says that somebody did.
+  bool start_stopped = false;
+
+  void Visit(ConfigReader& reader) {
+    reader.Field("control_s", control_s, 1.0, 86400.0);
+    reader.Field("start_stopped", start_stopped);
+  }
+};
+
+/// Who may command which robot, and which robots are stopped.
+///
+/// Nobody has control of a robot at first, and every operator may command it. A client that takes
+/// control commands it alone until it releases it, does nothing for `control_s`, or another
+/// client takes over, which must say why. Stopping needs no control: anyone may, and anyone may let
+/// go. While one client has control of all robots of a world, its map is that client's, too.
+///
+/// `now`: wall time. Pure; threads: not synchronised.
+class ControlRegistry {
+ public:
+  struct Robot {
+    std::string world;
+    StopOrder hold;  // revision 0 = never stopped
+    std::string holder;
+    std::string reason;
+    Clock::TimePoint held_until{};
+  };
+
+  ControlRegistry(const std::map<std::string, std::string>& world_of_robot, ControlOptions options);
+
+  /// Why `client` may not command `robot` or edit the map of `world`; empty = it may.
+  std::string CheckCommand(const std::string& client, const std::string& robot,
+                           Clock::TimePoint now) const;
+  std::string CheckEdit(const std::string& client, const std::string& world,
+                        Clock::TimePoint now) const;
+  /// `client` is at work: what it controls stays its.
+  void Renew(const std::string& client, Clock::TimePoint now);
+
+  /// Errors: kNotFound names a robot that is not known; kRefused: another client has control and no
+  /// reason was given.
+  [[nodiscard]] Result<void> Take(const std::string& client, const TakeControlRequest& request,
+                                  Clock::TimePoint now);
+  [[nodiscard]] Result<void> Release(const std::string& client,
+                                     const ReleaseControlRequest& request);
+  /// `client` has gone.
+  void ReleaseAll(const std::string& client);
+  /// Takes control from those who asked for nothing for too long.
+  void Expire(Clock::TimePoint now);
+
+  /// The orders that it takes to stop these robots, or to let them go; none for those that stand, or
+  /// go, already. They count once they are adopted. Errors: kNotFound.
+  [[nodiscard]] Result<std::vector<StopOrder>> Stop(const std::string& client,
+                                                    const StopRequest& request, SimTime now) const;
+  [[nodiscard]] Result<std::vector<StopOrder>> Go(const std::string& client,
+                                                  const GoRequest& request, SimTime now) const;
+  void Adopt(const StopOrder& order);
+
+  const std::map<std::string, Robot>& robots() const { return robots_; }
+  /// Rises with every change.
+  std::uint64_t version() const { return version_; }
+
+ private:
+  /// `names`, or all robots. Errors: kNotFound.
+  Result<std::vector<std::string>> Resolve(const std::vector<std::string>& names) const;
+  Result<std::vector<StopOrder>> SetStopped(const std::vector<std::string>& names, bool stopped,
+                                            const std::string& client, const std::string& reason,
+                                            SimTime now) const;
+  void Free(Robot& robot);
+
+  ControlOptions options_;
+  std::map<std::string, Robot> robots_;
+  std::uint64_t version_ = 1;
+};
+
+}  // namespace conav::operators

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include "common/bus/participant.h"
+#include "common/bus/publisher.h"
+#include "common/msg/supervision.h"
+#include "common/runtime/clock.h"
+#include "operator/belief/belief_store.h"
+#include "operator/config.h"
+#include "operator/supervision/control.h"
+
+namespace conav::operators {
+
+/// The operator service's word on who commands which robot, and which robots stand (ControlRegistry): on
+/// disk first, then on the bus. After a restart stopped robots stay stopped; control is taken anew.
+///
+/// Publishes a robot's newest hold order at once, when there is one.
+/// Threads: one, the service's.
+class ControlTopics {
+ public:
+  /// All outlive it.
+  ControlTopics(bus::Participant& participant, const OperatorConfig& config, BeliefStore& store,
+                const Clock& clock);
+
+  static bool Handles(const OperatorRequest& request);
+  /// Requires Handles(request), and that it is no repeat. `now`: the operator's time.
+  BeliefStore::Answer Answer(const OperatorRequest& request, SimTime now);
+  /// Why another client's control forbids `request`; empty = it does not.
+  std::string CheckAllowed(const OperatorRequest& request) const;
+  /// `client` asked for something, whatever it is, that was not refused for want of control.
+  void Renew(const std::string& client) { book_.Renew(client, clock_.Now()); }
+  void Leave(const std::string& client) { book_.ReleaseAll(client); }
+  void Step() { book_.Expire(clock_.Now()); }
+
+  const ControlRegistry& book() const { return book_; }
+
+ private:
+  using StopPublisher = bus::Publisher<conav_msgs::msg::StopOrder>;
+
+  Result<std::vector<StopOrder>> Decide(const OperatorRequest& request, SimTime now,
+                                        ControlRegistry& book) const;
+  void Publish(const StopOrder& order);
+
+  BeliefStore& store_;
+  const Clock& clock_;
+  ControlRegistry book_;
+  std::map<std::string, std::unique_ptr<StopPublisher>> holds_;  // by robot
+};
+
+}  // namespace conav::operators

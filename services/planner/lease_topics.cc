@@ -1,0 +1,146 @@
+#include "planner/lease_topics.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <chrono>
+#include <random>
+
+#include "common/msg/convert.h"
+#include "common/runtime/log.h"
+
+namespace conav::planner {
+namespace {
+
+constexpr std::chrono::milliseconds kFarewellLimit{300};
+
+/// Rises from one process to the next, more or less; the rest makes it unique.
+std::string NewInstance(const std::string& node) {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
+  return fmt::format("{:012x}-{:08x}-{}", ms, std::random_device()(), node.substr(0, 64));
+}
+
+LeaseTable::Options OptionsFrom(const bus::Participant& participant, const PlannerConfig& config,
+                                const std::map<std::string, std::string>& world_of_robot) {
+  LeaseTable::Options options;
+  options.node = participant.node_name();
+  options.instance = NewInstance(options.node);
+  for (const auto& [robot, world] : world_of_robot) options.robots.push_back(robot);
+  options.period = Seconds(config.lease.period_s);
+  options.timeout = Seconds(config.lease.timeout_s);
+  options.planners = config.lease.planners;
+  return options;
+}
+
+}  // namespace
+
+struct RobotLeases::Way {
+  Way(bus::Participant& participant, const std::string& robot)
+      : ours(participant, bus::kIntendedPath, robot),
+        theirs(participant, bus::kIntendedPath, robot) {}
+
+  bus::Publisher<conav_msgs::msg::IntendedPath> ours;
+  bus::Subscriber<conav_msgs::msg::IntendedPath> theirs;
+};
+
+RobotLeases::RobotLeases(bus::Participant& participant, const PlannerConfig& config,
+                         const std::map<std::string, std::string>& world_of_robot,
+                         Blackboard& board, const Clock& clock)
+    : board_(board),
+      clock_(clock),
+      desk_(OptionsFrom(participant, config, world_of_robot), clock.Now()),
+      announcements_(participant, bus::kPlannerLease),
+      others_(participant, bus::kPlannerLease),
+      announced_at_(clock.Now()) {
+  for (const auto& [robot, world] : world_of_robot) {
+    ways_[robot] = std::make_unique<Way>(participant, robot);
+    board_.PutLease(robot, {Lease::State::kNone, 0});
+  }
+}
+
+RobotLeases::~RobotLeases() = default;
+
+void RobotLeases::Receive(const RobotState& state) {
+  desk_.Receive(state.robot, state.lease_epoch, state.command_sequence_number, clock_.Now());
+}
+
+void RobotLeases::Turn() {
+  const Clock::TimePoint now = clock_.Now();
+  for (const PlannerLease& lease :
+       others_.TakeValid([](const auto& message) { return ToDomain(message); })) {
+    desk_.Receive(lease, now);
+  }
+  TakeReleases();
+  Apply(desk_.Turn(now));
+  for (auto& [robot, way] : ways_) {
+    for (IntendedPath& wanted :
+         way->theirs.TakeValid([](const auto& message) { return ToDomain(message); })) {
+      if (desk_.EpochOf(robot) == 0) {
+        board_.PutIntendedPath(robot, std::move(wanted.way), std::move(wanted.room));
+      }
+    }
+  }
+  if (auto lease = desk_.Announcement(now)) Announce(*std::move(lease), now);
+}
+
+void RobotLeases::TakeReleases() {
+  for (const auto& [robot, way] : ways_) {
+    const bool given_up = board_.LeaseOf(robot).state == Lease::State::kNone;
+    if (!given_up || desk_.EpochOf(robot) == 0) continue;
+    desk_.Released(robot);
+    LOG_INFO("robot handed over", "robot", robot);
+  }
+}
+
+void RobotLeases::Apply(const LeaseTable::Changes& changes) {
+  for (const std::string& node : changes.planners_gone) {
+    LOG_WARNING("planner is silent, its robots are taken over", "planner", node);
+  }
+  for (const std::string& robot : changes.lost) {
+    LOG_WARNING("another planner took the robot over", "robot", robot);
+    board_.PutLease(robot, {Lease::State::kNone, 0});
+  }
+  for (const std::string& robot : changes.to_release) {
+    board_.PutLease(robot, {Lease::State::kReleasing, desk_.EpochOf(robot)});
+  }
+  for (const auto& taken : changes.taken) {
+    LOG_INFO("robot taken", "robot", taken.robot, "lease_epoch", taken.lease_epoch);
+    board_.PutLease(taken.robot, {Lease::State::kHeld, taken.lease_epoch});
+  }
+}
+
+void RobotLeases::Announce(PlannerLease lease, Clock::TimePoint now) {
+  const std::chrono::duration<double, std::micro> since = now - announced_at_;
+  announced_at_ = now;
+  const auto decided = static_cast<double>(decided_us_.exchange(0));
+  lease.load = since.count() > 0.0 ? decided / since.count() : 0.0;
+  bus::Send(announcements_, ToMessage(lease));
+}
+
+void RobotLeases::Leave() {
+  Announce(desk_.Farewell(), clock_.Now());
+  announcements_.WaitForAcknowledgments(kFarewellLimit);
+}
+
+void RobotLeases::CountDecision(double duration_ms) {
+  decided_us_ += static_cast<std::int64_t>(duration_ms * 1e3);
+}
+
+void RobotLeases::PublishIntendedPath(const IntendedPath& way) {
+  bus::Send(ways_.at(way.robot)->ours, ToMessage(way));
+}
+
+std::string RobotLeases::Describe(const std::string& robot) const {
+  if (const auto epoch = desk_.EpochOf(robot)) return fmt::format("lease epoch {}", epoch);
+  const std::string driver = desk_.DriverOf(robot);
+  return "driven by " + (driver.empty() ? "nobody that is heard" : driver);
+}
+
+int RobotLeases::held() const {
+  return static_cast<int>(std::count_if(
+      ways_.begin(), ways_.end(), [&](const auto& way) { return desk_.EpochOf(way.first) != 0; }));
+}
+
+}  // namespace conav::planner

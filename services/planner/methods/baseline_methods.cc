@@ -1,0 +1,167 @@
+#include "planner/methods/baseline_methods.h"
+
+#include <algorithm>
+
+#include "planner/decision/traffic.h"
+
+namespace conav::planner {
+
+Decision StandOff::WaitOrStepOut(const Situation& situation) {
+  if (!since_) since_ = clock_.Now();
+  if (clock_.Now() - *since_ < kPatience) return {};
+  since_.reset();
+  if (const auto cell = StepAnywhere(situation, random_)) return MoveAlong({*cell});
+  return {};
+}
+
+namespace {
+
+Decision Ask(AttentionReason reason, Cell cell) {
+  Decision decision;
+  decision.attention = reason;
+  decision.attention_cell = cell;
+  return decision;
+}
+
+}  // namespace
+
+bool PathFollower::Locate(const Situation& situation) {
+  if (!situation.guidance) return false;
+  const Guidance& guidance = *situation.guidance;
+  if (path_ != guidance.path) stand_off_.End();
+  // A goal pose keeps the revision, not the stamp.
+  if (path_ != guidance.path || revision_ != guidance.revision || stamp_ != guidance.stamp) {
+    path_ = guidance.path;
+    revision_ = guidance.revision;
+    stamp_ = guidance.stamp;
+    position_ = 0;
+  }
+  const auto from = path_.begin() + static_cast<std::ptrdiff_t>(position_);
+  const auto at = std::find(from, path_.end(), situation.state.cell);
+  if (at == path_.end()) return false;
+  position_ = static_cast<std::size_t>(at - path_.begin());
+  return true;
+}
+
+std::vector<Cell> PathFollower::Rest(const Situation& situation) {
+  if (situation.state.goals_left.empty() || !Locate(situation)) return {};
+  return {path_.begin() + static_cast<std::ptrdiff_t>(position_) + 1, path_.end()};
+}
+
+Decision PathFollower::Next(const Situation& situation) {
+  Decision decision = FollowOrAsk(situation);
+  if (decision.action || decision.attention) {
+    stand_off_.End();
+    return decision;
+  }
+  return stand_off_.WaitOrStepOut(situation);
+}
+
+Decision PathFollower::FollowOrAsk(const Situation& situation) {
+  std::vector<Cell> rest = Rest(situation);
+  if (rest.empty()) return Ask(AttentionReason::kNoGuidance, situation.state.cell);
+  const Cell next = rest.front();
+  if (IsKnownWall(situation.map.cells, next)) return Ask(AttentionReason::kBlocked, next);
+  if (IsTaken(situation, next) || WaitsFor(situation, rest) != nullptr) return {};
+  return MoveAlong(std::move(rest));
+}
+
+Decision InstructionMethod::Decide(const Situation& situation, const StopToken&) {
+  if (situation.state.goals_left.empty()) return {};
+  return follower_.Next(situation);
+}
+
+std::vector<Cell> InstructionMethod::WayFor(const Situation& situation) {
+  return follower_.Rest(situation);
+}
+
+Decision TeleopMethod::Decide(const Situation& situation, const StopToken&) {
+  Decision decision;
+  const auto& order = situation.drive;
+  // The robot itself may have carried it out for a planner that is gone.
+  if (!order || order->sequence_number == newest_order_ ||
+      order->sequence_number == situation.state.drive_order) {
+    return decision;
+  }
+  newest_order_ = order->sequence_number;
+  if (order->expires_at <= situation.now) return decision;
+  Action& action = decision.action.emplace();
+  action.kind = CommandKind::kDrive;
+  action.target = situation.state.cell;
+  action.drive = order->drive;
+  action.drive_order = order->sequence_number;
+  action.expires_at = order->expires_at;
+  return decision;
+}
+
+Decision GreedyMethod::Decide(const Situation& situation, const StopToken&) {
+  std::vector<Cell> way = DesiredPath(situation);
+  if (way.empty()) return {};
+  if (IsTaken(situation, way.front()) || WaitsFor(situation, way) != nullptr) {
+    return stand_off_.WaitOrStepOut(situation);
+  }
+  stand_off_.End();
+  return MoveAlong(std::move(way));
+}
+
+std::vector<Cell> GreedyMethod::WayFor(const Situation& situation) {
+  return DesiredPath(situation);
+}
+
+namespace {
+
+Decision SendPicture(Cell cell, double heading_rad) {
+  Decision decision;
+  decision.action = Action{CommandKind::kTransmitView, cell, heading_rad};
+  decision.report.actions.push_back({.kind = CommandKind::kTransmitView,
+                                     .target = cell,
+                                     .heading_rad = heading_rad,
+                                     .visits = 1});
+  decision.report.chosen = 0;
+  return decision;
+}
+
+bool IsAnswered(const Situation& situation) {
+  return situation.state.snapshots <= situation.answered_snapshot &&
+         situation.belief.revision >= situation.answered_belief;
+}
+
+}  // namespace
+
+bool MappingMethod::HasTask(const Situation& situation) {
+  const RobotState& state = situation.state;
+  if (errand_ && state.snapshots > errand_->snapshots_before) errand_.reset();
+  if (!situation.truth || !IsAnswered(situation)) return false;
+  if (!tour_) tour_.emplace(state.goals_left, MappingTourOptions{}, seed_);
+  if (!errand_) {
+    errand_ = {tour_->Next(*situation.truth, situation.belief.wall_probability, state.cell),
+               state.snapshots};
+  }
+  return true;
+}
+
+Decision MappingMethod::Decide(const Situation& situation, const StopToken&) {
+  if (!HasTask(situation)) return {};
+  const Cell here = situation.state.cell;
+  if (here == errand_->stop.cell) return SendPicture(here, errand_->stop.heading_rad);
+  std::vector<Cell> way = WayFor(situation);
+  if (way.empty()) {  // shut out by a step aside: there is always another stop
+    errand_.reset();
+    return {};
+  }
+  if (IsTaken(situation, way.front()) || WaitsFor(situation, way) != nullptr) {
+    return stand_off_.WaitOrStepOut(situation);
+  }
+  stand_off_.End();
+  return MoveAlong(std::move(way));
+}
+
+std::vector<Cell> MappingMethod::WayFor(const Situation& situation) {
+  if (!errand_ || !situation.truth) return {};
+  const OccupancyGrid& truth = *situation.truth;
+  return WayToNearest(
+      truth, situation.state.cell, [&](Cell cell) { return truth[cell] == Occupancy::kFree; },
+      [&](Cell cell) { return cell == errand_->stop.cell; });
+}
+
+}  // namespace conav::planner

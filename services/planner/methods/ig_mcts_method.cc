@@ -1,0 +1,298 @@
+#include "planner/methods/ig_mcts_method.h"
+
+#include <algorithm>
+
+#include "planner/decision/traffic.h"
+
+namespace conav::planner {
+namespace {
+
+std::vector<Cell> TakenCells(const Situation& situation) {
+  std::vector<Cell> cells;
+  for (std::size_t i = 0; i < situation.map.cells.size(); ++i) {
+    const Cell cell = situation.map.cells.CellAt(i);
+    if (IsTaken(situation, cell)) cells.push_back(cell);
+  }
+  return cells;
+}
+
+std::vector<Cell> PathOf(const Situation& situation) {
+  return situation.guidance ? situation.guidance->path : std::vector<Cell>{};
+}
+
+/// Whether the operator's path leads through a wall that the robot knows of.
+bool IsBlocked(const Situation& situation) {
+  return IsKnownBlocked(situation.map.cells, PathOf(situation));
+}
+
+}  // namespace
+
+std::shared_ptr<const GridViews> ViewsFor(const Situation& situation, int headings,
+                                          std::shared_ptr<const GridViews> kept) {
+  const GridViews::Options options{
+      .headings = headings, .lens = situation.lens, .cell_size_m = situation.map.cell_size_m};
+  if (kept && kept->options() == options) return kept;
+  return std::make_shared<const GridViews>(options);
+}
+
+SituationProblem::SituationProblem(const Situation& situation, BeliefGrid belief,
+                                   std::vector<SentView> withheld,
+                                   std::shared_ptr<const GridViews> views, const Reliance& reliance)
+    : graph_(situation.map.cells, TakenCells(situation), std::move(views), {}),
+      belief_(std::move(belief)) {
+  const auto start = graph_.VertexAt(situation.state.cell);
+  if (!start) return;
+  const bool counts_as_none = !reliance.blocked_path_guides && IsBlocked(situation);
+  problem_.emplace(
+      SearchProblem{.graph = graph_,
+                    .start = *start,
+                    .heading_rad = situation.state.heading_rad,
+                    .path = situation.state.path,
+                    .goals_left = situation.state.goals_left,
+                    .guidance = counts_as_none ? std::vector<Cell>{} : PathOf(situation),
+                    .guided_before = situation.guided_before && !counts_as_none,
+                    .belief = belief_,
+                    .information_weight = reliance.information_weight,
+                    .sent_views = std::move(withheld)});
+}
+
+namespace {
+
+std::vector<float> BeliefOf(const std::vector<Cell>& cells, const BeliefGrid& belief) {
+  std::vector<float> values;
+  values.reserve(cells.size());
+  for (const Cell cell : cells) values.push_back(belief[cell]);
+  return values;
+}
+
+}  // namespace
+
+void SentViews::Sent(const View& view, VisibleCells visible) {
+  std::erase_if(entries_, [&](const Entry& entry) { return entry.view == view; });
+  Entry entry{view, std::move(visible.free), {}};
+  entry.cells.insert(entry.cells.end(), visible.walls.begin(), visible.walls.end());
+  entries_.push_back(std::move(entry));
+}
+
+void SentViews::Update(const BeliefGrid& belief) {
+  std::erase_if(entries_, [&](Entry& entry) {
+    std::vector<float> now = BeliefOf(entry.cells, belief);
+    if (entry.belief.empty()) {
+      entry.belief = std::move(now);
+      return false;
+    }
+    return now != entry.belief;
+  });
+}
+
+std::vector<SentViews::View> SentViews::Withheld() const {
+  std::vector<View> views;
+  for (const Entry& entry : entries_) views.push_back(entry.view);
+  return views;
+}
+
+Result<std::vector<PerceptionAnswer>> NoNewsModel::Predict(
+    std::span<const PerceptionQuery> queries) {
+  std::vector<PerceptionAnswer> answers;
+  for (const PerceptionQuery& query : queries) {
+    const Grid<float> nothing(query.belief.rows(), query.belief.columns(), 0.0F);
+    answers.push_back({nothing, nothing});
+  }
+  return answers;
+}
+
+namespace {
+
+std::vector<SentView> ToSearch(const std::vector<SentViews::View>& views) {
+  std::vector<SentView> sent;
+  for (const auto& view : views) sent.push_back({view.cell, view.heading_rad});
+  return sent;
+}
+
+/// A policy's choice is taken from the search by withholding all views of the robot's place.
+SearchOptions OptionsFor(SearchOptions options, const CommunicationPolicy* policy) {
+  if (policy != nullptr) options.offers_sent_views = false;
+  return options;
+}
+
+SearchProblem WithoutViewsHere(SearchProblem problem) {
+  const Cell here = problem.graph.CellOf(problem.start);
+  for (const double heading_rad : problem.graph.HeadingsAt(problem.start)) {
+    problem.sent_views.push_back({here, heading_rad});
+  }
+  return problem;
+}
+
+}  // namespace
+
+IgMctsMethod::IgMctsMethod(const SearchConfig& config, std::uint64_t seed,
+                           std::shared_ptr<PerceptionModel> model, const Clock& clock,
+                           std::shared_ptr<BeliefEstimate> estimate,
+                           std::unique_ptr<CommunicationPolicy> policy)
+    : config_(config),
+      model_(std::move(model)),
+      policy_(std::move(policy)),
+      search_(OptionsFor(config.options, policy_.get()), SearchModel()),
+      random_(seed),
+      clock_(clock),
+      estimate_(std::move(estimate)) {
+  // An estimate holds what is expected, so there is nothing to measure.
+  if (config.reliability_prior > 0.0 && !estimate_) {
+    reliability_.emplace(config.reliability_prior);
+  }
+}
+
+void IgMctsMethod::ForgetOtherSize(const OccupancyGrid& map) {
+  const std::pair size(map.rows(), map.columns());
+  if (std::exchange(map_size_, size) == size) return;
+  sent_views_ = {};
+  chosen_view_.reset();
+  if (reliability_) reliability_.emplace(config_.reliability_prior);
+}
+
+bool IgMctsMethod::WaitsForRoom(const Situation& situation) {
+  if (WaitsFor(situation, DesiredPath(situation)) == nullptr) {
+    waiting_since_.reset();
+    return false;
+  }
+  if (!waiting_since_) waiting_since_ = clock_.Now();
+  return clock_.Now() - *waiting_since_ < kPatience;
+}
+
+std::vector<Cell> IgMctsMethod::WayFor(const Situation& situation) {
+  return DesiredPath(situation);
+}
+
+void IgMctsMethod::NoteSentView(const Situation& situation) {
+  if (chosen_view_ && situation.state.snapshots > chosen_view_->snapshots_before) {
+    const SentViews::View view = chosen_view_->view;
+    sent_views_.Sent(view, chosen_view_->visible);
+    if (reliability_) ExpectEdits(*chosen_view_);
+    if (estimate_) {
+      const auto noted = estimate_->NoteSent(std::move(chosen_view_->path), view.cell,
+                                             view.heading_rad, std::move(chosen_view_->visible));
+      if (!noted) {
+        LOG_WARNING("belief estimate not advanced", "robot", situation.state.robot, "reason",
+                    noted.error().text);
+      }
+    }
+  }
+  chosen_view_.reset();
+}
+
+void IgMctsMethod::ExpectEdits(const ChosenView& chosen) {
+  const PerceptionQuery query{.belief = chosen.belief,
+                              .path = chosen.path,
+                              .cell = chosen.view.cell,
+                              .heading_rad = chosen.view.heading_rad,
+                              .visible = chosen.visible};
+  // Without an answer this picture says nothing about the operator.
+  if (auto edits = model_->Predict({&query, 1})) reliability_->Sent(std::move(edits->front()));
+}
+
+BeliefGrid IgMctsMethod::BeliefOf(const Situation& situation) {
+  return estimate_ ? estimate_->Now(situation.belief.wall_probability)
+                   : situation.belief.wall_probability;
+}
+
+Decision IgMctsMethod::Decide(const Situation& situation, const StopToken& stop) {
+  ForgetOtherSize(situation.map.cells);
+  NoteSentView(situation);
+  const BeliefGrid belief = BeliefOf(situation);
+  sent_views_.Update(belief);
+  if (reliability_) reliability_->Received(belief, situation.map.cells);
+  if (WaitsForRoom(situation)) return {};
+  views_ = ViewsFor(situation, config_.headings, std::move(views_));
+  const SituationProblem problem(situation, belief, ToSearch(sent_views_.Withheld()), views_,
+                                 {.information_weight = reliability_ ? reliability_->value() : 1.0,
+                                  .blocked_path_guides = config_.blocked_path_guides});
+  if (problem.get() == nullptr) {
+    return NoDecision(situation, "the robot's cell cannot be free on its map");
+  }
+  if (!policy_) return Search(*problem.get(), situation, stop);
+  const auto view = ViewOfPolicy(*problem.get(), situation);
+  if (!view) return NoDecision(situation, view.error().text);
+  if (*view) return FromPolicy(**view, situation);
+  return Search(WithoutViewsHere(*problem.get()), situation, stop);
+}
+
+Decision IgMctsMethod::Search(const SearchProblem& problem, const Situation& situation,
+                              const StopToken& stop) {
+  const auto result =
+      search_.Decide(problem, random_, {.stop = &stop, .clock = &clock_}, &memories_);
+  if (!result) {
+    return NoDecision(situation, result.error().text);
+  }
+  return FromResult(*result, situation);
+}
+
+Result<std::optional<BestView>> IgMctsMethod::ViewOfPolicy(const SearchProblem& problem,
+                                                           const Situation& situation) {
+  if (!policy_ || problem.goals_left.empty() || !policy_->Wants(MomentOf(situation))) {
+    return std::nullopt;
+  }
+  return FindBestView(problem, *model_, policy_->least_information(), policy_->turn_cost());
+}
+
+Decision IgMctsMethod::NoDecision(const Situation& situation, std::string_view reason) {
+  if (const auto held_back = no_decision_.Allow()) {
+    LOG_WARNING("no decision", "robot", situation.state.robot, "cell", situation.state.cell,
+                "reason", reason, "held_back", *held_back);
+  }
+  return {};
+}
+
+Decision IgMctsMethod::FromResult(const SearchResult& result, const Situation& situation) {
+  Decision decision;
+  decision.report.actions = result.actions;
+  decision.report.chosen = result.chosen;
+  decision.report.has_terms = result.has_terms;
+  decision.report.tree = result.tree;
+  decision.report.views = result.views;
+  decision.report.iterations = result.iterations;
+  decision.report.nodes = result.nodes;
+  decision.report.perception_queries = result.perception_queries;
+  decision.report.perception_cached = result.perception_cached;
+  decision.report.perception_model = SearchModel().name();
+  decision.plan = result.expected_path;
+  if (result.chosen < 0) return decision;
+  const SearchAction& chosen = result.actions[static_cast<std::size_t>(result.chosen)];
+  decision.action = Action{chosen.kind, chosen.target, chosen.heading_rad};
+  if (chosen.kind == CommandKind::kTransmitView) {
+    Send(chosen.heading_rad, chosen.information_gain, situation, decision);
+    decision.answer_value = AnswerValue(result.actions, chosen);
+  }
+  return decision;
+}
+
+Decision IgMctsMethod::FromPolicy(const BestView& view, const Situation& situation) {
+  Decision decision;
+  decision.report.actions.push_back({.kind = CommandKind::kTransmitView,
+                                     .target = situation.state.cell,
+                                     .heading_rad = view.heading_rad,
+                                     .information_gain = view.information});
+  decision.report.chosen = 0;
+  decision.report.perception_queries = static_cast<std::uint32_t>(view.views);
+  decision.report.perception_model = model_->name();
+  decision.action = Action{CommandKind::kTransmitView, situation.state.cell, view.heading_rad};
+  Send(view.heading_rad, view.information, situation, decision);
+  return decision;
+}
+
+void IgMctsMethod::Send(double heading_rad, double information, const Situation& situation,
+                        Decision& decision) {
+  // The picture shows the truth, the robot's map what is known of it now: cells that it adds are
+  // new to all.
+  const CameraView view =
+      ViewThrough(situation.lens, situation.state.cell, heading_rad, situation.map.cell_size_m);
+  chosen_view_ = ChosenView{{situation.state.cell, heading_rad},
+                            CastView(situation.map.cells, view),
+                            situation.state.path,
+                            BeliefOf(situation),
+                            situation.state.snapshots};
+  decision.attention = AttentionReason::kPicture;
+  decision.attention_cell = situation.state.cell;
+  decision.expected_information = information;
+}
+
+}  // namespace conav::planner

@@ -1,0 +1,169 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "common/grid/grid.h"
+#include "common/grid/visibility.h"
+#include "common/runtime/clock.h"
+#include "common/runtime/log.h"
+#include "common/runtime/random.h"
+#include "planner/decision/method.h"
+#include "planner/methods/communication_policy.h"
+#include "planner/methods/method_config.h"
+#include "planner/methods/operator_model.h"
+#include "planner/search/grid_graph.h"
+#include "planner/search/parallel_search.h"
+#include "planner/search/perception_model.h"
+#include "planner/search/search_problem.h"
+#include "planner/search/view_information.h"
+
+namespace conav::planner {
+
+/// The views of the situation's camera in `headings` directions: `kept` if it is of the same
+/// camera.
+std::shared_ptr<const GridViews> ViewsFor(const Situation& situation, int headings,
+                                          std::shared_ptr<const GridViews> kept = nullptr);
+
+/// How far the search relies on the operator.
+struct Reliance {
+  /// What a view tells the operator is multiplied by this, in [0, 1].
+  double information_weight = 1.0;
+  /// Whether a path on which the robot knows of a wall, ahead of it or behind, still guides it; if
+  /// not, it counts as none.
+  bool blocked_path_guides = false;
+};
+
+/// A robot's situation as the search sees it: the problem and the graph that it refers to.
+class SituationProblem {
+ public:
+  /// `belief` is what the operator's map is taken to be, `withheld` views that are not offered.
+  /// `views` stand for the situation's camera (ViewsFor).
+  SituationProblem(const Situation& situation, BeliefGrid belief, std::vector<SentView> withheld,
+                   std::shared_ptr<const GridViews> views, const Reliance& reliance = {});
+  SituationProblem(const SituationProblem&) = delete;
+  SituationProblem& operator=(const SituationProblem&) = delete;
+
+  /// Null when the robot's cell cannot be free on its map.
+  const SearchProblem* get() const { return problem_ ? &*problem_ : nullptr; }
+
+ private:
+  GridGraph graph_;
+  BeliefGrid belief_;
+  std::optional<SearchProblem> problem_;
+};
+
+/// Remembers which views a robot has sent, and on what belief: none is offered again while the
+/// operator's map is unchanged in the cells that it shows, because the same picture would change
+/// nothing the second time. Without this rule the reward lets the planner send one view for ever
+/// (facts measured in the search experiment).
+class SentViews {
+ public:
+  struct View {
+    Cell cell;
+    double heading_rad = 0.0;
+    bool operator==(const View&) const = default;
+  };
+
+  /// The robot sends this view now. Its belief is taken at the next Update(), after the operator's
+  /// answer.
+  void Sent(const View& view, VisibleCells visible);
+
+  /// The belief as it is at the next decision: views whose cells changed since are offered again.
+  void Update(const BeliefGrid& belief);
+
+  /// Views that must not be offered now.
+  std::vector<View> Withheld() const;
+
+ private:
+  struct Entry {
+    View view;
+    std::vector<Cell> cells;
+    std::vector<float> belief;  // of `cells` after the answer; empty until then
+  };
+
+  std::vector<Entry> entries_;
+};
+
+/// Pictures that change nothing, so that a search with this model moves for the task's sake alone;
+/// for methods in which something else decides on pictures. Never fails.
+class NoNewsModel final : public PerceptionModel {
+ public:
+  [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
+      std::span<const PerceptionQuery> queries) override;
+  std::string name() const override { return "none"; }
+};
+
+/// The robot decides by IG-MCTS: moves by itself, and sends the picture that is worth the
+/// operator's attention. It never waits for guidance; the newest path is taken into account at each
+/// decision. With an `estimate` it searches on that instead of the published belief. With a
+/// `policy` that decides when a picture is sent, and the search on the moves only: it plans as if
+/// pictures changed nothing, a branch still ends where it would send one, at the same cost, and
+/// none is sent from where the robot is.
+class IgMctsMethod final : public Method {
+ public:
+  IgMctsMethod(const SearchConfig& config, std::uint64_t seed,
+               std::shared_ptr<PerceptionModel> model, const Clock& clock,
+               std::shared_ptr<BeliefEstimate> estimate = nullptr,
+               std::unique_ptr<CommunicationPolicy> policy = nullptr);
+
+  Decision Decide(const Situation& situation, const StopToken& stop) override;
+  std::vector<Cell> WayFor(const Situation& situation) override;
+  AwaitedInput awaits() const override { return AwaitedInput::kAnswers; }
+
+ private:
+  /// The view that the last decision asked for; it counts as sent when the robot shows one more
+  /// snapshot.
+  struct ChosenView {
+    SentViews::View view;
+    VisibleCells visible;
+    std::vector<Cell> path;  // tau at that time
+    BeliefGrid belief;
+    std::uint64_t snapshots_before = 0;
+  };
+
+  /// Where the world began anew with a map of another size, what was sent and measured of the one
+  /// before tells nothing.
+  void ForgetOtherSize(const OccupancyGrid& map);
+  void NoteSentView(const Situation& situation);
+  /// Asks what edits the picture of `chosen`, which was sent, will lead to.
+  void ExpectEdits(const ChosenView& chosen);
+  BeliefGrid BeliefOf(const Situation& situation);
+  /// Whether to wait a moment for the robot that stands in the way and has to make room.
+  bool WaitsForRoom(const Situation& situation);
+  PerceptionModel& SearchModel() {
+    return policy_ ? static_cast<PerceptionModel&>(no_news_) : *model_;
+  }
+  Decision Search(const SearchProblem& problem, const Situation& situation, const StopToken& stop);
+  /// The view that the policy wants sent now, if any.
+  Result<std::optional<BestView>> ViewOfPolicy(const SearchProblem& problem,
+                                               const Situation& situation);
+  Decision NoDecision(const Situation& situation, std::string_view reason);
+  Decision FromResult(const SearchResult& result, const Situation& situation);
+  Decision FromPolicy(const BestView& view, const Situation& situation);
+  /// Makes `decision` the one to send a view.
+  void Send(double heading_rad, double information, const Situation& situation, Decision& decision);
+
+  SearchConfig config_;
+  std::shared_ptr<PerceptionModel> model_;
+  std::unique_ptr<CommunicationPolicy> policy_;  // null: the search decides
+  NoNewsModel no_news_;                          // what it plans with where it does not
+  IgMcts search_;
+  std::vector<SearchMemory> memories_;  // by tree
+  std::shared_ptr<const GridViews> views_;
+  Random random_;
+  const Clock& clock_;                        // of the search's wall time budget and of waiting
+  std::shared_ptr<BeliefEstimate> estimate_;  // may be null
+  std::optional<OperatorReliability> reliability_;  // none where it is not measured
+  SentViews sent_views_;
+  std::optional<ChosenView> chosen_view_;
+  std::pair<int, int> map_size_;  // rows and columns at the last decision
+  LogLimit no_decision_;
+  std::optional<Clock::TimePoint> waiting_since_;  // for another robot to make room
+};
+
+}  // namespace conav::planner

@@ -1,0 +1,79 @@
+#include "planner/methods/operator_model.h"
+
+#include <algorithm>
+
+#include "common/grid/map_accuracy.h"
+#include "common/runtime/result.h"
+
+namespace conav::planner {
+namespace {
+
+bool IsRight(float wall_probability, Occupancy known) {
+  return (wall_probability >= kWallThreshold) == (known == Occupancy::kOccupied);
+}
+
+}  // namespace
+
+void OperatorReliability::Received(const BeliefGrid& belief, const OccupancyGrid& known) {
+  if (belief_) Compare(belief, known);
+  belief_ = belief;
+  expected_edits_.reset();
+}
+
+void OperatorReliability::Compare(const BeliefGrid& belief, const OccupancyGrid& known) {
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    const Occupancy cell = known.values()[i];
+    if (cell == Occupancy::kUnknown) continue;
+    const bool was_right = IsRight(belief_->values()[i], cell);
+    shown_ += IsRight(belief.values()[i], cell) - was_right;
+    if (was_right || !expected_edits_) continue;
+    expected_ += expected_edits_->add.values()[i] + expected_edits_->remove.values()[i];
+  }
+  shown_ = std::clamp(shown_, -prior_edits_, expected_);
+  if (expected_ <= kMemoryEdits) return;
+  shown_ *= kMemoryEdits / expected_;
+  expected_ = kMemoryEdits;
+}
+
+namespace {
+
+bool SameSize(const BeliefGrid& a, const BeliefGrid& b) {
+  return a.rows() == b.rows() && a.columns() == b.columns();
+}
+
+void Advance(BeliefGrid& belief, const PerceptionAnswer& answer) {
+  // The answer's probabilities hold "and there is a wall" (or none) already: they are masked by x.
+  for (std::size_t i = 0; i < belief.size(); ++i) {
+    float& x = belief.values()[i];
+    x = std::clamp(x + answer.add.values()[i] - answer.remove.values()[i], 0.0F, 1.0F);
+  }
+}
+
+}  // namespace
+
+BeliefGrid BeliefEstimate::Now(const BeliefGrid& published) {
+  const std::lock_guard lock(mutex_);
+  if (!belief_ || !SameSize(*belief_, published)) belief_ = published;
+  return *belief_;
+}
+
+Result<void> BeliefEstimate::NoteSent(std::vector<Cell> path, Cell cell, double heading_rad,
+                                      VisibleCells visible) {
+  PerceptionQuery query{.path = std::move(path),
+                        .cell = cell,
+                        .heading_rad = heading_rad,
+                        .visible = std::move(visible)};
+  {
+    const std::lock_guard lock(mutex_);
+    DEMAND(belief_.has_value());
+    query.belief = *belief_;
+  }
+  const auto answers = model_->Predict({&query, 1});
+  if (!answers) return tl::unexpected(answers.error());
+  const std::lock_guard lock(mutex_);
+  // Meanwhile another robot may have begun a new estimate.
+  if (SameSize(*belief_, answers->front().add)) Advance(*belief_, answers->front());
+  return {};
+}
+
+}  // namespace conav::planner

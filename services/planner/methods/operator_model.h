@@ -1,0 +1,80 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "common/msg/planning.h"
+#include "planner/search/perception_model.h"
+
+namespace conav::planner {
+
+/// How much of what the perception model expects of an operator they do: measured with each
+/// picture, and a weight for what further pictures are worth. An addition to the paper, whose
+/// operator always means well (docs/paper.md).
+///
+/// Only cells count that the robot knows. Expected are the edits there that would put the map
+/// right; shown is by how many more of these cells the published map is right from then on, below 0
+/// where edits broke more than they mended:
+///
+///   reliability = (prior + shown) / (prior + expected),   -prior <= shown <= expected
+///
+/// `prior` are edits that an operator is trusted with before anything was measured. What lies back
+/// more than kMemoryEdits expected edits fades. Edits between pictures count as well: an operator
+/// who is sent none any more can win the trust back by mending the map.
+class OperatorReliability {
+ public:
+  static constexpr double kMemoryEdits = 20.0;
+
+  /// `prior_edits` > 0.
+  explicit OperatorReliability(double prior_edits) : prior_edits_(prior_edits) {}
+
+  /// The published map when the robot, which knows `known`, decides: after it sent a picture, with
+  /// the answer to that.
+  void Received(const BeliefGrid& belief, const OccupancyGrid& known);
+
+  /// Since the map that was heard last a picture was sent, to which the model expects `edits`. Call
+  /// before the answer is heard.
+  void Sent(PerceptionAnswer edits) { expected_edits_ = std::move(edits); }
+
+  /// In [0, 1]; 1 at first.
+  double value() const { return (prior_edits_ + shown_) / (prior_edits_ + expected_); }
+
+ private:
+  void Compare(const BeliefGrid& belief, const OccupancyGrid& known);
+
+  double prior_edits_;
+  double expected_ = 0.0;
+  double shown_ = 0.0;
+  std::optional<BeliefGrid> belief_;                // heard last
+  std::optional<PerceptionAnswer> expected_edits_;  // to the picture sent since then
+};
+
+/// The operator's map of one world as the planner guesses it when it does not look at the published
+/// one: the published map as it was first heard, changed by the edits that the perception model
+/// expects after each picture of this planner's robots,
+///
+///   x <- x (1 - p_remove) + (1 - x) p_add
+///
+/// Source:  paper sections 4 and 5.1 (x is estimated with F_theta); docs/paper.md A13.
+/// Threads: safe to use from several, one per robot.
+class BeliefEstimate {
+ public:
+  explicit BeliefEstimate(std::shared_ptr<PerceptionModel> model) : model_(std::move(model)) {}
+
+  /// The estimate; the first call starts it with `published`, and so does one with a map of another
+  /// size: that world began anew.
+  BeliefGrid Now(const BeliefGrid& published);
+
+  /// A picture was sent: from `cell` towards `heading_rad`, after the robot went `path`, showing
+  /// `visible`. Errors: those of the model; the estimate is unchanged then. Requires Now() before.
+  [[nodiscard]] Result<void> NoteSent(std::vector<Cell> path, Cell cell, double heading_rad,
+                                      VisibleCells visible);
+
+ private:
+  std::shared_ptr<PerceptionModel> model_;
+  std::mutex mutex_;  // guards belief_
+  std::optional<BeliefGrid> belief_;
+};
+
+}  // namespace conav::planner

@@ -1,0 +1,85 @@
+#include "planner/perception/fallback_model.h"
+
+#include <algorithm>
+
+#include "common/runtime/result.h"
+
+namespace conav::planner {
+
+FallbackPerceptionModel::FallbackPerceptionModel(std::shared_ptr<PerceptionModel> primary,
+                                                 std::shared_ptr<PerceptionModel> fallback,
+                                                 const Options& options, const Clock& clock,
+                                                 OnSwitch on_switch)
+    : primary_(std::move(primary)),
+      fallback_(std::move(fallback)),
+      options_(options),
+      clock_(clock),
+      on_switch_(std::move(on_switch)) {
+  DEMAND(primary_ && fallback_ && on_switch_);
+}
+
+Result<std::vector<PerceptionAnswer>> FallbackPerceptionModel::Predict(
+    std::span<const PerceptionQuery> queries) {
+  const Attempt attempt = NextAttempt();
+  if (attempt != Attempt::kNone) {
+    auto answers = primary_->Predict(queries);
+    if (answers) {
+      NotePrimaryAnswered();
+      return answers;
+    }
+    if (answers.error().code == ErrorCode::kInvalidArgument) {
+      NoteNotAsked(attempt);
+      return answers;
+    }
+    NotePrimaryFailed(answers.error(), attempt);
+  }
+  return fallback_->Predict(queries);
+}
+
+std::string FallbackPerceptionModel::name() const {
+  const std::lock_guard lock(mutex_);
+  return fallen_back_ ? "fallback: " + fallback_->name() : primary_->name();
+}
+
+FallbackPerceptionModel::Attempt FallbackPerceptionModel::NextAttempt() {
+  const std::lock_guard lock(mutex_);
+  if (!fallen_back_) return Attempt::kNormal;
+  const Clock::TimePoint now = clock_.Now();
+  if (probing_ || now < next_try_) return Attempt::kNone;
+  probing_ = true;  // other threads go on with the fallback meanwhile
+  return Attempt::kProbe;
+}
+
+void FallbackPerceptionModel::NotePrimaryAnswered() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!fallen_back_) return;
+    fallen_back_ = false;
+    probing_ = false;
+  }
+  on_switch_(std::nullopt);
+}
+
+void FallbackPerceptionModel::NoteNotAsked(Attempt attempt) {
+  if (attempt != Attempt::kProbe) return;
+  const std::lock_guard lock(mutex_);
+  probing_ = false;
+}
+
+void FallbackPerceptionModel::NotePrimaryFailed(const Error& error, Attempt attempt) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (attempt == Attempt::kProbe) {
+      probing_ = false;
+      pause_ = std::min(pause_ * 2, options_.longest_pause);
+    }
+    const bool switched = !fallen_back_;
+    if (switched) pause_ = options_.first_pause;
+    fallen_back_ = true;
+    next_try_ = clock_.Now() + pause_;
+    if (!switched) return;
+  }
+  on_switch_(error);
+}
+
+}  // namespace conav::planner

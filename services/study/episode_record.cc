@@ -1,0 +1,139 @@
+#include "study/episode_record.h"
+
+#include <algorithm>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+namespace conav::study {
+namespace {
+
+constexpr double kBytesPerMib = 1024.0 * 1024.0;
+
+constexpr Measure kMeasures[] = {
+    {"image_mib", "image MiB", "Communication, 180 KiB per picture (MiB)",
+     [](const EpisodeMeasures& e) { return e.pictures * kPaperImageKib / 1024.0; }},
+    {"sent_mib", "sent MiB", "Bytes of pictures really sent (MiB)",
+     [](const EpisodeMeasures& e) { return e.picture_bytes / kBytesPerMib; }},
+    {"low_level_steps", "steps", "Low-level steps (4 Hz)",
+     [](const EpisodeMeasures& e) { return e.low_level_steps; }},
+    {"cell_moves", "moves", "Moves from cell to cell",
+     [](const EpisodeMeasures& e) { return e.cell_moves; }},
+    {"pictures", "pictures", "Pictures sent", [](const EpisodeMeasures& e) { return e.pictures; }},
+    {"guidance", "guidance", "Paths that the operator gave",
+     [](const EpisodeMeasures& e) { return e.guidance; }},
+    {"mapping_accuracy_after", "mapping", "Mapping accuracy at the end",
+     [](const EpisodeMeasures& e) { return e.mapping_accuracy_after; }, true},
+    {"goals_reached_fraction", "goals", "Share of the goals reached",
+     [](const EpisodeMeasures& e) {
+       return e.goals_total > 0.0 ? e.goals_reached / e.goals_total : 0.0;
+     },
+     true},
+    {"time_s", "time s", "Simulated time (s)", [](const EpisodeMeasures& e) { return e.time_s; }},
+};
+
+}  // namespace
+
+EpisodeMeasures MeasuresOf(const launcher::EpisodeMetrics& metrics) {
+  EpisodeMeasures measures;
+  for (const launcher::RobotMetrics& robot : metrics.robots) {
+    measures.pictures += static_cast<double>(robot.pictures);
+    measures.picture_bytes += static_cast<double>(robot.picture_bytes);
+    measures.low_level_steps += static_cast<double>(robot.low_level_steps);
+    measures.cell_moves += static_cast<double>(robot.cell_moves);
+    measures.guidance += static_cast<double>(robot.guidance);
+    measures.goals_reached += static_cast<double>(robot.goals_reached);
+    measures.goals_total += static_cast<double>(robot.goals_total);
+    measures.time_s = std::max(measures.time_s, robot.time_s);
+  }
+  measures.mapping_accuracy_after = metrics.after.mapping;
+  measures.all_goals_reached = metrics.all_goals_reached;
+  return measures;
+}
+
+std::span<const Measure> Measures() { return kMeasures; }
+
+std::size_t MeasureIndex(const std::string& key) {
+  const auto found = std::find_if(std::begin(kMeasures), std::end(kMeasures),
+                                  [&](const Measure& measure) { return key == measure.key; });
+  DEMAND(found != std::end(kMeasures), key);
+  return static_cast<std::size_t>(found - std::begin(kMeasures));
+}
+
+namespace {
+
+constexpr std::pair<EpisodeStatus, const char*> kStatusNames[] = {
+    {EpisodeStatus::kComplete, "complete"},
+    {EpisodeStatus::kGoalsLeft, "goals left"},
+    {EpisodeStatus::kFailed, "failed"},
+};
+
+constexpr std::pair<const char*, double EpisodeMeasures::*> kFields[] = {
+    {"pictures", &EpisodeMeasures::pictures},
+    {"picture_bytes", &EpisodeMeasures::picture_bytes},
+    {"low_level_steps", &EpisodeMeasures::low_level_steps},
+    {"cell_moves", &EpisodeMeasures::cell_moves},
+    {"guidance", &EpisodeMeasures::guidance},
+    {"mapping_accuracy_after", &EpisodeMeasures::mapping_accuracy_after},
+    {"goals_reached", &EpisodeMeasures::goals_reached},
+    {"goals_total", &EpisodeMeasures::goals_total},
+    {"time_s", &EpisodeMeasures::time_s},
+};
+
+Result<EpisodeStatus> StatusFrom(const std::string& name) {
+  const auto found = std::find_if(std::begin(kStatusNames), std::end(kStatusNames),
+                                  [&](const auto& entry) { return name == entry.second; });
+  if (found != std::end(kStatusNames)) return found->first;
+  return Fail(ErrorCode::kMalformed, "status '" + name + "' is not known");
+}
+
+EpisodeMeasures MeasuresFrom(const nlohmann::json& json) {
+  EpisodeMeasures measures;
+  for (const auto& [key, field] : kFields) measures.*field = json.at(key).get<double>();
+  measures.all_goals_reached = json.at("all_goals_reached").get<bool>();
+  return measures;
+}
+
+}  // namespace
+
+const char* NameOf(EpisodeStatus status) {
+  return std::find_if(std::begin(kStatusNames), std::end(kStatusNames),
+                      [&](const auto& entry) { return entry.first == status; })
+      ->second;
+}
+
+nlohmann::ordered_json ToJson(const EpisodeRecord& record) {
+  nlohmann::ordered_json json{{"name", record.name},     {"status", NameOf(record.status)},
+                              {"detail", record.detail}, {"attempts", record.attempts},
+                              {"wall_s", record.wall_s}, {"run", record.run},
+                              {"operator", "simulated"}, {"measures", nullptr}};
+  if (!record.measures) return json;
+  nlohmann::ordered_json measures;
+  for (const auto& [key, field] : kFields) measures[key] = (*record.measures).*field;
+  measures["all_goals_reached"] = record.measures->all_goals_reached;
+  json["measures"] = std::move(measures);
+  return json;
+}
+
+Result<void> FromJson(const std::string& text, EpisodeRecord& record) {
+  try {
+    const auto json = nlohmann::json::parse(text);
+    const auto status = StatusFrom(json.at("status").get<std::string>());
+    if (!status) return tl::unexpected(status.error());
+    record = {.name = json.at("name").get<std::string>(),
+              .status = *status,
+              .detail = json.at("detail").get<std::string>(),
+              .attempts = json.at("attempts").get<int>(),
+              .wall_s = json.at("wall_s").get<double>(),
+              .run = json.at("run").get<std::string>()};
+    if (!json.at("measures").is_null()) record.measures = MeasuresFrom(json.at("measures"));
+    if (record.measures.has_value() == record.has_failed()) {
+      return Fail(ErrorCode::kMalformed, "status and measures contradict each other");
+    }
+    return {};
+  } catch (const nlohmann::json::exception& error) {
+    return Fail(ErrorCode::kMalformed, error.what());
+  }
+}
+
+}  // namespace conav::study

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "common/runtime/result.h"
+#include "launcher/run_log.h"
+
+namespace conav::study {
+
+/// Bytes of one picture as the paper counts them (section 6.2): 180 KB; its table 3 shows that its
+/// kilobytes and megabytes are powers of two.
+inline constexpr double kPaperImageKib = 180.0;
+
+/// What is kept of an episode; sums over its robots.
+struct EpisodeMeasures {
+  double pictures = 0.0;  // frames of a stream among them
+  double picture_bytes = 0.0;
+  double low_level_steps = 0.0;  // of 0.25 s
+  double cell_moves = 0.0;
+  double guidance = 0.0;  // paths that the operator gave
+  double mapping_accuracy_after = 0.0;
+  double goals_reached = 0.0;
+  double goals_total = 0.0;
+  double time_s = 0.0;  // simulation time until the last robot was done
+  bool all_goals_reached = false;
+  bool operator==(const EpisodeMeasures&) const = default;
+};
+
+EpisodeMeasures MeasuresOf(const launcher::EpisodeMetrics& metrics);
+
+/// One figure of table 3.
+struct Measure {
+  const char* key;     // in JSON, CSV and file names
+  const char* header;  // of a column
+  const char* title;
+  double (*value)(const EpisodeMeasures&);
+  bool is_share = false;  // in [0, 1]; all others are from 0 on
+};
+
+/// In the order of table 3: image_mib, sent_mib, low_level_steps, cell_moves, pictures, guidance,
+/// mapping_accuracy_after, goals_reached_fraction, time_s.
+std::span<const Measure> Measures();
+
+/// The place of `key` in Measures(), which has it.
+std::size_t MeasureIndex(const std::string& key);
+
+enum class EpisodeStatus {
+  kComplete,   // all goals reached
+  kGoalsLeft,  // ended without all goals; measured as far as it got
+  kFailed,     // a process died or the run could not start: no measures
+};
+
+const char* NameOf(EpisodeStatus status);
+
+/// What is kept on disk of an episode.
+struct EpisodeRecord {
+  std::string name;  // PlannedEpisode::name
+  EpisodeStatus status = EpisodeStatus::kFailed;
+  std::string detail;  // why it is not complete
+  int attempts = 0;
+  double wall_s = 0.0;                      // of the last attempt
+  std::string run;                          // run folder of the last attempt
+  std::optional<EpisodeMeasures> measures;  // none of a failed one
+
+  bool is_complete() const { return status == EpisodeStatus::kComplete; }
+  bool has_failed() const { return status == EpisodeStatus::kFailed; }
+  bool operator==(const EpisodeRecord&) const = default;
+};
+
+nlohmann::ordered_json ToJson(const EpisodeRecord& record);
+
+/// Errors: kMalformed with what is wrong.
+[[nodiscard]] Result<void> FromJson(const std::string& text, EpisodeRecord& record);
+
+}  // namespace conav::study

@@ -1,0 +1,214 @@
+#include "study/experiment/search_experiment.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <mutex>
+#include <numeric>
+
+#include "common/runtime/config.h"
+#include "common/runtime/random.h"
+#include "common/runtime/result.h"
+#include "common/runtime/threads.h"
+#include "nhpm/model/load_model.h"
+#include "planner/methods/make_method.h"
+#include "planner/perception/cached_model.h"
+#include "planner/perception/embedded_model.h"
+
+namespace conav::planner {
+
+double Mean(std::span<const double> values) {
+  if (values.empty()) return 0.0;
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+Interval BootstrapMean(std::span<const double> values, std::uint64_t seed, int draws) {
+  if (values.empty()) return {};
+  Random random(seed);
+  const auto last = static_cast<std::int64_t>(values.size()) - 1;
+  std::vector<double> means;
+  for (int draw = 0; draw < draws; ++draw) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      sum += values[static_cast<std::size_t>(random.Uniform(0, last))];
+    }
+    means.push_back(sum / static_cast<double>(values.size()));
+  }
+  std::sort(means.begin(), means.end());
+  const auto at = [&](double share) {
+    return means[static_cast<std::size_t>(share * static_cast<double>(means.size() - 1))];
+  };
+  return {at(0.025), at(0.975)};
+}
+
+namespace {
+
+struct VariantKeys {
+  SearchVariant& variant;
+
+  void Visit(ConfigReader& reader) {
+    reader.Choice("method", variant.method, {"ig-mcts", "greedy"});
+    reader.Section("communication", variant.communication);
+    variant.config.Visit(reader);
+  }
+};
+
+/// Not empty.
+YAML::Node VariantsIn(const YAML::Node& document, const std::filesystem::path& file) {
+  const YAML::Node section = document.IsMap() ? document["search_variants"] : YAML::Node();
+  if (!section || !section.IsMap() || section.size() == 0) {
+    throw StartupError(file.string() + ": no map search_variants: {NAME: {...}}");
+  }
+  return section;
+}
+
+}  // namespace
+
+std::vector<SearchVariant> ReadSearchVariants(const std::filesystem::path& file) {
+  const auto document = ReadYamlFile(file);
+  if (!document) throw StartupError(document.error().text);
+  std::vector<SearchVariant> variants;
+  for (const auto& entry : VariantsIn(*document, file)) {
+    SearchVariant variant;
+    variant.name = entry.first.Scalar();
+    VariantKeys keys{variant};
+    ReadConfig(entry.second, file.string() + ": " + variant.name, keys);
+    variants.push_back(std::move(variant));
+  }
+  return variants;
+}
+
+std::filesystem::path ShippedVariants() {
+  return nhpm::ShippedWeights().parent_path().parent_path() / "config" / "search_variants.yaml";
+}
+
+const SearchVariant& FindVariant(const std::vector<SearchVariant>& variants,
+                                 const std::string& name, const std::filesystem::path& file) {
+  const auto found = std::find_if(variants.begin(), variants.end(),
+                                  [&](const SearchVariant& v) { return v.name == name; });
+  if (found != variants.end()) return *found;
+  std::string names;
+  for (const SearchVariant& variant : variants) names += " " + variant.name;
+  throw StartupError(fmt::format("no variant {} in {}; there are{}", name, file.string(), names));
+}
+
+namespace {
+
+constexpr std::uint64_t kSearchSeed = 1;
+constexpr std::uint64_t kPersonSeed = 2;
+
+double Percentile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return values[static_cast<std::size_t>(at)];
+}
+
+EpisodeResult Play(const sim::WorldSpec& world, const SearchVariant& variant,
+                   const std::string& person, std::uint64_t seed,
+                   const std::shared_ptr<const nhpm::EditModel>& model) {
+  const SteadyClock clock;
+  const auto method = MakeMethod(
+      variant.method, "r1", {variant.config, variant.communication}, DeriveSeed(seed, kSearchSeed),
+      std::make_shared<CachedPerceptionModel>(std::make_shared<EmbeddedPerceptionModel>(model)),
+      nullptr, clock);
+  return RunEpisode(world, *method, operators::ParametersOfKind(person),
+                    DeriveSeed(seed, kPersonSeed));
+}
+
+Result<std::vector<sim::WorldSpec>> MakeWorlds(const SearchExperiment& experiment) {
+  std::vector<sim::WorldSpec> worlds;
+  for (int i = 0; i < experiment.seeds; ++i) {
+    sim::WorldOptions options;
+    options.seed = experiment.first_seed + static_cast<std::uint64_t>(i);
+    options.preset = experiment.preset;
+    auto world = sim::MakeWorldSpec(options);
+    if (!world) return tl::unexpected(world.error());
+    worlds.push_back(*std::move(world));
+  }
+  return worlds;
+}
+
+/// Gathers one figure over episodes.
+class Figures {
+ public:
+  void Add(double value) { values_.push_back(value); }
+  VariantSummary::Figure Summarize() const { return {Mean(values_), BootstrapMean(values_, 1)}; }
+
+ private:
+  std::vector<double> values_;
+};
+
+VariantSummary SummarizeOne(std::span<const ExperimentEpisode> episodes) {
+  VariantSummary summary;
+  summary.variant = episodes.front().variant;
+  summary.person = episodes.front().person;
+  summary.episodes = static_cast<int>(episodes.size());
+  Figures goals, moves, ratio, pictures, turning, accuracy;
+  std::vector<double> decisions;
+  for (const ExperimentEpisode& episode : episodes) {
+    const EpisodeResult& result = episode.result;
+    summary.all_goals += result.all_goals ? 1 : 0;
+    goals.Add(static_cast<double>(result.goals_reached) / result.goals);
+    moves.Add(result.moves);
+    if (result.all_goals) ratio.Add(static_cast<double>(result.moves) / result.optimal_moves);
+    pictures.Add(result.pictures);
+    turning.Add(result.turning_rad);
+    accuracy.Add(result.mapping_accuracy);
+    decisions.insert(decisions.end(), result.decision_ms.begin(), result.decision_ms.end());
+  }
+  summary.goals_share = goals.Summarize();
+  summary.moves = moves.Summarize();
+  if (summary.all_goals > 0) summary.moves_ratio = ratio.Summarize();
+  summary.pictures = pictures.Summarize();
+  summary.turning_rad = turning.Summarize();
+  summary.mapping_accuracy = accuracy.Summarize();
+  summary.decision_ms_p50 = Percentile(decisions, 0.5);
+  summary.decision_ms_p95 = Percentile(decisions, 0.95);
+  return summary;
+}
+
+}  // namespace
+
+Result<std::vector<ExperimentEpisode>> RunSearchExperiment(
+    const SearchExperiment& experiment, std::shared_ptr<const nhpm::EditModel> model,
+    const EpisodeListener& listener) {
+  const auto worlds = MakeWorlds(experiment);
+  if (!worlds) return tl::unexpected(worlds.error());
+  std::vector<ExperimentEpisode> episodes;
+  for (std::size_t variant = 0; variant < experiment.variants.size(); ++variant) {
+    for (std::size_t person = 0; person < experiment.operators.size(); ++person) {
+      for (int i = 0; i < experiment.seeds; ++i) {
+        episodes.push_back(
+            {variant, person, experiment.first_seed + static_cast<std::uint64_t>(i), {}});
+      }
+    }
+  }
+  std::mutex mutex;  // guards done and the listener
+  std::size_t done = 0;
+  RunOnWorkers(experiment.threads, static_cast<int>(episodes.size()), [&](int, int index) {
+    ExperimentEpisode& episode = episodes[static_cast<std::size_t>(index)];
+    episode.result =
+        Play((*worlds)[episode.seed - experiment.first_seed], experiment.variants[episode.variant],
+             experiment.operators[episode.person], episode.seed, model);
+    const std::lock_guard lock(mutex);
+    if (listener) listener(++done, episodes.size());
+  });
+  return episodes;
+}
+
+std::vector<VariantSummary> Summarize(const std::vector<ExperimentEpisode>& episodes) {
+  std::vector<VariantSummary> summaries;
+  for (std::size_t first = 0; first < episodes.size();) {
+    std::size_t last = first;
+    while (last < episodes.size() && episodes[last].variant == episodes[first].variant &&
+           episodes[last].person == episodes[first].person) {
+      ++last;
+    }
+    summaries.push_back(SummarizeOne(std::span(episodes).subspan(first, last - first)));
+    first = last;
+  }
+  return summaries;
+}
+
+}  // namespace conav::planner

@@ -1,0 +1,372 @@
+#include "study/experiment/tradeoff_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "common/plot/svg.h"
+
+namespace conav::planner {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string Text(const VariantSummary::Figure& figure) {
+  return fmt::format("{:.1f} [{:.1f}, {:.1f}]", figure.mean, figure.interval.low,
+                     figure.interval.high);
+}
+
+std::string Text(double value) {
+  return std::isfinite(value) ? fmt::format("{:+.1f}", value) : "-";
+}
+
+/// "-" where the curve of IG-MCTS does not get there.
+std::string Text(const TradeoffDifference& difference) {
+  if (!std::isfinite(difference.value)) return "-";
+  return fmt::format("{} [{}, {}]", Text(difference.value), Text(difference.interval.low),
+                     Text(difference.interval.high));
+}
+
+const char* Name(TradeoffVerdict verdict) {
+  switch (verdict) {
+    case TradeoffVerdict::kBetter:
+      return "better";
+    case TradeoffVerdict::kAlike:
+      return "alike";
+    case TradeoffVerdict::kWorse:
+      return "worse";
+    case TradeoffVerdict::kBeyond:
+      return "beyond";
+  }
+  return "?";
+}
+
+const char* Name(Effort effort) { return effort == Effort::kSteps ? "steps" : "moves"; }
+
+std::string Line(const TradeoffSweep& sweep, const TradeoffRow& row) {
+  std::string differences;
+  if (row.search_less_this) {
+    const TradeoffComparison& comparison = *row.search_less_this;
+    differences = fmt::format("{:22}  {:22}  {}", Text(comparison.effort_at_equal_pictures),
+                              Text(comparison.pictures_at_equal_effort), Name(comparison.verdict));
+  }
+  std::string line = fmt::format(
+      "{:14}  {:8}  {:>7}  {:18}  {:18}  {:18}  {:>8.1f}  {:>7.0f} %  {}",
+      sweep.experiment.variants[row.point].name, sweep.experiment.operators[row.person],
+      fmt::format("{}/{}", row.all_goals, row.episodes), Text(row.pictures), Text(row.steps),
+      Text(row.moves), row.guidance.mean, 100.0 * row.mapping_accuracy.mean, differences);
+  line.erase(line.find_last_not_of(' ') + 1);
+  return line + "\n";
+}
+
+std::string Line(const TradeoffSweep& sweep, const PolicyVerdict& verdict) {
+  return fmt::format(
+      "{:14}  {:8}  IG-MCTS is better at {} of {} points, worse at {}, beyond its curve {}{}\n",
+      verdict.policy, sweep.experiment.operators[verdict.person], verdict.better, verdict.points,
+      verdict.worse, verdict.beyond, verdict.dominated() ? ": dominated" : "");
+}
+
+Json ToJson(const VariantSummary::Figure& figure) {
+  return {{"mean", figure.mean}, {"low", figure.interval.low}, {"high", figure.interval.high}};
+}
+
+Json ToJson(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+Json ToJson(const TradeoffDifference& difference) {
+  return {{"value", ToJson(difference.value)},
+          {"low", ToJson(difference.interval.low)},
+          {"high", ToJson(difference.interval.high)}};
+}
+
+Json ToJson(const TradeoffSweep& sweep, const TradeoffRow& row) {
+  const TradeoffPoint& point = sweep.points[row.point];
+  Json json{{"policy", point.policy},
+            {"parameter", point.parameter ? Json(*point.parameter) : Json()},
+            {"operator", sweep.experiment.operators[row.person]},
+            {"episodes", row.episodes},
+            {"all_goals", row.all_goals},
+            {"pictures", ToJson(row.pictures)},
+            {"steps", ToJson(row.steps)},
+            {"moves", ToJson(row.moves)},
+            {"guidance", ToJson(row.guidance)},
+            {"mapping_accuracy", ToJson(row.mapping_accuracy)}};
+  if (row.search_less_this) {
+    const TradeoffComparison& comparison = *row.search_less_this;
+    json["search_less_this"] = {
+        {"effort_at_equal_pictures", ToJson(comparison.effort_at_equal_pictures)},
+        {"pictures_at_equal_effort", ToJson(comparison.pictures_at_equal_effort)},
+        {"verdict", Name(comparison.verdict)}};
+  }
+  return json;
+}
+
+/// Over the policies that send pictures.
+std::string BarLine(const std::vector<PolicyVerdict>& verdicts) {
+  int better = 0, points = 0;
+  for (const PolicyVerdict& verdict : verdicts) {
+    if (verdict.policy == "never" || verdict.policy == "greedy") continue;
+    better += verdict.better;
+    points += verdict.points;
+  }
+  return fmt::format("bar: better than every policy that sends pictures: {} of {} points: {}\n",
+                     better, points, better == points ? "met" : "MISSED");
+}
+
+}  // namespace
+
+std::string TradeoffTable(const TradeoffSweep& sweep, const std::vector<TradeoffRow>& rows) {
+  const SearchExperiment& experiment = sweep.experiment;
+  std::string text = fmt::format(
+      "SIMULATED operators, mazes {} with seeds {} to {}; means [95 % bootstrap interval].\n"
+      "Steps: low-level control steps (0.25 s), estimated from moves and turning.\n"
+      "Last columns: IG-MCTS (search) less this policy in {}, interpolated over its costs of a "
+      "picture; '-' where it does not get there ('beyond': it nowhere sends so few).\n\n"
+      "{:14}  {:8}  {:>7}  {:18}  {:18}  {:18}  {:>8}  {:>9}  {:22}  {:22}\n",
+      experiment.preset, experiment.first_seed,
+      experiment.first_seed + static_cast<std::uint64_t>(experiment.seeds) - 1, Name(sweep.effort),
+      "policy", "operator", "goals", "pictures", "steps", "moves", "guidance", "map right",
+      fmt::format("{}, equal pictures", Name(sweep.effort)),
+      fmt::format("pictures, equal {}", Name(sweep.effort)));
+  for (const TradeoffRow& row : rows) text += Line(sweep, row);
+  text += "\n";
+  const std::vector<PolicyVerdict> verdicts = JudgePolicies(sweep, rows);
+  for (const PolicyVerdict& verdict : verdicts) text += Line(sweep, verdict);
+  return text + BarLine(verdicts);
+}
+
+Json TradeoffJson(const TradeoffSweep& sweep, const std::vector<TradeoffRow>& rows) {
+  const SearchExperiment& experiment = sweep.experiment;
+  Json points = Json::array();
+  for (const TradeoffRow& row : rows) points.push_back(ToJson(sweep, row));
+  Json policies = Json::array();
+  for (const PolicyVerdict& verdict : JudgePolicies(sweep, rows)) {
+    policies.push_back({{"policy", verdict.policy},
+                        {"operator", experiment.operators[verdict.person]},
+                        {"points", verdict.points},
+                        {"search_better", verdict.better},
+                        {"search_worse", verdict.worse},
+                        {"beyond", verdict.beyond},
+                        {"dominated", verdict.dominated()}});
+  }
+  return {{"experiment", "tradeoff"},    {"operators", "simulated"},
+          {"preset", experiment.preset}, {"first_seed", experiment.first_seed},
+          {"seeds", experiment.seeds},   {"effort", Name(sweep.effort)},
+          {"points", std::move(points)}, {"policies", std::move(policies)}};
+}
+
+std::string TradeoffCsv(const TradeoffSweep& sweep,
+                        const std::vector<ExperimentEpisode>& episodes) {
+  std::string text =
+      "policy,parameter,operator,seed,all_goals,goals_reached,moves,optimal_moves,blocked,pictures,"
+      "guidance,edits,mapping_accuracy,turning_rad,estimated_steps\n";
+  for (const ExperimentEpisode& episode : episodes) {
+    const TradeoffPoint& point = sweep.points[episode.variant];
+    const EpisodeResult& r = episode.result;
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{:.6f},{:.6f},{:.1f}\n", point.policy,
+                        point.parameter ? fmt::format("{:g}", *point.parameter) : "",
+                        sweep.experiment.operators[episode.person], episode.seed,
+                        r.all_goals ? 1 : 0, r.goals_reached, r.moves, r.optimal_moves, r.blocked,
+                        r.pictures, r.guidance, r.edits, r.mapping_accuracy, r.turning_rad,
+                        EstimatedLowLevelSteps(r.moves, r.turning_rad));
+  }
+  return text;
+}
+
+namespace {
+
+constexpr double kPanel = 400.0;  // of the axes, both
+constexpr double kLeft = 56.0;
+constexpr double kTop = 40.0;
+constexpr double kBelow = 140.0;
+constexpr double kLegendEntry = 128.0;
+constexpr double kBetween = 64.0;
+constexpr double kMostPictures = 40.0;
+constexpr double kPictureTicks[]{0.0, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0};
+
+struct Look {
+  const char* policy;
+  const char* label;
+  const char* color;
+};
+
+// Okabe and Ito's colours, which people with any colour vision tell apart.
+constexpr Look kLooks[]{{"search", "IG-MCTS", "#000000"},
+                        {"random", "random", "#e69f00"},
+                        {"every", "every k moves", "#56b4e9"},
+                        {"threshold", "threshold", "#d55e00"},
+                        {"when_blocked", "when blocked", "#009e73"},
+                        {"never", "never", "#cc79a7"},
+                        {"greedy", "greedy", "#0072b2"}};
+
+const Look& LookOf(const std::string& policy) {
+  const auto* found = std::find_if(std::begin(kLooks), std::end(kLooks),
+                                   [&](const Look& look) { return look.policy == policy; });
+  return found == std::end(kLooks) ? kLooks[0] : *found;
+}
+
+/// 1, 2 or 5 times a power of ten, at least `least`.
+double RoundStep(double least) {
+  const double power = std::pow(10.0, std::floor(std::log10(least)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * power >= least) return factor * power;
+  }
+  return 10.0 * power;
+}
+
+struct Scale {
+  double low = 0.0;
+  double high = 1.0;
+  double step = 1.0;
+  double Share(double value) const { return (value - low) / (high - low); }
+};
+
+Scale ScaleFor(double low, double high) {
+  const double step = RoundStep(std::max(1e-6, high - low) / 6.0);
+  return {step * std::floor(low / step), step * std::max(std::ceil(high / step), 1.0 + low / step),
+          step};
+}
+
+/// What the points of one kind of operator need.
+class Panel {
+ public:
+  Panel(SvgCanvas& canvas, double left, const TradeoffSweep& sweep,
+        const std::vector<const TradeoffRow*>& rows)
+      : canvas_(canvas), left_(left), sweep_(sweep) {
+    double pictures = 1.0;
+    double least = EffortOf(*rows.front()).interval.low;
+    double most = least;
+    for (const TradeoffRow* row : rows) {
+      if (row->pictures.mean > kMostPictures) continue;
+      pictures = std::max(pictures, row->pictures.interval.high);
+      least = std::min(least, EffortOf(*row).interval.low);
+      most = std::max(most, EffortOf(*row).interval.high);
+    }
+    most_pictures_ = pictures;
+    effort_ = ScaleFor(least, most);
+  }
+
+  void DrawAxes(const std::string& title) {
+    canvas_.Text({left_, kTop - 14}, title, "font-size=\"14\" font-weight=\"bold\"");
+    for (const double value : kPictureTicks) {
+      if (value > most_pictures_) break;
+      canvas_.Line(At(value, effort_.low), At(value, effort_.high), "stroke=\"#e5e5e5\"");
+      canvas_.Text({At(value, 0).x, kTop + kPanel + 18}, fmt::format("{:g}", value),
+                   "font-size=\"11\" text-anchor=\"middle\" fill=\"#444444\"");
+    }
+    for (double value = effort_.low; value <= effort_.high + 1e-9; value += effort_.step) {
+      canvas_.Line(At(0.0, value), At(most_pictures_, value), "stroke=\"#e5e5e5\"");
+      canvas_.Text({left_ - 6, At(0, value).y + 4}, fmt::format("{:g}", value),
+                   "font-size=\"11\" text-anchor=\"end\" fill=\"#444444\"");
+    }
+    canvas_.Text({left_ + kPanel / 2, kTop + kPanel + 38},
+                 "pictures per episode (square-root scale)",
+                 "font-size=\"12\" text-anchor=\"middle\"");
+    canvas_.Text({left_ - 44, kTop - 14}, sweep_.effort == Effort::kSteps ? "steps" : "moves",
+                 "font-size=\"12\"");
+  }
+
+  /// Points with more pictures than the axis has room for are left out.
+  void DrawPolicy(const std::string& policy, const std::vector<const TradeoffRow*>& rows) {
+    const Look& look = LookOf(policy);
+    std::vector<const TradeoffRow*> drawn;
+    std::vector<PixelPosition> line;
+    for (const TradeoffRow* row : rows) {
+      if (row->pictures.mean > kMostPictures) continue;
+      drawn.push_back(row);
+      line.push_back(At(row->pictures.mean, EffortOf(*row).mean));
+    }
+    canvas_.Polyline(line, fmt::format("stroke=\"{}\" stroke-width=\"{}\"", look.color,
+                                       policy == "search" ? 2.5 : 1.5));
+    for (const TradeoffRow* row : drawn) DrawPoint(*row, look);
+  }
+
+ private:
+  const VariantSummary::Figure& EffortOf(const TradeoffRow& row) const {
+    return row.effort(sweep_.effort);
+  }
+
+  PixelPosition At(double pictures, double effort) const {
+    return {left_ + kPanel * std::sqrt(pictures / most_pictures_),
+            kTop + kPanel * (1.0 - effort_.Share(effort))};
+  }
+
+  void DrawPoint(const TradeoffRow& row, const Look& look) {
+    const VariantSummary::Figure& effort = EffortOf(row);
+    const std::string thin = fmt::format("stroke=\"{}\" stroke-width=\"0.8\"", look.color);
+    canvas_.BeginGroup(fmt::format("{}: {:.1f} pictures, {:.1f} steps, {:.1f} moves",
+                                   sweep_.experiment.variants[row.point].name, row.pictures.mean,
+                                   row.steps.mean, row.moves.mean));
+    canvas_.Line(At(row.pictures.interval.low, effort.mean),
+                 At(row.pictures.interval.high, effort.mean), thin);
+    canvas_.Line(At(row.pictures.mean, effort.interval.low),
+                 At(row.pictures.mean, effort.interval.high), thin);
+    canvas_.Circle(At(row.pictures.mean, effort.mean), 3.5, fmt::format("fill=\"{}\"", look.color));
+    DrawParameter(row, look);
+    canvas_.EndGroup();
+  }
+
+  /// Of IG-MCTS below its point, of the others above.
+  void DrawParameter(const TradeoffRow& row, const Look& look) {
+    const TradeoffPoint& point = sweep_.points[row.point];
+    if (!point.parameter) return;
+    PixelPosition at = At(row.pictures.mean, EffortOf(row).mean);
+    at.y += point.policy == "search" ? 15.0 : -7.0;
+    canvas_.Text(at, fmt::format("{:g}", *point.parameter),
+                 fmt::format("font-size=\"9\" text-anchor=\"middle\" fill=\"{}\"", look.color));
+  }
+
+  SvgCanvas& canvas_;
+  double left_;
+  const TradeoffSweep& sweep_;
+  double most_pictures_ = 1.0;
+  Scale effort_;
+};
+
+/// In two rows below the axes.
+void DrawLegend(SvgCanvas& canvas) {
+  double x = kLeft;
+  double y = kTop + kPanel + 64;
+  for (const Look& look : kLooks) {
+    if (x + kLegendEntry > kLeft + kPanel) {
+      x = kLeft;
+      y += 20;
+    }
+    canvas.Line({x, y}, {x + 20, y}, fmt::format("stroke=\"{}\" stroke-width=\"2\"", look.color));
+    canvas.Circle({x + 10, y}, 3.5, fmt::format("fill=\"{}\"", look.color));
+    canvas.Text({x + 26, y + 4}, look.label, "font-size=\"12\"");
+    x += kLegendEntry;
+  }
+  canvas.Text({kLeft, y + 24}, "numbers: cost, probability, k or threshold of the policy",
+              "font-size=\"11\" fill=\"#444444\"");
+}
+
+}  // namespace
+
+std::string TradeoffPlot(const TradeoffSweep& sweep, const std::vector<TradeoffRow>& rows) {
+  SvgCanvas canvas;
+  const std::size_t people = sweep.experiment.operators.size();
+  double left = kLeft;
+  for (std::size_t person = 0; person < people; ++person, left += kPanel + kBetween) {
+    std::vector<const TradeoffRow*> of_person;
+    for (const TradeoffRow& row : rows) {
+      if (row.person == person) of_person.push_back(&row);
+    }
+    Panel panel(canvas, left, sweep, of_person);
+    panel.DrawAxes(fmt::format("simulated operator: {}", sweep.experiment.operators[person]));
+    for (const Look& look : kLooks) {
+      std::vector<const TradeoffRow*> of_policy;
+      std::copy_if(
+          of_person.begin(), of_person.end(), std::back_inserter(of_policy),
+          [&](const TradeoffRow* row) { return sweep.points[row->point].policy == look.policy; });
+      if (!of_policy.empty()) panel.DrawPolicy(look.policy, of_policy);
+    }
+  }
+  DrawLegend(canvas);
+  return canvas.Document(left - kBetween + 24, kTop + kPanel + kBelow,
+                         "Pictures against effort for each communication policy");
+}
+
+}  // namespace conav::planner

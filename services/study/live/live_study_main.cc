@@ -1,0 +1,58 @@
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "common/cli/cli.h"
+#include "study/live/task_command.h"
+
+// conav-live-study: one participant at the console, with one method after the other.
+
+namespace {
+
+constexpr const char* kProgram = "conav study --live";
+
+constexpr const char* kAbout =
+    R"(The methods of the paper's user study (section 6.2) with a PERSON: one maze with each method, one
+after the other at one page, which says what to do in this method and offers only what it has. Each part
+begins with "Begin" and may be finished when the robot has reached all goals; then the next one follows by
+itself. Training mazes, questionnaires and eye tracking are not part of it.
+
+Order: a row of the Williams design of the methods, by the participant's code, or --order. The folder gets
+result.json (per part: method, maze, mapping accuracy, edits, pictures, time) and segments.pb.zst. After
+Ctrl-C or a kill the same command goes on at the first part that was not finished. docs/mapping-task.md)";
+
+constexpr const char* kExamples =
+    R"(Examples:
+  conav study --live --participant P07
+  conav study --live --participant P07 --methods ig-mcts,teleop --order 2
+
+Exit codes: 0 all parts finished; 1 interrupted, a service died, the port is taken, writing failed;
+2 wrong use.)";
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace conav::mapping_task;
+  CLI::App app(kAbout, kProgram);
+  TaskOptions options;
+  options.speed = 2.0;
+  AddTaskOptions(app, options);
+  std::vector<std::string> methods{"ig-mcts", "instruction", "teleop"};
+  int order = 0;
+  app.add_option("--methods", methods, "Methods, of ig-mcts, instruction, teleop")
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_option("--order", order, "Row of the Williams design [by the participant's code]")
+      ->check(CLI::Range(1, 100));
+  app.footer(kExamples);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  const auto ordered = MethodsInOrder(methods, order, options.participant);
+  if (!ordered) return conav::Refused(kProgram, ordered.error().text);
+  options.methods = *ordered;
+  options.mazes = static_cast<int>(ordered->size());
+  return RunTaskCommand(kProgram, options);
+}

@@ -1,0 +1,51 @@
+#include <CLI/CLI.hpp>
+
+#include "study/live/task_command.h"
+
+// conav-mapping-task: people correct wrong maps, for perception models to learn from.
+
+namespace {
+
+constexpr const char* kProgram = "conav mapping-task";
+
+constexpr const char* kAbout =
+    R"(The mapping task of the paper (Appendix A): a participant corrects the wrong map of one maze after
+the other, in the browser. Each time they ask for the next picture, the robot, which knows the maze and
+their map of it, drives to its next stop and sends one picture in a random direction: first all goals,
+then random places, rather where the map is wrong. When the robot has reached all goals, they may finish
+the maze, or go on. Page, folder and data: docs/mapping-task.md.
+
+The folder gets segments.pb.zst and pictures/, what ./conav train learns from, and result.json: how
+accurate each map became (mapping accuracy: the share of the mistakes corrected, less what was broken).
+Every segment is on disk at once. After Ctrl-C or a kill the same command goes on at the first maze that
+was not finished; that maze begins anew.)";
+
+constexpr const char* kExamples =
+    R"(Examples:
+  conav mapping-task --participant P07
+  conav mapping-task --participant P07 --maze-seed 7,234,666 --out data/P07
+  conav dataset describe runs/mapping-P07/segments.pb.zst
+
+Exit codes: 0 all mazes finished; 1 interrupted, a service died, the port is taken, writing failed;
+2 wrong use.)";
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace conav::mapping_task;
+  CLI::App app(kAbout, kProgram);
+  TaskOptions options;
+  AddTaskOptions(app, options);
+  app.add_option("--mazes", options.mazes, "Mazes")->capture_default_str();
+  app.footer(kExamples);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  // Without --mazes there are as many as seeds.
+  if (app.count("--mazes") == 0 && !options.maze_seeds.empty()) {
+    options.mazes = static_cast<int>(options.maze_seeds.size());
+  }
+  return RunTaskCommand(kProgram, options);
+}

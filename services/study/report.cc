@@ -1,0 +1,366 @@
+#include "study/report.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <optional>
+
+#include "common/plot/svg.h"
+#include "study/statistics/report_page.h"
+
+namespace conav::study {
+namespace {
+
+using statistics::ReportSection;
+
+std::string Figure(double value) {
+  return std::isfinite(value) ? fmt::format("{:.4g}", value) : "-";
+}
+
+std::string Figure(const std::optional<double>& value) { return value ? Figure(*value) : "-"; }
+
+std::string Probability(const std::optional<double>& p) {
+  if (!p) return "-";
+  return *p != 0.0 && *p < 0.001 ? fmt::format("{:.1e}", *p) : fmt::format("{:.4f}", *p);
+}
+
+std::string Range(const statistics::Interval& interval) {
+  return fmt::format("[{}, {}]", Figure(interval.low), Figure(interval.high));
+}
+
+/// Without spread there is no test, whatever its formula gives.
+bool HasTest(const std::optional<double>& statistic) {
+  return statistic && std::isfinite(*statistic);
+}
+
+std::string Count(std::size_t count, const char* noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
+ReportSection TableThree(const StudyReport& report) {
+  ReportSection section{.title = "Table 3: mean (SD) over episodes", .header = {"method"}};
+  for (const Measure& measure : Measures()) section.header.push_back(measure.header);
+  for (const MethodSummary& method : report.summary.methods) {
+    std::vector<std::string> row{method.method};
+    for (std::size_t m = 0; m < Measures().size(); ++m) {
+      const MeanSd& figure = method.measures[m];
+      row.push_back(method.episodes > 0 && WasMeasured(report, Measures()[m])
+                        ? fmt::format("{:.4g} ({:.3g})", figure.mean, figure.sd)
+                        : "-");
+    }
+    section.rows.push_back(std::move(row));
+  }
+  section.remarks = {
+      "image MiB: every picture counted as 180 KiB, as the paper does; sent MiB: the JPEG bytes" +
+          std::string(report.rendered ? "" : " (none: --camera none renders nothing)"),
+      "steps of 0.25 s; mapping: share of the map's mistakes put right; goals: share reached"};
+  return section;
+}
+
+ReportSection BarSection(const StudyReport& report) {
+  ReportSection section{.title = "Bars", .header = {"what", "value", "limit", ""}};
+  for (const Bar& bar : report.summary.bars) {
+    const char* sign = bar.kind == Bar::Kind::kAtLeast  ? ">="
+                       : bar.kind == Bar::Kind::kAtMost ? "<="
+                                                        : "<";
+    section.rows.push_back({bar.text, fmt::format("{:.4f}", bar.value),
+                            fmt::format("{} {:.2f}", sign, bar.limit),
+                            bar.met() ? "met" : "MISSED"});
+  }
+  return section;
+}
+
+/// `b` is `a` in another unit.
+bool AreProportional(const std::vector<double>& a, const std::vector<double>& b) {
+  const double sum_a = std::accumulate(a.begin(), a.end(), 0.0);
+  const double sum_b = std::accumulate(b.begin(), b.end(), 0.0);
+  if (a.size() != b.size() || sum_a <= 0.0 || sum_b <= 0.0) return false;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (std::abs(a[i] / sum_a - b[i] / sum_b) > 1e-12) return false;
+  }
+  return true;
+}
+
+/// A line for each measure that is an earlier one in another unit: its tests are no others.
+std::vector<std::string> SameTests(const StudyReport& report) {
+  std::vector<std::string> remarks;
+  const auto values = [&](std::size_t m) -> const std::vector<double>* {
+    const auto& analysis = report.summary.analyses[m].analysis;
+    return analysis && WasMeasured(report, Measures()[m]) ? &analysis->table.values : nullptr;
+  };
+  for (std::size_t later = 1; later < Measures().size(); ++later) {
+    for (std::size_t m = 0; m < later; ++m) {
+      if (values(m) == nullptr || values(later) == nullptr) continue;
+      if (!AreProportional(*values(m), *values(later))) continue;
+      remarks.push_back(
+          fmt::format("{} and {} are one measure in two units here: their tests are "
+                      "the same, not further evidence",
+                      Measures()[m].header, Measures()[later].header));
+      break;
+    }
+  }
+  return remarks;
+}
+
+std::vector<std::string> VarianceRow(const Measure& measure, const statistics::Analysis& analysis) {
+  const statistics::Anova& anova = analysis.anova;
+  std::string epsilon = "-";
+  std::string corrected = "-";
+  if (anova.sphericity) epsilon = Figure(anova.sphericity->greenhouse_geisser);
+  if (anova.greenhouse_geisser) corrected = Probability(anova.greenhouse_geisser->p);
+  return {measure.header,
+          std::to_string(analysis.table.subject_count()),
+          fmt::format("{:g}, {:g}", anova.uncorrected.df_conditions, anova.uncorrected.df_error),
+          Figure(anova.f),
+          HasTest(anova.f) ? Probability(anova.uncorrected.p) : "-",
+          epsilon,
+          corrected,
+          Figure(anova.partial_eta_squared),
+          Figure(analysis.friedman.chi_squared),
+          Probability(analysis.friedman.p)};
+}
+
+ReportSection VarianceSection(const StudyReport& report) {
+  ReportSection section{
+      .title = "Do the methods differ: means of the simulated operators over their layouts",
+      .header = {"measure", "n", "df", "F", "p", "GG epsilon", "GG p", "partial eta^2",
+                 "Friedman chi^2", "its p"}};
+  for (std::size_t m = 0; m < Measures().size(); ++m) {
+    const MeasureAnalysis& measure = report.summary.analyses[m];
+    if (!WasMeasured(report, Measures()[m])) continue;
+    if (measure.analysis) {
+      section.rows.push_back(VarianceRow(Measures()[m], *measure.analysis));
+      if (!HasTest(measure.analysis->anova.f)) {
+        section.remarks.push_back(
+            fmt::format("{}: no F: the methods differ by the same, or not at all, "
+                        "for every operator",
+                        Measures()[m].header));
+      }
+    } else {
+      section.remarks.push_back(measure.why_not);
+    }
+  }
+  for (std::string& remark : SameTests(report)) section.remarks.push_back(std::move(remark));
+  return section;
+}
+
+std::vector<std::string> PairRow(const Measure& measure, const statistics::Pair& pair) {
+  const bool has_test = HasTest(pair.t.t);
+  return {measure.header,
+          pair.first + " - " + pair.second,
+          Figure(pair.t.mean_difference),
+          Range(pair.t.interval),
+          Figure(pair.t.t),
+          fmt::format("{:g}", pair.t.df),
+          has_test ? Probability(pair.t.p) : "-",
+          has_test ? Probability(pair.t_adjusted.holm) : "-",
+          Figure(pair.t.d_z)};
+}
+
+ReportSection PairSection(const StudyReport& report) {
+  ReportSection section{
+      .title = "Which differ: paired t tests, p by Holm over the pairs",
+      .header = {"measure", "pair", "difference", "95 % CI", "t", "df", "p", "Holm", "d_z"}};
+  bool lacks_tests = false;
+  for (std::size_t m = 0; m < Measures().size(); ++m) {
+    const auto& analysis = report.summary.analyses[m].analysis;
+    if (!analysis || !WasMeasured(report, Measures()[m])) continue;
+    for (const statistics::Pair& pair : analysis->pairs) {
+      section.rows.push_back(PairRow(Measures()[m], pair));
+      lacks_tests = lacks_tests || !HasTest(pair.t.t);
+    }
+  }
+  if (lacks_tests) {
+    section.remarks = {"t -: the difference is the same for every operator, nothing to test"};
+  }
+  return section;
+}
+
+std::optional<ReportSection> TroubleSection(const StudyReport& report) {
+  ReportSection section{.title = "Episodes that did not reach all goals",
+                        .header = {"episode", "status", "attempts", "why", "run folder"}};
+  for (const auto* list : {&report.summary.failed, &report.summary.goals_left}) {
+    for (const EpisodeRecord* record : *list) {
+      section.rows.push_back({record->name, NameOf(record->status),
+                              std::to_string(record->attempts), record->detail, record->run});
+    }
+  }
+  if (section.rows.empty()) return std::nullopt;
+  if (!report.summary.failed.empty()) {
+    section.remarks.push_back(
+        "a failed episode has no measures; its operator has no mean for that method and is left "
+        "out "
+        "of the tests; the same command runs it again");
+  }
+  return section;
+}
+
+}  // namespace
+
+bool WasMeasured(const StudyReport& report, const Measure& measure) {
+  return report.rendered || std::string(measure.key) != "sent_mib";
+}
+
+std::string Headline(const StudyReport& report) {
+  const Design& design = report.design;
+  return fmt::format(
+      "SIMULATED operators: {} synthetic people x {} x {} = {}; nothing here was measured on "
+      "persons",
+      design.subjects.size(), Count(design.methods.size(), "method"),
+      Count(design.layouts.size(), "layout"), Count(design.episodes.size(), "episode"));
+}
+
+std::vector<ReportSection> StudySections(const StudyReport& report) {
+  std::vector<ReportSection> sections{TableThree(report), BarSection(report)};
+  ReportSection variance = VarianceSection(report);
+  ReportSection pairs = PairSection(report);
+  if (!variance.rows.empty() || !variance.remarks.empty()) sections.push_back(std::move(variance));
+  if (!pairs.rows.empty()) sections.push_back(std::move(pairs));
+  if (auto trouble = TroubleSection(report)) sections.push_back(*std::move(trouble));
+  return sections;
+}
+
+std::string StudyText(const StudyReport& report) {
+  std::string text = Headline(report) + "\n";
+  for (const ReportSection& section : StudySections(report)) {
+    text += statistics::SectionText(section);
+  }
+  return text;
+}
+
+std::string EpisodesCsv(const StudyReport& report) {
+  std::string csv =
+      "subject,session,task,method,maze_seed,rotation_deg,seed,operator,status,attempts";
+  for (const Measure& measure : Measures()) csv += std::string(",") + measure.key;
+  csv += ",wall_s\n";
+  for (const PlannedEpisode& episode : report.design.episodes) {
+    const auto found = report.records.find(episode.name);
+    if (found == report.records.end()) continue;
+    const EpisodeRecord& record = found->second;
+    csv += fmt::format("{},{},{},{},{},{},{},simulated,{},{}",
+                       report.design.subjects[static_cast<std::size_t>(episode.subject)],
+                       episode.session + 1, episode.task + 1, episode.method, episode.maze_seed,
+                       episode.rotation_deg, episode.seed, NameOf(record.status), record.attempts);
+    for (const Measure& measure : Measures()) {
+      const bool known = record.measures && WasMeasured(report, measure);
+      csv += known ? fmt::format(",{}", measure.value(*record.measures)) : ",";
+    }
+    csv += fmt::format(",{:.3f}\n", record.wall_s);
+  }
+  return csv;
+}
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// A share is a mean already: its key says so itself.
+std::string MeanKey(const std::string& key) {
+  return key == "goals_reached_fraction" ? key : key + "_mean";
+}
+
+Json MethodJson(const StudyReport& report, const MethodSummary& method) {
+  Json json{{"episodes", method.episodes}, {"episodes_with_all_goals", method.all_goals}};
+  for (std::size_t m = 0; m < Measures().size(); ++m) {
+    const std::string key = Measures()[m].key;
+    const bool known = method.episodes > 0 && WasMeasured(report, Measures()[m]);
+    json[MeanKey(key)] = known ? Json(method.measures[m].mean) : Json();
+    json[key + "_sd"] = known ? Json(method.measures[m].sd) : Json();
+    json[key + "_sd_subjects"] = known ? Json(method.sd_subjects[m]) : Json();
+  }
+  return json;
+}
+
+Json BarsJson(const std::vector<Bar>& bars) {
+  Json list = Json::array();
+  for (const Bar& bar : bars) {
+    list.push_back({{"key", bar.key},
+                    {"text", bar.text},
+                    {"value", bar.value},
+                    {"limit", bar.limit},
+                    {"met", bar.met()}});
+  }
+  return list;
+}
+
+Json TroubleJson(const std::vector<const EpisodeRecord*>& records) {
+  Json list = Json::array();
+  for (const EpisodeRecord* record : records) list.push_back(ToJson(*record));
+  return list;
+}
+
+}  // namespace
+
+Json StudyJson(const StudyReport& report) {
+  const StudySummary& summary = report.summary;
+  Json json{{"schema", 1},
+            {"simulated", true},
+            {"note", Headline(report)},
+            {"design", report.document},
+            {"methods", Json::object()},
+            {"bars", BarsJson(summary.bars)},
+            {"failed", TroubleJson(summary.failed)},
+            {"goals_left", TroubleJson(summary.goals_left)},
+            {"analyses", Json::object()}};
+  for (const MethodSummary& method : summary.methods) {
+    json["methods"][method.method] = MethodJson(report, method);
+  }
+  for (std::size_t m = 0; m < Measures().size(); ++m) {
+    const auto& analysis = summary.analyses[m].analysis;
+    const bool known = analysis && WasMeasured(report, Measures()[m]);
+    json["analyses"][Measures()[m].key] = known ? statistics::ReportJson(*analysis) : Json();
+  }
+  return json;
+}
+
+namespace {
+
+std::string Plot(const Measure& measure, const statistics::Analysis& analysis) {
+  const statistics::PlotAxis axis{measure.title, {0.0, measure.is_share ? 1.0 : AxisLimits{}.most}};
+  return fmt::format("<h2>{}</h2>\n{}", EscapeXml(measure.title),
+                     statistics::PlotFigure(analysis, axis));
+}
+
+std::string Tables(const statistics::Analysis& analysis) {
+  std::string html = "<details>\n<summary>All figures</summary>\n";
+  for (const std::string& note : analysis.notes) html += "<p>" + EscapeXml(note) + "</p>\n";
+  for (const auto& section : statistics::ReportSections(analysis)) {
+    html += statistics::SectionHtml(section);
+  }
+  return html + "</details>\n";
+}
+
+/// Who had which method when.
+statistics::ReportSection OrderSection(const Design& design) {
+  statistics::ReportSection section{.title = "Order of the methods (Williams design)",
+                                    .header = {"operator"}};
+  for (std::size_t session = 0; session < design.methods.size(); ++session) {
+    section.header.push_back(fmt::format("session {}", session + 1));
+  }
+  for (std::size_t subject = 0; subject < design.subjects.size(); ++subject) {
+    std::vector<std::string> row{design.subjects[subject]};
+    row.insert(row.end(), design.orders[subject].begin(), design.orders[subject].end());
+    section.rows.push_back(std::move(row));
+  }
+  return section;
+}
+
+}  // namespace
+
+std::string StudyPage(const StudyReport& report) {
+  std::string html = statistics::PageHead("Study with simulated operators");
+  html += "<p><strong>" + EscapeXml(Headline(report)) + ".</strong></p>\n";
+  for (const auto& section : StudySections(report)) html += statistics::SectionHtml(section);
+  for (std::size_t m = 0; m < Measures().size(); ++m) {
+    const auto& analysis = report.summary.analyses[m].analysis;
+    if (!analysis || !WasMeasured(report, Measures()[m])) continue;
+    html += Plot(Measures()[m], *analysis) + Tables(*analysis);
+  }
+  html += statistics::SectionHtml(OrderSection(report.design));
+  html += statistics::SectionHtml(ProvenanceSection(report.provenance, report.document));
+  return html + "</body>\n</html>\n";
+}
+
+}  // namespace conav::study

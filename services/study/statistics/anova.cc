@@ -1,0 +1,241 @@
+#include "study/statistics/anova.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <utility>
+
+#include "study/statistics/moments.h"
+
+namespace conav::statistics {
+namespace {
+
+/// Square and symmetric.
+class Matrix {
+ public:
+  explicit Matrix(std::size_t size) : size_(size), values_(size * size) {}
+  std::size_t size() const { return size_; }
+  void DivideBy(double value) {
+    for (double& element : values_) element /= value;
+  }
+  double& operator()(std::size_t row, std::size_t column) { return values_[row * size_ + column]; }
+  double operator()(std::size_t row, std::size_t column) const {
+    return values_[row * size_ + column];
+  }
+
+ private:
+  std::size_t size_;
+  std::vector<double> values_;
+};
+
+/// Helmert's orthonormal contrasts: contrast c of a subject is condition c + 1 against the mean of
+/// those before it, [contrasts][subjects].
+std::vector<std::vector<double>> Contrasts(const ConditionTable& table) {
+  std::vector<std::vector<double>> contrasts(table.condition_count() - 1);
+  for (std::size_t i = 0; i < table.subject_count(); ++i) {
+    double sum = 0.0;
+    for (std::size_t c = 0; c < contrasts.size(); ++c) {
+      sum += table.At(i, c);
+      const auto before = static_cast<double>(c + 1);
+      contrasts[c].push_back((table.At(i, c + 1) - sum / before) *
+                             std::sqrt(before / (before + 1.0)));
+    }
+  }
+  return contrasts;
+}
+
+Matrix Covariance(std::vector<std::vector<double>> columns) {
+  for (auto& column : columns) {
+    const double mean = Mean(column);
+    for (double& value : column) value -= mean;
+  }
+  Matrix covariance(columns.size());
+  for (std::size_t a = 0; a < columns.size(); ++a) {
+    for (std::size_t b = 0; b < columns.size(); ++b) {
+      double sum = 0.0;
+      for (std::size_t i = 0; i < columns[a].size(); ++i) sum += columns[a][i] * columns[b][i];
+      covariance(a, b) = sum / static_cast<double>(columns[a].size() - 1);
+    }
+  }
+  return covariance;
+}
+
+double Trace(const Matrix& matrix) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < matrix.size(); ++i) sum += matrix(i, i);
+  return sum;
+}
+
+double SumOfSquares(const Matrix& matrix) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < matrix.size(); ++i) {
+    for (std::size_t j = 0; j < matrix.size(); ++j) sum += matrix(i, j) * matrix(i, j);
+  }
+  return sum;
+}
+
+/// By elimination without pivoting, as `matrix` is a covariance, of trace 1; minus infinity where
+/// it is singular. `error` is what rounding may do to its values.
+double LogDeterminant(Matrix matrix, double error) {
+  const double smallest = std::max(static_cast<double>(matrix.size()) * RoundingError(1.0), error);
+  double sum = 0.0;
+  for (std::size_t c = 0; c < matrix.size(); ++c) {
+    const double pivot = matrix(c, c);
+    if (pivot <= smallest) return -std::numeric_limits<double>::infinity();
+    sum += std::log(pivot);
+    for (std::size_t i = c + 1; i < matrix.size(); ++i) {
+      const double factor = matrix(i, c) / pivot;
+      for (std::size_t j = c + 1; j < matrix.size(); ++j) matrix(i, j) -= factor * matrix(c, j);
+    }
+  }
+  return sum;
+}
+
+/// P(W <= w) under sphericity, `df` = n - 1: Anderson, "An introduction to multivariate statistical
+/// analysis", section 10.7, two terms of Box's series, which can end above 1 where subjects are
+/// few. The series has 3 p in the second term; R's mauchly.test has 3 (p + 1) there, and so have
+/// we, as people compare with R: p moves by less than 0.005.
+double MauchlyP(double log_w, double p, double df) {
+  const double rho = 1.0 - (2.0 * p * p + p + 2.0) / (6.0 * p * df);
+  const double omega = (p + 2.0) * (p - 1.0) * (p - 2.0) *
+                       (2.0 * p * p * p + 6.0 * p * p + 3.0 * (p + 1.0) + 2.0) /
+                       (288.0 * std::pow(p * df * rho, 2));
+  const double chi_squared = std::max(0.0, -df * rho * log_w);
+  const double chi_df = p * (p + 1.0) / 2.0 - 1.0;
+  const double first = ChiSquaredUpper(chi_squared, chi_df);
+  const double second = ChiSquaredUpper(chi_squared, chi_df + 4.0);
+  return std::min(1.0, first + omega * (second - first));
+}
+
+/// For n - 1 = `df`; nothing for 0 / 0.
+std::optional<double> HuynhFeldt(double epsilon, double p, double df) {
+  const double above = (df + 1.0) * p * epsilon - 2.0;
+  const double below = p * (df - p * epsilon);
+  if (below > RoundingError(p * df)) return above / below;
+  if (above <= RoundingError(p * df)) return std::nullopt;
+  return std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+std::optional<Sphericity> CheckSphericity(const ConditionTable& table) {
+  Matrix covariance = Covariance(Contrasts(table));
+  const double trace = Trace(covariance);
+  const double error = RoundingError(Magnitude(table));
+  if (std::sqrt(trace) <= error) return std::nullopt;
+  Sphericity result;
+  if (table.condition_count() == 2) return result;
+  covariance.DivideBy(trace);  // nothing here depends on the unit, and large values overflow
+  const auto p = static_cast<double>(covariance.size());
+  const auto df = static_cast<double>(table.subject_count() - 1);
+  result.greenhouse_geisser = std::clamp(1.0 / (p * SumOfSquares(covariance)), 1.0 / p, 1.0);
+  result.huynh_feldt_raw = HuynhFeldt(result.greenhouse_geisser, p, df);
+  result.huynh_feldt = result.huynh_feldt_raw;
+  if (result.huynh_feldt) result.huynh_feldt = std::min(1.0, *result.huynh_feldt);
+  if (df >= p) {
+    const double log_determinant = LogDeterminant(std::move(covariance), error * error / trace);
+    const double log_w = std::min(0.0, log_determinant + p * std::log(p));
+    result.mauchly_w = std::exp(log_w);
+    result.mauchly_p = MauchlyP(log_w, p, df);
+  }
+  return result;
+}
+
+namespace {
+
+/// `sum` of `count` squares, 0 where they are nothing but rounding errors.
+double Exact(double sum, std::size_t count, double magnitude) {
+  const double error = RoundingError(magnitude);
+  return sum <= static_cast<double>(count) * error * error ? 0.0 : sum;
+}
+
+void SetSums(Anova& anova, const ConditionTable& table) {
+  const std::size_t n = table.subject_count();
+  const std::size_t k = table.condition_count();
+  std::vector<double> subject_means;
+  for (std::size_t i = 0; i < n; ++i) {
+    subject_means.push_back(Mean(std::span(table.values).subspan(i * k, k)));
+  }
+  std::vector<double> condition_means;
+  for (std::size_t j = 0; j < k; ++j) condition_means.push_back(Mean(ConditionValues(table, j)));
+  const double mean = Mean(condition_means);
+  double error = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < k; ++j) {
+      error += std::pow(table.At(i, j) - subject_means[i] - condition_means[j] + mean, 2);
+    }
+  }
+  const double magnitude = Magnitude(table);
+  anova.ss_conditions =
+      Exact(static_cast<double>(n) * SquaredDeviations(condition_means), n * k, magnitude);
+  anova.ss_subjects =
+      Exact(static_cast<double>(k) * SquaredDeviations(subject_means), n * k, magnitude);
+  anova.ss_error = Exact(error, n * k, magnitude);
+}
+
+std::optional<double> Share(double part, double rest) {
+  if (part + rest <= 0.0) return std::nullopt;
+  return part / (part + rest);
+}
+
+std::optional<double> FRatio(const Anova& anova) {
+  if (anova.ss_error > 0.0) {
+    return anova.ss_conditions / anova.uncorrected.df_conditions /
+           (anova.ss_error / anova.uncorrected.df_error);
+  }
+  if (anova.ss_conditions <= 0.0) return std::nullopt;
+  return std::numeric_limits<double>::infinity();
+}
+
+FTest Corrected(const Anova& anova, double epsilon) {
+  FTest test{epsilon * anova.uncorrected.df_conditions, epsilon * anova.uncorrected.df_error, {}};
+  if (anova.f) test.p = FisherUpper(*anova.f, test.df_conditions, test.df_error);
+  return test;
+}
+
+}  // namespace
+
+Anova AnalyseVariance(const ConditionTable& table) {
+  Anova anova;
+  SetSums(anova, table);
+  const auto df = static_cast<double>(table.condition_count() - 1);
+  anova.uncorrected = {df, df * static_cast<double>(table.subject_count() - 1), {}};
+  anova.f = FRatio(anova);
+  anova.uncorrected = Corrected(anova, 1.0);
+  anova.partial_eta_squared = Share(anova.ss_conditions, anova.ss_error);
+  anova.generalised_eta_squared = Share(anova.ss_conditions, anova.ss_subjects + anova.ss_error);
+  if (anova.ss_error > 0.0) anova.sphericity = CheckSphericity(table);
+  if (anova.sphericity) {
+    anova.greenhouse_geisser = Corrected(anova, anova.sphericity->greenhouse_geisser);
+    if (anova.sphericity->huynh_feldt) {
+      anova.huynh_feldt = Corrected(anova, *anova.sphericity->huynh_feldt);
+    }
+  }
+  return anova;
+}
+
+Friedman TestRanks(const ConditionTable& table) {
+  const std::size_t k_count = table.condition_count();
+  const auto n = static_cast<double>(table.subject_count());
+  const auto k = static_cast<double>(k_count);
+  std::vector<double> rank_sums(k_count);
+  double tie_sum = 0.0;
+  for (std::size_t i = 0; i < table.subject_count(); ++i) {
+    const auto row = std::span(table.values).subspan(i * k_count, k_count);
+    const Ranks ranks = RankValues(row, RoundingError(Magnitude(row)));
+    for (std::size_t j = 0; j < k_count; ++j) rank_sums[j] += ranks.ranks[j];
+    tie_sum += ranks.tie_sum;
+  }
+  Friedman result{.df = k - 1.0};
+  for (const double sum : rank_sums) result.mean_ranks.push_back(sum / n);
+  const double denominator = n * k * (k + 1.0) - tie_sum / (k - 1.0);
+  if (denominator <= 0.0) return result;
+  // The rank sums' mean is n (k + 1) / 2.
+  result.chi_squared = 12.0 * SquaredDeviations(rank_sums) / denominator;
+  result.p = ChiSquaredUpper(*result.chi_squared, result.df);
+  result.kendall_w = *result.chi_squared / (n * (k - 1.0));
+  return result;
+}
+
+}  // namespace conav::statistics

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+namespace conav::statistics {
+
+/// None of these is asked for no values.
+double Mean(std::span<const double> values);
+double Median(std::span<const double> values);
+
+/// Sum of squared distances from the mean.
+double SquaredDeviations(std::span<const double> values);
+
+/// Divided by n - 1; 0 for one value, and where all are equal but for rounding errors.
+double Variance(std::span<const double> values);
+double StandardDeviation(std::span<const double> values);
+
+/// The largest absolute value.
+double Magnitude(std::span<const double> values);
+
+/// Differences this small between numbers of `magnitude` are rounding errors: 0.3 - 0.2 and
+/// 0.2 - 0.1 are one value. What spreads less than this does not vary.
+double RoundingError(double magnitude);
+
+}  // namespace conav::statistics
+
+/// Tail probabilities and quantiles of the distributions that tests need. Degrees of freedom are
+/// above 0 and need not be whole; a statistic may be infinite.
+namespace conav::statistics {
+
+/// P(|T| >= |t|) of Student's t.
+double StudentTwoSided(double t, double df);
+/// The t with P(T <= t) = probability, in (0, 1).
+double StudentQuantile(double probability, double df);
+/// P(F' >= f) of Fisher's F.
+double FisherUpper(double f, double df1, double df2);
+/// P(X >= x) of chi squared.
+double ChiSquaredUpper(double x, double df);
+/// P(Z >= z) of the standard normal distribution.
+double NormalUpper(double z);
+/// The z with P(Z <= z) = probability, in (0, 1).
+double NormalQuantile(double probability);
+
+struct Ranks {
+  std::vector<double> ranks;  // 1 for the smallest; equal values share the mean of their ranks
+  double tie_sum = 0.0;       // of t^3 - t over the groups of t equal values
+};
+
+/// Values closer than `error` are equal.
+Ranks RankValues(std::span<const double> values, double error);
+
+/// A confidence interval.
+struct Interval {
+  double low = 0.0;
+  double high = 0.0;
+};
+
+/// `middle` -+ t(df, 1 - alpha / 2) `standard_error`.
+Interval StudentInterval(double middle, double standard_error, double df, double alpha);
+
+}  // namespace conav::statistics

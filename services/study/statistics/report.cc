@@ -1,0 +1,315 @@
+#include "study/statistics/report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace conav::statistics {
+namespace {
+
+std::string Figure(double value) { return fmt::format("{:.5g}", value == 0.0 ? 0.0 : value); }
+
+std::string Figure(const std::optional<double>& value) { return value ? Figure(*value) : "-"; }
+
+std::string Probability(const std::optional<double>& p) {
+  if (!p) return "-";
+  if (*p == 0.0) return "0";
+  return *p < 0.001 ? fmt::format("{:.2e}", *p) : fmt::format("{:.4f}", *p);
+}
+
+std::string Degrees(double df) {
+  return df == std::round(df) ? fmt::format("{:.0f}", df) : fmt::format("{:.2f}", df);
+}
+
+std::string Range(const Interval& interval) {
+  return fmt::format("[{}, {}]", Figure(interval.low), Figure(interval.high));
+}
+
+std::string Percent(double alpha) { return fmt::format("{:.4g} %", 100.0 * (1.0 - alpha)); }
+
+ReportSection Conditions(const Analysis& analysis) {
+  const std::string percent = Percent(analysis.alpha);
+  ReportSection section{.title = "Conditions",
+                        .header = {"condition", "n", "mean", "SD", "median", percent + " CI",
+                                   percent + " CI within subjects"}};
+  for (const Description& row : analysis.conditions) {
+    section.rows.push_back({row.condition, std::to_string(row.n), Figure(row.mean),
+                            Figure(row.standard_deviation), Figure(row.median),
+                            Range(row.mean_interval), Range(row.within_interval)});
+  }
+  return section;
+}
+
+std::vector<std::string> AnovaRow(const std::string& name, const Anova& anova, const FTest& test,
+                                  const std::string& epsilon) {
+  return {name,
+          epsilon,
+          Degrees(test.df_conditions),
+          Degrees(test.df_error),
+          Figure(anova.f),
+          Probability(test.p)};
+}
+
+/// Below the table: effect sizes and Mauchly's test.
+std::vector<std::string> AnovaRemarks(const Anova& anova) {
+  std::vector<std::string> remarks{fmt::format("partial eta^2 {}, generalised eta^2 {}",
+                                               Figure(anova.partial_eta_squared),
+                                               Figure(anova.generalised_eta_squared))};
+  if (anova.sphericity && anova.sphericity->mauchly_w) {
+    remarks.push_back(fmt::format("sphericity: Mauchly's W {}, p {}",
+                                  Figure(anova.sphericity->mauchly_w),
+                                  Probability(anova.sphericity->mauchly_p)));
+  }
+  return remarks;
+}
+
+ReportSection Variance(const Analysis& analysis) {
+  const Anova& anova = analysis.anova;
+  ReportSection section{.title = "Repeated-measures analysis of variance",
+                        .header = {"correction", "epsilon", "df", "df error", "F", "p"},
+                        .remarks = AnovaRemarks(anova)};
+  section.rows.push_back(AnovaRow("none", anova, anova.uncorrected, "1"));
+  if (analysis.table.condition_count() == 2 || !anova.sphericity) return section;
+  section.rows.push_back(AnovaRow("Greenhouse-Geisser", anova, *anova.greenhouse_geisser,
+                                  Figure(anova.sphericity->greenhouse_geisser)));
+  if (!anova.huynh_feldt) return section;
+  section.rows.push_back(
+      AnovaRow("Huynh-Feldt", anova, *anova.huynh_feldt, Figure(anova.sphericity->huynh_feldt)));
+  if (const double raw = *anova.sphericity->huynh_feldt_raw; raw > 1.0) {
+    section.remarks.push_back(fmt::format("Huynh-Feldt epsilon before min(1, .): {}", Figure(raw)));
+  }
+  return section;
+}
+
+std::string Name(const Pair& pair) { return pair.first + " - " + pair.second; }
+
+ReportSection PairedTests(const Analysis& analysis) {
+  ReportSection section{.title = "Pairs: paired t tests",
+                        .header = {"pair", "difference", Percent(analysis.alpha) + " CI", "t", "df",
+                                   "p", "Holm", "Bonferroni", "BH", "d_z", "d_av", "g_z"}};
+  for (const Pair& pair : analysis.pairs) {
+    section.rows.push_back(
+        {Name(pair), Figure(pair.t.mean_difference), Range(pair.t.interval), Figure(pair.t.t),
+         Degrees(pair.t.df), Probability(pair.t.p), Probability(pair.t_adjusted.holm),
+         Probability(pair.t_adjusted.bonferroni), Probability(pair.t_adjusted.bh),
+         Figure(pair.t.d_z), Figure(pair.t.d_av), Figure(pair.t.g_z)});
+  }
+  return section;
+}
+
+ReportSection Ranks(const Analysis& analysis) {
+  const Friedman& friedman = analysis.friedman;
+  ReportSection section{
+      .title = "Friedman test",
+      .header = {"condition", "mean rank"},
+      .remarks = {fmt::format("chi^2 {}, df {}, p {}, Kendall's W {}", Figure(friedman.chi_squared),
+                              Degrees(friedman.df), Probability(friedman.p),
+                              Figure(friedman.kendall_w))}};
+  for (std::size_t j = 0; j < analysis.table.condition_count(); ++j) {
+    section.rows.push_back({analysis.table.conditions[j], Figure(friedman.mean_ranks[j])});
+  }
+  return section;
+}
+
+ReportSection RankPairs(const Analysis& analysis) {
+  ReportSection section{.title = "Pairs: Wilcoxon signed ranks, and normality of the differences",
+                        .header = {"pair", "used", "V", "p", "by", "Holm", "Bonferroni", "BH",
+                                   "Shapiro-Wilk W", "its p"}};
+  for (const Pair& pair : analysis.pairs) {
+    const bool tested = pair.wilcoxon.p.has_value();
+    section.rows.push_back(
+        {Name(pair), std::to_string(pair.wilcoxon.used), Figure(pair.wilcoxon.v),
+         Probability(pair.wilcoxon.p), !tested ? "-" : (pair.wilcoxon.exact ? "exact" : "normal"),
+         Probability(pair.wilcoxon_adjusted.holm), Probability(pair.wilcoxon_adjusted.bonferroni),
+         Probability(pair.wilcoxon_adjusted.bh), pair.normality ? Figure(pair.normality->w) : "-",
+         pair.normality ? Probability(pair.normality->p) : "-"});
+  }
+  return section;
+}
+
+}  // namespace
+
+std::string DescribeTable(const Analysis& analysis) {
+  return fmt::format("{}: {} subjects, {} conditions", analysis.file,
+                     analysis.table.subject_count(), analysis.table.condition_count());
+}
+
+std::vector<ReportSection> ReportSections(const Analysis& analysis) {
+  return {Conditions(analysis), Variance(analysis), PairedTests(analysis), Ranks(analysis),
+          RankPairs(analysis)};
+}
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json Number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+Json Number(const std::optional<double>& value) { return value ? Number(*value) : Json(); }
+
+Json LeftOutJson(const Analysis& analysis) {
+  Json list = Json::array();
+  for (const LeftOut& left : analysis.left_out) {
+    list.push_back({{"subject", left.subject}, {"line", left.line}, {"missing", left.missing}});
+  }
+  return list;
+}
+
+Json ConditionsJson(const Analysis& analysis) {
+  Json list = Json::array();
+  for (std::size_t j = 0; j < analysis.conditions.size(); ++j) {
+    const Description& row = analysis.conditions[j];
+    list.push_back({{"condition", row.condition},
+                    {"n", row.n},
+                    {"mean", row.mean},
+                    {"sd", row.standard_deviation},
+                    {"median", row.median},
+                    {"ci_low", row.mean_interval.low},
+                    {"ci_high", row.mean_interval.high},
+                    {"within_ci_low", row.within_interval.low},
+                    {"within_ci_high", row.within_interval.high},
+                    {"mean_rank", analysis.friedman.mean_ranks[j]}});
+  }
+  return list;
+}
+
+Json CorrectionJson(const std::optional<double>& epsilon, const std::optional<FTest>& test) {
+  Json json;
+  json["epsilon"] = Number(epsilon);
+  json["df_conditions"] = test ? Json(test->df_conditions) : Json();
+  json["df_error"] = test ? Json(test->df_error) : Json();
+  json["p"] = test ? Number(test->p) : Json();
+  return json;
+}
+
+Json AnovaJson(const Anova& anova) {
+  Sphericity none{.huynh_feldt_raw = {}, .huynh_feldt = {}};
+  const Sphericity& sphericity = anova.sphericity ? *anova.sphericity : none;
+  const auto epsilon =
+      anova.sphericity ? std::optional(sphericity.greenhouse_geisser) : std::nullopt;
+  Json json;
+  json["ss_conditions"] = anova.ss_conditions;
+  json["ss_subjects"] = anova.ss_subjects;
+  json["ss_error"] = anova.ss_error;
+  json["f"] = Number(anova.f);
+  json["df_conditions"] = anova.uncorrected.df_conditions;
+  json["df_error"] = anova.uncorrected.df_error;
+  json["p"] = Number(anova.uncorrected.p);
+  json["greenhouse_geisser"] = CorrectionJson(epsilon, anova.greenhouse_geisser);
+  json["huynh_feldt"] = CorrectionJson(sphericity.huynh_feldt, anova.huynh_feldt);
+  json["huynh_feldt"]["epsilon_raw"] = Number(sphericity.huynh_feldt_raw);
+  json["mauchly"] = {{"w", Number(sphericity.mauchly_w)}, {"p", Number(sphericity.mauchly_p)}};
+  json["partial_eta_squared"] = Number(anova.partial_eta_squared);
+  json["generalised_eta_squared"] = Number(anova.generalised_eta_squared);
+  return json;
+}
+
+void AddAdjusted(Json& json, const AdjustedP& adjusted) {
+  json["p_holm"] = Number(adjusted.holm);
+  json["p_bonferroni"] = Number(adjusted.bonferroni);
+  json["p_bh"] = Number(adjusted.bh);
+}
+
+Json WilcoxonJson(const Pair& pair) {
+  Json json;
+  json["used"] = pair.wilcoxon.used;
+  json["exact"] = pair.wilcoxon.exact;
+  json["v"] = Number(pair.wilcoxon.v);
+  json["p"] = Number(pair.wilcoxon.p);
+  AddAdjusted(json, pair.wilcoxon_adjusted);
+  return json;
+}
+
+Json PairJson(const Pair& pair) {
+  Json json;
+  json["first"] = pair.first;
+  json["second"] = pair.second;
+  json["mean_difference"] = pair.t.mean_difference;
+  json["ci_low"] = pair.t.interval.low;
+  json["ci_high"] = pair.t.interval.high;
+  json["t"] = Number(pair.t.t);
+  json["df"] = pair.t.df;
+  json["p"] = Number(pair.t.p);
+  AddAdjusted(json, pair.t_adjusted);
+  json["d_z"] = Number(pair.t.d_z);
+  json["d_av"] = Number(pair.t.d_av);
+  json["g_z"] = Number(pair.t.g_z);
+  json["wilcoxon"] = WilcoxonJson(pair);
+  json["shapiro_wilk"] = {{"w", pair.normality ? Json(pair.normality->w) : Json()},
+                          {"p", pair.normality ? Json(pair.normality->p) : Json()}};
+  return json;
+}
+
+Json FriedmanJson(const Friedman& friedman) {
+  return {{"chi_squared", Number(friedman.chi_squared)},
+          {"df", friedman.df},
+          {"p", Number(friedman.p)},
+          {"kendall_w", Number(friedman.kendall_w)}};
+}
+
+}  // namespace
+
+Json ReportJson(const Analysis& analysis) {
+  Json json;
+  json["schema"] = 1;
+  json["file"] = analysis.file;
+  json["sha256"] = analysis.sha256;
+  json["alpha"] = analysis.alpha;
+  json["subjects"] = analysis.table.subjects;
+  json["left_out"] = LeftOutJson(analysis);
+  json["conditions"] = ConditionsJson(analysis);
+  json["anova"] = AnovaJson(analysis.anova);
+  json["pairs"] = Json::array();
+  for (const Pair& pair : analysis.pairs) json["pairs"].push_back(PairJson(pair));
+  json["friedman"] = FriedmanJson(analysis.friedman);
+  json["notes"] = analysis.notes;
+  return json;
+}
+
+namespace {
+
+/// Characters, not bytes, of UTF-8.
+std::size_t Width(const std::string& text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned>(c) & 0xC0U) != 0x80U;
+  }));
+}
+
+std::vector<std::size_t> Widths(const ReportSection& section) {
+  std::vector<std::size_t> widths;
+  for (const std::string& title : section.header) widths.push_back(Width(title));
+  for (const auto& row : section.rows) {
+    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], Width(row[c]));
+  }
+  return widths;
+}
+
+/// Names to the left, figures to the right.
+std::string Line(const std::vector<std::string>& cells, const std::vector<std::size_t>& widths) {
+  std::string line = "  " + cells[0] + std::string(widths[0] - Width(cells[0]), ' ');
+  for (std::size_t c = 1; c < cells.size(); ++c) {
+    line += std::string(2 + widths[c] - Width(cells[c]), ' ') + cells[c];
+  }
+  return line + "\n";
+}
+
+}  // namespace
+
+std::string SectionText(const ReportSection& section) {
+  const std::vector<std::size_t> widths = Widths(section);
+  std::string text = "\n" + section.title + "\n" + Line(section.header, widths);
+  for (const auto& row : section.rows) text += Line(row, widths);
+  for (const std::string& remark : section.remarks) text += "  " + remark + "\n";
+  return text;
+}
+
+std::string ReportText(const Analysis& analysis) {
+  std::string text = DescribeTable(analysis) + "\n";
+  for (const std::string& note : analysis.notes) text += "Note: " + note + "\n";
+  for (const ReportSection& section : ReportSections(analysis)) text += SectionText(section);
+  return text;
+}
+
+}  // namespace conav::statistics

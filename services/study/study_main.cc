@@ -1,0 +1,256 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "common/cli/cli.h"
+#include "common/runtime/log.h"
+#include "common/runtime/random.h"
+#include "common/runtime/text.h"
+#include "common/runtime/threads.h"
+#include "launcher/demo_plan.h"
+#include "study/report.h"
+#include "study/study_folder.h"
+#include "study/study_options.h"
+#include "study/study_run.h"
+#include "study/supervision_command.h"
+
+namespace conav::study {
+namespace {
+
+constexpr const char* kProgram = "conav study";
+
+/// Purpose for DeriveSeed.
+constexpr std::uint64_t kPeopleSeed = 4;
+
+/// A study before its first episode.
+struct Plan {
+  Design design;
+  std::vector<std::string> people;  // YAML, as design.subjects
+  nlohmann::ordered_json document;
+};
+
+std::vector<std::string> DrawPeople(const StudyOptions& options, std::size_t count) {
+  const auto population =
+      options.population.empty() ? DefaultPopulation() : nhpm::ReadPopulation(options.population);
+  const std::uint64_t seed = DeriveSeed(options.design.seed, kPeopleSeed);
+  std::vector<std::string> people;
+  for (std::size_t subject = 0; subject < count; ++subject) {
+    people.push_back(PersonYaml(DrawPerson(population, DeriveSeed(seed, subject))));
+  }
+  return people;
+}
+
+nlohmann::ordered_json EpisodesJson(const Design& design) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const PlannedEpisode& episode : design.episodes) {
+    list.push_back({{"name", episode.name}, {"seed", episode.seed}});
+  }
+  return list;
+}
+
+/// Everything that results depend on, but the program itself.
+Plan MakePlan(const StudyOptions& options) {
+  Plan plan{.design = MakeDesign(options.design)};
+  plan.people = DrawPeople(options, plan.design.subjects.size());
+  plan.document = {{"operators", options.design.operators},
+                   {"layouts", plan.design.layouts},
+                   {"methods", plan.design.methods},
+                   {"seed", options.design.seed},
+                   {"robots", options.robots},
+                   {"camera", options.camera},
+                   {"dds", options.dds},
+                   {"weights_checksum", launcher::WeightsChecksum(BaseDemo(options))},
+                   {"time_limit_s", options.time_limit_s},
+                   {"orders", plan.design.orders},
+                   {"episodes", EpisodesJson(plan.design)},
+                   {"people", plan.people}};
+  return plan;
+}
+
+Result<void> WritePeople(const Plan& plan, const StudyFolder& folder) {
+  for (std::size_t subject = 0; subject < plan.people.size(); ++subject) {
+    const auto file =
+        std::filesystem::relative(folder.person(plan.design.subjects[subject]), folder.path());
+    if (auto written = folder.Write(file, plan.people[subject]); !written) return written;
+  }
+  return {};
+}
+
+Result<void> Play(const StudyOptions& options, const Plan& plan, const StudyFolder& folder,
+                  EpisodeStore& store, const StopToken& stop) {
+  const SteadyClock clock;
+  const auto programs = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  std::vector<std::unique_ptr<DemoPlayer>> players;
+  for (int job = 0; job < options.jobs; ++job) {
+    players.push_back(std::make_unique<DemoPlayer>(programs, clock, stop));
+  }
+  const launcher::DemoOptions base = BaseDemo(options);
+  const EpisodePlayer play = [&](int job, const PlannedEpisode& episode) {
+    const std::string& subject = plan.design.subjects[static_cast<std::size_t>(episode.subject)];
+    return players[static_cast<std::size_t>(job)]->Play(DemoFor(base, episode, subject, folder));
+  };
+  ProgressLine line;
+  return RunEpisodes(plan.design.episodes, options.jobs, play, store, stop,
+                     ShowOn(line, "episodes"));
+}
+
+Result<void> WriteReports(const StudyReport& report, const StudyFolder& folder,
+                          const std::filesystem::path& json_file) {
+  const auto json = StudyJson(report);
+  auto written = folder.Write("episodes.csv", EpisodesCsv(report))
+                     .and_then([&] { return folder.Write("report.html", StudyPage(report)); })
+                     .and_then([&] { return folder.Write("results.json", JsonText(json)); });
+  for (std::size_t m = 0; written && m < Measures().size(); ++m) {
+    if (!WasMeasured(report, Measures()[m])) continue;
+    written =
+        folder.Write(std::filesystem::path("measures") / fmt::format("{}.csv", Measures()[m].key),
+                     report.summary.analyses[m].csv);
+  }
+  return written ? WriteJsonOutput(json_file, json) : written;
+}
+
+Result<void> Publish(const StudyReport& report, const StudyFolder& folder,
+                     const std::filesystem::path& json_file) {
+  if (auto written = WriteReports(report, folder, json_file); !written) return written;
+  const std::string text =
+      fmt::format("{}\n{} holds report.html, episodes.csv, measures/, results.json and all runs\n",
+                  StudyText(report), folder.path().string());
+  return PrintTables(text, json_file);
+}
+
+bool AllMet(const StudySummary& summary) {
+  return std::all_of(summary.bars.begin(), summary.bars.end(),
+                     [](const Bar& bar) { return bar.met(); });
+}
+
+int Run(StudyOptions options, const Provenance& provenance, const StopToken& stop) {
+  const Plan plan = MakePlan(options);
+  if (options.out.empty()) options.out = DefaultOut(options, Fingerprint(plan.document));
+  const auto folder = StudyFolder::Open(std::filesystem::absolute(options.out), plan.document);
+  if (!folder) return RefusedFolder(kProgram, folder.error());
+  auto store = OpenEpisodes(*folder);
+  if (!store) return Failed(kProgram, store.error());
+  const auto played = WritePeople(plan, *folder).and_then([&] {
+    return Play(options, plan, *folder, *store, stop);
+  });
+  if (!played) return Failed(kProgram, played.error());
+  if (stop.stop_requested()) {
+    return Interrupted(kProgram, store->records().size(), plan.design.episodes.size(), "episodes",
+                       *folder);
+  }
+  const StudySummary summary = Summarise(plan.design, store->records());
+  const StudyReport report{
+      plan.design, plan.document, store->records(), summary, options.camera != "none", provenance};
+  if (const auto told = Publish(report, *folder, options.json); !told) {
+    return Failed(kProgram, told.error());
+  }
+  return summary.failed.empty() && (!options.check || AllMet(summary)) ? 0 : 1;
+}
+
+/// The whole study: goes on where an earlier run of the same study stopped, prints table 3, writes
+/// the files of StudyFolder and --json. Exit code: 0 done; 1 an episode failed, it was interrupted,
+/// a file could not be written, or a bar was missed with --check; 2 wrong use.
+int RunStudy(const StudyOptions& options, const Provenance& provenance, const StopToken& stop) {
+  if (const auto valid = Validate(options); !valid) return Refused(kProgram, valid.error().text);
+  const int code =
+      CheckFiles(kProgram, {{"--population", options.population}, {"--weights", options.weights}},
+                 {{"--json", options.json}});
+  if (code != 0) return code;
+  try {
+    return Run(options, provenance, stop);
+  } catch (const StartupError& error) {
+    return Failed(kProgram, {ErrorCode::kInvalidArgument, error.what()});
+  }
+}
+
+}  // namespace
+}  // namespace conav::study
+
+// conav-study: the methods side by side, with simulated operators.
+
+namespace {
+
+constexpr const char* kAbout =
+    R"(The paper's user study (section 6.2, table 3) with SIMULATED operators: everybody has every method
+on every layout, each episode with all services as processes of their own over DDS. Prints, per method,
+communication, steps, guidance, mapping accuracy, goals and time, what tests say, and whether the bars
+hold.
+
+Design: order of methods counterbalanced by a Williams design; layouts are mazes 234, 666 and 9, then
+random ones, turned by another quarter in each session; operators are synthetic people, each drawn from
+a population and the same in all methods. docs/study.md says more.
+
+Each episode is on disk when it has ended: after a kill the same command goes on. Another design in the
+same --out is refused. An episode that does not reach all goals is run a second time, then kept and
+reported.
+
+Another study, of one operator with many robots: conav study --supervision --help. With a person: conav
+study --live --help.)";
+
+constexpr const char* kExitCodes =
+    R"(Exit codes: 0 done; 1 an episode failed, interrupted, writing failed, or with --check a bar missed;
+2 wrong use.)";
+
+void AddOptions(CLI::App& app, conav::study::StudyOptions& options) {
+  app.add_option("--operators", options.design.operators, "Simulated operators")
+      ->capture_default_str();
+  app.add_option("--layouts", options.design.layouts, "Mazes for each of them")
+      ->capture_default_str();
+  app.add_option("--methods", options.design.methods, "Methods, as conav demo --method knows them")
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_option("--robots", options.robots, "Robots that an operator has")->capture_default_str();
+  app.add_option("--seed", options.design.seed, "Seed of orders, people and random layouts")
+      ->check(conav::WholeNumber())
+      ->capture_default_str();
+  options.jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  app.add_option("--jobs", options.jobs, "Episodes at once")->capture_default_str();
+  app.add_option("--camera", options.camera, "egl renders pictures; none sends them without pixels")
+      ->capture_default_str();
+  app.add_option(
+      "--population", options.population,
+      "Whom the operators are drawn from, a file like deploy/config/annotators.yaml [its "
+      "careful people]");
+  app.add_option("--weights", options.weights,
+                 "Weights file of the perception model [the one that comes with conav]");
+  app.add_option("--dds", options.dds, "cyclonedds, fastdds, mixed or SERVICE=VENDOR,...");
+  app.add_flag("--recording", options.recording, "Record each episode, as conav demo does");
+  app.add_option("--time-limit", options.time_limit_s, "Seconds that an episode may take")
+      ->capture_default_str();
+  app.add_option("--out", options.out, "Folder of the study [one in runs/, named by the design]");
+  app.add_option("--json", options.json,
+                 "Write the result to this file, too; - = standard output (the tables then go to "
+                 "standard error)");
+  app.add_flag("--check", options.check, "A missed bar is a failure");
+  app.footer(kExitCodes);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const auto is_supervision = [](const char* word) {
+    return std::string_view(word) == "--supervision";
+  };
+  if (std::any_of(argv + 1, argv + argc, is_supervision)) {
+    return conav::study::SupervisionMain(argc, argv);
+  }
+  CLI::App app(kAbout, "conav study");
+  conav::study::StudyOptions options;
+  AddOptions(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  conav::log::SetService("study");
+  conav::log::SetMinimumLevel(conav::log::Level::kError);
+  conav::InstallStopSignals();
+  return conav::study::RunStudy(options, conav::study::DescribeRun(argc, argv),
+                                conav::ProcessStopToken());
+}

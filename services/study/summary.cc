@@ -1,0 +1,190 @@
+#include "study/summary.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+#include <utility>
+
+#include "common/runtime/text.h"
+#include "study/statistics/moments.h"
+#include "study/statistics/table_reader.h"
+
+namespace conav::study {
+namespace {
+
+constexpr double kAlpha = 0.05;
+constexpr const char* kIgMcts = "ig-mcts";
+
+MeanSd Describe(std::span<const double> values) {
+  if (values.empty()) return {};
+  return {statistics::Mean(values), statistics::StandardDeviation(values)};
+}
+
+const EpisodeRecord* Find(const Records& records, const std::string& name) {
+  const auto found = records.find(name);
+  return found == records.end() ? nullptr : &found->second;
+}
+
+/// Mean over the layouts; nothing when one lacks.
+std::optional<double> SubjectMean(const Design& design, const Records& records, int subject,
+                                  const std::string& method, std::size_t measure) {
+  double sum = 0.0;
+  for (const PlannedEpisode& episode : design.episodes) {
+    if (episode.subject != subject || episode.method != method) continue;
+    const EpisodeRecord* record = Find(records, episode.name);
+    if (record == nullptr || !record->measures) return std::nullopt;
+    sum += Measures()[measure].value(*record->measures);
+  }
+  return sum / static_cast<double>(design.layouts.size());
+}
+
+MethodSummary SummariseMethod(const Design& design, const Records& records,
+                              const std::string& method) {
+  MethodSummary summary{.method = method};
+  std::vector<std::vector<double>> values(Measures().size());
+  for (const PlannedEpisode& episode : design.episodes) {
+    const EpisodeRecord* record = Find(records, episode.name);
+    if (episode.method != method || record == nullptr || !record->measures) continue;
+    ++summary.episodes;
+    if (record->measures->all_goals_reached) ++summary.all_goals;
+    for (std::size_t m = 0; m < values.size(); ++m) {
+      values[m].push_back(Measures()[m].value(*record->measures));
+    }
+  }
+  for (std::size_t m = 0; m < values.size(); ++m) {
+    summary.measures.push_back(Describe(values[m]));
+    std::vector<double> means;
+    for (int subject = 0; subject < static_cast<int>(design.subjects.size()); ++subject) {
+      const auto mean = SubjectMean(design, records, subject, method, m);
+      if (mean) means.push_back(*mean);
+    }
+    summary.sd_subjects.push_back(Describe(means).sd);
+  }
+  return summary;
+}
+
+MeasureAnalysis AnalyseMeasure(const Design& design, const Records& records, std::size_t measure) {
+  MeasureAnalysis result{.csv = SubjectTable(design, records, measure)};
+  const std::string file = std::string(Measures()[measure].key) + ".csv";
+  auto table = statistics::ParseTable(result.csv, file);
+  if (!table) {
+    result.why_not = table.error().text;
+    return result;
+  }
+  result.analysis = statistics::Analyse(*std::move(table), kAlpha);
+  result.analysis->file = file;
+  result.analysis->sha256 = Sha256Hex(result.csv);
+  return result;
+}
+
+double MeanOf(const MethodSummary& method, const char* measure) {
+  return method.measures[MeasureIndex(measure)].mean;
+}
+
+Bar ImageBar(const MethodSummary& ig_mcts, const MethodSummary& baseline) {
+  const double streamed = MeanOf(baseline, "image_mib");
+  return {.key = "image_bytes_saved_against_" + baseline.method,
+          .text = "image bytes that ig-mcts saves against " + baseline.method,
+          .value = streamed > 0.0 ? 1.0 - MeanOf(ig_mcts, "image_mib") / streamed : 0.0,
+          .limit = 0.97,
+          .kind = Bar::Kind::kAtLeast};
+}
+
+Bar StepsBar(const MethodSummary& ig_mcts, const MethodSummary& baseline, double limit,
+             Bar::Kind kind) {
+  const double steps = MeanOf(baseline, "low_level_steps");
+  return {.key = "steps_ratio_to_" + baseline.method,
+          .text = "low-level steps of ig-mcts over those of " + baseline.method,
+          .value = steps > 0.0 ? MeanOf(ig_mcts, "low_level_steps") / steps : 0.0,
+          .limit = limit,
+          .kind = kind};
+}
+
+Bar GoalsBar(const std::vector<MethodSummary>& methods) {
+  Bar bar{.key = "episodes_with_all_goals",
+          .text = "episodes in which all goals were reached, all methods",
+          .limit = 1.0,
+          .kind = Bar::Kind::kAtLeast};
+  std::size_t episodes = 0;
+  std::size_t good = 0;
+  for (const MethodSummary& method : methods) {
+    episodes += method.episodes;
+    good += method.all_goals;
+  }
+  if (episodes > 0) bar.value = static_cast<double>(good) / static_cast<double>(episodes);
+  return bar;
+}
+
+}  // namespace
+
+bool Bar::met() const {
+  switch (kind) {
+    case Kind::kAtLeast:
+      return value >= limit;
+    case Kind::kAtMost:
+      return value <= limit;
+    case Kind::kBelow:
+      return value < limit;
+  }
+  return false;
+}
+
+std::string SubjectTable(const Design& design, const Records& records, std::size_t measure) {
+  std::string csv = "subject";
+  for (const std::string& method : design.methods) csv += "," + method;
+  csv += "\n";
+  for (std::size_t subject = 0; subject < design.subjects.size(); ++subject) {
+    csv += design.subjects[subject];
+    for (const std::string& method : design.methods) {
+      const auto mean = SubjectMean(design, records, static_cast<int>(subject), method, measure);
+      csv += mean ? fmt::format(",{}", *mean) : ",";
+    }
+    csv += "\n";
+  }
+  return csv;
+}
+
+std::vector<Bar> CheckBars(const std::vector<MethodSummary>& methods) {
+  const auto find = [&](const char* name) -> const MethodSummary* {
+    const auto found = std::find_if(methods.begin(), methods.end(), [&](const MethodSummary& m) {
+      return m.method == name && m.episodes > 0;
+    });
+    return found == methods.end() ? nullptr : &*found;
+  };
+  std::vector<Bar> bars;
+  const MethodSummary* ig_mcts = find(kIgMcts);
+  const MethodSummary* instruction = find("instruction");
+  const MethodSummary* teleop = find("teleop");
+  for (const MethodSummary* baseline : {instruction, teleop}) {
+    if (ig_mcts != nullptr && baseline != nullptr) bars.push_back(ImageBar(*ig_mcts, *baseline));
+  }
+  if (ig_mcts != nullptr && instruction != nullptr) {
+    bars.push_back(StepsBar(*ig_mcts, *instruction, 1.05, Bar::Kind::kAtMost));
+  }
+  if (ig_mcts != nullptr && teleop != nullptr) {
+    bars.push_back(StepsBar(*ig_mcts, *teleop, 1.0, Bar::Kind::kBelow));
+  }
+  bars.push_back(GoalsBar(methods));
+  return bars;
+}
+
+StudySummary Summarise(const Design& design, const Records& records) {
+  StudySummary summary;
+  for (const std::string& method : design.methods) {
+    summary.methods.push_back(SummariseMethod(design, records, method));
+  }
+  for (std::size_t measure = 0; measure < Measures().size(); ++measure) {
+    summary.analyses.push_back(AnalyseMeasure(design, records, measure));
+  }
+  summary.bars = CheckBars(summary.methods);
+  for (const PlannedEpisode& episode : design.episodes) {
+    const EpisodeRecord* record = Find(records, episode.name);
+    if (record == nullptr) continue;
+    if (record->status == EpisodeStatus::kFailed) summary.failed.push_back(record);
+    if (record->status == EpisodeStatus::kGoalsLeft) summary.goals_left.push_back(record);
+  }
+  return summary;
+}
+
+}  // namespace conav::study

@@ -1,0 +1,433 @@
+#include "study/supervision_report.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "common/plot/svg.h"
+
+namespace conav::study {
+namespace {
+
+constexpr const char* kTableKeys[] = {"goals_per_minute",      "waiting_s", "waiting_p95_s",
+                                      "value_lost_per_minute", "abandoned", "utilisation",
+                                      "interaction_s",         "neglect_s"};
+constexpr const char* kFanOutKeys[] = {"attended_robots", "fan_out", "fan_out_with_waits",
+                                       "queue_attended_robots"};
+constexpr const char* kQueueKeys[] = {"utilisation", "queue_utilisation", "waiting_s",
+                                      "queue_waiting_s"};
+
+constexpr const char* kMetricKeys[] = {"goals_per_minute", "waiting_s", "value_lost_per_minute",
+                                       "utilisation", "attended_robots"};
+
+constexpr const char* kWhyNone =
+    "-: no trial measured it: NT needs a robot that asks a second time, IT an answer, predictions "
+    "need both.";
+
+using Json = nlohmann::ordered_json;
+
+std::string FigureText(const SupervisionCell& cell, const SupervisionMeasure& measure) {
+  const auto mean = cell.Mean(measure);
+  if (!mean) return "-";
+  const auto half = cell.HalfInterval(measure);
+  return half ? fmt::format("{:.2f} ±{:.2f}", *mean, *half) : fmt::format("{:.2f}", *mean);
+}
+
+/// What does not exist, or is infinite, is null.
+Json NumberJson(const std::optional<double>& value) {
+  return value && std::isfinite(*value) ? Json(*value) : Json();
+}
+
+template <std::size_t kCount>
+statistics::ReportSection CellSection(std::string title, const char* const (&keys)[kCount],
+                                      const SupervisionSummary& summary) {
+  statistics::ReportSection section;
+  section.title = std::move(title);
+  section.header = {"robots, order", "trials"};
+  for (const char* key : keys) section.header.emplace_back(FindMeasure(key).header);
+  bool lacks_figures = false;
+  for (const SupervisionCell& cell : summary.cells) {
+    std::vector<std::string> row{fmt::format("{} {}", cell.robots, cell.order),
+                                 fmt::format("{}", cell.records.size())};
+    for (const char* key : keys) {
+      row.push_back(FigureText(cell, FindMeasure(key)));
+      if (row.back() == "-" && !cell.records.empty()) lacks_figures = true;
+    }
+    section.rows.push_back(std::move(row));
+  }
+  if (lacks_figures) section.remarks = {kWhyNone};
+  return section;
+}
+
+/// Without spread there is no test, whatever its formula gives.
+bool HasTest(const statistics::Pair& pair) { return pair.t.t && std::isfinite(*pair.t.t); }
+
+std::string PText(const statistics::Pair& pair, const std::optional<double>& p) {
+  return p && HasTest(pair) ? fmt::format("{:.4f}", *p) : std::string("-");
+}
+
+statistics::ReportSection ComparisonSection(const SupervisionSummary& summary) {
+  statistics::ReportSection section;
+  section.title = "Orders against each other, paired by seed";
+  section.header = {"robots, measure", "first - second", "difference", "95 % interval", "p",
+                    "p (Holm)"};
+  bool lacks_tests = false;
+  for (const SupervisionComparison& comparison : summary.comparisons) {
+    for (const statistics::Pair& pair : comparison.pairs) {
+      section.rows.push_back(
+          {fmt::format("{} {}", comparison.robots, comparison.measure->key),
+           fmt::format("{} - {}", pair.first, pair.second),
+           fmt::format("{:.3f}", pair.t.mean_difference),
+           fmt::format("[{:.3f}, {:.3f}]", pair.t.interval.low, pair.t.interval.high),
+           PText(pair, pair.t.p), PText(pair, pair.t_adjusted.holm)});
+      lacks_tests = lacks_tests || !HasTest(pair);
+    }
+  }
+  section.remarks = {"Paired t tests; Holm's correction within each number of robots and measure."};
+  if (lacks_tests) {
+    section.remarks.push_back("-: the difference is the same for every seed: nothing to test.");
+  }
+  return section;
+}
+
+statistics::ReportSection SlowSection(const SupervisionSummary& summary) {
+  statistics::ReportSection section;
+  section.title = "Trials in which the machine did not keep pace";
+  section.header = {"trial", "share of --speed"};
+  for (const SupervisionRecord* record : summary.slow) {
+    section.rows.push_back({record->trial.name(), fmt::format("{:.2f}", record->pace)});
+  }
+  section.remarks = {"They are in the tables. A lower --speed or an idle machine mends it."};
+  return section;
+}
+
+statistics::ReportSection FailedSection(const SupervisionSummary& summary) {
+  statistics::ReportSection section;
+  section.title = "Trials that failed";
+  section.header = {"trial", "why"};
+  for (const SupervisionRecord* record : summary.failed) {
+    section.rows.push_back({record->trial.name(), record->failure});
+  }
+  return section;
+}
+
+Json CellJson(const SupervisionCell& cell) {
+  Json json{{"robots", cell.robots}, {"order", cell.order}, {"trials", cell.records.size()}};
+  for (const SupervisionMeasure& measure : SupervisionMeasures()) {
+    json[fmt::format("{}_mean", measure.key)] = NumberJson(cell.Mean(measure));
+    json[fmt::format("{}_half_interval", measure.key)] = NumberJson(cell.HalfInterval(measure));
+  }
+  return json;
+}
+
+Json PairJson(const SupervisionComparison& comparison, const statistics::Pair& pair) {
+  Json json{{"robots", comparison.robots},
+            {"measure", comparison.measure->key},
+            {"first", pair.first},
+            {"second", pair.second},
+            {"mean_difference", pair.t.mean_difference},
+            {"low", pair.t.interval.low},
+            {"high", pair.t.interval.high}};
+  json["p"] = HasTest(pair) ? NumberJson(pair.t.p) : Json();
+  json["p_holm"] = HasTest(pair) ? NumberJson(pair.t_adjusted.holm) : Json();
+  return json;
+}
+
+}  // namespace
+
+std::string SupervisionHeadline(const SupervisionOptions& options,
+                                const SupervisionSummary& summary) {
+  std::size_t measured = 0;
+  for (const SupervisionCell& cell : summary.cells) measured += cell.records.size();
+  const auto& times = options.interaction;
+  return fmt::format(
+      "SIMULATED operator: robots {}, orders {}, {} seeds; {} trials of {} min of simulation time "
+      "measured, {} failed. Methods {}; interaction times: picture {} s, blocked {} s, path {} s, "
+      "log-normal with log-sd {}.",
+      fmt::join(options.robots, " "), fmt::join(options.orders, " "), options.seeds, measured,
+      options.minutes, summary.failed.size(), fmt::join(options.methods, " "), times.picture_s,
+      times.blocked_s, times.path_s, times.log_sd);
+}
+
+std::vector<statistics::ReportSection> SupervisionSections(const SupervisionSummary& summary) {
+  std::vector<statistics::ReportSection> sections{
+      CellSection("Measured: mean over seeds ± half of its 95 % interval", kTableKeys, summary),
+      CellSection("Fan-out: measured and predicted", kFanOutKeys, summary),
+      CellSection("Utilisation and waiting: measured and predicted", kQueueKeys, summary)};
+  if (!summary.comparisons.empty()) sections.push_back(ComparisonSection(summary));
+  if (!summary.slow.empty()) sections.push_back(SlowSection(summary));
+  if (!summary.failed.empty()) sections.push_back(FailedSection(summary));
+  return sections;
+}
+
+std::string SupervisionText(const SupervisionOptions& options, const SupervisionSummary& summary) {
+  std::string text = SupervisionHeadline(options, summary) + "\n";
+  for (const auto& section : SupervisionSections(summary)) {
+    text += statistics::SectionText(section);
+  }
+  return text;
+}
+
+std::string SupervisionCsv(const std::vector<SupervisionRecord>& records) {
+  std::string csv = "robots,order,seed";
+  for (const SupervisionMeasure& measure : SupervisionMeasures())
+    csv += fmt::format(",{}", measure.key);
+  csv += ",wall_s\n";
+  for (const SupervisionRecord& record : records) {
+    csv += fmt::format("{},{},{}", record.trial.robots, record.trial.order, record.trial.seed);
+    for (const SupervisionMeasure& measure : SupervisionMeasures()) {
+      const auto value = record.is_complete() ? measure.value(record) : std::nullopt;
+      csv += value ? fmt::format(",{}", *value) : ",";
+    }
+    csv += fmt::format(",{}\n", record.wall_s);
+  }
+  return csv;
+}
+
+nlohmann::ordered_json SupervisionJson(const SupervisionOptions& options,
+                                       const SupervisionSummary& summary) {
+  Json json{{"simulated", true},        {"headline", SupervisionHeadline(options, summary)},
+            {"cells", Json::array()},   {"comparisons", Json::array()},
+            {"failed", Json::array()},  {"slow", Json::array()},
+            {"metrics", Json::object()}};
+  for (const SupervisionCell& cell : summary.cells) {
+    json["cells"].push_back(CellJson(cell));
+    for (const char* key : kMetricKeys) {
+      json["metrics"][fmt::format("{}_{}_{}", key, cell.order, cell.robots)] =
+          NumberJson(cell.Mean(FindMeasure(key)));
+    }
+  }
+  for (const SupervisionComparison& comparison : summary.comparisons) {
+    for (const statistics::Pair& pair : comparison.pairs) {
+      json["comparisons"].push_back(PairJson(comparison, pair));
+    }
+  }
+  for (const SupervisionRecord* record : summary.slow) {
+    json["slow"].push_back({{"trial", record->trial.name()}, {"pace", record->pace}});
+  }
+  for (const SupervisionRecord* record : summary.failed) {
+    json["failed"].push_back({{"trial", record->trial.name()}, {"why", record->failure}});
+  }
+  return json;
+}
+
+std::string SupervisionPage(const SupervisionOptions& options, const SupervisionSummary& summary,
+                            const statistics::ReportSection& made) {
+  std::string page = statistics::PageHead("One operator, many robots");
+  page += fmt::format("<p>{}</p>\n<div class=\"wide\" tabindex=\"0\">\n{}</div>\n",
+                      EscapeXml(SupervisionHeadline(options, summary)),
+                      SupervisionPlot(options, summary));
+  for (const auto& section : SupervisionSections(summary)) {
+    page += statistics::SectionHtml(section);
+  }
+  return page + statistics::SectionHtml(made) + "</body>\n</html>\n";
+}
+
+namespace {
+
+constexpr double kPanelWidth = 400.0;
+constexpr double kPanelHeight = 260.0;
+constexpr double kLeft = 60.0;
+constexpr double kTop = 40.0;
+constexpr double kPlotWidth = 310.0;
+constexpr double kPlotHeight = 170.0;
+constexpr double kLegendHeight = 56.0;
+constexpr double kBeside = 6.0;  // pixels from one order to the next
+constexpr int kTicks = 5;
+/// An interval may take so much of the axis, as a multiple of the largest mean; beyond it is cut.
+constexpr double kMostInterval = 1.5;
+
+/// Distinct also for the colour-blind (Okabe and Ito).
+constexpr const char* kColours[] = {"#0072b2", "#d55e00", "#009e73"};
+constexpr const char* kSmall = R"(font-size="11" fill="#333333" font-family="sans-serif")";
+constexpr const char* kMedium = R"(font-size="12" fill="#000000" font-family="sans-serif")";
+constexpr const char* kTitle = R"(font-size="13" fill="#000000" font-family="sans-serif")";
+
+/// A measure that something predicts, and how the prediction is drawn.
+struct Prediction {
+  const char* key;
+  const char* dashes;
+};
+constexpr const char* kQueueDashes = "4 4";
+constexpr const char* kFanOutDashes = "1 3";
+
+struct Panel {
+  const char* key;
+  const char* title;
+  std::vector<Prediction> predictions;
+  double most;  // that the measure can be
+};
+
+std::vector<Panel> Panels(int most_robots) {
+  return {
+      {"goals_per_minute", "Throughput, goals per minute", {}, AxisLimits{}.most},
+      {"waiting_s", "Mean waiting time, s", {{"queue_waiting_s", kQueueDashes}}, AxisLimits{}.most},
+      {"utilisation",
+       "Utilisation: busy share of the time",
+       {{"queue_utilisation", kQueueDashes}},
+       1.0},
+      {"attended_robots",
+       "Fan-out: robots that do not wait, mean",
+       {{"queue_attended_robots", kQueueDashes}, {"fan_out", kFanOutDashes}},
+       static_cast<double>(most_robots)}};
+}
+
+const char* ColourOf(std::size_t order) { return kColours[order % std::size(kColours)]; }
+
+/// From 0 to what is measured and predicted.
+Axis AxisOf(const Panel& panel, const SupervisionSummary& summary) {
+  const SupervisionMeasure& measure = FindMeasure(panel.key);
+  double most_mean = 0.0;
+  double most = 0.0;
+  for (const SupervisionCell& cell : summary.cells) {
+    const double mean = cell.Mean(measure).value_or(0.0);
+    most_mean = std::max(most_mean, mean);
+    most = std::max(most, mean + cell.HalfInterval(measure).value_or(0.0));
+    for (const Prediction& prediction : panel.predictions) {
+      most_mean = std::max(most_mean, cell.Mean(FindMeasure(prediction.key)).value_or(0.0));
+    }
+  }
+  most = std::max(most_mean, std::min(most, kMostInterval * most_mean));
+  return RoundAxis(0.0, most, kTicks, {0.0, panel.most});
+}
+
+/// Draws one measure over the number of robots.
+class PanelPlot {
+ public:
+  PanelPlot(SvgCanvas& canvas, PixelPosition corner, const Panel& panel,
+            const SupervisionOptions& options, const SupervisionSummary& summary)
+      : canvas_(canvas),
+        corner_(corner),
+        panel_(panel),
+        options_(options),
+        summary_(summary),
+        axis_(AxisOf(panel, summary)),
+        most_robots_(*std::ranges::max_element(options.robots)) {}
+
+  void Draw() {
+    DrawAxes();
+    for (std::size_t order = 0; order < options_.orders.size(); ++order) {
+      for (const Prediction& prediction : panel_.predictions) {
+        DrawLine(order, prediction.key,
+                 fmt::format(R"(stroke="{}" stroke-dasharray="{}")", ColourOf(order),
+                             prediction.dashes));
+      }
+      DrawLine(order, panel_.key, fmt::format(R"(stroke="{}" stroke-width="2")", ColourOf(order)));
+      DrawMeans(order);
+    }
+  }
+
+ private:
+  /// Where the number of robots stands, the orders around it.
+  double X(int robots, double order) const {
+    const double along = most_robots_ > 1 ? std::log2(robots) / std::log2(most_robots_) : 0.5;
+    const double middle = 0.5 * static_cast<double>(options_.orders.size() - 1);
+    return corner_.x + kLeft + along * kPlotWidth + kBeside * (order - middle);
+  }
+  double Middle(int robots) const {
+    return X(robots, 0.5 * static_cast<double>(options_.orders.size() - 1));
+  }
+  double Y(double value) const {
+    return corner_.y + kTop + (1.0 - axis_.Share(axis_.Clamp(value))) * kPlotHeight;
+  }
+
+  void DrawAxes() {
+    const double left = corner_.x + kLeft;
+    const double right = left + kPlotWidth;
+    canvas_.Text({left, corner_.y + 24.0}, panel_.title, kTitle);
+    for (const double tick : axis_.Ticks()) {
+      canvas_.Line({left - kBeside, Y(tick)}, {right + kBeside, Y(tick)},
+                   tick == 0.0 ? R"(stroke="#888888")" : R"(stroke="#dddddd")");
+      canvas_.Text({left - 12.0, Y(tick) + 4.0}, fmt::format("{:.6g}", tick),
+                   fmt::format(R"({} text-anchor="end")", kSmall));
+    }
+    const auto below = [&](double x, double down, const std::string& text) {
+      canvas_.Text({x, Y(0.0) + down}, text, fmt::format(R"({} text-anchor="middle")", kSmall));
+    };
+    for (const int robots : options_.robots) below(Middle(robots), 16.0, std::to_string(robots));
+    below((left + right) / 2.0, 32.0, "robots");
+  }
+
+  template <class Visit>
+  void ForCells(std::size_t order, Visit&& visit) const {
+    for (const SupervisionCell& cell : summary_.cells) {
+      if (cell.order == options_.orders[order]) visit(cell);
+    }
+  }
+
+  void DrawLine(std::size_t order, const char* key, const std::string& style) {
+    std::vector<PixelPosition> positions;
+    ForCells(order, [&](const SupervisionCell& cell) {
+      const auto mean = cell.Mean(FindMeasure(key));
+      if (mean) positions.push_back({X(cell.robots, static_cast<double>(order)), Y(*mean)});
+    });
+    std::ranges::sort(positions, {}, &PixelPosition::x);
+    if (positions.size() > 1) canvas_.Polyline(positions, style);
+  }
+
+  void DrawMeans(std::size_t order) {
+    const SupervisionMeasure& measure = FindMeasure(panel_.key);
+    ForCells(order, [&](const SupervisionCell& cell) {
+      const auto mean = cell.Mean(measure);
+      if (!mean) return;
+      const auto half = cell.HalfInterval(measure);
+      const double x = X(cell.robots, static_cast<double>(order));
+      canvas_.BeginGroup(fmt::format("{} robots, {}: {:.2f}{}", cell.robots, cell.order, *mean,
+                                     half ? fmt::format(" ± {:.2f}", *half) : ""));
+      if (half) {
+        canvas_.Line({x, Y(*mean - *half)}, {x, Y(*mean + *half)},
+                     fmt::format(R"(stroke="{}")", ColourOf(order)));
+      }
+      canvas_.Circle({x, Y(*mean)}, 3.5, fmt::format(R"(fill="{}")", ColourOf(order)));
+      canvas_.EndGroup();
+    });
+  }
+
+  SvgCanvas& canvas_;
+  PixelPosition corner_;
+  const Panel& panel_;
+  const SupervisionOptions& options_;
+  const SupervisionSummary& summary_;
+  Axis axis_;
+  int most_robots_ = 1;
+};
+
+void DrawLegend(SvgCanvas& canvas, const std::vector<std::string>& orders) {
+  double x = kLeft;
+  for (std::size_t order = 0; order < orders.size(); ++order) {
+    canvas.Circle({x, 20.0}, 4.0, fmt::format(R"(fill="{}")", ColourOf(order)));
+    canvas.Text({x + 10.0, 24.0}, orders[order], kMedium);
+    x += 140.0;
+  }
+  canvas.Text({x, 24.0}, "simulated operator", kMedium);
+  x = kLeft - 4.0;
+  for (const auto& [dashes, text] : {std::pair{kQueueDashes, "predicted by M/M/1//N"},
+                                     std::pair{kFanOutDashes, "predicted by NT / IT + 1"}}) {
+    canvas.Line({x, 42.0}, {x + 30.0, 42.0},
+                fmt::format(R"(stroke="#333333" stroke-dasharray="{}")", dashes));
+    canvas.Text({x + 38.0, 46.0}, text, kMedium);
+    x += 210.0;
+  }
+  canvas.Text({x, 46.0}, "bars: 95 % intervals of the mean, cut at the frame", kMedium);
+}
+
+}  // namespace
+
+std::string SupervisionPlot(const SupervisionOptions& options, const SupervisionSummary& summary) {
+  SvgCanvas canvas;
+  DrawLegend(canvas, options.orders);
+  const std::vector<Panel> panels = Panels(std::ranges::max(options.robots));
+  for (std::size_t i = 0; i < panels.size(); ++i) {
+    const PixelPosition corner{static_cast<double>(i % 2) * kPanelWidth,
+                               kLegendHeight + static_cast<double>(i / 2) * kPanelHeight};
+    PanelPlot(canvas, corner, panels[i], options, summary).Draw();
+  }
+  return canvas.Document(2.0 * kPanelWidth, kLegendHeight + 2.0 * kPanelHeight,
+                         "Throughput, waiting, utilisation and fan-out by number of robots");
+}
+
+}  // namespace conav::study

@@ -1,0 +1,115 @@
+#include <catch2/catch.hpp>
+
+#include "common/bus/in_memory_bus.h"
+#include "common/msg/convert.h"
+#include "operator/console/console_topics.h"
+
+namespace conav::operators {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// A desk, and a perception service by hand.
+struct Bench {
+  Bench()
+      : bus(std::make_shared<bus::InMemoryBus>()),
+        operator_side("operator", bus),
+        nhpm_side("nhpm", bus),
+        desk(operator_side, clock),
+        requests(nhpm_side, bus::kPerceptionRequest),
+        replies(nhpm_side, bus::kPerceptionReply) {}
+
+  void Reply(const conav_msgs::msg::PerceptionRequest& request, const std::string& client) {
+    const PerceptionReply reply{.client = client,
+                                .request_id = request.request_id(),
+                                .replica = "nhpm",
+                                .model = "nhpm",
+                                .model_version = "1",
+                                .model_checksum = std::string(64, '0'),
+                                .answers = {{Grid<float>(3, 4, 0.5F), Grid<float>(3, 4, 0.25F)}}};
+    REQUIRE(replies.Publish(ToMessage(reply)));
+  }
+
+  FakeClock clock;
+  std::shared_ptr<bus::InMemoryBus> bus;
+  bus::Participant operator_side;
+  bus::Participant nhpm_side;
+  PredictionClient desk;
+  bus::Subscriber<conav_msgs::msg::PerceptionRequest> requests;
+  bus::Publisher<conav_msgs::msg::PerceptionReply> replies;
+  Belief belief{.world = "w1", .revision = 4, .wall_probability = BeliefGrid(3, 4, 0.25F)};
+  Snapshot picture{.world = "w1",
+                   .robot = "r1",
+                   .sequence_number = 7,
+                   .cell = {1, 1},
+                   .heading_rad = 1.5,
+                   .visible = {{{1, 1}}, {{0, 1}}},
+                   .path = {{1, 2}, {1, 1}}};
+};
+
+TEST_CASE("A picture is asked about as planners ask, and its answer told once",
+          "[operator][prediction]") {
+  Bench bench;
+  bench.desk.Ask(bench.picture, bench.belief);
+  const auto asked = bench.requests.Take();
+  REQUIRE(asked.size() == 1);
+  const auto request = ToDomain(asked[0]);
+  REQUIRE(request);
+  REQUIRE(request->queries.size() == 1);
+  CHECK(request->queries[0] ==
+        PerceptionQuery{
+            bench.belief.wall_probability, bench.picture.path, {1, 1}, 1.5, bench.picture.visible});
+  CHECK(bench.desk.Step().empty());
+  bench.Reply(asked[0], "somebody-else");
+  CHECK(bench.desk.Step().empty());
+  bench.Reply(asked[0], asked[0].client());
+  const auto told = bench.desk.Step();
+  REQUIRE(told.size() == 1);
+  CHECK(told[0].robot == "r1");
+  CHECK(told[0].world == "w1");
+  CHECK(told[0].snapshot == 7);
+  CHECK(told[0].belief_revision == 4);
+  CHECK(told[0].model == "nhpm");
+  CHECK(told[0].answer.remove == Grid<float>(3, 4, 0.25F));
+  bench.Reply(asked[0], asked[0].client());
+  CHECK(bench.desk.Step().empty());
+}
+
+TEST_CASE("A question without an answer is asked three times, a second apart",
+          "[operator][prediction]") {
+  Bench bench;
+  bench.desk.Ask(bench.picture, bench.belief);
+  bench.clock.Advance(999ms);
+  bench.desk.Step();
+  CHECK(bench.requests.Take().size() == 1);
+  for (const std::size_t more : {1U, 1U, 0U, 0U}) {
+    bench.clock.Advance(1s);
+    bench.desk.Step();
+    CHECK(bench.requests.Take().size() == more);
+  }
+}
+
+TEST_CASE("Of two pictures of a robot only the newer one's answer counts",
+          "[operator][prediction]") {
+  Bench bench;
+  bench.desk.Ask(bench.picture, bench.belief);
+  bench.picture.sequence_number = 8;
+  bench.desk.Ask(bench.picture, bench.belief);
+  const auto asked = bench.requests.Take();
+  REQUIRE(asked.size() == 2);
+  bench.Reply(asked[0], asked[0].client());
+  CHECK(bench.desk.Step().empty());
+  bench.Reply(asked[1], asked[1].client());
+  REQUIRE(bench.desk.Step().size() == 1);
+}
+
+TEST_CASE("Nothing is asked about a picture that shows what lies beyond the map",
+          "[operator][prediction]") {
+  Bench bench;
+  bench.picture.visible.walls.push_back({3, 0});
+  bench.desk.Ask(bench.picture, bench.belief);
+  CHECK(bench.requests.Take().empty());
+}
+
+}  // namespace
+}  // namespace conav::operators

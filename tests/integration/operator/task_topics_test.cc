@@ -1,0 +1,168 @@
+#include "operator/console/task_topics.h"
+
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "common/runtime/file.h"
+#include "integration/operator/hand_made_sim.h"
+
+namespace conav::operators {
+namespace {
+
+const std::vector<std::string> kTruth = {"######", "#    #", "# ## #", "#    #", "######"};
+/// Two walls are missing.
+const std::vector<std::string> kMap = {"######", "#    #", "#    #", "#    #", "######"};
+
+struct Bench {
+  Bench() {
+    config = ConfigFor(folder / "operator.db");
+    config.task.kind = "mapping";
+    config.task.participant = "P07";
+    config.task.result = (folder / "result.json").string();
+    REQUIRE(truth.Publish(ToMessage(MapUpdate{{0}, 1.5, DrawnTruth(kTruth)})));
+  }
+
+  /// The desk as the service has it, before the participant begins.
+  void Start() {
+    desk.reset();
+    store.emplace(BeliefStoreOptions{{config.database, 0}, {}});
+    desk.emplace(participant, config, *store, clock);
+    REQUIRE(store->AddWorld("w1", ToBelief(DrawnTruth(kMap)), {}));
+    desk->Step();
+  }
+  void Begin() { desk->Receive(ControlRegistry({{"r1", "w1"}}, {.start_stopped = false})); }
+  void ReachAllGoals() {
+    if (desk->status().phase == TaskPhase::kWaiting) Begin();
+    RobotState state;
+    state.robot = "r1";
+    state.goals_total = 4;
+    state.snapshots = 6;
+    desk->Receive(state);
+  }
+  void Correct() {
+    const OperatorRequest request{
+        {}, "page", 1, std::string("w1"), EditRequest{0, {{{2, 2}, true}}}};
+    REQUIRE(store->Handle(request, {}).reply.accepted);
+  }
+  BeliefStore::Answer Finish(std::uint64_t id = 9) {
+    return desk->Finish({{}, "page", id, {}, FinishRequest{}});
+  }
+  nlohmann::json Result() const {
+    return nlohmann::json::parse(ReadFile(folder / "result.json").value_or("null"));
+  }
+
+  TemporaryFolder folder;
+  std::shared_ptr<bus::InMemoryBus> bus = std::make_shared<bus::InMemoryBus>();
+  bus::Participant sim{"sim", bus};
+  bus::Publisher<nav_msgs::msg::OccupancyGrid> truth{sim, bus::kTruth, "w1"};
+  bus::Participant participant{"operator", bus};
+  FakeClock clock;
+  OperatorConfig config;
+  std::optional<BeliefStore> store;
+  std::optional<TaskTopics> desk;
+};
+
+}  // namespace
+
+TEST_CASE("a finished maze's result is on disk when it is acknowledged", "[operator][task]") {
+  Bench bench;
+  bench.Start();
+  bench.Correct();
+  CHECK_FALSE(bench.Finish().reply.accepted);
+  CHECK(bench.Result().is_null());
+  bench.ReachAllGoals();
+  CHECK(bench.desk->status().may_finish);
+  const auto answer = bench.Finish(10);
+  CHECK(answer.reply.accepted);
+  CHECK(answer.changed);
+  CHECK(bench.desk->status().mapping_accuracy == 0.5);
+  const auto result = bench.Result();
+  CHECK(result["participant"] == "P07");
+  CHECK(result["mapping_accuracy"] == 0.5);
+  CHECK(result["edits"] == 1);
+  CHECK(result["pictures"] == 6);
+}
+
+TEST_CASE("a finish that is repeated gets the same reply, another one is refused",
+          "[operator][task]") {
+  Bench bench;
+  bench.Start();
+  bench.ReachAllGoals();
+  CHECK(bench.Finish(3).changed);
+  const auto repeat = bench.Finish(3);
+  CHECK(repeat.reply.accepted);
+  CHECK_FALSE(repeat.changed);
+  CHECK(bench.Finish(4).reply.reason == "this maze is finished");
+}
+
+TEST_CASE("a maze that was finished stays so over a restart", "[operator][task]") {
+  Bench bench;
+  bench.Start();
+  bench.Correct();
+  bench.ReachAllGoals();
+  REQUIRE(bench.Finish().reply.accepted);
+  bench.store.reset();
+  bench.desk.reset();
+  bench.store.emplace(BeliefStoreOptions{{bench.config.database, 0}, {}});
+  bench.desk.emplace(bench.participant, bench.config, *bench.store, bench.clock);
+  CHECK(bench.desk->status().phase == TaskPhase::kFinished);
+  CHECK(bench.desk->status().mapping_accuracy == 0.5);
+}
+
+TEST_CASE("a result that cannot be written is not acknowledged", "[operator][task]") {
+  Bench bench;
+  const auto results = bench.folder / "results";
+  std::filesystem::create_directory(results);
+  bench.config.task.result = (results / "result.json").string();
+  bench.Start();
+  bench.ReachAllGoals();
+  std::filesystem::remove(results);
+  const auto answer = bench.Finish();
+  CHECK_FALSE(answer.reply.accepted);
+  CHECK_THAT(answer.reply.reason, Catch::Contains("results"));
+  CHECK_FALSE(bench.desk->finished());
+  std::filesystem::create_directory(results);
+  CHECK(bench.Finish().reply.accepted);
+}
+
+TEST_CASE("a result that could not be written is refused before the participant begins",
+          "[operator][task]") {
+  Bench bench;
+  bench.config.task.result = (bench.folder / "nowhere" / "result.json").string();
+  CHECK_THROWS_WITH(bench.Start(),
+                    Catch::Contains("operator.task.result") && Catch::Contains("nowhere"));
+}
+
+TEST_CASE("a maze that has not begun cannot be finished", "[operator][task]") {
+  Bench bench;
+  bench.Start();
+  const auto answer = bench.Finish();
+  CHECK_FALSE(answer.reply.accepted);
+  CHECK_THAT(answer.reply.reason, Catch::Contains("has not begun"));
+}
+
+TEST_CASE("a task of two worlds, or with another file as its result, does not start",
+          "[operator][task]") {
+  Bench bench;
+  bench.config.robots = {"w1/r1", "w2/r2"};
+  CHECK_THROWS_WITH(bench.Start(), Catch::Contains("one world, not in w1 and w2"));
+  bench.config.robots = {"w1/r1"};
+  std::ofstream(bench.folder / "result.json") << "something else";
+  CHECK_THROWS_WITH(bench.Start(), Catch::Contains("result.json"));
+}
+
+TEST_CASE("a task begins when a robot is let go", "[operator][task]") {
+  Bench bench;
+  bench.Start();
+  ControlRegistry control({{"r1", "w1"}}, {.start_stopped = true});
+  bench.desk->Receive(control);
+  CHECK(bench.desk->status().phase == TaskPhase::kWaiting);
+  const auto orders = control.Go("page", {}, {});
+  REQUIRE(orders);
+  for (const StopOrder& order : *orders) control.Adopt(order);
+  bench.desk->Receive(control);
+  CHECK(bench.desk->status().phase == TaskPhase::kRunning);
+}
+
+}  // namespace conav::operators

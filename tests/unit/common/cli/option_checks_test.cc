@@ -1,0 +1,60 @@
+#include <catch2/catch.hpp>
+#include <cstdint>
+
+#include "common/cli/cli.h"
+#include "support/temporary_folder.h"
+
+namespace conav {
+namespace {
+
+/// What a user reads who gives `value` to an option that is checked so.
+std::string Refusal(const CLI::Validator& check, const std::string& value) {
+  CLI::App app;
+  std::string taken;
+  app.add_option("--option", taken)->check(check);
+  try {
+    app.parse(std::vector<std::string>{"--option=" + value});
+    return "";
+  } catch (const CLI::ParseError& error) {
+    return error.what();
+  }
+}
+
+TEST_CASE("a whole number is refused in words", "[console]") {
+  const CLI::Validator check = WholeNumber();
+  for (const char* good : {"0", "7", "18446744073709551615"}) CHECK(Refusal(check, good).empty());
+  for (const char* wrong : {"-1", "abc", "1.5", "7x", " 7", "18446744073709551616"}) {
+    CHECK(Refusal(check, wrong) == "--option: '" + std::string(wrong) +
+                                       "' is not a whole number from 0 to 18446744073709551615");
+  }
+}
+
+TEST_CASE("an output that cannot be written is refused, and none is left behind", "[console]") {
+  const test::TemporaryFolder folder;
+  const CLI::Validator check = WritableFile();
+  CHECK(Refusal(check, "-").empty());
+  CHECK(check(std::string()).empty());
+  CHECK(Refusal(check, (folder / "a.json").string()).empty());
+  CHECK(std::filesystem::is_empty(folder.path()));
+  const std::string nowhere = (folder / "none/a.json").string();
+  CHECK(Refusal(check, nowhere) == "--option: " + nowhere + ": cannot write: there is no folder " +
+                                       (folder / "none").string());
+  CHECK_THAT(Refusal(check, folder.path().string()), Catch::EndsWith("cannot write: is a folder"));
+}
+
+TEST_CASE("a word that is no subcommand is told apart from one that is missing", "[console]") {
+  CLI::App app;
+  app.add_subcommand("search");
+  const auto is_unknown = [&](std::vector<const char*> words) {
+    words.insert(words.begin(), "program");
+    return NamesUnknownCommand(app, static_cast<int>(words.size()), words.data());
+  };
+  CHECK(is_unknown({"sweep"}));
+  CHECK(is_unknown({"sweep", "search"}));
+  CHECK_FALSE(is_unknown({"search", "sweep"}));
+  CHECK_FALSE(is_unknown({"--help"}));
+  CHECK_FALSE(is_unknown({}));
+}
+
+}  // namespace
+}  // namespace conav

@@ -1,0 +1,76 @@
+#include <catch2/catch.hpp>
+#include <filesystem>
+
+#include "common/plot/svg.h"
+#include "common/runtime/file.h"
+#include "support/xml_check.h"
+
+namespace conav {
+namespace {
+
+TEST_CASE("signs that mean something in XML are escaped", "[common][svg]") {
+  CHECK(EscapeXml("a<b & \"c\">") == "a&lt;b &amp; &quot;c&quot;&gt;");
+}
+
+TEST_CASE("a document has its size, its title and a background", "[common][svg]") {
+  SvgCanvas canvas;
+  canvas.Circle({1.0, 2.0}, 3.0, "class=\"dot\"");
+  const std::string svg = canvas.Document(30.0, 40.0, "a < b");
+  CHECK_THAT(svg, Catch::Contains("viewBox=\"0 0 30 40\""));
+  CHECK_THAT(svg, Catch::Contains("<title>a &lt; b</title>"));
+  CHECK_THAT(svg, Catch::Contains("fill=\"#ffffff\""));
+  CHECK_THAT(svg, Catch::Contains("<circle cx=\"1.0\" cy=\"2.0\" r=\"3.0\" class=\"dot\"/>"));
+}
+
+TEST_CASE("inside a page a picture has a name and no background", "[common][svg]") {
+  SvgCanvas canvas;
+  canvas.BeginGroup("P(add) = 0.5 > 0.1");
+  canvas.Text({1.0, 2.0}, "<i>", "class=\"label\"");
+  canvas.EndGroup();
+  const std::string svg = canvas.Inline(30.0, 40.0, "a \"map\"");
+  CHECK_THAT(svg, Catch::Contains("aria-label=\"a &quot;map&quot;\""));
+  CHECK_THAT(svg, Catch::Contains("<g><title>P(add) = 0.5 &gt; 0.1</title>"));
+  CHECK_THAT(svg, Catch::Contains(">&lt;i&gt;</text>\n</g>"));
+  CHECK_THAT(svg, !Catch::Contains("#ffffff"));
+}
+
+TEST_CASE("no attribute is there twice: what the style says counts", "[common][svg]") {
+  SvgCanvas canvas;
+  canvas.Polyline({{1.0, 2.0}, {3.0, 4.0}}, R"(fill="#eee" stroke="red"  stroke="blue")");
+  canvas.Polyline({{1.0, 2.0}}, "");
+  canvas.Circle({1.0, 2.0}, 3.0, R"(r="5")");
+  canvas.Text({1.0, 2.0}, "\x01", R"(class="label")");
+  const std::string svg = canvas.Inline(30.0, 40.0, "t");
+  CHECK_THAT(svg, Catch::Contains(R"(points="1.0,2.0 3.0,4.0" fill="#eee" stroke="blue"/>)"));
+  CHECK_THAT(svg, Catch::Contains(R"(<polyline points="1.0,2.0" fill="none"/>)"));
+  CHECK_THAT(svg, Catch::Contains(R"(<circle cx="1.0" cy="2.0" r="5"/>)"));
+  CHECK(test::XmlError(svg) == "");
+}
+
+TEST_CASE("the pictures of the documents are well-formed", "[common][svg]") {
+  std::size_t pictures = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(CONAV_SOURCE_DIR "/docs")) {
+    if (entry.path().extension() != ".svg") continue;
+    INFO(entry.path());
+    CHECK(test::XmlError(ReadFile(entry.path()).value()) == "");
+    ++pictures;
+  }
+  CHECK(pictures > 0);
+}
+
+TEST_CASE("what is no XML is found", "[common][svg]") {
+  for (const char* good :
+       {"<a/>", "<!DOCTYPE html>\n<a b=\"1\" c=\"&lt;\"><d>x &amp; y</d ></a>"}) {
+    CHECK(test::XmlError(good) == "");
+  }
+  for (const char* bad :
+       {"", "text", "<a>", "<a></b>", "</a>", "<a><b></a></b>", "<a b=\"1\" b=\"1\"/>", "<a b=1/>",
+        "<a b/>", "<a b=\"1/>", "<a b=\"<\"/>", "<a>1 & 2</a>", "<a>&nbsp;</a>", "<a",
+        "<a>\x01</a>", "<a>1 < 2</a>", "<!DOCTYPE"}) {
+    CAPTURE(bad);
+    CHECK(test::XmlError(bad) != "");
+  }
+}
+
+}  // namespace
+}  // namespace conav

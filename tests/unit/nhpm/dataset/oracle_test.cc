@@ -1,0 +1,222 @@
+#include "nhpm/dataset/oracle.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "nhpm/dataset/annotators.h"
+#include "nhpm/dataset/synthesize.h"
+#include "unit/operator/support/drawn_map.h"
+
+namespace conav::nhpm {
+namespace {
+
+using operators::PictureReaderParameters;
+
+/// Whoever looks at everything, and edits with `probability` at any distance.
+PictureReaderParameters EditsWith(double probability) {
+  PictureReaderParameters parameters;
+  parameters.edit_probability = probability;
+  parameters.decay_cells = 1e6;
+  parameters.misplacement_probability = 0.0;
+  parameters.lapse_probability = 0.0;
+  parameters.guess_probability = 0.0;
+  return parameters;
+}
+
+/// A false wall at (1,3) down a corridor, seen from (1,1).
+PerceptionQuery FalseWallAhead() {
+  PerceptionQuery query;
+  query.belief = operators::DrawnMap({"########", "#  #   #", "########"});
+  query.path = {{1, 1}};
+  query.cell = {1, 1};
+  query.visible = {{{1, 1}, {1, 2}, {1, 3}, {1, 4}}, {{1, 7}}};
+  return query;
+}
+
+/// Everybody's trajectories, bad ones included: what the oracle answers for is not what a filter
+/// selects.
+std::vector<Trajectory> Unfiltered(int count) {
+  std::vector<Trajectory> trajectories;
+  Random random(4);
+  for (int i = 0; i < count; ++i) {
+    const Annotator annotator = DrawAnnotator({}, random);
+    auto trajectory = RunMappingTask({}, annotator, static_cast<std::uint64_t>(i));
+    REQUIRE(trajectory.has_value());
+    trajectories.push_back(*std::move(trajectory));
+  }
+  return trajectories;
+}
+
+using Answers = std::vector<std::vector<PerceptionAnswer>>;
+
+Answers Ask(std::span<const Trajectory> trajectories, const OracleOptions& options = {}) {
+  auto answers = OracleAnswers(trajectories, options);
+  REQUIRE(answers.has_value());
+  return *std::move(answers);
+}
+
+/// P(edit) of a cell, whichever way.
+double EditProbability(const PerceptionAnswer& answer, Cell cell) {
+  return answer.add[cell] + answer.remove[cell];
+}
+
+template <class Visit>
+void ForEachCell(const std::vector<Trajectory>& trajectories, const Answers& answers,
+                 Visit&& visit) {
+  for (std::size_t t = 0; t < trajectories.size(); ++t) {
+    for (std::size_t s = 0; s < trajectories[t].segments.size(); ++s) {
+      const Segment& segment = trajectories[t].segments[s];
+      for (std::size_t i = 0; i < segment.belief_after.size(); ++i) {
+        const Cell cell = segment.belief_after.CellAt(i);
+        const bool edited = segment.belief_after[cell] != segment.query.belief[cell];
+        visit(EditProbability(answers[t][s], cell), edited);
+      }
+    }
+  }
+}
+
+TEST_CASE("The oracle's probability of one difference is the reader's own", "[nhpm][synthesis]") {
+  Random random(1);
+  const PerceptionAnswer answer = OracleAnswer(EditsWith(0.3), FalseWallAhead(), 20000, random);
+  CHECK(answer.remove[Cell{1, 3}] == Approx(0.3).margin(0.013));  // 4 standard deviations
+  for (std::size_t i = 0; i < answer.add.size(); ++i) {
+    CHECK(answer.add.values()[i] == 0.0F);
+    if (answer.remove.CellAt(i) != Cell{1, 3}) CHECK(answer.remove.values()[i] == 0.0F);
+  }
+}
+
+TEST_CASE("What never or always happened in the draws gets half an event", "[nhpm][synthesis]") {
+  Random random(1);
+  const float never =
+      OracleAnswer(EditsWith(0.0), FalseWallAhead(), 2000, random).remove[Cell{1, 3}];
+  const float always =
+      OracleAnswer(EditsWith(1.0), FalseWallAhead(), 2000, random).remove[Cell{1, 3}];
+  CHECK(never == Approx(0.5 / 2001.0));
+  CHECK(always == Approx(2000.5 / 2001.0));
+}
+
+TEST_CASE("The mean over two people counts the looks of both", "[nhpm][synthesis]") {
+  const std::array people{EditsWith(0.0), EditsWith(1.0)};
+  const PerceptionQuery query = FalseWallAhead();
+  Random random(1);
+  const PerceptionAnswer answer = AverageOracleAnswer(people, query, 10, random);
+  CHECK(answer.remove[Cell{1, 3}] == 10.5F / 21.0F);
+  for (std::size_t i = 0; i < answer.add.size(); ++i) {
+    CHECK(answer.add.values()[i] == 0.0F);
+    if (answer.remove.CellAt(i) != Cell{1, 3}) CHECK(answer.remove.values()[i] == 0.0F);
+  }
+  const std::array queries{query, query};
+  const auto answers = AverageOracleAnswers(people, queries, {.draws = 20, .threads = 2});
+  REQUIRE(answers.size() == 2);
+  CHECK(answers[0] == answer);
+  CHECK(answers[1] == answer);
+}
+
+TEST_CASE("The oracle tells of each trajectory that is answered", "[nhpm][synthesis]") {
+  std::vector<std::size_t> told;
+  OracleOptions options{.draws = 2000, .threads = 2};
+  options.progress = [&](std::size_t done, std::size_t total) {
+    told.push_back(done);
+    CHECK(total == 3);
+  };
+  Ask(Unfiltered(3), options);
+  CHECK(told == std::vector<std::size_t>{1, 2, 3});
+}
+
+TEST_CASE("The oracle expects as many edits as are made, within the sampling error",
+          "[nhpm][synthesis]") {
+  const std::vector<Trajectory> trajectories = Unfiltered(150);
+  const Answers answers = Ask(trajectories, {.draws = 4000});
+  double surplus = 0.0;
+  double variance = 0.0;
+  for (std::size_t t = 0; t < trajectories.size(); ++t) {
+    REQUIRE(answers[t].size() == trajectories[t].segments.size());
+    for (std::size_t s = 0; s < answers[t].size(); ++s) {
+      const double residual = EditCount(trajectories[t].segments[s]) - ExpectedEdits(answers[t][s]);
+      surplus += residual;
+      variance += residual * residual;
+    }
+  }
+  CAPTURE(surplus, variance);
+  CHECK(std::abs(surplus) < 3.5 * std::sqrt(variance));
+}
+
+TEST_CASE("Of the cells to which the oracle gives a probability, that share is edited",
+          "[nhpm][synthesis]") {
+  const std::vector<Trajectory> trajectories = Unfiltered(150);
+  constexpr int kBins = 5;
+  std::array<double, kBins> expected{};
+  std::array<double, kBins> edited{};
+  std::array<double, kBins> variance{};
+  ForEachCell(trajectories, Ask(trajectories, {.draws = 4000}), [&](double p, bool was_edited) {
+    if (p == 0.0) {
+      CHECK_FALSE(was_edited);
+      return;
+    }
+    const auto bin = static_cast<std::size_t>(std::min(kBins - 1.0, p * kBins));
+    expected[bin] += p;
+    edited[bin] += was_edited;
+    variance[bin] += p * (1.0 - p);
+  });
+  for (std::size_t bin = 0; bin < kBins; ++bin) {
+    CAPTURE(bin, expected[bin], edited[bin], variance[bin]);
+    // Lapses tie the cells of a picture together: twice the independent deviation, three times.
+    CHECK(std::abs(edited[bin] - expected[bin]) < 6.0 * std::sqrt(variance[bin]));
+  }
+}
+
+TEST_CASE("Who knows the person loses less than who takes them for somebody else",
+          "[nhpm][synthesis]") {
+  std::vector<Trajectory> trajectories = Unfiltered(60);
+  const auto loss = [&](const Answers& answers) {
+    double sum = 0.0;
+    ForEachCell(trajectories, answers, [&](double p, bool edited) {
+      const double clamped = std::clamp(p, 1e-6, 1.0 - 1e-6);
+      sum -= std::log(edited ? clamped : 1.0 - clamped);
+    });
+    return sum;
+  };
+  const double known = loss(Ask(trajectories));
+  std::vector<Trajectory> mistaken = trajectories;
+  std::rotate(mistaken.begin(), mistaken.begin() + 1, mistaken.end());
+  for (std::size_t i = 0; i < mistaken.size(); ++i) {
+    mistaken[i].segments = trajectories[i].segments;
+  }
+  CHECK(known < 0.95 * loss(Ask(mistaken)));
+}
+
+TEST_CASE("The oracle's answers depend on neither threads nor the other trajectories",
+          "[nhpm][synthesis]") {
+  const std::vector<Trajectory> trajectories = Unfiltered(7);
+  const Answers answers = Ask(trajectories, {.draws = 2000});
+  CHECK(Ask(trajectories, {.draws = 2000, .threads = 3}) == answers);
+  CHECK(Ask(std::span(trajectories).subspan(4, 1), {.draws = 2000}).front() == answers[4]);
+  CHECK(Ask(trajectories, {.draws = 2000, .seed = 2}) != answers);
+  CHECK(Ask({}).empty());
+}
+
+TEST_CASE("The oracle refuses what it knows nothing of, by name", "[nhpm][synthesis]") {
+  using Catch::Matchers::Contains;
+  const auto refusal = [](auto&& spoil, const OracleOptions& options = {.draws = 2000}) {
+    std::vector<Trajectory> trajectories = Unfiltered(2);
+    trajectories[1].session = "s7";
+    spoil(trajectories[1]);
+    const auto answers = OracleAnswers(trajectories, options);
+    REQUIRE_FALSE(answers.has_value());
+    CHECK(answers.error().code == ErrorCode::kInvalidArgument);
+    return answers.error().text;
+  };
+  CHECK_THAT(refusal([](Trajectory& person) { person.annotator.clear(); }),
+             Contains("trajectory 1 (s7)") && Contains("no value for"));
+  CHECK_THAT(refusal([](Trajectory& one) { one.annotator["decay_cells"] = -1.0; }),
+             Contains("decay_cells") && Contains("out of range"));
+  CHECK_THAT(refusal([](Trajectory& one) {
+               one.segments[3].query.cell = {40, 0};
+             }),
+             Contains("segment 3"));
+  CHECK_THAT(refusal([](Trajectory&) {}, {.draws = 1999}), Contains("1999") && Contains("2000"));
+  CHECK_THAT(refusal([](Trajectory&) {}, {.threads = 0}), Contains("threads = 0"));
+}
+
+}  // namespace
+}  // namespace conav::nhpm

@@ -1,0 +1,92 @@
+#include <catch2/catch.hpp>
+
+#include "operator/supervision/alerts.h"
+
+namespace conav::operators {
+namespace {
+
+Condition Link(const std::string& robot) {
+  return {"link/" + robot, Severity::kAlarm, robot, "nothing is heard of " + robot, "look"};
+}
+
+Findings Lost(const std::string& robot) { return {{Link(robot)}, {}}; }
+Findings Back(const std::string& robot) { return {{}, {"link/" + robot}}; }
+
+TEST_CASE("A condition raises one alert, however often it is told", "[operator][alerts]") {
+  AlertRegistry book;
+  const auto raised = book.Update(Lost("r1"), 100.0).changed;
+  REQUIRE(raised.size() == 1);
+  CHECK(raised[0] == Alert{.id = 1, .condition = Link("r1"), .raised_s = 100.0, .newest_s = 100.0});
+  CHECK(book.Update(Lost("r1"), 101.0).changed.empty());
+  CHECK(book.alerts().size() == 1);
+}
+
+TEST_CASE("An alert whose condition comes and goes is counted, not repeated",
+          "[operator][alerts]") {
+  AlertRegistry book;
+  book.Update(Lost("r1"), 100.0);
+  REQUIRE(book.Update(Back("r1"), 101.0).changed.size() == 1);
+  CHECK_FALSE(book.alerts().at(1).active);
+  book.Update(Lost("r1"), 102.0);
+  const Alert& alert = book.alerts().at(1);
+  CHECK(alert.active);
+  CHECK(alert.count == 2);
+  CHECK(alert.raised_s == 100.0);
+  CHECK(alert.newest_s == 102.0);
+}
+
+TEST_CASE("An acknowledged alert that is over is history, the next time is another one",
+          "[operator][alerts]") {
+  AlertRegistry book;
+  book.Update(Lost("r1"), 100.0);
+  book.Adopt(*book.Acknowledge(1, "anna", 101.0));
+  CHECK(book.Update(Lost("r1"), 102.0).changed.empty());
+  book.Update(Back("r1"), 103.0);
+  book.Update(Lost("r1"), 104.0);
+  REQUIRE(book.alerts().size() == 2);
+  CHECK(book.alerts().at(1).acknowledged_by == "anna");
+  CHECK(book.alerts().at(2).active);
+}
+
+TEST_CASE("After a restart a matter goes on as it was, until it is seen to be over",
+          "[operator][alerts]") {
+  const Alert open{.id = 4, .condition = Link("r1"), .raised_s = 1.0, .newest_s = 1.0};
+  const Alert read{.id = 7, .condition = Link("r2"), .acknowledged_by = "anna"};
+  AlertRegistry book;
+  book.Restore({open, read});
+  CHECK(book.Update({}, 8.0).changed.empty());  // nobody knows yet
+  CHECK(book.Update({{Link("r1"), Link("r2")}, {}}, 9.0).changed.empty());
+  CHECK(book.alerts() == std::map<std::uint64_t, Alert>{{4, open}, {7, read}});
+  CHECK(book.Update({{Link("r1")}, {"link/r2"}}, 10.0).changed.size() == 1);
+  book.Update(Lost("r2"), 11.0);
+  CHECK(book.alerts().at(8).condition == Link("r2"));
+}
+
+TEST_CASE("Of what is over and acknowledged the newest are kept", "[operator][alerts]") {
+  AlertRegistry book;
+  book.Update(Lost("r0"), 1.0);  // and nobody acknowledges it
+  for (std::size_t i = 0; i <= AlertRegistry::kHistoryKept; ++i) {
+    book.Update(Lost("r1"), 2.0);
+    book.Adopt(*book.Acknowledge(book.alerts().rbegin()->first, "anna", 3.0));
+    const auto dropped = book.Update(Back("r1"), 4.0).dropped;
+    if (i < AlertRegistry::kHistoryKept) REQUIRE(dropped.empty());
+    if (i == AlertRegistry::kHistoryKept) CHECK(dropped == std::vector<std::uint64_t>{2});
+  }
+  CHECK(book.alerts().size() == AlertRegistry::kHistoryKept + 1);
+  CHECK(book.alerts().contains(1));
+}
+
+TEST_CASE("Acknowledging and shelving count once they are adopted", "[operator][alerts]") {
+  AlertRegistry book;
+  book.Update(Lost("r1"), 100.0);
+  const auto shelved = book.Shelve(1, 60.0, 105.0);
+  CHECK(shelved->shelved_until_s == 165.0);
+  CHECK(book.alerts().at(1).shelved_until_s == 0.0);
+  book.Adopt(*shelved);
+  CHECK(book.alerts().at(1).shelved_until_s == 165.0);
+  CHECK(book.Acknowledge(9, "anna", 1.0).error().text == "alert 9 is not known here");
+  CHECK_FALSE(book.Shelve(9, 1.0, 1.0));
+}
+
+}  // namespace
+}  // namespace conav::operators

@@ -1,0 +1,44 @@
+#include "operator/supervision/request_log.h"
+
+#include <catch2/catch.hpp>
+
+namespace conav::operators {
+namespace {
+
+OperatorRequest Edit(std::uint64_t id) { return {{}, "anna", id, "w1", EditRequest{}}; }
+OperatorRequest Drive(std::uint64_t id) { return {{}, "anna", id, "w1", DriveRequest{"r1"}}; }
+
+BeliefStore::Answer Refused(const OperatorRequest& request) {
+  return {{request.client, request.request_id, false, "no", 0}};
+}
+
+TEST_CASE("What changed something, or was refused, is for the command log", "[operator]") {
+  RequestLog journal;
+  CHECK(journal.Note(Edit(1), {{"anna", 1, true, "", 1}, true}, {}));
+  CHECK_FALSE(journal.Note(Edit(2), {{"anna", 2, true, "", 1}, false}, {}));
+  CHECK(journal.Note(Edit(3), Refused(Edit(3)), {}));
+  CHECK(journal.accepted() == 2);
+  CHECK(journal.refused() == 1);
+}
+
+TEST_CASE("A refusal is told and counted once, until many others came", "[operator]") {
+  RequestLog journal;
+  CHECK(journal.Note(Edit(1), Refused(Edit(1)), {}));
+  CHECK_FALSE(journal.Note(Edit(1), Refused(Edit(1)), {}));
+  CHECK(journal.refused() == 1);
+  for (std::uint64_t id = 2; id < 2 + RequestLog::kRefusalsRemembered; ++id) {
+    journal.Note(Edit(id), Refused(Edit(id)), {});
+  }
+  CHECK(journal.Note(Edit(1), Refused(Edit(1)), {}));
+}
+
+TEST_CASE("Low-level actions are counted, and not for the command log", "[operator]") {
+  RequestLog journal;
+  CHECK_FALSE(journal.Note(Drive(1), {{"anna", 1, true, "", 1}}, {}));
+  CHECK_FALSE(journal.Note(Drive(2), Refused(Drive(2)), {}));
+  CHECK(journal.accepted() == 1);
+  CHECK(journal.refused() == 1);
+}
+
+}  // namespace
+}  // namespace conav::operators

@@ -1,0 +1,157 @@
+#include <catch2/catch.hpp>
+
+#include "operator/supervision/workload.h"
+#include "unit/operator/supervision/attention_samples.h"
+
+namespace conav::operators {
+namespace {
+
+AttentionItem Blocked(const std::string& robot, double since_s, double value_lost_per_s = 1.0) {
+  AttentionItem item;
+  item.world = "w1";
+  item.robot = robot;
+  item.reason = AttentionReason::kBlocked;
+  item.since = At(since_s);
+  item.value_lost_per_s = value_lost_per_s;
+  return item;
+}
+
+/// Robot r1 asks at `asked_s`; anna selects it, edits, and has answered at `answered_s`.
+void Answer(WorkloadMeter& meter, double asked_s, double selected_s, double answered_s) {
+  AttentionItem item = Blocked("r1", asked_s, 2.0);
+  meter.Arrived(item, At(asked_s));
+  meter.Selected("anna", item, At(selected_s));
+  item.selected_by = "anna";
+  meter.Accepted("anna", "w1", At(answered_s - 0.5));
+  meter.Left({item, At(answered_s), true});
+}
+
+TEST_CASE("Two answers: interaction, neglect and waiting times, by hand", "[operator][attention]") {
+  WorkloadMeter meter({});
+  meter.Advance(1, 0, At(0));
+  Answer(meter, 10, 12, 18);  // waited 2, took 6
+  Answer(meter, 38, 44, 48);  // neglected for 20, waited 6, took 4
+  const OperatorWorkload workload = meter.Workload(At(50));
+  CHECK(workload.interactions == 2);
+  CHECK(workload.interaction_time_s == 5.0);
+  CHECK(workload.neglect_time_s == 20.0);
+  CHECK(workload.waiting_time_s == 4.0);
+  CHECK(workload.waiting_time_p95_s == 6.0);
+  CHECK(workload.busy_s == 10.0);
+  CHECK(workload.observed_s == 50.0);
+  CHECK(workload.utilisation == 0.2);
+  CHECK(workload.value_lost == 2.0 * (8.0 + 10.0));
+  CHECK(workload.fan_out == 5.0);
+  CHECK(workload.fan_out_with_waits == Approx(20.0 / 9.0 + 1.0));
+  CHECK(workload.predicted_utilisation == Approx(0.2));
+  CHECK(workload.abandoned == 0);
+}
+
+TEST_CASE("Utilisation looks at the last window only, with what is still open",
+          "[operator][attention]") {
+  AttentionOptions options;
+  options.window_s = 20.0;
+  WorkloadMeter meter(options);
+  meter.Advance(1, 0, At(0));
+  Answer(meter, 0, 0, 18);
+  meter.Selected("anna", Blocked("r1", 30), At(36));
+  // 20 to 40: nothing of the first, 4 s of the second
+  CHECK(meter.Workload(At(40)).utilisation == Approx(0.2));
+}
+
+TEST_CASE("A command soon after the answer makes the interaction longer, a late one does not",
+          "[operator][attention]") {
+  AttentionOptions options;
+  options.linger_s = 5.0;
+  WorkloadMeter meter(options);
+  meter.Advance(1, 0, At(0));
+  Answer(meter, 10, 12, 18);
+  meter.Accepted("anna", "r1", At(20));
+  meter.Accepted("bert", "r1", At(21));
+  meter.Accepted("anna", "r2", At(22));
+  CHECK(meter.Workload(At(22)).interaction_time_s == 8.0);
+  meter.Accepted("anna", "w1", At(25.5));
+  CHECK(meter.Workload(At(26)).interaction_time_s == 8.0);
+  CHECK(meter.Workload(At(26)).busy_s == 8.0);
+}
+
+TEST_CASE("A command after the answer makes its own client's interaction longer, no other one",
+          "[operator][attention]") {
+  WorkloadMeter meter({});
+  WorkloadMeter apart({});
+  for (WorkloadMeter* each : {&meter, &apart}) {
+    each->Advance(2, 0, At(0));
+    Answer(*each, 10, 12, 18);  // anna: 6 s
+  }
+  AttentionItem picture = Blocked("r2", 10);
+  picture.reason = AttentionReason::kPicture;
+  meter.Selected("bert", picture, At(10));
+  picture.selected_by = "bert";
+  meter.Left({picture, At(19), true});   // bert: 9 s
+  meter.Accepted("anna", "r1", At(21));  // anna: 9 s
+  apart.Accepted("anna", "r1", At(21));
+  CHECK(meter.times().Expected(AttentionReason::kBlocked) ==
+        apart.times().Expected(AttentionReason::kBlocked));
+}
+
+TEST_CASE("A question that nobody answered counts as abandoned and its wait counts",
+          "[operator][attention]") {
+  WorkloadMeter meter({});
+  meter.Advance(1, 1, At(0));
+  meter.Left({Blocked("r1", 0, 3.0), At(30), false});
+  CHECK(meter.Workload(At(30)).abandoned == 1);
+  CHECK(meter.Workload(At(30)).waiting_time_s == 30.0);
+  CHECK(meter.Workload(At(30)).value_lost == 90.0);
+  CHECK(meter.Workload(At(30)).interactions == 0);
+  meter.Arrived(Blocked("r1", 45), At(45));
+  CHECK(meter.Workload(At(45)).neglect_time_s == 15.0);
+}
+
+TEST_CASE("Questions that wait still count as far as they have waited", "[operator][attention]") {
+  WorkloadMeter meter({});
+  meter.Advance(2, 0, At(0));
+  meter.Arrived(Blocked("r1", 0), At(0));
+  meter.Arrived(Blocked("r2", 10), At(10));
+  CHECK(meter.Workload(At(20)).waiting_time_s == 15.0);
+  meter.Selected("anna", Blocked("r1", 0), At(20));
+  CHECK(meter.Workload(At(40)).waiting_time_s == 25.0);
+  CHECK(meter.Workload(At(40)).waiting_time_p95_s == 30.0);
+  meter.Left({Blocked("r2", 10), At(40), false});
+  CHECK(meter.Workload(At(90)).waiting_time_s == 25.0);
+}
+
+TEST_CASE("Who turns to another robot has ended the interaction, without a command it has no time",
+          "[operator][attention]") {
+  WorkloadMeter meter({});
+  meter.Advance(2, 0, At(0));
+  meter.Selected("anna", Blocked("r1", 0), At(1));
+  meter.Selected("anna", Blocked("r1", 0), At(2));  // repeated
+  meter.Selected("anna", Blocked("r2", 0), At(4));
+  const OperatorWorkload workload = meter.Workload(At(5));
+  CHECK(workload.interactions == 1);
+  CHECK(workload.interaction_time_s == 0.0);
+  CHECK(workload.busy_s == 4.0);
+  CHECK(workload.fan_out == 0.0);
+}
+
+TEST_CASE("Attended robots are those at work that do not wait, weighed with time",
+          "[operator][attention]") {
+  WorkloadMeter meter({});
+  meter.Advance(0, 0, At(5));  // nobody yet
+  meter.Advance(4, 0, At(10));
+  meter.Advance(4, 2, At(20));
+  meter.Advance(4, 2, At(30));
+  CHECK(meter.Workload(At(30)).attended_robots == 3.0);
+  CHECK(meter.Workload(At(30)).observed_s == 20.0);
+}
+
+TEST_CASE("Measured times become the expectation of their reason", "[operator][attention]") {
+  WorkloadMeter meter({});
+  meter.Advance(1, 0, At(0));
+  const double before = meter.times().Expected(AttentionReason::kBlocked);
+  Answer(meter, 10, 12, 42);
+  CHECK(meter.times().Expected(AttentionReason::kBlocked) > before);
+}
+
+}  // namespace
+}  // namespace conav::operators

@@ -1,0 +1,184 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+
+#include "common/runtime/random.h"
+#include "planner/decision/leases.h"
+
+using namespace conav;
+using namespace conav::planner;
+
+namespace {
+
+std::set<std::string> Robots(int count) {
+  std::set<std::string> robots;
+  for (int i = 1; i <= count; ++i) robots.insert(fmt::format("r{}", i));
+  return robots;
+}
+
+std::map<std::string, int> Loads(const std::vector<Member>& members,
+                                 const std::map<std::string, std::string>& assignment) {
+  std::map<std::string, int> loads;
+  for (const Member& member : members) loads[member.instance] = 0;
+  for (const auto& [robot, instance] : assignment) ++loads.at(instance);
+  return loads;
+}
+
+int Spread(const std::map<std::string, int>& loads) {
+  const auto [low, high] = std::minmax_element(
+      loads.begin(), loads.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  return high->second - low->second;
+}
+
+/// Held robots that the assignment takes from their holder.
+int Moves(const std::vector<Member>& members,
+          const std::map<std::string, std::string>& assignment) {
+  int moves = 0;
+  for (const Member& member : members) {
+    for (const std::string& robot : member.holds) {
+      moves += assignment.at(robot) != member.instance ? 1 : 0;
+    }
+  }
+  return moves;
+}
+
+/// Members that are all configured for all robots, of which most are held by somebody.
+std::vector<Member> DrawMembers(Random& random) {
+  const std::set<std::string> robots = Robots(static_cast<int>(random.Uniform(1, 20)));
+  std::vector<Member> members(static_cast<std::size_t>(random.Uniform(1, 6)));
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    members[i] = {fmt::format("p{}", i), robots, {}};
+  }
+  const auto count = static_cast<std::int64_t>(members.size());
+  for (const std::string& robot : robots) {
+    const std::int64_t holder = random.Uniform(0, count);
+    if (holder < count) members[static_cast<std::size_t>(holder)].holds.insert(robot);
+  }
+  return members;
+}
+
+/// Fewest moves after which no member has more than the larger share.
+int FewestMoves(const std::vector<Member>& members) {
+  const int robots = static_cast<int>(members.front().robots.size());
+  const int count = static_cast<int>(members.size());
+  int larger_left = robots % count;  // members that may have one more
+  int moves = 0;
+  std::vector<int> held;
+  for (const Member& member : members) held.push_back(static_cast<int>(member.holds.size()));
+  std::sort(held.rbegin(), held.rend());
+  for (const int holds : held) {
+    int share = robots / count;
+    if (holds > share && larger_left > 0) {
+      ++share;
+      --larger_left;
+    }
+    moves += std::max(0, holds - share);
+  }
+  return moves;
+}
+
+}  // namespace
+
+TEST_CASE("a lone member gets every robot", "[planner][lease]") {
+  const auto assignment = AssignRobots({{"a", {"r1", "r2"}, {}}});
+  CHECK(assignment == std::map<std::string, std::string>{{"r1", "a"}, {"r2", "a"}});
+}
+
+TEST_CASE("nobody gets nothing", "[planner][lease]") { CHECK(AssignRobots({}).empty()); }
+
+TEST_CASE("a newcomer gets half of the robots and the rest stays", "[planner][lease]") {
+  const auto robots = Robots(4);
+  const auto assignment = AssignRobots({{"a", robots, robots}, {"b", robots, {}}});
+  CHECK(assignment ==
+        std::map<std::string, std::string>{{"r1", "a"}, {"r2", "a"}, {"r3", "b"}, {"r4", "b"}});
+}
+
+TEST_CASE("a single robot stays where it is when others come", "[planner][lease]") {
+  const auto assignment = AssignRobots({{"b", {"r1"}, {"r1"}}, {"a", {"r1"}, {}}});
+  CHECK(assignment.at("r1") == "b");
+}
+
+TEST_CASE("only who is configured for a robot gets it", "[planner][lease]") {
+  const auto assignment =
+      AssignRobots({{"a", {"r1", "r2", "r3"}, {"r1", "r2", "r3"}}, {"b", {"r4"}, {}}});
+  CHECK(assignment.at("r3") == "a");
+  CHECK(assignment.at("r4") == "b");
+}
+
+TEST_CASE("members with the same robots differ by one at most", "[planner][lease]") {
+  Random random(1);
+  for (int round = 0; round < 500; ++round) {
+    const auto members = DrawMembers(random);
+    const auto assignment = AssignRobots(members);
+    REQUIRE(assignment.size() == members.front().robots.size());
+    REQUIRE(Spread(Loads(members, assignment)) <= 1);
+  }
+}
+
+TEST_CASE("no more robots move than balance takes", "[planner][lease]") {
+  Random random(2);
+  for (int round = 0; round < 500; ++round) {
+    const auto members = DrawMembers(random);
+    REQUIRE(Moves(members, AssignRobots(members)) == FewestMoves(members));
+  }
+}
+
+TEST_CASE("the order of the announcements does not matter", "[planner][lease]") {
+  Random random(3);
+  for (int round = 0; round < 500; ++round) {
+    auto members = DrawMembers(random);
+    const auto assignment = AssignRobots(members);
+    random.Shuffle(members);
+    REQUIRE(AssignRobots(members) == assignment);
+  }
+}
+
+TEST_CASE("what was assigned stays once it is held", "[planner][lease]") {
+  Random random(4);
+  for (int round = 0; round < 500; ++round) {
+    auto members = DrawMembers(random);
+    const auto assignment = AssignRobots(members);
+    for (Member& member : members) {
+      member.holds.clear();
+      for (const auto& [robot, instance] : assignment) {
+        if (instance == member.instance) member.holds.insert(robot);
+      }
+    }
+    REQUIRE(AssignRobots(members) == assignment);
+  }
+}
+
+TEST_CASE("handing over one by one, in any order, leads to the same", "[planner][lease]") {
+  Random random(5);
+  for (int round = 0; round < 300; ++round) {
+    auto members = DrawMembers(random);
+    const auto goal = Loads(members, AssignRobots(members));
+    // One robot at a time is released or taken, as the assignment of that moment says.
+    for (int step = 0; step < 200; ++step) {
+      const auto assignment = AssignRobots(members);
+      std::vector<std::pair<Member*, std::string>> possible;
+      for (Member& member : members) {
+        for (const std::string& robot : member.robots) {
+          const bool held_by_it = member.holds.contains(robot);
+          const bool free = std::none_of(members.begin(), members.end(), [&](const Member& other) {
+            return other.holds.contains(robot);
+          });
+          const bool its = assignment.at(robot) == member.instance;
+          if ((held_by_it && !its) || (free && its)) possible.emplace_back(&member, robot);
+        }
+      }
+      if (possible.empty()) break;
+      const auto& [member, robot] = possible[static_cast<std::size_t>(
+          random.Uniform(0, static_cast<std::int64_t>(possible.size()) - 1))];
+      if (member->holds.erase(robot) == 0) member->holds.insert(robot);
+    }
+    std::map<std::string, int> held;
+    for (const Member& member : members)
+      held[member.instance] = static_cast<int>(member.holds.size());
+    REQUIRE(Spread(held) <= 1);
+    REQUIRE(std::all_of(goal.begin(), goal.end(), [&](const auto& share) {
+      return std::abs(share.second - held.at(share.first)) <= 1;
+    }));
+  }
+}

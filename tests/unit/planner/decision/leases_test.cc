@@ -1,0 +1,367 @@
+#include "planner/decision/leases.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <memory>
+
+#include "common/runtime/random.h"
+
+using namespace conav;
+using namespace conav::planner;
+using namespace std::chrono_literals;
+
+namespace {
+
+/// Robots as a sim keeps them, which refuses commands of older epochs, and planners that hear each
+/// other and command what they hold.
+class Fleet {
+ public:
+  explicit Fleet(int robots) {
+    for (int i = 1; i <= robots; ++i) robots_[fmt::format("r{}", i)] = {};
+  }
+
+  void Start(const std::string& instance, int expected = 1) {
+    LeaseTable::Options options;
+    options.node = "planner-" + instance;
+    options.instance = instance;
+    for (const auto& [name, robot] : robots_) options.robots.push_back(name);
+    options.planners = expected;
+    planners_[instance].desk = std::make_unique<LeaseTable>(options, clock_.Now());
+  }
+  void Kill(const std::string& instance) { planners_.erase(instance); }
+  void Stop(const std::string& instance) {
+    const PlannerLease farewell = planners_.at(instance).desk->Farewell();
+    planners_.erase(instance);
+    for (auto& [other, planner] : planners_) planner.inbox.push_back(farewell);
+  }
+  void Hang(const std::string& instance, bool hangs) { planners_.at(instance).hangs = hangs; }
+
+  /// One turn of everybody who does not hang, 50 ms apart.
+  void Turn() {
+    clock_.Advance(50ms);
+    for (auto& [instance, planner] : planners_) {
+      if (planner.hangs) continue;
+      Listen(planner);
+      Act(instance, planner);
+    }
+  }
+  void Run(std::chrono::milliseconds time) {
+    for (const auto end = clock_.Now() + time; clock_.Now() < end;) Turn();
+  }
+
+  LeaseTable& desk(const std::string& instance) { return *planners_.at(instance).desk; }
+  int HeldBy(const std::string& instance) {
+    return static_cast<int>(std::count_if(robots_.begin(), robots_.end(), [&](const auto& robot) {
+      return desk(instance).EpochOf(robot.first) != 0;
+    }));
+  }
+  /// Commands of a planner that another one had superseded.
+  int refused() const { return refused_; }
+  int changes_of_hands() const { return changes_; }
+  std::uint64_t epoch(const std::string& robot) const { return robots_.at(robot).epoch; }
+  /// Time since the robot was commanded last.
+  std::chrono::nanoseconds Idle(const std::string& robot) const {
+    return clock_.Now() - robots_.at(robot).commanded;
+  }
+  /// Whether each robot is held by one planner and no other.
+  bool EachHeldOnce() {
+    return std::all_of(robots_.begin(), robots_.end(), [&](const auto& robot) {
+      return 1 == std::count_if(planners_.begin(), planners_.end(), [&](const auto& planner) {
+               return planner.second.desk->EpochOf(robot.first) != 0;
+             });
+    });
+  }
+
+ private:
+  struct Robot {
+    std::uint64_t epoch = 0;
+    std::uint64_t sequence_number = 0;
+    std::string driver;
+    Clock::TimePoint commanded{};
+  };
+  struct Planner {
+    std::unique_ptr<LeaseTable> desk;
+    std::vector<PlannerLease> inbox;
+    bool hangs = false;
+  };
+
+  void Listen(Planner& planner) {
+    for (const auto& [name, robot] : robots_) {
+      planner.desk->Receive(name, robot.epoch, robot.sequence_number, clock_.Now());
+    }
+    for (const PlannerLease& lease : planner.inbox) planner.desk->Receive(lease, clock_.Now());
+    planner.inbox.clear();
+  }
+
+  void Act(const std::string& instance, Planner& planner) {
+    const auto changes = planner.desk->Turn(clock_.Now());
+    for (const std::string& robot : changes.to_release) planner.desk->Released(robot);
+    for (auto& [name, robot] : robots_) Command(instance, planner.desk->EpochOf(name), robot);
+    const auto lease = planner.desk->Announcement(clock_.Now());
+    if (!lease) return;
+    for (auto& [other, listener] : planners_) listener.inbox.push_back(*lease);
+  }
+
+  void Command(const std::string& instance, std::uint64_t epoch, Robot& robot) {
+    if (epoch == 0) return;
+    if (epoch < robot.epoch) {
+      ++refused_;
+      return;
+    }
+    if (robot.driver != instance) ++changes_;
+    robot = {epoch, robot.sequence_number + 1, instance, clock_.Now()};
+  }
+
+  FakeClock clock_;
+  std::map<std::string, Robot> robots_;
+  std::map<std::string, Planner> planners_;
+  int refused_ = 0;
+  int changes_ = 0;
+};
+
+}  // namespace
+
+TEST_CASE("a lone planner takes every robot that nobody commanded at once", "[planner][lease]") {
+  Fleet fleet(3);
+  fleet.Start("a");
+  fleet.Turn();
+  CHECK(fleet.HeldBy("a") == 3);
+  CHECK(fleet.epoch("r1") == 1);
+}
+
+TEST_CASE("a robot that was never heard of is not taken", "[planner][lease]") {
+  const Clock::TimePoint start{};
+  LeaseTable desk({.node = "p", .instance = "a", .robots = {"r1"}}, start);
+  CHECK(desk.Turn(start).taken.empty());
+  CHECK(desk.Turn(start + 1s).taken.empty());
+  CHECK(desk.Turn(start + 10s).taken.empty());
+}
+
+TEST_CASE("a robot that somebody commands is left alone until it stops", "[planner][lease]") {
+  Clock::TimePoint now{};
+  LeaseTable desk({.node = "p", .instance = "a", .robots = {"r1"}}, now);
+  std::uint64_t sequence_number = 1;
+  for (int i = 0; i < 100; ++i) {
+    now += 100ms;
+    desk.Receive("r1", 7, ++sequence_number, now);
+    REQUIRE(desk.Turn(now).taken.empty());
+  }
+  LeaseTable::Changes changes;
+  int turns = 0;
+  while (changes.taken.empty() && turns++ < 100) changes = desk.Turn(now += 100ms);
+  REQUIRE(changes.taken.size() == 1);
+  CHECK(changes.taken[0].lease_epoch == 8);
+  CHECK(turns == 20);
+}
+
+TEST_CASE("planners that are expected share the robots before the first command",
+          "[planner][lease]") {
+  Fleet fleet(6);
+  for (const char* name : {"a", "b", "c"}) fleet.Start(name, 3);
+  fleet.Run(500ms);
+  for (const char* name : {"a", "b", "c"}) CHECK(fleet.HeldBy(name) == 2);
+  CHECK(fleet.changes_of_hands() == 6);
+  CHECK(fleet.EachHeldOnce());
+}
+
+TEST_CASE("an expected planner that does not come is not waited for longer than the timeout",
+          "[planner][lease]") {
+  Fleet fleet(2);
+  fleet.Start("a", 2);
+  fleet.Run(1900ms);
+  CHECK(fleet.HeldBy("a") == 0);
+  fleet.Run(200ms);
+  CHECK(fleet.HeldBy("a") == 2);
+}
+
+TEST_CASE("two that start at once and know nothing of each other end with one each",
+          "[planner][lease]") {
+  Fleet fleet(2);
+  fleet.Start("a");
+  fleet.Start("b");
+  fleet.Run(1s);
+  CHECK(fleet.HeldBy("a") == 1);
+  CHECK(fleet.HeldBy("b") == 1);
+  CHECK(fleet.EachHeldOnce());
+}
+
+TEST_CASE("of two that hold a robot with one epoch the higher instance keeps it",
+          "[planner][lease]") {
+  const Clock::TimePoint now{};
+  LeaseTable low({.node = "p", .instance = "a", .robots = {"r1"}}, now);
+  LeaseTable high({.node = "p", .instance = "b", .robots = {"r1"}}, now);
+  for (LeaseTable* desk : {&low, &high}) {
+    desk->Receive("r1", 0, 0, now);
+    REQUIRE(desk->Turn(now).taken.size() == 1);
+  }
+  const auto from_low = *low.Announcement(now);
+  const auto from_high = *high.Announcement(now);
+  low.Receive(from_high, now);
+  high.Receive(from_low, now);
+  CHECK(low.Turn(now).lost == std::vector<std::string>{"r1"});
+  CHECK(high.Turn(now).lost.empty());
+  CHECK(high.EpochOf("r1") == 1);
+}
+
+TEST_CASE("of two that hold a robot the higher epoch keeps it", "[planner][lease]") {
+  const Clock::TimePoint now{};
+  LeaseTable desk({.node = "p", .instance = "b", .robots = {"r1"}}, now);
+  desk.Receive("r1", 0, 0, now);
+  REQUIRE(desk.Turn(now).taken.size() == 1);
+  PlannerLease other{.node = "p", .instance = "a", .robots = {"r1"}, .holds = {{"r1", 2}}};
+  desk.Receive(other, now);
+  CHECK(desk.Turn(now).lost.size() == 1);
+  CHECK(desk.DriverOf("r1") == "p");
+}
+
+TEST_CASE("a robot that shows a higher epoch is lost, whoever commands it", "[planner][lease]") {
+  const Clock::TimePoint now{};
+  LeaseTable desk({.node = "p", .instance = "a", .robots = {"r1"}}, now);
+  desk.Receive("r1", 0, 0, now);
+  REQUIRE(desk.Turn(now).taken.size() == 1);
+  desk.Receive("r1", 5, 1, now);
+  CHECK(desk.Turn(now).lost.size() == 1);
+  CHECK(desk.EpochOf("r1") == 0);
+}
+
+TEST_CASE("a killed planner's robots are taken over after the timeout, with a higher epoch",
+          "[planner][lease]") {
+  Fleet fleet(4);
+  fleet.Start("a", 2);
+  fleet.Start("b", 2);
+  fleet.Run(1s);
+  REQUIRE(fleet.HeldBy("b") == 2);
+  const auto epoch = fleet.epoch("r2");
+  fleet.Kill("b");
+  fleet.Run(1500ms);
+  CHECK(fleet.HeldBy("a") == 2);
+  fleet.Run(700ms);
+  CHECK(fleet.HeldBy("a") == 4);
+  CHECK(fleet.epoch("r2") == epoch + 1);
+  CHECK(fleet.refused() == 0);
+}
+
+TEST_CASE("a planner that says that it leaves is replaced at once", "[planner][lease]") {
+  Fleet fleet(4);
+  fleet.Start("a", 2);
+  fleet.Start("b", 2);
+  fleet.Run(1s);
+  fleet.Stop("b");
+  fleet.Turn();
+  CHECK(fleet.HeldBy("a") == 4);
+}
+
+TEST_CASE("a late planner gets its share, each robot by one change of hands", "[planner][lease]") {
+  Fleet fleet(6);
+  fleet.Start("a");
+  fleet.Run(1s);
+  fleet.Start("b");
+  fleet.Run(1s);
+  CHECK(fleet.HeldBy("a") == 3);
+  CHECK(fleet.HeldBy("b") == 3);
+  CHECK(fleet.changes_of_hands() == 6 + 3);
+  CHECK(fleet.refused() == 0);
+}
+
+TEST_CASE("a planner that hung and comes back does not fight for its robots", "[planner][lease]") {
+  Fleet fleet(4);
+  fleet.Start("a", 2);
+  fleet.Start("b", 2);
+  fleet.Run(1s);
+  fleet.Hang("b", true);
+  fleet.Run(10s);
+  CHECK(fleet.HeldBy("a") == 4);
+  const int before = fleet.changes_of_hands();
+  fleet.Hang("b", false);
+  fleet.Run(10s);
+  CHECK(fleet.HeldBy("a") == 2);
+  CHECK(fleet.HeldBy("b") == 2);
+  CHECK(fleet.EachHeldOnce());
+  CHECK(fleet.changes_of_hands() == before + 2);  // its share comes back by handing over, once
+}
+
+TEST_CASE("a planner that hung takes nothing from the others, whom it has not heard meanwhile",
+          "[planner][lease]") {
+  Fleet fleet(1);
+  fleet.Start("a");
+  fleet.Run(1s);
+  fleet.Start("b");
+  fleet.Run(1s);
+  REQUIRE(fleet.HeldBy("a") == 1);
+  fleet.Hang("b", true);
+  fleet.Run(10s);
+  fleet.Hang("b", false);
+  fleet.Run(10s);
+  CHECK(fleet.HeldBy("a") == 1);
+  CHECK(fleet.changes_of_hands() == 1);
+}
+
+TEST_CASE("a lone planner that hung goes on with its robots", "[planner][lease]") {
+  Fleet fleet(2);
+  fleet.Start("a");
+  fleet.Run(1s);
+  fleet.Hang("a", true);
+  fleet.Run(10s);
+  fleet.Hang("a", false);
+  fleet.Turn();
+  CHECK(fleet.HeldBy("a") == 2);
+  CHECK(fleet.epoch("r1") == 1);
+}
+
+TEST_CASE("planners with disjoint lists leave each other's robots alone", "[planner][lease]") {
+  Clock::TimePoint now{};
+  LeaseTable a({.node = "pa", .instance = "a", .robots = {"r1", "r2", "r3"}}, now);
+  LeaseTable b({.node = "pb", .instance = "b", .robots = {"r4"}}, now);
+  for (int i = 0; i < 40; ++i) {
+    now += 100ms;
+    for (LeaseTable* desk : {&a, &b}) {
+      for (const char* robot : {"r1", "r2", "r3", "r4"}) desk->Receive(robot, 0, 0, now);
+      desk->Turn(now);
+    }
+    if (const auto lease = a.Announcement(now)) b.Receive(*lease, now);
+    if (const auto lease = b.Announcement(now)) a.Receive(*lease, now);
+  }
+  CHECK(a.EpochOf("r3") == 1);
+  CHECK(b.EpochOf("r4") == 1);
+  CHECK(b.DriverOf("r1") == "pa");
+}
+
+TEST_CASE("whoever comes, dies, hangs and comes back, each robot has one driver in the end",
+          "[planner][lease]") {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    Random random(seed);
+    Fleet fleet(static_cast<int>(random.Uniform(1, 9)));
+    std::map<std::string, bool> hangs;  // of the live ones
+    int started = 0;
+    const auto start = [&] {
+      const auto name = fmt::format("p{:02}", random.Uniform(0, 9) * 10 + started++);
+      fleet.Start(name);
+      hangs[name] = false;
+    };
+    start();
+    for (int event = 0; event < 12; ++event) {
+      fleet.Run(std::chrono::milliseconds(random.Uniform(0, 4000)));
+      auto who = hangs.begin();
+      std::advance(who, random.Uniform(0, static_cast<std::int64_t>(hangs.size()) - 1));
+      const auto what = random.Uniform(0, 3);
+      if (what == 0 || hangs.size() == 1) {
+        start();
+      } else if (what == 1) {
+        fleet.Kill(who->first);
+        hangs.erase(who);
+      } else {
+        who->second = !who->second;
+        fleet.Hang(who->first, who->second);
+      }
+    }
+    for (auto& [name, hanging] : hangs) fleet.Hang(name, false);
+    fleet.Run(8s);
+    INFO("seed " << seed);
+    REQUIRE(fleet.EachHeldOnce());
+    const int before = fleet.changes_of_hands();
+    fleet.Run(20s);
+    REQUIRE(fleet.changes_of_hands() == before);
+  }
+}

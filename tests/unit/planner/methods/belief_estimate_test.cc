@@ -1,0 +1,99 @@
+#include <catch2/catch.hpp>
+#include <functional>
+
+#include "planner/methods/operator_model.h"
+
+using namespace conav;
+using conav::planner::BeliefEstimate;
+using conav::planner::PerceptionModel;
+
+namespace {
+
+/// Expects half of what could be added and a quarter of what could be removed to be edited.
+class HalfModel final : public PerceptionModel {
+ public:
+  Result<std::vector<PerceptionAnswer>> Predict(std::span<const PerceptionQuery> queries) override {
+    if (failure) return tl::unexpected(*failure);
+    asked = queries[0];
+    if (while_asked) while_asked();
+    PerceptionAnswer answer{queries[0].belief, queries[0].belief};
+    for (float& x : answer.add.values()) x = 0.5F * (1.0F - x);
+    for (float& x : answer.remove.values()) x = 0.25F * x;
+    return std::vector{answer};
+  }
+  std::string name() const override { return "half"; }
+
+  PerceptionQuery asked;
+  std::optional<Error> failure;
+  std::function<void()> while_asked;
+};
+
+struct Bench {
+  Bench() { published[{0, 1}] = 1.0F; }
+
+  BeliefGrid published{1, 2, 0.0F};
+  std::shared_ptr<HalfModel> model = std::make_shared<HalfModel>();
+  BeliefEstimate estimate{model};
+};
+
+}  // namespace
+
+TEST_CASE("an estimate starts with the first published map and then goes its own way",
+          "[planner][belief_estimate]") {
+  Bench bench;
+  CHECK(bench.estimate.Now(bench.published) == bench.published);
+  CHECK(bench.estimate.Now(BeliefGrid(1, 2, 0.5F)) == bench.published);
+}
+
+TEST_CASE("a sent picture moves the estimate by x (1 - p_remove) + (1 - x) p_add",
+          "[planner][belief_estimate]") {
+  Bench bench;
+  bench.estimate.Now(bench.published);
+  REQUIRE(bench.estimate.NoteSent({{0, 0}}, {0, 0}, 0.5, {{{0, 0}}, {{0, 1}}}));
+  const BeliefGrid once = bench.estimate.Now(bench.published);
+  CHECK(once[{0, 0}] == 0.5F);
+  CHECK(once[{0, 1}] == 0.75F);
+  REQUIRE(bench.estimate.NoteSent({}, {0, 0}, 0.0, {}));
+  const BeliefGrid twice = bench.estimate.Now(bench.published);
+  CHECK(twice[{0, 0}] == 0.5F * 0.75F + 0.5F * 0.5F);
+  CHECK(twice[{0, 1}] == 0.75F * 0.75F + 0.25F * 0.5F);
+}
+
+TEST_CASE("the model is asked about the estimate, the path and the view",
+          "[planner][belief_estimate]") {
+  Bench bench;
+  bench.estimate.Now(bench.published);
+  REQUIRE(bench.estimate.NoteSent({{0, 0}, {0, 1}}, {0, 1}, 0.5, {{{0, 0}}, {{0, 1}}}));
+  const PerceptionQuery expected{
+      bench.published, {{0, 0}, {0, 1}}, {0, 1}, 0.5, {{{0, 0}}, {{0, 1}}}};
+  CHECK(bench.model->asked == expected);
+}
+
+TEST_CASE("when the model fails the estimate stays", "[planner][belief_estimate]") {
+  Bench bench;
+  bench.estimate.Now(bench.published);
+  bench.model->failure = Error{ErrorCode::kTimeout, "gone"};
+  const auto noted = bench.estimate.NoteSent({}, {0, 0}, 0.0, {});
+  REQUIRE_FALSE(noted);
+  CHECK(noted.error().text == "gone");
+  CHECK(bench.estimate.Now(bench.published) == bench.published);
+}
+
+TEST_CASE("a world that begins anew with a map of another size is estimated anew",
+          "[planner][belief_estimate]") {
+  Bench bench;
+  bench.estimate.Now(bench.published);
+  REQUIRE(bench.estimate.NoteSent({}, {0, 0}, 0.0, {}));
+  const BeliefGrid larger(2, 2, 0.5F);
+  CHECK(bench.estimate.Now(larger) == larger);
+}
+
+TEST_CASE("a picture of the world before does not move the estimate of the new one",
+          "[planner][belief_estimate]") {
+  Bench bench;
+  bench.estimate.Now(bench.published);
+  const BeliefGrid larger(2, 2, 0.5F);
+  bench.model->while_asked = [&] { bench.estimate.Now(larger); };  // by another robot
+  REQUIRE(bench.estimate.NoteSent({}, {0, 0}, 0.0, {}));
+  CHECK(bench.estimate.Now(larger) == larger);
+}

@@ -1,0 +1,253 @@
+#include "planner/methods/ig_mcts_method.h"
+
+#include <catch2/catch.hpp>
+#include <numbers>
+
+#include "planner/decision/traffic.h"
+#include "planner/search/perception_model.h"
+
+using namespace conav;
+using namespace conav::planner;
+
+namespace {
+
+/// A robot in a closed cell at the eastern end: all it can do is to show views, and what the operator
+/// does not know of is the wall west of it.
+Situation Boxed(int columns = 5) {
+  const Cell robot{1, columns - 2};
+  Situation situation;
+  situation.state.robot = "r1";
+  situation.state.cell = robot;
+  situation.state.path = {robot};
+  situation.state.heading_rad = std::numbers::pi;
+  situation.state.goals_left = {{1, 1}};
+  situation.map.cells = OccupancyGrid(3, columns, Occupancy::kOccupied);
+  situation.map.cells[{1, 1}] = Occupancy::kFree;
+  situation.map.cells[robot] = Occupancy::kFree;
+  situation.belief.wall_probability = BeliefGrid(3, columns, 1.0F);
+  situation.guidance.emplace();
+  for (int column = robot.column; column >= 1; --column) {
+    situation.belief.wall_probability[{1, column}] = 0.0F;
+    situation.guidance->path.push_back({1, column});
+  }
+  situation.guided_before = true;
+  return situation;
+}
+
+double MostInformation(const Decision& decision) {
+  double most = 0.0;
+  for (const SearchAction& action : decision.report.actions) {
+    most = std::max(most, action.information_gain);
+  }
+  return most;
+}
+
+struct Bench {
+  double HeadingDecided() {
+    const Decision decision = method.Decide(situation, StopToken());
+    REQUIRE(decision.action);
+    REQUIRE(decision.action->kind == CommandKind::kTransmitView);
+    CHECK(decision.attention == AttentionReason::kPicture);
+    return decision.action->heading_rad;
+  }
+
+  static SearchConfig Config() {
+    SearchConfig config;
+    config.options.iterations = 300;
+    config.options.min_information = 0.0;
+    config.options.optional_pictures = false;  // in the box there is nothing else to do
+    return config;
+  }
+
+  Situation situation = Boxed();
+  FakeClock clock;
+  IgMctsMethod method{Config(), 1, std::make_shared<FakePerceptionModel>(), clock};
+};
+
+}  // namespace
+
+TEST_CASE("a view that was sent is not sent again while the operator's map there is unchanged",
+          "[planner][ig-mcts]") {
+  Bench bench;
+  const double first = bench.HeadingDecided();
+  bench.situation.state.snapshots = 1;
+  CHECK(bench.HeadingDecided() != first);
+  SECTION("after a change there it is") {
+    // Only that view is worth sending now: the others stay sent.
+    std::vector<double> sent;
+    for (std::uint64_t snapshots = 2; snapshots <= 7; ++snapshots) {
+      bench.situation.state.snapshots = snapshots;
+      sent.push_back(bench.HeadingDecided());
+    }
+    CHECK(std::find(sent.begin(), sent.end(), first) == sent.end());
+    bench.situation.state.snapshots = 8;
+    CHECK_FALSE(bench.method.Decide(bench.situation, StopToken()).action.has_value());
+    bench.situation.belief.wall_probability[{1, 2}] = 0.5F;
+    CHECK(bench.method.Decide(bench.situation, StopToken()).action.has_value());
+  }
+}
+
+TEST_CASE("a view whose command came to nothing is offered again", "[planner][ig-mcts]") {
+  Bench bench;
+  const double first = bench.HeadingDecided();
+  CHECK(bench.HeadingDecided() == first);
+}
+
+TEST_CASE("the camera's field of view decides what a picture is worth", "[planner][ig-mcts]") {
+  // A slit of a camera sees the wall from fewer headings.
+  const auto worth_something = [](double fov_rad) {
+    Bench bench;
+    bench.situation.lens.horizontal_fov_rad = fov_rad;
+    bench.situation.lens.vertical_fov_rad = 0.05;
+    const Decision decision = bench.method.Decide(bench.situation, StopToken());
+    return std::count_if(decision.report.actions.begin(), decision.report.actions.end(),
+                         [](const SearchAction& action) { return action.information_gain > 0.01; });
+  };
+  CHECK(worth_something(0.1) > 0);
+  CHECK(worth_something(0.1) < worth_something(1.9));
+}
+
+TEST_CASE("a robot waits a moment for the one that has to make room, then looks for another way",
+          "[planner][ig-mcts]") {
+  Bench bench;
+  bench.situation.map.cells[{1, 2}] = Occupancy::kFree;
+  bench.situation.neighbours = {{"r2", {1, 2}, true, {}}};
+  CHECK_FALSE(bench.method.Decide(bench.situation, StopToken()).action.has_value());
+  bench.clock.Advance(kPatience);
+  CHECK(bench.method.Decide(bench.situation, StopToken()).report.iterations == 300);
+}
+
+TEST_CASE("with an estimate the published map counts only at the start",
+          "[planner][ig-mcts][belief_estimate]") {
+  Bench bench;
+  const auto model = std::make_shared<FakePerceptionModel>();
+  const auto estimate = std::make_shared<BeliefEstimate>(model);
+  IgMctsMethod method(Bench::Config(), 1, model, bench.clock, estimate);
+  const BeliefGrid first = bench.situation.belief.wall_probability;
+  REQUIRE(method.Decide(bench.situation, StopToken()).action);
+
+  SECTION("what the operator edits is not looked at") {
+    bench.situation.belief.wall_probability[{1, 2}] = 1.0F;
+    REQUIRE(method.Decide(bench.situation, StopToken()).action);
+    CHECK(estimate->Now(first) == first);
+  }
+  SECTION("a picture that was sent moves the estimate, once") {
+    bench.situation.state.snapshots = 1;
+    REQUIRE(method.Decide(bench.situation, StopToken()).action);
+    const BeliefGrid moved = estimate->Now(first);
+    CHECK_FALSE(moved == first);
+    REQUIRE(method.Decide(bench.situation, StopToken()).action);
+    CHECK(estimate->Now(first) == moved);
+  }
+  SECTION("a picture that was not sent leaves it") {
+    REQUIRE(method.Decide(bench.situation, StopToken()).action);
+    CHECK(estimate->Now(first) == first);
+  }
+}
+
+TEST_CASE("an operator who does nothing with pictures makes further ones worth less",
+          "[planner][ig-mcts]") {
+  const double prior = GENERATE(0.0, 1.0);
+  SearchConfig config = Bench::Config();
+  config.reliability_prior = prior;
+  Bench bench;
+  const auto model = std::make_shared<FakePerceptionModel>();
+  IgMctsMethod method(config, 1, model, bench.clock);
+  const double first = MostInformation(method.Decide(bench.situation, StopToken()));
+  REQUIRE(first > 0.1);
+  bench.situation.state.snapshots = 1;  // sent, and nothing came of it
+  const double second = MostInformation(method.Decide(bench.situation, StopToken()));
+  if (prior > 0.0) {
+    CHECK(second < 0.8 * first);
+  } else {
+    CHECK(second == first);
+  }
+}
+
+TEST_CASE("a world that begins anew with a map of another size is judged as a new one",
+          "[planner][ig-mcts]") {
+  const auto [before, columns] = GENERATE(table<int, int>({{5, 7}, {7, 5}}));
+  Bench fresh;
+  fresh.situation = Boxed(columns);
+  Bench bench;
+  bench.situation = Boxed(before);
+  for (std::uint64_t snapshots = 0; snapshots < 3; ++snapshots) {
+    bench.situation.state.snapshots = snapshots;
+    bench.method.Decide(bench.situation, StopToken());
+  }
+  bench.situation = Boxed(columns);
+  CHECK(MostInformation(bench.method.Decide(bench.situation, StopToken())) ==
+        MostInformation(fresh.method.Decide(fresh.situation, StopToken())));
+}
+
+TEST_CASE("where the operator's map is estimated, their reliability is not measured",
+          "[planner][ig-mcts]") {
+  const auto second_decision = [](double prior) {
+    SearchConfig config = Bench::Config();
+    config.reliability_prior = prior;
+    Bench bench;
+    const auto model = std::make_shared<FakePerceptionModel>();
+    IgMctsMethod method(config, 1, model, bench.clock, std::make_shared<BeliefEstimate>(model));
+    method.Decide(bench.situation, StopToken());
+    bench.situation.state.snapshots = 1;
+    return method.Decide(bench.situation, StopToken()).report.actions;
+  };
+  CHECK(second_decision(1.0) == second_decision(0.0));
+}
+
+TEST_CASE("a policy sends the view with the largest expected information, and no view twice",
+          "[planner][ig-mcts][communication]") {
+  Bench bench;
+  bench.situation.state.path = {{1, 4}, {1, 3}};
+  IgMctsMethod method(Bench::Config(), 1, std::make_shared<FakePerceptionModel>(), bench.clock,
+                      nullptr, std::make_unique<EveryMovesPolicy>(1));
+  std::vector<double> information;
+  std::vector<double> headings;
+  for (std::uint64_t snapshots = 0; snapshots < 8; ++snapshots) {
+    bench.situation.state.snapshots = snapshots;
+    const Decision decision = method.Decide(bench.situation, StopToken());
+    REQUIRE(decision.action);
+    CHECK(decision.action->kind == CommandKind::kTransmitView);
+    CHECK(decision.attention == AttentionReason::kPicture);
+    CHECK(decision.report.actions.at(0).information_gain == decision.expected_information);
+    CHECK(decision.report.chosen == 0);
+    information.push_back(decision.expected_information);
+    headings.push_back(decision.action->heading_rad);
+  }
+  CHECK(std::is_sorted(information.rbegin(), information.rend()));
+  CHECK(information.front() > 0.1);
+  std::sort(headings.begin(), headings.end());
+  CHECK(std::adjacent_find(headings.begin(), headings.end()) == headings.end());
+  bench.situation.state.snapshots = 8;
+  CHECK_FALSE(method.Decide(bench.situation, StopToken()).action);  // nothing left, nowhere to go
+}
+
+TEST_CASE("with a policy the search moves where none is wanted or worth it",
+          "[planner][ig-mcts][communication]") {
+  Bench bench;
+  bench.situation.map.cells[{1, 2}] = Occupancy::kFree;
+  const double threshold = GENERATE(0.0, 1000.0);
+  std::unique_ptr<CommunicationPolicy> policy = std::make_unique<NeverPolicy>();
+  if (threshold > 0.0) policy = std::make_unique<ThresholdPolicy>(threshold);
+  IgMctsMethod method(Bench::Config(), 1, std::make_shared<FakePerceptionModel>(), bench.clock,
+                      nullptr, std::move(policy));
+  const Decision decision = method.Decide(bench.situation, StopToken());
+  REQUIRE(decision.action);
+  CHECK(decision.action->kind == CommandKind::kMove);
+  CHECK(decision.action->target == Cell{1, 2});
+  CHECK(decision.report.iterations == 300);
+  CHECK(decision.report.perception_model == "none");
+  for (const SearchAction& action : decision.report.actions) {
+    CHECK(action.kind == CommandKind::kMove);
+  }
+}
+
+TEST_CASE("no preset lets a search send pictures where a policy decides on them",
+          "[planner][ig-mcts][communication]") {
+  Bench bench;
+  SearchConfig config;
+  config.options = PaperOptions();
+  IgMctsMethod method(config, 1, std::make_shared<FakePerceptionModel>(), bench.clock, nullptr,
+                      std::make_unique<NeverPolicy>());
+  CHECK_FALSE(method.Decide(bench.situation, StopToken()).action);  // boxed in
+}

@@ -1,0 +1,165 @@
+#include <catch2/catch.hpp>
+
+#include "planner/decision/robot_worker.h"
+#include "planner/methods/baseline_methods.h"
+
+using namespace conav;
+using namespace conav::planner;
+using namespace std::chrono_literals;
+
+namespace {
+
+DriveOrder Order(std::uint64_t number, DriveAction drive, SimTime expires_at) {
+  return {{}, "w1", "r1", number, drive, "somebody", expires_at};
+}
+
+/// A worker with the method, and a robot that is told by hand what became of its commands.
+struct Steered {
+  Steered() {
+    RobotWorker::Outputs outputs{
+        .command = [this](const RobotCommand& command) { commands.push_back(command); },
+        .report = [](const SearchReport&) {},
+        .attention = [this](const AttentionRequest&) { ++attentions; },
+        .way = [](const RobotState&, const MapUpdate&, const std::vector<Cell>&) {}};
+    worker.emplace(
+        RobotWorker::Options{
+            .robot = "r1", .method_name = "teleop", .timeouts = {10s, 10s}, .command_ttl = 10s},
+        std::make_unique<TeleopMethod>(), board, clock, std::move(outputs));
+    state.stamp = SimTime{} + 10s;
+    state.lease_epoch = 3;
+    board.PutMap("r1", MapUpdate{{}, 2.0, OccupancyGrid(5, 5, Occupancy::kFree)});
+    Belief belief;
+    belief.world = "w1";
+    belief.wall_probability = BeliefGrid(5, 5, 0.0F);
+    board.Put(belief);
+    board.Put(state);
+  }
+
+  void Step() { worker->Step(stop); }
+
+  /// The robot took up the newest command.
+  void Report(CommandOutcome outcome) {
+    state.command_sequence_number = commands.back().sequence_number;
+    state.lease_epoch = commands.back().lease_epoch;
+    state.drive_order = commands.back().drive_order;
+    state.command_outcome = outcome;
+    board.Put(state);
+  }
+
+  Blackboard board{{{"r1", "w1"}, {"r0", "w1"}}};
+  FakeClock clock;
+  StopToken stop;
+  RobotState state{
+      .world = "w1", .robot = "r1", .cell = {1, 1}, .goals_left = {{1, 4}}, .goals_total = 1};
+  std::vector<RobotCommand> commands;
+  int attentions = 0;
+  std::optional<RobotWorker> worker;
+};
+
+}  // namespace
+
+TEST_CASE("an order is passed on once, under the lease and with its own expiry",
+          "[planner][teleop]") {
+  Steered steered;
+  steered.board.Put(Order(7, DriveAction::kTurnLeft, SimTime{} + 11s));
+  steered.Step();
+  steered.Step();
+  REQUIRE(steered.commands.size() == 1);
+  const RobotCommand& command = steered.commands[0];
+  CHECK(command.kind == CommandKind::kDrive);
+  CHECK(command.drive == DriveAction::kTurnLeft);
+  CHECK(command.drive_order == 7);
+  CHECK(command.lease_epoch == 4);
+  CHECK(command.expires_at == SimTime{} + 11s);
+  CHECK(steered.attentions == 0);
+}
+
+TEST_CASE("without orders a steered robot is told nothing and asks for nothing",
+          "[planner][teleop]") {
+  Steered steered;
+  steered.Step();
+  steered.clock.Advance(60s);
+  steered.Step();
+  CHECK(steered.commands.empty());
+  CHECK(steered.attentions == 0);
+}
+
+TEST_CASE("an order that came too late is left out", "[planner][teleop]") {
+  Steered steered;
+  steered.board.Put(Order(1, DriveAction::kForward, SimTime{} + 10s));
+  steered.Step();
+  CHECK(steered.commands.empty());
+}
+
+TEST_CASE("of orders that pile up while an action runs, the newest is carried out",
+          "[planner][teleop]") {
+  Steered steered;
+  steered.board.Put(Order(1, DriveAction::kForward, SimTime{} + 12s));
+  steered.Step();
+  REQUIRE(steered.commands.size() == 1);
+  steered.Report(CommandOutcome::kRunning);
+  for (std::uint64_t number = 2; number <= 6; ++number) {
+    steered.board.Put(Order(number, DriveAction::kForward, SimTime{} + 12s));
+    steered.Step();
+  }
+  CHECK(steered.commands.size() == 1);
+  steered.Report(CommandOutcome::kDone);
+  steered.Step();
+  steered.Step();
+  REQUIRE(steered.commands.size() == 2);
+  CHECK(steered.commands[1].drive_order == 6);
+}
+
+TEST_CASE("a low-level action that the robot did not take up is repeated with its old expiry",
+          "[planner][teleop]") {
+  Steered steered;
+  steered.board.Put(Order(1, DriveAction::kForward, SimTime{} + 12s));
+  steered.Step();
+  steered.state.stamp = SimTime{} + 11s;
+  steered.board.Put(steered.state);
+  steered.clock.Advance(2s);
+  steered.Step();
+  REQUIRE(steered.commands.size() == 2);
+  CHECK(steered.commands[1].sequence_number == steered.commands[0].sequence_number);
+  CHECK(steered.commands[1].expires_at == SimTime{} + 12s);
+}
+
+TEST_CASE("a steered robot makes room for nobody by itself", "[planner][teleop]") {
+  Steered steered;
+  steered.board.Put(
+      RobotState{.world = "w1", .robot = "r0", .cell = {1, 0}, .goals_left = {{1, 4}}});
+  steered.board.PutIntendedPath("r0", {{1, 1}, {1, 2}});
+  steered.Step();
+  CHECK(steered.commands.empty());
+}
+
+TEST_CASE("an order that the robot carried out for another planner is not given again",
+          "[planner][teleop]") {
+  Steered steered;
+  steered.state.drive_order = 5;
+  steered.board.Put(steered.state);
+  steered.board.Put(Order(5, DriveAction::kForward, SimTime{} + 12s));
+  steered.Step();
+  CHECK(steered.commands.empty());
+}
+
+TEST_CASE("an order for a robot of another world is not heard", "[planner][teleop]") {
+  Steered steered;
+  DriveOrder order = Order(1, DriveAction::kForward, SimTime{} + 12s);
+  order.world = "w2";
+  steered.board.Put(order);
+  steered.Step();
+  CHECK(steered.commands.empty());
+}
+
+TEST_CASE("a robot that another planner took over is not driven", "[planner][teleop]") {
+  Steered steered;
+  steered.board.Put(Order(1, DriveAction::kForward, SimTime{} + 12s));
+  steered.Step();
+  steered.Report(CommandOutcome::kDone);
+  steered.state.lease_epoch = 9;
+  steered.board.Put(steered.state);
+  steered.board.Put(Order(2, DriveAction::kForward, SimTime{} + 12s));
+  steered.Step();
+  CHECK(steered.commands.size() == 1);
+}

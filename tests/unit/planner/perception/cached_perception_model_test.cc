@@ -1,0 +1,170 @@
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <optional>
+
+#include "conformance/perception_model_conformance.h"
+#include "planner/perception/cached_model.h"
+#include "planner/search/perception_model.h"
+
+namespace conav::planner {
+namespace {
+
+using conformance::MakeQueries;
+
+class FailingModel final : public PerceptionModel {
+ public:
+  [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
+      std::span<const PerceptionQuery> queries) override {
+    if (fails) return Fail(ErrorCode::kTimeout, "nobody answers");
+    return model_.Predict(queries);
+  }
+  std::string name() const override { return "failing"; }
+  bool fails = true;
+
+ private:
+  FakePerceptionModel model_;
+};
+
+TEST_CASE("the cached perception model conforms", "[planner][search][conformance]") {
+  FakePerceptionModel reference;
+  conformance::CheckPerceptionModelConformance(
+      [] {
+        return std::make_shared<CachedPerceptionModel>(std::make_shared<FakePerceptionModel>());
+      },
+      reference);
+}
+
+TEST_CASE("a cache of one answer still gives the right ones", "[planner][search][conformance]") {
+  FakePerceptionModel reference;
+  conformance::CheckPerceptionModelConformance(
+      [] {
+        return std::make_shared<CachedPerceptionModel>(std::make_shared<FakePerceptionModel>(), 1);
+      },
+      reference);
+}
+
+TEST_CASE("only what is not remembered is asked, each question once", "[planner][search]") {
+  CachedPerceptionModel model(std::make_shared<FakePerceptionModel>());
+  const auto queries = MakeQueries(3);
+  REQUIRE(model.Predict(std::vector{queries[0], queries[1], queries[0]}));
+  CHECK(model.counts().asked == 2);
+  CHECK(model.counts().cached == 1);
+  REQUIRE(model.Predict(queries));
+  CHECK(model.counts().asked == 3);
+  CHECK(model.counts().cached == 3);
+  CHECK(model.counts().calls == 2);
+  REQUIRE(model.Predict(queries));
+  CHECK(model.counts().calls == 2);
+}
+
+TEST_CASE("belief, path, camera cell, heading and each side of the view are part of the key",
+          "[planner][search]") {
+  CachedPerceptionModel model(std::make_shared<FakePerceptionModel>());
+  const PerceptionQuery query = MakeQueries(1)[0];
+  std::vector<PerceptionQuery> variants(7, query);
+  variants[1].belief[{4, 4}] = 0.5F;
+  variants[2].path.push_back({1, 1});
+  variants[3].cell = {1, 1};
+  variants[4].visible.free.clear();
+  variants[5].visible.walls.clear();
+  variants[6].heading_rad += 0.5;
+  REQUIRE(model.Predict(variants));
+  CHECK(model.counts().asked == 7);
+}
+
+TEST_CASE("a belief of the same values in another shape is another question", "[planner][search]") {
+  CachedPerceptionModel model(std::make_shared<FakePerceptionModel>());
+  PerceptionQuery flat{BeliefGrid(2, 3, 0.5F), {}, {0, 0}, 0.0, {}};
+  PerceptionQuery tall{BeliefGrid(3, 2, 0.5F), {}, {0, 0}, 0.0, {}};
+  const auto answers = model.Predict(std::vector{flat, tall});
+  REQUIRE(answers);
+  CHECK(answers->at(1).add.rows() == 3);
+  CHECK(model.counts().asked == 2);
+}
+
+TEST_CASE("the order of the path is not part of the key", "[planner][search]") {
+  CachedPerceptionModel model(std::make_shared<FakePerceptionModel>());
+  std::vector<PerceptionQuery> variants(2, MakeQueries(1)[0]);
+  std::reverse(variants[1].path.begin(), variants[1].path.end());
+  variants[1].path.push_back(variants[1].path.front());
+  REQUIRE(model.Predict(variants));
+  CHECK(model.counts().asked == 1);
+  CHECK(model.counts().cached == 1);
+}
+
+/// Another model from one moment to the next, as a service whose weights are exchanged.
+class ChangingModel final : public PerceptionModel {
+ public:
+  [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
+      std::span<const PerceptionQuery> queries) override {
+    auto answers = FakePerceptionModel({.near_probability = probability}).Predict(queries);
+    if (next_probability) probability = *next_probability;
+    return answers;
+  }
+  std::string name() const override { return "changing"; }
+  std::string identity() const override { return std::to_string(probability); }
+  double probability = 0.5;
+  std::optional<double> next_probability;  // from the end of the next Predict() on
+};
+
+TEST_CASE("answers are forgotten when another model answers from now on", "[planner][search]") {
+  const auto inner = std::make_shared<ChangingModel>();
+  CachedPerceptionModel model(inner);
+  const auto queries = MakeQueries(2);
+  REQUIRE(model.Predict(queries));
+  inner->probability = 0.25;
+  CHECK(model.identity() == inner->identity());
+  CHECK(*model.Predict(queries) == *inner->Predict(queries));
+  CHECK(model.counts().asked == 4);
+  CHECK(model.counts().cached == 0);
+}
+
+TEST_CASE("answers that came while the model changed are not remembered", "[planner][search]") {
+  const auto inner = std::make_shared<ChangingModel>();
+  CachedPerceptionModel model(inner);
+  const auto queries = MakeQueries(2);
+  inner->next_probability = 0.25;
+  REQUIRE(model.Predict(queries));
+  CHECK(model.counts().asked == 2);
+  CHECK(*model.Predict(queries) == *inner->Predict(queries));
+  CHECK(model.counts().asked == 4);
+}
+
+TEST_CASE("a batch does not mix remembered answers with those of a model that came meanwhile",
+          "[planner][search]") {
+  const auto inner = std::make_shared<ChangingModel>();
+  CachedPerceptionModel model(inner);
+  const auto queries = MakeQueries(3);
+  REQUIRE(model.Predict(std::span(queries).first(2)));
+  inner->next_probability = 0.25;
+  const auto answers = model.Predict(queries);
+  CHECK(*answers == *inner->Predict(queries));
+  CHECK(model.counts().asked == 2 + 1 + 3);
+  CHECK(model.counts().cached == 0);
+  REQUIRE(model.Predict(queries));
+  CHECK(model.counts().cached == 3);
+}
+
+TEST_CASE("the oldest answers are dropped when the cache is full", "[planner][search]") {
+  CachedPerceptionModel model(std::make_shared<FakePerceptionModel>(), 2);
+  const auto queries = MakeQueries(3);
+  REQUIRE(model.Predict(queries));  // holds 1 and 2 now
+  REQUIRE(model.Predict(std::span(queries).subspan(1)));
+  CHECK(model.counts().asked == 3);
+  REQUIRE(model.Predict(std::span(queries).first(1)));
+  CHECK(model.counts().asked == 4);
+}
+
+TEST_CASE("a failure is passed on and not remembered", "[planner][search]") {
+  const auto inner = std::make_shared<FailingModel>();
+  CachedPerceptionModel model(inner);
+  const auto queries = MakeQueries(2);
+  const auto failed = model.Predict(queries);
+  REQUIRE_FALSE(failed.has_value());
+  CHECK(failed.error().code == ErrorCode::kTimeout);
+  inner->fails = false;
+  REQUIRE(model.Predict(queries).has_value());
+}
+
+}  // namespace
+}  // namespace conav::planner

@@ -1,0 +1,227 @@
+#include "sim/world/episode.h"
+
+#include <catch2/catch.hpp>
+#include <optional>
+
+using namespace conav;
+using namespace conav::sim;
+using namespace std::chrono_literals;
+
+namespace {
+
+/// Text maps: '*' wall, anything else free.
+OccupancyGrid MapFrom(const std::vector<std::string>& lines) {
+  OccupancyGrid map(static_cast<int>(lines.size()), static_cast<int>(lines[0].size()),
+                    Occupancy::kFree);
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    const Cell cell = map.CellAt(i);
+    if (lines[static_cast<std::size_t>(cell.row)][static_cast<std::size_t>(cell.column)] == '*') {
+      map[cell] = Occupancy::kOccupied;
+    }
+  }
+  return map;
+}
+
+/// A corridor of five cells; r1 starts in its west end.
+struct Corridor {
+  explicit Corridor(std::vector<Cell> starts = {{1, 1}},
+                    std::vector<std::vector<Cell>> goals = {{{1, 3}}}, bool shared = false) {
+    PhysicsWorld world;
+    world.truth = MapFrom({"*******", "*     *", "*******"});
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+      world.robots.push_back({fmt::format("r{}", i + 1), starts[i], 0.0});
+    }
+    auto created = RobotWorld::Create(std::move(world));
+    INFO((created ? "" : created.error().text));
+    REQUIRE(created);
+    physics = *std::move(created);
+    episode.emplace(*physics, EpisodeOptions{"w1", std::move(goals), shared, 2.0});
+  }
+
+  RobotCommand Command(CommandKind kind, Cell target, const std::string& robot = "r1") {
+    RobotCommand command;
+    command.robot = robot;
+    command.sequence_number = ++sequence_number;
+    command.lease_epoch = 1;
+    command.expires_at = episode->now() + 20s;
+    command.kind = kind;
+    command.target = target;
+    return command;
+  }
+
+  CommandOutcome Outcome(int robot = 0) const { return episode->state(robot).command_outcome; }
+
+  /// Steps until no robot moves, at most 100 control steps.
+  void Settle() {
+    for (int i = 0; i < 100 && episode->active() && episode->pictures_due().empty(); ++i)
+      episode->Step();
+  }
+
+  std::unique_ptr<RobotWorld> physics;
+  std::optional<Episode> episode;
+  std::uint64_t sequence_number = 0;
+};
+
+}  // namespace
+
+TEST_CASE("a move ends in the next cell and counts once", "[sim][episode]") {
+  Corridor world;
+  REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {1, 2})));
+  CHECK(world.Outcome() == CommandOutcome::kRunning);
+  world.Settle();
+  const RobotState state = world.episode->state(0);
+  CHECK(state.command_outcome == CommandOutcome::kDone);
+  CHECK(state.cell == Cell{1, 2});
+  CHECK(state.cell_moves == 1);
+  CHECK(state.low_level_steps > 2);
+  CHECK(state.low_level_steps < 20);
+  CHECK(state.path == std::vector<Cell>{{1, 1}, {1, 2}});
+}
+
+TEST_CASE("a wall blocks without taking time and is on the robot's map afterwards",
+          "[sim][episode]") {
+  Corridor world;
+  const SimTime map_stamp = world.episode->map(0).stamp;
+  REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {0, 1})));
+  CHECK(world.Outcome() == CommandOutcome::kBlocked);
+  CHECK_FALSE(world.episode->active());
+  CHECK(world.episode->map(0).cells[{0, 1}] == Occupancy::kOccupied);
+  CHECK(world.episode->map(0).stamp > map_stamp);
+  CHECK(world.episode->state(0).map_stamp == world.episode->map(0).stamp);
+}
+
+TEST_CASE("a cell that is no neighbour is refused by name", "[sim][episode]") {
+  Corridor world;
+  REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {1, 4})));
+  CHECK(world.Outcome() == CommandOutcome::kRefused);
+  CHECK(world.episode->state(0).command_detail == "target = (1,4) is no neighbour of (1,1)");
+}
+
+TEST_CASE("a repeated command changes nothing and an older one is refused", "[sim][episode]") {
+  Corridor world;
+  const RobotCommand first = world.Command(CommandKind::kMove, {1, 2});
+  REQUIRE(world.episode->Accept(first));
+  world.Settle();
+  REQUIRE(world.episode->Accept(first));
+  CHECK_FALSE(world.episode->active());
+  REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {1, 3})));
+  const auto old = world.episode->Accept(first);
+  REQUIRE_FALSE(old);
+  CHECK(old.error().code == ErrorCode::kRefused);
+}
+
+TEST_CASE("an older lease is refused and the newer one stays in force", "[sim][episode]") {
+  Corridor world;
+  RobotCommand command = world.Command(CommandKind::kMove, {1, 2});
+  command.lease_epoch = 5;
+  REQUIRE(world.episode->Accept(command));
+  command.lease_epoch = 4;
+  command.sequence_number = 99;
+  CHECK_FALSE(world.episode->Accept(command));
+  CHECK(world.episode->state(0).lease_epoch == 5);
+  CHECK(world.Outcome() == CommandOutcome::kRunning);
+}
+
+TEST_CASE("an expired command is void", "[sim][episode]") {
+  Corridor world;
+  RobotCommand command = world.Command(CommandKind::kMove, {1, 2});
+  command.expires_at = world.episode->now();
+  REQUIRE(world.episode->Accept(command));
+  CHECK(world.Outcome() == CommandOutcome::kExpired);
+  CHECK_FALSE(world.episode->active());
+}
+
+TEST_CASE("a robot stops when its command expires on the way, and can go on", "[sim][episode]") {
+  Corridor world;
+  RobotCommand command = world.Command(CommandKind::kMove, {1, 2});
+  command.expires_at = world.episode->now() + 500ms;
+  REQUIRE(world.episode->Accept(command));
+  world.Settle();
+  CHECK(world.Outcome() == CommandOutcome::kExpired);
+  CHECK_FALSE(world.episode->active());
+  CHECK(std::abs(world.physics->pose(0).speed_mps) < 0.2);
+  const Cell from = world.episode->state(0).cell;
+  REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, from + Cell{0, 1})));
+  world.Settle();
+  CHECK(world.Outcome() == CommandOutcome::kDone);
+}
+
+TEST_CASE("a goal is reached once and is gone from the list", "[sim][episode]") {
+  Corridor world;
+  for (const Cell cell : {Cell{1, 2}, Cell{1, 3}, Cell{1, 2}, Cell{1, 3}}) {
+    REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, cell)));
+    world.Settle();
+  }
+  CHECK(world.episode->state(0).goals_left.empty());
+  CHECK(world.episode->state(0).goals_reached == std::vector<Cell>{{1, 3}});
+  CHECK(world.episode->state(0).goals_total == 1);
+}
+
+TEST_CASE("a shared goal belongs to the first robot that reaches it", "[sim][episode]") {
+  Corridor world({{1, 1}, {1, 5}}, {{{1, 2}, {1, 4}}, {{1, 2}, {1, 4}}}, true);
+  REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {1, 2})));
+  world.Settle();
+  CHECK(world.episode->state(0).goals_reached.size() == 1);
+  CHECK(world.episode->state(1).goals_reached.empty());
+  CHECK(world.episode->state(1).goals_left == std::vector<Cell>{{1, 4}});
+}
+
+TEST_CASE("two robots never get one cell, neither where one stands nor where it drives",
+          "[sim][episode]") {
+  Corridor world({{1, 1}, {1, 3}}, {{{1, 5}}, {{1, 5}}});
+  REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {1, 2}, "r1")));
+  REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {1, 2}, "r2")));
+  CHECK(world.Outcome(0) == CommandOutcome::kRunning);
+  CHECK(world.Outcome(1) == CommandOutcome::kOccupied);
+  world.Settle();
+  REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {1, 3}, "r1")));
+  CHECK(world.Outcome(0) == CommandOutcome::kOccupied);
+}
+
+TEST_CASE("another robot's body blocks a cell only while it stands there", "[sim][episode]") {
+  Corridor world({{1, 1}, {1, 2}}, {{{1, 5}}, {{1, 5}}});
+  REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {1, 2}, "r1")));
+  CHECK(world.Outcome(0) == CommandOutcome::kOccupied);
+  CHECK(world.episode->map(0).cells[{1, 2}] == Occupancy::kFree);
+  REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {1, 3}, "r2")));
+  world.Settle();
+  REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {1, 2}, "r1")));
+  world.Settle();
+  CHECK(world.Outcome(0) == CommandOutcome::kDone);
+  CHECK(world.episode->state(0).cell == Cell{1, 2});
+}
+
+TEST_CASE("a view turns the robot, then waits for its picture", "[sim][episode]") {
+  Corridor world;
+  RobotCommand command = world.Command(CommandKind::kTransmitView, {});
+  command.heading_rad = 1.5707963;
+  REQUIRE(world.episode->Accept(command));
+  world.Settle();
+  REQUIRE(world.episode->pictures_due() == std::vector<int>{0});
+  const Snapshot picture = world.episode->CompleteView(0, 1234);
+  CHECK(picture.sequence_number == 1);
+  CHECK(picture.path == std::vector<Cell>{{1, 1}});
+  const RobotState state = world.episode->state(0);
+  CHECK(state.command_outcome == CommandOutcome::kDone);
+  CHECK(state.pictures == 1);
+  CHECK(state.picture_bytes == 1234);
+  CHECK(state.snapshots == 1);
+  CHECK(world.episode->pictures_due().empty());
+}
+
+TEST_CASE("the robot's map grows with what it sees, up to the observation distance",
+          "[sim][episode]") {
+  Corridor world;
+  CHECK(world.episode->map(0).cells[{1, 3}] == Occupancy::kFree);
+  CHECK(world.episode->map(0).cells[{1, 4}] == Occupancy::kUnknown);
+  REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {1, 2})));
+  world.Settle();
+  CHECK(world.episode->map(0).cells[{1, 4}] == Occupancy::kFree);
+}
+
+TEST_CASE("a command for an unknown robot is refused with its name", "[sim][episode]") {
+  Corridor world;
+  const auto result = world.episode->Accept(world.Command(CommandKind::kStop, {}, "r9"));
+  REQUIRE_FALSE(result);
+  CHECK(result.error().text == "robot = 'r9' is not in world w1");
+}

@@ -1,0 +1,149 @@
+#include "study/experiment/episode.h"
+
+#include <catch2/catch.hpp>
+
+#include "planner/methods/make_method.h"
+#include "planner/search/perception_model.h"
+
+namespace conav::planner {
+namespace {
+
+sim::WorldSpec MakeWorld(std::uint64_t seed) {
+  sim::WorldOptions options;
+  options.seed = seed;
+  return sim::MakeWorldSpec(options).value();
+}
+
+class Player {
+ public:
+  EpisodeResult Play(const std::string& method, const std::string& person, std::uint64_t seed,
+                     const EpisodeOptions& options = {}, const SearchConfig& search = {},
+                     const CommunicationConfig& communication = {}) {
+    const auto robot = MakeMethod(method, "r1", {search, communication}, seed,
+                                  std::make_shared<FakePerceptionModel>(), nullptr, clock_);
+    return RunEpisode(MakeWorld(seed), *robot, operators::ParametersOfKind(person), seed, options,
+                      [&](const Situation&) { ++decisions; });
+  }
+
+  int decisions = 0;
+
+ private:
+  SteadyClock clock_;
+};
+
+TEST_CASE("steps are estimated from moves and turning", "[planner][experiment]") {
+  CHECK(EstimatedLowLevelSteps(0.0, 0.0) == 0.0);
+  CHECK(EstimatedLowLevelSteps(20.0, 10.0) == Approx(140.6 + 37.3));
+}
+
+TEST_CASE("an episode ends with all goals, and its figures agree", "[planner][experiment]") {
+  Player player;
+  const EpisodeResult result = player.Play("ig-mcts", "careful", 3);
+  CHECK(result.all_goals);
+  CHECK(result.goals_reached == result.goals);
+  CHECK(result.moves == static_cast<int>(result.trajectory.size()));
+  CHECK(result.moves >= result.optimal_moves);
+  CHECK(result.pictures > 0);
+  CHECK(result.guidance == result.pictures + 1);  // one for each picture, and the first
+  CHECK(result.decision_ms.size() == static_cast<std::size_t>(player.decisions));
+  CHECK(player.decisions == result.moves + result.blocked + result.pictures);
+}
+
+TEST_CASE("the default search reaches all goals in every maze", "[planner][experiment]") {
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    INFO("seed " << seed);
+    const EpisodeResult result = Player().Play("ig-mcts", "careful", seed);
+    CHECK(result.all_goals);
+    CHECK(result.pictures < 60);
+    CHECK(result.perception_queries < 100U * result.decision_ms.size());
+  }
+}
+
+TEST_CASE("pictures mend the operator's map", "[planner][experiment]") {
+  int edits = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    edits += Player().Play("ig-mcts", "careful", seed).edits;
+  }
+  CHECK(edits >= 12);
+}
+
+TEST_CASE("the printed numbers do not get there", "[planner][experiment]") {
+  int reached = 0;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const auto result = Player().Play("ig-mcts", "careful", seed, {}, {.options = PaperOptions()});
+    reached += result.all_goals ? 1 : 0;
+  }
+  CHECK(reached < 3);
+}
+
+TEST_CASE("the same seeds give the same episode", "[planner][experiment]") {
+  const EpisodeResult first = Player().Play("ig-mcts", "hasty", 5);
+  const EpisodeResult second = Player().Play("ig-mcts", "hasty", 5);
+  CHECK(first.trajectory == second.trajectory);
+  CHECK(first.pictures == second.pictures);
+  CHECK(first.edits == second.edits);
+}
+
+TEST_CASE("a robot that follows instructions asks where it is blocked", "[planner][experiment]") {
+  const EpisodeResult result = Player().Play("instruction", "careful", 4);
+  CHECK(result.all_goals);
+  CHECK(result.pictures == 0);
+  CHECK(result.guidance > 1);
+}
+
+TEST_CASE("the greedy robot arrives without pictures and whatever the operator does",
+          "[planner][experiment]") {
+  const EpisodeResult result = Player().Play("greedy", "careful", 4);
+  CHECK(result.all_goals);
+  CHECK(result.pictures == 0);
+  CHECK(result.moves >= result.optimal_moves);
+  CHECK(Player().Play("greedy", "wrong", 4).trajectory == result.trajectory);
+}
+
+TEST_CASE("every communication policy arrives, with pictures as it says", "[planner][experiment]") {
+  const auto pictures = [](const CommunicationConfig& communication) {
+    const EpisodeResult result = Player().Play("ig-mcts", "careful", 3, {}, {}, communication);
+    INFO(communication.policy);
+    CHECK(result.all_goals);
+    CHECK(result.guidance == result.pictures + 1);
+    return result.pictures;
+  };
+  CHECK(pictures({.policy = "never"}) == 0);
+  CHECK(pictures({.policy = "random", .probability = 0.0}) == 0);
+  CHECK(pictures({.policy = "random", .probability = 0.3}) > 2);
+  CHECK(pictures({.policy = "every", .every_moves = 2}) >
+        pictures({.policy = "every", .every_moves = 6}));
+  CHECK(pictures({.policy = "threshold", .threshold_cells = 0.5}) >
+        pictures({.policy = "threshold", .threshold_cells = 2.0}));
+  pictures({.policy = "when_blocked"});
+}
+
+TEST_CASE("an episode ends where the robot waits for somebody silent", "[planner][experiment]") {
+  Player player;
+  const EpisodeResult result = player.Play("instruction", "silent", 4);
+  CHECK_FALSE(result.all_goals);
+  CHECK(result.moves == 0);
+  CHECK(result.guidance == 0);
+  CHECK(player.decisions == 1);
+}
+
+TEST_CASE("an episode ends after its limit of actions", "[planner][experiment]") {
+  Player player;
+  const EpisodeResult result = player.Play("ig-mcts", "careful", 3, {.action_limit = 5});
+  CHECK_FALSE(result.all_goals);
+  CHECK(player.decisions == 5);
+}
+
+TEST_CASE("the optimal tour is the shortest on the true map", "[planner][experiment]") {
+  sim::WorldSpec world;
+  world.truth = OccupancyGrid(5, 7, Occupancy::kOccupied);
+  for (int column = 1; column <= 5; ++column) world.truth[{1, column}] = Occupancy::kFree;
+  world.truth[{2, 1}] = world.truth[{3, 1}] = Occupancy::kFree;
+  world.human_map = world.truth;
+  world.starts = {{1, 3}};
+  world.goals = {{{1, 5}, {3, 1}}};
+  CHECK(OptimalMoves(world) == 2 + 6);
+}
+
+}  // namespace
+}  // namespace conav::planner

@@ -1,0 +1,187 @@
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "nhpm/model/glpf.h"
+#include "study/experiment/tradeoff.h"
+#include "study/experiment/tradeoff_report.h"
+#include "support/xml_check.h"
+
+namespace conav::planner {
+namespace {
+
+constexpr int kSeeds = 20;
+
+/// Mazes differ by up to 19 moves, policies by what they are given.
+class MadeUp {
+ public:
+  MadeUp() {
+    sweep.experiment.seeds = kSeeds;
+    sweep.experiment.operators = {"careful"};
+    sweep.effort = Effort::kMoves;
+  }
+
+  void Add(const std::string& policy, int pictures, int moves, int failed = 0) {
+    sweep.points.push_back({policy, 1.0});
+    SearchVariant variant;
+    variant.name = policy;
+    sweep.experiment.variants.push_back(variant);
+    for (int seed = 0; seed < kSeeds; ++seed) {
+      ExperimentEpisode episode;
+      episode.variant = sweep.points.size() - 1;
+      episode.seed = static_cast<std::uint64_t>(seed);
+      episode.result.all_goals = seed >= failed;
+      episode.result.pictures = pictures;
+      episode.result.moves = moves + seed;
+      episode.result.mapping_accuracy = 0.5;
+      episodes.push_back(episode);
+    }
+  }
+
+  std::vector<TradeoffRow> Analyse() const { return AnalyseTradeoff(sweep, episodes, 200); }
+  TradeoffComparison Last() const { return Analyse().back().search_less_this.value(); }
+
+  TradeoffSweep sweep;
+  std::vector<ExperimentEpisode> episodes;
+};
+
+MadeUp WithSearch() {
+  MadeUp made;
+  made.Add("search", 2, 40);
+  made.Add("search", 4, 30);
+  return made;
+}
+
+TEST_CASE("differences are paired: mazes that differ do not blur them", "[planner][experiment]") {
+  MadeUp made = WithSearch();
+  made.Add("random", 3, 37);
+  const TradeoffComparison comparison = made.Last();
+  CHECK(comparison.effort_at_equal_pictures.value == Approx(-2.0));
+  CHECK(comparison.effort_at_equal_pictures.interval.high == Approx(-2.0));
+  CHECK(comparison.pictures_at_equal_effort.value == Approx(-0.4));
+  CHECK(comparison.verdict == TradeoffVerdict::kBetter);
+}
+
+TEST_CASE("a point below the curve is better than IG-MCTS", "[planner][experiment]") {
+  MadeUp made = WithSearch();
+  made.Add("threshold", 3, 33);
+  CHECK(made.Last().effort_at_equal_pictures.value == Approx(2.0));
+  CHECK(made.Last().pictures_at_equal_effort.value == Approx(0.4));
+  CHECK(made.Last().verdict == TradeoffVerdict::kWorse);
+}
+
+TEST_CASE("steps count turning, moves do not", "[planner][experiment]") {
+  MadeUp made = WithSearch();
+  made.Add("every", 4, 30);
+  for (ExperimentEpisode& episode : made.episodes) {
+    if (episode.variant == 2) episode.result.turning_rad = 10.0;
+  }
+  CHECK(made.Last().verdict == TradeoffVerdict::kAlike);
+  made.sweep.effort = Effort::kSteps;
+  CHECK(made.Last().verdict == TradeoffVerdict::kBetter);
+  CHECK(made.Last().effort_at_equal_pictures.value == Approx(-EstimatedLowLevelSteps(0.0, 10.0)));
+  CHECK(made.Analyse().back().steps.mean ==
+        Approx(EstimatedLowLevelSteps(made.Analyse().back().moves.mean, 10.0)));
+}
+
+TEST_CASE("a point on the curve is alike", "[planner][experiment]") {
+  MadeUp made = WithSearch();
+  made.Add("every", 4, 30);
+  CHECK(made.Last().verdict == TradeoffVerdict::kAlike);
+}
+
+TEST_CASE("where the curve does not get there the difference is infinite and told as such",
+          "[planner][experiment]") {
+  MadeUp made = WithSearch();
+  made.Add("never", 0, 20);
+  CHECK(std::isinf(made.Last().effort_at_equal_pictures.value));
+  CHECK(std::isinf(made.Last().pictures_at_equal_effort.value));
+  CHECK(made.Last().verdict == TradeoffVerdict::kBeyond);
+  CHECK(JudgePolicies(made.sweep, made.Analyse()).back().beyond == 1);
+  const auto json = TradeoffJson(made.sweep, made.Analyse());
+  const auto& point = json.at("points").back().at("search_less_this");
+  CHECK(point.at("effort_at_equal_pictures").at("value").is_null());
+}
+
+TEST_CASE("an episode that does not arrive counts with its limit of actions",
+          "[planner][experiment]") {
+  MadeUp made = WithSearch();
+  made.Add("random", 3, 10, kSeeds);
+  const TradeoffRow row = made.Analyse().back();
+  CHECK(row.all_goals == 0);
+  CHECK(row.moves.mean == EpisodeOptions().action_limit);
+  CHECK(row.search_less_this->verdict == TradeoffVerdict::kBetter);
+}
+
+TEST_CASE("a policy is dominated when IG-MCTS is better at each of its points",
+          "[planner][experiment]") {
+  MadeUp made = WithSearch();
+  made.Add("random", 3, 37);
+  made.Add("random", 4, 33);
+  made.Add("threshold", 3, 37);
+  made.Add("threshold", 3, 33);
+  const auto verdicts = JudgePolicies(made.sweep, made.Analyse());
+  REQUIRE(verdicts.size() == 2);
+  CHECK(verdicts[0].policy == "random");
+  CHECK(verdicts[0].dominated());
+  CHECK(verdicts[1].better == 1);
+  CHECK(verdicts[1].worse == 1);
+  CHECK_FALSE(verdicts[1].dominated());
+}
+
+TEST_CASE("the bar is met when IG-MCTS is better than every policy that sends pictures",
+          "[planner][experiment]") {
+  MadeUp made = WithSearch();
+  made.Add("random", 3, 37);
+  made.Add("never", 0, 20);
+  CHECK_THAT(TradeoffTable(made.sweep, made.Analyse()), Catch::Contains("1 of 1 points: met"));
+  made.Add("every", 4, 30);
+  CHECK_THAT(TradeoffTable(made.sweep, made.Analyse()), Catch::Contains("1 of 2 points: MISSED"));
+}
+
+TEST_CASE("a sweep has a point per cost and policy, each within the same search",
+          "[planner][experiment]") {
+  SearchExperiment experiment;
+  experiment.variants.resize(3);
+  experiment.seeds = 7;
+  SearchConfig search;
+  search.options.iterations = 77;
+  const TradeoffSweep sweep = MakeTradeoffSweep(search, experiment);
+  CHECK(sweep.experiment.seeds == 7);
+  REQUIRE(sweep.points.size() == sweep.experiment.variants.size());
+  std::set<std::string> policies;
+  for (std::size_t i = 0; i < sweep.points.size(); ++i) {
+    const SearchVariant& variant = sweep.experiment.variants[i];
+    policies.insert(sweep.points[i].policy);
+    CHECK(variant.config.options.iterations == 77);
+    CHECK((variant.method == "greedy" || variant.communication.policy == sweep.points[i].policy));
+  }
+  CHECK(policies == std::set<std::string>{"every", "greedy", "never", "random", "search",
+                                          "threshold", "when_blocked"});
+}
+
+TEST_CASE("what is written of a sweep names its policies and where the figures come from",
+          "[planner][experiment]") {
+  SearchExperiment experiment;
+  experiment.operators = {"careful", "hasty"};
+  experiment.seeds = 1;
+  SearchConfig search;
+  search.options.iterations = 50;
+  const TradeoffSweep sweep = MakeTradeoffSweep(search, experiment);
+  const auto episodes =
+      RunSearchExperiment(sweep.experiment, std::make_shared<const nhpm::Glpf>()).value();
+  const auto rows = AnalyseTradeoff(sweep, episodes, 20);
+  CHECK(rows.size() == 2 * sweep.points.size());
+  const std::string table = TradeoffTable(sweep, rows);
+  CHECK_THAT(table, Catch::Contains("SIMULATED") && Catch::Contains("when_blocked") &&
+                        Catch::Contains("IG-MCTS is better at"));
+  const std::string plot = TradeoffPlot(sweep, rows);
+  CHECK_THAT(plot, Catch::Contains("<svg") && Catch::Contains("simulated operator: hasty") &&
+                       !Catch::Contains("nan") && !Catch::Contains("inf"));
+  CHECK(test::XmlError(plot) == "");
+  const std::string csv = TradeoffCsv(sweep, episodes);
+  CHECK(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')) == episodes.size() + 1);
+  CHECK(TradeoffJson(sweep, rows).at("policies").size() == 12);
+}
+
+}  // namespace
+}  // namespace conav::planner

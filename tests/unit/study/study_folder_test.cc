@@ -1,0 +1,104 @@
+#include "study/study_folder.h"
+
+#include <catch2/catch.hpp>
+
+#include "common/runtime/file.h"
+#include "study/study_run.h"
+#include "support/temporary_folder.h"
+#include "unit/study/sample_study.h"
+
+namespace conav::study {
+namespace {
+
+const nlohmann::ordered_json kDesign{{"operators", 14}, {"seed", 1}};
+
+std::string Refusal(const std::filesystem::path& path, const nlohmann::ordered_json& design) {
+  const auto folder = StudyFolder::Open(path, design);
+  return folder ? "" : folder.error().text;
+}
+
+TEST_CASE("A record is there again for the same design", "[study][folder]") {
+  const test::TemporaryFolder parent;
+  const auto record = SampleRecord("s01", SampleMeasures(10.0, 400.0));
+  EpisodeRecord failed{.name = "s02", .detail = "planner died", .attempts = 2};
+  {
+    const auto folder = StudyFolder::Open(parent / "study", kDesign);
+    REQUIRE(folder);
+    auto store = OpenEpisodes(*folder);
+    REQUIRE(store);
+    REQUIRE(store->Save("s01", record));
+    REQUIRE(store->Save("s02", failed));
+  }
+  const auto folder = StudyFolder::Open(parent / "study", kDesign);
+  REQUIRE(folder);
+  const auto store = OpenEpisodes(*folder);
+  REQUIRE(store);
+  CHECK(store->records() == Records{{"s01", record}, {"s02", failed}});
+}
+
+TEST_CASE("What a kill leaves of a file that was being written is no obstacle", "[study][folder]") {
+  const test::TemporaryFolder parent;
+  std::filesystem::create_directory(parent / "study");
+  REQUIRE(WriteFile(parent / "study/study.json.0123456789abcdef.partial", "{\"fing"));
+  const auto folder = StudyFolder::Open(parent / "study", kDesign);
+  REQUIRE(folder);
+  REQUIRE(OpenEpisodes(*folder));
+  REQUIRE(WriteFile(parent / "study/episodes/s01.json.0123456789abcdef.partial", "{\"name"));
+  const auto store = OpenEpisodes(*folder);
+  REQUIRE(store);
+  CHECK(store->records().empty());
+}
+
+TEST_CASE("Another design is refused and the first difference named", "[study][folder]") {
+  const test::TemporaryFolder parent;
+  REQUIRE(Refusal(parent / "study", kDesign).empty());
+  nlohmann::ordered_json other = kDesign;
+  other["seed"] = 2;
+  CHECK_THAT(Refusal(parent / "study", other),
+             Catch::EndsWith("belongs to another study: seed is 1 there, 2 here; choose another "
+                             "--out"));
+  CHECK(Refusal(parent / "study", kDesign).empty());
+}
+
+TEST_CASE("A folder with other files is left alone", "[study][folder]") {
+  const test::TemporaryFolder parent;
+  REQUIRE(WriteFile(parent / "thesis.txt", "my thesis"));
+  CHECK_THAT(Refusal(parent.path(), kDesign), Catch::EndsWith("is not empty and holds no study"));
+  CHECK(std::distance(std::filesystem::directory_iterator(parent.path()), {}) == 1);
+  CHECK_THAT(Refusal(parent / "thesis.txt", kDesign), Catch::Contains("thesis.txt"));
+}
+
+TEST_CASE("Two studies do not share a folder at a time", "[study][folder]") {
+  const test::TemporaryFolder parent;
+  const auto first = StudyFolder::Open(parent / "study", kDesign);
+  REQUIRE(first);
+  CHECK_THAT(Refusal(parent / "study", kDesign),
+             Catch::EndsWith("is in use by another conav study"));
+}
+
+TEST_CASE("A record that cannot be read is named", "[study][folder]") {
+  const test::TemporaryFolder parent;
+  const auto folder = StudyFolder::Open(parent / "study", kDesign);
+  REQUIRE(folder);
+  REQUIRE(OpenEpisodes(*folder));
+  const auto file = parent / "study/episodes/s01.json";
+  for (const char* text : {"{\"name\": \"s01\"", "{}", R"({"name": "s01", "status": "complete",
+        "detail": "", "attempts": 1, "wall_s": 1, "run": "", "measures": null})"}) {
+    REQUIRE(WriteFile(file, text));
+    const auto store = OpenEpisodes(*folder);
+    REQUIRE_FALSE(store);
+    CHECK_THAT(store.error().text, Catch::StartsWith(file.string() + ": is no record of") &&
+                                       Catch::EndsWith("the same command runs it again"));
+  }
+}
+
+TEST_CASE("A broken study.json is named", "[study][folder]") {
+  const test::TemporaryFolder parent;
+  REQUIRE(Refusal(parent / "study", kDesign).empty());
+  REQUIRE(WriteFile(parent / "study/study.json", "{"));
+  CHECK_THAT(Refusal(parent / "study", kDesign),
+             Catch::EndsWith("study.json: is no study's design"));
+}
+
+}  // namespace
+}  // namespace conav::study
