@@ -1,8 +1,8 @@
-// node bench_pages.mjs FOLDER: the browsers of ./conav bench console. Each line of its input is a command in JSON, each is answered by
-// one line; ends with its input.
-//   {"do": "open", "url": U, "pages": N, "drive": D}  there are N browsers afterwards, each with the console; D: see age_probe.mjs
-//   {"do": "begin"}, {"do": "end"}                    from the one to the other is measured
-//   {"do": "signal", "name": S}                       to the last of the browsers; it is left out by "end" while it stands still
+// node bench_pages.mjs FOLDER: the browsers of ./conav bench console. Reads one JSON command per line, answers each with one line,
+// and ends with its input.
+//   {"do": "open", "url": U, "pages": N, "drive": D}  opens the console in new browsers until there are N; D: see age_probe.mjs
+//   {"do": "begin"}, {"do": "end"}                    start and end of the measurement
+//   {"do": "signal", "name": S}                       signals the last browser; "end" skips it while it is stopped
 import { join } from "node:path";
 import { createInterface } from "node:readline";
 import { ageProbe } from "./support/age_probe.mjs";

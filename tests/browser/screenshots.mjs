@@ -1,5 +1,5 @@
-// node screenshots.mjs OUTDIR [--docs | STATE...]: pictures of the console's main states, for people to look at. Each state has a
-// system of its own. With --docs only the one of the README, which goes to docs/console.png as well.
+// node screenshots.mjs OUTDIR [--docs | STATE...]: takes screenshots of the console's main states, each on its own system. With
+// --docs only the one of the README, which is also copied to docs/console.png.
 import { copyFileSync, mkdirSync } from "node:fs";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
@@ -28,7 +28,7 @@ async function bringAbout(name) {
   } catch (error) {
     process.exitCode = 1;
     console.error(`${name}: ${error}`);
-    await scene.tell();
+    await scene.report();
   } finally {
     await scene.end();
   }

@@ -1,24 +1,25 @@
 import assert from "node:assert/strict";
 import axe from "axe-core";
 import { journey } from "../support/journey.mjs";
+import { texts } from "../support/texts.mjs";
 import { until } from "../support/wait.mjs";
 
 journey("axe finds nothing serious in any state of the page, dark or light", async (scene) => {
   const system = await scene.services({ robots: 2, planner: { first_guidance_timeout_s: 0.2 } });
   const page = await scene.open(system.url, { colorScheme: "dark" });
-  await page.dialog(/ready/).waitFor();
+  await page.dialog(texts.ready).waitFor();
   await finds(page, "start dialog");
 
   await page.begin();
-  await until("a robot sends a picture", () => page.told.all("picture").length > 0);
-  await page.chooses(page.told.all("picture")[0].robot);
-  await page.page.getByRole("img", { name: /^Picture/ }).waitFor();
-  await page.button("Workload").click();
-  await page.button("Log").click();
+  await until("a robot sends a picture", () => page.received.all("picture").length > 0);
+  await page.chooses(page.received.all("picture")[0].robot);
+  await page.page.getByRole("img", { name: texts.anyPicture }).waitFor();
+  await page.button(texts.workload).click();
+  await page.button(texts.log).click();
   await finds(page, "supervising");
 
-  await page.tool("Path").click();
-  await page.button(/Layers/).click();
+  await page.tool(texts.path).click();
+  await page.button(texts.layers).click();
   await finds(page, "path tool and layers");
   await page.press("Escape");
 
@@ -30,37 +31,37 @@ journey("axe finds nothing serious in any state of the page, dark or light", asy
   await page.page.setViewportSize(size);
 
   await page.press("?");
-  await page.dialog("Keys and signs").waitFor();
+  await page.dialog(texts.help).waitFor();
   await finds(page, "help");
   await page.press("Escape");
 
   await page.press("Shift+Escape");
-  await page.card("r1").getByText("■ stopped").waitFor();
+  await page.card("r1").getByText(texts.stopped).waitFor();
   await system.kill("planner");
-  await page.panel("Alerts").locator("li").first().waitFor();
+  await page.panel(texts.alerts).locator("li").first().waitFor();
   await finds(page, "alerts");
 
   const other = await scene.open(system.url, { colorScheme: "dark" });
-  await other.button(/take over/).click();
-  await other.dialog("Take over?").waitFor();
+  await other.button(texts.anyTakeOver).click();
+  await other.dialog(texts.takeOverDialog).waitFor();
   await finds(other, "take over");
 });
 
 journey("axe finds nothing serious on a participant's page", async (scene) => {
   const task = await scene.mappingTask("--participant", "P07", "--maze-seed", "7");
   const page = await scene.openOnly(task.url, { colorScheme: "dark" });
-  const begin = page.dialog("Maze 1 of 1").getByRole("button", { name: "Begin" });
+  const begin = page.dialog(texts.maze(1, 1)).getByRole("button", { name: texts.begin });
   await begin.waitFor();
   await finds(page, "begin dialog");
   await begin.click();
-  await page.page.getByRole("img", { name: "Picture 1 of r1" }).waitFor();
+  await page.page.getByRole("img", { name: texts.firstPicture("r1") }).waitFor();
   await finds(page, "mapping");
   await page.press("?");
-  await page.dialog("What to do, and keys").waitFor();
+  await page.dialog(texts.taskHelp).waitFor();
   await finds(page, "help of the task");
 });
 
-/** In both themes, without motion: a colour on its way to another one has any contrast. */
+/** In both themes, without transitions, which would change the contrast. */
 async function finds(page, state) {
   for (const theme of ["dark", "light"]) {
     await page.page.emulateMedia({ colorScheme: theme, reducedMotion: "reduce" });

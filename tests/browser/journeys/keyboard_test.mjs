@@ -1,16 +1,18 @@
 import assert from "node:assert/strict";
 import { journey } from "../support/journey.mjs";
 import { numberOf } from "../support/protocol.mjs";
+import { texts } from "../support/texts.mjs";
 import { until } from "../support/wait.mjs";
 
 const picture = numberOf("AttentionReason", "REASON_PICTURE");
 const nothingNew = numberOf("PictureAnswer", "ANSWER_NOTHING_NEW");
-/** Robots go at once, and then wait for answers as long as it takes. */
+/** Robots start at once and then wait for answers as long as it takes. */
 const patient = {
   first_guidance_timeout_s: 0.2,
   answer_timeout_s: 600,
   timeout_clock: "simulation",
 };
+const corner = { row: 1, column: 1 };
 const farthest = 60; // elements that Tab may pass
 
 journey("everything can be done by the keyboard alone", async (scene) => {
@@ -20,43 +22,43 @@ journey("everything can be done by the keyboard alone", async (scene) => {
     for (const key of keys) await page.press(key);
   };
 
-  // Begins: the dialog has the focus on what is done most.
-  await page.dialog("2 robots ready").waitFor();
+  // Start: the dialog focuses its main choice.
+  await page.dialog(texts.ready2).waitFor();
   await press("Enter");
-  await page.button(/You control r1/).waitFor();
+  await page.button(texts.iControl("r1")).waitFor();
 
   await press("j");
   await page.isChosen("r2");
   await press("k");
   await page.isChosen("r1");
 
-  // Edits: the map is reached by Tab, the cell by the arrow keys.
+  // Edit: Tab leads to the map, the arrow keys to the cell.
   await tabsTo(page, page.map);
-  const { revision } = page.told.belief();
+  const { revision } = page.received.belief();
   await press("w", "ArrowUp", "Control+Home", "ArrowDown", "ArrowRight");
-  await spoken(page, "Row 1, column 1: free on your map");
+  await spoken(page, `${texts.cell(corner)} free`);
   await press(" ");
   await page.waitsForRevision(revision + 1n);
-  await spoken(page, "Row 1, column 1: wall on your map");
+  await spoken(page, `${texts.cell(corner)} wall`);
   await press("Control+z");
   await page.waitsForRevision(revision + 2n);
-  assert.equal(page.told.isWall({ row: 1, column: 1 }), false);
+  assert.equal(page.received.isWall(corner), false);
 
-  // Draws a path to where the cursor is, and sends it.
-  const me = page.told.welcome.client;
+  // Draw a path to the cursor and send it.
+  const me = page.received.welcome.client;
   await press("p", " ");
-  await page.reads("Not sent yet");
+  await page.reads(texts.pathNotSent);
   await press("Enter");
   const given = await until("the service has the path", () => {
-    const guidance = page.told.newest("guidance", "r1");
+    const guidance = page.received.newest("guidance", "r1");
     return guidance?.givenBy === me ? guidance : undefined;
   });
   const { row, column } = given.path.at(-1);
   assert.deepEqual([row, column], [1, 1]);
   await press("Escape", "v");
 
-  // "To the map" leads to the map itself; N, too, where nothing has the focus.
-  const skip = page.page.getByRole("link", { name: "To the map" });
+  // The skip link focuses the map, and so does N if nothing has the focus.
+  const skip = page.page.getByRole("link", { name: texts.skipToMap });
   await skip.focus();
   await press("Enter");
   assert.ok(await hasFocus(page.map));
@@ -65,8 +67,9 @@ journey("everything can be done by the keyboard alone", async (scene) => {
   assert.ok(await hasFocus(page.map));
   await press("Escape");
 
-  // Answers a picture.
-  const asks = () => page.told.newest("attention").items.filter(({ reason }) => reason === picture);
+  // Answer a picture.
+  const asks = () =>
+    page.received.newest("attention").items.filter(({ reason }) => reason === picture);
   await until("a robot asks about a picture", () => asks().length > 0);
   await until(
     "N goes to it",
@@ -78,23 +81,23 @@ journey("everything can be done by the keyboard alone", async (scene) => {
   );
   await press("x");
   await until("the service has the answer", () =>
-    page.told
+    page.received
       .all("picture")
       .some(({ answer, answeredBy }) => answer === nothingNew && answeredBy === me),
   );
-  await page.reads(/nothing new, by you/);
+  await page.reads(texts.answeredByYou);
 
   await press("Shift+Escape");
-  for (const robot of ["r1", "r2"]) await page.card(robot).getByText("■ stopped").waitFor();
+  for (const robot of ["r1", "r2"]) await page.card(robot).getByText(texts.stopped).waitFor();
 
   await press("?");
-  const help = page.dialog("Keys and signs");
-  await help.getByText("Stop all robots").waitFor();
+  const help = page.dialog(texts.help);
+  await help.getByText(texts.helpStopAll).waitFor();
   await press("Escape");
   await help.waitFor({ state: "hidden" });
 });
 
-/** Tab, until the focus is there; it can be seen wherever it is. */
+/** Presses Tab until `target` has the focus. The focus must be visible on the way. */
 async function tabsTo(page, target) {
   for (let i = 0; i < farthest; i += 1) {
     await page.press("Tab");
@@ -118,7 +121,7 @@ function focusText(page) {
   return page.page.evaluate(() => document.activeElement?.outerHTML.slice(0, 200));
 }
 
-/** What a screen reader reads of the cell under the cursor. */
+/** Waits for the text that a screen reader reads about the cell under the cursor. */
 function spoken(page, text) {
   return page.page
     .locator(".map-status output")

@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { journey } from "../support/journey.mjs";
+import { texts } from "../support/texts.mjs";
 import { until } from "../support/wait.mjs";
 
 const cells = [
@@ -9,101 +10,103 @@ const cells = [
 ];
 
 journey(
-  "an edited wall is confirmed, seen by others, and can be undone and done again",
+  "an edited wall is confirmed, seen by others, and can be undone and redone",
   async (scene) => {
     const system = await scene.services({ robots: 1 });
     const page = await scene.open(system.url, { name: "Ada" });
     const other = await scene.open(system.url, { name: "Ben" });
     await page.begin();
-    const before = page.told.belief();
-    for (const cell of cells) assert.match(await page.wordsAbout(cell), /: free on your map/);
+    const before = page.received.belief();
+    for (const cell of cells) assert.match(await page.wordsAbout(cell), texts.freeCell);
 
-    await page.draws(cells, "Wall");
+    await page.draws(cells, texts.wall);
     const after = await other.waitsForRevision(before.revision + 1n);
     await page.waitsForRevision(before.revision + 1n);
-    assert.equal(after.editedBy, page.told.welcome.client);
+    assert.equal(after.editedBy, page.received.welcome.client);
     for (const cell of cells) {
-      assert.match(await page.wordsAbout(cell), /: wall on your map/);
-      assert.match(await other.wordsAbout(cell), /: wall on your map/);
+      assert.match(await page.wordsAbout(cell), texts.wallCell);
+      assert.match(await other.wordsAbout(cell), texts.wallCell);
     }
-    assert.equal(await page.page.getByText(/not confirmed yet/).count(), 0);
+    assert.equal(await page.page.getByText(texts.notConfirmed).count(), 0);
 
     await page.press("Control+z");
     await other.waitsForRevision(before.revision + 2n);
-    assert.deepEqual(other.told.belief().walls, before.walls);
+    assert.deepEqual(other.received.belief().walls, before.walls);
     await page.waitsForRevision(before.revision + 2n);
     await page.press("Control+y");
     await other.waitsForRevision(before.revision + 3n);
-    assert.deepEqual(other.told.belief().walls, after.walls);
+    assert.deepEqual(other.received.belief().walls, after.walls);
   },
 );
 
-journey("an edit on an old map is refused and shown, and can be sent again", async (scene) => {
+journey("an edit on an old map is refused, stays visible, and can be sent again", async (scene) => {
   const system = await scene.services({ robots: 1 });
   const line = await scene.line(system.url);
   const late = await scene.open(line.url, { name: "Late" });
   const other = await scene.open(system.url, { name: "Other" });
-  await other.dialog(/ready/).getByRole("button", { name: "Close" }).click();
-  await late.dialog(/ready/).getByRole("button", { name: "Close" }).click();
-  const { revision } = late.told.belief();
+  await other.dialog(texts.ready).getByRole("button", { name: texts.close }).click();
+  await late.dialog(texts.ready).getByRole("button", { name: texts.close }).click();
+  const { revision } = late.received.belief();
   const [mine, theirs] = cells;
 
+  await late.beginsDrawing([mine], texts.wall); // a stale link would forbid to begin
   line.hold();
-  await other.draws([theirs], "Wall");
+  await other.draws([theirs], texts.wall);
   await other.waitsForRevision(revision + 1n);
-  await late.draws([mine], "Wall");
-  await late.reads("1 cell sent, not confirmed yet");
+  await late.page.mouse.up();
+  await late.reads(texts.oneCellSent);
   line.release();
 
-  await late.page.getByRole("alert").getByText("1 cell not saved:").waitFor();
-  const edit = late.told.requests("edit").at(-1);
+  await late.page.getByRole("alert").getByText(texts.oneCellRefused).waitFor();
+  const edit = late.received.requests("edit").at(-1);
   assert.equal(edit.body.value.baseRevision, revision);
-  assert.match(late.told.replyTo(edit).reason, /revision/);
-  assert.equal(other.told.belief().revision, revision + 1n, "nothing was changed");
-  assert.equal(other.told.isWall(mine), false);
+  assert.match(late.received.replyTo(edit).reason, /revision/);
+  assert.equal(other.received.belief().revision, revision + 1n, "nothing was changed");
+  assert.equal(other.received.isWall(mine), false);
 
-  await late.button("Send again").click();
+  await late.button(texts.sendAgain).click();
   await other.waitsForRevision(revision + 2n);
-  assert.equal(other.told.isWall(mine), true);
-  assert.equal(other.told.isWall(theirs), true);
-  await late.page.getByText("1 cell not saved:").waitFor({ state: "hidden" });
+  assert.equal(other.received.isWall(mine), true);
+  assert.equal(other.received.isWall(theirs), true);
+  await late.page.getByText(texts.oneCellRefused).waitFor({ state: "hidden" });
 });
 
-journey("a path that is drawn for the chosen robot is the way that it takes", async (scene) => {
-  // This method follows paths to the letter; ig-mcts takes them as advice.
+journey("the chosen robot follows the path that is drawn for it", async (scene) => {
+  // This method follows paths exactly; ig-mcts treats them as advice.
   const system = await scene.services({ robots: 2, planner: { method: "instruction" } });
   const page = await scene.open(system.url, { name: "Ada" });
-  await page.dialog(/ready/).getByRole("button", { name: "Close" }).click();
+  await page.dialog(texts.ready).getByRole("button", { name: texts.close }).click();
   await page.chooses("r1");
-  const start = page.told.robot("r1").cell;
+  const start = page.received.robot("r1").cell;
   const way = wayFrom(page, start);
 
-  await page.draws([start, ...way], "Path");
+  await page.draws([start, ...way], texts.path);
   const guidance = await until("the service has the path", () => {
-    const given = page.told.newest("guidance", "r1");
-    return given?.givenBy === page.told.welcome.client ? given : undefined;
+    const given = page.received.newest("guidance", "r1");
+    return given?.givenBy === page.received.welcome.client ? given : undefined;
   });
-  const texts = (path) => path.map(({ row, column }) => `${row},${column}`);
-  assert.deepEqual(texts(guidance.path), texts([start, ...way]));
-  await page.reads(/Path by/);
-  assert.notEqual(page.told.newest("guidance", "r2")?.givenBy, page.told.welcome.client);
+  const names = (path) => path.map(({ row, column }) => `${row},${column}`);
+  assert.deepEqual(names(guidance.path), names([start, ...way]));
+  await page.reads(texts.pathBy);
+  assert.notEqual(page.received.newest("guidance", "r2")?.givenBy, page.received.welcome.client);
 
   await page.press("g");
   for (const cell of way) {
     await until(`r1 comes by ${cell.row},${cell.column}`, () =>
-      page.told
+      page.received
         .all("trail")
-        .some((piece) => piece.robot === "r1" && texts(piece.cells).includes(texts([cell])[0])),
+        .some((piece) => piece.robot === "r1" && names(piece.cells).includes(names([cell])[0])),
     );
   }
-  assert.equal(page.told.robot("r2").cellMoves, 0n, "nobody let the other one go");
+  assert.equal(page.received.robot("r2").cellMoves, 0n, "nobody resumed the other robot");
 });
 
-/** Three cells, one after the other, free on the operator's map and, as far as the robot sees, in truth. */
+/** Three cells in a row that are free on the operator's map and that the robot has seen free. */
 function wayFrom(page, start) {
-  const seen = page.told.newest("seen", "r1").cells;
-  const { columns } = page.told.newest("world", "w1");
-  const isOpen = (cell) => !page.told.isWall(cell) && seen[cell.row * columns + cell.column] === 1;
+  const seen = page.received.newest("seen", "r1").cells;
+  const { columns } = page.received.newest("world", "w1");
+  const isOpen = (cell) =>
+    !page.received.isWall(cell) && seen[cell.row * columns + cell.column] === 1;
   const isNew = (cell, way) =>
     way.every(({ row, column }) => row !== cell.row || column !== cell.column);
   const steps = ({ row, column }) =>

@@ -3,6 +3,7 @@ import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { journey } from "../support/journey.mjs";
 import { numberOf } from "../support/protocol.mjs";
+import { texts } from "../support/texts.mjs";
 import { until } from "../support/wait.mjs";
 
 const finished = numberOf("TaskPhase", "PHASE_FINISHED");
@@ -12,7 +13,7 @@ async function regionsOf({ page }) {
   return (await page.getByRole("region").evaluateAll(labels)).sort();
 }
 
-/** In the page: of an image. */
+/** Runs in the page: the pixels of an image. */
 function pixelsOf(image) {
   const canvas = document.createElement("canvas");
   canvas.width = image.naturalWidth;
@@ -21,50 +22,53 @@ function pixelsOf(image) {
   return canvas.toDataURL();
 }
 
-/** Ask for pictures until the maze may be finished. */
+/** Requests pictures until the maze may be finished. */
 async function seeAllGoals(page) {
-  const next = page.button(/Next picture/);
-  const finish = page.button("Finish this maze");
+  const next = page.button(texts.nextPicture);
+  const finish = page.button(texts.finishMaze);
   for (;;) {
     await next.waitFor();
     if (await finish.isVisible()) return;
-    const { length } = page.told.pictures("r1");
+    const { length } = page.received.pictures("r1");
     await page.press("n");
-    await until("the next picture comes", () => page.told.pictures("r1").length > length);
+    await until("the next picture comes", () => page.received.pictures("r1").length > length);
   }
 }
 
-journey("a participant maps one maze after the other at one page", async (scene) => {
-  scene.expectConnectionTrouble(); // the service leaves between two mazes
+journey("a participant maps one maze after the other on one page", async (scene) => {
+  scene.expectConnectionTrouble(); // the service restarts between two mazes
   const task = await scene.mappingTask("--participant", "P07", "--maze-seed", "7,9");
   const page = await scene.openOnly(task.url);
 
-  await page.dialog("Maze 1 of 2").waitFor();
-  await page.dialog("Maze 1 of 2").getByRole("button", { name: "Begin" }).click();
-  await page.button(/Next picture/).waitFor();
-  const picture = page.page.getByRole("img", { name: "Picture 1 of r1" });
+  await page.dialog(texts.maze(1, 2)).waitFor();
+  await page.dialog(texts.maze(1, 2)).getByRole("button", { name: texts.begin }).click();
+  await page.button(texts.nextPicture).waitFor();
+  const picture = page.page.getByRole("img", { name: texts.firstPicture("r1") });
   const firstMaze = await picture.evaluate(pixelsOf);
   await page.toggles({ row: 6, column: 6 });
-  await page.button("Undo").click(); // and back
+  await page.button(texts.undo).click(); // and back
   await page.waitsForRevision(2n);
-  assert.deepEqual(await regionsOf(page), ["Map of w1", "Pictures", "Task"], "no queue, no alerts");
+  assert.deepEqual(await regionsOf(page), texts.taskRegions, "no queue, no alerts");
   assert.equal(await page.page.getByRole("navigation").count(), 0, "no fleet strip");
-  assert.equal(await page.button(/^Path/).count(), 0, "no paths");
+  assert.equal(await page.button(texts.anyPath).count(), 0, "no paths");
   for (const secret of ["seen", "plan", "search", "prediction", "truth"]) {
-    assert.equal(page.told.newest(secret, "r1") ?? page.told.newest(secret, "w1"), undefined);
+    assert.equal(
+      page.received.newest(secret, "r1") ?? page.received.newest(secret, "w1"),
+      undefined,
+    );
   }
 
   await seeAllGoals(page);
-  await page.button("Finish this maze").click();
-  await page.button("Yes, finish").click();
-  await page.reads(/Maze 1 is finished: 0 % of the map's mistakes corrected/);
-  assert.equal(page.told.newest("task").phase, finished);
+  await page.button(texts.finishMaze).click();
+  await page.button(texts.yesFinish).click();
+  await page.reads(texts.mazeResult(1));
+  assert.equal(page.received.newest("task").phase, finished);
 
-  await page.dialog("Maze 2 of 2").waitFor();
-  await page.reads("Maze 1: you corrected 0 % of the map's mistakes.");
-  assert.equal(await page.button("Undo").isDisabled(), true, "nothing of maze 1 can be undone");
-  await page.dialog("Maze 2 of 2").getByRole("button", { name: "Begin" }).click();
-  await page.button(/Next picture/).waitFor();
+  await page.dialog(texts.maze(2, 2)).waitFor();
+  await page.reads(texts.earlierResult(1));
+  assert.equal(await page.button(texts.undo).isDisabled(), true, "nothing of maze 1 can be undone");
+  await page.dialog(texts.maze(2, 2)).getByRole("button", { name: texts.begin }).click();
+  await page.button(texts.nextPicture).waitFor();
   assert.notEqual(await picture.evaluate(pixelsOf), firstMaze, "a picture of this maze");
   const result = JSON.parse(readFileSync(join(task.folder, "result.json"), "utf8"));
   assert.equal(result.mazes_finished, 1);

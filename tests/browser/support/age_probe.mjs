@@ -1,40 +1,40 @@
 import { fittedGrid } from "./fitted_grid.mjs";
 
 /**
- * How old the robots are that the map of a page shows, read off what it draws: each robot drives eastwards at a known speed and
- * begins again in the west, so its place tells when its state was sent. The page itself takes no part in it.
+ * Measures the age of the robots on a page's map from what the map draws. Each robot drives eastwards at a known speed and starts
+ * over in the west, so its position tells when its state was sent. The page itself is not involved.
  *
- * Age: from sending the state until the animation frame after the one in which the map drew it; by then the drawing has gone to
- * the compositor. `drawn` is the time of the drawing itself.
+ * Age: from sending the state until the animation frame after the one in which the map drew it, when the drawing has reached the
+ * compositor. `drawn` is the time of the drawing itself.
  *
  * @typedef {{ begin: number, west: number, speed: number, period: number, cellSize: number, rows: number, columns: number }} Drive
- *   begin: wall time in s; west: x in m where a period (s) begins; speed in m/s
+ *   begin: wall time in s; west: x in m where a period (s) starts; speed in m/s
  * @param {Drive} drive
- * @returns {string} a script for the page; from then on `conavAges.take()` there returns what came since the call before
+ * @returns {string} a script for the page; afterwards `conavAges.take()` there returns the ages since the previous call
  */
 export function ageProbe(drive) {
   return `(${probe})(${fittedGrid}, ${JSON.stringify(drive)})`;
 }
 
-/** In the page. */
+/** Runs in the page. */
 function probe(fitted, drive) {
   const grain = 10; // ms between two looks at what is on screen
   const wall = () => (performance.timeOrigin + performance.now()) / 1000;
-  /** By robot: x as drawn newest; x on screen, and since when it is there. */
+  /** By robot: newest drawn x, x on screen, and since when it is on screen. */
   const robots = new Map();
   let canvas;
   let drawnAt = 0;
   let pending = false;
   let taken = {};
 
-  /** Where the grid lies; asked for once per frame, for it makes the browser look at its layout. */
+  /** Position of the grid; computed once per frame, because it forces a layout. */
   let place;
   const fresh = () => ({ shown: [], drawn: [], any: [], frames: 0, since: performance.now() });
   const ageAt = (x, now) => {
     const metres = ((x - place.left) / place.scale - drive.columns / 2) * drive.cellSize;
     const sent = (metres - drive.west) / drive.speed;
     const age = (now - drive.begin - sent) % drive.period;
-    // Clocks of one machine: a state from the future is a mistake of ours, and shall be seen as one.
+    // One machine, one clock: a negative age is a bug and must be visible.
     return 1000 * (age > drive.period / 2 ? age - drive.period : age);
   };
   const show = () => {

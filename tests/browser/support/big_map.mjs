@@ -4,7 +4,7 @@ import { join } from "node:path";
 const side = 150;
 
 /**
- * A plan of 150 x 150 cells as a ROS map_server file: rooms of 10 x 10 with doors to all sides.
+ * A map of 150 x 150 cells as a ROS map_server file: rooms of 10 x 10 with doors on all sides.
  * @returns {string} the YAML file in `folder`
  */
 export function writeBigMap(folder) {

@@ -1,6 +1,6 @@
 import { chromium } from "playwright-core";
 
-/** Debian's own; another one by CONAV_CHROMIUM. */
+/** Debian's Chromium, or CONAV_CHROMIUM. */
 export const executablePath = process.env.CONAV_CHROMIUM ?? "/usr/bin/chromium";
 
 export const quiet = [
@@ -16,7 +16,7 @@ export function launch() {
   return chromium.launch({ executablePath, headless: true, args: quiet });
 }
 
-/** As a server of its own, whose processes can be told from all others. */
+/** A browser server with its own processes. */
 export function launchServer() {
   return chromium.launchServer({ executablePath, headless: true, args: quiet });
 }

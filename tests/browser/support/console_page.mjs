@@ -1,19 +1,20 @@
 import { fittedGrid } from "./fitted_grid.mjs";
-import { Told } from "./told.mjs";
+import { ReceivedMessages } from "./received.mjs";
+import { texts } from "./texts.mjs";
 import { patience, until } from "./wait.mjs";
 
-/** What may be written to the browser's console while the service is away. */
+/** Expected messages in the browser's console while the service is away. */
 export const connectionTrouble = /WebSocket|ERR_CONNECTION|Failed to load resource/;
 
-/** The console in one browser: what a person sees and does there, and what the service told it. */
+/** The console in one browser: what a person sees and does there, and the messages that it received. */
 export class ConsolePage {
-  /** Faults that the browser complained of: scripts, policies, missing files. */
+  /** Errors that the browser reported: scripts, policies, missing files. */
   faults = [];
 
   /** @param {import("playwright-core").Page} page */
   constructor(page) {
     this.page = page;
-    this.told = new Told(page);
+    this.received = new ReceivedMessages(page);
     page.setDefaultTimeout(1000 * patience);
     page.on("pageerror", (error) => this.faults.push(String(error)));
     page.on("console", (message) => {
@@ -21,15 +22,15 @@ export class ConsolePage {
     });
   }
 
-  /** The page shows robots and a map, and the link is live. */
+  /** Waits until the page shows robots and a map, and the link is live. */
   async isReady() {
     await this.page.locator(".fleet-card").first().waitFor();
     await this.link("live");
     await this.map.waitFor();
-    await until("the operator's map comes", () => this.told.all("belief").length > 0);
+    await until("the operator's map comes", () => this.received.all("belief").length > 0);
   }
 
-  /** Waits until the page says so of its link to the service. */
+  /** Waits until the page shows this state of its link. */
   link(state) {
     return this.page.locator(".latency").getByText(state).first().waitFor();
   }
@@ -42,7 +43,7 @@ export class ConsolePage {
     return this.page.getByRole("button", { name });
   }
 
-  /** In the fleet strip. */
+  /** A robot's card in the fleet strip. */
   card(robot) {
     return this.page
       .locator(".fleet-card")
@@ -53,13 +54,13 @@ export class ConsolePage {
     return this.page.getByRole("region", { name });
   }
 
-  /** Begins by the start dialog: "Guide the robots yourself" or another of its choices. */
-  async begin(choice = /Guide the robots yourself/) {
+  /** Makes a choice in the start dialog. */
+  async begin(choice = texts.guide) {
     await this.button(choice).click();
-    await this.dialog(/ready/).waitFor({ state: "hidden" });
+    await this.dialog(texts.ready).waitFor({ state: "hidden" });
   }
 
-  /** Waits until a text can be read somewhere on the page. */
+  /** Waits until the page shows a text. */
   reads(text) {
     return this.page.getByText(text).first().waitFor();
   }
@@ -69,7 +70,7 @@ export class ConsolePage {
     await this.isChosen(robot);
   }
 
-  /** Waits until it is. */
+  /** Waits until the robot is chosen. */
   isChosen(robot) {
     return this.card(robot).locator(".choose[aria-pressed=true]").waitFor();
   }
@@ -78,23 +79,23 @@ export class ConsolePage {
     return this.page.keyboard.press(key);
   }
 
-  /** The cell of a robot, as the page was told: changes as it moves. */
+  /** The newest cell of a robot that the page received. */
   cellOf(robot) {
-    const { row, column } = this.told.robot(robot).cell;
+    const { row, column } = this.received.robot(robot).cell;
     return `${row},${column}`;
   }
 
   /** Waits until the robot has entered another cell. */
   async moves(robot) {
-    const moves = () => this.told.robot(robot)?.cellMoves ?? 0n;
+    const moves = () => this.received.robot(robot)?.cellMoves ?? 0n;
     const before = moves();
     await until(`${robot} moves on`, () => moves() > before);
   }
 
-  /** Waits until the robot has stood for a moment: what it was about when it was stopped it ends first. */
+  /** Waits until the robot has stood still for a moment. After a stop it first ends its current action. */
   async comesToRest(robot) {
     const looks = () => {
-      const { cell, heading, lowLevelSteps } = this.told.robot(robot);
+      const { cell, heading, lowLevelSteps } = this.received.robot(robot);
       return `row ${cell.row}, column ${cell.column}, heading ${heading}, ${lowLevelSteps} steps`;
     };
     let before = "";
@@ -111,62 +112,67 @@ export class ConsolePage {
 
   // --- the map ---
 
-  /** Its canvas. */
+  /** The map's canvas. */
   get map() {
-    return this.page.getByRole("application", { name: /^Your map/ });
+    return this.page.getByRole("application", { name: texts.yourMap });
   }
 
-  /** The button of a tool of the map. */
+  /** The button of a map tool. */
   tool(name) {
-    return this.page.getByRole("group", { name: "Map tools" }).getByRole("button", { name });
+    return this.page.getByRole("group", { name: texts.mapTools }).getByRole("button", { name });
   }
 
-  /** Puts the pointer on a cell, without leaving the map; the status line confirms that it is this one. */
+  /** Moves the pointer to a cell and waits until the status line names it. */
   async pointAt({ row, column }) {
     await this.press("0"); // shows all of it
     const { x, y } = await this.#centreOf({ row, column });
     await this.page.mouse.move(x, y);
-    await this.page.getByText(`Row ${row}, column ${column}:`).first().waitFor();
+    await this.page.getByText(texts.cell({ row, column })).first().waitFor();
     return { x, y };
   }
 
-  /** The status line's words about a cell. */
+  /** The status line's text about a cell. */
   async wordsAbout(cell) {
     await this.pointAt(cell);
     return (await this.page.locator(".map-status span").first().textContent()) ?? "";
   }
 
-  /** Draws (or erases) one wall with the mouse, and waits until the service has confirmed it. */
-  async edits(cell, tool = "Wall") {
-    const { revision } = this.told.belief();
+  /** Draws or erases one wall with the mouse and waits until the service has confirmed it. */
+  async edits(cell, tool = texts.wall) {
+    const { revision } = this.received.belief();
     await this.draws([cell], tool);
-    await until("the edit is confirmed", () => this.told.belief().revision > revision);
+    await until("the edit is confirmed", () => this.received.belief().revision > revision);
   }
 
   /** Waits for the map of that revision, and returns it. */
   async waitsForRevision(revision) {
-    const now = () => this.told.belief().revision;
+    const now = () => this.received.belief().revision;
     await until(`map revision ${revision}`, () => now() >= revision, { now });
-    return this.told.belief();
+    return this.received.belief();
   }
 
-  /** Makes a wall of a free cell or the other way round; waits until the service has confirmed it. */
+  /** Toggles a wall and waits until the service has confirmed it. */
   toggles(cell) {
-    return this.edits(cell, this.told.isWall(cell) ? "Erase" : "Wall");
+    return this.edits(cell, this.received.isWall(cell) ? texts.erase : texts.wall);
   }
 
-  /** Takes a tool and draws with the mouse through the middles of cells. */
-  async draws([first, ...others], tool) {
+  /** Chooses a tool and draws with the mouse through the middles of cells. */
+  async draws(cells, tool) {
+    await this.beginsDrawing(cells, tool);
+    await this.page.mouse.up();
+  }
+
+  /** The same, but the mouse button stays down: the edit is sent when it is released. */
+  async beginsDrawing([first, ...others], tool) {
     await this.tool(tool).click();
     await this.pointAt(first);
     await this.page.mouse.down();
     for (const cell of others) await this.pointAt(cell);
-    await this.page.mouse.up();
   }
 
-  /** Where a cell is while all of the map is shown: the grid in the middle of what rulers and margins leave. */
+  /** Screen position of a cell while the whole map is shown. */
   async #centreOf({ row, column }) {
-    const { rows, columns } = this.told.newest("world", "w1");
+    const { rows, columns } = this.received.newest("world", "w1");
     const box = await this.map.boundingBox();
     const { left, top, scale } = fittedGrid(box, { rows, columns });
     return { x: box.x + left + (column + 0.5) * scale, y: box.y + top + (row + 0.5) * scale };

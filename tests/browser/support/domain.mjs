@@ -8,8 +8,8 @@ const first = 40;
 const domains = 60;
 
 /**
- * A DDS domain that no other test of this machine uses while the process that is returned lives, and that no demo used when it was
- * taken; as tests/support/test_domain.h does it, by locks on the same files.
+ * Leases a DDS domain that no other test on this machine uses while the returned process lives, and that no demo uses now. Locks
+ * the same files as tests/support/test_domain.h.
  * @param {string} log
  * @returns {Promise<{ domain: number, keeper: Process }>}
  */
@@ -18,14 +18,14 @@ export async function leaseDomain(log) {
     const domain = first + ((process.pid + i) % domains);
     const file = (holder) => join(tmpdir(), `conav-${holder}-${domain}.lock`);
     if (spawnSync("flock", ["-n", file("domain"), "true"]).status !== 0) continue;
-    // `cat` waits for the end of its input, which comes with ours.
+    // `cat` ends with its input, and so with this process.
     const command = ["flock", "-n", file("test"), "sh", "-c", "echo kept; exec cat"];
     const keeper = new Process(`domain ${domain}`, command, {
       log: `${log}-${domain}`,
       stdin: "pipe",
     });
     const kept = await until(`the lock of domain ${domain}`, () => {
-      if (keeper.said().includes("kept")) return "yes";
+      if (keeper.output().includes("kept")) return "yes";
       return keeper.ended === undefined ? undefined : "no";
     });
     if (kept === "yes") return { domain, keeper };

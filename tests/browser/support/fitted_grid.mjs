@@ -1,6 +1,6 @@
 /**
- * Where the grid lies on the map's canvas while all of the map is shown: in the middle of what rulers and margins leave. CSS pixels
- * from the canvas's upper left corner. Also runs in pages, as text: it must need nothing of this file.
+ * Position of the grid on the map's canvas while the whole map is shown, in CSS pixels from the canvas's upper left corner. Also
+ * runs in pages, as text, so it must not use anything else of this file.
  * @param {{ width: number, height: number }} canvas
  * @param {{ rows: number, columns: number }} size
  */

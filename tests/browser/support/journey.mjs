@@ -2,7 +2,7 @@ import { test } from "node:test";
 import { Scene } from "./scene.mjs";
 
 /**
- * A test that goes through the console as a person does, on a system of its own.
+ * A test that uses the console as a person does, on its own system.
  * @param {string} name a sentence that states the fact
  * @param {(scene: Scene) => Promise<void>} walk
  */
@@ -13,7 +13,7 @@ export function journey(name, walk) {
       await walk(scene);
       scene.checkFaults();
     } catch (error) {
-      await scene.tell();
+      await scene.report();
       await scene.end().catch(console.log); // what went wrong first is what counts
       throw error;
     }

@@ -30,7 +30,7 @@ export class Line {
     });
   }
 
-  /** What the service says no longer arrives; what the browser says does. */
+  /** Holds back the service's messages. The browser's messages still arrive. */
   hold() {
     this.#holds = true;
     for (const [, far] of this.#pairs) far.pause();
@@ -41,7 +41,7 @@ export class Line {
     for (const [, far] of this.#pairs) far.resume();
   }
 
-  /** Closes what is open, and lets nobody through. */
+  /** Closes all connections and refuses new ones. */
   cut() {
     this.#isCut = true;
     for (const [near, far] of this.#pairs) {

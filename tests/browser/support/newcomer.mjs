@@ -1,34 +1,35 @@
+import { texts } from "./texts.mjs";
 /**
- * Somebody who knows of the console only what it shows: turns to the first that asks, and draws its way to the nearest of its
- * flags, around what the map shows as walls.
+ * Acts like a person who knows only what the console shows: goes to the first robot in the queue and draws a path to its nearest
+ * flag, around the walls on the map.
  * @param {import("./console_page.mjs").ConsolePage} page
  * @returns {Promise<boolean>} whether there was something to do
  */
 export async function answersFirst(page) {
-  const items = page.told.newest("attention")?.items ?? [];
-  const first = items.find(({ robot }) => page.told.robot(robot).goalsLeft.length > 0);
+  const items = page.received.newest("attention")?.items ?? [];
+  const first = items.find(({ robot }) => page.received.robot(robot).goalsLeft.length > 0);
   if (first === undefined) return false;
   const { robot } = first;
   await page.chooses(robot);
-  const { cell, goalsLeft } = page.told.robot(robot);
+  const { cell, goalsLeft } = page.received.robot(robot);
   const way = shortestWay(cell, goalsLeft, (next) => showsWall(page, next));
-  if (way === undefined) throw new Error(`the map shows no way for ${robot}`);
-  await page.draws(cornersOf(way), "Path");
+  if (way === undefined) throw new Error(`the map shows no route for ${robot}`);
+  await page.draws(cornersOf(way), texts.path);
   return true;
 }
 
 const same = (a, b) => a.row === b.row && a.column === b.column;
 
-/** What robots saw counts more than the map. */
+/** What robots saw overrides the map. */
 function showsWall(page, cell) {
-  const { rows, columns } = page.told.newest("world", "w1");
+  const { rows, columns } = page.received.newest("world", "w1");
   const { row, column } = cell;
   if (row <= 0 || column <= 0 || row >= rows - 1 || column >= columns - 1) return true;
-  const seen = page.told.all("seen").map(({ cells }) => cells[row * columns + column]);
-  return seen.includes(2) || (!seen.includes(1) && page.told.isWall(cell));
+  const seen = page.received.all("seen").map(({ cells }) => cells[row * columns + column]);
+  return seen.includes(2) || (!seen.includes(1) && page.received.isWall(cell));
 }
 
-/** Cells from `start` to the nearest of `goals`, both among them. */
+/** Cells from `start` to the nearest of `goals`, both included. */
 function shortestWay(start, goals, isWall) {
   const ways = [[start]];
   const known = new Set([`${start.row} ${start.column}`]);
@@ -51,7 +52,7 @@ function shortestWay(start, goals, isWall) {
   return undefined;
 }
 
-/** Where the way turns, and its ends: nobody stops in each cell. */
+/** The ends and turns of the route, since people do not stop in each cell. */
 function cornersOf(way) {
   return way.filter((_, i) => {
     const [before, after] = [way[i - 1], way[i + 1]];

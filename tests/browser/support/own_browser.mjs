@@ -4,12 +4,12 @@ import { chromium } from "playwright-core";
 import { executablePath, quiet } from "./browser.mjs";
 import { cpuOf, familyOf, Process, signalAll } from "./processes.mjs";
 
-/** A browser with one page that nobody watches but for moments: what is measured is the page, not its being tested. */
+/** A browser with one page that the test visits only briefly, so that testing does not disturb the measurement. */
 export class OwnBrowser {
   #process;
   #address = "";
 
-  /** @param {string} folder for its profile and what it says */
+  /** @param {string} folder for its profile and log */
   constructor(folder, { url, width, height }) {
     mkdirSync(folder, { recursive: true });
     const words = [
@@ -25,7 +25,7 @@ export class OwnBrowser {
   }
 
   async started() {
-    [, this.#address] = await this.#process.hears(/DevTools listening on (ws:\S+)/);
+    [, this.#address] = await this.#process.waitForOutput(/DevTools listening on (ws:\S+)/);
   }
 
   /**
@@ -38,11 +38,11 @@ export class OwnBrowser {
       const [page] = browser.contexts().flatMap((context) => context.pages());
       return await act(page);
     } finally {
-      await browser.close(); // takes leave of it only
+      await browser.close(); // only disconnects
     }
   }
 
-  /** To all of its processes. @param {NodeJS.Signals} name */
+  /** Signals all of its processes. @param {NodeJS.Signals} name */
   signal(name) {
     signalAll(familyOf(this.#process.pid), name);
   }

@@ -2,7 +2,7 @@ import { spawn } from "node:child_process";
 import { closeSync, openSync, readdirSync, readFileSync } from "node:fs";
 import { until } from "./wait.mjs";
 
-/** A process of ours, which ends when we do, in whatever way. */
+/** A child process that ends when this process does, however it ends. */
 export class Process {
   #child;
   #end;
@@ -10,7 +10,7 @@ export class Process {
   /**
    * @param {string} name
    * @param {readonly string[]} command
-   * @param {{ log: string, stdin?: "pipe" | "ignore" }} options `log`: file of what it says
+   * @param {{ log: string, stdin?: "pipe" | "ignore" }} options `log`: file of its output
    */
   constructor(name, [program, ...words], { log, stdin = "ignore" }) {
     this.name = name;
@@ -38,8 +38,8 @@ export class Process {
     return this.#child.stdin;
   }
 
-  /** What it has said so far. */
-  said() {
+  /** Its output so far. */
+  output() {
     return readFileSync(this.log, "utf8");
   }
 
@@ -48,29 +48,29 @@ export class Process {
     if (this.ended === undefined) process.kill(this.pid, signal);
   }
 
-  /** At once, without a chance to tidy up. */
+  /** Kills it at once. */
   async kill() {
     this.signal("SIGKILL");
     await this.#end;
   }
 
-  /** Asked nicely first. */
+  /** Terminates it, and kills it if that does not help. */
   async stop() {
     this.signal("SIGTERM");
     await until(`the end of ${this.name}`, () => this.ended !== undefined).catch(() => this.kill());
   }
 
   /**
-   * Waits for what it says.
+   * Waits until its output matches.
    * @param {RegExp} text
-   * @param {() => string} [said] where it says it; default its own log
+   * @param {() => string} [said] source of the output; default: its own log
    */
-  hears(text, said = () => this.said()) {
+  waitForOutput(text, said = () => this.output()) {
     return until(`${this.name} says ${text}`, () => {
       const found = text.exec(said());
       if (found === null && this.ended !== undefined) {
         throw new Error(
-          `${this.name} ended (${this.ended}) without saying ${text}:\n${this.said().slice(-2000)}`,
+          `${this.name} ended (${this.ended}) without saying ${text}:\n${this.output().slice(-2000)}`,
         );
       }
       return found ?? undefined;
@@ -78,13 +78,13 @@ export class Process {
   }
 }
 
-/** KiB of memory of its own that the process has in use. */
+/** KiB of private memory of the process. */
 export function memoryOf(pid) {
   const status = readFileSync(`/proc/${pid}/status`, "utf8");
   return Number(/^RssAnon:\s+(\d+) kB$/m.exec(status)?.[1] ?? Number.NaN);
 }
 
-/** The process and all that come from it. */
+/** The process and all its descendants. */
 export function familyOf(pid) {
   const parents = new Map(
     readdirSync("/proc")
@@ -101,7 +101,7 @@ export function familyOf(pid) {
 /** s of processor time that the process has had; 0 when it has ended. */
 export function cpuOf(pid) {
   try {
-    // From the process's state on: utime and stime are the 14th and 15th of all, in 1/100 s.
+    // Words after the program's name. utime and stime are fields 14 and 15 of the line, in 1/100 s.
     const words = readFileSync(`/proc/${pid}/stat`, "utf8").split(") ").at(-1).split(" ");
     return (Number(words[11]) + Number(words[12])) / 100;
   } catch {
@@ -115,16 +115,16 @@ export function signalAll(pids, name) {
     try {
       process.kill(pid, name);
     } catch {
-      // It has ended meanwhile.
+      // It has already ended.
     }
   }
 }
 
 function parentOf(name) {
   try {
-    // The name of the program, in parentheses, may have anything in it.
+    // The program's name, in parentheses, may contain any character.
     return Number(readFileSync(`/proc/${name}/stat`, "utf8").split(") ").at(-1)?.split(" ")[1]);
   } catch {
-    return undefined; // it has ended meanwhile
+    return undefined; // it has already ended
   }
 }

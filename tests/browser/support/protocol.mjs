@@ -27,13 +27,13 @@ function messageType(name) {
 const server = messageType("ServerMessage");
 const client = messageType("ClientMessage");
 
-/** What the service said; its `body` has `case` and `value`. */
+/** Decodes a message of the service; its `body` has `case` and `value`. */
 export const decodeServer = (bytes) => fromBinary(server, bytes);
 export const decodeClient = (bytes) => fromBinary(client, bytes);
 /** @param {{ case: string, value: object }} body */
 export const encodeClient = (body) => toBinary(client, create(client, { body }));
 
-/** Of an enumeration: number of `name`. */
+/** The number of `name` in an enumeration. */
 export function numberOf(enumeration, name) {
   const found = registry
     .getEnum(`conav.console.${enumeration}`)

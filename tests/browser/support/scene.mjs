@@ -8,7 +8,7 @@ import { Line } from "./line.mjs";
 import { ServiceSystem } from "./service_system.mjs";
 import { DemoSystem, ParticipantSystem, ReplaySystem } from "./system.mjs";
 
-/** Where failed journeys leave what their pages looked like. */
+/** Folder for screenshots of failed journeys. */
 const failures = process.env.CONAV_BROWSER_FAILURES ?? join(tmpdir(), "conav-browser-failures");
 
 /** Wide enough for all panels. */
@@ -20,9 +20,9 @@ export const teleoperation = [
   ...["--method", "teleop", "--operator", "silent"],
 ];
 
-/** What a journey has started: ended with it, last things first. */
+/** Everything that a journey has started. Ends it in reverse order. */
 export class Scene {
-  /** Faults of the browser that the journey brings about on purpose. */
+  /** Browser errors that the journey causes on purpose. */
   expectedFaults = undefined;
   #ends = [];
   #pages = [];
@@ -34,7 +34,7 @@ export class Scene {
     this.folder = mkdtempSync(join(tmpdir(), "conav-browser-"));
   }
 
-  /** `act` ends something that was begun. */
+  /** Runs `act` at the end of the scene. */
   later(act) {
     this.#ends.push(act);
   }
@@ -46,14 +46,14 @@ export class Scene {
     return system;
   }
 
-  /** The recording of a demo that ran by itself; options as on its command line. */
+  /** The recording of a headless demo; options as on its command line. */
   async replay(...options) {
     const system = this.#keep(new ReplaySystem(this.folder));
     await system.start(options);
     return system;
   }
 
-  /** Without anybody simulated; see ServiceSystem. */
+  /** Services without a simulated operator; see ServiceSystem. */
   async services(more) {
     const system = this.#keep(new ServiceSystem(this.folder));
     await system.start(more);
@@ -93,7 +93,7 @@ export class Scene {
     return page;
   }
 
-  /** Without waiting for what it shows. */
+  /** Opens the page without waiting for its content. */
   async openOnly(url, { name, browser, ...options } = {}) {
     const context = await (browser ?? (await this.#launch())).newContext({
       viewport: screen,
@@ -114,13 +114,13 @@ export class Scene {
     assert.deepEqual(faults, [], "the browser complains of the page");
   }
 
-  /** The service goes away on purpose. */
+  /** The journey stops the service on purpose. */
   expectConnectionTrouble() {
     this.expectedFaults = connectionTrouble;
   }
 
-  /** What there was when it went wrong. */
-  async tell() {
+  /** Reports screenshots, browser errors and logs after a failure. */
+  async report() {
     mkdirSync(failures, { recursive: true });
     const stem = this.name.replace(/[^a-z0-9]+/gi, "_").slice(0, 60);
     for (const [i, { page, faults }] of this.#pages.entries()) {
@@ -129,14 +129,14 @@ export class Scene {
       console.log(`page ${i}: ${path}${faults.map((fault) => `\n  ${fault}`).join("")}`);
     }
     for (const system of this.#systems) {
-      // What went wrong may be that there is no log.
+      // The log may be missing.
       for (const log of system.logs().filter((file) => existsSync(file))) {
         console.log(`${log}:\n${readFileSync(log, "utf8").slice(-3000)}`);
       }
     }
   }
 
-  /** All of it, also when some of it fails. */
+  /** Ends everything, even if some of it fails. */
   async end() {
     const faults = [];
     for (const act of this.#ends.reverse()) {

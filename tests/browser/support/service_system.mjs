@@ -5,8 +5,8 @@ import { Process } from "./processes.mjs";
 import { programs } from "./system.mjs";
 
 /**
- * Simulator, planner and operator service, each by itself, without anybody simulated: any of them can be killed and started
- * again, on the same port and database.
+ * Simulator, planner and operator service without a simulated operator. Each can be killed and restarted on the same port and
+ * database.
  */
 export class ServiceSystem {
   /** @type {Map<string, Process>} */
@@ -41,7 +41,7 @@ export class ServiceSystem {
     });
     for (const service of ["sim", "operator", "planner"]) this.#run(service);
     this.url = await this.#address();
-    // From now on the same port, also for the next start.
+    // Keep this port for the next start.
     const { port } = new URL(this.url);
     const file = this.#config("operator");
     writeFileSync(file, readFileSync(file, "utf8").replace('"port": 0', `"port": ${port}`));
@@ -60,7 +60,7 @@ export class ServiceSystem {
     return this.#one(service).kill();
   }
 
-  /** On the same configuration; waits until it serves the page again. */
+  /** Restarts a service with the same configuration and waits until it serves the page again. */
   async startAgain(service) {
     this.#run(service);
     if (service === "operator") await this.#address();
@@ -76,7 +76,7 @@ export class ServiceSystem {
   }
 
   async #address() {
-    const [, url] = await this.#one("operator").hears(/ console url=(\S+)/);
+    const [, url] = await this.#one("operator").waitForOutput(/ console url=(\S+)/);
     return url;
   }
 

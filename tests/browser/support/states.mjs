@@ -1,6 +1,7 @@
-// States of the console to look at: each is brought about in a scene, and shot by `shoot(page, name, options)`.
+// States of the console for screenshots: each function sets up its state in a scene and calls `shoot(page, name, options)`.
 import { writeBigMap } from "./big_map.mjs";
 import { screen, teleoperation } from "./scene.mjs";
+import { texts } from "./texts.mjs";
 import { until } from "./wait.mjs";
 
 const restless = { first_guidance_timeout_s: 0.2, answer_timeout_s: 2 };
@@ -10,21 +11,21 @@ const patient = {
   timeout_clock: "simulation",
 };
 
-/** From the start dialog to a path that answers a picture, and what can go wrong. */
+/** From the start dialog to a path that answers a picture, alerts, and a lost connection. */
 export async function supervision(scene, shoot) {
   const system = await scene.services({ robots: 2, planner: patient });
   const page = await scene.open(system.url, { name: "Ada", colorScheme: "light" });
-  await page.dialog(/ready/).waitFor();
+  await page.dialog(texts.ready).waitFor();
   await shoot(page, "start");
-  await page.begin(/Show me round/);
+  await page.begin(texts.tour);
   await shoot(page, "tour");
-  await page.button("Leave the tour").click();
+  await page.button(texts.endTour).click();
 
   await until("both robots send pictures", () =>
-    ["r1", "r2"].every((robot) => page.told.pictures(robot).length > 0),
+    ["r1", "r2"].every((robot) => page.received.pictures(robot).length > 0),
   );
   await page.press("n");
-  await page.page.getByRole("img", { name: /^Picture/ }).waitFor();
+  await page.page.getByRole("img", { name: texts.anyPicture }).waitFor();
   await shoot(page, "supervising");
 
   await page.draws(
@@ -35,21 +36,21 @@ export async function supervision(scene, shoot) {
     ],
     "Wall",
   );
-  await page.draws([{ row: 1, column: 5 }], "Wall");
-  await page.button(/Layers/).click();
+  await page.draws([{ row: 1, column: 5 }], texts.wall);
+  await page.button(texts.layers).click();
   await shoot(page, "editing");
   await page.press("Escape");
 
-  const robot = page.told.pictures("r1").length > 0 ? "r1" : "r2";
+  const robot = page.received.pictures("r1").length > 0 ? "r1" : "r2";
   await page.chooses(robot);
-  await page.draws([page.told.robot(robot).cell, { row: 1, column: 3 }], "Path");
-  await until("the path is given", () => page.told.newest("guidance", robot)?.path.length > 1);
+  await page.draws([page.received.robot(robot).cell, { row: 1, column: 3 }], texts.path);
+  await until("the path is given", () => page.received.newest("guidance", robot)?.path.length > 1);
   await shoot(page, "path");
 
   await page.press("w");
   await page.press("v");
-  await page.button("Workload").click();
-  await page.button("Log").click();
+  await page.button(texts.workload).click();
+  await page.button(texts.log).click();
   await shoot(page, "workload-and-log");
   await page.press("?");
   await shoot(page, "help");
@@ -57,7 +58,7 @@ export async function supervision(scene, shoot) {
 
   await page.press("Shift+Escape");
   await system.kill("planner");
-  await page.panel("Alerts").locator("li").first().waitFor();
+  await page.panel(texts.alerts).locator("li").first().waitFor();
   await shoot(page, "alerts");
   scene.expectConnectionTrouble();
   await system.kill("operator");
@@ -65,25 +66,25 @@ export async function supervision(scene, shoot) {
   await shoot(page, "connection-lost");
 }
 
-/** What README and docs/console.md show: two robots, a picture, a path, and the queue. */
+/** The picture in README and docs/console.md: two robots, a picture, a path, and the queue. */
 export async function readme(scene, shoot) {
   const system = await scene.services({ robots: 2, planner: patient });
   const page = await scene.open(system.url, { name: "Ada", colorScheme: "light" });
   await page.begin();
   await until("both robots send pictures", () =>
-    ["r1", "r2"].every((robot) => page.told.pictures(robot).length > 0),
+    ["r1", "r2"].every((robot) => page.received.pictures(robot).length > 0),
   );
   await page.chooses("r1");
   await page.draws(
-    [page.told.robot("r1").cell, { row: 7, column: 10 }, { row: 7, column: 7 }],
+    [page.received.robot("r1").cell, { row: 7, column: 10 }, { row: 7, column: 7 }],
     "Path",
   );
-  await until("the path is given", () => page.told.newest("guidance", "r1")?.path.length > 1);
+  await until("the path is given", () => page.received.newest("guidance", "r1")?.path.length > 1);
   await page.press("v");
   await page.press("n");
   await page.isChosen("r2");
-  await page.page.getByRole("img", { name: /^Picture \d+ of r2/ }).waitFor();
-  await page.reads(/you are on it/);
+  await page.page.getByRole("img", { name: texts.picture("r2") }).waitFor();
+  await page.reads(texts.youAreOnIt);
   await page.page.mouse.move(0, 0);
   await page.page.evaluate(() => document.activeElement.blur());
   await shoot(page, "console");
@@ -94,18 +95,18 @@ export async function bothThemes(scene, shoot) {
   const page = await scene.open(system.url, { name: "Ada", colorScheme: "dark" });
   await shoot(page, "dark-start");
   await page.begin();
-  await until("pictures come", () => page.told.pictures("r1").length > 1);
+  await until("pictures come", () => page.received.pictures("r1").length > 1);
   await page.press("l");
-  await page.page.getByLabel("Edits expected of you", { exact: true }).check();
-  await page.page.getByLabel("Search: visits", { exact: true }).check();
+  await page.page.getByLabel(texts.expectedEdits, { exact: true }).check();
+  await page.page.getByLabel(texts.searchVisits, { exact: true }).check();
   await page.press("Escape");
   for (const theme of ["dark", "light"]) {
     await page.page.emulateMedia({ colorScheme: theme });
     await shoot(page, `${theme}-all-layers`);
   }
   const other = await scene.open(system.url, { name: "Ben", colorScheme: "dark" });
-  await other.button(/take over/).click();
-  await other.dialog("Take over?").waitFor();
+  await other.button(texts.anyTakeOver).click();
+  await other.dialog(texts.takeOverDialog).waitFor();
   await shoot(other, "dark-take-over");
 }
 
@@ -113,10 +114,10 @@ export async function manyRobots(scene, shoot) {
   const system = await scene.services({ robots: 16, planner: restless });
   const page = await scene.open(system.url, { name: "Ada", colorScheme: "dark" });
   await page.begin();
-  await until("pictures come", () => page.told.all("picture").length > 4);
+  await until("pictures come", () => page.received.all("picture").length > 4);
   await shoot(page, "16-robots");
   await page.press("Shift+Escape");
-  await page.button("Go r16").waitFor();
+  await page.button(texts.resume("r16")).waitFor();
   await shoot(page, "16-robots-stopped");
 }
 
@@ -139,12 +140,12 @@ export async function driving(scene, shoot) {
   const system = await scene.demo(...teleoperation);
   const page = await scene.open(system.url, { name: "Ada", colorScheme: "dark" });
   await page.begin();
-  await page.reads(/Hold the arrow keys to drive/);
-  await until("a frame comes before anything moves", () => page.told.frames > 0);
+  await page.reads(texts.driveHint);
+  await until("a frame comes before anything moves", () => page.received.frames > 0);
   await page.page.waitForTimeout(300);
   await shoot(page, "driving-at-rest");
   await page.page.keyboard.down("ArrowLeft");
-  await until("the robot turns", () => page.told.robot("r1").lowLevelSteps > 3n);
+  await until("the robot turns", () => page.received.robot("r1").lowLevelSteps > 3n);
   await shoot(page, "driving");
   await page.page.keyboard.up("ArrowLeft");
 }
@@ -153,8 +154,8 @@ export async function driving(scene, shoot) {
 export async function ended(scene, shoot) {
   const system = await scene.demo("--seed", "7");
   const page = await scene.open(system.url, { name: "Ada", colorScheme: "light" });
-  await page.begin(/Watch/);
-  await page.panel("End of the run").waitFor({ timeout: 120_000 });
+  await page.begin(texts.watch);
+  await page.panel(texts.ending).waitFor({ timeout: 120_000 });
   await shoot(page, "ended");
 }
 
@@ -163,9 +164,9 @@ export async function streaming(scene, shoot) {
   const system = await scene.demo("--seed", "7", "--method", "instruction", "--operator", "silent");
   const page = await scene.open(system.url, { name: "Ada", colorScheme: "light" });
   await page.begin();
-  await until("frames come", () => page.told.frames > 1);
-  await page.tool("Path").click();
-  await page.pointAt(page.told.robot("r1").cell);
+  await until("frames come", () => page.received.frames > 1);
+  await page.tool(texts.path).click();
+  await page.pointAt(page.received.robot("r1").cell);
   await page.page.mouse.down();
   await page.pointAt({ row: 9, column: 10 });
   await page.pointAt({ row: 10, column: 7 });
@@ -177,8 +178,8 @@ export async function replaying(scene, shoot) {
   const system = await scene.replay("--seed", "7", "--robots", "2");
   const page = await scene.open(system.url, { name: "Ada", colorScheme: "light" });
   await page.press("l");
-  await page.page.getByLabel("True map", { exact: true }).check();
-  await until("it has played for a while", () => page.told.newest("playback").position > 4);
+  await page.page.getByLabel(texts.trueMap, { exact: true }).check();
+  await until("it has played for a while", () => page.received.newest("playback").position > 4);
   await shoot(page, "replay-layers");
   await page.press("Escape");
   await page.page.emulateMedia({ colorScheme: "dark" });
@@ -196,7 +197,7 @@ export async function observing(scene, shoot) {
   await ada.begin();
   await ada.moves("r1");
   const page = await scene.open(`${system.url}#token=${observer}`, { name: "Ben" });
-  await page.reads(/Ada has control/);
+  await page.reads(texts.hasControl("Ada"));
   await shoot(page, "observer");
 }
 
@@ -212,8 +213,8 @@ export async function smallScreen(scene, shoot) {
       viewport: { ...screen, width, height },
     });
     await page
-      .dialog(/ready/)
-      .getByRole("button", { name: "Close" })
+      .dialog(texts.ready)
+      .getByRole("button", { name: texts.close })
       .click({ timeout: 2000 })
       .catch(() => undefined);
     await shoot(page, name);

@@ -15,7 +15,7 @@ export class DemoSystem {
   #run = "";
   url = "";
 
-  /** @param {string} folder for its run folder and what it says */
+  /** @param {string} folder for its run folder and log */
   constructor(folder) {
     this.#folder = folder;
   }
@@ -25,13 +25,13 @@ export class DemoSystem {
     const words = ["demo", "--console", "0", "--out", join(this.#folder, "runs"), ...options];
     const log = join(this.#folder, "demo.log");
     this.#demo = new Process("conav demo", [join(programs, "conav"), ...words], { log });
-    [, this.#run] = await this.#demo.hears(/ run (\S+)/);
-    [, this.url] = await this.#demo.hears(/^console (http:\S+)$/m);
+    [, this.#run] = await this.#demo.waitForOutput(/ run (\S+)/);
+    [, this.url] = await this.#demo.waitForOutput(/^console (http:\S+)$/m);
   }
 
-  /** Of a service that the demo has started. */
+  /** Process id of a service that the demo has started. */
   pidOf(service) {
-    const found = new RegExp(`started ${service} \\(pid (\\d+)\\)`).exec(this.#demo.said());
+    const found = new RegExp(`started ${service} \\(pid (\\d+)\\)`).exec(this.#demo.output());
     if (found === null) throw new Error(`the demo has not started ${service}`);
     return Number(found[1]);
   }
@@ -45,25 +45,25 @@ export class DemoSystem {
   }
 }
 
-/** `conav replay` on the run of a demo that has ended. */
+/** `conav replay` of a finished demo. */
 export class ReplaySystem {
   #folder;
   #processes = [];
   url = "";
 
-  /** @param {string} folder for the run and what is said */
+  /** @param {string} folder for the run and logs */
   constructor(folder) {
     this.#folder = folder;
   }
 
-  /** @param {readonly string[]} options of the demo, which runs by itself first */
+  /** @param {readonly string[]} options of the headless demo that runs first */
   async start(options) {
     const out = join(this.#folder, "recorded");
     const demo = this.#run("conav", ["demo", "--headless", "--out", out, ...options]);
-    const [, run] = await demo.hears(/ run (\S+)/);
+    const [, run] = await demo.waitForOutput(/ run (\S+)/);
     await until("the end of the demo", () => demo.ended !== undefined, { within: 120 });
     const replay = this.#run("conav-replay", [run, "--port", "0"]);
-    [, this.url] = await replay.hears(/(http:\S+)/);
+    [, this.url] = await replay.waitForOutput(/(http:\S+)/);
   }
 
   logs() {
@@ -87,13 +87,13 @@ export class ParticipantSystem {
   #program;
   #log;
   #task;
-  /** The participant's. */
+  /** The participant's folder. */
   folder;
   url = "";
 
   /**
    * @param {string} program conav-mapping-task or conav-live-study
-   * @param {string} folder for the participant's folder and what the program says
+   * @param {string} folder for the participant's folder and the program's log
    */
   constructor(program, folder) {
     this.#program = program;
@@ -106,7 +106,7 @@ export class ParticipantSystem {
     const words = ["--port", "0", "--speed", "20", "--out", this.folder, ...options];
     const command = [join(programs, this.#program), ...words];
     this.#task = new Process(this.#program, command, { log: this.#log });
-    [, this.url] = await this.#task.hears(/^maze 1 .*(http:\S+)$/m);
+    [, this.url] = await this.#task.waitForOutput(/^maze 1 .*(http:\S+)$/m);
   }
 
   logs() {

@@ -1,11 +1,11 @@
 import { setTimeout as pause } from "node:timers/promises";
 
-/** s that a condition may take on a busy machine. */
+/** s to wait for a condition on a busy machine. */
 export const patience = 20;
 
 /**
- * Looks again and again until `look` returns something that is neither false nor undefined, and returns that.
- * `what` says in words what was waited for; `now`, if given, tells what there was instead.
+ * Calls `look` until it returns something other than false and undefined, and returns that. On timeout the error names `what` was
+ * awaited, and `now`, if given, the current value.
  * @template T
  * @param {string} what
  * @param {() => T | Promise<T>} look
@@ -22,7 +22,7 @@ export async function until(what, look, { within = patience, every = 0.05, now }
   }
 }
 
-/** For what must not happen: true all the time. */
+/** Checks that a condition holds all the time. */
 export async function stays(what, seconds, look) {
   const end = Date.now() + 1000 * seconds;
   while (Date.now() < end) {

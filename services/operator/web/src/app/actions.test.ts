@@ -23,7 +23,7 @@ beforeEach(() => {
   store.receive(welcomeMessage());
 });
 
-function hear(...bodies: UpdateBody[]): void {
+function receive(...bodies: UpdateBody[]): void {
   store.receive(updates(bodies));
 }
 
@@ -37,9 +37,9 @@ const robot = (name: string, column = 0): UpdateBody => ({
 });
 
 describe("next", () => {
-  it("chooses the robot, shows its newest picture, centres the map, and tells the service", () => {
+  it("chooses the robot, shows its newest picture, centres the map, and reports it to the service", () => {
     const item = { robot: "r2", world: "w1", reason: 1, cell: { row: 3, column: 4 } };
-    hear(robot("r1"), robot("r2"), { case: "attention", value: { items: [item] } });
+    receive(robot("r1"), robot("r2"), { case: "attention", value: { items: [item] } });
     store.chosenSequence.value = 1n;
     actions.next();
     expect(store.chosenRobot.value).toBe("r2");
@@ -48,29 +48,29 @@ describe("next", () => {
     expect(connection.asked).toEqual([{ case: "select", value: { robot: "r2", reason: 1 } }]);
   });
 
-  it("takes up the tool for paths where a path is the only answer", async () => {
+  it("chooses the path tool where a path is the only answer", async () => {
     const asks = (reason: number) => ({ robot: "r1", world: "w1", reason });
-    await actions.turnTo(create(AttentionItemSchema, asks(AttentionReason.REASON_PICTURE)));
+    await actions.select(create(AttentionItemSchema, asks(AttentionReason.REASON_PICTURE)));
     expect(store.tool.value).toBe("look");
-    await actions.turnTo(create(AttentionItemSchema, asks(AttentionReason.REASON_FIRST_PATH)));
+    await actions.select(create(AttentionItemSchema, asks(AttentionReason.REASON_FIRST_PATH)));
     expect(store.tool.value).toBe("path");
   });
 
-  it("passes over what was answered a moment ago", async () => {
+  it("skips what was answered a moment ago", async () => {
     const asks = (name: string) => ({ robot: name, world: "w1", reason: 1 });
-    hear(robot("r1"), robot("r2"), {
+    receive(robot("r1"), robot("r2"), {
       case: "attention",
       value: { items: [asks("r1"), asks("r2")] },
     });
-    connection.outcomes = [{ kind: "refused", reason: "does not ask for that any more" }];
+    connection.outcomes = [{ kind: "refused", reason: "already answered" }];
     await actions.next();
     expect(store.chosenRobot.value).toBe("r2");
     expect(store.notices.value).toEqual([]);
   });
 
-  it("goes round: each once, then the first again", async () => {
+  it("visits each item once, then the first again", async () => {
     const asks = (name: string) => ({ robot: name, world: "w1", reason: 1 });
-    hear({ case: "attention", value: { items: [asks("r1"), asks("r2"), asks("r3")] } });
+    receive({ case: "attention", value: { items: [asks("r1"), asks("r2"), asks("r3")] } });
     const seen: unknown[] = [];
     for (let i = 0; i < 4; i += 1) {
       await actions.next();
@@ -79,17 +79,17 @@ describe("next", () => {
     expect(seen).toEqual(["r1", "r2", "r3", "r1"]);
   });
 
-  it("says so when nothing asks, or nothing any more", async () => {
-    connection.outcomes = [{ kind: "refused", reason: "does not ask for that any more" }];
-    hear({ case: "attention", value: { items: [{ robot: "r1", world: "w1", reason: 1 }] } });
+  it("says so when all items have been answered", async () => {
+    connection.outcomes = [{ kind: "refused", reason: "already answered" }];
+    receive({ case: "attention", value: { items: [{ robot: "r1", world: "w1", reason: 1 }] } });
     await actions.next();
-    expect(store.notices.value[0]?.text).toContain("Nothing");
+    expect(store.notices.value).toHaveLength(1);
   });
 
-  it("says so when nothing asks", async () => {
+  it("says so when the queue is empty", async () => {
     await actions.next();
     expect(connection.asked).toEqual([]);
-    expect(store.notices.value[0]?.text).toContain("Nothing");
+    expect(store.notices.value).toHaveLength(1);
   });
 });
 
@@ -100,8 +100,8 @@ describe("control", () => {
     expect(store.dialog.value).toBeUndefined();
   });
 
-  it("is asked a reason for where somebody else has it", () => {
-    hear({ case: "control", value: { robot: "r1", holder: "you", holderName: "Bo" } });
+  it("needs a reason where somebody else has it", () => {
+    receive({ case: "control", value: { robot: "r1", holder: "you", holderName: "Bo" } });
     actions.takeControl(["r1"]);
     expect(connection.asked).toEqual([]);
     expect(store.dialog.value).toEqual({
@@ -117,52 +117,53 @@ describe("control", () => {
 });
 
 describe("requests", () => {
-  it("that were not done are told", async () => {
+  it("that were refused show a notice", async () => {
     connection.outcome = { kind: "refused", reason: "your map is old" };
     const outcome = await actions.edit("w1", [], 3n);
     expect(outcome).toEqual({ accepted: false, reason: "your map is old" });
-    expect(store.notices.value).toMatchObject([{ kind: "problem", text: "Edit: your map is old" }]);
+    const text = expect.stringContaining("your map is old");
+    expect(store.notices.value).toMatchObject([{ kind: "problem", text }]);
   });
 
-  it("are counted while on the way", async () => {
-    const going = actions.go(["r1"]);
+  it("are counted while pending", async () => {
+    const going = actions.resume(["r1"]);
     expect(store.pending.value).toBe(1);
     await going;
     expect(store.pending.value).toBe(0);
   });
 
   it("to drive expire in simulation time, and are not sent late", async () => {
-    hear(robot("r1"), { case: "world", value: { name: "w1", time: 40 } });
+    receive(robot("r1"), { case: "world", value: { name: "w1", time: 40 } });
     await actions.drive("r1", DriveAction.DRIVE_FORWARD);
     expect(connection.asked[0]).toMatchObject({ case: "drive", value: { expiresAt: 41 } });
     expect(connection.options[0]).toEqual({ world: "w1", validFor: 1 });
   });
 
-  it("to drive say why they were refused, unless another one followed", async () => {
+  it("to drive show why they were refused, unless another one followed", async () => {
     connection.outcome = { kind: "refused", reason: "replaced by request 2" };
     const replaced = actions.drive("r1", DriveAction.DRIVE_FORWARD);
     connection.outcome = { kind: "refused", reason: "r1 is stopped" };
     await Promise.all([replaced, actions.drive("r1", DriveAction.DRIVE_STOP)]);
-    expect(store.notices.value.map(({ text }) => text)).toEqual(["Drive: r1 is stopped"]);
+    expect(store.notices.value).toMatchObject([{ text: expect.stringContaining("r1 is stopped") }]);
   });
 });
 
 describe("pictures", () => {
-  beforeEach(() => hear(robot("r1"), picture(1n), picture(2n), picture(3n)));
+  beforeEach(() => receive(robot("r1"), picture(1n), picture(2n), picture(3n)));
 
-  it("are turned like pages, and the newest stays the newest", () => {
-    actions.turnPages(1);
+  it("can be stepped through, and the newest stays the newest", () => {
+    actions.stepPicture(1);
     expect(store.chosenPicture.value?.sequenceNumber).toBe(3n);
-    actions.turnPages(-1);
+    actions.stepPicture(-1);
     expect(store.chosenPicture.value?.sequenceNumber).toBe(2n);
-    actions.turnPages(1);
+    actions.stepPicture(1);
     expect(store.chosenSequence.value).toBeUndefined();
-    hear(picture(4n));
+    receive(picture(4n));
     expect(store.chosenPicture.value?.sequenceNumber).toBe(4n);
   });
 
-  it("are answered by nothing new, the newest only, and not before it is looked at", () => {
-    actions.turnPages(-1);
+  it("are answered by nothing new: only the newest, and only once it is shown", () => {
+    actions.stepPicture(-1);
     actions.nothingNew();
     expect(connection.asked).toEqual([]);
     expect(store.chosenPicture.value?.sequenceNumber).toBe(3n);
@@ -170,29 +171,29 @@ describe("pictures", () => {
     expect(connection.asked).toEqual([{ case: "answer", value: { robot: "r1", snapshot: 3n } }]);
   });
 
-  it("of a mapping task give way to the next one, whichever is looked at", () => {
+  it("of a mapping task are answered whichever is shown", () => {
     store.receive(welcomeMessage({ mode: Mode.MAPPING_TASK }));
-    actions.turnPages(-1);
+    actions.stepPicture(-1);
     actions.nothingNew();
     expect(connection.asked).toMatchObject([{ value: { snapshot: 3n } }]);
   });
 
-  it("that are known no more give way to the newest", () => {
-    actions.turnPages(-1);
+  it("that no longer exist are replaced by the newest", () => {
+    actions.stepPicture(-1);
     store.receive(updates([robot("r1"), picture(1n)], 9n, true));
     expect(store.chosenPicture.value?.sequenceNumber).toBe(1n);
   });
 
   it("that were answered are not answered again", () => {
-    hear({ case: "picture", value: { robot: "r1", sequenceNumber: 3n, answer: 1 } });
+    receive({ case: "picture", value: { robot: "r1", sequenceNumber: 3n, answer: 1 } });
     actions.nothingNew();
     expect(connection.asked).toEqual([]);
   });
 });
 
 describe("robots", () => {
-  it("are chosen in turn, round and round, and the map follows", () => {
-    hear(robot("r1", 1), robot("r2", 2));
+  it("are chosen in turn, in a circle, and the map follows", () => {
+    receive(robot("r1", 1), robot("r2", 2));
     expect(store.chosenRobot.value).toBe("r1");
     actions.chooseBy(1);
     expect(store.chosenRobot.value).toBe("r2");
@@ -201,9 +202,9 @@ describe("robots", () => {
     expect(store.chosenRobot.value).toBe("r1");
   });
 
-  it("stay chosen when others come or ask", () => {
-    hear(robot("r2"));
-    hear(robot("r1"), { case: "attention", value: { items: [{ robot: "r1" }] } });
+  it("stay chosen when others appear or need attention", () => {
+    receive(robot("r2"));
+    receive(robot("r1"), { case: "attention", value: { items: [{ robot: "r1" }] } });
     expect(store.chosenRobot.value).toBe("r2");
   });
 });

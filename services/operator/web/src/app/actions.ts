@@ -2,41 +2,40 @@ import type { Clock } from "../connection/clock";
 import type { Connection, RequestOptions } from "../connection/connection";
 import type { Outcome as RequestOutcome } from "../connection/requests";
 import type { CellChange, Outcome } from "../map/map_props";
-import { ControlWatch } from "../panels/control/control_watch";
-import { needsReason, takeOverOf } from "../panels/control/take_over";
-import { type Place, Seeker } from "../panels/replay/seeker";
+import { Seeker, type SeekTarget } from "../panels/replay/playback";
+import { ControlMonitor, needsReason, takeOverOf } from "../panels/robots/control";
 import { isMappingTask } from "../panels/task/task_state";
 import type { CellAt } from "../protocol/cells";
 import type { RequestBody } from "../protocol/codec";
 import type { AttentionItem, DriveAction } from "../protocol/generated/console_pb";
 import { unanswered, worldOf } from "../state/selectors";
 import type { Notice, Store } from "../state/store";
-import { QueueWalk } from "./queue_walk";
+import { QueueNavigator } from "./queue_navigator";
 
 const noticeTime = 8;
 const mostNotices = 4;
-/** A low-level action counts so long, simulation time, and is sent so long, wall time: silence must soon mean stop. */
+/** Validity of a low-level action, s: of simulation time when executed, of wall time when sent. Silence must soon mean stop. */
 const driveValidFor = 1;
 const stopValidFor = 20;
 const defaultGuidanceTime = 600;
-const turning = "Turn to it";
+const selecting = "Next";
 
-/** What a person can do with the console. Each says in a notice when the service did not do it. */
+/** What a person can do with the console. A notice says why when the service refuses. */
 export class Actions {
-  readonly control = new ControlWatch();
+  readonly control = new ControlMonitor();
   #store: Store;
   #connection: Connection;
   #clock: Clock;
   #notices = 0;
   #drives = 0;
-  #walk: QueueWalk;
+  #walk: QueueNavigator;
   #seeker: Seeker;
 
   constructor(store: Store, connection: Connection, clock: Clock) {
     this.#store = store;
     this.#connection = connection;
     this.#clock = clock;
-    this.#walk = new QueueWalk(store, (body, options) => this.#request(body, options));
+    this.#walk = new QueueNavigator(store, (body, options) => this.#request(body, options));
     this.#seeker = new Seeker((to) => connection.seek(to), clock);
   }
 
@@ -53,19 +52,19 @@ export class Actions {
     this.goTo(names[(at + step + names.length) % Math.max(1, names.length)]);
   }
 
-  /** To the next of the queue, with map and picture in place; what asks no more by now is passed over. */
+  /** Selects the next item of the queue and shows its map and picture. Items that no longer need attention are skipped. */
   async next(): Promise<void> {
     const outcome = await this.#walk.next();
-    if (outcome === undefined) this.notify("Nothing asks for you.");
-    else this.#tell(turning, outcome);
+    if (outcome === undefined) this.notify("Nothing needs you.");
+    else this.#notifyRefusal(selecting, outcome);
   }
 
-  async turnTo(item: AttentionItem): Promise<void> {
-    this.#tell(turning, await this.#walk.turnTo(item));
+  async select(item: AttentionItem): Promise<void> {
+    this.#notifyRefusal(selecting, await this.#walk.select(item));
   }
 
-  /** Older (-1) or newer (1) picture of the chosen robot. */
-  turnPages(step: number): void {
+  /** Shows an older (-1) or newer (1) picture of the chosen robot. */
+  stepPicture(step: number): void {
     const { chosenRobot, chosenPicture, chosenSequence } = this.#store;
     const all = this.#state.pictures.get(chosenRobot.value ?? "") ?? [];
     const shown = chosenPicture.value;
@@ -74,32 +73,32 @@ export class Actions {
     chosenSequence.value = at === all.length - 1 ? undefined : all[at]?.sequenceNumber;
   }
 
-  /** The chosen robot's newest picture was looked at and needs nothing. Where an older one is looked at, shows the newest first. */
+  /** Answers "nothing new" to the chosen robot's newest picture. If an older one is shown, shows the newest first. */
   nothingNew(): void {
     const { chosenRobot, chosenPicture, chosenSequence } = this.#store;
     const picture = unanswered(this.#state, chosenRobot.value);
     if (picture === undefined) {
-      this.notify("No picture of this robot waits for an answer.");
+      this.notify("No picture of this robot is waiting for an answer.");
     } else if (chosenPicture.value === picture || isMappingTask(this.#state)) {
       const { robot, sequenceNumber: snapshot, world } = picture;
       void this.#ask("Answer", { case: "answer", value: { robot, snapshot } }, { world });
     } else {
       chosenSequence.value = undefined;
-      this.notify("This is the newest picture, which waits for an answer. Is it nothing new?");
+      this.notify("This is the newest picture. Answer again if it shows nothing new.");
     }
   }
 
-  /** None = all, in every world. */
+  /** An empty list stops all robots in every world. */
   stop(robots: readonly string[]): Promise<Outcome> {
-    const value = { robots: [...robots], reason: "stopped by hand" };
+    const value = { robots: [...robots], reason: "by hand" };
     return this.#ask("Stop", { case: "stop", value }, { validFor: stopValidFor });
   }
 
-  go(robots: readonly string[]): Promise<Outcome> {
-    return this.#ask("Go", { case: "go", value: { robots: [...robots] } });
+  resume(robots: readonly string[]): Promise<Outcome> {
+    return this.#ask("Resume", { case: "go", value: { robots: [...robots] } });
   }
 
-  /** Asks for a reason first where somebody else has control. */
+  /** Asks for a reason first if somebody else has control. */
   takeControl(robots: readonly string[]): void {
     const takeOver = takeOverOf(this.#state, robots);
     if (needsReason(takeOver)) this.#store.dialog.value = { kind: "take over", takeOver };
@@ -112,10 +111,10 @@ export class Actions {
   }
 
   async releaseControl(robots: readonly string[]): Promise<Outcome> {
-    this.control.releases(robots);
+    this.control.beginRelease(robots);
     const value = { robots: [...robots] };
     const outcome = await this.#ask("Release control", { case: "releaseControl", value });
-    if (!outcome.accepted) this.control.keeps(robots);
+    if (!outcome.accepted) this.control.cancelRelease(robots);
     return outcome;
   }
 
@@ -125,8 +124,8 @@ export class Actions {
   }
 
   /**
-   * A path answers the robot's newest picture, also when an older one is shown. An empty one withdraws, and answers nothing: with a
-   * picture it would mean "nothing new".
+   * A path answers the robot's newest picture, even when an older one is shown. An empty path withdraws the old one and answers
+   * no picture: with a picture it would mean "nothing new".
    */
   guide(robot: string, path: readonly CellAt[]): Promise<Outcome> {
     const picture = path.length === 0 ? undefined : unanswered(this.#state, robot);
@@ -143,11 +142,11 @@ export class Actions {
     const options = { world: this.#worldName(robot), validFor: driveValidFor };
     this.#drives += 1;
     const number = this.#drives;
-    // What became of an action matters only until the next one: of a burst the service carries out the newest.
+    // Only the newest outcome matters: of a burst the service executes the newest action.
     return this.#ask("Drive", { case: "drive", value }, options, () => number === this.#drives);
   }
 
-  /** The participant of a mapping task is done with this maze. */
+  /** The participant has finished this maze. */
   finish(): Promise<Outcome> {
     return this.#ask("Finish", { case: "finish", value: {} });
   }
@@ -158,11 +157,11 @@ export class Actions {
 
   /** `duration`: s of wall time. */
   shelve(alert: bigint, duration: number): Promise<Outcome> {
-    return this.#ask("Shelve", { case: "shelve", value: { alert, duration } });
+    return this.#ask("Snooze", { case: "shelve", value: { alert, duration } });
   }
 
-  /** Of a recording. */
-  seek(to: Place): void {
+  /** Moves within a recording. */
+  seek(to: SeekTarget): void {
     this.#seeker.seek(to);
   }
 
@@ -170,7 +169,7 @@ export class Actions {
     this.#store.dialog.value = undefined;
   }
 
-  /** For `time` s. */
+  /** Shows a notice for `time` s. */
   notify(text: string, kind: Notice["kind"] = "info", time = noticeTime): void {
     this.#notices += 1;
     const { notices } = this.#store;
@@ -191,7 +190,7 @@ export class Actions {
     return worldOf(this.#state, robot)?.name ?? "";
   }
 
-  /** `matters`: whether to say that it was not done. */
+  /** `matters`: whether to show a notice on refusal. */
   async #ask(
     what: string,
     body: RequestBody,
@@ -199,7 +198,7 @@ export class Actions {
     matters = () => true,
   ): Promise<Outcome> {
     const outcome = await this.#request(body, options);
-    if (matters()) this.#tell(what, outcome);
+    if (matters()) this.#notifyRefusal(what, outcome);
     return toOutcome(outcome);
   }
 
@@ -211,12 +210,12 @@ export class Actions {
     return outcome;
   }
 
-  #tell(what: string, outcome: RequestOutcome): void {
+  #notifyRefusal(what: string, outcome: RequestOutcome): void {
     if (outcome.kind !== "accepted") this.notify(`${what}: ${outcome.reason}`, "problem");
   }
 }
 
-/** The newest; those that go by themselves make room first. */
+/** Keeps the newest notices. Notices with a time limit are dropped first. */
 function shortened(notices: readonly Notice[]): readonly Notice[] {
   if (notices.length <= mostNotices) return notices;
   const oldest = notices.findIndex(({ until }) => Number.isFinite(until));

@@ -1,39 +1,38 @@
 import { useComputed } from "@preact/signals";
 import { useMemo } from "preact/hooks";
+import { mapId } from "../map/focus";
 import { MapCanvas } from "../map/map_canvas";
-import { mapId } from "../map/map_focus";
-import { Alerts } from "../panels/alerts/alerts";
-import type { Announcer } from "../panels/announcements/announcer";
-import { LiveRegions } from "../panels/announcements/live_regions";
-import { ControlBar } from "../panels/control/control_bar";
-import { TakeOverDialog } from "../panels/control/take_over_dialog";
-import { EndingCard } from "../panels/ending/ending_card";
-import { Events } from "../panels/events/events";
-import { FleetStrip } from "../panels/fleet/fleet_strip";
-import { HelpDialog } from "../panels/help/help_dialog";
-import { LatencyStrip } from "../panels/latency/latency_strip";
-import { Notices } from "../panels/notices/notices";
+import { Alerts } from "../panels/attention/alerts";
+import type { Announcer } from "../panels/attention/announcer";
+import { Queue } from "../panels/attention/queue";
+import { EndingCard } from "../panels/guide/ending_card";
+import { HelpDialog } from "../panels/guide/help_dialog";
+import { StartDialog } from "../panels/guide/start_dialog";
+import { TourCard } from "../panels/guide/tour_card";
 import { Pictures } from "../panels/pictures/pictures";
-import { Queue } from "../panels/queue/queue";
 import { ReplayBar } from "../panels/replay/replay_bar";
-import { StartDialog } from "../panels/start/start_dialog";
-import { BeginDialog } from "../panels/task/begin_dialog";
-import { TaskHelp } from "../panels/task/task_help";
+import { ControlBar } from "../panels/robots/control_bar";
+import { DriveBadge } from "../panels/robots/drive_badge";
+import { FleetStrip } from "../panels/robots/fleet_strip";
+import { TakeOverDialog } from "../panels/robots/take_over_dialog";
+import { Events } from "../panels/status/command_log";
+import { LatencyStrip } from "../panels/status/status_strip";
+import { Workload } from "../panels/status/workload";
+import { BeginDialog, TaskHelp } from "../panels/task/task_dialogs";
 import { TaskPage } from "../panels/task/task_page";
 import { isTask } from "../panels/task/task_state";
-import { DriveBadge } from "../panels/teleoperation/drive_badge";
-import { TourCard } from "../panels/tour/tour_card";
-import { Workload } from "../panels/workload/workload";
 import { type Console, ConsoleContext, useConsole } from "./console";
 import { LinkBanner } from "./link_banner";
+import { LiveRegions } from "./live_regions";
 import { mapView } from "./map_view";
+import { Notices } from "./notices";
 import "./layout.css";
 
 export function App({ console, announcer }: { console: Console; announcer: Announcer }) {
   return (
     <ConsoleContext.Provider value={console}>
       <a class="skip" href={`#${mapId}`}>
-        To the map
+        Skip to the map
       </a>
       <Layout />
       <Notices />
@@ -43,12 +42,12 @@ export function App({ console, announcer }: { console: Console; announcer: Annou
   );
 }
 
-/** For whoever supervises, or for a participant of a mapping task or a study. */
+/** The supervisor's page, or the page of a participant in a mapping task or a study. */
 function Layout() {
   const { store } = useConsole();
   const forTask = useComputed(() => isTask(store.state.value)).value;
   const maze = useComputed(() => store.state.value.task?.number).value;
-  // A map of its own for each maze: what could be undone in the one before is over.
+  // Each maze gets its own map, so that edits of the previous one cannot be undone.
   if (forTask) return <TaskPage map={<WorldMap key={maze} />} />;
   return (
     <div class="console">
@@ -75,7 +74,7 @@ function Stage() {
   const { workload, events } = settings.value;
   return (
     <main class="stage">
-      {/* There before its cards are: only then is what comes into it read aloud. */}
+      {/* The live region must exist before its cards, or screen readers do not read them. */}
       <div class="cards" aria-live="polite">
         <TourCard />
         <EndingCard />
@@ -98,11 +97,7 @@ function WorldMap() {
   const { store, actions } = useConsole();
   const view = useMemo(() => mapView(store, actions), [store, actions]);
   const props = view.value;
-  return props === undefined ? (
-    <p class="quiet">The world has not come yet.</p>
-  ) : (
-    <MapCanvas {...props} />
-  );
+  return props === undefined ? <p class="quiet">Waiting for the map.</p> : <MapCanvas {...props} />;
 }
 
 function Dialogs() {

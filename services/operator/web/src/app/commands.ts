@@ -1,5 +1,5 @@
-import { sortAlerts } from "../panels/alerts/order";
-import { jump, togglePlay } from "../panels/replay/use_replay";
+import { sortAlerts } from "../panels/attention/alert_order";
+import { jump, togglePlay } from "../panels/replay/playback";
 import type { Settings, Theme } from "../state/settings";
 import type { Store } from "../state/store";
 import type { Actions } from "./actions";
@@ -7,10 +7,10 @@ import type { Commands } from "./shortcuts";
 
 const themes: readonly Theme[] = ["system", "dark", "light"];
 
-/** What the keys of the table do. */
+/** The actions behind the shortcuts. */
 export function commandsOf(store: Store, actions: Actions): Commands {
   const chosen = () => (store.chosenRobot.value === undefined ? [] : [store.chosenRobot.value]);
-  /** Stop and the like of no robot would mean all. */
+  /** An empty list would mean all robots. */
   const withChosen = (act: (robots: string[]) => unknown) => () => {
     if (chosen().length > 0) act(chosen());
     else actions.notify("Choose a robot first.");
@@ -21,18 +21,18 @@ export function commandsOf(store: Store, actions: Actions): Commands {
   return {
     "stop all": () => void actions.stop([]),
     "stop robot": withChosen((robots) => actions.stop(robots)),
-    "go robot": withChosen((robots) => actions.go(robots)),
-    "go all": () => void actions.go(store.robots.value),
+    "resume robot": withChosen((robots) => actions.resume(robots)),
+    "resume all": () => void actions.resume(store.robots.value),
     "take control": withChosen((robots) => actions.takeControl(robots)),
     "release control": withChosen((robots) => actions.releaseControl(robots)),
     next: () => void actions.next(),
     "nothing new": () => actions.nothingNew(),
-    "older picture": () => actions.turnPages(-1),
-    "newer picture": () => actions.turnPages(1),
+    "older picture": () => actions.stepPicture(-1),
+    "newer picture": () => actions.stepPicture(1),
     "next robot": () => actions.chooseBy(1),
     "previous robot": () => actions.chooseBy(-1),
     centre: () => actions.goTo(store.chosenRobot.value),
-    acknowledge: () => acknowledgeGravest(store, actions),
+    acknowledge: () => acknowledgeMostSevere(store, actions),
     workload: set(({ workload }) => ({ workload: !workload })),
     events: set(({ events }) => ({ events: !events })),
     theme: set(({ theme }) => ({ theme: themes[(themes.indexOf(theme) + 1) % 3] ?? "system" })),
@@ -45,9 +45,9 @@ export function commandsOf(store: Store, actions: Actions): Commands {
   };
 }
 
-function acknowledgeGravest(store: Store, actions: Actions): void {
+function acknowledgeMostSevere(store: Store, actions: Actions): void {
   const { active } = sortAlerts(store.state.value.alerts, store.now.value ?? 0);
-  const gravest = active.find(({ acknowledgedBy }) => acknowledgedBy === "");
-  if (gravest) void actions.acknowledge(gravest.id);
+  const mostSevere = active.find(({ acknowledgedBy }) => acknowledgedBy === "");
+  if (mostSevere) void actions.acknowledge(mostSevere.id);
   else actions.notify("There is no alert to acknowledge.");
 }

@@ -1,15 +1,15 @@
 import type { Signal } from "@preact/signals";
 import { createContext } from "preact";
 import { useContext } from "preact/hooks";
+import type { Tour } from "../panels/guide/tour";
 import type { Pixels } from "../panels/pictures/pixels";
-import type { Teleoperation } from "../panels/teleoperation/teleoperation";
-import type { Tour } from "../panels/tour/tour";
-import type { History } from "../panels/workload/history";
+import type { Teleoperation } from "../panels/robots/teleoperation";
+import type { History } from "../panels/status/workload_history";
 import type { Store } from "../state/store";
 import type { Actions } from "./actions";
 import type { Commands } from "./shortcuts";
 
-/** What every panel gets. */
+/** Passed to every panel. */
 export interface Console {
   readonly store: Store;
   readonly actions: Actions;
@@ -18,7 +18,7 @@ export interface Console {
   readonly pixels: Pixels;
   readonly tour: Tour;
   readonly history: Signal<History>;
-  /** What the others read of who sits here. */
+  /** Changes the name that other people see. */
   rename(name: string): void;
 }
 

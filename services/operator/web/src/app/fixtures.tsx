@@ -1,11 +1,11 @@
-// For tests of components: a console without a service.
+// A console without a service, for component tests.
 import { signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { FakeClock, FakeConnection } from "../connection/fake";
+import { Tour } from "../panels/guide/tour";
 import { Pixels } from "../panels/pictures/pixels";
-import { Teleoperation } from "../panels/teleoperation/teleoperation";
-import { Tour } from "../panels/tour/tour";
-import { emptyHistory } from "../panels/workload/history";
+import { Teleoperation } from "../panels/robots/teleoperation";
+import { emptyHistory } from "../panels/status/workload_history";
 import { defaultSettings } from "../state/settings";
 import { createStore } from "../state/store";
 import { Actions } from "./actions";
@@ -28,7 +28,7 @@ export function fakeConsole(connection = new FakeConnection()): Console {
       clock,
       drive: nothing,
       chosenRobot: nothing,
-      whyNot: nothing,
+      blockedReason: nothing,
       blocked: nothing,
     }),
     pixels: new Pixels({

@@ -1,7 +1,7 @@
 // @vitest-environment happy-dom
 import { afterEach, beforeEach, describe, expect, it } from "vitest";
 import { FakeClock, FakeConnection } from "../connection/fake";
-import { Teleoperation } from "../panels/teleoperation/teleoperation";
+import { Teleoperation } from "../panels/robots/teleoperation";
 import { DriveAction, Mode } from "../protocol/generated/console_pb";
 import { updates, welcomeMessage } from "../state/fixtures";
 import { defaultSettings } from "../state/settings";
@@ -30,7 +30,7 @@ beforeEach(() => {
     clock,
     drive: (_robot, action) => driven.push(action),
     chosenRobot: () => store.chosenRobot.value,
-    whyNot: () => undefined,
+    blockedReason: () => undefined,
     blocked: () => undefined,
   });
   stopForEditing(store, driving);

@@ -1,8 +1,7 @@
-import { focusMapIfNothing } from "../map/map_focus";
+import { focusMapIfNothing, takesText } from "../map/focus";
 import { editsMap } from "../map/map_props";
-import { takesText } from "../map/takes_text";
+import type { Teleoperation } from "../panels/robots/teleoperation";
 import { inTask } from "../panels/task/task_keys";
-import type { Teleoperation } from "../panels/teleoperation/teleoperation";
 import { DriveAction, Mode } from "../protocol/generated/console_pb";
 import type { Store } from "../state/store";
 import { type CommandName, type Commands, commandOf, keyOf } from "./shortcuts";
@@ -15,11 +14,11 @@ const driveKeys: ReadonlyMap<string, DriveAction> = new Map([
 ]);
 
 /**
- * Listens on the whole page. What somebody else has dealt with, such as the map, is left alone. The function that it returns
- * ends the listening.
+ * Listens to keys on the whole page and ignores events that somebody else, such as the map, has handled. Returns a function that
+ * stops listening.
  *
- * Driving ends with the key, and with whatever may keep us from hearing of its release: focus or page lost, a context menu, something
- * that is dragged, Ctrl, Alt or Meta. It begins with a new press only, never by a key that repeats because it is still held.
+ * Driving ends when the key is released, and on every event that may hide the release: lost focus, hidden page, context menu,
+ * drag, Ctrl, Alt or Meta. It starts with a new press only, never with a repeated key.
  */
 export function listenToKeys(
   page: Window,
@@ -29,7 +28,7 @@ export function listenToKeys(
 ): () => void {
   const ended = new AbortController();
   const { signal } = ended;
-  /** By the key itself: what it writes may change while it is held, as with Num Lock. */
+  /** By physical key: its character may change while it is held, as with Num Lock. */
   const held = new Map<string, DriveAction>();
   page.addEventListener("keydown", keyDown, { signal });
   page.addEventListener("keyup", keyUp, { signal });
@@ -87,15 +86,15 @@ export function listenToKeys(
 
 const controls = "button, summary, a, select, input";
 
-/** Which key of the keyboard it is; what it writes where that is not told. */
+/** The physical key; its character if the browser does not report the key. */
 function physicalKey({ code, key }: KeyboardEvent): string {
   return code || key;
 }
 
-/** A key that is held down must not ask for the same again and again, but for turning pages. */
+/** Commands that repeat while their key is held. */
 const repeating: ReadonlySet<CommandName> = new Set(["older picture", "newer picture"]);
 
-/** Who edits the map moves its cursor by them. */
+/** While the map is edited the arrow keys move its cursor instead. */
 function arrowsDrive({ state, tool }: Store): boolean {
   return state.value.session?.drives === true && !editsMap(tool.value);
 }

@@ -1,17 +1,16 @@
 import { useRef } from "preact/hooks";
+import type { Link } from "../connection/connection";
 import { isBetweenMazes, isTask } from "../panels/task/task_state";
 import { Mode } from "../protocol/generated/console_pb";
 import type { ConsoleState } from "../state/console_state";
 import { useConsole } from "./console";
-import { linkProblem } from "./link_problem";
-import "./link_banner.css";
 
-/** Across the page when what it shows may be old, and why. */
+/** Says across the page that the data may be old, and why. */
 export function LinkBanner() {
   const { store } = useConsole();
   const { state, link } = store;
   const { welcome } = state.value;
-  // Between two mazes the service is away, and that is as it should be.
+  // The service restarts between two mazes; that is no problem.
   if (isBetweenMazes(state.value)) return undefined;
   const problem = linkProblem(link.value, welcome !== undefined);
   if (problem !== undefined) return <Problem text={problem} />;
@@ -23,7 +22,7 @@ function mayBeDemo(state: ConsoleState): boolean {
   return !isTask(state) && state.welcome?.mode !== Mode.REPLAY;
 }
 
-/** After so many the service is hardly just starting again. */
+/** After this many attempts the service is probably not just restarting. */
 const manyAttempts = 4;
 
 function Problem({ text }: { text: string }) {
@@ -31,17 +30,17 @@ function Problem({ text }: { text: string }) {
   const now = link.value;
   const attempts = useRef(0);
   if (now.state === "lost") attempts.current = now.attempt;
-  const attempt = now.state === "lost" ? ` (attempt ${now.attempt} to come back)` : "";
+  const attempt = now.state === "lost" ? ` (reconnecting, attempt ${now.attempt})` : "";
   const away = now.state === "lost" || now.state === "connecting";
   return (
     <div class="banner" role="alert">
       {text}
-      {/* It changes all the time: who listens hears of the problem once. */}
+      {/* It changes often, so screen readers skip it. */}
       <span aria-hidden="true">{attempt}</span>
       {away && attempts.current >= manyAttempts && mayBeDemo(state.value) && (
         <p>
-          Perhaps the demo has ended: <code>./conav demo</code> starts another one, which this page
-          shows then.
+          The demo may have ended. <code>./conav demo</code> starts a new one, and this page shows
+          it.
         </p>
       )}
     </div>
@@ -50,5 +49,26 @@ function Problem({ text }: { text: string }) {
 
 function calmText(link: string, mode: Mode | undefined): string | undefined {
   if (link === "connecting") return "Connecting to the operator service…";
-  return mode === Mode.REPLAY ? "This is a recording: nothing can be changed." : undefined;
+  return mode === Mode.REPLAY ? "This is a recording. Nothing can be changed." : undefined;
 }
+
+/**
+ * Why the data on the page may be old; undefined = it is not. The text stays the same while the page reconnects.
+ * `shows`: whether the page has connected before and shows data.
+ */
+export function linkProblem(link: Link, shows: boolean): string | undefined {
+  switch (link.state) {
+    case "live":
+      return undefined;
+    case "stale":
+      return "No messages from the operator service. What you see may be old.";
+    case "closed":
+      return `The operator service closed the connection: ${link.reason}. Reload the page to try again.`;
+    case "connecting":
+      return shows ? lost : undefined;
+    case "lost":
+      return shows ? lost : "The operator service cannot be reached.";
+  }
+}
+
+const lost = "Connection lost. What you see is old. Robots stop when their commands expire.";

@@ -1,18 +1,17 @@
-// First: panels build on it.
+// First, because the panels' styles build on it.
 import "./theme.css";
 
 import { signal } from "@preact/signals";
 import { render } from "preact";
 import { pageClock } from "../connection/clock";
-import { identify, rememberName, surroundingsOf } from "../connection/identity";
+import { browserEnvironment, identify, rememberName } from "../connection/identity";
 import { ServiceConnection } from "../connection/service_connection";
 import { serviceUrl, webSocketFactory } from "../connection/socket";
-import { Announcer } from "../panels/announcements/announcer";
+import { Announcer } from "../panels/attention/announcer";
+import { Tour } from "../panels/guide/tour";
 import { Pixels } from "../panels/pictures/pixels";
-import { whyNotDrive } from "../panels/teleoperation/permission";
-import { Teleoperation } from "../panels/teleoperation/teleoperation";
-import { Tour } from "../panels/tour/tour";
-import { emptyHistory } from "../panels/workload/history";
+import { driveBlockedReason, Teleoperation } from "../panels/robots/teleoperation";
+import { emptyHistory } from "../panels/status/workload_history";
 import { Inbox } from "../state/inbox";
 import { readSettings } from "../state/settings";
 import { createStore } from "../state/store";
@@ -22,22 +21,22 @@ import { commandsOf } from "./commands";
 import type { Console } from "./console";
 import { listenToKeys } from "./keyboard";
 import {
-  askForFrames,
-  follow,
+  announceReconnect,
+  followState,
   keepSettings,
   keepTime,
+  notifyControlLoss,
   offerStart,
+  reportUse,
+  requestFrames,
   stopForEditing,
   stopWithoutLink,
-  tellOfControl,
-  tellOfReturn,
-  tellOfUse,
 } from "./wire";
 
 const clock = pageClock;
-const surroundings = surroundingsOf(window);
-const identity = identify(surroundings);
-const store = createStore(readSettings(surroundings.localStorage));
+const environment = browserEnvironment(window);
+const identity = identify(environment);
+const store = createStore(readSettings(environment.localStorage));
 const inbox = new Inbox(store, clock, () => connection.shown());
 const connection = new ServiceConnection({
   sockets: webSocketFactory(serviceUrl(location)),
@@ -63,15 +62,15 @@ const teleoperation = new Teleoperation({
   clock,
   drive: (robot, action) => void actions.drive(robot, action),
   chosenRobot: () => store.chosenRobot.peek(),
-  whyNot: (robot) =>
-    whyNotDrive(
+  blockedReason: (robot) =>
+    driveBlockedReason(
       store.state.peek(),
       store.link.peek(),
       store.timing.peek(),
       connection.serviceTime(),
       robot,
     ),
-  blocked: (reason) => actions.notify(`No driving: ${reason}.`, "problem"),
+  blocked: (reason) => actions.notify(`You cannot drive: ${reason}.`, "problem"),
 });
 const commands = commandsOf(store, actions);
 const console: Console = {
@@ -88,19 +87,19 @@ const console: Console = {
   tour: new Tour(),
   history: signal(emptyHistory),
   rename: (name) => {
-    rememberName(surroundings, name);
+    rememberName(environment, name);
     location.reload();
   },
 };
 const announcer = new Announcer(clock);
 
-keepSettings(store, window, surroundings.localStorage);
+keepSettings(store, window, environment.localStorage);
 keepTime(store, connection, clock);
-tellOfUse(connection, window);
-askForFrames(store, connection, document);
-follow(console, announcer);
-tellOfReturn(store, announcer);
-tellOfControl(store, actions, connection);
+reportUse(connection, window);
+requestFrames(store, connection, document);
+followState(console, announcer);
+announceReconnect(store, announcer);
+notifyControlLoss(store, actions, connection);
 offerStart(store);
 stopForEditing(store, teleoperation);
 listenToKeys(window, store, commands, teleoperation);

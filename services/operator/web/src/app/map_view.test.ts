@@ -27,19 +27,19 @@ beforeEach(() => {
   view = mapView(store, new Actions(store, connection, new FakeClock()));
 });
 
-function hear(...bodies: UpdateBody[]): void {
+function receive(...bodies: UpdateBody[]): void {
   store.receive(updates(bodies));
 }
 
 describe("the map's view", () => {
   it("is none until a world is known", () => {
     expect(view.value).toBeUndefined();
-    hear(world("w1"));
+    receive(world("w1"));
     expect(view.value?.world.name).toBe("w1");
   });
 
   it("shows the world of the chosen robot only", () => {
-    hear(world("w1"), world("w2"), robot("r1"), robot("r2", "w2"), plan("r1"), plan("r2"));
+    receive(world("w1"), world("w2"), robot("r1"), robot("r2", "w2"), plan("r1"), plan("r2"));
     store.choose("r2");
     expect(view.value?.world.name).toBe("w2");
     expect(view.value?.robots.map((each) => each.robot.name)).toEqual(["r2"]);
@@ -47,9 +47,9 @@ describe("the map's view", () => {
   });
 
   it("keeps what did not change as the same objects", () => {
-    hear(world("w1"), robot("r1"), plan("r1"), { case: "trail", value: { robot: "r1" } });
+    receive(world("w1"), robot("r1"), plan("r1"), { case: "trail", value: { robot: "r1" } });
     const before = view.value;
-    hear(robot("r1"));
+    receive(robot("r1"));
     expect(view.value?.robots).not.toBe(before?.robots);
     expect(view.value?.plans).toBe(before?.plans);
     expect(view.value?.trails).toBe(before?.trails);
@@ -57,16 +57,16 @@ describe("the map's view", () => {
   });
 
   it("shows no robot as live while the link is down", () => {
-    hear(world("w1"), { case: "robot", value: { name: "r1", world: "w1", heardAt: 99.9 } });
+    receive(world("w1"), { case: "robot", value: { name: "r1", world: "w1", heardAt: 99.9 } });
     store.now.value = 100;
     store.link.value = { state: "live" };
     expect(view.value?.robots[0]?.fresh).toBe("live");
     store.link.value = { state: "lost", attempt: 1, retryAt: 0 };
-    expect(view.value?.robots[0]?.fresh).toBe("no news");
+    expect(view.value?.robots[0]?.fresh).toBe("unknown");
   });
 
   it("gives a robot its look by its place in the configuration", () => {
-    hear(
+    receive(
       { case: "session", value: { robots: ["r2", "r1"] } },
       world("w1"),
       robot("r1"),
@@ -77,37 +77,40 @@ describe("the map's view", () => {
 
   it("forbids changes while the connection is not live, with the reason", () => {
     store.receive(welcomeMessage());
-    hear(world("w1"), robot("r1"));
+    receive(world("w1"), robot("r1"));
     expect(view.value?.mayEdit).toMatchObject({ allowed: false });
     store.link.value = { state: "live" };
     expect(view.value?.mayEdit).toEqual({ allowed: true });
     expect(view.value?.mayGuide).toEqual({ allowed: true });
   });
 
-  it("has no tools that change something for who may only watch", () => {
-    hear(world("w1"), robot("r1"));
+  it("has no tools for observers", () => {
+    receive(world("w1"), robot("r1"));
     store.link.value = { state: "live" };
     store.receive(welcomeMessage({ role: Role.OBSERVER }));
-    expect(view.value?.watchesOnly).toBe(true);
+    expect(view.value?.readOnly).toBe(true);
     view.value?.onTool("wall");
     expect(store.tool.value).toBe("look");
     store.receive(welcomeMessage({ role: Role.OPERATOR }));
-    expect(view.value?.watchesOnly).toBe(false);
+    expect(view.value?.readOnly).toBe(false);
     view.value?.onTool("wall");
     expect(store.tool.value).toBe("wall");
   });
 
-  it("forbids to guide a robot that somebody else controls, not to edit the map", () => {
+  it("forbids guiding a robot that somebody else controls, but not editing the map", () => {
     store.receive(welcomeMessage());
     store.link.value = { state: "live" };
-    hear(world("w1"), robot("r1"), { case: "control", value: { robot: "r1", holder: "you" } });
+    receive(world("w1"), robot("r1"), { case: "control", value: { robot: "r1", holder: "you" } });
     expect(view.value?.mayEdit.allowed).toBe(true);
     expect(view.value?.mayGuide.allowed).toBe(false);
   });
 
   it("answers the newest picture by a path", async () => {
     store.receive(welcomeMessage());
-    hear(world("w1"), robot("r1"), { case: "picture", value: { robot: "r1", sequenceNumber: 7n } });
+    receive(world("w1"), robot("r1"), {
+      case: "picture",
+      value: { robot: "r1", sequenceNumber: 7n },
+    });
     await view.value?.onPath("r1", [{ row: 1, column: 1 }]);
     expect(connection.asked[0]).toMatchObject({
       case: "guide",
@@ -115,15 +118,18 @@ describe("the map's view", () => {
     });
   });
 
-  it("answers no picture by taking a path back", async () => {
+  it("answers no picture by withdrawing a path", async () => {
     store.receive(welcomeMessage());
-    hear(world("w1"), robot("r1"), { case: "picture", value: { robot: "r1", sequenceNumber: 7n } });
+    receive(world("w1"), robot("r1"), {
+      case: "picture",
+      value: { robot: "r1", sequenceNumber: 7n },
+    });
     await view.value?.onPath("r1", []);
     expect(connection.asked[0]).toMatchObject({ value: { path: [], answersSnapshot: 0n } });
   });
 
-  it("sends an edit to the world that it was drawn in, whichever is shown by then", async () => {
-    hear(world("w1"), world("w2"), robot("r1"), robot("r2", "w2"));
+  it("sends an edit to the world that it was drawn in, whichever is shown now", async () => {
+    receive(world("w1"), world("w2"), robot("r1"), robot("r2", "w2"));
     const drawn = view.value;
     store.choose("r2");
     await drawn?.onEdit("w1", [], 0n);

@@ -1,15 +1,15 @@
 import { computed, type ReadonlySignal } from "@preact/signals";
 import type { MapProps, MapRobot, Outcome, Permission } from "../map/map_props";
-import { isTask, offersPaths, whyNotMap } from "../panels/task/task_state";
+import { isTask, mapBlockedReason, offersPaths } from "../panels/task/task_state";
 import type { CellAt } from "../protocol/cells";
 import { type Picture, Role } from "../protocol/generated/console_pb";
 import type { ConsoleState } from "../state/console_state";
 import { freshnessOf } from "../state/freshness";
 import {
+  commandBlockedReason,
   mayCommand,
   nameOf,
   trailCells,
-  whyNotCommand,
   withNames,
   worldOf,
 } from "../state/selectors";
@@ -17,7 +17,7 @@ import type { Store } from "../state/store";
 import type { Actions } from "./actions";
 import { lookOf } from "./palette";
 
-/** What the map shows: the world of the chosen robot. Undefined while no world is known. */
+/** The map of the chosen robot's world; undefined while no world is known. */
 export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps | undefined> {
   const { state, linked, chosenRobot } = store;
   const world = computed(() => worldOf(state.value, chosenRobot.value)?.name);
@@ -33,10 +33,10 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
     pictures: picturesOf(() => state.value.pictures, names),
   };
   const robots = computed(() => mapRobots(store, names.value));
-  const watchesOnly = computed(() => linked.value && !mayCommand(state.value));
-  const mayEdit = computed(() => permission(whyNotEdit(state.value, linked.value)));
+  const readOnly = computed(() => linked.value && !mayCommand(state.value));
+  const mayEdit = computed(() => permission(editBlockedReason(state.value, linked.value)));
   const mayGuide = computed(() =>
-    permission(whyNotGuide(state.value, linked.value, chosenRobot.value)),
+    permission(guideBlockedReason(state.value, linked.value, chosenRobot.value)),
   );
   const callbacks = callbacksOf(store, actions);
 
@@ -60,7 +60,7 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
         layers: store.settings.value.layers,
         chosenRobot: chosenRobot.value,
         tool: toolOf(state.value, store.tool.value),
-        watchesOnly: watchesOnly.value,
+        readOnly: readOnly.value,
         participates: isTask(state.value),
         offersPaths: offersPaths(state.value),
         arrowsDrive: state.value.session?.drives === true && mayCommand(state.value),
@@ -75,7 +75,7 @@ export function mapView(store: Store, actions: Actions): ReadonlySignal<MapProps
   });
 }
 
-/** One that is not offered was taken up before, in another part of a study. */
+/** The path tool may have been chosen in an earlier part of a study. */
 function toolOf(state: ConsoleState, tool: MapProps["tool"]): MapProps["tool"] {
   return tool === "path" && !offersPaths(state) ? "look" : tool;
 }
@@ -100,13 +100,13 @@ async function named(store: Store, asked: Promise<Outcome>): Promise<Outcome> {
   return { accepted, reason: withNames(store.state.peek(), reason) };
 }
 
-/** All of them where there is one world: then what is shown is what was told, the very same objects. */
+/** With a single world this returns `all` itself, so that identity comparisons hold. */
 function robotsIn(state: ConsoleState, all: readonly string[], world: string | undefined) {
   if (state.worlds.size <= 1) return all;
   return all.filter((name) => state.robots.get(name)?.world === world);
 }
 
-/** Changes only when something of `names` does. */
+/** The entries of `names`; changes only when one of them changes. */
 function ofRobots<T>(
   source: () => ReadonlyMap<string, T>,
   names: ReadonlySignal<readonly string[]>,
@@ -153,18 +153,18 @@ function permission(reason: string | undefined): Permission {
   return reason === undefined ? { allowed: true } : { allowed: false, reason };
 }
 
-function whyNotEdit(state: ConsoleState, linked: boolean): string | undefined {
+function editBlockedReason(state: ConsoleState, linked: boolean): string | undefined {
   if (!linked) return "the connection is not live";
   if (state.playback !== undefined) return "this is a recording";
   if (state.welcome?.role === Role.OBSERVER) return "you are an observer";
-  return isTask(state) ? whyNotMap(state) : undefined;
+  return isTask(state) ? mapBlockedReason(state) : undefined;
 }
 
-function whyNotGuide(
+function guideBlockedReason(
   state: ConsoleState,
   linked: boolean,
   robot: string | undefined,
 ): string | undefined {
   if (robot === undefined) return "no robot is chosen";
-  return whyNotEdit(state, linked) ?? whyNotCommand(state, robot);
+  return editBlockedReason(state, linked) ?? commandBlockedReason(state, robot);
 }

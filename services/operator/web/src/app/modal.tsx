@@ -1,16 +1,15 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useId, useRef } from "preact/hooks";
 import { useConsole } from "./console";
-import "./modal.css";
 
 interface Props {
   title: string;
-  /** There is nothing to do first: the focus is on the text, which shows its beginning. */
+  /** A dialog to read: it opens at its top, with the focus on the text. */
   toRead?: boolean;
   children: ComponentChildren;
 }
 
-/** The browser's own dialog: it keeps the focus, and gives it back. */
+/** The browser's own dialog, which traps the focus and restores it. */
 export function Modal({ title, toRead = false, children }: Props) {
   const { actions } = useConsole();
   const dialog = useRef<HTMLDialogElement>(null);
@@ -23,7 +22,7 @@ export function Modal({ title, toRead = false, children }: Props) {
       shown.focus();
       shown.scrollTo(0, 0);
     }
-    // By whichever way the browser closes it; not when it goes because it was closed.
+    // Reports that the browser closed the dialog, but not that it was unmounted.
     const mounted = new AbortController();
     shown.addEventListener("close", () => actions.closeDialog(), { signal: mounted.signal });
     return () => {
@@ -35,7 +34,7 @@ export function Modal({ title, toRead = false, children }: Props) {
     <dialog ref={dialog} class="modal" tabIndex={-1} aria-labelledby={heading}>
       <h2 id={heading}>{title}</h2>
       {children}
-      {/* Last, so that the focus begins at what the dialog is about. */}
+      {/* Last, so that the content gets the focus first. */}
       <button type="button" class="close" onClick={() => actions.closeDialog()} aria-label="Close">
         ✕
       </button>

@@ -1,15 +1,15 @@
 import type { RobotShape } from "../map/map_props";
 
-/** How a robot looks, everywhere: no two of 16 look the same, even without colour. */
-export interface RobotLook {
+/** A robot's look everywhere on the page. 16 robots all differ, even without colour. */
+interface RobotLook {
   readonly letter: string;
   readonly colour: string;
   readonly shape: RobotShape;
-  /** Of its lines, CSS pixels; empty = solid. */
+  /** Dash pattern of its lines in CSS pixels; empty = solid. */
   readonly dash: readonly number[];
 }
 
-// After Okabe and Ito, lightened or darkened until they stand out from both backgrounds by 3 to 1.
+// After Okabe and Ito, adjusted until the contrast to both backgrounds is at least 3 to 1.
 const colours = [
   "#d55e00",
   "#0a84c6",
@@ -31,12 +31,12 @@ const shapes: readonly RobotShape[] = [
 ];
 const dashes: readonly (readonly number[])[] = [[], [8, 4], [2, 3], [8, 3, 2, 3]];
 
-/** `index`: place in the order of the configuration. */
+/** `index`: position in the configuration. */
 export function lookOf(index: number): RobotLook {
   return {
     letter: String.fromCharCode(65 + (index % 26)),
     colour: colours[index % colours.length] ?? colours[0],
-    // 6 shapes and 8 colours: the pair comes again after 24 robots.
+    // 6 shapes and 8 colours: a pair repeats after 24 robots.
     shape: shapes[index % shapes.length] ?? "circle",
     dash: dashes[Math.floor(index / 2) % dashes.length] ?? [],
   };

@@ -1,11 +1,10 @@
 import { cornersOf } from "../map/draw/shapes";
 import { useConsole } from "./console";
 import { lookOf } from "./palette";
-import "./robot_mark.css";
 
 const radius = 9.5;
 
-/** A robot's shape, colour and letter. What it is called stands beside it. */
+/** A robot's shape, colour and letter. Callers write its name next to it. */
 export function RobotMark({ robot }: { robot: string }) {
   const { letter, colour, shape } = lookOf(
     Math.max(0, useConsole().store.robots.value.indexOf(robot)),

@@ -16,12 +16,12 @@ describe("shortcuts", () => {
     expect(new Set(commands).size).toBe(commands.length);
   });
 
-  it("find capital and small letters, and tell Shift apart", () => {
-    expect(commandOf(press("g"), calm)).toBe("go robot");
-    expect(commandOf(press("G", { shiftKey: true }), calm)).toBe("go all");
+  it("ignore case, but distinguish Shift", () => {
+    expect(commandOf(press("g"), calm)).toBe("resume robot");
+    expect(commandOf(press("G", { shiftKey: true }), calm)).toBe("resume all");
   });
 
-  it("find signs with whatever Shift it takes to write them", () => {
+  it("find punctuation with or without Shift", () => {
     expect(commandOf(press("?", { shiftKey: true }), calm)).toBe("help");
     expect(commandOf(press(".", { shiftKey: true }), calm)).toBe("stop robot");
   });
@@ -31,7 +31,7 @@ describe("shortcuts", () => {
     expect(commandOf(press("s", { metaKey: true }), calm)).toBeUndefined();
   });
 
-  it("are silent while somebody types, but for stopping all", () => {
+  it("do nothing while somebody types, except to stop all", () => {
     const busy = { ...calm, busy: true };
     expect(commandOf(press("n"), busy)).toBeUndefined();
     expect(commandOf(press("Escape", { shiftKey: true }), busy)).toBe("stop all");

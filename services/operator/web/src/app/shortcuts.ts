@@ -1,9 +1,9 @@
-/** What a key does; `Commands` says how. */
+/** Commands that have a key. */
 export type CommandName =
   | "stop all"
   | "stop robot"
-  | "go robot"
-  | "go all"
+  | "resume robot"
+  | "resume all"
   | "take control"
   | "release control"
   | "next"
@@ -26,19 +26,19 @@ export type Commands = Readonly<Record<CommandName, () => void>>;
 
 export type Group = "Safety" | "Attention" | "Robots" | "Page" | "Recording" | "Driving";
 
-export interface Shortcut {
+interface Shortcut {
   readonly command: CommandName;
-  /** As `keyOf` writes them; any of them. */
+  /** Any of these keys, written as by `keyOf`. */
   readonly keys: readonly string[];
   readonly text: string;
   readonly group: Group;
-  /** Also while somebody types, or a dialog is open. */
+  /** Works also while somebody types or a dialog is open. */
   readonly always?: true;
-  /** In recordings only; all others in recordings as well. */
+  /** Only in recordings. All other keys work there, too. */
   readonly replay?: true;
 }
 
-/** All there are: the key handler and the help dialog read this table. */
+/** All shortcuts: the key handler and the help dialog read this table. */
 export const shortcuts: readonly Shortcut[] = [
   {
     command: "stop all",
@@ -48,17 +48,17 @@ export const shortcuts: readonly Shortcut[] = [
     always: true,
   },
   { command: "stop robot", keys: ["s", "."], text: "Stop the chosen robot", group: "Safety" },
-  { command: "go robot", keys: ["g"], text: "Let the chosen robot go on", group: "Safety" },
-  { command: "go all", keys: ["Shift+g"], text: "Let all robots go on", group: "Safety" },
+  { command: "resume robot", keys: ["g"], text: "Resume the chosen robot", group: "Safety" },
+  { command: "resume all", keys: ["Shift+g"], text: "Resume all robots", group: "Safety" },
   {
     command: "take control",
     keys: ["t"],
     text: "Take control of the chosen robot",
     group: "Safety",
   },
-  { command: "release control", keys: ["Shift+t"], text: "Release control of it", group: "Safety" },
-  { command: "acknowledge", keys: ["a"], text: "Acknowledge the gravest alert", group: "Safety" },
-  { command: "next", keys: ["n"], text: "Go to what asks for you next", group: "Attention" },
+  { command: "release control", keys: ["Shift+t"], text: "Release control", group: "Safety" },
+  { command: "acknowledge", keys: ["a"], text: "Acknowledge the worst alert", group: "Safety" },
+  { command: "next", keys: ["n"], text: "Go to the next item that needs you", group: "Attention" },
   {
     command: "nothing new",
     keys: ["x"],
@@ -72,26 +72,26 @@ export const shortcuts: readonly Shortcut[] = [
   { command: "centre", keys: ["c"], text: "Centre the map on the chosen robot", group: "Robots" },
   { command: "workload", keys: ["u"], text: "Show your workload", group: "Page" },
   { command: "events", keys: ["q"], text: "Show the command log", group: "Page" },
-  { command: "theme", keys: ["d"], text: "Dark, light, or as the system", group: "Page" },
+  { command: "theme", keys: ["d"], text: "Switch theme: dark, light, system", group: "Page" },
   { command: "help", keys: ["?", "F1"], text: "Show this help", group: "Page" },
   { command: "play", keys: ["Space"], text: "Play or pause", group: "Recording", replay: true },
   {
     command: "mark before",
     keys: ["PageUp"],
-    text: "To the mark before",
+    text: "Go to the previous mark",
     group: "Recording",
     replay: true,
   },
   {
     command: "mark after",
     keys: ["PageDown"],
-    text: "To the next mark",
+    text: "Go to the next mark",
     group: "Recording",
     replay: true,
   },
 ];
 
-/** Keys that work while they are held, in the methods that drive; see Teleoperation. Shown in the help. */
+/** Keys to hold for driving by hand (see Teleoperation), for the help. */
 export const driveHelp = [
   { keys: ["ArrowUp"], text: "Drive forward while held" },
   { keys: ["ArrowDown"], text: "Drive backward while held" },
@@ -99,7 +99,7 @@ export const driveHelp = [
   { keys: ["ArrowRight"], text: "Turn right while held" },
 ] as const;
 
-export interface KeyPress {
+interface KeyPress {
   readonly key: string;
   readonly shiftKey: boolean;
   readonly ctrlKey: boolean;
@@ -107,7 +107,7 @@ export interface KeyPress {
   readonly metaKey: boolean;
 }
 
-/** "n", "Shift+n", "Shift+Escape", "?", ...; Shift is told of letters and named keys only: signs differ by keyboard. */
+/** "n", "Shift+n", "Shift+Escape", "?", ... Punctuation omits Shift, because keyboards differ there. */
 export function keyOf({ key, shiftKey, ctrlKey, altKey, metaKey }: KeyPress): string | undefined {
   if (ctrlKey || altKey || metaKey) return undefined;
   if (key === " ") return "Space";
@@ -116,15 +116,15 @@ export function keyOf({ key, shiftKey, ctrlKey, altKey, metaKey }: KeyPress): st
   return shiftKey && !isSign ? `Shift+${name}` : name;
 }
 
-export interface Circumstances {
+interface KeyContext {
   readonly replay: boolean;
   /** Somebody types, or a dialog is open. */
   readonly busy: boolean;
-  /** The focus is on something that Space and the arrows work on. */
+  /** The focus is on an element that uses Space itself. */
   readonly onControl: boolean;
 }
 
-export function commandOf(press: KeyPress, at: Circumstances): CommandName | undefined {
+export function commandOf(press: KeyPress, at: KeyContext): CommandName | undefined {
   const key = keyOf(press);
   const found = shortcuts.find(({ keys }) => key !== undefined && keys.includes(key));
   if (found === undefined) return undefined;
@@ -142,9 +142,9 @@ const keyNames: Readonly<Record<string, string>> = {
   ArrowRight: "→",
 };
 
-/** For people: ["Shift", "Esc"]. */
+/** A key as people read it: ["Shift", "Esc"]. */
 export function keyParts(key: string): readonly string[] {
-  // The sign itself may be the last part.
+  // The last part may be "+" itself.
   return key
     .split(/\+(?=.)/)
     .map((part) => keyNames[part] ?? (part.length === 1 ? part.toUpperCase() : part));

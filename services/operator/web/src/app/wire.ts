@@ -1,23 +1,23 @@
 import { effect } from "@preact/signals";
-import type { KeptTexts } from "../connection/browser_storage";
+import type { TextStorage } from "../connection/browser_storage";
 import type { Clock } from "../connection/clock";
 import type { Connection, Link } from "../connection/connection";
 import { editsMap } from "../map/map_props";
-import { type Announcer, newsOf } from "../panels/announcements/announcer";
-import { isTask, taskNews } from "../panels/task/task_state";
-import type { Teleoperation } from "../panels/teleoperation/teleoperation";
-import { sightOf } from "../panels/tour/sight";
-import { withSample } from "../panels/workload/history";
+import { type Announcer, announcementsOf } from "../panels/attention/announcer";
+import { tourStateOf } from "../panels/guide/tour";
+import type { Teleoperation } from "../panels/robots/teleoperation";
+import { withSample } from "../panels/status/workload_history";
+import { isTask, taskAnnouncements } from "../panels/task/task_state";
 import { waitsForStart } from "../state/selectors";
 import { writeSettings } from "../state/settings";
 import type { Store } from "../state/store";
 import type { Actions } from "./actions";
 import type { Console } from "./console";
 
-/** s between two looks at the clock: ages on screen are so old at most. */
+/** s between two updates of the clock and of the ages on screen. */
 const tick = 0.25;
 
-/** Time: what is shown of ages, and notices that go. */
+/** Updates the clock of the store and removes expired notices. */
 export function keepTime(store: Store, connection: Connection, clock: Clock): void {
   clock.every(tick, () => {
     store.now.value = connection.serviceTime();
@@ -29,15 +29,15 @@ export function keepTime(store: Store, connection: Connection, clock: Clock): vo
   });
 }
 
-/** Whoever looks round, reads or draws is there: what they control stays theirs. */
-export function tellOfUse(connection: Connection, page: EventTarget): void {
+/** Reports activity on the page, which keeps control of robots alive. */
+export function reportUse(connection: Connection, page: EventTarget): void {
   for (const kind of ["pointermove", "pointerdown", "keydown", "wheel"]) {
     page.addEventListener(kind, () => connection.used(), { capture: true, passive: true });
   }
 }
 
-/** Frames come only for the robot that is looked at, while the page is. */
-export function askForFrames(store: Store, connection: Connection, page: Document): void {
+/** Requests frames for the chosen robot only, and only while the page is visible. */
+export function requestFrames(store: Store, connection: Connection, page: Document): void {
   const ask = () => {
     const streams = store.state.value.session?.streams ?? false;
     const robot = store.chosenRobot.value;
@@ -47,41 +47,41 @@ export function askForFrames(store: Store, connection: Connection, page: Documen
   page.addEventListener("visibilitychange", ask);
 }
 
-/** What follows from what the service tells. */
-export function follow({ store, tour, history }: Console, announcer: Announcer): void {
+/** Updates announcements, workload history and tour when the state changes. */
+export function followState({ store, tour, history }: Console, announcer: Announcer): void {
   let before = store.state.peek();
   effect(() => {
     const now = store.state.value;
-    announcer.tell(isTask(now) ? taskNews(before, now) : newsOf(before, now));
+    announcer.announce(isTask(now) ? taskAnnouncements(before, now) : announcementsOf(before, now));
     before = now;
     if (now.attention) history.value = withSample(history.peek(), now.attention);
   });
-  effect(() => tour.look(sightOf(store)));
+  effect(() => tour.look(tourStateOf(store)));
 }
 
-/** Whoever loses control of robots reads why, also when they come back later. */
-export function tellOfControl(
+/** Shows why control of robots was lost, also after a reconnect. */
+export function notifyControlLoss(
   store: Store,
   actions: Pick<Actions, "notify" | "control">,
   connection: Pick<Connection, "serviceTime">,
 ): void {
   effect(() => {
-    const lost = actions.control.look(store.state.value, connection.serviceTime() ?? 0);
+    const lost = actions.control.update(store.state.value, connection.serviceTime() ?? 0);
     for (const text of lost) actions.notify(text, "problem", Number.POSITIVE_INFINITY);
   });
 }
 
-/** For screen readers, that what is shown is new again; that it is old says the banner. */
-export function tellOfReturn(store: Store, announcer: Announcer): void {
+/** Announces a reconnect to screen readers. The banner announces the loss. */
+export function announceReconnect(store: Store, announcer: Announcer): void {
   let wasLost = false;
   effect(() => {
     const { state } = store.link.value;
-    if (state === "live" && wasLost) announcer.tell([{ text: "Connected again", urgent: false }]);
+    if (state === "live" && wasLost) announcer.announce([{ text: "Reconnected", urgent: false }]);
     wasLost = state !== "live" && store.state.peek().welcome !== undefined;
   });
 }
 
-/** Offers to begin, once per run; whoever begins elsewhere ends the offer. */
+/** Opens the start dialog once per run; closes it when somebody else starts the robots. */
 export function offerStart(store: Store): void {
   let offered = "";
   effect(() => {
@@ -97,19 +97,19 @@ export function offerStart(store: Store): void {
   });
 }
 
-/** Silence stops what is driven by hand. */
+/** A lost link stops driving by hand. */
 export function stopWithoutLink(link: Link, driving: Teleoperation): void {
   if (link.state !== "live") driving.halt();
 }
 
-/** The arrow keys drive no longer, so what they began ends. */
+/** A tool that edits takes over the arrow keys, so driving stops. */
 export function stopForEditing(store: Store, driving: Teleoperation): void {
   store.tool.subscribe((tool) => {
     if (editsMap(tool)) driving.halt();
   });
 }
 
-export function keepSettings(store: Store, page: Window, kept: KeptTexts): void {
+export function keepSettings(store: Store, page: Window, kept: TextStorage): void {
   const prefersDark = page.matchMedia("(prefers-color-scheme: dark)");
   const show = () => {
     const { theme } = store.settings.value;

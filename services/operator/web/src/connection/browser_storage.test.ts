@@ -1,14 +1,14 @@
 import { describe, expect, it } from "vitest";
-import { type KeptTexts, storageOf } from "./browser_storage";
+import { storageOf, type TextStorage } from "./browser_storage";
 
-function kept(texts = new Map<string, string>()): KeptTexts {
+function kept(texts = new Map<string, string>()): TextStorage {
   return {
     getItem: (key) => texts.get(key) ?? null,
     setItem: (key, value) => void texts.set(key, value),
   };
 }
 
-const full: KeptTexts = {
+const full: TextStorage = {
   ...kept(new Map([["a", "old"]])),
   setItem: () => {
     throw new Error("full");

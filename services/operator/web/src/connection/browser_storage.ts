@@ -1,8 +1,8 @@
-/** What is kept in a browser between two loads of the page. */
-export type KeptTexts = Pick<Storage, "getItem" | "setItem">;
+/** Texts that the browser keeps between two loads of the page. */
+export type TextStorage = Pick<Storage, "getItem" | "setItem">;
 
-/** The browser's storage that `find` finds; what it refuses to keep, because it is full or forbidden, is kept as long as the page. */
-export function storageOf(find: () => KeptTexts): KeptTexts {
+/** The storage that `find` returns. Values that it refuses, because it is full or forbidden, live as long as the page. */
+export function storageOf(find: () => TextStorage): TextStorage {
   const refused = new Map<string, string>();
   return {
     getItem: (key) => refused.get(key) ?? attempt(() => find().getItem(key)) ?? null,

@@ -1,8 +1,8 @@
 export type Cancel = () => void;
 
-/** Time as the page has it; injected, so that tests make it pass. */
+/** The page's time, injected so that tests control it. */
 export interface Clock {
-  /** s, monotonic; says nothing about the time of day. */
+  /** s, monotonic; not the time of day. */
   now(): number;
   /** In [0, 1). */
   random(): number;

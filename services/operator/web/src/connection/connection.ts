@@ -3,26 +3,26 @@ import type { ServerMessage } from "../protocol/generated/console_pb";
 import type { Outcome } from "./requests";
 import type { Timing } from "./timing";
 
-/** How the page hears of the service. */
+/** State of the connection to the service. */
 export type Link =
   /** No Welcome yet. */
   | { readonly state: "connecting" }
   | { readonly state: "live" }
-  /** Connected, but nothing came for `staleAfter`; `since`: page time of the newest message. */
+  /** Connected, but silent for `staleAfter`; `since`: page time of the newest message. */
   | { readonly state: "stale"; readonly since: number }
-  /** Tries again at `retryAt`, page time. */
+  /** The next attempt is at `retryAt`, page time. */
   | { readonly state: "lost"; readonly attempt: number; readonly retryAt: number }
-  /** The service wants this page no more. */
+  /** The service has rejected this page. */
   | { readonly state: "closed"; readonly reason: string };
 
 export interface ConnectionEvents {
   linkChanged(link: Link): void;
-  /** Welcome, Updates and Frame; the rest stays within the connection. */
+  /** Welcome, Updates and Frame; the connection handles all others itself. */
   received(message: ServerMessage): void;
   timingChanged(timing: Timing): void;
 }
 
-/** What the page has of the service's state, see Hello. */
+/** How much of the service's state the page has; see Hello. */
 export interface Known {
   readonly run: string;
   readonly sequence: bigint;
@@ -34,19 +34,19 @@ export interface RequestOptions {
   readonly validFor?: number;
 }
 
-/** The console's way to the operator service. */
+/** The console's connection to the operator service. */
 export interface Connection {
   readonly link: Link;
   start(): void;
-  /** For good. */
+  /** Ends the connection for good. */
   stop(): void;
-  /** Kept until answered or too old, also while the connection is lost; never rejected. */
+  /** Kept until answered or expired, also while the connection is lost. The promise never rejects. */
   request(body: RequestBody, options?: RequestOptions): Promise<Outcome>;
-  /** All that `received` has told of is shown: the service sends more only then. */
+  /** All messages given to `received` are on screen. Only then does the service send more. */
   shown(): void;
-  /** Somebody uses the page; the service hears of it now and then. */
+  /** Somebody uses the page; reported to the service from time to time. */
   used(): void;
-  /** Which robot's frames to send from now on; undefined = none. */
+  /** Selects the robot whose frames the service sends; undefined = none. */
   attend(robot: string | undefined): void;
   seek(to: { position?: number; speed?: number }): void;
   /** Wall time of the service, s since 1970; undefined before the first Welcome. */
@@ -54,9 +54,9 @@ export interface Connection {
 }
 
 export const pingPeriod = 0.5;
-/** s between two pings that say that the page is used. */
+/** s between two pings that report activity. */
 export const usedPeriod = 5;
 export const staleAfter = 1.5;
-/** A connection that says nothing for so long is given up. */
+/** A connection that is silent this long is closed. */
 export const deadAfter = 6;
 export const validFor = 5;

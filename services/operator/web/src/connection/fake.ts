@@ -17,7 +17,7 @@ interface Timer {
   readonly act: () => void;
 }
 
-/** Time passes when a test says so. */
+/** A clock that tests advance. */
 export class FakeClock implements Clock {
   time = 1000;
   chance = 0.5;
@@ -63,8 +63,8 @@ export class FakeClock implements Clock {
 
 export type ServerBody = NonNullable<MessageInitShape<typeof ServerMessageSchema>["body"]>;
 
-/** The other end of a socket, in a test's hand. */
-export class FakeSocket implements Socket {
+/** The service's end of a socket, controlled by a test. */
+class FakeSocket implements Socket {
   readonly sent: ClientMessage[] = [];
   closed = false;
   readonly #events: SocketEvents;
@@ -103,7 +103,7 @@ export class FakeSocket implements Socket {
   }
 }
 
-/** Each socket that the connection asked for, the newest last. */
+/** All sockets that the connection opened, newest last. */
 export class FakeService {
   readonly sockets: FakeSocket[] = [];
   readonly factory: SocketFactory = (events) => {
@@ -114,16 +114,16 @@ export class FakeService {
 
   get newest(): FakeSocket {
     const socket = this.sockets.at(-1);
-    if (socket === undefined) throw new Error("no socket was asked for");
+    if (socket === undefined) throw new Error("no socket was opened");
     return socket;
   }
 }
 
-/** A Connection that notes what is asked for, and accepts it unless told otherwise. */
+/** A Connection that records requests and accepts them unless `outcome` says otherwise. */
 export class FakeConnection implements Connection {
   link: Link = { state: "live" };
   outcome: Outcome = { kind: "accepted", revision: 1 };
-  /** Of the next requests, before `outcome`. */
+  /** Outcomes of the next requests; afterwards `outcome` applies. */
   outcomes: Outcome[] = [];
   time: number | undefined = 5000;
   readonly asked: RequestBody[] = [];

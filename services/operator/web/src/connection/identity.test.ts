@@ -1,10 +1,10 @@
 import { describe, expect, it } from "vitest";
-import { identify, type Surroundings } from "./identity";
+import { type BrowserEnvironment, identify } from "./identity";
 
 function browser(hash: string, stored: Record<string, string> = {}) {
   const session = new Map(Object.entries(stored));
   const addresses: string[] = [];
-  const surroundings: Surroundings = {
+  const environment: BrowserEnvironment = {
     location: { hash, pathname: "/", search: "?x=1" },
     history: { replaceState: (_data, _unused, url) => addresses.push(url) },
     sessionStorage: {
@@ -16,45 +16,45 @@ function browser(hash: string, stored: Record<string, string> = {}) {
     now: 1000,
     crypto: { getRandomValues: (array) => array.fill(171) },
   };
-  return { surroundings, session, addresses };
+  return { environment, session, addresses };
 }
 
 describe("identify", () => {
   it("moves the token from the address to the session", () => {
-    const { surroundings, session, addresses } = browser("#token=a%20b&layer=seen");
-    expect(identify(surroundings).token).toBe("a b");
+    const { environment, session, addresses } = browser("#token=a%20b&layer=seen");
+    expect(identify(environment).token).toBe("a b");
     expect(session.get("conav.token")).toBe("a b");
     expect(addresses).toEqual(["/?x=1#layer=seen"]);
   });
 
   it("finds the token again after a reload", () => {
-    expect(identify(browser("", { "conav.token": "kept" }).surroundings).token).toBe("kept");
+    expect(identify(browser("", { "conav.token": "kept" }).environment).token).toBe("kept");
   });
 
   it("leaves an address without a token alone", () => {
-    const { surroundings, addresses } = browser("#layer=seen");
-    expect(identify(surroundings).token).toBe("");
+    const { environment, addresses } = browser("#layer=seen");
+    expect(identify(environment).token).toBe("");
     expect(addresses).toEqual([]);
   });
 
   it("stays the same instance when it is reloaded, and asks with higher ids", () => {
     const stored = { "conav.instance": "0123456789abcdef" };
-    const { surroundings } = browser("", stored);
-    const again = identify({ ...surroundings, reloaded: true, now: 1001 });
+    const { environment } = browser("", stored);
+    const again = identify({ ...environment, reloaded: true, now: 1001 });
     expect(again.instance).toBe("0123456789abcdef");
-    expect(again.idsAbove).toBeGreaterThan(identify(surroundings).idsAbove);
+    expect(again.idsAbove).toBeGreaterThan(identify(environment).idsAbove);
   });
 
   it("is another instance in a tab that was duplicated", () => {
     const stored = { "conav.instance": "0123456789abcdef" };
-    const { surroundings, session } = browser("", stored);
-    const { instance } = identify(surroundings);
+    const { environment, session } = browser("", stored);
+    const { instance } = identify(environment);
     expect(instance).not.toBe("0123456789abcdef");
     expect(session.get("conav.instance")).toBe(instance);
   });
 
   it("makes an instance that the service accepts, and has a name", () => {
-    const { instance, name } = identify(browser("").surroundings);
+    const { instance, name } = identify(browser("").environment);
     expect(instance).toMatch(/^[0-9a-z-]{16,64}$/);
     expect(name).toBe("operator");
   });

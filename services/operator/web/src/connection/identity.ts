@@ -1,21 +1,21 @@
-import { type KeptTexts, storageOf } from "./browser_storage";
+import { storageOf, type TextStorage } from "./browser_storage";
 
-/** Who this page says it is, see Hello. */
+/** Identity of this page in Hello. */
 export interface Identity {
   readonly token: string;
   readonly name: string;
   readonly instance: string;
-  /** Ids of requests are above it: also above those of the same instance before a reload. */
+  /** Request ids are above this, and so above those used before a reload. */
   readonly idsAbove: bigint;
 }
 
-/** What is read and written of the browser. */
-export interface Surroundings {
+/** The parts of the browser that this module uses. */
+export interface BrowserEnvironment {
   readonly location: { readonly hash: string; readonly pathname: string; readonly search: string };
   readonly history: { replaceState(data: unknown, unused: string, url: string): void };
-  readonly sessionStorage: KeptTexts;
-  readonly localStorage: KeptTexts;
-  /** Whether the page was loaded anew in its tab, rather than opened. */
+  readonly sessionStorage: TextStorage;
+  readonly localStorage: TextStorage;
+  /** Whether the page was reloaded in its tab, rather than opened. */
   readonly reloaded: boolean;
   /** s since 1970. */
   readonly now: number;
@@ -27,7 +27,7 @@ const instanceKey = "conav.instance";
 const nameKey = "conav.name";
 const longestName = 40;
 
-export function identify(browser: Surroundings): Identity {
+export function identify(browser: BrowserEnvironment): Identity {
   return {
     token: takeToken(browser),
     name: (browser.localStorage.getItem(nameKey) ?? "").trim().slice(0, longestName) || "operator",
@@ -36,12 +36,15 @@ export function identify(browser: Surroundings): Identity {
   };
 }
 
-export function rememberName(browser: Pick<Surroundings, "localStorage">, name: string): void {
+export function rememberName(
+  browser: Pick<BrowserEnvironment, "localStorage">,
+  name: string,
+): void {
   browser.localStorage.setItem(nameKey, name.trim().slice(0, longestName));
 }
 
-/** `#token=...` of the address counts, and leaves it: addresses get copied, and shown to others. */
-function takeToken({ location, history, sessionStorage }: Surroundings): string {
+/** Takes `#token=...` out of the address, because people copy and show addresses. */
+function takeToken({ location, history, sessionStorage }: BrowserEnvironment): string {
   const parts = location.hash.replace(/^#/, "").split("&");
   const given = parts.find((part) => part.startsWith("token="));
   if (given === undefined) return sessionStorage.getItem(tokenKey) ?? "";
@@ -61,18 +64,18 @@ function decodeToken(text: string): string {
 }
 
 /**
- * A page that is reloaded stays who it was, and keeps its control of robots. A tab that was duplicated has the same
- * session, but is another page.
+ * A reloaded page keeps its instance, and with it the control of robots. A duplicated tab shares the session storage but gets
+ * a new instance.
  */
-function takeInstance(browser: Surroundings): string {
+function takeInstance(browser: BrowserEnvironment): string {
   const kept = browser.reloaded ? browser.sessionStorage.getItem(instanceKey) : null;
   const instance = kept ?? makeInstance(browser.crypto);
   browser.sessionStorage.setItem(instanceKey, instance);
   return instance;
 }
 
-/** The browser's own surroundings. */
-export function surroundingsOf(window: Window & typeof globalThis): Surroundings {
+/** The real browser. */
+export function browserEnvironment(window: Window & typeof globalThis): BrowserEnvironment {
   const [entry] = window.performance.getEntriesByType("navigation");
   const reloaded = entry instanceof PerformanceNavigationTiming && entry.type === "reload";
   const { location, history, crypto } = window;
@@ -87,7 +90,7 @@ export function surroundingsOf(window: Window & typeof globalThis): Surroundings
   };
 }
 
-function makeInstance(crypto: Surroundings["crypto"]): string {
+function makeInstance(crypto: BrowserEnvironment["crypto"]): string {
   const bytes = new Uint8Array(16);
   crypto.getRandomValues(bytes);
   return Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");

@@ -1,13 +1,13 @@
 import type { RequestBody } from "../protocol/codec";
 import type { Reply } from "../protocol/generated/console_pb";
 
-/** What became of a request. */
+/** Outcome of a request. */
 export type Outcome =
   | { readonly kind: "accepted"; readonly revision: number }
   | { readonly kind: "refused"; readonly reason: string }
   /** It never left the page. */
   | { readonly kind: "not sent"; readonly reason: string }
-  /** It left the page, and nobody knows whether it counted. */
+  /** It left the page, but no reply came: it may have taken effect. */
   | { readonly kind: "unanswered"; readonly reason: string };
 
 export interface PendingRequest {
@@ -22,14 +22,14 @@ interface Entry extends PendingRequest {
   settle(outcome: Outcome): void;
 }
 
-/** An answer may be under way when the request's time is over. */
+/** s after expiry in which a reply may still arrive. */
 const grace = 1;
 
 /**
- * Requests that wait for their Reply, in order. They keep their ids across connections, so the service does nothing twice;
- * none is sent when its time is over.
+ * Requests that wait for their Reply, in order. They keep their ids across connections, so the service executes none twice.
+ * Expired ones are never sent.
  */
-export class RequestBook {
+export class PendingRequests {
   #entries = new Map<bigint, Entry>();
   #newest: bigint;
 
@@ -42,7 +42,7 @@ export class RequestBook {
     return this.#entries.size;
   }
 
-  /** `validUntil`: wall time of the service. The promise is never rejected. */
+  /** `validUntil`: wall time of the service. The promise never rejects. */
   add(body: RequestBody, world: string, validUntil: number): [PendingRequest, Promise<Outcome>] {
     this.#newest += 1n;
     let settle: (outcome: Outcome) => void = () => undefined;
@@ -72,13 +72,13 @@ export class RequestBook {
       this.#entries.delete(entry.id);
       entry.settle(
         entry.sent
-          ? { kind: "unanswered", reason: "no answer in time: see whether it counted" }
-          : { kind: "not sent", reason: "not sent: too old" },
+          ? { kind: "unanswered", reason: "no answer in time: check whether it took effect" }
+          : { kind: "not sent", reason: "not sent: expired" },
       );
     }
   }
 
-  /** What still has to be sent, or sent again, over a new connection. */
+  /** Requests to send, or to send again, over a new connection. */
   toSend(now: number): PendingRequest[] {
     return [...this.#entries.values()].filter(({ validUntil }) => now <= validUntil);
   }

@@ -1,6 +1,5 @@
 import { type ClientBody, decode, encode, type RequestBody } from "../protocol/codec";
 import type { ServerMessage } from "../protocol/generated/console_pb";
-import { backoff } from "./backoff";
 import type { Cancel, Clock } from "./clock";
 import {
   type Connection,
@@ -15,14 +14,14 @@ import {
   validFor,
 } from "./connection";
 import type { Identity } from "./identity";
-import { type Outcome, type PendingRequest, RequestBook } from "./requests";
+import { type Outcome, type PendingRequest, PendingRequests } from "./requests";
 import type { Socket, SocketFactory } from "./socket";
 import { TimingFilter } from "./timing";
 
-/** How often silence is looked for. */
+/** s between two checks for silence. */
 const watchPeriod = 0.25;
 
-export interface ConnectionParts {
+interface ConnectionParts {
   readonly sockets: SocketFactory;
   readonly clock: Clock;
   readonly identity: Identity;
@@ -30,18 +29,18 @@ export interface ConnectionParts {
   readonly events: ConnectionEvents;
 }
 
-/** A Connection over one socket at a time; comes back by itself. */
+/** A Connection over one socket at a time; reconnects by itself. */
 export class ServiceConnection implements Connection {
   #parts: ConnectionParts;
   #link: Link = { state: "connecting" };
   #socket: Socket | undefined;
-  #requests: RequestBook;
+  #requests: PendingRequests;
   #timing = new TimingFilter();
   #attended: string | undefined;
   #attempt = 0;
-  #heardAt = 0;
+  #receivedAt = 0;
   #welcomed = false;
-  /** Updates and frames of this connection: that came, and that the service knows of as shown. */
+  /** Updates and frames on this connection: received, and acknowledged to the service as shown. */
   #received = 0n;
   #taken = 0n;
   #pingedAt = Number.NEGATIVE_INFINITY;
@@ -52,7 +51,7 @@ export class ServiceConnection implements Connection {
 
   constructor(parts: ConnectionParts) {
     this.#parts = parts;
-    this.#requests = new RequestBook(parts.identity.idsAbove);
+    this.#requests = new PendingRequests(parts.identity.idsAbove);
   }
 
   get link(): Link {
@@ -109,19 +108,19 @@ export class ServiceConnection implements Connection {
     this.#welcomed = false;
     this.#received = 0n;
     this.#taken = 0n;
-    this.#heardAt = this.#parts.clock.now();
+    this.#receivedAt = this.#parts.clock.now();
     this.#setLink({ state: "connecting" });
-    // Events of a socket that was given up no longer count.
+    // Ignore events of a socket that was closed.
     const current = () => this.#socket === socket;
     const socket = this.#parts.sockets({
-      opened: () => current() && this.#hello(),
+      opened: () => current() && this.#sendHello(),
       received: (data) => current() && this.#receive(data),
       closed: () => current() && this.#lose(),
     });
     this.#socket = socket;
   }
 
-  #hello(): void {
+  #sendHello(): void {
     const { token, name, instance } = this.#parts.identity;
     const hello = { token, name, instance, ...this.#parts.known(), saysTaken: true };
     this.#send({ case: "hello", value: hello });
@@ -129,7 +128,7 @@ export class ServiceConnection implements Connection {
 
   #receive(data: ArrayBuffer): void {
     const message = decode(data);
-    this.#heardAt = this.#parts.clock.now();
+    this.#receivedAt = this.#parts.clock.now();
     if (message === undefined) return;
     if (this.#link.state === "stale") this.#setLink({ state: "live" });
     this.#dispatch(message);
@@ -139,8 +138,8 @@ export class ServiceConnection implements Connection {
     const { body } = message;
     switch (body.case) {
       case "pong":
-        this.#timing.answered(body.value.pageTime, body.value.serviceTime, this.#heardAt);
-        this.#tellTiming();
+        this.#timing.answered(body.value.pageTime, body.value.serviceTime, this.#receivedAt);
+        this.#publishTiming();
         break;
       case "reply":
         this.#requests.answer(body.value);
@@ -150,7 +149,7 @@ export class ServiceConnection implements Connection {
         else this.#end(body.value.reason);
         break;
       case "welcome":
-        this.#timing.greet(body.value.serviceTime, this.#heardAt);
+        this.#timing.welcomed(body.value.serviceTime, this.#receivedAt);
         this.#parts.events.received(message);
         this.#begin();
         break;
@@ -160,7 +159,7 @@ export class ServiceConnection implements Connection {
     }
   }
 
-  /** Welcomed: what waited goes first, in its order. */
+  /** After the Welcome: sends waiting requests first, in order. */
   #begin(): void {
     this.#welcomed = true;
     this.#attempt = 0;
@@ -175,24 +174,24 @@ export class ServiceConnection implements Connection {
   #watch(): void {
     const now = this.#parts.clock.now();
     this.#requests.expire(this.serviceTime() ?? 0);
-    if (this.#socket !== undefined && now - this.#heardAt >= deadAfter) this.#lose();
+    if (this.#socket !== undefined && now - this.#receivedAt >= deadAfter) this.#lose();
     if (!this.#welcomed) return;
-    if (now - this.#heardAt >= staleAfter && this.#link.state === "live") {
-      this.#setLink({ state: "stale", since: this.#heardAt });
+    if (now - this.#receivedAt >= staleAfter && this.#link.state === "live") {
+      this.#setLink({ state: "stale", since: this.#receivedAt });
     }
     if (now - this.#pingedAt >= pingPeriod) this.#ping();
-    this.#tellTiming();
+    this.#publishTiming();
   }
 
   #ping(): void {
     this.#pingedAt = this.#parts.clock.now();
     this.#timing.sent(this.#pingedAt);
     const measuredRoundTrip = this.#timing.measured();
-    const active = this.#tellsOfUse();
+    const active = this.#reportsUse();
     this.#send({ case: "ping", value: { pageTime: this.#pingedAt, measuredRoundTrip, active } });
   }
 
-  #tellsOfUse(): boolean {
+  #reportsUse(): boolean {
     if (!this.#isUsed || this.#pingedAt - this.#usedAt < usedPeriod) return false;
     this.#isUsed = false;
     this.#usedAt = this.#pingedAt;
@@ -223,7 +222,7 @@ export class ServiceConnection implements Connection {
     this.#pingedAt = Number.NEGATIVE_INFINITY;
     this.#timing.forget();
     socket?.close();
-    this.#tellTiming();
+    this.#publishTiming();
   }
 
   #sendRequest(request: PendingRequest): void {
@@ -246,7 +245,16 @@ export class ServiceConnection implements Connection {
     this.#parts.events.linkChanged(link);
   }
 
-  #tellTiming(): void {
+  #publishTiming(): void {
     this.#parts.events.timingChanged(this.#timing.timing(this.#parts.clock.now()));
   }
+}
+
+const shortestWait = 0.25;
+const longestWait = 4;
+
+/** s to wait before an attempt: doubles each time, half of it random so that pages do not all reconnect at once. */
+export function backoff(attempt: number, random: number): number {
+  const full = Math.min(longestWait, shortestWait * 2 ** Math.max(0, attempt));
+  return Math.max(shortestWait, full * (0.5 + random / 2));
 }

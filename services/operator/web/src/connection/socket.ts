@@ -1,4 +1,4 @@
-/** What the connection needs of a WebSocket. */
+/** The part of a WebSocket that the connection uses. */
 export interface Socket {
   send(data: Uint8Array<ArrayBuffer>): void;
   close(): void;
@@ -7,7 +7,7 @@ export interface Socket {
 export interface SocketEvents {
   opened(): void;
   received(data: ArrayBuffer): void;
-  /** Once, also when it never opened. */
+  /** Called once, also if the socket never opened. */
   closed(): void;
 }
 
@@ -31,7 +31,7 @@ export function webSocketFactory(url: string): SocketFactory {
   };
 }
 
-/** The service that this page came from. */
+/** Address of the service that served this page. */
 export function serviceUrl(location: { protocol: string; host: string }): string {
   return `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/ws`;
 }

@@ -15,7 +15,7 @@ beforeEach(() => {
 });
 
 describe("the clock offset", () => {
-  it("is told best by the quickest of the newest pings", () => {
+  it("comes from the quickest of the newest pings", () => {
     timing.sent(1);
     timing.answered(1, 101.3, 1.4); // slow to go, quick to come back
     expect(offset()).toBeCloseTo(100.1);
@@ -33,19 +33,19 @@ describe("the clock offset", () => {
     expect(offset()).toBeCloseTo(50);
   });
 
-  it("is there with the greeting, and no greeting makes a good one worse", () => {
-    timing.greet(101, 1);
+  it("is known with the Welcome, and no Welcome makes a good one worse", () => {
+    timing.welcomed(101, 1);
     expect(offset()).toBeCloseTo(100);
     ping(2, 0.02, 100.1);
     timing.forget();
-    timing.greet(103, 3); // it took 0.1 s to come
+    timing.welcomed(103, 3); // it took 0.1 s to come
     expect(offset()).toBeCloseTo(100.1);
   });
 
-  it("that was measured before a sleep gives way to the greeting after it", () => {
+  it("from before a sleep is replaced by the Welcome after it", () => {
     ping(1, 0.02, 100);
     timing.forget();
-    timing.greet(3702, 2);
+    timing.welcomed(3702, 2);
     expect(offset()).toBeCloseTo(3700);
   });
 });

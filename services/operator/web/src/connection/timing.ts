@@ -1,6 +1,6 @@
-/** Of the connection, as far as known: s. */
+/** Timing of the connection in s. */
 export interface Timing {
-  /** Of the newest answered ping, or how long the oldest unanswered one has been under way, if longer. */
+  /** Round trip of the newest answered ping, or the age of the oldest unanswered one if that is longer. */
   readonly roundTrip: number | undefined;
   /** Service's wall time minus the page's time. */
   readonly clockOffset: number | undefined;
@@ -12,17 +12,17 @@ interface Sample {
 }
 
 const window = 16;
-/** s by which two clocks may drift apart meanwhile. */
+/** s that two clocks may drift apart between pings. */
 const clockDrift = 0.005;
 
-/** Whether both can be true of the same clocks; if not, a clock was set, or this computer slept, in between. */
+/** Whether both samples fit the same clocks. If not, a clock was set or this computer slept in between. */
 function agree(a: Sample, b: Sample): boolean {
   return Math.abs(a.offset - b.offset) <= (a.roundTrip + b.roundTrip) / 2 + clockDrift;
 }
 
 /**
- * Round trip and clock offset from pings. Of the newest pings the one with the least round trip tells the offset best: its error
- * is at most half of that round trip.
+ * Round trip and clock offset from pings. The newest pings' shortest round trip gives the best offset: its error is at most half
+ * of that round trip.
  */
 export class TimingFilter {
   #samples: Sample[] = [];
@@ -30,10 +30,10 @@ export class TimingFilter {
   #offset: number | undefined;
 
   /**
-   * `serviceTime` of a Welcome: less exact than any ping, but there at once. It was said before it came, so the offset is not below:
-   * one that is was measured before this computer slept, while which the page's time stood still.
+   * `serviceTime` of a Welcome: less exact than a ping, but available at once. The message took time to arrive, so the true offset
+   * is not lower. A lower offset dates from before this computer slept, when the page's time stood still.
    */
-  greet(serviceTime: number, now: number): void {
+  welcomed(serviceTime: number, now: number): void {
     this.#offset = Math.max(this.#offset ?? Number.NEGATIVE_INFINITY, serviceTime - now);
   }
 
@@ -52,7 +52,7 @@ export class TimingFilter {
     this.#offset = best.offset;
   }
 
-  /** The connection broke: what was under way is lost, the round trip may be another one, the offset stays. */
+  /** The connection broke: pending pings are lost, the offset stays. */
   forget(): void {
     this.#samples = [];
     this.#underWay = [];

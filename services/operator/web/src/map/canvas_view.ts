@@ -1,16 +1,14 @@
-// The canvas element: its size, its theme, and a frame whenever something that it shows has changed.
+// The canvas element: tracks its size and theme, and draws a frame whenever its data changes.
 import { effect } from "@preact/signals";
-import { FrameScheduler } from "./draw/frame_scheduler";
-import { type Palette, readPalette } from "./draw/palette";
-import { watchTheme } from "./draw/theme";
-import type { Hand } from "./hand";
+import { type Palette, readPalette, watchTheme } from "./draw/palette";
 import { attachKeyboard } from "./keyboard_input";
 import type { MapModel } from "./map_model";
 import { attachPointer } from "./pointer_input";
 import { drawScene, type Scene, SceneCache } from "./scene";
+import type { ToolDriver } from "./tool_driver";
 
-/** The function that it returns ends it all. */
-export function showOn(canvas: HTMLCanvasElement, model: MapModel, hand: Hand): () => void {
+/** Shows the map on the canvas until the returned function is called. */
+export function showOn(canvas: HTMLCanvasElement, model: MapModel, driver: ToolDriver): () => void {
   const cache = new SceneCache();
   let palette = readPalette(canvas);
   const frames = new FrameScheduler(() => draw(canvas, sceneOf(model, palette), cache));
@@ -27,8 +25,8 @@ export function showOn(canvas: HTMLCanvasElement, model: MapModel, hand: Hand): 
     }),
   ];
   const panKey = { held: false, used: false };
-  ends.push(attachPointer(canvas, model, hand, panKey));
-  ends.push(attachKeyboard(canvas, model, hand, panKey));
+  ends.push(attachPointer(canvas, model, driver, panKey));
+  ends.push(attachKeyboard(canvas, model, driver, panKey));
   return () => {
     for (const end of ends) end();
   };
@@ -70,4 +68,32 @@ function draw(canvas: HTMLCanvasElement, scene: Scene | undefined, cache: SceneC
   }
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   drawScene(context, scene, cache);
+}
+
+/** Draws at most one frame per animation frame, and none while nothing changes. */
+class FrameScheduler {
+  #draw: () => void;
+  #pending: number | undefined;
+
+  constructor(draw: () => void) {
+    this.#draw = draw;
+  }
+
+  request(): void {
+    this.#pending ??= requestAnimationFrame(() => {
+      this.#pending = undefined;
+      this.#draw();
+    });
+  }
+
+  /** Draws at once, for example after a resize. */
+  drawNow(): void {
+    this.stop();
+    this.#draw();
+  }
+
+  stop(): void {
+    if (this.#pending !== undefined) cancelAnimationFrame(this.#pending);
+    this.#pending = undefined;
+  }
 }

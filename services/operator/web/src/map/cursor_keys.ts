@@ -1,9 +1,9 @@
-// Keys of the cell cursor, while the canvas has the focus.
+// Keys of the cell cursor. They work while the canvas has the focus.
 import { clampCell, sameCell } from "./grid";
-import type { Hand } from "./hand";
+import { hasPathDraft } from "./keyboard_input";
 import type { MapModel } from "./map_model";
 import type { Cell } from "./map_props";
-import { hasPathDraft } from "./page_keys";
+import type { ToolDriver } from "./tool_driver";
 import { cellAt, panBy } from "./view";
 
 const arrows: ReadonlyMap<string, Cell> = new Map([
@@ -17,7 +17,7 @@ export function isArrow(key: string): boolean {
   return arrows.has(key);
 }
 
-/** The key that pans while it is held, and uses the tool when it was only pressed. */
+/** Space: pans while held during a drag, uses the tool when only pressed. */
 export interface PanKey {
   held: boolean;
   used: boolean;
@@ -25,16 +25,16 @@ export interface PanKey {
 
 export class CursorKeys {
   readonly #model: MapModel;
-  readonly #hand: Hand;
+  readonly #driver: ToolDriver;
   readonly #panKey: PanKey;
 
-  constructor(model: MapModel, hand: Hand, panKey: PanKey) {
+  constructor(model: MapModel, driver: ToolDriver, panKey: PanKey) {
     this.#model = model;
-    this.#hand = hand;
+    this.#driver = driver;
     this.#panKey = panKey;
   }
 
-  /** Whether it was one of them. */
+  /** Returns whether the key was handled. */
   press(event: KeyboardEvent): boolean {
     const by = arrows.get(event.key);
     if (by && event.shiftKey) this.#pan(by);
@@ -56,7 +56,7 @@ export class CursorKeys {
   }
 
   #holdPanKey(): void {
-    if (this.#panKey.held) return; // it repeats
+    if (this.#panKey.held) return; // key repeat
     this.#panKey.held = true;
     this.#panKey.used = false;
   }
@@ -71,7 +71,7 @@ export class CursorKeys {
     if (view) this.#model.lookAt(panBy(view, -60 * by.column, -60 * by.row));
   }
 
-  /** The first key only shows where the cursor is. */
+  /** The first key only shows the cursor. */
   #moveTo(target: (cell: Cell) => Cell): void {
     const { world } = this.#model.props.peek();
     const cursor = this.#model.cursor.peek();
@@ -80,7 +80,7 @@ export class CursorKeys {
     this.#model.moveCursor(clampCell(world, shown ? target(from) : from));
   }
 
-  /** In the chosen robot's cell, or in the middle of what is in sight. */
+  /** The chosen robot's cell, or the middle of the visible part. */
   #startCell(): Cell {
     const { robots, chosenRobot } = this.#model.props.peek();
     const robot = robots.find((one) => one.robot.name === chosenRobot)?.robot.cell;
@@ -95,7 +95,7 @@ export class CursorKeys {
   }
 
   #enter(shift: boolean): void {
-    if (this.#model.props.peek().tool === "path" && hasPathDraft(this.#model)) this.#hand.send();
+    if (this.#model.props.peek().tool === "path" && hasPathDraft(this.#model)) this.#driver.send();
     else this.#apply(shift);
   }
 
@@ -106,7 +106,7 @@ export class CursorKeys {
       return;
     }
     if (this.#model.props.peek().tool === "look") this.#chooseRobotIn(cursor);
-    else this.#hand.apply(cursor, { erase: shift });
+    else this.#driver.apply(cursor, { erase: shift });
   }
 
   #chooseRobotIn(cell: Cell): void {
@@ -120,7 +120,7 @@ export class CursorKeys {
     const cursor = this.#model.cursor.peek();
     const session = this.#model.paths.peek().get(this.#model.props.peek().chosenRobot ?? "");
     const onPath = session?.cells.some((cell) => sameCell(cell, cursor));
-    this.#hand.removeVertex(onPath ? cursor : undefined);
+    this.#driver.removeVertex(onPath ? cursor : undefined);
   }
 }
 

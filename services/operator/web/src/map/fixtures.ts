@@ -1,4 +1,4 @@
-// For tests: a small world, and a page that remembers what the map asks it for.
+// For tests: a small world, and a page that records the map's requests.
 import { create } from "@bufbuild/protobuf";
 import { BeliefSchema, RobotSchema, WorldSchema } from "../protocol/generated/console_pb";
 import {
@@ -31,7 +31,7 @@ export function robotIn(name: string, cell: Cell): MapRobot {
   return { robot, colour: "#d55e00", shape: "circle", dash: [], letter: "A", fresh: "live" };
 }
 
-export type Asked =
+type Asked =
   | { kind: "edit"; world: string; cells: readonly CellChange[]; base: bigint }
   | { kind: "path"; robot: string; cells: readonly Cell[] }
   | { kind: "robot"; name: string }
@@ -66,7 +66,7 @@ export class FakePage {
       tool: "look",
       nameOf: (client) => client,
       onTool: (tool) => this.asked.push({ kind: "tool", tool }),
-      watchesOnly: false,
+      readOnly: false,
       participates: false,
       offersPaths: true,
       arrowsDrive: false,

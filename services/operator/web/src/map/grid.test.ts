@@ -19,7 +19,7 @@ it("a line has both ends, goes by neighbours and no further than needed", () => 
   );
 });
 
-it("a line stays beside the straight one", () => {
+it("a line stays close to the straight one", () => {
   const line = lineCells(at(0, 0), at(10, 20));
   expect(line.every(({ row, column }) => Math.abs(column - 2 * row) <= 2)).toBe(true);
 });

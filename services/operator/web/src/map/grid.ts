@@ -20,7 +20,7 @@ export function contains(size: GridSize, cell: Cell): boolean {
   return cell.row >= 0 && cell.row < size.rows && cell.column >= 0 && cell.column < size.columns;
 }
 
-/** Border cells are walls for good: the service refuses to edit them. */
+/** Border cells are always walls: the service refuses to edit them. */
 export function onBorder(size: GridSize, cell: Cell): boolean {
   return (
     cell.row === 0 ||
@@ -49,7 +49,7 @@ export function isWall(walls: Uint8Array, size: GridSize, cell: Cell): boolean {
   return contains(size, cell) && isWallAt(walls, cellIndex(size, cell));
 }
 
-/** All cells of the rectangle that has the two as corners. */
+/** All cells of the rectangle with these corners. */
 export function rectangleCells(a: Cell, b: Cell): Cell[] {
   const cells: Cell[] = [];
   for (let row = Math.min(a.row, b.row); row <= Math.max(a.row, b.row); ++row) {
@@ -64,7 +64,7 @@ export function rectangleCells(a: Cell, b: Cell): Cell[] {
   return cells;
 }
 
-/** The straight line from one cell to another, both included, each step to a 4-neighbour: what a brush passes over. */
+/** The straight line from one cell to another in steps to 4-neighbours, both ends included: the cells under a brush. */
 export function lineCells(from: Cell, to: Cell): Cell[] {
   const rows = Math.abs(to.row - from.row);
   const columns = Math.abs(to.column - from.column);

@@ -1,11 +1,11 @@
 // @vitest-environment happy-dom
 import { afterEach, beforeEach, describe, expect, it } from "vitest";
 import { at, FakePage } from "./fixtures";
-import { Hand } from "./hand";
 import { attachKeyboard } from "./keyboard_input";
 import { MapModel } from "./map_model";
 import type { MapProps, Tool } from "./map_props";
 import { mapShortcuts, toolKeys } from "./shortcuts";
+import { ToolDriver } from "./tool_driver";
 
 let canvas: HTMLCanvasElement;
 let page: FakePage;
@@ -19,7 +19,7 @@ function begin(more: Partial<MapProps> = {}): void {
   model = new MapModel(page.props);
   model.resize(800, 600);
   panKey = { held: false, used: false };
-  detach = attachKeyboard(canvas, model, new Hand(model), panKey);
+  detach = attachKeyboard(canvas, model, new ToolDriver(model), panKey);
 }
 
 function press(key: string, more: KeyboardEventInit = {}, target: Element = canvas): boolean {

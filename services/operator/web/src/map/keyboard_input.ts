@@ -1,22 +1,24 @@
-// Keys: those of the tools anywhere on the page, those of the cell cursor while the canvas has the focus.
+// Keys of the tools work anywhere on the page, keys of the cell cursor while the canvas has the focus.
 import { CursorKeys, isArrow, type PanKey } from "./cursor_keys";
-import type { Hand } from "./hand";
+import { redo, undo } from "./edit_session";
+import { focusMapIfNothing, takesText } from "./focus";
 import type { MapModel } from "./map_model";
 import { editsMap } from "./map_props";
-import { PageKeys } from "./page_keys";
-import { takesText } from "./takes_text";
+import { hasDraft } from "./path/path_session";
+import { toolKeys } from "./shortcuts";
+import type { ToolDriver } from "./tool_driver";
 
-/** Keys that it has dealt with are prevented, so that the page leaves them alone. The function that it returns ends it. */
+/** Prevents the default of keys that it handles, so that the page ignores them. Returns a function that detaches it. */
 export function attachKeyboard(
   canvas: HTMLCanvasElement,
   model: MapModel,
-  hand: Hand,
+  driver: ToolDriver,
   panKey: PanKey,
 ): () => void {
   const ended = new AbortController();
   const { signal } = ended;
-  const ofPage = new PageKeys(model, hand);
-  const ofCursor = new CursorKeys(model, hand, panKey);
+  const ofPage = new PageKeys(model, driver);
+  const ofCursor = new CursorKeys(model, driver, panKey);
   const onPage = (event: KeyboardEvent) => {
     if (event.defaultPrevented || isBusy(event)) return;
     if (ofPage.press(event)) event.preventDefault();
@@ -36,7 +38,64 @@ export function attachKeyboard(
   return () => ended.abort();
 }
 
-/** Somebody types, or a dialog is open: the keys are not the map's. */
+/** Whether somebody types or a dialog is open. */
 function isBusy({ target }: KeyboardEvent): boolean {
   return takesText(target) || document.querySelector("dialog[open], [aria-modal=true]") !== null;
+}
+
+/** Keys of the tools, anywhere on the page. */
+
+export const zoomStep = 1.3;
+
+class PageKeys {
+  readonly #model: MapModel;
+  readonly #driver: ToolDriver;
+
+  constructor(model: MapModel, driver: ToolDriver) {
+    this.#model = model;
+    this.#driver = driver;
+  }
+
+  /** Returns whether the key was handled. */
+  press(event: KeyboardEvent): boolean {
+    const key = event.key.toLowerCase();
+    if (event.altKey) return false;
+    if (event.ctrlKey || event.metaKey) return this.#historyPressed(key, event.shiftKey);
+    if (event.key === "Escape" && !event.shiftKey) return this.#escapePressed();
+    const tool = event.shiftKey ? undefined : toolKeys.get(key);
+    if (tool === "path" && !this.#model.props.peek().offersPaths) return false;
+    if (tool) {
+      this.#model.props.peek().onTool(tool);
+      focusMapIfNothing(document);
+    } else if (key === "+" || key === "=") this.#model.zoom(zoomStep);
+    else if (key === "-") this.#model.zoom(1 / zoomStep);
+    else if (key === "0") this.#model.showAll();
+    else if (key === "l") this.#model.layersOpen.value = !this.#model.layersOpen.peek();
+    else return false;
+    return true;
+  }
+
+  #historyPressed(key: string, shift: boolean): boolean {
+    const backwards = key === "z" && !shift;
+    if (!backwards && key !== "y" && !(key === "z" && shift)) return false;
+    if (this.#model.mayEdit()) this.#model.change(backwards ? undo : redo);
+    return true;
+  }
+
+  /** Cancels the stroke, then the draft, then the tool. */
+  #escapePressed(): boolean {
+    const { tool, onTool } = this.#model.props.peek();
+    if (this.#model.layersOpen.peek()) return false; // the menu closes
+    if (this.#driver.busy) this.#driver.cancel();
+    else if (hasPathDraft(this.#model)) this.#driver.leave();
+    else if (tool !== "look") onTool("look");
+    else return false;
+    return true;
+  }
+}
+
+/** Whether the chosen robot has an unsent path. */
+export function hasPathDraft(model: MapModel): boolean {
+  const session = model.paths.peek().get(model.props.peek().chosenRobot ?? "");
+  return session !== undefined && hasDraft(session);
 }

@@ -1,17 +1,16 @@
 import type { Signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { icons } from "./icons";
-import { LayerSwatch } from "./layer_swatch";
+import { icons, LayerSwatch } from "./icons";
 import { type LayerName, type Layers, layerNames } from "./map_props";
 
 const layerTexts: Record<LayerName, string> = {
   belief: "Your map",
-  changes: "What you changed",
+  changes: "Your changes",
   seen: "Seen by robots",
-  heat: "Edits expected of you",
-  plan: "Plans of the robots",
-  search: "Search: visits",
-  trails: "Where robots have been",
+  heat: "Expected edits",
+  plan: "Robots' plans",
+  search: "Search visits",
+  trails: "Robots' trails",
   pictures: "Pictures",
   goals: "Goals",
   paths: "Paths given",
@@ -19,7 +18,7 @@ const layerTexts: Record<LayerName, string> = {
   truth: "True map",
 };
 
-/** Of these a participant is told something. */
+/** Layers that participants may see. */
 const participantLayers: ReadonlySet<LayerName> = new Set([
   "belief",
   "changes",
@@ -82,7 +81,7 @@ interface RowProps {
   onStrength: (strength: number) => void;
 }
 
-/** On or off, and how strongly it shows while it is on. */
+/** Switch and opacity of a layer. */
 function LayerRow({ name, strength, onStrength }: RowProps) {
   return (
     <div class="map-layer-row">
@@ -103,14 +102,14 @@ function LayerRow({ name, strength, onStrength }: RowProps) {
         value={strength}
         disabled={strength === 0}
         aria-label={`Opacity: ${layerTexts[name]}`}
-        title="How strongly it shows"
+        title="Opacity"
         onInput={(event) => onStrength(event.currentTarget.valueAsNumber)}
       />
     </div>
   );
 }
 
-/** A press elsewhere or Escape closes; opening puts the focus on the first layer. */
+/** Closes on Escape or a press elsewhere. Opening focuses the first layer. */
 function useCloseOutside(place: { current: HTMLDivElement | null }, open: Signal<boolean>): void {
   const isOpen = open.value;
   useEffect(() => {
@@ -133,7 +132,7 @@ function useCloseOutside(place: { current: HTMLDivElement | null }, open: Signal
     window.addEventListener("keydown", key, options);
     return () => {
       ended.abort();
-      // By its key it closes with the focus in it.
+      // If the menu had the focus, its button gets it.
       if (document.activeElement === document.body) place.current?.querySelector("button")?.focus();
     };
   }, [isOpen, open, place]);

@@ -1,31 +1,30 @@
 import { useEffect, useId, useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import { showOn } from "./canvas_view";
-import { RefusedEdit } from "./edit/refused_edit";
-import { Hand } from "./hand";
-import { mapId } from "./map_focus";
+import { dropRefused, sendAgain } from "./edit_session";
+import { mapId } from "./focus";
 import { MapModel } from "./map_model";
 import type { MapProps } from "./map_props";
 import { PathBar } from "./path/path_bar";
 import { StatusLine } from "./status_line";
+import { ToolDriver } from "./tool_driver";
 import { Toolbar } from "./toolbar";
 import "./map.css";
-import "./small_window.css";
 
-/** The operator's map of one world, with its tools. Fills the element that it is in, which has a size of its own. */
+/** The operator's map of one world, with its tools. Fills its parent element, which must have a size. */
 export function MapCanvas(props: MapProps) {
   const model = useMemo(() => new MapModel(props), []);
-  const hand = useMemo(() => new Hand(model), [model]);
+  const driver = useMemo(() => new ToolDriver(model), [model]);
   const canvas = useRef<HTMLCanvasElement>(null);
   const help = useId();
   useLayoutEffect(() => model.update(props));
   useEffect(() => {
-    return canvas.current ? showOn(canvas.current, model, hand) : undefined;
-  }, [model, hand]);
+    return canvas.current ? showOn(canvas.current, model, driver) : undefined;
+  }, [model, driver]);
   return (
     <section class="map-root" aria-label={`Map of ${props.world.name}`}>
       <Toolbar model={model} />
       <div class="map-stage">
-        {/* biome-ignore lint/a11y/noInteractiveElementToNoninteractiveRole: it takes keys of its own, as an application does */}
+        {/* biome-ignore lint/a11y/noInteractiveElementToNoninteractiveRole: it handles its own keys, like an application */}
         <canvas
           ref={canvas}
           id={mapId}
@@ -38,14 +37,42 @@ export function MapCanvas(props: MapProps) {
       </div>
       <div class="map-notes">
         <RefusedEdit model={model} />
-        <PathBar model={model} hand={hand} />
+        <PathBar model={model} driver={driver} />
       </div>
       <p id={help} class="map-unseen">
         {props.arrowsDrive
-          ? "Arrow keys drive the robot. With the tools W, E and R they move a cell cursor, Space uses the tool there, and Escape goes back to driving."
-          : "Arrow keys move a cell cursor, Space uses the tool there. V, W, E, R and P choose the tool."}
+          ? "Arrow keys drive the robot. With the tools W, E and R they move a cell cursor. Space uses the tool at the cursor. Escape returns to driving."
+          : "Arrow keys move a cell cursor. Space uses the tool at the cursor. V, W, E, R and P choose the tool."}
       </p>
       <StatusLine model={model} />
     </section>
+  );
+}
+
+/** A refused edit: the person sends it again or discards it. */
+export function RefusedEdit({ model }: { model: MapModel }) {
+  const refused = model.editing.value?.refused;
+  if (!refused) return undefined;
+  const count = refused.draft.size;
+  return (
+    <div class="map-card refused" role="alert">
+      <p>
+        <strong>
+          {count} {count === 1 ? "cell" : "cells"} not saved:
+        </strong>{" "}
+        {refused.reason}. Check the newest map, then choose:
+      </p>
+      <button
+        type="button"
+        class="main"
+        disabled={!model.props.value.mayEdit.allowed}
+        onClick={() => model.change(sendAgain)}
+      >
+        Send again
+      </button>
+      <button type="button" onClick={() => model.change(dropRefused)}>
+        Discard
+      </button>
+    </div>
   );
 }

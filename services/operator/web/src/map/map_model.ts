@@ -1,10 +1,10 @@
-// What the map knows beyond its props: the view, the cursor, the drafts of edits and paths; and what it asks for.
+// The map's own state beyond its props: view, cursor, drafts of edits and paths. Sends the requests.
 import { type Signal, signal } from "@preact/signals";
-import * as edits from "./edit/edit_session";
+import * as edits from "./edit_session";
 import { type Cell, contains } from "./grid";
 import type { MapProps, Outcome } from "./map_props";
 import * as paths from "./path/path_session";
-import type { WayGrid } from "./path/ways";
+import type { RouteGrid } from "./path/routes";
 import type { Rectangle } from "./scene";
 import {
   centreOn,
@@ -24,18 +24,18 @@ export class MapModel {
   readonly view = signal<View | undefined>(undefined);
   readonly hover = signal<Cell | undefined>(undefined);
   readonly cursor = signal<Cell | undefined>(undefined);
-  /** The keyboard is in use: the cursor shows. */
+  /** Whether the keyboard is in use, so that the cursor shows. */
   readonly byKeyboard = signal(false);
   readonly editing = signal<edits.EditSession | undefined>(undefined);
   readonly paths = signal<ReadonlyMap<string, paths.PathSession>>(new Map());
   readonly rectangle = signal<Rectangle | undefined>(undefined);
   readonly sendAtRelease = signal(true);
   readonly layersOpen = signal(false);
-  /** Why something was not done, for the person, for a while; the object is new each time it is said. */
+  /** Short message why something was not done; a new object each time. */
   readonly note = signal<Note | undefined>(undefined);
 
   #fitted = true;
-  /** By world: what is drafted in one is kept while another is shown. */
+  /** By world: drafts are kept while another world is shown. */
   #sessions = new Map<string, edits.EditSession>();
   #sentEdits = new Map<string, number>();
   #sentPaths = new Map<string, number>();
@@ -45,7 +45,7 @@ export class MapModel {
     this.#take(props);
   }
 
-  /** New data from the page. */
+  /** Takes new props from the page. */
   update(props: MapProps): void {
     const before = this.props.peek();
     if (sameProps(before, props)) return;
@@ -58,7 +58,7 @@ export class MapModel {
     }
     if (sizeOf(world) !== sizeOf(before.world)) this.showAll();
     const view = this.view.peek();
-    // While all of the map is in sight, nothing is gained by moving it.
+    // A map that is completely visible need not move.
     if (props.focus && props.focus.counter !== before.focus?.counter && view && !this.#fitted) {
       this.lookAt(centreOn(view, props.focus.cell));
     }
@@ -106,7 +106,7 @@ export class MapModel {
     this.#fitted = true;
   }
 
-  /** Never from farther than what shows all of it. */
+  /** Sets the view, but never smaller than the whole map needs. */
   lookAt(view: View): void {
     const { world } = this.props.peek();
     const farther = view.scale < (this.view.peek()?.scale ?? 0);
@@ -118,7 +118,7 @@ export class MapModel {
     this.#fitted = false;
   }
 
-  /** About `point`, or the middle. */
+  /** Zooms about `point`, or the middle. */
   zoom(factor: number, point?: Point): void {
     const view = this.view.peek();
     if (!view) return;
@@ -135,27 +135,27 @@ export class MapModel {
     if (moved.x !== view.x || moved.y !== view.y) this.lookAt(moved);
   }
 
-  say(text: string): void {
+  showNote(text: string): void {
     this.note.value = { text, number: (this.note.peek()?.number ?? 0) + 1 };
   }
 
   // --- Edits ---
 
-  /** Whether editing may begin; says why not. */
+  /** Whether editing is allowed; shows a note if not. */
   mayEdit(): boolean {
     const { mayEdit } = this.props.peek();
-    if (!mayEdit.allowed) this.say(`Not now: ${mayEdit.reason}.`);
-    else if (!this.editing.peek()) this.say("The map has not come yet.");
+    if (!mayEdit.allowed) this.showNote(`Not now: ${mayEdit.reason}.`);
+    else if (!this.editing.peek()) this.showNote("Waiting for the map.");
     return mayEdit.allowed && this.editing.peek() !== undefined;
   }
 
-  /** Of the world shown, if its map has come. */
+  /** Changes the session of the world shown, if its map has arrived. */
   change(change: (session: edits.EditSession) => edits.EditSession): void {
     const session = this.editing.peek();
     if (session) this.#setSession(change(session));
   }
 
-  /** Requests go to the world shown: those of another wait until it is shown again. */
+  /** Sends pending edits of the world shown. Those of another world wait until it is shown again. */
   #setSession(session: edits.EditSession): void {
     const { world, pending } = session;
     this.#sessions.set(world, session);
@@ -177,13 +177,13 @@ export class MapModel {
 
   // --- Paths ---
 
-  get grid(): WayGrid {
+  get grid(): RouteGrid {
     return gridOf(this.props.peek());
   }
 
   mayGuide(): boolean {
     const { mayGuide } = this.props.peek();
-    if (!mayGuide.allowed) this.say(`Not now: ${mayGuide.reason}.`);
+    if (!mayGuide.allowed) this.showNote(`Not now: ${mayGuide.reason}.`);
     return mayGuide.allowed;
   }
 
@@ -206,7 +206,7 @@ function sizeOf({ name, rows, columns }: MapProps["world"]): string {
   return `${name} ${rows} ${columns}`;
 }
 
-function gridOf({ world, belief }: MapProps): WayGrid {
+function gridOf({ world, belief }: MapProps): RouteGrid {
   const size = { rows: world.rows, columns: world.columns };
   return { size, walls: belief?.walls ?? new Uint8Array(world.rows * world.columns) };
 }

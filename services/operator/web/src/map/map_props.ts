@@ -17,10 +17,10 @@ export type { Cell } from "./grid";
 
 export type RobotShape = "circle" | "square" | "triangle" | "diamond" | "pentagon" | "star";
 
-/** How old what a robot tells is, counted from when it said so; "no news": without a link nobody can be heard. */
-export type Freshness = "live" | "stale" | "lost" | "no news";
+/** Age of a robot's newest state; "unknown" without a link. */
+export type Freshness = "live" | "stale" | "lost" | "unknown";
 
-/** A robot and how it looks, so that robots can be told apart without their colour. */
+/** A robot and its look. Robots differ even without colour. */
 export type MapRobot = {
   robot: Robot;
   colour: string; // CSS colour
@@ -52,10 +52,10 @@ export const layerNames = [
 ] as const;
 
 export type LayerName = (typeof layerNames)[number];
-/** How much of each shows: 0 = nothing, 1 = all. */
+/** Opacity of each layer, from 0 to 1. */
 export type Layers = Readonly<Record<LayerName, number>>;
 
-/** What a new page shows. */
+/** Layers of a new page. */
 export const defaultLayers: Layers = {
   belief: 1,
   changes: 1,
@@ -71,22 +71,22 @@ export const defaultLayers: Layers = {
   truth: 0,
 };
 
-/** Whether something may be done now, and if not, why, in words for the person. */
+/** Whether something is allowed now. The reason is a text for the person. */
 export type Permission = { allowed: true } | { allowed: false; reason: string };
 
 export type CellChange = { cell: Cell; wall: boolean };
 
-/** What the service said to a request; `reason` is empty when it was accepted. */
+/** The service's reply to a request; `reason` is empty if it was accepted. */
 export type Outcome = { accepted: boolean; reason: string };
 
 /**
- * Everything that the map shows and all that it can ask for. Of the world `world` only: the caller leaves out the
- * robots, pictures, ... of other worlds. The maps have a robot's name as key. Byte arrays are compared by identity:
- * a new value is a new array.
+ * All data that the map shows, and all requests that it sends. For the world `world` only: the caller leaves out robots,
+ * pictures, ... of other worlds. The maps are keyed by robot name. Byte arrays are compared by identity: a new value is
+ * a new array.
  */
 export type MapProps = {
   world: World;
-  belief: Belief | undefined; // undefined = has not come yet
+  belief: Belief | undefined; // undefined = not received yet
   robots: readonly MapRobot[];
   seen: ReadonlyMap<string, SeenMap>;
   trails: ReadonlyMap<string, readonly Cell[]>; // in the order in which the robot entered them
@@ -95,7 +95,7 @@ export type MapProps = {
   predictions: ReadonlyMap<string, Prediction>;
   guidance: ReadonlyMap<string, Guidance>;
   pictures: readonly Picture[];
-  chosenPicture: Picture | undefined; // what it shows is marked
+  chosenPicture: Picture | undefined; // its cells are marked
   goalPoses: ReadonlyMap<string, GoalPose>;
   truth: Truth | undefined; // only in replay
 
@@ -106,28 +106,28 @@ export type MapProps = {
   tool: Tool;
   onTool: (tool: Tool) => void;
 
-  /** An observer or a recording: no tools that change something. */
-  watchesOnly: boolean;
-  /** A participant's: no layers of what they are not told. */
+  /** For observers and recordings: no tools that change something. */
+  readOnly: boolean;
+  /** For participants: no layers that reveal the solution. */
   participates: boolean;
-  /** Where the robot follows no paths there is no tool for them. */
+  /** Whether robots follow paths, so that there is a path tool. */
   offersPaths: boolean;
-  /** The arrow keys drive a robot: the map takes them only while a tool that edits is chosen. */
+  /** Whether the arrow keys drive a robot. Then the map uses them only with a tool that edits. */
   arrowsDrive: boolean;
   mayEdit: Permission;
   mayGuide: Permission; // of the chosen robot
-  /** The chosen robot was stopped: it stands, whatever its path, until somebody lets it go on. */
+  /** Whether the chosen robot is stopped. It ignores its path until somebody resumes it. */
   stopped: boolean;
-  /** At most so many cells in one edit; a larger one is sent in parts. Not given: no limit. */
+  /** Maximum number of cells per edit; larger ones are sent in parts. Undefined: no limit. */
   editLimit?: number | undefined;
-  /** Resolves with the service's reply. Until then, and until a belief with a newer revision came, the edit is pending. */
+  /** Resolves with the service's reply. The edit is pending until then, and until a belief with a newer revision arrives. */
   onEdit: (world: string, cells: readonly CellChange[], baseRevision: bigint) => Promise<Outcome>;
   /** An empty path withdraws. */
   onPath: (robot: string, cells: readonly Cell[]) => Promise<Outcome>;
 
-  /** Of a client, as people read it; `Guidance.givenBy` is one. */
+  /** Name of a client such as `Guidance.givenBy`. */
   nameOf: (client: string) => string;
 
-  /** Unless all of the map is in sight: centres it on the cell whenever `counter` changes. */
+  /** Centres the map on the cell whenever `counter` changes, unless the whole map is visible. */
   focus?: { cell: Cell; counter: number } | undefined;
 };

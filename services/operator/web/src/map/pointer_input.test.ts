@@ -1,10 +1,10 @@
 // @vitest-environment happy-dom
 import { beforeEach, describe, expect, it } from "vitest";
 import { at, FakePage } from "./fixtures";
-import { Hand } from "./hand";
 import { MapModel } from "./map_model";
 import type { Tool } from "./map_props";
 import { attachPointer } from "./pointer_input";
+import { ToolDriver } from "./tool_driver";
 import { cellCentre, type Point } from "./view";
 
 let page: FakePage;
@@ -19,7 +19,7 @@ function hold(tool: Tool): void {
   model.resize(400, 300);
   canvas = document.createElement("canvas");
   canvas.setPointerCapture = () => {};
-  attachPointer(canvas, model, new Hand(model), { held: false, used: false });
+  attachPointer(canvas, model, new ToolDriver(model), { held: false, used: false });
 }
 
 function point(name: string, pointerId: number, where: Point, pointerType = "touch"): void {

@@ -2,27 +2,27 @@
 
 import type { PanKey } from "./cursor_keys";
 import { type Cell, contains, sameCell } from "./grid";
-import type { Hand } from "./hand";
-import { markRadius } from "./layers/lanes";
+import { markRadius } from "./layers/paths";
 import { robotPoint } from "./layers/robots";
 import type { MapModel } from "./map_model";
+import type { ToolDriver } from "./tool_driver";
 import { cellAt, type Point, panBy, pinch, type TwoPoints, type View } from "./view";
 
 type Drag =
   | { kind: "pan"; last: Point; moved: number; robot: string | undefined }
   | { kind: "pinch"; last: TwoPoints }
-  | { kind: "hand" };
+  | { kind: "tool" };
 
-/** `panKey` says whether the key that pans is held. The function that it returns ends the listening. */
+/** `panKey`: whether Space is held. Returns a function that detaches it. */
 export function attachPointer(
   canvas: HTMLCanvasElement,
   model: MapModel,
-  hand: Hand,
+  driver: ToolDriver,
   panKey: PanKey,
 ): () => void {
   const ended = new AbortController();
   const { signal } = ended;
-  const pointer = new Pointer(canvas, model, hand, panKey);
+  const pointer = new Pointer(canvas, model, driver, panKey);
   canvas.addEventListener("pointerdown", (event) => pointer.down(event), { signal });
   canvas.addEventListener("pointermove", (event) => pointer.move(event), { signal });
   canvas.addEventListener("pointerup", (event) => pointer.up(event), { signal });
@@ -36,16 +36,16 @@ export function attachPointer(
 class Pointer {
   readonly #canvas: HTMLCanvasElement;
   readonly #model: MapModel;
-  readonly #hand: Hand;
+  readonly #driver: ToolDriver;
   readonly #panKey: PanKey;
   #drag: Drag | undefined;
-  /** Where each pointer that is down is; the mouse is one, each finger another. */
+  /** Positions of the pointers that are down: the mouse, or each finger. */
   readonly #down = new Map<number, Point>();
 
-  constructor(canvas: HTMLCanvasElement, model: MapModel, hand: Hand, panKey: PanKey) {
+  constructor(canvas: HTMLCanvasElement, model: MapModel, driver: ToolDriver, panKey: PanKey) {
     this.#canvas = canvas;
     this.#model = model;
-    this.#hand = hand;
+    this.#driver = driver;
     this.#panKey = panKey;
   }
 
@@ -69,16 +69,16 @@ class Pointer {
       this.#panKey.used = true;
       this.#drag = { kind: "pan", last: at, moved: 0, robot: pans ? undefined : robot };
     } else {
-      this.#drag = { kind: "hand" };
-      this.#hand.press(cell, { erase: event.shiftKey }, robot);
+      this.#drag = { kind: "tool" };
+      this.#driver.press(cell, { erase: event.shiftKey }, robot);
     }
   }
 
-  /** Two fingers move the map, whatever the tool; what the first one has begun is undone. A third finger does nothing. */
+  /** Two fingers move the map with any tool and cancel the first finger's stroke. A third finger does nothing. */
   #secondDown({ pointerId, pointerType }: PointerEvent, at: Point): void {
     const [first, another] = [...this.#down.values()];
     if (pointerType !== "touch" || first === undefined || another !== undefined) return;
-    if (this.#drag?.kind === "hand") this.#hand.cancel();
+    if (this.#drag?.kind === "tool") this.#driver.cancel();
     this.#canvas.setPointerCapture(pointerId);
     this.#down.set(pointerId, at);
     this.#drag = { kind: "pinch", last: [first, at] };
@@ -103,7 +103,7 @@ class Pointer {
       return;
     }
     this.#hover(cellAt(view, at));
-    if (this.#drag?.kind === "hand") this.#hand.drag(cellAt(view, at));
+    if (this.#drag?.kind === "tool") this.#driver.drag(cellAt(view, at));
     if (this.#drag?.kind !== "pan") return;
     this.#drag.moved += Math.hypot(at.x - this.#drag.last.x, at.y - this.#drag.last.y);
     if (this.#drag.moved > 3)
@@ -119,10 +119,10 @@ class Pointer {
   up({ pointerId }: PointerEvent): void {
     if (!this.#down.delete(pointerId)) return;
     const done = this.#drag;
-    // The finger that stays does nothing more, or it would draw.
+    // The remaining finger must not draw.
     if (done?.kind === "pinch" && this.#down.size > 0) return;
     this.#drag = undefined;
-    if (done?.kind === "hand") this.#hand.release();
+    if (done?.kind === "tool") this.#driver.release();
     if (done?.kind === "pan" && done.moved <= 3 && done.robot !== undefined) {
       this.#model.props.peek().onChooseRobot(done.robot);
     }
@@ -130,7 +130,7 @@ class Pointer {
 
   cancel({ pointerId }: PointerEvent): void {
     if (!this.#down.delete(pointerId)) return;
-    if (this.#drag?.kind === "hand") this.#hand.cancel();
+    if (this.#drag?.kind === "tool") this.#driver.cancel();
     if (this.#down.size === 0) this.#drag = undefined;
   }
 
@@ -140,7 +140,7 @@ class Pointer {
 
   double(event: MouseEvent): void {
     const view = this.#model.view.peek();
-    if (view) this.#hand.doublePress(cellAt(view, pointOf(event)));
+    if (view) this.#driver.doublePress(cellAt(view, pointOf(event)));
   }
 
   wheel(event: WheelEvent): void {
@@ -155,7 +155,7 @@ function pointOf(event: MouseEvent): Point {
   return { x: event.offsetX, y: event.offsetY };
 }
 
-/** The robot whose mark is at the point; the one that is drawn last when several are. */
+/** The robot whose mark is at the point; the topmost if there are several. */
 function robotAt(model: MapModel, at: Point): string | undefined {
   const view = model.view.peek();
   if (!view) return undefined;

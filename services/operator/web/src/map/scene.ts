@@ -1,28 +1,39 @@
-// One frame of the map, from the data to the pixels: which layers there are, and which lies over which.
-import { type Bitmap, bitmapOf, drawBitmap } from "./draw/bitmap";
-import { CachedLayer, sameValues } from "./draw/cached_layer";
+// Draws one frame of the map: all layers, in their order.
+
 import type { Draw } from "./draw/context";
-import { Fader } from "./draw/fader";
+import {
+  type Bitmap,
+  bitmapOf,
+  CachedLayer,
+  drawBitmap,
+  Fader,
+  sameValues,
+} from "./draw/offscreen";
 import type { Palette } from "./draw/palette";
-import { draftLayers, type EditSession } from "./edit/edit_session";
-import { paintBelief } from "./layers/belief";
-import { drawChanges } from "./layers/changes";
-import { drawCursor, drawFrame } from "./layers/cursor";
-import { drawEdits } from "./layers/edits";
-import { drawGoalPoses } from "./layers/goal_poses";
-import { drawGoals } from "./layers/goals";
-import { drawGridLines, drawRulers } from "./layers/grid_lines";
-import { drawHeat } from "./layers/heat";
-import { laneShift } from "./layers/lanes";
-import { drawDraftPath, drawPathNames, drawPaths, type PathsData } from "./layers/paths";
-import { PictureMarks } from "./layers/picture_marks";
-import { drawChosenPicture } from "./layers/pictures";
-import { drawPlans } from "./layers/plans";
-import { drawRobots } from "./layers/robots";
+import { draftLayers, type EditSession } from "./edit_session";
+import {
+  drawChanges,
+  drawDifferences,
+  drawEdits,
+  drawHeat,
+  drawTruth,
+  paintBelief,
+  paintFog,
+  seenByAny,
+} from "./layers/cells";
+import { drawCursor, drawFrame, drawGridLines, drawRulers } from "./layers/grid_lines";
+import {
+  drawDraftPath,
+  drawPathNames,
+  drawPaths,
+  drawPlans,
+  drawTrails,
+  laneShift,
+  type PathsData,
+} from "./layers/paths";
+import { drawChosenPicture, PictureMarks } from "./layers/pictures";
+import { drawGoalPoses, drawGoals, drawRobots } from "./layers/robots";
 import { drawSearches } from "./layers/searches";
-import { drawDifferences, paintFog, seenByAny } from "./layers/seen";
-import { drawTrails } from "./layers/trails";
-import { drawTruth } from "./layers/truth";
 import type { Cell, LayerName, MapProps } from "./map_props";
 import { wallsCrossed } from "./path/assessment";
 import { type PathSession, vertices } from "./path/path_session";
@@ -41,7 +52,7 @@ export type Scene = {
   readonly rectangle: Rectangle | undefined;
 };
 
-/** What is kept from frame to frame: the layers that change seldom. */
+/** Layers that change rarely, kept from frame to frame. */
 export class SceneCache {
   belief: Bitmap | undefined;
   fog: Bitmap | undefined;
@@ -75,12 +86,12 @@ export function drawScene(context: Draw, scene: Scene, cache: SceneCache): void 
   );
 }
 
-/** All that drawGround() draws from, besides the view. */
+/** All data that drawGround() uses besides the view. */
 function groundKeys({ props, palette, editing }: Scene, cache: SceneCache): readonly unknown[] {
   const { world, belief, layers, trails, robots } = props;
   const looks = robots.map(({ robot, colour }) => `${robot.name} ${colour}`).join();
-  const told = [world.rows, world.columns, belief?.walls, belief?.initialWalls, cache.seen(props)];
-  return [palette, editing, layers, trails, looks, props.predictions, props.truth, ...told];
+  const cells = [world.rows, world.columns, belief?.walls, belief?.initialWalls, cache.seen(props)];
+  return [palette, editing, layers, trails, looks, props.predictions, props.truth, ...cells];
 }
 
 function drawGround(context: Draw, scene: Scene, cache: SceneCache): void {
@@ -89,12 +100,12 @@ function drawGround(context: Draw, scene: Scene, cache: SceneCache): void {
   context.fillRect(0, 0, view.width, view.height);
   drawCells(context, scene, cache);
   const { robots, trails } = props;
-  const show = shower(context, scene, cache);
+  const show = layerPainter(context, scene, cache);
   show("trails", (on) => drawTrails(on, view, { robots, trails }, palette));
 }
 
-/** Draws a layer if it shows, and as strongly as it shall. */
-function shower(context: Draw, { props, view }: Scene, { fader }: SceneCache) {
+/** A function that draws a layer with its opacity. */
+function layerPainter(context: Draw, { props, view }: Scene, { fader }: SceneCache) {
   return (name: LayerName, paint: (on: Draw) => void) =>
     fader.draw(context, view, props.layers[name], paint);
 }
@@ -102,7 +113,7 @@ function shower(context: Draw, { props, view }: Scene, { fader }: SceneCache) {
 function drawCells(context: Draw, scene: Scene, cache: SceneCache): void {
   const { props, view, palette, editing } = scene;
   const { world: size, belief, layers } = props;
-  const show = shower(context, scene, cache);
+  const show = layerPainter(context, scene, cache);
   const walls = belief?.walls ?? new Uint8Array(size.rows * size.columns);
   if (layers.belief) {
     cache.belief = bitmapOf(cache.belief, size, [walls, size.columns, palette], (on) =>
@@ -133,7 +144,7 @@ function drawCells(context: Draw, scene: Scene, cache: SceneCache): void {
 function drawLines(context: Draw, scene: Scene, cache: SceneCache): void {
   const { props, view, palette } = scene;
   const { robots, pictures, plans, searches } = props;
-  const show = shower(context, scene, cache);
+  const show = layerPainter(context, scene, cache);
   show("pictures", (on) => cache.pictures.draw(on, view, { robots, pictures }, palette));
   drawChosen(context, scene, cache);
   show("paths", (on) => drawPaths(on, view, pathsOf(scene), palette));
@@ -174,21 +185,21 @@ function drawDraft(context: Draw, { props, view, palette }: Scene, path: PathSes
   drawDraftPath(context, view, data, palette);
 }
 
-/** All that drawGoals() draws from, besides the view; robots tell of their goals with each state. */
+/** All data that drawGoals() uses besides the view, as text, because each robot state has new goal objects. */
 function goalKeys({ props, palette }: Scene): readonly unknown[] {
   const words = (cells: readonly Cell[]) => cells.map(({ row, column }) => `${row},${column}`);
-  const told = props.robots.map(({ robot, colour, letter }) =>
+  const goals = props.robots.map(({ robot, colour, letter }) =>
     [robot.name, colour, letter, ...words(robot.goalsLeft), "/", ...words(robot.goalsReached)].join(
       " ",
     ),
   );
-  return [palette, told.join()];
+  return [palette, goals.join()];
 }
 
 function drawMarks(context: Draw, scene: Scene, cache: SceneCache): void {
   const { props, view, palette } = scene;
   const { robots, goalPoses, world } = props;
-  const show = shower(context, scene, cache);
+  const show = layerPainter(context, scene, cache);
   show("goals", (on) =>
     cache.goals.draw(on, view, goalKeys(scene), (cached) =>
       drawGoals(cached, view, robots, palette),

@@ -1,38 +1,41 @@
 import type { Tool } from "./map_props";
 
-/** What the map's keys do, for the page's help. */
+/** The map's keys, for the help. */
 export const mapShortcuts: readonly { readonly keys: readonly string[]; readonly text: string }[] =
   [
-    { keys: ["V"], text: "Look around: drag pans, a click chooses a robot" },
+    { keys: ["V"], text: "Look around: drag to pan, click to choose a robot" },
     { keys: ["W"], text: "Draw walls" },
     { keys: ["E"], text: "Erase walls" },
-    { keys: ["R"], text: "Rectangle of walls; with Shift erase it" },
+    { keys: ["R"], text: "Draw a rectangle of walls; with Shift erase" },
     { keys: ["P"], text: "Draw the chosen robot's path" },
-    { keys: ["Ctrl+Z"], text: "Undo the last edit of the map" },
-    { keys: ["Ctrl+Y", "Ctrl+Shift+Z"], text: "Redo it" },
+    { keys: ["Ctrl+Z"], text: "Undo the last map edit" },
+    { keys: ["Ctrl+Y", "Ctrl+Shift+Z"], text: "Redo" },
     { keys: ["+"], text: "Zoom in" },
     { keys: ["-"], text: "Zoom out" },
-    { keys: ["0"], text: "Show all of the map" },
-    { keys: ["L"], text: "Choose the layers" },
-    { keys: ["Arrow keys"], text: "Move the cell cursor, with the focus on the map" },
-    { keys: ["Home", "End"], text: "Cursor to the row's first or last cell; with Ctrl the map's" },
-    { keys: ["Shift+Arrow keys"], text: "Move the map" },
-    { keys: ["Space"], text: "Use the tool at the cursor; held while dragging: move the map" },
-    { keys: ["Enter"], text: "Use the tool at the cursor; with a path drawn: send it" },
+    { keys: ["0"], text: "Show the whole map" },
+    { keys: ["L"], text: "Choose layers" },
+    { keys: ["Arrow keys"], text: "Move the cell cursor (focus on the map)" },
+    {
+      keys: ["Home", "End"],
+      text: "Cursor to the first or last cell of the row; with Ctrl of the map",
+    },
+    { keys: ["Shift+Arrow keys"], text: "Pan the map" },
+    { keys: ["Space"], text: "Use the tool at the cursor; hold while dragging to pan" },
+    { keys: ["Enter"], text: "Use the tool at the cursor; send the path if one is drawn" },
     { keys: ["Delete"], text: "Remove the path's corner at the cursor, or its end" },
-    { keys: ["Esc"], text: "Leave what is being drawn" },
+    { keys: ["Esc"], text: "Cancel the drawing" },
   ];
 
-/** As `offersPaths` and `arrowsDrive` of MapProps. */
+/** The keys that apply; for the parameters see MapProps. */
 export function shortcutsWith(offersPaths: boolean, arrowsDrive: boolean): typeof mapShortcuts {
   const offered = mapShortcuts.filter(({ keys }) => offersPaths || !pathKeys.has(keys[0] ?? ""));
-  const cursor = "With the tools W, E and R: move the cell cursor on the map";
+  const cursor = "With the tools W, E and R: move the cell cursor";
   return offered.map((shortcut) =>
     arrowsDrive && shortcut.keys[0] === "Arrow keys" ? { ...shortcut, text: cursor } : shortcut,
   );
 }
 
-/** Of the path tool. */
+/** Keys of the path tool. */
 const pathKeys: ReadonlySet<string> = new Set(["P", "Delete"]);
 
 export const toolKeys: ReadonlyMap<string, Tool> = new Map([

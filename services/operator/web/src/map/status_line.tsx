@@ -1,20 +1,20 @@
 import { type Signal, useComputed } from "@preact/signals";
 import { useEffect } from "preact/hooks";
-import { cellWords } from "./cell_words";
-import { draftLayers } from "./edit/edit_session";
+import { describeCell } from "./cell_description";
+import { draftLayers } from "./edit_session";
 import type { MapModel, Note } from "./map_model";
 import type { Cell, MapProps } from "./map_props";
 
-/** The cell under the pointer or the cursor in words. Only what the keyboard or a refusal says is read aloud. */
+/** Describes the cell under the pointer or the cursor. Only the keyboard cursor and notes are read aloud. */
 export function StatusLine({ model }: { model: MapModel }) {
   const text = useComputed(() => {
     const cursor = model.byKeyboard.value ? model.cursor.value : undefined;
     const cell = cursor ?? model.hover.value;
-    return cell && wordsOf(model, cell);
+    return cell && textOf(model, cell);
   });
   const aloud = useComputed(() => {
     const cursor = model.byKeyboard.value ? model.cursor.value : undefined;
-    return cursor ? wordsOf(model, cursor) : "";
+    return cursor ? textOf(model, cursor) : "";
   });
   return (
     <div class="map-status">
@@ -31,7 +31,7 @@ export function StatusLine({ model }: { model: MapModel }) {
   );
 }
 
-/** s that a note stays: what it says is soon true no more. */
+/** s that a note stays on screen. */
 const noteTime = 8;
 
 export function NoteLine({ note }: { note: Signal<Note | undefined> }) {
@@ -43,16 +43,16 @@ export function NoteLine({ note }: { note: Signal<Note | undefined> }) {
     }, 1000 * noteTime);
     return () => clearTimeout(timer);
   }, [now, note]);
-  // A text that is said again is an element of its own: then it is read aloud again.
+  // A repeated text is a new element, so that it is read aloud again.
   return <output class="map-note">{now && <span key={now.number}>{now.text}</span>}</output>;
 }
 
-/** Participants are told nothing of it. */
+/** Participants may not know what robots saw. */
 function showsSeen({ layers, participates }: MapProps): boolean {
   return layers.seen > 0 && !participates;
 }
 
-/** The two signs that a newcomer must know: where robots saw it otherwise than the map has it. */
+/** The two symbols that newcomers need: where the map differs from what robots saw. */
 function Legend() {
   return (
     <span class="map-legend">
@@ -63,12 +63,12 @@ function Legend() {
       <svg class="map-swatch map-icon" viewBox="0 0 16 12" aria-hidden="true">
         <circle cx="8" cy="6" r="4" />
       </svg>
-      no wall there
+      robots saw no wall
     </span>
   );
 }
 
-/** What the service has not confirmed yet. */
+/** Number of cells that the service has not confirmed. */
 function pendingText(model: MapModel): string {
   const session = model.editing.value;
   const drafts = session ? draftLayers(session).pending : [];
@@ -76,9 +76,9 @@ function pendingText(model: MapModel): string {
   return count > 0 ? `${count} ${count === 1 ? "cell" : "cells"} sent, not confirmed yet` : "";
 }
 
-function wordsOf(model: MapModel, cell: Cell): string {
+function textOf(model: MapModel, cell: Cell): string {
   const { world, belief, seen, robots } = model.props.value;
-  return cellWords(cell, {
+  return describeCell(cell, {
     size: world,
     walls: belief?.walls,
     seen,
@@ -87,11 +87,11 @@ function wordsOf(model: MapModel, cell: Cell): string {
 }
 
 const hints = {
-  look: "Drag moves the map, the wheel zooms, a click chooses a robot.",
-  wall: "Drag to draw walls where you know of one. Shift erases.",
+  look: "Drag to move the map, scroll to zoom, click to choose a robot.",
+  wall: "Drag to draw walls. Shift erases.",
   erase: "Drag over walls that are not there.",
   rectangle: "Drag from corner to corner. Shift erases.",
-  path: "Drag a corner of a path to bend it; a double click removes it.",
+  path: "Drag a corner of a path to bend it. Double-click to remove it.",
 } as const;
 
 function hintOf(model: MapModel): string {

@@ -1,24 +1,29 @@
-import { canRedo, canUndo, redo, undo } from "./edit/edit_session";
+import { canRedo, canUndo, redo, undo } from "./edit_session";
 import { icons } from "./icons";
+import { zoomStep } from "./keyboard_input";
 import { LayersMenu } from "./layers_menu";
 import type { MapModel } from "./map_model";
 import { editsMap, type Tool } from "./map_props";
-import { zoomStep } from "./page_keys";
 
 const tools: readonly { tool: Tool; name: string; key: string; hint: string }[] = [
-  { tool: "look", name: "Look", key: "V", hint: "drag moves the map, a click chooses a robot" },
+  { tool: "look", name: "Look", key: "V", hint: "drag to move the map, click to choose a robot" },
   { tool: "wall", name: "Wall", key: "W", hint: "draw walls on your map" },
   { tool: "erase", name: "Erase", key: "E", hint: "erase walls" },
-  { tool: "rectangle", name: "Rectangle", key: "R", hint: "walls; with Shift erase" },
+  {
+    tool: "rectangle",
+    name: "Rectangle",
+    key: "R",
+    hint: "draw a rectangle of walls; with Shift erase",
+  },
   { tool: "path", name: "Path", key: "P", hint: "draw the chosen robot's path" },
 ];
 
 export function Toolbar({ model }: { model: MapModel }) {
-  const { layers, onLayers, truth, watchesOnly, participates } = model.props.value;
+  const { layers, onLayers, truth, readOnly, participates } = model.props.value;
   return (
     <fieldset class="map-toolbar" aria-label="Map tools">
-      {!watchesOnly && <ToolButtons model={model} />}
-      {!watchesOnly && <HistoryButtons model={model} />}
+      {!readOnly && <ToolButtons model={model} />}
+      {!readOnly && <HistoryButtons model={model} />}
       <div class="map-group">
         <Button icon="minus" name="Zoom out" keys="-" onClick={() => model.zoom(1 / zoomStep)} />
         <Button icon="fit" name="Show all" keys="0" onClick={() => model.showAll()} />

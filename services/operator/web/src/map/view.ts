@@ -1,6 +1,6 @@
 import type { Cell, GridSize } from "./grid";
 
-/** Where the grid lies on the canvas. Positions on the canvas: CSS pixels from its upper left corner. */
+/** Position and scale of the grid on the canvas, in CSS pixels from its upper left corner. */
 export type View = {
   readonly scale: number; // CSS pixels per cell
   readonly x: number; // of the grid's north-western corner
@@ -11,20 +11,20 @@ export type View = {
 
 export type Point = { readonly x: number; readonly y: number };
 
-/** Room for the row and column numbers at the left and at the top. */
+/** Size of the rulers at the left and at the top. */
 export const rulerSize = 24;
 
 export const smallestScale = 1.5;
 export const largestScale = 120;
 
-/** Below it cells are too small for grid lines, labels and marks in cells. */
+/** Below this scale cells are too small for grid lines, labels and marks. */
 const detailScale = 11;
 
 export function showsDetail(view: View): boolean {
   return view.scale >= detailScale;
 }
 
-/** All of the grid, as large as it can be, in the middle of what the rulers leave. */
+/** Shows the whole grid as large as possible, centred in the space that the rulers leave. */
 export function fitView(size: GridSize, width: number, height: number): View {
   const margin = 8;
   const room = {
@@ -45,7 +45,7 @@ function limitScale(scale: number): number {
   return Math.min(largestScale, Math.max(smallestScale, scale));
 }
 
-/** `factor` times as large, while what lies at `point` stays there. */
+/** Scales by `factor`; the map stays fixed at `point`. */
 export function zoomAbout(view: View, point: Point, factor: number): View {
   const scale = limitScale(view.scale * factor);
   const applied = scale / view.scale;
@@ -59,10 +59,10 @@ export function zoomAbout(view: View, point: Point, factor: number): View {
 
 export type TwoPoints = readonly [Point, Point];
 
-/** What two fingers do: what lay between them stays there, and grows as they move apart. */
+/** Zooms and pans with two fingers. */
 export function pinch(view: View, before: TwoPoints, now: TwoPoints): View {
   const middle = ([a, b]: TwoPoints) => ({ x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 });
-  // Fingers that touch would make it grow without end.
+  // Limits the zoom when the fingers touch.
   const apart = ([a, b]: TwoPoints) => Math.max(10, Math.hypot(a.x - b.x, a.y - b.y));
   const [from, to] = [middle(before), middle(now)];
   const zoomed = zoomAbout(view, from, apart(now) / apart(before));
@@ -73,7 +73,7 @@ export function panBy(view: View, dx: number, dy: number): View {
   return { ...view, x: view.x + dx, y: view.y + dy };
 }
 
-/** At least a few cells of the grid stay in sight, so that the map cannot get lost. */
+/** Keeps at least a few cells visible, so that the map cannot get lost. */
 export function keepInSight(view: View, size: GridSize): View {
   const least = Math.min(view.width, view.height, 3 * view.scale + rulerSize);
   const keep = (at: number, length: number, room: number) =>
@@ -93,7 +93,7 @@ export function centreOn(view: View, cell: Cell): View {
   };
 }
 
-/** Moves as little as brings the whole cell into sight. */
+/** Moves as little as needed to show the whole cell. */
 export function reveal(view: View, cell: Cell): View {
   const corner = cellCorner(view, cell);
   const shift = (at: number, room: number) =>
@@ -101,7 +101,7 @@ export function reveal(view: View, cell: Cell): View {
   return panBy(view, shift(corner.x, view.width), shift(corner.y, view.height));
 }
 
-/** Same middle, other canvas. */
+/** The same middle on a canvas of another size. */
 export function resized(view: View, width: number, height: number): View {
   return {
     ...view,
@@ -124,7 +124,7 @@ export function cellCentre(view: View, cell: Cell): Point {
   };
 }
 
-/** The cell at the point; may lie outside of the grid. */
+/** The cell at the point; may lie outside the grid. */
 export function cellAt(view: View, point: Point): Cell {
   return {
     row: Math.floor((point.y - view.y) / view.scale),
@@ -132,7 +132,7 @@ export function cellAt(view: View, point: Point): Cell {
   };
 }
 
-/** Of a position in frame "map" (metres, x east, y north, origin in the middle of the grid). */
+/** Point of a position in frame "map" (metres, x east, y north, origin in the middle of the grid). */
 export function positionPoint(view: View, size: GridSize, cellSize: number, at: Point): Point {
   return {
     x: view.x + (at.x / cellSize + size.columns / 2) * view.scale,
@@ -140,9 +140,9 @@ export function positionPoint(view: View, size: GridSize, cellSize: number, at: 
   };
 }
 
-export type CellRange = { top: number; left: number; bottom: number; right: number };
+type CellRange = { top: number; left: number; bottom: number; right: number };
 
-/** The cells in sight, both ends included; empty (bottom < top) when there are none. */
+/** The visible cells, both ends included; empty (bottom < top) if there are none. */
 export function visibleRange(view: View, size: GridSize): CellRange {
   const first = cellAt(view, { x: 0, y: 0 });
   const last = cellAt(view, { x: view.width, y: view.height });

@@ -1,4 +1,4 @@
-// Numbers as the panels write them.
+// Formats of numbers in the panels.
 
 const unknown = "–";
 
@@ -11,18 +11,18 @@ export function duration(seconds: number | undefined): string {
   return `${Math.round(seconds / 3600)} h`;
 }
 
-/** Of s: "45 ms", "1.2 s". */
+/** "45 ms", "1.2 s"; from s. */
 export function milliseconds(seconds: number | undefined): string {
   if (seconds === undefined || !Number.isFinite(seconds)) return unknown;
   return seconds < 0.9995 ? `${Math.round(seconds * 1000)} ms` : duration(seconds);
 }
 
-/** Of a share of 1. */
+/** "71 %", from a share of 1. */
 export function percent(share: number | undefined): string {
   return share === undefined || !Number.isFinite(share) ? unknown : `${Math.round(share * 100)} %`;
 }
 
-/** What was not measured yet comes as 0. */
+/** A number, or a dash for 0, which means not measured yet. */
 export function measured(value: number | undefined, digits = 1): string {
   return value === undefined || value === 0 || !Number.isFinite(value)
     ? unknown
@@ -40,7 +40,7 @@ export function playTime(seconds: number): string {
     : `${minutes}:${two(whole % 60)}`;
 }
 
-/** Of wall time, s since 1970. */
+/** Time of day, from s since 1970. */
 export function timeOfDay(seconds: number): string {
   return new Date(seconds * 1000).toLocaleTimeString([], { hour12: false });
 }

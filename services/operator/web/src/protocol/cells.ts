@@ -1,4 +1,4 @@
-/** The protocol's Cell is one. Row 0 is the northern row, column 0 the western. */
+/** A cell, such as the protocol's Cell. Row 0 is the northern row, column 0 the western. */
 export interface CellAt {
   readonly row: number;
   readonly column: number;
@@ -9,7 +9,7 @@ export interface GridSize {
   readonly columns: number;
 }
 
-/** Of a message that tells many: cell i is (row[i], column[i]). */
+/** Cells of a message: cell i is (row[i], column[i]). */
 export function cellsOf(
   cells: { readonly row: readonly number[]; readonly column: readonly number[] } | undefined,
 ): CellAt[] {
@@ -26,12 +26,12 @@ export function sameCell(a: CellAt | undefined, b: CellAt | undefined): boolean 
   return a !== undefined && b !== undefined && a.row === b.row && a.column === b.column;
 }
 
-/** For people. */
+/** A cell as people read it. */
 export function cellText(cell: CellAt | undefined): string {
   return cell === undefined ? "–" : `row ${cell.row}, column ${cell.column}`;
 }
 
-/** Whether a cell of a Belief counts as a wall; outside of the grid there are none. */
+/** Whether a cell of a Belief counts as a wall. There are no walls outside the grid. */
 export function isWallAt(walls: Uint8Array, index: number): boolean {
   return (walls[index] ?? 0) >= 128;
 }

@@ -7,17 +7,17 @@ import {
   ServerMessageSchema,
 } from "./generated/console_pb";
 
-/** What a ClientMessage can hold, fields at their defaults left out. */
+/** Body of a ClientMessage; fields at their defaults may be left out. */
 export type ClientBody = NonNullable<MessageInitShape<typeof ClientMessageSchema>["body"]>;
 
-/** What a Request can ask for, likewise. */
+/** Body of a Request, likewise. */
 export type RequestBody = NonNullable<MessageInitShape<typeof RequestSchema>["body"]>;
 
 export function encode(body: ClientBody): Uint8Array<ArrayBuffer> {
   return new Uint8Array(toBinary(ClientMessageSchema, create(ClientMessageSchema, { body })));
 }
 
-/** Undefined for what is no ServerMessage, or one of a kind that this page does not know. */
+/** Undefined if `data` is no ServerMessage, or has a body that this page does not know. */
 export function decode(data: ArrayBuffer): ServerMessage | undefined {
   try {
     const message = fromBinary(ServerMessageSchema, new Uint8Array(data));

@@ -24,7 +24,7 @@ import type {
   World,
 } from "../protocol/generated/console_pb";
 
-/** Values with a key, by it. What an update replaces is a new map; all other maps stay the same objects. */
+/** Values by key. An update replaces one map; all other maps stay the same objects. */
 export interface KeyedState {
   /** By world: */
   readonly worlds: ReadonlyMap<string, World>;
@@ -39,14 +39,14 @@ export interface KeyedState {
   readonly guidance: ReadonlyMap<string, Guidance>;
   readonly goalPoses: ReadonlyMap<string, GoalPose>;
   readonly controls: ReadonlyMap<string, Control>;
-  /** The newest of a robot that streams. */
+  /** Newest frame of each robot that streams. */
   readonly frames: ReadonlyMap<string, Frame>;
   /** By process: */
   readonly services: ReadonlyMap<string, Service>;
 }
 
-/** Of these there is one. */
-export interface SingleState {
+/** Values without a key. */
+interface SingleState {
   readonly session: Session | undefined;
   readonly attention: Attention | undefined;
   readonly presence: Presence | undefined;
@@ -55,21 +55,21 @@ export interface SingleState {
 }
 
 /**
- * All that the page knows of the service, from its messages alone. Never changed: a message makes a new one, which shares what
- * did not change, so that parts can be compared by identity. The values are the protocol's messages.
+ * All that the page knows about the service, from its messages alone. Immutable: a message makes a new state that shares all
+ * unchanged parts, so parts can be compared by identity. The values are the protocol's messages.
  */
 export interface ConsoleState extends KeyedState, SingleState {
   readonly welcome: Welcome | undefined;
-  /** For Hello: the run that the rest is of, and up to where it is complete. */
+  /** For Hello: the run, and the sequence number up to which the state is complete. */
   readonly run: string;
   readonly sequence: bigint;
   /** By robot, then by the number of the first cell. */
   readonly trails: ReadonlyMap<string, ReadonlyMap<number, Trail>>;
-  /** By robot, oldest first; the newest `mostPictures`. */
+  /** By robot, oldest first; at most `mostPictures`. */
   readonly pictures: ReadonlyMap<string, readonly Picture[]>;
   /** Oldest first. */
   readonly alerts: readonly Alert[];
-  /** The command log, oldest first; the newest `mostEvents`. */
+  /** The command log, oldest first; at most `mostEvents`. */
   readonly events: readonly Event[];
 }
 

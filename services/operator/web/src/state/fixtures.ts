@@ -1,4 +1,4 @@
-// What tests of state and panels build their states from.
+// Builders of states, for tests of state and panels.
 import { create } from "@bufbuild/protobuf";
 import type { ServerBody } from "../connection/fake";
 import {
@@ -17,7 +17,7 @@ export function message(body: ServerBody): ServerMessage {
   return create(ServerMessageSchema, { body });
 }
 
-/** One message with all of `bodies`, numbered from `first` on. */
+/** One message with all of `bodies`, numbered from `first`. */
 export function updates(bodies: UpdateBody[], first = 1n, everything = false): ServerMessage {
   const update = bodies.map((body, index) => ({ sequence: first + BigInt(index), body }));
   return message({ case: "updates", value: { update, everything } });

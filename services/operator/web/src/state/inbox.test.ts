@@ -10,16 +10,16 @@ let clock: FakeClock;
 let store: Store;
 let inbox: Inbox;
 let shown: number[];
-let told: number;
+let calls: number;
 
 const robot = (x: number) => updates([{ case: "robot", value: { name: "r1", x } }]);
 
 beforeEach(() => {
   clock = new FakeClock();
   store = createStore(defaultSettings);
-  told = 0;
+  calls = 0;
   inbox = new Inbox(store, clock, () => {
-    told += 1;
+    calls += 1;
   });
   shown = [];
   effect(() => {
@@ -52,12 +52,12 @@ it("can be emptied before its time, and then shows nothing twice", () => {
   expect(shown).toEqual([1, 2]);
 });
 
-it("tells each time when what came is shown", () => {
+it("calls back each time when all messages are shown", () => {
   inbox.receive(robot(1));
-  expect(told).toBe(1);
+  expect(calls).toBe(1);
   inbox.receive(robot(2));
   inbox.receive(robot(3));
-  expect(told).toBe(1);
+  expect(calls).toBe(1);
   clock.advance(1);
-  expect(told).toBe(2);
+  expect(calls).toBe(2);
 });

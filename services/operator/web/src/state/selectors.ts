@@ -14,7 +14,7 @@ import {
 } from "../protocol/generated/console_pb";
 import type { ConsoleState } from "./console_state";
 
-/** In the order of the configuration; robots that it does not name come last. */
+/** In the order of the configuration; other robots come last. */
 export function robotNames(state: ConsoleState): readonly string[] {
   const named = state.session?.robots ?? [];
   const others = [...state.robots.keys()].filter((name) => !named.includes(name)).sort();
@@ -26,39 +26,39 @@ export function worldOf(state: ConsoleState, robot: string | undefined): World |
   return name === undefined ? state.worlds.values().next().value : state.worlds.get(name);
 }
 
-/** Only in supervision something can be commanded; observers watch. */
+/** Observers and viewers of recordings cannot command. */
 export function mayCommand(state: ConsoleState): boolean {
   const { welcome } = state;
   return welcome !== undefined && welcome.role !== Role.OBSERVER && welcome.mode !== Mode.REPLAY;
 }
 
-/** Whoever is connected to a running session may stop robots. */
+/** Everybody who is connected to a running session may stop robots. */
 export function mayStop({ welcome }: ConsoleState): boolean {
   return welcome?.mode !== Mode.REPLAY;
 }
 
-/** Of a client, as people read it: "you", the name of who is here, or of who was. */
+/** A client as people read it: "you", or the name of a person who is or was here. */
 export function nameOf({ presence, welcome }: ConsoleState, client: string): string {
   if (client === welcome?.client) return "you";
   const here = presence?.people.find((person) => person.client === client);
   return here?.name || readable(client);
 }
 
-/** What the service says, with names in place of clients: "you have control of r1". */
+/** A text of the service with names in place of client ids: "you have control of r1". */
 export function withNames(state: ConsoleState, text: string): string {
   const here = state.presence?.people.map(({ client }) => client) ?? [];
   const known = [state.welcome?.client ?? "", ...here].filter((client) => client.includes("/"));
   const named = known.reduce(
-    (told, client) => told.replaceAll(client, () => nameOf(state, client)),
+    (result, client) => result.replaceAll(client, () => nameOf(state, client)),
     text,
   );
   return named.replace(clients, readable).replace(/\byou has\b/g, "you have");
 }
 
-/** Of pages, and of programs. */
+/** Client ids of pages and of programs. */
 const clients = /\S+\/[0-9a-f]{16}\b|\S+-[0-9a-f]{8,}-\d+\b/g;
 
-/** Without what makes it unlike all others: "Ben/2", "synthetic-operator-18ea54bd9bd4577e-19746". */
+/** The name in a client id such as "Ben/2" or "synthetic-operator-18ea54bd9bd4577e-19746". */
 function readable(client: string): string {
   return client.replace(/\/.*$/, "").replace(/-[0-9a-f]{8,}-\d+$/, "");
 }
@@ -76,8 +76,8 @@ export function holderOf(state: ConsoleState, robot: string): Holder {
   return { kind: "other", name, reason: control.reason };
 }
 
-/** Why this page may not command `robot` now, in words; undefined = it may. */
-export function whyNotCommand(state: ConsoleState, robot: string): string | undefined {
+/** Why this page may not command `robot` now; undefined = it may. */
+export function commandBlockedReason(state: ConsoleState, robot: string): string | undefined {
   if (state.welcome === undefined) return "not connected";
   if (state.welcome.mode === Mode.REPLAY) return "this is a recording";
   if (state.welcome.role === Role.OBSERVER) return "you are an observer";
@@ -85,7 +85,7 @@ export function whyNotCommand(state: ConsoleState, robot: string): string | unde
   return holder.kind === "other" ? `${holder.name} has control of ${robot}` : undefined;
 }
 
-/** Picture of a robot: number `sequence`, or its newest. */
+/** A robot's picture number `sequence`, or its newest. */
 export function pictureOf(
   state: ConsoleState,
   robot: string | undefined,
@@ -97,21 +97,21 @@ export function pictureOf(
     : all.find(({ sequenceNumber }) => sequenceNumber === sequence);
 }
 
-/** The robot's newest picture while it waits for an answer. */
+/** The robot's newest picture, if it waits for an answer. */
 export function unanswered(state: ConsoleState, robot: string | undefined): Picture | undefined {
   const newest = pictureOf(state, robot);
   return newest?.answer === PictureAnswer.ANSWER_NONE ? newest : undefined;
 }
 
-/** The same reason at another time is another item, and so is another picture. */
+/** The same reason at another time, or with another picture, is another item. */
 export function itemKey({ robot, reason, since, newestSnapshot }: AttentionItem): string {
   const picture = reason === AttentionReason.REASON_PICTURE ? newestSnapshot : "";
   return `${robot} ${reason} ${since} ${picture}`;
 }
 
 /**
- * The first item that nobody else works on and that is not in `passed`. When all of them are, the first again, but not the one
- * that I work on while there is another. Never one of `gone`.
+ * The first item that nobody else works on and that is not in `passed`. If all have been visited, starts over, preferring items
+ * that I do not work on. Never one of `gone`.
  */
 export function nextItem(
   state: ConsoleState,
@@ -133,18 +133,18 @@ export function itemsOf(state: ConsoleState, robot: string): readonly AttentionI
   return (state.attention?.items ?? []).filter((item) => item.robot === robot);
 }
 
-/** All robots stand by command, and nobody has control: a session that has not begun. */
+/** All robots are stopped and nobody has control: the session has not started. */
 export function waitsForStart(state: ConsoleState): boolean {
   const controls = robotNames(state).map((name) => state.controls.get(name));
   const idle = (control: Control | undefined) => control?.stopped === true && control.holder === "";
   return controls.length > 0 && controls.every(idle) && mayCommand(state);
 }
 
-/** Cells in the order in which the robot entered them, of the pieces of its trail. */
+/** Cells of a trail's pieces, in the order in which the robot entered them. */
 export function trailCells(trail: ReadonlyMap<number, Trail>): readonly CellAt[] {
   const cells: CellAt[] = [];
   for (const [first, piece] of [...trail].sort(([a], [b]) => a - b)) {
-    // A piece that was cut anew may overlap the one before.
+    // A piece may overlap the previous one.
     cells.length = Math.min(first, cells.length);
     cells.push(...piece.cells);
   }
@@ -152,12 +152,12 @@ export function trailCells(trail: ReadonlyMap<number, Trail>): readonly CellAt[]
 }
 
 export interface Difference {
-  /** Cells that a picture shows as walls and the map as free, and the other way round. */
+  /** Missing: walls in the picture that are free on the map. Wrong: the reverse. */
   readonly missing: readonly CellAt[];
   readonly wrong: readonly CellAt[];
 }
 
-/** What a picture shows that the operator's map has otherwise. */
+/** Differences between a picture and the operator's map. */
 export function differenceOf(picture: Picture, belief: Belief, columns: number): Difference {
   const isWall = (cell: CellAt) => isWallAt(belief.walls, cellIndex({ columns }, cell));
   return {

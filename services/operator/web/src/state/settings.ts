@@ -1,13 +1,13 @@
-import type { KeptTexts } from "../connection/browser_storage";
+import type { TextStorage } from "../connection/browser_storage";
 import { defaultLayers, type LayerName, type Layers, layerNames } from "../map/map_props";
 
 export type Theme = "system" | "dark" | "light";
 
-/** How a person likes to see things; kept in the browser. */
+/** Display settings, kept in the browser. */
 export interface Settings {
   readonly layers: Layers;
   readonly theme: Theme;
-  /** Panels that are open. */
+  /** Whether these panels are open. */
   readonly workload: boolean;
   readonly events: boolean;
 }
@@ -21,7 +21,7 @@ export const defaultSettings: Settings = {
 
 const key = "conav.settings";
 
-export function readSettings(storage: Pick<KeptTexts, "getItem">): Settings {
+export function readSettings(storage: Pick<TextStorage, "getItem">): Settings {
   try {
     return toSettings(JSON.parse(storage.getItem(key) ?? "{}"));
   } catch {
@@ -29,7 +29,7 @@ export function readSettings(storage: Pick<KeptTexts, "getItem">): Settings {
   }
 }
 
-export function writeSettings(storage: Pick<KeptTexts, "setItem">, settings: Settings): void {
+export function writeSettings(storage: Pick<TextStorage, "setItem">, settings: Settings): void {
   storage.setItem(key, JSON.stringify(settings));
 }
 
@@ -43,7 +43,7 @@ function toSettings(value: unknown): Settings {
   };
 }
 
-/** A layer that was not kept, perhaps because it is new, is as by default. */
+/** A layer without a stored value, such as a new one, gets its default. */
 function toLayers(value: unknown): Layers {
   const layers: Record<LayerName, number> = { ...defaultLayers };
   for (const name of layerNames) {

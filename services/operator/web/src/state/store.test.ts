@@ -1,8 +1,9 @@
+import { effect, signal } from "@preact/signals";
 import { beforeEach, describe, expect, it } from "vitest";
 import { Role } from "../protocol/generated/console_pb";
 import { welcomeMessage } from "./fixtures";
 import { defaultSettings } from "./settings";
-import { createStore, type Store } from "./store";
+import { computedByValue, createStore, type Store } from "./store";
 
 let store: Store;
 
@@ -11,7 +12,7 @@ beforeEach(() => {
 });
 
 describe("commands", () => {
-  it("can be given by who may, while the link is live", () => {
+  it("can be given by operators while the link is live", () => {
     store.receive(welcomeMessage());
     expect(store.canCommand.value).toBe(false);
     store.link.value = { state: "live" };
@@ -19,4 +20,17 @@ describe("commands", () => {
     store.receive(welcomeMessage({ role: Role.OBSERVER }));
     expect(store.canCommand.value).toBe(false);
   });
+});
+
+it("changes only when its content does", () => {
+  const source = signal({ row: 1, doing: "idle" });
+  const value = computedByValue(() => ({ doing: source.value.doing }));
+  const seen: unknown[] = [];
+  effect(() => {
+    seen.push(value.value);
+  });
+  source.value = { row: 2, doing: "idle" };
+  expect(seen).toEqual([{ doing: "idle" }]);
+  source.value = { row: 2, doing: "met a wall" };
+  expect(seen).toEqual([{ doing: "idle" }, { doing: "met a wall" }]);
 });

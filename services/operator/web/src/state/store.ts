@@ -6,11 +6,10 @@ import type { CellAt } from "../protocol/cells";
 import type { Picture, ServerMessage } from "../protocol/generated/console_pb";
 import { type ConsoleState, emptyState } from "./console_state";
 import { reduce } from "./reduce";
-import { sameText } from "./same_text";
 import { mayCommand, pictureOf, robotNames } from "./selectors";
 import type { Settings } from "./settings";
 
-/** Something that the person should read, and that goes by itself. */
+/** A short message that disappears by itself. */
 export interface Notice {
   readonly id: number;
   readonly text: string;
@@ -24,26 +23,26 @@ export interface TakeOver {
   readonly from: readonly string[];
 }
 
-export type Dialog =
+type Dialog =
   | { readonly kind: "help" }
   | { readonly kind: "start" }
   | { readonly kind: "take over"; readonly takeOver: TakeOver };
 
-export interface Focus {
+interface Focus {
   readonly cell: CellAt;
   readonly counter: number;
 }
 
-/** What the page shows, as signals: the state that the service told, and what the person does with the page itself. */
+/** What the page shows, as signals: the state received from the service, and the person's own choices. */
 export interface Store {
   readonly state: ReadonlySignal<ConsoleState>;
   readonly link: Signal<Link>;
-  /** Whether the service is heard now: nothing looks live while it is not. */
+  /** Whether the link is live. Without it nothing looks live. */
   readonly linked: ReadonlySignal<boolean>;
-  /** Whether who sits here can give commands now; Stop can always be tried. */
+  /** Whether this person can give commands now. Stop always works. */
   readonly canCommand: ReadonlySignal<boolean>;
   readonly timing: Signal<Timing>;
-  /** Wall time of the service; moves on four times a second. */
+  /** Wall time of the service; updated four times a second. */
   readonly now: Signal<number | undefined>;
   readonly settings: Signal<Settings>;
   readonly tool: Signal<Tool>;
@@ -54,12 +53,12 @@ export interface Store {
   readonly robots: ReadonlySignal<readonly string[]>;
   readonly focus: Signal<Focus | undefined>;
   readonly notices: Signal<readonly Notice[]>;
-  /** How often the person turned to an item of the queue. */
-  readonly turns: Signal<number>;
+  /** How often the person selected an item of the queue. */
+  readonly selections: Signal<number>;
   /** Requests without a reply. */
   readonly pending: Signal<number>;
   readonly dialog: Signal<Dialog | undefined>;
-  /** To play on with after a pause. */
+  /** Speed to resume with after a pause. */
   readonly replaySpeed: Signal<number>;
   receive(...messages: ServerMessage[]): void;
   choose(robot: string | undefined): void;
@@ -73,7 +72,7 @@ export function createStore(settings: Settings): Store {
   const focus = signal<Focus | undefined>(undefined);
   const link = signal<Link>({ state: "connecting" });
   const linked = computed(() => link.value.state === "live");
-  const robots = sameText(() => robotNames(state.value));
+  const robots = computedByValue(() => robotNames(state.value));
   const store: Store = {
     state,
     link,
@@ -85,7 +84,7 @@ export function createStore(settings: Settings): Store {
     tool: signal<Tool>("look"),
     chosenRobot,
     chosenSequence,
-    // One that is known no more, as after a recording was wound back, gives way to the newest.
+    // The chosen picture may be gone, as after rewinding a recording: then the newest.
     chosenPicture: computed(
       () =>
         pictureOf(state.value, chosenRobot.value, chosenSequence.value) ??
@@ -94,13 +93,13 @@ export function createStore(settings: Settings): Store {
     robots,
     focus,
     notices: signal<readonly Notice[]>([]),
-    turns: signal(0),
+    selections: signal(0),
     pending: signal(0),
     dialog: signal<Dialog | undefined>(undefined),
     replaySpeed: signal(1),
     receive: (...messages) => {
       state.value = messages.reduce(reduce, state.value);
-      // The selection never changes by itself, but somebody who chose nothing yet gets the first robot.
+      // The selection never changes by itself, except that the first robot is chosen at the start.
       if (chosenRobot.value === undefined) chosenRobot.value = robots.value[0];
     },
     choose: (robot) => {
@@ -112,4 +111,15 @@ export function createStore(settings: Settings): Store {
     },
   };
   return store;
+}
+
+/** Computes a small plain value that changes only when its JSON text does. */
+export function computedByValue<T>(source: () => T): ReadonlySignal<T> {
+  let kept: { readonly value: T; readonly text: string } | undefined;
+  return computed(() => {
+    const value = source();
+    const text = JSON.stringify(value);
+    if (kept?.text !== text) kept = { value, text };
+    return kept.value;
+  });
 }

@@ -1,4 +1,4 @@
-/** What drawing needs of a 2D context, so that tests can record it. Units: CSS pixels; the caller sets the pixel ratio. */
+/** The part of a 2D context that drawing uses, so that tests can record it. In CSS pixels; the caller sets the pixel ratio. */
 export type Draw = Pick<
   CanvasRenderingContext2D,
   | "save"
@@ -31,7 +31,7 @@ export type Draw = Pick<
   | "imageSmoothingEnabled"
 > & { measureText(text: string): { width: number } };
 
-/** Draws with what `draw` sets, and leaves nothing of it behind. */
+/** Runs `draw` and restores the context's state afterwards. */
 export function isolated(context: Draw, draw: () => void): void {
   context.save();
   draw();

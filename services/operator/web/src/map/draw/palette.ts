@@ -1,4 +1,4 @@
-/** The colours of the map; each is the custom property --map-<name> of map.css, so that themes can set them. */
+/** The colours of the map. Each is the custom property --map-<name> in map.css, so that themes can set it. */
 export const colourNames = [
   "paper", // around the grid
   "free",
@@ -7,22 +7,22 @@ export const colourNames = [
   "grid",
   "ink",
   "muted",
-  "halo", // behind lines and text, to set them off
-  "fog", // over what no robot has seen
-  "add", // a wall is expected to be added
+  "halo", // behind lines and text
+  "fog", // over cells that no robot has seen
+  "add", // expected: the operator adds a wall
   "remove",
-  "changed", // by the operator since the first map
-  "differs", // robots saw it otherwise
+  "changed", // by the operator since the initial map
+  "differs", // robots saw something else
   "truth",
   "draft",
   "refused",
   "focus",
 ] as const;
 
-export type ColourName = (typeof colourNames)[number];
+type ColourName = (typeof colourNames)[number];
 export type Palette = Readonly<Record<ColourName, string>>;
 
-/** As the theme of `element` has them now. */
+/** The colours of the current theme of `element`. */
 export function readPalette(element: Element): Palette {
   const style = getComputedStyle(element);
   const read = (name: ColourName) => style.getPropertyValue(`--map-${name}`).trim() || "#808080";
@@ -51,7 +51,7 @@ export function paletteFrom(read: (name: ColourName) => string): Palette {
   };
 }
 
-/** Black or white, whichever reads better on a colour given as #rrggbb; black on any other. */
+/** Black or white, whichever is more readable on a colour #rrggbb; black on any other. */
 export function inkOn(colour: string): string {
   const match = /^#([0-9a-f]{2})([0-9a-f]{2})([0-9a-f]{2})$/i.exec(colour);
   if (!match) return "#000000";
@@ -60,4 +60,11 @@ export function inkOn(colour: string): string {
     return value <= 0.04 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4;
   });
   return 0.2126 * red + 0.7152 * green + 0.0722 * blue > 0.19 ? "#000000" : "#ffffff";
+}
+
+/** Calls `changed` when the page's theme changes. Returns a function that stops it. */
+export function watchTheme(changed: () => void): () => void {
+  const theme = new MutationObserver(changed);
+  theme.observe(document.documentElement, { attributeFilter: ["data-theme"] });
+  return () => theme.disconnect();
 }

@@ -1,15 +1,15 @@
 import type { Draw } from "./context";
 import { colourNames, type Palette, paletteFrom } from "./palette";
 
-/** One call of a recording context, with the style that it was made in. */
-export type Call = {
+/** One call of a recording context, with the styles at that time. */
+type Call = {
   readonly name: string;
   readonly values: readonly unknown[];
   readonly fill: unknown;
   readonly stroke: unknown;
 };
 
-/** For tests: a context that draws nothing and remembers all calls. */
+/** For tests: a context that draws nothing and records all calls. */
 export class RecordingContext implements Draw {
   readonly calls: Call[] = [];
   fillStyle: string | CanvasGradient | CanvasPattern = "";
@@ -61,7 +61,7 @@ export class RecordingContext implements Draw {
   }
 }
 
-/** Each colour is its own name. */
+/** A palette in which each colour is its own name. */
 export const namedPalette: Palette = paletteFrom((name) => {
   if (!colourNames.includes(name)) throw new Error(`no colour ${name}`);
   return name;

@@ -3,7 +3,7 @@ import type { Point } from "../view";
 import type { Draw } from "./context";
 import type { Palette } from "./palette";
 
-/** Corners by shape, from the top clockwise; none = a circle. */
+/** Number of corners by shape; 0 = a circle. */
 const counts: Record<RobotShape, number> = {
   circle: 0,
   square: 4,
@@ -13,7 +13,7 @@ const counts: Record<RobotShape, number> = {
   star: 10,
 };
 
-/** Corners of a robot's mark about the origin, y downwards; none = a circle of radius 1. All shapes cover about the same area. */
+/** Corners of a robot's mark around the origin, y downwards, clockwise from the top; none = a circle of radius 1. All shapes have about the same area. */
 export function cornersOf(shape: RobotShape): readonly Point[] {
   const count = counts[shape];
   const turn = shape === "square" ? Math.PI / 4 : 0;
@@ -63,7 +63,7 @@ export function arrow(context: Draw, from: Point, to: Point, headSize: number): 
   arrowHead(context, to, angle, headSize);
 }
 
-/** What a camera sees: heading in radians, 0 = east, counter-clockwise. */
+/** A camera's field of view: heading in radians, 0 = east, counter-clockwise. */
 export function conePath(
   context: Draw,
   at: Point,
@@ -77,7 +77,7 @@ export function conePath(
   context.closePath();
 }
 
-/** Diagonal lines in a square, rising or falling, to tell fills apart without colour. One path; the caller strokes. */
+/** Diagonal lines in a square, rising or falling, so that fills differ without colour. One path; the caller strokes. */
 export function hatchPath(context: Draw, corner: Point, size: number, falling: boolean): void {
   const { x, y } = corner;
   const step = Math.max(4, size / 4);
@@ -93,7 +93,7 @@ export function font(size: number, weight = 600): string {
   return `${weight} ${size}px system-ui, sans-serif`;
 }
 
-/** Text that reads on anything, by a rim of the halo colour. */
+/** Text with a rim in the halo colour, readable on any background. */
 export function haloText(
   context: Draw,
   text: string,
@@ -109,7 +109,7 @@ export function haloText(
   context.fillText(text, at.x, at.y);
 }
 
-/** Twice: wide in the halo colour, then as `colour` wants it, so that a line reads on free cells and walls. */
+/** Strokes twice, first wider in the halo colour, so that the line is visible on free cells and walls. */
 export function haloStroke(
   context: Draw,
   colour: string,

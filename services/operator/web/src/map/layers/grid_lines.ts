@@ -2,6 +2,7 @@ import { type Draw, isolated } from "../draw/context";
 import type { Palette } from "../draw/palette";
 import { font } from "../draw/shapes";
 import type { GridSize } from "../grid";
+import type { Cell } from "../map_props";
 import { cellCorner, rulerSize, showsDetail, type View, visibleRange } from "../view";
 
 /** Lines between the cells; none when cells are small. */
@@ -28,7 +29,7 @@ export function drawGridLines(context: Draw, view: View, size: GridSize, palette
   });
 }
 
-/** So that numbers stay apart: 1, 2, 5, 10, 20, 50, ... cells. */
+/** Cells between two numbers, so that they do not overlap: 1, 2, 5, 10, 20, 50, ... */
 export function rulerStep(scale: number): number {
   const least = 24 / scale;
   let step = 1;
@@ -39,7 +40,7 @@ export function rulerStep(scale: number): number {
   return step;
 }
 
-/** Row numbers at the left edge, column numbers at the top; those of `cell` stand out. */
+/** Row numbers at the left edge, column numbers at the top. Those of `cell` are bold. */
 export function drawRulers(
   context: Draw,
   view: View,
@@ -71,5 +72,40 @@ export function drawRulers(
       const y = view.y + (row + 0.5) * view.scale;
       if (inRuler(y)) write(row, row === data.cell?.row, rulerSize / 2, y);
     }
+  });
+}
+
+/** The keyboard cursor: a frame in two colours, visible on any background. */
+export function drawCursor(context: Draw, view: View, cell: Cell, palette: Palette): void {
+  const { x, y } = cellCorner(view, cell);
+  const grow = Math.max(1, (10 - view.scale) / 2);
+  isolated(context, () => {
+    const frame = (width: number, colour: string) => {
+      context.lineWidth = width;
+      context.strokeStyle = colour;
+      const size = view.scale + 2 * grow;
+      context.strokeRect(x - grow, y - grow, size, size);
+    };
+    frame(5, palette.halo);
+    frame(2.5, palette.focus);
+  });
+}
+
+/** Frame around the cell under the pointer, or around the rectangle being drawn. */
+export function drawFrame(
+  context: Draw,
+  view: View,
+  data: { from: Cell; to: Cell },
+  palette: Palette,
+): void {
+  const top = Math.min(data.from.row, data.to.row);
+  const left = Math.min(data.from.column, data.to.column);
+  const rows = Math.abs(data.to.row - data.from.row) + 1;
+  const columns = Math.abs(data.to.column - data.from.column) + 1;
+  const { x, y } = cellCorner(view, { row: top, column: left });
+  isolated(context, () => {
+    context.strokeStyle = palette.draft;
+    context.lineWidth = 1.5;
+    context.strokeRect(x, y, columns * view.scale, rows * view.scale);
   });
 }

@@ -12,18 +12,21 @@ import {
 import { namedPalette, RecordingContext } from "../draw/recording";
 import type { MapRobot } from "../map_props";
 import type { View } from "../view";
-import { paintBelief } from "./belief";
-import { drawChanges } from "./changes";
-import { drawEdits } from "./edits";
-import { drawGoals } from "./goals";
+import {
+  drawChanges,
+  drawDifferences,
+  drawEdits,
+  drawHeat,
+  drawTruth,
+  paintBelief,
+  paintFog,
+  seenByAny,
+} from "./cells";
 import { drawGridLines, drawRulers, rulerStep } from "./grid_lines";
-import { drawHeat } from "./heat";
 import { drawDraftPath, drawPathNames, drawPaths } from "./paths";
 import { drawChosenPicture, drawPictures } from "./pictures";
-import { drawRobots } from "./robots";
+import { drawGoals, drawRobots } from "./robots";
 import { drawSearches } from "./searches";
-import { drawDifferences, paintFog, seenByAny } from "./seen";
-import { drawTruth } from "./truth";
 
 const size = { rows: 3, columns: 4 };
 const near: View = { scale: 40, x: 100, y: 50, width: 800, height: 600 };
@@ -37,14 +40,14 @@ function bytes(values: Record<number, number>): Uint8Array {
 }
 
 function robot(name: string, more: Partial<MapRobot> = {}): MapRobot {
-  const told = create(RobotSchema, {
+  const robot = create(RobotSchema, {
     name,
     cell: at(1, 1),
     goalsLeft: [at(1, 2)],
     goalsReached: [at(0, 1)],
   });
   const look = { colour: `colour of ${name}`, shape: "circle", dash: [8, 4], letter: "A" } as const;
-  return { robot: told, ...look, fresh: "live", ...more };
+  return { robot, ...look, fresh: "live", ...more };
 }
 
 function recorded(draw: (context: RecordingContext) => void): RecordingContext {

@@ -1,18 +1,17 @@
-import type { Guidance } from "../../protocol/generated/console_pb";
+import type { Guidance, Plan } from "../../protocol/generated/console_pb";
 import { type Draw, isolated } from "../draw/context";
 import type { Palette } from "../draw/palette";
 import { arrowHead, font, haloStroke, haloText, polyline } from "../draw/shapes";
 import type { Cell, MapRobot } from "../map_props";
-import { type Point, showsDetail, type View } from "../view";
-import { lanePoints, laneShift } from "./lanes";
+import { cellCentre, type Point, showsDetail, type View } from "../view";
 
 export type PathsData = {
   readonly robots: readonly MapRobot[];
   readonly guidance: ReadonlyMap<string, Guidance>;
-  readonly hidden: string | undefined; // a robot whose path is being drawn anew
+  readonly hidden: string | undefined; // a robot whose path is being redrawn
 };
 
-/** The paths that the robots were given: each in its robot's colour and dash, with arrow heads and the robot's name. */
+/** The robots' paths, each in its robot's colour and dash, with arrow heads. */
 export function drawPaths(context: Draw, view: View, data: PathsData, palette: Palette): void {
   data.robots.forEach((one, index) => {
     const path = data.guidance.get(one.robot.name)?.path ?? [];
@@ -25,7 +24,7 @@ export function drawPaths(context: Draw, view: View, data: PathsData, palette: P
   });
 }
 
-/** The robots' names where their paths end; apart from the lines, so that flags do not cover them. */
+/** The robots' names at the ends of their paths. A separate pass, so that flags do not cover them. */
 export function drawPathNames(context: Draw, view: View, data: PathsData, palette: Palette): void {
   if (!showsDetail(view)) return;
   data.robots.forEach(({ robot: { name } }, index) => {
@@ -40,7 +39,7 @@ function pathWidth(view: View): number {
   return Math.max(2, Math.min(5, 0.12 * view.scale));
 }
 
-/** A line with arrow heads along it, so that its direction reads at every zoom. */
+/** A line with arrow heads along it, so that its direction is visible at every zoom. */
 function drawPath(
   context: Draw,
   view: View,
@@ -101,7 +100,7 @@ function drawName(
   haloText(context, name, at, palette.ink, palette);
 }
 
-export type DraftPathData = {
+type DraftPathData = {
   readonly robot: MapRobot;
   readonly cells: readonly Cell[];
   readonly vertices: readonly number[];
@@ -110,7 +109,7 @@ export type DraftPathData = {
   readonly shift: number;
 };
 
-/** The path being drawn: dashed until the service has it, with its corners to drag, walls that it crosses ringed. */
+/** The path being drawn: dashed until the service has it, with handles at its corners and crosses on walls. */
 export function drawDraftPath(
   context: Draw,
   view: View,
@@ -148,4 +147,74 @@ function drawTrouble(context: Draw, view: View, at: Point, palette: Palette): vo
     context.lineTo(at.x - reach, at.y + reach);
     context.stroke();
   });
+}
+
+type PlansData = {
+  readonly robots: readonly MapRobot[];
+  readonly plans: ReadonlyMap<string, Plan>;
+};
+
+/** The next cells of each robot's plan: dots that shrink with the distance. */
+export function drawPlans(context: Draw, view: View, data: PlansData, palette: Palette): void {
+  isolated(context, () => {
+    data.robots.forEach(({ robot, colour }, index) => {
+      const cells = data.plans.get(robot.name)?.cells ?? [];
+      const points = lanePoints(view, cells, laneShift(data.robots, index, view));
+      points.forEach((point, step) => {
+        const radius = Math.max(1.2, Math.min(5, 0.13 * view.scale) * (1 - step / 24));
+        context.beginPath();
+        context.arc(point.x, point.y, radius, 0, 2 * Math.PI);
+        context.fillStyle = colour;
+        context.fill();
+        if (view.scale < 14) return;
+        context.strokeStyle = palette.halo;
+        context.lineWidth = 1;
+        context.stroke();
+      });
+    });
+  });
+}
+
+type TrailsData = {
+  readonly robots: readonly MapRobot[];
+  readonly trails: ReadonlyMap<string, readonly Cell[]>;
+};
+
+/** Where each robot has been: thin, the start marked by a dot. */
+export function drawTrails(context: Draw, view: View, data: TrailsData, _palette: Palette): void {
+  isolated(context, () => {
+    context.lineJoin = "round";
+    context.globalAlpha = 0.75;
+    data.robots.forEach(({ robot, colour }, index) => {
+      const cells = data.trails.get(robot.name) ?? [];
+      const points = lanePoints(view, cells, laneShift(data.robots, index, view));
+      context.strokeStyle = colour;
+      context.fillStyle = colour;
+      context.lineWidth = Math.max(1, Math.min(2, 0.06 * view.scale));
+      polyline(context, points);
+      const [start] = points;
+      if (!start) return;
+      context.beginPath();
+      context.arc(start.x, start.y, Math.max(2, Math.min(4, 0.1 * view.scale)), 0, 2 * Math.PI);
+      context.fill();
+    });
+  });
+}
+
+/** Shift in CSS pixels that puts the lines of several robots side by side. */
+export function laneShift(robots: readonly MapRobot[], index: number, view: View): number {
+  const spacing = Math.min(5, 0.14 * view.scale);
+  return (index - (robots.length - 1) / 2) * spacing;
+}
+
+function lanePoints(view: View, cells: readonly Cell[], shift: number): Point[] {
+  return cells.map((cell) => {
+    const at = cellCentre(view, cell);
+    return { x: at.x + shift, y: at.y + shift };
+  });
+}
+
+/** Radius of a robot's mark: easy to find on a large map, within its cell on a small one. */
+export function markRadius(view: View): number {
+  return Math.max(7, Math.min(16, 0.34 * view.scale));
 }

@@ -1,19 +1,19 @@
 import { cellsOf } from "../../protocol/cells";
-import type { Picture } from "../../protocol/generated/console_pb";
-import { PictureAnswer } from "../../protocol/generated/console_pb";
+import { type Picture, PictureAnswer } from "../../protocol/generated/console_pb";
 import { type Draw, isolated } from "../draw/context";
+import { CachedLayer } from "../draw/offscreen";
 import type { Palette } from "../draw/palette";
 import { conePath, hatchPath } from "../draw/shapes";
 import type { GridSize } from "../grid";
 import type { Cell, MapRobot } from "../map_props";
 import { cellCentre, cellCorner, type Point, type View } from "../view";
 
-export type PicturesData = {
+type PicturesData = {
   readonly robots: readonly MapRobot[];
   readonly pictures: readonly Picture[];
 };
 
-/** Where each picture was taken, and its field of view; filled while it waits for an answer. */
+/** Position and field of view of each picture; filled while it waits for an answer. */
 export function drawPictures(
   context: Draw,
   view: View,
@@ -40,7 +40,7 @@ export function drawPictures(
   });
 }
 
-/** What the chosen picture shows: a dot per free cell, a hatched frame per wall, within its field of view. */
+/** The chosen picture's content: a dot per free cell and a hatched frame per wall, within its field of view. */
 export function drawChosenPicture(
   context: Draw,
   view: View,
@@ -73,7 +73,7 @@ function drawField(
   const far = [...cellsOf(picture.freeCells), ...cellsOf(picture.wallCells)].map((cell) =>
     from ? Math.hypot(cell.row - from.row, cell.column - from.column) : 0,
   );
-  const least = far.length > 0 ? 2 : 5; // the participant of a mapping task is not told what it shows
+  const least = far.length > 0 ? 2 : 5; // participants do not get the picture's cells
   const reach = (Math.min(12, Math.max(least, ...far)) + 0.5) * view.scale;
   conePath(context, at, picture.heading, picture.fieldOfView, reach);
   context.fillStyle = colour;
@@ -124,4 +124,33 @@ function drawWallCell(
   context.strokeStyle = colour;
   context.lineWidth = 2;
   context.stroke();
+}
+
+/** Share of marks on screen that may belong to dropped pictures before all are redrawn. */
+const mostForgotten = 0.1;
+
+/** Marks where pictures were taken. There may be thousands, so answered ones are drawn once and waiting ones in each frame. */
+export class PictureMarks {
+  #layer = new CachedLayer();
+  #drawn = new Set<Picture>();
+  #epoch = 0;
+
+  draw(onto: Draw, view: View, { robots, pictures }: PicturesData, palette: Palette): void {
+    const waits = ({ answer }: Picture) => answer === PictureAnswer.ANSWER_NONE;
+    const settled = pictures.filter((picture) => !waits(picture));
+    const fresh = settled.filter((picture) => !this.#drawn.has(picture));
+    const forgotten = this.#drawn.size - (settled.length - fresh.length);
+    if (forgotten > mostForgotten * settled.length) this.#epoch += 1;
+    const looks = robots.map(({ robot, colour }) => `${robot.name} ${colour}`).join();
+    const paint = (some: readonly Picture[]) => (on: Draw) => {
+      for (const picture of some) this.#drawn.add(picture);
+      drawPictures(on, view, { robots, pictures: some }, palette);
+    };
+    const paintAll = (on: Draw) => {
+      this.#drawn.clear();
+      paint(settled)(on);
+    };
+    this.#layer.draw(onto, view, [palette, looks, this.#epoch], paintAll, paint(fresh));
+    drawPictures(onto, view, { robots, pictures: pictures.filter(waits) }, palette);
+  }
 }

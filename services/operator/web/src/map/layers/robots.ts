@@ -1,12 +1,12 @@
-import type { World } from "../../protocol/generated/console_pb";
+import type { GoalPose, World } from "../../protocol/generated/console_pb";
 import { type Draw, isolated } from "../draw/context";
 import { inkOn, type Palette } from "../draw/palette";
-import { arrowHead, font, haloText, shapePath } from "../draw/shapes";
-import type { MapRobot } from "../map_props";
-import { type Point, positionPoint, showsDetail, type View } from "../view";
-import { markRadius } from "./lanes";
+import { arrowHead, font, haloStroke, haloText, shapePath } from "../draw/shapes";
+import type { Cell, MapRobot } from "../map_props";
+import { cellCentre, cellCorner, type Point, positionPoint, showsDetail, type View } from "../view";
+import { markRadius } from "./paths";
 
-export type RobotsData = {
+type RobotsData = {
   readonly world: World;
   readonly robots: readonly MapRobot[];
   readonly chosen: string | undefined;
@@ -16,10 +16,7 @@ export function robotPoint(view: View, world: World, one: MapRobot): Point {
   return positionPoint(view, world, world.cellSize, one.robot);
 }
 
-/**
- * Each robot in its colour and shape, with its letter and heading. Stale: dashed rim. Lost, or nobody can be heard: hollow, with
- * a question mark.
- */
+/** Each robot in its colour and shape, with letter and heading. Stale: dashed rim. Lost or unknown: hollow, with a question mark. */
 export function drawRobots(context: Draw, view: View, data: RobotsData, palette: Palette): void {
   const chosenLast = [...data.robots].sort(
     (a, b) => Number(a.robot.name === data.chosen) - Number(b.robot.name === data.chosen),
@@ -33,7 +30,7 @@ export function drawRobots(context: Draw, view: View, data: RobotsData, palette:
 }
 
 function isLost({ fresh }: MapRobot): boolean {
-  return fresh === "lost" || fresh === "no news";
+  return fresh === "lost" || fresh === "unknown";
 }
 
 function drawRobot(context: Draw, view: View, at: Point, one: MapRobot, palette: Palette): void {
@@ -95,8 +92,8 @@ function drawName(context: Draw, at: Point, radius: number, one: MapRobot, palet
 function drawQuestion(context: Draw, at: Point, radius: number, palette: Palette): void {
   context.font = font(14, 700);
   context.setLineDash([]);
-  const beside = { x: at.x + 1.1 * radius, y: at.y - 1.1 * radius };
-  haloText(context, "?", beside, palette.refused, palette);
+  const corner = { x: at.x + 1.1 * radius, y: at.y - 1.1 * radius };
+  haloText(context, "?", corner, palette.refused, palette);
 }
 
 function drawChosen(context: Draw, at: Point, radius: number, palette: Palette): void {
@@ -108,4 +105,130 @@ function drawChosen(context: Draw, at: Point, radius: number, palette: Palette):
   context.strokeStyle = palette.focus;
   context.lineWidth = 3;
   context.stroke();
+}
+
+/** A flag in the robot's colour at each goal; hollow and ticked if reached. */
+export function drawGoals(
+  context: Draw,
+  view: View,
+  robots: readonly MapRobot[],
+  palette: Palette,
+): void {
+  isolated(context, () => {
+    context.lineJoin = "round";
+    context.lineCap = "round";
+    for (const one of robots) {
+      for (const cell of one.robot.goalsReached) drawFlag(context, view, cell, one, true, palette);
+      for (const cell of one.robot.goalsLeft) drawFlag(context, view, cell, one, false, palette);
+    }
+  });
+}
+
+function drawFlag(
+  context: Draw,
+  view: View,
+  cell: Cell,
+  one: MapRobot,
+  reached: boolean,
+  palette: Palette,
+): void {
+  const corner = cellCorner(view, cell);
+  const size = Math.max(14, Math.min(34, 0.74 * view.scale));
+  const foot = {
+    x: corner.x + view.scale / 2 - 0.3 * size,
+    y: corner.y + view.scale / 2 + size / 2,
+  };
+  const cloth = { width: 0.72 * size, height: 0.56 * size };
+  const outline = () => {
+    context.beginPath();
+    context.moveTo(foot.x, foot.y);
+    context.lineTo(foot.x, foot.y - size);
+    context.lineTo(foot.x + cloth.width, foot.y - size + 0.12 * size);
+    context.lineTo(foot.x + 0.82 * cloth.width, foot.y - size + cloth.height / 2);
+    context.lineTo(foot.x + cloth.width, foot.y - size + cloth.height - 0.02 * size);
+    context.lineTo(foot.x, foot.y - size + cloth.height);
+  };
+  outline();
+  context.strokeStyle = palette.halo;
+  context.lineWidth = 4;
+  context.stroke();
+  context.fillStyle = reached ? palette.free : one.colour;
+  context.fill();
+  context.strokeStyle = reached ? one.colour : palette.ink;
+  context.lineWidth = reached ? 1.8 : 1.3;
+  outline();
+  context.stroke();
+  const middle = { x: foot.x + 0.42 * cloth.width, y: foot.y - size + 0.52 * cloth.height };
+  if (reached) drawTick(context, middle, 0.3 * cloth.height, palette);
+  else if (showsDetail(view)) drawLetter(context, middle, one, 0.66 * cloth.height);
+}
+
+function drawTick(
+  context: Draw,
+  at: { x: number; y: number },
+  reach: number,
+  palette: Palette,
+): void {
+  context.strokeStyle = palette.ink;
+  context.lineWidth = 2;
+  context.beginPath();
+  context.moveTo(at.x - reach, at.y);
+  context.lineTo(at.x - 0.2 * reach, at.y + 0.8 * reach);
+  context.lineTo(at.x + reach, at.y - 0.8 * reach);
+  context.stroke();
+}
+
+function drawLetter(
+  context: Draw,
+  at: { x: number; y: number },
+  one: MapRobot,
+  size: number,
+): void {
+  context.font = font(Math.max(7, size), 700);
+  context.textAlign = "center";
+  context.textBaseline = "middle";
+  context.fillStyle = inkOn(one.colour);
+  context.fillText(one.letter, at.x, at.y);
+}
+
+type GoalPosesData = {
+  readonly robots: readonly MapRobot[];
+  readonly goalPoses: ReadonlyMap<string, GoalPose>;
+};
+
+/** A target at each goal pose that another program, such as RViz, has sent. */
+export function drawGoalPoses(
+  context: Draw,
+  view: View,
+  data: GoalPosesData,
+  palette: Palette,
+): void {
+  isolated(context, () => {
+    for (const { robot, colour } of data.robots) {
+      const cell = data.goalPoses.get(robot.name)?.cell;
+      if (!cell) continue;
+      const at = cellCentre(view, cell);
+      const radius = Math.max(6, Math.min(14, 0.32 * view.scale));
+      haloStroke(context, colour, 2, palette, () => {
+        context.beginPath();
+        context.arc(at.x, at.y, radius, 0, 2 * Math.PI);
+        for (const [dx, dy] of [
+          [1, 0],
+          [-1, 0],
+          [0, 1],
+          [0, -1],
+        ] as const) {
+          context.moveTo(at.x + 0.5 * radius * dx, at.y + 0.5 * radius * dy);
+          context.lineTo(at.x + 1.4 * radius * dx, at.y + 1.4 * radius * dy);
+        }
+        context.stroke();
+      });
+      if (!showsDetail(view)) continue;
+      context.font = font(11);
+      context.textAlign = "center";
+      context.textBaseline = "top";
+      const below = { x: at.x, y: at.y + 1.4 * radius + 2 };
+      haloText(context, `${robot.name} goal pose`, below, palette.ink, palette);
+    }
+  });
 }

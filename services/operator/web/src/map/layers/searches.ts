@@ -5,14 +5,14 @@ import { arrow, conePath, font, haloText } from "../draw/shapes";
 import type { MapRobot } from "../map_props";
 import { cellCentre, type Point, showsDetail, type View } from "../view";
 
-export type SearchesData = {
+type SearchesData = {
   readonly robots: readonly MapRobot[];
   readonly searches: ReadonlyMap<string, Search>;
 };
 
 /**
- * Where each robot's search looked from its newest decision: an arrow per move, a cone per picture, the wider or longer
- * the more visits; what was chosen is filled and says its share of the visits.
+ * The search behind each robot's newest decision: an arrow per move and a cone per picture, larger with more visits. The chosen
+ * action is stronger and shows its share of the visits.
  */
 export function drawSearches(
   context: Draw,
@@ -41,7 +41,7 @@ export function drawSearches(
   });
 }
 
-/** Returns where it points, undefined for an action without a place. */
+/** Returns the tip of the drawing; undefined for an action without a place. */
 function drawAction(
   context: Draw,
   view: View,

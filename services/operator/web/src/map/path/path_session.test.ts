@@ -21,16 +21,16 @@ import {
   vertices,
   withdraw,
 } from "./path_session";
-import type { WayGrid } from "./ways";
+import type { RouteGrid } from "./routes";
 
-/** Without dragging: a click or a key adds the way to the cell. */
-function addCell(session: PathSession, grid: WayGrid, cell: Cell): PathSession {
+/** Without dragging: a click or a key adds the route to the cell. */
+function addCell(session: PathSession, grid: RouteGrid, cell: Cell): PathSession {
   return endDrawing(beginDrawing(session, grid, cell));
 }
 
 const accepted = { accepted: true, reason: "" };
 
-function gridOf(...rows: string[]): WayGrid {
+function gridOf(...rows: string[]): RouteGrid {
   const text = rows.join("");
   return {
     size: { rows: rows.length, columns: rows[0]?.length ?? 0 },
@@ -52,7 +52,7 @@ function drawn(...cells: [number, number][]): PathSession {
 const corner = () => drawn([1, 1], [1, 2], [1, 3], [2, 3], [3, 3]);
 
 describe("drawing", () => {
-  it("follows the hand from the robot on", () => {
+  it("follows the pointer from the robot", () => {
     expect(pairs(corner())).toEqual([
       [1, 1],
       [1, 2],
@@ -62,7 +62,7 @@ describe("drawing", () => {
     ]);
   });
 
-  it("begun beside the robot, leads from the robot there", () => {
+  it("that starts elsewhere begins with a route from the robot", () => {
     expect(pairs(drawn([1, 3]))).toEqual([
       [1, 1],
       [1, 2],
@@ -70,14 +70,14 @@ describe("drawing", () => {
     ]);
   });
 
-  it("takes back what the hand goes back over", () => {
+  it("removes steps that the pointer moves back over", () => {
     expect(pairs(drawn([1, 1], [1, 2], [1, 3], [1, 2]))).toEqual([
       [1, 1],
       [1, 2],
     ]);
   });
 
-  it("goes on from the end of a draft, and anew from the robot", () => {
+  it("continues at the end of a draft, and starts over at the robot", () => {
     const more = endDrawing(beginDrawing(corner(), open, at(4, 3)));
     expect(pairs(more).at(-1)).toEqual([4, 3]);
     expect(more.cells).toHaveLength(6);
@@ -88,7 +88,7 @@ describe("drawing", () => {
     expect(drawn([1, 1]).cells).toEqual([]);
   });
 
-  it("by clicks joins cells by the shortest way round walls", () => {
+  it("by clicks joins cells by the shortest route around walls", () => {
     const walled = gridOf("#######", "#.#...#", "#.#.#.#", "#...#.#", "#######");
     const path = addCell(newPathSession("r1", at(1, 1)), walled, at(1, 3));
     expect(path.cells).toHaveLength(7);
@@ -144,14 +144,14 @@ describe("removing", () => {
     expect(pairs(removeVertex(corner(), open)).at(-1)).toEqual([1, 3]);
   });
 
-  it("a corner takes another way that is as short, and keeps the ends", () => {
+  it("a corner takes another route of the same length, and keeps the ends", () => {
     const other = removeVertex(corner(), open, at(1, 3));
     expect(pairs(other)).not.toContainEqual([1, 3]);
     expect(other.cells).toHaveLength(5);
     expect(pairs(other).at(-1)).toEqual([3, 3]);
   });
 
-  it("a detour takes the shortest way", () => {
+  it("a detour takes the shortest route", () => {
     const back = addCell(addCell(fresh(), open, at(4, 1)), open, at(2, 1));
     expect(back.cells).toHaveLength(6);
     expect(pairs(removeVertex(back, open, at(4, 1)))).toEqual([
@@ -183,7 +183,7 @@ describe("a robot that moves", () => {
     expect(pairs(robotMoved(corner(), open, at(1, 3)))[0]).toEqual([1, 3]);
   });
 
-  it("that strayed gets the way to the path", () => {
+  it("off the path gets a route to it", () => {
     expect(pairs(robotMoved(corner(), open, at(2, 1))).slice(0, 2)).toEqual([
       [2, 1],
       [1, 1],
@@ -196,7 +196,7 @@ describe("a robot that moves", () => {
 });
 
 describe("sending", () => {
-  it("that is refused brings the path back, though it was left meanwhile", () => {
+  it("that is refused brings the path back, even if the draft was dropped", () => {
     const sent = send(corner());
     const left = leave(sent);
     expect(left.cells).toEqual([]);
@@ -213,7 +213,7 @@ describe("sending", () => {
     expect(replied(guidanceCame(sent, 4n), 1, accepted).cells).toEqual([]);
   });
 
-  it("settles also when the robot has moved meanwhile", () => {
+  it("settles also when the robot has moved", () => {
     const moved = robotMoved(send(corner()), open, at(1, 2));
     expect(guidanceCame(replied(moved, 1, accepted), 4n).cells).toEqual([]);
   });
@@ -225,7 +225,7 @@ describe("sending", () => {
     expect(send(refused).refusal).toBeUndefined();
   });
 
-  it("leaves a draft alone that was begun meanwhile", () => {
+  it("keeps a newer draft", () => {
     const again = beginDrawing(send(corner()), open, at(1, 1));
     const drawing = drawTo(again, open, at(2, 1));
     expect(guidanceCame(replied(drawing, 1, accepted), 4n).cells).toEqual(drawing.cells);
@@ -292,7 +292,7 @@ it("whatever is done, the draft is 4-connected, begins at the robot and stays in
 
 function played(
   session: PathSession,
-  grid: WayGrid,
+  grid: RouteGrid,
   kind: string,
   cell: Cell,
   inside: Cell,

@@ -1,18 +1,17 @@
-// The path that is being drawn for one robot, as a pure state machine. A draft is always 4-connected, begins in the robot's
-// cell and stays in the grid; it is empty or has at least one cell. It is kept until the service has accepted it and shown
-// it as newer guidance.
+// The path that is being drawn for one robot, as a pure state machine. A draft is 4-connected, begins in the robot's cell and
+// stays in the grid, or is empty. It is kept until the service has accepted it and sent it back as newer guidance.
 import { type Cell, cellIndex, clampCell, sameCell } from "../grid";
 import type { Outcome } from "../map_props";
-import { freehandWay, shortestWay, type WayGrid, way } from "./ways";
+import { freehandRoute, type RouteGrid, route, shortestRoute } from "./routes";
 
-export type SentPath = {
+type SentPath = {
   readonly id: number;
   readonly cells: readonly Cell[]; // empty = withdraw
   readonly after: bigint; // revision of the robot's guidance when it was sent; 0 = none
   readonly accepted: boolean;
 };
 
-/** The parts of a path that stay while a place in between is moved. */
+/** The parts of a path that stay while a cell between them is dragged. */
 type Bend = { readonly before: readonly Cell[]; readonly after: readonly Cell[] };
 
 export type PathSession = {
@@ -41,20 +40,20 @@ export function newPathSession(robot: string, start: Cell): PathSession {
   };
 }
 
-/** Begins at the robot, or goes on from the end of what is drawn already; pressing on the robot begins anew. */
-export function beginDrawing(session: PathSession, grid: WayGrid, cell: Cell): PathSession {
+/** Starts at the robot or continues the draft. A press on the robot starts over. */
+export function beginDrawing(session: PathSession, grid: RouteGrid, cell: Cell): PathSession {
   const goOn = session.cells.length > 1 && !sameCell(cell, session.start);
   const cells = goOn ? session.cells : [session.start];
-  return extend({ ...session, cells, drawing: true, refusal: undefined }, grid, cell, way);
+  return extend({ ...session, cells, drawing: true, refusal: undefined }, grid, cell, route);
 }
 
-/** Passing back over the last step takes it back. */
-export function drawTo(session: PathSession, grid: WayGrid, cell: Cell): PathSession {
+/** Moving back over the last step removes it. */
+export function drawTo(session: PathSession, grid: RouteGrid, cell: Cell): PathSession {
   if (!session.drawing) return session;
   if (session.cells.length > 1 && sameCell(cell, session.cells.at(-2))) {
     return { ...session, cells: session.cells.slice(0, -1) };
   }
-  return extend(session, grid, cell, freehandWay);
+  return extend(session, grid, cell, freehandRoute);
 }
 
 export function endDrawing(session: PathSession): PathSession {
@@ -63,14 +62,14 @@ export function endDrawing(session: PathSession): PathSession {
 
 function extend(
   session: PathSession,
-  grid: WayGrid,
+  grid: RouteGrid,
   cell: Cell,
-  route: (grid: WayGrid, from: Cell, to: Cell) => Cell[],
+  find: (grid: RouteGrid, from: Cell, to: Cell) => Cell[],
 ): PathSession {
   const last = session.cells.at(-1) ?? session.start;
   return {
     ...session,
-    cells: joined(session.cells, route(grid, last, clampCell(grid.size, cell))),
+    cells: joined(session.cells, find(grid, last, clampCell(grid.size, cell))),
   };
 }
 
@@ -82,7 +81,7 @@ function joined(...parts: (readonly Cell[])[]): Cell[] {
   return parts.flat().filter((cell, index, all) => !sameCell(cell, all[index - 1]));
 }
 
-/** Ends and corners: the places to drag a path by. Indices into `cells`, ascending. */
+/** Indices of the ends and corners, where a path can be dragged; ascending. */
 export function vertices(cells: readonly Cell[]): number[] {
   return cells.flatMap((cell, index) => {
     const before = cells[index - 1];
@@ -96,7 +95,7 @@ export function vertices(cells: readonly Cell[]): number[] {
   });
 }
 
-/** The index of the path's cell to take hold of at `cell`; never the robot's own cell. */
+/** Index of the path's cell to grab at `cell`; never the robot's own cell. */
 function handle(cells: readonly Cell[], cell: Cell): number | undefined {
   const index = cells.map((other) => sameCell(other, cell)).lastIndexOf(true);
   return index > 0 ? index : undefined;
@@ -106,7 +105,7 @@ export function canGrab(session: PathSession, cell: Cell): boolean {
   return handle(session.cells, cell) !== undefined;
 }
 
-/** Takes hold of the path at a vertex, or in between, which makes a new one. */
+/** Grabs the path at a vertex, or between vertices, which makes a new one. */
 export function grab(session: PathSession, cell: Cell): PathSession {
   const index = handle(session.cells, cell);
   if (index === undefined) return session;
@@ -120,12 +119,12 @@ export function grab(session: PathSession, cell: Cell): PathSession {
   return { ...session, bend, refusal: undefined };
 }
 
-export function bendTo(session: PathSession, grid: WayGrid, target: Cell): PathSession {
+export function bendTo(session: PathSession, grid: RouteGrid, target: Cell): PathSession {
   if (!session.bend) return session;
   const { before, after } = session.bend;
   const cell = clampCell(grid.size, target);
-  const onward = after[0] ? way(grid, cell, after[0]) : [];
-  const toThere = way(grid, before.at(-1) ?? session.start, cell);
+  const onward = after[0] ? route(grid, cell, after[0]) : [];
+  const toThere = route(grid, before.at(-1) ?? session.start, cell);
   return { ...session, cells: joined(before, toThere, onward, after) };
 }
 
@@ -133,35 +132,35 @@ export function endBend(session: PathSession): PathSession {
   return { ...session, cells: worthKeeping(session.cells), bend: undefined };
 }
 
-/** The end: the path ends at the vertex before. In between: a shortest way from the one before to the one after, not by it if it can be helped. */
-export function removeVertex(session: PathSession, grid: WayGrid, cell?: Cell): PathSession {
+/** Removes a vertex. At the end: shortens the path to the vertex before. Between: connects its neighbours by a shortest route. */
+export function removeVertex(session: PathSession, grid: RouteGrid, cell?: Cell): PathSession {
   const index = cell ? handle(session.cells, cell) : session.cells.length - 1;
   if (index === undefined || index < 1) return session;
   const { bend, ...grabbed } = grab(session, session.cells[index] ?? session.start);
   if (!bend) return session;
   const from = bend.before.at(-1);
   const onward = bend.after[0];
-  const between = onward && from ? wayWithout(grid, from, onward, session.cells[index]) : [];
+  const between = onward && from ? routeWithout(grid, from, onward, session.cells[index]) : [];
   const cells = worthKeeping(joined(bend.before, between, bend.after));
   return { ...grabbed, bend: undefined, cells };
 }
 
-/** Not by `without` where another way is as short. */
-function wayWithout(grid: WayGrid, from: Cell, to: Cell, without: Cell | undefined): Cell[] {
-  const shortest = way(grid, from, to);
+/** Avoids `without` if another route is as short. */
+function routeWithout(grid: RouteGrid, from: Cell, to: Cell, without: Cell | undefined): Cell[] {
+  const shortest = route(grid, from, to);
   if (!without) return shortest;
   const walls = grid.walls.slice();
   walls[cellIndex(grid.size, without)] = 255;
-  const other = shortestWay({ ...grid, walls }, from, to);
+  const other = shortestRoute({ ...grid, walls }, from, to);
   return other && other.length <= shortest.length ? other : shortest;
 }
 
-/** Makes the path that the robot has the draft, to go on from. */
-export function adopt(session: PathSession, grid: WayGrid, path: readonly Cell[]): PathSession {
+/** Makes the robot's current path the draft. */
+export function adopt(session: PathSession, grid: RouteGrid, path: readonly Cell[]): PathSession {
   return { ...session, cells: worthKeeping(startingAt(session.start, grid, path)) };
 }
 
-export function robotMoved(session: PathSession, grid: WayGrid, cell: Cell): PathSession {
+export function robotMoved(session: PathSession, grid: RouteGrid, cell: Cell): PathSession {
   if (sameCell(cell, session.start)) return session;
   const moved = (cells: readonly Cell[]) => startingAt(cell, grid, cells);
   const bend = session.bend && { ...session.bend, before: moved(session.bend.before) };
@@ -173,15 +172,15 @@ export function robotMoved(session: PathSession, grid: WayGrid, cell: Cell): Pat
   return { ...session, start: cell, bend, cells, sent: follows };
 }
 
-/** What is left of the path for a robot that is in `start`; with the way to it when that is not on the path. */
-function startingAt(start: Cell, grid: WayGrid, path: readonly Cell[]): readonly Cell[] {
+/** The rest of the path for a robot in `start`, with a route to the path if the robot is not on it. */
+function startingAt(start: Cell, grid: RouteGrid, path: readonly Cell[]): readonly Cell[] {
   const index = path.findIndex((cell) => sameCell(cell, start));
   if (index >= 0) return path.slice(index);
-  return path[0] ? joined(way(grid, start, path[0]), path) : path;
+  return path[0] ? joined(route(grid, start, path[0]), path) : path;
 }
 
-/** Draws again what was drawn in `before`, for where the robot is by now. */
-export function revert(session: PathSession, before: PathSession, grid: WayGrid): PathSession {
+/** Restores the draft of `before`, adapted to the robot's current cell. */
+export function revert(session: PathSession, before: PathSession, grid: RouteGrid): PathSession {
   const { cells, refusal } = before;
   const stands = sameCell(session.start, before.start);
   const kept = stands ? cells : worthKeeping(startingAt(session.start, grid, cells));
@@ -201,7 +200,7 @@ export function send(session: PathSession): PathSession {
   return hasDraft(session) ? sending(session, session.cells) : session;
 }
 
-/** Takes the robot's path away from it, and drops the draft. */
+/** Withdraws the robot's path and drops the draft. */
 export function withdraw(session: PathSession): PathSession {
   return sending(leave(session), []);
 }
@@ -212,7 +211,7 @@ function sending(session: PathSession, cells: readonly Cell[]): PathSession {
   return { ...session, drawing: false, bend: undefined, refusal: undefined, lastId: id, sent };
 }
 
-/** The service's answer; one to a path that was replaced since is ignored. A refused draft stays. */
+/** The service's reply. Replies to replaced paths are ignored. A refused draft stays. */
 export function replied(session: PathSession, id: number, outcome: Outcome): PathSession {
   if (session.sent?.id !== id) return session;
   if (outcome.accepted) return settled({ ...session, sent: { ...session.sent, accepted: true } });
@@ -227,7 +226,7 @@ export function guidanceCame(session: PathSession, revision: bigint): PathSessio
   return settled({ ...session, revision });
 }
 
-/** The draft goes when it has become the robot's path; one begun meanwhile stays. */
+/** Drops the draft once it is the robot's path. A newer draft stays. */
 function settled(session: PathSession): PathSession {
   const { sent } = session;
   if (!sent?.accepted || session.revision === sent.after) return session;

@@ -2,9 +2,8 @@ import { useConsole } from "../../app/console";
 import { keyHint } from "../../app/shortcuts";
 import { type Picture, PictureAnswer } from "../../protocol/generated/console_pb";
 import { nameOf } from "../../state/selectors";
+import { usePixels } from "./picture_image";
 import { answerText } from "./summary";
-import { usePixels } from "./use_pixels";
-import { windowStart } from "./window";
 
 const mostShown = 12;
 
@@ -22,7 +21,7 @@ export function HistoryStrip({ robot }: { robot: string }) {
       <button
         type="button"
         disabled={at <= 0}
-        onClick={() => actions.turnPages(-1)}
+        onClick={() => actions.stepPicture(-1)}
         aria-label="Older picture"
         title={keyHint("older picture")}
       >
@@ -36,7 +35,7 @@ export function HistoryStrip({ robot }: { robot: string }) {
       <button
         type="button"
         disabled={at >= all.length - 1}
-        onClick={() => actions.turnPages(1)}
+        onClick={() => actions.stepPicture(1)}
         aria-label="Newer picture"
         title={keyHint("newer picture")}
       >
@@ -74,4 +73,10 @@ function Thumbnail({ picture }: { picture: Picture }) {
 function SmallImage({ picture }: { picture: Picture }) {
   const state = usePixels(picture);
   return state.kind === "ready" ? <img src={state.url} alt="" /> : undefined;
+}
+
+/** Index of the first of `size` entries to show out of `length`, with entry `at` near the middle; the newest if `at` is negative. */
+export function windowStart(length: number, at: number, size: number): number {
+  const newest = Math.max(0, length - size);
+  return at < 0 ? newest : Math.max(0, Math.min(newest, at - Math.floor(size / 2)));
 }

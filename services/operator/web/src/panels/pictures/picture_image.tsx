@@ -1,11 +1,12 @@
-import { useState } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
+import { useConsole } from "../../app/console";
 import type { Picture } from "../../protocol/generated/console_pb";
-import { usePixels } from "./use_pixels";
+import type { PixelState } from "./pixels";
 
-/** The pixels of a picture, or why there are none. */
+/** The image of a picture, or why there is none. */
 export function PictureImage({ picture }: { picture: Picture }) {
   return picture.bytes === 0 ? (
-    <div class="pixels none">The robot runs without a camera: the map shows what it saw there.</div>
+    <div class="pixels none">This robot has no camera. The map shows what it saw.</div>
   ) : (
     <FetchedImage key={`${picture.robot} ${picture.sequenceNumber}`} picture={picture} />
   );
@@ -33,4 +34,22 @@ function FetchedImage({ picture }: { picture: Picture }) {
       )}
     </div>
   );
+}
+
+const loading: PixelState = { kind: "loading" };
+
+/** The image of a picture while a component shows it. A missing one is fetched again when the picture or `tries` changes. */
+export function usePixels(picture: Picture, tries = 0): PixelState {
+  const { pixels, store } = useConsole();
+  const [state, setState] = useState<PixelState>(loading);
+  const { run } = store.state.value;
+  useEffect(() => {
+    const key = { run, robot: picture.robot, sequence: picture.sequenceNumber };
+    const unsubscribe = pixels.acquire(key).subscribe(setState);
+    return () => {
+      unsubscribe();
+      pixels.release(key);
+    };
+  }, [pixels, run, picture, tries]);
+  return state;
 }

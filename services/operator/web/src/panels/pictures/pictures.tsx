@@ -3,7 +3,13 @@ import { keyHint } from "../../app/shortcuts";
 import { cellText } from "../../protocol/cells";
 import type { Picture } from "../../protocol/generated/console_pb";
 import { ageOf } from "../../state/freshness";
-import { mayCommand, nameOf, unanswered, whyNotCommand, worldOf } from "../../state/selectors";
+import {
+  commandBlockedReason,
+  mayCommand,
+  nameOf,
+  unanswered,
+  worldOf,
+} from "../../state/selectors";
 import { duration } from "../format";
 import { HistoryStrip } from "./history_strip";
 import { LiveView } from "./live_view";
@@ -11,7 +17,7 @@ import { PictureImage } from "./picture_image";
 import { answerText, directionText, summaryOf } from "./summary";
 import "./pictures.css";
 
-/** What the chosen robot shows: its newest picture, those before, and a live view where the method streams. */
+/** Pictures of the chosen robot, and its live view if the method streams. */
 export function Pictures() {
   const { store } = useConsole();
   const robot = store.chosenRobot.value;
@@ -20,7 +26,7 @@ export function Pictures() {
   return (
     <section class="panel pictures" aria-label="Pictures" data-tour="pictures">
       {streams && robot !== undefined && <LiveView robot={robot} />}
-      {picture !== undefined && <OnePicture picture={picture} />}
+      {picture !== undefined && <PictureDetails picture={picture} />}
       {picture === undefined && !streams && <NoPicture robot={robot} />}
       {robot !== undefined && <HistoryStrip robot={robot} />}
     </section>
@@ -31,12 +37,12 @@ function NoPicture({ robot }: { robot: string | undefined }) {
   return (
     <>
       <h2>Pictures{robot !== undefined && ` of ${robot}`}</h2>
-      <p class="quiet">None yet. A robot sends one when it is worth your time.</p>
+      <p class="quiet">None yet. A robot sends a picture when it is worth your time.</p>
     </>
   );
 }
 
-function OnePicture({ picture }: { picture: Picture }) {
+function PictureDetails({ picture }: { picture: Picture }) {
   const { store, actions } = useConsole();
   const state = store.state.value;
   const { robot, world, sequenceNumber, cell, heading } = picture;
@@ -52,7 +58,7 @@ function OnePicture({ picture }: { picture: Picture }) {
           <button
             type="button"
             class="end main"
-            disabled={!store.linked.value || whyNotCommand(state, robot) !== undefined}
+            disabled={!store.linked.value || commandBlockedReason(state, robot) !== undefined}
             onClick={() => actions.nothingNew()}
           >
             Nothing new here <kbd>{keyHint("nothing new")}</kbd>
@@ -66,7 +72,7 @@ function OnePicture({ picture }: { picture: Picture }) {
         <p>
           {summaryOf(picture, state.beliefs.get(world), columns)}{" "}
           <span class="quiet">
-            From {cellText(cell)}, to the {directionText(heading)}.
+            From {cellText(cell)}, facing {directionText(heading)}.
           </span>
         </p>
         <button type="button" onClick={() => store.centre(cell)}>

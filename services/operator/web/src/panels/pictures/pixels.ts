@@ -5,7 +5,7 @@ export type PixelState =
   | { readonly kind: "ready"; readonly url: string }
   | { readonly kind: "missing"; readonly reason: string };
 
-export interface PixelParts {
+interface PixelParts {
   readonly token: string;
   fetch(path: string, init: { headers: Record<string, string> }): Promise<PixelReply>;
   /** As URL.createObjectURL and revokeObjectURL. */
@@ -19,8 +19,8 @@ export interface PixelReply {
   blob(): Promise<Blob>;
 }
 
-/** Which picture. Numbers begin anew with each run, and one page may see several: the mazes of a participant. */
-export interface Shot {
+/** Identifies a picture. Sequence numbers restart with each run, and a participant's page sees several runs. */
+interface PictureKey {
   readonly run: string;
   readonly robot: string;
   readonly sequence: bigint;
@@ -31,58 +31,59 @@ interface Entry {
   users: number;
 }
 
-/** So many pictures that nobody shows are kept, for whoever turns pages. */
+/** Number of images kept although no component shows them. */
 const mostUnused = 32;
 
-/** The pixels of pictures: fetched once, shared by whoever shows them, given back when unused. */
+/** Images of pictures: fetched once, shared by all components that show them, revoked when unused. */
 export class Pixels {
   #parts: PixelParts;
-  /** The one that was used last comes last. */
+  /** Least recently used first. */
   #entries = new Map<string, Entry>();
 
   constructor(parts: PixelParts) {
     this.#parts = parts;
   }
 
-  /** To be followed by one `release`. */
-  acquire(shot: Shot): ReadonlySignal<PixelState> {
-    const known = this.#entries.get(keyOf(shot));
+  /** Must be followed by one `release`. */
+  acquire(picture: PictureKey): ReadonlySignal<PixelState> {
+    const known = this.#entries.get(keyOf(picture));
     const entry = known ?? { state: signal<PixelState>({ kind: "loading" }), users: 0 };
     entry.users += 1;
-    this.#putLast(shot, entry);
-    // What was missing may be there now.
-    if (known === undefined || entry.state.value.kind === "missing") void this.#load(shot, entry);
+    this.#putLast(picture, entry);
+    // A missing image may be available now.
+    if (known === undefined || entry.state.value.kind === "missing")
+      void this.#load(picture, entry);
     return entry.state;
   }
 
-  release(shot: Shot): void {
-    const entry = this.#entries.get(keyOf(shot));
+  release(picture: PictureKey): void {
+    const entry = this.#entries.get(keyOf(picture));
     if (entry === undefined) return;
     entry.users = Math.max(0, entry.users - 1);
-    this.#putLast(shot, entry);
+    this.#putLast(picture, entry);
     this.#forgetOldest();
   }
 
-  #putLast(shot: Shot, entry: Entry): void {
-    const key = keyOf(shot);
+  #putLast(picture: PictureKey, entry: Entry): void {
+    const key = keyOf(picture);
     this.#entries.delete(key);
     this.#entries.set(key, entry);
   }
 
-  async #load(shot: Shot, entry: Entry): Promise<void> {
+  async #load(picture: PictureKey, entry: Entry): Promise<void> {
     entry.state.value = { kind: "loading" };
     const { token } = this.#parts;
     const headers: Record<string, string> = token ? { Authorization: `Bearer ${token}` } : {};
     try {
-      const reply = await this.#parts.fetch(pathOf(shot), { headers });
+      const reply = await this.#parts.fetch(pathOf(picture), { headers });
       entry.state.value = reply.ok
         ? { kind: "ready", url: this.#parts.createUrl(await reply.blob()) }
         : { kind: "missing", reason: reasonOf(reply.status) };
     } catch {
       entry.state.value = { kind: "missing", reason: "The picture could not be fetched." };
     }
-    // It was forgotten meanwhile.
-    if (this.#entries.get(keyOf(shot)) !== entry) this.#revoke(entry);
+    // The entry was dropped in the meantime.
+    if (this.#entries.get(keyOf(picture)) !== entry) this.#revoke(entry);
   }
 
   #forgetOldest(): void {
@@ -98,16 +99,16 @@ export class Pixels {
   }
 }
 
-function keyOf(shot: Shot): string {
-  return `${shot.run} ${pathOf(shot)}`;
+function keyOf(picture: PictureKey): string {
+  return `${picture.run} ${pathOf(picture)}`;
 }
 
-function pathOf({ robot, sequence }: Shot): string {
+function pathOf({ robot, sequence }: PictureKey): string {
   return `/pictures/${encodeURIComponent(robot)}/${sequence}.jpg`;
 }
 
 function reasonOf(status: number): string {
-  if (status === 404) return "The service keeps these pixels no more.";
-  if (status === 401 || status === 403) return "The service refuses to show this picture.";
-  return `The service answers with ${status}.`;
+  if (status === 404) return "This picture is no longer stored.";
+  if (status === 401 || status === 403) return "You may not see this picture.";
+  return `The service answered with status ${status}.`;
 }

@@ -2,7 +2,7 @@ import { type Belief, type Picture, PictureAnswer } from "../../protocol/generat
 import { type Difference, differenceOf } from "../../state/selectors";
 import { count } from "../format";
 
-/** What the picture shows, in words. */
+/** What the picture shows, and how the map differs. */
 export function summaryOf(picture: Picture, belief: Belief | undefined, columns: number): string {
   const seen = (picture.freeCells?.row.length ?? 0) + (picture.wallCells?.row.length ?? 0);
   const cells = `It shows ${count(seen, "cell")}`;
@@ -12,13 +12,13 @@ export function summaryOf(picture: Picture, belief: Belief | undefined, columns:
 
 function differenceText({ missing, wrong }: Difference): string {
   const parts = [
-    ...(missing.length > 0 ? [`lacks ${count(missing.length, "wall")}`] : []),
-    ...(wrong.length > 0 ? [`has ${count(wrong.length, "wall")} too many`] : []),
+    ...(missing.length > 0 ? [`is missing ${count(missing.length, "wall")}`] : []),
+    ...(wrong.length > 0 ? [`has ${count(wrong.length, "extra wall")}`] : []),
   ];
-  return parts.length > 0 ? `Your map ${parts.join(" and ")}.` : "Your map agrees with it.";
+  return parts.length > 0 ? `Your map ${parts.join(" and ")}.` : "Your map agrees.";
 }
 
-/** `who` answered it, as people read it; empty = nobody. */
+/** State of a picture's answer. `who`: name of the person who answered; empty = nobody. */
 export function answerText({ answer }: Picture, who: string): string {
   switch (answer) {
     case PictureAnswer.ANSWER_PATH:
@@ -26,13 +26,13 @@ export function answerText({ answer }: Picture, who: string): string {
     case PictureAnswer.ANSWER_NOTHING_NEW:
       return `nothing new${who && `, by ${who}`}`;
     case PictureAnswer.ANSWER_OUTDATED:
-      return "a newer one came first";
+      return "replaced by a newer picture";
     default:
-      return "waits for an answer";
+      return "waiting for an answer";
   }
 }
 
-/** "north-east", of radians from east, counter-clockwise. */
+/** "north-east"; from radians, 0 = east, counter-clockwise. */
 export function directionText(heading: number): string {
   const names = [
     "east",

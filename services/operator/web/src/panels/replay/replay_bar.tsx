@@ -2,11 +2,10 @@ import { useSignal } from "@preact/signals";
 import { useConsole } from "../../app/console";
 import { MarkKind, type Playback } from "../../protocol/generated/console_pb";
 import { playTime } from "../format";
-import { markFrom, markNames, speeds } from "./marks";
-import { useReplay } from "./use_replay";
+import { markFrom, markNames, speeds, useReplay } from "./playback";
 import "./replay.css";
 
-/** Where in a recording we are, and ways to go elsewhere. */
+/** Position in a recording, with play, speed and jumps. */
 export function ReplayBar() {
   const { store } = useConsole();
   const playback = store.state.value.playback;
@@ -42,7 +41,7 @@ export function ReplayBar() {
   );
 }
 
-/** Follows the recording, but for while it is dragged. */
+/** Follows the recording, except while it is dragged. */
 function Slider({ playback: { position, duration } }: { playback: Playback }) {
   const { actions } = useConsole();
   const dragged = useSignal<number | undefined>(undefined);
@@ -111,7 +110,7 @@ function Ticks({ playback: { marks, duration } }: { playback: Playback }) {
       {marks.map(({ kind, position }, i) => {
         const x = (1000 * position) / duration;
         const isAlert = kind === MarkKind.MARK_ALERT;
-        // Told apart by their height too, not by colour alone.
+        // Alerts differ by height too, not by colour alone.
         return (
           <line key={i} x1={x} x2={x} y1={isAlert ? 0 : 4} y2={10} class={isAlert ? "alert" : ""} />
         );

@@ -1,8 +1,8 @@
 import { useState } from "preact/hooks";
 import { useConsole } from "../../app/console";
 import { type Task, TaskPhase } from "../../protocol/generated/console_pb";
-import { reasonText } from "../queue/words";
-import { BeginButton } from "./begin_dialog";
+import { reasonText } from "../attention/queue_texts";
+import { BeginButton } from "./task_dialogs";
 import {
   goalsText,
   isMappingTask,
@@ -14,13 +14,13 @@ import {
   robotNow,
 } from "./task_state";
 
-/** Which maze it is, how far the participant has come, and what they can do now. */
+/** The current maze, the participant's progress, and the buttons for the next action. */
 export function TaskBar() {
   const { store } = useConsole();
   const state = store.state.value;
   const { task } = state;
   const part = partName(state);
-  if (task === undefined) return <p class="quiet">It is being prepared…</p>;
+  if (task === undefined) return <p class="quiet">Preparing…</p>;
   const { participant, number, count, phase } = task;
   return (
     <section class="panel task-bar" aria-label="Task">
@@ -44,22 +44,22 @@ function Running({ task }: { task: Task }) {
   const now = robotNow(state, store.chosenRobot.value);
   return (
     <>
-      {now === "stopped" && <GoButton live={live} />}
+      {now === "stopped" && <ResumeButton live={live} />}
       {now !== "stopped" && isMappingTask(state) && <NextButton now={now} live={live} />}
       {now === "waiting for you" && isStudy(state) && <NothingNewButton live={live} />}
       {task.mayFinish && <FinishButton live={live} part={partName(state).toLowerCase()} />}
-      {isStudy(state) && offersPaths(state) && <Wish />}
+      {isStudy(state) && offersPaths(state) && <CurrentRequest />}
       <span>{goalsText(task)}</span>
     </>
   );
 }
 
-function GoButton({ live }: { live: boolean }) {
+function ResumeButton({ live }: { live: boolean }) {
   const { store, actions } = useConsole();
-  const go = () => void actions.go(store.robots.value);
+  const go = () => void actions.resume(store.robots.value);
   return (
     <button type="button" class="main" disabled={!live} onClick={go}>
-      Let the robot go on <kbd>G</kbd>
+      Resume the robot <kbd>G</kbd>
     </button>
   );
 }
@@ -88,8 +88,8 @@ function NothingNewButton({ live }: { live: boolean }) {
   );
 }
 
-/** What the robot asks for now. */
-function Wish() {
+/** What the robot needs now. */
+function CurrentRequest() {
   const { store } = useConsole();
   const { attention, session } = store.state.value;
   const item = attention?.items[0];
@@ -100,7 +100,7 @@ function Wish() {
   );
 }
 
-/** Asks once more: the map cannot be changed afterwards. */
+/** Asks for confirmation, because the map cannot be changed afterwards. */
 function FinishButton({ live, part }: { live: boolean; part: string }) {
   const { actions } = useConsole();
   const [asked, setAsked] = useState(false);
@@ -113,12 +113,12 @@ function FinishButton({ live, part }: { live: boolean; part: string }) {
   }
   return (
     <span class="row">
-      Finish? Your map stays as it is then.
+      Finish? You cannot change your map afterwards.
       <button type="button" class="main" disabled={!live} onClick={() => void actions.finish()}>
         Yes, finish
       </button>
       <button type="button" onClick={() => setAsked(false)}>
-        No, go on
+        No, continue
       </button>
     </span>
   );

@@ -7,18 +7,18 @@ interface Key {
   readonly text: string;
 }
 
-/** The key by which a participant answers a picture. */
+/** Key to answer a picture: in the mapping task, and in a study. */
 export const nextPictureKey: Key = { keys: ["n", "x"], text: "Next picture" };
 export const nothingNewKey: Key = { keys: ["x"], text: "Nothing new in this picture" };
 
-/** Keys that a participant has besides, and beside those of the map. */
+/** A participant's other keys, except those of the map. */
 export const taskKeys: readonly Key[] = [
-  { keys: ["["], text: "Look at an older picture" },
-  { keys: ["]"], text: "Look at a newer picture" },
+  { keys: ["["], text: "Older picture" },
+  { keys: ["]"], text: "Newer picture" },
   { keys: ["c"], text: "Centre the map on the robot" },
   { keys: ["s"], text: "Stop the robot" },
-  { keys: ["g"], text: "Let it go on" },
-  { keys: ["d"], text: "Dark, light, or as the system" },
+  { keys: ["g"], text: "Resume the robot" },
+  { keys: ["d"], text: "Switch theme: dark, light, system" },
   { keys: ["?"], text: "Show this help" },
 ];
 
@@ -29,13 +29,13 @@ const allowed: ReadonlySet<CommandName> = new Set([
   "centre",
   "stop all",
   "stop robot",
-  "go robot",
-  "go all",
+  "resume robot",
+  "resume all",
   "theme",
   "help",
 ]);
 
-/** What a key means for whoever sits here; undefined = nothing. In the mapping task N is the next picture. */
+/** The command that a key means on this page; undefined = none. In the mapping task N asks for the next picture. */
 export function inTask(
   state: ConsoleState,
   command: CommandName | undefined,

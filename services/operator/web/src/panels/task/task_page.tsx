@@ -2,15 +2,19 @@ import type { ComponentChildren } from "preact";
 import { useEffect } from "preact/hooks";
 import { useConsole } from "../../app/console";
 import { LinkBanner } from "../../app/link_banner";
+import { cellText } from "../../protocol/cells";
 import { pictureOf } from "../../state/selectors";
+import { HistoryStrip } from "../pictures/history_strip";
 import { LiveView } from "../pictures/live_view";
-import { DriveBadge } from "../teleoperation/drive_badge";
+import { PictureImage } from "../pictures/picture_image";
+import { directionText } from "../pictures/summary";
+import { DriveBadge } from "../robots/drive_badge";
 import { TaskBar } from "./task_bar";
-import { TaskPictures } from "./task_pictures";
 import { hasLiveView } from "./task_state";
 import "./task.css";
+import "../pictures/pictures.css";
 
-/** All that a participant sees: task, map and pictures; a live view where the method of a study streams. */
+/** A participant's page: task, map, and pictures or a live view. */
 export function TaskPage({ map }: { map: ComponentChildren }) {
   const { commands, store } = useConsole();
   const robot = store.chosenRobot.value;
@@ -35,18 +39,44 @@ export function TaskPage({ map }: { map: ComponentChildren }) {
           <TaskPictures />
         )}
         <button type="button" onClick={() => commands.help()}>
-          What to do, and keys <kbd>?</kbd>
+          Instructions and keys <kbd>?</kbd>
         </button>
       </aside>
     </div>
   );
 }
 
-/** A picture that was asked for is shown, also to those who looked at an older one. */
+/** Shows each new picture, even if an older one was chosen. */
 function useNewestPicture(): void {
   const { store } = useConsole();
   const newest = pictureOf(store.state.value, store.chosenRobot.value)?.sequenceNumber;
   useEffect(() => {
     store.chosenSequence.value = undefined;
   }, [newest, store]);
+}
+
+/** The chosen picture and the earlier ones. Its summary is left out: finding the differences is the task. */
+function TaskPictures() {
+  const { store } = useConsole();
+  const robot = store.chosenRobot.value;
+  const picture = store.chosenPicture.value;
+  return (
+    <section class="panel pictures" aria-label="Pictures">
+      {picture === undefined ? (
+        <>
+          <h2>Pictures</h2>
+          <p class="quiet">None yet.</p>
+        </>
+      ) : (
+        <>
+          <h2>Picture {String(picture.sequenceNumber)}</h2>
+          <PictureImage picture={picture} />
+          <p class="quiet">
+            From {cellText(picture.cell)}, facing {directionText(picture.heading)}.
+          </p>
+        </>
+      )}
+      {robot !== undefined && <HistoryStrip robot={robot} />}
+    </section>
+  );
 }

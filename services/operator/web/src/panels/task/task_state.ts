@@ -1,20 +1,20 @@
 import { Mode, type Task, TaskPhase } from "../../protocol/generated/console_pb";
 import type { ConsoleState } from "../../state/console_state";
 import { pictureOf, unanswered } from "../../state/selectors";
-import type { News } from "../announcements/announcer";
+import type { Announcement } from "../attention/announcer";
 import { count, percent } from "../format";
 
-/** Whether a participant of the mapping task sits here. */
+/** Whether this is the page of a participant in the mapping task. */
 export function isMappingTask({ welcome }: ConsoleState): boolean {
   return welcome?.mode === Mode.MAPPING_TASK;
 }
 
-/** One method of a study after the other. */
+/** Whether this is the page of a participant in a study. */
 export function isStudy({ welcome }: ConsoleState): boolean {
   return welcome?.mode === Mode.STUDY;
 }
 
-/** A participant of either sits here. */
+/** Whether this is the page of a participant in either. */
 export function isTask(state: ConsoleState): boolean {
   return isMappingTask(state) || isStudy(state);
 }
@@ -24,7 +24,7 @@ export function offersPaths(state: ConsoleState): boolean {
   return !isMappingTask(state) && !state.session?.drives;
 }
 
-/** Methods of a study that stream have a live view, before their first frame, too. */
+/** Whether there is a live view. Methods that stream have one even before their first frame. */
 export function hasLiveView(state: ConsoleState): boolean {
   const { method = "", streams = false } = state.session ?? {};
   return streams || (isStudy(state) && (method === "instruction" || method === "teleop"));
@@ -35,24 +35,24 @@ export function partName(state: ConsoleState): string {
   return isStudy(state) ? "Part" : "Maze";
 }
 
-/** Finished, and the service of the next maze, if there is one, is not there yet. */
+/** The maze is finished and the service of the next one, if any, has not started. */
 export function isBetweenMazes(state: ConsoleState): boolean {
   return isTask(state) && state.task?.phase === TaskPhase.PHASE_FINISHED;
 }
 
-/** Why the participant may not edit the map now; undefined = they may. */
-export function whyNotMap(state: ConsoleState): string | undefined {
+/** Why the participant cannot edit the map now; undefined = they can. */
+export function mapBlockedReason(state: ConsoleState): string | undefined {
   switch (state.task?.phase) {
     case TaskPhase.PHASE_RUNNING:
       return undefined;
     case TaskPhase.PHASE_FINISHED:
       return `this ${partName(state).toLowerCase()} is finished`;
     default:
-      return "begin first";
+      return "press “Begin” first";
   }
 }
 
-/** What the robot is about, for whoever asks for pictures. */
+/** What the robot does, for a participant who waits for pictures. */
 export type RobotNow = "stopped" | "driving" | "waiting for you";
 
 export function robotNow(state: ConsoleState, robot: string | undefined): RobotNow {
@@ -60,31 +60,34 @@ export function robotNow(state: ConsoleState, robot: string | undefined): RobotN
   return unanswered(state, robot) === undefined ? "driving" : "waiting for you";
 }
 
-/** "2 goals to go", or what may be done without. */
+/** "2 goals left", or that the participant may finish. */
 export function goalsText({ goalsLeft, mayFinish }: Task): string {
-  if (goalsLeft > 0) return `${count(goalsLeft, "goal")} to go`;
-  return mayFinish ? "All goals reached: finish, or go on." : "All goals reached";
+  if (goalsLeft > 0) return `${count(goalsLeft, "goal")} left`;
+  return mayFinish ? "All goals reached. Finish, or continue." : "All goals reached";
 }
 
-/** How the maze went, and what comes next. */
+/** The result of a maze, and what comes next. */
 export function resultText({ mappingAccuracy, number, count: all }: Task, part: string): string {
   const share = percent(mappingAccuracy);
   const done = `${part} ${number} is finished: ${share} of the map's mistakes corrected.`;
   const next =
     number < all
-      ? "The next one is being prepared…"
+      ? "Preparing the next one…"
       : "That was the last one. Thank you! You can close this page.";
   return `${done} ${next}`;
 }
 
-/** For screen readers: what came up between two states. */
-export function taskNews(before: ConsoleState, after: ConsoleState): readonly News[] {
+/** Announcements for screen readers: changes between two states. */
+export function taskAnnouncements(
+  before: ConsoleState,
+  after: ConsoleState,
+): readonly Announcement[] {
   if (before.run !== after.run || before.task === undefined || after.task === undefined) return [];
   const robot = after.session?.robots[0];
   const picture = pictureOf(after, robot);
   const texts = [
     picture !== undefined && pictureOf(before, robot)?.sequenceNumber !== picture.sequenceNumber
-      ? `Picture ${picture.sequenceNumber} has come`
+      ? `New picture: ${picture.sequenceNumber}`
       : "",
     after.task.mayFinish && !before.task.mayFinish ? goalsText(after.task) : "",
     isBetweenMazes(after) && !isBetweenMazes(before) ? resultText(after.task, partName(after)) : "",

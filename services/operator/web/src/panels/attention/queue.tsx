@@ -1,0 +1,88 @@
+import { useConsole } from "../../app/console";
+import { RobotMark } from "../../app/robot_mark";
+import { keyHint } from "../../app/shortcuts";
+import type { AttentionItem } from "../../protocol/generated/console_pb";
+import { mayCommand, nameOf } from "../../state/selectors";
+import { duration, measured } from "../format";
+import { adviceText, emptyQueueText, isNotice, patienceText, reasonText } from "./queue_texts";
+import "./attention.css";
+
+/** The attention queue, in the service's order. */
+export function Queue() {
+  const { store, actions } = useConsole();
+  const attention = store.state.value.attention;
+  const items = attention?.items ?? [];
+  const me = store.state.value.welcome?.client ?? "";
+  const advised =
+    items.find(({ selectedBy }) => selectedBy !== "" && selectedBy === me) ?? items[0];
+  return (
+    <section class="panel queue" aria-label="Attention queue" data-tour="queue">
+      <div class="row">
+        <h2>Needs you ({items.length})</h2>
+        <button
+          type="button"
+          class={`end ${items.length > 0 ? "main" : ""}`}
+          onClick={() => void actions.next()}
+        >
+          Next <kbd>{keyHint("next")}</kbd>
+        </button>
+      </div>
+      {items.length === 0 && (
+        <p class="quiet">{emptyQueueText(store.state.value, store.link.value.state)}</p>
+      )}
+      {items.length > 0 && !store.linked.value && (
+        <p class="quiet">Last known queue, before the connection was lost.</p>
+      )}
+      <ol>
+        {items.map((item) => (
+          <QueueItem
+            key={`${item.robot} ${item.reason}`}
+            item={item}
+            now={attention?.stamp ?? 0}
+            advised={item === advised}
+          />
+        ))}
+      </ol>
+      {attention !== undefined && attention.predictedWaitingTime > 0 && (
+        <p class="quiet">Expected wait per question: {duration(attention.predictedWaitingTime)}</p>
+      )}
+    </section>
+  );
+}
+
+interface ItemProps {
+  item: AttentionItem;
+  now: number;
+  /** Shows advice on what to do. */
+  advised: boolean;
+}
+
+function QueueItem({ item, now, advised }: ItemProps) {
+  const { store, actions } = useConsole();
+  const { robot, reason, since, selectedBy } = item;
+  const state = store.state.value;
+  const drives = state.session?.drives ?? false;
+  const mine = selectedBy !== "" && selectedBy === state.welcome?.client;
+  return (
+    <li class={mine ? "mine" : ""}>
+      <button
+        type="button"
+        onClick={() => void actions.select(item)}
+        aria-current={mine ? "true" : undefined}
+        title={`Value lost per second: ${measured(item.valueLostPerSecond, 2)}. Expected work: ${duration(item.expectedInteraction)}.`}
+      >
+        <RobotMark robot={robot} />
+        <span>
+          <strong>{robot}</strong> {reasonText(reason, drives)}
+          <span class="quiet times">
+            {isNotice(reason) ? `${duration(now - since)} ago` : `waiting ${duration(now - since)}`}
+            {!state.controls.get(robot)?.stopped && patienceText(item, now)}
+            {selectedBy !== "" &&
+              ` · ${mine ? "you are" : `${nameOf(state, selectedBy)} is`} on it`}
+          </span>
+          {advised && mayCommand(state) && <span class="advice">{adviceText(reason, drives)}</span>}
+        </span>
+      </button>
+    </li>
+  );
+}

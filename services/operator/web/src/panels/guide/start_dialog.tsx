@@ -1,0 +1,91 @@
+import { useComputed } from "@preact/signals";
+import { useConsole } from "../../app/console";
+import { Modal } from "../../app/modal";
+import { count } from "../format";
+import { MethodText } from "./method_text";
+import { tourStateOf } from "./tour";
+import "./guide.css";
+
+/** How to start: all robots are stopped and nobody has control. */
+export function StartDialog() {
+  const { store, actions, tour } = useConsole();
+  const robots = store.robots.value;
+  const reported = useComputed(() => store.state.value.robots.size).value;
+  const guide = async () => {
+    actions.closeDialog();
+    const taken = await actions.takeControlNow(robots, "");
+    if (taken.accepted) await actions.resume(robots);
+  };
+  const watch = () => {
+    actions.closeDialog();
+    void actions.resume(robots);
+  };
+  const takeTour = () => {
+    void guide();
+    tour.begin(tourStateOf(store));
+  };
+  return (
+    <Modal title={readyText(robots.length, reported)}>
+      <p class="start-text">
+        <StartText robots={robots.length} />
+      </p>
+      <ul class="start">
+        <Choice
+          text="Guide the robots yourself"
+          detail="You take control of all robots."
+          main
+          act={() => void guide()}
+        />
+        <Choice
+          text="Take the tour"
+          detail="Guide the robots, with help for the first two minutes."
+          act={takeTour}
+        />
+        <Choice text="Watch" detail="The robots start. You only watch." act={watch} />
+      </ul>
+    </Modal>
+  );
+}
+
+/** `reported`: number of robots that have sent their state. */
+function readyText(robots: number, reported: number): string {
+  return reported < robots
+    ? `${reported} of ${count(robots, "robot")} ready`
+    : `${count(robots, "robot")} ready`;
+}
+
+function StartText({ robots }: { robots: number }) {
+  const { method = "" } = useConsole().store.state.value.session ?? {};
+  if (method === "" || method === "ig-mcts") {
+    return (
+      <>
+        Your map is partly wrong. The robots see the real maze and send you pictures. Correct the
+        map and draw paths to the goals ⚑.
+      </>
+    );
+  }
+  return (
+    <>
+      Your map is partly wrong. Correct it as you learn more.{" "}
+      <MethodText method={method} many={robots > 1} /> The run ends when all goals ⚑ are reached.
+    </>
+  );
+}
+
+interface ChoiceProps {
+  text: string;
+  detail: string;
+  main?: boolean;
+  act: () => void;
+}
+
+function Choice({ text, detail, main, act }: ChoiceProps) {
+  return (
+    <li>
+      <button type="button" class={main ? "main" : ""} onClick={act}>
+        <strong>{text}</strong>
+        <span>{detail}</span>
+      </button>
+    </li>
+  );
+}

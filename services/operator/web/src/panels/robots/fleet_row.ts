@@ -1,0 +1,94 @@
+import { CommandOutcome, type Robot } from "../../protocol/generated/console_pb";
+import type { ConsoleState } from "../../state/console_state";
+import { ageOf, type Freshness, freshnessOf } from "../../state/freshness";
+import { type Holder, holderOf, itemsOf, nameOf } from "../../state/selectors";
+import { isNotice, reasonText } from "../attention/queue_texts";
+
+/** What the fleet strip shows of a robot. */
+export interface FleetRow {
+  readonly name: string;
+  readonly freshness: Freshness | "no data yet";
+  /** s since its newest state. */
+  readonly age: number | undefined;
+  readonly goalsReached: number;
+  readonly goalsTotal: number;
+  readonly stopped: boolean;
+  /** Who stopped it and why; undefined = not stopped. */
+  readonly stop: string | undefined;
+  readonly holder: Holder;
+  /** Why it waits for the operator, and for how many s of the operator's time. */
+  readonly wait: { readonly why: string; readonly seconds: number } | undefined;
+  /** What it does now, in a word. */
+  readonly doing: string;
+}
+
+/** `linked`: whether the link is live. */
+export function fleetRow(
+  state: ConsoleState,
+  now: number | undefined,
+  linked: boolean,
+  name: string,
+): FleetRow {
+  const robot = state.robots.get(name);
+  const item = itemsOf(state, name).find(({ reason }) => !isNotice(reason));
+  return {
+    name,
+    freshness:
+      linked && robot === undefined ? "no data yet" : freshnessOf(robot?.heardAt, now, linked),
+    age: ageOf(robot?.heardAt, now),
+    goalsReached: (robot?.goalsTotal ?? 0) - (robot?.goalsLeft.length ?? 0),
+    goalsTotal: robot?.goalsTotal ?? 0,
+    stopped: state.controls.get(name)?.stopped ?? false,
+    stop: stopText(state, name),
+    holder: holderOf(state, name),
+    wait: item && {
+      why: reasonText(item.reason, state.session?.drives ?? false),
+      seconds: Math.max(0, (state.attention?.stamp ?? item.since) - item.since),
+    },
+    doing: doingText(robot),
+  };
+}
+
+function isDone({ goalsTotal, goalsLeft }: Robot): boolean {
+  return goalsTotal > 0 && goalsLeft.length === 0;
+}
+
+function stopText(state: ConsoleState, name: string): string | undefined {
+  const control = state.controls.get(name);
+  if (!control?.stopped) return undefined;
+  const by = control.stoppedBy === "" ? "" : ` by ${nameOf(state, control.stoppedBy)}`;
+  return `stopped${by}${control.stopReason === "" ? "" : `: ${control.stopReason}`}`;
+}
+
+function doingText(robot: Robot | undefined): string {
+  if (robot === undefined) return "";
+  if (isDone(robot)) return "✓ all goals reached";
+  switch (robot.outcome) {
+    case CommandOutcome.OUTCOME_RUNNING:
+      return "driving";
+    case CommandOutcome.OUTCOME_BLOCKED:
+      return "blocked by a wall";
+    case CommandOutcome.OUTCOME_OCCUPIED:
+      return "giving way";
+    case CommandOutcome.OUTCOME_REFUSED:
+      return "command refused";
+    case CommandOutcome.OUTCOME_EXPIRED:
+      return "command expired";
+    default:
+      return "idle";
+  }
+}
+
+/** Who has control. `recorded`: recordings do not contain it, because control is not on the bus. */
+export function controlText({ holder, name }: FleetRow, recorded: boolean): string {
+  switch (holder.kind) {
+    case "me":
+      return `You have control of ${name}`;
+    case "other":
+      return `${holder.name} has control of ${name}: ${holder.reason || "no reason given"}`;
+    default:
+      return recorded
+        ? `The recording does not say who had control of ${name}`
+        : `Nobody has control of ${name}`;
+  }
+}

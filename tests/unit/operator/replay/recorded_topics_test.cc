@@ -1,0 +1,137 @@
+#include "operator/replay/recorded_topics.h"
+
+#include <limits>
+
+#include "common/msg/convert.h"
+#include "support/temporary_folder.h"
+#include "unit/common/msg/samples.h"
+#include "unit/operator/replay/recorded_file.h"
+
+namespace conav::operators {
+namespace {
+
+RecordedRun MustRead(const std::filesystem::path& path) {
+  auto run = ReadRun(path);
+  INFO((run ? "" : run.error().text));
+  REQUIRE(run);
+  return *std::move(run);
+}
+
+/// Of the moment's kind; fails when it is of another one.
+template <class T>
+T ValueOf(const Moment& moment) {
+  const T* value = std::get_if<T>(&moment.heard);
+  REQUIRE(value != nullptr);
+  return *value;
+}
+
+struct Desk {
+  test::TemporaryFolder folder;
+  std::filesystem::path path = folder / "recording.mcap";
+};
+
+TEST_CASE("values come back as the bus carried them", "[operator][replay]") {
+  const Desk desk;
+  RecordedFile file(desk.path, {{"robots", "w1/r1 w2/r2"}, {"run", "a-run"}, {"method", "teleop"}});
+  RobotState state = samples::SampleState();
+  state.world = "w2";
+  Snapshot picture = samples::SampleSnapshot();
+  picture.streamed = false;
+  file.Write(bus::kInitialMap, "w1", 1.0, ToMessage(samples::SampleMap()));
+  file.Write(bus::kTruth, "w1", 2.0, ToMessage(samples::SampleMap()));
+  file.Write(bus::kBelief, "w2", 3.0, ToMessage(samples::SampleBelief()));
+  file.Write(bus::kRobotState, "r2", 4.0, ToMessage(state));
+  file.Write(bus::kSnapshot, "r1", 5.0, ToMessage(picture));
+  file.Write(bus::kRobotMap, "r1", 6.0, ToMessage(samples::SampleMap()));
+  file.Finish();
+  const RecordedRun run = MustRead(desk.path);
+  CHECK(run.warnings.empty());
+  CHECK(run.name == "a-run");
+  const Timeline& timeline = run.timeline;
+  CHECK(timeline.duration_s == Approx(5.0));
+  CHECK(timeline.session.robots_size() == 2);
+  CHECK(timeline.session.worlds_size() == 2);
+  CHECK(timeline.session.drives());
+  REQUIRE(timeline.moments.size() == 6);
+  CHECK(ValueOf<InitialMap>(timeline.moments[0]).map.cells == samples::SampleMap().cells);
+  CHECK(ValueOf<TrueMap>(timeline.moments[1]).world == "w1");
+  CHECK(ValueOf<ReceivedBelief>(timeline.moments[2]).belief == samples::SampleBelief());
+  CHECK(ValueOf<RobotState>(timeline.moments[3]) == state);
+  CHECK(ValueOf<Snapshot>(timeline.moments[4]) == picture);
+  CHECK(ValueOf<SeenMap>(timeline.moments[5]).robot == "r1");
+}
+
+TEST_CASE("topics of others, and messages that are none, are left out", "[operator][replay]") {
+  const Desk desk;
+  RecordedFile file(desk.path);
+  file.Write(bus::kRobotState, "r9", 1.0, ToMessage(samples::SampleState()));
+  file.WriteBytes("/r1/state", 1.0, {0, 1, 0, 0, 9});
+  conav_msgs::msg::RobotState lost = ToMessage(samples::SampleState());
+  lost.heading(std::numeric_limits<double>::quiet_NaN());
+  file.Write(bus::kRobotState, "r1", 2.0, lost);
+  file.Write(bus::kRobotState, "r1", 3.0, ToMessage(samples::SampleState()));
+  file.Finish();
+  const RecordedRun run = MustRead(desk.path);
+  CHECK(run.timeline.moments.size() == 1);
+  REQUIRE(run.warnings.size() == 1);
+  CHECK_THAT(run.warnings[0], Catch::Contains("2 messages were left out"));
+}
+
+TEST_CASE("health, frames, plans and requests are taken up", "[operator][replay]") {
+  const Desk desk;
+  RecordedFile file(desk.path);
+  diagnostic_msgs::msg::DiagnosticStatus status;
+  status.hardware_id("sim");
+  status.level(1);
+  status.message("slow");
+  diagnostic_msgs::msg::DiagnosticArray health;
+  health.status({status, diagnostic_msgs::msg::DiagnosticStatus()});  // the second is not ours
+  file.Write(bus::kDiagnostics, "", 1.0, health);
+  sensor_msgs::msg::CompressedImage image;
+  image.data({1, 2, 3});
+  file.Write(bus::kCameraImage, "r1", 2.0, image);
+  file.Write(bus::kInitialMap, "w1", 3.0, ToMessage(samples::SampleMap()));
+  RobotState state = samples::SampleState();
+  state.robot = "r1";
+  state.stamp = {};
+  file.Write(bus::kRobotState, "r1", 4.0, ToMessage(state));
+  file.Write(bus::kPlan, "r1", 5.0, ToPathMessage({}, std::vector<Cell>{{1, 1}}, {2, 3, 2.5}));
+  file.Write(bus::kOperatorRequest, "", 6.0, ToMessage(samples::SampleGuide()));
+  OperatorReply reply = samples::SampleReply();
+  reply.request_id = samples::SampleGuide().request_id;
+  reply.accepted = false;
+  file.Write(bus::kOperatorReply, "", 7.0, ToMessage(reply));
+  file.Finish();
+  const Timeline timeline = MustRead(desk.path).timeline;
+  REQUIRE(timeline.moments.size() == 6);
+  CHECK(ValueOf<ServiceHealth>(timeline.moments[0]) ==
+        ServiceHealth{"sim", console::LEVEL_WARNING, "slow"});
+  CHECK(ValueOf<StreamFrame>(timeline.moments[1]).jpeg == std::vector<std::uint8_t>{1, 2, 3});
+  CHECK(ValueOf<PlannedPath>(timeline.moments[4]).cells == std::vector<Cell>{{1, 1}});
+  CHECK(ValueOf<console::Event>(timeline.moments[5]).kind() == console::EVENT_REFUSED);
+}
+
+TEST_CASE("a file that was cut off is read as far as it goes, and says so", "[operator][replay]") {
+  const Desk desk;
+  RecordedFile file(desk.path);
+  file.Write(bus::kRobotState, "r1", 1.0, ToMessage(samples::SampleState()));
+  file.Finish();
+  std::filesystem::resize_file(desk.path, std::filesystem::file_size(desk.path) - 1);
+  const RecordedRun run = MustRead(desk.path);
+  CHECK(run.timeline.moments.size() == 1);
+  REQUIRE(run.warnings.size() == 1);
+  CHECK_THAT(run.warnings[0], Catch::Contains("was not finished"));
+}
+
+TEST_CASE("what cannot be played is named", "[operator][replay]") {
+  const Desk desk;
+  CHECK_THAT(ReadRun(desk.path).error().text, Catch::Contains("recording.mcap"));
+  RecordedFile(desk.path, {{"run", "a-run"}}).Finish();
+  CHECK_THAT(ReadRun(desk.path).error().text, Catch::Contains("not a recording of conav's"));
+  const auto empty = desk.folder / "empty.mcap";
+  RecordedFile(empty).Finish();
+  CHECK_THAT(ReadRun(empty).error().text, Catch::Contains("nothing of these robots"));
+}
+
+}  // namespace
+}  // namespace conav::operators
