@@ -210,7 +210,7 @@ void AddOptions(CLI::App& app, conav::study::StudyOptions& options) {
       ->check(conav::WholeNumber())
       ->capture_default_str();
   options.jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  app.add_option("--jobs", options.jobs, "Episodes at once")->capture_default_str();
+  app.add_option("--jobs", options.jobs, "Episodes at once [one per core]");
   app.add_option("--camera", options.camera, "egl renders pictures; none sends them without pixels")
       ->capture_default_str();
   app.add_option(

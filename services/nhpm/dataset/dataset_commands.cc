@@ -399,9 +399,10 @@ void AddOptions(CLI::App& command, SynthesizeArguments& arguments) {
   command
       .add_option("--preset", options.task.preset, "of the mazes; ./conav maze --help lists them")
       ->capture_default_str();
-  command.add_option("--threads", options.threads, "changes nothing but the time")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
+  command
+      .add_option("--threads", options.threads,
+                  "threads [one per core]; the result is the same on any number")
+      ->check(CLI::Range(1, 1024));
   command.add_option("--out", arguments.out, "segment file; folders that are missing are made")
       ->capture_default_str();
   command.add_option("--json", arguments.json,

@@ -165,8 +165,8 @@ void AddModelFlags(CLI::App& app, EvaluateArguments& arguments) {
                "One more row: the mean over synthetic annotators, the best that a model can do "
                "which does not know who looked");
   arguments.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  app.add_option("--threads", arguments.threads, "The result is the same on any number")
-      ->capture_default_str()
+  app.add_option("--threads", arguments.threads,
+                 "Threads [one per core]; the result is the same on any number")
       ->check(CLI::Range(1, 256));
 }
 

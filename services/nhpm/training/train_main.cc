@@ -84,8 +84,8 @@ void AddFileFlags(CLI::App& app, Flags& flags) {
   app.add_flag("--overwrite", train.overwrite,
                "Replace weights of another training that OUT holds");
   train.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  app.add_option("--threads", train.threads, "The result is the same on any number")
-      ->capture_default_str()
+  app.add_option("--threads", train.threads,
+                 "Threads [one per core]; the result is the same on any number")
       ->check(CLI::Range(1, 256));
 }
 

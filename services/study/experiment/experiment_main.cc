@@ -85,12 +85,11 @@ void AddExperimentOptions(CLI::App& app, const std::vector<std::string>& operato
       ->capture_default_str();
   app.add_option("--weights", options.weights, "Of nhpm (the ones that come with conav)");
   experiment.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  app.add_option(
-         "--jobs", experiment.threads,
-         "Episodes at once; changes no result but the times, and what a variant with a time "
-         "budget gets done in it")
-      ->check(CLI::Range(1, 256))
-      ->capture_default_str();
+  app.add_option("--jobs", experiment.threads,
+                 "Episodes at once [one per core]; changes no result but the times, and what a "
+                 "variant with "
+                 "a time budget gets done in it")
+      ->check(CLI::Range(1, 256));
   app.add_option("--json", options.json, "Write the summary to this file");
   app.add_option("--csv", options.csv, "Write a line per episode to this file");
 }

@@ -151,8 +151,6 @@ int main(int argc, char** argv) {
   app.add_option("--examples", options.examples, "Examples of an epoch")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000000));
-  app.add_option("--threads", options.threads, "Threads")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 256));
+  app.add_option("--threads", options.threads, "Threads [one per core]")->check(CLI::Range(1, 256));
   return conav::bench::RunBenchmark(app, argc, argv, [&] { conav::bench::Run(options); });
 }
