@@ -8,7 +8,6 @@
 #include "nhpm/model/load_model.h"
 #include "planner/methods/make_method.h"
 #include "planner/perception/cached_model.h"
-#include "planner/perception/embedded_model.h"
 #include "planner/perception/fallback_model.h"
 #include "planner/perception/remote_model.h"
 
@@ -66,12 +65,12 @@ void ReportSwitch(const std::string& world, const std::string& model,
 }
 
 std::shared_ptr<PerceptionModel> MakeEmbedded(const PlannerConfig& config) {
-  auto model = nhpm::LoadEditModel(config.perception_model, config.weights, {});
+  auto model = nhpm::LoadPerceptionModel(config.perception_model, config.weights, {});
   if (!model) throw StartupError("planner.weights: " + model.error().text);
-  const nhpm::ModelIdentity& identity = (*model)->identity();
+  const ModelIdentity identity = (*model)->identity();
   LOG_INFO("perception model loaded", "model", identity.name, "version", identity.version,
            "checksum", identity.checksum);
-  return std::make_shared<EmbeddedPerceptionModel>(*std::move(model));
+  return *std::move(model);
 }
 
 std::shared_ptr<PerceptionModel> MakeRemote(bus::Participant& participant,
@@ -92,14 +91,14 @@ PerceptionSetup::PerceptionSetup(bus::Participant& participant, const PlannerCon
       needs_fallback_(config.perception == "remote" || config.perception_model != kGlpfModel),
       primary_(config.perception == "remote" ? MakeRemote(participant, config)
                                              : MakeEmbedded(config)),
-      glpf_(std::make_shared<EmbeddedPerceptionModel>()) {}
+      glpf_(std::make_shared<nhpm::Glpf>()) {}
 
 std::shared_ptr<PerceptionModel> PerceptionSetup::ForWorld(const std::string& world) const {
   if (!needs_fallback_) return primary_;
   return std::make_shared<FallbackPerceptionModel>(
       std::make_shared<CachedPerceptionModel>(primary_), glpf_, FallbackPerceptionModel::Options{},
       clock_, [world, primary = primary_](const std::optional<Error>& why) {
-        ReportSwitch(world, primary->name(), why);
+        ReportSwitch(world, primary->identity().name, why);
       });
 }
 

@@ -82,7 +82,7 @@ std::size_t SegmentCount(const SegmentSet& set);
 /// All segments, trajectory by trajectory, without copying; valid as long as `set` is not changed.
 std::vector<const Segment*> AllSegments(const SegmentSet& set);
 
-/// Their queries, as EditModel::Predict takes them.
+/// Their queries, as PerceptionModel::Predict takes them.
 std::vector<PerceptionQuery> Queries(const SegmentSet& set);
 
 /// Who made the edits: "people", "simulated", "synthetic", or several joined by "+", in this order;

@@ -4,10 +4,10 @@
 #include <memory>
 #include <string>
 
+#include "common/msg/perception_model.h"
 #include "planner/decision/method.h"
 #include "planner/methods/method_config.h"
 #include "planner/methods/operator_model.h"
-#include "planner/search/perception_model.h"
 
 namespace conav::planner {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "nhpm/model/edit_model.h"
+#include "common/msg/perception_model.h"
 #include "planner/methods/method_config.h"
 #include "study/experiment/episode.h"
 
@@ -92,7 +92,7 @@ using EpisodeListener = std::function<void(std::size_t done, std::size_t of)>;
 /// All episodes, ordered by variant, operator, seed. `model` predicts the operator's edits for all.
 /// Errors: those of MakeWorldSpec.
 [[nodiscard]] Result<std::vector<ExperimentEpisode>> RunSearchExperiment(
-    const SearchExperiment& experiment, std::shared_ptr<const nhpm::EditModel> model,
+    const SearchExperiment& experiment, std::shared_ptr<PerceptionModel> model,
     const EpisodeListener& listener = nullptr);
 
 /// In the order of the episodes.

@@ -13,7 +13,7 @@
 #include "common/grid/visibility.h"
 #include "planner/decision/robot_worker.h"
 #include "planner/methods/make_method.h"
-#include "planner/search/perception_model.h"
+#include "common/msg/perception_model.h"
 #include "unit/planner/search/text_map.h"
 
 namespace conav::planner {

@@ -2,8 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "common/msg/perception_model.h"
 #include "planner/methods/make_method.h"
-#include "planner/search/perception_model.h"
 
 namespace conav::planner {
 namespace {

@@ -168,7 +168,7 @@ TEST_CASE("what is written of a sweep names its policies and where the figures c
   search.options.iterations = 50;
   const TradeoffSweep sweep = MakeTradeoffSweep(search, experiment);
   const auto episodes =
-      RunSearchExperiment(sweep.experiment, std::make_shared<const nhpm::Glpf>()).value();
+      RunSearchExperiment(sweep.experiment, std::make_shared<nhpm::Glpf>()).value();
   const auto rows = AnalyseTradeoff(sweep, episodes, 20);
   CHECK(rows.size() == 2 * sweep.points.size());
   const std::string table = TradeoffTable(sweep, rows);
