@@ -153,13 +153,14 @@ PlannerService::PlannerService(bus::Participant& participant, const PlannerConfi
       leases_(participant, config, WorldOfRobot("planner", config.robots), board_, clock),
       diagnostics_(participant, clock) {
   if (!config.decision_file.empty()) recording_.emplace(config.decision_file);
+  const MethodKind method_kind = ParseMethod(config.method).value();
   std::map<std::string, PerceptionOfWorld> worlds;
   for (const auto& [robot, world] : WorldOfRobot("planner", config.robots)) {
     PerceptionOfWorld& in_world = worlds[world];
     if (!in_world.model) in_world = MakePerceptionOfWorld(world);
     links_.push_back(std::make_unique<Link>(participant, robot));
     const std::uint64_t seed = DeriveSeed(config.seed, links_.size());
-    auto method = MakeMethod(config.method, robot, {config.search, config.communication}, seed,
+    auto method = MakeMethod(method_kind, {config.search, config.communication}, seed,
                              in_world.model, in_world.estimate, clock);
     RobotWorker::Options options{
         .robot = robot,
@@ -175,7 +176,7 @@ PlannerService::PlannerService(bus::Participant& participant, const PlannerConfi
   for (const auto& [world, perception] : worlds) {
     beliefs_.push_back(std::make_unique<bus::Subscriber<conav_msgs::msg::BeliefMap>>(
         participant, bus::kBelief, world));
-    if (config.method == kMappingMethod) {
+    if (method_kind == MethodKind::kMapping) {
       truths_.try_emplace(world, participant, bus::kTruth, world);
     }
   }
@@ -204,12 +205,12 @@ RobotWorker::Outputs PlannerService::OutputsOf(Link& link) {
           [&link](const AttentionRequest& request) {
             bus::Send(link.attention, ToMessage(request));
           },
-      .way =
-          [&link](const RobotState& state, const MapUpdate& map, const std::vector<Cell>& way) {
+      .plan =
+          [&link](const RobotState& state, const MapUpdate& map, const std::vector<Cell>& plan) {
             const GridGeometry geometry{map.cells.rows(), map.cells.columns(), map.cell_size_m};
-            bus::Send(link.plan, ToPathMessage(state.stamp, way, geometry));
+            bus::Send(link.plan, ToPathMessage(state.stamp, plan, geometry));
           },
-      .wants = [this](const IntendedPath& way) { leases_.PublishIntendedPath(way); },
+      .intended_path = [this](const IntendedPath& path) { leases_.PublishIntendedPath(path); },
       .decided = {},
   };
   if (recording_) {

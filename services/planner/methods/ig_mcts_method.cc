@@ -159,7 +159,7 @@ bool IgMctsMethod::WaitsForRoom(const Situation& situation) {
   return clock_.Now() - *waiting_since_ < kPatience;
 }
 
-std::vector<Cell> IgMctsMethod::WayFor(const Situation& situation) {
+std::vector<Cell> IgMctsMethod::IntendedPathFor(const Situation& situation) {
   return DesiredPath(situation);
 }
 

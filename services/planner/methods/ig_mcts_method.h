@@ -112,7 +112,7 @@ class IgMctsMethod final : public Method {
                std::unique_ptr<CommunicationPolicy> policy = nullptr);
 
   Decision Decide(const Situation& situation, const StopToken& stop) override;
-  std::vector<Cell> WayFor(const Situation& situation) override;
+  std::vector<Cell> IntendedPathFor(const Situation& situation) override;
   AwaitedInput awaits() const override { return AwaitedInput::kAnswers; }
 
  private:

@@ -66,9 +66,6 @@ struct SearchConfig {
   }
 };
 
-/// The method of the mapping task, the only one that receives the true map.
-inline constexpr const char* kMappingMethod = "mapping";
-
 /// How method ig-mcts is set up; the others need nothing.
 struct MethodConfig {
   SearchConfig search;

@@ -46,7 +46,10 @@ struct VariantKeys {
   SearchVariant& variant;
 
   void Visit(ConfigReader& reader) {
-    reader.Choice("method", variant.method, {"ig-mcts", "greedy"});
+    std::string method(Name(variant.method));
+    reader.Choice("method", method,
+                  {std::string(Name(MethodKind::kIgMcts)), std::string(Name(MethodKind::kGreedy))});
+    variant.method = ParseMethod(method).value_or(variant.method);
     reader.Section("communication", variant.communication);
     variant.config.Visit(reader);
   }
@@ -107,7 +110,7 @@ EpisodeResult Play(const sim::WorldSpec& world, const SearchVariant& variant,
                    const std::string& person, std::uint64_t seed,
                    const std::shared_ptr<PerceptionModel>& model) {
   const SteadyClock clock;
-  const auto method = MakeMethod(variant.method, "r1", {variant.config, variant.communication},
+  const auto method = MakeMethod(variant.method, {variant.config, variant.communication},
                                  DeriveSeed(seed, kSearchSeed),
                                  std::make_shared<CachedPerceptionModel>(model), nullptr, clock);
   return RunEpisode(world, *method, operators::ParametersOfKind(person),

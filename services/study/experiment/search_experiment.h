@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "common/msg/method.h"
 #include "common/msg/perception_model.h"
 #include "planner/methods/method_config.h"
 #include "study/experiment/episode.h"
@@ -32,7 +33,7 @@ struct SearchVariant {
   std::string name;
   SearchConfig config;
   CommunicationConfig communication;
-  std::string method = "ig-mcts";  // or "greedy"
+  MethodKind method = MethodKind::kIgMcts;  // or kGreedy
 };
 
 /// Reads a YAML map `search_variants: {NAME: {keys of planner.search}, ...}`, in the order of the

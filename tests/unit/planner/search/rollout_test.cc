@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/msg/perception_model.h"
+#include "planner/search/paper_preset.h"
 #include "unit/planner/search/text_map.h"
 
 namespace conav::planner {

@@ -48,7 +48,7 @@ TEST_CASE("a variant may say who decides on pictures, and be greedy", "[planner]
   CHECK(variants[0].communication.policy == "every");
   CHECK(variants[0].communication.every_moves == 3);
   CHECK(variants[0].config.options.iterations == 7);
-  CHECK(variants[1].method == "greedy");
+  CHECK(variants[1].method == MethodKind::kGreedy);
   CHECK(variants[1].communication.policy == "search");
   CHECK_THROWS_WITH(
       ReadSearchVariants(Write(folder, "search_variants: {a: {communication: {policy: loud}}}\n")),

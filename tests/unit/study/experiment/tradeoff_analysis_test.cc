@@ -153,7 +153,8 @@ TEST_CASE("a sweep has a point per cost and policy, each within the same search"
     const SearchVariant& variant = sweep.experiment.variants[i];
     policies.insert(sweep.points[i].policy);
     CHECK(variant.config.options.iterations == 77);
-    CHECK((variant.method == "greedy" || variant.communication.policy == sweep.points[i].policy));
+    CHECK((variant.method == MethodKind::kGreedy ||
+           variant.communication.policy == sweep.points[i].policy));
   }
   CHECK(policies == std::set<std::string>{"every", "greedy", "never", "random", "search",
                                           "threshold", "when_blocked"});
