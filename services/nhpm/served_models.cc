@@ -45,7 +45,7 @@ std::optional<ServedModels::Stamp> ServedModels::StampOf(const fs::path& file) {
 Result<void> ServedModels::Load(Source& source) {
   source.tried = true;
   source.seen = StampOf(source.file);
-  auto model = LoadEditModel(source.model, source.file, glpf_);
+  auto model = LoadPerceptionModel(source.model, source.file, glpf_);
   if (!model) return tl::unexpected(model.error());
   source.loaded = *std::move(model);
   return {};
@@ -106,7 +106,7 @@ void ServedModels::Publish() {
   }
 }
 
-std::shared_ptr<const EditModel> ServedModels::For(const std::string& person) const {
+std::shared_ptr<PerceptionModel> ServedModels::For(const std::string& person) const {
   const std::lock_guard lock(mutex_);
   const auto found = model_of_person_.find(person);
   return found == model_of_person_.end() ? model_ : found->second;

@@ -9,8 +9,8 @@
 #include <string>
 #include <system_error>
 
+#include "common/msg/perception_model.h"
 #include "nhpm/config.h"
-#include "nhpm/model/edit_model.h"
 
 namespace conav::nhpm {
 
@@ -32,7 +32,7 @@ class ServedModels {
   void Refresh();
 
   /// The model of that person; of everybody for an empty or unknown name.
-  std::shared_ptr<const EditModel> For(const std::string& person) const;
+  std::shared_ptr<PerceptionModel> For(const std::string& person) const;
   std::size_t persons() const;
 
  private:
@@ -49,7 +49,7 @@ class ServedModels {
     std::filesystem::path file;
     bool tried = false;
     std::optional<Stamp> seen;  // of the last try
-    std::shared_ptr<const EditModel> loaded;
+    std::shared_ptr<PerceptionModel> loaded;
   };
 
   static std::optional<Stamp> StampOf(const std::filesystem::path& file);
@@ -64,8 +64,8 @@ class ServedModels {
   std::map<std::string, Source> persons_;
   std::error_code folder_error_;  // of the last look
   mutable std::mutex mutex_;      // guards all below
-  std::shared_ptr<const EditModel> model_;
-  std::map<std::string, std::shared_ptr<const EditModel>> model_of_person_;
+  std::shared_ptr<PerceptionModel> model_;
+  std::map<std::string, std::shared_ptr<PerceptionModel>> model_of_person_;
 };
 
 }  // namespace conav::nhpm

@@ -9,7 +9,7 @@
 /// Domain values of a planner's search report; see idl/conav_planning.idl.
 namespace conav {
 
-/// The terms of a return, each discounted like the return: Sum() is the return.
+/// The terms of a reward, or of a return, each discounted like it: Sum() is the reward.
 /// Source: paper, appendix C; `progress` is our addition.
 struct RewardTerms {
   double goals = 0.0;          // r_g of goals reached
@@ -20,8 +20,9 @@ struct RewardTerms {
   double information = 0.0;    // R_info
   double communication = 0.0;  // -c
 
+  /// In this order the search has always added them: the same seed gives the same decisions.
   double Sum() const {
-    return goals + steps + progress + guidance + smoothness + information + communication;
+    return goals + steps + guidance + smoothness + progress + information + communication;
   }
   RewardTerms& operator+=(const RewardTerms& other) {
     goals += other.goals;
@@ -50,13 +51,13 @@ struct SearchAction {
   double mean_value = 0.0;
   double information_gain = 0.0;
   double feasibility = 1.0;
-  RewardTerms terms;  // means over the visits; they add up to mean_value if the report has terms
+  RewardTerms terms;  // means over the visits; add up to mean_value where the report has terms
   bool operator==(const SearchAction&) const = default;
 };
 
 /// A node of the search's tree and the action that leads to it.
 struct ReportedNode {
-  int parent = -1;  // index into SearchReport::tree, below its own; -1 = the root
+  int parent = -1;  // index into SearchReport::tree, below the own one; -1 = the root
   CommandKind kind = CommandKind::kMove;
   Cell target;               // cell that a move enters, or that a picture is sent from
   double heading_rad = 0.0;  // of a picture
@@ -66,16 +67,16 @@ struct ReportedNode {
   bool operator==(const ReportedNode&) const = default;
 };
 
-/// A picture that the search asked the perception model about, on any path.
+/// A picture that the search asked the perception model about, on whatever path.
 struct ReportedView {
   Cell cell;
   double heading_rad = 0.0;
-  /// Expected number of edited cells; the largest over the paths of its queries.
+  /// Expected number of cells edited; the largest over the paths on which it was asked.
   double information_gain = 0.0;
   bool operator==(const ReportedView&) const = default;
 };
 
-/// Bound of a report: limits it to about 28 kB.
+/// Bounds of a report, so that its size has one: about 28 kB.
 inline constexpr std::size_t kMaxReportedNodes = 256;
 inline constexpr std::size_t kMaxReportedViews = 512;
 
@@ -91,7 +92,7 @@ struct SearchReport {
   std::vector<SearchAction> actions;
   int chosen = -1;  // index into actions; -1 = wait
   bool has_terms = false;
-  /// The most visited nodes, the root first; empty unless requested.
+  /// The most visited nodes, the root first; empty unless asked for.
   std::vector<ReportedNode> tree;
   std::vector<ReportedView> views;
   std::uint32_t iterations = 0;

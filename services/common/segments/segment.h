@@ -82,7 +82,7 @@ std::size_t SegmentCount(const SegmentSet& set);
 /// All segments, trajectory by trajectory, without copying; valid while `set` does not change.
 std::vector<const Segment*> AllSegments(const SegmentSet& set);
 
-/// Their queries, in the form that a perception model's Predict takes.
+/// Their queries, as PerceptionModel::Predict takes them.
 std::vector<PerceptionQuery> Queries(const SegmentSet& set);
 
 /// The origins of a set for reports and weights files: "people", "simulated", "synthetic", or

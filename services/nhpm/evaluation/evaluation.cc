@@ -47,7 +47,7 @@ std::string Describe(const GlpfVariant& variant) {
 }
 
 /// The model's answers to the train part, paired with what people did.
-Result<Outcomes> OnTrain(const EditModel& model, const EvaluationData& data) {
+Result<Outcomes> OnTrain(PerceptionModel& model, const EvaluationData& data) {
   return AskModel(model, data.train, {})
       .and_then(
           [&](const std::vector<PerceptionAnswer>& answers) { return Pair(data.train, answers); });
@@ -55,7 +55,7 @@ Result<Outcomes> OnTrain(const EditModel& model, const EvaluationData& data) {
 
 }  // namespace
 
-Result<std::vector<PerceptionAnswer>> AskModel(const EditModel& model, const SegmentSet& segments,
+Result<std::vector<PerceptionAnswer>> AskModel(PerceptionModel& model, const SegmentSet& segments,
                                                const EvaluationProgress& progress) {
   const std::vector<PerceptionQuery> queries = Queries(segments);
   std::vector<PerceptionAnswer> answers;
@@ -84,7 +84,7 @@ Result<ModelRow> EvaluateAnswers(const RowLabel& label, const ModelIdentity& ide
                   .answers = std::move(answers)};
 }
 
-Result<ModelRow> EvaluateModel(const RowLabel& label, const EditModel& model,
+Result<ModelRow> EvaluateModel(const RowLabel& label, PerceptionModel& model,
                                const EvaluationData& data, const EvaluationProgress& progress) {
   auto answers = AskModel(model, data.test, progress);
   if (!answers) return tl::unexpected(answers.error());
@@ -101,7 +101,7 @@ Result<ModelRow> EvaluateModel(const RowLabel& label, const EditModel& model,
 Result<ModelRow> EvaluateGlpfTrain(const EvaluationData& data, const GlpfFitOptions& options) {
   DEMAND(!data.train.trajectories.empty());
   const GlpfFit fit = FitGlpf(CountStimuli(AllSegments(data.train)), options);
-  const Glpf model(fit.best.parameters);
+  Glpf model(fit.best.parameters);
   auto row = EvaluateModel({"glpf_train", "GLPF-Train", Describe(fit.best)}, model, data);
   if (!row) return row;
   row->test.best = *row->at_train_boundary;
@@ -113,7 +113,7 @@ Result<ModelRow> EvaluateGlpfTrain(const EvaluationData& data, const GlpfFitOpti
 
 Result<ModelRow> EvaluateGlpfTest(const EvaluationData& data, const GlpfFitOptions& options) {
   const GlpfFit fit = FitGlpf(CountStimuli(AllSegments(data.test)), options);
-  const Glpf model(fit.best.parameters);
+  Glpf model(fit.best.parameters);
   return AskModel(model, data.test, {}).and_then([&](const std::vector<PerceptionAnswer>& answers) {
     return EvaluateAnswers({"glpf_test", "GLPF-Test", Describe(fit.best)}, model.identity(),
                            answers, data);

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "common/msg/perception_model.h"
 #include "common/segments/segment.h"
 #include "nhpm/evaluation/glpf_fit.h"
 #include "nhpm/evaluation/metrics.h"
-#include "nhpm/model/edit_model.h"
 
 /// Table 1 of the paper: models of how people edit their map, one row each.
 namespace conav::nhpm {
@@ -64,13 +64,13 @@ using EvaluationProgress = std::function<void(std::size_t done, std::size_t tota
 
 /// Asks `model` about all segments, in batches.
 /// Errors: those of Predict.
-[[nodiscard]] Result<std::vector<PerceptionAnswer>> AskModel(const EditModel& model,
+[[nodiscard]] Result<std::vector<PerceptionAnswer>> AskModel(PerceptionModel& model,
                                                              const SegmentSet& segments,
                                                              const EvaluationProgress& progress);
 
 /// The row of a model, asked about both parts of the data; boundary ideal on the test part.
 /// Errors: those of Predict and PairOutcomes.
-[[nodiscard]] Result<ModelRow> EvaluateModel(const RowLabel& label, const EditModel& model,
+[[nodiscard]] Result<ModelRow> EvaluateModel(const RowLabel& label, PerceptionModel& model,
                                              const EvaluationData& data,
                                              const EvaluationProgress& progress = {});
 

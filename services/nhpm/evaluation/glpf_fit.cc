@@ -171,7 +171,7 @@ GlpfStatistics CountStimuli(std::span<const Segment* const> segments) {
 double GlpfLoss(const GlpfStatistics& statistics, const GlpfParameters& parameters) {
   const double outputs = statistics.outputs();
   if (outputs == 0.0) return 0.0;
-  const Glpf model(parameters);
+  Glpf model(parameters);
   const auto response_at = [&](int squared_distance) {
     return model.Response(model.Stimulus(std::sqrt(static_cast<double>(squared_distance))));
   };

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 
+#include "common/msg/method.h"
 #include "common/runtime/random.h"
 #include "common/runtime/text.h"
 #include "launcher/demo_plan.h"
@@ -82,7 +83,7 @@ Result<std::vector<std::string>> MethodsInOrder(const std::vector<std::string>& 
 }
 
 std::string MethodOf(const TaskOptions& options, int number) {
-  if (!options.is_study()) return planner::kMappingMethod;
+  if (!options.is_study()) return std::string(Name(MethodKind::kMapping));
   return options.methods.at(static_cast<std::size_t>(number) - 1);
 }
 

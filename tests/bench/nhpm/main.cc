@@ -94,7 +94,7 @@ class Benchmark {
 
   /// Throws unless what is computed incrementally has the bits of whole passes.
   void RequireSameBits() {
-    const nhpm::PerceptionNetwork network(model_, options_.set);
+    nhpm::PerceptionNetwork network(model_, options_.set);
     for (const auto& batch : batches_) {
       const auto answers = network.Predict(batch);
       for (std::size_t i = 0; i < batch.size(); ++i) {
@@ -142,7 +142,7 @@ class Benchmark {
   }
 
   void AnswerIncrementally() {
-    const nhpm::PerceptionNetwork network(model_, options_.set);
+    nhpm::PerceptionNetwork network(model_, options_.set);
     for (const auto& batch : batches_) {
       const auto answers = network.Predict(batch);
       for (const PerceptionAnswer& answer : *answers) kept_ += ExpectedEdits(answer);

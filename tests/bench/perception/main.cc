@@ -10,7 +10,6 @@
 #include "bench/support/bench_program.h"
 #include "bench/support/measure.h"
 #include "nhpm/model/load_model.h"
-#include "planner/perception/embedded_model.h"
 #include "support/test_weights.h"
 
 namespace conav::bench {
@@ -59,11 +58,11 @@ void Run(const Options& options) {
   const std::filesystem::path weights = std::filesystem::absolute(
       options.weights.empty() ? folder.Write("untrained", test::UntrainedNetwork(1, 0, 0, 32))
                               : options.weights);
-  auto loaded = nhpm::LoadEditModel("nhpm", weights, {});
+  auto loaded = nhpm::LoadPerceptionModel("nhpm", weights, {});
   if (!loaded) throw StartupError(loaded.error().text);
   const std::string model =
       fmt::format("{} {}", (*loaded)->identity().name, (*loaded)->identity().version);
-  planner::EmbeddedPerceptionModel embedded(*std::move(loaded));
+  PerceptionModel& embedded = **loaded;
   ServedNetwork cyclone("cyclonedds", weights, folder.path());
   ServedNetwork fast("fastdds", weights, folder.path());
   const Asked models[] = {

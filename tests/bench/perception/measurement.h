@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "planner/search/perception_model.h"
+#include "common/msg/perception_model.h"
 
 namespace conav::bench {
 
 /// One way of asking: in this process, or a service on a DDS vendor.
 struct Asked {
   std::string name;  // "embedded", "cyclonedds", "fastdds"
-  planner::PerceptionModel& model;
+  PerceptionModel& model;
 };
 
 /// Median wall time of a call, for each repetition, of one way and one size of batch.

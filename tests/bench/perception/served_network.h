@@ -19,7 +19,7 @@ class ServedNetwork {
                 const std::filesystem::path& folder);
 
   const std::string& vendor() const { return vendor_; }
-  planner::PerceptionModel& model() { return model_; }
+  PerceptionModel& model() { return model_; }
 
  private:
   std::string vendor_;

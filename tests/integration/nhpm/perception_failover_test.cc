@@ -2,7 +2,7 @@
 #include <optional>
 
 #include "conformance/perception_model_conformance.h"
-#include "planner/perception/embedded_model.h"
+#include "nhpm/model/glpf.h"
 #include "planner/perception/fallback_model.h"
 #include "planner/perception/remote_model.h"
 #include "support/dds_participant.h"
@@ -22,7 +22,7 @@ struct PlannerSide {
       : participant(make("planner")),
         remote(std::make_shared<RemotePerceptionModel>(
             *participant, RemotePerceptionModel::Options{.timeout = timeout})),
-        model(remote, std::make_shared<EmbeddedPerceptionModel>(),
+        model(remote, std::make_shared<nhpm::Glpf>(),
               {.first_pause = milliseconds(20), .longest_pause = milliseconds(50)}, clock,
               [this](const std::optional<Error>& why) {
                 switches.push_back(why ? why->text : "back");
@@ -39,12 +39,12 @@ struct PlannerSide {
     do {
       REQUIRE(std::chrono::steady_clock::now() < deadline);
       REQUIRE(AnswersRight());
-    } while (model.name() != name);
+    } while (model.identity().name != name);
   }
 
   SteadyClock clock;
   std::vector<PerceptionQuery> queries = conformance::MakeQueries(8);
-  std::vector<PerceptionAnswer> expected = *EmbeddedPerceptionModel().Predict(queries);
+  std::vector<PerceptionAnswer> expected = *nhpm::Glpf().Predict(queries);
   std::vector<std::string> switches;
   std::unique_ptr<bus::Participant> participant;
   std::shared_ptr<RemotePerceptionModel> remote;

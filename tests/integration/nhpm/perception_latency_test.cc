@@ -5,7 +5,7 @@
 #include <iostream>
 
 #include "conformance/perception_model_conformance.h"
-#include "planner/perception/embedded_model.h"
+#include "nhpm/model/glpf.h"
 #include "planner/perception/remote_model.h"
 #include "support/dds_participant.h"
 #include "support/nhpm_process.h"
@@ -38,7 +38,7 @@ TEST_CASE("Latency of remote queries", "[.][latency]") {
     const test::NhpmProcess service(vendor);
     const auto participant = test::OverDds(vendor)("planner");
     RemotePerceptionModel remote(*participant, {.timeout = std::chrono::seconds(60)});
-    EmbeddedPerceptionModel embedded;
+    nhpm::Glpf embedded;
     Measure(remote, queries, 200);  // discovery, warm caches
     for (const std::size_t size : {std::size_t{1}, queries.size()}) {
       const auto batch = std::span(queries).first(size);

@@ -4,7 +4,7 @@
 
 #include "conformance/perception_model_conformance.h"
 #include "nhpm/model/perception_network.h"
-#include "planner/perception/embedded_model.h"
+#include "nhpm/model/glpf.h"
 #include "planner/perception/remote_model.h"
 #include "support/dds_participant.h"
 #include "support/nhpm_on_thread.h"
@@ -30,7 +30,7 @@ struct Asker {
 /// `planners` ask at the same time; returns how many answers were not those of the GLPF.
 int WrongAnswers(const test::MakeParticipant& make, int planners, int requests) {
   const auto queries = MakeQueries(8);
-  const auto expected = *EmbeddedPerceptionModel().Predict(queries);
+  const auto expected = *nhpm::Glpf().Predict(queries);
   std::atomic<int> wrong{0};
   std::vector<std::thread> threads;
   for (int i = 0; i < planners; ++i) {

@@ -12,7 +12,7 @@
 namespace conav::nhpm {
 
 /// Promises the same everywhere, but for the masks.
-class EvenModel final : public EditModel {
+class EvenModel final : public PerceptionModel {
  public:
   explicit EvenModel(float probability) : probability_(probability) {}
   Result<std::vector<PerceptionAnswer>> Predict(
@@ -37,7 +37,7 @@ class EvenModel final : public EditModel {
 };
 
 /// Segments edited as `people` says, in trajectories of `length`.
-inline SegmentSet SegmentsOf(const EditModel& people, int trajectories, int length,
+inline SegmentSet SegmentsOf(PerceptionModel& people, int trajectories, int length,
                              std::uint64_t seed) {
   Random random(seed);
   SegmentSet set;
@@ -63,7 +63,7 @@ inline SegmentSet SegmentsOf(const EditModel& people, int trajectories, int leng
 
 /// People who are a GLPF themselves: 12 trajectories to learn from, 4 to test on.
 inline EvaluationData SampleData() {
-  const Glpf people({.alpha_d = 0.2, .alpha_m = 0.4, .beta = 12.0, .rho = 0.01, .lambda = 0.2});
+  Glpf people({.alpha_d = 0.2, .alpha_m = 0.4, .beta = 12.0, .rho = 0.01, .lambda = 0.2});
   EvaluationData data;
   data.train = SegmentsOf(people, 12, 10, 1);
   data.test = SegmentsOf(people, 4, 10, 2);

@@ -11,7 +11,7 @@ namespace conav::nhpm {
 namespace {
 
 /// Answers nothing but an error.
-class RefusingModel final : public EditModel {
+class RefusingModel final : public PerceptionModel {
  public:
   Result<std::vector<PerceptionAnswer>> Predict(
       std::span<const PerceptionQuery> /*queries*/) const override {
@@ -88,7 +88,7 @@ TEST_CASE("GLPF-Train's boundary is ideal on the train part, its IoU that of the
   const auto row = EvaluateGlpfTrain(data);
   REQUIRE(row);
   const GlpfFit fit = FitGlpf(CountStimuli(AllSegments(data.train)));
-  const Glpf model(fit.best.parameters);
+  Glpf model(fit.best.parameters);
   const auto on_train = PairOutcomes(AllSegments(data.train), *AskModel(model, data.train, {}));
   const auto on_test = PairOutcomes(AllSegments(data.test), row->answers);
   CHECK(row->test.best.boundary == BestIou(*on_train).boundary);

@@ -14,7 +14,7 @@ const GlpfParameters kTruth{
 
 std::vector<Segment> SegmentsEditedBy(const GlpfParameters& parameters, int count) {
   Random random(7);
-  const Glpf model(parameters);
+  Glpf model(parameters);
   std::vector<Segment> segments;
   for (int i = 0; i < count; ++i) {
     Segment segment = RandomSegment(random);
@@ -32,7 +32,7 @@ std::vector<Segment> SegmentsEditedBy(const GlpfParameters& parameters, int coun
 
 /// As many edits, in fractions, as the parameters promise.
 GlpfStatistics ExactStatistics(const GlpfParameters& parameters) {
-  const Glpf model(parameters);
+  Glpf model(parameters);
   GlpfStatistics statistics;
   statistics.unstimulated = {1e5, 1e5 * model.Response(0.0)};
   for (int distance = 0; distance <= 100; ++distance) {
@@ -111,8 +111,8 @@ TEST_CASE("Parameters are recovered from people who follow them", "[nhpm][glpf_f
   const GlpfFit fit = FitGlpf(statistics);
   CHECK(fit.best.loss <= GlpfLoss(statistics, kTruth));
   CHECK_FALSE(fit.best.parameters.visible_only);
-  const Glpf truth(kTruth);
-  const Glpf found(fit.best.parameters);
+  Glpf truth(kTruth);
+  Glpf found(fit.best.parameters);
   for (const double distance : {1.0, 2.0, 4.0, 8.0}) {
     CHECK(found.Response(found.Stimulus(distance)) ==
           Approx(truth.Response(truth.Stimulus(distance))).margin(0.03));

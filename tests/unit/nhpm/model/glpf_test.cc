@@ -31,7 +31,7 @@ PerceptionAnswer Ask(const Glpf& model, const PerceptionQuery& query) {
 }
 
 TEST_CASE("The response is the logistic function of the paper", "[nhpm][model]") {
-  const Glpf model(RoundParameters());
+  Glpf model(RoundParameters());
   CHECK(model.Stimulus(0.0) == 1.0);
   CHECK(model.Stimulus(1.0) == Approx(0.5));
   CHECK(model.Stimulus(3.0) == Approx(0.125));
@@ -43,14 +43,14 @@ TEST_CASE("The response is the logistic function of the paper", "[nhpm][model]")
 TEST_CASE("Tied alphas use the decay as midpoint", "[nhpm][model]") {
   GlpfParameters parameters = RoundParameters();
   parameters.tie_alphas = true;
-  const Glpf model(parameters);
+  Glpf model(parameters);
   CHECK(model.Response(std::log(2.0)) == Approx(0.45));
 }
 
 TEST_CASE("Rho and lambda bound a steep response", "[nhpm][model]") {
   GlpfParameters parameters = RoundParameters();
   parameters.beta = 1000.0;
-  const Glpf model(parameters);
+  Glpf model(parameters);
   CHECK(model.Response(0.0) == Approx(0.1));
   CHECK(model.Response(1.0) == Approx(0.8));
 }
@@ -122,7 +122,7 @@ TEST_CASE("An uncertain belief is a mixture of both labels", "[nhpm][model]") {
 
 TEST_CASE("By default near mistakes are noticed, far ones less, and no mistake means no edit",
           "[nhpm][model]") {
-  const Glpf model;
+  Glpf model;
   CHECK(model.Response(model.Stimulus(1.0)) > 0.85);
   CHECK(model.Response(model.Stimulus(7.0)) == Approx(0.43).margin(0.02));
   CHECK(model.Response(model.Stimulus(12.0)) < 0.01);
@@ -136,7 +136,7 @@ TEST_CASE("By default near mistakes are noticed, far ones less, and no mistake m
 }
 
 TEST_CASE("No query gives no answer, an impossible one a refusal", "[nhpm][model]") {
-  const Glpf model;
+  Glpf model;
   CHECK(model.Predict({})->empty());
   PerceptionQuery query = QueryInTheMiddle();
   query.belief[{2, 2}] = std::numeric_limits<float>::quiet_NaN();

@@ -56,7 +56,7 @@ std::vector<PerceptionQuery> PlannerQueries() {
 TEST_CASE("a planner's queries get the bits of whole passes, whatever was asked before",
           "[nhpm][network]") {
   const NetworkModel model = SmallModel();
-  const PerceptionNetwork network(model);
+  PerceptionNetwork network(model);
   std::vector<PerceptionQuery> queries = PlannerQueries();
   const auto expected = Reference(model, queries);
   CHECK(*network.Predict(queries) == expected);
@@ -74,7 +74,7 @@ TEST_CASE("beliefs of several sizes may stand in one batch", "[nhpm][network]") 
 
 TEST_CASE("callers on several threads get their own answers", "[nhpm][network]") {
   const NetworkModel model = SmallModel();
-  const PerceptionNetwork network(model);
+  PerceptionNetwork network(model);
   const std::vector<PerceptionQuery> queries = PlannerQueries();
   const auto expected = Reference(model, queries);
   std::vector<int> wrong(4, 0);  // one slot per thread
@@ -95,7 +95,7 @@ TEST_CASE("weights for one grid size refuse another by name", "[nhpm][network]")
   NetworkModel model = SmallModel();
   model.rows = 9;
   model.columns = 11;
-  const PerceptionNetwork network(model);
+  PerceptionNetwork network(model);
   CHECK(network.Predict(MakeQueries(2)));
   const std::vector<PerceptionQuery> other{MakeQuery(1, 7, 8)};
   const auto refused = network.Predict(other);
@@ -105,7 +105,7 @@ TEST_CASE("weights for one grid size refuse another by name", "[nhpm][network]")
 }
 
 TEST_CASE("a query that cannot be answered is refused", "[nhpm][network]") {
-  const PerceptionNetwork network(SmallModel());
+  PerceptionNetwork network(SmallModel());
   std::vector<PerceptionQuery> queries = MakeQueries(2);
   queries[1].belief[{1, 1}] = 2.0F;
   const auto refused = network.Predict(queries);
@@ -126,7 +126,7 @@ TEST_CASE("finite weights that overflow are refused, not answered", "[nhpm][netw
 
 TEST_CASE("memory of large grids is not kept, and that of small ones is bounded",
           "[nhpm][network]") {
-  const PerceptionNetwork network(SmallModel());
+  PerceptionNetwork network(SmallModel());
   CHECK(network.idle_bytes() == 0);
   REQUIRE(network.Predict(MakeQueries(2)));
   const std::size_t small = network.idle_bytes();

@@ -1,8 +1,8 @@
-#include "planner/search/perception_model.h"
+#include "common/msg/perception_model.h"
 
 #include <cmath>
 
-namespace conav::planner {
+namespace conav {
 
 Result<std::vector<PerceptionAnswer>> FakePerceptionModel::Predict(
     std::span<const PerceptionQuery> queries) {
@@ -38,4 +38,4 @@ PerceptionAnswer FakePerceptionModel::Answer(const PerceptionQuery& query) const
   return answer;
 }
 
-}  // namespace conav::planner
+}  // namespace conav

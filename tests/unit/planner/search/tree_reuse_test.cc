@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 
+#include "common/msg/perception_model.h"
 #include "planner/search/parallel_search.h"
-#include "planner/search/perception_model.h"
 #include "planner/search/tree_reuse.h"
 #include "unit/planner/search/text_map.h"
 
@@ -40,7 +40,7 @@ class TwoDecisions {
 
   SearchOptions options_;
   FakePerceptionModel model_;
-  IgMcts search_;
+  ParallelSearch search_;
   Random random_{3};
   std::vector<SearchMemory> memories_;
 };
@@ -52,8 +52,7 @@ std::uint32_t Visits(const SearchResult& result) {
 }
 
 TEST_CASE("the branch of the move that was made is gone on with", "[planner][search]") {
-  const TreeReuse reuse = GENERATE(TreeReuse::kUnchanged, TreeReuse::kPruned);
-  TwoDecisions decisions(reuse);
+  TwoDecisions decisions(TreeReuse::kPruned);
   TextWorld world(kCorridor);
   const SearchResult first = decisions.First(world);
   REQUIRE(first.actions[0].target == Cell{1, 2});
@@ -70,18 +69,13 @@ TEST_CASE("without reuse each decision begins anew", "[planner][search]") {
   CHECK(Visits(decisions.Second(world)) == 300);
 }
 
-TEST_CASE("a map that changed cuts branches off, or ends the reuse", "[planner][search]") {
-  const TreeReuse reuse = GENERATE(TreeReuse::kUnchanged, TreeReuse::kPruned);
-  TwoDecisions decisions(reuse);
+TEST_CASE("a map that changed cuts branches off", "[planner][search]") {
+  TwoDecisions decisions(TreeReuse::kPruned);
   TextWorld before(kCorridor);
   decisions.First(before);
   TextWorld after(kCollapsed, kCorridor);
   const SearchResult second = decisions.Second(after);
-  if (reuse == TreeReuse::kUnchanged) {
-    CHECK(Visits(second) == 300);
-  } else {
-    CHECK(Visits(second) > 300);
-  }
+  CHECK(Visits(second) > 300);
   CHECK(second.actions[0].target == Cell{1, 1});  // the only move left
 }
 
@@ -102,7 +96,7 @@ TEST_CASE("another guidance, belief or place begins anew", "[planner][search]") 
     world.problem.path = {{1, 1}, {1, 2}, {1, 3}};
     SearchMemory memory;
     CHECK_FALSE(memory.BranchFor(world.problem, OfferedActions(world.problem),
-                                 Reusing(TreeReuse::kPruned), 10));
+                                 Reusing(TreeReuse::kPruned)));
   }
 }
 

@@ -3,9 +3,9 @@
 #include <atomic>
 #include <catch2/catch.hpp>
 
+#include "common/msg/perception_model.h"
 #include "planner/perception/cached_model.h"
 #include "planner/search/parallel_search.h"
-#include "planner/search/perception_model.h"
 #include "unit/planner/search/text_map.h"
 
 namespace conav::planner {
@@ -65,7 +65,7 @@ SearchResult Decide(const SearchOptions& options, std::uint64_t seed = 1) {
   const World world;
   FakePerceptionModel model;
   Random random(seed);
-  return IgMcts(options, model).Decide(world.problem, random).value();
+  return ParallelSearch(options, model).Decide(world.problem, random).value();
 }
 
 TEST_CASE("several trees decide the same whatever the number of threads", "[planner][search]") {
@@ -92,7 +92,7 @@ TEST_CASE("decisions in a row with trees that are gone on with are the same on a
         std::make_shared<CachedPerceptionModel>(std::make_shared<FakePerceptionModel>());
     SearchOptions options = Trees(3, threads);
     options.tree_reuse = TreeReuse::kPruned;
-    const IgMcts search(options, *model);
+    const ParallelSearch search(options, *model);
     std::vector<SearchMemory> memories;
     Random random(5);
     world.problem.path = {{1, 1}};
@@ -132,7 +132,7 @@ TEST_CASE("trees stop when asked to, and fail when the model does", "[planner][s
       if (calls_++ >= 3) return Fail(ErrorCode::kUnavailable, "gone");
       return FakePerceptionModel().Predict(queries);
     }
-    std::string name() const override { return "gone"; }
+    ModelIdentity identity() const override { return {"gone", "", ""}; }
 
    private:
     std::atomic<int> calls_{0};
@@ -140,11 +140,12 @@ TEST_CASE("trees stop when asked to, and fail when the model does", "[planner][s
   const World world;
   Random random(1);
   GoneAfter gone;
-  CHECK_FALSE(IgMcts(Trees(4, 2), gone).Decide(world.problem, random).has_value());
+  CHECK_FALSE(ParallelSearch(Trees(4, 2), gone).Decide(world.problem, random).has_value());
   FakePerceptionModel model;
   StopToken stop;
   stop.RequestStop();
-  const auto stopped = IgMcts(Trees(4, 2), model).Decide(world.problem, random, {.stop = &stop});
+  const auto stopped =
+      ParallelSearch(Trees(4, 2), model).Decide(world.problem, random, {.stop = &stop});
   CHECK(stopped.value().iterations == 2);  // one a thread
   CHECK(stopped->chosen >= 0);
 }
