@@ -116,4 +116,7 @@ conav_msgs::msg::PlannerLease ToMessage(const PlannerLease& lease);
 Result<IntendedPath> ToDomain(const conav_msgs::msg::IntendedPath& message);
 conav_msgs::msg::IntendedPath ToMessage(const IntendedPath& way);
 
+/// For bus::Subscriber::TakeValid().
+inline constexpr auto kToDomain = [](const auto& message) { return ToDomain(message); };
+
 }  // namespace conav

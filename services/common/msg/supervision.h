@@ -8,6 +8,7 @@
 #include "common/grid/grid.h"
 #include "common/msg/robot.h"
 #include "common/runtime/clock.h"
+#include "common/runtime/result.h"
 
 /// Domain values of the operator's side of the bus; idl/conav_operator.idl says who sends them and
 /// when.
@@ -178,6 +179,15 @@ struct OperatorReply {
   std::uint64_t revision = 0;
   bool operator==(const OperatorReply&) const = default;
 };
+
+/// `request` with names, sizes and ranges that hold: what every client's requests pass, however they
+/// came. Whether a path is connected and edits fit the map is for the operator service, which can
+/// answer. Errors: kMalformed names the field, the value and the limit.
+[[nodiscard]] Result<OperatorRequest> Checked(OperatorRequest request);
+
+/// The reply that refuses `request`.
+OperatorReply Refusal(const OperatorRequest& request, std::string reason,
+                      std::uint64_t revision = 0);
 
 struct AttentionRequest {
   SimTime stamp;

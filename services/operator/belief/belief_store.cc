@@ -113,11 +113,8 @@ T OrStartupError(const std::filesystem::path& file, Result<T>&& result) {
 
 BeliefStore::Answer StorageFailure(const OperatorRequest& request, const Error& error,
                                    std::uint64_t revision) {
-  return {{request.client, request.request_id, false,
-           fmt::format("not stored, ask again later: {}", error.text), revision},
-          false,
-          false,
-          error.text};
+  std::string reason = fmt::format("not stored, ask again later: {}", error.text);
+  return {Refusal(request, std::move(reason), revision), false, false, error.text};
 }
 
 /// In what the stored initial map differs from the new one; empty when it does not.
@@ -195,10 +192,9 @@ std::optional<BeliefStore::Answer> BeliefStore::FindRepeat(const OperatorRequest
   if ((*logged)->world == request.world && (*logged)->body == RequestBody(request)) {
     return Answer{(*logged)->reply};
   }
-  return Answer{{request.client, request.request_id, false,
-                 fmt::format("request {} of client {} was used for something else before",
-                             request.request_id, request.client),
-                 0}};
+  return Answer{
+      Refusal(request, fmt::format("request {} of client {} was used for something else before",
+                                   request.request_id, request.client))};
 }
 
 BeliefStore::Answer BeliefStore::Keep(const OperatorRequest& request,
@@ -334,7 +330,7 @@ BeliefStore::Answer BeliefStore::SaveAsAnswer(const OperatorRequest& request, Gu
 
 BeliefStore::Answer BeliefStore::Refuse(const OperatorRequest& request, std::string reason,
                                         std::uint64_t revision) {
-  const OperatorReply reply{request.client, request.request_id, false, std::move(reason), revision};
+  const OperatorReply reply = Refusal(request, std::move(reason), revision);
   // A refusal is as final as an acceptance. When it cannot be stored, a repeat is judged anew,
   // which changes nothing that was acknowledged.
   const auto saved = database_.Transaction([&] { return SaveRequest(database_, request, reply); });

@@ -215,16 +215,15 @@ void ConsoleState::Receive(const SearchReport& report) {
   log_.Put("search/" + report.robot, std::move(update));
 }
 
-void ConsoleState::Receive(const Snapshot& picture, double received_s) {
-  RobotMemory& memory = robots_[picture.robot];
+void ConsoleState::Receive(console::Picture picture) {
+  RobotMemory& memory = robots_[picture.robot()];
   if (memory.unanswered) {
     memory.unanswered->set_answer(console::ANSWER_OUTDATED);
     PutSnapshot(*std::exchange(memory.unanswered, std::nullopt));
   }
-  console::Picture message = ToConsole(picture, received_s);
-  Close(message, memory);
-  if (message.answer() == console::ANSWER_NONE) memory.unanswered = message;
-  PutSnapshot(message);
+  Close(picture, memory);
+  if (picture.answer() == console::ANSWER_NONE) memory.unanswered = picture;
+  PutSnapshot(picture);
 }
 
 void ConsoleState::ReceiveSnapshotAgain(const std::string& robot, double now_s) {

@@ -57,8 +57,8 @@ class ConsoleState {
   void Receive(const Guidance& guidance);
   void ReceivePlan(const std::string& robot, SimTime stamp, const std::vector<Cell>& cells);
   void Receive(const SearchReport& report);
-  /// Not a streamed one.
-  void Receive(const Snapshot& picture, double received_s);
+  /// A snapshot that is not streamed, without an answer.
+  void Receive(console::Picture picture);
   /// The newest picture of `robot` counts as if it had come then: a replay's time goes on otherwise.
   void ReceiveSnapshotAgain(const std::string& robot, double now_s);
   /// What the model expects the operator to do with the picture of that number.

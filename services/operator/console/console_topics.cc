@@ -83,7 +83,6 @@ std::vector<Prediction> PredictionClient::Step() {
 
 namespace {
 
-constexpr auto kConvert = [](const auto& message) { return ToDomain(message); };
 constexpr std::uint32_t kMostEdits = 65536;  // cells of a request, as on the bus
 /// s; requests that were answered are remembered for longer, so that no repeat is carried out anew.
 constexpr double kLongestValid = 3600.0;
@@ -130,7 +129,6 @@ struct ConsoleTopics::RobotLink {
         map(participant, bus::kRobotMap, name),
         plan(participant, bus::kPlan, name),
         search(participant, bus::kSearchReport, name),
-        snapshot(participant, bus::kSnapshot, name),
         image(participant, bus::kCameraImage, name),
         goal_pose(participant, bus::kGoalPose, name) {}
 
@@ -139,7 +137,6 @@ struct ConsoleTopics::RobotLink {
   bus::Subscriber<nav_msgs::msg::OccupancyGrid> map;
   bus::Subscriber<nav_msgs::msg::Path> plan;
   bus::Subscriber<conav_msgs::msg::SearchReport> search;
-  bus::Subscriber<conav_msgs::msg::Snapshot> snapshot;
   bus::Subscriber<sensor_msgs::msg::CompressedImage> image;
   bus::Subscriber<geometry_msgs::msg::PoseStamped> goal_pose;
   std::optional<GridGeometry> geometry;  // of its world
@@ -208,17 +205,16 @@ std::vector<ConsoleTopics::Asked> ConsoleTopics::Step() {
 }
 
 void ConsoleTopics::TakeFrom(RobotLink& robot) {
-  TakeSnapshots(robot);
   if (!keeps_secrets_) TakeKnowledge(robot);
   TakeFrames(robot);
 }
 
 void ConsoleTopics::TakeKnowledge(RobotLink& robot) {
-  for (const MapUpdate& map : robot.map.TakeValid(kConvert)) {
+  for (const MapUpdate& map : robot.map.TakeValid(kToDomain)) {
     state_.ReceiveSeen(robot.name, robot.world, map);
   }
-  for (const SearchReport& report : robot.search.TakeValid(kConvert)) state_.Receive(report);
-  for (const Position& goal : robot.goal_pose.TakeValid(kConvert)) {
+  for (const SearchReport& report : robot.search.TakeValid(kToDomain)) state_.Receive(report);
+  for (const Position& goal : robot.goal_pose.TakeValid(kToDomain)) {
     if (!robot.geometry) continue;
     if (const auto cell = CellAt(goal, *robot.geometry)) {
       state_.ReceiveGoalPose(robot.name, *cell, state_.TimeOf(robot.world).ToSeconds());
@@ -261,16 +257,19 @@ void ConsoleTopics::Receive(const TaskStatus& task) { state_.Receive(ToConsole(t
 
 void ConsoleTopics::Receive(const Alert& alert) { state_.Receive(ToConsole(alert)); }
 
-void ConsoleTopics::TakeSnapshots(RobotLink& robot) {
-  for (auto& [picture, source] : robot.snapshot.TakeValidStamped(kConvert)) {
-    if (picture.streamed) continue;
-    // First the pixels: a page fetches them as soon as it hears of the picture.
-    pictures_.Put(robot.name, picture.sequence_number, picture.jpeg);
-    if (keeps_secrets_) picture.visible = {};
-    state_.Receive(picture, ReceivedAt(source));
-    const auto belief = beliefs_.find(robot.world);
-    if (belief != beliefs_.end() && !keeps_secrets_) predictions_.Ask(picture, belief->second);
+void ConsoleTopics::Receive(const bus::Stamped<Snapshot>& stamped) {
+  const Snapshot& picture = stamped.value;
+  if (picture.streamed) return;
+  // First the pixels: a page fetches them as soon as it is sent the picture.
+  pictures_.Put(picture.robot, picture.sequence_number, picture.jpeg);
+  console::Picture message = ToConsole(picture, ReceivedAt(stamped.source));
+  if (keeps_secrets_) {
+    message.mutable_free_cells()->Clear();
+    message.mutable_wall_cells()->Clear();
   }
+  state_.Receive(std::move(message));
+  const auto belief = beliefs_.find(picture.world);
+  if (belief != beliefs_.end() && !keeps_secrets_) predictions_.Ask(picture, belief->second);
 }
 
 void ConsoleTopics::TakePredictions() {
@@ -303,11 +302,11 @@ std::optional<ConsoleTopics::Asked> ConsoleTopics::Read(const PageEvent& event,
     return std::nullopt;
   }
   const double now_s = WallSeconds();
-  std::string why_not = CheckNow(event.who, body, now_s, kDriveRefused);
-  if (why_not.empty() && request.valid_until() > now_s + kLongestValid) {
-    why_not = fmt::format("it would count for longer than {} s", kLongestValid);
+  std::string refusal = CheckNow(event.who, body, now_s, kDriveRefused);
+  if (refusal.empty() && request.valid_until() > now_s + kLongestValid) {
+    refusal = fmt::format("it would count for longer than {} s", kLongestValid);
   }
-  return Asked{event.page, *std::move(domain), request.valid_until(), std::move(why_not)};
+  return Asked{event.page, *std::move(domain), request.valid_until(), std::move(refusal)};
 }
 
 void ConsoleTopics::Reply(std::uint64_t page, const OperatorReply& reply) {

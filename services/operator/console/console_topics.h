@@ -90,6 +90,8 @@ class ConsoleTopics {
   ~ConsoleTopics();
 
   void Receive(const bus::Stamped<RobotState>& state);
+  /// Stores the pixels and shows the picture, unless it is streamed.
+  void Receive(const bus::Stamped<Snapshot>& picture);
   void ReceiveGeometry(const std::string& world, const MapUpdate& map);
   void Receive(const Belief& belief, const BeliefGrid& initial);
   void Receive(const Guidance& guidance);
@@ -108,7 +110,7 @@ class ConsoleTopics {
     std::uint64_t page = 0;
     OperatorRequest request;
     double valid_until_s = 0.0;  // wall time, s since 1970
-    std::string why_not;         // the page may not ask that now; empty = it may
+    std::string refusal;         // why the page may not ask that now; empty = it may
   };
   /// Takes in what arrived. What pages ask, in the order in which it came; what is no request is
   /// answered here.
@@ -132,7 +134,6 @@ class ConsoleTopics {
   void TakeFrom(RobotLink& robot);
   /// What the robot knows and plans.
   void TakeKnowledge(RobotLink& robot);
-  void TakeSnapshots(RobotLink& robot);
   void TakeFrames(RobotLink& robot);
   void TakePredictions();
   void Take(const PageEvent& event, std::vector<Asked>& asked);

@@ -2,142 +2,98 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <limits>
 #include <utility>
-
-#include "common/msg/convert.h"
 
 namespace conav::operators {
 namespace {
 
-using Message = conav_msgs::msg::OperatorRequest;
+using Body = decltype(OperatorRequest::body);
+using Names = google::protobuf::RepeatedPtrField<std::string>;
 
-conav_msgs::msg::Cell ToCellMessage(const console::Cell& cell) {
-  conav_msgs::msg::Cell message;
-  message.row(cell.row());
-  message.column(cell.column());
-  return message;
-}
+Cell ToCell(const console::Cell& cell) { return {cell.row(), cell.column()}; }
 
-void Write(const console::Edit& edit, Message& message) {
-  message.kind(conav_msgs::msg::OPERATOR_REQUEST_EDIT);
-  message.base_revision(edit.base_revision());
-  for (const console::CellEdit& cell : edit.cells()) {
-    auto& to = message.edits().emplace_back();
-    to.cell(ToCellMessage(cell.cell()));
-    to.wall(cell.wall());
+std::vector<std::string> ToNames(const Names& names) { return {names.begin(), names.end()}; }
+
+EditRequest ToDomain(const console::Edit& edit) {
+  EditRequest request{edit.base_revision(), {}};
+  request.edits.reserve(static_cast<std::size_t>(edit.cells_size()));
+  for (const console::CellEdit& one : edit.cells()) {
+    request.edits.push_back({ToCell(one.cell()), one.wall()});
   }
+  return request;
 }
 
-void Write(const console::Guide& guide, Message& message) {
-  message.kind(conav_msgs::msg::OPERATOR_REQUEST_GUIDE);
-  message.robot(guide.robot());
-  for (const console::Cell& cell : guide.path()) message.path().push_back(ToCellMessage(cell));
-  message.answers_snapshot(guide.answers_snapshot());
-  message.valid_for(guide.valid_for());
+GuideRequest ToDomain(const console::Guide& guide) {
+  GuideRequest request{guide.robot(), {}, guide.answers_snapshot(), guide.valid_for()};
+  request.path.reserve(static_cast<std::size_t>(guide.path_size()));
+  for (const console::Cell& cell : guide.path()) request.path.push_back(ToCell(cell));
+  return request;
 }
 
-std::string Write(const console::Drive& drive, Message& message) {
+/// Times and enumerators that the domain's types cannot hold are refused here.
+Result<Body> ToDomain(const console::Drive& drive) {
   constexpr double kLatest = std::numeric_limits<std::int32_t>::max();
   if (!(drive.expires_at() >= 0.0 && drive.expires_at() <= kLatest)) {
-    return fmt::format("expires_at = {} is not in [0, {}]", drive.expires_at(), kLatest);
+    return Fail(ErrorCode::kMalformed,
+                fmt::format("expires_at = {} is not in [0, {}]", drive.expires_at(), kLatest));
   }
   if (!console::DriveAction_IsValid(drive.action())) {
-    return fmt::format("action = {} is unknown", static_cast<int>(drive.action()));
+    return Fail(ErrorCode::kMalformed,
+                fmt::format("action = {} is unknown", static_cast<int>(drive.action())));
   }
-  message.kind(conav_msgs::msg::OPERATOR_REQUEST_DRIVE);
-  message.robot(drive.robot());
-  message.drive(static_cast<std::uint8_t>(drive.action()));
-  message.expires_at(ToMessage(SimTime::FromSeconds(drive.expires_at())));
-  return "";
+  return DriveRequest{drive.robot(), static_cast<DriveAction>(drive.action()),
+                      SimTime::FromSeconds(drive.expires_at())};
 }
 
-std::string Write(const console::Select& select, Message& message) {
+Result<Body> ToDomain(const console::Select& select) {
   if (!console::AttentionReason_IsValid(select.reason())) {
-    return fmt::format("reason = {} is unknown", static_cast<int>(select.reason()));
+    return Fail(ErrorCode::kMalformed,
+                fmt::format("reason = {} is unknown", static_cast<int>(select.reason())));
   }
-  message.kind(conav_msgs::msg::OPERATOR_REQUEST_SELECT);
-  message.robot(select.robot());
-  message.attention_reason(static_cast<std::uint8_t>(select.reason()));
-  return "";
+  return SelectRequest{select.robot(), static_cast<AttentionReason>(select.reason())};
 }
 
-void Write(const console::Answer& answer, Message& message) {
-  message.kind(conav_msgs::msg::OPERATOR_REQUEST_ANSWER);
-  message.robot(answer.robot());
-  message.answers_snapshot(answer.snapshot());
-}
-
-/// Whom a request is about, where it may be several robots.
-template <class Body>
-void WriteRobots(std::uint8_t kind, const Body& body, Message& message) {
-  message.kind(kind);
-  message.robots().assign(body.robots().begin(), body.robots().end());
-}
-
-/// What cannot even be written down in the message; empty otherwise.
-std::string WriteBody(const console::Request& request, Message& message) {
+Result<Body> ToBody(const console::Request& request) {
   switch (request.body_case()) {
     case console::Request::kEdit:
-      Write(request.edit(), message);
-      return "";
+      return ToDomain(request.edit());
     case console::Request::kGuide:
-      Write(request.guide(), message);
-      return "";
+      return ToDomain(request.guide());
     case console::Request::kDrive:
-      return Write(request.drive(), message);
+      return ToDomain(request.drive());
     case console::Request::kSelect:
-      return Write(request.select(), message);
+      return ToDomain(request.select());
     case console::Request::kAnswer:
-      Write(request.answer(), message);
-      return "";
+      return AnswerRequest{request.answer().robot(), request.answer().snapshot()};
     case console::Request::kStop:
-      WriteRobots(conav_msgs::msg::OPERATOR_REQUEST_STOP, request.stop(), message);
-      message.reason(request.stop().reason());
-      return "";
+      return StopRequest{ToNames(request.stop().robots()), request.stop().reason()};
     case console::Request::kGo:
-      WriteRobots(conav_msgs::msg::OPERATOR_REQUEST_GO, request.go(), message);
-      return "";
+      return GoRequest{ToNames(request.go().robots())};
     case console::Request::kTakeControl:
-      WriteRobots(conav_msgs::msg::OPERATOR_REQUEST_TAKE_CONTROL, request.take_control(), message);
-      message.reason(request.take_control().reason());
-      return "";
+      return TakeControlRequest{ToNames(request.take_control().robots()),
+                                request.take_control().reason()};
     case console::Request::kReleaseControl:
-      WriteRobots(conav_msgs::msg::OPERATOR_REQUEST_RELEASE_CONTROL, request.release_control(),
-                  message);
-      return "";
+      return ReleaseControlRequest{ToNames(request.release_control().robots())};
     case console::Request::kAcknowledge:
-      message.kind(conav_msgs::msg::OPERATOR_REQUEST_ACKNOWLEDGE);
-      message.alert(request.acknowledge().alert());
-      return "";
+      return AcknowledgeRequest{request.acknowledge().alert()};
     case console::Request::kShelve:
-      message.kind(conav_msgs::msg::OPERATOR_REQUEST_SHELVE);
-      message.alert(request.shelve().alert());
-      message.duration(request.shelve().duration());
-      return "";
+      return ShelveRequest{request.shelve().alert(), request.shelve().duration()};
     case console::Request::kFinish:
-      message.kind(conav_msgs::msg::OPERATOR_REQUEST_FINISH);
-      return "";
+      return FinishRequest{};
     case console::Request::BODY_NOT_SET:
-      return "the request asks for nothing that is known here";
+      break;
   }
-  return "the request asks for nothing that is known here";
+  return Fail(ErrorCode::kMalformed, "the request asks for nothing that is known here");
 }
 
 }  // namespace
 
 Result<OperatorRequest> ToOperatorRequest(const console::Request& request,
                                           const std::string& client, SimTime now) {
-  Message message;
-  message.header().stamp(ToMessage(now));
-  message.header().frame_id("map");
-  message.client(client);
-  message.request_id(request.id());
-  message.world(request.world());
-  const std::string unwritable = WriteBody(request, message);
-  if (!unwritable.empty()) return Fail(ErrorCode::kMalformed, unwritable);
-  return ToDomain(message);
+  return ToBody(request).and_then([&](Body&& body) {
+    return Checked({now, client, request.id(), request.world(), std::move(body)});
+  });
 }
 
 std::string CheckNow(const PageIdentity& who, const PageAsked& asked, double wall_s,

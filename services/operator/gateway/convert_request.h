@@ -7,13 +7,13 @@
 
 namespace conav::operators {
 
-/// What a page asks, as every other client of the operator service asks it: the page has no door of
-/// its own, and the same checks apply (common/protocol/convert.h).
-/// Errors: kMalformed, kRefused name the field, the value and the limit.
+/// Converts a page's request into the OperatorRequest that a client on the bus sends, and checks it
+/// as such (Checked() in common/msg/supervision.h).
+/// Errors: kMalformed names the field, the value and the limit.
 [[nodiscard]] Result<OperatorRequest> ToOperatorRequest(const console::Request& request,
                                                         const std::string& client, SimTime now);
 
-/// Why a page in this role, with this connection, may not ask that now; empty = it may. `wall_s`: s
+/// Why a page with this role and connection may not ask that now; empty = it may. `wall_s`: s
 /// since 1970, as in `valid_until`. `drive_limit_s`: the longest round trip for driving.
 std::string CheckNow(const PageIdentity& who, const PageAsked& asked, double wall_s,
                      double drive_limit_s);

@@ -43,10 +43,10 @@ class SnapshotStore {
 
   explicit SnapshotStore(std::size_t limit_bytes) : limit_(limit_bytes) {}
 
-  /// A picture of the same robot and number is replaced. One without pixels, or larger than the
-  /// limit, is not kept.
-  void Put(const std::string& robot, std::uint64_t number, std::vector<std::uint8_t> jpeg);
-  /// Null when it is not kept (any more).
+  /// Copies `jpeg` once; pages are answered from that copy. A picture of the same robot and number is
+  /// replaced. One without pixels, or larger than the limit, is not kept.
+  void Put(const std::string& robot, std::uint64_t number, const std::vector<std::uint8_t>& jpeg);
+  /// Null when it is not kept, or no longer.
   Pixels Find(const std::string& robot, std::uint64_t number) const;
 
  private:

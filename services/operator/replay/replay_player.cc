@@ -46,7 +46,7 @@ struct ReplayPlayer::Sound {
   void operator()(const SearchReport& report) const { state().Receive(report); }
   void operator()(const Snapshot& picture) const {
     player.pictures_[picture.robot] = moment;
-    state().Receive(picture, heard_at_s);
+    state().Receive(ToConsole(picture, heard_at_s));
     SnapshotStore& shelf = player.shared_.pictures;
     const auto kept = shelf.Find(picture.robot, picture.sequence_number);
     const bool same = kept && std::equal(kept->begin(), kept->end(), picture.jpeg.begin(),

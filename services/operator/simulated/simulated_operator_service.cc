@@ -29,7 +29,6 @@ void AskThrough(OperatorClient& client, Person& person, const Clock& clock) {
   }
 }
 
-constexpr auto kConvert = [](const auto& message) { return ToDomain(message); };
 
 }  // namespace
 
@@ -72,14 +71,14 @@ TeleoperatorTopics::~TeleoperatorTopics() = default;
 
 void TeleoperatorTopics::TakeIn() {
   for (const auto& world : worlds_) {
-    for (const Belief& belief : world->belief.TakeValid(kConvert)) person_.Receive(belief);
-    for (const MapUpdate& map : world->belief_map.TakeValid(kConvert)) {
+    for (const Belief& belief : world->belief.TakeValid(kToDomain)) person_.Receive(belief);
+    for (const MapUpdate& map : world->belief_map.TakeValid(kToDomain)) {
       person_.ReceiveCellSize(world->name, map.cell_size_m);
     }
   }
   for (const auto& robot : robots_) {
-    for (const RobotState& state : robot->state.TakeValid(kConvert)) person_.Receive(state);
-    for (const Snapshot& picture : robot->snapshot.TakeValid(kConvert)) person_.Receive(picture);
+    for (const RobotState& state : robot->state.TakeValid(kToDomain)) person_.Receive(state);
+    for (const Snapshot& picture : robot->snapshot.TakeValid(kToDomain)) person_.Receive(picture);
   }
 }
 
@@ -166,24 +165,24 @@ void SimulatedOperatorService::Step() {
 void SimulatedOperatorService::TakeIn() {
   const auto now = clock_.Now();
   for (const auto& world : beliefs_) {
-    for (const Belief& belief : world->TakeValid(kConvert)) person_.Receive(belief);
+    for (const Belief& belief : world->TakeValid(kToDomain)) person_.Receive(belief);
   }
   for (const auto& robot : robots_) {
-    for (const Guidance& guidance : robot->guidance.TakeValid(kConvert)) person_.Receive(guidance);
-    for (const StopOrder& hold : robot->hold.TakeValid(kConvert)) robot->stopped = hold.stopped;
-    for (const RobotState& state : robot->state.TakeValid(kConvert)) {
+    for (const Guidance& guidance : robot->guidance.TakeValid(kToDomain)) person_.Receive(guidance);
+    for (const StopOrder& hold : robot->hold.TakeValid(kToDomain)) robot->stopped = hold.stopped;
+    for (const RobotState& state : robot->state.TakeValid(kToDomain)) {
       person_.Receive(state);
       person_.Receive(state.stamp);
     }
-    for (const Snapshot& picture : robot->snapshot.TakeValid(kConvert))
+    for (const Snapshot& picture : robot->snapshot.TakeValid(kToDomain))
       person_.Receive(picture, now);
-    for (const auto& request : robot->attention.TakeValid(kConvert)) person_.Receive(request, now);
+    for (const auto& request : robot->attention.TakeValid(kToDomain)) person_.Receive(request, now);
   }
   if (!queue_) return;
   for (const auto& message : clock_topic_->Take()) {
     if (const auto time = ToDomain(message.clock())) person_.Receive(*time);
   }
-  for (const AttentionQueueState& queue : queue_->TakeValid(kConvert)) person_.Receive(queue);
+  for (const AttentionQueueState& queue : queue_->TakeValid(kToDomain)) person_.Receive(queue);
 }
 
 Health SimulatedOperatorService::Report() const {

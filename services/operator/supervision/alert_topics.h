@@ -60,7 +60,7 @@ class AlertTopics {
 
  private:
   BeliefStore& store_;
-  AlertRegistry book_;
+  AlertRegistry registry_;
   std::vector<Alert> changes_;
 };
 

@@ -31,22 +31,22 @@ class ControlTopics {
   /// Why another client's control forbids `request`; empty = it does not.
   std::string CheckAllowed(const OperatorRequest& request) const;
   /// `client` asked for something, whatever it is, that was not refused for want of control.
-  void Renew(const std::string& client) { book_.Renew(client, clock_.Now()); }
-  void Leave(const std::string& client) { book_.ReleaseAll(client); }
-  void Step() { book_.Expire(clock_.Now()); }
+  void Renew(const std::string& client) { registry_.Renew(client, clock_.Now()); }
+  void Leave(const std::string& client) { registry_.ReleaseAll(client); }
+  void Step() { registry_.Expire(clock_.Now()); }
 
-  const ControlRegistry& book() const { return book_; }
+  const ControlRegistry& registry() const { return registry_; }
 
  private:
   using StopPublisher = bus::Publisher<conav_msgs::msg::StopOrder>;
 
   Result<std::vector<StopOrder>> Decide(const OperatorRequest& request, SimTime now,
-                                        ControlRegistry& book) const;
+                                        ControlRegistry& registry) const;
   void Publish(const StopOrder& order);
 
   BeliefStore& store_;
   const Clock& clock_;
-  ControlRegistry book_;
+  ControlRegistry registry_;
   std::map<std::string, std::unique_ptr<StopPublisher>> holds_;  // by robot
 };
 

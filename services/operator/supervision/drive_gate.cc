@@ -65,7 +65,7 @@ DriveGate::Answer DriveGate::Handle(const OperatorRequest& request, SimTime now,
   Client& client = clients_[request.client];
   client.heard_at = wall;
   if (request.request_id == client.newest_request) return {client.reply, std::nullopt};
-  Answer answer{{request.client, request.request_id, false, "", 0}, std::nullopt};
+  Answer answer{Refusal(request, ""), std::nullopt};
   if (request.request_id < client.newest_request) {
     answer.reply.reason =
         fmt::format("older than request {} of this client", client.newest_request);

@@ -48,8 +48,8 @@ TEST_CASE("a robot whose time goes back begins anew, with all robots of its worl
   bench.state.ReceiveSeen("r1", "w1", MapOf(2, 2));
   bench.state.ReceivePlan("r2", {}, {{1, 1}});
   bench.state.ReceiveGoalPose("r2", {1, 1}, 1.0);
-  bench.state.Receive(SnapshotOf(1, "r3"), 0.0);
-  bench.state.Receive(SnapshotOf(1), 0.0);
+  bench.state.Receive(ToConsole(SnapshotOf(1, "r3"), 0.0));
+  bench.state.Receive(ToConsole(SnapshotOf(1), 0.0));
   const std::uint64_t generation = bench.log.generation();
 
   bench.state.Receive(At(3, {2, 2}), 0.0);
