@@ -144,7 +144,7 @@ BeliefStore::BeliefStore(const BeliefStoreOptions& options)
   OrStartupError(file_, EnsureSchema(database_).map([] { return true; }));
   beliefs_ = OrStartupError(file_, LoadBeliefs(database_));
   guidance_ = OrStartupError(file_, LoadGuidance(database_));
-  holds_ = OrStartupError(file_, LoadStops(database_));
+  stops_ = OrStartupError(file_, LoadStops(database_));
   alerts_ = OrStartupError(file_, LoadAlerts(database_));
 }
 
@@ -211,7 +211,7 @@ BeliefStore::Answer BeliefStore::Keep(const OperatorRequest& request,
     return SaveRequest(database_, request, reply);
   });
   if (!saved) return StorageFailure(request, saved.error(), 0);
-  for (const StopOrder& order : orders) holds_[order.robot] = order;
+  for (const StopOrder& order : orders) stops_[order.robot] = order;
   return {reply, true, true};
 }
 

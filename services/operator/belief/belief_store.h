@@ -90,7 +90,7 @@ class BeliefStore {
   [[nodiscard]] Result<std::int64_t> ForgetRequests(double wall_s, std::int64_t most);
   /// Those of before.
   const std::vector<Alert>& alerts() const { return alerts_; }
-  const std::map<std::string, StopOrder>& holds() const { return holds_; }
+  const std::map<std::string, StopOrder>& stops() const { return stops_; }
 
   /// Null when unknown. Valid until the next call that is not const.
   const Belief* FindBelief(const std::string& world) const;
@@ -117,7 +117,7 @@ class BeliefStore {
   GuidanceLimits limits_;
   std::map<std::string, Belief> beliefs_;      // by world
   std::map<std::string, Guidance> guidance_;   // by robot
-  std::map<std::string, StopOrder> holds_;     // by robot
+  std::map<std::string, StopOrder> stops_;     // by robot
   std::vector<Alert> alerts_;                  // at the start
   std::map<std::string, std::string> worlds_;  // of each robot
 };

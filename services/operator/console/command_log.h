@@ -35,6 +35,6 @@ std::string PathText(std::size_t cells);
 std::string AnswerText(std::uint64_t snapshot);
 /// No robots: all of them.
 std::string StopText(const std::vector<std::string>& robots, const std::string& reason);
-std::string GoText(const std::vector<std::string>& robots);
+std::string ResumeText(const std::vector<std::string>& robots);
 
 }  // namespace conav::operators

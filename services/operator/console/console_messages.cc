@@ -125,12 +125,12 @@ void AddCells(std::span<const Cell> cells, google::protobuf::RepeatedPtrField<co
   for (const Cell cell : cells) *to->Add() = ToConsole(cell);
 }
 
-console::Robot ToConsole(const RobotState& state, double heard_at_s) {
+console::Robot ToConsole(const RobotState& state, double received_s) {
   console::Robot robot;
   robot.set_name(state.robot);
   robot.set_world(state.world);
   robot.set_stamp(state.stamp.ToSeconds());
-  robot.set_heard_at(heard_at_s);
+  robot.set_heard_at(received_s);
   *robot.mutable_cell() = ToConsole(state.cell);
   robot.set_x(state.position.x_m);
   robot.set_y(state.position.y_m);
@@ -181,13 +181,13 @@ console::Guidance ToConsole(const Guidance& guidance) {
   return message;
 }
 
-console::Picture ToConsole(const Snapshot& picture, double heard_at_s) {
+console::Picture ToConsole(const Snapshot& picture, double received_s) {
   console::Picture message;
   message.set_robot(picture.robot);
   message.set_world(picture.world);
   message.set_sequence_number(picture.sequence_number);
   message.set_stamp(picture.stamp.ToSeconds());
-  message.set_heard_at(heard_at_s);
+  message.set_heard_at(received_s);
   *message.mutable_cell() = ToConsole(picture.cell);
   message.set_heading(picture.heading_rad);
   message.set_field_of_view(picture.horizontal_fov_rad);

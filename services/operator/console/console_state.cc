@@ -44,7 +44,7 @@ bool IsDue(double said_at_s, double now_s, double period_s) {
 
 /// Of "robot/r1", "trail/r1/3", ...: kind and robot; what a robot told of its run, and the operator
 /// did not make.
-bool IsToldBy(std::string_view key, const std::set<std::string, std::less<>>& robots) {
+bool IsFromRobots(std::string_view key, const std::set<std::string, std::less<>>& robots) {
   constexpr std::array<std::string_view, 8> kKinds{"robot",  "seen",       "trail",   "plan",
                                                    "search", "prediction", "picture", "goal_pose"};
   const auto slash = key.find('/');
@@ -67,7 +67,7 @@ void ConsoleState::PutSession() {
   log_.Put("session", std::move(update));
 }
 
-void ConsoleState::BeginAnew() {
+void ConsoleState::Reset() {
   robots_.clear();
   worlds_.clear();
   services_.clear();
@@ -77,7 +77,7 @@ void ConsoleState::BeginAnew() {
   PutSession();
 }
 
-void ConsoleState::BeginAnew(std::string world) {
+void ConsoleState::StartNewRun(std::string world) {
   std::set<std::string, std::less<>> gone;
   for (const auto& [robot, memory] : robots_) {
     if (memory.world == world) gone.insert(robot);
@@ -85,7 +85,7 @@ void ConsoleState::BeginAnew(std::string world) {
   std::erase_if(robots_, [&](const auto& known) { return gone.contains(known.first); });
   worlds_[world].stamp = SimTime{};
   worlds_[world].said_at_s = 0.0;
-  log_.Forget([&](std::string_view key) { return IsToldBy(key, gone); });
+  log_.Forget([&](std::string_view key) { return IsFromRobots(key, gone); });
 }
 
 SimTime ConsoleState::TimeOf(const std::string& world) const {
@@ -96,7 +96,7 @@ SimTime ConsoleState::TimeOf(const std::string& world) const {
 void ConsoleState::Receive(const RobotState& state, double received_s) {
   if (const auto known = robots_.find(state.robot);
       known != robots_.end() && state.stamp < known->second.stamp) {
-    BeginAnew(known->second.world);
+    StartNewRun(known->second.world);
   }
   RobotMemory& memory = robots_[state.robot];
   memory.world = state.world;

@@ -80,7 +80,7 @@ class ConsoleState {
   void Receive(const console::Task& task);
 
   /// Forgets all but the session.
-  void BeginAnew();
+  void Reset();
 
   const console::Session& session() const { return session_; }
   SimTime TimeOf(const std::string& world) const;
@@ -106,7 +106,7 @@ class ConsoleState {
   };
 
   /// `world` by value: callers name it by what this erases.
-  void BeginAnew(std::string world);
+  void StartNewRun(std::string world);
   void PutSession();
   void ExtendTrail(RobotMemory& memory, const RobotState& state);
   void PutTrail(const std::string& robot, const std::vector<Cell>& trail, std::size_t from);

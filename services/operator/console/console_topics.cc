@@ -245,7 +245,7 @@ void ConsoleTopics::TakeFrames(RobotLink& robot) {
 void ConsoleTopics::Receive(const std::map<std::string, ServiceStatus>& services) {
   const double now_s = WallSeconds();
   for (const auto& [name, service] : services) {
-    const std::chrono::duration<double> age = clock_.Now() - service.heard_at;
+    const std::chrono::duration<double> age = clock_.Now() - service.received_at;
     const auto level =
         service.silent ? console::LEVEL_SILENT : static_cast<console::Level>(service.level);
     state_.Receive(ServiceHealth{name, level, service.silent ? "silent" : service.message},
@@ -304,7 +304,7 @@ std::optional<ConsoleTopics::Asked> ConsoleTopics::Read(const PageEvent& event,
   const double now_s = WallSeconds();
   std::string refusal = CheckNow(event.who, body, now_s, kDriveRefused);
   if (refusal.empty() && request.valid_until() > now_s + kLongestValid) {
-    refusal = fmt::format("it would count for longer than {} s", kLongestValid);
+    refusal = fmt::format("valid_until is more than {} s ahead", kLongestValid);
   }
   return Asked{event.page, *std::move(domain), request.valid_until(), std::move(refusal)};
 }
@@ -328,9 +328,9 @@ void ConsoleTopics::Receive(const ControlRegistry& control) {
     message.set_holder_name(presence_.NameOf(robot.holder));
     const std::chrono::duration<double> left = robot.held_until - clock_.Now();
     if (!robot.holder.empty()) message.set_held_until(now_s + left.count());
-    message.set_stopped(robot.hold.stopped);
-    message.set_stopped_by(robot.hold.given_by);
-    message.set_stop_reason(robot.hold.reason);
+    message.set_stopped(robot.stop.stopped);
+    message.set_stopped_by(robot.stop.given_by);
+    message.set_stop_reason(robot.stop.reason);
     state_.Receive(std::move(message));
   }
 }

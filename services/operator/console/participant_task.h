@@ -61,7 +61,7 @@ enum class TaskPhase {
   kFinished,  // the map stays as it is
 };
 
-/// What a page is told.
+/// What a page shows.
 struct TaskStatus {
   std::string participant;
   int number = 1;               // of the maze
@@ -125,7 +125,7 @@ class ParticipantTask {
 
   std::set<std::string> robots_;
   TaskKind kind_;
-  std::map<std::string, Robot> heard_;
+  std::map<std::string, Robot> reported_;
   std::optional<OccupancyGrid> truth_;
   TaskPhase phase_ = TaskPhase::kWaiting;
 };

@@ -80,7 +80,7 @@ void TaskTopics::Step() {
 
 void TaskTopics::Receive(const ControlRegistry& control) {
   if (task_.phase() != TaskPhase::kWaiting) return;
-  const auto goes = [](const auto& robot) { return !robot.second.hold.stopped; };
+  const auto goes = [](const auto& robot) { return !robot.second.stop.stopped; };
   if (!std::ranges::any_of(control.robots(), goes)) return;
   task_.Begin();
   began_ = clock_.Now();

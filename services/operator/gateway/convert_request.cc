@@ -100,10 +100,10 @@ std::string CheckNow(const PageIdentity& who, const PageAsked& asked, double wal
                      double drive_limit_s) {
   const console::Request& request = asked.request;
   if (who.role == console::ROLE_OBSERVER && !request.has_stop()) {
-    return "an observer looks on, and may stop robots only";
+    return "an observer may only watch and stop robots";
   }
   const double late = wall_s - request.valid_until();
-  if (!(late <= 0.0)) return fmt::format("it came {:.1f} s too late", late);
+  if (!(late <= 0.0)) return fmt::format("it arrived {:.1f} s too late", late);
   const bool drives = request.has_drive() && request.drive().action() != console::DRIVE_STOP;
   if (drives && asked.round_trip_s > drive_limit_s) {
     return fmt::format("the round trip takes {:.1f} s, longer than {:.1f} s: too long to drive",

@@ -87,7 +87,7 @@ using asio::ip::tcp;
 constexpr std::chrono::milliseconds kGoodbyeLimit{500};
 constexpr std::chrono::milliseconds kAcceptPause{100};
 /// Of pages that have not said Hello.
-constexpr int kStrangersLimit = 16;
+constexpr int kNewPagesLimit = 16;
 /// Of requests that the service has not taken; a page with more shall come back later.
 constexpr std::size_t kWaitingLimit = 8U * 1024U * 1024U;
 
@@ -219,7 +219,7 @@ class Gateway::Server final : public ConnectionHost {
   }
 
   std::uint64_t Enter(const std::shared_ptr<PageConnection>& page) override {
-    if (CountOf(&PageFeed::is_stranger) >= kStrangersLimit) TurnOutOldestStranger();
+    if (CountOf(&PageFeed::is_new) >= kNewPagesLimit) CloseOldestNewPage();
     pages_[++last_page_] = page;
     CountPages();
     return last_page_;
@@ -321,12 +321,11 @@ class Gateway::Server final : public ConnectionHost {
   }
 
   /// Whoever means it says Hello at once: many who are mute keep nobody out.
-  void TurnOutOldestStranger() {
-    const auto oldest = std::find_if(pages_.begin(), pages_.end(), [](const auto& page) {
-      return page.second->feed().is_stranger();
-    });
+  void CloseOldestNewPage() {
+    const auto oldest = std::find_if(pages_.begin(), pages_.end(),
+                                     [](const auto& page) { return page.second->feed().is_new(); });
     const auto page = oldest->second;
-    page->feed().Close("no Hello came, and others wait", true);
+    page->feed().Close("no Hello arrived, and other pages wait", true);
     page->Pump();
   }
 

@@ -62,7 +62,7 @@ std::vector<std::filesystem::path> FilesBelow(const std::filesystem::path& folde
 WebFiles::WebFiles(const std::filesystem::path& folder) {
   for (const auto& path : FilesBelow(folder)) Add(folder, path);
   if (!files_.contains("/index.html")) {
-    throw StartupError(fmt::format("console page: {} holds no index.html", folder.string()));
+    throw StartupError(fmt::format("console page: {} has no index.html", folder.string()));
   }
   files_["/"] = files_["/index.html"];
 }
@@ -193,7 +193,7 @@ HttpResponse HttpRoutes::Route(const HttpRequest& request) const {
   const bool is_picture = path.starts_with(kPictures);
   if (path != "/metrics" && !is_picture) return Text(404, "nothing here\n");
   if (!RoleOf(options_.tokens, BearerToken(request.authorization))) {
-    HttpResponse refused = Text(401, "a token is asked for: Authorization: Bearer TOKEN\n");
+    HttpResponse refused = Text(401, "a token is required: Authorization: Bearer TOKEN\n");
     refused.headers.emplace_back("WWW-Authenticate", "Bearer");
     return refused;
   }
@@ -237,7 +237,7 @@ HttpResponse HttpRoutes::AnswerPicture(std::string_view rest) const {
   if (!number) return Text(404, "/pictures/<robot>/<number>.jpg\n");
   HttpResponse response;
   response.body = sources_.pictures.Find(std::string(rest.substr(0, slash)), *number);
-  if (!response.body) return Text(404, "this picture is not kept (any more)\n");
+  if (!response.body) return Text(404, "this picture is no longer stored\n");
   response.type = "image/jpeg";
   response.headers = {{"Cache-Control", "private, no-cache"}};
   return response;

@@ -102,12 +102,12 @@ std::vector<PageEvent> PageFeed::Take(std::string_view bytes, Clock::TimePoint n
     return {};
   }
   if (message->has_hello() == has_joined()) {
-    Close(has_joined() ? "a second Hello" : "the first message is no Hello", false);
+    Close(has_joined() ? "a second Hello" : "the first message is not a Hello", false);
     return {};
   }
   switch (message->body_case()) {
     case console::ClientMessage::kHello:
-      Greet(message->hello(), wall_s);
+      Welcome(message->hello(), wall_s);
       if (!has_joined()) return {};
       return {{page_, *identity_, PageJoined{}}};
     case console::ClientMessage::kPing: {
@@ -141,7 +141,7 @@ std::vector<PageEvent> PageFeed::Take(std::string_view bytes, Clock::TimePoint n
 std::optional<PageIdentity> PageFeed::Identify(const console::Hello& hello) {
   const auto role = RoleOf(context_.options.tokens, hello.token());
   if (!role) {
-    Close(hello.token().empty() ? "a token is asked for: open the address that the service printed"
+    Close(hello.token().empty() ? "a token is required: open the address that the service printed"
                                 : "the token is not known",
           false);
     return std::nullopt;
@@ -165,7 +165,7 @@ std::optional<PageIdentity> PageFeed::Identify(const console::Hello& hello) {
   return PageIdentity{part + "/" + Sha256Hex(secret).substr(0, kClientDigits), hello.name(), *role};
 }
 
-void PageFeed::Greet(const console::Hello& hello, double wall_s) {
+void PageFeed::Welcome(const console::Hello& hello, double wall_s) {
   const auto identity = Identify(hello);
   if (!identity) return;
   if (!context_.has_room()) {
@@ -198,7 +198,7 @@ void PageFeed::Add(const console::Reply& reply) {
 }
 
 void PageFeed::Queue(const console::ServerMessage& message) {
-  if (queue_.size() >= kQueueLimit) return Close("the page takes no answers any more", true);
+  if (queue_.size() >= kQueueLimit) return Close("the page does not read its replies", true);
   queue_.push_back(Encode(message));
 }
 
@@ -225,7 +225,7 @@ std::optional<std::string> PageFeed::Next(Clock::TimePoint now) {
   due_.reset();
   if (!has_joined() && !closing_) {
     due_ = connected_at_ + kHelloLimit;
-    if (now >= *due_) Close("no Hello came", true);
+    if (now >= *due_) Close("no Hello arrived", true);
   }
   if (!queue_.empty()) {
     std::string message = std::move(queue_.front());
@@ -266,7 +266,7 @@ std::optional<std::string> PageFeed::NextUpdates(Clock::TimePoint now) {
   const auto batch = context_.updates.After(generation_, sequence_, kBatchBytes);
   if (batch.generation != generation_) {  // a world has begun anew
     if (context_.welcome.mode() != console::MODE_REPLAY) {
-      End("the run begins anew");
+      End("a new run began");
       return Next(now);
     }
     generation_ = batch.generation;  // nothing of the page's own is lost: it goes on at once

@@ -147,12 +147,12 @@ class PageFeed {
   const std::optional<PageIdentity>& identity() const { return identity_; }
   bool has_joined() const { return identity_.has_value(); }
   /// Neither joined nor sent away.
-  bool is_stranger() const { return !has_joined() && !closing_; }
+  bool is_new() const { return !has_joined() && !closing_; }
   /// Frames that this page was too slow for, since the call before.
   std::uint64_t TakeFramesSkipped() { return std::exchange(frames_skipped_, 0); }
 
  private:
-  void Greet(const console::Hello& hello, double wall_s);
+  void Welcome(const console::Hello& hello, double wall_s);
   std::optional<PageIdentity> Identify(const console::Hello& hello);
   void Queue(const console::ServerMessage& message);
   void SayGoodbye(std::string reason, bool retry);

@@ -43,10 +43,10 @@ class ReplayPlayer {
   double speed() const { return speed_; }
 
  private:
-  struct Sound;  // lets the state hear one moment
+  struct Play;  // lets the state hear one moment
 
   void MoveTo(double position_s, double now_s);
-  void BeginAnew();
+  void Reset();
   /// Says again what has an age, where pages count it wrongly by now.
   void Refresh(double now_s);
   void PutPlayback(double now_s);

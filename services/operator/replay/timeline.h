@@ -75,7 +75,7 @@ struct Moment {
   double position_s = 0.0;
   /// Number of the moment that says the same anew: whoever hears that one need not hear this one.
   std::size_t replaced_by = kNever;
-  Received heard;
+  Received value;
 };
 
 /// A recorded run, all of it. Positions: s since its beginning.
@@ -125,7 +125,7 @@ class TimelineBuilder {
     SimTime stamp;
     std::uint64_t cell_moves = 0;
     std::size_t goals_reached = 0;
-    bool heard = false;
+    bool reported = false;
     std::optional<Guidance> guidance;
     bool stopped = false;
     bool lost = false;  // as the attention queue told once
@@ -152,15 +152,15 @@ class TimelineBuilder {
   /// The same, but it does not begin the recording.
   void Follow(double wall_s);
   void MoveWith(const RobotState& state);
-  std::size_t Add(Received heard);
+  std::size_t Add(Received value);
   /// `replaceable`: void as soon as the next one of `group` is heard.
-  void Add(const std::string& group, bool replaceable, Received heard);
+  void Add(const std::string& group, bool replaceable, Received value);
   void Mark(console::MarkKind kind, const std::string& robot, std::string text);
   void AddEvent(double wall_s, console::EventKind kind, const std::string& client,
                 const std::string& world, const std::string& robot, std::string text,
                 std::uint64_t revision);
-  void LookForAlerts(double wall_s);
-  void LookForSilence(double wall_s);
+  void UpdateAlerts(double wall_s);
+  void CheckSilence(double wall_s);
   std::vector<RobotCondition> RobotConditions() const;
 
   Timeline timeline_;

@@ -29,7 +29,6 @@ void AskThrough(OperatorClient& client, Person& person, const Clock& clock) {
   }
 }
 
-
 }  // namespace
 
 struct TeleoperatorTopics::RobotLink {
@@ -99,13 +98,13 @@ struct SimulatedOperatorService::RobotLink {
         snapshot(participant, bus::kSnapshot, name),
         attention(participant, bus::kAttention, name),
         guidance(participant, bus::kGuidance, name),
-        hold(participant, bus::kStopOrder, name) {}
+        stop(participant, bus::kStopOrder, name) {}
 
   bus::Subscriber<conav_msgs::msg::RobotState> state;
   bus::Subscriber<conav_msgs::msg::Snapshot> snapshot;
   bus::Subscriber<conav_msgs::msg::AttentionRequest> attention;
   bus::Subscriber<conav_msgs::msg::Guidance> guidance;
-  bus::Subscriber<conav_msgs::msg::StopOrder> hold;
+  bus::Subscriber<conav_msgs::msg::StopOrder> stop;
   bool stopped = false;
 };
 
@@ -169,7 +168,7 @@ void SimulatedOperatorService::TakeIn() {
   }
   for (const auto& robot : robots_) {
     for (const Guidance& guidance : robot->guidance.TakeValid(kToDomain)) person_.Receive(guidance);
-    for (const StopOrder& hold : robot->hold.TakeValid(kToDomain)) robot->stopped = hold.stopped;
+    for (const StopOrder& stop : robot->stop.TakeValid(kToDomain)) robot->stopped = stop.stopped;
     for (const RobotState& state : robot->state.TakeValid(kToDomain)) {
       person_.Receive(state);
       person_.Receive(state.stamp);
@@ -192,23 +191,23 @@ Health SimulatedOperatorService::Report() const {
     health.level = Health::Level::kWarning;
     health.message = "gave up on a request: " + counts.newest_problem;
   }
-  health.values = {{"open matters", std::to_string(person_.open())},
+  health.values = {{"open_items", std::to_string(person_.open())},
                    {"pictures", std::to_string(counts.pictures)},
-                   {"cells edited", std::to_string(counts.edits)},
-                   {"guidance given", std::to_string(counts.guidance)},
-                   {"requests refused", std::to_string(counts.refused)}};
+                   {"edited_cells", std::to_string(counts.edits)},
+                   {"given_guidance", std::to_string(counts.guidance)},
+                   {"refused_requests", std::to_string(counts.refused)}};
   return health;
 }
 
 Health SimulatedOperatorService::ReportTeleoperation() const {
   const SyntheticTeleoperator::Counts& counts = teleoperator_->person().counts();
   Health health{Health::Level::kOk, "synthetic person steers by keys", {}};
-  health.values = {{"robots with goals left", std::to_string(teleoperator_->person().open())},
+  health.values = {{"robots_with_goals_left", std::to_string(teleoperator_->person().open())},
                    {"keys", std::to_string(counts.keys)},
                    {"bumps", std::to_string(counts.bumps)},
                    {"meetings", std::to_string(counts.meetings)},
-                   {"cells edited", std::to_string(counts.edits)},
-                   {"requests refused", std::to_string(counts.refused)}};
+                   {"edited_cells", std::to_string(counts.edits)},
+                   {"refused_requests", std::to_string(counts.refused)}};
   return health;
 }
 

@@ -13,7 +13,7 @@ void ServiceMonitor::Step() {
       services_[health.process] = {health.process, health.level, health.message, now, false};
     }
   }
-  for (auto& [name, service] : services_) service.silent = now - service.heard_at > kSilentAfter;
+  for (auto& [name, service] : services_) service.silent = now - service.received_at > kSilentAfter;
 }
 
 namespace {

@@ -20,7 +20,7 @@ struct ServiceStatus {
   std::string name;
   Health::Level level = Health::Level::kOk;
   std::string message;
-  Clock::TimePoint heard_at{};
+  Clock::TimePoint received_at{};
   bool silent = false;  // for longer than kSilentAfter
 };
 

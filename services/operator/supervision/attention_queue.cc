@@ -318,10 +318,10 @@ Result<AttentionItem> AttentionQueue::Select(const std::string& client, const Se
   AttentionItem* item = Find(select.robot, select.reason);
   if (item == nullptr) {
     return Fail(ErrorCode::kRefused,
-                fmt::format("robot '{}' does not ask for that any more", select.robot));
+                fmt::format("robot '{}' no longer asks for that", select.robot));
   }
   if (!item->selected_by.empty() && item->selected_by != client) {
-    return Fail(ErrorCode::kRefused, fmt::format("{} works on that of robot '{}' already",
+    return Fail(ErrorCode::kRefused, fmt::format("{} already works on the request of robot '{}'",
                                                  item->selected_by, select.robot));
   }
   for (AttentionItem& other : items_) {

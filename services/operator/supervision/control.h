@@ -38,7 +38,7 @@ class ControlRegistry {
  public:
   struct Robot {
     std::string world;
-    StopOrder hold;  // revision 0 = never stopped
+    StopOrder stop;  // revision 0 = never stopped
     std::string holder;
     std::string reason;
     Clock::TimePoint held_until{};

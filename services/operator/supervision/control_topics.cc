@@ -12,10 +12,10 @@ ControlTopics::ControlTopics(bus::Participant& participant, const OperatorConfig
     : store_(store),
       clock_(clock),
       registry_(WorldOfRobot("operator", config.robots), config.control) {
-  for (const auto& [robot, hold] : store.holds()) registry_.Adopt(hold);
+  for (const auto& [robot, stop] : store.stops()) registry_.Adopt(stop);
   for (const auto& [name, robot] : registry_.robots()) {
-    holds_[name] = std::make_unique<StopPublisher>(participant, bus::kStopOrder, name);
-    if (robot.hold.revision > 0) Publish(robot.hold);
+    stops_[name] = std::make_unique<StopPublisher>(participant, bus::kStopOrder, name);
+    if (robot.stop.revision > 0) Publish(robot.hold);
   }
 }
 
@@ -69,14 +69,14 @@ std::string ControlTopics::CheckAllowed(const OperatorRequest& request) const {
   const auto* drive = std::get_if<DriveRequest>(&request.body);
   if (drive == nullptr || drive->drive == DriveAction::kStop) return "";
   const auto found = registry_.robots().find(drive->robot);
-  if (found != registry_.robots().end() && found->second.hold.stopped) {
-    return drive->robot + " is stopped: let it go first";
+  if (found != registry_.robots().end() && found->second.stop.stopped) {
+    return drive->robot + " is stopped: resume it first";
   }
   return registry_.CheckCommand(request.client, drive->robot, now);
 }
 
 void ControlTopics::Publish(const StopOrder& order) {
-  bus::Send(*holds_.at(order.robot), ToMessage(order));
+  bus::Send(*stops_.at(order.robot), ToMessage(order));
 }
 
 }  // namespace conav::operators

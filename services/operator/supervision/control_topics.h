@@ -17,7 +17,7 @@ namespace conav::operators {
 /// The operator service's word on who commands which robot, and which robots stand (ControlRegistry): on
 /// disk first, then on the bus. After a restart stopped robots stay stopped; control is taken anew.
 ///
-/// Publishes a robot's newest hold order at once, when there is one.
+/// Publishes a robot's newest stop order at once, when there is one.
 /// Threads: one, the service's.
 class ControlTopics {
  public:
@@ -47,7 +47,7 @@ class ControlTopics {
   BeliefStore& store_;
   const Clock& clock_;
   ControlRegistry registry_;
-  std::map<std::string, std::unique_ptr<StopPublisher>> holds_;  // by robot
+  std::map<std::string, std::unique_ptr<StopPublisher>> stops_;  // by robot
 };
 
 }  // namespace conav::operators

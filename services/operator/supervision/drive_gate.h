@@ -47,7 +47,7 @@ class DriveGate {
  private:
   struct Robot {
     std::string world;
-    bool heard = false;
+    bool reported = false;
     std::uint64_t newest_order = 0;
     std::string driver;
     Clock::TimePoint driven_at{};
@@ -55,7 +55,7 @@ class DriveGate {
   struct Client {
     std::uint64_t newest_request = 0;
     OperatorReply reply;
-    Clock::TimePoint heard_at{};
+    Clock::TimePoint newest_at{};
   };
 
   std::optional<std::string> CheckAllowed(const OperatorRequest& request, const DriveRequest& drive,

@@ -204,9 +204,9 @@ TEST_CASE("a stopped robot stays stopped over a restart, and the page sees by wh
   CHECK(control.stop_reason() == "a cat");
   CHECK_THAT(bench.page.Ask(DriveOf(console::DRIVE_FORWARD)).reason(), Catch::Contains("stopped"));
   bus::Subscriber<conav_msgs::msg::StopOrder> late(bench.other, bus::kStopOrder, "r1");
-  const auto holds = late.Take();
-  REQUIRE(holds.size() == 1);
-  CHECK(holds[0].stopped());
+  const auto stops = late.Take();
+  REQUIRE(stops.size() == 1);
+  CHECK(stops[0].stopped());
 }
 
 TEST_CASE("the command log has a refused request once, and no low-level actions",

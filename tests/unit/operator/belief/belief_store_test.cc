@@ -162,7 +162,7 @@ TEST_CASE("What was decided elsewhere is kept with its orders, and its repeat is
     REQUIRE(store.Keep(stop, {order}).changed);
   }
   BeliefStore reopened = OpenStore(folder / "operator.db");
-  CHECK(reopened.holds() == std::map<std::string, StopOrder>{{"r1", order}});
+  CHECK(reopened.stops() == std::map<std::string, StopOrder>{{"r1", order}});
   REQUIRE(reopened.FindRepeat(stop));
   CHECK(reopened.FindRepeat(stop)->reply.accepted);
   CHECK_FALSE(reopened.FindRepeat(stop)->changed);

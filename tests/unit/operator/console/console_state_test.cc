@@ -102,7 +102,7 @@ TEST_CASE("begun anew, only the session is left", "[operator][console]") {
   StateBench bench;
   bench.state.Receive(At(9, {1, 1}), 0.0);
   bench.state.Receive(Answering(0));
-  bench.state.BeginAnew();
+  bench.state.Reset();
   CHECK(AllOf(bench.log).size() == 1);
   CHECK(bench.state.TimeOf("w1") == SimTime{});
   bench.state.Receive(At(3, {1, 1}), 0.0);

@@ -80,9 +80,9 @@ TEST_CASE("Anybody stops robots, whoever has control, orders count once they are
   REQUIRE(orders);
   REQUIRE(orders->size() == 3);
   CHECK((*orders)[2] == StopOrder{{5}, "w2", "r3", 1, true, "ben", "fire"});
-  CHECK_FALSE(bench.book.robots().at("r3").hold.stopped);
+  CHECK_FALSE(bench.book.robots().at("r3").stop.stopped);
   for (const StopOrder& order : *orders) bench.book.Adopt(order);
-  CHECK(bench.book.robots().at("r3").hold.stopped);
+  CHECK(bench.book.robots().at("r3").stop.stopped);
   CHECK(bench.book.Stop("ben", {{"r3"}, ""}, {6})->empty());
   const auto go = bench.book.Go("anna", {{"r3"}}, {7});
   REQUIRE(go->size() == 1);
@@ -100,8 +100,8 @@ TEST_CASE("A robot that is not known is refused by name", "[operator][control]")
 
 TEST_CASE("Robots may stand from the start until somebody lets them go", "[operator][control]") {
   const ControlRegistry book(kRobots, ControlOptions{60.0, true});
-  CHECK(book.robots().at("r1").hold.stopped);
-  CHECK(book.robots().at("r1").hold.revision == 1);
+  CHECK(book.robots().at("r1").stop.stopped);
+  CHECK(book.robots().at("r1").stop.revision == 1);
   CHECK(book.Go("anna", {{"r1"}}, {})->front().revision == 2);
 }
 
