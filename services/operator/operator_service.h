@@ -29,13 +29,14 @@ namespace conav::operators {
 /// Owns the belief of each world and the guidance of each robot, and answers the requests of all
 /// clients, one after the other.
 ///
-/// Serves a world from the moment that the simulator's initial map arrives. A world that is not in the
-/// database gets revision 0; of one that is, the stored belief and guidance are published, both
-/// latched. Until then its requests wait: those of the bus for their repeat, those of pages here until
-/// they expire. An initial map that differs from the stored one is refused: nothing is published for
-/// that world, its requests are refused with that reason, and /diagnostics shows an error. A change is
-/// on disk before it is published, and published before it is acknowledged. A repeated request gets
-/// the answer of the first time, however late it comes and whichever client has control by then.
+/// Serves a world from the moment that the simulator's initial map arrives. A world that is not in
+/// the database gets revision 0; of one that is, the stored belief and guidance are published, both
+/// latched. Until then its requests wait: those of the bus for their repeat, those of pages here
+/// until they expire. An initial map that differs from the stored one is refused: nothing is
+/// published for that world, its requests are refused with that reason, and /diagnostics shows an
+/// error. A change is on disk before it is published, and published before it is acknowledged. A
+/// repeated request gets the answer of the first time, however late it comes and whichever client
+/// has control by then.
 ///
 /// Simulation time of a world is the newest stamp of its robots' states; until the first one it is
 /// 0. Guidance for a robot that never reported is refused. A robot that has sent fewer pictures
@@ -43,11 +44,10 @@ namespace conav::operators {
 /// fails, requests are refused with that reason, /diagnostics shows an error, and the service goes
 /// on. Keeps the operator's attention queue (AttentionTopics). Passes low-level actions on to the
 /// planner at once (DriveGate); they are not stored. Receives each picture once, for the pages and
-/// the recording: its pixels are moved. With `recording.file` it also receives true maps and records
-/// the session. With `task.kind` a participant goes through a maze of the mapping task here
+/// the recording: its pixels are moved. With `recording.file` it also receives true maps and
+/// records the session. With `task.kind` a participant goes through a maze of the mapping task here
 /// (TaskTopics). With `console.port` it serves the console's page and answers its requests like all
-/// others.
-/// Threads: one; Run() or repeated Step().
+/// others. Threads: one; Run() or repeated Step().
 class OperatorService {
  public:
   /// `participant` and `clock` outlive the service. Throws StartupError: the database cannot be
@@ -84,7 +84,8 @@ class OperatorService {
   void AnswerPages();
   /// A repeat gets its first reply. Anything else is refused or carried out. Nothing: no reply yet,
   /// the world is not served. `refusal`: the console's, empty = none.
-  /// `replaced_by`: a newer low-level action that arrived in the same step; null when there is none.
+  /// `replaced_by`: a newer low-level action that arrived in the same step; null when there is
+  /// none.
   std::optional<OperatorReply> Answer(const OperatorRequest& request, std::string refusal,
                                       const OperatorRequest* replaced_by);
   BeliefStore::Answer Decide(const OperatorRequest& request);

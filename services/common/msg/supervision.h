@@ -79,8 +79,8 @@ struct DriveOrder {
   bool operator==(const DriveOrder&) const = default;
 };
 
-/// Why something asks for the operator. Robots ask for the first four, kNone = no more; the operator
-/// service finds the rest.
+/// Why something asks for the operator. Robots ask for the first four, kNone = no more; the
+/// operator service finds the rest.
 enum class AttentionReason : std::uint8_t {
   kNone = 0,
   kPicture = 1,
@@ -180,9 +180,9 @@ struct OperatorReply {
   bool operator==(const OperatorReply&) const = default;
 };
 
-/// `request` with names, sizes and ranges that hold: what every client's requests pass, however they
-/// came. Whether a path is connected and edits fit the map is for the operator service, which can
-/// answer. Errors: kMalformed names the field, the value and the limit.
+/// `request` with names, sizes and ranges that hold: what every client's requests pass, however
+/// they came. Whether a path is connected and edits fit the map is for the operator service, which
+/// can answer. Errors: kMalformed names the field, the value and the limit.
 [[nodiscard]] Result<OperatorRequest> Checked(OperatorRequest request);
 
 /// The reply that refuses `request`.

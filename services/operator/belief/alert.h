@@ -11,7 +11,7 @@ enum class Severity : std::uint8_t { kNotice, kWarning, kAlarm };
 
 /// Something that is wrong now.
 struct Condition {
-  std::string key;  // the same for the same matter
+  std::string key;  // the same for the same condition
   Severity severity = Severity::kWarning;
   std::string source;  // robot, world or service
   std::string text;
@@ -19,8 +19,8 @@ struct Condition {
   bool operator==(const Condition&) const = default;
 };
 
-/// What was looked at: matters that are wrong now, and the keys of those that are not. Of a matter in
-/// neither list nobody knows, as of a robot that was not heard of yet.
+/// Conditions that are true now, and the keys of those that are not. A condition in neither list is
+/// unknown, as for a robot that has not reported yet.
 struct Findings {
   std::vector<Condition> wrong;
   std::vector<std::string> fine;

@@ -331,7 +331,7 @@ BeliefStore::Answer BeliefStore::SaveAsAnswer(const OperatorRequest& request, Gu
 BeliefStore::Answer BeliefStore::Refuse(const OperatorRequest& request, std::string reason,
                                         std::uint64_t revision) {
   const OperatorReply reply = Refusal(request, std::move(reason), revision);
-  // A refusal is as final as an acceptance. When it cannot be stored, a repeat is judged anew,
+  // A refusal is as final as an acceptance. When it cannot be stored, a repeat is decided again,
   // which changes nothing that was acknowledged.
   const auto saved = database_.Transaction([&] { return SaveRequest(database_, request, reply); });
   return {reply, false, saved.has_value(), saved ? "" : saved.error().text};

@@ -10,8 +10,8 @@
 namespace conav::operators {
 namespace {
 
-/// A Cell with two numbers of two bytes (maps have up to 1024 rows and columns), its tag and length; a
-/// CellEdit with one of these and `wall`, its tag and length.
+/// A Cell with two numbers of two bytes (maps have up to 1024 rows and columns), its tag and
+/// length; a CellEdit with one of these and `wall`, its tag and length.
 constexpr std::size_t kPathCellBytes = 8;
 constexpr std::size_t kEditCellBytes = 12;
 /// The rest of a request: names, numbers, the messages around.

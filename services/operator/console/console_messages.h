@@ -27,8 +27,8 @@ std::vector<Cell> CellsAt(std::span<const Position> positions, const GridGeometr
 
 }  // namespace conav::operators
 
-/// idl/console.proto as bytes. An update is encoded once, however many pages get it: encoded updates
-/// one behind the other are the body of a console::Updates.
+/// idl/console.proto as bytes. An update is encoded once, however many pages get it: encoded
+/// updates one behind the other are the body of a console::Updates.
 namespace conav::operators {
 
 /// `update` as an element of console::Updates.update.
@@ -44,7 +44,8 @@ std::string Encode(const console::ServerMessage& message);
 
 }  // namespace conav::operators
 
-/// Domain values as idl/console.proto has them. `received_s`: wall time of the service, s since 1970.
+/// Domain values as idl/console.proto has them. `received_s`: wall time of the service, s since
+/// 1970.
 namespace conav::operators {
 
 /// What a page is shown of: `robots` are entries "world/robot" as WorldOfRobot takes them, and keep

@@ -18,7 +18,8 @@ constexpr double kHealthPeriod = 1.0;    // s, of a process that says the same
 constexpr std::size_t kTrailPiece = 64;  // cells
 
 /// Cells that were entered after the trail's last one. The state's path leads there, unless states
-/// between were not heard: then with a gap. `moves`: cells entered since, 0 where nobody counts.
+/// between were not received: then with a gap. `moves`: cells entered since, 0 where it is not
+/// counted.
 std::vector<Cell> NewCells(const std::vector<Cell>& trail, const RobotState& state,
                            std::uint64_t moves) {
   const std::vector<Cell>& path = state.path;
@@ -42,8 +43,8 @@ bool IsDue(double said_at_s, double now_s, double period_s) {
   return std::abs(now_s - said_at_s) >= period_s;
 }
 
-/// Of "robot/r1", "trail/r1/3", ...: kind and robot; what a robot told of its run, and the operator
-/// did not make.
+/// Of "robot/r1", "trail/r1/3", ...: kind and robot; what a robot reported of its run, and the
+/// operator did not make.
 bool IsFromRobots(std::string_view key, const std::set<std::string, std::less<>>& robots) {
   constexpr std::array<std::string_view, 8> kKinds{"robot",  "seen",       "trail",   "plan",
                                                    "search", "prediction", "picture", "goal_pose"};
@@ -101,7 +102,7 @@ void ConsoleState::Receive(const RobotState& state, double received_s) {
   RobotMemory& memory = robots_[state.robot];
   memory.world = state.world;
   memory.stamp = state.stamp;
-  if (state.snapshots < memory.answered) memory.answered = 0;  // it counts them anew
+  if (state.snapshots < memory.answered) memory.answered = 0;  // a new run
   ExtendTrail(memory, state);
   console::Update update;
   *update.mutable_robot() = ToConsole(state, received_s);

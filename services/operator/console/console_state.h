@@ -13,7 +13,7 @@
 
 namespace conav::operators {
 
-/// How a process is, as it said last.
+/// The newest health of a process.
 struct ServiceHealth {
   std::string name;
   console::Level level = console::LEVEL_OK;
@@ -21,7 +21,7 @@ struct ServiceHealth {
   bool operator==(const ServiceHealth&) const = default;
 };
 
-/// Somebody who looks at the console.
+/// A person at the console.
 struct Person {
   std::string client;
   std::string name;
@@ -32,11 +32,10 @@ struct Person {
 /// Folds what happens into the updates that pages show (idl/console.proto says which): live in the
 /// operator service, from a recording in a replay.
 ///
-/// A robot whose time goes back belongs to a new run of its world: what the robots of that world told
-/// is forgotten. What the operator made (map, guidance, the log of commands) is not.
-/// `received_s`, `now_s`: wall time, s since 1970, when something was said, and the present. They never
-/// decide anything but how often something is passed on.
-/// Threads: one caller; `log` may be read by others.
+/// A robot whose time goes back belongs to a new run of its world: what the robots of that world
+/// reported is forgotten. What the operator made (map, guidance, the command log) is kept.
+/// `received_s`, `now_s`: wall time, s since 1970, when something was sent, and the present. They
+/// only decide how often something is passed on. Threads: one caller; `log` may be read by others.
 class ConsoleState {
  public:
   /// Of each robot; older ones are forgotten.
@@ -59,7 +58,8 @@ class ConsoleState {
   void Receive(const SearchReport& report);
   /// A snapshot that is not streamed, without an answer.
   void Receive(console::Picture picture);
-  /// The newest picture of `robot` counts as if it had come then: a replay's time goes on otherwise.
+  /// The newest picture of `robot` counts as if it had come then: a replay's time goes on
+  /// otherwise.
   void ReceiveSnapshotAgain(const std::string& robot, double now_s);
   /// What the model expects the operator to do with the picture of that number.
   void Receive(const std::string& robot, const std::string& world, std::uint64_t snapshot,

@@ -84,7 +84,7 @@ std::vector<Prediction> PredictionClient::Step() {
 namespace {
 
 constexpr std::uint32_t kMostEdits = 65536;  // cells of a request, as on the bus
-/// s; requests that were answered are remembered for longer, so that no repeat is carried out anew.
+/// s; answered requests are remembered for longer, so that no repeat is carried out twice.
 constexpr double kLongestValid = 3600.0;
 constexpr double kDriveAdvisedAgainst = 0.3;  // s, round trip
 constexpr double kDriveRefused = 1.0;         // s, round trip
@@ -116,8 +116,7 @@ console::Welcome WelcomeOf(const OperatorConfig& config) {
   return welcome;
 }
 
-/// When something was said, as pages are told: hosts' clocks may differ, but nothing comes before it
-/// was said.
+/// When a message was published: hosts' clocks may differ, but it is not in the future.
 double ReceivedAt(bus::SourceTime source) { return std::min(ToWallSeconds(source), WallSeconds()); }
 
 }  // namespace

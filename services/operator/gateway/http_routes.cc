@@ -107,7 +107,7 @@ HttpResponse Text(unsigned status, std::string text) {
   return response;
 }
 
-/// What browsers shall not let this page, or a page around it, do.
+/// Restricts what browsers allow this page, and pages that embed it.
 void AddSecurityHeaders(HttpResponse& response) {
   response.headers.emplace_back(
       "Content-Security-Policy",
@@ -118,7 +118,8 @@ void AddSecurityHeaders(HttpResponse& response) {
   response.headers.emplace_back("Cross-Origin-Resource-Policy", "same-origin");
 }
 
-/// The first of a list that is separated by `separator`, without blanks around it; it leaves `list`.
+/// The first of a list that is separated by `separator`, without blanks around it; it leaves
+/// `list`.
 std::string_view TakeFirst(std::string_view& list, char separator) {
   const auto end = std::min(list.find(separator), list.size());
   std::string_view one = list.substr(0, end);
@@ -137,8 +138,8 @@ bool TakesGzip(std::string_view accept_encoding) {
   return false;
 }
 
-/// Whether a browser that has one of `if_none_match` has `etag` (RFC 9110, 13.1.2: the weak comparison,
-/// because proxies that compress make it weak).
+/// Whether a browser that has one of `if_none_match` has `etag` (RFC 9110, 13.1.2: the weak
+/// comparison, because proxies that compress make it weak).
 bool IsAmong(std::string_view if_none_match, std::string_view etag) {
   if (if_none_match == "*") return true;
   while (!if_none_match.empty()) {

@@ -62,7 +62,7 @@ bool IsInstance(std::string_view text) {
          text.find_first_not_of("0123456789abcdefghijklmnopqrstuvwxyz-") == std::string_view::npos;
 }
 
-/// Of UTF-8.
+/// The number of characters in UTF-8.
 std::size_t Characters(std::string_view text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
@@ -160,7 +160,7 @@ std::optional<PageIdentity> PageFeed::Identify(const console::Hello& hello) {
     return std::nullopt;
   }
   const std::string part = ClientPart(hello.name()).substr(0, kNameLimit);
-  // Everybody sees what a page is called; nobody who knows that may speak for it.
+  // Everybody sees a page's client name; knowing it must not be enough to act for it.
   const std::string secret = hello.token() + "\n" + hello.instance();
   return PageIdentity{part + "/" + Sha256Hex(secret).substr(0, kClientDigits), hello.name(), *role};
 }
@@ -254,7 +254,7 @@ std::optional<std::string> PageFeed::NextState(Clock::TimePoint now) {
 void PageFeed::NoteTaken(std::uint64_t messages) {
   if (messages <= taken_ || messages > sent_) return;
   taken_ = messages;
-  rate_.GiveBack();  // it says no more than it was sent
+  rate_.GiveBack();  // at most one for each message that it was sent
 }
 
 std::optional<std::string> PageFeed::NextUpdates(Clock::TimePoint now) {
@@ -264,7 +264,7 @@ std::optional<std::string> PageFeed::NextUpdates(Clock::TimePoint now) {
     return std::nullopt;
   }
   const auto batch = context_.updates.After(generation_, sequence_, kBatchBytes);
-  if (batch.generation != generation_) {  // a world has begun anew
+  if (batch.generation != generation_) {  // a new run of a world
     if (context_.welcome.mode() != console::MODE_REPLAY) {
       End("a new run began");
       return Next(now);
@@ -292,7 +292,7 @@ std::optional<FrameSlots::Slot> PageFeed::NewestFrame() const {
     return found == newer.end() ? std::nullopt : std::optional(found->second);
   }
   if (newer.empty()) return std::nullopt;
-  // Round and round, or the first robot alone is seen on a slow connection.
+  // In turn, or a slow connection would only show the first robot.
   const auto next = newer.upper_bound(last_frame_of_);
   return next == newer.end() ? newer.begin()->second : next->second;
 }

@@ -13,9 +13,10 @@ namespace conav::bag {
 bool AddDescription(const Record& record, McapContents& contents);
 
 /// ReadContents without a summary: reads every record of the data section, and unpacks every chunk.
-/// A record that the end of the file cuts off and what is no record (zeros, which a loss of power can
-/// leave) end the data; chunks that are damaged are left out, and so are messages whose topics were
-/// described in these. `cut_off` tells all that, and is never empty: the summary is missing at least.
+/// A record that the end of the file cuts off and what is no record (zeros, which a loss of power
+/// can leave) end the data; chunks that are damaged are left out, and so are messages whose topics
+/// were described in these. `cut_off` describes that, and is never empty: the summary is missing at
+/// least.
 [[nodiscard]] Result<McapContents> ScanContents(const InputFile& file);
 
 namespace {
@@ -247,7 +248,7 @@ Result<void> ReadMetadataAt(const InputFile& file, const MetadataIndex& index,
   return {};
 }
 
-/// Whether the summary tells everything that the data section does.
+/// Whether the summary covers the whole data section.
 bool IsEnough(const McapContents& contents, bool has_statistics) {
   const Statistics& statistics = contents.statistics;
   return has_statistics && statistics.chunk_count == contents.chunks.size() &&

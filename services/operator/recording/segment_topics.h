@@ -16,12 +16,12 @@
 
 namespace conav::operators {
 
-/// Records the sessions of the operator service: receives pictures, true maps, edits and guidance, and
-/// appends each completed segment to the file at once, so that a kill loses none.
+/// Records the sessions of the operator service: receives pictures, true maps, edits and guidance,
+/// and appends each completed segment to the file at once, so that a kill loses none.
 ///
-/// A segment that cannot be written is lost, logged and counted; one whose picture cannot be written
-/// is recorded without it, which is logged and counted, too. The service goes on.
-/// Threads: one, the service's.
+/// A segment that cannot be written is lost, logged and counted; one whose picture cannot be
+/// written is recorded without it, which is logged and counted, too. The service goes on. Threads:
+/// one, the service's.
 class SegmentTopics {
  public:
   /// `participant` and `clock` outlive it. `world_of_robot`: robots and worlds that are recorded.

@@ -31,7 +31,7 @@ bool IsAnswer(const std::optional<Guidance>& before, const Guidance& now) {
   return same && now.answers_snapshot > before->answers_snapshot;
 }
 
-/// Nothing else that is recorded tells of these.
+/// The recording says this in no other way.
 bool IsOfControl(const OperatorRequest& request) {
   return std::holds_alternative<TakeControlRequest>(request.body) ||
          std::holds_alternative<ReleaseControlRequest>(request.body);
@@ -106,7 +106,7 @@ void TimelineBuilder::Receive(double wall_s, RobotState state) {
   MoveTo(wall_s);
   MoveWith(state);
   RobotMemory& robot = robots_[state.robot];
-  // Where it has been is told by the states in which it enters a cell.
+  // The trail needs the states in which it enters a cell.
   const bool moved =
       !robot.reported || state.stamp < robot.stamp || state.cell_moves != robot.cell_moves;
   if (robot.reported && state.goals_reached.size() > robot.goals_reached) {
@@ -222,7 +222,7 @@ void TimelineBuilder::ReceiveFrame(double wall_s, StreamFrame frame) {
 void TimelineBuilder::Receive(double wall_s, AttentionQueueState queue) {
   Follow(wall_s);
   items_ = queue.items;
-  // The notice leaves the queue after a while; the robot is lost until it is heard again.
+  // The notice leaves the queue after a while; the robot is lost until it reports again.
   for (const AttentionItem& item : items_) {
     if (item.reason == AttentionReason::kLinkLost) robots_[item.robot].lost = true;
   }

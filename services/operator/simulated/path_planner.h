@@ -59,7 +59,7 @@ class PathPlanner {
   explicit PathPlanner(PathPlannerParameters parameters) : parameters_(std::move(parameters)) {}
 
   /// 4-connected cells from `start` on, `start` included; never through `impassable` cells (of
-  /// which the operator was told for certain) or the border. Goals that cannot be reached are left
+  /// which the operator knows for certain) or the border. Goals that cannot be reached are left
   /// out; without any the path is {start}. Errors: kOutOfRange for a start or goal outside of the
   /// map.
   [[nodiscard]] Result<std::vector<Cell>> Plan(const BeliefGrid& belief,

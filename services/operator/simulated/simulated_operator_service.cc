@@ -12,7 +12,7 @@
 namespace conav::operators {
 namespace {
 
-/// Tells a synthetic person what came of its requests, and asks for what it wants next.
+/// Passes replies to a synthetic person, and sends its next request.
 /// Does not block.
 template <class Person>
 void AskThrough(OperatorClient& client, Person& person, const Clock& clock) {

@@ -59,7 +59,7 @@ void SyntheticTeleoperator::ReceiveCellSize(const std::string& world, double cel
 void SyntheticTeleoperator::Receive(const RobotState& state) {
   Robot* robot = Find(state.robot, state.world);
   if (robot == nullptr) return;
-  // A simulator that started anew: so does the person, for this robot.
+  // A new run of the simulator: the person starts again for this robot.
   if (robot->state && state.stamp < robot->state->stamp) {
     *robot = Robot{};
     robot->world = state.world;

@@ -30,9 +30,9 @@ namespace conav::operators {
 /// simulator that runs as fast as it is commanded everything is the same for a seed; with several
 /// robots in a world, as far as their states arrive in one order. After a pause (wall time) a key
 /// that was refused is pressed again, the same one where nothing has changed since (a service that
-/// has not heard of the robot yet, say); one that is not carried out is chosen anew.
-/// One request is under way at a time: after Next() gave one, Answered() must follow.
-/// Pure; threads: not synchronised. Source: paper section 6.2.
+/// has not received the robot's state yet, for example); one that is not carried out is chosen
+/// again. One request is under way at a time: after Next() gave one, Answered() must follow. Pure;
+/// threads: not synchronised. Source: paper section 6.2.
 class SyntheticTeleoperator {
  public:
   SyntheticTeleoperator(const SyntheticOperatorParameters& parameters, std::uint64_t seed,
@@ -64,7 +64,7 @@ class SyntheticTeleoperator {
     std::string world;
     std::optional<RobotState> state;
     std::uint64_t newest_picture = 0;  // sequence number
-    std::deque<Snapshot> unseen;       // heard, not looked at
+    std::deque<Snapshot> unseen;       // received, not looked at
     std::uint64_t order = 0;           // newest that was passed on; 0 = none of ours
     Clock::TimePoint ordered_at{};
     std::uint64_t judged_order = 0;  // whose outcome was looked at

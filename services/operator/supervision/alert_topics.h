@@ -15,7 +15,7 @@
 
 namespace conav::operators {
 
-/// How a process is, as it said last on /diagnostics.
+/// The newest report of a process on /diagnostics.
 struct ServiceStatus {
   std::string name;
   Health::Level level = Health::Level::kOk;
@@ -51,7 +51,7 @@ class AlertTopics {
   static bool Handles(const OperatorRequest& request);
   /// Requires Handles(request), and that it is no repeat. `now_s`: wall time.
   BeliefStore::Answer Answer(const OperatorRequest& request, double now_s);
-  /// All that was looked at.
+  /// Raises and ends alerts.
   void Update(const std::vector<RobotCondition>& robots,
               const std::map<std::string, ServiceStatus>& services,
               const std::optional<std::string>& storage_failure, double now_s);

@@ -14,8 +14,8 @@
 
 namespace conav::operators {
 
-/// The operator service's word on who commands which robot, and which robots stand (ControlRegistry): on
-/// disk first, then on the bus. After a restart stopped robots stay stopped; control is taken anew.
+/// Control and stops of robots (ControlRegistry): on disk first, then on the bus. After a restart
+/// stopped robots stay stopped; nobody has control.
 ///
 /// Publishes a robot's newest stop order at once, when there is one.
 /// Threads: one, the service's.
@@ -30,7 +30,7 @@ class ControlTopics {
   BeliefStore::Answer Answer(const OperatorRequest& request, SimTime now);
   /// Why another client's control forbids `request`; empty = it does not.
   std::string CheckAllowed(const OperatorRequest& request) const;
-  /// `client` asked for something, whatever it is, that was not refused for want of control.
+  /// A request of `client` was not refused because of another client's control.
   void Renew(const std::string& client) { registry_.Renew(client, clock_.Now()); }
   void Leave(const std::string& client) { registry_.ReleaseAll(client); }
   void Step() { registry_.Expire(clock_.Now()); }

@@ -9,7 +9,7 @@
 namespace conav::operators {
 namespace {
 
-/// A client that was not heard of for so long repeats nothing any more.
+/// A client that was silent for so long no longer repeats requests.
 constexpr std::chrono::seconds kClientMemory{60};
 
 }  // namespace
