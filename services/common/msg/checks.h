@@ -12,7 +12,7 @@
 #include "common/grid/grid.h"
 #include "common/runtime/result.h"
 
-/// Limits of values from other programs, whatever they travel in. Used by the converters only.
+/// Limits and checks of values from other programs, in IDL or protobuf; for converters only.
 namespace conav::convert {
 
 inline constexpr std::uint32_t kMaxSide = 1024;           // rows, columns
@@ -27,15 +27,15 @@ inline constexpr std::size_t kMaxActions = 4096;          // at the root of a se
 inline constexpr std::size_t kMaxQueries = 1024;          // in one perception request
 inline constexpr std::size_t kMaxQueryValues = 1U << 24;  // cells of all beliefs of a request
 
-/// Collects the first thing that is wrong with a value. Each check returns the value, or a harmless
-/// one when it was refused; the caller looks at `failed()` once, at the end.
+/// Collects the first error of a message or request. Each check returns the value, or a harmless one
+/// on failure; the caller looks at `failed()` once, at the end.
 class ValueChecks {
  public:
   bool failed() const { return error_.has_value(); }
   tl::unexpected<Error> failure() const { return tl::unexpected<Error>(*error_); }
   void Refuse(std::string text);
 
-  /// World or robot.
+  /// A name of a world or robot.
   std::string Name(std::string_view field, const std::string& value);
   std::string Client(std::string_view field, const std::string& value);
   /// The same, or empty.
@@ -70,7 +70,7 @@ class ValueChecks {
               std::uint32_t columns = kMaxSide);
   /// False when rows or columns are not in [1, kMaxSide].
   bool Shape(std::uint32_t rows, std::uint32_t columns);
-  /// rows x columns probabilities in [0, 1]. Requires that Shape() agreed.
+  /// rows x columns probabilities in [0, 1]. Requires that Shape() returned true.
   Grid<float> Probabilities(std::string_view field, const std::vector<float>& values, int rows,
                             int columns);
 

@@ -14,7 +14,7 @@
 #include "conav_robot.h"
 #include "ros2_interfaces.h"
 
-/// Parts of convert_*.cc only.
+/// Checks that the convert_*.cc files share; for them only.
 namespace conav::convert {
 
 /// The checks of what generated IDL types carry.
@@ -28,7 +28,7 @@ class Checks : public ValueChecks {
   std::vector<Cell> Cells(std::string_view field, const std::vector<conav_msgs::msg::Cell>& message,
                           std::size_t limit = kMaxPath, std::uint32_t rows = kMaxSide,
                           std::uint32_t columns = kMaxSide);
-  /// Sorts what a foreign sender left unsorted; refuses a cell that is in both lists.
+  /// Sorts the cells of a foreign sender; rejects a cell that is in both lists.
   VisibleCells Visible(const std::string& prefix,
                        const std::vector<conav_msgs::msg::Cell>& free_cells,
                        const std::vector<conav_msgs::msg::Cell>& wall_cells,

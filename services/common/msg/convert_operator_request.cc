@@ -24,7 +24,7 @@ EditRequest ToEditRequest(const conav_msgs::msg::OperatorRequest& message) {
   return request;
 }
 
-/// As it is written: Checked() looks at the values. False when `message` asks for nothing known.
+/// Copies the values, which Checked() checks. False for an unknown kind of request.
 bool ReadBody(Checks& checks, const conav_msgs::msg::OperatorRequest& message,
               OperatorRequest& request) {
   namespace msg = conav_msgs::msg;

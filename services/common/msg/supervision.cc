@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kLongest = 1.0e6;  // s
 
-/// What is wrong with the body of a request; texts become readable.
+/// Checks the body of a request; makes texts readable.
 struct CheckBody {
   convert::ValueChecks& checks;
 
