@@ -27,8 +27,8 @@ inline constexpr std::size_t kMaxActions = 4096;          // at the root of a se
 inline constexpr std::size_t kMaxQueries = 1024;          // in one perception request
 inline constexpr std::size_t kMaxQueryValues = 1U << 24;  // cells of all beliefs of a request
 
-/// Collects the first error of a message or request. Each check returns the value, or a harmless one
-/// on failure; the caller looks at `failed()` once, at the end.
+/// Collects the first error of a message or request. Each check returns the value, or a harmless
+/// one on failure; the caller looks at `failed()` once, at the end.
 class ValueChecks {
  public:
   bool failed() const { return error_.has_value(); }

@@ -182,9 +182,9 @@ struct OperatorReply {
   bool operator==(const OperatorReply&) const = default;
 };
 
-/// `request` when its names, sizes and ranges are valid; for requests from the bus and from pages. The
-/// operator service, which can reply, checks whether a path is connected and edits fit.
-/// Errors: kMalformed names the field, the value and the limit.
+/// `request` when its names, sizes and ranges are valid; for requests from the bus and from pages.
+/// The operator service, which can reply, checks whether a path is connected and edits fit. Errors:
+/// kMalformed names the field, the value and the limit.
 [[nodiscard]] Result<OperatorRequest> Checked(OperatorRequest request);
 
 /// The reply that refuses `request`.

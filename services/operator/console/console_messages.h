@@ -68,4 +68,10 @@ console::Alert ToConsole(const Alert& alert);
 console::Task ToConsole(const TaskStatus& task);
 console::Attention ToConsole(const AttentionQueueState& queue);
 
+/// Converts a page's request into the OperatorRequest that a client on the bus sends, and checks it
+/// as such (Checked() in common/msg/supervision.h).
+/// Errors: kMalformed names the field, the value and the limit.
+[[nodiscard]] Result<OperatorRequest> ToOperatorRequest(const console::Request& request,
+                                                        const std::string& client, SimTime now);
+
 }  // namespace conav::operators

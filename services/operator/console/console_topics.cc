@@ -11,7 +11,6 @@
 #include "common/service/robot_list.h"
 #include "operator/console/command_log.h"
 #include "operator/console/console_messages.h"
-#include "operator/gateway/convert_request.h"
 #include "operator/simulated/operator_client.h"
 
 namespace conav::operators {

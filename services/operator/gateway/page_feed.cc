@@ -10,6 +10,22 @@
 
 namespace conav::operators {
 
+std::string CheckNow(const PageIdentity& who, const PageAsked& asked, double wall_s,
+                     double drive_limit_s) {
+  const console::Request& request = asked.request;
+  if (who.role == console::ROLE_OBSERVER && !request.has_stop()) {
+    return "an observer may only watch and stop robots";
+  }
+  const double late = wall_s - request.valid_until();
+  if (!(late <= 0.0)) return fmt::format("it arrived {:.1f} s too late", late);
+  const bool drives = request.has_drive() && request.drive().action() != console::DRIVE_STOP;
+  if (drives && asked.round_trip_s > drive_limit_s) {
+    return fmt::format("the round trip takes {:.1f} s, longer than {:.1f} s: too long to drive",
+                       asked.round_trip_s, drive_limit_s);
+  }
+  return "";
+}
+
 void PagePresence::Join(std::uint64_t page, const PageIdentity& who) {
   people_[page] = {who.client, who.name, who.role};
   left_at_.erase(who.client);

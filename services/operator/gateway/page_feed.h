@@ -45,6 +45,11 @@ struct PageEvent {
   std::variant<PageJoined, PageLeft, PageUsed, PageAsked, console::Seek> body;
 };
 
+/// Why a page with this role and connection may not ask that now; empty = it may. `wall_s`: s
+/// since 1970, as in `valid_until`. `drive_limit_s`: the longest round trip for driving.
+std::string CheckNow(const PageIdentity& who, const PageAsked& asked, double wall_s,
+                     double drive_limit_s);
+
 /// So many per second on average, and so many at once (a token bucket).
 class RateLimit {
  public:

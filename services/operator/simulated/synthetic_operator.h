@@ -20,7 +20,7 @@
 
 namespace conav::operators {
 
-/// How long the person is occupied with a matter before its edit and path are sent: simulation time,
+/// How long the person is occupied with a item before its edit and path are sent: simulation time,
 /// log-normal with these means, fixed when log_sd is 0.
 struct InteractionTimeParameters {
   double picture_s = 0.0;
@@ -75,7 +75,7 @@ struct OperatorAsk {
       body;  // the last with order "queue" only
 };
 
-/// One synthetic person who supervises several robots, one matter after the other.
+/// One synthetic person who supervises several robots, one item after the other.
 ///
 /// Hears what a console would show and says what to ask of the operator service:
 ///   first path   when a robot's state and its world's belief are there: guidance, unasked.
@@ -123,7 +123,7 @@ class SyntheticOperator {
     std::uint64_t edits = 0;     // cells, accepted
     std::uint64_t guidance = 0;  // accepted
     std::uint64_t refused = 0;   // requests
-    std::uint64_t given_up = 0;  // matters left unfinished
+    std::uint64_t given_up = 0;  // items left unfinished
     std::string newest_problem;  // reason of the newest refusal or failure
   };
   const Counts& counts() const { return counts_; }
@@ -132,7 +132,7 @@ class SyntheticOperator {
 
  private:
   struct FirstPath {};
-  struct Matter {
+  struct Item {
     std::string robot;
     std::variant<FirstPath, Snapshot, AttentionRequest> occasion;
     Clock::TimePoint heard_at{};
@@ -162,29 +162,29 @@ class SyntheticOperator {
   };
 
   Robot* Find(const std::string& robot, const std::string& world);
-  bool Ready(const Matter& matter, Clock::TimePoint now) const;
+  bool Ready(const Item& item, Clock::TimePoint now) const;
   bool ReadyForAttention(const Robot& robot, const AttentionRequest& attention) const;
   bool TakeUp(Clock::TimePoint now);
   bool FollowsQueue() const { return parameters_.order == "queue"; }
   /// The first of the published queue that can be dealt with; queue_.end() when there is none.
-  std::deque<Matter>::iterator FirstOfQueue(Clock::TimePoint now);
-  SimTime BusyUntil(const Matter& matter);
+  std::deque<Item>::iterator FirstOfQueue(Clock::TimePoint now);
+  SimTime BusyUntil(const Item& item);
   void Selected(const Result<OperatorReply>& reply, Clock::TimePoint now);
-  void Look(Matter& matter);
-  std::vector<CellEdit> EditsFor(const Matter& matter, Robot& robot, World& world);
+  void Look(Item& item);
+  std::vector<CellEdit> EditsFor(const Item& item, Robot& robot, World& world);
   std::vector<CellEdit> MarkBlocked(const AttentionRequest& attention, const Robot& robot,
                                     World& world);
   /// With order "queue": what the newest streamed picture shows besides.
   void LookAtStream(Robot& robot, const World& world, std::vector<CellEdit>& edits);
-  std::optional<OperatorAsk> EditAsk(const Matter& matter) const;
-  std::optional<OperatorAsk> GuideAsk(const Matter& matter);
+  std::optional<OperatorAsk> EditAsk(const Item& item) const;
+  std::optional<OperatorAsk> GuideAsk(const Item& item);
   void Finish();
 
   SyntheticOperatorParameters parameters_;
   std::map<std::string, Robot> robots_;
   std::map<std::string, World> worlds_;
-  std::deque<Matter> queue_;  // in the order heard
-  std::optional<Matter> current_;
+  std::deque<Item> queue_;  // in the order heard
+  std::optional<Item> current_;
   std::optional<AttentionQueueState> published_;  // newest
   std::uint64_t refused_at_ = 0;                  // revision of the queue at a refused selection
   SimTime operator_time_;

@@ -96,7 +96,7 @@ class SyntheticTeleoperator {
   /// Another robot stands on cell `blocked` of `path`. False when nothing can be done about it.
   bool AskForRoom(const std::string& name, const Robot& robot, const std::vector<Cell>& path,
                   Cell blocked);
-  bool Arrived(const Errand& errand) const;
+  bool Arrived(const DriveTask& task) const;
 
   // looking, planning, pressing
   void Look(Robot& robot);
@@ -117,8 +117,8 @@ class SyntheticTeleoperator {
   Random random_;
   std::map<std::string, Robot> robots_;
   std::map<std::string, World> worlds_;
-  std::deque<Errand> errands_;  // to be done before going on
-  int errands_in_a_row_ = 0;    // since a goal was reached
+  std::deque<DriveTask> tasks_;  // to be done before going on
+  int tasks_in_a_row_ = 0;       // since a goal was reached
   std::size_t goals_left_ = 0;
   std::string steered_;
   std::optional<OperatorAsk> under_way_;
