@@ -47,7 +47,8 @@ namespace conav::operators {
 /// the recording: its pixels are moved. With `recording.file` it also receives true maps and
 /// records the session. With `task.kind` a participant goes through a maze of the mapping task here
 /// (TaskTopics). With `console.port` it serves the console's page and answers its requests like all
-/// others. Threads: one; Run() or repeated Step().
+/// others.
+/// Threads: one; Run() or repeated Step().
 class OperatorService {
  public:
   /// `participant` and `clock` outlive the service. Throws StartupError: the database cannot be

@@ -6,7 +6,7 @@
 
 namespace conav::operators {
 
-/// How much it matters; alarms are for what a person must do something about at once.
+/// Alarms need action by a person at once.
 enum class Severity : std::uint8_t { kNotice, kWarning, kAlarm };
 
 /// Something that is wrong now.
@@ -33,7 +33,7 @@ struct Alert {
   double raised_s = 0.0;
   double newest_s = 0.0;    // when it became true last
   std::uint32_t count = 1;  // how often it became true
-  bool active = true;       // as far as is known
+  bool active = true;       // as last known
   std::string acknowledged_by;
   double acknowledged_s = 0.0;
   double shelved_until_s = 0.0;

@@ -244,7 +244,7 @@ BeliefStore::Answer BeliefStore::Handle(const OperatorRequest& request, SimTime 
 BeliefStore::Answer BeliefStore::HandleNew(const OperatorRequest& request, SimTime now) {
   if (request.client.empty()) return Refuse(request, "the request names no client", 0);
   if (FindBelief(request.world) == nullptr) {
-    return Refuse(request, fmt::format("world '{}' is not known here", request.world), 0);
+    return Refuse(request, fmt::format("world '{}' is unknown", request.world), 0);
   }
   if (const auto* edit = std::get_if<EditRequest>(&request.body)) {
     return HandleEdit(request, *edit, now);

@@ -35,7 +35,8 @@ struct Person {
 /// A robot whose time goes back belongs to a new run of its world: what the robots of that world
 /// reported is forgotten. What the operator made (map, guidance, the command log) is kept.
 /// `received_s`, `now_s`: wall time, s since 1970, when something was sent, and the present. They
-/// only decide how often something is passed on. Threads: one caller; `log` may be read by others.
+/// only decide how often something is passed on.
+/// Threads: one caller; `log` may be read by others.
 class ConsoleState {
  public:
   /// Of each robot; older ones are forgotten.

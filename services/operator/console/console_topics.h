@@ -81,8 +81,8 @@ class PredictionClient {
 ///
 /// A page is one client of the service among others: its requests are those of DDS
 /// (OperatorRequest), and answered by the same code. In the mapping task and in studies pages get
-/// nothing that gives the true maze away (idl/console.proto, Task). Threads: one, the service's;
-/// the gateway has its own.
+/// nothing that gives the true maze away (idl/console.proto, Task).
+/// Threads: one, the service's; the gateway has its own.
 class ConsoleTopics {
  public:
   /// `participant` and `clock` outlive it. Throws StartupError as Gateway does.

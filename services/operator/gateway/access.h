@@ -47,7 +47,7 @@ struct GatewayOptions {
   std::string address = "127.0.0.1";
   /// File that the console's URL is written to when it listens; empty = none.
   std::string url_file;
-  /// Folder of the page; empty = ../share/conav/console beside the program.
+  /// Folder of the page; empty = ../share/conav/console next to the program.
   std::string web;
   ConsoleTokens tokens;
   ConsoleTls tls;

@@ -56,8 +56,8 @@ class GatewayMetrics {
 /// (idl/console.proto). The page needs no other server.
 ///
 /// Pages show `updates`, `frames` and `pictures`; call Notify() after a change there. Pages'
-/// requests arrive through Take(), after `wake` was called. Threads: one of its own; the public
-/// functions may be called from any.
+/// requests arrive through Take(), after `wake` was called.
+/// Threads: one of its own; the public functions may be called from any.
 class Gateway {
  public:
   struct Shared {

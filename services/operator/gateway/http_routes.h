@@ -15,7 +15,7 @@
 
 namespace conav::operators {
 
-/// The files of the page, read into memory once; `x.js.gz` beside `x.js` is its compressed form.
+/// The files of the page, read into memory once; `x.js.gz` next to `x.js` is its compressed form.
 class WebFiles {
  public:
   struct File {
@@ -39,7 +39,7 @@ class WebFiles {
   std::map<std::string, File, std::less<>> files_;  // by URL path
 };
 
-/// Where the page lies when nobody says otherwise: share/conav/console beside the program's folder.
+/// The default folder of the page: share/conav/console next to the program's folder.
 std::filesystem::path DefaultWebFolder();
 
 /// The parts of an HTTP request that the gateway uses.

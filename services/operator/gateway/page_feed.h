@@ -76,8 +76,8 @@ class RateLimit {
 };
 
 /// The people at the console now. A client that reloads its page or briefly loses its connection
-/// has two pages for a while; it has gone when it has had no page for kGoneAfter. Pure; threads:
-/// not synchronised. `now`: wall time.
+/// has two pages for a while; it has gone when it has had no page for kGoneAfter.
+/// Pure; threads: not synchronised. `now`: wall time.
 class PagePresence {
  public:
   /// A page that reconnects within this time keeps its client's control of robots.

@@ -47,7 +47,7 @@ struct IdlDocument {
 /// read but mcap-ros2-support for Python and PlotJuggler's ROS parser do not: the type's fields,
 /// then, behind a line of '=' and "MSG: package/Name", those of every type that it is made of.
 ///
-/// ROS keeps constants in the message that uses them, our IDL beside the structs: a field whose
+/// ROS keeps constants in the message that uses them, our IDL outside the structs: a field whose
 /// comment names constants ("COMMAND_KIND_*", or one by its whole name) gets them in the lines
 /// before it, where Foxglove takes them for the names of its values.
 class MessageSchemas {

@@ -30,9 +30,9 @@ struct SegmentOptions {
   std::string participant;
   /// Pictures' files begin with it. Empty = the time of the start, UTC.
   std::string session;
-  /// "world=preset@seed" or "world=map file", as far as known.
+  /// "world=preset@seed" or "world=map file", where known.
   std::vector<std::string> mazes;
-  /// Keep the pictures, too, in a folder pictures/ beside the file.
+  /// Keep the pictures, too, in a folder pictures/ next to the file.
   bool pictures = false;
 
   void Visit(ConfigReader& reader) {
@@ -89,7 +89,8 @@ struct RecordedSegment {
 /// session it is left out, unless edits followed it: it is not known whether it was looked at.
 /// Walls are what has probability 0.5 or more.
 ///
-/// Deterministic but for the times. Threads: not synchronised.
+/// Deterministic but for the times.
+/// Threads: not synchronised.
 class SegmentCollector {
  public:
   static constexpr std::chrono::milliseconds kGrace{500};

@@ -20,8 +20,8 @@ namespace conav::operators {
 /// and appends each completed segment to the file at once, so that a kill loses none.
 ///
 /// A segment that cannot be written is lost, logged and counted; one whose picture cannot be
-/// written is recorded without it, which is logged and counted, too. The service goes on. Threads:
-/// one, the service's.
+/// written is recorded without it, which is logged and counted, too. The service goes on.
+/// Threads: one, the service's.
 class SegmentTopics {
  public:
   /// `participant` and `clock` outlive it. `world_of_robot`: robots and worlds that are recorded.

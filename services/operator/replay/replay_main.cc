@@ -130,7 +130,7 @@ struct ReplayArguments {
   std::filesystem::path run;       // run folder or MCAP file
   int port = 8080;                 // 0 = any that is free
   std::filesystem::path url_file;  // empty = none
-  std::filesystem::path web;       // folder of the page; empty = the one beside the program
+  std::filesystem::path web;       // folder of the page; empty = the one next to the program
 };
 
 constexpr const char* kProgram = "conav replay";

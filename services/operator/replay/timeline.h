@@ -93,7 +93,8 @@ struct Timeline {
 /// It begins with the first thing of a world or a robot, behind the start of the processes.
 /// Positions go on with the wall time of the recording; where simulation time went on quicker, as
 /// in a run without a page, with that: it is played as quickly as the robots believed to move.
-/// `wall_s`: s since 1970, when it was recorded. Threads: one.
+/// `wall_s`: s since 1970, when it was recorded.
+/// Threads: one.
 class TimelineBuilder {
  public:
   explicit TimelineBuilder(console::Session session);

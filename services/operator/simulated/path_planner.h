@@ -37,7 +37,7 @@ class CostField {
 struct PathPlannerParameters {
   /// Crossing a cell that the map shows as a wall costs this much more than a free one.
   double wall_crossing_cost = 10.0;
-  /// "tour": a path over all goals that are left; "next_goal": only as far as the tour's first
+  /// "tour": a path over all goals that are left; "next_goal": only up to the tour's first
   /// goal; "away": to the cell of the map that is farthest from the goals, to mislead on purpose.
   std::string horizon = "tour";
 

@@ -19,8 +19,8 @@ namespace conav::operators {
 
 /// A synthetic teleoperator on the bus: receives what a console would show (the operator's map,
 /// where the robots are on it, what their streamed pictures show) and sends keys and edits through
-/// `client`, one at a time. Publishes nothing before all of that is there for each robot. Threads:
-/// one.
+/// `client`, one at a time. Publishes nothing before all of that is there for each robot.
+/// Threads: one.
 class TeleoperatorTopics {
  public:
   TeleoperatorTopics(bus::Participant& participant, const Clock& clock, OperatorClient& client,
@@ -52,8 +52,8 @@ class TeleoperatorTopics {
 /// With person.order "queue" the operator service's attention queue says what comes next. Publishes
 /// nothing before a robot's state and its world's belief arrived, and while all its robots are
 /// stopped; then requests, one at a time. When the operator service does not answer, it repeats,
-/// gives the item up after person.attempts deadlines, and says so in /diagnostics. Threads: one;
-/// Run() or repeated Step().
+/// gives the item up after person.attempts deadlines, and says so in /diagnostics.
+/// Threads: one; Run() or repeated Step().
 class SimulatedOperatorService {
  public:
   /// `participant` and `clock` outlive the service. Throws StartupError on a bad list of robots.

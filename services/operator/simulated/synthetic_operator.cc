@@ -110,7 +110,7 @@ void SyntheticOperator::Receive(const AttentionRequest& attention, Clock::TimePo
   std::erase_if(queue_, [&](const Item& item) {  // what it asked before is out of date
     return item.robot == attention.robot && std::holds_alternative<AttentionRequest>(item.occasion);
   });
-  if (attention.reason == AttentionReason::kNone) return;  // asks no more
+  if (attention.reason == AttentionReason::kNone) return;  // withdrawn
   queue_.push_back({.robot = attention.robot, .occasion = attention, .heard_at = now});
 }
 
@@ -120,7 +120,7 @@ void SyntheticOperator::Receive(const Guidance& guidance) {
 }
 
 void SyntheticOperator::Receive(const AttentionQueueState& queue) {
-  // A service that starts again counts anew.
+  // A service that restarts begins its count again.
   if (published_ && queue.revision < published_->revision) refused_at_ = 0;
   published_ = queue;
 }
@@ -233,7 +233,7 @@ void SyntheticOperator::Answered(const Result<OperatorReply>& reply, Clock::Time
   }
   ++counts_.refused;
   counts_.newest_problem = reply ? reply->reason : reply.error().text;
-  // The longer it is refused, the less it asks: whoever has control of the robot may keep it.
+  // The longer it is refused, the less it asks: another client may keep control of the robot.
   const double pauses = std::exp2(std::min(current_->attempts, kMostDoublings));
   current_->not_before = After(now, pauses * parameters_.retry_pause_s);
   if (++current_->attempts < parameters_.attempts) return;
@@ -323,7 +323,7 @@ std::optional<OperatorAsk> SyntheticOperator::GuideAsk(const Item& item) {
   const World& world = worlds_.at(robot.world);
   const auto* picture = std::get_if<Snapshot>(&item.occasion);
   if (picture != nullptr && IsGlance(*picture)) return std::nullopt;
-  // The picture itself tells where the robot is, unless a newer state is here already.
+  // The picture says where the robot is, unless a newer state is here already.
   const bool from_picture =
       picture != nullptr && (!robot.state || robot.state->stamp < picture->stamp);
   const Cell start = from_picture ? picture->cell : robot.state->cell;

@@ -20,15 +20,15 @@ namespace conav::operators {
 /// One SYNTHETIC person who steers robots by keys, one robot at a time, four keys per second.
 ///
 /// Knows: the operator's map, which may be wrong; where it shows the robots; what the streamed
-/// pictures show, as far as noticed (StreamMemory); what a robot bumped into. Does not know the
+/// pictures show, where noticed (StreamMemory); what a robot bumped into. Does not know the
 /// truth. Plans over the goals on the map with what was seen, keeps to the way by keys (steering.h)
 /// after a reaction time, now and then presses a wrong key or holds one too long, and now and then
 /// corrects the map. Steers the first robot with goals left until it has none; where another robot
-/// stands in the way, drives that one aside first (making_room.h).
+/// stands in the way, drives that one aside first (teleoperator_tasks.h).
 ///
 /// The next key is chosen when the last one was carried out and its picture is here, so that with a
 /// simulator that runs as fast as it is commanded everything is the same for a seed; with several
-/// robots in a world, as far as their states arrive in one order. After a pause (wall time) a key
+/// robots in a world, when their states arrive in one order. After a pause (wall time) a key
 /// that was refused is pressed again, the same one where nothing has changed since (a service that
 /// has not received the robot's state yet, for example); one that is not carried out is chosen
 /// again. One request is under way at a time: after Next() gave one, Answered() must follow. Pure;

@@ -72,7 +72,7 @@ Findings FindingsOf(const std::vector<RobotCondition>& robots,
 namespace {
 
 tl::unexpected<Error> Unknown(std::uint64_t id) {
-  return Fail(ErrorCode::kNotFound, fmt::format("alert {} is not known here", id));
+  return Fail(ErrorCode::kNotFound, fmt::format("alert {} is unknown", id));
 }
 
 }  // namespace

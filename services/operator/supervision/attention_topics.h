@@ -19,7 +19,8 @@ namespace conav::operators {
 ///
 /// Publishes an empty queue at once; then the queue whenever an item has come, gone or moved, and
 /// at least each second (wall time) for the measures. Selections are not stored: they change
-/// nothing that has to outlive the service. Threads: one, the service's.
+/// nothing that has to outlive the service.
+/// Threads: one, the service's.
 class AttentionTopics {
  public:
   /// `participant` and `clock` outlive it.

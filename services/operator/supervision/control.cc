@@ -63,7 +63,7 @@ Result<std::vector<std::string>> ControlRegistry::Resolve(
   if (names.empty()) return all;
   for (const std::string& name : names) {
     if (!robots_.contains(name)) {
-      return Fail(ErrorCode::kNotFound, fmt::format("robot '{}' is not known here", name));
+      return Fail(ErrorCode::kNotFound, fmt::format("robot '{}' is unknown", name));
     }
   }
   return names;

@@ -25,8 +25,8 @@ struct DriveGateOptions {
 /// Refused: a robot of another world, or one that has not reported; an order that has expired, or
 /// would be valid for too long; a request older than the client's newest; an order of another
 /// client than the one that steers the robot, unless it is a stop, which everyone may send. A
-/// repeat of the newest request gets the same answer and no second order. Threads: not
-/// synchronised; one owner.
+/// repeat of the newest request gets the same answer and no second order.
+/// Threads: not synchronised; one owner.
 class DriveGate {
  public:
   DriveGate(std::map<std::string, std::string> world_of_robot, DriveGateOptions options);
