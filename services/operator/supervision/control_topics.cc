@@ -15,7 +15,7 @@ ControlTopics::ControlTopics(bus::Participant& participant, const OperatorConfig
   for (const auto& [robot, stop] : store.stops()) registry_.Adopt(stop);
   for (const auto& [name, robot] : registry_.robots()) {
     stops_[name] = std::make_unique<StopPublisher>(participant, bus::kStopOrder, name);
-    if (robot.stop.revision > 0) Publish(robot.hold);
+    if (robot.stop.revision > 0) Publish(robot.stop);
   }
 }
 
