@@ -20,7 +20,7 @@
 /// with field, value and limit, for example "heading = nan is not finite". What it returns is valid
 /// by construction. ToMessage cannot fail. Both are pure and safe to call concurrently.
 ///
-/// Limits of all messages: see convert_checks.h. Names of worlds and robots are [A-Za-z0-9_]; names
+/// Limits of all messages: see checks.h. Names of worlds and robots are [A-Za-z0-9_]; names
 /// of clients may also contain . : @ / -.
 namespace conav {
 
@@ -115,5 +115,8 @@ conav_msgs::msg::PlannerLease ToMessage(const PlannerLease& lease);
 
 Result<IntendedPath> ToDomain(const conav_msgs::msg::IntendedPath& message);
 conav_msgs::msg::IntendedPath ToMessage(const IntendedPath& way);
+
+/// For bus::Subscriber::TakeValid().
+inline constexpr auto kToDomain = [](const auto& message) { return ToDomain(message); };
 
 }  // namespace conav

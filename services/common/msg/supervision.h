@@ -8,6 +8,7 @@
 #include "common/grid/grid.h"
 #include "common/msg/robot.h"
 #include "common/runtime/clock.h"
+#include "common/runtime/result.h"
 
 /// Domain values of the operator's side of the bus; idl/conav_operator.idl states who sends them
 /// and when.
@@ -180,6 +181,15 @@ struct OperatorReply {
   std::uint64_t revision = 0;
   bool operator==(const OperatorReply&) const = default;
 };
+
+/// `request` when its names, sizes and ranges are valid; for requests from the bus and from pages.
+/// The operator service, which can reply, checks whether a path is connected and edits fit. Errors:
+/// kMalformed names the field, the value and the limit.
+[[nodiscard]] Result<OperatorRequest> Checked(OperatorRequest request);
+
+/// The reply that refuses `request`.
+OperatorReply Refusal(const OperatorRequest& request, std::string reason,
+                      std::uint64_t revision = 0);
 
 struct AttentionRequest {
   SimTime stamp;

@@ -1,7 +1,9 @@
-#include "operator/gateway/convert_request.h"
-
+// What pages ask: as the domain has it, and whether it is allowed now.
 #include <catch2/catch.hpp>
 #include <limits>
+
+#include "operator/console/console_messages.h"
+#include "operator/gateway/page_feed.h"
 
 namespace conav::operators {
 namespace {
