@@ -57,9 +57,33 @@ std::string WeightsText(const DemoOptions& options) {
 
 nlohmann::ordered_json Versions() {
   nlohmann::ordered_json versions{{"conav", CONAV_VERSION}};
-  // ./conav knows the commit that it built; a program run by hand does not.
+  // ./conav passes the commit that it built; a program run by hand has none.
   if (const char* commit = std::getenv("CONAV_COMMIT")) versions["commit"] = commit;
   return versions;
+}
+
+using namespace std::chrono_literals;
+
+constexpr auto kGrace = 5s;
+constexpr auto kPeriod = 50ms;
+// At the end: how long the bus must be quiet, and how long to wait for that.
+constexpr auto kQuiet = 300ms;
+constexpr auto kQuietLimit = 3s;
+// Without its planner, a robot ends its last command within the command's expiry.
+constexpr auto kStandStillLimit = 15s;
+constexpr std::size_t kLogLines = 8;
+
+std::string KilledLine(const std::string& process) {
+  return process + " did not stop when asked and was killed";
+}
+
+/// Several processes of a service are called "planner-1", "sim-w2".
+bool IsOf(const std::string& service, const Process& process) {
+  return process.name() == service || process.name().starts_with(service + "-");
+}
+
+bool StandsStill(const RobotRecord& robot) {
+  return !robot.state || robot.state->command_outcome != CommandOutcome::kRunning;
 }
 
 }  // namespace
@@ -106,34 +130,6 @@ std::string OutcomeLine(const Outcome& outcome) {
   return fmt::format("ended after {:.1f} s: {}", outcome.wall_s, what);
 }
 
-namespace {
-
-using namespace std::chrono_literals;
-
-constexpr auto kGrace = 5s;
-constexpr auto kPeriod = 50ms;
-// At the end: how long it must be quiet on the bus, and how long to wait for that.
-constexpr auto kQuiet = 300ms;
-constexpr auto kQuietLimit = 3s;
-// A robot whose planner is gone ends its last command within the command's expiry.
-constexpr auto kStandStillLimit = 15s;
-constexpr std::size_t kLogLines = 8;
-
-std::string KilledLine(const std::string& process) {
-  return process + " did not stop when asked and was killed";
-}
-
-/// Among several of a service they are called "planner-1", "sim-w2".
-bool IsOf(const std::string& service, const Process& process) {
-  return process.name() == service || process.name().starts_with(service + "-");
-}
-
-bool StandsStill(const RobotRecord& robot) {
-  return !robot.state || robot.state->command_outcome != CommandOutcome::kRunning;
-}
-
-}  // namespace
-
 Demo::Demo(const DemoOptions& options, std::filesystem::path program_folder, const Clock& clock,
            Progress& progress, std::optional<DomainLease> kept)
     : options_(options),
@@ -167,7 +163,7 @@ DemoResult Demo::Run(const StopToken& stop) {
   if (options_.waits_for_operator() && outcome_.reason == EndReason::kAllGoalsReached) {
     StayOpen(stop);
   }
-  place_.recorder.reset();  // that the services leave now is no news
+  place_.recorder.reset();  // the planned exit of the services is not news
   StopAll();
   return Finish();
 }

@@ -51,7 +51,7 @@ Result<void> RequireFile(const char* option, const fs::path& file) {
   return Fail(ErrorCode::kNotFound, fmt::format("{} {}: {}", option, file.string(), reason));
 }
 
-// The folder itself, or the nearest one above it that exists, must be ours to write in.
+// The folder, or its nearest existing parent, must be writable for us.
 Result<void> RequireWritable(const char* option, const fs::path& folder) {
   std::error_code error;
   fs::path place = fs::absolute(folder, error);
@@ -119,7 +119,7 @@ Result<void> ValidatePerson(const DemoOptions& options) {
   return {};
 }
 
-/// Options that another one makes meaningless.
+/// Rejects options that another option makes meaningless.
 Result<void> ValidateUses(const DemoOptions& options) {
   if (options.model == kGlpfModel && !options.weights.empty()) {
     return Fail(ErrorCode::kInvalidArgument, "--weights: --model glpf has none");

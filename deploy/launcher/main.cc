@@ -139,8 +139,8 @@ void AddSystemOptions(CLI::App& app, DemoOptions& options, std::vector<std::stri
   std::exit(2);
 }
 
-/// Reads `conav demo ...`. Exits by itself: 0 for --help, 2 for wrong use with the reason on
-/// stderr.
+/// Parses `conav demo ...`. Exits with 0 for --help, and with 2 and the reason on stderr for wrong
+/// usage.
 DemoOptions ParseDemoCommand(int argc, char** argv) {
   CLI::App app{"conav: robots explore a maze that the operator's map shows wrongly", "conav"};
   app.require_subcommand(1);
@@ -191,7 +191,8 @@ void Publish(const DemoOptions& options, const DemoResult& result) {
   }
 }
 
-/// Before anything is started or written. Where the operator service runs elsewhere nobody knows.
+/// Checks the port before anything starts or is written, unless the operator service runs
+/// elsewhere.
 void CheckConsolePort(const DemoOptions& options) {
   const int port = options.console_port();
   if (port < 0 || options.run_with.contains("operator")) return;

@@ -41,7 +41,7 @@ std::optional<ServedModels::Stamp> ServedModels::StampOf(const fs::path& file) {
                static_cast<std::uint64_t>(status.st_size), status.st_ino};
 }
 
-/// The stamp is taken first: a file that changes while it is read is read again.
+/// Takes the stamp first: if the file changes during the read, the next check reads it again.
 Result<void> ServedModels::Load(Source& source) {
   source.tried = true;
   source.seen = StampOf(source.file);

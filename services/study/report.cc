@@ -30,7 +30,7 @@ std::string Range(const statistics::Interval& interval) {
   return fmt::format("[{}, {}]", Figure(interval.low), Figure(interval.high));
 }
 
-/// Without spread there is no test, whatever its formula gives.
+/// Without spread the test is meaningless, whatever its formula gives.
 bool HasTest(const std::optional<double>& statistic) {
   return statistic && std::isfinite(*statistic);
 }
@@ -72,7 +72,7 @@ ReportSection BarSection(const StudyReport& report) {
   return section;
 }
 
-/// `b` is `a` in another unit.
+/// Whether `b` is `a` in another unit.
 bool AreProportional(const std::vector<double>& a, const std::vector<double>& b) {
   const double sum_a = std::accumulate(a.begin(), a.end(), 0.0);
   const double sum_b = std::accumulate(b.begin(), b.end(), 0.0);
@@ -83,7 +83,7 @@ bool AreProportional(const std::vector<double>& a, const std::vector<double>& b)
   return true;
 }
 
-/// A line for each measure that is an earlier one in another unit: its tests are no others.
+/// A line for each measure that is an earlier one in another unit: its tests are the same.
 std::vector<std::string> SameTests(const StudyReport& report) {
   std::vector<std::string> remarks;
   const auto values = [&](std::size_t m) -> const std::vector<double>* {
@@ -197,6 +197,73 @@ std::optional<ReportSection> TroubleSection(const StudyReport& report) {
   return section;
 }
 
+using Json = nlohmann::ordered_json;
+
+/// A share is already a mean: its key says so.
+std::string MeanKey(const std::string& key) {
+  return key == "goals_reached_fraction" ? key : key + "_mean";
+}
+
+Json MethodJson(const StudyReport& report, const MethodSummary& method) {
+  Json json{{"episodes", method.episodes}, {"episodes_with_all_goals", method.all_goals}};
+  for (std::size_t m = 0; m < Measures().size(); ++m) {
+    const std::string key = Measures()[m].key;
+    const bool known = method.episodes > 0 && WasMeasured(report, Measures()[m]);
+    json[MeanKey(key)] = known ? Json(method.measures[m].mean) : Json();
+    json[key + "_sd"] = known ? Json(method.measures[m].sd) : Json();
+    json[key + "_sd_subjects"] = known ? Json(method.sd_subjects[m]) : Json();
+  }
+  return json;
+}
+
+Json BarsJson(const std::vector<Bar>& bars) {
+  Json list = Json::array();
+  for (const Bar& bar : bars) {
+    list.push_back({{"key", bar.key},
+                    {"text", bar.text},
+                    {"value", bar.value},
+                    {"limit", bar.limit},
+                    {"met", bar.met()}});
+  }
+  return list;
+}
+
+Json TroubleJson(const std::vector<const EpisodeRecord*>& records) {
+  Json list = Json::array();
+  for (const EpisodeRecord* record : records) list.push_back(ToJson(*record));
+  return list;
+}
+
+std::string Plot(const Measure& measure, const statistics::Analysis& analysis) {
+  const statistics::PlotAxis axis{measure.title, {0.0, measure.is_share ? 1.0 : AxisLimits{}.most}};
+  return fmt::format("<h2>{}</h2>\n{}", EscapeXml(measure.title),
+                     statistics::PlotFigure(analysis, axis));
+}
+
+std::string Tables(const statistics::Analysis& analysis) {
+  std::string html = "<details>\n<summary>All figures</summary>\n";
+  for (const std::string& note : analysis.notes) html += "<p>" + EscapeXml(note) + "</p>\n";
+  for (const auto& section : statistics::ReportSections(analysis)) {
+    html += statistics::SectionHtml(section);
+  }
+  return html + "</details>\n";
+}
+
+/// The order of methods for each subject.
+statistics::ReportSection OrderSection(const Design& design) {
+  statistics::ReportSection section{.title = "Order of the methods (Williams design)",
+                                    .header = {"operator"}};
+  for (std::size_t session = 0; session < design.methods.size(); ++session) {
+    section.header.push_back(fmt::format("session {}", session + 1));
+  }
+  for (std::size_t subject = 0; subject < design.subjects.size(); ++subject) {
+    std::vector<std::string> row{design.subjects[subject]};
+    row.insert(row.end(), design.orders[subject].begin(), design.orders[subject].end());
+    section.rows.push_back(std::move(row));
+  }
+  return section;
+}
+
 }  // namespace
 
 bool WasMeasured(const StudyReport& report, const Measure& measure) {
@@ -252,47 +319,6 @@ std::string EpisodesCsv(const StudyReport& report) {
   return csv;
 }
 
-namespace {
-
-using Json = nlohmann::ordered_json;
-
-/// A share is a mean already: its key says so itself.
-std::string MeanKey(const std::string& key) {
-  return key == "goals_reached_fraction" ? key : key + "_mean";
-}
-
-Json MethodJson(const StudyReport& report, const MethodSummary& method) {
-  Json json{{"episodes", method.episodes}, {"episodes_with_all_goals", method.all_goals}};
-  for (std::size_t m = 0; m < Measures().size(); ++m) {
-    const std::string key = Measures()[m].key;
-    const bool known = method.episodes > 0 && WasMeasured(report, Measures()[m]);
-    json[MeanKey(key)] = known ? Json(method.measures[m].mean) : Json();
-    json[key + "_sd"] = known ? Json(method.measures[m].sd) : Json();
-    json[key + "_sd_subjects"] = known ? Json(method.sd_subjects[m]) : Json();
-  }
-  return json;
-}
-
-Json BarsJson(const std::vector<Bar>& bars) {
-  Json list = Json::array();
-  for (const Bar& bar : bars) {
-    list.push_back({{"key", bar.key},
-                    {"text", bar.text},
-                    {"value", bar.value},
-                    {"limit", bar.limit},
-                    {"met", bar.met()}});
-  }
-  return list;
-}
-
-Json TroubleJson(const std::vector<const EpisodeRecord*>& records) {
-  Json list = Json::array();
-  for (const EpisodeRecord* record : records) list.push_back(ToJson(*record));
-  return list;
-}
-
-}  // namespace
-
 Json StudyJson(const StudyReport& report) {
   const StudySummary& summary = report.summary;
   Json json{{"schema", 1},
@@ -314,40 +340,6 @@ Json StudyJson(const StudyReport& report) {
   }
   return json;
 }
-
-namespace {
-
-std::string Plot(const Measure& measure, const statistics::Analysis& analysis) {
-  const statistics::PlotAxis axis{measure.title, {0.0, measure.is_share ? 1.0 : AxisLimits{}.most}};
-  return fmt::format("<h2>{}</h2>\n{}", EscapeXml(measure.title),
-                     statistics::PlotFigure(analysis, axis));
-}
-
-std::string Tables(const statistics::Analysis& analysis) {
-  std::string html = "<details>\n<summary>All figures</summary>\n";
-  for (const std::string& note : analysis.notes) html += "<p>" + EscapeXml(note) + "</p>\n";
-  for (const auto& section : statistics::ReportSections(analysis)) {
-    html += statistics::SectionHtml(section);
-  }
-  return html + "</details>\n";
-}
-
-/// Who had which method when.
-statistics::ReportSection OrderSection(const Design& design) {
-  statistics::ReportSection section{.title = "Order of the methods (Williams design)",
-                                    .header = {"operator"}};
-  for (std::size_t session = 0; session < design.methods.size(); ++session) {
-    section.header.push_back(fmt::format("session {}", session + 1));
-  }
-  for (std::size_t subject = 0; subject < design.subjects.size(); ++subject) {
-    std::vector<std::string> row{design.subjects[subject]};
-    row.insert(row.end(), design.orders[subject].begin(), design.orders[subject].end());
-    section.rows.push_back(std::move(row));
-  }
-  return section;
-}
-
-}  // namespace
 
 std::string StudyPage(const StudyReport& report) {
   std::string html = statistics::PageHead("Study with simulated operators");

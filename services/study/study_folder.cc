@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t kMostText = 80;
 
-/// For a shell.
+/// Quotes `word` for a shell.
 std::string Quoted(const std::string& word) {
   constexpr std::string_view kPlain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=,./:+@%";
@@ -42,35 +42,6 @@ std::string Processor() {
   }
   return "unknown processor";
 }
-
-}  // namespace
-
-Provenance DescribeRun(int argc, const char* const* argv) {
-  Provenance provenance{.command = "conav study"};
-  for (int i = 1; i < argc; ++i) provenance.command += fmt::format(" {}", Quoted(argv[i]));
-  const char* commit = std::getenv("CONAV_COMMIT");
-  provenance.commit = commit != nullptr ? commit : "unknown";
-  provenance.date = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
-  provenance.machine =
-      fmt::format("{}, {} cores", Processor(), std::thread::hardware_concurrency());
-  return provenance;
-}
-
-statistics::ReportSection ProvenanceSection(const Provenance& provenance,
-                                            const nlohmann::ordered_json& design) {
-  statistics::ReportSection section{.title = "How it was made", .header = {"", ""}};
-  section.rows = {{"command", provenance.command},
-                  {"commit", provenance.commit},
-                  {"report written", provenance.date},
-                  {"on", provenance.machine}};
-  for (const auto& [key, value] : design.items()) {
-    const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
-    if (!text.empty() && text.size() <= kMostText) section.rows.push_back({key, text});
-  }
-  return section;
-}
-
-namespace {
 
 namespace fs = std::filesystem;
 
@@ -125,8 +96,8 @@ Result<void> CheckSameDesign(const fs::path& file, const nlohmann::ordered_json&
                           file.parent_path().string(), Difference(there["design"], design)));
 }
 
-/// A new folder may hold nothing but our own lock and what a kill left of our first file: we do not
-/// mix with other files.
+/// A new folder may only hold our own lock and what a killed run left of our first file: a study
+/// does not mix with other files.
 Result<void> CheckEmpty(const fs::path& path) {
   for (const auto& entry : fs::directory_iterator(path)) {
     const std::string name = entry.path().filename().string();
@@ -139,13 +110,38 @@ Result<void> CheckEmpty(const fs::path& path) {
 
 }  // namespace
 
+Provenance DescribeRun(int argc, const char* const* argv) {
+  Provenance provenance{.command = "conav study"};
+  for (int i = 1; i < argc; ++i) provenance.command += fmt::format(" {}", Quoted(argv[i]));
+  const char* commit = std::getenv("CONAV_COMMIT");
+  provenance.commit = commit != nullptr ? commit : "unknown";
+  provenance.date = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
+  provenance.machine =
+      fmt::format("{}, {} cores", Processor(), std::thread::hardware_concurrency());
+  return provenance;
+}
+
+statistics::ReportSection ProvenanceSection(const Provenance& provenance,
+                                            const nlohmann::ordered_json& design) {
+  statistics::ReportSection section{.title = "How it was made", .header = {"", ""}};
+  section.rows = {{"command", provenance.command},
+                  {"commit", provenance.commit},
+                  {"report written", provenance.date},
+                  {"on", provenance.machine}};
+  for (const auto& [key, value] : design.items()) {
+    const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+    if (!text.empty() && text.size() <= kMostText) section.rows.push_back({key, text});
+  }
+  return section;
+}
+
 std::string Fingerprint(const nlohmann::ordered_json& design) { return Sha256Hex(design.dump()); }
 
 Result<StudyFolder> StudyFolder::Open(const fs::path& path, const nlohmann::ordered_json& design) {
   if (const auto made = MakeFolder(path); !made) return tl::unexpected(made.error());
   std::error_code ignored;
   const bool known = fs::exists(path / kDesignFile, ignored);
-  // Before the lock, whose file would be the first of somebody else's folder.
+  // Check before creating the lock: in a foreign folder it would be a stray file.
   const auto fits = known ? CheckSameDesign(path / kDesignFile, design) : CheckEmpty(path);
   if (!fits) return tl::unexpected(fits.error());
   const auto lock = Lock(path / kLockFile);

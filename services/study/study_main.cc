@@ -54,7 +54,7 @@ nlohmann::ordered_json EpisodesJson(const Design& design) {
   return list;
 }
 
-/// Everything that results depend on, but the program itself.
+/// Everything that the results depend on, except for the program itself.
 Plan MakePlan(const StudyOptions& options) {
   Plan plan{.design = MakeDesign(options.design)};
   plan.people = DrawPeople(options, plan.design.subjects.size());
@@ -153,9 +153,9 @@ int Run(StudyOptions options, const Provenance& provenance, const StopToken& sto
   return summary.failed.empty() && (!options.check || AllMet(summary)) ? 0 : 1;
 }
 
-/// The whole study: goes on where an earlier run of the same study stopped, prints table 3, writes
-/// the files of StudyFolder and --json. Exit code: 0 done; 1 an episode failed, it was interrupted,
-/// a file could not be written, or a bar was missed with --check; 2 wrong use.
+/// The whole study: resumes an earlier run of the same study, prints table 3, writes the files of
+/// StudyFolder and --json. Exit code: 0 done; 1 an episode failed, it was interrupted, a file could
+/// not be written, or a bar was missed with --check; 2 wrong usage.
 int RunStudy(const StudyOptions& options, const Provenance& provenance, const StopToken& stop) {
   if (const auto valid = Validate(options); !valid) return Refused(kProgram, valid.error().text);
   const int code =
@@ -168,13 +168,6 @@ int RunStudy(const StudyOptions& options, const Provenance& provenance, const St
     return Failed(kProgram, {ErrorCode::kInvalidArgument, error.what()});
   }
 }
-
-}  // namespace
-}  // namespace conav::study
-
-// conav-study: the methods side by side, with simulated operators.
-
-namespace {
 
 constexpr const char* kAbout =
     R"(The paper's user study (section 6.2, table 3) with SIMULATED operators: everybody has every method
@@ -232,6 +225,9 @@ void AddOptions(CLI::App& app, conav::study::StudyOptions& options) {
 }
 
 }  // namespace
+}  // namespace conav::study
+
+// conav-study: compares the methods with simulated operators.
 
 int main(int argc, char** argv) {
   const auto is_supervision = [](const char* word) {

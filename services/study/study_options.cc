@@ -14,45 +14,18 @@
 namespace conav::study {
 namespace {
 
-/// Section `simulated_operator:` with nothing but the person.
+/// A config file with section `simulated_operator:`, holding only the person.
 struct PersonFile {
   operators::SyntheticOperatorParameters person;
   void Visit(ConfigReader& reader) { reader.Section("person", person); }
 };
 
-/// Twelve uniform numbers make a bell, the same on every machine.
+/// The sum of twelve uniform numbers: bell-shaped, the same on every machine.
 double Bell(double mean, double deviation, double low, double high, Random& random) {
   double sum = -6.0;
   for (int i = 0; i < 12; ++i) sum += random.Unit();
   return std::clamp(mean + deviation * sum, low, high);
 }
-
-}  // namespace
-
-nhpm::AnnotatorPopulation DefaultPopulation() {
-  nhpm::AnnotatorPopulation population;
-  population.careless_share = 0.0;
-  return population;
-}
-
-operators::SyntheticOperatorParameters DrawPerson(const nhpm::AnnotatorPopulation& population,
-                                                  std::uint64_t seed) {
-  Random random(seed);
-  operators::SyntheticOperatorParameters person = operators::ParametersOfKind("careful");
-  person.reader = nhpm::DrawAnnotator(population, random).reader;
-  person.planner.wall_crossing_cost = Bell(10.0, 2.0, 4.0, 16.0, random);
-  person.glance_rate = Bell(0.03, 0.005, 0.01, 0.05, random);
-  person.steering.slip_probability = Bell(0.02, 0.008, 0.0, 0.05, random);
-  person.steering.overshoot_probability = Bell(0.05, 0.02, 0.0, 0.12, random);
-  person.steering.reaction_steps = random.Chance(0.25) ? 2 : 1;
-  return person;
-}
-
-std::string PersonYaml(const operators::SyntheticOperatorParameters& person) {
-  return DumpConfig("simulated_operator", PersonFile{person});
-}
-
-namespace {
 
 constexpr int kMostOperators = 10000;
 constexpr int kMostLayouts = 1000;
@@ -93,6 +66,29 @@ Result<void> ValidateMethods(const std::vector<std::string>& methods) {
 }
 
 }  // namespace
+
+nhpm::AnnotatorPopulation DefaultPopulation() {
+  nhpm::AnnotatorPopulation population;
+  population.careless_share = 0.0;
+  return population;
+}
+
+operators::SyntheticOperatorParameters DrawPerson(const nhpm::AnnotatorPopulation& population,
+                                                  std::uint64_t seed) {
+  Random random(seed);
+  operators::SyntheticOperatorParameters person = operators::ParametersOfKind("careful");
+  person.reader = nhpm::DrawAnnotator(population, random).reader;
+  person.planner.wall_crossing_cost = Bell(10.0, 2.0, 4.0, 16.0, random);
+  person.glance_rate = Bell(0.03, 0.005, 0.01, 0.05, random);
+  person.steering.slip_probability = Bell(0.02, 0.008, 0.0, 0.05, random);
+  person.steering.overshoot_probability = Bell(0.05, 0.02, 0.0, 0.12, random);
+  person.steering.reaction_steps = random.Chance(0.25) ? 2 : 1;
+  return person;
+}
+
+std::string PersonYaml(const operators::SyntheticOperatorParameters& person) {
+  return DumpConfig("simulated_operator", PersonFile{person});
+}
 
 std::filesystem::path DefaultOut(const StudyOptions& options, const std::string& fingerprint) {
   const DesignOptions& design = options.design;

@@ -84,7 +84,7 @@ SupervisionCell CellOf(int robots, const std::string& order,
   return cell;
 }
 
-/// Nothing for fewer than two seeds or orders.
+/// Empty for fewer than two seeds or orders.
 std::vector<SupervisionComparison> CompareOrders(const std::vector<SupervisionCell>& all_cells,
                                                  int robots) {
   std::vector<const SupervisionCell*> cells;

@@ -56,6 +56,65 @@ Result<void> CheckRange(const std::string& option, double value, double low, dou
   return Refuse(fmt::format("{}: {} is not in [{}, {}]", option, value, low, high));
 }
 
+// Clients repeat requests by wall time, but timeouts count simulation time.
+constexpr double kGuidanceValidS = 3600.0;
+
+std::vector<std::string> Entries(const launcher::Episode& episode) {
+  std::vector<std::string> entries;
+  for (const auto& robot : episode.robots) entries.push_back(robot.world + "/" + robot.name);
+  return entries;
+}
+
+std::vector<std::string> EntriesOf(const std::string& method, const SupervisionTrial& trial,
+                                   const SupervisionOptions& options,
+                                   const launcher::Episode& episode) {
+  std::vector<std::string> entries;
+  for (std::size_t w = 0; w < episode.worlds.size(); ++w) {
+    if (MethodOf(w, trial, options) != method) continue;
+    for (const auto& robot : episode.robots) {
+      if (robot.world == episode.worlds[w].name) entries.push_back(robot.world + "/" + robot.name);
+    }
+  }
+  return entries;
+}
+
+std::string OperatorYaml(const SupervisionTrial& trial, const bus::ParticipantOptions& bus,
+                         const launcher::Episode& episode, const launcher::RunFolder& run) {
+  operators::OperatorConfig config;
+  config.bus = bus;
+  config.robots = Entries(episode);
+  config.database = (run.state() / "operator.db").string();
+  config.attention.order = trial.order;
+  return DumpConfig("operator", config);
+}
+
+std::string PersonYaml(const SupervisionTrial& trial, const SupervisionOptions& options,
+                       const bus::ParticipantOptions& bus, const launcher::Episode& episode) {
+  operators::SimulatedOperatorConfig config;
+  config.bus = bus;
+  config.robots = Entries(episode);
+  config.seed = trial.seed;
+  config.person.order = "queue";
+  config.person.interaction = options.interaction;
+  config.person.guidance_valid_s = kGuidanceValidS;
+  return DumpConfig("simulated_operator", config);
+}
+
+std::string PlannerYaml(const std::string& method, std::vector<std::string> robots,
+                        const SupervisionTrial& trial, const SupervisionOptions& options,
+                        const bus::ParticipantOptions& bus) {
+  planner::PlannerConfig config;
+  config.bus = bus;
+  config.name = "planner-" + method;
+  config.robots = std::move(robots);
+  config.method = method;
+  config.seed = trial.seed;
+  config.timeout_clock = "simulation";
+  config.first_guidance_timeout_s = 3600.0;  // without any path a robot has nothing to follow
+  config.answer_timeout_s = options.answer_timeout_s;
+  return DumpConfig("planner", config);
+}
+
 }  // namespace
 
 std::filesystem::path DefaultSupervisionOut(const std::string& fingerprint) {
@@ -127,69 +186,6 @@ std::vector<SupervisionTrial> TrialsOf(const SupervisionOptions& options) {
   }
   return trials;
 }
-
-namespace {
-
-// Requests are repeated by wall time, timeouts count by simulation time.
-constexpr double kGuidanceValidS = 3600.0;
-
-std::vector<std::string> Entries(const launcher::Episode& episode) {
-  std::vector<std::string> entries;
-  for (const auto& robot : episode.robots) entries.push_back(robot.world + "/" + robot.name);
-  return entries;
-}
-
-std::vector<std::string> EntriesOf(const std::string& method, const SupervisionTrial& trial,
-                                   const SupervisionOptions& options,
-                                   const launcher::Episode& episode) {
-  std::vector<std::string> entries;
-  for (std::size_t w = 0; w < episode.worlds.size(); ++w) {
-    if (MethodOf(w, trial, options) != method) continue;
-    for (const auto& robot : episode.robots) {
-      if (robot.world == episode.worlds[w].name) entries.push_back(robot.world + "/" + robot.name);
-    }
-  }
-  return entries;
-}
-
-std::string OperatorYaml(const SupervisionTrial& trial, const bus::ParticipantOptions& bus,
-                         const launcher::Episode& episode, const launcher::RunFolder& run) {
-  operators::OperatorConfig config;
-  config.bus = bus;
-  config.robots = Entries(episode);
-  config.database = (run.state() / "operator.db").string();
-  config.attention.order = trial.order;
-  return DumpConfig("operator", config);
-}
-
-std::string PersonYaml(const SupervisionTrial& trial, const SupervisionOptions& options,
-                       const bus::ParticipantOptions& bus, const launcher::Episode& episode) {
-  operators::SimulatedOperatorConfig config;
-  config.bus = bus;
-  config.robots = Entries(episode);
-  config.seed = trial.seed;
-  config.person.order = "queue";
-  config.person.interaction = options.interaction;
-  config.person.guidance_valid_s = kGuidanceValidS;
-  return DumpConfig("simulated_operator", config);
-}
-
-std::string PlannerYaml(const std::string& method, std::vector<std::string> robots,
-                        const SupervisionTrial& trial, const SupervisionOptions& options,
-                        const bus::ParticipantOptions& bus) {
-  planner::PlannerConfig config;
-  config.bus = bus;
-  config.name = "planner-" + method;
-  config.robots = std::move(robots);
-  config.method = method;
-  config.seed = trial.seed;
-  config.timeout_clock = "simulation";
-  config.first_guidance_timeout_s = 3600.0;  // a robot without any path has nothing to follow
-  config.answer_timeout_s = options.answer_timeout_s;
-  return DumpConfig("planner", config);
-}
-
-}  // namespace
 
 nlohmann::ordered_json DesignOf(const SupervisionOptions& options) {
   const operators::InteractionTimeParameters& times = options.interaction;

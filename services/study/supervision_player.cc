@@ -18,7 +18,7 @@
 namespace conav::study {
 namespace {
 
-/// Calls visit(key, field) for everything that is kept: the one list for both directions.
+/// Calls visit(key, field) for each stored field: one list for both directions.
 template <class Record, class Visit>
 void VisitFields(Record& record, Visit&& visit) {
   visit("robots", record.trial.robots);
@@ -60,34 +60,12 @@ auto TakeFrom(const nlohmann::json& json) {
   return [&json](const char* key, auto& field) { json.at(key).get_to(field); };
 }
 
-}  // namespace
-
-nlohmann::ordered_json ToJson(const SupervisionRecord& record) {
-  nlohmann::ordered_json json{{"name", record.trial.name()}, {"operator", "simulated"}};
-  VisitFields(record, PutInto(json));
-  VisitWorkload(record.workload, PutInto(json["workload"]));
-  return json;
-}
-
-Result<void> FromJson(const std::string& text, SupervisionRecord& record) {
-  try {
-    const auto json = nlohmann::json::parse(text);
-    VisitFields(record, TakeFrom(json));
-    VisitWorkload(record.workload, TakeFrom(json.at("workload")));
-    return {};
-  } catch (const nlohmann::json::exception& error) {
-    return Fail(ErrorCode::kMalformed, error.what());
-  }
-}
-
-namespace {
-
 using namespace std::chrono_literals;
 
 constexpr auto kGrace = 5s;
 constexpr auto kReadyLimit = 60s;
-constexpr double kStartS = 60.0;    // wall time that simulators may take to start
-constexpr double kSlowness = 10.0;  // the worlds may be so many times as slow as asked for
+constexpr double kStartS = 60.0;    // limit on the wall time in which simulators start
+constexpr double kSlowness = 10.0;  // how much slower than requested the worlds may run
 
 launcher::DemoOptions PlaceOptions(const SupervisionOptions& options) {
   launcher::DemoOptions demo;
@@ -144,7 +122,7 @@ class Trial {
     return false;
   }
 
-  /// Each service has told its health once.
+  /// Waits until each service has reported its health once.
   bool WaitUntilReady(std::size_t services, const StopToken& stop) {
     const auto deadline = clock_.Now() + kReadyLimit;
     std::set<std::string> heard;
@@ -222,6 +200,24 @@ class Trial {
 };
 
 }  // namespace
+
+nlohmann::ordered_json ToJson(const SupervisionRecord& record) {
+  nlohmann::ordered_json json{{"name", record.trial.name()}, {"operator", "simulated"}};
+  VisitFields(record, PutInto(json));
+  VisitWorkload(record.workload, PutInto(json["workload"]));
+  return json;
+}
+
+Result<void> FromJson(const std::string& text, SupervisionRecord& record) {
+  try {
+    const auto json = nlohmann::json::parse(text);
+    VisitFields(record, TakeFrom(json));
+    VisitWorkload(record.workload, TakeFrom(json.at("workload")));
+    return {};
+  } catch (const nlohmann::json::exception& error) {
+    return Fail(ErrorCode::kMalformed, error.what());
+  }
+}
 
 SupervisionRecord PlayTrial(const SupervisionTrial& trial, const SupervisionOptions& options,
                             const std::filesystem::path& program_folder, const Clock& clock,

@@ -11,10 +11,11 @@
 #include "conav_robot.h"
 #include "ros2_interfaces.h"
 
-/// Every topic of conav, with its type and QoS: the only place where they are written down.
-/// `pattern` is the ROS name; "{}" stands for a robot or a world. The bus adds the "rt" prefix.
+/// The one table of conav's topics, with type and QoS, and lists for code that handles all of them
+/// alike, such as the recorder. A test checks that the lists are complete.
 namespace conav::bus {
 
+/// `pattern` is the ROS name; "{}" stands for a robot or a world. The bus adds the "rt" prefix.
 template <class T>
 struct Topic {
   std::string_view pattern;
@@ -74,12 +75,6 @@ inline constexpr Topic<diagnostic_msgs::msg::DiagnosticArray> kDiagnostics{"/dia
                                                                            kDefaultQos};
 inline constexpr Topic<rcl_interfaces::msg::Log> kRosout{"/rosout", kEventQos};
 
-}  // namespace conav::bus
-
-/// Every topic of topics.h once more, as lists: for those who handle all of them alike, such as the
-/// recorder. A test compares the two files.
-namespace conav::bus {
-
 inline constexpr std::tuple kRobotTopics{kRobotMap,     kOdometry,     kTransforms, kRobotState,
                                          kRobotCommand, kCameraImage,  kCameraInfo, kSnapshot,
                                          kGuidance,     kDriveOrder,   kStopOrder,  kGoalPose,
@@ -91,8 +86,7 @@ inline constexpr std::tuple kSystemTopics{kOperatorRequest, kOperatorReply,     
                                           kAttentionQueue,  kPerceptionRequest, kPerceptionReply,
                                           kClock,           kDiagnostics,       kRosout};
 
-/// Patterns of the topics that carry one picture after the other, many times the bytes of all
-/// others.
+/// Patterns of the topics that stream pictures, with many times the bytes of all others.
 inline constexpr std::array kStreamPatterns{kCameraImage.pattern};
 
 /// Calls visit(topic) for each topic of one of the lists.

@@ -36,16 +36,10 @@ struct TypeSupport {
 inline constexpr std::size_t kEncapsulationSize = 4;
 inline constexpr std::size_t kMaximumKeySize = 16;
 
-/// The one TypeSupport of a fastddsgen class. type_support.cc instantiates it for the type of each
-/// topic; for another type, instantiate it from this header's template.
+/// The one TypeSupport of a fastddsgen class; the definition is below. type_support.cc instantiates
+/// it for the type of each topic.
 template <class T>
 const TypeSupport& TypeSupportOf();
-
-}  // namespace conav::bus
-
-/// The definition of TypeSupportOf<T> over a fastddsgen class, apart from type_support.h so that
-/// users of the bus do not compile Fast CDR.
-namespace conav::bus {
 
 /// "conav_msgs::msg::RobotState" becomes "conav_msgs::msg::dds_::RobotState_", the name that ROS 2
 /// gives the type in DDS.

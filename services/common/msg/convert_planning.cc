@@ -45,6 +45,28 @@ bool CheckBatch(Checks& checks, const conav_msgs::msg::PerceptionRequest& messag
   return !checks.failed();
 }
 
+void EachOnce(Checks& checks, const char* field, const std::vector<std::string>& names) {
+  std::set<std::string> seen;
+  for (const std::string& name : names) {
+    if (!seen.insert(name).second) checks.Refuse(fmt::format("{}: {} is there twice", field, name));
+  }
+}
+
+std::vector<PlannerLease::Held> ToStops(Checks& checks,
+                                        const std::vector<conav_msgs::msg::HeldRobot>& messages) {
+  std::vector<PlannerLease::Held> holds;
+  std::vector<std::string> names;
+  checks.Size("holds", messages.size(), convert::kMaxRobots);
+  for (std::size_t i = 0; i < messages.size() && !checks.failed(); ++i) {
+    const std::string at = fmt::format("holds[{}].", i);
+    names.push_back(checks.Name(at + "robot", messages[i].robot()));
+    if (messages[i].lease_epoch() == 0) checks.Refuse(at + "lease_epoch = 0 is below 1");
+    holds.push_back({names.back(), messages[i].lease_epoch()});
+  }
+  EachOnce(checks, "holds", names);
+  return holds;
+}
+
 }  // namespace
 
 Result<PerceptionRequest> SenderOf(const conav_msgs::msg::PerceptionRequest& message) {
@@ -144,32 +166,6 @@ conav_msgs::msg::PerceptionReply ToMessage(const PerceptionReply& reply) {
 }
 
 using convert::Checks;
-
-namespace {
-
-void EachOnce(Checks& checks, const char* field, const std::vector<std::string>& names) {
-  std::set<std::string> seen;
-  for (const std::string& name : names) {
-    if (!seen.insert(name).second) checks.Refuse(fmt::format("{}: {} is there twice", field, name));
-  }
-}
-
-std::vector<PlannerLease::Held> ToStops(Checks& checks,
-                                        const std::vector<conav_msgs::msg::HeldRobot>& messages) {
-  std::vector<PlannerLease::Held> holds;
-  std::vector<std::string> names;
-  checks.Size("holds", messages.size(), convert::kMaxRobots);
-  for (std::size_t i = 0; i < messages.size() && !checks.failed(); ++i) {
-    const std::string at = fmt::format("holds[{}].", i);
-    names.push_back(checks.Name(at + "robot", messages[i].robot()));
-    if (messages[i].lease_epoch() == 0) checks.Refuse(at + "lease_epoch = 0 is below 1");
-    holds.push_back({names.back(), messages[i].lease_epoch()});
-  }
-  EachOnce(checks, "holds", names);
-  return holds;
-}
-
-}  // namespace
 
 Result<PlannerLease> ToDomain(const conav_msgs::msg::PlannerLease& message) {
   Checks checks;

@@ -38,6 +38,13 @@ std::size_t Must(std::size_t code) {
   return code;
 }
 
+constexpr std::size_t kMaxRecordBytes = std::size_t{32} * 1024 * 1024;
+constexpr std::size_t kMaxVarintBytes = 5;
+
+tl::unexpected<Error> Refuse(std::size_t record, const std::string& reason) {
+  return Fail(ErrorCode::kMalformed, fmt::format("record {} {}", record, reason));
+}
+
 }  // namespace
 
 // --- writing ---------------------------------------------------------------------------------
@@ -134,17 +141,6 @@ Result<bool> ZstdReader::Read(std::string& bytes) {
   }
   return output.pos > 0;
 }
-
-namespace {
-
-constexpr std::size_t kMaxRecordBytes = std::size_t{32} * 1024 * 1024;
-constexpr std::size_t kMaxVarintBytes = 5;
-
-tl::unexpected<Error> Refuse(std::size_t record, const std::string& reason) {
-  return Fail(ErrorCode::kMalformed, fmt::format("record {} {}", record, reason));
-}
-
-}  // namespace
 
 std::string Delimited(const google::protobuf::MessageLite& record) {
   std::string bytes;

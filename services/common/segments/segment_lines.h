@@ -11,6 +11,7 @@
 #include "common/grid/grid.h"
 #include "common/segments/segment.h"
 
+/// Converts between one JSON line of segment_json.h and one value.
 namespace conav {
 
 /// A rejected line; what() is the reason. Stays in this folder: ImportSegments turns it into an
@@ -56,11 +57,6 @@ class JsonFields {
   std::string name_;
   std::set<std::string> asked_;
 };
-
-}  // namespace conav
-
-/// Converts between one JSON line of segment_json.h and one value.
-namespace conav {
 
 nlohmann::ordered_json ToLine(const Trajectory& trajectory);
 nlohmann::ordered_json ToLine(const Segment& segment);

@@ -21,7 +21,7 @@
 #include "nhpm/dataset/set_summary.h"
 #include "nhpm/dataset/synthesize.h"
 
-// import, export, merge and split: from files to files.
+// The subcommands of conav dataset: import, export, merge, split, describe, synthesize.
 namespace conav::nhpm {
 namespace {
 
@@ -133,72 +133,6 @@ void AddRecover(CLI::App* command, Arguments& arguments) {
 
 constexpr int kManyFiles = 10000;
 
-}  // namespace
-
-void AddImportCommand(CLI::App& app, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = AddCommand(
-      app, "import", "Makes a segment file of JSON lines; docs/nhpm.md says what a line holds.",
-      arguments, exit_code, Import);
-  AddFiles(command, *arguments, "JSON lines; several files become one set", kManyFiles);
-  command->add_option("--out", arguments->out, "segment file to write (.pb.zst)")->required();
-}
-
-void AddExportCommand(CLI::App& app, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = AddCommand(
-      app, "export", "Makes JSON lines of a segment file; importing them gives the same segments.",
-      arguments, exit_code, Export);
-  AddFiles(command, *arguments, "segment file (.pb.zst)", 1);
-  command->add_option("--out", arguments->out, "file to write, - = standard output")
-      ->default_str("-")
-      ->default_val("-");
-  AddRecover(command, *arguments);
-}
-
-void AddMergeCommand(CLI::App& app, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = AddCommand(
-      app, "merge",
-      "Joins segment files, for example the recordings of many sessions, runs/*/segments.pb.zst.\n"
-      "A trajectory that comes twice is refused, as it could be trained on and tested with.",
-      arguments, exit_code, Merge);
-  AddFiles(command, *arguments, "segment files (.pb.zst)", kManyFiles);
-  command->add_option("--out", arguments->out, "segment file to write (.pb.zst)")->required();
-  command
-      ->add_option("--min-mapping-accuracy", arguments->min_mapping_accuracy,
-                   "leave out trajectories that end below; the paper keeps those above 0.5. "
-                   "Where nobody knew the true map the accuracy is 0")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  AddRecover(command, *arguments);
-}
-
-void AddSplitCommand(CLI::App& app, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = AddCommand(
-      app, "split",
-      "Writes PREFIX-train.pb.zst, PREFIX-validation.pb.zst and PREFIX-test.pb.zst, split by\n"
-      "trajectory as `conav train` and `conav evaluate` split the whole file with the same seed.",
-      arguments, exit_code, Split);
-  AddFiles(command, *arguments, "segment file (.pb.zst)", 1);
-  command->add_option("--out-prefix", arguments->out, "PREFIX, folder and begin of the names")
-      ->required();
-  command
-      ->add_option("--seed", arguments->seed,
-                   "equal seeds split equally: --split-seed of conav train and conav evaluate")
-      ->check(WholeNumber())
-      ->capture_default_str();
-  command->add_option("--test-share", arguments->shares.test, "of all trajectories")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  command->add_option("--validation-share", arguments->shares.validation, "of those left")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-}
-
-namespace {
-
 constexpr std::size_t kShownInText = 2;
 constexpr std::size_t kShownInSvg = 5;
 
@@ -246,33 +180,6 @@ int Describe(const Arguments& arguments) {
   return ExitCode(WriteStandardOutput(text));
 }
 
-}  // namespace
-
-void AddDescribeCommand(CLI::App& app, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand(
-      "describe",
-      "Prints what a segment file holds: who made the edits, counts, edits per segment, how right\n"
-      "the maps were, and a few segments drawn with characters:\n"
-      "  before: # wall, o path, > ^ < v camera; shown: . seen free, # seen wall;\n"
-      "  after: + wall added, - wall removed");
-  command->add_option("file", arguments->file, "one segment file (.pb.zst)")->required();
-  command->add_option("--json", arguments->json,
-                      "write the numbers to this file, - = standard output");
-  command->add_option("--svg", arguments->svg, "draw a few segments to this file");
-  command
-      ->add_option(
-          "--segments", arguments->segments,
-          "which ones to draw, by their numbers from 0 on: 3,14,15 (default: some with edits)")
-      ->check(WholeNumber())
-      ->delimiter(',');
-  command->add_flag("--recover", arguments->recover,
-                    "of a recording that was cut off, take what is complete");
-  command->callback([arguments, &exit_code] { exit_code = Describe(*arguments); });
-}
-
-namespace {
-
 struct Arguments {
   SynthesisOptions options;
   std::string population;
@@ -316,14 +223,14 @@ nlohmann::ordered_json ToJson(const SetSummary& summary, int excluded, const Arg
           {"final_mapping_accuracy", summary.final_mapping_accuracy.mean}};
 }
 
-/// The folders of the outputs may be new. Fails before the work, not after it. Exit code.
+/// Creates missing output folders. Fails before the work, not after it. Returns an exit code.
 int PrepareOutputs(const Arguments& arguments) {
   const std::vector<FileOption> inputs{{"--population", arguments.population}};
   const std::vector<FileOption> outputs{{"--out", arguments.out}, {"--json", arguments.json}};
   const auto distinct = CheckDistinct(inputs, outputs);
   if (!distinct) return Refused(kDatasetProgram, distinct.error().text);
   for (const auto& [option, path] : outputs) {
-    std::error_code ignored;  // CheckFiles says what is wrong
+    std::error_code ignored;  // CheckFiles reports what is wrong
     if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), ignored);
   }
   return CheckFiles(kDatasetProgram, inputs, outputs);
@@ -408,6 +315,91 @@ void AddOptions(CLI::App& command, Arguments& arguments) {
 }
 
 }  // namespace
+
+void AddImportCommand(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = AddCommand(
+      app, "import", "Makes a segment file of JSON lines; docs/nhpm.md says what a line holds.",
+      arguments, exit_code, Import);
+  AddFiles(command, *arguments, "JSON lines; several files become one set", kManyFiles);
+  command->add_option("--out", arguments->out, "segment file to write (.pb.zst)")->required();
+}
+
+void AddExportCommand(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = AddCommand(
+      app, "export", "Makes JSON lines of a segment file; importing them gives the same segments.",
+      arguments, exit_code, Export);
+  AddFiles(command, *arguments, "segment file (.pb.zst)", 1);
+  command->add_option("--out", arguments->out, "file to write, - = standard output")
+      ->default_str("-")
+      ->default_val("-");
+  AddRecover(command, *arguments);
+}
+
+void AddMergeCommand(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = AddCommand(
+      app, "merge",
+      "Joins segment files, for example the recordings of many sessions, runs/*/segments.pb.zst.\n"
+      "A trajectory that comes twice is refused, as it could be trained on and tested with.",
+      arguments, exit_code, Merge);
+  AddFiles(command, *arguments, "segment files (.pb.zst)", kManyFiles);
+  command->add_option("--out", arguments->out, "segment file to write (.pb.zst)")->required();
+  command
+      ->add_option("--min-mapping-accuracy", arguments->min_mapping_accuracy,
+                   "leave out trajectories that end below; the paper keeps those above 0.5. "
+                   "Where nobody knew the true map the accuracy is 0")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  AddRecover(command, *arguments);
+}
+
+void AddSplitCommand(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = AddCommand(
+      app, "split",
+      "Writes PREFIX-train.pb.zst, PREFIX-validation.pb.zst and PREFIX-test.pb.zst, split by\n"
+      "trajectory as `conav train` and `conav evaluate` split the whole file with the same seed.",
+      arguments, exit_code, Split);
+  AddFiles(command, *arguments, "segment file (.pb.zst)", 1);
+  command->add_option("--out-prefix", arguments->out, "PREFIX, folder and begin of the names")
+      ->required();
+  command
+      ->add_option("--seed", arguments->seed,
+                   "equal seeds split equally: --split-seed of conav train and conav evaluate")
+      ->check(WholeNumber())
+      ->capture_default_str();
+  command->add_option("--test-share", arguments->shares.test, "of all trajectories")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command->add_option("--validation-share", arguments->shares.validation, "of those left")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+}
+
+void AddDescribeCommand(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand(
+      "describe",
+      "Prints what a segment file holds: who made the edits, counts, edits per segment, how right\n"
+      "the maps were, and a few segments drawn with characters:\n"
+      "  before: # wall, o path, > ^ < v camera; shown: . seen free, # seen wall;\n"
+      "  after: + wall added, - wall removed");
+  command->add_option("file", arguments->file, "one segment file (.pb.zst)")->required();
+  command->add_option("--json", arguments->json,
+                      "write the numbers to this file, - = standard output");
+  command->add_option("--svg", arguments->svg, "draw a few segments to this file");
+  command
+      ->add_option(
+          "--segments", arguments->segments,
+          "which ones to draw, by their numbers from 0 on: 3,14,15 (default: some with edits)")
+      ->check(WholeNumber())
+      ->delimiter(',');
+  command->add_flag("--recover", arguments->recover,
+                    "of a recording that was cut off, take what is complete");
+  command->callback([arguments, &exit_code] { exit_code = Describe(*arguments); });
+}
 
 void AddSynthesizeCommand(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<Arguments>();

@@ -3,7 +3,7 @@
 #include "common/cli/cli.h"
 #include "nhpm/dataset/dataset_commands.h"
 
-// conav-dataset: makes, converts and shows segments, what perception models learn from.
+// conav-dataset: makes, converts and shows segments, the training data of perception models.
 
 int main(int argc, char** argv) {
   CLI::App app{

@@ -44,7 +44,8 @@ Result<std::vector<ModelRow>> AllRows(const EvaluateArguments& arguments,
   return rows;
 }
 
-/// Those that were asked for; else by what they show and where NHPM and GLPF-Test differ.
+/// The requested segments; by default those with the paper's two cases, and where NHPM and
+/// GLPF-Test differ most.
 std::vector<FigureSegment> Figures(const EvaluateArguments& arguments,
                                    const EvaluationReport& report) {
   std::vector<FigureSegment> figures;
@@ -66,7 +67,7 @@ int WriteAll(const EvaluateArguments& arguments, const EvaluationReport& report)
                       .and_then([&] { return WriteOutput(arguments.html, ReportPage(report)); }));
 }
 
-/// What the arguments ask of the data and it cannot give; empty = nothing.
+/// What the arguments ask for and the data cannot give; empty = nothing.
 std::string WrongUse(const EvaluateArguments& arguments, const EvaluationData& data) {
   const std::size_t count = SegmentCount(data.test);
   for (const std::size_t index : arguments.segments) {
@@ -102,34 +103,6 @@ bool AllPassed(const EvaluationReport& report) {
   }
   return true;
 }
-
-}  // namespace
-
-int RunEvaluate(const EvaluateArguments& arguments) {
-  if (const int code = CheckEvaluateFiles(arguments); code != 0) return code;
-  auto data = LoadEvaluationData(arguments);
-  if (!data) return Failed(kProgram, data.error());
-  const std::string wrong = WrongUse(arguments, *data);
-  if (!wrong.empty()) return Refused(kProgram, wrong);
-  EvaluationReport report;
-  report.data = std::move(*data);
-  auto rows = AllRows(arguments, report.data);
-  if (!rows) return Failed(kProgram, rows.error());
-  report.rows = std::move(*rows);
-  report.bars = CheckBars(report.data, report.rows);
-  report.figures = Figures(arguments, report);
-  if (const int code = WriteAll(arguments, report); code != 0) return code;
-  if (!arguments.check) return 0;
-  if (report.bars.empty())
-    return Refused(kProgram, "--check: without NHPM there is nothing to check");
-  return AllPassed(report) ? 0 : 1;
-}
-
-}  // namespace conav::nhpm
-
-// conav-evaluate: table 1 of the paper for a segment file.
-
-namespace {
 
 using conav::nhpm::EvaluateArguments;
 
@@ -186,7 +159,7 @@ void AddOutputFlags(CLI::App& app, EvaluateArguments& arguments) {
                "Exit with 1 when a bar is not reached; synthetic data only");
 }
 
-/// The message of wrong use that CLI11 does not find; empty = none.
+/// Reports wrong usage that CLI11 does not detect; empty = none.
 std::string WrongUse(const EvaluateArguments& arguments) {
   int documents = 0;
   for (const auto& path : {arguments.json, arguments.csv, arguments.html}) {
@@ -202,6 +175,30 @@ std::string WrongUse(const EvaluateArguments& arguments) {
 }
 
 }  // namespace
+
+int RunEvaluate(const EvaluateArguments& arguments) {
+  if (const int code = CheckEvaluateFiles(arguments); code != 0) return code;
+  auto data = LoadEvaluationData(arguments);
+  if (!data) return Failed(kProgram, data.error());
+  const std::string wrong = WrongUse(arguments, *data);
+  if (!wrong.empty()) return Refused(kProgram, wrong);
+  EvaluationReport report;
+  report.data = std::move(*data);
+  auto rows = AllRows(arguments, report.data);
+  if (!rows) return Failed(kProgram, rows.error());
+  report.rows = std::move(*rows);
+  report.bars = CheckBars(report.data, report.rows);
+  report.figures = Figures(arguments, report);
+  if (const int code = WriteAll(arguments, report); code != 0) return code;
+  if (!arguments.check) return 0;
+  if (report.bars.empty())
+    return Refused(kProgram, "--check: without NHPM there is nothing to check");
+  return AllPassed(report) ? 0 : 1;
+}
+
+}  // namespace conav::nhpm
+
+// conav-evaluate: table 1 of the paper for a segment file.
 
 int main(int argc, char** argv) {
   CLI::App app(

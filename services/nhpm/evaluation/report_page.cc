@@ -13,8 +13,8 @@
 namespace conav::nhpm {
 namespace {
 
-/// The page's style sheet: colours by prefers-color-scheme, nothing from elsewhere. Add and remove
-/// are blue and vermilion of Okabe and Ito's palette, which colour-blind people tell apart.
+/// The page's style sheet: colours by prefers-color-scheme, self-contained. Add and remove are blue
+/// and vermilion of Okabe and Ito's palette, which colour-blind people can tell apart.
 inline constexpr const char* kPageStyle = R"css(
 :root { color-scheme: light dark; --paper: #ffffff; --ink: #1c1c1c; --muted: #5a5a5a;
   --rule: #d8d8d8; --wall: #4a4a4a; --faint-wall: #bdbdbd; --free: #f1f1f1; --seen: #ffe9a8;
@@ -48,12 +48,7 @@ svg { max-width: 100%; height: auto; display: block; }
 .percent { fill: var(--ink); font-size: 9px; } .sign { fill: var(--paper); font-size: 17px; }
 )css";
 
-}  // namespace
-}  // namespace conav::nhpm
-
-/// Plots of the page, as SVG elements with the classes of its style sheet.
-namespace conav::nhpm {
-namespace {
+// Plots, as SVG elements with the classes of the style sheet.
 
 constexpr double kSide = 200.0;
 constexpr double kLeft = 44.0;
@@ -95,8 +90,8 @@ void DrawDot(SvgCanvas& canvas, PixelPosition at, double radius, const std::stri
   canvas.EndGroup();
 }
 
-/// Share of outputs that were edited over the promised probability, a dot per bin that is not
-/// empty, larger for more outputs; the diagonal is perfect.
+/// Share of edited outputs over the predicted probability: a dot per non-empty bin, larger for more
+/// outputs. The diagonal is perfect.
 std::string ReliabilityPlot(const ModelRow& row) {
   SvgCanvas canvas;
   const Axes axes;
@@ -127,7 +122,7 @@ double LargestEdits(const ModelRow& row) {
   return largest;
 }
 
-/// Edits made over edits expected, a dot per bin of segments; `largest` is the end of both axes.
+/// Actual edits over expected edits, a dot per bin of segments; `largest` is the end of both axes.
 std::string EditsPlot(const ModelRow& row, double largest) {
   SvgCanvas canvas;
   const Axes axes{std::max(largest, 1.0)};

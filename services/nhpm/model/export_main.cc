@@ -4,7 +4,7 @@
 #include "common/cli/cli.h"
 #include "nhpm/model/onnx_export.h"
 
-// conav-export: a weights file in a format that other programs read.
+// conav-export: writes a weights file in a format for other programs.
 
 namespace conav::nhpm {
 namespace {

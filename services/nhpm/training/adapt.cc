@@ -16,17 +16,17 @@
 namespace conav::nhpm {
 namespace {
 
-/// The last layers of a network learn from one person's examples, pulled towards the weights that
-/// they start from: the loss has pull / 2 ||weights - base||^2 added.
+/// Fine-tunes the last layers of a network on one person's examples, pulled towards the initial
+/// weights: the loss includes pull / 2 ||weights - base||^2.
 class FineTuning {
  public:
   static constexpr std::uint64_t kEpochSeed = 2;  // purpose of a seed
 
-  /// Keeps references to all but `pull`; the examples must stay, too.
+  /// Keeps references to all arguments but `pull`; the examples must outlive it, too.
   FineTuning(const NetworkWeights& base, const std::vector<const Example*>& examples,
              const AdaptOptions& options, double pull, BatchPass& pass);
 
-  /// Each example once, in one of so many symmetries, drawn at random.
+  /// Takes each example once, in one of `symmetries` random symmetries.
   void RunEpoch(int symmetries);
 
   /// The moving mean (AdaptOptions::averaging).
@@ -121,6 +121,126 @@ std::vector<ExampleSet> OnePerExample(const ExampleSet& set) {
   return groups;
 }
 
+constexpr std::uint64_t kFoldSeed = 1;  // purpose of a seed; kEpochSeed is another
+
+/// One part of the groups for measuring, the rest for learning.
+struct Fold {
+  std::vector<const Example*> train;
+  std::vector<Example> held_out;
+};
+
+std::vector<Fold> DealFolds(const std::vector<ExampleSet>& groups, const AdaptOptions& options) {
+  std::vector<std::size_t> order(groups.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  Random random(DeriveSeed(options.seed, kFoldSeed));
+  random.Shuffle(order);
+  std::vector<Fold> folds(std::min(groups.size(), static_cast<std::size_t>(options.folds)));
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    for (std::size_t fold = 0; fold < folds.size(); ++fold) {
+      for (const Example& example : groups[order[i]].examples) {
+        if (i % folds.size() == fold) {
+          folds[fold].held_out.push_back(example);
+        } else {
+          folds[fold].train.push_back(&example);
+        }
+      }
+    }
+  }
+  return folds;
+}
+
+std::vector<const Example*> AllExamples(const std::vector<ExampleSet>& groups) {
+  std::vector<const Example*> examples;
+  for (const ExampleSet& group : groups) {
+    for (const Example& example : group.examples) examples.push_back(&example);
+  }
+  return examples;
+}
+
+/// The state that the stages of one adaptation share.
+struct Run {
+  const NetworkWeights& base;
+  const std::vector<ExampleSet>& groups;
+  const AdaptOptions& options;
+  const StopToken& stop;
+  int symmetries;
+  BatchPass pass;
+};
+
+/// Loss of each example while held out.
+using HeldOutLosses = std::vector<double>;
+
+double MeanOf(const HeldOutLosses& losses) {
+  return std::accumulate(losses.begin(), losses.end(), 0.0) / static_cast<double>(losses.size());
+}
+
+/// Mean of base - adapted, less two standard errors of this mean.
+double CertainGain(const HeldOutLosses& base, const HeldOutLosses& adapted) {
+  const auto count = static_cast<double>(base.size());
+  const double gain = MeanOf(base) - MeanOf(adapted);
+  double squares = 0.0;
+  for (std::size_t i = 0; i < base.size(); ++i) {
+    const double deviation = base[i] - adapted[i] - gain;
+    squares += deviation * deviation;
+  }
+  return gain - 2.0 * std::sqrt(squares / (count * std::max(1.0, count - 1.0)));
+}
+
+/// The lowest held-out loss of fine-tuning with one pull, and its number of epochs.
+struct Tried {
+  double pull = 0.0;
+  int epochs = 0;
+  HeldOutLosses base;
+  HeldOutLosses losses;
+};
+
+/// Concatenates the folds' losses after `epoch` epochs; runs the last of them unless it is 0.
+HeldOutLosses RunFolds(Run& run, const std::vector<Fold>& folds,
+                       const std::vector<std::unique_ptr<FineTuning>>& tunings, int epoch) {
+  HeldOutLosses all;
+  for (std::size_t i = 0; i < folds.size(); ++i) {
+    if (epoch > 0) tunings[i]->RunEpoch(run.symmetries);
+    const auto losses = run.pass.Losses(tunings[i]->packed(), folds[i].held_out);
+    all.insert(all.end(), losses.begin(), losses.end());
+  }
+  return all;
+}
+
+Result<Tried> CrossValidate(Run& run, double pull) {
+  const std::vector<Fold> folds = DealFolds(run.groups, run.options);
+  std::vector<std::unique_ptr<FineTuning>> tunings;
+  for (const Fold& fold : folds) {
+    tunings.push_back(
+        std::make_unique<FineTuning>(run.base, fold.train, run.options, pull, run.pass));
+  }
+  Tried best{pull, 0, RunFolds(run, folds, tunings, 0), {}};
+  best.losses = best.base;
+  for (int epoch = 1; epoch <= run.options.epochs; ++epoch) {
+    if (run.stop.stop_requested()) return Fail(ErrorCode::kUnavailable, "stopped");
+    HeldOutLosses losses = RunFolds(run, folds, tunings, epoch);
+    if (MeanOf(losses) < MeanOf(best.losses)) {
+      best.epochs = epoch;
+      best.losses = std::move(losses);
+    }
+    if (epoch - best.epochs >= run.options.patience) break;
+  }
+  return best;
+}
+
+/// Pull and epochs of the lowest held-out loss; the base if its gain is not certain.
+Result<Adaptation> Choose(Run& run) {
+  std::optional<Tried> best;
+  for (const double pull : run.options.pulls) {
+    auto tried = CrossValidate(run, pull);
+    if (!tried) return tl::unexpected(tried.error());
+    if (!best || MeanOf(tried->losses) < MeanOf(best->losses)) best = std::move(*tried);
+  }
+  const double base_loss = MeanOf(best->base);
+  if (CertainGain(best->base, best->losses) <= 0.0)
+    return Adaptation{{}, 0.0, 0, base_loss, base_loss};
+  return Adaptation{{}, best->pull, best->epochs, base_loss, MeanOf(best->losses)};
+}
+
 }  // namespace
 
 std::vector<Person> PeopleOf(const SegmentSet& set) {
@@ -157,130 +277,6 @@ std::vector<ExampleSet> AdaptationGroups(const SegmentSet& set, const InputSelec
   }
   return groups.size() == 1 ? OnePerExample(groups.front()) : groups;
 }
-
-namespace {
-
-constexpr std::uint64_t kFoldSeed = 1;  // purpose of a seed; kEpochSeed is another
-
-/// One part of the groups to learn from, the rest to measure on.
-struct Fold {
-  std::vector<const Example*> train;
-  std::vector<Example> held_out;
-};
-
-std::vector<Fold> DealFolds(const std::vector<ExampleSet>& groups, const AdaptOptions& options) {
-  std::vector<std::size_t> order(groups.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  Random random(DeriveSeed(options.seed, kFoldSeed));
-  random.Shuffle(order);
-  std::vector<Fold> folds(std::min(groups.size(), static_cast<std::size_t>(options.folds)));
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    for (std::size_t fold = 0; fold < folds.size(); ++fold) {
-      for (const Example& example : groups[order[i]].examples) {
-        if (i % folds.size() == fold) {
-          folds[fold].held_out.push_back(example);
-        } else {
-          folds[fold].train.push_back(&example);
-        }
-      }
-    }
-  }
-  return folds;
-}
-
-std::vector<const Example*> AllExamples(const std::vector<ExampleSet>& groups) {
-  std::vector<const Example*> examples;
-  for (const ExampleSet& group : groups) {
-    for (const Example& example : group.examples) examples.push_back(&example);
-  }
-  return examples;
-}
-
-/// All that the stages of one adaptation share.
-struct Run {
-  const NetworkWeights& base;
-  const std::vector<ExampleSet>& groups;
-  const AdaptOptions& options;
-  const StopToken& stop;
-  int symmetries;
-  BatchPass pass;
-};
-
-/// Loss of each example while it was held out.
-using HeldOutLosses = std::vector<double>;
-
-double MeanOf(const HeldOutLosses& losses) {
-  return std::accumulate(losses.begin(), losses.end(), 0.0) / static_cast<double>(losses.size());
-}
-
-/// Mean of base - adapted, less two standard errors of this mean.
-double CertainGain(const HeldOutLosses& base, const HeldOutLosses& adapted) {
-  const auto count = static_cast<double>(base.size());
-  const double gain = MeanOf(base) - MeanOf(adapted);
-  double squares = 0.0;
-  for (std::size_t i = 0; i < base.size(); ++i) {
-    const double deviation = base[i] - adapted[i] - gain;
-    squares += deviation * deviation;
-  }
-  return gain - 2.0 * std::sqrt(squares / (count * std::max(1.0, count - 1.0)));
-}
-
-/// The lowest held-out loss that fine-tuning with one pull came to, and after how many epochs.
-struct Tried {
-  double pull = 0.0;
-  int epochs = 0;
-  HeldOutLosses base;
-  HeldOutLosses losses;
-};
-
-/// One fold's losses after another, after `epoch` epochs; runs the last of them unless it is 0.
-HeldOutLosses RunFolds(Run& run, const std::vector<Fold>& folds,
-                       const std::vector<std::unique_ptr<FineTuning>>& tunings, int epoch) {
-  HeldOutLosses all;
-  for (std::size_t i = 0; i < folds.size(); ++i) {
-    if (epoch > 0) tunings[i]->RunEpoch(run.symmetries);
-    const auto losses = run.pass.Losses(tunings[i]->packed(), folds[i].held_out);
-    all.insert(all.end(), losses.begin(), losses.end());
-  }
-  return all;
-}
-
-Result<Tried> CrossValidate(Run& run, double pull) {
-  const std::vector<Fold> folds = DealFolds(run.groups, run.options);
-  std::vector<std::unique_ptr<FineTuning>> tunings;
-  for (const Fold& fold : folds) {
-    tunings.push_back(
-        std::make_unique<FineTuning>(run.base, fold.train, run.options, pull, run.pass));
-  }
-  Tried best{pull, 0, RunFolds(run, folds, tunings, 0), {}};
-  best.losses = best.base;
-  for (int epoch = 1; epoch <= run.options.epochs; ++epoch) {
-    if (run.stop.stop_requested()) return Fail(ErrorCode::kUnavailable, "stopped");
-    HeldOutLosses losses = RunFolds(run, folds, tunings, epoch);
-    if (MeanOf(losses) < MeanOf(best.losses)) {
-      best.epochs = epoch;
-      best.losses = std::move(losses);
-    }
-    if (epoch - best.epochs >= run.options.patience) break;
-  }
-  return best;
-}
-
-/// Pull and epochs of the lowest held-out loss; the base where its gain is not certain.
-Result<Adaptation> Choose(Run& run) {
-  std::optional<Tried> best;
-  for (const double pull : run.options.pulls) {
-    auto tried = CrossValidate(run, pull);
-    if (!tried) return tl::unexpected(tried.error());
-    if (!best || MeanOf(tried->losses) < MeanOf(best->losses)) best = std::move(*tried);
-  }
-  const double base_loss = MeanOf(best->base);
-  if (CertainGain(best->base, best->losses) <= 0.0)
-    return Adaptation{{}, 0.0, 0, base_loss, base_loss};
-  return Adaptation{{}, best->pull, best->epochs, base_loss, MeanOf(best->losses)};
-}
-
-}  // namespace
 
 Result<Adaptation> Adapt(const NetworkWeights& base, const std::vector<ExampleSet>& groups,
                          const AdaptOptions& options, int threads, const StopToken& stop) {

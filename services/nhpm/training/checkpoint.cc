@@ -54,7 +54,7 @@ Result<std::vector<EpochReport>> EpochsOf(const proto::Checkpoint& message) {
   return epochs;
 }
 
-/// Fills `target`; the error of WeightsFrom with `what` before it.
+/// Fills `target`; prefixes errors of WeightsFrom with `what`.
 Result<void> Fill(const proto::Checkpoint& message, const char* what,
                   const google::protobuf::RepeatedPtrField<proto::Layer>& layers,
                   NetworkWeights& target) {

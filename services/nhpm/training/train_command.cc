@@ -25,7 +25,7 @@ double SecondsSince(Clock::time_point start) {
 
 constexpr const char* kProgram = "conav train";
 
-/// The state to start from. Errors: kRefused when the checkpoint belongs to another training.
+/// The initial state. Errors: kRefused when the checkpoint belongs to another training.
 Result<TrainingState> FirstState(const TrainArguments& arguments, const TrainingData& data) {
   const std::filesystem::path path = CheckpointPath(arguments.out);
   const TrainingState initial = InitialTrainingState(arguments.options, EditShare(data.train));
@@ -65,7 +65,7 @@ Result<void> CheckFinite(const EpochReport& report) {
                           report.epoch));
 }
 
-/// True when it ran to its end, false when it was stopped. A checkpoint after each epoch.
+/// True when training finished, false when it was stopped. Writes a checkpoint after each epoch.
 Result<bool> RunEpochs(const TrainArguments& arguments, const TrainingData& data, Trainer& trainer,
                        const StopToken& stop) {
   ProgressLine progress;
@@ -130,7 +130,7 @@ std::filesystem::path CheckpointPath(const std::filesystem::path& out) {
 
 int RunTrain(const TrainArguments& arguments, const StopToken& stop) {
   const auto start = Clock::now();
-  // before an hour of training rather than after it
+  // Check before an hour of training, not after it.
   if (const int code = CheckTrainFiles(arguments); code != 0) return code;
   const auto data = LoadTrainingData(arguments.data, arguments.inputs, arguments.split_seed);
   if (!data) return Failed(kProgram, data.error());

@@ -14,7 +14,7 @@
 #include "nhpm/training/adapt_command.h"
 #include "nhpm/training/train_command.h"
 
-// conav-train: learns the weights of the NHPM from a segment file.
+// conav-train: trains the weights of the NHPM on a segment file.
 
 namespace {
 
@@ -59,7 +59,7 @@ void AddOptimiserFlags(CLI::App& app, Flags& flags) {
       ->check(CLI::Range(1, 1000000));
   app.add_option("--learning-rate", options.learning_rate, "Of Adam")
       ->capture_default_str()
-      ->check(CLI::Range(1e-9, 10.0));  // which takes nan: see WrongUse
+      ->check(CLI::Range(1e-9, 10.0));  // Range accepts nan: see WrongUse
   app.add_option("--schedule", flags.schedule,
                  "constant, or linear: the learning rate falls to 0 over --epochs")
       ->capture_default_str()
@@ -112,7 +112,7 @@ void AddAdaptFlags(CLI::App& app, Flags& flags) {
   participant->needs(adapt);
 }
 
-/// Options that go into RunTrain only.
+/// Options that only RunTrain uses.
 std::string TrainOnlyFlag(const CLI::App& app) {
   for (const char* flag :
        {"--width", "--without", "--any-size", "--epochs", "--patience", "--batch",
@@ -122,7 +122,7 @@ std::string TrainOnlyFlag(const CLI::App& app) {
   return {};
 }
 
-/// The message of wrong use that CLI11 does not find.
+/// Reports wrong usage that CLI11 does not detect.
 std::string WrongUse(const CLI::App& app, const Flags& flags) {
   const bool writes = !flags.adapt.each;
   if (writes && flags.train.out.empty()) return "--out is required";
@@ -135,7 +135,7 @@ std::string WrongUse(const CLI::App& app, const Flags& flags) {
   return {};
 }
 
-/// What follows from the flags together.
+/// Derives defaults from combinations of flags.
 void Complete(Flags& flags) {
   TrainArguments& train = flags.train;
   flags.adapt.data = train.data;

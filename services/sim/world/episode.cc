@@ -8,7 +8,7 @@
 namespace conav::sim {
 namespace {
 
-/// A robot this close to its cell's centre starts a move or a view from where it stands.
+/// A robot this close to its cell's centre starts a move or a view from its current position.
 constexpr double kCentredM = 0.15;
 
 bool Contains(const std::vector<Cell>& cells, Cell cell) {
@@ -215,7 +215,7 @@ void Episode::Finish(int robot, CommandOutcome outcome, std::string detail) {
   record.waypoints.clear();
   turned_[static_cast<std::size_t>(robot)] = false;
   ++versions_[static_cast<std::size_t>(robot)];
-  // A robot that coasts brakes already, when time goes on.
+  // A coasting robot brakes when time advances.
   const bool running = physics_.motion_status(robot) == MotionStatus::kRunning;
   if (running && !record.coasting) Halt(robot);
 }
@@ -224,8 +224,7 @@ void Episode::Halt(int robot) {
   RobotRecord& record = At(robot);
   physics_.Halt(robot);
   record.braking = true;
-  // It may stand between two cells, both of which stay reserved; the axis decides which one it is
-  // in.
+  // It may stand between two cells, both still reserved; the axis decides which one it is in.
   const Cell cell = physics_.cell(robot);
   if (cell != record.state.cell && Contains(record.reserved, cell)) {
     const std::vector<Cell> reserved = record.reserved;
@@ -240,7 +239,7 @@ void Episode::Observe(int robot) {
       CastRange(physics_.world().truth, record.state.cell, options_.observation_distance_cells);
   for (const Cell cell : seen.free) record.map.cells[cell] = Occupancy::kFree;
   for (const Cell cell : seen.walls) record.map.cells[cell] = Occupancy::kOccupied;
-  // Strictly rising, so that a map can be told from the one before even when no time has passed.
+  // Strictly increasing, so that each map has its own stamp even if no time has passed.
   record.map.stamp = std::max(now(), SimTime{record.map.stamp.nanoseconds + 1});
   record.state.map_stamp = record.map.stamp;
 }

@@ -70,7 +70,7 @@ Candidates FindCandidates(const OccupancyGrid& truth, const std::set<Cell>& kept
   return candidates;
 }
 
-/// Takes one out, with a chance in proportion to its weight.
+/// Removes one candidate, with a probability proportional to its weight.
 Cell TakeWeighted(std::vector<Candidate>& candidates, Random& random) {
   double total = 0.0;
   for (const Candidate& candidate : candidates) total += candidate.weight;

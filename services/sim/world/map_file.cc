@@ -24,7 +24,7 @@ struct MapHeader {
   double free_threshold = 0.196;
 };
 
-/// Reads keys of one file; the first problem is kept, later reads give defaults.
+/// Reads keys of one file; keeps the first problem, later reads give defaults.
 class KeyReader {
  public:
   KeyReader(YAML::Node node, std::string file) : node_(std::move(node)), file_(std::move(file)) {}
@@ -151,7 +151,7 @@ struct LoadedMap {
   MapHeader header;
 };
 
-/// Pixels to cells: how many pixels each cell has, and how many of these are not free.
+/// Resamples pixels to cells: counts each cell's pixels, and those of them that are not free.
 OccupancyGrid Resample(const OccupancyGrid& pixels, int rows, int columns, double cells_per_pixel,
                        double occupied_share) {
   Grid<int> count(rows, columns, 0);

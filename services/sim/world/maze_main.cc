@@ -137,7 +137,7 @@ int Refuse(const std::string& text) {
   return 2;
 }
 
-/// Exit code of what went to standard output.
+/// The exit code after writing to standard output.
 int Flushed() {
   if (std::fflush(stdout) == 0) return 0;
   fmt::print(stderr, "conav-maze: standard output: {}\n", std::strerror(errno));

@@ -5,7 +5,7 @@
 #include "common/cli/cli.h"
 #include "study/live/task_command.h"
 
-// conav-live-study: one participant at the console, with one method after the other.
+// conav-live-study: one participant at the console tries one method after the other.
 
 namespace {
 

@@ -2,7 +2,7 @@
 
 #include "study/live/task_command.h"
 
-// conav-mapping-task: people correct wrong maps, for perception models to learn from.
+// conav-mapping-task: people correct wrong maps, as training data for perception models.
 
 namespace {
 
@@ -43,7 +43,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
-  // Without --mazes there are as many as seeds.
+  // Without --mazes, the number of seeds decides.
   if (app.count("--mazes") == 0 && !options.maze_seeds.empty()) {
     options.mazes = static_cast<int>(options.maze_seeds.size());
   }

@@ -16,10 +16,10 @@ namespace conav::mapping_task {
 namespace {
 
 constexpr std::size_t kLongestCode = 40;
-/// In which a person does something.
+/// The methods that involve a person.
 constexpr std::array kStudyMethods{"ig-mcts", "instruction", "teleop"};
 constexpr int kMostMazes = 100;
-constexpr std::uint64_t kSeedRange = 1'000'000'000;  // seeds that people can read out
+constexpr std::uint64_t kSeedRange = 1'000'000'000;  // people can read these seeds out
 
 bool IsCodeLetter(char letter) {
   return (letter >= 'A' && letter <= 'Z') || (letter >= 'a' && letter <= 'z') ||

@@ -14,7 +14,7 @@
 namespace conav::statistics {
 namespace {
 
-/// What `conav stats` was told; empty paths = not wanted.
+/// The arguments of `conav stats`; empty paths = off.
 struct StatsArguments {
   std::filesystem::path data;
   std::filesystem::path json;  // "-" = standard output, as for the next
@@ -48,8 +48,8 @@ Result<void> WriteAll(const StatsArguments& arguments, const Analysis& analysis)
   return WriteOutput(arguments.html, ReportPage(analysis));
 }
 
-/// Prints the tables on standard output, on standard error if that holds a document. Exit code: 0
-/// done, 1 failed, 2 wrong use.
+/// Prints the tables on standard output, or on standard error if standard output holds a document.
+/// Exit code: 0 done, 1 failed, 2 wrong usage.
 int RunStats(const StatsArguments& arguments) {
   if (arguments.json == "-" && arguments.html == "-") {
     return Refused(kProgram, "only one of --json and --html can go to standard output");
@@ -61,13 +61,6 @@ int RunStats(const StatsArguments& arguments) {
   if (!analysis) return Failed(kProgram, analysis.error());
   return ExitCode(kProgram, WriteAll(arguments, *analysis));
 }
-
-}  // namespace
-}  // namespace conav::statistics
-
-// conav-stats: statistics of a table with one value per subject and condition.
-
-namespace {
 
 constexpr const char* kAbout =
     R"(Compares conditions that the same subjects went through: one value per subject and condition.
@@ -97,6 +90,9 @@ What is printed:
 Exit codes: 0 done; 1 the file cannot be read or is not as above, or writing failed; 2 wrong use.)";
 
 }  // namespace
+}  // namespace conav::statistics
+
+// conav-stats: statistics of a table with one value per subject and condition.
 
 int main(int argc, char** argv) {
   CLI::App app(kAbout, "conav stats");
