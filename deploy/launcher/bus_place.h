@@ -17,10 +17,10 @@ namespace conav::launcher {
 /// Listens to a run and folds its messages into an Episode. Joins late without loss: all of these
 /// topics keep their newest messages for late joiners. Publishes nothing.
 /// Threads: one.
-class Recorder {
+class RunObserver {
  public:
   /// Listens to the robots and worlds of `episode`, which outlives this object.
-  Recorder(bus::Participant& participant, Episode& episode);
+  RunObserver(bus::Participant& participant, Episode& episode);
 
   /// Folds in all messages since the last call; false without news. Never
   /// blocks.
@@ -62,7 +62,7 @@ class Recorder {
 struct BusPlace {
   DomainLease lease;
   std::unique_ptr<bus::Participant> participant;
-  std::unique_ptr<Recorder> recorder;
+  std::unique_ptr<RunObserver> observer;
 };
 
 /// The arguments do not fit the circumstances; main prints it and exits with 2.

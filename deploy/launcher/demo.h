@@ -25,8 +25,8 @@ namespace conav::launcher {
 /// "planner-2 took over r1, r3 from planner-1".
 class PlannerMonitor {
  public:
-  /// `tells_first`: also reports the first planner of a robot.
-  explicit PlannerMonitor(bool tells_first) : tells_first_(tells_first) {}
+  /// `reports_first`: also reports the first planner of a robot.
+  explicit PlannerMonitor(bool reports_first) : reports_first_(reports_first) {}
 
   /// Folds in an announcement; returns the line to print, or an empty text.
   std::string Fold(const PlannerLease& lease);
@@ -37,7 +37,7 @@ class PlannerMonitor {
     std::string node;
     std::string instance;
   };
-  bool tells_first_;
+  bool reports_first_;
   std::map<std::string, Driver> drivers_;  // by robot
 };
 

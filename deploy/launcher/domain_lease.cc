@@ -39,7 +39,7 @@ Result<void> CheckPort(const std::string& option, int port) {
   const int cause = port == 0 ? 0 : TryPort(port);
   if (cause == 0) return {};
   return Fail(ErrorCode::kUnavailable,
-              fmt::format("{} {}: cannot be had ({}); choose another, or 0 for any that is free",
+              fmt::format("{} {}: not available ({}); choose another, or 0 for any free one",
                           option, port, std::strerror(cause)));
 }
 

@@ -72,7 +72,7 @@ Process::Process(std::string name, const std::vector<std::string>& arguments,
     throw StartupError(fmt::format("{}: cannot write: {}", log.string(), std::strerror(errno)));
   }
   int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) throw StartupError("no pipe left to start a process with");
+  if (pipe2(ends, O_CLOEXEC) != 0) throw StartupError("cannot create a pipe for a new process");
   const Descriptor read_end{ends[0]};
   std::vector<char*> pointers;
   for (const std::string& argument : arguments) {

@@ -165,15 +165,15 @@ void DrawLegend(SvgCanvas& canvas, double top, bool own_goals) {
   canvas.Circle({x + 8, y}, 8, RobotFill(0));
   next("start of a robot", 140);
   canvas.Line({x - 4, y}, {x + 16, y}, RobotStyle(0));
-  next("its way", 90);
+  next("its path", 90);
   signs.DrawArrow({x, y}, 0.0, kPicture, RobotFill(0));
-  next("picture sent, looking this way", 225);
+  next("picture sent, in this direction", 225);
   signs.DrawStar({x + 8, y}, own_goals ? GoalStyle(0) : kStar);
   next(own_goals ? "its goal" : "goal", 80);
   DrawMistake(signs, {x + 8, y}, true);
-  next("wall drawn that is not there", 205);
+  next("false wall on the map", 205);
   DrawMistake(signs, {x + 8, y}, false);
-  next("wall missing", 100);
+  next("missing wall", 100);
 }
 
 }  // namespace

@@ -198,9 +198,10 @@ void NhpmService::Admit(const conav_msgs::msg::PerceptionRequest& message) {
                          fmt::format("{} requests are open", queue_.open()));
     case RequestQueue::Admission::kTooSlow: {
       const auto wait = queue_.ExpectedWait(open.cells());
-      return SendWithout(open.request, PerceptionStatus::kBusy,
-                         fmt::format("an answer takes {:.0f} ms, wanted within {} ms",
-                                     Milliseconds(wait), open.request.timeout_ms));
+      return SendWithout(
+          open.request, PerceptionStatus::kBusy,
+          fmt::format("an answer takes {:.0f} ms, more than the {} ms of the request",
+                      Milliseconds(wait), open.request.timeout_ms));
     }
   }
 }
@@ -232,7 +233,7 @@ void NhpmService::Answer(const OpenRequest& open) {
     }
     return SendWithout(
         open.request, PerceptionStatus::kBusy,
-        fmt::format("waited longer than {} ms for its turn", open.request.timeout_ms));
+        fmt::format("waited in the queue for more than {} ms", open.request.timeout_ms));
   }
   const PerceptionReply reply = ReplyTo(open.request);
   Send(reply);

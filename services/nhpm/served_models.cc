@@ -61,7 +61,7 @@ void ServedModels::RefreshOne(const std::string& person, Source& source) {
   if (source.tried && StampOf(source.file) == source.seen) return;
   const auto before = source.loaded;
   if (const auto loaded = Load(source); !loaded) {
-    LOG_ERROR("weights not taken", "person", person.empty() ? "everybody" : person, "reason",
+    LOG_ERROR("weights rejected", "person", person.empty() ? "everybody" : person, "reason",
               loaded.error().text, "still_serving",
               before ? before->identity().checksum : "the model for everybody");
     return;

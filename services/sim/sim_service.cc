@@ -60,7 +60,7 @@ std::vector<Cell> CellsFrom(const std::vector<std::vector<int>>& pairs, const ch
   for (const std::vector<int>& pair : pairs) {
     if (pair.size() != 2) {
       throw StartupError(
-          fmt::format("sim.{}: [{}] is no [row, column]", key, fmt::join(pair, ", ")));
+          fmt::format("sim.{}: [{}] is not [row, column]", key, fmt::join(pair, ", ")));
     }
     cells.push_back({pair[0], pair[1]});
   }
@@ -87,7 +87,8 @@ WorldOptions OptionsFrom(const SimConfig& config) {
 /// Names become parts of topics.
 void CheckName(const char* key, const std::string& name) {
   if (IsEntityName(name)) return;
-  throw StartupError(fmt::format("sim.{}: '{}' is no name: 1 to 64 of A-Z a-z 0-9 _", key, name));
+  throw StartupError(
+      fmt::format("sim.{}: '{}' is not a name: 1 to 64 of A-Z a-z 0-9 _", key, name));
 }
 
 void CheckNames(const SimConfig& config) {

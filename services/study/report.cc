@@ -55,7 +55,7 @@ ReportSection TableThree(const StudyReport& report) {
   section.remarks = {
       "image MiB: every picture counted as 180 KiB, as the paper does; sent MiB: the JPEG bytes" +
           std::string(report.rendered ? "" : " (none: --camera none renders nothing)"),
-      "steps of 0.25 s; mapping: share of the map's mistakes put right; goals: share reached"};
+      "steps of 0.25 s; mapping: corrected share of the map's errors; goals: share reached"};
   return section;
 }
 
@@ -95,8 +95,8 @@ std::vector<std::string> SameTests(const StudyReport& report) {
       if (values(m) == nullptr || values(later) == nullptr) continue;
       if (!AreProportional(*values(m), *values(later))) continue;
       remarks.push_back(
-          fmt::format("{} and {} are one measure in two units here: their tests are "
-                      "the same, not further evidence",
+          fmt::format("{} and {} are one measure in two units here: their tests are the same and "
+                      "no further evidence",
                       Measures()[m].header, Measures()[later].header));
       break;
     }
@@ -133,10 +133,9 @@ ReportSection VarianceSection(const StudyReport& report) {
     if (measure.analysis) {
       section.rows.push_back(VarianceRow(Measures()[m], *measure.analysis));
       if (!HasTest(measure.analysis->anova.f)) {
-        section.remarks.push_back(
-            fmt::format("{}: no F: the methods differ by the same, or not at all, "
-                        "for every operator",
-                        Measures()[m].header));
+        section.remarks.push_back(fmt::format(
+            "{}: no F: the methods differ by the same amount, or not at all, for every operator",
+            Measures()[m].header));
       }
     } else {
       section.remarks.push_back(measure.why_not);
@@ -190,9 +189,8 @@ std::optional<ReportSection> TroubleSection(const StudyReport& report) {
   if (section.rows.empty()) return std::nullopt;
   if (!report.summary.failed.empty()) {
     section.remarks.push_back(
-        "a failed episode has no measures; its operator has no mean for that method and is left "
-        "out "
-        "of the tests; the same command runs it again");
+        "a failed episode has no measures, so the tests leave out its operator; the same command "
+        "runs it again");
   }
   return section;
 }
@@ -273,8 +271,7 @@ bool WasMeasured(const StudyReport& report, const Measure& measure) {
 std::string Headline(const StudyReport& report) {
   const Design& design = report.design;
   return fmt::format(
-      "SIMULATED operators: {} synthetic people x {} x {} = {}; nothing here was measured on "
-      "persons",
+      "SIMULATED operators: {} synthetic people x {} x {} = {}; no measurements of real people",
       design.subjects.size(), Count(design.methods.size(), "method"),
       Count(design.layouts.size(), "layout"), Count(design.episodes.size(), "episode"));
 }

@@ -52,7 +52,7 @@ Result<void> MakeFolder(const fs::path& path) {
   std::error_code error;
   fs::create_directories(path, error);
   if (!error && fs::is_directory(path, error)) return {};
-  return Fail(ErrorCode::kIo, fmt::format("{}: cannot make this folder: {}", path.string(),
+  return Fail(ErrorCode::kIo, fmt::format("{}: cannot create this folder: {}", path.string(),
                                           error ? error.message() : "it is a file"));
 }
 
@@ -80,7 +80,7 @@ std::string Difference(const nlohmann::json& there, const nlohmann::ordered_json
     if (there[key] == plain) continue;
     return fmt::format("{} is {} there, {} here", key, text(there[key].dump()), text(plain.dump()));
   }
-  return "it holds what this one does not";
+  return "it has entries that this one lacks";
 }
 
 Result<void> CheckSameDesign(const fs::path& file, const nlohmann::ordered_json& design) {
@@ -88,7 +88,8 @@ Result<void> CheckSameDesign(const fs::path& file, const nlohmann::ordered_json&
   if (!text) return tl::unexpected(text.error());
   const auto there = nlohmann::json::parse(*text, nullptr, false);
   if (!there.is_object() || !there.contains("fingerprint") || !there.contains("design")) {
-    return Fail(ErrorCode::kMalformed, fmt::format("{}: is no study's design", file.string()));
+    return Fail(ErrorCode::kMalformed,
+                fmt::format("{}: is not the design of a study", file.string()));
   }
   if (there["fingerprint"] == Fingerprint(design)) return {};
   return Fail(ErrorCode::kRefused,
@@ -103,7 +104,7 @@ Result<void> CheckEmpty(const fs::path& path) {
     const std::string name = entry.path().filename().string();
     if (name == kLockFile || name.starts_with(std::string(kDesignFile) + ".")) continue;
     return Fail(ErrorCode::kRefused,
-                fmt::format("{} is not empty and holds no study", path.string()));
+                fmt::format("{} is not empty and contains no study", path.string()));
   }
   return {};
 }
@@ -123,7 +124,7 @@ Provenance DescribeRun(int argc, const char* const* argv) {
 
 statistics::ReportSection ProvenanceSection(const Provenance& provenance,
                                             const nlohmann::ordered_json& design) {
-  statistics::ReportSection section{.title = "How it was made", .header = {"", ""}};
+  statistics::ReportSection section{.title = "Provenance", .header = {"", ""}};
   section.rows = {{"command", provenance.command},
                   {"commit", provenance.commit},
                   {"report written", provenance.date},
@@ -185,10 +186,9 @@ Result<void> StudyFolder::WriteRecord(const std::string& kind, const std::string
 
 Error StudyFolder::NotARecord(const std::string& kind, const std::string& name,
                               const std::string& reason) const {
-  return {
-      ErrorCode::kMalformed,
-      fmt::format("{}: is no record of this study ({}); without it the same command runs it again",
-                  (path_ / kind / (name + ".json")).string(), reason)};
+  return {ErrorCode::kMalformed, fmt::format("{}: is not a record of this study ({}); delete it "
+                                             "and the same command runs this piece again",
+                                             (path_ / kind / (name + ".json")).string(), reason)};
 }
 
 Result<void> StudyFolder::Write(const fs::path& relative, std::string_view text) const {

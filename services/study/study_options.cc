@@ -50,10 +50,9 @@ Result<void> ValidatePopulation(const std::filesystem::path& file) {
 Result<void> ValidateMethods(const std::vector<std::string>& methods) {
   const auto count = static_cast<int>(methods.size());
   if (count < 1 || count > kOrientations) {
-    return Fail(ErrorCode::kOutOfRange,
-                fmt::format("--methods: {} of them; 1 to {}, as a layout can be turned so often "
-                            "before it looks the same again",
-                            count, kOrientations));
+    return Fail(ErrorCode::kOutOfRange, fmt::format("--methods: {} methods; 1 to {} are possible, "
+                                                    "since a layout has that many orientations",
+                                                    count, kOrientations));
   }
   for (const std::string& method : methods) {
     if (std::ranges::find(launcher::kMethods, method) != launcher::kMethods.end()) continue;
@@ -62,7 +61,7 @@ Result<void> ValidateMethods(const std::vector<std::string>& methods) {
   }
   const std::set<std::string> distinct(methods.begin(), methods.end());
   if (distinct.size() == methods.size()) return {};
-  return Fail(ErrorCode::kInvalidArgument, "--methods: one is named twice");
+  return Fail(ErrorCode::kInvalidArgument, "--methods: a method appears twice");
 }
 
 }  // namespace

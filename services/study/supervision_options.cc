@@ -25,21 +25,21 @@ Result<void> Refuse(std::string text) { return Fail(ErrorCode::kInvalidArgument,
 
 Result<void> CheckNames(const std::string& option, const std::vector<std::string>& given,
                         const std::vector<std::string>& known) {
-  if (given.empty()) return Refuse(option + ": names none");
+  if (given.empty()) return Refuse(option + ": is empty");
   for (const std::string& name : given) {
     if (std::ranges::count(given, name) > 1) {
       return Refuse(fmt::format("{}: {} is named twice", option, name));
     }
     if (std::ranges::find(known, name) == known.end()) {
       return Refuse(
-          fmt::format("{}: {} is unknown; there are {}", option, name, fmt::join(known, ", ")));
+          fmt::format("{}: {} is unknown; known values: {}", option, name, fmt::join(known, ", ")));
     }
   }
   return {};
 }
 
 Result<void> CheckRobots(const std::vector<int>& robots) {
-  if (robots.empty()) return Refuse("--robots: names none");
+  if (robots.empty()) return Refuse("--robots: is empty");
   for (const int count : robots) {
     if (count < 1 || count > kMostSupervised) {
       return Refuse(fmt::format("--robots: {} is not in [1, {}]", count, kMostSupervised));

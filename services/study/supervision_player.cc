@@ -97,7 +97,7 @@ class Trial {
       for (const auto& process : PlanSimulators(trial_, options_, bus, episode_)) Start(process);
       Follow(stop);
     }
-    place_.recorder.reset();
+    place_.observer.reset();
     processes_.StopAll(kGrace);
     Measure();
     return record_;
@@ -125,18 +125,18 @@ class Trial {
   /// Waits until each service has reported its health once.
   bool WaitUntilReady(std::size_t services, const StopToken& stop) {
     const auto deadline = clock_.Now() + kReadyLimit;
-    std::set<std::string> heard;
-    while (heard.size() < services) {
+    std::set<std::string> reported;
+    while (reported.size() < services) {
       if (SomethingDied()) return false;
       if (stop.stop_requested() || clock_.Now() > deadline) {
         record_.failure = stop.stop_requested() ? "interrupted"
                                                 : fmt::format("{} of {} services ready after 60 s",
-                                                              heard.size(), services);
+                                                              reported.size(), services);
         return false;
       }
       place_.participant->Wait(20ms);
       for (const auto& message : health_.Take()) {
-        for (const auto& status : message.status()) heard.insert(status.name());
+        for (const auto& status : message.status()) reported.insert(status.name());
       }
     }
     return true;
@@ -151,7 +151,7 @@ class Trial {
     const double limit_s = kStartS + kSlowness * 60.0 * options_.minutes / options_.speed;
     while (!IsOver() && record_.failure.empty()) {
       place_.participant->Wait(20ms);
-      place_.recorder->Take();
+      place_.observer->Take();
       for (const auto& message : queue_.Take()) {
         if (auto queue = ToDomain(message)) newest_ = *std::move(queue);
       }
@@ -159,7 +159,7 @@ class Trial {
       if (SomethingDied()) return;
       if (stop.stop_requested()) record_.failure = "interrupted";
       if (record_.wall_s > limit_s) {
-        record_.failure = fmt::format("not at its end after {:.0f} s", limit_s);
+        record_.failure = fmt::format("not finished after {:.0f} s", limit_s);
       }
     }
   }
@@ -172,7 +172,7 @@ class Trial {
   }
 
   void Measure() {
-    if (!newest_ && record_.failure.empty()) record_.failure = "no attention queue was heard";
+    if (!newest_ && record_.failure.empty()) record_.failure = "no attention queue received";
     if (newest_) record_.workload = newest_->workload;
     double seconds = 0.0;
     for (const launcher::RobotRecord& robot : episode_.robots) {

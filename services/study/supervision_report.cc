@@ -101,7 +101,7 @@ statistics::ReportSection SlowSection(const SupervisionSummary& summary) {
   for (const SupervisionRecord* record : summary.slow) {
     section.rows.push_back({record->trial.name(), fmt::format("{:.2f}", record->pace)});
   }
-  section.remarks = {"They are in the tables. A lower --speed or an idle machine mends it."};
+  section.remarks = {"The tables include them. Use a lower --speed or an idle machine."};
   return section;
 }
 

@@ -114,6 +114,6 @@ Result<PlannerLease> ToDomain(const conav_msgs::msg::PlannerLease& message);
 conav_msgs::msg::PlannerLease ToMessage(const PlannerLease& lease);
 
 Result<IntendedPath> ToDomain(const conav_msgs::msg::IntendedPath& message);
-conav_msgs::msg::IntendedPath ToMessage(const IntendedPath& way);
+conav_msgs::msg::IntendedPath ToMessage(const IntendedPath& path);
 
 }  // namespace conav

@@ -123,14 +123,14 @@ class Assembly {
  public:
   Result<void> Add(const segments::Record& record) {
     if (record.has_header()) return AddHeader(record.header());
-    if (!has_header_) return Refuse("it does not begin with a header: this is no segment file");
+    if (!has_header_) return Refuse("it does not begin with a header: this is not a segment file");
     if (record.has_trajectory()) return AddTrajectory(record.trajectory());
     if (record.has_segment()) return AddSegment(record.segment());
     return Refuse("a record is neither header nor trajectory nor segment");
   }
 
   Result<SegmentSet> Finish() {
-    if (!has_header_) return Refuse("it has no header: this is no segment file");
+    if (!has_header_) return Refuse("it has no header: this is not a segment file");
     return CheckSegments(set_).map([this] { return std::move(set_); });
   }
 
@@ -162,7 +162,8 @@ class Assembly {
   Result<void> AddSegment(const segments::Segment& record) {
     const std::size_t number = record.trajectory();
     if (number >= set_.trajectories.size()) {
-      return Refuse(fmt::format("a segment of trajectory {}, of which nothing was said", number));
+      return Refuse(
+          fmt::format("a segment of trajectory {}, which has no record before it", number));
     }
     std::vector<Segment>& segments = set_.trajectories[number].segments;
     auto segment = ToDomain(record);
@@ -195,7 +196,7 @@ Result<SegmentSet> ReadFrames(std::string_view file, TornEnd torn_end) {
   if (!frames) return tl::unexpected(frames.error());
   if (frames->torn && torn_end == TornEnd::kRefuse) {
     return Refuse(
-        fmt::format("it is truncated: {} bytes end inside of a zstd frame{}", file.size(),
+        fmt::format("it is truncated: its {} bytes end inside a zstd frame{}", file.size(),
                     frames->complete_bytes == 0
                         ? std::string()
                         : fmt::format("; {} bytes before it are complete (--recover keeps them)",

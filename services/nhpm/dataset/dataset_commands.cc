@@ -128,7 +128,7 @@ void AddFiles(CLI::App* command, Arguments& arguments, const std::string& what, 
 
 void AddRecover(CLI::App* command, Arguments& arguments) {
   command->add_flag("--recover", arguments.recover,
-                    "of a recording that was cut off, take what is complete");
+                    "read the complete part of a truncated recording");
 }
 
 constexpr int kManyFiles = 10000;
@@ -284,31 +284,33 @@ void AddOptions(CLI::App& command, Arguments& arguments) {
   SynthesisOptions& options = arguments.options;
   command
       .add_option("--trajectories", options.trajectories,
-                  "accepted ones; the paper has 113. Others are made and left out until there are "
-                  "so many")
+                  "number of accepted trajectories; the paper has 113. Leaves out rejected ones")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   command
-      .add_option("--seed", options.seed,
-                  "equal seeds give equal files; more trajectories begin with the same ones")
+      .add_option(
+          "--seed", options.seed,
+          "the same seed gives the same file; a larger number begins with the same trajectories")
       ->check(WholeNumber())
       ->capture_default_str();
-  command.add_option(
-      "--population", arguments.population,
-      "YAML file of the people; deploy/config/annotators.yaml explains every key and "
-      "holds the defaults");
+  command.add_option("--population", arguments.population,
+                     "YAML file of the people; deploy/config/annotators.yaml explains every key "
+                     "and contains the defaults");
   command
       .add_option("--per-person", options.trajectories_per_person,
                   "mazes that each person maps, failed ones included")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   command
-      .add_option("--preset", options.task.preset, "of the mazes; ./conav maze --help lists them")
+      .add_option("--preset", options.task.preset,
+                  "preset of the mazes; ./conav maze --help lists them")
       ->capture_default_str();
-  command.add_option("--threads", options.threads, "changes nothing but the time")
+  command
+      .add_option("--threads", options.threads,
+                  "number of threads; the result is the same for any number")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
-  command.add_option("--out", arguments.out, "segment file; folders that are missing are made")
+  command.add_option("--out", arguments.out, "segment file; creates missing folders")
       ->capture_default_str();
   command.add_option("--json", arguments.json,
                      "write the summary as JSON to this file, - = standard output");
@@ -319,7 +321,7 @@ void AddOptions(CLI::App& command, Arguments& arguments) {
 void AddImportCommand(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = AddCommand(
-      app, "import", "Makes a segment file of JSON lines; docs/nhpm.md says what a line holds.",
+      app, "import", "Converts JSON lines to a segment file. docs/nhpm.md describes the lines.",
       arguments, exit_code, Import);
   AddFiles(command, *arguments, "JSON lines; several files become one set", kManyFiles);
   command->add_option("--out", arguments->out, "segment file to write (.pb.zst)")->required();
@@ -327,9 +329,10 @@ void AddImportCommand(CLI::App& app, int& exit_code) {
 
 void AddExportCommand(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = AddCommand(
-      app, "export", "Makes JSON lines of a segment file; importing them gives the same segments.",
-      arguments, exit_code, Export);
+  CLI::App* command =
+      AddCommand(app, "export",
+                 "Converts a segment file to JSON lines. Importing them gives the same segments.",
+                 arguments, exit_code, Export);
   AddFiles(command, *arguments, "segment file (.pb.zst)", 1);
   command->add_option("--out", arguments->out, "file to write, - = standard output")
       ->default_str("-")
@@ -339,17 +342,17 @@ void AddExportCommand(CLI::App& app, int& exit_code) {
 
 void AddMergeCommand(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = AddCommand(
-      app, "merge",
-      "Joins segment files, for example the recordings of many sessions, runs/*/segments.pb.zst.\n"
-      "A trajectory that comes twice is refused, as it could be trained on and tested with.",
-      arguments, exit_code, Merge);
+  CLI::App* command = AddCommand(app, "merge",
+                                 "Joins segment files, for example the recordings of many "
+                                 "sessions, runs/*/segments.pb.zst.\nRejects repeated "
+                                 "trajectories, which could end up in both training and test.",
+                                 arguments, exit_code, Merge);
   AddFiles(command, *arguments, "segment files (.pb.zst)", kManyFiles);
   command->add_option("--out", arguments->out, "segment file to write (.pb.zst)")->required();
   command
       ->add_option("--min-mapping-accuracy", arguments->min_mapping_accuracy,
-                   "leave out trajectories that end below; the paper keeps those above 0.5. "
-                   "Where nobody knew the true map the accuracy is 0")
+                   "leave out trajectories with a lower final mapping accuracy; the paper keeps "
+                   "those above 0.5. Without a known true map the accuracy is 0")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   AddRecover(command, *arguments);
@@ -363,17 +366,21 @@ void AddSplitCommand(CLI::App& app, int& exit_code) {
       "trajectory as `conav train` and `conav evaluate` split the whole file with the same seed.",
       arguments, exit_code, Split);
   AddFiles(command, *arguments, "segment file (.pb.zst)", 1);
-  command->add_option("--out-prefix", arguments->out, "PREFIX, folder and begin of the names")
+  command
+      ->add_option("--out-prefix", arguments->out, "PREFIX: folder and beginning of the file names")
       ->required();
   command
-      ->add_option("--seed", arguments->seed,
-                   "equal seeds split equally: --split-seed of conav train and conav evaluate")
+      ->add_option(
+          "--seed", arguments->seed,
+          "the same seed gives the same split; see --split-seed of conav train and conav evaluate")
       ->check(WholeNumber())
       ->capture_default_str();
-  command->add_option("--test-share", arguments->shares.test, "of all trajectories")
+  command->add_option("--test-share", arguments->shares.test, "share of all trajectories")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  command->add_option("--validation-share", arguments->shares.validation, "of those left")
+  command
+      ->add_option("--validation-share", arguments->shares.validation,
+                   "share of the remaining trajectories")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
 }
@@ -382,22 +389,20 @@ void AddDescribeCommand(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
       "describe",
-      "Prints what a segment file holds: who made the edits, counts, edits per segment, how right\n"
-      "the maps were, and a few segments drawn with characters:\n"
-      "  before: # wall, o path, > ^ < v camera; shown: . seen free, # seen wall;\n"
-      "  after: + wall added, - wall removed");
+      "Describes a segment file: origin of the edits, counts, edits per segment, accuracy of "
+      "the\nmaps, and a few segments drawn with characters:\n  before: # wall, o path, > ^ < v "
+      "camera; shown: . seen free, # seen wall;\n  after: + wall added, - wall removed");
   command->add_option("file", arguments->file, "one segment file (.pb.zst)")->required();
   command->add_option("--json", arguments->json,
                       "write the numbers to this file, - = standard output");
   command->add_option("--svg", arguments->svg, "draw a few segments to this file");
   command
-      ->add_option(
-          "--segments", arguments->segments,
-          "which ones to draw, by their numbers from 0 on: 3,14,15 (default: some with edits)")
+      ->add_option("--segments", arguments->segments,
+                   "numbers of the segments to draw, from 0 on: 3,14,15 (default: some with edits)")
       ->check(WholeNumber())
       ->delimiter(',');
   command->add_flag("--recover", arguments->recover,
-                    "of a recording that was cut off, take what is complete");
+                    "read the complete part of a truncated recording");
   command->callback([arguments, &exit_code] { exit_code = Describe(*arguments); });
 }
 
@@ -406,11 +411,10 @@ void AddSynthesizeCommand(CLI::App& app, int& exit_code) {
   arguments->options.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   CLI::App* command = app.add_subcommand(
       "synthesize",
-      "Makes segments of SYNTHETIC people in the mapping task of paper Appendix A: a random maze\n"
-      "and a wrong map of it for each trajectory; the robot visits the goals, then places where "
-      "the\n"
-      "map is wrong, and sends a picture from each; the person edits the map. Trajectories with a\n"
-      "final mapping accuracy of 50 % or less are excluded.");
+      "Generates segments of SYNTHETIC people in the mapping task of paper Appendix A. Each "
+      "trajectory\nhas a random maze and a wrong map of it. The robot visits the goals, then "
+      "places where the map\nis wrong, and sends a picture from each; the person edits the map. "
+      "Leaves out trajectories with\na final mapping accuracy of 50 % or less.");
   AddOptions(*command, *arguments);
   command->callback([arguments, &exit_code] { exit_code = Run(*arguments); });
 }

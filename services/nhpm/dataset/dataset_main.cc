@@ -7,8 +7,9 @@
 
 int main(int argc, char** argv) {
   CLI::App app{
-      "Segments: how somebody edited their map after each picture (x, tau, o, x' of the paper's\n"
-      "Appendix A). Made by synthetic annotators, recorded by every session, or imported.",
+      "Segments: how a person edited the map after each picture (x, tau, o, x' of the "
+      "paper's\nAppendix A). They come from synthetic annotators, from recorded sessions, or from "
+      "an import.",
       "conav dataset"};
   app.require_subcommand(1);
   int exit_code = 0;

@@ -17,7 +17,7 @@ namespace {
 Result<void> CheckOptions(const OracleOptions& options) {
   if (options.draws < kFewestOracleDraws) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{} draws a segment: the oracle needs at least {}", options.draws,
+                fmt::format("{} draws per segment: the oracle needs at least {}", options.draws,
                             kFewestOracleDraws));
   }
   if (options.threads >= 1) return {};

@@ -198,8 +198,8 @@ Result<Synthesis> SynthesizeSegments(const SynthesisOptions& options) {
   for (std::size_t tried = 0; accepted.size() < wanted; tried += kWave) {
     if (TooCareless(accepted.size(), tried)) {
       return Fail(ErrorCode::kOutOfRange,
-                  fmt::format("only {} of {} trajectories have a mapping accuracy above {}: the "
-                              "annotators are too careless",
+                  fmt::format("the annotators are too careless: only {} of {} trajectories have a "
+                              "mapping accuracy above {}",
                               accepted.size(), tried, kAcceptedMappingAccuracy));
     }
     const auto taken = TakeAccepted(MakeWave(options, tried), wanted, synthesis);

@@ -26,7 +26,7 @@ Result<void> CheckTestPart(const EvaluateArguments& arguments, const EvaluationD
   const std::size_t trajectories = data.train.trajectories.size();
   return Fail(
       ErrorCode::kInvalidArgument,
-      fmt::format("{}: nothing is left to test on of {} {}; --all-test takes the whole file",
+      fmt::format("{}: nothing is left for the test of its {} {}; --all-test takes the whole file",
                   arguments.data.string(), trajectories,
                   trajectories == 1 ? "trajectory" : "trajectories"));
 }
@@ -42,7 +42,7 @@ std::string Remedy(const NetworkModel& model, const EvaluationData& data) {
   if (!adapted && Value(model, "data_sha256") == data.checksum) {
     return "pass --split-seed " + Value(model, "split_seed");
   }
-  return "pass data that it never saw (for synthetic people, of another --seed)";
+  return "pass data that it never saw (for synthetic people, use another --seed)";
 }
 
 /// A network and the name of its row.
@@ -73,7 +73,7 @@ NamedNetwork Without(const NamedNetwork& whole, const std::string& input) {
   InputOf(ablated.model.inputs, input) = false;
   ablated.label.key = fmt::format("{}_without_{}", whole.label.key, input);
   ablated.label.title = fmt::format("{} without {}", whole.label.title, input);
-  ablated.label.about = fmt::format("the same weights, {} zeroed when asked", input);
+  ablated.label.about = fmt::format("the same weights, with input {} zeroed", input);
   return ablated;
 }
 
@@ -126,8 +126,8 @@ Result<ModelRow> OracleRow(const EvaluateArguments& arguments, const EvaluationD
   for (auto& some : *by_trajectory) std::ranges::move(some, std::back_inserter(answers));
   return EvaluateAnswers(
       {"oracle", "Oracle",
-       fmt::format("the synthetic annotators themselves, {} draws a segment: nobody is better on "
-                   "average, up to the filter of their trajectories",
+       fmt::format("the synthetic annotators themselves, {} draws per segment: the best possible "
+                   "on average, up to the filter of their trajectories",
                    arguments.oracle_draws)},
       IdentityOf("oracle", fmt::format("{} draws", arguments.oracle_draws)), std::move(answers),
       data);
@@ -201,9 +201,8 @@ Result<std::string> CheckUnseen(const NetworkModel& model, const std::filesystem
   if (model.learned_from.empty()) return UnknownLearning(name);
   const std::size_t seen = CountKnown(data.test, model.learned_from);
   if (seen == 0) return std::string();
-  const std::string problem =
-      fmt::format("{}: learned from {} of the {} trajectories that it would be tested on",
-                  name.string(), seen, data.test.trajectories.size());
+  const std::string problem = fmt::format("{}: learned from {} of the {} test trajectories",
+                                          name.string(), seen, data.test.trajectories.size());
   if (allow_seen) return problem;
   return Fail(ErrorCode::kRefused,
               fmt::format("{}; {}, or --allow-seen", problem, Remedy(model, data)));
@@ -225,7 +224,7 @@ Result<std::vector<ModelRow>> NetworkRows(const EvaluateArguments& arguments,
       if (Sees(*model, input)) {
         networks.push_back(Without(networks.front(), input));
       } else {
-        warn(fmt::format("{}: was trained without {}: no further row without it", files[i].string(),
+        warn(fmt::format("{}: trained without {}; no further row without it", files[i].string(),
                          input));
       }
     }

@@ -206,7 +206,7 @@ std::string TruthPanel(const Segment& segment) {
     if (labels.remove.values()[i] != 0) DrawEdit(figure, cell, "remove", "\u2212");
   }
   figure.DrawCamera();
-  return figure.Inline(fmt::format("What was done: {} edits", EditCount(segment)));
+  return figure.Inline(fmt::format("Actual edits: {}", EditCount(segment)));
 }
 
 }  // namespace conav::nhpm

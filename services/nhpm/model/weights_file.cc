@@ -118,7 +118,7 @@ NetworkModel ModelFrom(const proto::Weights& message, NetworkWeights weights) {
 Result<NetworkModel> FromPayload(std::string_view payload) {
   proto::Weights message;
   if (!message.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {
-    return Fail(ErrorCode::kMalformed, "its contents are no Weights message");
+    return Fail(ErrorCode::kMalformed, "its contents are not a Weights message");
   }
   if (const auto checked = CheckGridSize(message); !checked) {
     return tl::unexpected(checked.error());
@@ -154,7 +154,7 @@ Result<std::string_view> Unframe(const FrameKind& kind, std::string_view bytes) 
   const std::string_view payload = bytes.substr(kHeaderSize);
   if (payload.size() != size) {
     return Malformed("{} bytes where its header says {}: {}", payload.size(), size,
-                     payload.size() < size ? "cut off" : "something was appended");
+                     payload.size() < size ? "cut off" : "extra bytes at the end");
   }
   if (Sha256Hex(payload) != bytes.substr(16, kDigestSize)) {
     return Malformed("damaged: its SHA-256 is not the one in its header");
@@ -226,8 +226,8 @@ Result<NetworkModel> ReadWeightsFile(const std::filesystem::path& path) {
 
 std::string UnknownLearning(const std::filesystem::path& weights) {
   return fmt::format(
-      "{}: does not name the trajectories that it learned from, as weights of before conav train "
-      "kept them: it may have seen what it is tested on",
+      "{}: an old weights file that does not name its training trajectories; they may overlap with "
+      "the test data",
       weights.string());
 }
 

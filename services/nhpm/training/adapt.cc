@@ -265,7 +265,7 @@ Result<Person> FindPerson(const std::vector<Person>& people, const std::string& 
   }
   return Fail(ErrorCode::kInvalidArgument,
               fmt::format("{}; there are {} ({})",
-                          participant.empty() ? "--participant must say to whom to adapt"
+                          participant.empty() ? "--participant must name one of them"
                                               : "no participant '" + participant + "'",
                           people.size(), NamesOf(people)));
 }
@@ -284,10 +284,11 @@ Result<Adaptation> Adapt(const NetworkWeights& base, const std::vector<ExampleSe
   std::vector<ExampleSet> used = groups;
   std::erase_if(used, [](const ExampleSet& group) { return group.examples.empty(); });
   if (used.size() < 2) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{} to adapt to; it takes two at least, to learn from one and measure "
-                            "on the other",
-                            used.empty() ? "nothing" : "only one segment"));
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format(
+            "{} to adapt to; at least two are needed, one to learn from and one to measure on",
+            used.empty() ? "nothing" : "only one segment"));
   }
   const int rows = used[0].rows;
   const int columns = used[0].columns;

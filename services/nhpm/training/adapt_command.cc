@@ -109,10 +109,9 @@ std::string SummaryText(const AdaptArguments& arguments, const Person& person,
       "held out    MBCE {:.5f} with the base, {:.5f} adapted ({:+.1f} %)\n"
       "weights     {}  SHA-256 {}\n",
       person.participant, OriginText(person.set), SegmentCount(person.set), adaptation.epochs,
-      adaptation.pull, adaptation.epochs == 0 ? ": nothing was better than the base" : "",
-      adaptation.base_loss, adaptation.held_out_loss,
-      Percent(adaptation.base_loss, adaptation.held_out_loss), arguments.out.string(),
-      ChecksumOf(model));
+      adaptation.pull, adaptation.epochs == 0 ? ": the base was best" : "", adaptation.base_loss,
+      adaptation.held_out_loss, Percent(adaptation.base_loss, adaptation.held_out_loss),
+      arguments.out.string(), ChecksumOf(model));
 }
 
 /// Adapts to one person.
@@ -189,9 +188,9 @@ Result<std::optional<PersonResult>> MeasurePerson(const AdaptArguments& argument
   if (seen > 0) {
     return Fail(
         ErrorCode::kRefused,
-        fmt::format("{}: learned from {} of the {} trajectories of {} that it would be "
-                    "tested on; pass data that it never saw",
-                    arguments.base.string(), seen, tested.trajectories.size(), person.participant));
+        fmt::format(
+            "{}: learned from {} of the {} test trajectories of {}; pass data that it never saw",
+            arguments.base.string(), seen, tested.trajectories.size(), person.participant));
   }
   AdaptOptions options;
   options.seed = arguments.seed;

@@ -87,7 +87,7 @@ Result<TrainingState> StateFrom(const proto::Checkpoint& message) {
 Result<Checkpoint> FromPayload(std::string_view payload) {
   proto::Checkpoint message;
   if (!message.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {
-    return Fail(ErrorCode::kMalformed, "its contents are no Checkpoint message");
+    return Fail(ErrorCode::kMalformed, "its contents are not a Checkpoint message");
   }
   return StateFrom(message).map([&](TrainingState&& state) {
     Checkpoint checkpoint{{}, std::move(state)};

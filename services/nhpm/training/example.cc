@@ -40,10 +40,11 @@ Result<void> CheckUsable(const SegmentSet& set) {
   const std::size_t trajectories = set.trajectories.size();
   if (SegmentCount(set) == 0) return Fail(ErrorCode::kInvalidArgument, "has no segments");
   if (trajectories < kParts) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("has {} {}; training needs three at least: to learn from, to know when "
-                            "to stop, and to test on",
-                            trajectories, trajectories == 1 ? "trajectory" : "trajectories"));
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format(
+            "has {} {}; training needs at least three: one each for training, validation and test",
+            trajectories, trajectories == 1 ? "trajectory" : "trajectories"));
   }
   return CheckOneSize(set);
 }

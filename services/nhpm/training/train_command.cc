@@ -34,15 +34,15 @@ Result<TrainingState> FirstState(const TrainArguments& arguments, const Training
   if (!checkpoint && checkpoint.error().code == ErrorCode::kNotFound) return initial;
   if (!checkpoint) {
     return Fail(checkpoint.error().code,
-                fmt::format("{}; --fresh starts anew", checkpoint.error().text));
+                fmt::format("{}; --fresh ignores it", checkpoint.error().text));
   }
   const std::string difference = DifferenceText(checkpoint->settings, SettingsOf(arguments, data));
   if (!difference.empty()) {
     return Fail(ErrorCode::kRefused,
-                fmt::format("{} is of another training: {}; --fresh starts anew", path.string(),
+                fmt::format("{} belongs to another training: {}; --fresh ignores it", path.string(),
                             difference));
   }
-  fmt::print(stderr, "going on from {} after epoch {}\n", path.string(),
+  fmt::print(stderr, "resuming from {} after epoch {}\n", path.string(),
              checkpoint->state.epochs.size());
   return std::move(checkpoint->state);
 }
@@ -110,12 +110,13 @@ int CheckTrainFiles(const TrainArguments& arguments) {
   if (code != 0 || !std::filesystem::exists(status) || std::filesystem::is_regular_file(status)) {
     return code;
   }
-  return Failed(kProgram, {ErrorCode::kIo, fmt::format("--out {}: is a device, which keeps nothing",
-                                                       arguments.out.string())});
+  return Failed(kProgram,
+                {ErrorCode::kIo, fmt::format("--out {}: is a device, which stores nothing",
+                                             arguments.out.string())});
 }
 
 int Stopped(const TrainArguments& arguments, const TrainingState& state) {
-  fmt::print(stderr, "conav train: stopped after epoch {}; the same command goes on from {}\n",
+  fmt::print(stderr, "conav train: stopped after epoch {}; the same command resumes from {}\n",
              state.epochs.size(), CheckpointPath(arguments.out).string());
   return 1;
 }

@@ -128,7 +128,7 @@ Result<ModelPtr> BuildModel(const PhysicsWorld& world) {
   ModelPtr model(mj_loadXML("world.xml", files.get(), error, sizeof(error)));
   mj_deleteVFS(files.get());
   if (!model) {
-    return Fail(ErrorCode::kInvalidArgument, fmt::format("MuJoCo refuses the world: {}", error));
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("MuJoCo rejects the world: {}", error));
   }
   PaintTextures(*model);
   return model;

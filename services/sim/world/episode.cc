@@ -73,7 +73,7 @@ Result<void> Episode::Accept(const RobotCommand& command) {
     return {};  // a repeat
   if (same_lease && command.sequence_number < state.command_sequence_number) {
     return Fail(ErrorCode::kRefused,
-                fmt::format("sequence_number = {} is older than {}, the last that {} took up",
+                fmt::format("sequence_number = {} is older than {}, the last that {} accepted",
                             command.sequence_number, state.command_sequence_number, command.robot));
   }
   record.command = command;
@@ -92,8 +92,8 @@ void Episode::Begin(int robot) {
   if (command.kind == CommandKind::kDrive) record.state.drive_order = command.drive_order;
   if (command.expires_at <= now()) {
     return Finish(robot, CommandOutcome::kExpired,
-                  fmt::format("expired at {:.3f} s, it is {:.3f} s", command.expires_at.ToSeconds(),
-                              now().ToSeconds()));
+                  fmt::format("expired at {:.3f} s; the time is {:.3f} s",
+                              command.expires_at.ToSeconds(), now().ToSeconds()));
   }
   record.active = true;
   record.coasting = false;
@@ -118,7 +118,7 @@ void Episode::BeginMove(int robot) {
   const OccupancyGrid& truth = physics_.world().truth;
   if (!truth.Contains(target) || !AreNeighbours(record.state.cell, target)) {
     return Finish(robot, CommandOutcome::kRefused,
-                  fmt::format("target = {} is no neighbour of {}", target, record.state.cell));
+                  fmt::format("target = {} is not a neighbour of {}", target, record.state.cell));
   }
   if (truth[target] == Occupancy::kOccupied) {
     Observe(robot);
@@ -178,7 +178,7 @@ void Episode::Advance(int robot) {
   }
   if (running) return;
   if (physics_.motion_status(robot) == MotionStatus::kStuck) {
-    return Finish(robot, CommandOutcome::kBlocked, "stuck: something is in the way");
+    return Finish(robot, CommandOutcome::kBlocked, "stuck: something blocks the robot");
   }
   if (!record.waypoints.empty()) {
     const Cell reached = record.waypoints.front();

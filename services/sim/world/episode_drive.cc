@@ -137,7 +137,7 @@ bool Episode::MayDrive(int robot, Position reach) {
     const bool nearer =
         DistanceToCell(geometry, reach, cell) < DistanceToCell(geometry, from, cell);
     if (!truth.Contains(cell)) {
-      if (nearer) return fail(CommandOutcome::kBlocked, record.state.cell, "the world ends here");
+      if (nearer) return fail(CommandOutcome::kBlocked, record.state.cell, "the map ends here");
     } else if (truth[cell] == Occupancy::kOccupied) {
       if (!nearer) continue;
       Observe(robot);

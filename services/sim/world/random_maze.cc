@@ -209,17 +209,17 @@ void CarveFrom(Cell start, int region, Random& random, MazeDraft& draft) {
   std::vector<Cell> trail{start};
   while (!trail.empty()) {
     const Cell cell = trail.back();
-    std::vector<Cell> ways;
+    std::vector<Cell> directions;
     for (const Cell direction : kMazeDirections) {
       const Cell far = cell + direction + direction;
-      if (draft.regions.Contains(far) && draft.regions[far] == 0) ways.push_back(direction);
+      if (draft.regions.Contains(far) && draft.regions[far] == 0) directions.push_back(direction);
     }
-    if (ways.empty()) {
+    if (directions.empty()) {
       trail.pop_back();
       continue;
     }
-    const auto drawn = random.Uniform(0, static_cast<std::int64_t>(ways.size()) - 1);
-    const Cell direction = ways[static_cast<std::size_t>(drawn)];
+    const auto drawn = random.Uniform(0, static_cast<std::int64_t>(directions.size()) - 1);
+    const Cell direction = directions[static_cast<std::size_t>(drawn)];
     carve(cell + direction);
     carve(cell + direction + direction);
     trail.push_back(cell + direction + direction);

@@ -38,7 +38,7 @@ Result<void> CheckMazes(const TaskOptions& options) {
   const auto given = static_cast<int>(options.maze_seeds.size());
   if (given == 0 || given == options.mazes) return {};
   return Fail(ErrorCode::kInvalidArgument,
-              fmt::format("--maze-seed: {} of them for {} mazes", given, options.mazes));
+              fmt::format("--maze-seed: {} seeds for {} mazes", given, options.mazes));
 }
 
 Result<void> CheckMethods(const TaskOptions& options) {
@@ -52,7 +52,7 @@ Result<void> CheckMethods(const TaskOptions& options) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("--methods: {} is named twice", method));
   }
   if (!options.is_study() || static_cast<int>(options.methods.size()) == options.mazes) return {};
-  return Fail(ErrorCode::kInvalidArgument, fmt::format("--methods: {} of them for {} mazes",
+  return Fail(ErrorCode::kInvalidArgument, fmt::format("--methods: {} methods for {} mazes",
                                                        options.methods.size(), options.mazes));
 }
 

@@ -151,7 +151,7 @@ constexpr int kMostAttempts = 1000;
 launcher::DomainLease FindDomain(const TaskOptions& options) {
   launcher::Episode episode = launcher::MakeEpisode(1, 1);
   launcher::BusPlace place = launcher::JoinFreeDomain(DemoOf(options, 0), episode);
-  place.recorder.reset();
+  place.observer.reset();
   return std::move(place.lease);
 }
 
@@ -190,7 +190,7 @@ MazeEnd MazeRun::Run(const std::vector<PlannedService>& services, const Opened& 
   const MazeEnd end = Wait(opened, stop);
   if (end == MazeEnd::kFinished) Linger(stop);
   for (const std::string& name : processes_.StopAll(kGrace)) {
-    say_(name + " did not stop when asked and was killed");
+    say_(name + " did not stop on request and was killed");
   }
   return end;
 }
@@ -246,7 +246,7 @@ Result<std::optional<MazeResult>> ReadMazeResult(const std::filesystem::path& fi
   if (!text) return tl::unexpected(text.error());
   auto result = Parse(*text);
   if (result) return result;
-  return Fail(ErrorCode::kMalformed, file.string() + " is no result of a maze");
+  return Fail(ErrorCode::kMalformed, file.string() + " is not the result of a maze");
 }
 
 nlohmann::ordered_json TaskJson(const TaskOptions& options,
@@ -339,10 +339,10 @@ Result<Maze> TaskSession::MakeMaze(int number) const {
       if (!error) fs::create_directory(maze.folder / part, error);
     }
     if (!error) return maze;
-    return Fail(ErrorCode::kIo, fmt::format("{}: cannot make this folder: {}", maze.folder.string(),
-                                            error.message()));
+    return Fail(ErrorCode::kIo, fmt::format("{}: cannot create this folder: {}",
+                                            maze.folder.string(), error.message()));
   }
-  return Fail(ErrorCode::kRefused, fmt::format("maze {} was begun too often", number));
+  return Fail(ErrorCode::kRefused, fmt::format("maze {} has too many attempts", number));
 }
 
 Result<bool> TaskSession::Play(const Maze& maze, const StopToken& stop) {
@@ -353,8 +353,9 @@ Result<bool> TaskSession::Play(const Maze& maze, const StopToken& stop) {
       PlanMaze(options_, maze, setting), [&](const std::string& url) { Opened(maze, url); }, stop);
   if (end == MazeEnd::kInterrupted) return false;
   if (end == MazeEnd::kServiceDied) {
-    return Fail(ErrorCode::kUnavailable,
-                fmt::format("maze {} was broken off; the same command goes on there", maze.number));
+    return Fail(
+        ErrorCode::kUnavailable,
+        fmt::format("maze {} was interrupted; the same command resumes there", maze.number));
   }
   auto result = ReadMazeResult(maze.result());
   if (!result) return tl::unexpected(result.error());

@@ -40,7 +40,7 @@ Result<std::string> TakeQuoted(std::string_view& rest) {
     }
     field += rest[i];
   }
-  return Fail(ErrorCode::kMalformed, "a quote does not end");
+  return Fail(ErrorCode::kMalformed, "a quote is not closed");
 }
 
 std::string TakePlain(std::string_view& rest) {
@@ -118,7 +118,7 @@ class TableReader {
       if (fields[c].empty()) return Refuse(fmt::format("column {} has no name", c + 1));
       const auto [known, is_new] = columns.emplace(fields[c], c + 1);
       if (is_new) continue;
-      return Refuse(fmt::format("condition '{}' stands twice, in columns {} and {}", fields[c],
+      return Refuse(fmt::format("condition '{}' appears twice, in columns {} and {}", fields[c],
                                 known->second, c + 1));
     }
     file_.table.conditions.assign(fields.begin() + 1, fields.end());
@@ -145,7 +145,7 @@ class TableReader {
     const auto [known, is_new] = lines_.emplace(subject, line_);
     if (is_new) return {};
     return Refuse(
-        fmt::format("subject '{}' stands twice, first in line {}", subject, known->second));
+        fmt::format("subject '{}' appears twice, first in line {}", subject, known->second));
   }
 
   Result<void> ReadValues(const Fields& fields) {
