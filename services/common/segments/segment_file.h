@@ -1,12 +1,16 @@
 #pragma once
 
-#include <segments.pb.h>
-
 #include <filesystem>
 #include <string>
 
 #include "common/runtime/result.h"
 #include "common/segments/segment.h"
+
+namespace conav::segments {
+class Record;
+class Segment;
+class Trajectory;
+}  // namespace conav::segments
 
 /// Files of segments: length-delimited records of idl/segments.proto, compressed with zstd. The
 /// records stop here; the rest of conav uses the domain values.

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <segments.pb.h>
 #include <sys/file.h>
 #include <unistd.h>
 

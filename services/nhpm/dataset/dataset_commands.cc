@@ -25,7 +25,7 @@
 namespace conav::nhpm {
 namespace {
 
-struct Arguments {
+struct ConvertArguments {
   std::vector<std::string> files;
   std::string out;
   bool recover = false;
@@ -56,19 +56,19 @@ Result<SegmentSet> ReadAll(const std::vector<std::string>& files, Read&& read) {
   return all.Take();
 }
 
-int Check(const Arguments& arguments, const std::vector<FileOption>& outputs) {
+int Check(const ConvertArguments& arguments, const std::vector<FileOption>& outputs) {
   std::vector<FileOption> inputs;
   for (const std::string& file : arguments.files) inputs.push_back({"file", file});
   return CheckFiles(kDatasetProgram, inputs, outputs);
 }
 
-int Import(const Arguments& arguments) {
+int Import(const ConvertArguments& arguments) {
   if (const int code = Check(arguments, {{"--out", arguments.out}}); code != 0) return code;
   const auto set = ReadAll(arguments.files, ImportSegmentsFile);
   return set ? WriteSet(arguments.out, *set) : Failed(set.error());
 }
 
-int Export(const Arguments& arguments) {
+int Export(const ConvertArguments& arguments) {
   if (const int code = Check(arguments, {{"--out", arguments.out}}); code != 0) return code;
   const auto set = ReadSegmentFile(arguments.files.front(),
                                    arguments.recover ? TornEnd::kDrop : TornEnd::kRefuse);
@@ -81,7 +81,7 @@ int Export(const Arguments& arguments) {
   return ExitCode(ExportSegmentsFile(arguments.out, *set));
 }
 
-int Merge(const Arguments& arguments) {
+int Merge(const ConvertArguments& arguments) {
   if (const int code = Check(arguments, {{"--out", arguments.out}}); code != 0) return code;
   auto set = ReadAll(arguments.files, [&](const std::string& file) {
     return ReadSegmentFile(file, arguments.recover ? TornEnd::kDrop : TornEnd::kRefuse);
@@ -93,11 +93,11 @@ int Merge(const Arguments& arguments) {
   return WriteSet(arguments.out, *set);
 }
 
-std::string PartFile(const Arguments& arguments, const char* part) {
+std::string PartFile(const ConvertArguments& arguments, const char* part) {
   return fmt::format("{}-{}.pb.zst", arguments.out, part);
 }
 
-int Split(const Arguments& arguments) {
+int Split(const ConvertArguments& arguments) {
   const int checked = Check(arguments, {{"--out-prefix", PartFile(arguments, "train")},
                                         {"--out-prefix", PartFile(arguments, "validation")},
                                         {"--out-prefix", PartFile(arguments, "test")}});
@@ -115,18 +115,18 @@ int Split(const Arguments& arguments) {
 }
 
 CLI::App* AddCommand(CLI::App& app, const std::string& name, const std::string& description,
-                     const std::shared_ptr<Arguments>& arguments, int& exit_code,
-                     int (*run)(const Arguments&)) {
+                     const std::shared_ptr<ConvertArguments>& arguments, int& exit_code,
+                     int (*run)(const ConvertArguments&)) {
   CLI::App* command = app.add_subcommand(name, description);
   command->callback([arguments, &exit_code, run] { exit_code = run(*arguments); });
   return command;
 }
 
-void AddFiles(CLI::App* command, Arguments& arguments, const std::string& what, int most) {
+void AddFiles(CLI::App* command, ConvertArguments& arguments, const std::string& what, int most) {
   command->add_option("file", arguments.files, what)->required()->expected(1, most);
 }
 
-void AddRecover(CLI::App* command, Arguments& arguments) {
+void AddRecover(CLI::App* command, ConvertArguments& arguments) {
   command->add_flag("--recover", arguments.recover,
                     "read the complete part of a truncated recording");
 }
@@ -136,7 +136,7 @@ constexpr int kManyFiles = 10000;
 constexpr std::size_t kShownInText = 2;
 constexpr std::size_t kShownInSvg = 5;
 
-struct Arguments {
+struct DescribeArguments {
   std::string file;
   std::string json;
   std::string svg;
@@ -144,13 +144,13 @@ struct Arguments {
   bool recover = false;
 };
 
-Result<std::vector<ChosenSegment>> Choose(const Arguments& arguments, const SegmentSet& set,
+Result<std::vector<ChosenSegment>> Choose(const DescribeArguments& arguments, const SegmentSet& set,
                                           std::size_t count) {
   if (arguments.segments.empty()) return ChooseSegments(set, count);
   return ChooseSegments(set, arguments.segments);
 }
 
-Result<void> WriteSvg(const Arguments& arguments, const SegmentSet& set,
+Result<void> WriteSvg(const DescribeArguments& arguments, const SegmentSet& set,
                       const std::string& origin) {
   return Choose(arguments, set, kShownInSvg).and_then([&](const auto& chosen) {
     const std::string name = std::filesystem::path(arguments.file).filename().string();
@@ -159,7 +159,7 @@ Result<void> WriteSvg(const Arguments& arguments, const SegmentSet& set,
   });
 }
 
-int Describe(const Arguments& arguments) {
+int Describe(const DescribeArguments& arguments) {
   const int code = CheckFiles(kDatasetProgram, {{"file", arguments.file}},
                               {{"--json", arguments.json}, {"--svg", arguments.svg}});
   if (code != 0) return code;
@@ -180,7 +180,7 @@ int Describe(const Arguments& arguments) {
   return ExitCode(WriteStandardOutput(text));
 }
 
-struct Arguments {
+struct SynthesizeArguments {
   SynthesisOptions options;
   std::string population;
   std::string out = "data/synthetic.pb.zst";
@@ -204,7 +204,8 @@ std::string Text(const SetSummary& summary, int excluded, const std::string& out
       100.0 * summary.final_cell_accuracy.mean, 100.0 * summary.final_mapping_accuracy.mean, out);
 }
 
-nlohmann::ordered_json ToJson(const SetSummary& summary, int excluded, const Arguments& arguments) {
+nlohmann::ordered_json ToJson(const SetSummary& summary, int excluded,
+                              const SynthesizeArguments& arguments) {
   return {{"origin", "synthetic"},
           {"file", arguments.out},
           {"seed", arguments.options.seed},
@@ -224,13 +225,13 @@ nlohmann::ordered_json ToJson(const SetSummary& summary, int excluded, const Arg
 }
 
 /// Creates missing output folders. Fails before the work, not after it. Returns an exit code.
-int PrepareOutputs(const Arguments& arguments) {
+int PrepareOutputs(const SynthesizeArguments& arguments) {
   const std::vector<FileOption> inputs{{"--population", arguments.population}};
   const std::vector<FileOption> outputs{{"--out", arguments.out}, {"--json", arguments.json}};
   const auto distinct = CheckDistinct(inputs, outputs);
   if (!distinct) return Refused(kDatasetProgram, distinct.error().text);
   for (const auto& [option, path] : outputs) {
-    std::error_code ignored;  // CheckFiles reports what is wrong
+    std::error_code ignored;  // CheckFiles says what is wrong
     if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), ignored);
   }
   return CheckFiles(kDatasetProgram, inputs, outputs);
@@ -255,7 +256,7 @@ Result<Synthesis> SynthesizeWithProgress(SynthesisOptions options) {
   return SynthesizeSegments(options);
 }
 
-int Run(Arguments arguments) {
+int Run(SynthesizeArguments arguments) {
   try {
     if (!arguments.population.empty()) {
       arguments.options.population = ReadPopulation(arguments.population);
@@ -280,7 +281,7 @@ int Run(Arguments arguments) {
   return ExitCode(WriteJsonOutput(arguments.json, ToJson(summary, synthesis->excluded, arguments)));
 }
 
-void AddOptions(CLI::App& command, Arguments& arguments) {
+void AddOptions(CLI::App& command, SynthesizeArguments& arguments) {
   SynthesisOptions& options = arguments.options;
   command
       .add_option("--trajectories", options.trajectories,
@@ -319,7 +320,7 @@ void AddOptions(CLI::App& command, Arguments& arguments) {
 }  // namespace
 
 void AddImportCommand(CLI::App& app, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ConvertArguments>();
   CLI::App* command = AddCommand(
       app, "import", "Converts JSON lines to a segment file. docs/nhpm.md describes the lines.",
       arguments, exit_code, Import);
@@ -328,7 +329,7 @@ void AddImportCommand(CLI::App& app, int& exit_code) {
 }
 
 void AddExportCommand(CLI::App& app, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ConvertArguments>();
   CLI::App* command =
       AddCommand(app, "export",
                  "Converts a segment file to JSON lines. Importing them gives the same segments.",
@@ -341,7 +342,7 @@ void AddExportCommand(CLI::App& app, int& exit_code) {
 }
 
 void AddMergeCommand(CLI::App& app, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ConvertArguments>();
   CLI::App* command = AddCommand(app, "merge",
                                  "Joins segment files, for example the recordings of many "
                                  "sessions, runs/*/segments.pb.zst.\nRejects repeated "
@@ -359,7 +360,7 @@ void AddMergeCommand(CLI::App& app, int& exit_code) {
 }
 
 void AddSplitCommand(CLI::App& app, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ConvertArguments>();
   CLI::App* command = AddCommand(
       app, "split",
       "Writes PREFIX-train.pb.zst, PREFIX-validation.pb.zst and PREFIX-test.pb.zst, split by\n"
@@ -386,7 +387,7 @@ void AddSplitCommand(CLI::App& app, int& exit_code) {
 }
 
 void AddDescribeCommand(CLI::App& app, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<DescribeArguments>();
   CLI::App* command = app.add_subcommand(
       "describe",
       "Describes a segment file: origin of the edits, counts, edits per segment, accuracy of "
@@ -407,7 +408,7 @@ void AddDescribeCommand(CLI::App& app, int& exit_code) {
 }
 
 void AddSynthesizeCommand(CLI::App& app, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<SynthesizeArguments>();
   arguments->options.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   CLI::App* command = app.add_subcommand(
       "synthesize",

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
@@ -71,20 +72,18 @@ PixelLabeler::PixelLabeler(const RobotWorld& world)
 
 Cell PixelLabeler::CellOf(int geom, PixelKind kind, const double* origin,
                           const double* direction) const {
-  const double* point = world_.data().geom_xpos + 3 * geom;
-  const double* rotation = world_.data().geom_xmat + 9 * geom;
-  const double normal[3] = {rotation[2], rotation[5], rotation[8]};
-  double ahead = 0.0;
-  double slope = 0.0;
-  for (int i = 0; i < 3; ++i) {
-    ahead += normal[i] * (point[i] - origin[i]);
-    slope += normal[i] * direction[i];
-  }
-  const double reach = ahead / slope;
+  using Eigen::Map, Eigen::Vector3d;
+  const Map<const Vector3d> point(world_.data().geom_xpos + 3 * geom);
+  const Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> rotation(world_.data().geom_xmat +
+                                                                         9 * geom);
+  const Vector3d normal = rotation.col(2);
+  const Map<const Vector3d> start(origin);
+  const Map<const Vector3d> ray(direction);
+  const double reach = normal.dot(point - start) / normal.dot(ray);
   // A wall's face lies on the edge of its cell: step into the wall.
   const double inside = kind == PixelKind::kWall ? world_.geometry().cell_size_m / 2.0 : 0.0;
-  return world_.geometry().PositionToCell({origin[0] + reach * direction[0] - inside * normal[0],
-                                           origin[1] + reach * direction[1] - inside * normal[1]});
+  const Vector3d hit = start + reach * ray - inside * normal;
+  return world_.geometry().PositionToCell({hit.x(), hit.y()});
 }
 
 Grid<PixelLabel> PixelLabeler::Label(const Projection& projection,
