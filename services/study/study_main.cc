@@ -169,6 +169,11 @@ int RunStudy(const StudyOptions& options, const Provenance& provenance, const St
   }
 }
 
+}  // namespace
+}  // namespace conav::study
+
+namespace {
+
 constexpr const char* kAbout =
     R"(The paper's user study (section 6.2, table 3) with SIMULATED operators: every operator does
 every method on every layout, each episode with all services as processes of their own over DDS. Prints,
@@ -224,7 +229,6 @@ void AddOptions(CLI::App& app, conav::study::StudyOptions& options) {
 }
 
 }  // namespace
-}  // namespace conav::study
 
 // conav-study: compares the methods with simulated operators.
 

@@ -102,6 +102,31 @@ bool AllPassed(const EvaluationReport& report) {
   return true;
 }
 
+}  // namespace
+
+int RunEvaluate(const EvaluateArguments& arguments) {
+  if (const int code = CheckEvaluateFiles(arguments); code != 0) return code;
+  auto data = LoadEvaluationData(arguments);
+  if (!data) return Failed(kProgram, data.error());
+  const std::string wrong = WrongUse(arguments, *data);
+  if (!wrong.empty()) return Refused(kProgram, wrong);
+  EvaluationReport report;
+  report.data = std::move(*data);
+  auto rows = AllRows(arguments, report.data);
+  if (!rows) return Failed(kProgram, rows.error());
+  report.rows = std::move(*rows);
+  report.bars = CheckBars(report.data, report.rows);
+  report.figures = Figures(arguments, report);
+  if (const int code = WriteAll(arguments, report); code != 0) return code;
+  if (!arguments.check) return 0;
+  if (report.bars.empty()) return Refused(kProgram, "--check: needs an NHPM row");
+  return AllPassed(report) ? 0 : 1;
+}
+
+}  // namespace conav::nhpm
+
+namespace {
+
 using conav::nhpm::EvaluateArguments;
 
 void AddDataFlags(CLI::App& app, EvaluateArguments& arguments) {
@@ -174,27 +199,6 @@ std::string WrongUse(const EvaluateArguments& arguments) {
 }
 
 }  // namespace
-
-int RunEvaluate(const EvaluateArguments& arguments) {
-  if (const int code = CheckEvaluateFiles(arguments); code != 0) return code;
-  auto data = LoadEvaluationData(arguments);
-  if (!data) return Failed(kProgram, data.error());
-  const std::string wrong = WrongUse(arguments, *data);
-  if (!wrong.empty()) return Refused(kProgram, wrong);
-  EvaluationReport report;
-  report.data = std::move(*data);
-  auto rows = AllRows(arguments, report.data);
-  if (!rows) return Failed(kProgram, rows.error());
-  report.rows = std::move(*rows);
-  report.bars = CheckBars(report.data, report.rows);
-  report.figures = Figures(arguments, report);
-  if (const int code = WriteAll(arguments, report); code != 0) return code;
-  if (!arguments.check) return 0;
-  if (report.bars.empty()) return Refused(kProgram, "--check: needs an NHPM row");
-  return AllPassed(report) ? 0 : 1;
-}
-
-}  // namespace conav::nhpm
 
 // conav-evaluate: table 1 of the paper for a segment file.
 
