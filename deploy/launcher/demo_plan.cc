@@ -19,31 +19,6 @@
 
 namespace conav::launcher {
 
-operators::SyntheticOperatorParameters OperatorPerson(const std::string& kind_or_file) {
-  const auto& kinds = operators::OperatorKinds();
-  if (std::find(kinds.begin(), kinds.end(), kind_or_file) != kinds.end()) {
-    return operators::ParametersOfKind(kind_or_file);
-  }
-  std::error_code ignored;
-  if (!std::filesystem::exists(kind_or_file, ignored)) {
-    throw StartupError(fmt::format("neither a file nor one of {}", fmt::join(kinds, ", ")));
-  }
-  constexpr const char* kSection = "simulated_operator";
-  operators::SimulatedOperatorConfig config;
-  ReadConfig(LoadParameters(kind_or_file, kSection), kSection, config);
-  return config.person;
-}
-
-Result<void> CheckOperator(const DemoOptions& options) {
-  try {
-    OperatorPerson(options.simulated_operator);
-    return {};
-  } catch (const StartupError& error) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("--operator {}: {}", options.simulated_operator, error.what()));
-  }
-}
-
 namespace {
 
 /// The largest number of robots, below that of `options`, with room in the world; 0 for none.
@@ -248,6 +223,31 @@ std::string PlannerYaml(const Setting& setting, const std::string& name, int num
 }
 
 }  // namespace
+
+operators::SyntheticOperatorParameters OperatorPerson(const std::string& kind_or_file) {
+  const auto& kinds = operators::OperatorKinds();
+  if (std::find(kinds.begin(), kinds.end(), kind_or_file) != kinds.end()) {
+    return operators::ParametersOfKind(kind_or_file);
+  }
+  std::error_code ignored;
+  if (!std::filesystem::exists(kind_or_file, ignored)) {
+    throw StartupError(fmt::format("neither a file nor one of {}", fmt::join(kinds, ", ")));
+  }
+  constexpr const char* kSection = "simulated_operator";
+  operators::SimulatedOperatorConfig config;
+  ReadConfig(LoadParameters(kind_or_file, kSection), kSection, config);
+  return config.person;
+}
+
+Result<void> CheckOperator(const DemoOptions& options) {
+  try {
+    OperatorPerson(options.simulated_operator);
+    return {};
+  } catch (const StartupError& error) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("--operator {}: {}", options.simulated_operator, error.what()));
+  }
+}
 
 sim::WorldOptions WorldOptionsOf(const DemoOptions& options, int index) {
   sim::WorldOptions world;

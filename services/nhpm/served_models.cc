@@ -85,14 +85,14 @@ void ServedModels::RefreshPersons() {
     RefreshOne(person, source->second);
   }
   if (error != folder_error_ && error) {
-    LOG_ERROR("persons' weights not read", "folder", person_folder_.string(), "reason",
+    LOG_ERROR("cannot read the persons' weights", "folder", person_folder_.string(), "reason",
               error.message(), "still_serving", persons_.size());
   }
   folder_error_ = error;
   if (error) return;
   std::erase_if(persons_, [&](const auto& entry) {
     if (present.count(entry.first) > 0) return false;
-    LOG_INFO("weights gone, the model for everybody serves", "person", entry.first);
+    LOG_INFO("weights removed; using the model for everybody", "person", entry.first);
     return true;
   });
 }

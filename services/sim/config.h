@@ -35,7 +35,7 @@ struct CameraConfig {
   int height = 192;
   int jpeg_quality = 90;
   /// For instruction following and teleoperation: one frame per low-level step of a robot, and a
-  /// streamed snapshot of what it shows. While a robot stands and somebody subscribes, two more
+  /// streamed snapshot of what it shows. While a robot stands and a viewer subscribes, two more
   /// frames per second of wall time, which do not count.
   bool stream = false;
 

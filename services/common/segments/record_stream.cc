@@ -47,7 +47,7 @@ tl::unexpected<Error> Refuse(std::size_t record, const std::string& reason) {
 
 }  // namespace
 
-// --- writing ---------------------------------------------------------------------------------
+// Writing.
 
 struct ZstdFrame::Context {
   ZSTD_CCtx* handle = ZSTD_createCCtx();
@@ -82,7 +82,7 @@ std::string ZstdFrame::Finish() {
   return std::move(frame_);
 }
 
-// --- reading ---------------------------------------------------------------------------------
+// Reading.
 
 Result<FrameExtent> FindFrames(std::string_view file) {
   FrameExtent extent;

@@ -21,7 +21,7 @@ constexpr std::array kOccupancies{Occupancy::kFree, Occupancy::kOccupied, Occupa
 
 using Indices = google::protobuf::RepeatedField<std::uint32_t>;
 
-// --- to records ------------------------------------------------------------------------------
+// From values to records.
 
 template <class T, class ToByte>
 void Fill(segments::Map& record, const Grid<T>& map, ToByte&& to_byte) {
@@ -47,7 +47,7 @@ void Fill(Indices& record, const std::vector<Cell>& cells, const BeliefGrid& map
   for (const Cell cell : cells) record.Add(static_cast<std::uint32_t>(map.IndexOf(cell)));
 }
 
-// --- from records ----------------------------------------------------------------------------
+// From records to values.
 
 template <class... Values>
 tl::unexpected<Error> Refuse(fmt::format_string<Values...> text, Values&&... values) {
@@ -114,6 +114,8 @@ void TakeScalars(const segments::Segment& record, Segment& segment) {
   segment.confirmed_s = Optional(record.has_confirmed(), record.confirmed());
   segment.goals_reached = record.goals_reached();
 }
+
+// From records to a set.
 
 tl::unexpected<Error> Refuse(const std::string& reason) {
   return Fail(ErrorCode::kMalformed, reason);

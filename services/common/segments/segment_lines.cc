@@ -90,7 +90,7 @@ constexpr int kSchema = 1;
 constexpr std::array kOrigins{SegmentOrigin::kPerson, SegmentOrigin::kSimulated,
                               SegmentOrigin::kSynthetic};
 
-// --- values to JSON --------------------------------------------------------------------------
+// From values to JSON.
 
 std::string Bits(const BeliefGrid& map) {
   std::string bits;
@@ -142,7 +142,7 @@ bool IsValid(const Trajectory& trajectory) {
   return trajectory.final_mapping_accuracy > kAcceptedMappingAccuracy;
 }
 
-// --- JSON to values --------------------------------------------------------------------------
+// From JSON to values.
 
 /// `allowed` lists the characters of the bit string.
 const std::string& BitsOf(const Json& member, const char* key, std::size_t size,

@@ -47,7 +47,7 @@ class JsonFields {
   std::optional<double> MaybeNumber(const char* key);
   std::optional<bool> MaybeFlag(const char* key);
 
-  /// Throws LineRefused for a member that nobody took.
+  /// Throws LineRefused for a member that was not taken.
   void RefuseOthers() const;
 
  private:
@@ -61,7 +61,7 @@ class JsonFields {
 nlohmann::ordered_json ToLine(const Trajectory& trajectory);
 nlohmann::ordered_json ToLine(const Segment& segment);
 
-/// What a trajectory's line states about its segments.
+/// A trajectory's line, including its statements about the segments.
 struct TrajectoryLine {
   Trajectory trajectory;  // without segments
   int rows = 0;

@@ -95,7 +95,7 @@ void AddTrajectories(const SegmentSet& set, SetSummary& summary) {
   summary.final_mapping_accuracy = mapping.spread();
 }
 
-// --- words -----------------------------------------------------------------------------------
+// As text.
 
 double Share(std::size_t part, std::size_t whole) {
   return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);

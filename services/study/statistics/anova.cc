@@ -47,9 +47,9 @@ double LogDeterminant(const Eigen::MatrixXd& covariance, double error) {
 }
 
 /// P(W <= w) under sphericity, `df` = n - 1: Anderson, "An introduction to multivariate statistical
-/// analysis", section 10.7, two terms of Box's series, which can end above 1 where subjects are
-/// few. The series has 3 p in the second term; R's mauchly.test has 3 (p + 1) there, and so have
-/// we, as people compare with R: p moves by less than 0.005.
+/// analysis", section 10.7, two terms of Box's series, which can end above 1 for few subjects.
+/// The series has 3 p in the second term; R's mauchly.test has 3 (p + 1) there. We follow R, because
+/// people compare with it: p moves by less than 0.005.
 double MauchlyP(double log_w, double p, double df) {
   const double rho = 1.0 - (2.0 * p * p + p + 2.0) / (6.0 * p * df);
   const double omega = (p + 2.0) * (p - 1.0) * (p - 2.0) *
@@ -62,7 +62,7 @@ double MauchlyP(double log_w, double p, double df) {
   return std::min(1.0, first + omega * (second - first));
 }
 
-/// For n - 1 = `df`; nothing for 0 / 0.
+/// For n - 1 = `df`; empty for 0 / 0.
 std::optional<double> HuynhFeldt(double epsilon, double p, double df) {
   const double above = (df + 1.0) * p * epsilon - 2.0;
   const double below = p * (df - p * epsilon);

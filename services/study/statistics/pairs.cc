@@ -9,7 +9,7 @@
 namespace conav::statistics {
 namespace {
 
-// Royston's fitted coefficients, constant term first.
+// Shapiro-Wilk: Royston's fitted coefficients, constant term first.
 constexpr std::array kLargestWeight{0.0, 0.221157, -0.147981, -2.07119, 4.434685, -2.706056};
 constexpr std::array kSecondWeight{0.0, 0.042981, -0.293762, -1.752461, 5.682633, -3.582633};
 constexpr std::array kSmallBound{-2.273, 0.459};
@@ -80,6 +80,8 @@ double Probability(double w, std::size_t n) {
   return NormalUpper((y - Polynomial(kSmallMean, count)) /
                      std::exp(Polynomial(kSmallLogDeviation, count)));
 }
+
+// The tests of pairs.
 
 /// `difference` in units of `spread`; infinite or empty if there is no spread. `error` bounds the
 /// rounding errors of both.
