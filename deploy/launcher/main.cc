@@ -31,8 +31,8 @@ conav-planner (one or several) and conav-simulated-operator, follows them until 
 reached its goals, and leaves runs/<time>-seed<S>/ with the effective configuration, logs,
 metrics.json, episode.svg (truth, the operator's map before and after, trajectories, pictures),
 recording.mcap (the messages on the bus; conav bag, Foxglove), segments.pb.zst (the operator's edits
-after each picture; conav dataset describe) and decisions.pb.zst (why the robots acted as they did; conav
-explain).
+after each picture; conav dataset describe) and decisions.pb.zst (why the robots acted as they did;
+conav explain).
 
 Exit code: 0 all goals reached; 1 not (a process died, time limit, Ctrl-C); 2 wrong usage.
 
