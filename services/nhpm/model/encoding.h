@@ -44,8 +44,7 @@ void EncodeInput(const PerceptionQuery& query, const InputSelection& selection,
 /// not be NaN: PerceptionNetwork returns an error for those.
 PerceptionAnswer MaskedAnswer(const BeliefGrid& belief, std::span<const float> logits);
 
-/// 1 / (1 + exp(-logit)), within 3 units in the last place, in [0, 1]. For NaN some value in [0,
-/// 1].
+/// 1 / (1 + exp(-logit)), within 3 units in the last place, in [0, 1], also for NaN.
 float Sigmoid(float logit);
 
 /// The flag of an input by the paper's letter: "x" the map, "tau" the path, "o" the view (demanded).
