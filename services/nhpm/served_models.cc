@@ -41,7 +41,7 @@ std::optional<ServedModels::Stamp> ServedModels::StampOf(const fs::path& file) {
                static_cast<std::uint64_t>(status.st_size), status.st_ino};
 }
 
-/// The stamp is taken first: a file that changes while it is read is read again.
+/// Takes the stamp first: if the file changes during the read, the next check reads it again.
 Result<void> ServedModels::Load(Source& source) {
   source.tried = true;
   source.seen = StampOf(source.file);
@@ -61,7 +61,7 @@ void ServedModels::RefreshOne(const std::string& person, Source& source) {
   if (source.tried && StampOf(source.file) == source.seen) return;
   const auto before = source.loaded;
   if (const auto loaded = Load(source); !loaded) {
-    LOG_ERROR("weights not taken", "person", person.empty() ? "everybody" : person, "reason",
+    LOG_ERROR("weights rejected", "person", person.empty() ? "everybody" : person, "reason",
               loaded.error().text, "still_serving",
               before ? before->identity().checksum : "the model for everybody");
     return;
@@ -85,14 +85,14 @@ void ServedModels::RefreshPersons() {
     RefreshOne(person, source->second);
   }
   if (error != folder_error_ && error) {
-    LOG_ERROR("persons' weights not read", "folder", person_folder_.string(), "reason",
+    LOG_ERROR("cannot read the persons' weights", "folder", person_folder_.string(), "reason",
               error.message(), "still_serving", persons_.size());
   }
   folder_error_ = error;
   if (error) return;
   std::erase_if(persons_, [&](const auto& entry) {
     if (present.count(entry.first) > 0) return false;
-    LOG_INFO("weights gone, the model for everybody serves", "person", entry.first);
+    LOG_INFO("weights removed; using the model for everybody", "person", entry.first);
     return true;
   });
 }

@@ -33,7 +33,7 @@ inline constexpr Qos kEventQos{Reliability::kReliable, Durability::kTransientLoc
 /// Requests and replies with ids; a client repeats its request until the reply comes.
 inline constexpr Qos kRequestQos{Reliability::kReliable, Durability::kVolatile, 0};
 /// Requests with several servers where an old reply is useless. A server that hangs or was killed
-/// delays nobody; with keep all it would until its lease ends.
+/// delays no client; with keep all it would until its lease ends.
 inline constexpr Qos kQueryQos{Reliability::kReliable, Durability::kVolatile, 32};
 
 }  // namespace conav::bus

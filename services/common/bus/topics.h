@@ -97,8 +97,7 @@ void ForEachSystemTopic(Visit&& visit) {
 #undef CONAV_WORLD_TOPICS
 #undef CONAV_SYSTEM_TOPICS
 
-/// Patterns of the topics that carry one picture after the other, many times the bytes of all
-/// others.
+/// Patterns of the topics that stream pictures, with many times the bytes of all others.
 inline constexpr std::array kStreamPatterns{kCameraImage.pattern};
 
 }  // namespace conav::bus

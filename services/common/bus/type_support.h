@@ -31,7 +31,7 @@ inline constexpr std::size_t kEncapsulationSize = 4;
 inline constexpr std::size_t kMaximumKeySize = 16;
 
 /// The one TypeSupport of a fastddsgen class. type_support.cc instantiates it for the type of each
-/// topic; for another type, instantiate it from type_support_of.h.
+/// topic. To use another type, include type_support_of.h.
 template <class T>
 const TypeSupport& TypeSupportOf();
 

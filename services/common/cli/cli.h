@@ -9,6 +9,8 @@
 
 #include "common/runtime/result.h"
 
+/// The command line of a program that ends by itself: results go to standard output or into files,
+/// everything else to standard error.
 namespace conav {
 
 /// A file and its name in messages: {"--data", "my.pb.zst"}.
@@ -22,12 +24,6 @@ struct FileOption {
 /// Errors: kInvalidArgument, naming both options.
 [[nodiscard]] Result<void> CheckDistinct(const std::vector<FileOption>& inputs,
                                          const std::vector<FileOption>& outputs);
-
-}  // namespace conav
-
-/// How a program that ends by itself speaks to its user: results on standard output or into files,
-/// all else on standard error.
-namespace conav {
 
 /// Prints "conav train: <what went wrong>" on standard error and gives exit code 1.
 int Failed(std::string_view program, const Error& error);
@@ -55,11 +51,6 @@ int ExitCode(std::string_view program, const Result<void>& done);
 /// can write each of them. Returns 0, or prints the reason and returns 2.
 int CheckFiles(std::string_view program, const std::vector<FileOption>& inputs,
                const std::vector<FileOption>& outputs);
-
-}  // namespace conav
-
-/// Checks for options of a command line, with messages that a person can read.
-namespace conav {
 
 /// A whole number from 0 to 2^64 - 1. (CLI11 alone reads -1 as the largest of them.)
 CLI::Validator WholeNumber();

@@ -114,7 +114,7 @@ Result<PlannerLease> ToDomain(const conav_msgs::msg::PlannerLease& message);
 conav_msgs::msg::PlannerLease ToMessage(const PlannerLease& lease);
 
 Result<IntendedPath> ToDomain(const conav_msgs::msg::IntendedPath& message);
-conav_msgs::msg::IntendedPath ToMessage(const IntendedPath& way);
+conav_msgs::msg::IntendedPath ToMessage(const IntendedPath& path);
 
 /// For bus::Subscriber::TakeValid().
 inline constexpr auto kToDomain = [](const auto& message) { return ToDomain(message); };

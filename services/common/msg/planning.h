@@ -21,7 +21,7 @@ inline constexpr std::array kPerceptionModels{kNhpmModel, kGlpfModel};
 inline constexpr const char* kDefaultPerceptionModel = kNhpmModel;
 
 /// Asks: how would the operator edit `belief` after the robot took `path` and sent a picture from
-///       `cell` towards `heading_rad` that shows `visible`? Paper section 4: (x, tau, o).
+/// `cell` towards `heading_rad` that shows `visible`? Paper section 4: (x, tau, o).
 struct PerceptionQuery {
   BeliefGrid belief;       // x: P(wall) in [0, 1]
   std::vector<Cell> path;  // tau

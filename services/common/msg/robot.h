@@ -12,6 +12,8 @@
 #include "common/grid/visibility.h"
 #include "common/runtime/clock.h"
 
+/// Domain values of the robot's side of the bus; idl/conav_robot.idl states who sends them and
+/// when.
 namespace conav {
 
 /// Names of worlds and robots become parts of topics: 1 to kMaxName of A-Z a-z 0-9 _.
@@ -25,12 +27,6 @@ inline bool IsEntityName(std::string_view name) {
   return !name.empty() && name.size() <= kMaxName &&
          std::all_of(name.begin(), name.end(), IsNameCharacter);
 }
-
-}  // namespace conav
-
-/// Domain values of the robot's side of the bus; idl/conav_robot.idl states who sends them and
-/// when.
-namespace conav {
 
 /// An occupancy map with its place in the world.
 struct MapUpdate {

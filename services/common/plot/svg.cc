@@ -53,6 +53,15 @@ std::string OpenTag(std::string_view name, Attributes attributes, std::string_vi
 
 std::string Pixels(double value) { return fmt::format("{:.1f}", value); }
 
+/// 1, 2 or 5 times a power of ten, at least `least`.
+double RoundStep(double least) {
+  const double power = std::pow(10.0, std::floor(std::log10(least)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * power >= least) return factor * power;
+  }
+  return 10.0 * power;
+}
+
 }  // namespace
 
 std::string EscapeXml(std::string_view text) {
@@ -147,19 +156,6 @@ std::string SvgCanvas::Document(double width, double height, std::string_view ti
       "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n{3}</svg>\n",
       width, height, EscapeXml(title), body_);
 }
-
-namespace {
-
-/// 1, 2 or 5 times a power of ten, at least `least`.
-double RoundStep(double least) {
-  const double power = std::pow(10.0, std::floor(std::log10(least)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * power >= least) return factor * power;
-  }
-  return 10.0 * power;
-}
-
-}  // namespace
 
 std::vector<double> Axis::Ticks() const {
   std::vector<double> ticks;

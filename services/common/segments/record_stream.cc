@@ -38,9 +38,16 @@ std::size_t Must(std::size_t code) {
   return code;
 }
 
+constexpr std::size_t kMaxRecordBytes = std::size_t{32} * 1024 * 1024;
+constexpr std::size_t kMaxVarintBytes = 5;
+
+tl::unexpected<Error> Refuse(std::size_t record, const std::string& reason) {
+  return Fail(ErrorCode::kMalformed, fmt::format("record {} {}", record, reason));
+}
+
 }  // namespace
 
-// --- writing ---------------------------------------------------------------------------------
+// Writing.
 
 struct ZstdFrame::Context {
   ZSTD_CCtx* handle = ZSTD_createCCtx();
@@ -75,7 +82,7 @@ std::string ZstdFrame::Finish() {
   return std::move(frame_);
 }
 
-// --- reading ---------------------------------------------------------------------------------
+// Reading.
 
 Result<FrameExtent> FindFrames(std::string_view file) {
   FrameExtent extent;
@@ -90,7 +97,7 @@ Result<FrameExtent> FindFrames(std::string_view file) {
       return Fail(ErrorCode::kMalformed,
                   extent.complete_bytes == 0
                       ? std::string("it is not compressed with zstd")
-                      : fmt::format("after byte {} it is no zstd", extent.complete_bytes));
+                      : fmt::format("it is not zstd data after byte {}", extent.complete_bytes));
     }
     if (!IsTorn(rest, size)) {
       return Fail(ErrorCode::kMalformed,
@@ -134,17 +141,6 @@ Result<bool> ZstdReader::Read(std::string& bytes) {
   }
   return output.pos > 0;
 }
-
-namespace {
-
-constexpr std::size_t kMaxRecordBytes = std::size_t{32} * 1024 * 1024;
-constexpr std::size_t kMaxVarintBytes = 5;
-
-tl::unexpected<Error> Refuse(std::size_t record, const std::string& reason) {
-  return Fail(ErrorCode::kMalformed, fmt::format("record {} {}", record, reason));
-}
-
-}  // namespace
 
 std::string Delimited(const google::protobuf::MessageLite& record) {
   std::string bytes;
@@ -190,13 +186,13 @@ Result<bool> RecordReader::Next(google::protobuf::MessageLite& record) {
   if (!more || !*more) return more;
   if (size > kMaxRecordBytes) {
     return Refuse(taken_,
-                  fmt::format("says that it has {} bytes; {} is the limit", size, kMaxRecordBytes));
+                  fmt::format("states a size of {} bytes; {} is the limit", size, kMaxRecordBytes));
   }
   if (const auto filled = Fill(size); !filled) return tl::unexpected(filled.error());
   if (buffer_.size() - begin_ < size) return Refuse(taken_, "is cut off");
   const google::protobuf::LogSilencer silence;  // the Result reports the error
   if (!record.ParseFromArray(buffer_.data() + begin_, static_cast<int>(size))) {
-    return Refuse(taken_, "is no record of a " + kind_);
+    return Refuse(taken_, "is not a record of a " + kind_);
   }
   begin_ += size;
   ++taken_;

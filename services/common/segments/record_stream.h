@@ -9,7 +9,8 @@
 
 #include "common/runtime/result.h"
 
-/// zstd (RFC 8878): a file is a row of frames, which decompress to one stream of bytes.
+/// Files of protobuf records, each preceded by its size as a varint, in zstd frames (RFC 8878). A
+/// file is a sequence of frames, which decompress to one stream of bytes.
 namespace conav {
 
 /// Makes one frame, with a checksum, from bytes that arrive in parts.
@@ -53,12 +54,7 @@ class ZstdReader {
   std::unique_ptr<Context> context_;
 };
 
-}  // namespace conav
-
-/// Files of records in protobuf, each with its size as a varint before it, in zstd frames.
-namespace conav {
-
-/// `record` with its size as a varint before it.
+/// `record`, preceded by its size as a varint.
 std::string Delimited(const google::protobuf::MessageLite& record);
 
 /// Takes records from complete frames, which outlive it.

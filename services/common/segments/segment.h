@@ -32,7 +32,7 @@ struct Segment {
 
 /// The origin of the edits.
 enum class SegmentOrigin : std::uint8_t {
-  kPerson,     // somebody at a console
+  kPerson,     // a person at a console
   kSimulated,  // the simulated operator of a demo or a study
   kSynthetic,  // an annotator of `conav dataset synthesize`
 };

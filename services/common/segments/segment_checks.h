@@ -17,11 +17,11 @@ inline constexpr int kMinMapSide = 3;
 inline constexpr int kMaxMapSide = 1024;
 
 /// Rejects: maps smaller than 3 x 3, too large or of two shapes; values other than 0 and 1 (NaN
-///          too); x' that differs from x on the border; a path that is empty, leaves the map or
-///          does not end in the camera's cell; seen cells outside the map, not sorted row-major,
-///          repeated, or both free and wall; a heading that is NaN; times that are negative, not
-///          finite or out of order; an image path that is absolute or leaves the data set; a
-///          checksum that is not a SHA-256.
+/// too); x' that differs from x on the border; a path that is empty, leaves the map or
+/// does not end in the camera's cell; seen cells outside the map, not sorted row-major,
+/// repeated, or both free and wall; a heading that is NaN; times that are negative, not
+/// finite or out of order; an image path that is absolute or leaves the data set; a
+/// checksum that is not a SHA-256.
 [[nodiscard]] Result<void> CheckSegment(const Segment& segment);
 
 /// Checks everything except the segments. Rejects accuracies outside of [0, 1], annotator

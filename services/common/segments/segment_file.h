@@ -12,7 +12,8 @@ class Segment;
 class Trajectory;
 }  // namespace conav::segments
 
-/// Between domain values and the records of idl/segments.proto, which go no further.
+/// Files of segments: length-delimited records of idl/segments.proto, compressed with zstd. The
+/// records stop here; the rest of conav uses the domain values.
 namespace conav {
 
 inline constexpr std::uint32_t kSegmentSchemaVersion = 1;
@@ -27,11 +28,6 @@ segments::Record ToRecord(const Segment& segment, std::uint32_t trajectory);
 ///         the rules beyond the record's own shape to CheckSegments.
 [[nodiscard]] Result<Trajectory> ToDomain(const segments::Trajectory& record);
 [[nodiscard]] Result<Segment> ToDomain(const segments::Segment& record);
-
-}  // namespace conav
-
-/// Files of segments: length-delimited records of idl/segments.proto, compressed with zstd.
-namespace conav {
 
 /// Writes one zstd frame to a temporary file next to `path` and renames it, so that a reader sees
 /// the old file or the new one; writes a device or pipe in place.

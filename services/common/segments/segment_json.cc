@@ -25,7 +25,7 @@ std::string ParseProblem(const std::string& text, const nlohmann::json::parse_er
   const std::size_t end = std::min(error.byte, text.size());
   const std::size_t begin = end - std::min(end, kShown);
   return fmt::format(
-      "this is no JSON: byte {}, after '{}': {}", error.byte, text.substr(begin, end - begin),
+      "this is not JSON: byte {}, after '{}': {}", error.byte, text.substr(begin, end - begin),
       reason == std::string::npos ? "syntax error"
                                   : said.substr(reason + 3, said.find(';', reason) - reason - 3));
 }
@@ -36,7 +36,7 @@ nlohmann::json Parse(const std::string& text) {
   } catch (const nlohmann::json::parse_error& error) {
     throw LineRefused(ParseProblem(text, error));
   } catch (const nlohmann::json::out_of_range& error) {
-    RefuseLine("this is no JSON: {}", error.what());  // a number
+    RefuseLine("this is not JSON: {}", error.what());  // a number
   }
 }
 
@@ -64,9 +64,9 @@ class Import {
   void EndTrajectory() {
     if (set_.trajectories.empty()) return;
     const Trajectory& trajectory = set_.trajectories.back();
-    if (trajectory.segments.empty()) RefuseLine("the trajectory before has no segments");
+    if (trajectory.segments.empty()) RefuseLine("the previous trajectory has no segments");
     if (current_.edits && *current_.edits != EditCount(trajectory)) {
-      RefuseLine("the trajectory before has {} edits, but says {}", EditCount(trajectory),
+      RefuseLine("the previous trajectory has {} edits, but states {}", EditCount(trajectory),
                  *current_.edits);
     }
   }
@@ -129,10 +129,9 @@ Result<SegmentSet> ImportSegmentsFile(const std::filesystem::path& path) {
   auto text = ReadFile(path);
   if (!text) return tl::unexpected(text.error());
   if (text->starts_with(kZstdMagic)) {
-    return Fail(ErrorCode::kMalformed,
-                fmt::format("{}: this is no JSON lines but compressed, as a segment file is; that "
-                            "needs no import",
-                            path.string()));
+    return Fail(ErrorCode::kMalformed, fmt::format("{}: this is not JSON lines; it is compressed, "
+                                                   "like a segment file, which needs no import",
+                                                   path.string()));
   }
   std::istringstream in(*std::move(text));
   return ImportSegments(in, path.string());

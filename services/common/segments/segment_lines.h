@@ -11,6 +11,7 @@
 #include "common/grid/grid.h"
 #include "common/segments/segment.h"
 
+/// Converts between one JSON line of segment_json.h and one value.
 namespace conav {
 
 /// A rejected line; what() is the reason. Stays in this folder: ImportSegments turns it into an
@@ -46,7 +47,7 @@ class JsonFields {
   std::optional<double> MaybeNumber(const char* key);
   std::optional<bool> MaybeFlag(const char* key);
 
-  /// Throws LineRefused for a member that nobody took.
+  /// Throws LineRefused for a member that was not taken.
   void RefuseOthers() const;
 
  private:
@@ -57,15 +58,10 @@ class JsonFields {
   std::set<std::string> asked_;
 };
 
-}  // namespace conav
-
-/// Converts between one JSON line of segment_json.h and one value.
-namespace conav {
-
 nlohmann::ordered_json ToLine(const Trajectory& trajectory);
 nlohmann::ordered_json ToLine(const Segment& segment);
 
-/// What a trajectory's line states about its segments.
+/// A trajectory's line, including its statements about the segments.
 struct TrajectoryLine {
   Trajectory trajectory;  // without segments
   int rows = 0;

@@ -36,7 +36,7 @@ Result<FrameLog> FrameLog::Open(const std::filesystem::path& path, const Check& 
   // Reading a device might never end.
   if (!std::filesystem::is_regular_file(path)) {
     return Fail(ErrorCode::kIo,
-                fmt::format("{}: cannot record: it is no regular file", path.string()));
+                fmt::format("{}: cannot record: it is not a regular file", path.string()));
   }
   if (::flock(log.file_, LOCK_EX | LOCK_NB) != 0) {
     return Fail(ErrorCode::kUnavailable,
@@ -71,7 +71,7 @@ Result<void> FrameLog::SetAside(std::string_view torn_end) {
   const auto kept = WriteFile(aside, ReadFile(aside).value_or("").append(torn_end));
   if (!kept) return kept;
   if (::ftruncate(file_, static_cast<off_t>(size_)) != 0) {
-    return tl::unexpected(Failure("cannot cut away its torn end"));
+    return tl::unexpected(Failure("cannot truncate its torn end"));
   }
   LOG_WARNING("torn end of a recording set aside", "file", path_.string(), "bytes", torn_end.size(),
               "kept_in", aside.string());

@@ -24,7 +24,7 @@ inline std::map<std::string, std::string> WorldOfRobot(const std::string& servic
                          "' is not \"world/robot\", each 1 to 64 of A-Z a-z 0-9 _");
     }
     if (!world_of_robot.emplace(robot, world).second) {
-      throw StartupError(service + ".robots: robot '" + robot + "' stands there twice");
+      throw StartupError(service + ".robots: robot '" + robot + "' appears twice");
     }
   }
   if (world_of_robot.empty()) throw StartupError(service + ".robots: no robots");

@@ -46,11 +46,60 @@ std::string Describe(const GlpfVariant& variant) {
                      p.visible_only ? "the picture only" : "picture and path");
 }
 
-/// The model's answers to the train part, paired with what people did.
+/// The model's answers to the train part, paired with the edits.
 Result<Outcomes> OnTrain(PerceptionModel& model, const EvaluationData& data) {
   return AskModel(model, data.train, {})
       .and_then(
           [&](const std::vector<PerceptionAnswer>& answers) { return Pair(data.train, answers); });
+}
+
+constexpr int kBootstrapDraws = 2000;
+
+/// Sums of the three losses over a trajectory.
+struct TrajectoryLosses {
+  double model = 0.0;
+  double oracle = 0.0;
+  double baseline = 0.0;
+};
+
+std::vector<TrajectoryLosses> ByTrajectory(const EvaluationData& data, const ModelRow& model,
+                                           const ModelRow& oracle, const ModelRow& baseline) {
+  std::vector<TrajectoryLosses> losses;
+  std::size_t segment = 0;
+  for (const Trajectory& trajectory : data.test.trajectories) {
+    TrajectoryLosses& sum = losses.emplace_back();
+    for (std::size_t i = 0; i < trajectory.segments.size(); ++i, ++segment) {
+      sum.model += model.segment_losses[segment];
+      sum.oracle += oracle.segment_losses[segment];
+      sum.baseline += baseline.segment_losses[segment];
+    }
+  }
+  return losses;
+}
+
+double DrawnShare(const std::vector<TrajectoryLosses>& losses, Random& random) {
+  TrajectoryLosses sum;
+  for (std::size_t i = 0; i < losses.size(); ++i) {
+    const auto last = static_cast<std::int64_t>(losses.size()) - 1;
+    const TrajectoryLosses& drawn = losses[static_cast<std::size_t>(random.Uniform(0, last))];
+    sum.model += drawn.model;
+    sum.oracle += drawn.oracle;
+    sum.baseline += drawn.baseline;
+  }
+  return ExcessShare(sum.model, sum.oracle, sum.baseline);
+}
+
+/// Compares at the boundaries from the same part as the baseline's.
+Bar IouBar(const ModelRow& model, const ModelRow& baseline) {
+  const bool of_train = baseline.test.boundary_source == BoundarySource::kTrain;
+  const BoundaryIou& best = of_train ? model.at_train_boundary.value() : model.test.best;
+  return {.key = "iou_above_" + baseline.label.key,
+          .text = fmt::format("{}'s IoU, above {}'s, each at the boundary that is best on the {}",
+                              model.label.title, baseline.label.title,
+                              of_train ? "train part" : "test part"),
+          .value = best.iou,
+          .limit = baseline.test.best.iou,
+          .at_most = false};
 }
 
 }  // namespace
@@ -119,59 +168,6 @@ Result<ModelRow> EvaluateGlpfTest(const EvaluationData& data, const GlpfFitOptio
                            answers, data);
   });
 }
-
-namespace {
-
-constexpr int kBootstrapDraws = 2000;
-
-/// Sums of the three losses over a trajectory.
-struct TrajectoryLosses {
-  double model = 0.0;
-  double oracle = 0.0;
-  double baseline = 0.0;
-};
-
-std::vector<TrajectoryLosses> ByTrajectory(const EvaluationData& data, const ModelRow& model,
-                                           const ModelRow& oracle, const ModelRow& baseline) {
-  std::vector<TrajectoryLosses> losses;
-  std::size_t segment = 0;
-  for (const Trajectory& trajectory : data.test.trajectories) {
-    TrajectoryLosses& sum = losses.emplace_back();
-    for (std::size_t i = 0; i < trajectory.segments.size(); ++i, ++segment) {
-      sum.model += model.segment_losses[segment];
-      sum.oracle += oracle.segment_losses[segment];
-      sum.baseline += baseline.segment_losses[segment];
-    }
-  }
-  return losses;
-}
-
-double DrawnShare(const std::vector<TrajectoryLosses>& losses, Random& random) {
-  TrajectoryLosses sum;
-  for (std::size_t i = 0; i < losses.size(); ++i) {
-    const auto last = static_cast<std::int64_t>(losses.size()) - 1;
-    const TrajectoryLosses& drawn = losses[static_cast<std::size_t>(random.Uniform(0, last))];
-    sum.model += drawn.model;
-    sum.oracle += drawn.oracle;
-    sum.baseline += drawn.baseline;
-  }
-  return ExcessShare(sum.model, sum.oracle, sum.baseline);
-}
-
-/// Boundaries chosen where the baseline's was.
-Bar IouBar(const ModelRow& model, const ModelRow& baseline) {
-  const bool of_train = baseline.test.boundary_source == BoundarySource::kTrain;
-  const BoundaryIou& best = of_train ? model.at_train_boundary.value() : model.test.best;
-  return {.key = "iou_above_" + baseline.label.key,
-          .text = fmt::format("{}'s IoU, above {}'s, each at the boundary that is best on the {}",
-                              model.label.title, baseline.label.title,
-                              of_train ? "train part" : "test part"),
-          .value = best.iou,
-          .limit = baseline.test.best.iou,
-          .at_most = false};
-}
-
-}  // namespace
 
 double ExcessShare(double model, double oracle, double baseline) {
   if (!(baseline > oracle)) return std::numeric_limits<double>::infinity();

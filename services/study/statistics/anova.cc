@@ -33,8 +33,8 @@ Eigen::MatrixXd Covariance(const Eigen::MatrixXd& columns) {
   return centred.transpose() * centred / static_cast<double>(columns.rows() - 1);
 }
 
-/// Of a covariance of trace 1; minus infinity where it is singular. `error` is what rounding may do
-/// to its values.
+/// Of a covariance with trace 1; minus infinity if it is singular. `error` bounds the rounding errors
+/// of its values.
 double LogDeterminant(const Eigen::MatrixXd& covariance, double error) {
   const double smallest =
       std::max(static_cast<double>(covariance.rows()) * RoundingError(1.0), error);
@@ -47,9 +47,9 @@ double LogDeterminant(const Eigen::MatrixXd& covariance, double error) {
 }
 
 /// P(W <= w) under sphericity, `df` = n - 1: Anderson, "An introduction to multivariate statistical
-/// analysis", section 10.7, two terms of Box's series, which can end above 1 where subjects are
-/// few. The series has 3 p in the second term; R's mauchly.test has 3 (p + 1) there, and so have
-/// we, as people compare with R: p moves by less than 0.005.
+/// analysis", section 10.7, two terms of Box's series, which can end above 1 for few subjects.
+/// The series has 3 p in the second term; R's mauchly.test has 3 (p + 1) there. We follow R, because
+/// people compare with it: p moves by less than 0.005.
 double MauchlyP(double log_w, double p, double df) {
   const double rho = 1.0 - (2.0 * p * p + p + 2.0) / (6.0 * p * df);
   const double omega = (p + 2.0) * (p - 1.0) * (p - 2.0) *
@@ -62,7 +62,7 @@ double MauchlyP(double log_w, double p, double df) {
   return std::min(1.0, first + omega * (second - first));
 }
 
-/// For n - 1 = `df`; nothing for 0 / 0.
+/// For n - 1 = `df`; empty for 0 / 0.
 std::optional<double> HuynhFeldt(double epsilon, double p, double df) {
   const double above = (df + 1.0) * p * epsilon - 2.0;
   const double below = p * (df - p * epsilon);
@@ -71,34 +71,7 @@ std::optional<double> HuynhFeldt(double epsilon, double p, double df) {
   return std::numeric_limits<double>::infinity();
 }
 
-}  // namespace
-
-std::optional<Sphericity> CheckSphericity(const ConditionTable& table) {
-  Eigen::MatrixXd covariance = Covariance(Contrasts(table));
-  const double trace = covariance.trace();
-  const double error = RoundingError(Magnitude(table));
-  if (std::sqrt(trace) <= error) return std::nullopt;
-  Sphericity result;
-  if (table.condition_count() == 2) return result;
-  covariance /= trace;  // nothing here depends on the unit, and large values overflow
-  const auto p = static_cast<double>(covariance.rows());
-  const auto df = static_cast<double>(table.subject_count() - 1);
-  result.greenhouse_geisser = std::clamp(1.0 / (p * covariance.squaredNorm()), 1.0 / p, 1.0);
-  result.huynh_feldt_raw = HuynhFeldt(result.greenhouse_geisser, p, df);
-  result.huynh_feldt = result.huynh_feldt_raw;
-  if (result.huynh_feldt) result.huynh_feldt = std::min(1.0, *result.huynh_feldt);
-  if (df >= p) {
-    const double log_determinant = LogDeterminant(covariance, error * error / trace);
-    const double log_w = std::min(0.0, log_determinant + p * std::log(p));
-    result.mauchly_w = std::exp(log_w);
-    result.mauchly_p = MauchlyP(log_w, p, df);
-  }
-  return result;
-}
-
-namespace {
-
-/// `sum` of `count` squares, 0 where they are nothing but rounding errors.
+/// `sum` of `count` squares, or 0 if they are nothing but rounding errors.
 double Exact(double sum, std::size_t count, double magnitude) {
   const double error = RoundingError(magnitude);
   return sum <= static_cast<double>(count) * error * error ? 0.0 : sum;
@@ -149,6 +122,29 @@ FTest Corrected(const Anova& anova, double epsilon) {
 }
 
 }  // namespace
+
+std::optional<Sphericity> CheckSphericity(const ConditionTable& table) {
+  Eigen::MatrixXd covariance = Covariance(Contrasts(table));
+  const double trace = covariance.trace();
+  const double error = RoundingError(Magnitude(table));
+  if (std::sqrt(trace) <= error) return std::nullopt;
+  Sphericity result;
+  if (table.condition_count() == 2) return result;
+  covariance /= trace;  // removes the unit and prevents overflow of large values
+  const auto p = static_cast<double>(covariance.rows());
+  const auto df = static_cast<double>(table.subject_count() - 1);
+  result.greenhouse_geisser = std::clamp(1.0 / (p * covariance.squaredNorm()), 1.0 / p, 1.0);
+  result.huynh_feldt_raw = HuynhFeldt(result.greenhouse_geisser, p, df);
+  result.huynh_feldt = result.huynh_feldt_raw;
+  if (result.huynh_feldt) result.huynh_feldt = std::min(1.0, *result.huynh_feldt);
+  if (df >= p) {
+    const double log_determinant = LogDeterminant(covariance, error * error / trace);
+    const double log_w = std::min(0.0, log_determinant + p * std::log(p));
+    result.mauchly_w = std::exp(log_w);
+    result.mauchly_p = MauchlyP(log_w, p, df);
+  }
+  return result;
+}
 
 Anova AnalyseVariance(const ConditionTable& table) {
   Anova anova;

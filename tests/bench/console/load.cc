@@ -16,7 +16,6 @@ namespace conav::bench {
 namespace {
 
 constexpr int kPictures = 8;
-using operators::WallSeconds;
 
 }  // namespace
 

@@ -50,7 +50,7 @@ bench::Report Measure(Options options) {
   const conav::test::TemporaryFolder folder;
   const auto domain = conav::test::LeaseDomain();
   std::sort(options.pages.begin(), options.pages.end());
-  options.load.drive.begin_s = conav::operators::WallSeconds();
+  options.load.drive.begin_s = conav::WallSeconds();
   bench::ConsoleService service(folder.path(), options.load.drive, domain.domain());
   conav::bus::Participant participant("bench_console", BusOn(domain.domain()));
   bench::Load load(participant, options.load);

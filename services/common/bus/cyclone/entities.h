@@ -11,7 +11,7 @@
 
 namespace conav::bus {
 
-/// What the endpoints of one participant share. Outlives them.
+/// The state that the endpoints of one participant share. Outlives them.
 struct CycloneContext {
   dds_entity_t participant;
   double lease_s;

@@ -202,31 +202,6 @@ void KeyHash(const ddsi_serdata* data, ddsi_keyhash* hash, bool force_md5) {
   ddsrt_md5_finish(&state, hash->value);
 }
 
-}  // namespace
-
-const ddsi_serdata_ops serdata_operations = {
-    .eqkey = EqualKey,
-    .get_size = Size,
-    .from_ser = FromFragments,
-    .from_ser_iov = FromVectors,
-    .from_keyhash = FromKeyhash,
-    .from_sample = FromSample,
-    .to_ser = ToBuffer,
-    .to_ser_ref = ToReference,
-    .to_ser_unref = EndReference,
-    .to_sample = ToSample,
-    .to_untyped = ToUntyped,
-    .untyped_to_sample = UntypedToSample,
-    .free = Free,
-    .print = Print,
-    .get_keyhash = KeyHash,
-    // Shared memory stays off.
-    .get_sample_size = nullptr,
-    .from_iox_buffer = nullptr,
-};
-
-namespace {
-
 Sertype& AsSertype(ddsi_sertype* type) { return *reinterpret_cast<Sertype*>(type); }
 const Sertype& AsSertype(const ddsi_sertype* type) {
   return *reinterpret_cast<const Sertype*>(type);
@@ -267,6 +242,27 @@ const ddsi_sertype_ops sertype_operations = {
 };
 
 }  // namespace
+
+const ddsi_serdata_ops serdata_operations = {
+    .eqkey = EqualKey,
+    .get_size = Size,
+    .from_ser = FromFragments,
+    .from_ser_iov = FromVectors,
+    .from_keyhash = FromKeyhash,
+    .from_sample = FromSample,
+    .to_ser = ToBuffer,
+    .to_ser_ref = ToReference,
+    .to_ser_unref = EndReference,
+    .to_sample = ToSample,
+    .to_untyped = ToUntyped,
+    .untyped_to_sample = UntypedToSample,
+    .free = Free,
+    .print = Print,
+    .get_keyhash = KeyHash,
+    // Shared memory stays off.
+    .get_sample_size = nullptr,
+    .from_iox_buffer = nullptr,
+};
 
 ddsi_sertype* MakeSertype(const TypeSupport& type) {
   auto* sertype = new Sertype{};

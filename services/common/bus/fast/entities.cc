@@ -38,28 +38,6 @@ void Fill(const Qos& qos, FastQos& result) {
       eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
 }
 
-}  // namespace
-
-dds::DataWriterQos FastWriterQos(const Qos& qos, double lease_s) {
-  dds::DataWriterQos result;
-  Fill(qos, result);
-  result.reliability().max_blocking_time = Duration_t(0.1);
-  result.liveliness().kind = dds::AUTOMATIC_LIVELINESS_QOS;
-  result.liveliness().lease_duration = Duration_t(lease_s);
-  result.liveliness().announcement_period = Duration_t(lease_s / 3.0);
-  // Bounds how long the loss of the last sample of a burst goes unnoticed; the default is 3 s.
-  result.reliable_writer_qos().times.heartbeatPeriod = Duration_t(0.1);
-  return result;
-}
-
-dds::DataReaderQos FastReaderQos(const Qos& qos) {
-  dds::DataReaderQos result;
-  Fill(qos, result);
-  return result;
-}
-
-namespace {
-
 namespace dds = eprosima::fastdds::dds;
 using eprosima::fastrtps::types::ReturnCode_t;
 
@@ -83,6 +61,24 @@ std::string Describe(const ReturnCode_t& code) {
 }
 
 }  // namespace
+
+dds::DataWriterQos FastWriterQos(const Qos& qos, double lease_s) {
+  dds::DataWriterQos result;
+  Fill(qos, result);
+  result.reliability().max_blocking_time = Duration_t(0.1);
+  result.liveliness().kind = dds::AUTOMATIC_LIVELINESS_QOS;
+  result.liveliness().lease_duration = Duration_t(lease_s);
+  result.liveliness().announcement_period = Duration_t(lease_s / 3.0);
+  // Bounds how long the loss of the last sample of a burst goes unnoticed; the default is 3 s.
+  result.reliable_writer_qos().times.heartbeatPeriod = Duration_t(0.1);
+  return result;
+}
+
+dds::DataReaderQos FastReaderQos(const Qos& qos) {
+  dds::DataReaderQos result;
+  Fill(qos, result);
+  return result;
+}
 
 FastWriter::FastWriter(const FastContext& context, const EndpointOptions& options)
     : context_(context),

@@ -19,7 +19,7 @@ namespace conav::bus {
 eprosima::fastdds::dds::DataWriterQos FastWriterQos(const Qos& qos, double lease_s);
 eprosima::fastdds::dds::DataReaderQos FastReaderQos(const Qos& qos);
 
-/// What the endpoints of one participant share. Outlives them.
+/// The state that the endpoints of one participant share. Outlives them.
 struct FastContext {
   FastParticipant& participant;
   double lease_s;
