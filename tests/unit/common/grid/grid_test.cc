@@ -4,6 +4,7 @@
 #include <unordered_set>
 
 namespace conav {
+namespace {
 
 TEST_CASE("a grid stores row-major", "[grid]") {
   Grid<int> grid(2, 3, 0);
@@ -58,4 +59,5 @@ TEST_CASE("a cell prints as row and column", "[grid]") {
   CHECK(fmt::format("{}", Cell{3, -4}) == "(3,-4)");
 }
 
+}  // namespace
 }  // namespace conav

@@ -28,8 +28,6 @@ const OccupancyGrid& Initial() {  // cells 2 and 3 wrong
   return initial;
 }
 
-}  // namespace
-
 TEST_CASE("an untouched map has mapping accuracy 0", "[grid]") {
   const MapAccuracy accuracy = CompareMaps(Truth(), Initial(), ToBelief(Initial()));
   CHECK(accuracy.editable_cells == 4);
@@ -100,4 +98,5 @@ TEST_CASE("from one half on a belief is a wall, all else is free", "[grid]") {
   CHECK(map[{0, 2}] == kWall);
 }
 
+}  // namespace
 }  // namespace conav

@@ -31,8 +31,6 @@ std::set<Cell> CellsOf(MappingTour& tour, const BeliefGrid& belief, int stops) {
   return cells;
 }
 
-}  // namespace
-
 TEST_CASE("a mapping tour visits every goal once, in an order that the seed draws",
           "[common][mapping]") {
   const std::vector<Cell> goals{{1, 3}, {3, 1}, {5, 1}, {2, 5}};
@@ -107,4 +105,5 @@ TEST_CASE("options of a mapping tour out of range are refused by name", "[common
   CHECK_THAT(refusal({.attraction_cells = -1.0}), Catch::StartsWith("attraction_cells = -1"));
 }
 
+}  // namespace
 }  // namespace conav

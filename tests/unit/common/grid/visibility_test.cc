@@ -34,8 +34,6 @@ CameraView Look(Cell cell, double heading_rad) {
   return view;
 }
 
-}  // namespace
-
 TEST_CASE("a corridor is seen to its end, with the walls beside it", "[grid][visibility]") {
   const OccupancyGrid map = MapFrom({"######", "#    #", "######"});
   const VisibleCells seen = CastView(map, Look({1, 1}, 0.0));
@@ -143,4 +141,5 @@ TEST_CASE("a range sensor sees the walls of its own cell on all sides", "[grid][
   CHECK(seen.walls == std::vector<Cell>{{0, 1}, {1, 0}, {1, 2}, {2, 1}});
 }
 
+}  // namespace
 }  // namespace conav

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 namespace conav {
+namespace {
 
 using namespace std::chrono_literals;
 
@@ -33,4 +34,5 @@ TEST_CASE("the steady clock does not go back", "[runtime][clock]") {
   CHECK(clock.Now() >= start);
 }
 
+}  // namespace
 }  // namespace conav

@@ -5,6 +5,9 @@
 #include <catch2/catch.hpp>
 #include <fstream>
 
+#include "common/runtime/file.h"
+#include "support/temporary_folder.h"
+
 namespace conav {
 namespace {
 
@@ -62,8 +65,6 @@ class File {
  private:
   fs::path path_;
 };
-
-}  // namespace
 
 TEST_CASE("an empty section keeps every default", "[runtime][config]") {
   const Outer config = Read("");
@@ -148,4 +149,31 @@ TEST_CASE("a config file that is no mapping, or a folder, is refused", "[runtime
   CHECK_THROWS_WITH(Read("{[a, b]: 1}"), Catch::Contains("unknown key '[a, b]'"));
 }
 
+TEST_CASE("a YAML file is read, whatever its document is made of", "[runtime][yaml]") {
+  const test::TemporaryFolder folder;
+  const auto read = [&](const std::string& text) {
+    REQUIRE(WriteFile(folder / "a.yaml", text));
+    return ReadYamlFile(folder / "a.yaml").value();
+  };
+  CHECK(read("a: {b: 3}")["a"]["b"].as<int>() == 3);
+  CHECK(read("hello").IsScalar());
+  CHECK(read("[1, 2]").IsSequence());
+  CHECK(read("").IsNull());
+}
+
+TEST_CASE("a YAML file that is missing, a folder or malformed is named", "[runtime][yaml]") {
+  const test::TemporaryFolder folder;
+  CHECK(ReadYamlFile("/none.yaml").error().text == "/none.yaml: no such file");
+  const auto of_folder = ReadYamlFile(folder.path());
+  REQUIRE_FALSE(of_folder);
+  CHECK(of_folder.error().text == folder.path().string() + ": cannot read: Is a directory");
+  REQUIRE(WriteFile(folder / "a.yaml", "a: [1"));
+  const auto malformed = ReadYamlFile(folder / "a.yaml");
+  REQUIRE_FALSE(malformed);
+  CHECK(malformed.error().code == ErrorCode::kMalformed);
+  CHECK_THAT(malformed.error().text,
+             Catch::StartsWith((folder / "a.yaml").string() + ": not valid YAML: "));
+}
+
+}  // namespace
 }  // namespace conav

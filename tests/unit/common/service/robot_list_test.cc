@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 namespace conav {
+namespace {
 
 TEST_CASE("a list of world/robot becomes the world of each robot", "[common][service]") {
   CHECK(WorldOfRobot("planner", {"w1/r1", "w1/r2", "Lab_2/r3"}) ==
@@ -24,4 +25,5 @@ TEST_CASE("a robot twice and no robots are refused", "[common][service]") {
   CHECK_THROWS_WITH(WorldOfRobot("operator", {}), "operator.robots: no robots");
 }
 
+}  // namespace
 }  // namespace conav

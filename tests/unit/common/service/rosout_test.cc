@@ -6,10 +6,10 @@
 #include "common/bus/in_memory_bus.h"
 #include "common/bus/subscriber.h"
 
-using namespace conav;
-using namespace std::chrono_literals;
-
+namespace conav {
 namespace {
+
+using namespace std::chrono_literals;
 
 struct Bench {
   std::vector<rcl_interfaces::msg::Log> Lines(std::size_t count) {
@@ -27,8 +27,6 @@ struct Bench {
   bus::Participant listener{"listener", memory};
   bus::Subscriber<rcl_interfaces::msg::Log> subscriber{listener, bus::kRosout};
 };
-
-}  // namespace
 
 TEST_CASE("what is logged goes out on /rosout, under the name that the ROS graph shows",
           "[common][service]") {
@@ -128,3 +126,6 @@ TEST_CASE("a line for stderr alone does not go out", "[common][service]") {
   }
   CHECK(bench.subscriber.Take().empty());
 }
+
+}  // namespace
+}  // namespace conav

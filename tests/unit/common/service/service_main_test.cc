@@ -31,8 +31,6 @@ class ConfigFile {
   std::filesystem::path path_;
 };
 
-}  // namespace
-
 TEST_CASE("a value that is refused is named with its file", "[common][service]") {
   const ConfigFile file("{pressure: 12}");
   CHECK_THROWS_WITH(LoadConfig<PumpConfig>(file.path(), "pump"),
@@ -57,4 +55,5 @@ TEST_CASE("the effective config tells the vendor, domain and interface that coun
   CHECK(config.bus.lease_s == 1.5);
 }
 
+}  // namespace
 }  // namespace conav

@@ -5,9 +5,7 @@
 #include "common/runtime/random.h"
 #include "nhpm/engine/training_pass.h"
 
-using namespace conav;
-using namespace conav::nhpm;
-
+namespace conav::nhpm {
 namespace {
 
 using Floats = std::vector<float>;
@@ -32,8 +30,6 @@ std::shared_ptr<const PackedWeights> Packed(int width) {
   return std::make_shared<const PackedWeights>(InitialWeights({width}, 4, 0.0F),
                                                PackedWeights::Use::kInference);
 }
-
-}  // namespace
 
 TEST_CASE("from a base the logits have the bits of a full pass", "[nhpm][engine]") {
   const auto [rows, columns] = GENERATE(table<int, int>({{13, 13}, {1, 1}, {3, 40}, {21, 17}}));
@@ -107,3 +103,6 @@ TEST_CASE("every instruction set gives a whole network's logits with the same bi
     CHECK(Copy(pass.Full(input)) == expected);
   }
 }
+
+}  // namespace
+}  // namespace conav::nhpm

@@ -9,9 +9,7 @@
 #include "nhpm/engine/kernel_templates.h"
 #include "nhpm/engine/packed_weights.h"
 
-using namespace conav;
-using namespace conav::nhpm;
-
+namespace conav::nhpm {
 namespace {
 
 using Floats = std::vector<float>;
@@ -59,8 +57,6 @@ double Reference(const Floats& in, int stride, std::int32_t cell, const NetworkW
 ConvolutionKernel ForwardOf(const KernelSet& kernels, std::size_t layer) {
   return layer == 0 ? kernels.first : layer == 3 ? kernels.last : kernels.hidden;
 }
-
-}  // namespace
 
 TEST_CASE("every kernel computes its convolution", "[nhpm][engine]") {
   const int width = GENERATE(16, 32, 64);
@@ -168,3 +164,6 @@ TEST_CASE("the emulated fused multiply-add rounds as the exact one", "[nhpm][eng
   CHECK(EmulatedFma(halfway, halfway, -0x1p-60F) == std::fma(halfway, halfway, -0x1p-60F));
   CHECK(EmulatedFma(2.0F, 3.0F, -6.0F) == 0.0F);
 }
+
+}  // namespace
+}  // namespace conav::nhpm

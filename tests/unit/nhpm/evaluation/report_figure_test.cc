@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 
 #include "support/xml_check.h"
+#include "unit/nhpm/evaluation/evaluation_samples.h"
 #include "unit/nhpm/evaluation/samples.h"
 
 namespace conav::nhpm {
@@ -58,6 +59,87 @@ TEST_CASE("The truth is signed, not only coloured", "[nhpm][report_figure]") {
   CHECK(Count(svg, ">+</text>") == 1);
   CHECK(Count(svg, ">\u2212</text>") == 1);
   CHECK_THAT(svg, Catch::Contains("What was done: 2 edits"));
+}
+
+/// 11 x 11, the camera at (5,2) looks east.
+Segment LooksEast(const std::vector<Cell>& walls) {
+  Segment segment = EmptySegment(11, 11);
+  segment.query.cell = {5, 2};
+  segment.query.heading_rad = 0.0;
+  segment.query.visible.walls = walls;
+  return segment;
+}
+
+TEST_CASE("A near wall that was put one cell farther off is found", "[nhpm][figure_segments]") {
+  Segment segment = LooksEast({{5, 4}});
+  CHECK_FALSE(ShowsMisplacedNearWall(segment));
+  Flip(segment, {5, 5});
+  CHECK(ShowsMisplacedNearWall(segment));
+  Flip(segment, {5, 4});  // ... unless the wall itself was added, too
+  CHECK_FALSE(ShowsMisplacedNearWall(segment));
+}
+
+TEST_CASE("Misplaced along the line of sight may be nearer, but not beside",
+          "[nhpm][figure_segments]") {
+  Segment nearer = LooksEast({{5, 4}});
+  Flip(nearer, {5, 3});
+  CHECK(ShowsMisplacedNearWall(nearer));
+  Segment beside = LooksEast({{5, 4}});
+  Flip(beside, {4, 4});
+  CHECK_FALSE(ShowsMisplacedNearWall(beside));
+  Segment far = LooksEast({{5, 7}});
+  Flip(far, {5, 8});
+  CHECK_FALSE(ShowsMisplacedNearWall(far));
+}
+
+TEST_CASE("A far wall preferred to a near one at the side is found", "[nhpm][figure_segments]") {
+  Segment segment = LooksEast({{4, 3}, {5, 7}});
+  CHECK_FALSE(ShowsPreferredFarWall(segment));
+  Flip(segment, {5, 7});
+  CHECK(ShowsPreferredFarWall(segment));
+  Flip(segment, {4, 3});  // ... unless both were added
+  CHECK_FALSE(ShowsPreferredFarWall(segment));
+}
+
+TEST_CASE("A near wall in front, or a far one at the side, is no such case",
+          "[nhpm][figure_segments]") {
+  Segment in_front = LooksEast({{5, 4}, {5, 7}});
+  Flip(in_front, {5, 7});
+  CHECK_FALSE(ShowsPreferredFarWall(in_front));
+  Segment at_side = LooksEast({{3, 7}, {4, 3}});
+  Flip(at_side, {3, 7});
+  CHECK_FALSE(ShowsPreferredFarWall(at_side));
+}
+
+TEST_CASE("Both cases come first, then the segments where the models differ most",
+          "[nhpm][figure_segments]") {
+  EvaluationData data;
+  Trajectory& trajectory = data.test.trajectories.emplace_back();
+  for (int i = 0; i < 3; ++i) trajectory.segments.push_back(LooksEast({}));
+  Segment misplaced = LooksEast({{5, 4}});
+  Flip(misplaced, {5, 5});
+  Segment preferred = LooksEast({{4, 3}, {5, 7}});
+  Flip(preferred, {5, 7});
+  trajectory.segments.push_back(misplaced);
+  trajectory.segments.push_back(preferred);
+  ModelRow first;
+  ModelRow second;
+  for (const Segment& segment : trajectory.segments) {
+    first.answers.push_back(ZeroAnswer(segment));
+    second.answers.push_back(ZeroAnswer(segment));
+  }
+  second.answers[1].add[{3, 3}] = 0.5F;
+  second.answers[2].remove[{3, 3}] = 0.75F;
+  CHECK(Difference(first.answers[2], second.answers[2]) == 0.75);
+  const auto chosen = ChooseFigureSegments(data, first, second, 4);
+  REQUIRE(chosen.size() == 4);
+  CHECK(chosen[0].index == 3);
+  CHECK(chosen[1].index == 4);
+  CHECK(chosen[2].index == 2);
+  CHECK(chosen[3].index == 1);
+  CHECK_THAT(chosen[0].reason, Catch::Contains("misplaced"));
+  CHECK(ChooseFigureSegments(data, first, second, 10).size() == 5);
+  CHECK(ChooseFigureSegments({}, {}, {}).empty());
 }
 
 }  // namespace

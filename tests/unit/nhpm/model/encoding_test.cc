@@ -7,9 +7,7 @@
 
 #include "conformance/perception_model_conformance.h"
 
-using namespace conav;
-using namespace conav::nhpm;
-
+namespace conav::nhpm {
 namespace {
 
 PerceptionQuery SmallQuery() {
@@ -28,8 +26,6 @@ std::vector<float> Encode(const PerceptionQuery& query, const InputSelection& se
   EncodeInput(query, selection, input);
   return input;
 }
-
-}  // namespace
 
 TEST_CASE("the four channels hold belief, path, seen free and seen wall", "[nhpm][encoding]") {
   const PerceptionQuery query = SmallQuery();
@@ -140,3 +136,6 @@ TEST_CASE("answers are masked by the belief and by the border", "[nhpm][encoding
   CHECK(answer.remove[{1, 3}] == 0.0F);
   CHECK(ExpectedEdits(answer) == 0.5 + 0.5 + 0.5);  // nothing on the border
 }
+
+}  // namespace
+}  // namespace conav::nhpm

@@ -6,12 +6,11 @@
 #include "conformance/perception_model_conformance.h"
 #include "nhpm/engine/inference_pass.h"
 
-using namespace conav;
-using namespace conav::nhpm;
+namespace conav::nhpm {
+namespace {
+
 using planner::conformance::MakeQueries;
 using planner::conformance::MakeQuery;
-
-namespace {
 
 NetworkModel SmallModel() {
   NetworkModel model;
@@ -50,8 +49,6 @@ std::vector<PerceptionQuery> PlannerQueries() {
   }
   return queries;
 }
-
-}  // namespace
 
 TEST_CASE("a planner's queries get the bits of whole passes, whatever was asked before",
           "[nhpm][network]") {
@@ -158,3 +155,6 @@ TEST_CASE("all instruction sets answer alike", "[nhpm][network]") {
     CHECK(*PerceptionNetwork(model, set).Predict(queries) == expected);
   }
 }
+
+}  // namespace
+}  // namespace conav::nhpm

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <map>
 #include <set>
 #include <string>
 
+#include "common/runtime/random.h"
 #include "unit/sim/physics/mazes.h"
 
 namespace conav::sim {
@@ -155,6 +157,122 @@ TEST_CASE("impossible sizes are refused by name", "[sim][physics][camera]") {
 TEST_CASE("the horizontal field of view follows the picture's shape", "[sim][physics][camera]") {
   CHECK(HorizontalFov(100, 100) == Approx(kCameraVerticalFovRad));
   CHECK(HorizontalFov(320, 192) == Approx(2.0 * std::atan(5.0 / 3.0 * std::tan(0.6981317))));
+}
+
+/// Left half red, right half blue.
+RgbImage TwoColors(int width, int height) {
+  RgbImage image{width, height, {}};
+  for (int i = 0; i < width * height; ++i) {
+    const bool left = i % width < width / 2;
+    for (const int value : {left ? 200 : 20, 30, left ? 20 : 200}) {
+      image.rgb.push_back(static_cast<std::uint8_t>(value));
+    }
+  }
+  return image;
+}
+
+TEST_CASE("a JPEG decodes to its size and colours", "[sim][physics]") {
+  const RgbImage image = TwoColors(320, 192);
+  const auto jpeg = EncodeJpeg(image, 90);
+  REQUIRE(jpeg);
+  const auto decoded = DecodeJpeg(*jpeg);
+  REQUIRE(decoded);
+  CHECK(decoded->width == 320);
+  CHECK(decoded->height == 192);
+  CHECK(static_cast<int>(decoded->rgb[0]) == Approx(200).margin(8));
+  CHECK(static_cast<int>(decoded->rgb[2]) == Approx(20).margin(8));
+  CHECK(EncodeJpeg(image, 90).value() == *jpeg);
+}
+
+TEST_CASE("a lower JPEG quality gives fewer bytes", "[sim][physics]") {
+  RgbImage image = TwoColors(320, 192);
+  for (std::size_t i = 0; i < image.rgb.size(); ++i) {
+    image.rgb[i] = static_cast<std::uint8_t>(image.rgb[i] ^ (i * 2654435761U >> 28));
+  }
+  CHECK(EncodeJpeg(image, 20)->size() < EncodeJpeg(image, 95)->size());
+}
+
+TEST_CASE("pictures that are not whole and bytes that are no picture are refused",
+          "[sim][physics]") {
+  CHECK(EncodeJpeg({}, 90).error().code == ErrorCode::kInvalidArgument);
+  CHECK(EncodeJpeg({2, 2, {1, 2, 3}}, 90).error().code == ErrorCode::kInvalidArgument);
+  CHECK(EncodeJpeg(TwoColors(8, 8), 0).error().code == ErrorCode::kInvalidArgument);
+  CHECK(EncodeJpeg(TwoColors(8, 8), 101).error().code == ErrorCode::kInvalidArgument);
+  CHECK(DecodeJpeg({}).error().code == ErrorCode::kMalformed);
+  CHECK(DecodeJpeg({1, 2, 3, 4}).error().code == ErrorCode::kMalformed);
+}
+
+/// CastView, the two-dimensional model of what a picture shows, against MuJoCo's segmentation of
+/// the picture itself (docs/paper.md).
+
+using test::MakeWorld;
+
+constexpr int kPoses = 100;
+constexpr int kCoveredPixels = 20;
+
+struct Shown {
+  std::map<Cell, int> floor;  // pixels by cell
+  std::map<Cell, int> walls;
+};
+
+Shown CountPixels(const Grid<PixelLabel>& labels) {
+  Shown shown;
+  for (const PixelLabel& label : labels.values()) {
+    if (label.kind == PixelKind::kFloor) ++shown.floor[label.cell];
+    if (label.kind == PixelKind::kWall) ++shown.walls[label.cell];
+  }
+  return shown;
+}
+
+struct Tally {
+  int covered = 0;  // cells of at least kCoveredPixels
+  int missed = 0;   // of these, not in CastView
+  int walls = 0;    // walls in CastView
+  int unshown = 0;  // of these, without a single pixel
+};
+
+void Compare(const std::map<Cell, int>& shown, const std::vector<Cell>& cast, Tally& tally) {
+  for (const auto& [cell, pixels] : shown) {
+    if (pixels < kCoveredPixels) continue;
+    ++tally.covered;
+    if (!std::ranges::binary_search(cast, cell)) ++tally.missed;
+  }
+}
+
+TEST_CASE("CastView agrees with MuJoCo's segmentation", "[sim][physics][camera]") {
+  const auto [width, height] =
+      GENERATE(std::pair{320, 192}, std::pair{640, 480}, std::pair{256, 256});
+  const test::Rows& rows =
+      GENERATE(std::cref(test::kMaze), std::cref(test::kWideMaze), std::cref(test::kHall));
+  const double cell_size_m = GENERATE(1.0, 2.0);
+  const PhysicsWorld spec = MakeWorld(rows, {1, 1}, cell_size_m);
+  auto world_result = RobotWorld::Create(spec);
+  REQUIRE(world_result);
+  RobotWorld& world = **world_result;
+  auto camera_result = Camera::Open(world, {width, height});
+  REQUIRE(camera_result);
+  Tally tally;
+  Random random(11);
+  const std::vector<Cell> cells = test::FreeCells(spec.truth);
+  for (int pose = 0; pose < kPoses; ++pose) {
+    const Cell cell = cells[static_cast<std::size_t>(
+        random.Uniform(0, static_cast<std::int64_t>(cells.size()) - 1))];
+    const double heading_rad = HeadingFromIndex(static_cast<int>(random.Uniform(0, 23)), 24);
+    world.Teleport(0, world.geometry().CellToPosition(cell), heading_rad);
+    const Shown shown = CountPixels((*camera_result)->RenderSegmentation(0));
+    const VisibleCells cast =
+        CastView(spec.truth, ViewAt(cell, heading_rad, cell_size_m, width, height));
+    Compare(shown.floor, cast.free, tally);
+    Compare(shown.walls, cast.walls, tally);
+    for (const Cell wall : cast.walls) {
+      ++tally.walls;
+      if (!shown.walls.contains(wall)) ++tally.unshown;
+    }
+  }
+  CAPTURE(width, height, cell_size_m, tally.covered, tally.walls);
+  CHECK(tally.covered > 500);
+  CHECK(tally.missed == 0);
+  CHECK(tally.unshown <= tally.walls / 100);  // slivers under a pixel wide
 }
 
 }  // namespace

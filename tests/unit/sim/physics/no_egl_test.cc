@@ -4,8 +4,10 @@
 #include "sim/physics/camera.h"
 #include "unit/sim/physics/mazes.h"
 
-// A program of its own: EGL looks for its drivers once per process.
 namespace conav::sim {
+namespace {
+
+// A program of its own: EGL looks for its drivers once per process.
 
 TEST_CASE("without an EGL driver the error says what was tried and what to install",
           "[sim][physics][camera]") {
@@ -19,4 +21,5 @@ TEST_CASE("without an EGL driver the error says what was tried and what to insta
   CHECK_THAT(camera_result.error().text, Catch::Matchers::Contains("default display"));
 }
 
+}  // namespace
 }  // namespace conav::sim

@@ -3,11 +3,10 @@
 #include <catch2/catch.hpp>
 #include <optional>
 
-using namespace conav;
-using namespace conav::sim;
-using namespace std::chrono_literals;
-
+namespace conav::sim {
 namespace {
+
+using namespace std::chrono_literals;
 
 /// Text maps: '*' wall, anything else free.
 OccupancyGrid MapFrom(const std::vector<std::string>& lines) {
@@ -61,8 +60,6 @@ struct Corridor {
   std::optional<Episode> episode;
   std::uint64_t sequence_number = 0;
 };
-
-}  // namespace
 
 TEST_CASE("a move ends in the next cell and counts once", "[sim][episode]") {
   Corridor world;
@@ -225,3 +222,6 @@ TEST_CASE("a command for an unknown robot is refused with its name", "[sim][epis
   REQUIRE_FALSE(result);
   CHECK(result.error().text == "robot = 'r9' is not in world w1");
 }
+
+}  // namespace
+}  // namespace conav::sim

@@ -28,8 +28,6 @@ std::vector<Cell> WrongCells(const OccupancyGrid& truth, const OccupancyGrid& ma
   return cells;
 }
 
-}  // namespace
-
 TEST_CASE("the operator's map has the exact number of wrong cells, half of each kind",
           "[sim][map]") {
   const OccupancyGrid truth = Lattice();
@@ -106,4 +104,5 @@ TEST_CASE("more errors than cells that can be wrong are refused", "[sim][map]") 
         "169 wrong cells wanted on the operator's map, only 121 can be wrong");
 }
 
+}  // namespace
 }  // namespace conav::sim

@@ -64,8 +64,6 @@ std::string RefusalOf(const Result<OccupancyGrid>& result) {
   return result ? "" : result.error().text;
 }
 
-}  // namespace
-
 TEST_CASE("a map_server map becomes cells: north first, unknown occupied, border walled",
           "[sim][map]") {
   const Folder folder;
@@ -178,4 +176,5 @@ TEST_CASE("a building and its outdated plan must have the same size and origin",
                                          truth.string() + " at (-1, 2): must be the same");
 }
 
+}  // namespace
 }  // namespace conav::sim

@@ -38,8 +38,6 @@ std::string TextOf(const Maze& maze) {
   return text;
 }
 
-}  // namespace
-
 TEST_CASE("conav-maze prints the entity layer, a blank line and the variation layer",
           "[sim][maze]") {
   const Outcome outcome = RunMaze("--preset 9x9 --seed 3 --generation 2");
@@ -98,4 +96,5 @@ TEST_CASE("conav-maze refuses an output that cannot be written", "[sim][maze]") 
   CHECK(RunMaze("--json /nonexistent/folder/maze.json").exit_code == 2);
 }
 
+}  // namespace
 }  // namespace conav::sim

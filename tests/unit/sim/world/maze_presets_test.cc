@@ -115,8 +115,6 @@ const std::vector<PrintedLayout>& PrintedLayouts() {
 }
 // clang-format on
 
-}  // namespace
-
 TEST_CASE("the paper's seeds give the layouts of its first episodes", "[sim][maze]") {
   for (const PrintedLayout& layout : PrintedLayouts()) {
     INFO(layout.preset << " paper seed " << layout.paper_seed);
@@ -165,4 +163,5 @@ TEST_CASE("walls are numbered by three by three blocks, other cells stay", "[sim
   CHECK(ToLines(BlockVariations(entities)) == expected);
 }
 
+}  // namespace
 }  // namespace conav::sim

@@ -57,8 +57,6 @@ std::string RefusalOf(const RandomMazeOptions& options) {
   return result ? "" : result.error().text;
 }
 
-}  // namespace
-
 TEST_CASE("mazes equal labmaze's, character for character, in both layers", "[sim][maze]") {
   std::ifstream file(CONAV_TESTS_DIR "/unit/sim/world/labmaze_golden.jsonl");
   REQUIRE(file);
@@ -187,4 +185,5 @@ TEST_CASE("sizes that no maze can have are refused by name and value", "[sim][ma
   }
 }
 
+}  // namespace
 }  // namespace conav::sim

@@ -1,7 +1,8 @@
+#include "common/bus/participant.h"
+
 #include <catch2/catch.hpp>
 
 #include "common/bus/backend.h"
-#include "common/bus/participant.h"
 #include "common/runtime/result.h"
 #include "support/scoped_variable.h"
 

@@ -1,8 +1,9 @@
+#include "nhpm/dataset/annotators.h"
+
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <fstream>
 
-#include "nhpm/dataset/annotators.h"
 #include "support/temporary_folder.h"
 
 namespace conav::nhpm {

@@ -1,7 +1,9 @@
+#include "common/cli/cli.h"
+
 #include <catch2/catch.hpp>
 #include <cstdint>
 
-#include "common/cli/cli.h"
+#include "common/runtime/file.h"
 #include "support/temporary_folder.h"
 
 namespace conav {
@@ -54,6 +56,52 @@ TEST_CASE("a word that is no subcommand is told apart from one that is missing",
   CHECK_FALSE(is_unknown({"search", "sweep"}));
   CHECK_FALSE(is_unknown({"--help"}));
   CHECK_FALSE(is_unknown({}));
+}
+
+std::string Refusal(const std::vector<FileOption>& inputs, const std::vector<FileOption>& outputs) {
+  const auto checked = CheckDistinct(inputs, outputs);
+  return checked ? "" : checked.error().text;
+}
+
+TEST_CASE("an output that is an input is refused, however it is written", "[runtime][file]") {
+  const test::TemporaryFolder folder;
+  const auto file = folder / "a";
+  REQUIRE(WriteFile(file, "a"));
+  std::filesystem::create_symlink(file, folder / "link");
+  std::filesystem::create_hard_link(file, folder / "hard");
+  for (const auto& output : {file, folder / "none/../a", folder / "./a", folder / "link",
+                             folder / "hard", std::filesystem::relative(file)}) {
+    CHECK_THAT(Refusal({{"--data", file}}, {{"--out", output}}),
+               Catch::EndsWith(": is the input --data, too"));
+  }
+  CHECK(Refusal({{"--data", file}}, {{"--out", folder / "b"}}) == "");
+}
+
+TEST_CASE("two outputs of one name are refused before they exist", "[runtime][file]") {
+  const test::TemporaryFolder folder;
+  CHECK_THAT(Refusal({}, {{"--out", folder / "x"}, {"--json", folder / "y/../x"}}),
+             Catch::StartsWith("--json ") && Catch::EndsWith(": is the output --out, too"));
+}
+
+TEST_CASE("what cannot be lost may come twice", "[runtime][file]") {
+  CHECK(Refusal({{"--data", "/dev/null"}}, {{"--out", "/dev/null"}, {"--json", "/dev/null"}}) ==
+        "");
+  CHECK(Refusal({{"--data", ""}}, {{"--out", "-"}, {"--json", "-"}, {"--csv", ""}}) == "");
+}
+
+TEST_CASE("files that cannot be what they are given for are wrong use", "[console]") {
+  const test::TemporaryFolder folder;
+  const auto code = [&](const std::filesystem::path& output) {
+    return CheckFiles("conav test", {{"--data", folder / "data"}}, {{"--json", output}});
+  };
+  REQUIRE(WriteFile(folder / "data", "kept"));
+  CHECK(code("") == 0);
+  CHECK(code("-") == 0);
+  CHECK(code(folder / "new.json") == 0);
+  CHECK(code(folder / "data") == 2);
+  CHECK(code(folder / "none/new.json") == 2);
+  CHECK(code(folder.path()) == 2);
+  CHECK(ReadFile(folder / "data").value() == "kept");
 }
 
 }  // namespace

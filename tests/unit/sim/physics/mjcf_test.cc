@@ -1,7 +1,7 @@
+#include "sim/physics/mjcf.h"
+
 #include <catch2/catch.hpp>
 #include <numeric>
-
-#include "sim/physics/mjcf.h"
 
 namespace conav::sim {
 namespace {

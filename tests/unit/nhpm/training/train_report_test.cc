@@ -1,6 +1,7 @@
+#include "nhpm/training/train_report.h"
+
 #include <catch2/catch.hpp>
 
-#include "nhpm/training/train_report.h"
 #include "support/xml_check.h"
 
 namespace conav::nhpm {
