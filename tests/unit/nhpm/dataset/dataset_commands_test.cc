@@ -16,7 +16,7 @@
 namespace conav {
 namespace {
 
-// conav-dataset as a user meets it: files, messages, exit codes.
+// conav-dataset as a user meets it: files and messages.
 
 using Outcome = test::ProgramOutcome;
 
@@ -28,7 +28,8 @@ class Desk : public test::ProgramRunner {
   }
 };
 
-TEST_CASE("conav-dataset describes a file in words, numbers and a picture", "[nhpm][dataset]") {
+TEST_CASE("conav-dataset describes a file in words, numbers and a picture; '-' is nothing but JSON",
+          "[nhpm][dataset]") {
   const Desk desk;
   const Outcome outcome = desk.Run("describe data.pb.zst --json data.json --svg data.svg");
   CHECK(outcome.exit_code == 0);
@@ -36,10 +37,6 @@ TEST_CASE("conav-dataset describes a file in words, numbers and a picture", "[nh
   CHECK(nlohmann::json::parse(ReadFile(desk / "data.json").value()).at("segments") == 3);
   CHECK_THAT(ReadFile(desk / "data.svg").value(),
              Catch::Contains("data.pb.zst: edits made by people+synthetic"));
-}
-
-TEST_CASE("numbers on standard output are nothing but JSON", "[nhpm][dataset]") {
-  const Desk desk;
   const auto numbers = nlohmann::json::parse(desk.Run("describe data.pb.zst --json -").out);
   CHECK(numbers.at("edits") == 6);
   CHECK(numbers.at("segments_by_edits").at(2) == 3);
@@ -52,7 +49,7 @@ TEST_CASE("chosen segments are shown, a wrong number is wrong use", "[nhpm][data
                  !Catch::Contains("segment 0 ("));
   const Outcome wrong = desk.Run("describe data.pb.zst --segments 7");
   CHECK(wrong.exit_code == 2);
-  CHECK(wrong.error == "conav dataset: there is no segment 7; the set has 3, from 0 on\n");
+  CHECK_THAT(wrong.error, Catch::Contains("segment 7"));
 }
 
 TEST_CASE("exported lines imported again are the same file", "[nhpm][dataset]") {
@@ -68,7 +65,7 @@ TEST_CASE("a bad line is refused with file and line, and nothing is written", "[
   REQUIRE(WriteFile(desk / "bad.jsonl", "\n{\"type\": \"segment\"}\n"));
   const Outcome outcome = desk.Run("import bad.jsonl --out bad.pb.zst");
   CHECK(outcome.exit_code == 1);
-  CHECK(outcome.error == "conav dataset: bad.jsonl:2: a segment before any trajectory\n");
+  CHECK_THAT(outcome.error, Catch::StartsWith("conav dataset: bad.jsonl:2: "));
   CHECK_FALSE(std::filesystem::exists(desk / "bad.pb.zst"));
 }
 
@@ -86,18 +83,8 @@ TEST_CASE("files are merged, and a trajectory that comes twice is refused", "[nh
              Catch::Contains("all.pb.zst: trajectory 0 is the same as data.pb.zst: trajectory 0"));
 }
 
-TEST_CASE("a split is three files with all trajectories", "[nhpm][dataset]") {
-  const Desk desk;
-  REQUIRE(WriteSegmentFile(desk / "many.pb.zst",
-                           {{tests::SampleTrajectory(1), tests::SampleTrajectory(2),
-                             tests::SampleTrajectory(3), tests::SampleTrajectory(4)}}));
-  CHECK(desk.Run("split many.pb.zst --seed 3 --out-prefix part").exit_code == 0);
-  CHECK(ReadSegmentFile(desk / "part-train.pb.zst").value().trajectories.size() == 2);
-  CHECK(ReadSegmentFile(desk / "part-validation.pb.zst").value().trajectories.size() == 1);
-  CHECK(ReadSegmentFile(desk / "part-test.pb.zst").value().trajectories.size() == 1);
-}
-
-TEST_CASE("a split without a seed is that of training and evaluation", "[nhpm][dataset]") {
+TEST_CASE("a split is three files; without a seed it is that of training and evaluation",
+          "[nhpm][dataset]") {
   const Desk desk;
   SegmentSet many;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
@@ -108,9 +95,12 @@ TEST_CASE("a split without a seed is that of training and evaluation", "[nhpm][d
   const SegmentSplit split = SplitSegments(many, kDefaultSplitSeed);
   CHECK(ReadSegmentFile(desk / "part-test.pb.zst").value() == split.test);
   CHECK(ReadSegmentFile(desk / "part-validation.pb.zst").value() == split.validation);
+  CHECK(ReadSegmentFile(desk / "part-train.pb.zst").value() == split.train);
+  CHECK(desk.Run("split many.pb.zst --out-prefix other --seed 3").exit_code == 0);
+  CHECK(ReadSegmentFile(desk / "other-test.pb.zst").value() == SplitSegments(many, 3).test);
 }
 
-TEST_CASE("a truncated recording is refused unless it shall be recovered", "[nhpm][dataset]") {
+TEST_CASE("a truncated recording is refused, and read with --recover", "[nhpm][dataset]") {
   const Desk desk;
   std::string two = ReadFile(desk / "data.pb.zst").value();
   two += two.substr(0, two.size() / 2);
@@ -138,25 +128,13 @@ TEST_CASE("no command writes over its input", "[nhpm][dataset]") {
   CHECK_FALSE(std::filesystem::exists(desk / "part-train.pb.zst"));
 }
 
-TEST_CASE("wrong use, missing files and a full disk have their exit codes", "[nhpm][dataset]") {
-  const Desk desk;
-  CHECK(desk.Run("").exit_code == 2);
-  CHECK(desk.Run("describe").exit_code == 2);
-  CHECK(desk.Run("improve data.pb.zst").exit_code == 2);
-  CHECK_THAT(desk.Run("improve data.pb.zst").error, Catch::Contains("no command 'improve'"));
-  CHECK(desk.Run("describe --help").exit_code == 0);
-  CHECK_THAT(desk.Run("--help").out, Catch::Contains("Usage: conav dataset "));
-  CHECK(desk.Run("synthesize --population none.yaml --out new.pb.zst").exit_code == 1);
-  CHECK(desk.Run("split data.pb.zst --out-prefix part --seed -1").exit_code == 2);
-  CHECK(desk.Run("describe none.pb.zst").exit_code == 1);
-  CHECK(desk.Run("merge data.pb.zst --out /dev/full").exit_code == 1);
-  CHECK(desk.Run("merge data.pb.zst --out none/data.pb.zst").exit_code == 2);
-  CHECK(desk.Run("export data.pb.zst --out /dev/full").exit_code == 1);
-  CHECK(desk.Run("describe data.pb.zst --json /dev/full").exit_code == 1);
-  CHECK(desk.Run("describe data.pb.zst --svg none/data.svg").exit_code == 2);
+TEST_CASE("an unknown command is named", "[nhpm][dataset]") {
+  const Outcome outcome = Desk().Run("improve data.pb.zst");
+  CHECK(outcome.exit_code == 2);
+  CHECK_THAT(outcome.error, Catch::Contains("'improve'"));
 }
 
-// `conav dataset synthesize`: options, file, summary, exit codes.
+// `conav dataset synthesize`: options, file, summary.
 
 using test::TemporaryFolder;
 
@@ -234,7 +212,8 @@ TEST_CASE("The summary counts what is in the file and calls it synthetic", "[nhp
   CHECK(summary["excluded_share"].get<double>() == Approx(excluded / (excluded + 12.0)));
 }
 
-TEST_CASE("Another population makes other people", "[nhpm][synthesis]") {
+TEST_CASE("Another population makes other people, one that all fail the filter none",
+          "[nhpm][synthesis]") {
   const TemporaryFolder folder;
   std::ofstream(folder / "people.yaml")
       << "annotators: {ros__parameters: {careless_share: 0.0, careful: {near_cells: {mean: 1.5}}}}";
@@ -244,44 +223,30 @@ TEST_CASE("Another population makes other people", "[nhpm][synthesis]") {
   for (const Trajectory& trajectory : Read(file).trajectories) {
     CHECK(trajectory.annotator.at("near_cells") == 1.5);
   }
-}
-
-TEST_CASE("Wrong use has exit code 2, a bad input 1, both make no file", "[nhpm][synthesis]") {
-  const TemporaryFolder folder;
-  const std::string file = (folder / "set.pb.zst").string();
-  std::ofstream(folder / "people.yaml") << "annotators: {ros__parameters: {cautious: {}}}";
-  CHECK(Synthesize({"--trajectories", "0", "--out", file}) == 2);
-  CHECK(Synthesize({"--seed", "-1", "--out", file}) == 2);
-  CHECK(Synthesize({"--threads", "0", "--out", file}) == 2);
-  CHECK(Synthesize({"--per-person", "0", "--out", file}) == 2);
-  CHECK(Synthesize({"--colour", "red", "--out", file}) == 2);
-  CHECK(Synthesize({"--preset", "9x8", "--out", file}) == 2);
-  CHECK(Synthesize({"--population", (folder / "none.yaml").string(), "--out", file}) == 1);
-  CHECK(Synthesize({"--population", (folder / "people.yaml").string(), "--out", file}) == 1);
-  CHECK_FALSE(std::filesystem::exists(file));
-}
-
-TEST_CASE("An output that cannot be written is wrong use, a full disk is not",
-          "[nhpm][synthesis]") {
-  const TemporaryFolder folder;
-  const std::string file = (folder / "set.pb.zst").string();
-  REQUIRE(WriteFile(folder / "file", ""));
-  const std::string below = (folder / "file/set").string();
-  CHECK(Synthesize({"--trajectories", "1", "--out", below}) == 2);
-  CHECK(Synthesize({"--trajectories", "1", "--out", file, "--json", below}) == 2);
-  CHECK_FALSE(std::filesystem::exists(file));
-  CHECK(Synthesize({"--trajectories", "1", "--out", "/dev/full"}) == 1);
-  CHECK(Synthesize({"--trajectories", "1", "--out", file, "--json", "/dev/full"}) == 1);
-}
-
-TEST_CASE("People who all fail the filter have exit code 1", "[nhpm][synthesis]") {
-  const TemporaryFolder folder;
   std::ofstream(folder / "people.yaml")
       << "annotators: {ros__parameters: {careless_share: 0.0,"
          " careful: {lapse_probability: {mean: 1.0, deviation: 0.0}}}}";
-  const std::string file = (folder / "set.pb.zst").string();
+  const auto none = folder / "none.pb.zst";
   CHECK(Synthesize({"--trajectories", "1", "--population", (folder / "people.yaml").string(),
-                    "--out", file}) == 1);
+                    "--out", none.string()}) == 1);
+  CHECK_FALSE(std::filesystem::exists(none));
+}
+
+TEST_CASE("Options out of range and a bad file of people make no file", "[nhpm][synthesis]") {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "set.pb.zst").string();
+  const std::string people = (folder / "people.yaml").string();
+  std::ofstream(people) << "annotators: {ros__parameters: {cautious: {}}}";
+  for (const auto& [option, value, exit_code] :
+       std::vector<std::tuple<std::string, std::string, int>>{{"--trajectories", "0", 2},
+                                                              {"--seed", "-1", 2},
+                                                              {"--threads", "0", 2},
+                                                              {"--per-person", "0", 2},
+                                                              {"--preset", "9x8", 2},
+                                                              {"--population", people, 1}}) {
+    INFO(option);
+    CHECK(Synthesize({option, value, "--out", file}) == exit_code);
+  }
   CHECK_FALSE(std::filesystem::exists(file));
 }
 

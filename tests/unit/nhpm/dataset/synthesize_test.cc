@@ -24,10 +24,22 @@ SynthesisOptions Few(int trajectories, std::uint64_t seed = 1) {
   return options;
 }
 
-TEST_CASE("There are exactly as many trajectories as asked for, all good enough",
-          "[nhpm][synthesis]") {
+TEST_CASE(
+    "There are exactly as many trajectories as asked for, all good enough; progress counts "
+    "them",
+    "[nhpm][synthesis]") {
   for (const int wanted : {1, 2, 100}) {
-    const Synthesis synthesis = Make(Few(wanted));
+    SynthesisOptions options = Few(wanted);
+    std::vector<int> accepted;
+    int excluded = -1;
+    options.progress = [&](int now_accepted, int now_excluded) {
+      accepted.push_back(now_accepted);
+      excluded = now_excluded;
+    };
+    const Synthesis synthesis = Make(options);
+    CHECK(std::is_sorted(accepted.begin(), accepted.end()));
+    CHECK(accepted.back() == wanted);
+    CHECK(excluded == synthesis.excluded);
     CHECK(synthesis.set.trajectories.size() == static_cast<std::size_t>(wanted));
     CHECK(CheckSegments(synthesis.set).has_value());
     for (const Trajectory& trajectory : synthesis.set.trajectories) {
@@ -58,9 +70,7 @@ TEST_CASE("Equal seeds give equal segments, whatever the number of threads", "[n
     CHECK(many.excluded == one.excluded);
   }
   CHECK(Make(Few(30, 10)).set != one.set);
-}
-
-TEST_CASE("More trajectories begin with the same ones", "[nhpm][synthesis]") {
+  // More trajectories begin with the same ones.
   const SegmentSet few = Make(Few(5)).set;
   SegmentSet many = Make(Few(80)).set;
   many.trajectories.resize(few.trajectories.size());
@@ -107,46 +117,27 @@ TEST_CASE("The default people have the paper's calibration", "[nhpm][synthesis]"
   CHECK(synthesis.excluded < 150);
 }
 
-TEST_CASE("People who never look are refused instead of waited for", "[nhpm][synthesis]") {
-  SynthesisOptions options = Few(1);
-  options.population.careful.lapse_probability = {1.0, 0.0};
-  options.population.careless_share = 0.0;
-  const auto synthesis = SynthesizeSegments(options);
-  REQUIRE_FALSE(synthesis.has_value());
-  CHECK(synthesis.error().code == ErrorCode::kOutOfRange);
-  CHECK_THAT(synthesis.error().text, Catch::Matchers::Contains("too careless"));
-}
-
-TEST_CASE("Impossible wishes are refused by name", "[nhpm][synthesis]") {
-  const auto refusal = [](auto&& spoil) {
+TEST_CASE("Impossible wishes are refused by name, people who never look, too",
+          "[nhpm][synthesis]") {
+  const std::pair<const char*, void (*)(SynthesisOptions&)> rows[] = {
+      {"trajectories = 0", [](auto& o) { o.trajectories = 0; }},
+      {"per person = 0", [](auto& o) { o.trajectories_per_person = 0; }},
+      {"threads = -1", [](auto& o) { o.threads = -1; }},
+      {"9x8", [](auto& o) { o.task.preset = "9x8"; }},
+      {"wrong cells", [](auto& o) { o.task.corruption.wrong_share = 0.9; }},
+      {"too careless",
+       [](auto& o) {
+         o.population.careful.lapse_probability = {1.0, 0.0};
+         o.population.careless_share = 0.0;
+       }},
+  };
+  for (const auto& [names, spoil] : rows) {
     SynthesisOptions options = Few(2);
     spoil(options);
     const auto synthesis = SynthesizeSegments(options);
     REQUIRE_FALSE(synthesis.has_value());
-    return synthesis.error().text;
-  };
-  using Catch::Matchers::Contains;
-  CHECK_THAT(refusal([](auto& o) { o.trajectories = 0; }), Contains("trajectories = 0"));
-  CHECK_THAT(refusal([](auto& o) { o.trajectories_per_person = 0; }), Contains("per person = 0"));
-  CHECK_THAT(refusal([](auto& o) { o.threads = -1; }), Contains("threads = -1"));
-  CHECK_THAT(refusal([](auto& o) { o.task.preset = "9x8"; }), Contains("9x8"));
-  CHECK_THAT(refusal([](auto& o) { o.task.corruption.wrong_share = 0.9; }),
-             Contains("wrong cells"));
-}
-
-TEST_CASE("Progress counts up to what was asked for", "[nhpm][synthesis]") {
-  SynthesisOptions options = Few(100);
-  std::vector<int> accepted;
-  int excluded = -1;
-  options.progress = [&](int now_accepted, int now_excluded) {
-    accepted.push_back(now_accepted);
-    excluded = now_excluded;
-  };
-  const Synthesis synthesis = Make(options);
-  CHECK(accepted.size() >= 2);
-  CHECK(std::is_sorted(accepted.begin(), accepted.end()));
-  CHECK(accepted.back() == 100);
-  CHECK(excluded == synthesis.excluded);
+    CHECK_THAT(synthesis.error().text, Catch::Contains(names));
+  }
 }
 
 // The error patterns of paper section 6.1 and figure 3, measured in generated segments.

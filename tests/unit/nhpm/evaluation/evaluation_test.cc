@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "common/segments/segment.h"
-#include "unit/nhpm/evaluation/evaluation_samples.h"
+#include "unit/nhpm/evaluation/samples.h"
 
 namespace conav::nhpm {
 namespace {
@@ -23,8 +23,9 @@ class RefusingModel final : public EditModel {
   ModelIdentity identity_;
 };
 
-TEST_CASE("A model is measured on both parts of the data", "[nhpm][evaluation]") {
-  const EvaluationData data = SampleData();
+TEST_CASE("A model is measured on both parts of the data, where there are two",
+          "[nhpm][evaluation]") {
+  EvaluationData data = SampleData();
   const auto row = EvaluateModel({"even", "Even", "0.25 everywhere"}, EvenModel(0.25F), data);
   REQUIRE(row);
   CHECK(row->answers.size() == 40);
@@ -42,9 +43,14 @@ TEST_CASE("A model is measured on both parts of the data", "[nhpm][evaluation]")
   CHECK(row->at_train_boundary->iou == Approx(edited));  // all or nothing is predicted
   CHECK(std::accumulate(row->segment_losses.begin(), row->segment_losses.end(), 0.0) ==
         Approx(row->test.loss.all * 40 * 162));
+  data.train = {};
+  const auto untrained = EvaluateModel({"even", "Even", ""}, EvenModel(0.25F), data);
+  REQUIRE(untrained);
+  CHECK_FALSE(untrained->train);
+  CHECK_FALSE(untrained->at_train_boundary);
 }
 
-TEST_CASE("Progress is told until all segments are answered", "[nhpm][evaluation]") {
+TEST_CASE("Progress is reported until all segments are answered", "[nhpm][evaluation]") {
   const EvaluationData data = SampleData();
   std::vector<std::size_t> told;
   const auto answers =
@@ -54,15 +60,6 @@ TEST_CASE("Progress is told until all segments are answered", "[nhpm][evaluation
       });
   REQUIRE(answers);
   CHECK(told == std::vector<std::size_t>{64, 120});
-}
-
-TEST_CASE("Without a train part there is no loss on it", "[nhpm][evaluation]") {
-  EvaluationData data = SampleData();
-  data.train = {};
-  const auto row = EvaluateModel({"even", "Even", ""}, EvenModel(0.25F), data);
-  REQUIRE(row);
-  CHECK_FALSE(row->train);
-  CHECK_FALSE(row->at_train_boundary);
 }
 
 TEST_CASE("GLPF-Test bounds GLPF-Train, and both find the people who are a GLPF",
@@ -95,16 +92,14 @@ TEST_CASE("GLPF-Train's boundary is ideal on the train part, its IoU that of the
   CHECK(row->test.best.iou == IouAt(*on_test, row->test.best.boundary));
 }
 
-TEST_CASE("A model that refuses is told as it says", "[nhpm][evaluation]") {
-  const auto row = EvaluateModel({"nhpm", "NHPM", ""}, RefusingModel(), SampleData());
-  REQUIRE_FALSE(row);
-  CHECK(row.error().text == "made for 13 x 13 cells, not 9 x 9");
-}
-
-TEST_CASE("Answers of another number are refused with the row's name", "[nhpm][evaluation]") {
-  const auto row = EvaluateAnswers({"oracle", "Oracle", ""}, {}, {}, SampleData());
-  REQUIRE_FALSE(row);
-  CHECK(row.error().text == "Oracle: 0 answers to 40 segments");
+TEST_CASE("A model's refusal is passed on, answers of another number name the row",
+          "[nhpm][evaluation]") {
+  const auto refused = EvaluateModel({"nhpm", "NHPM", ""}, RefusingModel(), SampleData());
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().text == "made for 13 x 13 cells, not 9 x 9");
+  const auto none = EvaluateAnswers({"oracle", "Oracle", ""}, {}, {}, SampleData());
+  REQUIRE_FALSE(none);
+  CHECK_THAT(none.error().text, Catch::StartsWith("Oracle: 0 answers"));
 }
 
 /// A row with a loss in each segment of two trajectories of two segments.
@@ -123,22 +118,18 @@ EvaluationData TwoTrajectories() {
   return data;
 }
 
-TEST_CASE("The excess share lies between oracle and baseline", "[nhpm][bars]") {
+TEST_CASE(
+    "The excess share lies between oracle and baseline; a bar is passed at its limit, one "
+    "from below only above it",
+    "[nhpm][bars]") {
   CHECK(ExcessShare(2.0, 2.0, 4.0) == 0.0);
   CHECK(ExcessShare(2.5, 2.0, 4.0) == 0.25);
   CHECK(ExcessShare(4.0, 2.0, 4.0) == 1.0);
   CHECK(std::isinf(ExcessShare(2.0, 2.0, 2.0)));
-}
-
-TEST_CASE("A bar is passed at its limit, one from below only above it", "[nhpm][bars]") {
-  Bar bar{.value = 0.2, .limit = 0.2};
-  CHECK(bar.passed());
-  bar.value = 0.21;
-  CHECK_FALSE(bar.passed());
-  bar.at_most = false;
-  CHECK(bar.passed());
-  bar.value = 0.2;
-  CHECK_FALSE(bar.passed());
+  CHECK(Bar{.value = 0.2, .limit = 0.2}.passed());
+  CHECK_FALSE(Bar{.value = 0.21, .limit = 0.2}.passed());
+  CHECK(Bar{.value = 0.21, .limit = 0.2, .at_most = false}.passed());
+  CHECK_FALSE(Bar{.value = 0.2, .limit = 0.2, .at_most = false}.passed());
 }
 
 TEST_CASE("NHPM is measured against the oracle and both GLPFs", "[nhpm][bars]") {

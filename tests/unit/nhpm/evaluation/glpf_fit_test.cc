@@ -82,7 +82,10 @@ TEST_CASE("The loss of counted cells is that of the model's answers", "[nhpm][gl
   CHECK(GlpfLoss({}, parameters) == 0.0);
 }
 
-TEST_CASE("Parameters are recovered from as many edits as they promise", "[nhpm][glpf_fit]") {
+TEST_CASE(
+    "Parameters are recovered from as many edits as they promise, one alpha where there is "
+    "one",
+    "[nhpm][glpf_fit]") {
   GlpfParameters truth = kTruth;
   truth.visible_only = GENERATE(false, true);
   const GlpfFit fit = FitGlpf(ExactStatistics(truth));
@@ -94,16 +97,13 @@ TEST_CASE("Parameters are recovered from as many edits as they promise", "[nhpm]
   CHECK(found.lambda == Approx(truth.lambda).epsilon(0.01));
   CHECK(found.visible_only == truth.visible_only);
   CHECK(fit.variants.size() == 2);
-}
-
-TEST_CASE("One alpha is recovered where there is one", "[nhpm][glpf_fit]") {
-  GlpfParameters truth = kTruth;
   truth.tie_alphas = true;
   truth.alpha_m = truth.alpha_d;
-  const GlpfFit fit = FitGlpf(ExactStatistics(truth), {.visible_only = false, .tie_alphas = true});
-  CHECK(fit.best.parameters.alpha_d == Approx(0.25).epsilon(0.01));
-  CHECK(fit.best.parameters.alpha_m == fit.best.parameters.alpha_d);
-  CHECK(fit.variants.size() == 1);
+  const GlpfFit tied =
+      FitGlpf(ExactStatistics(truth), {.visible_only = truth.visible_only, .tie_alphas = true});
+  CHECK(tied.best.parameters.alpha_d == Approx(0.25).epsilon(0.01));
+  CHECK(tied.best.parameters.alpha_m == tied.best.parameters.alpha_d);
+  CHECK(tied.variants.size() == 1);
 }
 
 TEST_CASE("Parameters are recovered from people who follow them", "[nhpm][glpf_fit]") {
@@ -121,17 +121,14 @@ TEST_CASE("Parameters are recovered from people who follow them", "[nhpm][glpf_f
   CHECK(found.Response(0.0) == Approx(truth.Response(0.0)).margin(0.003));
 }
 
-TEST_CASE("The rates stay within their bounds", "[nhpm][glpf_fit]") {
+TEST_CASE("The rates stay within their bounds, also of people who overlook most near mistakes",
+          "[nhpm][glpf_fit]") {
   GlpfStatistics statistics;
   statistics.unstimulated = {100.0, 90.0};  // a guess rate of 0.9 cannot be
   statistics.seen[1] = {100.0, 10.0};
   const GlpfParameters found = FitGlpf(statistics).best.parameters;
   CHECK(found.rho == Approx(0.5).margin(1e-3));
-}
-
-TEST_CASE("People who overlook more than half of all near mistakes have the largest lapse rate",
-          "[nhpm][glpf_fit]") {
-  GlpfStatistics statistics;
+  statistics = {};
   statistics.unstimulated = {100000.0, 0.0};
   for (const int squared : {1, 4, 9, 16}) statistics.seen[squared] = {1000.0, 300.0};
   for (const int squared : {36, 49, 64, 81}) statistics.seen[squared] = {1000.0, 0.0};
@@ -157,28 +154,21 @@ double Rosenbrock(std::span<const double> at) {
   return sum;
 }
 
-TEST_CASE("The minimum of Rosenbrock's function is found from its classic start",
-          "[nhpm][nelder_mead]") {
+TEST_CASE("Minima are found, of one, two and four coordinates", "[nhpm][nelder_mead]") {
   const auto found = MinimiseNelderMead(Rosenbrock, std::vector{-1.2, 1.0});
   CHECK(found.converged);
   CHECK(found.position[0] == Approx(1.0).margin(1e-4));
   CHECK(found.position[1] == Approx(1.0).margin(1e-4));
   CHECK(found.value < 1e-9);
-}
-
-TEST_CASE("Four coordinates work as well", "[nhpm][nelder_mead]") {
-  const auto found = MinimiseNelderMead(Rosenbrock, std::vector{0.5, 0.5, 0.5, 0.5},
-                                        {.iterations = 10000, .tolerance = 1e-14});
-  for (const double coordinate : found.position) CHECK(coordinate == Approx(1.0).margin(1e-4));
-}
-
-TEST_CASE("A parabola of one coordinate has its minimum where it is", "[nhpm][nelder_mead]") {
+  const auto four = MinimiseNelderMead(Rosenbrock, std::vector{0.5, 0.5, 0.5, 0.5},
+                                       {.iterations = 10000, .tolerance = 1e-14});
+  for (const double coordinate : four.position) CHECK(coordinate == Approx(1.0).margin(1e-4));
   const auto parabola = [](std::span<const double> at) {
     return (at[0] - 3.0) * (at[0] - 3.0) + 2;
   };
-  const auto found = MinimiseNelderMead(parabola, std::vector{-10.0});
-  CHECK(found.position[0] == Approx(3.0).margin(1e-4));
-  CHECK(found.value == Approx(2.0));
+  const auto one = MinimiseNelderMead(parabola, std::vector{-10.0});
+  CHECK(one.position[0] == Approx(3.0).margin(1e-4));
+  CHECK(one.value == Approx(2.0));
 }
 
 TEST_CASE("Equal values far from each other are no minimum yet", "[nhpm][nelder_mead]") {

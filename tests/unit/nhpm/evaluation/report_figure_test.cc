@@ -3,18 +3,10 @@
 #include <catch2/catch.hpp>
 
 #include "support/xml_check.h"
-#include "unit/nhpm/evaluation/evaluation_samples.h"
 #include "unit/nhpm/evaluation/samples.h"
 
 namespace conav::nhpm {
 namespace {
-
-std::size_t Count(std::string_view text, std::string_view part) {
-  std::size_t count = 0;
-  for (auto at = text.find(part); at != std::string_view::npos; at = text.find(part, at + 1))
-    ++count;
-  return count;
-}
 
 TEST_CASE("The map has a square per cell", "[nhpm][report_figure]") {
   const std::string svg = BeforePanel(EmptySegment(4, 5));
@@ -70,45 +62,37 @@ Segment LooksEast(const std::vector<Cell>& walls) {
   return segment;
 }
 
-TEST_CASE("A near wall that was put one cell farther off is found", "[nhpm][figure_segments]") {
-  Segment segment = LooksEast({{5, 4}});
-  CHECK_FALSE(ShowsMisplacedNearWall(segment));
-  Flip(segment, {5, 5});
-  CHECK(ShowsMisplacedNearWall(segment));
-  Flip(segment, {5, 4});  // ... unless the wall itself was added, too
-  CHECK_FALSE(ShowsMisplacedNearWall(segment));
-}
+/// Walls that the picture shows, those that the person then changes, and what that is.
+struct Edits {
+  std::vector<Cell> shown;
+  std::vector<Cell> flipped;
+  bool misplaced_near;
+  bool preferred_far;
+};
 
-TEST_CASE("Misplaced along the line of sight may be nearer, but not beside",
-          "[nhpm][figure_segments]") {
-  Segment nearer = LooksEast({{5, 4}});
-  Flip(nearer, {5, 3});
-  CHECK(ShowsMisplacedNearWall(nearer));
-  Segment beside = LooksEast({{5, 4}});
-  Flip(beside, {4, 4});
-  CHECK_FALSE(ShowsMisplacedNearWall(beside));
-  Segment far = LooksEast({{5, 7}});
-  Flip(far, {5, 8});
-  CHECK_FALSE(ShowsMisplacedNearWall(far));
-}
-
-TEST_CASE("A far wall preferred to a near one at the side is found", "[nhpm][figure_segments]") {
-  Segment segment = LooksEast({{4, 3}, {5, 7}});
-  CHECK_FALSE(ShowsPreferredFarWall(segment));
-  Flip(segment, {5, 7});
-  CHECK(ShowsPreferredFarWall(segment));
-  Flip(segment, {4, 3});  // ... unless both were added
-  CHECK_FALSE(ShowsPreferredFarWall(segment));
-}
-
-TEST_CASE("A near wall in front, or a far one at the side, is no such case",
-          "[nhpm][figure_segments]") {
-  Segment in_front = LooksEast({{5, 4}, {5, 7}});
-  Flip(in_front, {5, 7});
-  CHECK_FALSE(ShowsPreferredFarWall(in_front));
-  Segment at_side = LooksEast({{3, 7}, {4, 3}});
-  Flip(at_side, {3, 7});
-  CHECK_FALSE(ShowsPreferredFarWall(at_side));
+TEST_CASE(
+    "Near walls misplaced along the line of sight and far walls preferred to near ones at "
+    "the side are found",
+    "[nhpm][figure_segments]") {
+  for (const Edits& row : std::vector<Edits>{
+           {{{5, 4}}, {}, false, false},
+           {{{5, 4}}, {{5, 5}}, true, false},
+           {{{5, 4}}, {{5, 5}, {5, 4}}, false, false},  // the wall itself was added, too
+           {{{5, 4}}, {{5, 3}}, true, false},           // nearer
+           {{{5, 4}}, {{4, 4}}, false, false},          // beside
+           {{{5, 7}}, {{5, 8}}, false, false},          // too far
+           {{{4, 3}, {5, 7}}, {}, false, false},
+           {{{4, 3}, {5, 7}}, {{5, 7}}, false, true},
+           {{{4, 3}, {5, 7}}, {{5, 7}, {4, 3}}, false, false},  // both were added
+           {{{5, 4}, {5, 7}}, {{5, 7}}, false, false},          // the near one is in front
+           {{{3, 7}, {4, 3}}, {{3, 7}}, false, false},          // the far one is at the side
+       }) {
+    Segment segment = LooksEast(row.shown);
+    for (const Cell cell : row.flipped) Flip(segment, cell);
+    CAPTURE(row.shown.size(), row.flipped.size());
+    CHECK(ShowsMisplacedNearWall(segment) == row.misplaced_near);
+    CHECK(ShowsPreferredFarWall(segment) == row.preferred_far);
+  }
 }
 
 TEST_CASE("Both cases come first, then the segments where the models differ most",

@@ -130,17 +130,14 @@ TEST_CASE("A stronger pull stays nearer to the base", "[nhpm][training][adapt]")
   CHECK(distance(1.0) < 0.5 * distance(0.0));
 }
 
-TEST_CASE("Fewer than two groups with examples are refused", "[nhpm][training][adapt]") {
+TEST_CASE("Fewer than two groups with examples are refused; an adaptation can be stopped",
+          "[nhpm][training][adapt]") {
   const NetworkWeights base = InitialWeights({16}, 3);
-  const StopToken never;
-  CHECK_FALSE(Adapt(base, {}, {}, 1, never));
-  CHECK_FALSE(Adapt(base, {Groups(1, 1)[0], ExampleSet{}}, {}, 1, never));
-}
-
-TEST_CASE("An adaptation can be stopped", "[nhpm][training][adapt]") {
   StopToken stop;
+  CHECK_FALSE(Adapt(base, {}, {}, 1, stop));
+  CHECK_FALSE(Adapt(base, {Groups(1, 1)[0], ExampleSet{}}, {}, 1, stop));
   stop.RequestStop();
-  const auto adapted = Adapt(InitialWeights({16}, 3), Groups(2, 1), {}, 1, stop);
+  const auto adapted = Adapt(base, Groups(2, 1), {}, 1, stop);
   REQUIRE_FALSE(adapted);
   CHECK(adapted.error().code == ErrorCode::kUnavailable);
 }
@@ -165,7 +162,8 @@ SegmentSet AnnaAndBert() {
   return {{TrajectoryOf("anna", 1), TrajectoryOf("bert", 2), TrajectoryOf("anna", 3)}};
 }
 
-TEST_CASE("Trajectories are sorted by participant", "[nhpm][training][adapt]") {
+TEST_CASE("Trajectories are sorted by participant, and held out whole where there are several",
+          "[nhpm][training][adapt]") {
   const auto people = PeopleOf(AnnaAndBert());
   REQUIRE(people.size() == 2);
   CHECK(people[0].participant == "anna");
@@ -173,30 +171,6 @@ TEST_CASE("Trajectories are sorted by participant", "[nhpm][training][adapt]") {
   CHECK(people[0].set.trajectories[1].segments.size() == 3);
   CHECK(people[1].participant == "bert");
   CHECK(PeopleOf({}).empty());
-}
-
-TEST_CASE("A participant is found by name, the only one without", "[nhpm][training][adapt]") {
-  const auto people = PeopleOf(AnnaAndBert());
-  CHECK(FindPerson(people, "bert").value().participant == "bert");
-  CHECK(FindPerson({people[0]}, "").value().participant == "anna");
-}
-
-TEST_CASE("A participant who is not there is refused with who is", "[nhpm][training][adapt]") {
-  const auto people = PeopleOf(AnnaAndBert());
-  CHECK(FindPerson(people, "carl").error().text ==
-        "no participant 'carl'; there are 2 (anna, bert)");
-  CHECK_THAT(FindPerson(people, "").error().text, Catch::StartsWith("--participant must say"));
-}
-
-TEST_CASE("Of a long list of participants some are named", "[nhpm][training][adapt]") {
-  std::vector<Person> people(20, Person{"p", {}});
-  CHECK(FindPerson(people, "q").error().text ==
-        "no participant 'q'; there are 20 (p, p, p, p, p, p, p, p, ...)");
-}
-
-TEST_CASE("Trajectories are held out whole, segments where there is only one trajectory",
-          "[nhpm][training][adapt]") {
-  const auto people = PeopleOf(AnnaAndBert());
   const auto of_anna = AdaptationGroups(people[0].set, {});
   REQUIRE(of_anna.size() == 2);
   CHECK(of_anna[1].examples.size() == 3);
@@ -204,6 +178,18 @@ TEST_CASE("Trajectories are held out whole, segments where there is only one tra
   REQUIRE(of_bert.size() == 2);
   CHECK(of_bert[0].examples.size() == 1);
   CHECK(of_bert[1].rows == 3);
+}
+
+TEST_CASE("A participant is found by name, the only one without; the refusal names some who exist",
+          "[nhpm][training][adapt]") {
+  const auto people = PeopleOf(AnnaAndBert());
+  CHECK(FindPerson(people, "bert").value().participant == "bert");
+  CHECK(FindPerson({people[0]}, "").value().participant == "anna");
+  CHECK_THAT(FindPerson(people, "carl").error().text,
+             Catch::Contains("'carl'") && Catch::Contains("2 (anna, bert)"));
+  CHECK_THAT(FindPerson(people, "").error().text, Catch::StartsWith("--participant"));
+  CHECK_THAT(FindPerson(std::vector<Person>(20, Person{"p", {}}), "q").error().text,
+             Catch::Contains("20 (p, p, p, p, p, p, p, p, ...)"));
 }
 
 }  // namespace

@@ -42,7 +42,8 @@ TEST_CASE("Only outputs that can be edits are learned from", "[nhpm][training]")
   }
 }
 
-TEST_CASE("What was not edited is kept", "[nhpm][training]") {
+TEST_CASE("What was not edited is kept; no segments give no examples", "[nhpm][training]") {
+  CHECK(ExamplesOf({}, {}).examples.empty());
   Segment segment = SmallSegment();
   segment.belief_after = segment.query.belief;
   const ExampleSet set = ExamplesOf(SetOf({segment}), {});
@@ -50,25 +51,17 @@ TEST_CASE("What was not edited is kept", "[nhpm][training]") {
   CHECK(set.examples[0].labels[13] == kKept);
 }
 
-TEST_CASE("The input is the encoded query", "[nhpm][training]") {
+TEST_CASE("The input is the encoded query; an input left out leaves the masks as they are",
+          "[nhpm][training]") {
   const Segment segment = SmallSegment();
-  const InputSelection inputs{.belief = true, .path = false, .view = true};
+  const InputSelection inputs{.belief = false, .path = false, .view = true};
   const ExampleSet set = ExamplesOf(SetOf({segment}), inputs);
   std::vector<float> expected(12 * kInputChannels);
   EncodeInput(segment.query, inputs, expected);
   CHECK((set.examples[0].input == expected));
-}
-
-TEST_CASE("Leaving x out of the inputs leaves the masks as they are", "[nhpm][training]") {
-  const SegmentSet segments = SetOf({SmallSegment()});
-  const ExampleSet with = ExamplesOf(segments, {});
-  const ExampleSet without = ExamplesOf(segments, {.belief = false});
-  CHECK((with.examples[0].labels == without.examples[0].labels));
-  CHECK_FALSE((with.examples[0].input == without.examples[0].input));
-}
-
-TEST_CASE("No segments give no examples", "[nhpm][training]") {
-  CHECK(ExamplesOf({}, {}).examples.empty());
+  const ExampleSet with = ExamplesOf(SetOf({segment}), {});
+  CHECK((with.examples[0].labels == set.examples[0].labels));
+  CHECK_FALSE((with.examples[0].input == set.examples[0].input));
 }
 
 TEST_CASE("Maps of two sizes are refused", "[nhpm][training]") {
