@@ -85,11 +85,19 @@ TEST_CASE("A batch is answered with the bits of the model", "[nhpm]") {
   CHECK(bench.service.counts().queries == 2);
 }
 
-TEST_CASE("A request is answered once, and alike when it is repeated after its reply", "[nhpm]") {
+TEST_CASE(
+    "A request is answered once, alike when it is repeated after its reply; an empty one "
+    "gets an empty answer",
+    "[nhpm]") {
   ServiceBench bench;
   const auto first = bench.Ask({ToMessage(SampleRequest()), ToMessage(SampleRequest())});
   REQUIRE(first.size() == 1);
   CHECK(bench.Ask({ToMessage(SampleRequest())}) == first);
+  const auto empty =
+      bench.Ask({ToMessage(PerceptionRequest{.client = "c", .request_id = 1, .model = "glpf"})});
+  REQUIRE(empty.size() == 1);
+  CHECK(empty[0].status == PerceptionStatus::kOk);
+  CHECK(empty[0].answers.empty());
 }
 
 TEST_CASE("A request for another replica is left to that one", "[nhpm]") {
@@ -101,38 +109,24 @@ TEST_CASE("A request for another replica is left to that one", "[nhpm]") {
   CHECK(bench.Ask({ToMessage(request)}).size() == 1);
 }
 
-TEST_CASE("An empty batch gets an empty answer", "[nhpm]") {
+TEST_CASE("A request for another model or other weights is refused by name", "[nhpm]") {
   ServiceBench bench;
-  const auto replies =
-      bench.Ask({ToMessage(PerceptionRequest{.client = "c", .request_id = 1, .model = "glpf"})});
-  REQUIRE(replies.size() == 1);
-  CHECK(replies[0].status == PerceptionStatus::kOk);
-  CHECK(replies[0].answers.empty());
-}
-
-TEST_CASE("A request for another model is refused by name", "[nhpm]") {
-  ServiceBench bench;
-  PerceptionRequest request = SampleRequest();
-  request.model = "network";
-  const auto replies = bench.Ask({ToMessage(request)});
-  REQUIRE(replies.size() == 1);
-  CHECK(replies[0].status == PerceptionStatus::kRefused);
-  CHECK(replies[0].reason == "model = 'network' is not served here, 'glpf' is");
-  CHECK(replies[0].answers.empty());
-  CHECK(bench.service.counts().refused == 1);
-}
-
-TEST_CASE("A request for other weights is refused by both checksums", "[nhpm]") {
-  ServiceBench bench;
-  PerceptionRequest request = SampleRequest();
-  request.model_checksum = std::string(64, 'a');
-  const auto replies = bench.Ask({ToMessage(request)});
-  REQUIRE(replies.size() == 1);
-  CHECK(replies[0].status == PerceptionStatus::kRefused);
-  CHECK(replies[0].reason == "model_checksum = " + std::string(64, 'a') + " is not served here, " +
-                                 Glpf().identity().checksum + " is");
-  request.model_checksum = Glpf().identity().checksum;
-  CHECK(bench.Ask({ToMessage(request)}).at(0).status == PerceptionStatus::kOk);
+  PerceptionRequest other_model = SampleRequest();
+  other_model.model = "network";
+  PerceptionRequest other_weights = SampleRequest();
+  other_weights.model_checksum = std::string(64, 'a');
+  for (const auto& [request, asked, served] :
+       {std::tuple(other_model, std::string("'network'"), std::string("'glpf'")),
+        std::tuple(other_weights, std::string(64, 'a'), Glpf().identity().checksum)}) {
+    const auto replies = bench.Ask({ToMessage(request)});
+    REQUIRE(replies.size() == 1);
+    CHECK(replies[0].status == PerceptionStatus::kRefused);
+    CHECK_THAT(replies[0].reason, Catch::Contains(asked) && Catch::Contains(served));
+    CHECK(replies[0].answers.empty());
+  }
+  CHECK(bench.service.counts().refused == 2);
+  other_weights.model_checksum = Glpf().identity().checksum;
+  CHECK(bench.Ask({ToMessage(other_weights)}).at(0).status == PerceptionStatus::kOk);
 }
 
 PerceptionRequest Numbered(std::uint64_t id, std::uint32_t timeout_ms = 0) {
@@ -200,26 +194,23 @@ TEST_CASE("New weights answer from the next second on, and what was open is answ
   }
 }
 
-TEST_CASE("A network for another grid size refuses with both sizes", "[nhpm]") {
-  const test::WeightsFolder folder;
-  ServiceBench bench(Network(folder.Write("default", test::UntrainedNetwork(1, 13, 13))));
-  const auto replies = bench.Ask({ToMessage(SampleRequest())});
-  REQUIRE(replies.size() == 1);
-  CHECK(replies[0].status == PerceptionStatus::kRefused);
-  CHECK_THAT(replies[0].reason, Catch::Contains("13 x 13") && Catch::Contains("3 x 4"));
-}
-
-TEST_CASE("A person is answered by their own model", "[nhpm]") {
+TEST_CASE("A person is answered by their own model, another grid size with a refusal", "[nhpm]") {
   const test::WeightsFolder folder;
   const test::WeightsFolder persons;
   NhpmConfig config = Network(folder.Write("default", test::UntrainedNetwork(1)));
   config.person_weights = persons.path().string();
   persons.Write("anna", test::UntrainedNetwork(2));
+  persons.Write("bert", test::UntrainedNetwork(1, 13, 13));
   ServiceBench bench(config);
   PerceptionRequest request = Numbered(1);
   request.person = "anna";
   CHECK(bench.Ask({ToMessage(request)}).at(0).model_version == "untrained 2");
   CHECK(bench.Ask({ToMessage(Numbered(2))}).at(0).model_version == "untrained 1");
+  request.request_id = 3;
+  request.person = "bert";
+  const PerceptionReply refused = bench.Ask({ToMessage(request)}).at(0);
+  CHECK(refused.status == PerceptionStatus::kRefused);
+  CHECK_THAT(refused.reason, Catch::Contains("13 x 13") && Catch::Contains("3 x 4"));
 }
 
 TEST_CASE("A malformed request is refused with field and value, and the next is answered",
@@ -232,8 +223,8 @@ TEST_CASE("A malformed request is refused with field and value, and the next is 
   const auto replies = bench.Ask({malformed, spoiled, ToMessage(Numbered(9))});
   REQUIRE(replies.size() == 3);
   CHECK(replies[0].status == PerceptionStatus::kRefused);
-  CHECK(replies[0].reason == "queries[0].belief has size 12, not 5 x 4");
-  CHECK(replies[1].reason == "queries[1].belief[3] = nan is not in [0, 1]");
+  CHECK_THAT(replies[0].reason, Catch::StartsWith("queries[0].belief"));
+  CHECK_THAT(replies[1].reason, Catch::StartsWith("queries[1].belief[3]"));
   CHECK(replies[2].status == PerceptionStatus::kOk);
 }
 
@@ -352,16 +343,11 @@ TEST_CASE("A repeat lends its later deadline to the request that waits", "[nhpm]
   CHECK(queue.Take()->deadline() == Clock::TimePoint{} + milliseconds(130));
 }
 
-TEST_CASE("A request without a timeout has no deadline", "[nhpm][queue]") {
-  CHECK_FALSE(Request(1).deadline());
-}
-
-TEST_CASE("Before anything was computed every deadline is tried", "[nhpm][queue]") {
-  RequestQueue queue(4, 1);
-  CHECK(queue.Offer(Request(1, 1000, 1)) == Admission::kQueued);
-}
-
-TEST_CASE("What would be answered after its deadline is not queued", "[nhpm][queue]") {
+TEST_CASE("What would be answered after its deadline is not queued, once a cell's cost is known",
+          "[nhpm][queue]") {
+  CHECK_FALSE(Request(1).deadline());  // it names no timeout
+  RequestQueue fresh(4, 1);
+  CHECK(fresh.Offer(Request(1, 1000, 1)) == Admission::kQueued);
   Experienced bench;
   CHECK(bench.queue.Offer(Request(1, 3, 30)) == Admission::kQueued);
   CHECK(bench.queue.ExpectedWait(1) == milliseconds(40));
@@ -380,13 +366,13 @@ TEST_CASE("A slow answer turns nobody away while nothing is open", "[nhpm][queue
   CHECK(bench.queue.Offer(Request(2, 1, 5)) == Admission::kQueued);
 }
 
-TEST_CASE("A request costs the cells of all its queries", "[nhpm][queue]") {
+TEST_CASE(
+    "A request costs the cells of all its queries; more threads share what is ahead, but one "
+    "computes a request",
+    "[nhpm][queue]") {
   OpenRequest open = Request(1, 12);
   open.request.queries.push_back(open.request.queries[0]);
   CHECK(open.cells() == 24);
-}
-
-TEST_CASE("More threads share what is ahead, but one computes a request", "[nhpm][queue]") {
   Experienced bench(2);
   CHECK(bench.queue.ExpectedWait(4) == milliseconds(40));
   bench.queue.Offer(Request(1, 6));
@@ -401,15 +387,8 @@ TEST_CASE("What was not computed says nothing of the time that it takes", "[nhpm
   CHECK(bench.queue.open() == 0);
 }
 
-TEST_CASE("A closed queue gives what is left, then nothing", "[nhpm][queue]") {
-  RequestQueue queue(4, 1);
-  queue.Offer(Request(1));
-  queue.Close();
-  CHECK(queue.WaitAndTake()->request.request_id == 1);
-  CHECK_FALSE(queue.WaitAndTake());
-}
-
-TEST_CASE("A waiting thread gets the request that comes", "[nhpm][queue]") {
+TEST_CASE("A waiting thread gets the request that comes; a closed queue gives what is left",
+          "[nhpm][queue]") {
   RequestQueue queue(4, 1);
   std::optional<OpenRequest> taken;
   std::thread worker([&] { taken = queue.WaitAndTake(); });
@@ -417,6 +396,10 @@ TEST_CASE("A waiting thread gets the request that comes", "[nhpm][queue]") {
   worker.join();
   REQUIRE(taken);
   CHECK(taken->request.request_id == 7);
+  queue.Offer(Request(8));
+  queue.Close();
+  CHECK(queue.WaitAndTake()->request.request_id == 8);
+  CHECK_FALSE(queue.WaitAndTake());
 }
 
 }  // namespace

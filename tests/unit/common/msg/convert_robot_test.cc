@@ -11,7 +11,7 @@ using samples::SampleSnapshot;
 using samples::SampleState;
 using Command = conav_msgs::msg::RobotCommand;
 using State = conav_msgs::msg::RobotState;
-using Snapshot = conav_msgs::msg::Snapshot;
+using SnapshotMessage = conav_msgs::msg::Snapshot;
 
 TEST_CASE("Robot commands, states and snapshots survive the wire", "[protocol][convert]") {
   CheckRoundTrip(SampleCommand());
@@ -72,23 +72,23 @@ TEST_CASE("A malformed robot state is refused", "[protocol][convert]") {
 }
 
 TEST_CASE("A malformed picture is refused", "[protocol][convert]") {
-  CheckRefused(
-      SampleSnapshot(),
-      {
-          {"sequence_number", [](Snapshot& m) { m.sequence_number(0); }},
-          {"horizontal_field_of_view", [](Snapshot& m) { m.horizontal_field_of_view(-0.1); }},
-          {"width", [](Snapshot& m) { m.width(16385); }},
-          {"format", [](Snapshot& m) { m.format("png"); }},
-          {"data", [](Snapshot& m) { m.format("none"); }},
-          {"data", [](Snapshot& m) { m.data().clear(); }},
-          {"data", [](Snapshot& m) { m.data().resize((16U << 20) + 1); }},
-          {"wall_cells[0]", [](Snapshot& m) { m.wall_cells()[0].column(-1); }},
-          {"free_cells", [](Snapshot& m) { m.wall_cells(m.free_cells()); }},
-      });
+  CheckRefused(SampleSnapshot(),
+               {
+                   {"sequence_number", [](SnapshotMessage& m) { m.sequence_number(0); }},
+                   {"horizontal_field_of_view",
+                    [](SnapshotMessage& m) { m.horizontal_field_of_view(-0.1); }},
+                   {"width", [](SnapshotMessage& m) { m.width(16385); }},
+                   {"format", [](SnapshotMessage& m) { m.format("png"); }},
+                   {"data", [](SnapshotMessage& m) { m.format("none"); }},
+                   {"data", [](SnapshotMessage& m) { m.data().clear(); }},
+                   {"data", [](SnapshotMessage& m) { m.data().resize((16U << 20) + 1); }},
+                   {"wall_cells[0]", [](SnapshotMessage& m) { m.wall_cells()[0].column(-1); }},
+                   {"free_cells", [](SnapshotMessage& m) { m.wall_cells(m.free_cells()); }},
+               });
 }
 
 TEST_CASE("Visible cells are sorted on arrival", "[protocol][convert]") {
-  Snapshot message = ToMessage(SampleSnapshot());
+  SnapshotMessage message = ToMessage(SampleSnapshot());
   std::swap(message.free_cells()[0], message.free_cells()[1]);
   message.free_cells().push_back(message.free_cells()[0]);
   const auto picture = ToDomain(message);

@@ -1,7 +1,5 @@
 #include "sim/world/world_spec.h"
 
-#include <unistd.h>
-
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <numbers>
@@ -10,6 +8,7 @@
 #include "common/grid/geometry.h"
 #include "common/grid/map_accuracy.h"
 #include "sim/world/maze_presets.h"
+#include "support/temporary_folder.h"
 
 namespace conav::sim {
 namespace {
@@ -28,14 +27,12 @@ std::string RefusalOf(const WorldOptions& options) {
 /// A building of two rooms with no door between them: 3 x 8 cells, one pixel each.
 class Building {
  public:
-  Building() : folder_(std::filesystem::temp_directory_path() / name()) {
-    std::filesystem::create_directories(folder_);
+  Building() {
     Write("truth.pgm",
           "P2\n8 3\n255\n0 0 0 0 0 0 0 0\n0 254 254 254 0 254 254 0\n0 0 0 0 0 0 0 0\n");
     Write("plan.pgm",
           "P2\n8 3\n255\n0 0 0 0 0 0 0 0\n0 254 0 254 254 254 254 0\n0 0 0 0 0 0 0 0\n");
   }
-  ~Building() { std::filesystem::remove_all(folder_); }
 
   WorldOptions options() const {
     WorldOptions options;
@@ -47,7 +44,6 @@ class Building {
   }
 
  private:
-  static std::string name() { return "conav_world_spec_" + std::to_string(getpid()); }
   std::filesystem::path Write(const std::string& file, const std::string& text) const {
     std::ofstream(folder_ / file) << text;
     return folder_ / file;
@@ -58,7 +54,7 @@ class Building {
                                      "occupied_thresh: 0.65\nfree_thresh: 0.196\n");
   }
 
-  std::filesystem::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_CASE("seed S makes the maze of the paper's seed S", "[sim][world]") {
@@ -105,20 +101,17 @@ TEST_CASE("the operator's map is wrong in 20 cells, never where somebody starts 
   }
 }
 
-TEST_CASE("the same seed gives the same world", "[sim][world]") {
+TEST_CASE("the same seed gives the same world, and robot 1 the same among more robots",
+          "[sim][world]") {
   const WorldSpec a = MakeWorldSpec(WithRobots(3)).value();
   const WorldSpec b = MakeWorldSpec(WithRobots(3)).value();
   CHECK(a.truth == b.truth);
   CHECK(a.human_map == b.human_map);
   CHECK(a.starts == b.starts);
   CHECK(a.goals == b.goals);
-}
-
-TEST_CASE("robot 1 has the same start and goals among more robots", "[sim][world]") {
   const WorldSpec one = MakeWorldSpec(WithRobots(1)).value();
-  const WorldSpec five = MakeWorldSpec(WithRobots(5)).value();
-  CHECK(one.starts[0] == five.starts[0]);
-  CHECK(one.goals[0] == five.goals[0]);
+  CHECK(one.starts[0] == a.starts[0]);
+  CHECK(one.goals[0] == a.goals[0]);
 }
 
 TEST_CASE("shared goals are one list for all robots", "[sim][world]") {
@@ -130,7 +123,10 @@ TEST_CASE("shared goals are one list for all robots", "[sim][world]") {
   CHECK(spec.goals[2] == spec.goals[0]);
 }
 
-TEST_CASE("every preset makes a world with its number of goals", "[sim][world]") {
+TEST_CASE("every preset makes a world with its number of goals, also of seeds beyond 32 bits",
+          "[sim][world]") {
+  CHECK(MakeWorldSpec({.seed = 0x1'0000'0009}).value().truth !=
+        MakeWorldSpec({.seed = 9}).value().truth);
   for (const MazePreset& preset : MazePresets()) {
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
       WorldOptions options;
@@ -141,14 +137,6 @@ TEST_CASE("every preset makes a world with its number of goals", "[sim][world]")
             static_cast<std::size_t>(preset.goals));
     }
   }
-}
-
-TEST_CASE("a seed beyond 32 bits makes a world too", "[sim][world]") {
-  WorldOptions options;
-  options.seed = 0x1'0000'0009;
-  WorldOptions folded;
-  folded.seed = 9;
-  CHECK(MakeWorldSpec(options).value().truth != MakeWorldSpec(folded).value().truth);
 }
 
 TEST_CASE("a building and its outdated plan make a world", "[sim][world]") {
@@ -173,44 +161,41 @@ TEST_CASE("a building without a plan gets a corrupted one", "[sim][world]") {
 }
 
 TEST_CASE("impossible worlds are refused by name and value", "[sim][world]") {
-  CHECK_THAT(RefusalOf({.preset = "huge"}), Catch::StartsWith("maze preset \"huge\" is unknown"));
-  CHECK(RefusalOf(WithRobots(0)) == "robots = 0: a world needs at least one");
-  CHECK_THAT(RefusalOf(WithRobots(1000)), Catch::Contains("of 1000 has no place to start"));
-  CHECK_THAT(RefusalOf({.goals_per_robot = 99}), Catch::Contains("of 99 of robot 1 has no place"));
-  CHECK(RefusalOf({.wrong_share = 1.5}) ==
-        "wrong_share = 1.5 and false_wall_share = 0.5 must be in [0, 1]");
-  CHECK(RefusalOf({.map_yaml = "/none.yaml"}) == "/none.yaml: no such file");
-  CHECK(RefusalOf({.operator_map_yaml = "plan.yaml"}) ==
-        "the operator's map plan.yaml needs a map of the truth");
-}
-
-TEST_CASE("no start is drawn on a given goal", "[sim][world]") {
-  const Building building;
-  WorldOptions options = building.options();
-  options.goals = {{1, 1}, {1, 2}};
-  for (options.seed = 1; options.seed <= 20; ++options.seed) {
-    CHECK(MakeWorldSpec(options).value().starts == std::vector<Cell>{{1, 3}});
+  for (const auto& [options, names] : std::vector<std::pair<WorldOptions, const char*>>{
+           {{.preset = "huge"}, "maze preset \"huge\""},
+           {WithRobots(0), "robots = 0"},
+           {WithRobots(1000), "of 1000 has no place"},
+           {{.goals_per_robot = 99}, "of 99 of robot 1"},
+           {{.wrong_share = 1.5}, "wrong_share = 1.5"},
+           {{.map_yaml = "/none.yaml"}, "/none.yaml"},
+           {{.operator_map_yaml = "plan.yaml"}, "plan.yaml"},
+       }) {
+    CHECK_THAT(RefusalOf(options), Catch::Contains(names));
   }
 }
 
 TEST_CASE("given starts and goals are taken, or refused by name", "[sim][world]") {
   const Building building;
   WorldOptions options = building.options();
+  options.goals = {{1, 1}, {1, 2}};
+  for (options.seed = 1; options.seed <= 20; ++options.seed) {  // no start is drawn on a goal
+    CHECK(MakeWorldSpec(options).value().starts == std::vector<Cell>{{1, 3}});
+  }
   options.starts = {{1, 1}};
   options.goals = {{1, 3}};
   CHECK(MakeWorldSpec(options).value().goals == std::vector<std::vector<Cell>>{{{1, 3}}});
-  options.goals = {{1, 5}};
-  CHECK(RefusalOf(options) == "goal (1,5) cannot be reached from the start (1,1) of robot 1");
-  options.goals = {{1, 4}};
-  CHECK(RefusalOf(options) == "goal (1,4) is a wall");
-  options.goals = {{1, 9}};
-  CHECK(RefusalOf(options) == "goal (1,9) is outside of the 3 x 8 map");
-  options.goals = {{1, 3}, {1, 3}};
-  CHECK(RefusalOf(options) == "goal (1,3) is given twice");
-  options.goals = {{1, 3}, {1, 1}};
-  CHECK(RefusalOf(options) == "start (1,1) of robot 1 is a goal");
+  for (const auto& [goals, names] : std::vector<std::pair<std::vector<Cell>, const char*>>{
+           {{{1, 5}}, "goal (1,5) cannot be reached"},
+           {{{1, 4}}, "goal (1,4) is a wall"},
+           {{{1, 9}}, "goal (1,9) is outside"},
+           {{{1, 3}, {1, 3}}, "goal (1,3) is given twice"},
+           {{{1, 3}, {1, 1}}, "start (1,1) of robot 1"},
+       }) {
+    options.goals = goals;
+    CHECK_THAT(RefusalOf(options), Catch::StartsWith(names));
+  }
   options.starts = {{1, 1}, {1, 2}};
-  CHECK(RefusalOf(options) == "2 starts are given for 1 robots");
+  CHECK_THAT(RefusalOf(options), Catch::StartsWith("2 starts"));
 }
 
 constexpr auto kWall = Occupancy::kOccupied;
@@ -244,7 +229,8 @@ TEST_CASE("A quarter turn takes the east side to the north", "[sim][world]") {
   CHECK(turned.start_heading_rad == Approx(std::numbers::pi / 2));
 }
 
-TEST_CASE("Half a turn mirrors rows and columns, none changes nothing", "[sim][world]") {
+TEST_CASE("Half a turn mirrors rows and columns, none changes nothing, other angles are refused",
+          "[sim][world]") {
   const WorldSpec world = SmallWorld();
   CHECK(Rotated(world, 0)->truth == world.truth);
   CHECK(Rotated(world, 0)->start_heading_rad == 0.0);
@@ -252,13 +238,10 @@ TEST_CASE("Half a turn mirrors rows and columns, none changes nothing", "[sim][w
   CHECK(turned.truth[{2, 3}] == kWall);
   CHECK(turned.goals == std::vector<std::vector<Cell>>{{{2, 2}, {0, 1}}});
   CHECK(Rotated(*Rotated(world, 90), 270)->truth == world.truth);
-}
-
-TEST_CASE("Other angles are refused", "[sim][world]") {
   for (const int angle : {-90, 45, 360}) {
-    const auto refused = Rotated(SmallWorld(), angle);
+    const auto refused = Rotated(world, angle);
     REQUIRE_FALSE(refused);
-    CHECK(refused.error().text == fmt::format("rotation_deg = {} is not 0, 90, 180 or 270", angle));
+    CHECK_THAT(refused.error().text, Catch::StartsWith(fmt::format("rotation_deg = {}", angle)));
   }
 }
 
