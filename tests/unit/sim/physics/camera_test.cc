@@ -68,11 +68,9 @@ TEST_CASE("pictures differ between headings and repeat at the same pose",
     }
   }
   CHECK(pictures.size() == 8);
-}
-
-TEST_CASE("the sky is up, the floor is down", "[sim][physics][camera]") {
-  const auto world = OpenWorld(MakeWorld(test::kHall, {3, 1}));
-  const auto labels = OpenCamera(*world)->RenderSegmentation(0);
+  // The sky is up, the floor is down.
+  const auto hall = OpenWorld(MakeWorld(test::kHall, {3, 1}));
+  const auto labels = OpenCamera(*hall)->RenderSegmentation(0);
   CHECK(labels[{0, 160}].kind == PixelKind::kNone);
   CHECK(labels[{191, 160}].kind == PixelKind::kFloor);
 }
@@ -92,8 +90,19 @@ TEST_CASE("taking pictures does not change the motion", "[sim][physics][camera]"
   CHECK(drive(true) == drive(false));
 }
 
-TEST_CASE("a goal is seen in its place until it is hidden", "[sim][physics][camera]") {
+TEST_CASE("a robot sees another robot, never itself, and a goal in its place until it is hidden",
+          "[sim][physics][camera]") {
   PhysicsWorld spec = MakeWorld(test::kMaze);
+  spec.robots.push_back({"r2", {1, 2}, 0.0});
+  const auto meeting = OpenWorld(spec);
+  const auto beside = OpenCamera(*meeting);
+  const auto robots = beside->RenderSegmentation(0);
+  CHECK(CountKind(robots, PixelKind::kRobot) > 100);
+  for (const PixelLabel& label : robots.values()) {
+    if (label.kind == PixelKind::kRobot) CHECK(label.index == 1);
+  }
+  CHECK(CountKind(beside->RenderSegmentation(1), PixelKind::kRobot) == 0);
+  spec.robots.pop_back();
   spec.goals = {{{5, 5}, 1}, {{1, 3}, 0}};
   const auto world = OpenWorld(spec);
   const auto camera = OpenCamera(*world);
@@ -104,19 +113,6 @@ TEST_CASE("a goal is seen in its place until it is hidden", "[sim][physics][came
   }
   world->SetGoalVisible(1, false);
   CHECK(CountKind(camera->RenderSegmentation(0), PixelKind::kGoal) == 0);
-}
-
-TEST_CASE("a robot sees another robot, and never itself", "[sim][physics][camera]") {
-  PhysicsWorld spec = MakeWorld(test::kMaze);
-  spec.robots.push_back({"r2", {1, 2}, 0.0});
-  const auto world = OpenWorld(spec);
-  const auto camera = OpenCamera(*world);
-  const auto labels = camera->RenderSegmentation(0);
-  CHECK(CountKind(labels, PixelKind::kRobot) > 100);
-  for (const PixelLabel& label : labels.values()) {
-    if (label.kind == PixelKind::kRobot) CHECK(label.index == 1);
-  }
-  CHECK(CountKind(camera->RenderSegmentation(1), PixelKind::kRobot) == 0);
 }
 
 TEST_CASE("two cameras of different sizes work side by side", "[sim][physics][camera]") {
@@ -145,16 +141,14 @@ TEST_CASE("the picture from above shows the whole map, north up", "[sim][physics
   CHECK(ColorCount(image) > 50);
 }
 
-TEST_CASE("impossible sizes are refused by name", "[sim][physics][camera]") {
+TEST_CASE("impossible sizes are refused by name; the field of view follows the picture's shape",
+          "[sim][physics][camera]") {
   const auto world = OpenWorld(MakeWorld(test::kMaze));
   const auto camera_result = Camera::Open(*world, {0, 192});
   REQUIRE_FALSE(camera_result);
   CHECK(camera_result.error().code == ErrorCode::kInvalidArgument);
   CHECK_THAT(camera_result.error().text, Catch::Matchers::Contains("0x192"));
   CHECK_FALSE(Camera::Open(*world, {320, 5000}));
-}
-
-TEST_CASE("the horizontal field of view follows the picture's shape", "[sim][physics][camera]") {
   CHECK(HorizontalFov(100, 100) == Approx(kCameraVerticalFovRad));
   CHECK(HorizontalFov(320, 192) == Approx(2.0 * std::atan(5.0 / 3.0 * std::tan(0.6981317))));
 }
@@ -171,8 +165,9 @@ RgbImage TwoColors(int width, int height) {
   return image;
 }
 
-TEST_CASE("a JPEG decodes to its size and colours", "[sim][physics]") {
-  const RgbImage image = TwoColors(320, 192);
+TEST_CASE("a JPEG decodes to its size and colours, a lower quality gives fewer bytes",
+          "[sim][physics]") {
+  RgbImage image = TwoColors(320, 192);
   const auto jpeg = EncodeJpeg(image, 90);
   REQUIRE(jpeg);
   const auto decoded = DecodeJpeg(*jpeg);
@@ -182,10 +177,6 @@ TEST_CASE("a JPEG decodes to its size and colours", "[sim][physics]") {
   CHECK(static_cast<int>(decoded->rgb[0]) == Approx(200).margin(8));
   CHECK(static_cast<int>(decoded->rgb[2]) == Approx(20).margin(8));
   CHECK(EncodeJpeg(image, 90).value() == *jpeg);
-}
-
-TEST_CASE("a lower JPEG quality gives fewer bytes", "[sim][physics]") {
-  RgbImage image = TwoColors(320, 192);
   for (std::size_t i = 0; i < image.rgb.size(); ++i) {
     image.rgb[i] = static_cast<std::uint8_t>(image.rgb[i] ^ (i * 2654435761U >> 28));
   }

@@ -34,15 +34,12 @@ TEST_CASE("rectangles cover every classed cell once and nothing else", "[sim][ph
   CHECK(covered == classes);
 }
 
-TEST_CASE("a block of one class is one rectangle", "[sim][physics]") {
+TEST_CASE("a block of one class is one rectangle, its outer faces are not shown",
+          "[sim][physics]") {
   const auto blocks = CoverWithRectangles(Classes({"aaaa", "aaaa"}), Sides::kAny);
   REQUIRE(blocks.size() == 1);
   CHECK(blocks[0].rows == 2);
   CHECK(blocks[0].columns == 4);
-}
-
-TEST_CASE("a lone wall shows four faces, a wall at the edge of the map none outwards",
-          "[sim][physics]") {
   CHECK(ExposedFaces(Classes({"   ", " a ", "   "})).size() == 4);
   CHECK(ExposedFaces(Classes({"a  ", "   "})).size() == 2);
   CHECK(ExposedFaces(Classes({"aaa", "aaa"})).empty());

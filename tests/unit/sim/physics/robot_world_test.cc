@@ -200,9 +200,13 @@ TEST_CASE("robots in neighbouring cells do not disturb each other", "[sim][physi
   CHECK(DistanceToCentre(*world, 2, {2, 1}) < 0.02);
 }
 
-TEST_CASE("robots move at the same time, each to its own target", "[sim][physics]") {
+TEST_CASE(
+    "robots move at the same time, each to its own target; goals are visible until they are "
+    "hidden",
+    "[sim][physics]") {
   PhysicsWorld spec = MakeWorld(test::kHall, {1, 1});
   spec.robots.push_back({"r2", {5, 7}, 0.0});
+  spec.goals = {{{1, 2}, 0}, {{1, 3}, 7}};
   const auto world = Open(spec);
   world->MoveTo(0, {1, 2});
   world->MoveTo(1, {4, 7});
@@ -210,12 +214,6 @@ TEST_CASE("robots move at the same time, each to its own target", "[sim][physics
   Finish(*world, 1);
   CHECK(world->cell(0) == Cell{1, 2});
   CHECK(world->cell(1) == Cell{4, 7});
-}
-
-TEST_CASE("goals are visible until they are hidden", "[sim][physics]") {
-  PhysicsWorld spec = MakeWorld(test::kMaze);
-  spec.goals = {{{1, 2}, 0}, {{1, 3}, 7}};
-  const auto world = Open(spec);
   CHECK(world->goal_visible(1));
   world->SetGoalVisible(1, false);
   CHECK_FALSE(world->goal_visible(1));
@@ -226,21 +224,16 @@ RobotPose At(double x_m, double y_m, double heading_rad, double speed_mps = 0.0)
   return {{x_m, y_m}, heading_rad, speed_mps, 0.0};
 }
 
-TEST_CASE("a target straight ahead is driven to at full speed", "[sim][physics]") {
-  const ControlDecision decision = DecideMove(At(0, 0, 0), {2, 0}, false);
-  CHECK(decision.controls.forward == 1.0);
-  CHECK(decision.controls.turn_left == Approx(0.0).margin(0.15));
-  CHECK(decision.driving);
-}
-
-TEST_CASE("a target to the left is turned to before driving", "[sim][physics]") {
-  const ControlDecision decision = DecideMove(At(0, 0, 0), {0, 2}, false);
-  CHECK(decision.controls.forward == 0.0);
-  CHECK(decision.controls.turn_left == 1.0);
-  CHECK_FALSE(decision.driving);
-}
-
-TEST_CASE("turning goes the short way round", "[sim][physics]") {
+TEST_CASE("a target ahead is driven to at full speed, one aside is turned to first, the short way",
+          "[sim][physics]") {
+  const ControlDecision ahead = DecideMove(At(0, 0, 0), {2, 0}, false);
+  CHECK(ahead.controls.forward == 1.0);
+  CHECK(ahead.controls.turn_left == Approx(0.0).margin(0.15));
+  CHECK(ahead.driving);
+  const ControlDecision left = DecideMove(At(0, 0, 0), {0, 2}, false);
+  CHECK(left.controls.forward == 0.0);
+  CHECK(left.controls.turn_left == 1.0);
+  CHECK_FALSE(left.driving);
   CHECK(DecideTurn(At(0, 0, 3.0), -3.0).controls.turn_left > 0.0);
   CHECK(DecideTurn(At(0, 0, -3.0), 3.0).controls.turn_left < 0.0);
 }

@@ -76,7 +76,8 @@ TEST_CASE("an action is one control step, and then the robot stands", "[sim][dri
   CHECK(state.position.x_m > hall.physics->geometry().CellToPosition({3, 1}).x_m + 0.08);
 }
 
-TEST_CASE("forward, held, goes 0.2 m a step, backward 0.1 m", "[sim][drive]") {
+TEST_CASE("forward, held, goes 0.2 m a step, backward 0.1 m, a turn 11.25 degrees",
+          "[sim][drive]") {
   Hall hall({{3, 2}});
   hall.Press(DriveAction::kForward, 2);
   const double from = hall.physics->pose(0).position.x_m;
@@ -86,16 +87,13 @@ TEST_CASE("forward, held, goes 0.2 m a step, backward 0.1 m", "[sim][drive]") {
   const double back_from = hall.physics->pose(0).position.x_m;
   hall.Press(DriveAction::kBackward, 5);
   CHECK(hall.physics->pose(0).position.x_m - back_from == Approx(-0.46).margin(0.06));
-}
-
-TEST_CASE("a turn, held, is 11.25 degrees a step, left and right", "[sim][drive]") {
-  Hall hall;
-  hall.Press(DriveAction::kTurnLeft, 8);
-  CHECK(hall.Degrees() == Approx(88.0).margin(4.0));
-  hall.Press(DriveAction::kTurnRight, 8);
-  CHECK(hall.Degrees() == Approx(0.0).margin(6.0));
-  const Position start = hall.physics->geometry().CellToPosition({3, 1});
-  CHECK(hall.episode->state(0).position.x_m == Approx(start.x_m).margin(0.02));
+  Hall turned;
+  turned.Press(DriveAction::kTurnLeft, 8);
+  CHECK(turned.Degrees() == Approx(88.0).margin(4.0));
+  turned.Press(DriveAction::kTurnRight, 8);
+  CHECK(turned.Degrees() == Approx(0.0).margin(6.0));
+  const Position start = turned.physics->geometry().CellToPosition({3, 1});
+  CHECK(turned.episode->state(0).position.x_m == Approx(start.x_m).margin(0.02));
 }
 
 TEST_CASE("a robot whose driver is silent brakes when time goes on", "[sim][drive]") {
@@ -190,8 +188,10 @@ TEST_CASE("a cell that a driven robot overlaps is held until it has left", "[sim
   CHECK(hall.episode->state(1).command_outcome == CommandOutcome::kRunning);
 }
 
-TEST_CASE("an action that comes too late is void, and of a burst one is carried out",
-          "[sim][drive]") {
+TEST_CASE(
+    "an action that comes too late is void, also while the robot rolls; of a burst one is "
+    "carried out",
+    "[sim][drive]") {
   Hall hall;
   RobotCommand late = hall.Key(DriveAction::kForward);
   late.expires_at = hall.episode->now();
@@ -202,13 +202,8 @@ TEST_CASE("an action that comes too late is void, and of a burst one is carried 
   while (hall.episode->active()) hall.episode->Step();
   CHECK(hall.episode->state(0).low_level_steps == 1);
   CHECK(hall.episode->state(0).drive_order == 9);
-}
-
-TEST_CASE("an action that comes too late makes no time pass for a robot that still rolls",
-          "[sim][drive]") {
-  Hall hall;
-  hall.Press(DriveAction::kForward, 3);
-  RobotCommand late = hall.Key(DriveAction::kForward);
+  hall.Press(DriveAction::kForward, 2);
+  late = hall.Key(DriveAction::kForward);
   late.expires_at = hall.episode->now();
   REQUIRE(hall.episode->Accept(late));
   CHECK(hall.episode->state(0).command_outcome == CommandOutcome::kExpired);
@@ -246,19 +241,15 @@ TEST_CASE("the same keys give the same poses, bit for bit", "[sim][drive]") {
 /// 5 x 5 cells of 2 m; cell (2,2) has the origin in its middle.
 const GridGeometry geometry{5, 5, 2.0};
 
-TEST_CASE("a body in the middle of a cell touches that cell only", "[sim][episode]") {
+TEST_CASE(
+    "a body touches the cells that it overlaps and no other; a way sweeps those between its "
+    "ends, nearest first",
+    "[sim][episode]") {
   CHECK(CellsSwept(geometry, {0.0, 0.0}, {0.0, 0.0}) == std::vector<Cell>{{2, 2}});
-}
-
-TEST_CASE("a body near a corner touches the cells that it overlaps and no other",
-          "[sim][episode]") {
   CHECK(CellsSwept(geometry, {0.9, 0.0}, {0.9, 0.0}) == std::vector<Cell>{{2, 2}, {2, 3}});
   CHECK(CellsSwept(geometry, {0.9, 0.9}, {0.9, 0.9}).size() == 4);
   // 0.2 m from both edges, but 0.28 m from the corner.
   CHECK(CellsSwept(geometry, {0.8, 0.8}, {0.8, 0.8}) == std::vector<Cell>{{1, 2}, {2, 2}, {2, 3}});
-}
-
-TEST_CASE("a way sweeps the cells between its ends, nearest first", "[sim][episode]") {
   CHECK(CellsSwept(geometry, {0.0, 0.0}, {3.0, 0.0}) == std::vector<Cell>{{2, 2}, {2, 3}, {2, 4}});
 }
 
@@ -271,13 +262,11 @@ TEST_CASE("the axis enters cells one after the other, also diagonally", "[sim][e
   CHECK(CellsEntered(geometry, {-0.9, -0.9}, {-1.2, -1.2}) == std::vector<Cell>{{2, 1}, {3, 1}});
 }
 
-TEST_CASE("the distance to a cell is that to its nearest point", "[sim][episode]") {
+TEST_CASE("the distance to a cell is that to its nearest point; ahead is along the heading",
+          "[sim][episode]") {
   CHECK(DistanceToCell(geometry, {0.3, 0.2}, {2, 2}) == 0.0);
   CHECK(DistanceToCell(geometry, {0.0, 0.0}, {2, 3}) == Approx(1.0));
   CHECK(DistanceToCell(geometry, {0.0, 0.0}, {1, 3}) == Approx(std::sqrt(2.0)));
-}
-
-TEST_CASE("ahead is along the heading, and back when negative", "[sim][episode]") {
   CHECK(Ahead({1.0, 1.0}, 0.0, 0.5) == Position{1.5, 1.0});
   CHECK(Ahead({1.0, 1.0}, 0.0, -0.5) == Position{0.5, 1.0});
 }
