@@ -18,22 +18,20 @@ TEST_CASE("a topic's name is its pattern with the entity", "[bus][topics]") {
   CHECK(kBeliefMap.NameFor("w2") == "/w2/belief/map");
   CHECK(kClock.NameFor({}) == "/clock");
   CHECK(kClock.NameFor("r1") == "/clock");
-}
-
-TEST_CASE("ROS topics carry the rt prefix in DDS, the ROS graph does not", "[bus][topics]") {
+  // In DDS ROS topics carry the rt prefix, the ROS graph does not.
   CHECK(DdsTopicName("/r1/state") == "rt/r1/state");
   CHECK(DdsTopicName("ros_discovery_info") == "ros_discovery_info");
 }
 
-TEST_CASE("late joiners get state, maps, commands and guidance", "[bus][topics]") {
+TEST_CASE(
+    "late joiners get state, maps, commands and guidance; streams are best effort, requests "
+    "keep all, queries the newest",
+    "[bus][topics]") {
   for (const Qos& qos : {kRobotMap.qos, kRobotState.qos, kRobotCommand.qos, kGuidance.qos,
                          kBelief.qos, kInitialMap.qos, kGoals.qos, kSnapshot.qos}) {
     CHECK(qos.durability == Durability::kTransientLocal);
     CHECK(qos.reliability == Reliability::kReliable);
   }
-}
-
-TEST_CASE("streams are best effort, requests keep all, queries the newest", "[bus][topics]") {
   CHECK(kCameraImage.qos.reliability == Reliability::kBestEffort);
   CHECK(kClock.qos.reliability == Reliability::kBestEffort);
   for (const Qos& qos : {kOperatorRequest.qos, kOperatorReply.qos}) {

@@ -16,35 +16,23 @@ using Folder = test::TemporaryFolder;
 
 TEST_CASE("A file is read as it was written, zero bytes included", "[runtime][file]") {
   const Folder folder;
-  const std::string bytes("a\0\r\n\xff", 5);
-  REQUIRE(WriteFile(folder / "x", "old"));
-  REQUIRE(WriteFile(folder / "x", bytes));
-  CHECK(ReadFile(folder / "x").value() == bytes);
+  for (const std::string& bytes :
+       {std::string("old"), std::string("a\0\r\n\xff", 5), std::string()}) {
+    REQUIRE(WriteFile(folder / "x", bytes));
+    CHECK(ReadFile(folder / "x").value() == bytes);
+  }
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
 }
 
-TEST_CASE("An empty file is read as no bytes", "[runtime][file]") {
+TEST_CASE("A missing file, a folder and a read that fails are told apart", "[runtime][file]") {
   const Folder folder;
-  REQUIRE(WriteFile(folder / "x", ""));
-  CHECK(ReadFile(folder / "x").value().empty());
-}
-
-TEST_CASE("A missing file and a folder are told apart", "[runtime][file]") {
-  const Folder folder;
-  const auto missing = ReadFile(folder / "x");
-  REQUIRE_FALSE(missing);
-  CHECK(missing.error().code == ErrorCode::kNotFound);
-  CHECK(missing.error().text == (folder / "x").string() + ": no such file");
-  const auto read = ReadFile(folder.path());
-  REQUIRE_FALSE(read);
-  CHECK(read.error().code == ErrorCode::kIo);
-}
-
-TEST_CASE("A read that fails is a failure with its cause", "[runtime][file]") {
+  CHECK(ReadFile(folder / "x").error().code == ErrorCode::kNotFound);
+  CHECK(ReadFile(folder.path()).error().code == ErrorCode::kIo);
   const auto read = ReadFile("/proc/self/mem");
   REQUIRE_FALSE(read);
   CHECK(read.error().code == ErrorCode::kIo);
-  CHECK(read.error().text == "/proc/self/mem: cannot read: Input/output error");
+  CHECK_THAT(read.error().text,
+             Catch::StartsWith("/proc/self/mem: ") && Catch::Contains("Input/output error"));
 }
 
 TEST_CASE("A file that may not be looked for is not called missing", "[runtime][file]") {
@@ -87,7 +75,8 @@ TEST_CASE("Writers of one path do not disturb each other", "[runtime][file]") {
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
 }
 
-TEST_CASE("What cannot be written is known before and after", "[runtime][file]") {
+TEST_CASE("What cannot be written is known before and after; the check leaves no trace",
+          "[runtime][file]") {
   const Folder folder;
   for (const std::filesystem::path& path :
        {std::filesystem::path("/nonexistent/folder/x"), folder.path()}) {
@@ -96,10 +85,6 @@ TEST_CASE("What cannot be written is known before and after", "[runtime][file]")
     CHECK(check.error().code == ErrorCode::kIo);
     CHECK_FALSE(WriteFile(path, "x"));
   }
-}
-
-TEST_CASE("The check leaves no trace and keeps what is there", "[runtime][file]") {
-  const Folder folder;
   REQUIRE(CheckWritable(folder / "x"));
   CHECK(std::filesystem::is_empty(folder.path()));
   REQUIRE(WriteFile(folder / "x", "old"));
