@@ -296,7 +296,7 @@ struct Experienced {
   RequestQueue queue;
 };
 
-TEST_CASE("Requests are taken in the order in which they came", "[nhpm][queue]") {
+TEST_CASE("Requests are taken in the order in which they came", "[queue]") {
   RequestQueue queue(4, 1);
   CHECK_FALSE(queue.Take());
   CHECK(queue.Offer(Request(1)) == Admission::kQueued);
@@ -306,8 +306,7 @@ TEST_CASE("Requests are taken in the order in which they came", "[nhpm][queue]")
   CHECK_FALSE(queue.Take());
 }
 
-TEST_CASE("A queue is full when its requests wait or are computed, and not after them",
-          "[nhpm][queue]") {
+TEST_CASE("A queue is full when its requests wait or are computed, and not after them", "[queue]") {
   RequestQueue queue(2, 1);
   queue.Offer(Request(1));
   queue.Offer(Request(2));
@@ -320,7 +319,7 @@ TEST_CASE("A queue is full when its requests wait or are computed, and not after
   CHECK(queue.Offer(std::move(third)) == Admission::kQueued);
 }
 
-TEST_CASE("A request that is open already is not taken twice", "[nhpm][queue]") {
+TEST_CASE("A request that is open already is not taken twice", "[queue]") {
   RequestQueue queue(4, 1);
   queue.Offer(Request(1));
   CHECK(queue.Offer(Request(1)) == Admission::kRepeat);
@@ -334,7 +333,7 @@ TEST_CASE("A request that is open already is not taken twice", "[nhpm][queue]") 
   CHECK(queue.Offer(std::move(other)) == Admission::kQueued);
 }
 
-TEST_CASE("A repeat lends its later deadline to the request that waits", "[nhpm][queue]") {
+TEST_CASE("A repeat lends its later deadline to the request that waits", "[queue]") {
   RequestQueue queue(4, 1);
   queue.Offer(Request(1, 1, 100));
   OpenRequest repeat = Request(1, 1, 70);
@@ -344,7 +343,7 @@ TEST_CASE("A repeat lends its later deadline to the request that waits", "[nhpm]
 }
 
 TEST_CASE("What would be answered after its deadline is not queued, once a cell's cost is known",
-          "[nhpm][queue]") {
+          "[queue]") {
   CHECK_FALSE(Request(1).deadline());  // it names no timeout
   RequestQueue fresh(4, 1);
   CHECK(fresh.Offer(Request(1, 1000, 1)) == Admission::kQueued);
@@ -356,7 +355,7 @@ TEST_CASE("What would be answered after its deadline is not queued, once a cell'
   CHECK(bench.queue.Offer(Request(3, 100)) == Admission::kQueued);  // it does not say
 }
 
-TEST_CASE("A slow answer turns nobody away while nothing is open", "[nhpm][queue]") {
+TEST_CASE("A slow answer turns nobody away while nothing is open", "[queue]") {
   Experienced bench;
   CHECK(bench.queue.Offer(Request(1, 1, 5)) == Admission::kQueued);
   CHECK(bench.queue.Offer(Request(2, 1, 5)) == Admission::kTooSlow);
@@ -369,7 +368,7 @@ TEST_CASE("A slow answer turns nobody away while nothing is open", "[nhpm][queue
 TEST_CASE(
     "A request costs the cells of all its queries; more threads share what is ahead, but one "
     "computes a request",
-    "[nhpm][queue]") {
+    "[queue]") {
   OpenRequest open = Request(1, 12);
   open.request.queries.push_back(open.request.queries[0]);
   CHECK(open.cells() == 24);
@@ -379,7 +378,7 @@ TEST_CASE(
   CHECK(bench.queue.ExpectedWait(4) == milliseconds(70));
 }
 
-TEST_CASE("What was not computed says nothing of the time that it takes", "[nhpm][queue]") {
+TEST_CASE("What was not computed says nothing of the time that it takes", "[queue]") {
   Experienced bench;
   bench.queue.Offer(Request(1));
   bench.queue.Finish(*bench.queue.Take(), std::nullopt);
@@ -388,7 +387,7 @@ TEST_CASE("What was not computed says nothing of the time that it takes", "[nhpm
 }
 
 TEST_CASE("A waiting thread gets the request that comes; a closed queue gives what is left",
-          "[nhpm][queue]") {
+          "[queue]") {
   RequestQueue queue(4, 1);
   std::optional<OpenRequest> taken;
   std::thread worker([&] { taken = queue.WaitAndTake(); });

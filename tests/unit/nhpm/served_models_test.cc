@@ -46,7 +46,7 @@ class ModelBench {
 
 std::string ChecksumOfSeed(std::uint64_t seed) { return ChecksumOf(test::UntrainedNetwork(seed)); }
 
-TEST_CASE("The log names the model with version, checksum and file", "[nhpm][models]") {
+TEST_CASE("The log names the model with version, checksum and file", "[models]") {
   const ModelBench bench;
   const ServedModels models(bench.config);
   const ModelIdentity identity = models.For("")->identity();
@@ -57,7 +57,7 @@ TEST_CASE("The log names the model with version, checksum and file", "[nhpm][mod
 }
 
 TEST_CASE("Weights that are missing, truncated or changed stop the start, with the file's name",
-          "[nhpm][models]") {
+          "[models]") {
   ModelBench bench;
   for (const std::string& folder : {std::string("/nowhere"), std::string(300, 'x')}) {
     bench.config.person_weights = folder;
@@ -74,7 +74,7 @@ TEST_CASE("Weights that are missing, truncated or changed stop the start, with t
   CHECK_THAT(bench.StartRefusal(), Catch::Contains(bench.config.weights));
 }
 
-TEST_CASE("The GLPF needs no file", "[nhpm][models]") {
+TEST_CASE("The GLPF needs no file", "[models]") {
   ModelBench bench;
   bench.config.model = "glpf";
   bench.config.weights = "/nowhere/a.nhpm";
@@ -83,7 +83,7 @@ TEST_CASE("The GLPF needs no file", "[nhpm][models]") {
   CHECK(models.For("")->identity() == Glpf().identity());
 }
 
-TEST_CASE("A new weights file is taken, and who has the old model keeps it", "[nhpm][models]") {
+TEST_CASE("A new weights file is taken, and who has the old model keeps it", "[models]") {
   ModelBench bench;
   ServedModels models(bench.config);
   const auto old = models.For("");
@@ -98,7 +98,7 @@ TEST_CASE("A new weights file is taken, and who has the old model keeps it", "[n
 }
 
 TEST_CASE("A bad new file is told once and leaves the old model, until a good one comes",
-          "[nhpm][models]") {
+          "[models]") {
   ModelBench bench;
   ServedModels models(bench.config);
   bench.Spoil("default");
@@ -116,8 +116,7 @@ TEST_CASE("A bad new file is told once and leaves the old model, until a good on
   CHECK(models.For("")->identity().checksum == ChecksumOfSeed(3));
 }
 
-TEST_CASE("A person with weights of their own gets these, everybody else the default",
-          "[nhpm][models]") {
+TEST_CASE("A person with weights of their own gets these, everybody else the default", "[models]") {
   ModelBench bench;
   const test::WeightsFolder persons;
   bench.config.person_weights = persons.path().string();
@@ -137,8 +136,7 @@ TEST_CASE("A person with weights of their own gets these, everybody else the def
   CHECK(models.persons() == 1);
 }
 
-TEST_CASE("A persons' folder that cannot be read is told once and leaves the models",
-          "[nhpm][models]") {
+TEST_CASE("A persons' folder that cannot be read is told once and leaves the models", "[models]") {
   ModelBench bench;
   const test::TemporaryFolder parent;
   const fs::path persons = parent / "persons";
@@ -156,7 +154,7 @@ TEST_CASE("A persons' folder that cannot be read is told once and leaves the mod
   CHECK(models.For("anna")->identity().checksum == ChecksumOfSeed(1));
 }
 
-TEST_CASE("A person's bad file is told once, and they get the default", "[nhpm][models]") {
+TEST_CASE("A person's bad file is told once, and they get the default", "[models]") {
   ModelBench bench;
   const test::WeightsFolder persons;
   bench.config.person_weights = persons.path().string();

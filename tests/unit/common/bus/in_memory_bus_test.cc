@@ -34,7 +34,7 @@ void PublishIds(Sender& publisher, std::initializer_list<std::uint64_t> ids) {
   for (const auto id : ids) REQUIRE(publisher.Publish(test::MakeBlob(id, 10)));
 }
 
-TEST_CASE("a message is there when Publish returns, whole and in order", "[bus][in-memory]") {
+TEST_CASE("a message is there when Publish returns, whole and in order", "[in-memory]") {
   Pair pair;
   Publisher<Blob> publisher(pair.left, kVolatile, "r1");
   Subscriber<Blob> subscriber(pair.right, kVolatile, "r1");
@@ -46,7 +46,7 @@ TEST_CASE("a message is there when Publish returns, whole and in order", "[bus][
   CHECK(subscriber.Take().empty());
 }
 
-TEST_CASE("topics of other entities and participants alone do not mix", "[bus][in-memory]") {
+TEST_CASE("topics of other entities and participants alone do not mix", "[in-memory]") {
   Pair pair;
   Publisher<Blob> publisher(pair.left, kVolatile, "r1");
   Subscriber<Blob> other(pair.left, kVolatile, "r2");
@@ -56,7 +56,7 @@ TEST_CASE("topics of other entities and participants alone do not mix", "[bus][i
   CHECK(Ids(own.Take()) == std::vector<std::uint64_t>{1});
 }
 
-TEST_CASE("a message tells when it was published, also to who comes later", "[bus][in-memory]") {
+TEST_CASE("a message tells when it was published, also to who comes later", "[in-memory]") {
   Pair pair;
   Publisher<Blob> publisher(pair.left, kLatched, "r1");
   const auto now = std::chrono::system_clock::now();
@@ -73,7 +73,7 @@ TEST_CASE("a message tells when it was published, also to who comes later", "[bu
 }
 
 TEST_CASE("a late joiner gets the last samples of a transient-local writer that is still there",
-          "[bus][in-memory]") {
+          "[in-memory]") {
   struct Row {
     Topic<Blob> topic;
     std::vector<std::uint64_t> late;    // of 1 to 5, sent before
@@ -95,7 +95,7 @@ TEST_CASE("a late joiner gets the last samples of a transient-local writer that 
   }
 }
 
-TEST_CASE("matches are counted and told to both sides", "[bus][in-memory]") {
+TEST_CASE("matches are counted and told to both sides", "[in-memory]") {
   Pair pair;
   Publisher<Blob> publisher(pair.left, kVolatile, "r1");
   CHECK(publisher.matched_subscribers() == 0);
@@ -115,8 +115,7 @@ TEST_CASE("matches are counted and told to both sides", "[bus][in-memory]") {
   CHECK(pair.left.TakeEvents().empty());
 }
 
-TEST_CASE("an offer below the request is told to both sides and carries nothing",
-          "[bus][in-memory]") {
+TEST_CASE("an offer below the request is told to both sides and carries nothing", "[in-memory]") {
   Pair pair;
   const bool reliable = GENERATE(false, true);
   const Topic<Blob> offered{"/t", reliable ? kDefaultQos : kSensorQos};
@@ -135,7 +134,7 @@ TEST_CASE("an offer below the request is told to both sides and carries nothing"
   }
 }
 
-TEST_CASE("a malformed payload is dropped, counted, and the next arrives", "[bus][in-memory]") {
+TEST_CASE("a malformed payload is dropped, counted, and the next arrives", "[in-memory]") {
   Pair pair;
   const Topic<test::RawBlob> raw{"/r1/volatile", kDefaultQos};
   Publisher<test::RawBlob> garbage(pair.left, raw);
@@ -147,7 +146,7 @@ TEST_CASE("a malformed payload is dropped, counted, and the next arrives", "[bus
   CHECK(subscriber.malformed() == 1);
 }
 
-TEST_CASE("what convert refuses is counted, left out, and logged once", "[bus][in-memory]") {
+TEST_CASE("what convert refuses is counted, left out, and logged once", "[in-memory]") {
   Pair pair;
   Publisher<Blob> publisher(pair.left, kVolatile, "r1");
   Subscriber<Blob> subscriber(pair.right, kVolatile, "r1");
@@ -165,7 +164,7 @@ TEST_CASE("what convert refuses is counted, left out, and logged once", "[bus][i
         std::vector<std::string>{"message refused topic=/r1/volatile reason=id is even count=1"});
 }
 
-TEST_CASE("a message that cannot be serialised is refused", "[bus][in-memory]") {
+TEST_CASE("a message that cannot be serialised is refused", "[in-memory]") {
   Pair pair;
   Publisher<test::RawBlob> publisher(pair.left, Topic<test::RawBlob>{"/empty", kDefaultQos});
   const auto sent = publisher.Publish({});
@@ -173,7 +172,7 @@ TEST_CASE("a message that cannot be serialised is refused", "[bus][in-memory]") 
   CHECK(sent.error().code == ErrorCode::kMalformed);
 }
 
-TEST_CASE("a handler that throws misses that message alone", "[bus][in-memory]") {
+TEST_CASE("a handler that throws misses that message alone", "[in-memory]") {
   Pair pair;
   std::vector<std::uint64_t> ids;
   Publisher<Blob> publisher(pair.left, kVolatile, "r1");
@@ -188,7 +187,7 @@ TEST_CASE("a handler that throws misses that message alone", "[bus][in-memory]")
 }
 
 TEST_CASE("a handler gets each message at once and may publish, also on its own topic",
-          "[bus][in-memory]") {
+          "[in-memory]") {
   Pair pair;
   std::vector<std::uint64_t> ids;
   Publisher<Blob> publisher(pair.left, kVolatile, "r1");
@@ -201,7 +200,7 @@ TEST_CASE("a handler gets each message at once and may publish, also on its own 
   CHECK(subscriber.Take().empty());
 }
 
-TEST_CASE("Wait returns when something arrived since the last Wait", "[bus][in-memory]") {
+TEST_CASE("Wait returns when something arrived since the last Wait", "[in-memory]") {
   Pair pair;
   Publisher<Blob> publisher(pair.left, kVolatile, "r1");
   Subscriber<Blob> subscriber(pair.right, kVolatile, "r1");
@@ -214,7 +213,7 @@ TEST_CASE("Wait returns when something arrived since the last Wait", "[bus][in-m
   CHECK(pair.right.Wait(milliseconds(0)));
 }
 
-TEST_CASE("publishers on several threads lose nothing", "[bus][in-memory]") {
+TEST_CASE("publishers on several threads lose nothing", "[in-memory]") {
   constexpr std::uint64_t kEach = 100;
   Pair pair;
   const Topic<Blob> topic{"/busy", kRequestQos};

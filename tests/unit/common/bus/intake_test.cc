@@ -18,7 +18,7 @@ std::vector<std::uint8_t> Payload(std::uint64_t id, std::size_t size) {
   return payload;
 }
 
-TEST_CASE("a payload reaches the sink as a message, memory is used again", "[bus][intake]") {
+TEST_CASE("a payload reaches the sink as a message, memory is used again", "[intake]") {
   EventLog events;
   std::vector<const std::uint8_t*> places;
   std::vector<Blob> received;
@@ -36,7 +36,7 @@ TEST_CASE("a payload reaches the sink as a message, memory is used again", "[bus
 }
 
 TEST_CASE("a malformed payload is dropped and counted; a sink that throws ends nothing",
-          "[bus][intake]") {
+          "[intake]") {
   EventLog events;
   int received = 0;
   Intake intake(
@@ -53,7 +53,7 @@ TEST_CASE("a malformed payload is dropped and counted; a sink that throws ends n
   CHECK(thrower.malformed() == 0);
 }
 
-TEST_CASE("a sink may cause another delivery to itself", "[bus][intake]") {
+TEST_CASE("a sink may cause another delivery to itself", "[intake]") {
   EventLog events;
   std::vector<std::uint64_t> ids;
   Intake* self = nullptr;
@@ -73,8 +73,7 @@ TEST_CASE("a sink may cause another delivery to itself", "[bus][intake]") {
 const Guid kFirst = {1};
 const Guid kSecond = {2};
 
-TEST_CASE("a stamp is new once per writer, also of a clock that was set back",
-          "[bus][deduplicator]") {
+TEST_CASE("a stamp is new once per writer, also of a clock that was set back", "[deduplicator]") {
   Deduplicator seen;
   CHECK(seen.IsNew(kFirst, 10));
   CHECK_FALSE(seen.IsNew(kFirst, 10));
@@ -85,8 +84,7 @@ TEST_CASE("a stamp is new once per writer, also of a clock that was set back",
   CHECK_FALSE(seen.IsNew(kFirst, 500));
 }
 
-TEST_CASE("a whole repeated history is recognised, and what follows is new",
-          "[bus][deduplicator]") {
+TEST_CASE("a whole repeated history is recognised, and what follows is new", "[deduplicator]") {
   Deduplicator seen;
   constexpr auto kHistory = static_cast<std::int64_t>(Deduplicator::kWindow);
   for (std::int64_t stamp = 0; stamp < 3 * kHistory; ++stamp) REQUIRE(seen.IsNew(kFirst, stamp));
@@ -96,8 +94,7 @@ TEST_CASE("a whole repeated history is recognised, and what follows is new",
   CHECK(seen.IsNew(kFirst, 3 * kHistory));
 }
 
-TEST_CASE("the writer unused for longest is forgotten when there are too many",
-          "[bus][deduplicator]") {
+TEST_CASE("the writer unused for longest is forgotten when there are too many", "[deduplicator]") {
   Deduplicator seen;
   CHECK(seen.IsNew(kFirst, 1));
   for (std::size_t i = 0; i < Deduplicator::kWriters; ++i) {

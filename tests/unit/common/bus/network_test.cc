@@ -7,7 +7,7 @@
 namespace conav::bus {
 namespace {
 
-TEST_CASE("the loopback interface means unicast to this machine", "[bus][network]") {
+TEST_CASE("the loopback interface means unicast to this machine", "[network]") {
   ParticipantOptions options;
   options.interface = GENERATE("lo", "127.0.0.1");
   const Network network = ResolveNetwork(options);
@@ -18,7 +18,7 @@ TEST_CASE("the loopback interface means unicast to this machine", "[bus][network
 }
 
 TEST_CASE("without interface and peers the vendor chooses, with multicast; peers switch it off",
-          "[bus][network]") {
+          "[network]") {
   const Network open = ResolveNetwork({});
   CHECK(open.multicast);
   CHECK(open.interface_name.empty());
@@ -33,7 +33,7 @@ TEST_CASE("without interface and peers the vendor chooses, with multicast; peers
   CHECK(std::count(network.peers.begin(), network.peers.end(), "10.1.2.3") == 1);
 }
 
-TEST_CASE("an unknown interface and a peer without address are refused by name", "[bus][network]") {
+TEST_CASE("an unknown interface and a peer without address are refused by name", "[network]") {
   ParticipantOptions options;
   options.interface = "eth_none";
   CHECK_THROWS_WITH(ResolveNetwork(options), Catch::Contains("eth_none") && Catch::Contains("lo"));

@@ -11,8 +11,7 @@ namespace {
 
 using test::ScopedVariable;
 
-TEST_CASE("the environment fills what the options leave open; options go before it",
-          "[bus][options]") {
+TEST_CASE("the environment fills what the options leave open; options go before it", "[options]") {
   const ScopedVariable vendor("CONAV_DDS", "fastdds");
   const ScopedVariable domain("CONAV_DOMAIN", "42");
   const ScopedVariable interface("CONAV_INTERFACE", "lo");
@@ -28,7 +27,7 @@ TEST_CASE("the environment fills what the options leave open; options go before 
 }
 
 TEST_CASE("without options the vendor is the default one, the domain ROS_DOMAIN_ID or 0",
-          "[bus][options]") {
+          "[options]") {
   const ScopedVariable vendor("CONAV_DDS", "");
   const ScopedVariable domain("CONAV_DOMAIN", "");
   for (const auto& [ros_domain, expected] : {std::pair("13", 13), std::pair("", 0)}) {
@@ -38,14 +37,14 @@ TEST_CASE("without options the vendor is the default one, the domain ROS_DOMAIN_
   }
 }
 
-TEST_CASE("an unknown vendor is refused with those that exist", "[bus][options]") {
+TEST_CASE("an unknown vendor is refused with those that exist", "[options]") {
   const ScopedVariable vendor("CONAV_DDS", "opensplice");
   CHECK_THROWS_WITH(Participant("node", ParticipantOptions{}),
                     Catch::Contains("CONAV_DDS = opensplice") && Catch::Contains("cyclonedds") &&
                         Catch::Contains("fastdds"));
 }
 
-TEST_CASE("a domain that DDS does not have is refused", "[bus][options]") {
+TEST_CASE("a domain that DDS does not have is refused", "[options]") {
   ParticipantOptions options;
   options.domain_id = 233;
   CHECK_THROWS_WITH(Resolve(options), Catch::Contains("233") && Catch::Contains("232"));
@@ -53,7 +52,7 @@ TEST_CASE("a domain that DDS does not have is refused", "[bus][options]") {
   CHECK_THROWS_AS(Resolve({}), StartupError);
 }
 
-TEST_CASE("the section bus of a config file is read and checked", "[bus][options]") {
+TEST_CASE("the section bus of a config file is read and checked", "[options]") {
   const auto read = [](const char* text) {
     ParticipantOptions options;
     ReadConfig(YAML::Load(text), "sim.bus", options);

@@ -12,7 +12,7 @@
 namespace conav::bus {
 namespace {
 
-TEST_CASE("a topic's name is its pattern with the entity", "[bus][topics]") {
+TEST_CASE("a topic's name is its pattern with the entity", "[topics]") {
   CHECK(kRobotState.NameFor("r1") == "/r1/state");
   CHECK(kCameraImage.NameFor("r12") == "/r12/camera/image/compressed");
   CHECK(kBeliefMap.NameFor("w2") == "/w2/belief/map");
@@ -26,7 +26,7 @@ TEST_CASE("a topic's name is its pattern with the entity", "[bus][topics]") {
 TEST_CASE(
     "late joiners get state, maps, commands and guidance; streams are best effort, requests "
     "keep all, queries the newest",
-    "[bus][topics]") {
+    "[topics]") {
   for (const Qos& qos : {kRobotMap.qos, kRobotState.qos, kRobotCommand.qos, kGuidance.qos,
                          kBelief.qos, kInitialMap.qos, kGoals.qos, kSnapshot.qos}) {
     CHECK(qos.durability == Durability::kTransientLocal);
@@ -65,7 +65,7 @@ std::vector<std::string> ListedPatterns() {
   return patterns;
 }
 
-TEST_CASE("the lists of topics hold every topic that is declared, once", "[bus][topics]") {
+TEST_CASE("the lists of topics hold every topic that is declared, once", "[topics]") {
   auto declared = DeclaredPatterns();
   auto listed = ListedPatterns();
   REQUIRE(declared.size() > 25);
@@ -75,7 +75,7 @@ TEST_CASE("the lists of topics hold every topic that is declared, once", "[bus][
 }
 
 TEST_CASE("topics of robots and worlds have a place for their name, the others have none",
-          "[bus][topics]") {
+          "[topics]") {
   const auto has_place = [](const auto& topic) { CHECK(topic.pattern.starts_with("/{}/")); };
   ForEachTopic(kRobotTopics, has_place);
   ForEachTopic(kWorldTopics, has_place);

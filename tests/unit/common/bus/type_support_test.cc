@@ -18,7 +18,7 @@ std::vector<std::uint8_t> Serialised(const TypeSupport& type, const void* messag
   return payload;
 }
 
-TEST_CASE("type names are those that ROS 2 gives its types in DDS, without keys", "[bus][types]") {
+TEST_CASE("type names are those that ROS 2 gives its types in DDS, without keys", "[types]") {
   CHECK(TypeSupportOf<nav_msgs::msg::OccupancyGrid>().name ==
         "nav_msgs::msg::dds_::OccupancyGrid_");
   CHECK(TypeSupportOf<conav_msgs::msg::RobotState>().name == "conav_msgs::msg::dds_::RobotState_");
@@ -31,7 +31,7 @@ TEST_CASE("type names are those that ROS 2 gives its types in DDS, without keys"
   CHECK(TypeSupportOf<ros_graph_humble::msg::ParticipantEntitiesInfo>().name == name);
 }
 
-TEST_CASE("a message is serialised as little-endian CDR with encapsulation", "[bus][types]") {
+TEST_CASE("a message is serialised as little-endian CDR with encapsulation", "[types]") {
   Blob blob;
   blob.id(0x0102);
   blob.data({7, 8, 9});
@@ -41,7 +41,7 @@ TEST_CASE("a message is serialised as little-endian CDR with encapsulation", "[b
 }
 
 TEST_CASE("what was serialised comes back equal; a buffer that is too small is refused",
-          "[bus][types]") {
+          "[types]") {
   const Blob sent = test::MakeBlob(5, 1000);
   Blob received;
   const auto& type = TypeSupportOf<Blob>();
@@ -51,7 +51,7 @@ TEST_CASE("what was serialised comes back equal; a buffer that is too small is r
   CHECK(type.serialize(&sent, payload) == 0);
 }
 
-TEST_CASE("payloads that are no message are refused", "[bus][types]") {
+TEST_CASE("payloads that are no message are refused", "[types]") {
   const auto& type = TypeSupportOf<Blob>();
   const Blob blob = test::MakeBlob(5, 16);
   const std::vector<std::uint8_t> good = Serialised(type, &blob);
@@ -66,7 +66,7 @@ TEST_CASE("payloads that are no message are refused", "[bus][types]") {
   CHECK_FALSE(type.deserialize(payload, &received));
 }
 
-TEST_CASE("big-endian payloads are read", "[bus][types]") {
+TEST_CASE("big-endian payloads are read", "[types]") {
   const std::vector<std::uint8_t> payload = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 2, 0, 0, 0, 1, 9};
   Blob received;
   REQUIRE(TypeSupportOf<Blob>().deserialize(payload, &received));
@@ -74,7 +74,7 @@ TEST_CASE("big-endian payloads are read", "[bus][types]") {
   CHECK(received.data() == std::vector<std::uint8_t>{9});
 }
 
-TEST_CASE("the key of a keyed type is its key members in big-endian order", "[bus][types]") {
+TEST_CASE("the key of a keyed type is its key members in big-endian order", "[types]") {
   const auto& type = TypeSupportOf<KeyedBlob>();
   REQUIRE(type.keyed);
   const KeyedBlob blob = test::MakeKeyedBlob(0x01020304, 9, 10);

@@ -62,7 +62,7 @@ std::string Refusal(const std::vector<FileOption>& inputs, const std::vector<Fil
   return checked ? "" : checked.error().text;
 }
 
-TEST_CASE("an output that is an input is refused, however it is written", "[runtime][file]") {
+TEST_CASE("an output that is an input is refused, however it is written", "[file]") {
   const test::TemporaryFolder folder;
   const auto file = folder / "a";
   REQUIRE(WriteFile(file, "a"));
@@ -76,13 +76,13 @@ TEST_CASE("an output that is an input is refused, however it is written", "[runt
   CHECK(Refusal({{"--data", file}}, {{"--out", folder / "b"}}) == "");
 }
 
-TEST_CASE("two outputs of one name are refused before they exist", "[runtime][file]") {
+TEST_CASE("two outputs of one name are refused before they exist", "[file]") {
   const test::TemporaryFolder folder;
   CHECK_THAT(Refusal({}, {{"--out", folder / "x"}, {"--json", folder / "y/../x"}}),
              Catch::StartsWith("--json ") && Catch::EndsWith(": is the output --out, too"));
 }
 
-TEST_CASE("what cannot be lost may come twice", "[runtime][file]") {
+TEST_CASE("what cannot be lost may come twice", "[file]") {
   CHECK(Refusal({{"--data", "/dev/null"}}, {{"--out", "/dev/null"}, {"--json", "/dev/null"}}) ==
         "");
   CHECK(Refusal({{"--data", ""}}, {{"--out", "-"}, {"--json", "-"}, {"--csv", ""}}) == "");

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-TEST_CASE("the grid's middle is the origin, row 0 is north", "[grid][geometry]") {
+TEST_CASE("the grid's middle is the origin, row 0 is north", "[geometry]") {
   const GridGeometry geometry{3, 5, 2.0};
   const Position north_west = geometry.CellToPosition({0, 0});
   CHECK(north_west.x_m == -4.0);
@@ -20,8 +20,7 @@ TEST_CASE("the grid's middle is the origin, row 0 is north", "[grid][geometry]")
   CHECK(geometry.origin().y_m == -3.0);
 }
 
-TEST_CASE("every cell's centre lies in that cell, a position off the grid in none",
-          "[grid][geometry]") {
+TEST_CASE("every cell's centre lies in that cell, a position off the grid in none", "[geometry]") {
   for (const GridGeometry& geometry : {GridGeometry{13, 13, 2.0}, GridGeometry{4, 7, 0.35}}) {
     for (int row = 0; row < geometry.rows; ++row) {
       for (int column = 0; column < geometry.columns; ++column) {
@@ -35,7 +34,7 @@ TEST_CASE("every cell's centre lies in that cell, a position off the grid in non
   CHECK(geometry.PositionToCell({0.0, 3.1}).row == -1);
 }
 
-TEST_CASE("angles wrap to at most pi and more than -pi", "[grid][geometry]") {
+TEST_CASE("angles wrap to at most pi and more than -pi", "[geometry]") {
   CHECK(WrapAngle(0.0) == Approx(0.0));
   CHECK(WrapAngle(3 * kPi / 2) == Approx(-kPi / 2));
   CHECK(WrapAngle(-3 * kPi / 2) == Approx(kPi / 2));
@@ -48,7 +47,7 @@ TEST_CASE("angles wrap to at most pi and more than -pi", "[grid][geometry]") {
 TEST_CASE(
     "headings begin east and go counter-clockwise; that to a neighbour is a compass "
     "direction",
-    "[grid][geometry]") {
+    "[geometry]") {
   CHECK(HeadingFromIndex(0, 8) == Approx(0.0));
   CHECK(HeadingFromIndex(2, 8) == Approx(kPi / 2));
   CHECK(HeadingFromIndex(4, 8) == Approx(kPi));

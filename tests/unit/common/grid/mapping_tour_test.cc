@@ -31,8 +31,7 @@ std::set<Cell> CellsOf(MappingTour& tour, const BeliefGrid& belief, int stops) {
   return cells;
 }
 
-TEST_CASE("a mapping tour visits every goal once, in an order that the seed draws",
-          "[common][mapping]") {
+TEST_CASE("a mapping tour visits every goal once, in an order that the seed draws", "[mapping]") {
   const std::vector<Cell> goals{{1, 3}, {3, 1}, {5, 1}, {2, 5}};
   const BeliefGrid belief = ToBelief(Room());
   std::set<Cell> first;
@@ -45,13 +44,13 @@ TEST_CASE("a mapping tour visits every goal once, in an order that the seed draw
   CHECK(first.size() == 4);
 }
 
-TEST_CASE("a mapping tour leaves out goals that nobody can reach", "[common][mapping]") {
+TEST_CASE("a mapping tour leaves out goals that nobody can reach", "[mapping]") {
   MappingTour tour({kChamber}, {}, 3);
   CHECK(tour.Next(Room(), ToBelief(Room()), kStart).cell != kChamber);
 }
 
 TEST_CASE("after the goals a mapping tour prefers cells near the mistakes of the map",
-          "[common][mapping]") {
+          "[mapping]") {
   BeliefGrid belief = ToBelief(Room());
   belief[{1, 7}] = 1.0F;  // a wall that is not there
   MappingTour tour({}, {.background = 0.0, .attraction_cells = 1.0}, 3);
@@ -59,19 +58,19 @@ TEST_CASE("after the goals a mapping tour prefers cells near the mistakes of the
 }
 
 TEST_CASE("where no place attracts a mapping tour goes to any cell that can be reached",
-          "[common][mapping]") {
+          "[mapping]") {
   MappingTour tour({}, {.background = 0.0}, 3);
   const std::set<Cell> visited = CellsOf(tour, ToBelief(Room()), 600);
   CHECK(visited.size() == 43);  // 49 without the chamber, its four walls and the corner behind
   CHECK_FALSE(visited.contains(kChamber));
 }
 
-TEST_CASE("a robot that cannot leave its cell stops where it stands", "[common][mapping]") {
+TEST_CASE("a robot that cannot leave its cell stops where it stands", "[mapping]") {
   MappingTour tour({{1, 1}}, {}, 3);
   CHECK(tour.Next(Room(), ToBelief(Room()), kChamber).cell == kChamber);
 }
 
-TEST_CASE("a mapping tour looks to all its headings", "[common][mapping]") {
+TEST_CASE("a mapping tour looks to all its headings", "[mapping]") {
   MappingTour tour({}, {.headings = 4}, 3);
   std::set<double> headings;
   for (int i = 0; i < 100; ++i) {
@@ -82,7 +81,7 @@ TEST_CASE("a mapping tour looks to all its headings", "[common][mapping]") {
   CHECK(headings == four);
 }
 
-TEST_CASE("equal seeds give equal mapping tours, other seeds others", "[common][mapping]") {
+TEST_CASE("equal seeds give equal mapping tours, other seeds others", "[mapping]") {
   const auto stops = [](std::uint64_t seed) {
     MappingTour tour({{1, 3}, {3, 1}}, {}, seed);
     std::vector<MappingStop> all;
@@ -93,7 +92,7 @@ TEST_CASE("equal seeds give equal mapping tours, other seeds others", "[common][
   CHECK(stops(7) != stops(8));
 }
 
-TEST_CASE("options of a mapping tour out of range are refused by name", "[common][mapping]") {
+TEST_CASE("options of a mapping tour out of range are refused by name", "[mapping]") {
   const auto refusal = [](const MappingTourOptions& options) {
     const auto checked = CheckMappingTourOptions(options);
     REQUIRE_FALSE(checked);

@@ -23,7 +23,7 @@ IntendedPath SampleIntendedPath() {
   return {"r1", {{1, 2}, {1, 3}}, {{{2, 2}}, {RightOfWay::kWantsAWay, "r2", 3}}};
 }
 
-TEST_CASE("Values of planning survive the wire", "[protocol][convert]") {
+TEST_CASE("Values of planning survive the wire", "[convert]") {
   CheckRoundTrip(SampleReport());
   CheckRoundTrip(SampleRequest());
   CheckRoundTrip(PerceptionRequest{.client = "c", .request_id = 1});
@@ -39,7 +39,7 @@ TEST_CASE("Values of planning survive the wire", "[protocol][convert]") {
   CheckRoundTrip(IntendedPath{"r1", {}, {}});
 }
 
-TEST_CASE("A malformed search report is refused", "[protocol][convert]") {
+TEST_CASE("A malformed search report is refused", "[convert]") {
   CheckRefused(
       SampleReport(),
       {
@@ -69,7 +69,7 @@ TEST_CASE("A malformed search report is refused", "[protocol][convert]") {
       });
 }
 
-TEST_CASE("A malformed perception request is refused", "[protocol][convert]") {
+TEST_CASE("A malformed perception request is refused", "[convert]") {
   CheckRefused(
       SampleRequest(),
       {
@@ -96,7 +96,7 @@ TEST_CASE("A malformed perception request is refused", "[protocol][convert]") {
       });
 }
 
-TEST_CASE("A malformed perception reply is refused", "[protocol][convert]") {
+TEST_CASE("A malformed perception reply is refused", "[convert]") {
   CheckRefused(SamplePerceptionReply(),
                {
                    {"status", [](Reply& m) { m.status(3); }},
@@ -115,7 +115,7 @@ TEST_CASE("Expected edits are the sum of both grids", "[protocol]") {
   CHECK(ExpectedEdits({}) == 0.0);
 }
 
-TEST_CASE("A malformed planner lease or intended path is refused", "[protocol][convert]") {
+TEST_CASE("A malformed planner lease or intended path is refused", "[convert]") {
   using Message = conav_msgs::msg::PlannerLease;
   CheckRefused(
       SampleLease(),

@@ -13,13 +13,13 @@ using Command = conav_msgs::msg::RobotCommand;
 using State = conav_msgs::msg::RobotState;
 using SnapshotMessage = conav_msgs::msg::Snapshot;
 
-TEST_CASE("Robot commands, states and snapshots survive the wire", "[protocol][convert]") {
+TEST_CASE("Robot commands, states and snapshots survive the wire", "[convert]") {
   CheckRoundTrip(SampleCommand());
   CheckRoundTrip(SampleState());
   CheckRoundTrip(SampleSnapshot());
 }
 
-TEST_CASE("Enumerators have the numbers of the IDL", "[protocol][convert]") {
+TEST_CASE("Enumerators have the numbers of the IDL", "[convert]") {
   CHECK(static_cast<int>(CommandKind::kMove) == conav_msgs::msg::COMMAND_KIND_MOVE);
   CHECK(static_cast<int>(CommandKind::kTransmitView) ==
         conav_msgs::msg::COMMAND_KIND_TRANSMIT_VIEW);
@@ -31,14 +31,14 @@ TEST_CASE("Enumerators have the numbers of the IDL", "[protocol][convert]") {
   CHECK(static_cast<int>(CommandOutcome::kExpired) == conav_msgs::msg::COMMAND_OUTCOME_EXPIRED);
 }
 
-TEST_CASE("A snapshot without a camera has format none", "[protocol][convert]") {
+TEST_CASE("A snapshot without a camera has format none", "[convert]") {
   Snapshot picture = SampleSnapshot();
   picture.jpeg.clear();
   CHECK(ToMessage(picture).format() == "none");
   CheckRoundTrip(picture);
 }
 
-TEST_CASE("A malformed command is refused", "[protocol][convert]") {
+TEST_CASE("A malformed command is refused", "[convert]") {
   CheckRefused(SampleCommand(),
                {
                    {"robot", [](Command& m) { m.robot(""); }},
@@ -54,7 +54,7 @@ TEST_CASE("A malformed command is refused", "[protocol][convert]") {
                });
 }
 
-TEST_CASE("A malformed robot state is refused", "[protocol][convert]") {
+TEST_CASE("A malformed robot state is refused", "[convert]") {
   CheckRefused(SampleState(),
                {
                    {"world", [](State& m) { m.world("w 1"); }},
@@ -71,7 +71,7 @@ TEST_CASE("A malformed robot state is refused", "[protocol][convert]") {
                });
 }
 
-TEST_CASE("A malformed picture is refused", "[protocol][convert]") {
+TEST_CASE("A malformed picture is refused", "[convert]") {
   CheckRefused(SampleSnapshot(),
                {
                    {"sequence_number", [](SnapshotMessage& m) { m.sequence_number(0); }},
@@ -87,7 +87,7 @@ TEST_CASE("A malformed picture is refused", "[protocol][convert]") {
                });
 }
 
-TEST_CASE("Visible cells are sorted on arrival", "[protocol][convert]") {
+TEST_CASE("Visible cells are sorted on arrival", "[convert]") {
   SnapshotMessage message = ToMessage(SampleSnapshot());
   std::swap(message.free_cells()[0], message.free_cells()[1]);
   message.free_cells().push_back(message.free_cells()[0]);

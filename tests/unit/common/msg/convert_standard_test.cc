@@ -12,20 +12,20 @@ using samples::SampleMap;
 using samples::Stamp;
 using Map = nav_msgs::msg::OccupancyGrid;
 
-TEST_CASE("Maps and simulation times survive the wire", "[protocol][convert]") {
+TEST_CASE("Maps and simulation times survive the wire", "[convert]") {
   CheckRoundTrip(SampleMap());
   CheckRoundTrip(Stamp(12));
   CheckRoundTrip(SimTime{});
 }
 
-TEST_CASE("Simulation time outside of the wire's range saturates", "[protocol][convert]") {
+TEST_CASE("Simulation time outside of the wire's range saturates", "[convert]") {
   CHECK(ToMessage(SimTime{-5}).nanosec() == 0);
   const auto late = ToMessage(SimTime{std::numeric_limits<std::int64_t>::max()});
   CHECK(late.sec() == std::numeric_limits<std::int32_t>::max());
   CHECK(late.nanosec() == 999'999'999);
 }
 
-TEST_CASE("A malformed time is refused", "[protocol][convert]") {
+TEST_CASE("A malformed time is refused", "[convert]") {
   using Time = builtin_interfaces::msg::Time;
   CheckRefused(Stamp(1), {
                              {"sec", [](Time& m) { m.sec(-1); }},
@@ -33,7 +33,7 @@ TEST_CASE("A malformed time is refused", "[protocol][convert]") {
                          });
 }
 
-TEST_CASE("A map's message starts with the southern row", "[protocol][convert]") {
+TEST_CASE("A map's message starts with the southern row", "[convert]") {
   const Map message = ToMessage(SampleMap());
   CHECK(message.header().frame_id() == "map");
   CHECK(message.info().width() == 3);
@@ -43,7 +43,7 @@ TEST_CASE("A map's message starts with the southern row", "[protocol][convert]")
   CHECK(message.data() == std::vector<std::int8_t>{-1, -1, 0, 100, -1, -1});
 }
 
-TEST_CASE("A map with probabilities is read in three values", "[protocol][convert]") {
+TEST_CASE("A map with probabilities is read in three values", "[convert]") {
   Map message = ToMessage(SampleMap());
   message.data() = {25, 26, 64, 65, 0, 100};
   const auto map = ToDomain(message);
@@ -54,7 +54,7 @@ TEST_CASE("A map with probabilities is read in three values", "[protocol][conver
   CHECK(map->cells[{0, 0}] == Occupancy::kOccupied);
 }
 
-TEST_CASE("A map that does not fit is refused", "[protocol][convert]") {
+TEST_CASE("A map that does not fit is refused", "[convert]") {
   CheckRefused(
       SampleMap(),
       {
@@ -72,13 +72,13 @@ TEST_CASE("A map that does not fit is refused", "[protocol][convert]") {
       });
 }
 
-TEST_CASE("The operator's map is shown in percent", "[protocol][convert]") {
+TEST_CASE("The operator's map is shown in percent", "[convert]") {
   const Map message = ToOccupancyMessage(samples::SampleBelief(), 2.0);
   CHECK(message.data() == std::vector<std::int8_t>{10, 25, 25, 25, 25, 100});
   CHECK(message.info().resolution() == 2.0F);
 }
 
-TEST_CASE("A goal pose becomes a position in the map frame", "[protocol][convert]") {
+TEST_CASE("A goal pose becomes a position in the map frame", "[convert]") {
   geometry_msgs::msg::PoseStamped message;
   message.header(ToHeader({}));
   message.pose().position().x(1.5);
@@ -96,7 +96,7 @@ TEST_CASE("A goal pose becomes a position in the map frame", "[protocol][convert
   CHECK_THAT(ToDomain(message).error().text, Catch::StartsWith("header.frame_id = "));
 }
 
-TEST_CASE("A camera's info becomes its fields of view", "[protocol][convert]") {
+TEST_CASE("A camera's info becomes its fields of view", "[convert]") {
   sensor_msgs::msg::CameraInfo message;
   message.width(320);
   message.height(192);
@@ -119,7 +119,7 @@ TEST_CASE("A camera's info becomes its fields of view", "[protocol][convert]") {
   CHECK_THAT(refusal([](auto& m) { m.k()[4] = 1.0; }), Catch::Contains("vertical field of view"));
 }
 
-TEST_CASE("A path's poses are cell centres turned towards the next", "[protocol][convert]") {
+TEST_CASE("A path's poses are cell centres turned towards the next", "[convert]") {
   const std::vector<Cell> cells{{1, 0}, {1, 1}, {0, 1}};
   const auto path = ToPathMessage(Stamp(2), cells, {2, 2, 2.0});
   REQUIRE(path.poses().size() == 3);
@@ -137,7 +137,7 @@ TEST_CASE("A path's poses are cell centres turned towards the next", "[protocol]
   CHECK(ToPositions({}).empty());
 }
 
-TEST_CASE("A robot's motion becomes odometry and a transform", "[protocol][convert]") {
+TEST_CASE("A robot's motion becomes odometry and a transform", "[convert]") {
   const RobotMotion motion{{1.0, 2.0}, std::numbers::pi, 0.5, -0.25};
   const auto odometry = ToOdometry(Stamp(1), "r1", motion);
   CHECK(odometry.child_frame_id() == "r1/base_link");

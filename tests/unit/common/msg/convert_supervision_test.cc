@@ -13,7 +13,7 @@ using Request = conav_msgs::msg::OperatorRequest;
 using ReplyMessage = conav_msgs::msg::OperatorReply;
 using AttentionMessage = conav_msgs::msg::AttentionRequest;
 
-TEST_CASE("The operator's values survive the wire", "[protocol][convert]") {
+TEST_CASE("The operator's values survive the wire", "[convert]") {
   CheckRoundTrip(SampleBelief());
   CheckRoundTrip(SampleGuidance());
   CheckRoundTrip(SampleEdit());
@@ -28,7 +28,7 @@ TEST_CASE("The operator's values survive the wire", "[protocol][convert]") {
   CheckRoundTrip(SampleQueue());
 }
 
-TEST_CASE("Guidance, beliefs and stops that name nothing survive the wire", "[protocol][convert]") {
+TEST_CASE("Guidance, beliefs and stops that name nothing survive the wire", "[convert]") {
   CheckRoundTrip(OperatorRequest{Stamp(8), "browser-1", 7, "", StopRequest{{}, ""}});
   Guidance guidance = SampleGuidance();
   guidance.path.clear();
@@ -39,7 +39,7 @@ TEST_CASE("Guidance, beliefs and stops that name nothing survive the wire", "[pr
   CheckRoundTrip(belief);
 }
 
-TEST_CASE("A malformed belief is refused", "[protocol][convert]") {
+TEST_CASE("A malformed belief is refused", "[convert]") {
   CheckRefused(
       SampleBelief(),
       {
@@ -53,7 +53,7 @@ TEST_CASE("A malformed belief is refused", "[protocol][convert]") {
       });
 }
 
-TEST_CASE("A malformed guidance is refused", "[protocol][convert]") {
+TEST_CASE("A malformed guidance is refused", "[convert]") {
   CheckRefused(SampleGuidance(),
                {
                    {"revision", [](GuidanceMessage& m) { m.revision(0); }},
@@ -65,7 +65,7 @@ TEST_CASE("A malformed guidance is refused", "[protocol][convert]") {
                });
 }
 
-TEST_CASE("A malformed operator request is refused", "[protocol][convert]") {
+TEST_CASE("A malformed operator request is refused", "[convert]") {
   CheckRefused(SampleEdit(), {
                                  {"kind", [](Request& m) { m.kind(13); }},
                                  {"world", [](Request& m) { m.world(""); }},
@@ -101,7 +101,7 @@ TEST_CASE("A malformed operator request is refused", "[protocol][convert]") {
                            });
 }
 
-TEST_CASE("A malformed order to a robot is refused", "[protocol][convert]") {
+TEST_CASE("A malformed order to a robot is refused", "[convert]") {
   using Drive = conav_msgs::msg::DriveOrder;
   CheckRefused(SampleDriveOrder(), {
                                        {"drive", [](Drive& m) { m.drive(9); }},
@@ -115,7 +115,7 @@ TEST_CASE("A malformed order to a robot is refused", "[protocol][convert]") {
                              });
 }
 
-TEST_CASE("Texts in another encoding come in as UTF-8", "[protocol][convert]") {
+TEST_CASE("Texts in another encoding come in as UTF-8", "[convert]") {
   StopOrder stop = SampleStop();
   stop.reason = "caf\xE9";
   const auto read = ToDomain(ToMessage(stop));
@@ -123,7 +123,7 @@ TEST_CASE("Texts in another encoding come in as UTF-8", "[protocol][convert]") {
   CHECK(read->reason == "caf?");
 }
 
-TEST_CASE("A malformed reply or attention request is refused", "[protocol][convert]") {
+TEST_CASE("A malformed reply or attention request is refused", "[convert]") {
   CheckRefused(SampleReply(),
                {
                    {"request_id", [](ReplyMessage& m) { m.request_id(0); }},
@@ -139,7 +139,7 @@ TEST_CASE("A malformed reply or attention request is refused", "[protocol][conve
       });
 }
 
-TEST_CASE("A malformed attention queue is refused", "[protocol][convert]") {
+TEST_CASE("A malformed attention queue is refused", "[convert]") {
   using Message = conav_msgs::msg::AttentionQueue;
   CheckRefused(SampleQueue(), {
                                   {"order", [](Message& m) { m.order(""); }},

@@ -9,11 +9,11 @@
 namespace conav {
 namespace {
 
-TEST_CASE("signs that mean something in XML are escaped", "[common][svg]") {
+TEST_CASE("signs that mean something in XML are escaped", "[svg]") {
   CHECK(EscapeXml("a<b & \"c\">") == "a&lt;b &amp; &quot;c&quot;&gt;");
 }
 
-TEST_CASE("a document has its size, its title and a background", "[common][svg]") {
+TEST_CASE("a document has its size, its title and a background", "[svg]") {
   SvgCanvas canvas;
   canvas.Circle({1.0, 2.0}, 3.0, "class=\"dot\"");
   const std::string svg = canvas.Document(30.0, 40.0, "a < b");
@@ -23,7 +23,7 @@ TEST_CASE("a document has its size, its title and a background", "[common][svg]"
   CHECK_THAT(svg, Catch::Contains("<circle cx=\"1.0\" cy=\"2.0\" r=\"3.0\" class=\"dot\"/>"));
 }
 
-TEST_CASE("inside a page a picture has a name and no background", "[common][svg]") {
+TEST_CASE("inside a page a picture has a name and no background", "[svg]") {
   SvgCanvas canvas;
   canvas.BeginGroup("P(add) = 0.5 > 0.1");
   canvas.Text({1.0, 2.0}, "<i>", "class=\"label\"");
@@ -35,7 +35,7 @@ TEST_CASE("inside a page a picture has a name and no background", "[common][svg]
   CHECK_THAT(svg, !Catch::Contains("#ffffff"));
 }
 
-TEST_CASE("no attribute is there twice: what the style says counts", "[common][svg]") {
+TEST_CASE("no attribute is there twice: what the style says counts", "[svg]") {
   SvgCanvas canvas;
   canvas.Polyline({{1.0, 2.0}, {3.0, 4.0}}, R"(fill="#eee" stroke="red"  stroke="blue")");
   canvas.Polyline({{1.0, 2.0}}, "");
@@ -48,7 +48,7 @@ TEST_CASE("no attribute is there twice: what the style says counts", "[common][s
   CHECK(test::XmlError(svg) == "");
 }
 
-TEST_CASE("the pictures of the documents are well-formed", "[common][svg]") {
+TEST_CASE("the pictures of the documents are well-formed", "[svg]") {
   std::size_t pictures = 0;
   for (const auto& entry : std::filesystem::directory_iterator(CONAV_SOURCE_DIR "/docs")) {
     if (entry.path().extension() != ".svg") continue;
@@ -59,7 +59,7 @@ TEST_CASE("the pictures of the documents are well-formed", "[common][svg]") {
   CHECK(pictures > 0);
 }
 
-TEST_CASE("what is no XML is found", "[common][svg]") {
+TEST_CASE("what is no XML is found", "[svg]") {
   for (const char* good :
        {"<a/>", "<!DOCTYPE html>\n<a b=\"1\" c=\"&lt;\"><d>x &amp; y</d ></a>"}) {
     CHECK(test::XmlError(good) == "");
@@ -75,7 +75,7 @@ TEST_CASE("what is no XML is found", "[common][svg]") {
 
 using Values = std::vector<double>;
 
-TEST_CASE("ticks are round and lie around the values", "[common][svg]") {
+TEST_CASE("ticks are round and lie around the values", "[svg]") {
   CHECK(RoundAxis(0.0, 74.7, 4).Ticks() == Values{0.0, 20.0, 40.0, 60.0, 80.0});
   CHECK(RoundAxis(-3.0, 12.0, 4).Ticks() == Values{-5.0, 0.0, 5.0, 10.0, 15.0});
   const Axis small = RoundAxis(0.0, 1.3e-6, 5);
@@ -83,7 +83,7 @@ TEST_CASE("ticks are round and lie around the values", "[common][svg]") {
   CHECK(small.step == Approx(5e-7));
 }
 
-TEST_CASE("an axis does not run where no value can be", "[common][svg]") {
+TEST_CASE("an axis does not run where no value can be", "[svg]") {
   const AxisLimits share{0.0, 1.0};
   CHECK(RoundAxis(-0.4, 1.6, 5, share).Ticks().back() == 1.0);
   CHECK(RoundAxis(-0.4, 1.6, 5, share).low == 0.0);
@@ -93,7 +93,7 @@ TEST_CASE("an axis does not run where no value can be", "[common][svg]") {
   CHECK(cut.Ticks() == Values{0.0, 5.0, 10.0, 15.0});
 }
 
-TEST_CASE("values that are all the same have room, within the limits", "[common][svg]") {
+TEST_CASE("values that are all the same have room, within the limits", "[svg]") {
   const AxisLimits share{0.0, 1.0};
   for (const double value : {0.0, 0.3, 1.0}) {
     const Axis axis = RoundAxis(value, value, 5, share);
@@ -104,7 +104,7 @@ TEST_CASE("values that are all the same have room, within the limits", "[common]
   CHECK(RoundAxis(0.0, 0.0, 5).low < 0.0);
 }
 
-TEST_CASE("values have their place between the ends, beyond them there is none", "[common][svg]") {
+TEST_CASE("values have their place between the ends, beyond them there is none", "[svg]") {
   const Axis axis{.low = 10.0, .high = 20.0, .step = 5.0};
   CHECK(axis.Share(15.0) == 0.5);
   CHECK(axis.Clamp(25.0) == 20.0);

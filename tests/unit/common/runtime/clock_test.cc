@@ -8,7 +8,7 @@ namespace {
 using namespace std::chrono_literals;
 
 TEST_CASE("simulation time converts to seconds and back without a rest, adds and compares",
-          "[runtime][clock]") {
+          "[clock]") {
   CHECK(SimTime::FromSeconds(1.25).nanoseconds == 1'250'000'000);
   CHECK(SimTime::FromSeconds(0.1).nanoseconds == 100'000'000);
   CHECK(SimTime::FromSeconds(-0.5).nanoseconds == -500'000'000);
@@ -18,8 +18,7 @@ TEST_CASE("simulation time converts to seconds and back without a rest, adds and
   CHECK(start < start + 1ns);
 }
 
-TEST_CASE("a fake clock moves only when it is moved, the steady clock not back",
-          "[runtime][clock]") {
+TEST_CASE("a fake clock moves only when it is moved, the steady clock not back", "[clock]") {
   FakeClock clock;
   const auto start = clock.Now();
   CHECK(clock.Now() == start);

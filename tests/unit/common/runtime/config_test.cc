@@ -59,7 +59,7 @@ class File {
   test::TemporaryFolder folder_;
 };
 
-TEST_CASE("given values replace defaults, others stay", "[runtime][config]") {
+TEST_CASE("given values replace defaults, others stay", "[config]") {
   const Outer defaults = Read("");
   CHECK(defaults.count == 3);
   CHECK(defaults.mode == "fast");
@@ -73,7 +73,7 @@ TEST_CASE("given values replace defaults, others stay", "[runtime][config]") {
 }
 
 TEST_CASE("values out of range, of the wrong type and unknown keys are refused by key and value",
-          "[runtime][config]") {
+          "[config]") {
   CHECK(Read("count: 1").count == 1);
   CHECK(Read("count: 10").count == 10);
   for (const auto& [yaml, refusal] : std::vector<std::pair<const char*, const char*>>{
@@ -92,7 +92,7 @@ TEST_CASE("values out of range, of the wrong type and unknown keys are refused b
   }
 }
 
-TEST_CASE("the effective config reads back as it was written", "[runtime][config]") {
+TEST_CASE("the effective config reads back as it was written", "[config]") {
   Outer config = Read("{count: 7, mode: slow, names: [p, q], loud: true, inner: {gain: 0.75}}");
   const File file(DumpConfig("robot", config));
   Outer copy;
@@ -104,7 +104,7 @@ TEST_CASE("the effective config reads back as it was written", "[runtime][config
   CHECK(copy.inner.gain == 0.75);
 }
 
-TEST_CASE("a config that is written for others keeps its secrets", "[runtime][config]") {
+TEST_CASE("a config that is written for others keeps its secrets", "[config]") {
   const Outer config = Read("{inner: {token: open-sesame}}");
   CHECK(DumpConfig("robot", config).find("open-sesame") != std::string::npos);
   const std::string shown = DumpConfig("robot", config, ConfigReader::Secrets::kKept);
@@ -114,8 +114,7 @@ TEST_CASE("a config that is written for others keeps its secrets", "[runtime][co
   CHECK(without.find("not shown") == std::string::npos);
 }
 
-TEST_CASE("a missing file, bad YAML, a missing section and other documents are named",
-          "[runtime][config]") {
+TEST_CASE("a missing file, bad YAML, a missing section and other documents are named", "[config]") {
   CHECK_THROWS_WITH(LoadParameters("/none.yaml", "sim"), Catch::StartsWith("/none.yaml: "));
   CHECK_THROWS_AS(LoadParameters("/proc", "sim"), StartupError);
   const std::string no_section = ": no section 'sim: ros__parameters:'; sections here: ";
@@ -134,7 +133,7 @@ TEST_CASE("a missing file, bad YAML, a missing section and other documents are n
   CHECK_THROWS_AS(LoadParameters(File("nhpm: {}").path(), "nhpm"), StartupError);
 }
 
-TEST_CASE("a YAML file is read, whatever its document is made of", "[runtime][yaml]") {
+TEST_CASE("a YAML file is read, whatever its document is made of", "[yaml]") {
   const test::TemporaryFolder folder;
   const auto read = [&](const std::string& text) {
     REQUIRE(WriteFile(folder / "a.yaml", text));
@@ -146,7 +145,7 @@ TEST_CASE("a YAML file is read, whatever its document is made of", "[runtime][ya
   CHECK(read("").IsNull());
 }
 
-TEST_CASE("a YAML file that is missing, a folder or malformed is named", "[runtime][yaml]") {
+TEST_CASE("a YAML file that is missing, a folder or malformed is named", "[yaml]") {
   const test::TemporaryFolder folder;
   REQUIRE(WriteFile(folder / "a.yaml", "a: [1"));
   for (const auto& [path, code] :

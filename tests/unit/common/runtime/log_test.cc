@@ -7,7 +7,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST_CASE("a log limit allows the first line and then one per period", "[runtime][log]") {
+TEST_CASE("a log limit allows the first line and then one per period", "[log]") {
   LogLimit limit(1s);
   const LogLimit::TimePoint start{};
   CHECK(limit.Allow(start) == 0U);

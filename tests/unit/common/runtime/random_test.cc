@@ -10,7 +10,7 @@
 namespace conav {
 namespace {
 
-TEST_CASE("raw draws are those of the standard's 64-bit Mersenne Twister", "[runtime][random]") {
+TEST_CASE("raw draws are those of the standard's 64-bit Mersenne Twister", "[random]") {
   Random random(5489);  // the standard gives the 10000th output for this seed
   std::uint64_t last = 0;
   for (int i = 0; i < 10000; ++i) last = random.Next();
@@ -18,7 +18,7 @@ TEST_CASE("raw draws are those of the standard's 64-bit Mersenne Twister", "[run
 }
 
 TEST_CASE("bounded integers reach both ends of their range; one value and all take one draw",
-          "[runtime][random]") {
+          "[random]") {
   Random random(1);
   std::set<std::int64_t> seen;
   for (int i = 0; i < 1000; ++i) seen.insert(random.Uniform(-2, 3));
@@ -30,7 +30,7 @@ TEST_CASE("bounded integers reach both ends of their range; one value and all ta
   CHECK(bounded.Uniform(INT64_MIN, INT64_MAX) == static_cast<std::int64_t>(reference.Next()));
 }
 
-TEST_CASE("bounded integers are even: chi-square over ten values", "[runtime][random]") {
+TEST_CASE("bounded integers are even: chi-square over ten values", "[random]") {
   Random random(11);
   constexpr int kDraws = 100000;
   std::vector<int> count(10, 0);
@@ -40,7 +40,7 @@ TEST_CASE("bounded integers are even: chi-square over ten values", "[runtime][ra
   CHECK(chi_square < 27.9);  // 0.1 % of nine degrees of freedom
 }
 
-TEST_CASE("the unit interval holds its lower end only", "[runtime][random]") {
+TEST_CASE("the unit interval holds its lower end only", "[random]") {
   Random random(2);
   double sum = 0.0;
   for (int i = 0; i < 10000; ++i) {
@@ -52,7 +52,7 @@ TEST_CASE("the unit interval holds its lower end only", "[runtime][random]") {
   CHECK(sum / 10000 == Approx(0.5).margin(0.02));
 }
 
-TEST_CASE("chance 0 never happens, chance 1 always, each takes one draw", "[runtime][random]") {
+TEST_CASE("chance 0 never happens, chance 1 always, each takes one draw", "[random]") {
   Random random(4);
   Random reference(4);
   for (int i = 0; i < 100; ++i) {
@@ -64,7 +64,7 @@ TEST_CASE("chance 0 never happens, chance 1 always, each takes one draw", "[runt
   CHECK(random.Next() == reference.Next());
 }
 
-TEST_CASE("a shuffle permutes", "[runtime][random]") {
+TEST_CASE("a shuffle permutes", "[random]") {
   std::vector<int> items(101);
   std::iota(items.begin(), items.end(), 0);
   Random random(6);
@@ -75,7 +75,7 @@ TEST_CASE("a shuffle permutes", "[runtime][random]") {
 }
 
 #if defined(__GLIBCXX__) && __GLIBCXX__ >= 20210000
-TEST_CASE("integers and shuffles equal libstdc++'s", "[runtime][random]") {
+TEST_CASE("integers and shuffles equal libstdc++'s", "[random]") {
   for (std::size_t size = 0; size < 40; ++size) {
     std::vector<std::size_t> ours(size);
     std::iota(ours.begin(), ours.end(), 0U);
@@ -93,7 +93,7 @@ TEST_CASE("integers and shuffles equal libstdc++'s", "[runtime][random]") {
 }
 #endif
 
-TEST_CASE("derived seeds differ by seed and by purpose", "[runtime][random]") {
+TEST_CASE("derived seeds differ by seed and by purpose", "[random]") {
   std::set<std::uint64_t> seeds;
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
     for (std::uint64_t purpose = 0; purpose < 30; ++purpose) {

@@ -12,18 +12,18 @@ namespace {
 
 using Folder = test::TemporaryFolder;
 
-TEST_CASE("bytes that are no text are replaced", "[runtime][json]") {
+TEST_CASE("bytes that are no text are replaced", "[json]") {
   CHECK(JsonText({{"file", "d\xff"}}) == "{\n  \"file\": \"d\xEF\xBF\xBD\"\n}\n");
 }
 
-TEST_CASE("a document is written with its keys in order, over the one before", "[runtime][json]") {
+TEST_CASE("a document is written with its keys in order, over the one before", "[json]") {
   const Folder folder;
   REQUIRE(WriteJsonFile(folder / "a.json", {{"a", 1}}));
   REQUIRE(WriteJsonFile(folder / "a.json", {{"zebra", 1}, {"ant", "two"}}));
   CHECK(ReadFile(folder / "a.json").value() == "{\n  \"zebra\": 1,\n  \"ant\": \"two\"\n}\n");
 }
 
-TEST_CASE("a file that cannot be written is named, on a full disk, too", "[runtime][json]") {
+TEST_CASE("a file that cannot be written is named, on a full disk, too", "[json]") {
   for (const char* file : {"/nonexistent/folder/a.json", "/dev/full"}) {
     const auto result = WriteJsonFile(file, {{"a", 1}});
     REQUIRE_FALSE(result);
@@ -32,7 +32,7 @@ TEST_CASE("a file that cannot be written is named, on a full disk, too", "[runti
   }
 }
 
-TEST_CASE("SHA-256 gives the digests of FIPS 180-4's examples", "[runtime][sha256]") {
+TEST_CASE("SHA-256 gives the digests of FIPS 180-4's examples", "[sha256]") {
   CHECK(Sha256Hex("") == "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
   CHECK(Sha256Hex("abc") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
   CHECK(Sha256Hex("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq") ==
@@ -47,7 +47,7 @@ TEST_CASE("SHA-256 gives the digests of FIPS 180-4's examples", "[runtime][sha25
 TEST_CASE(
     "Characters of one to four bytes are UTF-8; cut, overlong and surrogate ones are made "
     "readable",
-    "[runtime][utf8]") {
+    "[utf8]") {
   for (const char* good : {"", "plain", "\xC3\xA9 \xE2\x82\xAC \xF0\x9F\xA4\x96"}) {
     CHECK(IsUtf8(good));
   }

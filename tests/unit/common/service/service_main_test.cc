@@ -31,7 +31,7 @@ class ConfigFile {
   std::filesystem::path path_;
 };
 
-TEST_CASE("a value that is refused is named with its file", "[common][service]") {
+TEST_CASE("a value that is refused is named with its file", "[service]") {
   const ConfigFile file("{pressure: 12}");
   CHECK_THROWS_WITH(LoadConfig<PumpConfig>(file.path(), "pump"),
                     file.path() + ": pump.pressure = 12 is out of range [1, 9]");
@@ -40,8 +40,7 @@ TEST_CASE("a value that is refused is named with its file", "[common][service]")
                     Catch::StartsWith(nested.path() + ": pump.bus: unknown key 'domain'"));
 }
 
-TEST_CASE("the effective config tells the vendor, domain and interface that count",
-          "[common][service]") {
+TEST_CASE("the effective config tells the vendor, domain and interface that count", "[service]") {
   const ConfigFile file("{pressure: 2, bus: {lease_s: 1.5}}");
   setenv("CONAV_DDS", "fastdds", 1);
   setenv("CONAV_DOMAIN", "17", 1);

@@ -47,14 +47,14 @@ std::set<std::string> KeysOf(const YAML::Node& node) {
   return keys;
 }
 
-TEST_CASE("The shipped file of people holds every key with its default", "[nhpm][synthesis]") {
+TEST_CASE("The shipped file of people holds every key with its default", "[synthesis]") {
   CHECK(ReadPopulation(kShippedFile) == AnnotatorPopulation{});
   ConfigReader writer;
   AnnotatorPopulation().Visit(writer);
   CHECK(KeysOf(LoadParameters(kShippedFile, "annotators")) == KeysOf(writer.emitted()));
 }
 
-TEST_CASE("Each of the shipped people can be read, and none is careless", "[nhpm][synthesis]") {
+TEST_CASE("Each of the shipped people can be read, and none is careless", "[synthesis]") {
   const std::filesystem::path folder = kShippedFile.parent_path() / "people";
   int people = 0;
   for (const auto& file : std::filesystem::directory_iterator(folder)) {
@@ -65,7 +65,7 @@ TEST_CASE("Each of the shipped people can be read, and none is careless", "[nhpm
   CHECK(people == 10);
 }
 
-TEST_CASE("A file of people changes what it names and keeps the rest", "[nhpm][synthesis]") {
+TEST_CASE("A file of people changes what it names and keeps the rest", "[synthesis]") {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "people.yaml")
       << "annotators: {ros__parameters: {careful: {near_cells: {mean: 2.5}}}}";
@@ -74,7 +74,7 @@ TEST_CASE("A file of people changes what it names and keeps the rest", "[nhpm][s
   CHECK(ReadPopulation(folder / "people.yaml") == expected);
 }
 
-TEST_CASE("A wrong file of people is refused by file and key", "[nhpm][synthesis]") {
+TEST_CASE("A wrong file of people is refused by file and key", "[synthesis]") {
   CHECK(Refusal("careless_share: 0.5").empty());
   for (const auto& [parameters, names] : std::vector<std::pair<const char*, const char*>>{
            {"careless_share: 1.5", "people.yaml: annotators.careless_share"},
@@ -97,7 +97,7 @@ TEST_CASE("A wrong file of people is refused by file and key", "[nhpm][synthesis
       StartupError);
 }
 
-TEST_CASE("People differ by the mean and deviation of each parameter", "[nhpm][synthesis]") {
+TEST_CASE("People differ by the mean and deviation of each parameter", "[synthesis]") {
   AnnotatorPopulation population;
   population.careless_share = 0.0;
   population.careful.edit_probability = {0.625, 0.0};
@@ -120,7 +120,7 @@ TEST_CASE("People differ by the mean and deviation of each parameter", "[nhpm][s
   CHECK(std::sqrt(squares / kPeople) == Approx(0.1).margin(0.01));
 }
 
-TEST_CASE("Parameters keep to their ranges however far people differ", "[nhpm][synthesis]") {
+TEST_CASE("Parameters keep to their ranges however far people differ", "[synthesis]") {
   AnnotatorPopulation population;
   population.careful.lapse_probability = {0.5, 5.0};
   population.careful.decay_cells = {1.0, 50.0};
@@ -136,7 +136,7 @@ TEST_CASE("Parameters keep to their ranges however far people differ", "[nhpm][s
   CHECK(highest);
 }
 
-TEST_CASE("The careless are as many as the population says", "[nhpm][synthesis]") {
+TEST_CASE("The careless are as many as the population says", "[synthesis]") {
   AnnotatorPopulation population;
   population.careless_share = 0.3;
   population.careful.decay_cells = {20.0, 0.0};
@@ -148,7 +148,7 @@ TEST_CASE("The careless are as many as the population says", "[nhpm][synthesis]"
   CHECK(careless == Approx(600).margin(80));
 }
 
-TEST_CASE("Parameters of a reader survive the way through their names", "[nhpm][synthesis]") {
+TEST_CASE("Parameters of a reader survive the way through their names", "[synthesis]") {
   for (const Annotator& person : DrawMany({}, 50)) {
     const std::map<std::string, double> values = ToNamedValues(person.reader);
     const auto back = FromNamedValues(values);
@@ -160,7 +160,7 @@ TEST_CASE("Parameters of a reader survive the way through their names", "[nhpm][
 }
 
 TEST_CASE("Named values that are missing, unknown or out of range are refused by name",
-          "[nhpm][synthesis]") {
+          "[synthesis]") {
   CHECK_FALSE(FromNamedValues({}));
   for (const auto& [name, value] : std::vector<std::pair<std::string, std::optional<double>>>{
            {"decay_cells", {}},

@@ -29,7 +29,7 @@ class Desk : public test::ProgramRunner {
 };
 
 TEST_CASE("conav-dataset describes a file in words, numbers and a picture; '-' is nothing but JSON",
-          "[nhpm][dataset]") {
+          "[dataset]") {
   const Desk desk;
   const Outcome outcome = desk.Run("describe data.pb.zst --json data.json --svg data.svg");
   CHECK(outcome.exit_code == 0);
@@ -42,7 +42,7 @@ TEST_CASE("conav-dataset describes a file in words, numbers and a picture; '-' i
   CHECK(numbers.at("segments_by_edits").at(2) == 3);
 }
 
-TEST_CASE("chosen segments are shown, a wrong number is wrong use", "[nhpm][dataset]") {
+TEST_CASE("chosen segments are shown, a wrong number is wrong use", "[dataset]") {
   const Desk desk;
   CHECK_THAT(desk.Run("describe data.pb.zst --segments 2,1").out,
              Catch::Contains("segment 2 (") && Catch::Contains("segment 1 (") &&
@@ -52,7 +52,7 @@ TEST_CASE("chosen segments are shown, a wrong number is wrong use", "[nhpm][data
   CHECK_THAT(wrong.error, Catch::Contains("segment 7"));
 }
 
-TEST_CASE("exported lines imported again are the same file", "[nhpm][dataset]") {
+TEST_CASE("exported lines imported again are the same file", "[dataset]") {
   const Desk desk;
   CHECK(desk.Run("export data.pb.zst --out data.jsonl").exit_code == 0);
   CHECK(desk.Run("import data.jsonl --out again.pb.zst").exit_code == 0);
@@ -60,7 +60,7 @@ TEST_CASE("exported lines imported again are the same file", "[nhpm][dataset]") 
   CHECK(desk.Run("export data.pb.zst").out == ReadFile(desk / "data.jsonl").value());
 }
 
-TEST_CASE("a bad line is refused with file and line, and nothing is written", "[nhpm][dataset]") {
+TEST_CASE("a bad line is refused with file and line, and nothing is written", "[dataset]") {
   const Desk desk;
   REQUIRE(WriteFile(desk / "bad.jsonl", "\n{\"type\": \"segment\"}\n"));
   const Outcome outcome = desk.Run("import bad.jsonl --out bad.pb.zst");
@@ -69,7 +69,7 @@ TEST_CASE("a bad line is refused with file and line, and nothing is written", "[
   CHECK_FALSE(std::filesystem::exists(desk / "bad.pb.zst"));
 }
 
-TEST_CASE("files are merged, and a trajectory that comes twice is refused", "[nhpm][dataset]") {
+TEST_CASE("files are merged, and a trajectory that comes twice is refused", "[dataset]") {
   const Desk desk;
   REQUIRE(WriteSegmentFile(desk / "more.pb.zst", {{tests::SampleTrajectory(8)}}));
   CHECK(desk.Run("merge data.pb.zst more.pb.zst --out all.pb.zst").exit_code == 0);
@@ -84,7 +84,7 @@ TEST_CASE("files are merged, and a trajectory that comes twice is refused", "[nh
 }
 
 TEST_CASE("a split is three files; without a seed it is that of training and evaluation",
-          "[nhpm][dataset]") {
+          "[dataset]") {
   const Desk desk;
   SegmentSet many;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
@@ -100,7 +100,7 @@ TEST_CASE("a split is three files; without a seed it is that of training and eva
   CHECK(ReadSegmentFile(desk / "other-test.pb.zst").value() == SplitSegments(many, 3).test);
 }
 
-TEST_CASE("a truncated recording is refused, and read with --recover", "[nhpm][dataset]") {
+TEST_CASE("a truncated recording is refused, and read with --recover", "[dataset]") {
   const Desk desk;
   std::string two = ReadFile(desk / "data.pb.zst").value();
   two += two.substr(0, two.size() / 2);
@@ -112,7 +112,7 @@ TEST_CASE("a truncated recording is refused, and read with --recover", "[nhpm][d
   CHECK(desk.Run("describe torn.pb.zst --recover").exit_code == 0);
 }
 
-TEST_CASE("no command writes over its input", "[nhpm][dataset]") {
+TEST_CASE("no command writes over its input", "[dataset]") {
   const Desk desk;
   const std::string before = ReadFile(desk / "data.pb.zst").value();
   REQUIRE(WriteFile(desk / "part-test.pb.zst", before));
@@ -128,7 +128,7 @@ TEST_CASE("no command writes over its input", "[nhpm][dataset]") {
   CHECK_FALSE(std::filesystem::exists(desk / "part-train.pb.zst"));
 }
 
-TEST_CASE("an unknown command is named", "[nhpm][dataset]") {
+TEST_CASE("an unknown command is named", "[dataset]") {
   const Outcome outcome = Desk().Run("improve data.pb.zst");
   CHECK(outcome.exit_code == 2);
   CHECK_THAT(outcome.error, Catch::Contains("'improve'"));
@@ -160,7 +160,7 @@ SegmentSet Read(const std::filesystem::path& file) {
 }
 
 TEST_CASE("The file holds the trajectories of the library, in folders that may be new",
-          "[nhpm][synthesis]") {
+          "[synthesis]") {
   const TemporaryFolder folder;
   const auto file = folder / "very" / "new" / "set.pb.zst";
   REQUIRE(Synthesize({"--trajectories", "7", "--seed", "5", "--preset", "9x9", "--per-person", "2",
@@ -175,7 +175,7 @@ TEST_CASE("The file holds the trajectories of the library, in folders that may b
   CHECK(Read(file) == expected->set);
 }
 
-TEST_CASE("Equal seeds give equal files, whatever the number of threads", "[nhpm][synthesis]") {
+TEST_CASE("Equal seeds give equal files, whatever the number of threads", "[synthesis]") {
   const TemporaryFolder folder;
   const auto bytes_of = [&](const std::string& seed, const std::string& threads) {
     const auto file = folder / ("set-" + seed + "-" + threads);
@@ -189,7 +189,7 @@ TEST_CASE("Equal seeds give equal files, whatever the number of threads", "[nhpm
   CHECK(bytes_of("3", "1") != bytes_of("4", "1"));
 }
 
-TEST_CASE("The summary counts what is in the file and calls it synthetic", "[nhpm][synthesis]") {
+TEST_CASE("The summary counts what is in the file and calls it synthetic", "[synthesis]") {
   const TemporaryFolder folder;
   const auto file = folder / "set.pb.zst";
   REQUIRE(Synthesize({"--trajectories", "12", "--out", file.string(), "--json",
@@ -213,7 +213,7 @@ TEST_CASE("The summary counts what is in the file and calls it synthetic", "[nhp
 }
 
 TEST_CASE("Another population makes other people, one that all fail the filter none",
-          "[nhpm][synthesis]") {
+          "[synthesis]") {
   const TemporaryFolder folder;
   std::ofstream(folder / "people.yaml")
       << "annotators: {ros__parameters: {careless_share: 0.0, careful: {near_cells: {mean: 1.5}}}}";
@@ -232,7 +232,7 @@ TEST_CASE("Another population makes other people, one that all fail the filter n
   CHECK_FALSE(std::filesystem::exists(none));
 }
 
-TEST_CASE("Options out of range and a bad file of people make no file", "[nhpm][synthesis]") {
+TEST_CASE("Options out of range and a bad file of people make no file", "[synthesis]") {
   const TemporaryFolder folder;
   const std::string file = (folder / "set.pb.zst").string();
   const std::string people = (folder / "people.yaml").string();

@@ -26,7 +26,7 @@ bool Free(const Trajectory& trajectory, Cell cell) {
 TEST_CASE(
     "A trajectory has a picture of each goal and then the extra ones, passes every check and "
     "says where it is from",
-    "[nhpm][synthesis]") {
+    "[synthesis]") {
   for (const int extra : {0, 1, 9}) {
     const Trajectory trajectory = Run(5, extra);
     REQUIRE(trajectory.segments.size() == 4U + static_cast<unsigned>(extra));
@@ -44,7 +44,7 @@ TEST_CASE(
 TEST_CASE(
     "The robot drives through free cells, one after the other, from picture to picture; the "
     "map goes with it",
-    "[nhpm][synthesis]") {
+    "[synthesis]") {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const Trajectory trajectory = Run(seed);
     const Segment* before = nullptr;
@@ -66,8 +66,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("A picture shows the true maze through the lens of the simulated camera",
-          "[nhpm][synthesis]") {
+TEST_CASE("A picture shows the true maze through the lens of the simulated camera", "[synthesis]") {
   const Trajectory trajectory = Run(2);
   std::set<double> headings;
   for (const Segment& segment : Run(2, 40).segments) {
@@ -82,7 +81,7 @@ TEST_CASE("A picture shows the true maze through the lens of the simulated camer
 }
 
 TEST_CASE("The map is wrong at first by the corruption, and its accuracies are what it ends with",
-          "[nhpm][synthesis]") {
+          "[synthesis]") {
   const Trajectory trajectory = Run(3);
   const BeliefGrid truth = ToBelief(*trajectory.truth);
   const BeliefGrid& before = trajectory.segments.front().query.belief;
@@ -99,7 +98,7 @@ TEST_CASE("The map is wrong at first by the corruption, and its accuracies are w
   CHECK(trajectory.final_mapping_accuracy == Approx(std::max(0.0, (20.0 - wrong_after) / 20.0)));
 }
 
-TEST_CASE("After the goals the robot prefers places where the map is wrong", "[nhpm][synthesis]") {
+TEST_CASE("After the goals the robot prefers places where the map is wrong", "[synthesis]") {
   MappingTaskOptions indifferent;
   indifferent.tour.background = 1e9;
   MappingTaskOptions attracted;
@@ -127,7 +126,7 @@ TEST_CASE("After the goals the robot prefers places where the map is wrong", "[n
   CHECK(wrong_around(attracted) > 1.15 * wrong_around(indifferent));
 }
 
-TEST_CASE("Options of the task out of range are refused by name", "[nhpm][synthesis]") {
+TEST_CASE("Options of the task out of range are refused by name", "[synthesis]") {
   const auto refusal = [](const MappingTaskOptions& options) {
     const auto trajectory = RunMappingTask(options, {}, 1);
     REQUIRE_FALSE(trajectory.has_value());
@@ -140,7 +139,7 @@ TEST_CASE("Options of the task out of range are refused by name", "[nhpm][synthe
 }
 
 TEST_CASE("Equal seeds give equal trajectories, other seeds other mazes, maps and ways",
-          "[nhpm][synthesis]") {
+          "[synthesis]") {
   CHECK(Run(7) == Run(7));
   const Trajectory one = Run(7);
   const Trajectory other = Run(8);
@@ -150,7 +149,7 @@ TEST_CASE("Equal seeds give equal trajectories, other seeds other mazes, maps an
   CHECK(one.annotator_seed != other.annotator_seed);
 }
 
-TEST_CASE("The same maze mapped by another person begins the same", "[nhpm][synthesis]") {
+TEST_CASE("The same maze mapped by another person begins the same", "[synthesis]") {
   Annotator asleep;
   asleep.reader.lapse_probability = 1.0;
   const auto slept = RunMappingTask({}, asleep, 7);
@@ -161,7 +160,7 @@ TEST_CASE("The same maze mapped by another person begins the same", "[nhpm][synt
   CHECK(slept->final_mapping_accuracy == 0.0);
 }
 
-TEST_CASE("Every maze preset can be mapped, an unknown one is refused", "[nhpm][synthesis]") {
+TEST_CASE("Every maze preset can be mapped, an unknown one is refused", "[synthesis]") {
   for (const sim::MazePreset& preset : sim::MazePresets()) {
     CAPTURE(preset.name);
     const auto trajectory = RunMappingTask({.preset = preset.name}, {}, 1);

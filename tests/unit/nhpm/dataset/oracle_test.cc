@@ -75,7 +75,7 @@ void ForEachCell(const std::vector<Trajectory>& trajectories, const Answers& ans
   }
 }
 
-TEST_CASE("The oracle's probability of one difference is the reader's own", "[nhpm][synthesis]") {
+TEST_CASE("The oracle's probability of one difference is the reader's own", "[synthesis]") {
   Random random(1);
   const PerceptionAnswer answer = OracleAnswer(EditsWith(0.3), FalseWallAhead(), 20000, random);
   CHECK(answer.remove[Cell{1, 3}] == Approx(0.3).margin(0.013));  // 4 standard deviations
@@ -85,7 +85,7 @@ TEST_CASE("The oracle's probability of one difference is the reader's own", "[nh
   }
 }
 
-TEST_CASE("What never or always happened in the draws gets half an event", "[nhpm][synthesis]") {
+TEST_CASE("What never or always happened in the draws gets half an event", "[synthesis]") {
   Random random(1);
   const float never =
       OracleAnswer(EditsWith(0.0), FalseWallAhead(), 2000, random).remove[Cell{1, 3}];
@@ -95,7 +95,7 @@ TEST_CASE("What never or always happened in the draws gets half an event", "[nhp
   CHECK(always == Approx(2000.5 / 2001.0));
 }
 
-TEST_CASE("The mean over two people counts the looks of both", "[nhpm][synthesis]") {
+TEST_CASE("The mean over two people counts the looks of both", "[synthesis]") {
   const std::array people{EditsWith(0.0), EditsWith(1.0)};
   const PerceptionQuery query = FalseWallAhead();
   Random random(1);
@@ -113,7 +113,7 @@ TEST_CASE("The mean over two people counts the looks of both", "[nhpm][synthesis
 }
 
 TEST_CASE("The oracle expects as many edits as are made, within the sampling error",
-          "[nhpm][synthesis]") {
+          "[synthesis]") {
   const std::vector<Trajectory> trajectories = Unfiltered(150);
   const Answers answers = Ask(trajectories, {.draws = 4000});
   double surplus = 0.0;
@@ -131,7 +131,7 @@ TEST_CASE("The oracle expects as many edits as are made, within the sampling err
 }
 
 TEST_CASE("Of the cells to which the oracle gives a probability, that share is edited",
-          "[nhpm][synthesis]") {
+          "[synthesis]") {
   const std::vector<Trajectory> trajectories = Unfiltered(150);
   constexpr int kBins = 5;
   std::array<double, kBins> expected{};
@@ -154,8 +154,7 @@ TEST_CASE("Of the cells to which the oracle gives a probability, that share is e
   }
 }
 
-TEST_CASE("Who knows the person loses less than who takes them for somebody else",
-          "[nhpm][synthesis]") {
+TEST_CASE("Who knows the person loses less than who takes them for somebody else", "[synthesis]") {
   std::vector<Trajectory> trajectories = Unfiltered(60);
   const auto loss = [&](const Answers& answers) {
     double sum = 0.0;
@@ -177,7 +176,7 @@ TEST_CASE("Who knows the person loses less than who takes them for somebody else
 TEST_CASE(
     "The oracle's answers depend on neither threads nor the other trajectories; each is "
     "reported",
-    "[nhpm][synthesis]") {
+    "[synthesis]") {
   const std::vector<Trajectory> trajectories = Unfiltered(7);
   const Answers answers = Ask(trajectories, {.draws = 2000});
   std::vector<std::size_t> reported;
@@ -193,7 +192,7 @@ TEST_CASE(
   CHECK(Ask({}).empty());
 }
 
-TEST_CASE("The oracle refuses what it knows nothing of, by name", "[nhpm][synthesis]") {
+TEST_CASE("The oracle refuses what it knows nothing of, by name", "[synthesis]") {
   using Catch::Matchers::Contains;
   const auto refusal = [](void (*spoil)(Trajectory&),
                           const OracleOptions& options = {.draws = 2000}) {

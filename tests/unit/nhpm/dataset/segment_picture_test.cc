@@ -15,7 +15,7 @@ std::size_t Count(const std::string& text, const std::string& part) {
   return count;
 }
 
-TEST_CASE("a segment in characters shows path, view, edits and heading", "[nhpm][dataset]") {
+TEST_CASE("a segment in characters shows path, view, edits and heading", "[dataset]") {
   SegmentSet set = tests::SampleSet();
   CHECK(SegmentText(ChooseSegments(set, 1).at(0)) ==
         "segment 0 (trajectory 0, step 2, synthetic): 2 edits\n"
@@ -34,7 +34,7 @@ TEST_CASE("a segment in characters shows path, view, edits and heading", "[nhpm]
   CHECK_THAT(drawn(-3.1), Catch::Contains("#o<##"));
 }
 
-TEST_CASE("segments are chosen by number, and a wrong number is named", "[nhpm][dataset]") {
+TEST_CASE("segments are chosen by number, and a wrong number is named", "[dataset]") {
   const SegmentSet set = tests::SampleSet();
   const std::size_t wanted[] = {2, 0};
   const auto chosen = ChooseSegments(set, wanted);
@@ -45,7 +45,7 @@ TEST_CASE("segments are chosen by number, and a wrong number is named", "[nhpm][
   CHECK_THAT(ChooseSegments(set, wrong).error().text, Catch::Contains("segment 3"));
 }
 
-TEST_CASE("segments with edits are preferred, others fill up", "[nhpm][dataset]") {
+TEST_CASE("segments with edits are preferred, others fill up", "[dataset]") {
   SegmentSet set;
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     set.trajectories.push_back(tests::SampleTrajectory(seed));  // of two segments
@@ -73,7 +73,7 @@ TEST_CASE("segments with edits are preferred, others fill up", "[nhpm][dataset]"
   CHECK(ChooseSegments(SegmentSet(), 5).empty());
 }
 
-TEST_CASE("the picture has three maps for each segment and marks each edit", "[nhpm][dataset]") {
+TEST_CASE("the picture has three maps for each segment and marks each edit", "[dataset]") {
   const SegmentSet set = tests::SampleSet();
   const std::string svg = SegmentsSvg(ChooseSegments(set, 2), "a < b");
   CHECK(Count(svg, "width=\"17.0\" height=\"17.0\"") == 2 * (3 * 20 + 5));

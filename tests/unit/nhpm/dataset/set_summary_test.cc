@@ -8,7 +8,7 @@
 namespace conav::nhpm {
 namespace {
 
-TEST_CASE("a set is counted by origin, size and edits", "[nhpm][dataset]") {
+TEST_CASE("a set is counted by origin, size and edits", "[dataset]") {
   SegmentSet set = tests::SampleSet();
   set.trajectories[0].segments[1].belief_after = set.trajectories[0].segments[1].query.belief;
   const SetSummary summary = Summarize(set);
@@ -33,7 +33,7 @@ TEST_CASE("a set is counted by origin, size and edits", "[nhpm][dataset]") {
   CHECK(summary.without_truth == 1);
 }
 
-TEST_CASE("edits on the path count apart, many edits share the last bin", "[nhpm][dataset]") {
+TEST_CASE("edits on the path count apart, many edits share the last bin", "[dataset]") {
   SegmentSet set{{tests::SampleTrajectory()}};
   for (Segment& segment : set.trajectories[0].segments) {
     segment.query.path = {{2, 1}, {1, 2}};
@@ -48,7 +48,7 @@ TEST_CASE("edits on the path count apart, many edits share the last bin", "[nhpm
   CHECK(Summarize({{trajectory}}).segments_by_edits[kEditBins - 1] == 1);
 }
 
-TEST_CASE("nobody can overlook that data is synthetic or simulated", "[nhpm][dataset]") {
+TEST_CASE("nobody can overlook that data is synthetic or simulated", "[dataset]") {
   SegmentSet set{{tests::SampleTrajectory()}};
   CHECK_THAT(ToText(Summarize(set)), Catch::StartsWith("SYNTHETIC: "));
   CHECK(ToJson(Summarize(set)).at("origin") == "synthetic");
@@ -70,7 +70,7 @@ std::string Refusal(const Trajectory& a, const Trajectory& b) {
   return added ? "" : added.error().text;
 }
 
-TEST_CASE("sets are joined unless a trajectory comes twice", "[nhpm][dataset]") {
+TEST_CASE("sets are joined unless a trajectory comes twice", "[dataset]") {
   SetUnion all;
   REQUIRE(all.Add({{SampleTrajectory(1), SampleTrajectory(2)}}, "a"));
   REQUIRE(all.Add({{SampleTrajectory(3)}}, "b"));
@@ -89,7 +89,7 @@ TEST_CASE("sets are joined unless a trajectory comes twice", "[nhpm][dataset]") 
 }
 
 TEST_CASE("a trajectory that was recorded again or torn is the same, in either order",
-          "[nhpm][dataset]") {
+          "[dataset]") {
   Trajectory again = SampleTrajectory();
   again.session = "s2";
   again.final_cell_accuracy = 0.5;
@@ -108,7 +108,7 @@ TEST_CASE("a trajectory that was recorded again or torn is the same, in either o
   CHECK_FALSE(Refusal(torn, SampleTrajectory()).empty());
 }
 
-TEST_CASE("another person, world, seed, map or picture is another trajectory", "[nhpm][dataset]") {
+TEST_CASE("another person, world, seed, map or picture is another trajectory", "[dataset]") {
   const auto joins = [](auto change) {
     Trajectory other = SampleTrajectory();
     change(other);

@@ -27,7 +27,7 @@ SynthesisOptions Few(int trajectories, std::uint64_t seed = 1) {
 TEST_CASE(
     "There are exactly as many trajectories as asked for, all good enough; progress counts "
     "them",
-    "[nhpm][synthesis]") {
+    "[synthesis]") {
   for (const int wanted : {1, 2, 100}) {
     SynthesisOptions options = Few(wanted);
     std::vector<int> accepted;
@@ -48,7 +48,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("Those who map too badly are excluded and counted", "[nhpm][synthesis]") {
+TEST_CASE("Those who map too badly are excluded and counted", "[synthesis]") {
   SynthesisOptions options = Few(60);
   options.population.careless_share = 0.0;
   const int with_careful = Make(options).excluded;
@@ -60,7 +60,7 @@ TEST_CASE("Those who map too badly are excluded and counted", "[nhpm][synthesis]
         fmt::format("1-{:05}", mixed.set.trajectories.size() + mixed.excluded));
 }
 
-TEST_CASE("Equal seeds give equal segments, whatever the number of threads", "[nhpm][synthesis]") {
+TEST_CASE("Equal seeds give equal segments, whatever the number of threads", "[synthesis]") {
   SynthesisOptions options = Few(30, 9);
   const Synthesis one = Make(options);
   for (const int threads : {2, 5, 200}) {
@@ -77,7 +77,7 @@ TEST_CASE("Equal seeds give equal segments, whatever the number of threads", "[n
   CHECK(many == few);
 }
 
-TEST_CASE("Each trajectory has a maze of its own, a person maps three", "[nhpm][synthesis]") {
+TEST_CASE("Each trajectory has a maze of its own, a person maps three", "[synthesis]") {
   SynthesisOptions options = Few(60);
   options.population.careless_share = 0.0;
   std::set<std::uint64_t> worlds;
@@ -102,7 +102,7 @@ TEST_CASE("Each trajectory has a maze of its own, a person maps three", "[nhpm][
   CHECK(one_person.front().participant == one_person.back().participant);
 }
 
-TEST_CASE("The default people have the paper's calibration", "[nhpm][synthesis]") {
+TEST_CASE("The default people have the paper's calibration", "[synthesis]") {
   const Synthesis synthesis = Make(Few(150, 4));
   double segments = 0;
   double edits = 0;
@@ -117,8 +117,7 @@ TEST_CASE("The default people have the paper's calibration", "[nhpm][synthesis]"
   CHECK(synthesis.excluded < 150);
 }
 
-TEST_CASE("Impossible wishes are refused by name, people who never look, too",
-          "[nhpm][synthesis]") {
+TEST_CASE("Impossible wishes are refused by name, people who never look, too", "[synthesis]") {
   const std::pair<const char*, void (*)(SynthesisOptions&)> rows[] = {
       {"trajectories = 0", [](auto& o) { o.trajectories = 0; }},
       {"per person = 0", [](auto& o) { o.trajectories_per_person = 0; }},
@@ -253,7 +252,7 @@ Cell Along(double heading_rad) {
 }
 Cell Across(double heading_rad) { return Along(heading_rad + 1.5707963267948966); }
 
-TEST_CASE("The share of differences that people edit falls with distance", "[nhpm][synthesis]") {
+TEST_CASE("The share of differences that people edit falls with distance", "[synthesis]") {
   const auto between = [](double low, double high) {
     return RateOf(DefaultSet(), [=](const Discrepancy& one) {
       return !one.wall && !one.on_path && one.Distance() > low && one.Distance() <= high;
@@ -267,7 +266,7 @@ TEST_CASE("The share of differences that people edit falls with distance", "[nhp
   CHECK(middle > far + 0.05);
 }
 
-TEST_CASE("The robot's path opens walls, near or far", "[nhpm][synthesis]") {
+TEST_CASE("The robot's path opens walls, near or far", "[synthesis]") {
   const auto far_walls = [](bool on_path) {
     return RateOf(DefaultSet(), [=](const Discrepancy& one) {
       return !one.wall && one.on_path == on_path && one.Distance() > 4.0;
@@ -278,8 +277,7 @@ TEST_CASE("The robot's path opens walls, near or far", "[nhpm][synthesis]") {
   CHECK(far_walls(true).share() > far_walls(false).share() + 0.25);
 }
 
-TEST_CASE("Near walls land one cell off along the view, hardly ever across it",
-          "[nhpm][synthesis]") {
+TEST_CASE("Near walls land one cell off along the view, hardly ever across it", "[synthesis]") {
   const double along = MisplacedShare(DefaultSet(), Along);
   const double across = MisplacedShare(DefaultSet(), Across);
   CAPTURE(along, across);
@@ -290,7 +288,7 @@ TEST_CASE("Near walls land one cell off along the view, hardly ever across it",
 
 TEST_CASE(
     "A far wall at the image centre that continues one of the map is preferred to near lateral",
-    "[nhpm][synthesis]") {
+    "[synthesis]") {
   const auto continues = [](const Discrepancy& one) {
     const BeliefGrid& map = one.segment->query.belief;
     return std::any_of(kNeighbourOffsets.begin(), kNeighbourOffsets.end(),
@@ -307,7 +305,7 @@ TEST_CASE(
 }
 
 TEST_CASE("Lapses leave pictures without any edit, guesses edit without any difference",
-          "[nhpm][synthesis]") {
+          "[synthesis]") {
   const auto edited_without_reason = [](const SegmentSet& set) {
     int guesses = 0;
     int pictures = 0;
@@ -335,7 +333,7 @@ TEST_CASE("Lapses leave pictures without any edit, guesses edit without any diff
   CHECK(RateOf(Make(drowsy), on_path).share() == Approx(0.8 * 0.96).margin(0.05));
 }
 
-TEST_CASE("Two people with other habits leave other traces", "[nhpm][synthesis]") {
+TEST_CASE("Two people with other habits leave other traces", "[synthesis]") {
   AnnotatorPopulation exact;
   exact.careless_share = 0.0;
   exact.careful.misplacement_probability = {0.05, 0.0};
@@ -352,7 +350,7 @@ TEST_CASE("Two people with other habits leave other traces", "[nhpm][synthesis]"
   CHECK(RateOf(one, lateral).share() > RateOf(other, lateral).share() + 0.3);
 }
 
-TEST_CASE("Nobody edits the border or walls the robot in", "[nhpm][synthesis]") {
+TEST_CASE("Nobody edits the border or walls the robot in", "[synthesis]") {
   for (const Trajectory& trajectory : DefaultSet().trajectories) {
     for (const Segment& segment : trajectory.segments) {
       for (const Cell cell : segment.query.path)

@@ -31,7 +31,7 @@ std::shared_ptr<const PackedWeights> Packed(int width) {
                                                PackedWeights::Use::kInference);
 }
 
-TEST_CASE("from a base the logits have the bits of a full pass", "[nhpm][engine]") {
+TEST_CASE("from a base the logits have the bits of a full pass", "[engine]") {
   const auto [rows, columns] = GENERATE(table<int, int>({{13, 13}, {1, 1}, {3, 40}, {21, 17}}));
   const int width = GENERATE(16, 32, 64);
   CAPTURE(rows, columns, width);
@@ -49,7 +49,7 @@ TEST_CASE("from a base the logits have the bits of a full pass", "[nhpm][engine]
   }
 }
 
-TEST_CASE("a full pass and a new base in between leave nothing behind", "[nhpm][engine]") {
+TEST_CASE("a full pass and a new base in between leave nothing behind", "[engine]") {
   const auto weights = Packed(16);
   InferencePass pass(weights, KernelsFor(16), 9, 9);
   InferencePass whole(weights, KernelsFor(16), 9, 9);
@@ -64,7 +64,7 @@ TEST_CASE("a full pass and a new base in between leave nothing behind", "[nhpm][
   }
 }
 
-TEST_CASE("only what a change can reach is computed", "[nhpm][engine]") {
+TEST_CASE("only what a change can reach is computed", "[engine]") {
   InferencePass pass(Packed(16), KernelsFor(16), 13, 13);
   Floats input(13 * 13 * kInputChannels, 0.0F);
   pass.SetBase(input);
@@ -80,7 +80,7 @@ TEST_CASE("only what a change can reach is computed", "[nhpm][engine]") {
   CHECK(pass.cells_computed() == 2 * 2 + 3 * 3 + 4 * 4);
 }
 
-TEST_CASE("inference and training see the same logits", "[nhpm][engine]") {
+TEST_CASE("inference and training see the same logits", "[engine]") {
   const NetworkWeights weights = InitialWeights({32}, 4, 0.0F);
   InferencePass pass(std::make_shared<const PackedWeights>(weights, PackedWeights::Use::kInference),
                      KernelsFor(32), 13, 13);
@@ -91,8 +91,7 @@ TEST_CASE("inference and training see the same logits", "[nhpm][engine]") {
   CHECK(Copy(pass.Full(input)) == Copy(training.Forward(training_weights, input)));
 }
 
-TEST_CASE("every instruction set gives a whole network's logits with the same bits",
-          "[nhpm][engine]") {
+TEST_CASE("every instruction set gives a whole network's logits with the same bits", "[engine]") {
   const auto weights = Packed(32);
   Random random(12);
   const Floats input = RandomInput(random, 13, 13);

@@ -66,7 +66,7 @@ nlohmann::json ReadJson(const std::string& file) {
   return nlohmann::json::parse(*ReadFile(file), nullptr, false);
 }
 
-TEST_CASE("conav evaluate prints table 1 and writes JSON, CSV and a page", "[nhpm][evaluate]") {
+TEST_CASE("conav evaluate prints table 1 and writes JSON, CSV and a page", "[evaluate]") {
   const Folder folder;
   const std::string data = WriteData(folder / "data.pb.zst");
   const std::string weights = WriteWeights(folder / "w.nhpm", data);
@@ -89,7 +89,7 @@ TEST_CASE("conav evaluate prints table 1 and writes JSON, CSV and a page", "[nhp
   CHECK_THAT(*ReadFile(folder / "r.csv"), Catch::Contains("\noracle,"));
 }
 
-TEST_CASE("Equal arguments give equal figures, on any number of threads", "[nhpm][evaluate]") {
+TEST_CASE("Equal arguments give equal figures, on any number of threads", "[evaluate]") {
   const Folder folder;
   const std::string data = WriteData(folder / "data.pb.zst", 9);
   const std::string weights = WriteWeights(folder / "w.nhpm", data);
@@ -103,7 +103,7 @@ TEST_CASE("Equal arguments give equal figures, on any number of threads", "[nhpm
   CHECK(json["models"].contains("oracle_average"));
 }
 
-TEST_CASE("Each input left out and each weights file has a row of its own", "[nhpm][evaluate]") {
+TEST_CASE("Each input left out and each weights file has a row of its own", "[evaluate]") {
   const Folder folder;
   const std::string data = WriteData(folder / "data.pb.zst");
   const std::string weights = WriteWeights(folder / "w.nhpm", data);
@@ -120,7 +120,7 @@ TEST_CASE("Each input left out and each weights file has a row of its own", "[nh
   CHECK(models.contains("nhpm_2_without_o"));
 }
 
-TEST_CASE("People are no oracle, and their data is not called synthetic", "[nhpm][evaluate]") {
+TEST_CASE("People are no oracle, and their data is not called synthetic", "[evaluate]") {
   const Folder folder;
   const std::string data = WriteData(folder / "data.pb.zst", 6, SegmentOrigin::kPerson);
   const Ended ended = Run(fmt::format("--data {} --weights {} --json {}", data,
@@ -140,7 +140,7 @@ TEST_CASE("People are no oracle, and their data is not called synthetic", "[nhpm
   CHECK_THAT(average.text(), Catch::Contains("is people data"));
 }
 
-TEST_CASE("Weights that never saw an input have no further row without it", "[nhpm][evaluate]") {
+TEST_CASE("Weights that never saw an input have no further row without it", "[evaluate]") {
   const Folder folder;
   const std::string data = WriteData(folder / "data.pb.zst");
   NetworkModel model = *ReadWeightsFile(WriteWeights(folder / "w.nhpm", data));
@@ -156,7 +156,7 @@ TEST_CASE("Weights that never saw an input have no further row without it", "[nh
   CHECK(models.contains("nhpm_without_o"));
 }
 
-TEST_CASE("A file's name need not be text", "[nhpm][evaluate]") {
+TEST_CASE("A file's name need not be text", "[evaluate]") {
   const Folder folder;
   const std::string data = WriteData(folder / "d\xff.pb.zst");
   const Ended ended = Run(Of(data, WriteWeights(folder / "w.nhpm", data)) + "--json -");
@@ -164,7 +164,7 @@ TEST_CASE("A file's name need not be text", "[nhpm][evaluate]") {
   CHECK(nlohmann::json::parse(ended.out)["data"]["file"] == "d\uFFFD.pb.zst");
 }
 
-TEST_CASE("Data without a test part is refused, unless all of it is test", "[nhpm][evaluate]") {
+TEST_CASE("Data without a test part is refused, unless all of it is test", "[evaluate]") {
   const Folder folder;
   const std::string data = WriteData(folder / "data.pb.zst", 1);
   const std::string weights = WriteWeights(folder / "w.nhpm", "");
@@ -177,7 +177,7 @@ TEST_CASE("Data without a test part is refused, unless all of it is test", "[nhp
   CHECK_FALSE(ReadJson(folder / "r.json")["models"].contains("glpf_train"));
 }
 
-TEST_CASE("Weights that saw the test part are refused", "[nhpm][evaluate]") {
+TEST_CASE("Weights that saw the test part are refused", "[evaluate]") {
   const Folder folder;
   const std::string data = WriteData(folder / "data.pb.zst", 9);
   const std::string weights = WriteWeights(folder / "w.nhpm", data);
@@ -192,7 +192,7 @@ TEST_CASE("Weights that saw the test part are refused", "[nhpm][evaluate]") {
 }
 
 TEST_CASE("Weights that saw some of a file are refused, whatever file they learned from",
-          "[nhpm][evaluate]") {
+          "[evaluate]") {
   const Folder folder;
   const SegmentSet whole = *ReadSegmentFile(WriteData(folder / "data.pb.zst", 12));
   const std::string weights = WriteWeights(folder / "w.nhpm", folder / "data.pb.zst");
@@ -212,7 +212,7 @@ TEST_CASE("Weights that saw some of a file are refused, whatever file they learn
 }
 
 TEST_CASE("Weights of other data are fine, those of nobody knows what give a warning",
-          "[nhpm][evaluate]") {
+          "[evaluate]") {
   const Folder folder;
   const std::string data = WriteData(folder / "data.pb.zst");
   SegmentSet others = *ReadSegmentFile(data);
@@ -225,7 +225,7 @@ TEST_CASE("Weights of other data are fine, those of nobody knows what give a war
              Catch::Contains("warning: " + (folder / "b.nhpm")));
 }
 
-TEST_CASE("Files that are not what they should be are named", "[nhpm][evaluate]") {
+TEST_CASE("Files that are not what they should be are named", "[evaluate]") {
   const Folder folder;
   const std::string data = WriteData(folder / "data.pb.zst");
   const std::string weights = WriteWeights(folder / "w.nhpm", data);
@@ -242,7 +242,7 @@ TEST_CASE("Files that are not what they should be are named", "[nhpm][evaluate]"
   }
 }
 
-TEST_CASE("Synthetic data without its annotators has no oracle and says why", "[nhpm][evaluate]") {
+TEST_CASE("Synthetic data without its annotators has no oracle and says why", "[evaluate]") {
   const Folder folder;
   SegmentSet set = *ReadSegmentFile(WriteData(folder / "data.pb.zst"));
   for (Trajectory& trajectory : set.trajectories) trajectory.annotator.clear();
@@ -255,7 +255,7 @@ TEST_CASE("Synthetic data without its annotators has no oracle and says why", "[
   CHECK(Run(common + "--oracle-draws 0").exit_code == 0);
 }
 
-TEST_CASE("Options out of range or that contradict each other are wrong use", "[nhpm][evaluate]") {
+TEST_CASE("Options out of range or that contradict each other are wrong use", "[evaluate]") {
   const Folder folder;
   const std::string data = WriteData(folder / "data.pb.zst");
   const std::string common =
@@ -272,7 +272,7 @@ TEST_CASE("Options out of range or that contradict each other are wrong use", "[
   CHECK_THAT(ended.text(), Catch::Contains("segments 0 to 3"));
 }
 
-TEST_CASE("A report does not go over what it is of", "[nhpm][evaluate]") {
+TEST_CASE("A report does not go over what it is of", "[evaluate]") {
   const Folder folder;
   const std::string data = WriteData(folder / "data.pb.zst");
   const std::string weights = WriteWeights(folder / "w.nhpm", data);
@@ -284,7 +284,7 @@ TEST_CASE("A report does not go over what it is of", "[nhpm][evaluate]") {
   CHECK(ReadWeightsFile(weights));
 }
 
-TEST_CASE("The page shows the segments that were asked for", "[nhpm][evaluate]") {
+TEST_CASE("The page shows the segments that were asked for", "[evaluate]") {
   const Folder folder;
   const std::string data = WriteData(folder / "data.pb.zst");
   const Ended ended =
@@ -295,7 +295,7 @@ TEST_CASE("The page shows the segments that were asked for", "[nhpm][evaluate]")
   CHECK_THAT(ended.text(), !Catch::Contains("Test segment 1:"));
 }
 
-TEST_CASE("With --check a bar that is not reached is a failure", "[nhpm][evaluate]") {
+TEST_CASE("With --check a bar that is not reached is a failure", "[evaluate]") {
   const Folder folder;
   const std::string data = WriteData(folder / "data.pb.zst");
   const std::string common = fmt::format("--data {} --weights {} --oracle-draws 2000 ", data,

@@ -23,8 +23,7 @@ class RefusingModel final : public EditModel {
   ModelIdentity identity_;
 };
 
-TEST_CASE("A model is measured on both parts of the data, where there are two",
-          "[nhpm][evaluation]") {
+TEST_CASE("A model is measured on both parts of the data, where there are two", "[evaluation]") {
   EvaluationData data = SampleData();
   const auto row = EvaluateModel({"even", "Even", "0.25 everywhere"}, EvenModel(0.25F), data);
   REQUIRE(row);
@@ -50,7 +49,7 @@ TEST_CASE("A model is measured on both parts of the data, where there are two",
   CHECK_FALSE(untrained->at_train_boundary);
 }
 
-TEST_CASE("Progress is reported until all segments are answered", "[nhpm][evaluation]") {
+TEST_CASE("Progress is reported until all segments are answered", "[evaluation]") {
   const EvaluationData data = SampleData();
   std::vector<std::size_t> told;
   const auto answers =
@@ -62,8 +61,7 @@ TEST_CASE("Progress is reported until all segments are answered", "[nhpm][evalua
   CHECK(told == std::vector<std::size_t>{64, 120});
 }
 
-TEST_CASE("GLPF-Test bounds GLPF-Train, and both find the people who are a GLPF",
-          "[nhpm][evaluation]") {
+TEST_CASE("GLPF-Test bounds GLPF-Train, and both find the people who are a GLPF", "[evaluation]") {
   const EvaluationData data = SampleData();
   const auto train = EvaluateGlpfTrain(data);
   const auto test = EvaluateGlpfTest(data);
@@ -80,7 +78,7 @@ TEST_CASE("GLPF-Test bounds GLPF-Train, and both find the people who are a GLPF"
 }
 
 TEST_CASE("GLPF-Train's boundary is ideal on the train part, its IoU that of the test part",
-          "[nhpm][evaluation]") {
+          "[evaluation]") {
   const EvaluationData data = SampleData();
   const auto row = EvaluateGlpfTrain(data);
   REQUIRE(row);
@@ -93,7 +91,7 @@ TEST_CASE("GLPF-Train's boundary is ideal on the train part, its IoU that of the
 }
 
 TEST_CASE("A model's refusal is passed on, answers of another number name the row",
-          "[nhpm][evaluation]") {
+          "[evaluation]") {
   const auto refused = EvaluateModel({"nhpm", "NHPM", ""}, RefusingModel(), SampleData());
   REQUIRE_FALSE(refused);
   CHECK(refused.error().text == "made for 13 x 13 cells, not 9 x 9");
@@ -121,7 +119,7 @@ EvaluationData TwoTrajectories() {
 TEST_CASE(
     "The excess share lies between oracle and baseline; a bar is passed at its limit, one "
     "from below only above it",
-    "[nhpm][bars]") {
+    "[bars]") {
   CHECK(ExcessShare(2.0, 2.0, 4.0) == 0.0);
   CHECK(ExcessShare(2.5, 2.0, 4.0) == 0.25);
   CHECK(ExcessShare(4.0, 2.0, 4.0) == 1.0);
@@ -132,7 +130,7 @@ TEST_CASE(
   CHECK_FALSE(Bar{.value = 0.2, .limit = 0.2, .at_most = false}.passed());
 }
 
-TEST_CASE("NHPM is measured against the oracle and both GLPFs", "[nhpm][bars]") {
+TEST_CASE("NHPM is measured against the oracle and both GLPFs", "[bars]") {
   std::vector<ModelRow> rows{RowWith("glpf_train", {3.0, 3.0, 3.0, 3.0}, 0.4),
                              RowWith("glpf_test", {2.0, 2.0, 2.0, 2.0}, 0.3),
                              RowWith("nhpm", {1.2, 1.2, 1.1, 1.1}, 0.35),
@@ -153,7 +151,7 @@ TEST_CASE("NHPM is measured against the oracle and both GLPFs", "[nhpm][bars]") 
   CHECK(bars[2].passed());
 }
 
-TEST_CASE("The interval holds the shares of the trajectories", "[nhpm][bars]") {
+TEST_CASE("The interval holds the shares of the trajectories", "[bars]") {
   const ModelRow oracle = RowWith("oracle", {1.0, 1.0, 1.0, 1.0}, 0.5);
   const ModelRow glpf = RowWith("glpf_test", {2.0, 2.0, 2.0, 2.0}, 0.5);
   const ModelRow nhpm = RowWith("nhpm", {1.2, 1.2, 1.1, 1.1}, 0.5);
@@ -166,7 +164,7 @@ TEST_CASE("The interval holds the shares of the trajectories", "[nhpm][bars]") {
   CHECK_FALSE(ExcessShareInterval(one, nhpm, oracle, glpf));
 }
 
-TEST_CASE("Bars are only those that the rows allow to say", "[nhpm][bars]") {
+TEST_CASE("Bars are only those that the rows allow to say", "[bars]") {
   const ModelRow nhpm = RowWith("nhpm", {1.0, 1.0, 1.0, 1.0}, 0.5);
   const ModelRow glpf = RowWith("glpf_test", {2.0, 2.0, 2.0, 2.0}, 0.4);
   CHECK(CheckBars(TwoTrajectories(), {glpf}).empty());

@@ -45,7 +45,7 @@ GlpfStatistics ExactStatistics(const GlpfParameters& parameters) {
   return statistics;
 }
 
-TEST_CASE("Cells are counted by stimulus", "[nhpm][glpf_fit]") {
+TEST_CASE("Cells are counted by stimulus", "[glpf_fit]") {
   Segment segment = EmptySegment();
   PerceptionQuery& query = segment.query;
   query.belief[{1, 1}] = 1.0F;
@@ -70,7 +70,7 @@ TEST_CASE("Cells are counted by stimulus", "[nhpm][glpf_fit]") {
   CHECK(statistics.outputs() == 9.0);
 }
 
-TEST_CASE("The loss of counted cells is that of the model's answers", "[nhpm][glpf_fit]") {
+TEST_CASE("The loss of counted cells is that of the model's answers", "[glpf_fit]") {
   const std::vector<Segment> segments = SegmentsEditedBy(kTruth, 20);
   GlpfParameters parameters = kTruth;
   parameters.visible_only = GENERATE(false, true);
@@ -85,7 +85,7 @@ TEST_CASE("The loss of counted cells is that of the model's answers", "[nhpm][gl
 TEST_CASE(
     "Parameters are recovered from as many edits as they promise, one alpha where there is "
     "one",
-    "[nhpm][glpf_fit]") {
+    "[glpf_fit]") {
   GlpfParameters truth = kTruth;
   truth.visible_only = GENERATE(false, true);
   const GlpfFit fit = FitGlpf(ExactStatistics(truth));
@@ -106,7 +106,7 @@ TEST_CASE(
   CHECK(tied.variants.size() == 1);
 }
 
-TEST_CASE("Parameters are recovered from people who follow them", "[nhpm][glpf_fit]") {
+TEST_CASE("Parameters are recovered from people who follow them", "[glpf_fit]") {
   const std::vector<Segment> segments = SegmentsEditedBy(kTruth, 600);
   const GlpfStatistics statistics = CountStimuli(Pointers(segments));
   const GlpfFit fit = FitGlpf(statistics);
@@ -122,7 +122,7 @@ TEST_CASE("Parameters are recovered from people who follow them", "[nhpm][glpf_f
 }
 
 TEST_CASE("The rates stay within their bounds, also of people who overlook most near mistakes",
-          "[nhpm][glpf_fit]") {
+          "[glpf_fit]") {
   GlpfStatistics statistics;
   statistics.unstimulated = {100.0, 90.0};  // a guess rate of 0.9 cannot be
   statistics.seen[1] = {100.0, 10.0};
@@ -135,7 +135,7 @@ TEST_CASE("The rates stay within their bounds, also of people who overlook most 
   CHECK(FitGlpf(statistics).best.parameters.lambda == Approx(0.5).margin(1e-3));
 }
 
-TEST_CASE("Two alphas fit at least as well as one, and a fit is repeatable", "[nhpm][glpf_fit]") {
+TEST_CASE("Two alphas fit at least as well as one, and a fit is repeatable", "[glpf_fit]") {
   const GlpfStatistics statistics = CountStimuli(Pointers(SegmentsEditedBy(kTruth, 60)));
   const GlpfFit two = FitGlpf(statistics, {.tie_alphas = false});
   const GlpfFit both = FitGlpf(statistics, {.tie_alphas = {}});
@@ -154,7 +154,7 @@ double Rosenbrock(std::span<const double> at) {
   return sum;
 }
 
-TEST_CASE("Minima are found, of one, two and four coordinates", "[nhpm][nelder_mead]") {
+TEST_CASE("Minima are found, of one, two and four coordinates", "[nelder_mead]") {
   const auto found = MinimiseNelderMead(Rosenbrock, std::vector{-1.2, 1.0});
   CHECK(found.converged);
   CHECK(found.position[0] == Approx(1.0).margin(1e-4));
@@ -171,20 +171,20 @@ TEST_CASE("Minima are found, of one, two and four coordinates", "[nhpm][nelder_m
   CHECK(one.value == Approx(2.0));
 }
 
-TEST_CASE("Equal values far from each other are no minimum yet", "[nhpm][nelder_mead]") {
+TEST_CASE("Equal values far from each other are no minimum yet", "[nelder_mead]") {
   const auto flat = [](std::span<const double>) { return 1.0; };
   CHECK_FALSE(MinimiseNelderMead(flat, std::vector{0.0, 0.0}, {.iterations = 10}).converged);
   CHECK(MinimiseNelderMead(flat, std::vector{0.0, 0.0}).converged);
 }
 
-TEST_CASE("Values that are no numbers are walked around", "[nhpm][nelder_mead]") {
+TEST_CASE("Values that are no numbers are walked around", "[nelder_mead]") {
   const auto logarithm = [](std::span<const double> at) {
     return at[0] <= 0.0 ? std::numeric_limits<double>::quiet_NaN() : at[0] - std::log(at[0]);
   };
   CHECK(MinimiseNelderMead(logarithm, std::vector{0.1}).position[0] == Approx(1.0).margin(1e-4));
 }
 
-TEST_CASE("The search ends when its iterations are spent", "[nhpm][nelder_mead]") {
+TEST_CASE("The search ends when its iterations are spent", "[nelder_mead]") {
   const auto found = MinimiseNelderMead(Rosenbrock, std::vector{-1.2, 1.0}, {.iterations = 5});
   CHECK(found.iterations == 5);
   CHECK_FALSE(found.converged);

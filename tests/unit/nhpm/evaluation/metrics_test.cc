@@ -15,7 +15,7 @@ Outcomes Sample() {
                        {{0.25F, true}, {0.25F, false}, {0.0F, false}, {0.0F, false}}});
 }
 
-TEST_CASE("The cross-entropy of an output is the logarithm of what happened", "[nhpm][metrics]") {
+TEST_CASE("The cross-entropy of an output is the logarithm of what happened", "[metrics]") {
   CHECK(CrossEntropy(0.25, true) == Approx(std::log(4.0)));
   CHECK(CrossEntropy(0.25, false) == Approx(std::log(4.0 / 3.0)));
   CHECK(CrossEntropy(0.0, false) == Approx(1.0e-7));
@@ -23,7 +23,7 @@ TEST_CASE("The cross-entropy of an output is the logarithm of what happened", "[
   CHECK(CrossEntropy(1.0, false) == Approx(16.118096));
 }
 
-TEST_CASE("The mean cross-entropy counts masked outputs, or not", "[nhpm][metrics]") {
+TEST_CASE("The mean cross-entropy counts masked outputs, or not", "[metrics]") {
   const Loss loss = MeanCrossEntropy(Sample());
   // -ln(.75) - 2 ln(.5) - ln(.25) - ln(.75) = 0.287682 + 1.386294 + 1.386294 + 0.287682
   CHECK(loss.unmasked == Approx(3.347952 / 8).epsilon(1e-6));
@@ -31,7 +31,7 @@ TEST_CASE("The mean cross-entropy counts masked outputs, or not", "[nhpm][metric
 }
 
 TEST_CASE("One edit per segment promised everywhere scores as the paper's notes compute",
-          "[nhpm][metrics]") {
+          "[metrics]") {
   // 169 cells, one of them edited, the same probability in each: entropy of 1/169.
   std::vector<Outcome> segment(169, Outcome{1.0F / 169.0F, false});
   segment[84].edited = true;
@@ -40,8 +40,7 @@ TEST_CASE("One edit per segment promised everywhere scores as the paper's notes 
   CHECK(loss.unmasked == Approx(0.0362).margin(0.0001));
 }
 
-TEST_CASE("IoU divides what is predicted and true by what is predicted or true",
-          "[nhpm][metrics]") {
+TEST_CASE("IoU divides what is predicted and true by what is predicted or true", "[metrics]") {
   CHECK(IouAt(Sample(), 0.75) == Approx(1.0 / 3.0));
   CHECK(IouAt(Sample(), 0.5) == Approx(2.0 / 4.0));  // the boundary itself is predicted
   CHECK(IouAt(Sample(), 0.25) == Approx(3.0 / 5.0));
@@ -49,7 +48,7 @@ TEST_CASE("IoU divides what is predicted and true by what is predicted or true",
   CHECK(IouAt(MakeOutcomes({{{0.1F, false}}}), 0.5) == 1.0);
 }
 
-TEST_CASE("The best boundary is the lowest of the grid with the highest IoU", "[nhpm][metrics]") {
+TEST_CASE("The best boundary is the lowest of the grid with the highest IoU", "[metrics]") {
   const BoundaryIou best = BestIou(Sample());
   CHECK(best.iou == Approx(0.6));
   CHECK(best.boundary == Approx(0.01));  // up to 0.25 nothing changes
@@ -58,7 +57,7 @@ TEST_CASE("The best boundary is the lowest of the grid with the highest IoU", "[
   CHECK(BestIou(noisy).boundary == Approx(0.31));
 }
 
-TEST_CASE("The mean IoU of segments leaves out those with nothing in them", "[nhpm][metrics]") {
+TEST_CASE("The mean IoU of segments leaves out those with nothing in them", "[metrics]") {
   Outcomes outcomes = Sample();
   CHECK(*SegmentMeanIou(outcomes, 0.25) == Approx((2.0 / 3.0 + 1.0 / 2.0) / 2.0));
   outcomes.values.push_back({0.0F, false});
@@ -67,7 +66,7 @@ TEST_CASE("The mean IoU of segments leaves out those with nothing in them", "[nh
   CHECK_FALSE(SegmentMeanIou(MakeOutcomes({{{0.1F, false}}}), 0.5));
 }
 
-TEST_CASE("Calibration compares promise and share edited bin by bin", "[nhpm][metrics]") {
+TEST_CASE("Calibration compares promise and share edited bin by bin", "[metrics]") {
   const Calibration calibration = Calibrate(Sample(), 4);
   REQUIRE(calibration.bins.size() == 4);
   // [0, .25): 3 x 0, none edited; [.25, .5): 2 x .25, one edited; [.5, .75): 2 x .5, one edited;
@@ -81,7 +80,7 @@ TEST_CASE("Calibration compares promise and share edited bin by bin", "[nhpm][me
   CHECK(Calibrate(MakeOutcomes({{{1.0F, true}}})).bins.back().outputs == 1);
 }
 
-TEST_CASE("Edits expected and made are counted segment by segment", "[nhpm][metrics]") {
+TEST_CASE("Edits expected and made are counted segment by segment", "[metrics]") {
   const EditCounts counts = CompareEditCounts(Sample());
   CHECK(counts.mean_expected == Approx((1.75 + 0.5) / 2));
   CHECK(counts.mean_true == Approx(1.5));
@@ -92,7 +91,7 @@ TEST_CASE("Edits expected and made are counted segment by segment", "[nhpm][metr
   CHECK(counts.bins[1].mean_true == Approx(2.0));
 }
 
-TEST_CASE("The correlation of edits is Pearson's", "[nhpm][metrics]") {
+TEST_CASE("The correlation of edits is Pearson's", "[metrics]") {
   // expected 0, 0.5, 1; true 0, 1, 0: covariance 0; then true 1, 0, 0: -0.866
   const Outcome none{0.0F, false};
   CHECK(*CompareEditCounts(MakeOutcomes({{none}, {{0.5F, true}}, {{1.0F, false}}})).correlation ==
@@ -102,7 +101,7 @@ TEST_CASE("The correlation of edits is Pearson's", "[nhpm][metrics]") {
   CHECK_FALSE(CompareEditCounts(MakeOutcomes({{none}, {none}})).correlation);
 }
 
-TEST_CASE("Bins of edits hold equal numbers of segments", "[nhpm][metrics]") {
+TEST_CASE("Bins of edits hold equal numbers of segments", "[metrics]") {
   std::vector<std::vector<Outcome>> segments;
   for (int i = 0; i < 5; ++i) segments.push_back({{0.2F * static_cast<float>(4 - i), i == 0}});
   const EditCounts counts = CompareEditCounts(MakeOutcomes(segments), 2);
@@ -113,7 +112,7 @@ TEST_CASE("Bins of edits hold equal numbers of segments", "[nhpm][metrics]") {
   CHECK(counts.bins[1].mean_true == Approx(1.0 / 3.0));
 }
 
-TEST_CASE("Without segments every figure is nothing", "[nhpm][metrics]") {
+TEST_CASE("Without segments every figure is nothing", "[metrics]") {
   CHECK(PairOutcomes({}, {})->values.empty());
   const Outcomes none;
   CHECK(MeanCrossEntropy(none).all == 0.0);
@@ -123,7 +122,7 @@ TEST_CASE("Without segments every figure is nothing", "[nhpm][metrics]") {
   CHECK(CompareEditCounts(none).bins.empty());
 }
 
-TEST_CASE("Each cell inside of the border has the output that x leaves open", "[nhpm][outcomes]") {
+TEST_CASE("Each cell inside of the border has the output that x leaves open", "[outcomes]") {
   Segment segment = EmptySegment(3, 4);  // inside: (1,1) and (1,2)
   segment.query.belief[{1, 2}] = 1.0F;
   segment.belief_after[{1, 2}] = 0.0F;
@@ -140,7 +139,7 @@ TEST_CASE("Each cell inside of the border has the output that x leaves open", "[
   CHECK(outcomes->segments() == 1);
 }
 
-TEST_CASE("Outcomes are kept segment by segment", "[nhpm][outcomes]") {
+TEST_CASE("Outcomes are kept segment by segment", "[outcomes]") {
   std::vector<Segment> segments{EmptySegment(3, 3), EmptySegment(3, 4)};
   Flip(segments[1], {1, 2});
   const auto outcomes =
@@ -153,7 +152,7 @@ TEST_CASE("Outcomes are kept segment by segment", "[nhpm][outcomes]") {
   CHECK(outcomes->outputs == 18 + 24);
 }
 
-TEST_CASE("Answers that do not belong to the segments are refused", "[nhpm][outcomes]") {
+TEST_CASE("Answers that do not belong to the segments are refused", "[outcomes]") {
   const std::vector<Segment> segments{EmptySegment(), EmptySegment()};
   std::vector<PerceptionAnswer> answers{ZeroAnswer(segments[0])};
   CHECK_THAT(PairOutcomes(Pointers(segments), answers).error().text,

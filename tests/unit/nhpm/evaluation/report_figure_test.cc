@@ -8,15 +8,14 @@
 namespace conav::nhpm {
 namespace {
 
-TEST_CASE("The map has a square per cell", "[nhpm][report_figure]") {
+TEST_CASE("The map has a square per cell", "[report_figure]") {
   const std::string svg = BeforePanel(EmptySegment(4, 5));
   CHECK(Count(svg, "class=\"wall\"") == 14);
   CHECK(Count(svg, "class=\"free\"") == 6);
   CHECK(test::XmlError(svg) == "");
 }
 
-TEST_CASE("The picture shows its cells, the path and where the camera looks",
-          "[nhpm][report_figure]") {
+TEST_CASE("The picture shows its cells, the path and where the camera looks", "[report_figure]") {
   Segment segment = EmptySegment();
   segment.query.path = {{1, 2}, {2, 2}};
   segment.query.visible = {{{2, 2}, {2, 3}}, {{2, 4}}};
@@ -28,7 +27,7 @@ TEST_CASE("The picture shows its cells, the path and where the camera looks",
 }
 
 TEST_CASE("A prediction is as strong as its probability, small ones are left out",
-          "[nhpm][report_figure]") {
+          "[report_figure]") {
   const Segment segment = EmptySegment();
   PerceptionAnswer answer = ZeroAnswer(segment);
   answer.add[{1, 1}] = 0.375F;
@@ -43,7 +42,7 @@ TEST_CASE("A prediction is as strong as its probability, small ones are left out
   CHECK(test::XmlError(svg) == "");
 }
 
-TEST_CASE("The truth is signed, not only coloured", "[nhpm][report_figure]") {
+TEST_CASE("The truth is signed, not only coloured", "[report_figure]") {
   Segment segment = EmptySegment();
   segment.query.belief[{1, 1}] = 1.0F;
   Flip(segment, {3, 3});
@@ -73,7 +72,7 @@ struct Edits {
 TEST_CASE(
     "Near walls misplaced along the line of sight and far walls preferred to near ones at "
     "the side are found",
-    "[nhpm][figure_segments]") {
+    "[figure_segments]") {
   for (const Edits& row : std::vector<Edits>{
            {{{5, 4}}, {}, false, false},
            {{{5, 4}}, {{5, 5}}, true, false},
@@ -96,7 +95,7 @@ TEST_CASE(
 }
 
 TEST_CASE("Both cases come first, then the segments where the models differ most",
-          "[nhpm][figure_segments]") {
+          "[figure_segments]") {
   EvaluationData data;
   Trajectory& trajectory = data.test.trajectories.emplace_back();
   for (int i = 0; i < 3; ++i) trajectory.segments.push_back(LooksEast({}));

@@ -30,7 +30,7 @@ EvaluationReport SampleReport() {
   return report;
 }
 
-TEST_CASE("The table says what data it is, every model and every bar", "[nhpm][report]") {
+TEST_CASE("The table says what data it is, every model and every bar", "[report]") {
   const EvaluationReport report = SampleReport();
   const std::string table = ReportTable(report);
   CHECK_THAT(table,
@@ -46,7 +46,7 @@ TEST_CASE("The table says what data it is, every model and every bar", "[nhpm][r
   CHECK_THAT(DescribeData(whole), Catch::Contains("the whole file is test"));
 }
 
-TEST_CASE("A bar is told with its figure, limit and interval", "[nhpm][report]") {
+TEST_CASE("A bar is told with its figure, limit and interval", "[report]") {
   Bar bar{
       .key = "k", .text = "a share", .value = 0.15, .limit = 0.2, .interval = Interval{0.1, 0.3}};
   CHECK(
@@ -56,7 +56,7 @@ TEST_CASE("A bar is told with its figure, limit and interval", "[nhpm][report]")
   CHECK(DescribeBar(bar) == "FAIL  IoU: 0.300 (must be more than 0.400)");
 }
 
-TEST_CASE("JSON holds every figure of every model", "[nhpm][report]") {
+TEST_CASE("JSON holds every figure of every model", "[report]") {
   const EvaluationReport report = SampleReport();
   const auto json = ReportJson(report);
   CHECK(json["data"]["origin"] == "synthetic");
@@ -89,7 +89,7 @@ TEST_CASE("JSON holds every figure of every model", "[nhpm][report]") {
 }
 
 TEST_CASE("In JSON an infinite share is null, as is the number of columns of several sizes",
-          "[nhpm][report]") {
+          "[report]") {
   EvaluationReport report;
   report.data = SampleData();
   Segment& last = report.data.test.trajectories.back().segments.back();
@@ -103,7 +103,7 @@ TEST_CASE("In JSON an infinite share is null, as is the number of columns of sev
   CHECK(json["bars"]["share"]["passed"] == false);
 }
 
-TEST_CASE("CSV has a line per model, with quotes where they are needed", "[nhpm][report]") {
+TEST_CASE("CSV has a line per model, with quotes where they are needed", "[report]") {
   const std::string csv = ReportCsv(SampleReport());
   CHECK(Count(csv, "\n") == 5);
   CHECK_THAT(csv, Catch::StartsWith("model,title,origin,"));
@@ -112,7 +112,7 @@ TEST_CASE("CSV has a line per model, with quotes where they are needed", "[nhpm]
 }
 
 TEST_CASE("The page shows table, bars, plots and the chosen segments, and needs nothing else",
-          "[nhpm][report]") {
+          "[report]") {
   const EvaluationReport report = SampleReport();
   const std::string page = ReportPage(report);
   CHECK(test::XmlError(page) == "");
@@ -135,8 +135,7 @@ TEST_CASE("The page shows table, bars, plots and the chosen segments, and needs 
   CHECK_THAT(page, Catch::Contains("NHPM: 12.25 edits expected"));
 }
 
-TEST_CASE("Only the models that there are and a page without segments work, too",
-          "[nhpm][report]") {
+TEST_CASE("Only the models that there are and a page without segments work, too", "[report]") {
   EvaluationReport report = SampleReport();
   report.rows.resize(1);
   report.bars.clear();

@@ -30,7 +30,7 @@ PerceptionAnswer Ask(const Glpf& model, const PerceptionQuery& query) {
   return answers->front();
 }
 
-TEST_CASE("The response is the logistic function of the paper", "[nhpm][model]") {
+TEST_CASE("The response is the logistic function of the paper", "[model]") {
   const Glpf model(RoundParameters());
   CHECK(model.Stimulus(0.0) == 1.0);
   CHECK(model.Stimulus(1.0) == Approx(0.5));
@@ -47,7 +47,7 @@ TEST_CASE("The response is the logistic function of the paper", "[nhpm][model]")
   CHECK(Glpf(steep).Response(1.0) == Approx(0.8));
 }
 
-TEST_CASE("A mistake of the belief is edited with the response to its distance", "[nhpm][model]") {
+TEST_CASE("A mistake of the belief is edited with the response to its distance", "[model]") {
   PerceptionQuery query = QueryInTheMiddle();
   query.visible.walls = {{2, 3}};
   const PerceptionAnswer answer = Ask(Glpf(RoundParameters()), query);
@@ -63,7 +63,7 @@ TEST_CASE("A mistake of the belief is edited with the response to its distance",
   CHECK(removed.add[{1, 1}] == 0.0F);
 }
 
-TEST_CASE("A cell that is right gives no stimulus", "[nhpm][model]") {
+TEST_CASE("A cell that is right gives no stimulus", "[model]") {
   PerceptionQuery query = QueryInTheMiddle();
   query.belief[{2, 3}] = 1.0F;
   query.visible.walls = {{2, 3}};
@@ -73,8 +73,7 @@ TEST_CASE("A cell that is right gives no stimulus", "[nhpm][model]") {
   CHECK(answer.add[{2, 2}] == Approx(0.183442047));
 }
 
-TEST_CASE("The path shows walls of the belief to be free, unless only the view counts",
-          "[nhpm][model]") {
+TEST_CASE("The path shows walls of the belief to be free, unless only the view counts", "[model]") {
   PerceptionQuery query = QueryInTheMiddle();
   query.belief[{2, 1}] = 1.0F;
   query.path = {{2, 1}, {2, 2}};
@@ -84,7 +83,7 @@ TEST_CASE("The path shows walls of the belief to be free, unless only the view c
   CHECK(Ask(Glpf(parameters), query).remove[{2, 1}] == Approx(0.183442047));
 }
 
-TEST_CASE("The border is never edited", "[nhpm][model]") {
+TEST_CASE("The border is never edited", "[model]") {
   PerceptionQuery query = QueryInTheMiddle();
   query.cell = {2, 3};
   query.belief[{2, 4}] = 0.0F;
@@ -98,7 +97,7 @@ TEST_CASE("The border is never edited", "[nhpm][model]") {
   }
 }
 
-TEST_CASE("An uncertain belief is a mixture of both labels", "[nhpm][model]") {
+TEST_CASE("An uncertain belief is a mixture of both labels", "[model]") {
   PerceptionQuery query = QueryInTheMiddle();
   query.belief[{2, 3}] = 0.25F;
   query.visible.walls = {{2, 3}};
@@ -108,7 +107,7 @@ TEST_CASE("An uncertain belief is a mixture of both labels", "[nhpm][model]") {
 }
 
 TEST_CASE("By default near mistakes are noticed, far ones less, and no mistake means no edit",
-          "[nhpm][model]") {
+          "[model]") {
   const Glpf model;
   CHECK(model.Response(model.Stimulus(1.0)) > 0.85);
   CHECK(model.Response(model.Stimulus(7.0)) == Approx(0.43).margin(0.02));
@@ -122,7 +121,7 @@ TEST_CASE("By default near mistakes are noticed, far ones less, and no mistake m
   CHECK(ExpectedEdits(Ask(model, query)) < 0.7);
 }
 
-TEST_CASE("No query gives no answer, an impossible one a refusal", "[nhpm][model]") {
+TEST_CASE("No query gives no answer, an impossible one a refusal", "[model]") {
   const Glpf model;
   CHECK(model.Predict({})->empty());
   PerceptionQuery query = QueryInTheMiddle();
@@ -132,8 +131,7 @@ TEST_CASE("No query gives no answer, an impossible one a refusal", "[nhpm][model
   CHECK(answers.error().code == ErrorCode::kInvalidArgument);
 }
 
-TEST_CASE("The version names the parameters, which are read from a config section",
-          "[nhpm][model]") {
+TEST_CASE("The version names the parameters, which are read from a config section", "[model]") {
   CHECK(Glpf().version() ==
         "1 alpha_d=0.1 alpha_m=0.5 beta=24 rho=1e-05 lambda=0.1 visible_only=false");
   GlpfParameters parameters;

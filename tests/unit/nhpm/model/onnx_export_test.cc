@@ -53,7 +53,7 @@ std::vector<float> AskOpenCv(cv::dnn::Net& net, const std::vector<float>& input,
   return result;
 }
 
-TEST_CASE("OpenCV reads the exported network and answers as ours does", "[nhpm][model][onnx]") {
+TEST_CASE("OpenCV reads the exported network and answers as ours does", "[onnx]") {
   const int width = GENERATE(16, 32, 64);
   const auto [rows, columns] = GENERATE(table<int, int>({{13, 13}, {5, 8}}));
   const bool any_size = GENERATE(false, true);
@@ -83,7 +83,7 @@ TEST_CASE("OpenCV reads the exported network and answers as ours does", "[nhpm][
 }
 
 TEST_CASE("The export names the weights that it was made of, and has open sizes for any size",
-          "[nhpm][model][onnx]") {
+          "[onnx]") {
   const NetworkModel model = ModelOf(16, 13, 13);
   CHECK(ToOnnx(model).find("rows") == std::string::npos);
   CHECK(ToOnnx(ModelOf(16, 0, 0)).find("rows") != std::string::npos);
@@ -92,7 +92,7 @@ TEST_CASE("The export names the weights that it was made of, and has open sizes 
   CHECK(ToOnnx(model) == ToOnnx(model));
 }
 
-TEST_CASE("conav-export writes ONNX of a weights file, and not over it", "[nhpm][model][onnx]") {
+TEST_CASE("conav-export writes ONNX of a weights file, and not over it", "[onnx]") {
   const test::ProgramRunner program("conav-export");
   const NetworkModel model = ModelOf(16, 13, 13);
   REQUIRE(WriteWeightsFile(program / "w", model));

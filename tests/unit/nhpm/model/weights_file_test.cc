@@ -47,8 +47,7 @@ std::string BytesOfSomeModel() {
   return ReadFile(file).value();
 }
 
-TEST_CASE("A weights file is read as it was written; equal models give equal files",
-          "[nhpm][model][weights]") {
+TEST_CASE("A weights file is read as it was written; equal models give equal files", "[weights]") {
   const test::TemporaryFolder folder;
   std::vector<NetworkModel> models{SomeModel()};
   for (const int width : {16, 32, 64}) {
@@ -61,8 +60,7 @@ TEST_CASE("A weights file is read as it was written; equal models give equal fil
   CHECK((BytesOfSomeModel() == BytesOfSomeModel()));
 }
 
-TEST_CASE("The checksum is over all that changes answers, and nothing else",
-          "[nhpm][model][weights]") {
+TEST_CASE("The checksum is over all that changes answers, and nothing else", "[weights]") {
   NetworkModel zero;
   zero.weights = ZeroWeights({16});  // what sha256sum says of the zero network
   CHECK(ChecksumOf(zero) == "baf93c68ba38f46c41b677473073548695d27a52ef8a89b91d1944b97ce7fc3f");
@@ -83,7 +81,7 @@ TEST_CASE("The checksum is over all that changes answers, and nothing else",
 }
 
 TEST_CASE("A weights file that is missing is not found, one that cannot be written is named",
-          "[nhpm][model][weights]") {
+          "[weights]") {
   const std::string file = "/nonexistent/a.nhpm";
   CHECK(ReadWeightsFile(file).error().code == ErrorCode::kNotFound);
   const auto written = WriteWeightsFile(file, SomeModel());
@@ -92,8 +90,7 @@ TEST_CASE("A weights file that is missing is not found, one that cannot be writt
   CHECK_THAT(written.error().text, Catch::StartsWith(file));
 }
 
-TEST_CASE("A file that is cut off anywhere, or something else, is refused",
-          "[nhpm][model][weights]") {
+TEST_CASE("A file that is cut off anywhere, or something else, is refused", "[weights]") {
   const std::string bytes = BytesOfSomeModel();
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     INFO(size);
@@ -114,7 +111,7 @@ TEST_CASE("A file that is cut off anywhere, or something else, is refused",
   }
 }
 
-TEST_CASE("A weights file with a byte that changed is refused", "[nhpm][model][weights]") {
+TEST_CASE("A weights file with a byte that changed is refused", "[weights]") {
   std::string bytes = BytesOfSomeModel();
   for (std::size_t at = 0; at < bytes.size(); at += at < 100 ? 1 : 97) {
     INFO(at);
@@ -126,8 +123,7 @@ TEST_CASE("A weights file with a byte that changed is refused", "[nhpm][model][w
   CHECK_THAT(ErrorOf(bytes), Catch::Contains("damaged"));
 }
 
-TEST_CASE("Contents that no network can have are refused by layer and value",
-          "[nhpm][model][weights]") {
+TEST_CASE("Contents that no network can have are refused by layer and value", "[weights]") {
   using Message = proto::Weights;
   const std::pair<const char*, void (*)(Message&)> rows[] = {
       {"3 layers", [](Message& m) { m.mutable_layers()->RemoveLast(); }},

@@ -4,7 +4,7 @@ namespace conav::nhpm {
 namespace {
 
 TEST_CASE("conav-train adapts to one participant and keeps where the weights come from",
-          "[nhpm][train][adapt]") {
+          "[adapt]") {
   const Folder folder;
   const std::string data = DataIn(folder);
   REQUIRE(Run(Flags(folder, "base") + "--epochs 20").exit_code == 0);
@@ -24,7 +24,7 @@ TEST_CASE("conav-train adapts to one participant and keeps where the weights com
 }
 
 TEST_CASE("adapted weights name what their base learned from, and the person's trajectories",
-          "[nhpm][train][adapt]") {
+          "[adapt]") {
   const Folder folder;
   const std::string data = DataIn(folder);
   REQUIRE(Run(Flags(folder, "base") + "--epochs 1").exit_code == 0);
@@ -44,7 +44,7 @@ TEST_CASE("adapted weights name what their base learned from, and the person's t
 }
 
 TEST_CASE("conav-train measures what adapting gains for each participant, and what it forgets",
-          "[nhpm][train][adapt]") {
+          "[adapt]") {
   const Folder folder;
   const std::string data = DataIn(folder);
   REQUIRE(Run(Flags(folder, "base") + "--epochs 20").exit_code == 0);
@@ -75,7 +75,7 @@ TEST_CASE("conav-train measures what adapting gains for each participant, and wh
              Catch::Contains("learned from 9 of the 10 trajectories"));
 }
 
-TEST_CASE("conav-train names what it cannot adapt", "[nhpm][train][adapt]") {
+TEST_CASE("conav-train names what it cannot adapt", "[adapt]") {
   const Folder folder;
   const std::string data = DataIn(folder);
   const auto text_of = [&](const std::string& flags) {

@@ -64,8 +64,7 @@ AdaptOptions SmallOptions() {
   return options;
 }
 
-TEST_CASE("A network adapted to a person is better at this person's unseen edits",
-          "[nhpm][training][adapt]") {
+TEST_CASE("A network adapted to a person is better at this person's unseen edits", "[adapt]") {
   const NetworkWeights base = Base();
   const StopToken never;
   const auto person = OfSomebodyElse(Groups(8, 100));
@@ -77,7 +76,7 @@ TEST_CASE("A network adapted to a person is better at this person's unseen edits
   CHECK(LossOn(adapted.weights, unseen) < 0.5 * LossOn(base, unseen));
 }
 
-TEST_CASE("The first two layers stay those of the base", "[nhpm][training][adapt]") {
+TEST_CASE("The first two layers stay those of the base", "[adapt]") {
   const NetworkWeights base = Base();
   const StopToken never;
   const NetworkWeights adapted =
@@ -90,7 +89,7 @@ TEST_CASE("The first two layers stay those of the base", "[nhpm][training][adapt
   CHECK_FALSE((adapted.weights[3] == base.weights[3]));
 }
 
-TEST_CASE("An adaptation has the same bits on any number of threads", "[nhpm][training][adapt]") {
+TEST_CASE("An adaptation has the same bits on any number of threads", "[adapt]") {
   const NetworkWeights base = InitialWeights({16}, 3, -2.0F);
   const StopToken never;
   const auto groups = Groups(3, 100);
@@ -101,7 +100,7 @@ TEST_CASE("An adaptation has the same bits on any number of threads", "[nhpm][tr
   CHECK(one.pull == three.pull);
 }
 
-TEST_CASE("Where nothing is better than the base the base stays", "[nhpm][training][adapt]") {
+TEST_CASE("Where nothing is better than the base the base stays", "[adapt]") {
   const NetworkWeights base = Base();
   AdaptOptions options = SmallOptions();
   options.learning_rate = 10.0;  // each step breaks it
@@ -112,7 +111,7 @@ TEST_CASE("Where nothing is better than the base the base stays", "[nhpm][traini
   CHECK(adapted.held_out_loss == adapted.base_loss);
 }
 
-TEST_CASE("A stronger pull stays nearer to the base", "[nhpm][training][adapt]") {
+TEST_CASE("A stronger pull stays nearer to the base", "[adapt]") {
   const NetworkWeights base = InitialWeights({16}, 3, -2.0F);
   const StopToken never;
   const auto distance = [&](double pull) {
@@ -131,7 +130,7 @@ TEST_CASE("A stronger pull stays nearer to the base", "[nhpm][training][adapt]")
 }
 
 TEST_CASE("Fewer than two groups with examples are refused; an adaptation can be stopped",
-          "[nhpm][training][adapt]") {
+          "[adapt]") {
   const NetworkWeights base = InitialWeights({16}, 3);
   StopToken stop;
   CHECK_FALSE(Adapt(base, {}, {}, 1, stop));
@@ -163,7 +162,7 @@ SegmentSet AnnaAndBert() {
 }
 
 TEST_CASE("Trajectories are sorted by participant, and held out whole where there are several",
-          "[nhpm][training][adapt]") {
+          "[adapt]") {
   const auto people = PeopleOf(AnnaAndBert());
   REQUIRE(people.size() == 2);
   CHECK(people[0].participant == "anna");
@@ -181,7 +180,7 @@ TEST_CASE("Trajectories are sorted by participant, and held out whole where ther
 }
 
 TEST_CASE("A participant is found by name, the only one without; the refusal names some who exist",
-          "[nhpm][training][adapt]") {
+          "[adapt]") {
   const auto people = PeopleOf(AnnaAndBert());
   CHECK(FindPerson(people, "bert").value().participant == "bert");
   CHECK(FindPerson({people[0]}, "").value().participant == "anna");

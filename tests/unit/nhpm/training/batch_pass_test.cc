@@ -19,7 +19,7 @@ std::vector<BatchItem> Batch(const ExampleSet& set) {
   return items;
 }
 
-TEST_CASE("Loss and gradient have the same bits on any number of threads", "[nhpm][training]") {
+TEST_CASE("Loss and gradient have the same bits on any number of threads", "[training]") {
   const int count = GENERATE(1, 15, 37);
   const ExampleSet set = MadeUpExamples(7, 6, count, 3);
   const NetworkWeights weights = InitialWeights({16}, 4);
@@ -36,7 +36,7 @@ TEST_CASE("Loss and gradient have the same bits on any number of threads", "[nhp
   }
 }
 
-TEST_CASE("A gradient does not remember the batch before", "[nhpm][training]") {
+TEST_CASE("A gradient does not remember the batch before", "[training]") {
   const ExampleSet set = MadeUpExamples(5, 5, 40, 3);
   const TrainingWeights packed(InitialWeights({16}, 4));
   BatchPass pass({16}, 5, 5, 2);
@@ -114,7 +114,7 @@ class ReferenceNetwork {
   int columns_;
 };
 
-TEST_CASE("The gradient agrees with differences of the loss in every layer", "[nhpm][training]") {
+TEST_CASE("The gradient agrees with differences of the loss in every layer", "[training]") {
   const ExampleSet set = MadeUpExamples(5, 6, 1, 11);
   const Example& example = set.examples[0];
   const NetworkShape shape{GENERATE(16, 32, 64)};
@@ -144,7 +144,7 @@ TEST_CASE("The gradient agrees with differences of the loss in every layer", "[n
   }
 }
 
-TEST_CASE("The loss is that of the reference network", "[nhpm][training]") {
+TEST_CASE("The loss is that of the reference network", "[training]") {
   const ExampleSet set = MadeUpExamples(4, 7, 1, 13);
   const NetworkWeights weights = InitialWeights({16}, 14, -1.0F);
   const double loss = BatchPass({16}, 4, 7, 1).MeanLoss(TrainingWeights(weights), set.examples);
@@ -152,7 +152,7 @@ TEST_CASE("The loss is that of the reference network", "[nhpm][training]") {
   CHECK(loss == Approx(expected).epsilon(1e-5));
 }
 
-TEST_CASE("The gradient of a batch is the mean of its examples' gradients", "[nhpm][training]") {
+TEST_CASE("The gradient of a batch is the mean of its examples' gradients", "[training]") {
   const ExampleSet set = MadeUpExamples(5, 5, 2, 17);
   const TrainingWeights packed(InitialWeights({16}, 18));
   BatchPass pass({16}, 5, 5, 1);
@@ -178,7 +178,7 @@ int InverseOf(int element) {
   return 4 | ((element & 1) << 1) | ((element & 2) >> 1);
 }
 
-TEST_CASE("A symmetry and its inverse give the example back", "[nhpm][training]") {
+TEST_CASE("A symmetry and its inverse give the example back", "[training]") {
   const auto [rows, columns] = GENERATE(table<int, int>({{5, 5}, {4, 7}, {1, 3}, {1, 1}}));
   const Example example = OneExample(rows, columns).examples[0];
   const GridSymmetries symmetries(rows, columns);
@@ -192,7 +192,7 @@ TEST_CASE("A symmetry and its inverse give the example back", "[nhpm][training]"
   }
 }
 
-TEST_CASE("A square has eight different symmetries, another rectangle four", "[nhpm][training]") {
+TEST_CASE("A square has eight different symmetries, another rectangle four", "[training]") {
   const auto [rows, columns, count] =
       GENERATE(table<int, int, std::size_t>({{5, 5, 8}, {4, 7, 4}}));
   const Example example = OneExample(rows, columns).examples[0];
@@ -206,7 +206,7 @@ TEST_CASE("A square has eight different symmetries, another rectangle four", "[n
   CHECK(turned.size() == count);
 }
 
-TEST_CASE("Transposing moves the channels and labels of a cell together", "[nhpm][training]") {
+TEST_CASE("Transposing moves the channels and labels of a cell together", "[training]") {
   const Example example = OneExample(3, 3).examples[0];
   Example turned;
   GridSymmetries(3, 3).Apply(4, example, turned);
@@ -225,7 +225,7 @@ TEST_CASE("Transposing moves the channels and labels of a cell together", "[nhpm
   }
 }
 
-TEST_CASE("Mirroring the rows swaps north and south", "[nhpm][training]") {
+TEST_CASE("Mirroring the rows swaps north and south", "[training]") {
   Example example{std::vector<float>(8, 0.0F), std::vector<OutputLabel>(4, OutputLabel::kKept)};
   example.input[0] = 1.0F;
   example.labels[1] = OutputLabel::kEdited;
@@ -240,7 +240,7 @@ constexpr auto kKept = OutputLabel::kKept;
 constexpr auto kEdited = OutputLabel::kEdited;
 
 TEST_CASE("Softplus agrees with the standard library's, without overflow at the ends",
-          "[nhpm][training]") {
+          "[training]") {
   for (double x = -60.0; x <= 60.0; x += 0.37) {
     INFO(x);
     const double expected = std::fmax(x, 0.0) + std::log1p(std::exp(-std::fabs(x)));
@@ -256,7 +256,7 @@ TEST_CASE("Softplus agrees with the standard library's, without overflow at the 
 }
 
 TEST_CASE("The loss is the mean over all outputs, its gradient p - y; masked ones cost nothing",
-          "[nhpm][training]") {
+          "[training]") {
   std::array<float, 4> logits{0.0F, 2.0F, 7.0F, -3.0F};
   const std::array<OutputLabel, 4> labels{kKept, kEdited, kMasked, kMasked};
   // (-log(1/2) - log(1 / (1 + e^-2))) / 4
@@ -267,7 +267,7 @@ TEST_CASE("The loss is the mean over all outputs, its gradient p - y; masked one
   CHECK(gradient == std::array<float, 4>{0.25F, -0.25F, 0.0F, 0.0F});
 }
 
-TEST_CASE("The gradient is the derivative of the loss", "[nhpm][training]") {
+TEST_CASE("The gradient is the derivative of the loss", "[training]") {
   const std::array<OutputLabel, 2> labels{kKept, kEdited};
   for (float logit = -9.0F; logit < 9.0F; logit += 1.7F) {
     const std::array<float, 2> logits{logit, -0.5F * logit};

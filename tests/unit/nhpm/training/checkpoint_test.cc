@@ -20,7 +20,7 @@ Checkpoint SomeCheckpoint() {
   return checkpoint;
 }
 
-TEST_CASE("A checkpoint is read as it was written", "[nhpm][training]") {
+TEST_CASE("A checkpoint is read as it was written", "[training]") {
   const test::TemporaryFolder folder;
   const std::filesystem::path file = folder / "checkpoint";
   const Checkpoint checkpoint = SomeCheckpoint();
@@ -30,8 +30,7 @@ TEST_CASE("A checkpoint is read as it was written", "[nhpm][training]") {
   CHECK((*read == checkpoint));
 }
 
-TEST_CASE("A checkpoint that is cut off, damaged or something else is refused",
-          "[nhpm][training]") {
+TEST_CASE("A checkpoint that is cut off, damaged or something else is refused", "[training]") {
   const test::TemporaryFolder folder;
   const std::filesystem::path file = folder / "checkpoint";
   REQUIRE(WriteCheckpoint(file, SomeCheckpoint()));
@@ -49,7 +48,7 @@ TEST_CASE("A checkpoint that is cut off, damaged or something else is refused",
   CHECK(refused(bytes));
 }
 
-TEST_CASE("A checkpoint that contradicts itself is refused", "[nhpm][training]") {
+TEST_CASE("A checkpoint that contradicts itself is refused", "[training]") {
   const std::pair<const char*, void (*)(TrainingState&)> rows[] = {
       {"best epoch 3", [](TrainingState& state) { state.best_epoch = 3; }},
       {"second moments", [](TrainingState& s) { s.adam.second = InitialWeights({32}, 3); }},
@@ -67,7 +66,7 @@ TEST_CASE("A checkpoint that contradicts itself is refused", "[nhpm][training]")
   }
 }
 
-TEST_CASE("Differences between settings are named", "[nhpm][training]") {
+TEST_CASE("Differences between settings are named", "[training]") {
   CHECK(DifferenceText({{"seed", "1"}}, {{"seed", "1"}}).empty());
   CHECK(DifferenceText({{"data", "x"}, {"seed", "1"}}, {{"data", "x"}, {"seed", "2"}}) ==
         "seed 1 there, 2 now");

@@ -29,7 +29,7 @@ SegmentSet SetOf(std::vector<Segment> segments) {
   return {{trajectory}};
 }
 
-TEST_CASE("Only outputs that can be edits are learned from", "[nhpm][training]") {
+TEST_CASE("Only outputs that can be edits are learned from", "[training]") {
   const ExampleSet set = ExamplesOf(SetOf({SmallSegment()}), {});
   CHECK(set.rows == 3);
   CHECK(set.columns == 4);
@@ -42,7 +42,7 @@ TEST_CASE("Only outputs that can be edits are learned from", "[nhpm][training]")
   }
 }
 
-TEST_CASE("What was not edited is kept; no segments give no examples", "[nhpm][training]") {
+TEST_CASE("What was not edited is kept; no segments give no examples", "[training]") {
   CHECK(ExamplesOf({}, {}).examples.empty());
   Segment segment = SmallSegment();
   segment.belief_after = segment.query.belief;
@@ -52,7 +52,7 @@ TEST_CASE("What was not edited is kept; no segments give no examples", "[nhpm][t
 }
 
 TEST_CASE("The input is the encoded query; an input left out leaves the masks as they are",
-          "[nhpm][training]") {
+          "[training]") {
   const Segment segment = SmallSegment();
   const InputSelection inputs{.belief = false, .path = false, .view = true};
   const ExampleSet set = ExamplesOf(SetOf({segment}), inputs);
@@ -64,7 +64,7 @@ TEST_CASE("The input is the encoded query; an input left out leaves the masks as
   CHECK_FALSE((with.examples[0].input == set.examples[0].input));
 }
 
-TEST_CASE("Maps of two sizes are refused", "[nhpm][training]") {
+TEST_CASE("Maps of two sizes are refused", "[training]") {
   Segment other = SmallSegment();
   other.query.belief = BeliefGrid(5, 4, 1.0F);
   other.belief_after = other.query.belief;
@@ -75,7 +75,7 @@ TEST_CASE("Maps of two sizes are refused", "[nhpm][training]") {
   CHECK_THAT(checked.error().text, Catch::StartsWith("has maps of 3 x 4 and of 5 x 4 cells"));
 }
 
-TEST_CASE("The share of edits never is 0 or 1", "[nhpm][training]") {
+TEST_CASE("The share of edits never is 0 or 1", "[training]") {
   CHECK(EditShare({}) == 0.5);
   CHECK(EditShare({1, 1, {{{}, {kKept, kMasked}}, {{}, {kKept, kEdited}}}}) == 2.0 / 5.0);
 }

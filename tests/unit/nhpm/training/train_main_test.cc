@@ -3,7 +3,7 @@
 namespace conav::nhpm {
 namespace {
 
-TEST_CASE("conav-train writes weights, a curve and figures", "[nhpm][train]") {
+TEST_CASE("conav-train writes weights, a curve and figures", "[train]") {
   const Folder folder;
   const std::string data = DataIn(folder);
   const Outcome outcome =
@@ -29,7 +29,7 @@ TEST_CASE("conav-train writes weights, a curve and figures", "[nhpm][train]") {
   CHECK_THAT(outcome.text, Catch::Contains("epoch   3/3") && Catch::Contains(ChecksumOf(model)));
 }
 
-TEST_CASE("conav-train writes the same bytes on any number of threads", "[nhpm][train]") {
+TEST_CASE("conav-train writes the same bytes on any number of threads", "[train]") {
   const Folder folder;
   DataIn(folder);
   REQUIRE(Run(Flags(folder, "1") + "--epochs 4 --threads 1").exit_code == 0);
@@ -37,7 +37,7 @@ TEST_CASE("conav-train writes the same bytes on any number of threads", "[nhpm][
   CHECK((ReadFile(folder / "1").value() == ReadFile(folder / "3").value()));
 }
 
-TEST_CASE("conav-train that was killed goes on and ends with the same bytes", "[nhpm][train]") {
+TEST_CASE("conav-train that was killed goes on and ends with the same bytes", "[train]") {
   const Folder folder;
   DataIn(folder);
   REQUIRE(Run(Flags(folder, "whole") + "--epochs 300").exit_code == 0);
@@ -55,7 +55,7 @@ TEST_CASE("conav-train that was killed goes on and ends with the same bytes", "[
   CHECK((ReadFile(folder / "killed").value() == ReadFile(folder / "whole").value()));
 }
 
-TEST_CASE("conav-train stops on SIGINT, says so and keeps its checkpoint", "[nhpm][train]") {
+TEST_CASE("conav-train stops on SIGINT, says so and keeps its checkpoint", "[train]") {
   const Folder folder;
   DataIn(folder);
   Program program(Flags(folder, "w") + "--epochs 1000000");
@@ -68,8 +68,7 @@ TEST_CASE("conav-train stops on SIGINT, says so and keeps its checkpoint", "[nhp
   CHECK_FALSE(Exists(folder / "w"));
 }
 
-TEST_CASE("conav-train refuses a checkpoint that is damaged or of another training",
-          "[nhpm][train]") {
+TEST_CASE("conav-train refuses a checkpoint that is damaged or of another training", "[train]") {
   const Folder folder;
   DataIn(folder);
   {
@@ -92,7 +91,7 @@ TEST_CASE("conav-train refuses a checkpoint that is damaged or of another traini
   CHECK(Run(Flags(folder, "w") + "--epochs 2 --seed 2 --fresh").exit_code == 0);
 }
 
-TEST_CASE("conav-train leaves inputs out and says so in the weights", "[nhpm][train]") {
+TEST_CASE("conav-train leaves inputs out and says so in the weights", "[train]") {
   const Folder folder;
   DataIn(folder);
   REQUIRE(Run(Flags(folder, "w") + "--epochs 1 --without tau,o --any-size").exit_code == 0);
@@ -101,8 +100,7 @@ TEST_CASE("conav-train leaves inputs out and says so in the weights", "[nhpm][tr
   CHECK(model.rows == 0);
 }
 
-TEST_CASE("conav-train names in the weights the trajectories that they learned from",
-          "[nhpm][train]") {
+TEST_CASE("conav-train names in the weights the trajectories that they learned from", "[train]") {
   const Folder folder;
   DataIn(folder);
   REQUIRE(Run(Flags(folder, "w") + "--epochs 1 --split-seed 4").exit_code == 0);
@@ -114,7 +112,7 @@ TEST_CASE("conav-train names in the weights the trajectories that they learned f
   CHECK(CountKnown(split.test, learned_from) == 0);
 }
 
-TEST_CASE("conav-train names data that it cannot use", "[nhpm][train]") {
+TEST_CASE("conav-train names data that it cannot use", "[train]") {
   const Folder folder;
   const auto text_of = [&](const SegmentSet& set) {
     REQUIRE(WriteSegmentFile(folder / "data.pb.zst", set));
@@ -131,7 +129,7 @@ TEST_CASE("conav-train names data that it cannot use", "[nhpm][train]") {
 }
 
 TEST_CASE("conav-train neither writes over what it reads nor two outputs into one file",
-          "[nhpm][train]") {
+          "[train]") {
   const Folder folder;
   const std::string data = DataIn(folder);
   const std::string before = ReadFile(data).value();
@@ -149,7 +147,7 @@ TEST_CASE("conav-train neither writes over what it reads nor two outputs into on
 }
 
 TEST_CASE("conav-train keeps finished weights of another training, unless told to overwrite them",
-          "[nhpm][train]") {
+          "[train]") {
   const Folder folder;
   DataIn(folder);
   REQUIRE(Run(Flags(folder, "w") + "--epochs 1").exit_code == 0);
@@ -167,7 +165,7 @@ TEST_CASE("conav-train keeps finished weights of another training, unless told t
              Catch::Contains("--overwrite replaces it"));
 }
 
-TEST_CASE("conav-train does not train for a device", "[nhpm][train]") {
+TEST_CASE("conav-train does not train for a device", "[train]") {
   const Folder folder;
   const Outcome outcome =
       Run("--data " + DataIn(folder) + " --out /dev/null --no-svg --epochs 1000000");
@@ -176,7 +174,7 @@ TEST_CASE("conav-train does not train for a device", "[nhpm][train]") {
 }
 
 TEST_CASE("conav-train refuses options out of range and those that contradict each other",
-          "[nhpm][train]") {
+          "[train]") {
   CHECK(Run("--out w").exit_code == 2);
   for (const char* flags :
        {"--width 48", "--without z", "--without tau,o,x", "--epochs 0", "--threads 0",

@@ -14,7 +14,7 @@ TrainingState StateOf(std::vector<EpochReport> epochs, int best_epoch) {
   return state;
 }
 
-TEST_CASE("The curve shows both losses and marks the best epoch", "[nhpm][training]") {
+TEST_CASE("The curve shows both losses and marks the best epoch", "[training]") {
   const std::string svg =
       LossCurve(StateOf({{1, 0.1, 0.2}, {2, 0.05, 0.015}, {3, 0.04, 0.03}}, 2), "a < b");
   CHECK_THAT(svg, Catch::StartsWith("<svg") && Catch::Contains("a &lt; b") &&
@@ -22,7 +22,7 @@ TEST_CASE("The curve shows both losses and marks the best epoch", "[nhpm][traini
   CHECK(svg.find("<polyline") != svg.rfind("<polyline"));
 }
 
-TEST_CASE("A single epoch and a loss of zero can be drawn, too", "[nhpm][training]") {
+TEST_CASE("A single epoch and a loss of zero can be drawn, too", "[training]") {
   for (const auto& epochs : std::vector<std::vector<EpochReport>>{
            {{1, 0.1, 0.2}, {2, 0.05, 0.015}}, {{1, 0.1, 0.1}}, {{1, 0.1, 0.0}, {2, 0.0, 0.0}}}) {
     const std::string svg = LossCurve(StateOf(epochs, 1), "title");

@@ -25,7 +25,7 @@ void RunToEnd(Trainer& trainer) {
 }
 
 TEST_CASE("A training gives the same bits on one, two and three threads, others with another seed",
-          "[nhpm][training]") {
+          "[training]") {
   const ExampleSet train = MadeUpExamples(5, 5, 23, 1);
   const ExampleSet validation = MadeUpExamples(5, 5, 7, 2);
   TrainingOptions options = SmallOptions();
@@ -43,8 +43,7 @@ TEST_CASE("A training gives the same bits on one, two and three threads, others 
   CHECK_FALSE((one.state().weights == other.state().weights));
 }
 
-TEST_CASE("A training that is taken up again ends as one that was not interrupted",
-          "[nhpm][training]") {
+TEST_CASE("A training that is taken up again ends as one that was not interrupted", "[training]") {
   const ExampleSet train = MadeUpExamples(5, 6, 23, 1);
   const ExampleSet validation = MadeUpExamples(5, 6, 7, 2);
   TrainingOptions options = SmallOptions();
@@ -62,7 +61,7 @@ TEST_CASE("A training that is taken up again ends as one that was not interrupte
 }
 
 TEST_CASE("A stop leaves the state of the last whole epoch, and the training can go on",
-          "[nhpm][training]") {
+          "[training]") {
   const ExampleSet set = MadeUpExamples(5, 5, 23, 1);
   const TrainingOptions options = SmallOptions();
   Trainer trainer(options, set, set, 1, Initial(options));
@@ -79,7 +78,7 @@ TEST_CASE("A stop leaves the state of the last whole epoch, and the training can
   CHECK((trainer.state() == whole.state()));
 }
 
-TEST_CASE("A few examples are learned by heart", "[nhpm][training]") {
+TEST_CASE("A few examples are learned by heart", "[training]") {
   const ExampleSet set = MadeUpExamples(5, 5, 4, 9);
   TrainingOptions options = SmallOptions();
   options.epochs = 400;
@@ -94,7 +93,7 @@ TEST_CASE("A few examples are learned by heart", "[nhpm][training]") {
 
 TEST_CASE(
     "It stops after as many epochs without a better loss as it has patience, and keeps the best",
-    "[nhpm][training]") {
+    "[training]") {
   // The validation examples follow the opposite rule: what is learned makes them worse.
   const ExampleSet train = MadeUpExamples(5, 5, 20, 1);
   ExampleSet validation = MadeUpExamples(5, 5, 5, 2);
@@ -127,7 +126,7 @@ TEST_CASE(
   CHECK(BestValidationLoss(state) == lowest);
 }
 
-TEST_CASE("A linear schedule takes smaller steps from the second epoch on", "[nhpm][training]") {
+TEST_CASE("A linear schedule takes smaller steps from the second epoch on", "[training]") {
   const ExampleSet set = MadeUpExamples(5, 5, 11, 1);
   TrainingOptions options = SmallOptions();
   const StopToken never;
@@ -145,7 +144,7 @@ TEST_CASE("A linear schedule takes smaller steps from the second epoch on", "[nh
 constexpr NetworkShape kShape{16};
 
 TEST_CASE("Adam's first step has the length of the learning rate, against the gradient",
-          "[nhpm][training]") {
+          "[training]") {
   NetworkWeights weights = ZeroWeights(kShape);
   NetworkWeights gradient = ZeroWeights(kShape);
   gradient.weights[1][7] = 0.5F;
@@ -158,7 +157,7 @@ TEST_CASE("Adam's first step has the length of the learning rate, against the gr
   CHECK(weights.weights[1][8] == 0.0F);
 }
 
-TEST_CASE("Adam's second step weighs both gradients", "[nhpm][training]") {
+TEST_CASE("Adam's second step weighs both gradients", "[training]") {
   NetworkWeights weights = ZeroWeights(kShape);
   NetworkWeights gradient = ZeroWeights(kShape);
   AdamState state = InitialAdamState(kShape);
@@ -170,7 +169,7 @@ TEST_CASE("Adam's second step weighs both gradients", "[nhpm][training]") {
   CHECK(weights.biases[0][0] == Approx(-0.01 - 0.01 * 2.0526316 / 2.2365131).epsilon(1e-4));
 }
 
-TEST_CASE("Layers below the first one to learn stay as they are", "[nhpm][training]") {
+TEST_CASE("Layers below the first one to learn stay as they are", "[training]") {
   NetworkWeights weights = InitialWeights(kShape, 1);
   const NetworkWeights before = weights;
   const NetworkWeights gradient = InitialWeights(kShape, 2);

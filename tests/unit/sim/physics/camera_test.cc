@@ -39,7 +39,7 @@ int CountKind(const Grid<PixelLabel>& labels, PixelKind kind) {
   return static_cast<int>(std::ranges::count(labels.values(), kind, &PixelLabel::kind));
 }
 
-TEST_CASE("pictures have the size asked for and show something", "[sim][physics][camera]") {
+TEST_CASE("pictures have the size asked for and show something", "[camera]") {
   const auto world = OpenWorld(MakeWorld(test::kMaze));
   const auto [width, height] =
       GENERATE(std::pair{320, 192}, std::pair{640, 480}, std::pair{64, 64});
@@ -55,8 +55,7 @@ TEST_CASE("pictures have the size asked for and show something", "[sim][physics]
   CHECK(decoded->height == height);
 }
 
-TEST_CASE("pictures differ between headings and repeat at the same pose",
-          "[sim][physics][camera]") {
+TEST_CASE("pictures differ between headings and repeat at the same pose", "[camera]") {
   const auto world = OpenWorld(MakeWorld(test::kMaze));
   const auto camera = OpenCamera(*world);
   std::set<std::string> pictures;
@@ -75,7 +74,7 @@ TEST_CASE("pictures differ between headings and repeat at the same pose",
   CHECK(labels[{191, 160}].kind == PixelKind::kFloor);
 }
 
-TEST_CASE("taking pictures does not change the motion", "[sim][physics][camera]") {
+TEST_CASE("taking pictures does not change the motion", "[camera]") {
   const auto drive = [](bool with_camera) {
     const auto world = OpenWorld(MakeWorld(test::kMaze));
     const auto camera = OpenCamera(*world);
@@ -91,7 +90,7 @@ TEST_CASE("taking pictures does not change the motion", "[sim][physics][camera]"
 }
 
 TEST_CASE("a robot sees another robot, never itself, and a goal in its place until it is hidden",
-          "[sim][physics][camera]") {
+          "[camera]") {
   PhysicsWorld spec = MakeWorld(test::kMaze);
   spec.robots.push_back({"r2", {1, 2}, 0.0});
   const auto meeting = OpenWorld(spec);
@@ -115,7 +114,7 @@ TEST_CASE("a robot sees another robot, never itself, and a goal in its place unt
   CHECK(CountKind(camera->RenderSegmentation(0), PixelKind::kGoal) == 0);
 }
 
-TEST_CASE("two cameras of different sizes work side by side", "[sim][physics][camera]") {
+TEST_CASE("two cameras of different sizes work side by side", "[camera]") {
   const auto world = OpenWorld(MakeWorld(test::kMaze));
   const auto small = OpenCamera(*world, {320, 192});
   const std::vector<std::uint8_t> before = small->Render(0).rgb;
@@ -127,7 +126,7 @@ TEST_CASE("two cameras of different sizes work side by side", "[sim][physics][ca
   CHECK(small->Render(0).rgb == before);
 }
 
-TEST_CASE("the picture from above shows the whole map, north up", "[sim][physics][camera]") {
+TEST_CASE("the picture from above shows the whole map, north up", "[camera]") {
   // Only the north-west corner is a wall; red stands for it by difference.
   PhysicsWorld spec = MakeWorld({"#....", ".....", ".....", ".....", "....."}, {4, 4});
   const auto world = OpenWorld(spec);
@@ -142,7 +141,7 @@ TEST_CASE("the picture from above shows the whole map, north up", "[sim][physics
 }
 
 TEST_CASE("impossible sizes are refused by name; the field of view follows the picture's shape",
-          "[sim][physics][camera]") {
+          "[camera]") {
   const auto world = OpenWorld(MakeWorld(test::kMaze));
   const auto camera_result = Camera::Open(*world, {0, 192});
   REQUIRE_FALSE(camera_result);
@@ -166,7 +165,7 @@ RgbImage TwoColors(int width, int height) {
 }
 
 TEST_CASE("a JPEG decodes to its size and colours, a lower quality gives fewer bytes",
-          "[sim][physics]") {
+          "[physics]") {
   RgbImage image = TwoColors(320, 192);
   const auto jpeg = EncodeJpeg(image, 90);
   REQUIRE(jpeg);
@@ -183,8 +182,7 @@ TEST_CASE("a JPEG decodes to its size and colours, a lower quality gives fewer b
   CHECK(EncodeJpeg(image, 20)->size() < EncodeJpeg(image, 95)->size());
 }
 
-TEST_CASE("pictures that are not whole and bytes that are no picture are refused",
-          "[sim][physics]") {
+TEST_CASE("pictures that are not whole and bytes that are no picture are refused", "[physics]") {
   CHECK(EncodeJpeg({}, 90).error().code == ErrorCode::kInvalidArgument);
   CHECK(EncodeJpeg({2, 2, {1, 2, 3}}, 90).error().code == ErrorCode::kInvalidArgument);
   CHECK(EncodeJpeg(TwoColors(8, 8), 0).error().code == ErrorCode::kInvalidArgument);
@@ -230,7 +228,7 @@ void Compare(const std::map<Cell, int>& shown, const std::vector<Cell>& cast, Ta
   }
 }
 
-TEST_CASE("CastView agrees with MuJoCo's segmentation", "[sim][physics][camera]") {
+TEST_CASE("CastView agrees with MuJoCo's segmentation", "[camera]") {
   const auto [width, height] =
       GENERATE(std::pair{320, 192}, std::pair{640, 480}, std::pair{256, 256});
   const test::Rows& rows =

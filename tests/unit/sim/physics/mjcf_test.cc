@@ -17,7 +17,7 @@ Grid<char> Classes(const std::vector<std::string>& rows) {
   return classes;
 }
 
-TEST_CASE("rectangles cover every classed cell once and nothing else", "[sim][physics]") {
+TEST_CASE("rectangles cover every classed cell once and nothing else", "[physics]") {
   const Sides sides = GENERATE(Sides::kAny, Sides::kOdd);
   const Grid<char> classes = Classes({"aaaabb", "aaaab ", " aa   ", "cccccc"});
   Grid<char> covered(classes.rows(), classes.columns(), kNoClass);
@@ -34,8 +34,7 @@ TEST_CASE("rectangles cover every classed cell once and nothing else", "[sim][ph
   CHECK(covered == classes);
 }
 
-TEST_CASE("a block of one class is one rectangle, its outer faces are not shown",
-          "[sim][physics]") {
+TEST_CASE("a block of one class is one rectangle, its outer faces are not shown", "[physics]") {
   const auto blocks = CoverWithRectangles(Classes({"aaaa", "aaaa"}), Sides::kAny);
   REQUIRE(blocks.size() == 1);
   CHECK(blocks[0].rows == 2);
@@ -45,7 +44,7 @@ TEST_CASE("a block of one class is one rectangle, its outer faces are not shown"
   CHECK(ExposedFaces(Classes({"aaa", "aaa"})).empty());
 }
 
-TEST_CASE("a row of faces is merged into odd runs of one class", "[sim][physics]") {
+TEST_CASE("a row of faces is merged into odd runs of one class", "[physics]") {
   const auto runs = ExposedFaces(Classes({"aaaab", "     "}));
   const int length = std::accumulate(runs.begin(), runs.end(), 0,
                                      [](int sum, const FaceRun& run) { return sum + run.length; });

@@ -9,8 +9,7 @@ namespace {
 
 // A program of its own: EGL looks for its drivers once per process.
 
-TEST_CASE("without an EGL driver the error says what was tried and what to install",
-          "[sim][physics][camera]") {
+TEST_CASE("without an EGL driver the error says what was tried and what to install", "[camera]") {
   setenv("__EGL_VENDOR_LIBRARY_DIRS", "/nonexistent", 1);
   const auto world_result = RobotWorld::Create(test::MakeWorld(test::kMaze));
   REQUIRE(world_result);

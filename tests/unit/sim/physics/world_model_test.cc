@@ -12,7 +12,7 @@ namespace {
 
 using test::MakeWorld;
 
-TEST_CASE("a maze compiles into a model with the options of MemoryMaze", "[sim][physics]") {
+TEST_CASE("a maze compiles into a model with the options of MemoryMaze", "[physics]") {
   const auto model = BuildModel(MakeWorld(test::kMaze));
   REQUIRE(model);
   CHECK((*model)->nu == 2);
@@ -25,7 +25,7 @@ TEST_CASE("a maze compiles into a model with the options of MemoryMaze", "[sim][
 }
 
 TEST_CASE("maps that are not square, open, tiny or large, without classes, with odd names compile",
-          "[sim][physics]") {
+          "[physics]") {
   CHECK(BuildModel(MakeWorld(test::kWideMaze)));
   CHECK(BuildModel(MakeWorld({"..", ".."}, {0, 0})));
   CHECK(BuildModel(MakeWorld({"."}, {0, 0})));
@@ -37,7 +37,7 @@ TEST_CASE("maps that are not square, open, tiny or large, without classes, with 
   CHECK(BuildModel(world));
 }
 
-TEST_CASE("what is wrong with a world is named", "[sim][physics]") {
+TEST_CASE("what is wrong with a world is named", "[physics]") {
   using World = PhysicsWorld;
   const std::pair<const char*, void (*)(World&)> rows[] = {
       {"cell size 0.5 m", [](World& w) { w.cell_size_m = 0.5; }},

@@ -66,7 +66,7 @@ class Hall {
   std::uint64_t sequence_number = 0;
 };
 
-TEST_CASE("an action is one control step, and then the robot stands", "[sim][drive]") {
+TEST_CASE("an action is one control step, and then the robot stands", "[drive]") {
   Hall hall;
   CHECK(hall.Press(DriveAction::kForward) == CommandOutcome::kDone);
   const RobotState state = hall.episode->state(0);
@@ -76,8 +76,7 @@ TEST_CASE("an action is one control step, and then the robot stands", "[sim][dri
   CHECK(state.position.x_m > hall.physics->geometry().CellToPosition({3, 1}).x_m + 0.08);
 }
 
-TEST_CASE("forward, held, goes 0.2 m a step, backward 0.1 m, a turn 11.25 degrees",
-          "[sim][drive]") {
+TEST_CASE("forward, held, goes 0.2 m a step, backward 0.1 m, a turn 11.25 degrees", "[drive]") {
   Hall hall({{3, 2}});
   hall.Press(DriveAction::kForward, 2);
   const double from = hall.physics->pose(0).position.x_m;
@@ -96,7 +95,7 @@ TEST_CASE("forward, held, goes 0.2 m a step, backward 0.1 m, a turn 11.25 degree
   CHECK(turned.episode->state(0).position.x_m == Approx(start.x_m).margin(0.02));
 }
 
-TEST_CASE("a robot whose driver is silent brakes when time goes on", "[sim][drive]") {
+TEST_CASE("a robot whose driver is silent brakes when time goes on", "[drive]") {
   Hall hall;
   hall.Press(DriveAction::kForward, 4);
   CHECK(hall.physics->pose(0).speed_mps == Approx(0.8).margin(0.05));
@@ -111,7 +110,7 @@ TEST_CASE("a robot whose driver is silent brakes when time goes on", "[sim][driv
   CHECK(hall.episode->state(0).low_level_steps == steps);
 }
 
-TEST_CASE("cells, path and goals follow the axis while driving on", "[sim][drive]") {
+TEST_CASE("cells, path and goals follow the axis while driving on", "[drive]") {
   Hall hall;
   hall.Press(DriveAction::kForward, 18);
   const RobotState state = hall.episode->state(0);
@@ -122,7 +121,7 @@ TEST_CASE("cells, path and goals follow the axis while driving on", "[sim][drive
   CHECK(hall.episode->map(0).cells[{3, 5}] == Occupancy::kFree);
 }
 
-TEST_CASE("a diagonal way enters cells one by one", "[sim][drive]") {
+TEST_CASE("a diagonal way enters cells one by one", "[drive]") {
   Hall hall({{3, 1}}, {{1, 5}});
   hall.Press(DriveAction::kTurnLeft, 4);
   hall.Press(DriveAction::kForward, 24);
@@ -135,8 +134,7 @@ TEST_CASE("a diagonal way enters cells one by one", "[sim][drive]") {
   CHECK(state.cell_moves + 1 == state.path.size());
 }
 
-TEST_CASE("a wall ends forward before it is touched, is named, and lets go backward",
-          "[sim][drive]") {
+TEST_CASE("a wall ends forward before it is touched, is named, and lets go backward", "[drive]") {
   Hall hall({{3, 5}});
   CommandOutcome outcome = CommandOutcome::kDone;
   for (int i = 0; i < 10 && outcome == CommandOutcome::kDone; ++i) {
@@ -154,7 +152,7 @@ TEST_CASE("a wall ends forward before it is touched, is named, and lets go backw
   CHECK(hall.Press(DriveAction::kBackward) == CommandOutcome::kDone);
 }
 
-TEST_CASE("a robot is never driven into a cell that another one holds", "[sim][drive]") {
+TEST_CASE("a robot is never driven into a cell that another one holds", "[drive]") {
   Hall hall({{3, 1}, {3, 3}}, {});
   CommandOutcome outcome = CommandOutcome::kDone;
   for (int i = 0; i < 30 && outcome == CommandOutcome::kDone; ++i) {
@@ -173,7 +171,7 @@ TEST_CASE("a robot is never driven into a cell that another one holds", "[sim][d
   CHECK(hall.episode->state(1).command_outcome == CommandOutcome::kOccupied);
 }
 
-TEST_CASE("a cell that a driven robot overlaps is held until it has left", "[sim][drive]") {
+TEST_CASE("a cell that a driven robot overlaps is held until it has left", "[drive]") {
   Hall hall({{3, 1}, {2, 2}}, {});
   hall.Press(DriveAction::kForward, 5);  // near the edge to (3,2)
   RobotCommand move = hall.Key(DriveAction::kStop, "r2");
@@ -191,7 +189,7 @@ TEST_CASE("a cell that a driven robot overlaps is held until it has left", "[sim
 TEST_CASE(
     "an action that comes too late is void, also while the robot rolls; of a burst one is "
     "carried out",
-    "[sim][drive]") {
+    "[drive]") {
   Hall hall;
   RobotCommand late = hall.Key(DriveAction::kForward);
   late.expires_at = hall.episode->now();
@@ -212,7 +210,7 @@ TEST_CASE(
   CHECK(hall.episode->state(0).low_level_steps == 4);
 }
 
-TEST_CASE("a move primitive goes on from wherever a robot was driven to", "[sim][drive]") {
+TEST_CASE("a move primitive goes on from wherever a robot was driven to", "[drive]") {
   Hall hall;
   hall.Press(DriveAction::kTurnLeft, 2);
   hall.Press(DriveAction::kForward, 3);
@@ -227,7 +225,7 @@ TEST_CASE("a move primitive goes on from wherever a robot was driven to", "[sim]
   CHECK(hall.episode->state(0).cell == here + Cell{0, 1});
 }
 
-TEST_CASE("the same keys give the same poses, bit for bit", "[sim][drive]") {
+TEST_CASE("the same keys give the same poses, bit for bit", "[drive]") {
   const auto drive = [] {
     Hall hall;
     hall.Press(DriveAction::kForward, 5);
@@ -244,7 +242,7 @@ const GridGeometry geometry{5, 5, 2.0};
 TEST_CASE(
     "a body touches the cells that it overlaps and no other; a way sweeps those between its "
     "ends, nearest first",
-    "[sim][episode]") {
+    "[episode]") {
   CHECK(CellsSwept(geometry, {0.0, 0.0}, {0.0, 0.0}) == std::vector<Cell>{{2, 2}});
   CHECK(CellsSwept(geometry, {0.9, 0.0}, {0.9, 0.0}) == std::vector<Cell>{{2, 2}, {2, 3}});
   CHECK(CellsSwept(geometry, {0.9, 0.9}, {0.9, 0.9}).size() == 4);
@@ -253,7 +251,7 @@ TEST_CASE(
   CHECK(CellsSwept(geometry, {0.0, 0.0}, {3.0, 0.0}) == std::vector<Cell>{{2, 2}, {2, 3}, {2, 4}});
 }
 
-TEST_CASE("the axis enters cells one after the other, also diagonally", "[sim][episode]") {
+TEST_CASE("the axis enters cells one after the other, also diagonally", "[episode]") {
   CHECK(CellsEntered(geometry, {0.0, 0.0}, {0.5, 0.5}).empty());
   CHECK(CellsEntered(geometry, {0.0, 0.0}, {1.5, 0.0}) == std::vector<Cell>{{2, 3}});
   // East edge first, then the northern one; and the other way round.
@@ -263,7 +261,7 @@ TEST_CASE("the axis enters cells one after the other, also diagonally", "[sim][e
 }
 
 TEST_CASE("the distance to a cell is that to its nearest point; ahead is along the heading",
-          "[sim][episode]") {
+          "[episode]") {
   CHECK(DistanceToCell(geometry, {0.3, 0.2}, {2, 2}) == 0.0);
   CHECK(DistanceToCell(geometry, {0.0, 0.0}, {2, 3}) == Approx(1.0));
   CHECK(DistanceToCell(geometry, {0.0, 0.0}, {1, 3}) == Approx(std::sqrt(2.0)));

@@ -54,7 +54,7 @@ struct Corridor {
   std::uint64_t sequence_number = 0;
 };
 
-TEST_CASE("a move ends in the next cell and counts once", "[sim][episode]") {
+TEST_CASE("a move ends in the next cell and counts once", "[episode]") {
   Corridor world;
   REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {1, 2})));
   CHECK(world.Outcome() == CommandOutcome::kRunning);
@@ -68,8 +68,7 @@ TEST_CASE("a move ends in the next cell and counts once", "[sim][episode]") {
   CHECK(state.path == std::vector<Cell>{{1, 1}, {1, 2}});
 }
 
-TEST_CASE("a wall blocks without taking time and is on the robot's map afterwards",
-          "[sim][episode]") {
+TEST_CASE("a wall blocks without taking time and is on the robot's map afterwards", "[episode]") {
   Corridor world;
   const SimTime map_stamp = world.episode->map(0).stamp;
   REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {0, 1})));
@@ -80,8 +79,7 @@ TEST_CASE("a wall blocks without taking time and is on the robot's map afterward
   CHECK(world.episode->state(0).map_stamp == world.episode->map(0).stamp);
 }
 
-TEST_CASE("a cell that is no neighbour and an unknown robot are refused by name",
-          "[sim][episode]") {
+TEST_CASE("a cell that is no neighbour and an unknown robot are refused by name", "[episode]") {
   Corridor world;
   REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {1, 4})));
   CHECK(world.Outcome() == CommandOutcome::kRefused);
@@ -91,7 +89,7 @@ TEST_CASE("a cell that is no neighbour and an unknown robot are refused by name"
   CHECK_THAT(unknown.error().text, Catch::StartsWith("robot = 'r9'"));
 }
 
-TEST_CASE("a repeated command changes nothing and an older one is refused", "[sim][episode]") {
+TEST_CASE("a repeated command changes nothing and an older one is refused", "[episode]") {
   Corridor world;
   const RobotCommand first = world.Command(CommandKind::kMove, {1, 2});
   REQUIRE(world.episode->Accept(first));
@@ -104,7 +102,7 @@ TEST_CASE("a repeated command changes nothing and an older one is refused", "[si
   CHECK(old.error().code == ErrorCode::kRefused);
 }
 
-TEST_CASE("an older lease is refused and the newer one stays in force", "[sim][episode]") {
+TEST_CASE("an older lease is refused and the newer one stays in force", "[episode]") {
   Corridor world;
   RobotCommand command = world.Command(CommandKind::kMove, {1, 2});
   command.lease_epoch = 5;
@@ -119,7 +117,7 @@ TEST_CASE("an older lease is refused and the newer one stays in force", "[sim][e
 TEST_CASE(
     "an expired command is void; one that expires on the way stops the robot, which can go "
     "on",
-    "[sim][episode]") {
+    "[episode]") {
   Corridor world;
   RobotCommand late = world.Command(CommandKind::kMove, {1, 2});
   late.expires_at = world.episode->now();
@@ -138,7 +136,7 @@ TEST_CASE(
   CHECK(world.Outcome() == CommandOutcome::kDone);
 }
 
-TEST_CASE("a goal is reached once and is gone from the list", "[sim][episode]") {
+TEST_CASE("a goal is reached once and is gone from the list", "[episode]") {
   Corridor world;
   for (const Cell cell : {Cell{1, 2}, Cell{1, 3}, Cell{1, 2}, Cell{1, 3}}) world.Move(cell);
   CHECK(world.episode->state(0).goals_left.empty());
@@ -146,7 +144,7 @@ TEST_CASE("a goal is reached once and is gone from the list", "[sim][episode]") 
   CHECK(world.episode->state(0).goals_total == 1);
 }
 
-TEST_CASE("a shared goal belongs to the first robot that reaches it", "[sim][episode]") {
+TEST_CASE("a shared goal belongs to the first robot that reaches it", "[episode]") {
   Corridor world({{1, 1}, {1, 5}}, {{{1, 2}, {1, 4}}, {{1, 2}, {1, 4}}}, true);
   world.Move({1, 2});
   CHECK(world.episode->state(0).goals_reached.size() == 1);
@@ -155,7 +153,7 @@ TEST_CASE("a shared goal belongs to the first robot that reaches it", "[sim][epi
 }
 
 TEST_CASE("two robots never get one cell, neither where one stands nor where it drives",
-          "[sim][episode]") {
+          "[episode]") {
   Corridor world({{1, 1}, {1, 3}}, {{{1, 5}}, {{1, 5}}});
   REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {1, 2}, "r1")));
   REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {1, 2}, "r2")));
@@ -166,7 +164,7 @@ TEST_CASE("two robots never get one cell, neither where one stands nor where it 
   CHECK(world.Outcome(0) == CommandOutcome::kOccupied);
 }
 
-TEST_CASE("another robot's body blocks a cell only while it stands there", "[sim][episode]") {
+TEST_CASE("another robot's body blocks a cell only while it stands there", "[episode]") {
   Corridor world({{1, 1}, {1, 2}}, {{{1, 5}}, {{1, 5}}});
   REQUIRE(world.episode->Accept(world.Command(CommandKind::kMove, {1, 2}, "r1")));
   CHECK(world.Outcome(0) == CommandOutcome::kOccupied);
@@ -177,7 +175,7 @@ TEST_CASE("another robot's body blocks a cell only while it stands there", "[sim
   CHECK(world.episode->state(0).cell == Cell{1, 2});
 }
 
-TEST_CASE("a view turns the robot, then waits for its picture", "[sim][episode]") {
+TEST_CASE("a view turns the robot, then waits for its picture", "[episode]") {
   Corridor world;
   RobotCommand command = world.Command(CommandKind::kTransmitView, {});
   command.heading_rad = 1.5707963;
@@ -195,8 +193,7 @@ TEST_CASE("a view turns the robot, then waits for its picture", "[sim][episode]"
   CHECK(world.episode->pictures_due().empty());
 }
 
-TEST_CASE("the robot's map grows with what it sees, up to the observation distance",
-          "[sim][episode]") {
+TEST_CASE("the robot's map grows with what it sees, up to the observation distance", "[episode]") {
   Corridor world;
   CHECK(world.episode->map(0).cells[{1, 3}] == Occupancy::kFree);
   CHECK(world.episode->map(0).cells[{1, 4}] == Occupancy::kUnknown);

@@ -58,8 +58,7 @@ std::string RefusalOf(const Result<OccupancyGrid>& result) {
   return result ? "" : result.error().text;
 }
 
-TEST_CASE("a map_server map becomes cells: north first, unknown occupied, border walled",
-          "[sim][map]") {
+TEST_CASE("a map_server map becomes cells: north first, unknown occupied, border walled", "[map]") {
   const Folder folder;
   CHECK(Draw(*LoadMapFile(folder.Write("map.yaml", kHeader), CellsOf(1.0))) ==
         "#####/# # #/##  #/#####");
@@ -73,7 +72,7 @@ TEST_CASE("a map_server map becomes cells: north first, unknown occupied, border
   CHECK(coarse->columns() == 4);
 }
 
-TEST_CASE("a cell is occupied when more than the share of its pixels is", "[sim][map]") {
+TEST_CASE("a cell is occupied when more than the share of its pixels is", "[map]") {
   const Folder folder;
   cv::Mat image(12, 12, CV_8UC1, cv::Scalar(255));                   // 3 x 3 cells of 4 x 4 pixels
   for (int i = 0; i < 4; ++i) image.at<std::uint8_t>(4 + i, 5) = 0;  // 4 of 16 in the middle cell
@@ -86,7 +85,7 @@ TEST_CASE("a cell is occupied when more than the share of its pixels is", "[sim]
   CHECK(Draw(LoadMapFile(file, options).value()) == "###/###/###");
 }
 
-TEST_CASE("a binary PGM reads like a plain one", "[sim][map]") {
+TEST_CASE("a binary PGM reads like a plain one", "[map]") {
   const Folder folder;
   std::string binary = "P5\n3 3\n255\n";
   binary += std::string(4, '\xfe') + std::string(1, '\xfe') + std::string(4, '\0');
@@ -96,7 +95,7 @@ TEST_CASE("a binary PGM reads like a plain one", "[sim][map]") {
   CHECK(Draw(*map) == "###/# #/###");
 }
 
-TEST_CASE("bad map files are refused by file, key and value", "[sim][map]") {
+TEST_CASE("bad map files are refused by file, key and value", "[map]") {
   const Folder folder;
   const std::string name = (folder / "map.yaml").string();
   const std::string wide = "resolution: 1.0";
@@ -126,7 +125,7 @@ TEST_CASE("bad map files are refused by file, key and value", "[sim][map]") {
              Catch::StartsWith(name + ": 4 x 5 pixels of 1 m make 2 x 3 cells"));
 }
 
-TEST_CASE("a building and its outdated plan must have the same size and origin", "[sim][map]") {
+TEST_CASE("a building and its outdated plan must have the same size and origin", "[map]") {
   const Folder folder;
   folder.Write("small.pgm", "P2\n3 3\n255\n254 254 254 254 254 254 254 254 254\n");
   const fs::path truth = folder.Write("truth.yaml", kHeader);

@@ -20,8 +20,7 @@ std::string TextOf(const Maze& maze) {
   return text;
 }
 
-TEST_CASE("conav-maze prints the entity layer, a blank line and the variation layer",
-          "[sim][maze]") {
+TEST_CASE("conav-maze prints the entity layer, a blank line and the variation layer", "[maze]") {
   const auto outcome = RunMaze("--preset 9x9 --seed 3 --generation 2");
   CHECK(outcome.exit_code == 0);
   CHECK(outcome.out == TextOf(GenerateMaze(FindMazePreset("9x9").value().options, 3, 2)));
@@ -30,7 +29,7 @@ TEST_CASE("conav-maze prints the entity layer, a blank line and the variation la
         TextOf(GenerateMaze(FindMazePreset("conav13").value().options, 133003720, 2)));
 }
 
-TEST_CASE("conav-maze takes every size and style as a flag", "[sim][maze]") {
+TEST_CASE("conav-maze takes every size and style as a flag", "[maze]") {
   RandomMazeOptions options;
   options.height = 9;
   options.width = 15;
@@ -47,7 +46,7 @@ TEST_CASE("conav-maze takes every size and style as a flag", "[sim][maze]") {
   CHECK(outcome.out == TextOf(GenerateMaze(options, 12, 1)));
 }
 
-TEST_CASE("conav-maze --json holds both layers and what they were made from", "[sim][maze]") {
+TEST_CASE("conav-maze --json holds both layers and what they were made from", "[maze]") {
   const nlohmann::json document = nlohmann::json::parse(RunMaze("--seed 5 --json").out);
   const Maze maze = GenerateMaze(FindMazePreset("conav13").value().options, 5, 1);
   CHECK(document["entity"] == ToLines(maze.entities));
@@ -57,7 +56,7 @@ TEST_CASE("conav-maze --json holds both layers and what they were made from", "[
   CHECK(document["preset"] == "conav13");
 }
 
-TEST_CASE("conav-maze refuses impossible mazes by name", "[sim][maze]") {
+TEST_CASE("conav-maze refuses impossible mazes by name", "[maze]") {
   CHECK(RunMaze("--height 12 --width 13").error == "conav-maze: height 12 is even: must be odd\n");
   for (const char* wrong :
        {"--height 12 --width 13", "--preset nothing",

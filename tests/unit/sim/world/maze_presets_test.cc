@@ -115,7 +115,7 @@ const std::vector<PrintedLayout>& PrintedLayouts() {
 }
 // clang-format on
 
-TEST_CASE("the paper's seeds give the layouts of its first episodes", "[sim][maze]") {
+TEST_CASE("the paper's seeds give the layouts of its first episodes", "[maze]") {
   CHECK(MazeSeedFromPaperSeed(234) == 133003720);
   for (const PrintedLayout& layout : PrintedLayouts()) {
     INFO(layout.preset << " paper seed " << layout.paper_seed);
@@ -126,7 +126,7 @@ TEST_CASE("the paper's seeds give the layouts of its first episodes", "[sim][maz
   }
 }
 
-TEST_CASE("conav13 is MemoryMaze's 11x11 with its outer wall", "[sim][maze]") {
+TEST_CASE("conav13 is MemoryMaze's 11x11 with its outer wall", "[maze]") {
   const MazePreset preset = FindMazePreset("conav13").value();
   CHECK(preset.options == FindMazePreset("11x11").value().options);
   CHECK(preset.options.height == 13);
@@ -135,8 +135,7 @@ TEST_CASE("conav13 is MemoryMaze's 11x11 with its outer wall", "[sim][maze]") {
   CHECK(FindMazePreset("conav13_inner").value().goals == 4);
 }
 
-TEST_CASE("every preset can be generated, an unknown one is refused with their names",
-          "[sim][maze]") {
+TEST_CASE("every preset can be generated, an unknown one is refused with their names", "[maze]") {
   const auto unknown = FindMazePreset("12x12");
   REQUIRE_FALSE(unknown);
   for (const MazePreset& preset : MazePresets()) {
@@ -147,7 +146,7 @@ TEST_CASE("every preset can be generated, an unknown one is refused with their n
   }
 }
 
-TEST_CASE("walls are numbered by three by three blocks, other cells stay", "[sim][maze]") {
+TEST_CASE("walls are numbered by three by three blocks, other cells stay", "[maze]") {
   Grid<char> entities(7, 4, kMazeWall);  // blocks of 2, 2, 3 rows and 1, 1, 2 columns
   entities[{2, 2}] = kMazeSpawn;
   const std::vector<std::string> expected{"0122", "0122", "34P5", "3455", "6788", "6788", "6788"};

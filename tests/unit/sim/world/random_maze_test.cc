@@ -57,7 +57,7 @@ std::string RefusalOf(const RandomMazeOptions& options) {
   return result ? "" : result.error().text;
 }
 
-TEST_CASE("mazes equal labmaze's, character for character, in both layers", "[sim][maze]") {
+TEST_CASE("mazes equal labmaze's, character for character, in both layers", "[maze]") {
   std::ifstream file(CONAV_TESTS_DIR "/unit/sim/world/labmaze_golden.jsonl");
   REQUIRE(file);
   int count = 0;
@@ -71,7 +71,7 @@ TEST_CASE("mazes equal labmaze's, character for character, in both layers", "[si
   CHECK(count >= 60);
 }
 
-TEST_CASE("every maze is connected and walled in", "[sim][maze]") {
+TEST_CASE("every maze is connected and walled in", "[maze]") {
   RandomMazeOptions options;
   options.width = 21;
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
@@ -84,7 +84,7 @@ TEST_CASE("every maze is connected and walled in", "[sim][maze]") {
   }
 }
 
-TEST_CASE("simplification fills dead ends", "[sim][maze]") {
+TEST_CASE("simplification fills dead ends", "[maze]") {
   const auto dead_ends = [](const Maze& maze) {
     int count = 0;
     const std::set<Cell> open = OpenCells(maze);
@@ -102,7 +102,7 @@ TEST_CASE("simplification fills dead ends", "[sim][maze]") {
   CHECK(with < dead_ends(GenerateMaze(options, 3, 1)));
 }
 
-TEST_CASE("doors stand where regions meet, and only when asked for", "[sim][maze]") {
+TEST_CASE("doors stand where regions meet, and only when asked for", "[maze]") {
   RandomMazeOptions options;
   const auto doors = [&] {
     int count = 0;
@@ -117,8 +117,7 @@ TEST_CASE("doors stand where regions meet, and only when asked for", "[sim][maze
   CHECK(doors() > 0);
 }
 
-TEST_CASE("more connections open more walls, no number of rooms means as many as fit",
-          "[sim][maze]") {
+TEST_CASE("more connections open more walls, no number of rooms means as many as fit", "[maze]") {
   RandomMazeOptions options;
   options.simplify = false;
   const std::size_t few = OpenCells(GenerateMaze(options, 9, 1)).size();
@@ -131,7 +130,7 @@ TEST_CASE("more connections open more walls, no number of rooms means as many as
   CHECK(GenerateMaze(large, 1, 1).rooms > 6);
 }
 
-TEST_CASE("the smallest maze has one cell", "[sim][maze]") {
+TEST_CASE("the smallest maze has one cell", "[maze]") {
   RandomMazeOptions options;
   options.height = 3;
   options.width = 3;
@@ -145,7 +144,7 @@ TEST_CASE("the smallest maze has one cell", "[sim][maze]") {
   CHECK(maze.entities[{1, 1}] == kMazeObject);
 }
 
-TEST_CASE("sizes that no maze can have are refused by name and value", "[sim][maze]") {
+TEST_CASE("sizes that no maze can have are refused by name and value", "[maze]") {
   using Options = RandomMazeOptions;
   const std::pair<const char*, void (*)(Options&)> rows[] = {
       {"height 12", [](Options& o) { o.height = 12; }},

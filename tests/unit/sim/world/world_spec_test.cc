@@ -57,7 +57,7 @@ class Building {
   test::TemporaryFolder folder_;
 };
 
-TEST_CASE("seed S makes the maze of the paper's seed S", "[sim][world]") {
+TEST_CASE("seed S makes the maze of the paper's seed S", "[world]") {
   WorldOptions options;
   options.seed = 234;
   const WorldSpec spec = MakeWorldSpec(options).value();
@@ -74,7 +74,7 @@ TEST_CASE("seed S makes the maze of the paper's seed S", "[sim][world]") {
   CHECK(spec.floor_classes == maze.variations);
 }
 
-TEST_CASE("goals can be reached and starts and goals are different cells", "[sim][world]") {
+TEST_CASE("goals can be reached and starts and goals are different cells", "[world]") {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     WorldOptions options = WithRobots(4);
     options.seed = seed;
@@ -90,7 +90,7 @@ TEST_CASE("goals can be reached and starts and goals are different cells", "[sim
 }
 
 TEST_CASE("the operator's map is wrong in 20 cells, never where somebody starts or goes",
-          "[sim][world]") {
+          "[world]") {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     WorldOptions options = WithRobots(2);
     options.seed = seed;
@@ -101,8 +101,7 @@ TEST_CASE("the operator's map is wrong in 20 cells, never where somebody starts 
   }
 }
 
-TEST_CASE("the same seed gives the same world, and robot 1 the same among more robots",
-          "[sim][world]") {
+TEST_CASE("the same seed gives the same world, and robot 1 the same among more robots", "[world]") {
   const WorldSpec a = MakeWorldSpec(WithRobots(3)).value();
   const WorldSpec b = MakeWorldSpec(WithRobots(3)).value();
   CHECK(a.truth == b.truth);
@@ -114,7 +113,7 @@ TEST_CASE("the same seed gives the same world, and robot 1 the same among more r
   CHECK(one.goals[0] == a.goals[0]);
 }
 
-TEST_CASE("shared goals are one list for all robots", "[sim][world]") {
+TEST_CASE("shared goals are one list for all robots", "[world]") {
   WorldOptions options = WithRobots(3);
   options.shared_goals = true;
   const WorldSpec spec = MakeWorldSpec(options).value();
@@ -124,7 +123,7 @@ TEST_CASE("shared goals are one list for all robots", "[sim][world]") {
 }
 
 TEST_CASE("every preset makes a world with its number of goals, also of seeds beyond 32 bits",
-          "[sim][world]") {
+          "[world]") {
   CHECK(MakeWorldSpec({.seed = 0x1'0000'0009}).value().truth !=
         MakeWorldSpec({.seed = 9}).value().truth);
   for (const MazePreset& preset : MazePresets()) {
@@ -139,7 +138,7 @@ TEST_CASE("every preset makes a world with its number of goals, also of seeds be
   }
 }
 
-TEST_CASE("a building and its outdated plan make a world", "[sim][world]") {
+TEST_CASE("a building and its outdated plan make a world", "[world]") {
   const Building building;
   const WorldSpec spec = MakeWorldSpec(building.options()).value();
   CHECK(spec.cell_size_m == 1.0);
@@ -149,7 +148,7 @@ TEST_CASE("a building and its outdated plan make a world", "[sim][world]") {
   CHECK(spec.starts[0].column <= 3);  // the larger room
 }
 
-TEST_CASE("a building without a plan gets a corrupted one", "[sim][world]") {
+TEST_CASE("a building without a plan gets a corrupted one", "[world]") {
   const Building building;
   WorldOptions options = building.options();
   options.operator_map_yaml.clear();
@@ -160,7 +159,7 @@ TEST_CASE("a building without a plan gets a corrupted one", "[sim][world]") {
   CHECK(spec.human_map[{1, 1}] == Occupancy::kFree);
 }
 
-TEST_CASE("impossible worlds are refused by name and value", "[sim][world]") {
+TEST_CASE("impossible worlds are refused by name and value", "[world]") {
   for (const auto& [options, names] : std::vector<std::pair<WorldOptions, const char*>>{
            {{.preset = "huge"}, "maze preset \"huge\""},
            {WithRobots(0), "robots = 0"},
@@ -174,7 +173,7 @@ TEST_CASE("impossible worlds are refused by name and value", "[sim][world]") {
   }
 }
 
-TEST_CASE("given starts and goals are taken, or refused by name", "[sim][world]") {
+TEST_CASE("given starts and goals are taken, or refused by name", "[world]") {
   const Building building;
   WorldOptions options = building.options();
   options.goals = {{1, 1}, {1, 2}};
@@ -216,7 +215,7 @@ WorldSpec SmallWorld() {
   return spec;
 }
 
-TEST_CASE("A quarter turn takes the east side to the north", "[sim][world]") {
+TEST_CASE("A quarter turn takes the east side to the north", "[world]") {
   const WorldSpec turned = *Rotated(SmallWorld(), 90);
   REQUIRE(turned.truth.rows() == 4);
   REQUIRE(turned.truth.columns() == 3);
@@ -230,7 +229,7 @@ TEST_CASE("A quarter turn takes the east side to the north", "[sim][world]") {
 }
 
 TEST_CASE("Half a turn mirrors rows and columns, none changes nothing, other angles are refused",
-          "[sim][world]") {
+          "[world]") {
   const WorldSpec world = SmallWorld();
   CHECK(Rotated(world, 0)->truth == world.truth);
   CHECK(Rotated(world, 0)->start_heading_rad == 0.0);
@@ -245,8 +244,7 @@ TEST_CASE("Half a turn mirrors rows and columns, none changes nothing, other ang
   }
 }
 
-TEST_CASE("A turned maze is the same maze: as far to its goals, as wrong on the map",
-          "[sim][world]") {
+TEST_CASE("A turned maze is the same maze: as far to its goals, as wrong on the map", "[world]") {
   WorldOptions options;
   options.seed = 234;
   const WorldSpec world = *MakeWorldSpec(options);
@@ -274,13 +272,13 @@ OccupancyGrid TwoRooms() {
   return map;
 }
 
-TEST_CASE("the largest free area is found, none where nothing is free", "[sim][world]") {
+TEST_CASE("the largest free area is found, none where nothing is free", "[world]") {
   CHECK(LargestFreeArea(TwoRooms()) == std::set<Cell>{{1, 1}, {1, 2}, {1, 3}});
   CHECK(LargestFreeArea(OccupancyGrid(3, 3, Occupancy::kOccupied)).empty());
 }
 
 TEST_CASE("a deck hands out preferred cells first, each once, then says that it is empty",
-          "[sim][world]") {
+          "[world]") {
   Random random(1);
   const std::set<Cell> all{{0, 0}, {0, 1}, {0, 2}, {0, 3}};
   CellDeck deck({{0, 2}, {0, 3}, {9, 9}}, all, random);
