@@ -19,13 +19,22 @@ expect() {
   failures=$((failures + 1))
 }
 
+# lines N: so many empty ones.
+lines() { printf '%*s' "$1" '' | sed 's/ /\\n/g'; }
+
 expect accept check_format.sh services/a.cc 'int main() { return 0; }\n'
 expect refuse check_format.sh services/a.cc 'int main(){return 0;}\n'
 expect accept check_files.sh services/a_b.h '#pragma once\n'
 expect refuse check_files.sh services/aB.cc '\n'
 expect refuse check_files.sh services/a.h '#include <vector>\n'
-expect refuse check_files.sh services/a.cc "$(printf '%*s' 401 '' | sed 's/ /\\n/g')"
+expect refuse check_files.sh services/a.cc "$(lines 501)"
 expect refuse check_files.sh services/a_test.cc 'TEST_CASE("a; b") {}\n'
+expect accept check_structure.sh services/a.cc "$(lines 100)"
+expect refuse check_structure.sh services/a.cc "$(lines 99)"
+expect refuse check_structure.sh services/a.cc "$(lines 60001)"
+expect accept check_structure.sh services/a.cc "$(lines 50)void F() {\n$(lines 60)}\n"
+expect refuse check_structure.sh services/a.cc "$(lines 50)void F() {\n$(lines 61)}\n"
+expect refuse check_structure.sh tests/a.cc "$(lines 100)"
 # shellcheck disable=SC2016
 expect accept check_shell.sh a.sh '#!/bin/bash\necho "$1"\n'
 # shellcheck disable=SC2016
@@ -36,18 +45,18 @@ refuse_include() { expect refuse check_includes.sh "$1" "#include $2\n"; }
 accept_include services/common/bus/a.cc '<dds/dds.h>'
 refuse_include services/sim/sim_service.cc '<dds/dds.h>'
 refuse_include tests/unit/sim/a_test.cc '"fastdds/dds/topic/Topic.hpp"'
-accept_include services/common/protocol/convert.h '"conav_robot.h"'
+accept_include services/common/msg/convert.h '"conav_robot.h"'
 accept_include services/sim/robot_topics.h '"conav_robot.h"'
 refuse_include services/planner/search/a.h '"conav_robot.h"'
 refuse_include services/planner/search/a.h '"common/bus/publisher.h"'
-refuse_include services/nhpm/model/a.cc '"common/protocol/convert.h"'
-accept_include services/nhpm/model/a.cc '"common/protocol/planning.h"'
-refuse_include services/sim/episode/a.h '"common/bus/publisher.h"'
+refuse_include services/nhpm/model/a.cc '"common/msg/convert.h"'
+accept_include services/nhpm/model/a.cc '"common/msg/planning.h"'
+refuse_include services/sim/world/a.h '"common/bus/publisher.h"'
 refuse_include services/sim/world/a.cc '"planner/search/ig_mcts.h"'
 refuse_include services/sim/sim_service.cc '"operator/config.h"'
-accept_include services/planner/perception_setup.cc '"nhpm/model/glpf.h"'
-refuse_include services/planner/perception_setup.cc '"nhpm/nhpm_service.h"'
-refuse_include services/common/grid/a.h '"common/protocol/robot.h"'
+accept_include services/planner/planner_service.cc '"nhpm/model/glpf.h"'
+refuse_include services/planner/planner_service.cc '"nhpm/nhpm_service.h"'
+refuse_include services/common/grid/a.h '"common/msg/robot.h"'
 refuse_include services/common/service/a.h '"sim/config.h"'
 accept_include deploy/launcher/a.cc '"sim/config.h"'
 accept_include deploy/launcher/a.cc '"nhpm/model/weights_file.h"'

@@ -1,4 +1,4 @@
-#include "common/bus/type_support.h"
+#include "common/bus/type_support_of.h"
 
 #include <catch2/catch.hpp>
 
