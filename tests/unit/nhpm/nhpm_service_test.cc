@@ -41,6 +41,13 @@ struct ServiceBench {
     return Replies();
   }
 
+  /// The one reply to one request.
+  PerceptionReply AskOne(const PerceptionRequest& request) {
+    const auto answers = Ask({ToMessage(request)});
+    REQUIRE(answers.size() == 1);
+    return answers[0];
+  }
+
   void Send(const std::vector<RequestMessage>& messages) {
     for (const auto& message : messages) REQUIRE(requests.Publish(message));
     service.Receive({});
@@ -70,17 +77,16 @@ PerceptionRequest SampleRequest() {
 
 TEST_CASE("A batch is answered with the bits of the model", "[nhpm]") {
   ServiceBench bench;
-  const auto replies = bench.Ask({ToMessage(SampleRequest())});
-  REQUIRE(replies.size() == 1);
-  CHECK(replies[0].client == "planner-1");
-  CHECK(replies[0].request_id == 7);
-  CHECK(replies[0].status == PerceptionStatus::kOk);
-  CHECK(replies[0].reason.empty());
-  CHECK(replies[0].model == "glpf");
-  CHECK(replies[0].model_version == Glpf().version());
-  CHECK(replies[0].model_checksum == Glpf().identity().checksum);
-  CHECK(replies[0].replica == "nhpm");
-  CHECK(replies[0].answers == *Glpf().Predict(SampleRequest().queries));
+  const PerceptionReply reply = bench.AskOne(SampleRequest());
+  CHECK(reply.client == "planner-1");
+  CHECK(reply.request_id == 7);
+  CHECK(reply.status == PerceptionStatus::kOk);
+  CHECK(reply.reason.empty());
+  CHECK(reply.model == "glpf");
+  CHECK(reply.model_version == Glpf().version());
+  CHECK(reply.model_checksum == Glpf().identity().checksum);
+  CHECK(reply.replica == "nhpm");
+  CHECK(reply.answers == *Glpf().Predict(SampleRequest().queries));
   CHECK(bench.service.counts().requests == 1);
   CHECK(bench.service.counts().queries == 2);
 }
@@ -93,11 +99,9 @@ TEST_CASE(
   const auto first = bench.Ask({ToMessage(SampleRequest()), ToMessage(SampleRequest())});
   REQUIRE(first.size() == 1);
   CHECK(bench.Ask({ToMessage(SampleRequest())}) == first);
-  const auto empty =
-      bench.Ask({ToMessage(PerceptionRequest{.client = "c", .request_id = 1, .model = "glpf"})});
-  REQUIRE(empty.size() == 1);
-  CHECK(empty[0].status == PerceptionStatus::kOk);
-  CHECK(empty[0].answers.empty());
+  const PerceptionReply empty = bench.AskOne({.client = "c", .request_id = 1, .model = "glpf"});
+  CHECK(empty.status == PerceptionStatus::kOk);
+  CHECK(empty.answers.empty());
 }
 
 TEST_CASE("A request for another replica is left to that one", "[nhpm]") {
@@ -118,15 +122,14 @@ TEST_CASE("A request for another model or other weights is refused by name", "[n
   for (const auto& [request, asked, served] :
        {std::tuple(other_model, std::string("'network'"), std::string("'glpf'")),
         std::tuple(other_weights, std::string(64, 'a'), Glpf().identity().checksum)}) {
-    const auto replies = bench.Ask({ToMessage(request)});
-    REQUIRE(replies.size() == 1);
-    CHECK(replies[0].status == PerceptionStatus::kRefused);
-    CHECK_THAT(replies[0].reason, Catch::Contains(asked) && Catch::Contains(served));
-    CHECK(replies[0].answers.empty());
+    const PerceptionReply reply = bench.AskOne(request);
+    CHECK(reply.status == PerceptionStatus::kRefused);
+    CHECK_THAT(reply.reason, Catch::Contains(asked) && Catch::Contains(served));
+    CHECK(reply.answers.empty());
   }
   CHECK(bench.service.counts().refused == 2);
   other_weights.model_checksum = Glpf().identity().checksum;
-  CHECK(bench.Ask({ToMessage(other_weights)}).at(0).status == PerceptionStatus::kOk);
+  CHECK(bench.AskOne(other_weights).status == PerceptionStatus::kOk);
 }
 
 PerceptionRequest Numbered(std::uint64_t id, std::uint32_t timeout_ms = 0) {
@@ -149,7 +152,7 @@ TEST_CASE("More requests than may be open are answered busy at once", "[nhpm]") 
   CHECK(busy[0].model == "glpf");
   bench.service.AnswerOpen();
   CHECK(bench.Replies().size() == 2);
-  CHECK(bench.Ask({ToMessage(Numbered(3))}).at(0).status == PerceptionStatus::kOk);
+  CHECK(bench.AskOne(Numbered(3)).status == PerceptionStatus::kOk);
   CHECK(bench.service.counts().busy == 1);
   CHECK(bench.service.counts().late == 0);
 }
@@ -204,11 +207,11 @@ TEST_CASE("A person is answered by their own model, another grid size with a ref
   ServiceBench bench(config);
   PerceptionRequest request = Numbered(1);
   request.person = "anna";
-  CHECK(bench.Ask({ToMessage(request)}).at(0).model_version == "untrained 2");
-  CHECK(bench.Ask({ToMessage(Numbered(2))}).at(0).model_version == "untrained 1");
+  CHECK(bench.AskOne(request).model_version == "untrained 2");
+  CHECK(bench.AskOne(Numbered(2)).model_version == "untrained 1");
   request.request_id = 3;
   request.person = "bert";
-  const PerceptionReply refused = bench.Ask({ToMessage(request)}).at(0);
+  const PerceptionReply refused = bench.AskOne(request);
   CHECK(refused.status == PerceptionStatus::kRefused);
   CHECK_THAT(refused.reason, Catch::Contains("13 x 13") && Catch::Contains("3 x 4"));
 }

@@ -44,11 +44,6 @@ TEST_CASE("a mapping tour visits every goal once, in an order that the seed draw
   CHECK(first.size() == 4);
 }
 
-TEST_CASE("a mapping tour leaves out goals that nobody can reach", "[mapping]") {
-  MappingTour tour({kChamber}, {}, 3);
-  CHECK(tour.Next(Room(), ToBelief(Room()), kStart).cell != kChamber);
-}
-
 TEST_CASE("after the goals a mapping tour prefers cells near the mistakes of the map",
           "[mapping]") {
   BeliefGrid belief = ToBelief(Room());
@@ -65,7 +60,12 @@ TEST_CASE("where no place attracts a mapping tour goes to any cell that can be r
   CHECK_FALSE(visited.contains(kChamber));
 }
 
-TEST_CASE("a robot that cannot leave its cell stops where it stands", "[mapping]") {
+TEST_CASE(
+    "a mapping tour leaves out goals that nobody can reach; a robot that cannot leave its "
+    "cell stays",
+    "[mapping]") {
+  MappingTour unreachable({kChamber}, {}, 3);
+  CHECK(unreachable.Next(Room(), ToBelief(Room()), kStart).cell != kChamber);
   MappingTour tour({{1, 1}}, {}, 3);
   CHECK(tour.Next(Room(), ToBelief(Room()), kChamber).cell == kChamber);
 }
@@ -99,7 +99,7 @@ TEST_CASE("options of a mapping tour out of range are refused by name", "[mappin
     CHECK(checked.error().code == ErrorCode::kInvalidArgument);
     return checked.error().text;
   };
-  CHECK(refusal({.headings = 361}) == "headings = 361: not from 1 to 360");
+  CHECK_THAT(refusal({.headings = 361}), Catch::StartsWith("headings = 361"));
   CHECK_THAT(refusal({.background = std::nan("")}), Catch::StartsWith("background = nan"));
   CHECK_THAT(refusal({.attraction_cells = -1.0}), Catch::StartsWith("attraction_cells = -1"));
 }

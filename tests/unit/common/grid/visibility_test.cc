@@ -52,19 +52,15 @@ TEST_CASE("the camera's own cell is seen also when it looks at a wall", "[visibi
   CHECK_FALSE(Has(seen.walls, {2, 1}));
 }
 
-TEST_CASE("nothing behind a wall is seen", "[visibility]") {
-  const OccupancyGrid map = MapFrom({"#######", "#  #  #", "#######"});
-  const VisibleCells seen = CastView(map, Look({1, 1}, 0.0));
-  CHECK(Has(seen.walls, {1, 3}));
-  CHECK_FALSE(Has(seen.free, {1, 4}));
-  CHECK_FALSE(Has(seen.walls, {1, 6}));
-}
-
-TEST_CASE("an unknown cell ends the view and is not seen itself", "[visibility]") {
-  const OccupancyGrid map = MapFrom({"#######", "#  ?  #", "#######"});
-  const VisibleCells seen = CastView(map, Look({1, 1}, 0.0));
-  CHECK(seen.free == std::vector<Cell>{{1, 1}, {1, 2}});
-  CHECK_FALSE(Has(seen.walls, {1, 3}));
+TEST_CASE("nothing behind a wall or an unknown cell is seen, nor the latter itself",
+          "[visibility]") {
+  for (const char* row : {"#  #  #", "#  ?  #"}) {
+    const OccupancyGrid map = MapFrom({"#######", row, "#######"});
+    const VisibleCells seen = CastView(map, Look({1, 1}, 0.0));
+    CHECK(seen.free == std::vector<Cell>{{1, 1}, {1, 2}});
+    CHECK(Has(seen.walls, {1, 3}) == (row[3] == '#'));
+    CHECK_FALSE(Has(seen.walls, {1, 6}));
+  }
 }
 
 TEST_CASE("a wider field of view sees more", "[visibility]") {
@@ -122,17 +118,15 @@ TEST_CASE("a range sensor sees around itself up to its distance", "[visibility]"
   CHECK_FALSE(Has(seen.free, {6, 5}));
 }
 
-TEST_CASE("distance 0 sees the own cell only", "[visibility]") {
-  const OccupancyGrid open(5, 5, Occupancy::kFree);
-  CHECK(CastRange(open, {2, 2}, 0.0).free == std::vector<Cell>{{2, 2}});
-}
-
-TEST_CASE("a range sensor does not see through walls", "[visibility]") {
+TEST_CASE("a range sensor does not see through walls, nor beyond its cell by distance 0",
+          "[visibility]") {
   const OccupancyGrid map = MapFrom({"#####", "# # #", "#####"});
   const VisibleCells seen = CastRange(map, {1, 1}, 3.0);
   CHECK(seen.free == std::vector<Cell>{{1, 1}});
   CHECK(Has(seen.walls, {1, 2}));
   CHECK_FALSE(Has(seen.walls, {1, 4}));
+  const OccupancyGrid open(5, 5, Occupancy::kFree);
+  CHECK(CastRange(open, {2, 2}, 0.0).free == std::vector<Cell>{{2, 2}});
 }
 
 TEST_CASE("a range sensor sees the walls of its own cell on all sides", "[visibility]") {

@@ -95,7 +95,7 @@ TEST_CASE("numbers that are none, times out of order and foreign images are refu
       {"'/etc/passwd'", [](Segment& s) { s.image = "/etc/passwd"; }},
       {"'a/../../b.jpg'", [](Segment& s) { s.image = "a/../../b.jpg"; }},
       {"image_sha256 'abc'", [](Segment& s) { s.image_sha256 = "abc"; }},
-      {"file name is not UTF-8", [](Segment& s) { s.image = "\xFF"; }},
+      {"file name is not UTF-8", [](Segment& s) { s.image.back() = '\xFF'; }},
   });
 }
 

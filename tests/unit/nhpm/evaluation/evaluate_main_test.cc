@@ -66,13 +66,24 @@ nlohmann::json ReadJson(const std::string& file) {
   return nlohmann::json::parse(*ReadFile(file), nullptr, false);
 }
 
+/// A folder with data, and weights that learned from it.
+struct Bench : Folder {
+  explicit Bench(int trajectories = 6, SegmentOrigin origin = SegmentOrigin::kSynthetic)
+      : data(WriteData(*this / "data.pb.zst", trajectories, origin)),
+        weights(WriteWeights(*this / "w.nhpm", data)) {}
+
+  Ended Run(const std::string& flags) const {
+    return nhpm::Run(fmt::format("--data {} --weights {} {}", data, weights, flags));
+  }
+  std::string data;
+  std::string weights;
+};
+
 TEST_CASE("conav evaluate prints table 1 and writes JSON, CSV and a page", "[evaluate]") {
-  const Folder folder;
-  const std::string data = WriteData(folder / "data.pb.zst");
-  const std::string weights = WriteWeights(folder / "w.nhpm", data);
+  const Bench folder;
   const Ended ended =
-      Run(fmt::format("--data {} --weights {} --oracle-draws 2000 --json {} --csv {} --html {}",
-                      data, weights, folder / "r.json", folder / "r.csv", folder / "r.html"));
+      folder.Run(fmt::format("--oracle-draws 2000 --json {} --csv {} --html {}", folder / "r.json",
+                             folder / "r.csv", folder / "r.html"));
   INFO(ended.text());
   REQUIRE(ended.exit_code == 0);
   CHECK_THAT(ended.text(), Catch::Contains("synthetic data, data.pb.zst: test 1 trajectory"));
@@ -90,26 +101,20 @@ TEST_CASE("conav evaluate prints table 1 and writes JSON, CSV and a page", "[eva
 }
 
 TEST_CASE("Equal arguments give equal figures, on any number of threads", "[evaluate]") {
-  const Folder folder;
-  const std::string data = WriteData(folder / "data.pb.zst", 9);
-  const std::string weights = WriteWeights(folder / "w.nhpm", data);
-  const std::string common =
-      fmt::format("--data {} --weights {} --oracle-draws 2000 --average-oracle --json - --threads ",
-                  data, weights);
-  const Ended one = Run(common + "1");
+  const Bench folder(9);
+  const std::string flags = "--oracle-draws 2000 --average-oracle --json - --threads ";
+  const Ended one = folder.Run(flags + "1");
   CHECK(one.exit_code == 0);
-  CHECK(one.out == Run(common + "3").out);
+  CHECK(one.out == folder.Run(flags + "3").out);
   const auto json = nlohmann::json::parse(one.out, nullptr, false);
   CHECK(json["models"].contains("oracle_average"));
 }
 
 TEST_CASE("Each input left out and each weights file has a row of its own", "[evaluate]") {
-  const Folder folder;
-  const std::string data = WriteData(folder / "data.pb.zst");
-  const std::string weights = WriteWeights(folder / "w.nhpm", data);
-  const Ended ended = Run(fmt::format(
-      "--data {0} --weights {1} --weights {1} --without tau,o --oracle-draws 0 --json {2}", data,
-      weights, folder / "r.json"));
+  const Bench folder;
+  const Ended ended =
+      folder.Run(fmt::format("--weights {} --without tau,o --oracle-draws 0 --json {}",
+                             folder.weights, folder / "r.json"));
   INFO(ended.text());
   REQUIRE(ended.exit_code == 0);
   const auto models = ReadJson(folder / "r.json")["models"];
@@ -121,34 +126,23 @@ TEST_CASE("Each input left out and each weights file has a row of its own", "[ev
 }
 
 TEST_CASE("People are no oracle, and their data is not called synthetic", "[evaluate]") {
-  const Folder folder;
-  const std::string data = WriteData(folder / "data.pb.zst", 6, SegmentOrigin::kPerson);
-  const Ended ended = Run(fmt::format("--data {} --weights {} --json {}", data,
-                                      WriteWeights(folder / "w.nhpm", data), folder / "r.json"));
+  const Bench folder(6, SegmentOrigin::kPerson);
+  const Ended ended = folder.Run("--json " + (folder / "r.json"));
   REQUIRE(ended.exit_code == 0);
   CHECK_THAT(ended.text(), Catch::Contains("people data"));
   CHECK_FALSE(ReadJson(folder / "r.json")["models"].contains("oracle"));
   CHECK(ReadJson(folder / "r.json")["bars"].empty());
   CHECK_THAT(ended.text(), !Catch::Contains("FAIL"));
-  const Ended checked = Run(
-      fmt::format("--data {} --weights {} --check", data, WriteWeights(folder / "w.nhpm", data)));
-  CHECK(checked.exit_code == 2);
-  CHECK_THAT(checked.text(), Catch::Contains("there is nothing to check"));
-  const Ended average = Run(fmt::format("--data {} --weights {} --average-oracle", data,
-                                        WriteWeights(folder / "w.nhpm", data)));
-  CHECK(average.exit_code == 2);
-  CHECK_THAT(average.text(), Catch::Contains("is people data"));
+  CHECK(folder.Run("--check").exit_code == 2);
+  CHECK(folder.Run("--average-oracle").exit_code == 2);
 }
 
 TEST_CASE("Weights that never saw an input have no further row without it", "[evaluate]") {
-  const Folder folder;
-  const std::string data = WriteData(folder / "data.pb.zst");
-  NetworkModel model = *ReadWeightsFile(WriteWeights(folder / "w.nhpm", data));
+  const Bench folder;
+  NetworkModel model = *ReadWeightsFile(folder.weights);
   model.inputs.path = false;
-  REQUIRE(WriteWeightsFile(folder / "w.nhpm", model));
-  const Ended ended =
-      Run(fmt::format("--data {} --weights {} --without tau,o --oracle-draws 0 --json {}", data,
-                      folder / "w.nhpm", folder / "r.json"));
+  REQUIRE(WriteWeightsFile(folder.weights, model));
+  const Ended ended = folder.Run("--without tau,o --oracle-draws 0 --json " + (folder / "r.json"));
   CHECK(ended.exit_code == 0);
   CHECK_THAT(ended.text(), Catch::Contains("w.nhpm: was trained without tau"));
   const auto models = ReadJson(folder / "r.json")["models"];
@@ -178,24 +172,21 @@ TEST_CASE("Data without a test part is refused, unless all of it is test", "[eva
 }
 
 TEST_CASE("Weights that saw the test part are refused", "[evaluate]") {
-  const Folder folder;
-  const std::string data = WriteData(folder / "data.pb.zst", 9);
-  const std::string weights = WriteWeights(folder / "w.nhpm", data);
-  CHECK(Run(Of(data, weights)).exit_code == 0);
-  const Ended refused = Run(Of(data, weights) + "--all-test");
+  const Bench folder(9);
+  CHECK(folder.Run("--oracle-draws 0").exit_code == 0);
+  const Ended refused = folder.Run("--oracle-draws 0 --all-test");
   CHECK(refused.exit_code == 1);
   CHECK_THAT(refused.text(), Catch::Contains("w.nhpm: learned from 8 of the 9 trajectories"));
   CHECK_THAT(refused.text(), Catch::Contains("--split-seed 1, or --allow-seen"));
-  const Ended allowed = Run(Of(data, weights) + "--all-test --allow-seen");
+  const Ended allowed = folder.Run("--oracle-draws 0 --all-test --allow-seen");
   CHECK(allowed.exit_code == 0);
   CHECK_THAT(allowed.text(), Catch::Contains("warning: "));
 }
 
 TEST_CASE("Weights that saw some of a file are refused, whatever file they learned from",
           "[evaluate]") {
-  const Folder folder;
-  const SegmentSet whole = *ReadSegmentFile(WriteData(folder / "data.pb.zst", 12));
-  const std::string weights = WriteWeights(folder / "w.nhpm", folder / "data.pb.zst");
+  const Bench folder(12);
+  const SegmentSet whole = *ReadSegmentFile(folder.data);
   SegmentSet set = whole;
   SECTION("one that begins with the same trajectories") { set.trajectories.resize(6); }
   SECTION("one that they were merged into") {
@@ -206,7 +197,7 @@ TEST_CASE("Weights that saw some of a file are refused, whatever file they learn
     }
   }
   REQUIRE(WriteSegmentFile(folder / "other.pb.zst", set));
-  const Ended refused = Run(Of(folder / "other.pb.zst", weights) + "--all-test");
+  const Ended refused = Run(Of(folder / "other.pb.zst", folder.weights) + "--all-test");
   CHECK(refused.exit_code == 1);
   CHECK_THAT(refused.text(), Catch::Contains("pass data that it never saw"));
 }
@@ -226,15 +217,13 @@ TEST_CASE("Weights of other data are fine, those of nobody knows what give a war
 }
 
 TEST_CASE("Files that are not what they should be are named", "[evaluate]") {
-  const Folder folder;
-  const std::string data = WriteData(folder / "data.pb.zst");
-  const std::string weights = WriteWeights(folder / "w.nhpm", data);
-  const std::string large = WriteWeights(folder / "large.nhpm", data, 13);
+  const Bench folder;
+  const std::string large = WriteWeights(folder / "large.nhpm", folder.data, 13);
   for (const auto& [arguments, names] : std::vector<std::pair<std::string, std::string>>{
-           {Of(weights, weights), "w.nhpm"},
-           {Of(data, data), "data.pb.zst"},
-           {Of(data, large), "large.nhpm"},
-           {Of(data, large), "13 x 13"},
+           {Of(folder.weights, folder.weights), "w.nhpm"},
+           {Of(folder.data, folder.data), "data.pb.zst"},
+           {Of(folder.data, large), "large.nhpm"},
+           {Of(folder.data, large), "13 x 13"},
        }) {
     const Ended ended = Run(arguments);
     CHECK(ended.exit_code == 1);
@@ -256,39 +245,30 @@ TEST_CASE("Synthetic data without its annotators has no oracle and says why", "[
 }
 
 TEST_CASE("Options out of range or that contradict each other are wrong use", "[evaluate]") {
-  const Folder folder;
-  const std::string data = WriteData(folder / "data.pb.zst");
-  const std::string common =
-      fmt::format("--data {} --weights {} ", data, WriteWeights(folder / "w.nhpm", data));
+  const Bench folder;
   for (const char* wrong :
        {"--without y", "--without tau,tau", "--oracle-draws 100", "--json - --csv -", "--threads 0",
         "--segments x", "--segments -1", "--split-seed -1", "--split-seed 1 --all-test",
         "--average-oracle --oracle-draws 0", "--average-oracle --all-test"}) {
     INFO(wrong);
-    CHECK(Run(common + wrong).exit_code == 2);
+    CHECK(folder.Run(wrong).exit_code == 2);
   }
-  const Ended ended = Run(common + "--segments 400");
+  const Ended ended = folder.Run("--segments 400");
   CHECK(ended.exit_code == 2);
   CHECK_THAT(ended.text(), Catch::Contains("segments 0 to 3"));
 }
 
 TEST_CASE("A report does not go over what it is of", "[evaluate]") {
-  const Folder folder;
-  const std::string data = WriteData(folder / "data.pb.zst");
-  const std::string weights = WriteWeights(folder / "w.nhpm", data);
-  const std::string common = fmt::format("--data {} --weights {} ", data, weights);
-  CHECK(Run(common + "--json " + data).exit_code == 2);
-  CHECK(Run(common + "--html " + weights).exit_code == 2);
-  CHECK(Run(common + fmt::format("--csv {0} --html {0}", folder / "r")).exit_code == 2);
-  CHECK(ReadSegmentFile(data));
-  CHECK(ReadWeightsFile(weights));
+  const Bench folder;
+  CHECK(folder.Run("--json " + folder.data).exit_code == 2);
+  CHECK(folder.Run("--html " + folder.weights).exit_code == 2);
+  CHECK(folder.Run(fmt::format("--csv {0} --html {0}", folder / "r")).exit_code == 2);
+  CHECK(ReadSegmentFile(folder.data));
+  CHECK(ReadWeightsFile(folder.weights));
 }
 
 TEST_CASE("The page shows the segments that were asked for", "[evaluate]") {
-  const Folder folder;
-  const std::string data = WriteData(folder / "data.pb.zst");
-  const Ended ended =
-      Run(Of(data, WriteWeights(folder / "w.nhpm", data)) + "--segments 2,0 --html -");
+  const Ended ended = Bench().Run("--oracle-draws 0 --segments 2,0 --html -");
   CHECK(ended.exit_code == 0);
   CHECK_THAT(ended.out, Catch::StartsWith("<!DOCTYPE html>"));
   CHECK_THAT(ended.text(), Catch::Contains("Test segment 2: as asked for"));
@@ -296,12 +276,9 @@ TEST_CASE("The page shows the segments that were asked for", "[evaluate]") {
 }
 
 TEST_CASE("With --check a bar that is not reached is a failure", "[evaluate]") {
-  const Folder folder;
-  const std::string data = WriteData(folder / "data.pb.zst");
-  const std::string common = fmt::format("--data {} --weights {} --oracle-draws 2000 ", data,
-                                         WriteWeights(folder / "w.nhpm", data));
-  CHECK(Run(common).exit_code == 0);
-  const Ended checked = Run(common + "--check");
+  const Bench folder;
+  CHECK(folder.Run("--oracle-draws 2000").exit_code == 0);
+  const Ended checked = folder.Run("--oracle-draws 2000 --check");
   CHECK(checked.exit_code == 1);
   CHECK_THAT(checked.text(), Catch::Contains("FAIL"));
 }

@@ -5,10 +5,9 @@ namespace {
 
 TEST_CASE("conav-train adapts to one participant and keeps where the weights come from",
           "[adapt]") {
-  const Folder folder;
-  const std::string data = DataIn(folder);
-  REQUIRE(Run(Flags(folder, "base") + "--epochs 20").exit_code == 0);
-  const std::string flags = "--data " + data + " --adapt --base " + (folder / "base");
+  const DataFolder folder;
+  REQUIRE(Run(folder.Flags("base") + "--epochs 20").exit_code == 0);
+  const std::string flags = "--data " + folder.data + " --adapt --base " + (folder / "base");
   const Outcome outcome = Run(flags + " --participant anna --out " + (folder / "anna"));
   INFO(outcome.text);
   REQUIRE(outcome.exit_code == 0);
@@ -25,10 +24,9 @@ TEST_CASE("conav-train adapts to one participant and keeps where the weights com
 
 TEST_CASE("adapted weights name what their base learned from, and the person's trajectories",
           "[adapt]") {
-  const Folder folder;
-  const std::string data = DataIn(folder);
-  REQUIRE(Run(Flags(folder, "base") + "--epochs 1").exit_code == 0);
-  const std::string flags = "--data " + data + " --adapt --participant bert --out ";
+  const DataFolder folder;
+  REQUIRE(Run(folder.Flags("base") + "--epochs 1").exit_code == 0);
+  const std::string flags = "--data " + folder.data + " --adapt --participant bert --out ";
   REQUIRE(Run(flags + (folder / "bert") + " --base " + (folder / "base")).exit_code == 0);
   const Fingerprints base = ReadWeightsFile(folder / "base").value().learned_from;
   const Fingerprints bert = ReadWeightsFile(folder / "bert").value().learned_from;
@@ -45,11 +43,10 @@ TEST_CASE("adapted weights name what their base learned from, and the person's t
 
 TEST_CASE("conav-train measures what adapting gains for each participant, and what it forgets",
           "[adapt]") {
-  const Folder folder;
-  const std::string data = DataIn(folder);
-  REQUIRE(Run(Flags(folder, "base") + "--epochs 20").exit_code == 0);
+  const DataFolder folder;
+  REQUIRE(Run(folder.Flags("base") + "--epochs 20").exit_code == 0);
   const std::string flags = " --adapt --each --base " + (folder / "base");
-  const Outcome seen = Run("--data " + data + flags);
+  const Outcome seen = Run("--data " + folder.data + flags);
   CHECK(seen.exit_code == 1);
   CHECK_THAT(seen.text, Catch::Contains("base: learned from 2 of the 2 trajectories of anna"));
   REQUIRE(WriteSegmentFile(folder / "new.pb.zst", SmallSet(10, 7, 4)));
@@ -71,20 +68,19 @@ TEST_CASE("conav-train measures what adapting gains for each participant, and wh
   CHECK(people[0]["base_general_mbce"].get<double>() > 0.0);
   CHECK(people[0]["base_general_mbce"] == people[1]["base_general_mbce"]);
   CHECK(people[0]["adapted_general_mbce"].get<double>() > 0.0);
-  CHECK_THAT(Run(run + " --general " + data).text,
+  CHECK_THAT(Run(run + " --general " + folder.data).text,
              Catch::Contains("learned from 9 of the 10 trajectories"));
 }
 
 TEST_CASE("conav-train names what it cannot adapt", "[adapt]") {
-  const Folder folder;
-  const std::string data = DataIn(folder);
+  const DataFolder folder;
   const auto text_of = [&](const std::string& flags) {
     const Outcome outcome =
-        Run("--data " + data + " --out " + (folder / "w") + " --adapt " + flags);
+        Run("--data " + folder.data + " --out " + (folder / "w") + " --adapt " + flags);
     CHECK(outcome.exit_code == 1);
     return outcome.text;
   };
-  CHECK_THAT(text_of("--base " + data), Catch::Contains("data.pb.zst: no weights file"));
+  CHECK_THAT(text_of("--base " + folder.data), Catch::Contains("data.pb.zst: no weights file"));
   NetworkModel model;
   model.weights = InitialWeights({16}, 1);
   REQUIRE(WriteWeightsFile(folder / "base", model));

@@ -4,10 +4,9 @@ namespace conav::nhpm {
 namespace {
 
 TEST_CASE("conav-train writes weights, a curve and figures", "[train]") {
-  const Folder folder;
-  const std::string data = DataIn(folder);
+  const DataFolder folder;
   const Outcome outcome =
-      Run(Flags(folder, "w.nhpm") + "--epochs 3 --seed 5 --json " + (folder / "w.json"));
+      Run(folder.Flags("w.nhpm") + "--epochs 3 --seed 5 --json " + (folder / "w.json"));
   INFO(outcome.text);
   REQUIRE(outcome.exit_code == 0);
   const NetworkModel model = ReadWeightsFile(folder / "w.nhpm").value();
@@ -16,7 +15,7 @@ TEST_CASE("conav-train writes weights, a curve and figures", "[train]") {
   CHECK(model.data_origin == "synthetic");
   CHECK(model.training.at("seed") == "5");
   CHECK(model.training.at("epochs_done") == "3");
-  CHECK(model.training.at("data_sha256") == Sha256Hex(ReadFile(data).value()));
+  CHECK(model.training.at("data_sha256") == Sha256Hex(ReadFile(folder.data).value()));
   CHECK_THAT(ReadFile(folder / "w.nhpm.svg").value(), Catch::StartsWith("<svg"));
   const auto json = nlohmann::json::parse(ReadFile(folder / "w.json").value());
   CHECK(json["checksum"] == ChecksumOf(model));
@@ -30,18 +29,16 @@ TEST_CASE("conav-train writes weights, a curve and figures", "[train]") {
 }
 
 TEST_CASE("conav-train writes the same bytes on any number of threads", "[train]") {
-  const Folder folder;
-  DataIn(folder);
-  REQUIRE(Run(Flags(folder, "1") + "--epochs 4 --threads 1").exit_code == 0);
-  REQUIRE(Run(Flags(folder, "3") + "--epochs 4 --threads 3").exit_code == 0);
+  const DataFolder folder;
+  REQUIRE(Run(folder.Flags("1") + "--epochs 4 --threads 1").exit_code == 0);
+  REQUIRE(Run(folder.Flags("3") + "--epochs 4 --threads 3").exit_code == 0);
   CHECK((ReadFile(folder / "1").value() == ReadFile(folder / "3").value()));
 }
 
 TEST_CASE("conav-train that was killed goes on and ends with the same bytes", "[train]") {
-  const Folder folder;
-  DataIn(folder);
-  REQUIRE(Run(Flags(folder, "whole") + "--epochs 300").exit_code == 0);
-  const std::string flags = Flags(folder, "killed") + "--epochs 300";
+  const DataFolder folder;
+  REQUIRE(Run(folder.Flags("whole") + "--epochs 300").exit_code == 0);
+  const std::string flags = folder.Flags("killed") + "--epochs 300";
   for (const char* line : {"epoch   2/300", "epoch  40/300"}) {
     Program program(flags);
     REQUIRE(program.ReadUntil(line));
@@ -56,9 +53,8 @@ TEST_CASE("conav-train that was killed goes on and ends with the same bytes", "[
 }
 
 TEST_CASE("conav-train stops on SIGINT, says so and keeps its checkpoint", "[train]") {
-  const Folder folder;
-  DataIn(folder);
-  Program program(Flags(folder, "w") + "--epochs 1000000");
+  const DataFolder folder;
+  Program program(folder.Flags("w") + "--epochs 1000000");
   REQUIRE(program.ReadUntil("epoch   2/1000000"));
   program.Signal(SIGINT);
   CHECK(program.Wait() == 1);
@@ -69,41 +65,38 @@ TEST_CASE("conav-train stops on SIGINT, says so and keeps its checkpoint", "[tra
 }
 
 TEST_CASE("conav-train refuses a checkpoint that is damaged or of another training", "[train]") {
-  const Folder folder;
-  DataIn(folder);
+  const DataFolder folder;
   {
-    Program program(Flags(folder, "w") + "--epochs 1000000");
+    Program program(folder.Flags("w") + "--epochs 1000000");
     REQUIRE(program.ReadUntil("epoch   2/"));
     program.Signal(SIGKILL);
     program.Wait();
   }
-  const Outcome refused = Run(Flags(folder, "w") + "--epochs 2 --seed 2 --without tau");
+  const Outcome refused = Run(folder.Flags("w") + "--epochs 2 --seed 2 --without tau");
   CHECK(refused.exit_code == 1);
   for (const char* part : {"epochs 1000000 there, 2 now", "inputs x,tau,o there, x,o now",
                            "seed 1 there, 2 now", "--fresh"}) {
     CHECK_THAT(refused.text, Catch::Contains(part));
   }
   REQUIRE(WriteFile(folder / "w.checkpoint", "CNVC and then something else"));
-  const Outcome damaged = Run(Flags(folder, "w") + "--epochs 1");
+  const Outcome damaged = Run(folder.Flags("w") + "--epochs 1");
   CHECK(damaged.exit_code == 1);
   CHECK_THAT(damaged.text,
              Catch::Contains(folder / "w.checkpoint: ") && Catch::Contains("--fresh"));
-  CHECK(Run(Flags(folder, "w") + "--epochs 2 --seed 2 --fresh").exit_code == 0);
+  CHECK(Run(folder.Flags("w") + "--epochs 2 --seed 2 --fresh").exit_code == 0);
 }
 
 TEST_CASE("conav-train leaves inputs out and says so in the weights", "[train]") {
-  const Folder folder;
-  DataIn(folder);
-  REQUIRE(Run(Flags(folder, "w") + "--epochs 1 --without tau,o --any-size").exit_code == 0);
+  const DataFolder folder;
+  REQUIRE(Run(folder.Flags("w") + "--epochs 1 --without tau,o --any-size").exit_code == 0);
   const NetworkModel model = ReadWeightsFile(folder / "w").value();
   CHECK(model.inputs == InputSelection{.belief = true, .path = false, .view = false});
   CHECK(model.rows == 0);
 }
 
 TEST_CASE("conav-train names in the weights the trajectories that they learned from", "[train]") {
-  const Folder folder;
-  DataIn(folder);
-  REQUIRE(Run(Flags(folder, "w") + "--epochs 1 --split-seed 4").exit_code == 0);
+  const DataFolder folder;
+  REQUIRE(Run(folder.Flags("w") + "--epochs 1 --split-seed 4").exit_code == 0);
   const SegmentSplit split = SplitSegments(SmallSet(10), 4);
   const Fingerprints learned_from = ReadWeightsFile(folder / "w").value().learned_from;
   CHECK(learned_from.size() == 9);
@@ -113,10 +106,10 @@ TEST_CASE("conav-train names in the weights the trajectories that they learned f
 }
 
 TEST_CASE("conav-train names data that it cannot use", "[train]") {
-  const Folder folder;
+  const DataFolder folder;
   const auto text_of = [&](const SegmentSet& set) {
     REQUIRE(WriteSegmentFile(folder / "data.pb.zst", set));
-    const Outcome outcome = Run(Flags(folder, "w") + "--epochs 1");
+    const Outcome outcome = Run(folder.Flags("w") + "--epochs 1");
     CHECK(outcome.exit_code == 1);
     CHECK_FALSE(Exists(folder / "w"));
     return outcome.text;
@@ -130,8 +123,8 @@ TEST_CASE("conav-train names data that it cannot use", "[train]") {
 
 TEST_CASE("conav-train neither writes over what it reads nor two outputs into one file",
           "[train]") {
-  const Folder folder;
-  const std::string data = DataIn(folder);
+  const DataFolder folder;
+  const std::string& data = folder.data;
   const std::string before = ReadFile(data).value();
   for (const std::string& flags :
        {"--out " + data, "--out " + (folder / "w") + " --json " + (folder / "w"),
@@ -148,27 +141,26 @@ TEST_CASE("conav-train neither writes over what it reads nor two outputs into on
 
 TEST_CASE("conav-train keeps finished weights of another training, unless told to overwrite them",
           "[train]") {
-  const Folder folder;
-  DataIn(folder);
-  REQUIRE(Run(Flags(folder, "w") + "--epochs 1").exit_code == 0);
+  const DataFolder folder;
+  REQUIRE(Run(folder.Flags("w") + "--epochs 1").exit_code == 0);
   const std::string first = ReadFile(folder / "w").value();
-  CHECK(Run(Flags(folder, "w") + "--epochs 1").exit_code == 0);
-  const Outcome refused = Run(Flags(folder, "w") + "--epochs 1 --seed 2");
+  CHECK(Run(folder.Flags("w") + "--epochs 1").exit_code == 0);
+  const Outcome refused = Run(folder.Flags("w") + "--epochs 1 --seed 2");
   CHECK(refused.exit_code == 1);
   CHECK_THAT(refused.text,
              Catch::Contains("seed 1 there, 2 now") && Catch::Contains("--overwrite"));
   CHECK((ReadFile(folder / "w").value() == first));
-  CHECK(Run(Flags(folder, "w") + "--epochs 1 --seed 2 --overwrite").exit_code == 0);
+  CHECK(Run(folder.Flags("w") + "--epochs 1 --seed 2 --overwrite").exit_code == 0);
   CHECK_FALSE((ReadFile(folder / "w").value() == first));
   REQUIRE(WriteFile(folder / "notes", "no weights"));
-  CHECK_THAT(Run(Flags(folder, "notes") + "--epochs 1").text,
+  CHECK_THAT(Run(folder.Flags("notes") + "--epochs 1").text,
              Catch::Contains("--overwrite replaces it"));
 }
 
 TEST_CASE("conav-train does not train for a device", "[train]") {
-  const Folder folder;
+  const DataFolder folder;
   const Outcome outcome =
-      Run("--data " + DataIn(folder) + " --out /dev/null --no-svg --epochs 1000000");
+      Run("--data " + folder.data + " --out /dev/null --no-svg --epochs 1000000");
   CHECK(outcome.exit_code == 1);
   CHECK_FALSE(Exists("/dev/null.checkpoint"));
 }

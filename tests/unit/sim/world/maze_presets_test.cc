@@ -1,129 +1,27 @@
 #include "sim/world/maze_presets.h"
 
 #include <catch2/catch.hpp>
+#include <fstream>
 
 namespace conav::sim {
 namespace {
 
-struct PrintedLayout {
-  std::string preset;
-  std::uint32_t paper_seed;
-  std::vector<std::string> lines;
-};
-
-// clang-format off
-const std::vector<PrintedLayout>& PrintedLayouts() {
-  static const std::vector<PrintedLayout> layouts{
-      {"13x13", 234, {
-        "***************",
-        "*G  *  G    ***",
-        "*   *P  * G ***",
-        "*P      *P  ***",
-        "* *** *** *****",
-        "*             *",
-        "* *********** *",
-        "* ***   *     *",
-        "* ***P G*  P* *",
-        "* ***    G  * *",
-        "* ***   *** * *",
-        "* ***     *   *",
-        "* ******* * PG*",
-        "*         *   *",
-        "***************",
-      }},
-      {"13x13", 666, {
-        "***************",
-        "*G        * P *",
-        "* P * *** *   *",
-        "*       *  G  *",
-        "*** *   * *****",
-        "*** * G *     *",
-        "*** *P  * *** *",
-        "*         P * *",
-        "* * * ***   * *",
-        "* *   *** G * *",
-        "* *G P*** * * *",
-        "* *   *   *P  *",
-        "* ***** * *   *",
-        "*       *    G*",
-        "***************",
-      }},
-      {"13x13", 9, {
-        "***************",
-        "*             *",
-        "*   * ******* *",
-        "*PG     ***   *",
-        "* ***   *** * *",
-        "*    G P  P * *",
-        "* *** ***   * *",
-        "* *       G * *",
-        "* * P   * * * *",
-        "*   G     *  G*",
-        "* * ***** * P *",
-        "*    P*   *   *",
-        "***   * *** ***",
-        "***G        ***",
-        "***************",
-      }},
-      {"11x11", 234, {
-        "*************",
-        "***  G*   ***",
-        "***   *   ***",
-        "*    P    ***",
-        "* * ***P  ***",
-        "*      G  ***",
-        "*    P*** ***",
-        "*    G    ***",
-        "* * *** *****",
-        "*     *    P*",
-        "***  P* *   *",
-        "***  G  * G *",
-        "*************",
-      }},
-      {"11x11", 666, {
-        "*************",
-        "*       G   *",
-        "* *****P  * *",
-        "* * P     * *",
-        "* *   *** * *",
-        "*    G  P   *",
-        "* * * *   * *",
-        "*       G * *",
-        "*   * *** * *",
-        "*       G   *",
-        "*P  *   P ***",
-        "*  G*     ***",
-        "*************",
-      }},
-      {"11x11", 9, {
-        "*************",
-        "***  G  *   *",
-        "*** *P  *G  *",
-        "*G        P *",
-        "*   *   *** *",
-        "* P *       *",
-        "* * * * *** *",
-        "*     *   * *",
-        "* *   *P  * *",
-        "* * PG   G* *",
-        "* ******* * *",
-        "*           *",
-        "*************",
-      }},
-  };
-  return layouts;
-}
-// clang-format on
-
 TEST_CASE("the paper's seeds give the layouts of its first episodes", "[maze]") {
   CHECK(MazeSeedFromPaperSeed(234) == 133003720);
-  for (const PrintedLayout& layout : PrintedLayouts()) {
-    INFO(layout.preset << " paper seed " << layout.paper_seed);
-    const MazePreset preset = FindMazePreset(layout.preset).value();
-    const Maze maze = GenerateMaze(preset.options, MazeSeedFromPaperSeed(layout.paper_seed),
-                                   kFirstEpisodeGeneration);
-    CHECK(ToLines(maze.entities) == layout.lines);
+  std::ifstream file(CONAV_TESTS_DIR "/unit/sim/world/paper_layouts.txt");
+  int count = 0;
+  std::string preset;
+  for (std::uint32_t paper_seed = 0; file >> preset >> paper_seed; ++count) {
+    INFO(preset << " paper seed " << paper_seed);
+    const Maze maze = GenerateMaze(FindMazePreset(preset).value().options,
+                                   MazeSeedFromPaperSeed(paper_seed), kFirstEpisodeGeneration);
+    for (const std::string& line : ToLines(maze.entities)) {
+      std::string printed;
+      std::getline(file >> std::ws, printed);
+      CHECK(line == printed);
+    }
   }
+  CHECK(count == 6);
 }
 
 TEST_CASE("conav13 is MemoryMaze's 11x11 with its outer wall", "[maze]") {
