@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <fstream>
+#include <optional>
 
 #include "support/temporary_folder.h"
 

@@ -13,7 +13,7 @@
 #include "support/temporary_folder.h"
 #include "unit/common/segments/support/sample_segments.h"
 
-namespace conav {
+namespace conav::nhpm {
 namespace {
 
 // conav-dataset as a user meets it: files and messages.
@@ -251,4 +251,4 @@ TEST_CASE("Options out of range and a bad file of people make no file", "[synthe
 }
 
 }  // namespace
-}  // namespace conav
+}  // namespace conav::nhpm

@@ -143,7 +143,7 @@ TEST_CASE("Impossible wishes are refused by name, people who never look, too", "
 
 using operators::IsWall;
 
-SegmentSet Make(const AnnotatorPopulation& population, std::uint64_t seed = 2) {
+SegmentSet SegmentsBy(const AnnotatorPopulation& population, std::uint64_t seed = 2) {
   SynthesisOptions options;
   options.trajectories = 250;
   options.seed = seed;
@@ -154,7 +154,7 @@ SegmentSet Make(const AnnotatorPopulation& population, std::uint64_t seed = 2) {
 }
 
 const SegmentSet& DefaultSet() {
-  static const SegmentSet set = Make({});
+  static const SegmentSet set = SegmentsBy({});
   return set;
 }
 
@@ -323,14 +323,14 @@ TEST_CASE("Lapses leave pictures without any edit, guesses edit without any diff
   guessing.careful.guess_probability = {0.2, 0.0};
   guessing.careful.lapse_probability = {0.0, 0.0};
   guessing.careless_share = 0.0;
-  CHECK(edited_without_reason(Make(guessing)) == Approx(0.2).margin(0.04));
+  CHECK(edited_without_reason(SegmentsBy(guessing)) == Approx(0.2).margin(0.04));
   CHECK(edited_without_reason(DefaultSet()) == Approx(0.03).margin(0.015));
 
   AnnotatorPopulation drowsy;
   drowsy.careful.lapse_probability = {0.2, 0.0};
   drowsy.careless_share = 0.0;
   const auto on_path = [](const Discrepancy& one) { return one.on_path; };
-  CHECK(RateOf(Make(drowsy), on_path).share() == Approx(0.8 * 0.96).margin(0.05));
+  CHECK(RateOf(SegmentsBy(drowsy), on_path).share() == Approx(0.8 * 0.96).margin(0.05));
 }
 
 TEST_CASE("Two people with other habits leave other traces", "[synthesis]") {
@@ -341,8 +341,8 @@ TEST_CASE("Two people with other habits leave other traces", "[synthesis]") {
   AnnotatorPopulation inexact = exact;
   inexact.careful.misplacement_probability = {0.8, 0.0};
   inexact.careful.lateral_factor = {0.3, 0.0};
-  const SegmentSet one = Make(exact);
-  const SegmentSet other = Make(inexact);
+  const SegmentSet one = SegmentsBy(exact);
+  const SegmentSet other = SegmentsBy(inexact);
   CHECK(MisplacedShare(other, Along) > MisplacedShare(one, Along) + 0.1);
   const auto lateral = [](const Discrepancy& found) {
     return found.wall && found.Distance() < 3.0 && found.DegreesOffAxis() > 25.0;
