@@ -49,7 +49,7 @@ std::string Table() {
   return table;
 }
 
-TEST_CASE("the README's table of topics is that of the code", "[bus][topics]") {
+TEST_CASE("the README's table of topics is that of the code", "[topics]") {
   const auto readme = ReadFile(std::string(CONAV_SOURCE_DIR) + "/README.md");
   REQUIRE(readme);
   const bool same = readme->find(Table()) != std::string::npos;
@@ -58,7 +58,7 @@ TEST_CASE("the README's table of topics is that of the code", "[bus][topics]") {
 }
 
 TEST_CASE("topics of robots and worlds have a place for their name, the others have none",
-          "[bus][topics]") {
+          "[topics]") {
   const auto has_place = [](const auto& topic) { CHECK(topic.pattern.starts_with("/{}/")); };
   ForEachRobotTopic(has_place);
   ForEachWorldTopic(has_place);
@@ -66,13 +66,11 @@ TEST_CASE("topics of robots and worlds have a place for their name, the others h
       [](const auto& topic) { CHECK(topic.pattern.find("{}") == std::string_view::npos); });
 }
 
-TEST_CASE("a topic's name is its pattern with the entity", "[bus][topics]") {
+TEST_CASE("a topic's name is its pattern with the entity", "[topics]") {
   CHECK(kRobotState.NameFor("r1") == "/r1/state");
   CHECK(kCameraImage.NameFor("r12") == "/r12/camera/image/compressed");
   CHECK(kClock.NameFor("r1") == "/clock");
-}
-
-TEST_CASE("ROS topics carry the rt prefix in DDS, the ROS graph does not", "[bus][topics]") {
+  // In DDS ROS topics carry the rt prefix, the ROS graph does not.
   CHECK(DdsTopicName("/r1/state") == "rt/r1/state");
   CHECK(DdsTopicName("ros_discovery_info") == "ros_discovery_info");
 }

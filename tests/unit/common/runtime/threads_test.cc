@@ -1,11 +1,25 @@
+#include "common/runtime/threads.h"
+
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <csignal>
 #include <vector>
-
-#include "common/runtime/threads.h"
 
 namespace conav {
 namespace {
+
+TEST_CASE("a stop stays requested; SIGTERM requests the process's", "[runtime]") {
+  StopToken token;
+  CHECK_FALSE(token.stop_requested());
+  for (int i = 0; i < 2; ++i) {
+    token.RequestStop();
+    CHECK(token.stop_requested());
+  }
+  InstallStopSignals();
+  REQUIRE_FALSE(ProcessStopToken().stop_requested());
+  REQUIRE(std::raise(SIGTERM) == 0);
+  CHECK(ProcessStopToken().stop_requested());
+}
 
 TEST_CASE("Each index is taken once, by a worker that exists", "[runtime]") {
   const int threads = GENERATE(1, 2, 7);

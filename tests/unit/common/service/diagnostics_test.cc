@@ -1,6 +1,6 @@
-#include <catch2/catch.hpp>
-
 #include "common/service/diagnostics.h"
+
+#include <catch2/catch.hpp>
 
 namespace conav {
 namespace {
@@ -13,8 +13,6 @@ diagnostic_msgs::msg::DiagnosticStatus Status(std::uint8_t level, const std::str
   status.message(message);
   return status;
 }
-
-}  // namespace
 
 TEST_CASE("what conav's processes say is taken up, others are left out", "[service]") {
   diagnostic_msgs::msg::DiagnosticArray message;
@@ -37,4 +35,5 @@ TEST_CASE("a level above error is an error, and bytes that are no text are repla
   CHECK(all[0].message == "?");
 }
 
+}  // namespace
 }  // namespace conav

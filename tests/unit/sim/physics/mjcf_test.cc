@@ -1,7 +1,7 @@
+#include "sim/physics/mjcf.h"
+
 #include <catch2/catch.hpp>
 #include <numeric>
-
-#include "sim/physics/mjcf.h"
 
 namespace conav::sim {
 namespace {
@@ -17,7 +17,7 @@ Grid<char> Classes(const std::vector<std::string>& rows) {
   return classes;
 }
 
-TEST_CASE("rectangles cover every classed cell once and nothing else", "[sim][physics]") {
+TEST_CASE("rectangles cover every classed cell once and nothing else", "[physics]") {
   const Sides sides = GENERATE(Sides::kAny, Sides::kOdd);
   const Grid<char> classes = Classes({"aaaabb", "aaaab ", " aa   ", "cccccc"});
   Grid<char> covered(classes.rows(), classes.columns(), kNoClass);
@@ -34,21 +34,17 @@ TEST_CASE("rectangles cover every classed cell once and nothing else", "[sim][ph
   CHECK(covered == classes);
 }
 
-TEST_CASE("a block of one class is one rectangle", "[sim][physics]") {
+TEST_CASE("a block of one class is one rectangle, its outer faces are not shown", "[physics]") {
   const auto blocks = CoverWithRectangles(Classes({"aaaa", "aaaa"}), Sides::kAny);
   REQUIRE(blocks.size() == 1);
   CHECK(blocks[0].rows == 2);
   CHECK(blocks[0].columns == 4);
-}
-
-TEST_CASE("a lone wall shows four faces, a wall at the edge of the map none outwards",
-          "[sim][physics]") {
   CHECK(ExposedFaces(Classes({"   ", " a ", "   "})).size() == 4);
   CHECK(ExposedFaces(Classes({"a  ", "   "})).size() == 2);
   CHECK(ExposedFaces(Classes({"aaa", "aaa"})).empty());
 }
 
-TEST_CASE("a row of faces is merged into odd runs of one class", "[sim][physics]") {
+TEST_CASE("a row of faces is merged into odd runs of one class", "[physics]") {
   const auto runs = ExposedFaces(Classes({"aaaab", "     "}));
   const int length = std::accumulate(runs.begin(), runs.end(), 0,
                                      [](int sum, const FaceRun& run) { return sum + run.length; });

@@ -1,12 +1,13 @@
-#include <catch2/catch.hpp>
-
 #include "common/runtime/log.h"
 
+#include <catch2/catch.hpp>
+
 namespace conav {
+namespace {
 
 using namespace std::chrono_literals;
 
-TEST_CASE("a log limit allows the first line and then one per period", "[runtime][log]") {
+TEST_CASE("a log limit allows the first line and then one per period", "[log]") {
   LogLimit limit(1s);
   const LogLimit::TimePoint start{};
   CHECK(limit.Allow(start) == 0U);
@@ -18,4 +19,5 @@ TEST_CASE("a log limit allows the first line and then one per period", "[runtime
   CHECK(limit.Allow(start + 11s) == 0U);
 }
 
+}  // namespace
 }  // namespace conav

@@ -1,6 +1,7 @@
+#include "common/segments/segment.h"
+
 #include <catch2/catch.hpp>
 
-#include "common/segments/segment.h"
 #include "unit/common/segments/support/sample_segments.h"
 
 namespace conav {

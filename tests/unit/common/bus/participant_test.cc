@@ -1,7 +1,8 @@
+#include "common/bus/participant.h"
+
 #include <catch2/catch.hpp>
 
 #include "common/bus/backend.h"
-#include "common/bus/participant.h"
 #include "common/runtime/result.h"
 #include "support/scoped_variable.h"
 
@@ -10,7 +11,7 @@ namespace {
 
 using test::ScopedVariable;
 
-TEST_CASE("the environment fills what the options leave open", "[bus][options]") {
+TEST_CASE("the environment fills what the options leave open; options go before it", "[options]") {
   const ScopedVariable vendor("CONAV_DDS", "fastdds");
   const ScopedVariable domain("CONAV_DOMAIN", "42");
   const ScopedVariable interface("CONAV_INTERFACE", "lo");
@@ -18,11 +19,6 @@ TEST_CASE("the environment fills what the options leave open", "[bus][options]")
   CHECK(resolved.vendor == "fastdds");
   CHECK(resolved.domain_id == 42);
   CHECK(resolved.interface == "lo");
-}
-
-TEST_CASE("options go before the environment", "[bus][options]") {
-  const ScopedVariable vendor("CONAV_DDS", "fastdds");
-  const ScopedVariable domain("CONAV_DOMAIN", "42");
   ParticipantOptions options;
   options.vendor = "cyclonedds";
   options.domain_id = 7;
@@ -30,28 +26,25 @@ TEST_CASE("options go before the environment", "[bus][options]") {
   CHECK(Resolve(options).domain_id == 7);
 }
 
-TEST_CASE("ROS_DOMAIN_ID counts when CONAV_DOMAIN is not set", "[bus][options]") {
-  const ScopedVariable ours("CONAV_DOMAIN", "");
-  const ScopedVariable ros("ROS_DOMAIN_ID", "13");
-  CHECK(Resolve({}).domain_id == 13);
-}
-
-TEST_CASE("without options and environment: default vendor, domain 0", "[bus][options]") {
+TEST_CASE("without options the vendor is the default one, the domain ROS_DOMAIN_ID or 0",
+          "[options]") {
   const ScopedVariable vendor("CONAV_DDS", "");
   const ScopedVariable domain("CONAV_DOMAIN", "");
-  const ScopedVariable ros("ROS_DOMAIN_ID", "");
-  CHECK(Resolve({}).vendor == kDefaultVendor);
-  CHECK(Resolve({}).domain_id == 0);
+  for (const auto& [ros_domain, expected] : {std::pair("13", 13), std::pair("", 0)}) {
+    const ScopedVariable ros("ROS_DOMAIN_ID", ros_domain);
+    CHECK(Resolve({}).vendor == kDefaultVendor);
+    CHECK(Resolve({}).domain_id == expected);
+  }
 }
 
-TEST_CASE("an unknown vendor is refused with those that exist", "[bus][options]") {
+TEST_CASE("an unknown vendor is refused with those that exist", "[options]") {
   const ScopedVariable vendor("CONAV_DDS", "opensplice");
   CHECK_THROWS_WITH(Participant("node", ParticipantOptions{}),
                     Catch::Contains("CONAV_DDS = opensplice") && Catch::Contains("cyclonedds") &&
                         Catch::Contains("fastdds"));
 }
 
-TEST_CASE("a domain that DDS does not have is refused", "[bus][options]") {
+TEST_CASE("a domain that DDS does not have is refused", "[options]") {
   ParticipantOptions options;
   options.domain_id = 233;
   CHECK_THROWS_WITH(Resolve(options), Catch::Contains("233") && Catch::Contains("232"));
@@ -59,7 +52,7 @@ TEST_CASE("a domain that DDS does not have is refused", "[bus][options]") {
   CHECK_THROWS_AS(Resolve({}), StartupError);
 }
 
-TEST_CASE("the section bus of a config file is read and checked", "[bus][options]") {
+TEST_CASE("the section bus of a config file is read and checked", "[options]") {
   const auto read = [](const char* text) {
     ParticipantOptions options;
     ReadConfig(YAML::Load(text), "sim.bus", options);
@@ -70,10 +63,11 @@ TEST_CASE("the section bus of a config file is read and checked", "[bus][options
   CHECK(options.vendor == "fastdds");
   CHECK(options.peers == std::vector<std::string>{"10.0.0.1"});
   CHECK(options.lease_s == 1.5);
-  CHECK_THROWS_WITH(read("{vendor: rti}"), Catch::Contains("rti"));
-  CHECK_THROWS_WITH(read("{domain_id: 300}"), Catch::Contains("domain_id"));
-  CHECK_THROWS_WITH(read("{lease_s: 0}"), Catch::Contains("lease_s"));
-  CHECK_THROWS_WITH(read("{ros_distribution: foxy}"), Catch::Contains("foxy"));
+  for (const auto& [text, names] :
+       {std::pair("{vendor: rti}", "rti"), std::pair("{domain_id: 300}", "domain_id"),
+        std::pair("{lease_s: 0}", "lease_s"), std::pair("{ros_distribution: foxy}", "foxy")}) {
+    CHECK_THROWS_WITH(read(text), Catch::Contains(names));
+  }
 }
 
 }  // namespace

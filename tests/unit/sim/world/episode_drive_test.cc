@@ -1,14 +1,15 @@
+#include "sim/world/episode_drive.h"
+
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <optional>
 
 #include "sim/world/episode.h"
 
-using namespace conav;
-using namespace conav::sim;
-using namespace std::chrono_literals;
-
+namespace conav::sim {
 namespace {
+
+using namespace std::chrono_literals;
 
 constexpr double kDegree = 0.017453292519943295;
 
@@ -65,9 +66,7 @@ class Hall {
   std::uint64_t sequence_number = 0;
 };
 
-}  // namespace
-
-TEST_CASE("an action is one control step, and then the robot stands", "[sim][drive]") {
+TEST_CASE("an action is one control step, and then the robot stands", "[drive]") {
   Hall hall;
   CHECK(hall.Press(DriveAction::kForward) == CommandOutcome::kDone);
   const RobotState state = hall.episode->state(0);
@@ -77,7 +76,7 @@ TEST_CASE("an action is one control step, and then the robot stands", "[sim][dri
   CHECK(state.position.x_m > hall.physics->geometry().CellToPosition({3, 1}).x_m + 0.08);
 }
 
-TEST_CASE("forward, held, goes 0.2 m a step, backward 0.1 m", "[sim][drive]") {
+TEST_CASE("forward, held, goes 0.2 m a step, backward 0.1 m, a turn 11.25 degrees", "[drive]") {
   Hall hall({{3, 2}});
   hall.Press(DriveAction::kForward, 2);
   const double from = hall.physics->pose(0).position.x_m;
@@ -87,19 +86,16 @@ TEST_CASE("forward, held, goes 0.2 m a step, backward 0.1 m", "[sim][drive]") {
   const double back_from = hall.physics->pose(0).position.x_m;
   hall.Press(DriveAction::kBackward, 5);
   CHECK(hall.physics->pose(0).position.x_m - back_from == Approx(-0.46).margin(0.06));
+  Hall turned;
+  turned.Press(DriveAction::kTurnLeft, 8);
+  CHECK(turned.Degrees() == Approx(88.0).margin(4.0));
+  turned.Press(DriveAction::kTurnRight, 8);
+  CHECK(turned.Degrees() == Approx(0.0).margin(6.0));
+  const Position start = turned.physics->geometry().CellToPosition({3, 1});
+  CHECK(turned.episode->state(0).position.x_m == Approx(start.x_m).margin(0.02));
 }
 
-TEST_CASE("a turn, held, is 11.25 degrees a step, left and right", "[sim][drive]") {
-  Hall hall;
-  hall.Press(DriveAction::kTurnLeft, 8);
-  CHECK(hall.Degrees() == Approx(88.0).margin(4.0));
-  hall.Press(DriveAction::kTurnRight, 8);
-  CHECK(hall.Degrees() == Approx(0.0).margin(6.0));
-  const Position start = hall.physics->geometry().CellToPosition({3, 1});
-  CHECK(hall.episode->state(0).position.x_m == Approx(start.x_m).margin(0.02));
-}
-
-TEST_CASE("a robot whose driver is silent brakes when time goes on", "[sim][drive]") {
+TEST_CASE("a robot whose driver is silent brakes when time goes on", "[drive]") {
   Hall hall;
   hall.Press(DriveAction::kForward, 4);
   CHECK(hall.physics->pose(0).speed_mps == Approx(0.8).margin(0.05));
@@ -114,7 +110,7 @@ TEST_CASE("a robot whose driver is silent brakes when time goes on", "[sim][driv
   CHECK(hall.episode->state(0).low_level_steps == steps);
 }
 
-TEST_CASE("cells, path and goals follow the axis while driving on", "[sim][drive]") {
+TEST_CASE("cells, path and goals follow the axis while driving on", "[drive]") {
   Hall hall;
   hall.Press(DriveAction::kForward, 18);
   const RobotState state = hall.episode->state(0);
@@ -125,7 +121,7 @@ TEST_CASE("cells, path and goals follow the axis while driving on", "[sim][drive
   CHECK(hall.episode->map(0).cells[{3, 5}] == Occupancy::kFree);
 }
 
-TEST_CASE("a diagonal way enters cells one by one", "[sim][drive]") {
+TEST_CASE("a diagonal way enters cells one by one", "[drive]") {
   Hall hall({{3, 1}}, {{1, 5}});
   hall.Press(DriveAction::kTurnLeft, 4);
   hall.Press(DriveAction::kForward, 24);
@@ -138,8 +134,7 @@ TEST_CASE("a diagonal way enters cells one by one", "[sim][drive]") {
   CHECK(state.cell_moves + 1 == state.path.size());
 }
 
-TEST_CASE("a wall ends forward before it is touched, is named, and lets go backward",
-          "[sim][drive]") {
+TEST_CASE("a wall ends forward before it is touched, is named, and lets go backward", "[drive]") {
   Hall hall({{3, 5}});
   CommandOutcome outcome = CommandOutcome::kDone;
   for (int i = 0; i < 10 && outcome == CommandOutcome::kDone; ++i) {
@@ -157,7 +152,7 @@ TEST_CASE("a wall ends forward before it is touched, is named, and lets go backw
   CHECK(hall.Press(DriveAction::kBackward) == CommandOutcome::kDone);
 }
 
-TEST_CASE("a robot is never driven into a cell that another one holds", "[sim][drive]") {
+TEST_CASE("a robot is never driven into a cell that another one holds", "[drive]") {
   Hall hall({{3, 1}, {3, 3}}, {});
   CommandOutcome outcome = CommandOutcome::kDone;
   for (int i = 0; i < 30 && outcome == CommandOutcome::kDone; ++i) {
@@ -176,7 +171,7 @@ TEST_CASE("a robot is never driven into a cell that another one holds", "[sim][d
   CHECK(hall.episode->state(1).command_outcome == CommandOutcome::kOccupied);
 }
 
-TEST_CASE("a cell that a driven robot overlaps is held until it has left", "[sim][drive]") {
+TEST_CASE("a cell that a driven robot overlaps is held until it has left", "[drive]") {
   Hall hall({{3, 1}, {2, 2}}, {});
   hall.Press(DriveAction::kForward, 5);  // near the edge to (3,2)
   RobotCommand move = hall.Key(DriveAction::kStop, "r2");
@@ -191,8 +186,10 @@ TEST_CASE("a cell that a driven robot overlaps is held until it has left", "[sim
   CHECK(hall.episode->state(1).command_outcome == CommandOutcome::kRunning);
 }
 
-TEST_CASE("an action that comes too late is void, and of a burst one is carried out",
-          "[sim][drive]") {
+TEST_CASE(
+    "an action that comes too late is void, also while the robot rolls; of a burst one is "
+    "carried out",
+    "[drive]") {
   Hall hall;
   RobotCommand late = hall.Key(DriveAction::kForward);
   late.expires_at = hall.episode->now();
@@ -203,13 +200,8 @@ TEST_CASE("an action that comes too late is void, and of a burst one is carried 
   while (hall.episode->active()) hall.episode->Step();
   CHECK(hall.episode->state(0).low_level_steps == 1);
   CHECK(hall.episode->state(0).drive_order == 9);
-}
-
-TEST_CASE("an action that comes too late makes no time pass for a robot that still rolls",
-          "[sim][drive]") {
-  Hall hall;
-  hall.Press(DriveAction::kForward, 3);
-  RobotCommand late = hall.Key(DriveAction::kForward);
+  hall.Press(DriveAction::kForward, 2);
+  late = hall.Key(DriveAction::kForward);
   late.expires_at = hall.episode->now();
   REQUIRE(hall.episode->Accept(late));
   CHECK(hall.episode->state(0).command_outcome == CommandOutcome::kExpired);
@@ -218,7 +210,7 @@ TEST_CASE("an action that comes too late makes no time pass for a robot that sti
   CHECK(hall.episode->state(0).low_level_steps == 4);
 }
 
-TEST_CASE("a move primitive goes on from wherever a robot was driven to", "[sim][drive]") {
+TEST_CASE("a move primitive goes on from wherever a robot was driven to", "[drive]") {
   Hall hall;
   hall.Press(DriveAction::kTurnLeft, 2);
   hall.Press(DriveAction::kForward, 3);
@@ -233,7 +225,7 @@ TEST_CASE("a move primitive goes on from wherever a robot was driven to", "[sim]
   CHECK(hall.episode->state(0).cell == here + Cell{0, 1});
 }
 
-TEST_CASE("the same keys give the same poses, bit for bit", "[sim][drive]") {
+TEST_CASE("the same keys give the same poses, bit for bit", "[drive]") {
   const auto drive = [] {
     Hall hall;
     hall.Press(DriveAction::kForward, 5);
@@ -243,3 +235,39 @@ TEST_CASE("the same keys give the same poses, bit for bit", "[sim][drive]") {
   };
   CHECK(drive() == drive());
 }
+
+/// 5 x 5 cells of 2 m; cell (2,2) has the origin in its middle.
+const GridGeometry geometry{5, 5, 2.0};
+
+TEST_CASE(
+    "a body touches the cells that it overlaps and no other; a way sweeps those between its "
+    "ends, nearest first",
+    "[episode]") {
+  CHECK(CellsSwept(geometry, {0.0, 0.0}, {0.0, 0.0}) == std::vector<Cell>{{2, 2}});
+  CHECK(CellsSwept(geometry, {0.9, 0.0}, {0.9, 0.0}) == std::vector<Cell>{{2, 2}, {2, 3}});
+  CHECK(CellsSwept(geometry, {0.9, 0.9}, {0.9, 0.9}).size() == 4);
+  // 0.2 m from both edges, but 0.28 m from the corner.
+  CHECK(CellsSwept(geometry, {0.8, 0.8}, {0.8, 0.8}) == std::vector<Cell>{{1, 2}, {2, 2}, {2, 3}});
+  CHECK(CellsSwept(geometry, {0.0, 0.0}, {3.0, 0.0}) == std::vector<Cell>{{2, 2}, {2, 3}, {2, 4}});
+}
+
+TEST_CASE("the axis enters cells one after the other, also diagonally", "[episode]") {
+  CHECK(CellsEntered(geometry, {0.0, 0.0}, {0.5, 0.5}).empty());
+  CHECK(CellsEntered(geometry, {0.0, 0.0}, {1.5, 0.0}) == std::vector<Cell>{{2, 3}});
+  // East edge first, then the northern one; and the other way round.
+  CHECK(CellsEntered(geometry, {0.95, 0.8}, {1.15, 1.1}) == std::vector<Cell>{{2, 3}, {1, 3}});
+  CHECK(CellsEntered(geometry, {0.8, 0.95}, {1.1, 1.15}) == std::vector<Cell>{{1, 2}, {1, 3}});
+  CHECK(CellsEntered(geometry, {-0.9, -0.9}, {-1.2, -1.2}) == std::vector<Cell>{{2, 1}, {3, 1}});
+}
+
+TEST_CASE("the distance to a cell is that to its nearest point; ahead is along the heading",
+          "[episode]") {
+  CHECK(DistanceToCell(geometry, {0.3, 0.2}, {2, 2}) == 0.0);
+  CHECK(DistanceToCell(geometry, {0.0, 0.0}, {2, 3}) == Approx(1.0));
+  CHECK(DistanceToCell(geometry, {0.0, 0.0}, {1, 3}) == Approx(std::sqrt(2.0)));
+  CHECK(Ahead({1.0, 1.0}, 0.0, 0.5) == Position{1.5, 1.0});
+  CHECK(Ahead({1.0, 1.0}, 0.0, -0.5) == Position{0.5, 1.0});
+}
+
+}  // namespace
+}  // namespace conav::sim
