@@ -2,9 +2,10 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <map>
 
 #include "operator/simulated/path_planner.h"
-#include "unit/operator/support/drawn_map.h"
+#include "unit/operator/support/synthetic_fixture.h"
 
 namespace conav::operators {
 namespace {
@@ -12,19 +13,17 @@ namespace {
 using Edits = std::vector<CellEdit>;
 
 PictureReaderParameters Flawless() {
-  PictureReaderParameters parameters;
-  parameters.edit_probability = 1.0;
-  parameters.decay_cells = 1e6;
-  parameters.path_removal_probability = 1.0;
-  parameters.lateral_factor = 1.0;
-  parameters.misplacement_probability = 0.0;
-  parameters.lapse_probability = 0.0;
-  parameters.guess_probability = 0.0;
+  PictureReaderParameters parameters = FlawlessReader();
   parameters.edit_limit = 1000;
   return parameters;
 }
 
-const std::vector<std::string> kCorridor = {"##########", "#        #", "##########"};
+/// A corridor of the cells (1,1) to (1,8), with walls in it.
+BeliefGrid WithWallAt(const std::vector<Cell>& walls) {
+  BeliefGrid map = DrawnMap({"##########", "#        #", "##########"});
+  for (const Cell wall : walls) map[wall] = 1.0F;
+  return map;
+}
 
 /// From (1,1) to the east down the corridor.
 Snapshot LookEast(VisibleCells visible) {
@@ -47,24 +46,16 @@ double Rate(const PictureReaderParameters& parameters, const BeliefGrid& belief,
   return static_cast<double>(edited) / tries;
 }
 
-TEST_CASE("A flawless reader edits every difference between picture and map",
+TEST_CASE("A flawless reader edits every difference between picture and map, and nothing else",
           "[operator][simulated]") {
-  BeliefGrid belief = DrawnMap(kCorridor);
-  belief[{1, 3}] = 1.0F;
   PictureReader reader(Flawless(), 1);
   const Snapshot picture = LookEast({{{1, 1}, {1, 2}, {1, 3}, {1, 4}}, {{0, 4}, {1, 5}}});
-  CHECK(reader.Read(belief, picture, {}) == Edits{{{1, 3}, false}, {{1, 5}, true}});
-}
-
-TEST_CASE("A picture that agrees with the map changes nothing", "[operator][simulated]") {
-  PictureReader reader(Flawless(), 1);
-  const Snapshot picture = LookEast({{{1, 1}, {1, 2}}, {{0, 2}, {2, 2}}});
-  CHECK(reader.Read(DrawnMap(kCorridor), picture, {}).empty());
+  CHECK(reader.Read(WithWallAt({{1, 3}}), picture, {}) == Edits{{{1, 3}, false}, {{1, 5}, true}});
+  CHECK(reader.Read(WithWallAt({{1, 5}}), picture, {}).empty());
 }
 
 TEST_CASE("Walls on the path of the robot are removed, seen or not", "[operator][simulated]") {
-  BeliefGrid belief = DrawnMap(kCorridor);
-  belief[{1, 2}] = 1.0F;
+  const BeliefGrid belief = WithWallAt({{1, 2}});
   Snapshot picture = LookEast({});
   picture.cell = {1, 3};
   picture.path = {{1, 1}, {1, 2}, {1, 3}};
@@ -98,7 +89,7 @@ TEST_CASE("No wall is put where the robot is or was", "[operator][simulated]") {
   PictureReader reader(parameters, 5);
   int misplaced = 0;
   for (int i = 0; i < 200; ++i) {
-    const Edits edits = reader.Read(DrawnMap(kCorridor), picture, {});
+    const Edits edits = reader.Read(WithWallAt({}), picture, {});
     REQUIRE(edits.size() == 1);
     CHECK(edits[0].cell != Cell{1, 1});
     misplaced += edits[0].cell == Cell{1, 3};
@@ -112,8 +103,7 @@ TEST_CASE("The probability of an edit falls with distance as the parameters say"
   PictureReaderParameters parameters = Flawless();
   parameters.edit_probability = 0.9;
   parameters.decay_cells = 4.0;
-  BeliefGrid belief = DrawnMap(kCorridor);
-  belief[{1, 2}] = belief[{1, 7}] = 1.0F;
+  const BeliefGrid belief = WithWallAt({{1, 2}, {1, 7}});
   const Snapshot picture = LookEast({{{1, 2}, {1, 7}}, {}});
   CHECK(Rate(parameters, belief, picture, {1, 2}) == Approx(0.9 * std::exp(-0.25)).margin(0.025));
   CHECK(Rate(parameters, belief, picture, {1, 7}) == Approx(0.9 * std::exp(-1.5)).margin(0.025));
@@ -138,15 +128,14 @@ TEST_CASE("A far wall at the centre that continues a wall is preferred to a near
 TEST_CASE("Lapses and guesses happen at their rates", "[operator][simulated]") {
   PictureReaderParameters parameters = Flawless();
   parameters.lapse_probability = 0.2;
-  BeliefGrid belief = DrawnMap(kCorridor);
-  belief[{1, 3}] = 1.0F;
+  const BeliefGrid belief = WithWallAt({{1, 3}});
   CHECK(Rate(parameters, belief, LookEast({{{1, 3}}, {}}), {1, 3}) == Approx(0.8).margin(0.025));
 
   parameters = Flawless();
   parameters.guess_probability = 0.1;
   // Only (1,3) lies beside what is shown and can be edited.
   const Snapshot picture = LookEast({{{1, 1}, {1, 2}}, {}});
-  CHECK(Rate(parameters, DrawnMap(kCorridor), picture, {1, 3}) == Approx(0.1).margin(0.02));
+  CHECK(Rate(parameters, WithWallAt({}), picture, {1, 3}) == Approx(0.1).margin(0.02));
 }
 
 TEST_CASE("A near wall lands one cell off along the view axis at its rate",
@@ -155,7 +144,7 @@ TEST_CASE("A near wall lands one cell off along the view axis at its rate",
   parameters.misplacement_probability = 0.2;
   parameters.near_cells = 3.0;
   const Snapshot picture = LookEast({{{1, 1}}, {{1, 4}}});
-  const BeliefGrid belief = DrawnMap(kCorridor);
+  const BeliefGrid belief = WithWallAt({});
   CHECK(Rate(parameters, belief, picture, {1, 3}) == Approx(0.1).margin(0.02));
   CHECK(Rate(parameters, belief, picture, {1, 4}) == Approx(0.8).margin(0.025));
   CHECK(Rate(parameters, belief, picture, {1, 5}) == Approx(0.1).margin(0.02));
@@ -166,16 +155,14 @@ TEST_CASE("A near wall lands one cell off along the view axis at its rate",
 TEST_CASE("A person stops at the edit limit, nearest first", "[operator][simulated]") {
   PictureReaderParameters parameters = Flawless();
   parameters.edit_limit = 2;
-  BeliefGrid belief = DrawnMap(kCorridor);
-  belief[{1, 3}] = belief[{1, 5}] = belief[{1, 7}] = 1.0F;
+  const BeliefGrid belief = WithWallAt({{1, 3}, {1, 5}, {1, 7}});
   PictureReader reader(parameters, 1);
   CHECK(reader.Read(belief, LookEast({{{1, 3}, {1, 5}, {1, 7}}, {}}), {}) ==
         Edits{{{1, 3}, false}, {{1, 5}, false}});
 }
 
 TEST_CASE("Equal seeds give equal edits, another seed gives others", "[operator][simulated]") {
-  BeliefGrid belief = DrawnMap(kCorridor);
-  belief[{1, 3}] = belief[{1, 5}] = belief[{1, 8}] = 1.0F;
+  const BeliefGrid belief = WithWallAt({{1, 3}, {1, 5}, {1, 8}});
   const Snapshot picture = LookEast({{{1, 3}, {1, 5}, {1, 8}}, {}});
   PictureReaderParameters parameters;
   parameters.decay_cells = 3.0;
@@ -259,6 +246,54 @@ TEST_CASE("The careful default makes a wrong map better, at about one edit a pic
   CHECK(after < 0.5 * before);
   CHECK(edits > 0.3);
   CHECK(edits < 1.5);
+}
+
+Snapshot TwoDifferences() { return LookEast({{{1, 1}, {1, 2}, {1, 3}, {1, 4}}, {{0, 4}, {1, 5}}}); }
+
+PictureReaderParameters NearWallsMisplaced() {
+  PictureReaderParameters parameters;
+  parameters.near_cells = 10.0;
+  parameters.misplacement_probability = 0.5;
+  parameters.guess_probability = 0.0;
+  return parameters;
+}
+
+TEST_CASE("One reading drawn often gives what a reader gives look by look",
+          "[operator][simulated]") {
+  PictureReaderParameters parameters;
+  parameters.guess_probability = 0.3;
+  parameters.edit_probability = 0.6;
+  PictureReader reader(parameters, 11);
+  const PictureReading reading(parameters, WithWallAt({{1, 3}}), TwoDifferences(), {});
+  Random random(11);
+  for (int i = 0; i < 300; ++i) {
+    CHECK(reading.Draw(random) == reader.Read(WithWallAt({{1, 3}}), TwoDifferences(), {}));
+  }
+}
+
+TEST_CASE("The possible cells are those that draws edit, and no others", "[operator][simulated]") {
+  PictureReaderParameters parameters = NearWallsMisplaced();
+  std::vector<Cell> expected = {{1, 3}, {1, 4}, {1, 5}, {1, 6}};
+  SECTION("misplaced") {}
+  SECTION("never misplaced") {
+    parameters.misplacement_probability = 0.0;
+    expected = {{1, 3}, {1, 5}};
+  }
+  SECTION("with guesses beside what is shown") {
+    parameters.misplacement_probability = 0.0;
+    parameters.guess_probability = 0.5;
+    expected = {{1, 3}, {1, 5}, {1, 6}};
+  }
+  const PictureReading reading(parameters, WithWallAt({{1, 3}}), TwoDifferences(), {});
+  CHECK(reading.PossibleCells() == expected);
+  Random random(2);
+  std::map<Cell, int> edits;
+  for (int i = 0; i < 2000; ++i) {
+    for (const CellEdit& edit : reading.Draw(random)) ++edits[edit.cell];
+  }
+  std::vector<Cell> edited;
+  for (const auto& [cell, count] : edits) edited.push_back(cell);
+  CHECK(edited == expected);
 }
 
 }  // namespace

@@ -1,30 +1,25 @@
+#include "launcher/run_picture.h"
+
 #include <catch2/catch.hpp>
 
-#include "launcher/run_picture.h"
+#include "support/text.h"
 #include "support/xml_check.h"
 #include "unit/deploy/launcher/sample_episode.h"
 
-using namespace conav::launcher;
-
+namespace conav::launcher {
 namespace {
 
-int Count(const std::string& text, const std::string& part) {
-  int count = 0;
-  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
-  return count;
-}
-
-}  // namespace
+using test::CountOf;
 
 TEST_CASE("the picture shows three maps, the way and the picture that was sent",
           "[launcher][svg]") {
   const std::string svg = EpisodeSvg(SampleEpisode(), "seed 1");
-  CHECK(Count(svg, "width=\"23.0\"") == 3 * 25);
-  CHECK(Count(svg, "<polyline") == 1);
-  CHECK(Count(svg, "operator's map before") == 1);
-  CHECK(Count(svg, "operator's map after 0 edits") == 1);
-  CHECK(Count(svg, "looking this way") == 1);
-  CHECK(conav::test::XmlError(svg) == "");
+  CHECK(CountOf(svg, "width=\"23.0\"") == 3 * 25);
+  CHECK(CountOf(svg, "<polyline") == 1);
+  CHECK(CountOf(svg, "operator's map before") == 1);
+  CHECK(CountOf(svg, "operator's map after 0 edits") == 1);
+  CHECK(CountOf(svg, "looking this way") == 1);
+  CHECK(test::XmlError(svg) == "");
 }
 
 TEST_CASE("among several robots each goal has the colour and the name of its robot",
@@ -34,37 +29,40 @@ TEST_CASE("among several robots each goal has the colour and the name of its rob
   const std::string yellow = "fill=\"#F0E442\" stroke=\"#000000\"";
   Episode episode = SampleEpisode();
   const std::string alone = EpisodeSvg(episode, "");
-  CHECK(Count(alone, yellow) == 2);  // the goal and the legend
-  CHECK(Count(alone, ">goal<") == 1);
-  CHECK(Count(alone, ">r1<") == 1);  // its start
+  CHECK(CountOf(alone, yellow) == 2);  // the goal and the legend
+  CHECK(CountOf(alone, ">goal<") == 1);
+  CHECK(CountOf(alone, ">r1<") == 1);  // its start
 
   episode.robots.push_back(episode.robots[0]);
   episode.robots[1].name = "r2";
-  CHECK(Count(EpisodeSvg(episode, ""), yellow) == 2 + 1);  // shared
+  CHECK(CountOf(EpisodeSvg(episode, ""), yellow) == 2 + 1);  // shared
 
   episode.robots[1].goals = {{1, 1}, {2, 3}};
   const std::string own = EpisodeSvg(episode, "");
-  CHECK(Count(own, yellow) == 0);
-  CHECK(Count(own, blue) == 1 + 1);
-  CHECK(Count(own, orange) == 2);
-  CHECK(Count(own, ">r1<") == 1 + 1);
-  CHECK(Count(own, ">r2<") == 1 + 2);
-  CHECK(Count(own, ">its goal<") == 1);
+  CHECK(CountOf(own, yellow) == 0);
+  CHECK(CountOf(own, blue) == 1 + 1);
+  CHECK(CountOf(own, orange) == 2);
+  CHECK(CountOf(own, ">r1<") == 1 + 1);
+  CHECK(CountOf(own, ">r2<") == 1 + 2);
+  CHECK(CountOf(own, ">its goal<") == 1);
 
   episode.robots[1].world = "w2";
-  CHECK(Count(EpisodeSvg(episode, ""), yellow) == 2);  // alone in its world
+  CHECK(CountOf(EpisodeSvg(episode, ""), yellow) == 2);  // alone in its world
 }
 
 TEST_CASE("each mistake of the operator's map is marked by its kind", "[launcher][svg]") {
   const std::string svg = EpisodeSvg(SampleEpisode(), "");
   // before, after (nothing was edited) and the legend; a cross is two lines, the legend has one
   // more
-  CHECK(Count(svg, "<line") == 3 * 2 + 1);
-  CHECK(Count(svg, "fill=\"none\"/>") == 3);
+  CHECK(CountOf(svg, "<line") == 3 * 2 + 1);
+  CHECK(CountOf(svg, "fill=\"none\"/>") == 3);
 }
 
 TEST_CASE("a world that was never heard of leaves an empty picture", "[launcher][svg]") {
   const std::string svg = EpisodeSvg(MakeEpisode(1, 1), "no & thing");
   CHECK_THAT(svg, Catch::Contains("<title>no &amp; thing</title>"));
-  CHECK(conav::test::XmlError(svg) == "");
+  CHECK(test::XmlError(svg) == "");
 }
+
+}  // namespace
+}  // namespace conav::launcher
