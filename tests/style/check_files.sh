@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# check_files.sh ROOT: file names are snake_case, no file is over 400 lines, headers begin with #pragma once,
+# check_files.sh ROOT: file names are snake_case, no file is over 500 lines, headers begin with #pragma once,
 # and no test has a semicolon in its name: ctest makes two of such a name, which match no test and pass.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-readonly line_limit=400
+readonly line_limit=500
 mapfile -t files < <("$here/list_sources.sh" "$1" '*.h' '*.cc' '*.idl' '*.sh')
 ((${#files[@]} > 0)) || { echo "no sources below $1"; exit 1; }
 cd "$1"

@@ -1,5 +1,5 @@
 # Reads "file include" pairs and refuses the includes that the layers forbid; see check_includes.sh.
-# Layers: main -> service -> convert + bus + pure library -> common.
+# Layers: main -> service -> topics and clients -> pure library -> common. A file's name says whether it may know the bus.
 
 function refuse(rule) { printf "%s includes \"%s\": %s\n", file, inc, rule; failures++ }
 function below(folder) { return index(file, folder) == 1 }
@@ -10,10 +10,10 @@ function any_below(list,   i, n, folders) {
 }
 
 BEGIN {
-  pure = "services/common/grid/ services/common/mapping/ services/common/runtime/ services/common/segments/ services/common/svg/ services/nhpm/dataset/ services/nhpm/engine/ services/nhpm/evaluation/ services/nhpm/synthesis/ services/nhpm/training/ services/sim/world/ services/sim/physics/ services/sim/episode/ " \
-         "services/planner/search/ services/planner/decision/ services/planner/lease/ services/planner/record/ services/planner/explain/ services/nhpm/model/ services/operator/alerts/ services/operator/attention/ services/operator/bag/ services/operator/belief/ services/operator/console/ services/operator/control/ services/operator/driving/ services/operator/segments/ services/operator/timeline/ services/operator/simulated/ services/operator/statistics/ services/operator/task/"
   vendor_places = "services/common/bus/ tests/system/bus/ tests/bench/ tests/unit/common/bus/"
-  idl_places = "services/common/bus/ services/common/protocol/convert services/common/service/ tests/"
+  idl_places = "services/common/bus/ services/common/service/ services/common/msg/convert tests/"
+  protobuf_places = "services/common/segments/ services/nhpm/model/ services/nhpm/training/ services/planner/explain/ " \
+                    "services/operator/console/ services/operator/gateway/ tests/"
 }
 
 {
@@ -21,39 +21,38 @@ BEGIN {
   inc = $2
   is_vendor = inc ~ /^(dds|ddsc|ddsrt|fastdds|fastrtps|fastcdr)\//
   is_idl = inc ~ /^(conav_robot|conav_operator|conav_planning|ros2_interfaces|ros2_graph)(TypeObject|PubSubTypes)?\.h$/
-  # services/<x>/<file> wires; services/<x>/<folder>/... is a library or a part of its own.
+  is_bus = inc ~ /^common\/(bus|service)\// || inc == "common/msg/convert.h" || inc ~ /^sys\/socket|^netinet\//
   split(file, part, "/")
-  in_service = part[1] == "services" && part[2] != "common"
-  wires = in_service && (part[4] == "" || part[3] == "simulated_operator" || part[3] == "recorder" || part[3] == "client" || part[3] == "desks" || part[3] == "gateway" || part[3] == "perception")
+  in_service = part[1] == "services" && part[2] != "common" && part[2] != "study"
   other = inc
   sub(/\/.*/, "", other)
-  # Offline: synthetic annotators look at the simulator's mazes, experiments play in them.
-  synthesises = (below("services/nhpm/synthesis/") && inc ~ /^(sim\/world|operator\/simulated)\//) ||
-                (below("services/planner/experiment/") && inc ~ /^(sim\/world|operator\/simulated|nhpm\/model)\//)
   is_service = other ~ /^(sim|planner|nhpm|operator)$/ && inc ~ /\//
 
+  # What talks on the bus is named so: x_service, x_topics, x_client, main, and config for the participant's options.
+  talks = file ~ /\/([a-z0-9_]+_(service|topics|client|main)|main|config)\.(h|cc)$/ || below("services/planner/perception/") ||
+          below("services/operator/gateway/")
+  # Offline: synthetic annotators look at the simulator's mazes.
+  synthesises = below("services/nhpm/") && inc ~ /^(sim\/world|operator\/simulated)\//
+
   if (is_vendor && !any_below(vendor_places)) refuse("only services/common/bus includes DDS")
-  if (is_idl && !wires && !any_below(idl_places)) refuse("IDL types stop at common/protocol/convert.h")
-  if (inc ~ /\.pb\.h$/ && !any_below("services/common/segments/ services/nhpm/model/ services/nhpm/training/ services/planner/record/ services/operator/console/ services/operator/gateway/ tests/"))
-    refuse("protobuf types stay with the readers and writers of their files")
-  if (any_below(pure)) {
-    if (inc ~ /^common\/(bus|service)\// || inc == "common/protocol/convert.h" || inc ~ /^sys\/socket|^netinet\//)
-      refuse("a pure library knows neither the bus nor IDL types")
-    if (is_service && other != part[2] && !synthesises) refuse("a pure library includes no other service")
-  }
+  if (is_idl && !(in_service && talks) && !any_below(idl_places)) refuse("IDL types stop at common/msg/convert.h")
+  if (inc ~ /\.pb\.h$/ && !any_below(protobuf_places)) refuse("protobuf types stay with the readers and writers of their files")
+  if (in_service && !talks && is_bus)
+    refuse("only files named *_topics, *_service, *_client, main or config know the bus")
+  if (in_service && is_service && other != part[2] && !synthesises &&
+      !(below("services/planner/") && talks && inc ~ /^nhpm\/model\//))
+    refuse("a service includes no other service (the planner may embed nhpm/model)")
   if (below("services/common/") && is_service) refuse("common includes no service")
   if ((below("services/common/grid/") || below("services/common/runtime/")) && inc ~ /^common\// &&
       inc !~ /^common\/(grid|runtime)\//) refuse("grid and runtime are the lowest layer")
-  if (below("services/common/protocol/") && !below("services/common/protocol/convert") && inc ~ /^common\/(bus|service)\//)
-    refuse("protocol values know nothing of the bus")
-  if (in_service && is_service && other != part[2] && !synthesises &&
-      !(part[2] == "planner" && wires && inc ~ /^nhpm\/model\//))
-    refuse("a service includes no other service (the planner may embed nhpm/model)")
-  # A study draws people and computes statistics, both pure.
-  studies = below("deploy/study/") && inc ~ /^(operator\/(attention|simulated|statistics)|nhpm\/synthesis)\//
-  if (below("deploy/") && is_service && inc !~ /\/config\.h$/ && inc !~ /^(nhpm\/model|sim\/world)\// && !studies)
+  if (below("services/common/") && !any_below("services/common/bus/ services/common/service/ services/common/msg/convert") && is_bus)
+    refuse("only common/bus, common/service and common/msg/convert know the bus")
+  # A study draws people, plays episodes in one process and runs the launcher.
+  if (below("services/study/statistics/") && is_service) refuse("statistics know no service")
+  if (below("deploy/") && is_service && inc !~ /\/config\.h$/ && inc !~ /^(nhpm\/model|sim\/world)\//)
     refuse("the launcher sees only config.h of a service, and weights and worlds to see whether they fit")
-  if (below("services/") && inc ~ /^launcher\//) refuse("services know nothing of the launcher")
+  if (in_service && inc ~ /^(launcher|study)\//) refuse("services know neither the launcher nor the study")
+  if (below("deploy/") && inc ~ /^study\//) refuse("the launcher knows no study")
   count++
 }
 

@@ -1,6 +1,7 @@
 #include "common/segments/segment_file.h"
 
 #include <fmt/format.h>
+#include <segments.pb.h>
 
 #include <array>
 

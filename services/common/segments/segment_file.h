@@ -1,12 +1,16 @@
 #pragma once
 
-#include <segments.pb.h>
-
 #include <filesystem>
 #include <string>
 
 #include "common/runtime/result.h"
 #include "common/segments/segment.h"
+
+namespace conav::segments {
+class Record;
+class Segment;
+class Trajectory;
+}  // namespace conav::segments
 
 /// Between domain values and the records of idl/segments.proto, which go no further.
 namespace conav {

@@ -1,5 +1,6 @@
 #include "planner/explain/decision_file.h"
 
+#include <decisions.pb.h>
 #include <fmt/format.h>
 
 #include <cmath>

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <decisions.pb.h>
-
 #include <filesystem>
 #include <functional>
 #include <string_view>
@@ -11,6 +9,11 @@
 #include "common/msg/search_report.h"
 #include "common/runtime/result.h"
 #include "common/segments/segment_log.h"
+
+namespace conav::decisions {
+class Decision;
+class Record;
+}  // namespace conav::decisions
 
 namespace conav::planner {
 

@@ -1,4 +1,4 @@
-#include "operator/replay/recording_reader.h"
+#include "operator/replay/recorded_topics.h"
 
 #include <fmt/format.h>
 
