@@ -36,9 +36,8 @@ std::vector<DecisionRecord> WithoutTimes(std::vector<DecisionRecord> decisions) 
 
 TEST_CASE("a demo's pictures are explained", "[launcher][system]") {
   DemoRun demo({"--headless", "--seed", "7", "--camera", "none"});
-  REQUIRE(demo.Wait() == 0);
+  const auto result = demo.EndsWell();
   const auto decisions = DecisionsOf(demo);
-  const auto result = demo.Json();
   CHECK(decisions.size() == result.at("robots").at(0).at("decisions"));
   const auto picture =
       std::find_if(decisions.begin(), decisions.end(),
@@ -71,7 +70,7 @@ TEST_CASE("a demo's pictures are explained", "[launcher][system]") {
 TEST_CASE("the same seed gives the same recorded decisions", "[launcher][system]") {
   const auto play = [] {
     DemoRun demo({"--headless", "--seed", "11", "--camera", "none", "--perception", "embedded"});
-    REQUIRE(demo.Wait() == 0);
+    demo.EndsWell();
     return WithoutTimes(DecisionsOf(demo));
   };
   const auto first = play();
@@ -81,7 +80,7 @@ TEST_CASE("the same seed gives the same recorded decisions", "[launcher][system]
 
 TEST_CASE("a run of a method without a search says that it has none", "[launcher][system]") {
   DemoRun demo({"--headless", "--seed", "7", "--camera", "none", "--method", "instruction"});
-  REQUIRE(demo.Wait() == 0);
+  demo.EndsWell();
   const conav::test::ProgramRunner desk("conav-explain");
   const auto explained = desk.Run(fmt::format("'{}' --decision 1", demo.RunFolder().string()));
   CHECK(explained.exit_code == 0);

@@ -1,7 +1,6 @@
 // A demo leaves its session as segments, for those who train perception models.
 #include <fmt/format.h>
 #include <signal.h>
-#include <sys/wait.h>
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -10,6 +9,7 @@
 
 #include "common/segments/segment.h"
 #include "common/segments/segment_file.h"
+#include "support/program_runner.h"
 #include "system/launcher/demo_run.h"
 
 using conav::testing::DemoRun;
@@ -60,9 +60,8 @@ bool EditsWereSeen(const conav::Segment& segment) {
 
 TEST_CASE("a demo leaves one segment for each picture", "[launcher][system]") {
   DemoRun demo({"--headless", "--seed", "7", "--camera", "none"});
-  REQUIRE(demo.Wait() == 0);
+  const nlohmann::json result = demo.EndsWell();
   const conav::SegmentSet set = SegmentsOf(demo);
-  const nlohmann::json result = demo.Json();
   REQUIRE(set.trajectories.size() == 1);
   const conav::Trajectory& trajectory = set.trajectories[0];
   CHECK(trajectory.origin == conav::SegmentOrigin::kSimulated);
@@ -72,6 +71,11 @@ TEST_CASE("a demo leaves one segment for each picture", "[launcher][system]") {
   CHECK(trajectory.truth.has_value());
   CHECK(trajectory.segments.size() == result["robots"][0]["pictures"]);
   CHECK(trajectory.initial_cell_accuracy == Approx(result["cell_accuracy_before"].get<double>()));
+  const auto described = conav::test::RunProgram(
+      "conav-dataset",
+      fmt::format("describe '{}'", (demo.RunFolder() / "segments.pb.zst").string()));
+  CHECK(described.exit_code == 0);
+  CHECK_FALSE(described.out.empty());
   int edited = 0;
   for (const conav::Segment& segment : trajectory.segments) {
     if (conav::EditCount(segment) == 0) continue;
@@ -82,20 +86,20 @@ TEST_CASE("a demo leaves one segment for each picture", "[launcher][system]") {
 }
 
 TEST_CASE("the same seed records the same segments", "[launcher][system]") {
-  const std::vector<std::string> arguments{"--headless", "--seed", "8", "--camera", "none"};
-  DemoRun first(arguments);
-  REQUIRE(first.Wait() == 0);
-  DemoRun second(arguments);
-  REQUIRE(second.Wait() == 0);
-  const conav::SegmentSet segments = WithoutTimes(SegmentsOf(first));
+  const auto play = [] {
+    DemoRun demo({"--headless", "--seed", "8", "--camera", "none"});
+    demo.EndsWell();
+    return WithoutTimes(SegmentsOf(demo));
+  };
+  const conav::SegmentSet segments = play();
   CHECK(conav::SegmentCount(segments) > 0);
-  CHECK(segments == WithoutTimes(SegmentsOf(second)));
+  CHECK(segments == play());
 }
 
 TEST_CASE("each of two worlds is a trajectory of its own, with several robots",
           "[launcher][system]") {
   DemoRun demo({"--headless", "--seed", "5", "--worlds", "2", "--robots", "2", "--camera", "none"});
-  REQUIRE(demo.Wait() == 0);
+  demo.EndsWell();
   const conav::SegmentSet set = SegmentsOf(demo);
   std::set<std::uint64_t> seeds;
   for (const conav::Trajectory& trajectory : set.trajectories) seeds.insert(trajectory.world_seed);
@@ -110,16 +114,6 @@ TEST_CASE("each of two worlds is a trajectory of its own, with several robots",
   // A wall that another robot ran into is marked meanwhile, once in a while.
   CHECK(edited > 0);
   CHECK(4 * seen >= 3 * edited);
-}
-
-TEST_CASE("conav dataset describes the recording of a demo", "[launcher][system]") {
-  DemoRun demo({"--headless", "--seed", "7", "--camera", "none"});
-  REQUIRE(demo.Wait() == 0);
-  const std::string file = (demo.RunFolder() / "segments.pb.zst").string();
-  const std::string command = fmt::format(
-      "'{}/conav-dataset' describe '{}' --json '{}.json' >/dev/null", CONAV_BIN_DIR, file, file);
-  CHECK(WEXITSTATUS(std::system(command.c_str())) == 0);
-  CHECK(std::filesystem::file_size(file + ".json") > 0);
 }
 
 TEST_CASE("what was recorded outlives a kill of the operator service", "[launcher][system]") {

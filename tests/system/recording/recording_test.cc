@@ -21,18 +21,12 @@ std::filesystem::path RecordingOf(const DemoRun& demo) {
   return demo.RunFolder() / "recording.mcap";
 }
 
-void EndsWell(DemoRun& demo) {
-  const int code = demo.Wait();
-  INFO(demo.Story());
-  REQUIRE(code == 0);
-}
-
 }  // namespace
 
 TEST_CASE("every message of a demo's recording decodes, and says what happened",
           "[recording][system]") {
   DemoRun demo({"--headless", "--seed", "7"});
-  EndsWell(demo);
+  demo.EndsWell();
   const auto found = ReadByOthers(
       RecordingOf(demo), {"/r1/state", "/w1/belief", "/r1/snapshot", "/conav/planner/lease"});
   CHECK(found["profile"] == "ros2");
@@ -69,7 +63,7 @@ TEST_CASE("conav bag finds what others' readers find, and so does the rosbag2 fo
   // Long enough that the recorder is found by all: what is not latched is not sent to it before.
   DemoRun demo({"--headless", "--seed", "7", "--camera", "none", "--robots", "2", "--dds", dds,
                 "--speed", "20"});
-  EndsWell(demo);
+  demo.EndsWell();
   const auto recording = RecordingOf(demo);
   const auto folder = demo.RunFolder() / "bag";
   const auto conav = ReadByConav(demo.RunFolder(), fmt::format("--rosbag2 '{}'", folder.string()));
@@ -93,11 +87,11 @@ TEST_CASE("streamed pictures are recorded when asked for", "[recording][system]"
   const std::string stream = "/r1/camera/image/compressed";
   std::vector<std::string> arguments{"--headless", "--seed", "9", "--method", "teleop"};
   DemoRun without(arguments);
-  EndsWell(without);
+  without.EndsWell();
   CHECK_FALSE(CountsOf(ReadByOthers(RecordingOf(without))).contains(stream));
   arguments.emplace_back("--streams");
   DemoRun with(arguments);
-  EndsWell(with);
+  with.EndsWell();
   const auto found = ReadByOthers(RecordingOf(with), {stream});
   CHECK(CountsOf(found)[stream] > 0);
   CHECK(found["topics"][stream]["last"]["format"] == "jpeg");
@@ -113,7 +107,7 @@ TEST_CASE("a run goes on without its recorder, and what was recorded can be read
   };
   REQUIRE(conav::testing::WaitUntil(has_states, std::chrono::seconds(60)));
   REQUIRE(kill(recorder, SIGKILL) == 0);
-  EndsWell(demo);
+  demo.EndsWell();
   CHECK_THAT(demo.Output(), Catch::Contains(fmt::format("recorder (pid {}) died", recorder)) &&
                                 Catch::Contains("the run goes on and is not recorded any more"));
   const auto conav = ReadByConav(RecordingOf(demo));
@@ -126,7 +120,7 @@ TEST_CASE("a run goes on without its recorder, and what was recorded can be read
 
 TEST_CASE("a demo that shall not be recorded is not", "[recording][system]") {
   DemoRun demo({"--headless", "--camera", "none", "--no-recording"});
-  EndsWell(demo);
+  demo.EndsWell();
   CHECK_FALSE(std::filesystem::exists(RecordingOf(demo)));
   CHECK_THAT(demo.Output(), !Catch::Contains("started recorder"));
 }

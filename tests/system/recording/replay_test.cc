@@ -171,9 +171,7 @@ std::string WallsOf(const msg::BeliefMap& belief) {
 TEST_CASE("a page of a replay sees at each place what the recording holds there",
           "[replay][system]") {
   DemoRun demo({"--headless", "--seed", "7"});
-  const int code = demo.Wait();
-  INFO(demo.Story());
-  REQUIRE(code == 0);
+  demo.EndsWell();
   const fs::path recording = demo.RunFolder() / "recording.mcap";
   const auto beliefs = MessagesOf<msg::BeliefMap>(recording, "/w1/belief");
   const auto states = MessagesOf<msg::RobotState>(recording, "/r1/state");
@@ -235,7 +233,7 @@ TEST_CASE("a page of a replay sees at each place what the recording holds there"
 
 TEST_CASE("a recording that was cut off is played as far as it goes", "[replay][system]") {
   DemoRun demo({"--headless", "--seed", "7", "--camera", "none"});
-  REQUIRE(demo.Wait() == 0);
+  demo.EndsWell();
   const fs::path recording = demo.RunFolder() / "recording.mcap";
   const fs::path part = demo.RunFolder() / "part.mcap";
   fs::copy_file(recording, part);

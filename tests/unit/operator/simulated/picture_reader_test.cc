@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 
-#include "operator/simulated/path_planner.h"
 #include "unit/operator/support/synthetic_fixture.h"
 
 namespace conav::operators {
@@ -174,78 +173,6 @@ TEST_CASE("Equal seeds give equal edits, another seed gives others", "[operator]
   };
   CHECK(read_many(1) == read_many(1));
   CHECK(read_many(1) != read_many(2));
-}
-
-/// A wrong map, and pictures of random places of the truth, read one after the other.
-struct Mapping {
-  double wrong_before = 0;
-  double wrong_after = 0;
-  double edits_per_picture = 0;
-};
-
-Mapping MapWith(const PictureReaderParameters& parameters, std::uint64_t seed) {
-  const BeliefGrid truth =
-      DrawnMap({"#############", "#   #   #   #", "# # # # # # #", "# #   #   # #", "# ####### # #",
-                "#   #     # #", "### # ##### #", "#   # #     #", "# ### # ### #", "#     #   # #",
-                "# ##### # # #", "#       #   #", "#############"});
-  OccupancyGrid map(truth.rows(), truth.columns());
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    const Cell cell = map.CellAt(i);
-    map[cell] = IsWall(truth, cell) ? Occupancy::kOccupied : Occupancy::kFree;
-  }
-  Random random(seed);
-  BeliefGrid belief = truth;
-  for (std::size_t i = 0; i < belief.size(); ++i) {
-    const Cell cell = belief.CellAt(i);
-    if (!belief.OnBorder(cell) && random.Chance(0.15)) belief[cell] = 1.0F - belief[cell];
-  }
-  const auto wrong = [&] {
-    int count = 0;
-    for (std::size_t i = 0; i < belief.size(); ++i) {
-      count += belief.values()[i] != truth.values()[i];
-    }
-    return count;
-  };
-  Mapping mapping;
-  mapping.wrong_before = wrong();
-  PictureReader reader(parameters, seed);
-  constexpr int kPictures = 25;
-  for (int i = 0; i < kPictures; ++i) {
-    Cell cell;
-    do {
-      cell = map.CellAt(static_cast<std::size_t>(random.Uniform(0, 168)));
-    } while (map[cell] != Occupancy::kFree);
-    Snapshot picture;
-    picture.cell = cell;
-    picture.path = {cell};
-    picture.heading_rad = HeadingFromIndex(static_cast<int>(random.Uniform(0, 7)), 8);
-    picture.visible = CastView(map, {cell, picture.heading_rad});
-    for (const CellEdit& edit : reader.Read(belief, picture, {})) {
-      belief[edit.cell] = edit.wall ? 1.0F : 0.0F;
-      ++mapping.edits_per_picture;
-    }
-  }
-  mapping.edits_per_picture /= kPictures;
-  mapping.wrong_after = wrong();
-  return mapping;
-}
-
-TEST_CASE("The careful default makes a wrong map better, at about one edit a picture",
-          "[operator][simulated]") {
-  double before = 0;
-  double after = 0;
-  double edits = 0;
-  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-    const Mapping mapping = MapWith({}, seed);
-    CHECK(mapping.wrong_after < mapping.wrong_before);
-    before += mapping.wrong_before;
-    after += mapping.wrong_after;
-    edits += mapping.edits_per_picture / 40;
-  }
-  CAPTURE(before, after, edits);
-  CHECK(after < 0.5 * before);
-  CHECK(edits > 0.3);
-  CHECK(edits < 1.5);
 }
 
 Snapshot TwoDifferences() { return LookEast({{{1, 1}, {1, 2}, {1, 3}, {1, 4}}, {{0, 4}, {1, 5}}}); }

@@ -28,8 +28,7 @@ TEST_CASE("The first path is given when belief and state are there", "[operator]
 
 TEST_CASE("A picture that shows an error is answered by an edit, then by a path on the new map",
           "[operator][simulated]") {
-  Console console;
-  console.Begin();
+  BegunConsole console;
   console.Show(SnapshotOf(1, 20));
   CHECK(console.ExpectEdit() == EditRequest{0, {{{1, 3}, true}}});
   console.Accept(1);
@@ -40,15 +39,6 @@ TEST_CASE("A picture that shows an error is answered by an edit, then by a path 
   // Around the block: 7 steps instead of 2 and a crossing.
   CHECK(guide.path.size() == 8);
   CHECK(console.person.counts().edits == 1);
-}
-
-TEST_CASE("Somebody silent answers nothing", "[operator][simulated]") {
-  Console console(ParametersOfKind("silent"));
-  console.person.Receive(MapAt(0));
-  console.person.Receive(StateAt({1, 1}, 10));
-  console.Show(SnapshotOf(1, 20));
-  console.ExpectNothing();
-  CHECK(console.person.open() == 0);
 }
 
 TEST_CASE("The kinds of people differ as their names say, and a config may change single values",
@@ -70,8 +60,7 @@ TEST_CASE("The kinds of people differ as their names say, and a config may chang
 
 TEST_CASE("A picture is answered by a path from the newest place of the robot to its goals",
           "[operator][simulated]") {
-  Console console;
-  console.Begin();
+  BegunConsole console;
   Snapshot picture = SnapshotOf(1, 20);
   picture.visible = {};
   picture.cell = {3, 1};
@@ -99,8 +88,7 @@ TEST_CASE("A glance at a share of streamed pictures edits and gives no path",
           "[operator][simulated]") {
   SyntheticOperatorParameters parameters = Flawless();
   parameters.glance_rate = 0.3;
-  Console console(parameters);
-  console.Begin();
+  BegunConsole console(parameters);
   int edits = 0;
   for (std::uint64_t i = 1; i <= 2000; ++i) {
     console.Show(SnapshotOf(i, 20, true));
@@ -116,8 +104,7 @@ TEST_CASE("A glance at a share of streamed pictures edits and gives no path",
 
 TEST_CASE("A refused edit is made again on the new map, as far as it is still a change",
           "[operator][simulated]") {
-  Console console;
-  console.Begin();
+  BegunConsole console;
   Snapshot picture = SnapshotOf(1, 20);
   picture.visible.walls = {{1, 3}, {3, 2}};
   console.Show(picture);
@@ -134,17 +121,13 @@ TEST_CASE("Refused guidance is asked for again after ever longer pauses, and giv
   SyntheticOperatorParameters parameters = Flawless();
   parameters.attempts = 3;
   Console console(parameters);
-  console.person.Receive(MapAt(0));
-  console.person.Receive(StateAt({1, 1}, 10));
+  console.ShowRobot();
   console.ExpectGuide();
   console.Refuse(0);
-  console.ExpectNothing();
-  console.clock.Advance(100ms);
+  console.ExpectNothingFor(100ms);
   console.ExpectGuide();
   console.Refuse(0);
-  console.clock.Advance(199ms);
-  console.ExpectNothing();
-  console.clock.Advance(1ms);
+  console.ExpectNothingFor(200ms);
   console.ExpectGuide();
   console.person.Answered(Fail(ErrorCode::kTimeout, "no reply"), console.clock.Now());
   CHECK(console.person.open() == 0);
@@ -152,36 +135,24 @@ TEST_CASE("Refused guidance is asked for again after ever longer pauses, and giv
   CHECK(console.person.counts().newest_problem == "no reply");
 }
 
-TEST_CASE("A person takes the time to think", "[operator][simulated]") {
+TEST_CASE("A person takes the time to think, somebody silent answers nothing",
+          "[operator][simulated]") {
   SyntheticOperatorParameters parameters = Flawless();
   parameters.thinking_time_s = 3.0;
   Console console(parameters);
-  console.person.Receive(MapAt(0));
-  console.person.Receive(StateAt({1, 1}, 10));
-  console.ExpectNothing();
-  console.clock.Advance(2999ms);
-  console.ExpectNothing();
-  console.clock.Advance(1ms);
+  console.ShowRobot();
+  console.ExpectNothingFor(3s);
   console.ExpectGuide();
+  Console silent(ParametersOfKind("silent"));
+  silent.ShowRobot();
+  silent.Show(SnapshotOf(1, 20));
+  silent.ExpectNothing();
+  CHECK(silent.person.open() == 0);
 }
 
-TEST_CASE("Pictures that somebody answered before are left alone", "[operator][simulated]") {
-  Console console;
-  console.Begin();
-  Guidance guidance;
-  guidance.world = "w1";
-  guidance.robot = "r1";
-  guidance.answers_snapshot = 3;
-  console.person.Receive(guidance);
-  console.Show(SnapshotOf(3, 20));
-  console.ExpectNothing();
-  console.Show(SnapshotOf(4, 21));
-  console.ExpectEdit();
-}
-
-TEST_CASE("Robots and worlds of others are ignored", "[operator][simulated]") {
-  Console console;
-  console.Begin();
+TEST_CASE("Robots and worlds of others, and pictures that somebody answered, are left alone",
+          "[operator][simulated]") {
+  BegunConsole console;
   console.person.Receive(StateAt({1, 1}, 10, "r9"));
   RobotState elsewhere = StateAt({1, 1}, 10);
   elsewhere.world = "w2";
@@ -189,8 +160,12 @@ TEST_CASE("Robots and worlds of others are ignored", "[operator][simulated]") {
   Snapshot picture = SnapshotOf(1, 20);
   picture.robot = "r9";
   console.Show(picture);
+  console.person.Receive(Guidance{.world = "w1", .robot = "r1", .answers_snapshot = 3});
+  console.Show(SnapshotOf(3, 20));
   console.ExpectNothing();
   CHECK(console.person.open() == 0);
+  console.Show(SnapshotOf(4, 21));
+  console.ExpectEdit();
 }
 
 TEST_CASE("A robot outside of the map is answered with an empty path", "[operator][simulated]") {
@@ -236,8 +211,7 @@ TEST_CASE("A blocked cell becomes a wall for certain and the next path avoids it
           "[operator][simulated]") {
   SyntheticOperatorParameters parameters = Flawless();
   parameters.planner.wall_crossing_cost = 0.0;
-  Console console(parameters);
-  console.Begin();
+  BegunConsole console(parameters);
   console.Ask(Attention(AttentionReason::kBlocked, {1, 2}, 0, 10));
   CHECK(console.ExpectEdit() == EditRequest{0, {{{1, 2}, true}}});
   console.Accept(1);
@@ -254,29 +228,24 @@ TEST_CASE("A blocked cell becomes a wall for certain and the next path avoids it
   console.ExpectGuide();
 }
 
-TEST_CASE("A cell that another robot holds is not marked as a wall", "[operator][simulated]") {
-  Console console;
-  console.Begin();
-  RobotState state = StateAt({1, 1}, 20);
-  state.command_outcome = CommandOutcome::kOccupied;
-  state.command_cell = {1, 2};
-  console.person.Receive(state);
-  console.Ask(Attention(AttentionReason::kBlocked, {1, 2}, 0, 20));
-  console.ExpectGuide();
-}
-
-TEST_CASE("A robot without guidance gets a path from where it is", "[operator][simulated]") {
-  Console console;
-  console.Begin();
-  console.person.Receive(StateAt({1, 2}, 30));
-  console.Ask(Attention(AttentionReason::kNoGuidance, {1, 2}, 0, 30));
+TEST_CASE("A robot without guidance, or one that another robot blocks, gets a path and no wall",
+          "[operator][simulated]") {
+  BegunConsole console;
+  console.person.Receive(StateAt({1, 2}, 20));
+  console.Ask(Attention(AttentionReason::kNoGuidance, {1, 2}, 0, 20));
   CHECK(console.ExpectGuide().path == std::vector<Cell>{{1, 2}, {1, 3}, {1, 4}});
+  console.Accept(2);
+  RobotState state = StateAt({1, 2}, 30);
+  state.command_outcome = CommandOutcome::kOccupied;
+  state.command_cell = {1, 3};
+  console.person.Receive(state);
+  console.Ask(Attention(AttentionReason::kBlocked, {1, 3}, 0, 30, 2));
+  console.ExpectGuide();
 }
 
 TEST_CASE("An attention request waits for the pictures and the state that it speaks of",
           "[operator][simulated]") {
-  Console console;
-  console.Begin();
+  BegunConsole console;
   console.Ask(Attention(AttentionReason::kNoGuidance, {1, 1}, 2, 30));
   console.ExpectNothing();
   Snapshot first = SnapshotOf(1, 20, true);
@@ -295,19 +264,15 @@ TEST_CASE("An attention request waits for the pictures and the state that it spe
 
 TEST_CASE("An attention request whose pictures never come is answered after a while",
           "[operator][simulated]") {
-  Console console;
-  console.Begin();
+  BegunConsole console;
   console.Ask(Attention(AttentionReason::kNoGuidance, {1, 1}, 2, 30));
-  console.clock.Advance(1999ms);
-  console.ExpectNothing();
-  console.clock.Advance(1ms);
+  console.ExpectNothingFor(2s);
   CHECK(console.ExpectGuide().answers_snapshot == 0);
 }
 
 TEST_CASE("A repeated attention request is answered once, a newer one replaces an older one",
           "[operator][simulated]") {
-  Console console;
-  console.Begin();
+  BegunConsole console;
   const auto ask = Attention(AttentionReason::kNoGuidance, {1, 1}, 0, 10);
   console.Ask(ask);
   console.Ask(ask);
@@ -349,14 +314,10 @@ struct QueueFixture : Console {
   }
 };
 
-TEST_CASE("Without a published queue nothing is taken up", "[operator][simulated]") {
-  QueueFixture console;
-  console.ExpectNothing();
-}
-
 TEST_CASE("The first of the queue is selected, then answered after its interaction time",
           "[operator][simulated]") {
   QueueFixture console;
+  console.ExpectNothing();  // without a queue
   console.person.Receive(
       Queue(1, {Line("r2", AttentionReason::kFirstPath), Line("r1", AttentionReason::kFirstPath)}));
   CHECK(console.ExpectSelect() == SelectRequest{"r2", AttentionReason::kFirstPath});
@@ -380,7 +341,8 @@ TEST_CASE("What the person cannot deal with yet, or somebody else works on, is p
   CHECK(console.ExpectSelect() == SelectRequest{"r1", AttentionReason::kFirstPath});
 }
 
-TEST_CASE("A refused selection is given up until the queue has changed", "[operator][simulated]") {
+TEST_CASE("A refused selection is given up until the queue changes, a withdrawn question for good",
+          "[operator][simulated]") {
   QueueFixture console;
   console.person.Receive(Queue(1, {Line("r1", AttentionReason::kFirstPath)}));
   console.ExpectSelect();
@@ -389,6 +351,11 @@ TEST_CASE("A refused selection is given up until the queue has changed", "[opera
   CHECK(console.person.open() == 2);
   console.person.Receive(Queue(2, {Line("r2", AttentionReason::kFirstPath)}));
   CHECK(console.ExpectSelect() == SelectRequest{"r2", AttentionReason::kFirstPath});
+  console.Refuse(0);
+  console.Ask(Attention(AttentionReason::kBlocked, {1, 2}, 0, 10, 1));
+  console.Ask(Attention(AttentionReason::kNone, {1, 1}, 0, 12, 1));
+  console.person.Receive(Queue(3, {Line("r1", AttentionReason::kBlocked)}));
+  console.ExpectNothing();
 }
 
 TEST_CASE("A blocked robot is answered with what its newest streamed picture shows besides",
@@ -405,20 +372,11 @@ TEST_CASE("A blocked robot is answered with what its newest streamed picture sho
   CHECK(console.ExpectEdit().edits == std::vector<CellEdit>{{{2, 1}, true}, {{1, 3}, true}});
 }
 
-TEST_CASE("A question that the robot takes back is not answered", "[operator][simulated]") {
-  QueueFixture console;
-  console.Ask(Attention(AttentionReason::kBlocked, {1, 2}, 0, 10, 1));
-  console.Ask(Attention(AttentionReason::kNone, {1, 1}, 0, 12, 1));
-  console.person.Receive(Queue(1, {Line("r1", AttentionReason::kBlocked)}));
-  console.ExpectNothing();
-}
-
 TEST_CASE("Log-normal interaction times have the mean that was given", "[operator][simulated]") {
   SyntheticOperatorParameters parameters = FollowingTheQueue();
   parameters.interaction.log_sd = 0.5;
   Console console(parameters);
-  console.person.Receive(MapAt(0));
-  console.person.Receive(StateAt({1, 1}, 10));
+  console.ShowRobot();
   double now_s = 100.0;
   console.person.Receive(SimTime::FromSeconds(now_s));
   constexpr int kMatters = 2000;

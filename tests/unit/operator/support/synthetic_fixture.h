@@ -97,10 +97,19 @@ struct Console {
   void Refuse(std::uint64_t revision) {
     person.Answered(OperatorReply{"c", 1, false, "no", revision}, clock.Now());
   }
-  /// Belief and state are there and the first path is given.
-  void Begin() {
+  /// Nothing is asked until then, by the clock.
+  void ExpectNothingFor(std::chrono::milliseconds pause) {
+    clock.Advance(pause - std::chrono::milliseconds(1));
+    ExpectNothing();
+    clock.Advance(std::chrono::milliseconds(1));
+  }
+  void ShowRobot() {
     person.Receive(MapAt(0));
     person.Receive(StateAt({1, 1}, 10));
+  }
+  /// Belief and state are there and the first path is given.
+  void Begin() {
+    ShowRobot();
     ExpectGuide();
     Accept(1);
     ExpectNothing();
@@ -108,6 +117,13 @@ struct Console {
 
   FakeClock clock;
   SyntheticOperator person;
+};
+
+struct BegunConsole : Console {
+  explicit BegunConsole(const SyntheticOperatorParameters& parameters = Flawless())
+      : Console(parameters) {
+    Begin();
+  }
 };
 
 }  // namespace conav::operators
