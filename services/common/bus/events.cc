@@ -78,7 +78,7 @@ void EndpointEvents::IncompatibleQos(std::uint32_t policy) noexcept try {
 void EndpointEvents::Add(Event::Kind kind, const std::string& detail) noexcept try {
   log_.Add({kind, topic_, detail});
 } catch (const std::exception&) {
-  // out of memory: an event less
+  // Out of memory: drop the event.
 }
 
 }  // namespace conav::bus

@@ -17,7 +17,7 @@ struct InMemorySample {
 };
 using InMemoryPayload = std::shared_ptr<const InMemorySample>;
 
-/// What writers and readers of the in-memory bus have in common.
+/// The part that writers and readers of the in-memory bus share.
 struct InMemoryEndpoint {
   InMemoryEndpoint(const EndpointOptions& endpoint_options, std::shared_ptr<EventLog> event_log)
       : options(endpoint_options), events(std::move(event_log)) {}
@@ -31,7 +31,7 @@ struct InMemoryWriterState : InMemoryEndpoint {
   std::deque<InMemoryPayload> history;  // guarded by the topic's mutex
 };
 
-/// Delivers payloads one at a time and in order, on whichever thread found the reader idle.
+/// Delivers payloads one at a time and in order, on the thread that finds the reader idle.
 class InMemoryReaderState : public InMemoryEndpoint {
  public:
   InMemoryReaderState(const EndpointOptions& options, std::shared_ptr<EventLog> events, Sink sink)
@@ -39,9 +39,9 @@ class InMemoryReaderState : public InMemoryEndpoint {
         intake_(options, std::move(sink), *this->events) {}
 
   void Enqueue(InMemoryPayload payload);
-  /// Delivers what is queued, unless another thread (or this one, further up) is about it.
+  /// Delivers the queue, unless another thread (or this one, further up the stack) is doing so.
   void Drain();
-  /// No delivery any more, and none under way, when this returns.
+  /// When this returns, no delivery is under way and none will follow.
   void Close();
   std::uint64_t malformed() const { return intake_.malformed(); }
 
@@ -72,8 +72,8 @@ namespace {
 
 enum class Matching { kNone, kMatched };
 
-/// Matches as DDS does: by type name, then offered against requested QoS. A refusal for QoS is an
-/// event on both sides, a refusal for the type is silent.
+/// Matches as DDS does: by type name, then offered against requested QoS. Incompatible QoS is an
+/// event on both sides; a different type is silent.
 Matching Match(const InMemoryEndpoint& writer, const InMemoryEndpoint& reader) {
   if (writer.options.type.name != reader.options.type.name) return Matching::kNone;
   const Qos& offered = writer.options.qos;

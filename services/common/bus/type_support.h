@@ -13,7 +13,7 @@
 
 namespace conav::bus {
 
-/// What a backend needs to know of a message type. Payloads are CDR (XCDR1) with the 4-byte
+/// What a backend must know about a message type. Payloads are CDR (XCDR1) with the 4-byte
 /// encapsulation header.
 struct TypeSupport {
   std::string name;  // "conav_msgs::msg::dds_::RobotState_"
@@ -21,7 +21,7 @@ struct TypeSupport {
   std::size_t (*serialized_size)(const void* message);
   /// Returns the bytes written; 0 when `payload` is too small.
   std::size_t (*serialize)(const void* message, std::span<std::uint8_t> payload);
-  /// False when `payload` is not a T; never throws, never allocates for a length that the payload
+  /// False when `payload` is not a T. Never throws, never allocates for a length that the payload
   /// cannot hold.
   bool (*deserialize)(std::span<const std::uint8_t> payload, void* message);
   void* (*create)();
@@ -36,8 +36,8 @@ struct TypeSupport {
 inline constexpr std::size_t kEncapsulationSize = 4;
 inline constexpr std::size_t kMaximumKeySize = 16;
 
-/// The one TypeSupport of a fastddsgen class. Instantiated in type_support.cc for the type of each
-/// topic; whoever needs another type instantiates it from type_support_of.h.
+/// The one TypeSupport of a fastddsgen class. type_support.cc instantiates it for the type of each
+/// topic; for another type, instantiate it from this header's template.
 template <class T>
 const TypeSupport& TypeSupportOf();
 
@@ -85,7 +85,7 @@ std::size_t Serialize(const void* message, std::span<std::uint8_t> payload) {
 template <class T>
 bool Deserialize(std::span<const std::uint8_t> payload, void* message) {
   using eprosima::fastcdr::Cdr;
-  // Only plain CDR, big or little endian; parameter lists and XCDR2 are another layout.
+  // Accepts plain CDR only, big or little endian; parameter lists and XCDR2 have another layout.
   if (payload.size() < kEncapsulationSize || payload[0] != 0 || payload[1] > 1) return false;
   auto* bytes = const_cast<char*>(reinterpret_cast<const char*>(payload.data()));
   eprosima::fastcdr::FastBuffer buffer(bytes, payload.size());

@@ -23,7 +23,7 @@ bool CanBeLost(const fs::path& path) {
   return !path.empty() && path != "-" && (!fs::exists(status) || fs::is_regular_file(status));
 }
 
-/// Also where it does not exist yet.
+/// Also works for files that do not exist yet.
 bool IsSameFile(const fs::path& a, const fs::path& b) {
   std::error_code error;
   if (fs::equivalent(a, b, error)) return true;

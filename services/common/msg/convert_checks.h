@@ -15,7 +15,7 @@
 #include "conav_robot.h"
 #include "ros2_interfaces.h"
 
-/// Parts of convert_*.cc only.
+/// Limits and checks that the convert_*.cc files share; for them only.
 namespace conav::convert {
 
 inline constexpr std::uint32_t kMaxSide = 1024;           // rows, columns
@@ -30,8 +30,8 @@ inline constexpr std::size_t kMaxActions = 4096;          // at the root of a se
 inline constexpr std::size_t kMaxQueries = 1024;          // in one perception request
 inline constexpr std::size_t kMaxQueryValues = 1U << 24;  // cells of all beliefs of a request
 
-/// Collects the first thing that is wrong with a message. Each check returns the value, or a
-/// harmless one when it was refused; the caller looks at `failed()` once, at the end.
+/// Collects the first error of a message. Each check returns the value, or a harmless one on
+/// failure; the caller looks at `failed()` once, at the end.
 class Checks {
  public:
   bool failed() const { return error_.has_value(); }
@@ -41,7 +41,7 @@ class Checks {
   SimTime Time(std::string_view field, const builtin_interfaces::msg::Time& message);
   SimTime Stamp(const std_msgs::msg::Header& header);
   void FrameIsMap(const std_msgs::msg::Header& header);
-  /// World or robot.
+  /// A name of a world or robot.
   std::string Name(std::string_view field, const std::string& value);
   std::string Client(std::string_view field, const std::string& value);
   /// The same, or empty.
@@ -66,20 +66,20 @@ class Checks {
     return static_cast<Enum>(value);
   }
 
-  /// `rows` and `columns` of the grid that cells must lie in; kMaxSide where no grid is known.
+  /// `rows` and `columns` are the grid that the cells must lie in; kMaxSide when no grid is known.
   Cell ToCell(std::string_view field, const conav_msgs::msg::Cell& message,
               std::uint32_t rows = kMaxSide, std::uint32_t columns = kMaxSide);
   std::vector<Cell> Cells(std::string_view field, const std::vector<conav_msgs::msg::Cell>& message,
                           std::size_t limit = kMaxPath, std::uint32_t rows = kMaxSide,
                           std::uint32_t columns = kMaxSide);
-  /// Sorts what a foreign sender left unsorted; refuses a cell that is in both lists.
+  /// Sorts the cells of a foreign sender; rejects a cell that is in both lists.
   VisibleCells Visible(const std::string& prefix,
                        const std::vector<conav_msgs::msg::Cell>& free_cells,
                        const std::vector<conav_msgs::msg::Cell>& wall_cells,
                        std::uint32_t rows = kMaxSide, std::uint32_t columns = kMaxSide);
   /// False when rows or columns are not in [1, kMaxSide].
   bool Shape(std::uint32_t rows, std::uint32_t columns);
-  /// rows x columns probabilities in [0, 1]. Requires that Shape() agreed.
+  /// rows x columns probabilities in [0, 1]. Requires that Shape() returned true.
   Grid<float> Probabilities(std::string_view field, const std::vector<float>& values, int rows,
                             int columns);
 

@@ -72,7 +72,7 @@ ShelveRequest ToShelveRequest(Checks& checks, const conav_msgs::msg::OperatorReq
   return {message.alert(), duration};
 }
 
-/// False when `message` asks for nothing that is known.
+/// False for an unknown kind of request.
 bool ReadBody(Checks& checks, const conav_msgs::msg::OperatorRequest& message,
               OperatorRequest& request) {
   namespace msg = conav_msgs::msg;

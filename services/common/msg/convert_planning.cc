@@ -34,7 +34,7 @@ PerceptionRequest ToSender(Checks& checks, const conav_msgs::msg::PerceptionRequ
   return request;
 }
 
-/// Refuses what would make the service allocate without bound.
+/// Rejects batches that would make the service allocate without bound.
 bool CheckBatch(Checks& checks, const conav_msgs::msg::PerceptionRequest& message) {
   checks.Size("queries", message.queries().size(), convert::kMaxQueries);
   if (checks.failed() || message.queries().empty()) return !checks.failed();

@@ -9,7 +9,7 @@
 /// Domain values of a planner's search report; see idl/conav_planning.idl.
 namespace conav {
 
-/// What a return is made of, each term discounted like the return: Sum() is the return.
+/// The terms of a return, each discounted like the return: Sum() is the return.
 /// Source: paper, appendix C; `progress` is our addition.
 struct RewardTerms {
   double goals = 0.0;          // r_g of goals reached
@@ -50,13 +50,13 @@ struct SearchAction {
   double mean_value = 0.0;
   double information_gain = 0.0;
   double feasibility = 1.0;
-  RewardTerms terms;  // means over the visits; add up to mean_value where the report has terms
+  RewardTerms terms;  // means over the visits; they add up to mean_value if the report has terms
   bool operator==(const SearchAction&) const = default;
 };
 
 /// A node of the search's tree and the action that leads to it.
 struct ReportedNode {
-  int parent = -1;  // index into SearchReport::tree, below the own one; -1 = the root
+  int parent = -1;  // index into SearchReport::tree, below its own; -1 = the root
   CommandKind kind = CommandKind::kMove;
   Cell target;               // cell that a move enters, or that a picture is sent from
   double heading_rad = 0.0;  // of a picture
@@ -66,16 +66,16 @@ struct ReportedNode {
   bool operator==(const ReportedNode&) const = default;
 };
 
-/// A picture that the search asked the perception model about, on whatever path.
+/// A picture that the search asked the perception model about, on any path.
 struct ReportedView {
   Cell cell;
   double heading_rad = 0.0;
-  /// Expected number of cells edited; the largest over the paths on which it was asked.
+  /// Expected number of edited cells; the largest over the paths of its queries.
   double information_gain = 0.0;
   bool operator==(const ReportedView&) const = default;
 };
 
-/// Bounds of a report, so that its size has one: about 28 kB.
+/// Bound of a report: limits it to about 28 kB.
 inline constexpr std::size_t kMaxReportedNodes = 256;
 inline constexpr std::size_t kMaxReportedViews = 512;
 
@@ -91,7 +91,7 @@ struct SearchReport {
   std::vector<SearchAction> actions;
   int chosen = -1;  // index into actions; -1 = wait
   bool has_terms = false;
-  /// The most visited nodes, the root first; empty unless asked for.
+  /// The most visited nodes, the root first; empty unless requested.
   std::vector<ReportedNode> tree;
   std::vector<ReportedView> views;
   std::uint32_t iterations = 0;

@@ -30,7 +30,7 @@ void Set(Attributes& attributes, std::string_view name, std::string_view value) 
     found->second = value;
 }
 
-/// Adds those of a list as the header describes it.
+/// Adds the attributes of a list, as the header describes it.
 void SetAll(Attributes& attributes, std::string_view list) {
   const std::string_view whole = list;
   while (!list.empty()) {
@@ -43,7 +43,7 @@ void SetAll(Attributes& attributes, std::string_view list) {
   }
 }
 
-/// "<name a="1" b="2"": whoever calls it closes the tag.
+/// "<name a="1" b="2"": the caller closes the tag.
 std::string OpenTag(std::string_view name, Attributes attributes, std::string_view style) {
   SetAll(attributes, style);
   std::string text = fmt::format("<{}", name);
@@ -72,7 +72,7 @@ std::string EscapeXml(std::string_view text) {
         escaped += "&quot;";
         break;
       default:
-        // XML has no control characters, by no name either.
+        // XML 1.0 cannot express control characters, not even as entities.
         escaped += static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t' ? ' ' : c;
     }
   }

@@ -24,8 +24,7 @@ inline std::chrono::nanoseconds Seconds(double seconds) {
       std::chrono::duration<double>(seconds));
 }
 
-/// Monotonic wall time for deadlines and durations. Injected, so that a test can hold it in its
-/// hand.
+/// Monotonic wall time for deadlines and durations. Injected, so that a test can control it.
 class Clock {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;

@@ -54,7 +54,7 @@ tl::unexpected<Error> Refuse(fmt::format_string<Values...> text, Values&&... val
   return Fail(ErrorCode::kMalformed, fmt::format(text, std::forward<Values>(values)...));
 }
 
-/// Before any memory is taken for the map.
+/// Call before allocating the map.
 Result<void> CheckSize(const segments::Map& record, const char* what) {
   constexpr auto kLimit = static_cast<std::uint32_t>(kMaxMapSide);
   if (record.rows() == 0 || record.columns() == 0 || record.rows() > kLimit ||
@@ -228,7 +228,7 @@ tl::unexpected<Error> Refuse(const std::string& reason) {
   return Fail(ErrorCode::kMalformed, reason);
 }
 
-/// Puts records together to a set.
+/// Assembles records into a set.
 class Assembly {
  public:
   Result<void> Add(const segments::Record& record) {

@@ -16,7 +16,8 @@ namespace {
 constexpr std::size_t kMaxLineBytes = std::size_t{64} * 1024 * 1024;
 constexpr std::string_view kZstdMagic = "\x28\xb5\x2f\xfd";
 
-/// The parser's reason without its quotation, which may be the whole line, and what is there.
+/// The parser's reason without its quotation, which may be the whole line, plus the text at that
+/// place.
 std::string ParseProblem(const std::string& text, const nlohmann::json::parse_error& error) {
   constexpr std::size_t kShown = 20;
   const std::string said = error.what();
@@ -39,7 +40,7 @@ nlohmann::json Parse(const std::string& text) {
   }
 }
 
-/// Puts lines together to a set; throws LineRefused.
+/// Assembles lines into a set; throws LineRefused.
 class Import {
  public:
   void AddLine(const std::string& text) {
@@ -59,7 +60,7 @@ class Import {
     line.RefuseOthers();
   }
 
-  /// Also called before a trajectory follows another.
+  /// Also called before the next trajectory begins.
   void EndTrajectory() {
     if (set_.trajectories.empty()) return;
     const Trajectory& trajectory = set_.trajectories.back();

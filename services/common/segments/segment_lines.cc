@@ -114,7 +114,7 @@ std::string Bits(const OccupancyGrid& map) {
 
 double ToRadians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
-/// The shortest decimal that stands for this heading.
+/// The shortest decimal in degrees that stands for this heading.
 double ToDegrees(double radians) {
   const double degrees = radians * 180.0 / std::numbers::pi;
   for (int digits = 1; digits < std::numeric_limits<double>::max_digits10; ++digits) {
@@ -144,7 +144,7 @@ bool IsValid(const Trajectory& trajectory) {
 
 // --- JSON to values --------------------------------------------------------------------------
 
-/// `allowed` are the characters that a bit string may have.
+/// `allowed` lists the characters of the bit string.
 const std::string& BitsOf(const Json& member, const char* key, std::size_t size,
                           std::string_view allowed) {
   if (!member.is_string()) RefuseLine("'{}' is no bit string", key);

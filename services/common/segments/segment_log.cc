@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <segments.pb.h>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -32,7 +33,7 @@ Error FrameLog::Failure(const std::string& what) const {
 Result<FrameLog> FrameLog::Open(const std::filesystem::path& path, const Check& check) {
   FrameLog log(path, ::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644));
   if (log.file_ < 0) return tl::unexpected(log.Failure("cannot record"));
-  // Reading a device may never end.
+  // Reading a device might never end.
   if (!std::filesystem::is_regular_file(path)) {
     return Fail(ErrorCode::kIo,
                 fmt::format("{}: cannot record: it is no regular file", path.string()));
@@ -83,7 +84,7 @@ Result<void> FrameLog::Append(std::string_view frame) {
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) {
       const Error failure = Failure("cannot write");
-      // What was not cut away here, the next Open() cuts away.
+      // If this truncation fails, the next Open() repeats it.
       [[maybe_unused]] const int cut = ::ftruncate(file_, static_cast<off_t>(size_));
       return tl::unexpected(failure);
     }

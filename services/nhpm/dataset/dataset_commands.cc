@@ -25,7 +25,7 @@
 namespace conav::nhpm {
 namespace {
 
-struct Arguments {
+struct ConvertArguments {
   std::vector<std::string> files;
   std::string out;
   bool recover = false;
@@ -56,19 +56,19 @@ Result<SegmentSet> ReadAll(const std::vector<std::string>& files, Read&& read) {
   return all.Take();
 }
 
-int Check(const Arguments& arguments, const std::vector<FileOption>& outputs) {
+int Check(const ConvertArguments& arguments, const std::vector<FileOption>& outputs) {
   std::vector<FileOption> inputs;
   for (const std::string& file : arguments.files) inputs.push_back({"file", file});
   return CheckFiles(kDatasetProgram, inputs, outputs);
 }
 
-int Import(const Arguments& arguments) {
+int Import(const ConvertArguments& arguments) {
   if (const int code = Check(arguments, {{"--out", arguments.out}}); code != 0) return code;
   const auto set = ReadAll(arguments.files, ImportSegmentsFile);
   return set ? WriteSet(arguments.out, *set) : Failed(set.error());
 }
 
-int Export(const Arguments& arguments) {
+int Export(const ConvertArguments& arguments) {
   if (const int code = Check(arguments, {{"--out", arguments.out}}); code != 0) return code;
   const auto set = ReadSegmentFile(arguments.files.front(),
                                    arguments.recover ? TornEnd::kDrop : TornEnd::kRefuse);
@@ -81,7 +81,7 @@ int Export(const Arguments& arguments) {
   return ExitCode(ExportSegmentsFile(arguments.out, *set));
 }
 
-int Merge(const Arguments& arguments) {
+int Merge(const ConvertArguments& arguments) {
   if (const int code = Check(arguments, {{"--out", arguments.out}}); code != 0) return code;
   auto set = ReadAll(arguments.files, [&](const std::string& file) {
     return ReadSegmentFile(file, arguments.recover ? TornEnd::kDrop : TornEnd::kRefuse);
@@ -93,11 +93,11 @@ int Merge(const Arguments& arguments) {
   return WriteSet(arguments.out, *set);
 }
 
-std::string PartFile(const Arguments& arguments, const char* part) {
+std::string PartFile(const ConvertArguments& arguments, const char* part) {
   return fmt::format("{}-{}.pb.zst", arguments.out, part);
 }
 
-int Split(const Arguments& arguments) {
+int Split(const ConvertArguments& arguments) {
   const int checked = Check(arguments, {{"--out-prefix", PartFile(arguments, "train")},
                                         {"--out-prefix", PartFile(arguments, "validation")},
                                         {"--out-prefix", PartFile(arguments, "test")}});
@@ -115,18 +115,18 @@ int Split(const Arguments& arguments) {
 }
 
 CLI::App* AddCommand(CLI::App& app, const std::string& name, const std::string& description,
-                     const std::shared_ptr<Arguments>& arguments, int& exit_code,
-                     int (*run)(const Arguments&)) {
+                     const std::shared_ptr<ConvertArguments>& arguments, int& exit_code,
+                     int (*run)(const ConvertArguments&)) {
   CLI::App* command = app.add_subcommand(name, description);
   command->callback([arguments, &exit_code, run] { exit_code = run(*arguments); });
   return command;
 }
 
-void AddFiles(CLI::App* command, Arguments& arguments, const std::string& what, int most) {
+void AddFiles(CLI::App* command, ConvertArguments& arguments, const std::string& what, int most) {
   command->add_option("file", arguments.files, what)->required()->expected(1, most);
 }
 
-void AddRecover(CLI::App* command, Arguments& arguments) {
+void AddRecover(CLI::App* command, ConvertArguments& arguments) {
   command->add_flag("--recover", arguments.recover,
                     "of a recording that was cut off, take what is complete");
 }
@@ -136,7 +136,7 @@ constexpr int kManyFiles = 10000;
 }  // namespace
 
 void AddImportCommand(CLI::App& app, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ConvertArguments>();
   CLI::App* command = AddCommand(
       app, "import", "Makes a segment file of JSON lines; docs/nhpm.md says what a line holds.",
       arguments, exit_code, Import);
@@ -145,7 +145,7 @@ void AddImportCommand(CLI::App& app, int& exit_code) {
 }
 
 void AddExportCommand(CLI::App& app, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ConvertArguments>();
   CLI::App* command = AddCommand(
       app, "export", "Makes JSON lines of a segment file; importing them gives the same segments.",
       arguments, exit_code, Export);
@@ -157,7 +157,7 @@ void AddExportCommand(CLI::App& app, int& exit_code) {
 }
 
 void AddMergeCommand(CLI::App& app, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ConvertArguments>();
   CLI::App* command = AddCommand(
       app, "merge",
       "Joins segment files, for example the recordings of many sessions, runs/*/segments.pb.zst.\n"
@@ -175,7 +175,7 @@ void AddMergeCommand(CLI::App& app, int& exit_code) {
 }
 
 void AddSplitCommand(CLI::App& app, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ConvertArguments>();
   CLI::App* command = AddCommand(
       app, "split",
       "Writes PREFIX-train.pb.zst, PREFIX-validation.pb.zst and PREFIX-test.pb.zst, split by\n"
@@ -202,7 +202,7 @@ namespace {
 constexpr std::size_t kShownInText = 2;
 constexpr std::size_t kShownInSvg = 5;
 
-struct Arguments {
+struct DescribeArguments {
   std::string file;
   std::string json;
   std::string svg;
@@ -210,13 +210,13 @@ struct Arguments {
   bool recover = false;
 };
 
-Result<std::vector<ChosenSegment>> Choose(const Arguments& arguments, const SegmentSet& set,
+Result<std::vector<ChosenSegment>> Choose(const DescribeArguments& arguments, const SegmentSet& set,
                                           std::size_t count) {
   if (arguments.segments.empty()) return ChooseSegments(set, count);
   return ChooseSegments(set, arguments.segments);
 }
 
-Result<void> WriteSvg(const Arguments& arguments, const SegmentSet& set,
+Result<void> WriteSvg(const DescribeArguments& arguments, const SegmentSet& set,
                       const std::string& origin) {
   return Choose(arguments, set, kShownInSvg).and_then([&](const auto& chosen) {
     const std::string name = std::filesystem::path(arguments.file).filename().string();
@@ -225,7 +225,7 @@ Result<void> WriteSvg(const Arguments& arguments, const SegmentSet& set,
   });
 }
 
-int Describe(const Arguments& arguments) {
+int Describe(const DescribeArguments& arguments) {
   const int code = CheckFiles(kDatasetProgram, {{"file", arguments.file}},
                               {{"--json", arguments.json}, {"--svg", arguments.svg}});
   if (code != 0) return code;
@@ -249,7 +249,7 @@ int Describe(const Arguments& arguments) {
 }  // namespace
 
 void AddDescribeCommand(CLI::App& app, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<DescribeArguments>();
   CLI::App* command = app.add_subcommand(
       "describe",
       "Prints what a segment file holds: who made the edits, counts, edits per segment, how right\n"
@@ -273,7 +273,7 @@ void AddDescribeCommand(CLI::App& app, int& exit_code) {
 
 namespace {
 
-struct Arguments {
+struct SynthesizeArguments {
   SynthesisOptions options;
   std::string population;
   std::string out = "data/synthetic.pb.zst";
@@ -297,7 +297,8 @@ std::string Text(const SetSummary& summary, int excluded, const std::string& out
       100.0 * summary.final_cell_accuracy.mean, 100.0 * summary.final_mapping_accuracy.mean, out);
 }
 
-nlohmann::ordered_json ToJson(const SetSummary& summary, int excluded, const Arguments& arguments) {
+nlohmann::ordered_json ToJson(const SetSummary& summary, int excluded,
+                              const SynthesizeArguments& arguments) {
   return {{"origin", "synthetic"},
           {"file", arguments.out},
           {"seed", arguments.options.seed},
@@ -317,7 +318,7 @@ nlohmann::ordered_json ToJson(const SetSummary& summary, int excluded, const Arg
 }
 
 /// The folders of the outputs may be new. Fails before the work, not after it. Exit code.
-int PrepareOutputs(const Arguments& arguments) {
+int PrepareOutputs(const SynthesizeArguments& arguments) {
   const std::vector<FileOption> inputs{{"--population", arguments.population}};
   const std::vector<FileOption> outputs{{"--out", arguments.out}, {"--json", arguments.json}};
   const auto distinct = CheckDistinct(inputs, outputs);
@@ -348,7 +349,7 @@ Result<Synthesis> SynthesizeWithProgress(SynthesisOptions options) {
   return SynthesizeSegments(options);
 }
 
-int Run(Arguments arguments) {
+int Run(SynthesizeArguments arguments) {
   try {
     if (!arguments.population.empty()) {
       arguments.options.population = ReadPopulation(arguments.population);
@@ -373,7 +374,7 @@ int Run(Arguments arguments) {
   return ExitCode(WriteJsonOutput(arguments.json, ToJson(summary, synthesis->excluded, arguments)));
 }
 
-void AddOptions(CLI::App& command, Arguments& arguments) {
+void AddOptions(CLI::App& command, SynthesizeArguments& arguments) {
   SynthesisOptions& options = arguments.options;
   command
       .add_option("--trajectories", options.trajectories,
@@ -410,7 +411,7 @@ void AddOptions(CLI::App& command, Arguments& arguments) {
 }  // namespace
 
 void AddSynthesizeCommand(CLI::App& app, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<SynthesizeArguments>();
   arguments->options.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   CLI::App* command = app.add_subcommand(
       "synthesize",

@@ -100,7 +100,7 @@ ReportSection PairedTests(const Analysis& analysis) {
   return section;
 }
 
-ReportSection Ranks(const Analysis& analysis) {
+ReportSection FriedmanTest(const Analysis& analysis) {
   const Friedman& friedman = analysis.friedman;
   ReportSection section{
       .title = "Friedman test",
@@ -138,7 +138,7 @@ std::string DescribeTable(const Analysis& analysis) {
 }
 
 std::vector<ReportSection> ReportSections(const Analysis& analysis) {
-  return {Conditions(analysis), Variance(analysis), PairedTests(analysis), Ranks(analysis),
+  return {Conditions(analysis), Variance(analysis), PairedTests(analysis), FriedmanTest(analysis),
           RankPairs(analysis)};
 }
 
