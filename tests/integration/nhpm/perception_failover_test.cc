@@ -52,7 +52,7 @@ struct PlannerSide {
 };
 
 TEST_CASE("When the service goes the fallback answers with equal bits, until it is back",
-          "[nhpm][integration][dds]") {
+          "[nhpm][dds]") {
   const std::string bus = GENERATE("memory", "cyclonedds", "fastdds");
   CAPTURE(bus);
   const auto make = bus == "memory" ? test::InMemory() : test::OverDds(bus);
@@ -71,7 +71,7 @@ TEST_CASE("When the service goes the fallback answers with equal bits, until it 
   CHECK(planner.switches.back() == "back");
 }
 
-TEST_CASE("A second replica goes on answering when the first goes", "[nhpm][integration]") {
+TEST_CASE("A second replica goes on answering when the first goes", "[nhpm]") {
   const auto make = test::InMemory();
   auto first = std::make_unique<test::NhpmOnThread>(make);
   const test::NhpmOnThread second(make);
@@ -82,7 +82,7 @@ TEST_CASE("A second replica goes on answering when the first goes", "[nhpm][inte
   CHECK(planner.switches.empty());
 }
 
-TEST_CASE("A batch in flight when the service goes is answered", "[nhpm][integration]") {
+TEST_CASE("A batch in flight when the service goes is answered", "[nhpm]") {
   const auto make = test::InMemory();
   auto service = std::make_unique<test::NhpmOnThread>(make);
   PlannerSide planner(make);
@@ -100,8 +100,7 @@ TEST_CASE("A batch in flight when the service goes is answered", "[nhpm][integra
 }
 
 /// SIGKILL leaves the planner no farewell, SIGSTOP not even a dead process: only silence.
-TEST_CASE("A killed or stopped conav-nhpm is replaced until it answers again",
-          "[nhpm][integration][dds]") {
+TEST_CASE("A killed or stopped conav-nhpm is replaced until it answers again", "[nhpm][dds]") {
   const std::string vendor = GENERATE("cyclonedds", "fastdds");
   CAPTURE(vendor);
   test::NhpmProcess service(vendor);

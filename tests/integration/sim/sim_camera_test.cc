@@ -12,8 +12,7 @@ constexpr double kPi = std::numbers::pi;
 
 }  // namespace
 
-TEST_CASE("a picture is a JPEG of the size asked for and says what CastView says",
-          "[sim][integration]") {
+TEST_CASE("a picture is a JPEG of the size asked for and says what CastView says", "[sim]") {
   SimConfig config = BlindConfig();
   config.camera.mode = "egl";
   SimHarness sim(config);
@@ -41,7 +40,7 @@ TEST_CASE("a picture is a JPEG of the size asked for and says what CastView says
   CHECK(sim.robot().pictures.back().sequence_number == 4);
 }
 
-TEST_CASE("without a camera a picture has no pixels and the same cells", "[sim][integration]") {
+TEST_CASE("without a camera a picture has no pixels and the same cells", "[sim]") {
   SimHarness sim(BlindConfig());
   REQUIRE(sim.Do(sim.robot().View(kPi)) == CommandOutcome::kDone);
   const Snapshot& picture = sim.robot().pictures.back();
@@ -54,8 +53,7 @@ TEST_CASE("without a camera a picture has no pixels and the same cells", "[sim][
   CHECK(sim.robot().state().low_level_steps > 0);
 }
 
-TEST_CASE("a picture carries the path since the one before, which then starts anew",
-          "[sim][integration]") {
+TEST_CASE("a picture carries the path since the one before, which then starts anew", "[sim]") {
   SimHarness sim(BlindConfig());
   const OccupancyGrid truth = sim.Truth();
   const Cell start = sim.robot().state().cell;
@@ -66,8 +64,7 @@ TEST_CASE("a picture carries the path since the one before, which then starts an
   CHECK(sim.robot().state().path == std::vector<Cell>{next});
 }
 
-TEST_CASE("a streaming camera sends a frame per control step, and what it shows",
-          "[sim][integration]") {
+TEST_CASE("a streaming camera sends a frame per control step, and what it shows", "[sim]") {
   const bool rendered = GENERATE(true, false);
   SimConfig config = BlindConfig();
   config.camera.mode = rendered ? "egl" : "none";
@@ -93,8 +90,7 @@ TEST_CASE("a streaming camera sends a frame per control step, and what it shows"
   CHECK(sim.robot().pictures.back().path == std::vector<Cell>{start, state.cell});
 }
 
-TEST_CASE("a streaming robot that stands is seen by who looks on, and it is not counted",
-          "[sim][integration]") {
+TEST_CASE("a streaming robot that stands is seen by who looks on, and it is not counted", "[sim]") {
   SimConfig config = BlindConfig();
   config.camera.mode = "egl";
   config.camera.stream = true;
@@ -113,7 +109,7 @@ TEST_CASE("a streaming robot that stands is seen by who looks on, and it is not 
 
 TEST_CASE(
     "a streamed picture shows what is seen from where the robot is, not from its cell's middle",
-    "[sim][integration]") {
+    "[sim]") {
   SimConfig config = BlindConfig();
   config.camera.stream = true;
   SimHarness sim(config);
@@ -133,7 +129,7 @@ TEST_CASE(
 }
 
 TEST_CASE("low-level actions of an old lease, too late, or of a burst are not carried out",
-          "[sim][integration]") {
+          "[sim]") {
   SimHarness sim(BlindConfig());
   RobotLink& robot = sim.robot();
   CHECK(sim.Do(robot.Key(DriveAction::kTurnLeft)) == CommandOutcome::kDone);

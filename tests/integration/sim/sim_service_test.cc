@@ -11,7 +11,7 @@
 namespace conav::sim {
 namespace {
 
-TEST_CASE("everything latched is there before the first command", "[sim][integration]") {
+TEST_CASE("everything latched is there before the first command", "[sim]") {
   SimHarness sim(BlindConfig());
   const OccupancyGrid truth = sim.Truth();
   const OccupancyGrid plan = ToDomain(sim.Latched(bus::kInitialMap, "w1")).value().cells;
@@ -29,7 +29,7 @@ TEST_CASE("everything latched is there before the first command", "[sim][integra
   CHECK(sim.robot().maps.back().stamp == state.map_stamp);
 }
 
-TEST_CASE("a move changes the cell, the counters, the path and the map", "[sim][integration]") {
+TEST_CASE("a move changes the cell, the counters, the path and the map", "[sim]") {
   SimHarness sim(BlindConfig());
   const Cell start = sim.robot().state().cell;
   const Cell next = sim.NeighbourThatIs(Occupancy::kFree, start);
@@ -44,7 +44,7 @@ TEST_CASE("a move changes the cell, the counters, the path and the map", "[sim][
   CHECK(sim.robot().maps.size() > 1);
 }
 
-TEST_CASE("what a robot maps is the truth", "[sim][integration]") {
+TEST_CASE("what a robot maps is the truth", "[sim]") {
   SimHarness sim(BlindConfig());
   const OccupancyGrid truth = sim.Truth();
   Random random(1);
@@ -62,14 +62,14 @@ TEST_CASE("what a robot maps is the truth", "[sim][integration]") {
   CHECK(known > 10);
 }
 
-TEST_CASE("without a command time stands still at speed 0", "[sim][integration]") {
+TEST_CASE("without a command time stands still at speed 0", "[sim]") {
   SimHarness sim(BlindConfig());
   sim.clock.Advance(std::chrono::hours(1));
   CHECK_FALSE(sim.Turn());
   CHECK(sim.robot().state().stamp == SimTime{});
 }
 
-TEST_CASE("with a real-time factor time goes on by the clock", "[sim][integration]") {
+TEST_CASE("with a real-time factor time goes on by the clock", "[sim]") {
   SimConfig config = BlindConfig();
   config.speed = 2.0;
   SimHarness sim(config);
@@ -90,7 +90,7 @@ TEST_CASE("with a real-time factor time goes on by the clock", "[sim][integratio
   CHECK(none.Take().empty());
 }
 
-TEST_CASE("robots that wait tell the time twice per simulated second", "[sim][integration]") {
+TEST_CASE("robots that wait tell the time twice per simulated second", "[sim]") {
   SimConfig config = BlindConfig(2);
   config.speed = 20.0;
   SimHarness sim(config);
@@ -106,7 +106,7 @@ TEST_CASE("robots that wait tell the time twice per simulated second", "[sim][in
   }
 }
 
-TEST_CASE("the same commands give the same states and maps", "[sim][integration]") {
+TEST_CASE("the same commands give the same states and maps", "[sim]") {
   const auto run = [] {
     SimHarness sim(BlindConfig());
     Random random(5);
@@ -120,8 +120,7 @@ TEST_CASE("the same commands give the same states and maps", "[sim][integration]
   CHECK(run() == run());
 }
 
-TEST_CASE("goals are reached, claimed and taken off the markers when shared",
-          "[sim][integration]") {
+TEST_CASE("goals are reached, claimed and taken off the markers when shared", "[sim]") {
   SimConfig config = BlindConfig(2);
   config.shared_goals = true;
   SimHarness probe(config);
@@ -141,7 +140,7 @@ TEST_CASE("goals are reached, claimed and taken off the markers when shared",
   CHECK(sim.Latched(bus::kGoals, "w1").markers().front().action() == kDelete);
 }
 
-TEST_CASE("impossible configs stop the start with what is wrong", "[sim][integration]") {
+TEST_CASE("impossible configs stop the start with what is wrong", "[sim]") {
   struct Row {
     std::function<void(SimConfig&)> set;
     std::string named, value;
@@ -162,7 +161,7 @@ TEST_CASE("impossible configs stop the start with what is wrong", "[sim][integra
   }
 }
 
-TEST_CASE("a move into a wall is blocked, and the wall is seen", "[sim][integration]") {
+TEST_CASE("a move into a wall is blocked, and the wall is seen", "[sim]") {
   SimHarness sim(BlindConfig());
   const Cell start = sim.robot().state().cell;
   Cell cell = start;
@@ -181,7 +180,7 @@ TEST_CASE("a move into a wall is blocked, and the wall is seen", "[sim][integrat
 
 TEST_CASE(
     "a command that expired, or is malformed, for another robot, or of an older lease, is refused",
-    "[sim][integration]") {
+    "[sim]") {
   SimHarness sim(BlindConfig(2));
   CHECK(sim.Step(0.0) == CommandOutcome::kExpired);
   sim.robot().epoch = 3;
@@ -202,8 +201,7 @@ TEST_CASE(
   CHECK(sim.robot().state().lease_epoch == 4);
 }
 
-TEST_CASE("a robot whose command expires on the way stops and can be commanded again",
-          "[sim][integration]") {
+TEST_CASE("a robot whose command expires on the way stops and can be commanded again", "[sim]") {
   SimHarness sim(BlindConfig());
   CHECK(sim.Step(1.0) == CommandOutcome::kExpired);
   const Position stood = sim.robot().position;
@@ -213,7 +211,7 @@ TEST_CASE("a robot whose command expires on the way stops and can be commanded a
   CHECK(sim.Step() == CommandOutcome::kDone);
 }
 
-TEST_CASE("two robots are never in one cell, whatever they are told", "[sim][integration]") {
+TEST_CASE("two robots are never in one cell, whatever they are told", "[sim]") {
   SimConfig config = BlindConfig(4);
   SimHarness sim(config);
   const OccupancyGrid truth = sim.Truth();

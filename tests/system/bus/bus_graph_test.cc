@@ -138,11 +138,11 @@ void CheckGraph(const std::string& distribution) {
   CHECK(discovery.UserDataOf(ToGuid(info.gid())) == "enclave=/;");
 }
 
-TEST_CASE("ROS 2 tools of jazzy learn the peer's node and its endpoints", "[system][bus]") {
+TEST_CASE("ROS 2 tools of jazzy learn the peer's node and its endpoints", "[bus]") {
   CheckGraph<ros_graph_jazzy::msg::ParticipantEntitiesInfo>("jazzy");
 }
 
-TEST_CASE("ROS 2 tools of humble learn the peer's node and its endpoints", "[system][bus]") {
+TEST_CASE("ROS 2 tools of humble learn the peer's node and its endpoints", "[bus]") {
   CheckGraph<ros_graph_humble::msg::ParticipantEntitiesInfo>("humble");
 }
 

@@ -65,8 +65,7 @@ bool WaitForEvent(Participant& participant, Event::Kind kind, const std::string&
 
 constexpr std::size_t kSizes[] = {64, 20'000, 200'000, 2'000'000};
 
-TEST_CASE("messages of all sizes go to the peer and back unchanged, keyed or not",
-          "[system][bus]") {
+TEST_CASE("messages of all sizes go to the peer and back unchanged, keyed or not", "[bus]") {
   VendorPair pair;
   CAPTURE(pair.here, pair.there);
   EchoClient<Blob> client(pair.participant, kPing, kPong);
@@ -85,7 +84,7 @@ TEST_CASE("messages of all sizes go to the peer and back unchanged, keyed or not
   }
 }
 
-TEST_CASE("a late joiner gets exactly the last samples of the history", "[system][bus]") {
+TEST_CASE("a late joiner gets exactly the last samples of the history", "[bus]") {
   VendorPair pair;
   CAPTURE(pair.here, pair.there);
   Subscriber<Blob> history(pair.participant, kHistory);
@@ -114,7 +113,7 @@ std::vector<bus::SourceTime> SourceTimes(Participant& participant) {
   return times;
 }
 
-TEST_CASE("a late joiner learns when a sample was published, not when it came", "[system][bus]") {
+TEST_CASE("a late joiner learns when a sample was published, not when it came", "[bus]") {
   const auto before = std::chrono::system_clock::now();
   VendorPair pair;
   CAPTURE(pair.here, pair.there);
@@ -125,7 +124,7 @@ TEST_CASE("a late joiner learns when a sample was published, not when it came", 
   CHECK(SourceTimes(pair.participant) == first);
 }
 
-TEST_CASE("malformed payloads are dropped and counted, the next message arrives", "[system][bus]") {
+TEST_CASE("malformed payloads are dropped and counted, the next message arrives", "[bus]") {
   VendorPair pair;
   CAPTURE(pair.here, pair.there);
   Subscriber<Blob> subscriber(pair.participant, kAfterGarbage);
@@ -138,7 +137,7 @@ TEST_CASE("malformed payloads are dropped and counted, the next message arrives"
   CHECK(subscriber.malformed() == kGarbagePublished);
 }
 
-TEST_CASE("incompatible QoS is told to the reader and to the writer", "[system][bus]") {
+TEST_CASE("incompatible QoS is told to the reader and to the writer", "[bus]") {
   VendorPair pair;
   CAPTURE(pair.here, pair.there);
   const bus::Topic<Blob> reliable{kBestEffortOffer.pattern, bus::kDefaultQos};
@@ -152,7 +151,7 @@ TEST_CASE("incompatible QoS is told to the reader and to the writer", "[system][
 }
 
 TEST_CASE("a peer that ends says goodbye, one that was killed is noticed within its lease",
-          "[system][bus]") {
+          "[bus]") {
   const int signal = GENERATE(SIGTERM, SIGKILL);
   VendorPair pair;
   CAPTURE(pair.here, pair.there, signal);
@@ -164,7 +163,7 @@ TEST_CASE("a peer that ends says goodbye, one that was killed is noticed within 
   CHECK(subscriber.matched_publishers() == 0);
 }
 
-TEST_CASE("a writer that hangs loses its liveliness", "[system][bus]") {
+TEST_CASE("a writer that hangs loses its liveliness", "[bus]") {
   PeerProcess peer("cyclonedds");
   Participant participant{"bus_test", OnLoopback("cyclonedds")};
   Subscriber<Blob> subscriber(participant, kShortLease);
@@ -173,7 +172,7 @@ TEST_CASE("a writer that hangs loses its liveliness", "[system][bus]") {
   CHECK(WaitForEvent(participant, Event::Kind::kLivelinessLost, "/test/short_lease"));
 }
 
-TEST_CASE("a message that cannot be serialised is refused as such", "[system][bus]") {
+TEST_CASE("a message that cannot be serialised is refused as such", "[bus]") {
   Participant participant{"bus_test", OnLoopback(GENERATE("cyclonedds", "fastdds"))};
   Publisher<RawBlob> publisher(participant, kGarbage);
   const auto sent = publisher.Publish({});

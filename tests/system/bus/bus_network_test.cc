@@ -14,7 +14,7 @@ namespace {
 
 bus::ParticipantOptions Options() { return OnLoopback(GENERATE("cyclonedds", "fastdds")); }
 
-TEST_CASE("participants find each other through a peer address alone", "[system][bus]") {
+TEST_CASE("participants find each other through a peer address alone", "[bus]") {
   bus::ParticipantOptions options = Options();
   options.interface.clear();
   options.peers = {"127.0.0.1"};
@@ -26,13 +26,13 @@ TEST_CASE("participants find each other through a peer address alone", "[system]
   CHECK(WaitUntil(participant, [&] { return !history.Take().empty(); }));
 }
 
-TEST_CASE("an interface that does not exist stops the start", "[system][bus]") {
+TEST_CASE("an interface that does not exist stops the start", "[bus]") {
   bus::ParticipantOptions options = Options();
   options.interface = "none0";
   CHECK_THROWS_WITH(bus::Participant("bus_test", options), Catch::Contains("none0"));
 }
 
-TEST_CASE("several participants of one process share a domain", "[system][bus]") {
+TEST_CASE("several participants of one process share a domain", "[bus]") {
   const bus::ParticipantOptions options = Options();
   CAPTURE(options.vendor);
   bus::Participant first("first", options);
@@ -48,7 +48,7 @@ TEST_CASE("several participants of one process share a domain", "[system][bus]")
 
 /// Handing over within the publishing call would crash now and then: it also reaches participants
 /// that are being destroyed.
-TEST_CASE("Fast DDS gives a message to the same process to its receive thread", "[system][bus]") {
+TEST_CASE("Fast DDS gives a message to the same process to its receive thread", "[bus]") {
   bus::Participant sender("sender", OnLoopback("fastdds"));
   bus::Participant receiver("receiver", OnLoopback("fastdds"));
   std::atomic<bool> received = false;
@@ -63,7 +63,7 @@ TEST_CASE("Fast DDS gives a message to the same process to its receive thread", 
   CHECK_FALSE(on_this_thread);
 }
 
-TEST_CASE("two writers and two readers of one topic live in one participant", "[system][bus]") {
+TEST_CASE("two writers and two readers of one topic live in one participant", "[bus]") {
   const bus::ParticipantOptions options = Options();
   CAPTURE(options.vendor);
   bus::Participant participant("bus_test", options);

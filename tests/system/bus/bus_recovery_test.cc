@@ -12,7 +12,7 @@
 namespace conav::test {
 namespace {
 
-TEST_CASE("a flood of requests loses nothing and keeps its order", "[system][bus]") {
+TEST_CASE("a flood of requests loses nothing and keeps its order", "[bus]") {
   constexpr std::uint64_t kCount = 5000;
   VendorPair pair;
   bus::Participant& participant = pair.participant;
@@ -42,7 +42,7 @@ void SetDeafAndMute(int domain, bool value) {
   REQUIRE(dds_domain_set_deafmute(participant, value, value, DDS_INFINITY) == DDS_RETCODE_OK);
 }
 
-TEST_CASE("history that is repeated after a cut link arrives once", "[system][bus]") {
+TEST_CASE("history that is repeated after a cut link arrives once", "[bus]") {
   const std::string there = GENERATE("cyclonedds", "fastdds");
   CAPTURE(there);
   const PeerProcess peer(there);
@@ -72,8 +72,7 @@ bool IsAnswered(bus::Participant& participant, bus::Publisher<Blob>& ping,
 }
 
 // Where one side is Fast DDS this does not always hold; see ParticipantOptions::lease_s.
-TEST_CASE("a peer that hung for longer than its lease is heard again on Cyclone DDS",
-          "[system][bus]") {
+TEST_CASE("a peer that hung for longer than its lease is heard again on Cyclone DDS", "[bus]") {
   PeerProcess peer("cyclonedds");
   bus::Participant participant("bus_test", OnLoopback("cyclonedds"));
   bus::Publisher<Blob> ping(participant, kPing);

@@ -51,42 +51,41 @@ std::string WriteMap(const test::TemporaryFolder& folder, const std::string& nam
 
 }  // namespace
 
-TEST_CASE("a demo with pictures reaches all goals on every vendor", "[launcher][system]") {
+TEST_CASE("a demo with pictures reaches all goals on every vendor", "[demo]") {
   ReachesAllGoals(GENERATE("--seed 1 --dds cyclonedds", "--seed 2 --dds fastdds",
                            "--seed 3 --dds mixed", "--seed 3 --method teleop"));
 }
 
 // 20 seeds, each on one of the three choices.
-TEST_CASE("a robot reaches all goals on Cyclone DDS whatever the seed", "[launcher][system]") {
+TEST_CASE("a robot reaches all goals on Cyclone DDS whatever the seed", "[demo]") {
   const int seed = GENERATE(1, 4, 7, 10, 13, 16, 19);
   ReachesAllGoals("--camera none --dds cyclonedds --seed " + std::to_string(seed));
 }
 
-TEST_CASE("a robot reaches all goals on Fast DDS whatever the seed", "[launcher][system]") {
+TEST_CASE("a robot reaches all goals on Fast DDS whatever the seed", "[demo]") {
   const int seed = GENERATE(2, 5, 8, 11, 14, 17, 20);
   ReachesAllGoals("--camera none --dds fastdds --seed " + std::to_string(seed));
 }
 
-TEST_CASE("a robot reaches all goals with both vendors mixed whatever the seed",
-          "[launcher][system]") {
+TEST_CASE("a robot reaches all goals with both vendors mixed whatever the seed", "[demo]") {
   const int seed = GENERATE(3, 6, 9, 12, 15, 18);
   ReachesAllGoals("--camera none --dds mixed --seed " + std::to_string(seed));
 }
 
-TEST_CASE("four robots in one world reach all goals", "[launcher][system]") {
+TEST_CASE("four robots in one world reach all goals", "[demo]") {
   const std::string dds = GENERATE("cyclonedds", "fastdds", "mixed");
   ReachesAllGoals("--seed 4 --robots 4 --dds " + dds);
 }
 
 TEST_CASE("robots reach all goals by every method, in two worlds, and with an estimated belief",
-          "[launcher][system]") {
+          "[demo]") {
   ReachesAllGoals("--camera none " +
-                  GENERATE(as<std::string>(), "--seed 10 --x-source estimated",
+                  GENERATE(as<std::string>{}, "--seed 10 --x-source estimated",
                            "--seed 5 --worlds 2", "--seed 6 --method instruction",
                            "--seed 7 --method teleop", "--seed 5 --method teleop --robots 4"));
 }
 
-TEST_CASE("two robots share the goals of a building whose plan is outdated", "[launcher][system]") {
+TEST_CASE("two robots share the goals of a building whose plan is outdated", "[demo]") {
   const test::TemporaryFolder folder;
   std::vector<std::string> rows{"#########", "#       #", "# ##### #", "#       #",
                                 "### ### #", "#       #", "#########"};
@@ -103,7 +102,7 @@ TEST_CASE("two robots share the goals of a building whose plan is outdated", "[l
   CHECK(reached == result["robots"][0]["goals_total"]);
 }
 
-TEST_CASE("greedy robots reach all goals without pictures", "[launcher][system]") {
+TEST_CASE("greedy robots reach all goals without pictures", "[demo]") {
   const std::string robots = GENERATE("1", "4");
   const std::string seed = GENERATE("3", "12");
   const auto result =
@@ -111,7 +110,7 @@ TEST_CASE("greedy robots reach all goals without pictures", "[launcher][system]"
   for (const auto& robot : result["robots"]) CHECK(robot["pictures"] == 0);
 }
 
-TEST_CASE("a rule sends the pictures in the place of the search", "[launcher][system]") {
+TEST_CASE("a rule sends the pictures in the place of the search", "[demo]") {
   const std::string policy = GENERATE("never", "random", "every", "when_blocked", "threshold");
   const auto result = Played("--seed 7 --camera none --communication " + policy);
   CHECK(result["communication"] == policy);
@@ -119,8 +118,7 @@ TEST_CASE("a rule sends the pictures in the place of the search", "[launcher][sy
   if (policy == "every") CHECK(result["robots"][0]["pictures"] > 0);
 }
 
-TEST_CASE("teleoperation streams a picture for each low-level step and repeats itself",
-          "[launcher][system]") {
+TEST_CASE("teleoperation streams a picture for each low-level step and repeats itself", "[demo]") {
   const std::string arguments = "--seed 9 --method teleop --camera none --dds mixed";
   const auto first = Played(arguments);
   const auto& robot = first["robots"][0];
@@ -131,14 +129,14 @@ TEST_CASE("teleoperation streams a picture for each low-level step and repeats i
 }
 
 TEST_CASE("the same seed gives the same table, with the model in the planner or as a service",
-          "[launcher][system]") {
+          "[demo]") {
   const auto rendered = Table(Played("--seed 8"));
   CHECK(rendered == Table(Played("--seed 8")));
   CHECK(Table(Played("--seed 8 --camera none --perception embedded")) ==
         Table(Played("--seed 8 --camera none --perception remote")));
 }
 
-TEST_CASE("a run leaves configuration, logs, metrics and a picture", "[launcher][system]") {
+TEST_CASE("a run leaves configuration, logs, metrics and a picture", "[demo]") {
   DemoRun demo(Words("--seed 9 --camera none"));
   const auto result = demo.EndsWell();
   const std::filesystem::path run = demo.RunFolder();

@@ -8,13 +8,10 @@
 #include "support/taken_port.h"
 #include "system/launcher/demo_run.h"
 
-using conav::testing::DemoRun;
-using conav::testing::Table;
-using conav::testing::TestDomain;
-using conav::testing::WaitUntil;
-using namespace std::chrono_literals;
-
+namespace conav::testing {
 namespace {
+
+using namespace std::chrono_literals;
 
 // Slow enough that it does not end by itself before it is disturbed.
 const std::vector<std::string>& SlowRun() {
@@ -26,7 +23,7 @@ bool Alive(pid_t pid) { return kill(pid, 0) == 0; }
 
 }  // namespace
 
-TEST_CASE("a service's death is named, and the robot stops", "[launcher][system]") {
+TEST_CASE("a service's death is named, and the robot stops", "[demo]") {
   const std::string service = GENERATE("planner", "sim", "operator", "simulated-operator");
   DemoRun demo(SlowRun());
   const pid_t victim = demo.PidOf(service);
@@ -43,8 +40,7 @@ TEST_CASE("a service's death is named, and the robot stops", "[launcher][system]
   CHECK(demo.Json()["all_goals_reached"] == false);
 }
 
-TEST_CASE("four robots stop when the operator's side dies, and it is told where",
-          "[launcher][system]") {
+TEST_CASE("four robots stop when the operator's side dies, and it is told where", "[demo]") {
   const std::string service = GENERATE("operator", "simulated-operator");
   std::vector<std::string> arguments = SlowRun();
   arguments.insert(arguments.end(), {"--robots", "4"});
@@ -60,8 +56,7 @@ TEST_CASE("four robots stop when the operator's side dies, and it is told where"
   CHECK_THAT(demo.Output(), !Catch::Contains("STILL DRIVES"));
 }
 
-TEST_CASE("nobody commands the robots any more when it is told where they stand",
-          "[launcher][system]") {
+TEST_CASE("nobody commands the robots any more when it is told where they stand", "[demo]") {
   DemoRun demo(SlowRun());
   const pid_t planner = demo.PidOf("planner");
   const pid_t victim = demo.PidOf("operator");
@@ -79,7 +74,7 @@ TEST_CASE("nobody commands the robots any more when it is told where they stand"
   CHECK(planner_gone < told);
 }
 
-TEST_CASE("without the perception service the planner goes on by itself", "[launcher][system]") {
+TEST_CASE("without the perception service the planner goes on by itself", "[demo]") {
   DemoRun demo({"--headless", "--speed", "20", "--camera", "none"});
   const pid_t nhpm = demo.PidOf("nhpm");
   demo.WaitForMoves();
@@ -88,7 +83,7 @@ TEST_CASE("without the perception service the planner goes on by itself", "[laun
   CHECK_THAT(demo.Output(), Catch::Contains("nhpm (pid " + std::to_string(nhpm) + ") died"));
 }
 
-TEST_CASE("killing one of two perception replicas changes no result", "[launcher][system]") {
+TEST_CASE("killing one of two perception replicas changes no result", "[demo]") {
   const std::vector<std::string> arguments{
       "--headless", "--speed", "20", "--camera", "none", "--seed", "10", "--nhpm-replicas", "2"};
   DemoRun undisturbed(arguments);
@@ -115,7 +110,7 @@ TEST_CASE("killing one of two perception replicas changes no result", "[launcher
   }
 }
 
-TEST_CASE("Ctrl-C stops every process and says so", "[launcher][system]") {
+TEST_CASE("Ctrl-C stops every process and says so", "[demo]") {
   DemoRun demo(SlowRun());
   std::vector<pid_t> pids;
   for (const char* service :
@@ -131,7 +126,7 @@ TEST_CASE("Ctrl-C stops every process and says so", "[launcher][system]") {
   for (const pid_t pid : pids) CHECK_FALSE(Alive(pid));
 }
 
-TEST_CASE("no service outlives a launcher that was killed", "[launcher][system]") {
+TEST_CASE("no service outlives a launcher that was killed", "[demo]") {
   DemoRun demo(SlowRun());
   const pid_t sim = demo.PidOf("sim");
   const pid_t last = demo.PidOf("simulated-operator");
@@ -139,7 +134,7 @@ TEST_CASE("no service outlives a launcher that was killed", "[launcher][system]"
   CHECK(WaitUntil([&] { return !Alive(sim) && !Alive(last); }, 10s));
 }
 
-TEST_CASE("a second demo in the same domain is refused", "[launcher][system]") {
+TEST_CASE("a second demo in the same domain is refused", "[demo]") {
   DemoRun first(SlowRun());
   first.PidOf("sim");
   DemoRun second(SlowRun());
@@ -150,38 +145,41 @@ TEST_CASE("a second demo in the same domain is refused", "[launcher][system]") {
   first.Wait(30s);
 }
 
-TEST_CASE("a demo whose console's port is taken says so before it starts anything",
-          "[launcher][system]") {
-  const conav::test::TakenPort taken;
+TEST_CASE("a demo whose console's port is taken says so before it starts anything", "[demo]") {
+  const test::TakenPort taken;
   DemoRun demo({"--console", std::to_string(taken.port)});
   CHECK(demo.Wait(30s) == 1);
   CHECK_THAT(demo.Output(), Catch::Contains(fmt::format("--console {}", taken.port)) &&
                                 !Catch::Contains("started"));
 }
 
-TEST_CASE("wrong use of the demo ends with 2 before anything starts", "[launcher][system]") {
-  for (const auto& [option, value] : {std::pair("--robots", "40"),
-                                      {"--preset", "nope"},
-                                      {"--map", "/nowhere.yaml"},
-                                      {"--colour", "red"}}) {
+TEST_CASE("wrong use of the demo ends with 2 before anything starts", "[demo]") {
+  for (const auto& [option, value] :
+       std::vector<std::pair<const char*, const char*>>{{"--robots", "40"},
+                                                        {"--preset", "nope"},
+                                                        {"--map", "/nowhere.yaml"},
+                                                        {"--colour", "red"}}) {
     DemoRun demo({option, value});
     CHECK(demo.Wait(30s) == 2);
     CHECK_THAT(demo.Output(), Catch::Contains(option) && !Catch::Contains("started"));
   }
 }
 
-TEST_CASE("a service refuses an unknown key by its name", "[launcher][system]") {
-  for (const auto& [program, section] : {std::pair("sim", "sim"),
-                                         {"planner", "planner"},
-                                         {"nhpm", "nhpm"},
-                                         {"operator", "operator"},
-                                         {"recorder", "recorder"},
-                                         {"simulated-operator", "simulated_operator"}}) {
-    const conav::test::ProgramRunner service(std::string("conav-") + program);
-    REQUIRE(conav::WriteFile(service / "c.yaml",
-                             fmt::format("{}:\n  ros__parameters:\n    colour: red\n", section)));
+TEST_CASE("a service refuses an unknown key by its name", "[demo]") {
+  for (const auto& [program, section] : std::vector<std::pair<const char*, const char*>>{
+           {"sim", "sim"},
+           {"planner", "planner"},
+           {"nhpm", "nhpm"},
+           {"operator", "operator"},
+           {"recorder", "recorder"},
+           {"simulated-operator", "simulated_operator"}}) {
+    const test::ProgramRunner service(std::string("conav-") + program);
+    REQUIRE(WriteFile(service / "c.yaml",
+                      fmt::format("{}:\n  ros__parameters:\n    colour: red\n", section)));
     const auto ended = service.Run("--config c.yaml");
     CHECK(ended.exit_code == 1);
     CHECK_THAT(ended.text(), Catch::Contains("'colour'"));
   }
 }
+
+}  // namespace conav::testing

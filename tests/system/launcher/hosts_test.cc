@@ -73,7 +73,8 @@ void RunsOnThreeHosts(const std::string& dds, Multicast multicast) {
   }
   std::vector<std::string> arguments = {"--headless", "--seed",      "10", "--dds",
                                         dds,          "--interface", "cn0"};
-  for (const auto& [service, host] : {std::pair("sim", 0), {"planner", 1}, {"nhpm", 1}}) {
+  for (const auto& [service, host] :
+       std::vector<std::pair<const char*, int>>{{"sim", 0}, {"planner", 1}, {"nhpm", 1}}) {
     const auto command = hosts.RunOn(static_cast<std::size_t>(host));
     arguments.insert(arguments.end(),
                      {"--run-with", fmt::format("{}={}", service, fmt::join(command, " "))});
@@ -89,11 +90,11 @@ void RunsOnThreeHosts(const std::string& dds, Multicast multicast) {
 
 }  // namespace
 
-TEST_CASE("a demo runs on three hosts", "[launcher][system]") {
+TEST_CASE("a demo runs on three hosts", "[demo]") {
   RunsOnThreeHosts(GENERATE("cyclonedds", "fastdds", "mixed"), Multicast::kOff);
 }
 
-TEST_CASE("hosts with multicast find each other without being told of", "[launcher][system]") {
+TEST_CASE("hosts with multicast find each other without being told of", "[demo]") {
   RunsOnThreeHosts("mixed", Multicast::kOn);
 }
 

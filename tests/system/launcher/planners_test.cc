@@ -9,12 +9,11 @@
 #include "support/text.h"
 #include "system/launcher/demo_run.h"
 
-using conav::test::CountOf;
-using conav::testing::DemoRun;
-using conav::testing::WaitUntil;
-using namespace std::chrono_literals;
-
+namespace conav::testing {
 namespace {
+
+using namespace std::chrono_literals;
+using test::CountOf;
 
 /// Slow enough that something can be done to it before it ends.
 std::vector<std::string> SharedRun(const std::string& dds, const std::string& planners) {
@@ -42,7 +41,7 @@ void ReachesAllGoals(DemoRun& demo) {
 
 }  // namespace
 
-TEST_CASE("two planners share the robots and all reach their goals", "[launcher][system]") {
+TEST_CASE("two planners share the robots and all reach their goals", "[demo]") {
   const std::string dds = GENERATE("cyclonedds", "fastdds", "mixed");
   CAPTURE(dds);
   DemoRun demo({"--headless", "--camera", "none", "--seed", "3", "--robots", "4", "--dds", dds,
@@ -53,7 +52,7 @@ TEST_CASE("two planners share the robots and all reach their goals", "[launcher]
                                 !Catch::Contains("took over"));
 }
 
-TEST_CASE("the other planner takes over when one is killed", "[launcher][system]") {
+TEST_CASE("the other planner takes over when one is killed", "[demo]") {
   const std::string dds = GENERATE("cyclonedds", "fastdds", "mixed");
   CAPTURE(dds);
   DemoRun demo(SharedRun(dds, "2"));
@@ -66,7 +65,7 @@ TEST_CASE("the other planner takes over when one is killed", "[launcher][system]
                  Catch::Contains("planner-1 took over r") && Catch::Contains("from planner-2"));
 }
 
-TEST_CASE("the demo ends when the last of two planners dies", "[launcher][system]") {
+TEST_CASE("the demo ends when the last of two planners dies", "[demo]") {
   DemoRun demo(SharedRun("cyclonedds", "2"));
   const pid_t first = demo.PidOf("planner-1");
   const pid_t second = demo.PidOf("planner-2");
@@ -80,7 +79,7 @@ TEST_CASE("the demo ends when the last of two planners dies", "[launcher][system
 }
 
 TEST_CASE("a planner that hung learns that it lost its robots, and does not fight for them",
-          "[launcher][system]") {
+          "[demo]") {
   const std::string dds = GENERATE("cyclonedds", "fastdds", "mixed");
   CAPTURE(dds);
   DemoRun demo(SharedRun(dds, "2"));
@@ -97,17 +96,17 @@ TEST_CASE("a planner that hung learns that it lost its robots, and does not figh
   CHECK(CountOf(demo.Output(), "planner-2 took over") <= 2);
 }
 
-TEST_CASE("a planner that is started by hand in the middle gets its share", "[launcher][system]") {
+TEST_CASE("a planner that is started by hand in the middle gets its share", "[demo]") {
   DemoRun demo(SharedRun("cyclonedds", "1"));
   demo.PidOf("planner");
   demo.WaitForMoves();
   // The demo's own configuration under another name, with a record of its own.
   const auto config = demo.RunFolder() / "config" / "planner-late.yaml";
-  std::string text = conav::ReadFile(demo.RunFolder() / "config" / "planner.yaml").value();
+  std::string text = ReadFile(demo.RunFolder() / "config" / "planner.yaml").value();
   text = std::regex_replace(text, std::regex("name: planner\\b"), "name: planner-late");
   text = std::regex_replace(text, std::regex("decisions\\.pb"), "decisions-planner-late.pb");
-  REQUIRE(conav::WriteFile(config, text));
-  conav::launcher::Process late(
+  REQUIRE(WriteFile(config, text));
+  launcher::Process late(
       "planner-late", {std::string(CONAV_BIN_DIR) + "/conav-planner", "--config", config.string()},
       demo.RunFolder() / "logs" / "planner-late.log");
   CHECK(demo.Prints("planner-late took over r"));
@@ -118,3 +117,5 @@ TEST_CASE("a planner that is started by hand in the middle gets its share", "[la
   CHECK_THAT(demo.Output(),
              Catch::Contains("planner took over r") && Catch::Contains("from planner-late"));
 }
+
+}  // namespace conav::testing

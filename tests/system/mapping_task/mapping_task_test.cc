@@ -12,11 +12,11 @@
 #include "common/runtime/file.h"
 #include "common/segments/segment_checks.h"
 #include "common/segments/segment_file.h"
-#include "integration/operator/page_client.h"
 #include "launcher/process.h"
 #include "sim/world/world_spec.h"
 #include "support/program_runner.h"
 #include "support/temporary_folder.h"
+#include "system/console_page.h"
 #include "system/launcher/demo_run.h"
 
 using conav::testing::TestDomain;
@@ -77,32 +77,16 @@ class Task {
 };
 
 /// A participant at the page of one maze, who knows the maze.
-class Participant {
+class Participant : public operators::ConsolePage {
  public:
-  Participant(int port, std::uint64_t maze_seed) {
+  Participant(int port, std::uint64_t maze_seed) : ConsolePage(port) {
     sim::WorldOptions options;
     options.seed = maze_seed;
     spec_ = *sim::MakeWorldSpec(options);
-    client_.emplace(operators::PageOptions{.port = port});
-    REQUIRE(client_->refused() == 0);
-    console::ClientMessage message;
-    message.mutable_hello()->set_instance(std::string(16, 'p'));
-    REQUIRE(client_->Send(message));
-    ReadUntil([&] { return task.number() > 0 && belief_.walls().size() > 0; });
-    CHECK(mode_ == console::MODE_MAPPING_TASK);
+    ReadUntil([&] { return task.number() > 0 && belief.walls().size() > 0; });
+    CHECK(welcome.mode() == console::MODE_MAPPING_TASK);
   }
 
-  console::Reply Ask(const std::function<void(console::Request&)>& fill) {
-    console::ClientMessage message;
-    console::Request& request = *message.mutable_request();
-    request.set_id(++id_);
-    request.set_world("w1");
-    request.set_valid_until(service_time_ + 1000.0);
-    fill(request);
-    REQUIRE(client_->Send(message));
-    ReadUntil([&] { return reply_.id() == id_; });
-    return reply_;
-  }
   void Begin() {
     CHECK(task.phase() == console::PHASE_WAITING);
     CHECK(Ask([](auto& request) { request.mutable_go(); }).accepted());
@@ -110,17 +94,16 @@ class Participant {
   }
   /// Waits for the next picture, which is then the newest.
   const console::Picture& NextPicture() {
-    const std::uint64_t before = answered_;
-    ReadUntil([&] { return picture.sequence_number() > before; });
-    return picture;
+    ReadUntil([&] { return Newest() > answered_; });
+    return pictures.rbegin()->second;
   }
   /// Sets `count` wrong cells right.
   void Correct(int count) {
     const auto reply = Ask([&](auto& request) {
-      request.mutable_edit()->set_base_revision(belief_.revision());
+      request.mutable_edit()->set_base_revision(belief.revision());
       for (std::size_t i = 0; i < spec_.truth.size() && count > 0; ++i) {
         const bool wall = spec_.truth.values()[i] == Occupancy::kOccupied;
-        if (wall == (static_cast<unsigned char>(belief_.walls()[i]) >= 128)) continue;
+        if (wall == (static_cast<unsigned char>(belief.walls()[i]) >= 128)) continue;
         const Cell cell = spec_.truth.CellAt(i);
         auto* edit = request.mutable_edit()->add_cells();
         edit->mutable_cell()->set_row(cell.row);
@@ -130,10 +113,10 @@ class Participant {
       }
     });
     CHECK(reply.accepted());
-    ReadUntil([&] { return belief_.revision() >= reply.revision(); });
+    ReadUntil([&] { return belief.revision() >= reply.revision(); });
   }
   void Answer() {
-    answered_ = picture.sequence_number();
+    answered_ = Newest();
     CHECK(Ask([&](auto& request) {
             request.mutable_answer()->set_robot("r1");
             request.mutable_answer()->set_snapshot(answered_);
@@ -150,43 +133,14 @@ class Participant {
     }
     NextPicture();
   }
-  template <class Condition>
-  void ReadUntil(const Condition& condition) {
-    while (!condition()) Read();
-  }
-
   int mistakes() const {
     return CompareMaps(spec_.truth, spec_.human_map, ToBelief(spec_.human_map)).wrong_at_first;
   }
 
-  console::Task task;
-  console::Picture picture;
-  std::set<int> told;  // which kinds of updates
-
  private:
-  void Read() {
-    const auto message = client_->Receive();
-    REQUIRE(message);
-    if (message->has_welcome()) {
-      mode_ = message->welcome().mode();
-      service_time_ = message->welcome().service_time();
-    }
-    if (message->has_reply()) reply_ = message->reply();
-    for (const console::Update& update : message->updates().update()) {
-      told.insert(update.body_case());
-      if (update.has_task()) task = update.task();
-      if (update.has_picture()) picture = update.picture();
-      if (update.has_belief()) belief_ = update.belief();
-    }
-  }
+  std::uint64_t Newest() const { return pictures.empty() ? 0 : pictures.rbegin()->first; }
 
   sim::WorldSpec spec_;
-  std::optional<PageClient> client_;
-  console::Mode mode_ = console::MODE_SUPERVISE;
-  double service_time_ = 0.0;
-  console::Belief belief_;
-  console::Reply reply_;
-  std::uint64_t id_ = 0;
   std::uint64_t answered_ = 0;
 };
 
@@ -218,7 +172,7 @@ pid_t PidWith(const fs::path& config) {
 }  // namespace
 
 TEST_CASE("a participant corrects two mazes, and their segments are there to learn from",
-          "[system][mapping_task]") {
+          "[mapping_task]") {
   const test::TemporaryFolder temporary;
   const fs::path folder = temporary / "P07";
   Task task(folder, Options("P07", "7,9"));
@@ -293,7 +247,7 @@ TEST_CASE("a participant corrects two mazes, and their segments are there to lea
 }
 
 TEST_CASE("after a kill the same command goes on at the maze that was not finished",
-          "[system][mapping_task]") {
+          "[mapping_task]") {
   const test::TemporaryFolder temporary;
   const fs::path folder = temporary / "P08";
   const auto options = Options("P08");
@@ -327,7 +281,7 @@ TEST_CASE("after a kill the same command goes on at the maze that was not finish
 }
 
 TEST_CASE("a participant's folder takes one task at a time, of one participant and design",
-          "[system][mapping_task]") {
+          "[mapping_task]") {
   const test::TemporaryFolder temporary;
   const fs::path folder = temporary / "P09";
   const auto options = Options("P09");
@@ -348,7 +302,7 @@ TEST_CASE("a participant's folder takes one task at a time, of one participant a
 }
 
 TEST_CASE("when a service dies the task ends, and says which, and where to go on",
-          "[system][mapping_task]") {
+          "[mapping_task]") {
   const test::TemporaryFolder temporary;
   const fs::path folder = temporary / "P13";
   const auto options = Options("P13");

@@ -9,12 +9,7 @@
 #include "recording/recording_check.h"
 #include "system/launcher/demo_run.h"
 
-using conav::testing::CountsOf;
-using conav::testing::DemoRun;
-using conav::testing::ReadBagByOthers;
-using conav::testing::ReadByConav;
-using conav::testing::ReadByOthers;
-
+namespace conav::testing {
 namespace {
 
 std::filesystem::path RecordingOf(const DemoRun& demo) {
@@ -23,8 +18,7 @@ std::filesystem::path RecordingOf(const DemoRun& demo) {
 
 }  // namespace
 
-TEST_CASE("every message of a demo's recording decodes, and says what happened",
-          "[recording][system]") {
+TEST_CASE("every message of a demo's recording decodes, and says what happened", "[recording]") {
   DemoRun demo({"--headless", "--seed", "7"});
   demo.EndsWell();
   const auto found = ReadByOthers(
@@ -58,7 +52,7 @@ TEST_CASE("every message of a demo's recording decodes, and says what happened",
 }
 
 TEST_CASE("conav bag finds what others' readers find, and so does the rosbag2 folder that it makes",
-          "[recording][system]") {
+          "[recording]") {
   const std::string dds = GENERATE("cyclonedds", "fastdds", "mixed");
   // Long enough that the recorder is found by all: what is not latched is not sent to it before.
   DemoRun demo({"--headless", "--seed", "7", "--camera", "none", "--robots", "2", "--dds", dds,
@@ -83,7 +77,7 @@ TEST_CASE("conav bag finds what others' readers find, and so does the rosbag2 fo
   }
 }
 
-TEST_CASE("streamed pictures are recorded when asked for", "[recording][system]") {
+TEST_CASE("streamed pictures are recorded when asked for", "[recording]") {
   const std::string stream = "/r1/camera/image/compressed";
   std::vector<std::string> arguments{"--headless", "--seed", "9", "--method", "teleop"};
   DemoRun without(arguments);
@@ -97,15 +91,14 @@ TEST_CASE("streamed pictures are recorded when asked for", "[recording][system]"
   CHECK(found["topics"][stream]["last"]["format"] == "jpeg");
 }
 
-TEST_CASE("a run goes on without its recorder, and what was recorded can be read",
-          "[recording][system]") {
+TEST_CASE("a run goes on without its recorder, and what was recorded can be read", "[recording]") {
   DemoRun demo({"--headless", "--speed", "20", "--camera", "none"});
   const pid_t recorder = demo.PidOf("recorder");
   const auto has_states = [&] {
-    auto reader = conav::bag::McapReader::Open(RecordingOf(demo));
+    auto reader = bag::McapReader::Open(RecordingOf(demo));
     return reader && reader->message_count() > 100;
   };
-  REQUIRE(conav::testing::WaitUntil(has_states, std::chrono::seconds(60)));
+  REQUIRE(WaitUntil(has_states, std::chrono::seconds(60)));
   REQUIRE(kill(recorder, SIGKILL) == 0);
   demo.EndsWell();
   CHECK_THAT(demo.Output(), Catch::Contains(fmt::format("recorder (pid {}) died", recorder)) &&
@@ -118,9 +111,11 @@ TEST_CASE("a run goes on without its recorder, and what was recorded can be read
   CHECK(CountsOf(conav)["/r1/state"] > 0);
 }
 
-TEST_CASE("a demo that shall not be recorded is not", "[recording][system]") {
+TEST_CASE("a demo that shall not be recorded is not", "[recording]") {
   DemoRun demo({"--headless", "--camera", "none", "--no-recording"});
   demo.EndsWell();
   CHECK_FALSE(std::filesystem::exists(RecordingOf(demo)));
   CHECK_THAT(demo.Output(), !Catch::Contains("started recorder"));
 }
+
+}  // namespace conav::testing

@@ -27,8 +27,7 @@ std::vector<std::string> Lines(const fs::path& csv) {
 
 }  // namespace
 
-TEST_CASE("a study runs over DDS, tells its table, and conav stats reads its measures",
-          "[study][system]") {
+TEST_CASE("a study runs over DDS, tells its table, and conav stats reads its measures", "[study]") {
   const StudyFixture desk;
   const ProgramOutcome study = desk.Run(SmallStudy("--json result.json"));
   INFO(study.text());
@@ -70,7 +69,7 @@ TEST_CASE("a study runs over DDS, tells its table, and conav stats reads its mea
   CHECK_FALSE(fs::exists(desk / "other"));
 }
 
-TEST_CASE("a study that was killed goes on and ends like one that was not", "[study][system]") {
+TEST_CASE("a study that was killed goes on and ends like one that was not", "[study]") {
   const StudyFixture desk;
   RunningStudy first(desk, kSmall);
   WaitForRecord(desk, "episodes");
@@ -86,7 +85,7 @@ TEST_CASE("a study that was killed goes on and ends like one that was not", "[st
   CHECK(Lines(desk / "study/episodes.csv") == Lines(desk / "whole/episodes.csv"));
 }
 
-TEST_CASE("an episode whose simulator dies is run again", "[study][system]") {
+TEST_CASE("an episode whose simulator dies is run again", "[study]") {
   const StudyFixture desk;
   RunningStudy study(desk, "--operators 1 --layouts 1 --methods ig-mcts --jobs 1");
   pid_t simulator = 0;
@@ -103,15 +102,6 @@ TEST_CASE("an episode whose simulator dies is run again", "[study][system]") {
   CHECK(desk.Json("study/results.json")["methods"]["ig-mcts"]["episodes"] == 1);
   CHECK_THAT(ReadFile(desk / "study/episodes.csv").value(),
              Catch::Contains(",simulated,complete,2,"));
-}
-
-TEST_CASE("an interrupted study says how to go on", "[study][system]") {
-  const StudyFixture desk;
-  RunningStudy study(desk, "--operators 20 --layouts 1 --jobs 1");
-  WaitForRecord(desk, "episodes");
-  CHECK(study.End(SIGTERM).exit_code == 1);
-  CHECK_THAT(ReadFile(desk.log()).value(), Catch::Contains("of 60 episodes are in") &&
-                                               Catch::Contains("the same command goes on"));
 }
 
 }  // namespace conav::test

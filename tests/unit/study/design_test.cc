@@ -29,8 +29,7 @@ void CheckBalanced(const std::vector<std::vector<int>>& orders, int conditions) 
   for (const auto& [key, count] : after) CHECK(count == rows / conditions);
 }
 
-TEST_CASE("A Williams design balances places and followers for even and odd numbers",
-          "[study][design]") {
+TEST_CASE("A Williams design balances places and followers for even and odd numbers", "[study]") {
   for (const int conditions : {2, 3, 4, 5, 6, 7, 8}) {
     CAPTURE(conditions);
     const auto orders = WilliamsDesign(conditions);
@@ -41,7 +40,7 @@ TEST_CASE("A Williams design balances places and followers for even and odd numb
   CHECK(WilliamsDesign(1) == std::vector<std::vector<int>>{{0}});
 }
 
-TEST_CASE("Everybody has every method once on every layout", "[study][design]") {
+TEST_CASE("Everybody has every method once on every layout", "[study]") {
   const Design design = MakeDesign({});
   REQUIRE(design.episodes.size() == 126);
   CHECK(design.layouts == std::vector<std::uint64_t>{234, 666, 9});
@@ -65,7 +64,7 @@ TEST_CASE("Everybody has every method once on every layout", "[study][design]") 
 }
 
 TEST_CASE("Nobody sees a layout twice the same way round, and methods share the orientations",
-          "[study][design]") {
+          "[study]") {
   for (const std::size_t methods : {1, 2, 3, 4}) {
     DesignOptions options{.operators = 5, .layouts = 4};
     options.methods = {"a", "b", "c", "d"};
@@ -86,7 +85,7 @@ TEST_CASE("Nobody sees a layout twice the same way round, and methods share the 
 }
 
 TEST_CASE("The seed alone decides orders, layouts beyond the third, and episodes' seeds",
-          "[study][design]") {
+          "[study]") {
   const DesignOptions options{.operators = 6, .layouts = 5, .seed = 3};
   DesignOptions other = options;
   other.seed = 4;

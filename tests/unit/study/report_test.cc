@@ -31,7 +31,7 @@ struct Fixture {
                      summary, true,     {"conav study --jobs 1", "0123abc", "today", "here"}};
 };
 
-TEST_CASE("The text says simulated, has table 3, bars and tests", "[study][report]") {
+TEST_CASE("The text says simulated, has table 3, bars and tests", "[study]") {
   const Fixture study;
   const std::string text = StudyText(study.report);
   for (const char* part :
@@ -43,7 +43,7 @@ TEST_CASE("The text says simulated, has table 3, bars and tests", "[study][repor
   CHECK_THAT(text, !Catch::Contains("MISSED") && !Catch::Contains("did not reach"));
 }
 
-TEST_CASE("What cannot be tested is -, with the reason", "[study][report]") {
+TEST_CASE("What cannot be tested is -, with the reason", "[study]") {
   const Fixture study;  // all spread is the subjects' own: every difference is the same for all
   const std::string text = StudyText(study.report);
   CHECK_THAT(text, !Catch::Contains("inf") && !Catch::Contains("nan"));
@@ -53,7 +53,7 @@ TEST_CASE("What cannot be tested is -, with the reason", "[study][report]") {
                        !Catch::Contains("steps and guidance are"));
 }
 
-TEST_CASE("How a study was made is told as it was typed", "[study][report]") {
+TEST_CASE("How a study was made is told as it was typed", "[study]") {
   const test::ScopedVariable commit("CONAV_COMMIT", "0123abc");
   const char* const words[] = {"conav-study", "--out", "my study's", "--jobs", "1"};
   const Provenance made = DescribeRun(5, words);
@@ -63,7 +63,7 @@ TEST_CASE("How a study was made is told as it was typed", "[study][report]") {
   CHECK(section.rows.back() == std::vector<std::string>{"seed", "7"});
 }
 
-TEST_CASE("A failed episode is reported everywhere", "[study][report]") {
+TEST_CASE("A failed episode is reported everywhere", "[study]") {
   const Fixture study(true);
   const std::string& name = study.design.episodes.front().name;
   CHECK_THAT(StudyText(study.report), Catch::Contains(name) && Catch::Contains("sim <died>"));
@@ -72,7 +72,7 @@ TEST_CASE("A failed episode is reported everywhere", "[study][report]") {
   CHECK_THAT(StudyPage(study.report), Catch::Contains("sim &lt;died&gt;"));
 }
 
-TEST_CASE("Bytes that nobody rendered are not told", "[study][report]") {
+TEST_CASE("Bytes that nobody rendered are not told", "[study]") {
   const Fixture study;
   const StudyReport blind{study.design, study.document, study.records, study.summary, false, {}};
   CHECK_THAT(StudyText(blind), Catch::Contains("--camera none renders nothing") &&
@@ -84,7 +84,7 @@ TEST_CASE("Bytes that nobody rendered are not told", "[study][report]") {
   CHECK_THAT(EpisodesCsv(blind), Catch::Contains(",complete,1,70.3125,,400,"));
 }
 
-TEST_CASE("JSON holds every figure of every method by name", "[study][report]") {
+TEST_CASE("JSON holds every figure of every method by name", "[study]") {
   const Fixture study;
   const auto json = StudyJson(study.report);
   CHECK(json["simulated"] == true);
@@ -104,7 +104,7 @@ TEST_CASE("JSON holds every figure of every method by name", "[study][report]") 
   CHECK(json["bars"].size() == 5);
 }
 
-TEST_CASE("The tidy CSV has a line per episode", "[study][report]") {
+TEST_CASE("The tidy CSV has a line per episode", "[study]") {
   const Fixture study;
   std::istringstream csv(EpisodesCsv(study.report));
   std::vector<std::string> lines;
@@ -114,7 +114,7 @@ TEST_CASE("The tidy CSV has a line per episode", "[study][report]") {
   CHECK_THAT(lines[1], Catch::StartsWith("s01,1,1,"));
 }
 
-TEST_CASE("The page shows a plot per measure and who had which method when", "[study][report]") {
+TEST_CASE("The page shows a plot per measure and who had which method when", "[study]") {
   const Fixture study;
   const std::string page = StudyPage(study.report);
   CHECK_THAT(page, Catch::StartsWith("<!DOCTYPE html>"));

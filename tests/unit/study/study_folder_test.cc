@@ -18,7 +18,7 @@ std::string Refusal(const std::filesystem::path& path,
   return folder ? "" : folder.error().text;
 }
 
-TEST_CASE("A record is there again for the same design", "[study][folder]") {
+TEST_CASE("A record is there again for the same design", "[study]") {
   const test::TemporaryFolder parent;
   const auto record = SampleRecord("s01", SampleMeasures(10.0, 400.0));
   EpisodeRecord failed{.name = "s02", .detail = "planner died", .attempts = 2};
@@ -37,7 +37,7 @@ TEST_CASE("A record is there again for the same design", "[study][folder]") {
   CHECK(store->records() == Records{{"s01", record}, {"s02", failed}});
 }
 
-TEST_CASE("What a kill leaves of a file that was being written is no obstacle", "[study][folder]") {
+TEST_CASE("What a kill leaves of a file that was being written is no obstacle", "[study]") {
   const test::TemporaryFolder parent;
   std::filesystem::create_directory(parent / "study");
   REQUIRE(WriteFile(parent / "study/study.json.0123456789abcdef.partial", "{\"fing"));
@@ -51,7 +51,7 @@ TEST_CASE("What a kill leaves of a file that was being written is no obstacle", 
 }
 
 TEST_CASE("A folder of another design, of other files, or in use is refused and left alone",
-          "[study][folder]") {
+          "[study]") {
   const test::TemporaryFolder parent;
   const auto study = parent / "study";
   {
@@ -73,7 +73,7 @@ TEST_CASE("A folder of another design, of other files, or in use is refused and 
   CHECK_THAT(Refusal(parent / "mine/thesis.txt"), Catch::Contains("thesis.txt"));
 }
 
-TEST_CASE("A record that cannot be read is named", "[study][folder]") {
+TEST_CASE("A record that cannot be read is named", "[study]") {
   const test::TemporaryFolder parent;
   const auto folder = StudyFolder::Open(parent / "study", kDesign);
   REQUIRE(folder);

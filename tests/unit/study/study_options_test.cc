@@ -12,13 +12,13 @@
 namespace conav::study {
 namespace {
 
-TEST_CASE("Each design has a folder of its own", "[study][options]") {
+TEST_CASE("Each design has a folder of its own", "[study]") {
   StudyOptions options;
   options.design.operators = 2;
   CHECK(DefaultOut(options, "0a1b2c3d4e5f") == "runs/study-2x3-seed1-0a1b2c3d");
 }
 
-TEST_CASE("What cannot be is refused by the option's name and value", "[study][options]") {
+TEST_CASE("What cannot be is refused by the option's name and value", "[study]") {
   using O = StudyOptions;
   struct Row {
     std::function<void(O&)> set;
@@ -28,7 +28,7 @@ TEST_CASE("What cannot be is refused by the option's name and value", "[study][o
   for (const Row& row : std::vector<Row>{
            {[](O&) {}, ""},
            {[](O& o) { o.out = "runs/study"; }, ""},
-           {[](O& o) { o.population = "/none.yaml"; }, "--population: /none.yaml"},
+           {[](O& o) { o.population = "/none.yaml"; }, "--population: "},
            {[](O& o) { o.design.operators = 0; }, "--operators 0"},
            {[](O& o) { o.design.layouts = 0; }, "--layouts 0"},
            {[](O& o) { o.jobs = 0; }, "--jobs 0"},
@@ -56,8 +56,7 @@ TEST_CASE("What cannot be is refused by the option's name and value", "[study][o
   }
 }
 
-TEST_CASE("An episode becomes a demo with its own world, seed, person and folder",
-          "[study][options]") {
+TEST_CASE("An episode becomes a demo with its own world, seed, person and folder", "[study]") {
   const test::TemporaryFolder parent;
   StudyOptions options;
   options.robots = 2;
@@ -80,13 +79,13 @@ TEST_CASE("An episode becomes a demo with its own world, seed, person and folder
   CHECK(BaseDemo(options).recording);
 }
 
-TEST_CASE("Equal seeds give the same person, others another one", "[study][people]") {
+TEST_CASE("Equal seeds give the same person, others another one", "[study]") {
   const auto population = DefaultPopulation();
   CHECK(PersonYaml(DrawPerson(population, 1)) == PersonYaml(DrawPerson(population, 1)));
   CHECK(PersonYaml(DrawPerson(population, 1)) != PersonYaml(DrawPerson(population, 2)));
 }
 
-TEST_CASE("People differ within their limits, around the means", "[study][people]") {
+TEST_CASE("People differ within their limits, around the means", "[study]") {
   const auto population = DefaultPopulation();
   double crossing = 0.0;
   constexpr int kPeople = 400;
@@ -102,7 +101,7 @@ TEST_CASE("People differ within their limits, around the means", "[study][people
   CHECK(crossing == Approx(10.0).margin(0.4));
 }
 
-TEST_CASE("A person's file gives the same person to a demo", "[study][people]") {
+TEST_CASE("A person's file gives the same person to a demo", "[study]") {
   const test::TemporaryFolder folder;
   const auto person = DrawPerson(DefaultPopulation(), 7);
   REQUIRE(WriteFile(folder / "s01.yaml", PersonYaml(person)));

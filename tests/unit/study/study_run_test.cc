@@ -34,7 +34,7 @@ EpisodeRecord Good(int, const PlannedEpisode&) {
 
 EpisodeRecord Bad(int, const PlannedEpisode&) { return {.detail = "sim died"}; }
 
-TEST_CASE("All episodes run once, whatever the number of jobs", "[study][run]") {
+TEST_CASE("All episodes run once, whatever the number of jobs", "[study]") {
   for (const int jobs : {1, 3}) {
     Fixture study;
     std::mutex mutex;
@@ -53,7 +53,7 @@ TEST_CASE("All episodes run once, whatever the number of jobs", "[study][run]") 
   }
 }
 
-TEST_CASE("An interrupted study goes on where it was", "[study][run]") {
+TEST_CASE("An interrupted study goes on where it was", "[study]") {
   Fixture study;
   StopToken stop;
   std::vector<std::string> played;
@@ -74,7 +74,7 @@ TEST_CASE("An interrupted study goes on where it was", "[study][run]") {
 }
 
 TEST_CASE("A failed episode runs twice, is kept as failed, and again with the next command",
-          "[study][run]") {
+          "[study]") {
   Fixture study;
   const std::string victim = study.design.episodes[3].name;
   std::size_t attempts = 0;
@@ -96,7 +96,7 @@ TEST_CASE("A failed episode runs twice, is kept as failed, and again with the ne
   CHECK(study.records.at(victim).attempts == 2);
 }
 
-TEST_CASE("Goals left over are a result after the second attempt", "[study][run]") {
+TEST_CASE("Goals left over are a result after the second attempt", "[study]") {
   Fixture study;
   int played = 0;
   const auto play = [&](int, const PlannedEpisode&) {
@@ -111,7 +111,7 @@ TEST_CASE("Goals left over are a result after the second attempt", "[study][run]
   CHECK(study.progress.failed == 0);
 }
 
-TEST_CASE("A record that cannot be written ends the study with the reason", "[study][run]") {
+TEST_CASE("A record that cannot be written ends the study with the reason", "[study]") {
   Fixture study;
   int played = 0;
   const auto done = study.Run([&](int job, const PlannedEpisode& episode) {

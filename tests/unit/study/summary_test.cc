@@ -21,7 +21,7 @@ double BarOf(const std::vector<Bar>& bars, const std::string& key) {
   return bar->value;
 }
 
-TEST_CASE("An episode's measures are sums over its robots", "[study][summary]") {
+TEST_CASE("An episode's measures are sums over its robots", "[study]") {
   launcher::EpisodeMetrics metrics;
   metrics.all_goals_reached = true;
   metrics.after.mapping = 0.7;
@@ -47,15 +47,14 @@ TEST_CASE("An episode's measures are sums over its robots", "[study][summary]") 
                                     .all_goals_reached = true});
 }
 
-TEST_CASE("Communication is counted as the paper counts it", "[study][summary]") {
+TEST_CASE("Communication is counted as the paper counts it", "[study]") {
   // Table 3: 609.71 steps with a picture each are 107.18 MB.
   const EpisodeMeasures measures = SampleMeasures(609.71, 609.71);
   CHECK(Measures()[MeasureIndex("image_mib")].value(measures) == Approx(107.18).margin(0.005));
   CHECK(Measures()[MeasureIndex("sent_mib")].value(measures) == Approx(609.71 / 1024.0));
 }
 
-TEST_CASE("Methods are described by mean and SD over episodes and over subjects",
-          "[study][summary]") {
+TEST_CASE("Methods are described by mean and SD over episodes and over subjects", "[study]") {
   const Design design = SmallDesign();
   const Records records = SampleRecords(design);
   const StudySummary summary = Summarise(design, records);
@@ -72,7 +71,7 @@ TEST_CASE("Methods are described by mean and SD over episodes and over subjects"
 }
 
 TEST_CASE("A subject with a failed episode has an empty cell and is left out of the tests",
-          "[study][summary]") {
+          "[study]") {
   const Design design = SmallDesign();
   Records records = SampleRecords(design);
   const PlannedEpisode& victim = design.episodes.front();
@@ -88,7 +87,7 @@ TEST_CASE("A subject with a failed episode has an empty cell and is left out of 
   CHECK(summary.analyses[steps].analysis->table.subject_count() == 2);
 }
 
-TEST_CASE("One subject or one method has a table but no tests", "[study][summary]") {
+TEST_CASE("One subject or one method has a table but no tests", "[study]") {
   DesignOptions one{.operators = 1};
   const Design alone = MakeDesign(one);
   const StudySummary summary = Summarise(alone, SampleRecords(alone));
@@ -99,7 +98,7 @@ TEST_CASE("One subject or one method has a table but no tests", "[study][summary
   CHECK(Summarise(single, SampleRecords(single)).bars.size() == 1);
 }
 
-TEST_CASE("Bars compare IG-MCTS with both baselines", "[study][summary]") {
+TEST_CASE("Bars compare IG-MCTS with both baselines", "[study]") {
   const Design design = SmallDesign();
   Records records = SampleRecords(design);
   auto bars = CheckBars(Summarise(design, records).methods);

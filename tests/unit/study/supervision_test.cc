@@ -42,7 +42,7 @@ std::vector<SupervisionRecord> AllRecords(const SupervisionOptions& options) {
   return records;
 }
 
-TEST_CASE("Every number of robots with every order and seed", "[study][supervision]") {
+TEST_CASE("Every number of robots with every order and seed", "[study]") {
   const auto trials = TrialsOf(Small());
   REQUIRE(trials.size() == 12);
   CHECK(trials[0].name() == "n01-priority-seed1");
@@ -50,8 +50,7 @@ TEST_CASE("Every number of robots with every order and seed", "[study][supervisi
   CHECK(trials[11].name() == "n04-fifo-seed3");
 }
 
-TEST_CASE("Interaction times are parsed by name, nonsense is refused by its text",
-          "[study][supervision]") {
+TEST_CASE("Interaction times are parsed by name, nonsense is refused by its text", "[study]") {
   operators::InteractionTimeParameters times{6.0, 10.0, 12.0, 0.5};
   REQUIRE(ParseInteractionTimes("blocked=3.5,log_sd=0", times));
   CHECK(times.blocked_s == 3.5);
@@ -65,7 +64,7 @@ TEST_CASE("Interaction times are parsed by name, nonsense is refused by its text
   }
 }
 
-TEST_CASE("Impossible options are refused by name and value", "[study][supervision]") {
+TEST_CASE("Impossible options are refused by name and value", "[study]") {
   using O = SupervisionOptions;
   struct Row {
     std::function<void(O&)> set;
@@ -102,7 +101,7 @@ TEST_CASE("Impossible options are refused by name and value", "[study][supervisi
 }
 
 TEST_CASE("More seeds, numbers or orders belong to the same study, another condition does not",
-          "[study][supervision]") {
+          "[study]") {
   SupervisionOptions options = Small();
   const auto design = DesignOf(options);
   options.seeds = 20;
@@ -118,7 +117,7 @@ TEST_CASE("More seeds, numbers or orders belong to the same study, another condi
 }
 
 TEST_CASE("Robots fill their worlds, worlds have the methods in turn, every robot one planner",
-          "[study][supervision]") {
+          "[study]") {
   const test::TemporaryFolder folder;
   SupervisionOptions options = Small();
   options.robots_per_world = 2;
@@ -135,22 +134,22 @@ TEST_CASE("Robots fill their worlds, worlds have the methods in turn, every robo
   REQUIRE(services.size() == 5);
   const auto simulators = PlanSimulators(trial, options, {}, episode);
   REQUIRE(simulators.size() == 2);
-  for (const auto& [config, part] : {std::pair(services[1].config, "order: fifo"),
-                                     {services[2].config, "order: queue"},
-                                     {services[3].config, "w1/r2"},
-                                     {services[4].config, "w2/r3"},
-                                     {services[4].config, "timeout_clock: simulation"},
-                                     {simulators[0].config, "publish_clock: true"},
-                                     {simulators[1].config, "publish_clock: false"},
-                                     {simulators[0].config, "stream: false"},
-                                     {simulators[1].config, "stream: true"}}) {
+  for (const auto& [config, part] : std::vector<std::pair<std::string, const char*>>{
+           {services[1].config, "order: fifo"},
+           {services[2].config, "order: queue"},
+           {services[3].config, "w1/r2"},
+           {services[4].config, "w2/r3"},
+           {services[4].config, "timeout_clock: simulation"},
+           {simulators[0].config, "publish_clock: true"},
+           {simulators[1].config, "publish_clock: false"},
+           {simulators[0].config, "stream: false"},
+           {simulators[1].config, "stream: true"}}) {
     CHECK_THAT(config, Catch::Contains(part));
   }
   CHECK_THAT(services[3].config, !Catch::Contains("w2/r3"));
 }
 
-TEST_CASE("Measures: per minute, shares, and predictions from NT and IT, by hand",
-          "[study][supervision]") {
+TEST_CASE("Measures: per minute, shares, and predictions from NT and IT, by hand", "[study]") {
   const SupervisionRecord one = RecordOf({1, "fifo", 2});
   CHECK(FindMeasure("goals_per_minute").value(one) == 6.0);
   CHECK(FindMeasure("utilisation").value(one) == 0.5);
@@ -162,7 +161,7 @@ TEST_CASE("Measures: per minute, shares, and predictions from NT and IT, by hand
   CHECK(FindMeasure("queue_attended_robots").value(two).value() == Approx(1.8));
 }
 
-TEST_CASE("Cells have mean and interval, orders are compared by seed", "[study][supervision]") {
+TEST_CASE("Cells have mean and interval, orders are compared by seed", "[study]") {
   const SupervisionOptions options = Small();
   const auto records = AllRecords(options);
   const SupervisionSummary summary = Summarise(options, records);
@@ -176,8 +175,7 @@ TEST_CASE("Cells have mean and interval, orders are compared by seed", "[study][
   CHECK(summary.comparisons[0].pairs.at(0).t.mean_difference == Approx(0.5));
 }
 
-TEST_CASE("A failed trial is named and leaves its seed out of the comparison",
-          "[study][supervision]") {
+TEST_CASE("A failed trial is named and leaves its seed out of the comparison", "[study]") {
   const SupervisionOptions options = Small();
   auto records = AllRecords(options);
   records[0].failure = "sim-w1 died";
@@ -190,7 +188,7 @@ TEST_CASE("A failed trial is named and leaves its seed out of the comparison",
              Catch::Contains("\n1,priority,1,,") && Catch::Contains("\n1,fifo,1,5.5,"));
 }
 
-TEST_CASE("What no trial measured, or no seed changes, is null", "[study][supervision]") {
+TEST_CASE("What no trial measured, or no seed changes, is null", "[study]") {
   SupervisionOptions options = Small();
   const auto all = AllRecords(options);  // priority: always half a goal per minute more
   const auto same = SupervisionJson(options, Summarise(options, all));
@@ -209,8 +207,7 @@ TEST_CASE("What no trial measured, or no seed changes, is null", "[study][superv
   CHECK_THAT(SupervisionText(options, summary), !Catch::Contains("0.00 ±0.00"));
 }
 
-TEST_CASE("Without a second question there is no NT and nothing is predicted",
-          "[study][supervision]") {
+TEST_CASE("Without a second question there is no NT and nothing is predicted", "[study]") {
   SupervisionOptions options = Small();
   options.robots = {1};
   auto records = AllRecords(options);
@@ -234,8 +231,7 @@ TEST_CASE("Without a second question there is no NT and nothing is predicted",
   CHECK(test::XmlError(SupervisionPlot(options, summary)) == "");
 }
 
-TEST_CASE("A trial in which the machine fell behind is named and stays in the tables",
-          "[study][supervision]") {
+TEST_CASE("A trial in which the machine fell behind is named and stays in the tables", "[study]") {
   const SupervisionOptions options = Small();
   auto records = AllRecords(options);
   CHECK(Summarise(options, records).slow.empty());
@@ -247,7 +243,7 @@ TEST_CASE("A trial in which the machine fell behind is named and stays in the ta
   CHECK(SupervisionJson(options, summary)["slow"][0]["pace"] == 0.5);
 }
 
-TEST_CASE("Text, JSON, page and plot say that the operator was simulated", "[study][supervision]") {
+TEST_CASE("Text, JSON, page and plot say that the operator was simulated", "[study]") {
   const SupervisionOptions options = Small();
   const SupervisionSummary summary = Summarise(options, AllRecords(options));
   CHECK_THAT(SupervisionText(options, summary), Catch::Contains("SIMULATED"));
@@ -292,7 +288,7 @@ SupervisionRecord FullRecord() {
   return record;
 }
 
-TEST_CASE("A trial's record is read back as it was written", "[study][supervision]") {
+TEST_CASE("A trial's record is read back as it was written", "[study]") {
   SupervisionRecord read;
   REQUIRE(FromJson(ToJson(FullRecord()).dump(), read));
   CHECK(read == FullRecord());
@@ -300,8 +296,7 @@ TEST_CASE("A trial's record is read back as it was written", "[study][supervisio
   CHECK(ToJson(read)["operator"] == "simulated");
 }
 
-TEST_CASE("A trial's record that lacks something is refused with what it lacks",
-          "[study][supervision]") {
+TEST_CASE("A trial's record that lacks something is refused with what it lacks", "[study]") {
   SupervisionRecord read;
   for (const char* key : {"robots", "order", "failure", "pace", "workload"}) {
     auto json = ToJson(FullRecord());

@@ -1,5 +1,6 @@
 #include "launcher/demo_options.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
@@ -33,7 +34,7 @@ void Check(const std::vector<Row>& rows) {
   }
 }
 
-TEST_CASE("options beyond their limits are refused by name and value", "[launcher][options]") {
+TEST_CASE("options beyond their limits are refused by name and value", "[launcher]") {
   using O = DemoOptions;
   Check({{[](O&) {}, ""},
          {[](O& o) { o.robots = 0; }, "--robots 0"},
@@ -59,8 +60,7 @@ TEST_CASE("options beyond their limits are refused by name and value", "[launche
          {[](O& o) { o.json = "/nowhere/result.json"; }, "--json /nowhere/result.json"}});
 }
 
-TEST_CASE("options that contradict each other or would do nothing are refused",
-          "[launcher][options]") {
+TEST_CASE("options that contradict each other or would do nothing are refused", "[launcher]") {
   using O = DemoOptions;
   const test::TemporaryFolder folder;
   const auto weights = folder / "a.nhpm";
@@ -87,8 +87,7 @@ TEST_CASE("options that contradict each other or would do nothing are refused",
          {[](O& o) { o.streams = true, o.recording = false; }, "--streams"}});
 }
 
-TEST_CASE("a run is watchable on a terminal and as fast as commanded when headless",
-          "[launcher][options]") {
+TEST_CASE("a run is watchable on a terminal and as fast as commanded when headless", "[launcher]") {
   DemoOptions options;
   CHECK(options.effective_speed() == 2.0);
   CHECK(options.console_port() == 8080);
@@ -105,7 +104,7 @@ TEST_CASE("a run is watchable on a terminal and as fast as commanded when headle
   CHECK(options.effective_speed() == 2.0);
 }
 
-TEST_CASE("a demo has one vendor, both, or one per process", "[launcher][options]") {
+TEST_CASE("a demo has one vendor, both, or one per process", "[launcher]") {
   const auto fast_of = [](const std::string& dds) {
     const auto vendors = VendorOfService(dds);
     REQUIRE(vendors);
@@ -125,7 +124,7 @@ TEST_CASE("a demo has one vendor, both, or one per process", "[launcher][options
   }
 }
 
-TEST_CASE("a run-with entry names a service and a command", "[launcher][options]") {
+TEST_CASE("a run-with entry names a service and a command", "[launcher]") {
   const auto entry = ParseRunWith("sim=ip netns exec a");
   REQUIRE(entry);
   CHECK(entry->first == "sim");

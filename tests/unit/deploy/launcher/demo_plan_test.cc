@@ -66,7 +66,7 @@ Config ReadExample(const std::string& section) {
 }
 
 TEST_CASE("each process of a demo gets a configuration that its own struct reads back",
-          "[launcher][plan]") {
+          "[launcher]") {
   Run run;
   run.options.robots = 2;
   run.options.seed = 7;
@@ -95,7 +95,7 @@ TEST_CASE("each process of a demo gets a configuration that its own struct reads
 }
 
 TEST_CASE("the world's seed and turn and the operator's person can be chosen by themselves",
-          "[launcher][plan]") {
+          "[launcher]") {
   Run run;
   run.options.seed = 7;
   run.options.maze_seed = 234;
@@ -109,7 +109,7 @@ TEST_CASE("the world's seed and turn and the operator's person can be chosen by 
   CHECK(run.Operator().recording.mazes == std::vector<std::string>{"w1=conav13 rotated 90@234"});
 }
 
-TEST_CASE("each world has a simulator with its own robots and seed", "[launcher][plan]") {
+TEST_CASE("each world has a simulator with its own robots and seed", "[launcher]") {
   Run run;
   run.options.robots = 2;
   run.options.worlds = 2;
@@ -122,7 +122,7 @@ TEST_CASE("each world has a simulator with its own robots and seed", "[launcher]
   CHECK(run.Planner().robots.size() == 4);
 }
 
-TEST_CASE("maps, cell size and shared goals reach the simulator", "[launcher][plan]") {
+TEST_CASE("maps, cell size and shared goals reach the simulator", "[launcher]") {
   Run run;
   CHECK(run.Sim().map.yaml.empty());
   CHECK(run.Sim().map.operator_yaml.empty());
@@ -139,7 +139,7 @@ TEST_CASE("maps, cell size and shared goals reach the simulator", "[launcher][pl
 }
 
 TEST_CASE("what the environment says of the bus is written into every configuration",
-          "[launcher][plan]") {
+          "[launcher]") {
   Run run;
   run.options.interface = "";
   const test::ScopedVariable no_vendor("CONAV_DDS", nullptr);
@@ -152,7 +152,7 @@ TEST_CASE("what the environment says of the bus is written into every configurat
   CHECK(run.Planner().bus.vendor == "cyclonedds");
 }
 
-TEST_CASE("model, weights and person reach the service and the planner", "[launcher][plan]") {
+TEST_CASE("model, weights and person reach the service and the planner", "[launcher]") {
   Run run;
   CHECK(run.Nhpm().weights == nhpm::ShippedWeights().string());
   run.options.model = "nhpm";
@@ -170,8 +170,7 @@ TEST_CASE("model, weights and person reach the service and the planner", "[launc
   CHECK(run.Planner().person == "p07");
 }
 
-TEST_CASE("replicas of nhpm have names of their own, an embedded model needs none",
-          "[launcher][plan]") {
+TEST_CASE("replicas of nhpm have names of their own, an embedded model needs none", "[launcher]") {
   Run run;
   run.options.nhpm_replicas = 2;
   CHECK(run.Plan().size() == 7);
@@ -181,7 +180,7 @@ TEST_CASE("replicas of nhpm have names of their own, an embedded model needs non
   CHECK(run.Plan().size() == 5);
 }
 
-TEST_CASE("a command is put before the service that it is meant for", "[launcher][plan]") {
+TEST_CASE("a command is put before the service that it is meant for", "[launcher]") {
   Run run;
   run.options.run_with["sim"] = "ip netns exec a";
   CHECK(CommandLine({"sim-w1", "sim", ""}, run.options, "/bin", run.folder) ==
@@ -191,7 +190,7 @@ TEST_CASE("a command is put before the service that it is meant for", "[launcher
         "/bin/conav-planner");
 }
 
-TEST_CASE("the example configurations are what the services read", "[launcher][plan]") {
+TEST_CASE("the example configurations are what the services read", "[launcher]") {
   CHECK(ReadExample<sim::SimConfig>("sim").world == "w1");
   CHECK(ReadExample<planner::PlannerConfig>("planner").method == "ig-mcts");
   CHECK(ReadExample<nhpm::NhpmConfig>("nhpm").model == kDefaultPerceptionModel);
@@ -200,7 +199,7 @@ TEST_CASE("the example configurations are what the services read", "[launcher][p
   CHECK(ReadExample<recorder::RecorderConfig>("recorder").file == "recording.mcap");
 }
 
-TEST_CASE("a run is recorded from its begin unless it is switched off", "[launcher][plan]") {
+TEST_CASE("a run is recorded from its begin unless it is switched off", "[launcher]") {
   Run run;
   run.options.robots = 2;
   run.options.seed = 7;
@@ -219,7 +218,7 @@ TEST_CASE("a run is recorded from its begin unless it is switched off", "[launch
   CHECK_FALSE(run.Plan().contains("recorder"));
 }
 
-TEST_CASE("several planners share all robots, under names of their own", "[launcher][plan]") {
+TEST_CASE("several planners share all robots, under names of their own", "[launcher]") {
   Run run;
   run.options.robots = 3;
   run.options.planners = 2;
@@ -236,8 +235,7 @@ TEST_CASE("several planners share all robots, under names of their own", "[launc
   CHECK(first.bus.vendor != second.bus.vendor);
 }
 
-TEST_CASE("the planner knows every communication policy of the options by its name",
-          "[launcher][plan]") {
+TEST_CASE("the planner knows every communication policy of the options by its name", "[launcher]") {
   Run run;
   for (const char* policy : planner::kCommunicationPolicies) {
     run.options.communication = policy;
@@ -246,10 +244,10 @@ TEST_CASE("the planner knows every communication policy of the options by its na
   }
 }
 
-TEST_CASE("pictures are streamed where a person steers or instructs", "[launcher][plan]") {
+TEST_CASE("pictures are streamed where a person steers or instructs", "[launcher]") {
   Run run;
-  for (const auto& [method, streams] :
-       {std::pair("ig-mcts", false), {"instruction", true}, {"teleop", true}, {"greedy", false}}) {
+  for (const auto& [method, streams] : std::vector<std::pair<const char*, bool>>{
+           {"ig-mcts", false}, {"instruction", true}, {"teleop", true}, {"greedy", false}}) {
     run.options.method = method;
     CHECK(run.Sim().camera.stream == streams);
   }
@@ -261,8 +259,7 @@ std::string Refusal(Result<void> (*check)(const DemoOptions&), const DemoOptions
   return checked ? "" : checked.error().text;
 }
 
-TEST_CASE("a simulated operator is a kind by its name or the person of a file",
-          "[launcher][operator]") {
+TEST_CASE("a simulated operator is a kind by its name or the person of a file", "[launcher]") {
   CHECK(OperatorPerson("hasty").planner.horizon == "next_goal");
   CHECK(OperatorPerson("silent").silent);
   const test::TemporaryFolder folder;
@@ -288,7 +285,7 @@ TEST_CASE("a simulated operator is a kind by its name or the person of a file",
              Catch::StartsWith("--operator lazy") && Catch::Contains("careful, hasty"));
 }
 
-TEST_CASE("weights fit the run's maps, or are refused by name", "[launcher][weights]") {
+TEST_CASE("weights fit the run's maps, or are refused by name", "[launcher]") {
   const test::WeightsFolder folder;
   DemoOptions options;
   CHECK(Refusal(CheckWeights, options) == "");
@@ -308,7 +305,7 @@ TEST_CASE("weights fit the run's maps, or are refused by name", "[launcher][weig
   CHECK(Refusal(CheckWeights, options) == "");  // CheckWorlds says it
 }
 
-TEST_CASE("the checksum is that of the weights that answer", "[launcher][weights]") {
+TEST_CASE("the checksum is that of the weights that answer", "[launcher]") {
   const test::WeightsFolder folder;
   const nhpm::NetworkModel everybody = test::UntrainedNetwork(1);
   const nhpm::NetworkModel anna = test::UntrainedNetwork(2);
@@ -326,7 +323,7 @@ TEST_CASE("the checksum is that of the weights that answer", "[launcher][weights
 }
 
 TEST_CASE("every world of a run has room for its robots, or is refused by option and seed",
-          "[launcher][world]") {
+          "[launcher]") {
   const auto refusal = [](int robots, int worlds, bool shared = false) {
     DemoOptions options;
     options.robots = robots;
@@ -344,7 +341,7 @@ TEST_CASE("every world of a run has room for its robots, or is refused by option
   CHECK_THAT(refusal(18, 16), Catch::Contains("--robots 18: the world of seed "));
 }
 
-TEST_CASE("a preset or map that is none is refused by its name", "[launcher][world]") {
+TEST_CASE("a preset or map that is none is refused by its name", "[launcher]") {
   const test::TemporaryFolder folder;
   DemoOptions options;
   options.preset = "nope";

@@ -12,7 +12,7 @@ namespace {
 
 using conav::launcher::DomainLease;
 
-TEST_CASE("a domain is leased once and free again afterwards", "[launcher][domain]") {
+TEST_CASE("a domain is leased once and free again afterwards", "[launcher]") {
   constexpr int kDomain = 231;  // no demo asks for it by itself
   auto first = DomainLease::TryAcquire(kDomain);
   REQUIRE(first);

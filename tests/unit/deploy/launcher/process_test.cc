@@ -26,7 +26,7 @@ struct Log {
   ProcessGroup group;
 };
 
-TEST_CASE("a process writes into its log, and how it ended is known", "[launcher][process]") {
+TEST_CASE("a process writes into its log, and how it ended is known", "[launcher]") {
   const Log log;
   Process process("child", {"sh", "-c", "echo out; echo err >&2; exit 3"}, log.path);
   REQUIRE(WaitUntil([&] { return process.Poll(); }));
@@ -38,12 +38,12 @@ TEST_CASE("a process writes into its log, and how it ended is known", "[launcher
   CHECK(killed.end()->Describe() == "signal 9 (Killed)");
 }
 
-TEST_CASE("a program that does not exist is refused by its name", "[launcher][process]") {
+TEST_CASE("a program that does not exist is refused by its name", "[launcher]") {
   CHECK_THROWS_WITH(Process("child", {"/nowhere/conav-sim"}, "/dev/null"),
                     Catch::Contains("/nowhere/conav-sim") && Catch::Contains("No such file"));
 }
 
-TEST_CASE("a group reports each end once", "[launcher][process]") {
+TEST_CASE("a group reports each end once", "[launcher]") {
   Log log;
   log.Start("short", {"true"});
   log.Start("long", {"sleep", "600"});
@@ -53,8 +53,7 @@ TEST_CASE("a group reports each end once", "[launcher][process]") {
   CHECK(log.group.TakeEnded().empty());
 }
 
-TEST_CASE("a group stops at once, in part or whole, when its processes obey",
-          "[launcher][process]") {
+TEST_CASE("a group stops at once, in part or whole, when its processes obey", "[launcher]") {
   Log log;
   const Process& a = log.Start("a", {"sleep", "600"});
   const Process& b = log.Start("b", {"sleep", "600"});
@@ -69,14 +68,14 @@ TEST_CASE("a group stops at once, in part or whole, when its processes obey",
   CHECK(std::chrono::steady_clock::now() - start < 5s);
 }
 
-TEST_CASE("a process that ignores the request is killed and named", "[launcher][process]") {
+TEST_CASE("a process that ignores the request is killed and named", "[launcher]") {
   Log log;
   log.Start("stubborn", {"sh", "-c", "trap '' TERM; echo ready; while :; do sleep 1; done"});
   REQUIRE(WaitUntil([&] { return log.Read() == "ready\n"; }));
   CHECK(log.group.StopAll(100ms) == std::vector<std::string>{"stubborn"});
 }
 
-TEST_CASE("the last lines of a log are those at its end", "[launcher][process]") {
+TEST_CASE("the last lines of a log are those at its end", "[launcher]") {
   const Log log;
   REQUIRE(WriteFile(log.path, "one\ntwo\nthree\n"));
   CHECK(LastLines(log.path, 2) == std::vector<std::string>{"two", "three"});

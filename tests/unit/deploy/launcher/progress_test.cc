@@ -26,15 +26,14 @@ struct Output {
   }
 };
 
-TEST_CASE("a robot's line tells cell, goals, moves, pictures and decisions",
-          "[launcher][progress]") {
+TEST_CASE("a robot's line tells cell, goals, moves, pictures and decisions", "[launcher]") {
   const std::string line = ProgressLine(SampleEpisode().robots[0]);
   CHECK_THAT(line, Catch::Contains("r1  w1  cell (3,3)") && Catch::Contains("goals 1/1") &&
                        Catch::Contains("moves 2") && Catch::Contains("pictures 1"));
   CHECK_THAT(ProgressLine(MakeEpisode(1, 1).robots[0]), Catch::Contains("waiting"));
 }
 
-TEST_CASE("silent progress writes nothing", "[launcher][progress]") {
+TEST_CASE("silent progress writes nothing", "[launcher]") {
   Output output;
   Progress progress(output.file, Progress::Style::kSilent, output.clock);
   progress.Say("started");
@@ -43,7 +42,7 @@ TEST_CASE("silent progress writes nothing", "[launcher][progress]") {
   CHECK(output.Read().empty());
 }
 
-TEST_CASE("plain progress is written every few seconds and at each goal", "[launcher][progress]") {
+TEST_CASE("plain progress is written every few seconds and at each goal", "[launcher]") {
   Output output;
   Progress progress(output.file, Progress::Style::kPlain, output.clock);
   Episode episode = MakeEpisode(1, 1);
@@ -59,7 +58,7 @@ TEST_CASE("plain progress is written every few seconds and at each goal", "[laun
   CHECK(test::CountOf(output.Read(), "\n") == 3);
 }
 
-TEST_CASE("a terminal's lines are written over the ones before", "[launcher][progress]") {
+TEST_CASE("a terminal's lines are written over the ones before", "[launcher]") {
   Output output;
   Progress progress(output.file, Progress::Style::kTerminal, output.clock);
   const Episode episode = MakeEpisode(2, 1);
@@ -73,13 +72,13 @@ TEST_CASE("a terminal's lines are written over the ones before", "[launcher][pro
   CHECK(text.find("\x1b[2A", text.find("sim died")) == std::string::npos);
 }
 
-TEST_CASE("the table tells what a robot did and whether all was reached", "[launcher][table]") {
+TEST_CASE("the table tells what a robot did and whether all was reached", "[launcher]") {
   const std::string table = ResultTable(Measure(SampleEpisode()));
   CHECK_THAT(table, Catch::Contains("r1    w1         1/1       2      17         1    12.3 kB"));
   CHECK_THAT(table, Catch::Contains("all goals reached: yes"));
 }
 
-TEST_CASE("bytes are shortened", "[launcher][table]") {
+TEST_CASE("bytes are shortened", "[launcher]") {
   CHECK(ShortBytes(0) == "0 B");
   CHECK(ShortBytes(999) == "999 B");
   CHECK(ShortBytes(1000) == "1.0 kB");

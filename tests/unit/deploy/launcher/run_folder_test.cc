@@ -15,7 +15,7 @@ const std::chrono::system_clock::time_point kTime{std::chrono::seconds(1'700'000
 
 }  // namespace
 
-TEST_CASE("a run folder has room for configuration, logs and state", "[launcher][run_folder]") {
+TEST_CASE("a run folder has room for configuration, logs and state", "[launcher]") {
   const test::TemporaryFolder temporary;
   const RunFolder run(temporary / "runs", kTime, 7);
   CHECK(fs::is_directory(run.path() / "config"));
@@ -28,7 +28,7 @@ TEST_CASE("a run folder has room for configuration, logs and state", "[launcher]
   CHECK(RunFolder(temporary / "runs", kTime, 7).path().filename() == "20231114-221320-seed7-2");
 }
 
-TEST_CASE("a run folder that cannot be made is refused with its path", "[launcher][run_folder]") {
+TEST_CASE("a run folder that cannot be made is refused with its path", "[launcher]") {
   CHECK_THROWS_WITH(RunFolder("/proc/self/status/runs", kTime, 7),
                     Catch::Contains("/proc/self/status/runs"));
 }

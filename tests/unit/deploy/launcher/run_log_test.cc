@@ -7,7 +7,7 @@
 namespace conav::launcher {
 namespace {
 
-TEST_CASE("robots are numbered on over the worlds", "[launcher][episode]") {
+TEST_CASE("robots are numbered on over the worlds", "[launcher]") {
   const Episode episode = MakeEpisode(2, 2);
   REQUIRE(episode.robots.size() == 4);
   CHECK(episode.robots[1].name == "r2");
@@ -18,7 +18,7 @@ TEST_CASE("robots are numbered on over the worlds", "[launcher][episode]") {
   CHECK_FALSE(episode.all_goals_reached());
 }
 
-TEST_CASE("a state that only tells the time is no news", "[launcher][episode]") {
+TEST_CASE("a state that only tells the time is no news", "[launcher]") {
   RobotRecord robot;
   RobotState state;
   CHECK(IsNews(robot, state));
@@ -32,7 +32,7 @@ TEST_CASE("a state that only tells the time is no news", "[launcher][episode]") 
 }
 
 TEST_CASE("the trajectory joins the paths of pictures with the path since the newest one",
-          "[launcher][episode]") {
+          "[launcher]") {
   CHECK(WholeTrajectory(SampleEpisode().robots[0]) == std::vector<Cell>{{3, 1}, {3, 2}, {3, 3}});
   // A picture that arrives before the state that counts it, or twice, repeats no cells.
   RobotRecord robot;
@@ -49,8 +49,7 @@ TEST_CASE("the trajectory joins the paths of pictures with the path since the ne
   CHECK(WholeTrajectory(robot) == state.path);
 }
 
-TEST_CASE("guidance and edits are counted by the newest revision, not by messages",
-          "[launcher][episode]") {
+TEST_CASE("guidance and edits are counted by the newest revision, not by messages", "[launcher]") {
   RobotRecord robot;
   Guidance guidance;
   WorldRecord world;
@@ -64,7 +63,7 @@ TEST_CASE("guidance and edits are counted by the newest revision, not by message
   CHECK(world.edits() == 4);
 }
 
-TEST_CASE("robots that share goals reach them together", "[launcher][episode]") {
+TEST_CASE("robots that share goals reach them together", "[launcher]") {
   Episode episode = MakeEpisode(2, 1);
   RobotState state;
   state.goals_total = 3;
@@ -79,7 +78,7 @@ TEST_CASE("robots that share goals reach them together", "[launcher][episode]") 
   CHECK_FALSE(episode.all_goals_reached());
 }
 
-TEST_CASE("a belief is a wall from one half on", "[launcher][episode]") {
+TEST_CASE("a belief is a wall from one half on", "[launcher]") {
   BeliefGrid belief(1, 2, 0.49F);
   belief[{0, 1}] = 0.5F;
   const OccupancyGrid map = BeliefAsMap(belief);
@@ -87,7 +86,7 @@ TEST_CASE("a belief is a wall from one half on", "[launcher][episode]") {
   CHECK(map[{0, 1}] == Occupancy::kOccupied);
 }
 
-TEST_CASE("percentiles are nearest ranks", "[launcher][metrics]") {
+TEST_CASE("percentiles are nearest ranks", "[launcher]") {
   const std::vector<double> values{5, 1, 4, 2, 3};
   CHECK(Percentile(values, 0.5) == 3);
   CHECK(Percentile(values, 0.99) == 5);
@@ -95,7 +94,7 @@ TEST_CASE("percentiles are nearest ranks", "[launcher][metrics]") {
   CHECK(Percentile({}, 0.5) == 0);
 }
 
-TEST_CASE("a robot's time ends with its last goal", "[launcher][metrics]") {
+TEST_CASE("a robot's time ends with its last goal", "[launcher]") {
   Episode episode = MakeEpisode(1, 1);
   RobotState state;
   state.goals_left = {{1, 1}};
@@ -110,7 +109,7 @@ TEST_CASE("a robot's time ends with its last goal", "[launcher][metrics]") {
   CHECK(MeasureRobot(episode.robots[0]).time_s == 5.25);
 }
 
-TEST_CASE("an episode is measured from what its robots said", "[launcher][metrics]") {
+TEST_CASE("an episode is measured from what its robots said", "[launcher]") {
   Episode episode = SampleEpisode();
   for (const double duration_ms : {4.0, 6.0, 50.0}) {
     SearchReport report;
@@ -141,7 +140,7 @@ TEST_CASE("an episode is measured from what its robots said", "[launcher][metric
   CHECK(metrics.robots[0].decision_ms_p99 == 50.0);
 }
 
-TEST_CASE("the JSON object has every key that it promises", "[launcher][metrics]") {
+TEST_CASE("the JSON object has every key that it promises", "[launcher]") {
   const auto json = ToJson(Measure(SampleEpisode()));
   for (const char* key : {"all_goals_reached", "mapping_accuracy_before", "mapping_accuracy_after",
                           "cell_accuracy_before", "cell_accuracy_after"}) {

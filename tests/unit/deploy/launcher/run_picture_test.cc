@@ -11,8 +11,7 @@ namespace {
 
 using test::CountOf;
 
-TEST_CASE("the picture shows three maps, the way and the picture that was sent",
-          "[launcher][svg]") {
+TEST_CASE("the picture shows three maps, the way and the picture that was sent", "[launcher]") {
   const std::string svg = EpisodeSvg(SampleEpisode(), "seed 1");
   CHECK(CountOf(svg, "width=\"23.0\"") == 3 * 25);
   CHECK(CountOf(svg, "<polyline") == 1);
@@ -22,8 +21,7 @@ TEST_CASE("the picture shows three maps, the way and the picture that was sent",
   CHECK(test::XmlError(svg) == "");
 }
 
-TEST_CASE("among several robots each goal has the colour and the name of its robot",
-          "[launcher][svg]") {
+TEST_CASE("among several robots each goal has the colour and the name of its robot", "[launcher]") {
   const std::string blue = "fill=\"#0072B2\" stroke=\"#000000\"";
   const std::string orange = "fill=\"#D55E00\" stroke=\"#000000\"";
   const std::string yellow = "fill=\"#F0E442\" stroke=\"#000000\"";
@@ -50,7 +48,7 @@ TEST_CASE("among several robots each goal has the colour and the name of its rob
   CHECK(CountOf(EpisodeSvg(episode, ""), yellow) == 2);  // alone in its world
 }
 
-TEST_CASE("each mistake of the operator's map is marked by its kind", "[launcher][svg]") {
+TEST_CASE("each mistake of the operator's map is marked by its kind", "[launcher]") {
   const std::string svg = EpisodeSvg(SampleEpisode(), "");
   // before, after (nothing was edited) and the legend; a cross is two lines, the legend has one
   // more
@@ -58,7 +56,7 @@ TEST_CASE("each mistake of the operator's map is marked by its kind", "[launcher
   CHECK(CountOf(svg, "fill=\"none\"/>") == 3);
 }
 
-TEST_CASE("a world that was never heard of leaves an empty picture", "[launcher][svg]") {
+TEST_CASE("a world that was never heard of leaves an empty picture", "[launcher]") {
   const std::string svg = EpisodeSvg(MakeEpisode(1, 1), "no & thing");
   CHECK_THAT(svg, Catch::Contains("<title>no &amp; thing</title>"));
   CHECK(test::XmlError(svg) == "");

@@ -38,14 +38,13 @@ const Path kAcross = {{1, 1}, {1, 2}, {1, 3}};
 const Path kAround = {{1, 1}, {2, 1}, {3, 1}, {4, 1}, {5, 1}, {6, 1}, {6, 2},
                       {6, 3}, {5, 3}, {4, 3}, {3, 3}, {2, 3}, {1, 3}};
 
-TEST_CASE("A path leads from the robot to the goal that the map has a way to",
-          "[operator][simulated]") {
+TEST_CASE("A path leads from the robot to the goal that the map has a way to", "[simulated]") {
   CHECK(PlanOn(kCorridor, {1, 1}, {{1, 3}}) == kAcross);
   CHECK(PlanOn(kCorridor, {1, 1}, {}) == Path{{1, 1}});
   CHECK(PlanOn(kCorridor, {1, 1}, {{1, 3}}, {}, {{1, 2}}) == Path{{1, 1}});  // behind certain walls
 }
 
-TEST_CASE("A wall is crossed where that is cheaper than the way around", "[operator][simulated]") {
+TEST_CASE("A wall is crossed where that is cheaper than the way around", "[simulated]") {
   const std::set<Cell> told{{1, 2}, {2, 2}, {3, 2}, {4, 2}, {5, 2}};
   CHECK(PlanOn(kLongWall, {1, 1}, {{1, 3}}, Crossing(9.0)) == kAcross);
   CHECK(PlanOn(kLongWall, {1, 1}, {{1, 3}}, Crossing(11.0)) == kAround);
@@ -58,7 +57,7 @@ TEST_CASE("A wall is crossed where that is cheaper than the way around", "[opera
 }
 
 TEST_CASE("The order of goals is the cheapest one, of more than six the nearest first",
-          "[operator][simulated]") {
+          "[simulated]") {
   // Robot at column 4 with goals at 3, 6 and 1. Nearest first is 3 (1), 1 (2), 6 (5): 8 steps.
   // The cheapest is 6 (2), 3 (3), 1 (2): 7 steps.
   const Path goals{{1, 3}, {1, 6}, {1, 1}};
@@ -75,14 +74,14 @@ TEST_CASE("The order of goals is the cheapest one, of more than six the nearest 
 }
 
 TEST_CASE("The horizon away leads to the free cell that is farthest from the goals",
-          "[operator][simulated]") {
+          "[simulated]") {
   const Drawing map = {"#######", "#     #", "# ### #", "# #   #", "#######"};
   CHECK(PlanOn(map, {1, 3}, {{3, 1}}, Horizon("away")) ==
         Path{{1, 3}, {1, 4}, {1, 5}, {2, 5}, {3, 5}, {3, 4}, {3, 3}});
   CHECK(PlanOn(map, {1, 3}, {}, Horizon("away")) == Path{{1, 3}});
 }
 
-TEST_CASE("A start or a goal outside of the map is refused by name", "[operator][simulated]") {
+TEST_CASE("A start or a goal outside of the map is refused by name", "[simulated]") {
   const BeliefGrid map = DrawnMap({"###", "# #", "###"});
   const PathPlanner planner({});
   const auto start = planner.Plan(map, {}, {3, 1}, {});
@@ -91,7 +90,7 @@ TEST_CASE("A start or a goal outside of the map is refused by name", "[operator]
   CHECK_FALSE(planner.Plan(map, {}, {1, 1}, Path{{1, -1}}).has_value());
 }
 
-TEST_CASE("Following the first step makes the rest of the plan cheaper", "[operator][simulated]") {
+TEST_CASE("Following the first step makes the rest of the plan cheaper", "[simulated]") {
   // Teleoperation takes one step and asks again: it must come nearer each time, ties or not.
   const Drawing map = {"#######", "#     #", "#     #", "#     #", "#######"};
   std::set<Cell> left{{1, 1}, {1, 5}, {3, 1}, {3, 5}};
@@ -106,8 +105,7 @@ TEST_CASE("Following the first step makes the rest of the plan cheaper", "[opera
   }
 }
 
-TEST_CASE("The cost to a cell is the sum of the entry costs on the cheapest way",
-          "[operator][simulated]") {
+TEST_CASE("The cost to a cell is the sum of the entry costs on the cheapest way", "[simulated]") {
   // 1 9 1
   // 1 1 1
   Grid<double> costs(2, 3, 1.0);
@@ -122,7 +120,7 @@ TEST_CASE("The cost to a cell is the sum of the entry costs on the cheapest way"
   CHECK(CostField(costs, {0, 0}).CostTo({0, 2}) == kUnreachable);
 }
 
-TEST_CASE("Among ways of equal cost the choice is always the same", "[operator][simulated]") {
+TEST_CASE("Among ways of equal cost the choice is always the same", "[simulated]") {
   // (0,1) is settled before (1,0), so it is the one that (1,1) is entered from.
   CHECK(CostField(Grid<double>(2, 2, 1.0), {0, 0}).PathTo({1, 1}) == Path{{0, 0}, {0, 1}, {1, 1}});
 }

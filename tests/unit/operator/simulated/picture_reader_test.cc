@@ -46,27 +46,23 @@ double Rate(const PictureReaderParameters& parameters, const BeliefGrid& belief,
 }
 
 TEST_CASE("A flawless reader edits every difference between picture and map, and nothing else",
-          "[operator][simulated]") {
+          "[simulated]") {
   PictureReader reader(Flawless(), 1);
   const Snapshot picture = LookEast({{{1, 1}, {1, 2}, {1, 3}, {1, 4}}, {{0, 4}, {1, 5}}});
   CHECK(reader.Read(WithWallAt({{1, 3}}), picture, {}) == Edits{{{1, 3}, false}, {{1, 5}, true}});
   CHECK(reader.Read(WithWallAt({{1, 5}}), picture, {}).empty());
 }
 
-TEST_CASE("Walls on the path of the robot are removed, seen or not", "[operator][simulated]") {
+TEST_CASE("Walls on the path of the robot are removed, seen or not", "[simulated]") {
   const BeliefGrid belief = WithWallAt({{1, 2}});
   Snapshot picture = LookEast({});
   picture.cell = {1, 3};
   picture.path = {{1, 1}, {1, 2}, {1, 3}};
   CHECK(PictureReader(Flawless(), 1).Read(belief, picture, {}) == Edits{{{1, 2}, false}});
-
-  PictureReaderParameters parameters = Flawless();
-  parameters.path_removal_probability = 0.9;
-  CHECK(Rate(parameters, belief, picture, {1, 2}) == Approx(0.9).margin(0.02));
 }
 
 TEST_CASE("The border, certain cells and cells outside of the map are never edited",
-          "[operator][simulated]") {
+          "[simulated]") {
   BeliefGrid belief = DrawnMap({"    ", "    ", "    ", "    "});
   Snapshot picture = LookEast({{}, {{0, 1}, {1, 3}, {3, 3}, {2, 2}, {9, 9}, {-1, 0}}});
   PictureReaderParameters parameters = Flawless();
@@ -81,7 +77,7 @@ TEST_CASE("The border, certain cells and cells outside of the map are never edit
   }
 }
 
-TEST_CASE("No wall is put where the robot is or was", "[operator][simulated]") {
+TEST_CASE("No wall is put where the robot is or was", "[simulated]") {
   PictureReaderParameters parameters = Flawless();
   parameters.misplacement_probability = 1.0;
   Snapshot picture = LookEast({{{1, 1}}, {{1, 2}}});
@@ -97,10 +93,15 @@ TEST_CASE("No wall is put where the robot is or was", "[operator][simulated]") {
   CHECK(misplaced == Approx(100).margin(30));
 }
 
-TEST_CASE("The probability of an edit falls with distance as the parameters say",
-          "[operator][simulated]") {
+/// Flawless() with one value of its own.
+PictureReaderParameters With(double PictureReaderParameters::*field, double value) {
   PictureReaderParameters parameters = Flawless();
-  parameters.edit_probability = 0.9;
+  parameters.*field = value;
+  return parameters;
+}
+
+TEST_CASE("The probability of an edit falls with distance as the parameters say", "[simulated]") {
+  PictureReaderParameters parameters = With(&PictureReaderParameters::edit_probability, 0.9);
   parameters.decay_cells = 4.0;
   const BeliefGrid belief = WithWallAt({{1, 2}, {1, 7}});
   const Snapshot picture = LookEast({{{1, 2}, {1, 7}}, {}});
@@ -109,49 +110,43 @@ TEST_CASE("The probability of an edit falls with distance as the parameters say"
 }
 
 TEST_CASE("A far wall at the centre that continues a wall is preferred to a near lateral one",
-          "[operator][simulated]") {
-  PictureReaderParameters parameters = Flawless();
-  parameters.edit_probability = 0.6;
+          "[simulated]") {
+  PictureReaderParameters parameters = With(&PictureReaderParameters::edit_probability, 0.6);
   parameters.lateral_factor = 0.5;
   parameters.far_centre_probability = 0.8;
   const BeliefGrid belief = DrawnMap(
       {"##########", "#        #", "#        #", "#        #", "######## #", "##########"});
   Snapshot picture = LookEast({{}, {{2, 2}, {3, 7}}});
   picture.cell = {3, 1};
-  const double lateral = Rate(parameters, belief, picture, {2, 2});  // 45 degrees off, 1.4 away
-  const double far = Rate(parameters, belief, picture, {3, 7});      // above the wall (4,7)
-  CHECK(lateral == Approx(0.3).margin(0.025));
-  CHECK(far == Approx(0.8).margin(0.025));
+  // 45 degrees off, 1.4 away; and above the wall (4,7)
+  CHECK(Rate(parameters, belief, picture, {2, 2}) == Approx(0.3).margin(0.025));
+  CHECK(Rate(parameters, belief, picture, {3, 7}) == Approx(0.8).margin(0.025));
 }
 
-TEST_CASE("Lapses and guesses happen at their rates", "[operator][simulated]") {
-  PictureReaderParameters parameters = Flawless();
-  parameters.lapse_probability = 0.2;
-  const BeliefGrid belief = WithWallAt({{1, 3}});
-  CHECK(Rate(parameters, belief, LookEast({{{1, 3}}, {}}), {1, 3}) == Approx(0.8).margin(0.025));
-
-  parameters = Flawless();
-  parameters.guess_probability = 0.1;
+TEST_CASE("Removals, lapses, guesses and misplacements happen at their rates", "[simulated]") {
+  using P = PictureReaderParameters;
+  Snapshot driven = LookEast({});
+  driven.cell = {1, 3};
+  driven.path = {{1, 1}, {1, 2}, {1, 3}};
+  CHECK(Rate(With(&P::path_removal_probability, 0.9), WithWallAt({{1, 2}}), driven, {1, 2}) ==
+        Approx(0.9).margin(0.02));
+  CHECK(Rate(With(&P::lapse_probability, 0.2), WithWallAt({{1, 3}}), LookEast({{{1, 3}}, {}}),
+             {1, 3}) == Approx(0.8).margin(0.025));
   // Only (1,3) lies beside what is shown and can be edited.
-  const Snapshot picture = LookEast({{{1, 1}, {1, 2}}, {}});
-  CHECK(Rate(parameters, WithWallAt({}), picture, {1, 3}) == Approx(0.1).margin(0.02));
+  CHECK(Rate(With(&P::guess_probability, 0.1), WithWallAt({}), LookEast({{{1, 1}, {1, 2}}, {}}),
+             {1, 3}) == Approx(0.1).margin(0.02));
+  // A near wall lands one cell off along the view axis.
+  PictureReaderParameters off = With(&P::misplacement_probability, 0.2);
+  const Snapshot wall = LookEast({{{1, 1}}, {{1, 4}}});
+  off.near_cells = 3.0;
+  CHECK(Rate(off, WithWallAt({}), wall, {1, 3}) == Approx(0.1).margin(0.02));
+  CHECK(Rate(off, WithWallAt({}), wall, {1, 4}) == Approx(0.8).margin(0.025));
+  CHECK(Rate(off, WithWallAt({}), wall, {1, 5}) == Approx(0.1).margin(0.02));
+  off.near_cells = 2.9;
+  CHECK(Rate(off, WithWallAt({}), wall, {1, 4}) == 1.0);
 }
 
-TEST_CASE("A near wall lands one cell off along the view axis at its rate",
-          "[operator][simulated]") {
-  PictureReaderParameters parameters = Flawless();
-  parameters.misplacement_probability = 0.2;
-  parameters.near_cells = 3.0;
-  const Snapshot picture = LookEast({{{1, 1}}, {{1, 4}}});
-  const BeliefGrid belief = WithWallAt({});
-  CHECK(Rate(parameters, belief, picture, {1, 3}) == Approx(0.1).margin(0.02));
-  CHECK(Rate(parameters, belief, picture, {1, 4}) == Approx(0.8).margin(0.025));
-  CHECK(Rate(parameters, belief, picture, {1, 5}) == Approx(0.1).margin(0.02));
-  parameters.near_cells = 2.9;
-  CHECK(Rate(parameters, belief, picture, {1, 4}) == 1.0);
-}
-
-TEST_CASE("A person stops at the edit limit, nearest first", "[operator][simulated]") {
+TEST_CASE("A person stops at the edit limit, nearest first", "[simulated]") {
   PictureReaderParameters parameters = Flawless();
   parameters.edit_limit = 2;
   const BeliefGrid belief = WithWallAt({{1, 3}, {1, 5}, {1, 7}});
@@ -160,7 +155,7 @@ TEST_CASE("A person stops at the edit limit, nearest first", "[operator][simulat
         Edits{{{1, 3}, false}, {{1, 5}, false}});
 }
 
-TEST_CASE("Equal seeds give equal edits, another seed gives others", "[operator][simulated]") {
+TEST_CASE("Equal seeds give equal edits, another seed gives others", "[simulated]") {
   const BeliefGrid belief = WithWallAt({{1, 3}, {1, 5}, {1, 8}});
   const Snapshot picture = LookEast({{{1, 3}, {1, 5}, {1, 8}}, {}});
   PictureReaderParameters parameters;
@@ -185,8 +180,7 @@ PictureReaderParameters NearWallsMisplaced() {
   return parameters;
 }
 
-TEST_CASE("One reading drawn often gives what a reader gives look by look",
-          "[operator][simulated]") {
+TEST_CASE("One reading drawn often gives what a reader gives look by look", "[simulated]") {
   PictureReaderParameters parameters;
   parameters.guess_probability = 0.3;
   parameters.edit_probability = 0.6;
@@ -198,7 +192,7 @@ TEST_CASE("One reading drawn often gives what a reader gives look by look",
   }
 }
 
-TEST_CASE("The possible cells are those that draws edit, and no others", "[operator][simulated]") {
+TEST_CASE("The possible cells are those that draws edit, and no others", "[simulated]") {
   PictureReaderParameters parameters = NearWallsMisplaced();
   std::vector<Cell> expected = {{1, 3}, {1, 4}, {1, 5}, {1, 6}};
   SECTION("misplaced") {}

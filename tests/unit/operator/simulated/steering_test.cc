@@ -17,7 +17,7 @@ DriveAction Key(const ShownPose& pose, const std::vector<Cell>& path, bool to_ce
   return ChooseKey(hands, geometry, pose, path, to_centre);
 }
 
-TEST_CASE("a key is expected to do what the parameters say", "[operator][teleoperator]") {
+TEST_CASE("a key is expected to do what the parameters say", "[simulated]") {
   const ShownPose north{{0.0, 0.0}, kPi / 2};
   CHECK(Expect(hands, north, DriveAction::kForward).position.y_m == Approx(0.2));
   CHECK(Expect(hands, north, DriveAction::kBackward).position.y_m == Approx(-0.1));
@@ -26,8 +26,7 @@ TEST_CASE("a key is expected to do what the parameters say", "[operator][teleope
   CHECK(Expect(hands, north, DriveAction::kStop).heading_rad == north.heading_rad);
 }
 
-TEST_CASE("the robot turns the short way to its path, then goes forward",
-          "[operator][teleoperator]") {
+TEST_CASE("the robot turns the short way to its path, then goes forward", "[simulated]") {
   const std::vector<Cell> east{{2, 2}, {2, 3}};
   CHECK(Key({{0.0, 0.0}, 0.0}, east) == DriveAction::kForward);
   CHECK(Key({{0.0, 0.0}, 1.0}, east) == DriveAction::kTurnRight);
@@ -39,8 +38,7 @@ TEST_CASE("the robot turns the short way to its path, then goes forward",
   CHECK(Key({{0.0, 0.0}, 0.0}, {{2, 2}}) == DriveAction::kStop);  // at the path's end
 }
 
-TEST_CASE("a corner is turned near its middle, not at the edge of the cell",
-          "[operator][teleoperator]") {
+TEST_CASE("a corner is turned near its middle, not at the edge of the cell", "[simulated]") {
   const std::vector<Cell> north{{2, 2}, {1, 2}};
   CHECK(Key({{-0.9, 0.0}, 0.0}, north) == DriveAction::kForward);  // just come in from the west
   CHECK(Key({{-0.3, 0.0}, 0.0}, north) == DriveAction::kTurnLeft);
@@ -48,14 +46,14 @@ TEST_CASE("a corner is turned near its middle, not at the edge of the cell",
 }
 
 TEST_CASE("after a bump the robot goes back to the middle of its cell, backward if that is behind",
-          "[operator][teleoperator]") {
+          "[simulated]") {
   const std::vector<Cell> east{{2, 2}, {2, 3}};
   CHECK(Key({{0.7, 0.0}, 0.0}, east, true) == DriveAction::kBackward);
   CHECK(Key({{0.7, 0.0}, kPi}, east, true) == DriveAction::kForward);
   CHECK(Key({{0.7, 0.0}, kPi / 2}, east, true) == DriveAction::kTurnLeft);
 }
 
-TEST_CASE("off the middle is measured on the worse axis, in cells", "[operator][teleoperator]") {
+TEST_CASE("off the middle is measured on the worse axis, in cells", "[simulated]") {
   CHECK(OffCentre(geometry, {0.2, -0.6}, {2, 2}) == Approx(0.3));
 }
 
@@ -76,8 +74,7 @@ struct Stream : StreamMemory {
   Random random{3};
 };
 
-TEST_CASE("a wall is believed when it was noticed twice, a free cell at once",
-          "[operator][teleoperator]") {
+TEST_CASE("a wall is believed when it was noticed twice, a free cell at once", "[simulated]") {
   Stream memory;
   memory.LookOften(1);
   CHECK(memory.IsFree({2, 2}));
@@ -89,8 +86,7 @@ TEST_CASE("a wall is believed when it was noticed twice, a free cell at once",
   CHECK(memory.Walls().empty());
 }
 
-TEST_CASE("what was seen is put over the map, and the map's errors are named",
-          "[operator][teleoperator]") {
+TEST_CASE("what was seen is put over the map, and the map's errors are named", "[simulated]") {
   Stream memory;
   memory.LookOften(2);
   BeliefGrid map(5, 5, 0.0F);
@@ -102,7 +98,7 @@ TEST_CASE("what was seen is put over the map, and the map's errors are named",
 }
 
 TEST_CASE("a mistaken wall is put right by the next looks, and what was driven through is free",
-          "[operator][teleoperator]") {
+          "[simulated]") {
   Stream memory;
   memory.Bump({2, 2});
   CHECK(memory.IsWall({2, 2}));
@@ -116,7 +112,7 @@ TEST_CASE("a mistaken wall is put right by the next looks, and what was driven t
 }
 
 TEST_CASE("a picture that is not looked at teaches nothing, a near wall may be taken for one off",
-          "[operator][teleoperator]") {
+          "[simulated]") {
   PictureReaderParameters reader = FlawlessReader();
   reader.lapse_probability = 1.0;
   Stream absent;
@@ -130,7 +126,7 @@ TEST_CASE("a picture that is not looked at teaches nothing, a near wall may be t
   CHECK(misled.IsWall({2, 4}));
 }
 
-TEST_CASE("cells outside of the map are ignored", "[operator][teleoperator]") {
+TEST_CASE("cells outside of the map are ignored", "[simulated]") {
   StreamMemory memory(2, 2);
   Random random(1);
   memory.Look(FlawlessReader(), Eastward(), random);

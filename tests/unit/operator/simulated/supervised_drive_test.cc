@@ -126,7 +126,7 @@ class Drive {
 };
 
 TEST_CASE("A robot that follows the paths, whole or step by step, reaches all goals",
-          "[operator][simulated]") {
+          "[simulated]") {
   const bool step_by_step = GENERATE(false, true);
   int wrong_before = 0;
   int wrong_after = 0;

@@ -10,7 +10,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST_CASE("The first path is given when belief and state are there", "[operator][simulated]") {
+TEST_CASE("The first path is given when belief and state are there", "[simulated]") {
   Console console;
   console.person.Receive(StateAt({1, 1}, 10));
   console.ExpectNothing();
@@ -27,7 +27,7 @@ TEST_CASE("The first path is given when belief and state are there", "[operator]
 }
 
 TEST_CASE("A picture that shows an error is answered by an edit, then by a path on the new map",
-          "[operator][simulated]") {
+          "[simulated]") {
   BegunConsole console;
   console.Show(SnapshotOf(1, 20));
   CHECK(console.ExpectEdit() == EditRequest{0, {{{1, 3}, true}}});
@@ -42,7 +42,7 @@ TEST_CASE("A picture that shows an error is answered by an edit, then by a path 
 }
 
 TEST_CASE("The kinds of people differ as their names say, and a config may change single values",
-          "[operator][simulated]") {
+          "[simulated]") {
   const auto careful = ParametersOfKind("careful");
   const auto hasty = ParametersOfKind("hasty");
   CHECK(careful.reader.edit_probability == PictureReaderParameters().edit_probability);
@@ -59,7 +59,7 @@ TEST_CASE("The kinds of people differ as their names say, and a config may chang
 }
 
 TEST_CASE("A picture is answered by a path from the newest place of the robot to its goals",
-          "[operator][simulated]") {
+          "[simulated]") {
   BegunConsole console;
   Snapshot picture = SnapshotOf(1, 20);
   picture.visible = {};
@@ -84,8 +84,7 @@ TEST_CASE("A picture is answered by a path from the newest place of the robot to
   CHECK(console.ExpectGuide().path == std::vector<Cell>{{1, 1}});
 }
 
-TEST_CASE("A glance at a share of streamed pictures edits and gives no path",
-          "[operator][simulated]") {
+TEST_CASE("A glance at a share of streamed pictures edits and gives no path", "[simulated]") {
   SyntheticOperatorParameters parameters = Flawless();
   parameters.glance_rate = 0.3;
   BegunConsole console(parameters);
@@ -103,7 +102,7 @@ TEST_CASE("A glance at a share of streamed pictures edits and gives no path",
 }
 
 TEST_CASE("A refused edit is made again on the new map, as far as it is still a change",
-          "[operator][simulated]") {
+          "[simulated]") {
   BegunConsole console;
   Snapshot picture = SnapshotOf(1, 20);
   picture.visible.walls = {{1, 3}, {3, 2}};
@@ -117,7 +116,7 @@ TEST_CASE("A refused edit is made again on the new map, as far as it is still a 
 }
 
 TEST_CASE("Refused guidance is asked for again after ever longer pauses, and given up in the end",
-          "[operator][simulated]") {
+          "[simulated]") {
   SyntheticOperatorParameters parameters = Flawless();
   parameters.attempts = 3;
   Console console(parameters);
@@ -135,8 +134,7 @@ TEST_CASE("Refused guidance is asked for again after ever longer pauses, and giv
   CHECK(console.person.counts().newest_problem == "no reply");
 }
 
-TEST_CASE("A person takes the time to think, somebody silent answers nothing",
-          "[operator][simulated]") {
+TEST_CASE("A person takes the time to think, somebody silent answers nothing", "[simulated]") {
   SyntheticOperatorParameters parameters = Flawless();
   parameters.thinking_time_s = 3.0;
   Console console(parameters);
@@ -151,7 +149,7 @@ TEST_CASE("A person takes the time to think, somebody silent answers nothing",
 }
 
 TEST_CASE("Robots and worlds of others, and pictures that somebody answered, are left alone",
-          "[operator][simulated]") {
+          "[simulated]") {
   BegunConsole console;
   console.person.Receive(StateAt({1, 1}, 10, "r9"));
   RobotState elsewhere = StateAt({1, 1}, 10);
@@ -168,7 +166,7 @@ TEST_CASE("Robots and worlds of others, and pictures that somebody answered, are
   console.ExpectEdit();
 }
 
-TEST_CASE("A robot outside of the map is answered with an empty path", "[operator][simulated]") {
+TEST_CASE("A robot outside of the map is answered with an empty path", "[simulated]") {
   Console console;
   console.person.Receive(MapAt(0));
   console.person.Receive(StateAt({99, 1}, 10));
@@ -199,16 +197,14 @@ std::vector<std::vector<CellEdit>> EditsOfR1(bool r2_first) {
   return edits;
 }
 
-TEST_CASE("What is made of a robot's pictures does not depend on other robots",
-          "[operator][simulated]") {
+TEST_CASE("What is made of a robot's pictures does not depend on other robots", "[simulated]") {
   const auto edits = EditsOfR1(true);
   CHECK(edits == EditsOfR1(false));
   CHECK(std::count(edits.begin(), edits.end(), std::vector<CellEdit>{}) > 5);
   CHECK(std::count(edits.begin(), edits.end(), std::vector<CellEdit>{}) < 35);
 }
 
-TEST_CASE("A blocked cell becomes a wall for certain and the next path avoids it",
-          "[operator][simulated]") {
+TEST_CASE("A blocked cell becomes a wall for certain and the next path avoids it", "[simulated]") {
   SyntheticOperatorParameters parameters = Flawless();
   parameters.planner.wall_crossing_cost = 0.0;
   BegunConsole console(parameters);
@@ -229,7 +225,7 @@ TEST_CASE("A blocked cell becomes a wall for certain and the next path avoids it
 }
 
 TEST_CASE("A robot without guidance, or one that another robot blocks, gets a path and no wall",
-          "[operator][simulated]") {
+          "[simulated]") {
   BegunConsole console;
   console.person.Receive(StateAt({1, 2}, 20));
   console.Ask(Attention(AttentionReason::kNoGuidance, {1, 2}, 0, 20));
@@ -244,7 +240,7 @@ TEST_CASE("A robot without guidance, or one that another robot blocks, gets a pa
 }
 
 TEST_CASE("An attention request waits for the pictures and the state that it speaks of",
-          "[operator][simulated]") {
+          "[simulated]") {
   BegunConsole console;
   console.Ask(Attention(AttentionReason::kNoGuidance, {1, 1}, 2, 30));
   console.ExpectNothing();
@@ -263,7 +259,7 @@ TEST_CASE("An attention request waits for the pictures and the state that it spe
 }
 
 TEST_CASE("An attention request whose pictures never come is answered after a while",
-          "[operator][simulated]") {
+          "[simulated]") {
   BegunConsole console;
   console.Ask(Attention(AttentionReason::kNoGuidance, {1, 1}, 2, 30));
   console.ExpectNothingFor(2s);
@@ -271,7 +267,7 @@ TEST_CASE("An attention request whose pictures never come is answered after a wh
 }
 
 TEST_CASE("A repeated attention request is answered once, a newer one replaces an older one",
-          "[operator][simulated]") {
+          "[simulated]") {
   BegunConsole console;
   const auto ask = Attention(AttentionReason::kNoGuidance, {1, 1}, 0, 10);
   console.Ask(ask);
@@ -315,7 +311,7 @@ struct QueueFixture : Console {
 };
 
 TEST_CASE("The first of the queue is selected, then answered after its interaction time",
-          "[operator][simulated]") {
+          "[simulated]") {
   QueueFixture console;
   console.ExpectNothing();  // without a queue
   console.person.Receive(
@@ -332,7 +328,7 @@ TEST_CASE("The first of the queue is selected, then answered after its interacti
 }
 
 TEST_CASE("What the person cannot deal with yet, or somebody else works on, is passed over",
-          "[operator][simulated]") {
+          "[simulated]") {
   QueueFixture console;
   AttentionItem taken = Line("r2", AttentionReason::kFirstPath);
   taken.selected_by = "bert";
@@ -342,7 +338,7 @@ TEST_CASE("What the person cannot deal with yet, or somebody else works on, is p
 }
 
 TEST_CASE("A refused selection is given up until the queue changes, a withdrawn question for good",
-          "[operator][simulated]") {
+          "[simulated]") {
   QueueFixture console;
   console.person.Receive(Queue(1, {Line("r1", AttentionReason::kFirstPath)}));
   console.ExpectSelect();
@@ -359,7 +355,7 @@ TEST_CASE("A refused selection is given up until the queue changes, a withdrawn 
 }
 
 TEST_CASE("A blocked robot is answered with what its newest streamed picture shows besides",
-          "[operator][simulated]") {
+          "[simulated]") {
   QueueFixture console;
   console.Show(SnapshotOf(1, 11, true));
   console.person.Receive(Queue(1, {}));
@@ -372,7 +368,7 @@ TEST_CASE("A blocked robot is answered with what its newest streamed picture sho
   CHECK(console.ExpectEdit().edits == std::vector<CellEdit>{{{2, 1}, true}, {{1, 3}, true}});
 }
 
-TEST_CASE("Log-normal interaction times have the mean that was given", "[operator][simulated]") {
+TEST_CASE("Log-normal interaction times have the mean that was given", "[simulated]") {
   SyntheticOperatorParameters parameters = FollowingTheQueue();
   parameters.interaction.log_sd = 0.5;
   Console console(parameters);

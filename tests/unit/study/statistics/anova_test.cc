@@ -9,8 +9,7 @@
 namespace conav::statistics {
 namespace {
 
-TEST_CASE("ANOVA, Mauchly's test, the epsilons and Friedman's test are R's",
-          "[operator][statistics]") {
+TEST_CASE("ANOVA, Mauchly's test, the epsilons and Friedman's test are R's", "[statistics]") {
   struct Expected {
     const char* name;
     double df, df_error, f, p, p_gg, p_hf, partial, generalised;
@@ -57,15 +56,14 @@ TEST_CASE("ANOVA, Mauchly's test, the epsilons and Friedman's test are R's",
   }
 }
 
-TEST_CASE("The sums of squares of ergoStool are R's", "[operator][statistics]") {
+TEST_CASE("The sums of squares of ergoStool are R's", "[statistics]") {
   const Anova anova = AnalyseVariance(ReferenceTable("ergoStool"));
   CHECK(anova.ss_subjects == Near(66.5));
   CHECK(anova.ss_conditions == Near(81.194444444444485));
   CHECK(anova.ss_error == Near(29.055555555555536));
 }
 
-TEST_CASE("With two conditions F is the square of t and sphericity always holds",
-          "[operator][statistics]") {
+TEST_CASE("With two conditions F is the square of t and sphericity always holds", "[statistics]") {
   const ConditionTable sleep = SleepTable();
   const Anova anova = AnalyseVariance(sleep);
   const PairedT t = TestPair(ConditionValues(sleep, 0), ConditionValues(sleep, 1), 0.05);
@@ -80,7 +78,7 @@ TEST_CASE("With two conditions F is the square of t and sphericity always holds"
 }
 
 TEST_CASE("Constant differences make F infinite and have no sphericity, also where rounded",
-          "[operator][statistics]") {
+          "[statistics]") {
   const Anova anova = AnalyseVariance(MakeTable({"a", "b", "c"}, {1.1, 2.1, 0.3, 2.1, 3.1, 1.3}));
   CHECK(anova.ss_error == 0.0);
   CHECK(std::isinf(*anova.f));
@@ -90,7 +88,7 @@ TEST_CASE("Constant differences make F infinite and have no sphericity, also whe
   CHECK_FALSE(anova.sphericity);
 }
 
-TEST_CASE("Where nothing differs there is no F", "[operator][statistics]") {
+TEST_CASE("Where nothing differs there is no F", "[statistics]") {
   const Anova levels = AnalyseVariance(MakeTable({"a", "b"}, {0.1, 0.1, 0.3, 0.3, 0.7, 0.7}));
   CHECK_FALSE(levels.f);
   CHECK_FALSE(levels.uncorrected.p);
@@ -99,9 +97,10 @@ TEST_CASE("Where nothing differs there is no F", "[operator][statistics]") {
   CHECK_FALSE(AnalyseVariance(MakeTable({"a", "b"}, {5, 5, 5, 5})).generalised_eta_squared);
 }
 
-TEST_CASE("Neither the unit nor the origin of the values changes F", "[operator][statistics]") {
+TEST_CASE("Neither the unit nor the origin of the values changes F", "[statistics]") {
   const ConditionTable table = ReferenceTable("ergoStool");
-  for (const auto& [unit, origin] : {std::pair{1e98, 0.0}, {1e-98, 0.0}, {1.0, 1e6}}) {
+  for (const auto& [unit, origin] :
+       std::vector<std::pair<double, double>>{{1e98, 0.0}, {1e-98, 0.0}, {1.0, 1e6}}) {
     ConditionTable other = table;
     for (double& value : other.values) value = value * unit + origin;
     const Anova anova = AnalyseVariance(other);
@@ -112,7 +111,7 @@ TEST_CASE("Neither the unit nor the origin of the values changes F", "[operator]
 }
 
 // Six subjects, three conditions; figures of R.
-TEST_CASE("An epsilon of Huynh and Feldt above 1 is kept and cut", "[operator][statistics]") {
+TEST_CASE("An epsilon of Huynh and Feldt above 1 is kept and cut", "[statistics]") {
   const auto sphericity = CheckSphericity(
       MakeTable({"a", "b", "c"}, {8.7, 11.0, 8.8, 10.4, 11.5, 5.6, 8.3, 11.2, 12.2, 13.2, 9.4, 9.9,
                                   10.7, 13.0, 10.0, 8.4, 10.8, 11.9}));
@@ -124,8 +123,7 @@ TEST_CASE("An epsilon of Huynh and Feldt above 1 is kept and cut", "[operator][s
   CHECK(*sphericity->mauchly_p == Near(0.69620087413197895));
 }
 
-TEST_CASE("Conditions that follow from each other make W 0 and epsilon smallest",
-          "[operator][statistics]") {
+TEST_CASE("Conditions that follow from each other make W 0 and epsilon smallest", "[statistics]") {
   // c - a is twice b - a, with any level of a subject.
   const auto sphericity =
       CheckSphericity(MakeTable({"a", "b", "c"}, {1, 2, 3, 5, 9, 13, 2, 2.5, 3, 7, 9.1, 11.2}));
@@ -135,7 +133,7 @@ TEST_CASE("Conditions that follow from each other make W 0 and epsilon smallest"
   CHECK(sphericity->greenhouse_geisser == Near(0.5));
 }
 
-TEST_CASE("Fewer subjects than conditions leave Mauchly's test out", "[operator][statistics]") {
+TEST_CASE("Fewer subjects than conditions leave Mauchly's test out", "[statistics]") {
   const auto three =
       CheckSphericity(MakeTable({"a", "b", "c", "d"}, {1, 2, 4, 5, 2, 2, 9, 1, 3, 1, 7, 2}));
   REQUIRE(three);
@@ -148,7 +146,7 @@ TEST_CASE("Fewer subjects than conditions leave Mauchly's test out", "[operator]
 }
 
 TEST_CASE("Subjects that all rank alike agree fully, ties everywhere leave no test",
-          "[operator][statistics]") {
+          "[statistics]") {
   const Friedman agree = TestRanks(MakeTable({"a", "b", "c"}, {1, 2, 3, 4, 7, 9, 0, 1, 5}));
   CHECK(agree.mean_ranks == std::vector<double>{1, 2, 3});
   CHECK(*agree.chi_squared == Near(6.0));  // n (k - 1)

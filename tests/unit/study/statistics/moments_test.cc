@@ -12,7 +12,7 @@ namespace {
 
 using Values = std::vector<double>;
 
-TEST_CASE("Mean, median, variance and magnitude by hand", "[operator][statistics]") {
+TEST_CASE("Mean, median, variance and magnitude by hand", "[statistics]") {
   const std::vector<double> values{4, 1, -7, 2};
   CHECK(Mean(values) == 0.0);
   CHECK(Median(values) == 1.5);
@@ -22,14 +22,13 @@ TEST_CASE("Mean, median, variance and magnitude by hand", "[operator][statistics
   CHECK(Magnitude(values) == 7.0);
 }
 
-TEST_CASE("One value does not vary, nor do equal ones whose mean is rounded",
-          "[operator][statistics]") {
+TEST_CASE("One value does not vary, nor do equal ones whose mean is rounded", "[statistics]") {
   CHECK(Variance(std::vector<double>{3}) == 0.0);
   CHECK(Variance(std::vector<double>{0.1, 0.1, 0.1}) == 0.0);
   CHECK(StandardDeviation(std::vector<double>{0.3 - 0.2, 0.2 - 0.1, 0.1}) == 0.0);
 }
 
-TEST_CASE("Equal values share the mean of their ranks", "[operator][statistics]") {
+TEST_CASE("Equal values share the mean of their ranks", "[statistics]") {
   const Ranks ranks = RankValues(Values{5, 1, 5, 2, 5, 1}, 0.0);
   CHECK(ranks.ranks == Values{5, 1.5, 5, 3, 5, 1.5});
   CHECK(ranks.tie_sum == 24.0 + 6.0);
@@ -40,7 +39,7 @@ TEST_CASE("Equal values share the mean of their ranks", "[operator][statistics]"
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-TEST_CASE("Tails where they have a closed form", "[operator][statistics]") {
+TEST_CASE("Tails where they have a closed form", "[statistics]") {
   CHECK(StudentTwoSided(1.0, 1.0) == Near(0.5));  // Cauchy
   CHECK(StudentTwoSided(-1.0, 1.0) == Near(0.5));
   CHECK(ChiSquaredUpper(3.0, 2.0) == Near(std::exp(-1.5)));
@@ -51,7 +50,7 @@ TEST_CASE("Tails where they have a closed form", "[operator][statistics]") {
   CHECK(NormalUpper(NormalQuantile(0.3)) == Near(0.7));
 }
 
-TEST_CASE("Nothing lies beyond infinity", "[operator][statistics]") {
+TEST_CASE("Nothing lies beyond infinity", "[statistics]") {
   CHECK(StudentTwoSided(-kInfinity, 3.0) == 0.0);
   CHECK(FisherUpper(kInfinity, 2.0, 3.0) == 0.0);
   CHECK(ChiSquaredUpper(kInfinity, 2.0) == 0.0);

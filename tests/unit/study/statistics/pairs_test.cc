@@ -38,7 +38,7 @@ std::vector<double> Figures(const Pair& pair) {
           *pair.t_adjusted.bh};
 }
 
-TEST_CASE("All pairs of the reference data are R's, in every column", "[operator][statistics]") {
+TEST_CASE("All pairs of the reference data are R's, in every column", "[statistics]") {
   for (const char* name : {"ergoStool", "OBK_pre", "obk_phase"}) {
     const std::vector<Row> rows = ReadPairs(name);
     REQUIRE(rows[0] == Row{"pair", "t", "df", "p", "ci_lo", "ci_hi", "dz", "dav", "gz", "p_holm",
@@ -58,7 +58,7 @@ TEST_CASE("All pairs of the reference data are R's, in every column", "[operator
 }
 
 // wilcox.test(paired = TRUE) and shapiro.test of the differences of obk_phase.
-TEST_CASE("Every pair has Wilcoxon's and Shapiro's test", "[operator][statistics]") {
+TEST_CASE("Every pair has Wilcoxon's and Shapiro's test", "[statistics]") {
   const std::vector<Pair> pairs = ComparePairs(ReferenceTable("obk_phase"), 0.05);
   REQUIRE(pairs.size() == 3);
   CHECK(*pairs[0].wilcoxon.v == 73.5);
@@ -72,14 +72,14 @@ TEST_CASE("Every pair has Wilcoxon's and Shapiro's test", "[operator][statistics
   CHECK(pairs[2].normality->p == Near(0.27180909147460597));
 }
 
-TEST_CASE("A pair without p does not count for the others", "[operator][statistics]") {
+TEST_CASE("A pair without p does not count for the others", "[statistics]") {
   const std::vector<Pair> pairs =
       ComparePairs(MakeTable({"a", "b", "c"}, {1, 1, 4, 2, 2, 3, 3, 3, 9}), 0.05);
   CHECK_FALSE(pairs[0].t_adjusted.holm);
   CHECK(*pairs[1].t_adjusted.bonferroni == Near(2 * *pairs[1].t.p));
 }
 
-TEST_CASE("The paired t test of sleep is R's", "[operator][statistics]") {
+TEST_CASE("The paired t test of sleep is R's", "[statistics]") {
   const ConditionTable sleep = SleepTable();
   const PairedT test = TestPair(ConditionValues(sleep, 0), ConditionValues(sleep, 1), 0.05);
   CHECK(*test.t == Near(-4.0621276833820366));
@@ -91,7 +91,7 @@ TEST_CASE("The paired t test of sleep is R's", "[operator][statistics]") {
 }
 
 TEST_CASE("Constant differences make t infinite, equal conditions leave nothing to test",
-          "[operator][statistics]") {
+          "[statistics]") {
   const PairedT constant = TestPair(Values{0.1, 0.2, 0.7}, Values{0.2, 0.3, 0.8}, 0.05);
   CHECK(std::isinf(*constant.t));
   CHECK(*constant.t < 0.0);  // the sign of the difference
@@ -118,7 +118,7 @@ TEST_CASE("Constant differences make t infinite, equal conditions leave nothing 
 
 // One difference of sleep is 0, two are -1.3 up to rounding.
 TEST_CASE("Wilcoxon's test with ties and zeros is R's, by the normal distribution",
-          "[operator][statistics]") {
+          "[statistics]") {
   const ConditionTable sleep = SleepTable();
   const Wilcoxon test = TestSignedRanks(ConditionValues(sleep, 0), ConditionValues(sleep, 1));
   CHECK_FALSE(test.exact);
@@ -143,8 +143,7 @@ Wilcoxon TestMade(int count) {
   return TestSignedRanks(first, second);
 }
 
-TEST_CASE("Without ties and zeros p is exact, and R's, up to 49 differences",
-          "[operator][statistics]") {
+TEST_CASE("Without ties and zeros p is exact, and R's, up to 49 differences", "[statistics]") {
   const Wilcoxon test =
       TestSignedRanks(Values{1.5, 2.3, 0.2, 4.4, 3.1, 5.9, 2.2, 7.7, 6.1, 0.9, 1.1, 8.3},
                       Values{1.1, 2.9, 0.9, 5.6, 2.9, 6.4, 4.2, 9.9, 6.75, 2.2, 1.69, 6.6});
@@ -162,7 +161,7 @@ TEST_CASE("Without ties and zeros p is exact, and R's, up to 49 differences",
 }
 
 TEST_CASE("Few subjects by hand: all of one sign is one signing of 2^n at each end",
-          "[operator][statistics]") {
+          "[statistics]") {
   const Wilcoxon test = TestSignedRanks(Values{1, 2, 3, 4}, Values{0, 0, 0, 0});
   CHECK(test.exact);
   CHECK(*test.v == 10.0);
@@ -184,8 +183,7 @@ Values Numbers(int count) {
   return values;
 }
 
-TEST_CASE("W and p are those of R's shapiro.test, for few and many values",
-          "[operator][statistics]") {
+TEST_CASE("W and p are those of R's shapiro.test, for few and many values", "[statistics]") {
   struct Expected {
     int count;
     double w, p;
@@ -207,7 +205,7 @@ TEST_CASE("W and p are those of R's shapiro.test, for few and many values",
   }
 }
 
-TEST_CASE("Two, too many and equal values cannot be tested", "[operator][statistics]") {
+TEST_CASE("Two, too many and equal values cannot be tested", "[statistics]") {
   CHECK_FALSE(TestNormality(Values{1, 2}, 0.0));
   CHECK_FALSE(TestNormality(Numbers(5001), 0.0));
   CHECK(TestNormality(Numbers(5000), 0.0));
@@ -217,8 +215,7 @@ TEST_CASE("Two, too many and equal values cannot be tested", "[operator][statist
 }
 
 // R's p.adjust of the same five.
-TEST_CASE("Adjusted p are monotone, at most 1, and skip tests without p",
-          "[operator][statistics]") {
+TEST_CASE("Adjusted p are monotone, at most 1, and skip tests without p", "[statistics]") {
   const auto adjusted = AdjustForMany({0.01, 0.04, 0.03, std::nullopt, 0.02, 0.5});
   const std::vector<double> holm{0.05, 0.09, 0.09, 0.0, 0.08, 0.5};
   const std::vector<double> bonferroni{0.05, 0.2, 0.15, 0.0, 0.1, 1.0};

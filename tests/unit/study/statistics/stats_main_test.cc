@@ -10,7 +10,7 @@
 namespace conav::statistics {
 namespace {
 
-TEST_CASE("conav stats prints tables and writes JSON and a page", "[operator][stats]") {
+TEST_CASE("conav stats prints tables and writes JSON and a page", "[statistics]") {
   const test::ProgramRunner stats("conav-stats");
   const std::string data = ReferencePath("ergoStool");
   const auto ended = stats.Run(data + " --json r.json --html r.html --alpha 0.1");
@@ -29,7 +29,7 @@ TEST_CASE("conav stats prints tables and writes JSON and a page", "[operator][st
 }
 
 TEST_CASE("Data that cannot be used ends with 1, wrong use with 2, and nothing is written over",
-          "[operator][stats]") {
+          "[statistics]") {
   const test::ProgramRunner stats("conav-stats");
   REQUIRE(WriteFile(stats / "t.csv", "subject,a,b\np1,1,2\np2,2,1\n"));
   REQUIRE(WriteFile(stats / "wrong.csv", "subject,a,b\np1,1,2\np2,1,two\n"));
@@ -46,7 +46,7 @@ TEST_CASE("Data that cannot be used ends with 1, wrong use with 2, and nothing i
   CHECK_THAT(*ReadFile(stats / "t.csv"), Catch::StartsWith("subject,a,b"));
 }
 
-TEST_CASE("Option --help says what each figure is", "[operator][stats]") {
+TEST_CASE("Option --help says what each figure is", "[statistics]") {
   const auto ended = test::RunProgram("conav-stats", "--help");
   CHECK(ended.exit_code == 0);
   for (const char* part : {"subject,teleoperation", "Cousineau-Morey", "Greenhouse-Geisser",

@@ -10,7 +10,7 @@ namespace {
 using Fields = std::vector<std::string>;
 
 TEST_CASE("A row is cut at its commas but those between quotes, without the spaces around fields",
-          "[operator][statistics]") {
+          "[statistics]") {
   CHECK(*SplitCsvRow("") == Fields{""});
   CHECK(*SplitCsvRow(" a ,\tb b,c") == Fields{"a", "b b", "c"});
   CHECK(*SplitCsvRow("a,,") == Fields{"a", "", ""});
@@ -20,7 +20,7 @@ TEST_CASE("A row is cut at its commas but those between quotes, without the spac
   CHECK_FALSE(SplitCsvRow("\"a\"b,c"));  // it ends, but not at a comma
 }
 
-TEST_CASE("A table has a row per subject and a column per condition", "[operator][statistics]") {
+TEST_CASE("A table has a row per subject and a column per condition", "[statistics]") {
   const auto file = ParseTable("subject,T1,T2\np1,1,2.5\np2,-3,4e2\n", "t.csv");
   REQUIRE(file);
   CHECK(file->table.conditions == Fields{"T1", "T2"});
@@ -32,7 +32,7 @@ TEST_CASE("A table has a row per subject and a column per condition", "[operator
 }
 
 TEST_CASE("Line ends of Windows, a byte order mark, quotes, empty lines and signs are understood",
-          "[operator][statistics]") {
+          "[statistics]") {
   const auto file = ParseTable(
       "\xEF\xBB\xBF\"subject\",\"a, b\",\"c\"\r\n\r\n\"1\",\"+1\", 2 \r\n,,\r\n2,3,4", "t.csv");
   REQUIRE(file);
@@ -40,7 +40,7 @@ TEST_CASE("Line ends of Windows, a byte order mark, quotes, empty lines and sign
   CHECK(file->table.values == std::vector<double>{1, 2, 3, 4});
 }
 
-TEST_CASE("A subject with an empty cell is left out and named", "[operator][statistics]") {
+TEST_CASE("A subject with an empty cell is left out and named", "[statistics]") {
   const auto file = ParseTable("subject,a,b,c\np1,1,2,3\np2,1,,NA\np3,4,5,6\np4,,1,1\n", "t.csv");
   REQUIRE(file);
   CHECK(file->table.subjects == Fields{"p1", "p3"});
@@ -51,7 +51,7 @@ TEST_CASE("A subject with an empty cell is left out and named", "[operator][stat
   CHECK(file->left_out[1].subject == "p4");
 }
 
-TEST_CASE("What is no table is refused with line, column and value", "[operator][statistics]") {
+TEST_CASE("What is no table is refused with line, column and value", "[statistics]") {
   struct Row {
     std::string text, place, named;
   };
