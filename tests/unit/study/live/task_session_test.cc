@@ -1,11 +1,14 @@
+#include "study/live/task_session.h"
+
 #include <catch2/catch.hpp>
 #include <map>
 
+#include "common/runtime/file.h"
 #include "operator/config.h"
 #include "operator/recording/config.h"
 #include "planner/config.h"
 #include "sim/config.h"
-#include "study/live/task_session.h"
+#include "support/temporary_folder.h"
 
 namespace conav::mapping_task {
 namespace {
@@ -29,8 +32,6 @@ std::map<std::string, std::string> Plan(std::vector<std::string> methods = {}) {
   }
   return plan;
 }
-
-}  // namespace
 
 TEST_CASE("the services of a maze get configurations that their own structs read back",
           "[mapping_task]") {
@@ -76,4 +77,55 @@ TEST_CASE("the operator service of a maze records a person, and waits until they
   CHECK(config.task.result == "/data/P07/maze-2-4/result.json");
 }
 
+TaskOptions Options() {
+  TaskOptions options;
+  options.participant = "P07";
+  options.maze_seeds = {7, 9, 11};
+  return options;
+}
+
+MazeResult Of(double accuracy) {
+  return {accuracy, {{"participant", "P07"}, {"mapping_accuracy", accuracy}, {"edits", 4}}};
+}
+
+TEST_CASE("the report of a task counts the mazes that are finished and good enough to keep",
+          "[mapping_task]") {
+  const auto json = TaskJson(Options(), {Of(0.75), Of(0.5)});
+  CHECK(json["participant"] == "P07");
+  CHECK(json["complete"] == false);
+  CHECK(json["mazes_wanted"] == 3);
+  CHECK(json["mazes_finished"] == 2);
+  CHECK(json["mazes_valid"] == 1);
+  CHECK(json["mean_mapping_accuracy"] == 0.625);
+  CHECK(json["mazes"][0]["valid"] == true);
+  CHECK(json["mazes"][0]["seed"] == 7);
+  CHECK(json["mazes"][0]["edits"] == 4);
+  CHECK_FALSE(json["mazes"][0].contains("participant"));
+  CHECK(json["mazes"][1]["valid"] == false);  // 50 % is not enough
+  CHECK(TaskJson(Options(), {Of(1), Of(1), Of(1)})["complete"] == true);
+  CHECK(TaskJson(Options(), {})["mean_mapping_accuracy"] == 0.0);
+  CHECK_THAT(MazeLine(2, Of(0.734)), Catch::Contains("maze 2") && Catch::Contains("73.4 %"));
+  CHECK_THAT(MazeLine(2, Of(0.5)), Catch::Contains("not valid"));
+}
+
+TEST_CASE("a maze's result is read back, another file is refused by its name", "[mapping_task]") {
+  const test::TemporaryFolder folder;
+  const auto file = folder / "result.json";
+  const auto none = ReadMazeResult(file);
+  REQUIRE(none);
+  CHECK_FALSE(none->has_value());
+  REQUIRE(WriteFile(file, R"({"mapping_accuracy": 0.75})"));
+  const auto result = ReadMazeResult(file);
+  REQUIRE((result && *result));
+  CHECK((*result)->mapping_accuracy == 0.75);
+  for (const char* text : {"", "[]", "{}", R"({"mapping_accuracy": "good"})"}) {
+    REQUIRE(WriteFile(file, text));
+    const auto refused = ReadMazeResult(file);
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().code == ErrorCode::kMalformed);
+    CHECK_THAT(refused.error().text, Catch::Contains("result.json"));
+  }
+}
+
+}  // namespace
 }  // namespace conav::mapping_task
