@@ -34,7 +34,7 @@ TEST_CASE("a service's death is named, and the robot stops", "[demo]") {
   INFO(demo.Story());
   CHECK(code == 1);
   CHECK_THAT(demo.Output(), Catch::Contains(fmt::format("{} (pid {}) died", service, victim)) &&
-                                Catch::Contains(service == "sim" ? "r1 was last heard of in cell"
+                                Catch::Contains(service == "sim" ? "r1 was last seen in cell"
                                                                  : "r1 stopped in cell"));
   CHECK_FALSE(Alive(other));
   CHECK(demo.Json()["all_goals_reached"] == false);
@@ -67,7 +67,7 @@ TEST_CASE("nobody commands the robots any more when it is told where they stand"
   CHECK(demo.Wait(60s) == 1);
   INFO(demo.Story());
   const std::string output = demo.Output();
-  const auto planner_gone = output.find("planner did not stop when asked and was killed");
+  const auto planner_gone = output.find("planner did not stop on request and was killed");
   const auto told = output.find("r1 stopped in cell");
   REQUIRE(planner_gone != std::string::npos);
   REQUIRE(told != std::string::npos);
@@ -105,7 +105,7 @@ TEST_CASE("killing one of two perception replicas changes no result", "[demo]") 
     CHECK(result["all_goals_reached"] == true);
     CHECK(table(result) == expected);
     CHECK_THAT(demo.Output(), Catch::Contains(victim + " (pid " + std::to_string(pid) + ") died") &&
-                                  Catch::Contains("nhpm processes that go on answering: 1"));
+                                  Catch::Contains("nhpm processes that still answer: 1"));
     CHECK_THAT(demo.Story(), !Catch::Contains("using the embedded GLPF"));
   }
 }

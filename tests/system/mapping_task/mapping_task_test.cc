@@ -246,7 +246,7 @@ TEST_CASE("a participant corrects two mazes, and their segments are there to lea
   CHECK(EditCount(segments->trajectories[1].segments.back()) == 1);  // answered by the finish
 }
 
-TEST_CASE("after a kill the same command goes on at the maze that was not finished",
+TEST_CASE("after a kill the same command resumes at the maze that was not finished",
           "[mapping_task]") {
   const test::TemporaryFolder temporary;
   const fs::path folder = temporary / "P08";
@@ -314,7 +314,7 @@ TEST_CASE("when a service dies the task ends, and says which, and where to go on
   CHECK(task.Wait() == 1);
   CHECK_THAT(task.Output(),
              Catch::Contains(fmt::format("planner (pid {}) died: signal 9", planner)) &&
-                 Catch::Contains("maze 1 was broken off; the same command goes on there"));
+                 Catch::Contains("maze 1 was interrupted; the same command resumes there"));
   CHECK(PidWith(folder / "maze-1-1/config/sim.yaml") == 0);
 
   std::ofstream(folder / "maze-1-1/result.json") << "{}";

@@ -102,7 +102,7 @@ TEST_CASE("a run goes on without its recorder, and what was recorded can be read
   REQUIRE(kill(recorder, SIGKILL) == 0);
   demo.EndsWell();
   CHECK_THAT(demo.Output(), Catch::Contains(fmt::format("recorder (pid {}) died", recorder)) &&
-                                Catch::Contains("the run goes on and is not recorded any more"));
+                                Catch::Contains("the run continues without a recording"));
   const auto conav = ReadByConav(RecordingOf(demo));
   const auto others = ReadByOthers(RecordingOf(demo));
   CHECK(conav["finished"] == false);

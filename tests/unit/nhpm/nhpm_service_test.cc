@@ -165,7 +165,7 @@ TEST_CASE("A request whose deadline passed while it waited is not computed", "[n
   const auto replies = bench.Replies();
   REQUIRE(replies.size() == 2);
   CHECK(replies[0].status == PerceptionStatus::kBusy);
-  CHECK(replies[0].reason == "waited longer than 100 ms for its turn");
+  CHECK(replies[0].reason == "waited in the queue for more than 100 ms");
   CHECK(replies[0].answers.empty());
   CHECK(replies[1].status == PerceptionStatus::kOk);
   CHECK(bench.service.counts().late == 1);

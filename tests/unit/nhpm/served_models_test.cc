@@ -104,12 +104,12 @@ TEST_CASE("A bad new file is told once and leaves the old model, until a good on
   bench.Spoil("default");
   models.Refresh();
   models.Refresh();
-  CHECK(bench.Lines("weights not taken") == 1);
+  CHECK(bench.Lines("weights rejected") == 1);
   CHECK(models.For("")->identity().checksum == ChecksumOfSeed(1));
   fs::remove(bench.config.weights);
   models.Refresh();
   models.Refresh();
-  CHECK(bench.Lines("weights not taken") == 2);
+  CHECK(bench.Lines("weights rejected") == 2);
   CHECK(models.For("")->identity().checksum == ChecksumOfSeed(1));
   bench.folder.Write("default", test::UntrainedNetwork(3));
   models.Refresh();
@@ -147,7 +147,7 @@ TEST_CASE("A persons' folder that cannot be read is told once and leaves the mod
   fs::rename(persons, parent / "elsewhere");
   models.Refresh();
   models.Refresh();
-  CHECK(bench.Lines("persons' weights not read") == 1);
+  CHECK(bench.Lines("cannot read the persons' weights") == 1);
   CHECK(models.For("anna")->identity().checksum == ChecksumOfSeed(11));
   fs::create_directory(persons);
   models.Refresh();
@@ -162,7 +162,7 @@ TEST_CASE("A person's bad file is told once, and they get the default", "[models
   std::ofstream(persons.path() / "notes.txt") << "not looked at";
   ServedModels models(bench.config);
   models.Refresh();
-  CHECK(bench.Lines("weights not taken person=anna") == 1);
+  CHECK(bench.Lines("weights rejected person=anna") == 1);
   CHECK(models.For("anna")->identity().checksum == ChecksumOfSeed(1));
 }
 

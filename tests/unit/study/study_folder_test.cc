@@ -84,8 +84,8 @@ TEST_CASE("A record that cannot be read is named", "[study]") {
     REQUIRE(WriteFile(file, text));
     const auto store = OpenEpisodes(*folder);
     REQUIRE_FALSE(store);
-    CHECK_THAT(store.error().text, Catch::StartsWith(file.string() + ": is no record of") &&
-                                       Catch::EndsWith("the same command runs it again"));
+    CHECK_THAT(store.error().text, Catch::StartsWith(file.string() + ": is not a record of") &&
+                                       Catch::EndsWith("the same command runs this piece again"));
   }
 }
 

@@ -117,9 +117,9 @@ TEST_CASE("what is no segment file is refused as such", "[segments]") {
   later.mutable_header()->set_schema_version(2);
   for (const auto& [bytes, names] : std::vector<std::pair<std::string, std::string>>{
            {"{\"type\": \"trajectory\"}\n", "not compressed with zstd"},
-           {FrameOf({Header()}) + "junk", "it is no zstd"},
+           {FrameOf({Header()}) + "junk", "it is not zstd data"},
            {FrameOf({"hello, world, this is text"}), "record 0"},
-           {FrameOf({}), "this is no segment file"},
+           {FrameOf({}), "this is not a segment file"},
            {FrameOf({SampleTrajectoryBytes()}), "does not begin with a header"},
            {FrameOf({Header(), std::string(1, '\0')}), "neither header nor trajectory"},
            {FrameOf({Delimited(later)}), "schema version 2; this program reads 1"},
@@ -152,7 +152,7 @@ TEST_CASE("whatever its records hold, a file is refused or is a set that passes 
 TEST_CASE("records that promise more than they have are refused", "[segments]") {
   const TemporaryFolder folder;
   for (const auto& [record, names] : std::vector<std::pair<std::string, std::string>>{
-           {"\xFF\xFF\xFF\x7F", "record 1 says that it has 268435455 bytes; 33554432"},
+           {"\xFF\xFF\xFF\x7F", "record 1 states a size of 268435455 bytes; 33554432"},
            {std::string(9, '\xFF'), "record 1 has no size"},
            {"dabc", "record 1 is cut off"},
            {"\x80", "record 1 is cut off"},

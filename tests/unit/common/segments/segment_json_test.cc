@@ -101,10 +101,10 @@ TEST_CASE("where nobody knows the truth the accuracies may be null", "[segments]
 
 TEST_CASE("lines that are no record are refused with file and line", "[segments]") {
   for (const auto& [text, begins_with] : std::vector<std::pair<std::string, std::string>>{
-           {"hello", "data.jsonl:1: this is no JSON: byte 1, after 'h'"},
+           {"hello", "data.jsonl:1: this is not JSON: byte 1, after 'h'"},
            {kTrajectory + kSegment + "{\"type\": \"seg",
-            "data.jsonl:3: this is no JSON: byte 14, after '{\"type\": \"seg'"},
-           {"[1e999]", "data.jsonl:1: this is no JSON: "},
+            "data.jsonl:3: this is not JSON: byte 14, after '{\"type\": \"seg'"},
+           {"[1e999]", "data.jsonl:1: this is not JSON: "},
            {"[1]", "data.jsonl:1: the line"},
            {"{}", "data.jsonl:1: 'type'"},
            {R"({"type": "header"})", "data.jsonl:1: 'type' is 'header'"},
@@ -125,11 +125,11 @@ TEST_CASE("a trajectory's line is refused by what is wrong with it", "[segments]
            {rows, "\"rows\": -3", "data.jsonl:1: 'rows' is -3"},
            {rows, "\"truth\": \"1\", \"rows\": 3", "data.jsonl:1: 'truth' has 1 bits for 9"},
            {rows, "\"rwos\": 3, \"rows\": 3", "data.jsonl:1: 'rwos'"},
-           {"0.5", "NaN", "data.jsonl:1: this is no JSON: byte "},
+           {"0.5", "NaN", "data.jsonl:1: this is not JSON: byte "},
            {"0.5", "null, \"truth\": \"111101111\"", "data.jsonl:1: 'initial_cell_accuracy'"},
            {"0.5", "1.5", "data.jsonl:1: initial cell accuracy is 1.5"},
            {rows, "\"valid\": false, \"rows\": 3", "data.jsonl:1: 'valid' is false"},
-           {rows, "\"edits\": 4, \"rows\": 3", "data.jsonl:2: the trajectory before has 1 edits"},
+           {rows, "\"edits\": 4, \"rows\": 3", "data.jsonl:2: the previous trajectory has 1 edits"},
            {rows, "\"annotator\": {\"lapse\": \"x\"}, \"rows\": 3",
             "data.jsonl:1: 'annotator.lapse' is \"x\""},
        }) {
@@ -182,7 +182,7 @@ TEST_CASE("files of JSON lines are read and written", "[segments]") {
   CHECK(ImportSegmentsFile(folder.path() / "none").error().code == ErrorCode::kNotFound);
   REQUIRE(WriteSegmentFile(folder.path() / "set.pb.zst", tests::SampleSet()));
   CHECK_THAT(ImportSegmentsFile(folder.path() / "set.pb.zst").error().text,
-             Catch::Contains("as a segment file is; that needs no import"));
+             Catch::Contains("like a segment file, which needs no import"));
 }
 
 }  // namespace

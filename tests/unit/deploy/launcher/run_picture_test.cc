@@ -17,7 +17,7 @@ TEST_CASE("the picture shows three maps, the way and the picture that was sent",
   CHECK(CountOf(svg, "<polyline") == 1);
   CHECK(CountOf(svg, "operator's map before") == 1);
   CHECK(CountOf(svg, "operator's map after 0 edits") == 1);
-  CHECK(CountOf(svg, "looking this way") == 1);
+  CHECK(CountOf(svg, "in this direction") == 1);
   CHECK(test::XmlError(svg) == "");
 }
 

@@ -144,7 +144,7 @@ TEST_CASE("Weights that never saw an input have no further row without it", "[ev
   REQUIRE(WriteWeightsFile(folder.weights, model));
   const Ended ended = folder.Run("--without tau,o --oracle-draws 0 --json " + (folder / "r.json"));
   CHECK(ended.exit_code == 0);
-  CHECK_THAT(ended.text(), Catch::Contains("w.nhpm: was trained without tau"));
+  CHECK_THAT(ended.text(), Catch::Contains("w.nhpm: trained without tau"));
   const auto models = ReadJson(folder / "r.json")["models"];
   CHECK_FALSE(models.contains("nhpm_without_tau"));
   CHECK(models.contains("nhpm_without_o"));
@@ -271,7 +271,7 @@ TEST_CASE("The page shows the segments that were asked for", "[evaluate]") {
   const Ended ended = Bench().Run("--oracle-draws 0 --segments 2,0 --html -");
   CHECK(ended.exit_code == 0);
   CHECK_THAT(ended.out, Catch::StartsWith("<!DOCTYPE html>"));
-  CHECK_THAT(ended.text(), Catch::Contains("Test segment 2: as asked for"));
+  CHECK_THAT(ended.text(), Catch::Contains("Test segment 2: by request"));
   CHECK_THAT(ended.text(), !Catch::Contains("Test segment 1:"));
 }
 

@@ -49,7 +49,7 @@ TEST_CASE("The truth is signed, not only coloured", "[report_figure]") {
   const std::string svg = TruthPanel(segment);  // (1,1) is free afterwards: removed
   CHECK(Count(svg, ">+</text>") == 1);
   CHECK(Count(svg, ">\u2212</text>") == 1);
-  CHECK_THAT(svg, Catch::Contains("What was done: 2 edits"));
+  CHECK_THAT(svg, Catch::Contains("Actual edits: 2"));
 }
 
 /// 11 x 11, the camera at (5,2) looks east.

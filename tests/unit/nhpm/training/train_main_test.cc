@@ -48,7 +48,7 @@ TEST_CASE("conav-train that was killed goes on and ends with the same bytes", "[
   }
   const Outcome outcome = Run(flags);
   CHECK(outcome.exit_code == 0);
-  CHECK_THAT(outcome.text, Catch::Contains("going on from " + (folder / "killed.checkpoint")));
+  CHECK_THAT(outcome.text, Catch::Contains("resuming from " + (folder / "killed.checkpoint")));
   CHECK((ReadFile(folder / "killed").value() == ReadFile(folder / "whole").value()));
 }
 
@@ -59,7 +59,7 @@ TEST_CASE("conav-train stops on SIGINT, says so and keeps its checkpoint", "[tra
   program.Signal(SIGINT);
   CHECK(program.Wait() == 1);
   CHECK_THAT(program.text(), Catch::Contains("stopped after epoch") &&
-                                 Catch::Contains("the same command goes on from"));
+                                 Catch::Contains("the same command resumes from"));
   CHECK(Exists(folder / "w.checkpoint"));
   CHECK_FALSE(Exists(folder / "w"));
 }

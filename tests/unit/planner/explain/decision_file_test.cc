@@ -138,7 +138,7 @@ TEST_CASE("a decision that finds the disk full is told, and leaves the file as i
 TEST_CASE("a device cannot be recorded to", "[planner][record]") {
   const auto log = DecisionLog::Open("/dev/full");
   REQUIRE_FALSE(log);
-  CHECK(log.error().text == "/dev/full: cannot record: it is no regular file");
+  CHECK(log.error().text == "/dev/full: cannot record: it is not a regular file");
 }
 
 }  // namespace

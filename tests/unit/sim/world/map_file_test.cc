@@ -111,10 +111,10 @@ TEST_CASE("bad map files are refused by file, key and value", "[map]") {
            {"2.0, 0.0]", "2.0]", name + ": origin = [-1.0, 2.0]"},
            {"2.0, 0.0]", "2.0, 1.5]", name + ": origin is turned by 1.5 rad"},
            {"negate", "mode: scale\nnegate", name + ": mode"},
-           {kHeader, "just text", name + ": is no map_server file"},
+           {kHeader, "just text", name + ": is not a map_server file"},
            {kHeader, "image: [a", name + ": not valid YAML"},
            {"map.pgm", "other.pgm", (folder / "other.pgm").string()},
-           {"map.pgm", "map.yaml", name + ": is no image"},
+           {"map.pgm", "map.yaml", name + ": is not an image"},
        }) {
     const auto map =
         LoadMapFile(folder.Write("map.yaml", Replaced(kHeader, from, to)), CellsOf(1.0));

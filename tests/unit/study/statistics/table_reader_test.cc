@@ -62,15 +62,15 @@ TEST_CASE("What is no table is refused with line, column and value", "[statistic
       {"subject;a;b\n", "t.csv:1: ", "commas"},
       {"subject,a\n", "t.csv:1: ", "1 condition"},
       {"subject,a,\n", "t.csv:1: ", "column 3"},
-      {"\nsubject,a,b,a\n", "t.csv:2: ", "'a' stands twice, in columns 2 and 4"},
+      {"\nsubject,a,b,a\n", "t.csv:2: ", "'a' appears twice, in columns 2 and 4"},
       {start + "p2,1\n", "t.csv:3: ", "'b' is missing"},
       {start + "p2\n", "t.csv:3: ", "'a' is missing"},
       {start + "p2,1,5,2\n", "t.csv:3: ", "4 columns instead of 3"},
       {start + ",1,2\n", "t.csv:3: ", "'subject'"},
-      {start + "p1,1,2\n", "t.csv:3: ", "'p1' stands twice, first in line 2"},
+      {start + "p1,1,2\n", "t.csv:3: ", "'p1' appears twice, first in line 2"},
       {start + "p2,1,\"2\n", "t.csv:3: ", "quote"},
       {start + "p2,1,\"1,5\"", "t.csv:3: ", "'1,5'"},
-      {"subject,a,b\np1,,1\np1,1,2\n", "t.csv:3: ", "'p1' stands twice"},  // the first is left out
+      {"subject,a,b\np1,,1\np1,1,2\n", "t.csv:3: ", "'p1' appears twice"},  // the first is left out
       {"subject,a,b\n", "t.csv: ", "no subject"},
       {"subject,a,b\np1,1,2\np2,,\n", "t.csv: ", "p2 (line 3) has none in a, b"},
       {"subject,caf\xE9,b\n", "t.csv:1: ", "UTF-8"},
