@@ -104,7 +104,7 @@ TEST_CASE("A file that is cut off anywhere, or something else, is refused", "[we
            {bytes.substr(0, bytes.size() - 1), "cut off"},
            {bytes + "x", "appended"},
            {"#!/bin/sh\n" + std::string(200, 'x'), "no weights file"},
-           {Frame(kKind, "\xff\xff\xff"), "no Weights message"},
+           {Frame(kKind, "\xff\xff\xff"), "not a Weights message"},
            {Frame(later, ""), "version 2; this program reads version 1"},
        }) {
     CHECK_THAT(ErrorOf(changed), Catch::Contains(names));
