@@ -39,58 +39,6 @@ bool TakeMap(bus::Subscriber<nav_msgs::msg::OccupancyGrid>& subscriber,
   return true;
 }
 
-}  // namespace
-
-Recorder::RobotTopics::RobotTopics(bus::Participant& participant, RobotRecord& robot)
-    : record(robot),
-      states(participant, bus::kRobotState, robot.name),
-      snapshots(participant, bus::kSnapshot, robot.name),
-      guidances(participant, bus::kGuidance, robot.name),
-      reports(participant, bus::kSearchReport, robot.name) {}
-
-bool Recorder::RobotTopics::Take() {
-  bool news = TakeInto(snapshots, record);
-  news = TakeStates(states, record) || news;
-  news = TakeInto(guidances, record) || news;
-  return TakeInto(reports, record) || news;
-}
-
-Recorder::WorldTopics::WorldTopics(bus::Participant& participant, WorldRecord& world)
-    : record(world),
-      beliefs(participant, bus::kBelief, world.name),
-      truths(participant, bus::kTruth, world.name),
-      initial_maps(participant, bus::kInitialMap, world.name) {}
-
-bool Recorder::WorldTopics::Take() {
-  bool news = TakeInto(beliefs, record);
-  news = TakeMap(truths, record.truth) || news;
-  return TakeMap(initial_maps, record.initial_map) || news;
-}
-
-Recorder::Recorder(bus::Participant& participant, Episode& episode)
-    : leases_(participant, bus::kPlannerLease) {
-  for (RobotRecord& robot : episode.robots) robots_.emplace_back(participant, robot);
-  for (WorldRecord& world : episode.worlds) worlds_.emplace_back(participant, world);
-}
-
-bool Recorder::Take() {
-  bool news = false;
-  for (RobotTopics& robot : robots_) news = robot.Take() || news;
-  for (WorldTopics& world : worlds_) news = world.Take() || news;
-  return news;
-}
-
-std::vector<PlannerLease> Recorder::TakeLeases() { return leases_.TakeValid(kConvert); }
-
-std::string Recorder::published_robot() const {
-  for (const RobotTopics& robot : robots_) {
-    if (robot.states.matched_publishers() > 0) return robot.record.name;
-  }
-  return "";
-}
-
-namespace {
-
 using std::chrono::steady_clock;
 
 // Discovery on one machine takes a few milliseconds, over a network a few hundred.
@@ -112,18 +60,19 @@ std::optional<int> WantedDomain(const DemoOptions& options) {
 std::string ListenForRobots(BusPlace& place) {
   const auto deadline = steady_clock::now() + kListenTime;
   while (steady_clock::now() < deadline) {
-    const std::string robot = place.recorder->published_robot();
+    const std::string robot = place.observer->published_robot();
     if (!robot.empty()) return robot;
     place.participant->Wait(std::chrono::milliseconds(20));
   }
   return "";
 }
 
-// Why the domain cannot be had; empty when `place` has it.
+// Why the domain is not available; empty when `place` has it.
 std::string TryDomain(const DemoOptions& options, int domain, Episode& episode,
                       std::optional<BusPlace>& place) {
   auto lease = DomainLease::TryAcquire(domain);
-  if (!lease) return fmt::format("DDS domain {} is taken by another conav demo here", domain);
+  if (!lease)
+    return fmt::format("DDS domain {} is taken by another conav demo on this machine", domain);
   place.emplace(JoinKeptDomain(options, *std::move(lease), episode));
   const std::string robot = ListenForRobots(*place);
   if (robot.empty()) return "";
@@ -133,6 +82,54 @@ std::string TryDomain(const DemoOptions& options, int domain, Episode& episode,
 }
 
 }  // namespace
+
+RunObserver::RobotTopics::RobotTopics(bus::Participant& participant, RobotRecord& robot)
+    : record(robot),
+      states(participant, bus::kRobotState, robot.name),
+      snapshots(participant, bus::kSnapshot, robot.name),
+      guidances(participant, bus::kGuidance, robot.name),
+      reports(participant, bus::kSearchReport, robot.name) {}
+
+bool RunObserver::RobotTopics::Take() {
+  bool news = TakeInto(snapshots, record);
+  news = TakeStates(states, record) || news;
+  news = TakeInto(guidances, record) || news;
+  return TakeInto(reports, record) || news;
+}
+
+RunObserver::WorldTopics::WorldTopics(bus::Participant& participant, WorldRecord& world)
+    : record(world),
+      beliefs(participant, bus::kBelief, world.name),
+      truths(participant, bus::kTruth, world.name),
+      initial_maps(participant, bus::kInitialMap, world.name) {}
+
+bool RunObserver::WorldTopics::Take() {
+  bool news = TakeInto(beliefs, record);
+  news = TakeMap(truths, record.truth) || news;
+  return TakeMap(initial_maps, record.initial_map) || news;
+}
+
+RunObserver::RunObserver(bus::Participant& participant, Episode& episode)
+    : leases_(participant, bus::kPlannerLease) {
+  for (RobotRecord& robot : episode.robots) robots_.emplace_back(participant, robot);
+  for (WorldRecord& world : episode.worlds) worlds_.emplace_back(participant, world);
+}
+
+bool RunObserver::Take() {
+  bool news = false;
+  for (RobotTopics& robot : robots_) news = robot.Take() || news;
+  for (WorldTopics& world : worlds_) news = world.Take() || news;
+  return news;
+}
+
+std::vector<PlannerLease> RunObserver::TakeLeases() { return leases_.TakeValid(kConvert); }
+
+std::string RunObserver::published_robot() const {
+  for (const RobotTopics& robot : robots_) {
+    if (robot.states.matched_publishers() > 0) return robot.record.name;
+  }
+  return "";
+}
 
 bus::ParticipantOptions BusOptions(const DemoOptions& options, int domain,
                                    const std::string& vendor) {
@@ -148,8 +145,8 @@ BusPlace JoinKeptDomain(const DemoOptions& options, DomainLease lease, Episode& 
   const std::string vendor = VendorOfService(options.dds)->at("launcher");
   auto participant = std::make_unique<bus::Participant>(
       "conav_launcher", BusOptions(options, lease.domain(), vendor));
-  auto recorder = std::make_unique<Recorder>(*participant, episode);
-  return {std::move(lease), std::move(participant), std::move(recorder)};
+  auto observer = std::make_unique<RunObserver>(*participant, episode);
+  return {std::move(lease), std::move(participant), std::move(observer)};
 }
 
 BusPlace JoinFreeDomain(const DemoOptions& options, Episode& episode) {

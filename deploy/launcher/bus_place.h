@@ -14,22 +14,22 @@
 
 namespace conav::launcher {
 
-/// Listens to a run and folds what it hears into an Episode. Joins late without loss: all of these
+/// Listens to a run and folds its messages into an Episode. Joins late without loss: all of these
 /// topics keep their newest messages for late joiners. Publishes nothing.
 /// Threads: one.
-class Recorder {
+class RunObserver {
  public:
-  /// `episode` names the robots and worlds to listen to; it outlives the recorder.
-  Recorder(bus::Participant& participant, Episode& episode);
+  /// Listens to the robots and worlds of `episode`, which outlives this object.
+  RunObserver(bus::Participant& participant, Episode& episode);
 
-  /// Folds in what arrived since the last call; false when there was no news. Never
+  /// Folds in all messages since the last call; false without news. Never
   /// blocks.
   bool Take();
 
-  /// The first of the robots that somebody publishes the state of; empty when none.
+  /// The first of the robots whose state another process publishes; empty if none.
   std::string published_robot() const;
 
-  /// What planner processes announced since the last call.
+  /// The leases of planner processes since the last call.
   std::vector<PlannerLease> TakeLeases();
 
  private:
@@ -58,30 +58,30 @@ class Recorder {
   std::list<WorldTopics> worlds_;
 };
 
-/// The launcher's own place on the bus, in a domain where no other conav publishes its robots.
+/// The launcher's connection to the bus, in a domain without another conav's robots.
 struct BusPlace {
   DomainLease lease;
   std::unique_ptr<bus::Participant> participant;
-  std::unique_ptr<Recorder> recorder;
+  std::unique_ptr<RunObserver> observer;
 };
 
-/// The arguments do not fit what is there; main prints it and exits with 2.
+/// The arguments do not fit the circumstances; main prints it and exits with 2.
 class UsageError : public StartupError {
   using StartupError::StartupError;
 };
 
-/// How a process of this demo takes part in DDS: with what the environment says where `vendor` or
-/// the interface is empty, so that a written configuration means the same everywhere. Throws
-/// StartupError when the environment names no DDS vendor.
+/// How a process of this demo takes part in DDS. Resolves an empty vendor or interface from the
+/// environment, so that a written configuration means the same everywhere. Throws StartupError when
+/// the environment names an unknown DDS vendor.
 bus::ParticipantOptions BusOptions(const DemoOptions& options, int domain,
                                    const std::string& vendor);
 
-/// Takes the domain of the options or of the environment (CONAV_DOMAIN); without these the first
-/// free one. Listens for a moment for robots of the same name before it is content with a domain.
-/// Throws UsageError when the wanted domain is taken (by which robot), StartupError from the bus.
+/// Takes the domain of the options or of the environment (CONAV_DOMAIN), else the first free one.
+/// Before it accepts a domain, it listens briefly for robots of the same name. Throws UsageError
+/// when the requested domain is taken (names the robot), StartupError from the bus.
 BusPlace JoinFreeDomain(const DemoOptions& options, Episode& episode);
 
-/// The same in a domain that is ours already; nobody is listened for. Throws StartupError from the
+/// The same in a domain that is already ours; does not listen first. Throws StartupError from the
 /// bus.
 BusPlace JoinKeptDomain(const DemoOptions& options, DomainLease lease, Episode& episode);
 

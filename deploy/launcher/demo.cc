@@ -28,7 +28,7 @@ std::string PlannerMonitor::Fold(const PlannerLease& lease) {
     }
     driver = {held.lease_epoch, lease.node, lease.instance};
   }
-  if (robots.empty() || (before.empty() && !tells_first_)) return "";
+  if (robots.empty() || (before.empty() && !reports_first_)) return "";
   if (before.empty()) return fmt::format("{} drives {}", lease.node, fmt::join(robots, ", "));
   return fmt::format("{} took over {} from {}", lease.node, fmt::join(robots, ", "),
                      fmt::join(before, ", "));
@@ -57,9 +57,33 @@ std::string WeightsText(const DemoOptions& options) {
 
 nlohmann::ordered_json Versions() {
   nlohmann::ordered_json versions{{"conav", CONAV_VERSION}};
-  // ./conav knows the commit that it built; a program run by hand does not.
+  // ./conav passes the commit that it built; a program run by hand has none.
   if (const char* commit = std::getenv("CONAV_COMMIT")) versions["commit"] = commit;
   return versions;
+}
+
+using namespace std::chrono_literals;
+
+constexpr auto kGrace = 5s;
+constexpr auto kPeriod = 50ms;
+// At the end: how long the bus must be quiet, and how long to wait for that.
+constexpr auto kQuiet = 300ms;
+constexpr auto kQuietLimit = 3s;
+// Without its planner, a robot ends its last command within the command's expiry.
+constexpr auto kStandStillLimit = 15s;
+constexpr std::size_t kLogLines = 8;
+
+std::string KilledLine(const std::string& process) {
+  return process + " did not stop on request and was killed";
+}
+
+/// Several processes of a service are called "planner-1", "sim-w2".
+bool IsOf(const std::string& service, const Process& process) {
+  return process.name() == service || process.name().starts_with(service + "-");
+}
+
+bool StandsStill(const RobotRecord& robot) {
+  return !robot.state || robot.state->command_outcome != CommandOutcome::kRunning;
 }
 
 }  // namespace
@@ -106,34 +130,6 @@ std::string OutcomeLine(const Outcome& outcome) {
   return fmt::format("ended after {:.1f} s: {}", outcome.wall_s, what);
 }
 
-namespace {
-
-using namespace std::chrono_literals;
-
-constexpr auto kGrace = 5s;
-constexpr auto kPeriod = 50ms;
-// At the end: how long it must be quiet on the bus, and how long to wait for that.
-constexpr auto kQuiet = 300ms;
-constexpr auto kQuietLimit = 3s;
-// A robot whose planner is gone ends its last command within the command's expiry.
-constexpr auto kStandStillLimit = 15s;
-constexpr std::size_t kLogLines = 8;
-
-std::string KilledLine(const std::string& process) {
-  return process + " did not stop when asked and was killed";
-}
-
-/// Among several of a service they are called "planner-1", "sim-w2".
-bool IsOf(const std::string& service, const Process& process) {
-  return process.name() == service || process.name().starts_with(service + "-");
-}
-
-bool StandsStill(const RobotRecord& robot) {
-  return !robot.state || robot.state->command_outcome != CommandOutcome::kRunning;
-}
-
-}  // namespace
-
 Demo::Demo(const DemoOptions& options, std::filesystem::path program_folder, const Clock& clock,
            Progress& progress, std::optional<DomainLease> kept)
     : options_(options),
@@ -167,7 +163,7 @@ DemoResult Demo::Run(const StopToken& stop) {
   if (options_.waits_for_operator() && outcome_.reason == EndReason::kAllGoalsReached) {
     StayOpen(stop);
   }
-  place_.recorder.reset();  // that the services leave now is no news
+  place_.observer.reset();  // the planned exit of the services is not news
   StopAll();
   return Finish();
 }
@@ -189,7 +185,7 @@ double Demo::ElapsedSeconds() const {
 void Demo::Follow(const StopToken& stop) {
   while (true) {
     place_.participant->Wait(kPeriod);
-    place_.recorder->Take();
+    place_.observer->Take();
     progress_.Show(episode_);
     ReportDrivers();
     ReportConsole();
@@ -235,13 +231,13 @@ bool Demo::CanDoWithout(const Process& process, const std::string& what) {
   const auto last = LastLines(process.log(), 1);
   progress_.Say(last.empty() ? what : what + "; its log ends: " + last.front());
   if (is_recorder) {
-    progress_.Say("the run goes on and is not recorded any more");
+    progress_.Say("the run continues without a recording");
   } else if (planners_left > 0) {
-    progress_.Say(fmt::format("planners that take its robots over: {}", planners_left));
+    progress_.Say(fmt::format("planners that take over its robots: {}", planners_left));
   } else if (const int replicas_left = CountRunning("nhpm"); replicas_left > 0) {
-    progress_.Say(fmt::format("nhpm processes that go on answering: {}", replicas_left));
+    progress_.Say(fmt::format("nhpm processes that still answer: {}", replicas_left));
   } else {
-    progress_.Say("the planner goes on with its own perception model");
+    progress_.Say("the planner continues with its own perception model");
   }
   return true;
 }
@@ -251,7 +247,7 @@ int Demo::CountRunning(const std::string& service) const {
 }
 
 void Demo::ReportDrivers() {
-  for (const PlannerLease& lease : place_.recorder->TakeLeases()) {
+  for (const PlannerLease& lease : place_.observer->TakeLeases()) {
     const std::string line = planners_.Fold(lease);
     if (!line.empty()) progress_.Say(line);
   }
@@ -268,7 +264,7 @@ void Demo::ReportConsole() {
   console_ = url->substr(0, url->find('\n'));
   progress_.Say(fmt::format("console {}", console_));
   if (options_.waits_for_operator()) {
-    progress_.Say("open it in a browser: the robots wait for you there; Ctrl-C ends");
+    progress_.Say("open it in a browser: the robots wait for you; Ctrl-C ends");
   }
 }
 
@@ -276,7 +272,7 @@ void Demo::StayOpen(const StopToken& stop) {
   progress_.Say(fmt::format("the console stays open at {} until Ctrl-C", console_));
   while (!stop.stop_requested() && processes_.TakeEnded().empty()) {
     place_.participant->Wait(kPeriod);
-    place_.recorder->Take();
+    place_.observer->Take();
   }
 }
 
@@ -293,11 +289,11 @@ void Demo::ReportPositions() {
   const bool sim_died = died_service_ == "sim";
   for (const RobotRecord& robot : episode_.robots) {
     if (!robot.state) {
-      progress_.Say(fmt::format("{} was never heard of", robot.name));
+      progress_.Say(fmt::format("{} never published its state", robot.name));
       continue;
     }
     progress_.Say(fmt::format("{} {} cell {}, {} of {} goals reached", robot.name,
-                              sim_died             ? "was last heard of in"
+                              sim_died             ? "was last seen in"
                               : StandsStill(robot) ? "stopped in"
                                                    : "STILL DRIVES in",
                               robot.state->cell, robot.state->goals_reached.size(),
@@ -311,7 +307,7 @@ void Demo::TakeLastNews() {
   auto quiet_since = clock_.Now();
   while (clock_.Now() < limit && clock_.Now() - quiet_since < kQuiet) {
     place_.participant->Wait(kPeriod);
-    const bool news = place_.recorder->Take();
+    const bool news = place_.observer->Take();
     const bool still =
         !robots_stop || std::all_of(episode_.robots.begin(), episode_.robots.end(), StandsStill);
     if (news || !still) quiet_since = clock_.Now();

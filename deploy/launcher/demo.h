@@ -21,14 +21,14 @@
 
 namespace conav::launcher {
 
-/// Who drives which robots, in lines for the person who watches a demo with several planners:
-/// "planner-1 drives r1, r3", "planner-2 took over r1, r3 from planner-1".
+/// Reports who drives which robots in a demo with several planners: "planner-1 drives r1, r3",
+/// "planner-2 took over r1, r3 from planner-1".
 class PlannerMonitor {
  public:
-  /// `tells_first`: also who is the first to drive a robot.
-  explicit PlannerMonitor(bool tells_first) : tells_first_(tells_first) {}
+  /// `reports_first`: also reports the first planner of a robot.
+  explicit PlannerMonitor(bool reports_first) : reports_first_(reports_first) {}
 
-  /// Folds in an announcement; the line that it is worth, empty for none.
+  /// Folds in an announcement; returns the line to print, or an empty text.
   std::string Fold(const PlannerLease& lease);
 
  private:
@@ -37,7 +37,7 @@ class PlannerMonitor {
     std::string node;
     std::string instance;
   };
-  bool tells_first_;
+  bool reports_first_;
   std::map<std::string, Driver> drivers_;  // by robot
 };
 
@@ -46,22 +46,22 @@ enum class EndReason { kAllGoalsReached, kProcessDied, kTimeLimit, kInterrupted 
 
 struct Outcome {
   EndReason reason = EndReason::kAllGoalsReached;
-  std::string detail;  // which process died and how; empty when all went well
+  std::string detail;  // which process died and how; empty if none did
   double wall_s = 0.0;
-  std::string dds;  // as asked for, or the default vendor
+  std::string dds;  // as given, or the default vendor
   int domain = 0;
   std::string run_folder;
-  std::string weights_checksum;  // of the weights that shall answer; empty without
+  std::string weights_checksum;  // of the weights in use; empty without
 };
 
-/// What metrics.json and --json hold: the run's facts, then the measures of ToJson(metrics).
+/// The content of metrics.json and --json: the run's facts, then the measures of ToJson(metrics).
 nlohmann::ordered_json OutcomeJson(const DemoOptions& options, const Outcome& outcome,
                                    const EpisodeMetrics& metrics);
 
 /// "ended: all goals reached", "ended: planner (pid 12) died: signal 9 (Killed)".
 std::string OutcomeLine(const Outcome& outcome);
 
-/// What came of a run.
+/// The result of a run.
 struct DemoResult {
   Outcome outcome;
   EpisodeMetrics metrics;
@@ -71,48 +71,47 @@ struct DemoResult {
   }
 };
 
-/// One run of the whole system, as `conav demo` shows it and `conav study` repeats it: starts the
-/// services, follows them on the bus, ends them. The run folder holds metrics.json and episode.svg
-/// afterwards.
+/// One run of the whole system, for `conav demo` and `conav study`: starts the services, follows
+/// them on the bus, ends them. Writes metrics.json and episode.svg into the run folder.
 /// Threads: one; several demos may run on a thread each, every one in a domain of its own.
 class Demo {
  public:
-  /// Joins the bus and makes the run folder; starts nothing yet. `program_folder` holds conav-sim
-  /// and the others; `options`, `clock` and `progress` outlive the demo. `kept` is a domain that the
-  /// caller has held since an earlier demo found it free; without it one is looked for. Throws
-  /// UsageError when the domain is taken by another conav, StartupError when the bus or the run
-  /// folder cannot be had.
+  /// Joins the bus and creates the run folder; starts nothing yet. `program_folder` contains
+  /// conav-sim and the other programs; `options`, `clock` and `progress` outlive the demo. `kept`
+  /// is a domain that an earlier demo of the caller found free; without it, looks for one. Throws
+  /// UsageError when another conav uses the domain, StartupError when the bus or the run folder is
+  /// not available.
   Demo(const DemoOptions& options, std::filesystem::path program_folder, const Clock& clock,
        Progress& progress, std::optional<DomainLease> kept = std::nullopt);
 
-  /// Blocks until the run has ended and all its processes are gone. Throws StartupError when a
-  /// process cannot be started or the run folder cannot be written.
+  /// Blocks until the run and all its processes have ended. Throws StartupError when a process
+  /// cannot be started or the run folder cannot be written.
   DemoResult Run(const StopToken& stop);
 
-  /// After Run(): the domain, for the next demo.
+  /// Hands over the domain to the next demo; call after Run().
   DomainLease TakeLease() { return std::move(place_.lease); }
 
  private:
   void StartProcesses();
   void Follow(const StopToken& stop);
-  /// Sets outcome_ when one died that the run cannot do without.
+  /// Sets outcome_ when an essential process died.
   bool SomethingDied();
-  /// Processes of that service that run.
+  /// Running processes of that service.
   int CountRunning(const std::string& service) const;
-  /// Whether the run goes on without a process that died as `what` tells; says so.
+  /// Whether the run can continue without a dead process; reports the death (`what`) if so.
   bool CanDoWithout(const Process& process, const std::string& what);
   void ReportDrivers();
-  /// Once, when it can be opened.
+  /// Reports the console's URL once the page can be opened.
   void ReportConsole();
-  /// All goals are reached: whoever looks at the console may go on looking.
+  /// All goals are reached: keeps the console open until the user stops.
   void StayOpen(const StopToken& stop);
-  /// Says who had to be killed.
+  /// Stops the processes that `meant` selects; reports those it had to kill.
   void Stop(const std::function<bool(const Process&)>& meant);
-  /// So that nobody commands the robots any more.
+  /// Stops the planners first, so that nothing commands the robots.
   void StopPlanners();
-  /// The recorder last, so that it hears all others.
+  /// Stops all processes, the recorder last, so that it captures the exits of the others.
   void StopAll();
-  /// Listens until it is quiet and, after a death, until the robots stand.
+  /// Receives until the bus is quiet and, after a death, until the robots stand.
   void TakeLastNews();
   void ReportPositions();
   DemoResult Finish();
@@ -128,8 +127,9 @@ class Demo {
   Progress& progress_;
   PlannerMonitor planners_;
   Outcome outcome_;
-  std::string console_;       // its URL, once it was told
-  std::string died_service_;  // that ended the run; "sim" also among several worlds
+  std::string console_;  // its URL, once reported
+  // the service whose death ended the run; "sim" also among several worlds
+  std::string died_service_;
   ProcessGroup processes_;
 };
 

@@ -51,7 +51,7 @@ Result<void> RequireFile(const char* option, const fs::path& file) {
   return Fail(ErrorCode::kNotFound, fmt::format("{} {}: {}", option, file.string(), reason));
 }
 
-// The folder itself, or the nearest one above it that exists, must be ours to write in.
+// The folder, or its nearest existing parent, must be writable for us.
 Result<void> RequireWritable(const char* option, const fs::path& folder) {
   std::error_code error;
   fs::path place = fs::absolute(folder, error);
@@ -60,7 +60,7 @@ Result<void> RequireWritable(const char* option, const fs::path& folder) {
   }
   if (fs::is_directory(place, error) && access(place.c_str(), W_OK | X_OK) == 0) return {};
   return Fail(ErrorCode::kIo,
-              fmt::format("{} {}: cannot write in {}", option, folder.string(), place.string()));
+              fmt::format("{} {}: cannot write to {}", option, folder.string(), place.string()));
 }
 
 Result<void> ValidateFiles(const DemoOptions& options) {
@@ -101,7 +101,7 @@ Result<void> ValidateFiles(const DemoOptions& options) {
 
 Result<void> ValidatePerson(const DemoOptions& options) {
   if (options.person.empty() != options.person_weights.empty()) {
-    return Fail(ErrorCode::kInvalidArgument, "--person and --person-weights need each other");
+    return Fail(ErrorCode::kInvalidArgument, "--person and --person-weights only work together");
   }
   if (options.person.empty()) return {};
   if (!IsEntityName(options.person)) {
@@ -110,38 +110,37 @@ Result<void> ValidatePerson(const DemoOptions& options) {
         fmt::format("--person {}: is not 1 to {} of A-Z a-z 0-9 _", options.person, kMaxName));
   }
   if (options.model == kGlpfModel) {
-    return Fail(ErrorCode::kInvalidArgument, "--person: --model glpf is everybody's");
+    return Fail(ErrorCode::kInvalidArgument, "--person: --model glpf has no models of persons");
   }
   if (options.perception == "embedded") {
     return Fail(ErrorCode::kInvalidArgument,
-                "--person: --perception embedded asks nobody; give the person's file as --weights");
+                "--person: not with --perception embedded; pass the person's file as --weights");
   }
   return {};
 }
 
-/// Options that another one makes meaningless.
+/// Rejects options that another option makes meaningless.
 Result<void> ValidateUses(const DemoOptions& options) {
   if (options.model == kGlpfModel && !options.weights.empty()) {
-    return Fail(ErrorCode::kInvalidArgument, "--weights: --model glpf has none");
+    return Fail(ErrorCode::kInvalidArgument, "--weights: --model glpf has no weights");
   }
   if (options.perception == "embedded" && options.nhpm_replicas > 1) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("--nhpm-replicas {}: with --perception embedded nobody asks them",
+                fmt::format("--nhpm-replicas {}: --perception embedded does not use them",
                             options.nhpm_replicas));
   }
   if (options.planners > 1 && options.x_source == "estimated") {
-    return Fail(
-        ErrorCode::kInvalidArgument,
-        fmt::format("--planners {}: with --x-source estimated each would guess from its own "
-                    "robots' pictures only",
-                    options.planners));
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("--planners {}: --x-source estimated would only see the pictures of "
+                            "each planner's own robots",
+                            options.planners));
   }
   if (options.streams && !options.recording) {
-    return Fail(ErrorCode::kInvalidArgument, "--streams: --no-recording records nothing");
+    return Fail(ErrorCode::kInvalidArgument, "--streams: not with --no-recording");
   }
   if (options.method != "ig-mcts" && options.communication != "search") {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("--communication {}: --method {} sends no pictures for an answer",
+                fmt::format("--communication {}: --method {} does not ask for answers to pictures",
                             options.communication, options.method));
   }
   return ValidatePerson(options);

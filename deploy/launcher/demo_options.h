@@ -23,28 +23,28 @@ inline constexpr int kMaxWorlds = 16;
 inline constexpr int kMaxReplicas = 8;
 inline constexpr int kMaxPlanners = 16;
 
-/// What `conav demo` was asked for.
+/// The options of `conav demo`.
 struct DemoOptions {
   int robots = 1;  // in each world
   int worlds = 1;
   std::uint64_t seed = 1;
-  /// Of the first world alone, the next ones count on; without it `seed`.
+  /// Of the first world only, further worlds count up from it; without it `seed`.
   std::optional<std::uint64_t> maze_seed;
   int rotation_deg = 0;  // of every world: 0, 90, 180, 270
-  /// Who the simulated operator is: one of operators::OperatorKinds(), or a file whose section
+  /// The simulated operator: one of operators::OperatorKinds(), or a file whose section
   /// `simulated_operator:` has a `person`.
   std::string simulated_operator = "careful";
   std::string method = "ig-mcts";
-  std::string communication = "search";  // who decides that ig-mcts sends a picture
+  std::string communication = "search";  // policy that decides when ig-mcts sends a picture
   /// "cyclonedds", "fastdds", "mixed" or "service=vendor,..."; empty = the bus's default.
   std::string dds;
   bool headless = false;
   std::filesystem::path json;
-  /// Simulation time over wall time; 0 = as fast as commanded. Default 2 with a console, else 4;
-  /// headless 0.
+  /// Simulation time over wall time; 0 = as fast as commands arrive. Default 2 with a console, else
+  /// 4; headless 0.
   std::optional<double> speed;
   std::string camera = "egl";
-  std::optional<int> domain;  // without it the first free one
+  std::optional<int> domain;  // default: the first free one
   std::string interface = "lo";
   std::vector<std::string> peers;
   std::string preset = "conav13";
@@ -68,14 +68,13 @@ struct DemoOptions {
   /// headless none.
   std::optional<int> console;
   bool recording = true;  // the run folder gets a recording.mcap,
-  bool streams = false;   // with the pictures that cameras stream
+  bool streams = false;   // including the streamed pictures of the cameras
 
   double effective_speed() const {
     return speed.value_or(headless ? 0.0 : waits_for_operator() ? 2.0 : 4.0);
   }
   int console_port() const { return console.value_or(headless ? -1 : 8080); }
-  /// Whoever opens the console's page lets the robots go, and may guide them instead of the
-  /// simulated operator.
+  /// The page's user starts the robots, and may guide them instead of the simulated operator.
   bool waits_for_operator() const { return console_port() >= 0 && !headless; }
   double effective_time_limit_s() const {
     return time_limit_s.value_or(waits_for_operator() ? std::numeric_limits<double>::infinity()
@@ -83,20 +82,20 @@ struct DemoOptions {
   }
   std::uint64_t world_seed() const { return maze_seed.value_or(seed); }
   int total_robots() const { return robots * worlds; }
-  /// None where the planner asks its own model.
+  /// None if the planner runs its own model.
   int nhpm_processes() const { return perception == "embedded" ? 0 : nhpm_replicas; }
 };
 
-/// Refuses what cannot be: the option by name, its value, what would do. Looks at the file system
-/// for maps, weights, --json's folder and --out.
+/// Rejects impossible options: names the option, its value and what is allowed. Checks maps,
+/// weights, --json's folder and --out in the file system.
 [[nodiscard]] Result<void> Validate(const DemoOptions& options);
 
-/// "sim=ip netns exec a" as service and command. Refused: no '=', unknown service, no command.
+/// Parses "sim=ip netns exec a" into service and command. Rejects: no '=', unknown service, no
+/// command.
 [[nodiscard]] Result<std::pair<std::string, std::string>> ParseRunWith(const std::string& text);
 
-/// Which vendor each process gets, "launcher" among them; an empty text is the bus's default.
-/// "mixed" gives each service in turn one and the other; the recorder, which takes no part, the
-/// first.
+/// The vendor of each process, including "launcher"; an empty text is the bus's default. "mixed"
+/// alternates between the services; the recorder gets the first vendor and does not count.
 [[nodiscard]] Result<std::map<std::string, std::string>> VendorOfService(const std::string& dds);
 
 }  // namespace conav::launcher

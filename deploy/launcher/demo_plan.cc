@@ -19,34 +19,9 @@
 
 namespace conav::launcher {
 
-operators::SyntheticOperatorParameters OperatorPerson(const std::string& kind_or_file) {
-  const auto& kinds = operators::OperatorKinds();
-  if (std::find(kinds.begin(), kinds.end(), kind_or_file) != kinds.end()) {
-    return operators::ParametersOfKind(kind_or_file);
-  }
-  std::error_code ignored;
-  if (!std::filesystem::exists(kind_or_file, ignored)) {
-    throw StartupError(fmt::format("neither a file nor one of {}", fmt::join(kinds, ", ")));
-  }
-  constexpr const char* kSection = "simulated_operator";
-  operators::SimulatedOperatorConfig config;
-  ReadConfig(LoadParameters(kind_or_file, kSection), kSection, config);
-  return config.person;
-}
-
-Result<void> CheckOperator(const DemoOptions& options) {
-  try {
-    OperatorPerson(options.simulated_operator);
-    return {};
-  } catch (const StartupError& error) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("--operator {}: {}", options.simulated_operator, error.what()));
-  }
-}
-
 namespace {
 
-/// With fewer robots than `options` have; 0 where there is room for none.
+/// The largest number of robots, below that of `options`, with room in the world; 0 for none.
 int MostRobots(sim::WorldOptions options) {
   while (--options.robots > 0) {
     if (sim::MakeWorldSpec(options)) break;
@@ -68,30 +43,6 @@ Result<void> CheckWorld(const DemoOptions& options, int index) {
                   world.seed, MostRobots(world), options.robots, spec.error().text));
 }
 
-}  // namespace
-
-sim::WorldOptions WorldOptionsOf(const DemoOptions& options, int index) {
-  sim::WorldOptions world;
-  world.seed = options.world_seed() + static_cast<std::uint64_t>(index);
-  world.preset = options.preset;
-  world.map_yaml = options.map;
-  world.operator_map_yaml = options.operator_map;
-  world.cell_size_m = options.cell_size_m.value_or(world.cell_size_m);
-  world.robots = options.robots;
-  world.shared_goals = options.shared_goals;
-  world.rotation_deg = options.rotation_deg;
-  return world;
-}
-
-Result<void> CheckWorlds(const DemoOptions& options) {
-  for (int index = 0; index < options.worlds; ++index) {
-    if (auto checked = CheckWorld(options, index); !checked) return checked;
-  }
-  return {};
-}
-
-namespace {
-
 std::filesystem::path PersonFile(const DemoOptions& options) {
   return options.person.empty() ? "" : options.person_weights / (options.person + ".nhpm");
 }
@@ -103,7 +54,7 @@ Result<void> CheckOne(const DemoOptions& options, const char* option,
   if (!model) {
     return Fail(model.error().code, fmt::format("{} {}", option, model.error().text));
   }
-  const auto site = sim::MakeSite(WorldOptionsOf(options, 0));  // see CheckWorlds
+  const auto site = sim::MakeSite(WorldOptionsOf(options, 0));  // CheckWorlds has checked it
   if (model->rows == 0 || !site) return {};
   const OccupancyGrid& map = site->truth;
   if (model->rows == map.rows() && model->columns == map.columns()) return {};
@@ -111,24 +62,6 @@ Result<void> CheckOne(const DemoOptions& options, const char* option,
               fmt::format("{} {}: is for maps of {} x {} cells; this run's have {} x {}", option,
                           file.string(), model->rows, model->columns, map.rows(), map.columns()));
 }
-
-}  // namespace
-
-Result<void> CheckWeights(const DemoOptions& options) {
-  return CheckOne(options, "--weights", options.weights).and_then([&] {
-    return CheckOne(options, "--person-weights", PersonFile(options));
-  });
-}
-
-std::string WeightsChecksum(const DemoOptions& options) {
-  if (options.model != kNhpmModel) return "";
-  const std::filesystem::path file = PersonFile(options);
-  const auto model =
-      nhpm::ReadWeightsFile(file.empty() ? nhpm::WeightsOrShipped(options.weights) : file);
-  return model ? nhpm::ChecksumOf(*model) : "";
-}
-
-namespace {
 
 std::string AbsoluteText(const std::filesystem::path& file) {
   return file.empty() ? "" : std::filesystem::absolute(file).string();
@@ -138,7 +71,7 @@ std::string OtherVendor(const std::string& vendor) {
   return vendor == "fastdds" ? "cyclonedds" : "fastdds";
 }
 
-/// What the planning of each process needs to know.
+/// The inputs for planning each process.
 struct Setting {
   const DemoOptions& options;
   int domain;
@@ -152,7 +85,7 @@ struct Setting {
     const bool other = options.dds == "mixed" && number % 2 == 0;
     return BusOptions(options, domain, other ? OtherVendor(vendor) : vendor);
   }
-  /// Written out, so that the configuration means the same wherever it is used again.
+  /// Resolved, so that the configuration means the same wherever it is used again.
   std::string Weights() const {
     return options.model == kNhpmModel ? AbsoluteText(nhpm::WeightsOrShipped(options.weights)) : "";
   }
@@ -165,7 +98,7 @@ struct Setting {
   }
 };
 
-/// What is worth knowing of a recording without its run folder.
+/// The facts of a run that its recording keeps without the run folder.
 std::map<std::string, std::string> Facts(const Setting& setting) {
   const DemoOptions& options = setting.options;
   return {{"run", setting.run.path().filename().string()},
@@ -224,7 +157,7 @@ std::string NhpmYaml(const Setting& setting, const std::string& name) {
   return DumpConfig("nhpm", config);
 }
 
-/// Whoever trains perception models finds the run's segments in its folder.
+/// Training of perception models finds the run's segments in its folder.
 operators::SegmentOptions Recording(const Setting& setting) {
   const DemoOptions& options = setting.options;
   operators::SegmentOptions recording;
@@ -283,12 +216,72 @@ std::string PlannerYaml(const Setting& setting, const std::string& name, int num
   if (setting.options.waits_for_operator()) {  // people need longer than the simulated operator
     config.first_guidance_timeout_s = 8.0;
     config.answer_timeout_s = 60.0;
-    config.timeout_clock = "simulation";  // time passes by itself, also for the queue's deadlines
+    // time passes without commands, also for the queue's deadlines
+    config.timeout_clock = "simulation";
   }
   return DumpConfig("planner", config);
 }
 
 }  // namespace
+
+operators::SyntheticOperatorParameters OperatorPerson(const std::string& kind_or_file) {
+  const auto& kinds = operators::OperatorKinds();
+  if (std::find(kinds.begin(), kinds.end(), kind_or_file) != kinds.end()) {
+    return operators::ParametersOfKind(kind_or_file);
+  }
+  std::error_code ignored;
+  if (!std::filesystem::exists(kind_or_file, ignored)) {
+    throw StartupError(fmt::format("neither a file nor one of {}", fmt::join(kinds, ", ")));
+  }
+  constexpr const char* kSection = "simulated_operator";
+  operators::SimulatedOperatorConfig config;
+  ReadConfig(LoadParameters(kind_or_file, kSection), kSection, config);
+  return config.person;
+}
+
+Result<void> CheckOperator(const DemoOptions& options) {
+  try {
+    OperatorPerson(options.simulated_operator);
+    return {};
+  } catch (const StartupError& error) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("--operator {}: {}", options.simulated_operator, error.what()));
+  }
+}
+
+sim::WorldOptions WorldOptionsOf(const DemoOptions& options, int index) {
+  sim::WorldOptions world;
+  world.seed = options.world_seed() + static_cast<std::uint64_t>(index);
+  world.preset = options.preset;
+  world.map_yaml = options.map;
+  world.operator_map_yaml = options.operator_map;
+  world.cell_size_m = options.cell_size_m.value_or(world.cell_size_m);
+  world.robots = options.robots;
+  world.shared_goals = options.shared_goals;
+  world.rotation_deg = options.rotation_deg;
+  return world;
+}
+
+Result<void> CheckWorlds(const DemoOptions& options) {
+  for (int index = 0; index < options.worlds; ++index) {
+    if (auto checked = CheckWorld(options, index); !checked) return checked;
+  }
+  return {};
+}
+
+Result<void> CheckWeights(const DemoOptions& options) {
+  return CheckOne(options, "--weights", options.weights).and_then([&] {
+    return CheckOne(options, "--person-weights", PersonFile(options));
+  });
+}
+
+std::string WeightsChecksum(const DemoOptions& options) {
+  if (options.model != kNhpmModel) return "";
+  const std::filesystem::path file = PersonFile(options);
+  const auto model =
+      nhpm::ReadWeightsFile(file.empty() ? nhpm::WeightsOrShipped(options.weights) : file);
+  return model ? nhpm::ChecksumOf(*model) : "";
+}
 
 std::vector<PlannedProcess> PlanDemo(const DemoOptions& options, int domain, const Episode& episode,
                                      const RunFolder& run) {

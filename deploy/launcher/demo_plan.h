@@ -13,47 +13,47 @@
 
 namespace conav::launcher {
 
-/// The synthetic person that `--operator` means: a kind, or the `person` of a file's section
-/// `simulated_operator:`. Throws StartupError: neither a kind nor a file, or what the file has wrong.
+/// The synthetic person of `--operator`: a kind, or the `person` of a file's section
+/// `simulated_operator:`. Throws StartupError: neither a kind nor a file, or an error of the file.
 operators::SyntheticOperatorParameters OperatorPerson(const std::string& kind_or_file);
 
-/// Whether OperatorPerson(options.simulated_operator) can be had. Errors: kInvalidArgument with the
+/// Whether OperatorPerson(options.simulated_operator) works. Errors: kInvalidArgument with the
 /// option and the reason.
 [[nodiscard]] Result<void> CheckOperator(const DemoOptions& options);
 
-/// What the simulator of a world makes it from; `index` counts the worlds from 0.
+/// The options from which a world's simulator builds it; `index` counts the worlds from 0.
 sim::WorldOptions WorldOptionsOf(const DemoOptions& options, int index);
 
-/// Makes every world of the run as its simulator will, so that one that cannot be is refused before
-/// anything starts. Errors: an unknown --preset, a map file's own, more --robots than a world has
-/// room for (and for how many it has).
+/// Builds every world of the run as its simulator will, to reject an impossible one before anything
+/// starts. Errors: an unknown --preset, a map file's own, more --robots than a world has room for
+/// (and for how many it has).
 [[nodiscard]] Result<void> CheckWorlds(const DemoOptions& options);
 
-/// Whether the weights that `options` name can be read and answer for maps of the run's size, so
-/// that a run does not go on with the fallback unasked. Those that come with conav are not looked
-/// at. Errors: the option, the file and the reason.
+/// Whether the weights that `options` name can be read and fit maps of the run's size, so that a
+/// run does not silently use the fallback. Skips the weights that come with conav. Errors: the
+/// option, the file and the reason.
 [[nodiscard]] Result<void> CheckWeights(const DemoOptions& options);
 
-/// The SHA-256 of the weights that shall answer, as services report it: those of --person, of
-/// --weights, or those that come with conav. Empty where there are none, or they cannot be read.
+/// The SHA-256 of the weights in use, as services report it: those of --person, of --weights, or
+/// those that come with conav. Empty if there are none, or they cannot be read.
 std::string WeightsChecksum(const DemoOptions& options);
 
-/// Starts first and ends last, and the run does not depend on it.
+/// Starts first and ends last; the run does not depend on it.
 inline constexpr const char* kRecorderName = "recorder";
 
-/// A process that a demo will start.
+/// A process of a demo, before its start.
 struct PlannedProcess {
   std::string name;     // of its config and log file: "sim", or "sim-w2" among several worlds
   std::string service;  // "sim": program conav-sim
   std::string config;   // YAML document
 };
 
-/// The processes of a demo in the order in which they start, each with its whole effective
-/// configuration, written from the service's own config struct. Requires Validate(options) and CheckOperator(options).
+/// The processes of a demo in their start order, each with its complete configuration, written from
+/// the service's own config struct. Requires Validate(options) and CheckOperator(options).
 std::vector<PlannedProcess> PlanDemo(const DemoOptions& options, int domain, const Episode& episode,
                                      const RunFolder& run);
 
-/// What to execute: the --run-with words, the program beside ours, --config and the file.
+/// The command line: the --run-with words, the program next to ours, --config and the file.
 std::vector<std::string> CommandLine(const PlannedProcess& process, const DemoOptions& options,
                                      const std::filesystem::path& program_folder,
                                      const RunFolder& run);

@@ -17,11 +17,11 @@
 namespace conav::launcher {
 namespace {
 
-/// 0, or why not.
+/// 0, or the error number.
 int TryPort(int port) {
   const int descriptor = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   if (descriptor < 0) return errno;
-  const int yes = 1;  // as the gateway does: connections that were closed a moment ago do no harm
+  const int yes = 1;  // as the gateway does: recently closed connections do not matter
   setsockopt(descriptor, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   sockaddr_in address{};
   address.sin_family = AF_INET;
@@ -39,14 +39,14 @@ Result<void> CheckPort(const std::string& option, int port) {
   const int cause = port == 0 ? 0 : TryPort(port);
   if (cause == 0) return {};
   return Fail(ErrorCode::kUnavailable,
-              fmt::format("{} {}: cannot be had ({}); choose another, or 0 for any that is free",
+              fmt::format("{} {}: not available ({}); choose another, or 0 for any free one",
                           option, port, std::strerror(cause)));
 }
 
 std::optional<DomainLease> DomainLease::TryAcquire(int domain, std::string_view holder) {
   const std::filesystem::path file =
       std::filesystem::temp_directory_path() / fmt::format("conav-{}-{}.lock", holder, domain);
-  // Opened for reading only where it is another user's: a lock needs no more.
+  // If it belongs to another user, open it for reading: a lock needs no more.
   int descriptor = open(file.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0666);
   if (descriptor < 0) descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) {

@@ -24,17 +24,17 @@ namespace {
 
 constexpr const char* kFooter = R"(
 Without --headless it serves the operator's console on http://127.0.0.1:8080: the robots wait until
-somebody opens that page and guides them, or lets the simulated operator do it; Ctrl-C ends.
+a user of that page guides them or hands over to the simulated operator; Ctrl-C ends.
 
 Starts conav-recorder, conav-sim (one per world), conav-nhpm (one, several or none), conav-operator,
 conav-planner (one or several) and conav-simulated-operator, follows them until every robot has
 reached its goals, and leaves runs/<time>-seed<S>/ with the effective configuration, logs,
 metrics.json, episode.svg (truth, the operator's map before and after, trajectories, pictures),
-recording.mcap (what was said on the bus; conav bag, Foxglove), segments.pb.zst (how the operator
-edited after each picture; conav dataset describe) and decisions.pb.zst (why the robots did what they
-did; conav explain).
+recording.mcap (the messages on the bus; conav bag, Foxglove), segments.pb.zst (the operator's edits
+after each picture; conav dataset describe) and decisions.pb.zst (why the robots acted as they did;
+conav explain).
 
-Exit code: 0 all goals reached; 1 not (a process died, time limit, Ctrl-C); 2 wrong use.
+Exit code: 0 all goals reached; 1 not (a process died, time limit, Ctrl-C); 2 wrong usage.
 
 Examples:
   conav demo                                   two robots and the console, for you to guide them
@@ -50,21 +50,21 @@ void AddRunOptions(CLI::App& app, DemoOptions& options) {
   app.add_option("--seed", options.seed, "Seed of everything that is random")
       ->check(WholeNumber())
       ->capture_default_str();
-  app.add_option(
-         "--operator", options.simulated_operator,
-         "The simulated operator: careful, hasty, wrong (on purpose), silent, or a file like "
-         "deploy/config/simulated_operator.yaml, of which the person counts")
+  app.add_option("--operator", options.simulated_operator,
+                 "The simulated operator: careful, hasty, wrong (on purpose), silent, or the "
+                 "person of a file like deploy/config/simulated_operator.yaml")
       ->capture_default_str();
   app.add_option("--planners", options.planners,
-                 "Processes conav-planner, which share the robots; one may die or be added")
+                 "Number of conav-planner processes, which share the robots; one may die or join")
       ->capture_default_str();
-  app.add_flag("--headless", options.headless, "No watching: as fast as the robots are commanded");
+  app.add_flag("--headless", options.headless, "No console: as fast as the robots get commands");
   app.add_option("--console,--port", options.console,
                  "Port of the operator's console on this machine, 0 = any free one, -1 = none "
                  "[8080; headless -1]")
       ->check(CLI::Range(-1, 65535));
-  app.add_option("--speed", options.speed,
-                 "Simulated seconds per second, 0 = as fast as commanded [2; headless 0]");
+  app.add_option(
+      "--speed", options.speed,
+      "Simulated seconds per second, 0 = as fast as the robots get commands [2; headless 0]");
   app.add_option("--time-limit", options.time_limit_s,
                  "Give up after this many seconds [1800; with a console never]");
 }
@@ -73,11 +73,11 @@ void AddMethodOptions(CLI::App& app, DemoOptions& options) {
   app.add_option("--method", options.method, "ig-mcts, instruction, teleop or greedy")
       ->capture_default_str();
   app.add_option("--communication", options.communication,
-                 "Who decides that ig-mcts sends a picture: search, the search itself; or never, "
-                 "random, every, when_blocked, threshold")
+                 "Policy that decides when ig-mcts sends a picture: search (the search itself), "
+                 "never, random, every, when_blocked, threshold")
       ->capture_default_str();
   app.add_option("--x-source", options.x_source,
-                 "What the planner takes for the operator's map: observed, the published one, or "
+                 "The planner's view of the operator's map: observed (the published one) or "
                  "estimated by the model")
       ->capture_default_str();
 }
@@ -87,15 +87,15 @@ void AddModelOptions(CLI::App& app, DemoOptions& options) {
                  "remote: the planner asks nhpm; embedded: it asks its own model")
       ->capture_default_str();
   app.add_option("--model", options.model,
-                 "Who predicts the operator's edits: nhpm, the network, or glpf")
+                 "Model that predicts the operator's edits: nhpm (the network) or glpf")
       ->capture_default_str();
   app.add_option("--weights", options.weights,
                  "Weights file of the network [the one that comes with conav]");
   app.add_option("--person", options.person,
-                 "Whose edits are predicted, by NAME.nhpm in --person-weights [everybody's]");
+                 "Predict this person's edits with NAME.nhpm in --person-weights [everybody's]");
   app.add_option("--person-weights", options.person_weights,
-                 "Folder of weights of single operators, as conav train --adapt makes them");
-  app.add_option("--nhpm-replicas", options.nhpm_replicas, "Processes conav-nhpm")
+                 "Folder of weights for single operators, from conav train --adapt");
+  app.add_option("--nhpm-replicas", options.nhpm_replicas, "Number of conav-nhpm processes")
       ->capture_default_str();
 }
 
@@ -104,7 +104,7 @@ void AddWorldOptions(CLI::App& app, DemoOptions& options) {
                  "Seed of the world alone, such as the paper's 234, 666 and 9 [--seed]")
       ->check(WholeNumber());
   app.add_option("--rotation", options.rotation_deg,
-                 "Turns the world with all that is in it: 0, 90, 180 or 270 degrees")
+                 "Turns the world with everything in it: 0, 90, 180 or 270 degrees")
       ->capture_default_str();
   app.add_option("--preset", options.preset, "Maze preset; `conav maze --help` lists them")
       ->capture_default_str();
@@ -120,7 +120,7 @@ void AddWorldOptions(CLI::App& app, DemoOptions& options) {
 void AddSystemOptions(CLI::App& app, DemoOptions& options, std::vector<std::string>& run_with) {
   app.add_option("--dds", options.dds,
                  "cyclonedds, fastdds, mixed or SERVICE=VENDOR,... [CONAV_DDS or the default]");
-  app.add_option("--domain", options.domain, "DDS domain [CONAV_DOMAIN or the first that is free]");
+  app.add_option("--domain", options.domain, "DDS domain [CONAV_DOMAIN or the first free one]");
   app.add_option("--interface", options.interface,
                  "Network interface; \"\" leaves it to the vendor")
       ->capture_default_str();
@@ -128,10 +128,10 @@ void AddSystemOptions(CLI::App& app, DemoOptions& options, std::vector<std::stri
       ->delimiter(',');
   app.add_option("--run-with", run_with, "SERVICE=COMMAND: put COMMAND before that service's own")
       ->allow_extra_args(false);
-  app.add_flag("!--no-recording", options.recording, "Write no recording.mcap");
-  app.add_flag("--streams", options.streams, "Record the pictures that cameras stream, too");
-  app.add_option("--json", options.json, "Write the result to this file, too");
-  app.add_option("--out", options.out, "Where run folders are made")->capture_default_str();
+  app.add_flag("!--no-recording", options.recording, "Do not write recording.mcap");
+  app.add_flag("--streams", options.streams, "Also record the streamed pictures of the cameras");
+  app.add_option("--json", options.json, "Also write the result to this file");
+  app.add_option("--out", options.out, "Folder for the run folders")->capture_default_str();
 }
 
 [[noreturn]] void RefuseUse(const std::string& reason) {
@@ -139,10 +139,10 @@ void AddSystemOptions(CLI::App& app, DemoOptions& options, std::vector<std::stri
   std::exit(2);
 }
 
-/// Reads `conav demo ...`. Exits by itself: 0 for --help, 2 for wrong use with the reason on
-/// stderr.
+/// Parses `conav demo ...`. Exits with 0 for --help, and with 2 and the reason on stderr for wrong
+/// usage.
 DemoOptions ParseDemoCommand(int argc, char** argv) {
-  CLI::App app{"conav: robots explore a maze that the operator's map shows wrongly", "conav"};
+  CLI::App app{"conav: robots explore a maze for which the operator has a wrong map", "conav"};
   app.require_subcommand(1);
   CLI::App* demo = app.add_subcommand(
       "demo", "Run the whole system, with the operator's console or a simulated operator alone");
@@ -191,7 +191,8 @@ void Publish(const DemoOptions& options, const DemoResult& result) {
   }
 }
 
-/// Before anything is started or written. Where the operator service runs elsewhere nobody knows.
+/// Checks the port before anything starts or is written, unless the operator service runs
+/// elsewhere.
 void CheckConsolePort(const DemoOptions& options) {
   const int port = options.console_port();
   if (port < 0 || options.run_with.contains("operator")) return;

@@ -32,7 +32,7 @@ struct Descriptor {
 [[noreturn]] void RunChild(char* const* arguments, int log, int report, pid_t parent) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(127);
-  setpgid(0, 0);  // Ctrl-C is for the launcher, which then stops its children in order
+  setpgid(0, 0);  // Ctrl-C only reaches the launcher, which then stops its children in order
   dup2(log, STDOUT_FILENO);
   dup2(log, STDERR_FILENO);
   sigset_t none;
@@ -55,6 +55,8 @@ ProcessEnd EndFromStatus(int status) {
   return end;
 }
 
+using std::chrono::steady_clock;
+
 }  // namespace
 
 std::string ProcessEnd::Describe() const {
@@ -70,7 +72,7 @@ Process::Process(std::string name, const std::vector<std::string>& arguments,
     throw StartupError(fmt::format("{}: cannot write: {}", log.string(), std::strerror(errno)));
   }
   int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) throw StartupError("no pipe left to start a process with");
+  if (pipe2(ends, O_CLOEXEC) != 0) throw StartupError("cannot create a pipe for a new process");
   const Descriptor read_end{ends[0]};
   std::vector<char*> pointers;
   for (const std::string& argument : arguments) {
@@ -105,8 +107,9 @@ bool Process::Poll() {
 }
 
 void Process::Signal(int signal) {
-  // The pid is ours until waitpid() has returned it, so it cannot have been given to another.
-  // The group takes a --run-with wrapper's child along; it is gone when the leader moved out.
+  // The pid is ours until waitpid() has returned it, so it cannot belong to another process.
+  // Signalling the group includes the child of a --run-with wrapper; the group is gone if its
+  // leader left it.
   if (end_) return;
   if (kill(-pid_, signal) != 0) kill(pid_, signal);
 }
@@ -120,12 +123,6 @@ std::vector<std::string> LastLines(const std::filesystem::path& file, std::size_
   }
   return {lines.begin(), lines.end()};
 }
-
-namespace {
-
-using std::chrono::steady_clock;
-
-}  // namespace
 
 ProcessGroup::~ProcessGroup() { StopAll(std::chrono::seconds(2)); }
 

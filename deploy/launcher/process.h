@@ -15,20 +15,20 @@ namespace conav::launcher {
 /// How a process ended.
 struct ProcessEnd {
   int exit_code = 0;
-  int signal = 0;                // 0 = it exited by itself
+  int signal = 0;                // 0 = it exited normally
   std::string Describe() const;  // "exit code 1", "signal 9 (Killed)"
 };
 
-/// A child process of ours. Its stdout and stderr go to a file; it is killed when we die.
-/// Threads: start it from the thread that lives as long as the children are wanted
-/// (PR_SET_PDEATHSIG follows the thread).
+/// A child process. Its stdout and stderr go to a file; the kernel kills it when we die. Threads:
+/// start it from a thread that lives as long as the child should (PR_SET_PDEATHSIG follows the
+/// thread).
 class Process {
  public:
   /// Starts `arguments[0]` (looked up in PATH) with the rest. Throws StartupError when the log
   /// cannot be opened or the program cannot be started (name and cause).
   Process(std::string name, const std::vector<std::string>& arguments,
           const std::filesystem::path& log);
-  /// SIGKILL when it still runs.
+  /// Sends SIGKILL if it still runs.
   ~Process();
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
@@ -39,9 +39,9 @@ class Process {
   const std::optional<ProcessEnd>& end() const { return end_; }
   bool running() const { return !end_; }
 
-  /// Looks whether it has ended; never blocks.
+  /// Checks whether it has ended; never blocks.
   bool Poll();
-  /// Nothing when it has ended.
+  /// Does nothing after its end.
   void Signal(int signal);
 
  private:
@@ -63,16 +63,16 @@ class ProcessGroup {
   Process& Start(std::string name, const std::vector<std::string>& arguments,
                  const std::filesystem::path& log);
 
-  /// Those that ended since the last call.
+  /// The processes that ended since the last call.
   std::vector<const Process*> TakeEnded();
 
-  /// How many of those that `meant` picks have not ended, as far as TakeEnded() has seen.
+  /// Running processes that `meant` selects, as of the last TakeEnded().
   int CountRunning(const std::function<bool(const Process&)>& meant) const;
 
-  /// SIGTERM to all, SIGKILL to those that still run after `grace`. Returns the names of the
-  /// killed.
+  /// Sends SIGTERM to all, then SIGKILL to those that still run after `grace`. Returns the names of
+  /// the killed.
   std::vector<std::string> StopAll(std::chrono::milliseconds grace);
-  /// The same for those that `meant` picks.
+  /// The same for those that `meant` selects.
   std::vector<std::string> Stop(std::chrono::milliseconds grace,
                                 const std::function<bool(const Process&)>& meant);
 

@@ -61,7 +61,7 @@ void Progress::ShowPlain(const Episode& episode) {
 
 void Progress::Say(const std::string& line) {
   if (style_ == Style::kSilent) return;
-  // The robots' lines move up with the rest; they are written again below.
+  // The robots' lines scroll up with the rest; Show() writes them again below.
   lines_on_screen_ = 0;
   fmt::print(output_, "{}\n", line);
   std::fflush(output_);

@@ -14,19 +14,19 @@ namespace conav::launcher {
 /// waiting".
 std::string ProgressLine(const RobotRecord& robot);
 
-/// Shows a run while it goes on: on a terminal one line per robot that is rewritten in place, else
-/// plain lines - one when a robot reached a goal, and one per robot every few seconds; kSilent writes
+/// Shows a run in progress. On a terminal: one line per robot, rewritten in place. Elsewhere: plain
+/// lines, one when a robot reaches a goal, and one per robot every few seconds. kSilent writes
 /// nothing.
 class Progress {
  public:
   enum class Style { kTerminal, kPlain, kSilent };
   Progress(std::FILE* output, Style style, const Clock& clock);
 
-  /// Call as often as you like; it writes only when there is something to tell.
+  /// Call at any rate; it only writes news.
   void Show(const Episode& episode);
-  /// A line of its own, above the robots' lines.
+  /// Prints a line above the robots' lines.
   void Say(const std::string& line);
-  /// Leaves the newest lines standing.
+  /// Leaves the newest lines on the screen.
   void Finish(const Episode& episode);
 
  private:

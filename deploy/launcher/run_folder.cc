@@ -30,7 +30,7 @@ RunFolder::RunFolder(const std::filesystem::path& parent, std::chrono::system_cl
   }
   if (error || !made) {
     throw StartupError(
-        fmt::format("{}: cannot make a run folder here: {}", parent.string(), error.message()));
+        fmt::format("{}: cannot create a run folder here: {}", parent.string(), error.message()));
   }
   path_ = std::filesystem::absolute(path_).lexically_normal();
 }

@@ -7,20 +7,21 @@
 
 namespace conav::launcher {
 
-/// Where one run leaves everything that it was and gave:
+/// The folder with all inputs and outputs of a run:
 ///
 ///   runs/<id>/config/<service>.yaml   effective configuration of each process
-///             logs/<service>.log      what it said
+///             logs/<service>.log      its stdout and stderr
 ///             state/                  the operator's database
-///             recording.mcap          what was said on the bus (docs/recording.md)
-///             segments.pb.zst         how the operator edited after each picture
-///             decisions.pb.zst        every decision, for `conav explain`; of each of several planners
-///                                     decisions-<planner>.pb.zst
-///             metrics.json            the result table and what it was made of
+///             recording.mcap          the messages on the bus (docs/recording.md)
+///             segments.pb.zst         the operator's edits after each picture
+///             decisions.pb.zst        every decision, for `conav explain`; with several planners
+///             one
+///                                     file each, decisions-<planner>.pb.zst
+///             metrics.json            the result table and its inputs
 ///             episode.svg             truth, maps, trajectories and pictures
 class RunFolder {
  public:
-  /// Makes `parent`/<id>/, where <id> is time (UTC) and seed, "-2" added when it exists already.
+  /// Creates `parent`/<id>/, where <id> is time (UTC) and seed, plus "-2" if it exists already.
   /// Throws StartupError with path and cause.
   RunFolder(const std::filesystem::path& parent, std::chrono::system_clock::time_point now,
             std::uint64_t seed);
@@ -29,7 +30,7 @@ class RunFolder {
   std::filesystem::path config(const std::string& service) const;
   std::filesystem::path log(const std::string& service) const;
   std::filesystem::path state() const { return path_ / "state"; }
-  /// Where the operator service tells the console's address.
+  /// The file in which the operator service publishes the console's address.
   std::filesystem::path console_url() const { return path_ / "state" / "console.url"; }
   std::filesystem::path recording() const { return path_ / "recording.mcap"; }
   std::filesystem::path decisions(const std::string& planner) const;

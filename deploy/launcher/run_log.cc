@@ -27,8 +27,8 @@ bool Episode::finished() const {
 
 bool Episode::all_goals_reached() const {
   if (!finished()) return false;
-  // A robot whose goals are its own reached as many as it had; the robots that share goals reached
-  // them together.
+  // A robot with its own goals must have reached all of them; robots that share goals must have
+  // reached them together.
   for (const WorldRecord& world : worlds) {
     std::size_t reached = 0;
     std::size_t total = 0;
@@ -75,7 +75,8 @@ void Record(RobotRecord& robot, const RobotState& state) {
     robot.goals = state.goals_reached;
     robot.goals.insert(robot.goals.end(), state.goals_left.begin(), state.goals_left.end());
   }
-  // Without pictures so far the state's path begins at the start; otherwise the pictures tell it.
+  // Before the first picture the state's path begins at the start; later the pictures carry the
+  // path.
   if (robot.trajectory.empty() && state.snapshots == 0) {
     robot.trajectory.push_back(state.path.empty() ? state.cell : state.path.front());
   }
@@ -108,7 +109,7 @@ void Record(WorldRecord& world, const Belief& belief) {
 
 std::vector<Cell> WholeTrajectory(const RobotRecord& robot) {
   std::vector<Cell> trajectory = robot.trajectory;
-  // The state may be older than the newest picture; its path then adds nothing that is new.
+  // The state may be older than the newest picture; its path then adds nothing new.
   if (robot.state && robot.state->snapshots >= robot.newest_picture) {
     Append(trajectory, robot.path_since_picture);
   }

@@ -15,35 +15,35 @@
 
 namespace conav::launcher {
 
-/// A picture as far as the episode's record needs it.
+/// The part of a picture that the episode's record needs.
 struct SentSnapshot {
   Cell cell;
   double heading_rad = 0.0;
   bool streamed = false;
 };
 
-/// What was heard of one robot, from its first state to its newest.
+/// The messages of one robot, from its first state to its newest.
 struct RobotRecord {
   std::string name;
   std::string world;
-  std::optional<RobotState> state;  // the newest; nothing heard yet without it
+  std::optional<RobotState> state;  // the newest; empty before the first message
   std::vector<Cell> goals;          // all that the first state names
-  std::vector<Cell> trajectory;     // cells in the order in which they were entered; start first
+  std::vector<Cell> trajectory;     // entered cells in order; start first
   std::vector<SentSnapshot> pictures;
   std::uint64_t newest_picture = 0;      // sequence number
   std::uint64_t guidance_given = 0;      // newest guidance revision
   std::uint64_t decisions = 0;           // number of the newest decision
-  std::vector<double> decision_ms;       // wall time of each decision heard
-  std::string perception_model;          // that answered the newest decision
+  std::vector<double> decision_ms;       // wall time of each decision received
+  std::string perception_model;          // the one that answered the newest decision
   std::vector<Cell> path_since_picture;  // of the newest state
-  std::optional<SimTime> finished_at;    // when it said first that it has no goals left
+  std::optional<SimTime> finished_at;    // when it first reported that it has no goals left
 
   bool finished() const { return state && state->goals_left.empty(); }
   bool reached_all() const;
   Cell start() const { return trajectory.empty() ? Cell{} : trajectory.front(); }
 };
 
-/// What was heard of one world.
+/// The messages of one world.
 struct WorldRecord {
   std::string name;
   std::optional<OccupancyGrid> truth;
@@ -57,26 +57,27 @@ struct Episode {
   std::vector<RobotRecord> robots;
   std::vector<WorldRecord> worlds;
 
-  /// Every robot has said that it has no goals left.
+  /// Every robot has reported that it has no goals left.
   bool finished() const;
   /// Every robot reached its goals; goals that robots share count once for the team.
   bool all_goals_reached() const;
 };
 
-/// `robots` robots in each of `worlds` worlds: r1.. numbered on over w1...
+/// `robots_per_world` robots in each of `worlds` worlds: r1, r2, ... numbered through w1, w2, ...
 Episode MakeEpisode(int robots_per_world, int worlds);
 
-/// Whether `state` tells more than the time; a robot's pose counts only with what it does.
+/// Whether `state` differs in more than the time; a robot's pose only counts together with its
+/// action.
 bool IsNews(const RobotRecord& robot, const RobotState& state);
 void Record(RobotRecord& robot, const RobotState& state);
-/// A picture that was recorded before changes nothing.
+/// Ignores a picture that was recorded before.
 void Record(RobotRecord& robot, const Snapshot& picture);
 void Record(RobotRecord& robot, const Guidance& guidance);
 void Record(RobotRecord& robot, const SearchReport& report);
-/// An older revision changes nothing.
+/// Ignores an older revision.
 void Record(WorldRecord& world, const Belief& belief);
 
-/// The trajectory up to the newest state: the cells up to the newest picture, then those since.
+/// The trajectory up to the newest state: the cells up to the newest picture, then the later ones.
 std::vector<Cell> WholeTrajectory(const RobotRecord& robot);
 
 /// The operator's map as free and occupied cells, see kWallThreshold.
@@ -96,15 +97,16 @@ struct RobotMetrics {
   std::uint64_t picture_bytes = 0;
   std::uint64_t guidance = 0;
   std::uint64_t decisions = 0;
-  double time_s = 0.0;  // simulation time until its goals were reached, or so far
+  double time_s = 0.0;  // simulation time until its goals were reached, or until now
   double decision_ms_median = 0.0;
   double decision_ms_p99 = 0.0;
-  std::string perception_model;  // that answered the newest decision; "fallback: glpf" among them
+  // the one that answered the newest decision; includes "fallback: glpf"
+  std::string perception_model;
 };
 
 struct EpisodeMetrics {
   bool all_goals_reached = false;
-  MapAccuracy before;  // means over the worlds whose maps are known
+  MapAccuracy before;  // means over the worlds with known maps
   MapAccuracy after;
   std::vector<RobotMetrics> robots;
 };

@@ -45,13 +45,13 @@ std::string GoalStyle(std::size_t index) {
                      kRobotColours[index % kRobotColours.size()]);
 }
 
-// Robots that share a corridor are drawn beside each other.
+// Draws robots that share a corridor next to each other.
 double Offset(std::size_t index) {
   constexpr std::array<double, 5> kOffsets{0.0, 4.0, -4.0, 8.0, -8.0};
   return kOffsets[index % kOffsets.size()];
 }
 
-// A cross: a wall that is not there. A ring: a wall that is missing.
+// A cross marks a false wall, a ring a missing one.
 void DrawMistake(const MapPanel& panel, PixelPosition middle, bool drawn_as_wall) {
   constexpr double kReach = 0.28;
   if (drawn_as_wall) {
@@ -90,7 +90,7 @@ void DrawRobot(SvgCanvas& canvas, const MapPanel& panel, const RobotRecord& robo
               "font-size=\"10\" text-anchor=\"middle\" fill=\"#ffffff\" font-weight=\"bold\"");
 }
 
-/// Goals are told apart where robots of one world have different ones.
+/// Goals differ in colour if robots of one world have different ones.
 bool HasOwnGoals(const Episode& episode, const RobotRecord& robot) {
   return std::ranges::any_of(episode.robots, [&](const RobotRecord& other) {
     return other.world == robot.world && other.goals != robot.goals;
@@ -103,7 +103,7 @@ void DrawGoals(const MapPanel& panel, const Episode& episode, std::size_t index)
   for (const Cell goal : robot.goals) panel.DrawStar(panel.Middle(goal), style);
 }
 
-/// In the corner of the cell that ways leave free.
+/// In the corner of the cell that paths leave free.
 void NameGoals(SvgCanvas& canvas, const MapPanel& panel, const RobotRecord& robot) {
   for (const Cell goal : robot.goals) {
     const PixelPosition middle = panel.Middle(goal);
@@ -165,15 +165,15 @@ void DrawLegend(SvgCanvas& canvas, double top, bool own_goals) {
   canvas.Circle({x + 8, y}, 8, RobotFill(0));
   next("start of a robot", 140);
   canvas.Line({x - 4, y}, {x + 16, y}, RobotStyle(0));
-  next("its way", 90);
+  next("its path", 90);
   signs.DrawArrow({x, y}, 0.0, kPicture, RobotFill(0));
-  next("picture sent, looking this way", 225);
+  next("picture sent, in this direction", 225);
   signs.DrawStar({x + 8, y}, own_goals ? GoalStyle(0) : kStar);
   next(own_goals ? "its goal" : "goal", 80);
   DrawMistake(signs, {x + 8, y}, true);
-  next("wall drawn that is not there", 205);
+  next("false wall on the map", 205);
   DrawMistake(signs, {x + 8, y}, false);
-  next("wall missing", 100);
+  next("missing wall", 100);
 }
 
 }  // namespace

@@ -15,18 +15,19 @@ struct NhpmConfig {
   bus::ParticipantOptions bus;
   /// Node name; give each replica its own.
   std::string name = "nhpm";
-  /// Which of kPerceptionModels is served.
+  /// The served model, one of kPerceptionModels.
   std::string model = kDefaultPerceptionModel;
-  /// Weights file of the network; empty = the one that comes with conav. Looked at once a second: a
-  /// new file is taken without dropping a request, a bad one is logged and the old model stays.
+  /// Weights file of the network; empty = the one that comes with conav. Checked once a second: the
+  /// service switches to a new file without dropping a request; it logs a bad file and keeps the
+  /// old model.
   std::string weights;
-  /// Folder with <person>.nhpm for operators who have a model of their own; empty = none. Watched
-  /// like `weights`; a request for somebody who is not in it gets the model above.
+  /// Folder with <person>.nhpm for operators with a model of their own; empty = none. Checked like
+  /// `weights`; a request for a person without a file gets the model above.
   std::string person_weights;
   GlpfParameters glpf;
   /// Threads that compute answers.
   int threads = 1;
-  /// Requests that may wait or be computed at a time; one more is answered "busy".
+  /// Limit on waiting and computing requests together; further ones get the answer "busy".
   int max_open = 64;
 
   std::filesystem::path WeightsFile() const { return WeightsOrShipped(weights); }

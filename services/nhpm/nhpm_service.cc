@@ -17,6 +17,28 @@ bool IsSame(const PerceptionRequest& a, const PerceptionRequest& b) {
   return a.request_id == b.request_id && a.client == b.client;
 }
 
+constexpr std::chrono::milliseconds kReceivePause{100};
+constexpr std::chrono::seconds kRefreshPeriod{1};
+
+/// True for the first, second, fourth, ... of many equal log lines.
+bool WorthLogging(std::uint64_t count) { return std::has_single_bit(count); }
+
+double Milliseconds(std::chrono::nanoseconds time) {
+  return std::chrono::duration<double, std::milli>(time).count();
+}
+
+/// Why the client rejects `identity`; empty if it accepts it.
+std::string Mismatch(const PerceptionRequest& request, const ModelIdentity& identity) {
+  if (!request.model.empty() && request.model != identity.name) {
+    return fmt::format("model = '{}' is not served here, '{}' is", request.model, identity.name);
+  }
+  if (!request.model_checksum.empty() && request.model_checksum != identity.checksum) {
+    return fmt::format("model_checksum = {} is not served here, {} is", request.model_checksum,
+                       identity.checksum);
+  }
+  return "";
+}
+
 }  // namespace
 
 std::optional<Clock::TimePoint> OpenRequest::deadline() const {
@@ -111,32 +133,6 @@ std::chrono::nanoseconds RequestQueue::ExpectedWaitLocked(std::size_t cells) con
   return Seconds((ahead + static_cast<double>(cells)) * seconds_per_cell_);
 }
 
-namespace {
-
-constexpr std::chrono::milliseconds kReceivePause{100};
-constexpr std::chrono::seconds kRefreshPeriod{1};
-
-/// The first, second, fourth, ... of many equal log lines.
-bool WorthLogging(std::uint64_t count) { return std::has_single_bit(count); }
-
-double Milliseconds(std::chrono::nanoseconds time) {
-  return std::chrono::duration<double, std::milli>(time).count();
-}
-
-/// Why the asker does not want `identity`; empty when it does.
-std::string Mismatch(const PerceptionRequest& request, const ModelIdentity& identity) {
-  if (!request.model.empty() && request.model != identity.name) {
-    return fmt::format("model = '{}' is not served here, '{}' is", request.model, identity.name);
-  }
-  if (!request.model_checksum.empty() && request.model_checksum != identity.checksum) {
-    return fmt::format("model_checksum = {} is not served here, {} is", request.model_checksum,
-                       identity.checksum);
-  }
-  return "";
-}
-
-}  // namespace
-
 NhpmService::NhpmService(bus::Participant& participant, const NhpmConfig& config,
                          const Clock& clock)
     : participant_(participant),
@@ -202,9 +198,10 @@ void NhpmService::Admit(const conav_msgs::msg::PerceptionRequest& message) {
                          fmt::format("{} requests are open", queue_.open()));
     case RequestQueue::Admission::kTooSlow: {
       const auto wait = queue_.ExpectedWait(open.cells());
-      return SendWithout(open.request, PerceptionStatus::kBusy,
-                         fmt::format("an answer takes {:.0f} ms, wanted within {} ms",
-                                     Milliseconds(wait), open.request.timeout_ms));
+      return SendWithout(
+          open.request, PerceptionStatus::kBusy,
+          fmt::format("an answer takes {:.0f} ms, more than the {} ms of the request",
+                      Milliseconds(wait), open.request.timeout_ms));
     }
   }
 }
@@ -236,7 +233,7 @@ void NhpmService::Answer(const OpenRequest& open) {
     }
     return SendWithout(
         open.request, PerceptionStatus::kBusy,
-        fmt::format("waited longer than {} ms for its turn", open.request.timeout_ms));
+        fmt::format("waited in the queue for more than {} ms", open.request.timeout_ms));
   }
   const PerceptionReply reply = ReplyTo(open.request);
   Send(reply);
@@ -275,7 +272,7 @@ PerceptionReply NhpmService::ReplyTo(const PerceptionRequest& request) const {
   return reply;
 }
 
-/// Counted first: who has the reply finds it in the counts.
+/// Counts first: a client that has the reply finds it in the counts.
 void NhpmService::Send(const PerceptionReply& reply) {
   Count(reply);
   bus::Send(replies_, ToMessage(reply));

@@ -23,51 +23,51 @@
 
 namespace conav::nhpm {
 
-/// A request that was taken from the bus and not answered yet.
+/// A request from the bus without an answer yet.
 struct OpenRequest {
   PerceptionRequest request;
   Clock::TimePoint arrived;
 
-  /// When its asker gives up; nothing when it does not say.
+  /// When its client gives up; empty if the client does not say.
   std::optional<Clock::TimePoint> deadline() const;
-  /// Of all queries together: what an answer costs grows with them.
+  /// Cells of all queries together: the cost of an answer grows with them.
   std::size_t cells() const;
 };
 
-/// The requests that wait for a computing thread, oldest first, with a bound: who is beyond it, or
-/// would be answered too late, is told at once.
+/// A bounded queue of the requests that wait for a computing thread, oldest first. A request beyond
+/// the bound, or one that would be answered too late, gets its rejection at once.
 ///
-/// How long an answer will take is guessed from the time per cell of those before it. The guess
-/// turns nobody away while nothing is open: one slow answer could otherwise never be followed by a
-/// faster one that mends it.
-/// Threads: safe to use from several.
+/// The queue estimates the duration of an answer from the time per cell of earlier ones. While it
+/// is empty it accepts every request: otherwise one slow answer could block all the faster ones
+/// that would correct the estimate.
+/// Threads: safe to call concurrently.
 class RequestQueue {
  public:
   enum class Admission {
     kQueued,
-    kRepeat,   // is open already and will be answered once
+    kRepeat,   // already open; it gets one answer
     kFull,     // `max_open` requests are open
-    kTooSlow,  // would be answered after its deadline
+    kTooSlow,  // the answer would come after its deadline
   };
 
   RequestQueue(std::size_t max_open, int threads) : max_open_(max_open), threads_(threads) {}
 
-  /// `offered` is moved from only when queued. A repeat lends the open one its later deadline.
+  /// Moves from `offered` only if it queues it. A repeat can extend the deadline of the open one.
   Admission Offer(OpenRequest&& offered);
 
-  /// The oldest, or nothing. It stays open until Finish().
+  /// The oldest request, if any. It stays open until Finish().
   std::optional<OpenRequest> Take();
-  /// Blocks until there is one; nothing once the queue is closed and empty.
+  /// Blocks until there is a request; empty once the queue is closed and empty.
   std::optional<OpenRequest> WaitAndTake();
-  /// `computing` is the time that it took; nothing when it was not computed.
+  /// `computing` is the computing time; empty if nothing was computed.
   void Finish(const OpenRequest& taken, std::optional<std::chrono::nanoseconds> computing);
-  /// Ends WaitAndTake() on all threads as soon as the rest is taken.
+  /// Ends WaitAndTake() on all threads once the queue is empty.
   void Close();
 
-  /// Requests that wait or are computed.
+  /// Requests that are waiting or being computed.
   std::size_t open() const;
-  /// Until a request of `cells` that came now is answered: what is open is shared by the threads,
-  /// its own cells are computed by one.
+  /// Expected time to answer a request of `cells` that arrives now: the threads share the open
+  /// requests, one thread computes its own cells.
   std::chrono::nanoseconds ExpectedWait(std::size_t cells) const;
 
  private:
@@ -85,22 +85,22 @@ class RequestQueue {
   bool closed_ = false;
 };
 
-/// Answers perception requests of any number of planners, begun in the order in which they arrive.
+/// Answers perception requests of any number of planners, starting them in order of arrival.
 ///
 /// Before the first request it publishes nothing but its health. Every request that names its
-/// sender gets one reply: the answers, a refusal with its reason (malformed, another model wanted,
-/// a grid that the model was not made for), or "busy" at once when it would be answered too late or
-/// too many are open. A request whose deadline passed while it waited is not computed, but answered
-/// "busy". Answers depend on nothing but the request and the model that the reply names, so a
-/// repeated request gets a repeated reply, and replicas agree. Requests for another replica are
-/// left to that one. Weights are watched (ServedModels).
+/// sender gets one reply: the answers, a refusal with its reason (malformed, another model
+/// requested, a grid that the model does not support), or "busy" at once if the answer would be
+/// late or too many are open. If a request's deadline passes while it waits, it gets "busy" without
+/// any computation. Answers depend only on the request and the model that the reply names, so a
+/// repeated request gets a repeated reply, and replicas agree. Ignores requests for another
+/// replica. Reloads changed weights (ServedModels).
 /// Threads: Run() receives on its own thread and computes on `config.threads` others.
 class NhpmService {
  public:
   struct Counts {
     std::uint64_t requests = 0;  // answered
     std::uint64_t queries = 0;   // in these
-    std::uint64_t refused = 0;   // with a reply that says why
+    std::uint64_t refused = 0;   // rejected, with the reason in the reply
     std::uint64_t busy = 0;      // answered "busy"
     std::uint64_t late = 0;      // of these, because the deadline passed in the queue
     std::uint64_t dropped = 0;   // without a sender to reply to
@@ -110,11 +110,11 @@ class NhpmService {
   /// Throws StartupError (ServedModels).
   NhpmService(bus::Participant& participant, const NhpmConfig& config, const Clock& clock);
 
-  /// Until `stop`; what is open then is answered before it returns.
+  /// Runs until `stop`; answers all open requests before it returns.
   void Run(const StopToken& stop);
 
-  /// The two halves of Run() on the calling thread, for tests: waits up to `timeout` and takes in
-  /// what is there; answers all that waits.
+  /// The two halves of Run() on the calling thread, for tests: waits up to `timeout` and takes the
+  /// messages; answers all waiting requests.
   void Receive(std::chrono::nanoseconds timeout);
   void AnswerOpen();
 

@@ -41,11 +41,11 @@ std::optional<ServedModels::Stamp> ServedModels::StampOf(const fs::path& file) {
                static_cast<std::uint64_t>(status.st_size), status.st_ino};
 }
 
-/// The stamp is taken first: a file that changes while it is read is read again.
+/// Takes the stamp first: if the file changes during the read, the next check reads it again.
 Result<void> ServedModels::Load(Source& source) {
   source.tried = true;
   source.seen = StampOf(source.file);
-  auto model = LoadEditModel(source.model, source.file, glpf_);
+  auto model = LoadPerceptionModel(source.model, source.file, glpf_);
   if (!model) return tl::unexpected(model.error());
   source.loaded = *std::move(model);
   return {};
@@ -61,7 +61,7 @@ void ServedModels::RefreshOne(const std::string& person, Source& source) {
   if (source.tried && StampOf(source.file) == source.seen) return;
   const auto before = source.loaded;
   if (const auto loaded = Load(source); !loaded) {
-    LOG_ERROR("weights not taken", "person", person.empty() ? "everybody" : person, "reason",
+    LOG_ERROR("weights rejected", "person", person.empty() ? "everybody" : person, "reason",
               loaded.error().text, "still_serving",
               before ? before->identity().checksum : "the model for everybody");
     return;
@@ -85,14 +85,14 @@ void ServedModels::RefreshPersons() {
     RefreshOne(person, source->second);
   }
   if (error != folder_error_ && error) {
-    LOG_ERROR("persons' weights not read", "folder", person_folder_.string(), "reason",
+    LOG_ERROR("cannot read the persons' weights", "folder", person_folder_.string(), "reason",
               error.message(), "still_serving", persons_.size());
   }
   folder_error_ = error;
   if (error) return;
   std::erase_if(persons_, [&](const auto& entry) {
     if (present.count(entry.first) > 0) return false;
-    LOG_INFO("weights gone, the model for everybody serves", "person", entry.first);
+    LOG_INFO("weights removed; using the model for everybody", "person", entry.first);
     return true;
   });
 }
@@ -106,7 +106,7 @@ void ServedModels::Publish() {
   }
 }
 
-std::shared_ptr<const EditModel> ServedModels::For(const std::string& person) const {
+std::shared_ptr<PerceptionModel> ServedModels::For(const std::string& person) const {
   const std::lock_guard lock(mutex_);
   const auto found = model_of_person_.find(person);
   return found == model_of_person_.end() ? model_ : found->second;

@@ -9,35 +9,33 @@
 #include <string>
 #include <system_error>
 
+#include "common/msg/perception_model.h"
 #include "nhpm/config.h"
-#include "nhpm/model/edit_model.h"
 
 namespace conav::nhpm {
 
-/// The models that a service answers with: one for everybody, and those of persons who have one of
-/// their own. Follows the files that they come from; says each change, and what is wrong with a
-/// file, in the log.
+/// The models of a service: one for everybody, and those of persons with one of their own. Follows
+/// changes of their files, and logs each change and each bad file.
 ///
-/// Who holds a model keeps it: a reload changes what For() gives from then on.
-/// Threads: safe to use from several; Refresh() from one.
+/// A caller keeps the model it holds: a reload only changes later results of For().
+/// Threads: safe to call concurrently; Refresh() from one thread only.
 class ServedModels {
  public:
-  /// Throws StartupError when the model for everybody cannot be loaded or the folder of persons is
-  /// none. A person's bad file is logged.
+  /// Throws StartupError when the model for everybody cannot be loaded or the folder of persons
+  /// does not exist. Logs a person's bad file.
   explicit ServedModels(const NhpmConfig& config);
 
-  /// Looks whether files changed and loads those that did. What cannot be read leaves the model
-  /// that it had, which holds for the whole folder of persons too. A person whose file is gone gets
-  /// the model for everybody.
+  /// Reloads changed files. If a file, or the whole folder of persons, cannot be read, the loaded
+  /// model stays. A person whose file is gone gets the model for everybody.
   void Refresh();
 
-  /// The model of that person; of everybody for an empty or unknown name.
-  std::shared_ptr<const EditModel> For(const std::string& person) const;
+  /// The model of that person; the one for everybody if the name is empty or unknown.
+  std::shared_ptr<PerceptionModel> For(const std::string& person) const;
   std::size_t persons() const;
 
  private:
   /// Two files of one size may be written within one tick of the file system's clock; then the
-  /// inode differs, as WriteWeightsFile renames.
+  /// inode differs, because WriteWeightsFile renames.
   struct Stamp {
     std::int64_t time_ns = 0;
     std::uint64_t size = 0;
@@ -48,8 +46,8 @@ class ServedModels {
     std::string model;  // one of kPerceptionModels
     std::filesystem::path file;
     bool tried = false;
-    std::optional<Stamp> seen;  // of the last try
-    std::shared_ptr<const EditModel> loaded;
+    std::optional<Stamp> seen;  // of the last attempt
+    std::shared_ptr<PerceptionModel> loaded;
   };
 
   static std::optional<Stamp> StampOf(const std::filesystem::path& file);
@@ -62,10 +60,10 @@ class ServedModels {
   const std::filesystem::path person_folder_;
   Source everybody_;
   std::map<std::string, Source> persons_;
-  std::error_code folder_error_;  // of the last look
+  std::error_code folder_error_;  // of the last check
   mutable std::mutex mutex_;      // guards all below
-  std::shared_ptr<const EditModel> model_;
-  std::map<std::string, std::shared_ptr<const EditModel>> model_of_person_;
+  std::shared_ptr<PerceptionModel> model_;
+  std::map<std::string, std::shared_ptr<PerceptionModel>> model_of_person_;
 };
 
 }  // namespace conav::nhpm

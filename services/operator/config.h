@@ -22,14 +22,14 @@ struct OperatorConfig {
   /// must. A second start with the same file goes on where the first one ended; a world
   /// that begins with another map than the stored one is refused.
   std::string database = "operator.db";
-  /// Refuse requests rather than grow beyond this; 0 = as far as the disk goes.
+  /// Refuse requests rather than grow beyond this; 0 = until the disk is full.
   double database_limit_mib = 0.0;
   /// Longest time (simulation) for which a client may give guidance.
   double max_guidance_s = 7200.0;
   /// Longest path of guidance.
   int max_path_cells = 10000;
-  /// What the planners run, for the console: ig-mcts, instruction, teleop, greedy, mapping; empty = it finds
-  /// out from their first report.
+  /// What the planners run, for the console: ig-mcts, instruction, teleop, greedy, mapping; empty =
+  /// it finds out from their first report.
   std::string method;
   AttentionOptions attention;
   SegmentOptions recording;

@@ -29,24 +29,25 @@ namespace conav::operators {
 /// Owns the belief of each world and the guidance of each robot, and answers the requests of all
 /// clients, one after the other.
 ///
-/// Serves a world from the moment that the simulator's initial map arrives: a world that is not in
-/// the database gets revision 0, of one that is the stored belief and guidance are published, both
-/// latched. Until then its requests wait: those of the bus for their repeat, those of pages here,
-/// until they are not valid any more. Another initial map than the stored one
-/// is refused: then nothing is published for that world, its requests are refused with that reason,
-/// and /diagnostics shows an error. A change is on disk before it is published, and published
-/// before it is acknowledged. A request that was answered before gets that answer again, whoever
-/// has control by now and however late it comes.
+/// Serves a world from the moment that the simulator's initial map arrives. A world that is not in
+/// the database gets revision 0; of one that is, the stored belief and guidance are published, both
+/// latched. Until then its requests wait: those of the bus for their repeat, those of pages here
+/// until they expire. An initial map that differs from the stored one is refused: nothing is
+/// published for that world, its requests are refused with that reason, and /diagnostics shows an
+/// error. A change is on disk before it is published, and published before it is acknowledged. A
+/// repeated request gets the answer of the first time, however late it comes and whichever client
+/// has control by then.
 ///
 /// Simulation time of a world is the newest stamp of its robots' states; until the first one it is
 /// 0. Guidance for a robot that never reported is refused. A robot that has sent fewer pictures
 /// than its stored guidance answers belongs to a new run: that guidance is withdrawn. When the disk
 /// fails, requests are refused with that reason, /diagnostics shows an error, and the service goes
-/// on. Keeps the queue of what asks for the operator (AttentionTopics). Low-level actions are passed
-/// on to the planner at once, see DriveGate; they are not stored. With `recording.file` it also
-/// hears pictures and true maps, and records the session. With `task.kind` a participant goes through
-/// a maze of the mapping task here (TaskTopics). With
-/// `console.port` it serves the console's page, whose requests are answered like all others.
+/// on. Keeps the operator's attention queue (AttentionTopics). Passes low-level actions on to the
+/// planner at once (DriveGate); they are not stored. Receives each picture once, for the pages and
+/// the recording: its pixels are moved. With `recording.file` it also receives true maps and
+/// records the session. With `task.kind` a participant goes through a maze of the mapping task here
+/// (TaskTopics). With `console.port` it serves the console's page and answers its requests like all
+/// others.
 /// Threads: one; Run() or repeated Step().
 class OperatorService {
  public:
@@ -66,40 +67,41 @@ class OperatorService {
   struct WorldLink;
   struct RobotLink;
 
-  void Serve(WorldLink& world, double cell_size_m);
-  /// Publishes nothing for it any more; who has heard of it keeps what it has.
-  void Withhold(WorldLink& world, std::string reason);
-  WorldLink* FindWorld(const std::string& name);
+  /// Publishes its belief and guidance from now on.
+  void Serve(WorldLink& world, const MapUpdate& initial_map);
+  /// Publishes nothing of it any longer; subscribers keep what they have.
+  void StopServing(WorldLink& world, std::string reason);
   void PublishBelief(WorldLink& world);
   void PublishGuidance(RobotLink& robot);
-  void TakeInitialMap(WorldLink& world);
-  void TakeClock();
-  void TakeStates(RobotLink& robot);
-  /// What the robot asks, and whether it and its planner are still there.
-  void TakeAttention(RobotLink& robot);
-  void Greet(RobotLink& robot, const RobotState& state);
-  /// The reply of the first time to a repeat. Otherwise carries out what can be carried out.
-  /// Nothing: no reply yet, the world is not served. `why_not`: the console's, empty = none.
-  /// `replaced_by`: a newer low-level action of the same turn; null when there is none.
-  std::optional<OperatorReply> Answer(const OperatorRequest& request, std::string_view why_not,
+  void ReceiveInitialMap(WorldLink& world);
+  void ReceiveClock();
+  void ReceiveStates(RobotLink& robot);
+  /// What the robot asks, and whether it and its planner are still connected.
+  void ReceiveAttention(RobotLink& robot);
+  void ReceiveSnapshots(RobotLink& robot);
+  /// Withdraws guidance that belongs to an earlier run. `state`: the first one of a run.
+  void CheckGuidance(RobotLink& robot, const RobotState& state);
+  void AnswerClients();
+  void AnswerPages();
+  /// A repeat gets its first reply. Anything else is refused or carried out. Nothing: no reply yet,
+  /// the world is not served. `refusal`: the console's, empty = none.
+  /// `replaced_by`: a newer low-level action that arrived in the same step; null when there is
+  /// none.
+  std::optional<OperatorReply> Answer(const OperatorRequest& request, std::string refusal,
                                       const OperatorRequest* replaced_by);
-  OperatorReply Decide(const OperatorRequest& request, const OperatorRequest* replaced_by);
-  OperatorReply PassOn(const OperatorRequest& request, const OperatorRequest* replaced_by);
-  void AnswerBus();
-  void AnswerConsole();
-  void ShowOnConsole();
-  /// A few times a second: what is wrong, and how the processes are.
-  void LookAround();
-  std::vector<RobotCondition> RobotConditions() const;
-  /// Forgets, a little at a time, what nobody will ask for any more.
-  void TidyUp();
+  BeliefStore::Answer Decide(const OperatorRequest& request);
+  OperatorReply HandleDrive(const OperatorRequest& request);
+  BeliefStore::Answer FinishTask(const OperatorRequest& request);
+  /// The belief or guidance that `request` changed, to robots, pages and the recording.
   void PublishChange(const OperatorRequest& request);
-  void Record(const OperatorRequest& request);
-  BeliefStore::Answer Finish(const OperatorRequest& request);
-  void FollowTask();
-  /// What was decided, to all who shall know of it.
+  /// The decision, to logs and pages.
   OperatorReply Publish(const OperatorRequest& request, const BeliefStore::Answer& answer);
-  void NoteStorage(const BeliefStore::Answer& answer);
+  void UpdateStorageFailure(const BeliefStore::Answer& answer);
+  /// A few times a second: alerts, the health of the processes, readiness.
+  void UpdateHealth();
+  void UpdateConsole();
+  /// Forgets, a few at a time, requests that no client repeats any longer.
+  void ForgetOldRequests();
   SimTime TimeOf(const std::string& world) const;
   /// Newest simulation time of all worlds, by their robots or by /clock, which is finer.
   SimTime OperatorTime() const;
@@ -119,8 +121,8 @@ class OperatorService {
   AttentionTopics attention_;
   ServiceMonitor services_;
   AlertTopics alerts_;
-  Clock::TimePoint look_around_at_{};
-  Clock::TimePoint tidy_up_at_{};
+  Clock::TimePoint health_due_at_{};
+  Clock::TimePoint forget_due_at_{};
   Diagnostics diagnostics_;
   std::optional<SegmentTopics> segments_;
   std::optional<TaskTopics> task_;
@@ -129,8 +131,8 @@ class OperatorService {
   std::uint64_t control_shown_ = 0;    // version
   std::optional<TaskStatus> task_shown_;
   std::vector<ConsoleTopics::Asked> waiting_;  // for their world; oldest first
-  RequestLog journal_;
-  /// Until something is stored again; empty = the disk is well, nothing = it was not written to yet.
+  RequestLog request_log_;
+  /// Of the newest write; empty = it succeeded, nothing = the disk was not written to yet.
   std::optional<std::string> storage_failure_;
 };
 

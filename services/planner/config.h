@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/bus/participant.h"
+#include "common/msg/method.h"
 #include "common/msg/planning.h"
 #include "common/msg/robot.h"
 #include "common/runtime/config.h"
@@ -18,14 +19,13 @@ inline bool IsNodeName(std::string name) {
   return IsEntityName(name);
 }
 
-/// How planner processes share the robots that more than one of them has in its list
-/// (lease/lease_desk.h). Wall time.
+/// How planner processes share the robots that several of them list (decision/leases.h). Wall time.
 struct LeaseConfig {
   double period_s = 0.25;  // between announcements
-  /// A process that is silent for longer is gone, and the others take its robots over.
+  /// A process that sends nothing for longer counts as gone, and the others take over its robots.
   double timeout_s = 2.0;
-  /// Processes that are waited for at the start, at most timeout_s, so that robots need not change
-  /// hands at once; more or fewer may come.
+  /// Processes to wait for at the start, at most timeout_s, so that robots need not change hands at
+  /// once; more or fewer may come.
   int planners = 1;
 
   void Visit(ConfigReader& reader) {
@@ -41,12 +41,12 @@ struct PlannerConfig {
   bus::ParticipantOptions bus;
   /// Node name; give each process its own.
   std::string name = "planner";
-  /// "world/robot" of every robot that this planner may drive; with other processes that list it,
-  /// too, it shares it by `lease`.
+  /// "world/robot" of every robot that this planner may drive; it shares a robot with the other
+  /// processes that list it, by `lease`.
   std::vector<std::string> robots{"w1/r1"};
   LeaseConfig lease;
-  /// "ig-mcts", "instruction", "teleop", "greedy", or "mapping" (docs/mapping-task.md).
-  std::string method = "ig-mcts";
+  /// The Name() of a MethodKind (docs/methods.md, docs/mapping-task.md).
+  std::string method{Name(MethodKind::kIgMcts)};
   std::uint64_t seed = 1;
   SearchConfig search;
   /// Who decides that ig-mcts sends a picture.
@@ -54,9 +54,9 @@ struct PlannerConfig {
   /// "remote" asks the nhpm service; "embedded" asks the model in this process. While neither can
   /// answer, the embedded GLPF does.
   std::string perception = "remote";
-  /// One of kPerceptionModels: a service that answers with another one is not believed.
+  /// One of kPerceptionModels: answers of a service with another model are rejected.
   std::string perception_model = kDefaultPerceptionModel;
-  /// SHA-256 of the only weights that are believed (remote); empty = any.
+  /// SHA-256 of the only weights whose answers are accepted (remote); empty = any.
   std::string perception_checksum;
   /// Weights file of an embedded network; empty = the one that comes with conav.
   std::string weights;
@@ -64,9 +64,9 @@ struct PlannerConfig {
   /// average operator's.
   std::string person;
   double perception_timeout_s = 2.0;
-  /// What is taken for the operator's map: "observed" = the one that the operator service
-  /// publishes; "estimated" = that one as it was first, changed by the edits that the perception
-  /// model expects after each picture (docs/paper.md A13).
+  /// The operator's map: "observed" = as the operator service publishes it; "estimated" = as first
+  /// published, changed by the edits that the perception model expects after each picture
+  /// (docs/paper.md A13).
   std::string x_source = "observed";
   /// How long a robot waits (wall time) for the operator's first path, and for the answer to a
   /// picture.
@@ -75,10 +75,10 @@ struct PlannerConfig {
   /// "wall", or "simulation" for these two timeouts where simulation time passes by itself
   /// (sim.speed above 0), as in a study of waiting.
   std::string timeout_clock = "wall";
-  /// A command that was not finished after this long (simulation time) is void.
+  /// A command that is not finished after this long (simulation time) expires.
   double command_ttl_s = 10.0;
-  /// File to append every decision to, for `conav explain`; empty = none. Made when it does not
-  /// exist, its folder must. Goes together with `search: {report: tree}`.
+  /// File to append every decision to, for `conav explain`; empty = none. Created when it does not
+  /// exist; its folder must exist. Goes together with `search: {report: tree}`.
   std::string decision_file;
 
   void Visit(ConfigReader& reader) {
@@ -87,7 +87,7 @@ struct PlannerConfig {
     if (!IsNodeName(name)) reader.Refuse("name", "is not 1 to 64 of A-Z a-z 0-9 _ -");
     reader.Field("robots", robots);
     reader.Section("lease", lease);
-    reader.Choice("method", method, {"ig-mcts", "instruction", "teleop", "greedy", kMappingMethod});
+    reader.Choice("method", method, MethodNames());
     reader.Field("seed", seed);
     reader.Section("search", search);
     reader.Section("communication", communication);

@@ -8,7 +8,6 @@
 #include "nhpm/model/load_model.h"
 #include "planner/methods/make_method.h"
 #include "planner/perception/cached_model.h"
-#include "planner/perception/embedded_model.h"
 #include "planner/perception/fallback_model.h"
 #include "planner/perception/remote_model.h"
 
@@ -66,12 +65,12 @@ void ReportSwitch(const std::string& world, const std::string& model,
 }
 
 std::shared_ptr<PerceptionModel> MakeEmbedded(const PlannerConfig& config) {
-  auto model = nhpm::LoadEditModel(config.perception_model, config.weights, {});
+  auto model = nhpm::LoadPerceptionModel(config.perception_model, config.weights, {});
   if (!model) throw StartupError("planner.weights: " + model.error().text);
-  const nhpm::ModelIdentity& identity = (*model)->identity();
+  const ModelIdentity identity = (*model)->identity();
   LOG_INFO("perception model loaded", "model", identity.name, "version", identity.version,
            "checksum", identity.checksum);
-  return std::make_shared<EmbeddedPerceptionModel>(*std::move(model));
+  return *std::move(model);
 }
 
 std::shared_ptr<PerceptionModel> MakeRemote(bus::Participant& participant,
@@ -92,14 +91,14 @@ PerceptionSetup::PerceptionSetup(bus::Participant& participant, const PlannerCon
       needs_fallback_(config.perception == "remote" || config.perception_model != kGlpfModel),
       primary_(config.perception == "remote" ? MakeRemote(participant, config)
                                              : MakeEmbedded(config)),
-      glpf_(std::make_shared<EmbeddedPerceptionModel>()) {}
+      glpf_(std::make_shared<nhpm::Glpf>()) {}
 
 std::shared_ptr<PerceptionModel> PerceptionSetup::ForWorld(const std::string& world) const {
   if (!needs_fallback_) return primary_;
   return std::make_shared<FallbackPerceptionModel>(
       std::make_shared<CachedPerceptionModel>(primary_), glpf_, FallbackPerceptionModel::Options{},
       clock_, [world, primary = primary_](const std::optional<Error>& why) {
-        ReportSwitch(world, primary->name(), why);
+        ReportSwitch(world, primary->identity().name, why);
       });
 }
 
@@ -154,13 +153,14 @@ PlannerService::PlannerService(bus::Participant& participant, const PlannerConfi
       leases_(participant, config, WorldOfRobot("planner", config.robots), board_, clock),
       diagnostics_(participant, clock) {
   if (!config.decision_file.empty()) recording_.emplace(config.decision_file);
+  const MethodKind method_kind = ParseMethod(config.method).value();
   std::map<std::string, PerceptionOfWorld> worlds;
   for (const auto& [robot, world] : WorldOfRobot("planner", config.robots)) {
     PerceptionOfWorld& in_world = worlds[world];
     if (!in_world.model) in_world = MakePerceptionOfWorld(world);
     links_.push_back(std::make_unique<Link>(participant, robot));
     const std::uint64_t seed = DeriveSeed(config.seed, links_.size());
-    auto method = MakeMethod(config.method, robot, {config.search, config.communication}, seed,
+    auto method = MakeMethod(method_kind, {config.search, config.communication}, seed,
                              in_world.model, in_world.estimate, clock);
     RobotWorker::Options options{
         .robot = robot,
@@ -176,7 +176,7 @@ PlannerService::PlannerService(bus::Participant& participant, const PlannerConfi
   for (const auto& [world, perception] : worlds) {
     beliefs_.push_back(std::make_unique<bus::Subscriber<conav_msgs::msg::BeliefMap>>(
         participant, bus::kBelief, world));
-    if (config.method == kMappingMethod) {
+    if (method_kind == MethodKind::kMapping) {
       truths_.try_emplace(world, participant, bus::kTruth, world);
     }
   }
@@ -205,12 +205,12 @@ RobotWorker::Outputs PlannerService::OutputsOf(Link& link) {
           [&link](const AttentionRequest& request) {
             bus::Send(link.attention, ToMessage(request));
           },
-      .way =
-          [&link](const RobotState& state, const MapUpdate& map, const std::vector<Cell>& way) {
+      .plan =
+          [&link](const RobotState& state, const MapUpdate& map, const std::vector<Cell>& plan) {
             const GridGeometry geometry{map.cells.rows(), map.cells.columns(), map.cell_size_m};
-            bus::Send(link.plan, ToPathMessage(state.stamp, way, geometry));
+            bus::Send(link.plan, ToPathMessage(state.stamp, plan, geometry));
           },
-      .wants = [this](const IntendedPath& way) { leases_.PublishIntendedPath(way); },
+      .intended_path = [this](const IntendedPath& path) { leases_.PublishIntendedPath(path); },
       .decided = {},
   };
   if (recording_) {

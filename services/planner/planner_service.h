@@ -24,7 +24,7 @@
 #include "planner/explain/decision_file.h"
 #include "planner/lease_topics.h"
 #include "planner/methods/operator_model.h"
-#include "planner/search/perception_model.h"
+#include "common/msg/perception_model.h"
 
 namespace conav::planner {
 

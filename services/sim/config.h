@@ -9,7 +9,7 @@
 
 namespace conav::sim {
 
-/// Where the plan of a building comes from, instead of a maze.
+/// A map file of a building, used instead of a maze.
 struct MapFileConfig {
   /// ROS map_server file of the truth; empty = a maze.
   std::string yaml;
@@ -28,15 +28,15 @@ struct MapFileConfig {
 };
 
 struct CameraConfig {
-  /// "egl" renders; "none" sends pictures without pixels, only with the cells that they would show,
-  /// and no frames; both are counted as the method sends them, with 0 bytes each.
+  /// "egl" renders. "none" sends pictures that carry no pixels, only the cells they would show, and
+  /// no frames; both count as the method sends them, with 0 bytes each.
   std::string mode = "egl";
   int width = 320;
   int height = 192;
   int jpeg_quality = 90;
-  /// One frame per low-level step of a robot, and a streamed snapshot of what it shows, as
-  /// instruction following and teleoperation need it; of a robot that stands two frames per second
-  /// of wall time, not counted, while anybody takes them.
+  /// For instruction following and teleoperation: one frame per low-level step of a robot, and a
+  /// streamed snapshot of what it shows. While a robot stands and a viewer subscribes, two more
+  /// frames per second of wall time, which do not count.
   bool stream = false;
 
   void Visit(ConfigReader& reader) {
@@ -48,8 +48,8 @@ struct CameraConfig {
   }
 };
 
-/// Speeds of teleoperation, at which a low-level action of 0.25 s ends (docs/methods.md). The motors
-/// reach 2 m/s and 73 degrees per second.
+/// Speeds of teleoperation, at which a low-level action of 0.25 s ends (docs/methods.md). The
+/// motors reach 2 m/s and 73 degrees per second.
 struct DriveConfig {
   double forward_mps = 0.8;
   double backward_mps = 0.4;
@@ -62,7 +62,7 @@ struct DriveConfig {
   }
 };
 
-/// How wrong the operator's first map is (docs/paper.md).
+/// The errors of the operator's initial map (docs/paper.md).
 struct CorruptionConfig {
   double wrong_share = 0.12;      // of all cells
   double false_wall_share = 0.5;  // of the wrong cells
@@ -89,7 +89,7 @@ struct SimConfig {
   std::vector<std::vector<int>> starts;
   std::vector<std::vector<int>> goals;
   /// 0, 90, 180 or 270, counter-clockwise: the same world turned, with starts, goals and the
-  /// operator's map, for those who know it already (paper, section 6.2).
+  /// operator's map, for participants who have seen the world before (paper, section 6.2).
   int rotation_deg = 0;
   /// How far a robot sees around itself, in cells; walls occlude. The paper gives no number.
   double observation_distance_cells = 2.0;
@@ -98,8 +98,8 @@ struct SimConfig {
   DriveConfig drive;
   /// Simulated seconds per wall second; 0 = as fast as the robots are commanded.
   double speed = 0.0;
-  /// False where another world's sim publishes /clock, of which a domain has only one. Stamps are
-  /// the time of their own world all the same.
+  /// False if another world's sim publishes /clock, since a domain has only one. Stamps always use
+  /// the time of their own world.
   bool publish_clock = true;
 
   void Visit(ConfigReader& reader) {

@@ -52,6 +52,81 @@ visualization_msgs::msg::MarkerArray GoalMarkers(const Episode& episode) {
 
 constexpr std::int64_t kStatePeriodNs = 500'000'000;
 
+constexpr std::chrono::milliseconds kIdleWait{100};
+constexpr std::chrono::milliseconds kRestFramePeriod{500};
+
+std::vector<Cell> CellsFrom(const std::vector<std::vector<int>>& pairs, const char* key) {
+  std::vector<Cell> cells;
+  for (const std::vector<int>& pair : pairs) {
+    if (pair.size() != 2) {
+      throw StartupError(
+          fmt::format("sim.{}: [{}] is not [row, column]", key, fmt::join(pair, ", ")));
+    }
+    cells.push_back({pair[0], pair[1]});
+  }
+  return cells;
+}
+
+WorldOptions OptionsFrom(const SimConfig& config) {
+  return {.seed = config.seed,
+          .preset = config.preset,
+          .map_yaml = config.map.yaml,
+          .operator_map_yaml = config.map.operator_yaml,
+          .cell_size_m = config.map.cell_size_m,
+          .occupied_share = config.map.occupied_share,
+          .robots = static_cast<int>(config.robots.size()),
+          .goals_per_robot = config.goals_per_robot,
+          .shared_goals = config.shared_goals,
+          .starts = CellsFrom(config.starts, "starts"),
+          .goals = CellsFrom(config.goals, "goals"),
+          .wrong_share = config.corruption.wrong_share,
+          .false_wall_share = config.corruption.false_wall_share,
+          .rotation_deg = config.rotation_deg};
+}
+
+/// Names become parts of topics.
+void CheckName(const char* key, const std::string& name) {
+  if (IsEntityName(name)) return;
+  throw StartupError(
+      fmt::format("sim.{}: '{}' is not a name: 1 to 64 of A-Z a-z 0-9 _", key, name));
+}
+
+void CheckNames(const SimConfig& config) {
+  CheckName("world", config.world);
+  if (config.robots.empty()) throw StartupError("sim.robots: a world needs at least one robot");
+  for (const std::string& robot : config.robots) CheckName("robots", robot);
+}
+
+template <class T>
+T OrStartupError(Result<T> result) {
+  if (!result) throw StartupError(result.error().text);
+  return *std::move(result);
+}
+
+PhysicsWorld PhysicsFrom(const WorldSpec& spec, const SimConfig& config) {
+  PhysicsWorld world;
+  world.truth = spec.truth;
+  world.wall_classes = spec.wall_classes;
+  world.floor_classes = spec.floor_classes;
+  world.cell_size_m = spec.cell_size_m;
+  world.texture_seed = config.seed;
+  for (std::size_t i = 0; i < config.robots.size(); ++i) {
+    world.robots.push_back({config.robots[i], spec.starts[i], spec.start_heading_rad});
+    if (spec.shared_goals && i > 0) continue;
+    for (const Cell cell : spec.goals[i]) {
+      const int color =
+          spec.shared_goals ? static_cast<int>(world.goals.size()) : static_cast<int>(i);
+      world.goals.push_back({cell, color});
+    }
+  }
+  return world;
+}
+
+DriveLimits LimitsFrom(const DriveConfig& config) {
+  constexpr double kRadiansPerDegree = 0.017453292519943295;
+  return {config.forward_mps, config.backward_mps, config.turn_deg_per_s * kRadiansPerDegree};
+}
+
 }  // namespace
 
 RobotTopics::RobotTopics(bus::Participant& participant, const std::string& robot)
@@ -117,84 +192,6 @@ void RobotTopics::Publish(const Snapshot& picture) { bus::Send(snapshot_, ToMess
 std::vector<RobotCommand> RobotTopics::TakeCommands() {
   return command_.TakeValid([](const auto& message) { return ToDomain(message); });
 }
-
-namespace {
-
-constexpr std::chrono::milliseconds kIdleWait{100};
-constexpr std::chrono::milliseconds kRestFramePeriod{500};
-
-std::vector<Cell> CellsFrom(const std::vector<std::vector<int>>& pairs, const char* key) {
-  std::vector<Cell> cells;
-  for (const std::vector<int>& pair : pairs) {
-    if (pair.size() != 2) {
-      throw StartupError(
-          fmt::format("sim.{}: [{}] is no [row, column]", key, fmt::join(pair, ", ")));
-    }
-    cells.push_back({pair[0], pair[1]});
-  }
-  return cells;
-}
-
-WorldOptions OptionsFrom(const SimConfig& config) {
-  return {.seed = config.seed,
-          .preset = config.preset,
-          .map_yaml = config.map.yaml,
-          .operator_map_yaml = config.map.operator_yaml,
-          .cell_size_m = config.map.cell_size_m,
-          .occupied_share = config.map.occupied_share,
-          .robots = static_cast<int>(config.robots.size()),
-          .goals_per_robot = config.goals_per_robot,
-          .shared_goals = config.shared_goals,
-          .starts = CellsFrom(config.starts, "starts"),
-          .goals = CellsFrom(config.goals, "goals"),
-          .wrong_share = config.corruption.wrong_share,
-          .false_wall_share = config.corruption.false_wall_share,
-          .rotation_deg = config.rotation_deg};
-}
-
-/// Names become parts of topics.
-void CheckName(const char* key, const std::string& name) {
-  if (IsEntityName(name)) return;
-  throw StartupError(fmt::format("sim.{}: '{}' is no name: 1 to 64 of A-Z a-z 0-9 _", key, name));
-}
-
-void CheckNames(const SimConfig& config) {
-  CheckName("world", config.world);
-  if (config.robots.empty()) throw StartupError("sim.robots: a world needs at least one robot");
-  for (const std::string& robot : config.robots) CheckName("robots", robot);
-}
-
-template <class T>
-T OrStartupError(Result<T> result) {
-  if (!result) throw StartupError(result.error().text);
-  return *std::move(result);
-}
-
-PhysicsWorld PhysicsFrom(const WorldSpec& spec, const SimConfig& config) {
-  PhysicsWorld world;
-  world.truth = spec.truth;
-  world.wall_classes = spec.wall_classes;
-  world.floor_classes = spec.floor_classes;
-  world.cell_size_m = spec.cell_size_m;
-  world.texture_seed = config.seed;
-  for (std::size_t i = 0; i < config.robots.size(); ++i) {
-    world.robots.push_back({config.robots[i], spec.starts[i], spec.start_heading_rad});
-    if (spec.shared_goals && i > 0) continue;
-    for (const Cell cell : spec.goals[i]) {
-      const int color =
-          spec.shared_goals ? static_cast<int>(world.goals.size()) : static_cast<int>(i);
-      world.goals.push_back({cell, color});
-    }
-  }
-  return world;
-}
-
-DriveLimits LimitsFrom(const DriveConfig& config) {
-  constexpr double kRadiansPerDegree = 0.017453292519943295;
-  return {config.forward_mps, config.backward_mps, config.turn_deg_per_s * kRadiansPerDegree};
-}
-
-}  // namespace
 
 SimService::SimService(bus::Participant& participant, const SimConfig& config, const Clock& clock)
     : participant_(participant),
@@ -308,8 +305,7 @@ bool SimService::StepDue() {
   if (now < next_step_) return false;
   const std::chrono::duration<double> period(kControlStepS / config_.speed);
   next_step_ += std::chrono::duration_cast<std::chrono::nanoseconds>(period);
-  // Behind by more than a second (the machine was busy): go on from here instead of racing after
-  // it.
+  // Behind by more than a second (the machine was busy): continue from here instead of catching up.
   if (now - next_step_ > std::chrono::seconds(1)) next_step_ = now;
   return true;
 }

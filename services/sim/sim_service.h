@@ -18,21 +18,21 @@
 
 namespace conav::sim {
 
-/// The topics of one robot, and what has been published on them.
+/// The topics of one robot, and their last published state.
 ///
-/// Publishes map, state, camera_info, odom and tf before the first command; then whenever they
-/// change. The state is published at least twice per second of simulation time, so that its newest
-/// stamp tells others what time it is while the robot waits.
+/// Publishes map, state, camera_info, odom and tf before the first command, then on every change.
+/// Publishes the state at least twice per second of simulation time, so that its newest stamp shows
+/// the time while the robot waits.
 class RobotTopics {
  public:
   RobotTopics(bus::Participant& participant, const std::string& robot);
 
-  /// State and map if they changed since the last call; a state that has become a second old.
+  /// Publishes state and map if they changed since the last call, and a state that is due again.
   void PublishChanges(const Episode& episode, int robot);
-  /// Pose on odom and tf.
+  /// Publishes the pose on odom and tf.
   void PublishPose(const Episode& episode, int robot);
   void PublishCameraInfo(SimTime stamp, int width, int height);
-  /// Whether anybody takes the frames.
+  /// Whether anybody subscribes to the frames.
   bool has_viewers() const { return frame_.matched_subscribers() > 0; }
   void PublishFrame(SimTime stamp, const std::vector<std::uint8_t>& jpeg);
   void Publish(const Snapshot& picture);
@@ -57,25 +57,27 @@ class RobotTopics {
 
 /// One world on the bus: owns the truth, moves the robots, takes their pictures.
 ///
-/// Before the first command it publishes /clock (unless told not to), truth, initial map, goals and
-/// each robot's map and state. Stale input: commands of an older lease or sequence are refused and
-/// logged; a command past its expiry is void, and a robot without a command in force stands still.
+/// Before the first command it publishes /clock (unless disabled), truth, initial map, goals and
+/// each robot's map and state. Stale input: it rejects and logs commands of an older lease or
+/// sequence; a command past its expiry is void, and a robot without a command in force stands
+/// still.
 class SimService {
  public:
   /// Throws StartupError: impossible world, unreadable map, no usable EGL.
   SimService(bus::Participant& participant, const SimConfig& config, const Clock& clock);
   ~SimService();
 
-  /// Blocks until `stop`. The camera's OpenGL context belongs to the thread that built the service.
+  /// Blocks until `stop`. Call it on the thread that built the service: the OpenGL context belongs
+  /// to it.
   void Run(const StopToken& stop);
-  /// One turn of Run: takes commands, moves time on if it is due, publishes. False = nothing to do
+  /// One iteration of Run: takes commands, advances time if due, publishes. False = nothing to do
   /// now.
   bool Turn();
 
  private:
   void BuildWorld();
   void PublishWorld();
-  /// When goals have been reached since the last call.
+  /// Publishes when robots reached goals since the last call.
   void PublishGoals();
   void PublishClock();
   void TakeCommands();
@@ -84,11 +86,11 @@ class SimService {
   void Step();
   void TakeSnapshots(const std::vector<std::uint64_t>& steps_before);
   void StreamSnapshot(int robot);
-  /// Frames of robots that stand, for those who look on: frames are not latched, and whoever comes
-  /// late would see none. They belong to no low-level step and are not counted.
+  /// Streams frames of robots that stand still, because frames are not latched and a late viewer
+  /// would see none. They belong to no low-level step and do not count.
   void StreamAtRest();
   std::vector<std::uint8_t> RenderJpeg(int robot);
-  /// As seen from the centre of its cell, or from `robot`'s own position.
+  /// Fills in the view from the centre of its cell, or from `robot`'s own position.
   void Fill(Snapshot& picture) const;
   void FillFrom(int robot, Snapshot& picture) const;
   void Fill(Snapshot& picture, const CameraView& view) const;
@@ -106,11 +108,12 @@ class SimService {
   bus::Publisher<nav_msgs::msg::OccupancyGrid> truth_;
   bus::Publisher<nav_msgs::msg::OccupancyGrid> initial_map_;
   bus::Publisher<visualization_msgs::msg::MarkerArray> goals_;
-  std::optional<bus::Publisher<rosgraph_msgs::msg::Clock>> clock_topic_;  // unless another sim's
+  // empty if another sim publishes it
+  std::optional<bus::Publisher<rosgraph_msgs::msg::Clock>> clock_topic_;
   Diagnostics diagnostics_;
   Clock::TimePoint next_step_{};
   std::uint64_t refused_commands_ = 0;
-  int goals_published_ = -1;  // how many the last markers showed
+  int goals_published_ = -1;  // goals left in the last markers
 };
 
 }  // namespace conav::sim

@@ -29,7 +29,7 @@ std::vector<std::uint64_t> ChooseLayouts(const DesignOptions& options) {
   return layouts;
 }
 
-/// Row of the Williams design for each subject.
+/// The row of the Williams design for each subject.
 std::vector<std::size_t> ChooseRows(int operators, std::size_t rows, Random& random) {
   std::vector<std::size_t> chosen;
   while (chosen.size() < static_cast<std::size_t>(operators)) {
@@ -58,7 +58,7 @@ std::string NameOf(const PlannedEpisode& episode, const std::string& subject) {
 
 std::vector<std::vector<int>> WilliamsDesign(int conditions) {
   DEMAND(conditions >= 1, conditions);
-  // First row 0, 1, k-1, 2, k-2, ...: its steps from one condition to the next are all different.
+  // First row 0, 1, k-1, 2, k-2, ...: all its steps from one condition to the next are different.
   std::vector<int> first;
   for (int place = 0; place < conditions; ++place) {
     first.push_back(place % 2 == 1 ? (place + 1) / 2 : (conditions - place / 2) % conditions);
@@ -70,7 +70,7 @@ std::vector<std::vector<int>> WilliamsDesign(int conditions) {
     orders.push_back(std::move(order));
   }
   if (conditions % 2 == 0 || conditions == 1) return orders;
-  // Their mirror images balance the followers of an odd number.
+  // For an odd number, mirror images balance the followers.
   const std::size_t count = orders.size();
   for (std::size_t row = 0; row < count; ++row) {
     orders.emplace_back(orders[row].rbegin(), orders[row].rend());

@@ -14,13 +14,13 @@ namespace conav::study {
 /// kilobytes and megabytes are powers of two.
 inline constexpr double kPaperImageKib = 180.0;
 
-/// What is kept of an episode; sums over its robots.
+/// The stored measures of an episode; sums over its robots.
 struct EpisodeMeasures {
-  double pictures = 0.0;  // frames of a stream among them
+  double pictures = 0.0;  // including frames of a stream
   double picture_bytes = 0.0;
   double low_level_steps = 0.0;  // of 0.25 s
   double cell_moves = 0.0;
-  double guidance = 0.0;  // paths that the operator gave
+  double guidance = 0.0;  // paths from the operator
   double mapping_accuracy_after = 0.0;
   double goals_reached = 0.0;
   double goals_total = 0.0;
@@ -37,25 +37,25 @@ struct Measure {
   const char* header;  // of a column
   const char* title;
   double (*value)(const EpisodeMeasures&);
-  bool is_share = false;  // in [0, 1]; all others are from 0 on
+  bool is_share = false;  // in [0, 1]; all others are 0 or more
 };
 
 /// In the order of table 3: image_mib, sent_mib, low_level_steps, cell_moves, pictures, guidance,
 /// mapping_accuracy_after, goals_reached_fraction, time_s.
 std::span<const Measure> Measures();
 
-/// The place of `key` in Measures(), which has it.
+/// The index of `key` in Measures(), which must contain it.
 std::size_t MeasureIndex(const std::string& key);
 
 enum class EpisodeStatus {
   kComplete,   // all goals reached
-  kGoalsLeft,  // ended without all goals; measured as far as it got
+  kGoalsLeft,  // ended without all goals; measured up to its end
   kFailed,     // a process died or the run could not start: no measures
 };
 
 const char* NameOf(EpisodeStatus status);
 
-/// What is kept on disk of an episode.
+/// The stored record of an episode.
 struct EpisodeRecord {
   std::string name;  // PlannedEpisode::name
   EpisodeStatus status = EpisodeStatus::kFailed;
@@ -63,7 +63,7 @@ struct EpisodeRecord {
   int attempts = 0;
   double wall_s = 0.0;                      // of the last attempt
   std::string run;                          // run folder of the last attempt
-  std::optional<EpisodeMeasures> measures;  // none of a failed one
+  std::optional<EpisodeMeasures> measures;  // empty for a failed one
 
   bool is_complete() const { return status == EpisodeStatus::kComplete; }
   bool has_failed() const { return status == EpisodeStatus::kFailed; }
@@ -72,7 +72,7 @@ struct EpisodeRecord {
 
 nlohmann::ordered_json ToJson(const EpisodeRecord& record);
 
-/// Errors: kMalformed with what is wrong.
+/// Errors: kMalformed with the reason.
 [[nodiscard]] Result<void> FromJson(const std::string& text, EpisodeRecord& record);
 
 }  // namespace conav::study

@@ -30,7 +30,7 @@ std::string Range(const statistics::Interval& interval) {
   return fmt::format("[{}, {}]", Figure(interval.low), Figure(interval.high));
 }
 
-/// Without spread there is no test, whatever its formula gives.
+/// Without spread the test is meaningless, whatever its formula gives.
 bool HasTest(const std::optional<double>& statistic) {
   return statistic && std::isfinite(*statistic);
 }
@@ -55,7 +55,7 @@ ReportSection TableThree(const StudyReport& report) {
   section.remarks = {
       "image MiB: every picture counted as 180 KiB, as the paper does; sent MiB: the JPEG bytes" +
           std::string(report.rendered ? "" : " (none: --camera none renders nothing)"),
-      "steps of 0.25 s; mapping: share of the map's mistakes put right; goals: share reached"};
+      "steps of 0.25 s; mapping: corrected share of the map's errors; goals: share reached"};
   return section;
 }
 
@@ -72,7 +72,7 @@ ReportSection BarSection(const StudyReport& report) {
   return section;
 }
 
-/// `b` is `a` in another unit.
+/// Whether `b` is `a` in another unit.
 bool AreProportional(const std::vector<double>& a, const std::vector<double>& b) {
   const double sum_a = std::accumulate(a.begin(), a.end(), 0.0);
   const double sum_b = std::accumulate(b.begin(), b.end(), 0.0);
@@ -83,7 +83,7 @@ bool AreProportional(const std::vector<double>& a, const std::vector<double>& b)
   return true;
 }
 
-/// A line for each measure that is an earlier one in another unit: its tests are no others.
+/// A line for each measure that is an earlier one in another unit: its tests are the same.
 std::vector<std::string> SameTests(const StudyReport& report) {
   std::vector<std::string> remarks;
   const auto values = [&](std::size_t m) -> const std::vector<double>* {
@@ -95,8 +95,8 @@ std::vector<std::string> SameTests(const StudyReport& report) {
       if (values(m) == nullptr || values(later) == nullptr) continue;
       if (!AreProportional(*values(m), *values(later))) continue;
       remarks.push_back(
-          fmt::format("{} and {} are one measure in two units here: their tests are "
-                      "the same, not further evidence",
+          fmt::format("{} and {} are one measure in two units here: their tests are the same and "
+                      "no further evidence",
                       Measures()[m].header, Measures()[later].header));
       break;
     }
@@ -133,10 +133,9 @@ ReportSection VarianceSection(const StudyReport& report) {
     if (measure.analysis) {
       section.rows.push_back(VarianceRow(Measures()[m], *measure.analysis));
       if (!HasTest(measure.analysis->anova.f)) {
-        section.remarks.push_back(
-            fmt::format("{}: no F: the methods differ by the same, or not at all, "
-                        "for every operator",
-                        Measures()[m].header));
+        section.remarks.push_back(fmt::format(
+            "{}: no F: the methods differ by the same amount, or not at all, for every operator",
+            Measures()[m].header));
       }
     } else {
       section.remarks.push_back(measure.why_not);
@@ -190,9 +189,75 @@ std::optional<ReportSection> TroubleSection(const StudyReport& report) {
   if (section.rows.empty()) return std::nullopt;
   if (!report.summary.failed.empty()) {
     section.remarks.push_back(
-        "a failed episode has no measures; its operator has no mean for that method and is left "
-        "out "
-        "of the tests; the same command runs it again");
+        "a failed episode has no measures, so the tests leave out its operator; the same command "
+        "runs it again");
+  }
+  return section;
+}
+
+using Json = nlohmann::ordered_json;
+
+/// A share is already a mean: its key says so.
+std::string MeanKey(const std::string& key) {
+  return key == "goals_reached_fraction" ? key : key + "_mean";
+}
+
+Json MethodJson(const StudyReport& report, const MethodSummary& method) {
+  Json json{{"episodes", method.episodes}, {"episodes_with_all_goals", method.all_goals}};
+  for (std::size_t m = 0; m < Measures().size(); ++m) {
+    const std::string key = Measures()[m].key;
+    const bool known = method.episodes > 0 && WasMeasured(report, Measures()[m]);
+    json[MeanKey(key)] = known ? Json(method.measures[m].mean) : Json();
+    json[key + "_sd"] = known ? Json(method.measures[m].sd) : Json();
+    json[key + "_sd_subjects"] = known ? Json(method.sd_subjects[m]) : Json();
+  }
+  return json;
+}
+
+Json BarsJson(const std::vector<Bar>& bars) {
+  Json list = Json::array();
+  for (const Bar& bar : bars) {
+    list.push_back({{"key", bar.key},
+                    {"text", bar.text},
+                    {"value", bar.value},
+                    {"limit", bar.limit},
+                    {"met", bar.met()}});
+  }
+  return list;
+}
+
+Json TroubleJson(const std::vector<const EpisodeRecord*>& records) {
+  Json list = Json::array();
+  for (const EpisodeRecord* record : records) list.push_back(ToJson(*record));
+  return list;
+}
+
+std::string Plot(const Measure& measure, const statistics::Analysis& analysis) {
+  const statistics::PlotAxis axis{measure.title, {0.0, measure.is_share ? 1.0 : AxisLimits{}.most}};
+  return fmt::format("<h2>{}</h2>\n{}", EscapeXml(measure.title),
+                     statistics::PlotFigure(analysis, axis));
+}
+
+std::string Tables(const statistics::Analysis& analysis) {
+  std::string html = "<details>\n<summary>All figures</summary>\n";
+  for (const std::string& note : analysis.notes) html += "<p>" + EscapeXml(note) + "</p>\n";
+  for (const auto& section : statistics::ReportSections(analysis)) {
+    html += statistics::SectionHtml(section);
+  }
+  return html + "</details>\n";
+}
+
+/// The order of methods for each subject.
+statistics::ReportSection OrderSection(const Design& design) {
+  statistics::ReportSection section{.title = "Order of the methods (Williams design)",
+                                    .header = {"operator"}};
+  for (std::size_t session = 0; session < design.methods.size(); ++session) {
+    section.header.push_back(fmt::format("session {}", session + 1));
+  }
+  for (std::size_t subject = 0; subject < design.subjects.size(); ++subject) {
+    std::vector<std::string> row{design.subjects[subject]};
+    row.insert(row.end(), design.orders[subject].begin(), design.orders[subject].end());
+    section.rows.push_back(std::move(row));
   }
   return section;
 }
@@ -206,8 +271,7 @@ bool WasMeasured(const StudyReport& report, const Measure& measure) {
 std::string Headline(const StudyReport& report) {
   const Design& design = report.design;
   return fmt::format(
-      "SIMULATED operators: {} synthetic people x {} x {} = {}; nothing here was measured on "
-      "persons",
+      "SIMULATED operators: {} synthetic people x {} x {} = {}; no measurements of real people",
       design.subjects.size(), Count(design.methods.size(), "method"),
       Count(design.layouts.size(), "layout"), Count(design.episodes.size(), "episode"));
 }
@@ -252,47 +316,6 @@ std::string EpisodesCsv(const StudyReport& report) {
   return csv;
 }
 
-namespace {
-
-using Json = nlohmann::ordered_json;
-
-/// A share is a mean already: its key says so itself.
-std::string MeanKey(const std::string& key) {
-  return key == "goals_reached_fraction" ? key : key + "_mean";
-}
-
-Json MethodJson(const StudyReport& report, const MethodSummary& method) {
-  Json json{{"episodes", method.episodes}, {"episodes_with_all_goals", method.all_goals}};
-  for (std::size_t m = 0; m < Measures().size(); ++m) {
-    const std::string key = Measures()[m].key;
-    const bool known = method.episodes > 0 && WasMeasured(report, Measures()[m]);
-    json[MeanKey(key)] = known ? Json(method.measures[m].mean) : Json();
-    json[key + "_sd"] = known ? Json(method.measures[m].sd) : Json();
-    json[key + "_sd_subjects"] = known ? Json(method.sd_subjects[m]) : Json();
-  }
-  return json;
-}
-
-Json BarsJson(const std::vector<Bar>& bars) {
-  Json list = Json::array();
-  for (const Bar& bar : bars) {
-    list.push_back({{"key", bar.key},
-                    {"text", bar.text},
-                    {"value", bar.value},
-                    {"limit", bar.limit},
-                    {"met", bar.met()}});
-  }
-  return list;
-}
-
-Json TroubleJson(const std::vector<const EpisodeRecord*>& records) {
-  Json list = Json::array();
-  for (const EpisodeRecord* record : records) list.push_back(ToJson(*record));
-  return list;
-}
-
-}  // namespace
-
 Json StudyJson(const StudyReport& report) {
   const StudySummary& summary = report.summary;
   Json json{{"schema", 1},
@@ -314,40 +337,6 @@ Json StudyJson(const StudyReport& report) {
   }
   return json;
 }
-
-namespace {
-
-std::string Plot(const Measure& measure, const statistics::Analysis& analysis) {
-  const statistics::PlotAxis axis{measure.title, {0.0, measure.is_share ? 1.0 : AxisLimits{}.most}};
-  return fmt::format("<h2>{}</h2>\n{}", EscapeXml(measure.title),
-                     statistics::PlotFigure(analysis, axis));
-}
-
-std::string Tables(const statistics::Analysis& analysis) {
-  std::string html = "<details>\n<summary>All figures</summary>\n";
-  for (const std::string& note : analysis.notes) html += "<p>" + EscapeXml(note) + "</p>\n";
-  for (const auto& section : statistics::ReportSections(analysis)) {
-    html += statistics::SectionHtml(section);
-  }
-  return html + "</details>\n";
-}
-
-/// Who had which method when.
-statistics::ReportSection OrderSection(const Design& design) {
-  statistics::ReportSection section{.title = "Order of the methods (Williams design)",
-                                    .header = {"operator"}};
-  for (std::size_t session = 0; session < design.methods.size(); ++session) {
-    section.header.push_back(fmt::format("session {}", session + 1));
-  }
-  for (std::size_t subject = 0; subject < design.subjects.size(); ++subject) {
-    std::vector<std::string> row{design.subjects[subject]};
-    row.insert(row.end(), design.orders[subject].begin(), design.orders[subject].end());
-    section.rows.push_back(std::move(row));
-  }
-  return section;
-}
-
-}  // namespace
 
 std::string StudyPage(const StudyReport& report) {
   std::string html = statistics::PageHead("Study with simulated operators");

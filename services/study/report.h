@@ -11,36 +11,36 @@
 
 namespace conav::study {
 
-/// A finished study and what came of it.
+/// A finished study and its results.
 struct StudyReport {
   const Design& design;
-  const nlohmann::ordered_json& document;  // the design as study.json has it
+  const nlohmann::ordered_json& document;  // the design, as in study.json
   const Records& records;
   const StudySummary& summary;
   bool rendered = false;  // pictures had pixels; without, no bytes were sent
   Provenance provenance{};
 };
 
-/// Without pixels no bytes were sent, which says nothing about a method.
+/// False for bytes if pictures had no pixels: zero bytes would say nothing about a method.
 bool WasMeasured(const StudyReport& report, const Measure& measure);
 
 /// "SIMULATED operators: 14 synthetic people x 3 methods x 3 layouts = 126 episodes, ...".
 std::string Headline(const StudyReport& report);
 
-/// Table 3, the bars, the tests of each measure, what failed.
+/// Table 3, the bars, the tests of each measure, the failures.
 std::vector<statistics::ReportSection> StudySections(const StudyReport& report);
 
 std::string StudyText(const StudyReport& report);
 
-/// A line per episode, design and measures; what was not measured is empty.
+/// A line per episode, with design and measures; an unmeasured value is empty.
 std::string EpisodesCsv(const StudyReport& report);
 
 /// `methods.<method>.<measure>_mean` and `_sd` (over episodes) and `_sd_subjects`; `analyses` as
-/// `conav stats --json` writes them. What was not measured is null.
+/// `conav stats --json` writes them. Unmeasured values are null.
 nlohmann::ordered_json StudyJson(const StudyReport& report);
 
-/// One page without any other file: the sections, a plot and all tables of each measure, who had
-/// which method when, and how the study was made.
+/// One self-contained page: the sections, a plot and all tables of each measure, the order of
+/// methods per subject, and the provenance of the study.
 std::string StudyPage(const StudyReport& report);
 
 }  // namespace conav::study

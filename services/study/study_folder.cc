@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t kMostText = 80;
 
-/// For a shell.
+/// Quotes `word` for a shell.
 std::string Quoted(const std::string& word) {
   constexpr std::string_view kPlain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=,./:+@%";
@@ -43,35 +43,6 @@ std::string Processor() {
   return "unknown processor";
 }
 
-}  // namespace
-
-Provenance DescribeRun(int argc, const char* const* argv) {
-  Provenance provenance{.command = "conav study"};
-  for (int i = 1; i < argc; ++i) provenance.command += fmt::format(" {}", Quoted(argv[i]));
-  const char* commit = std::getenv("CONAV_COMMIT");
-  provenance.commit = commit != nullptr ? commit : "unknown";
-  provenance.date = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
-  provenance.machine =
-      fmt::format("{}, {} cores", Processor(), std::thread::hardware_concurrency());
-  return provenance;
-}
-
-statistics::ReportSection ProvenanceSection(const Provenance& provenance,
-                                            const nlohmann::ordered_json& design) {
-  statistics::ReportSection section{.title = "How it was made", .header = {"", ""}};
-  section.rows = {{"command", provenance.command},
-                  {"commit", provenance.commit},
-                  {"report written", provenance.date},
-                  {"on", provenance.machine}};
-  for (const auto& [key, value] : design.items()) {
-    const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
-    if (!text.empty() && text.size() <= kMostText) section.rows.push_back({key, text});
-  }
-  return section;
-}
-
-namespace {
-
 namespace fs = std::filesystem;
 
 constexpr const char* kDesignFile = "study.json";
@@ -81,7 +52,7 @@ Result<void> MakeFolder(const fs::path& path) {
   std::error_code error;
   fs::create_directories(path, error);
   if (!error && fs::is_directory(path, error)) return {};
-  return Fail(ErrorCode::kIo, fmt::format("{}: cannot make this folder: {}", path.string(),
+  return Fail(ErrorCode::kIo, fmt::format("{}: cannot create this folder: {}", path.string(),
                                           error ? error.message() : "it is a file"));
 }
 
@@ -109,7 +80,7 @@ std::string Difference(const nlohmann::json& there, const nlohmann::ordered_json
     if (there[key] == plain) continue;
     return fmt::format("{} is {} there, {} here", key, text(there[key].dump()), text(plain.dump()));
   }
-  return "it holds what this one does not";
+  return "it has entries that this one lacks";
 }
 
 Result<void> CheckSameDesign(const fs::path& file, const nlohmann::ordered_json& design) {
@@ -117,7 +88,8 @@ Result<void> CheckSameDesign(const fs::path& file, const nlohmann::ordered_json&
   if (!text) return tl::unexpected(text.error());
   const auto there = nlohmann::json::parse(*text, nullptr, false);
   if (!there.is_object() || !there.contains("fingerprint") || !there.contains("design")) {
-    return Fail(ErrorCode::kMalformed, fmt::format("{}: is no study's design", file.string()));
+    return Fail(ErrorCode::kMalformed,
+                fmt::format("{}: is not the design of a study", file.string()));
   }
   if (there["fingerprint"] == Fingerprint(design)) return {};
   return Fail(ErrorCode::kRefused,
@@ -125,19 +97,44 @@ Result<void> CheckSameDesign(const fs::path& file, const nlohmann::ordered_json&
                           file.parent_path().string(), Difference(there["design"], design)));
 }
 
-/// A new folder may hold nothing but our own lock and what a kill left of our first file: we do not
-/// mix with other files.
+/// A new folder may only hold our own lock and what a killed run left of our first file: a study
+/// does not mix with other files.
 Result<void> CheckEmpty(const fs::path& path) {
   for (const auto& entry : fs::directory_iterator(path)) {
     const std::string name = entry.path().filename().string();
     if (name == kLockFile || name.starts_with(std::string(kDesignFile) + ".")) continue;
     return Fail(ErrorCode::kRefused,
-                fmt::format("{} is not empty and holds no study", path.string()));
+                fmt::format("{} is not empty and contains no study", path.string()));
   }
   return {};
 }
 
 }  // namespace
+
+Provenance DescribeRun(int argc, const char* const* argv) {
+  Provenance provenance{.command = "conav study"};
+  for (int i = 1; i < argc; ++i) provenance.command += fmt::format(" {}", Quoted(argv[i]));
+  const char* commit = std::getenv("CONAV_COMMIT");
+  provenance.commit = commit != nullptr ? commit : "unknown";
+  provenance.date = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
+  provenance.machine =
+      fmt::format("{}, {} cores", Processor(), std::thread::hardware_concurrency());
+  return provenance;
+}
+
+statistics::ReportSection ProvenanceSection(const Provenance& provenance,
+                                            const nlohmann::ordered_json& design) {
+  statistics::ReportSection section{.title = "Provenance", .header = {"", ""}};
+  section.rows = {{"command", provenance.command},
+                  {"commit", provenance.commit},
+                  {"report written", provenance.date},
+                  {"on", provenance.machine}};
+  for (const auto& [key, value] : design.items()) {
+    const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+    if (!text.empty() && text.size() <= kMostText) section.rows.push_back({key, text});
+  }
+  return section;
+}
 
 std::string Fingerprint(const nlohmann::ordered_json& design) { return Sha256Hex(design.dump()); }
 
@@ -145,7 +142,7 @@ Result<StudyFolder> StudyFolder::Open(const fs::path& path, const nlohmann::orde
   if (const auto made = MakeFolder(path); !made) return tl::unexpected(made.error());
   std::error_code ignored;
   const bool known = fs::exists(path / kDesignFile, ignored);
-  // Before the lock, whose file would be the first of somebody else's folder.
+  // Check before creating the lock: in a foreign folder it would be a stray file.
   const auto fits = known ? CheckSameDesign(path / kDesignFile, design) : CheckEmpty(path);
   if (!fits) return tl::unexpected(fits.error());
   const auto lock = Lock(path / kLockFile);
@@ -189,10 +186,9 @@ Result<void> StudyFolder::WriteRecord(const std::string& kind, const std::string
 
 Error StudyFolder::NotARecord(const std::string& kind, const std::string& name,
                               const std::string& reason) const {
-  return {
-      ErrorCode::kMalformed,
-      fmt::format("{}: is no record of this study ({}); without it the same command runs it again",
-                  (path_ / kind / (name + ".json")).string(), reason)};
+  return {ErrorCode::kMalformed, fmt::format("{}: is not a record of this study ({}); delete it "
+                                             "and the same command runs this piece again",
+                                             (path_ / kind / (name + ".json")).string(), reason)};
 }
 
 Result<void> StudyFolder::Write(const fs::path& relative, std::string_view text) const {

@@ -13,23 +13,22 @@
 
 namespace conav::study {
 
-/// How a report came about, for whoever reads it later. Only the page has it: tables and JSON of
-/// equal studies are equal.
+/// How a report came about. Only the page has it: tables and JSON of equal studies are equal.
 struct Provenance {
-  std::string command;  // as it was typed, after ./conav
-  std::string commit;   // that ./conav built; "unknown" for a program run by hand
-  std::string date;     // when the report was written, UTC
+  std::string command;  // as typed, after ./conav
+  std::string commit;   // of the build by ./conav; "unknown" for a program run by hand
+  std::string date;     // of the report, UTC
   std::string machine;  // processor and number of cores
 };
 
-/// Of this process. `argv` as main() has it.
+/// Describes this process. `argv` as in main().
 Provenance DescribeRun(int argc, const char* const* argv);
 
-/// The same, and the entries of the study's design that are short enough for a line.
+/// The same, plus the entries of the study's design that fit on a line.
 statistics::ReportSection ProvenanceSection(const Provenance& provenance,
                                             const nlohmann::ordered_json& design);
 
-/// Where a study leaves everything, so that it can go on after whatever stopped it:
+/// The folder of a study; an interrupted study resumes from it:
 ///
 ///   study.json             the design and its fingerprint
 ///   people/s01.yaml        each simulated operator, for `conav demo --operator`
@@ -38,13 +37,14 @@ statistics::ReportSection ProvenanceSection(const Provenance& provenance,
 ///   episodes.csv, measures/<measure>.csv, report.html, results.json   at the end; with
 ///                          --supervision trials.csv, report.html, results.json, supervision.svg
 ///
-/// One process at a time: a second one is refused while the first lives.
+/// One process at a time: while it lives, a second one gets an error.
 class StudyFolder {
  public:
-  /// Makes the folder, or goes on with the one of the same design. `design` is everything that the
+  /// Creates the folder, or opens the one of the same design. `design` is everything that the
   /// results depend on.
   /// Errors: kRefused (it belongs to another design, whose first difference is named; it holds
-  /// other files; another process uses it), kIo, kMalformed (study.json cannot be read back).
+  ///         other files; another process uses it), kIo, kMalformed (study.json cannot be read
+  ///         back).
   static Result<StudyFolder> Open(const std::filesystem::path& path,
                                   const nlohmann::ordered_json& design);
 
@@ -56,15 +56,15 @@ class StudyFolder {
   std::filesystem::path person(const std::string& subject) const;
   std::filesystem::path runs(const std::string& episode) const;
 
-  /// What WriteRecord() left of this kind, by name. Errors: kIo.
+  /// The contents of all records of this kind, by name. Errors: kIo.
   Result<std::map<std::string, std::string>> ReadRecords(const std::string& kind) const;
-  /// Writes <kind>/<name>.json, whole or not at all. Errors: kIo.
+  /// Writes <kind>/<name>.json atomically. Errors: kIo.
   [[nodiscard]] Result<void> WriteRecord(const std::string& kind, const std::string& name,
                                          const nlohmann::ordered_json& record) const;
-  /// kMalformed: that file, what is wrong with it, what to do.
+  /// kMalformed: the file, the reason, and how to continue.
   Error NotARecord(const std::string& kind, const std::string& name,
                    const std::string& reason) const;
-  /// A file of this folder, its folders made. Errors: kIo.
+  /// Writes a file of this folder and creates its parent folders. Errors: kIo.
   [[nodiscard]] Result<void> Write(const std::filesystem::path& relative,
                                    std::string_view text) const;
 
@@ -78,13 +78,13 @@ class StudyFolder {
 /// SHA-256 of the design.
 std::string Fingerprint(const nlohmann::ordered_json& design);
 
-/// What is known of the pieces of a study (episodes, trials), by name, and kept in its folder.
-/// `Record` has ToJson(record) and FromJson(text, record&) beside it.
+/// The records of a study's pieces (episodes, trials) by name, stored in its folder. `Record` needs
+/// ToJson(record) and FromJson(text, record&) in its namespace.
 template <class Record>
 class RecordStore {
  public:
-  /// With the records that earlier runs left in `<folder>/<kind>/`. `folder` outlives it.
-  /// Errors: kIo, kMalformed with the file that cannot be read back.
+  /// Loads the records of earlier runs from `<folder>/<kind>/`. `folder` outlives it. Errors: kIo,
+  /// kMalformed with the file that cannot be read back.
   static Result<RecordStore> Open(const StudyFolder& folder, const std::string& kind) {
     RecordStore store(folder, kind);
     auto texts = folder.ReadRecords(kind);
@@ -100,7 +100,7 @@ class RecordStore {
 
   const std::map<std::string, Record>& records() const { return records_; }
 
-  /// On disk when it returns, in one piece. Errors: kIo. Threads: one at a time.
+  /// Returns once the record is on disk. Errors: kIo. Threads: one at a time.
   [[nodiscard]] Result<void> Save(const std::string& name, const Record& record) {
     auto written = folder_->WriteRecord(kind_, name, ToJson(record));
     if (written) records_.insert_or_assign(name, record);

@@ -54,7 +54,7 @@ nlohmann::ordered_json EpisodesJson(const Design& design) {
   return list;
 }
 
-/// Everything that results depend on, but the program itself.
+/// Everything that the results depend on, except for the program itself.
 Plan MakePlan(const StudyOptions& options) {
   Plan plan{.design = MakeDesign(options.design)};
   plan.people = DrawPeople(options, plan.design.subjects.size());
@@ -147,15 +147,15 @@ int Run(StudyOptions options, const Provenance& provenance, const StopToken& sto
   const StudySummary summary = Summarise(plan.design, store->records());
   const StudyReport report{
       plan.design, plan.document, store->records(), summary, options.camera != "none", provenance};
-  if (const auto told = Publish(report, *folder, options.json); !told) {
-    return Failed(kProgram, told.error());
+  if (const auto published = Publish(report, *folder, options.json); !published) {
+    return Failed(kProgram, published.error());
   }
   return summary.failed.empty() && (!options.check || AllMet(summary)) ? 0 : 1;
 }
 
-/// The whole study: goes on where an earlier run of the same study stopped, prints table 3, writes
-/// the files of StudyFolder and --json. Exit code: 0 done; 1 an episode failed, it was interrupted,
-/// a file could not be written, or a bar was missed with --check; 2 wrong use.
+/// The whole study: resumes an earlier run of the same study, prints table 3, writes the files of
+/// StudyFolder and --json. Exit code: 0 done; 1 an episode failed, it was interrupted, a file could
+/// not be written, or a bar was missed with --check; 2 wrong usage.
 int RunStudy(const StudyOptions& options, const Provenance& provenance, const StopToken& stop) {
   if (const auto valid = Validate(options); !valid) return Refused(kProgram, valid.error().text);
   const int code =
@@ -172,40 +172,37 @@ int RunStudy(const StudyOptions& options, const Provenance& provenance, const St
 }  // namespace
 }  // namespace conav::study
 
-// conav-study: the methods side by side, with simulated operators.
-
 namespace {
 
 constexpr const char* kAbout =
-    R"(The paper's user study (section 6.2, table 3) with SIMULATED operators: everybody has every method
-on every layout, each episode with all services as processes of their own over DDS. Prints, per method,
-communication, steps, guidance, mapping accuracy, goals and time, what tests say, and whether the bars
-hold.
+    R"(The paper's user study (section 6.2, table 3) with SIMULATED operators: every operator does
+every method on every layout, each episode with all services as processes of their own over DDS. Prints,
+per method, communication, steps, guidance, mapping accuracy, goals and time, the tests, and whether the
+bars are met.
 
-Design: order of methods counterbalanced by a Williams design; layouts are mazes 234, 666 and 9, then
-random ones, turned by another quarter in each session; operators are synthetic people, each drawn from
-a population and the same in all methods. docs/study.md says more.
+Design: a Williams design counterbalances the order of methods. Layouts are mazes 234, 666 and 9, then
+random ones, turned by another quarter in each session. Operators are synthetic people, each drawn from
+a population and the same in all methods. Details: docs/study.md.
 
-Each episode is on disk when it has ended: after a kill the same command goes on. Another design in the
-same --out is refused. An episode that does not reach all goals is run a second time, then kept and
-reported.
+Each episode is on disk once it has ended: after a kill the same command resumes. --out must not hold
+another design. An episode that does not reach all goals runs a second time, then stays and is reported.
 
-Another study, of one operator with many robots: conav study --supervision --help. With a person: conav
-study --live --help.)";
+The study of one operator with many robots: conav study --supervision --help. With a person: conav study
+--live --help.)";
 
 constexpr const char* kExitCodes =
     R"(Exit codes: 0 done; 1 an episode failed, interrupted, writing failed, or with --check a bar missed;
-2 wrong use.)";
+2 wrong usage.)";
 
 void AddOptions(CLI::App& app, conav::study::StudyOptions& options) {
   app.add_option("--operators", options.design.operators, "Simulated operators")
       ->capture_default_str();
-  app.add_option("--layouts", options.design.layouts, "Mazes for each of them")
+  app.add_option("--layouts", options.design.layouts, "Mazes for each operator")
       ->capture_default_str();
-  app.add_option("--methods", options.design.methods, "Methods, as conav demo --method knows them")
+  app.add_option("--methods", options.design.methods, "Methods of conav demo --method")
       ->delimiter(',')
       ->capture_default_str();
-  app.add_option("--robots", options.robots, "Robots that an operator has")->capture_default_str();
+  app.add_option("--robots", options.robots, "Robots per operator")->capture_default_str();
   app.add_option("--seed", options.design.seed, "Seed of orders, people and random layouts")
       ->check(conav::WholeNumber())
       ->capture_default_str();
@@ -215,23 +212,25 @@ void AddOptions(CLI::App& app, conav::study::StudyOptions& options) {
       ->capture_default_str();
   app.add_option(
       "--population", options.population,
-      "Whom the operators are drawn from, a file like deploy/config/annotators.yaml [its "
-      "careful people]");
+      "Population of operators, a file like deploy/config/annotators.yaml [its careful people]");
   app.add_option("--weights", options.weights,
                  "Weights file of the perception model [the one that comes with conav]");
   app.add_option("--dds", options.dds, "cyclonedds, fastdds, mixed or SERVICE=VENDOR,...");
-  app.add_flag("--recording", options.recording, "Record each episode, as conav demo does");
-  app.add_option("--time-limit", options.time_limit_s, "Seconds that an episode may take")
+  app.add_flag("--recording", options.recording, "Record each episode, like conav demo");
+  app.add_option("--time-limit", options.time_limit_s,
+                 "Time limit of an episode, seconds of wall time")
       ->capture_default_str();
   app.add_option("--out", options.out, "Folder of the study [one in runs/, named by the design]");
   app.add_option("--json", options.json,
                  "Write the result to this file, too; - = standard output (the tables then go to "
                  "standard error)");
-  app.add_flag("--check", options.check, "A missed bar is a failure");
+  app.add_flag("--check", options.check, "Exit with 1 when a bar is missed");
   app.footer(kExitCodes);
 }
 
 }  // namespace
+
+// conav-study: compares the methods with simulated operators.
 
 int main(int argc, char** argv) {
   const auto is_supervision = [](const char* word) {

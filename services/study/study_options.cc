@@ -14,17 +14,54 @@
 namespace conav::study {
 namespace {
 
-/// Section `simulated_operator:` with nothing but the person.
+/// A config file with section `simulated_operator:`, holding only the person.
 struct PersonFile {
   operators::SyntheticOperatorParameters person;
   void Visit(ConfigReader& reader) { reader.Section("person", person); }
 };
 
-/// Twelve uniform numbers make a bell, the same on every machine.
+/// The sum of twelve uniform numbers: bell-shaped, the same on every machine.
 double Bell(double mean, double deviation, double low, double high, Random& random) {
   double sum = -6.0;
   for (int i = 0; i < 12; ++i) sum += random.Unit();
   return std::clamp(mean + deviation * sum, low, high);
+}
+
+constexpr int kMostOperators = 10000;
+constexpr int kMostLayouts = 1000;
+constexpr int kMostJobs = 64;
+
+Result<void> RequireCount(const char* option, int value, int most) {
+  if (value >= 1 && value <= most) return {};
+  return Fail(ErrorCode::kOutOfRange,
+              fmt::format("{} {}: not between 1 and {}", option, value, most));
+}
+
+Result<void> ValidatePopulation(const std::filesystem::path& file) {
+  if (file.empty()) return {};
+  try {
+    nhpm::ReadPopulation(file);
+    return {};
+  } catch (const StartupError& error) {
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("--population: {}", error.what()));
+  }
+}
+
+Result<void> ValidateMethods(const std::vector<std::string>& methods) {
+  const auto count = static_cast<int>(methods.size());
+  if (count < 1 || count > kOrientations) {
+    return Fail(ErrorCode::kOutOfRange, fmt::format("--methods: {} methods; 1 to {} are possible, "
+                                                    "since a layout has that many orientations",
+                                                    count, kOrientations));
+  }
+  for (const std::string& method : methods) {
+    if (std::ranges::find(launcher::kMethods, method) != launcher::kMethods.end()) continue;
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("--methods: {} is not one of {}", method,
+                                                         fmt::join(launcher::kMethods, ", ")));
+  }
+  const std::set<std::string> distinct(methods.begin(), methods.end());
+  if (distinct.size() == methods.size()) return {};
+  return Fail(ErrorCode::kInvalidArgument, "--methods: a method appears twice");
 }
 
 }  // namespace
@@ -51,48 +88,6 @@ operators::SyntheticOperatorParameters DrawPerson(const nhpm::AnnotatorPopulatio
 std::string PersonYaml(const operators::SyntheticOperatorParameters& person) {
   return DumpConfig("simulated_operator", PersonFile{person});
 }
-
-namespace {
-
-constexpr int kMostOperators = 10000;
-constexpr int kMostLayouts = 1000;
-constexpr int kMostJobs = 64;
-
-Result<void> RequireCount(const char* option, int value, int most) {
-  if (value >= 1 && value <= most) return {};
-  return Fail(ErrorCode::kOutOfRange,
-              fmt::format("{} {}: not between 1 and {}", option, value, most));
-}
-
-Result<void> ValidatePopulation(const std::filesystem::path& file) {
-  if (file.empty()) return {};
-  try {
-    nhpm::ReadPopulation(file);
-    return {};
-  } catch (const StartupError& error) {
-    return Fail(ErrorCode::kInvalidArgument, fmt::format("--population: {}", error.what()));
-  }
-}
-
-Result<void> ValidateMethods(const std::vector<std::string>& methods) {
-  const auto count = static_cast<int>(methods.size());
-  if (count < 1 || count > kOrientations) {
-    return Fail(ErrorCode::kOutOfRange,
-                fmt::format("--methods: {} of them; 1 to {}, as a layout can be turned so often "
-                            "before it looks the same again",
-                            count, kOrientations));
-  }
-  for (const std::string& method : methods) {
-    if (std::ranges::find(launcher::kMethods, method) != launcher::kMethods.end()) continue;
-    return Fail(ErrorCode::kInvalidArgument, fmt::format("--methods: {} is not one of {}", method,
-                                                         fmt::join(launcher::kMethods, ", ")));
-  }
-  const std::set<std::string> distinct(methods.begin(), methods.end());
-  if (distinct.size() == methods.size()) return {};
-  return Fail(ErrorCode::kInvalidArgument, "--methods: one is named twice");
-}
-
-}  // namespace
 
 std::filesystem::path DefaultOut(const StudyOptions& options, const std::string& fingerprint) {
   const DesignOptions& design = options.design;

@@ -47,7 +47,7 @@ int Interrupted(std::string_view program, std::size_t done, std::size_t of,
                 const std::string& pieces, const StudyFolder& folder) {
   return Failed(program,
                 {ErrorCode::kUnavailable,
-                 fmt::format("interrupted; {} of {} {} are in {}; the same command goes on", done,
+                 fmt::format("interrupted; {} of {} {} are in {}; the same command resumes", done,
                              of, pieces, folder.path().string())});
 }
 

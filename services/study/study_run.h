@@ -19,29 +19,30 @@
 #include "study/episode_record.h"
 #include "study/study_folder.h"
 
+/// Runs the pieces of a study (episodes, trials) in parallel, with attempts, records and progress.
 namespace conav::study {
 
 struct StudyProgress {
   std::size_t ran = 0;     // since the start of this program
-  std::size_t done = 0;    // among `of`, those of earlier runs too
+  std::size_t done = 0;    // of `of`, including those of earlier runs
   std::size_t failed = 0;  // of those that ran, after the second attempt
   std::size_t of = 0;
 };
 using StudyListener = std::function<void(const StudyProgress&)>;
 
-/// Runs one piece of a study, an episode or a trial, once. `job` is in [0, jobs) and never at work
-/// twice at a time. An interrupted one returns whatever it likes. Must not throw.
+/// Runs one piece of a study, an episode or a trial, once. `job` is in [0, jobs); each job runs one
+/// piece at a time. The result of an interrupted piece is ignored. Must not throw.
 template <class Record>
 using PiecePlayer = std::function<Record(int job, std::size_t index)>;
 
-/// Whether `jobs` pieces at a time find a DDS domain each. Errors: kInvalidArgument where
+/// Whether `jobs` concurrent pieces each find a DDS domain. Errors: kInvalidArgument when
 /// CONAV_DOMAIN leaves one for all of them.
 [[nodiscard]] Result<void> CheckDomains(int jobs);
 
-/// A piece that is not complete is run so often, and then kept as it is.
+/// Attempts at a piece before its incomplete record is final.
 inline constexpr int kMostAttempts = 2;
 
-/// Nothing when it was interrupted.
+/// Runs one piece with repeated attempts; empty if it was interrupted.
 template <class Record>
 std::optional<Record> PlayPiece(int job, std::size_t index, const PiecePlayer<Record>& play,
                                 const StopToken& stop) {
@@ -65,9 +66,9 @@ std::vector<std::size_t> PendingPieces(const std::vector<std::string>& names,
   return pending;
 }
 
-/// Runs what is pending, `jobs` at a time, in order; each record is on disk before the next piece of
-/// its job begins. `Record` has `attempts`, is_complete() and has_failed().
-/// Ends early when `stop` is asked for, or with the error when a record cannot be written.
+/// Runs the pending pieces in order, `jobs` at a time; each record is on disk before the next piece
+/// of its job begins. `Record` has `attempts`, is_complete() and has_failed().
+/// Ends early when `stop` is requested, or with the error when a record cannot be written.
 template <class Record>
 [[nodiscard]] Result<void> RunPieces(const std::vector<std::string>& names, int jobs,
                                      const PiecePlayer<Record>& play, RecordStore<Record>& store,
@@ -97,29 +98,26 @@ template <class Record>
   return failure;
 }
 
-}  // namespace conav::study
-
-/// What both studies tell their user while they run and when they cannot.
-namespace conav::study {
+// Messages of both studies to their user.
 
 /// "37 of 126 episodes, 1 failed, 2:10 left"; `pieces` is "episodes". `line` outlives it.
 StudyListener ShowOn(ProgressLine& line, const std::string& pieces);
 
-/// Prints `text` on standard output, or, where that holds the document of --json, on standard error.
-/// Errors: kIo.
+/// Prints `text` on standard output, or on standard error if standard output holds the document of
+/// --json. Errors: kIo.
 [[nodiscard]] Result<void> PrintTables(const std::string& text,
                                        const std::filesystem::path& json_file);
 
-/// Prints why StudyFolder::Open did not give --out, and gives the exit code: 2 for kRefused, else 1.
+/// Prints why StudyFolder::Open rejected --out; returns the exit code: 2 for kRefused, else 1.
 int RefusedFolder(std::string_view program, const Error& error);
 
-/// Prints how much there is and how to go on, and gives exit code 1. "2 of 60 episodes".
+/// Prints how much is done ("2 of 60 episodes") and how to resume; returns exit code 1.
 int Interrupted(std::string_view program, std::size_t done, std::size_t of,
                 const std::string& pieces, const StudyFolder& folder);
 
 using EpisodeStore = RecordStore<EpisodeRecord>;
 
-/// The episodes that are in `folder`. Errors: as RecordStore::Open.
+/// The episodes in `folder`. Errors: as RecordStore::Open.
 Result<EpisodeStore> OpenEpisodes(const StudyFolder& folder);
 
 /// Runs one episode once, as PiecePlayer.
@@ -130,8 +128,8 @@ using EpisodePlayer = std::function<EpisodeRecord(int job, const PlannedEpisode&
                                        const EpisodePlayer& play, EpisodeStore& store,
                                        const StopToken& stop, const StudyListener& listener);
 
-/// The episode as a demo: all services as processes of their own. `base` says what all episodes
-/// have in common: robots, camera, vendors, limits.
+/// The episode as a demo: all services as processes of their own. `base` has the options that all
+/// episodes share: robots, camera, vendors, limits.
 launcher::DemoOptions DemoFor(const launcher::DemoOptions& base, const PlannedEpisode& episode,
                               const std::string& subject, const StudyFolder& folder);
 
@@ -141,7 +139,7 @@ class DemoPlayer {
   /// `clock` and `stop` outlive it.
   DemoPlayer(std::filesystem::path program_folder, const Clock& clock, const StopToken& stop);
 
-  /// Blocks. Whatever goes wrong is in the record.
+  /// Blocks. The record holds any error.
   EpisodeRecord Play(const launcher::DemoOptions& options);
 
  private:

@@ -26,7 +26,7 @@ const EpisodeRecord* Find(const Records& records, const std::string& name) {
   return found == records.end() ? nullptr : &found->second;
 }
 
-/// Mean over the layouts; nothing when one lacks.
+/// Mean over the layouts; empty if one is missing.
 std::optional<double> SubjectMean(const Design& design, const Records& records, int subject,
                                   const std::string& method, std::size_t measure) {
   double sum = 0.0;

@@ -21,19 +21,19 @@ struct MeanSd {
 struct MethodSummary {
   std::string method;
   std::size_t episodes = 0;         // with measures
-  std::size_t all_goals = 0;        // of them, those that reached all goals
+  std::size_t all_goals = 0;        // of these, those that reached all goals
   std::vector<MeanSd> measures;     // as Measures(); over episodes, as in the paper's table
   std::vector<double> sd_subjects;  // of the subjects' means
 };
 
-/// Of one measure: each subject's mean over the layouts, per method.
+/// One measure: each subject's mean over the layouts, per method.
 struct MeasureAnalysis {
-  std::string csv;  // what `conav stats` reads
+  std::string csv;  // the input of `conav stats`
   std::optional<statistics::Analysis> analysis;
-  std::string why_not;  // there is no analysis
+  std::string why_not;  // the reason for a missing analysis
 };
 
-/// What the study has to show.
+/// A result that the study must show.
 struct Bar {
   std::string key;   // in JSON
   std::string text;  // what is measured, for people
@@ -54,14 +54,14 @@ struct StudySummary {
 
 using Records = std::map<std::string, EpisodeRecord>;
 
-/// Of the episodes that have a record. A subject with an episode missing or failed has no value for
-/// that method: a mean over fewer layouts could not be compared. `records` outlive the summary.
+/// Summarises the recorded episodes. A subject with a missing or failed episode has no value for
+/// that method, since means over fewer layouts are not comparable. `records` outlive the summary.
 StudySummary Summarise(const Design& design, const Records& records);
 
-/// Subjects x methods as `conav stats` reads it; cells without a value are empty.
+/// Subjects x methods in the format of `conav stats`; missing values are empty cells.
 std::string SubjectTable(const Design& design, const Records& records, std::size_t measure);
 
-/// Those of which both methods took part.
+/// The bars for which both methods took part.
 std::vector<Bar> CheckBars(const std::vector<MethodSummary>& methods);
 
 }  // namespace conav::study

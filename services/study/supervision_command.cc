@@ -24,21 +24,20 @@ constexpr const char* kAbout =
     R"(One operator, many robots, with a SIMULATED operator: every number of robots with every order of
 the attention queue and every seed, all services as processes of their own over DDS. Prints
 throughput, waiting times, utilisation and fan-out, measured and predicted (NT/IT + 1, the same with
-waits, the finite-source queue M/M/1//N), and paired tests of the orders. docs/supervision.md says
-more.
+waits, the finite-source queue M/M/1//N), and paired tests of the orders. Details:
+docs/supervision.md.
 
-Simulation time passes at a fixed speed while the operator thinks. Each robot is in a world of its own
-unless --robots-per-world says otherwise; worlds have the methods in turn. The operator takes what is
-first in the published queue, selects it, is busy for its interaction time, and answers. Thread timing
-enters: equal seeds give the same worlds and interaction times, not the same figures to the last
-digit.
+Simulation time passes at a fixed speed while the operator thinks. By default each robot is in a world of
+its own (--robots-per-world); worlds take the methods in turn. The operator selects the first item of the
+published queue, is busy for its interaction time, and answers. Thread timing matters: the same seeds
+give the same worlds and interaction times, but not the same figures to the last digit.
 
-Each trial is on disk when it has ended: after a kill the same command goes on, and one with more
---seeds, --robots or --orders adds to what is there. Other trials in the same --out are refused. A
-trial that fails is run a second time, then reported, left out, and tried again by the same command.)";
+Each trial is on disk once it has ended: after a kill the same command resumes, and one with more
+--seeds, --robots or --orders adds trials. --out must not hold another design. A trial that fails runs a
+second time; then the report names it and leaves it out, and the same command tries it again.)";
 
 constexpr const char* kExitCodes =
-    "Exit codes: 0 done; 1 a trial failed, interrupted or writing failed; 2 wrong use.";
+    "Exit codes: 0 done; 1 a trial failed, interrupted or writing failed; 2 wrong usage.";
 
 struct Arguments {
   SupervisionOptions options;
@@ -49,7 +48,7 @@ struct Arguments {
 void AddOptions(CLI::App& app, Arguments& arguments) {
   SupervisionOptions& options = arguments.options;
   app.add_flag("--supervision", arguments.is_supervision,
-               "This study rather than that of the methods");
+               "Run this study instead of the one of the methods");
   app.add_option("--robots", options.robots, "Numbers of robots, each 1 to 16")
       ->delimiter(',')
       ->capture_default_str();
@@ -62,18 +61,20 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--interaction-times", arguments.interaction_times,
                  "Means in simulation seconds, log-normal, log_sd=0 for fixed ones "
                  "[picture=4,blocked=6,path=6,log_sd=0.5]");
-  app.add_option("--seeds", options.seeds, "Seeds, each with every number and order")
+  app.add_option("--seeds", options.seeds,
+                 "Number of seeds, each with every number of robots and order")
       ->capture_default_str();
-  app.add_option("--seed", options.seed, "The first of them")
+  app.add_option("--seed", options.seed, "The first seed")
       ->check(WholeNumber())
       ->capture_default_str();
   app.add_option("--minutes", options.minutes, "Simulation time of a trial")->capture_default_str();
-  app.add_option("--goals", options.goals, "Of each robot; more than it can reach")
+  app.add_option("--goals", options.goals, "Goals of each robot; more than it can reach")
       ->capture_default_str();
   app.add_option("--robots-per-world", options.robots_per_world, "Robots that share a maze")
       ->capture_default_str();
-  app.add_option("--answer-timeout", options.answer_timeout_s,
-                 "Simulation seconds after which a robot goes on without an answer to its picture")
+  app.add_option(
+         "--answer-timeout", options.answer_timeout_s,
+         "Simulation seconds after which a robot continues without an answer to its picture")
       ->capture_default_str();
   app.add_option("--speed", options.speed, "Simulated seconds per second")->capture_default_str();
   app.add_option("--jobs", options.jobs, "Trials at once")->capture_default_str();

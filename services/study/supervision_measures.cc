@@ -84,7 +84,7 @@ SupervisionCell CellOf(int robots, const std::string& order,
   return cell;
 }
 
-/// Nothing for fewer than two seeds or orders.
+/// Empty for fewer than two seeds or orders.
 std::vector<SupervisionComparison> CompareOrders(const std::vector<SupervisionCell>& all_cells,
                                                  int robots) {
   std::vector<const SupervisionCell*> cells;
@@ -113,9 +113,10 @@ const std::vector<SupervisionMeasure>& SupervisionMeasures() {
        [](Record r) { return If(HasQuestions(r), r.workload.waiting_time_s); }},
       {"waiting_p95_s", "wait p95", "Waiting time, 95th percentile, s",
        [](Record r) { return If(HasQuestions(r), r.workload.waiting_time_p95_s); }},
-      {"value_lost_per_minute", "lost/min", "Value lost while unanswered, reward units per minute",
+      {"value_lost_per_minute", "lost/min",
+       "Value lost while waiting for an answer, reward units per minute",
        [](Record r) { return Figure(PerMinute(r.workload.value_lost, r)); }},
-      {"abandoned", "unanswered", "Questions that went unanswered",
+      {"abandoned", "unanswered", "Requests without an answer",
        [](Record r) { return Figure(static_cast<double>(r.workload.abandoned)); }},
       {"utilisation", "UT", "Utilisation: busy share of the operator's time",
        [](Record r) {

@@ -25,21 +25,21 @@ Result<void> Refuse(std::string text) { return Fail(ErrorCode::kInvalidArgument,
 
 Result<void> CheckNames(const std::string& option, const std::vector<std::string>& given,
                         const std::vector<std::string>& known) {
-  if (given.empty()) return Refuse(option + ": names none");
+  if (given.empty()) return Refuse(option + ": is empty");
   for (const std::string& name : given) {
     if (std::ranges::count(given, name) > 1) {
       return Refuse(fmt::format("{}: {} is named twice", option, name));
     }
     if (std::ranges::find(known, name) == known.end()) {
       return Refuse(
-          fmt::format("{}: {} is unknown; there are {}", option, name, fmt::join(known, ", ")));
+          fmt::format("{}: {} is unknown; known values: {}", option, name, fmt::join(known, ", ")));
     }
   }
   return {};
 }
 
 Result<void> CheckRobots(const std::vector<int>& robots) {
-  if (robots.empty()) return Refuse("--robots: names none");
+  if (robots.empty()) return Refuse("--robots: is empty");
   for (const int count : robots) {
     if (count < 1 || count > kMostSupervised) {
       return Refuse(fmt::format("--robots: {} is not in [1, {}]", count, kMostSupervised));
@@ -54,6 +54,65 @@ Result<void> CheckRobots(const std::vector<int>& robots) {
 Result<void> CheckRange(const std::string& option, double value, double low, double high) {
   if (value >= low && value <= high) return {};
   return Refuse(fmt::format("{}: {} is not in [{}, {}]", option, value, low, high));
+}
+
+// Clients repeat requests by wall time, but timeouts count simulation time.
+constexpr double kGuidanceValidS = 3600.0;
+
+std::vector<std::string> Entries(const launcher::Episode& episode) {
+  std::vector<std::string> entries;
+  for (const auto& robot : episode.robots) entries.push_back(robot.world + "/" + robot.name);
+  return entries;
+}
+
+std::vector<std::string> EntriesOf(const std::string& method, const SupervisionTrial& trial,
+                                   const SupervisionOptions& options,
+                                   const launcher::Episode& episode) {
+  std::vector<std::string> entries;
+  for (std::size_t w = 0; w < episode.worlds.size(); ++w) {
+    if (MethodOf(w, trial, options) != method) continue;
+    for (const auto& robot : episode.robots) {
+      if (robot.world == episode.worlds[w].name) entries.push_back(robot.world + "/" + robot.name);
+    }
+  }
+  return entries;
+}
+
+std::string OperatorYaml(const SupervisionTrial& trial, const bus::ParticipantOptions& bus,
+                         const launcher::Episode& episode, const launcher::RunFolder& run) {
+  operators::OperatorConfig config;
+  config.bus = bus;
+  config.robots = Entries(episode);
+  config.database = (run.state() / "operator.db").string();
+  config.attention.order = trial.order;
+  return DumpConfig("operator", config);
+}
+
+std::string PersonYaml(const SupervisionTrial& trial, const SupervisionOptions& options,
+                       const bus::ParticipantOptions& bus, const launcher::Episode& episode) {
+  operators::SimulatedOperatorConfig config;
+  config.bus = bus;
+  config.robots = Entries(episode);
+  config.seed = trial.seed;
+  config.person.order = "queue";
+  config.person.interaction = options.interaction;
+  config.person.guidance_valid_s = kGuidanceValidS;
+  return DumpConfig("simulated_operator", config);
+}
+
+std::string PlannerYaml(const std::string& method, std::vector<std::string> robots,
+                        const SupervisionTrial& trial, const SupervisionOptions& options,
+                        const bus::ParticipantOptions& bus) {
+  planner::PlannerConfig config;
+  config.bus = bus;
+  config.name = "planner-" + method;
+  config.robots = std::move(robots);
+  config.method = method;
+  config.seed = trial.seed;
+  config.timeout_clock = "simulation";
+  config.first_guidance_timeout_s = 3600.0;  // without any path a robot has nothing to follow
+  config.answer_timeout_s = options.answer_timeout_s;
+  return DumpConfig("planner", config);
 }
 
 }  // namespace
@@ -127,69 +186,6 @@ std::vector<SupervisionTrial> TrialsOf(const SupervisionOptions& options) {
   }
   return trials;
 }
-
-namespace {
-
-// Requests are repeated by wall time, timeouts count by simulation time.
-constexpr double kGuidanceValidS = 3600.0;
-
-std::vector<std::string> Entries(const launcher::Episode& episode) {
-  std::vector<std::string> entries;
-  for (const auto& robot : episode.robots) entries.push_back(robot.world + "/" + robot.name);
-  return entries;
-}
-
-std::vector<std::string> EntriesOf(const std::string& method, const SupervisionTrial& trial,
-                                   const SupervisionOptions& options,
-                                   const launcher::Episode& episode) {
-  std::vector<std::string> entries;
-  for (std::size_t w = 0; w < episode.worlds.size(); ++w) {
-    if (MethodOf(w, trial, options) != method) continue;
-    for (const auto& robot : episode.robots) {
-      if (robot.world == episode.worlds[w].name) entries.push_back(robot.world + "/" + robot.name);
-    }
-  }
-  return entries;
-}
-
-std::string OperatorYaml(const SupervisionTrial& trial, const bus::ParticipantOptions& bus,
-                         const launcher::Episode& episode, const launcher::RunFolder& run) {
-  operators::OperatorConfig config;
-  config.bus = bus;
-  config.robots = Entries(episode);
-  config.database = (run.state() / "operator.db").string();
-  config.attention.order = trial.order;
-  return DumpConfig("operator", config);
-}
-
-std::string PersonYaml(const SupervisionTrial& trial, const SupervisionOptions& options,
-                       const bus::ParticipantOptions& bus, const launcher::Episode& episode) {
-  operators::SimulatedOperatorConfig config;
-  config.bus = bus;
-  config.robots = Entries(episode);
-  config.seed = trial.seed;
-  config.person.order = "queue";
-  config.person.interaction = options.interaction;
-  config.person.guidance_valid_s = kGuidanceValidS;
-  return DumpConfig("simulated_operator", config);
-}
-
-std::string PlannerYaml(const std::string& method, std::vector<std::string> robots,
-                        const SupervisionTrial& trial, const SupervisionOptions& options,
-                        const bus::ParticipantOptions& bus) {
-  planner::PlannerConfig config;
-  config.bus = bus;
-  config.name = "planner-" + method;
-  config.robots = std::move(robots);
-  config.method = method;
-  config.seed = trial.seed;
-  config.timeout_clock = "simulation";
-  config.first_guidance_timeout_s = 3600.0;  // a robot without any path has nothing to follow
-  config.answer_timeout_s = options.answer_timeout_s;
-  return DumpConfig("planner", config);
-}
-
-}  // namespace
 
 nlohmann::ordered_json DesignOf(const SupervisionOptions& options) {
   const operators::InteractionTimeParameters& times = options.interaction;

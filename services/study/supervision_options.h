@@ -14,11 +14,11 @@
 
 namespace conav::study {
 
-/// What `conav study --supervision` was asked for. All seconds and minutes are simulation time.
+/// The options of `conav study --supervision`. All seconds and minutes are simulation time.
 struct SupervisionOptions {
   std::vector<int> robots{1, 2, 4, 8, 16};
   std::vector<std::string> orders{"priority", "fifo", "nearest_deadline"};
-  /// Of the worlds in turn, begun with another one for each seed.
+  /// Assigned to the worlds in turn; each seed starts with another one.
   std::vector<std::string> methods{"ig-mcts", "instruction"};
   /// Of the simulated operator.
   operators::InteractionTimeParameters interaction{4.0, 6.0, 6.0, 0.5};
@@ -27,8 +27,9 @@ struct SupervisionOptions {
   double minutes = 4.0;    // of a trial
   int goals = 30;          // of each robot: more than it can reach in that time
   int robots_per_world = 1;
-  double answer_timeout_s = 60.0;  // after which a robot goes on without an answer to its picture
-  double speed = 20.0;             // simulated seconds per wall second
+  // a robot continues without an answer to its picture after this time
+  double answer_timeout_s = 60.0;
+  double speed = 20.0;  // simulated seconds per wall second
   int jobs = 1;
   std::string dds;
   std::filesystem::path out;  // empty = DefaultSupervisionOut()
@@ -38,14 +39,14 @@ struct SupervisionOptions {
 /// Robots of one operator, at most.
 inline constexpr int kMostSupervised = 16;
 
-/// "runs/supervision-0a1b2c3d": another one for each design, by its fingerprint's begin.
+/// "runs/supervision-0a1b2c3d": ends with the beginning of the design's fingerprint.
 std::filesystem::path DefaultSupervisionOut(const std::string& fingerprint);
 
-/// "picture=6,blocked=10,path=12,log_sd=0.5"; what is not named stays. Errors: kInvalidArgument.
+/// Parses "picture=6,blocked=10,path=12,log_sd=0.5"; unnamed values stay. Errors: kInvalidArgument.
 [[nodiscard]] Result<void> ParseInteractionTimes(const std::string& text,
                                                  operators::InteractionTimeParameters& times);
 
-/// Refuses what cannot be: the option by name, its value, what would do.
+/// Rejects impossible options: names the option, its value and what is allowed.
 [[nodiscard]] Result<void> Validate(const SupervisionOptions& options);
 
 /// One run of all services.
@@ -57,11 +58,11 @@ struct SupervisionTrial {
   bool operator==(const SupervisionTrial&) const = default;
 };
 
-/// Orders innermost, so that what is compared runs close together.
+/// Orders innermost, so that comparable trials run close together.
 std::vector<SupervisionTrial> TrialsOf(const SupervisionOptions& options);
 
-/// Everything that a trial's result depends on beside the trial itself and the program. What may
-/// grow from one command to the next is not in it: numbers of robots, orders and seeds.
+/// Everything that a trial's result depends on besides the trial itself and the program. Excludes
+/// what may grow from one command to the next: numbers of robots, orders and seeds.
 nlohmann::ordered_json DesignOf(const SupervisionOptions& options);
 
 /// A process of a trial.
@@ -71,15 +72,15 @@ struct SupervisionProcess {
   std::string config;   // YAML document
 };
 
-/// Robots of a trial in as many worlds as they need; the last world may hold fewer.
+/// The robots of a trial in as many worlds as they need; the last world may hold fewer.
 launcher::Episode EpisodeFor(const SupervisionTrial& trial, const SupervisionOptions& options);
 
 /// Method of the world at `index`.
 const std::string& MethodOf(std::size_t index, const SupervisionTrial& trial,
                             const SupervisionOptions& options);
 
-/// Everything but the simulators, which start when the rest is ready: nhpm, the operator service,
-/// a planner for each method, the simulated operator.
+/// Everything except the simulators, which start when the rest is ready: nhpm, the operator
+/// service, a planner for each method, the simulated operator.
 std::vector<SupervisionProcess> PlanServices(const SupervisionTrial& trial,
                                              const SupervisionOptions& options,
                                              const bus::ParticipantOptions& bus,

@@ -18,7 +18,7 @@
 namespace conav::study {
 namespace {
 
-/// Calls visit(key, field) for everything that is kept: the one list for both directions.
+/// Calls visit(key, field) for each stored field: one list for both directions.
 template <class Record, class Visit>
 void VisitFields(Record& record, Visit&& visit) {
   visit("robots", record.trial.robots);
@@ -60,34 +60,12 @@ auto TakeFrom(const nlohmann::json& json) {
   return [&json](const char* key, auto& field) { json.at(key).get_to(field); };
 }
 
-}  // namespace
-
-nlohmann::ordered_json ToJson(const SupervisionRecord& record) {
-  nlohmann::ordered_json json{{"name", record.trial.name()}, {"operator", "simulated"}};
-  VisitFields(record, PutInto(json));
-  VisitWorkload(record.workload, PutInto(json["workload"]));
-  return json;
-}
-
-Result<void> FromJson(const std::string& text, SupervisionRecord& record) {
-  try {
-    const auto json = nlohmann::json::parse(text);
-    VisitFields(record, TakeFrom(json));
-    VisitWorkload(record.workload, TakeFrom(json.at("workload")));
-    return {};
-  } catch (const nlohmann::json::exception& error) {
-    return Fail(ErrorCode::kMalformed, error.what());
-  }
-}
-
-namespace {
-
 using namespace std::chrono_literals;
 
 constexpr auto kGrace = 5s;
 constexpr auto kReadyLimit = 60s;
-constexpr double kStartS = 60.0;    // wall time that simulators may take to start
-constexpr double kSlowness = 10.0;  // the worlds may be so many times as slow as asked for
+constexpr double kStartS = 60.0;    // limit on the wall time in which simulators start
+constexpr double kSlowness = 10.0;  // how much slower than requested the worlds may run
 
 launcher::DemoOptions PlaceOptions(const SupervisionOptions& options) {
   launcher::DemoOptions demo;
@@ -119,7 +97,7 @@ class Trial {
       for (const auto& process : PlanSimulators(trial_, options_, bus, episode_)) Start(process);
       Follow(stop);
     }
-    place_.recorder.reset();
+    place_.observer.reset();
     processes_.StopAll(kGrace);
     Measure();
     return record_;
@@ -144,21 +122,21 @@ class Trial {
     return false;
   }
 
-  /// Each service has told its health once.
+  /// Waits until each service has reported its health once.
   bool WaitUntilReady(std::size_t services, const StopToken& stop) {
     const auto deadline = clock_.Now() + kReadyLimit;
-    std::set<std::string> heard;
-    while (heard.size() < services) {
+    std::set<std::string> reported;
+    while (reported.size() < services) {
       if (SomethingDied()) return false;
       if (stop.stop_requested() || clock_.Now() > deadline) {
         record_.failure = stop.stop_requested() ? "interrupted"
                                                 : fmt::format("{} of {} services ready after 60 s",
-                                                              heard.size(), services);
+                                                              reported.size(), services);
         return false;
       }
       place_.participant->Wait(20ms);
       for (const auto& message : health_.Take()) {
-        for (const auto& status : message.status()) heard.insert(status.name());
+        for (const auto& status : message.status()) reported.insert(status.name());
       }
     }
     return true;
@@ -173,7 +151,7 @@ class Trial {
     const double limit_s = kStartS + kSlowness * 60.0 * options_.minutes / options_.speed;
     while (!IsOver() && record_.failure.empty()) {
       place_.participant->Wait(20ms);
-      place_.recorder->Take();
+      place_.observer->Take();
       for (const auto& message : queue_.Take()) {
         if (auto queue = ToDomain(message)) newest_ = *std::move(queue);
       }
@@ -181,7 +159,7 @@ class Trial {
       if (SomethingDied()) return;
       if (stop.stop_requested()) record_.failure = "interrupted";
       if (record_.wall_s > limit_s) {
-        record_.failure = fmt::format("not at its end after {:.0f} s", limit_s);
+        record_.failure = fmt::format("not finished after {:.0f} s", limit_s);
       }
     }
   }
@@ -194,7 +172,7 @@ class Trial {
   }
 
   void Measure() {
-    if (!newest_ && record_.failure.empty()) record_.failure = "no attention queue was heard";
+    if (!newest_ && record_.failure.empty()) record_.failure = "no attention queue received";
     if (newest_) record_.workload = newest_->workload;
     double seconds = 0.0;
     for (const launcher::RobotRecord& robot : episode_.robots) {
@@ -222,6 +200,24 @@ class Trial {
 };
 
 }  // namespace
+
+nlohmann::ordered_json ToJson(const SupervisionRecord& record) {
+  nlohmann::ordered_json json{{"name", record.trial.name()}, {"operator", "simulated"}};
+  VisitFields(record, PutInto(json));
+  VisitWorkload(record.workload, PutInto(json["workload"]));
+  return json;
+}
+
+Result<void> FromJson(const std::string& text, SupervisionRecord& record) {
+  try {
+    const auto json = nlohmann::json::parse(text);
+    VisitFields(record, TakeFrom(json));
+    VisitWorkload(record.workload, TakeFrom(json.at("workload")));
+    return {};
+  } catch (const nlohmann::json::exception& error) {
+    return Fail(ErrorCode::kMalformed, error.what());
+  }
+}
 
 SupervisionRecord PlayTrial(const SupervisionTrial& trial, const SupervisionOptions& options,
                             const std::filesystem::path& program_folder, const Clock& clock,

@@ -12,7 +12,7 @@
 
 namespace conav::study {
 
-/// What came of a trial, and what is kept on disk of it; seconds and minutes are simulation time.
+/// The stored result of a trial; seconds and minutes are simulation time.
 struct SupervisionRecord {
   SupervisionTrial trial;
   std::string failure;  // empty = measured
@@ -21,7 +21,7 @@ struct SupervisionRecord {
   double goals = 0.0;  // of all robots
   OperatorWorkload workload;
   double wall_s = 0.0;  // from the simulators' start
-  double pace = 0.0;    // simulated seconds per wall second, as a share of what was asked for
+  double pace = 0.0;    // simulated seconds per wall second, as a share of the requested ones
 
   bool is_complete() const { return failure.empty(); }
   bool has_failed() const { return !failure.empty(); }
@@ -30,13 +30,13 @@ struct SupervisionRecord {
 
 nlohmann::ordered_json ToJson(const SupervisionRecord& record);
 
-/// Errors: kMalformed with what is wrong.
+/// Errors: kMalformed with the reason.
 [[nodiscard]] Result<void> FromJson(const std::string& text, SupervisionRecord& record);
 
-/// Runs one trial: all services as processes of their own over DDS, in a domain where nobody else
-/// is; listens to robots and attention queue until every world's time is up.
-/// Blocks. Whatever goes wrong is in the record; a trial that `stop` ends says so, too. Its run
-/// folder stays under `options.out`/runs/<trial>. Threads: one per call; several at a time are fine.
+/// Runs one trial: all services as processes of their own over DDS, in a free domain; follows
+/// robots and attention queue until every world's time is up.
+/// Blocks. The record holds any error, including an interruption by `stop`. Its run folder stays
+/// under `options.out`/runs/<trial>. Threads: one per call; several calls may run concurrently.
 SupervisionRecord PlayTrial(const SupervisionTrial& trial, const SupervisionOptions& options,
                             const std::filesystem::path& program_folder, const Clock& clock,
                             const StopToken& stop);

@@ -37,7 +37,7 @@ std::string FigureText(const SupervisionCell& cell, const SupervisionMeasure& me
   return half ? fmt::format("{:.2f} ±{:.2f}", *mean, *half) : fmt::format("{:.2f}", *mean);
 }
 
-/// What does not exist, or is infinite, is null.
+/// Missing and infinite values become null.
 Json NumberJson(const std::optional<double>& value) {
   return value && std::isfinite(*value) ? Json(*value) : Json();
 }
@@ -63,7 +63,7 @@ statistics::ReportSection CellSection(std::string title, const char* const (&key
   return section;
 }
 
-/// Without spread there is no test, whatever its formula gives.
+/// Without spread the test is meaningless, whatever its formula gives.
 bool HasTest(const statistics::Pair& pair) { return pair.t.t && std::isfinite(*pair.t.t); }
 
 std::string PText(const statistics::Pair& pair, const std::optional<double>& p) {
@@ -101,7 +101,7 @@ statistics::ReportSection SlowSection(const SupervisionSummary& summary) {
   for (const SupervisionRecord* record : summary.slow) {
     section.rows.push_back({record->trial.name(), fmt::format("{:.2f}", record->pace)});
   }
-  section.remarks = {"They are in the tables. A lower --speed or an idle machine mends it."};
+  section.remarks = {"The tables include them. Use a lower --speed or an idle machine."};
   return section;
 }
 
@@ -137,98 +137,6 @@ Json PairJson(const SupervisionComparison& comparison, const statistics::Pair& p
   return json;
 }
 
-}  // namespace
-
-std::string SupervisionHeadline(const SupervisionOptions& options,
-                                const SupervisionSummary& summary) {
-  std::size_t measured = 0;
-  for (const SupervisionCell& cell : summary.cells) measured += cell.records.size();
-  const auto& times = options.interaction;
-  return fmt::format(
-      "SIMULATED operator: robots {}, orders {}, {} seeds; {} trials of {} min of simulation time "
-      "measured, {} failed. Methods {}; interaction times: picture {} s, blocked {} s, path {} s, "
-      "log-normal with log-sd {}.",
-      fmt::join(options.robots, " "), fmt::join(options.orders, " "), options.seeds, measured,
-      options.minutes, summary.failed.size(), fmt::join(options.methods, " "), times.picture_s,
-      times.blocked_s, times.path_s, times.log_sd);
-}
-
-std::vector<statistics::ReportSection> SupervisionSections(const SupervisionSummary& summary) {
-  std::vector<statistics::ReportSection> sections{
-      CellSection("Measured: mean over seeds ± half of its 95 % interval", kTableKeys, summary),
-      CellSection("Fan-out: measured and predicted", kFanOutKeys, summary),
-      CellSection("Utilisation and waiting: measured and predicted", kQueueKeys, summary)};
-  if (!summary.comparisons.empty()) sections.push_back(ComparisonSection(summary));
-  if (!summary.slow.empty()) sections.push_back(SlowSection(summary));
-  if (!summary.failed.empty()) sections.push_back(FailedSection(summary));
-  return sections;
-}
-
-std::string SupervisionText(const SupervisionOptions& options, const SupervisionSummary& summary) {
-  std::string text = SupervisionHeadline(options, summary) + "\n";
-  for (const auto& section : SupervisionSections(summary)) {
-    text += statistics::SectionText(section);
-  }
-  return text;
-}
-
-std::string SupervisionCsv(const std::vector<SupervisionRecord>& records) {
-  std::string csv = "robots,order,seed";
-  for (const SupervisionMeasure& measure : SupervisionMeasures())
-    csv += fmt::format(",{}", measure.key);
-  csv += ",wall_s\n";
-  for (const SupervisionRecord& record : records) {
-    csv += fmt::format("{},{},{}", record.trial.robots, record.trial.order, record.trial.seed);
-    for (const SupervisionMeasure& measure : SupervisionMeasures()) {
-      const auto value = record.is_complete() ? measure.value(record) : std::nullopt;
-      csv += value ? fmt::format(",{}", *value) : ",";
-    }
-    csv += fmt::format(",{}\n", record.wall_s);
-  }
-  return csv;
-}
-
-nlohmann::ordered_json SupervisionJson(const SupervisionOptions& options,
-                                       const SupervisionSummary& summary) {
-  Json json{{"simulated", true},        {"headline", SupervisionHeadline(options, summary)},
-            {"cells", Json::array()},   {"comparisons", Json::array()},
-            {"failed", Json::array()},  {"slow", Json::array()},
-            {"metrics", Json::object()}};
-  for (const SupervisionCell& cell : summary.cells) {
-    json["cells"].push_back(CellJson(cell));
-    for (const char* key : kMetricKeys) {
-      json["metrics"][fmt::format("{}_{}_{}", key, cell.order, cell.robots)] =
-          NumberJson(cell.Mean(FindMeasure(key)));
-    }
-  }
-  for (const SupervisionComparison& comparison : summary.comparisons) {
-    for (const statistics::Pair& pair : comparison.pairs) {
-      json["comparisons"].push_back(PairJson(comparison, pair));
-    }
-  }
-  for (const SupervisionRecord* record : summary.slow) {
-    json["slow"].push_back({{"trial", record->trial.name()}, {"pace", record->pace}});
-  }
-  for (const SupervisionRecord* record : summary.failed) {
-    json["failed"].push_back({{"trial", record->trial.name()}, {"why", record->failure}});
-  }
-  return json;
-}
-
-std::string SupervisionPage(const SupervisionOptions& options, const SupervisionSummary& summary,
-                            const statistics::ReportSection& made) {
-  std::string page = statistics::PageHead("One operator, many robots");
-  page += fmt::format("<p>{}</p>\n<div class=\"wide\" tabindex=\"0\">\n{}</div>\n",
-                      EscapeXml(SupervisionHeadline(options, summary)),
-                      SupervisionPlot(options, summary));
-  for (const auto& section : SupervisionSections(summary)) {
-    page += statistics::SectionHtml(section);
-  }
-  return page + statistics::SectionHtml(made) + "</body>\n</html>\n";
-}
-
-namespace {
-
 constexpr double kPanelWidth = 400.0;
 constexpr double kPanelHeight = 260.0;
 constexpr double kLeft = 60.0;
@@ -238,7 +146,7 @@ constexpr double kPlotHeight = 170.0;
 constexpr double kLegendHeight = 56.0;
 constexpr double kBeside = 6.0;  // pixels from one order to the next
 constexpr int kTicks = 5;
-/// An interval may take so much of the axis, as a multiple of the largest mean; beyond it is cut.
+/// Limit on an interval, as a multiple of the largest mean; beyond it the interval is cut.
 constexpr double kMostInterval = 1.5;
 
 /// Distinct also for the colour-blind (Okabe and Ito).
@@ -247,7 +155,7 @@ constexpr const char* kSmall = R"(font-size="11" fill="#333333" font-family="san
 constexpr const char* kMedium = R"(font-size="12" fill="#000000" font-family="sans-serif")";
 constexpr const char* kTitle = R"(font-size="13" fill="#000000" font-family="sans-serif")";
 
-/// A measure that something predicts, and how the prediction is drawn.
+/// A predicted measure, and the line style of its prediction.
 struct Prediction {
   const char* key;
   const char* dashes;
@@ -259,7 +167,7 @@ struct Panel {
   const char* key;
   const char* title;
   std::vector<Prediction> predictions;
-  double most;  // that the measure can be
+  double most;  // largest possible value
 };
 
 std::vector<Panel> Panels(int most_robots) {
@@ -278,7 +186,7 @@ std::vector<Panel> Panels(int most_robots) {
 
 const char* ColourOf(std::size_t order) { return kColours[order % std::size(kColours)]; }
 
-/// From 0 to what is measured and predicted.
+/// From 0 to the largest measured or predicted value.
 Axis AxisOf(const Panel& panel, const SupervisionSummary& summary) {
   const SupervisionMeasure& measure = FindMeasure(panel.key);
   double most_mean = 0.0;
@@ -322,7 +230,7 @@ class PanelPlot {
   }
 
  private:
-  /// Where the number of robots stands, the orders around it.
+  /// The x of a number of robots, with the orders next to each other.
   double X(int robots, double order) const {
     const double along = most_robots_ > 1 ? std::log2(robots) / std::log2(most_robots_) : 0.5;
     const double middle = 0.5 * static_cast<double>(options_.orders.size() - 1);
@@ -416,6 +324,94 @@ void DrawLegend(SvgCanvas& canvas, const std::vector<std::string>& orders) {
 }
 
 }  // namespace
+
+std::string SupervisionHeadline(const SupervisionOptions& options,
+                                const SupervisionSummary& summary) {
+  std::size_t measured = 0;
+  for (const SupervisionCell& cell : summary.cells) measured += cell.records.size();
+  const auto& times = options.interaction;
+  return fmt::format(
+      "SIMULATED operator: robots {}, orders {}, {} seeds; {} trials of {} min of simulation time "
+      "measured, {} failed. Methods {}; interaction times: picture {} s, blocked {} s, path {} s, "
+      "log-normal with log-sd {}.",
+      fmt::join(options.robots, " "), fmt::join(options.orders, " "), options.seeds, measured,
+      options.minutes, summary.failed.size(), fmt::join(options.methods, " "), times.picture_s,
+      times.blocked_s, times.path_s, times.log_sd);
+}
+
+std::vector<statistics::ReportSection> SupervisionSections(const SupervisionSummary& summary) {
+  std::vector<statistics::ReportSection> sections{
+      CellSection("Measured: mean over seeds ± half of its 95 % interval", kTableKeys, summary),
+      CellSection("Fan-out: measured and predicted", kFanOutKeys, summary),
+      CellSection("Utilisation and waiting: measured and predicted", kQueueKeys, summary)};
+  if (!summary.comparisons.empty()) sections.push_back(ComparisonSection(summary));
+  if (!summary.slow.empty()) sections.push_back(SlowSection(summary));
+  if (!summary.failed.empty()) sections.push_back(FailedSection(summary));
+  return sections;
+}
+
+std::string SupervisionText(const SupervisionOptions& options, const SupervisionSummary& summary) {
+  std::string text = SupervisionHeadline(options, summary) + "\n";
+  for (const auto& section : SupervisionSections(summary)) {
+    text += statistics::SectionText(section);
+  }
+  return text;
+}
+
+std::string SupervisionCsv(const std::vector<SupervisionRecord>& records) {
+  std::string csv = "robots,order,seed";
+  for (const SupervisionMeasure& measure : SupervisionMeasures())
+    csv += fmt::format(",{}", measure.key);
+  csv += ",wall_s\n";
+  for (const SupervisionRecord& record : records) {
+    csv += fmt::format("{},{},{}", record.trial.robots, record.trial.order, record.trial.seed);
+    for (const SupervisionMeasure& measure : SupervisionMeasures()) {
+      const auto value = record.is_complete() ? measure.value(record) : std::nullopt;
+      csv += value ? fmt::format(",{}", *value) : ",";
+    }
+    csv += fmt::format(",{}\n", record.wall_s);
+  }
+  return csv;
+}
+
+nlohmann::ordered_json SupervisionJson(const SupervisionOptions& options,
+                                       const SupervisionSummary& summary) {
+  Json json{{"simulated", true},        {"headline", SupervisionHeadline(options, summary)},
+            {"cells", Json::array()},   {"comparisons", Json::array()},
+            {"failed", Json::array()},  {"slow", Json::array()},
+            {"metrics", Json::object()}};
+  for (const SupervisionCell& cell : summary.cells) {
+    json["cells"].push_back(CellJson(cell));
+    for (const char* key : kMetricKeys) {
+      json["metrics"][fmt::format("{}_{}_{}", key, cell.order, cell.robots)] =
+          NumberJson(cell.Mean(FindMeasure(key)));
+    }
+  }
+  for (const SupervisionComparison& comparison : summary.comparisons) {
+    for (const statistics::Pair& pair : comparison.pairs) {
+      json["comparisons"].push_back(PairJson(comparison, pair));
+    }
+  }
+  for (const SupervisionRecord* record : summary.slow) {
+    json["slow"].push_back({{"trial", record->trial.name()}, {"pace", record->pace}});
+  }
+  for (const SupervisionRecord* record : summary.failed) {
+    json["failed"].push_back({{"trial", record->trial.name()}, {"why", record->failure}});
+  }
+  return json;
+}
+
+std::string SupervisionPage(const SupervisionOptions& options, const SupervisionSummary& summary,
+                            const statistics::ReportSection& made) {
+  std::string page = statistics::PageHead("One operator, many robots");
+  page += fmt::format("<p>{}</p>\n<div class=\"wide\" tabindex=\"0\">\n{}</div>\n",
+                      EscapeXml(SupervisionHeadline(options, summary)),
+                      SupervisionPlot(options, summary));
+  for (const auto& section : SupervisionSections(summary)) {
+    page += statistics::SectionHtml(section);
+  }
+  return page + statistics::SectionHtml(made) + "</body>\n</html>\n";
+}
 
 std::string SupervisionPlot(const SupervisionOptions& options, const SupervisionSummary& summary) {
   SvgCanvas canvas;

@@ -13,18 +13,18 @@ namespace conav::study {
 std::string SupervisionHeadline(const SupervisionOptions& options,
                                 const SupervisionSummary& summary);
 
-/// The table, measured against predicted, the orders against each other, what failed.
+/// The table, measured against predicted, the orders against each other, the failures.
 std::vector<statistics::ReportSection> SupervisionSections(const SupervisionSummary& summary);
 
 std::string SupervisionText(const SupervisionOptions& options, const SupervisionSummary& summary);
 
-/// A line per trial: robots, order, seed, every measure; what it did not measure is empty.
+/// A line per trial: robots, order, seed, every measure; an unmeasured value is empty.
 std::string SupervisionCsv(const std::vector<SupervisionRecord>& records);
 
 /// `cells` (robots, order, trials, <measure>_mean, <measure>_half_interval), `comparisons`,
 /// `failed`, `slow`, and `metrics` with <measure>_<order>_<robots> for goals_per_minute, waiting_s,
-/// value_lost_per_minute, utilisation and attended_robots. What was not measured is null: means
-/// where no trial measured it, intervals of fewer than two, p where all seeds differ by the same.
+/// value_lost_per_minute, utilisation and attended_robots. Unmeasured values are null: means
+/// without a measured trial, intervals of fewer than two, p if all seeds differ by the same.
 nlohmann::ordered_json SupervisionJson(const SupervisionOptions& options,
                                        const SupervisionSummary& summary);
 
@@ -32,7 +32,7 @@ nlohmann::ordered_json SupervisionJson(const SupervisionOptions& options,
 /// with its 95 % interval, predictions dashed. An SVG document.
 std::string SupervisionPlot(const SupervisionOptions& options, const SupervisionSummary& summary);
 
-/// One page without any other file; `made` is a ProvenanceSection().
+/// One self-contained page; `made` is a ProvenanceSection().
 std::string SupervisionPage(const SupervisionOptions& options, const SupervisionSummary& summary,
                             const statistics::ReportSection& made);
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/runtime/random.h"
-#include "planner/search/perception_model.h"
+#include "common/msg/perception_model.h"
 
 /// What every PerceptionModel must do, whatever stands behind it: local, remote, cached, fake.
 /// Call CheckPerceptionModelConformance() from a TEST_CASE; it holds SECTIONs.
@@ -112,7 +112,7 @@ inline void CheckPerceptionModelConformance(
   const auto expected = reference.Predict(queries);
   REQUIRE(expected.has_value());
 
-  SECTION("it has a name") { REQUIRE_FALSE(model->name().empty()); }
+  SECTION("it has a name") { REQUIRE_FALSE(model->identity().name.empty()); }
 
   SECTION("an empty batch gives an empty answer") {
     const auto answers = model->Predict({});

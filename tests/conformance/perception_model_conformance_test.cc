@@ -2,10 +2,10 @@
 
 #include "nhpm/model/load_model.h"
 #include "planner/perception/cached_model.h"
-#include "planner/perception/embedded_model.h"
+#include "nhpm/model/glpf.h"
 #include "planner/perception/fallback_model.h"
 #include "planner/perception/remote_model.h"
-#include "planner/search/perception_model.h"
+#include "common/msg/perception_model.h"
 #include "support/dds_participant.h"
 #include "support/nhpm_on_thread.h"
 #include "support/nhpm_process.h"
@@ -42,7 +42,7 @@ std::shared_ptr<PerceptionModel> MakeThreadRemote(const test::MakeParticipant& m
 }
 
 void CheckProcess(const std::string& planner_vendor, const std::string& nhpm_vendor) {
-  EmbeddedPerceptionModel reference;
+  nhpm::Glpf reference;
   CheckPerceptionModelConformance(
       [&] {
         return MakeRemote<test::NhpmProcess>(test::OverDds(planner_vendor), "glpf", nhpm_vendor,
@@ -54,7 +54,7 @@ void CheckProcess(const std::string& planner_vendor, const std::string& nhpm_ven
 /// A network in a weights file, and the ways to ask it.
 struct Network {
   std::shared_ptr<PerceptionModel> Embedded() const {
-    return std::make_shared<EmbeddedPerceptionModel>(*nhpm::LoadEditModel("nhpm", file, {}));
+    return *nhpm::LoadPerceptionModel("nhpm", file, {});
   }
   std::shared_ptr<PerceptionModel> OnThread(const test::MakeParticipant& make) const {
     nhpm::NhpmConfig config;
@@ -79,32 +79,32 @@ TEST_CASE("The fake model is a perception model", "[conformance]") {
 }
 
 TEST_CASE("The embedded GLPF is a perception model", "[conformance]") {
-  EmbeddedPerceptionModel reference;
-  CheckPerceptionModelConformance([] { return std::make_shared<EmbeddedPerceptionModel>(); },
+  nhpm::Glpf reference;
+  CheckPerceptionModelConformance([] { return std::make_shared<nhpm::Glpf>(); },
                                   reference);
 }
 
 TEST_CASE("The cached GLPF is a perception model", "[conformance]") {
-  EmbeddedPerceptionModel reference;
+  nhpm::Glpf reference;
   const auto make = [] {
-    return std::make_shared<CachedPerceptionModel>(std::make_shared<EmbeddedPerceptionModel>());
+    return std::make_shared<CachedPerceptionModel>(std::make_shared<nhpm::Glpf>());
   };
   CheckPerceptionModelConformance(make, reference);
 }
 
 TEST_CASE("The service over the in-memory bus is a perception model", "[conformance]") {
-  EmbeddedPerceptionModel reference;
+  nhpm::Glpf reference;
   CheckPerceptionModelConformance([] { return MakeThreadRemote(test::InMemory()); }, reference);
 }
 
 TEST_CASE("The service over Cyclone DDS is a perception model", "[conformance][dds]") {
-  EmbeddedPerceptionModel reference;
+  nhpm::Glpf reference;
   CheckPerceptionModelConformance([] { return MakeThreadRemote(test::OverDds("cyclonedds")); },
                                   reference);
 }
 
 TEST_CASE("The service over Fast DDS is a perception model", "[conformance][dds]") {
-  EmbeddedPerceptionModel reference;
+  nhpm::Glpf reference;
   CheckPerceptionModelConformance([] { return MakeThreadRemote(test::OverDds("fastdds")); },
                                   reference);
 }
@@ -128,7 +128,7 @@ TEST_CASE("conav-nhpm on Cyclone DDS is a perception model for a planner on Fast
 }
 
 TEST_CASE("The cached service is a perception model", "[conformance]") {
-  EmbeddedPerceptionModel reference;
+  nhpm::Glpf reference;
   const auto make = [] {
     return std::make_shared<CachedPerceptionModel>(MakeThreadRemote(test::InMemory()));
   };
@@ -183,12 +183,12 @@ TEST_CASE("A network in conav-nhpm on Fast DDS is one for a planner on Cyclone D
 std::shared_ptr<PerceptionModel> WithFallback(std::shared_ptr<PerceptionModel> primary) {
   static const SteadyClock clock;
   return std::make_shared<FallbackPerceptionModel>(
-      std::move(primary), std::make_shared<EmbeddedPerceptionModel>(),
+      std::move(primary), std::make_shared<nhpm::Glpf>(),
       FallbackPerceptionModel::Options{}, clock, [](const std::optional<Error>&) {});
 }
 
 TEST_CASE("The service with a fallback is a perception model", "[conformance]") {
-  EmbeddedPerceptionModel reference;
+  nhpm::Glpf reference;
   CheckPerceptionModelConformance([] { return WithFallback(MakeThreadRemote(test::InMemory())); },
                                   reference);
 }
@@ -199,11 +199,11 @@ class AbsentModel final : public PerceptionModel {
   Result<std::vector<PerceptionAnswer>> Predict(std::span<const PerceptionQuery>) override {
     return Fail(ErrorCode::kUnavailable, "absent");
   }
-  std::string name() const override { return "absent"; }
+  ModelIdentity identity() const override { return {"absent", "", ""}; }
 };
 
 TEST_CASE("A fallback that is in use is a perception model", "[conformance]") {
-  EmbeddedPerceptionModel reference;
+  nhpm::Glpf reference;
   CheckPerceptionModelConformance([] { return WithFallback(std::make_shared<AbsentModel>()); },
                                   reference);
 }

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "common/runtime/result.h"
-#include "operator/gateway/convert_request.h"
+#include "operator/console/console_messages.h"
 #include "operator/gateway/page_feed.h"
 
 /// Whatever a page sends: PageFeed takes it, and what it asks is converted for the service.

@@ -24,9 +24,9 @@ median=$(for file in "${production[@]}"; do wc -l <"$file"; done | sort -n | awk
 figure "production C++: lines of the median file" "$median" -ge $least_median
 # clang-format puts the braces of a function of a source at the left edge.
 # shellcheck disable=SC2016
-longest=$(awk 'FNR == 1 {start = 0}
-  /^[^ }#\/].*[{]$/ && !/^(namespace|class|struct|enum|union|extern)/ {start = FNR; next}
-  /^    .*[{]$/ && !start && pending {start = pending}
+longest=$(awk '  FNR == 1 {start = 0}
+  /^[A-Za-z~].*[{]$/ && /\(/ && !/^(namespace|class|struct|enum|union|extern)/ {start = FNR; next}
+  /^( {4,}|\) ).*[{]$/ && !start && pending {start = pending; next}
   {pending = /^[A-Za-z].*[(,]$/ ? FNR : (/^ / ? pending : 0)}
   /^}/ && start {if (FNR - start - 1 > most) {most = FNR - start - 1; where = FILENAME ":" start}; start = 0}
   END {print most + 0, where}' "${production[@]}")
@@ -35,7 +35,7 @@ echo "  (${longest#* })"
 
 # Includes are written from services/ or deploy/.
 mapfile -t headers < <(printf '%s\n' "${production[@]}" | grep '\.h$')
-one_user=$(grep -HoE '^#include "[^"]+"' -- "${production[@]}" | sed -E 's/^([^:]+):#include "(.*)"$/\1 \2/' |
+one_user=$({ grep -HoE '^#include "[^"]+"' -- "${production[@]}" || true; } | sed -E 's/^([^:]+):#include "(.*)"$/\1 \2/' |
   awk '{own = $1; sub(/^[a-z]+\//, "", own); sub(/\.(h|cc)$/, "", own); user = $2; sub(/\.h$/, "", user)
         if (own != user) users[$2]++}
        END {for (header in users) if (users[header] == 1) print header}' | sort)

@@ -19,13 +19,22 @@ expect() {
   failures=$((failures + 1))
 }
 
+# lines N: so many empty ones.
+lines() { printf '%*s' "$1" '' | sed 's/ /\\n/g'; }
+
 expect accept check_format.sh services/a.cc 'int main() { return 0; }\n'
 expect refuse check_format.sh services/a.cc 'int main(){return 0;}\n'
 expect accept check_files.sh services/a_b.h '#pragma once\n'
 expect refuse check_files.sh services/aB.cc '\n'
 expect refuse check_files.sh services/a.h '#include <vector>\n'
-expect refuse check_files.sh services/a.cc "$(printf '%*s' 501 '' | sed 's/ /\\n/g')"
+expect refuse check_files.sh services/a.cc "$(lines 501)"
 expect refuse check_files.sh services/a_test.cc 'TEST_CASE("a; b") {}\n'
+expect accept check_structure.sh services/a.cc "$(lines 100)"
+expect refuse check_structure.sh services/a.cc "$(lines 99)"
+expect refuse check_structure.sh services/a.cc "$(lines 60001)"
+expect accept check_structure.sh services/a.cc "$(lines 50)void F() {\n$(lines 60)}\n"
+expect refuse check_structure.sh services/a.cc "$(lines 50)void F() {\n$(lines 61)}\n"
+expect refuse check_structure.sh tests/a.cc "$(lines 100)"
 # shellcheck disable=SC2016
 expect accept check_shell.sh a.sh '#!/bin/bash\necho "$1"\n'
 # shellcheck disable=SC2016

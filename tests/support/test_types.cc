@@ -1,6 +1,6 @@
 #include "test_types.h"
 
-#include "common/bus/type_support.h"
+#include "common/bus/type_support_of.h"
 
 namespace conav::bus {
 

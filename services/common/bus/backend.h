@@ -12,7 +12,8 @@
 #include "common/bus/type_support.h"
 #include "common/runtime/result.h"
 
-/// What a vendor must do for the bus. Implemented by cyclone/, fast/ and the in-memory bus.
+/// The interface between the bus and a DDS vendor. cyclone/, fast/ and the in-memory bus implement
+/// it.
 namespace conav::bus {
 
 struct EndpointOptions {
@@ -24,10 +25,11 @@ struct EndpointOptions {
 class Writer {
  public:
   virtual ~Writer() = default;
-  /// `message` points to the type that the writer was made for. Blocks shortly when a reliable
+  /// `message` points to the type that the writer was made for. May block briefly when a reliable
   /// queue is full.
   [[nodiscard]] virtual Result<void> Write(const void* message) = 0;
-  /// Blocks until every matched reliable reader has all that was written; false after `timeout`.
+  /// Blocks until every matched reliable reader has acknowledged all samples; false after
+  /// `timeout`.
   virtual bool WaitForAcknowledgments(std::chrono::nanoseconds timeout) = 0;
   virtual int matched() const = 0;
 };
@@ -42,7 +44,7 @@ class Reader {
 /// When a message was published, by the clock of the publisher's host.
 using SourceTime = std::chrono::system_clock::time_point;
 
-/// Of a vendor's source timestamp, ns since 1970. The present for a publisher that states none.
+/// Converts a vendor's source timestamp, ns since 1970. The present if the publisher states none.
 inline SourceTime ToSourceTime(std::int64_t nanoseconds) {
   if (nanoseconds <= 0) return std::chrono::system_clock::now();
   return SourceTime(
@@ -62,14 +64,15 @@ class Backend {
 
 inline constexpr const char* kCycloneDds = "cyclonedds";
 inline constexpr const char* kFastDds = "fastdds";
-/// The vendor that measures better (conav-bench-bus).
+/// The vendor with the better measurements (conav-bench-bus).
 inline constexpr const char* kDefaultVendor = kCycloneDds;
 
-/// Fills what was left open from the environment (CONAV_DDS, CONAV_DOMAIN then ROS_DOMAIN_ID,
-/// CONAV_INTERFACE) and the defaults. Throws StartupError for values that are not allowed.
+/// Fills open fields from the environment (CONAV_DDS, CONAV_DOMAIN then ROS_DOMAIN_ID,
+/// CONAV_INTERFACE) and then from the defaults. Throws StartupError for values that are not
+/// allowed.
 ParticipantOptions Resolve(ParticipantOptions options);
 
-/// `options` are resolved. Throw StartupError when the participant cannot be made.
+/// `options` are resolved. Both throw StartupError when the participant cannot be created.
 std::unique_ptr<Backend> MakeCycloneBackend(const std::string& node_name,
                                             const ParticipantOptions& options);
 std::unique_ptr<Backend> MakeFastBackend(const std::string& node_name,

@@ -26,6 +26,16 @@ void LogEvent(const Event& event) {
   }
 }
 
+std::string PolicyName(std::uint32_t policy) {
+  static const std::map<std::uint32_t, std::string> names = {
+      {2, "durability"},         {4, "deadline"},
+      {5, "latency budget"},     {6, "ownership"},
+      {8, "liveliness"},         {11, "reliability"},
+      {12, "destination order"}, {23, "data representation"}};
+  const auto found = names.find(policy);
+  return found != names.end() ? found->second : "policy " + std::to_string(policy);
+}
+
 }  // namespace
 
 void EventLog::Add(Event event) {
@@ -46,20 +56,6 @@ void EventLog::Malformed(const EndpointOptions& endpoint, std::uint64_t count) {
               "count", count);
 }
 
-namespace {
-
-std::string PolicyName(std::uint32_t policy) {
-  static const std::map<std::uint32_t, std::string> names = {
-      {2, "durability"},         {4, "deadline"},
-      {5, "latency budget"},     {6, "ownership"},
-      {8, "liveliness"},         {11, "reliability"},
-      {12, "destination order"}, {23, "data representation"}};
-  const auto found = names.find(policy);
-  return found != names.end() ? found->second : "policy " + std::to_string(policy);
-}
-
-}  // namespace
-
 void EndpointEvents::Matched(int change) noexcept {
   if (change > 0) Add(Event::Kind::kMatched, {});
   if (change < 0) Add(Event::Kind::kUnmatched, {});
@@ -78,7 +74,7 @@ void EndpointEvents::IncompatibleQos(std::uint32_t policy) noexcept try {
 void EndpointEvents::Add(Event::Kind kind, const std::string& detail) noexcept try {
   log_.Add({kind, topic_, detail});
 } catch (const std::exception&) {
-  // out of memory: an event less
+  // Out of memory: drop the event.
 }
 
 }  // namespace conav::bus

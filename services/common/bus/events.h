@@ -16,10 +16,10 @@ namespace conav::bus {
 class EventLog {
  public:
   void Add(Event event);
-  /// The events since the last call, oldest first; at most kLimit, the oldest are forgotten.
+  /// The events since the last call, oldest first. Keeps the newest kLimit.
   std::vector<Event> Take();
 
-  /// Logs a payload that was dropped, at most once a second over all topics.
+  /// Logs a dropped payload, at most once a second over all topics.
   void Malformed(const EndpointOptions& endpoint, std::uint64_t count);
 
   static constexpr std::size_t kLimit = 1000;
@@ -30,16 +30,17 @@ class EventLog {
   std::vector<Event> events_;
 };
 
-/// Turns what the vendors report about one writer or reader into Events. Never throws.
+/// Turns the vendors' reports about one writer or reader into Events. Never throws.
 /// Threads: as EventLog.
 class EndpointEvents {
  public:
   EndpointEvents(EventLog& log, std::string topic) : log_(log), topic_(std::move(topic)) {}
 
-  /// Changes of the counts of matched, alive and not alive others since the last report.
+  /// `change` is the change in the number of matched, alive or not alive peers since the last
+  /// report.
   void Matched(int change) noexcept;
   void Liveliness(int alive_change, int not_alive_change) noexcept;
-  /// `policy` as numbered in the DDS specification (DDS 1.4, 2.3.3), equal in both vendors.
+  /// `policy` is the number in the DDS specification (DDS 1.4, 2.3.3), equal in both vendors.
   void IncompatibleQos(std::uint32_t policy) noexcept;
 
   const std::string& topic() const { return topic_; }

@@ -17,7 +17,7 @@ struct InMemorySample {
 };
 using InMemoryPayload = std::shared_ptr<const InMemorySample>;
 
-/// What writers and readers of the in-memory bus have in common.
+/// The part that writers and readers of the in-memory bus share.
 struct InMemoryEndpoint {
   InMemoryEndpoint(const EndpointOptions& endpoint_options, std::shared_ptr<EventLog> event_log)
       : options(endpoint_options), events(std::move(event_log)) {}
@@ -31,7 +31,7 @@ struct InMemoryWriterState : InMemoryEndpoint {
   std::deque<InMemoryPayload> history;  // guarded by the topic's mutex
 };
 
-/// Delivers payloads one at a time and in order, on whichever thread found the reader idle.
+/// Delivers payloads one at a time and in order, on the thread that finds the reader idle.
 class InMemoryReaderState : public InMemoryEndpoint {
  public:
   InMemoryReaderState(const EndpointOptions& options, std::shared_ptr<EventLog> events, Sink sink)
@@ -39,9 +39,9 @@ class InMemoryReaderState : public InMemoryEndpoint {
         intake_(options, std::move(sink), *this->events) {}
 
   void Enqueue(InMemoryPayload payload);
-  /// Delivers what is queued, unless another thread (or this one, further up) is about it.
+  /// Delivers the queue, unless another thread (or this one, further up the stack) is doing so.
   void Drain();
-  /// No delivery any more, and none under way, when this returns.
+  /// When this returns, no delivery is under way and none will follow.
   void Close();
   std::uint64_t malformed() const { return intake_.malformed(); }
 
@@ -72,8 +72,8 @@ namespace {
 
 enum class Matching { kNone, kMatched };
 
-/// Matches as DDS does: by type name, then offered against requested QoS. A refusal for QoS is an
-/// event on both sides, a refusal for the type is silent.
+/// Matches as DDS does: by type name, then offered against requested QoS. Incompatible QoS is an
+/// event on both sides; a different type is silent.
 Matching Match(const InMemoryEndpoint& writer, const InMemoryEndpoint& reader) {
   if (writer.options.type.name != reader.options.type.name) return Matching::kNone;
   const Qos& offered = writer.options.qos;
@@ -106,6 +106,72 @@ bool Compatible(const InMemoryEndpoint& writer, const InMemoryEndpoint& reader) 
          writer.options.qos.durability >= reader.options.qos.durability &&
          writer.options.qos.reliability >= reader.options.qos.reliability;
 }
+
+class InMemoryWriter final : public Writer {
+ public:
+  InMemoryWriter(InMemoryBus& bus, std::shared_ptr<InMemoryWriterState> state)
+      : bus_(bus), topic_(bus.TopicNamed(state->options.topic)), state_(std::move(state)) {
+    topic_.Add(state_);
+  }
+  ~InMemoryWriter() override { topic_.Remove(state_); }
+
+  bool WaitForAcknowledgments(std::chrono::nanoseconds /*timeout*/) override { return true; }
+
+  Result<void> Write(const void* message) override {
+    const TypeSupport& type = state_->options.type;
+    std::vector<std::uint8_t> payload(type.serialized_size(message));
+    payload.resize(type.serialize(message, payload));
+    if (payload.empty()) {
+      return Fail(ErrorCode::kMalformed, "a message of " + type.name + " cannot be serialised");
+    }
+    topic_.Write(*state_, std::make_shared<const InMemorySample>(
+                              InMemorySample{std::move(payload), bus_.source_time()}));
+    return {};
+  }
+  int matched() const override { return state_->matched; }
+
+ private:
+  InMemoryBus& bus_;
+  InMemoryTopic& topic_;
+  std::shared_ptr<InMemoryWriterState> state_;
+};
+
+class InMemoryReader final : public Reader {
+ public:
+  InMemoryReader(InMemoryTopic& topic, std::shared_ptr<InMemoryReaderState> state)
+      : topic_(topic), state_(std::move(state)) {
+    topic_.Add(state_);
+  }
+  ~InMemoryReader() override { topic_.Remove(state_); }
+
+  int matched() const override { return state_->matched; }
+  std::uint64_t malformed() const override { return state_->malformed(); }
+
+ private:
+  InMemoryTopic& topic_;
+  std::shared_ptr<InMemoryReaderState> state_;
+};
+
+class InMemoryBackend final : public Backend {
+ public:
+  explicit InMemoryBackend(std::shared_ptr<InMemoryBus> bus)
+      : bus_(std::move(bus)), events_(std::make_shared<EventLog>()) {}
+
+  std::unique_ptr<Writer> CreateWriter(const EndpointOptions& options) override {
+    return std::make_unique<InMemoryWriter>(
+        *bus_, std::make_shared<InMemoryWriterState>(options, events_));
+  }
+  std::unique_ptr<Reader> CreateReader(const EndpointOptions& options, Sink sink) override {
+    return std::make_unique<InMemoryReader>(
+        bus_->TopicNamed(options.topic),
+        std::make_shared<InMemoryReaderState>(options, events_, std::move(sink)));
+  }
+  std::vector<Event> TakeEvents() override { return events_->Take(); }
+
+ private:
+  std::shared_ptr<InMemoryBus> bus_;
+  std::shared_ptr<EventLog> events_;
+};
 
 }  // namespace
 
@@ -192,76 +258,6 @@ void InMemoryTopic::Write(InMemoryWriterState& writer, InMemoryPayload payload) 
   }
   for (const auto& reader : targets) reader->Drain();
 }
-
-namespace {
-
-class InMemoryWriter final : public Writer {
- public:
-  InMemoryWriter(InMemoryBus& bus, std::shared_ptr<InMemoryWriterState> state)
-      : bus_(bus), topic_(bus.TopicNamed(state->options.topic)), state_(std::move(state)) {
-    topic_.Add(state_);
-  }
-  ~InMemoryWriter() override { topic_.Remove(state_); }
-
-  bool WaitForAcknowledgments(std::chrono::nanoseconds /*timeout*/) override { return true; }
-
-  Result<void> Write(const void* message) override {
-    const TypeSupport& type = state_->options.type;
-    std::vector<std::uint8_t> payload(type.serialized_size(message));
-    payload.resize(type.serialize(message, payload));
-    if (payload.empty()) {
-      return Fail(ErrorCode::kMalformed, "a message of " + type.name + " cannot be serialised");
-    }
-    topic_.Write(*state_, std::make_shared<const InMemorySample>(
-                              InMemorySample{std::move(payload), bus_.source_time()}));
-    return {};
-  }
-  int matched() const override { return state_->matched; }
-
- private:
-  InMemoryBus& bus_;
-  InMemoryTopic& topic_;
-  std::shared_ptr<InMemoryWriterState> state_;
-};
-
-class InMemoryReader final : public Reader {
- public:
-  InMemoryReader(InMemoryTopic& topic, std::shared_ptr<InMemoryReaderState> state)
-      : topic_(topic), state_(std::move(state)) {
-    topic_.Add(state_);
-  }
-  ~InMemoryReader() override { topic_.Remove(state_); }
-
-  int matched() const override { return state_->matched; }
-  std::uint64_t malformed() const override { return state_->malformed(); }
-
- private:
-  InMemoryTopic& topic_;
-  std::shared_ptr<InMemoryReaderState> state_;
-};
-
-class InMemoryBackend final : public Backend {
- public:
-  explicit InMemoryBackend(std::shared_ptr<InMemoryBus> bus)
-      : bus_(std::move(bus)), events_(std::make_shared<EventLog>()) {}
-
-  std::unique_ptr<Writer> CreateWriter(const EndpointOptions& options) override {
-    return std::make_unique<InMemoryWriter>(
-        *bus_, std::make_shared<InMemoryWriterState>(options, events_));
-  }
-  std::unique_ptr<Reader> CreateReader(const EndpointOptions& options, Sink sink) override {
-    return std::make_unique<InMemoryReader>(
-        bus_->TopicNamed(options.topic),
-        std::make_shared<InMemoryReaderState>(options, events_, std::move(sink)));
-  }
-  std::vector<Event> TakeEvents() override { return events_->Take(); }
-
- private:
-  std::shared_ptr<InMemoryBus> bus_;
-  std::shared_ptr<EventLog> events_;
-};
-
-}  // namespace
 
 InMemoryBus::InMemoryBus() = default;
 InMemoryBus::~InMemoryBus() = default;

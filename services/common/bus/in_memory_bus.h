@@ -13,19 +13,19 @@ namespace conav::bus {
 
 class InMemoryTopic;
 
-/// A bus inside one process, for tests: made once, shared by the participants of a test.
+/// A bus inside one process, for tests. The participants of a test share it.
 ///
 ///   auto bus = std::make_shared<InMemoryBus>();
 ///   Participant sim("sim", bus), planner("planner", bus);
 ///
-/// Same contract as DDS: every message is serialised and deserialised, QoS decides who matches,
-/// transient-local writers hand their history (depth samples) to late readers, connection events
-/// appear on both sides (but for kLivelinessLost and kLivelinessGained: nobody dies or stalls
-/// here). A handler that throws is logged and the next message delivered. Delivery is done on the
-/// publishing thread before Publish() returns; when a handler publishes, or two threads publish at
+/// Same contract as DDS: every message is serialised and deserialised, QoS decides what matches,
+/// transient-local writers send their history (depth samples) to late readers, connection events
+/// appear on both sides (except kLivelinessLost and kLivelinessGained: nothing dies or stalls
+/// here). When a handler throws, the bus logs it and delivers the next message. The publishing
+/// thread delivers before Publish() returns. When a handler publishes, or two threads publish at
 /// once, one reader still gets one message at a time and in order, so a nested or concurrent
-/// message may arrive after its own Publish() returned. Keys are not looked at: history depth is
-/// per writer, not per instance.
+/// message may arrive after its own Publish() returned. Keys are ignored: history depth is per
+/// writer, not per instance.
 class InMemoryBus {
  public:
   InMemoryBus();
@@ -33,10 +33,10 @@ class InMemoryBus {
   InMemoryBus(const InMemoryBus&) = delete;
   InMemoryBus& operator=(const InMemoryBus&) = delete;
 
-  /// The topic of that name, made when needed. Lives as long as the bus.
+  /// The topic of that name, created on first use. Lives as long as the bus.
   InMemoryTopic& TopicNamed(const std::string& name);
 
-  /// From now on messages count as published so long ago.
+  /// Backdates the source time of all later messages by `delay`.
   void SetSourceDelay(std::chrono::nanoseconds delay) { source_delay_ = delay; }
   SourceTime source_time() const {
     return std::chrono::system_clock::now() -
@@ -49,7 +49,7 @@ class InMemoryBus {
   std::map<std::string, std::unique_ptr<InMemoryTopic>> topics_;
 };
 
-/// A participant's door to `bus`.
+/// Connects a participant to `bus`.
 std::unique_ptr<Backend> MakeInMemoryBackend(std::shared_ptr<InMemoryBus> bus);
 
 }  // namespace conav::bus

@@ -14,13 +14,13 @@ namespace conav::bus {
 /// A DDS GUID as on the wire: 12 bytes participant, 4 bytes entity.
 using Guid = std::array<std::uint8_t, 16>;
 
-/// Keeps a sample from arriving twice. After a link was cut and restored, a transient-local writer
-/// sends its history again and a reader that takes at once cannot tell; so the last kWindow stamps
-/// (sequence numbers or source timestamps) of each writer are remembered here.
+/// Removes duplicate samples. When a link was cut and restored, a transient-local writer sends its
+/// history again, and a reader that takes at once cannot tell. So this remembers the last kWindow
+/// stamps (sequence numbers or source timestamps) of each writer.
 /// Threads: one at a time.
 class Deduplicator {
  public:
-  /// True unless `stamp` is among the last kWindow that came from `writer`.
+  /// True unless `stamp` is among the last kWindow stamps of `writer`.
   bool IsNew(const Guid& writer, std::int64_t stamp);
 
   static constexpr std::size_t kWindow = 512;  // more than any history of the topic table
@@ -38,9 +38,8 @@ class Deduplicator {
   std::vector<Window> windows_;  // most recently used last
 };
 
-/// The way of a payload from a vendor's receive thread into a Sink: decoded into a message that is
-/// used again for the next payload (so that strings and sequences keep their memory), or dropped
-/// and counted. Never throws.
+/// Passes payloads from a vendor's receive thread to a Sink. Decodes each into a reused message (so
+/// that strings and sequences keep their memory), or drops and counts it. Never throws.
 /// Threads: safe to call concurrently, also from within the sink.
 class Intake {
  public:
@@ -53,8 +52,8 @@ class Intake {
   /// CDR with encapsulation.
   void Deliver(std::span<const std::uint8_t> payload, SourceTime source) noexcept;
 
-  /// The two halves of Deliver, for a vendor that decodes by itself: a message to decode into, and
-  /// what became of it.
+  /// The two halves of Deliver, for a vendor that decodes by itself: first a message to decode
+  /// into, then Accept or Refuse.
   void* Acquire();
   void Accept(void* message, SourceTime source) noexcept;
   void Refuse(void* message) noexcept;

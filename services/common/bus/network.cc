@@ -46,7 +46,7 @@ Interface FindInterface(const std::vector<Interface>& interfaces, const std::str
     if (candidate.name == wanted || candidate.address == wanted) return candidate;
     known += (known.empty() ? "" : ", ") + candidate.name + " " + candidate.address;
   }
-  throw StartupError("interface = " + wanted + " is no network interface of this machine (" +
+  throw StartupError("interface = " + wanted + " is not a network interface of this machine (" +
                      known + ")");
 }
 

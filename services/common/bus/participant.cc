@@ -51,7 +51,7 @@ int DomainFrom(const char* variable) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), domain);
   const bool whole = error == std::errc() && end == text.data() + text.size();
   if (!whole || domain < 0 || domain > kMaximumDomain) {
-    throw StartupError(std::string(variable) + " = " + text + " is no DDS domain (0 to 232)");
+    throw StartupError(std::string(variable) + " = " + text + " is not a DDS domain (0 to 232)");
   }
   return domain;
 }
@@ -76,13 +76,13 @@ ParticipantOptions Resolve(ParticipantOptions options) {
   if (options.vendor.empty()) options.vendor = kDefaultVendor;
   if (options.vendor != kCycloneDds && options.vendor != kFastDds) {
     throw StartupError(asked_by + " = " + options.vendor +
-                       " is no DDS vendor (cyclonedds, fastdds)");
+                       " is not a DDS vendor (cyclonedds, fastdds)");
   }
   if (options.domain_id < 0) options.domain_id = DomainFrom("CONAV_DOMAIN");
   if (options.domain_id < 0) options.domain_id = std::max(0, DomainFrom("ROS_DOMAIN_ID"));
   if (options.domain_id > kMaximumDomain) {
     throw StartupError("domain_id = " + std::to_string(options.domain_id) +
-                       " is no DDS domain (0 to 232)");
+                       " is not a DDS domain (0 to 232)");
   }
   if (options.interface.empty()) options.interface = Environment("CONAV_INTERFACE");
   if (options.ros_distribution != "jazzy" && options.ros_distribution != "humble") {

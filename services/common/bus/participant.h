@@ -12,7 +12,7 @@
 
 namespace conav::bus {
 
-/// Lets one thread sleep until any of many receive threads has something for it.
+/// Lets one thread sleep until one of many receive threads has something for it.
 class Notifier {
  public:
   void Notify() {
@@ -41,32 +41,32 @@ class Backend;
 class InMemoryBus;
 class Notifier;
 
-/// How a process takes part in DDS. In a service's YAML file this is the section `bus:`.
+/// How a process takes part in DDS: the section `bus:` of a service's YAML file.
 struct ParticipantOptions {
-  /// "cyclonedds" or "fastdds"; empty = environment CONAV_DDS, and without that the default vendor.
+  /// "cyclonedds" or "fastdds"; empty = environment CONAV_DDS, else the default vendor.
   std::string vendor;
-  /// -1 = environment CONAV_DOMAIN, without that ROS_DOMAIN_ID, without that 0.
+  /// -1 = environment CONAV_DOMAIN, else ROS_DOMAIN_ID, else 0.
   int domain_id = -1;
-  /// Name or address of the network interface; empty = environment CONAV_INTERFACE, without that
-  /// the vendor's choice. "lo" keeps to this machine.
+  /// Name or address of the network interface; empty = environment CONAV_INTERFACE, else the
+  /// vendor's choice. "lo" stays on this machine.
   std::string interface;
-  /// Host addresses to look for other participants. When set, multicast is off.
+  /// Host addresses of other participants. When set, multicast is off.
   std::vector<std::string> peers;
   /// Layout of ros_discovery_info: "jazzy" or "humble".
   std::string ros_distribution = "jazzy";
-  /// Lease of the participant and of its writers' liveliness: how soon others notice that this
-  /// process was killed or cut off. A process that hangs for longer (a suspended computer, say) is
-  /// given up as well; on Cyclone DDS it is found again when it goes on, but where one side is Fast
-  /// DDS sometimes not until it is restarted (measured). So rather too long than too short.
+  /// Lease of the participant and of its writers' liveliness, seconds: how soon others notice that
+  /// this process was killed or cut off. They also give up a process that hangs for longer (a
+  /// suspended computer, say). When it resumes, Cyclone DDS finds it again; if one side is Fast
+  /// DDS, sometimes only a restart helps (measured). So prefer too long to too short.
   double lease_s = 10.0;
 
   void Visit(ConfigReader& reader);
 };
 
-/// Something that happened to the connections of a participant. When a process dies, both vendors
-/// report kUnmatched after the lease. Cyclone DDS reports kLivelinessLost before, of a writer whose
+/// A change in the connections of a participant. When a process dies, both vendors report
+/// kUnmatched after the lease. Cyclone DDS reports kLivelinessLost earlier for a writer whose
 /// liveliness lease is shorter than its participant's; ours are equal, foreign ones may not be.
-/// (Fast DDS watches liveliness only for readers that ask for a lease, and such readers would not
+/// (Fast DDS only monitors liveliness for readers that ask for a lease, and such readers would not
 /// match ROS 2 writers.)
 struct Event {
   enum class Kind { kMatched, kUnmatched, kLivelinessLost, kLivelinessGained, kIncompatibleQos };
@@ -75,24 +75,24 @@ struct Event {
   std::string detail;  // for incompatible QoS the policy's name
 };
 
-/// One process's place on the bus: one DDS participant, seen by ROS 2 tools as one node.
+/// One process's connection to the bus: one DDS participant, which ROS 2 tools see as one node.
 ///
-/// Publishers and subscribers are made on it and must be destroyed before it.
-/// Threads: safe to use from several threads.
+/// Its publishers and subscribers must be destroyed before it.
+/// Threads: safe to call concurrently.
 class Participant {
  public:
   /// Throws StartupError: unknown vendor, domain out of [0, 232], unusable interface.
   Participant(const std::string& node_name, const ParticipantOptions& options);
-  /// A participant of an in-memory bus, for tests; same contract, delivery before Publish()
+  /// A participant of an in-memory bus, for tests: same contract, delivery before Publish()
   /// returns.
   Participant(const std::string& node_name, std::shared_ptr<InMemoryBus> bus);
   ~Participant();
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;
 
-  /// Blocks until something arrived for a subscriber of this participant, Wake() was called, or
-  /// `timeout` passed; returns false on timeout. What arrived since the last Wait() counts, so
-  /// nothing is slept through. One waiting thread.
+  /// Blocks until a subscriber of this participant has data, Wake() is called, or `timeout` passes;
+  /// returns false on timeout. Data since the last Wait() counts, so no wake-up is lost. One
+  /// waiting thread.
   bool Wait(std::chrono::nanoseconds timeout);
   void Wake();
 

@@ -23,12 +23,12 @@ class Publisher {
       : writer_(participant.backend().CreateWriter(
             {topic.NameFor(entity), TypeSupportOf<T>(), topic.qos})) {}
 
-  /// Errors: kUnavailable when the bus could not take the message (queue full after retries, out of
-  /// resources), kMalformed when it cannot be serialised.
+  /// Errors: kUnavailable when the bus cannot take the message (queue full after retries, out of
+  ///         resources), kMalformed when it cannot be serialised.
   [[nodiscard]] Result<void> Publish(const T& message) { return writer_->Write(&message); }
 
-  /// Blocks until every matched reliable subscriber has all that was published, for a process that
-  /// is about to end; false after `timeout`.
+  /// For a process that is about to exit: blocks until every matched reliable subscriber has
+  /// everything; false after `timeout`.
   bool WaitForAcknowledgments(std::chrono::nanoseconds timeout) {
     return writer_->WaitForAcknowledgments(timeout);
   }
@@ -39,8 +39,8 @@ class Publisher {
   std::unique_ptr<Writer> writer_;
 };
 
-/// Publishes, and logs a failure with the topic's type: for messages whose loss the sender cannot
-/// mend.
+/// Publishes, and logs a failure with the topic's type. For messages whose loss the sender cannot
+/// repair.
 template <class T>
 void Send(Publisher<T>& publisher, const T& message) {
   if (const auto sent = publisher.Publish(message); !sent) {

@@ -7,8 +7,8 @@ namespace conav::bus {
 enum class Reliability { kBestEffort, kReliable };
 enum class Durability { kVolatile, kTransientLocal };
 
-/// DDS QoS as far as the bus uses it. `depth` is keep-last; 0 = keep all, bounded by kKeepAllLimit
-/// samples.
+/// The part of DDS QoS that the bus uses. `depth` is keep-last; 0 = keep all, bounded by
+/// kKeepAllLimit samples.
 struct Qos {
   Reliability reliability = Reliability::kReliable;
   Durability durability = Durability::kVolatile;
@@ -25,14 +25,15 @@ inline constexpr Qos kClockQos{Reliability::kBestEffort, Durability::kVolatile, 
 inline constexpr Qos kTransformQos{Reliability::kReliable, Durability::kVolatile, 100};
 /// State, maps, commands: a late joiner gets the newest.
 inline constexpr Qos kLatchedQos{Reliability::kReliable, Durability::kTransientLocal, 1};
-/// Orders that nobody is to carry out late: no late joiner gets one, and a newer one replaces it.
+/// Orders that must not be carried out late: a late joiner gets none, and a newer one replaces the
+/// older.
 inline constexpr Qos kNewestQos{Reliability::kReliable, Durability::kVolatile, 1};
-/// Things of which each one counts: a late joiner gets the last hundred.
+/// Events that all count: a late joiner gets the last hundred.
 inline constexpr Qos kEventQos{Reliability::kReliable, Durability::kTransientLocal, 100};
-/// Requests and replies with ids; whoever asks repeats until answered.
+/// Requests and replies with ids; a client repeats its request until the reply comes.
 inline constexpr Qos kRequestQos{Reliability::kReliable, Durability::kVolatile, 0};
-/// The same where an old one is of no use and several answer: who hangs or was killed holds nobody
-/// up, as it would with keep all until its lease ends.
+/// Requests with several servers where an old reply is useless. A server that hangs or was killed
+/// delays no client; with keep all it would until its lease ends.
 inline constexpr Qos kQueryQos{Reliability::kReliable, Durability::kVolatile, 32};
 
 }  // namespace conav::bus

@@ -10,20 +10,20 @@
 
 namespace conav::bus {
 
-/// `name` as a node name of ROS 2, which holds letters, digits and underscores: "nhpm-2" is nhpm_2.
+/// Turns `name` into a ROS 2 node name of letters, digits and underscores: "nhpm-2" becomes nhpm_2.
 std::string RosName(std::string name);
 
-/// Tells ROS 2 tools which endpoints belong to this process's node: publishes ros_discovery_info
-/// whole after each change, in the layout of the distribution.
+/// Shows ROS 2 tools which endpoints belong to this process's node: publishes the complete
+/// ros_discovery_info after each change, in the layout of the distribution.
 /// Threads: safe to call concurrently.
 class RosGraph {
  public:
   /// `distribution` is "jazzy" (16-byte gids) or "humble" (24).
   RosGraph(const std::string& node_name, const std::string& distribution, const Guid& participant);
 
-  /// What the writer given to Start() must be made for.
+  /// Create the writer for Start() with these options.
   EndpointOptions endpoint() const;
-  /// Publishes the node, without endpoints so far.
+  /// Publishes the node, still without endpoints.
   void Start(std::unique_ptr<Writer> writer);
 
   void AddReader(const Guid& reader) { Change(readers_, reader, true); }

@@ -17,9 +17,9 @@
 
 namespace conav::bus {
 
-/// A message, and when it was published: by the clock of the publisher's host, whose wall time must
-/// agree with this one's as closely as the two are to be compared. For a late joiner that is long
-/// before it came.
+/// A message and its publication time by the clock of the publisher's host. Both hosts' wall clocks
+/// must agree as closely as the times are compared. For a late joiner that time is long before the
+/// arrival.
 template <class T>
 struct Stamped {
   T value;
@@ -29,13 +29,15 @@ struct Stamped {
 /// Receives messages of type T from one topic. Constructing connects, destroying disconnects.
 ///
 /// Either the owner takes messages from a queue (bounded by the topic's depth, oldest dropped
-/// first), or a handler gets each message on the bus's receive thread, at once; a handler must be
-/// short and not throw. A payload that is no T is dropped with a counted warning. Each sample
-/// arrives once, also after a link was cut and the vendor repeated its history. A handler may
-/// publish, but not on the topic that it listens to, and not again and again when the queue is
-/// full: the acknowledgements that would empty it may come in on the thread that it holds. Volatile
-/// topics promise nothing until about 0.1 s after both sides know of each other: whoever needs an
-/// answer asks again.
+/// first), or a handler gets each message at once, on the bus's receive thread. A handler must be
+/// short and must not throw. It may publish, but not on its own topic, and it must not retry when
+/// the queue is full: the acknowledgements that would empty the queue may need the handler's
+/// thread.
+///
+/// A payload that is not a T is dropped and counted with a warning. Each sample arrives once, also
+/// when a link was cut and the vendor repeats its history. Volatile topics guarantee nothing until
+/// about 0.1 s after both sides have discovered each other: a client that needs an answer asks
+/// again.
 template <class T>
 class Subscriber {
  public:
@@ -44,20 +46,20 @@ class Subscriber {
   Subscriber(Participant& participant, const Topic<T>& topic, std::string_view entity = {},
              Handler handler = nullptr);
 
-  /// Everything that arrived since the last call, oldest first; empty when nothing did.
+  /// Everything since the last call, oldest first; may be empty.
   std::vector<T> Take();
   std::vector<Stamped<T>> TakeStamped();
 
-  /// Take(), each message passed through `convert` (a T -> Result<D>). What is refused is left
-  /// out, counted, and logged with topic, field and value, at most once a second.
+  /// Take(), with each message passed through `convert` (a T -> Result<D>). Rejected messages are
+  /// left out, counted, and logged with topic, field and value, at most once a second.
   template <class Convert>
   auto TakeValid(Convert&& convert);
-  /// The same, each as Stamped<D>.
+  /// As TakeValid, each as Stamped<D>.
   template <class Convert>
   auto TakeValidStamped(Convert&& convert);
 
   int matched_publishers() const { return reader_->matched(); }
-  /// Payloads that could not be decoded, and messages that `convert` refused.
+  /// Payloads that could not be decoded, plus messages that `convert` rejected.
   std::uint64_t malformed() const { return reader_->malformed(); }
   std::uint64_t refused() const { return refused_; }
 

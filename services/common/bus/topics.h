@@ -3,7 +3,6 @@
 #include <array>
 #include <string>
 #include <string_view>
-#include <tuple>
 
 #include "common/bus/qos.h"
 #include "conav_operator.h"
@@ -11,14 +10,19 @@
 #include "conav_robot.h"
 #include "ros2_interfaces.h"
 
-/// Every topic of conav, with its type and QoS: the only place where they are written down.
-/// `pattern` is the ROS name; "{}" stands for a robot or a world. The bus adds the "rt" prefix.
+/// Every topic of conav, once: constant, type, ROS name, QoS, publisher -> subscribers, and what the
+/// type does not say. "{}" in a name stands for a robot or a world; the bus adds the "rt" prefix.
+/// README.md has the same table; a test compares the two.
 namespace conav::bus {
 
 template <class T>
 struct Topic {
+  using Type = T;
+
   std::string_view pattern;
   Qos qos;
+  std::string_view direction;  // "sim -> all"
+  std::string_view about;      // what the type does not say; may be empty
 
   /// "/r1/state" for entity "r1".
   std::string NameFor(std::string_view entity) const {
@@ -28,77 +32,72 @@ struct Topic {
   }
 };
 
-// per robot
-inline constexpr Topic<nav_msgs::msg::OccupancyGrid> kRobotMap{"/{}/map", kLatchedQos};
-inline constexpr Topic<nav_msgs::msg::Odometry> kOdometry{"/{}/odom", kDefaultQos};
-inline constexpr Topic<tf2_msgs::msg::TFMessage> kTransforms{"/{}/tf", kTransformQos};
-inline constexpr Topic<conav_msgs::msg::RobotState> kRobotState{"/{}/state", kLatchedQos};
-inline constexpr Topic<conav_msgs::msg::RobotCommand> kRobotCommand{"/{}/command", kLatchedQos};
-inline constexpr Topic<sensor_msgs::msg::CompressedImage> kCameraImage{
-    "/{}/camera/image/compressed", kSensorQos};
-inline constexpr Topic<sensor_msgs::msg::CameraInfo> kCameraInfo{"/{}/camera/camera_info",
-                                                                 kLatchedQos};
-inline constexpr Topic<conav_msgs::msg::Snapshot> kSnapshot{"/{}/snapshot", kEventQos};
-inline constexpr Topic<conav_msgs::msg::Guidance> kGuidance{"/{}/guidance", kLatchedQos};
-inline constexpr Topic<conav_msgs::msg::DriveOrder> kDriveOrder{"/{}/drive", kNewestQos};
-inline constexpr Topic<conav_msgs::msg::StopOrder> kStopOrder{"/{}/stop", kLatchedQos};
-inline constexpr Topic<geometry_msgs::msg::PoseStamped> kGoalPose{"/{}/goal_pose", kDefaultQos};
-inline constexpr Topic<nav_msgs::msg::Path> kPlan{"/{}/plan", kLatchedQos};
-inline constexpr Topic<conav_msgs::msg::SearchReport> kSearchReport{"/{}/search", kEventQos};
-inline constexpr Topic<conav_msgs::msg::AttentionRequest> kAttention{"/{}/attention", kEventQos};
-inline constexpr Topic<conav_msgs::msg::IntendedPath> kIntendedPath{"/{}/intended_path",
-                                                                    kLatchedQos};
+// clang-format off
+#define CONAV_ROBOT_TOPICS(X) \
+  X(kRobotMap, nav_msgs::msg::OccupancyGrid, "/{}/map", kLatchedQos, "sim -> planner", "what this robot has seen") \
+  X(kOdometry, nav_msgs::msg::Odometry, "/{}/odom", kDefaultQos, "sim -> all", "") \
+  X(kTransforms, tf2_msgs::msg::TFMessage, "/{}/tf", kTransformQos, "sim -> all", "") \
+  X(kRobotState, conav_msgs::msg::RobotState, "/{}/state", kLatchedQos, "sim -> all", "") \
+  X(kRobotCommand, conav_msgs::msg::RobotCommand, "/{}/command", kLatchedQos, "planner -> sim", "expiry, lease epoch, sequence") \
+  X(kCameraImage, sensor_msgs::msg::CompressedImage, "/{}/camera/image/compressed", kSensorQos, "sim -> all, in the methods that stream", "") \
+  X(kCameraInfo, sensor_msgs::msg::CameraInfo, "/{}/camera/camera_info", kLatchedQos, "sim -> all", "") \
+  X(kSnapshot, conav_msgs::msg::Snapshot, "/{}/snapshot", kEventQos, "sim -> operator's side", "JPEG, pose, cells seen; for a streamed frame only what it shows") \
+  X(kGuidance, conav_msgs::msg::Guidance, "/{}/guidance", kLatchedQos, "operator -> planner", "a path and its expiry") \
+  X(kDriveOrder, conav_msgs::msg::DriveOrder, "/{}/drive", kNewestQos, "operator -> planner (teleoperation)", "one low-level action and its expiry") \
+  X(kStopOrder, conav_msgs::msg::StopOrder, "/{}/stop", kLatchedQos, "operator -> planner", "stop or resume") \
+  X(kGoalPose, geometry_msgs::msg::PoseStamped, "/{}/goal_pose", kDefaultQos, "anyone -> planner", "as RViz sends it") \
+  X(kPlan, nav_msgs::msg::Path, "/{}/plan", kLatchedQos, "planner -> all", "") \
+  X(kSearchReport, conav_msgs::msg::SearchReport, "/{}/search", kEventQos, "planner -> all", "root actions, values and terms, timing; the tree on demand") \
+  X(kAttention, conav_msgs::msg::AttentionRequest, "/{}/attention", kEventQos, "planner -> operator's side", "reason, cost of waiting, deadline") \
+  X(kIntendedPath, conav_msgs::msg::IntendedPath, "/{}/intended_path", kLatchedQos, "planner -> planners", "the cells it wants next, for the right of way")
 
-// per world
-inline constexpr Topic<conav_msgs::msg::BeliefMap> kBelief{"/{}/belief", kLatchedQos};
-inline constexpr Topic<nav_msgs::msg::OccupancyGrid> kBeliefMap{"/{}/belief/map", kLatchedQos};
-inline constexpr Topic<nav_msgs::msg::OccupancyGrid> kInitialMap{"/{}/initial_map", kLatchedQos};
-inline constexpr Topic<nav_msgs::msg::OccupancyGrid> kTruth{"/{}/truth", kLatchedQos};
-inline constexpr Topic<visualization_msgs::msg::MarkerArray> kGoals{"/{}/goals", kLatchedQos};
+#define CONAV_WORLD_TOPICS(X) \
+  X(kBelief, conav_msgs::msg::BeliefMap, "/{}/belief", kLatchedQos, "operator -> all", "the operator's map and its revision") \
+  X(kBeliefMap, nav_msgs::msg::OccupancyGrid, "/{}/belief/map", kLatchedQos, "operator -> all", "the same for RViz") \
+  X(kInitialMap, nav_msgs::msg::OccupancyGrid, "/{}/initial_map", kLatchedQos, "sim -> operator, recorder", "what the operator starts from") \
+  X(kTruth, nav_msgs::msg::OccupancyGrid, "/{}/truth", kLatchedQos, "sim -> operator, recorder; planner in the mapping task", "") \
+  X(kGoals, visualization_msgs::msg::MarkerArray, "/{}/goals", kLatchedQos, "sim -> all", "")
 
-// system
-inline constexpr Topic<conav_msgs::msg::OperatorRequest> kOperatorRequest{"/conav/operator/request",
-                                                                          kRequestQos};
-inline constexpr Topic<conav_msgs::msg::OperatorReply> kOperatorReply{"/conav/operator/reply",
-                                                                      kRequestQos};
-inline constexpr Topic<conav_msgs::msg::PlannerLease> kPlannerLease{"/conav/planner/lease",
-                                                                    kEventQos};
-inline constexpr Topic<conav_msgs::msg::AttentionQueue> kAttentionQueue{
-    "/conav/operator/attention_queue", kLatchedQos};
-inline constexpr Topic<conav_msgs::msg::PerceptionRequest> kPerceptionRequest{
-    "/conav/perception/request", kQueryQos};
-inline constexpr Topic<conav_msgs::msg::PerceptionReply> kPerceptionReply{"/conav/perception/reply",
-                                                                          kQueryQos};
-inline constexpr Topic<rosgraph_msgs::msg::Clock> kClock{"/clock", kClockQos};
-inline constexpr Topic<diagnostic_msgs::msg::DiagnosticArray> kDiagnostics{"/diagnostics",
-                                                                           kDefaultQos};
-inline constexpr Topic<rcl_interfaces::msg::Log> kRosout{"/rosout", kEventQos};
+#define CONAV_SYSTEM_TOPICS(X) \
+  X(kOperatorRequest, conav_msgs::msg::OperatorRequest, "/conav/operator/request", kRequestQos, "clients -> operator", "edits, paths, answers, stop and resume, control") \
+  X(kOperatorReply, conav_msgs::msg::OperatorReply, "/conav/operator/reply", kRequestQos, "operator -> clients", "") \
+  X(kPlannerLease, conav_msgs::msg::PlannerLease, "/conav/planner/lease", kEventQos, "planner -> planners", "which process drives which robots") \
+  X(kAttentionQueue, conav_msgs::msg::AttentionQueue, "/conav/operator/attention_queue", kLatchedQos, "operator -> clients", "what needs the operator first, and the workload") \
+  X(kPerceptionRequest, conav_msgs::msg::PerceptionRequest, "/conav/perception/request", kQueryQos, "planner -> nhpm", "batches of queries") \
+  X(kPerceptionReply, conav_msgs::msg::PerceptionReply, "/conav/perception/reply", kQueryQos, "nhpm -> planner", "") \
+  X(kClock, rosgraph_msgs::msg::Clock, "/clock", kClockQos, "sim of the first world -> all", "") \
+  X(kDiagnostics, diagnostic_msgs::msg::DiagnosticArray, "/diagnostics", kDefaultQos, "all services -> all", "") \
+  X(kRosout, rcl_interfaces::msg::Log, "/rosout", kEventQos, "all services -> all", "")
+// clang-format on
 
-}  // namespace conav::bus
+#define CONAV_TOPIC(constant, type, pattern, qos, direction, about) \
+  inline constexpr Topic<type> constant{pattern, qos, direction, about};
+CONAV_ROBOT_TOPICS(CONAV_TOPIC)
+CONAV_WORLD_TOPICS(CONAV_TOPIC)
+CONAV_SYSTEM_TOPICS(CONAV_TOPIC)
+#undef CONAV_TOPIC
 
-/// Every topic of topics.h once more, as lists: for those who handle all of them alike, such as the
-/// recorder. A test compares the two files.
-namespace conav::bus {
-
-inline constexpr std::tuple kRobotTopics{kRobotMap,     kOdometry,     kTransforms, kRobotState,
-                                         kRobotCommand, kCameraImage,  kCameraInfo, kSnapshot,
-                                         kGuidance,     kDriveOrder,   kStopOrder,  kGoalPose,
-                                         kPlan,         kSearchReport, kAttention,  kIntendedPath};
-
-inline constexpr std::tuple kWorldTopics{kBelief, kBeliefMap, kInitialMap, kTruth, kGoals};
-
-inline constexpr std::tuple kSystemTopics{kOperatorRequest, kOperatorReply,     kPlannerLease,
-                                          kAttentionQueue,  kPerceptionRequest, kPerceptionReply,
-                                          kClock,           kDiagnostics,       kRosout};
-
-/// Patterns of the topics that carry one picture after the other, many times the bytes of all
-/// others.
-inline constexpr std::array kStreamPatterns{kCameraImage.pattern};
-
-/// Calls visit(topic) for each topic of one of the lists.
-template <class Topics, class Visit>
-void ForEachTopic(const Topics& topics, Visit&& visit) {
-  std::apply([&](const auto&... topic) { (visit(topic), ...); }, topics);
+/// Calls visit(topic) for each topic of a robot, of a world, of neither.
+template <class Visit>
+void ForEachRobotTopic(Visit&& visit) {
+#define CONAV_VISIT(constant, ...) visit(constant);
+  CONAV_ROBOT_TOPICS(CONAV_VISIT)
 }
+template <class Visit>
+void ForEachWorldTopic(Visit&& visit) {
+  CONAV_WORLD_TOPICS(CONAV_VISIT)
+}
+template <class Visit>
+void ForEachSystemTopic(Visit&& visit) {
+  CONAV_SYSTEM_TOPICS(CONAV_VISIT)
+#undef CONAV_VISIT
+}
+
+#undef CONAV_ROBOT_TOPICS
+#undef CONAV_WORLD_TOPICS
+#undef CONAV_SYSTEM_TOPICS
+
+/// Patterns of the topics that stream pictures, with many times the bytes of all others.
+inline constexpr std::array kStreamPatterns{kCameraImage.pattern};
 
 }  // namespace conav::bus

@@ -1,6 +1,9 @@
 #include "common/bus/type_support.h"
 
+#include <type_traits>
+
 #include "common/bus/topics.h"
+#include "common/bus/type_support_of.h"
 #include "ros2_graph.h"
 
 namespace conav::bus {
@@ -31,32 +34,18 @@ const TypeSupport& TypeSupportOf<ros_graph_humble::msg::ParticipantEntitiesInfo>
   return support;
 }
 
-template const TypeSupport& TypeSupportOf<nav_msgs::msg::OccupancyGrid>();
-template const TypeSupport& TypeSupportOf<nav_msgs::msg::Odometry>();
-template const TypeSupport& TypeSupportOf<nav_msgs::msg::Path>();
-template const TypeSupport& TypeSupportOf<tf2_msgs::msg::TFMessage>();
-template const TypeSupport& TypeSupportOf<sensor_msgs::msg::CompressedImage>();
-template const TypeSupport& TypeSupportOf<sensor_msgs::msg::CameraInfo>();
-template const TypeSupport& TypeSupportOf<geometry_msgs::msg::PoseStamped>();
-template const TypeSupport& TypeSupportOf<visualization_msgs::msg::MarkerArray>();
-template const TypeSupport& TypeSupportOf<diagnostic_msgs::msg::DiagnosticArray>();
-template const TypeSupport& TypeSupportOf<rcl_interfaces::msg::Log>();
-template const TypeSupport& TypeSupportOf<rosgraph_msgs::msg::Clock>();
-template const TypeSupport& TypeSupportOf<conav_msgs::msg::RobotState>();
-template const TypeSupport& TypeSupportOf<conav_msgs::msg::RobotCommand>();
-template const TypeSupport& TypeSupportOf<conav_msgs::msg::Snapshot>();
-template const TypeSupport& TypeSupportOf<conav_msgs::msg::DriveOrder>();
-template const TypeSupport& TypeSupportOf<conav_msgs::msg::StopOrder>();
-template const TypeSupport& TypeSupportOf<conav_msgs::msg::Guidance>();
-template const TypeSupport& TypeSupportOf<conav_msgs::msg::BeliefMap>();
-template const TypeSupport& TypeSupportOf<conav_msgs::msg::OperatorRequest>();
-template const TypeSupport& TypeSupportOf<conav_msgs::msg::OperatorReply>();
-template const TypeSupport& TypeSupportOf<conav_msgs::msg::AttentionRequest>();
-template const TypeSupport& TypeSupportOf<conav_msgs::msg::AttentionQueue>();
-template const TypeSupport& TypeSupportOf<conav_msgs::msg::SearchReport>();
-template const TypeSupport& TypeSupportOf<conav_msgs::msg::PlannerLease>();
-template const TypeSupport& TypeSupportOf<conav_msgs::msg::IntendedPath>();
-template const TypeSupport& TypeSupportOf<conav_msgs::msg::PerceptionRequest>();
-template const TypeSupport& TypeSupportOf<conav_msgs::msg::PerceptionReply>();
+namespace internal {
+
+/// Never called: taking the address instantiates TypeSupportOf for the type of each topic.
+void InstantiateForTopics(void (*use)(const TypeSupport& (*)())) {
+  const auto instantiate = [use](const auto& topic) {
+    use(&TypeSupportOf<typename std::decay_t<decltype(topic)>::Type>);
+  };
+  ForEachRobotTopic(instantiate);
+  ForEachWorldTopic(instantiate);
+  ForEachSystemTopic(instantiate);
+}
+
+}  // namespace internal
 
 }  // namespace conav::bus

@@ -1,19 +1,13 @@
 #pragma once
 
-#include <fastcdr/Cdr.h>
-
 #include <cstddef>
 #include <cstdint>
-#include <exception>
-#include <memory>
-#include <new>
 #include <span>
 #include <string>
-#include <string_view>
 
 namespace conav::bus {
 
-/// What a backend needs to know of a message type. Payloads are CDR (XCDR1) with the 4-byte
+/// What a backend must know about a message type. Payloads are CDR (XCDR1) with the 4-byte
 /// encapsulation header.
 struct TypeSupport {
   std::string name;  // "conav_msgs::msg::dds_::RobotState_"
@@ -21,7 +15,7 @@ struct TypeSupport {
   std::size_t (*serialized_size)(const void* message);
   /// Returns the bytes written; 0 when `payload` is too small.
   std::size_t (*serialize)(const void* message, std::span<std::uint8_t> payload);
-  /// False when `payload` is not a T; never throws, never allocates for a length that the payload
+  /// False when `payload` is not a T. Never throws, never allocates for a length that the payload
   /// cannot hold.
   bool (*deserialize)(std::span<const std::uint8_t> payload, void* message);
   void* (*create)();
@@ -36,101 +30,9 @@ struct TypeSupport {
 inline constexpr std::size_t kEncapsulationSize = 4;
 inline constexpr std::size_t kMaximumKeySize = 16;
 
-/// The one TypeSupport of a fastddsgen class. Instantiated in type_support.cc for the type of each
-/// topic; whoever needs another type instantiates it from type_support_of.h.
+/// The one TypeSupport of a fastddsgen class. type_support.cc instantiates it for the type of each
+/// topic. To use another type, include type_support_of.h.
 template <class T>
 const TypeSupport& TypeSupportOf();
-
-}  // namespace conav::bus
-
-/// The definition of TypeSupportOf<T> over a fastddsgen class, apart from type_support.h so that
-/// users of the bus do not compile Fast CDR.
-namespace conav::bus {
-
-/// "conav_msgs::msg::RobotState" becomes "conav_msgs::msg::dds_::RobotState_", the name that ROS 2
-/// gives the type in DDS.
-std::string RosTypeName(std::string_view cpp_name);
-
-namespace internal {
-
-/// The C++ name of T, read from the compiler's signature of this very function
-/// ("... CppName() [with T = a::b; std::string_view = ...]" of g++, "[T = a::b]" of clang).
-template <class T>
-constexpr std::string_view CppName() {
-  constexpr std::string_view kSignature = __PRETTY_FUNCTION__;
-  constexpr std::size_t kStart = kSignature.find("T = ") + 4;
-  constexpr std::size_t kEnd = kSignature.find_first_of(";]", kStart);
-  return kSignature.substr(kStart, kEnd - kStart);
-}
-
-template <class T>
-std::size_t SerializedSize(const void* message) {
-  return kEncapsulationSize + T::getCdrSerializedSize(*static_cast<const T*>(message));
-}
-
-template <class T>
-std::size_t Serialize(const void* message, std::span<std::uint8_t> payload) {
-  using eprosima::fastcdr::Cdr;
-  eprosima::fastcdr::FastBuffer buffer(reinterpret_cast<char*>(payload.data()), payload.size());
-  Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
-  try {
-    cdr.serialize_encapsulation();
-    static_cast<const T*>(message)->serialize(cdr);
-  } catch (const std::exception&) {
-    return 0;
-  }
-  return cdr.getSerializedDataLength();
-}
-
-template <class T>
-bool Deserialize(std::span<const std::uint8_t> payload, void* message) {
-  using eprosima::fastcdr::Cdr;
-  // Only plain CDR, big or little endian; parameter lists and XCDR2 are another layout.
-  if (payload.size() < kEncapsulationSize || payload[0] != 0 || payload[1] > 1) return false;
-  auto* bytes = const_cast<char*>(reinterpret_cast<const char*>(payload.data()));
-  eprosima::fastcdr::FastBuffer buffer(bytes, payload.size());
-  Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
-  try {
-    cdr.read_encapsulation();
-    static_cast<T*>(message)->deserialize(cdr);
-  } catch (const std::exception&) {
-    return false;
-  }
-  return true;
-}
-
-template <class T>
-std::size_t SerializeKey(const void* message, std::span<std::uint8_t> key) {
-  using eprosima::fastcdr::Cdr;
-  eprosima::fastcdr::FastBuffer buffer(reinterpret_cast<char*>(key.data()), key.size());
-  Cdr cdr(buffer, Cdr::BIG_ENDIANNESS);
-  try {
-    static_cast<const T*>(message)->serializeKey(cdr);
-  } catch (const std::exception&) {
-    return 0;
-  }
-  return cdr.getSerializedDataLength();
-}
-
-}  // namespace internal
-
-/// `name` is for types whose C++ name is not their ROS name.
-template <class T>
-TypeSupport MakeTypeSupport(std::string name) {
-  return {std::move(name),
-          &internal::SerializedSize<T>,
-          &internal::Serialize<T>,
-          &internal::Deserialize<T>,
-          [] { return static_cast<void*>(new T()); },
-          [](void* message) { delete static_cast<T*>(message); },
-          T::isKeyDefined(),
-          &internal::SerializeKey<T>};
-}
-
-template <class T>
-const TypeSupport& TypeSupportOf() {
-  static const TypeSupport support = MakeTypeSupport<T>(RosTypeName(internal::CppName<T>()));
-  return support;
-}
 
 }  // namespace conav::bus

@@ -23,7 +23,7 @@ bool CanBeLost(const fs::path& path) {
   return !path.empty() && path != "-" && (!fs::exists(status) || fs::is_regular_file(status));
 }
 
-/// Also where it does not exist yet.
+/// Also works for files that do not exist yet.
 bool IsSameFile(const fs::path& a, const fs::path& b) {
   std::error_code error;
   if (fs::equivalent(a, b, error)) return true;
@@ -43,6 +43,21 @@ Result<void> CheckNotAmong(std::span<const FileOption> others, const FileOption&
                             other.option));
   }
   return {};
+}
+
+std::string RefusalOfNumber(const std::string& text) {
+  std::uint64_t number = 0;
+  const char* end = text.data() + text.size();
+  const auto parsed = std::from_chars(text.data(), end, number);
+  if (parsed.ec == std::errc{} && parsed.ptr == end) return "";
+  return fmt::format("'{}' is not a whole number from 0 to {}", text,
+                     std::numeric_limits<std::uint64_t>::max());
+}
+
+std::string RefusalOfOutput(const std::string& path) {
+  if (path.empty() || path == "-") return "";
+  const auto writable = CheckWritable(path);
+  return writable ? "" : writable.error().text;
 }
 
 }  // namespace
@@ -106,25 +121,6 @@ int CheckFiles(std::string_view program, const std::vector<FileOption>& inputs,
   }
   return 0;
 }
-
-namespace {
-
-std::string RefusalOfNumber(const std::string& text) {
-  std::uint64_t number = 0;
-  const char* end = text.data() + text.size();
-  const auto parsed = std::from_chars(text.data(), end, number);
-  if (parsed.ec == std::errc{} && parsed.ptr == end) return "";
-  return fmt::format("'{}' is not a whole number from 0 to {}", text,
-                     std::numeric_limits<std::uint64_t>::max());
-}
-
-std::string RefusalOfOutput(const std::string& path) {
-  if (path.empty() || path == "-") return "";
-  const auto writable = CheckWritable(path);
-  return writable ? "" : writable.error().text;
-}
-
-}  // namespace
 
 CLI::Validator WholeNumber() {
   return {[](const std::string& text) { return RefusalOfNumber(text); }, "NONNEGATIVE"};

@@ -6,8 +6,8 @@
 
 namespace conav {
 
-/// How a long command says how far it is: on a terminal one line that is rewritten, elsewhere a
-/// line for each call.
+/// Shows the progress of a long command: one line that is rewritten on a terminal, elsewhere one
+/// line per call.
 class ProgressLine {
  public:
   explicit ProgressLine(std::FILE* out = stderr);
@@ -17,8 +17,7 @@ class ProgressLine {
   ProgressLine& operator=(const ProgressLine&) = delete;
 
   void Show(const std::string& text);
-  /// For those who have more to show than anybody reads: nothing within a second after the begin or
-  /// after what was shown so before.
+  /// The same for frequent callers: shows nothing within a second of the start or of the last text.
   void ShowNowAndThen(const std::string& text);
 
  private:

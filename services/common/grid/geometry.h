@@ -14,15 +14,14 @@ struct Position {
 };
 
 /// Where the cells of a rows x columns grid lie in the map frame: the grid's middle is the origin,
-/// row 0 is north. The lower left (south-west) corner is `origin()`, as nav_msgs/OccupancyGrid
-/// wants it.
+/// row 0 is north. The lower left (south-west) corner is `origin()`, as in nav_msgs/OccupancyGrid.
 struct GridGeometry {
   int rows = 0;
   int columns = 0;
   double cell_size_m = 2.0;
 
   Position CellToPosition(Cell cell) const;
-  /// The cell that holds `position`; may lie outside of the grid.
+  /// The cell that holds `position`; may lie outside the grid.
   Cell PositionToCell(Position position) const;
   /// South-west corner of the grid.
   Position origin() const;
@@ -31,16 +30,16 @@ struct GridGeometry {
 };
 
 /// Headings are yaw_rad: 0 = east (+x), counter-clockwise positive (REP-103).
-/// Heading `index` of `count` evenly spaced ones, in (-pi, pi].
+/// Returns heading `index` of `count` evenly spaced ones, in (-pi, pi].
 double HeadingFromIndex(int index, int count);
 
 /// Wraps into (-pi, pi].
 double WrapAngle(double angle_rad);
 
-/// Heading from one cell to another (their centres).
+/// Heading from one cell's centre to another's.
 double HeadingTowards(Cell from, Cell to);
 
-/// Free cells that 4-connected steps reach from `from`, itself included.
+/// Free cells that 4-connected steps reach from `from`, including `from`.
 std::set<Cell> ReachableCells(const OccupancyGrid& truth, Cell from);
 
 }  // namespace conav

@@ -110,7 +110,7 @@ enum class Occupancy : std::uint8_t { kUnknown, kFree, kOccupied };
 
 using OccupancyGrid = Grid<Occupancy>;
 
-/// Probability in [0, 1] that the operator takes the cell for a wall.
+/// Probability in [0, 1] that the operator believes the cell is a wall.
 using BeliefGrid = Grid<float>;
 
 }  // namespace conav

@@ -4,7 +4,7 @@
 
 namespace conav {
 
-/// How right the operator's map is.
+/// Accuracy of the operator's map.
 struct MapAccuracy {
   int editable_cells = 0;  // all but the border
   int wrong_at_first = 0;  // wrong in the initial map
@@ -15,19 +15,19 @@ struct MapAccuracy {
   bool operator==(const MapAccuracy&) const = default;
 };
 
-/// A cell counts as a wall from probability 0.5 on, an unknown one so too.
+/// A cell counts as a wall from this probability on, and so does an unknown cell (0.5).
 inline constexpr float kWallThreshold = 0.5F;
 
-/// Compares the operator's `belief` and the map it began with to the `truth`. `mapping` is 1 when
-/// the initial map had no error and nothing was broken since, 0 when something was. Border cells,
-/// and cells that are unknown in the truth, do not count. All three have the same size (demanded).
-/// Source: paper section 6, "final mapping accuracy" (never defined there).
+/// Compares the operator's `belief` and initial map to the `truth`. If the initial map has no
+/// error, `mapping` is 1 while nothing is broken, else 0. Border cells, and cells that are unknown
+/// in the truth, do not count. All three have the same size (demanded). Source: paper section 6,
+/// "final mapping accuracy" (never defined there).
 MapAccuracy CompareMaps(const OccupancyGrid& truth, const OccupancyGrid& initial,
                         const BeliefGrid& belief);
 
 /// The grid as a belief: wall 1, free 0, unknown 0.5.
 BeliefGrid ToBelief(const OccupancyGrid& map);
-/// What the operator takes for walls; all else is free.
+/// The cells that the operator believes are walls; all others are free.
 OccupancyGrid ToOccupancy(const BeliefGrid& belief);
 
 }  // namespace conav

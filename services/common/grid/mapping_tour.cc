@@ -25,7 +25,7 @@ std::vector<Cell> WrongCells(const OccupancyGrid& truth, const BeliefGrid& belie
 Result<void> RequireRange(const char* what, double value, double low, double high) {
   if (value >= low && value <= high) return {};
   return Fail(ErrorCode::kInvalidArgument,
-              fmt::format("{} = {}: not from {} to {}", what, value, low, high));
+              fmt::format("{} = {} is not in [{}, {}]", what, value, low, high));
 }
 
 }  // namespace

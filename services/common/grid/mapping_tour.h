@@ -11,10 +11,10 @@
 namespace conav {
 
 struct MappingTourOptions {
-  int headings = 8;  // that the camera may look to, evenly spaced; 1 to 360
-  /// After the goals a cell is drawn with a chance in proportion to `background` + how many cells
-  /// of the map are wrong up to `attraction_cells` away (Euclidean, between cell centres); where
-  /// that is 0 for all cells, one as likely as the other. Both are finite and not negative.
+  int headings = 8;  // camera headings, evenly spaced; 1 to 360
+  /// Once the goals are done, the tour draws random cells. The weight of a cell is `background` +
+  /// the number of wrong cells of the map up to `attraction_cells` away (Euclidean, between cell
+  /// centres); if all weights are 0, the draw is uniform. Both are finite and not negative.
   double background = 0.5;
   double attraction_cells = 3.0;
 };
@@ -29,17 +29,17 @@ struct MappingStop {
   bool operator==(const MappingStop&) const = default;
 };
 
-/// The robot's tour in the mapping task of paper Appendix A. It knows the true maze and the
-/// person's map of it. First it visits all goals, in random order; then random cells, preferring
-/// areas where the map is wrong. At each stop it takes a picture in a random direction.
+/// The robot's tour in the mapping task of paper Appendix A. The tour knows the true maze and the
+/// person's map of it. The robot first visits all goals in random order, then random cells,
+/// preferring areas where the map is wrong. At each stop it takes a picture in a random direction.
 /// Seeded: equal arguments give equal stops.
 class MappingTour {
  public:
-  /// `goals`: each is visited once. `options` are good (demanded).
+  /// Visits each of `goals` once. `options` are valid (demanded).
   MappingTour(std::vector<Cell> goals, const MappingTourOptions& options, std::uint64_t seed);
 
-  /// The next stop of a robot that stands in `at`. Goals that cannot be reached from there are left
-  /// out. `truth` and `belief` (P(wall)) have the same size (demanded) and hold `at`.
+  /// The next stop of a robot at `at`. Skips goals that are unreachable from there. `truth` and
+  /// `belief` (P(wall)) have the same size (demanded) and contain `at`.
   MappingStop Next(const OccupancyGrid& truth, const BeliefGrid& belief, Cell at);
 
  private:

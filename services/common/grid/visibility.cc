@@ -12,7 +12,7 @@ enum class Seen : std::uint8_t { kNot, kFree, kWall };
 
 /// Walks one ray cell by cell (Amanatides and Woo, 1987). Grid coordinates: x to the east in
 /// columns, y to the south in rows, cell (r, c) covers [c, c+1) x [r, r+1). `visit` gets the cell
-/// and how far along the ray it begins; it says whether to go on.
+/// and the distance along the ray at which it begins; it returns whether to go on.
 template <class Visit>
 void WalkRay(double x, double y, double dx, double dy, Visit&& visit) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -46,7 +46,7 @@ VisibleCells Collect(const Grid<Seen>& seen) {
   return cells;
 }
 
-/// Marks what a ray from (x, y) meets; `within` limits the range.
+/// Marks the cells that a ray from (x, y) meets; `within` limits the range.
 template <class Within>
 void MarkRay(const OccupancyGrid& map, double x, double y, double dx, double dy, Within&& within,
              Grid<Seen>& seen) {
@@ -71,7 +71,7 @@ struct ImagePlane {
   /// Tangent of the widest azimuth: that of the lower corners.
   double WidestTangent() const { return half_width / (cos_pitch - half_height * sin_pitch); }
 
-  /// How far ahead (cells, along the heading) an azimuth of this tangent is in the picture. Row y
+  /// How far ahead (cells, along the heading) the picture shows an azimuth of this tangent. Row y
   /// of the image plane (up positive) looks cos p + y sin p ahead and sin p - y cos p down, and
   /// shows azimuths up to half_width / ahead.
   double RangeAhead(double tangent) const {

@@ -14,14 +14,14 @@
 #include "conav_robot.h"
 #include "ros2_interfaces.h"
 
-/// The edge between the wire and the inside: generated IDL types stop here.
+/// The edge between the wire and the domain: generated IDL types stop here.
 ///
-/// ToDomain checks everything that a foreign program could get wrong and refuses it (kMalformed)
-/// with field, value and limit, for example "heading = nan is not finite"; what it returns is valid
-/// by construction. ToMessage cannot fail. Both are pure; safe to call concurrently.
+/// ToDomain checks everything that a foreign program could get wrong and rejects it (kMalformed)
+/// with field, value and limit, for example "heading = nan is not finite". What it returns is valid
+/// by construction. ToMessage cannot fail. Both are pure and safe to call concurrently.
 ///
-/// Limits of all messages: see convert_checks.h. Names of worlds and robots are [A-Za-z0-9_], names
-/// of clients also contain . : @ / -.
+/// Limits of all messages: see checks.h. Names of worlds and robots are [A-Za-z0-9_]; names
+/// of clients may also contain . : @ / -.
 namespace conav {
 
 /// Whole simulation time from 0 to 2^31 s; ToMessage saturates there.
@@ -31,26 +31,25 @@ builtin_interfaces::msg::Time ToMessage(SimTime time);
 std_msgs::msg::Header ToHeader(SimTime stamp);
 
 /// Frame "map", origin in the middle of the grid. The message's rows run from south to north, ours
-/// from north to south. -1 is unknown; of 0..100 up to 25 is free and from 65 on occupied, as
-/// nav2_map_server reads it, and between them unknown. ToMessage writes -1, 0, 100. The cell size
-/// passes through a float: 0.1 m comes back as 0.1f.
+/// from north to south. -1 is unknown; of 0..100, values up to 25 are free, values from 65 are
+/// occupied, as in nav2_map_server, and values between them are unknown. ToMessage writes -1, 0,
+/// 100. The cell size passes through a float: 0.1 m comes back as 0.1f.
 Result<MapUpdate> ToDomain(const nav_msgs::msg::OccupancyGrid& message);
 nav_msgs::msg::OccupancyGrid ToMessage(const MapUpdate& map);
 /// The operator's map for RViz: 0..100 = probability of a wall in percent.
 nav_msgs::msg::OccupancyGrid ToOccupancyMessage(const Belief& belief, double cell_size_m);
 
-/// A goal in frame "map" (RViz "2D Goal Pose"); its direction and its stamp are not used.
+/// A goal in frame "map" (RViz "2D Goal Pose"). Ignores its direction and stamp.
 Result<Position> ToDomain(const geometry_msgs::msg::PoseStamped& message);
 
-/// Cell centres, each pose turned towards the next one (the last as the one before it).
+/// Cell centres, each pose turned towards the next one (the last like the one before it).
 nav_msgs::msg::Path ToPathMessage(SimTime stamp, std::span<const Cell> path,
                                   const GridGeometry& geometry);
-/// Where its poses are. Nothing is checked: positions may lie off the map or be no numbers.
+/// The positions of the poses, unchecked: they may lie off the map or be NaN.
 std::vector<Position> ToPositions(const nav_msgs::msg::Path& message);
 
-/// Width and height in [1, 16384] pixels, focal lengths k[0] and k[4] above 0, fields
-/// of view up to 2.6 rad; distortion and the
-/// principal point are not used.
+/// Width and height in [1, 16384] pixels, focal lengths k[0] and k[4] above 0, fields of view up to
+/// 2.6 rad. Ignores distortion and principal point.
 Result<CameraLens> ToDomain(const sensor_msgs::msg::CameraInfo& message);
 
 /// Where a robot is and how it moves, frame "map".
@@ -78,11 +77,11 @@ conav_msgs::msg::Snapshot ToMessage(const Snapshot& picture);
 // supervision.h
 Result<Belief> ToDomain(const conav_msgs::msg::BeliefMap& message);
 conav_msgs::msg::BeliefMap ToMessage(const Belief& belief);
-/// A path that is not 4-connected is refused.
+/// Rejects a path that is not 4-connected.
 Result<Guidance> ToDomain(const conav_msgs::msg::Guidance& message);
 conav_msgs::msg::Guidance ToMessage(const Guidance& guidance);
-/// Checks what can be checked without the map; whether the path is connected and the edits fit is
-/// for the operator service, which can answer.
+/// Checks what can be checked without the map. The operator service, which can reply, checks
+/// whether the path is connected and the edits fit.
 Result<OperatorRequest> ToDomain(const conav_msgs::msg::OperatorRequest& message);
 conav_msgs::msg::OperatorRequest ToMessage(const OperatorRequest& request);
 Result<DriveOrder> ToDomain(const conav_msgs::msg::DriveOrder& message);
@@ -99,21 +98,25 @@ conav_msgs::msg::AttentionQueue ToMessage(const AttentionQueueState& queue);
 // planning.h
 Result<SearchReport> ToDomain(const conav_msgs::msg::SearchReport& message);
 conav_msgs::msg::SearchReport ToMessage(const SearchReport& report);
-/// `client` and `request_id` alone: who gets the refusal of a request that ToDomain refuses.
+/// Only `client` and `request_id`: the addressee of the error when ToDomain rejects the request.
 Result<PerceptionRequest> SenderOf(const conav_msgs::msg::PerceptionRequest& message);
 /// Every cell must lie inside the grid. ToMessage requires beliefs of one shape.
 Result<PerceptionRequest> ToDomain(const conav_msgs::msg::PerceptionRequest& message);
 conav_msgs::msg::PerceptionRequest ToMessage(const PerceptionRequest& request);
-/// The reply does not carry the shape of its grids: the asker knows it.
+/// The reply does not carry the shape of its grids: the client knows it.
 Result<PerceptionReply> ToDomain(const conav_msgs::msg::PerceptionReply& message, int rows,
                                  int columns);
 conav_msgs::msg::PerceptionReply ToMessage(const PerceptionReply& reply);
 
-/// A name stands once among the robots and once among those held; lease epochs are at least 1.
+/// Each name occurs at most once among the robots and once among those held; lease epochs are at
+/// least 1.
 Result<PlannerLease> ToDomain(const conav_msgs::msg::PlannerLease& message);
 conav_msgs::msg::PlannerLease ToMessage(const PlannerLease& lease);
 
 Result<IntendedPath> ToDomain(const conav_msgs::msg::IntendedPath& message);
-conav_msgs::msg::IntendedPath ToMessage(const IntendedPath& way);
+conav_msgs::msg::IntendedPath ToMessage(const IntendedPath& path);
+
+/// For bus::Subscriber::TakeValid().
+inline constexpr auto kToDomain = [](const auto& message) { return ToDomain(message); };
 
 }  // namespace conav

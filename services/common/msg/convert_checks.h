@@ -3,91 +3,36 @@
 #include <fmt/format.h>
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "common/msg/checks.h"
 #include "common/msg/planning.h"
 #include "common/msg/robot.h"
-#include "common/runtime/result.h"
 #include "conav_robot.h"
 #include "ros2_interfaces.h"
 
-/// Parts of convert_*.cc only.
+/// Checks that the convert_*.cc files share; for them only.
 namespace conav::convert {
 
-inline constexpr std::uint32_t kMaxSide = 1024;           // rows, columns
-inline constexpr std::size_t kMaxPath = 65536;            // cells of a path, goals, edits
-inline constexpr std::size_t kMaxVisible = 1U << 20;      // cells that one picture shows
-inline constexpr std::size_t kMaxJpegBytes = 16U << 20;   // 16 MiB
-inline constexpr std::uint32_t kMaxImageSide = 16384;     // pixels
-inline constexpr std::size_t kMaxClient = 128;            // characters of a client
-inline constexpr std::size_t kMaxText = 4096;             // characters of a reason
-inline constexpr std::size_t kMaxRobots = 4096;           // of a process, or of a request
-inline constexpr std::size_t kMaxActions = 4096;          // at the root of a search
-inline constexpr std::size_t kMaxQueries = 1024;          // in one perception request
-inline constexpr std::size_t kMaxQueryValues = 1U << 24;  // cells of all beliefs of a request
-
-/// Collects the first thing that is wrong with a message. Each check returns the value, or a
-/// harmless one when it was refused; the caller looks at `failed()` once, at the end.
-class Checks {
+/// The checks of what generated IDL types carry.
+class Checks : public ValueChecks {
  public:
-  bool failed() const { return error_.has_value(); }
-  tl::unexpected<Error> failure() const { return tl::unexpected<Error>(*error_); }
-  void Refuse(std::string text);
-
   SimTime Time(std::string_view field, const builtin_interfaces::msg::Time& message);
   SimTime Stamp(const std_msgs::msg::Header& header);
   void FrameIsMap(const std_msgs::msg::Header& header);
-  /// World or robot.
-  std::string Name(std::string_view field, const std::string& value);
-  std::string Client(std::string_view field, const std::string& value);
-  /// The same, or empty.
-  std::string OptionalName(std::string_view field, const std::string& value);
-  std::string OptionalClient(std::string_view field, const std::string& value);
-  /// 64 lower-case hexadecimal digits, or empty.
-  std::string Checksum(std::string_view field, const std::string& value);
-  /// Readable(): DDS carries any bytes, protobuf and JSON do not.
-  std::string Text(std::string_view field, const std::string& value);
-  double Finite(std::string_view field, double value);
-  double Range(std::string_view field, double value, double low, double high);
-  double Heading(std::string_view field, double value);
-  void Size(std::string_view field, std::size_t size, std::size_t limit);
-  /// `high` is the last enumerator.
-  template <class Enum>
-  Enum Enumerator(std::string_view field, std::uint8_t value, Enum low, Enum high) {
-    if (value < static_cast<std::uint8_t>(low) || value > static_cast<std::uint8_t>(high)) {
-      Refuse(fmt::format("{} = {} is not in [{}, {}]", field, value, static_cast<int>(low),
-                         static_cast<int>(high)));
-      return low;
-    }
-    return static_cast<Enum>(value);
-  }
-
-  /// `rows` and `columns` of the grid that cells must lie in; kMaxSide where no grid is known.
   Cell ToCell(std::string_view field, const conav_msgs::msg::Cell& message,
               std::uint32_t rows = kMaxSide, std::uint32_t columns = kMaxSide);
   std::vector<Cell> Cells(std::string_view field, const std::vector<conav_msgs::msg::Cell>& message,
                           std::size_t limit = kMaxPath, std::uint32_t rows = kMaxSide,
                           std::uint32_t columns = kMaxSide);
-  /// Sorts what a foreign sender left unsorted; refuses a cell that is in both lists.
+  /// Sorts the cells of a foreign sender; rejects a cell that is in both lists.
   VisibleCells Visible(const std::string& prefix,
                        const std::vector<conav_msgs::msg::Cell>& free_cells,
                        const std::vector<conav_msgs::msg::Cell>& wall_cells,
                        std::uint32_t rows = kMaxSide, std::uint32_t columns = kMaxSide);
-  /// False when rows or columns are not in [1, kMaxSide].
-  bool Shape(std::uint32_t rows, std::uint32_t columns);
-  /// rows x columns probabilities in [0, 1]. Requires that Shape() agreed.
-  Grid<float> Probabilities(std::string_view field, const std::vector<float>& values, int rows,
-                            int columns);
-
- private:
-  std::string Characters(std::string_view field, const std::string& value, std::size_t limit,
-                         std::string_view extra);
-
-  std::optional<Error> error_;
 };
 
 conav_msgs::msg::Cell ToCellMessage(Cell cell);

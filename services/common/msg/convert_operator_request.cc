@@ -9,108 +9,61 @@ using convert::ToCellMessages;
 
 namespace {
 
-constexpr double kMaxValidFor = 1.0e6;  // seconds
+std::vector<Cell> ToCells(const std::vector<conav_msgs::msg::Cell>& message) {
+  std::vector<Cell> cells;
+  cells.reserve(message.size());
+  for (const auto& cell : message) cells.push_back({cell.row(), cell.column()});
+  return cells;
+}
 
-EditRequest ToEditRequest(Checks& checks, const conav_msgs::msg::OperatorRequest& message) {
-  EditRequest request;
-  request.base_revision = message.base_revision();
-  checks.Size("edits", message.edits().size(), convert::kMaxPath);
-  if (checks.failed()) return request;
-  for (std::size_t i = 0; i < message.edits().size() && !checks.failed(); ++i) {
-    const auto& edit = message.edits()[i];
-    request.edits.push_back(
-        {checks.ToCell(fmt::format("edits[{}].cell", i), edit.cell()), edit.wall()});
+EditRequest ToEditRequest(const conav_msgs::msg::OperatorRequest& message) {
+  EditRequest request{message.base_revision(), {}};
+  for (const auto& edit : message.edits()) {
+    request.edits.push_back({{edit.cell().row(), edit.cell().column()}, edit.wall()});
   }
   return request;
 }
 
-GuideRequest ToGuideRequest(Checks& checks, const conav_msgs::msg::OperatorRequest& message) {
-  GuideRequest request;
-  request.robot = checks.Name("robot", message.robot());
-  request.path = checks.Cells("path", message.path());
-  request.answers_snapshot = message.answers_snapshot();
-  request.valid_for_s = checks.Range("valid_for", message.valid_for(), 0.0, kMaxValidFor);
-  if (request.valid_for_s <= 0.0) checks.Refuse("valid_for = 0 is not above 0");
-  return request;
-}
-
-DriveRequest ToDriveRequest(Checks& checks, const conav_msgs::msg::OperatorRequest& message) {
-  DriveRequest request;
-  request.robot = checks.Name("robot", message.robot());
-  request.drive =
-      checks.Enumerator("drive", message.drive(), DriveAction::kStop, DriveAction::kTurnRight);
-  request.expires_at = checks.Time("expires_at", message.expires_at());
-  return request;
-}
-
-SelectRequest ToSelectRequest(Checks& checks, const conav_msgs::msg::OperatorRequest& message) {
-  SelectRequest request;
-  request.robot = checks.Name("robot", message.robot());
-  request.reason = checks.Enumerator("attention_reason", message.attention_reason(),
-                                     AttentionReason::kPicture, AttentionReason::kGoalsReached);
-  return request;
-}
-
-std::vector<std::string> ToRobots(Checks& checks, const conav_msgs::msg::OperatorRequest& message) {
-  checks.Size("robots", message.robots().size(), convert::kMaxRobots);
-  if (checks.failed()) return {};
-  std::vector<std::string> robots;
-  for (std::size_t i = 0; i < message.robots().size(); ++i) {
-    robots.push_back(checks.Name(fmt::format("robots[{}]", i), message.robots()[i]));
-  }
-  return robots;
-}
-
-AnswerRequest ToAnswerRequest(Checks& checks, const conav_msgs::msg::OperatorRequest& message) {
-  if (message.answers_snapshot() == 0) checks.Refuse("answers_snapshot = 0 is below 1");
-  return {checks.Name("robot", message.robot()), message.answers_snapshot()};
-}
-
-ShelveRequest ToShelveRequest(Checks& checks, const conav_msgs::msg::OperatorRequest& message) {
-  const double duration = checks.Range("duration", message.duration(), 0.0, kMaxValidFor);
-  if (duration <= 0.0) checks.Refuse("duration = 0 is not above 0");
-  return {message.alert(), duration};
-}
-
-/// False when `message` asks for nothing that is known.
+/// Copies the values, which Checked() checks. False for an unknown kind of request.
 bool ReadBody(Checks& checks, const conav_msgs::msg::OperatorRequest& message,
               OperatorRequest& request) {
   namespace msg = conav_msgs::msg;
   switch (message.kind()) {
     case msg::OPERATOR_REQUEST_EDIT:
-      request.body = ToEditRequest(checks, message);
+      request.body = ToEditRequest(message);
       return true;
     case msg::OPERATOR_REQUEST_GUIDE:
-      request.body = ToGuideRequest(checks, message);
+      request.body = GuideRequest{message.robot(), ToCells(message.path()),
+                                  message.answers_snapshot(), message.valid_for()};
       return true;
     case msg::OPERATOR_REQUEST_DRIVE:
-      request.body = ToDriveRequest(checks, message);
+      request.body = DriveRequest{message.robot(), static_cast<DriveAction>(message.drive()),
+                                  checks.Time("expires_at", message.expires_at())};
       return true;
     case msg::OPERATOR_REQUEST_SELECT:
-      request.body = ToSelectRequest(checks, message);
+      request.body =
+          SelectRequest{message.robot(), static_cast<AttentionReason>(message.attention_reason())};
       return true;
     case msg::OPERATOR_REQUEST_ANSWER:
-      request.body = ToAnswerRequest(checks, message);
+      request.body = AnswerRequest{message.robot(), message.answers_snapshot()};
       return true;
     case msg::OPERATOR_REQUEST_STOP:
-      request.body =
-          StopRequest{ToRobots(checks, message), checks.Text("reason", message.reason())};
+      request.body = StopRequest{message.robots(), message.reason()};
       return true;
     case msg::OPERATOR_REQUEST_GO:
-      request.body = GoRequest{ToRobots(checks, message)};
+      request.body = GoRequest{message.robots()};
       return true;
     case msg::OPERATOR_REQUEST_TAKE_CONTROL:
-      request.body =
-          TakeControlRequest{ToRobots(checks, message), checks.Text("reason", message.reason())};
+      request.body = TakeControlRequest{message.robots(), message.reason()};
       return true;
     case msg::OPERATOR_REQUEST_RELEASE_CONTROL:
-      request.body = ReleaseControlRequest{ToRobots(checks, message)};
+      request.body = ReleaseControlRequest{message.robots()};
       return true;
     case msg::OPERATOR_REQUEST_ACKNOWLEDGE:
       request.body = AcknowledgeRequest{message.alert()};
       return true;
     case msg::OPERATOR_REQUEST_SHELVE:
-      request.body = ToShelveRequest(checks, message);
+      request.body = ShelveRequest{message.alert(), message.duration()};
       return true;
     case msg::OPERATOR_REQUEST_FINISH:
       request.body = FinishRequest{};
@@ -118,14 +71,6 @@ bool ReadBody(Checks& checks, const conav_msgs::msg::OperatorRequest& message,
     default:
       return false;
   }
-}
-
-bool NamesWorld(const OperatorRequest& request) {
-  return std::holds_alternative<EditRequest>(request.body) ||
-         std::holds_alternative<GuideRequest>(request.body) ||
-         std::holds_alternative<DriveRequest>(request.body) ||
-         std::holds_alternative<SelectRequest>(request.body) ||
-         std::holds_alternative<AnswerRequest>(request.body);
 }
 
 void Write(const EditRequest& edit, conav_msgs::msg::OperatorRequest& message) {
@@ -208,18 +153,16 @@ Result<OperatorRequest> ToDomain(const conav_msgs::msg::OperatorRequest& message
   Checks checks;
   OperatorRequest request;
   request.stamp = checks.Stamp(message.header());
-  request.client = checks.Client("client", message.client());
+  request.client = message.client();
   request.request_id = message.request_id();
-  if (request.request_id == 0) checks.Refuse("request_id = 0 is below 1");
+  request.world = message.world();
   if (!ReadBody(checks, message, request)) {
     checks.Refuse(fmt::format("kind = {} is not in [{}, {}]", message.kind(),
                               conav_msgs::msg::OPERATOR_REQUEST_EDIT,
                               conav_msgs::msg::OPERATOR_REQUEST_FINISH));
   }
-  request.world = NamesWorld(request) ? checks.Name("world", message.world())
-                                      : checks.OptionalName("world", message.world());
   if (checks.failed()) return checks.failure();
-  return request;
+  return Checked(std::move(request));
 }
 
 conav_msgs::msg::OperatorRequest ToMessage(const OperatorRequest& request) {
@@ -237,7 +180,7 @@ Result<OperatorReply> ToDomain(const conav_msgs::msg::OperatorReply& message) {
   OperatorReply reply;
   reply.client = checks.Client("client", message.client());
   reply.request_id = message.request_id();
-  if (reply.request_id == 0) checks.Refuse("request_id = 0 is below 1");
+  checks.AtLeastOne("request_id", reply.request_id);
   reply.accepted = message.accepted();
   reply.reason = checks.Text("reason", message.reason());
   reply.revision = message.revision();

@@ -34,7 +34,7 @@ PerceptionRequest ToSender(Checks& checks, const conav_msgs::msg::PerceptionRequ
   return request;
 }
 
-/// Refuses what would make the service allocate without bound.
+/// Rejects batches that would make the service allocate without bound.
 bool CheckBatch(Checks& checks, const conav_msgs::msg::PerceptionRequest& message) {
   checks.Size("queries", message.queries().size(), convert::kMaxQueries);
   if (checks.failed() || message.queries().empty()) return !checks.failed();
@@ -43,6 +43,28 @@ bool CheckBatch(Checks& checks, const conav_msgs::msg::PerceptionRequest& messag
   checks.Size("queries * rows * columns", message.queries().size() * cells,
               convert::kMaxQueryValues);
   return !checks.failed();
+}
+
+void EachOnce(Checks& checks, const char* field, const std::vector<std::string>& names) {
+  std::set<std::string> seen;
+  for (const std::string& name : names) {
+    if (!seen.insert(name).second) checks.Refuse(fmt::format("{}: {} appears twice", field, name));
+  }
+}
+
+std::vector<PlannerLease::Held> ToStops(Checks& checks,
+                                        const std::vector<conav_msgs::msg::HeldRobot>& messages) {
+  std::vector<PlannerLease::Held> holds;
+  std::vector<std::string> names;
+  checks.Size("holds", messages.size(), convert::kMaxRobots);
+  for (std::size_t i = 0; i < messages.size() && !checks.failed(); ++i) {
+    const std::string at = fmt::format("holds[{}].", i);
+    names.push_back(checks.Name(at + "robot", messages[i].robot()));
+    if (messages[i].lease_epoch() == 0) checks.Refuse(at + "lease_epoch = 0 is below 1");
+    holds.push_back({names.back(), messages[i].lease_epoch()});
+  }
+  EachOnce(checks, "holds", names);
+  return holds;
 }
 
 }  // namespace
@@ -145,32 +167,6 @@ conav_msgs::msg::PerceptionReply ToMessage(const PerceptionReply& reply) {
 
 using convert::Checks;
 
-namespace {
-
-void EachOnce(Checks& checks, const char* field, const std::vector<std::string>& names) {
-  std::set<std::string> seen;
-  for (const std::string& name : names) {
-    if (!seen.insert(name).second) checks.Refuse(fmt::format("{}: {} is there twice", field, name));
-  }
-}
-
-std::vector<PlannerLease::Held> ToStops(Checks& checks,
-                                        const std::vector<conav_msgs::msg::HeldRobot>& messages) {
-  std::vector<PlannerLease::Held> holds;
-  std::vector<std::string> names;
-  checks.Size("holds", messages.size(), convert::kMaxRobots);
-  for (std::size_t i = 0; i < messages.size() && !checks.failed(); ++i) {
-    const std::string at = fmt::format("holds[{}].", i);
-    names.push_back(checks.Name(at + "robot", messages[i].robot()));
-    if (messages[i].lease_epoch() == 0) checks.Refuse(at + "lease_epoch = 0 is below 1");
-    holds.push_back({names.back(), messages[i].lease_epoch()});
-  }
-  EachOnce(checks, "holds", names);
-  return holds;
-}
-
-}  // namespace
-
 Result<PlannerLease> ToDomain(const conav_msgs::msg::PlannerLease& message) {
   Checks checks;
   PlannerLease lease;
@@ -185,7 +181,8 @@ Result<PlannerLease> ToDomain(const conav_msgs::msg::PlannerLease& message) {
   lease.load = checks.Range("load", message.load(), 0.0,
                             static_cast<double>(std::numeric_limits<int>::max()));
   lease.leaving = message.leaving();
-  if (lease.leaving && !lease.holds.empty()) checks.Refuse("leaving, and holds robots");
+  if (lease.leaving && !lease.holds.empty())
+    checks.Refuse("leaving is true, but holds lists robots");
   if (checks.failed()) return checks.failure();
   return lease;
 }
@@ -208,26 +205,26 @@ conav_msgs::msg::PlannerLease ToMessage(const PlannerLease& lease) {
 
 Result<IntendedPath> ToDomain(const conav_msgs::msg::IntendedPath& message) {
   Checks checks;
-  IntendedPath way;
-  way.robot = checks.Name("robot", message.robot());
-  way.way = checks.Cells("way", message.way());
-  way.room.way = checks.Cells("room", message.room());
-  way.room.right.tier = checks.Enumerator("room_tier", message.room_tier(), RightOfWay::kShutIn,
-                                          RightOfWay::kHasNone);
-  way.room.right.robot = checks.OptionalName("room_for", message.room_for());
-  way.room.right.passed_on = message.room_passed_on();
+  IntendedPath path;
+  path.robot = checks.Name("robot", message.robot());
+  path.way = checks.Cells("way", message.way());
+  path.room.way = checks.Cells("room", message.room());
+  path.room.right.tier = checks.Enumerator("room_tier", message.room_tier(), RightOfWay::kShutIn,
+                                           RightOfWay::kHasNone);
+  path.room.right.robot = checks.OptionalName("room_for", message.room_for());
+  path.room.right.passed_on = message.room_passed_on();
   if (checks.failed()) return checks.failure();
-  return way;
+  return path;
 }
 
-conav_msgs::msg::IntendedPath ToMessage(const IntendedPath& way) {
+conav_msgs::msg::IntendedPath ToMessage(const IntendedPath& path) {
   conav_msgs::msg::IntendedPath message;
-  message.robot(way.robot);
-  message.way(convert::ToCellMessages(way.way));
-  message.room(convert::ToCellMessages(way.room.way));
-  message.room_tier(way.room.right.tier);
-  message.room_for(way.room.right.robot);
-  message.room_passed_on(way.room.right.passed_on);
+  message.robot(path.robot);
+  message.way(convert::ToCellMessages(path.way));
+  message.room(convert::ToCellMessages(path.room.way));
+  message.room_tier(path.room.right.tier);
+  message.room_for(path.room.right.robot);
+  message.room_passed_on(path.room.right.passed_on);
   return message;
 }
 

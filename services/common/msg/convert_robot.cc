@@ -108,7 +108,7 @@ conav_msgs::msg::RobotState ToMessage(const RobotState& state) {
 
 namespace {
 
-/// Format, size and pixels; the picture itself is for whoever decodes it.
+/// Checks format, size and pixels; decoding the image is up to its users.
 void CheckImage(Checks& checks, const conav_msgs::msg::Snapshot& message) {
   checks.Size("data", message.data().size(), convert::kMaxJpegBytes);
   checks.Range("width", message.width(), 0, convert::kMaxImageSide);

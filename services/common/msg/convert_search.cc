@@ -57,7 +57,8 @@ ReportedNode ToNode(Checks& checks, const std::string& at, int index,
                     const conav_msgs::msg::SearchNode& message) {
   ReportedNode node;
   node.parent = message.parent();
-  // Only the first has none, and a parent comes before its children: no loop, one tree.
+  // Only the first node has no parent, and a parent precedes its children: so this is one tree
+  // without loops.
   if (node.parent < (index == 0 ? -1 : 0) || node.parent >= index) {
     checks.Refuse(fmt::format("{}parent = {} is not {}", at, node.parent,
                               index == 0 ? "-1" : fmt::format("in [0, {}]", index - 1)));

@@ -5,7 +5,7 @@
 #include "common/msg/convert.h"
 #include "common/msg/convert_checks.h"
 
-// Standard ROS messages: time, maps, poses.
+// Standard ROS messages: time, maps, poses, camera.
 namespace conav {
 namespace {
 
@@ -14,7 +14,7 @@ constexpr std::int64_t kMaxSeconds = std::numeric_limits<std::int32_t>::max();
 constexpr double kMaxCellSize = 1000.0;    // metres
 constexpr double kMaxPosition = 1.0e6;     // metres
 constexpr double kOriginTolerance = 0.01;  // cells
-constexpr double kMaxFovRad = 2.6;         // 149 degrees: no plane shows more of use
+constexpr double kMaxFovRad = 2.6;         // 149 degrees: a planar image cannot usefully show more
 constexpr double kTurnTolerance = 1.0e-3;
 constexpr int kFreeUpTo = 25;
 constexpr int kOccupiedFrom = 65;

@@ -7,10 +7,10 @@
 
 #include "common/grid/grid.h"
 
-/// What planner processes that share robots tell each other; see idl/conav_planning.idl.
+/// Messages between planner processes that share robots; see idl/conav_planning.idl.
 namespace conav {
 
-/// What one planner process says of itself.
+/// The lease that one planner process publishes about itself.
 struct PlannerLease {
   struct Held {
     std::string robot;
@@ -19,16 +19,16 @@ struct PlannerLease {
   };
   std::string node;
   std::string instance;             // unique per process
-  std::vector<std::string> robots;  // that it is configured for
-  std::vector<Held> holds;          // that it drives now
-  double load = 0.0;                // cores that its decisions took lately
-  bool leaving = false;             // it ends and holds nothing any more
+  std::vector<std::string> robots;  // configured for
+  std::vector<Held> holds;          // driven now
+  double load = 0.0;                // cores used by recent decisions
+  bool leaving = false;             // the process is ending and holds nothing
   bool operator==(const PlannerLease&) const = default;
 };
 
-/// Who goes before whom: the smaller rank. A robot that is shut in, one that wants a way, one that
-/// has goals but wants nothing now (it waits), one without goals; then by name. A robot that makes
-/// room for another hands its rank on, one step below.
+/// Right of way: the smaller rank goes first. In order: a robot that is shut in, one that intends a
+/// path, one that has goals but no intended path (it waits), one without goals; ties go by name. A
+/// robot that makes room for another inherits its rank, one step below.
 struct RightOfWay {
   enum Tier : std::uint8_t { kShutIn, kWantsAWay, kHasGoals, kHasNone };
   Tier tier = kHasNone;
@@ -37,17 +37,17 @@ struct RightOfWay {
   auto operator<=>(const RightOfWay&) const = default;
 };
 
-/// Cells by which a robot makes room for another one, nearest first; empty when it need not.
+/// Cells through which a robot makes room for another one, nearest first; empty if it need not.
 struct RoomClaim {
   std::vector<Cell> way;
   RightOfWay right;
   bool operator==(const RoomClaim&) const = default;
 };
 
-/// What a robot wants of the others.
+/// The path that a robot intends to take, and its right of way.
 struct IntendedPath {
   std::string robot;
-  std::vector<Cell> way;  // cells that it wants to enter next, nearest first
+  std::vector<Cell> way;  // cells that it intends to enter next, nearest first
   RoomClaim room;
   bool operator==(const IntendedPath&) const = default;
 };

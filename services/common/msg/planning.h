@@ -9,18 +9,19 @@
 #include "common/msg/search_report.h"
 #include "common/runtime/result.h"
 
-/// Domain values of perception queries and, by search_report.h, of the planner's reports; see idl/conav_planning.idl.
+/// Domain values of perception queries; with search_report.h, also of the planner's reports. See
+/// idl/conav_planning.idl.
 namespace conav {
 
-/// Who can predict the operator's edits: the network of the paper, or the GLPF.
+/// The models that can predict the operator's edits: the network of the paper, and the GLPF.
 inline constexpr const char* kNhpmModel = "nhpm";
 inline constexpr const char* kGlpfModel = "glpf";
 inline constexpr std::array kPerceptionModels{kNhpmModel, kGlpfModel};
-/// Where nobody says otherwise.
+/// The default model.
 inline constexpr const char* kDefaultPerceptionModel = kNhpmModel;
 
-/// How would the operator edit `belief` after the robot went `path` and sent a picture from `cell`
-/// towards `heading_rad` that shows `visible`? Paper section 4: (x, tau, o).
+/// Asks: how would the operator edit `belief` after the robot took `path` and sent a picture from
+/// `cell` towards `heading_rad` that shows `visible`? Paper section 4: (x, tau, o).
 struct PerceptionQuery {
   BeliefGrid belief;       // x: P(wall) in [0, 1]
   std::vector<Cell> path;  // tau
@@ -30,31 +31,31 @@ struct PerceptionQuery {
   bool operator==(const PerceptionQuery&) const = default;
 };
 
-/// Probabilities that the operator adds or removes a wall, cell by cell; masked as in paper section
-/// 4 (nothing to add where the belief has a wall, nothing to remove where it has none, never on the
-/// border).
+/// Probabilities that the operator adds or removes a wall, cell by cell. Masked as in paper section
+/// 4: nothing to add where the belief has a wall, nothing to remove where it has none, never on the
+/// border.
 struct PerceptionAnswer {
   Grid<float> add;
   Grid<float> remove;
   bool operator==(const PerceptionAnswer&) const = default;
 };
 
-/// A batch of questions; (client, request_id) makes a repeat harmless. All beliefs have one shape.
+/// A batch of queries; (client, request_id) makes a repeat harmless. All beliefs have one shape.
 struct PerceptionRequest {
   std::string client;
   std::uint64_t request_id = 0;
-  std::string replica;           // node that shall answer; empty = any
-  std::string model;             // name wanted; empty = whatever is served
-  std::string model_checksum;    // SHA-256 wanted; empty = any
+  std::string replica;           // the node to answer; empty = any
+  std::string model;             // requested model; empty = whichever is served
+  std::string model_checksum;    // requested SHA-256; empty = any
   std::string person;            // whose edits; empty = the average operator's
-  std::uint32_t timeout_ms = 0;  // how long the asker waits from the arrival on; 0 = not said
+  std::uint32_t timeout_ms = 0;  // how long the client waits from arrival; 0 = unknown
   std::vector<PerceptionQuery> queries;
   bool operator==(const PerceptionRequest&) const = default;
 };
 
 enum class PerceptionStatus : std::uint8_t { kOk, kRefused, kBusy };
 
-/// Answers in the order of the queries; none, and a reason, when refused or busy.
+/// Answers in the order of the queries; none, plus a reason, when rejected or busy.
 struct PerceptionReply {
   std::string client;
   std::uint64_t request_id = 0;
@@ -69,13 +70,12 @@ struct PerceptionReply {
 };
 
 /// ||p_add||_1 + ||p_remove||_1, in cells: the expected information reward of paper section 5.2.
-/// Summed in double, row-major, add before remove, so that every model behind the seam gives the
-/// same bits.
+/// Sums in double, row-major, add before remove, so that every model gives the same bits.
 double ExpectedEdits(const PerceptionAnswer& answer);
 
-/// Names what makes `query` impossible to answer: an empty belief or one with values outside of
-/// [0, 1], a cell outside of the belief, a heading that is no number.
-/// Errors: kInvalidArgument. Every perception model refuses a batch that holds such a query.
+/// Checks that `query` can be answered. Rejects an empty belief or one with values outside of [0,
+/// 1], a cell outside the belief, and a heading that is NaN.
+/// Errors: kInvalidArgument. Every perception model rejects a batch with such a query.
 [[nodiscard]] Result<void> CheckPerceptionQuery(const PerceptionQuery& query);
 
 }  // namespace conav

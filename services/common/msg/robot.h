@@ -12,6 +12,8 @@
 #include "common/grid/visibility.h"
 #include "common/runtime/clock.h"
 
+/// Domain values of the robot's side of the bus; idl/conav_robot.idl states who sends them and
+/// when.
 namespace conav {
 
 /// Names of worlds and robots become parts of topics: 1 to kMaxName of A-Z a-z 0-9 _.
@@ -25,11 +27,6 @@ inline bool IsEntityName(std::string_view name) {
   return !name.empty() && name.size() <= kMaxName &&
          std::all_of(name.begin(), name.end(), IsNameCharacter);
 }
-
-}  // namespace conav
-
-/// Domain values of the robot's side of the bus; idl/conav_robot.idl says who sends them and when.
-namespace conav {
 
 /// An occupancy map with its place in the world.
 struct MapUpdate {
@@ -55,7 +52,7 @@ struct RobotCommand {
   Cell target;               // move: a neighbour of the robot's cell
   double heading_rad = 0.0;  // transmit view
   DriveAction drive = DriveAction::kStop;
-  std::uint64_t drive_order = 0;  // drive: sequence number of the DriveOrder that it carries out
+  std::uint64_t drive_order = 0;  // drive: sequence number of the DriveOrder behind it
   bool operator==(const RobotCommand&) const = default;
 };
 
@@ -64,7 +61,7 @@ enum class CommandOutcome : std::uint8_t {
   kRunning,
   kDone,
   kBlocked,   // the target cell, or one driven towards, is a wall
-  kOccupied,  // another robot stands there or drives there
+  kOccupied,  // another robot stands there or is driving there
   kRefused,
   kExpired,
 };
@@ -85,7 +82,7 @@ struct RobotState {
   CommandOutcome command_outcome = CommandOutcome::kNone;
   std::string command_detail;
   Cell command_cell;
-  std::uint64_t drive_order = 0;  // of the last DriveOrder taken up
+  std::uint64_t drive_order = 0;  // of the last DriveOrder accepted
   std::uint64_t lease_epoch = 0;
   std::uint64_t cell_moves = 0;
   std::uint64_t low_level_steps = 0;
@@ -96,7 +93,7 @@ struct RobotState {
   bool operator==(const RobotState&) const = default;
 };
 
-/// A picture that a robot sent, and what it shows.
+/// A picture that a robot sent, and the cells it shows.
 struct Snapshot {
   SimTime stamp;
   std::string world;

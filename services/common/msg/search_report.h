@@ -9,7 +9,7 @@
 /// Domain values of a planner's search report; see idl/conav_planning.idl.
 namespace conav {
 
-/// What a return is made of, each term discounted like the return: Sum() is the return.
+/// The terms of a reward, or of a return, each discounted like it: Sum() is the reward.
 /// Source: paper, appendix C; `progress` is our addition.
 struct RewardTerms {
   double goals = 0.0;          // r_g of goals reached
@@ -20,8 +20,9 @@ struct RewardTerms {
   double information = 0.0;    // R_info
   double communication = 0.0;  // -c
 
+  /// In this order the search has always added them: the same seed gives the same decisions.
   double Sum() const {
-    return goals + steps + progress + guidance + smoothness + information + communication;
+    return goals + steps + guidance + smoothness + progress + information + communication;
   }
   RewardTerms& operator+=(const RewardTerms& other) {
     goals += other.goals;

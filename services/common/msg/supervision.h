@@ -8,9 +8,10 @@
 #include "common/grid/grid.h"
 #include "common/msg/robot.h"
 #include "common/runtime/clock.h"
+#include "common/runtime/result.h"
 
-/// Domain values of the operator's side of the bus; idl/conav_operator.idl says who sends them and
-/// when.
+/// Domain values of the operator's side of the bus; idl/conav_operator.idl states who sends them
+/// and when.
 namespace conav {
 
 /// The operator's map. Revision 0 is the initial one; each accepted edit adds one.
@@ -23,7 +24,7 @@ struct Belief {
   bool operator==(const Belief&) const = default;
 };
 
-/// The path that the operator wants a robot to take; an empty path withdraws it.
+/// The path that the operator suggests to a robot; an empty path withdraws it.
 struct Guidance {
   SimTime stamp;
   std::string world;
@@ -32,7 +33,7 @@ struct Guidance {
   std::vector<Cell> path;
   std::string given_by;
   std::uint64_t belief_revision = 0;
-  /// Newest picture that was answered, by this or before; Picture::sequence_number, 0 = none.
+  /// Newest picture that this or earlier guidance answered; Snapshot::sequence_number, 0 = none.
   std::uint64_t answers_snapshot = 0;
   SimTime valid_until;
   bool operator==(const Guidance&) const = default;
@@ -58,7 +59,7 @@ struct GuideRequest {
   bool operator==(const GuideRequest&) const = default;
 };
 
-/// One low-level action that `robot` shall carry out before `expires_at`.
+/// One low-level action for `robot`, to be carried out before `expires_at`.
 struct DriveRequest {
   std::string robot;
   DriveAction drive = DriveAction::kStop;
@@ -78,8 +79,8 @@ struct DriveOrder {
   bool operator==(const DriveOrder&) const = default;
 };
 
-/// Why something asks for the operator. Robots ask for the first four, kNone = no more; the operator
-/// service finds the rest.
+/// Why something needs the operator. Robots send the first four, and kNone to withdraw; the
+/// operator service detects the rest.
 enum class AttentionReason : std::uint8_t {
   kNone = 0,
   kPicture = 1,
@@ -91,21 +92,22 @@ enum class AttentionReason : std::uint8_t {
   kGoalsReached = 7,
 };
 
-/// The person turns to an item of the attention queue.
+/// The operator selects an item of the attention queue.
 struct SelectRequest {
   std::string robot;
   AttentionReason reason = AttentionReason::kPicture;
   bool operator==(const SelectRequest&) const = default;
 };
 
-/// A picture was looked at and shows nothing new: the robot's path stays as it is.
+/// The operator looked at a picture and found nothing new: the robot's path stays as it is.
 struct AnswerRequest {
   std::string robot;
   std::uint64_t snapshot = 0;  // Snapshot::sequence_number
   bool operator==(const AnswerRequest&) const = default;
 };
 
-/// `robots` stand until a GoRequest; none = all. So with the requests below.
+/// Stops `robots` until a GoRequest; none = all robots. The requests below read an empty list the
+/// same way.
 struct StopRequest {
   std::vector<std::string> robots;
   std::string reason;
@@ -117,7 +119,8 @@ struct GoRequest {
   bool operator==(const GoRequest&) const = default;
 };
 
-/// From now on only this client commands `robots`; a reason is asked for where another one does.
+/// Only this client commands `robots` from now on; taking over from another client requires a
+/// reason.
 struct TakeControlRequest {
   std::vector<std::string> robots;
   std::string reason;
@@ -140,12 +143,12 @@ struct ShelveRequest {
   bool operator==(const ShelveRequest&) const = default;
 };
 
-/// Whoever takes part in a task is done with it: only where the operator service runs one.
+/// A participant is done with the task; only valid while the operator service runs one.
 struct FinishRequest {
   bool operator==(const FinishRequest&) const = default;
 };
 
-/// Whether `robot` shall stand, whatever else was asked of it.
+/// Whether `robot` must stand still, overriding all other commands.
 struct StopOrder {
   SimTime stamp;
   std::string world;
@@ -157,7 +160,7 @@ struct StopOrder {
   bool operator==(const StopOrder&) const = default;
 };
 
-/// What any client may ask of the operator service. (client, request_id) makes a repeat harmless.
+/// A request of any client to the operator service. (client, request_id) makes a repeat harmless.
 struct OperatorRequest {
   SimTime stamp;
   std::string client;
@@ -179,6 +182,15 @@ struct OperatorReply {
   bool operator==(const OperatorReply&) const = default;
 };
 
+/// `request` when its names, sizes and ranges are valid; for requests from the bus and from pages.
+/// The operator service, which can reply, checks whether a path is connected and edits fit. Errors:
+/// kMalformed names the field, the value and the limit.
+[[nodiscard]] Result<OperatorRequest> Checked(OperatorRequest request);
+
+/// The reply that refuses `request`.
+OperatorReply Refusal(const OperatorRequest& request, std::string reason,
+                      std::uint64_t revision = 0);
+
 struct AttentionRequest {
   SimTime stamp;
   std::string world;
@@ -189,9 +201,9 @@ struct AttentionRequest {
   std::uint64_t newest_snapshot = 0;  // Snapshot::sequence_number of this robot when it asked
   double value_lost_per_s = 0.0;
   double expected_information = 0.0;
-  // When the robot goes on unanswered: one of them at most; both 0 = it waits for ever.
+  // When the robot continues without an answer. At most one is set; both 0 = it waits forever.
   SimTime gives_up_at{};
-  double gives_up_after_s = 0.0;  // wall time after it asked
+  double gives_up_after_s = 0.0;  // wall time since the request
   bool operator==(const AttentionRequest&) const = default;
 };
 
@@ -202,8 +214,8 @@ struct AttentionItem {
   AttentionReason reason = AttentionReason::kPicture;
   std::uint8_t tier = 1;  // 1 = first
   SimTime since;
-  SimTime deadline;               // 0 = none by the operator's time
-  double gives_up_after_s = 0.0;  // wall time after it asked; 0 = none by the wall clock
+  SimTime deadline;               // 0 = none in the operator's time
+  double gives_up_after_s = 0.0;  // wall time since the request; 0 = none by the wall clock
   Cell cell;
   std::uint64_t newest_snapshot = 0;
   std::uint64_t source_sequence = 0;
@@ -236,7 +248,7 @@ struct OperatorWorkload {
   bool operator==(const OperatorWorkload&) const = default;
 };
 
-/// What asks for the operator, first first, and how busy the operator is.
+/// The attention queue, highest priority first, and the operator's workload.
 struct AttentionQueueState {
   SimTime stamp;
   std::uint64_t revision = 0;

@@ -15,16 +15,16 @@ struct CellStyles {
   std::string_view unknown = "fill=\"#c8c8c8\"";
 };
 
-/// An arrow head, in cells, from where it stands.
+/// Shape of an arrow head, in cells from its base point.
 struct ArrowShape {
   double length = 0.75;
   double half_width = 0.3;
 };
 
-/// A grid map on a canvas: where its cells lie, and what is drawn on them. Lengths are in cells.
+/// Draws a grid map on a canvas. Lengths are in cells.
 class MapPanel {
  public:
-  /// `corner`: the north-western one. `canvas` outlives the panel.
+  /// `corner` is the north-western one. `canvas` outlives the panel.
   MapPanel(SvgCanvas& canvas, PixelPosition corner, double cell_pixels)
       : canvas_(canvas), corner_(corner), cell_pixels_(cell_pixels) {}
 
@@ -36,12 +36,12 @@ class MapPanel {
             corner_.y + (cell.row + 0.5) * cell_pixels_};
   }
 
-  /// Leaves a line of a pixel to the next cell.
+  /// Leaves a gap of one pixel to the next cell.
   void DrawCell(Cell cell, std::string_view style) const;
   void DrawMap(const OccupancyGrid& map, const CellStyles& styles = {}) const;
-  /// From kWallThreshold on a cell is a wall; none is unknown.
+  /// A cell is a wall from kWallThreshold on; none is unknown.
   void DrawMap(const BeliefGrid& map, const CellStyles& styles = {}) const;
-  /// From middle to middle. `shift_pixels`, right and down, keeps several ways apart.
+  /// From centre to centre. `shift_pixels`, right and down, keeps several paths apart.
   void DrawPath(std::span<const Cell> cells, std::string_view style,
                 double shift_pixels = 0.0) const;
   /// `heading_rad` as on the map: 0 east, counter-clockwise.

@@ -30,7 +30,7 @@ void Set(Attributes& attributes, std::string_view name, std::string_view value) 
     found->second = value;
 }
 
-/// Adds those of a list as the header describes it.
+/// Adds the attributes of a list, as the header describes it.
 void SetAll(Attributes& attributes, std::string_view list) {
   const std::string_view whole = list;
   while (!list.empty()) {
@@ -43,7 +43,7 @@ void SetAll(Attributes& attributes, std::string_view list) {
   }
 }
 
-/// "<name a="1" b="2"": whoever calls it closes the tag.
+/// "<name a="1" b="2"": the caller closes the tag.
 std::string OpenTag(std::string_view name, Attributes attributes, std::string_view style) {
   SetAll(attributes, style);
   std::string text = fmt::format("<{}", name);
@@ -52,6 +52,15 @@ std::string OpenTag(std::string_view name, Attributes attributes, std::string_vi
 }
 
 std::string Pixels(double value) { return fmt::format("{:.1f}", value); }
+
+/// 1, 2 or 5 times a power of ten, at least `least`.
+double RoundStep(double least) {
+  const double power = std::pow(10.0, std::floor(std::log10(least)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * power >= least) return factor * power;
+  }
+  return 10.0 * power;
+}
 
 }  // namespace
 
@@ -72,7 +81,7 @@ std::string EscapeXml(std::string_view text) {
         escaped += "&quot;";
         break;
       default:
-        // XML has no control characters, by no name either.
+        // XML 1.0 cannot express control characters, not even as entities.
         escaped += static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t' ? ' ' : c;
     }
   }
@@ -147,19 +156,6 @@ std::string SvgCanvas::Document(double width, double height, std::string_view ti
       "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n{3}</svg>\n",
       width, height, EscapeXml(title), body_);
 }
-
-namespace {
-
-/// 1, 2 or 5 times a power of ten, at least `least`.
-double RoundStep(double least) {
-  const double power = std::pow(10.0, std::floor(std::log10(least)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * power >= least) return factor * power;
-  }
-  return 10.0 * power;
-}
-
-}  // namespace
 
 std::vector<double> Axis::Ticks() const {
   std::vector<double> ticks;

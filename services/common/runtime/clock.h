@@ -24,8 +24,7 @@ inline std::chrono::nanoseconds Seconds(double seconds) {
       std::chrono::duration<double>(seconds));
 }
 
-/// Monotonic wall time for deadlines and durations. Injected, so that a test can hold it in its
-/// hand.
+/// Monotonic wall time for deadlines and durations. Injected, so that a test can control it.
 class Clock {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
@@ -47,14 +46,10 @@ class FakeClock final : public Clock {
   TimePoint now_{};
 };
 
-}  // namespace conav
-
-namespace conav::operators {
-
-/// Wall time as pages know it: s since 1970.
+/// Wall time of the console's pages: s since 1970.
 inline double ToWallSeconds(std::chrono::system_clock::time_point time) {
   return std::chrono::duration<double>(time.time_since_epoch()).count();
 }
 inline double WallSeconds() { return ToWallSeconds(std::chrono::system_clock::now()); }
 
-}  // namespace conav::operators
+}  // namespace conav

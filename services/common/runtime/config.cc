@@ -22,7 +22,7 @@ Result<YAML::Node> ReadYamlFile(const std::filesystem::path& file) {
 
 namespace {
 
-/// A key may be anything in YAML, a list even.
+/// A YAML key may be anything, even a list.
 std::string KeyText(const YAML::Node& key) {
   return key.IsScalar() ? key.Scalar() : YAML::Dump(key);
 }

@@ -12,7 +12,7 @@
 
 namespace conav {
 
-/// The document of a YAML file, whatever it is made of; that of an empty file is null.
+/// Parses a YAML file; an empty file gives a null node.
 /// Errors, each naming the file: those of ReadFile, kMalformed.
 [[nodiscard]] Result<YAML::Node> ReadYamlFile(const std::filesystem::path& file);
 
@@ -25,14 +25,14 @@ namespace conav {
 ///
 /// A config struct declares its fields once, with their defaults, in
 ///   void Visit(ConfigReader& reader) { reader.Field("iterations", iterations, 1, 100000); ... }
-/// and Load() fills it. Unknown keys, wrong types and values out of range throw StartupError that
-/// names file, key, value and limit. The same Visit writes the effective config (Dump).
+/// and Load() fills it. Unknown keys, wrong types and values out of range throw StartupError with
+/// file, key, value and limit. The same Visit writes the effective config (Dump).
 class ConfigReader {
  public:
-  /// `node` may be null or undefined: every default is kept. `path` names the section in messages.
+  /// If `node` is null or undefined, all defaults stay. Messages name the section `path`.
   ConfigReader(const YAML::Node& node, std::string path);
-  /// Writing mode: Field() stores the current values, to be taken by emitted(). Where what is written
-  /// may be read by others, as a log, it keeps secrets.
+  /// Writing mode: Field() stores the current values, which emitted() returns. kKept hides secrets,
+  /// for output that others may read, such as a log.
   enum class Secrets { kWritten, kKept };
   explicit ConfigReader(Secrets secrets = Secrets::kWritten);
 
@@ -81,7 +81,7 @@ class ConfigReader {
     inner.RefuseUnknownKeys();
   }
 
-  /// False while the values are written out.
+  /// False while writing.
   bool reading() const { return !writing_; }
 
   void RefuseUnknownKeys() const;
@@ -107,10 +107,10 @@ class ConfigReader {
 };
 
 /// Reads `<service>: ros__parameters:` of `file`. Throws StartupError when the file cannot be read
-/// or has no such section (the message lists the sections that it has).
+/// or lacks that section (the message lists its sections).
 YAML::Node LoadParameters(const std::filesystem::path& file, const std::string& service);
 
-/// Fills `config` from `node`; keys that Visit does not declare are refused.
+/// Fills `config` from `node`; rejects keys that Visit does not declare.
 template <class T>
 void ReadConfig(const YAML::Node& node, const std::string& path, T& config) {
   ConfigReader reader(node, path);
@@ -118,7 +118,8 @@ void ReadConfig(const YAML::Node& node, const std::string& path, T& config) {
   reader.RefuseUnknownKeys();
 }
 
-/// The effective config as a YAML document that LoadParameters reads back, unless secrets are kept.
+/// The effective config as a YAML document that LoadParameters can read back, unless secrets are
+/// hidden.
 template <class T>
 std::string DumpConfig(const std::string& service, T config,
                        ConfigReader::Secrets secrets = ConfigReader::Secrets::kWritten) {

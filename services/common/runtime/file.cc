@@ -13,7 +13,7 @@
 namespace conav {
 namespace {
 
-/// A descriptor, closed when it goes; below 0 when it could not be opened.
+/// An owned file descriptor; below 0 if opening failed.
 class Descriptor {
  public:
   Descriptor(const std::filesystem::path& path, int flags)
@@ -25,14 +25,14 @@ class Descriptor {
   Descriptor& operator=(const Descriptor&) = delete;
 
   int number() const { return number_; }
-  /// False with errno; a network's file system may say only here that it has no room.
+  /// False with errno; a network file system may report a full disk only here.
   bool Close() { return ::close(std::exchange(number_, -1)) == 0; }
 
  private:
   int number_;
 };
 
-/// Whole or not at all; a device or a pipe is written to, not replaced.
+/// True for files that are replaced whole; false for a device or pipe, which is written in place.
 bool IsReplaced(const std::filesystem::path& path) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
@@ -48,7 +48,7 @@ tl::unexpected<Error> CannotWrite(const std::filesystem::path& path, const std::
   return Fail(ErrorCode::kIo, fmt::format("{}: cannot write: {}", path.string(), reason));
 }
 
-/// Makes `target` with `flags` and writes it; messages name `path`.
+/// Creates `target` with `flags` and writes it; messages name `path`.
 Result<void> WriteTo(const std::filesystem::path& target, int flags,
                      const std::filesystem::path& path, std::string_view bytes) {
   Descriptor file(target, O_WRONLY | flags);
@@ -66,7 +66,7 @@ Result<void> WriteTo(const std::filesystem::path& target, int flags,
   return {};
 }
 
-/// A name that no other writer of `path` has.
+/// A name that no other writer of `path` uses.
 std::filesystem::path PartialPath(const std::filesystem::path& path) {
   std::random_device entropy;
   std::filesystem::path partial = path;
@@ -74,7 +74,7 @@ std::filesystem::path PartialPath(const std::filesystem::path& path) {
   return partial;
 }
 
-/// A new file, which is removed again when this fails; messages name `path`.
+/// Writes a new file and removes it again on failure; messages name `path`.
 Result<void> WritePartial(const std::filesystem::path& partial, const std::filesystem::path& path,
                           std::string_view bytes) {
   return WriteTo(partial, O_CREAT | O_EXCL, path, bytes).map_error([&](Error error) {

@@ -9,7 +9,7 @@
 namespace conav::log {
 namespace {
 
-/// All that the log knows between two lines.
+/// The state of the process-wide log.
 struct State {
   std::string service = "conav";
   std::atomic<Level> minimum_level = Level::kInfo;

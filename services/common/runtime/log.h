@@ -25,11 +25,11 @@ struct Record {
   std::string_view text;  // event and fields; valid during the call
 };
 
-/// Where each line goes besides stderr; empty = nowhere. Returns when no thread is inside the
-/// former sink any more. A sink is called by one thread at a time, and must neither block nor log.
+/// Sets where lines go in addition to stderr; empty = nowhere. When it returns, no thread is inside
+/// the former sink. One thread at a time calls a sink; a sink must neither block nor log.
 void SetSink(std::function<void(const Record&)> sink);
 
-/// kStderr is for what a sink's own sending may cause: such a line must not feed itself.
+/// kStderr is for lines that a sink's own sending may cause: they must not feed back.
 enum class Reach { kStderrAndSink, kStderr };
 
 /// One line on stderr: wall time, level, service, event, key=value... Threads: safe to call
@@ -69,11 +69,12 @@ void Event(Level level, std::string_view event, const Fields&... fields) {
 
 namespace conav {
 
-/// Keeps a line that a loop or a peer may cause again and again to one per period:
+/// Limits a repeated line of a loop or peer to one per period:
 ///
 ///   if (const auto held_back = limit_.Allow()) LOG_WARNING("refused", "held_back", *held_back);
 ///
-/// Threads: safe to call concurrently; of several at once one is allowed. Trivially destructible.
+/// Threads: safe to call concurrently; one of several concurrent calls is allowed. Trivially
+///          destructible.
 class LogLimit {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
@@ -81,7 +82,7 @@ class LogLimit {
   explicit constexpr LogLimit(std::chrono::nanoseconds period = std::chrono::seconds(1))
       : period_(period) {}
 
-  /// When a line may be written now: how many were held back since the last one.
+  /// If a line may be written now, the number of lines held back since the last one.
   std::optional<std::uint64_t> Allow(TimePoint now = std::chrono::steady_clock::now()) {
     const std::int64_t now_ns = std::chrono::nanoseconds(now.time_since_epoch()).count();
     std::int64_t next = next_ns_.load();

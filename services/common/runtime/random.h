@@ -13,10 +13,10 @@ namespace conav {
 
 /// Seeded random numbers that are the same on every platform and standard library.
 ///
-/// std::mt19937_64 is fixed by the C++ standard, its distributions are not; so the distributions
-/// are written out here. Bounded integers use Lemire's multiply-and-reject method (D. Lemire, "Fast
-/// Random Integer Generation in an Interval", ACM TOMACS 29(1), 2019), the choice of libstdc++
-/// >= 11. Threads: not synchronised; one per thread.
+/// The C++ standard fixes std::mt19937_64 but not its distributions, so this class implements them.
+/// Bounded integers use Lemire's multiply-and-reject method (D. Lemire, "Fast Random Integer
+/// Generation in an Interval", ACM TOMACS 29(1), 2019), as libstdc++ >= 11 does. Threads: not
+/// synchronised; one per thread.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}
@@ -44,8 +44,8 @@ class Random {
   /// True with the given probability; always consumes one draw.
   bool Chance(double probability) { return Unit() < probability; }
 
-  /// Permutes in place: the pairwise variant of Fisher-Yates that libstdc++ uses (one draw gives
-  /// two swaps), so that labmaze's layouts come out character for character.
+  /// Permutes in place with the pairwise variant of Fisher-Yates from libstdc++ (one draw gives two
+  /// swaps), so that labmaze's layouts come out character for character.
   template <class T>
   void Shuffle(std::vector<T>& items) {
     ForEachSwap(items.size(), [&](std::size_t a, std::size_t b) { std::swap(items[a], items[b]); });
@@ -96,7 +96,7 @@ void Random::ForEachSwap(std::size_t size, Swap&& swap) {
 }
 
 /// SplitMix64 (Steele, Lea and Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA
-/// 2014): random numbers for innermost loops, a few instructions a draw, the same on every platform.
+/// 2014): random numbers for inner loops, a few instructions a draw, the same on every platform.
 /// Seed it from a Random. Threads: not synchronised; one per thread.
 class SplitMix64 {
  public:
@@ -128,7 +128,7 @@ inline std::uint32_t ScaledTo(std::uint32_t bits, std::uint32_t count) {
   return static_cast<std::uint32_t>((std::uint64_t{bits} * count) >> 32);
 }
 
-/// 32 random bits are below this with `probability`, in [0, 1]; always with 1.
+/// 32 random bits are below this value with `probability` in [0, 1]; always for 1.
 inline std::uint64_t BitsBelow(double probability) {
   return static_cast<std::uint64_t>(std::llround(probability * 4294967296.0));
 }

@@ -9,8 +9,8 @@
 
 namespace conav {
 
-/// What went wrong, for failures that are foreseen while running. `text` names the thing, the value
-/// and the limit, so that it can be shown to a person as it is.
+/// A foreseeable failure at run time. `text` names the thing, the value and the limit, so that a
+/// person can read it as it is.
 enum class ErrorCode {
   kInvalidArgument,
   kNotFound,
@@ -47,7 +47,7 @@ class StartupError : public std::runtime_error {
 }  // namespace conav
 
 /// Always-on check of our own contracts: DEMAND(row < rows, row, rows). A failure is a bug of ours,
-/// never of the input; input is refused with a Result instead.
+/// never bad input; bad input gives a Result.
 #define DEMAND(condition, ...)                                                         \
   do {                                                                                 \
     if (!(condition)) [[unlikely]] {                                                   \

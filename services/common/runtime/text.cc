@@ -12,7 +12,7 @@
 namespace conav {
 namespace {
 
-/// Bytes that follow the first one of a character; -1 where `first` begins none.
+/// Number of bytes that follow the first byte of a character; -1 if `first` begins none.
 int FollowingBytes(unsigned char first) {
   if (first < 0x80) return 0;
   if (first >= 0xC2 && first < 0xE0) return 1;

@@ -12,25 +12,22 @@
 
 namespace conav {
 
-/// Whether `text` is well-formed UTF-8 (table 3-7 of the Unicode standard): neither protobuf's texts
-/// nor JSON carry anything else.
+/// Whether `text` is well-formed UTF-8 (table 3-7 of the Unicode standard), as protobuf texts and
+/// JSON require.
 bool IsUtf8(std::string_view text);
 
-/// `text`; where it is not UTF-8, with `?` for each byte that is not ASCII.
+/// `text`; if it is not UTF-8, with `?` for each byte that is not ASCII.
 std::string Readable(std::string_view text);
 
-/// Whether `text` is UTF-8 that may stand in a line and in a file's name: without slashes and control
-/// characters.
+/// Whether `text` is UTF-8 for one line and for a file name: no slashes, no control characters.
 bool IsPlainName(std::string_view text);
-/// What is said of a text that is none.
+/// The complaint about any other text.
 inline constexpr const char* kNoPlainName = "is not UTF-8 without / and control characters";
 
-/// Indented, with a final newline. Bytes that are no UTF-8, as a file's name may have, become U+FFFD.
+/// Indented, with a final newline. Bytes that are not UTF-8, as in some file names, become U+FFFD.
 std::string JsonText(const nlohmann::ordered_json& document);
 
-/// Writes JsonText to a temporary file beside `path` and renames it, so
-/// that a reader sees the old file or the new one, never half of it. Errors: kIo with path and
-/// cause.
+/// Writes JsonText as WriteFile does. Errors: kIo with path and cause.
 [[nodiscard]] Result<void> WriteJsonFile(const std::filesystem::path& path,
                                          const nlohmann::ordered_json& document);
 
@@ -41,7 +38,7 @@ class Sha256 {
   ~Sha256();
   void Update(std::span<const std::byte> bytes);
   void Update(std::string_view text) { Update(std::as_bytes(std::span(text))); }
-  /// The digest of all bytes so far as 64 lower-case hexadecimal digits. Call once, last.
+  /// The digest of all bytes as 64 lower-case hexadecimal digits. Call once, last.
   std::string Hex();
 
  private:

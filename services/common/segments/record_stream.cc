@@ -24,22 +24,30 @@ bool CanBeginFrame(std::string_view bytes) {
   return bytes.substr(0, known) == kMagic.substr(0, known);
 }
 
-/// Whether `rest`, of which zstd gave `error`, is the beginning of one frame and nothing else. A
-/// damaged frame may also seem to go on beyond the end of the file, over the frames that follow it.
+/// Whether `rest`, for which zstd returned `error`, is the beginning of one frame and nothing else.
+/// A damaged frame may also seem to extend past the end of the file, over the frames that follow
+/// it.
 bool IsTorn(std::string_view rest, std::size_t error) {
   return ZSTD_getErrorCode(error) == ZSTD_error_srcSize_wrong &&
          rest.find(kMagic, kMagic.size()) == std::string_view::npos;
 }
 
-/// Demands what cannot fail but for a mistake of ours or want of memory.
+/// Demands success of calls that only fail through our own mistake or lack of memory.
 std::size_t Must(std::size_t code) {
   DEMAND(ZSTD_isError(code) == 0, ZSTD_getErrorName(code));
   return code;
 }
 
+constexpr std::size_t kMaxRecordBytes = std::size_t{32} * 1024 * 1024;
+constexpr std::size_t kMaxVarintBytes = 5;
+
+tl::unexpected<Error> Refuse(std::size_t record, const std::string& reason) {
+  return Fail(ErrorCode::kMalformed, fmt::format("record {} {}", record, reason));
+}
+
 }  // namespace
 
-// --- writing ---------------------------------------------------------------------------------
+// Writing.
 
 struct ZstdFrame::Context {
   ZSTD_CCtx* handle = ZSTD_createCCtx();
@@ -74,7 +82,7 @@ std::string ZstdFrame::Finish() {
   return std::move(frame_);
 }
 
-// --- reading ---------------------------------------------------------------------------------
+// Reading.
 
 Result<FrameExtent> FindFrames(std::string_view file) {
   FrameExtent extent;
@@ -89,7 +97,7 @@ Result<FrameExtent> FindFrames(std::string_view file) {
       return Fail(ErrorCode::kMalformed,
                   extent.complete_bytes == 0
                       ? std::string("it is not compressed with zstd")
-                      : fmt::format("after byte {} it is no zstd", extent.complete_bytes));
+                      : fmt::format("it is not zstd data after byte {}", extent.complete_bytes));
     }
     if (!IsTorn(rest, size)) {
       return Fail(ErrorCode::kMalformed,
@@ -121,7 +129,7 @@ Result<bool> ZstdReader::Read(std::string& bytes) {
   bytes.resize(begin + kChunkBytes);
   ZSTD_outBuffer output{bytes.data() + begin, kChunkBytes, 0};
   std::size_t code = 0;
-  // A whole frame, or a part of one, may give no bytes.
+  // A whole frame, or a part of one, may decompress to no bytes.
   do {
     code = ZSTD_decompressStream(context_->handle, &output, &context_->input);
   } while (ZSTD_isError(code) == 0 && output.pos == 0 &&
@@ -134,23 +142,13 @@ Result<bool> ZstdReader::Read(std::string& bytes) {
   return output.pos > 0;
 }
 
-namespace {
-
-constexpr std::size_t kMaxRecordBytes = std::size_t{32} * 1024 * 1024;
-constexpr std::size_t kMaxVarintBytes = 5;
-
-tl::unexpected<Error> Refuse(std::size_t record, const std::string& reason) {
-  return Fail(ErrorCode::kMalformed, fmt::format("record {} {}", record, reason));
-}
-
-}  // namespace
-
 std::string Delimited(const google::protobuf::MessageLite& record) {
   std::string bytes;
   {
     google::protobuf::io::StringOutputStream target(&bytes);
     google::protobuf::io::CodedOutputStream out(&target);
-    out.SetSerializationDeterministic(true);  // equal records, equal bytes: the order of maps
+    // equal records give equal bytes: fixes the order of maps
+    out.SetSerializationDeterministic(true);
     out.WriteVarint32(static_cast<std::uint32_t>(record.ByteSizeLong()));
     record.SerializeToCodedStream(&out);
   }
@@ -188,13 +186,13 @@ Result<bool> RecordReader::Next(google::protobuf::MessageLite& record) {
   if (!more || !*more) return more;
   if (size > kMaxRecordBytes) {
     return Refuse(taken_,
-                  fmt::format("says that it has {} bytes; {} is the limit", size, kMaxRecordBytes));
+                  fmt::format("states a size of {} bytes; {} is the limit", size, kMaxRecordBytes));
   }
   if (const auto filled = Fill(size); !filled) return tl::unexpected(filled.error());
   if (buffer_.size() - begin_ < size) return Refuse(taken_, "is cut off");
-  const google::protobuf::LogSilencer silence;  // who reads is told by the Result
+  const google::protobuf::LogSilencer silence;  // the Result reports the error
   if (!record.ParseFromArray(buffer_.data() + begin_, static_cast<int>(size))) {
-    return Refuse(taken_, "is no record of a " + kind_);
+    return Refuse(taken_, "is not a record of a " + kind_);
   }
   begin_ += size;
   ++taken_;

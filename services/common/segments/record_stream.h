@@ -9,10 +9,11 @@
 
 #include "common/runtime/result.h"
 
-/// zstd (RFC 8878): a file is a row of frames, which decompress to one stream of bytes.
+/// Files of protobuf records, each preceded by its size as a varint, in zstd frames (RFC 8878). A
+/// file is a sequence of frames, which decompress to one stream of bytes.
 namespace conav {
 
-/// Makes one frame, with a checksum, of bytes that arrive in parts.
+/// Makes one frame, with a checksum, from bytes that arrive in parts.
 class ZstdFrame {
  public:
   explicit ZstdFrame(int level = 9);
@@ -31,12 +32,12 @@ class ZstdFrame {
 /// Where the complete frames of a file end.
 struct FrameExtent {
   std::size_t complete_bytes = 0;
-  bool torn = false;  // the file ends inside of the frame after them
+  bool torn = false;  // the file ends inside the frame after them
 };
 
 /// Follows the frames' block headers without decompressing.
-/// Errors: kMalformed: what follows the complete frames is not the beginning of one more, or has
-/// frames behind it, so that it is damaged rather than torn.
+/// Errors: kMalformed when the bytes after the complete frames are not the beginning of one frame,
+///         or have frames behind them: then the file is damaged, not torn.
 [[nodiscard]] Result<FrameExtent> FindFrames(std::string_view file);
 
 /// Decompresses complete frames piece by piece; `frames` outlives it.
@@ -45,7 +46,7 @@ class ZstdReader {
   explicit ZstdReader(std::string_view frames);
   ~ZstdReader();
   /// Appends up to 64 KiB to `bytes`; false at the end.
-  /// Errors: kMalformed (damaged; made with a window above 16 MiB, more than is granted here).
+  /// Errors: kMalformed (damaged, or made with a window above our limit of 16 MiB).
   [[nodiscard]] Result<bool> Read(std::string& bytes);
 
  private:
@@ -53,12 +54,7 @@ class ZstdReader {
   std::unique_ptr<Context> context_;
 };
 
-}  // namespace conav
-
-/// Files of records in protobuf, each with its size as a varint before it, in zstd frames.
-namespace conav {
-
-/// `record` with its size as a varint before it.
+/// `record`, preceded by its size as a varint.
 std::string Delimited(const google::protobuf::MessageLite& record);
 
 /// Takes records from complete frames, which outlive it.
@@ -67,12 +63,12 @@ class RecordReader {
   /// `kind` of file, for errors: "segment file".
   RecordReader(std::string_view frames, std::string_view kind) : bytes_(frames), kind_(kind) {}
 
-  /// Reads the next into `record`; false at the end. Errors: kMalformed: damaged, no such record, cut
-  /// off, larger than 32 MiB.
+  /// Reads the next record into `record`; false at the end. Errors: kMalformed: damaged, no such
+  /// record, cut off, larger than 32 MiB.
   [[nodiscard]] Result<bool> Next(google::protobuf::MessageLite& record);
 
  private:
-  /// Makes `count` bytes available as far as the stream goes.
+  /// Makes `count` bytes available, or fewer at the end of the stream.
   Result<void> Fill(std::size_t count);
   /// Reads the size of the next record; false at the end.
   Result<bool> ReadSize(std::size_t& size);

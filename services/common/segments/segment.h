@@ -10,7 +10,7 @@
 #include "common/grid/grid.h"
 #include "common/msg/planning.h"
 
-/// What perception models learn from: how people edited their map after each picture.
+/// The training data of perception models: how people edited their map after each picture.
 namespace conav {
 
 /// One communication event: the operator's map before, what was sent, the operator's map after.
@@ -22,7 +22,7 @@ struct Segment {
   BeliefGrid belief_after;  // x', 0 or 1 in each cell, the border as in x
   std::string image;        // file of the picture, relative to the data set; empty = not kept
   std::string image_sha256;
-  /// Seconds since the start of the trajectory; nothing where it was not recorded.
+  /// Seconds since the start of the trajectory; empty if not recorded.
   std::optional<double> sent_s;
   std::optional<double> first_edit_s;
   std::optional<double> confirmed_s;
@@ -30,9 +30,9 @@ struct Segment {
   bool operator==(const Segment&) const = default;
 };
 
-/// Who made the edits.
+/// The origin of the edits.
 enum class SegmentOrigin : std::uint8_t {
-  kPerson,     // somebody at a console
+  kPerson,     // a person at a console
   kSimulated,  // the simulated operator of a demo or a study
   kSynthetic,  // an annotator of `conav dataset synthesize`
 };
@@ -79,14 +79,14 @@ EditLabels LabelsOf(const Segment& segment);
 
 std::size_t SegmentCount(const SegmentSet& set);
 
-/// All segments, trajectory by trajectory, without copying; valid as long as `set` is not changed.
+/// All segments, trajectory by trajectory, without copying; valid while `set` does not change.
 std::vector<const Segment*> AllSegments(const SegmentSet& set);
 
-/// Their queries, as EditModel::Predict takes them.
+/// Their queries, as PerceptionModel::Predict takes them.
 std::vector<PerceptionQuery> Queries(const SegmentSet& set);
 
-/// Who made the edits: "people", "simulated", "synthetic", or several joined by "+", in this order;
-/// "nobody" for an empty set. What reports and weights files call their data.
+/// The origins of a set for reports and weights files: "people", "simulated", "synthetic", or
+/// several joined by "+", in this order; "nobody" for an empty set.
 std::string OriginText(const SegmentSet& set);
 
 /// "person", "simulated" or "synthetic".

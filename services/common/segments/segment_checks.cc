@@ -16,7 +16,7 @@ namespace conav {
 namespace {
 
 constexpr std::size_t kSha256Digits = 64;
-constexpr double kMaxHeading = 1e6;  // rad; however often a robot turned
+constexpr double kMaxHeading = 1e6;  // rad; robots may turn many times
 
 template <class... Values>
 Result<void> Refuse(fmt::format_string<Values...> text, Values&&... values) {

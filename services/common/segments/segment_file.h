@@ -12,7 +12,8 @@ class Segment;
 class Trajectory;
 }  // namespace conav::segments
 
-/// Between domain values and the records of idl/segments.proto, which go no further.
+/// Files of segments: length-delimited records of idl/segments.proto, compressed with zstd. The
+/// records stop here; the rest of conav uses the domain values.
 namespace conav {
 
 inline constexpr std::uint32_t kSegmentSchemaVersion = 1;
@@ -23,39 +24,34 @@ segments::Record ToRecord(const Trajectory& trajectory, std::uint32_t number);
 /// Requires CheckSegment.
 segments::Record ToRecord(const Segment& segment, std::uint32_t trajectory);
 
-/// Errors: kMalformed: an origin, a map's size or value, or a cell that no segment can have. What
-/// goes beyond the shape of the record is left to CheckSegments.
+/// Errors: kMalformed: an origin, a map's size or value, or a cell that no segment can have. Leaves
+///         the rules beyond the record's own shape to CheckSegments.
 [[nodiscard]] Result<Trajectory> ToDomain(const segments::Trajectory& record);
 [[nodiscard]] Result<Segment> ToDomain(const segments::Segment& record);
 
-}  // namespace conav
-
-/// Files of segments: length-delimited records of idl/segments.proto, compressed with zstd.
-namespace conav {
-
-/// Writes one zstd frame beside `path` and renames it, so that a reader sees the old file or the
-/// new one; a device or a pipe is written to as it is.
+/// Writes one zstd frame to a temporary file next to `path` and renames it, so that a reader sees
+/// the old file or the new one; writes a device or pipe in place.
 /// Errors: kMalformed (CheckSegments); kIo with path and cause (a full disk, no such folder); then
-/// `path` is as it was.
+///         `path` stays as it was.
 [[nodiscard]] Result<void> WriteSegmentFile(const std::filesystem::path& path,
                                             const SegmentSet& set);
 
-/// What becomes of a file that ends inside of a frame, as a recording does whose writer was killed.
+/// How to read a file that ends inside a frame, as a recording does when its writer was killed.
 enum class TornEnd {
   kRefuse,
-  kDrop,  // the complete frames before it count
+  kDrop,  // keep the complete frames before it
 };
 
-/// Reads what WriteSegmentFile or SegmentLog wrote, several frames in a row as well. Memory is taken
-/// as records arrive, never for what a header promises.
-/// Errors, each with path, and trajectory and segment where there is one: kNotFound; kIo; kMalformed
-/// (empty, no zstd, truncated, damaged, no segment file, another schema version, CheckSegments).
+/// Reads files of WriteSegmentFile or SegmentLog, also several frames in a row. Allocates memory as
+/// records arrive, never for what a header promises.
+/// Errors, each with path, and trajectory and segment if known: kNotFound; kIo; kMalformed (empty,
+/// not zstd, truncated, damaged, no segment file, another schema version, CheckSegments).
 [[nodiscard]] Result<SegmentSet> ReadSegmentFile(const std::filesystem::path& path,
                                                  TornEnd torn_end = TornEnd::kRefuse);
 
 struct IdentifiedSegments {
   SegmentSet set;
-  std::string checksum;  // SHA-256 of the bytes that `set` was read from
+  std::string checksum;  // SHA-256 of the file that `set` came from
 };
 
 /// As ReadSegmentFile.

@@ -16,7 +16,8 @@ namespace {
 constexpr std::size_t kMaxLineBytes = std::size_t{64} * 1024 * 1024;
 constexpr std::string_view kZstdMagic = "\x28\xb5\x2f\xfd";
 
-/// The parser's reason without its quotation, which may be the whole line, and what is there.
+/// The parser's reason without its quotation, which may be the whole line, plus the text at that
+/// place.
 std::string ParseProblem(const std::string& text, const nlohmann::json::parse_error& error) {
   constexpr std::size_t kShown = 20;
   const std::string said = error.what();
@@ -24,7 +25,7 @@ std::string ParseProblem(const std::string& text, const nlohmann::json::parse_er
   const std::size_t end = std::min(error.byte, text.size());
   const std::size_t begin = end - std::min(end, kShown);
   return fmt::format(
-      "this is no JSON: byte {}, after '{}': {}", error.byte, text.substr(begin, end - begin),
+      "this is not JSON: byte {}, after '{}': {}", error.byte, text.substr(begin, end - begin),
       reason == std::string::npos ? "syntax error"
                                   : said.substr(reason + 3, said.find(';', reason) - reason - 3));
 }
@@ -35,11 +36,11 @@ nlohmann::json Parse(const std::string& text) {
   } catch (const nlohmann::json::parse_error& error) {
     throw LineRefused(ParseProblem(text, error));
   } catch (const nlohmann::json::out_of_range& error) {
-    RefuseLine("this is no JSON: {}", error.what());  // a number
+    RefuseLine("this is not JSON: {}", error.what());  // a number
   }
 }
 
-/// Puts lines together to a set; throws LineRefused.
+/// Assembles lines into a set; throws LineRefused.
 class Import {
  public:
   void AddLine(const std::string& text) {
@@ -59,13 +60,13 @@ class Import {
     line.RefuseOthers();
   }
 
-  /// Also called before a trajectory follows another.
+  /// Also called before the next trajectory begins.
   void EndTrajectory() {
     if (set_.trajectories.empty()) return;
     const Trajectory& trajectory = set_.trajectories.back();
-    if (trajectory.segments.empty()) RefuseLine("the trajectory before has no segments");
+    if (trajectory.segments.empty()) RefuseLine("the previous trajectory has no segments");
     if (current_.edits && *current_.edits != EditCount(trajectory)) {
-      RefuseLine("the trajectory before has {} edits, but says {}", EditCount(trajectory),
+      RefuseLine("the previous trajectory has {} edits, but states {}", EditCount(trajectory),
                  *current_.edits);
     }
   }
@@ -128,10 +129,9 @@ Result<SegmentSet> ImportSegmentsFile(const std::filesystem::path& path) {
   auto text = ReadFile(path);
   if (!text) return tl::unexpected(text.error());
   if (text->starts_with(kZstdMagic)) {
-    return Fail(ErrorCode::kMalformed,
-                fmt::format("{}: this is no JSON lines but compressed, as a segment file is; that "
-                            "needs no import",
-                            path.string()));
+    return Fail(ErrorCode::kMalformed, fmt::format("{}: this is not JSON lines; it is compressed, "
+                                                   "like a segment file, which needs no import",
+                                                   path.string()));
   }
   std::istringstream in(*std::move(text));
   return ImportSegments(in, path.string());

@@ -13,7 +13,7 @@ namespace conav {
 
 JsonFields::JsonFields(const nlohmann::json& object, std::string name)
     : object_(object), name_(std::move(name)) {
-  if (!object.is_object()) RefuseLine("{} is no object", name_.empty() ? "the line" : name_);
+  if (!object.is_object()) RefuseLine("{} is not an object", name_.empty() ? "the line" : name_);
 }
 
 const nlohmann::json* JsonFields::Find(const char* key) {
@@ -90,7 +90,7 @@ constexpr int kSchema = 1;
 constexpr std::array kOrigins{SegmentOrigin::kPerson, SegmentOrigin::kSimulated,
                               SegmentOrigin::kSynthetic};
 
-// --- values to JSON --------------------------------------------------------------------------
+// From values to JSON.
 
 std::string Bits(const BeliefGrid& map) {
   std::string bits;
@@ -114,7 +114,7 @@ std::string Bits(const OccupancyGrid& map) {
 
 double ToRadians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
-/// The shortest decimal that stands for this heading.
+/// The shortest decimal in degrees that stands for this heading.
 double ToDegrees(double radians) {
   const double degrees = radians * 180.0 / std::numbers::pi;
   for (int digits = 1; digits < std::numeric_limits<double>::max_digits10; ++digits) {
@@ -142,12 +142,12 @@ bool IsValid(const Trajectory& trajectory) {
   return trajectory.final_mapping_accuracy > kAcceptedMappingAccuracy;
 }
 
-// --- JSON to values --------------------------------------------------------------------------
+// From JSON to values.
 
-/// `allowed` are the characters that a bit string may have.
+/// `allowed` lists the characters of the bit string.
 const std::string& BitsOf(const Json& member, const char* key, std::size_t size,
                           std::string_view allowed) {
-  if (!member.is_string()) RefuseLine("'{}' is no bit string", key);
+  if (!member.is_string()) RefuseLine("'{}' is not a bit string", key);
   const auto& bits = member.get_ref<const std::string&>();
   if (bits.size() != size) RefuseLine("'{}' has {} bits for {} cells", key, bits.size(), size);
   const std::size_t wrong = bits.find_first_not_of(allowed);
@@ -183,17 +183,18 @@ OccupancyGrid ToTruth(const Json& member, int rows, int columns) {
 
 int ToIndex(const Json& value, const char* key) {
   if (!value.is_number_unsigned() || value.get<std::uint64_t>() >= kMaxMapSide) {
-    RefuseLine("'{}' has {}, which is no row or column below {}", key, value.dump(), kMaxMapSide);
+    RefuseLine("'{}' has {}, which is not a row or column below {}", key, value.dump(),
+               kMaxMapSide);
   }
   return value.get<int>();
 }
 
 std::vector<Cell> ToPath(const Json& member) {
-  if (!member.is_array()) RefuseLine("'tau' is no list of [row, column]");
+  if (!member.is_array()) RefuseLine("'tau' is not a list of [row, column]");
   std::vector<Cell> path;
   for (const Json& cell : member) {
     if (!cell.is_array() || cell.size() != 2) {
-      RefuseLine("'tau' has {}, which is no [row, column]", cell.dump());
+      RefuseLine("'tau' has {}, which is not [row, column]", cell.dump());
     }
     path.push_back({ToIndex(cell[0], "tau"), ToIndex(cell[1], "tau")});
   }

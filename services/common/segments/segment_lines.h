@@ -11,11 +11,12 @@
 #include "common/grid/grid.h"
 #include "common/segments/segment.h"
 
+/// Converts between one JSON line of segment_json.h and one value.
 namespace conav {
 
-/// A line that is not as it must be; what() is the reason. Stays in this folder: ImportSegments
-/// turns it into an Error. It is thrown, unlike other foreseen failures, because each of some thirty
-/// members of two kinds of lines may be at fault, and nobody between it and ImportSegments can act.
+/// A rejected line; what() is the reason. Stays in this folder: ImportSegments turns it into an
+/// Error. It is an exception, unlike other foreseen failures, because each of some thirty members
+/// of two kinds of lines may be at fault, and no function between it and ImportSegments can act.
 class LineRefused : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -26,10 +27,10 @@ template <class... Values>
   throw LineRefused(fmt::format(text, std::forward<Values>(values)...));
 }
 
-/// Takes the members of a JSON object one by one, and knows in the end whether there were others.
+/// Takes the members of a JSON object one by one, then detects unknown ones.
 class JsonFields {
  public:
-  /// `name` is said before a key in messages: "", "pose.".
+  /// `name` precedes a key in messages: "", "pose.".
   JsonFields(const nlohmann::json& object, std::string name);
 
   /// Throw LineRefused: missing, of another type.
@@ -46,7 +47,7 @@ class JsonFields {
   std::optional<double> MaybeNumber(const char* key);
   std::optional<bool> MaybeFlag(const char* key);
 
-  /// Throws LineRefused for a member that was not asked for.
+  /// Throws LineRefused for a member that was not taken.
   void RefuseOthers() const;
 
  private:
@@ -57,15 +58,10 @@ class JsonFields {
   std::set<std::string> asked_;
 };
 
-}  // namespace conav
-
-/// One JSON line of segment_json.h <-> one value.
-namespace conav {
-
 nlohmann::ordered_json ToLine(const Trajectory& trajectory);
 nlohmann::ordered_json ToLine(const Segment& segment);
 
-/// What a trajectory's line says of its segments.
+/// A trajectory's line, including its statements about the segments.
 struct TrajectoryLine {
   Trajectory trajectory;  // without segments
   int rows = 0;
@@ -77,7 +73,7 @@ struct TrajectoryLine {
 TrajectoryLine ToTrajectory(JsonFields& line);
 Segment ToSegment(JsonFields& line, int rows, int columns);
 
-/// Cells that were edited in all segments.
+/// Number of edited cells over all segments.
 std::uint64_t EditCount(const Trajectory& trajectory);
 
 }  // namespace conav

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <segments.pb.h>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -32,10 +33,10 @@ Error FrameLog::Failure(const std::string& what) const {
 Result<FrameLog> FrameLog::Open(const std::filesystem::path& path, const Check& check) {
   FrameLog log(path, ::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644));
   if (log.file_ < 0) return tl::unexpected(log.Failure("cannot record"));
-  // Reading a device may never end.
+  // Reading a device might never end.
   if (!std::filesystem::is_regular_file(path)) {
     return Fail(ErrorCode::kIo,
-                fmt::format("{}: cannot record: it is no regular file", path.string()));
+                fmt::format("{}: cannot record: it is not a regular file", path.string()));
   }
   if (::flock(log.file_, LOCK_EX | LOCK_NB) != 0) {
     return Fail(ErrorCode::kUnavailable,
@@ -70,7 +71,7 @@ Result<void> FrameLog::SetAside(std::string_view torn_end) {
   const auto kept = WriteFile(aside, ReadFile(aside).value_or("").append(torn_end));
   if (!kept) return kept;
   if (::ftruncate(file_, static_cast<off_t>(size_)) != 0) {
-    return tl::unexpected(Failure("cannot cut away its torn end"));
+    return tl::unexpected(Failure("cannot truncate its torn end"));
   }
   LOG_WARNING("torn end of a recording set aside", "file", path_.string(), "bytes", torn_end.size(),
               "kept_in", aside.string());
@@ -83,7 +84,7 @@ Result<void> FrameLog::Append(std::string_view frame) {
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) {
       const Error failure = Failure("cannot write");
-      // What was not cut away here, the next Open() cuts away.
+      // If this truncation fails, the next Open() repeats it.
       [[maybe_unused]] const int cut = ::ftruncate(file_, static_cast<off_t>(size_));
       return tl::unexpected(failure);
     }

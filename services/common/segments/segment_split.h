@@ -8,8 +8,8 @@
 
 namespace conav {
 
-/// FNV-1a over everything that tells trajectories apart: names, seeds, and the maps before and after
-/// each picture. Weights files keep it, so that it never changes.
+/// FNV-1a over everything that distinguishes trajectories: names, seeds, and the maps before and
+/// after each picture. Weights files store it, so it never changes.
 std::uint64_t FingerprintOf(const Trajectory& trajectory);
 
 /// Fingerprints of trajectories, ascending, each once.
@@ -17,7 +17,7 @@ using Fingerprints = std::vector<std::uint64_t>;
 
 Fingerprints FingerprintsOf(const SegmentSet& set);
 
-/// Those of either.
+/// The fingerprints of either.
 Fingerprints Union(const Fingerprints& a, const Fingerprints& b);
 
 /// How many trajectories of `set` are among `known`.
@@ -31,18 +31,18 @@ struct SegmentSplit {
 
 struct SplitShares {
   double test = 0.05;        // of all trajectories
-  double validation = 0.10;  // of those that are not test
+  double validation = 0.10;  // of the trajectories outside of test
 };
 
-/// What `conav train`, `conav evaluate` and `conav dataset split` take when none is given.
+/// The default of `conav train`, `conav evaluate` and `conav dataset split`.
 inline constexpr std::uint64_t kDefaultSplitSeed = 1;
 
-/// Splits by trajectory, never within one: paper Appendix A (95 % training, 5 % test), with a part of
-/// the training trajectories for validation.
+/// Splits by trajectory, never within one: paper Appendix A (95 % training, 5 % test), with a part
+/// of the training trajectories for validation.
 ///
-/// Which trajectory goes where depends on `seed` and on the trajectories themselves, not on their
-/// order in `set`; within a part they keep that order. With three trajectories or more each part has
-/// at least one; with fewer, training goes first, then test. Shares are in [0, 1] (demanded).
+/// The split depends on `seed` and on the trajectories themselves, not on their order in `set`;
+/// within a part they keep that order. With three or more trajectories each part has at least one;
+/// with fewer, training goes first, then test. Shares are in [0, 1] (demanded).
 SegmentSplit SplitSegments(const SegmentSet& set, std::uint64_t seed,
                            const SplitShares& shares = {});
 

@@ -12,7 +12,7 @@
 
 namespace conav {
 
-/// Wall time as ROS 2 writes it. Simulation time has its own conversion, in common/protocol.
+/// Wall time as ROS 2 writes it. For simulation time see common/msg/convert.h.
 inline builtin_interfaces::msg::Time RosWallTime(std::chrono::system_clock::time_point time) {
   const auto since_epoch = time.time_since_epoch();
   const auto seconds = std::chrono::floor<std::chrono::seconds>(since_epoch);
@@ -23,7 +23,7 @@ inline builtin_interfaces::msg::Time RosWallTime(std::chrono::system_clock::time
   return stamp;
 }
 
-/// How a service is, in the words of diagnostic_msgs (REP-107).
+/// A service's health in the terms of diagnostic_msgs (REP-107).
 struct Health {
   enum class Level : std::uint8_t { kOk, kWarning, kError };
   Level level = Level::kOk;
@@ -37,7 +37,7 @@ class Diagnostics {
   Diagnostics(bus::Participant& participant, const Clock& clock)
       : name_(participant.node_name()), clock_(clock), publisher_(participant, bus::kDiagnostics) {}
 
-  /// Call often, from one thread: asks for the health and publishes it when a second has passed.
+  /// Call often, from one thread: once a second it asks for the health and publishes it.
   void Tick(const std::function<Health()>& health);
 
  private:
@@ -47,15 +47,15 @@ class Diagnostics {
   Clock::TimePoint next_{};
 };
 
-/// What a process says of itself on /diagnostics.
+/// The health that a process reports on /diagnostics.
 struct ReportedHealth {
   std::string process;
   Health::Level level = Health::Level::kOk;
   std::string message;
 };
 
-/// Of conav's processes; others that publish there are left out. Names and messages are made
-/// Readable(); a level that REP-107 counts as worse than an error (stale) is an error.
+/// The reports of conav's processes only. Names and messages are made Readable(); the level that
+/// REP-107 ranks above an error (stale) counts as an error.
 std::vector<ReportedHealth> HealthOf(const diagnostic_msgs::msg::DiagnosticArray& message);
 
 }  // namespace conav

@@ -9,9 +9,9 @@
 
 namespace conav {
 
-/// The entries "world/robot" of a config's `robots` as robot -> world. Throws StartupError, naming
-/// the `service`, for another form or a part that is no name (the sim refuses such, too), for a
-/// robot that stands twice and for an empty list.
+/// Parses the entries "world/robot" of a config's `robots` into robot -> world. Throws
+/// StartupError, naming the `service`, for another form, an invalid name (the sim rejects the same
+/// ones), a repeated robot and an empty list.
 inline std::map<std::string, std::string> WorldOfRobot(const std::string& service,
                                                        const std::vector<std::string>& robots) {
   std::map<std::string, std::string> world_of_robot;
@@ -24,7 +24,7 @@ inline std::map<std::string, std::string> WorldOfRobot(const std::string& servic
                          "' is not \"world/robot\", each 1 to 64 of A-Z a-z 0-9 _");
     }
     if (!world_of_robot.emplace(robot, world).second) {
-      throw StartupError(service + ".robots: robot '" + robot + "' stands there twice");
+      throw StartupError(service + ".robots: robot '" + robot + "' appears twice");
     }
   }
   if (world_of_robot.empty()) throw StartupError(service + ".robots: no robots");

@@ -26,7 +26,7 @@ std::uint8_t RosLevel(log::Level level) {
   return 0;
 }
 
-/// Its history ends with it, so it waits until all have it.
+/// The publisher's history ends with it, so it waits until all subscribers have every line.
 struct LogPublisher {
   explicit LogPublisher(bus::Participant& participant) : topic(participant, bus::kRosout) {}
   ~LogPublisher() { topic.WaitForAcknowledgments(Rosout::kDrainLimit); }
@@ -87,7 +87,7 @@ void Rosout::Run() {
     const std::uint64_t left_out = std::exchange(left_out_, 0);
     lock.unlock();
     if (left_out > 0) line.msg(fmt::format("({} lines left out) {}", left_out, line.msg()));
-    // A line that cannot be sent is on stderr all the same; to log the failure would make another.
+    // A lost line is on stderr anyway; logging the failure would create another line.
     const bool sent = send_(line);
     lock.lock();
     if (stopping_ && (!sent || std::chrono::steady_clock::now() > drain_until_)) return;

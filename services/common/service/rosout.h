@@ -14,12 +14,12 @@
 
 namespace conav {
 
-/// Publishes what the process logs on /rosout while it lives, so that `ros2 topic echo /rosout` and
-/// rqt_console show it; levels and names as rclcpp sets them. One at a time per process.
+/// Publishes the log of the process on /rosout while it lives, for `ros2 topic echo /rosout` and
+/// rqt_console; levels and names as in rclcpp. One per process.
 ///
-/// A line may be logged on a DDS vendor's own thread, from which nothing must be sent: a thread of
-/// this object's own sends it. When the bus does not take the lines as fast as they come, the
-/// oldest are left out, and the next one that goes out says how many.
+/// A DDS vendor's own thread may log a line but must not send one, so this object sends from a
+/// thread of its own. When the bus cannot keep up, the oldest lines are left out, and the next line
+/// sent states how many.
 class Rosout {
  public:
   /// Most lines that wait to be sent.
@@ -30,10 +30,10 @@ class Rosout {
   using Send = std::function<bool(const rcl_interfaces::msg::Log&)>;
 
   explicit Rosout(bus::Participant& participant);
-  /// As above with any way of sending, under the name `node_name`.
+  /// The same with any way of sending, under the name `node_name`.
   Rosout(std::string node_name, Send send);
-  /// Sends what waits, but not to a bus that takes no more lines: ends with the first that fails,
-  /// and with the first after kDrainLimit; then waits as long for the last ones to arrive.
+  /// Sends what waits; stops at the first failure or after kDrainLimit. Then waits up to
+  /// kDrainLimit for the last lines to arrive.
   ~Rosout();
   Rosout(const Rosout&) = delete;
   Rosout& operator=(const Rosout&) = delete;
@@ -49,7 +49,7 @@ class Rosout {
   std::deque<rcl_interfaces::msg::Log> queue_;
   std::uint64_t left_out_ = 0;
   bool stopping_ = false;
-  std::chrono::steady_clock::time_point drain_until_{};  // once stopping
+  std::chrono::steady_clock::time_point drain_until_{};  // set when stopping
   std::thread sender_;
 };
 

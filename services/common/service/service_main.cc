@@ -15,7 +15,7 @@ std::string ParseConfigFlag(const std::string& service, const std::string& descr
   app.add_option(
          "--config", file,
          "YAML file with the section '" + service +
-             ": ros__parameters:'; deploy/config holds an example. Unknown keys are refused.")
+             ": ros__parameters:'; see deploy/config for an example. Unknown keys are rejected.")
       ->required();
   try {
     app.parse(argc, argv);

@@ -15,12 +15,11 @@
 
 namespace conav {
 
-/// The `--config` of a service's command line; exits by itself with 0 for --help and 2 for wrong
-/// use.
+/// Parses `--config` of a service's command line; exits with 0 for --help and 2 for wrong usage.
 std::string ParseConfigFlag(const std::string& service, const std::string& description, int argc,
                             char** argv);
 
-/// Section `<service>:` of the config file, with vendor, domain and interface as they come out of
+/// Loads section `<service>:` of the config file, with vendor, domain and interface resolved from
 /// file and environment. Throws StartupError: file, key, value and limit.
 template <class Config>
 Config LoadConfig(const std::string& file, const std::string& service) {
@@ -33,8 +32,8 @@ Config LoadConfig(const std::string& file, const std::string& service) {
 /// The body of every service's main: reads section `<service>:` of the config file, logs the
 /// effective config, joins the bus as node `node_name`, sends its log to /rosout, builds the
 /// service and runs it until SIGINT or SIGTERM. `Service` is built from (participant, config,
-/// clock) and has Run(const StopToken&). Returns the exit code: 0, or 1 after an exception,
-/// which is printed.
+/// clock) and has Run(const StopToken&). Returns the exit code: 0, or 1 after an exception, which
+/// it prints.
 template <class Config, class Service>
 int RunServiceMain(const std::string& service, const std::string& description, int argc,
                    char** argv,

@@ -46,7 +46,8 @@ struct RangedSpread {
   }
 };
 
-/// Mean 0, variance 1, within +-6: twelve uniform numbers, plain additions: no function of the C library.
+/// Mean 0, variance 1, within +-6: the sum of twelve uniform numbers, without any function of the C
+/// library.
 double BellShaped(Random& random) {
   double sum = -6.0;
   for (int i = 0; i < 12; ++i) sum += random.Unit();
@@ -104,7 +105,7 @@ Annotator DrawAnnotator(const AnnotatorPopulation& population, Random& random) {
   }
   values["edit_limit"] = std::round(values["edit_limit"]);
   const auto reader = FromNamedValues(values);
-  DEMAND(reader.has_value());  // kReaderFields names them all and keeps to their ranges
+  DEMAND(reader.has_value());  // kReaderFields names all parameters and their ranges
   return {*reader, static_cast<int>(std::lround(DrawValue(kind, kExtraPictures, random)))};
 }
 

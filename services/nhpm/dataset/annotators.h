@@ -11,15 +11,15 @@
 
 namespace conav::nhpm {
 
-/// One parameter over people: bell-shaped around the mean, cut where the parameter's range ends.
+/// The distribution of one parameter over people: bell-shaped, clamped to the parameter's range.
 struct ParameterSpread {
   double mean = 0.0;
-  double deviation = 0.0;  // standard deviation; 0 = all people alike
+  double deviation = 0.0;  // standard deviation; 0 = everybody is alike
   bool operator==(const ParameterSpread&) const = default;
 };
 
-/// How the people of one kind differ: a distribution for each of PictureReaderParameters, where
-/// units and meanings are, and for how long they go on.
+/// How the people of one kind differ: a distribution for each of PictureReaderParameters (see there
+/// for units and meanings), and for how long they continue.
 struct AnnotatorKind {
   ParameterSpread edit_probability{0.88, 0.06};
   ParameterSpread decay_cells{9.0, 1.5};
@@ -34,8 +34,8 @@ struct AnnotatorKind {
   ParameterSpread lapse_probability{0.05, 0.02};
   ParameterSpread guess_probability{0.03, 0.01};
   ParameterSpread edit_limit{6.0, 1.0};  // rounded
-  /// Pictures looked at after the one of the last goal, rounded. Paper Appendix A: people may go
-  /// on refining the map.
+  /// Pictures after the one of the last goal, rounded. Paper Appendix A: people may continue to
+  /// refine the map.
   ParameterSpread extra_pictures{10.5, 2.0};
 
   void Visit(ConfigReader& reader);
@@ -51,12 +51,13 @@ struct Annotator {
   int extra_pictures = 0;
 };
 
-/// SYNTHETIC people: nobody fitted these numbers to data. They show the patterns that the paper
-/// reports (section 6.1, figure 3; section 6.3): edits fall with distance, near walls land one cell
-/// off along the view, far walls at the image centre that continue a wall are preferred to near
-/// lateral ones, the robot's path opens walls, people overlook, guess, and differ.
+/// SYNTHETIC people: these numbers are not fitted to data. They show the patterns that the paper
+/// reports (section 6.1, figure 3; section 6.3): edits decrease with distance, near walls land one
+/// cell off along the view, far walls at the image centre that continue a wall are preferred to
+/// near lateral ones, the robot's path opens walls, people overlook, guess, and differ.
 ///
-/// Kept in deploy/config/annotators.yaml, section `annotators:`; its values are the defaults here.
+/// Configured in deploy/config/annotators.yaml, section `annotators:`; its values are the defaults
+/// here.
 struct AnnotatorPopulation {
   AnnotatorKind careful;
   AnnotatorKind careless = CarelessKind();
@@ -66,16 +67,16 @@ struct AnnotatorPopulation {
   bool operator==(const AnnotatorPopulation&) const = default;
 };
 
-/// Throws StartupError that names file, key, value and limit (an unknown key, a wrong type, a mean
-/// out of the parameter's range, a negative deviation, no file, no section).
+/// Throws StartupError with file, key, value and limit (an unknown key, a wrong type, a mean out of
+/// the parameter's range, a negative deviation, no file, no section).
 AnnotatorPopulation ReadPopulation(const std::filesystem::path& file);
 
-/// Somebody. Equal random numbers give the same person.
+/// Draws a person. Equal random numbers give the same person.
 Annotator DrawAnnotator(const AnnotatorPopulation& population, Random& random);
 
-/// PictureReaderParameters by the names of their config, as Trajectory::annotator keeps them.
+/// PictureReaderParameters by their config names, as in Trajectory::annotator.
 std::map<std::string, double> ToNamedValues(operators::PictureReaderParameters parameters);
-/// The way back, exactly. Errors: kInvalidArgument for a name that is missing or unknown and for a
+/// The exact inverse. Errors: kInvalidArgument for a name that is missing or unknown and for a
 /// value out of range.
 [[nodiscard]] Result<operators::PictureReaderParameters> FromNamedValues(
     const std::map<std::string, double>& values);

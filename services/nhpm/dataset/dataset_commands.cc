@@ -21,11 +21,11 @@
 #include "nhpm/dataset/set_summary.h"
 #include "nhpm/dataset/synthesize.h"
 
-// import, export, merge and split: from files to files.
+// The subcommands of conav dataset: import, export, merge, split, describe, synthesize.
 namespace conav::nhpm {
 namespace {
 
-struct Arguments {
+struct ConvertArguments {
   std::vector<std::string> files;
   std::string out;
   bool recover = false;
@@ -56,19 +56,19 @@ Result<SegmentSet> ReadAll(const std::vector<std::string>& files, Read&& read) {
   return all.Take();
 }
 
-int Check(const Arguments& arguments, const std::vector<FileOption>& outputs) {
+int Check(const ConvertArguments& arguments, const std::vector<FileOption>& outputs) {
   std::vector<FileOption> inputs;
   for (const std::string& file : arguments.files) inputs.push_back({"file", file});
   return CheckFiles(kDatasetProgram, inputs, outputs);
 }
 
-int Import(const Arguments& arguments) {
+int Import(const ConvertArguments& arguments) {
   if (const int code = Check(arguments, {{"--out", arguments.out}}); code != 0) return code;
   const auto set = ReadAll(arguments.files, ImportSegmentsFile);
   return set ? WriteSet(arguments.out, *set) : Failed(set.error());
 }
 
-int Export(const Arguments& arguments) {
+int Export(const ConvertArguments& arguments) {
   if (const int code = Check(arguments, {{"--out", arguments.out}}); code != 0) return code;
   const auto set = ReadSegmentFile(arguments.files.front(),
                                    arguments.recover ? TornEnd::kDrop : TornEnd::kRefuse);
@@ -81,7 +81,7 @@ int Export(const Arguments& arguments) {
   return ExitCode(ExportSegmentsFile(arguments.out, *set));
 }
 
-int Merge(const Arguments& arguments) {
+int Merge(const ConvertArguments& arguments) {
   if (const int code = Check(arguments, {{"--out", arguments.out}}); code != 0) return code;
   auto set = ReadAll(arguments.files, [&](const std::string& file) {
     return ReadSegmentFile(file, arguments.recover ? TornEnd::kDrop : TornEnd::kRefuse);
@@ -93,11 +93,11 @@ int Merge(const Arguments& arguments) {
   return WriteSet(arguments.out, *set);
 }
 
-std::string PartFile(const Arguments& arguments, const char* part) {
+std::string PartFile(const ConvertArguments& arguments, const char* part) {
   return fmt::format("{}-{}.pb.zst", arguments.out, part);
 }
 
-int Split(const Arguments& arguments) {
+int Split(const ConvertArguments& arguments) {
   const int checked = Check(arguments, {{"--out-prefix", PartFile(arguments, "train")},
                                         {"--out-prefix", PartFile(arguments, "validation")},
                                         {"--out-prefix", PartFile(arguments, "test")}});
@@ -115,94 +115,28 @@ int Split(const Arguments& arguments) {
 }
 
 CLI::App* AddCommand(CLI::App& app, const std::string& name, const std::string& description,
-                     const std::shared_ptr<Arguments>& arguments, int& exit_code,
-                     int (*run)(const Arguments&)) {
+                     const std::shared_ptr<ConvertArguments>& arguments, int& exit_code,
+                     int (*run)(const ConvertArguments&)) {
   CLI::App* command = app.add_subcommand(name, description);
   command->callback([arguments, &exit_code, run] { exit_code = run(*arguments); });
   return command;
 }
 
-void AddFiles(CLI::App* command, Arguments& arguments, const std::string& what, int most) {
+void AddFiles(CLI::App* command, ConvertArguments& arguments, const std::string& what, int most) {
   command->add_option("file", arguments.files, what)->required()->expected(1, most);
 }
 
-void AddRecover(CLI::App* command, Arguments& arguments) {
+void AddRecover(CLI::App* command, ConvertArguments& arguments) {
   command->add_flag("--recover", arguments.recover,
-                    "of a recording that was cut off, take what is complete");
+                    "read the complete part of a truncated recording");
 }
 
 constexpr int kManyFiles = 10000;
 
-}  // namespace
-
-void AddImportCommand(CLI::App& app, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = AddCommand(
-      app, "import", "Makes a segment file of JSON lines; docs/nhpm.md says what a line holds.",
-      arguments, exit_code, Import);
-  AddFiles(command, *arguments, "JSON lines; several files become one set", kManyFiles);
-  command->add_option("--out", arguments->out, "segment file to write (.pb.zst)")->required();
-}
-
-void AddExportCommand(CLI::App& app, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = AddCommand(
-      app, "export", "Makes JSON lines of a segment file; importing them gives the same segments.",
-      arguments, exit_code, Export);
-  AddFiles(command, *arguments, "segment file (.pb.zst)", 1);
-  command->add_option("--out", arguments->out, "file to write, - = standard output")
-      ->default_str("-")
-      ->default_val("-");
-  AddRecover(command, *arguments);
-}
-
-void AddMergeCommand(CLI::App& app, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = AddCommand(
-      app, "merge",
-      "Joins segment files, for example the recordings of many sessions, runs/*/segments.pb.zst.\n"
-      "A trajectory that comes twice is refused, as it could be trained on and tested with.",
-      arguments, exit_code, Merge);
-  AddFiles(command, *arguments, "segment files (.pb.zst)", kManyFiles);
-  command->add_option("--out", arguments->out, "segment file to write (.pb.zst)")->required();
-  command
-      ->add_option("--min-mapping-accuracy", arguments->min_mapping_accuracy,
-                   "leave out trajectories that end below; the paper keeps those above 0.5. "
-                   "Where nobody knew the true map the accuracy is 0")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  AddRecover(command, *arguments);
-}
-
-void AddSplitCommand(CLI::App& app, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = AddCommand(
-      app, "split",
-      "Writes PREFIX-train.pb.zst, PREFIX-validation.pb.zst and PREFIX-test.pb.zst, split by\n"
-      "trajectory as `conav train` and `conav evaluate` split the whole file with the same seed.",
-      arguments, exit_code, Split);
-  AddFiles(command, *arguments, "segment file (.pb.zst)", 1);
-  command->add_option("--out-prefix", arguments->out, "PREFIX, folder and begin of the names")
-      ->required();
-  command
-      ->add_option("--seed", arguments->seed,
-                   "equal seeds split equally: --split-seed of conav train and conav evaluate")
-      ->check(WholeNumber())
-      ->capture_default_str();
-  command->add_option("--test-share", arguments->shares.test, "of all trajectories")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  command->add_option("--validation-share", arguments->shares.validation, "of those left")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-}
-
-namespace {
-
 constexpr std::size_t kShownInText = 2;
 constexpr std::size_t kShownInSvg = 5;
 
-struct Arguments {
+struct DescribeArguments {
   std::string file;
   std::string json;
   std::string svg;
@@ -210,13 +144,13 @@ struct Arguments {
   bool recover = false;
 };
 
-Result<std::vector<ChosenSegment>> Choose(const Arguments& arguments, const SegmentSet& set,
+Result<std::vector<ChosenSegment>> Choose(const DescribeArguments& arguments, const SegmentSet& set,
                                           std::size_t count) {
   if (arguments.segments.empty()) return ChooseSegments(set, count);
   return ChooseSegments(set, arguments.segments);
 }
 
-Result<void> WriteSvg(const Arguments& arguments, const SegmentSet& set,
+Result<void> WriteSvg(const DescribeArguments& arguments, const SegmentSet& set,
                       const std::string& origin) {
   return Choose(arguments, set, kShownInSvg).and_then([&](const auto& chosen) {
     const std::string name = std::filesystem::path(arguments.file).filename().string();
@@ -225,7 +159,7 @@ Result<void> WriteSvg(const Arguments& arguments, const SegmentSet& set,
   });
 }
 
-int Describe(const Arguments& arguments) {
+int Describe(const DescribeArguments& arguments) {
   const int code = CheckFiles(kDatasetProgram, {{"file", arguments.file}},
                               {{"--json", arguments.json}, {"--svg", arguments.svg}});
   if (code != 0) return code;
@@ -246,34 +180,7 @@ int Describe(const Arguments& arguments) {
   return ExitCode(WriteStandardOutput(text));
 }
 
-}  // namespace
-
-void AddDescribeCommand(CLI::App& app, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand(
-      "describe",
-      "Prints what a segment file holds: who made the edits, counts, edits per segment, how right\n"
-      "the maps were, and a few segments drawn with characters:\n"
-      "  before: # wall, o path, > ^ < v camera; shown: . seen free, # seen wall;\n"
-      "  after: + wall added, - wall removed");
-  command->add_option("file", arguments->file, "one segment file (.pb.zst)")->required();
-  command->add_option("--json", arguments->json,
-                      "write the numbers to this file, - = standard output");
-  command->add_option("--svg", arguments->svg, "draw a few segments to this file");
-  command
-      ->add_option(
-          "--segments", arguments->segments,
-          "which ones to draw, by their numbers from 0 on: 3,14,15 (default: some with edits)")
-      ->check(WholeNumber())
-      ->delimiter(',');
-  command->add_flag("--recover", arguments->recover,
-                    "of a recording that was cut off, take what is complete");
-  command->callback([arguments, &exit_code] { exit_code = Describe(*arguments); });
-}
-
-namespace {
-
-struct Arguments {
+struct SynthesizeArguments {
   SynthesisOptions options;
   std::string population;
   std::string out = "data/synthetic.pb.zst";
@@ -297,7 +204,8 @@ std::string Text(const SetSummary& summary, int excluded, const std::string& out
       100.0 * summary.final_cell_accuracy.mean, 100.0 * summary.final_mapping_accuracy.mean, out);
 }
 
-nlohmann::ordered_json ToJson(const SetSummary& summary, int excluded, const Arguments& arguments) {
+nlohmann::ordered_json ToJson(const SetSummary& summary, int excluded,
+                              const SynthesizeArguments& arguments) {
   return {{"origin", "synthetic"},
           {"file", arguments.out},
           {"seed", arguments.options.seed},
@@ -316,8 +224,8 @@ nlohmann::ordered_json ToJson(const SetSummary& summary, int excluded, const Arg
           {"final_mapping_accuracy", summary.final_mapping_accuracy.mean}};
 }
 
-/// The folders of the outputs may be new. Fails before the work, not after it. Exit code.
-int PrepareOutputs(const Arguments& arguments) {
+/// Creates missing output folders. Fails before the work, not after it. Returns an exit code.
+int PrepareOutputs(const SynthesizeArguments& arguments) {
   const std::vector<FileOption> inputs{{"--population", arguments.population}};
   const std::vector<FileOption> outputs{{"--out", arguments.out}, {"--json", arguments.json}};
   const auto distinct = CheckDistinct(inputs, outputs);
@@ -348,7 +256,7 @@ Result<Synthesis> SynthesizeWithProgress(SynthesisOptions options) {
   return SynthesizeSegments(options);
 }
 
-int Run(Arguments arguments) {
+int Run(SynthesizeArguments arguments) {
   try {
     if (!arguments.population.empty()) {
       arguments.options.population = ReadPopulation(arguments.population);
@@ -373,36 +281,36 @@ int Run(Arguments arguments) {
   return ExitCode(WriteJsonOutput(arguments.json, ToJson(summary, synthesis->excluded, arguments)));
 }
 
-void AddOptions(CLI::App& command, Arguments& arguments) {
+void AddOptions(CLI::App& command, SynthesizeArguments& arguments) {
   SynthesisOptions& options = arguments.options;
   command
       .add_option("--trajectories", options.trajectories,
-                  "accepted ones; the paper has 113. Others are made and left out until there are "
-                  "so many")
+                  "number of accepted trajectories; the paper has 113. Leaves out rejected ones")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   command
-      .add_option("--seed", options.seed,
-                  "equal seeds give equal files; more trajectories begin with the same ones")
+      .add_option(
+          "--seed", options.seed,
+          "the same seed gives the same file; a larger number begins with the same trajectories")
       ->check(WholeNumber())
       ->capture_default_str();
-  command.add_option(
-      "--population", arguments.population,
-      "YAML file of the people; deploy/config/annotators.yaml explains every key and "
-      "holds the defaults");
+  command.add_option("--population", arguments.population,
+                     "YAML file of the people; deploy/config/annotators.yaml explains every key "
+                     "and contains the defaults");
   command
       .add_option("--per-person", options.trajectories_per_person,
                   "mazes that each person maps, failed ones included")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   command
-      .add_option("--preset", options.task.preset, "of the mazes; ./conav maze --help lists them")
+      .add_option("--preset", options.task.preset,
+                  "preset of the mazes; ./conav maze --help lists them")
       ->capture_default_str();
   command
       .add_option("--threads", options.threads,
                   "threads [one per core]; the result is the same on any number")
       ->check(CLI::Range(1, 1024));
-  command.add_option("--out", arguments.out, "segment file; folders that are missing are made")
+  command.add_option("--out", arguments.out, "segment file; creates missing folders")
       ->capture_default_str();
   command.add_option("--json", arguments.json,
                      "write the summary as JSON to this file, - = standard output");
@@ -410,16 +318,103 @@ void AddOptions(CLI::App& command, Arguments& arguments) {
 
 }  // namespace
 
+void AddImportCommand(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<ConvertArguments>();
+  CLI::App* command = AddCommand(
+      app, "import", "Converts JSON lines to a segment file. docs/nhpm.md describes the lines.",
+      arguments, exit_code, Import);
+  AddFiles(command, *arguments, "JSON lines; several files become one set", kManyFiles);
+  command->add_option("--out", arguments->out, "segment file to write (.pb.zst)")->required();
+}
+
+void AddExportCommand(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<ConvertArguments>();
+  CLI::App* command =
+      AddCommand(app, "export",
+                 "Converts a segment file to JSON lines. Importing them gives the same segments.",
+                 arguments, exit_code, Export);
+  AddFiles(command, *arguments, "segment file (.pb.zst)", 1);
+  command->add_option("--out", arguments->out, "file to write, - = standard output")
+      ->default_str("-")
+      ->default_val("-");
+  AddRecover(command, *arguments);
+}
+
+void AddMergeCommand(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<ConvertArguments>();
+  CLI::App* command = AddCommand(app, "merge",
+                                 "Joins segment files, for example the recordings of many "
+                                 "sessions, runs/*/segments.pb.zst.\nRejects repeated "
+                                 "trajectories, which could end up in both training and test.",
+                                 arguments, exit_code, Merge);
+  AddFiles(command, *arguments, "segment files (.pb.zst)", kManyFiles);
+  command->add_option("--out", arguments->out, "segment file to write (.pb.zst)")->required();
+  command
+      ->add_option("--min-mapping-accuracy", arguments->min_mapping_accuracy,
+                   "leave out trajectories with a lower final mapping accuracy; the paper keeps "
+                   "those above 0.5. Without a known true map the accuracy is 0")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  AddRecover(command, *arguments);
+}
+
+void AddSplitCommand(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<ConvertArguments>();
+  CLI::App* command = AddCommand(
+      app, "split",
+      "Writes PREFIX-train.pb.zst, PREFIX-validation.pb.zst and PREFIX-test.pb.zst, split by\n"
+      "trajectory as `conav train` and `conav evaluate` split the whole file with the same seed.",
+      arguments, exit_code, Split);
+  AddFiles(command, *arguments, "segment file (.pb.zst)", 1);
+  command
+      ->add_option("--out-prefix", arguments->out, "PREFIX: folder and beginning of the file names")
+      ->required();
+  command
+      ->add_option(
+          "--seed", arguments->seed,
+          "the same seed gives the same split; see --split-seed of conav train and conav evaluate")
+      ->check(WholeNumber())
+      ->capture_default_str();
+  command->add_option("--test-share", arguments->shares.test, "share of all trajectories")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command
+      ->add_option("--validation-share", arguments->shares.validation,
+                   "share of the remaining trajectories")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+}
+
+void AddDescribeCommand(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<DescribeArguments>();
+  CLI::App* command = app.add_subcommand(
+      "describe",
+      "Describes a segment file: origin of the edits, counts, edits per segment, accuracy of "
+      "the\nmaps, and a few segments drawn with characters:\n  before: # wall, o path, > ^ < v "
+      "camera; shown: . seen free, # seen wall;\n  after: + wall added, - wall removed");
+  command->add_option("file", arguments->file, "one segment file (.pb.zst)")->required();
+  command->add_option("--json", arguments->json,
+                      "write the numbers to this file, - = standard output");
+  command->add_option("--svg", arguments->svg, "draw a few segments to this file");
+  command
+      ->add_option("--segments", arguments->segments,
+                   "numbers of the segments to draw, from 0 on: 3,14,15 (default: some with edits)")
+      ->check(WholeNumber())
+      ->delimiter(',');
+  command->add_flag("--recover", arguments->recover,
+                    "read the complete part of a truncated recording");
+  command->callback([arguments, &exit_code] { exit_code = Describe(*arguments); });
+}
+
 void AddSynthesizeCommand(CLI::App& app, int& exit_code) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<SynthesizeArguments>();
   arguments->options.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   CLI::App* command = app.add_subcommand(
       "synthesize",
-      "Makes segments of SYNTHETIC people in the mapping task of paper Appendix A: a random maze\n"
-      "and a wrong map of it for each trajectory; the robot visits the goals, then places where "
-      "the\n"
-      "map is wrong, and sends a picture from each; the person edits the map. Trajectories with a\n"
-      "final mapping accuracy of 50 % or less are excluded.");
+      "Generates segments of SYNTHETIC people in the mapping task of paper Appendix A. Each "
+      "trajectory\nhas a random maze and a wrong map of it. The robot visits the goals, then "
+      "places where the map\nis wrong, and sends a picture from each; the person edits the map. "
+      "Leaves out trajectories with\na final mapping accuracy of 50 % or less.");
   AddOptions(*command, *arguments);
   command->callback([arguments, &exit_code] { exit_code = Run(*arguments); });
 }

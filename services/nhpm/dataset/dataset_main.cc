@@ -3,12 +3,13 @@
 #include "common/cli/cli.h"
 #include "nhpm/dataset/dataset_commands.h"
 
-// conav-dataset: makes, converts and shows segments, what perception models learn from.
+// conav-dataset: makes, converts and shows segments, the training data of perception models.
 
 int main(int argc, char** argv) {
   CLI::App app{
-      "Segments: how somebody edited their map after each picture (x, tau, o, x' of the paper's\n"
-      "Appendix A). Made by synthetic annotators, recorded by every session, or imported.",
+      "Segments: how a person edited the map after each picture (x, tau, o, x' of the "
+      "paper's\nAppendix A). They come from synthetic annotators, from recorded sessions, or from "
+      "an import.",
       "conav dataset"};
   app.require_subcommand(1);
   int exit_code = 0;

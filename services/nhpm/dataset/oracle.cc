@@ -17,7 +17,7 @@ namespace {
 Result<void> CheckOptions(const OracleOptions& options) {
   if (options.draws < kFewestOracleDraws) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{} draws a segment: the oracle needs at least {}", options.draws,
+                fmt::format("{} draws per segment: the oracle needs at least {}", options.draws,
                             kFewestOracleDraws));
   }
   if (options.threads >= 1) return {};
@@ -42,10 +42,10 @@ Result<std::vector<PerceptionAnswer>> AnswersOf(const Trajectory& trajectory,
   return answers;
 }
 
-/// answer(i) for each i below `count`, on the threads of the options, with progress.
+/// Calls answer(i) for each i below `count`, on the threads of the options, with progress.
 void ForEach(std::size_t count, const OracleOptions& options,
              const std::function<void(std::size_t)>& answer) {
-  std::mutex mutex;  // of `done` and of who is told
+  std::mutex mutex;  // guards `done` and the progress callback
   std::size_t done = 0;
   RunOnWorkers(options.threads, static_cast<int>(count), [&](int, int index) {
     answer(static_cast<std::size_t>(index));

@@ -18,8 +18,8 @@ constexpr double kTitlePixels = 52.0;
 constexpr double kLabelPixels = 26.0;
 constexpr double kLegendPixels = 44.0;
 
-// Okabe and Ito's palette: told apart with every common colour blindness; each edit has its own
-// sign besides.
+// Okabe and Ito's palette, which people with every common colour blindness can tell apart; each
+// kind of edit also has its own sign.
 constexpr const char* kWall = "fill=\"#4a4a4a\"";
 constexpr const char* kFree = "fill=\"#f4f4f4\"";
 constexpr const char* kUnseen = "fill=\"#d8d8d8\"";
@@ -52,7 +52,7 @@ void DrawShown(const MapPanel& panel, const PerceptionQuery& query) {
   DrawCamera(panel, query);
 }
 
-/// A cross: a wall was added. A ring: one was removed.
+/// A cross marks an added wall, a ring a removed one.
 void DrawEdit(const MapPanel& panel, PixelPosition middle, bool added) {
   constexpr double kReach = 0.3;
   if (added) {
@@ -110,28 +110,6 @@ void DrawLegend(SvgCanvas& canvas, double top) {
   next("wall removed", 110);
 }
 
-}  // namespace
-
-std::string SegmentsSvg(std::span<const ChosenSegment> chosen, std::string_view title) {
-  double panel_width = 170.0;  // the legend fits under three
-  double top = kTitlePixels;
-  for (const ChosenSegment& one : chosen) {
-    panel_width = std::max(panel_width, one.segment->query.belief.columns() * kCellPixels);
-  }
-  SvgCanvas canvas;
-  canvas.Text({kMargin, 30}, title, "font-size=\"18\" fill=\"#000000\"");
-  canvas.Text({kMargin, 48},
-              "map before and path | what the picture shows | map after, edits marked", kText);
-  for (const ChosenSegment& one : chosen) {
-    DrawSegment(canvas, one, top, panel_width);
-    top += kLabelPixels + one.segment->query.belief.rows() * kCellPixels + kMargin / 2;
-  }
-  DrawLegend(canvas, top);
-  return canvas.Document(kMargin + 3 * (panel_width + kMargin), top + kLegendPixels, title);
-}
-
-namespace {
-
 using CharacterGrid = Grid<char>;
 
 CharacterGrid Drawn(const BeliefGrid& map) {
@@ -177,25 +155,6 @@ std::string RowOf(const CharacterGrid& grid, int row) {
   return {grid.values().data() + static_cast<std::size_t>(row) * columns, columns};
 }
 
-}  // namespace
-
-std::string SegmentText(const ChosenSegment& chosen) {
-  const Segment& segment = *chosen.segment;
-  std::string text =
-      fmt::format("segment {} (trajectory {}, step {}, {}): {} edits\n", chosen.index,
-                  chosen.trajectory, segment.step, ToText(chosen.origin), EditCount(segment));
-  const CharacterGrid panels[] = {Before(segment.query), Shown(segment.query), After(segment)};
-  const auto width = static_cast<std::size_t>(std::max(panels[0].columns(), 6));
-  text += fmt::format("  {:<{}}  {:<{}}  after\n", "before", width, "shown", width);
-  for (int row = 0; row < panels[0].rows(); ++row) {
-    text += fmt::format("  {:<{}}  {:<{}}  {}\n", RowOf(panels[0], row), width,
-                        RowOf(panels[1], row), width, RowOf(panels[2], row));
-  }
-  return text;
-}
-
-namespace {
-
 std::vector<ChosenSegment> All(const SegmentSet& set) {
   std::vector<ChosenSegment> all;
   for (std::size_t t = 0; t < set.trajectories.size(); ++t) {
@@ -215,6 +174,39 @@ std::vector<ChosenSegment> Spread(const std::vector<ChosenSegment>& all, std::si
 }
 
 }  // namespace
+
+std::string SegmentsSvg(std::span<const ChosenSegment> chosen, std::string_view title) {
+  double panel_width = 170.0;  // room for the legend under three
+  double top = kTitlePixels;
+  for (const ChosenSegment& one : chosen) {
+    panel_width = std::max(panel_width, one.segment->query.belief.columns() * kCellPixels);
+  }
+  SvgCanvas canvas;
+  canvas.Text({kMargin, 30}, title, "font-size=\"18\" fill=\"#000000\"");
+  canvas.Text({kMargin, 48},
+              "map before and path | what the picture shows | map after, edits marked", kText);
+  for (const ChosenSegment& one : chosen) {
+    DrawSegment(canvas, one, top, panel_width);
+    top += kLabelPixels + one.segment->query.belief.rows() * kCellPixels + kMargin / 2;
+  }
+  DrawLegend(canvas, top);
+  return canvas.Document(kMargin + 3 * (panel_width + kMargin), top + kLegendPixels, title);
+}
+
+std::string SegmentText(const ChosenSegment& chosen) {
+  const Segment& segment = *chosen.segment;
+  std::string text =
+      fmt::format("segment {} (trajectory {}, step {}, {}): {} edits\n", chosen.index,
+                  chosen.trajectory, segment.step, ToText(chosen.origin), EditCount(segment));
+  const CharacterGrid panels[] = {Before(segment.query), Shown(segment.query), After(segment)};
+  const auto width = static_cast<std::size_t>(std::max(panels[0].columns(), 6));
+  text += fmt::format("  {:<{}}  {:<{}}  after\n", "before", width, "shown", width);
+  for (int row = 0; row < panels[0].rows(); ++row) {
+    text += fmt::format("  {:<{}}  {:<{}}  {}\n", RowOf(panels[0], row), width,
+                        RowOf(panels[1], row), width, RowOf(panels[2], row));
+  }
+  return text;
+}
 
 Result<std::vector<ChosenSegment>> ChooseSegments(const SegmentSet& set,
                                                   std::span<const std::size_t> indices) {

@@ -9,11 +9,11 @@
 #include "common/runtime/result.h"
 #include "common/segments/segment.h"
 
-/// A few segments for the eye: the map before with path and camera, what the picture shows, the map
+/// Pictures of a few segments: the map before with path and camera, what the picture shows, the map
 /// after with its edits.
 namespace conav::nhpm {
 
-/// A segment and where it is from.
+/// A segment and its origin.
 struct ChosenSegment {
   std::size_t index = 0;  // in the set, over all trajectories
   std::size_t trajectory = 0;
@@ -25,11 +25,11 @@ struct ChosenSegment {
 [[nodiscard]] Result<std::vector<ChosenSegment>> ChooseSegments(
     const SegmentSet& set, std::span<const std::size_t> indices);
 
-/// Up to `count` segments with edits, spread over the set; where those do not suffice all of them and
-/// others, likewise spread. In the order of the set.
+/// Up to `count` segments with edits, evenly spread over the set; if there are too few, all of them
+/// plus others, also spread. In the order of the set.
 std::vector<ChosenSegment> ChooseSegments(const SegmentSet& set, std::size_t count);
 
-/// An SVG document, one row for each segment; says in each row who made the edits.
+/// An SVG document, one row for each segment; each row states the origin of the edits.
 std::string SegmentsSvg(std::span<const ChosenSegment> chosen, std::string_view title);
 
 /// The same in characters:

@@ -10,7 +10,7 @@
 namespace conav::nhpm {
 namespace {
 
-/// Gathers a Spread.
+/// Computes a Spread.
 class Sample {
  public:
   void Add(double value) {
@@ -31,7 +31,7 @@ class Sample {
   std::size_t count_ = 0;
 };
 
-/// Where a segment's edits are; gives their number.
+/// Classifies a segment's edits by place; returns their number.
 std::size_t CountEdits(const Segment& segment, SetSummary& summary) {
   const EditLabels labels = LabelsOf(segment);
   const VisibleCells& visible = segment.query.visible;
@@ -95,7 +95,7 @@ void AddTrajectories(const SegmentSet& set, SetSummary& summary) {
   summary.final_mapping_accuracy = mapping.spread();
 }
 
-// --- words -----------------------------------------------------------------------------------
+// As text.
 
 double Share(std::size_t part, std::size_t whole) {
   return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
@@ -121,7 +121,7 @@ std::string PercentRange(const Spread& spread) {
                      Percent(spread.highest));
 }
 
-/// What a reader must know before any number.
+/// The warning that precedes any number.
 std::string Warning(const SetSummary& summary) {
   std::string text;
   if (summary.trajectories_by_origin.contains("synthetic")) {
@@ -149,6 +149,19 @@ std::string Histogram(const SetSummary& summary) {
 
 nlohmann::ordered_json ToJson(const Spread& spread) {
   return {{"min", spread.lowest}, {"mean", spread.mean}, {"max", spread.highest}};
+}
+
+/// Compares the content that training uses; the heading only matters through the seen cells.
+bool HaveSameContent(const Segment& a, const Segment& b) {
+  return a.query.belief == b.query.belief && a.belief_after == b.belief_after &&
+         a.query.path == b.query.path && a.query.cell == b.query.cell &&
+         a.query.visible == b.query.visible;
+}
+
+bool BeginAlike(const Trajectory& a, const Trajectory& b) {
+  const auto both = static_cast<std::ptrdiff_t>(std::min(a.segments.size(), b.segments.size()));
+  return std::equal(a.segments.begin(), a.segments.begin() + both, b.segments.begin(),
+                    HaveSameContent);
 }
 
 }  // namespace
@@ -226,23 +239,6 @@ nlohmann::ordered_json ToJson(const SetSummary& summary) {
           {"final_cell_accuracy", ToJson(summary.final_cell_accuracy)},
           {"final_mapping_accuracy", ToJson(summary.final_mapping_accuracy)}};
 }
-
-namespace {
-
-/// The heading counts only through what the camera saw.
-bool HaveSameContent(const Segment& a, const Segment& b) {
-  return a.query.belief == b.query.belief && a.belief_after == b.belief_after &&
-         a.query.path == b.query.path && a.query.cell == b.query.cell &&
-         a.query.visible == b.query.visible;
-}
-
-bool BeginAlike(const Trajectory& a, const Trajectory& b) {
-  const auto both = static_cast<std::ptrdiff_t>(std::min(a.segments.size(), b.segments.size()));
-  return std::equal(a.segments.begin(), a.segments.begin() + both, b.segments.begin(),
-                    HaveSameContent);
-}
-
-}  // namespace
 
 Result<void> SetUnion::Add(SegmentSet set, const std::string& name) {
   for (std::size_t i = 0; i < set.trajectories.size(); ++i) {

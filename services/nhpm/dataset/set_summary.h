@@ -25,7 +25,7 @@ struct Spread {
 /// Segments by their number of edits: 0, 1, ..., 6, and 7 or more.
 inline constexpr std::size_t kEditBins = 8;
 
-/// What `conav dataset describe` says of a set that passed CheckSegments.
+/// The summary of a set that passed CheckSegments, for `conav dataset describe`.
 struct SetSummary {
   std::string origin;  // OriginText
   std::size_t trajectories = 0;
@@ -51,26 +51,26 @@ struct SetSummary {
   Spread final_cell_accuracy;
   Spread final_mapping_accuracy;
   std::size_t accepted = 0;       // trajectories above kAcceptedMappingAccuracy
-  std::size_t without_truth = 0;  // trajectories; their accuracies are what their file says
+  std::size_t without_truth = 0;  // trajectories; their accuracies come from their file
 
   double share_without_edit() const;
 };
 
 SetSummary Summarize(const SegmentSet& set);
 
-/// Several lines for a terminal; says plainly whose edits these are.
+/// Several lines for a terminal, including a plain statement of the origin of the edits.
 std::string ToText(const SetSummary& summary);
 nlohmann::ordered_json ToJson(const SetSummary& summary);
 
-/// Joins sets in which no trajectory may come twice: it could be trained on and tested with.
+/// Joins sets without repeated trajectories: training and testing on the same one would be wrong.
 ///
-/// Two are the same when person, world and seeds are, and the segments of the shorter one are the
-/// first ones of the other: so is one that was recorded again, or recovered from a torn file. What
-/// a recording says of itself (session, times, pictures, accuracies) makes no difference.
+/// Two trajectories are the same when person, world and seeds are, and the segments of the shorter
+/// one are the first ones of the other. That covers a repeated recording and one recovered from a
+/// torn file. Session, times, pictures and accuracies make no difference.
 class SetUnion {
  public:
-  /// `name` names the set in messages, as a file does. Errors: kRefused (a trajectory is the same as
-  /// another, of this set or of one before): the union is of no use then.
+  /// Messages call the set `name`, such as its file. Errors: kRefused when a trajectory repeats one
+  /// of this set or an earlier one; the union is unusable then.
   [[nodiscard]] Result<void> Add(SegmentSet set, const std::string& name);
 
   SegmentSet Take() { return std::move(all_); }

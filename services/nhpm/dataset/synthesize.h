@@ -12,26 +12,27 @@
 
 namespace conav::nhpm {
 
-/// What the person is shown.
+/// The mapping task's maze, robot and pictures.
 struct MappingTaskOptions {
   std::string preset = "conav13";  // of the maze; see sim/world/maze_presets.h
   sim::MapCorruptionOptions corruption;
   MappingTourOptions tour;
 };
 
-/// The dataset collection task of paper Appendix A with a SYNTHETIC annotator: a maze of its own
-/// and a map of it that is wrong. The robot drives the shortest way from stop to stop of a
-/// MappingTour: all goals, then `annotator.extra_pictures` more. At each it takes a picture with
-/// the lens of the simulated camera, and the annotator edits the map.
+/// The dataset collection task of paper Appendix A with a SYNTHETIC annotator, in a maze of its own
+/// with a corrupted map. The robot drives the shortest way from stop to stop of a MappingTour: all
+/// goals, then `annotator.extra_pictures` more. At each it takes a picture with the lens of the
+/// simulated camera, and the annotator edits the map.
 ///
-/// Gives one segment per picture; whether the trajectory is good enough to keep
-/// (kAcceptedMappingAccuracy) is for the caller. Participant and session are left empty.
-/// Seeded: equal arguments give equal trajectories.
-/// Errors: kInvalidArgument for options out of range; those of MakeWorldSpec (kNotFound for an unknown preset) and CorruptMap.
+/// Gives one segment per picture; the caller decides whether the trajectory is good enough to keep
+/// (kAcceptedMappingAccuracy). Participant and session stay empty. Seeded: equal arguments give
+/// equal trajectories.
+/// Errors: kInvalidArgument for options out of range; those of MakeWorldSpec (kNotFound for an
+///         unknown preset) and CorruptMap.
 [[nodiscard]] Result<Trajectory> RunMappingTask(const MappingTaskOptions& options,
                                                 const Annotator& annotator, std::uint64_t seed);
 
-/// The picture that a segment's query stands for, as a PictureReader looks at it.
+/// The picture of a segment's query, as a PictureReader looks at it.
 Snapshot SnapshotOf(const PerceptionQuery& query);
 
 struct SynthesisOptions {
@@ -42,24 +43,24 @@ struct SynthesisOptions {
   /// Mazes that each person maps, one after the other, failed ones included. Paper Appendix A.
   int trajectories_per_person = 3;
   int threads = 1;
-  /// Told now and then how many trajectories were accepted and excluded so far.
+  /// Reports progress now and then: accepted and excluded trajectories so far.
   std::function<void(int accepted, int excluded)> progress;
 };
 
 struct Synthesis {
-  SegmentSet set;    // exactly as many trajectories as asked for
-  int excluded = 0;  // that failed the filter before the last accepted one
+  SegmentSet set;    // exactly as many trajectories as requested
+  int excluded = 0;  // failed the filter before the last accepted one
 };
 
-/// Trajectories of SYNTHETIC annotators, each in a maze of its own, until as many as wanted have a
-/// final mapping accuracy above kAcceptedMappingAccuracy; the others are left out (paper Appendix
+/// Trajectories of SYNTHETIC annotators, each in a maze of its own, until the requested number has
+/// a final mapping accuracy above kAcceptedMappingAccuracy; leaves the others out (paper Appendix
 /// A: 254 of 367).
 ///
-/// Equal options give equal trajectories, whatever the number of threads; more trajectories begin
+/// Equal options give equal trajectories, whatever the number of threads; a larger number begins
 /// with the same ones.
 /// Errors: kInvalidArgument (fewer than one trajectory, per person, or thread), those of
-/// RunMappingTask, kOutOfRange when the population is so careless that fewer than one in a hundred
-/// trajectories is accepted.
+///         RunMappingTask, kOutOfRange when the population is so careless that fewer than one in a
+///         hundred trajectories is accepted.
 [[nodiscard]] Result<Synthesis> SynthesizeSegments(const SynthesisOptions& options);
 
 }  // namespace conav::nhpm

@@ -93,7 +93,7 @@ void InferencePass::MarkDifferences(std::span<const float> input) {
   }
 }
 
-/// By one cell in all eight directions.
+/// Grows the mask by one cell in all eight directions.
 void InferencePass::Grow() {
   const auto stride = static_cast<std::size_t>(grid_.stride());
   const std::size_t end = mask_.size() - stride;
@@ -118,7 +118,7 @@ void InferencePass::ListMask() {
   list_.resize(count);
 }
 
-/// What differs from the base and will not be computed anew.
+/// Restores the cells that differ from the base and that this call will not compute.
 void InferencePass::Restore(Layer& layer) const {
   for (const std::int32_t cell : layer.dirty) {
     if (mask_[static_cast<std::size_t>(cell)] != 0) continue;

@@ -10,13 +10,13 @@
 
 namespace conav::nhpm {
 
-/// a * b + c, rounded once: the same bits as the processor's fused multiply-add, for finite values,
-/// on machines that have none.
+/// a * b + c, rounded once: for finite values the same bits as the processor's fused multiply-add,
+/// on machines without one.
 ///
 /// The product of two floats is exact as a double. Their sum with `c` is rounded to odd (S. Boldo
 /// and G. Melquiond, "Emulation of FMA and correctly rounded sums: proved algorithms using rounding
 /// to odd", IEEE Transactions on Computers 57(4), 2008), so that the conversion to float rounds as
-/// if the sum were exact. Without branches: compilers vectorise it.
+/// if the sum were exact. Without branches, so compilers vectorise it.
 inline float EmulatedFma(float a, float b, float c) {
   const double product = static_cast<double>(a) * static_cast<double>(b);
   const double addend = static_cast<double>(c);
@@ -29,7 +29,7 @@ inline float EmulatedFma(float a, float b, float c) {
   return static_cast<float>(std::bit_cast<double>(bits + (nudge ? away_from_zero : 0)));
 }
 
-/// The processor's own where it is fast, else emulated.
+/// The processor's own FMA where it is fast, else the emulation.
 inline float ExactFma(float a, float b, float c) {
 #ifdef __FP_FAST_FMAF
   return __builtin_fmaf(a, b, c);
@@ -58,17 +58,17 @@ namespace {
 
 enum class Activation { kNone, kRelu };
 
-/// Two vectors of outputs, or one where there are no more: what a tile computes at once.
+/// The outputs that a tile computes at once: two vectors of them, or one if there are no more.
 template <class V, int Outputs>
 constexpr int kVectorsOfTile = Outputs >= 2 * V::kWidth ? 2 : 1;
 
-/// Where the weights of output `o` begin, among blocks of 16 outputs, each [ky][kx][inputs][16].
+/// Where the weights of output `o` begin, in blocks of 16 outputs, each [ky][kx][inputs][16].
 template <int Inputs>
 constexpr std::ptrdiff_t WeightsOfOutput(int o) {
   return std::ptrdiff_t{o / kBlock} * 9 * Inputs * kBlock + o % kBlock;
 }
 
-/// Some outputs of `P` cells.
+/// Computes some outputs of `P` cells.
 template <class V, int P, int Inputs, int Outputs, Activation A>
 inline void ConvolutionTile(const float* in, const std::int32_t* cells, std::int32_t stride,
                             const float* weights, const float* bias, float* out) {
@@ -80,7 +80,7 @@ inline void ConvolutionTile(const float* in, const std::int32_t* cells, std::int
     corner[p] = in + static_cast<std::ptrdiff_t>(cells[p] - stride - 1) * Inputs;
   }
   for (int ky = 0; ky < 3; ++ky) {
-    for (int i = 0; i < 3 * Inputs; ++i) {  // the three cells of a row lie side by side
+    for (int i = 0; i < 3 * Inputs; ++i) {  // the three cells of a row are contiguous
       typename V::Vector w[kVectors];
       for (int v = 0; v < kVectors; ++v) {
         w[v] = V::Load(weights + WeightsOfOutput<Inputs>(v * V::kWidth));
@@ -102,15 +102,15 @@ inline void ConvolutionTile(const float* in, const std::int32_t* cells, std::int
   }
 }
 
-/// Calls `tile` with std::integral_constant<int, size>, sizes up to `Largest`, until `cells` are
-/// covered: in as few tiles as possible, all about equally large, as a small one would wait for its
-/// own sums.
+/// Calls `tile` with std::integral_constant<int, size>, sizes up to `Largest`, until all `cells`
+/// are covered. Uses as few tiles as possible, of about equal size, because a small tile would wait
+/// for its own sums.
 template <int Largest, class Tile>
 void ForEachTile(std::size_t cells, Tile&& tile) {
   if (cells == 0) return;
   const std::size_t tiles = (cells + Largest - 1) / Largest;
   const auto size = static_cast<int>(cells / tiles);
-  const std::size_t larger = cells % tiles;  // so many have a cell more
+  const std::size_t larger = cells % tiles;  // tiles with one more cell
   const auto repeat = [&](int wanted, std::size_t times) {
     [&]<int... I>(std::integer_sequence<int, I...>) {
       const auto run = [&]<int P>(std::integral_constant<int, P> p) {
@@ -217,7 +217,7 @@ void WeightGradient(const float* in, const float* out_gradient, const CellList& 
   }
 }
 
-/// The last layer's, with its few outputs: lanes run over inputs.
+/// The last layer's gradient: with only two outputs, lanes run over inputs.
 template <class V, int Inputs>
 void LastGradient(const float* in, const float* out_gradient, const CellList& list,
                   float* gradient) {

@@ -16,7 +16,7 @@ struct Avx512 {
   static void Store(float* to, Vector value) { _mm512_storeu_ps(to, value); }
   static Vector Fma(Vector a, Vector b, Vector c) { return _mm512_fmadd_ps(a, b, c); }
   static Vector Add(Vector a, Vector b) { return _mm512_add_ps(a, b); }
-  /// With a mask of all: g++ 12 warns falsely of the one without.
+  /// The mask of all lanes avoids a false warning of g++ 12.
   static Vector Positive(Vector value) {
     return _mm512_maskz_max_ps(0xFFFF, value, _mm512_setzero_ps());
   }

@@ -42,7 +42,7 @@ struct NetworkWeights {
 /// All zero.
 NetworkWeights ZeroWeights(NetworkShape shape);
 
-/// He initialisation (normal, variance 2 / fan-in), biases 0, but for the last layer's biases:
+/// He initialisation (normal, variance 2 / fan-in) and zero biases, except for the last layer's:
 /// these start at `output_bias`, the logit of the share of cells that people edit.
 NetworkWeights InitialWeights(NetworkShape shape, std::uint64_t seed, float output_bias = -4.6F);
 

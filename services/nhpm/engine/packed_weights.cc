@@ -39,8 +39,8 @@ void PackLast(const std::vector<float>& weights, int inputs, AlignedFloats& pack
   }
 }
 
-/// Weights of the convolution that carries gradients back: turned by 180 degrees, inputs and
-/// outputs exchanged.
+/// Weights of the convolution that carries gradients back: rotated by 180 degrees, inputs and
+/// outputs swapped.
 void PackBackward(const std::vector<float>& weights, int inputs, int outputs,
                   AlignedFloats& packed) {
   auto next = packed.begin();

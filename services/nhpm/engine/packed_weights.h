@@ -9,7 +9,7 @@
 
 namespace conav::nhpm {
 
-/// Memory on cache-line borders, so that no vector load touches two lines.
+/// Allocates on cache-line borders, so that no vector load crosses two lines.
 template <class T>
 struct AlignedAllocator {
   using value_type = T;
@@ -34,11 +34,11 @@ using AlignedFloats = std::vector<float, AlignedAllocator<float>>;
 ///   layer 3          [ky][kx][inputs / 8][kOutputChannels][8]
 ///   backward         of layers 1, 2, 3: blocks of 16 INPUTS, each [2-ky][2-kx][outputs][16]
 struct PackedWeights {
-  /// Backward weights are left out of what only infers.
+  /// kInference leaves out the backward weights.
   enum class Use { kInference, kTraining };
 
   PackedWeights(const NetworkWeights& weights, Use use);
-  /// New values of the same shape.
+  /// Sets new values of the same shape.
   void Assign(const NetworkWeights& weights);
 
   NetworkShape shape;

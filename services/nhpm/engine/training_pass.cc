@@ -11,7 +11,7 @@
 namespace conav::nhpm {
 namespace {
 
-/// `sums` is working memory for as many values as `gradient` has.
+/// `sums` is scratch memory of the size of `gradient`.
 void AddBiasGradient(const CellList& list, const AlignedFloats& out_gradient, std::span<float> sums,
                      std::vector<float>& gradient) {
   std::fill(sums.begin(), sums.end(), 0.0F);
@@ -22,7 +22,7 @@ void AddBiasGradient(const CellList& list, const AlignedFloats& out_gradient, st
   for (std::size_t o = 0; o < sums.size(); ++o) gradient[o] += sums[o];
 }
 
-/// The gradient before a ReLU from the one after it. Border cells are zero and stay so.
+/// Turns the gradient after a ReLU into the one before it. Border cells are zero and stay so.
 void MaskByRelu(const AlignedFloats& activation, AlignedFloats& gradient) {
   for (std::size_t i = 0; i < gradient.size(); ++i) {
     gradient[i] = activation[i] > 0.0F ? gradient[i] : 0.0F;

@@ -7,7 +7,7 @@
 
 namespace conav::nhpm {
 
-/// Weights in the order that the kernels read, for forward and backward passes.
+/// Weights in the kernels' order, for forward and backward passes.
 class TrainingWeights {
  public:
   explicit TrainingWeights(const NetworkWeights& weights)
@@ -20,9 +20,10 @@ class TrainingWeights {
   PackedWeights packed_;
 };
 
-/// One sample forward and backward through the network, with the kernels of the inference engine:
-/// the logits have the bits of inference, and all results are equal whatever the instruction set.
-/// Threads: one pass per thread; the weights may be shared while nobody assigns to them.
+/// Runs one sample forward and backward through the network, with the kernels of the inference
+/// engine: the logits have the bits of inference, and all results are equal whatever the
+/// instruction set. Threads: one pass per thread; threads may share the weights while none calls
+/// Assign.
 class TrainingPass {
  public:
   TrainingPass(NetworkShape shape, int rows, int columns);

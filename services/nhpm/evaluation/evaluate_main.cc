@@ -44,11 +44,12 @@ Result<std::vector<ModelRow>> AllRows(const EvaluateArguments& arguments,
   return rows;
 }
 
-/// Those that were asked for; else by what they show and where NHPM and GLPF-Test differ.
+/// The requested segments; by default those with the paper's two cases, and where NHPM and
+/// GLPF-Test differ most.
 std::vector<FigureSegment> Figures(const EvaluateArguments& arguments,
                                    const EvaluationReport& report) {
   std::vector<FigureSegment> figures;
-  for (const std::size_t index : arguments.segments) figures.push_back({index, "as asked for"});
+  for (const std::size_t index : arguments.segments) figures.push_back({index, "by request"});
   if (!figures.empty()) return figures;
   const ModelRow* glpf = FindRow(report.rows, "glpf_test");
   const ModelRow* nhpm = FindRow(report.rows, "nhpm");
@@ -66,7 +67,7 @@ int WriteAll(const EvaluateArguments& arguments, const EvaluationReport& report)
                       .and_then([&] { return WriteOutput(arguments.html, ReportPage(report)); }));
 }
 
-/// What the arguments ask of the data and it cannot give; empty = nothing.
+/// What the arguments ask for and the data cannot give; empty = nothing.
 std::string WrongUse(const EvaluateArguments& arguments, const EvaluationData& data) {
   const std::size_t count = SegmentCount(data.test);
   for (const std::size_t index : arguments.segments) {
@@ -75,15 +76,13 @@ std::string WrongUse(const EvaluateArguments& arguments, const EvaluationData& d
   }
   if (arguments.average_oracle && !HasOracle(data)) {
     return fmt::format(
-        "--average-oracle: the test part of {} is {} data, of which nobody knows "
-        "what would have been done",
+        "--average-oracle: the test part of {} is {} data, and only synthetic people have an "
+        "oracle",
         data.file, OriginText(data.test));
   }
   if (arguments.check && !HasBars(data)) {
-    return fmt::format(
-        "--check: there is nothing to check, as the test part of {} is {} data; bars "
-        "are for synthetic people only",
-        data.file, OriginText(data.test));
+    return fmt::format("--check: the test part of {} is {} data; only synthetic people have bars",
+                       data.file, OriginText(data.test));
   }
   return {};
 }
@@ -120,36 +119,33 @@ int RunEvaluate(const EvaluateArguments& arguments) {
   report.figures = Figures(arguments, report);
   if (const int code = WriteAll(arguments, report); code != 0) return code;
   if (!arguments.check) return 0;
-  if (report.bars.empty())
-    return Refused(kProgram, "--check: without NHPM there is nothing to check");
+  if (report.bars.empty()) return Refused(kProgram, "--check: needs an NHPM row");
   return AllPassed(report) ? 0 : 1;
 }
 
 }  // namespace conav::nhpm
-
-// conav-evaluate: table 1 of the paper for a segment file.
 
 namespace {
 
 using conav::nhpm::EvaluateArguments;
 
 void AddDataFlags(CLI::App& app, EvaluateArguments& arguments) {
-  app.add_option("--data", arguments.data, "Segment file, as conav dataset makes it")->required();
+  app.add_option("--data", arguments.data, "Segment file of conav dataset")->required();
   auto* seed = app.add_option("--split-seed", arguments.split_seed,
-                              "Which trajectories are for test: the seed given to conav train")
+                              "Seed of the split: use the one given to conav train")
                    ->check(conav::WholeNumber())
                    ->capture_default_str();
   app.add_flag("--all-test", arguments.all_test,
-               "Test on the whole file, of which the weights saw nothing; no GLPF-Train row")
+               "Test on the whole file, which the weights have never seen; no GLPF-Train row")
       ->excludes(seed);
   app.add_flag("--allow-seen", arguments.allow_seen,
-               "Only warn of weights that learned from what they are tested on");
+               "Warn instead of failing when the weights learned from the test data");
 }
 
 void AddModelFlags(CLI::App& app, EvaluateArguments& arguments) {
-  app.add_option("--weights", arguments.weights,
-                 "Weights file, as conav train makes it; several give a row each (the default "
-                 "weights that conav comes with)");
+  app.add_option(
+      "--weights", arguments.weights,
+      "Weights file of conav train; several give a row each [the one that comes with conav]");
   app.add_option("--without", arguments.without,
                  "One more row for each input named, with the same weights and that input zeroed: "
                  "tau (the path), o (the view), x (the map). For a network that never saw it, give "
@@ -157,13 +153,13 @@ void AddModelFlags(CLI::App& app, EvaluateArguments& arguments) {
       ->delimiter(',')
       ->check(CLI::IsMember({"tau", "o", "x"}));
   app.add_option("--oracle-draws", arguments.oracle_draws,
-                 "Monte Carlo draws a segment for the oracle's row, on synthetic data; 2000 at "
-                 "least, or 0 = no oracle")
+                 "Monte Carlo draws per segment for the oracle's row, on synthetic data; at least "
+                 "2000, or 0 = no oracle")
       ->capture_default_str()
       ->check(CLI::IsMember({0}) | CLI::Range(2000, 100000000));
   app.add_flag("--average-oracle", arguments.average_oracle,
-               "One more row: the mean over synthetic annotators, the best that a model can do "
-               "which does not know who looked");
+               "One more row: the mean over synthetic annotators, the best possible model that "
+               "does not know who looked");
   arguments.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   app.add_option("--threads", arguments.threads,
                  "Threads [one per core]; the result is the same on any number")
@@ -178,15 +174,14 @@ void AddOutputFlags(CLI::App& app, EvaluateArguments& arguments) {
   app.add_option("--html", arguments.html,
                  "Write a page with table, plots and figure 3 to this file, or -");
   app.add_option("--segments", arguments.segments,
-                 "Test segments that the page shows, numbers from 0 (those with a misplaced near "
-                 "wall, a preferred far wall, and where NHPM and GLPF-Test differ most)")
+                 "Test segments for the page, numbers from 0 [those with a misplaced near wall, a "
+                 "preferred far wall, and the largest differences between NHPM and GLPF-Test]")
       ->check(conav::WholeNumber())
       ->delimiter(',');
-  app.add_flag("--check", arguments.check,
-               "Exit with 1 when a bar is not reached; synthetic data only");
+  app.add_flag("--check", arguments.check, "Exit with 1 when a bar is missed; synthetic data only");
 }
 
-/// The message of wrong use that CLI11 does not find; empty = none.
+/// Reports wrong usage that CLI11 does not detect; empty = none.
 std::string WrongUse(const EvaluateArguments& arguments) {
   int documents = 0;
   for (const auto& path : {arguments.json, arguments.csv, arguments.html}) {
@@ -194,25 +189,28 @@ std::string WrongUse(const EvaluateArguments& arguments) {
   }
   if (documents > 1) return "only one of --json, --csv and --html can go to standard output";
   const std::set<std::string> without(arguments.without.begin(), arguments.without.end());
-  if (without.size() < arguments.without.size()) return "--without names an input twice";
+  if (without.size() < arguments.without.size()) return "--without: an input appears twice";
   if (!arguments.average_oracle) return {};
   if (arguments.oracle_draws == 0) return "--average-oracle needs --oracle-draws";
-  if (arguments.all_test) return "--average-oracle is of people of the train part: no --all-test";
+  if (arguments.all_test)
+    return "--average-oracle uses people of the train part: it excludes --all-test";
   return {};
 }
 
 }  // namespace
 
+// conav-evaluate: table 1 of the paper for a segment file.
+
 int main(int argc, char** argv) {
   CLI::App app(
-      "Compares models of how people edit their map, as table 1 of the paper does: the GLPF fitted "
+      "Compares models of how people edit their map, as in table 1 of the paper: the GLPF fitted "
       "to the train part (GLPF-Train) and to the test part itself (GLPF-Test, an upper bound), "
-      "NHPM, and on synthetic data the annotators themselves (oracle).\n"
-      "Columns: MBCE (mean binary cross-entropy in nats over all outputs, masked ones cost 0; and "
-      "over the unmasked ones), IoU of predicted and true edits at the ideal boundary and at 0.5, "
-      "ECE (expected calibration error, unmasked outputs), edits expected and made per picture and "
-      "their correlation.\n"
-      "Exit codes: 0 done; 1 failed, or with --check a bar was not reached; 2 wrong use.",
+      "NHPM, and on synthetic data the annotators themselves (oracle).\nColumns: MBCE (mean binary "
+      "cross-entropy in nats over all outputs, masked ones cost 0; and over the unmasked ones), "
+      "IoU of predicted and true edits at the ideal boundary and at 0.5, ECE (expected calibration "
+      "error, unmasked outputs), expected and actual edits per picture and their "
+      "correlation.\nExit codes: 0 done; 1 failed, or with --check a bar was missed; 2 wrong "
+      "usage.",
       "conav evaluate");
   EvaluateArguments arguments;
   AddDataFlags(app, arguments);

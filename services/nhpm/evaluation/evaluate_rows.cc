@@ -26,7 +26,7 @@ Result<void> CheckTestPart(const EvaluateArguments& arguments, const EvaluationD
   const std::size_t trajectories = data.train.trajectories.size();
   return Fail(
       ErrorCode::kInvalidArgument,
-      fmt::format("{}: nothing is left to test on of {} {}; --all-test takes the whole file",
+      fmt::format("{}: nothing is left for the test of its {} {}; --all-test takes the whole file",
                   arguments.data.string(), trajectories,
                   trajectories == 1 ? "trajectory" : "trajectories"));
 }
@@ -36,54 +36,16 @@ std::string Value(const NetworkModel& model, const char* name) {
   return found == model.training.end() ? "" : found->second;
 }
 
-/// What to do about weights that saw the test part.
+/// What to do about weights that learned from the test part.
 std::string Remedy(const NetworkModel& model, const EvaluationData& data) {
   const bool adapted = !Value(model, "adapt_data_sha256").empty();
   if (!adapted && Value(model, "data_sha256") == data.checksum) {
     return "pass --split-seed " + Value(model, "split_seed");
   }
-  return "pass data that it never saw (for synthetic people, of another --seed)";
+  return "pass data that it never saw (for synthetic people, use another --seed)";
 }
 
-}  // namespace
-
-Result<EvaluationData> LoadEvaluationData(const EvaluateArguments& arguments) {
-  auto read = ReadIdentifiedSegments(arguments.data);
-  if (!read) return tl::unexpected(read.error());
-  EvaluationData data;
-  data.file = arguments.data.filename().string();
-  data.checksum = read->checksum;
-  if (arguments.all_test) {
-    data.test = std::move(read->set);
-  } else {
-    SegmentSplit split = SplitSegments(read->set, arguments.split_seed);
-    data.train = std::move(split.train);
-    Append(split.validation, data.train);
-    data.test = std::move(split.test);
-    data.split_seed = arguments.split_seed;
-  }
-  if (const auto checked = CheckTestPart(arguments, data); !checked) {
-    return tl::unexpected(checked.error());
-  }
-  return data;
-}
-
-Result<std::string> CheckUnseen(const NetworkModel& model, const std::filesystem::path& name,
-                                const EvaluationData& data, bool allow_seen) {
-  if (model.learned_from.empty()) return UnknownLearning(name);
-  const std::size_t seen = CountKnown(data.test, model.learned_from);
-  if (seen == 0) return std::string();
-  const std::string problem =
-      fmt::format("{}: learned from {} of the {} trajectories that it would be tested on",
-                  name.string(), seen, data.test.trajectories.size());
-  if (allow_seen) return problem;
-  return Fail(ErrorCode::kRefused,
-              fmt::format("{}; {}, or --allow-seen", problem, Remedy(model, data)));
-}
-
-namespace {
-
-/// A network to be asked, and what its row is called.
+/// A network and the name of its row.
 struct NamedNetwork {
   RowLabel label;
   NetworkModel model;
@@ -111,11 +73,11 @@ NamedNetwork Without(const NamedNetwork& whole, const std::string& input) {
   InputOf(ablated.model.inputs, input) = false;
   ablated.label.key = fmt::format("{}_without_{}", whole.label.key, input);
   ablated.label.title = fmt::format("{} without {}", whole.label.title, input);
-  ablated.label.about = fmt::format("the same weights, {} zeroed when asked", input);
+  ablated.label.about = fmt::format("the same weights, with input {} zeroed", input);
   return ablated;
 }
 
-/// The files that were named; else the shipped one, if it is there.
+/// The named files, or the shipped one if it exists.
 std::vector<std::filesystem::path> Files(const EvaluateArguments& arguments, const Reporter& warn) {
   if (!arguments.weights.empty()) return arguments.weights;
   const std::filesystem::path shipped = ShippedWeights();
@@ -133,42 +95,7 @@ Result<ModelRow> RowOf(const NamedNetwork& network, const EvaluationData& data,
       });
 }
 
-}  // namespace
-
-Result<std::vector<ModelRow>> NetworkRows(const EvaluateArguments& arguments,
-                                          const EvaluationData& data, const Reporter& warn,
-                                          const Reporter& progress) {
-  const std::vector<std::filesystem::path> files = Files(arguments, warn);
-  std::vector<ModelRow> rows;
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    const auto model = ReadWeightsFile(files[i]);
-    if (!model) return tl::unexpected(model.error());
-    const auto unseen = CheckUnseen(*model, files[i], data, arguments.allow_seen);
-    if (!unseen) return tl::unexpected(unseen.error());
-    if (!unseen->empty()) warn(*unseen);
-    std::vector<NamedNetwork> networks{Named(*model, files[i], i)};
-    for (const std::string& input : arguments.without) {
-      if (Sees(*model, input)) {
-        networks.push_back(Without(networks.front(), input));
-      } else {
-        warn(fmt::format("{}: was trained without {}: no further row without it", files[i].string(),
-                         input));
-      }
-    }
-    for (const NamedNetwork& network : networks) {
-      auto row = RowOf(network, data, progress);
-      if (!row) {
-        return Fail(row.error().code, fmt::format("{}: {}", files[i].string(), row.error().text));
-      }
-      rows.push_back(std::move(*row));
-    }
-  }
-  return rows;
-}
-
-namespace {
-
-constexpr std::size_t kAveragePeople = 100;  // at most, for the mean over people
+constexpr std::size_t kAveragePeople = 100;  // limit for the mean over people
 
 bool IsSynthetic(const Trajectory& trajectory) {
   return trajectory.origin == SegmentOrigin::kSynthetic;
@@ -199,8 +126,8 @@ Result<ModelRow> OracleRow(const EvaluateArguments& arguments, const EvaluationD
   for (auto& some : *by_trajectory) std::ranges::move(some, std::back_inserter(answers));
   return EvaluateAnswers(
       {"oracle", "Oracle",
-       fmt::format("the synthetic annotators themselves, {} draws a segment: nobody is better on "
-                   "average, up to the filter of their trajectories",
+       fmt::format("the synthetic annotators themselves, {} draws per segment: the best possible "
+                   "on average, up to the filter of their trajectories",
                    arguments.oracle_draws)},
       IdentityOf("oracle", fmt::format("{} draws", arguments.oracle_draws)), std::move(answers),
       data);
@@ -247,6 +174,70 @@ Result<ModelRow> AverageRow(const EvaluateArguments& arguments, const Evaluation
 }
 
 }  // namespace
+
+Result<EvaluationData> LoadEvaluationData(const EvaluateArguments& arguments) {
+  auto read = ReadIdentifiedSegments(arguments.data);
+  if (!read) return tl::unexpected(read.error());
+  EvaluationData data;
+  data.file = arguments.data.filename().string();
+  data.checksum = read->checksum;
+  if (arguments.all_test) {
+    data.test = std::move(read->set);
+  } else {
+    SegmentSplit split = SplitSegments(read->set, arguments.split_seed);
+    data.train = std::move(split.train);
+    Append(split.validation, data.train);
+    data.test = std::move(split.test);
+    data.split_seed = arguments.split_seed;
+  }
+  if (const auto checked = CheckTestPart(arguments, data); !checked) {
+    return tl::unexpected(checked.error());
+  }
+  return data;
+}
+
+Result<std::string> CheckUnseen(const NetworkModel& model, const std::filesystem::path& name,
+                                const EvaluationData& data, bool allow_seen) {
+  if (model.learned_from.empty()) return UnknownLearning(name);
+  const std::size_t seen = CountKnown(data.test, model.learned_from);
+  if (seen == 0) return std::string();
+  const std::string problem = fmt::format("{}: learned from {} of the {} test trajectories",
+                                          name.string(), seen, data.test.trajectories.size());
+  if (allow_seen) return problem;
+  return Fail(ErrorCode::kRefused,
+              fmt::format("{}; {}, or --allow-seen", problem, Remedy(model, data)));
+}
+
+Result<std::vector<ModelRow>> NetworkRows(const EvaluateArguments& arguments,
+                                          const EvaluationData& data, const Reporter& warn,
+                                          const Reporter& progress) {
+  const std::vector<std::filesystem::path> files = Files(arguments, warn);
+  std::vector<ModelRow> rows;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const auto model = ReadWeightsFile(files[i]);
+    if (!model) return tl::unexpected(model.error());
+    const auto unseen = CheckUnseen(*model, files[i], data, arguments.allow_seen);
+    if (!unseen) return tl::unexpected(unseen.error());
+    if (!unseen->empty()) warn(*unseen);
+    std::vector<NamedNetwork> networks{Named(*model, files[i], i)};
+    for (const std::string& input : arguments.without) {
+      if (Sees(*model, input)) {
+        networks.push_back(Without(networks.front(), input));
+      } else {
+        warn(fmt::format("{}: trained without {}; no further row without it", files[i].string(),
+                         input));
+      }
+    }
+    for (const NamedNetwork& network : networks) {
+      auto row = RowOf(network, data, progress);
+      if (!row) {
+        return Fail(row.error().code, fmt::format("{}: {}", files[i].string(), row.error().text));
+      }
+      rows.push_back(std::move(*row));
+    }
+  }
+  return rows;
+}
 
 bool HasOracle(const EvaluationData& data) {
   return std::ranges::all_of(data.test.trajectories, IsSynthetic);

@@ -46,81 +46,12 @@ std::string Describe(const GlpfVariant& variant) {
                      p.visible_only ? "the picture only" : "picture and path");
 }
 
-/// The model's answers to the train part, paired with what people did.
-Result<Outcomes> OnTrain(const EditModel& model, const EvaluationData& data) {
+/// The model's answers to the train part, paired with the edits.
+Result<Outcomes> OnTrain(PerceptionModel& model, const EvaluationData& data) {
   return AskModel(model, data.train, {})
       .and_then(
           [&](const std::vector<PerceptionAnswer>& answers) { return Pair(data.train, answers); });
 }
-
-}  // namespace
-
-Result<std::vector<PerceptionAnswer>> AskModel(const EditModel& model, const SegmentSet& segments,
-                                               const EvaluationProgress& progress) {
-  const std::vector<PerceptionQuery> queries = Queries(segments);
-  std::vector<PerceptionAnswer> answers;
-  answers.reserve(queries.size());
-  while (answers.size() < queries.size()) {
-    const std::size_t count = std::min(kBatch, queries.size() - answers.size());
-    auto batch = model.Predict(std::span(queries).subspan(answers.size(), count));
-    if (!batch) return batch;
-    std::move(batch->begin(), batch->end(), std::back_inserter(answers));
-    if (progress) progress(answers.size(), queries.size());
-  }
-  return answers;
-}
-
-Result<ModelRow> EvaluateAnswers(const RowLabel& label, const ModelIdentity& identity,
-                                 std::vector<PerceptionAnswer> answers,
-                                 const EvaluationData& data) {
-  const auto outcomes = Pair(data.test, answers);
-  if (!outcomes) {
-    return Fail(outcomes.error().code, fmt::format("{}: {}", label.title, outcomes.error().text));
-  }
-  return ModelRow{.label = label,
-                  .identity = identity,
-                  .test = Measure(*outcomes),
-                  .segment_losses = SegmentLosses(*outcomes),
-                  .answers = std::move(answers)};
-}
-
-Result<ModelRow> EvaluateModel(const RowLabel& label, const EditModel& model,
-                               const EvaluationData& data, const EvaluationProgress& progress) {
-  auto answers = AskModel(model, data.test, progress);
-  if (!answers) return tl::unexpected(answers.error());
-  auto row = EvaluateAnswers(label, model.identity(), std::move(*answers), data);
-  if (!row || data.train.trajectories.empty()) return row;
-  const auto train = OnTrain(model, data);
-  if (!train) return tl::unexpected(train.error());
-  row->train = MeanCrossEntropy(*train);
-  const double boundary = BestIou(*train).boundary;
-  row->at_train_boundary = {boundary, IouAt(*Pair(data.test, row->answers), boundary)};
-  return row;
-}
-
-Result<ModelRow> EvaluateGlpfTrain(const EvaluationData& data, const GlpfFitOptions& options) {
-  DEMAND(!data.train.trajectories.empty());
-  const GlpfFit fit = FitGlpf(CountStimuli(AllSegments(data.train)), options);
-  const Glpf model(fit.best.parameters);
-  auto row = EvaluateModel({"glpf_train", "GLPF-Train", Describe(fit.best)}, model, data);
-  if (!row) return row;
-  row->test.best = *row->at_train_boundary;
-  row->test.segment_iou_best =
-      SegmentMeanIou(*Pair(data.test, row->answers), row->test.best.boundary);
-  row->test.boundary_source = BoundarySource::kTrain;
-  return row;
-}
-
-Result<ModelRow> EvaluateGlpfTest(const EvaluationData& data, const GlpfFitOptions& options) {
-  const GlpfFit fit = FitGlpf(CountStimuli(AllSegments(data.test)), options);
-  const Glpf model(fit.best.parameters);
-  return AskModel(model, data.test, {}).and_then([&](const std::vector<PerceptionAnswer>& answers) {
-    return EvaluateAnswers({"glpf_test", "GLPF-Test", Describe(fit.best)}, model.identity(),
-                           answers, data);
-  });
-}
-
-namespace {
 
 constexpr int kBootstrapDraws = 2000;
 
@@ -158,7 +89,7 @@ double DrawnShare(const std::vector<TrajectoryLosses>& losses, Random& random) {
   return ExcessShare(sum.model, sum.oracle, sum.baseline);
 }
 
-/// Boundaries chosen where the baseline's was.
+/// Compares at the boundaries from the same part as the baseline's.
 Bar IouBar(const ModelRow& model, const ModelRow& baseline) {
   const bool of_train = baseline.test.boundary_source == BoundarySource::kTrain;
   const BoundaryIou& best = of_train ? model.at_train_boundary.value() : model.test.best;
@@ -172,6 +103,71 @@ Bar IouBar(const ModelRow& model, const ModelRow& baseline) {
 }
 
 }  // namespace
+
+Result<std::vector<PerceptionAnswer>> AskModel(PerceptionModel& model, const SegmentSet& segments,
+                                               const EvaluationProgress& progress) {
+  const std::vector<PerceptionQuery> queries = Queries(segments);
+  std::vector<PerceptionAnswer> answers;
+  answers.reserve(queries.size());
+  while (answers.size() < queries.size()) {
+    const std::size_t count = std::min(kBatch, queries.size() - answers.size());
+    auto batch = model.Predict(std::span(queries).subspan(answers.size(), count));
+    if (!batch) return batch;
+    std::move(batch->begin(), batch->end(), std::back_inserter(answers));
+    if (progress) progress(answers.size(), queries.size());
+  }
+  return answers;
+}
+
+Result<ModelRow> EvaluateAnswers(const RowLabel& label, const ModelIdentity& identity,
+                                 std::vector<PerceptionAnswer> answers,
+                                 const EvaluationData& data) {
+  const auto outcomes = Pair(data.test, answers);
+  if (!outcomes) {
+    return Fail(outcomes.error().code, fmt::format("{}: {}", label.title, outcomes.error().text));
+  }
+  return ModelRow{.label = label,
+                  .identity = identity,
+                  .test = Measure(*outcomes),
+                  .segment_losses = SegmentLosses(*outcomes),
+                  .answers = std::move(answers)};
+}
+
+Result<ModelRow> EvaluateModel(const RowLabel& label, PerceptionModel& model,
+                               const EvaluationData& data, const EvaluationProgress& progress) {
+  auto answers = AskModel(model, data.test, progress);
+  if (!answers) return tl::unexpected(answers.error());
+  auto row = EvaluateAnswers(label, model.identity(), std::move(*answers), data);
+  if (!row || data.train.trajectories.empty()) return row;
+  const auto train = OnTrain(model, data);
+  if (!train) return tl::unexpected(train.error());
+  row->train = MeanCrossEntropy(*train);
+  const double boundary = BestIou(*train).boundary;
+  row->at_train_boundary = {boundary, IouAt(*Pair(data.test, row->answers), boundary)};
+  return row;
+}
+
+Result<ModelRow> EvaluateGlpfTrain(const EvaluationData& data, const GlpfFitOptions& options) {
+  DEMAND(!data.train.trajectories.empty());
+  const GlpfFit fit = FitGlpf(CountStimuli(AllSegments(data.train)), options);
+  Glpf model(fit.best.parameters);
+  auto row = EvaluateModel({"glpf_train", "GLPF-Train", Describe(fit.best)}, model, data);
+  if (!row) return row;
+  row->test.best = *row->at_train_boundary;
+  row->test.segment_iou_best =
+      SegmentMeanIou(*Pair(data.test, row->answers), row->test.best.boundary);
+  row->test.boundary_source = BoundarySource::kTrain;
+  return row;
+}
+
+Result<ModelRow> EvaluateGlpfTest(const EvaluationData& data, const GlpfFitOptions& options) {
+  const GlpfFit fit = FitGlpf(CountStimuli(AllSegments(data.test)), options);
+  Glpf model(fit.best.parameters);
+  return AskModel(model, data.test, {}).and_then([&](const std::vector<PerceptionAnswer>& answers) {
+    return EvaluateAnswers({"glpf_test", "GLPF-Test", Describe(fit.best)}, model.identity(),
+                           answers, data);
+  });
+}
 
 double ExcessShare(double model, double oracle, double baseline) {
   if (!(baseline > oracle)) return std::numeric_limits<double>::infinity();

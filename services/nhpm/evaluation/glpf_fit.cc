@@ -71,7 +71,7 @@ class Simplex {
             std::isnan(value) ? std::numeric_limits<double>::infinity() : value};
   }
 
-  /// On the line from the middle of all other corners (0) to the worst one (1).
+  /// A point on the line from the centroid of all other corners (0) to the worst one (1).
   Corner Along(double share) const {
     const std::vector<double>& worst = corners_.back().position;
     std::vector<double> position(worst.size(), 0.0);
@@ -103,26 +103,6 @@ class Simplex {
   std::vector<Corner> corners_;
 };
 
-}  // namespace
-
-NelderMeadResult MinimiseNelderMead(const std::function<double(std::span<const double>)>& function,
-                                    std::span<const double> start,
-                                    const NelderMeadOptions& options) {
-  DEMAND(!start.empty());
-  Simplex simplex(function, start, options.first_step);
-  NelderMeadResult result;
-  while (result.iterations < options.iterations && !result.converged) {
-    simplex.Step();
-    ++result.iterations;
-    result.converged = simplex.Converged(options.tolerance);
-  }
-  result.position = simplex.best().position;
-  result.value = simplex.best().value;
-  return result;
-}
-
-namespace {
-
 int SquaredDistance(Cell a, Cell b) {
   const Cell offset = a - b;
   return offset.row * offset.row + offset.column * offset.column;
@@ -153,43 +133,11 @@ double LossOf(const StimulusCount& count, double probability) {
          (count.outputs - count.edits) * CrossEntropy(probability, false);
 }
 
-}  // namespace
-
-double GlpfStatistics::outputs() const {
-  double sum = unstimulated.outputs;
-  for (const auto& [distance, count] : seen) sum += count.outputs;
-  for (const auto& [distance, count] : on_path) sum += count.outputs;
-  return sum;
-}
-
-GlpfStatistics CountStimuli(std::span<const Segment* const> segments) {
-  GlpfStatistics statistics;
-  for (const Segment* segment : segments) CountSegment(*segment, statistics);
-  return statistics;
-}
-
-double GlpfLoss(const GlpfStatistics& statistics, const GlpfParameters& parameters) {
-  const double outputs = statistics.outputs();
-  if (outputs == 0.0) return 0.0;
-  const Glpf model(parameters);
-  const auto response_at = [&](int squared_distance) {
-    return model.Response(model.Stimulus(std::sqrt(static_cast<double>(squared_distance))));
-  };
-  double sum = LossOf(statistics.unstimulated, model.Response(0.0));
-  for (const auto& [distance, count] : statistics.seen) sum += LossOf(count, response_at(distance));
-  for (const auto& [distance, count] : statistics.on_path) {
-    sum += LossOf(count, parameters.visible_only ? model.Response(0.0) : response_at(distance));
-  }
-  return sum / outputs;
-}
-
-namespace {
-
 constexpr double kLargestAlpha = 10.0;
 constexpr double kLargestBeta = 1000.0;
 constexpr double kLargestRate = 0.5;
 
-/// The search runs over all numbers: logarithms of the positive parameters, and angles for the
+/// The search is unconstrained: over logarithms of the positive parameters, and angles for the
 /// rates, which reach both ends of their range.
 enum Coordinate : std::size_t { kAlphaD, kBeta, kRho, kLambda, kAlphaM, kCoordinates };
 
@@ -253,7 +201,7 @@ GlpfVariant FitForm(const GlpfStatistics& statistics, const GlpfParameters& form
     if (found.value < best.loss) best = {ParametersAt(found.position, form), found.value};
   };
   for (const GlpfParameters& start : Starts(form)) improve_from(start);
-  improve_from(best.parameters);  // a fresh simplex gets out of where the first one collapsed
+  improve_from(best.parameters);  // a fresh simplex escapes where the first one collapsed
   return best;
 }
 
@@ -263,6 +211,50 @@ std::vector<bool> Choices(std::optional<bool> wanted) {
 }
 
 }  // namespace
+
+NelderMeadResult MinimiseNelderMead(const std::function<double(std::span<const double>)>& function,
+                                    std::span<const double> start,
+                                    const NelderMeadOptions& options) {
+  DEMAND(!start.empty());
+  Simplex simplex(function, start, options.first_step);
+  NelderMeadResult result;
+  while (result.iterations < options.iterations && !result.converged) {
+    simplex.Step();
+    ++result.iterations;
+    result.converged = simplex.Converged(options.tolerance);
+  }
+  result.position = simplex.best().position;
+  result.value = simplex.best().value;
+  return result;
+}
+
+double GlpfStatistics::outputs() const {
+  double sum = unstimulated.outputs;
+  for (const auto& [distance, count] : seen) sum += count.outputs;
+  for (const auto& [distance, count] : on_path) sum += count.outputs;
+  return sum;
+}
+
+GlpfStatistics CountStimuli(std::span<const Segment* const> segments) {
+  GlpfStatistics statistics;
+  for (const Segment* segment : segments) CountSegment(*segment, statistics);
+  return statistics;
+}
+
+double GlpfLoss(const GlpfStatistics& statistics, const GlpfParameters& parameters) {
+  const double outputs = statistics.outputs();
+  if (outputs == 0.0) return 0.0;
+  Glpf model(parameters);
+  const auto response_at = [&](int squared_distance) {
+    return model.Response(model.Stimulus(std::sqrt(static_cast<double>(squared_distance))));
+  };
+  double sum = LossOf(statistics.unstimulated, model.Response(0.0));
+  for (const auto& [distance, count] : statistics.seen) sum += LossOf(count, response_at(distance));
+  for (const auto& [distance, count] : statistics.on_path) {
+    sum += LossOf(count, parameters.visible_only ? model.Response(0.0) : response_at(distance));
+  }
+  return sum / outputs;
+}
 
 GlpfFit FitGlpf(const GlpfStatistics& statistics, const GlpfFitOptions& options) {
   GlpfFit fit;

@@ -38,31 +38,6 @@ Result<void> Append(const Segment& segment, const PerceptionAnswer& answer, Outc
   return {};
 }
 
-}  // namespace
-
-std::span<const Outcome> Outcomes::Segment(std::size_t index) const {
-  const std::size_t begin = index == 0 ? 0 : segment_ends[index - 1];
-  return std::span(values).subspan(begin, segment_ends[index] - begin);
-}
-
-Result<Outcomes> PairOutcomes(std::span<const Segment* const> segments,
-                              std::span<const PerceptionAnswer> answers) {
-  if (segments.size() != answers.size()) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{} answers to {} segments", answers.size(), segments.size()));
-  }
-  Outcomes outcomes;
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    const auto appended = Append(*segments[i], answers[i], outcomes);
-    if (!appended) {
-      return Fail(appended.error().code, fmt::format("segment {}: {}", i, appended.error().text));
-    }
-  }
-  return outcomes;
-}
-
-namespace {
-
 struct Overlap {
   std::size_t both = 0;
   std::size_t either = 0;
@@ -119,7 +94,7 @@ std::optional<double> Correlation(std::span<const EditPair> pairs, EditPair mean
     expected_variance += expected * expected;
     actual_variance += actual * actual;
   }
-  // Rounding leaves a little variance where all values are equal.
+  // If all values are equal, rounding leaves a little variance.
   constexpr double kNone = 1.0e-18;
   const auto count = static_cast<double>(pairs.size());
   if (!(expected_variance > kNone * count) || !(actual_variance > kNone * count)) return {};
@@ -127,6 +102,27 @@ std::optional<double> Correlation(std::span<const EditPair> pairs, EditPair mean
 }
 
 }  // namespace
+
+std::span<const Outcome> Outcomes::Segment(std::size_t index) const {
+  const std::size_t begin = index == 0 ? 0 : segment_ends[index - 1];
+  return std::span(values).subspan(begin, segment_ends[index] - begin);
+}
+
+Result<Outcomes> PairOutcomes(std::span<const Segment* const> segments,
+                              std::span<const PerceptionAnswer> answers) {
+  if (segments.size() != answers.size()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{} answers to {} segments", answers.size(), segments.size()));
+  }
+  Outcomes outcomes;
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const auto appended = Append(*segments[i], answers[i], outcomes);
+    if (!appended) {
+      return Fail(appended.error().code, fmt::format("segment {}: {}", i, appended.error().text));
+    }
+  }
+  return outcomes;
+}
 
 double CrossEntropy(double probability, bool edited) {
   const double p = std::clamp(probability, kProbabilityFloor, 1.0 - kProbabilityFloor);

@@ -26,30 +26,6 @@ std::string Optional(const std::optional<double>& value) {
   return value ? fmt::format("{}", *value) : "";
 }
 
-}  // namespace
-
-std::string ReportCsv(const EvaluationReport& report) {
-  std::string csv =
-      "model,title,origin,test_segments,mbce_all,mbce_unmasked,train_mbce_all,train_mbce_unmasked,"
-      "iou_best,iou_best_boundary,iou_fixed,segment_iou_best,segment_iou_fixed,ece,"
-      "expected_edits_mean,true_edits_mean,edits_correlation,checksum,about\n";
-  const std::string origin = OriginText(report.data.test);
-  for (const ModelRow& row : report.rows) {
-    const ModelMetrics& test = row.test;
-    csv += fmt::format(
-        "{},{},{},{},{},{},{},{},{},{:.2f},{},{},{},{},{},{},{},{},{}\n", Quoted(row.label.key),
-        Quoted(row.label.title), origin, SegmentCount(report.data.test), test.loss.all,
-        test.loss.unmasked, row.train ? Optional(row.train->all) : "",
-        row.train ? Optional(row.train->unmasked) : "", test.best.iou, test.best.boundary,
-        test.iou_fixed, Optional(test.segment_iou_best), Optional(test.segment_iou_fixed),
-        test.calibration.error, test.edits.mean_expected, test.edits.mean_true,
-        Optional(test.edits.correlation), Quoted(row.identity.checksum), Quoted(row.label.about));
-  }
-  return csv;
-}
-
-namespace {
-
 using Json = nlohmann::ordered_json;
 
 Json Number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
@@ -62,7 +38,7 @@ Json PartJson(const SegmentSet& set) {
       {"trajectories", set.trajectories.size()}, {"segments", SegmentCount(set)}, {"edits", edits}};
 }
 
-/// What all maps of the set have alike; else nothing.
+/// The size that all maps of the set share; else empty.
 template <class Size>
 Json CommonSize(const SegmentSet& set, Size&& size) {
   std::set<int> sizes;
@@ -143,25 +119,6 @@ Json BarJson(const Bar& bar) {
           {"high", bar.interval ? Number(bar.interval->high) : Json()}};
 }
 
-}  // namespace
-
-Json ReportJson(const EvaluationReport& report) {
-  Json json;
-  json["schema"] = 1;
-  json["data"] = DataJson(report.data);
-  json["models"] = Json::object();
-  for (const ModelRow& row : report.rows) json["models"][row.label.key] = ModelJson(row);
-  json["bars"] = Json::object();
-  for (const Bar& bar : report.bars) json["bars"][bar.key] = BarJson(bar);
-  json["figures"] = Json::array();
-  for (const FigureSegment& figure : report.figures) {
-    json["figures"].push_back({{"segment", figure.index}, {"reason", figure.reason}});
-  }
-  return json;
-}
-
-namespace {
-
 std::string LossText(const std::optional<Loss>& loss) {
   return loss ? fmt::format("{:.5f}", loss->all) : "-";
 }
@@ -191,6 +148,41 @@ std::string Line(const ModelRow& row, std::size_t width) {
 }
 
 }  // namespace
+
+std::string ReportCsv(const EvaluationReport& report) {
+  std::string csv =
+      "model,title,origin,test_segments,mbce_all,mbce_unmasked,train_mbce_all,train_mbce_unmasked,"
+      "iou_best,iou_best_boundary,iou_fixed,segment_iou_best,segment_iou_fixed,ece,"
+      "expected_edits_mean,true_edits_mean,edits_correlation,checksum,about\n";
+  const std::string origin = OriginText(report.data.test);
+  for (const ModelRow& row : report.rows) {
+    const ModelMetrics& test = row.test;
+    csv += fmt::format(
+        "{},{},{},{},{},{},{},{},{},{:.2f},{},{},{},{},{},{},{},{},{}\n", Quoted(row.label.key),
+        Quoted(row.label.title), origin, SegmentCount(report.data.test), test.loss.all,
+        test.loss.unmasked, row.train ? Optional(row.train->all) : "",
+        row.train ? Optional(row.train->unmasked) : "", test.best.iou, test.best.boundary,
+        test.iou_fixed, Optional(test.segment_iou_best), Optional(test.segment_iou_fixed),
+        test.calibration.error, test.edits.mean_expected, test.edits.mean_true,
+        Optional(test.edits.correlation), Quoted(row.identity.checksum), Quoted(row.label.about));
+  }
+  return csv;
+}
+
+Json ReportJson(const EvaluationReport& report) {
+  Json json;
+  json["schema"] = 1;
+  json["data"] = DataJson(report.data);
+  json["models"] = Json::object();
+  for (const ModelRow& row : report.rows) json["models"][row.label.key] = ModelJson(row);
+  json["bars"] = Json::object();
+  for (const Bar& bar : report.bars) json["bars"][bar.key] = BarJson(bar);
+  json["figures"] = Json::array();
+  for (const FigureSegment& figure : report.figures) {
+    json["figures"].push_back({{"segment", figure.index}, {"reason", figure.reason}});
+  }
+  return json;
+}
 
 std::string DescribeData(const EvaluationData& data) {
   std::string text = fmt::format("{} data, {}: test {}", OriginText(data.test), data.file,

@@ -24,7 +24,7 @@ double OffAxis(const PerceptionQuery& query, Cell cell) {
   return std::abs(WrapAngle(HeadingTowards(query.cell, cell) - query.heading_rad));
 }
 
-/// Walls that the picture shows and the map lacks, inside of the border.
+/// Walls that the picture shows and the map lacks, inside the border.
 std::vector<Cell> MissingWalls(const PerceptionQuery& query) {
   std::vector<Cell> missing;
   for (const Cell cell : query.visible.walls) {
@@ -43,7 +43,7 @@ Cell SightStep(const PerceptionQuery& query, Cell cell) {
 
 using Indices = std::vector<std::size_t>;
 
-/// Moves up to `count` of the indices that `wanted` holds for to the end of `chosen`.
+/// Moves up to `count` of the indices that satisfy `wanted` to the end of `chosen`.
 template <class Predicate>
 void Take(Indices& from, std::size_t count, std::vector<FigureSegment>& chosen, const char* reason,
           const Predicate& wanted) {
@@ -56,6 +56,50 @@ void Take(Indices& from, std::size_t count, std::vector<FigureSegment>& chosen, 
     next = from.erase(next);
     --count;
   }
+}
+
+constexpr double kCell = 18.0;
+constexpr double kLowestShown = 0.05;
+
+constexpr std::string_view kFree = "class=\"free\"";
+constexpr CellStyles kCells{.wall = "class=\"wall\"", .free = kFree, .unknown = kFree};
+constexpr CellStyles kFaintCells{.wall = "class=\"faint-wall\"", .free = kFree, .unknown = kFree};
+
+/// One panel of the figure, which fills its canvas.
+struct Figure {
+  explicit Figure(const Segment& figure_segment) : segment(figure_segment) {}
+
+  std::string Inline(const std::string& title) const {
+    const BeliefGrid& belief = segment.query.belief;
+    return canvas.Inline(belief.columns() * kCell, belief.rows() * kCell, title);
+  }
+  void DrawCamera() const {
+    const PerceptionQuery& query = segment.query;
+    map.DrawArrow(map.Middle(query.cell), query.heading_rad, {.length = 0.75, .half_width = 0.28},
+                  "class=\"camera\"");
+  }
+
+  const Segment& segment;
+  SvgCanvas canvas;
+  MapPanel map{canvas, {}, kCell};
+};
+
+void DrawProbability(Figure& figure, Cell cell, double probability, const char* kind) {
+  if (probability < kLowestShown) return;
+  figure.canvas.BeginGroup(fmt::format("{} at {}: {:.3f}", kind, cell, probability));
+  figure.map.DrawCell(cell, fmt::format("class=\"{}\" fill-opacity=\"{:.3f}\"", kind, probability));
+  const PixelPosition middle = figure.map.Middle(cell);
+  figure.canvas.Text({middle.x, middle.y + 3.5}, fmt::format("{:.0f}", 100.0 * probability),
+                     "class=\"percent\" text-anchor=\"middle\"");
+  figure.canvas.EndGroup();
+}
+
+void DrawEdit(Figure& figure, Cell cell, const char* kind, const char* sign) {
+  figure.canvas.BeginGroup(fmt::format("{} at {}", kind, cell));
+  figure.map.DrawCell(cell, fmt::format("class=\"{}\"", kind));
+  const PixelPosition middle = figure.map.Middle(cell);
+  figure.canvas.Text({middle.x, middle.y + 5.5}, sign, "class=\"sign\" text-anchor=\"middle\"");
+  figure.canvas.EndGroup();
 }
 
 }  // namespace
@@ -120,54 +164,6 @@ std::vector<FigureSegment> ChooseFigureSegments(const EvaluationData& data, cons
   return chosen;
 }
 
-namespace {
-
-constexpr double kCell = 18.0;
-constexpr double kLowestShown = 0.05;
-
-constexpr std::string_view kFree = "class=\"free\"";
-constexpr CellStyles kCells{.wall = "class=\"wall\"", .free = kFree, .unknown = kFree};
-constexpr CellStyles kFaintCells{.wall = "class=\"faint-wall\"", .free = kFree, .unknown = kFree};
-
-/// One of the figure's panels, which fills its canvas.
-struct Figure {
-  explicit Figure(const Segment& figure_segment) : segment(figure_segment) {}
-
-  std::string Inline(const std::string& title) const {
-    const BeliefGrid& belief = segment.query.belief;
-    return canvas.Inline(belief.columns() * kCell, belief.rows() * kCell, title);
-  }
-  void DrawCamera() const {
-    const PerceptionQuery& query = segment.query;
-    map.DrawArrow(map.Middle(query.cell), query.heading_rad, {.length = 0.75, .half_width = 0.28},
-                  "class=\"camera\"");
-  }
-
-  const Segment& segment;
-  SvgCanvas canvas;
-  MapPanel map{canvas, {}, kCell};
-};
-
-void DrawProbability(Figure& figure, Cell cell, double probability, const char* kind) {
-  if (probability < kLowestShown) return;
-  figure.canvas.BeginGroup(fmt::format("{} at {}: {:.3f}", kind, cell, probability));
-  figure.map.DrawCell(cell, fmt::format("class=\"{}\" fill-opacity=\"{:.3f}\"", kind, probability));
-  const PixelPosition middle = figure.map.Middle(cell);
-  figure.canvas.Text({middle.x, middle.y + 3.5}, fmt::format("{:.0f}", 100.0 * probability),
-                     "class=\"percent\" text-anchor=\"middle\"");
-  figure.canvas.EndGroup();
-}
-
-void DrawEdit(Figure& figure, Cell cell, const char* kind, const char* sign) {
-  figure.canvas.BeginGroup(fmt::format("{} at {}", kind, cell));
-  figure.map.DrawCell(cell, fmt::format("class=\"{}\"", kind));
-  const PixelPosition middle = figure.map.Middle(cell);
-  figure.canvas.Text({middle.x, middle.y + 5.5}, sign, "class=\"sign\" text-anchor=\"middle\"");
-  figure.canvas.EndGroup();
-}
-
-}  // namespace
-
 std::string BeforePanel(const Segment& segment) {
   const Figure figure(segment);
   figure.map.DrawMap(segment.query.belief, kCells);
@@ -210,7 +206,7 @@ std::string TruthPanel(const Segment& segment) {
     if (labels.remove.values()[i] != 0) DrawEdit(figure, cell, "remove", "\u2212");
   }
   figure.DrawCamera();
-  return figure.Inline(fmt::format("What was done: {} edits", EditCount(segment)));
+  return figure.Inline(fmt::format("Actual edits: {}", EditCount(segment)));
 }
 
 }  // namespace conav::nhpm

@@ -6,20 +6,22 @@
 
 #include "nhpm/evaluation/evaluation.h"
 
+/// The paper's figure 3: chooses its segments and draws its panels, as SVG elements with the classes
+/// of the page's style sheet.
 namespace conav::nhpm {
 
-/// A test segment to be shown, and why.
+/// A test segment for the page, and the reason for the choice.
 struct FigureSegment {
   std::size_t index = 0;  // among all test segments, from 0
   std::string reason;
 };
 
-/// A wall up to 3 cells away that the picture shows was put one cell farther or nearer along the
-/// line of sight instead. Paper figure 3, first case.
+/// The person put a wall that is up to 3 cells away in the picture one cell farther or nearer along
+/// the line of sight. Paper figure 3, first case.
 bool ShowsMisplacedNearWall(const Segment& segment);
 
-/// A missing wall 3 cells away or more, within 12 degrees of the view axis, was added, and a nearer
-/// one more than 25 degrees to the side was not. Paper figure 3, second case.
+/// The person added a missing wall 3 cells away or more, within 12 degrees of the view axis, but
+/// not a nearer one more than 25 degrees to the side. Paper figure 3, second case.
 bool ShowsPreferredFarWall(const Segment& segment);
 
 /// Up to `count` segments for the page's figure: one third of each of the paper's two cases, where
@@ -28,18 +30,13 @@ bool ShowsPreferredFarWall(const Segment& segment);
 std::vector<FigureSegment> ChooseFigureSegments(const EvaluationData& data, const ModelRow& first,
                                                 const ModelRow& second, std::size_t count = 6);
 
-/// Sum over all cells of what two answers differ by, in edits.
+/// Sum over all cells of the difference between two answers, in edits.
 double Difference(const PerceptionAnswer& a, const PerceptionAnswer& b);
-
-}  // namespace conav::nhpm
-
-/// Panels of the paper's figure 3, as SVG elements with the classes of the page's style sheet.
-namespace conav::nhpm {
 
 /// The operator's map before the picture.
 std::string BeforePanel(const Segment& segment);
 
-/// The path since the last picture, the cells that the picture shows, and the camera.
+/// The path since the last picture, the cells in the picture, and the camera.
 std::string ViewPanel(const Segment& segment);
 
 /// The probabilities of a model on the map: the stronger the colour the likelier the edit, in
@@ -47,7 +44,7 @@ std::string ViewPanel(const Segment& segment);
 std::string PredictionPanel(const Segment& segment, const PerceptionAnswer& answer,
                             const std::string& title);
 
-/// What the person did: + where a wall was added, a minus sign where one was removed.
+/// The person's edits: + for an added wall, a minus sign for a removed one.
 std::string TruthPanel(const Segment& segment);
 
 }  // namespace conav::nhpm

@@ -13,8 +13,8 @@
 namespace conav::nhpm {
 namespace {
 
-/// The page's style sheet: colours by prefers-color-scheme, nothing from elsewhere. Add and remove
-/// are blue and vermilion of Okabe and Ito's palette, which colour-blind people tell apart.
+/// The page's style sheet: colours by prefers-color-scheme, self-contained. Add and remove are blue
+/// and vermilion of Okabe and Ito's palette, which colour-blind people can tell apart.
 inline constexpr const char* kPageStyle = R"css(
 :root { color-scheme: light dark; --paper: #ffffff; --ink: #1c1c1c; --muted: #5a5a5a;
   --rule: #d8d8d8; --wall: #4a4a4a; --faint-wall: #bdbdbd; --free: #f1f1f1; --seen: #ffe9a8;
@@ -48,12 +48,7 @@ svg { max-width: 100%; height: auto; display: block; }
 .percent { fill: var(--ink); font-size: 9px; } .sign { fill: var(--paper); font-size: 17px; }
 )css";
 
-}  // namespace
-}  // namespace conav::nhpm
-
-/// Plots of the page, as SVG elements with the classes of its style sheet.
-namespace conav::nhpm {
-namespace {
+// Plots, as SVG elements with the classes of the style sheet.
 
 constexpr double kSide = 200.0;
 constexpr double kLeft = 44.0;
@@ -61,28 +56,24 @@ constexpr double kTop = 12.0;
 constexpr double kWidth = kLeft + kSide + 14.0;
 constexpr double kHeight = kTop + kSide + 44.0;
 
-/// Square axes from 0 to `largest`, y upwards.
-struct Axes {
-  double largest = 1.0;
-  PixelPosition At(double x, double y) const {
-    return {kLeft + kSide * x / largest, kTop + kSide * (1.0 - y / largest)};
-  }
-};
+/// The place of a point on a square plot with the same axis for x and y, y upwards.
+PixelPosition At(const Axis& axis, double x, double y) {
+  return {kLeft + kSide * axis.Share(x), kTop + kSide * (1.0 - axis.Share(y))};
+}
 
-void DrawAxes(SvgCanvas& canvas, const Axes& axes, const std::string& x_label,
+void DrawAxes(SvgCanvas& canvas, const Axis& axis, const std::string& x_label,
               const std::string& y_label) {
-  for (int i = 0; i <= 4; ++i) {
-    const double value = axes.largest * i / 4;
-    canvas.Line(axes.At(0, value), axes.At(axes.largest, value), "class=\"rule\"");
-    canvas.Line(axes.At(value, 0), axes.At(value, axes.largest), "class=\"rule\"");
-    const PixelPosition left = axes.At(0, value);
-    const PixelPosition below = axes.At(value, 0);
+  for (const double value : axis.Ticks()) {
+    const PixelPosition left = At(axis, axis.low, value);
+    const PixelPosition below = At(axis, value, axis.low);
+    canvas.Line(left, At(axis, axis.high, value), "class=\"rule\"");
+    canvas.Line(below, At(axis, value, axis.high), "class=\"rule\"");
     canvas.Text({left.x - 5, left.y + 4}, fmt::format("{:.3g}", value),
                 "class=\"tick\" text-anchor=\"end\"");
     canvas.Text({below.x, below.y + 15}, fmt::format("{:.3g}", value),
                 "class=\"tick\" text-anchor=\"middle\"");
   }
-  canvas.Line(axes.At(0, 0), axes.At(axes.largest, axes.largest), "class=\"ideal\"");
+  canvas.Line(At(axis, axis.low, axis.low), At(axis, axis.high, axis.high), "class=\"ideal\"");
   canvas.Text({kLeft + kSide / 2, kHeight - 8}, x_label, "class=\"label\" text-anchor=\"middle\"");
   canvas.Text({11, kTop + kSide / 2}, y_label,
               fmt::format("class=\"label\" text-anchor=\"middle\" transform=\"rotate(-90 11 {})\"",
@@ -95,22 +86,22 @@ void DrawDot(SvgCanvas& canvas, PixelPosition at, double radius, const std::stri
   canvas.EndGroup();
 }
 
-/// Share of outputs that were edited over the promised probability, a dot per bin that is not
-/// empty, larger for more outputs; the diagonal is perfect.
+/// Share of edited outputs over the predicted probability: a dot per non-empty bin, larger for more
+/// outputs. The diagonal is perfect.
 std::string ReliabilityPlot(const ModelRow& row) {
   SvgCanvas canvas;
-  const Axes axes;
-  DrawAxes(canvas, axes, "probability promised", "share edited");
+  const Axis axis{0.0, 1.0, 0.25};
+  DrawAxes(canvas, axis, "predicted probability", "edited share");
   std::vector<PixelPosition> line;
   for (const ReliabilityBin& bin : row.test.calibration.bins) {
-    if (bin.outputs > 0) line.push_back(axes.At(bin.mean_probability, bin.edited_share));
+    if (bin.outputs > 0) line.push_back(At(axis, bin.mean_probability, bin.edited_share));
   }
   canvas.Polyline(line, "class=\"curve\"");
   for (const ReliabilityBin& bin : row.test.calibration.bins) {
     if (bin.outputs == 0) continue;
-    DrawDot(canvas, axes.At(bin.mean_probability, bin.edited_share),
+    DrawDot(canvas, At(axis, bin.mean_probability, bin.edited_share),
             2.0 + std::log10(static_cast<double>(bin.outputs)),
-            fmt::format("{} outputs: promised {:.3f}, edited {:.3f}", bin.outputs,
+            fmt::format("{} outputs: predicted {:.3f}, edited {:.3f}", bin.outputs,
                         bin.mean_probability, bin.edited_share));
   }
   return canvas.Inline(kWidth, kHeight,
@@ -127,19 +118,19 @@ double LargestEdits(const ModelRow& row) {
   return largest;
 }
 
-/// Edits made over edits expected, a dot per bin of segments; `largest` is the end of both axes.
+/// Actual edits over expected edits, a dot per bin of segments; the axes cover `largest`.
 std::string EditsPlot(const ModelRow& row, double largest) {
   SvgCanvas canvas;
-  const Axes axes{std::max(largest, 1.0)};
-  DrawAxes(canvas, axes, "edits expected", "edits made");
+  const Axis axis = RoundAxis(0.0, std::max(largest, 1.0), 4);
+  DrawAxes(canvas, axis, "expected edits", "actual edits");
   for (const EditBin& bin : row.test.edits.bins) {
-    DrawDot(canvas, axes.At(bin.mean_expected, bin.mean_true), 4.0,
-            fmt::format("{} segments: expected {:.2f}, made {:.2f}", bin.segments,
+    DrawDot(canvas, At(axis, bin.mean_expected, bin.mean_true), 4.0,
+            fmt::format("{} segments: expected {:.2f}, actual {:.2f}", bin.segments,
                         bin.mean_expected, bin.mean_true));
   }
   return canvas.Inline(
       kWidth, kHeight,
-      fmt::format("Edits to a picture by {}: {:.3f} expected, {:.3f} made", row.label.title,
+      fmt::format("Edits per picture by {}: {:.3f} expected, {:.3f} actual", row.label.title,
                   row.test.edits.mean_expected, row.test.edits.mean_true));
 }
 
@@ -177,7 +168,7 @@ std::string Table(const EvaluationReport& report) {
   std::string html = "<h2>Table 1</h2>\n<div class=\"wide\" tabindex=\"0\">\n<table>\n<thead><tr>";
   for (const char* title :
        {"model", "MBCE train", "MBCE test", "of unmasked", "IoU @ ideal", "IoU @ 0.5", "ECE",
-        "edits expected", "edits made", "correlation", "about"}) {
+        "expected edits", "actual edits", "correlation", "about"}) {
     html += fmt::format("<th scope=\"col\">{}</th>", title);
   }
   html += "</tr></thead>\n<tbody>\n";
@@ -205,7 +196,7 @@ std::string Plots(const EvaluationReport& report) {
   largest = std::ceil(largest);
   std::string html = "<h2>Reliability</h2>\n<div class=\"row\">\n";
   for (const ModelRow& row : report.rows) html += Figure(ReliabilityPlot(row), row.label.title);
-  html += "</div>\n<h2>Expected against made edits to a picture</h2>\n<div class=\"row\">\n";
+  html += "</div>\n<h2>Expected against actual edits per picture</h2>\n<div class=\"row\">\n";
   for (const ModelRow& row : report.rows) html += Figure(EditsPlot(row, largest), row.label.title);
   return html + "</div>\n";
 }
@@ -224,7 +215,7 @@ std::string SegmentFigure(const EvaluationReport& report, const FigureSegment& c
                    fmt::format("{}: {:.2f} edits expected, loss {:.2f} nats", row->label.title,
                                ExpectedEdits(answer), row->segment_losses[chosen.index]));
   }
-  html += Figure(TruthPanel(segment), fmt::format("What was done: {} edits", EditCount(segment)));
+  html += Figure(TruthPanel(segment), fmt::format("Actual edits: {}", EditCount(segment)));
   return html + "</div>\n";
 }
 

@@ -13,8 +13,8 @@
 namespace conav::nhpm {
 namespace {
 
-/// exp(x) for x in [-87, 0], within 2 units in the last place: 2^n exp(r) with |r| <= ln(2) / 2, the
-/// latter by its Taylor series. Without branches, so that loops over it become vector code.
+/// exp(x) for x in [-87, 0], within 2 units in the last place: 2^n exp(r) with |r| <= ln(2) / 2,
+/// the latter by its Taylor series. Without branches, so that compilers vectorise loops over it.
 inline float ExpOfNegative(float x) {
   constexpr float kLog2E = 1.44269504F;
   constexpr float kRounding = 12582912.0F;  // 1.5 * 2^23: adding it rounds to an integer
@@ -35,8 +35,8 @@ inline float ExpOfNegative(float x) {
   return std::bit_cast<float>(std::bit_cast<std::uint32_t>(sum) + power);
 }
 
-/// exp(-|x|) / (1 + exp(-|x|)) below 0, else 1 / (1 + exp(-|x|)); choices by bits, as branches would
-/// keep compilers from vectorising.
+/// exp(-|x|) / (1 + exp(-|x|)) below 0, else 1 / (1 + exp(-|x|)). Selects by bits, because branches
+/// would keep compilers from vectorising.
 inline float SigmoidOf(float logit) {
   constexpr auto kLargest = std::bit_cast<std::int32_t>(87.0F);
   const auto bits = std::bit_cast<std::int32_t>(logit);
@@ -48,7 +48,7 @@ inline float SigmoidOf(float logit) {
   return std::bit_cast<float>(numerator) / (1.0F + e);
 }
 
-/// 1 at the camera, falling with the depth along the view axis.
+/// 1 at the camera, decreasing with the depth along the view axis.
 class NearnessInView {
  public:
   explicit NearnessInView(const PerceptionQuery& query)
@@ -65,13 +65,25 @@ class NearnessInView {
  private:
   static constexpr double kDepthRange = 10.0;  // cells
   static constexpr double kLeastNearness = 0.2;
-  /// So that a last bit in which mathematical libraries differ does not count.
+  /// Rounding hides differences in the last bit between mathematical libraries.
   static constexpr double kSteps = 1024.0;
 
   Cell camera_;
   double east_;
   double north_;
 };
+
+constexpr std::array kNames{std::pair("x", &InputSelection::belief),
+                            std::pair("tau", &InputSelection::path),
+                            std::pair("o", &InputSelection::view)};
+
+std::string Names(const InputSelection& inputs, bool seen) {
+  std::string text;
+  for (const auto& [name, input] : kNames) {
+    if (inputs.*input == seen) text += fmt::format("{}{}", text.empty() ? "" : ",", name);
+  }
+  return text;
+}
 
 }  // namespace
 
@@ -118,22 +130,6 @@ PerceptionAnswer MaskedAnswer(const BeliefGrid& belief, std::span<const float> l
   }
   return answer;
 }
-
-namespace {
-
-constexpr std::array kNames{std::pair("x", &InputSelection::belief),
-                            std::pair("tau", &InputSelection::path),
-                            std::pair("o", &InputSelection::view)};
-
-std::string Names(const InputSelection& inputs, bool seen) {
-  std::string text;
-  for (const auto& [name, input] : kNames) {
-    if (inputs.*input == seen) text += fmt::format("{}{}", text.empty() ? "" : ",", name);
-  }
-  return text;
-}
-
-}  // namespace
 
 bool& InputOf(InputSelection& inputs, const std::string& name) {
   for (const auto& [known, input] : kNames) {

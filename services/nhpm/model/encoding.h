@@ -6,9 +6,10 @@
 #include "common/msg/planning.h"
 #include "nhpm/engine/network_weights.h"
 
+/// The network's inputs and outputs: from a query to float channels, from logits to probabilities.
 namespace conav::nhpm {
 
-/// Which inputs the network sees, for ablations; x alone is never left out of the output masks.
+/// Which inputs the network sees, for ablations. The output masks always use x.
 struct InputSelection {
   bool belief = true;  // channel 0
   bool path = true;    // channel 1
@@ -24,10 +25,10 @@ struct InputSelection {
 ///   3 o_wall    nearness where the view shows a wall, else 0
 ///
 /// nearness = 1 - depth / 10 cells, in [0.2, 1]; the depth of a cell is its distance from the
-/// camera's cell along the view axis. So the picture's own depth is in the masks: which way it
-/// looks, which people misjudge walls along, cannot be told from the shape of what it shows (a
-/// corridor looks the same at two headings), nor, with a receptive field of 9 x 9, how far away
-/// the camera is. The masks turn and mirror with the map.
+/// camera's cell along the view axis. So the masks contain the picture's depth. The shape of the
+/// seen area alone does not give the view direction, along which people misjudge walls (a corridor
+/// looks the same at two headings), nor, with a receptive field of 9 x 9, the distance to the
+/// camera. The masks turn and mirror with the map.
 ///
 /// `input` has rows * columns * kInputChannels values. The query passed CheckPerceptionQuery.
 /// Source: paper section 4 and figure 2; the order is fixed so that weights files are portable.
@@ -40,25 +41,19 @@ void EncodeInput(const PerceptionQuery& query, const InputSelection& selection,
 ///   add = sigmoid(logit) (1 - x)     remove = sigmoid(logit) x     both 0 on the border
 ///
 /// The sigmoid is our own, of plain float operations: the same bits on every machine. Logits must
-/// be numbers: PerceptionNetwork refuses to answer when they are not.
+/// not be NaN: PerceptionNetwork returns an error for those.
 PerceptionAnswer MaskedAnswer(const BeliefGrid& belief, std::span<const float> logits);
 
-/// 1 / (1 + exp(-logit)), within 3 units in the last place, in [0, 1]. Of NaN it is in [0, 1], too,
-/// and says nothing.
+/// 1 / (1 + exp(-logit)), within 3 units in the last place, in [0, 1], also for NaN.
 float Sigmoid(float logit);
 
-}  // namespace conav::nhpm
-
-/// The network's inputs by the paper's letters: "x" the map, "tau" the path, "o" the view.
-namespace conav::nhpm {
-
-/// Whether `inputs` has the input of that name. Requires one of the three names.
+/// The flag of an input by the paper's letter: "x" the map, "tau" the path, "o" the view (demanded).
 bool& InputOf(InputSelection& inputs, const std::string& name);
 
-/// "x,tau,o", less what the network does not see; "nothing".
+/// "x,tau,o" without the inputs left out; "nothing" if all are.
 std::string SeenInputs(const InputSelection& inputs);
 
-/// Those that it does not see, likewise; empty where it sees all.
+/// The inputs left out, in the same form; empty if there are none.
 std::string MissingInputs(const InputSelection& inputs);
 
 }  // namespace conav::nhpm

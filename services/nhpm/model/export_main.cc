@@ -4,7 +4,7 @@
 #include "common/cli/cli.h"
 #include "nhpm/model/onnx_export.h"
 
-// conav-export: a weights file in a format that other programs read.
+// conav-export: writes a weights file in a format for other programs.
 
 namespace conav::nhpm {
 namespace {
@@ -26,12 +26,11 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Writes the network of a weights file as ONNX, for OpenCV, onnxruntime and others: input "
       "\"input\" [batch, 4, rows, columns], output \"probabilities\" [batch, 2, rows, columns] "
-      "before "
-      "masking. Exit codes: 0 done; 1 failed; 2 wrong use.",
+      "before masking. Exit codes: 0 done; 1 failed; 2 wrong usage.",
       "conav export");
   std::filesystem::path weights;
   std::filesystem::path onnx;
-  app.add_option("--weights", weights, "Weights file, as conav train makes it")->required();
+  app.add_option("--weights", weights, "Weights file of conav train")->required();
   app.add_option("--onnx", onnx, "File to write")->required();
   try {
     app.parse(argc, argv);

@@ -39,7 +39,7 @@ void GlpfParameters::Visit(ConfigReader& reader) {
 Glpf::Glpf(const GlpfParameters& parameters) : parameters_(parameters) {
   if (parameters_.tie_alphas) parameters_.alpha_m = parameters_.alpha_d;
   unstimulated_ = Response(0.0);
-  identity_ = {name(), version(), ChecksumOf(parameters_)};
+  identity_ = {kGlpfModel, version(), ChecksumOf(parameters_)};
 }
 
 double Glpf::Stimulus(double distance_cells) const {
@@ -57,8 +57,7 @@ std::string Glpf::version() const {
                      p.alpha_m, p.beta, p.rho, p.lambda, p.visible_only);
 }
 
-Result<std::vector<PerceptionAnswer>> Glpf::Predict(
-    std::span<const PerceptionQuery> queries) const {
+Result<std::vector<PerceptionAnswer>> Glpf::Predict(std::span<const PerceptionQuery> queries) {
   std::vector<PerceptionAnswer> answers;
   answers.reserve(queries.size());
   for (const PerceptionQuery& query : queries) {

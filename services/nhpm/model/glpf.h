@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "common/msg/perception_model.h"
 #include "common/msg/planning.h"
 #include "common/runtime/config.h"
 #include "common/runtime/result.h"
-#include "nhpm/model/edit_model.h"
 
 namespace conav::nhpm {
 
@@ -43,22 +43,21 @@ struct GlpfParameters {
 ///
 /// Source:  paper section 6.1, with alpha (used twice there) split into alpha_d and alpha_m.
 /// Errors:  kInvalidArgument, as CheckPerceptionQuery says. Never throws.
-/// Threads: const, safe to call concurrently. Doubles until the answer is cast to float, so equal
-/// queries give equal bits wherever it runs.
-class Glpf final : public EditModel {
+/// Threads: safe to call concurrently, has no state. Doubles until the answer is cast to float, so
+/// equal queries give equal bits on every machine.
+class Glpf final : public PerceptionModel {
  public:
   explicit Glpf(const GlpfParameters& parameters = {});
 
   [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
-      std::span<const PerceptionQuery> queries) const override;
+      std::span<const PerceptionQuery> queries) override;
   /// Checksum over alpha_d, alpha_m, beta, rho, lambda (as they are used) and visible_only.
-  const ModelIdentity& identity() const override { return identity_; }
+  ModelIdentity identity() const override { return identity_; }
 
   /// P(edit) for a stimulus in [0, 1].
   double Response(double stimulus) const;
   double Stimulus(double distance_cells) const;
 
-  static std::string name() { return kGlpfModel; }
   /// Says with which parameters: equal versions give equal answers.
   std::string version() const;
 

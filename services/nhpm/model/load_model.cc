@@ -18,17 +18,17 @@ std::filesystem::path WeightsOrShipped(const std::filesystem::path& weights) {
   return weights.empty() ? ShippedWeights() : weights;
 }
 
-Result<std::shared_ptr<const EditModel>> LoadEditModel(const std::string& name,
-                                                       const std::filesystem::path& weights,
-                                                       const GlpfParameters& glpf) {
-  if (name == kGlpfModel) return std::make_shared<const Glpf>(glpf);
+Result<std::shared_ptr<PerceptionModel>> LoadPerceptionModel(const std::string& name,
+                                                             const std::filesystem::path& weights,
+                                                             const GlpfParameters& glpf) {
+  if (name == kGlpfModel) return std::make_shared<Glpf>(glpf);
   if (name != kNhpmModel) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("model '{}' is not {}", name, fmt::join(kPerceptionModels, " or ")));
   }
   return ReadWeightsFile(WeightsOrShipped(weights))
-      .map([](const NetworkModel& model) -> std::shared_ptr<const EditModel> {
-        return std::make_shared<const PerceptionNetwork>(model);
+      .map([](const NetworkModel& model) -> std::shared_ptr<PerceptionModel> {
+        return std::make_shared<PerceptionNetwork>(model);
       });
 }
 

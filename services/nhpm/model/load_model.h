@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
+#include "common/msg/perception_model.h"
 #include "common/runtime/result.h"
-#include "nhpm/model/edit_model.h"
 #include "nhpm/model/glpf.h"
 
 namespace conav::nhpm {
@@ -19,7 +19,7 @@ std::filesystem::path WeightsOrShipped(const std::filesystem::path& weights);
 
 /// kGlpfModel from `glpf`, or kNhpmModel from a weights file; empty `weights` = ShippedWeights().
 /// Errors: kInvalidArgument (another name), those of ReadWeightsFile.
-[[nodiscard]] Result<std::shared_ptr<const EditModel>> LoadEditModel(
+[[nodiscard]] Result<std::shared_ptr<PerceptionModel>> LoadPerceptionModel(
     const std::string& name, const std::filesystem::path& weights, const GlpfParameters& glpf);
 
 }  // namespace conav::nhpm

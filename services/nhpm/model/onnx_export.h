@@ -15,9 +15,9 @@ namespace conav::nhpm {
 ///                                   nearness, 1 - depth / 10 cells in [0.2, 1], not 0 or 1
 ///   output         "probabilities"  float [batch, kOutputChannels, rows, columns]: add, remove
 ///
-/// The masks are not in it: a reader multiplies add by (1 - x), remove by x, and both by 0 on the
-/// border. Rows and columns are open where the model answers for any size; the batch always is.
-/// Name, version, checksum, origin of the data and inputs are in the model's metadata.
+/// The model does not contain the masks: its user multiplies add by (1 - x), remove by x, and both
+/// by 0 on the border. Rows and columns are open if the network fits any size; the batch always is.
+/// The model's metadata has name, version, checksum, origin of the data and inputs.
 std::string ToOnnx(const NetworkModel& model);
 
 /// Errors: kIo with path and cause.

@@ -84,7 +84,7 @@ class PerceptionNetwork::Workspace {
 /// A workspace taken from the idle ones, and given back.
 class PerceptionNetwork::Lease {
  public:
-  Lease(const PerceptionNetwork& network, const BeliefGrid& belief) : network_(network) {
+  Lease(PerceptionNetwork& network, const BeliefGrid& belief) : network_(network) {
     {
       const std::lock_guard lock(network_.mutex_);
       auto& idle = network_.idle_;
@@ -111,7 +111,7 @@ class PerceptionNetwork::Lease {
   Workspace* operator->() const { return workspace_.get(); }
 
  private:
-  const PerceptionNetwork& network_;
+  PerceptionNetwork& network_;
   std::unique_ptr<Workspace> workspace_;
 };
 
@@ -150,7 +150,7 @@ Result<void> PerceptionNetwork::Check(const PerceptionQuery& query) const {
 }
 
 Result<std::vector<PerceptionAnswer>> PerceptionNetwork::Predict(
-    std::span<const PerceptionQuery> queries) const {
+    std::span<const PerceptionQuery> queries) {
   for (const PerceptionQuery& query : queries) {
     if (const auto checked = Check(query); !checked) return tl::unexpected(checked.error());
   }

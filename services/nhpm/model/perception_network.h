@@ -4,22 +4,22 @@
 #include <mutex>
 #include <vector>
 
+#include "common/msg/perception_model.h"
 #include "nhpm/engine/kernels.h"
 #include "nhpm/engine/packed_weights.h"
-#include "nhpm/model/edit_model.h"
 #include "nhpm/model/weights_file.h"
 
 namespace conav::nhpm {
 
-/// NHPM: the trained network as a model. Queries about one belief that follow each other, as a
-/// planner asks them, cost a fraction: only what a changed path or view can reach is computed
+/// NHPM: the trained network as a model. Consecutive queries about one belief, as a planner asks
+/// them, cost a fraction: it recomputes only what a changed path or view can reach
 /// (InferencePass), with the same bits.
 ///
-/// Errors:  as EditModel; kUnavailable names both sizes when the weights are bound to a grid
+/// Errors:  as PerceptionModel; kUnavailable names both sizes when the weights are bound to a grid
 ///          size and a query has another; kOutOfRange when weights, finite as they are, overflow.
 /// Threads: safe to call concurrently; each call works on memory of its own, of which up to
 ///          kIdleBytes are kept for the next ones.
-class PerceptionNetwork final : public EditModel {
+class PerceptionNetwork final : public PerceptionModel {
  public:
   static constexpr std::size_t kIdleBytes = 64 << 20;
 
@@ -29,8 +29,8 @@ class PerceptionNetwork final : public EditModel {
   ~PerceptionNetwork() override;
 
   [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
-      std::span<const PerceptionQuery> queries) const override;
-  const ModelIdentity& identity() const override { return identity_; }
+      std::span<const PerceptionQuery> queries) override;
+  ModelIdentity identity() const override { return identity_; }
 
   /// What is kept for the next calls.
   std::size_t idle_bytes() const;
@@ -49,7 +49,7 @@ class PerceptionNetwork final : public EditModel {
   const KernelSet& kernels_;
   std::shared_ptr<const PackedWeights> weights_;
   mutable std::mutex mutex_;  // guards idle_
-  mutable std::vector<std::unique_ptr<Workspace>> idle_;
+  std::vector<std::unique_ptr<Workspace>> idle_;
 };
 
 }  // namespace conav::nhpm

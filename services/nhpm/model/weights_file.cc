@@ -34,43 +34,7 @@ tl::unexpected<Error> Malformed(fmt::format_string<Values...> text, Values&&... 
   return Fail(ErrorCode::kMalformed, fmt::format(text, std::forward<Values>(values)...));
 }
 
-}  // namespace
-
-std::string Frame(const FrameKind& kind, std::string_view payload) {
-  DEMAND(kind.magic.size() == kMagicSize, kind.magic);
-  std::string bytes(kind.magic);
-  AppendNumber(bytes, kind.version, 4);
-  AppendNumber(bytes, payload.size(), 8);
-  bytes += Sha256Hex(payload);
-  return bytes.append(payload);
-}
-
-Result<std::string_view> Unframe(const FrameKind& kind, std::string_view bytes) {
-  if (bytes.empty()) return Malformed("empty, so no {}", kind.name);
-  if (!bytes.starts_with(kind.magic)) return Malformed("no {}", kind.name);
-  if (bytes.size() < kHeaderSize) {
-    return Malformed("cut off after {} bytes of its header", bytes.size());
-  }
-  const std::uint64_t version = NumberOf(bytes.substr(4, 4));
-  if (version != kind.version) {
-    return Malformed("{} of format version {}; this program reads version {}", kind.name, version,
-                     kind.version);
-  }
-  const std::uint64_t size = NumberOf(bytes.substr(8, 8));
-  const std::string_view payload = bytes.substr(kHeaderSize);
-  if (payload.size() != size) {
-    return Malformed("{} bytes where its header says {}: {}", payload.size(), size,
-                     payload.size() < size ? "cut off" : "something was appended");
-  }
-  if (Sha256Hex(payload) != bytes.substr(16, kDigestSize)) {
-    return Malformed("damaged: its SHA-256 is not the one in its header");
-  }
-  return payload;
-}
-
-namespace {
-
-/// Copies `values` where it has as many as `target` and they are finite.
+/// Copies `values` to `target` after checking that the counts match and all values are finite.
 Result<void> Fill(const google::protobuf::RepeatedField<float>& values, const std::string& what,
                   std::vector<float>& target) {
   if (static_cast<std::size_t>(values.size()) != target.size()) {
@@ -94,49 +58,6 @@ Result<void> FillLayer(const proto::Layer& message, int layer, NetworkWeights& r
         return Fill(message.biases(), fmt::format("biases of layer {}", layer), result.biases[i]);
       });
 }
-
-}  // namespace
-
-void AddLayers(const NetworkWeights& weights,
-               google::protobuf::RepeatedPtrField<proto::Layer>& layers) {
-  for (std::size_t i = 0; i < kNetworkLayers; ++i) {
-    proto::Layer& layer = *layers.Add();
-    layer.mutable_weights()->Assign(weights.weights[i].begin(), weights.weights[i].end());
-    layer.mutable_biases()->Assign(weights.biases[i].begin(), weights.biases[i].end());
-  }
-}
-
-Result<NetworkWeights> WeightsFrom(std::uint32_t width,
-                                   const google::protobuf::RepeatedPtrField<proto::Layer>& layers) {
-  if (width > 64 || !IsNetworkWidth(static_cast<int>(width))) {
-    return Fail(ErrorCode::kMalformed, fmt::format("width {}, not 16, 32 or 64", width));
-  }
-  if (layers.size() != kNetworkLayers) {
-    return Fail(ErrorCode::kMalformed,
-                fmt::format("{} layers instead of {}", layers.size(), kNetworkLayers));
-  }
-  NetworkWeights result = ZeroWeights({static_cast<int>(width)});
-  for (int layer = 0; layer < kNetworkLayers; ++layer) {
-    if (const auto filled = FillLayer(layers[layer], layer, result); !filled) {
-      return tl::unexpected(filled.error());
-    }
-  }
-  return result;
-}
-
-std::string BytesOf(const google::protobuf::Message& message) {
-  std::string bytes;
-  {
-    google::protobuf::io::StringOutputStream stream(&bytes);
-    google::protobuf::io::CodedOutputStream coded(&stream);
-    coded.SetSerializationDeterministic(true);
-    const bool written = message.SerializeToCodedStream(&coded);
-    DEMAND(written);
-  }
-  return bytes;
-}
-
-namespace {
 
 static_assert(std::endian::native == std::endian::little, "checksums are over little-endian bytes");
 
@@ -190,14 +111,14 @@ NetworkModel ModelFrom(const proto::Weights& message, NetworkWeights weights) {
     model.training[entry.name()] = entry.text();
   }
   model.learned_from.assign(message.learned_from().begin(), message.learned_from().end());
-  std::ranges::sort(model.learned_from);  // a file may come from elsewhere
+  std::ranges::sort(model.learned_from);  // other programs may have written the file
   return model;
 }
 
 Result<NetworkModel> FromPayload(std::string_view payload) {
   proto::Weights message;
   if (!message.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {
-    return Fail(ErrorCode::kMalformed, "its contents are no Weights message");
+    return Fail(ErrorCode::kMalformed, "its contents are not a Weights message");
   }
   if (const auto checked = CheckGridSize(message); !checked) {
     return tl::unexpected(checked.error());
@@ -208,6 +129,77 @@ Result<NetworkModel> FromPayload(std::string_view payload) {
 }
 
 }  // namespace
+
+std::string Frame(const FrameKind& kind, std::string_view payload) {
+  DEMAND(kind.magic.size() == kMagicSize, kind.magic);
+  std::string bytes(kind.magic);
+  AppendNumber(bytes, kind.version, 4);
+  AppendNumber(bytes, payload.size(), 8);
+  bytes += Sha256Hex(payload);
+  return bytes.append(payload);
+}
+
+Result<std::string_view> Unframe(const FrameKind& kind, std::string_view bytes) {
+  if (bytes.empty()) return Malformed("empty, so no {}", kind.name);
+  if (!bytes.starts_with(kind.magic)) return Malformed("no {}", kind.name);
+  if (bytes.size() < kHeaderSize) {
+    return Malformed("cut off after {} bytes of its header", bytes.size());
+  }
+  const std::uint64_t version = NumberOf(bytes.substr(4, 4));
+  if (version != kind.version) {
+    return Malformed("{} of format version {}; this program reads version {}", kind.name, version,
+                     kind.version);
+  }
+  const std::uint64_t size = NumberOf(bytes.substr(8, 8));
+  const std::string_view payload = bytes.substr(kHeaderSize);
+  if (payload.size() != size) {
+    return Malformed("{} bytes where its header says {}: {}", payload.size(), size,
+                     payload.size() < size ? "cut off" : "extra bytes at the end");
+  }
+  if (Sha256Hex(payload) != bytes.substr(16, kDigestSize)) {
+    return Malformed("damaged: its SHA-256 is not the one in its header");
+  }
+  return payload;
+}
+
+void AddLayers(const NetworkWeights& weights,
+               google::protobuf::RepeatedPtrField<proto::Layer>& layers) {
+  for (std::size_t i = 0; i < kNetworkLayers; ++i) {
+    proto::Layer& layer = *layers.Add();
+    layer.mutable_weights()->Assign(weights.weights[i].begin(), weights.weights[i].end());
+    layer.mutable_biases()->Assign(weights.biases[i].begin(), weights.biases[i].end());
+  }
+}
+
+Result<NetworkWeights> WeightsFrom(std::uint32_t width,
+                                   const google::protobuf::RepeatedPtrField<proto::Layer>& layers) {
+  if (width > 64 || !IsNetworkWidth(static_cast<int>(width))) {
+    return Fail(ErrorCode::kMalformed, fmt::format("width {}, not 16, 32 or 64", width));
+  }
+  if (layers.size() != kNetworkLayers) {
+    return Fail(ErrorCode::kMalformed,
+                fmt::format("{} layers instead of {}", layers.size(), kNetworkLayers));
+  }
+  NetworkWeights result = ZeroWeights({static_cast<int>(width)});
+  for (int layer = 0; layer < kNetworkLayers; ++layer) {
+    if (const auto filled = FillLayer(layers[layer], layer, result); !filled) {
+      return tl::unexpected(filled.error());
+    }
+  }
+  return result;
+}
+
+std::string BytesOf(const google::protobuf::Message& message) {
+  std::string bytes;
+  {
+    google::protobuf::io::StringOutputStream stream(&bytes);
+    google::protobuf::io::CodedOutputStream coded(&stream);
+    coded.SetSerializationDeterministic(true);
+    const bool written = message.SerializeToCodedStream(&coded);
+    DEMAND(written);
+  }
+  return bytes;
+}
 
 std::string ChecksumOf(const NetworkModel& model) {
   Sha256 digest;
@@ -234,8 +226,8 @@ Result<NetworkModel> ReadWeightsFile(const std::filesystem::path& path) {
 
 std::string UnknownLearning(const std::filesystem::path& weights) {
   return fmt::format(
-      "{}: does not name the trajectories that it learned from, as weights of before conav train "
-      "kept them: it may have seen what it is tested on",
+      "{}: an old weights file that does not name its training trajectories; they may overlap with "
+      "the test data",
       weights.string());
 }
 

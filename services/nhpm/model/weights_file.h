@@ -14,21 +14,21 @@
 
 namespace conav::nhpm {
 
-/// What a file of a given kind starts with.
+/// The beginning of a file of a given kind.
 struct FrameKind {
   std::string_view magic;  // 4 characters
   std::uint32_t version = 1;
   std::string_view name;  // for messages: "weights file"
 };
 
-/// Puts a payload into a frame that shows damage:
+/// Wraps a payload in a frame that detects damage:
 ///
 ///   magic  version  payload size  SHA-256 of the payload  payload
 ///   4      4        8             64 hexadecimal digits   (bytes; numbers little-endian)
 std::string Frame(const FrameKind& kind, std::string_view payload);
 
-/// The payload within `bytes`. Errors: kMalformed, saying what is wrong: not of this kind, cut off,
-/// too long, another version, another SHA-256.
+/// The payload within `bytes`. Errors: kMalformed, with the reason: not of this kind, cut off, too
+/// long, another version, another SHA-256.
 [[nodiscard]] Result<std::string_view> Unframe(const FrameKind& kind, std::string_view bytes);
 
 /// Adds one message per layer.
@@ -37,28 +37,28 @@ void AddLayers(const NetworkWeights& weights,
 
 /// The weights of a network of that width.
 /// Errors: kMalformed: unknown width, wrong number of layers, weights or biases, a value that is
-/// not finite; names the layer, the number and what it should be.
+///         not finite; names the layer, the actual and the expected number.
 [[nodiscard]] Result<NetworkWeights> WeightsFrom(
     std::uint32_t width, const google::protobuf::RepeatedPtrField<proto::Layer>& layers);
 
-/// The message as bytes that are equal for equal messages.
+/// Serialises the message so that equal messages give equal bytes.
 std::string BytesOf(const google::protobuf::Message& message);
 
-/// A network as it is kept on disk and served.
+/// A network as stored on disk and served.
 struct NetworkModel {
   std::string name = kNhpmModel;
   std::string version;  // for people: what it was trained on, when
   NetworkWeights weights;
   InputSelection inputs;
-  /// The only grid size that it answers for; 0 = any.
+  /// The only grid size that it supports; 0 = any.
   int rows = 0;
   int columns = 0;
-  /// Who made the edits that it learned: "synthetic", "simulated", "people", or several with "+".
+  /// The origin of the edits it learned: "synthetic", "simulated", "people", or several with "+".
   std::string data_origin;
   /// The training configuration and its results, by name.
   std::map<std::string, std::string> training;
-  /// FingerprintOf the trajectories that it learned from, those that decided when to stop too;
-  /// ascending. None = not known.
+  /// FingerprintOf the trajectories it learned from, including those for early stopping; ascending.
+  /// Empty = unknown.
   std::vector<std::uint64_t> learned_from;
   bool operator==(const NetworkModel&) const = default;
 };
@@ -67,16 +67,17 @@ struct NetworkModel {
 /// the order of NetworkWeights): equal checksums, equal answers. 64 hexadecimal digits.
 std::string ChecksumOf(const NetworkModel& model);
 
-/// Writes beside `path` and renames, so that a reader sees the old file or the new one.
+/// Writes a temporary file next to `path` and renames it, so that a reader sees the old file or the
+/// new one.
 /// Errors: kIo with path and cause.
 [[nodiscard]] Result<void> WriteWeightsFile(const std::filesystem::path& path,
                                             const NetworkModel& model);
 
-/// Errors, each with path and what is wrong: kNotFound; kIo; kMalformed (no weights file, truncated,
+/// Errors, each with path and reason: kNotFound; kIo; kMalformed (no weights file, truncated,
 /// another format version, checksum differs, wrong number of values, a value that is not finite).
 [[nodiscard]] Result<NetworkModel> ReadWeightsFile(const std::filesystem::path& path);
 
-/// The warning of weights whose file does not say which trajectories they learned from.
+/// The warning about a weights file that does not name the trajectories it learned from.
 std::string UnknownLearning(const std::filesystem::path& weights);
 
 }  // namespace conav::nhpm

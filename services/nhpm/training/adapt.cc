@@ -16,17 +16,17 @@
 namespace conav::nhpm {
 namespace {
 
-/// The last layers of a network learn from one person's examples, pulled towards the weights that
-/// they start from: the loss has pull / 2 ||weights - base||^2 added.
+/// Fine-tunes the last layers of a network on one person's examples, pulled towards the initial
+/// weights: the loss includes pull / 2 ||weights - base||^2.
 class FineTuning {
  public:
   static constexpr std::uint64_t kEpochSeed = 2;  // purpose of a seed
 
-  /// Keeps references to all but `pull`; the examples must stay, too.
+  /// Keeps references to all arguments but `pull`; the examples must outlive it, too.
   FineTuning(const NetworkWeights& base, const std::vector<const Example*>& examples,
              const AdaptOptions& options, double pull, BatchPass& pass);
 
-  /// Each example once, in one of so many symmetries, drawn at random.
+  /// Takes each example once, in one of `symmetries` random symmetries.
   void RunEpoch(int symmetries);
 
   /// The moving mean (AdaptOptions::averaging).
@@ -121,48 +121,9 @@ std::vector<ExampleSet> OnePerExample(const ExampleSet& set) {
   return groups;
 }
 
-}  // namespace
-
-std::vector<Person> PeopleOf(const SegmentSet& set) {
-  std::vector<Person> people;
-  for (const Trajectory& trajectory : set.trajectories) {
-    auto found = std::find_if(people.begin(), people.end(), [&](const Person& person) {
-      return person.participant == trajectory.participant;
-    });
-    if (found == people.end()) {
-      people.push_back({trajectory.participant, {}});
-      found = people.end() - 1;
-    }
-    found->set.trajectories.push_back(trajectory);
-  }
-  return people;
-}
-
-Result<Person> FindPerson(const std::vector<Person>& people, const std::string& participant) {
-  if (participant.empty() && people.size() == 1) return people.front();
-  for (const Person& person : people) {
-    if (!participant.empty() && person.participant == participant) return person;
-  }
-  return Fail(ErrorCode::kInvalidArgument,
-              fmt::format("{}; there are {} ({})",
-                          participant.empty() ? "--participant must say to whom to adapt"
-                                              : "no participant '" + participant + "'",
-                          people.size(), NamesOf(people)));
-}
-
-std::vector<ExampleSet> AdaptationGroups(const SegmentSet& set, const InputSelection& inputs) {
-  std::vector<ExampleSet> groups;
-  for (const Trajectory& trajectory : set.trajectories) {
-    groups.push_back(ExamplesOf({{trajectory}}, inputs));
-  }
-  return groups.size() == 1 ? OnePerExample(groups.front()) : groups;
-}
-
-namespace {
-
 constexpr std::uint64_t kFoldSeed = 1;  // purpose of a seed; kEpochSeed is another
 
-/// One part of the groups to learn from, the rest to measure on.
+/// One part of the groups for measuring, the rest for learning.
 struct Fold {
   std::vector<const Example*> train;
   std::vector<Example> held_out;
@@ -196,7 +157,7 @@ std::vector<const Example*> AllExamples(const std::vector<ExampleSet>& groups) {
   return examples;
 }
 
-/// All that the stages of one adaptation share.
+/// The state that the stages of one adaptation share.
 struct Run {
   const NetworkWeights& base;
   const std::vector<ExampleSet>& groups;
@@ -206,7 +167,7 @@ struct Run {
   BatchPass pass;
 };
 
-/// Loss of each example while it was held out.
+/// Loss of each example while held out.
 using HeldOutLosses = std::vector<double>;
 
 double MeanOf(const HeldOutLosses& losses) {
@@ -225,7 +186,7 @@ double CertainGain(const HeldOutLosses& base, const HeldOutLosses& adapted) {
   return gain - 2.0 * std::sqrt(squares / (count * std::max(1.0, count - 1.0)));
 }
 
-/// The lowest held-out loss that fine-tuning with one pull came to, and after how many epochs.
+/// The lowest held-out loss of fine-tuning with one pull, and its number of epochs.
 struct Tried {
   double pull = 0.0;
   int epochs = 0;
@@ -233,7 +194,7 @@ struct Tried {
   HeldOutLosses losses;
 };
 
-/// One fold's losses after another, after `epoch` epochs; runs the last of them unless it is 0.
+/// Concatenates the folds' losses after `epoch` epochs; runs the last of them unless it is 0.
 HeldOutLosses RunFolds(Run& run, const std::vector<Fold>& folds,
                        const std::vector<std::unique_ptr<FineTuning>>& tunings, int epoch) {
   HeldOutLosses all;
@@ -266,7 +227,7 @@ Result<Tried> CrossValidate(Run& run, double pull) {
   return best;
 }
 
-/// Pull and epochs of the lowest held-out loss; the base where its gain is not certain.
+/// Pull and epochs of the lowest held-out loss; the base if its gain is not certain.
 Result<Adaptation> Choose(Run& run) {
   std::optional<Tried> best;
   for (const double pull : run.options.pulls) {
@@ -282,16 +243,52 @@ Result<Adaptation> Choose(Run& run) {
 
 }  // namespace
 
+std::vector<Person> PeopleOf(const SegmentSet& set) {
+  std::vector<Person> people;
+  for (const Trajectory& trajectory : set.trajectories) {
+    auto found = std::find_if(people.begin(), people.end(), [&](const Person& person) {
+      return person.participant == trajectory.participant;
+    });
+    if (found == people.end()) {
+      people.push_back({trajectory.participant, {}});
+      found = people.end() - 1;
+    }
+    found->set.trajectories.push_back(trajectory);
+  }
+  return people;
+}
+
+Result<Person> FindPerson(const std::vector<Person>& people, const std::string& participant) {
+  if (participant.empty() && people.size() == 1) return people.front();
+  for (const Person& person : people) {
+    if (!participant.empty() && person.participant == participant) return person;
+  }
+  return Fail(ErrorCode::kInvalidArgument,
+              fmt::format("{}; there are {} ({})",
+                          participant.empty() ? "--participant must name one of them"
+                                              : "no participant '" + participant + "'",
+                          people.size(), NamesOf(people)));
+}
+
+std::vector<ExampleSet> AdaptationGroups(const SegmentSet& set, const InputSelection& inputs) {
+  std::vector<ExampleSet> groups;
+  for (const Trajectory& trajectory : set.trajectories) {
+    groups.push_back(ExamplesOf({{trajectory}}, inputs));
+  }
+  return groups.size() == 1 ? OnePerExample(groups.front()) : groups;
+}
+
 Result<Adaptation> Adapt(const NetworkWeights& base, const std::vector<ExampleSet>& groups,
                          const AdaptOptions& options, int threads, const StopToken& stop) {
   DEMAND(!options.pulls.empty() && options.folds >= 2, options.pulls.size(), options.folds);
   std::vector<ExampleSet> used = groups;
   std::erase_if(used, [](const ExampleSet& group) { return group.examples.empty(); });
   if (used.size() < 2) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("{} to adapt to; it takes two at least, to learn from one and measure "
-                            "on the other",
-                            used.empty() ? "nothing" : "only one segment"));
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format(
+            "{} to adapt to; at least two are needed, one to learn from and one to measure on",
+            used.empty() ? "nothing" : "only one segment"));
   }
   const int rows = used[0].rows;
   const int columns = used[0].columns;

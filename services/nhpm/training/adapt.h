@@ -19,28 +19,28 @@ struct Person {
 /// By participant, in the order of first appearance.
 std::vector<Person> PeopleOf(const SegmentSet& set);
 
-/// The one of that name; the only one where the name is empty.
-/// Errors: kInvalidArgument, naming who is there.
+/// The person of that name; for an empty name the only one.
+/// Errors: kInvalidArgument, naming the people of the data.
 [[nodiscard]] Result<Person> FindPerson(const std::vector<Person>& people,
                                         const std::string& participant);
 
-/// What an adaptation learns from: a set of examples for each trajectory, or for each segment where
-/// there is only one trajectory. Requires CheckOneSize(set).
+/// The data of an adaptation: a set of examples for each trajectory, or for each segment if there
+/// is only one trajectory. Requires CheckOneSize(set).
 std::vector<ExampleSet> AdaptationGroups(const SegmentSet& set, const InputSelection& inputs);
 
-/// Layers below this one keep the weights of the base when a network is adapted to a person.
+/// When a network is adapted to a person, layers below this one keep the base's weights.
 inline constexpr int kFirstAdaptedLayer = 2;
 
 struct AdaptOptions {
   int epochs = 60;    // at most
-  int patience = 10;  // epochs without a better held-out loss before no more are tried
+  int patience = 10;  // stop after this many epochs without a better held-out loss
   int batch = 16;
   double learning_rate = 1e-3;
-  /// The weights that count are a moving mean: this share of the step's weights is mixed in after
-  /// each step, which evens out the noise of few examples. 1 = the step's weights themselves.
+  /// The result is a moving mean of the weights: each step mixes in this share, which evens out the
+  /// noise of few examples. 1 = the step's weights themselves.
   double averaging = 0.05;
-  /// Strengths of the pull towards the base that are tried: the loss has
-  /// pull / 2 ||weights - base||^2 added.
+  /// Candidate strengths of the pull towards the base: the loss includes
+  /// pull / 2 ||weights - base||^2.
   std::vector<double> pulls{1e-2, 1e-3};
   int folds = 4;  // at most
   std::uint64_t seed = 1;
@@ -50,18 +50,18 @@ struct Adaptation {
   NetworkWeights weights;
   double pull = 0.0;  // chosen
   int epochs = 0;     // chosen; 0 = the base was best, and `weights` is the base
-  /// Mean MBCE over examples while they were held out: of the base, and with what was chosen.
+  /// Mean MBCE over examples while held out: of the base, and of the choice.
   double base_loss = 0.0;
   double held_out_loss = 0.0;
 };
 
-/// Fine-tunes the last two layers of `base` on one person's examples, without forgetting: the pull
-/// towards the base and the number of epochs are those with the lowest loss in cross-validation, in
-/// which a group (a trajectory) is never split. The base stays where they gain less over it than two
-/// standard errors of that gain: there is nothing certain to learn about this person then.
+/// Fine-tunes the last two layers of `base` on one person's examples, without forgetting.
+/// Cross-validation chooses the pull towards the base and the number of epochs with the lowest
+/// loss, and never splits a group (a trajectory). The result is the base if the gain over it is
+/// less than two standard errors: then nothing certain can be learned about this person.
 ///
 /// The result depends on base, groups and options only, not on `threads`.
-/// Errors: kInvalidArgument (fewer than two groups with examples), kUnavailable (`stop` asked).
+/// Errors: kInvalidArgument (fewer than two groups with examples), kUnavailable (`stop` requested).
 [[nodiscard]] Result<Adaptation> Adapt(const NetworkWeights& base,
                                        const std::vector<ExampleSet>& groups,
                                        const AdaptOptions& options, int threads,

@@ -20,7 +20,7 @@ namespace {
 
 constexpr const char* kProgram = "conav train";
 
-/// Base network and data that fit each other.
+/// A base network and matching data.
 struct Inputs {
   NetworkModel base;
   SegmentSet set;
@@ -86,7 +86,7 @@ NetworkModel AdaptedModel(const AdaptArguments& arguments, const Inputs& inputs,
   model.version = fmt::format("{}, adapted to {}", inputs.base.version, person.participant);
   model.weights = adaptation.weights;
   model.data_origin = JoinedOrigins(inputs.base.data_origin, OriginText(person.set));
-  if (!inputs.base.learned_from.empty()) {  // of an unknown base all stays unknown
+  if (!inputs.base.learned_from.empty()) {  // an unknown base stays unknown
     model.learned_from = Union(inputs.base.learned_from, FingerprintsOf(person.set));
   }
   for (const auto& [name, value] : SettingsOf(arguments, inputs, person)) {
@@ -109,13 +109,12 @@ std::string SummaryText(const AdaptArguments& arguments, const Person& person,
       "held out    MBCE {:.5f} with the base, {:.5f} adapted ({:+.1f} %)\n"
       "weights     {}  SHA-256 {}\n",
       person.participant, OriginText(person.set), SegmentCount(person.set), adaptation.epochs,
-      adaptation.pull, adaptation.epochs == 0 ? ": nothing was better than the base" : "",
-      adaptation.base_loss, adaptation.held_out_loss,
-      Percent(adaptation.base_loss, adaptation.held_out_loss), arguments.out.string(),
-      ChecksumOf(model));
+      adaptation.pull, adaptation.epochs == 0 ? ": the base was best" : "", adaptation.base_loss,
+      adaptation.held_out_loss, Percent(adaptation.base_loss, adaptation.held_out_loss),
+      arguments.out.string(), ChecksumOf(model));
 }
 
-/// One person.
+/// Adapts to one person.
 Result<void> AdaptToOne(const AdaptArguments& arguments, const Inputs& inputs,
                         const StopToken& stop) {
   const auto person = FindPerson(PeopleOf(inputs.set), arguments.participant);
@@ -146,7 +145,7 @@ Result<void> AdaptToOne(const AdaptArguments& arguments, const Inputs& inputs,
                                           {"held_out_mbce", adaptation->held_out_loss}});
 }
 
-/// What half of a person's trajectories teaches about the other half.
+/// The gain from half of a person's trajectories on the other half.
 struct PersonResult {
   std::string participant;
   std::string origin;
@@ -155,11 +154,11 @@ struct PersonResult {
   Adaptation adaptation;
   double base_loss = 0.0;  // on the other half
   double adapted_loss = 0.0;
-  double base_general_loss = 0.0;  // on everybody's segments, where there are such
+  double base_general_loss = 0.0;  // on everybody's segments, if given
   double adapted_general_loss = 0.0;
 };
 
-/// Of several weights on one set.
+/// Losses of several weights on one set.
 class Losses {
  public:
   Losses(const NetworkModel& base, const SegmentSet& set, int threads)
@@ -174,7 +173,7 @@ class Losses {
   BatchPass pass_;
 };
 
-/// Every second trajectory is tested on. Nothing for a person with only one.
+/// Tests on every second trajectory. Empty for a person with only one.
 Result<std::optional<PersonResult>> MeasurePerson(const AdaptArguments& arguments,
                                                   const Inputs& inputs, const Person& person,
                                                   const StopToken& stop) {
@@ -189,9 +188,9 @@ Result<std::optional<PersonResult>> MeasurePerson(const AdaptArguments& argument
   if (seen > 0) {
     return Fail(
         ErrorCode::kRefused,
-        fmt::format("{}: learned from {} of the {} trajectories of {} that it would be "
-                    "tested on; pass data that it never saw",
-                    arguments.base.string(), seen, tested.trajectories.size(), person.participant));
+        fmt::format(
+            "{}: learned from {} of the {} test trajectories of {}; pass data that it never saw",
+            arguments.base.string(), seen, tested.trajectories.size(), person.participant));
   }
   AdaptOptions options;
   options.seed = arguments.seed;

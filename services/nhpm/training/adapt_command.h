@@ -8,16 +8,16 @@
 
 namespace conav::nhpm {
 
-/// What `conav train --adapt` was told.
+/// The arguments of `conav train --adapt`.
 struct AdaptArguments {
   std::filesystem::path base;  // weights file
   std::filesystem::path data;
   std::filesystem::path out;      // not with `each`
-  std::filesystem::path json;     // "-" = standard output; empty = not wanted
+  std::filesystem::path json;     // "-" = standard output; empty = off
   bool overwrite = false;         // `out` may hold weights of another training
-  std::string participant;        // may be empty where the data has only one
+  std::string participant;        // may be empty if the data has only one
   bool each = false;              // measure for every participant of the data, write no weights
-  std::filesystem::path general;  // segments of everybody, for `each`: what adapting forgets
+  std::filesystem::path general;  // with `each`: segments of everybody, to measure forgetting
   std::uint64_t seed = 1;
   int threads = 1;
 };

@@ -30,37 +30,6 @@ double LogOnePlus(double t) {
   return 2.0 * s * sum;
 }
 
-}  // namespace
-
-double Softplus(double x) {
-  if (std::isnan(x)) return x;
-  return std::fmax(x, 0.0) + LogOnePlus(ExpMinus(std::fabs(x)));
-}
-
-double ExampleLoss(std::span<const float> logits, std::span<const OutputLabel> labels) {
-  DEMAND(logits.size() == labels.size(), logits.size(), labels.size());
-  double sum = 0.0;
-  for (std::size_t i = 0; i < labels.size(); ++i) {
-    if (labels[i] == OutputLabel::kMasked) continue;
-    const double logit = static_cast<double>(logits[i]);
-    sum += Softplus(labels[i] == OutputLabel::kEdited ? -logit : logit);
-  }
-  return sum / static_cast<double>(labels.size());
-}
-
-void LossGradient(std::span<const float> logits, std::span<const OutputLabel> labels, float factor,
-                  std::span<float> gradient) {
-  DEMAND(logits.size() == labels.size() && gradient.size() == labels.size(), logits.size(),
-         labels.size(), gradient.size());
-  const float scale = factor / static_cast<float>(labels.size());
-  for (std::size_t i = 0; i < labels.size(); ++i) {
-    const float truth = labels[i] == OutputLabel::kEdited ? 1.0F : 0.0F;
-    gradient[i] = labels[i] == OutputLabel::kMasked ? 0.0F : (Sigmoid(logits[i]) - truth) * scale;
-  }
-}
-
-namespace {
-
 constexpr int kMirrorRows = 1;
 constexpr int kMirrorColumns = 2;
 constexpr int kTranspose = 4;
@@ -90,23 +59,6 @@ void Move(const std::vector<std::uint32_t>& sources, const std::vector<T>& from,
   }
 }
 
-}  // namespace
-
-GridSymmetries::GridSymmetries(int rows, int columns) : count_(rows == columns ? 8 : 4) {
-  for (int element = 0; element < count_; ++element) {
-    sources_[static_cast<std::size_t>(element)] = Sources(element, rows, columns);
-  }
-}
-
-void GridSymmetries::Apply(int element, const Example& from, Example& to) const {
-  DEMAND(element >= 0 && element < count_, element, count_);
-  const std::vector<std::uint32_t>& sources = sources_[static_cast<std::size_t>(element)];
-  Move(sources, from.input, to.input);
-  Move(sources, from.labels, to.labels);
-}
-
-namespace {
-
 /// Calls visit(a's array, b's array) for each array of parameters.
 template <class A, class B, class Visit>
 void ForEachArray(A& a, B& b, Visit visit) {
@@ -127,6 +79,46 @@ void Add(const NetworkWeights& from, NetworkWeights& to) {
 }
 
 }  // namespace
+
+double Softplus(double x) {
+  if (std::isnan(x)) return x;
+  return std::fmax(x, 0.0) + LogOnePlus(ExpMinus(std::fabs(x)));
+}
+
+double ExampleLoss(std::span<const float> logits, std::span<const OutputLabel> labels) {
+  DEMAND(logits.size() == labels.size(), logits.size(), labels.size());
+  double sum = 0.0;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    if (labels[i] == OutputLabel::kMasked) continue;
+    const double logit = static_cast<double>(logits[i]);
+    sum += Softplus(labels[i] == OutputLabel::kEdited ? -logit : logit);
+  }
+  return sum / static_cast<double>(labels.size());
+}
+
+void LossGradient(std::span<const float> logits, std::span<const OutputLabel> labels, float factor,
+                  std::span<float> gradient) {
+  DEMAND(logits.size() == labels.size() && gradient.size() == labels.size(), logits.size(),
+         labels.size(), gradient.size());
+  const float scale = factor / static_cast<float>(labels.size());
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const float truth = labels[i] == OutputLabel::kEdited ? 1.0F : 0.0F;
+    gradient[i] = labels[i] == OutputLabel::kMasked ? 0.0F : (Sigmoid(logits[i]) - truth) * scale;
+  }
+}
+
+GridSymmetries::GridSymmetries(int rows, int columns) : count_(rows == columns ? 8 : 4) {
+  for (int element = 0; element < count_; ++element) {
+    sources_[static_cast<std::size_t>(element)] = Sources(element, rows, columns);
+  }
+}
+
+void GridSymmetries::Apply(int element, const Example& from, Example& to) const {
+  DEMAND(element >= 0 && element < count_, element, count_);
+  const std::vector<std::uint32_t>& sources = sources_[static_cast<std::size_t>(element)];
+  Move(sources, from.input, to.input);
+  Move(sources, from.labels, to.labels);
+}
 
 struct BatchPass::Worker {
   Worker(NetworkShape shape, int rows, int columns) : pass(shape, rows, columns) {}

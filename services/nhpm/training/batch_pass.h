@@ -11,8 +11,8 @@
 
 namespace conav::nhpm {
 
-/// log(1 + exp(x)), within 1e-15 relatively, of plain double operations: the same bits on every
-/// machine, so that early stopping keeps the same weights everywhere.
+/// log(1 + exp(x)), with a relative error below 1e-15, of plain double operations: the same bits on
+/// every machine, so that early stopping keeps the same weights everywhere.
 double Softplus(double x);
 
 /// Mean binary cross-entropy (MBCE) of one example over ALL its outputs; masked ones cost 0:
@@ -27,8 +27,8 @@ void LossGradient(std::span<const float> logits, std::span<const OutputLabel> la
                   std::span<float> gradient);
 
 /// The rotations and reflections that map a grid to itself: all 8 of the dihedral group D4 for a
-/// square, 4 for other rectangles. A map that is turned is as good a map, and the person who edited
-/// it would have edited the turned one alike.
+/// square, 4 for other rectangles. A turned map is an equally valid example: its person would have
+/// made the turned edits.
 ///
 /// Element e: bit 0 mirrors the rows, bit 1 the columns, bit 2 transposes first; 0 is the identity.
 /// Source: paper Appendix B, "rotation 0/90/180/270, flip".
@@ -37,16 +37,16 @@ class GridSymmetries {
   GridSymmetries(int rows, int columns);
 
   int count() const { return count_; }
-  /// Moves all channels and labels alike.
+  /// Transforms all channels and labels alike.
   void Apply(int element, const Example& from, Example& to) const;
 
  private:
   int count_ = 0;
-  /// sources_[element][cell] = the cell that it takes its values from.
+  /// sources_[element][cell] = the source cell of its values.
   std::array<std::vector<std::uint32_t>, 8> sources_;
 };
 
-/// An example and how it is turned.
+/// An example and its symmetry.
 struct BatchItem {
   const Example* example = nullptr;
   int symmetry = 0;
@@ -54,9 +54,8 @@ struct BatchItem {
 
 /// Loss and gradient over batches, on several threads.
 ///
-/// The bits do not depend on the number of threads: a batch is cut into kChunks runs of examples,
-/// each with a gradient of its own that one thread adds up in order; the chunks are then added in
-/// order.
+/// The bits do not depend on the number of threads: a batch is cut into kChunks runs of examples.
+/// One thread adds up the gradient of a chunk in order; then the chunks are added in order.
 class BatchPass {
  public:
   static constexpr int kChunks = 16;
@@ -64,7 +63,7 @@ class BatchPass {
   BatchPass(NetworkShape shape, int rows, int columns, int threads);
   ~BatchPass();
 
-  /// The sum of the items' losses; `gradient` becomes the gradient of their mean.
+  /// Returns the sum of the items' losses; `gradient` becomes the gradient of their mean.
   double Gradient(const TrainingWeights& weights, std::span<const BatchItem> batch,
                   NetworkWeights& gradient);
 

@@ -54,7 +54,7 @@ Result<std::vector<EpochReport>> EpochsOf(const proto::Checkpoint& message) {
   return epochs;
 }
 
-/// Fills `target`; the error of WeightsFrom with `what` before it.
+/// Fills `target`; prefixes errors of WeightsFrom with `what`.
 Result<void> Fill(const proto::Checkpoint& message, const char* what,
                   const google::protobuf::RepeatedPtrField<proto::Layer>& layers,
                   NetworkWeights& target) {
@@ -87,7 +87,7 @@ Result<TrainingState> StateFrom(const proto::Checkpoint& message) {
 Result<Checkpoint> FromPayload(std::string_view payload) {
   proto::Checkpoint message;
   if (!message.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {
-    return Fail(ErrorCode::kMalformed, "its contents are no Checkpoint message");
+    return Fail(ErrorCode::kMalformed, "its contents are not a Checkpoint message");
   }
   return StateFrom(message).map([&](TrainingState&& state) {
     Checkpoint checkpoint{{}, std::move(state)};

@@ -34,6 +34,21 @@ Example ExampleOf(const Segment& segment, const InputSelection& inputs) {
   return example;
 }
 
+constexpr std::size_t kParts = 3;
+
+Result<void> CheckUsable(const SegmentSet& set) {
+  const std::size_t trajectories = set.trajectories.size();
+  if (SegmentCount(set) == 0) return Fail(ErrorCode::kInvalidArgument, "has no segments");
+  if (trajectories < kParts) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format(
+            "has {} {}; training needs at least three: one each for training, validation and test",
+            trajectories, trajectories == 1 ? "trajectory" : "trajectories"));
+  }
+  return CheckOneSize(set);
+}
+
 }  // namespace
 
 Result<void> CheckOneSize(const SegmentSet& segments) {
@@ -76,24 +91,6 @@ double EditShare(const ExampleSet& set) {
   }
   return edited / (kept + edited);
 }
-
-namespace {
-
-constexpr std::size_t kParts = 3;
-
-Result<void> CheckUsable(const SegmentSet& set) {
-  const std::size_t trajectories = set.trajectories.size();
-  if (SegmentCount(set) == 0) return Fail(ErrorCode::kInvalidArgument, "has no segments");
-  if (trajectories < kParts) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("has {} {}; training needs three at least: to learn from, to know when "
-                            "to stop, and to test on",
-                            trajectories, trajectories == 1 ? "trajectory" : "trajectories"));
-  }
-  return CheckOneSize(set);
-}
-
-}  // namespace
 
 Result<TrainingData> LoadTrainingData(const std::filesystem::path& file,
                                       const InputSelection& inputs, std::uint64_t split_seed) {

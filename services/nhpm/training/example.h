@@ -13,11 +13,11 @@
 
 namespace conav::nhpm {
 
-/// What an output of the network should say. Masked ones (nothing to add where x has a wall, nothing
-/// to remove where it has none, nothing on the border) are 0 whatever the network says.
+/// The target of an output. Masked ones (nothing to add where x has a wall, nothing to remove where
+/// it has none, nothing on the border) are always 0.
 enum class OutputLabel : std::uint8_t { kMasked, kKept, kEdited };
 
-/// A segment as the network learns from it.
+/// A segment as training data.
 struct Example {
   std::vector<float> input;         // [rows][columns][kInputChannels], of EncodeInput
   std::vector<OutputLabel> labels;  // [rows][columns][kOutputChannels]: add, remove
@@ -41,10 +41,10 @@ ExampleSet ExamplesOf(const SegmentSet& segments, const InputSelection& inputs);
 /// Share of the unmasked outputs that were edited, in (0, 1): with one added on either side.
 double EditShare(const ExampleSet& set);
 
-/// A segment file, ready to learn from.
+/// A segment file, prepared for training.
 struct TrainingData {
   std::string checksum;  // SHA-256 of the file
-  std::string origin;    // who made the edits: OriginText
+  std::string origin;    // origin of the edits: OriginText
   std::size_t trajectories = 0;
   Fingerprints learned_from;  // of `train` and `validation`
   ExampleSet train;

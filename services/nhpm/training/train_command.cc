@@ -25,7 +25,7 @@ double SecondsSince(Clock::time_point start) {
 
 constexpr const char* kProgram = "conav train";
 
-/// The state to start from. Errors: kRefused when the checkpoint belongs to another training.
+/// The initial state. Errors: kRefused when the checkpoint belongs to another training.
 Result<TrainingState> FirstState(const TrainArguments& arguments, const TrainingData& data) {
   const std::filesystem::path path = CheckpointPath(arguments.out);
   const TrainingState initial = InitialTrainingState(arguments.options, EditShare(data.train));
@@ -34,15 +34,15 @@ Result<TrainingState> FirstState(const TrainArguments& arguments, const Training
   if (!checkpoint && checkpoint.error().code == ErrorCode::kNotFound) return initial;
   if (!checkpoint) {
     return Fail(checkpoint.error().code,
-                fmt::format("{}; --fresh starts anew", checkpoint.error().text));
+                fmt::format("{}; --fresh ignores it", checkpoint.error().text));
   }
   const std::string difference = DifferenceText(checkpoint->settings, SettingsOf(arguments, data));
   if (!difference.empty()) {
     return Fail(ErrorCode::kRefused,
-                fmt::format("{} is of another training: {}; --fresh starts anew", path.string(),
+                fmt::format("{} belongs to another training: {}; --fresh ignores it", path.string(),
                             difference));
   }
-  fmt::print(stderr, "going on from {} after epoch {}\n", path.string(),
+  fmt::print(stderr, "resuming from {} after epoch {}\n", path.string(),
              checkpoint->state.epochs.size());
   return std::move(checkpoint->state);
 }
@@ -65,7 +65,7 @@ Result<void> CheckFinite(const EpochReport& report) {
                           report.epoch));
 }
 
-/// True when it ran to its end, false when it was stopped. A checkpoint after each epoch.
+/// True when training finished, false when it was stopped. Writes a checkpoint after each epoch.
 Result<bool> RunEpochs(const TrainArguments& arguments, const TrainingData& data, Trainer& trainer,
                        const StopToken& stop) {
   ProgressLine progress;
@@ -110,12 +110,13 @@ int CheckTrainFiles(const TrainArguments& arguments) {
   if (code != 0 || !std::filesystem::exists(status) || std::filesystem::is_regular_file(status)) {
     return code;
   }
-  return Failed(kProgram, {ErrorCode::kIo, fmt::format("--out {}: is a device, which keeps nothing",
-                                                       arguments.out.string())});
+  return Failed(kProgram,
+                {ErrorCode::kIo, fmt::format("--out {}: is a device, which stores nothing",
+                                             arguments.out.string())});
 }
 
 int Stopped(const TrainArguments& arguments, const TrainingState& state) {
-  fmt::print(stderr, "conav train: stopped after epoch {}; the same command goes on from {}\n",
+  fmt::print(stderr, "conav train: stopped after epoch {}; the same command resumes from {}\n",
              state.epochs.size(), CheckpointPath(arguments.out).string());
   return 1;
 }
@@ -130,7 +131,7 @@ std::filesystem::path CheckpointPath(const std::filesystem::path& out) {
 
 int RunTrain(const TrainArguments& arguments, const StopToken& stop) {
   const auto start = Clock::now();
-  // before an hour of training rather than after it
+  // Check before an hour of training, not after it.
   if (const int code = CheckTrainFiles(arguments); code != 0) return code;
   const auto data = LoadTrainingData(arguments.data, arguments.inputs, arguments.split_seed);
   if (!data) return Failed(kProgram, data.error());

@@ -10,7 +10,7 @@
 
 namespace conav::nhpm {
 
-/// What `conav train` was told; empty paths = not wanted.
+/// The arguments of `conav train`; empty paths = off.
 struct TrainArguments {
   std::filesystem::path data;
   std::filesystem::path out;
@@ -20,16 +20,16 @@ struct TrainArguments {
   InputSelection inputs;
   std::uint64_t split_seed = kDefaultSplitSeed;
   int threads = 1;
-  bool any_size = false;   // the weights say that they fit maps of any size
-  bool fresh = false;      // a checkpoint of `out` is not taken up
+  bool any_size = false;   // declare that the weights fit maps of any size
+  bool fresh = false;      // ignore a checkpoint of `out`
   bool overwrite = false;  // `out` may hold weights of another training
 };
 
-/// Where a training keeps its state until it is done.
+/// The file that holds a training's state until it is done.
 std::filesystem::path CheckpointPath(const std::filesystem::path& out);
 
-/// Trains, or goes on where a checkpoint of `out` ends; shows progress on standard error, the result
-/// on standard output. Exit code: 0 done, 1 failed or stopped (the checkpoint is kept).
+/// Trains, or resumes from a checkpoint of `out`; shows progress on standard error, the result on
+/// standard output. Exit code: 0 done, 1 failed or stopped (the checkpoint stays).
 int RunTrain(const TrainArguments& arguments, const StopToken& stop);
 
 }  // namespace conav::nhpm

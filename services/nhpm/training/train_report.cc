@@ -45,7 +45,7 @@ constexpr const char* kTrainColour = "#1b6ca8";
 constexpr const char* kValidationColour = "#c2541b";
 constexpr const char* kLabelStyle = "font-size=\"12\" fill=\"#333333\"";
 
-/// Where losses and epochs lie on the picture.
+/// Positions of losses and epochs on the image.
 class Axes {
  public:
   explicit Axes(const std::vector<EpochReport>& epochs)
@@ -139,24 +139,6 @@ void DrawLegend(SvgCanvas& canvas, const TrainingState& state) {
               kLabelStyle);
 }
 
-}  // namespace
-
-std::string LossCurve(const TrainingState& state, const std::string& title) {
-  DEMAND(!state.epochs.empty());
-  const Axes axes(state.epochs);
-  SvgCanvas canvas;
-  canvas.Text({kLeft, 30}, title, "font-size=\"16\" fill=\"#000000\"");
-  DrawAxes(canvas, axes);
-  DrawLoss(canvas, axes, state.epochs, &EpochReport::train_loss, kTrainColour);
-  DrawLoss(canvas, axes, state.epochs, &EpochReport::validation_loss, kValidationColour);
-  canvas.Circle(axes.At(state.best_epoch, BestValidationLoss(state)), 4.5,
-                fmt::format("fill=\"{}\"", kValidationColour));
-  DrawLegend(canvas, state);
-  return canvas.Document(kWidth, kHeight, title);
-}
-
-namespace {
-
 double LossOf(const NetworkWeights& weights, const ExampleSet& set, int threads) {
   BatchPass pass(weights.shape, set.rows, set.columns, threads);
   return pass.MeanLoss(TrainingWeights(weights), set.examples);
@@ -174,6 +156,20 @@ nlohmann::ordered_json ToJson(const EpochReport& epoch) {
 }
 
 }  // namespace
+
+std::string LossCurve(const TrainingState& state, const std::string& title) {
+  DEMAND(!state.epochs.empty());
+  const Axes axes(state.epochs);
+  SvgCanvas canvas;
+  canvas.Text({kLeft, 30}, title, "font-size=\"16\" fill=\"#000000\"");
+  DrawAxes(canvas, axes);
+  DrawLoss(canvas, axes, state.epochs, &EpochReport::train_loss, kTrainColour);
+  DrawLoss(canvas, axes, state.epochs, &EpochReport::validation_loss, kValidationColour);
+  canvas.Circle(axes.At(state.best_epoch, BestValidationLoss(state)), 4.5,
+                fmt::format("fill=\"{}\"", kValidationColour));
+  DrawLegend(canvas, state);
+  return canvas.Document(kWidth, kHeight, title);
+}
 
 nlohmann::ordered_json ReportJson(const TrainArguments& arguments, const TrainingOutcome& outcome,
                                   const TrainingState& state) {

@@ -18,8 +18,9 @@ namespace conav::nhpm {
 inline constexpr const char* kAdaptSettings[] = {"base_checksum", "adapt_participant",
                                                  "adapt_data_sha256", "adapt_seed"};
 
-/// Whether `conav train` may write to `out`: nothing is there, or the weights of a training with
-/// the same settings. Errors: kRefused, naming what differs, or that it is no weights file.
+/// Whether `conav train` may write to `out`: the file does not exist, or has the weights of a
+/// training with the same settings. Errors: kRefused, naming the difference, or that it is no
+/// weights file.
 [[nodiscard]] Result<void> CheckReplaceable(const std::filesystem::path& out,
                                             const std::map<std::string, std::string>& settings);
 
@@ -27,8 +28,8 @@ inline constexpr const char* kAdaptSettings[] = {"base_checksum", "adapt_partici
 /// best epoch marked. Requires at least one epoch and best_epoch among them.
 std::string LossCurve(const TrainingState& state, const std::string& title);
 
-/// All that the weights depend on, by name: what a checkpoint must agree with and what a weights
-/// file says about its training.
+/// Everything that the weights depend on, by name: a checkpoint must match it, and the weights file
+/// records it.
 std::map<std::string, std::string> SettingsOf(const TrainArguments& arguments,
                                               const TrainingData& data);
 
@@ -44,11 +45,11 @@ TrainingOutcome OutcomeOf(const TrainArguments& arguments, const TrainingData& d
 
 std::string CurveTitle(const TrainingOutcome& outcome);
 
-/// What is printed at the end.
+/// The summary printed at the end.
 std::string SummaryText(const TrainArguments& arguments, const TrainingData& data,
                         const TrainingOutcome& outcome, const TrainingState& state);
 
-/// Keys in docs/nhpm.md.
+/// For keys see docs/nhpm.md.
 nlohmann::ordered_json ReportJson(const TrainArguments& arguments, const TrainingOutcome& outcome,
                                   const TrainingState& state);
 

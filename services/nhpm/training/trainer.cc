@@ -20,7 +20,7 @@ double Power(double base, std::uint64_t exponent) {
   return result;
 }
 
-/// What is the same for all parameters of a step.
+/// The factors that all parameters of a step share.
 struct StepFactors {
   AdamOptions options;
   float rate = 0.0F;               // learning rate / (1 - beta1^steps)
@@ -48,6 +48,8 @@ void Step(const StepFactors& factors, const std::vector<float>& gradient, std::v
   }
 }
 
+constexpr std::uint64_t kInitialWeights = 0;  // purpose of a seed; epochs are 1, 2, ...
+
 }  // namespace
 
 AdamState InitialAdamState(NetworkShape shape) {
@@ -67,12 +69,6 @@ void AdamStep(const AdamOptions& options, const NetworkWeights& gradient, AdamSt
          weights.biases[i]);
   }
 }
-
-namespace {
-
-constexpr std::uint64_t kInitialWeights = 0;  // purpose of a seed; epochs are 1, 2, ...
-
-}  // namespace
 
 TrainingState InitialTrainingState(const TrainingOptions& options, double edit_share) {
   const NetworkShape shape{options.width};

@@ -32,20 +32,20 @@ AdamState InitialAdamState(NetworkShape shape);
 void AdamStep(const AdamOptions& options, const NetworkWeights& gradient, AdamState& state,
               NetworkWeights& weights, int first_layer = 0);
 
-/// How the learning rate goes from the first epoch to the last.
+/// How the learning rate changes from the first epoch to the last.
 enum class LearningRateSchedule : std::uint8_t {
   kConstant,  // the paper's
   kLinear,    // down to 0 after the last epoch
 };
 
-/// Defaults: paper Appendix B, but for the patience, which it leaves open.
+/// Defaults: paper Appendix B, except for the patience, which it leaves open.
 struct TrainingOptions {
   int width = 32;
   int epochs = 200;  // at most
   int batch = 128;
   double learning_rate = 1e-3;
   LearningRateSchedule schedule = LearningRateSchedule::kConstant;
-  int patience = 30;  // epochs without a better validation loss before it stops; 0 = never stops
+  int patience = 30;  // stop after this many epochs without a better validation loss; 0 = never
   std::uint64_t seed = 1;
   bool operator==(const TrainingOptions&) const = default;
 };
@@ -57,8 +57,8 @@ struct EpochReport {
   bool operator==(const EpochReport&) const = default;
 };
 
-/// All that a training needs to go on where it was. The random numbers of an epoch follow from seed
-/// and epoch.
+/// The complete state for resuming a training. The random numbers of an epoch follow from seed and
+/// epoch.
 struct TrainingState {
   NetworkWeights weights;
   AdamState adam;
@@ -75,19 +75,19 @@ TrainingState InitialTrainingState(const TrainingOptions& options, double edit_s
 /// each epoch, early stopping on the validation loss.
 ///
 /// The result depends on options and examples only: the same bits on any number of threads, and
-/// after any number of interruptions between which the state was kept.
+/// after any number of interruptions that keep the state.
 class Trainer {
  public:
   /// Keeps references to the sets; both have examples, of one shape. `threads` > 0.
   Trainer(const TrainingOptions& options, const ExampleSet& train, const ExampleSet& validation,
           int threads, TrainingState state);
 
-  /// One pass over the training examples, then one over the validation examples. Nothing, with the
-  /// state of before, when `stop` asks for an end meanwhile. Requires !finished().
+  /// One pass over the training examples, then one over the validation examples. Empty, with the
+  /// state unchanged, when `stop` interrupts it. Requires !finished().
   std::optional<EpochReport> RunEpoch(const StopToken& stop) {
     return RunEpoch([&] { return stop.stop_requested(); });
   }
-  /// The same; `stop_requested` is asked before each batch.
+  /// The same; calls `stop_requested` before each batch.
   std::optional<EpochReport> RunEpoch(const std::function<bool()>& stop_requested);
 
   /// All epochs done, or `patience` of them without a better validation loss.

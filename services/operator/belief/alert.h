@@ -6,12 +6,12 @@
 
 namespace conav::operators {
 
-/// How much it matters; alarms are for what a person must do something about at once.
+/// Alarms need action by a person at once.
 enum class Severity : std::uint8_t { kNotice, kWarning, kAlarm };
 
 /// Something that is wrong now.
 struct Condition {
-  std::string key;  // the same for the same matter
+  std::string key;  // the same for the same condition
   Severity severity = Severity::kWarning;
   std::string source;  // robot, world or service
   std::string text;
@@ -19,8 +19,8 @@ struct Condition {
   bool operator==(const Condition&) const = default;
 };
 
-/// What was looked at: matters that are wrong now, and the keys of those that are not. Of a matter in
-/// neither list nobody knows, as of a robot that was not heard of yet.
+/// Conditions that are true now, and the keys of those that are not. A condition in neither list is
+/// unknown, as for a robot that has not reported yet.
 struct Findings {
   std::vector<Condition> wrong;
   std::vector<std::string> fine;
@@ -33,7 +33,7 @@ struct Alert {
   double raised_s = 0.0;
   double newest_s = 0.0;    // when it became true last
   std::uint32_t count = 1;  // how often it became true
-  bool active = true;       // as far as is known
+  bool active = true;       // as last known
   std::string acknowledged_by;
   double acknowledged_s = 0.0;
   double shelved_until_s = 0.0;

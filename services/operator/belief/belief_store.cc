@@ -113,11 +113,8 @@ T OrStartupError(const std::filesystem::path& file, Result<T>&& result) {
 
 BeliefStore::Answer StorageFailure(const OperatorRequest& request, const Error& error,
                                    std::uint64_t revision) {
-  return {{request.client, request.request_id, false,
-           fmt::format("not stored, ask again later: {}", error.text), revision},
-          false,
-          false,
-          error.text};
+  std::string reason = fmt::format("not stored, ask again later: {}", error.text);
+  return {Refusal(request, std::move(reason), revision), false, false, error.text};
 }
 
 /// In what the stored initial map differs from the new one; empty when it does not.
@@ -147,7 +144,7 @@ BeliefStore::BeliefStore(const BeliefStoreOptions& options)
   OrStartupError(file_, EnsureSchema(database_).map([] { return true; }));
   beliefs_ = OrStartupError(file_, LoadBeliefs(database_));
   guidance_ = OrStartupError(file_, LoadGuidance(database_));
-  holds_ = OrStartupError(file_, LoadStops(database_));
+  stops_ = OrStartupError(file_, LoadStops(database_));
   alerts_ = OrStartupError(file_, LoadAlerts(database_));
 }
 
@@ -195,10 +192,9 @@ std::optional<BeliefStore::Answer> BeliefStore::FindRepeat(const OperatorRequest
   if ((*logged)->world == request.world && (*logged)->body == RequestBody(request)) {
     return Answer{(*logged)->reply};
   }
-  return Answer{{request.client, request.request_id, false,
-                 fmt::format("request {} of client {} was used for something else before",
-                             request.request_id, request.client),
-                 0}};
+  return Answer{
+      Refusal(request, fmt::format("request {} of client {} was used for something else before",
+                                   request.request_id, request.client))};
 }
 
 BeliefStore::Answer BeliefStore::Keep(const OperatorRequest& request,
@@ -215,7 +211,7 @@ BeliefStore::Answer BeliefStore::Keep(const OperatorRequest& request,
     return SaveRequest(database_, request, reply);
   });
   if (!saved) return StorageFailure(request, saved.error(), 0);
-  for (const StopOrder& order : orders) holds_[order.robot] = order;
+  for (const StopOrder& order : orders) stops_[order.robot] = order;
   return {reply, true, true};
 }
 
@@ -248,7 +244,7 @@ BeliefStore::Answer BeliefStore::Handle(const OperatorRequest& request, SimTime 
 BeliefStore::Answer BeliefStore::HandleNew(const OperatorRequest& request, SimTime now) {
   if (request.client.empty()) return Refuse(request, "the request names no client", 0);
   if (FindBelief(request.world) == nullptr) {
-    return Refuse(request, fmt::format("world '{}' is not known here", request.world), 0);
+    return Refuse(request, fmt::format("world '{}' is unknown", request.world), 0);
   }
   if (const auto* edit = std::get_if<EditRequest>(&request.body)) {
     return HandleEdit(request, *edit, now);
@@ -334,8 +330,8 @@ BeliefStore::Answer BeliefStore::SaveAsAnswer(const OperatorRequest& request, Gu
 
 BeliefStore::Answer BeliefStore::Refuse(const OperatorRequest& request, std::string reason,
                                         std::uint64_t revision) {
-  const OperatorReply reply{request.client, request.request_id, false, std::move(reason), revision};
-  // A refusal is as final as an acceptance. When it cannot be stored, a repeat is judged anew,
+  const OperatorReply reply = Refusal(request, std::move(reason), revision);
+  // A refusal is as final as an acceptance. When it cannot be stored, a repeat is decided again,
   // which changes nothing that was acknowledged.
   const auto saved = database_.Transaction([&] { return SaveRequest(database_, request, reply); });
   return {reply, false, saved.has_value(), saved ? "" : saved.error().text};

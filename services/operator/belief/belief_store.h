@@ -38,8 +38,9 @@ struct BeliefStoreOptions {
   GuidanceLimits limits;
 };
 
-/// The one truth about what the operator believes and wants: the belief map of each world, the
-/// guidance of each robot, which robots are stopped, the alerts, and the requests that were answered.
+/// The operator's decisions: the belief map of each world, the
+/// guidance of each robot, which robots are stopped, the alerts, and the requests that were
+/// answered.
 ///
 /// Whatever Handle() acknowledges is on disk before it returns, together with its reply: opening
 /// the same file again gives back the same beliefs, guidance, revisions and replies, also after a
@@ -70,8 +71,8 @@ class BeliefStore {
   /// again after a restart.
   void AddRobot(const std::string& robot, const std::string& world);
 
-  /// Takes back the guidance of `robot`, which then answers no picture: for a robot that counts its
-  /// pictures anew. The revision rises. Errors: kIo.
+  /// Withdraws the guidance of `robot`, which then answers no picture: for a robot that starts a
+  /// new run. The revision rises. Errors: kIo.
   [[nodiscard]] Result<void> WithdrawGuidance(const std::string& robot, SimTime now);
 
   /// `now`: simulation time of the request's world. `request` edits, guides or answers (demanded).
@@ -85,12 +86,12 @@ class BeliefStore {
   /// Also removes those with the ids of `dropped`.
   [[nodiscard]] Result<void> SaveAlerts(const std::vector<Alert>& alerts,
                                         const std::vector<std::uint64_t>& dropped = {});
-  /// Forgets requests that were answered before `wall_s` (s since 1970), the oldest first and at most
-  /// `most` of them: they are not repeated any more. How many. Errors: kIo.
+  /// Forgets requests that were answered before `wall_s` (s since 1970), the oldest first and at
+  /// most `most` of them: no client repeats them any longer. Returns how many. Errors: kIo.
   [[nodiscard]] Result<std::int64_t> ForgetRequests(double wall_s, std::int64_t most);
-  /// Those of before.
+  /// Those stored before the start.
   const std::vector<Alert>& alerts() const { return alerts_; }
-  const std::map<std::string, StopOrder>& holds() const { return holds_; }
+  const std::map<std::string, StopOrder>& stops() const { return stops_; }
 
   /// Null when unknown. Valid until the next call that is not const.
   const Belief* FindBelief(const std::string& world) const;
@@ -117,7 +118,7 @@ class BeliefStore {
   GuidanceLimits limits_;
   std::map<std::string, Belief> beliefs_;      // by world
   std::map<std::string, Guidance> guidance_;   // by robot
-  std::map<std::string, StopOrder> holds_;     // by robot
+  std::map<std::string, StopOrder> stops_;     // by robot
   std::vector<Alert> alerts_;                  // at the start
   std::map<std::string, std::string> worlds_;  // of each robot
 };

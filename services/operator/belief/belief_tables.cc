@@ -280,13 +280,13 @@ Result<std::map<std::string, StopOrder>> LoadStops(Database& database) {
   const auto rows = database.Query(
       "SELECT robot, world, revision, stamp_ns, stopped, given_by, reason FROM holds");
   if (!rows) return tl::unexpected(rows.error());
-  std::map<std::string, StopOrder> holds;
+  std::map<std::string, StopOrder> stops;
   for (const Database::Row& row : *rows) {
-    auto hold = ReadRow("holds", row, [](const auto& r) { return StopFromRow(r); });
-    if (!hold) return tl::unexpected(hold.error());
-    holds[hold->robot] = *hold;
+    auto stop = ReadRow("holds", row, [](const auto& r) { return StopFromRow(r); });
+    if (!stop) return tl::unexpected(stop.error());
+    stops[stop->robot] = *stop;
   }
-  return holds;
+  return stops;
 }
 
 Result<std::vector<Alert>> LoadAlerts(Database& database) {
@@ -332,10 +332,10 @@ Result<void> SaveGuidance(Database& database, const Guidance& guidance) {
        Signed(guidance.answers_snapshot), guidance.valid_until.nanoseconds});
 }
 
-Result<void> SaveStop(Database& database, const StopOrder& hold) {
+Result<void> SaveStop(Database& database, const StopOrder& stop) {
   return database.Execute("INSERT OR REPLACE INTO holds VALUES (?, ?, ?, ?, ?, ?, ?)",
-                          {hold.robot, hold.world, Signed(hold.revision), hold.stamp.nanoseconds,
-                           std::int64_t{hold.stopped}, hold.given_by, hold.reason});
+                          {stop.robot, stop.world, Signed(stop.revision), stop.stamp.nanoseconds,
+                           std::int64_t{stop.stopped}, stop.given_by, stop.reason});
 }
 
 Result<void> SaveAlert(Database& database, const Alert& alert) {

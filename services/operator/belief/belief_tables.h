@@ -59,7 +59,7 @@ std::string RequestBody(const OperatorRequest& request);
 
 [[nodiscard]] Result<void> SaveBelief(Database& database, const Belief& belief);
 [[nodiscard]] Result<void> SaveGuidance(Database& database, const Guidance& guidance);
-[[nodiscard]] Result<void> SaveStop(Database& database, const StopOrder& hold);
+[[nodiscard]] Result<void> SaveStop(Database& database, const StopOrder& stop);
 [[nodiscard]] Result<void> SaveAlert(Database& database, const Alert& alert);
 [[nodiscard]] Result<void> RemoveAlert(Database& database, std::uint64_t id);
 [[nodiscard]] Result<void> SaveRequest(Database& database, const OperatorRequest& request,

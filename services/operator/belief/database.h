@@ -29,7 +29,7 @@ class Database {
 
   struct Options {
     std::filesystem::path file;
-    /// Refuse to grow beyond this size; 0 = as far as the disk goes.
+    /// Refuse to grow beyond this size; 0 = until the disk is full.
     std::int64_t size_limit_bytes = 0;
   };
 

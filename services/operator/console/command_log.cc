@@ -10,8 +10,8 @@
 namespace conav::operators {
 namespace {
 
-/// A Cell with two numbers of two bytes (maps have up to 1024 rows and columns), its tag and length; a
-/// CellEdit with one of these and `wall`, its tag and length.
+/// A Cell with two numbers of two bytes (maps have up to 1024 rows and columns), its tag and
+/// length; a CellEdit with one of these and `wall`, its tag and length.
 constexpr std::size_t kPathCellBytes = 8;
 constexpr std::size_t kEditCellBytes = 12;
 /// The rest of a request: names, numbers, the messages around.
@@ -48,7 +48,7 @@ std::string WithReason(std::string text, const std::string& reason) {
 std::string EditText(std::size_t cells) { return "edited " + Cells(cells) + " of the map"; }
 
 std::string PathText(std::size_t cells) {
-  return cells == 0 ? "took the path back" : "drew a path of " + Cells(cells);
+  return cells == 0 ? "removed the path" : "drew a path of " + Cells(cells);
 }
 
 std::string AnswerText(std::uint64_t snapshot) {
@@ -59,8 +59,8 @@ std::string StopText(const std::vector<std::string>& robots, const std::string& 
   return WithReason("stopped " + Names(robots), reason);
 }
 
-std::string GoText(const std::vector<std::string>& robots) {
-  return "let " + Names(robots) + " go";
+std::string ResumeText(const std::vector<std::string>& robots) {
+  return "resumed " + Names(robots);
 }
 
 namespace {
@@ -88,7 +88,7 @@ struct Describe {
         StopText(stop.robots, stop.reason));
   }
   void operator()(const GoRequest& go) const {
-    Say(console::EVENT_GO, go.robots.size() == 1 ? go.robots.front() : "", GoText(go.robots));
+    Say(console::EVENT_GO, go.robots.size() == 1 ? go.robots.front() : "", ResumeText(go.robots));
   }
   void operator()(const TakeControlRequest& take) const {
     Say(console::EVENT_TAKE_CONTROL, take.robots.size() == 1 ? take.robots.front() : "",
@@ -101,9 +101,7 @@ struct Describe {
   void operator()(const AcknowledgeRequest&) const {
     Say(console::EVENT_NONE, "", "acknowledged an alert");
   }
-  void operator()(const ShelveRequest&) const {
-    Say(console::EVENT_NONE, "", "put an alert aside");
-  }
+  void operator()(const ShelveRequest&) const { Say(console::EVENT_NONE, "", "snoozed an alert"); }
   void operator()(const FinishRequest&) const {
     Say(console::EVENT_FINISH, "", "finished the maze");
   }
@@ -111,7 +109,7 @@ struct Describe {
     Say(console::EVENT_NONE, drive.robot, "drove");
   }
   void operator()(const SelectRequest& select) const {
-    Say(console::EVENT_NONE, select.robot, "turned to the robot");
+    Say(console::EVENT_NONE, select.robot, "selected the robot");
   }
 };
 

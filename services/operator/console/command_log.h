@@ -10,7 +10,7 @@
 
 namespace conav::operators {
 
-/// How many cells fit into one Request of a page (idl/console.proto), whatever they are.
+/// How many cells fit into one Request of a page (idl/console.proto).
 struct RequestLimits {
   std::uint32_t edit_cells = 0;
   std::uint32_t path_cells = 0;
@@ -22,19 +22,19 @@ RequestLimits LimitsOf(std::size_t message_bytes, RequestLimits most);
 
 }  // namespace conav::operators
 
-/// What lines of the command log say, live and in a replay.
+/// The texts of the command log, live and in a replay.
 namespace conav::operators {
 
 /// Without its id and times.
 console::Event EventOf(const OperatorRequest& request, const OperatorReply& reply);
 
 std::string EditText(std::size_t cells);
-/// 0 cells: the path was taken back.
+/// 0 cells: the path was removed.
 std::string PathText(std::size_t cells);
 /// "Nothing new here".
 std::string AnswerText(std::uint64_t snapshot);
 /// No robots: all of them.
 std::string StopText(const std::vector<std::string>& robots, const std::string& reason);
-std::string GoText(const std::vector<std::string>& robots);
+std::string ResumeText(const std::vector<std::string>& robots);
 
 }  // namespace conav::operators

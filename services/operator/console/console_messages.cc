@@ -1,12 +1,15 @@
 #include "operator/console/console_messages.h"
 
+#include <fmt/format.h>
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 #include <google/protobuf/wire_format_lite.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
+#include <utility>
 
 namespace conav::operators {
 namespace {
@@ -125,12 +128,12 @@ void AddCells(std::span<const Cell> cells, google::protobuf::RepeatedPtrField<co
   for (const Cell cell : cells) *to->Add() = ToConsole(cell);
 }
 
-console::Robot ToConsole(const RobotState& state, double heard_at_s) {
+console::Robot ToConsole(const RobotState& state, double received_s) {
   console::Robot robot;
   robot.set_name(state.robot);
   robot.set_world(state.world);
   robot.set_stamp(state.stamp.ToSeconds());
-  robot.set_heard_at(heard_at_s);
+  robot.set_heard_at(received_s);
   *robot.mutable_cell() = ToConsole(state.cell);
   robot.set_x(state.position.x_m);
   robot.set_y(state.position.y_m);
@@ -181,13 +184,13 @@ console::Guidance ToConsole(const Guidance& guidance) {
   return message;
 }
 
-console::Picture ToConsole(const Snapshot& picture, double heard_at_s) {
+console::Picture ToConsole(const Snapshot& picture, double received_s) {
   console::Picture message;
   message.set_robot(picture.robot);
   message.set_world(picture.world);
   message.set_sequence_number(picture.sequence_number);
   message.set_stamp(picture.stamp.ToSeconds());
-  message.set_heard_at(heard_at_s);
+  message.set_heard_at(received_s);
   *message.mutable_cell() = ToConsole(picture.cell);
   message.set_heading(picture.heading_rad);
   message.set_field_of_view(picture.horizontal_fov_rad);
@@ -301,6 +304,96 @@ console::Attention ToConsole(const AttentionQueueState& queue) {
   message.set_predicted_utilisation(workload.predicted_utilisation);
   message.set_predicted_waiting_time(workload.predicted_waiting_time_s);
   return message;
+}
+
+namespace {
+
+using Body = decltype(OperatorRequest::body);
+using Names = google::protobuf::RepeatedPtrField<std::string>;
+
+Cell ToCell(const console::Cell& cell) { return {cell.row(), cell.column()}; }
+
+std::vector<std::string> ToNames(const Names& names) { return {names.begin(), names.end()}; }
+
+EditRequest ToDomain(const console::Edit& edit) {
+  EditRequest request{edit.base_revision(), {}};
+  request.edits.reserve(static_cast<std::size_t>(edit.cells_size()));
+  for (const console::CellEdit& one : edit.cells()) {
+    request.edits.push_back({ToCell(one.cell()), one.wall()});
+  }
+  return request;
+}
+
+GuideRequest ToDomain(const console::Guide& guide) {
+  GuideRequest request{guide.robot(), {}, guide.answers_snapshot(), guide.valid_for()};
+  request.path.reserve(static_cast<std::size_t>(guide.path_size()));
+  for (const console::Cell& cell : guide.path()) request.path.push_back(ToCell(cell));
+  return request;
+}
+
+/// Times and enumerators that the domain's types cannot hold are refused here.
+Result<Body> ToDomain(const console::Drive& drive) {
+  constexpr double kLatest = std::numeric_limits<std::int32_t>::max();
+  if (!(drive.expires_at() >= 0.0 && drive.expires_at() <= kLatest)) {
+    return Fail(ErrorCode::kMalformed,
+                fmt::format("expires_at = {} is not in [0, {}]", drive.expires_at(), kLatest));
+  }
+  if (!console::DriveAction_IsValid(drive.action())) {
+    return Fail(ErrorCode::kMalformed,
+                fmt::format("action = {} is unknown", static_cast<int>(drive.action())));
+  }
+  return DriveRequest{drive.robot(), static_cast<DriveAction>(drive.action()),
+                      SimTime::FromSeconds(drive.expires_at())};
+}
+
+Result<Body> ToDomain(const console::Select& select) {
+  if (!console::AttentionReason_IsValid(select.reason())) {
+    return Fail(ErrorCode::kMalformed,
+                fmt::format("reason = {} is unknown", static_cast<int>(select.reason())));
+  }
+  return SelectRequest{select.robot(), static_cast<AttentionReason>(select.reason())};
+}
+
+Result<Body> ToBody(const console::Request& request) {
+  switch (request.body_case()) {
+    case console::Request::kEdit:
+      return ToDomain(request.edit());
+    case console::Request::kGuide:
+      return ToDomain(request.guide());
+    case console::Request::kDrive:
+      return ToDomain(request.drive());
+    case console::Request::kSelect:
+      return ToDomain(request.select());
+    case console::Request::kAnswer:
+      return AnswerRequest{request.answer().robot(), request.answer().snapshot()};
+    case console::Request::kStop:
+      return StopRequest{ToNames(request.stop().robots()), request.stop().reason()};
+    case console::Request::kGo:
+      return GoRequest{ToNames(request.go().robots())};
+    case console::Request::kTakeControl:
+      return TakeControlRequest{ToNames(request.take_control().robots()),
+                                request.take_control().reason()};
+    case console::Request::kReleaseControl:
+      return ReleaseControlRequest{ToNames(request.release_control().robots())};
+    case console::Request::kAcknowledge:
+      return AcknowledgeRequest{request.acknowledge().alert()};
+    case console::Request::kShelve:
+      return ShelveRequest{request.shelve().alert(), request.shelve().duration()};
+    case console::Request::kFinish:
+      return FinishRequest{};
+    case console::Request::BODY_NOT_SET:
+      break;
+  }
+  return Fail(ErrorCode::kMalformed, "the request asks for nothing that is known here");
+}
+
+}  // namespace
+
+Result<OperatorRequest> ToOperatorRequest(const console::Request& request,
+                                          const std::string& client, SimTime now) {
+  return ToBody(request).and_then([&](Body&& body) {
+    return Checked({now, client, request.id(), request.world(), std::move(body)});
+  });
 }
 
 }  // namespace conav::operators

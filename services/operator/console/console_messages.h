@@ -27,8 +27,8 @@ std::vector<Cell> CellsAt(std::span<const Position> positions, const GridGeometr
 
 }  // namespace conav::operators
 
-/// idl/console.proto as bytes. An update is encoded once, however many pages get it: encoded updates
-/// one behind the other are the body of a console::Updates.
+/// idl/console.proto as bytes. An update is encoded once, however many pages get it: encoded
+/// updates one behind the other are the body of a console::Updates.
 namespace conav::operators {
 
 /// `update` as an element of console::Updates.update.
@@ -44,7 +44,8 @@ std::string Encode(const console::ServerMessage& message);
 
 }  // namespace conav::operators
 
-/// Domain values as idl/console.proto has them. `heard_at_s`: wall time of the service, s since 1970.
+/// Domain values as idl/console.proto has them. `received_s`: wall time of the service, s since
+/// 1970.
 namespace conav::operators {
 
 /// What a page is shown of: `robots` are entries "world/robot" as WorldOfRobot takes them, and keep
@@ -54,17 +55,23 @@ console::Session SessionOf(const std::vector<std::string>& robots, const std::st
 console::Cell ToConsole(Cell cell);
 void AddCells(std::span<const Cell> cells, google::protobuf::RepeatedPtrField<console::Cell>* to);
 
-console::Robot ToConsole(const RobotState& state, double heard_at_s);
+console::Robot ToConsole(const RobotState& state, double received_s);
 /// 255 * P(wall), row-major.
 std::string ToBytes(const Grid<float>& probabilities);
 /// 0 unknown, 1 free, 2 wall, row-major.
 std::string ToBytes(const OccupancyGrid& cells);
 console::Guidance ToConsole(const Guidance& guidance);
 /// Without an answer.
-console::Picture ToConsole(const Snapshot& picture, double heard_at_s);
+console::Picture ToConsole(const Snapshot& picture, double received_s);
 console::Search ToConsole(const SearchReport& report);
 console::Alert ToConsole(const Alert& alert);
 console::Task ToConsole(const TaskStatus& task);
 console::Attention ToConsole(const AttentionQueueState& queue);
+
+/// Converts a page's request into the OperatorRequest that a client on the bus sends, and checks it
+/// as such (Checked() in common/msg/supervision.h).
+/// Errors: kMalformed names the field, the value and the limit.
+[[nodiscard]] Result<OperatorRequest> ToOperatorRequest(const console::Request& request,
+                                                        const std::string& client, SimTime now);
 
 }  // namespace conav::operators

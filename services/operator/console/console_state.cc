@@ -18,7 +18,8 @@ constexpr double kHealthPeriod = 1.0;    // s, of a process that says the same
 constexpr std::size_t kTrailPiece = 64;  // cells
 
 /// Cells that were entered after the trail's last one. The state's path leads there, unless states
-/// between were not heard: then with a gap. `moves`: cells entered since, 0 where nobody counts.
+/// between were not received: then with a gap. `moves`: cells entered since, 0 where it is not
+/// counted.
 std::vector<Cell> NewCells(const std::vector<Cell>& trail, const RobotState& state,
                            std::uint64_t moves) {
   const std::vector<Cell>& path = state.path;
@@ -42,9 +43,9 @@ bool IsDue(double said_at_s, double now_s, double period_s) {
   return std::abs(now_s - said_at_s) >= period_s;
 }
 
-/// Of "robot/r1", "trail/r1/3", ...: kind and robot; what a robot told of its run, and the operator
-/// did not make.
-bool IsToldBy(std::string_view key, const std::set<std::string, std::less<>>& robots) {
+/// Of "robot/r1", "trail/r1/3", ...: kind and robot; what a robot reported of its run, and the
+/// operator did not make.
+bool IsFromRobots(std::string_view key, const std::set<std::string, std::less<>>& robots) {
   constexpr std::array<std::string_view, 8> kKinds{"robot",  "seen",       "trail",   "plan",
                                                    "search", "prediction", "picture", "goal_pose"};
   const auto slash = key.find('/');
@@ -67,7 +68,7 @@ void ConsoleState::PutSession() {
   log_.Put("session", std::move(update));
 }
 
-void ConsoleState::BeginAnew() {
+void ConsoleState::Reset() {
   robots_.clear();
   worlds_.clear();
   services_.clear();
@@ -77,7 +78,7 @@ void ConsoleState::BeginAnew() {
   PutSession();
 }
 
-void ConsoleState::BeginAnew(std::string world) {
+void ConsoleState::StartNewRun(std::string world) {
   std::set<std::string, std::less<>> gone;
   for (const auto& [robot, memory] : robots_) {
     if (memory.world == world) gone.insert(robot);
@@ -85,7 +86,7 @@ void ConsoleState::BeginAnew(std::string world) {
   std::erase_if(robots_, [&](const auto& known) { return gone.contains(known.first); });
   worlds_[world].stamp = SimTime{};
   worlds_[world].said_at_s = 0.0;
-  log_.Forget([&](std::string_view key) { return IsToldBy(key, gone); });
+  log_.Forget([&](std::string_view key) { return IsFromRobots(key, gone); });
 }
 
 SimTime ConsoleState::TimeOf(const std::string& world) const {
@@ -96,12 +97,12 @@ SimTime ConsoleState::TimeOf(const std::string& world) const {
 void ConsoleState::Receive(const RobotState& state, double received_s) {
   if (const auto known = robots_.find(state.robot);
       known != robots_.end() && state.stamp < known->second.stamp) {
-    BeginAnew(known->second.world);
+    StartNewRun(known->second.world);
   }
   RobotMemory& memory = robots_[state.robot];
   memory.world = state.world;
   memory.stamp = state.stamp;
-  if (state.snapshots < memory.answered) memory.answered = 0;  // it counts them anew
+  if (state.snapshots < memory.answered) memory.answered = 0;  // a new run
   ExtendTrail(memory, state);
   console::Update update;
   *update.mutable_robot() = ToConsole(state, received_s);
@@ -215,16 +216,15 @@ void ConsoleState::Receive(const SearchReport& report) {
   log_.Put("search/" + report.robot, std::move(update));
 }
 
-void ConsoleState::Receive(const Snapshot& picture, double received_s) {
-  RobotMemory& memory = robots_[picture.robot];
+void ConsoleState::Receive(console::Picture picture) {
+  RobotMemory& memory = robots_[picture.robot()];
   if (memory.unanswered) {
     memory.unanswered->set_answer(console::ANSWER_OUTDATED);
     PutSnapshot(*std::exchange(memory.unanswered, std::nullopt));
   }
-  console::Picture message = ToConsole(picture, received_s);
-  Close(message, memory);
-  if (message.answer() == console::ANSWER_NONE) memory.unanswered = message;
-  PutSnapshot(message);
+  Close(picture, memory);
+  if (picture.answer() == console::ANSWER_NONE) memory.unanswered = picture;
+  PutSnapshot(picture);
 }
 
 void ConsoleState::ReceiveSnapshotAgain(const std::string& robot, double now_s) {

@@ -13,7 +13,7 @@
 
 namespace conav::operators {
 
-/// How a process is, as it said last.
+/// The newest health of a process.
 struct ServiceHealth {
   std::string name;
   console::Level level = console::LEVEL_OK;
@@ -21,7 +21,7 @@ struct ServiceHealth {
   bool operator==(const ServiceHealth&) const = default;
 };
 
-/// Somebody who looks at the console.
+/// A person at the console.
 struct Person {
   std::string client;
   std::string name;
@@ -32,10 +32,10 @@ struct Person {
 /// Folds what happens into the updates that pages show (idl/console.proto says which): live in the
 /// operator service, from a recording in a replay.
 ///
-/// A robot whose time goes back belongs to a new run of its world: what the robots of that world told
-/// is forgotten. What the operator made (map, guidance, the log of commands) is not.
-/// `received_s`, `now_s`: wall time, s since 1970, when something was said, and the present. They never
-/// decide anything but how often something is passed on.
+/// A robot whose time goes back belongs to a new run of its world: what the robots of that world
+/// reported is forgotten. What the operator made (map, guidance, the command log) is kept.
+/// `received_s`, `now_s`: wall time, s since 1970, when something was sent, and the present. They
+/// only decide how often something is passed on.
 /// Threads: one caller; `log` may be read by others.
 class ConsoleState {
  public:
@@ -57,9 +57,10 @@ class ConsoleState {
   void Receive(const Guidance& guidance);
   void ReceivePlan(const std::string& robot, SimTime stamp, const std::vector<Cell>& cells);
   void Receive(const SearchReport& report);
-  /// Not a streamed one.
-  void Receive(const Snapshot& picture, double received_s);
-  /// The newest picture of `robot` counts as if it had come then: a replay's time goes on otherwise.
+  /// A snapshot that is not streamed, without an answer.
+  void Receive(console::Picture picture);
+  /// The newest picture of `robot` counts as if it had come then: a replay's time goes on
+  /// otherwise.
   void ReceiveSnapshotAgain(const std::string& robot, double now_s);
   /// What the model expects the operator to do with the picture of that number.
   void Receive(const std::string& robot, const std::string& world, std::uint64_t snapshot,
@@ -80,7 +81,7 @@ class ConsoleState {
   void Receive(const console::Task& task);
 
   /// Forgets all but the session.
-  void BeginAnew();
+  void Reset();
 
   const console::Session& session() const { return session_; }
   SimTime TimeOf(const std::string& world) const;
@@ -106,7 +107,7 @@ class ConsoleState {
   };
 
   /// `world` by value: callers name it by what this erases.
-  void BeginAnew(std::string world);
+  void StartNewRun(std::string world);
   void PutSession();
   void ExtendTrail(RobotMemory& memory, const RobotState& state);
   void PutTrail(const std::string& robot, const std::vector<Cell>& trail, std::size_t from);

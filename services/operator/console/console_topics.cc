@@ -11,7 +11,6 @@
 #include "common/service/robot_list.h"
 #include "operator/console/command_log.h"
 #include "operator/console/console_messages.h"
-#include "operator/gateway/convert_request.h"
 #include "operator/simulated/operator_client.h"
 
 namespace conav::operators {
@@ -83,9 +82,8 @@ std::vector<Prediction> PredictionClient::Step() {
 
 namespace {
 
-constexpr auto kConvert = [](const auto& message) { return ToDomain(message); };
 constexpr std::uint32_t kMostEdits = 65536;  // cells of a request, as on the bus
-/// s; requests that were answered are remembered for longer, so that no repeat is carried out anew.
+/// s; answered requests are remembered for longer, so that no repeat is carried out twice.
 constexpr double kLongestValid = 3600.0;
 constexpr double kDriveAdvisedAgainst = 0.3;  // s, round trip
 constexpr double kDriveRefused = 1.0;         // s, round trip
@@ -117,8 +115,7 @@ console::Welcome WelcomeOf(const OperatorConfig& config) {
   return welcome;
 }
 
-/// When something was said, as pages are told: hosts' clocks may differ, but nothing comes before it
-/// was said.
+/// When a message was published: hosts' clocks may differ, but it is not in the future.
 double ReceivedAt(bus::SourceTime source) { return std::min(ToWallSeconds(source), WallSeconds()); }
 
 }  // namespace
@@ -130,7 +127,6 @@ struct ConsoleTopics::RobotLink {
         map(participant, bus::kRobotMap, name),
         plan(participant, bus::kPlan, name),
         search(participant, bus::kSearchReport, name),
-        snapshot(participant, bus::kSnapshot, name),
         image(participant, bus::kCameraImage, name),
         goal_pose(participant, bus::kGoalPose, name) {}
 
@@ -139,7 +135,6 @@ struct ConsoleTopics::RobotLink {
   bus::Subscriber<nav_msgs::msg::OccupancyGrid> map;
   bus::Subscriber<nav_msgs::msg::Path> plan;
   bus::Subscriber<conav_msgs::msg::SearchReport> search;
-  bus::Subscriber<conav_msgs::msg::Snapshot> snapshot;
   bus::Subscriber<sensor_msgs::msg::CompressedImage> image;
   bus::Subscriber<geometry_msgs::msg::PoseStamped> goal_pose;
   std::optional<GridGeometry> geometry;  // of its world
@@ -208,17 +203,16 @@ std::vector<ConsoleTopics::Asked> ConsoleTopics::Step() {
 }
 
 void ConsoleTopics::TakeFrom(RobotLink& robot) {
-  TakeSnapshots(robot);
   if (!keeps_secrets_) TakeKnowledge(robot);
   TakeFrames(robot);
 }
 
 void ConsoleTopics::TakeKnowledge(RobotLink& robot) {
-  for (const MapUpdate& map : robot.map.TakeValid(kConvert)) {
+  for (const MapUpdate& map : robot.map.TakeValid(kToDomain)) {
     state_.ReceiveSeen(robot.name, robot.world, map);
   }
-  for (const SearchReport& report : robot.search.TakeValid(kConvert)) state_.Receive(report);
-  for (const Position& goal : robot.goal_pose.TakeValid(kConvert)) {
+  for (const SearchReport& report : robot.search.TakeValid(kToDomain)) state_.Receive(report);
+  for (const Position& goal : robot.goal_pose.TakeValid(kToDomain)) {
     if (!robot.geometry) continue;
     if (const auto cell = CellAt(goal, *robot.geometry)) {
       state_.ReceiveGoalPose(robot.name, *cell, state_.TimeOf(robot.world).ToSeconds());
@@ -249,7 +243,7 @@ void ConsoleTopics::TakeFrames(RobotLink& robot) {
 void ConsoleTopics::Receive(const std::map<std::string, ServiceStatus>& services) {
   const double now_s = WallSeconds();
   for (const auto& [name, service] : services) {
-    const std::chrono::duration<double> age = clock_.Now() - service.heard_at;
+    const std::chrono::duration<double> age = clock_.Now() - service.received_at;
     const auto level =
         service.silent ? console::LEVEL_SILENT : static_cast<console::Level>(service.level);
     state_.Receive(ServiceHealth{name, level, service.silent ? "silent" : service.message},
@@ -261,16 +255,19 @@ void ConsoleTopics::Receive(const TaskStatus& task) { state_.Receive(ToConsole(t
 
 void ConsoleTopics::Receive(const Alert& alert) { state_.Receive(ToConsole(alert)); }
 
-void ConsoleTopics::TakeSnapshots(RobotLink& robot) {
-  for (auto& [picture, source] : robot.snapshot.TakeValidStamped(kConvert)) {
-    if (picture.streamed) continue;
-    // First the pixels: a page fetches them as soon as it hears of the picture.
-    pictures_.Put(robot.name, picture.sequence_number, picture.jpeg);
-    if (keeps_secrets_) picture.visible = {};
-    state_.Receive(picture, ReceivedAt(source));
-    const auto belief = beliefs_.find(robot.world);
-    if (belief != beliefs_.end() && !keeps_secrets_) predictions_.Ask(picture, belief->second);
+void ConsoleTopics::Receive(const bus::Stamped<Snapshot>& stamped) {
+  const Snapshot& picture = stamped.value;
+  if (picture.streamed) return;
+  // First the pixels: a page fetches them as soon as it is sent the picture.
+  pictures_.Put(picture.robot, picture.sequence_number, picture.jpeg);
+  console::Picture message = ToConsole(picture, ReceivedAt(stamped.source));
+  if (keeps_secrets_) {
+    message.mutable_free_cells()->Clear();
+    message.mutable_wall_cells()->Clear();
   }
+  state_.Receive(std::move(message));
+  const auto belief = beliefs_.find(picture.world);
+  if (belief != beliefs_.end() && !keeps_secrets_) predictions_.Ask(picture, belief->second);
 }
 
 void ConsoleTopics::TakePredictions() {
@@ -303,11 +300,11 @@ std::optional<ConsoleTopics::Asked> ConsoleTopics::Read(const PageEvent& event,
     return std::nullopt;
   }
   const double now_s = WallSeconds();
-  std::string why_not = CheckNow(event.who, body, now_s, kDriveRefused);
-  if (why_not.empty() && request.valid_until() > now_s + kLongestValid) {
-    why_not = fmt::format("it would count for longer than {} s", kLongestValid);
+  std::string refusal = CheckNow(event.who, body, now_s, kDriveRefused);
+  if (refusal.empty() && request.valid_until() > now_s + kLongestValid) {
+    refusal = fmt::format("valid_until is more than {} s ahead", kLongestValid);
   }
-  return Asked{event.page, *std::move(domain), request.valid_until(), std::move(why_not)};
+  return Asked{event.page, *std::move(domain), request.valid_until(), std::move(refusal)};
 }
 
 void ConsoleTopics::Reply(std::uint64_t page, const OperatorReply& reply) {
@@ -329,9 +326,9 @@ void ConsoleTopics::Receive(const ControlRegistry& control) {
     message.set_holder_name(presence_.NameOf(robot.holder));
     const std::chrono::duration<double> left = robot.held_until - clock_.Now();
     if (!robot.holder.empty()) message.set_held_until(now_s + left.count());
-    message.set_stopped(robot.hold.stopped);
-    message.set_stopped_by(robot.hold.given_by);
-    message.set_stop_reason(robot.hold.reason);
+    message.set_stopped(robot.stop.stopped);
+    message.set_stopped_by(robot.stop.given_by);
+    message.set_stop_reason(robot.stop.reason);
     state_.Receive(std::move(message));
   }
 }

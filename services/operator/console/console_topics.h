@@ -40,7 +40,7 @@ struct Prediction {
 
 /// Asks the perception service, as planners do, about the newest picture of each robot, for the
 /// console. A question without an answer is asked again, three times in all; then the page shows
-/// none, and nothing else suffers.
+/// none.
 /// Threads: one.
 class PredictionClient {
  public:
@@ -50,8 +50,8 @@ class PredictionClient {
   /// Both outlive it.
   PredictionClient(bus::Participant& participant, const Clock& clock);
 
-  /// `picture` came while the operator's map was `belief`. Pictures that show what lies beyond the map
-  /// are left out.
+  /// `picture` came while the operator's map was `belief`. Pictures that show what lies beyond the
+  /// map are left out.
   void Ask(const Snapshot& picture, const Belief& belief);
   /// The answers that came since the last call, to each robot's newest question only.
   std::vector<Prediction> Step();
@@ -76,12 +76,12 @@ class PredictionClient {
   bus::Subscriber<conav_msgs::msg::PerceptionReply> replies_;
 };
 
-/// The operator service's console: shows pages what the service decides and what it hears itself for
-/// them (maps, pictures, plans, searches, health), and hands over what they ask.
+/// The operator service's console: shows pages the service's decisions and what robots and planners
+/// publish (maps, pictures, plans, searches, health), and hands over pages' requests.
 ///
 /// A page is one client of the service among others: its requests are those of DDS
-/// (OperatorRequest), and answered by the same code. In the mapping task and in studies pages are told nothing that
-/// gives the true maze away (idl/console.proto, Task).
+/// (OperatorRequest), and answered by the same code. In the mapping task and in studies pages get
+/// nothing that gives the true maze away (idl/console.proto, Task).
 /// Threads: one, the service's; the gateway has its own.
 class ConsoleTopics {
  public:
@@ -90,6 +90,8 @@ class ConsoleTopics {
   ~ConsoleTopics();
 
   void Receive(const bus::Stamped<RobotState>& state);
+  /// Stores the pixels and shows the picture, unless it is streamed.
+  void Receive(const bus::Stamped<Snapshot>& picture);
   void ReceiveGeometry(const std::string& world, const MapUpdate& map);
   void Receive(const Belief& belief, const BeliefGrid& initial);
   void Receive(const Guidance& guidance);
@@ -97,7 +99,7 @@ class ConsoleTopics {
   void Receive(const ControlRegistry& control);
   void Receive(const Alert& alert);
   void Receive(const TaskStatus& task);
-  /// How the processes are, by name.
+  /// The health of the processes, by name.
   void Receive(const std::map<std::string, ServiceStatus>& services);
   /// "Nothing new here", by `client`; before the guidance that it made of it.
   void Receive(const AnswerRequest& answer, const std::string& client);
@@ -108,12 +110,12 @@ class ConsoleTopics {
     std::uint64_t page = 0;
     OperatorRequest request;
     double valid_until_s = 0.0;  // wall time, s since 1970
-    std::string why_not;         // the page may not ask that now; empty = it may
+    std::string refusal;         // why the page may not ask that now; empty = it may
   };
-  /// Takes in what arrived. What pages ask, in the order in which it came; what is no request is
+  /// Receives what arrived. Returns pages' requests in order of arrival; malformed ones are
   /// answered here.
   std::vector<Asked> Step();
-  /// To what a page asked.
+  /// The reply to a page's request.
   void Reply(std::uint64_t page, const OperatorReply& reply);
   /// Clients whose page has been gone for a while.
   std::vector<std::string> TakeGone() { return presence_.TakeGone(clock_.Now()); }
@@ -132,7 +134,6 @@ class ConsoleTopics {
   void TakeFrom(RobotLink& robot);
   /// What the robot knows and plans.
   void TakeKnowledge(RobotLink& robot);
-  void TakeSnapshots(RobotLink& robot);
   void TakeFrames(RobotLink& robot);
   void TakePredictions();
   void Take(const PageEvent& event, std::vector<Asked>& asked);

@@ -24,8 +24,8 @@ bool CommandsARobot(const OperatorRequest& request) {
 
 void ParticipantTask::Receive(const RobotState& state) {
   if (!robots_.contains(state.robot)) return;
-  heard_[state.robot] = {static_cast<std::uint32_t>(state.goals_left.size()), state.goals_total,
-                         state.snapshots};
+  reported_[state.robot] = {static_cast<std::uint32_t>(state.goals_left.size()), state.goals_total,
+                            state.snapshots};
 }
 
 void ParticipantTask::Begin() {
@@ -34,7 +34,7 @@ void ParticipantTask::Begin() {
 
 std::uint32_t ParticipantTask::goals_left() const {
   std::uint32_t left = 0;
-  for (const auto& [name, robot] : heard_) left += robot.goals_left;
+  for (const auto& [name, robot] : reported_) left += robot.goals_left;
   return left;
 }
 
@@ -49,8 +49,8 @@ std::string ParticipantTask::CheckAllowed(const OperatorRequest& request) const 
 
 std::string ParticipantTask::CheckFinish() const {
   if (phase_ == TaskPhase::kFinished) return "this maze is finished";
-  if (phase_ == TaskPhase::kWaiting) return "this maze has not begun yet: let the robot go first";
-  if (heard_.size() < robots_.size()) return "the robot was not heard of yet";
+  if (phase_ == TaskPhase::kWaiting) return "this maze has not begun yet: resume the robot first";
+  if (reported_.size() < robots_.size()) return "the robot has not reported yet";
   if (const std::uint32_t left = goals_left(); left > 0) {
     return fmt::format("the robot has {} more {} to reach", left, left == 1 ? "goal" : "goals");
   }
@@ -72,7 +72,7 @@ Result<TaskResult> ParticipantTask::Measure(const Belief& belief, const BeliefGr
   result.corrected = now.corrected;
   result.broken = now.broken;
   result.edits = belief.revision;
-  for (const auto& [name, robot] : heard_) {
+  for (const auto& [name, robot] : reported_) {
     result.pictures += robot.pictures;
     result.goals += robot.goals;
   }

@@ -56,12 +56,12 @@ enum class TaskKind {
 };
 
 enum class TaskPhase {
-  kWaiting,  // the robots stand until the participant lets them go
+  kWaiting,  // the robots are stopped until the participant resumes one
   kRunning,
   kFinished,  // the map stays as it is
 };
 
-/// What a page is told.
+/// What a page shows.
 struct TaskStatus {
   std::string participant;
   int number = 1;               // of the maze
@@ -90,8 +90,8 @@ struct TaskResult {
 };
 
 /// One maze of the mapping task (paper, Appendix A), or of a study, as the participant goes through
-/// it: begins when a robot is let go, may be finished as soon as the robots have reached all goals,
-/// and then the map stays as it is. Pure; threads: not synchronised.
+/// it: begins when a robot is resumed, may be finished as soon as the robots have reached all
+/// goals, and then the map stays as it is. Pure; threads: not synchronised.
 class ParticipantTask {
  public:
   /// `robots`: those of the maze.
@@ -101,7 +101,7 @@ class ParticipantTask {
   void Receive(const RobotState& state);
   /// The true maze.
   void Receive(const OccupancyGrid& truth) { truth_ = truth; }
-  /// A robot was let go; of no effect later than at the beginning.
+  /// A robot was resumed; ignored after the first time.
   void Begin();
 
   TaskPhase phase() const { return phase_; }
@@ -111,8 +111,8 @@ class ParticipantTask {
   std::string CheckAllowed(const OperatorRequest& request) const;
   /// Why the participant may not finish; empty = they may.
   std::string CheckFinish() const;
-  /// What it would be with the map as it is now, which was `initial` at first. Errors: kRefused with
-  /// CheckFinish(), or when the maps do not belong together.
+  /// What it would be with the map as it is now, which was `initial` at first. Errors: kRefused
+  /// with CheckFinish(), or when the maps do not belong together.
   [[nodiscard]] Result<TaskResult> Measure(const Belief& belief, const BeliefGrid& initial) const;
   void Finish() { phase_ = TaskPhase::kFinished; }
 
@@ -125,7 +125,7 @@ class ParticipantTask {
 
   std::set<std::string> robots_;
   TaskKind kind_;
-  std::map<std::string, Robot> heard_;
+  std::map<std::string, Robot> reported_;
   std::optional<OccupancyGrid> truth_;
   TaskPhase phase_ = TaskPhase::kWaiting;
 };

@@ -15,8 +15,6 @@
 namespace conav::operators {
 namespace {
 
-constexpr auto kConvert = [](const auto& message) { return ToDomain(message); };
-
 constexpr const char* kResultKey = "operator.task.result: ";
 
 std::string OnlyWorld(const OperatorConfig& config) {
@@ -77,12 +75,12 @@ TaskTopics::TaskTopics(bus::Participant& participant, const OperatorConfig& conf
 }
 
 void TaskTopics::Step() {
-  for (const MapUpdate& truth : truth_.TakeValid(kConvert)) task_.Receive(truth.cells);
+  for (const MapUpdate& truth : truth_.TakeValid(kToDomain)) task_.Receive(truth.cells);
 }
 
 void TaskTopics::Receive(const ControlRegistry& control) {
   if (task_.phase() != TaskPhase::kWaiting) return;
-  const auto goes = [](const auto& robot) { return !robot.second.hold.stopped; };
+  const auto goes = [](const auto& robot) { return !robot.second.stop.stopped; };
   if (!std::ranges::any_of(control.robots(), goes)) return;
   task_.Begin();
   began_ = clock_.Now();
@@ -94,7 +92,7 @@ BeliefStore::Answer TaskTopics::Finish(const OperatorRequest& request) {
   const auto result = Measure();
   const auto written =
       result ? WriteResult(*result) : Result<void>(tl::unexpected<Error>(result.error()));
-  if (!written) return {{request.client, request.request_id, false, written.error().text, 0}};
+  if (!written) return {Refusal(request, written.error().text)};
   Adopt(*result);
   return store_.Keep(request, {});
 }

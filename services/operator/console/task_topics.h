@@ -13,8 +13,8 @@
 
 namespace conav::operators {
 
-/// The operator service's part of a mapping task or a study: hears the true maze, decides when the
-/// participant may finish, and writes down how well they did.
+/// The operator service's part of a mapping task or a study: receives the true maze, decides when
+/// the participant may finish, and writes the result.
 ///
 /// The result file is on disk before a Finish is acknowledged; with such a file from before, the
 /// maze is finished from the start. The time of the beginning is not kept over a restart: the
@@ -29,7 +29,7 @@ class TaskTopics {
 
   void Step();
   void Receive(const RobotState& state) { task_.Receive(state); }
-  /// Whether the robots go.
+  /// Whether a robot was resumed, which begins the task.
   void Receive(const ControlRegistry& control);
 
   std::string CheckAllowed(const OperatorRequest& request) const {

@@ -13,11 +13,12 @@
 
 namespace conav::operators {
 
-/// What a page of the console shows: the newest update of each key, in the order in which they came.
+/// What a page of the console shows: the newest update of each key, in the order in which they
+/// came.
 ///
-/// Each page asks for what came after the update that it has, as fast as it takes it in. A page that
-/// falls behind skips the updates that were replaced in the meantime, so that it never costs more
-/// memory than what it is being sent, and one that comes back gets exactly what has changed.
+/// Each page asks for what came after the update that it has, as fast as it takes it in. A page
+/// that falls behind skips the updates that were replaced in the meantime, so that it never costs
+/// more memory than what it is being sent, and one that comes back gets exactly what has changed.
 /// Threads: safe to call concurrently.
 class UpdateLog {
  public:
@@ -25,17 +26,17 @@ class UpdateLog {
   void Put(std::string_view key, console::Update update);
 
   /// The same for a key that never changes its meaning, of which only the newest `keep` of `group`
-  /// are kept: pictures, events. It belongs to the group from then on. Whoever has an older one may
-  /// keep it.
+  /// are kept: pictures, events. It belongs to the group from then on. A page that has an older one
+  /// may keep it.
   void Put(std::string_view key, console::Update update, std::string_view group, std::size_t keep);
 
-  /// Forgets the keys for which `is_void` holds: what they tell of has begun anew. Pages forget
+  /// Forgets the keys for which `is_void` holds, at the start of a new run. Pages forget
   /// everything, and get what is left and what comes then.
   void Forget(const std::function<bool(std::string_view)>& is_void);
   /// The same of all keys.
   void Clear();
 
-  /// While one lives, pages get nothing: what is said meanwhile comes together, without the values
+  /// While one lives, pages get nothing: the updates of that time come together, without values
   /// that were replaced. One at a time.
   class Together {
    public:

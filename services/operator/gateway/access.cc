@@ -106,12 +106,12 @@ Result<void> CheckAccess(const GatewayOptions& options) {
   if (no_address) {
     return Fail(
         ErrorCode::kInvalidArgument,
-        fmt::format("operator.console.address = {} is no numeric address", options.address));
+        fmt::format("operator.console.address = {} is not a numeric address", options.address));
   }
   if (options.tokens.empty() && !address.is_loopback()) {
     return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("operator.console.address = {} is reached from other machines: set "
-                            "operator.console.tokens, or everybody there commands the robots",
+                fmt::format("operator.console.address = {} can be reached from other machines: set "
+                            "operator.console.tokens, or anyone there can command the robots",
                             options.address));
   }
   if (options.tls.certificate.empty() != options.tls.key.empty()) {

@@ -12,7 +12,8 @@
 
 namespace conav::operators {
 
-/// Section `operator.console.tokens:`. All empty: whoever reaches the address is an operator.
+/// Section `operator.console.tokens:`. All empty: everyone who can reach the address is an
+/// operator.
 struct ConsoleTokens {
   std::string observer;
   std::string operator_token;
@@ -40,13 +41,13 @@ struct ConsoleTls {
 
 /// Section `operator.console:`, the page and its gateway.
 struct GatewayOptions {
-  /// TCP port of the console; 0 = whichever is free, -1 = no console.
+  /// TCP port of the console; 0 = any free port, -1 = no console.
   int port = -1;
   /// Numeric address to listen on. Beyond this machine only with tokens.
   std::string address = "127.0.0.1";
   /// File that the console's URL is written to when it listens; empty = none.
   std::string url_file;
-  /// Folder of the page; empty = ../share/conav/console beside the program.
+  /// Folder of the page; empty = ../share/conav/console next to the program.
   std::string web;
   ConsoleTokens tokens;
   ConsoleTls tls;
@@ -94,13 +95,12 @@ struct GatewayOptions {
 namespace conav::operators {
 
 /// Refuses options that would let strangers in or cannot work: an address that others reach without
-/// tokens, a token that is short or used twice, a certificate without its key, an origin that no
-/// browser would send so.
-/// Errors: kInvalidArgument names the key.
+/// tokens, a token that is short or used twice, a certificate without its key, an origin in a form
+/// that no browser sends. Errors: kInvalidArgument names the key.
 [[nodiscard]] Result<void> CheckAccess(const GatewayOptions& options);
 
-/// The role that `token` gives; nothing when it is none of ours. Takes equally long for wrong tokens
-/// of one length.
+/// The role that `token` gives; nothing when it is none of ours. Takes equally long for wrong
+/// tokens of one length.
 std::optional<console::Role> RoleOf(const ConsoleTokens& tokens, std::string_view token);
 
 /// The token of "Authorization: Bearer ..."; empty without one.

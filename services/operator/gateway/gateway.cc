@@ -86,12 +86,13 @@ using asio::ip::tcp;
 
 constexpr std::chrono::milliseconds kGoodbyeLimit{500};
 constexpr std::chrono::milliseconds kAcceptPause{100};
-/// Of pages that have not said Hello.
-constexpr int kStrangersLimit = 16;
-/// Of requests that the service has not taken; a page with more shall come back later.
+/// Pages that have not said Hello.
+constexpr int kNewPagesLimit = 16;
+/// Bytes of requests that the service has not taken; pages with more are closed and come back
+/// later.
 constexpr std::size_t kWaitingLimit = 8U * 1024U * 1024U;
 
-/// Of requests; who comes and goes is always told.
+/// Requests only: joining and leaving is always delivered.
 std::size_t BytesOf(const std::vector<PageEvent>& events) {
   std::size_t bytes = 0;
   for (const PageEvent& event : events) {
@@ -110,7 +111,7 @@ WebFiles LoadPage(const GatewayOptions& options) {
   return WebFiles(options.web.empty() ? DefaultWebFolder() : std::filesystem::path(options.web));
 }
 
-/// Pages that saw another run than this one get everything anew.
+/// Pages of an earlier run get everything again.
 console::Welcome WithRun(console::Welcome welcome) {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   if (welcome.run().empty()) welcome.set_run(fmt::format("{:x}", now.count()));
@@ -219,7 +220,7 @@ class Gateway::Server final : public ConnectionHost {
   }
 
   std::uint64_t Enter(const std::shared_ptr<PageConnection>& page) override {
-    if (CountOf(&PageFeed::is_stranger) >= kStrangersLimit) TurnOutOldestStranger();
+    if (CountOf(&PageFeed::is_new) >= kNewPagesLimit) CloseOldestNewPage();
     pages_[++last_page_] = page;
     CountPages();
     return last_page_;
@@ -279,7 +280,7 @@ class Gateway::Server final : public ConnectionHost {
     });
   }
 
-  /// Out of file descriptors, say: to try again at once would only burn the processor.
+  /// Out of file descriptors, for example: an immediate retry would only use the processor.
   void AcceptLater() {
     accept_timer_.expires_after(kAcceptPause);
     accept_timer_.async_wait([this](ErrorCodeOfAsio) {
@@ -320,13 +321,12 @@ class Gateway::Server final : public ConnectionHost {
     }));
   }
 
-  /// Whoever means it says Hello at once: many who are mute keep nobody out.
-  void TurnOutOldestStranger() {
-    const auto oldest = std::find_if(pages_.begin(), pages_.end(), [](const auto& page) {
-      return page.second->feed().is_stranger();
-    });
+  /// Pages say Hello at once: many silent connections must not keep others out.
+  void CloseOldestNewPage() {
+    const auto oldest = std::find_if(pages_.begin(), pages_.end(),
+                                     [](const auto& page) { return page.second->feed().is_new(); });
     const auto page = oldest->second;
-    page->feed().Close("no Hello came, and others wait", true);
+    page->feed().Close("no Hello arrived, and other pages wait", true);
     page->Pump();
   }
 

@@ -22,7 +22,7 @@ class Gauge;
 
 namespace conav::operators {
 
-/// What the gateway counts, as Prometheus reads it.
+/// Metrics of the gateway for Prometheus.
 /// Threads: safe to call concurrently.
 class GatewayMetrics {
  public:
@@ -52,11 +52,11 @@ class GatewayMetrics {
   prometheus::Family<prometheus::Counter>& requests_;
 };
 
-/// The console's door: HTTP for the page, a WebSocket for what it shows and asks (idl/console.proto).
-/// No other server is needed, and nothing is loaded from elsewhere.
+/// The console's server: HTTP for the page, a WebSocket for what it shows and asks
+/// (idl/console.proto). The page needs no other server.
 ///
-/// What pages show is read from `updates`, `frames` and `pictures`; call Notify() when something was
-/// put there. What pages ask is taken by Take(), after `wake` was called.
+/// Pages show `updates`, `frames` and `pictures`; call Notify() after a change there. Pages'
+/// requests arrive through Take(), after `wake` was called.
 /// Threads: one of its own; the public functions may be called from any.
 class Gateway {
  public:
@@ -66,13 +66,13 @@ class Gateway {
     SnapshotStore& pictures;
   };
 
-  /// Listens from now on. `shared` outlives it. A `welcome` without a run gets one of its own. `wake` is called on the gateway's thread, must be
-  /// short, and may be empty.
-  /// Throws StartupError: options that would let strangers in, a port that is taken, no page, no or
-  /// a wrong certificate.
+  /// Listens from now on. `shared` outlives it. A `welcome` without a run gets one of its own.
+  /// `wake` is called on the gateway's thread, must be short, and may be empty. Throws
+  /// StartupError: options that would let strangers in, a port that is taken, no page, no or a
+  /// wrong certificate.
   Gateway(const GatewayOptions& options, Shared shared, console::Welcome welcome,
           std::function<void()> wake);
-  /// Tells the pages that the service goes, and ends.
+  /// Closes the pages ("the service stops") and stops listening.
   ~Gateway();
   Gateway(const Gateway&) = delete;
   Gateway& operator=(const Gateway&) = delete;
@@ -83,7 +83,7 @@ class Gateway {
 
   void Notify();
   std::vector<PageEvent> Take();
-  /// To a request of `page`; nothing happens when it has left.
+  /// The reply to a request of `page`; ignored when the page has left.
   void Send(std::uint64_t page, const console::Reply& reply);
   void SetReadiness(Readiness readiness);
 

@@ -21,9 +21,9 @@
 #include "operator/gateway/http_routes.h"
 #include "operator/gateway/page_feed.h"
 
-/// What the gateway's connections have in common. This header, http_connection.h and websocket_page.h
-/// are parts of gateway.cc only, the one translation unit with Boost.Beast. Everything in them runs on
-/// the gateway's thread. A connection lives as long as an operation on it is under way.
+/// The gateway's connections. Part of gateway.cc only, the one translation unit with Boost.Beast.
+/// Everything here runs on the gateway's thread. A connection lives as long as an operation on it
+/// is under way.
 namespace conav::operators {
 
 namespace asio = boost::asio;
@@ -85,7 +85,7 @@ namespace conav::operators {
 
 namespace websocket = boost::beast::websocket;
 
-/// The WebSocket of one page: what its PageFeed says goes out, what comes in goes to it.
+/// The WebSocket of one page: sends the messages of its PageFeed, which gets those that arrive.
 template <class Stream>
 class WebSocketPage final : public PageConnection,
                             public std::enable_shared_from_this<WebSocketPage<Stream>> {
@@ -149,7 +149,7 @@ class WebSocketPage final : public PageConnection,
   void Write(std::string message) {
     writing_ = true;
     outgoing_ = std::move(message);
-    // A page that takes nothing for so long is gone, however much it sends.
+    // A page that reads nothing for so long is gone, even if it sends.
     At(Clock::TimePoint::clock::now() + idle_limit(), [this] { Leave(); });
     socket_.async_write(asio::buffer(outgoing_),
                         [self = this->shared_from_this()](ErrorCodeOfAsio failed, std::size_t) {
@@ -161,7 +161,7 @@ class WebSocketPage final : public PageConnection,
                         });
   }
 
-  /// One at a time: whoever comes later replaces what waits.
+  /// One timer: a later call replaces the earlier one.
   template <class Act>
   void At(Clock::TimePoint due, Act act) {
     timer_.expires_at(due);

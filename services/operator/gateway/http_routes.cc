@@ -62,7 +62,7 @@ std::vector<std::filesystem::path> FilesBelow(const std::filesystem::path& folde
 WebFiles::WebFiles(const std::filesystem::path& folder) {
   for (const auto& path : FilesBelow(folder)) Add(folder, path);
   if (!files_.contains("/index.html")) {
-    throw StartupError(fmt::format("console page: {} holds no index.html", folder.string()));
+    throw StartupError(fmt::format("console page: {} has no index.html", folder.string()));
   }
   files_["/"] = files_["/index.html"];
 }
@@ -107,7 +107,7 @@ HttpResponse Text(unsigned status, std::string text) {
   return response;
 }
 
-/// What browsers shall not let this page, or a page around it, do.
+/// Restricts what browsers allow this page, and pages that embed it.
 void AddSecurityHeaders(HttpResponse& response) {
   response.headers.emplace_back(
       "Content-Security-Policy",
@@ -118,7 +118,8 @@ void AddSecurityHeaders(HttpResponse& response) {
   response.headers.emplace_back("Cross-Origin-Resource-Policy", "same-origin");
 }
 
-/// The first of a list that is separated by `separator`, without blanks around it; it leaves `list`.
+/// The first of a list that is separated by `separator`, without blanks around it; it leaves
+/// `list`.
 std::string_view TakeFirst(std::string_view& list, char separator) {
   const auto end = std::min(list.find(separator), list.size());
   std::string_view one = list.substr(0, end);
@@ -137,8 +138,8 @@ bool TakesGzip(std::string_view accept_encoding) {
   return false;
 }
 
-/// Whether a browser that has one of `if_none_match` has `etag` (RFC 9110, 13.1.2: the weak comparison,
-/// because proxies that compress make it weak).
+/// Whether a browser that has one of `if_none_match` has `etag` (RFC 9110, 13.1.2: the weak
+/// comparison, because proxies that compress make it weak).
 bool IsAmong(std::string_view if_none_match, std::string_view etag) {
   if (if_none_match == "*") return true;
   while (!if_none_match.empty()) {
@@ -193,7 +194,7 @@ HttpResponse HttpRoutes::Route(const HttpRequest& request) const {
   const bool is_picture = path.starts_with(kPictures);
   if (path != "/metrics" && !is_picture) return Text(404, "nothing here\n");
   if (!RoleOf(options_.tokens, BearerToken(request.authorization))) {
-    HttpResponse refused = Text(401, "a token is asked for: Authorization: Bearer TOKEN\n");
+    HttpResponse refused = Text(401, "a token is required: Authorization: Bearer TOKEN\n");
     refused.headers.emplace_back("WWW-Authenticate", "Bearer");
     return refused;
   }
@@ -237,7 +238,7 @@ HttpResponse HttpRoutes::AnswerPicture(std::string_view rest) const {
   if (!number) return Text(404, "/pictures/<robot>/<number>.jpg\n");
   HttpResponse response;
   response.body = sources_.pictures.Find(std::string(rest.substr(0, slash)), *number);
-  if (!response.body) return Text(404, "this picture is not kept (any more)\n");
+  if (!response.body) return Text(404, "this picture is no longer stored\n");
   response.type = "image/jpeg";
   response.headers = {{"Cache-Control", "private, no-cache"}};
   return response;

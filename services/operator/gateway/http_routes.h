@@ -15,7 +15,7 @@
 
 namespace conav::operators {
 
-/// The files of the page, read into memory once; `x.js.gz` beside `x.js` is its compressed form.
+/// The files of the page, read into memory once; `x.js.gz` next to `x.js` is its compressed form.
 class WebFiles {
  public:
   struct File {
@@ -39,10 +39,10 @@ class WebFiles {
   std::map<std::string, File, std::less<>> files_;  // by URL path
 };
 
-/// Where the page lies when nobody says otherwise: share/conav/console beside the program's folder.
+/// The default folder of the page: share/conav/console next to the program's folder.
 std::filesystem::path DefaultWebFolder();
 
-/// What the gateway looks at of an HTTP request.
+/// The parts of an HTTP request that the gateway uses.
 struct HttpRequest {
   std::string method;
   std::string target;
@@ -60,7 +60,7 @@ struct HttpResponse {
   std::shared_ptr<const std::string> body;  // may be null: empty
 };
 
-/// How the service is, for those who start and watch it.
+/// Whether the service works, for /livez and /readyz.
 struct Readiness {
   bool ready = false;
   std::string json = "{}";          // per dependency
@@ -85,7 +85,7 @@ class HttpRoutes {
   HttpRoutes(const GatewayOptions& options, WebFiles files, Sources sources);
 
   HttpResponse Answer(const HttpRequest& request) const;
-  /// What is no request that could be answered.
+  /// The response to a request that cannot be parsed.
   static HttpResponse Refuse(unsigned status, const std::string& why);
 
  private:

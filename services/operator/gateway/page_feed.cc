@@ -10,6 +10,22 @@
 
 namespace conav::operators {
 
+std::string CheckNow(const PageIdentity& who, const PageAsked& asked, double wall_s,
+                     double drive_limit_s) {
+  const console::Request& request = asked.request;
+  if (who.role == console::ROLE_OBSERVER && !request.has_stop()) {
+    return "an observer may only watch and stop robots";
+  }
+  const double late = wall_s - request.valid_until();
+  if (!(late <= 0.0)) return fmt::format("it arrived {:.1f} s too late", late);
+  const bool drives = request.has_drive() && request.drive().action() != console::DRIVE_STOP;
+  if (drives && asked.round_trip_s > drive_limit_s) {
+    return fmt::format("the round trip takes {:.1f} s, longer than {:.1f} s: too long to drive",
+                       asked.round_trip_s, drive_limit_s);
+  }
+  return "";
+}
+
 void PagePresence::Join(std::uint64_t page, const PageIdentity& who) {
   people_[page] = {who.client, who.name, who.role};
   left_at_.erase(who.client);
@@ -62,7 +78,7 @@ bool IsInstance(std::string_view text) {
          text.find_first_not_of("0123456789abcdefghijklmnopqrstuvwxyz-") == std::string_view::npos;
 }
 
-/// Of UTF-8.
+/// The number of characters in UTF-8.
 std::size_t Characters(std::string_view text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
@@ -102,12 +118,12 @@ std::vector<PageEvent> PageFeed::Take(std::string_view bytes, Clock::TimePoint n
     return {};
   }
   if (message->has_hello() == has_joined()) {
-    Close(has_joined() ? "a second Hello" : "the first message is no Hello", false);
+    Close(has_joined() ? "a second Hello" : "the first message is not a Hello", false);
     return {};
   }
   switch (message->body_case()) {
     case console::ClientMessage::kHello:
-      Greet(message->hello(), wall_s);
+      Welcome(message->hello(), wall_s);
       if (!has_joined()) return {};
       return {{page_, *identity_, PageJoined{}}};
     case console::ClientMessage::kPing: {
@@ -141,7 +157,7 @@ std::vector<PageEvent> PageFeed::Take(std::string_view bytes, Clock::TimePoint n
 std::optional<PageIdentity> PageFeed::Identify(const console::Hello& hello) {
   const auto role = RoleOf(context_.options.tokens, hello.token());
   if (!role) {
-    Close(hello.token().empty() ? "a token is asked for: open the address that the service printed"
+    Close(hello.token().empty() ? "a token is required: open the address that the service printed"
                                 : "the token is not known",
           false);
     return std::nullopt;
@@ -160,12 +176,12 @@ std::optional<PageIdentity> PageFeed::Identify(const console::Hello& hello) {
     return std::nullopt;
   }
   const std::string part = ClientPart(hello.name()).substr(0, kNameLimit);
-  // Everybody sees what a page is called; nobody who knows that may speak for it.
+  // Everybody sees a page's client name; knowing it must not be enough to act for it.
   const std::string secret = hello.token() + "\n" + hello.instance();
   return PageIdentity{part + "/" + Sha256Hex(secret).substr(0, kClientDigits), hello.name(), *role};
 }
 
-void PageFeed::Greet(const console::Hello& hello, double wall_s) {
+void PageFeed::Welcome(const console::Hello& hello, double wall_s) {
   const auto identity = Identify(hello);
   if (!identity) return;
   if (!context_.has_room()) {
@@ -198,7 +214,7 @@ void PageFeed::Add(const console::Reply& reply) {
 }
 
 void PageFeed::Queue(const console::ServerMessage& message) {
-  if (queue_.size() >= kQueueLimit) return Close("the page takes no answers any more", true);
+  if (queue_.size() >= kQueueLimit) return Close("the page does not read its replies", true);
   queue_.push_back(Encode(message));
 }
 
@@ -225,7 +241,7 @@ std::optional<std::string> PageFeed::Next(Clock::TimePoint now) {
   due_.reset();
   if (!has_joined() && !closing_) {
     due_ = connected_at_ + kHelloLimit;
-    if (now >= *due_) Close("no Hello came", true);
+    if (now >= *due_) Close("no Hello arrived", true);
   }
   if (!queue_.empty()) {
     std::string message = std::move(queue_.front());
@@ -254,7 +270,7 @@ std::optional<std::string> PageFeed::NextState(Clock::TimePoint now) {
 void PageFeed::NoteTaken(std::uint64_t messages) {
   if (messages <= taken_ || messages > sent_) return;
   taken_ = messages;
-  rate_.GiveBack();  // it says no more than it was sent
+  rate_.GiveBack();  // at most one for each message that it was sent
 }
 
 std::optional<std::string> PageFeed::NextUpdates(Clock::TimePoint now) {
@@ -264,9 +280,9 @@ std::optional<std::string> PageFeed::NextUpdates(Clock::TimePoint now) {
     return std::nullopt;
   }
   const auto batch = context_.updates.After(generation_, sequence_, kBatchBytes);
-  if (batch.generation != generation_) {  // a world has begun anew
+  if (batch.generation != generation_) {  // a new run of a world
     if (context_.welcome.mode() != console::MODE_REPLAY) {
-      End("the run begins anew");
+      End("a new run began");
       return Next(now);
     }
     generation_ = batch.generation;  // nothing of the page's own is lost: it goes on at once
@@ -292,7 +308,7 @@ std::optional<FrameSlots::Slot> PageFeed::NewestFrame() const {
     return found == newer.end() ? std::nullopt : std::optional(found->second);
   }
   if (newer.empty()) return std::nullopt;
-  // Round and round, or the first robot alone is seen on a slow connection.
+  // In turn, or a slow connection would only show the first robot.
   const auto next = newer.upper_bound(last_frame_of_);
   return next == newer.end() ? newer.begin()->second : next->second;
 }

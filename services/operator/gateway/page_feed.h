@@ -22,7 +22,7 @@
 
 namespace conav::operators {
 
-/// Who sits at a page, once it has said hello.
+/// The person at a page, known from its Hello.
 struct PageIdentity {
   std::string client;  // as in OperatorRequest::client: "<name>/<instance>"
   std::string name;    // as typed
@@ -31,19 +31,24 @@ struct PageIdentity {
 
 struct PageJoined {};
 struct PageLeft {};
-/// Somebody used the page, whether or not that asked for anything.
+/// The person used the page, with or without a request.
 struct PageUsed {};
 struct PageAsked {
   console::Request request;
   double round_trip_s = 0.0;  // as the page measured last; 0 = never
 };
 
-/// What a page did. `page` is one connection; a page that comes back is another one.
+/// What a page did. `page` is one connection; a page that reconnects gets another number.
 struct PageEvent {
   std::uint64_t page = 0;
   PageIdentity who;
   std::variant<PageJoined, PageLeft, PageUsed, PageAsked, console::Seek> body;
 };
+
+/// Why a page with this role and connection may not ask that now; empty = it may. `wall_s`: s
+/// since 1970, as in `valid_until`. `drive_limit_s`: the longest round trip for driving.
+std::string CheckNow(const PageIdentity& who, const PageAsked& asked, double wall_s,
+                     double drive_limit_s);
 
 /// So many per second on average, and so many at once (a token bucket).
 class RateLimit {
@@ -60,7 +65,7 @@ class RateLimit {
     left_ -= 1.0;
     return true;
   }
-  /// The one that was allowed last shall not count.
+  /// Takes back the newest one that was allowed.
   void GiveBack() { left_ = std::min(static_cast<double>(burst_), left_ + 1.0); }
 
  private:
@@ -70,8 +75,8 @@ class RateLimit {
   Clock::TimePoint at_;
 };
 
-/// Who looks at the console now. A client that loads its page again, or loses its connection for a
-/// moment, is two pages for a while, and has gone only when none of them has come back in time.
+/// The people at the console now. A client that reloads its page or briefly loses its connection
+/// has two pages for a while; it has gone when it has had no page for kGoneAfter.
 /// Pure; threads: not synchronised. `now`: wall time.
 class PagePresence {
  public:
@@ -104,22 +109,22 @@ struct PageContext {
   std::function<bool()> has_room;
 };
 
-/// One connected page, as far as it has nothing to do with sockets: takes what it sends, and says
-/// what to send it next. A page that is slow costs its queue of replies (bounded) and the one
-/// message that is under way; updates and frames wait in the log and the slots, for all pages
-/// together. One that says what it has shown is sent no more than it can show, and so sees nothing
-/// old: buffers on the way and in the browser would otherwise hold seconds of it.
+/// One connected page without its socket: takes the messages that arrive and decides what to send
+/// next. A slow page costs a bounded queue of replies and the one message under way; updates and
+/// frames wait in the log and the slots, shared by all pages. A page that acknowledges what it has
+/// shown (Taken) is sent only as much as it can show: buffers on the way would otherwise delay it
+/// by seconds.
 ///
 /// Threads: one caller.
 class PageFeed {
  public:
-  /// How long a page may take until its Hello.
+  /// Time limit for a page's Hello.
   static constexpr std::chrono::seconds kHelloLimit{5};
   static constexpr std::size_t kQueueLimit = 1000;  // replies that the page did not take
-  /// Updates and frames that a page may have before it has shown them, if it tells (Taken).
+  /// Updates and frames under way to a page that acknowledges them (Taken).
   static constexpr std::uint64_t kUntakenLimit = 2;
-  /// Of updates in one message: more than a slow page lets gather. What is told often stands behind
-  /// all else in the log, and would never be reached in smaller pieces.
+  /// Size of updates in one message: more than gathers for a slow page. Frequent updates stand at
+  /// the end of the log, and would never be reached in smaller pieces.
   static constexpr std::size_t kBatchBytes = 1024U * 1024U;
 
   PageFeed(const PageContext& context, std::uint64_t page, Clock::TimePoint now);
@@ -128,31 +133,31 @@ class PageFeed {
   std::vector<PageEvent> Take(std::string_view bytes, Clock::TimePoint now, double wall_s);
   /// To a request of this page.
   void Add(const console::Reply& reply);
-  /// Ends the connection after what is queued, for what the page did or takes part in.
+  /// Closes the connection after the queued messages because of a fault of the page.
   void Close(std::string reason, bool retry);
-  /// The same, and the page has no part in it: it shall come back.
+  /// Closes it for another reason; the page reconnects.
   void End(std::string reason);
 
   /// The next message to send, if there is one now: answers first, then updates and frames in turn.
   std::optional<std::string> Next(Clock::TimePoint now);
-  /// When Next() may have something although nothing new comes.
+  /// When Next() may return something without new input.
   std::optional<Clock::TimePoint> due() const { return due_; }
-  /// True when everything was said and the connection shall end.
+  /// True when everything was sent and the connection should close.
   bool finished() const { return closing_ && queue_.empty(); }
-  /// What the page was closed for; empty when it is as it should be.
+  /// The fault that closed the page; empty without one.
   const std::string& fault() const { return fault_; }
-  /// Whether it was told to come back.
+  /// Whether the page is asked to reconnect.
   bool retry() const { return retry_; }
   std::uint64_t page() const { return page_; }
   const std::optional<PageIdentity>& identity() const { return identity_; }
   bool has_joined() const { return identity_.has_value(); }
-  /// Neither joined nor sent away.
-  bool is_stranger() const { return !has_joined() && !closing_; }
+  /// Neither joined nor closing.
+  bool is_new() const { return !has_joined() && !closing_; }
   /// Frames that this page was too slow for, since the call before.
   std::uint64_t TakeFramesSkipped() { return std::exchange(frames_skipped_, 0); }
 
  private:
-  void Greet(const console::Hello& hello, double wall_s);
+  void Welcome(const console::Hello& hello, double wall_s);
   std::optional<PageIdentity> Identify(const console::Hello& hello);
   void Queue(const console::ServerMessage& message);
   void SayGoodbye(std::string reason, bool retry);

@@ -30,7 +30,7 @@ std::map<std::string, std::uint64_t> FrameSlots::Numbers() const {
 }
 
 void SnapshotStore::Put(const std::string& robot, std::uint64_t number,
-                        std::vector<std::uint8_t> jpeg) {
+                        const std::vector<std::uint8_t>& jpeg) {
   const Key key{robot, number};
   const std::lock_guard lock(mutex_);
   EraseLocked(key);

@@ -14,8 +14,7 @@
 
 namespace conav::operators {
 
-/// The newest frame of each robot that streams. What a page has not taken when the next frame comes
-/// is lost to it, on purpose.
+/// The newest frame of each robot that streams. A page that is too slow for a frame skips it.
 /// Threads: safe to call concurrently.
 class FrameSlots {
  public:
@@ -43,10 +42,10 @@ class SnapshotStore {
 
   explicit SnapshotStore(std::size_t limit_bytes) : limit_(limit_bytes) {}
 
-  /// A picture of the same robot and number is replaced. One without pixels, or larger than the
-  /// limit, is not kept.
-  void Put(const std::string& robot, std::uint64_t number, std::vector<std::uint8_t> jpeg);
-  /// Null when it is not kept (any more).
+  /// Copies `jpeg` once; pages are answered from that copy. A picture of the same robot and number
+  /// is replaced. One without pixels, or larger than the limit, is not kept.
+  void Put(const std::string& robot, std::uint64_t number, const std::vector<std::uint8_t>& jpeg);
+  /// Null when it is not kept, or no longer.
   Pixels Find(const std::string& robot, std::uint64_t number) const;
 
  private:

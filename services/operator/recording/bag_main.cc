@@ -76,7 +76,7 @@ nlohmann::ordered_json BagJson(const McapReader& reader, const std::string& file
           {"topics", topics}};
 }
 
-/// What `conav bag` was told; empty paths = not wanted.
+/// Arguments of `conav bag`; an empty path = not wanted.
 struct BagArguments {
   std::filesystem::path run;  // run folder or MCAP file
   std::filesystem::path rosbag2;

@@ -21,7 +21,7 @@ struct RecorderConfig {
   bool streams = false;
   /// Topics that are not recorded, as "/r1/odom", or as "/{}/odom" for every robot or world.
   std::vector<std::string> exclude;
-  /// What else shall be known of the run: written into the file as it is.
+  /// Further facts of the run, written into the file as they are.
   std::map<std::string, std::string> facts;
 
   void Visit(ConfigReader& reader) {

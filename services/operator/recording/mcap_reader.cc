@@ -4,10 +4,358 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 #include <tuple>
 #include <utility>
 
 namespace conav::bag {
+
+/// The records of a chunk. Errors as above, with the chunk's place in the file.
+[[nodiscard]] Result<Bytes> ReadChunkAt(const InputFile& file, std::uint64_t offset,
+                                        std::uint64_t length);
+
+/// "FILE: at byte N: WHAT".
+tl::unexpected<Error> DamagedAt(const InputFile& file, std::uint64_t offset,
+                                const std::string& what, ErrorCode code = ErrorCode::kMalformed);
+
+/// Takes up a schema or channel record; of two with one id the first counts. False when it is
+/// damaged.
+bool AddDescription(const Record& record, McapContents& contents);
+
+/// ReadContents without a summary: reads every record of the data section, and unpacks every chunk.
+/// A record that the end of the file cuts off and what is no record (zeros, which a loss of power
+/// can leave) end the data; chunks that are damaged are left out, and so are messages whose topics
+/// were described in these. `cut_off` describes that, and is never empty: the summary is missing at
+/// least.
+[[nodiscard]] Result<McapContents> ScanContents(const InputFile& file);
+
+namespace {
+
+class Scan {
+ public:
+  explicit Scan(const InputFile& file) : file_(file) {}
+
+  Result<McapContents> Run() {
+    while (at_ < file_.size() && !ended_) {
+      if (auto done = TakeNext(); !done) return tl::unexpected(done.error());
+    }
+    if (contents_.cut_off.empty()) contents_.cut_off = "the file was not finished: no summary";
+    ReportLosses();
+    contents_.statistics.chunk_count = static_cast<std::uint32_t>(contents_.chunks.size());
+    return std::move(contents_);
+  }
+
+ private:
+  std::uint64_t left() const { return file_.size() - at_; }
+
+  Result<void> EndHere() {
+    ended_ = true;
+    contents_.cut_off = fmt::format("the file was not finished: it is whole up to byte {} of {}",
+                                    at_, file_.size());
+    return {};
+  }
+
+  void ReportLosses() {
+    if (damaged_chunks_ > 0) {
+      contents_.cut_off += fmt::format("; {} damaged chunks are left out", damaged_chunks_);
+    }
+    if (unknown_messages_ > 0) {
+      contents_.cut_off += fmt::format(
+          "; {} messages of topics that are not described are left out", unknown_messages_);
+    }
+  }
+
+  Result<void> TakeNext() {
+    if (left() < kRecordHeaderSize) return EndHere();
+    const auto header = file_.Read(at_, kRecordHeaderSize);
+    if (!header) return tl::unexpected(header.error());
+    ByteReader reader(*header);
+    const auto opcode = static_cast<Opcode>(reader.U8());
+    const std::uint64_t length = reader.U64();
+    // Zeros, which a loss of power can leave, or what is behind a damaged length: no record.
+    if (opcode == Opcode{0} || length > left() - kRecordHeaderSize) return EndHere();
+    auto done = Take(opcode, kRecordHeaderSize + length);
+    at_ += kRecordHeaderSize + length;
+    return done;
+  }
+
+  Result<void> Take(Opcode opcode, std::uint64_t length) {
+    switch (opcode) {
+      case Opcode::kChunk:
+        return TakeChunk(length);
+      case Opcode::kSchema:
+      case Opcode::kChannel:
+      case Opcode::kMetadata:
+        return TakeDescription(length);
+      case Opcode::kMessage:
+        return DamagedAt(file_, at_, "a message outside of chunks, which is not read here",
+                         ErrorCode::kRefused);
+      case Opcode::kDataEnd:
+      case Opcode::kFooter:
+        ended_ = true;
+        return {};
+      default:
+        return {};  // a record that readers may leave out
+    }
+  }
+
+  Result<void> TakeDescription(std::uint64_t length) {
+    if (length > kLargestChunk) {
+      return DamagedAt(file_, at_, fmt::format("a record of {} bytes", length),
+                       ErrorCode::kRefused);
+    }
+    const auto bytes = file_.Read(at_, length);
+    if (!bytes) return tl::unexpected(bytes.error());
+    ByteSpan rest = *bytes;
+    const auto record = TakeRecord(rest);
+    if (!record || !AddDescription(*record, contents_)) {
+      return DamagedAt(file_, at_, "a damaged record");
+    }
+    return {};
+  }
+
+  Result<void> TakeChunk(std::uint64_t length) {
+    const auto records = ReadChunkAt(file_, at_, length);
+    if (!records && records.error().code != ErrorCode::kMalformed) {
+      return tl::unexpected(records.error());
+    }
+    const Statistics before = contents_.statistics;
+    if (!records || !TakeChunkRecords(*records, length)) {
+      contents_.statistics = before;
+      ++damaged_chunks_;
+    }
+    return {};
+  }
+
+  bool TakeChunkRecords(ByteSpan records, std::uint64_t length) {
+    ChunkIndex index{.offset = at_, .length = length};
+    bool first = true;
+    while (!records.empty()) {
+      const auto record = TakeRecord(records);
+      if (!record || !TakeChunkRecord(*record, index, first)) return false;
+    }
+    contents_.chunks.push_back(std::move(index));
+    return true;
+  }
+
+  bool TakeChunkRecord(const Record& record, ChunkIndex& index, bool& first) {
+    if (record.opcode != Opcode::kMessage) return AddDescription(record, contents_);
+    const auto message = ReadMessage(record.content);
+    if (!message) return false;
+    if (!contents_.channels.contains(message->header.channel_id)) {
+      ++unknown_messages_;  // its description was in a chunk that is damaged
+      return true;
+    }
+    const std::uint64_t time = message->header.log_time;
+    index.start_time = first ? time : std::min(index.start_time, time);
+    index.end_time = std::max(index.end_time, time);
+    first = false;
+    Statistics& statistics = contents_.statistics;
+    statistics.start_time =
+        statistics.message_count == 0 ? time : std::min(statistics.start_time, time);
+    statistics.end_time = std::max(statistics.end_time, time);
+    ++statistics.message_count;
+    ++statistics.channel_counts[message->header.channel_id];
+    return true;
+  }
+
+  const InputFile& file_;
+  std::uint64_t at_ = kMagicSize;
+  bool ended_ = false;
+  std::uint64_t damaged_chunks_ = 0;
+  std::uint64_t unknown_messages_ = 0;
+  McapContents contents_;
+};
+
+}  // namespace
+
+bool AddDescription(const Record& record, McapContents& contents) {
+  if (record.opcode == Opcode::kSchema) {
+    auto schema = ReadSchema(record.content);
+    if (!schema || schema->id == 0) return false;
+    contents.schemas.emplace(schema->id, *std::move(schema));
+  } else if (record.opcode == Opcode::kChannel) {
+    auto channel = ReadChannel(record.content);
+    if (!channel) return false;
+    contents.channels.emplace(channel->id, *std::move(channel));
+  } else if (record.opcode == Opcode::kMetadata) {
+    auto metadata = ReadMetadata(record.content);
+    if (!metadata) return false;
+    contents.metadata.push_back(*std::move(metadata));
+  }
+  return true;
+}
+
+Result<McapContents> ScanContents(const InputFile& file) { return Scan(file).Run(); }
+
+namespace {
+
+constexpr std::uint64_t kLargestSummary = std::uint64_t{256} << 20;
+constexpr std::size_t kEndSize = kRecordHeaderSize + kFooterSize + kMagicSize;
+constexpr std::size_t kFooterCrcSize = 4;
+
+bool IsMagic(ByteSpan bytes) {
+  return std::equal(bytes.begin(), bytes.end(), std::begin(kMagic), std::end(kMagic));
+}
+
+Result<void> CheckMagic(const InputFile& file) {
+  if (file.size() >= kMagicSize) {
+    const auto begin = file.Read(0, kMagicSize);
+    if (!begin) return tl::unexpected(begin.error());
+    if (IsMagic(*begin)) return {};
+  }
+  return Fail(ErrorCode::kMalformed,
+              fmt::format("{}: no MCAP file: it does not begin like one", file.path().string()));
+}
+
+/// Footer, end magic and what they say is in between; nothing when the file has no end.
+struct Summary {
+  Bytes bytes;
+  std::uint64_t offset = 0;
+};
+Result<std::optional<Summary>> ReadSummary(const InputFile& file) {
+  if (file.size() < kMagicSize + kEndSize) return std::nullopt;
+  const std::uint64_t footer_at = file.size() - kEndSize;
+  const auto end = file.Read(footer_at, kEndSize);
+  if (!end) return tl::unexpected(end.error());
+  if (!IsMagic(ByteSpan(*end).last(kMagicSize))) return std::nullopt;
+  ByteSpan rest = *end;
+  const auto record = TakeRecord(rest);
+  const auto footer =
+      record && record->opcode == Opcode::kFooter ? ReadFooter(record->content) : std::nullopt;
+  if (!footer) return DamagedAt(file, footer_at, "the footer is damaged");
+  if (footer->summary_start == 0) return Summary{{}, footer_at};
+  if (footer->summary_start < kMagicSize || footer->summary_start > footer_at) {
+    return DamagedAt(file, footer_at,
+                     fmt::format("the summary cannot begin at byte {}", footer->summary_start));
+  }
+  const std::uint64_t size = footer_at - footer->summary_start;
+  if (size > kLargestSummary) {
+    return DamagedAt(file, footer_at,
+                     fmt::format("a summary of {} bytes; {} is the limit", size, kLargestSummary),
+                     ErrorCode::kRefused);
+  }
+  auto bytes = file.Read(footer->summary_start, size);
+  if (!bytes) return tl::unexpected(bytes.error());
+  const std::size_t covered = kRecordHeaderSize + kFooterSize - kFooterCrcSize;
+  const std::uint32_t crc = Crc32(ByteSpan(*end).first(covered), Crc32(*bytes));
+  if (footer->summary_crc != 0 && footer->summary_crc != crc) {
+    return DamagedAt(file, footer->summary_start, "the CRC of the summary is wrong");
+  }
+  return Summary{*std::move(bytes), footer->summary_start};
+}
+
+Result<void> ReadMetadataAt(const InputFile& file, const MetadataIndex& index,
+                            McapContents& contents) {
+  const auto bytes = file.Read(index.offset, index.length);
+  if (!bytes) return tl::unexpected(bytes.error());
+  ByteSpan rest = *bytes;
+  const auto record = TakeRecord(rest);
+  auto metadata =
+      record && record->opcode == Opcode::kMetadata ? ReadMetadata(record->content) : std::nullopt;
+  if (!metadata) return DamagedAt(file, index.offset, "no metadata record");
+  contents.metadata.push_back(*std::move(metadata));
+  return {};
+}
+
+/// Whether the summary covers the whole data section.
+bool IsEnough(const McapContents& contents, bool has_statistics) {
+  const Statistics& statistics = contents.statistics;
+  return has_statistics && statistics.chunk_count == contents.chunks.size() &&
+         statistics.channel_count == contents.channels.size() &&
+         (statistics.message_count == 0 || statistics.chunk_count > 0);
+}
+
+/// Nothing when the summary leaves something out.
+Result<std::optional<McapContents>> ParseSummary(const InputFile& file, const Summary& summary) {
+  McapContents contents;
+  bool has_statistics = false;
+  ByteSpan rest = summary.bytes;
+  while (!rest.empty()) {
+    const std::uint64_t at = summary.offset + (summary.bytes.size() - rest.size());
+    const auto record = TakeRecord(rest);
+    if (!record) return DamagedAt(file, at, "the summary ends within a record");
+    bool good = true;
+    if (record->opcode == Opcode::kSchema || record->opcode == Opcode::kChannel) {
+      good = AddDescription(*record, contents);
+    } else if (record->opcode == Opcode::kChunkIndex) {
+      auto index = ReadChunkIndex(record->content);
+      good = index.has_value();
+      if (index) contents.chunks.push_back(*std::move(index));
+    } else if (record->opcode == Opcode::kStatistics) {
+      auto statistics = ReadStatistics(record->content);
+      good = has_statistics = statistics.has_value();
+      if (statistics) contents.statistics = *std::move(statistics);
+    } else if (record->opcode == Opcode::kMetadataIndex) {
+      const auto index = ReadMetadataIndex(record->content);
+      good = index.has_value();
+      if (index) {
+        if (auto read = ReadMetadataAt(file, *index, contents); !read) {
+          return tl::unexpected(read.error());
+        }
+      }
+    }
+    if (!good) return DamagedAt(file, at, "a record of the summary is damaged");
+  }
+  if (!IsEnough(contents, has_statistics)) return std::nullopt;
+  return contents;
+}
+
+Result<void> CheckReferences(const InputFile& file, const McapContents& contents) {
+  for (const auto& [id, channel] : contents.channels) {
+    if (channel.schema_id == 0 || contents.schemas.contains(channel.schema_id)) continue;
+    return Fail(ErrorCode::kMalformed,
+                fmt::format("{}: topic {} has schema {}, which is not there", file.path().string(),
+                            channel.topic, channel.schema_id));
+  }
+  return {};
+}
+
+Result<McapContents> ReadAny(const InputFile& file) {
+  const auto summary = ReadSummary(file);
+  if (!summary) return tl::unexpected(summary.error());
+  if (*summary) {
+    auto contents = ParseSummary(file, **summary);
+    if (!contents) return tl::unexpected(contents.error());
+    if (*contents) return **std::move(contents);
+  }
+  auto scanned = ScanContents(file);
+  // What the scan does not look at is the end.
+  if (scanned && *summary) scanned->cut_off.clear();
+  return scanned;
+}
+
+}  // namespace
+
+tl::unexpected<Error> DamagedAt(const InputFile& file, std::uint64_t offset,
+                                const std::string& what, ErrorCode code) {
+  return Fail(code, fmt::format("{}: at byte {}: {}", file.path().string(), offset, what));
+}
+
+Result<Bytes> ReadChunkAt(const InputFile& file, std::uint64_t offset, std::uint64_t length) {
+  if (length > kLargestChunk) {
+    return DamagedAt(file, offset,
+                     fmt::format("a chunk of {} bytes; {} is the limit", length, kLargestChunk),
+                     ErrorCode::kRefused);
+  }
+  const auto bytes = file.Read(offset, length);
+  if (!bytes) return tl::unexpected(bytes.error());
+  ByteSpan rest = *bytes;
+  const auto record = TakeRecord(rest);
+  const auto chunk =
+      record && record->opcode == Opcode::kChunk ? ReadChunk(record->content) : std::nullopt;
+  if (!chunk) return DamagedAt(file, offset, "no chunk, or a damaged one");
+  auto unpacked = Unpack(*chunk);
+  if (unpacked) return unpacked;
+  return DamagedAt(file, offset, "chunk: " + unpacked.error().text, unpacked.error().code);
+}
+
+Result<McapContents> ReadContents(const InputFile& file) {
+  if (auto magic = CheckMagic(file); !magic) return tl::unexpected(magic.error());
+  auto contents = ReadAny(file);
+  if (!contents) return contents;
+  return CheckReferences(file, *contents).map([&] { return *std::move(contents); });
+}
 
 Result<std::filesystem::path> RecordingOf(const std::filesystem::path& run) {
   std::error_code ignored;

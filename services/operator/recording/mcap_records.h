@@ -61,7 +61,7 @@ class ByteWriter {
   Bytes& bytes_;
 };
 
-/// Reads zeros and nothing beyond the end, and tells afterwards with ok() whether it came to that.
+/// Reads zeros and nothing beyond the end, and ok() says afterwards whether it came to that.
 class ByteReader {
  public:
   explicit ByteReader(ByteSpan bytes) : bytes_(bytes) {}

@@ -75,7 +75,7 @@ class McapWriter {
   Result<void> Begin(const std::vector<Metadata>& metadata);
   Result<void> AppendBlock(const Bytes& block);
   void Announce(ChannelState& channel);
-  /// The chunk record and its message indexes; `index` tells where they will be.
+  /// The chunk record and its message indexes; `index` says where they will be.
   Bytes PackChunk(ChunkIndex& index);
   void Commit(ChunkIndex index);
   void ForgetChunk(Announced announced);

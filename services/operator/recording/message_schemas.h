@@ -6,9 +6,9 @@
 
 #include "common/runtime/result.h"
 
-/// The part of OMG IDL in which conav's messages are written: `module PACKAGE { module msg { ... }; };`
-/// with structs (of numbers, texts, other structs, arrays of one dimension, sequences) and constant
-/// numbers. Whatever else there is in a file is refused by its line.
+/// The part of OMG IDL in which conav's messages are written: `module PACKAGE { module msg { ... };
+/// };` with structs (of numbers, texts, other structs, arrays of one dimension, sequences) and
+/// constant numbers. Anything else is rejected; the error names the line.
 namespace conav::bag {
 
 struct IdlField {
@@ -43,10 +43,11 @@ struct IdlDocument {
 [[nodiscard]] Result<IdlDocument> ParseIdl(std::string_view text);
 
 /// The definitions of message types as ROS 2 writes them in .msg files and as MCAP's schema
-/// encoding "ros2msg" has them: the type's fields, then, behind a line of '=' and "MSG: package/Name",
-/// those of every type that it is made of.
+/// encoding "ros2msg" has them, not as "ros2idl" (the IDL as it is), which Foxglove and Lichtblick
+/// read but mcap-ros2-support for Python and PlotJuggler's ROS parser do not: the type's fields,
+/// then, behind a line of '=' and "MSG: package/Name", those of every type that it is made of.
 ///
-/// ROS keeps constants in the message that uses them, our IDL beside the structs: a field whose
+/// ROS keeps constants in the message that uses them, our IDL outside the structs: a field whose
 /// comment names constants ("COMMAND_KIND_*", or one by its whole name) gets them in the lines
 /// before it, where Foxglove takes them for the names of its values.
 class MessageSchemas {

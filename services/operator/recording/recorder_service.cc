@@ -166,13 +166,13 @@ TopicListeners::TopicListeners(bus::Participant& participant, const RecorderConf
   };
   std::set<std::string> worlds;
   for (const auto& entry : WorldOfRobot("recorder", config.robots)) {
-    bus::ForEachTopic(bus::kRobotTopics, [&](const auto& topic) { listen(topic, entry.first); });
+    bus::ForEachRobotTopic([&](const auto& topic) { listen(topic, entry.first); });
     worlds.insert(entry.second);
   }
   for (const std::string& world : worlds) {
-    bus::ForEachTopic(bus::kWorldTopics, [&](const auto& topic) { listen(topic, world); });
+    bus::ForEachWorldTopic([&](const auto& topic) { listen(topic, world); });
   }
-  bus::ForEachTopic(bus::kSystemTopics, [&](const auto& topic) { listen(topic, ""); });
+  bus::ForEachSystemTopic([&](const auto& topic) { listen(topic, ""); });
   choice.CheckAllUsed();
 }
 

@@ -60,7 +60,7 @@ class Arrivals {
   std::uint64_t dropped_ = 0;
 };
 
-/// The QoS that a topic's publishers offer, as rosbag2 (Humble and later) keeps it beside a topic:
+/// The QoS that a topic's publishers offer, as rosbag2 (Humble and later) keeps it with a topic:
 /// a YAML list of one profile. `ros2 bag play` publishes with it.
 std::string OfferedQosText(const bus::Qos& qos);
 
@@ -79,8 +79,8 @@ struct TopicFacts {
   std::string offered_qos;  // OfferedQosText
 };
 
-/// The serialised messages of every topic that `config` wants: those of all robots, their worlds and
-/// the system, but for streams and what is excluded.
+/// The serialised messages of every topic that `config` wants: those of all robots, their worlds
+/// and the system, but for streams and what is excluded.
 ///
 /// A message is decoded as by any other subscriber of the bus, so that a malformed one is dropped,
 /// and written again as plain little-endian CDR: what is recorded can be read.
@@ -103,11 +103,10 @@ class TopicListeners {
 
 /// Writes what is said on the bus into one MCAP file: docs/recording.md.
 ///
-/// Publishes its health and log only. What arrives is in the file a second later, at the latest with
-/// the next period; so much a kill -9 can cost. When the disk fails, it says so in its log and on
-/// /diagnostics, loses the messages of that second, and tries again with the next ones; the file
-/// can be read at any time.
-/// Threads: one; Run() or repeated Step(), then Finish().
+/// Publishes its health and log only. What arrives is in the file a second later, at the latest
+/// with the next period; so much a kill -9 can cost. When the disk fails, it says so in its log and
+/// on /diagnostics, loses the messages of that second, and tries again with the next ones; the file
+/// can be read at any time. Threads: one; Run() or repeated Step(), then Finish().
 class RecorderService {
  public:
   /// `participant` and `clock` outlive the service. Throws StartupError: the file cannot be made or

@@ -56,7 +56,9 @@ class AppendedFile {
   std::uint64_t size_ = 0;
 };
 
-/// A file that is read in pieces. Threads: one.
+/// A file that is read in pieces.
+
+/// Threads: one.
 class InputFile {
  public:
   /// Errors: kNotFound, kIo, each with the path; a folder is kIo.

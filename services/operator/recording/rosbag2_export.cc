@@ -115,7 +115,7 @@ class Rosbag2Database {
   std::unique_ptr<sqlite3_stmt, Closer> insert_metadata_;
 };
 
-// The file is made anew and of no use before it is complete, so that nothing need be undone.
+// The file is new and useless until it is complete, so nothing needs to be undone.
 constexpr const char* kTables = R"(
   PRAGMA journal_mode = OFF;
   PRAGMA synchronous = OFF;

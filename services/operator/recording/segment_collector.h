@@ -30,9 +30,9 @@ struct SegmentOptions {
   std::string participant;
   /// Pictures' files begin with it. Empty = the time of the start, UTC.
   std::string session;
-  /// "world=preset@seed" or "world=map file", as far as known.
+  /// "world=preset@seed" or "world=map file", where known.
   std::vector<std::string> mazes;
-  /// Keep the pictures, too, in a folder pictures/ beside the file.
+  /// Keep the pictures, too, in a folder pictures/ next to the file.
   bool pictures = false;
 
   void Visit(ConfigReader& reader) {
@@ -58,7 +58,7 @@ struct SessionFacts {
   std::string session;
 };
 
-/// What a world was made of, as far as somebody knows.
+/// What a world was made from, where it is known.
 struct MazeFacts {
   std::string name;  // maze preset or map file
   std::uint64_t world_seed = 0;
@@ -75,20 +75,22 @@ struct RecordedSegment {
   std::vector<std::uint8_t> jpeg;
 };
 
-/// Turns what the operator service hears and decides into segments, one trajectory for each world.
+/// Turns what the operator service receives and decides into segments, one trajectory for each
+/// world.
 ///
-/// A picture that asks for an answer (Picture::streamed is false) opens a segment; the guidance that
-/// answers it closes it: x' is the operator's map then. x is the map when the picture arrived, or
-/// when another picture was answered, whichever came later: with several robots an edit belongs to
-/// the picture that is answered next. Picture, edit and guidance come over different topics, so
+/// A picture that asks for an answer (Picture::streamed is false) opens a segment; the guidance
+/// that answers it closes it: x' is the operator's map then. x is the map when the picture arrived,
+/// or when another picture was answered, whichever came later: with several robots an edit belongs
+/// to the picture that is answered next. Picture, edit and guidance come over different topics, so
 ///   - an edit that came up to kGrace before its picture counts as made after it, unless guidance
 ///     came in between;
 ///   - guidance that came before its picture waits for it.
 /// A picture without an answer is closed when this robot's next one arrives; at the end of the
-/// session it is left out, unless edits followed it: nobody knows whether it was looked at.
+/// session it is left out, unless edits followed it: it is not known whether it was looked at.
 /// Walls are what has probability 0.5 or more.
 ///
-/// Deterministic but for the times. Threads: not synchronised.
+/// Deterministic but for the times.
+/// Threads: not synchronised.
 class SegmentCollector {
  public:
   static constexpr std::chrono::milliseconds kGrace{500};

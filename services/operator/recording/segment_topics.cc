@@ -13,8 +13,6 @@
 namespace conav::operators {
 namespace {
 
-constexpr auto kConvert = [](const auto& message) { return ToDomain(message); };
-
 std::string SessionName(const SegmentOptions& config) {
   if (!config.session.empty()) return config.session;
   const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
@@ -46,8 +44,6 @@ SegmentTopics::SegmentTopics(bus::Participant& participant, const SegmentOptions
       collector_(MakeCollector(config, session_)),
       log_(OpenLog(config)) {
   for (const auto& [robot, world] : world_of_robot) {
-    snapshots_[robot] = std::make_unique<bus::Subscriber<conav_msgs::msg::Snapshot>>(
-        participant, bus::kSnapshot, robot);
     if (truths_.contains(world)) continue;
     truths_[world] = std::make_unique<bus::Subscriber<nav_msgs::msg::OccupancyGrid>>(
         participant, bus::kTruth, world);
@@ -63,16 +59,17 @@ SegmentTopics::~SegmentTopics() {
 
 void SegmentTopics::Step() {
   for (const auto& [world, subscriber] : truths_) {
-    for (const MapUpdate& truth : subscriber->TakeValid(kConvert)) {
+    for (const MapUpdate& truth : subscriber->TakeValid(kToDomain)) {
       collector_.SetTruth(world, truth.cells);
     }
   }
-  for (const auto& [robot, subscriber] : snapshots_) {
-    for (Snapshot& picture : subscriber->TakeValid(kConvert)) {
-      collector_.Receive(std::move(picture), clock_.Now());
-    }
-  }
   Write();
+}
+
+void SegmentTopics::AddTo(Health& health) const {
+  health.values.emplace_back("recorded_segments", std::to_string(recorded_));
+  health.values.emplace_back("lost_segments", std::to_string(lost_));
+  health.values.emplace_back("lost_pictures", std::to_string(lost_pictures_));
 }
 
 void SegmentTopics::Edited(const Belief& belief) { collector_.Edited(belief, clock_.Now()); }

@@ -94,8 +94,8 @@ void AddWorld(Topics& topics, const std::string& world, TimelineBuilder& builder
   });
 }
 
-/// For each topic that a console receives of these robots (their worlds by name), by topic. `builder`
-/// outlives it.
+/// For each topic that a console receives of these robots (their worlds by name), by topic.
+/// `builder` outlives it.
 std::map<std::string, TakeUp> RecordedTopics(
     const std::map<std::string, std::string>& world_of_robot, TimelineBuilder& builder) {
   Topics topics;

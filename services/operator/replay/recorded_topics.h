@@ -18,9 +18,9 @@ struct RecordedRun {
   std::vector<std::string> warnings;
 };
 
-/// Reads all that a console shows of the MCAP file `file`, which a conav recorder wrote. Pictures and
-/// streams stay in memory.
-/// Errors: those of bag::McapReader::Open; kMalformed: not from a conav recorder, or nothing in it.
+/// Reads all that a console shows of the MCAP file `file`, which a conav recorder wrote. Pictures
+/// and streams stay in memory. Errors: those of bag::McapReader::Open; kMalformed: not from a conav
+/// recorder, or nothing in it.
 [[nodiscard]] Result<RecordedRun> ReadRun(const std::filesystem::path& file);
 
 }  // namespace conav::operators

@@ -125,12 +125,12 @@ void ReplayServer::Take(const PageEvent& event) {
   }
 }
 
-/// What `conav replay` was told.
+/// Arguments of `conav replay`.
 struct ReplayArguments {
   std::filesystem::path run;       // run folder or MCAP file
   int port = 8080;                 // 0 = any that is free
   std::filesystem::path url_file;  // empty = none
-  std::filesystem::path web;       // folder of the page; empty = the one beside the program
+  std::filesystem::path web;       // folder of the page; empty = the one next to the program
 };
 
 constexpr const char* kProgram = "conav replay";
@@ -149,7 +149,7 @@ GatewayOptions OptionsOf(const ReplayArguments& arguments) {
   GatewayOptions options;
   options.port = arguments.port;
   options.web = arguments.web.string();
-  options.message_rate = 500.0;  // a slider that is dragged tells each place
+  options.message_rate = 500.0;  // a dragged slider sends every position
   options.message_burst = 2000;
   return options;
 }

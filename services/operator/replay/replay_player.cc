@@ -14,17 +14,17 @@ constexpr double kPlaybackPeriod = 0.2;  // s
 
 }  // namespace
 
-struct ReplayPlayer::Sound {
+struct ReplayPlayer::Play {
   ReplayPlayer& player;
   std::size_t moment;
-  double heard_at_s;
+  double received_s;
   double now_s;
 
   ConsoleState& state() const { return player.state_; }
 
   void operator()(const RobotState& robot) const {
     player.states_[robot.robot] = moment;
-    state().Receive(robot, heard_at_s);
+    state().Receive(robot, received_s);
   }
   void operator()(const SeenMap& seen) const {
     state().ReceiveSeen(seen.robot, seen.world, seen.map);
@@ -33,8 +33,8 @@ struct ReplayPlayer::Sound {
   void operator()(const TrueMap& truth) const {
     state().ReceiveTruth(truth.world, truth.map.cells);
   }
-  void operator()(const ReceivedBelief& heard) const {
-    state().Receive(heard.belief, *heard.initial);
+  void operator()(const ReceivedBelief& received) const {
+    state().Receive(received.belief, *received.initial);
   }
   void operator()(const Guidance& guidance) const { state().Receive(guidance); }
   void operator()(const PlannedPath& plan) const {
@@ -46,7 +46,7 @@ struct ReplayPlayer::Sound {
   void operator()(const SearchReport& report) const { state().Receive(report); }
   void operator()(const Snapshot& picture) const {
     player.pictures_[picture.robot] = moment;
-    state().Receive(picture, heard_at_s);
+    state().Receive(ToConsole(picture, received_s));
     SnapshotStore& shelf = player.shared_.pictures;
     const auto kept = shelf.Find(picture.robot, picture.sequence_number);
     const bool same = kept && std::equal(kept->begin(), kept->end(), picture.jpeg.begin(),
@@ -63,10 +63,10 @@ struct ReplayPlayer::Sound {
     console::Frame frame;
     frame.set_robot(stream.robot);
     frame.set_stamp(stream.stamp.ToSeconds());
-    frame.set_heard_at(heard_at_s);
+    frame.set_heard_at(received_s);
     const auto known = player.states_.find(stream.robot);
     if (known != player.states_.end()) {
-      const auto& robot = std::get<RobotState>(player.timeline_.moments[known->second].heard);
+      const auto& robot = std::get<RobotState>(player.timeline_.moments[known->second].value);
       *frame.mutable_cell() = ToConsole(robot.cell);
       frame.set_heading(robot.heading_rad);
     }
@@ -84,7 +84,7 @@ struct ReplayPlayer::Sound {
   }
   void operator()(const ServiceHealth& health) const {
     player.processes_[health.name] = moment;
-    state().Receive(health, heard_at_s);
+    state().Receive(health, received_s);
   }
   void operator()(Alert alert) const {
     player.alerts_[alert.id] = moment;
@@ -116,7 +116,7 @@ void ReplayPlayer::Seek(std::optional<double> position_s, std::optional<double> 
   const UpdateLog::Together together(shared_.updates);
   if (speed && std::isfinite(*speed)) speed_ = std::clamp(*speed, 0.0, kFastest);
   if (position_s && std::isfinite(*position_s)) {
-    if (*position_s < position_s_) BeginAnew();
+    if (*position_s < position_s_) Reset();
     MoveTo(*position_s, now_s);
     Refresh(now_s);
   }
@@ -128,8 +128,8 @@ void ReplayPlayer::Receive(std::vector<Person> people) {
   state_.Receive(people_);
 }
 
-void ReplayPlayer::BeginAnew() {
-  state_.BeginAnew();
+void ReplayPlayer::Reset() {
+  state_.Reset();
   if (!people_.empty()) state_.Receive(people_);
   next_ = 0;
   states_.clear();
@@ -149,7 +149,7 @@ void ReplayPlayer::MoveTo(double position_s, double now_s) {
   for (; next_ < end; ++next_) {
     const Moment& moment = moments[next_];
     if (moment.replaced_by < end) continue;
-    std::visit(Sound{*this, next_, ReceivedAt(moment.position_s, now_s), now_s}, moment.heard);
+    std::visit(Play{*this, next_, ReceivedAt(moment.position_s, now_s), now_s}, moment.value);
   }
 }
 
@@ -159,15 +159,15 @@ void ReplayPlayer::Refresh(double now_s) {
   age_zero_s_ = age_zero_s;
   for (const auto* of_kind : {&states_, &processes_, &frames_}) {
     for (const auto& [name, moment] : *of_kind) {
-      const Moment& heard = timeline_.moments[moment];
-      std::visit(Sound{*this, moment, ReceivedAt(heard.position_s, now_s), now_s}, heard.heard);
+      const Moment& again = timeline_.moments[moment];
+      std::visit(Play{*this, moment, ReceivedAt(again.position_s, now_s), now_s}, again.value);
     }
   }
   for (const auto& [robot, moment] : pictures_) {
     state_.ReceiveSnapshotAgain(robot, ReceivedAt(timeline_.moments[moment].position_s, now_s));
   }
   for (const auto& [id, moment] : alerts_) {
-    Sound{*this, moment, now_s, now_s}(std::get<Alert>(timeline_.moments[moment].heard));
+    Play{*this, moment, now_s, now_s}(std::get<Alert>(timeline_.moments[moment].value));
   }
 }
 

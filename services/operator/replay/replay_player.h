@@ -12,9 +12,9 @@
 
 namespace conav::operators {
 
-/// Plays a timeline as if the console heard it now.
+/// Plays a timeline as if the console received it now.
 ///
-/// Pages know wall time only: what was heard is as old for them as it is at this position of the
+/// Pages know wall time only: a value is as old for them as it is at this position of the
 /// recording, also while it pauses or runs quicker. `now_s`: wall time, s since 1970.
 /// Threads: one caller; what it fills may be read by others.
 class ReplayPlayer {
@@ -32,10 +32,10 @@ class ReplayPlayer {
 
   /// `elapsed_s` of wall time have passed. Pauses at the end.
   void Advance(double elapsed_s, double now_s);
-  /// Either may be left out, or no number. Pages get what is different ahead, and everything anew
-  /// when it goes back.
+  /// Either may be missing or not a number. Pages get what differs when it goes ahead, and
+  /// everything again when it goes back.
   void Seek(std::optional<double> position_s, std::optional<double> speed, double now_s);
-  /// Who looks at it now.
+  /// The people at its pages.
   void Receive(std::vector<Person> people);
 
   double position_s() const { return position_s_; }
@@ -43,11 +43,11 @@ class ReplayPlayer {
   double speed() const { return speed_; }
 
  private:
-  struct Sound;  // lets the state hear one moment
+  struct Play;  // passes one moment to the state
 
   void MoveTo(double position_s, double now_s);
-  void BeginAnew();
-  /// Says again what has an age, where pages count it wrongly by now.
+  void Reset();
+  /// Sends values with an age again, where pages count it wrongly by now.
   void Refresh(double now_s);
   void PutPlayback(double now_s);
   double ReceivedAt(double position_s, double now_s) const {

@@ -31,7 +31,7 @@ bool IsAnswer(const std::optional<Guidance>& before, const Guidance& now) {
   return same && now.answers_snapshot > before->answers_snapshot;
 }
 
-/// Nothing else that is recorded tells of these.
+/// The recording says this in no other way.
 bool IsOfControl(const OperatorRequest& request) {
   return std::holds_alternative<TakeControlRequest>(request.body) ||
          std::holds_alternative<ReleaseControlRequest>(request.body);
@@ -55,8 +55,8 @@ void TimelineBuilder::Follow(double wall_s) {
 void TimelineBuilder::MoveWith(const RobotState& state) {
   WorldMemory& world = worlds_[state.world];
   const RobotMemory& robot = robots_[state.robot];
-  const bool begins_anew = robot.heard && state.stamp < robot.stamp;
-  if (!world.stamp || begins_anew) {
+  const bool is_new_run = robot.reported && state.stamp < robot.stamp;
+  if (!world.stamp || is_new_run) {
     world.stamp = state.stamp;
     world.position_s = position_s_;
     world.newest = state.stamp;
@@ -66,13 +66,13 @@ void TimelineBuilder::MoveWith(const RobotState& state) {
   position_s_ = std::max(position_s_, world.position_s + since_s);
 }
 
-std::size_t TimelineBuilder::Add(Received heard) {
-  timeline_.moments.push_back({position_s_, Moment::kNever, std::move(heard)});
+std::size_t TimelineBuilder::Add(Received value) {
+  timeline_.moments.push_back({position_s_, Moment::kNever, std::move(value)});
   return timeline_.moments.size() - 1;
 }
 
-void TimelineBuilder::Add(const std::string& group, bool replaceable, Received heard) {
-  const std::size_t moment = Add(std::move(heard));
+void TimelineBuilder::Add(const std::string& group, bool replaceable, Received value) {
+  const std::size_t moment = Add(std::move(value));
   Replaceable& last = groups_[group];
   if (last.is) timeline_.moments[last.moment].replaced_by = moment;
   last = {moment, replaceable};
@@ -106,15 +106,15 @@ void TimelineBuilder::Receive(double wall_s, RobotState state) {
   MoveTo(wall_s);
   MoveWith(state);
   RobotMemory& robot = robots_[state.robot];
-  // Where it has been is told by the states in which it enters a cell.
+  // The trail needs the states in which it enters a cell.
   const bool moved =
-      !robot.heard || state.stamp < robot.stamp || state.cell_moves != robot.cell_moves;
-  if (robot.heard && state.goals_reached.size() > robot.goals_reached) {
+      !robot.reported || state.stamp < robot.stamp || state.cell_moves != robot.cell_moves;
+  if (robot.reported && state.goals_reached.size() > robot.goals_reached) {
     Mark(console::MARK_GOAL, state.robot,
          fmt::format("{} reached goal {} of {}", state.robot, state.goals_reached.size(),
                      state.goals_total));
   }
-  robot.heard = true;
+  robot.reported = true;
   robot.lost = false;
   robot.world = state.world;
   robot.stamp = state.stamp;
@@ -222,12 +222,12 @@ void TimelineBuilder::ReceiveFrame(double wall_s, StreamFrame frame) {
 void TimelineBuilder::Receive(double wall_s, AttentionQueueState queue) {
   Follow(wall_s);
   items_ = queue.items;
-  // The notice leaves the queue after a while; the robot is lost until it is heard again.
+  // The notice leaves the queue after a while; the robot is lost until it reports again.
   for (const AttentionItem& item : items_) {
     if (item.reason == AttentionReason::kLinkLost) robots_[item.robot].lost = true;
   }
   Add("attention", true, std::move(queue));
-  LookForAlerts(wall_s);
+  UpdateAlerts(wall_s);
 }
 
 void TimelineBuilder::Receive(double wall_s, StopOrder order) {
@@ -235,7 +235,7 @@ void TimelineBuilder::Receive(double wall_s, StopOrder order) {
   bool& stopped = robots_[order.robot].stopped;
   if (stopped != order.stopped) {
     const std::string text =
-        order.stopped ? StopText({order.robot}, order.reason) : GoText({order.robot});
+        order.stopped ? StopText({order.robot}, order.reason) : ResumeText({order.robot});
     AddEvent(wall_s, order.stopped ? console::EVENT_STOP : console::EVENT_GO, order.given_by,
              order.world, order.robot, text, order.revision);
   }
@@ -248,10 +248,10 @@ void TimelineBuilder::Receive(double wall_s, ServiceHealth health) {
   processes_[health.name] = {health, wall_s};
   const std::string group = "health/" + health.name;
   Add(group, true, std::move(health));
-  LookForAlerts(wall_s);
+  UpdateAlerts(wall_s);
 }
 
-void TimelineBuilder::LookForSilence(double wall_s) {
+void TimelineBuilder::CheckSilence(double wall_s) {
   for (auto& [name, process] : processes_) {
     if (wall_s - process.wall_s <= kSilentAfterS) continue;
     if (process.health.level == console::LEVEL_SILENT) continue;
@@ -264,14 +264,14 @@ void TimelineBuilder::LookForSilence(double wall_s) {
 std::vector<RobotCondition> TimelineBuilder::RobotConditions() const {
   std::vector<RobotCondition> conditions;
   for (const auto& [name, robot] : robots_) {
-    if (!robot.heard && !robot.lost) continue;
+    if (!robot.reported && !robot.lost) continue;
     conditions.push_back({name, robot.lost, Stands(items_, name)});
   }
   return conditions;
 }
 
-void TimelineBuilder::LookForAlerts(double wall_s) {
-  LookForSilence(wall_s);
+void TimelineBuilder::UpdateAlerts(double wall_s) {
+  CheckSilence(wall_s);
   std::vector<ProcessCondition> processes;
   for (const auto& [name, process] : processes_) {
     const console::Level level = process.health.level;
@@ -280,8 +280,8 @@ void TimelineBuilder::LookForAlerts(double wall_s) {
   }
   const Findings findings = FindingsOf(RobotConditions(), processes, std::nullopt);
   for (const Alert& alert : alerts_.Update(findings, position_s_).changed) {
-    std::uint32_t& told = alert_counts_[alert.id];
-    if (alert.active && alert.count > std::exchange(told, alert.count)) {
+    std::uint32_t& shown = alert_counts_[alert.id];
+    if (alert.active && alert.count > std::exchange(shown, alert.count)) {
       Mark(console::MARK_ALERT, alert.condition.source, alert.condition.text);
     }
     Add(alert);

@@ -20,7 +20,7 @@
 #include "operator/console/console_state.h"
 #include "operator/supervision/alerts.h"
 
-/// What a console hears of a run, one value for each message or conclusion.
+/// What a console receives of a run, one value for each message or conclusion.
 namespace conav::operators {
 
 struct SeenMap {
@@ -28,7 +28,7 @@ struct SeenMap {
   std::string world;
   MapUpdate map;
 };
-/// The map that the operator began with: it tells how large the world is.
+/// The map that the operator began with: it gives the size of the world.
 struct InitialMap {
   std::string world;
   MapUpdate map;
@@ -68,14 +68,14 @@ using Received =
                  GoalSet, SearchReport, Snapshot, SnapshotAnswered, StreamFrame,
                  AttentionQueueState, StopOrder, ServiceHealth, Alert, console::Event>;
 
-/// Something that was heard.
+/// Something that was received.
 struct Moment {
   static constexpr std::size_t kNever = std::numeric_limits<std::size_t>::max();
 
   double position_s = 0.0;
-  /// Number of the moment that says the same anew: whoever hears that one need not hear this one.
+  /// Number of a later moment that replaces this one: a seek beyond it skips this one.
   std::size_t replaced_by = kNever;
-  Received heard;
+  Received value;
 };
 
 /// A recorded run, all of it. Positions: s since its beginning.
@@ -86,12 +86,13 @@ struct Timeline {
   std::vector<console::Mark> marks;
 };
 
-/// Makes a timeline of what was said, in the order in which it was recorded, and of what the
-/// operator service concluded from it and did not say on the bus: the command log and the alerts.
+/// Makes a timeline of the recorded messages, and of what the operator service concluded from them
+/// and did not publish: the command log and the alerts. It derives these because old and headless
+/// recordings carry no console updates that could be played instead.
 ///
 /// It begins with the first thing of a world or a robot, behind the start of the processes.
-/// Positions go on with the wall time of the recording; where simulation time went on quicker, as in
-/// a run without a page, with that: it is played as quickly as the robots believed to move.
+/// Positions go on with the wall time of the recording; where simulation time went on quicker, as
+/// in a run without a page, with that: it is played as quickly as the robots believed to move.
 /// `wall_s`: s since 1970, when it was recorded.
 /// Threads: one.
 class TimelineBuilder {
@@ -125,10 +126,10 @@ class TimelineBuilder {
     SimTime stamp;
     std::uint64_t cell_moves = 0;
     std::size_t goals_reached = 0;
-    bool heard = false;
+    bool reported = false;
     std::optional<Guidance> guidance;
     bool stopped = false;
-    bool lost = false;  // as the attention queue told once
+    bool lost = false;  // the attention queue once said so
   };
   struct WorldMemory {
     std::optional<GridGeometry> geometry;
@@ -152,15 +153,15 @@ class TimelineBuilder {
   /// The same, but it does not begin the recording.
   void Follow(double wall_s);
   void MoveWith(const RobotState& state);
-  std::size_t Add(Received heard);
-  /// `replaceable`: void as soon as the next one of `group` is heard.
-  void Add(const std::string& group, bool replaceable, Received heard);
+  std::size_t Add(Received value);
+  /// `replaceable`: void as soon as the next one of `group` is added.
+  void Add(const std::string& group, bool replaceable, Received value);
   void Mark(console::MarkKind kind, const std::string& robot, std::string text);
   void AddEvent(double wall_s, console::EventKind kind, const std::string& client,
                 const std::string& world, const std::string& robot, std::string text,
                 std::uint64_t revision);
-  void LookForAlerts(double wall_s);
-  void LookForSilence(double wall_s);
+  void UpdateAlerts(double wall_s);
+  void CheckSilence(double wall_s);
   std::vector<RobotCondition> RobotConditions() const;
 
   Timeline timeline_;

@@ -26,7 +26,7 @@ struct OperatorClientOptions {
 /// How any client (console gateway, simulated operator) asks the operator service for something.
 ///
 /// Send() returns at once with the request's id; the request is repeated, unchanged, until its
-/// reply came or its deadline passed, and Poll() tells which. Repeats are harmless: the service
+/// reply came or its deadline passed, and Poll() says which. Repeats are harmless: the service
 /// knows (client, id). Wall time. When the deadline passes it is not known whether the request was
 /// carried out.
 /// Threads: not synchronised; one owner. Nothing blocks.

@@ -37,7 +37,7 @@ class CostField {
 struct PathPlannerParameters {
   /// Crossing a cell that the map shows as a wall costs this much more than a free one.
   double wall_crossing_cost = 10.0;
-  /// "tour": a path over all goals that are left; "next_goal": only as far as the tour's first
+  /// "tour": a path over all goals that are left; "next_goal": only up to the tour's first
   /// goal; "away": to the cell of the map that is farthest from the goals, to mislead on purpose.
   std::string horizon = "tour";
 
@@ -59,7 +59,7 @@ class PathPlanner {
   explicit PathPlanner(PathPlannerParameters parameters) : parameters_(std::move(parameters)) {}
 
   /// 4-connected cells from `start` on, `start` included; never through `impassable` cells (of
-  /// which the operator was told for certain) or the border. Goals that cannot be reached are left
+  /// which the operator knows for certain) or the border. Goals that cannot be reached are left
   /// out; without any the path is {start}. Errors: kOutOfRange for a start or goal outside of the
   /// map.
   [[nodiscard]] Result<std::vector<Cell>> Plan(const BeliefGrid& belief,

@@ -27,7 +27,7 @@ bool ContinuesWall(const BeliefGrid& belief, Cell cell) {
 
 }  // namespace
 
-/// One picture beside the map.
+/// One picture and the map.
 struct PictureReading::Look {
   const BeliefGrid& belief;
   const Snapshot& picture;
@@ -62,19 +62,20 @@ struct PictureReading::Look {
     });
     return edits;
   }
-  /// Cells beside those that the picture shows, flipped.
+  /// Cells next to those that the picture shows, flipped.
   std::vector<CellEdit> Guesses() const {
     std::set<Cell> shown(picture.visible.free.begin(), picture.visible.free.end());
     shown.insert(picture.visible.walls.begin(), picture.visible.walls.end());
-    std::set<Cell> beside;
+    std::set<Cell> near_cells;
     for (const Cell cell : shown) {
       for (const Cell offset : kNeighbourOffsets) {
         const Cell next = cell + offset;
-        if (Editable(next) && !shown.contains(next) && !driven.contains(next)) beside.insert(next);
+        if (Editable(next) && !shown.contains(next) && !driven.contains(next))
+          near_cells.insert(next);
       }
     }
     std::vector<CellEdit> guesses;
-    for (const Cell cell : beside) guesses.push_back({cell, !IsWall(belief, cell)});
+    for (const Cell cell : near_cells) guesses.push_back({cell, !IsWall(belief, cell)});
     return guesses;
   }
 };

@@ -34,7 +34,7 @@ struct PictureReaderParameters {
   double near_cells = 2.0;
   /// The picture is not looked at.
   double lapse_probability = 0.03;
-  /// A cell beside those that the picture shows is flipped for no reason.
+  /// A cell next to those that the picture shows is flipped for no reason.
   double guess_probability = 0.02;
   /// Nearest first, a person stops after so many edits to one picture.
   int edit_limit = 6;
@@ -42,8 +42,9 @@ struct PictureReaderParameters {
   void Visit(ConfigReader& reader);
 };
 
-/// What a synthetic person may do about one picture beside their map: worked out once, drawn as
-/// often as wanted. Threads: const and safe to call concurrently, with a Random each.
+/// What a synthetic person may do about one picture and their map: worked out once, drawn as
+/// often as wanted.
+/// Threads: const and safe to call concurrently, with a Random each.
 class PictureReading {
  public:
   /// Cells of the picture outside of the belief are ignored; `certain` cells are left as they are.
@@ -75,7 +76,7 @@ class PictureReading {
 
   PictureReaderParameters parameters_;
   std::vector<Discrepancy> discrepancies_;  // nearest first
-  std::vector<CellEdit> guesses_;           // beside what is shown, row-major
+  std::vector<CellEdit> guesses_;           // next to what is shown, row-major
 };
 
 /// Looks at a picture as people were seen to do, and says which cells of the map they would change:

@@ -12,7 +12,7 @@
 namespace conav::operators {
 namespace {
 
-/// Tells a synthetic person what came of its requests, and asks for what it wants next.
+/// Passes replies to a synthetic person, and sends its next request.
 /// Does not block.
 template <class Person>
 void AskThrough(OperatorClient& client, Person& person, const Clock& clock) {
@@ -28,8 +28,6 @@ void AskThrough(OperatorClient& client, Person& person, const Clock& clock) {
     std::visit([&](const auto& body) { client.Send(ask->world, body, ask->stamp); }, ask->body);
   }
 }
-
-constexpr auto kConvert = [](const auto& message) { return ToDomain(message); };
 
 }  // namespace
 
@@ -72,14 +70,14 @@ TeleoperatorTopics::~TeleoperatorTopics() = default;
 
 void TeleoperatorTopics::TakeIn() {
   for (const auto& world : worlds_) {
-    for (const Belief& belief : world->belief.TakeValid(kConvert)) person_.Receive(belief);
-    for (const MapUpdate& map : world->belief_map.TakeValid(kConvert)) {
+    for (const Belief& belief : world->belief.TakeValid(kToDomain)) person_.Receive(belief);
+    for (const MapUpdate& map : world->belief_map.TakeValid(kToDomain)) {
       person_.ReceiveCellSize(world->name, map.cell_size_m);
     }
   }
   for (const auto& robot : robots_) {
-    for (const RobotState& state : robot->state.TakeValid(kConvert)) person_.Receive(state);
-    for (const Snapshot& picture : robot->snapshot.TakeValid(kConvert)) person_.Receive(picture);
+    for (const RobotState& state : robot->state.TakeValid(kToDomain)) person_.Receive(state);
+    for (const Snapshot& picture : robot->snapshot.TakeValid(kToDomain)) person_.Receive(picture);
   }
 }
 
@@ -100,13 +98,13 @@ struct SimulatedOperatorService::RobotLink {
         snapshot(participant, bus::kSnapshot, name),
         attention(participant, bus::kAttention, name),
         guidance(participant, bus::kGuidance, name),
-        hold(participant, bus::kStopOrder, name) {}
+        stop(participant, bus::kStopOrder, name) {}
 
   bus::Subscriber<conav_msgs::msg::RobotState> state;
   bus::Subscriber<conav_msgs::msg::Snapshot> snapshot;
   bus::Subscriber<conav_msgs::msg::AttentionRequest> attention;
   bus::Subscriber<conav_msgs::msg::Guidance> guidance;
-  bus::Subscriber<conav_msgs::msg::StopOrder> hold;
+  bus::Subscriber<conav_msgs::msg::StopOrder> stop;
   bool stopped = false;
 };
 
@@ -166,24 +164,24 @@ void SimulatedOperatorService::Step() {
 void SimulatedOperatorService::TakeIn() {
   const auto now = clock_.Now();
   for (const auto& world : beliefs_) {
-    for (const Belief& belief : world->TakeValid(kConvert)) person_.Receive(belief);
+    for (const Belief& belief : world->TakeValid(kToDomain)) person_.Receive(belief);
   }
   for (const auto& robot : robots_) {
-    for (const Guidance& guidance : robot->guidance.TakeValid(kConvert)) person_.Receive(guidance);
-    for (const StopOrder& hold : robot->hold.TakeValid(kConvert)) robot->stopped = hold.stopped;
-    for (const RobotState& state : robot->state.TakeValid(kConvert)) {
+    for (const Guidance& guidance : robot->guidance.TakeValid(kToDomain)) person_.Receive(guidance);
+    for (const StopOrder& stop : robot->stop.TakeValid(kToDomain)) robot->stopped = stop.stopped;
+    for (const RobotState& state : robot->state.TakeValid(kToDomain)) {
       person_.Receive(state);
       person_.Receive(state.stamp);
     }
-    for (const Snapshot& picture : robot->snapshot.TakeValid(kConvert))
+    for (const Snapshot& picture : robot->snapshot.TakeValid(kToDomain))
       person_.Receive(picture, now);
-    for (const auto& request : robot->attention.TakeValid(kConvert)) person_.Receive(request, now);
+    for (const auto& request : robot->attention.TakeValid(kToDomain)) person_.Receive(request, now);
   }
   if (!queue_) return;
   for (const auto& message : clock_topic_->Take()) {
     if (const auto time = ToDomain(message.clock())) person_.Receive(*time);
   }
-  for (const AttentionQueueState& queue : queue_->TakeValid(kConvert)) person_.Receive(queue);
+  for (const AttentionQueueState& queue : queue_->TakeValid(kToDomain)) person_.Receive(queue);
 }
 
 Health SimulatedOperatorService::Report() const {
@@ -193,23 +191,23 @@ Health SimulatedOperatorService::Report() const {
     health.level = Health::Level::kWarning;
     health.message = "gave up on a request: " + counts.newest_problem;
   }
-  health.values = {{"open matters", std::to_string(person_.open())},
+  health.values = {{"open_items", std::to_string(person_.open())},
                    {"pictures", std::to_string(counts.pictures)},
-                   {"cells edited", std::to_string(counts.edits)},
-                   {"guidance given", std::to_string(counts.guidance)},
-                   {"requests refused", std::to_string(counts.refused)}};
+                   {"edited_cells", std::to_string(counts.edits)},
+                   {"given_guidance", std::to_string(counts.guidance)},
+                   {"refused_requests", std::to_string(counts.refused)}};
   return health;
 }
 
 Health SimulatedOperatorService::ReportTeleoperation() const {
   const SyntheticTeleoperator::Counts& counts = teleoperator_->person().counts();
   Health health{Health::Level::kOk, "synthetic person steers by keys", {}};
-  health.values = {{"robots with goals left", std::to_string(teleoperator_->person().open())},
+  health.values = {{"robots_with_goals_left", std::to_string(teleoperator_->person().open())},
                    {"keys", std::to_string(counts.keys)},
                    {"bumps", std::to_string(counts.bumps)},
                    {"meetings", std::to_string(counts.meetings)},
-                   {"cells edited", std::to_string(counts.edits)},
-                   {"requests refused", std::to_string(counts.refused)}};
+                   {"edited_cells", std::to_string(counts.edits)},
+                   {"refused_requests", std::to_string(counts.refused)}};
   return health;
 }
 

@@ -17,8 +17,8 @@
 
 namespace conav::operators {
 
-/// A synthetic teleoperator on the bus: hears what a console would show (the operator's map, where
-/// the robots are on it, what their streamed pictures show) and sends keys and edits through
+/// A synthetic teleoperator on the bus: receives what a console would show (the operator's map,
+/// where the robots are on it, what their streamed pictures show) and sends keys and edits through
 /// `client`, one at a time. Publishes nothing before all of that is there for each robot.
 /// Threads: one.
 class TeleoperatorTopics {
@@ -46,13 +46,13 @@ class TeleoperatorTopics {
   std::vector<std::unique_ptr<RobotLink>> robots_;
 };
 
-/// A synthetic person at the operator service's door: hears what a console would show, and asks
-/// through the same client API, by paths and edits or, as a teleoperator, by keys and edits.
+/// A synthetic person as a client of the operator service: receives what a console would show, and
+/// asks through the same client API, by paths and edits or, as a teleoperator, by keys and edits.
 ///
 /// With person.order "queue" the operator service's attention queue says what comes next. Publishes
 /// nothing before a robot's state and its world's belief arrived, and while all its robots are
-/// stopped; then requests, one at a time. When the operator service does not answer, it repeats, gives the matter up after
-/// person.attempts deadlines, and says so in /diagnostics.
+/// stopped; then requests, one at a time. When the operator service does not answer, it repeats,
+/// gives the item up after person.attempts deadlines, and says so in /diagnostics.
 /// Threads: one; Run() or repeated Step().
 class SimulatedOperatorService {
  public:

@@ -14,10 +14,11 @@
 
 namespace conav::operators {
 
-/// What a synthetic teleoperator has made out in the pictures of a stream, beside the map: cells
-/// noticed free, and walls, in which a wall must be noticed twice to be believed. A picture may not
-/// be looked at, a cell overlooked (the farther the more), a near wall taken for one a cell off, as
-/// the reader's parameters say; the next pictures put that right. What was driven through is free.
+/// What a synthetic teleoperator has made out in the pictures of a stream, in addition to the map:
+/// cells noticed free, and walls, in which a wall must be noticed twice to be believed. A picture
+/// may not be looked at, a cell overlooked (the farther the more), a near wall taken for one a cell
+/// off, as the reader's parameters say; the next pictures put that right. What was driven through
+/// is free.
 class StreamMemory {
  public:
   StreamMemory(int rows, int columns) : cells_(rows, columns) {}
@@ -87,7 +88,7 @@ struct SteeringParameters {
 ShownPose Expect(const SteeringParameters& parameters, ShownPose pose, DriveAction action);
 
 /// The key that leads along `path` (4-connected, from the robot's cell on): straight to the end of
-/// the first straight part, corners are cut no more than there is room for. kStop at the end of the
+/// the first straight part, corners are cut only where there is room. kStop at the end of the
 /// path. `to_centre`: back to the middle of the robot's own cell first, backward if that is nearer.
 DriveAction ChooseKey(const SteeringParameters& parameters, const GridGeometry& geometry,
                       const ShownPose& pose, std::span<const Cell> path, bool to_centre);

@@ -107,11 +107,10 @@ void SyntheticOperator::Receive(const AttentionRequest& attention, Clock::TimePo
   if (robot == nullptr || attention.reason == AttentionReason::kPicture) return;
   if (robot->attention == attention) return;  // repeated
   robot->attention = attention;
-  std::erase_if(queue_, [&](const Matter& matter) {  // what it asked before is out of date
-    return matter.robot == attention.robot &&
-           std::holds_alternative<AttentionRequest>(matter.occasion);
+  std::erase_if(queue_, [&](const Item& item) {  // what it asked before is out of date
+    return item.robot == attention.robot && std::holds_alternative<AttentionRequest>(item.occasion);
   });
-  if (attention.reason == AttentionReason::kNone) return;  // asks no more
+  if (attention.reason == AttentionReason::kNone) return;  // withdrawn
   queue_.push_back({.robot = attention.robot, .occasion = attention, .heard_at = now});
 }
 
@@ -121,19 +120,19 @@ void SyntheticOperator::Receive(const Guidance& guidance) {
 }
 
 void SyntheticOperator::Receive(const AttentionQueueState& queue) {
-  // A service that starts again counts anew.
+  // A service that restarts begins its count again.
   if (published_ && queue.revision < published_->revision) refused_at_ = 0;
   published_ = queue;
 }
 
 // --- deciding what comes next ----------------------------------------------------------------
 
-bool SyntheticOperator::Ready(const Matter& matter, Clock::TimePoint now) const {
-  const Robot& robot = robots_.at(matter.robot);
+bool SyntheticOperator::Ready(const Item& item, Clock::TimePoint now) const {
+  const Robot& robot = robots_.at(item.robot);
   if (!worlds_.at(robot.world).belief) return false;
-  const auto* attention = std::get_if<AttentionRequest>(&matter.occasion);
+  const auto* attention = std::get_if<AttentionRequest>(&item.occasion);
   if (attention == nullptr || ReadyForAttention(robot, *attention)) return true;
-  return robot.state && now >= After(matter.heard_at, parameters_.patience_s);
+  return robot.state && now >= After(item.heard_at, parameters_.patience_s);
 }
 
 bool SyntheticOperator::ReadyForAttention(const Robot& robot,
@@ -142,40 +141,40 @@ bool SyntheticOperator::ReadyForAttention(const Robot& robot,
          robot.looked_at >= attention.newest_snapshot;
 }
 
-std::deque<SyntheticOperator::Matter>::iterator SyntheticOperator::FirstOfQueue(
+std::deque<SyntheticOperator::Item>::iterator SyntheticOperator::FirstOfQueue(
     Clock::TimePoint now) {
   if (!published_ || published_->revision <= refused_at_) return queue_.end();
-  for (const AttentionItem& item : published_->items) {
-    if (!item.selected_by.empty()) continue;
-    const auto matter = std::find_if(queue_.begin(), queue_.end(), [&](const Matter& candidate) {
-      if (candidate.robot != item.robot || !Ready(candidate, now)) return false;
+  for (const AttentionItem& asked : published_->items) {
+    if (!asked.selected_by.empty()) continue;
+    const auto item = std::find_if(queue_.begin(), queue_.end(), [&](const Item& candidate) {
+      if (candidate.robot != asked.robot || !Ready(candidate, now)) return false;
       if (const auto* attention = std::get_if<AttentionRequest>(&candidate.occasion)) {
-        return attention->reason == item.reason;
+        return attention->reason == asked.reason;
       }
       const auto* picture = std::get_if<Snapshot>(&candidate.occasion);
-      return picture != nullptr ? item.reason == AttentionReason::kPicture &&
-                                      picture->sequence_number == item.newest_snapshot
-                                : item.reason == AttentionReason::kFirstPath;
+      return picture != nullptr ? asked.reason == AttentionReason::kPicture &&
+                                      picture->sequence_number == asked.newest_snapshot
+                                : asked.reason == AttentionReason::kFirstPath;
     });
-    if (matter == queue_.end()) continue;
-    matter->reason = item.reason;
-    return matter;
+    if (item == queue_.end()) continue;
+    item->reason = asked.reason;
+    return item;
   }
   return queue_.end();
 }
 
-SimTime SyntheticOperator::BusyUntil(const Matter& matter) {
+SimTime SyntheticOperator::BusyUntil(const Item& item) {
   const InteractionTimeParameters& times = parameters_.interaction;
-  const double draw = NormalDraw(robots_.at(matter.robot).interaction_times);
+  const double draw = NormalDraw(robots_.at(item.robot).interaction_times);
   const double spread = std::exp(times.log_sd * (draw - times.log_sd / 2.0));  // of mean 1
-  return operator_time_ + Seconds(MeanOf(matter.reason, times) * spread);
+  return operator_time_ + Seconds(MeanOf(item.reason, times) * spread);
 }
 
 bool SyntheticOperator::TakeUp(Clock::TimePoint now) {
   const auto next = FollowsQueue()
                         ? FirstOfQueue(now)
                         : std::find_if(queue_.begin(), queue_.end(),
-                                       [&](const Matter& matter) { return Ready(matter, now); });
+                                       [&](const Item& item) { return Ready(item, now); });
   if (next == queue_.end()) return false;
   current_ = std::move(*next);
   queue_.erase(next);
@@ -234,7 +233,7 @@ void SyntheticOperator::Answered(const Result<OperatorReply>& reply, Clock::Time
   }
   ++counts_.refused;
   counts_.newest_problem = reply ? reply->reason : reply.error().text;
-  // The longer it is refused, the less it asks: whoever has control of the robot may keep it.
+  // The longer it is refused, the less it asks: another client may keep control of the robot.
   const double pauses = std::exp2(std::min(current_->attempts, kMostDoublings));
   current_->not_before = After(now, pauses * parameters_.retry_pause_s);
   if (++current_->attempts < parameters_.attempts) return;
@@ -252,9 +251,9 @@ void SyntheticOperator::Finish() {
     Robot& robot = robots_.at(current_->robot);
     robot.looked_at = std::max(robot.looked_at, picture->sequence_number);
     std::erase_if(queue_,
-                  [&](const Matter& matter) {  // pictures that it went on without answers to
-                    const auto* older = std::get_if<Snapshot>(&matter.occasion);
-                    return FollowsQueue() && matter.robot == current_->robot && older != nullptr &&
+                  [&](const Item& item) {  // pictures that it went on without answers to
+                    const auto* older = std::get_if<Snapshot>(&item.occasion);
+                    return FollowsQueue() && item.robot == current_->robot && older != nullptr &&
                            older->sequence_number < picture->sequence_number;
                   });
   }
@@ -263,20 +262,19 @@ void SyntheticOperator::Finish() {
 
 // --- looking and answering -------------------------------------------------------------------
 
-void SyntheticOperator::Look(Matter& matter) {
-  Robot& robot = robots_.at(matter.robot);
-  matter.edits = EditsFor(matter, robot, worlds_.at(robot.world));
-  matter.looked = true;
+void SyntheticOperator::Look(Item& item) {
+  Robot& robot = robots_.at(item.robot);
+  item.edits = EditsFor(item, robot, worlds_.at(robot.world));
+  item.looked = true;
 }
 
-std::vector<CellEdit> SyntheticOperator::EditsFor(const Matter& matter, Robot& robot,
-                                                  World& world) {
-  if (const auto* picture = std::get_if<Snapshot>(&matter.occasion)) {
+std::vector<CellEdit> SyntheticOperator::EditsFor(const Item& item, Robot& robot, World& world) {
+  if (const auto* picture = std::get_if<Snapshot>(&item.occasion)) {
     ++counts_.pictures;
     if (IsGlance(*picture) && !robot.reader.Glances(parameters_.glance_rate)) return {};
     return robot.reader.Read(world.belief->wall_probability, *picture, world.certain_walls);
   }
-  if (const auto* attention = std::get_if<AttentionRequest>(&matter.occasion)) {
+  if (const auto* attention = std::get_if<AttentionRequest>(&item.occasion)) {
     std::vector<CellEdit> edits = MarkBlocked(*attention, robot, world);
     LookAtStream(robot, world, edits);
     return edits;
@@ -309,10 +307,10 @@ std::vector<CellEdit> SyntheticOperator::MarkBlocked(const AttentionRequest& att
   return {{attention.cell, true}};
 }
 
-std::optional<OperatorAsk> SyntheticOperator::EditAsk(const Matter& matter) const {
-  const Robot& robot = robots_.at(matter.robot);
+std::optional<OperatorAsk> SyntheticOperator::EditAsk(const Item& item) const {
+  const Robot& robot = robots_.at(item.robot);
   const Belief& belief = *worlds_.at(robot.world).belief;
-  EditRequest request{belief.revision, matter.edits};
+  EditRequest request{belief.revision, item.edits};
   std::erase_if(request.edits, [&](const CellEdit& edit) {
     return IsWall(belief.wall_probability, edit.cell) == edit.wall;
   });
@@ -320,20 +318,20 @@ std::optional<OperatorAsk> SyntheticOperator::EditAsk(const Matter& matter) cons
   return OperatorAsk{robot.world, robot.state ? robot.state->stamp : SimTime{}, request};
 }
 
-std::optional<OperatorAsk> SyntheticOperator::GuideAsk(const Matter& matter) {
-  const Robot& robot = robots_.at(matter.robot);
+std::optional<OperatorAsk> SyntheticOperator::GuideAsk(const Item& item) {
+  const Robot& robot = robots_.at(item.robot);
   const World& world = worlds_.at(robot.world);
-  const auto* picture = std::get_if<Snapshot>(&matter.occasion);
+  const auto* picture = std::get_if<Snapshot>(&item.occasion);
   if (picture != nullptr && IsGlance(*picture)) return std::nullopt;
-  // The picture itself tells where the robot is, unless a newer state is here already.
+  // The picture says where the robot is, unless a newer state is here already.
   const bool from_picture =
       picture != nullptr && (!robot.state || robot.state->stamp < picture->stamp);
   const Cell start = from_picture ? picture->cell : robot.state->cell;
   const std::vector<Cell>& goals = from_picture ? picture->goals_left : robot.state->goals_left;
 
-  GuideRequest request{matter.robot, {}, 0, parameters_.guidance_valid_s};
+  GuideRequest request{item.robot, {}, 0, parameters_.guidance_valid_s};
   if (picture != nullptr) request.answers_snapshot = picture->sequence_number;
-  if (std::holds_alternative<AttentionRequest>(matter.occasion)) {
+  if (std::holds_alternative<AttentionRequest>(item.occasion)) {
     request.answers_snapshot = robot.looked_at;
   }
   auto path = PathPlanner(parameters_.planner)

@@ -20,7 +20,7 @@
 
 namespace conav::operators {
 
-/// How long the person is occupied with a matter before its edit and path are sent: simulation time,
+/// How long the person is occupied with an item before its edit and path are sent: simulation time,
 /// log-normal with these means, fixed when log_sd is 0.
 struct InteractionTimeParameters {
   double picture_s = 0.0;
@@ -44,16 +44,16 @@ struct SyntheticOperatorParameters {
   double thinking_time_s = 0.0;
   /// How long guidance holds, simulation time.
   double guidance_valid_s = 1800.0;
-  /// A refused or unanswered request is asked anew after a pause, so often; each pause is twice as
+  /// A refused or unanswered request is repeated after a pause, so often; each pause is twice as
   /// long as the one before, up to 32 times the first. Wall time.
   double retry_pause_s = 0.1;
   int attempts = 50;
   /// How long an answer waits for a state or a picture that was announced but did not arrive. Wall
   /// time.
   double patience_s = 2.0;
-  /// What comes next: "heard" = in the order heard; "queue" = the first of the published attention
-  /// queue that can be dealt with, selected there first. Then streamed pictures are looked at only
-  /// while their robot is attended to.
+  /// What comes next: "heard" = in the order of arrival; "queue" = the first of the published
+  /// attention queue that can be dealt with, selected there first. Then streamed pictures are
+  /// looked at only while their robot is attended to.
   std::string order = "heard";
   /// In the order "queue".
   InteractionTimeParameters interaction;
@@ -61,8 +61,8 @@ struct SyntheticOperatorParameters {
   void Visit(ConfigReader& visitor);
 };
 
-/// Kinds of people: "careful" (the defaults), "hasty" (overlooks much, guesses, thinks as far as
-/// the next goal), "wrong" (on purpose: guesses only, and leads away from the goals), "silent".
+/// Kinds of people: "careful" (the defaults), "hasty" (overlooks much, guesses, plans to the next
+/// goal only), "wrong" (on purpose: guesses only, and leads away from the goals), "silent".
 const std::vector<std::string>& OperatorKinds();
 /// `kind` is one of them (demanded).
 SyntheticOperatorParameters ParametersOfKind(const std::string& kind);
@@ -75,9 +75,9 @@ struct OperatorAsk {
       body;  // the last with order "queue" only
 };
 
-/// One synthetic person who supervises several robots, one matter after the other.
+/// One synthetic person who supervises several robots, one item after the other.
 ///
-/// Hears what a console would show and says what to ask of the operator service:
+/// Receives what a console would show and decides what to ask of the operator service:
 ///   first path   when a robot's state and its world's belief are there: guidance, unasked.
 ///   picture      looks at it, edits the map if it is wrong, then ALWAYS gives guidance for it.
 ///   glance       a picture of a stream: now and then looks and edits; no guidance.
@@ -85,8 +85,8 @@ struct OperatorAsk {
 ///                the robot knows for certain; such a wall is remembered and never crossed or
 ///                removed again), then gives guidance. kPicture needs no answer besides the
 ///                picture's own.
-/// An edit that is refused because the map changed meanwhile is made again on the new map, as far
-/// as it is still a change.
+/// An edit that is refused because the map changed meanwhile is made again on the new map, where it
+/// is still a change.
 ///
 /// One request is under way at a time: after Next() gave one, Answered() must follow before the
 /// next.
@@ -101,7 +101,7 @@ class SyntheticOperator {
                     const std::map<std::string, std::string>& world_of_robot);
 
   /// Messages of robots and worlds that are not this person's are ignored. A state older than the
-  /// one before comes from a simulator that started anew: so does the person, for this robot.
+  /// one before comes from a new run: the person starts again for this robot.
   void Receive(const Belief& belief);
   void Receive(const RobotState& state);
   void Receive(const Snapshot& picture, Clock::TimePoint now);
@@ -123,16 +123,16 @@ class SyntheticOperator {
     std::uint64_t edits = 0;     // cells, accepted
     std::uint64_t guidance = 0;  // accepted
     std::uint64_t refused = 0;   // requests
-    std::uint64_t given_up = 0;  // matters left unfinished
+    std::uint64_t given_up = 0;  // items left unfinished
     std::string newest_problem;  // reason of the newest refusal or failure
   };
   const Counts& counts() const { return counts_; }
-  /// Matters waiting or in work.
+  /// Items waiting or in work.
   std::size_t open() const { return queue_.size() + (current_ ? 1 : 0); }
 
  private:
   struct FirstPath {};
-  struct Matter {
+  struct Item {
     std::string robot;
     std::variant<FirstPath, Snapshot, AttentionRequest> occasion;
     Clock::TimePoint heard_at{};
@@ -152,7 +152,7 @@ class SyntheticOperator {
     std::optional<RobotState> state;
     std::uint64_t looked_at = 0;  // sequence number of the newest picture that was dealt with
     std::uint64_t answered = 0;   // sequence number of the newest picture with guidance
-    std::optional<AttentionRequest> attention;  // newest heard
+    std::optional<AttentionRequest> attention;  // newest received
     std::optional<Snapshot> streamed;           // newest, with order "queue"
   };
   struct World {
@@ -162,29 +162,29 @@ class SyntheticOperator {
   };
 
   Robot* Find(const std::string& robot, const std::string& world);
-  bool Ready(const Matter& matter, Clock::TimePoint now) const;
+  bool Ready(const Item& item, Clock::TimePoint now) const;
   bool ReadyForAttention(const Robot& robot, const AttentionRequest& attention) const;
   bool TakeUp(Clock::TimePoint now);
   bool FollowsQueue() const { return parameters_.order == "queue"; }
   /// The first of the published queue that can be dealt with; queue_.end() when there is none.
-  std::deque<Matter>::iterator FirstOfQueue(Clock::TimePoint now);
-  SimTime BusyUntil(const Matter& matter);
+  std::deque<Item>::iterator FirstOfQueue(Clock::TimePoint now);
+  SimTime BusyUntil(const Item& item);
   void Selected(const Result<OperatorReply>& reply, Clock::TimePoint now);
-  void Look(Matter& matter);
-  std::vector<CellEdit> EditsFor(const Matter& matter, Robot& robot, World& world);
+  void Look(Item& item);
+  std::vector<CellEdit> EditsFor(const Item& item, Robot& robot, World& world);
   std::vector<CellEdit> MarkBlocked(const AttentionRequest& attention, const Robot& robot,
                                     World& world);
   /// With order "queue": what the newest streamed picture shows besides.
   void LookAtStream(Robot& robot, const World& world, std::vector<CellEdit>& edits);
-  std::optional<OperatorAsk> EditAsk(const Matter& matter) const;
-  std::optional<OperatorAsk> GuideAsk(const Matter& matter);
+  std::optional<OperatorAsk> EditAsk(const Item& item) const;
+  std::optional<OperatorAsk> GuideAsk(const Item& item);
   void Finish();
 
   SyntheticOperatorParameters parameters_;
   std::map<std::string, Robot> robots_;
   std::map<std::string, World> worlds_;
-  std::deque<Matter> queue_;  // in the order heard
-  std::optional<Matter> current_;
+  std::deque<Item> queue_;  // in the order of arrival
+  std::optional<Item> current_;
   std::optional<AttentionQueueState> published_;  // newest
   std::uint64_t refused_at_ = 0;                  // revision of the queue at a refused selection
   SimTime operator_time_;

@@ -59,7 +59,7 @@ void SyntheticTeleoperator::ReceiveCellSize(const std::string& world, double cel
 void SyntheticTeleoperator::Receive(const RobotState& state) {
   Robot* robot = Find(state.robot, state.world);
   if (robot == nullptr) return;
-  // A simulator that started anew: so does the person, for this robot.
+  // A new run of the simulator: the person starts again for this robot.
   if (robot->state && state.stamp < robot->state->stamp) {
     *robot = Robot{};
     robot->world = state.world;
@@ -175,13 +175,13 @@ Cell SyntheticTeleoperator::CellNow(const Robot& robot, const std::set<Cell>& wa
   return inside && !walls.contains(cell) ? cell : robot.state->cell;
 }
 
-/// The cells to steer along, from the robot's own on. Sends another robot on an errand where that
+/// The cells to steer along, from the robot's own on. Sends another robot on a task where that
 /// is what has to happen first; then the path is empty.
 std::vector<Cell> SyntheticTeleoperator::PathFor(const std::string& name, Robot& robot) {
   World& world = WorldOf(robot);
-  const bool errand = !errands_.empty() && errands_.front().robot == name;
+  const bool task = !tasks_.empty() && tasks_.front().robot == name;
   const std::vector<Cell> goals =
-      errand ? std::vector<Cell>{errands_.front().cell} : robot.state->goals_left;
+      task ? std::vector<Cell>{tasks_.front().cell} : robot.state->goals_left;
   if (goals.empty()) return {};
   const std::set<Cell> walls = world.seen->Walls();
   const std::set<Cell> others = CellsOfOthers(name, robot.world);
@@ -272,9 +272,9 @@ std::optional<OperatorAsk> SyntheticTeleoperator::AskFor(const std::string& name
                                                          Clock::TimePoint now) {
   Robot& robot = robots_.at(name);
   if (std::exchange(steered_, name) != name) Refresh(robot);
-  const std::size_t errands = errands_.size();
+  const std::size_t tasks = tasks_.size();
   Judge(name, robot);
-  if (errands_.size() != errands) return std::nullopt;
+  if (tasks_.size() != tasks) return std::nullopt;
   Look(robot);
   if (auto edit = MaybeEdit(robot)) return edit;
   const std::vector<Cell> path = PathFor(name, robot);
@@ -282,10 +282,10 @@ std::optional<OperatorAsk> SyntheticTeleoperator::AskFor(const std::string& name
   const GridGeometry geometry = GeometryOf(robot);
   const ShownPose pose = PoseNow(robot);
   if (OffCentre(geometry, pose.position, path.front()) < kBackInTheMiddle) robot.to_centre = false;
-  const bool park = path.size() == 1;  // at the end of an errand
+  const bool park = path.size() == 1;  // at the end of a task
   const DriveAction meant =
       ChooseKey(parameters_.steering, geometry, pose, path, robot.to_centre || park);
-  if (!errands_.empty() && errands_.front().robot == name) --errands_.front().keys_left;
+  if (!tasks_.empty() && tasks_.front().robot == name) --tasks_.front().keys_left;
   return Order(name, robot, Press(robot, meant), now);
 }
 

@@ -20,19 +20,19 @@ namespace conav::operators {
 /// One SYNTHETIC person who steers robots by keys, one robot at a time, four keys per second.
 ///
 /// Knows: the operator's map, which may be wrong; where it shows the robots; what the streamed
-/// pictures show, as far as noticed (StreamMemory); what a robot bumped into. Does not know the
+/// pictures show, where noticed (StreamMemory); what a robot bumped into. Does not know the
 /// truth. Plans over the goals on the map with what was seen, keeps to the way by keys (steering.h)
 /// after a reaction time, now and then presses a wrong key or holds one too long, and now and then
 /// corrects the map. Steers the first robot with goals left until it has none; where another robot
-/// stands in the way, drives that one aside first (making_room.h).
+/// stands in the way, drives that one aside first (teleoperator_tasks.h).
 ///
 /// The next key is chosen when the last one was carried out and its picture is here, so that with a
 /// simulator that runs as fast as it is commanded everything is the same for a seed; with several
-/// robots in a world, as far as their states arrive in one order. After a pause (wall time) a key
+/// robots in a world, when their states arrive in one order. After a pause (wall time) a key
 /// that was refused is pressed again, the same one where nothing has changed since (a service that
-/// has not heard of the robot yet, say); one that is not carried out is chosen anew.
-/// One request is under way at a time: after Next() gave one, Answered() must follow.
-/// Pure; threads: not synchronised. Source: paper section 6.2.
+/// has not received the robot's state yet, for example); one that is not carried out is chosen
+/// again. One request is under way at a time: after Next() gave one, Answered() must follow. Pure;
+/// threads: not synchronised. Source: paper section 6.2.
 class SyntheticTeleoperator {
  public:
   SyntheticTeleoperator(const SyntheticOperatorParameters& parameters, std::uint64_t seed,
@@ -64,7 +64,7 @@ class SyntheticTeleoperator {
     std::string world;
     std::optional<RobotState> state;
     std::uint64_t newest_picture = 0;  // sequence number
-    std::deque<Snapshot> unseen;       // heard, not looked at
+    std::deque<Snapshot> unseen;       // received, not looked at
     std::uint64_t order = 0;           // newest that was passed on; 0 = none of ours
     Clock::TimePoint ordered_at{};
     std::uint64_t judged_order = 0;  // whose outcome was looked at
@@ -96,7 +96,7 @@ class SyntheticTeleoperator {
   /// Another robot stands on cell `blocked` of `path`. False when nothing can be done about it.
   bool AskForRoom(const std::string& name, const Robot& robot, const std::vector<Cell>& path,
                   Cell blocked);
-  bool Arrived(const Errand& errand) const;
+  bool Arrived(const DriveTask& task) const;
 
   // looking, planning, pressing
   void Look(Robot& robot);
@@ -117,8 +117,8 @@ class SyntheticTeleoperator {
   Random random_;
   std::map<std::string, Robot> robots_;
   std::map<std::string, World> worlds_;
-  std::deque<Errand> errands_;  // to be done before going on
-  int errands_in_a_row_ = 0;    // since a goal was reached
+  std::deque<DriveTask> tasks_;  // to be done before going on
+  int tasks_in_a_row_ = 0;       // since a goal was reached
   std::size_t goals_left_ = 0;
   std::string steered_;
   std::optional<OperatorAsk> under_way_;

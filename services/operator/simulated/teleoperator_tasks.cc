@@ -43,7 +43,7 @@ std::vector<Cell> WayOut(const Meeting& meeting, Cell start, const std::set<Cell
 
 }  // namespace
 
-std::vector<Errand> MakeRoom(const Meeting& meeting) {
+std::vector<DriveTask> MakeRoom(const Meeting& meeting) {
   const auto off = [](const std::vector<Cell>& path) {
     return [&path](Cell cell) { return std::find(path.begin(), path.end(), cell) == path.end(); };
   };
@@ -66,9 +66,9 @@ std::vector<Errand> MakeRoom(const Meeting& meeting) {
 namespace conav::operators {
 namespace {
 
-/// After so many errands without a goal reached people try something else.
-constexpr int kManyErrands = 20;
-constexpr int kKeysOfErrand = 80;
+/// After so many tasks without a goal reached people try something else.
+constexpr int kManyTasks = 20;
+constexpr int kKeysOfTask = 80;
 /// Cells off the middle of its own within which a robot leaves the neighbours alone: 0.25 m of a
 /// cell's 2 m are its body's.
 constexpr double kOutOfTheWay = 0.3;
@@ -80,9 +80,9 @@ std::string SyntheticTeleoperator::Choose() {
   for (const auto& [name, robot] : robots_) {
     if (robot.state) left += robot.state->goals_left.size();
   }
-  if (left != std::exchange(goals_left_, left)) errands_in_a_row_ = 0;
-  while (!errands_.empty() && Arrived(errands_.front())) errands_.pop_front();
-  if (!errands_.empty()) return errands_.front().robot;
+  if (left != std::exchange(goals_left_, left)) tasks_in_a_row_ = 0;
+  while (!tasks_.empty() && Arrived(tasks_.front())) tasks_.pop_front();
+  if (!tasks_.empty()) return tasks_.front().robot;
   const auto busy = robots_.find(steered_);
   if (busy != robots_.end() && !busy->second.finished()) return steered_;
   for (const auto& [name, robot] : robots_) {
@@ -91,11 +91,11 @@ std::string SyntheticTeleoperator::Choose() {
   return "";
 }
 
-bool SyntheticTeleoperator::Arrived(const Errand& errand) const {
-  const Robot& robot = robots_.at(errand.robot);
-  return errand.keys_left <= 0 ||
-         (robot.state->cell == errand.cell &&
-          OffCentre(GeometryOf(robot), robot.state->position, errand.cell) < kOutOfTheWay);
+bool SyntheticTeleoperator::Arrived(const DriveTask& task) const {
+  const Robot& robot = robots_.at(task.robot);
+  return task.keys_left <= 0 ||
+         (robot.state->cell == task.cell &&
+          OffCentre(GeometryOf(robot), robot.state->position, task.cell) < kOutOfTheWay);
 }
 
 /// The robot found another one in or near a cell ahead.
@@ -118,10 +118,10 @@ void SyntheticTeleoperator::SendForRoom(const std::string& name, const Robot& ro
   // around, or away, which is found out when the path is drawn.
   const RobotState& other = *nearest->state;
   if (OffCentre(geometry, other.position, other.cell) >= kOutOfTheWay) {
-    errands_.push_front({other.robot, other.cell, kKeysOfErrand});
-    ++errands_in_a_row_;
-  } else if (!errands_.empty() && errands_.front().robot == name) {
-    errands_.pop_front();
+    tasks_.push_front({other.robot, other.cell, kKeysOfTask});
+    ++tasks_in_a_row_;
+  } else if (!tasks_.empty() && tasks_.front().robot == name) {
+    tasks_.pop_front();
     SendAnywhere(robot);
   }
 }
@@ -144,20 +144,20 @@ void SyntheticTeleoperator::SendAnywhere(const Robot& robot) {
       if (cell != from && inside && seen.IsFree(cell)) near.push_back(cell);
     }
   }
-  ++errands_in_a_row_;
+  ++tasks_in_a_row_;
   if (near.empty()) return;
   const auto last = static_cast<std::int64_t>(near.size()) - 1;
-  errands_.push_front(
-      {name, near[static_cast<std::size_t>(random_.Uniform(0, last))], kKeysOfErrand / 2});
+  tasks_.push_front(
+      {name, near[static_cast<std::size_t>(random_.Uniform(0, last))], kKeysOfTask / 2});
 }
 
 bool SyntheticTeleoperator::AskForRoom(const std::string& name, const Robot& robot,
                                        const std::vector<Cell>& path, Cell blocked) {
-  const bool errand = !errands_.empty() && errands_.front().robot == name;
+  const bool task = !tasks_.empty() && tasks_.front().robot == name;
   ++counts_.meetings;
-  if (errand || errands_in_a_row_ >= kManyErrands) {
-    if (errand) errands_.pop_front();
-    if (errands_in_a_row_ >= kManyErrands) errands_in_a_row_ = 0;
+  if (task || tasks_in_a_row_ >= kManyTasks) {
+    if (task) tasks_.pop_front();
+    if (tasks_in_a_row_ >= kManyTasks) tasks_in_a_row_ = 0;
     SendAnywhere(robot);
     return true;
   }
@@ -170,11 +170,11 @@ bool SyntheticTeleoperator::AskForRoom(const std::string& name, const Robot& rob
   const std::set<Cell> walls = world.seen->Walls();
   std::set<Cell> rest = CellsOfOthers(name, robot.world);
   rest.erase(blocked);
-  ++errands_in_a_row_;
-  const std::vector<Errand> errands =
+  ++tasks_in_a_row_;
+  const std::vector<DriveTask> tasks =
       MakeRoom({map, walls, name, path.front(), path, blocker->first, blocked, rest});
-  errands_.insert(errands_.begin(), errands.begin(), errands.end());
-  return !errands.empty();
+  tasks_.insert(tasks_.begin(), tasks.begin(), tasks.end());
+  return !tasks.empty();
 }
 
 }  // namespace conav::operators

@@ -10,11 +10,11 @@
 namespace conav::operators {
 
 /// A robot to be driven somewhere for the sake of another one.
-struct Errand {
+struct DriveTask {
   std::string robot;
   Cell cell;
   int keys_left = 80;  // then it is given up
-  bool operator==(const Errand&) const = default;
+  bool operator==(const DriveTask&) const = default;
 };
 
 /// Where robots stand, for the question who makes room.
@@ -32,6 +32,6 @@ struct Meeting {
 /// What to drive where so that `robot` can pass `blocker`, in order: the blocker off the path; or,
 /// where `robot` shuts it in, first `robot` off the blocker's way out. Empty when neither is
 /// possible on cells that the map shows free.
-std::vector<Errand> MakeRoom(const Meeting& meeting);
+std::vector<DriveTask> MakeRoom(const Meeting& meeting);
 
 }  // namespace conav::operators

@@ -13,7 +13,7 @@ void ServiceMonitor::Step() {
       services_[health.process] = {health.process, health.level, health.message, now, false};
     }
   }
-  for (auto& [name, service] : services_) service.silent = now - service.heard_at > kSilentAfter;
+  for (auto& [name, service] : services_) service.silent = now - service.received_at > kSilentAfter;
 }
 
 namespace {
@@ -30,8 +30,8 @@ std::vector<ProcessCondition> ProcessesOf(const std::map<std::string, ServiceSta
 }  // namespace
 
 AlertTopics::AlertTopics(BeliefStore& store) : store_(store) {
-  book_.Restore(store.alerts());
-  for (const auto& [id, alert] : book_.alerts()) changes_.push_back(alert);
+  registry_.Restore(store.alerts());
+  for (const auto& [id, alert] : registry_.alerts()) changes_.push_back(alert);
 }
 
 bool AlertTopics::Handles(const OperatorRequest& request) {
@@ -43,12 +43,12 @@ BeliefStore::Answer AlertTopics::Answer(const OperatorRequest& request, double n
   const auto* acknowledge = std::get_if<AcknowledgeRequest>(&request.body);
   const auto* shelve = std::get_if<ShelveRequest>(&request.body);
   const auto alert = acknowledge != nullptr
-                         ? book_.Acknowledge(acknowledge->alert, request.client, now_s)
-                         : book_.Shelve(shelve->alert, shelve->duration_s, now_s);
-  if (!alert) return {{request.client, request.request_id, false, alert.error().text, 0}};
+                         ? registry_.Acknowledge(acknowledge->alert, request.client, now_s)
+                         : registry_.Shelve(shelve->alert, shelve->duration_s, now_s);
+  if (!alert) return {Refusal(request, alert.error().text)};
   BeliefStore::Answer answer = store_.Keep(request, {}, {*alert});
   if (!answer.changed) return answer;
-  book_.Adopt(*alert);
+  registry_.Adopt(*alert);
   changes_.push_back(*alert);
   return answer;
 }
@@ -57,7 +57,7 @@ void AlertTopics::Update(const std::vector<RobotCondition>& robots,
                          const std::map<std::string, ServiceStatus>& services,
                          const std::optional<std::string>& storage_failure, double now_s) {
   const auto [changed, dropped] =
-      book_.Update(FindingsOf(robots, ProcessesOf(services), storage_failure), now_s);
+      registry_.Update(FindingsOf(robots, ProcessesOf(services), storage_failure), now_s);
   if (changed.empty() && dropped.empty()) return;
   // That the disk fails is an alert, too: shown although it cannot be stored.
   if (const auto saved = store_.SaveAlerts(changed, dropped); !saved) {

@@ -15,12 +15,12 @@
 
 namespace conav::operators {
 
-/// How a process is, as it said last on /diagnostics.
+/// The newest report of a process on /diagnostics.
 struct ServiceStatus {
   std::string name;
   Health::Level level = Health::Level::kOk;
   std::string message;
-  Clock::TimePoint heard_at{};
+  Clock::TimePoint received_at{};
   bool silent = false;  // for longer than kSilentAfter
 };
 
@@ -51,7 +51,7 @@ class AlertTopics {
   static bool Handles(const OperatorRequest& request);
   /// Requires Handles(request), and that it is no repeat. `now_s`: wall time.
   BeliefStore::Answer Answer(const OperatorRequest& request, double now_s);
-  /// All that was looked at.
+  /// Raises and ends alerts.
   void Update(const std::vector<RobotCondition>& robots,
               const std::map<std::string, ServiceStatus>& services,
               const std::optional<std::string>& storage_failure, double now_s);
@@ -60,7 +60,7 @@ class AlertTopics {
 
  private:
   BeliefStore& store_;
-  AlertRegistry book_;
+  AlertRegistry registry_;
   std::vector<Alert> changes_;
 };
 

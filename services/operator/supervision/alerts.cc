@@ -9,20 +9,20 @@ namespace conav::operators {
 namespace {
 
 Condition LostLink(const std::string& robot) {
-  return {"link/" + robot, Severity::kAlarm, robot,
-          fmt::format("nothing is heard of {} any more", robot),
-          "Look at its last known place. Is its simulator or radio alive?"};
+  return {"link/" + robot, Severity::kAlarm, robot, fmt::format("{} is no longer connected", robot),
+          "Look at its last known place. Check that its simulator and radio are alive."};
 }
 
 Condition FailedCommand(const std::string& robot) {
   return {"command/" + robot, Severity::kWarning, robot,
-          fmt::format("{} stands: its command was refused or expired", robot),
-          "Is its planner alive? Draw it another path, or stop it."};
+          fmt::format("{} is standing still: its command was refused or expired", robot),
+          "Check that its planner is alive. Draw it another path, or stop it."};
 }
 
 Condition Silence(const ProcessCondition& process) {
   return {"silent/" + process.name, Severity::kWarning, process.name,
-          fmt::format("{} is silent", process.name), "Is the process, or its host, alive?"};
+          fmt::format("{} is silent", process.name),
+          "Check that the process and its host are alive."};
 }
 
 Condition Illness(const ProcessCondition& process) {
@@ -32,7 +32,7 @@ Condition Illness(const ProcessCondition& process) {
 
 Condition FailedStorage(const std::string& failure) {
   return {"storage", Severity::kAlarm, "operator", "edits and paths cannot be stored: " + failure,
-          "Make room on the disk; nothing that was accepted is lost."};
+          "Free space on the disk. Nothing that was accepted is lost."};
 }
 
 void Add(Findings& findings, bool wrong, Condition condition) {
@@ -72,7 +72,7 @@ Findings FindingsOf(const std::vector<RobotCondition>& robots,
 namespace {
 
 tl::unexpected<Error> Unknown(std::uint64_t id) {
-  return Fail(ErrorCode::kNotFound, fmt::format("alert {} is not known here", id));
+  return Fail(ErrorCode::kNotFound, fmt::format("alert {} is unknown", id));
 }
 
 }  // namespace

@@ -14,20 +14,20 @@
 
 namespace conav::operators {
 
-/// How a robot that was heard of is, as far as it is worth an alert.
+/// What may raise an alert about a robot that has reported.
 struct RobotCondition {
   std::string name;
-  bool lost = false;    // nobody publishes it any more
+  bool lost = false;    // its publisher is gone
   bool stands = false;  // its command was refused or expired
 };
 
-/// A process that says nothing on /diagnostics for longer is silent.
+/// A process without a report on /diagnostics for longer than this is silent.
 inline constexpr std::chrono::seconds kSilentAfter{5};
 
-/// Whether it stands, by what asks for the operator.
+/// Whether the attention queue says that its command failed.
 bool Stands(const std::vector<AttentionItem>& items, const std::string& robot);
 
-/// How a process is, as far as it is worth an alert.
+/// What may raise an alert about a process.
 struct ProcessCondition {
   std::string name;
   bool failed = false;
@@ -35,35 +35,34 @@ struct ProcessCondition {
   std::string message;
 };
 
-/// What is wrong now, of what the operator service sees: robots that stand for want of a command or
-/// are not heard of any more, processes that are ill or silent, and its own disk. What robots ask is
-/// no alert: that is the attention queue's. `storage_failure`: empty = the disk is well; nothing =
-/// nothing was written yet.
+/// What is wrong now: robots whose command failed or whose link is lost, processes with an error or
+/// silent, and the operator service's own disk. Questions of robots are items of the attention
+/// queue instead. `storage_failure`: empty = the disk is well; nothing = nothing was written yet.
 Findings FindingsOf(const std::vector<RobotCondition>& robots,
                     const std::vector<ProcessCondition>& processes,
                     const std::optional<std::string>& storage_failure);
 
-/// The alerts of a run: one for each matter, however often it comes and goes (ISA 18.2: no
-/// chattering), until somebody has acknowledged it and it is over.
+/// The alerts of a run: one for each condition, however often it comes and goes (ISA 18.2: no
+/// chattering), until it is acknowledged and over.
 ///
-/// A matter that comes back while its alert is still there raises that one again: the count goes up,
-/// and it has to be acknowledged again. One that was acknowledged and was seen to be over is history;
-/// the next time is a new alert. Of history the newest kHistoryKept are kept.
-/// Pure; threads: not synchronised. Times: wall time, s since 1970.
+/// A condition that returns while its alert is still there raises that one again: the count goes
+/// up, and it has to be acknowledged again. One that was acknowledged and was seen to be over is
+/// history; the next time is a new alert. Of history the newest kHistoryKept are kept. Pure;
+/// threads: not synchronised. Times: wall time, s since 1970.
 class AlertRegistry {
  public:
   static constexpr std::size_t kHistoryKept = 200;
 
   struct Changes {
     std::vector<Alert> changed;          // as they are now
-    std::vector<std::uint64_t> dropped;  // history that is not kept any more
+    std::vector<std::uint64_t> dropped;  // history that is no longer stored
   };
 
   static bool IsHistory(const Alert& alert) {
     return !alert.active && !alert.acknowledged_by.empty();
   }
 
-  /// What was stored. What was true then is true until Update() knows better.
+  /// Restores what was stored; it counts until Update() knows better.
   void Restore(std::vector<Alert> alerts);
 
   /// What this changes.

@@ -136,12 +136,12 @@ void InteractionTimes::Replace(AttentionReason reason, double before_s, double n
 
 double InteractionTimes::Expected(AttentionReason reason) const {
   const auto found = sums_.find(reason);
-  const Sums heard = found == sums_.end() ? Sums{} : found->second;
+  const Sums measured = found == sums_.end() ? Sums{} : found->second;
   const double prior_log = LogOf(priors_.MedianOf(reason));
-  const double count = priors_.weight + heard.count;
-  const double mean = (priors_.weight * prior_log + heard.logs) / count;
+  const double count = priors_.weight + measured.count;
+  const double mean = (priors_.weight * prior_log + measured.logs) / count;
   const double squares =
-      priors_.weight * (priors_.log_sd * priors_.log_sd + prior_log * prior_log) + heard.squares;
+      priors_.weight * (priors_.log_sd * priors_.log_sd + prior_log * prior_log) + measured.squares;
   const double variance = std::max(0.0, squares / count - mean * mean);
   return std::exp(mean + variance / 2.0);
 }
@@ -318,10 +318,10 @@ Result<AttentionItem> AttentionQueue::Select(const std::string& client, const Se
   AttentionItem* item = Find(select.robot, select.reason);
   if (item == nullptr) {
     return Fail(ErrorCode::kRefused,
-                fmt::format("robot '{}' does not ask for that any more", select.robot));
+                fmt::format("robot '{}' no longer asks for that", select.robot));
   }
   if (!item->selected_by.empty() && item->selected_by != client) {
-    return Fail(ErrorCode::kRefused, fmt::format("{} works on that of robot '{}' already",
+    return Fail(ErrorCode::kRefused, fmt::format("{} already works on the request of robot '{}'",
                                                  item->selected_by, select.robot));
   }
   for (AttentionItem& other : items_) {

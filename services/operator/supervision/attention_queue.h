@@ -39,7 +39,7 @@ struct AttentionOptions {
   double dwell_s = 10.0;
   /// nearest_deadline: of questions that state none, counted from when they were asked.
   double default_deadline_s = 120.0;
-  /// Reward units per second, where nobody says what waiting costs.
+  /// Reward units per second, where the cost of waiting is not given.
   double default_value_lost_per_s = 1.0;
   /// A lost link and reached goals are shown for so long, or until they are selected.
   double notice_s = 60.0;
@@ -54,24 +54,22 @@ struct AttentionOptions {
 
 }  // namespace conav::operators
 
-/// In which order matters are put before the operator.
+/// The order of the attention queue.
 ///
 ///   priority          the tier first, then the c-mu index: value lost per second over the expected
 ///                     interaction time. In a queue with linear waiting costs and one server, this
-///                     order has the least expected cost (D. R. Cox and W. L. Smith, "Queues", 1961,
-///                     section 3.3). Robots that stop asking while they wait make the source finite,
-///                     for which it is a heuristic.
-///   fifo              in the order asked.
-///   nearest_deadline  what gives up first comes first (Jackson's rule, 1955). Questions that wait
-///                     for ever have a deadline default_deadline_s after they were asked; notices
-///                     come last. Where a robot waits by the wall clock, its seconds are taken for
-///                     those of the operator's time.
+// / order has the least expected cost (D. R. Cox and W. L. Smith, "Queues", 1961, / section 3.3).
+// Robots that stop asking while they wait make the source finite, / for which it is a heuristic. /
+// fifo in the order of arrival. / nearest_deadline what gives up first comes first (Jackson's rule,
+// 1955). Questions that wait / for ever have a deadline default_deadline_s after they were asked;
+// notices / come last. Where a robot waits by the wall clock, its seconds are taken for / those of
+// the operator's time.
 namespace conav::operators {
 
 /// The names above.
 const std::vector<std::string>& AttentionOrders();
 
-/// 1 = first: the robot stands for want of a command that works; 2 link lost; 3 blocked or without
+/// 1 = first: the robot is standing because its command failed; 2 link lost; 3 blocked or without
 /// a path, and asking; 4 a picture, which shows where the maps differ; 5 for information.
 std::uint8_t TierOf(AttentionReason reason);
 /// Whether the robot itself waits for an answer.
@@ -84,7 +82,7 @@ bool ComesBefore(const AttentionItem& a, const AttentionItem& b, const Attention
 /// Sorts by ComesBefore.
 void SortItems(std::vector<AttentionItem>& items, const AttentionOptions& options);
 
-/// How long this operator will need for a matter, learnt from how long such matters took.
+/// Predicts how long the operator will need for an item, from how long such items took.
 ///
 /// Interaction times are taken to be log-normal, as service times of people are (for example Nehme,
 /// "Modeling human supervisory control in heterogeneous unmanned vehicle systems", MIT 2009). The
@@ -112,10 +110,10 @@ class InteractionTimes {
   std::map<AttentionReason, Sums> sums_;
 };
 
-/// What asks for the operator, in order: at most one item for each robot and reason.
+/// The attention queue, highest priority first: at most one item for each robot and reason.
 ///
 ///   comes when                                   leaves when
-///   picture, blocked,   the robot asks           answered by guidance, asked no more, answer timeout,
+///   picture, blocked,   the robot asks           answered by guidance, withdrawn, answer timeout,
 ///   no guidance                                  the robot's planner is gone
 ///   first path          a robot with goals was   guidance
 ///                       never guided nor driven
@@ -124,33 +122,33 @@ class InteractionTimes {
 ///   goals reached       none are left            selected, or notice_s passed
 ///
 /// Whatever a robot asked leaves with its link and when it has no goals left. An edit alone answers
-/// nothing: the robot still waits for a path. Asked again, an item keeps its place in time and takes
-/// the newer numbers. The first item stays first until another one of its tier is clearly better
-/// (hysteresis) or it has dwelt there; a higher tier goes first at once.
-/// Times are the operator's. Pure; threads: not synchronised.
+/// nothing: the robot still waits for a path. Asked again, an item keeps its place in time and
+/// takes the newer numbers. The first item stays first until another one of its tier is clearly
+/// better (hysteresis) or it has dwelt there; a higher tier goes first at once. Times are the
+/// operator's. Pure; threads: not synchronised.
 class AttentionQueue {
  public:
   explicit AttentionQueue(const AttentionOptions& options) : options_(options) {}
 
   void Receive(const AttentionRequest& request, SimTime now);
-  /// Also tells that the link is there.
+  /// Also restores the link.
   void Receive(const RobotState& state, SimTime now);
   /// `guidance` was accepted, or is found in the database. One without a path that answers no
   /// picture answers nothing.
   void Receive(const Guidance& guidance, SimTime now);
   void LoseLink(const std::string& robot, SimTime now);
-  /// Nobody is there any more who would act on an answer to what the robot asked.
+  /// The planner that would act on an answer is gone.
   void LosePlanner(const std::string& robot, SimTime now);
-  /// Errors: kRefused, with a reason for the person: there is no such item, somebody else works on
-  /// it. A notice leaves with its selection.
+  /// Errors: kRefused, with a reason for the person: there is no such item, or another client works
+  /// on it. A notice leaves with its selection.
   [[nodiscard]] Result<AttentionItem> Select(const std::string& client, const SelectRequest& select,
                                              SimTime now);
-  /// Lets go of what has timed out, and sorts. Call it before items().
+  /// Removes what has timed out, and sorts. Call it before items().
   void Update(const InteractionTimes& times, SimTime now);
 
-  /// First first, as of the last Update().
+  /// Highest priority first, as of the last Update().
   const std::vector<AttentionItem>& items() const { return items_; }
-  /// Robots that have been heard of, have goals left and have a link.
+  /// Robots that have reported, have goals left and have a link.
   std::size_t robots_at_work() const;
   /// Of these, those that wait with a question that nobody has selected.
   std::size_t robots_waiting() const;

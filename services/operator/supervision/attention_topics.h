@@ -17,9 +17,9 @@ namespace conav::operators {
 /// The operator service's attention queue on the bus: keeps it, measures the operator's work on it,
 /// publishes both.
 ///
-/// Publishes an empty queue at once; then the queue whenever an item has come, gone or moved, and at
-/// least each second (wall time) for the measures. Selections are not stored: they change nothing
-/// that has to outlive the service.
+/// Publishes an empty queue at once; then the queue whenever an item has come, gone or moved, and
+/// at least each second (wall time) for the measures. Selections are not stored: they change
+/// nothing that has to outlive the service.
 /// Threads: one, the service's.
 class AttentionTopics {
  public:
@@ -49,7 +49,7 @@ class AttentionTopics {
   const std::vector<AttentionItem>& items() const { return queue_.items(); }
 
  private:
-  /// The meter hears of a question before it hears what became of it.
+  /// Passes new questions to the meter, before what becomes of them.
   void TakeArrivals(SimTime now);
   void Publish(SimTime now);
 

@@ -20,12 +20,12 @@ ControlRegistry::ControlRegistry(const std::map<std::string, std::string>& world
   for (const auto& [name, world] : world_of_robot) {
     Robot& robot = robots_[name];
     robot.world = world;
-    robot.hold.world = world;
-    robot.hold.robot = name;
+    robot.stop.world = world;
+    robot.stop.robot = name;
     if (!options.start_stopped) continue;
-    robot.hold.revision = 1;
-    robot.hold.stopped = true;
-    robot.hold.reason = "waits for somebody to let it go";
+    robot.stop.revision = 1;
+    robot.stop.stopped = true;
+    robot.stop.reason = "stopped until somebody resumes it";
   }
 }
 
@@ -63,7 +63,7 @@ Result<std::vector<std::string>> ControlRegistry::Resolve(
   if (names.empty()) return all;
   for (const std::string& name : names) {
     if (!robots_.contains(name)) {
-      return Fail(ErrorCode::kNotFound, fmt::format("robot '{}' is not known here", name));
+      return Fail(ErrorCode::kNotFound, fmt::format("robot '{}' is unknown", name));
     }
   }
   return names;
@@ -126,7 +126,7 @@ Result<std::vector<StopOrder>> ControlRegistry::SetStopped(const std::vector<std
   if (!resolved) return tl::unexpected(resolved.error());
   std::vector<StopOrder> orders;
   for (const std::string& name : *resolved) {
-    const StopOrder& last = robots_.at(name).hold;
+    const StopOrder& last = robots_.at(name).stop;
     if (last.stopped == stopped) continue;
     orders.push_back({now, last.world, name, last.revision + 1, stopped, client, reason});
   }
@@ -147,7 +147,7 @@ Result<std::vector<StopOrder>> ControlRegistry::Go(const std::string& client,
 void ControlRegistry::Adopt(const StopOrder& order) {
   const auto found = robots_.find(order.robot);
   if (found == robots_.end()) return;
-  found->second.hold = order;
+  found->second.stop = order;
   ++version_;
 }
 

@@ -15,9 +15,9 @@ namespace conav::operators {
 /// Section `operator.control:`.
 struct ControlOptions {
   /// A client that has taken control of robots, and neither asks for anything nor uses its page for
-  /// so long, loses it (wall time). Pages tell of their use every 5 s.
+  /// so long, loses it (wall time). Pages report their use every 5 s.
   double control_s = 60.0;
-  /// Robots stand until somebody lets them go, unless the database says that somebody did.
+  /// Robots are stopped until somebody resumes them, unless the database says that somebody did.
   bool start_stopped = false;
 
   void Visit(ConfigReader& reader) {
@@ -30,15 +30,15 @@ struct ControlOptions {
 ///
 /// Nobody has control of a robot at first, and every operator may command it. A client that takes
 /// control commands it alone until it releases it, does nothing for `control_s`, or another
-/// client takes over, which must say why. Stopping needs no control: anyone may, and anyone may let
-/// go. While one client has control of all robots of a world, its map is that client's, too.
+/// client takes over, which must say why. Stopping needs no control: anyone may stop and resume
+/// robots. While one client has control of all robots of a world, its map is that client's, too.
 ///
 /// `now`: wall time. Pure; threads: not synchronised.
 class ControlRegistry {
  public:
   struct Robot {
     std::string world;
-    StopOrder hold;  // revision 0 = never stopped
+    StopOrder stop;  // revision 0 = never stopped
     std::string holder;
     std::string reason;
     Clock::TimePoint held_until{};
@@ -51,7 +51,7 @@ class ControlRegistry {
                            Clock::TimePoint now) const;
   std::string CheckEdit(const std::string& client, const std::string& world,
                         Clock::TimePoint now) const;
-  /// `client` is at work: what it controls stays its.
+  /// `client` is active: it keeps control.
   void Renew(const std::string& client, Clock::TimePoint now);
 
   /// Errors: kNotFound names a robot that is not known; kRefused: another client has control and no
@@ -62,11 +62,11 @@ class ControlRegistry {
                                      const ReleaseControlRequest& request);
   /// `client` has gone.
   void ReleaseAll(const std::string& client);
-  /// Takes control from those who asked for nothing for too long.
+  /// Takes control from clients that were idle for too long.
   void Expire(Clock::TimePoint now);
 
-  /// The orders that it takes to stop these robots, or to let them go; none for those that stand, or
-  /// go, already. They count once they are adopted. Errors: kNotFound.
+  /// The orders that stop or resume these robots; none for robots that are stopped, or not stopped,
+  /// already. They count once they are adopted. Errors: kNotFound.
   [[nodiscard]] Result<std::vector<StopOrder>> Stop(const std::string& client,
                                                     const StopRequest& request, SimTime now) const;
   [[nodiscard]] Result<std::vector<StopOrder>> Go(const std::string& client,

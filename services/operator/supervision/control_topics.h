@@ -14,10 +14,10 @@
 
 namespace conav::operators {
 
-/// The operator service's word on who commands which robot, and which robots stand (ControlRegistry): on
-/// disk first, then on the bus. After a restart stopped robots stay stopped; control is taken anew.
+/// Control and stops of robots (ControlRegistry): on disk first, then on the bus. After a restart
+/// stopped robots stay stopped; nobody has control.
 ///
-/// Publishes a robot's newest hold order at once, when there is one.
+/// Publishes a robot's newest stop order at once, when there is one.
 /// Threads: one, the service's.
 class ControlTopics {
  public:
@@ -30,24 +30,24 @@ class ControlTopics {
   BeliefStore::Answer Answer(const OperatorRequest& request, SimTime now);
   /// Why another client's control forbids `request`; empty = it does not.
   std::string CheckAllowed(const OperatorRequest& request) const;
-  /// `client` asked for something, whatever it is, that was not refused for want of control.
-  void Renew(const std::string& client) { book_.Renew(client, clock_.Now()); }
-  void Leave(const std::string& client) { book_.ReleaseAll(client); }
-  void Step() { book_.Expire(clock_.Now()); }
+  /// A request of `client` was not refused because of another client's control.
+  void Renew(const std::string& client) { registry_.Renew(client, clock_.Now()); }
+  void Leave(const std::string& client) { registry_.ReleaseAll(client); }
+  void Step() { registry_.Expire(clock_.Now()); }
 
-  const ControlRegistry& book() const { return book_; }
+  const ControlRegistry& registry() const { return registry_; }
 
  private:
   using StopPublisher = bus::Publisher<conav_msgs::msg::StopOrder>;
 
   Result<std::vector<StopOrder>> Decide(const OperatorRequest& request, SimTime now,
-                                        ControlRegistry& book) const;
+                                        ControlRegistry& registry) const;
   void Publish(const StopOrder& order);
 
   BeliefStore& store_;
   const Clock& clock_;
-  ControlRegistry book_;
-  std::map<std::string, std::unique_ptr<StopPublisher>> holds_;  // by robot
+  ControlRegistry registry_;
+  std::map<std::string, std::unique_ptr<StopPublisher>> stops_;  // by robot
 };
 
 }  // namespace conav::operators

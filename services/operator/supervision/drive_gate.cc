@@ -9,7 +9,7 @@
 namespace conav::operators {
 namespace {
 
-/// A client that was not heard of for so long repeats nothing any more.
+/// A client that was silent for so long no longer repeats requests.
 constexpr std::chrono::seconds kClientMemory{60};
 
 }  // namespace
@@ -22,7 +22,7 @@ DriveGate::DriveGate(std::map<std::string, std::string> world_of_robot, DriveGat
 void DriveGate::Receive(const RobotState& state) {
   const auto robot = robots_.find(state.robot);
   if (robot == robots_.end() || robot->second.world != state.world) return;
-  robot->second.heard = true;
+  robot->second.reported = true;
   robot->second.newest_order = std::max(robot->second.newest_order, state.drive_order);
 }
 
@@ -41,7 +41,7 @@ std::optional<std::string> DriveGate::CheckAllowed(const OperatorRequest& reques
   if (robot == robots_.end() || robot->second.world != request.world) {
     return fmt::format("robot {} is not in world {}", drive.robot, request.world);
   }
-  if (!robot->second.heard) return fmt::format("robot {} has not reported yet", drive.robot);
+  if (!robot->second.reported) return fmt::format("robot {} has not reported yet", drive.robot);
   if (drive.expires_at <= now) {
     return fmt::format("expired at {:.3f} s, it is {:.3f} s", drive.expires_at.ToSeconds(),
                        now.ToSeconds());
@@ -63,9 +63,9 @@ DriveGate::Answer DriveGate::Handle(const OperatorRequest& request, SimTime now,
   DEMAND(drive != nullptr);
   ForgetOldClients(wall);
   Client& client = clients_[request.client];
-  client.heard_at = wall;
+  client.newest_at = wall;
   if (request.request_id == client.newest_request) return {client.reply, std::nullopt};
-  Answer answer{{request.client, request.request_id, false, "", 0}, std::nullopt};
+  Answer answer{Refusal(request, ""), std::nullopt};
   if (request.request_id < client.newest_request) {
     answer.reply.reason =
         fmt::format("older than request {} of this client", client.newest_request);
@@ -92,7 +92,7 @@ DriveGate::Answer DriveGate::Handle(const OperatorRequest& request, SimTime now,
 
 void DriveGate::ForgetOldClients(Clock::TimePoint wall) {
   std::erase_if(clients_,
-                [&](const auto& entry) { return wall - entry.second.heard_at > kClientMemory; });
+                [&](const auto& entry) { return wall - entry.second.newest_at > kClientMemory; });
 }
 
 const OperatorRequest* ReplacedBy(const std::vector<OperatorRequest>& requests, std::size_t index) {

@@ -12,11 +12,10 @@
 
 namespace conav::operators {
 
-/// What became of the requests: counts them, and writes them to the process's log, refusals at most
-/// once a second.
+/// Counts decided requests and writes them to the process's log, refusals at most once a second.
 ///
 /// A refusal that is not stored is decided again when its request is repeated; the newest of them
-/// are remembered here, so that it is told once.
+/// are remembered here, so that each is logged once.
 /// Threads: one, the service's.
 class RequestLog {
  public:

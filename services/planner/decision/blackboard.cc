@@ -70,7 +70,7 @@ void Blackboard::Put(StopOrder order) {
   const std::lock_guard lock(mutex_);
   Entry* entry = FindLocked(order.robot);
   if (entry == nullptr || entry->world != order.world) return;
-  entry->inputs.hold = std::move(order);
+  entry->inputs.stop_order = std::move(order);
   ChangedLocked();
 }
 
@@ -108,14 +108,14 @@ bool Blackboard::PutIntendedPath(const std::string& robot, std::vector<Cell> way
   return true;
 }
 
-void Blackboard::PutBlockedReason(const std::string& robot, std::string_view hold) {
+void Blackboard::PutBlockedReason(const std::string& robot, std::string_view reason) {
   const std::lock_guard lock(mutex_);
-  if (Entry* entry = FindLocked(robot)) entry->hold = hold;
+  if (Entry* entry = FindLocked(robot)) entry->blocked_reason = reason;
 }
 
 std::string_view Blackboard::BlockedReasonOf(const std::string& robot) const {
   const std::lock_guard lock(mutex_);
-  return robots_.at(robot).hold;
+  return robots_.at(robot).blocked_reason;
 }
 
 void Blackboard::PutLease(const std::string& robot, Lease lease) {

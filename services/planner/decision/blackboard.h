@@ -30,20 +30,20 @@ struct Lease {
   bool operator==(const Lease&) const = default;
 };
 
-/// The newest of everything that the planner has heard about one robot.
+/// The newest of everything that the planner has received about one robot.
 struct RobotInputs {
   Lease lease;  // held, where nobody shares robots
   std::optional<RobotState> state;
   std::optional<MapUpdate> map;
-  std::optional<Belief> belief;        // of the robot's world
-  std::optional<Guidance> guidance;    // newest revision, or what a goal pose was turned into
-  std::optional<StopOrder> hold;       // whether somebody has stopped the robot
-  std::optional<DriveOrder> drive;     // newest low-level action asked for, carried out or not
-  std::optional<Position> goal_pose;   // not yet turned into guidance
-  std::optional<CameraLens> lens;      // of its camera
-  std::optional<OccupancyGrid> truth;  // of the robot's world; in the mapping task only
+  std::optional<Belief> belief;         // of the robot's world
+  std::optional<Guidance> guidance;     // newest revision, or what a goal pose was turned into
+  std::optional<StopOrder> stop_order;  // whether a person has stopped the robot
+  std::optional<DriveOrder> drive;      // newest low-level action asked for, carried out or not
+  std::optional<Position> goal_pose;    // not yet turned into guidance
+  std::optional<CameraLens> lens;       // of its camera
+  std::optional<OccupancyGrid> truth;   // of the robot's world; in the mapping task only
 
-  bool stopped() const { return hold && hold->stopped; }
+  bool stopped() const { return stop_order && stop_order->stopped; }
 };
 
 /// What another robot of the same world is about to do; decides who gives way.
@@ -55,7 +55,7 @@ struct Neighbour {
   RoomClaim room;         // by which it makes room for another
 };
 
-/// Where the receiving thread leaves what it heard and the robots' workers find it.
+/// The receiving thread puts messages here and the robots' workers read them.
 /// Threads: safe to use concurrently.
 class Blackboard {
  public:
@@ -72,11 +72,11 @@ class Blackboard {
   void PutTruth(const std::string& world, const OccupancyGrid& truth);
   void PutLens(const std::string& robot, const CameraLens& lens);
   void PutGoalPose(const std::string& robot, Position goal);
-  /// A robot's own worker tells the others which cells it wants next, and the operator's side why
-  /// it does not decide. A way that changed wakes the others; a hold wakes nobody.
-  /// True when it is another one than before.
+  /// A robot's worker puts its intended path here for the other workers, and the reason why it does
+  /// not decide for the operator's side. A changed path wakes the others; a reason wakes nobody.
+  /// True when the path changed.
   bool PutIntendedPath(const std::string& robot, std::vector<Cell> way, RoomClaim room = {});
-  void PutBlockedReason(const std::string& robot, std::string_view hold);
+  void PutBlockedReason(const std::string& robot, std::string_view reason);
   std::string_view BlockedReasonOf(const std::string& robot) const;
   void PutLease(const std::string& robot, Lease lease);
   Lease LeaseOf(const std::string& robot) const;
@@ -109,7 +109,7 @@ class Blackboard {
     std::vector<Cell> way;
     RoomClaim room;
     std::uint64_t attentions = 0;
-    std::string_view hold = "its state";  // a literal, of Name()
+    std::string_view blocked_reason = "its state";  // a literal, of Name()
   };
 
   Entry* FindLocked(const std::string& robot);

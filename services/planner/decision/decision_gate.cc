@@ -48,8 +48,8 @@ std::optional<std::string> Inconsistency(const RobotInputs& inputs) {
   return std::nullopt;
 }
 
-std::string_view Name(BlockedReason hold) {
-  switch (hold) {
+std::string_view Name(BlockedReason reason) {
+  switch (reason) {
     case BlockedReason::kNothing:
       return "nothing";
     case BlockedReason::kState:
@@ -57,7 +57,7 @@ std::string_view Name(BlockedReason hold) {
     case BlockedReason::kCommand:
       return "its command to end";
     case BlockedReason::kStopped:
-      return "whoever stopped it to let it go";
+      return "a person to resume it";
     case BlockedReason::kMap:
       return "its map";
     case BlockedReason::kCamera:
@@ -82,10 +82,10 @@ std::string_view Name(BlockedReason hold) {
 
 BlockedReason DecisionGate::Check(const RobotInputs& inputs, std::uint64_t sent_sequence_number,
                                   std::uint64_t lease_epoch, Clock::TimePoint now) {
-  const BlockedReason wanted = Want(inputs, sent_sequence_number, lease_epoch);
-  if (wanted == BlockedReason::kCommand || wanted == BlockedReason::kMap) return wanted;
-  if (wanted != blocked_) {
-    blocked_ = wanted;
+  const BlockedReason reason = ReasonNow(inputs, sent_sequence_number, lease_epoch);
+  if (reason == BlockedReason::kCommand || reason == BlockedReason::kMap) return reason;
+  if (reason != blocked_) {
+    blocked_ = reason;
     blocked_since_ = now;
   }
   const bool first =
@@ -99,8 +99,8 @@ BlockedReason DecisionGate::Check(const RobotInputs& inputs, std::uint64_t sent_
   return blocked_;
 }
 
-BlockedReason DecisionGate::Want(const RobotInputs& inputs, std::uint64_t sent_sequence_number,
-                                 std::uint64_t lease_epoch) const {
+BlockedReason DecisionGate::ReasonNow(const RobotInputs& inputs, std::uint64_t sent_sequence_number,
+                                      std::uint64_t lease_epoch) const {
   if (inputs.lease.state == Lease::State::kNone) return BlockedReason::kNoLease;
   if (!inputs.state) return BlockedReason::kState;
   const RobotState& state = *inputs.state;
@@ -127,9 +127,9 @@ BlockedReason DecisionGate::Want(const RobotInputs& inputs, std::uint64_t sent_s
   return BlockedReason::kNothing;
 }
 
-void DecisionGate::GiveUp(BlockedReason hold, const RobotInputs& inputs) {
-  if (hold == BlockedReason::kFirstGuidance) without_guidance_ = true;
-  if (hold == BlockedReason::kAnswer) {
+void DecisionGate::GiveUp(BlockedReason reason, const RobotInputs& inputs) {
+  if (reason == BlockedReason::kFirstGuidance) without_guidance_ = true;
+  if (reason == BlockedReason::kAnswer) {
     unanswered_snapshot_ = inputs.state->snapshots;
     without_guidance_ = true;
   }

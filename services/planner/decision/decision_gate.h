@@ -21,29 +21,29 @@ std::optional<std::string> Inconsistency(const RobotInputs& inputs);
 /// Why a robot does not decide right now.
 enum class BlockedReason {
   kNothing,        // decide
-  kState,          // nothing heard of the robot yet
+  kState,          // its first state has not arrived
   kCommand,        // its last command is still being executed
-  kStopped,        // somebody has stopped it
+  kStopped,        // a person has stopped it
   kMap,            // the map of its newest step has not arrived
   kCamera,         // its camera's lens
   kBelief,         // the operator's map, at the revision that the guidance was drawn on
-  kInconsistent,   // map, state, belief and guidance do not belong together (consistency.h)
+  kInconsistent,   // map, state, belief and guidance do not belong together (Inconsistency)
   kFirstGuidance,  // soft: the operator has not drawn a path yet
   kAnswer,         // soft: the operator has not answered the newest picture
   kNoLease,        // another planner process drives it, or none yet
   kLeaseLost,      // it shows the command of another planner that took it over
-  kRelease,        // it has ended its last command and is to be given up
+  kRelease,        // it has ended its last command, and this process gives it up
 };
 
 /// What the robot waits for, in words; lives for ever.
-std::string_view Name(BlockedReason hold);
+std::string_view Name(BlockedReason reason);
 
 /// Decides when a robot has everything that its next decision needs, so that the same messages give
-/// the same decisions however they interleave. Soft holds end after a timeout: the robot goes on
+/// the same decisions in any order of arrival. Soft reasons end after a timeout: the robot goes on
 /// alone. Threads: one worker's.
 class DecisionGate {
  public:
-  /// Of the soft holds; by the clock that Check() is told the time of.
+  /// Of the soft reasons; by the clock whose time Check() gets.
   struct Timeouts {
     std::chrono::nanoseconds first_guidance;
     std::chrono::nanoseconds answer;
@@ -55,18 +55,18 @@ class DecisionGate {
   BlockedReason Check(const RobotInputs& inputs, std::uint64_t sent_sequence_number,
                       std::uint64_t lease_epoch, Clock::TimePoint now);
 
-  /// True once after a soft hold ended by its timeout.
+  /// True once after a soft reason ended by its timeout.
   bool TakeTimedOut() { return std::exchange(timed_out_, false); }
 
  private:
-  BlockedReason Want(const RobotInputs& inputs, std::uint64_t sent_sequence_number,
-                     std::uint64_t lease_epoch) const;
-  void GiveUp(BlockedReason hold, const RobotInputs& inputs);
+  BlockedReason ReasonNow(const RobotInputs& inputs, std::uint64_t sent_sequence_number,
+                          std::uint64_t lease_epoch) const;
+  void GiveUp(BlockedReason reason, const RobotInputs& inputs);
 
   AwaitedInput awaits_;
   Timeouts timeouts_;
   BlockedReason blocked_ =
-      BlockedReason::kState;  // kCommand passes over: a step aside does not start the waiting anew
+      BlockedReason::kState;  // ignores kCommand: a step aside does not restart the wait
   Clock::TimePoint blocked_since_{};
   bool without_guidance_ = false;          // stopped waiting for the first guidance
   std::uint64_t unanswered_snapshot_ = 0;  // stopped waiting for an answer to this one

@@ -47,7 +47,7 @@ double TourReturn(const Situation& situation, const ValueLostOptions& options) {
   Cell at = situation.state.cell;
   while (!goals.empty()) {
     std::erase(goals, at);
-    const std::vector<Cell> way = WayToNearest(map, at, passable, is_goal);
+    const std::vector<Cell> way = PathToNearest(map, at, passable, is_goal);
     if (way.empty()) break;
     for (const Cell cell : way) {
       tour_return += weight * EnvironmentReward(cell == way.back(), options.reward);

@@ -73,9 +73,9 @@ class Method {
   virtual ~Method() = default;
   /// Ends early, with what it has, when `stop` asks for it.
   virtual Decision Decide(const Situation& situation, const StopToken& stop) = 0;
-  /// Cells that the robot would enter next if no other robot were there; the others make room on
-  /// them.
-  virtual std::vector<Cell> WayFor(const Situation& situation) = 0;
+  /// Cells that the robot would enter next if no other robot were there; robots without the right
+  /// of way make room on them.
+  virtual std::vector<Cell> IntendedPathFor(const Situation& situation) = 0;
   /// The same throughout; below kGuidance the operator's paths are not followed.
   virtual AwaitedInput awaits() const = 0;
   /// Somebody steers the robot by low-level actions: it makes room for nobody by itself.

@@ -19,7 +19,7 @@ bool Passable(const MapUpdate& map, const Belief& belief, Cell cell) {
 /// With `from` as its first cell; empty when there is no path.
 std::vector<Cell> ShortestPath(const MapUpdate& map, const Belief& belief, Cell from, Cell to) {
   if (from == to) return {from};
-  std::vector<Cell> path = WayToNearest(
+  std::vector<Cell> path = PathToNearest(
       map.cells, from, [&](Cell cell) { return Passable(map, belief, cell); },
       [&](Cell cell) { return cell == to; });
   if (!path.empty()) path.insert(path.begin(), from);
@@ -101,7 +101,7 @@ RobotWorker::RobotWorker(Options options, std::unique_ptr<Method> method, Blackb
       clock_(clock),
       outputs_(std::move(outputs)),
       gate_(method_->awaits(), options_.timeouts),
-      desk_(options_.robot, options_.command_ttl),
+      commands_(options_.robot, options_.command_ttl),
       backoff_(options_.seed, options_.wait_retry) {}
 
 void RobotWorker::Run(const StopToken& stop) {
@@ -114,16 +114,16 @@ void RobotWorker::Run(const StopToken& stop) {
 
 Clock::TimePoint RobotWorker::Step(const StopToken& stop) {
   const Clock::TimePoint now = clock_.Now();
-  // Lease and all in one go: what is sent below goes under the lease that was looked at here.
+  // Reads the lease together with all else: everything sent below is sent under this lease.
   RobotInputs inputs = board_.Read(options_.robot);
-  const BlockedReason hold = CheckInputs(inputs, now);
-  if (hold != BlockedReason::kNothing) return WaitFor(hold, inputs, now);
+  const BlockedReason reason = CheckInputs(inputs, now);
+  if (reason != BlockedReason::kNothing) return WaitFor(reason, inputs, now);
   AdoptGoalPose(inputs);
   const Situation situation = SituationFrom(inputs);
   const bool waits = waiting_for_guidance_ && newest_revision_ == waiting_for_other_than_;
   // A robot that asked for a new path will hardly go on along the old one.
-  const std::vector<Cell> way = waits ? std::vector<Cell>{} : method_->WayFor(situation);
-  const Traffic traffic = method_->is_steered() ? Traffic::kGoOn : GiveWay(situation, way);
+  const std::vector<Cell> path = waits ? std::vector<Cell>{} : method_->IntendedPathFor(situation);
+  const Traffic traffic = method_->is_steered() ? Traffic::kGoOn : GiveWay(situation, path);
   if (traffic == Traffic::kStepAside) {
     backoff_.MakesRoom(now);
     return now;
@@ -138,18 +138,18 @@ Clock::TimePoint RobotWorker::Step(const StopToken& stop) {
 
 BlockedReason RobotWorker::CheckInputs(const RobotInputs& inputs, Clock::TimePoint now) {
   AdoptLease(inputs.lease);
-  const BlockedReason hold =
-      gate_.Check(inputs, desk_.sent_sequence_number(), desk_.lease_epoch(), GateTime(now));
+  const BlockedReason reason =
+      gate_.Check(inputs, commands_.sent_sequence_number(), commands_.lease_epoch(), GateTime(now));
   if (gate_.TakeTimedOut()) {
     LOG_WARNING("operator does not answer, going on alone", "robot", options_.robot, "snapshot",
                 inputs.state->snapshots);
-    AskNoMore(*inputs.state);
+    WithdrawRequest(*inputs.state);
   }
-  if (hold != blocked_) ReportBlocked(hold, inputs);
-  blocked_ = hold;
-  board_.PutBlockedReason(options_.robot, Name(hold));
-  if (hold != BlockedReason::kNoLease && inputs.state) ReportOutcome(*inputs.state);
-  return hold;
+  if (reason != blocked_) ReportBlocked(reason, inputs);
+  blocked_ = reason;
+  board_.PutBlockedReason(options_.robot, Name(reason));
+  if (reason != BlockedReason::kNoLease && inputs.state) ReportOutcome(*inputs.state);
+  return reason;
 }
 
 Clock::TimePoint RobotWorker::GateTime(Clock::TimePoint now) const {
@@ -173,9 +173,9 @@ Clock::TimePoint RobotWorker::Decide(const Situation& situation, const Lease& le
 void RobotWorker::AdoptLease(const Lease& lease) {
   if (lease.state == Lease::State::kNone || lease.epoch == lease_epoch_) return;
   lease_epoch_ = lease.epoch;
-  desk_.Begin(lease.epoch);
+  commands_.Begin(lease.epoch);
   waiting_for_guidance_ = false;
-  way_told_ = false;
+  intended_path_published_ = false;
 }
 
 bool RobotWorker::StillHolds(const Lease& lease) const {
@@ -183,23 +183,23 @@ bool RobotWorker::StillHolds(const Lease& lease) const {
   return now.state != Lease::State::kNone && now.epoch == lease.epoch;
 }
 
-void RobotWorker::Want(std::vector<Cell> way, RoomClaim room) {
-  const bool changed = board_.PutIntendedPath(options_.robot, way, room);
-  if ((changed || !way_told_) && outputs_.wants) {
-    outputs_.wants({options_.robot, std::move(way), std::move(room)});
+void RobotWorker::SetIntendedPath(std::vector<Cell> path, RoomClaim room) {
+  const bool changed = board_.PutIntendedPath(options_.robot, path, room);
+  if ((changed || !intended_path_published_) && outputs_.intended_path) {
+    outputs_.intended_path({options_.robot, std::move(path), std::move(room)});
   }
-  way_told_ = true;
+  intended_path_published_ = true;
 }
 
 RobotWorker::Traffic RobotWorker::GiveWay(const Situation& situation,
-                                          const std::vector<Cell>& own_way) {
+                                          const std::vector<Cell>& own_path) {
   const Clock::TimePoint now = clock_.Now();
   if (now - shut_in_at_ > kShutInGap) shut_in_since_ = now;
-  RoomClaim room = MakeRoom(situation, own_way, now - shut_in_since_ >= kInsistAfter);
+  RoomClaim room = MakeRoom(situation, own_path, now - shut_in_since_ >= kInsistAfter);
   const bool is_shut_in =
       room.right.tier == RightOfWay::kShutIn && room.right.robot == options_.robot;
   if (is_shut_in) shut_in_at_ = now;
-  Want(own_way, room);
+  SetIntendedPath(own_path, room);
   if (room.way.empty()) return Traffic::kGoOn;
   const Cell next = room.way.front();
   if (!StandsOn(situation, next)) {
@@ -209,52 +209,53 @@ RobotWorker::Traffic RobotWorker::GiveWay(const Situation& situation,
   return room.right.tier == RightOfWay::kShutIn ? Traffic::kWait : Traffic::kGoOn;
 }
 
-Clock::TimePoint RobotWorker::WaitFor(BlockedReason hold, const RobotInputs& inputs,
+Clock::TimePoint RobotWorker::WaitFor(BlockedReason reason, const RobotInputs& inputs,
                                       Clock::TimePoint now) {
-  if (hold == BlockedReason::kRelease) {
+  if (reason == BlockedReason::kRelease) {
     board_.GiveUp(options_.robot, inputs.lease);
     return now;
   }
-  // Who drives it speaks for it.
-  if (hold == BlockedReason::kNoLease || hold == BlockedReason::kLeaseLost) return now + kIdle;
-  if (hold == BlockedReason::kCommand) RepeatCommand(inputs, now);
-  if (hold == BlockedReason::kStopped) Halt(inputs, now);
+  // The planner that drives the robot publishes its intended path.
+  if (reason == BlockedReason::kNoLease || reason == BlockedReason::kLeaseLost) return now + kIdle;
+  if (reason == BlockedReason::kCommand) RepeatCommand(inputs, now);
+  if (reason == BlockedReason::kStopped) Halt(inputs, now);
   const bool operator_is_asked =
-      hold == BlockedReason::kFirstGuidance || hold == BlockedReason::kAnswer;
+      reason == BlockedReason::kFirstGuidance || reason == BlockedReason::kAnswer;
   if (operator_is_asked) {
     const Traffic traffic = GiveWay(SituationFrom(inputs), {});
     if (traffic == Traffic::kStepAside) return now;
-  } else if (hold != BlockedReason::kCommand && hold != BlockedReason::kMap) {
-    Want({}, {});  // A robot that stands for longer wants no way. (These holds last for a moment.)
+  } else if (reason != BlockedReason::kCommand && reason != BlockedReason::kMap) {
+    // A robot that stands for longer intends no path. (A command or a missing map lasts a moment.)
+    SetIntendedPath({}, {});
   }
   return now + std::min<std::chrono::nanoseconds>(kIdle, options_.command_repeat);
 }
 
-void RobotWorker::ReportBlocked(BlockedReason hold, const RobotInputs& inputs) const {
-  if (hold == BlockedReason::kLeaseLost) {
+void RobotWorker::ReportBlocked(BlockedReason reason, const RobotInputs& inputs) const {
+  if (reason == BlockedReason::kLeaseLost) {
     LOG_WARNING("another planner took the robot over", "robot", options_.robot, "its_epoch",
-                inputs.state->lease_epoch, "our_epoch", desk_.lease_epoch());
+                inputs.state->lease_epoch, "our_epoch", commands_.lease_epoch());
   }
-  if (hold == BlockedReason::kStopped) {
-    LOG_INFO("stopped", "robot", options_.robot, "by", inputs.hold->given_by, "reason",
-             inputs.hold->reason);
+  if (reason == BlockedReason::kStopped) {
+    LOG_INFO("stopped", "robot", options_.robot, "by", inputs.stop_order->given_by, "reason",
+             inputs.stop_order->reason);
   }
-  if (hold == BlockedReason::kCamera) {
+  if (reason == BlockedReason::kCamera) {
     LOG_INFO("waiting for the camera info", "robot", options_.robot);
   }
-  if (hold == BlockedReason::kInconsistent) {
+  if (reason == BlockedReason::kInconsistent) {
     LOG_ERROR("inputs do not belong together, the robot is not driven", "robot", options_.robot,
               "reason", Inconsistency(inputs).value_or(""));
   }
 }
 
 void RobotWorker::ReportOutcome(const RobotState& state) {
-  if (state.command_outcome == CommandOutcome::kRunning || !desk_.IsShownBy(state) ||
-      state.command_sequence_number == told_sequence_number_) {
+  if (state.command_outcome == CommandOutcome::kRunning || !commands_.IsShownBy(state) ||
+      state.command_sequence_number == reported_sequence_number_) {
     return;
   }
-  told_sequence_number_ = state.command_sequence_number;
-  // Walls and other robots in the way are what exploring is about.
+  reported_sequence_number_ = state.command_sequence_number;
+  // Meeting walls and other robots is a normal part of exploring.
   const bool expired = state.command_outcome == CommandOutcome::kExpired;
   if (!expired && state.command_outcome != CommandOutcome::kRefused) return;
   LOG_WARNING(expired ? "command expired" : "command refused", "robot", options_.robot, "sequence",
@@ -272,7 +273,7 @@ bool RobotWorker::IsNewlyOccupied(const RobotState& state) {
 
 void RobotWorker::RepeatCommand(const RobotInputs& inputs, Clock::TimePoint now) {
   if (now - command_sent_at_ < options_.command_repeat) return;
-  const auto command = desk_.Repeat(*inputs.state, board_.NewestStamp(options_.robot));
+  const auto command = commands_.Repeat(*inputs.state, board_.NewestStamp(options_.robot));
   if (!command) return;
   LOG_WARNING("command not taken up, sent again", "robot", options_.robot, "sequence",
               command->sequence_number, "robot_shows", inputs.state->command_sequence_number);
@@ -282,12 +283,13 @@ void RobotWorker::RepeatCommand(const RobotInputs& inputs, Clock::TimePoint now)
 
 void RobotWorker::Halt(const RobotInputs& inputs, Clock::TimePoint now) {
   if (inputs.state->command_outcome != CommandOutcome::kRunning) return;
-  const bool halted = desk_.sent_sequence_number() != 0 && desk_.last_kind() == CommandKind::kStop;
+  const bool halted =
+      commands_.sent_sequence_number() != 0 && commands_.last_kind() == CommandKind::kStop;
   if (halted) return RepeatCommand(inputs, now);
   Action stop;
   stop.kind = CommandKind::kStop;
   command_sent_at_ = now;
-  outputs_.command(desk_.Issue(stop, *inputs.state, board_.NewestStamp(options_.robot)));
+  outputs_.command(commands_.Issue(stop, *inputs.state, board_.NewestStamp(options_.robot)));
 }
 
 void RobotWorker::AdoptGoalPose(RobotInputs& inputs) {
@@ -305,7 +307,7 @@ void RobotWorker::AdoptGoalPose(RobotInputs& inputs) {
              guidance->path.size());
     inputs.guidance = *guidance;
     waiting_for_guidance_ = false;
-    AskNoMore(*inputs.state);
+    WithdrawRequest(*inputs.state);
     board_.ResolveGoalPose(options_.robot, goal, *std::move(guidance));
   } else {
     LOG_WARNING("goal pose refused", "robot", options_.robot, "reason", guidance.error().text);
@@ -340,7 +342,7 @@ void RobotWorker::Publish(Decision decision, const Situation& situation, double 
   const RobotState& state = situation.state;
   if (decision.action) {
     const RobotCommand command =
-        desk_.Issue(*decision.action, state, board_.NewestStamp(options_.robot));
+        commands_.Issue(*decision.action, state, board_.NewestStamp(options_.robot));
     SearchReport& report = decision.report;
     report.stamp = state.stamp;
     report.world = state.world;
@@ -352,7 +354,7 @@ void RobotWorker::Publish(Decision decision, const Situation& situation, double 
     report.guidance_revision = situation.guidance ? situation.guidance->revision : 0;
     report.duration_ms = duration_ms;
     outputs_.report(report);
-    if (!method_->is_steered()) outputs_.way(state, situation.map, decision.plan);
+    if (!method_->is_steered()) outputs_.plan(state, situation.map, decision.plan);
     command_sent_at_ = clock_.Now();
     outputs_.command(command);
     if (outputs_.decided) outputs_.decided(decision, situation);
@@ -386,7 +388,7 @@ void RobotWorker::Ask(const Decision& decision, const Situation& situation) {
   waiting_for_other_than_ = newest_revision_;
 }
 
-void RobotWorker::AskNoMore(const RobotState& state) {
+void RobotWorker::WithdrawRequest(const RobotState& state) {
   AttentionRequest request;
   request.stamp = state.stamp;
   request.world = state.world;

@@ -100,21 +100,21 @@ class CommandPublisher {
 /// waits for the outcome. Run() is the body of the robot's thread; Step() is one turn of it, for
 /// tests.
 ///
-/// Whatever the method: a robot in the way of one that goes before it makes room by itself
-/// (traffic.h), also while it waits for guidance or an answer; unless a person steers it.
+/// With every method a robot moves aside for a robot with the right of way (traffic.h), also while
+/// it waits for guidance or an answer; unless a person steers it.
 ///
-/// Commands only while the blackboard says that this process holds the robot (Lease), each under
-/// the epoch of that lease; a robot that is to be given up ends its last command first. What a
+/// Sends commands only while the blackboard says that this process drives the robot (Lease), each
+/// under the epoch of that lease; before it gives the robot up it ends the last command. What a
 /// worker remembers of a robot that others drove meanwhile does no harm: docs/many-robots.md.
 ///
-/// A robot that somebody has stopped (StopOrder) ends its command at once and stands until it is let
-/// go, whatever its method.
+/// A robot that a person has stopped (StopOrder) ends its command at once and stands until a person
+/// resumes it, with every method.
 ///
-/// Before the first state arrives nothing is sent. What it asked of the operator is taken back when
-/// it goes on without. Stale input: an expired or withdrawn guidance is left out; an operator who
-/// does not answer is waited for once per picture, then the robot goes on alone (one log line).
-/// Inputs that do not belong together (consistency.h) hold the robot, with one log line. Commands
-/// that were refused or expired are logged.
+/// Sends nothing before the first state arrives. Withdraws its request to the operator when it goes
+/// on without an answer. Stale input: it ignores expired or withdrawn guidance; it waits once per
+/// picture for an operator who does not answer, then goes on alone (one log line). Inputs that do
+/// not belong together (Inconsistency()) block the robot, with one log line. Logs commands that were
+/// refused or expired.
 class RobotWorker {
  public:
   /// What the worker sends; all are called on the worker's thread.
@@ -122,10 +122,11 @@ class RobotWorker {
     std::function<void(const RobotCommand&)> command;
     std::function<void(const SearchReport&)> report;
     std::function<void(const AttentionRequest&)> attention;
-    std::function<void(const RobotState&, const MapUpdate&, const std::vector<Cell>&)> way;
-    /// What it wants of other robots, when that changed, for the planners of these; may be null.
-    std::function<void(const IntendedPath&)> wants = nullptr;
-    /// After the command of a decision was sent, its report complete; may be empty.
+    /// The decision's plan, for people to look at.
+    std::function<void(const RobotState&, const MapUpdate&, const std::vector<Cell>&)> plan;
+    /// The robot's intended path when it changed, for the planners of other robots; may be null.
+    std::function<void(const IntendedPath&)> intended_path = nullptr;
+    /// After the command of a decision was sent; its report is complete. May be null.
     std::function<void(const Decision&, const Situation&)> decided = nullptr;
   };
 
@@ -157,7 +158,7 @@ class RobotWorker {
   Clock::TimePoint Step(const StopToken& stop);
 
  private:
-  /// Whether `inputs` allow a decision, else why not; logs and tells what changed about that.
+  /// Whether `inputs` allow a decision, else why not; logs and reports a change.
   BlockedReason CheckInputs(const RobotInputs& inputs, Clock::TimePoint now);
   /// The time that the gate counts by, when it is `now` by the clock.
   Clock::TimePoint GateTime(Clock::TimePoint now) const;
@@ -167,17 +168,17 @@ class RobotWorker {
   void AdoptLease(const Lease& lease);
   /// Whether the lease that the decision was begun under still holds.
   bool StillHolds(const Lease& lease) const;
-  /// Tells the others, on the board and in other processes, the first time under a lease in any
-  /// case: those that come later hear of it from this process only.
-  void Want(std::vector<Cell> way, RoomClaim room);
-  /// What is done meanwhile; returns when to look again.
-  Clock::TimePoint WaitFor(BlockedReason hold, const RobotInputs& inputs, Clock::TimePoint now);
+  /// Puts the intended path on the board and publishes it to other processes if it changed; always
+  /// the first time under a lease, because late joiners receive it from this process only.
+  void SetIntendedPath(std::vector<Cell> path, RoomClaim room);
+  /// What the robot does while it is blocked; returns when to look again.
+  Clock::TimePoint WaitFor(BlockedReason reason, const RobotInputs& inputs, Clock::TimePoint now);
   /// One log line where a person should know why the robot does not decide.
-  void ReportBlocked(BlockedReason hold, const RobotInputs& inputs) const;
+  void ReportBlocked(BlockedReason reason, const RobotInputs& inputs) const;
   void ReportOutcome(const RobotState& state);
   enum class Traffic { kGoOn, kStepAside, kWait };
-  /// Tells the others which way this robot wants, and makes room for one that goes before it.
-  Traffic GiveWay(const Situation& situation, const std::vector<Cell>& own_way);
+  /// Publishes this robot's intended path, and makes room for a robot with the right of way.
+  Traffic GiveWay(const Situation& situation, const std::vector<Cell>& own_path);
   /// Whether the last command met another robot, the first time that this is asked of it. A method
   /// that does not know of that robot would command the same again and again.
   bool IsNewlyOccupied(const RobotState& state);
@@ -188,8 +189,8 @@ class RobotWorker {
   Situation SituationFrom(const RobotInputs& inputs);
   void Publish(Decision decision, const Situation& situation, double duration_ms);
   void Ask(const Decision& decision, const Situation& situation);
-  /// What it asked before needs no answer any more.
-  void AskNoMore(const RobotState& state);
+  /// What it asked before no longer needs an answer.
+  void WithdrawRequest(const RobotState& state);
 
   Options options_;
   std::unique_ptr<Method> method_;
@@ -197,18 +198,18 @@ class RobotWorker {
   const Clock& clock_;
   Outputs outputs_;
   DecisionGate gate_;
-  CommandPublisher desk_;
+  CommandPublisher commands_;
   YieldBackoff backoff_;
   BlockedReason blocked_ = BlockedReason::kState;
   Clock::TimePoint command_sent_at_{};
   Clock::TimePoint shut_in_at_{};               // when it last was
   Clock::TimePoint shut_in_since_{};            // but for short gaps
-  std::uint64_t told_sequence_number_ = 0;      // of the command whose outcome was looked at
+  std::uint64_t reported_sequence_number_ = 0;  // of the command whose outcome was looked at
   std::uint64_t occupied_sequence_number_ = 0;  // of the newest command that met another robot
   std::uint64_t lease_epoch_ = 0;
   std::uint64_t newest_revision_ = 0;         // of the guidance heard, valid or not
   std::uint64_t waiting_for_other_than_ = 0;  // revision of the guidance when it asked for another
-  bool way_told_ = false;                     // under this lease
+  bool intended_path_published_ = false;      // under this lease
   bool waiting_for_guidance_ = false;
   bool guided_before_ = false;
 };

@@ -23,8 +23,8 @@ RightOfWay RightOf(const Neighbour& other) {
   return RightOf(other.robot, !other.way.empty(), other.has_goals);
 }
 
-RightOfWay RightOf(const Situation& situation, const Way& own_way) {
-  return RightOf(situation.state.robot, !own_way.empty(), !situation.state.goals_left.empty());
+RightOfWay RightOf(const Situation& situation, const Way& own_path) {
+  return RightOf(situation.state.robot, !own_path.empty(), !situation.state.goals_left.empty());
 }
 
 /// Cells that another robot is to have before this one.
@@ -109,7 +109,7 @@ class Room {
       return std::none_of(kept_clear.begin(), kept_clear.end(),
                           [&](const Claim& claim) { return Contains(*claim.way, cell); });
     };
-    return WayToNearest(map, situation_.state.cell, known_free, aside);
+    return PathToNearest(map, situation_.state.cell, known_free, aside);
   }
 
   const Situation& situation_;
@@ -126,7 +126,7 @@ bool WouldBeShutIn(const Situation& situation, const Neighbour& other, const Way
     return cell != our_cell && map[cell] != Occupancy::kOccupied && !StandsOn(situation, cell);
   };
   const auto off = [&](Cell cell) { return cell != our_cell && !Contains(way, cell); };
-  return WayToNearest(map, other.cell, passable, off).empty();
+  return PathToNearest(map, other.cell, passable, off).empty();
 }
 
 }  // namespace
@@ -150,11 +150,11 @@ std::vector<Cell> DesiredPath(const Situation& situation) {
   const OccupancyGrid& map = situation.map.cells;
   const auto may_be_free = [&](Cell cell) { return map[cell] != Occupancy::kOccupied; };
   const auto is_goal = [&](Cell cell) { return Contains(situation.state.goals_left, cell); };
-  return WayToNearest(map, situation.state.cell, may_be_free, is_goal);
+  return PathToNearest(map, situation.state.cell, may_be_free, is_goal);
 }
 
-RoomClaim MakeRoom(const Situation& situation, const std::vector<Cell>& own_way, bool insists) {
-  const auto claims = ClaimsBefore(situation, RightOf(situation, own_way));
+RoomClaim MakeRoom(const Situation& situation, const std::vector<Cell>& own_path, bool insists) {
+  const auto claims = ClaimsBefore(situation, RightOf(situation, own_path));
   for (const Claim& asked : claims) {
     if (!Contains(*asked.way, situation.state.cell)) continue;
     const Room room(situation, asked, claims);
@@ -169,7 +169,7 @@ RoomClaim MakeRoom(const Situation& situation, const std::vector<Cell>& own_way,
       return {way.empty() ? room.Ahead() : std::move(way), std::move(handed_on)};
     }
     Way out = room.Past();
-    if (out.empty() && insists) out = own_way;
+    if (out.empty() && insists) out = own_path;
     return {std::move(out), {RightOfWay::kShutIn, situation.state.robot, 0}};
   }
   return {};

@@ -26,8 +26,8 @@ inline bool IsKnownBlocked(const OccupancyGrid& map, std::span<const Cell> path)
 /// Breadth-first from `start` to the nearest cell for which `wanted` holds, over cells that
 /// `passable` admits; the cells entered, empty when there is none (or it is `start`).
 template <class Passable, class Wanted>
-std::vector<Cell> WayToNearest(const OccupancyGrid& map, Cell start, Passable&& passable,
-                               Wanted&& wanted) {
+std::vector<Cell> PathToNearest(const OccupancyGrid& map, Cell start, Passable&& passable,
+                                Wanted&& wanted) {
   Grid<Cell> parent(map.rows(), map.columns(), Cell{-1, -1});
   parent[start] = start;
   std::deque<Cell> open{start};
@@ -50,19 +50,19 @@ std::vector<Cell> WayToNearest(const OccupancyGrid& map, Cell start, Passable&& 
   return {};
 }
 
-/// Several robots in corridors one cell wide, each decided for by itself, perhaps in several
-/// processes. What they tell each other is the way that each wants and the cells by which each
-/// makes room (IntendedPath).
+/// Several robots in corridors one cell wide; each is decided for alone, perhaps in several
+/// processes. They exchange their intended paths and the cells by which they make room
+/// (IntendedPath).
 ///
-/// The right of way (RightOfWay): a robot that wants a way goes before one that waits, that before
-/// one without goals; then names in order. Whoever stands on the way of a robot that goes before it
-/// makes room beside or behind itself, and asks robots that stand there to make room in turn, with
-/// the right that it was asked with. Where there is none (a dead end), it is shut in: now it goes
-/// before all others on a way past the one that it has to let pass, and that one backs off, as far
-/// as it takes, also onto the ways of robots that wait. One that knows of no such way insists after
-/// a while: it goes before all others on its own way, into what it does not know. Whoever goes
-/// before waits a moment for others to make room, and looks for another way if nothing happens.
-/// Robots that keep making room for each other fall out of step by random waits (yield_backoff.h).
+/// The right of way (RightOfWay): a robot with an intended path goes before one that waits, and that
+/// before one without goals; then names in order. A robot on the path of a robot with the right of
+/// way makes room beside or behind itself, and asks robots that stand there to make room in turn,
+/// handing on the right that it was asked with. If there is no room (a dead end), it is shut in: now
+/// it goes before all others on a path past the robot that it has to let pass, and that robot backs
+/// off as far as necessary, also onto the paths of robots that wait. A robot that knows of no such
+/// path insists after a while: it goes before all others on its own path, into unknown cells. A
+/// robot with the right of way waits a moment for others to make room, then looks for another path.
+/// Robots that keep making room for each other fall out of step by random waits (YieldBackoff).
 ///
 /// The idea of handing priority on is that of PIBT (Okumura, Machida, Defago, Tamura: "Priority
 /// Inheritance with Backtracking for Iterative Multi-agent Path Finding", IJCAI 2019); letting the
@@ -76,15 +76,16 @@ bool StandsOn(const Situation& situation, Cell cell);
 /// The same, or another robot that is shut in needs it: not to be entered.
 bool IsTaken(const Situation& situation, Cell cell);
 
-/// Cells that the robot would enter next if no other robot were there: the shortest way over what
-/// is not known to be a wall to its nearest goal; empty without goals. The others hear of it and
-/// make room.
+/// Cells that the robot would enter next if no other robot were there: the shortest path to its
+/// nearest goal over cells that are not known to be walls; empty without goals. The other robots
+/// receive it and make room.
 std::vector<Cell> DesiredPath(const Situation& situation);
 
-/// The known free cells by which this robot makes room, up to the nearest one that nobody wants who
-/// goes before it. Empty when it is within the next few cells of nobody's way, and when there is no
-/// room. `own_way`: what it wants itself. `insists`: shut in for long, without a known way out.
-RoomClaim MakeRoom(const Situation& situation, const std::vector<Cell>& own_way,
+/// The known free cells by which this robot makes room, up to the nearest one that is on no path of
+/// a robot with the right of way. Empty when it is within the next few cells of no such path, and
+/// when there is no room. `own_path`: its intended path. `insists`: shut in for long, with no known
+/// exit.
+RoomClaim MakeRoom(const Situation& situation, const std::vector<Cell>& own_path,
                    bool insists = false);
 
 /// A free neighbour cell drawn at random: the last resort of robots that wait for each other.

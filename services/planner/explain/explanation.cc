@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "common/grid/geometry.h"
+#include "common/msg/method.h"
 
 namespace conav::planner {
 namespace {
@@ -91,10 +92,10 @@ const SearchAction* BestOf(const SearchReport& report, Predicate&& admits) {
 }
 
 std::string NoSearch(const DecisionRecord& decision) {
-  if (decision.report.method == "ig-mcts" && decision.sends_picture()) {
+  if (decision.report.method == Name(MethodKind::kIgMcts) && decision.sends_picture()) {
     return "No search was made for this decision: the communication policy wanted a picture.";
   }
-  if (decision.report.method == "ig-mcts") {
+  if (decision.report.method == Name(MethodKind::kIgMcts)) {
     return "No search was made for this decision: the robot made room for another robot.";
   }
   return fmt::format(

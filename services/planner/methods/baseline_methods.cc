@@ -71,7 +71,7 @@ Decision InstructionMethod::Decide(const Situation& situation, const StopToken&)
   return follower_.Next(situation);
 }
 
-std::vector<Cell> InstructionMethod::WayFor(const Situation& situation) {
+std::vector<Cell> InstructionMethod::IntendedPathFor(const Situation& situation) {
   return follower_.Rest(situation);
 }
 
@@ -104,7 +104,7 @@ Decision GreedyMethod::Decide(const Situation& situation, const StopToken&) {
   return MoveAlong(std::move(way));
 }
 
-std::vector<Cell> GreedyMethod::WayFor(const Situation& situation) {
+std::vector<Cell> GreedyMethod::IntendedPathFor(const Situation& situation) {
   return DesiredPath(situation);
 }
 
@@ -130,12 +130,12 @@ bool IsAnswered(const Situation& situation) {
 
 bool MappingMethod::HasTask(const Situation& situation) {
   const RobotState& state = situation.state;
-  if (errand_ && state.snapshots > errand_->snapshots_before) errand_.reset();
+  if (task_ && state.snapshots > task_->snapshots_before) task_.reset();
   if (!situation.truth || !IsAnswered(situation)) return false;
   if (!tour_) tour_.emplace(state.goals_left, MappingTourOptions{}, seed_);
-  if (!errand_) {
-    errand_ = {tour_->Next(*situation.truth, situation.belief.wall_probability, state.cell),
-               state.snapshots};
+  if (!task_) {
+    task_ = {tour_->Next(*situation.truth, situation.belief.wall_probability, state.cell),
+             state.snapshots};
   }
   return true;
 }
@@ -143,10 +143,10 @@ bool MappingMethod::HasTask(const Situation& situation) {
 Decision MappingMethod::Decide(const Situation& situation, const StopToken&) {
   if (!HasTask(situation)) return {};
   const Cell here = situation.state.cell;
-  if (here == errand_->stop.cell) return SendPicture(here, errand_->stop.heading_rad);
-  std::vector<Cell> way = WayFor(situation);
+  if (here == task_->stop.cell) return SendPicture(here, task_->stop.heading_rad);
+  std::vector<Cell> way = IntendedPathFor(situation);
   if (way.empty()) {  // shut out by a step aside: there is always another stop
-    errand_.reset();
+    task_.reset();
     return {};
   }
   if (IsTaken(situation, way.front()) || WaitsFor(situation, way) != nullptr) {
@@ -156,12 +156,12 @@ Decision MappingMethod::Decide(const Situation& situation, const StopToken&) {
   return MoveAlong(std::move(way));
 }
 
-std::vector<Cell> MappingMethod::WayFor(const Situation& situation) {
-  if (!errand_ || !situation.truth) return {};
+std::vector<Cell> MappingMethod::IntendedPathFor(const Situation& situation) {
+  if (!task_ || !situation.truth) return {};
   const OccupancyGrid& truth = *situation.truth;
-  return WayToNearest(
+  return PathToNearest(
       truth, situation.state.cell, [&](Cell cell) { return truth[cell] == Occupancy::kFree; },
-      [&](Cell cell) { return cell == errand_->stop.cell; });
+      [&](Cell cell) { return cell == task_->stop.cell; });
 }
 
 }  // namespace conav::planner

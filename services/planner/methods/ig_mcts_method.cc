@@ -159,7 +159,7 @@ bool IgMctsMethod::WaitsForRoom(const Situation& situation) {
   return clock_.Now() - *waiting_since_ < kPatience;
 }
 
-std::vector<Cell> IgMctsMethod::WayFor(const Situation& situation) {
+std::vector<Cell> IgMctsMethod::IntendedPathFor(const Situation& situation) {
   return DesiredPath(situation);
 }
 
@@ -253,7 +253,7 @@ Decision IgMctsMethod::FromResult(const SearchResult& result, const Situation& s
   decision.report.nodes = result.nodes;
   decision.report.perception_queries = result.perception_queries;
   decision.report.perception_cached = result.perception_cached;
-  decision.report.perception_model = SearchModel().name();
+  decision.report.perception_model = SearchModel().identity().name;
   decision.plan = result.expected_path;
   if (result.chosen < 0) return decision;
   const SearchAction& chosen = result.actions[static_cast<std::size_t>(result.chosen)];
@@ -273,7 +273,7 @@ Decision IgMctsMethod::FromPolicy(const BestView& view, const Situation& situati
                                      .information_gain = view.information});
   decision.report.chosen = 0;
   decision.report.perception_queries = static_cast<std::uint32_t>(view.views);
-  decision.report.perception_model = model_->name();
+  decision.report.perception_model = model_->identity().name;
   decision.action = Action{CommandKind::kTransmitView, situation.state.cell, view.heading_rad};
   Send(view.heading_rad, view.information, situation, decision);
   return decision;

@@ -9,6 +9,7 @@
 
 #include "common/grid/grid.h"
 #include "common/grid/visibility.h"
+#include "common/msg/perception_model.h"
 #include "common/runtime/clock.h"
 #include "common/runtime/log.h"
 #include "common/runtime/random.h"
@@ -18,7 +19,6 @@
 #include "planner/methods/operator_model.h"
 #include "planner/search/grid_graph.h"
 #include "planner/search/parallel_search.h"
-#include "planner/search/perception_model.h"
 #include "planner/search/search_problem.h"
 #include "planner/search/view_information.h"
 
@@ -95,7 +95,7 @@ class NoNewsModel final : public PerceptionModel {
  public:
   [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
       std::span<const PerceptionQuery> queries) override;
-  std::string name() const override { return "none"; }
+  ModelIdentity identity() const override { return {"none", "", ""}; }
 };
 
 /// The robot decides by IG-MCTS: moves by itself, and sends the picture that is worth the
@@ -112,7 +112,7 @@ class IgMctsMethod final : public Method {
                std::unique_ptr<CommunicationPolicy> policy = nullptr);
 
   Decision Decide(const Situation& situation, const StopToken& stop) override;
-  std::vector<Cell> WayFor(const Situation& situation) override;
+  std::vector<Cell> IntendedPathFor(const Situation& situation) override;
   AwaitedInput awaits() const override { return AwaitedInput::kAnswers; }
 
  private:
@@ -152,7 +152,7 @@ class IgMctsMethod final : public Method {
   std::shared_ptr<PerceptionModel> model_;
   std::unique_ptr<CommunicationPolicy> policy_;  // null: the search decides
   NoNewsModel no_news_;                          // what it plans with where it does not
-  IgMcts search_;
+  ParallelSearch search_;
   std::vector<SearchMemory> memories_;  // by tree
   std::shared_ptr<const GridViews> views_;
   Random random_;

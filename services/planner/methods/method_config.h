@@ -4,6 +4,7 @@
 #include <string>
 
 #include "common/runtime/config.h"
+#include "planner/search/paper_preset.h"
 #include "planner/search/search_options.h"
 #include "planner/search/search_tree.h"
 
@@ -35,27 +36,28 @@ struct CommunicationConfig {
 
 /// The search of method ig-mcts.
 struct SearchConfig {
-  /// "default" works; "paper" starts from the numbers printed in the paper, with which it does not.
-  /// Other keys of this section change single values of it.
+  /// "default" reaches the goals; "paper" and "paper-literal" start from what the paper prints, with
+  /// which the robot does not (search/paper_preset.h). Other keys of this section change single
+  /// values of it.
   std::string preset = "default";
   /// Camera headings offered per cell; with the four moves they must fit the search's 64 actions.
   int headings = 8;
-  /// Edits of the operator's map that an operator is trusted with before it is known how far they
-  /// do what is expected of them (operator_reliability.h); 0 = pictures are worth what the
-  /// perception model says, whoever sees them.
+  /// Prior of the operator's measured reliability, in edits of the operator's map
+  /// (OperatorReliability); 0 = nothing is measured, pictures are worth what the perception model
+  /// says.
   double reliability_prior = 1.0;
   /// Whether an operator's path still guides once the robot knows of a wall on it (the paper has no
   /// rule), also behind the robot. If not, it counts as none until the operator draws another:
-  /// otherwise the penalty for being off the path holds the robot to a way that it cannot go.
+  /// otherwise the penalty for being off the path holds the robot to a path that it cannot follow.
   bool blocked_path_guides = false;
   SearchOptions options;
 
   void Visit(ConfigReader& reader) {
-    reader.Choice("preset", preset, {"default", "paper"});
-    if (preset == "paper" && reader.reading()) {
-      options = PaperOptions();
-      reliability_prior = 0.0;
-      blocked_path_guides = true;
+    reader.Choice("preset", preset, {"default", "paper", "paper-literal"});
+    if (preset != "default" && reader.reading()) {
+      options = preset == "paper" ? PaperOptions() : LiteralPaperOptions();
+      reliability_prior = kPaperReliabilityPrior;
+      blocked_path_guides = kPaperBlockedPathGuides;
     }
     reader.Field("headings", headings, 1, kMaxActions - 4);
     reader.Field("reliability_prior", reliability_prior, 0.0, 1e6);
@@ -63,9 +65,6 @@ struct SearchConfig {
     options.Visit(reader);
   }
 };
-
-/// The method of the mapping task, the only one that is told the true map.
-inline constexpr const char* kMappingMethod = "mapping";
 
 /// How method ig-mcts is set up; the others need nothing.
 struct MethodConfig {

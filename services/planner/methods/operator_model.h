@@ -4,8 +4,8 @@
 #include <mutex>
 #include <optional>
 
+#include "common/msg/perception_model.h"
 #include "common/msg/planning.h"
-#include "planner/search/perception_model.h"
 
 namespace conav::planner {
 

@@ -137,7 +137,7 @@ CachedPerceptionModel::Found CachedPerceptionModel::LookUp(const std::vector<Key
 }
 
 void CachedPerceptionModel::ForgetIfModelChangedLocked() {
-  std::string identity = model_->identity();
+  ModelIdentity identity = model_->identity();
   if (identity == identity_) return;
   identity_ = std::move(identity);
   oldest_first_.clear();

@@ -7,7 +7,7 @@
 #include <string>
 #include <unordered_map>
 
-#include "planner/search/perception_model.h"
+#include "common/msg/perception_model.h"
 
 namespace conav::planner {
 
@@ -40,8 +40,7 @@ class CachedPerceptionModel final : public PerceptionModel {
 
   [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
       std::span<const PerceptionQuery> queries) override;
-  std::string name() const override { return model_->name(); }
-  std::string identity() const override { return model_->identity(); }
+  ModelIdentity identity() const override { return model_->identity(); }
 
   Counts counts() const;
 
@@ -51,7 +50,7 @@ class CachedPerceptionModel final : public PerceptionModel {
 
   /// What is remembered of a batch; null where nothing is.
   struct Found {
-    std::string identity;  // of the model that the answers are of
+    ModelIdentity identity;  // of the model that the answers are of
     std::vector<AnswerPtr> answers;
   };
 
@@ -68,7 +67,7 @@ class CachedPerceptionModel final : public PerceptionModel {
   mutable std::mutex mutex_;  // guards all below
   std::unordered_map<Key, AnswerPtr> answers_;
   std::deque<const Key*> oldest_first_;  // keys of answers_
-  std::string identity_;                 // of the model that gave them
+  ModelIdentity identity_;               // of the model that gave them
   Counts counts_;
 };
 

@@ -36,9 +36,12 @@ Result<std::vector<PerceptionAnswer>> FallbackPerceptionModel::Predict(
   return fallback_->Predict(queries);
 }
 
-std::string FallbackPerceptionModel::name() const {
+ModelIdentity FallbackPerceptionModel::identity() const {
   const std::lock_guard lock(mutex_);
-  return fallen_back_ ? "fallback: " + fallback_->name() : primary_->name();
+  if (!fallen_back_) return primary_->identity();
+  ModelIdentity identity = fallback_->identity();
+  identity.name = "fallback: " + identity.name;
+  return identity;
 }
 
 FallbackPerceptionModel::Attempt FallbackPerceptionModel::NextAttempt() {

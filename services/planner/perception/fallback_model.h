@@ -6,8 +6,8 @@
 #include <mutex>
 #include <optional>
 
+#include "common/msg/perception_model.h"
 #include "common/runtime/clock.h"
-#include "planner/search/perception_model.h"
 
 namespace conav::planner {
 
@@ -36,8 +36,8 @@ class FallbackPerceptionModel final : public PerceptionModel {
 
   [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
       std::span<const PerceptionQuery> queries) override;
-  /// The primary's name, or "fallback: " and the other's while fallen back.
-  std::string name() const override;
+  /// The primary's, or while fallen back the other's with "fallback: " before its name.
+  ModelIdentity identity() const override;
 
  private:
   enum class Attempt { kNone, kNormal, kProbe };

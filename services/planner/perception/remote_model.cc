@@ -88,7 +88,7 @@ std::vector<PerceptionAnswer> OpenRequests::Batch::Take() {
 // --- all of them -----------------------------------------------------------------------------
 
 OpenRequests::OpenRequests(Wanted wanted) : wanted_(std::move(wanted)) {
-  if (!wanted_.model.empty()) answering_model_ = wanted_.model;
+  if (!wanted_.model.empty()) answering_.name = wanted_.model;
 }
 
 std::string OpenRequests::replica() const {
@@ -101,14 +101,9 @@ std::string OpenRequests::ForgetReplica() {
   return std::exchange(replica_, "");
 }
 
-std::string OpenRequests::model() const {
+ModelIdentity OpenRequests::identity() const {
   const std::lock_guard lock(mutex_);
-  return answering_model_;
-}
-
-std::string OpenRequests::identity() const {
-  const std::lock_guard lock(mutex_);
-  return answering_model_ + " " + answering_checksum_;
+  return answering_;
 }
 
 std::uint64_t OpenRequests::busy() const {
@@ -163,9 +158,8 @@ void OpenRequests::ReadLocked(const Place& place, const ReplyMessage& message) {
 }
 
 void OpenRequests::NoteModelLocked(const PerceptionReply& reply) {
-  if (answering_model_ == reply.model && answering_checksum_ == reply.model_checksum) return;
-  answering_model_ = reply.model;
-  answering_checksum_ = reply.model_checksum;
+  if (answering_.name == reply.model && answering_.checksum == reply.model_checksum) return;
+  answering_ = {reply.model, reply.model_version, reply.model_checksum};
   LOG_INFO("perception model answers", "model", reply.model, "version", reply.model_version,
            "checksum", reply.model_checksum, "replica", reply.replica);
 }

@@ -14,11 +14,11 @@
 #include "common/bus/participant.h"
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
+#include "common/msg/perception_model.h"
 #include "common/msg/planning.h"
 #include "common/runtime/log.h"
 #include "common/runtime/result.h"
 #include "conav_planning.h"
-#include "planner/search/perception_model.h"
 
 namespace conav::planner {
 
@@ -88,10 +88,8 @@ class OpenRequests {
   std::string replica() const;
   /// Empties replica(), and says who it was.
   std::string ForgetReplica();
-  /// The model wanted, or the one that gave the last good reply, or "remote".
-  std::string model() const;
-  /// Name and checksum of the model that gave the last good reply.
-  std::string identity() const;
+  /// Of the model that gave the last good reply; before, the name of the model wanted, or "remote".
+  ModelIdentity identity() const;
 
   /// Replies "busy", and those that could not be understood.
   std::uint64_t busy() const;
@@ -121,8 +119,7 @@ class OpenRequests {
   LogLimit refusals_logged_{std::chrono::seconds(10)};
   mutable std::mutex mutex_;                         // guards all below, and the batches
   std::unordered_map<std::uint64_t, Place> places_;  // by request_id
-  std::string answering_model_ = "remote";
-  std::string answering_checksum_;
+  ModelIdentity answering_{"remote", "", ""};
   std::string replica_;
   std::uint64_t busy_ = 0;
   std::uint64_t unreadable_ = 0;
@@ -155,10 +152,8 @@ class RemotePerceptionModel final : public PerceptionModel {
 
   [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
       std::span<const PerceptionQuery> queries) override;
-  /// The model wanted, or the one that replied last, or "remote" before any did.
-  std::string name() const override { return open_.model(); }
-  /// Name and checksum of the model that replied last.
-  std::string identity() const override { return open_.identity(); }
+  /// Of the model that replied last; before any did, the name of the model wanted, or "remote".
+  ModelIdentity identity() const override { return open_.identity(); }
 
   /// How often requests were sent again because no reply came in time.
   std::uint64_t repeats() const { return repeats_.load(); }

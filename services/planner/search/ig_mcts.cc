@@ -1,39 +1,27 @@
 #include "planner/search/ig_mcts.h"
 
-#include <algorithm>
 #include <bit>
 
 #include "common/runtime/result.h"
 
 namespace conav::planner {
-namespace {
 
-/// Nodes that a decision can add, or as many as are worth reserving memory for.
-std::size_t NodesExpected(const SearchOptions& options) {
-  constexpr std::size_t kMost = 100'000;
-  const std::size_t of_iteration =
-      options.expansion == Expansion::kSingle ? 1 : static_cast<std::size_t>(options.chain_depth);
-  return std::min(kMost, static_cast<std::size_t>(options.iterations) * of_iteration);
-}
-
-}  // namespace
-
-TreeSearch::TreeSearch(const SearchOptions& options, const SearchProblem& problem,
-                       PerceptionModel& model, Random& random, const SearchMemory* memory)
+IgMcts::IgMcts(const SearchOptions& options, const SearchProblem& problem, PerceptionModel& model,
+               Random& random)
     : options_(options),
       problem_(problem),
       random_(random),
       path_(problem, options.rollout_depth * 2),
       offered_(problem),
-      information_(problem, offered_, model, options.view_questions),
+      information_(problem, offered_, model),
       rollout_(options, path_, offered_, information_, random),
-      tree_(problem.start, NodesExpected(options), options.report != SearchDetail::kActions) {
-  if (memory == nullptr) return;
-  auto branch = memory->BranchFor(problem, offered_, options, NodesExpected(options));
-  if (branch && branch->keeps_terms() == tree_.keeps_terms()) tree_ = *std::move(branch);
+      tree_(problem.start, NodesExpected(options), options.report != SearchDetail::kActions) {}
+
+void IgMcts::ContinueFrom(SearchTree tree) {
+  if (tree.keeps_terms() == tree_.keeps_terms()) tree_ = std::move(tree);
 }
 
-Result<bool> TreeSearch::Start() {
+Result<bool> IgMcts::Start() {
   const Actions actions = offered_.At(problem_.start);
   DEMAND(actions.size() <= kMaxActions, actions.size());
   if (path_.goals_left() == 0 || actions.size() == 0) return false;
@@ -43,17 +31,17 @@ Result<bool> TreeSearch::Start() {
     const auto information = information_.Of(path_, view);
     if (!information) return tl::unexpected(information.error());
     const double heading_rad = path_.ViewHeading(actions.views[view]);
-    const double reward = CommunicationReward(path_, heading_rad, *information, options_.reward);
+    const double reward = RewardOfPicture(path_, heading_rad, *information, options_.reward).Sum();
     if (IsWorthSending(*information, reward, options_)) continue;
     tree_.Withhold(SearchTree::kRoot, static_cast<int>(actions.moves.size() + view));
   }
-  // A root that was taken over has children.
+  // The root of an earlier tree has children.
   return tree_.size() > 1 || !IsFullyExpanded(SearchTree::kRoot);
 }
 
-Result<void> TreeSearch::Iterate() {
+Result<void> IgMcts::Iterate() {
   int node = SearchTree::kRoot;
-  int expansions = options_.expansion == Expansion::kSingle ? 1 : options_.chain_depth;
+  int expansions = options_.expansion == Expansion::kChain ? kMostOfChain : 1;
   while (!tree_.node(node).is_terminal && expansions > 0) {
     if (IsFullyExpanded(node)) {
       node = Select(node);  // stage 1
@@ -64,23 +52,25 @@ Result<void> TreeSearch::Iterate() {
       --expansions;
     }
   }
-  const Result<double> rollout_return = Evaluate(node);  // stage 3
-  if (rollout_return) Backup(node, *rollout_return);     // stage 4
+  const Result<double> rollout_return = RollOut(node);  // stage 3
+  if (rollout_return) Backup(node, *rollout_return);    // stage 4
   path_.TakeBack(0);
   if (!rollout_return) return tl::unexpected(rollout_return.error());
   ++iterations_;
   return {};
 }
 
-bool TreeSearch::IsFullyExpanded(int node) {
+// Stage 1: selection.
+
+bool IgMcts::IsFullyExpanded(int node) {
   const int actions = offered_.At(tree_.node(node).vertex).size();
   const std::uint64_t all =
       actions == kMaxActions ? ~std::uint64_t{0} : (std::uint64_t{1} << actions) - 1;
   return tree_.node(node).tried == all;
 }
 
-int TreeSearch::Select(int node) {
-  const int child = tree_.SelectChild(node, options_, random_);
+int IgMcts::Select(int node) {
+  const int child = tree_.SelectChild(node, options_.exploration_constant, random_);
   const SearchNode& chosen = tree_.node(child);
   if (!chosen.is_communication) {
     path_.Go(offered_.At(tree_.node(node).vertex).MoveOf(chosen.action));
@@ -88,40 +78,21 @@ int TreeSearch::Select(int node) {
   return child;
 }
 
-Result<int> TreeSearch::Expand(int node) {
+// Stage 2: expansion.
+
+Result<int> IgMcts::Expand(int node) {
   const Actions actions = offered_.At(tree_.node(node).vertex);
   DEMAND(actions.size() <= kMaxActions, actions.size());
   const int action = UntriedAction(actions, tree_.node(node).tried);
-  NodeTerms terms;
-  if (actions.IsMove(action)) {
-    const SearchNode child = Move(node, action, actions.MoveOf(action));
-    if (tree_.keeps_terms()) terms.reward = MoveTerms(path_, options_.reward);
-    return tree_.Add(child, terms);
-  }
-  const auto child = Communicate(node, action, actions, terms.reward);
-  if (!child) return tl::unexpected(child.error());
-  return tree_.Add(*child, terms);
+  if (actions.IsMove(action)) return AddMove(node, action, actions.MoveOf(action));
+  return AddCommunication(node, action, actions);
 }
 
-Result<double> TreeSearch::Evaluate(int leaf) {
-  if (tree_.node(leaf).is_terminal) return 0.0;
-  return rollout_.Run(path_);
-}
-
-void TreeSearch::Backup(int leaf, double rollout_return) {
-  if (tree_.keeps_terms()) {
-    const bool rolled_out = !tree_.node(leaf).is_terminal;
-    tree_.BackupTerms(leaf, rolled_out ? rollout_.Terms(path_) : RewardTerms{}, options_);
-  }
-  tree_.Backup(leaf, rollout_return, options_);
-}
-
-int TreeSearch::UntriedAction(const Actions& actions, std::uint64_t tried) {
-  int left = actions.size() - std::popcount(tried);
-  if (options_.untried_order == UntriedOrder::kRandom) {
-    left = 1 + static_cast<int>(random_.Uniform(0, left - 1));
-  } else {
-    left = 1;
+int IgMcts::UntriedAction(const Actions& actions, std::uint64_t tried) {
+  int left = 1;
+  if (options_.expansion == Expansion::kRandom) {
+    const int untried = actions.size() - std::popcount(tried);
+    left += static_cast<int>(random_.Uniform(0, untried - 1));
   }
   int action = -1;
   while (left > 0) {
@@ -131,24 +102,23 @@ int TreeSearch::UntriedAction(const Actions& actions, std::uint64_t tried) {
   return action;
 }
 
-/// Only the transition that succeeds becomes a node; its probability is kept beside it.
-SearchNode TreeSearch::Move(int parent, int action, const Edge& edge) {
+/// Only the transition that succeeds becomes a node; the node keeps its probability.
+int IgMcts::AddMove(int parent, int action, const Edge& edge) {
   SearchNode child;
   child.parent = parent;
   child.action = action;
   child.vertex = edge.target;
   child.feasibility = path_.IsKnownFree(edge) ? 1.0 : edge.feasibility;
   path_.Go(edge);
-  child.is_guided = path_.on_guidance();
-  child.reward = MoveReward(path_, options_.reward);
+  const RewardTerms reward = MoveTerms(path_, options_.reward);
+  child.reward = reward.Sum();
   child.is_terminal = path_.at_goal() || tree_.node(parent).depth + 1 >= options_.rollout_depth ||
                       offered_.At(edge.target).size() == 0;
-  return child;
+  return tree_.Add(child, {.reward = reward});
 }
 
-/// A picture, or the end of a branch where it would cost more than it tells.
-Result<SearchNode> TreeSearch::Communicate(int parent, int action, const Actions& actions,
-                                           RewardTerms& terms) {
+/// A picture, or the end of a branch where a picture costs more than its information is worth.
+Result<int> IgMcts::AddCommunication(int parent, int action, const Actions& actions) {
   const auto information = information_.Of(path_, actions.ViewOf(action));
   if (!information) return tl::unexpected(information.error());
   SearchNode child;
@@ -158,19 +128,31 @@ Result<SearchNode> TreeSearch::Communicate(int parent, int action, const Actions
   child.is_communication = true;
   child.is_terminal = true;
   child.view = actions.views[actions.ViewOf(action)];
-  const double heading_rad = path_.ViewHeading(child.view);
-  const double reward = CommunicationReward(path_, heading_rad, *information, options_.reward);
+  const PictureReward reward =
+      RewardOfPicture(path_, path_.ViewHeading(child.view), *information, options_.reward);
   const bool may_go_without = options_.optional_pictures && parent != SearchTree::kRoot;
-  if (may_go_without && reward < 0.0) return child;
+  if (may_go_without && reward.Sum() < 0.0) return tree_.Add(child);
   child.information = *information;
-  child.reward = reward;
-  if (tree_.keeps_terms()) {
-    terms = CommunicationTerms(path_, heading_rad, *information, options_.reward);
-  }
-  return child;
+  child.reward = reward.Sum();
+  return tree_.Add(child, {.reward = reward.Terms()});
 }
 
-SearchResult TreeSearch::Report() {
+// Stage 3: rollout.
+
+Result<double> IgMcts::RollOut(int leaf) {
+  if (tree_.node(leaf).is_terminal) return 0.0;
+  return rollout_.Run(path_);
+}
+
+// Stage 4: backup.
+
+void IgMcts::Backup(int leaf, double rollout_return) {
+  const bool has_terms = tree_.keeps_terms() && !tree_.node(leaf).is_terminal;
+  tree_.Backup(leaf, rollout_return, options_.discount,
+               has_terms ? rollout_.Terms(path_) : RewardTerms{});
+}
+
+SearchResult IgMcts::Report() {
   SearchResult result;
   const Actions actions = offered_.At(problem_.start);
   for (int action = 0; action < actions.size(); ++action) {
@@ -201,7 +183,7 @@ SearchResult TreeSearch::Report() {
   return result;
 }
 
-SearchAction TreeSearch::Describe(const Actions& actions, int action) const {
+SearchAction IgMcts::Describe(const Actions& actions, int action) const {
   SearchAction described;
   if (actions.IsMove(action)) {
     const Edge& edge = actions.MoveOf(action);
@@ -220,7 +202,7 @@ SearchAction TreeSearch::Describe(const Actions& actions, int action) const {
   return described;
 }
 
-std::vector<Cell> TreeSearch::ExpectedPath(std::optional<int> action) const {
+std::vector<Cell> IgMcts::ExpectedPath(std::optional<int> action) const {
   std::vector<Cell> cells;
   cells.reserve(static_cast<std::size_t>(options_.rollout_depth));
   int node = action ? tree_.ChildBy(SearchTree::kRoot, *action)

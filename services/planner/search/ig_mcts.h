@@ -5,48 +5,68 @@
 #include <utility>
 #include <vector>
 
+#include "common/msg/perception_model.h"
 #include "common/runtime/random.h"
-#include "planner/search/perception_model.h"
 #include "planner/search/rollout.h"
 #include "planner/search/search_options.h"
 #include "planner/search/search_problem.h"
 #include "planner/search/search_tree.h"
-#include "planner/search/tree_reuse.h"
 
 namespace conav::planner {
 
-/// One tree of a decision: the four stages of an iteration (ig_mcts.h) and what is told of them.
+/// Information Gain Monte Carlo Tree Search: decides whether a robot moves, and where to, or shows
+/// the operator a view, and which. One tree; ParallelSearch makes a decision of one tree or several.
+///
+/// A node is the path since the last picture. The operator's belief is the same in all nodes, as a
+/// communication ends its branch (A12) and a move tells the operator nothing. Each iteration:
+///   1. Selection: from the root down by UCB while all actions of a node were tried.
+///   2. Expansion: an untried action becomes a child, its reward is computed (reward.h).
+///   3. Rollout: random actions from there (rollout.h).
+///   4. Backup: the return goes up to the root, weighted by feasibility (search_tree.h).
+/// The chosen action is the most visited one of the root.
+///
+/// Limits:  at most 64 actions at a vertex. About 100 bytes of memory per iteration, and the views'
+///          information. An iteration asks the model about at most one view and allocates nothing.
+/// Repeats: the same problem, options and state of `random` give the same tree.
 /// Threads: one at a time.
-class TreeSearch {
+/// Sources: the paper, section 5 and appendix E; docs/paper.md says how conav reads it. UCT: Kocsis
+///          and Szepesvari, "Bandit Based Monte-Carlo Planning", ECML 2006.
+class IgMcts {
  public:
-  /// All arguments but `memory` must outlive this. Goes on with the branch that it holds, if there
-  /// is one for the problem.
-  TreeSearch(const SearchOptions& options, const SearchProblem& problem, PerceptionModel& model,
-             Random& random, const SearchMemory* memory);
+  /// All arguments must outlive this.
+  IgMcts(const SearchOptions& options, const SearchProblem& problem, PerceptionModel& model,
+         Random& random);
 
-  /// Prepares the root: views that are not worth sending are not tried there. False when nothing
-  /// can or need be decided. Errors: those of the perception model, as of Iterate().
+  /// Continues from an earlier tree, whose root is the problem's start. Before Start(); ignored if
+  /// only one of them keeps terms.
+  void ContinueFrom(SearchTree tree);
+
+  /// Prepares the root: asks about its views, in one batch, and withholds those that are not worth
+  /// sending. False when there is nothing to decide. Errors: those of the perception model, as of
+  /// Iterate().
   [[nodiscard]] Result<bool> Start();
+  /// Stages 1 to 4 once. Requires Start() == true.
   [[nodiscard]] Result<void> Iterate();
 
   SearchResult Report();
-  /// Along the most visited actions, as SearchResult::expected_path; from `action` of the root on
-  /// where it is given.
+  /// The cells along the most visited actions, as SearchResult::expected_path; from `action` of the
+  /// root on if given.
   std::vector<Cell> ExpectedPath(std::optional<int> action = std::nullopt) const;
+
+  const OfferedActions& offered() const { return offered_; }
   /// Ends the search.
-  void LeaveTo(SearchMemory& memory) { memory.Keep(problem_, offered_, std::move(tree_)); }
+  SearchTree TakeTree() { return std::move(tree_); }
 
  private:
-  bool IsFullyExpanded(int node);
-  int Select(int node);
-  [[nodiscard]] Result<int> Expand(int node);
-  [[nodiscard]] Result<double> Evaluate(int leaf);
-  void Backup(int leaf, double rollout_return);
+  int Select(int node);                            // stage 1: one step down
+  [[nodiscard]] Result<int> Expand(int node);      // stage 2
+  [[nodiscard]] Result<double> RollOut(int leaf);  // stage 3
+  void Backup(int leaf, double rollout_return);    // stage 4
 
+  bool IsFullyExpanded(int node);
   int UntriedAction(const Actions& actions, std::uint64_t tried);
-  SearchNode Move(int parent, int action, const Edge& edge);
-  [[nodiscard]] Result<SearchNode> Communicate(int parent, int action, const Actions& actions,
-                                               RewardTerms& terms);
+  int AddMove(int parent, int action, const Edge& edge);
+  [[nodiscard]] Result<int> AddCommunication(int parent, int action, const Actions& actions);
   SearchAction Describe(const Actions& actions, int action) const;
 
   const SearchOptions& options_;

@@ -73,20 +73,20 @@ std::size_t TreeWithMostVisits(std::span<const SearchResult> trees, std::size_t 
 
 namespace {
 
-/// The trees of one decision, grown side by side.
-class Forest {
+/// The trees of one decision.
+class Trees {
  public:
-  Forest(const SearchOptions& options, const SearchProblem& problem, PerceptionModel& model,
-         Random& random, std::vector<SearchMemory>* memories)
+  Trees(const SearchOptions& options, const SearchProblem& problem, PerceptionModel& model,
+        Random& random, std::vector<SearchMemory>* memories)
       : options_(options), problem_(problem), model_(model), memories_(memories) {
     const auto count = static_cast<std::size_t>(options.trees);
     trees_.resize(count);
     if (memories != nullptr) memories->resize(count);
     if (count > 1) SeedTrees(random.Next());
-    Plant(0, count > 1 ? randoms_.front() : random);
+    MakeTree(0, count > 1 ? randoms_.front() : random);
   }
 
-  /// Asks about the root. False when nothing can or need be decided.
+  /// Asks about the root. False when there is nothing to decide.
   Result<bool> Start() { return trees_.front()->Start(); }
   Result<void> Grow(const SearchBudget& budget);
   SearchResult Report();
@@ -94,7 +94,7 @@ class Forest {
 
  private:
   void SeedTrees(std::uint64_t seed);
-  void Plant(std::size_t tree, Random& random);
+  void MakeTree(std::size_t tree, Random& random);
   Result<void> GrowShare(std::size_t first, std::size_t step, const SearchBudget& budget);
 
   const SearchOptions& options_;
@@ -102,22 +102,24 @@ class Forest {
   PerceptionModel& model_;
   std::vector<SearchMemory>* memories_;
   std::vector<Random> randoms_;  // one a tree; none for a single tree
-  std::vector<std::unique_ptr<TreeSearch>> trees_;
+  std::vector<std::unique_ptr<IgMcts>> trees_;
 };
 
-void Forest::SeedTrees(std::uint64_t seed) {
+void Trees::SeedTrees(std::uint64_t seed) {
   randoms_.reserve(trees_.size());
   for (std::size_t tree = 0; tree < trees_.size(); ++tree) {
     randoms_.emplace_back(DeriveSeed(seed, tree));
   }
 }
 
-void Forest::Plant(std::size_t tree, Random& random) {
-  trees_[tree] = std::make_unique<TreeSearch>(options_, problem_, model_, random,
-                                              memories_ == nullptr ? nullptr : &(*memories_)[tree]);
+void Trees::MakeTree(std::size_t tree, Random& random) {
+  trees_[tree] = std::make_unique<IgMcts>(options_, problem_, model_, random);
+  if (memories_ == nullptr) return;
+  auto branch = (*memories_)[tree].BranchFor(problem_, trees_[tree]->offered(), options_);
+  if (branch) trees_[tree]->ContinueFrom(*std::move(branch));
 }
 
-Result<void> Forest::Grow(const SearchBudget& budget) {
+Result<void> Trees::Grow(const SearchBudget& budget) {
   const std::size_t threads =
       std::min(trees_.size(), static_cast<std::size_t>(options_.tree_threads));
   std::vector<Result<void>> ends(threads);
@@ -131,11 +133,11 @@ Result<void> Forest::Grow(const SearchBudget& budget) {
   return {};
 }
 
-/// Trees first, first + step, ...: an iteration each in turn, so that time is shared evenly.
-Result<void> Forest::GrowShare(std::size_t first, std::size_t step, const SearchBudget& budget) {
+/// Trees first, first + step, ...: an iteration each in turn, so that they share the time evenly.
+Result<void> Trees::GrowShare(std::size_t first, std::size_t step, const SearchBudget& budget) {
   for (std::size_t tree = first; tree < trees_.size(); tree += step) {
     if (tree == 0) continue;
-    Plant(tree, randoms_[tree]);
+    MakeTree(tree, randoms_[tree]);
     if (const auto started = trees_[tree]->Start(); !started) {
       return tl::unexpected(started.error());
     }
@@ -149,7 +151,7 @@ Result<void> Forest::GrowShare(std::size_t first, std::size_t step, const Search
   return {};
 }
 
-SearchResult Forest::Report() {
+SearchResult Trees::Report() {
   if (trees_.size() == 1) return trees_.front()->Report();
   std::vector<SearchResult> of_tree;
   for (const auto& tree : trees_) {
@@ -163,33 +165,33 @@ SearchResult Forest::Report() {
   return sum;
 }
 
-void Forest::LeaveToMemories() {
+void Trees::LeaveToMemories() {
   if (memories_ == nullptr) return;
   for (std::size_t tree = 0; tree < trees_.size(); ++tree) {
-    if (trees_[tree]) trees_[tree]->LeaveTo((*memories_)[tree]);
+    if (trees_[tree]) (*memories_)[tree].Keep(problem_, trees_[tree]->TakeTree());
   }
 }
 
 }  // namespace
 
-IgMcts::IgMcts(const SearchOptions& options, PerceptionModel& model)
+ParallelSearch::ParallelSearch(const SearchOptions& options, PerceptionModel& model)
     : options_(options), model_(model) {}
 
-Result<SearchResult> IgMcts::Decide(const SearchProblem& problem, Random& random,
-                                    const SearchLimits& limits,
-                                    std::vector<SearchMemory>* memories) const {
+Result<SearchResult> ParallelSearch::Decide(const SearchProblem& problem, Random& random,
+                                            const SearchLimits& limits,
+                                            std::vector<SearchMemory>* memories) const {
   DEMAND(limits.clock != nullptr || (!limits.deadline && options_.time_budget_ms <= 0.0));
   const SearchBudget budget(options_, limits);
   SearchProblem offered = problem;
   if (options_.offers_sent_views) offered.sent_views.clear();
   const bool remembers = options_.tree_reuse != TreeReuse::kNone;
-  Forest forest(options_, offered, model_, random, remembers ? memories : nullptr);
-  const Result<bool> has_choice = forest.Start();
+  Trees trees(options_, offered, model_, random, remembers ? memories : nullptr);
+  const Result<bool> has_choice = trees.Start();
   if (!has_choice) return tl::unexpected(has_choice.error());
-  if (!*has_choice) return forest.Report();
-  if (const auto grown = forest.Grow(budget); !grown) return tl::unexpected(grown.error());
-  SearchResult result = forest.Report();
-  forest.LeaveToMemories();
+  if (!*has_choice) return trees.Report();
+  if (const auto grown = trees.Grow(budget); !grown) return tl::unexpected(grown.error());
+  SearchResult result = trees.Report();
+  trees.LeaveToMemories();
   return result;
 }
 

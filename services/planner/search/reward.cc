@@ -23,29 +23,4 @@ double TurnCost(const PathState& path, double heading_rad, const RewardOptions& 
   return options.view_turn * std::abs(WrapAngle(heading_rad - path.heading_rad()));
 }
 
-double CommunicationReward(const PathState& path, double heading_rad, double information,
-                           const RewardOptions& options) {
-  return information - CommunicationCost(path.unvisited_guidance(), options) -
-         TurnCost(path, heading_rad, options) + options.communication_step;
-}
-
-RewardTerms MoveTerms(const PathState& path, const RewardOptions& options) {
-  RewardTerms terms;
-  (path.at_goal() ? terms.goals : terms.steps) = EnvironmentReward(path.at_goal(), options);
-  terms.progress = ProgressReward(path.progress(), options);
-  terms.guidance = GuidanceReward(path.guided_before(), path.on_guidance(), path.length());
-  terms.smoothness = SmoothnessReward(path.earlier_visits());
-  return terms;
-}
-
-RewardTerms CommunicationTerms(const PathState& path, double heading_rad, double information,
-                               const RewardOptions& options) {
-  RewardTerms terms;
-  terms.information = information;
-  terms.communication =
-      -CommunicationCost(path.unvisited_guidance(), options) - TurnCost(path, heading_rad, options);
-  terms.steps = options.communication_step;
-  return terms;
-}
-
 }  // namespace conav::planner

@@ -16,17 +16,17 @@ namespace conav::planner {
 struct RewardOptions {
   double goal = 100.0;  // r_g
   double step = -1.0;   // R_env of any other step
-  /// c of a picture, in expected edits (cells), is communication_cost (1 + m / 10): with 10 the
-  /// paper's 10 + m, which hardly a picture is worth where a branch may end without one
-  /// (SearchOptions::optional_pictures), hence less; an experiment chose it (docs/search.md).
+  /// c of a picture, in expected edits (cells), is communication_cost (1 + m / 10); 10 gives the
+  /// paper's 10 + m. Hardly any picture is worth that much where a branch may end without one
+  /// (SearchOptions::optional_pictures), so the default is lower; an experiment chose it
+  /// (docs/search.md).
   double communication_cost = 0.25;
   /// Added to a communication as to any other step; the paper does not say so, hence 0.
   double communication_step = 0.0;
 
-  /// Of the turn that a view costs, per radian between the way that the robot came and the view's
-  /// heading; an addition to the paper, where turning is free. A move from cell to cell costs
-  /// `step`; turning there and back takes a robot of the simulator about as long as one move a
-  /// radian.
+  /// Cost of the turn towards a view, per radian between the robot's direction of travel and the
+  /// view's heading; an addition to the paper, where turning is free. A move from cell to cell costs
+  /// `step`; in the simulator turning one radian there and back takes about as long as one move.
   double view_turn = 1.0;
 
   /// Weight of the progress term, an addition to the paper (which allows for one, section 5.1).
@@ -44,7 +44,7 @@ inline double EnvironmentReward(bool reaches_goal, const RewardOptions& options)
 /// since the last picture, that picture's included (appendix C, 2). 0 while no path was ever given.
 double GuidanceReward(bool guided_before, bool on_guidance, int path_length);
 
-/// std::log of whole numbers, from a table as far as it goes.
+/// std::log of whole numbers, from a table for the small ones.
 class LogTable {
  public:
   LogTable() {
@@ -64,8 +64,8 @@ class LogTable {
 inline double SmoothnessReward(int earlier_visits) { return -static_cast<double>(earlier_visits); }
 
 /// Steps to the nearest goal, by the robot's own map, that a move saves; below 0 when it leads
-/// away. Not in the paper: it shows the search goals beyond its horizon. A difference of
-/// potentials, undiscounted, so it hardly changes which way is best (with the discount factor it
+/// away. Not in the paper: it shows the search goals beyond its horizon. It is an undiscounted
+/// difference of potentials, so it hardly changes which path is best (with the discount factor it
 /// would not at all: Ng, Harada and Russell, ICML 1999); a communication gets none of it.
 inline double ProgressReward(double steps_saved, const RewardOptions& options) {
   return options.progress * steps_saved;
@@ -77,26 +77,47 @@ inline double CommunicationCost(int unvisited_guidance, const RewardOptions& opt
   return options.communication_cost * (1.0 + 0.1 * unvisited_guidance);
 }
 
-/// R_task of the step that `path` has just made: the sum of the first four.
-inline double MoveReward(const PathState& path, const RewardOptions& options) {
-  return EnvironmentReward(path.at_goal(), options) +
-         GuidanceReward(path.guided_before(), path.on_guidance(), path.length()) +
-         SmoothnessReward(path.earlier_visits()) + ProgressReward(path.progress(), options);
+/// R_task of a step that enters a state: the sum of the first four. `guidance` is GuidanceReward().
+inline RewardTerms MoveTerms(bool reaches_goal, double guidance, int earlier_visits,
+                             double steps_saved, const RewardOptions& options) {
+  const double environment = EnvironmentReward(reaches_goal, options);
+  return {.goals = reaches_goal ? environment : 0.0,
+          .steps = reaches_goal ? 0.0 : environment,
+          .progress = ProgressReward(steps_saved, options),
+          .guidance = guidance,
+          .smoothness = SmoothnessReward(earlier_visits)};
+}
+
+/// Of the step that `path` has just made.
+inline RewardTerms MoveTerms(const PathState& path, const RewardOptions& options) {
+  return MoveTerms(path.at_goal(),
+                   GuidanceReward(path.guided_before(), path.on_guidance(), path.length()),
+                   path.earlier_visits(), path.progress(), options);
 }
 
 /// What it costs to look towards `heading_rad` at the end of `path`.
 double TurnCost(const PathState& path, double heading_rad, const RewardOptions& options);
 
-/// Of sending a view towards `heading_rad`: R_info - c - TurnCost(). `information` is E||x' - x||_1
-/// = ||p_add||_1 + ||p_remove||_1 (section 5.2). No guidance or smoothness term, as no new state is
+/// What a picture is worth: R_info - c - turn. No guidance or smoothness term, as no new state is
 /// entered.
-double CommunicationReward(const PathState& path, double heading_rad, double information,
-                           const RewardOptions& options);
+struct PictureReward {
+  double information = 0.0;  // E||x' - x||_1 = ||p_add||_1 + ||p_remove||_1 (section 5.2)
+  double cost = 0.0;         // c, CommunicationCost()
+  double turn = 0.0;         // TurnCost()
+  double step = 0.0;         // RewardOptions::communication_step
 
-/// The same two by what they are made of, for reports; sums are equal but for rounding. The step
-/// penalty of a communication counts as a step, its turn as a cost of communication.
-RewardTerms MoveTerms(const PathState& path, const RewardOptions& options);
-RewardTerms CommunicationTerms(const PathState& path, double heading_rad, double information,
-                               const RewardOptions& options);
+  double Sum() const { return information - cost - turn + step; }
+  /// For reports: the turn counts as a cost of communication. The sum is the same but for rounding.
+  RewardTerms Terms() const {
+    return {.steps = step, .information = information, .communication = -cost - turn};
+  }
+};
+
+/// Of a picture towards `heading_rad` at the end of `path`.
+inline PictureReward RewardOfPicture(const PathState& path, double heading_rad, double information,
+                                     const RewardOptions& options) {
+  return {information, CommunicationCost(path.unvisited_guidance(), options),
+          TurnCost(path, heading_rad, options), options.communication_step};
+}
 
 }  // namespace conav::planner

@@ -27,21 +27,18 @@ Rollout::Rollout(const SearchOptions& options, const PathState& path, const Offe
   vertices_.reserve(path.vertex_count());
   moves_.reserve(offered.edges().size());
   for (std::size_t i = 0; i < path.vertex_count(); ++i) {
-    AddVertex(path, static_cast<VertexId>(i), options);
+    AddVertex(path, static_cast<VertexId>(i));
   }
 }
 
-void Rollout::AddVertex(const PathState& path, VertexId vertex, const SearchOptions& options) {
+void Rollout::AddVertex(const PathState& path, VertexId vertex) {
   const Actions actions = offered_.At(vertex);
   const bool guides = path.guided_before() && !path.IsGuidance(vertex);
   vertices_.push_back({static_cast<int>(moves_.size()), static_cast<int>(actions.moves.size()),
-                       actions.size(), path.IsGoal(vertex),
-                       EnvironmentReward(path.IsGoal(vertex), options.reward),
-                       guides ? -1.0 : 0.0});
+                       actions.size(), path.IsGoal(vertex), guides ? -1.0 : 0.0});
   for (const Edge& edge : actions.moves) {
-    const double saved = path.StepsToGoal(vertex) - path.StepsToGoal(edge.target);
     moves_.push_back({edge.target, edge.uncertainty, BitsBelow(edge.feasibility),
-                      ProgressReward(saved, options.reward)});
+                      path.StepsToGoal(vertex) - path.StepsToGoal(edge.target)});
   }
 }
 
@@ -57,7 +54,8 @@ Result<double> Rollout::Run(PathState& path) {
     const Vertex& at = vertices_[Index(here)];
     if (at.actions == 0) break;
     const SplitMix64::Halves draw = draws_.NextHalves();
-    const int action = DrawAction(at, draw.upper);
+    const auto action =
+        static_cast<int>(ScaledTo(draw.upper, static_cast<std::uint32_t>(at.actions)));
     if (action >= at.moves) {
       const auto reward = Communicate(path, Index(action - at.moves), t);
       if (!reward) return reward;
@@ -68,7 +66,7 @@ Result<double> Rollout::Run(PathState& path) {
     steps_[Index(t)] = goes ? at.first_move + action : kStayed;
     here = goes ? move.target : here;
     ++t;
-    rollout_return += weight * Enter(here, goes ? move.progress : 0.0, length + t, path);
+    rollout_return += weight * Enter(here, goes ? move.steps_saved : 0.0, length + t, path);
     weight *= options_.discount;
     if (vertices_[Index(here)].is_goal) break;
   }
@@ -77,18 +75,7 @@ Result<double> Rollout::Run(PathState& path) {
   return rollout_return;
 }
 
-int Rollout::DrawAction(const Vertex& at, std::uint32_t bits) {
-  const auto moves = static_cast<std::uint32_t>(at.moves);
-  const auto all = static_cast<std::uint32_t>(at.actions);
-  const double probability = options_.rollout_communication_probability;
-  if (probability < 0.0 || moves == 0 || moves == all) return static_cast<int>(ScaledTo(bits, all));
-  if (probability > 0.0 && draws_.NextHalves().lower < BitsBelow(probability)) {
-    return static_cast<int>(moves + ScaledTo(bits, all - moves));
-  }
-  return static_cast<int>(ScaledTo(bits, moves));
-}
-
-/// Without branches: which way it goes is drawn.
+/// Without branches, because the outcome is random.
 bool Rollout::CanGo(const Move& move, std::uint32_t bits, const PathState& path) {
   Outcome& outcome = outcomes_[Index(move.uncertainty)];
   const std::uint32_t drawn = bits < move.free_below ? 1 : 0;
@@ -97,13 +84,13 @@ bool Rollout::CanGo(const Move& move, std::uint32_t bits, const PathState& path)
   return (outcome.is_free | static_cast<std::uint32_t>(path.HasPassed(move.uncertainty))) != 0;
 }
 
-double Rollout::Enter(VertexId vertex, double progress, int length, const PathState& path) {
+double Rollout::Enter(VertexId vertex, double steps_saved, int length, const PathState& path) {
   const Vertex& entered = vertices_[Index(vertex)];
   Visits& visits = visits_[Index(vertex)];
   const int earlier = visits.rollout == rollout_ ? visits.count : path.visits(vertex);
   visits = {rollout_, earlier + 1};
-  return entered.environment + entered.guidance_weight * log_.Of(length) +
-         SmoothnessReward(earlier) + progress;
+  const double guidance = entered.guidance_weight * log_.Of(length);
+  return MoveTerms(entered.is_goal, guidance, earlier, steps_saved, options_.reward).Sum();
 }
 
 void Rollout::Repeat(int t, PathState& path) const {
@@ -124,7 +111,7 @@ Result<double> Rollout::Communicate(PathState& path, std::size_t view, int steps
   if (reward) {
     sent_information_ = *reward;
     sent_heading_rad_ = path.ViewHeading(offered_.At(path.vertex()).views[view]);
-    reward = CommunicationReward(path, sent_heading_rad_, sent_information_, options_.reward);
+    reward = RewardOfPicture(path, sent_heading_rad_, sent_information_, options_.reward).Sum();
   }
   if (reward && options_.optional_pictures && *reward < 0.0) {
     sent_information_ = kNoView;
@@ -144,8 +131,8 @@ RewardTerms Rollout::Terms(PathState& path) const {
     weight *= options_.discount;
   }
   if (sent_information_ != kNoView) {
-    terms +=
-        weight * CommunicationTerms(path, sent_heading_rad_, sent_information_, options_.reward);
+    terms += weight *
+             RewardOfPicture(path, sent_heading_rad_, sent_information_, options_.reward).Terms();
   }
   path.TakeBack(before);
   return terms;

@@ -9,15 +9,15 @@
 
 namespace conav::planner {
 
-/// Stage 3 of an iteration: random actions from the end of a path until a goal is reached, a view
-/// is sent (or would be, if it were worth its cost) or the depth is used up (procedure ROLLOUT,
-/// appendix C). Whether an unknown cell is free is drawn once per rollout and remembered; a robot
-/// that cannot move stays where it is (A8).
+/// Stage 3 of an iteration: actions drawn uniformly (A6) from the end of a path until a goal is
+/// reached, a view is sent (or would be, if it were worth its cost) or the depth is used up
+/// (procedure ROLLOUT, appendix C). Whether an unknown cell is free is drawn once per rollout and
+/// remembered; a robot that cannot move stays where it is (A8).
 ///
-/// Its moves are kept apart from the path: what a move needs lies in a few kilobytes, and the path
-/// is walked only when a view is asked about. A move takes one draw of a SplitMix64 that is seeded
+/// A rollout keeps its moves apart from the path: the data of a move fits in a few kilobytes, and
+/// the path is walked only to ask about a view. A move takes one draw of a SplitMix64 that is seeded
 /// from `random` at construction, upper half for the action, lower half for whether the cell is
-/// free, and hardly a branch that a processor could guess wrongly. Takes no memory after
+/// free, and hardly any branch that a processor could predict wrongly. Allocates nothing after
 /// construction.
 class Rollout {
  public:
@@ -26,40 +26,38 @@ class Rollout {
   Rollout(const SearchOptions& options, const PathState& path, const OfferedActions& offered,
           ViewInformation& information, Random& random);
 
-  /// Discounted return of the steps after `path`, which is given back as it was. 0 when nothing is
+  /// Discounted return of the steps after `path`, which is unchanged at the end. 0 when nothing is
   /// offered. Errors: those of the perception model.
   [[nodiscard]] Result<double> Run(PathState& path);
 
-  /// What the return of the newest Run(), from `path`, is made of. Goes along its steps again, so
-  /// that the rollouts of a search that nobody asks need not know of terms.
+  /// The terms of the return of the newest Run(), from `path`. Repeats its steps, so that rollouts
+  /// are not slowed down by terms that no report asks for.
   RewardTerms Terms(PathState& path) const;
 
   /// Moves made so far, in all rollouts.
   std::uint64_t moves() const { return moves_made_; }
 
  private:
-  /// A vertex: its actions, and what a move into it is worth as far as that is the same for all
-  /// rollouts (MoveReward() in parts).
+  /// A vertex: its actions, and what MoveTerms() needs of it.
   struct Vertex {
     int first_move = 0;  // in moves_
     int moves = 0;
     int actions = 0;  // moves and views
     bool is_goal = false;
-    double environment = 0.0;      // EnvironmentReward
     double guidance_weight = 0.0;  // of log |tau|: 0 or -1
   };
   struct Move {
     VertexId target = 0;
     int uncertainty = 0;
     std::uint64_t free_below = 0;  // BitsBelow(feasibility)
-    double progress = 0.0;         // ProgressReward
+    double steps_saved = 0.0;
   };
   /// How often this rollout was at a vertex; of an earlier one unless `rollout` is the present one.
   struct Visits {
     std::uint32_t rollout = 0;
     int count = 0;
   };
-  /// What this rollout found out about an uncertainty; nothing unless `rollout` is the present one.
+  /// The outcome that this rollout drew for an uncertainty; none unless `rollout` is the present one.
   struct Outcome {
     std::uint32_t rollout = 0;
     std::uint32_t is_free = 0;
@@ -67,11 +65,10 @@ class Rollout {
 
   static constexpr double kNoView = -1.0;
 
-  void AddVertex(const PathState& path, VertexId vertex, const SearchOptions& options);
-  int DrawAction(const Vertex& at, std::uint32_t bits);
+  void AddVertex(const PathState& path, VertexId vertex);
   bool CanGo(const Move& move, std::uint32_t bits, const PathState& path);
-  /// The reward of being at `vertex` as the `length`-th state of tau (MoveReward).
-  double Enter(VertexId vertex, double progress, int length, const PathState& path);
+  /// The reward of being at `vertex` as the `length`-th state of tau.
+  double Enter(VertexId vertex, double steps_saved, int length, const PathState& path);
   /// `path` makes step t of this rollout.
   void Repeat(int t, PathState& path) const;
   [[nodiscard]] Result<double> Communicate(PathState& path, std::size_t view, int steps);

@@ -1,7 +1,5 @@
 #include "planner/search/search_options.h"
 
-#include <cmath>
-
 #include "common/runtime/config.h"
 
 namespace conav::planner {
@@ -28,34 +26,12 @@ void SearchOptions::Visit(ConfigReader& reader) {
   reader.Field("exploration_constant", exploration_constant, 0.0, 1e6);
   reader.Field("discount", discount, 0.0, 1.0);
   reader.Field("rollout_depth", rollout_depth, 1, 10'000);
-  EnumField(reader, "expansion", expansion, {"single", "chain"});
-  reader.Field("chain_depth", chain_depth, 1, 10'000);
-  EnumField(reader, "untried_order", untried_order, {"moves_first", "random"});
-  EnumField(reader, "backup", backup, {"propagated_sample", "rollout_return"});
-  reader.Field("selection_uses_feasibility", selection_uses_feasibility);
-  reader.Field("guidance_prior", guidance_prior, 0.0, 1e6);
-  EnumField(reader, "tree_reuse", tree_reuse, {"none", "unchanged", "pruned"});
-  EnumField(reader, "view_questions", view_questions, {"single", "place"});
+  EnumField(reader, "tree_reuse", tree_reuse, {"none", "pruned"});
   reader.Field("offers_sent_views", offers_sent_views);
   reader.Field("optional_pictures", optional_pictures);
   reader.Field("min_information", min_information, 0.0, 1e6);
-  reader.Field("rollout_communication_probability", rollout_communication_probability, -1.0, 1.0);
   reader.Section("reward", reward);
   EnumField(reader, "report", report, {"actions", "terms", "tree"});
-}
-
-SearchOptions PaperOptions() {
-  SearchOptions options;
-  options.iterations = 100;
-  options.exploration_constant = std::sqrt(2.0);
-  options.untried_order = UntriedOrder::kMovesFirst;
-  options.offers_sent_views = true;
-  options.optional_pictures = false;
-  options.min_information = 0.0;
-  options.reward.communication_cost = 10.0;
-  options.reward.view_turn = 0.0;
-  options.reward.progress = 0.0;
-  return options;
 }
 
 }  // namespace conav::planner

@@ -13,20 +13,20 @@ namespace conav::planner {
 /// Number of a vertex: 0 .. vertex_count() - 1.
 using VertexId = int;
 
-/// A way from one vertex to another that is not known to be blocked.
+/// A connection from one vertex to another that is not known to be blocked.
 struct Edge {
   VertexId target = 0;
   /// Probability that the move succeeds: 1 known free, 0.5 unknown. Source: paper section 5.2.
   double feasibility = 1.0;
-  /// What is uncertain about it: edges with the same id are free or blocked together (in a maze the
-  /// cell that is entered). Below uncertainty_count().
+  /// Edges with the same id are free or blocked together (in a maze the id stands for the cell that
+  /// they enter). Below uncertainty_count().
   int uncertainty = 0;
   bool operator==(const Edge&) const = default;
 };
 
-/// Where a robot can go and what it could show from there, as far as the robot knows. The search
-/// sees nothing else of the world, so mazes and waterways are two graphs to one search.
-/// Knowledge is fixed: a graph stands for one decision.
+/// Where a robot can go and what it could show from there, to the robot's knowledge. The search sees
+/// nothing else of the world, so a maze and a waterway are just two graphs for the same search.
+/// The knowledge is fixed: a graph is valid for one decision.
 /// Threads: safe to use concurrently.
 class NavigationGraph {
  public:
@@ -66,10 +66,10 @@ struct SearchProblem {
   /// Whether the operator has ever given this robot a path: without one there is no penalty for
   /// being off it, with one that was withdrawn there is (docs/paper.md A16).
   bool guided_before = false;
-  /// x_0: what the operator takes for a wall.
+  /// x_0: probability that the operator believes a cell to be a wall.
   const BeliefGrid& belief;
-  /// What a view's expected edits are multiplied by, in [0, 1]: how far the operator does what the
-  /// perception model expects (planner/decision/operator_reliability.h). 1 in the paper.
+  /// Multiplies a view's expected edits, in [0, 1]: the share of the expected edits that the operator
+  /// makes (OperatorReliability). 1 in the paper.
   double information_weight = 1.0;
   /// Views that are not offered, because they were sent and nothing changed since.
   std::vector<SentView> sent_views;
@@ -107,13 +107,11 @@ struct Actions {
   std::size_t ViewOf(int action) const { return static_cast<std::size_t>(action) - moves.size(); }
 };
 
-/// Which actions each vertex offers during one decision, side by side in memory: the innermost loop
-/// of the search reads it.
+/// The actions that each vertex offers during one decision, contiguous in memory because the
+/// innermost loop of the search reads them.
 class OfferedActions {
  public:
   explicit OfferedActions(const SearchProblem& problem);
-
-  bool operator==(const OfferedActions&) const = default;
 
   /// The moves of vertex 0, of vertex 1, ...
   std::span<const Edge> edges() const { return edges_; }
@@ -130,7 +128,6 @@ class OfferedActions {
   struct First {
     std::size_t edge = 0;
     std::size_t view = 0;
-    bool operator==(const First&) const = default;
   };
 
   void AddViews(const SearchProblem& problem, VertexId vertex);

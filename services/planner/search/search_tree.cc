@@ -10,6 +10,13 @@
 
 namespace conav::planner {
 
+std::size_t NodesExpected(const SearchOptions& options) {
+  constexpr std::size_t kMost = 100'000;
+  const int of_iteration = options.expansion == Expansion::kChain ? kMostOfChain : 1;
+  return std::min(
+      kMost, static_cast<std::size_t>(options.iterations) * static_cast<std::size_t>(of_iteration));
+}
+
 SearchTree::SearchTree(VertexId start, std::size_t nodes_expected, bool keeps_terms) {
   nodes_.reserve(nodes_expected + 1);
   nodes_.emplace_back().vertex = start;
@@ -41,7 +48,7 @@ int SearchTree::Add(SearchNode node, const NodeTerms& terms) {
   return index;
 }
 
-int SearchTree::SelectChild(int parent, const SearchOptions& options, Random& random) const {
+int SearchTree::SelectChild(int parent, double exploration_constant, Random& random) const {
   const SearchNode& from = node(parent);
   const double log_visits = std::log(static_cast<double>(from.visit_count));
   double best_value = -std::numeric_limits<double>::infinity();
@@ -49,12 +56,7 @@ int SearchTree::SelectChild(int parent, const SearchOptions& options, Random& ra
   int ties = 0;
   for (int child = from.first_child; child >= 0; child = node(child).next_sibling) {
     const SearchNode& to = node(child);
-    double value = to.mean();
-    if (options.selection_uses_feasibility) {
-      value = to.feasibility * value + (1.0 - to.feasibility) * from.mean();
-    }
-    value += options.exploration_constant * std::sqrt(log_visits / to.visit_count);
-    if (to.is_guided) value += options.guidance_prior / (1.0 + to.visit_count);
+    const double value = to.mean() + exploration_constant * std::sqrt(log_visits / to.visit_count);
     if (value > best_value) {
       best_value = value;
       best = child;
@@ -67,30 +69,38 @@ int SearchTree::SelectChild(int parent, const SearchOptions& options, Random& ra
   return best;
 }
 
-void SearchTree::Backup(int leaf, double rollout_return, const SearchOptions& options) {
+namespace {
+
+/// q_sample of a node, or one of its terms: equation 3. `mean` is asked only where it counts.
+template <class Value, class Mean>
+Value Propagated(const Value& reward, double discount, double feasibility, const Value& below,
+                 const Mean& mean) {
+  Value expected = feasibility * below;
+  if (feasibility < 1.0) expected += (1.0 - feasibility) * mean();
+  Value sample = discount * expected;
+  sample += reward;
+  return sample;
+}
+
+}  // namespace
+
+void SearchTree::Backup(int leaf, double rollout_return, double discount,
+                        const RewardTerms& terms) {
   double sample = rollout_return;
+  RewardTerms sample_terms = terms;
   double feasibility = 1.0;
   for (int index = leaf; index >= 0; index = node(index).parent) {
     SearchNode& v = mutable_node(index);
-    sample = v.reward + options.discount * (feasibility * sample + (1.0 - feasibility) * v.mean());
-    v.total_return += options.backup == BackupRule::kPropagatedSample ? sample : rollout_return;
+    if (keeps_terms()) {
+      NodeTerms& of_v = terms_[static_cast<std::size_t>(index)];
+      sample_terms = Propagated(of_v.reward, discount, feasibility, sample_terms,
+                                [&] { return MeanTerms(index); });
+      of_v.total += sample_terms;
+    }
+    sample = Propagated(v.reward, discount, feasibility, sample, [&] { return v.mean(); });
+    v.total_return += sample;
     ++v.visit_count;
     feasibility = v.feasibility;
-  }
-}
-
-void SearchTree::BackupTerms(int leaf, const RewardTerms& rollout_return,
-                             const SearchOptions& options) {
-  RewardTerms sample = rollout_return;
-  double feasibility = 1.0;
-  for (int index = leaf; index >= 0; index = node(index).parent) {
-    NodeTerms& v = terms_[static_cast<std::size_t>(index)];
-    RewardTerms next = options.discount * feasibility * sample;
-    if (feasibility < 1.0) next += options.discount * (1.0 - feasibility) * MeanTerms(index);
-    next += v.reward;
-    sample = next;
-    v.total += options.backup == BackupRule::kPropagatedSample ? sample : rollout_return;
-    feasibility = node(index).feasibility;
   }
 }
 

@@ -13,8 +13,8 @@ namespace conav::planner {
 /// At one vertex, moves and views together: they are bits of one word.
 inline constexpr int kMaxActions = 64;
 
-/// One node: the state after an action, and what was learned of it. Nodes are numbers into one
-/// array; a node's children form a list in the order of their expansion.
+/// One node: the state after an action, and the statistics of its visits. Nodes are indices into
+/// one array; a node's children form a list in the order of their expansion.
 ///
 ///   parent <- node -> first_child -> next_sibling -> next_sibling ...
 struct SearchNode {
@@ -28,7 +28,6 @@ struct SearchNode {
   VertexId vertex = 0;
   bool is_communication = false;
   bool is_terminal = false;
-  bool is_guided = false;         // a move onto the operator's path
   std::uint64_t tried = 0;        // bit a: action a has a child, or is withheld
   double reward = 0.0;            // r(v): of the transition into this node; 0 at the root
   double feasibility = 1.0;       // delta(v): probability of that transition
@@ -40,18 +39,22 @@ struct SearchNode {
   double mean() const { return visit_count > 0 ? total_return / visit_count : 0.0; }
 };
 
-/// What a node's reward and its returns are made of: `reward` of r(v), `total` of Q(v).
+/// The terms of a node's reward r(v) and of its total return Q(v).
 struct NodeTerms {
   RewardTerms reward;
   RewardTerms total;
 };
 
-/// The tree and what needs no knowledge of the world: selection by UCB, backup, choice.
+/// Number of nodes that a decision can add, or as many as are worth reserving memory for.
+std::size_t NodesExpected(const SearchOptions& options);
+
+/// The tree and the stages that need no knowledge of the world: selection by UCB and backup; and the
+/// choice of the action.
 class SearchTree {
  public:
   static constexpr int kRoot = 0;
 
-  /// `nodes_expected`: so many are added without allocating memory. `keeps_terms`: beside each node
+  /// Adds up to `nodes_expected` nodes without allocating memory. With `keeps_terms` each node has
   /// its NodeTerms, for reports.
   explicit SearchTree(VertexId start, std::size_t nodes_expected = 0, bool keeps_terms = false);
 
@@ -67,7 +70,7 @@ class SearchTree {
   /// Appends `node` as last child of its parent; returns its number. `terms` are kept or dropped.
   int Add(SearchNode node, const NodeTerms& terms = {});
 
-  /// What is known of the root from an earlier tree.
+  /// The statistics of the root in an earlier tree.
   void SetRootVisits(std::uint32_t visit_count, double total_return) {
     mutable_node(kRoot).visit_count = visit_count;
     mutable_node(kRoot).total_return = total_return;
@@ -81,16 +84,13 @@ class SearchTree {
 
   /// The child with the largest UCB (algorithm 1, line 8): Q/N + k sqrt(log N(parent) / N). Ties
   /// are broken at random. Requires children.
-  int SelectChild(int parent, const SearchOptions& options, Random& random) const;
+  int SelectChild(int parent, double exploration_constant, Random& random) const;
 
   /// Stage 4 (equation 3, procedure BackPropagate): from `leaf` up to the root,
   ///   q_sample <- r(v) + gamma [ delta q_sample + (1 - delta) Q(v)/N(v) ],  Q += q_sample,  N += 1
-  /// with delta = 1 at the leaf and the child's feasibility above.
-  void Backup(int leaf, double rollout_return, const SearchOptions& options);
-
-  /// The same for the terms of the return; before Backup(), whose old means it needs. Requires
-  /// keeps_terms().
-  void BackupTerms(int leaf, const RewardTerms& rollout_return, const SearchOptions& options);
+  /// with delta = 1 at the leaf and the child's feasibility above (A1). `terms` are those of
+  /// `rollout_return`; they go up by the same formula where the tree keeps terms.
+  void Backup(int leaf, double rollout_return, double discount, const RewardTerms& terms = {});
 
   /// The child that `action` leads to; -1 when it was not tried.
   int ChildBy(int parent, int action) const;

@@ -61,17 +61,14 @@ void CopyChildren(const SearchTree& tree, int from, const OfferedActions& offere
 
 }  // namespace
 
-void SearchMemory::Keep(const SearchProblem& problem, const OfferedActions& offered,
-                        SearchTree tree) {
-  kept_.emplace(Kept{std::move(tree), offered, PathToStart(problem), problem.goals_left,
-                     problem.guidance, problem.guided_before, problem.belief,
-                     problem.information_weight});
+void SearchMemory::Keep(const SearchProblem& problem, SearchTree tree) {
+  kept_.emplace(Kept{std::move(tree), PathToStart(problem), problem.goals_left, problem.guidance,
+                     problem.guided_before, problem.belief, problem.information_weight});
 }
 
 std::optional<SearchTree> SearchMemory::BranchFor(const SearchProblem& problem,
                                                   const OfferedActions& offered,
-                                                  const SearchOptions& options,
-                                                  std::size_t nodes_expected) const {
+                                                  const SearchOptions& options) const {
   if (!kept_ || options.tree_reuse == TreeReuse::kNone) return std::nullopt;
   std::vector<Cell> path = kept_->path;
   path.push_back(problem.graph.CellOf(problem.start));
@@ -80,14 +77,12 @@ std::optional<SearchTree> SearchMemory::BranchFor(const SearchProblem& problem,
       kept_->guided_before == problem.guided_before && kept_->belief == problem.belief &&
       kept_->information_weight == problem.information_weight && path == PathToStart(problem);
   if (!same) return std::nullopt;
-  if (options.tree_reuse == TreeReuse::kUnchanged && kept_->offered != offered) {
-    return std::nullopt;
-  }
   const int from = BranchTo(kept_->tree, problem.start);
   if (from < 0) return std::nullopt;
   const SearchNode& old = kept_->tree.node(from);
-  SearchTree branch(problem.start, nodes_expected + kept_->tree.size(), kept_->tree.keeps_terms());
-  // Nothing is gained by entering the root.
+  SearchTree branch(problem.start, NodesExpected(options) + kept_->tree.size(),
+                    kept_->tree.keeps_terms());
+  // Entering the root gives no reward.
   branch.SetRootVisits(old.visit_count, old.total_return - old.visit_count * old.reward);
   if (branch.keeps_terms()) {
     RewardTerms total = kept_->tree.terms(from).total;

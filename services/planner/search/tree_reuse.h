@@ -8,25 +8,22 @@
 
 namespace conav::planner {
 
-/// The tree of a robot's newest decision, for the next one (SearchOptions::tree_reuse).
+/// Keeps the tree of a robot's newest decision for the next one (SearchOptions::tree_reuse).
 class SearchMemory {
  public:
-  /// Keeps `tree`, which belongs to `problem` and `offered`.
-  void Keep(const SearchProblem& problem, const OfferedActions& offered, SearchTree tree);
+  /// Keeps `tree`, which belongs to `problem`.
+  void Keep(const SearchProblem& problem, SearchTree tree);
 
-  /// The branch of the kept tree that begins where `problem` begins: if the robot has made one move
-  /// of that tree since, and belief, guidance and goals are what they were. Under kUnchanged also
-  /// the actions offered must be the same ones; under kPruned branches with actions that are not
-  /// offered any more are left out, as are pictures at the root that are not worth sending
-  /// (IsWorthSending). `nodes_expected` as in SearchTree.
+  /// The branch of the kept tree that begins where `problem` begins, if the robot has made one move
+  /// of that tree since, and belief, guidance and goals are the same. Leaves out the actions that
+  /// are no longer offered, and at the root the pictures that are not worth sending
+  /// (IsWorthSending).
   std::optional<SearchTree> BranchFor(const SearchProblem& problem, const OfferedActions& offered,
-                                      const SearchOptions& options,
-                                      std::size_t nodes_expected) const;
+                                      const SearchOptions& options) const;
 
  private:
   struct Kept {
     SearchTree tree;
-    OfferedActions offered;
     std::vector<Cell> path;  // tau_0, the start last
     std::vector<Cell> goals_left;
     std::vector<Cell> guidance;

@@ -27,12 +27,8 @@ std::uint64_t HashOf(VertexId vertex, std::span<const std::uint64_t> visited) {
 }  // namespace
 
 ViewInformation::ViewInformation(const SearchProblem& problem, const OfferedActions& offered,
-                                 PerceptionModel& model, ViewQuestions questions)
-    : problem_(problem),
-      offered_(offered),
-      model_(model),
-      questions_(questions),
-      slots_(4 * kPlacesExpected, kEmpty) {
+                                 PerceptionModel& model)
+    : problem_(problem), offered_(offered), model_(model), slots_(4 * kPlacesExpected, kEmpty) {
   const auto vertices = static_cast<std::size_t>(problem.graph.vertex_count());
   places_.reserve(kPlacesExpected);
   words_.reserve(kPlacesExpected * ((vertices + 63) / 64));
@@ -55,10 +51,7 @@ Result<double> ViewInformation::Of(const PathState& path, std::size_t index) {
     ++counts_.cached;
     return edits;
   }
-  const bool asks_all = questions_ == ViewQuestions::kPlace;
-  const std::size_t views = offered_.At(place.vertex).views.size();
-  const auto asked = asks_all ? Ask(path, place, 0, views) : Ask(path, place, index, 1);
-  if (!asked) return tl::unexpected(asked.error());
+  if (auto asked = Ask(path, place, index, 1); !asked) return tl::unexpected(asked.error());
   return edits;
 }
 

@@ -5,22 +5,20 @@
 #include <span>
 #include <vector>
 
+#include "common/msg/perception_model.h"
 #include "planner/search/path_state.h"
-#include "planner/search/perception_model.h"
-#include "planner/search/search_options.h"
 #include "planner/search/search_problem.h"
 
 namespace conav::planner {
 
-/// R_info of the views offered at the end of a path, asked of the perception model when it is
-/// wanted and remembered within one decision.
+/// R_info of the views offered at the end of a path, asked of the perception model on demand and
+/// remembered within one decision.
 ///
 /// Nothing is approximated: the key is the whole set of cells in tau together with the place and
 /// the view, and an answer depends on tau as a set only. A search looks at few of a place's views,
-/// so each is asked by itself unless all of them are to be (ViewQuestions); where all are wanted at
-/// once (at the root), AskAll() makes one batch of them.
+/// so it asks about each by itself; AskAll() asks about all of a place (the root) in one batch.
 ///
-/// A look-up takes no memory; a new place only beyond the first kPlacesExpected.
+/// A look-up allocates nothing; a new place allocates only beyond the first kPlacesExpected.
 class ViewInformation {
  public:
   static constexpr std::size_t kPlacesExpected = 1024;
@@ -33,7 +31,7 @@ class ViewInformation {
 
   /// All arguments must outlive this.
   ViewInformation(const SearchProblem& problem, const OfferedActions& offered,
-                  PerceptionModel& model, ViewQuestions questions = ViewQuestions::kSingle);
+                  PerceptionModel& model);
 
   /// Expected edits of view `index` of the views offered at the end of `path`.
   /// Errors: those of the perception model.
@@ -72,7 +70,6 @@ class ViewInformation {
   const SearchProblem& problem_;
   const OfferedActions& offered_;
   PerceptionModel& model_;
-  ViewQuestions questions_;
   std::vector<std::int32_t> slots_;  // open addressing: index into places_, -1 = empty
   std::vector<Place> places_;
   std::vector<std::uint64_t> words_;
@@ -91,8 +88,8 @@ struct BestView {
 
 /// Of the views offered at the start of `problem` with `least_information` or more (expected edits,
 /// in cells) the one with the largest information less `turn_cost` for each radian that the robot
-/// turns, the first of equals; nothing where there is none. For who decides by other means than the
-/// search that a picture is sent now. Errors: those of the model.
+/// turns, the first of equals; nothing where there is none. For policies other than the search that
+/// decide to send a picture now. Errors: those of the model.
 [[nodiscard]] Result<std::optional<BestView>> FindBestView(const SearchProblem& problem,
                                                            PerceptionModel& model,
                                                            double least_information = 0.0,

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
@@ -27,8 +28,8 @@ struct Projection {
   int height = 0;
 };
 
-/// Turns MuJoCo's geom ids into what they stand for. A wall or floor geom spans many cells; the
-/// cell of a pixel is where its ray meets the geom's plane.
+/// Turns MuJoCo's geom ids into labels. A wall or floor geom spans many cells; the cell of a pixel
+/// is where its ray meets the geom's plane.
 class PixelLabeler {
  public:
   explicit PixelLabeler(const RobotWorld& world);
@@ -71,20 +72,18 @@ PixelLabeler::PixelLabeler(const RobotWorld& world)
 
 Cell PixelLabeler::CellOf(int geom, PixelKind kind, const double* origin,
                           const double* direction) const {
-  const double* point = world_.data().geom_xpos + 3 * geom;
-  const double* rotation = world_.data().geom_xmat + 9 * geom;
-  const double normal[3] = {rotation[2], rotation[5], rotation[8]};
-  double ahead = 0.0;
-  double slope = 0.0;
-  for (int i = 0; i < 3; ++i) {
-    ahead += normal[i] * (point[i] - origin[i]);
-    slope += normal[i] * direction[i];
-  }
-  const double reach = ahead / slope;
+  using Eigen::Map, Eigen::Vector3d;
+  const Map<const Vector3d> point(world_.data().geom_xpos + 3 * geom);
+  const Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> rotation(world_.data().geom_xmat +
+                                                                         9 * geom);
+  const Vector3d normal = rotation.col(2);
+  const Map<const Vector3d> start(origin);
+  const Map<const Vector3d> ray(direction);
+  const double reach = normal.dot(point - start) / normal.dot(ray);
   // A wall's face lies on the edge of its cell: step into the wall.
   const double inside = kind == PixelKind::kWall ? world_.geometry().cell_size_m / 2.0 : 0.0;
-  return world_.geometry().PositionToCell({origin[0] + reach * direction[0] - inside * normal[0],
-                                           origin[1] + reach * direction[1] - inside * normal[1]});
+  const Vector3d hit = start + reach * ray - inside * normal;
+  return world_.geometry().PositionToCell({hit.x(), hit.y()});
 }
 
 Grid<PixelLabel> PixelLabeler::Label(const Projection& projection,
@@ -118,7 +117,7 @@ bool IsWhole(const RgbImage& image) {
              static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * 3;
 }
 
-/// Red and blue change places: OpenCV's codecs take blue first.
+/// Swaps red and blue: OpenCV's codecs expect blue first.
 cv::Mat Swapped(const cv::Mat& pixels) {
   cv::Mat swapped(pixels.rows, pixels.cols, CV_8UC3);
   const int pairs[] = {0, 2, 1, 1, 2, 0};
@@ -143,6 +142,29 @@ Result<std::vector<std::uint8_t>> Encode(const RgbImage& image, const char* exte
                 fmt::format("{} encoder: {}", extension, exception.what()));
   }
   return Fail(ErrorCode::kUnavailable, fmt::format("{} encoder failed", extension));
+}
+
+constexpr int kMinSize = 16;
+constexpr int kMaxSize = 4096;
+
+/// MuJoCo's lower row comes first; in RgbImage it is the upper row.
+void FlipRows(RgbImage& image) {
+  const auto stride = static_cast<std::ptrdiff_t>(image.width) * 3;
+  auto upper = image.rgb.begin();
+  auto lower = image.rgb.end() - stride;
+  for (; upper < lower; upper += stride, lower -= stride) {
+    std::swap_ranges(upper, upper + stride, lower);
+  }
+}
+
+mjvCamera RobotCamera(const RobotWorld& world, int robot) {
+  DEMAND(robot >= 0 && robot < world.robot_count(), robot);
+  mjvCamera camera;
+  mjv_defaultCamera(&camera);
+  camera.type = mjCAMERA_FIXED;
+  camera.fixedcamid =
+      mj_name2id(&world.model(), mjOBJ_CAMERA, RobotElement(robot, "camera").c_str());
+  return camera;
 }
 
 }  // namespace
@@ -172,33 +194,6 @@ Result<RgbImage> DecodeJpeg(const std::vector<std::uint8_t>& jpeg) {
                   std::vector<std::uint8_t>(swapped.datastart, swapped.dataend)};
 }
 
-namespace {
-
-constexpr int kMinSize = 16;
-constexpr int kMaxSize = 4096;
-
-/// MuJoCo's lower row comes first; ours is the upper.
-void FlipRows(RgbImage& image) {
-  const auto stride = static_cast<std::ptrdiff_t>(image.width) * 3;
-  auto upper = image.rgb.begin();
-  auto lower = image.rgb.end() - stride;
-  for (; upper < lower; upper += stride, lower -= stride) {
-    std::swap_ranges(upper, upper + stride, lower);
-  }
-}
-
-mjvCamera RobotCamera(const RobotWorld& world, int robot) {
-  DEMAND(robot >= 0 && robot < world.robot_count(), robot);
-  mjvCamera camera;
-  mjv_defaultCamera(&camera);
-  camera.type = mjCAMERA_FIXED;
-  camera.fixedcamid =
-      mj_name2id(&world.model(), mjOBJ_CAMERA, RobotElement(robot, "camera").c_str());
-  return camera;
-}
-
-}  // namespace
-
 /// The OpenGL side: MuJoCo's render context and scene, sized for one camera.
 struct Camera::Context {
   Context(const RobotWorld& world, const CameraOptions& options,
@@ -221,7 +216,7 @@ Camera::Context::Context(const RobotWorld& world, const CameraOptions& options,
                          std::unique_ptr<EglContext> egl_context)
     : egl(std::move(egl_context)), width(options.width), height(options.height), labeler(world) {
   egl->MakeCurrent();
-  // The size of the off-screen buffer is read from the model; ours stays as it is.
+  // MuJoCo takes the size of the off-screen buffer from the model; a copy leaves ours unchanged.
   const ModelPtr model(mj_copyModel(nullptr, &world.model()));
   model->vis.global.offwidth = width;
   model->vis.global.offheight = height;
@@ -244,7 +239,7 @@ RgbImage Camera::Context::Draw(const RobotWorld& world, mjvCamera camera, bool s
   DEMAND(thread == std::this_thread::get_id());
   egl->MakeCurrent();
   mjr_setBuffer(mjFB_OFFSCREEN, &render);
-  // After a step MuJoCo's positions are those from before its last integration.
+  // After a step MuJoCo's positions are those before its last integration.
   mj_kinematics(&world.model(), &world.data());
   mj_comPos(&world.model(), &world.data());
   mj_camlight(&world.model(), &world.data());

@@ -43,7 +43,7 @@ struct PixelLabel {
 /// llvmpipe); needs no display and no device.
 ///
 /// Threads: owns an OpenGL context: open, use and destroy it on one thread (demanded). It reads the
-/// RobotWorld, which must outlive it and must not be stepped during a call.
+///          RobotWorld, which must outlive it and must not be stepped during a call.
 class Camera {
  public:
   /// Fails with kInvalidArgument (size) or kUnavailable (no EGL; the text says what to install).
@@ -54,7 +54,7 @@ class Camera {
 
   /// What `robot` sees now.
   RgbImage Render(int robot);
-  /// The maze from above, north up, as large as fits.
+  /// The maze from above, north up, as large as possible.
   RgbImage RenderTop();
   /// What each pixel of Render(robot) shows, by MuJoCo's segmentation. Row 0 is the upper row.
   Grid<PixelLabel> RenderSegmentation(int robot);

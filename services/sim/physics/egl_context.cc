@@ -26,7 +26,7 @@ struct Candidate {
   EGLDisplay display = EGL_NO_DISPLAY;
 };
 
-/// Displays of the EGL devices that are (not) software renderers.
+/// Displays of the EGL devices that are (or are not) software renderers.
 void AddDevices(bool software, std::vector<Candidate>& candidates) {
   const auto query = Load<PFNEGLQUERYDEVICESEXTPROC>("eglQueryDevicesEXT");
   const auto describe = Load<PFNEGLQUERYDEVICESTRINGEXTPROC>("eglQueryDeviceStringEXT");
@@ -63,17 +63,7 @@ std::string EglFailure(const char* call) {
   return fmt::format("{} failed (EGL error 0x{:x})", call, eglGetError());
 }
 
-}  // namespace
-
-struct EglContext::Handles {
-  EGLDisplay display = EGL_NO_DISPLAY;
-  EGLSurface surface = EGL_NO_SURFACE;
-  EGLContext context = EGL_NO_CONTEXT;
-};
-
-namespace {
-
-/// An OpenGL context with a 1x1 pbuffer on `display`, or why not.
+/// An OpenGL context with a 1x1 pbuffer on `display`, or the reason for failure.
 template <class Handles>
 Result<Handles> CreateContext(EGLDisplay display) {
   Handles handles;
@@ -118,6 +108,12 @@ Result<Handles> CreateContext(EGLDisplay display) {
 
 }  // namespace
 
+struct EglContext::Handles {
+  EGLDisplay display = EGL_NO_DISPLAY;
+  EGLSurface surface = EGL_NO_SURFACE;
+  EGLContext context = EGL_NO_CONTEXT;
+};
+
 Result<std::unique_ptr<EglContext>> EglContext::Open() {
   std::string tried;
   for (const Candidate& candidate : FindDisplays()) {
@@ -155,7 +151,7 @@ void EglContext::MakeCurrent() {
   DEMAND(current == EGL_TRUE, eglGetError());
 }
 
-/// MuJoCo ends the process on an OpenGL that it cannot use, so its needs are checked here.
+/// MuJoCo ends the process if it cannot use the OpenGL, so its requirements are checked here.
 Result<void> EglContext::CheckOpenGl() {
   const auto get_string = Load<const GLubyte* (*)(GLenum)>("glGetString");
   const auto get_integer = Load<void (*)(GLenum, GLint*)>("glGetIntegerv");

@@ -12,7 +12,7 @@ namespace conav::sim {
 /// the default display. Threads: MakeCurrent binds it to the calling thread; use it there only.
 class EglContext {
  public:
-  /// Fails with kUnavailable: what was tried, and the Debian packages that provide it.
+  /// Fails with kUnavailable: the attempts, and the Debian packages that provide EGL.
   static Result<std::unique_ptr<EglContext>> Open();
   ~EglContext();
   EglContext(const EglContext&) = delete;

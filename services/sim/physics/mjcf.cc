@@ -14,41 +14,11 @@
 #include "sim/physics/textures.h"
 
 namespace conav::sim {
-
-/// Collects MJCF text line by line. Numbers that matter are written with nine digits ({:.9g}).
-class MjcfWriter {
- public:
-  template <class... Values>
-  void Line(fmt::format_string<Values...> format, Values&&... values) {
-    fmt::format_to(std::back_inserter(text_), format, std::forward<Values>(values)...);
-    text_ += '\n';
-  }
-  std::string Take() { return std::move(text_); }
-
- private:
-  std::string text_;
-};
-
-/// "r g b 1" in [0, 1].
-std::string Rgba(Rgb color);
-
-/// Walls, floor and goals; a part of <worldbody>. Everything drawn is in a body "scenery" that
-/// cannot collide; what collides (ground, boxes) is not drawn. Returns the number of boxes.
-int WriteMaze(MjcfWriter& out, const PhysicsWorld& world);
-/// One robot's bodies at the origin; a part of <worldbody>.
-void WriteRobot(MjcfWriter& out, int robot);
-/// Its two motors; a part of <actuator>.
-void WriteRobotMotors(MjcfWriter& out, int robot);
-
-/// What the robot's ball can touch: ground, boxes, the balls of robots before it; a part of
-/// <contact>. A list is several times faster than MuJoCo's search when there are many boxes.
-void WriteContacts(MjcfWriter& out, int robot, int boxes);
-
 namespace {
 
 int MakeOdd(int length) { return length % 2 == 0 ? length - 1 : length; }
 
-/// Cells from `start` along `step` for which `matches` holds.
+/// Number of cells from `start` along `step` for which `matches` holds.
 template <class Matches>
 int RunLength(Cell start, Cell step, Matches&& matches) {
   int length = 0;
@@ -107,7 +77,35 @@ std::vector<FaceRun> ExposedFaces(const Grid<char>& wall_classes) {
   return runs;
 }
 
+std::string RobotElement(int robot, const char* part) {
+  return fmt::format("robot{}/{}", robot, part);
+}
+std::string GoalElement(int goal) { return fmt::format("goal{}", goal); }
+std::string WallTextureName(int texture) { return fmt::format("wall{}", texture); }
+std::string FloorTextureName(int texture) { return fmt::format("floor{}", texture); }
+
 namespace {
+
+/// Collects MJCF text line by line. Numbers that affect physics or images have nine digits
+/// ({:.9g}).
+class MjcfWriter {
+ public:
+  template <class... Values>
+  void Line(fmt::format_string<Values...> format, Values&&... values) {
+    fmt::format_to(std::back_inserter(text_), format, std::forward<Values>(values)...);
+    text_ += '\n';
+  }
+  std::string Take() { return std::move(text_); }
+
+ private:
+  std::string text_;
+};
+
+/// "r g b 1" in [0, 1].
+std::string Rgba(Rgb color) {
+  return fmt::format("{:.4g} {:.4g} {:.4g} 1", color.red / 255.0, color.green / 255.0,
+                     color.blue / 255.0);
+}
 
 void WriteGlobals(MjcfWriter& out, const PhysicsWorld& world) {
   const double extent = std::max(world.truth.rows(), world.truth.columns()) * world.cell_size_m;
@@ -122,7 +120,7 @@ void WriteGlobals(MjcfWriter& out, const PhysicsWorld& world) {
   out.Line(R"(</default>)");
   out.Line(R"(<visual>)");
   out.Line(R"(<headlight ambient=".45 .45 .45" diffuse=".6 .6 .6" specular="0 0 0"/>)");
-  // Near plane 2 cm; far enough for the camera from above at 100 m and for the diagonal.
+  // Near plane 2 cm; far plane beyond the camera from above at 100 m and beyond the diagonal.
   out.Line(R"(<map znear="{:.9g}" zfar="{:.9g}"/>)", 0.02 / extent,
            (150.0 + 2.0 * extent) / extent);
   out.Line(
@@ -138,7 +136,7 @@ void WriteTexture(MjcfWriter& out, const std::string& name) {
 }
 
 void WriteAssets(MjcfWriter& out, const PhysicsWorld& world) {
-  // MuJoCo counts repeats per half unit of length here.
+  // MuJoCo counts texture repeats per half unit of length here.
   const double per_cell = 2.0 / world.cell_size_m;
   out.Line("<asset>");
   out.Line(R"(<texture type="skybox" builtin="gradient" rgb1=".4 .6 .8" rgb2="0 0 0")"
@@ -161,43 +159,9 @@ void WriteAssets(MjcfWriter& out, const PhysicsWorld& world) {
   out.Line("</asset>");
 }
 
-}  // namespace
+// The maze.
 
-std::string Rgba(Rgb color) {
-  return fmt::format("{:.4g} {:.4g} {:.4g} 1", color.red / 255.0, color.green / 255.0,
-                     color.blue / 255.0);
-}
-
-std::string RobotElement(int robot, const char* part) {
-  return fmt::format("robot{}/{}", robot, part);
-}
-std::string GoalElement(int goal) { return fmt::format("goal{}", goal); }
-std::string WallTextureName(int texture) { return fmt::format("wall{}", texture); }
-std::string FloorTextureName(int texture) { return fmt::format("floor{}", texture); }
-
-std::string WriteMjcf(const PhysicsWorld& world) {
-  const int robot_count = static_cast<int>(world.robots.size());
-  MjcfWriter out;
-  out.Line(R"(<mujoco model="conav">)");
-  WriteGlobals(out, world);
-  WriteAssets(out, world);
-  out.Line("<worldbody>");
-  const int boxes = WriteMaze(out, world);
-  for (int robot = 0; robot < robot_count; ++robot) WriteRobot(out, robot);
-  out.Line("</worldbody>");
-  out.Line("<contact>");
-  for (int robot = 0; robot < robot_count; ++robot) WriteContacts(out, robot, boxes);
-  out.Line("</contact>");
-  out.Line("<actuator>");
-  for (int robot = 0; robot < robot_count; ++robot) WriteRobotMotors(out, robot);
-  out.Line("</actuator>");
-  out.Line("</mujoco>");
-  return out.Take();
-}
-
-namespace {
-
-/// Wall classes: the given one, or one class for all; kNoClass where the cell is free.
+/// The wall class of each cell: the given one, or one class for all; kNoClass if the cell is free.
 Grid<char> WallClasses(const PhysicsWorld& world) {
   Grid<char> classes(world.truth.rows(), world.truth.columns(), kNoClass);
   for (std::size_t i = 0; i < classes.size(); ++i) {
@@ -211,7 +175,7 @@ Grid<char> WallClasses(const PhysicsWorld& world) {
 constexpr char kCorridorFloor = 'c';
 constexpr char kRoomFloor = 'r';
 
-/// Floor classes; kNoClass under walls.
+/// The floor class of each cell; kNoClass under walls.
 Grid<char> FloorClasses(const PhysicsWorld& world) {
   Grid<char> classes(world.truth.rows(), world.truth.columns(), kNoClass);
   for (std::size_t i = 0; i < classes.size(); ++i) {
@@ -230,7 +194,8 @@ Position Middle(const GridGeometry& geometry, Cell north_west, int rows, int col
           corner.y_m - (rows - 1) * geometry.cell_size_m / 2.0};
 }
 
-/// A texture for every wall class: the shuffled textures in the order of the classes' characters.
+/// Assigns a texture to every wall class: shuffled textures in the order of the classes'
+/// characters.
 std::map<char, int> AssignTextures(const Grid<char>& classes, std::uint64_t seed) {
   std::map<char, int> textures;
   for (const char cell_class : classes.values()) {
@@ -314,8 +279,8 @@ int WriteCollisionGeoms(MjcfWriter& out, const GridGeometry& geometry, Grid<char
   return boxes;
 }
 
-}  // namespace
-
+/// Walls, floor and goals; a part of <worldbody>. All visible geoms are in a body "scenery" that
+/// cannot collide; all colliding geoms (ground, boxes) are invisible. Returns the number of boxes.
 int WriteMaze(MjcfWriter& out, const PhysicsWorld& world) {
   const GridGeometry geometry{world.truth.rows(), world.truth.columns(), world.cell_size_m};
   const Grid<char> walls = WallClasses(world);
@@ -329,24 +294,11 @@ int WriteMaze(MjcfWriter& out, const PhysicsWorld& world) {
   return boxes;
 }
 
-void WriteContacts(MjcfWriter& out, int robot, int boxes) {
-  const std::string shell = RobotElement(robot, "shell");
-  // Two sliding directions, torsion, two rolling directions (unused in four dimensions): the larger
-  // of the two geoms' coefficients, MuJoCo's 1 for scenery and MemoryMaze's .5/.02/.02 for robots.
-  const auto pair = [&](const std::string& other, double sliding) {
-    out.Line(R"(<pair geom1="{}" geom2="{}" condim="4" friction="{} {} .02 .02 .02"/>)", other,
-             shell, sliding, sliding);
-  };
-  pair("ground", 1.0);
-  for (int box = 0; box < boxes; ++box) pair(BoxName(box), 1.0);
-  for (int other = 0; other < robot; ++other) pair(RobotElement(other, "shell"), 0.5);
-}
-
-namespace {
+// The robots.
 
 constexpr double kHeadHeightM = 0.6;
 
-/// Shell and trim colours that tell robots apart.
+/// Shell and trim colours that distinguish robots.
 constexpr Rgb kRobotColors[] = {{235, 180, 60},  {60, 190, 220},  {230, 90, 140},
                                 {130, 210, 100}, {170, 120, 230}, {240, 240, 240}};
 
@@ -370,8 +322,8 @@ void WriteCamera(MjcfWriter& out, int robot) {
   out.Line(R"(<body name="{}" pos="{} 0 {:.9g}">)", RobotElement(robot, "camera_body"),
            kCameraForwardM, kCameraHeightM - kHeadHeightM);
   out.Line(R"(<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>)");
-  // The field of view is in degrees whatever the compiler's angle. Image right is -y, image up is
-  // +z leant forward by the pitch.
+  // MJCF gives the field of view in degrees, whatever the compiler's angle. Image right is -y,
+  // image up is +z leant forward by the pitch.
   out.Line(R"(<camera name="{}" fovy="{:.9g}" xyaxes="0 -1 0 {:.9g} 0 {:.9g}"/>)",
            RobotElement(robot, "camera"), kCameraVerticalFovRad * 180.0 / std::numbers::pi,
            std::sin(kCameraPitchRad), std::cos(kCameraPitchRad));
@@ -387,8 +339,7 @@ void WriteWheel(MjcfWriter& out, int robot, const std::string& color) {
   out.Line("</body>");
 }
 
-}  // namespace
-
+/// One robot's bodies at the origin; a part of <worldbody>.
 void WriteRobot(MjcfWriter& out, int robot) {
   const std::string color =
       Rgba(kRobotColors[static_cast<std::size_t>(robot) % std::size(kRobotColors)]);
@@ -404,11 +355,49 @@ void WriteRobot(MjcfWriter& out, int robot) {
   out.Line("</body>");
 }
 
+/// A robot's two motors; a part of <actuator>.
 void WriteRobotMotors(MjcfWriter& out, int robot) {
   out.Line(R"(<motor name="{}" joint="{}" ctrlrange="-1 1" ctrllimited="true" gear="-50"/>)",
            RobotElement(robot, "roll"), RobotElement(robot, "roll"));
   out.Line(R"(<motor name="{}" joint="{}" ctrlrange="-1 1" ctrllimited="true" gear="30"/>)",
            RobotElement(robot, "steer"), RobotElement(robot, "steer"));
+}
+
+/// The contact pairs of a robot's ball: ground, boxes, the balls of robots before it; a part of
+/// <contact>. With many boxes a list is several times faster than MuJoCo's search.
+void WriteContacts(MjcfWriter& out, int robot, int boxes) {
+  const std::string shell = RobotElement(robot, "shell");
+  // Two sliding directions, torsion, two rolling directions (unused in four dimensions): the larger
+  // of the two geoms' coefficients, MuJoCo's 1 for scenery and MemoryMaze's .5/.02/.02 for robots.
+  const auto pair = [&](const std::string& other, double sliding) {
+    out.Line(R"(<pair geom1="{}" geom2="{}" condim="4" friction="{} {} .02 .02 .02"/>)", other,
+             shell, sliding, sliding);
+  };
+  pair("ground", 1.0);
+  for (int box = 0; box < boxes; ++box) pair(BoxName(box), 1.0);
+  for (int other = 0; other < robot; ++other) pair(RobotElement(other, "shell"), 0.5);
+}
+
+}  // namespace
+
+std::string WriteMjcf(const PhysicsWorld& world) {
+  const int robot_count = static_cast<int>(world.robots.size());
+  MjcfWriter out;
+  out.Line(R"(<mujoco model="conav">)");
+  WriteGlobals(out, world);
+  WriteAssets(out, world);
+  out.Line("<worldbody>");
+  const int boxes = WriteMaze(out, world);
+  for (int robot = 0; robot < robot_count; ++robot) WriteRobot(out, robot);
+  out.Line("</worldbody>");
+  out.Line("<contact>");
+  for (int robot = 0; robot < robot_count; ++robot) WriteContacts(out, robot, boxes);
+  out.Line("</contact>");
+  out.Line("<actuator>");
+  for (int robot = 0; robot < robot_count; ++robot) WriteRobotMotors(out, robot);
+  out.Line("</actuator>");
+  out.Line("</mujoco>");
+  return out.Take();
 }
 
 }  // namespace conav::sim

@@ -25,26 +25,27 @@ struct FaceRun {
   char cell_class = 0;
 };
 
-/// Class of a cell that is not to be covered.
+/// Class of a cell that stays uncovered.
 inline constexpr char kNoClass = 0;
 
-/// Odd: MuJoCo centres a texture on its plane, and only odd sides then show whole tiles.
+/// MuJoCo centres a texture on its plane, so only odd sides show whole tiles.
 enum class Sides { kAny, kOdd };
 
 /// Covers all cells whose class is not kNoClass with rectangles of one class each, without overlap:
 /// scan row-major, extend right, then down.
 std::vector<CellRectangle> CoverWithRectangles(const Grid<char>& classes, Sides sides);
 
-/// The faces between wall cells (class not kNoClass) and free cells inside the grid; lengths odd.
+/// The faces between wall cells (class not kNoClass) and free cells inside the grid; lengths are
+/// odd.
 std::vector<FaceRun> ExposedFaces(const Grid<char>& wall_classes);
 
-/// Geom groups: who draws what.
+/// Geom groups: which camera draws what.
 inline constexpr int kVisibleGroup = 0;
-inline constexpr int kCollisionGroup = 3;  // drawn by nobody
-inline constexpr int kTopGroup = 4;        // wall tops, for the picture from above only
-inline constexpr int kHiddenGroup = 5;     // goals that were reached
+inline constexpr int kCollisionGroup = 3;  // never drawn
+inline constexpr int kTopGroup = 4;        // wall tops, drawn from above only
+inline constexpr int kHiddenGroup = 5;     // reached goals
 
-/// Names inside of the model. Robots and goals are named by index, so that any robot name is legal.
+/// Names inside the model. Robots and goals are named by index, so any robot name is legal.
 std::string RobotElement(int robot, const char* part);  // "robot3/steer"
 std::string GoalElement(int goal);                      // "goal2"
 std::string WallTextureName(int texture);

@@ -19,35 +19,35 @@ struct Axis {
   double max_rate;  // at full control, without friction
   double lag_s;
   double friction;
-  double good_enough;  // let go when coasting ends this near
+  double good_enough;  // release the control when coasting ends this close
 };
 constexpr Axis kRoll{2.0, 0.168, 0.0, 0.0};
 /// Motor 30 N m, damping 20 N m s, inertia 1.17 kg m^2, torsional friction 0.02 m * 216 N.
 constexpr Axis kSteer{30.0 / 20.0, 1.17 / 20.0, 4.32 / 20.0, 0.4 * kDegree};
 
 constexpr double kArrivedDistanceM = 0.06;
-constexpr double kNearM = 0.3;  // from here on the heading is held: the bearing becomes noise
+constexpr double kNearM = 0.3;  // closer than this the heading is held: the bearing becomes noise
 constexpr double kArrivedAngleRad = 1.0 * kDegree;
 constexpr double kDriveAngleRad = 2.0 * kDegree;
 constexpr double kLostAngleRad = 25.0 * kDegree;
 constexpr double kRestMps = 0.04;
 constexpr double kRestRps = 6.0 * kDegree;
 
-/// How far the motion goes on when it is let go.
+/// How far the motion continues after the control is released.
 double CoastingDistance(const Axis& axis, double rate) {
   const double speed = std::abs(rate);
   const double lost = axis.friction > 0.0 ? axis.friction * std::log1p(speed / axis.friction) : 0.0;
   return std::copysign(axis.lag_s * (speed - lost), rate);
 }
 
-/// The control that ends `distance` ahead when the robot coasts after this step.
+/// The control after which the robot, coasting after this step, stops `distance` ahead.
 double Approach(const Axis& axis, double distance, double rate) {
   if (std::abs(distance - CoastingDistance(axis, rate)) < axis.good_enough) return 0.0;
   const double needed = distance - axis.lag_s * rate;
   const double sign = needed < 0.0 ? -1.0 : 1.0;
   double net_rate = std::abs(needed) / kControlStepS;
   if (axis.friction > 0.0) {
-    // Friction takes lag f ln(1 + r / f) off the coasting; three rounds of fixed point settle it.
+    // Friction shortens the coasting by lag f ln(1 + r / f); three fixed-point rounds converge.
     for (int round = 0; round < 3; ++round) {
       const double lost = axis.lag_s * axis.friction * std::log1p(net_rate / axis.friction);
       net_rate = (std::abs(needed) + lost) / kControlStepS;
@@ -56,11 +56,10 @@ double Approach(const Axis& axis, double distance, double rate) {
   return std::clamp(sign * (net_rate + axis.friction) / axis.max_rate, -1.0, 1.0);
 }
 
-/// Share of a rate that is left after a step without control.
+/// The share of a rate that remains after a step without control.
 double Kept(const Axis& axis) { return std::exp(-kControlStepS / axis.lag_s); }
 
-/// The control that ends this step at `target`, in the direction of which friction works against
-/// it.
+/// The control that ends this step at `target`; friction opposes motion in that direction.
 double Reach(const Axis& axis, double rate, double target) {
   const double steady = (target - rate * Kept(axis)) / (1.0 - Kept(axis));
   const double friction = target == 0.0 ? 0.0 : std::copysign(axis.friction, target);
@@ -72,8 +71,8 @@ double Brake(const Axis& axis, double rate) {
   return axis.friction > 0.0 ? 0.0 : Reach(axis, rate, 0.0);
 }
 
-/// How far an axis without friction comes in a step that ends it at `target`, as far as it can, and
-/// what its rate is then.
+/// For an axis without friction: the distance it travels in a step that ends as close to `target`
+/// as possible, and its rate at the end.
 struct Travel {
   double distance;
   double rate;
@@ -87,6 +86,14 @@ Travel TravelOf(const Axis& axis, double rate, double target) {
 
 bool AtRest(const RobotPose& pose) {
   return std::abs(pose.speed_mps) < kRestMps && std::abs(pose.yaw_rate_rps) < kRestRps;
+}
+
+enum class Primitive : std::uint8_t { kNone, kMove, kTurn, kHalt, kDrive, kDriveStep };
+
+int FindId(const mjModel& model, mjtObj type, const std::string& name) {
+  const int id = mj_name2id(&model, type, name.c_str());
+  DEMAND(id >= 0, name);
+  return id;
 }
 
 }  // namespace
@@ -145,18 +152,6 @@ double DriveReach(const RobotPose& pose, const DriveSpeeds& speeds) {
   return step.distance + TravelOf(kRoll, step.rate, 0.0).distance;
 }
 
-namespace {
-
-enum class Primitive : std::uint8_t { kNone, kMove, kTurn, kHalt, kDrive, kDriveStep };
-
-int FindId(const mjModel& model, mjtObj type, const std::string& name) {
-  const int id = mj_name2id(&model, type, name.c_str());
-  DEMAND(id >= 0, name);
-  return id;
-}
-
-}  // namespace
-
 void DataDeleter::operator()(mjData_* data) const { mj_deleteData(data); }
 
 /// Where a robot's joints and motors are in MuJoCo's arrays, and what it is doing.
@@ -183,7 +178,7 @@ struct RobotWorld::Robot {
     primitive_steps = 0;
   }
   ControlDecision Decide(const RobotPose& pose) const;
-  /// Controls for the next step; moves `status` on.
+  /// Controls for the next step; advances `status`.
   Controls NextControls(const RobotPose& pose);
 };
 

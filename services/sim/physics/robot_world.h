@@ -13,7 +13,7 @@ enum class MotionStatus : std::uint8_t {
   kIdle,     // nothing commanded yet
   kRunning,  // the primitive is under way
   kArrived,  // done: in place and (nearly) at rest
-  kStuck,    // not done after kStuckSteps: something is in the way; the robot brakes
+  kStuck,    // not done after kStuckSteps: something blocks the robot; it brakes
 };
 
 /// Map frame, metres and radians.
@@ -33,17 +33,17 @@ struct Controls {
 struct ControlDecision {
   Controls controls;
   bool arrived = false;
-  bool driving = false;  // DecideMove: turned far enough to drive; hand it back in at the next step
+  bool driving = false;  // DecideMove: turned far enough to drive; pass it to the next step
 };
 
 /// A primitive gives up after this many control steps.
 inline constexpr int kStuckSteps = 60;
 
 /// Closed-loop motion primitives, one decision per 4 Hz step. Rolling and turning behave like
-/// first-order systems, v' = (u v_max - friction - v) / tau, so a robot that is let go after one
-/// step of T seconds under u comes to rest about tau v + u v_max T ahead. Solved for u, cut to [-1,
-/// 1], that is the control that ends at the target. Pure functions; the constants are fitted to the
-/// measured motion of the model (tests/unit/sim/physics/robot_world_test.cc).
+/// first-order systems, v' = (u v_max - friction - v) / tau, so a robot that coasts after one step
+/// of T seconds under u comes to rest about tau v + u v_max T ahead. Solved for u and clamped to
+/// [-1, 1], that is the control that ends at the target. Pure functions; the constants are fitted
+/// to the measured motion of the model (tests/unit/sim/physics/robot_world_test.cc).
 
 /// Turn towards `target`, drive, settle. Arrived within 0.06 m and nearly at rest.
 ControlDecision DecideMove(const RobotPose& pose, Position target, bool driving);
@@ -52,14 +52,14 @@ ControlDecision DecideTurn(const RobotPose& pose, double heading_rad);
 /// Brakes both motions.
 ControlDecision DecideHalt(const RobotPose& pose);
 
-/// Speeds that a low-level action asks for; backward and clockwise are negative.
+/// Speeds of a low-level action; backward and clockwise are negative.
 struct DriveSpeeds {
   double forward_mps = 0.0;
   double turn_rps = 0.0;
 };
-/// The control that ends this step at `speeds`, as far as the motors can.
+/// The control that ends this step at `speeds`, or as close as the motors allow.
 ControlDecision DecideDrive(const RobotPose& pose, const DriveSpeeds& speeds);
-/// How far ahead (negative: back) the robot comes in a step of DecideDrive and the braking after it.
+/// How far ahead (negative: back) a step of DecideDrive and the braking after it take the robot.
 double DriveReach(const RobotPose& pose, const DriveSpeeds& speeds);
 
 }  // namespace conav::sim
@@ -74,14 +74,14 @@ struct DataDeleter {
 
 /// Rolling-ball robots in a MuJoCo maze, driven by motion primitives.
 ///
-/// Robots and goals are addressed by their index in PhysicsWorld. Walls stop robots physically;
-/// nothing here keeps two robots out of one cell or refuses a move into a wall (it ends kStuck):
-/// that is the caller's decision. Robots at the centres of neighbouring cells do not touch.
-/// Deterministic: the same calls give the same poses, bit for bit, on the same machine.
-/// Threads: none of its own; one caller at a time. A Camera reads it between steps.
+/// The index in PhysicsWorld addresses a robot or goal. Walls stop robots physically; but keeping
+/// two robots out of one cell, or a robot from moving into a wall (it ends kStuck), is up to the
+/// caller. Robots at the centres of neighbouring cells do not touch. Deterministic: the same calls
+/// give the same poses, bit for bit, on the same machine. Threads: none of its own; one caller at a
+/// time. A Camera reads it between steps.
 class RobotWorld {
  public:
-  /// Fails with the text of CheckWorld. Robots stand still at their start cells afterwards.
+  /// Fails with the text of CheckWorld. Afterwards robots stand still at their start cells.
   static Result<std::unique_ptr<RobotWorld>> Create(PhysicsWorld world);
   ~RobotWorld();
   RobotWorld(const RobotWorld&) = delete;
@@ -90,7 +90,7 @@ class RobotWorld {
   /// One low-level control step of all robots: decide controls, then 50 physics steps of 0.005 s.
   void Step();
 
-  /// Motion primitives; each replaces the one before and holds until its status is not kRunning.
+  /// Motion primitives; each replaces the previous one and holds until its status is not kRunning.
   /// Turn towards the centre of `target`, drive there, settle; under 20 steps for a neighbour.
   void MoveTo(int robot, Cell target);
   /// Turn on the spot.
@@ -100,14 +100,14 @@ class RobotWorld {
   /// Raw controls in [-1, 1] until the next primitive; roll -1 = full speed forward, steer +1 =
   /// turn right (MemoryMaze's convention). Stays kRunning.
   void Drive(int robot, double roll, double steer);
-  /// `speeds` for one control step, then as Halt(): a robot that is driven on is let go by nobody.
+  /// `speeds` for one control step, then as Halt(). The next DriveStep continues without braking.
   void DriveStep(int robot, const DriveSpeeds& speeds);
   MotionStatus motion_status(int robot) const;
 
   RobotPose pose(int robot) const;
   /// The cell that holds the robot's axis.
   Cell cell(int robot) const;
-  /// Puts a robot somewhere at rest and ends its primitive (kIdle). For set-up and tests.
+  /// Places a robot at rest and ends its primitive (kIdle). For set-up and tests.
   void Teleport(int robot, Position position, double heading_rad);
 
   /// All goals are visible at first. `goal` is the index in PhysicsWorld::goals.
@@ -129,7 +129,7 @@ class RobotWorld {
   RobotWorld(PhysicsWorld world, ModelPtr model);
   Robot& RobotAt(int robot);
   const Robot& RobotAt(int robot) const;
-  /// Teleport without bringing MuJoCo's derived values up to date.
+  /// Teleport without updating MuJoCo's derived values.
   void Place(int robot, Position position, double heading_rad);
 
   PhysicsWorld world_;

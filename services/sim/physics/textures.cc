@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kSize = kTextureSize;
 
-/// A square picture that is painted with a base colour times a brightness.
+/// A square image, painted with a base colour times a brightness.
 class Painter {
  public:
   Painter(Rgb base, std::span<std::uint8_t> rgb) : base_(base), rgb_(rgb) {
@@ -26,7 +26,7 @@ class Painter {
     rgb_[at + 2] = Scale(base_.blue, brightness);
   }
 
-  /// Cut to the picture.
+  /// Clipped to the image.
   void Fill(int x, int y, int width, int height, double brightness) {
     for (int row = std::max(y, 0); row < std::min(y + height, kSize); ++row) {
       for (int column = std::max(x, 0); column < std::min(x + width, kSize); ++column) {
@@ -74,7 +74,7 @@ struct NearestTile {
   double edge_px = 0.0;  // second nearest distance minus nearest: 0 on an edge
 };
 
-/// The tile whose centre is nearest: hexagons are the Voronoi cells of a shifted lattice.
+/// The tile with the nearest centre: hexagons are the Voronoi cells of a shifted lattice.
 NearestTile FindTile(double x, double y) {
   constexpr double kWidth = static_cast<double>(kSize) / kTileColumns;
   constexpr double kHeight = static_cast<double>(kSize) / kTileRows;

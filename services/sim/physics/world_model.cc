@@ -42,7 +42,7 @@ Result<void> CheckGrid(const PhysicsWorld& world) {
   return {};
 }
 
-/// `what` and `cell` are named when the cell is outside or a wall.
+/// The error names `what` and `cell` when the cell is outside or a wall.
 Result<void> CheckFree(const PhysicsWorld& world, const std::string& what, Cell cell) {
   if (!world.truth.Contains(cell)) {
     return Fail(ErrorCode::kOutOfRange,
@@ -119,7 +119,7 @@ Result<void> CheckWorld(const PhysicsWorld& world) {
 Result<ModelPtr> BuildModel(const PhysicsWorld& world) {
   if (auto checked = CheckWorld(world); !checked) return tl::unexpected(checked.error());
   const std::string text = WriteMjcf(world);
-  const auto files = std::make_unique<mjVFS>();  // large: not for the stack
+  const auto files = std::make_unique<mjVFS>();  // too large for the stack
   mj_defaultVFS(files.get());
   DEMAND(mj_makeEmptyFileVFS(files.get(), "world.xml", static_cast<int>(text.size())) == 0,
          text.size());
@@ -128,7 +128,7 @@ Result<ModelPtr> BuildModel(const PhysicsWorld& world) {
   ModelPtr model(mj_loadXML("world.xml", files.get(), error, sizeof(error)));
   mj_deleteVFS(files.get());
   if (!model) {
-    return Fail(ErrorCode::kInvalidArgument, fmt::format("MuJoCo refuses the world: {}", error));
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("MuJoCo rejects the world: {}", error));
   }
   PaintTextures(*model);
   return model;

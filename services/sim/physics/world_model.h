@@ -19,18 +19,18 @@ struct RobotSpec {
   double heading_rad = 0.0;  // 0 = east, counter-clockwise
 };
 
-/// A coloured half-sphere on the floor, drawn but not solid.
+/// A coloured half-sphere on the floor, visible but not solid.
 struct GoalSpec {
   Cell cell;
   int color_index = 0;  // into kGoalColors, modulo its size
 };
 
-/// What the physics is built from. Frame and units: GridGeometry's map frame, metres.
+/// The input of the physics. Frame and units: GridGeometry's map frame, metres.
 struct PhysicsWorld {
   OccupancyGrid truth;             // no kUnknown; 1x1 to kMaxCellsPerSide squared
   Grid<char> wall_classes;         // one texture per character; empty (0x0): all walls look alike
   Grid<char> floor_classes;        // '.' or ' ' is a corridor, others a room; empty: all corridor
-  double cell_size_m = 2.0;        // at least kMinCellSizeM: the robot keeps its size
+  double cell_size_m = 2.0;        // at least kMinCellSizeM: the robot's size is fixed
   std::uint64_t texture_seed = 0;  // which wall class gets which texture
   std::vector<RobotSpec> robots;   // at least one, on different free cells, with different names
   std::vector<GoalSpec> goals;     // on free cells
@@ -64,7 +64,7 @@ struct ModelDeleter {
 };
 using ModelPtr = std::unique_ptr<mjModel_, ModelDeleter>;
 
-/// Names the first thing that is wrong with `world` (kInvalidArgument or kOutOfRange).
+/// Reports the first error of `world` (kInvalidArgument or kOutOfRange).
 Result<void> CheckWorld(const PhysicsWorld& world);
 
 /// The MuJoCo model of a checked world, textures filled in. Fails (kInvalidArgument) with the text

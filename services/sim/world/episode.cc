@@ -8,7 +8,7 @@
 namespace conav::sim {
 namespace {
 
-/// A robot this close to its cell's centre starts a move or a view from where it stands.
+/// A robot this close to its cell's centre starts a move or a view from its current position.
 constexpr double kCentredM = 0.15;
 
 bool Contains(const std::vector<Cell>& cells, Cell cell) {
@@ -73,7 +73,7 @@ Result<void> Episode::Accept(const RobotCommand& command) {
     return {};  // a repeat
   if (same_lease && command.sequence_number < state.command_sequence_number) {
     return Fail(ErrorCode::kRefused,
-                fmt::format("sequence_number = {} is older than {}, the last that {} took up",
+                fmt::format("sequence_number = {} is older than {}, the last that {} accepted",
                             command.sequence_number, state.command_sequence_number, command.robot));
   }
   record.command = command;
@@ -92,8 +92,8 @@ void Episode::Begin(int robot) {
   if (command.kind == CommandKind::kDrive) record.state.drive_order = command.drive_order;
   if (command.expires_at <= now()) {
     return Finish(robot, CommandOutcome::kExpired,
-                  fmt::format("expired at {:.3f} s, it is {:.3f} s", command.expires_at.ToSeconds(),
-                              now().ToSeconds()));
+                  fmt::format("expired at {:.3f} s; the time is {:.3f} s",
+                              command.expires_at.ToSeconds(), now().ToSeconds()));
   }
   record.active = true;
   record.coasting = false;
@@ -118,7 +118,7 @@ void Episode::BeginMove(int robot) {
   const OccupancyGrid& truth = physics_.world().truth;
   if (!truth.Contains(target) || !AreNeighbours(record.state.cell, target)) {
     return Finish(robot, CommandOutcome::kRefused,
-                  fmt::format("target = {} is no neighbour of {}", target, record.state.cell));
+                  fmt::format("target = {} is not a neighbour of {}", target, record.state.cell));
   }
   if (truth[target] == Occupancy::kOccupied) {
     Observe(robot);
@@ -178,7 +178,7 @@ void Episode::Advance(int robot) {
   }
   if (running) return;
   if (physics_.motion_status(robot) == MotionStatus::kStuck) {
-    return Finish(robot, CommandOutcome::kBlocked, "stuck: something is in the way");
+    return Finish(robot, CommandOutcome::kBlocked, "stuck: something blocks the robot");
   }
   if (!record.waypoints.empty()) {
     const Cell reached = record.waypoints.front();
@@ -215,7 +215,7 @@ void Episode::Finish(int robot, CommandOutcome outcome, std::string detail) {
   record.waypoints.clear();
   turned_[static_cast<std::size_t>(robot)] = false;
   ++versions_[static_cast<std::size_t>(robot)];
-  // A robot that coasts brakes already, when time goes on.
+  // A coasting robot brakes when time advances.
   const bool running = physics_.motion_status(robot) == MotionStatus::kRunning;
   if (running && !record.coasting) Halt(robot);
 }
@@ -224,8 +224,7 @@ void Episode::Halt(int robot) {
   RobotRecord& record = At(robot);
   physics_.Halt(robot);
   record.braking = true;
-  // It may stand between two cells, both of which stay reserved; the axis decides which one it is
-  // in.
+  // It may stand between two cells, both still reserved; the axis decides which one it is in.
   const Cell cell = physics_.cell(robot);
   if (cell != record.state.cell && Contains(record.reserved, cell)) {
     const std::vector<Cell> reserved = record.reserved;
@@ -240,7 +239,7 @@ void Episode::Observe(int robot) {
       CastRange(physics_.world().truth, record.state.cell, options_.observation_distance_cells);
   for (const Cell cell : seen.free) record.map.cells[cell] = Occupancy::kFree;
   for (const Cell cell : seen.walls) record.map.cells[cell] = Occupancy::kOccupied;
-  // Strictly rising, so that a map can be told from the one before even when no time has passed.
+  // Strictly increasing, so that each map has its own stamp even if no time has passed.
   record.map.stamp = std::max(now(), SimTime{record.map.stamp.nanoseconds + 1});
   record.state.map_stamp = record.map.stamp;
 }

@@ -9,7 +9,7 @@
 namespace conav::sim {
 namespace {
 
-/// Distance between the discs that stand for a way; small beside the margin of the body.
+/// Distance between the discs that sample a path; small compared with the margin of the body.
 constexpr double kSampleM = 0.05;
 
 void AddCellsUnder(const GridGeometry& geometry, Position position, std::vector<Cell>& cells) {
@@ -26,8 +26,12 @@ void AddCellsUnder(const GridGeometry& geometry, Position position, std::vector<
   }
 }
 
-/// Share of the way from `from` to `to` at which a coordinate passes `edge`.
+/// Share of the path from `from` to `to` at which a coordinate passes `edge`.
 double ShareUntil(double edge, double from, double to) { return (edge - from) / (to - from); }
+
+bool Contains(const std::vector<Cell>& cells, Cell cell) {
+  return std::find(cells.begin(), cells.end(), cell) != cells.end();
+}
 
 }  // namespace
 
@@ -79,17 +83,7 @@ std::vector<Cell> CellsEntered(const GridGeometry& geometry, Position from, Posi
   return cells;
 }
 
-}  // namespace conav::sim
-
-// Low-level actions: the part of Episode that moves robots freely between the centres of cells.
-namespace conav::sim {
-namespace {
-
-bool Contains(const std::vector<Cell>& cells, Cell cell) {
-  return std::find(cells.begin(), cells.end(), cell) != cells.end();
-}
-
-}  // namespace
+// The low-level actions of Episode, which move robots freely between the centres of cells.
 
 DriveSpeeds Episode::SpeedsOf(DriveAction action) const {
   const DriveLimits& limits = options_.drive;
@@ -118,7 +112,7 @@ void Episode::BeginDrive(int robot) {
   const DriveSpeeds speeds = SpeedsOf(record.command.drive);
   const RobotPose pose = physics_.pose(robot);
   const Position reach = Ahead(pose.position, pose.heading_rad, DriveReach(pose, speeds));
-  // Braking and turning end within what the action before was allowed.
+  // Braking and turning stay within what the previous action was allowed.
   if (speeds.forward_mps == 0.0 || MayDrive(robot, reach)) {
     physics_.DriveStep(robot, speeds);
   } else {
@@ -139,11 +133,11 @@ bool Episode::MayDrive(int robot, Position reach) {
     return false;
   };
   for (const Cell cell : cells) {
-    // Away from what is too near already is allowed.
+    // Moving away from a cell that is too close is allowed.
     const bool nearer =
         DistanceToCell(geometry, reach, cell) < DistanceToCell(geometry, from, cell);
     if (!truth.Contains(cell)) {
-      if (nearer) return fail(CommandOutcome::kBlocked, record.state.cell, "the world ends here");
+      if (nearer) return fail(CommandOutcome::kBlocked, record.state.cell, "the map ends here");
     } else if (truth[cell] == Occupancy::kOccupied) {
       if (!nearer) continue;
       Observe(robot);
@@ -167,7 +161,7 @@ void Episode::TrackCells(int robot) {
   const RobotPose pose = physics_.pose(robot);
   const OccupancyGrid& truth = physics_.world().truth;
   for (const Cell cell : CellsEntered(geometry, record.position, pose.position)) {
-    // The axis passed a corner: what it cut off is a wall, or another robot's.
+    // The axis cut a corner into a wall or another robot's cell.
     if (!truth.Contains(cell) || truth[cell] == Occupancy::kOccupied ||
         ReservedByAnother(robot, cell)) {
       continue;

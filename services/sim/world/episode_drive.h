@@ -5,7 +5,7 @@
 #include "common/grid/geometry.h"
 
 /// Which cells a robot touches that drives freely, between the centres of cells. The robot is a
-/// disc on the floor. Cells may lie outside of the grid.
+/// disc on the floor. Cells may lie outside the grid.
 namespace conav::sim {
 
 /// The ball (0.2 m) and a margin.
@@ -17,11 +17,11 @@ double DistanceToCell(const GridGeometry& geometry, Position position, Cell cell
 /// `distance_m` along `heading_rad`; negative is backward.
 Position Ahead(Position from, double heading_rad, double distance_m);
 
-/// Cells that the body overlaps somewhere on the straight way, nearest to `from` first.
+/// Cells that the body overlaps along the straight path, nearest to `from` first.
 std::vector<Cell> CellsSwept(const GridGeometry& geometry, Position from, Position to);
 
-/// Cells that the axis enters on the straight way, in order, without that of `from`; each is a
-/// neighbour of the one before. Through a corner exactly the way goes by the row's neighbour.
+/// Cells that the axis enters on the straight path, in order, without that of `from`; each is a
+/// neighbour of the previous one. A path exactly through a corner goes via the row's neighbour.
 std::vector<Cell> CellsEntered(const GridGeometry& geometry, Position from, Position to);
 
 }  // namespace conav::sim

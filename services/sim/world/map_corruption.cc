@@ -70,7 +70,7 @@ Candidates FindCandidates(const OccupancyGrid& truth, const std::set<Cell>& kept
   return candidates;
 }
 
-/// Takes one out, with a chance in proportion to its weight.
+/// Removes one candidate, with a probability proportional to its weight.
 Cell TakeWeighted(std::vector<Candidate>& candidates, Random& random) {
   double total = 0.0;
   for (const Candidate& candidate : candidates) total += candidate.weight;
@@ -99,9 +99,10 @@ Result<OccupancyGrid> CorruptMap(const OccupancyGrid& truth, const std::set<Cell
       std::llround(options.wrong_share * static_cast<double>(truth.size())));
   const std::size_t possible = candidates.free.size() + candidates.walls.size();
   if (count > possible) {
-    return Fail(ErrorCode::kOutOfRange,
-                fmt::format("{} wrong cells wanted on the operator's map, only {} can be wrong",
-                            count, possible));
+    return Fail(
+        ErrorCode::kOutOfRange,
+        fmt::format("the operator's map cannot have {} wrong cells: only {} cells may be wrong",
+                    count, possible));
   }
   const auto wanted =
       static_cast<std::size_t>(std::floor(options.false_wall_share * static_cast<double>(count)));

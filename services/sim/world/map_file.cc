@@ -24,7 +24,7 @@ struct MapHeader {
   double free_threshold = 0.196;
 };
 
-/// Reads keys of one file; the first problem is kept, later reads give defaults.
+/// Reads keys of one file; keeps the first problem, later reads give defaults.
 class KeyReader {
  public:
   KeyReader(YAML::Node node, std::string file) : node_(std::move(node)), file_(std::move(file)) {}
@@ -87,7 +87,7 @@ MapHeader ReadKeys(KeyReader& keys, const std::filesystem::path& folder) {
   header.occupied_threshold = keys.ReadNumber("occupied_thresh", 0.0, 1.0);
   header.free_threshold = keys.ReadNumber("free_thresh", 0.0, 1.0);
   if (keys.Has("mode") && keys.Read<std::string>("mode", "a text") != "trinary") {
-    keys.Refuse(ErrorCode::kInvalidArgument, "mode is not \"trinary\", the one that is understood");
+    keys.Refuse(ErrorCode::kInvalidArgument, "mode is not \"trinary\", the only supported mode");
   }
   if (header.free_threshold > header.occupied_threshold) {
     keys.Refuse(ErrorCode::kOutOfRange,
@@ -102,7 +102,7 @@ MapHeader ReadKeys(KeyReader& keys, const std::filesystem::path& folder) {
   }
   if (header.origin[2] != 0.0) {
     keys.Refuse(ErrorCode::kInvalidArgument,
-                fmt::format("origin is turned by {} rad: only 0 is understood", header.origin[2]));
+                fmt::format("origin is turned by {} rad; only 0 is supported", header.origin[2]));
   }
   return header;
 }
@@ -113,7 +113,7 @@ Result<MapHeader> ReadMapHeader(const std::filesystem::path& file) {
   if (!node) return tl::unexpected(node.error());
   if (!node->IsMap()) {
     return Fail(ErrorCode::kMalformed,
-                fmt::format("{}: is no map_server file: no keys", file.string()));
+                fmt::format("{}: is not a map_server file: no keys", file.string()));
   }
   KeyReader keys(*node, file.string());
   const MapHeader header = ReadKeys(keys, file.parent_path());
@@ -134,7 +134,7 @@ Result<OccupancyGrid> ReadMapImage(const MapHeader& header) {
   } catch (const cv::Exception& error) {
     return Fail(ErrorCode::kIo, fmt::format("{}: {}", name, error.what()));
   }
-  if (image.empty()) return Fail(ErrorCode::kIo, fmt::format("{}: is no image", name));
+  if (image.empty()) return Fail(ErrorCode::kIo, fmt::format("{}: is not an image", name));
   OccupancyGrid pixels(image.rows, image.cols);
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     const Cell pixel = pixels.CellAt(i);
@@ -151,7 +151,7 @@ struct LoadedMap {
   MapHeader header;
 };
 
-/// Pixels to cells: how many pixels each cell has, and how many of these are not free.
+/// Resamples pixels to cells: counts each cell's pixels, and those of them that are not free.
 OccupancyGrid Resample(const OccupancyGrid& pixels, int rows, int columns, double cells_per_pixel,
                        double occupied_share) {
   Grid<int> count(rows, columns, 0);

@@ -15,13 +15,13 @@ struct MapFileOptions {
 };
 
 /// Reads a ROS map_server map: a .yaml file (image, resolution, origin, negate, occupied_thresh,
-/// free_thresh, mode "trinary") and its image (.pgm, .png, whatever OpenCV reads; the path is
-/// relative to the .yaml file). Navigation cells are laid from the image's upper left (north-west)
-/// corner; a last row or column that the image covers partly goes by the pixels that it has. The
+/// free_thresh, mode "trinary") and its image (.pgm, .png, or any other format of OpenCV; the path
+/// is relative to the .yaml file). Navigation cells start at the image's upper left (north-west)
+/// corner; a last row or column that the image covers partly depends only on the pixels it has. The
 /// outermost cells become walls. Every cell is free or occupied.
 ///
 /// Errors (text names file, key, value and limit): kIo (file or image missing or unreadable),
-/// kMalformed (missing key, wrong type, no YAML), kOutOfRange (resolution, thresholds, size),
+/// kMalformed (missing key, wrong type, not YAML), kOutOfRange (resolution, thresholds, size),
 /// kInvalidArgument (mode, rotated origin).
 [[nodiscard]] Result<OccupancyGrid> LoadMapFile(const std::filesystem::path& file,
                                                 const MapFileOptions& options);

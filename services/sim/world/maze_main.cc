@@ -47,7 +47,7 @@ void AddSizeFlags(CLI::App& app, Arguments& arguments, CLI::Option* preset) {
 void AddStyleFlags(CLI::App& app, Arguments& arguments) {
   RandomMazeOptions& maze = arguments.maze;
   app.add_option("--extra-connection-probability", maze.extra_connection_probability,
-                 "of a second opening between two regions, in [0, 1]")
+                 "probability of a second opening between two regions, in [0, 1]")
       ->capture_default_str();
   app.add_flag("--no-simplify", arguments.no_simplify, "keep dead ends and bends");
   app.add_flag("--doors", maze.has_doors, "H and I where regions meet");
@@ -65,12 +65,11 @@ void AddFlags(CLI::App& app, Arguments& arguments) {
   AddSizeFlags(app, arguments, preset);
   AddStyleFlags(app, arguments);
   auto* seed = app.add_option("--seed", arguments.seed,
-                              "labmaze's own seed, given to the generator as it is");
+                              "labmaze's own seed, passed to the generator unchanged");
   seed->check(conav::WholeNumber())->capture_default_str();
-  auto* paper_seed = app.add_option(
-      "--paper-seed", arguments.paper_seed,
-      "a seed as the paper gives it (234, 666, 9): mapped to labmaze's seed as MemoryMaze does; "
-      "shows generation 2 unless told otherwise");
+  auto* paper_seed = app.add_option("--paper-seed", arguments.paper_seed,
+                                    "a seed of the paper (234, 666, 9), mapped to labmaze's seed "
+                                    "as in MemoryMaze; shows generation 2 by default");
   paper_seed->check(conav::WholeNumber())->excludes(seed);
   app.add_option("--generation", arguments.generation,
                  "1 = the first maze of a labmaze object, 2 = after one regeneration, ...")
@@ -137,7 +136,7 @@ int Refuse(const std::string& text) {
   return 2;
 }
 
-/// Exit code of what went to standard output.
+/// The exit code after writing to standard output.
 int Flushed() {
   if (std::fflush(stdout) == 0) return 0;
   fmt::print(stderr, "conav-maze: standard output: {}\n", std::strerror(errno));

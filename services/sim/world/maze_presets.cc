@@ -46,7 +46,7 @@ Result<MazePreset> FindMazePreset(std::string_view name) {
     known += (known.empty() ? "" : ", ") + preset.name;
   }
   return Fail(ErrorCode::kNotFound,
-              fmt::format("maze preset \"{}\" is unknown: there are {}", name, known));
+              fmt::format("maze preset \"{}\" is unknown; known presets: {}", name, known));
 }
 
 std::uint64_t MazeSeedFromPaperSeed(std::uint32_t paper_seed) {

@@ -10,14 +10,14 @@
 namespace conav::sim {
 namespace {
 
-/// A maze while it is being made.
+/// A maze under construction.
 struct MazeDraft {
   Grid<char> entities;
-  /// Region of each carved cell: rooms are 1..n, corridors n+1 and on; 0 = nothing carved.
+  /// Region of each carved cell: rooms are 1..n, corridors n+1 and up; 0 = not carved.
   Grid<int> regions;
 };
 
-/// Down, up, right, left: the order in which labmaze looks around (it decides what a draw means).
+/// Down, up, right, left: labmaze's order of neighbours, which decides the meaning of a draw.
 inline constexpr std::array<Cell, 4> kMazeDirections{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
 
 /// Odd position, odd size.
@@ -27,7 +27,7 @@ struct MazeRoom {
   int columns = 0;
 };
 
-/// Draws only when there is a choice.
+/// Draws only if there is a choice.
 int DrawBetween(int low, int high, Random& random) {
   return low < high ? static_cast<int>(random.Uniform(low, high)) : low;
 }
@@ -93,7 +93,7 @@ void CarveRooms(const std::vector<MazeRoom>& rooms, MazeDraft& draft) {
   }
 }
 
-/// Up, down, left, right: the last free neighbour in this order is where the filling goes on.
+/// Up, down, left, right: the fill continues at the last free neighbour in this order.
 constexpr std::array<Cell, 4> kFillDirections{{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
 
 void FillFrom(Cell cell, Grid<char>& entities) {
@@ -152,7 +152,7 @@ void MoveDown(const BendFrame& frame, Grid<char>& entities) {
   for (int a = -1; a <= frame.length; ++a) entities[frame.At(a, 1)] = kMazeWall;
 }
 
-/// Straightens one bend at wall cell `p`; the cell to look at next, if there was one.
+/// Straightens one bend at wall cell `p`; sets `p` to the next cell to look at.
 bool StraightenOnce(Cell& p, int length, Grid<char>& entities) {
   if (!entities.Contains(p) || entities[p] != kMazeWall) return false;
   for (const Cell v : kMazeDirections) {
@@ -165,7 +165,7 @@ bool StraightenOnce(Cell& p, int length, Grid<char>& entities) {
   return false;
 }
 
-/// Straightens, as often as it goes, the first bend of this length; false when there is none.
+/// Straightens the first bend of this length repeatedly; false if there is none.
 bool StraightenFirst(int length, Grid<char>& entities) {
   for (std::size_t i = 0; i < entities.size(); ++i) {
     Cell p = entities.CellAt(i);
@@ -183,14 +183,14 @@ void FillDeadEnds(Grid<char>& entities) {
 }
 
 /// Stage 4b: straightens bends in the shape of a horseshoe, short ones first. With u and v at right
-/// angles and p the corner, a bend of length L = 3 and what becomes of it:
+/// angles and p the corner, a bend of length L = 3 and its result:
 ///
 ///     b=2    * * * * *              * * * * *
 ///     b=1  *           *   becomes  *         *     (p is the leftmost of b=0, a = -2 .. L+1)
 ///     b=0      * * *
 ///     b=-1     * * *
 ///
-/// The way along b=1 moves down to b=0. Links stop a bend.
+/// The path along b=1 moves down to b=0. Links stop a bend.
 void StraightenBends(Grid<char>& entities) {
   int length = 1;
   while (length + 3 < entities.columns()) {
@@ -199,7 +199,7 @@ void StraightenBends(Grid<char>& entities) {
   }
 }
 
-/// One draw per carve, also when there is a single way on.
+/// One draw per carve, even if there is only one direction left.
 void CarveFrom(Cell start, int region, Random& random, MazeDraft& draft) {
   const auto carve = [&](Cell cell) {
     draft.entities[cell] = kMazeFree;
@@ -209,17 +209,17 @@ void CarveFrom(Cell start, int region, Random& random, MazeDraft& draft) {
   std::vector<Cell> trail{start};
   while (!trail.empty()) {
     const Cell cell = trail.back();
-    std::vector<Cell> ways;
+    std::vector<Cell> directions;
     for (const Cell direction : kMazeDirections) {
       const Cell far = cell + direction + direction;
-      if (draft.regions.Contains(far) && draft.regions[far] == 0) ways.push_back(direction);
+      if (draft.regions.Contains(far) && draft.regions[far] == 0) directions.push_back(direction);
     }
-    if (ways.empty()) {
+    if (directions.empty()) {
       trail.pop_back();
       continue;
     }
-    const auto drawn = random.Uniform(0, static_cast<std::int64_t>(ways.size()) - 1);
-    const Cell direction = ways[static_cast<std::size_t>(drawn)];
+    const auto drawn = random.Uniform(0, static_cast<std::int64_t>(directions.size()) - 1);
+    const Cell direction = directions[static_cast<std::size_t>(drawn)];
     carve(cell + direction);
     carve(cell + direction + direction);
     trail.push_back(cell + direction + direction);
@@ -227,7 +227,7 @@ void CarveFrom(Cell start, int region, Random& random, MazeDraft& draft) {
 }
 
 /// Stage 2: fills the space between the rooms with corridors, one region per connected rest of odd
-/// cells, each a spanning tree made by a depth-first backtracker with two-cell steps.
+/// cells, each a spanning tree from a depth-first backtracker with two-cell steps.
 void CarveCorridors(int first_region, Random& random, MazeDraft& draft) {
   int region = first_region;
   for (int row = 1; row < draft.regions.rows(); row += 2) {
@@ -237,7 +237,7 @@ void CarveCorridors(int first_region, Random& random, MazeDraft& draft) {
   }
 }
 
-/// Stands in the entity layer for an opening between two regions, until ResolveLinks.
+/// Marks an opening between two regions in the entity layer, until ResolveLinks.
 inline constexpr char kMazeLinkMark = '\x01';
 
 struct MazeLink {
@@ -270,8 +270,8 @@ bool NextToLink(Cell cell, const Grid<char>& entities) {
   });
 }
 
-/// Stage 3: opens one wall cell between each pair of touching regions, and further ones with the
-/// extra probability unless next to another link. Returns the links in the order of their making.
+/// Stage 3: opens one wall cell between each pair of touching regions, and more with the extra
+/// probability unless next to another link. Returns the links in the order of creation.
 std::vector<MazeLink> ConnectRegions(double extra_connection_probability, Random& random,
                                      MazeDraft& draft) {
   const Candidates candidates = FindCandidates(draft.regions);
@@ -286,7 +286,7 @@ std::vector<MazeLink> ConnectRegions(double extra_connection_probability, Random
   }
   for (const auto& [pair, places] : candidates) {
     for (const MazeLink& place : places) {
-      // Drawn for every candidate, also when the probability is 0: the draws that follow count.
+      // Drawn for every candidate, even if the probability is 0, to keep the random sequence.
       const bool wanted = random.Unit() <= extra_connection_probability;
       if (wanted && !NextToLink(place.cell, draft.entities)) add(place);
     }
@@ -294,8 +294,8 @@ std::vector<MazeLink> ConnectRegions(double extra_connection_probability, Random
   return links;
 }
 
-/// Stage 7: a link that simplification left with a wall behind it closes; the others become doors
-/// or free cells.
+/// Stage 7: closes each link that now leads to a wall because of the simplification; the others
+/// become doors or free cells.
 void ResolveLinks(const std::vector<MazeLink>& links, bool has_doors, Grid<char>& entities) {
   for (const MazeLink& link : links) {
     if (entities[link.cell + link.direction] == kMazeWall) {

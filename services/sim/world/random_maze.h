@@ -15,8 +15,8 @@ inline constexpr char kMazeWall = '*';
 inline constexpr char kMazeFree = ' ';
 inline constexpr char kMazeSpawn = 'P';
 inline constexpr char kMazeObject = 'G';
-inline constexpr char kMazeVerticalDoor = 'H';    // the way through it runs north-south
-inline constexpr char kMazeHorizontalDoor = 'I';  // the way through it runs west-east
+inline constexpr char kMazeVerticalDoor = 'H';    // the passage runs north-south
+inline constexpr char kMazeHorizontalDoor = 'I';  // the passage runs west-east
 /// Variation layer: cells outside of every room.
 inline constexpr char kMazeNoVariation = '.';
 
@@ -28,7 +28,7 @@ struct RandomMazeOptions {
   /// An even room size counts as the odd size below it.
   int room_min_size = 3;
   int room_max_size = 5;
-  int retry_count = 1000;  // rooms that did not fit, before no more are tried
+  int retry_count = 1000;  // failed placements before the generator stops trying
   double extra_connection_probability = 0.0;
   bool simplify = true;  // fill dead ends, straighten horseshoe bends
   bool has_doors = false;
@@ -40,8 +40,8 @@ struct RandomMazeOptions {
 
 inline constexpr int kMaxMazeSize = 501;
 
-/// Names the first option that no maze can have: an even or too small size, a room range that is
-/// empty or does not fit, a negative count, a probability outside of [0, 1].
+/// Names the first impossible option: an even or too small size, a room range that is empty or does
+/// not fit, a negative count, a probability outside of [0, 1].
 [[nodiscard]] Result<void> CheckMazeOptions(const RandomMazeOptions& options);
 
 struct Maze {
@@ -54,8 +54,8 @@ struct Maze {
 /// Random mazes of rooms and corridors, character for character those of DeepMind's labmaze (which
 /// MemoryMaze and so the paper use) for the same options, seed and generation.
 ///
-/// Stages of one generation: 1 rooms, 2 corridors, 3 connections, 4 simplification, 5 variations,
-/// 6 tokens, 7 links resolved. The random state goes on from one generation to the next.
+/// Stages of one generation: 1 rooms, 2 corridors, 3 connections, 4 simplification, 5 variations, 6
+/// tokens, 7 links resolved. The random state carries over from one generation to the next.
 class RandomMaze {
  public:
   /// Requires CheckMazeOptions(options).

@@ -11,7 +11,7 @@
 namespace conav::sim {
 namespace {
 
-/// Purpose for DeriveSeed: folds a seed beyond 32 bits, which MemoryMaze's mapping does not know.
+/// Purpose for DeriveSeed: folds a seed beyond 32 bits, which MemoryMaze's mapping cannot take.
 constexpr std::uint64_t kLargeSeed = 4;
 
 constexpr int kMostGenerations = 100;

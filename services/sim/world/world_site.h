@@ -9,7 +9,7 @@
 
 namespace conav::sim {
 
-/// A world before anybody is in it.
+/// A world without robots.
 struct Site {
   OccupancyGrid truth;
   Grid<char> wall_classes;
@@ -17,7 +17,7 @@ struct Site {
   double cell_size_m = 2.0;
   std::vector<Cell> spawns;   // preferred starts
   std::vector<Cell> objects;  // preferred goals
-  int goals = 4;              // per robot, unless told otherwise
+  int goals = 4;              // default per robot
   std::optional<OccupancyGrid> plan;
 };
 

@@ -194,32 +194,7 @@ Result<void> MakeHumanMap(Site& site, const WorldOptions& options, const std::se
   return {};
 }
 
-}  // namespace
-
-Result<WorldSpec> MakeWorldSpec(const WorldOptions& options) {
-  if (const auto valid = CheckOptions(options); !valid) return tl::unexpected(valid.error());
-  Result<Site> site = MakeSite(options);
-  if (!site) return tl::unexpected(site.error());
-  WorldSpec spec;
-  spec.truth = site->truth;
-  spec.wall_classes = site->wall_classes;
-  spec.floor_classes = site->floor_classes;
-  spec.cell_size_m = site->cell_size_m;
-  spec.shared_goals = options.shared_goals;
-  // Given goals first: no start is drawn on one.
-  std::set<Cell> taken(options.goals.begin(), options.goals.end());
-  const Result<void> placed =
-      PlaceStarts(*site, options, taken, spec)
-          .and_then([&] { return PlaceGoals(*site, options, taken, spec); })
-          .and_then([&] { return CheckReachable(spec); })
-          .and_then([&] { return MakeHumanMap(*site, options, taken, spec); });
-  if (!placed) return tl::unexpected(placed.error());
-  return Rotated(std::move(spec), options.rotation_deg);
-}
-
-namespace {
-
-/// Where a quarter turn takes a cell of a grid with `columns` columns.
+/// The place of a cell after a quarter turn of a grid with `columns` columns.
 Cell QuarterTurn(Cell cell, int columns) { return {columns - 1 - cell.column, cell.row}; }
 
 template <class T>
@@ -246,6 +221,27 @@ WorldSpec QuarterTurn(WorldSpec spec) {
 }
 
 }  // namespace
+
+Result<WorldSpec> MakeWorldSpec(const WorldOptions& options) {
+  if (const auto valid = CheckOptions(options); !valid) return tl::unexpected(valid.error());
+  Result<Site> site = MakeSite(options);
+  if (!site) return tl::unexpected(site.error());
+  WorldSpec spec;
+  spec.truth = site->truth;
+  spec.wall_classes = site->wall_classes;
+  spec.floor_classes = site->floor_classes;
+  spec.cell_size_m = site->cell_size_m;
+  spec.shared_goals = options.shared_goals;
+  // Given goals first: no start is drawn on one.
+  std::set<Cell> taken(options.goals.begin(), options.goals.end());
+  const Result<void> placed =
+      PlaceStarts(*site, options, taken, spec)
+          .and_then([&] { return PlaceGoals(*site, options, taken, spec); })
+          .and_then([&] { return CheckReachable(spec); })
+          .and_then([&] { return MakeHumanMap(*site, options, taken, spec); });
+  if (!placed) return tl::unexpected(placed.error());
+  return Rotated(std::move(spec), options.rotation_deg);
+}
 
 Result<WorldSpec> Rotated(WorldSpec spec, int rotation_deg) {
   if (rotation_deg < 0 || rotation_deg > 270 || rotation_deg % 90 != 0) {

@@ -53,11 +53,11 @@ CLI::Validator MazePreset() {
           ""};
 }
 
-std::shared_ptr<const nhpm::EditModel> ModelOf(const ExperimentOptions& options) {
+std::shared_ptr<PerceptionModel> ModelOf(const ExperimentOptions& options) {
   if (options.model == kGlpfModel && !options.weights.empty()) {
     throw StartupError("--weights: --model glpf has none");
   }
-  auto model = nhpm::LoadEditModel(options.model, options.weights, {});
+  auto model = nhpm::LoadPerceptionModel(options.model, options.weights, {});
   if (!model) throw StartupError("--weights " + model.error().text);
   return *std::move(model);
 }

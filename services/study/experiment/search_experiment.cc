@@ -13,7 +13,6 @@
 #include "nhpm/model/load_model.h"
 #include "planner/methods/make_method.h"
 #include "planner/perception/cached_model.h"
-#include "planner/perception/embedded_model.h"
 
 namespace conav::planner {
 
@@ -47,7 +46,10 @@ struct VariantKeys {
   SearchVariant& variant;
 
   void Visit(ConfigReader& reader) {
-    reader.Choice("method", variant.method, {"ig-mcts", "greedy"});
+    std::string method(Name(variant.method));
+    reader.Choice("method", method,
+                  {std::string(Name(MethodKind::kIgMcts)), std::string(Name(MethodKind::kGreedy))});
+    variant.method = ParseMethod(method).value_or(variant.method);
     reader.Section("communication", variant.communication);
     variant.config.Visit(reader);
   }
@@ -106,12 +108,11 @@ double Percentile(std::vector<double> values, double share) {
 
 EpisodeResult Play(const sim::WorldSpec& world, const SearchVariant& variant,
                    const std::string& person, std::uint64_t seed,
-                   const std::shared_ptr<const nhpm::EditModel>& model) {
+                   const std::shared_ptr<PerceptionModel>& model) {
   const SteadyClock clock;
-  const auto method = MakeMethod(
-      variant.method, "r1", {variant.config, variant.communication}, DeriveSeed(seed, kSearchSeed),
-      std::make_shared<CachedPerceptionModel>(std::make_shared<EmbeddedPerceptionModel>(model)),
-      nullptr, clock);
+  const auto method = MakeMethod(variant.method, {variant.config, variant.communication},
+                                 DeriveSeed(seed, kSearchSeed),
+                                 std::make_shared<CachedPerceptionModel>(model), nullptr, clock);
   return RunEpisode(world, *method, operators::ParametersOfKind(person),
                     DeriveSeed(seed, kPersonSeed));
 }
@@ -170,9 +171,9 @@ VariantSummary SummarizeOne(std::span<const ExperimentEpisode> episodes) {
 
 }  // namespace
 
-Result<std::vector<ExperimentEpisode>> RunSearchExperiment(
-    const SearchExperiment& experiment, std::shared_ptr<const nhpm::EditModel> model,
-    const EpisodeListener& listener) {
+Result<std::vector<ExperimentEpisode>> RunSearchExperiment(const SearchExperiment& experiment,
+                                                           std::shared_ptr<PerceptionModel> model,
+                                                           const EpisodeListener& listener) {
   const auto worlds = MakeWorlds(experiment);
   if (!worlds) return tl::unexpected(worlds.error());
   std::vector<ExperimentEpisode> episodes;

@@ -9,7 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "nhpm/model/edit_model.h"
+#include "common/msg/method.h"
+#include "common/msg/perception_model.h"
 #include "planner/methods/method_config.h"
 #include "study/experiment/episode.h"
 
@@ -32,7 +33,7 @@ struct SearchVariant {
   std::string name;
   SearchConfig config;
   CommunicationConfig communication;
-  std::string method = "ig-mcts";  // or "greedy"
+  MethodKind method = MethodKind::kIgMcts;  // or kGreedy
 };
 
 /// Reads a YAML map `search_variants: {NAME: {keys of planner.search}, ...}`, in the order of the
@@ -92,7 +93,7 @@ using EpisodeListener = std::function<void(std::size_t done, std::size_t of)>;
 /// All episodes, ordered by variant, operator, seed. `model` predicts the operator's edits for all.
 /// Errors: those of MakeWorldSpec.
 [[nodiscard]] Result<std::vector<ExperimentEpisode>> RunSearchExperiment(
-    const SearchExperiment& experiment, std::shared_ptr<const nhpm::EditModel> model,
+    const SearchExperiment& experiment, std::shared_ptr<PerceptionModel> model,
     const EpisodeListener& listener = nullptr);
 
 /// In the order of the episodes.

@@ -25,7 +25,7 @@ void Add(TradeoffSweep& sweep, const SearchConfig& search, const std::string& po
   variant.config = search;
   if (parameter) variant.name = fmt::format("{} {:g}", policy, *parameter);
   if (policy == "greedy") {
-    variant.method = policy;
+    variant.method = MethodKind::kGreedy;
   } else {
     variant.communication.policy = policy;
   }

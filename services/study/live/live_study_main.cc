@@ -5,21 +5,21 @@
 #include "common/cli/cli.h"
 #include "study/live/task_command.h"
 
-// conav-live-study: one participant at the console, with one method after the other.
+// conav-live-study: one participant at the console tries one method after the other.
 
 namespace {
 
 constexpr const char* kProgram = "conav study --live";
 
 constexpr const char* kAbout =
-    R"(The methods of the paper's user study (section 6.2) with a PERSON: one maze with each method, one
-after the other at one page, which says what to do in this method and offers only what it has. Each part
-begins with "Begin" and may be finished when the robot has reached all goals; then the next one follows by
-itself. Training mazes, questionnaires and eye tracking are not part of it.
+    R"(The methods of the paper's user study (section 6.2) with a PERSON: one maze per method, one
+after the other on one page, which explains the method and shows only its tools. Each part begins with
+"Begin" and may be finished once the robot has reached all goals; then the next one follows. Training
+mazes, questionnaires and eye tracking are not included.
 
 Order: a row of the Williams design of the methods, by the participant's code, or --order. The folder gets
 result.json (per part: method, maze, mapping accuracy, edits, pictures, time) and segments.pb.zst. After
-Ctrl-C or a kill the same command goes on at the first part that was not finished. docs/mapping-task.md)";
+Ctrl-C or a kill the same command resumes at the first unfinished part. Details: docs/mapping-task.md.)";
 
 constexpr const char* kExamples =
     R"(Examples:
@@ -27,7 +27,7 @@ constexpr const char* kExamples =
   conav study --live --participant P07 --methods ig-mcts,teleop --order 2
 
 Exit codes: 0 all parts finished; 1 interrupted, a service died, the port is taken, writing failed;
-2 wrong use.)";
+2 wrong usage.)";
 
 }  // namespace
 

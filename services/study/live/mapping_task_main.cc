@@ -2,7 +2,7 @@
 
 #include "study/live/task_command.h"
 
-// conav-mapping-task: people correct wrong maps, for perception models to learn from.
+// conav-mapping-task: people correct wrong maps, as training data for perception models.
 
 namespace {
 
@@ -11,14 +11,14 @@ constexpr const char* kProgram = "conav mapping-task";
 constexpr const char* kAbout =
     R"(The mapping task of the paper (Appendix A): a participant corrects the wrong map of one maze after
 the other, in the browser. Each time they ask for the next picture, the robot, which knows the maze and
-their map of it, drives to its next stop and sends one picture in a random direction: first all goals,
-then random places, rather where the map is wrong. When the robot has reached all goals, they may finish
-the maze, or go on. Page, folder and data: docs/mapping-task.md.
+their map of it, drives to its next stop and sends one picture in a random direction: first at all goals,
+then at random places, mostly where the map is wrong. Once the robot has reached all goals, they may
+finish the maze or continue. Page, folder and data: docs/mapping-task.md.
 
-The folder gets segments.pb.zst and pictures/, what ./conav train learns from, and result.json: how
-accurate each map became (mapping accuracy: the share of the mistakes corrected, less what was broken).
-Every segment is on disk at once. After Ctrl-C or a kill the same command goes on at the first maze that
-was not finished; that maze begins anew.)";
+The folder gets segments.pb.zst and pictures/, the training data of ./conav train, and result.json with
+the mapping accuracy of each map (the share of corrected errors, less the broken cells). Every segment is
+on disk at once. After Ctrl-C or a kill the same command resumes at the first unfinished maze, which
+starts again.)";
 
 constexpr const char* kExamples =
     R"(Examples:
@@ -27,7 +27,7 @@ constexpr const char* kExamples =
   conav dataset describe runs/mapping-P07/segments.pb.zst
 
 Exit codes: 0 all mazes finished; 1 interrupted, a service died, the port is taken, writing failed;
-2 wrong use.)";
+2 wrong usage.)";
 
 }  // namespace
 
@@ -43,7 +43,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
-  // Without --mazes there are as many as seeds.
+  // Without --mazes, the number of seeds decides.
   if (app.count("--mazes") == 0 && !options.maze_seeds.empty()) {
     options.mazes = static_cast<int>(options.maze_seeds.size());
   }

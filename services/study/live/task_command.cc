@@ -33,7 +33,7 @@ int Run(const std::string& program, const TaskOptions& options) {
   Say("participant " + options.participant + "  folder " + FolderOf(options).string());
   const auto done = session->Run(ProcessStopToken());
   if (!done) return Failed(program, done.error());
-  Say(*done ? "all mazes are finished" : "interrupted; the same command goes on");
+  Say(*done ? "all mazes are finished" : "interrupted; the same command resumes");
   return *done ? 0 : 1;
 }
 
@@ -48,7 +48,7 @@ void AddTaskOptions(CLI::App& app, TaskOptions& options) {
                  "Seeds of the mazes, one each [drawn by --seed and the participant's code]")
       ->delimiter(',')
       ->check(WholeNumber());
-  app.add_option("--seed", options.seed, "Seed of the seeds")
+  app.add_option("--seed", options.seed, "Seed for drawing the maze seeds")
       ->check(WholeNumber())
       ->capture_default_str();
   app.add_option("--preset", options.preset, "Maze preset; `conav maze --help` lists them")
@@ -58,11 +58,11 @@ void AddTaskOptions(CLI::App& app, TaskOptions& options) {
       ->capture_default_str();
   app.add_option("--speed", options.speed, "Simulation time over wall time: how fast robots drive")
       ->capture_default_str();
-  app.add_option("--port", options.port, "Port of the page on this machine; 0 = any that is free")
+  app.add_option("--port", options.port, "Port of the page on this machine; 0 = any free one")
       ->check(CLI::Range(0, 65535))
       ->capture_default_str();
   app.add_option("--dds", options.dds, "cyclonedds, fastdds, mixed or SERVICE=VENDOR,...");
-  app.add_option("--domain", options.domain, "DDS domain [CONAV_DOMAIN or the first that is free]");
+  app.add_option("--domain", options.domain, "DDS domain [CONAV_DOMAIN or the first free one]");
   app.add_option("--out", options.out,
                  "Folder of the participant [runs/mapping-CODE, in a study runs/study-CODE]");
 }

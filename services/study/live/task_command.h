@@ -7,11 +7,11 @@
 
 namespace conav::mapping_task {
 
-/// What the command lines of the mapping task and of a live study have in common.
+/// Adds the options that the mapping task and the live study share.
 void AddTaskOptions(CLI::App& app, TaskOptions& options);
 
-/// Checks the options, and leads the participant through the mazes. The exit code; what went wrong is
-/// on standard error.
+/// Checks the options, then leads the participant through the mazes. Returns the exit code; prints
+/// errors on standard error.
 int RunTaskCommand(const std::string& program, const TaskOptions& options);
 
 }  // namespace conav::mapping_task

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 
+#include "common/msg/method.h"
 #include "common/runtime/random.h"
 #include "common/runtime/text.h"
 #include "launcher/demo_plan.h"
@@ -16,10 +17,10 @@ namespace conav::mapping_task {
 namespace {
 
 constexpr std::size_t kLongestCode = 40;
-/// In which a person does something.
+/// The methods that involve a person.
 constexpr std::array kStudyMethods{"ig-mcts", "instruction", "teleop"};
 constexpr int kMostMazes = 100;
-constexpr std::uint64_t kSeedRange = 1'000'000'000;  // seeds that people can read out
+constexpr std::uint64_t kSeedRange = 1'000'000'000;  // people can read these seeds out
 
 bool IsCodeLetter(char letter) {
   return (letter >= 'A' && letter <= 'Z') || (letter >= 'a' && letter <= 'z') ||
@@ -38,7 +39,7 @@ Result<void> CheckMazes(const TaskOptions& options) {
   const auto given = static_cast<int>(options.maze_seeds.size());
   if (given == 0 || given == options.mazes) return {};
   return Fail(ErrorCode::kInvalidArgument,
-              fmt::format("--maze-seed: {} of them for {} mazes", given, options.mazes));
+              fmt::format("--maze-seed: {} seeds for {} mazes", given, options.mazes));
 }
 
 Result<void> CheckMethods(const TaskOptions& options) {
@@ -52,7 +53,7 @@ Result<void> CheckMethods(const TaskOptions& options) {
     return Fail(ErrorCode::kInvalidArgument, fmt::format("--methods: {} is named twice", method));
   }
   if (!options.is_study() || static_cast<int>(options.methods.size()) == options.mazes) return {};
-  return Fail(ErrorCode::kInvalidArgument, fmt::format("--methods: {} of them for {} mazes",
+  return Fail(ErrorCode::kInvalidArgument, fmt::format("--methods: {} methods for {} mazes",
                                                        options.methods.size(), options.mazes));
 }
 
@@ -82,7 +83,7 @@ Result<std::vector<std::string>> MethodsInOrder(const std::vector<std::string>& 
 }
 
 std::string MethodOf(const TaskOptions& options, int number) {
-  if (!options.is_study()) return planner::kMappingMethod;
+  if (!options.is_study()) return std::string(Name(MethodKind::kMapping));
   return options.methods.at(static_cast<std::size_t>(number) - 1);
 }
 

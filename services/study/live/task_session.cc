@@ -29,7 +29,7 @@ struct Planning {
   const Maze& maze;
   const MazeSetting& setting;
 
-  /// Of `service`, which may have a DDS implementation of its own (--dds).
+  /// The bus options of `service`, which may have its own DDS implementation (--dds).
   bus::ParticipantOptions Bus(const std::string& service) const {
     const launcher::DemoOptions demo = DemoOf(options, maze.seed);
     return launcher::BusOptions(demo, setting.domain,
@@ -100,13 +100,66 @@ std::string PlannerYaml(const Planning& planning) {
   config.method = planning.Method();
   config.seed = planning.maze.seed;
   config.perception = "embedded";
-  if (!planning.options.is_study()) config.perception_model = kGlpfModel;  // nobody is asked
-  // People take their time.
+  // the planner asks no model
+  if (!planning.options.is_study()) config.perception_model = kGlpfModel;
+  // People need more time.
   config.first_guidance_timeout_s = 8.0;
   config.answer_timeout_s = 60.0;
   config.timeout_clock = "simulation";
   return DumpConfig("planner", config);
 }
+
+using namespace std::chrono_literals;
+
+constexpr auto kPeriod = 50ms;
+constexpr auto kLinger = 1s;
+constexpr auto kGrace = 5s;
+constexpr std::size_t kLogLines = 8;
+
+void WaitAMoment() { poll(nullptr, 0, static_cast<int>(kPeriod.count())); }
+
+bool IsValid(const MazeResult& result) {
+  return result.mapping_accuracy > kAcceptedMappingAccuracy;
+}
+
+std::optional<MazeResult> Parse(const std::string& text) {
+  MazeResult result;
+  result.document = nlohmann::ordered_json::parse(text, nullptr, false);
+  if (!result.document.is_object() || !result.document.contains("mapping_accuracy")) return {};
+  const auto& accuracy = result.document["mapping_accuracy"];
+  if (!accuracy.is_number()) return std::nullopt;
+  result.mapping_accuracy = accuracy.get<double>();
+  return result;
+}
+
+nlohmann::ordered_json MazeJson(const TaskOptions& options, int number, std::uint64_t seed,
+                                const MazeResult& result) {
+  nlohmann::ordered_json json = {{"number", number},
+                                 {"method", MethodOf(options, number)},
+                                 {"seed", seed},
+                                 {"valid", IsValid(result)}};
+  json.update(result.document);
+  json.erase("participant");
+  return json;
+}
+
+namespace fs = std::filesystem;
+
+constexpr int kMostAttempts = 1000;
+
+/// Finds a domain without foreign robots; it need not listen there first.
+launcher::DomainLease FindDomain(const TaskOptions& options) {
+  launcher::Episode episode = launcher::MakeEpisode(1, 1);
+  launcher::BusPlace place = launcher::JoinFreeDomain(DemoOf(options, 0), episode);
+  place.observer.reset();
+  return std::move(place.lease);
+}
+
+Maze MazeAt(const fs::path& folder, int number, int attempt, std::uint64_t seed) {
+  return {number, attempt, seed, folder / fmt::format("maze-{}-{}", number, attempt)};
+}
+
+int PortOf(const std::string& url) { return std::stoi(url.substr(url.rfind(':') + 1)); }
 
 }  // namespace
 
@@ -127,19 +180,6 @@ std::vector<PlannedService> PlanMaze(const TaskOptions& options, const Maze& maz
           {"planner", PlannerYaml(planning)}};
 }
 
-namespace {
-
-using namespace std::chrono_literals;
-
-constexpr auto kPeriod = 50ms;
-constexpr auto kLinger = 1s;
-constexpr auto kGrace = 5s;
-constexpr std::size_t kLogLines = 8;
-
-void WaitAMoment() { poll(nullptr, 0, static_cast<int>(kPeriod.count())); }
-
-}  // namespace
-
 MazeRun::MazeRun(const std::filesystem::path& program_folder, const Maze& maze, const Clock& clock,
                  Say say)
     : program_folder_(program_folder), maze_(maze), clock_(clock), say_(std::move(say)) {}
@@ -150,7 +190,7 @@ MazeEnd MazeRun::Run(const std::vector<PlannedService>& services, const Opened& 
   const MazeEnd end = Wait(opened, stop);
   if (end == MazeEnd::kFinished) Linger(stop);
   for (const std::string& name : processes_.StopAll(kGrace)) {
-    say_(name + " did not stop when asked and was killed");
+    say_(name + " did not stop on request and was killed");
   }
   return end;
 }
@@ -200,42 +240,13 @@ void MazeRun::Linger(const StopToken& stop) {
   while (clock_.Now() < until && !stop.stop_requested()) WaitAMoment();
 }
 
-namespace {
-
-bool IsValid(const MazeResult& result) {
-  return result.mapping_accuracy > kAcceptedMappingAccuracy;
-}
-
-std::optional<MazeResult> Parse(const std::string& text) {
-  MazeResult result;
-  result.document = nlohmann::ordered_json::parse(text, nullptr, false);
-  if (!result.document.is_object() || !result.document.contains("mapping_accuracy")) return {};
-  const auto& accuracy = result.document["mapping_accuracy"];
-  if (!accuracy.is_number()) return std::nullopt;
-  result.mapping_accuracy = accuracy.get<double>();
-  return result;
-}
-
-nlohmann::ordered_json MazeJson(const TaskOptions& options, int number, std::uint64_t seed,
-                                const MazeResult& result) {
-  nlohmann::ordered_json json = {{"number", number},
-                                 {"method", MethodOf(options, number)},
-                                 {"seed", seed},
-                                 {"valid", IsValid(result)}};
-  json.update(result.document);
-  json.erase("participant");
-  return json;
-}
-
-}  // namespace
-
 Result<std::optional<MazeResult>> ReadMazeResult(const std::filesystem::path& file) {
   const auto text = ReadFile(file);
   if (!text && text.error().code == ErrorCode::kNotFound) return std::nullopt;
   if (!text) return tl::unexpected(text.error());
   auto result = Parse(*text);
   if (result) return result;
-  return Fail(ErrorCode::kMalformed, file.string() + " is no result of a maze");
+  return Fail(ErrorCode::kMalformed, file.string() + " is not the result of a maze");
 }
 
 nlohmann::ordered_json TaskJson(const TaskOptions& options,
@@ -269,28 +280,6 @@ std::string MazeLine(int number, const MazeResult& result) {
           ? ""
           : fmt::format("  (not valid: {:.0f} % or less)", 100.0 * kAcceptedMappingAccuracy));
 }
-
-namespace {
-
-namespace fs = std::filesystem;
-
-constexpr int kMostAttempts = 1000;
-
-/// A domain where nobody else's robot is; nobody has to listen there.
-launcher::DomainLease FindDomain(const TaskOptions& options) {
-  launcher::Episode episode = launcher::MakeEpisode(1, 1);
-  launcher::BusPlace place = launcher::JoinFreeDomain(DemoOf(options, 0), episode);
-  place.recorder.reset();
-  return std::move(place.lease);
-}
-
-Maze MazeAt(const fs::path& folder, int number, int attempt, std::uint64_t seed) {
-  return {number, attempt, seed, folder / fmt::format("maze-{}-{}", number, attempt)};
-}
-
-int PortOf(const std::string& url) { return std::stoi(url.substr(url.rfind(':') + 1)); }
-
-}  // namespace
 
 TaskSession::TaskSession(const TaskOptions& options, fs::path program_folder, const Clock& clock,
                          Say say, study::StudyFolder folder, launcher::DomainLease domain)
@@ -350,10 +339,10 @@ Result<Maze> TaskSession::MakeMaze(int number) const {
       if (!error) fs::create_directory(maze.folder / part, error);
     }
     if (!error) return maze;
-    return Fail(ErrorCode::kIo, fmt::format("{}: cannot make this folder: {}", maze.folder.string(),
-                                            error.message()));
+    return Fail(ErrorCode::kIo, fmt::format("{}: cannot create this folder: {}",
+                                            maze.folder.string(), error.message()));
   }
-  return Fail(ErrorCode::kRefused, fmt::format("maze {} was begun too often", number));
+  return Fail(ErrorCode::kRefused, fmt::format("maze {} has too many attempts", number));
 }
 
 Result<bool> TaskSession::Play(const Maze& maze, const StopToken& stop) {
@@ -364,8 +353,9 @@ Result<bool> TaskSession::Play(const Maze& maze, const StopToken& stop) {
       PlanMaze(options_, maze, setting), [&](const std::string& url) { Opened(maze, url); }, stop);
   if (end == MazeEnd::kInterrupted) return false;
   if (end == MazeEnd::kServiceDied) {
-    return Fail(ErrorCode::kUnavailable,
-                fmt::format("maze {} was broken off; the same command goes on there", maze.number));
+    return Fail(
+        ErrorCode::kUnavailable,
+        fmt::format("maze {} was interrupted; the same command resumes there", maze.number));
   }
   auto result = ReadMazeResult(maze.result());
   if (!result) return tl::unexpected(result.error());

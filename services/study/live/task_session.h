@@ -35,19 +35,19 @@ struct Maze {
   std::filesystem::path result() const { return folder / "result.json"; }
 };
 
-/// Where the services meet, and what went before.
+/// The session's values for a maze.
 struct MazeSetting {
   int domain = 0;
   int port = 0;                 // of the page
-  std::vector<double> earlier;  // mapping accuracies of the mazes before
-  /// Of the whole task; the segments are appended to its segments.pb.zst.
+  std::vector<double> earlier;  // mapping accuracies of earlier mazes
+  /// The folder of the whole task; its segments.pb.zst collects the segments.
   std::filesystem::path folder;
 };
 
-/// Without it a maze goes on.
+/// A maze continues when the recorder dies.
 inline constexpr const char* kRecorder = "recorder";
 
-/// A service with its whole effective configuration.
+/// A service with its complete configuration.
 struct PlannedService {
   std::string name;
   std::string config;  // YAML document
@@ -59,29 +59,30 @@ std::vector<PlannedService> PlanMaze(const TaskOptions& options, const Maze& maz
 
 enum class MazeEnd { kFinished, kInterrupted, kServiceDied };
 
-/// The services of one maze, from their start until the participant has finished.
+/// Runs the services of one maze until the participant has finished.
 /// Threads: one.
 class MazeRun {
  public:
   using Say = std::function<void(const std::string&)>;
   using Opened = std::function<void(const std::string& url)>;
 
-  /// `program_folder` holds conav-sim and the others; all references outlive it.
+  /// `program_folder` contains conav-sim and the other programs; all references outlive this
+  /// object.
   MazeRun(const std::filesystem::path& program_folder, const Maze& maze, const Clock& clock,
           Say say);
 
-  /// Starts `services`, and waits. `opened` is called with the page's address. All services are
-  /// gone afterwards. Throws StartupError when one cannot be started or a file not be written.
+  /// Starts `services` and waits. Calls `opened` with the page's address. All services have ended
+  /// on return. Throws StartupError if a service cannot start or a file cannot be written.
   MazeEnd Run(const std::vector<PlannedService>& services, const Opened& opened,
               const StopToken& stop);
 
  private:
   void Start(const PlannedService& service);
   MazeEnd Wait(const Opened& opened, const StopToken& stop);
-  /// Whether the page's address is known; `opened` was told then.
+  /// Whether the page's address is known; calls `opened` then.
   bool ReportAddress(const Opened& opened) const;
   bool ReportDeaths();
-  /// Pages get the result before the service goes.
+  /// Keeps the service alive until pages have the result.
   void Linger(const StopToken& stop);
 
   std::filesystem::path program_folder_;
@@ -91,39 +92,40 @@ class MazeRun {
   launcher::ProcessGroup processes_;
 };
 
-/// How a maze went, as its operator service wrote it down.
+/// The result of a maze, as its operator service wrote it.
 struct MazeResult {
   double mapping_accuracy = 0.0;
   nlohmann::ordered_json document;  // the whole file
 };
 
-/// Nothing when there is no such file yet. Errors: kIo; kMalformed names the file.
+/// Empty if the file does not exist yet. Errors: kIo; kMalformed names the file.
 [[nodiscard]] Result<std::optional<MazeResult>> ReadMazeResult(const std::filesystem::path& file);
 
-/// result.json of the task: whether it is complete, the mean mapping accuracy (what a bonus is paid
-/// by), and each maze that was finished, with "valid" where its mapping accuracy is above
+/// result.json of the task: whether it is complete, the mean mapping accuracy (the basis of a bonus
+/// payment), and each finished maze, with "valid" if its mapping accuracy is above
 /// kAcceptedMappingAccuracy. `results`: those of the first mazes.
 nlohmann::ordered_json TaskJson(const TaskOptions& options, const std::vector<MazeResult>& results);
 
 /// A line for the terminal.
 std::string MazeLine(int number, const MazeResult& result);
 
-/// One participant's mazes, one after the other at one address; goes on at the first that was not
-/// finished. Its folder holds
+/// One participant's mazes, one after the other at one address; resumes at the first unfinished
+/// one. Its folder holds
 ///
 ///   study.json       participant and mazes
-///   segments.pb.zst  what perception models learn from, with pictures/; every segment at once
+///   segments.pb.zst  training data for perception models, with pictures/; every segment at once
 ///   result.json      after each maze (TaskJson)
 ///   maze-<number>-<attempt>/   see Maze
 ///
-/// A maze that was broken off begins anew; the segments of before stay, as a trajectory of their own.
+/// An interrupted maze starts again; its earlier segments stay, as a trajectory of their own.
 /// Threads: one.
 class TaskSession {
  public:
   using Say = std::function<void(const std::string&)>;
 
-  /// Errors: kRefused (the folder is another participant's, has other mazes, other files, or is in
-  /// use), kIo, kMalformed. Throws launcher::UsageError when the DDS domain is taken.
+  /// Errors: kRefused (the folder belongs to another participant, has other mazes or other files,
+  ///         or is in use), kIo, kMalformed. Throws launcher::UsageError when the DDS domain is
+  ///         taken.
   [[nodiscard]] static Result<TaskSession> Open(const TaskOptions& options,
                                                 std::filesystem::path program_folder,
                                                 const Clock& clock, Say say);
@@ -138,7 +140,7 @@ class TaskSession {
 
   Result<void> ReadFinished();
   Result<Maze> MakeMaze(int number) const;
-  /// Errors: as Run(). False when it was interrupted.
+  /// Errors: as Run(). False if interrupted.
   Result<bool> Play(const Maze& maze, const StopToken& stop);
   void Opened(const Maze& maze, const std::string& url);
   Result<void> WriteReport() const;

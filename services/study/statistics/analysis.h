@@ -17,18 +17,18 @@ struct Description {
   double mean = 0.0;
   double standard_deviation = 0.0;
   double median = 0.0;
-  /// Where the mean of people like these lies: Student's t, n - 1 degrees of freedom.
+  /// Confidence interval of the mean over such people: Student's t, n - 1 degrees of freedom.
   Interval mean_interval;
-  /// For comparing conditions: the same after each subject's own level is taken out (Cousineau,
-  /// "Confidence intervals in within-subject designs", 2005), with the standard error times
-  /// sqrt(k / (k - 1)) for k conditions (Morey, 2008).
+  /// For comparing conditions: the same after removing each subject's own level (Cousineau,
+  /// "Confidence intervals in within-subject designs", 2005), with the standard error times sqrt(k
+  /// / (k - 1)) for k conditions (Morey, 2008).
   Interval within_interval;
 };
 
 /// A row per condition; intervals hold with probability 1 - alpha.
 std::vector<Description> Describe(const ConditionTable& table, double alpha);
 
-/// All that is computed of one table.
+/// All results for one table.
 struct Analysis {
   std::string file;    // its name, without folder
   std::string sha256;  // of its bytes
@@ -39,8 +39,8 @@ struct Analysis {
   Anova anova;
   std::vector<Pair> pairs;
   Friedman friedman;
-  /// What a reader of the figures must know: who was left out, which figures there cannot be and
-  /// why. One sentence each.
+  /// Remarks for the reader: which subjects were left out, which figures are missing and why. One
+  /// sentence each.
   std::vector<std::string> notes;
 };
 

@@ -1,101 +1,55 @@
 #include "study/statistics/anova.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <span>
-#include <utility>
 
 #include "study/statistics/moments.h"
 
 namespace conav::statistics {
 namespace {
 
-/// Square and symmetric.
-class Matrix {
- public:
-  explicit Matrix(std::size_t size) : size_(size), values_(size * size) {}
-  std::size_t size() const { return size_; }
-  void DivideBy(double value) {
-    for (double& element : values_) element /= value;
-  }
-  double& operator()(std::size_t row, std::size_t column) { return values_[row * size_ + column]; }
-  double operator()(std::size_t row, std::size_t column) const {
-    return values_[row * size_ + column];
-  }
-
- private:
-  std::size_t size_;
-  std::vector<double> values_;
-};
-
 /// Helmert's orthonormal contrasts: contrast c of a subject is condition c + 1 against the mean of
-/// those before it, [contrasts][subjects].
-std::vector<std::vector<double>> Contrasts(const ConditionTable& table) {
-  std::vector<std::vector<double>> contrasts(table.condition_count() - 1);
+/// those before it, [subjects, contrasts].
+Eigen::MatrixXd Contrasts(const ConditionTable& table) {
+  Eigen::MatrixXd contrasts(table.subject_count(), table.condition_count() - 1);
   for (std::size_t i = 0; i < table.subject_count(); ++i) {
     double sum = 0.0;
-    for (std::size_t c = 0; c < contrasts.size(); ++c) {
+    for (std::size_t c = 0; c + 1 < table.condition_count(); ++c) {
       sum += table.At(i, c);
       const auto before = static_cast<double>(c + 1);
-      contrasts[c].push_back((table.At(i, c + 1) - sum / before) *
-                             std::sqrt(before / (before + 1.0)));
+      contrasts(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(c)) =
+          (table.At(i, c + 1) - sum / before) * std::sqrt(before / (before + 1.0));
     }
   }
   return contrasts;
 }
 
-Matrix Covariance(std::vector<std::vector<double>> columns) {
-  for (auto& column : columns) {
-    const double mean = Mean(column);
-    for (double& value : column) value -= mean;
-  }
-  Matrix covariance(columns.size());
-  for (std::size_t a = 0; a < columns.size(); ++a) {
-    for (std::size_t b = 0; b < columns.size(); ++b) {
-      double sum = 0.0;
-      for (std::size_t i = 0; i < columns[a].size(); ++i) sum += columns[a][i] * columns[b][i];
-      covariance(a, b) = sum / static_cast<double>(columns[a].size() - 1);
-    }
-  }
-  return covariance;
+/// Of the columns.
+Eigen::MatrixXd Covariance(const Eigen::MatrixXd& columns) {
+  const Eigen::MatrixXd centred = columns.rowwise() - columns.colwise().mean();
+  return centred.transpose() * centred / static_cast<double>(columns.rows() - 1);
 }
 
-double Trace(const Matrix& matrix) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < matrix.size(); ++i) sum += matrix(i, i);
-  return sum;
-}
-
-double SumOfSquares(const Matrix& matrix) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < matrix.size(); ++i) {
-    for (std::size_t j = 0; j < matrix.size(); ++j) sum += matrix(i, j) * matrix(i, j);
+/// Of a covariance with trace 1; minus infinity if it is singular. `error` bounds the rounding errors
+/// of its values.
+double LogDeterminant(const Eigen::MatrixXd& covariance, double error) {
+  const double smallest =
+      std::max(static_cast<double>(covariance.rows()) * RoundingError(1.0), error);
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(covariance);
+  const Eigen::ArrayXd pivots = cholesky.matrixLLT().diagonal().array().square();
+  if (cholesky.info() != Eigen::Success || pivots.minCoeff() <= smallest) {
+    return -std::numeric_limits<double>::infinity();
   }
-  return sum;
-}
-
-/// By elimination without pivoting, as `matrix` is a covariance, of trace 1; minus infinity where
-/// it is singular. `error` is what rounding may do to its values.
-double LogDeterminant(Matrix matrix, double error) {
-  const double smallest = std::max(static_cast<double>(matrix.size()) * RoundingError(1.0), error);
-  double sum = 0.0;
-  for (std::size_t c = 0; c < matrix.size(); ++c) {
-    const double pivot = matrix(c, c);
-    if (pivot <= smallest) return -std::numeric_limits<double>::infinity();
-    sum += std::log(pivot);
-    for (std::size_t i = c + 1; i < matrix.size(); ++i) {
-      const double factor = matrix(i, c) / pivot;
-      for (std::size_t j = c + 1; j < matrix.size(); ++j) matrix(i, j) -= factor * matrix(c, j);
-    }
-  }
-  return sum;
+  return pivots.log().sum();
 }
 
 /// P(W <= w) under sphericity, `df` = n - 1: Anderson, "An introduction to multivariate statistical
-/// analysis", section 10.7, two terms of Box's series, which can end above 1 where subjects are
-/// few. The series has 3 p in the second term; R's mauchly.test has 3 (p + 1) there, and so have
-/// we, as people compare with R: p moves by less than 0.005.
+/// analysis", section 10.7, two terms of Box's series, which can end above 1 for few subjects.
+/// The series has 3 p in the second term; R's mauchly.test has 3 (p + 1) there. We follow R, because
+/// people compare with it: p moves by less than 0.005.
 double MauchlyP(double log_w, double p, double df) {
   const double rho = 1.0 - (2.0 * p * p + p + 2.0) / (6.0 * p * df);
   const double omega = (p + 2.0) * (p - 1.0) * (p - 2.0) *
@@ -108,7 +62,7 @@ double MauchlyP(double log_w, double p, double df) {
   return std::min(1.0, first + omega * (second - first));
 }
 
-/// For n - 1 = `df`; nothing for 0 / 0.
+/// For n - 1 = `df`; empty for 0 / 0.
 std::optional<double> HuynhFeldt(double epsilon, double p, double df) {
   const double above = (df + 1.0) * p * epsilon - 2.0;
   const double below = p * (df - p * epsilon);
@@ -117,34 +71,7 @@ std::optional<double> HuynhFeldt(double epsilon, double p, double df) {
   return std::numeric_limits<double>::infinity();
 }
 
-}  // namespace
-
-std::optional<Sphericity> CheckSphericity(const ConditionTable& table) {
-  Matrix covariance = Covariance(Contrasts(table));
-  const double trace = Trace(covariance);
-  const double error = RoundingError(Magnitude(table));
-  if (std::sqrt(trace) <= error) return std::nullopt;
-  Sphericity result;
-  if (table.condition_count() == 2) return result;
-  covariance.DivideBy(trace);  // nothing here depends on the unit, and large values overflow
-  const auto p = static_cast<double>(covariance.size());
-  const auto df = static_cast<double>(table.subject_count() - 1);
-  result.greenhouse_geisser = std::clamp(1.0 / (p * SumOfSquares(covariance)), 1.0 / p, 1.0);
-  result.huynh_feldt_raw = HuynhFeldt(result.greenhouse_geisser, p, df);
-  result.huynh_feldt = result.huynh_feldt_raw;
-  if (result.huynh_feldt) result.huynh_feldt = std::min(1.0, *result.huynh_feldt);
-  if (df >= p) {
-    const double log_determinant = LogDeterminant(std::move(covariance), error * error / trace);
-    const double log_w = std::min(0.0, log_determinant + p * std::log(p));
-    result.mauchly_w = std::exp(log_w);
-    result.mauchly_p = MauchlyP(log_w, p, df);
-  }
-  return result;
-}
-
-namespace {
-
-/// `sum` of `count` squares, 0 where they are nothing but rounding errors.
+/// `sum` of `count` squares, or 0 if they are nothing but rounding errors.
 double Exact(double sum, std::size_t count, double magnitude) {
   const double error = RoundingError(magnitude);
   return sum <= static_cast<double>(count) * error * error ? 0.0 : sum;
@@ -195,6 +122,29 @@ FTest Corrected(const Anova& anova, double epsilon) {
 }
 
 }  // namespace
+
+std::optional<Sphericity> CheckSphericity(const ConditionTable& table) {
+  Eigen::MatrixXd covariance = Covariance(Contrasts(table));
+  const double trace = covariance.trace();
+  const double error = RoundingError(Magnitude(table));
+  if (std::sqrt(trace) <= error) return std::nullopt;
+  Sphericity result;
+  if (table.condition_count() == 2) return result;
+  covariance /= trace;  // removes the unit and prevents overflow of large values
+  const auto p = static_cast<double>(covariance.rows());
+  const auto df = static_cast<double>(table.subject_count() - 1);
+  result.greenhouse_geisser = std::clamp(1.0 / (p * covariance.squaredNorm()), 1.0 / p, 1.0);
+  result.huynh_feldt_raw = HuynhFeldt(result.greenhouse_geisser, p, df);
+  result.huynh_feldt = result.huynh_feldt_raw;
+  if (result.huynh_feldt) result.huynh_feldt = std::min(1.0, *result.huynh_feldt);
+  if (df >= p) {
+    const double log_determinant = LogDeterminant(covariance, error * error / trace);
+    const double log_w = std::min(0.0, log_determinant + p * std::log(p));
+    result.mauchly_w = std::exp(log_w);
+    result.mauchly_p = MauchlyP(log_w, p, df);
+  }
+  return result;
+}
 
 Anova AnalyseVariance(const ConditionTable& table) {
   Anova anova;

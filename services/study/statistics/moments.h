@@ -5,29 +5,26 @@
 
 namespace conav::statistics {
 
-/// None of these is asked for no values.
+/// All of these require at least one value.
 double Mean(std::span<const double> values);
 double Median(std::span<const double> values);
 
 /// Sum of squared distances from the mean.
 double SquaredDeviations(std::span<const double> values);
 
-/// Divided by n - 1; 0 for one value, and where all are equal but for rounding errors.
+/// Divided by n - 1; 0 for one value, and if all are equal except for rounding errors.
 double Variance(std::span<const double> values);
 double StandardDeviation(std::span<const double> values);
 
 /// The largest absolute value.
 double Magnitude(std::span<const double> values);
 
-/// Differences this small between numbers of `magnitude` are rounding errors: 0.3 - 0.2 and
-/// 0.2 - 0.1 are one value. What spreads less than this does not vary.
+/// Smaller differences between numbers of `magnitude` are rounding errors: 0.3 - 0.2 and
+/// 0.2 - 0.1 are one value. Values with less spread do not vary.
 double RoundingError(double magnitude);
 
-}  // namespace conav::statistics
-
-/// Tail probabilities and quantiles of the distributions that tests need. Degrees of freedom are
-/// above 0 and need not be whole; a statistic may be infinite.
-namespace conav::statistics {
+// Tail probabilities and quantiles. Degrees of freedom are above 0 and need not be whole; a
+// statistic may be infinite.
 
 /// P(|T| >= |t|) of Student's t.
 double StudentTwoSided(double t, double df);

@@ -9,7 +9,7 @@
 namespace conav::statistics {
 namespace {
 
-// Royston's fitted coefficients, constant term first.
+// Shapiro-Wilk: Royston's fitted coefficients, constant term first.
 constexpr std::array kLargestWeight{0.0, 0.221157, -0.147981, -2.07119, 4.434685, -2.706056};
 constexpr std::array kSecondWeight{0.0, 0.042981, -0.293762, -1.752461, 5.682633, -3.582633};
 constexpr std::array kSmallBound{-2.273, 0.459};
@@ -25,7 +25,7 @@ double Polynomial(std::span<const double> coefficients, double x) {
   return sum;
 }
 
-/// Of the upper half, largest first; the lower half has the same ones with a minus.
+/// Weights of the upper half, largest first; the lower half has the same ones with a minus.
 std::vector<double> Weights(std::size_t n) {
   if (n == 3) return {std::sqrt(0.5)};
   const auto count = static_cast<double>(n);
@@ -36,7 +36,7 @@ std::vector<double> Weights(std::size_t n) {
     squares += 2.0 * scores.back() * scores.back();
   }
   const double x = 1.0 / std::sqrt(count);
-  const std::size_t fitted = n > 5 ? 2 : 1;  // weights that a polynomial gives
+  const std::size_t fitted = n > 5 ? 2 : 1;  // weights from a polynomial
   std::vector<double> weights{scores[0] / std::sqrt(squares) + Polynomial(kLargestWeight, x)};
   if (fitted == 2) {
     weights.push_back(scores[1] / std::sqrt(squares) + Polynomial(kSecondWeight, x));
@@ -63,7 +63,7 @@ double Statistic(const std::vector<double>& sorted) {
 }
 
 double Probability(double w, std::size_t n) {
-  if (n == 3) {  // known exactly; W is at least 3/4
+  if (n == 3) {  // exact; W is at least 3/4
     const double angle = std::asin(std::sqrt(w)) - std::asin(std::sqrt(0.75));
     return std::clamp(6.0 / std::numbers::pi * angle, 0.0, 1.0);
   }
@@ -81,50 +81,15 @@ double Probability(double w, std::size_t n) {
                      std::exp(Polynomial(kSmallLogDeviation, count)));
 }
 
-}  // namespace
+// The tests of pairs.
 
-std::optional<ShapiroWilk> TestNormality(std::span<const double> values, double error) {
-  if (values.size() < 3 || values.size() > kMostShapiroValues) return std::nullopt;
-  std::vector<double> sorted(values.begin(), values.end());
-  std::sort(sorted.begin(), sorted.end());
-  if (sorted.back() - sorted.front() <= error) return std::nullopt;
-  const double w = Statistic(sorted);
-  return ShapiroWilk{w, Probability(w, sorted.size())};
-}
-
-namespace {
-
-/// `difference` in units of `spread`; infinite or nothing where nothing spreads. `error` is what
-/// rounding may do to both.
+/// `difference` in units of `spread`; infinite or empty if there is no spread. `error` bounds the
+/// rounding errors of both.
 std::optional<double> InUnitsOf(double spread, double difference, double error) {
   if (spread > error) return difference / spread;
   if (std::abs(difference) <= error) return std::nullopt;
   return std::copysign(std::numeric_limits<double>::infinity(), difference);
 }
-
-}  // namespace
-
-PairedT TestPair(std::span<const double> first, std::span<const double> second, double alpha) {
-  std::vector<double> differences;
-  for (std::size_t i = 0; i < first.size(); ++i) differences.push_back(first[i] - second[i]);
-  const double error = RoundingError(std::max(Magnitude(first), Magnitude(second)));
-  const auto n = static_cast<double>(first.size());
-  double spread = StandardDeviation(differences);
-  if (spread <= error) spread = 0.0;
-  PairedT test{.mean_difference = Mean(differences), .df = n - 1.0};
-  test.interval = StudentInterval(test.mean_difference, spread / std::sqrt(n), test.df, alpha);
-  test.d_z = InUnitsOf(spread, test.mean_difference, error);
-  test.d_av =
-      InUnitsOf(std::sqrt(0.5 * (Variance(first) + Variance(second))), test.mean_difference, error);
-  if (test.d_z) {
-    test.t = *test.d_z * std::sqrt(n);
-    test.p = StudentTwoSided(*test.t, test.df);
-    if (test.df > 1.0) test.g_z = *test.d_z * (1.0 - 3.0 / (4.0 * test.df - 1.0));
-  }
-  return test;
-}
-
-namespace {
 
 constexpr std::size_t kExactBelow = 50;
 
@@ -156,7 +121,49 @@ double NormalP(double v, std::size_t count, double tie_sum) {
   return std::min(1.0, 2.0 * NormalUpper(std::max(0.0, distance - 0.5) / std::sqrt(variance)));
 }
 
+Pair Compare(const ConditionTable& table, std::size_t a, std::size_t b, double alpha) {
+  const std::vector<double> first = ConditionValues(table, a);
+  const std::vector<double> second = ConditionValues(table, b);
+  std::vector<double> differences;
+  for (std::size_t i = 0; i < first.size(); ++i) differences.push_back(first[i] - second[i]);
+  const double error = RoundingError(std::max(Magnitude(first), Magnitude(second)));
+  return {.first = table.conditions[a],
+          .second = table.conditions[b],
+          .t = TestPair(first, second, alpha),
+          .wilcoxon = TestSignedRanks(first, second),
+          .normality = TestNormality(differences, error)};
+}
+
 }  // namespace
+
+std::optional<ShapiroWilk> TestNormality(std::span<const double> values, double error) {
+  if (values.size() < 3 || values.size() > kMostShapiroValues) return std::nullopt;
+  std::vector<double> sorted(values.begin(), values.end());
+  std::sort(sorted.begin(), sorted.end());
+  if (sorted.back() - sorted.front() <= error) return std::nullopt;
+  const double w = Statistic(sorted);
+  return ShapiroWilk{w, Probability(w, sorted.size())};
+}
+
+PairedT TestPair(std::span<const double> first, std::span<const double> second, double alpha) {
+  std::vector<double> differences;
+  for (std::size_t i = 0; i < first.size(); ++i) differences.push_back(first[i] - second[i]);
+  const double error = RoundingError(std::max(Magnitude(first), Magnitude(second)));
+  const auto n = static_cast<double>(first.size());
+  double spread = StandardDeviation(differences);
+  if (spread <= error) spread = 0.0;
+  PairedT test{.mean_difference = Mean(differences), .df = n - 1.0};
+  test.interval = StudentInterval(test.mean_difference, spread / std::sqrt(n), test.df, alpha);
+  test.d_z = InUnitsOf(spread, test.mean_difference, error);
+  test.d_av =
+      InUnitsOf(std::sqrt(0.5 * (Variance(first) + Variance(second))), test.mean_difference, error);
+  if (test.d_z) {
+    test.t = *test.d_z * std::sqrt(n);
+    test.p = StudentTwoSided(*test.t, test.df);
+    if (test.df > 1.0) test.g_z = *test.d_z * (1.0 - 3.0 / (4.0 * test.df - 1.0));
+  }
+  return test;
+}
 
 Wilcoxon TestSignedRanks(std::span<const double> first, std::span<const double> second) {
   const double error = RoundingError(std::max(Magnitude(first), Magnitude(second)));
@@ -182,7 +189,7 @@ Wilcoxon TestSignedRanks(std::span<const double> first, std::span<const double> 
 }
 
 std::vector<AdjustedP> AdjustForMany(const std::vector<std::optional<double>>& p) {
-  std::vector<std::size_t> order;  // the tests that have a p, smallest first
+  std::vector<std::size_t> order;  // the tests with a p, smallest first
   for (std::size_t i = 0; i < p.size(); ++i) {
     if (p[i]) order.push_back(i);
   }
@@ -204,23 +211,6 @@ std::vector<AdjustedP> AdjustForMany(const std::vector<std::optional<double>>& p
   }
   return adjusted;
 }
-
-namespace {
-
-Pair Compare(const ConditionTable& table, std::size_t a, std::size_t b, double alpha) {
-  const std::vector<double> first = ConditionValues(table, a);
-  const std::vector<double> second = ConditionValues(table, b);
-  std::vector<double> differences;
-  for (std::size_t i = 0; i < first.size(); ++i) differences.push_back(first[i] - second[i]);
-  const double error = RoundingError(std::max(Magnitude(first), Magnitude(second)));
-  return {.first = table.conditions[a],
-          .second = table.conditions[b],
-          .t = TestPair(first, second, alpha),
-          .wilcoxon = TestSignedRanks(first, second),
-          .normality = TestNormality(differences, error)};
-}
-
-}  // namespace
 
 std::vector<Pair> ComparePairs(const ConditionTable& table, double alpha) {
   std::vector<Pair> pairs;

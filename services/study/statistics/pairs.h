@@ -11,9 +11,9 @@
 
 namespace conav::statistics {
 
-inline constexpr std::size_t kMostShapiroValues = 5000;  // what the algorithm was fitted for
+inline constexpr std::size_t kMostShapiroValues = 5000;  // the limit of the algorithm's fit
 
-/// Is this a sample of a normal distribution? W is near 1 if so.
+/// Tests for a normal distribution; W is near 1 for one.
 struct ShapiroWilk {
   double w = 0.0;
   double p = 0.0;
@@ -21,13 +21,13 @@ struct ShapiroWilk {
 
 /// Royston, "Remark AS R94: a remark on algorithm AS 181", Applied Statistics 44, 1995: the weights
 /// of the ordered values and the normalising transformation of 1 - W are polynomials in the sample
-/// size. Nothing for fewer than 3 values, for more than kMostShapiroValues, and for equal ones.
-/// `error` is what rounding may do to a value.
+/// size. Empty for fewer than 3 values, for more than kMostShapiroValues, and for equal ones.
+/// `error` bounds the rounding error of a value.
 std::optional<ShapiroWilk> TestNormality(std::span<const double> values, double error);
 
-/// Student's t test of two conditions of the same subjects, on the differences first - second.
-/// Where all differences are equal and not 0, t, d_z and g_z are infinite, p is 0 and the interval
-/// is a point; where all are 0, these four are nothing.
+/// Student's t test of two conditions of the same subjects, on the differences first - second. If
+/// all differences are equal and not 0, t, d_z and g_z are infinite, p is 0 and the interval is a
+/// point; if all are 0, these four are empty.
 struct PairedT {
   double mean_difference = 0.0;
   Interval interval;  // of the mean difference
@@ -37,9 +37,9 @@ struct PairedT {
   /// Mean over standard deviation of the differences: t = d_z sqrt(n). Cohen, 1988.
   std::optional<double> d_z;
   /// Mean difference over sqrt((s1^2 + s2^2) / 2): in units of the spread between subjects.
-  /// Infinite or nothing where neither condition varies.
+  /// Infinite or empty if neither condition varies.
   std::optional<double> d_av;
-  /// d_z times Hedges' correction for few subjects, 1 - 3 / (4 df - 1); nothing for two subjects.
+  /// d_z times Hedges' correction for few subjects, 1 - 3 / (4 df - 1); empty for two subjects.
   std::optional<double> g_z;
 };
 
@@ -47,10 +47,10 @@ struct PairedT {
 PairedT TestPair(std::span<const double> first, std::span<const double> second, double alpha);
 
 /// Wilcoxon's signed rank test, 1945, of first - second. Differences of 0 are left out; V is the
-/// sum of the ranks of |difference| over the positive ones. p is two-sided: exact where there are
-/// no ties, no zeros and fewer than 50 differences, else from the normal distribution with the
-/// variance corrected for ties and V moved by 1/2 towards its mean. Nothing where all differences
-/// are 0. Differences that only rounding makes unequal (1.3 - 1.1 and 0.4 - 0.2) are ties.
+/// sum of the ranks of |difference| over the positive ones. p is two-sided: exact without ties,
+/// without zeros and for fewer than 50 differences, else from the normal distribution with the
+/// variance corrected for ties and V moved by 1/2 towards its mean. Empty if all differences are 0.
+/// Differences that only rounding makes unequal (1.3 - 1.1 and 0.4 - 0.2) are ties.
 struct Wilcoxon {
   std::size_t used = 0;  // differences other than 0
   bool exact = false;
@@ -61,7 +61,7 @@ struct Wilcoxon {
 /// Two values per subject in the same order.
 Wilcoxon TestSignedRanks(std::span<const double> first, std::span<const double> second);
 
-/// One p adjusted for the number of tests it is one of; at most 1. Nothing for a test without p.
+/// A p adjusted for the number of tests; at most 1. Empty for a test without p.
 struct AdjustedP {
   std::optional<double>
       holm;  // Holm, 1979: times m, m - 1, ... from the smallest on, never falling
@@ -69,11 +69,11 @@ struct AdjustedP {
   std::optional<double> bh;          // Benjamini and Hochberg, 1995: false discovery rate
 };
 
-/// In the order of `p`. Tests without p do not count for m.
+/// In the order of `p`. m excludes tests without p.
 std::vector<AdjustedP> AdjustForMany(const std::vector<std::optional<double>>& p);
 
-/// All that is computed of two conditions, from their differences first - second. Each test's p is
-/// adjusted for the number of pairs.
+/// All results for two conditions, from their differences first - second. Each test's p is adjusted
+/// for the number of pairs.
 struct Pair {
   std::string first;
   std::string second;
@@ -81,7 +81,8 @@ struct Pair {
   AdjustedP t_adjusted;
   Wilcoxon wilcoxon;
   AdjustedP wilcoxon_adjusted;
-  std::optional<ShapiroWilk> normality;  // of the differences, which the t test takes for normal
+  // of the differences, which the t test assumes to be normal
+  std::optional<ShapiroWilk> normality;
 };
 
 /// Every condition with every later one, in the table's order.

@@ -53,7 +53,7 @@ std::vector<std::string> AnovaRow(const std::string& name, const Anova& anova, c
           Probability(test.p)};
 }
 
-/// Below the table: effect sizes and Mauchly's test.
+/// Remarks below the table: effect sizes and Mauchly's test.
 std::vector<std::string> AnovaRemarks(const Anova& anova) {
   std::vector<std::string> remarks{fmt::format("partial eta^2 {}, generalised eta^2 {}",
                                                Figure(anova.partial_eta_squared),
@@ -100,7 +100,7 @@ ReportSection PairedTests(const Analysis& analysis) {
   return section;
 }
 
-ReportSection Ranks(const Analysis& analysis) {
+ReportSection FriedmanTest(const Analysis& analysis) {
   const Friedman& friedman = analysis.friedman;
   ReportSection section{
       .title = "Friedman test",
@@ -129,20 +129,6 @@ ReportSection RankPairs(const Analysis& analysis) {
   }
   return section;
 }
-
-}  // namespace
-
-std::string DescribeTable(const Analysis& analysis) {
-  return fmt::format("{}: {} subjects, {} conditions", analysis.file,
-                     analysis.table.subject_count(), analysis.table.condition_count());
-}
-
-std::vector<ReportSection> ReportSections(const Analysis& analysis) {
-  return {Conditions(analysis), Variance(analysis), PairedTests(analysis), Ranks(analysis),
-          RankPairs(analysis)};
-}
-
-namespace {
 
 using Json = nlohmann::ordered_json;
 
@@ -249,27 +235,6 @@ Json FriedmanJson(const Friedman& friedman) {
           {"kendall_w", Number(friedman.kendall_w)}};
 }
 
-}  // namespace
-
-Json ReportJson(const Analysis& analysis) {
-  Json json;
-  json["schema"] = 1;
-  json["file"] = analysis.file;
-  json["sha256"] = analysis.sha256;
-  json["alpha"] = analysis.alpha;
-  json["subjects"] = analysis.table.subjects;
-  json["left_out"] = LeftOutJson(analysis);
-  json["conditions"] = ConditionsJson(analysis);
-  json["anova"] = AnovaJson(analysis.anova);
-  json["pairs"] = Json::array();
-  for (const Pair& pair : analysis.pairs) json["pairs"].push_back(PairJson(pair));
-  json["friedman"] = FriedmanJson(analysis.friedman);
-  json["notes"] = analysis.notes;
-  return json;
-}
-
-namespace {
-
 /// Characters, not bytes, of UTF-8.
 std::size_t Width(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
@@ -296,6 +261,33 @@ std::string Line(const std::vector<std::string>& cells, const std::vector<std::s
 }
 
 }  // namespace
+
+std::string DescribeTable(const Analysis& analysis) {
+  return fmt::format("{}: {} subjects, {} conditions", analysis.file,
+                     analysis.table.subject_count(), analysis.table.condition_count());
+}
+
+std::vector<ReportSection> ReportSections(const Analysis& analysis) {
+  return {Conditions(analysis), Variance(analysis), PairedTests(analysis), FriedmanTest(analysis),
+          RankPairs(analysis)};
+}
+
+Json ReportJson(const Analysis& analysis) {
+  Json json;
+  json["schema"] = 1;
+  json["file"] = analysis.file;
+  json["sha256"] = analysis.sha256;
+  json["alpha"] = analysis.alpha;
+  json["subjects"] = analysis.table.subjects;
+  json["left_out"] = LeftOutJson(analysis);
+  json["conditions"] = ConditionsJson(analysis);
+  json["anova"] = AnovaJson(analysis.anova);
+  json["pairs"] = Json::array();
+  for (const Pair& pair : analysis.pairs) json["pairs"].push_back(PairJson(pair));
+  json["friedman"] = FriedmanJson(analysis.friedman);
+  json["notes"] = analysis.notes;
+  return json;
+}
 
 std::string SectionText(const ReportSection& section) {
   const std::vector<std::size_t> widths = Widths(section);

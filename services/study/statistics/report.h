@@ -9,7 +9,7 @@
 
 namespace conav::statistics {
 
-/// A table as it is shown, whatever by: the first column holds names, the others figures.
+/// A table for any output: the first column holds names, the others figures.
 struct ReportSection {
   std::string title;
   std::vector<std::string> header;
@@ -22,19 +22,19 @@ std::string DescribeTable(const Analysis& analysis);
 
 std::vector<ReportSection> ReportSections(const Analysis& analysis);
 
-/// For a terminal, an empty line before.
+/// For a terminal, with an empty line before it.
 std::string SectionText(const ReportSection& section);
 
 /// Title and table for a page that begins with PageHead().
 std::string SectionHtml(const ReportSection& section);
 
-/// The begin of a page, up to its first heading, with the style sheet of tables and plots.
+/// The beginning of a page, up to its first heading, with the style sheet of tables and plots.
 std::string PageHead(const std::string& title);
 
-/// What the values of a plot are.
+/// The value axis of a plot.
 struct PlotAxis {
   std::string label;  // with the unit
-  AxisLimits limits;  // intervals that reach beyond are cut there
+  AxisLimits limits;  // intervals beyond them are cut
 };
 
 /// ConditionsPlot with its legend.
@@ -43,11 +43,11 @@ std::string PlotFigure(const Analysis& analysis, const PlotAxis& values = {});
 /// All tables for a terminal.
 std::string ReportText(const Analysis& analysis);
 
-/// Every figure at full precision, names as in docs/statistics.md. What is infinite or does not
-/// exist is null; `notes` says why.
+/// Every figure at full precision, names as in docs/statistics.md. Infinite and missing values are
+/// null; `notes` gives the reason.
 nlohmann::ordered_json ReportJson(const Analysis& analysis);
 
-/// One page for a browser, without any other file: the same tables as the text, and a plot.
+/// One self-contained page for a browser: the tables of the text, and a plot.
 std::string ReportPage(const Analysis& analysis);
 
 }  // namespace conav::statistics

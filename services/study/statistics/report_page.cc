@@ -93,7 +93,7 @@ void DrawMean(SvgCanvas& canvas, const Axis& axis, double x, const Description& 
                   row.condition, row.mean, row.mean_interval.low, row.mean_interval.high,
                   row.within_interval.low, row.within_interval.high));
   for (const double end : {row.mean_interval.low, row.mean_interval.high}) {
-    if (!axis.Has(end)) continue;  // the interval runs on where no value can be
+    if (!axis.Has(end)) continue;  // the interval extends beyond the possible values
     canvas.Line({x - 7, At(axis, end)}, {x + 7, At(axis, end)}, "class=\"interval\"");
   }
   const auto draw = [&](const Interval& interval, const char* style) {
@@ -105,27 +105,7 @@ void DrawMean(SvgCanvas& canvas, const Axis& axis, double x, const Description& 
   canvas.EndGroup();
 }
 
-}  // namespace
-
-std::string ConditionsPlot(const Analysis& analysis, const PlotAxis& values) {
-  SvgCanvas canvas;
-  const Axis axis = AxisFor(analysis, values.limits);
-  DrawAxes(canvas, axis, analysis);
-  if (!values.label.empty()) DrawLabel(canvas, values.label);
-  DrawSubjects(canvas, axis, analysis.table);
-  std::string title = "Means of the conditions:";
-  for (std::size_t j = 0; j < analysis.conditions.size(); ++j) {
-    DrawMean(canvas, axis, MiddleOf(j), analysis.conditions[j]);
-    title +=
-        fmt::format(" {} {:.5g}", analysis.conditions[j].condition, analysis.conditions[j].mean);
-  }
-  const auto k = static_cast<double>(analysis.conditions.size());
-  return canvas.Inline(kLeft + kConditionWidth * k + kRight, kTop + kHeight + kBelow, title);
-}
-
-namespace {
-
-/// Colours by prefers-color-scheme, nothing from elsewhere.
+/// Colours by prefers-color-scheme; self-contained.
 constexpr const char* kStyle = R"css(
 :root { color-scheme: light dark; --paper: #ffffff; --ink: #1c1c1c; --muted: #5a5a5a;
   --rule: #d8d8d8; --subject: #8a8a8a; --mean: #0072b2; --within: #d55e00; }
@@ -166,6 +146,22 @@ std::string Row(const std::vector<std::string>& cells, const char* first_scope, 
 }
 
 }  // namespace
+
+std::string ConditionsPlot(const Analysis& analysis, const PlotAxis& values) {
+  SvgCanvas canvas;
+  const Axis axis = AxisFor(analysis, values.limits);
+  DrawAxes(canvas, axis, analysis);
+  if (!values.label.empty()) DrawLabel(canvas, values.label);
+  DrawSubjects(canvas, axis, analysis.table);
+  std::string title = "Means of the conditions:";
+  for (std::size_t j = 0; j < analysis.conditions.size(); ++j) {
+    DrawMean(canvas, axis, MiddleOf(j), analysis.conditions[j]);
+    title +=
+        fmt::format(" {} {:.5g}", analysis.conditions[j].condition, analysis.conditions[j].mean);
+  }
+  const auto k = static_cast<double>(analysis.conditions.size());
+  return canvas.Inline(kLeft + kConditionWidth * k + kRight, kTop + kHeight + kBelow, title);
+}
 
 std::string PageHead(const std::string& title) {
   return fmt::format(

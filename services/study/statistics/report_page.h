@@ -7,7 +7,7 @@
 
 namespace conav::statistics {
 
-/// More lines than these make a plot that nobody can read.
+/// With more lines a plot is unreadable.
 inline constexpr std::size_t kMostLines = 200;
 
 /// A line per subject (the first kMostLines) over the conditions, each condition's mean with its

@@ -14,7 +14,7 @@
 namespace conav::statistics {
 namespace {
 
-/// What `conav stats` was told; empty paths = not wanted.
+/// The arguments of `conav stats`; empty paths = off.
 struct StatsArguments {
   std::filesystem::path data;
   std::filesystem::path json;  // "-" = standard output, as for the next
@@ -48,8 +48,8 @@ Result<void> WriteAll(const StatsArguments& arguments, const Analysis& analysis)
   return WriteOutput(arguments.html, ReportPage(analysis));
 }
 
-/// Prints the tables on standard output, on standard error if that holds a document. Exit code: 0
-/// done, 1 failed, 2 wrong use.
+/// Prints the tables on standard output, or on standard error if standard output holds a document.
+/// Exit code: 0 done, 1 failed, 2 wrong usage.
 int RunStats(const StatsArguments& arguments) {
   if (arguments.json == "-" && arguments.html == "-") {
     return Refused(kProgram, "only one of --json and --html can go to standard output");
@@ -65,8 +65,6 @@ int RunStats(const StatsArguments& arguments) {
 }  // namespace
 }  // namespace conav::statistics
 
-// conav-stats: statistics of a table with one value per subject and condition.
-
 namespace {
 
 constexpr const char* kAbout =
@@ -76,12 +74,12 @@ FILE is a CSV file, decimals with a point:
   subject,teleoperation,instruction,ig-mcts
   p01,107.2,84.8,2.4
   ...
-A subject with an empty cell (or NA) is left out of everything and named.
+All results leave out, and name, a subject with an empty cell (or NA).
 
-What is printed:
+Output:
   Conditions   n, mean, SD (n - 1), median, confidence interval (CI) of the mean; CI within subjects
                (Cousineau-Morey): for comparing conditions, without the subjects' own levels
-  Analysis of variance for repeated measures: F, with degrees of freedom as they are and times the
+  Analysis of variance for repeated measures: F, with its degrees of freedom and with these times the
                epsilon of Greenhouse-Geisser and of Huynh-Feldt (at most 1), needed where sphericity
                (Mauchly's test) does not hold; partial eta^2 (conditions / conditions + error) and
                generalised eta^2 (the subjects' differences in the denominator too)
@@ -89,23 +87,25 @@ What is printed:
                by Holm, Bonferroni, and Benjamini-Hochberg (BH, false discovery rate); d_z (mean / SD
                of the differences), d_av (in units of the conditions' average SD), g_z (d_z corrected
                for few subjects)
-  Friedman     the same question by ranks alone: chi^2, p, Kendall's W (1 = all rank alike)
+  Friedman     the same question by ranks alone: chi^2, p, Kendall's W (1 = all rankings agree)
   Wilcoxon     signed ranks for every pair, p exact or from the normal distribution; and
-               Shapiro-Wilk: are the differences normal, as the t test takes for granted
-'-' is a figure that does not exist for these data; a note says why. docs/statistics.md says more.
+               Shapiro-Wilk: are the differences normal, as the t test assumes
+'-' marks a figure that these data do not have; a note gives the reason. Details: docs/statistics.md.
 
-Exit codes: 0 done; 1 the file cannot be read or is not as above, or writing failed; 2 wrong use.)";
+Exit codes: 0 done; 1 the file cannot be read or has another format, or writing failed; 2 wrong
+usage.)";
 
 }  // namespace
+
+// conav-stats: statistics of a table with one value per subject and condition.
 
 int main(int argc, char** argv) {
   CLI::App app(kAbout, "conav stats");
   conav::statistics::StatsArguments arguments;
   app.add_option("file", arguments.data, "The table")->required()->type_name("FILE");
-  app.add_option(
-      "--json", arguments.json,
-      "Write all figures at full precision to this file, - = standard output (the tables "
-      "then go to standard error)");
+  app.add_option("--json", arguments.json,
+                 "Write all figures at full precision to this file; - = standard output (the "
+                 "tables then go to standard error)");
   app.add_option("--html", arguments.html,
                  "Write a page with the tables and a plot to this file, or -");
   app.add_option("--alpha", arguments.alpha, "Confidence intervals hold with 1 - alpha")

@@ -26,7 +26,7 @@ void SkipSpaces(std::string_view& rest) {
   rest.remove_prefix(std::min(rest.find_first_not_of(" \t"), rest.size()));
 }
 
-/// What stands between quotes at the start of `rest`, which then begins after them.
+/// Takes the quoted text at the start of `rest`.
 Result<std::string> TakeQuoted(std::string_view& rest) {
   std::string field;
   for (std::size_t i = 1; i < rest.size(); ++i) {
@@ -40,7 +40,7 @@ Result<std::string> TakeQuoted(std::string_view& rest) {
     }
     field += rest[i];
   }
-  return Fail(ErrorCode::kMalformed, "a quote does not end");
+  return Fail(ErrorCode::kMalformed, "a quote is not closed");
 }
 
 std::string TakePlain(std::string_view& rest) {
@@ -50,43 +50,11 @@ std::string TakePlain(std::string_view& rest) {
   return field;
 }
 
-}  // namespace
-
-Result<std::vector<std::string>> SplitCsvRow(std::string_view line) {
-  std::vector<std::string> fields;
-  for (std::string_view rest = line;; rest.remove_prefix(1)) {
-    SkipSpaces(rest);
-    if (!rest.empty() && rest.front() == '"') {
-      auto field = TakeQuoted(rest);
-      if (!field) return tl::unexpected(field.error());
-      fields.push_back(std::move(*field));
-      SkipSpaces(rest);
-      if (!rest.empty() && rest.front() != ',') {
-        return Fail(ErrorCode::kMalformed, "after a quoted field a comma must follow");
-      }
-    } else {
-      fields.push_back(TakePlain(rest));
-    }
-    if (rest.empty()) return fields;
-  }
-}
-
-std::vector<double> ConditionValues(const ConditionTable& table, std::size_t condition) {
-  std::vector<double> values;
-  values.reserve(table.subject_count());
-  for (std::size_t i = 0; i < table.subject_count(); ++i) values.push_back(table.At(i, condition));
-  return values;
-}
-
-double Magnitude(const ConditionTable& table) { return Magnitude(std::span(table.values)); }
-
-namespace {
-
 using Fields = std::vector<std::string>;
 
 constexpr const char* kHeader = "subject,<condition>,<condition>,...";
 
-/// Reads line by line; the first failure ends it.
+/// Reads line by line; stops at the first failure.
 class TableReader {
  public:
   explicit TableReader(const std::string& name) : name_(name) {}
@@ -150,7 +118,7 @@ class TableReader {
       if (fields[c].empty()) return Refuse(fmt::format("column {} has no name", c + 1));
       const auto [known, is_new] = columns.emplace(fields[c], c + 1);
       if (is_new) continue;
-      return Refuse(fmt::format("condition '{}' stands twice, in columns {} and {}", fields[c],
+      return Refuse(fmt::format("condition '{}' appears twice, in columns {} and {}", fields[c],
                                 known->second, c + 1));
     }
     file_.table.conditions.assign(fields.begin() + 1, fields.end());
@@ -177,7 +145,7 @@ class TableReader {
     const auto [known, is_new] = lines_.emplace(subject, line_);
     if (is_new) return {};
     return Refuse(
-        fmt::format("subject '{}' stands twice, first in line {}", subject, known->second));
+        fmt::format("subject '{}' appears twice, first in line {}", subject, known->second));
   }
 
   Result<void> ReadValues(const Fields& fields) {
@@ -221,11 +189,39 @@ class TableReader {
 
   const std::string& name_;
   std::size_t line_ = 0;
-  std::map<std::string, std::size_t> lines_;  // of the subjects
+  std::map<std::string, std::size_t> lines_;  // line of each subject
   TableFile file_;
 };
 
 }  // namespace
+
+Result<std::vector<std::string>> SplitCsvRow(std::string_view line) {
+  std::vector<std::string> fields;
+  for (std::string_view rest = line;; rest.remove_prefix(1)) {
+    SkipSpaces(rest);
+    if (!rest.empty() && rest.front() == '"') {
+      auto field = TakeQuoted(rest);
+      if (!field) return tl::unexpected(field.error());
+      fields.push_back(std::move(*field));
+      SkipSpaces(rest);
+      if (!rest.empty() && rest.front() != ',') {
+        return Fail(ErrorCode::kMalformed, "after a quoted field a comma must follow");
+      }
+    } else {
+      fields.push_back(TakePlain(rest));
+    }
+    if (rest.empty()) return fields;
+  }
+}
+
+std::vector<double> ConditionValues(const ConditionTable& table, std::size_t condition) {
+  std::vector<double> values;
+  values.reserve(table.subject_count());
+  for (std::size_t i = 0; i < table.subject_count(); ++i) values.push_back(table.At(i, condition));
+  return values;
+}
+
+double Magnitude(const ConditionTable& table) { return Magnitude(std::span(table.values)); }
 
 Result<TableFile> ParseTable(std::string_view text, const std::string& name) {
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // a byte order mark

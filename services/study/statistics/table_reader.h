@@ -10,7 +10,8 @@
 namespace conav::statistics {
 
 /// The fields of one line of comma-separated values (RFC 4180, without line breaks in a field),
-/// without spaces around them. Errors: kMalformed for a quote that does not end, or not at a comma.
+/// without spaces around them. Errors: kMalformed for a quote that is not closed, or not followed
+/// by a comma.
 [[nodiscard]] Result<std::vector<std::string>> SplitCsvRow(std::string_view line);
 
 /// One measured value per subject and condition, none missing. At least two subjects and two
@@ -30,7 +31,7 @@ struct ConditionTable {
 /// The values of all subjects in one condition.
 std::vector<double> ConditionValues(const ConditionTable& table, std::size_t condition);
 
-/// The largest absolute value: what rounding errors are measured by.
+/// The largest absolute value: the scale of rounding errors.
 double Magnitude(const ConditionTable& table);
 
 /// A subject with an empty cell.
@@ -46,18 +47,18 @@ struct TableFile {
 };
 
 inline constexpr std::size_t kMostConditions = 64;
-inline constexpr double kLargestValue = 1.0e100;  // and 1 / this is the smallest but 0
+inline constexpr double kLargestValue = 1.0e100;  // 1 / this is the smallest value besides 0
 
 /// Reads comma-separated values:
 ///
 ///   subject,<condition>,<condition>,...
 ///   p01,12,15.5,...
 ///
-/// one row per subject, decimal point, quotes as in RFC 4180; empty lines are skipped. A subject
-/// with an empty cell (or NA) is left out of everything. Errors: kMalformed with `name`, line and
-/// column for whatever else is not as it must be: another header, a name missing or twice, a cell
-/// too few or too many, what is not a number, a value out of range, text that is not UTF-8, fewer
-/// than two conditions or complete subjects.
+/// one row per subject, decimal point, quotes as in RFC 4180; skips empty lines. Leaves out a
+/// subject with an empty cell (or NA). Errors: kMalformed with `name`, line and column for anything
+/// else: another header, a missing or repeated name, a cell too few or too many, a cell that is no
+/// number, a value out of range, text that is not UTF-8, fewer than two conditions or complete
+/// subjects.
 [[nodiscard]] Result<TableFile> ParseTable(std::string_view text, const std::string& name);
 
 }  // namespace conav::statistics

@@ -56,8 +56,6 @@ std::unique_ptr<Echo> MakeEcho(const StackOptions& options);
 /// The bus options of a stack; the raw stacks take network settings and QoS from them too.
 bus::ParticipantOptions BusOptions(const StackOptions& options);
 
-std::unique_ptr<Pinger> MakeBusPinger(const StackOptions& options, Pinger::OnPong on_pong);
-std::unique_ptr<Echo> MakeBusEcho(const StackOptions& options);
 std::unique_ptr<Pinger> MakeRawCyclonePinger(const StackOptions& options, Pinger::OnPong on_pong);
 std::unique_ptr<Echo> MakeRawCycloneEcho(const StackOptions& options);
 std::unique_ptr<Pinger> MakeRawFastPinger(const StackOptions& options, Pinger::OnPong on_pong);

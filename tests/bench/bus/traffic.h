@@ -1,5 +1,7 @@
 #pragma once
 
+#include <sys/types.h>
+
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -9,10 +11,26 @@
 #include <string>
 #include <vector>
 
-#include "bench/bus/peer_process.h"
 #include "bench/bus/stack.h"
 
 namespace conav::bench {
+
+/// A child process whose standard input ends with this object; it is then waited for.
+class PeerProcess {
+ public:
+  /// `program` is looked up in PATH. With `quiet` its output goes nowhere.
+  PeerProcess(const std::string& program, const std::vector<std::string>& arguments, bool quiet);
+  ~PeerProcess();
+  PeerProcess(const PeerProcess&) = delete;
+  PeerProcess& operator=(const PeerProcess&) = delete;
+
+  /// SIGTERM.
+  void Terminate();
+
+ private:
+  pid_t pid_ = -1;
+  int input_ = -1;
+};
 
 struct RoundTrips {
   double p50_us = 0.0;

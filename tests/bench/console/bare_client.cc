@@ -11,7 +11,6 @@ namespace conav::bench {
 namespace {
 
 using operators::PageClient;
-using operators::WallSeconds;
 
 constexpr std::chrono::milliseconds kLookAround{50};
 constexpr double kPingPeriodS = 0.5;  // as a page does

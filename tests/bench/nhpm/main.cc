@@ -94,7 +94,7 @@ class Benchmark {
 
   /// Throws unless what is computed incrementally has the bits of whole passes.
   void RequireSameBits() {
-    const nhpm::PerceptionNetwork network(model_, options_.set);
+    nhpm::PerceptionNetwork network(model_, options_.set);
     for (const auto& batch : batches_) {
       const auto answers = network.Predict(batch);
       for (std::size_t i = 0; i < batch.size(); ++i) {
@@ -142,7 +142,7 @@ class Benchmark {
   }
 
   void AnswerIncrementally() {
-    const nhpm::PerceptionNetwork network(model_, options_.set);
+    nhpm::PerceptionNetwork network(model_, options_.set);
     for (const auto& batch : batches_) {
       const auto answers = network.Predict(batch);
       for (const PerceptionAnswer& answer : *answers) kept_ += ExpectedEdits(answer);
@@ -223,6 +223,8 @@ void Run(const Options& options) {
 }  // namespace
 }  // namespace conav::bench
 
+using namespace conav::bench;
+
 int main(int argc, char** argv) {
   CLI::App app(
       "What a prediction of the perception network costs: a full pass beside the core's FMA peak\n"
@@ -230,16 +232,14 @@ int main(int argc, char** argv) {
       "Metrics of --json: full_us, incremental_us, fma_peak_fraction, onednn_ratio (oneDNN's time\n"
       "over ours), incremental_speedup (whole over incremental), and what they are made of.",
       "conav bench nhpm");
-  conav::bench::Options options;
-  conav::bench::AddUsualOptions(app, options.json, options.rounds);
+  Options options;
+  AddUsualOptions(app, options.json, options.rounds);
   app.add_option("--width", options.width, "Channels of the hidden layers")
       ->capture_default_str()
       ->check(CLI::IsMember({16, 32, 64}));
   app.add_option("--instruction-set", options.set,
                  "What ours, oneDNN and the peak may use; default: the best of this processor")
-      ->transform(CLI::CheckedTransformer(conav::bench::kSets).description("avx2|avx512"));
-  app.add_option("--episodes", options.episodes, "Episodes whose queries are asked")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 100));
-  return conav::bench::RunBenchmark(app, argc, argv, [&] { conav::bench::Run(options); });
+      ->transform(CLI::CheckedTransformer(kSets).description("avx2|avx512"));
+  AddNumber(app, "--episodes", options.episodes, "Episodes whose queries are asked", {1, 100});
+  return RunBenchmark(app, argc, argv, [&] { Run(options); });
 }

@@ -1,14 +1,14 @@
 #include "bench/nhpm/planner_queries.h"
 
+#include "common/msg/perception_model.h"
 #include "planner/methods/ig_mcts_method.h"
-#include "planner/search/perception_model.h"
 #include "study/experiment/episode.h"
 
 namespace conav::bench {
 namespace {
 
 /// Passes questions on and keeps them.
-class Recorder final : public planner::PerceptionModel {
+class Recorder final : public PerceptionModel {
  public:
   Result<std::vector<PerceptionAnswer>> Predict(std::span<const PerceptionQuery> queries) override {
     if (!queries.empty()) batches_.emplace_back(queries.begin(), queries.end());
@@ -18,7 +18,7 @@ class Recorder final : public planner::PerceptionModel {
   QueryBatches Take() { return std::move(batches_); }
 
  private:
-  planner::FakePerceptionModel model_;
+  FakePerceptionModel model_;
   QueryBatches batches_;
 };
 

@@ -245,15 +245,10 @@ int PlainSearch::Decide(const SearchProblem& problem, Random& random) {
   if (full(root)) return -1;
   for (int i = 0; i < options_.iterations; ++i) {
     Node* node = &root;
-    int expansions = options_.expansion == planner::Expansion::kSingle ? 1 : options_.chain_depth;
-    while (!node->terminal && expansions > 0) {
-      if (full(*node)) {
-        node = Select(*node, random);
-      } else {
-        Expand(problem, *node, random);
-        node = node->children.back().get();
-        --expansions;
-      }
+    while (!node->terminal && full(*node)) node = Select(*node, random);
+    if (!node->terminal) {
+      Expand(problem, *node, random);
+      node = node->children.back().get();
     }
     Backup(node, node->terminal ? 0.0 : Rollout(problem, node->walk, draws));
   }

@@ -9,10 +9,8 @@ namespace conav::bench {
 
 /// IG-MCTS as one would write it down from the paper and docs/paper.md: a tree of nodes that own
 /// their children, tau copied into each, sets and maps, every prediction a whole pass of the
-/// network, nothing remembered. Draws its random numbers in the order in which IgMcts does, so that
-/// it decides the same; the peer of `conav bench planner`.
-///
-/// Covers what the benchmark runs: random order of untried actions, single and chain expansion.
+/// network, nothing remembered. Draws its random numbers in the same order as IgMcts and decides the
+/// same; the peer of `conav bench planner`. Covers the default expansion only.
 class PlainSearch {
  public:
   /// For maps of this size.

@@ -15,9 +15,7 @@ namespace conav::bench {
 
 void AddUsualOptions(CLI::App& app, std::string& json_file, int& rounds) {
   app.add_option("--json", json_file, "Write figures to this file")->check(WritableFile());
-  app.add_option("--rounds", rounds, "Repetitions; medians are over these")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000));
+  AddNumber(app, "--rounds", rounds, "Repetitions; medians are over these", {1, 1000});
 }
 
 void ShowRound(int round, int rounds) {

@@ -135,6 +135,8 @@ void Run(const Options& options) {
 }  // namespace
 }  // namespace conav::bench
 
+using namespace conav::bench;
+
 int main(int argc, char** argv) {
   CLI::App app(
       "What an epoch of training costs, beside the FMA limit of the cores (three forward passes "
@@ -143,14 +145,12 @@ int main(int argc, char** argv) {
       "Metrics of --json: epoch_s, fma_limit_ratio (epoch over limit; not without AVX2),\n"
       "libtorch_ratio (ours over libtorch) and libtorch_epoch_s.",
       "conav bench train");
-  conav::bench::Options options;
-  conav::bench::AddUsualOptions(app, options.json, options.rounds);
+  Options options;
+  AddUsualOptions(app, options.json, options.rounds);
   app.add_option("--width", options.width, "Channels of the hidden layers")
       ->capture_default_str()
       ->check(CLI::IsMember({16, 32, 64}));
-  app.add_option("--examples", options.examples, "Examples of an epoch")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000000));
+  AddNumber(app, "--examples", options.examples, "Examples of an epoch", {1, 1000000});
   app.add_option("--threads", options.threads, "Threads [one per core]")->check(CLI::Range(1, 256));
-  return conav::bench::RunBenchmark(app, argc, argv, [&] { conav::bench::Run(options); });
+  return RunBenchmark(app, argc, argv, [&] { Run(options); });
 }

@@ -4,7 +4,7 @@
 
 #include "conformance/perception_model_conformance.h"
 #include "nhpm/model/perception_network.h"
-#include "planner/perception/embedded_model.h"
+#include "nhpm/model/glpf.h"
 #include "planner/perception/remote_model.h"
 #include "support/dds_participant.h"
 #include "support/nhpm_on_thread.h"
@@ -30,7 +30,7 @@ struct Asker {
 /// `planners` ask at the same time; returns how many answers were not those of the GLPF.
 int WrongAnswers(const test::MakeParticipant& make, int planners, int requests) {
   const auto queries = MakeQueries(8);
-  const auto expected = *EmbeddedPerceptionModel().Predict(queries);
+  const auto expected = *nhpm::Glpf().Predict(queries);
   std::atomic<int> wrong{0};
   std::vector<std::thread> threads;
   for (int i = 0; i < planners; ++i) {
@@ -46,8 +46,7 @@ int WrongAnswers(const test::MakeParticipant& make, int planners, int requests) 
   return wrong;
 }
 
-TEST_CASE("Many planners are all answered, also when they are told busy at times",
-          "[nhpm][integration]") {
+TEST_CASE("Many planners are all answered, also when they are told busy at times", "[nhpm]") {
   const auto make = test::InMemory();
   nhpm::NhpmConfig config = test::ServedGlpf();
   config.max_open = 1;
@@ -69,14 +68,14 @@ TEST_CASE("Many planners are all answered, also when they are told busy at times
   CHECK(service.counts().requests >= 160);
 }
 
-TEST_CASE("Many planners are answered over both vendors at once", "[nhpm][integration][dds]") {
+TEST_CASE("Many planners are answered over both vendors at once", "[nhpm][dds]") {
   const test::NhpmOnThread service(test::OverDds("cyclonedds"));
   const int wrong = WrongAnswers(test::OverDds("fastdds"), 2, 20) +
                     WrongAnswers(test::OverDds("cyclonedds"), 2, 20);
   CHECK(wrong == 0);
 }
 
-TEST_CASE("Of two replicas one computes a request, once they are known", "[nhpm][integration]") {
+TEST_CASE("Of two replicas one computes a request, once they are known", "[nhpm]") {
   const auto make = test::InMemory();
   const test::NhpmOnThread first(make, test::ServedGlpf("nhpm-1"));
   const test::NhpmOnThread second(make, test::ServedGlpf("nhpm-2"));
@@ -88,7 +87,7 @@ TEST_CASE("Of two replicas one computes a request, once they are known", "[nhpm]
   CHECK(computed <= 51);  // the first one goes to both
 }
 
-TEST_CASE("A network that serves two replicas answers alike when one goes", "[nhpm][integration]") {
+TEST_CASE("A network that serves two replicas answers alike when one goes", "[nhpm]") {
   const auto make = test::InMemory();
   const test::WeightsFolder folder;
   nhpm::NhpmConfig config;
@@ -109,8 +108,7 @@ TEST_CASE("A network that serves two replicas answers alike when one goes", "[nh
   for (int i = 0; i < 5; ++i) REQUIRE(asker.model.Predict(queries) == expected);
 }
 
-TEST_CASE("Weights are exchanged while planners ask, and no request is lost",
-          "[nhpm][integration]") {
+TEST_CASE("Weights are exchanged while planners ask, and no request is lost", "[nhpm]") {
   const auto make = test::InMemory();
   const test::WeightsFolder folder;
   nhpm::NhpmConfig config;

@@ -24,7 +24,7 @@ void WaitForLine(bus::Participant& participant,
 }  // namespace
 
 TEST_CASE("a service writes its log on /rosout, also for who comes late and until its end",
-          "[nhpm][integration]") {
+          "[nhpm]") {
   const std::string vendor = GENERATE("cyclonedds", "fastdds");
   const std::string listener = vendor == "fastdds" ? "cyclonedds" : "fastdds";
   INFO(vendor << " heard by " << listener);

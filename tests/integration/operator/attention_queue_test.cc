@@ -92,7 +92,7 @@ TEST_CASE("A repeated selection gets the same reply, one of nothing is refused a
   Bench bench(folder / "operator.db");
   const OperatorReply refused = bench.Select(AttentionReason::kPicture);
   CHECK_FALSE(refused.accepted);
-  CHECK(refused.reason == "robot 'r1' does not ask for that any more");
+  CHECK(refused.reason == "robot 'r1' no longer asks for that");
   bench.sim.Ask(AttentionReason::kBlocked, 3.0);
   bench.PassTo(10);
   const auto id = bench.client.Send("w1", SelectRequest{"r1", AttentionReason::kBlocked}, {});

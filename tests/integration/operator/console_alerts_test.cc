@@ -111,7 +111,7 @@ TEST_CASE("what was acknowledged and put aside is so after a restart, while it l
 
 TEST_CASE("an alert that nobody knows cannot be acknowledged", "[operator][integration]") {
   AlertBench bench;
-  CHECK(bench.page.Ask(AcknowledgeOf(9)).reason() == "alert 9 is not known here");
+  CHECK(bench.page.Ask(AcknowledgeOf(9)).reason() == "alert 9 is unknown");
 }
 
 TEST_CASE("what a robot or a picture said long ago is old for a service that comes later",

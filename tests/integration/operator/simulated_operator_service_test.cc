@@ -94,9 +94,9 @@ TEST_CASE("While all robots are stopped the simulated operator asks for nothing"
           "[operator][integration]") {
   const TemporaryFolder folder;
   Bench bench(folder / "operator.db");
-  bus::Publisher<conav_msgs::msg::StopOrder> holds(bench.sim.participant, bus::kStopOrder, "r1");
+  bus::Publisher<conav_msgs::msg::StopOrder> stops(bench.sim.participant, bus::kStopOrder, "r1");
   const auto publish = [&](std::uint64_t revision, bool stopped) {
-    REQUIRE(holds.Publish(
+    REQUIRE(stops.Publish(
         ToMessage(StopOrder{{5}, "w1", "r1", revision, stopped, "anna", "wait for me"})));
   };
   publish(1, true);

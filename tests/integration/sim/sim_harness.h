@@ -122,6 +122,29 @@ class SimHarness {
     return robots[robot]->state().command_outcome;
   }
 
+  /// Commands the first robot into a free cell beside it.
+  CommandOutcome Step(double valid_s = 60.0) {
+    return Do(robot().Move(NeighbourThatIs(Occupancy::kFree, robot().state().cell), valid_s));
+  }
+  /// A neighbour of `cell` that is free or a wall.
+  Cell NeighbourThatIs(Occupancy what, Cell cell) {
+    const OccupancyGrid truth = Truth();
+    for (const Cell offset : kNeighbourOffsets) {
+      if (truth[cell + offset] == what) return cell + offset;
+    }
+    throw std::runtime_error("no such neighbour");
+  }
+
+  /// The latched message of a topic that has one per world or robot.
+  template <class T>
+  T Latched(const bus::Topic<T>& topic, const std::string& entity) {
+    bus::Subscriber<T> subscriber(peer_, topic, entity);
+    std::vector<T> messages = subscriber.Take();
+    if (messages.empty()) throw std::runtime_error("nothing latched on " + topic.NameFor(entity));
+    return messages.back();
+  }
+  OccupancyGrid Truth() { return ToDomain(Latched(bus::kTruth, "w1")).value().cells; }
+
   RobotLink& robot(std::size_t index = 0) { return *robots[index]; }
 
   bus::Participant& peer() { return peer_; }
@@ -141,15 +164,6 @@ class SimHarness {
   std::vector<std::unique_ptr<RobotLink>> robots;
 };
 
-/// The latched message of a topic that has one per world.
-template <class T>
-T Latched(bus::Participant& participant, const bus::Topic<T>& topic, const std::string& entity) {
-  bus::Subscriber<T> subscriber(participant, topic, entity);
-  std::vector<T> messages = subscriber.Take();
-  if (messages.empty()) throw std::runtime_error("nothing latched on " + topic.NameFor(entity));
-  return messages.back();
-}
-
 /// conav13 with seed 9 and no camera.
 inline SimConfig BlindConfig(int robots = 1) {
   SimConfig config;
@@ -158,14 +172,6 @@ inline SimConfig BlindConfig(int robots = 1) {
   config.robots.clear();
   for (int robot = 1; robot <= robots; ++robot) config.robots.push_back(fmt::format("r{}", robot));
   return config;
-}
-
-/// A neighbour of `cell` that is free or a wall on `truth`.
-inline Cell NeighbourThatIs(Occupancy what, const OccupancyGrid& truth, Cell cell) {
-  for (const Cell offset : kNeighbourOffsets) {
-    if (truth[cell + offset] == what) return cell + offset;
-  }
-  throw std::runtime_error("no such neighbour");
 }
 
 }  // namespace conav::sim

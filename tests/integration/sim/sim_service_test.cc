@@ -1,6 +1,9 @@
 #include "sim/sim_service.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <functional>
+#include <set>
 
 #include "common/grid/map_accuracy.h"
 #include "integration/sim/sim_harness.h"
@@ -8,28 +11,13 @@
 namespace conav::sim {
 namespace {
 
-OccupancyGrid TruthOf(SimHarness& sim) {
-  return ToDomain(Latched(sim.peer(), bus::kTruth, "w1")).value().cells;
-}
-
-std::string RefusalOf(const SimConfig& config) {
-  try {
-    const SimHarness sim(config);
-  } catch (const StartupError& error) {
-    return error.what();
-  }
-  return "";
-}
-
-}  // namespace
-
-TEST_CASE("everything latched is there before the first command", "[sim][integration]") {
+TEST_CASE("everything latched is there before the first command", "[sim]") {
   SimHarness sim(BlindConfig());
-  const OccupancyGrid truth = TruthOf(sim);
-  const OccupancyGrid plan = ToDomain(Latched(sim.peer(), bus::kInitialMap, "w1")).value().cells;
+  const OccupancyGrid truth = sim.Truth();
+  const OccupancyGrid plan = ToDomain(sim.Latched(bus::kInitialMap, "w1")).value().cells;
   CHECK(CompareMaps(truth, plan, ToBelief(plan)).wrong_at_first == 20);
-  CHECK(Latched(sim.peer(), bus::kGoals, "w1").markers().size() == 4);
-  CHECK(Latched(sim.peer(), bus::kCameraInfo, "r1").width() == 320);
+  CHECK(sim.Latched(bus::kGoals, "w1").markers().size() == 4);
+  CHECK(sim.Latched(bus::kCameraInfo, "r1").width() == 320);
   REQUIRE(sim.robot().states.size() == 1);
   REQUIRE(sim.robot().maps.size() == 1);
   const RobotState& state = sim.robot().state();
@@ -41,10 +29,10 @@ TEST_CASE("everything latched is there before the first command", "[sim][integra
   CHECK(sim.robot().maps.back().stamp == state.map_stamp);
 }
 
-TEST_CASE("a move changes the cell, the counters, the path and the map", "[sim][integration]") {
+TEST_CASE("a move changes the cell, the counters, the path and the map", "[sim]") {
   SimHarness sim(BlindConfig());
   const Cell start = sim.robot().state().cell;
-  const Cell next = NeighbourThatIs(Occupancy::kFree, TruthOf(sim), start);
+  const Cell next = sim.NeighbourThatIs(Occupancy::kFree, start);
   CHECK(sim.Do(sim.robot().Move(next)) == CommandOutcome::kDone);
   const RobotState& state = sim.robot().state();
   CHECK(state.cell == next);
@@ -56,9 +44,9 @@ TEST_CASE("a move changes the cell, the counters, the path and the map", "[sim][
   CHECK(sim.robot().maps.size() > 1);
 }
 
-TEST_CASE("what a robot maps is the truth", "[sim][integration]") {
+TEST_CASE("what a robot maps is the truth", "[sim]") {
   SimHarness sim(BlindConfig());
-  const OccupancyGrid truth = TruthOf(sim);
+  const OccupancyGrid truth = sim.Truth();
   Random random(1);
   for (int i = 0; i < 30; ++i) {
     const Cell offset = kNeighbourOffsets[static_cast<std::size_t>(random.Uniform(0, 3))];
@@ -74,14 +62,14 @@ TEST_CASE("what a robot maps is the truth", "[sim][integration]") {
   CHECK(known > 10);
 }
 
-TEST_CASE("without a command time stands still at speed 0", "[sim][integration]") {
+TEST_CASE("without a command time stands still at speed 0", "[sim]") {
   SimHarness sim(BlindConfig());
   sim.clock.Advance(std::chrono::hours(1));
   CHECK_FALSE(sim.Turn());
   CHECK(sim.robot().state().stamp == SimTime{});
 }
 
-TEST_CASE("with a real-time factor time goes on by the clock", "[sim][integration]") {
+TEST_CASE("with a real-time factor time goes on by the clock", "[sim]") {
   SimConfig config = BlindConfig();
   config.speed = 2.0;
   SimHarness sim(config);
@@ -93,9 +81,16 @@ TEST_CASE("with a real-time factor time goes on by the clock", "[sim][integratio
   while (sim.Turn()) ++steps;
   CHECK(steps == 4);  // half a second at twice the speed, 4 Hz
   CHECK(ToDomain(clock.Take().back().clock()).value() == SimTime::FromSeconds(1.25));
+
+  config.publish_clock = false;  // another world gives it
+  SimHarness silent(config);
+  bus::Subscriber<rosgraph_msgs::msg::Clock> none(silent.peer(), bus::kClock);
+  CHECK(silent.Turn());
+  CHECK(silent.robot().state().stamp > SimTime{});
+  CHECK(none.Take().empty());
 }
 
-TEST_CASE("robots that wait tell the time twice per simulated second", "[sim][integration]") {
+TEST_CASE("robots that wait tell the time twice per simulated second", "[sim]") {
   SimConfig config = BlindConfig(2);
   config.speed = 20.0;
   SimHarness sim(config);
@@ -111,17 +106,7 @@ TEST_CASE("robots that wait tell the time twice per simulated second", "[sim][in
   }
 }
 
-TEST_CASE("a world whose clock another one gives publishes none", "[sim][integration]") {
-  SimConfig config = BlindConfig();
-  config.publish_clock = false;
-  SimHarness sim(config);
-  bus::Subscriber<rosgraph_msgs::msg::Clock> clock(sim.peer(), bus::kClock);
-  CHECK(sim.Do(sim.robot().View(1.0)) == CommandOutcome::kDone);
-  CHECK(sim.robot().state().stamp > SimTime{});
-  CHECK(clock.Take().empty());
-}
-
-TEST_CASE("the same commands give the same states and maps", "[sim][integration]") {
+TEST_CASE("the same commands give the same states and maps", "[sim]") {
   const auto run = [] {
     SimHarness sim(BlindConfig());
     Random random(5);
@@ -135,16 +120,14 @@ TEST_CASE("the same commands give the same states and maps", "[sim][integration]
   CHECK(run() == run());
 }
 
-TEST_CASE("goals are reached, claimed and taken off the markers when shared",
-          "[sim][integration]") {
+TEST_CASE("goals are reached, claimed and taken off the markers when shared", "[sim]") {
   SimConfig config = BlindConfig(2);
   config.shared_goals = true;
   SimHarness probe(config);
-  const OccupancyGrid truth = TruthOf(probe);
   const Cell start = probe.robot().state().cell;
   config.starts = {{start.row, start.column},
                    {probe.robot(1).state().cell.row, probe.robot(1).state().cell.column}};
-  const Cell goal = NeighbourThatIs(Occupancy::kFree, truth, start);
+  const Cell goal = probe.NeighbourThatIs(Occupancy::kFree, start);
   config.goals = {{goal.row, goal.column}};
   SimHarness sim(config);
   REQUIRE(sim.Do(sim.robot().Move(goal)) == CommandOutcome::kDone);
@@ -154,31 +137,113 @@ TEST_CASE("goals are reached, claimed and taken off the markers when shared",
   CHECK(sim.robot(1).state().goals_left.empty());
   CHECK(sim.robot(1).state().goals_total == 1);
   constexpr std::int32_t kDelete = 2;
-  CHECK(Latched(sim.peer(), bus::kGoals, "w1").markers().front().action() == kDelete);
+  CHECK(sim.Latched(bus::kGoals, "w1").markers().front().action() == kDelete);
 }
 
-TEST_CASE("impossible configs stop the start with what is wrong", "[sim][integration]") {
-  SimConfig config = BlindConfig();
-  SECTION("no robot") {
-    config.robots.clear();
-    CHECK(RefusalOf(config) == "sim.robots: a world needs at least one robot");
-  }
-  SECTION("a name that is no topic") {
-    config.robots = {"r 1"};
-    CHECK(RefusalOf(config) == "sim.robots: 'r 1' is no name: 1 to 64 of A-Z a-z 0-9 _");
-  }
-  SECTION("preset") {
-    config.preset = "none";
-    CHECK_THAT(RefusalOf(config), Catch::StartsWith("maze preset \"none\" is unknown"));
-  }
-  SECTION("map") {
-    config.map.yaml = "/none.yaml";
-    CHECK(RefusalOf(config) == "/none.yaml: no such file");
-  }
-  SECTION("start that is no cell") {
-    config.starts = {{1, 2, 3}};
-    CHECK(RefusalOf(config) == "sim.starts: [1, 2, 3] is no [row, column]");
+TEST_CASE("impossible configs stop the start with what is wrong", "[sim]") {
+  struct Row {
+    std::function<void(SimConfig&)> set;
+    std::string named, value;
+  };
+  for (const Row& row :
+       std::vector<Row>{{[](SimConfig& c) { c.robots.clear(); }, "sim.robots", ""},
+                        {[](SimConfig& c) { c.robots = {"r 1"}; }, "sim.robots", "'r 1'"},
+                        {[](SimConfig& c) { c.preset = "none"; }, "preset", "\"none\""},
+                        {[](SimConfig& c) { c.map.yaml = "/none.yaml"; }, "/none.yaml", ""},
+                        {[](SimConfig& c) {
+                           c.starts = {{1, 2, 3}};
+                         },
+                         "sim.starts", "[1, 2, 3]"}}) {
+    SimConfig config = BlindConfig();
+    row.set(config);
+    CHECK_THROWS_WITH(SimHarness(config), Catch::Contains(row.named) && Catch::Contains(row.value));
+    CHECK_THROWS_AS(SimHarness(config), StartupError);
   }
 }
 
+TEST_CASE("a move into a wall is blocked, and the wall is seen", "[sim]") {
+  SimHarness sim(BlindConfig());
+  const Cell start = sim.robot().state().cell;
+  Cell cell = start;
+  const OccupancyGrid truth = sim.Truth();
+  // Walk until a wall is beside the robot.
+  while (truth[cell + Cell{0, 1}] == Occupancy::kFree) {
+    REQUIRE(sim.Do(sim.robot().Move(cell + Cell{0, 1})) == CommandOutcome::kDone);
+    cell = sim.robot().state().cell;
+  }
+  const Cell wall = cell + Cell{0, 1};
+  CHECK(sim.Do(sim.robot().Move(wall)) == CommandOutcome::kBlocked);
+  CHECK(sim.robot().state().cell == cell);
+  CHECK(sim.robot().state().command_cell == wall);
+  CHECK(sim.robot().maps.back().cells[wall] == Occupancy::kOccupied);
+}
+
+TEST_CASE(
+    "a command that expired, or is malformed, for another robot, or of an older lease, is refused",
+    "[sim]") {
+  SimHarness sim(BlindConfig(2));
+  CHECK(sim.Step(0.0) == CommandOutcome::kExpired);
+  sim.robot().epoch = 3;
+  REQUIRE(sim.Do(sim.robot().Command(CommandKind::kStop)) == CommandOutcome::kDone);
+  const RobotState before = sim.robot().state();
+  CHECK(before.low_level_steps == 0);
+  const RobotState other = sim.robot(1).state();
+  const Cell next = sim.NeighbourThatIs(Occupancy::kFree, before.cell);
+  sim.robot().Send(sim.robot().View(std::nan("")));
+  sim.robot().Send(sim.robot(1).Move(next));
+  sim.robot().epoch = 2;
+  sim.robot().Send(sim.robot().Move(next));
+  CHECK_FALSE(sim.Turn());
+  CHECK(sim.robot().state() == before);
+  CHECK(sim.robot(1).state() == other);
+  sim.robot().epoch = 4;
+  CHECK(sim.Step() == CommandOutcome::kDone);
+  CHECK(sim.robot().state().lease_epoch == 4);
+}
+
+TEST_CASE("a robot whose command expires on the way stops and can be commanded again", "[sim]") {
+  SimHarness sim(BlindConfig());
+  CHECK(sim.Step(1.0) == CommandOutcome::kExpired);
+  const Position stood = sim.robot().position;
+  CHECK(sim.robot().state().stamp.ToSeconds() < 3.0);
+  CHECK_FALSE(sim.Turn());
+  CHECK(sim.robot().position.x_m == stood.x_m);
+  CHECK(sim.Step() == CommandOutcome::kDone);
+}
+
+TEST_CASE("two robots are never in one cell, whatever they are told", "[sim]") {
+  SimConfig config = BlindConfig(4);
+  SimHarness sim(config);
+  const OccupancyGrid truth = sim.Truth();
+  const GridGeometry geometry{truth.rows(), truth.columns(), 2.0};
+  Random random(2);
+  int occupied = 0;
+  for (int turn = 0; turn < 600; ++turn) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      RobotLink& robot = sim.robot(i);
+      occupied += robot.state().command_outcome == CommandOutcome::kOccupied ? 1 : 0;
+      if (robot.state().command_outcome != CommandOutcome::kRunning || random.Chance(0.05)) {
+        // All are drawn to the first robot's cell, so that they meet.
+        const Cell goal = sim.robot(0).state().cell;
+        const Cell cell = robot.state().cell;
+        const Cell towards{(goal.row > cell.row) - (goal.row < cell.row),
+                           (goal.column > cell.column) - (goal.column < cell.column)};
+        Cell offset = kNeighbourOffsets[static_cast<std::size_t>(random.Uniform(0, 3))];
+        if (random.Chance(0.6) && towards != Cell{}) {
+          offset = towards.row != 0 ? Cell{towards.row, 0} : Cell{0, towards.column};
+        }
+        robot.Send(robot.Move(cell + offset, 1.0 + random.Unit() * 5.0));
+      }
+    }
+    if (!sim.Turn()) continue;
+    std::set<Cell> cells;
+    for (std::size_t i = 0; i < 4; ++i) {
+      cells.insert(geometry.PositionToCell(sim.robot(i).position));
+    }
+    CHECK(cells.size() == 4);
+  }
+  CHECK(occupied > 0);
+}
+
+}  // namespace
 }  // namespace conav::sim

@@ -1,8 +1,8 @@
 // The other process of the bus tests: bus_peer <vendor> <domain> [jazzy|humble|<peer address>]
-// Echoes what arrives, offers histories and payloads that are no messages, and stays until killed
-// or until its standard input ends.
-#include <unistd.h>
+// Echoes what arrives, offers histories and payloads that are no messages, until SIGTERM.
+#include <pthread.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <iostream>
 #include <optional>
@@ -96,6 +96,10 @@ void PublishGarbage(bus::Publisher<RawBlob>& garbage, bus::Publisher<Blob>& good
 }
 
 void Run(const bus::ParticipantOptions& options) {
+  sigset_t end_signals;
+  sigemptyset(&end_signals);
+  sigaddset(&end_signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &end_signals, nullptr);  // threads that begin later inherit it
   bus::Participant participant("bus_peer", options);
   bus::Participant raw_participant("bus_peer_raw", options);
   Echo<Blob> echo(participant, kPing, kPong);
@@ -111,9 +115,8 @@ void Run(const bus::ParticipantOptions& options) {
   std::optional<ShortLeaseWriter> short_lease;
   if (options.vendor == "cyclonedds") short_lease.emplace(options.domain_id);
   std::cout << "ready" << std::endl;
-  char byte = 0;
-  while (read(STDIN_FILENO, &byte, 1) > 0) {
-  }
+  int signal = 0;
+  sigwait(&end_signals, &signal);
 }
 
 }  // namespace

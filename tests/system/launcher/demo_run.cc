@@ -1,54 +1,36 @@
 #include "system/launcher/demo_run.h"
 
 #include <fmt/format.h>
-#include <poll.h>
 
 #include <catch2/catch.hpp>
 #include <csignal>
-#include <fstream>
-#include <iterator>
 #include <regex>
 
+#include "common/runtime/file.h"
+
 namespace conav::testing {
-namespace {
-
-namespace fs = std::filesystem;
-
-std::string ReadFile(const fs::path& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-}  // namespace
-
-bool WaitUntil(const std::function<bool()>& condition, std::chrono::seconds limit) {
-  const auto deadline = std::chrono::steady_clock::now() + limit;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    poll(nullptr, 0, 20);
+nlohmann::json Table(nlohmann::json result) {
+  for (auto& robot : result["robots"]) {
+    robot.erase("decision_ms_median");
+    robot.erase("decision_ms_p99");
   }
-  return true;
+  return {result["robots"], result["mapping_accuracy_after"], result["cell_accuracy_after"]};
 }
 
 DemoRun::DemoRun(const std::vector<std::string>& arguments,
                  const std::vector<std::string>& prefix) {
-  std::string pattern = (fs::temp_directory_path() / "conav-demo-XXXXXX").string();
-  REQUIRE(mkdtemp(pattern.data()) != nullptr);
-  folder_ = pattern;
+  const std::vector<std::string> own{CONAV_BIN_DIR "/conav",
+                                     "demo",
+                                     "--domain",
+                                     std::to_string(TestDomain()),
+                                     "--out",
+                                     (folder_ / "runs").string(),
+                                     "--json",
+                                     (folder_ / "result.json").string()};
   std::vector<std::string> command = prefix;
-  for (const std::string& word :
-       {std::string(CONAV_BIN_DIR) + "/conav", std::string("demo"), std::string("--domain"),
-        std::to_string(TestDomain()), std::string("--out"), (folder_ / "runs").string(),
-        std::string("--json"), (folder_ / "result.json").string()}) {
-    command.push_back(word);
-  }
+  command.insert(command.end(), own.begin(), own.end());
   command.insert(command.end(), arguments.begin(), arguments.end());
-  process_ = std::make_unique<launcher::Process>("conav", command, folder_ / "output.txt");
-}
-
-DemoRun::~DemoRun() {
-  process_.reset();
-  fs::remove_all(folder_);
+  process_.emplace("conav", command, folder_ / "output.txt");
 }
 
 int DemoRun::Wait(std::chrono::seconds limit) {
@@ -63,7 +45,7 @@ int DemoRun::Wait(std::chrono::seconds limit) {
   return process_->end()->exit_code;
 }
 
-std::string DemoRun::Output() const { return ReadFile(folder_ / "output.txt"); }
+std::string DemoRun::Output() const { return ReadFile(folder_ / "output.txt").value_or(""); }
 
 pid_t DemoRun::PidOf(const std::string& service) {
   const std::regex line("started " + service + R"( \(pid (\d+)\))");
@@ -79,25 +61,39 @@ pid_t DemoRun::PidOf(const std::string& service) {
   return std::stoi(match[1]);
 }
 
-bool DemoRun::WaitForMoves() {
+void DemoRun::WaitForMoves() {
   const std::regex moved(R"(moves [1-9])");
-  return WaitUntil([&] { return std::regex_search(Output(), moved); }, std::chrono::seconds(90));
+  REQUIRE(WaitUntil([&] { return std::regex_search(Output(), moved); }, std::chrono::seconds(90)));
+}
+
+bool DemoRun::Prints(const std::string& text) const {
+  return WaitUntil([&] { return Output().find(text) != std::string::npos; },
+                   std::chrono::seconds(60));
+}
+
+nlohmann::json DemoRun::EndsWell() {
+  const int code = Wait();
+  INFO(Story());
+  REQUIRE(code == 0);
+  REQUIRE(Json().is_object());
+  return Json();
 }
 
 nlohmann::json DemoRun::Json() const {
-  const std::string text = ReadFile(folder_ / "result.json");
+  const std::string text = ReadFile(folder_ / "result.json").value_or("");
   return text.empty() ? nlohmann::json() : nlohmann::json::parse(text);
 }
 
-fs::path DemoRun::RunFolder() const {
-  for (const auto& entry : fs::directory_iterator(folder_ / "runs")) return entry.path();
+std::filesystem::path DemoRun::RunFolder() const {
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "runs"))
+    return entry.path();
   return {};
 }
 
 std::string DemoRun::Story() const {
   std::string story = Output();
   std::error_code none;
-  for (const auto& entry : fs::recursive_directory_iterator(folder_ / "runs", none)) {
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ / "runs", none)) {
     if (entry.path().extension() != ".log") continue;
     story += fmt::format("--- {}\n", entry.path().filename().string());
     for (const std::string& line : launcher::LastLines(entry.path(), 15)) story += line + "\n";

@@ -2,41 +2,46 @@
 
 #include <chrono>
 #include <filesystem>
-#include <functional>
-#include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "launcher/process.h"
+#include "support/temporary_folder.h"
 #include "support/test_domain.h"
+#include "support/wait.h"
 
 namespace conav::testing {
 
 using test::TestDomain;
+using test::WaitUntil;
 
-/// True as soon as `condition` holds; false when `limit` passed before.
-bool WaitUntil(const std::function<bool()>& condition, std::chrono::seconds limit);
+/// What the table of a run holds, without wall times.
+nlohmann::json Table(nlohmann::json result);
 
-/// One `conav demo` in a folder of its own below the temporary folder, removed at the end.
+/// One `conav demo` in a temporary folder of its own.
 class DemoRun {
  public:
   /// Starts it with `arguments` after `conav demo`; --domain, --out and --json are added. `prefix`
   /// is put before the command.
   explicit DemoRun(const std::vector<std::string>& arguments,
                    const std::vector<std::string>& prefix = {});
-  ~DemoRun();
 
   /// Blocks until it has ended and returns its exit code; fails the test when `limit` passes.
   int Wait(std::chrono::seconds limit = std::chrono::seconds(150));
+  /// Waits for its end, which must be with exit code 0; returns the object of --json.
+  nlohmann::json EndsWell();
   void Signal(int signal) { process_->Signal(signal); }
 
   /// What it has printed so far.
   std::string Output() const;
   /// The number after "started `service` (pid "; waits for it.
   pid_t PidOf(const std::string& service);
-  /// Waits until a robot has moved.
-  bool WaitForMoves();
+  /// Waits until a robot has moved; fails the test when none does.
+  void WaitForMoves();
+  /// Waits until it has printed `text`; false when it does not within a minute.
+  bool Prints(const std::string& text) const;
   /// The object of --json; null when there is none.
   nlohmann::json Json() const;
   std::filesystem::path RunFolder() const;
@@ -44,8 +49,8 @@ class DemoRun {
   std::string Story() const;
 
  private:
-  std::filesystem::path folder_;
-  std::unique_ptr<launcher::Process> process_;
+  test::TemporaryFolder folder_;
+  std::optional<launcher::Process> process_;  // ends before its folder goes
 };
 
 }  // namespace conav::testing

@@ -10,14 +10,14 @@
 #include "support/program_runner.h"
 #include "system/launcher/demo_run.h"
 
-using conav::planner::DecisionRecord;
-using conav::testing::DemoRun;
-
+namespace conav::testing {
 namespace {
+
+using planner::DecisionRecord;
 
 std::vector<DecisionRecord> DecisionsOf(const DemoRun& demo) {
   std::vector<DecisionRecord> decisions;
-  const auto torn = conav::planner::ReadDecisions(
+  const auto torn = planner::ReadDecisions(
       demo.RunFolder() / "decisions.pb.zst",
       [&](DecisionRecord&& decision) { decisions.push_back(std::move(decision)); });
   INFO(demo.Story());
@@ -26,19 +26,12 @@ std::vector<DecisionRecord> DecisionsOf(const DemoRun& demo) {
   return decisions;
 }
 
-/// Without what wall time makes of it.
-std::vector<DecisionRecord> WithoutTimes(std::vector<DecisionRecord> decisions) {
-  for (DecisionRecord& decision : decisions) decision.report.duration_ms = 0.0;
-  return decisions;
-}
-
 }  // namespace
 
-TEST_CASE("a demo's pictures are explained", "[launcher][system]") {
+TEST_CASE("a demo's pictures are explained", "[demo]") {
   DemoRun demo({"--headless", "--seed", "7", "--camera", "none"});
-  REQUIRE(demo.Wait() == 0);
+  const auto result = demo.EndsWell();
   const auto decisions = DecisionsOf(demo);
-  const auto result = demo.Json();
   CHECK(decisions.size() == result.at("robots").at(0).at("decisions"));
   const auto picture =
       std::find_if(decisions.begin(), decisions.end(),
@@ -47,11 +40,11 @@ TEST_CASE("a demo's pictures are explained", "[launcher][system]") {
   CHECK(picture->report.has_terms);
   CHECK_FALSE(picture->report.tree.empty());
   CHECK_FALSE(picture->report.views.empty());
-  for (const conav::SearchAction& action : picture->report.actions) {
+  for (const SearchAction& action : picture->report.actions) {
     CHECK(action.terms.Sum() == Approx(action.mean_value).epsilon(1e-9).margin(1e-9));
   }
 
-  const conav::test::ProgramRunner desk("conav-explain");
+  const test::ProgramRunner desk("conav-explain");
   const std::string run = demo.RunFolder().string();
   const auto listed = desk.Run(fmt::format("'{}' --pictures", run));
   INFO(listed.text());
@@ -65,25 +58,20 @@ TEST_CASE("a demo's pictures are explained", "[launcher][system]") {
   CHECK(explained.exit_code == 0);
   CHECK_THAT(explained.out, Catch::Contains("Taken: picture to the ") &&
                                 Catch::Contains("The picture was expected to change"));
-  CHECK_THAT(conav::ReadFile(desk / "why.svg").value(), Catch::Contains("search tree: "));
+  CHECK_THAT(ReadFile(desk / "why.svg").value(), Catch::Contains("search tree: "));
 }
 
-TEST_CASE("the same seed gives the same recorded decisions", "[launcher][system]") {
+TEST_CASE("the same seed gives the same recorded decisions", "[demo]") {
   const auto play = [] {
     DemoRun demo({"--headless", "--seed", "11", "--camera", "none", "--perception", "embedded"});
-    REQUIRE(demo.Wait() == 0);
-    return WithoutTimes(DecisionsOf(demo));
+    demo.EndsWell();
+    auto decisions = DecisionsOf(demo);
+    for (DecisionRecord& decision : decisions) decision.report.duration_ms = 0.0;
+    return decisions;
   };
   const auto first = play();
   CHECK(first == play());
   CHECK_FALSE(first.empty());
 }
 
-TEST_CASE("a run of a method without a search says that it has none", "[launcher][system]") {
-  DemoRun demo({"--headless", "--seed", "7", "--camera", "none", "--method", "instruction"});
-  REQUIRE(demo.Wait() == 0);
-  const conav::test::ProgramRunner desk("conav-explain");
-  const auto explained = desk.Run(fmt::format("'{}' --decision 1", demo.RunFolder().string()));
-  CHECK(explained.exit_code == 0);
-  CHECK_THAT(explained.out, Catch::Contains("Method instruction makes no search"));
-}
+}  // namespace conav::testing

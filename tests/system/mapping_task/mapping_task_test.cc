@@ -12,10 +12,11 @@
 #include "common/runtime/file.h"
 #include "common/segments/segment_checks.h"
 #include "common/segments/segment_file.h"
-#include "integration/operator/page_client.h"
 #include "launcher/process.h"
 #include "sim/world/world_spec.h"
+#include "support/program_runner.h"
 #include "support/temporary_folder.h"
+#include "system/console_page.h"
 #include "system/launcher/demo_run.h"
 
 using conav::testing::TestDomain;
@@ -32,17 +33,10 @@ class Task {
  public:
   Task(const fs::path& folder, const std::vector<std::string>& options, int port = 0)
       : output_(NewOutput(folder)) {
-    std::vector<std::string> command{std::string(CONAV_BIN_DIR) + "/conav-mapping-task",
-                                     "--domain",
-                                     std::to_string(TestDomain()),
-                                     "--out",
-                                     folder.string(),
-                                     "--port",
-                                     std::to_string(port),
-                                     "--camera",
-                                     "none",
-                                     "--speed",
-                                     "1000"};
+    std::vector<std::string> command{
+        CONAV_BIN_DIR "/conav-mapping-task", "--camera", "none", "--speed", "1000", "--domain",
+        std::to_string(TestDomain())};
+    command.insert(command.end(), {"--out", folder.string(), "--port", std::to_string(port)});
     command.insert(command.end(), options.begin(), options.end());
     process_ = std::make_unique<launcher::Process>("conav-mapping-task", command, output_);
   }
@@ -83,32 +77,16 @@ class Task {
 };
 
 /// A participant at the page of one maze, who knows the maze.
-class Participant {
+class Participant : public operators::ConsolePage {
  public:
-  Participant(int port, std::uint64_t maze_seed) {
+  Participant(int port, std::uint64_t maze_seed) : ConsolePage(port) {
     sim::WorldOptions options;
     options.seed = maze_seed;
     spec_ = *sim::MakeWorldSpec(options);
-    client_.emplace(operators::PageOptions{.port = port});
-    REQUIRE(client_->refused() == 0);
-    console::ClientMessage message;
-    message.mutable_hello()->set_instance(std::string(16, 'p'));
-    REQUIRE(client_->Send(message));
-    ReadUntil([&] { return task.number() > 0 && belief_.walls().size() > 0; });
-    CHECK(mode_ == console::MODE_MAPPING_TASK);
+    ReadUntil([&] { return task.number() > 0 && belief.walls().size() > 0; });
+    CHECK(welcome.mode() == console::MODE_MAPPING_TASK);
   }
 
-  console::Reply Ask(const std::function<void(console::Request&)>& fill) {
-    console::ClientMessage message;
-    console::Request& request = *message.mutable_request();
-    request.set_id(++id_);
-    request.set_world("w1");
-    request.set_valid_until(service_time_ + 1000.0);
-    fill(request);
-    REQUIRE(client_->Send(message));
-    ReadUntil([&] { return reply_.id() == id_; });
-    return reply_;
-  }
   void Begin() {
     CHECK(task.phase() == console::PHASE_WAITING);
     CHECK(Ask([](auto& request) { request.mutable_go(); }).accepted());
@@ -116,17 +94,16 @@ class Participant {
   }
   /// Waits for the next picture, which is then the newest.
   const console::Picture& NextPicture() {
-    const std::uint64_t before = answered_;
-    ReadUntil([&] { return picture.sequence_number() > before; });
-    return picture;
+    ReadUntil([&] { return Newest() > answered_; });
+    return pictures.rbegin()->second;
   }
   /// Sets `count` wrong cells right.
   void Correct(int count) {
     const auto reply = Ask([&](auto& request) {
-      request.mutable_edit()->set_base_revision(belief_.revision());
+      request.mutable_edit()->set_base_revision(belief.revision());
       for (std::size_t i = 0; i < spec_.truth.size() && count > 0; ++i) {
         const bool wall = spec_.truth.values()[i] == Occupancy::kOccupied;
-        if (wall == (static_cast<unsigned char>(belief_.walls()[i]) >= 128)) continue;
+        if (wall == (static_cast<unsigned char>(belief.walls()[i]) >= 128)) continue;
         const Cell cell = spec_.truth.CellAt(i);
         auto* edit = request.mutable_edit()->add_cells();
         edit->mutable_cell()->set_row(cell.row);
@@ -136,10 +113,10 @@ class Participant {
       }
     });
     CHECK(reply.accepted());
-    ReadUntil([&] { return belief_.revision() >= reply.revision(); });
+    ReadUntil([&] { return belief.revision() >= reply.revision(); });
   }
   void Answer() {
-    answered_ = picture.sequence_number();
+    answered_ = Newest();
     CHECK(Ask([&](auto& request) {
             request.mutable_answer()->set_robot("r1");
             request.mutable_answer()->set_snapshot(answered_);
@@ -156,43 +133,14 @@ class Participant {
     }
     NextPicture();
   }
-  template <class Condition>
-  void ReadUntil(const Condition& condition) {
-    while (!condition()) Read();
-  }
-
   int mistakes() const {
     return CompareMaps(spec_.truth, spec_.human_map, ToBelief(spec_.human_map)).wrong_at_first;
   }
 
-  console::Task task;
-  console::Picture picture;
-  std::set<int> told;  // which kinds of updates
-
  private:
-  void Read() {
-    const auto message = client_->Receive();
-    REQUIRE(message);
-    if (message->has_welcome()) {
-      mode_ = message->welcome().mode();
-      service_time_ = message->welcome().service_time();
-    }
-    if (message->has_reply()) reply_ = message->reply();
-    for (const console::Update& update : message->updates().update()) {
-      told.insert(update.body_case());
-      if (update.has_task()) task = update.task();
-      if (update.has_picture()) picture = update.picture();
-      if (update.has_belief()) belief_ = update.belief();
-    }
-  }
+  std::uint64_t Newest() const { return pictures.empty() ? 0 : pictures.rbegin()->first; }
 
   sim::WorldSpec spec_;
-  std::optional<PageClient> client_;
-  console::Mode mode_ = console::MODE_SUPERVISE;
-  double service_time_ = 0.0;
-  console::Belief belief_;
-  console::Reply reply_;
-  std::uint64_t id_ = 0;
   std::uint64_t answered_ = 0;
 };
 
@@ -200,11 +148,15 @@ nlohmann::json Json(const fs::path& file) {
   return nlohmann::json::parse(ReadFile(file).value_or("null"));
 }
 
-int CodeOf(const fs::path& folder, const std::vector<std::string>& options, std::string& output) {
+/// A task that ends by itself: with which exit code, and what it said.
+test::ProgramOutcome Ended(const fs::path& folder, const std::vector<std::string>& options) {
   Task task(folder, options);
   const int code = task.Wait();
-  output = task.Output();
-  return code;
+  return {code, task.Output(), ""};
+}
+
+std::vector<std::string> Options(const std::string& participant, const std::string& seeds = "7") {
+  return {"--participant", participant, "--maze-seed", seeds};
 }
 
 /// The process that was started with this file; 0 = there is none.
@@ -220,10 +172,10 @@ pid_t PidWith(const fs::path& config) {
 }  // namespace
 
 TEST_CASE("a participant corrects two mazes, and their segments are there to learn from",
-          "[system][mapping_task]") {
+          "[mapping_task]") {
   const test::TemporaryFolder temporary;
   const fs::path folder = temporary / "P07";
-  Task task(folder, {"--participant", "P07", "--maze-seed", "7,9"});
+  Task task(folder, Options("P07", "7,9"));
 
   {
     Participant person(task.Port(1), 7);
@@ -273,10 +225,8 @@ TEST_CASE("a participant corrects two mazes, and their segments are there to lea
   CHECK(result["mazes"][0]["edits"] == 1);
   CHECK(result["mazes"][1]["valid"] == false);
   for (const auto* maze : {"maze-1-1", "maze-2-1"}) {
-    const std::string bag = CONAV_BIN_DIR "/conav-bag " + (folder / maze).string() + " --json ";
-    const auto contents = folder / "contents.json";
-    REQUIRE(std::system((bag + contents.string() + " >/dev/null").c_str()) == 0);
-    CHECK_THAT(Json(contents).dump(), Catch::Contains("/w1/truth"));
+    const auto bag = test::RunProgram("conav-bag", (folder / maze).string() + " --json -");
+    CHECK_THAT(bag.out, Catch::Contains("/w1/truth"));
   }
 
   const auto segments = ReadSegmentFile(folder / "segments.pb.zst", TornEnd::kRefuse);
@@ -297,10 +247,10 @@ TEST_CASE("a participant corrects two mazes, and their segments are there to lea
 }
 
 TEST_CASE("after a kill the same command goes on at the maze that was not finished",
-          "[system][mapping_task]") {
+          "[mapping_task]") {
   const test::TemporaryFolder temporary;
   const fs::path folder = temporary / "P08";
-  const std::vector<std::string> options{"--participant", "P08", "--maze-seed", "7"};
+  const auto options = Options("P08");
   {
     Task task(folder, options);
     Participant person(task.Port(1), 7);
@@ -327,39 +277,35 @@ TEST_CASE("after a kill the same command goes on at the maze that was not finish
   CHECK(again.Wait() == 0);
   CHECK(ReadSegmentFile(folder / "segments.pb.zst", TornEnd::kRefuse)->trajectories.size() == 2);
 
-  std::string output;
-  CHECK(CodeOf(folder, options, output) == 0);  // nothing is left to do
-  CHECK_THAT(output, Catch::Contains("all mazes are finished"));
+  CHECK(Ended(folder, options).exit_code == 0);  // nothing is left to do
 }
 
-TEST_CASE("wrong use of the mapping task is refused by name", "[system][mapping_task]") {
+TEST_CASE("a participant's folder takes one task at a time, of one participant and design",
+          "[mapping_task]") {
   const test::TemporaryFolder temporary;
   const fs::path folder = temporary / "P09";
-  const std::vector<std::string> options{"--participant", "P09", "--maze-seed", "7"};
-  std::string output;
+  const auto options = Options("P09");
   {
     Task task(folder, options);
-    task.Port(1);
-    CHECK(CodeOf(folder, options, output) == 2);
-    CHECK_THAT(output, Catch::Contains("in use"));
+    const int port = task.Port(1);
+    CHECK(Ended(folder, options).exit_code == 2);
+    Task second(temporary / "P12", Options("P12"), port);
+    CHECK(second.Wait() == 1);
+    CHECK_THAT(second.Output(), Catch::Contains(fmt::format("--port {}", port)));
     task.Signal(SIGTERM);
     CHECK(task.Wait() == 1);
-    CHECK_THAT(task.Output(), Catch::Contains("the same command goes on"));
   }
-  CHECK(CodeOf(folder, {"--participant", "P10", "--maze-seed", "7"}, output) == 2);
-  CHECK_THAT(output, Catch::Contains("P09") && Catch::Contains("P10"));
-  CHECK(CodeOf(folder, {"--participant", "P09", "--maze-seed", "8"}, output) == 2);
-  CHECK_THAT(output, Catch::Contains("maze_seeds"));
-  CHECK(CodeOf(folder, {"--participant", "a b"}, output) == 2);
-  CHECK_THAT(output, Catch::Contains("--participant"));
-  CHECK(CodeOf(folder, {}, output) == 2);
+  const auto other = Ended(folder, Options("P10"));
+  CHECK(other.exit_code == 2);
+  CHECK_THAT(other.out, Catch::Contains("P09") && Catch::Contains("P10"));
+  CHECK_THAT(Ended(folder, Options("P09", "8")).out, Catch::Contains("maze_seeds"));
 }
 
 TEST_CASE("when a service dies the task ends, and says which, and where to go on",
-          "[system][mapping_task]") {
+          "[mapping_task]") {
   const test::TemporaryFolder temporary;
   const fs::path folder = temporary / "P13";
-  const std::vector<std::string> options{"--participant", "P13", "--maze-seed", "7"};
+  const auto options = Options("P13");
   Task task(folder, options);
   task.Port(1);
   const pid_t planner = PidWith(folder / "maze-1-1/config/planner.yaml");
@@ -371,21 +317,10 @@ TEST_CASE("when a service dies the task ends, and says which, and where to go on
                  Catch::Contains("maze 1 was broken off; the same command goes on there"));
   CHECK(PidWith(folder / "maze-1-1/config/sim.yaml") == 0);
 
-  std::string output;
   std::ofstream(folder / "maze-1-1/result.json") << "{}";
-  CHECK(CodeOf(folder, options, output) == 1);
-  CHECK_THAT(output, Catch::Contains("maze-1-1/result.json is no result of a maze"));
-}
-
-TEST_CASE("a port that is taken is told", "[system][mapping_task]") {
-  const test::TemporaryFolder temporary;
-  Task first(temporary / "P11", {"--participant", "P11", "--maze-seed", "7"});
-  const int port = first.Port(1);
-  Task second(temporary / "P12", {"--participant", "P12", "--maze-seed", "7"}, port);
-  CHECK(second.Wait() == 1);
-  CHECK_THAT(second.Output(), Catch::Contains(fmt::format("--port {}", port)));
-  first.Signal(SIGTERM);
-  CHECK(first.Wait() == 1);
+  const auto broken = Ended(folder, options);
+  CHECK(broken.exit_code == 1);
+  CHECK_THAT(broken.out, Catch::Contains("maze-1-1/result.json"));
 }
 
 }  // namespace conav::mapping_task

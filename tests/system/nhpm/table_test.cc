@@ -41,7 +41,7 @@ class Workshop {
   test::TemporaryFolder folder_;
 };
 
-TEST_CASE("people are synthesized, learned from and compared with all models", "[nhpm][system]") {
+TEST_CASE("people are synthesized, learned from and compared with all models", "[nhpm]") {
   const Workshop workshop;
   workshop.Run(
       "conav-evaluate --data {0}/data.pb.zst --weights {0}/w.nhpm --oracle-draws 2000 "

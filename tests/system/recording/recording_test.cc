@@ -9,30 +9,18 @@
 #include "recording/recording_check.h"
 #include "system/launcher/demo_run.h"
 
-using conav::testing::CountsOf;
-using conav::testing::DemoRun;
-using conav::testing::ReadBagByOthers;
-using conav::testing::ReadByConav;
-using conav::testing::ReadByOthers;
-
+namespace conav::testing {
 namespace {
 
 std::filesystem::path RecordingOf(const DemoRun& demo) {
   return demo.RunFolder() / "recording.mcap";
 }
 
-void EndsWell(DemoRun& demo) {
-  const int code = demo.Wait();
-  INFO(demo.Story());
-  REQUIRE(code == 0);
-}
-
 }  // namespace
 
-TEST_CASE("every message of a demo's recording decodes, and says what happened",
-          "[recording][system]") {
+TEST_CASE("every message of a demo's recording decodes, and says what happened", "[recording]") {
   DemoRun demo({"--headless", "--seed", "7"});
-  EndsWell(demo);
+  demo.EndsWell();
   const auto found = ReadByOthers(
       RecordingOf(demo), {"/r1/state", "/w1/belief", "/r1/snapshot", "/conav/planner/lease"});
   CHECK(found["profile"] == "ros2");
@@ -64,12 +52,12 @@ TEST_CASE("every message of a demo's recording decodes, and says what happened",
 }
 
 TEST_CASE("conav bag finds what others' readers find, and so does the rosbag2 folder that it makes",
-          "[recording][system]") {
+          "[recording]") {
   const std::string dds = GENERATE("cyclonedds", "fastdds", "mixed");
   // Long enough that the recorder is found by all: what is not latched is not sent to it before.
   DemoRun demo({"--headless", "--seed", "7", "--camera", "none", "--robots", "2", "--dds", dds,
                 "--speed", "20"});
-  EndsWell(demo);
+  demo.EndsWell();
   const auto recording = RecordingOf(demo);
   const auto folder = demo.RunFolder() / "bag";
   const auto conav = ReadByConav(demo.RunFolder(), fmt::format("--rosbag2 '{}'", folder.string()));
@@ -89,31 +77,30 @@ TEST_CASE("conav bag finds what others' readers find, and so does the rosbag2 fo
   }
 }
 
-TEST_CASE("streamed pictures are recorded when asked for", "[recording][system]") {
+TEST_CASE("streamed pictures are recorded when asked for", "[recording]") {
   const std::string stream = "/r1/camera/image/compressed";
   std::vector<std::string> arguments{"--headless", "--seed", "9", "--method", "teleop"};
   DemoRun without(arguments);
-  EndsWell(without);
+  without.EndsWell();
   CHECK_FALSE(CountsOf(ReadByOthers(RecordingOf(without))).contains(stream));
   arguments.emplace_back("--streams");
   DemoRun with(arguments);
-  EndsWell(with);
+  with.EndsWell();
   const auto found = ReadByOthers(RecordingOf(with), {stream});
   CHECK(CountsOf(found)[stream] > 0);
   CHECK(found["topics"][stream]["last"]["format"] == "jpeg");
 }
 
-TEST_CASE("a run goes on without its recorder, and what was recorded can be read",
-          "[recording][system]") {
+TEST_CASE("a run goes on without its recorder, and what was recorded can be read", "[recording]") {
   DemoRun demo({"--headless", "--speed", "20", "--camera", "none"});
   const pid_t recorder = demo.PidOf("recorder");
   const auto has_states = [&] {
-    auto reader = conav::bag::McapReader::Open(RecordingOf(demo));
+    auto reader = bag::McapReader::Open(RecordingOf(demo));
     return reader && reader->message_count() > 100;
   };
-  REQUIRE(conav::testing::WaitUntil(has_states, std::chrono::seconds(60)));
+  REQUIRE(WaitUntil(has_states, std::chrono::seconds(60)));
   REQUIRE(kill(recorder, SIGKILL) == 0);
-  EndsWell(demo);
+  demo.EndsWell();
   CHECK_THAT(demo.Output(), Catch::Contains(fmt::format("recorder (pid {}) died", recorder)) &&
                                 Catch::Contains("the run goes on and is not recorded any more"));
   const auto conav = ReadByConav(RecordingOf(demo));
@@ -124,9 +111,11 @@ TEST_CASE("a run goes on without its recorder, and what was recorded can be read
   CHECK(CountsOf(conav)["/r1/state"] > 0);
 }
 
-TEST_CASE("a demo that shall not be recorded is not", "[recording][system]") {
+TEST_CASE("a demo that shall not be recorded is not", "[recording]") {
   DemoRun demo({"--headless", "--camera", "none", "--no-recording"});
-  EndsWell(demo);
+  demo.EndsWell();
   CHECK_FALSE(std::filesystem::exists(RecordingOf(demo)));
   CHECK_THAT(demo.Output(), !Catch::Contains("started recorder"));
 }
+
+}  // namespace conav::testing

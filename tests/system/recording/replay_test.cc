@@ -10,10 +10,10 @@
 #include "common/bus/topics.h"
 #include "common/bus/type_support.h"
 #include "common/runtime/file.h"
-#include "integration/operator/page_client.h"
 #include "launcher/process.h"
 #include "operator/recording/mcap_reader.h"
 #include "support/temporary_folder.h"
+#include "system/console_page.h"
 #include "system/launcher/demo_run.h"
 
 using conav::testing::DemoRun;
@@ -82,16 +82,10 @@ class Replay {
   int port_ = 0;
 };
 
-/// A page that looks at a recording.
-class Page {
+class Page : public ConsolePage {
  public:
-  explicit Page(int port) : client_({.port = port}) {
-    REQUIRE(client_.refused() == 0);
-    console::ClientMessage hello;
-    hello.mutable_hello()->set_instance(std::string(16, 'a'));
-    REQUIRE(client_.Send(hello));
-    welcome = MustReceive().welcome();
-    while (playback.duration() == 0.0) Read();
+  explicit Page(int port) : ConsolePage(port) {
+    ReadUntil([this] { return playback.duration() > 0.0; });
   }
 
   /// Pauses there.
@@ -99,20 +93,9 @@ class Page {
     console::ClientMessage seek;
     seek.mutable_seek()->set_position(position);
     seek.mutable_seek()->set_speed(0.0);
-    REQUIRE(client_.Send(seek));
+    Send(seek);
     do Read();
     while (playback.position() != position || playback.speed() != 0.0);
-  }
-  console::Reply Stop() {
-    console::ClientMessage stop;
-    stop.mutable_request()->set_id(1);
-    stop.mutable_request()->mutable_stop();
-    REQUIRE(client_.Send(stop));
-    for (;;) {
-      const auto message = MustReceive();
-      if (message.has_reply()) return message.reply();
-      Apply(message);
-    }
   }
   std::vector<console::Mark> Marks(console::MarkKind kind) const {
     std::vector<console::Mark> marks;
@@ -121,41 +104,6 @@ class Page {
     }
     return marks;
   }
-
-  console::Welcome welcome;
-  console::Playback playback;
-  console::Belief belief;
-  console::Robot robot;
-  console::Truth truth;
-  std::map<std::uint64_t, console::Picture> pictures;
-  std::size_t events = 0;
-
- private:
-  console::ServerMessage MustReceive() {
-    auto message = client_.Receive();
-    REQUIRE(message);
-    REQUIRE_FALSE(message->has_goodbye());
-    return *std::move(message);
-  }
-  void Read() { Apply(MustReceive()); }
-  void Apply(const console::ServerMessage& message) {
-    if (message.updates().everything()) {
-      belief.Clear();
-      robot.Clear();
-      pictures.clear();
-      events = 0;
-    }
-    for (const console::Update& update : message.updates().update()) {
-      if (update.has_playback()) playback = update.playback();
-      if (update.has_belief()) belief = update.belief();
-      if (update.has_robot()) robot = update.robot();
-      if (update.has_truth()) truth = update.truth();
-      if (update.has_picture()) pictures[update.picture().sequence_number()] = update.picture();
-      if (update.has_event()) ++events;
-    }
-  }
-
-  PageClient client_;
 };
 
 std::string WallsOf(const msg::BeliefMap& belief) {
@@ -168,12 +116,9 @@ std::string WallsOf(const msg::BeliefMap& belief) {
 
 }  // namespace
 
-TEST_CASE("a page of a replay sees at each place what the recording holds there",
-          "[replay][system]") {
+TEST_CASE("a page of a replay sees at each place what the recording holds there", "[replay]") {
   DemoRun demo({"--headless", "--seed", "7"});
-  const int code = demo.Wait();
-  INFO(demo.Story());
-  REQUIRE(code == 0);
+  demo.EndsWell();
   const fs::path recording = demo.RunFolder() / "recording.mcap";
   const auto beliefs = MessagesOf<msg::BeliefMap>(recording, "/w1/belief");
   const auto states = MessagesOf<msg::RobotState>(recording, "/r1/state");
@@ -227,15 +172,13 @@ TEST_CASE("a page of a replay sees at each place what the recording holds there"
 
   page.Seek(0.0);
   CHECK(page.pictures.empty());
-  const console::Reply refusal = page.Stop();
-  CHECK_FALSE(refusal.accepted());
-  CHECK(refusal.reason() == "this is a recording");
+  CHECK_FALSE(page.Ask([](auto& request) { request.mutable_stop(); }).accepted());
   CHECK(replay.End() == 0);
 }
 
-TEST_CASE("a recording that was cut off is played as far as it goes", "[replay][system]") {
+TEST_CASE("a recording that was cut off is played as far as it goes", "[replay]") {
   DemoRun demo({"--headless", "--seed", "7", "--camera", "none"});
-  REQUIRE(demo.Wait() == 0);
+  demo.EndsWell();
   const fs::path recording = demo.RunFolder() / "recording.mcap";
   const fs::path part = demo.RunFolder() / "part.mcap";
   fs::copy_file(recording, part);

@@ -43,7 +43,7 @@ TEST_CASE("An embedded network answers with its own bits and says its checksum",
   const auto model = bench.Make().ForWorld("w1");
   const std::vector queries{MakeQuery(1)};
   CHECK(*model->Predict(queries) == *nhpm::PerceptionNetwork(network).Predict(queries));
-  CHECK(model->name() == "nhpm");
+  CHECK(model->identity().name == "nhpm");
   CHECK(bench.Lines(nhpm::ChecksumOf(network)) == 1);
 }
 
@@ -58,8 +58,8 @@ TEST_CASE("On a grid that the network was not made for the GLPF answers, in that
   const std::vector small{MakeQuery(1, 9, 11)};
   REQUIRE(fitting->Predict(large));
   CHECK(*other->Predict(small) == *nhpm::Glpf().Predict(small));
-  CHECK(other->name() == "fallback: glpf");
-  CHECK(fitting->name() == "nhpm");
+  CHECK(other->identity().name == "fallback: glpf");
+  CHECK(fitting->identity().name == "nhpm");
   CHECK(bench.Lines("perception model cannot answer, using the embedded GLPF world=w2") == 1);
   CHECK(bench.Lines("13 x 13") == 1);
 }
@@ -71,7 +71,7 @@ TEST_CASE("Without anybody who answers the GLPF does", "[planner][perception]") 
   const auto model = bench.Make().ForWorld("w1");
   const std::vector queries{MakeQuery(1)};
   CHECK(*model->Predict(queries) == *nhpm::Glpf().Predict(queries));
-  CHECK(model->name() == "fallback: glpf");
+  CHECK(model->identity().name == "fallback: glpf");
 }
 
 TEST_CASE("The embedded GLPF needs neither file nor fallback", "[planner][perception]") {
@@ -79,7 +79,7 @@ TEST_CASE("The embedded GLPF needs neither file nor fallback", "[planner][percep
   bench.config.perception_model = "glpf";
   bench.config.weights = "/nowhere/a.nhpm";
   const auto model = bench.Make().ForWorld("w1");
-  CHECK(model->name() == "glpf");
+  CHECK(model->identity().name == "glpf");
 }
 
 TEST_CASE("Weights that an embedded network does not find stop the start",

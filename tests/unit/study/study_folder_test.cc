@@ -12,12 +12,13 @@ namespace {
 
 const nlohmann::ordered_json kDesign{{"operators", 14}, {"seed", 1}};
 
-std::string Refusal(const std::filesystem::path& path, const nlohmann::ordered_json& design) {
+std::string Refusal(const std::filesystem::path& path,
+                    const nlohmann::ordered_json& design = kDesign) {
   const auto folder = StudyFolder::Open(path, design);
   return folder ? "" : folder.error().text;
 }
 
-TEST_CASE("A record is there again for the same design", "[study][folder]") {
+TEST_CASE("A record is there again for the same design", "[study]") {
   const test::TemporaryFolder parent;
   const auto record = SampleRecord("s01", SampleMeasures(10.0, 400.0));
   EpisodeRecord failed{.name = "s02", .detail = "planner died", .attempts = 2};
@@ -36,7 +37,7 @@ TEST_CASE("A record is there again for the same design", "[study][folder]") {
   CHECK(store->records() == Records{{"s01", record}, {"s02", failed}});
 }
 
-TEST_CASE("What a kill leaves of a file that was being written is no obstacle", "[study][folder]") {
+TEST_CASE("What a kill leaves of a file that was being written is no obstacle", "[study]") {
   const test::TemporaryFolder parent;
   std::filesystem::create_directory(parent / "study");
   REQUIRE(WriteFile(parent / "study/study.json.0123456789abcdef.partial", "{\"fing"));
@@ -49,34 +50,30 @@ TEST_CASE("What a kill leaves of a file that was being written is no obstacle", 
   CHECK(store->records().empty());
 }
 
-TEST_CASE("Another design is refused and the first difference named", "[study][folder]") {
+TEST_CASE("A folder of another design, of other files, or in use is refused and left alone",
+          "[study]") {
   const test::TemporaryFolder parent;
-  REQUIRE(Refusal(parent / "study", kDesign).empty());
+  const auto study = parent / "study";
+  {
+    const auto first = StudyFolder::Open(study, kDesign);
+    REQUIRE(first);
+    CHECK_THAT(Refusal(study), Catch::Contains("in use"));
+  }
   nlohmann::ordered_json other = kDesign;
   other["seed"] = 2;
-  CHECK_THAT(Refusal(parent / "study", other),
-             Catch::EndsWith("belongs to another study: seed is 1 there, 2 here; choose another "
-                             "--out"));
-  CHECK(Refusal(parent / "study", kDesign).empty());
+  CHECK_THAT(Refusal(study, other), Catch::Contains("seed is 1 there, 2 here"));
+  CHECK(Refusal(study).empty());
+  REQUIRE(WriteFile(study / "study.json", "{"));
+  CHECK_THAT(Refusal(study), Catch::Contains("study.json"));
+
+  REQUIRE(std::filesystem::create_directory(parent / "mine"));
+  REQUIRE(WriteFile(parent / "mine/thesis.txt", "my thesis"));
+  CHECK_THAT(Refusal(parent / "mine"), Catch::Contains("holds no study"));
+  CHECK(std::distance(std::filesystem::directory_iterator(parent / "mine"), {}) == 1);
+  CHECK_THAT(Refusal(parent / "mine/thesis.txt"), Catch::Contains("thesis.txt"));
 }
 
-TEST_CASE("A folder with other files is left alone", "[study][folder]") {
-  const test::TemporaryFolder parent;
-  REQUIRE(WriteFile(parent / "thesis.txt", "my thesis"));
-  CHECK_THAT(Refusal(parent.path(), kDesign), Catch::EndsWith("is not empty and holds no study"));
-  CHECK(std::distance(std::filesystem::directory_iterator(parent.path()), {}) == 1);
-  CHECK_THAT(Refusal(parent / "thesis.txt", kDesign), Catch::Contains("thesis.txt"));
-}
-
-TEST_CASE("Two studies do not share a folder at a time", "[study][folder]") {
-  const test::TemporaryFolder parent;
-  const auto first = StudyFolder::Open(parent / "study", kDesign);
-  REQUIRE(first);
-  CHECK_THAT(Refusal(parent / "study", kDesign),
-             Catch::EndsWith("is in use by another conav study"));
-}
-
-TEST_CASE("A record that cannot be read is named", "[study][folder]") {
+TEST_CASE("A record that cannot be read is named", "[study]") {
   const test::TemporaryFolder parent;
   const auto folder = StudyFolder::Open(parent / "study", kDesign);
   REQUIRE(folder);
@@ -90,14 +87,6 @@ TEST_CASE("A record that cannot be read is named", "[study][folder]") {
     CHECK_THAT(store.error().text, Catch::StartsWith(file.string() + ": is no record of") &&
                                        Catch::EndsWith("the same command runs it again"));
   }
-}
-
-TEST_CASE("A broken study.json is named", "[study][folder]") {
-  const test::TemporaryFolder parent;
-  REQUIRE(Refusal(parent / "study", kDesign).empty());
-  REQUIRE(WriteFile(parent / "study/study.json", "{"));
-  CHECK_THAT(Refusal(parent / "study", kDesign),
-             Catch::EndsWith("study.json: is no study's design"));
 }
 
 }  // namespace

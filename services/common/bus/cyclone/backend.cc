@@ -8,7 +8,7 @@
 namespace conav::bus {
 namespace {
 
-/// ROS 2 takes a participant for one of its own by this user data.
+/// ROS 2 recognises its participants by this user data.
 constexpr std::string_view kRosUserData = "enclave=/;";
 
 dds_entity_t CreateParticipant(int domain_id) {

@@ -11,8 +11,8 @@
 namespace conav::bus {
 namespace {
 
-/// Cyclone repeats a failing send for each packet while an interface is down; at most one line a
-/// second is passed on, and not to /rosout, whose sending may be what failed.
+/// While an interface is down, Cyclone logs a failing send for each packet. This passes on at most
+/// one line a second, and not to /rosout, since sending to it may be what fails.
 void LogLine(void*, const dds_log_data_t* data) {
   static LogLimit limit;  // there is one sink per process
   const bool is_error = (data->priority & (DDS_LC_FATAL | DDS_LC_ERROR)) != 0;
@@ -34,16 +34,16 @@ std::string Peers(const Network& network) {
   return fmt::format("<SPDPInterval>1s</SPDPInterval><Peers>{}</Peers>", peers);
 }
 
-/// Loopback takes datagrams of 64 kB whole; on a real link Cyclone's default avoids that the loss
-/// of one IP fragment costs 64 kB.
+/// Loopback carries datagrams of 64 kB whole. On a real link Cyclone's smaller default keeps the
+/// loss of one IP fragment from costing 64 kB.
 std::string Datagrams(const Network& network) {
   if (!network.loopback) return {};
   return "<MaxMessageSize>65500B</MaxMessageSize><FragmentSize>64000B</FragmentSize>";
 }
 
-/// Only for finding each other. Readers that ask for data by multicast end a Fast DDS 2.9.1 writer
-/// of Debian 12 as soon as it has two of them: "OutputTrafficManager ... Assertion `it !=
-/// collection_.end()' failed".
+/// Multicast is for discovery only. Two readers that ask for data by multicast crash a Fast DDS
+/// 2.9.1 writer of Debian 12: "OutputTrafficManager ... Assertion `it != collection_.end()'
+/// failed".
 std::string Multicast(const Network& network) {
   return fmt::format("<AllowMulticast>{}</AllowMulticast>", network.multicast ? "spdp" : "false");
 }
@@ -72,7 +72,7 @@ std::string CycloneConfiguration(const Network& network, double lease_s) {
 
 std::shared_ptr<CycloneDomain> CycloneDomain::Open(int domain_id,
                                                    const std::string& configuration) {
-  // Mirrors Cyclone's own process-wide table of domains, which cannot be asked for.
+  // Mirrors Cyclone's process-wide table of domains, which has no query function.
   static std::mutex mutex;
   static std::map<int, std::weak_ptr<CycloneDomain>> open_domains;
   const std::lock_guard lock(mutex);

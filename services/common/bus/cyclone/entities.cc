@@ -76,7 +76,7 @@ QosPointer MakeQos(const Qos& qos) {
   dds_qset_history(result.get(), history, qos.depth);
   if (qos.durability == Durability::kTransientLocal) {
     dds_qset_durability(result.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
-    // What a late joiner gets is the depth of this policy, not of history.
+    // This depth, not that of the history policy, limits what a late joiner gets.
     const int limit = qos.depth > 0 ? DDS_LENGTH_UNLIMITED : kKeepAllLimit;
     dds_qset_durability_service(result.get(), 0, history, qos.depth, limit, limit, limit);
   }
@@ -200,10 +200,10 @@ bool CycloneReader::IsRepeated(dds_entity_t reader, const dds_sample_info_t& inf
   const Guid& writer = WriterOf(reader, info.publication_handle);
   return !deduplicator_.IsNew(writer, info.source_timestamp);
 } catch (const std::exception&) {
-  return false;  // out of memory: better twice than never
+  return false;  // out of memory: a duplicate is better than a loss
 }
 
-/// Cyclone names a writer by another handle after it was found again; the GUID stays.
+/// Cyclone gives a writer a new handle when it reappears; the GUID stays the same.
 const Guid& CycloneReader::WriterOf(dds_entity_t reader, dds_instance_handle_t publication) {
   const auto known = writers_.find(publication);
   if (known != writers_.end()) return known->second;

@@ -11,12 +11,12 @@
 
 namespace conav::bus {
 
-/// What the endpoints of one participant share. Outlives them.
+/// The state that the endpoints of one participant share. Outlives them.
 struct CycloneContext {
   dds_entity_t participant;
   double lease_s;
   EventLog& events;
-  RosGraph* graph;  // null for endpoints that ROS tools are not told of
+  RosGraph* graph;  // null for endpoints that ROS tools do not see
 };
 
 /// Deletes a Cyclone entity; waits for its callbacks.
@@ -71,11 +71,11 @@ class CycloneReader final : public Reader {
   CycloneContext context_;
   EndpointEvents events_;
   Intake intake_;
-  const bool check_repeats_;  // only transient-local history is ever repeated
+  const bool check_repeats_;  // vendors only repeat transient-local history
   Deduplicator deduplicator_;
   std::map<dds_instance_handle_t, Guid> writers_;
   CycloneEntity topic_;
-  CycloneEntity reader_;  // last: its callbacks use the rest
+  CycloneEntity reader_;  // last: its callbacks use the other members
 };
 
 }  // namespace conav::bus

@@ -49,9 +49,9 @@ void SetKey(Serdata& serdata, const void* message) {
   serdata.c.hash ^= HashOf({serdata.key.data(), serdata.key_size});
 }
 
-/// The key of what came over the network. A key-only payload (a dispose) is read as a message whose
-/// other members are zero, which is right when the keys are declared first.
-/// A payload that is no message gets the zero key; the reader will find out and drop it.
+/// Sets the key of a sample from the network. A key-only payload (a dispose) is read as a message
+/// whose other members are zero, which is right when the keys are declared first.
+/// An undecodable payload gets the zero key; the reader finds out and drops it.
 void SetKeyFromPayload(Serdata& serdata) {
   const TypeSupport& type = TypeOf(serdata.c.type);
   if (!type.keyed) return;
@@ -113,8 +113,8 @@ ddsi_serdata* FromKeyhash(const ddsi_sertype* type, const ddsi_keyhash* keyhash)
   return nullptr;
 }
 
-/// Fast DDS takes key payloads of up to 16 bytes, encapsulation included, for the key hash itself;
-/// so a key payload of ours is always longer and it uses the key hash parameter instead.
+/// Fast DDS mistakes key payloads of up to 16 bytes, encapsulation included, for the key hash
+/// itself. So our key payloads are always longer, and Fast DDS uses the key hash parameter instead.
 ddsi_serdata* KeyOf(const ddsi_sertype* type, const void* message) {
   Serdata* serdata = Allocate(type, SDK_KEY, kEncapsulationSize + kMaximumKeySize);
   std::memset(serdata->bytes(), 0, serdata->size);
@@ -141,7 +141,7 @@ ddsi_serdata* FromSample(const ddsi_sertype* sertype, ddsi_serdata_kind kind,
   return nullptr;
 }
 
-/// Only the key, shared by all topics of the instance map.
+/// Keeps only the key, which all topics of the instance map share.
 ddsi_serdata* ToUntyped(const ddsi_serdata* data) try {
   const Serdata& full = AsSerdata(data);
   Serdata* serdata = Allocate(data->type, SDK_KEY, 0);
@@ -174,7 +174,7 @@ bool ToSample(const ddsi_serdata* data, void* message, void**, void*) {
 }
 
 bool UntypedToSample(const ddsi_sertype*, const ddsi_serdata*, void*, void**, void*) {
-  return false;  // the bus takes no samples without data
+  return false;  // the bus does not read samples without data
 }
 
 bool EqualKey(const ddsi_serdata* a, const ddsi_serdata* b) {
@@ -202,31 +202,6 @@ void KeyHash(const ddsi_serdata* data, ddsi_keyhash* hash, bool force_md5) {
   ddsrt_md5_finish(&state, hash->value);
 }
 
-}  // namespace
-
-const ddsi_serdata_ops serdata_operations = {
-    .eqkey = EqualKey,
-    .get_size = Size,
-    .from_ser = FromFragments,
-    .from_ser_iov = FromVectors,
-    .from_keyhash = FromKeyhash,
-    .from_sample = FromSample,
-    .to_ser = ToBuffer,
-    .to_ser_ref = ToReference,
-    .to_ser_unref = EndReference,
-    .to_sample = ToSample,
-    .to_untyped = ToUntyped,
-    .untyped_to_sample = UntypedToSample,
-    .free = Free,
-    .print = Print,
-    .get_keyhash = KeyHash,
-    // shared memory stays off
-    .get_sample_size = nullptr,
-    .from_iox_buffer = nullptr,
-};
-
-namespace {
-
 Sertype& AsSertype(ddsi_sertype* type) { return *reinterpret_cast<Sertype*>(type); }
 const Sertype& AsSertype(const ddsi_sertype* type) {
   return *reinterpret_cast<const Sertype*>(type);
@@ -248,7 +223,7 @@ bool Equal(const ddsi_sertype* a, const ddsi_sertype* b) {
 
 std::uint32_t Hash(const ddsi_sertype*) { return 0; }
 
-// No type information is announced: matching is by name, as Fast DDS 2.9 does.
+// No type information is announced: matching is by name, as in Fast DDS 2.9.
 const ddsi_sertype_ops sertype_operations = {
     .version = ddsi_sertype_v0,
     .arg = nullptr,
@@ -267,6 +242,27 @@ const ddsi_sertype_ops sertype_operations = {
 };
 
 }  // namespace
+
+const ddsi_serdata_ops serdata_operations = {
+    .eqkey = EqualKey,
+    .get_size = Size,
+    .from_ser = FromFragments,
+    .from_ser_iov = FromVectors,
+    .from_keyhash = FromKeyhash,
+    .from_sample = FromSample,
+    .to_ser = ToBuffer,
+    .to_ser_ref = ToReference,
+    .to_ser_unref = EndReference,
+    .to_sample = ToSample,
+    .to_untyped = ToUntyped,
+    .untyped_to_sample = UntypedToSample,
+    .free = Free,
+    .print = Print,
+    .get_keyhash = KeyHash,
+    // Shared memory stays off.
+    .get_sample_size = nullptr,
+    .from_iox_buffer = nullptr,
+};
 
 ddsi_sertype* MakeSertype(const TypeSupport& type) {
   auto* sertype = new Sertype{};

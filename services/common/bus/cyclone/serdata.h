@@ -10,8 +10,8 @@
 
 namespace conav::bus {
 
-/// How Cyclone DDS learns of a bus type without idlc: its own description (sertype) and its own
-/// serialised samples (serdata), as /usr/include/dds/ddsi/ddsi_serdata.h asks for them.
+/// Teaches Cyclone DDS a bus type without idlc: our own type description (sertype) and serialised
+/// samples (serdata), as /usr/include/dds/ddsi/ddsi_serdata.h specifies.
 ///
 ///   ddsi_sertype, name, flags        Serdata | payload: encapsulation, CDR, padding to 4 |
 ///   `type` ------> TypeSupport       one allocation; freed by Cyclone's reference count
@@ -19,15 +19,15 @@ namespace conav::bus {
 /// Each function that Cyclone calls catches all exceptions: one that passed through C code would
 /// end the process.
 struct Sertype {
-  ddsi_sertype c;  // first: Cyclone knows only this part
+  ddsi_sertype c;  // first: Cyclone only knows this part
   const TypeSupport* type;
 };
 
-/// A new sertype with one reference, to be handed to dds_create_topic_sertype.
+/// Creates a sertype with one reference, for dds_create_topic_sertype.
 ddsi_sertype* MakeSertype(const TypeSupport& type);
 
 struct Serdata {
-  ddsi_serdata c;                                 // first: Cyclone knows only this part
+  ddsi_serdata c;                                 // first: Cyclone only knows this part
   std::uint32_t size;                             // of the payload, without padding
   std::uint32_t key_size;                         // 0 for types without key
   std::array<std::uint8_t, kMaximumKeySize> key;  // big-endian CDR of the key members

@@ -19,12 +19,12 @@ namespace conav::bus {
 eprosima::fastdds::dds::DataWriterQos FastWriterQos(const Qos& qos, double lease_s);
 eprosima::fastdds::dds::DataReaderQos FastReaderQos(const Qos& qos);
 
-/// What the endpoints of one participant share. Outlives them.
+/// The state that the endpoints of one participant share. Outlives them.
 struct FastContext {
   FastParticipant& participant;
   double lease_s;
   EventLog& events;
-  RosGraph* graph;  // null for endpoints that ROS tools are not told of
+  RosGraph* graph;  // null for endpoints that ROS tools do not see
 };
 
 class FastWriter final : public Writer, private eprosima::fastdds::dds::DataWriterListener {
@@ -77,7 +77,7 @@ class FastReader final : public Reader, private eprosima::fastdds::dds::DataRead
   FastContext context_;
   EndpointEvents events_;
   Intake intake_;
-  const bool check_repeats_;  // only transient-local history is ever repeated
+  const bool check_repeats_;  // vendors only repeat transient-local history
   Deduplicator deduplicator_;
   eprosima::fastdds::dds::Topic* topic_;
   eprosima::fastdds::dds::DataReader* reader_;

@@ -12,7 +12,7 @@ namespace {
 using eprosima::fastrtps::rtps::InstanceHandle_t;
 using eprosima::fastrtps::rtps::SerializedPayload_t;
 
-/// Fast DDS allocates this much for each sample at first and grows it as needed.
+/// Fast DDS first allocates this much for each sample and grows it on demand.
 constexpr std::uint32_t kUsualPayloadSize = 1024;
 
 FastSample& SampleOf(void* data) { return *static_cast<FastSample*>(data); }

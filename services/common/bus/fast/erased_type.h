@@ -6,16 +6,16 @@
 
 namespace conav::bus {
 
-/// What Fast DDS handles as a sample: a message of the bus, by reference.
+/// A message of the bus, by reference: what Fast DDS handles as a sample.
 struct FastSample {
   void* message = nullptr;
-  /// After a read: the payload was a message. Fast DDS itself is always told that it was, so that a
-  /// malformed sample is taken like any other and dropped by the reader of the bus.
+  /// After a read: whether the payload was a message. ErasedType always reports success to Fast
+  /// DDS, so that the reader of the bus takes and drops a malformed sample like any other.
   bool valid = false;
 };
 
-/// One TopicDataType for all types of the bus; takes the place of fastddsgen's PubSubTypes.
-/// Never throws into Fast DDS.
+/// One TopicDataType for all types of the bus, instead of fastddsgen's PubSubTypes. Never throws
+/// into Fast DDS.
 class ErasedType final : public eprosima::fastdds::dds::TopicDataType {
  public:
   explicit ErasedType(const TypeSupport& type);

@@ -24,8 +24,9 @@ namespace rtps = eprosima::fastrtps::rtps;
 constexpr std::uint32_t kSocketBuffer = 4 * 1024 * 1024;
 constexpr std::string_view kRosUserData = "enclave=/;";
 
-/// Fast DDS would print to stdout, which belongs to the program. It repeats some errors for each
-/// packet; at most one a second is passed on, and not to /rosout, whose sending may be what failed.
+/// Redirects Fast DDS's log from stdout, which belongs to the program. Fast DDS repeats some errors
+/// for each packet: this passes on at most one a second, and not to /rosout, since sending to it
+/// may be what fails.
 class LogToOurs final : public dds::LogConsumer {
  public:
   void Consume(const dds::Log::Entry& entry) override {
@@ -42,9 +43,9 @@ class LogToOurs final : public dds::LogConsumer {
   LogLimit warnings_;
 };
 
-/// Settings of the whole process. Participants of one process talk over the network as any others
-/// do: handed over directly, a message can reach a reader of a participant that was just destroyed
-/// (Fast DDS pull request 5034; fixed after the versions of Debian 12).
+/// Settings of the whole process. Participants of one process talk over the network like any
+/// others: handed over directly, a message can reach a reader of a participant that was just
+/// destroyed (Fast DDS pull request 5034; fixed after the versions of Debian 12).
 void ConfigureLibrary() {
   dds::Log::ClearConsumers();
   dds::Log::RegisterConsumer(std::make_unique<LogToOurs>());
@@ -56,10 +57,37 @@ void ConfigureLibrary() {
 rtps::Locator_t UdpLocator(const std::string& address) {
   rtps::Locator_t locator;
   locator.kind = LOCATOR_KIND_UDPv4;
-  locator.port = 0;  // by the rules of RTPS, from domain and participant index
+  locator.port = 0;  // computed by RTPS from domain and participant index
   if (!address.empty()) rtps::IPLocator::setIPv4(locator, address);
   return locator;
 }
+
+class FastBackend final : public Backend {
+ public:
+  FastBackend(const std::string& node_name, const ParticipantOptions& options)
+      : participant_(options.domain_id,
+                     FastParticipantQos(node_name, ResolveNetwork(options), options.lease_s)),
+        lease_s_(options.lease_s),
+        graph_(node_name, options.ros_distribution, participant_.guid()) {
+    graph_.Start(std::make_unique<FastWriter>(Context(nullptr), graph_.endpoint()));
+  }
+
+  std::unique_ptr<Writer> CreateWriter(const EndpointOptions& options) override {
+    return std::make_unique<FastWriter>(Context(&graph_), options);
+  }
+  std::unique_ptr<Reader> CreateReader(const EndpointOptions& options, Sink sink) override {
+    return std::make_unique<FastReader>(Context(&graph_), options, std::move(sink));
+  }
+  std::vector<Event> TakeEvents() override { return events_.Take(); }
+
+ private:
+  FastContext Context(RosGraph* graph) { return {participant_, lease_s_, events_, graph}; }
+
+  FastParticipant participant_;
+  double lease_s_;
+  EventLog events_;
+  RosGraph graph_;
+};
 
 }  // namespace
 
@@ -150,37 +178,6 @@ void FastParticipant::ReleaseTopic(dds::Topic* topic) {
   users_.erase(topic);
   participant_->delete_topic(topic);
 }
-
-namespace {
-
-class FastBackend final : public Backend {
- public:
-  FastBackend(const std::string& node_name, const ParticipantOptions& options)
-      : participant_(options.domain_id,
-                     FastParticipantQos(node_name, ResolveNetwork(options), options.lease_s)),
-        lease_s_(options.lease_s),
-        graph_(node_name, options.ros_distribution, participant_.guid()) {
-    graph_.Start(std::make_unique<FastWriter>(Context(nullptr), graph_.endpoint()));
-  }
-
-  std::unique_ptr<Writer> CreateWriter(const EndpointOptions& options) override {
-    return std::make_unique<FastWriter>(Context(&graph_), options);
-  }
-  std::unique_ptr<Reader> CreateReader(const EndpointOptions& options, Sink sink) override {
-    return std::make_unique<FastReader>(Context(&graph_), options, std::move(sink));
-  }
-  std::vector<Event> TakeEvents() override { return events_.Take(); }
-
- private:
-  FastContext Context(RosGraph* graph) { return {participant_, lease_s_, events_, graph}; }
-
-  FastParticipant participant_;
-  double lease_s_;
-  EventLog events_;
-  RosGraph graph_;
-};
-
-}  // namespace
 
 std::unique_ptr<Backend> MakeFastBackend(const std::string& node_name,
                                          const ParticipantOptions& options) {

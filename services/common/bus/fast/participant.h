@@ -23,7 +23,7 @@ eprosima::fastdds::dds::DomainParticipantQos FastParticipantQos(const std::strin
 Guid ToGuid(const eprosima::fastrtps::rtps::GUID_t& guid);
 
 /// A Fast DDS participant with one publisher, one subscriber, and the topics in use.
-/// Threads: safe to use from several threads.
+/// Threads: safe to call concurrently.
 class FastParticipant {
  public:
   /// Throws StartupError.
@@ -32,8 +32,8 @@ class FastParticipant {
   FastParticipant(const FastParticipant&) = delete;
   FastParticipant& operator=(const FastParticipant&) = delete;
 
-  /// Fast DDS has one topic object per name; it is shared and counted here. `type` lives as long as
-  /// the program. Throws StartupError.
+  /// Returns the one topic object per name that Fast DDS allows, and counts its users. `type` lives
+  /// as long as the program. Throws StartupError.
   eprosima::fastdds::dds::Topic* AcquireTopic(const std::string& dds_name, const TypeSupport& type);
   void ReleaseTopic(eprosima::fastdds::dds::Topic* topic);
 

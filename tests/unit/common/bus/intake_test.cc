@@ -18,7 +18,7 @@ std::vector<std::uint8_t> Payload(std::uint64_t id, std::size_t size) {
   return payload;
 }
 
-TEST_CASE("a payload reaches the sink as a message, memory is used again", "[bus][intake]") {
+TEST_CASE("a payload reaches the sink as a message, memory is used again", "[intake]") {
   EventLog events;
   std::vector<const std::uint8_t*> places;
   std::vector<Blob> received;
@@ -35,7 +35,8 @@ TEST_CASE("a payload reaches the sink as a message, memory is used again", "[bus
   CHECK(places[0] == places[1]);
 }
 
-TEST_CASE("a malformed payload is dropped and counted", "[bus][intake]") {
+TEST_CASE("a malformed payload is dropped and counted; a sink that throws ends nothing",
+          "[intake]") {
   EventLog events;
   int received = 0;
   Intake intake(
@@ -46,18 +47,13 @@ TEST_CASE("a malformed payload is dropped and counted", "[bus][intake]") {
   intake.Deliver(Payload(1, 5), {});
   CHECK(received == 1);
   CHECK(intake.malformed() == 1);
-}
-
-TEST_CASE("a sink that throws ends nothing", "[bus][intake]") {
-  EventLog events;
-  Intake intake(
+  Intake thrower(
       kBlobs, [](void*, SourceTime) { throw std::runtime_error("no"); }, events);
-  intake.Deliver(Payload(1, 5), {});
-  intake.Deliver(Payload(2, 5), {});
-  CHECK(intake.malformed() == 0);
+  for (const std::uint64_t id : {1, 2}) thrower.Deliver(Payload(id, 5), {});
+  CHECK(thrower.malformed() == 0);
 }
 
-TEST_CASE("a sink may cause another delivery to itself", "[bus][intake]") {
+TEST_CASE("a sink may cause another delivery to itself", "[intake]") {
   EventLog events;
   std::vector<std::uint64_t> ids;
   Intake* self = nullptr;
@@ -72,6 +68,41 @@ TEST_CASE("a sink may cause another delivery to itself", "[bus][intake]") {
   self = &intake;
   intake.Deliver(Payload(1, 5), {});
   CHECK(ids == std::vector<std::uint64_t>{1, 2, 2, 1});
+}
+
+const Guid kFirst = {1};
+const Guid kSecond = {2};
+
+TEST_CASE("a stamp is new once per writer, also of a clock that was set back", "[deduplicator]") {
+  Deduplicator seen;
+  CHECK(seen.IsNew(kFirst, 10));
+  CHECK_FALSE(seen.IsNew(kFirst, 10));
+  CHECK(seen.IsNew(kSecond, 10));
+  CHECK_FALSE(seen.IsNew(kFirst, 10));
+  for (std::int64_t stamp = 1000; stamp < 3000; ++stamp) REQUIRE(seen.IsNew(kFirst, stamp));
+  CHECK(seen.IsNew(kFirst, 500));
+  CHECK_FALSE(seen.IsNew(kFirst, 500));
+}
+
+TEST_CASE("a whole repeated history is recognised, and what follows is new", "[deduplicator]") {
+  Deduplicator seen;
+  constexpr auto kHistory = static_cast<std::int64_t>(Deduplicator::kWindow);
+  for (std::int64_t stamp = 0; stamp < 3 * kHistory; ++stamp) REQUIRE(seen.IsNew(kFirst, stamp));
+  for (std::int64_t stamp = 2 * kHistory; stamp < 3 * kHistory; ++stamp) {
+    REQUIRE_FALSE(seen.IsNew(kFirst, stamp));
+  }
+  CHECK(seen.IsNew(kFirst, 3 * kHistory));
+}
+
+TEST_CASE("the writer unused for longest is forgotten when there are too many", "[deduplicator]") {
+  Deduplicator seen;
+  CHECK(seen.IsNew(kFirst, 1));
+  for (std::size_t i = 0; i < Deduplicator::kWriters; ++i) {
+    const Guid writer = {7, static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i >> 8)};
+    REQUIRE(seen.IsNew(writer, 1));
+    if (i == 3) CHECK_FALSE(seen.IsNew(kFirst, 1));
+  }
+  CHECK(seen.IsNew({7, 0, 0}, 1));
 }
 
 }  // namespace

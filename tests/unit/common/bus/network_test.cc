@@ -7,7 +7,7 @@
 namespace conav::bus {
 namespace {
 
-TEST_CASE("the loopback interface means unicast to this machine", "[bus][network]") {
+TEST_CASE("the loopback interface means unicast to this machine", "[network]") {
   ParticipantOptions options;
   options.interface = GENERATE("lo", "127.0.0.1");
   const Network network = ResolveNetwork(options);
@@ -17,14 +17,12 @@ TEST_CASE("the loopback interface means unicast to this machine", "[bus][network
   CHECK(network.peers == std::vector<std::string>{"127.0.0.1"});
 }
 
-TEST_CASE("without interface and peers the vendor chooses, with multicast", "[bus][network]") {
-  const Network network = ResolveNetwork({});
-  CHECK(network.multicast);
-  CHECK(network.interface_name.empty());
-  CHECK(network.peers.empty());
-}
-
-TEST_CASE("peers switch multicast off and this machine is among them", "[bus][network]") {
+TEST_CASE("without interface and peers the vendor chooses, with multicast; peers switch it off",
+          "[network]") {
+  const Network open = ResolveNetwork({});
+  CHECK(open.multicast);
+  CHECK(open.interface_name.empty());
+  CHECK(open.peers.empty());
   ParticipantOptions options;
   options.peers = {"10.1.2.3", "localhost", "10.1.2.3"};
   const Network network = ResolveNetwork(options);
@@ -35,14 +33,10 @@ TEST_CASE("peers switch multicast off and this machine is among them", "[bus][ne
   CHECK(std::count(network.peers.begin(), network.peers.end(), "10.1.2.3") == 1);
 }
 
-TEST_CASE("an unknown interface is refused with those that exist", "[bus][network]") {
+TEST_CASE("an unknown interface and a peer without address are refused by name", "[network]") {
   ParticipantOptions options;
   options.interface = "eth_none";
   CHECK_THROWS_WITH(ResolveNetwork(options), Catch::Contains("eth_none") && Catch::Contains("lo"));
-}
-
-TEST_CASE("a peer without address is refused by name", "[bus][network]") {
-  ParticipantOptions options;
   options.interface = "lo";
   options.peers = {"no such host"};
   CHECK_THROWS_WITH(ResolveNetwork(options), Catch::Contains("no such host"));

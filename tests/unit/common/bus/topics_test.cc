@@ -1,44 +1,78 @@
 #include "common/bus/topics.h"
 
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
+#include <iostream>
+#include <string>
+#include <string_view>
 
 #include "common/bus/network.h"
+#include "common/bus/type_support.h"
+#include "common/runtime/file.h"
 
 namespace conav::bus {
 namespace {
 
-TEST_CASE("a topic's name is its pattern with the entity", "[bus][topics]") {
+/// The words of the README's table.
+std::string Words(const Qos& qos) {
+  const bool latched = qos.durability == Durability::kTransientLocal;
+  if (qos.reliability == Reliability::kBestEffort) {
+    return fmt::format("best effort, last {}", qos.depth);
+  }
+  if (latched && qos.depth == 1) return "latched";
+  if (qos.depth == 0) return "reliable, all";
+  return fmt::format("{}, last {}", latched ? "latched" : "reliable", qos.depth);
+}
+
+/// "conav_msgs::msg::dds_::RobotState_" as ROS 2 writes it: "conav_msgs/RobotState".
+std::string RosType(std::string_view dds_name) {
+  const auto package = dds_name.substr(0, dds_name.find("::"));
+  const auto name = dds_name.substr(dds_name.rfind("::") + 2);
+  return fmt::format("{}/{}", package, name.substr(0, name.size() - 1));
+}
+
+/// "| `/<robot>/state` | conav_msgs/RobotState | sim -> all | latched |" for each topic.
+std::string Table() {
+  std::string table;
+  const auto rows_of = [&](std::string_view entity) {
+    return [&table, entity](const auto& topic) {
+      using T = typename std::decay_t<decltype(topic)>::Type;
+      table += fmt::format("| `{}` | {}{}{} | {} | {} |\n", topic.NameFor(entity),
+                           RosType(TypeSupportOf<T>().name), topic.about.empty() ? "" : ": ",
+                           topic.about, topic.direction, Words(topic.qos));
+    };
+  };
+  ForEachRobotTopic(rows_of("<robot>"));
+  ForEachWorldTopic(rows_of("<world>"));
+  ForEachSystemTopic(rows_of(""));
+  return table;
+}
+
+TEST_CASE("the README's table of topics is that of the code", "[topics]") {
+  const auto readme = ReadFile(std::string(CONAV_SOURCE_DIR) + "/README.md");
+  REQUIRE(readme);
+  const bool same = readme->find(Table()) != std::string::npos;
+  if (!same) std::cout << "put this table into README.md:\n" << Table();
+  CHECK(same);
+}
+
+TEST_CASE("topics of robots and worlds have a place for their name, the others have none",
+          "[topics]") {
+  const auto has_place = [](const auto& topic) { CHECK(topic.pattern.starts_with("/{}/")); };
+  ForEachRobotTopic(has_place);
+  ForEachWorldTopic(has_place);
+  ForEachSystemTopic(
+      [](const auto& topic) { CHECK(topic.pattern.find("{}") == std::string_view::npos); });
+}
+
+TEST_CASE("a topic's name is its pattern with the entity", "[topics]") {
   CHECK(kRobotState.NameFor("r1") == "/r1/state");
   CHECK(kCameraImage.NameFor("r12") == "/r12/camera/image/compressed");
-  CHECK(kBeliefMap.NameFor("w2") == "/w2/belief/map");
-  CHECK(kClock.NameFor({}) == "/clock");
   CHECK(kClock.NameFor("r1") == "/clock");
-}
-
-TEST_CASE("ROS topics carry the rt prefix in DDS, the ROS graph does not", "[bus][topics]") {
+  // In DDS ROS topics carry the rt prefix, the ROS graph does not.
   CHECK(DdsTopicName("/r1/state") == "rt/r1/state");
   CHECK(DdsTopicName("ros_discovery_info") == "ros_discovery_info");
-}
-
-TEST_CASE("late joiners get state, maps, commands and guidance", "[bus][topics]") {
-  for (const Qos& qos : {kRobotMap.qos, kRobotState.qos, kRobotCommand.qos, kGuidance.qos,
-                         kBelief.qos, kInitialMap.qos, kGoals.qos, kSnapshot.qos}) {
-    CHECK(qos.durability == Durability::kTransientLocal);
-    CHECK(qos.reliability == Reliability::kReliable);
-  }
-}
-
-TEST_CASE("streams are best effort, requests keep all, queries the newest", "[bus][topics]") {
-  CHECK(kCameraImage.qos.reliability == Reliability::kBestEffort);
-  CHECK(kClock.qos.reliability == Reliability::kBestEffort);
-  for (const Qos& qos : {kOperatorRequest.qos, kOperatorReply.qos}) {
-    CHECK(qos.depth == 0);
-    CHECK(qos.reliability == Reliability::kReliable);
-  }
-  for (const Qos& qos : {kPerceptionRequest.qos, kPerceptionReply.qos}) {
-    CHECK(qos.depth > 0);
-    CHECK(qos.reliability == Reliability::kReliable);
-  }
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "common/bus/type_support.h"
+#include "common/bus/type_support_of.h"
 
 #include <catch2/catch.hpp>
 
@@ -18,20 +18,20 @@ std::vector<std::uint8_t> Serialised(const TypeSupport& type, const void* messag
   return payload;
 }
 
-TEST_CASE("type names are those that ROS 2 gives its types in DDS", "[bus][types]") {
+TEST_CASE("type names are those that ROS 2 gives its types in DDS, without keys", "[types]") {
   CHECK(TypeSupportOf<nav_msgs::msg::OccupancyGrid>().name ==
         "nav_msgs::msg::dds_::OccupancyGrid_");
   CHECK(TypeSupportOf<conav_msgs::msg::RobotState>().name == "conav_msgs::msg::dds_::RobotState_");
   CHECK(TypeSupportOf<rosgraph_msgs::msg::Clock>().name == "rosgraph_msgs::msg::dds_::Clock_");
-}
-
-TEST_CASE("both layouts of the ROS graph carry the name of rmw_dds_common", "[bus][types]") {
+  CHECK_FALSE(TypeSupportOf<conav_msgs::msg::RobotState>().keyed);
+  CHECK_FALSE(TypeSupportOf<nav_msgs::msg::Path>().keyed);
+  // Both layouts of the ROS graph carry the name of rmw_dds_common.
   const std::string name = "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_";
   CHECK(TypeSupportOf<ros_graph_jazzy::msg::ParticipantEntitiesInfo>().name == name);
   CHECK(TypeSupportOf<ros_graph_humble::msg::ParticipantEntitiesInfo>().name == name);
 }
 
-TEST_CASE("a message is serialised as little-endian CDR with encapsulation", "[bus][types]") {
+TEST_CASE("a message is serialised as little-endian CDR with encapsulation", "[types]") {
   Blob blob;
   blob.id(0x0102);
   blob.data({7, 8, 9});
@@ -40,22 +40,18 @@ TEST_CASE("a message is serialised as little-endian CDR with encapsulation", "[b
   CHECK(Serialised(TypeSupportOf<Blob>(), &blob) == expected);
 }
 
-TEST_CASE("what was serialised comes back equal", "[bus][types]") {
+TEST_CASE("what was serialised comes back equal; a buffer that is too small is refused",
+          "[types]") {
   const Blob sent = test::MakeBlob(5, 1000);
   Blob received;
   const auto& type = TypeSupportOf<Blob>();
   REQUIRE(type.deserialize(Serialised(type, &sent), &received));
   CHECK(received == sent);
+  std::vector<std::uint8_t> payload(type.serialized_size(&sent) - 1);
+  CHECK(type.serialize(&sent, payload) == 0);
 }
 
-TEST_CASE("a buffer that is too small is refused", "[bus][types]") {
-  const Blob blob = test::MakeBlob(5, 100);
-  const auto& type = TypeSupportOf<Blob>();
-  std::vector<std::uint8_t> payload(type.serialized_size(&blob) - 1);
-  CHECK(type.serialize(&blob, payload) == 0);
-}
-
-TEST_CASE("payloads that are no message are refused", "[bus][types]") {
+TEST_CASE("payloads that are no message are refused", "[types]") {
   const auto& type = TypeSupportOf<Blob>();
   const Blob blob = test::MakeBlob(5, 16);
   const std::vector<std::uint8_t> good = Serialised(type, &blob);
@@ -70,7 +66,7 @@ TEST_CASE("payloads that are no message are refused", "[bus][types]") {
   CHECK_FALSE(type.deserialize(payload, &received));
 }
 
-TEST_CASE("big-endian payloads are read", "[bus][types]") {
+TEST_CASE("big-endian payloads are read", "[types]") {
   const std::vector<std::uint8_t> payload = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 2, 0, 0, 0, 1, 9};
   Blob received;
   REQUIRE(TypeSupportOf<Blob>().deserialize(payload, &received));
@@ -78,7 +74,7 @@ TEST_CASE("big-endian payloads are read", "[bus][types]") {
   CHECK(received.data() == std::vector<std::uint8_t>{9});
 }
 
-TEST_CASE("the key of a keyed type is its key members in big-endian order", "[bus][types]") {
+TEST_CASE("the key of a keyed type is its key members in big-endian order", "[types]") {
   const auto& type = TypeSupportOf<KeyedBlob>();
   REQUIRE(type.keyed);
   const KeyedBlob blob = test::MakeKeyedBlob(0x01020304, 9, 10);
@@ -86,11 +82,6 @@ TEST_CASE("the key of a keyed type is its key members in big-endian order", "[bu
   REQUIRE(type.serialize_key(&blob, key) == 4);
   CHECK(key[0] == 1);
   CHECK(key[3] == 4);
-}
-
-TEST_CASE("topic types have no key, as ROS 2 asks", "[bus][types]") {
-  CHECK_FALSE(TypeSupportOf<conav_msgs::msg::RobotState>().keyed);
-  CHECK_FALSE(TypeSupportOf<nav_msgs::msg::Path>().keyed);
 }
 
 }  // namespace

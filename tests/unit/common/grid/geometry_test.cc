@@ -8,9 +8,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-}  // namespace
-
-TEST_CASE("the grid's middle is the origin, row 0 is north", "[grid][geometry]") {
+TEST_CASE("the grid's middle is the origin, row 0 is north", "[geometry]") {
   const GridGeometry geometry{3, 5, 2.0};
   const Position north_west = geometry.CellToPosition({0, 0});
   CHECK(north_west.x_m == -4.0);
@@ -22,7 +20,7 @@ TEST_CASE("the grid's middle is the origin, row 0 is north", "[grid][geometry]")
   CHECK(geometry.origin().y_m == -3.0);
 }
 
-TEST_CASE("every cell's centre lies in that cell", "[grid][geometry]") {
+TEST_CASE("every cell's centre lies in that cell, a position off the grid in none", "[geometry]") {
   for (const GridGeometry& geometry : {GridGeometry{13, 13, 2.0}, GridGeometry{4, 7, 0.35}}) {
     for (int row = 0; row < geometry.rows; ++row) {
       for (int column = 0; column < geometry.columns; ++column) {
@@ -31,15 +29,12 @@ TEST_CASE("every cell's centre lies in that cell", "[grid][geometry]") {
       }
     }
   }
-}
-
-TEST_CASE("a position off the grid gives a cell off the grid", "[grid][geometry]") {
   const GridGeometry geometry{3, 3, 2.0};
   CHECK(geometry.PositionToCell({-3.1, 0.0}).column == -1);
   CHECK(geometry.PositionToCell({0.0, 3.1}).row == -1);
 }
 
-TEST_CASE("angles wrap to at most pi and more than -pi", "[grid][geometry]") {
+TEST_CASE("angles wrap to at most pi and more than -pi", "[geometry]") {
   CHECK(WrapAngle(0.0) == Approx(0.0));
   CHECK(WrapAngle(3 * kPi / 2) == Approx(-kPi / 2));
   CHECK(WrapAngle(-3 * kPi / 2) == Approx(kPi / 2));
@@ -49,18 +44,28 @@ TEST_CASE("angles wrap to at most pi and more than -pi", "[grid][geometry]") {
   CHECK(WrapAngle(-1000.0) == Approx(-1000.0 + 159 * 2 * kPi));
 }
 
-TEST_CASE("eight headings begin east and go counter-clockwise", "[grid][geometry]") {
+TEST_CASE(
+    "headings begin east and go counter-clockwise; that to a neighbour is a compass "
+    "direction",
+    "[geometry]") {
   CHECK(HeadingFromIndex(0, 8) == Approx(0.0));
   CHECK(HeadingFromIndex(2, 8) == Approx(kPi / 2));
   CHECK(HeadingFromIndex(4, 8) == Approx(kPi));
   CHECK(HeadingFromIndex(6, 8) == Approx(-kPi / 2));
-}
-
-TEST_CASE("the heading to a neighbour is a compass direction", "[grid][geometry]") {
   CHECK(HeadingTowards({5, 5}, {5, 6}) == Approx(0.0));
   CHECK(HeadingTowards({5, 5}, {4, 5}) == Approx(kPi / 2));
   CHECK(HeadingTowards({5, 5}, {5, 4}) == Approx(kPi));
   CHECK(HeadingTowards({5, 5}, {6, 5}) == Approx(-kPi / 2));
 }
 
+TEST_CASE("reachable cells end at walls, at what is unknown and at the edge", "[grid]") {
+  OccupancyGrid map(3, 9, Occupancy::kOccupied);
+  for (const int column : {1, 2, 3, 5, 6}) map[{1, column}] = Occupancy::kFree;
+  map[{1, 7}] = Occupancy::kUnknown;
+  CHECK(ReachableCells(map, {1, 6}) == std::set<Cell>{{1, 5}, {1, 6}});
+  CHECK(ReachableCells(map, {1, 2}).size() == 3);
+  CHECK(ReachableCells(OccupancyGrid(1, 1, Occupancy::kFree), {0, 0}) == std::set<Cell>{{0, 0}});
+}
+
+}  // namespace
 }  // namespace conav

@@ -9,7 +9,7 @@ constexpr Occupancy kFree = Occupancy::kFree;
 constexpr Occupancy kWall = Occupancy::kOccupied;
 
 /// 3 x 6 with the border as walls: four editable cells in the middle row.
-OccupancyGrid Row(Occupancy a, Occupancy b, Occupancy c, Occupancy d) {
+OccupancyGrid Row4(Occupancy a, Occupancy b, Occupancy c, Occupancy d) {
   OccupancyGrid map(3, 6, kWall);
   map[{1, 1}] = a;
   map[{1, 2}] = b;
@@ -19,58 +19,39 @@ OccupancyGrid Row(Occupancy a, Occupancy b, Occupancy c, Occupancy d) {
 }
 
 const OccupancyGrid& Truth() {
-  static const OccupancyGrid truth = Row(kFree, kFree, kWall, kWall);
+  static const OccupancyGrid truth = Row4(kFree, kFree, kWall, kWall);
   return truth;
 }
 
 const OccupancyGrid& Initial() {  // cells 2 and 3 wrong
-  static const OccupancyGrid initial = Row(kFree, kWall, kFree, kWall);
+  static const OccupancyGrid initial = Row4(kFree, kWall, kFree, kWall);
   return initial;
 }
 
-}  // namespace
-
-TEST_CASE("an untouched map has mapping accuracy 0", "[grid]") {
-  const MapAccuracy accuracy = CompareMaps(Truth(), Initial(), ToBelief(Initial()));
-  CHECK(accuracy.editable_cells == 4);
-  CHECK(accuracy.wrong_at_first == 2);
-  CHECK(accuracy.mapping == 0.0);
-  CHECK(accuracy.cell == 0.5);
-}
-
-TEST_CASE("each corrected cell counts by its share of the wrong ones", "[grid]") {
-  const MapAccuracy half =
-      CompareMaps(Truth(), Initial(), ToBelief(Row(kFree, kFree, kFree, kWall)));
-  CHECK(half.corrected == 1);
-  CHECK(half.mapping == 0.5);
-  CHECK(half.cell == 0.75);
-  CHECK(CompareMaps(Truth(), Initial(), ToBelief(Truth())).mapping == 1.0);
-}
-
-TEST_CASE("a broken cell takes back a corrected one, and never below 0", "[grid]") {
-  const MapAccuracy even =
-      CompareMaps(Truth(), Initial(), ToBelief(Row(kWall, kFree, kFree, kWall)));
-  CHECK(even.corrected == 1);
-  CHECK(even.broken == 1);
-  CHECK(even.mapping == 0.0);
-  const MapAccuracy worse =
-      CompareMaps(Truth(), Initial(), ToBelief(Row(kWall, kWall, kFree, kFree)));
-  CHECK(worse.broken == 2);
-  CHECK(worse.mapping == 0.0);
-  CHECK(worse.cell == 0.0);
-}
-
-TEST_CASE("a right map that stays right has accuracy 1, one that is broken 0", "[grid]") {
+TEST_CASE("each corrected cell counts by its share of the wrong ones, a broken one takes it back",
+          "[grid]") {
+  struct Row {
+    OccupancyGrid map;
+    int corrected;
+    int broken;
+    double mapping;
+    double cell;
+  };
+  for (const Row& row :
+       {Row{Initial(), 0, 0, 0.0, 0.5}, Row{Row4(kFree, kFree, kFree, kWall), 1, 0, 0.5, 0.75},
+        Row{Truth(), 2, 0, 1.0, 1.0}, Row{Row4(kWall, kFree, kFree, kWall), 1, 1, 0.0, 0.5},
+        Row{Row4(kWall, kWall, kFree, kFree), 0, 2, 0.0, 0.0}}) {
+    const MapAccuracy accuracy = CompareMaps(Truth(), Initial(), ToBelief(row.map));
+    CHECK(accuracy.editable_cells == 4);
+    CHECK(accuracy.wrong_at_first == 2);
+    CHECK(accuracy.corrected == row.corrected);
+    CHECK(accuracy.broken == row.broken);
+    CHECK(accuracy.mapping == row.mapping);
+    CHECK(accuracy.cell == row.cell);
+  }
+  // A right map that stays right, and one that is broken.
   CHECK(CompareMaps(Truth(), Truth(), ToBelief(Truth())).mapping == 1.0);
   CHECK(CompareMaps(Truth(), Truth(), ToBelief(Initial())).mapping == 0.0);
-}
-
-TEST_CASE("a belief of one half and more is a wall", "[grid]") {
-  BeliefGrid belief = ToBelief(Initial());
-  belief[{1, 3}] = 0.5F;
-  CHECK(CompareMaps(Truth(), Initial(), belief).corrected == 1);
-  belief[{1, 3}] = 0.49F;
-  CHECK(CompareMaps(Truth(), Initial(), belief).corrected == 0);
 }
 
 TEST_CASE("border cells and unknown truth do not count", "[grid]") {
@@ -82,22 +63,19 @@ TEST_CASE("border cells and unknown truth do not count", "[grid]") {
   CHECK(CompareMaps(truth, initial, ToBelief(initial)).wrong_at_first == 2);
 }
 
-TEST_CASE("an unknown cell is believed to be a wall by one half", "[grid]") {
-  const BeliefGrid belief = ToBelief(Row(kFree, kWall, Occupancy::kUnknown, kFree));
+TEST_CASE("an unknown cell is believed to be a wall by one half, which is a wall on a map",
+          "[grid]") {
+  BeliefGrid belief = ToBelief(Row4(kFree, kWall, Occupancy::kUnknown, kFree));
   CHECK(belief[{1, 1}] == 0.0F);
   CHECK(belief[{1, 2}] == 1.0F);
   CHECK(belief[{1, 3}] == 0.5F);
+  CHECK(CompareMaps(Truth(), Initial(), belief).corrected == 1);  // (1,3), a wall by one half
+  belief[{1, 3}] = 0.49F;
+  CHECK(CompareMaps(Truth(), Initial(), belief).corrected == 0);
+  CHECK(ToOccupancy(belief) == Row4(kFree, kWall, kFree, kFree));
+  belief[{1, 3}] = 0.5F;
+  CHECK(ToOccupancy(belief)[{1, 3}] == kWall);
 }
 
-TEST_CASE("from one half on a belief is a wall, all else is free", "[grid]") {
-  BeliefGrid belief(1, 3);
-  belief[{0, 0}] = 0.5F;
-  belief[{0, 1}] = 0.49F;
-  belief[{0, 2}] = 1.0F;
-  const OccupancyGrid map = ToOccupancy(belief);
-  CHECK(map[{0, 0}] == kWall);
-  CHECK(map[{0, 1}] == kFree);
-  CHECK(map[{0, 2}] == kWall);
-}
-
+}  // namespace
 }  // namespace conav

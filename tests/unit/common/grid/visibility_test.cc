@@ -34,9 +34,7 @@ CameraView Look(Cell cell, double heading_rad) {
   return view;
 }
 
-}  // namespace
-
-TEST_CASE("a corridor is seen to its end, with the walls beside it", "[grid][visibility]") {
+TEST_CASE("a corridor is seen to its end, with the walls beside it", "[visibility]") {
   const OccupancyGrid map = MapFrom({"######", "#    #", "######"});
   const VisibleCells seen = CastView(map, Look({1, 1}, 0.0));
   CHECK(seen.free == std::vector<Cell>{{1, 1}, {1, 2}, {1, 3}, {1, 4}});
@@ -46,7 +44,7 @@ TEST_CASE("a corridor is seen to its end, with the walls beside it", "[grid][vis
   CHECK_FALSE(Has(seen.walls, {1, 0}));
 }
 
-TEST_CASE("the camera's own cell is seen also when it looks at a wall", "[grid][visibility]") {
+TEST_CASE("the camera's own cell is seen also when it looks at a wall", "[visibility]") {
   const OccupancyGrid map = MapFrom({"###", "# #", "###"});
   const VisibleCells seen = CastView(map, Look({1, 1}, kPi / 2));
   CHECK(seen.free == std::vector<Cell>{{1, 1}});
@@ -54,22 +52,18 @@ TEST_CASE("the camera's own cell is seen also when it looks at a wall", "[grid][
   CHECK_FALSE(Has(seen.walls, {2, 1}));
 }
 
-TEST_CASE("nothing behind a wall is seen", "[grid][visibility]") {
-  const OccupancyGrid map = MapFrom({"#######", "#  #  #", "#######"});
-  const VisibleCells seen = CastView(map, Look({1, 1}, 0.0));
-  CHECK(Has(seen.walls, {1, 3}));
-  CHECK_FALSE(Has(seen.free, {1, 4}));
-  CHECK_FALSE(Has(seen.walls, {1, 6}));
+TEST_CASE("nothing behind a wall or an unknown cell is seen, nor the latter itself",
+          "[visibility]") {
+  for (const char* row : {"#  #  #", "#  ?  #"}) {
+    const OccupancyGrid map = MapFrom({"#######", row, "#######"});
+    const VisibleCells seen = CastView(map, Look({1, 1}, 0.0));
+    CHECK(seen.free == std::vector<Cell>{{1, 1}, {1, 2}});
+    CHECK(Has(seen.walls, {1, 3}) == (row[3] == '#'));
+    CHECK_FALSE(Has(seen.walls, {1, 6}));
+  }
 }
 
-TEST_CASE("an unknown cell ends the view and is not seen itself", "[grid][visibility]") {
-  const OccupancyGrid map = MapFrom({"#######", "#  ?  #", "#######"});
-  const VisibleCells seen = CastView(map, Look({1, 1}, 0.0));
-  CHECK(seen.free == std::vector<Cell>{{1, 1}, {1, 2}});
-  CHECK_FALSE(Has(seen.walls, {1, 3}));
-}
-
-TEST_CASE("a wider field of view sees more", "[grid][visibility]") {
+TEST_CASE("a wider field of view sees more", "[visibility]") {
   const OccupancyGrid map(11, 11, Occupancy::kFree);
   CameraView view = Look({5, 1}, 0.0);
   view.horizontal_fov_rad = 0.5;
@@ -78,7 +72,7 @@ TEST_CASE("a wider field of view sees more", "[grid][visibility]") {
   CHECK(CastView(map, view).free.size() > narrow);
 }
 
-TEST_CASE("what is seen turns with the map", "[grid][visibility]") {
+TEST_CASE("what is seen turns with the map", "[visibility]") {
   const OccupancyGrid map = MapFrom({"#####", "#   #", "# # #", "#   #", "#####"});
   const std::size_t east = CastView(map, Look({1, 1}, 0.0)).free.size();
   const std::size_t south = CastView(map, Look({1, 1}, -kPi / 2)).free.size();
@@ -87,7 +81,7 @@ TEST_CASE("what is seen turns with the map", "[grid][visibility]") {
   CHECK(Has(CastView(map, Look({1, 1}, -kPi / 2)).free, {3, 1}));
 }
 
-TEST_CASE("lists are sorted and without repeats", "[grid][visibility]") {
+TEST_CASE("lists are sorted and without repeats", "[visibility]") {
   const OccupancyGrid map = MapFrom({"#####", "#   #", "#   #", "#   #", "#####"});
   for (int heading = 0; heading < 8; ++heading) {
     const VisibleCells seen = CastView(map, Look({2, 2}, heading * kPi / 4));
@@ -98,7 +92,7 @@ TEST_CASE("lists are sorted and without repeats", "[grid][visibility]") {
   }
 }
 
-TEST_CASE("a camera that looks down sees wider near by, not far away", "[grid][visibility]") {
+TEST_CASE("a camera that looks down sees wider near by, not far away", "[visibility]") {
   const OccupancyGrid open(11, 11, Occupancy::kFree);
   CameraView level = Look({5, 1}, 0.0);
   level.height_cells = 1.5;
@@ -115,7 +109,7 @@ TEST_CASE("a camera that looks down sees wider near by, not far away", "[grid][v
   CHECK_FALSE(Has(seen_down.free, {0, 7}));
 }
 
-TEST_CASE("a range sensor sees around itself up to its distance", "[grid][visibility]") {
+TEST_CASE("a range sensor sees around itself up to its distance", "[visibility]") {
   const OccupancyGrid open(9, 9, Occupancy::kFree);
   const VisibleCells seen = CastRange(open, {4, 4}, 2.0);
   CHECK(seen.free.size() == 13);  // all cells whose centre is at most 2 away
@@ -124,23 +118,22 @@ TEST_CASE("a range sensor sees around itself up to its distance", "[grid][visibi
   CHECK_FALSE(Has(seen.free, {6, 5}));
 }
 
-TEST_CASE("distance 0 sees the own cell only", "[grid][visibility]") {
-  const OccupancyGrid open(5, 5, Occupancy::kFree);
-  CHECK(CastRange(open, {2, 2}, 0.0).free == std::vector<Cell>{{2, 2}});
-}
-
-TEST_CASE("a range sensor does not see through walls", "[grid][visibility]") {
+TEST_CASE("a range sensor does not see through walls, nor beyond its cell by distance 0",
+          "[visibility]") {
   const OccupancyGrid map = MapFrom({"#####", "# # #", "#####"});
   const VisibleCells seen = CastRange(map, {1, 1}, 3.0);
   CHECK(seen.free == std::vector<Cell>{{1, 1}});
   CHECK(Has(seen.walls, {1, 2}));
   CHECK_FALSE(Has(seen.walls, {1, 4}));
+  const OccupancyGrid open(5, 5, Occupancy::kFree);
+  CHECK(CastRange(open, {2, 2}, 0.0).free == std::vector<Cell>{{2, 2}});
 }
 
-TEST_CASE("a range sensor sees the walls of its own cell on all sides", "[grid][visibility]") {
+TEST_CASE("a range sensor sees the walls of its own cell on all sides", "[visibility]") {
   const OccupancyGrid map = MapFrom({"###", "# #", "###"});
   const VisibleCells seen = CastRange(map, {1, 1}, 1.0);
   CHECK(seen.walls == std::vector<Cell>{{0, 1}, {1, 0}, {1, 2}, {2, 1}});
 }
 
+}  // namespace
 }  // namespace conav

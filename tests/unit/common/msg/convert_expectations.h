@@ -2,6 +2,8 @@
 
 #include <catch2/catch.hpp>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "common/msg/convert.h"
 
@@ -15,15 +17,29 @@ void CheckRoundTrip(const Domain& value) {
   CHECK(*back == value);
 }
 
-/// Spoils the message of a valid value and expects exactly this refusal.
-template <class Domain, class Spoil>
-void CheckRefused(const Domain& value, Spoil spoil, const std::string& text) {
-  auto message = ToMessage(value);
-  spoil(message);
-  const auto result = ToDomain(message);
-  REQUIRE_FALSE(result);
-  CHECK(result.error().code == ErrorCode::kMalformed);
-  CHECK(result.error().text == text);
+template <class Domain>
+using MessageOf = decltype(ToMessage(std::declval<const Domain&>()));
+
+/// What makes a valid message malformed, and what its refusal begins with: the field.
+template <class Message>
+struct Rejection {
+  std::string begins_with;
+  void (*spoil)(Message&);
+};
+
+/// Each row spoils the message of the valid `value`; `sizes` are those that ToDomain asks for.
+template <class Domain, class... Sizes>
+void CheckRefused(const Domain& value, const std::vector<Rejection<MessageOf<Domain>>>& rows,
+                  Sizes... sizes) {
+  for (const auto& row : rows) {
+    CAPTURE(row.begins_with);
+    auto message = ToMessage(value);
+    row.spoil(message);
+    const auto result = ToDomain(message, sizes...);
+    REQUIRE_FALSE(result);
+    CHECK(result.error().code == ErrorCode::kMalformed);
+    CHECK_THAT(result.error().text, Catch::StartsWith(row.begins_with));
+  }
 }
 
 }  // namespace conav

@@ -12,30 +12,28 @@ using samples::SampleMap;
 using samples::Stamp;
 using Map = nav_msgs::msg::OccupancyGrid;
 
-TEST_CASE("Simulation time survives the wire", "[protocol][convert]") {
+TEST_CASE("Maps and simulation times survive the wire", "[convert]") {
+  CheckRoundTrip(SampleMap());
   CheckRoundTrip(Stamp(12));
   CheckRoundTrip(SimTime{});
 }
 
-TEST_CASE("Simulation time outside of the wire's range saturates", "[protocol][convert]") {
+TEST_CASE("Simulation time outside of the wire's range saturates", "[convert]") {
   CHECK(ToMessage(SimTime{-5}).nanosec() == 0);
   const auto late = ToMessage(SimTime{std::numeric_limits<std::int64_t>::max()});
   CHECK(late.sec() == std::numeric_limits<std::int32_t>::max());
   CHECK(late.nanosec() == 999'999'999);
 }
 
-TEST_CASE("A malformed time is refused", "[protocol][convert]") {
+TEST_CASE("A malformed time is refused", "[convert]") {
   using Time = builtin_interfaces::msg::Time;
-  CheckRefused(
-      Stamp(1), [](Time& m) { m.sec(-1); }, "sec = -1 is below 0");
-  CheckRefused(
-      Stamp(1), [](Time& m) { m.nanosec(1'000'000'000); },
-      "nanosec = 1000000000 is not below 1000000000");
+  CheckRefused(Stamp(1), {
+                             {"sec", [](Time& m) { m.sec(-1); }},
+                             {"nanosec", [](Time& m) { m.nanosec(1'000'000'000); }},
+                         });
 }
 
-TEST_CASE("A map survives the wire", "[protocol][convert]") { CheckRoundTrip(SampleMap()); }
-
-TEST_CASE("A map's message starts with the southern row", "[protocol][convert]") {
+TEST_CASE("A map's message starts with the southern row", "[convert]") {
   const Map message = ToMessage(SampleMap());
   CHECK(message.header().frame_id() == "map");
   CHECK(message.info().width() == 3);
@@ -45,7 +43,7 @@ TEST_CASE("A map's message starts with the southern row", "[protocol][convert]")
   CHECK(message.data() == std::vector<std::int8_t>{-1, -1, 0, 100, -1, -1});
 }
 
-TEST_CASE("A map with probabilities is read in three values", "[protocol][convert]") {
+TEST_CASE("A map with probabilities is read in three values", "[convert]") {
   Map message = ToMessage(SampleMap());
   message.data() = {25, 26, 64, 65, 0, 100};
   const auto map = ToDomain(message);
@@ -56,45 +54,31 @@ TEST_CASE("A map with probabilities is read in three values", "[protocol][conver
   CHECK(map->cells[{0, 0}] == Occupancy::kOccupied);
 }
 
-TEST_CASE("A map that does not fit is refused", "[protocol][convert]") {
-  const float nan = std::numeric_limits<float>::quiet_NaN();
+TEST_CASE("A map that does not fit is refused", "[convert]") {
   CheckRefused(
-      SampleMap(), [](Map& m) { m.header().frame_id("odom"); },
-      "header.frame_id = 'odom' is not 'map'");
-  CheckRefused(
-      SampleMap(), [](Map& m) { m.header().stamp().sec(-3); }, "header.stamp.sec = -3 is below 0");
-  CheckRefused(
-      SampleMap(), [&](Map& m) { m.info().resolution(nan); },
-      "info.resolution = nan is not finite");
-  CheckRefused(
-      SampleMap(), [](Map& m) { m.info().resolution(0.0F); },
-      "info.resolution = 0 is not in [0.001, 1000]");
-  CheckRefused(
-      SampleMap(), [](Map& m) { m.info().height(0); }, "rows = 0 is not in [1, 1024]");
-  CheckRefused(
-      SampleMap(), [](Map& m) { m.info().width(1025); }, "columns = 1025 is not in [1, 1024]");
-  CheckRefused(
-      SampleMap(), [](Map& m) { m.data().pop_back(); }, "data has size 5, not 2 x 3");
-  CheckRefused(
-      SampleMap(), [](Map& m) { m.data()[4] = 101; }, "data[4] = 101 is not in [-1, 100]");
-  CheckRefused(
-      SampleMap(), [](Map& m) { m.data()[0] = -2; }, "data[0] = -2 is not in [-1, 100]");
-  CheckRefused(
-      SampleMap(), [](Map& m) { m.info().origin().position().x(0.0); },
-      "info.origin.position.x = 0 is not -3.75 (the grid's middle must be the origin of "
-      "the map frame)");
-  CheckRefused(
-      SampleMap(), [](Map& m) { m.info().origin().orientation().z(0.5); },
-      "info.origin.orientation.z = 0.5 is not 0 (turned maps are refused)");
+      SampleMap(),
+      {
+          {"header.frame_id", [](Map& m) { m.header().frame_id("odom"); }},
+          {"header.stamp.sec", [](Map& m) { m.header().stamp().sec(-3); }},
+          {"info.resolution", [](Map& m) { m.info().resolution(NAN); }},
+          {"info.resolution", [](Map& m) { m.info().resolution(0.0F); }},
+          {"rows", [](Map& m) { m.info().height(0); }},
+          {"columns", [](Map& m) { m.info().width(1025); }},
+          {"data", [](Map& m) { m.data().pop_back(); }},
+          {"data[4]", [](Map& m) { m.data()[4] = 101; }},
+          {"data[0]", [](Map& m) { m.data()[0] = -2; }},
+          {"info.origin.position.x", [](Map& m) { m.info().origin().position().x(0.0); }},
+          {"info.origin.orientation.z", [](Map& m) { m.info().origin().orientation().z(0.5); }},
+      });
 }
 
-TEST_CASE("The operator's map is shown in percent", "[protocol][convert]") {
+TEST_CASE("The operator's map is shown in percent", "[convert]") {
   const Map message = ToOccupancyMessage(samples::SampleBelief(), 2.0);
   CHECK(message.data() == std::vector<std::int8_t>{10, 25, 25, 25, 25, 100});
   CHECK(message.info().resolution() == 2.0F);
 }
 
-TEST_CASE("A goal pose becomes a position in the map frame", "[protocol][convert]") {
+TEST_CASE("A goal pose becomes a position in the map frame", "[convert]") {
   geometry_msgs::msg::PoseStamped message;
   message.header(ToHeader({}));
   message.pose().position().x(1.5);
@@ -104,16 +88,15 @@ TEST_CASE("A goal pose becomes a position in the map frame", "[protocol][convert
   CHECK(goal->x_m == 1.5);
   CHECK(goal->y_m == -2.0);
 
-  message.pose().position().y(std::nan(""));
-  CHECK(ToDomain(message).error().text == "pose.position.y = nan is not finite");
-  message.pose().position().y(2.0e6);
-  CHECK(ToDomain(message).error().text ==
-        "pose.position.y = 2000000 is not in [-1000000, 1000000]");
+  for (const double y : {std::nan(""), 2.0e6}) {
+    message.pose().position().y(y);
+    CHECK_THAT(ToDomain(message).error().text, Catch::StartsWith("pose.position.y = "));
+  }
   message.header().frame_id("r1/base_link");
-  CHECK(ToDomain(message).error().text == "header.frame_id = 'r1/base_link' is not 'map'");
+  CHECK_THAT(ToDomain(message).error().text, Catch::StartsWith("header.frame_id = "));
 }
 
-TEST_CASE("A camera's info becomes its fields of view", "[protocol][convert]") {
+TEST_CASE("A camera's info becomes its fields of view", "[convert]") {
   sensor_msgs::msg::CameraInfo message;
   message.width(320);
   message.height(192);
@@ -126,18 +109,17 @@ TEST_CASE("A camera's info becomes its fields of view", "[protocol][convert]") {
   CHECK(lens->horizontal_fov_rad == Approx(HorizontalFov(320, 192)));
   CHECK(lens->vertical_fov_rad == Approx(kCameraVerticalFovRad));
 
-  message.width(0);
-  CHECK(ToDomain(message).error().text == "width = 0 is not in [1, 16384]");
-  message.width(320);
-  message.k()[0] = 0.0;
-  CHECK(ToDomain(message).error().text == "k[0] = 0 is not a focal length in pixels");
-  message.k()[0] = focal;
-  message.k()[4] = 1.0;
-  CHECK_THAT(ToDomain(message).error().text,
-             Catch::Contains("vertical field of view") && Catch::Contains("[0, 2.6]"));
+  const auto refusal = [good = message](auto&& spoil) {
+    auto spoilt = good;
+    spoil(spoilt);
+    return ToDomain(spoilt).error().text;
+  };
+  CHECK_THAT(refusal([](auto& m) { m.width(0); }), Catch::StartsWith("width = 0 "));
+  CHECK_THAT(refusal([](auto& m) { m.k()[0] = 0.0; }), Catch::StartsWith("k[0] = 0 "));
+  CHECK_THAT(refusal([](auto& m) { m.k()[4] = 1.0; }), Catch::Contains("vertical field of view"));
 }
 
-TEST_CASE("A path's poses are cell centres turned towards the next", "[protocol][convert]") {
+TEST_CASE("A path's poses are cell centres turned towards the next", "[convert]") {
   const std::vector<Cell> cells{{1, 0}, {1, 1}, {0, 1}};
   const auto path = ToPathMessage(Stamp(2), cells, {2, 2, 2.0});
   REQUIRE(path.poses().size() == 3);
@@ -155,7 +137,7 @@ TEST_CASE("A path's poses are cell centres turned towards the next", "[protocol]
   CHECK(ToPositions({}).empty());
 }
 
-TEST_CASE("A robot's motion becomes odometry and a transform", "[protocol][convert]") {
+TEST_CASE("A robot's motion becomes odometry and a transform", "[convert]") {
   const RobotMotion motion{{1.0, 2.0}, std::numbers::pi, 0.5, -0.25};
   const auto odometry = ToOdometry(Stamp(1), "r1", motion);
   CHECK(odometry.child_frame_id() == "r1/base_link");

@@ -1,9 +1,9 @@
 #include "common/runtime/config.h"
 
-#include <unistd.h>
-
 #include <catch2/catch.hpp>
-#include <fstream>
+
+#include "common/runtime/file.h"
+#include "support/temporary_folder.h"
 
 namespace conav {
 namespace {
@@ -52,27 +52,18 @@ std::string RefusalOf(const std::string& yaml) {
 
 class File {
  public:
-  explicit File(const std::string& text)
-      : path_(fs::temp_directory_path() / ("conav_config_" + std::to_string(getpid()) + ".yaml")) {
-    std::ofstream(path_) << text;
-  }
-  ~File() { fs::remove(path_); }
-  fs::path path() const { return path_; }
+  explicit File(const std::string& text) { REQUIRE(WriteFile(path(), text)); }
+  fs::path path() const { return folder_ / "config.yaml"; }
 
  private:
-  fs::path path_;
+  test::TemporaryFolder folder_;
 };
 
-}  // namespace
-
-TEST_CASE("an empty section keeps every default", "[runtime][config]") {
-  const Outer config = Read("");
-  CHECK(config.count == 3);
-  CHECK(config.mode == "fast");
-  CHECK(config.inner.gain == 0.5);
-}
-
-TEST_CASE("given values replace defaults, others stay", "[runtime][config]") {
+TEST_CASE("given values replace defaults, others stay", "[config]") {
+  const Outer defaults = Read("");
+  CHECK(defaults.count == 3);
+  CHECK(defaults.mode == "fast");
+  CHECK(defaults.inner.gain == 0.5);
   const Outer config = Read("{count: 10, names: [x, y], loud: true, inner: {gain: 0.25}}");
   CHECK(config.count == 10);
   CHECK(config.names == std::vector<std::string>{"x", "y"});
@@ -81,28 +72,27 @@ TEST_CASE("given values replace defaults, others stay", "[runtime][config]") {
   CHECK(config.mode == "fast");
 }
 
-TEST_CASE("the ends of a range are in it, values beyond are refused", "[runtime][config]") {
+TEST_CASE("values out of range, of the wrong type and unknown keys are refused by key and value",
+          "[config]") {
   CHECK(Read("count: 1").count == 1);
-  CHECK(RefusalOf("count: 0") == "test.count = 0 is out of range [1, 10]");
-  CHECK(RefusalOf("count: 11") == "test.count = 11 is out of range [1, 10]");
-  CHECK(RefusalOf("inner: {gain: .nan}") == "test.inner.gain = .nan is out of range [0, 1]");
+  CHECK(Read("count: 10").count == 10);
+  for (const auto& [yaml, refusal] : std::vector<std::pair<const char*, const char*>>{
+           {"count: 0", "test.count = 0 is out of range [1, 10]"},
+           {"count: 11", "test.count = 11 is out of range [1, 10]"},
+           {"inner: {gain: .nan}", "test.inner.gain = .nan"},
+           {"count: many", "test.count = many"},
+           {"mode: warp", "test.mode = warp is not one of: fast, slow"},
+           {"inner: 5", "test.inner: expected a mapping"},
+           {"[1, 2]", "test: expected a mapping"},
+           {"cuont: 4", "test: unknown key 'cuont'; known keys: count, inner, loud, mode, names"},
+           {"inner: {gian: 0.5}", "test.inner: unknown key 'gian'; known keys: gain, token"},
+           {"{[a, b]: 1}", "test: unknown key '[a, b]'"},
+       }) {
+    CHECK_THAT(RefusalOf(yaml), Catch::StartsWith(refusal));
+  }
 }
 
-TEST_CASE("wrong types, choices and shapes are refused by key and value", "[runtime][config]") {
-  CHECK(RefusalOf("count: many") == "test.count = many has a value of the wrong type");
-  CHECK(RefusalOf("mode: warp") == "test.mode = warp is not one of: fast, slow");
-  CHECK(RefusalOf("inner: 5") == "test.inner: expected a mapping of parameters");
-  CHECK(RefusalOf("[1, 2]") == "test: expected a mapping of parameters");
-}
-
-TEST_CASE("an unknown key is refused with the known ones, also in a section", "[runtime][config]") {
-  CHECK(RefusalOf("cuont: 4") ==
-        "test: unknown key 'cuont'; known keys: count, inner, loud, mode, names");
-  CHECK(RefusalOf("inner: {gian: 0.5}") ==
-        "test.inner: unknown key 'gian'; known keys: gain, token");
-}
-
-TEST_CASE("the effective config reads back as it was written", "[runtime][config]") {
+TEST_CASE("the effective config reads back as it was written", "[config]") {
   Outer config = Read("{count: 7, mode: slow, names: [p, q], loud: true, inner: {gain: 0.75}}");
   const File file(DumpConfig("robot", config));
   Outer copy;
@@ -114,7 +104,7 @@ TEST_CASE("the effective config reads back as it was written", "[runtime][config
   CHECK(copy.inner.gain == 0.75);
 }
 
-TEST_CASE("a config that is written for others keeps its secrets", "[runtime][config]") {
+TEST_CASE("a config that is written for others keeps its secrets", "[config]") {
   const Outer config = Read("{inner: {token: open-sesame}}");
   CHECK(DumpConfig("robot", config).find("open-sesame") != std::string::npos);
   const std::string shown = DumpConfig("robot", config, ConfigReader::Secrets::kKept);
@@ -124,28 +114,50 @@ TEST_CASE("a config that is written for others keeps its secrets", "[runtime][co
   CHECK(without.find("not shown") == std::string::npos);
 }
 
-TEST_CASE("a missing file, bad YAML and a missing section are named", "[runtime][config]") {
-  CHECK_THROWS_WITH(LoadParameters("/none.yaml", "sim"), "/none.yaml: no such file");
-  const File bad("a: [1");
-  CHECK_THROWS_WITH(LoadParameters(bad.path(), "sim"),
-                    Catch::StartsWith(bad.path().string() + ": not valid YAML"));
-  const File other("planner: {ros__parameters: {}}\nnhpm: {}\n");
-  CHECK_THROWS_WITH(
-      LoadParameters(other.path(), "sim"),
-      other.path().string() + ": no section 'sim: ros__parameters:'; sections here: planner, nhpm");
-  CHECK_THROWS_AS(LoadParameters(other.path(), "nhpm"), StartupError);
-}
-
-TEST_CASE("a config file that is no mapping, or a folder, is refused", "[runtime][config]") {
-  const std::string no_section = ": no section 'sim: ros__parameters:'; sections here: ";
-  for (const char* text : {"hello", "", "[sim]"}) {
-    const File file(text);
-    CHECK_THROWS_WITH(LoadParameters(file.path(), "sim"), file.path().string() + no_section);
-  }
-  const File scalar("sim: hello\n[a, b]: 1\n");
-  CHECK_THROWS_WITH(LoadParameters(scalar.path(), "sim"), Catch::Contains(no_section + "sim"));
+TEST_CASE("a missing file, bad YAML, a missing section and other documents are named", "[config]") {
+  CHECK_THROWS_WITH(LoadParameters("/none.yaml", "sim"), Catch::StartsWith("/none.yaml: "));
   CHECK_THROWS_AS(LoadParameters("/proc", "sim"), StartupError);
-  CHECK_THROWS_WITH(Read("{[a, b]: 1}"), Catch::Contains("unknown key '[a, b]'"));
+  const std::string no_section = ": no section 'sim: ros__parameters:'; sections here: ";
+  for (const auto& [text, refusal] : std::vector<std::pair<std::string, std::string>>{
+           {"a: [1", ": not valid YAML"},
+           {"planner: {ros__parameters: {}}\nnhpm: {}\n", no_section + "planner, nhpm"},
+           {"hello", no_section},
+           {"", no_section},
+           {"[sim]", no_section},
+           {"sim: hello\n[a, b]: 1\n", no_section + "sim"},
+       }) {
+    const File file(text);
+    CHECK_THROWS_WITH(LoadParameters(file.path(), "sim"),
+                      Catch::StartsWith(file.path().string() + refusal));
+  }
+  CHECK_THROWS_AS(LoadParameters(File("nhpm: {}").path(), "nhpm"), StartupError);
 }
 
+TEST_CASE("a YAML file is read, whatever its document is made of", "[yaml]") {
+  const test::TemporaryFolder folder;
+  const auto read = [&](const std::string& text) {
+    REQUIRE(WriteFile(folder / "a.yaml", text));
+    return ReadYamlFile(folder / "a.yaml").value();
+  };
+  CHECK(read("a: {b: 3}")["a"]["b"].as<int>() == 3);
+  CHECK(read("hello").IsScalar());
+  CHECK(read("[1, 2]").IsSequence());
+  CHECK(read("").IsNull());
+}
+
+TEST_CASE("a YAML file that is missing, a folder or malformed is named", "[yaml]") {
+  const test::TemporaryFolder folder;
+  REQUIRE(WriteFile(folder / "a.yaml", "a: [1"));
+  for (const auto& [path, code] :
+       {std::pair<fs::path, ErrorCode>("/none.yaml", ErrorCode::kNotFound),
+        std::pair<fs::path, ErrorCode>(folder.path(), ErrorCode::kIo),
+        std::pair<fs::path, ErrorCode>(folder / "a.yaml", ErrorCode::kMalformed)}) {
+    const auto read = ReadYamlFile(path);
+    REQUIRE_FALSE(read);
+    CHECK(read.error().code == code);
+    CHECK_THAT(read.error().text, Catch::StartsWith(path.string() + ": "));
+  }
+}
+
+}  // namespace
 }  // namespace conav

@@ -14,40 +14,28 @@ namespace {
 
 using Folder = test::TemporaryFolder;
 
-TEST_CASE("A file is read as it was written, zero bytes included", "[runtime][file]") {
+TEST_CASE("A file is read as it was written, zero bytes included", "[file]") {
   const Folder folder;
-  const std::string bytes("a\0\r\n\xff", 5);
-  REQUIRE(WriteFile(folder / "x", "old"));
-  REQUIRE(WriteFile(folder / "x", bytes));
-  CHECK(ReadFile(folder / "x").value() == bytes);
+  for (const std::string& bytes :
+       {std::string("old"), std::string("a\0\r\n\xff", 5), std::string()}) {
+    REQUIRE(WriteFile(folder / "x", bytes));
+    CHECK(ReadFile(folder / "x").value() == bytes);
+  }
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
 }
 
-TEST_CASE("An empty file is read as no bytes", "[runtime][file]") {
+TEST_CASE("A missing file, a folder and a read that fails are told apart", "[file]") {
   const Folder folder;
-  REQUIRE(WriteFile(folder / "x", ""));
-  CHECK(ReadFile(folder / "x").value().empty());
-}
-
-TEST_CASE("A missing file and a folder are told apart", "[runtime][file]") {
-  const Folder folder;
-  const auto missing = ReadFile(folder / "x");
-  REQUIRE_FALSE(missing);
-  CHECK(missing.error().code == ErrorCode::kNotFound);
-  CHECK(missing.error().text == (folder / "x").string() + ": no such file");
-  const auto read = ReadFile(folder.path());
-  REQUIRE_FALSE(read);
-  CHECK(read.error().code == ErrorCode::kIo);
-}
-
-TEST_CASE("A read that fails is a failure with its cause", "[runtime][file]") {
+  CHECK(ReadFile(folder / "x").error().code == ErrorCode::kNotFound);
+  CHECK(ReadFile(folder.path()).error().code == ErrorCode::kIo);
   const auto read = ReadFile("/proc/self/mem");
   REQUIRE_FALSE(read);
   CHECK(read.error().code == ErrorCode::kIo);
-  CHECK(read.error().text == "/proc/self/mem: cannot read: Input/output error");
+  CHECK_THAT(read.error().text,
+             Catch::StartsWith("/proc/self/mem: ") && Catch::Contains("Input/output error"));
 }
 
-TEST_CASE("A file that may not be looked for is not called missing", "[runtime][file]") {
+TEST_CASE("A file that may not be looked for is not called missing", "[file]") {
   if (::geteuid() == 0) return;  // root may
   const Folder folder;
   const auto closed = folder / "closed";
@@ -61,7 +49,7 @@ TEST_CASE("A file that may not be looked for is not called missing", "[runtime][
   CHECK_THAT(read.error().text, Catch::Contains("Permission denied"));
 }
 
-TEST_CASE("A new file has the rights that the user's mask gives", "[runtime][file]") {
+TEST_CASE("A new file has the rights that the user's mask gives", "[file]") {
   const Folder folder;
   const ::mode_t mask = ::umask(027);
   const auto written = WriteFile(folder / "x", "1");
@@ -70,7 +58,7 @@ TEST_CASE("A new file has the rights that the user's mask gives", "[runtime][fil
   CHECK(static_cast<unsigned>(std::filesystem::status(folder / "x").permissions()) == 0640);
 }
 
-TEST_CASE("Writers of one path do not disturb each other", "[runtime][file]") {
+TEST_CASE("Writers of one path do not disturb each other", "[file]") {
   const Folder folder;
   const std::string texts[] = {std::string(1U << 20, 'a'), std::string(1U << 19, 'b')};
   const auto write = [&](const std::string& text) {
@@ -87,7 +75,7 @@ TEST_CASE("Writers of one path do not disturb each other", "[runtime][file]") {
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
 }
 
-TEST_CASE("What cannot be written is known before and after", "[runtime][file]") {
+TEST_CASE("What cannot be written is known before and after; the check leaves no trace", "[file]") {
   const Folder folder;
   for (const std::filesystem::path& path :
        {std::filesystem::path("/nonexistent/folder/x"), folder.path()}) {
@@ -96,10 +84,6 @@ TEST_CASE("What cannot be written is known before and after", "[runtime][file]")
     CHECK(check.error().code == ErrorCode::kIo);
     CHECK_FALSE(WriteFile(path, "x"));
   }
-}
-
-TEST_CASE("The check leaves no trace and keeps what is there", "[runtime][file]") {
-  const Folder folder;
   REQUIRE(CheckWritable(folder / "x"));
   CHECK(std::filesystem::is_empty(folder.path()));
   REQUIRE(WriteFile(folder / "x", "old"));
@@ -107,7 +91,7 @@ TEST_CASE("The check leaves no trace and keeps what is there", "[runtime][file]"
   CHECK(ReadFile(folder / "x").value() == "old");
 }
 
-TEST_CASE("A device is written to and a full one is a failure", "[runtime][file]") {
+TEST_CASE("A device is written to and a full one is a failure", "[file]") {
   CHECK(WriteFile("/dev/null", "x"));
   CHECK_FALSE(WriteFile("/dev/full", "x"));
   CHECK(std::filesystem::is_character_file("/dev/full"));

@@ -1,42 +1,36 @@
 #include "common/runtime/random.h"
 
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numeric>
 #include <set>
 
 namespace conav {
+namespace {
 
-TEST_CASE("raw draws are those of the standard's 64-bit Mersenne Twister", "[runtime][random]") {
+TEST_CASE("raw draws are those of the standard's 64-bit Mersenne Twister", "[random]") {
   Random random(5489);  // the standard gives the 10000th output for this seed
   std::uint64_t last = 0;
   for (int i = 0; i < 10000; ++i) last = random.Next();
   CHECK(last == 9981545732273789042ULL);
 }
 
-TEST_CASE("bounded integers stay in their range and reach both ends", "[runtime][random]") {
+TEST_CASE("bounded integers reach both ends of their range; one value and all take one draw",
+          "[random]") {
   Random random(1);
   std::set<std::int64_t> seen;
   for (int i = 0; i < 1000; ++i) seen.insert(random.Uniform(-2, 3));
   CHECK(seen == std::set<std::int64_t>{-2, -1, 0, 1, 2, 3});
-}
-
-TEST_CASE("a range of one value takes a draw all the same", "[runtime][random]") {
-  Random random(7);
+  Random bounded(7);
   Random reference(7);
-  CHECK(random.Uniform(5, 5) == 5);
+  CHECK(bounded.Uniform(5, 5) == 5);
   reference.Next();
-  CHECK(random.Next() == reference.Next());
+  CHECK(bounded.Uniform(INT64_MIN, INT64_MAX) == static_cast<std::int64_t>(reference.Next()));
 }
 
-TEST_CASE("the range of all 64-bit integers is one raw draw", "[runtime][random]") {
-  Random random(3);
-  Random reference(3);
-  CHECK(random.Uniform(INT64_MIN, INT64_MAX) == static_cast<std::int64_t>(reference.Next()));
-}
-
-TEST_CASE("bounded integers are even: chi-square over ten values", "[runtime][random]") {
+TEST_CASE("bounded integers are even: chi-square over ten values", "[random]") {
   Random random(11);
   constexpr int kDraws = 100000;
   std::vector<int> count(10, 0);
@@ -46,7 +40,7 @@ TEST_CASE("bounded integers are even: chi-square over ten values", "[runtime][ra
   CHECK(chi_square < 27.9);  // 0.1 % of nine degrees of freedom
 }
 
-TEST_CASE("the unit interval holds its lower end only", "[runtime][random]") {
+TEST_CASE("the unit interval holds its lower end only", "[random]") {
   Random random(2);
   double sum = 0.0;
   for (int i = 0; i < 10000; ++i) {
@@ -58,7 +52,7 @@ TEST_CASE("the unit interval holds its lower end only", "[runtime][random]") {
   CHECK(sum / 10000 == Approx(0.5).margin(0.02));
 }
 
-TEST_CASE("chance 0 never happens, chance 1 always, each takes one draw", "[runtime][random]") {
+TEST_CASE("chance 0 never happens, chance 1 always, each takes one draw", "[random]") {
   Random random(4);
   Random reference(4);
   for (int i = 0; i < 100; ++i) {
@@ -70,7 +64,7 @@ TEST_CASE("chance 0 never happens, chance 1 always, each takes one draw", "[runt
   CHECK(random.Next() == reference.Next());
 }
 
-TEST_CASE("a shuffle permutes", "[runtime][random]") {
+TEST_CASE("a shuffle permutes", "[random]") {
   std::vector<int> items(101);
   std::iota(items.begin(), items.end(), 0);
   Random random(6);
@@ -81,7 +75,7 @@ TEST_CASE("a shuffle permutes", "[runtime][random]") {
 }
 
 #if defined(__GLIBCXX__) && __GLIBCXX__ >= 20210000
-TEST_CASE("integers and shuffles equal libstdc++'s", "[runtime][random]") {
+TEST_CASE("integers and shuffles equal libstdc++'s", "[random]") {
   for (std::size_t size = 0; size < 40; ++size) {
     std::vector<std::size_t> ours(size);
     std::iota(ours.begin(), ours.end(), 0U);
@@ -99,7 +93,7 @@ TEST_CASE("integers and shuffles equal libstdc++'s", "[runtime][random]") {
 }
 #endif
 
-TEST_CASE("derived seeds differ by seed and by purpose", "[runtime][random]") {
+TEST_CASE("derived seeds differ by seed and by purpose", "[random]") {
   std::set<std::uint64_t> seeds;
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
     for (std::uint64_t purpose = 0; purpose < 30; ++purpose) {
@@ -110,4 +104,37 @@ TEST_CASE("derived seeds differ by seed and by purpose", "[runtime][random]") {
   CHECK(DeriveSeed(5, 6) == DeriveSeed(5, 6));
 }
 
+TEST_CASE("SplitMix64 gives the published numbers", "[runtime]") {
+  // Of the seed 1234567, as in the reference implementation's test vector.
+  SplitMix64 draws(1234567);
+  const std::array<std::uint64_t, 5> expected{6457827717110365317ULL, 3203168211198807973ULL,
+                                              9817491932198370423ULL, 4593380528125082431ULL,
+                                              16408922859458223821ULL};
+  for (const std::uint64_t number : expected) CHECK(draws.Next() == number);
+}
+
+TEST_CASE("one draw is two numbers", "[runtime]") {
+  SplitMix64 whole(1234567), halved(1234567);
+  const SplitMix64::Halves halves = halved.NextHalves();
+  CHECK((std::uint64_t{halves.upper} << 32 | halves.lower) == whole.Next());
+}
+
+TEST_CASE("32 bits are scaled to each number below the count", "[runtime]") {
+  CHECK(ScaledTo(0, 5) == 0);
+  CHECK(ScaledTo(0xffffffffU, 5) == 4);
+  CHECK(ScaledTo(0x80000000U, 4) == 2);
+  CHECK(ScaledTo(0xffffffffU, 1) == 0);
+  SplitMix64 draws(1);
+  std::array<int, 3> seen{};
+  for (int i = 0; i < 3000; ++i) ++seen.at(ScaledTo(draws.NextHalves().upper, 3));
+  for (const int count : seen) CHECK(std::abs(count - 1000) < 120);
+}
+
+TEST_CASE("bits below a probability's bound: never with 0, always with 1", "[runtime]") {
+  CHECK(BitsBelow(0.0) == 0);
+  CHECK(BitsBelow(1.0) == std::uint64_t{1} << 32);
+  CHECK(BitsBelow(0.5) == std::uint64_t{1} << 31);
+}
+
+}  // namespace
 }  // namespace conav

@@ -40,20 +40,19 @@ std::string Header() { return Delimited(HeaderRecord()); }
 std::string SampleTrajectoryBytes() { return Delimited(ToRecord(tests::SampleTrajectory(), 0)); }
 
 /// A file of the sample whose segment record was changed.
-template <class Change>
-std::string ChangedSegment(Change&& change) {
+std::string ChangedSegment(void (*change)(segments::Segment&)) {
   segments::Record record = ToRecord(tests::SampleSegment(), 0);
   change(*record.mutable_segment());
   return FrameOf({Header(), SampleTrajectoryBytes(), Delimited(record)});
 }
 
-TEST_CASE("what was written is read, no field lost", "[segments]") {
+TEST_CASE("what was written is read, no field lost, also of an empty set", "[segments]") {
   const TemporaryFolder folder;
   const auto path = folder.path() / "set.pb.zst";
-  REQUIRE(WriteSegmentFile(path, tests::SampleSet()));
-  const auto read = ReadSegmentFile(path);
-  REQUIRE(read);
-  CHECK(*read == tests::SampleSet());
+  for (const SegmentSet& set : {tests::SampleSet(), SegmentSet()}) {
+    REQUIRE(WriteSegmentFile(path, set));
+    CHECK(ReadSegmentFile(path) == set);
+  }
 }
 
 TEST_CASE("equal sets are equal files, byte by byte", "[segments]") {
@@ -69,35 +68,20 @@ TEST_CASE("equal sets are equal files, byte by byte", "[segments]") {
   CHECK(ReadFile(folder.path() / "a").value() == ReadFile(folder.path() / "b").value());
 }
 
-TEST_CASE("an empty set is a file, too", "[segments]") {
-  const TemporaryFolder folder;
-  const auto path = folder.path() / "set.pb.zst";
-  REQUIRE(WriteSegmentFile(path, {}));
-  CHECK(ReadSegmentFile(path) == SegmentSet());
-}
-
 TEST_CASE("a set that does not pass the checks is not written", "[segments]") {
   const TemporaryFolder folder;
   SegmentSet set = tests::SampleSet();
   set.trajectories[0].segments[1].query.path.clear();
   const auto written = WriteSegmentFile(folder.path() / "set", set);
   REQUIRE_FALSE(written);
-  CHECK(written.error().text ==
-        (folder.path() / "set: trajectory 0, segment 1: the path is empty").string());
+  CHECK_THAT(written.error().text, Catch::Contains("trajectory 0, segment 1"));
   CHECK_FALSE(std::filesystem::exists(folder.path() / "set"));
 }
 
-TEST_CASE("a full disk is an error that names file and cause", "[segments]") {
-  const auto written = WriteSegmentFile("/dev/full", tests::SampleSet());
-  REQUIRE_FALSE(written);
-  CHECK(written.error().code == ErrorCode::kIo);
-  CHECK_THAT(written.error().text, Catch::Contains("/dev/full") && Catch::Contains("No space"));
-}
-
-TEST_CASE("a file that is not there is not found", "[segments]") {
-  const auto read = ReadSegmentFile("/nowhere/set");
-  REQUIRE_FALSE(read);
-  CHECK(read.error().code == ErrorCode::kNotFound);
+TEST_CASE("a file that is not there is not found, one that is full cannot be written",
+          "[segments]") {
+  CHECK(ReadSegmentFile("/nowhere/set").error().code == ErrorCode::kNotFound);
+  CHECK(WriteSegmentFile("/dev/full", tests::SampleSet()).error().code == ErrorCode::kIo);
 }
 
 TEST_CASE("a file cut anywhere is refused as truncated", "[segments]") {
@@ -129,15 +113,19 @@ TEST_CASE("every flipped byte is noticed", "[segments]") {
 
 TEST_CASE("what is no segment file is refused as such", "[segments]") {
   const TemporaryFolder folder;
-  CHECK(RefusalOf(folder, "{\"type\": \"trajectory\"}\n") == "it is not compressed with zstd");
-  CHECK_THAT(RefusalOf(folder, FrameOf({Header()}) + "junk"), Catch::Contains("it is no zstd"));
-  CHECK_THAT(RefusalOf(folder, FrameOf({"hello, world, this is text"})),
-             Catch::Contains("record 0"));
-  CHECK_THAT(RefusalOf(folder, FrameOf({})), Catch::Contains("this is no segment file"));
-  CHECK_THAT(RefusalOf(folder, FrameOf({SampleTrajectoryBytes()})),
-             Catch::Contains("does not begin with a header"));
-  CHECK_THAT(RefusalOf(folder, FrameOf({Header(), std::string(1, '\0')})),
-             Catch::Contains("neither header nor trajectory nor segment"));
+  segments::Record later;
+  later.mutable_header()->set_schema_version(2);
+  for (const auto& [bytes, names] : std::vector<std::pair<std::string, std::string>>{
+           {"{\"type\": \"trajectory\"}\n", "not compressed with zstd"},
+           {FrameOf({Header()}) + "junk", "it is no zstd"},
+           {FrameOf({"hello, world, this is text"}), "record 0"},
+           {FrameOf({}), "this is no segment file"},
+           {FrameOf({SampleTrajectoryBytes()}), "does not begin with a header"},
+           {FrameOf({Header(), std::string(1, '\0')}), "neither header nor trajectory"},
+           {FrameOf({Delimited(later)}), "schema version 2; this program reads 1"},
+       }) {
+    CHECK_THAT(RefusalOf(folder, bytes), Catch::Contains(names));
+  }
 }
 
 TEST_CASE("whatever its records hold, a file is refused or is a set that passes all checks",
@@ -161,61 +149,54 @@ TEST_CASE("whatever its records hold, a file is refused or is a set that passes 
   CHECK(refused > 0);
 }
 
-TEST_CASE("another schema version is refused by number", "[segments]") {
-  const TemporaryFolder folder;
-  segments::Record header;
-  header.mutable_header()->set_schema_version(2);
-  CHECK(RefusalOf(folder, FrameOf({Delimited(header)})) ==
-        "schema version 2; this program reads 1");
-}
-
 TEST_CASE("records that promise more than they have are refused", "[segments]") {
   const TemporaryFolder folder;
-  CHECK(RefusalOf(folder, FrameOf({Header(), "\xFF\xFF\xFF\x7F"})) ==
-        "record 1 says that it has 268435455 bytes; 33554432 is the limit");
-  CHECK(RefusalOf(folder, FrameOf({Header(), std::string(9, '\xFF')})) ==
-        "record 1 has no size: this is no segment file");
-  CHECK(RefusalOf(folder, FrameOf({Header(),
-                                   "\x64"
-                                   "abc"})) == "record 1 is cut off");
-  CHECK(RefusalOf(folder, FrameOf({Header(), "\x80"})) == "record 1 is cut off");
-  CHECK(RefusalOf(folder, ChangedSegment([](segments::Segment& s) {
-                    s.mutable_map_before()->set_rows(4000000000U);
-                  })) ==
-        "trajectory 0, segment 0: x is 4000000000 x 5; each side must be in [1, 1024]");
-  CHECK(RefusalOf(folder, ChangedSegment([](segments::Segment& s) {
-                    s.mutable_map_after()->set_rows(1000);
-                  })) == "trajectory 0, segment 0: x' has 20 values for 1000 x 5 cells");
+  for (const auto& [record, names] : std::vector<std::pair<std::string, std::string>>{
+           {"\xFF\xFF\xFF\x7F", "record 1 says that it has 268435455 bytes; 33554432"},
+           {std::string(9, '\xFF'), "record 1 has no size"},
+           {"dabc", "record 1 is cut off"},
+           {"\x80", "record 1 is cut off"},
+       }) {
+    CHECK_THAT(RefusalOf(folder, FrameOf({Header(), record})), Catch::StartsWith(names));
+  }
 }
 
 TEST_CASE("values and cells that no segment can have are refused with their place", "[segments]") {
+  struct Row {
+    std::string names;
+    void (*change)(segments::Segment&);
+  };
+  using Message = segments::Segment;
   const TemporaryFolder folder;
-  CHECK(RefusalOf(folder, ChangedSegment([](segments::Segment& s) {
-                    (*s.mutable_map_before()->mutable_cells())[6] = 2;
-                  })) == "trajectory 0, segment 0: x is 2 at (1,1); it must be at most 1");
-  CHECK(RefusalOf(folder, ChangedSegment([](segments::Segment& s) { s.add_free_cells(20); })) ==
-        "trajectory 0, segment 0: seen free cell 20 is outside of the 4 x 5 map");
-  CHECK(RefusalOf(folder, ChangedSegment([](segments::Segment& s) { s.set_camera_cell(6); })) ==
-        "trajectory 0, segment 0: the path ends in (1,2), but the camera is in (1,1)");
-  CHECK(RefusalOf(folder, ChangedSegment([](segments::Segment& s) { s.set_trajectory(1); })) ==
-        "a segment of trajectory 1, of which nothing was said");
-  CHECK(RefusalOf(folder, ChangedSegment([](segments::Segment& s) {
-                    (*s.mutable_map_after()->mutable_cells())[0] = 0;
-                  })) ==
-        "trajectory 0, segment 0: an edit at (0,0), on the border of the 4 x 5 map");
+  for (const Row& row : std::vector<Row>{
+           {"x is 4000000000 x 5",
+            [](Message& s) { s.mutable_map_before()->set_rows(4000000000U); }},
+           {"x' has 20 values", [](Message& s) { s.mutable_map_after()->set_rows(1000); }},
+           {"x is 2 at (1,1)",
+            [](Message& s) { (*s.mutable_map_before()->mutable_cells())[6] = 2; }},
+           {"seen free cell 20", [](Message& s) { s.add_free_cells(20); }},
+           {"the path ends in (1,2)", [](Message& s) { s.set_camera_cell(6); }},
+           {"an edit at (0,0)",
+            [](Message& s) { (*s.mutable_map_after()->mutable_cells())[0] = 0; }},
+       }) {
+    CHECK_THAT(RefusalOf(folder, ChangedSegment(row.change)),
+               Catch::StartsWith("trajectory 0, segment 0: " + row.names));
+  }
+  CHECK_THAT(RefusalOf(folder, ChangedSegment([](Message& s) { s.set_trajectory(1); })),
+             Catch::Contains("trajectory 1"));
 }
 
 TEST_CASE("a trajectory without an origin or out of turn is refused", "[segments]") {
   const TemporaryFolder folder;
   segments::Record record = ToRecord(tests::SampleTrajectory(), 0);
   record.mutable_trajectory()->set_origin(segments::ORIGIN_UNSPECIFIED);
-  CHECK(RefusalOf(folder, FrameOf({Header(), Delimited(record)})) ==
-        "trajectory 0: origin 0 is not known");
+  CHECK_THAT(RefusalOf(folder, FrameOf({Header(), Delimited(record)})),
+             Catch::StartsWith("trajectory 0: origin 0"));
   record = ToRecord(tests::SampleTrajectory(), 5);
-  CHECK(RefusalOf(folder, FrameOf({Header(), Delimited(record)})) ==
-        "trajectory 5 comes before trajectory 0");
-  CHECK(RefusalOf(folder, FrameOf({Header(), SampleTrajectoryBytes()})) ==
-        "trajectory 0: it has no segments");
+  CHECK_THAT(RefusalOf(folder, FrameOf({Header(), Delimited(record)})),
+             Catch::StartsWith("trajectory 5"));
+  CHECK_THAT(RefusalOf(folder, FrameOf({Header(), SampleTrajectoryBytes()})),
+             Catch::StartsWith("trajectory 0: it has no segments"));
 }
 
 TEST_CASE("a recording can be read at any time and holds the newest facts", "[segments]") {
@@ -316,15 +297,10 @@ TEST_CASE("a recording that is damaged amid its frames is refused and keeps ever
     // A frame header may say the same in two ways; what is read then is the same, too.
     CHECK((IsRefused(folder, damaged) || ReadSegmentFile(folder / "log") == *all));
   }
-}
-
-TEST_CASE("a data set of one frame that lost its last byte is refused and keeps the others",
-          "[segments]") {
-  const TemporaryFolder folder;
   REQUIRE(WriteSegmentFile(folder / "set", tests::SampleSet()));
-  std::string bytes = ReadFile(folder / "set").value();
-  bytes.pop_back();
-  CHECK(IsRefused(folder, bytes));
+  std::string shorter = ReadFile(folder / "set").value();
+  shorter.pop_back();
+  CHECK(IsRefused(folder, shorter));
 }
 
 TEST_CASE("two programs do not record to one file, and no other file is recorded over",

@@ -1,17 +1,14 @@
 #include "launcher/demo_options.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <filesystem>
+#include <functional>
 
 #include "common/runtime/file.h"
 #include "support/temporary_folder.h"
 
-using conav::launcher::DemoOptions;
-using conav::launcher::ParseRunWith;
-using conav::launcher::Validate;
-using conav::launcher::VendorOfService;
-
+namespace conav::launcher {
 namespace {
 
 std::string Refusal(const DemoOptions& options) {
@@ -19,156 +16,78 @@ std::string Refusal(const DemoOptions& options) {
   return result ? "" : result.error().text;
 }
 
-}  // namespace
+struct Row {
+  std::function<void(DemoOptions&)> set;
+  std::string named;  // in the refusal; "" = accepted
+};
 
-TEST_CASE("the default options of a demo are accepted", "[launcher][options]") {
-  CHECK(Refusal({}) == "");
-}
-
-TEST_CASE("a demo without robots is refused by the option's name", "[launcher][options]") {
-  DemoOptions options;
-  options.robots = 0;
-  CHECK_THAT(Refusal(options), Catch::Contains("--robots 0"));
-  options.robots = 65;
-  CHECK_THAT(Refusal(options), Catch::Contains("64"));
-}
-
-TEST_CASE("an unknown method is refused and the known ones are named", "[launcher][options]") {
-  DemoOptions options;
-  options.method = "magic";
-  CHECK_THAT(Refusal(options),
-             Catch::Contains("--method magic") && Catch::Contains("ig-mcts, instruction, teleop"));
-}
-
-TEST_CASE("a world turns by quarters only", "[launcher][options]") {
-  DemoOptions options;
-  for (const int good : {0, 90, 180, 270}) {
-    options.rotation_deg = good;
-    CHECK(Refusal(options) == "");
+void Check(const std::vector<Row>& rows) {
+  for (const Row& row : rows) {
+    DemoOptions options;
+    row.set(options);
+    INFO("expected: " << row.named);
+    if (row.named.empty()) {
+      CHECK(Refusal(options) == "");
+    } else {
+      CHECK_THAT(Refusal(options), Catch::Contains(row.named));
+    }
   }
-  options.rotation_deg = 45;
-  CHECK(Refusal(options) == "--rotation 45: not one of 0, 90, 180, 270");
-  options.rotation_deg = 360;
-  CHECK_THAT(Refusal(options), Catch::Contains("--rotation 360"));
 }
 
-TEST_CASE("a communication policy is one of those that there are, and ig-mcts's",
-          "[launcher][options]") {
-  DemoOptions options;
-  options.communication = "often";
-  CHECK_THAT(Refusal(options),
-             Catch::Contains("--communication often") && Catch::Contains("when_blocked"));
-  options.communication = "every";
-  CHECK(Refusal(options) == "");
-  options.method = "greedy";
-  CHECK_THAT(Refusal(options), Catch::Contains("--communication every: --method greedy"));
-  options.communication = "search";
-  CHECK(Refusal(options) == "");
+TEST_CASE("options beyond their limits are refused by name and value", "[launcher]") {
+  using O = DemoOptions;
+  Check({{[](O&) {}, ""},
+         {[](O& o) { o.robots = 0; }, "--robots 0"},
+         {[](O& o) { o.robots = 65; }, "--robots 65"},
+         {[](O& o) { o.worlds = 17; }, "--worlds 17"},
+         {[](O& o) { o.planners = 17; }, "--planners 17"},
+         {[](O& o) { o.nhpm_replicas = 0; }, "--nhpm-replicas 0"},
+         {[](O& o) { o.speed = -1.0; }, "--speed"},
+         {[](O& o) { o.domain = 233; }, "--domain 233"},
+         {[](O& o) { o.time_limit_s = 0.0; }, "--time-limit"},
+         {[](O& o) { o.rotation_deg = 270; }, ""},
+         {[](O& o) { o.rotation_deg = 45; }, "--rotation 45"},
+         {[](O& o) { o.rotation_deg = 360; }, "--rotation 360"},
+         {[](O& o) { o.method = "magic"; }, "--method magic"},
+         {[](O& o) { o.method = "magic"; }, "ig-mcts, instruction, teleop"},
+         {[](O& o) { o.communication = "often"; }, "--communication often"},
+         {[](O& o) { o.model = "oracle"; }, "--model oracle"},
+         {[](O& o) { o.x_source = "guessed"; }, "--x-source guessed"},
+         {[](O& o) { o.weights = "/nowhere/a.nhpm"; }, "--weights /nowhere/a.nhpm: no such file"},
+         {[](O& o) { o.weights = "/tmp"; }, "--weights /tmp: is a folder"},
+         {[](O& o) { o.map = "/nowhere/plan.yaml"; }, "--map /nowhere/plan.yaml: no such file"},
+         {[](O& o) { o.out = "/proc/self/status/runs"; }, "--out /proc/self/status/runs"},
+         {[](O& o) { o.json = "/nowhere/result.json"; }, "--json /nowhere/result.json"}});
 }
 
-TEST_CASE("a model, weights or belief that do not exist are refused", "[launcher][options]") {
-  DemoOptions options;
-  options.model = "oracle";
-  CHECK_THAT(Refusal(options), Catch::Contains("--model oracle: not one of nhpm, glpf"));
-  options = {};
-  options.weights = "/nowhere/a.nhpm";
-  CHECK_THAT(Refusal(options), Catch::Contains("--weights /nowhere/a.nhpm: no such file"));
-  options.weights = "/tmp";
-  CHECK_THAT(Refusal(options), Catch::Contains("--weights /tmp: is a folder"));
-  options = {};
-  options.x_source = "guessed";
-  CHECK_THAT(Refusal(options), Catch::Contains("--x-source guessed"));
+TEST_CASE("options that contradict each other or would do nothing are refused", "[launcher]") {
+  using O = DemoOptions;
+  const test::TemporaryFolder folder;
+  const auto weights = folder / "a.nhpm";
+  REQUIRE(WriteFile(weights, ""));
+  const auto with_person = [&](O& o) {
+    o.person = "p07";
+    o.person_weights = folder.path();
+  };
+  Check({{[](O& o) { o.communication = "every"; }, ""},
+         {[](O& o) { o.communication = "every", o.method = "greedy"; }, "--communication every"},
+         {[](O& o) { o.communication = "search", o.method = "greedy"; }, ""},
+         {with_person, ""},
+         {[](O& o) { o.person = "p07"; }, "--person and --person-weights"},
+         {[&](O& o) { o.person_weights = folder.path(); }, "--person and --person-weights"},
+         {[&](O& o) { with_person(o), o.person = "p 07"; }, "--person p 07"},
+         {[&](O& o) { with_person(o), o.perception = "embedded"; }, "--perception embedded"},
+         {[&](O& o) { with_person(o), o.model = "glpf"; }, "--model glpf"},
+         {[&](O& o) { with_person(o), o.person_weights = "/none"; }, "--person-weights /none"},
+         {[&](O& o) { o.weights = o.json = weights; }, "--weights"},
+         {[&](O& o) { o.weights = weights, o.model = "glpf"; }, "--model glpf"},
+         {[](O& o) { o.nhpm_replicas = 2, o.perception = "embedded"; }, "--nhpm-replicas 2"},
+         {[](O& o) { o.operator_map = "plan.yaml"; }, "needs --map"},
+         {[](O& o) { o.cell_size_m = 0.5; }, "--cell-size"},
+         {[](O& o) { o.streams = true, o.recording = false; }, "--streams"}});
 }
 
-TEST_CASE("a person and the folder of weights need each other", "[launcher][options]") {
-  const conav::test::TemporaryFolder folder;
-  DemoOptions options;
-  options.person = "p07";
-  CHECK_THAT(Refusal(options), Catch::Contains("--person and --person-weights need each other"));
-  options.person_weights = folder.path();
-  CHECK(Refusal(options) == "");
-  options.person = "p 07";
-  CHECK_THAT(Refusal(options), Catch::Contains("--person p 07: is not"));
-  options.person = "p07";
-  options.perception = "embedded";
-  CHECK_THAT(Refusal(options), Catch::Contains("--person: --perception embedded"));
-  options.perception = "remote";
-  options.model = "glpf";
-  CHECK_THAT(Refusal(options), Catch::Contains("--person: --model glpf"));
-  options = {};
-  options.person_weights = folder.path();
-  CHECK_THAT(Refusal(options), Catch::Contains("need each other"));
-  options.person = "p07";
-  options.person_weights = "/nowhere";
-  CHECK_THAT(Refusal(options), Catch::Contains("--person-weights /nowhere: no such folder"));
-}
-
-TEST_CASE("a result is not written over what the run reads", "[launcher][options]") {
-  const conav::test::TemporaryFolder folder;
-  DemoOptions options;
-  options.weights = folder / "a.nhpm";
-  options.json = folder / "a.nhpm";
-  REQUIRE(conav::WriteFile(options.weights, ""));
-  CHECK_THAT(Refusal(options), Catch::Contains("is the input --weights, too"));
-}
-
-TEST_CASE("options that would do nothing are refused", "[launcher][options]") {
-  const conav::test::TemporaryFolder folder;
-  DemoOptions options;
-  options.model = "glpf";
-  options.weights = folder / "a.nhpm";
-  REQUIRE(conav::WriteFile(options.weights, ""));
-  CHECK_THAT(Refusal(options), Catch::Contains("--weights: --model glpf has none"));
-  options = {};
-  options.perception = "embedded";
-  options.nhpm_replicas = 2;
-  CHECK_THAT(Refusal(options), Catch::Contains("--nhpm-replicas 2: with --perception embedded"));
-}
-
-TEST_CASE("numbers beyond their limits are refused", "[launcher][options]") {
-  DemoOptions options;
-  options.worlds = 17;
-  CHECK_THAT(Refusal(options), Catch::Contains("--worlds"));
-  options = {};
-  options.planners = 17;
-  CHECK_THAT(Refusal(options), Catch::Contains("--planners 17: not between 1 and 16"));
-  options.planners = 1;
-  options.nhpm_replicas = 0;
-  CHECK_THAT(Refusal(options), Catch::Contains("--nhpm-replicas 0: not between 1 and 8"));
-  options = {};
-  options.speed = -1.0;
-  CHECK_THAT(Refusal(options), Catch::Contains("--speed"));
-  options = {};
-  options.domain = 233;
-  CHECK_THAT(Refusal(options), Catch::Contains("--domain"));
-  options = {};
-  options.time_limit_s = 0.0;
-  CHECK_THAT(Refusal(options), Catch::Contains("--time-limit"));
-}
-
-TEST_CASE("map options are refused when a file is missing or stands alone", "[launcher][options]") {
-  DemoOptions options;
-  options.map = "/nowhere/plan.yaml";
-  CHECK_THAT(Refusal(options), Catch::Contains("--map /nowhere/plan.yaml: no such file"));
-  options = {};
-  options.operator_map = "plan.yaml";
-  CHECK_THAT(Refusal(options), Catch::Contains("needs --map"));
-  options = {};
-  options.cell_size_m = 0.5;
-  CHECK_THAT(Refusal(options), Catch::Contains("--cell-size"));
-}
-
-TEST_CASE("an output folder that cannot be is refused", "[launcher][options]") {
-  DemoOptions options;
-  options.out = "/proc/self/status/runs";
-  CHECK_THAT(Refusal(options), Catch::Contains("--out /proc/self/status/runs"));
-  options = {};
-  options.json = "/nowhere/result.json";
-  CHECK_THAT(Refusal(options), Catch::Contains("--json /nowhere/result.json"));
-}
-
-TEST_CASE("a run is watchable on a terminal and as fast as commanded when headless",
-          "[launcher][options]") {
+TEST_CASE("a run is watchable on a terminal and as fast as commanded when headless", "[launcher]") {
   DemoOptions options;
   CHECK(options.effective_speed() == 2.0);
   CHECK(options.console_port() == 8080);
@@ -185,38 +104,33 @@ TEST_CASE("a run is watchable on a terminal and as fast as commanded when headle
   CHECK(options.effective_speed() == 2.0);
 }
 
-TEST_CASE("one vendor is given to every process", "[launcher][options]") {
-  const auto vendors = VendorOfService("fastdds");
-  REQUIRE(vendors);
-  CHECK(vendors->size() == 7);
-  for (const auto& [service, vendor] : *vendors) CHECK(vendor == "fastdds");
-}
-
-TEST_CASE("a mixed demo has both vendors", "[launcher][options]") {
-  const auto vendors = VendorOfService("mixed");
-  REQUIRE(vendors);
-  int fast = 0;
-  for (const auto& [service, vendor] : *vendors) fast += vendor == "fastdds" ? 1 : 0;
-  CHECK(fast == 3);
-}
-
-TEST_CASE("vendors are set per process and the rest keeps the default", "[launcher][options]") {
+TEST_CASE("a demo has one vendor, both, or one per process", "[launcher]") {
+  const auto fast_of = [](const std::string& dds) {
+    const auto vendors = VendorOfService(dds);
+    REQUIRE(vendors);
+    REQUIRE(vendors->size() == 7);
+    return std::count_if(vendors->begin(), vendors->end(),
+                         [](const auto& entry) { return entry.second == "fastdds"; });
+  };
+  CHECK(fast_of("fastdds") == 7);
+  CHECK(fast_of("mixed") == 3);
   const auto vendors = VendorOfService("sim=fastdds,planner=cyclonedds");
   REQUIRE(vendors);
   CHECK(vendors->at("sim") == "fastdds");
   CHECK(vendors->at("planner") == "cyclonedds");
-  CHECK(vendors->at("nhpm").empty());
-  CHECK_FALSE(VendorOfService("sim=rti"));
-  CHECK_FALSE(VendorOfService("camera=fastdds"));
-  CHECK_FALSE(VendorOfService("opendds"));
+  CHECK(vendors->at("nhpm").empty());  // keeps the default
+  for (const char* wrong : {"sim=rti", "camera=fastdds", "opendds"}) {
+    CHECK_FALSE(VendorOfService(wrong));
+  }
 }
 
-TEST_CASE("a run-with entry names a service and a command", "[launcher][options]") {
+TEST_CASE("a run-with entry names a service and a command", "[launcher]") {
   const auto entry = ParseRunWith("sim=ip netns exec a");
   REQUIRE(entry);
   CHECK(entry->first == "sim");
   CHECK(entry->second == "ip netns exec a");
-  CHECK_FALSE(ParseRunWith("sim"));
-  CHECK_FALSE(ParseRunWith("sim= "));
-  CHECK_FALSE(ParseRunWith("camera=nice"));
+  for (const char* wrong : {"sim", "sim= ", "camera=nice"}) CHECK_FALSE(ParseRunWith(wrong));
 }
+
+}  // namespace
+}  // namespace conav::launcher

@@ -1,11 +1,10 @@
 #include "launcher/demo_plan.h"
 
-#include <unistd.h>
-
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <map>
 
+#include "common/runtime/file.h"
 #include "nhpm/config.h"
 #include "operator/config.h"
 #include "operator/recording/config.h"
@@ -13,34 +12,50 @@
 #include "planner/config.h"
 #include "sim/config.h"
 #include "support/scoped_variable.h"
+#include "support/temporary_folder.h"
+#include "support/test_weights.h"
 
-using namespace conav;
-using namespace conav::launcher;
-namespace fs = std::filesystem;
-
+namespace conav::launcher {
 namespace {
 
-struct TemporaryRun {
-  fs::path parent = fs::temp_directory_path() / ("conav_demo_plan_" + std::to_string(getpid()));
-  RunFolder folder{parent, std::chrono::system_clock::time_point{}, 1};
-  ~TemporaryRun() { fs::remove_all(parent); }
-};
+namespace fs = std::filesystem;
 
-std::map<std::string, std::string> Plan(const DemoOptions& options, const TemporaryRun& run) {
-  std::map<std::string, std::string> configs;
-  const Episode episode = MakeEpisode(options.robots, options.worlds);
-  for (const auto& process : PlanDemo(options, 42, episode, run.folder)) {
-    configs[process.name] = process.config;
+/// A run's folder, the options of a demo, and what its processes get to read.
+struct Run {
+  std::map<std::string, std::string> Plan() const {
+    std::map<std::string, std::string> configs;
+    for (const auto& process :
+         PlanDemo(options, 42, MakeEpisode(options.robots, options.worlds), folder)) {
+      configs[process.name] = process.config;
+    }
+    return configs;
   }
-  return configs;
-}
+  /// Of process `name`; an own struct of the service reads it back.
+  template <class Config>
+  Config Read(const std::string& name, std::string section = "") const {
+    if (section.empty()) section = name;
+    Config config;
+    ReadConfig(YAML::Load(Plan().at(name))[section]["ros__parameters"], section, config);
+    return config;
+  }
+  sim::SimConfig Sim(const std::string& name = "sim") const {
+    return Read<sim::SimConfig>(name, "sim");
+  }
+  planner::PlannerConfig Planner(const std::string& name = "planner") const {
+    return Read<planner::PlannerConfig>(name, "planner");
+  }
+  nhpm::NhpmConfig Nhpm(const std::string& name = "nhpm") const {
+    return Read<nhpm::NhpmConfig>(name, "nhpm");
+  }
+  operators::OperatorConfig Operator() const { return Read<operators::OperatorConfig>("operator"); }
+  operators::SimulatedOperatorConfig Person() const {
+    return Read<operators::SimulatedOperatorConfig>("simulated-operator", "simulated_operator");
+  }
 
-template <class Config>
-Config Read(const std::string& yaml, const std::string& section) {
-  Config config;
-  ReadConfig(YAML::Load(yaml)[section]["ros__parameters"], section, config);
-  return config;
-}
+  test::TemporaryFolder parent;
+  RunFolder folder{parent.path(), std::chrono::system_clock::time_point{}, 1};
+  DemoOptions options;
+};
 
 template <class Config>
 Config ReadExample(const std::string& section) {
@@ -50,180 +65,132 @@ Config ReadExample(const std::string& section) {
   return config;
 }
 
-}  // namespace
-
 TEST_CASE("each process of a demo gets a configuration that its own struct reads back",
-          "[launcher][plan]") {
-  const TemporaryRun run;
-  DemoOptions options;
-  options.robots = 2;
-  options.seed = 7;
-  options.dds = "sim=fastdds,planner=cyclonedds";
-  options.headless = true;
-  options.peers = {"10.0.0.1"};
-  const auto configs = Plan(options, run);
-  REQUIRE(configs.size() == 6);
-  const auto sim = Read<sim::SimConfig>(configs.at("sim"), "sim");
+          "[launcher]") {
+  Run run;
+  run.options.robots = 2;
+  run.options.seed = 7;
+  run.options.dds = "sim=fastdds,planner=cyclonedds";
+  run.options.headless = true;
+  run.options.peers = {"10.0.0.1"};
+  CHECK(run.Plan().size() == 6);
+  const sim::SimConfig sim = run.Sim();
   CHECK(sim.robots == std::vector<std::string>{"r1", "r2"});
   CHECK(sim.seed == 7);
   CHECK(sim.speed == 0.0);
-  CHECK_FALSE(sim.camera.stream);
   CHECK(sim.bus.vendor == "fastdds");
   CHECK(sim.bus.domain_id == 42);
   CHECK(sim.bus.interface == "lo");
   CHECK(sim.bus.peers == std::vector<std::string>{"10.0.0.1"});
-  const auto planner = Read<planner::PlannerConfig>(configs.at("planner"), "planner");
-  CHECK(planner.robots == std::vector<std::string>{"w1/r1", "w1/r2"});
-  CHECK(planner.bus.vendor == "cyclonedds");
-  const auto operators = Read<operators::OperatorConfig>(configs.at("operator"), "operator");
+  CHECK(run.Planner().robots == std::vector<std::string>{"w1/r1", "w1/r2"});
+  CHECK(run.Planner().bus.vendor == "cyclonedds");
+  const operators::OperatorConfig operators = run.Operator();
   CHECK(operators.database == (run.folder.state() / "operator.db").string());
   CHECK(operators.recording.file == (run.folder.path() / "segments.pb.zst").string());
   CHECK(operators.recording.origin == "simulated");
   CHECK(operators.recording.session == run.folder.path().filename().string());
   CHECK(operators.recording.mazes == std::vector<std::string>{"w1=conav13@7"});
-  CHECK(Read<operators::SimulatedOperatorConfig>(configs.at("simulated-operator"),
-                                                 "simulated_operator")
-            .seed == 7);
-  CHECK(Read<nhpm::NhpmConfig>(configs.at("nhpm"), "nhpm").bus.domain_id == 42);
+  CHECK(run.Person().seed == 7);
+  CHECK(run.Nhpm().bus.domain_id == 42);
 }
 
 TEST_CASE("the world's seed and turn and the operator's person can be chosen by themselves",
-          "[launcher][plan]") {
-  const TemporaryRun run;
-  DemoOptions options;
-  options.seed = 7;
-  options.maze_seed = 234;
-  options.rotation_deg = 90;
-  options.simulated_operator = "hasty";
-  const auto configs = Plan(options, run);
-  const auto sim = Read<sim::SimConfig>(configs.at("sim"), "sim");
-  CHECK(sim.seed == 234);
-  CHECK(sim.rotation_deg == 90);
-  CHECK(Read<planner::PlannerConfig>(configs.at("planner"), "planner").seed == 7);
-  const auto person = Read<operators::SimulatedOperatorConfig>(configs.at("simulated-operator"),
-                                                               "simulated_operator");
-  CHECK(person.seed == 7);
-  CHECK(person.person.planner.horizon == "next_goal");
-  CHECK(Read<operators::OperatorConfig>(configs.at("operator"), "operator").recording.mazes ==
-        std::vector<std::string>{"w1=conav13 rotated 90@234"});
+          "[launcher]") {
+  Run run;
+  run.options.seed = 7;
+  run.options.maze_seed = 234;
+  run.options.rotation_deg = 90;
+  run.options.simulated_operator = "hasty";
+  CHECK(run.Sim().seed == 234);
+  CHECK(run.Sim().rotation_deg == 90);
+  CHECK(run.Planner().seed == 7);
+  CHECK(run.Person().seed == 7);
+  CHECK(run.Person().person.planner.horizon == "next_goal");
+  CHECK(run.Operator().recording.mazes == std::vector<std::string>{"w1=conav13 rotated 90@234"});
 }
 
-TEST_CASE("each world has a simulator with its own robots and seed", "[launcher][plan]") {
-  const TemporaryRun run;
-  DemoOptions options;
-  options.robots = 2;
-  options.worlds = 2;
-  options.method = "teleop";
-  const auto configs = Plan(options, run);
-  const auto second = Read<sim::SimConfig>(configs.at("sim-w2"), "sim");
+TEST_CASE("each world has a simulator with its own robots and seed", "[launcher]") {
+  Run run;
+  run.options.robots = 2;
+  run.options.worlds = 2;
+  const sim::SimConfig second = run.Sim("sim-w2");
   CHECK(second.world == "w2");
   CHECK(second.robots == std::vector<std::string>{"r3", "r4"});
   CHECK(second.seed == 2);
-  CHECK(second.camera.stream);
   CHECK_FALSE(second.publish_clock);  // a domain has one /clock
-  CHECK(Read<sim::SimConfig>(configs.at("sim-w1"), "sim").publish_clock);
-  CHECK(Read<planner::PlannerConfig>(configs.at("planner"), "planner").robots.size() == 4);
+  CHECK(run.Sim("sim-w1").publish_clock);
+  CHECK(run.Planner().robots.size() == 4);
 }
 
-TEST_CASE("maps, cell size and shared goals reach the simulator", "[launcher][plan]") {
-  const TemporaryRun run;
-  DemoOptions options;
-  options.map = "maps/truth.yaml";
-  options.operator_map = "/plans/old.yaml";
-  options.cell_size_m = 1.5;
-  options.shared_goals = true;
-  const auto sim = Read<sim::SimConfig>(Plan(options, run).at("sim"), "sim");
-  CHECK(sim.map.yaml == (fs::current_path() / "maps/truth.yaml").string());
-  CHECK(sim.map.operator_yaml == "/plans/old.yaml");
-  CHECK(sim.map.cell_size_m == 1.5);
-  CHECK(sim.shared_goals);
-  const auto without = Read<sim::SimConfig>(Plan({}, run).at("sim"), "sim");
-  CHECK(without.map.yaml.empty());
-  CHECK(without.map.operator_yaml.empty());
-  CHECK(without.map.cell_size_m == sim::SimConfig{}.map.cell_size_m);
-  CHECK_FALSE(without.shared_goals);
+TEST_CASE("maps, cell size and shared goals reach the simulator", "[launcher]") {
+  Run run;
+  CHECK(run.Sim().map.yaml.empty());
+  CHECK(run.Sim().map.operator_yaml.empty());
+  CHECK(run.Sim().map.cell_size_m == sim::SimConfig{}.map.cell_size_m);
+  CHECK_FALSE(run.Sim().shared_goals);
+  run.options.map = "maps/truth.yaml";
+  run.options.operator_map = "/plans/old.yaml";
+  run.options.cell_size_m = 1.5;
+  run.options.shared_goals = true;
+  CHECK(run.Sim().map.yaml == (fs::current_path() / "maps/truth.yaml").string());
+  CHECK(run.Sim().map.operator_yaml == "/plans/old.yaml");
+  CHECK(run.Sim().map.cell_size_m == 1.5);
+  CHECK(run.Sim().shared_goals);
 }
 
 TEST_CASE("what the environment says of the bus is written into every configuration",
-          "[launcher][plan]") {
-  const TemporaryRun run;
-  DemoOptions options;
-  options.interface = "";
+          "[launcher]") {
+  Run run;
+  run.options.interface = "";
   const test::ScopedVariable no_vendor("CONAV_DDS", nullptr);
-  CHECK(Read<sim::SimConfig>(Plan(options, run).at("sim"), "sim").bus.vendor == "cyclonedds");
+  CHECK(run.Sim().bus.vendor == "cyclonedds");
   const test::ScopedVariable vendor("CONAV_DDS", "fastdds");
   const test::ScopedVariable interface("CONAV_INTERFACE", "eth7");
-  options.dds = "planner=cyclonedds";
-  const auto configs = Plan(options, run);
-  const auto sim = Read<sim::SimConfig>(configs.at("sim"), "sim");
-  CHECK(sim.bus.vendor == "fastdds");
-  CHECK(sim.bus.interface == "eth7");
-  CHECK(Read<planner::PlannerConfig>(configs.at("planner"), "planner").bus.vendor == "cyclonedds");
+  run.options.dds = "planner=cyclonedds";
+  CHECK(run.Sim().bus.vendor == "fastdds");
+  CHECK(run.Sim().bus.interface == "eth7");
+  CHECK(run.Planner().bus.vendor == "cyclonedds");
 }
 
-TEST_CASE("model and weights reach the service and the planner", "[launcher][plan]") {
-  const TemporaryRun run;
-  DemoOptions options;
-  options.model = "nhpm";
-  options.weights = "models/own.nhpm";
-  options.x_source = "estimated";
-  const auto configs = Plan(options, run);
+TEST_CASE("model, weights and person reach the service and the planner", "[launcher]") {
+  Run run;
+  CHECK(run.Nhpm().weights == nhpm::ShippedWeights().string());
+  run.options.model = "nhpm";
+  run.options.weights = "models/own.nhpm";
+  run.options.x_source = "estimated";
+  run.options.person = "p07";
+  run.options.person_weights = "people";
   const std::string weights = (fs::current_path() / "models/own.nhpm").string();
-  const auto service = Read<nhpm::NhpmConfig>(configs.at("nhpm"), "nhpm");
-  CHECK(service.model == "nhpm");
-  CHECK(service.weights == weights);
-  const auto planner = Read<planner::PlannerConfig>(configs.at("planner"), "planner");
-  CHECK(planner.perception_model == "nhpm");
-  CHECK(planner.weights == weights);
-  CHECK(planner.x_source == "estimated");
-  options.weights.clear();
-  CHECK(Read<nhpm::NhpmConfig>(Plan(options, run).at("nhpm"), "nhpm").weights ==
-        nhpm::ShippedWeights().string());
+  CHECK(run.Nhpm().model == "nhpm");
+  CHECK(run.Nhpm().weights == weights);
+  CHECK(run.Nhpm().person_weights == (fs::current_path() / "people").string());
+  CHECK(run.Planner().perception_model == "nhpm");
+  CHECK(run.Planner().weights == weights);
+  CHECK(run.Planner().x_source == "estimated");
+  CHECK(run.Planner().person == "p07");
 }
 
-TEST_CASE("a person and the folder of weights reach planner and service", "[launcher][plan]") {
-  const TemporaryRun run;
-  DemoOptions options;
-  options.person = "p07";
-  options.person_weights = "people";
-  const auto configs = Plan(options, run);
-  CHECK(Read<planner::PlannerConfig>(configs.at("planner"), "planner").person == "p07");
-  CHECK(Read<nhpm::NhpmConfig>(configs.at("nhpm"), "nhpm").person_weights ==
-        (fs::current_path() / "people").string());
+TEST_CASE("replicas of nhpm have names of their own, an embedded model needs none", "[launcher]") {
+  Run run;
+  run.options.nhpm_replicas = 2;
+  CHECK(run.Plan().size() == 7);
+  CHECK(run.Nhpm("nhpm-1").name == "nhpm-1");
+  CHECK(run.Nhpm("nhpm-2").name == "nhpm-2");
+  run.options.perception = "embedded";
+  CHECK(run.Plan().size() == 5);
 }
 
-TEST_CASE("a planner with a model of its own needs no nhpm", "[launcher][plan]") {
-  const TemporaryRun run;
-  DemoOptions options;
-  options.perception = "embedded";
-  const auto configs = Plan(options, run);
-  CHECK(configs.size() == 5);
-  CHECK_FALSE(configs.contains("nhpm"));
-}
-
-TEST_CASE("replicas of nhpm have names of their own", "[launcher][plan]") {
-  const TemporaryRun run;
-  DemoOptions options;
-  options.nhpm_replicas = 2;
-  const auto configs = Plan(options, run);
-  CHECK(configs.size() == 7);
-  CHECK(Read<nhpm::NhpmConfig>(configs.at("nhpm-1"), "nhpm").name == "nhpm-1");
-  CHECK(Read<nhpm::NhpmConfig>(configs.at("nhpm-2"), "nhpm").name == "nhpm-2");
-}
-
-TEST_CASE("a command is put before the service that it is meant for", "[launcher][plan]") {
-  const TemporaryRun run;
-  DemoOptions options;
-  options.run_with["sim"] = "ip netns exec a";
-  const PlannedProcess sim{"sim-w1", "sim", ""};
-  CHECK(CommandLine(sim, options, "/bin", run.folder) ==
+TEST_CASE("a command is put before the service that it is meant for", "[launcher]") {
+  Run run;
+  run.options.run_with["sim"] = "ip netns exec a";
+  CHECK(CommandLine({"sim-w1", "sim", ""}, run.options, "/bin", run.folder) ==
         std::vector<std::string>{"ip", "netns", "exec", "a", "/bin/conav-sim", "--config",
                                  run.folder.config("sim-w1").string()});
-  const PlannedProcess planner{"planner", "planner", ""};
-  CHECK(CommandLine(planner, options, "/bin", run.folder).front() == "/bin/conav-planner");
+  CHECK(CommandLine({"planner", "planner", ""}, run.options, "/bin", run.folder).front() ==
+        "/bin/conav-planner");
 }
 
-TEST_CASE("the example configurations are what the services read", "[launcher][plan]") {
+TEST_CASE("the example configurations are what the services read", "[launcher]") {
   CHECK(ReadExample<sim::SimConfig>("sim").world == "w1");
   CHECK(ReadExample<planner::PlannerConfig>("planner").method == "ig-mcts");
   CHECK(ReadExample<nhpm::NhpmConfig>("nhpm").model == kDefaultPerceptionModel);
@@ -232,39 +199,33 @@ TEST_CASE("the example configurations are what the services read", "[launcher][p
   CHECK(ReadExample<recorder::RecorderConfig>("recorder").file == "recording.mcap");
 }
 
-TEST_CASE("a run is recorded from its begin unless it shall not be", "[launcher][plan]") {
-  const TemporaryRun run;
-  DemoOptions options;
-  options.robots = 2;
-  options.seed = 7;
-  options.dds = "recorder=fastdds";
-  const auto first = PlanDemo(options, 42, MakeEpisode(2, 1), run.folder).at(0);
-  CHECK(first.name == kRecorderName);
-  const auto config = Read<recorder::RecorderConfig>(first.config, "recorder");
+TEST_CASE("a run is recorded from its begin unless it is switched off", "[launcher]") {
+  Run run;
+  run.options.robots = 2;
+  run.options.seed = 7;
+  run.options.dds = "recorder=fastdds";
+  CHECK(PlanDemo(run.options, 42, MakeEpisode(2, 1), run.folder).at(0).name == kRecorderName);
+  const auto config = run.Read<recorder::RecorderConfig>("recorder");
   CHECK(config.file == (run.folder.path() / "recording.mcap").string());
   CHECK(config.robots == std::vector<std::string>{"w1/r1", "w1/r2"});
   CHECK(config.bus.vendor == "fastdds");
   CHECK_FALSE(config.streams);
   CHECK(config.facts.at("seed") == "7");
   CHECK(config.facts.at("world") == "conav13");
-  options.streams = true;
-  CHECK(Read<recorder::RecorderConfig>(Plan(options, run).at("recorder"), "recorder").streams);
-  CHECK(Validate(options));
-  options.recording = false;
-  CHECK_FALSE(Plan(options, run).contains("recorder"));
-  CHECK_FALSE(Validate(options));
+  run.options.streams = true;
+  CHECK(run.Read<recorder::RecorderConfig>("recorder").streams);
+  run.options.recording = false;
+  CHECK_FALSE(run.Plan().contains("recorder"));
 }
 
-TEST_CASE("several planners share all robots, under names of their own", "[launcher][plan]") {
-  const TemporaryRun run;
-  DemoOptions options;
-  options.robots = 3;
-  options.planners = 2;
-  options.dds = "mixed";
-  const auto configs = Plan(options, run);
-  CHECK_FALSE(configs.contains("planner"));
-  const auto first = Read<planner::PlannerConfig>(configs.at("planner-1"), "planner");
-  const auto second = Read<planner::PlannerConfig>(configs.at("planner-2"), "planner");
+TEST_CASE("several planners share all robots, under names of their own", "[launcher]") {
+  Run run;
+  run.options.robots = 3;
+  run.options.planners = 2;
+  run.options.dds = "mixed";
+  CHECK_FALSE(run.Plan().contains("planner"));
+  const planner::PlannerConfig first = run.Planner("planner-1");
+  const planner::PlannerConfig second = run.Planner("planner-2");
   CHECK(first.decision_file != second.decision_file);  // both are read by conav explain
   CHECK(first.name == "planner-1");
   CHECK(second.name == "planner-2");
@@ -274,24 +235,123 @@ TEST_CASE("several planners share all robots, under names of their own", "[launc
   CHECK(first.bus.vendor != second.bus.vendor);
 }
 
-TEST_CASE("the planner is told who decides on pictures, by names that it knows",
-          "[launcher][plan]") {
-  const TemporaryRun run;
-  DemoOptions options;
+TEST_CASE("the planner knows every communication policy of the options by its name", "[launcher]") {
+  Run run;
   for (const char* policy : planner::kCommunicationPolicies) {
-    options.communication = policy;
-    REQUIRE(Validate(options));
-    const auto planner = Read<planner::PlannerConfig>(Plan(options, run).at("planner"), "planner");
-    CHECK(planner.communication.policy == policy);
+    run.options.communication = policy;
+    REQUIRE(Validate(run.options));
+    CHECK(run.Planner().communication.policy == policy);
   }
 }
 
-TEST_CASE("pictures are streamed where a person steers or instructs", "[launcher][plan]") {
-  const TemporaryRun run;
-  for (const char* method : {"ig-mcts", "instruction", "teleop", "greedy"}) {
-    DemoOptions options;
-    options.method = method;
-    const auto sim = Read<sim::SimConfig>(Plan(options, run).at("sim"), "sim");
-    CHECK(sim.camera.stream == (options.method == "instruction" || options.method == "teleop"));
+TEST_CASE("pictures are streamed where a person steers or instructs", "[launcher]") {
+  Run run;
+  for (const auto& [method, streams] : std::vector<std::pair<const char*, bool>>{
+           {"ig-mcts", false}, {"instruction", true}, {"teleop", true}, {"greedy", false}}) {
+    run.options.method = method;
+    CHECK(run.Sim().camera.stream == streams);
   }
 }
+
+/// Why `check` refuses the options; "" when it does not.
+std::string Refusal(Result<void> (*check)(const DemoOptions&), const DemoOptions& options) {
+  const auto checked = check(options);
+  return checked ? "" : checked.error().text;
+}
+
+TEST_CASE("a simulated operator is a kind by its name or the person of a file", "[launcher]") {
+  CHECK(OperatorPerson("hasty").planner.horizon == "next_goal");
+  CHECK(OperatorPerson("silent").silent);
+  const test::TemporaryFolder folder;
+  DemoOptions options;
+  for (const std::string& kind : operators::OperatorKinds()) {
+    options.simulated_operator = kind;
+    CHECK(Refusal(CheckOperator, options).empty());
+  }
+  const auto write = [&](const std::string& person) {
+    options.simulated_operator = (folder / "anna.yaml").string();
+    REQUIRE(WriteFile(options.simulated_operator,
+                      "simulated_operator:\n  ros__parameters:\n    person: " + person + "\n"));
+  };
+  write("{kind: hasty, reader: {edit_limit: 9}}");
+  CHECK(Refusal(CheckOperator, options).empty());
+  CHECK(OperatorPerson(options.simulated_operator).reader.edit_limit == 9);
+  CHECK(OperatorPerson(options.simulated_operator).planner.horizon == "next_goal");
+  write("{age: 30}");
+  CHECK_THAT(Refusal(CheckOperator, options),
+             Catch::StartsWith("--operator ") && Catch::Contains("'age'"));
+  options.simulated_operator = "lazy";
+  CHECK_THAT(Refusal(CheckOperator, options),
+             Catch::StartsWith("--operator lazy") && Catch::Contains("careful, hasty"));
+}
+
+TEST_CASE("weights fit the run's maps, or are refused by name", "[launcher]") {
+  const test::WeightsFolder folder;
+  DemoOptions options;
+  CHECK(Refusal(CheckWeights, options) == "");
+  options.weights = folder.path() / "notes.nhpm";
+  REQUIRE(WriteFile(options.weights, "no weights"));
+  CHECK_THAT(Refusal(CheckWeights, options),
+             Catch::StartsWith("--weights " + options.weights.string()));
+  CHECK(WeightsChecksum(options).empty());
+  options.weights = folder.Write("any", test::UntrainedNetwork(1));
+  CHECK(Refusal(CheckWeights, options) == "");
+  options.weights = folder.Write("bound", test::UntrainedNetwork(1, 13, 13));
+  CHECK(Refusal(CheckWeights, options) == "");
+  options.preset = "15x15";
+  CHECK_THAT(Refusal(CheckWeights, options),
+             Catch::Contains("13 x 13") && Catch::Contains("17 x 17"));
+  options.preset = "unknown";
+  CHECK(Refusal(CheckWeights, options) == "");  // CheckWorlds says it
+}
+
+TEST_CASE("the checksum is that of the weights that answer", "[launcher]") {
+  const test::WeightsFolder folder;
+  const nhpm::NetworkModel everybody = test::UntrainedNetwork(1);
+  const nhpm::NetworkModel anna = test::UntrainedNetwork(2);
+  DemoOptions options;
+  options.weights = folder.Write("everybody", everybody);
+  CHECK(WeightsChecksum(options) == nhpm::ChecksumOf(everybody));
+  options.person = "anna";
+  options.person_weights = folder.path();
+  CHECK_THAT(Refusal(CheckWeights, options), Catch::StartsWith("--person-weights "));
+  folder.Write("anna", anna);
+  CHECK(Refusal(CheckWeights, options) == "");
+  CHECK(WeightsChecksum(options) == nhpm::ChecksumOf(anna));
+  options.model = "glpf";
+  CHECK(WeightsChecksum(options).empty());
+}
+
+TEST_CASE("every world of a run has room for its robots, or is refused by option and seed",
+          "[launcher]") {
+  const auto refusal = [](int robots, int worlds, bool shared = false) {
+    DemoOptions options;
+    options.robots = robots;
+    options.worlds = worlds;
+    options.shared_goals = shared;
+    options.maze_seed = 1;
+    return Refusal(CheckWorlds, options);
+  };
+  CHECK(refusal(1, 1) == "");
+  CHECK(refusal(8, 3) == "");
+  CHECK(refusal(18, 1) == "");
+  CHECK(refusal(24, 1, true) == "");
+  CHECK_THAT(refusal(24, 1), Catch::Contains("--robots 24") && Catch::Contains("seed 1 ") &&
+                                 Catch::Contains("room for 18"));
+  CHECK_THAT(refusal(18, 16), Catch::Contains("--robots 18: the world of seed "));
+}
+
+TEST_CASE("a preset or map that is none is refused by its name", "[launcher]") {
+  const test::TemporaryFolder folder;
+  DemoOptions options;
+  options.preset = "nope";
+  CHECK_THAT(Refusal(CheckWorlds, options),
+             Catch::StartsWith("--preset nope") && Catch::Contains("conav13_inner"));
+  options = {};
+  options.map = folder / "plan.yaml";
+  REQUIRE(WriteFile(options.map, "hello"));
+  CHECK_THAT(Refusal(CheckWorlds, options), Catch::StartsWith(options.map.string()));
+}
+
+}  // namespace
+}  // namespace conav::launcher

@@ -1,115 +1,87 @@
 #include "launcher/process.h"
 
-#include <poll.h>
-#include <unistd.h>
-
 #include <catch2/catch.hpp>
-#include <chrono>
 #include <csignal>
-#include <filesystem>
 #include <fstream>
-#include <functional>
-#include <iterator>
 
-#include "common/runtime/result.h"
+#include "common/runtime/file.h"
+#include "support/temporary_folder.h"
+#include "support/wait.h"
 
-using namespace conav::launcher;
-using namespace std::chrono_literals;
-namespace fs = std::filesystem;
-
+namespace conav::launcher {
 namespace {
 
-struct LogFile {
-  fs::path path = fs::temp_directory_path() / ("conav_process_" + std::to_string(getpid()));
-  ~LogFile() { fs::remove(path); }
-  std::string Read() const {
-    std::ifstream file(path);
-    return {std::istreambuf_iterator<char>(file), {}};
+using namespace std::chrono_literals;
+using test::WaitUntil;
+
+/// A log to write into, and a group of processes that write there.
+struct Log {
+  Process& Start(const std::string& name, const std::vector<std::string>& arguments) {
+    return group.Start(name, arguments, path);
   }
+  std::string Read() const { return ReadFile(path).value_or(""); }
+
+  test::TemporaryFolder folder;
+  std::filesystem::path path = folder / "log";
+  ProcessGroup group;
 };
 
-bool WaitFor(const std::function<bool()>& condition, std::chrono::milliseconds limit = 10s) {
-  const auto deadline = std::chrono::steady_clock::now() + limit;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    poll(nullptr, 0, 5);
-  }
-  return true;
-}
-
-}  // namespace
-
-TEST_CASE("a process writes into its log and its exit code is known", "[launcher][process]") {
-  const LogFile log;
+TEST_CASE("a process writes into its log, and how it ended is known", "[launcher]") {
+  const Log log;
   Process process("child", {"sh", "-c", "echo out; echo err >&2; exit 3"}, log.path);
-  REQUIRE(WaitFor([&] { return process.Poll(); }));
+  REQUIRE(WaitUntil([&] { return process.Poll(); }));
   CHECK(process.end()->Describe() == "exit code 3");
   CHECK(log.Read() == "out\nerr\n");
+  Process killed("child", {"sleep", "600"}, log.path);
+  killed.Signal(SIGKILL);
+  REQUIRE(WaitUntil([&] { return killed.Poll(); }));
+  CHECK(killed.end()->Describe() == "signal 9 (Killed)");
 }
 
-TEST_CASE("the signal that ended a process is named", "[launcher][process]") {
-  const LogFile log;
-  Process process("child", {"sleep", "600"}, log.path);
-  process.Signal(SIGKILL);
-  REQUIRE(WaitFor([&] { return process.Poll(); }));
-  CHECK(process.end()->Describe() == "signal 9 (Killed)");
-}
-
-TEST_CASE("a program that does not exist is refused by its name", "[launcher][process]") {
-  const LogFile log;
-  CHECK_THROWS_WITH(Process("child", {"/nowhere/conav-sim"}, log.path),
+TEST_CASE("a program that does not exist is refused by its name", "[launcher]") {
+  CHECK_THROWS_WITH(Process("child", {"/nowhere/conav-sim"}, "/dev/null"),
                     Catch::Contains("/nowhere/conav-sim") && Catch::Contains("No such file"));
 }
 
-TEST_CASE("a group reports each end once", "[launcher][process]") {
-  const LogFile log;
-  ProcessGroup group;
-  group.Start("short", {"true"}, log.path);
-  group.Start("long", {"sleep", "600"}, log.path);
+TEST_CASE("a group reports each end once", "[launcher]") {
+  Log log;
+  log.Start("short", {"true"});
+  log.Start("long", {"sleep", "600"});
   std::vector<const Process*> ended;
-  REQUIRE(WaitFor([&] {
-    ended = group.TakeEnded();
-    return !ended.empty();
-  }));
+  REQUIRE(WaitUntil([&] { return !(ended = log.group.TakeEnded()).empty(); }));
   CHECK(ended[0]->name() == "short");
-  CHECK(group.TakeEnded().empty());
+  CHECK(log.group.TakeEnded().empty());
 }
 
-TEST_CASE("a group is stopped at once when its processes obey", "[launcher][process]") {
-  const LogFile log;
-  ProcessGroup group;
-  group.Start("a", {"sleep", "600"}, log.path);
-  group.Start("b", {"sleep", "600"}, log.path);
+TEST_CASE("a group stops at once, in part or whole, when its processes obey", "[launcher]") {
+  Log log;
+  const Process& a = log.Start("a", {"sleep", "600"});
+  const Process& b = log.Start("b", {"sleep", "600"});
+  const auto is_a = [](const Process& process) { return process.name() == "a"; };
   const auto start = std::chrono::steady_clock::now();
-  CHECK(group.StopAll(10s).empty());
+  CHECK(log.group.Stop(10s, is_a).empty());
+  CHECK_FALSE(a.running());
+  CHECK(b.running());
+  CHECK(log.group.Stop(10s, is_a).empty());  // has ended before
+  CHECK(log.group.StopAll(10s).empty());
+  CHECK_FALSE(b.running());
   CHECK(std::chrono::steady_clock::now() - start < 5s);
 }
 
-TEST_CASE("one process of a group is stopped and the others run on", "[launcher][process]") {
-  const LogFile log;
-  ProcessGroup group;
-  const Process& a = group.Start("a", {"sleep", "600"}, log.path);
-  const Process& b = group.Start("b", {"sleep", "600"}, log.path);
-  const auto is_a = [](const Process& process) { return process.name() == "a"; };
-  CHECK(group.Stop(10s, is_a).empty());
-  CHECK_FALSE(a.running());
-  CHECK(b.running());
-  CHECK(group.Stop(10s, is_a).empty());  // has ended before
+TEST_CASE("a process that ignores the request is killed and named", "[launcher]") {
+  Log log;
+  log.Start("stubborn", {"sh", "-c", "trap '' TERM; echo ready; while :; do sleep 1; done"});
+  REQUIRE(WaitUntil([&] { return log.Read() == "ready\n"; }));
+  CHECK(log.group.StopAll(100ms) == std::vector<std::string>{"stubborn"});
 }
 
-TEST_CASE("a process that ignores the request is killed and named", "[launcher][process]") {
-  const LogFile log;
-  ProcessGroup group;
-  group.Start("stubborn", {"sh", "-c", "trap '' TERM; echo ready; while :; do sleep 1; done"},
-              log.path);
-  REQUIRE(WaitFor([&] { return log.Read() == "ready\n"; }));
-  CHECK(group.StopAll(100ms) == std::vector<std::string>{"stubborn"});
-}
-
-TEST_CASE("the last lines of a log are those at its end", "[launcher][process]") {
-  const LogFile log;
-  std::ofstream(log.path) << "one\ntwo\nthree\n";
+TEST_CASE("the last lines of a log are those at its end", "[launcher]") {
+  const Log log;
+  REQUIRE(WriteFile(log.path, "one\ntwo\nthree\n"));
   CHECK(LastLines(log.path, 2) == std::vector<std::string>{"two", "three"});
   CHECK(LastLines(log.path, 9).size() == 3);
   CHECK(LastLines("/nowhere/log", 2).empty());
 }
+
+}  // namespace
+}  // namespace conav::launcher

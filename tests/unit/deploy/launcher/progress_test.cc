@@ -3,11 +3,10 @@
 #include <catch2/catch.hpp>
 #include <cstdlib>
 
+#include "support/text.h"
 #include "unit/deploy/launcher/sample_episode.h"
 
-using namespace conav;
-using namespace conav::launcher;
-
+namespace conav::launcher {
 namespace {
 
 /// A FILE that can be read back.
@@ -15,6 +14,8 @@ struct Output {
   char* text = nullptr;
   std::size_t size = 0;
   std::FILE* file = open_memstream(&text, &size);
+  FakeClock clock;
+
   ~Output() {
     std::fclose(file);
     std::free(text);
@@ -25,52 +26,44 @@ struct Output {
   }
 };
 
-long Lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
-
-}  // namespace
-
-TEST_CASE("a robot's line tells cell, goals, moves, pictures and decisions",
-          "[launcher][progress]") {
+TEST_CASE("a robot's line tells cell, goals, moves, pictures and decisions", "[launcher]") {
   const std::string line = ProgressLine(SampleEpisode().robots[0]);
   CHECK_THAT(line, Catch::Contains("r1  w1  cell (3,3)") && Catch::Contains("goals 1/1") &&
                        Catch::Contains("moves 2") && Catch::Contains("pictures 1"));
   CHECK_THAT(ProgressLine(MakeEpisode(1, 1).robots[0]), Catch::Contains("waiting"));
 }
 
-TEST_CASE("silent progress writes nothing", "[launcher][progress]") {
+TEST_CASE("silent progress writes nothing", "[launcher]") {
   Output output;
-  const FakeClock clock;
-  Progress progress(output.file, Progress::Style::kSilent, clock);
+  Progress progress(output.file, Progress::Style::kSilent, output.clock);
   progress.Say("started");
   progress.Show(SampleEpisode());
   progress.Finish(SampleEpisode());
   CHECK(output.Read().empty());
 }
 
-TEST_CASE("plain progress is written every few seconds and at each goal", "[launcher][progress]") {
+TEST_CASE("plain progress is written every few seconds and at each goal", "[launcher]") {
   Output output;
-  FakeClock clock;
-  Progress progress(output.file, Progress::Style::kPlain, clock);
+  Progress progress(output.file, Progress::Style::kPlain, output.clock);
   Episode episode = MakeEpisode(1, 1);
   progress.Show(episode);
   progress.Show(episode);
-  CHECK(Lines(output.Read()) == 1);
+  CHECK(test::CountOf(output.Read(), "\n") == 1);
   episode = SampleEpisode();
   progress.Show(episode);
   progress.Show(episode);
-  CHECK(Lines(output.Read()) == 2);
-  clock.Advance(std::chrono::seconds(5));
+  CHECK(test::CountOf(output.Read(), "\n") == 2);
+  output.clock.Advance(std::chrono::seconds(5));
   progress.Show(episode);
-  CHECK(Lines(output.Read()) == 3);
+  CHECK(test::CountOf(output.Read(), "\n") == 3);
 }
 
-TEST_CASE("a terminal's lines are written over the ones before", "[launcher][progress]") {
+TEST_CASE("a terminal's lines are written over the ones before", "[launcher]") {
   Output output;
-  FakeClock clock;
-  Progress progress(output.file, Progress::Style::kTerminal, clock);
+  Progress progress(output.file, Progress::Style::kTerminal, output.clock);
   const Episode episode = MakeEpisode(2, 1);
   progress.Show(episode);
-  clock.Advance(std::chrono::seconds(1));
+  output.clock.Advance(std::chrono::seconds(1));
   progress.Show(episode);
   CHECK_THAT(output.Read(), Catch::Contains("\x1b[2A"));
   progress.Say("sim died");
@@ -78,3 +71,19 @@ TEST_CASE("a terminal's lines are written over the ones before", "[launcher][pro
   const std::string text = output.Read();
   CHECK(text.find("\x1b[2A", text.find("sim died")) == std::string::npos);
 }
+
+TEST_CASE("the table tells what a robot did and whether all was reached", "[launcher]") {
+  const std::string table = ResultTable(Measure(SampleEpisode()));
+  CHECK_THAT(table, Catch::Contains("r1    w1         1/1       2      17         1    12.3 kB"));
+  CHECK_THAT(table, Catch::Contains("all goals reached: yes"));
+}
+
+TEST_CASE("bytes are shortened", "[launcher]") {
+  CHECK(ShortBytes(0) == "0 B");
+  CHECK(ShortBytes(999) == "999 B");
+  CHECK(ShortBytes(1000) == "1.0 kB");
+  CHECK(ShortBytes(2500000) == "2.5 MB");
+}
+
+}  // namespace
+}  // namespace conav::launcher

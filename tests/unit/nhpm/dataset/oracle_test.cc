@@ -75,7 +75,7 @@ void ForEachCell(const std::vector<Trajectory>& trajectories, const Answers& ans
   }
 }
 
-TEST_CASE("The oracle's probability of one difference is the reader's own", "[nhpm][synthesis]") {
+TEST_CASE("The oracle's probability of one difference is the reader's own", "[synthesis]") {
   Random random(1);
   const PerceptionAnswer answer = OracleAnswer(EditsWith(0.3), FalseWallAhead(), 20000, random);
   CHECK(answer.remove[Cell{1, 3}] == Approx(0.3).margin(0.013));  // 4 standard deviations
@@ -85,7 +85,7 @@ TEST_CASE("The oracle's probability of one difference is the reader's own", "[nh
   }
 }
 
-TEST_CASE("What never or always happened in the draws gets half an event", "[nhpm][synthesis]") {
+TEST_CASE("What never or always happened in the draws gets half an event", "[synthesis]") {
   Random random(1);
   const float never =
       OracleAnswer(EditsWith(0.0), FalseWallAhead(), 2000, random).remove[Cell{1, 3}];
@@ -95,7 +95,7 @@ TEST_CASE("What never or always happened in the draws gets half an event", "[nhp
   CHECK(always == Approx(2000.5 / 2001.0));
 }
 
-TEST_CASE("The mean over two people counts the looks of both", "[nhpm][synthesis]") {
+TEST_CASE("The mean over two people counts the looks of both", "[synthesis]") {
   const std::array people{EditsWith(0.0), EditsWith(1.0)};
   const PerceptionQuery query = FalseWallAhead();
   Random random(1);
@@ -112,19 +112,8 @@ TEST_CASE("The mean over two people counts the looks of both", "[nhpm][synthesis
   CHECK(answers[1] == answer);
 }
 
-TEST_CASE("The oracle tells of each trajectory that is answered", "[nhpm][synthesis]") {
-  std::vector<std::size_t> told;
-  OracleOptions options{.draws = 2000, .threads = 2};
-  options.progress = [&](std::size_t done, std::size_t total) {
-    told.push_back(done);
-    CHECK(total == 3);
-  };
-  Ask(Unfiltered(3), options);
-  CHECK(told == std::vector<std::size_t>{1, 2, 3});
-}
-
 TEST_CASE("The oracle expects as many edits as are made, within the sampling error",
-          "[nhpm][synthesis]") {
+          "[synthesis]") {
   const std::vector<Trajectory> trajectories = Unfiltered(150);
   const Answers answers = Ask(trajectories, {.draws = 4000});
   double surplus = 0.0;
@@ -142,7 +131,7 @@ TEST_CASE("The oracle expects as many edits as are made, within the sampling err
 }
 
 TEST_CASE("Of the cells to which the oracle gives a probability, that share is edited",
-          "[nhpm][synthesis]") {
+          "[synthesis]") {
   const std::vector<Trajectory> trajectories = Unfiltered(150);
   constexpr int kBins = 5;
   std::array<double, kBins> expected{};
@@ -165,8 +154,7 @@ TEST_CASE("Of the cells to which the oracle gives a probability, that share is e
   }
 }
 
-TEST_CASE("Who knows the person loses less than who takes them for somebody else",
-          "[nhpm][synthesis]") {
+TEST_CASE("Who knows the person loses less than who takes them for somebody else", "[synthesis]") {
   std::vector<Trajectory> trajectories = Unfiltered(60);
   const auto loss = [&](const Answers& answers) {
     double sum = 0.0;
@@ -185,19 +173,29 @@ TEST_CASE("Who knows the person loses less than who takes them for somebody else
   CHECK(known < 0.95 * loss(Ask(mistaken)));
 }
 
-TEST_CASE("The oracle's answers depend on neither threads nor the other trajectories",
-          "[nhpm][synthesis]") {
+TEST_CASE(
+    "The oracle's answers depend on neither threads nor the other trajectories; each is "
+    "reported",
+    "[synthesis]") {
   const std::vector<Trajectory> trajectories = Unfiltered(7);
   const Answers answers = Ask(trajectories, {.draws = 2000});
-  CHECK(Ask(trajectories, {.draws = 2000, .threads = 3}) == answers);
+  std::vector<std::size_t> reported;
+  OracleOptions options{.draws = 2000, .threads = 3};
+  options.progress = [&](std::size_t done, std::size_t total) {
+    reported.push_back(done);
+    CHECK(total == 7);
+  };
+  CHECK(Ask(trajectories, options) == answers);
+  CHECK(reported == std::vector<std::size_t>{1, 2, 3, 4, 5, 6, 7});
   CHECK(Ask(std::span(trajectories).subspan(4, 1), {.draws = 2000}).front() == answers[4]);
   CHECK(Ask(trajectories, {.draws = 2000, .seed = 2}) != answers);
   CHECK(Ask({}).empty());
 }
 
-TEST_CASE("The oracle refuses what it knows nothing of, by name", "[nhpm][synthesis]") {
+TEST_CASE("The oracle refuses what it knows nothing of, by name", "[synthesis]") {
   using Catch::Matchers::Contains;
-  const auto refusal = [](auto&& spoil, const OracleOptions& options = {.draws = 2000}) {
+  const auto refusal = [](void (*spoil)(Trajectory&),
+                          const OracleOptions& options = {.draws = 2000}) {
     std::vector<Trajectory> trajectories = Unfiltered(2);
     trajectories[1].session = "s7";
     spoil(trajectories[1]);
@@ -206,13 +204,11 @@ TEST_CASE("The oracle refuses what it knows nothing of, by name", "[nhpm][synthe
     CHECK(answers.error().code == ErrorCode::kInvalidArgument);
     return answers.error().text;
   };
-  CHECK_THAT(refusal([](Trajectory& person) { person.annotator.clear(); }),
-             Contains("trajectory 1 (s7)") && Contains("no value for"));
+  CHECK_THAT(refusal([](Trajectory& one) { one.annotator.clear(); }),
+             Contains("trajectory 1 (s7)"));
   CHECK_THAT(refusal([](Trajectory& one) { one.annotator["decay_cells"] = -1.0; }),
-             Contains("decay_cells") && Contains("out of range"));
-  CHECK_THAT(refusal([](Trajectory& one) {
-               one.segments[3].query.cell = {40, 0};
-             }),
+             Contains("decay_cells"));
+  CHECK_THAT(refusal([](Trajectory& one) { one.segments[3].query.cell.row = 40; }),
              Contains("segment 3"));
   CHECK_THAT(refusal([](Trajectory&) {}, {.draws = 1999}), Contains("1999") && Contains("2000"));
   CHECK_THAT(refusal([](Trajectory&) {}, {.threads = 0}), Contains("threads = 0"));

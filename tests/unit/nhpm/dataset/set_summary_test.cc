@@ -8,7 +8,7 @@
 namespace conav::nhpm {
 namespace {
 
-TEST_CASE("a set is counted by origin, size and edits", "[nhpm][dataset]") {
+TEST_CASE("a set is counted by origin, size and edits", "[dataset]") {
   SegmentSet set = tests::SampleSet();
   set.trajectories[0].segments[1].belief_after = set.trajectories[0].segments[1].query.belief;
   const SetSummary summary = Summarize(set);
@@ -33,15 +33,12 @@ TEST_CASE("a set is counted by origin, size and edits", "[nhpm][dataset]") {
   CHECK(summary.without_truth == 1);
 }
 
-TEST_CASE("an edit on the path that the picture does not show is told apart", "[nhpm][dataset]") {
+TEST_CASE("edits on the path count apart, many edits share the last bin", "[dataset]") {
   SegmentSet set{{tests::SampleTrajectory()}};
   for (Segment& segment : set.trajectories[0].segments) {
     segment.query.path = {{2, 1}, {1, 2}};
   }
   CHECK(Summarize(set).edits_on_path == 2);
-}
-
-TEST_CASE("many edits share the last bin", "[nhpm][dataset]") {
   Segment segment = tests::SampleSegment();
   segment.query.belief = segment.belief_after = BeliefGrid(5, 6);
   segment.query.visible = {};
@@ -51,7 +48,7 @@ TEST_CASE("many edits share the last bin", "[nhpm][dataset]") {
   CHECK(Summarize({{trajectory}}).segments_by_edits[kEditBins - 1] == 1);
 }
 
-TEST_CASE("nobody can overlook that data is synthetic or simulated", "[nhpm][dataset]") {
+TEST_CASE("nobody can overlook that data is synthetic or simulated", "[dataset]") {
   SegmentSet set{{tests::SampleTrajectory()}};
   CHECK_THAT(ToText(Summarize(set)), Catch::StartsWith("SYNTHETIC: "));
   CHECK(ToJson(Summarize(set)).at("origin") == "synthetic");
@@ -59,11 +56,75 @@ TEST_CASE("nobody can overlook that data is synthetic or simulated", "[nhpm][dat
   CHECK_THAT(ToText(Summarize(set)), Catch::StartsWith("SIMULATED: "));
   set.trajectories[0].origin = SegmentOrigin::kPerson;
   CHECK_THAT(ToText(Summarize(set)), Catch::StartsWith("edits made by             people\n"));
-}
-
-TEST_CASE("an empty set has no numbers and no failure", "[nhpm][dataset]") {
   CHECK(ToText(Summarize({})) == "no trajectories\n");
   CHECK(ToJson(Summarize({})).at("share_without_edit") == 0.0);
+}
+
+using tests::SampleTrajectory;
+
+/// What is said when `b` joins `a`; empty when it may.
+std::string Refusal(const Trajectory& a, const Trajectory& b) {
+  SetUnion all;
+  REQUIRE(all.Add({{a}}, "a"));
+  const auto added = all.Add({{b}}, "b");
+  return added ? "" : added.error().text;
+}
+
+TEST_CASE("sets are joined unless a trajectory comes twice", "[dataset]") {
+  SetUnion all;
+  REQUIRE(all.Add({{SampleTrajectory(1), SampleTrajectory(2)}}, "a"));
+  REQUIRE(all.Add({{SampleTrajectory(3)}}, "b"));
+  SetUnion joined = all;
+  CHECK(joined.Take() ==
+        SegmentSet{{SampleTrajectory(1), SampleTrajectory(2), SampleTrajectory(3)}});
+  const auto again = all.Add({{SampleTrajectory(4), SampleTrajectory(2)}}, "c");
+  REQUIRE_FALSE(again);
+  CHECK(again.error().code == ErrorCode::kRefused);
+  CHECK(again.error().text == "c: trajectory 1 is the same as a: trajectory 1");
+  SetUnion other;
+  const auto within =
+      other.Add({{SampleTrajectory(1), SampleTrajectory(2), SampleTrajectory(1)}}, "a");
+  REQUIRE_FALSE(within);
+  CHECK(within.error().text == "a: trajectory 2 is the same as a: trajectory 0");
+}
+
+TEST_CASE("a trajectory that was recorded again or torn is the same, in either order",
+          "[dataset]") {
+  Trajectory again = SampleTrajectory();
+  again.session = "s2";
+  again.final_cell_accuracy = 0.5;
+  again.truth.reset();
+  for (Segment& segment : again.segments) {
+    segment.step += 5;
+    segment.image = "images/other.jpg";
+    segment.image_sha256 = std::string(64, 'b');
+    segment.confirmed_s = 60.0;
+    segment.query.heading_rad += 0.001;
+  }
+  CHECK_FALSE(Refusal(SampleTrajectory(), again).empty());
+  Trajectory torn = SampleTrajectory();
+  torn.segments.pop_back();
+  CHECK_FALSE(Refusal(SampleTrajectory(), torn).empty());
+  CHECK_FALSE(Refusal(torn, SampleTrajectory()).empty());
+}
+
+TEST_CASE("another person, world, seed, map or picture is another trajectory", "[dataset]") {
+  const auto joins = [](auto change) {
+    Trajectory other = SampleTrajectory();
+    change(other);
+    return Refusal(SampleTrajectory(), other).empty();
+  };
+  CHECK(joins([](Trajectory& t) { t.origin = SegmentOrigin::kPerson; }));
+  CHECK(joins([](Trajectory& t) { t.participant = "p08"; }));
+  CHECK(joins([](Trajectory& t) { t.world = "conav15"; }));
+  CHECK(joins([](Trajectory& t) { ++t.world_seed; }));
+  CHECK(joins([](Trajectory& t) { --t.corruption_seed; }));
+  CHECK(joins([](Trajectory& t) { ++t.annotator_seed; }));
+  CHECK(joins([](Trajectory& t) { t.segments[1].query.belief[{2, 2}] = 1.0F; }));
+  CHECK(joins([](Trajectory& t) { t.segments[0].belief_after[{2, 2}] = 1.0F; }));
+  CHECK(joins(
+      [](Trajectory& t) { t.segments[0].query.path.erase(t.segments[0].query.path.begin()); }));
+  CHECK(joins([](Trajectory& t) { t.segments[0].query.visible.walls.pop_back(); }));
 }
 
 }  // namespace

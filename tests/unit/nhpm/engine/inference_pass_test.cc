@@ -5,9 +5,7 @@
 #include "common/runtime/random.h"
 #include "nhpm/engine/training_pass.h"
 
-using namespace conav;
-using namespace conav::nhpm;
-
+namespace conav::nhpm {
 namespace {
 
 using Floats = std::vector<float>;
@@ -33,9 +31,7 @@ std::shared_ptr<const PackedWeights> Packed(int width) {
                                                PackedWeights::Use::kInference);
 }
 
-}  // namespace
-
-TEST_CASE("from a base the logits have the bits of a full pass", "[nhpm][engine]") {
+TEST_CASE("from a base the logits have the bits of a full pass", "[engine]") {
   const auto [rows, columns] = GENERATE(table<int, int>({{13, 13}, {1, 1}, {3, 40}, {21, 17}}));
   const int width = GENERATE(16, 32, 64);
   CAPTURE(rows, columns, width);
@@ -53,7 +49,7 @@ TEST_CASE("from a base the logits have the bits of a full pass", "[nhpm][engine]
   }
 }
 
-TEST_CASE("a full pass and a new base in between leave nothing behind", "[nhpm][engine]") {
+TEST_CASE("a full pass and a new base in between leave nothing behind", "[engine]") {
   const auto weights = Packed(16);
   InferencePass pass(weights, KernelsFor(16), 9, 9);
   InferencePass whole(weights, KernelsFor(16), 9, 9);
@@ -68,7 +64,7 @@ TEST_CASE("a full pass and a new base in between leave nothing behind", "[nhpm][
   }
 }
 
-TEST_CASE("only what a change can reach is computed", "[nhpm][engine]") {
+TEST_CASE("only what a change can reach is computed", "[engine]") {
   InferencePass pass(Packed(16), KernelsFor(16), 13, 13);
   Floats input(13 * 13 * kInputChannels, 0.0F);
   pass.SetBase(input);
@@ -84,7 +80,7 @@ TEST_CASE("only what a change can reach is computed", "[nhpm][engine]") {
   CHECK(pass.cells_computed() == 2 * 2 + 3 * 3 + 4 * 4);
 }
 
-TEST_CASE("inference and training see the same logits", "[nhpm][engine]") {
+TEST_CASE("inference and training see the same logits", "[engine]") {
   const NetworkWeights weights = InitialWeights({32}, 4, 0.0F);
   InferencePass pass(std::make_shared<const PackedWeights>(weights, PackedWeights::Use::kInference),
                      KernelsFor(32), 13, 13);
@@ -95,8 +91,7 @@ TEST_CASE("inference and training see the same logits", "[nhpm][engine]") {
   CHECK(Copy(pass.Full(input)) == Copy(training.Forward(training_weights, input)));
 }
 
-TEST_CASE("every instruction set gives a whole network's logits with the same bits",
-          "[nhpm][engine]") {
+TEST_CASE("every instruction set gives a whole network's logits with the same bits", "[engine]") {
   const auto weights = Packed(32);
   Random random(12);
   const Floats input = RandomInput(random, 13, 13);
@@ -107,3 +102,6 @@ TEST_CASE("every instruction set gives a whole network's logits with the same bi
     CHECK(Copy(pass.Full(input)) == expected);
   }
 }
+
+}  // namespace
+}  // namespace conav::nhpm

@@ -9,9 +9,7 @@
 #include "nhpm/engine/kernel_templates.h"
 #include "nhpm/engine/packed_weights.h"
 
-using namespace conav;
-using namespace conav::nhpm;
-
+namespace conav::nhpm {
 namespace {
 
 using Floats = std::vector<float>;
@@ -60,9 +58,7 @@ ConvolutionKernel ForwardOf(const KernelSet& kernels, std::size_t layer) {
   return layer == 0 ? kernels.first : layer == 3 ? kernels.last : kernels.hidden;
 }
 
-}  // namespace
-
-TEST_CASE("every kernel computes its convolution", "[nhpm][engine]") {
+TEST_CASE("every kernel computes its convolution", "[engine]") {
   const int width = GENERATE(16, 32, 64);
   const std::size_t layer = GENERATE(0U, 1U, 3U);
   const PaddedGrid grid(5, 7);
@@ -85,7 +81,7 @@ TEST_CASE("every kernel computes its convolution", "[nhpm][engine]") {
   CHECK(worst < 1e-5);
 }
 
-TEST_CASE("the value of a cell does not depend on the list that it is in", "[nhpm][engine]") {
+TEST_CASE("the value of a cell does not depend on the list that it is in", "[engine]") {
   const std::size_t layer = GENERATE(0U, 1U, 3U);
   const PaddedGrid grid(4, 5);
   const NetworkWeights weights = RandomWeights(16);
@@ -110,7 +106,7 @@ TEST_CASE("the value of a cell does not depend on the list that it is in", "[nhp
   }
 }
 
-TEST_CASE("all instruction sets give the same bits", "[nhpm][engine]") {
+TEST_CASE("all instruction sets give the same bits", "[engine]") {
   const int width = GENERATE(16, 32, 64);
   const PaddedGrid grid(6, 5);
   const PackedWeights packed(RandomWeights(width), PackedWeights::Use::kTraining);
@@ -146,7 +142,7 @@ TEST_CASE("all instruction sets give the same bits", "[nhpm][engine]") {
   }
 }
 
-TEST_CASE("the emulated fused multiply-add rounds as the exact one", "[nhpm][engine]") {
+TEST_CASE("the emulated fused multiply-add rounds as the exact one", "[engine]") {
   Random random(5);
   const auto any_float = [&] {
     const double mantissa = 2.0 * random.Unit() - 1.0;
@@ -168,3 +164,6 @@ TEST_CASE("the emulated fused multiply-add rounds as the exact one", "[nhpm][eng
   CHECK(EmulatedFma(halfway, halfway, -0x1p-60F) == std::fma(halfway, halfway, -0x1p-60F));
   CHECK(EmulatedFma(2.0F, 3.0F, -6.0F) == 0.0F);
 }
+
+}  // namespace
+}  // namespace conav::nhpm

@@ -11,7 +11,7 @@
 #include "nhpm/dataset/annotators.h"
 #include "nhpm/model/weights_file.h"
 #include "support/program_runner.h"
-#include "unit/nhpm/evaluation/evaluation_samples.h"
+#include "unit/nhpm/evaluation/samples.h"
 
 namespace conav::nhpm {
 namespace {
@@ -20,6 +20,11 @@ using Folder = test::ArgumentFolder;
 using Ended = test::ProgramOutcome;
 
 Ended Run(const std::string& arguments) { return test::RunProgram("conav-evaluate", arguments); }
+
+/// Both files as arguments, without the oracle, which takes its time.
+std::string Of(const std::string& data, const std::string& weights) {
+  return fmt::format("--data {} --weights {} --oracle-draws 0 ", data, weights);
+}
 
 /// Synthetic trajectories on 9 x 9 maps, written to `file`.
 std::string WriteData(const std::string& file, int trajectories = 6,
@@ -61,13 +66,24 @@ nlohmann::json ReadJson(const std::string& file) {
   return nlohmann::json::parse(*ReadFile(file), nullptr, false);
 }
 
-TEST_CASE("conav evaluate prints table 1 and writes JSON, CSV and a page", "[nhpm][evaluate]") {
-  const Folder folder;
-  const std::string data = WriteData(folder / "data.pb.zst");
-  const std::string weights = WriteWeights(folder / "w.nhpm", data);
+/// A folder with data, and weights that learned from it.
+struct Bench : Folder {
+  explicit Bench(int trajectories = 6, SegmentOrigin origin = SegmentOrigin::kSynthetic)
+      : data(WriteData(*this / "data.pb.zst", trajectories, origin)),
+        weights(WriteWeights(*this / "w.nhpm", data)) {}
+
+  Ended Run(const std::string& flags) const {
+    return nhpm::Run(fmt::format("--data {} --weights {} {}", data, weights, flags));
+  }
+  std::string data;
+  std::string weights;
+};
+
+TEST_CASE("conav evaluate prints table 1 and writes JSON, CSV and a page", "[evaluate]") {
+  const Bench folder;
   const Ended ended =
-      Run(fmt::format("--data {} --weights {} --oracle-draws 2000 --json {} --csv {} --html {}",
-                      data, weights, folder / "r.json", folder / "r.csv", folder / "r.html"));
+      folder.Run(fmt::format("--oracle-draws 2000 --json {} --csv {} --html {}", folder / "r.json",
+                             folder / "r.csv", folder / "r.html"));
   INFO(ended.text());
   REQUIRE(ended.exit_code == 0);
   CHECK_THAT(ended.text(), Catch::Contains("synthetic data, data.pb.zst: test 1 trajectory"));
@@ -84,27 +100,21 @@ TEST_CASE("conav evaluate prints table 1 and writes JSON, CSV and a page", "[nhp
   CHECK_THAT(*ReadFile(folder / "r.csv"), Catch::Contains("\noracle,"));
 }
 
-TEST_CASE("Equal arguments give equal figures, on any number of threads", "[nhpm][evaluate]") {
-  const Folder folder;
-  const std::string data = WriteData(folder / "data.pb.zst", 9);
-  const std::string weights = WriteWeights(folder / "w.nhpm", data);
-  const std::string common =
-      fmt::format("--data {} --weights {} --oracle-draws 2000 --average-oracle --json - --threads ",
-                  data, weights);
-  const Ended one = Run(common + "1");
+TEST_CASE("Equal arguments give equal figures, on any number of threads", "[evaluate]") {
+  const Bench folder(9);
+  const std::string flags = "--oracle-draws 2000 --average-oracle --json - --threads ";
+  const Ended one = folder.Run(flags + "1");
   CHECK(one.exit_code == 0);
-  CHECK(one.out == Run(common + "3").out);
+  CHECK(one.out == folder.Run(flags + "3").out);
   const auto json = nlohmann::json::parse(one.out, nullptr, false);
   CHECK(json["models"].contains("oracle_average"));
 }
 
-TEST_CASE("Each input left out and each weights file has a row of its own", "[nhpm][evaluate]") {
-  const Folder folder;
-  const std::string data = WriteData(folder / "data.pb.zst");
-  const std::string weights = WriteWeights(folder / "w.nhpm", data);
-  const Ended ended = Run(fmt::format(
-      "--data {0} --weights {1} --weights {1} --without tau,o --oracle-draws 0 --json {2}", data,
-      weights, folder / "r.json"));
+TEST_CASE("Each input left out and each weights file has a row of its own", "[evaluate]") {
+  const Bench folder;
+  const Ended ended =
+      folder.Run(fmt::format("--weights {} --without tau,o --oracle-draws 0 --json {}",
+                             folder.weights, folder / "r.json"));
   INFO(ended.text());
   REQUIRE(ended.exit_code == 0);
   const auto models = ReadJson(folder / "r.json")["models"];
@@ -115,35 +125,24 @@ TEST_CASE("Each input left out and each weights file has a row of its own", "[nh
   CHECK(models.contains("nhpm_2_without_o"));
 }
 
-TEST_CASE("People are no oracle, and their data is not called synthetic", "[nhpm][evaluate]") {
-  const Folder folder;
-  const std::string data = WriteData(folder / "data.pb.zst", 6, SegmentOrigin::kPerson);
-  const Ended ended = Run(fmt::format("--data {} --weights {} --json {}", data,
-                                      WriteWeights(folder / "w.nhpm", data), folder / "r.json"));
+TEST_CASE("People are no oracle, and their data is not called synthetic", "[evaluate]") {
+  const Bench folder(6, SegmentOrigin::kPerson);
+  const Ended ended = folder.Run("--json " + (folder / "r.json"));
   REQUIRE(ended.exit_code == 0);
   CHECK_THAT(ended.text(), Catch::Contains("people data"));
   CHECK_FALSE(ReadJson(folder / "r.json")["models"].contains("oracle"));
   CHECK(ReadJson(folder / "r.json")["bars"].empty());
   CHECK_THAT(ended.text(), !Catch::Contains("FAIL"));
-  const Ended checked = Run(
-      fmt::format("--data {} --weights {} --check", data, WriteWeights(folder / "w.nhpm", data)));
-  CHECK(checked.exit_code == 2);
-  CHECK_THAT(checked.text(), Catch::Contains("there is nothing to check"));
-  const Ended average = Run(fmt::format("--data {} --weights {} --average-oracle", data,
-                                        WriteWeights(folder / "w.nhpm", data)));
-  CHECK(average.exit_code == 2);
-  CHECK_THAT(average.text(), Catch::Contains("is people data"));
+  CHECK(folder.Run("--check").exit_code == 2);
+  CHECK(folder.Run("--average-oracle").exit_code == 2);
 }
 
-TEST_CASE("Weights that never saw an input have no further row without it", "[nhpm][evaluate]") {
-  const Folder folder;
-  const std::string data = WriteData(folder / "data.pb.zst");
-  NetworkModel model = *ReadWeightsFile(WriteWeights(folder / "w.nhpm", data));
+TEST_CASE("Weights that never saw an input have no further row without it", "[evaluate]") {
+  const Bench folder;
+  NetworkModel model = *ReadWeightsFile(folder.weights);
   model.inputs.path = false;
-  REQUIRE(WriteWeightsFile(folder / "w.nhpm", model));
-  const Ended ended =
-      Run(fmt::format("--data {} --weights {} --without tau,o --oracle-draws 0 --json {}", data,
-                      folder / "w.nhpm", folder / "r.json"));
+  REQUIRE(WriteWeightsFile(folder.weights, model));
+  const Ended ended = folder.Run("--without tau,o --oracle-draws 0 --json " + (folder / "r.json"));
   CHECK(ended.exit_code == 0);
   CHECK_THAT(ended.text(), Catch::Contains("w.nhpm: was trained without tau"));
   const auto models = ReadJson(folder / "r.json")["models"];
@@ -151,62 +150,43 @@ TEST_CASE("Weights that never saw an input have no further row without it", "[nh
   CHECK(models.contains("nhpm_without_o"));
 }
 
-TEST_CASE("A file's name need not be text", "[nhpm][evaluate]") {
+TEST_CASE("A file's name need not be text", "[evaluate]") {
   const Folder folder;
   const std::string data = WriteData(folder / "d\xff.pb.zst");
-  const Ended ended = Run(fmt::format("--data {} --weights {} --oracle-draws 0 --json -", data,
-                                      WriteWeights(folder / "w.nhpm", data)));
+  const Ended ended = Run(Of(data, WriteWeights(folder / "w.nhpm", data)) + "--json -");
   CHECK(ended.exit_code == 0);
   CHECK(nlohmann::json::parse(ended.out)["data"]["file"] == "d\uFFFD.pb.zst");
 }
 
-TEST_CASE("A full disk is said in one line and exits with 1", "[nhpm][evaluate]") {
-  const Folder folder;
-  const std::string data = WriteData(folder / "data.pb.zst");
-  const std::string common = fmt::format("--data {} --weights {} --oracle-draws 0", data,
-                                         WriteWeights(folder / "w.nhpm", data));
-  for (const char* output : {"", " --json -", " --html -"}) {
-    CHECK(Run(common + output + " >/dev/full").exit_code == 1);
-  }
-}
-
-TEST_CASE("Data without a test part is refused, unless all of it is test", "[nhpm][evaluate]") {
+TEST_CASE("Data without a test part is refused, unless all of it is test", "[evaluate]") {
   const Folder folder;
   const std::string data = WriteData(folder / "data.pb.zst", 1);
   const std::string weights = WriteWeights(folder / "w.nhpm", "");
-  const Ended refused = Run(fmt::format("--data {} --weights {}", data, weights));
+  const Ended refused = Run(Of(data, weights));
   CHECK(refused.exit_code == 1);
-  CHECK_THAT(refused.text(),
-             Catch::Contains("data.pb.zst: nothing is left to test on of 1 trajectory"));
-  const Ended whole =
-      Run(fmt::format("--data {} --weights {} --all-test --oracle-draws 0 --json {}", data, weights,
-                      folder / "r.json"));
+  CHECK_THAT(refused.text(), Catch::Contains("data.pb.zst: nothing is left"));
+  const Ended whole = Run(Of(data, weights) + "--all-test --json " + (folder / "r.json"));
   CHECK(whole.exit_code == 0);
   CHECK_THAT(whole.text(), Catch::Contains("the whole file is test"));
   CHECK_FALSE(ReadJson(folder / "r.json")["models"].contains("glpf_train"));
 }
 
-TEST_CASE("Weights that saw the test part are refused", "[nhpm][evaluate]") {
-  const Folder folder;
-  const std::string data = WriteData(folder / "data.pb.zst", 9);
-  const std::string weights = WriteWeights(folder / "w.nhpm", data);
-  const std::string common = fmt::format("--data {} --weights {} --oracle-draws 0 ", data, weights);
-  CHECK(Run(common).exit_code == 0);
-  const Ended refused = Run(common + "--all-test");
+TEST_CASE("Weights that saw the test part are refused", "[evaluate]") {
+  const Bench folder(9);
+  CHECK(folder.Run("--oracle-draws 0").exit_code == 0);
+  const Ended refused = folder.Run("--oracle-draws 0 --all-test");
   CHECK(refused.exit_code == 1);
-  CHECK_THAT(refused.text(), Catch::Contains("w.nhpm: learned from 8 of the 9 trajectories that it "
-                                             "would be tested on; pass --split-seed 1, or "
-                                             "--allow-seen"));
-  const Ended allowed = Run(common + "--all-test --allow-seen");
+  CHECK_THAT(refused.text(), Catch::Contains("w.nhpm: learned from 8 of the 9 trajectories"));
+  CHECK_THAT(refused.text(), Catch::Contains("--split-seed 1, or --allow-seen"));
+  const Ended allowed = folder.Run("--oracle-draws 0 --all-test --allow-seen");
   CHECK(allowed.exit_code == 0);
   CHECK_THAT(allowed.text(), Catch::Contains("warning: "));
 }
 
 TEST_CASE("Weights that saw some of a file are refused, whatever file they learned from",
-          "[nhpm][evaluate]") {
-  const Folder folder;
-  const SegmentSet whole = *ReadSegmentFile(WriteData(folder / "data.pb.zst", 12));
-  const std::string weights = WriteWeights(folder / "w.nhpm", folder / "data.pb.zst");
+          "[evaluate]") {
+  const Bench folder(12);
+  const SegmentSet whole = *ReadSegmentFile(folder.data);
   SegmentSet set = whole;
   SECTION("one that begins with the same trajectories") { set.trajectories.resize(6); }
   SECTION("one that they were merged into") {
@@ -217,61 +197,41 @@ TEST_CASE("Weights that saw some of a file are refused, whatever file they learn
     }
   }
   REQUIRE(WriteSegmentFile(folder / "other.pb.zst", set));
-  const Ended refused = Run(fmt::format("--data {} --weights {} --oracle-draws 0 --all-test",
-                                        folder / "other.pb.zst", weights));
+  const Ended refused = Run(Of(folder / "other.pb.zst", folder.weights) + "--all-test");
   CHECK(refused.exit_code == 1);
   CHECK_THAT(refused.text(), Catch::Contains("pass data that it never saw"));
 }
 
 TEST_CASE("Weights of other data are fine, those of nobody knows what give a warning",
-          "[nhpm][evaluate]") {
+          "[evaluate]") {
   const Folder folder;
   const std::string data = WriteData(folder / "data.pb.zst");
   SegmentSet others = *ReadSegmentFile(data);
   for (Trajectory& trajectory : others.trajectories) trajectory.session = "another";
   REQUIRE(WriteSegmentFile(folder / "other.pb.zst", others));
-  const std::string common = fmt::format("--data {} --oracle-draws 0 --weights ", data);
-  const Ended of_other = Run(common + WriteWeights(folder / "a.nhpm", folder / "other.pb.zst"));
+  const Ended of_other = Run(Of(data, WriteWeights(folder / "a.nhpm", folder / "other.pb.zst")));
   CHECK(of_other.exit_code == 0);
   CHECK_THAT(of_other.text(), !Catch::Contains("warning"));
-  CHECK_THAT(Run(common + WriteWeights(folder / "b.nhpm", "")).text(),
-             Catch::Contains("warning: " + (folder / "b.nhpm") +
-                             ": does not name the trajectories that it learned from"));
+  CHECK_THAT(Run(Of(data, WriteWeights(folder / "b.nhpm", ""))).text(),
+             Catch::Contains("warning: " + (folder / "b.nhpm")));
 }
 
-TEST_CASE("Files that are not what they should be are named", "[nhpm][evaluate]") {
-  const Folder folder;
-  const std::string data = WriteData(folder / "data.pb.zst");
-  const std::string weights = WriteWeights(folder / "w.nhpm", data);
-  const auto refuses = [](const std::string& arguments, const std::string& why) {
-    const Ended ended = Run("--oracle-draws 0 " + arguments);
+TEST_CASE("Files that are not what they should be are named", "[evaluate]") {
+  const Bench folder;
+  const std::string large = WriteWeights(folder / "large.nhpm", folder.data, 13);
+  for (const auto& [arguments, names] : std::vector<std::pair<std::string, std::string>>{
+           {Of(folder.weights, folder.weights), "w.nhpm"},
+           {Of(folder.data, folder.data), "data.pb.zst"},
+           {Of(folder.data, large), "large.nhpm"},
+           {Of(folder.data, large), "13 x 13"},
+       }) {
+    const Ended ended = Run(arguments);
     CHECK(ended.exit_code == 1);
-    CHECK_THAT(ended.text(), Catch::StartsWith("conav evaluate: "));
-    CHECK_THAT(ended.text(), Catch::Contains(why));
-  };
-  refuses(fmt::format("--data {} --weights {}", folder / "none", weights), folder / "none");
-  refuses(fmt::format("--data {} --weights {}", weights, weights), "w.nhpm");
-  refuses(fmt::format("--data {} --weights {}", data, data), "data.pb.zst");
-  refuses(fmt::format("--data {} --weights {}", data, folder / "none"), folder / "none");
-  const std::string whole = *ReadFile(weights);
-  REQUIRE(WriteFile(folder / "short.nhpm", whole.substr(0, whole.size() / 2)));
-  refuses(fmt::format("--data {} --weights {}", data, folder / "short.nhpm"), "short.nhpm");
-  const std::string large = WriteWeights(folder / "large.nhpm", data, 13);
-  refuses(fmt::format("--data {} --weights {}", data, large), "large.nhpm");
-  refuses(fmt::format("--data {} --weights {}", data, large), "13 x 13");
+    CHECK_THAT(ended.text(), Catch::StartsWith("conav evaluate: ") && Catch::Contains(names));
+  }
 }
 
-TEST_CASE("An output that cannot be written is wrong use, found before the work",
-          "[nhpm][evaluate]") {
-  const Folder folder;
-  const Ended ended =
-      Run(fmt::format("--data {} --json {}", folder / "none", folder / "no/r.json"));
-  CHECK(ended.exit_code == 2);
-  CHECK_THAT(ended.text(), Catch::StartsWith("conav evaluate: --json ") &&
-                               Catch::Contains("no/r.json: cannot write"));
-}
-
-TEST_CASE("Synthetic data without its annotators has no oracle and says why", "[nhpm][evaluate]") {
+TEST_CASE("Synthetic data without its annotators has no oracle and says why", "[evaluate]") {
   const Folder folder;
   SegmentSet set = *ReadSegmentFile(WriteData(folder / "data.pb.zst"));
   for (Trajectory& trajectory : set.trajectories) trajectory.annotator.clear();
@@ -284,55 +244,41 @@ TEST_CASE("Synthetic data without its annotators has no oracle and says why", "[
   CHECK(Run(common + "--oracle-draws 0").exit_code == 0);
 }
 
-TEST_CASE("Wrong use exits with 2", "[nhpm][evaluate]") {
-  const Folder folder;
-  const std::string data = WriteData(folder / "data.pb.zst");
-  const std::string common =
-      fmt::format("--data {} --weights {} ", data, WriteWeights(folder / "w.nhpm", data));
+TEST_CASE("Options out of range or that contradict each other are wrong use", "[evaluate]") {
+  const Bench folder;
   for (const char* wrong :
-       {"--without y", "--oracle-draws 100", "--json - --csv -", "--segments 400", "--threads 0",
-        "--segments x", "--segments -1", "--split-seed -1", "--colour", "--without tau,tau",
-        "--split-seed 1 --all-test", "--average-oracle --oracle-draws 0",
-        "--average-oracle --all-test"}) {
+       {"--without y", "--without tau,tau", "--oracle-draws 100", "--json - --csv -", "--threads 0",
+        "--segments x", "--segments -1", "--split-seed -1", "--split-seed 1 --all-test",
+        "--average-oracle --oracle-draws 0", "--average-oracle --all-test"}) {
     INFO(wrong);
-    CHECK(Run(common + wrong).exit_code == 2);
+    CHECK(folder.Run(wrong).exit_code == 2);
   }
-  CHECK(Run("").exit_code == 2);
-  CHECK(Run("--help").exit_code == 0);
-  CHECK_THAT(Run(common + "--segments 400").text(), Catch::Contains("segments 0 to 3"));
+  const Ended ended = folder.Run("--segments 400");
+  CHECK(ended.exit_code == 2);
+  CHECK_THAT(ended.text(), Catch::Contains("segments 0 to 3"));
 }
 
-TEST_CASE("A report does not go over what it is of", "[nhpm][evaluate]") {
-  const Folder folder;
-  const std::string data = WriteData(folder / "data.pb.zst");
-  const std::string weights = WriteWeights(folder / "w.nhpm", data);
-  const std::string common = fmt::format("--data {} --weights {} ", data, weights);
-  CHECK(Run(common + "--json " + data).exit_code == 2);
-  CHECK(Run(common + "--html " + weights).exit_code == 2);
-  CHECK(Run(common + fmt::format("--csv {0} --html {0}", folder / "r")).exit_code == 2);
-  CHECK(ReadSegmentFile(data));
-  CHECK(ReadWeightsFile(weights));
+TEST_CASE("A report does not go over what it is of", "[evaluate]") {
+  const Bench folder;
+  CHECK(folder.Run("--json " + folder.data).exit_code == 2);
+  CHECK(folder.Run("--html " + folder.weights).exit_code == 2);
+  CHECK(folder.Run(fmt::format("--csv {0} --html {0}", folder / "r")).exit_code == 2);
+  CHECK(ReadSegmentFile(folder.data));
+  CHECK(ReadWeightsFile(folder.weights));
 }
 
-TEST_CASE("The page shows the segments that were asked for", "[nhpm][evaluate]") {
-  const Folder folder;
-  const std::string data = WriteData(folder / "data.pb.zst");
-  const Ended ended =
-      Run(fmt::format("--data {} --weights {} --oracle-draws 0 --segments 2,0 --html -", data,
-                      WriteWeights(folder / "w.nhpm", data)));
+TEST_CASE("The page shows the segments that were asked for", "[evaluate]") {
+  const Ended ended = Bench().Run("--oracle-draws 0 --segments 2,0 --html -");
   CHECK(ended.exit_code == 0);
   CHECK_THAT(ended.out, Catch::StartsWith("<!DOCTYPE html>"));
   CHECK_THAT(ended.text(), Catch::Contains("Test segment 2: as asked for"));
   CHECK_THAT(ended.text(), !Catch::Contains("Test segment 1:"));
 }
 
-TEST_CASE("With --check a bar that is not reached is a failure", "[nhpm][evaluate]") {
-  const Folder folder;
-  const std::string data = WriteData(folder / "data.pb.zst");
-  const std::string common = fmt::format("--data {} --weights {} --oracle-draws 2000 ", data,
-                                         WriteWeights(folder / "w.nhpm", data));
-  CHECK(Run(common).exit_code == 0);
-  const Ended checked = Run(common + "--check");
+TEST_CASE("With --check a bar that is not reached is a failure", "[evaluate]") {
+  const Bench folder;
+  CHECK(folder.Run("--oracle-draws 2000").exit_code == 0);
+  const Ended checked = folder.Run("--oracle-draws 2000 --check");
   CHECK(checked.exit_code == 1);
   CHECK_THAT(checked.text(), Catch::Contains("FAIL"));
 }

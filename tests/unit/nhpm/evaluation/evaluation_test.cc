@@ -5,13 +5,13 @@
 #include <numeric>
 
 #include "common/segments/segment.h"
-#include "unit/nhpm/evaluation/evaluation_samples.h"
+#include "unit/nhpm/evaluation/samples.h"
 
 namespace conav::nhpm {
 namespace {
 
 /// Answers nothing but an error.
-class RefusingModel final : public EditModel {
+class RefusingModel final : public PerceptionModel {
  public:
   Result<std::vector<PerceptionAnswer>> Predict(
       std::span<const PerceptionQuery> /*queries*/) const override {
@@ -23,8 +23,8 @@ class RefusingModel final : public EditModel {
   ModelIdentity identity_;
 };
 
-TEST_CASE("A model is measured on both parts of the data", "[nhpm][evaluation]") {
-  const EvaluationData data = SampleData();
+TEST_CASE("A model is measured on both parts of the data, where there are two", "[evaluation]") {
+  EvaluationData data = SampleData();
   const auto row = EvaluateModel({"even", "Even", "0.25 everywhere"}, EvenModel(0.25F), data);
   REQUIRE(row);
   CHECK(row->answers.size() == 40);
@@ -42,9 +42,14 @@ TEST_CASE("A model is measured on both parts of the data", "[nhpm][evaluation]")
   CHECK(row->at_train_boundary->iou == Approx(edited));  // all or nothing is predicted
   CHECK(std::accumulate(row->segment_losses.begin(), row->segment_losses.end(), 0.0) ==
         Approx(row->test.loss.all * 40 * 162));
+  data.train = {};
+  const auto untrained = EvaluateModel({"even", "Even", ""}, EvenModel(0.25F), data);
+  REQUIRE(untrained);
+  CHECK_FALSE(untrained->train);
+  CHECK_FALSE(untrained->at_train_boundary);
 }
 
-TEST_CASE("Progress is told until all segments are answered", "[nhpm][evaluation]") {
+TEST_CASE("Progress is reported until all segments are answered", "[evaluation]") {
   const EvaluationData data = SampleData();
   std::vector<std::size_t> told;
   const auto answers =
@@ -56,17 +61,7 @@ TEST_CASE("Progress is told until all segments are answered", "[nhpm][evaluation
   CHECK(told == std::vector<std::size_t>{64, 120});
 }
 
-TEST_CASE("Without a train part there is no loss on it", "[nhpm][evaluation]") {
-  EvaluationData data = SampleData();
-  data.train = {};
-  const auto row = EvaluateModel({"even", "Even", ""}, EvenModel(0.25F), data);
-  REQUIRE(row);
-  CHECK_FALSE(row->train);
-  CHECK_FALSE(row->at_train_boundary);
-}
-
-TEST_CASE("GLPF-Test bounds GLPF-Train, and both find the people who are a GLPF",
-          "[nhpm][evaluation]") {
+TEST_CASE("GLPF-Test bounds GLPF-Train, and both find the people who are a GLPF", "[evaluation]") {
   const EvaluationData data = SampleData();
   const auto train = EvaluateGlpfTrain(data);
   const auto test = EvaluateGlpfTest(data);
@@ -83,28 +78,101 @@ TEST_CASE("GLPF-Test bounds GLPF-Train, and both find the people who are a GLPF"
 }
 
 TEST_CASE("GLPF-Train's boundary is ideal on the train part, its IoU that of the test part",
-          "[nhpm][evaluation]") {
+          "[evaluation]") {
   const EvaluationData data = SampleData();
   const auto row = EvaluateGlpfTrain(data);
   REQUIRE(row);
   const GlpfFit fit = FitGlpf(CountStimuli(AllSegments(data.train)));
-  const Glpf model(fit.best.parameters);
+  Glpf model(fit.best.parameters);
   const auto on_train = PairOutcomes(AllSegments(data.train), *AskModel(model, data.train, {}));
   const auto on_test = PairOutcomes(AllSegments(data.test), row->answers);
   CHECK(row->test.best.boundary == BestIou(*on_train).boundary);
   CHECK(row->test.best.iou == IouAt(*on_test, row->test.best.boundary));
 }
 
-TEST_CASE("A model that refuses is told as it says", "[nhpm][evaluation]") {
-  const auto row = EvaluateModel({"nhpm", "NHPM", ""}, RefusingModel(), SampleData());
-  REQUIRE_FALSE(row);
-  CHECK(row.error().text == "made for 13 x 13 cells, not 9 x 9");
+TEST_CASE("A model's refusal is passed on, answers of another number name the row",
+          "[evaluation]") {
+  const auto refused = EvaluateModel({"nhpm", "NHPM", ""}, RefusingModel(), SampleData());
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().text == "made for 13 x 13 cells, not 9 x 9");
+  const auto none = EvaluateAnswers({"oracle", "Oracle", ""}, {}, {}, SampleData());
+  REQUIRE_FALSE(none);
+  CHECK_THAT(none.error().text, Catch::StartsWith("Oracle: 0 answers"));
 }
 
-TEST_CASE("Answers of another number are refused with the row's name", "[nhpm][evaluation]") {
-  const auto row = EvaluateAnswers({"oracle", "Oracle", ""}, {}, {}, SampleData());
-  REQUIRE_FALSE(row);
-  CHECK(row.error().text == "Oracle: 0 answers to 40 segments");
+/// A row with a loss in each segment of two trajectories of two segments.
+ModelRow RowWith(const std::string& key, const std::vector<double>& losses, double iou) {
+  ModelRow row;
+  row.label = {key, key, ""};
+  row.segment_losses = losses;
+  for (const double loss : losses) row.test.loss.all += loss / 100.0;
+  row.test.best = {0.5, iou};
+  return row;
+}
+
+EvaluationData TwoTrajectories() {
+  EvaluationData data;
+  data.test = SegmentsOf(EvenModel(0.0F), 2, 2, 1);
+  return data;
+}
+
+TEST_CASE(
+    "The excess share lies between oracle and baseline; a bar is passed at its limit, one "
+    "from below only above it",
+    "[bars]") {
+  CHECK(ExcessShare(2.0, 2.0, 4.0) == 0.0);
+  CHECK(ExcessShare(2.5, 2.0, 4.0) == 0.25);
+  CHECK(ExcessShare(4.0, 2.0, 4.0) == 1.0);
+  CHECK(std::isinf(ExcessShare(2.0, 2.0, 2.0)));
+  CHECK(Bar{.value = 0.2, .limit = 0.2}.passed());
+  CHECK_FALSE(Bar{.value = 0.21, .limit = 0.2}.passed());
+  CHECK(Bar{.value = 0.21, .limit = 0.2, .at_most = false}.passed());
+  CHECK_FALSE(Bar{.value = 0.2, .limit = 0.2, .at_most = false}.passed());
+}
+
+TEST_CASE("NHPM is measured against the oracle and both GLPFs", "[bars]") {
+  std::vector<ModelRow> rows{RowWith("glpf_train", {3.0, 3.0, 3.0, 3.0}, 0.4),
+                             RowWith("glpf_test", {2.0, 2.0, 2.0, 2.0}, 0.3),
+                             RowWith("nhpm", {1.2, 1.2, 1.1, 1.1}, 0.35),
+                             RowWith("oracle", {1.0, 1.0, 1.0, 1.0}, 0.5)};
+  rows[0].test.boundary_source = BoundarySource::kTrain;
+  rows[2].at_train_boundary = {0.4, 0.41};
+  const auto bars = CheckBars(TwoTrajectories(), rows);
+  REQUIRE(bars.size() == 3);
+  CHECK(bars[0].key == "excess_share");
+  CHECK(bars[0].value == Approx(0.15));
+  CHECK(bars[0].passed());
+  CHECK(bars[1].key == "iou_above_glpf_train");
+  CHECK(bars[1].value == 0.41);  // as GLPF-Train's, at a boundary of the train part
+  CHECK_THAT(bars[1].text, Catch::EndsWith("best on the train part"));
+  CHECK(bars[1].passed());
+  CHECK(bars[2].value == 0.35);
+  CHECK_THAT(bars[2].text, Catch::EndsWith("best on the test part"));
+  CHECK(bars[2].passed());
+}
+
+TEST_CASE("The interval holds the shares of the trajectories", "[bars]") {
+  const ModelRow oracle = RowWith("oracle", {1.0, 1.0, 1.0, 1.0}, 0.5);
+  const ModelRow glpf = RowWith("glpf_test", {2.0, 2.0, 2.0, 2.0}, 0.5);
+  const ModelRow nhpm = RowWith("nhpm", {1.2, 1.2, 1.1, 1.1}, 0.5);
+  const auto interval = ExcessShareInterval(TwoTrajectories(), nhpm, oracle, glpf);
+  REQUIRE(interval);
+  CHECK(interval->low == Approx(0.1));  // the second trajectory twice
+  CHECK(interval->high == Approx(0.2));
+  EvaluationData one = TwoTrajectories();
+  one.test.trajectories.pop_back();
+  CHECK_FALSE(ExcessShareInterval(one, nhpm, oracle, glpf));
+}
+
+TEST_CASE("Bars are only those that the rows allow to say", "[bars]") {
+  const ModelRow nhpm = RowWith("nhpm", {1.0, 1.0, 1.0, 1.0}, 0.5);
+  const ModelRow glpf = RowWith("glpf_test", {2.0, 2.0, 2.0, 2.0}, 0.4);
+  CHECK(CheckBars(TwoTrajectories(), {glpf}).empty());
+  CHECK(CheckBars(TwoTrajectories(), {nhpm}).empty());
+  CHECK(CheckBars(TwoTrajectories(), {nhpm, glpf}).size() == 1);
+  EvaluationData people = TwoTrajectories();
+  people.test.trajectories[0].origin = SegmentOrigin::kPerson;
+  CHECK(CheckBars(people, {nhpm, glpf}).empty());
 }
 
 }  // namespace

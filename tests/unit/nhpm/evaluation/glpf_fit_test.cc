@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 
 #include "nhpm/evaluation/metrics.h"
 #include "unit/nhpm/evaluation/samples.h"
@@ -14,7 +15,7 @@ const GlpfParameters kTruth{
 
 std::vector<Segment> SegmentsEditedBy(const GlpfParameters& parameters, int count) {
   Random random(7);
-  const Glpf model(parameters);
+  Glpf model(parameters);
   std::vector<Segment> segments;
   for (int i = 0; i < count; ++i) {
     Segment segment = RandomSegment(random);
@@ -32,7 +33,7 @@ std::vector<Segment> SegmentsEditedBy(const GlpfParameters& parameters, int coun
 
 /// As many edits, in fractions, as the parameters promise.
 GlpfStatistics ExactStatistics(const GlpfParameters& parameters) {
-  const Glpf model(parameters);
+  Glpf model(parameters);
   GlpfStatistics statistics;
   statistics.unstimulated = {1e5, 1e5 * model.Response(0.0)};
   for (int distance = 0; distance <= 100; ++distance) {
@@ -44,7 +45,7 @@ GlpfStatistics ExactStatistics(const GlpfParameters& parameters) {
   return statistics;
 }
 
-TEST_CASE("Cells are counted by stimulus", "[nhpm][glpf_fit]") {
+TEST_CASE("Cells are counted by stimulus", "[glpf_fit]") {
   Segment segment = EmptySegment();
   PerceptionQuery& query = segment.query;
   query.belief[{1, 1}] = 1.0F;
@@ -69,7 +70,7 @@ TEST_CASE("Cells are counted by stimulus", "[nhpm][glpf_fit]") {
   CHECK(statistics.outputs() == 9.0);
 }
 
-TEST_CASE("The loss of counted cells is that of the model's answers", "[nhpm][glpf_fit]") {
+TEST_CASE("The loss of counted cells is that of the model's answers", "[glpf_fit]") {
   const std::vector<Segment> segments = SegmentsEditedBy(kTruth, 20);
   GlpfParameters parameters = kTruth;
   parameters.visible_only = GENERATE(false, true);
@@ -81,7 +82,10 @@ TEST_CASE("The loss of counted cells is that of the model's answers", "[nhpm][gl
   CHECK(GlpfLoss({}, parameters) == 0.0);
 }
 
-TEST_CASE("Parameters are recovered from as many edits as they promise", "[nhpm][glpf_fit]") {
+TEST_CASE(
+    "Parameters are recovered from as many edits as they promise, one alpha where there is "
+    "one",
+    "[glpf_fit]") {
   GlpfParameters truth = kTruth;
   truth.visible_only = GENERATE(false, true);
   const GlpfFit fit = FitGlpf(ExactStatistics(truth));
@@ -93,26 +97,23 @@ TEST_CASE("Parameters are recovered from as many edits as they promise", "[nhpm]
   CHECK(found.lambda == Approx(truth.lambda).epsilon(0.01));
   CHECK(found.visible_only == truth.visible_only);
   CHECK(fit.variants.size() == 2);
-}
-
-TEST_CASE("One alpha is recovered where there is one", "[nhpm][glpf_fit]") {
-  GlpfParameters truth = kTruth;
   truth.tie_alphas = true;
   truth.alpha_m = truth.alpha_d;
-  const GlpfFit fit = FitGlpf(ExactStatistics(truth), {.visible_only = false, .tie_alphas = true});
-  CHECK(fit.best.parameters.alpha_d == Approx(0.25).epsilon(0.01));
-  CHECK(fit.best.parameters.alpha_m == fit.best.parameters.alpha_d);
-  CHECK(fit.variants.size() == 1);
+  const GlpfFit tied =
+      FitGlpf(ExactStatistics(truth), {.visible_only = truth.visible_only, .tie_alphas = true});
+  CHECK(tied.best.parameters.alpha_d == Approx(0.25).epsilon(0.01));
+  CHECK(tied.best.parameters.alpha_m == tied.best.parameters.alpha_d);
+  CHECK(tied.variants.size() == 1);
 }
 
-TEST_CASE("Parameters are recovered from people who follow them", "[nhpm][glpf_fit]") {
+TEST_CASE("Parameters are recovered from people who follow them", "[glpf_fit]") {
   const std::vector<Segment> segments = SegmentsEditedBy(kTruth, 600);
   const GlpfStatistics statistics = CountStimuli(Pointers(segments));
   const GlpfFit fit = FitGlpf(statistics);
   CHECK(fit.best.loss <= GlpfLoss(statistics, kTruth));
   CHECK_FALSE(fit.best.parameters.visible_only);
-  const Glpf truth(kTruth);
-  const Glpf found(fit.best.parameters);
+  Glpf truth(kTruth);
+  Glpf found(fit.best.parameters);
   for (const double distance : {1.0, 2.0, 4.0, 8.0}) {
     CHECK(found.Response(found.Stimulus(distance)) ==
           Approx(truth.Response(truth.Stimulus(distance))).margin(0.03));
@@ -120,24 +121,21 @@ TEST_CASE("Parameters are recovered from people who follow them", "[nhpm][glpf_f
   CHECK(found.Response(0.0) == Approx(truth.Response(0.0)).margin(0.003));
 }
 
-TEST_CASE("The rates stay within their bounds", "[nhpm][glpf_fit]") {
+TEST_CASE("The rates stay within their bounds, also of people who overlook most near mistakes",
+          "[glpf_fit]") {
   GlpfStatistics statistics;
   statistics.unstimulated = {100.0, 90.0};  // a guess rate of 0.9 cannot be
   statistics.seen[1] = {100.0, 10.0};
   const GlpfParameters found = FitGlpf(statistics).best.parameters;
   CHECK(found.rho == Approx(0.5).margin(1e-3));
-}
-
-TEST_CASE("People who overlook more than half of all near mistakes have the largest lapse rate",
-          "[nhpm][glpf_fit]") {
-  GlpfStatistics statistics;
+  statistics = {};
   statistics.unstimulated = {100000.0, 0.0};
   for (const int squared : {1, 4, 9, 16}) statistics.seen[squared] = {1000.0, 300.0};
   for (const int squared : {36, 49, 64, 81}) statistics.seen[squared] = {1000.0, 0.0};
   CHECK(FitGlpf(statistics).best.parameters.lambda == Approx(0.5).margin(1e-3));
 }
 
-TEST_CASE("Two alphas fit at least as well as one, and a fit is repeatable", "[nhpm][glpf_fit]") {
+TEST_CASE("Two alphas fit at least as well as one, and a fit is repeatable", "[glpf_fit]") {
   const GlpfStatistics statistics = CountStimuli(Pointers(SegmentsEditedBy(kTruth, 60)));
   const GlpfFit two = FitGlpf(statistics, {.tie_alphas = false});
   const GlpfFit both = FitGlpf(statistics, {.tie_alphas = {}});
@@ -145,6 +143,52 @@ TEST_CASE("Two alphas fit at least as well as one, and a fit is repeatable", "[n
   CHECK(two.best.loss <= both.variants.back().loss + 1e-9);
   CHECK(FitGlpf(statistics).best.loss == two.best.loss);
   CHECK(FitGlpf(statistics).best.parameters.beta == two.best.parameters.beta);
+}
+
+double Rosenbrock(std::span<const double> at) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i + 1 < at.size(); ++i) {
+    const double valley = at[i + 1] - at[i] * at[i];
+    sum += 100.0 * valley * valley + (1.0 - at[i]) * (1.0 - at[i]);
+  }
+  return sum;
+}
+
+TEST_CASE("Minima are found, of one, two and four coordinates", "[nelder_mead]") {
+  const auto found = MinimiseNelderMead(Rosenbrock, std::vector{-1.2, 1.0});
+  CHECK(found.converged);
+  CHECK(found.position[0] == Approx(1.0).margin(1e-4));
+  CHECK(found.position[1] == Approx(1.0).margin(1e-4));
+  CHECK(found.value < 1e-9);
+  const auto four = MinimiseNelderMead(Rosenbrock, std::vector{0.5, 0.5, 0.5, 0.5},
+                                       {.iterations = 10000, .tolerance = 1e-14});
+  for (const double coordinate : four.position) CHECK(coordinate == Approx(1.0).margin(1e-4));
+  const auto parabola = [](std::span<const double> at) {
+    return (at[0] - 3.0) * (at[0] - 3.0) + 2;
+  };
+  const auto one = MinimiseNelderMead(parabola, std::vector{-10.0});
+  CHECK(one.position[0] == Approx(3.0).margin(1e-4));
+  CHECK(one.value == Approx(2.0));
+}
+
+TEST_CASE("Equal values far from each other are no minimum yet", "[nelder_mead]") {
+  const auto flat = [](std::span<const double>) { return 1.0; };
+  CHECK_FALSE(MinimiseNelderMead(flat, std::vector{0.0, 0.0}, {.iterations = 10}).converged);
+  CHECK(MinimiseNelderMead(flat, std::vector{0.0, 0.0}).converged);
+}
+
+TEST_CASE("Values that are no numbers are walked around", "[nelder_mead]") {
+  const auto logarithm = [](std::span<const double> at) {
+    return at[0] <= 0.0 ? std::numeric_limits<double>::quiet_NaN() : at[0] - std::log(at[0]);
+  };
+  CHECK(MinimiseNelderMead(logarithm, std::vector{0.1}).position[0] == Approx(1.0).margin(1e-4));
+}
+
+TEST_CASE("The search ends when its iterations are spent", "[nelder_mead]") {
+  const auto found = MinimiseNelderMead(Rosenbrock, std::vector{-1.2, 1.0}, {.iterations = 5});
+  CHECK(found.iterations == 5);
+  CHECK_FALSE(found.converged);
+  CHECK(found.value < Rosenbrock(std::vector{-1.2, 1.0}));
 }
 
 }  // namespace

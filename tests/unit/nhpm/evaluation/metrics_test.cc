@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 
 #include "unit/nhpm/evaluation/samples.h"
 
@@ -14,7 +15,7 @@ Outcomes Sample() {
                        {{0.25F, true}, {0.25F, false}, {0.0F, false}, {0.0F, false}}});
 }
 
-TEST_CASE("The cross-entropy of an output is the logarithm of what happened", "[nhpm][metrics]") {
+TEST_CASE("The cross-entropy of an output is the logarithm of what happened", "[metrics]") {
   CHECK(CrossEntropy(0.25, true) == Approx(std::log(4.0)));
   CHECK(CrossEntropy(0.25, false) == Approx(std::log(4.0 / 3.0)));
   CHECK(CrossEntropy(0.0, false) == Approx(1.0e-7));
@@ -22,7 +23,7 @@ TEST_CASE("The cross-entropy of an output is the logarithm of what happened", "[
   CHECK(CrossEntropy(1.0, false) == Approx(16.118096));
 }
 
-TEST_CASE("The mean cross-entropy counts masked outputs, or not", "[nhpm][metrics]") {
+TEST_CASE("The mean cross-entropy counts masked outputs, or not", "[metrics]") {
   const Loss loss = MeanCrossEntropy(Sample());
   // -ln(.75) - 2 ln(.5) - ln(.25) - ln(.75) = 0.287682 + 1.386294 + 1.386294 + 0.287682
   CHECK(loss.unmasked == Approx(3.347952 / 8).epsilon(1e-6));
@@ -30,7 +31,7 @@ TEST_CASE("The mean cross-entropy counts masked outputs, or not", "[nhpm][metric
 }
 
 TEST_CASE("One edit per segment promised everywhere scores as the paper's notes compute",
-          "[nhpm][metrics]") {
+          "[metrics]") {
   // 169 cells, one of them edited, the same probability in each: entropy of 1/169.
   std::vector<Outcome> segment(169, Outcome{1.0F / 169.0F, false});
   segment[84].edited = true;
@@ -39,8 +40,7 @@ TEST_CASE("One edit per segment promised everywhere scores as the paper's notes 
   CHECK(loss.unmasked == Approx(0.0362).margin(0.0001));
 }
 
-TEST_CASE("IoU divides what is predicted and true by what is predicted or true",
-          "[nhpm][metrics]") {
+TEST_CASE("IoU divides what is predicted and true by what is predicted or true", "[metrics]") {
   CHECK(IouAt(Sample(), 0.75) == Approx(1.0 / 3.0));
   CHECK(IouAt(Sample(), 0.5) == Approx(2.0 / 4.0));  // the boundary itself is predicted
   CHECK(IouAt(Sample(), 0.25) == Approx(3.0 / 5.0));
@@ -48,7 +48,7 @@ TEST_CASE("IoU divides what is predicted and true by what is predicted or true",
   CHECK(IouAt(MakeOutcomes({{{0.1F, false}}}), 0.5) == 1.0);
 }
 
-TEST_CASE("The best boundary is the lowest of the grid with the highest IoU", "[nhpm][metrics]") {
+TEST_CASE("The best boundary is the lowest of the grid with the highest IoU", "[metrics]") {
   const BoundaryIou best = BestIou(Sample());
   CHECK(best.iou == Approx(0.6));
   CHECK(best.boundary == Approx(0.01));  // up to 0.25 nothing changes
@@ -57,7 +57,7 @@ TEST_CASE("The best boundary is the lowest of the grid with the highest IoU", "[
   CHECK(BestIou(noisy).boundary == Approx(0.31));
 }
 
-TEST_CASE("The mean IoU of segments leaves out those with nothing in them", "[nhpm][metrics]") {
+TEST_CASE("The mean IoU of segments leaves out those with nothing in them", "[metrics]") {
   Outcomes outcomes = Sample();
   CHECK(*SegmentMeanIou(outcomes, 0.25) == Approx((2.0 / 3.0 + 1.0 / 2.0) / 2.0));
   outcomes.values.push_back({0.0F, false});
@@ -66,7 +66,7 @@ TEST_CASE("The mean IoU of segments leaves out those with nothing in them", "[nh
   CHECK_FALSE(SegmentMeanIou(MakeOutcomes({{{0.1F, false}}}), 0.5));
 }
 
-TEST_CASE("Calibration compares promise and share edited bin by bin", "[nhpm][metrics]") {
+TEST_CASE("Calibration compares promise and share edited bin by bin", "[metrics]") {
   const Calibration calibration = Calibrate(Sample(), 4);
   REQUIRE(calibration.bins.size() == 4);
   // [0, .25): 3 x 0, none edited; [.25, .5): 2 x .25, one edited; [.5, .75): 2 x .5, one edited;
@@ -77,15 +77,10 @@ TEST_CASE("Calibration compares promise and share edited bin by bin", "[nhpm][me
   CHECK(calibration.bins[2].edited_share == Approx(0.5));
   CHECK(calibration.bins[3].mean_probability == Approx(0.75));
   CHECK(calibration.error == Approx((2 * 0.25 + 2 * 0.0 + 1 * 0.25) / 8));
+  CHECK(Calibrate(MakeOutcomes({{{1.0F, true}}})).bins.back().outputs == 1);
 }
 
-TEST_CASE("Certainty falls into the last bin", "[nhpm][metrics]") {
-  const Calibration calibration = Calibrate(MakeOutcomes({{{1.0F, true}}}));
-  CHECK(calibration.bins.back().outputs == 1);
-  CHECK(calibration.error == 0.0);
-}
-
-TEST_CASE("Edits expected and made are counted segment by segment", "[nhpm][metrics]") {
+TEST_CASE("Edits expected and made are counted segment by segment", "[metrics]") {
   const EditCounts counts = CompareEditCounts(Sample());
   CHECK(counts.mean_expected == Approx((1.75 + 0.5) / 2));
   CHECK(counts.mean_true == Approx(1.5));
@@ -96,7 +91,7 @@ TEST_CASE("Edits expected and made are counted segment by segment", "[nhpm][metr
   CHECK(counts.bins[1].mean_true == Approx(2.0));
 }
 
-TEST_CASE("The correlation of edits is Pearson's", "[nhpm][metrics]") {
+TEST_CASE("The correlation of edits is Pearson's", "[metrics]") {
   // expected 0, 0.5, 1; true 0, 1, 0: covariance 0; then true 1, 0, 0: -0.866
   const Outcome none{0.0F, false};
   CHECK(*CompareEditCounts(MakeOutcomes({{none}, {{0.5F, true}}, {{1.0F, false}}})).correlation ==
@@ -106,7 +101,7 @@ TEST_CASE("The correlation of edits is Pearson's", "[nhpm][metrics]") {
   CHECK_FALSE(CompareEditCounts(MakeOutcomes({{none}, {none}})).correlation);
 }
 
-TEST_CASE("Bins of edits hold equal numbers of segments", "[nhpm][metrics]") {
+TEST_CASE("Bins of edits hold equal numbers of segments", "[metrics]") {
   std::vector<std::vector<Outcome>> segments;
   for (int i = 0; i < 5; ++i) segments.push_back({{0.2F * static_cast<float>(4 - i), i == 0}});
   const EditCounts counts = CompareEditCounts(MakeOutcomes(segments), 2);
@@ -117,13 +112,59 @@ TEST_CASE("Bins of edits hold equal numbers of segments", "[nhpm][metrics]") {
   CHECK(counts.bins[1].mean_true == Approx(1.0 / 3.0));
 }
 
-TEST_CASE("Without segments every figure is nothing", "[nhpm][metrics]") {
+TEST_CASE("Without segments every figure is nothing", "[metrics]") {
+  CHECK(PairOutcomes({}, {})->values.empty());
   const Outcomes none;
   CHECK(MeanCrossEntropy(none).all == 0.0);
   CHECK(BestIou(none).iou == 0.0);
   CHECK_FALSE(SegmentMeanIou(none, 0.5));
   CHECK(Calibrate(none).error == 0.0);
   CHECK(CompareEditCounts(none).bins.empty());
+}
+
+TEST_CASE("Each cell inside of the border has the output that x leaves open", "[outcomes]") {
+  Segment segment = EmptySegment(3, 4);  // inside: (1,1) and (1,2)
+  segment.query.belief[{1, 2}] = 1.0F;
+  segment.belief_after[{1, 2}] = 0.0F;
+  PerceptionAnswer answer = ZeroAnswer(segment);
+  answer.add[{1, 1}] = 0.25F;
+  answer.remove[{1, 2}] = 0.75F;
+  answer.add[{1, 2}] = 0.5F;     // masked: there is a wall
+  answer.remove[{0, 0}] = 0.5F;  // masked: the border
+  const Segment* pointer = &segment;
+  const auto outcomes = PairOutcomes({&pointer, 1}, {&answer, 1});
+  REQUIRE(outcomes);
+  CHECK(outcomes->values == std::vector<Outcome>{{0.25F, false}, {0.75F, true}});
+  CHECK(outcomes->outputs == 24);
+  CHECK(outcomes->segments() == 1);
+}
+
+TEST_CASE("Outcomes are kept segment by segment", "[outcomes]") {
+  std::vector<Segment> segments{EmptySegment(3, 3), EmptySegment(3, 4)};
+  Flip(segments[1], {1, 2});
+  const auto outcomes =
+      PairOutcomes(Pointers(segments),
+                   std::vector<PerceptionAnswer>{ZeroAnswer(segments[0]), ZeroAnswer(segments[1])});
+  REQUIRE(outcomes);
+  CHECK(outcomes->Segment(0).size() == 1);
+  REQUIRE(outcomes->Segment(1).size() == 2);
+  CHECK(outcomes->Segment(1)[1].edited);
+  CHECK(outcomes->outputs == 18 + 24);
+}
+
+TEST_CASE("Answers that do not belong to the segments are refused", "[outcomes]") {
+  const std::vector<Segment> segments{EmptySegment(), EmptySegment()};
+  std::vector<PerceptionAnswer> answers{ZeroAnswer(segments[0])};
+  CHECK_THAT(PairOutcomes(Pointers(segments), answers).error().text,
+             Catch::Contains("1 answers to 2 segments"));
+  answers.push_back(ZeroAnswer(EmptySegment(4, 4)));
+  CHECK_THAT(PairOutcomes(Pointers(segments), answers).error().text,
+             Catch::Contains("segment 1: the answer is 4 x 4"));
+  answers[1] = ZeroAnswer(segments[1]);
+  answers[1].add[{2, 2}] = std::numeric_limits<float>::quiet_NaN();
+  CHECK_THAT(PairOutcomes(Pointers(segments), answers).error().text, Catch::Contains("(2,2)"));
+  answers[1].add[{2, 2}] = 1.5F;
+  CHECK_FALSE(PairOutcomes(Pointers(segments), answers));
 }
 
 }  // namespace

@@ -7,9 +7,7 @@
 
 #include "conformance/perception_model_conformance.h"
 
-using namespace conav;
-using namespace conav::nhpm;
-
+namespace conav::nhpm {
 namespace {
 
 PerceptionQuery SmallQuery() {
@@ -29,9 +27,7 @@ std::vector<float> Encode(const PerceptionQuery& query, const InputSelection& se
   return input;
 }
 
-}  // namespace
-
-TEST_CASE("the four channels hold belief, path, seen free and seen wall", "[nhpm][encoding]") {
+TEST_CASE("the four channels hold belief, path, seen free and seen wall", "[encoding]") {
   const PerceptionQuery query = SmallQuery();
   const std::vector<float> input = Encode(query);
   const auto cell = [&](int row, int column) {
@@ -47,7 +43,7 @@ TEST_CASE("the four channels hold belief, path, seen free and seen wall", "[nhpm
   CHECK(cell(2, 3) == std::vector<float>{0, 0, 0, 819.0F / 1024.0F});  // depth 2: 0.8
 }
 
-TEST_CASE("what a picture shows counts by its depth along the view axis", "[nhpm][encoding]") {
+TEST_CASE("what a picture shows counts by its depth along the view axis", "[encoding]") {
   PerceptionQuery query;
   query.belief = BeliefGrid(5, 30, 0.0F);
   query.cell = {2, 2};
@@ -65,7 +61,7 @@ TEST_CASE("what a picture shows counts by its depth along the view axis", "[nhpm
   CHECK(nearness({0, 4}, 45.0) == Approx(1.0 - 0.2 * std::numbers::sqrt2).margin(1e-3));
 }
 
-TEST_CASE("the input of a turned query is the turned input", "[nhpm][encoding]") {
+TEST_CASE("the input of a turned query is the turned input", "[encoding]") {
   constexpr int kSize = 9;
   const auto turn = [](Cell cell) { return Cell{kSize - 1 - cell.column, cell.row}; };  // left
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
@@ -89,7 +85,7 @@ TEST_CASE("the input of a turned query is the turned input", "[nhpm][encoding]")
   }
 }
 
-TEST_CASE("an input that is left out is zero", "[nhpm][encoding]") {
+TEST_CASE("an input that is left out is zero", "[encoding]") {
   const auto sum_of = [&](const InputSelection& selection) {
     std::vector<float> sums(kInputChannels, 0.0F);
     const std::vector<float> input = Encode(SmallQuery(), selection);
@@ -104,7 +100,7 @@ TEST_CASE("an input that is left out is zero", "[nhpm][encoding]") {
 }
 
 TEST_CASE("the sigmoid is right to three units in the last place, and never out of range",
-          "[nhpm][encoding]") {
+          "[encoding]") {
   double worst = 0.0;
   bool in_range = true;
   for (double x = -86.0; x <= 86.0; x += 0.00731) {
@@ -126,7 +122,7 @@ TEST_CASE("the sigmoid is right to three units in the last place, and never out 
   }
 }
 
-TEST_CASE("answers are masked by the belief and by the border", "[nhpm][encoding]") {
+TEST_CASE("answers are masked by the belief and by the border", "[encoding]") {
   BeliefGrid belief(3, 5, 0.0F);
   belief[{1, 1}] = 1.0F;
   belief[{1, 2}] = 0.25F;
@@ -140,3 +136,6 @@ TEST_CASE("answers are masked by the belief and by the border", "[nhpm][encoding
   CHECK(answer.remove[{1, 3}] == 0.0F);
   CHECK(ExpectedEdits(answer) == 0.5 + 0.5 + 0.5);  // nothing on the border
 }
+
+}  // namespace
+}  // namespace conav::nhpm

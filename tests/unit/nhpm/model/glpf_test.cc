@@ -30,53 +30,40 @@ PerceptionAnswer Ask(const Glpf& model, const PerceptionQuery& query) {
   return answers->front();
 }
 
-TEST_CASE("The response is the logistic function of the paper", "[nhpm][model]") {
-  const Glpf model(RoundParameters());
+TEST_CASE("The response is the logistic function of the paper", "[model]") {
+  Glpf model(RoundParameters());
   CHECK(model.Stimulus(0.0) == 1.0);
   CHECK(model.Stimulus(1.0) == Approx(0.5));
   CHECK(model.Stimulus(3.0) == Approx(0.125));
   CHECK(model.Response(0.5) == Approx(0.45));         // the middle: 0.1 + 0.7 / 2
   CHECK(model.Response(0.0) == Approx(0.183442047));  // 0.1 + 0.7 / (1 + e^2)
   CHECK(model.Response(1.0) == Approx(0.716557953));  // 0.1 + 0.7 / (1 + e^-2)
+  GlpfParameters tied = RoundParameters();
+  tied.tie_alphas = true;  // the decay is the midpoint, too
+  CHECK(Glpf(tied).Response(std::log(2.0)) == Approx(0.45));
+  GlpfParameters steep = RoundParameters();
+  steep.beta = 1000.0;  // rho and lambda are its bounds
+  CHECK(Glpf(steep).Response(0.0) == Approx(0.1));
+  CHECK(Glpf(steep).Response(1.0) == Approx(0.8));
 }
 
-TEST_CASE("Tied alphas use the decay as midpoint", "[nhpm][model]") {
-  GlpfParameters parameters = RoundParameters();
-  parameters.tie_alphas = true;
-  const Glpf model(parameters);
-  CHECK(model.Response(std::log(2.0)) == Approx(0.45));
-}
-
-TEST_CASE("Rho and lambda bound a steep response", "[nhpm][model]") {
-  GlpfParameters parameters = RoundParameters();
-  parameters.beta = 1000.0;
-  const Glpf model(parameters);
-  CHECK(model.Response(0.0) == Approx(0.1));
-  CHECK(model.Response(1.0) == Approx(0.8));
-}
-
-TEST_CASE("A wall that the belief lacks is added with the response to its distance",
-          "[nhpm][model]") {
+TEST_CASE("A mistake of the belief is edited with the response to its distance", "[model]") {
   PerceptionQuery query = QueryInTheMiddle();
   query.visible.walls = {{2, 3}};
   const PerceptionAnswer answer = Ask(Glpf(RoundParameters()), query);
   CHECK(answer.add[{2, 3}] == Approx(0.45));         // d = 1
   CHECK(answer.add[{1, 1}] == Approx(0.183442047));  // no stimulus
   CHECK(answer.remove[{2, 3}] == 0.0F);
-}
-
-TEST_CASE("A wall of the belief that is free is removed with the response to its distance",
-          "[nhpm][model]") {
-  PerceptionQuery query = QueryInTheMiddle();
-  query.belief[{1, 1}] = 1.0F;
-  query.visible.free = {{1, 1}, {2, 2}};
-  const PerceptionAnswer answer = Ask(Glpf(RoundParameters()), query);
+  PerceptionQuery false_wall = QueryInTheMiddle();
+  false_wall.belief[{1, 1}] = 1.0F;
+  false_wall.visible.free = {{1, 1}, {2, 2}};
+  const PerceptionAnswer removed = Ask(Glpf(RoundParameters()), false_wall);
   // d = sqrt 2: x = 2^-sqrt(2) = 0.375214, P = 0.1 + 0.7 / (1 + e^0.499143)
-  CHECK(answer.remove[{1, 1}] == Approx(0.364419).epsilon(1e-5));
-  CHECK(answer.add[{1, 1}] == 0.0F);
+  CHECK(removed.remove[{1, 1}] == Approx(0.364419).epsilon(1e-5));
+  CHECK(removed.add[{1, 1}] == 0.0F);
 }
 
-TEST_CASE("A cell that is right gives no stimulus", "[nhpm][model]") {
+TEST_CASE("A cell that is right gives no stimulus", "[model]") {
   PerceptionQuery query = QueryInTheMiddle();
   query.belief[{2, 3}] = 1.0F;
   query.visible.walls = {{2, 3}};
@@ -86,8 +73,7 @@ TEST_CASE("A cell that is right gives no stimulus", "[nhpm][model]") {
   CHECK(answer.add[{2, 2}] == Approx(0.183442047));
 }
 
-TEST_CASE("The path shows walls of the belief to be free, unless only the view counts",
-          "[nhpm][model]") {
+TEST_CASE("The path shows walls of the belief to be free, unless only the view counts", "[model]") {
   PerceptionQuery query = QueryInTheMiddle();
   query.belief[{2, 1}] = 1.0F;
   query.path = {{2, 1}, {2, 2}};
@@ -97,7 +83,7 @@ TEST_CASE("The path shows walls of the belief to be free, unless only the view c
   CHECK(Ask(Glpf(parameters), query).remove[{2, 1}] == Approx(0.183442047));
 }
 
-TEST_CASE("The border is never edited", "[nhpm][model]") {
+TEST_CASE("The border is never edited", "[model]") {
   PerceptionQuery query = QueryInTheMiddle();
   query.cell = {2, 3};
   query.belief[{2, 4}] = 0.0F;
@@ -111,7 +97,7 @@ TEST_CASE("The border is never edited", "[nhpm][model]") {
   }
 }
 
-TEST_CASE("An uncertain belief is a mixture of both labels", "[nhpm][model]") {
+TEST_CASE("An uncertain belief is a mixture of both labels", "[model]") {
   PerceptionQuery query = QueryInTheMiddle();
   query.belief[{2, 3}] = 0.25F;
   query.visible.walls = {{2, 3}};
@@ -121,8 +107,8 @@ TEST_CASE("An uncertain belief is a mixture of both labels", "[nhpm][model]") {
 }
 
 TEST_CASE("By default near mistakes are noticed, far ones less, and no mistake means no edit",
-          "[nhpm][model]") {
-  const Glpf model;
+          "[model]") {
+  Glpf model;
   CHECK(model.Response(model.Stimulus(1.0)) > 0.85);
   CHECK(model.Response(model.Stimulus(7.0)) == Approx(0.43).margin(0.02));
   CHECK(model.Response(model.Stimulus(12.0)) < 0.01);
@@ -135,8 +121,8 @@ TEST_CASE("By default near mistakes are noticed, far ones less, and no mistake m
   CHECK(ExpectedEdits(Ask(model, query)) < 0.7);
 }
 
-TEST_CASE("No query gives no answer, an impossible one a refusal", "[nhpm][model]") {
-  const Glpf model;
+TEST_CASE("No query gives no answer, an impossible one a refusal", "[model]") {
+  Glpf model;
   CHECK(model.Predict({})->empty());
   PerceptionQuery query = QueryInTheMiddle();
   query.belief[{2, 2}] = std::numeric_limits<float>::quiet_NaN();
@@ -145,13 +131,9 @@ TEST_CASE("No query gives no answer, an impossible one a refusal", "[nhpm][model
   CHECK(answers.error().code == ErrorCode::kInvalidArgument);
 }
 
-TEST_CASE("The version names the parameters", "[nhpm][model]") {
+TEST_CASE("The version names the parameters, which are read from a config section", "[model]") {
   CHECK(Glpf().version() ==
         "1 alpha_d=0.1 alpha_m=0.5 beta=24 rho=1e-05 lambda=0.1 visible_only=false");
-}
-
-TEST_CASE("Parameters are read from a config section, out of range ones are refused",
-          "[nhpm][model]") {
   GlpfParameters parameters;
   ReadConfig(YAML::Load("{alpha_d: 0.25, visible_only: true}"), "nhpm.glpf", parameters);
   CHECK(parameters.alpha_d == 0.25);

@@ -1,15 +1,12 @@
 #include "nhpm/model/onnx_export.h"
 
-#include <sys/wait.h>
-
 #include <catch2/catch.hpp>
-#include <cstdlib>
 #include <opencv2/dnn.hpp>
 
 #include "common/runtime/file.h"
 #include "common/runtime/random.h"
 #include "nhpm/engine/training_pass.h"
-#include "support/temporary_folder.h"
+#include "support/program_runner.h"
 
 namespace conav::nhpm {
 namespace {
@@ -56,7 +53,7 @@ std::vector<float> AskOpenCv(cv::dnn::Net& net, const std::vector<float>& input,
   return result;
 }
 
-TEST_CASE("OpenCV reads the exported network and answers as ours does", "[nhpm][model][onnx]") {
+TEST_CASE("OpenCV reads the exported network and answers as ours does", "[onnx]") {
   const int width = GENERATE(16, 32, 64);
   const auto [rows, columns] = GENERATE(table<int, int>({{13, 13}, {5, 8}}));
   const bool any_size = GENERATE(false, true);
@@ -85,37 +82,25 @@ TEST_CASE("OpenCV reads the exported network and answers as ours does", "[nhpm][
   }
 }
 
-TEST_CASE("A network for any size is exported with open sizes", "[nhpm][model][onnx]") {
-  const std::string any = ToOnnx(ModelOf(16, 0, 0));
-  const std::string one = ToOnnx(ModelOf(16, 13, 13));
-  CHECK(any.find("rows") != std::string::npos);
-  CHECK(one.find("rows") == std::string::npos);
-}
-
-TEST_CASE("The export says which weights it was made of", "[nhpm][model][onnx]") {
+TEST_CASE("The export names the weights that it was made of, and has open sizes for any size",
+          "[onnx]") {
   const NetworkModel model = ModelOf(16, 13, 13);
+  CHECK(ToOnnx(model).find("rows") == std::string::npos);
+  CHECK(ToOnnx(ModelOf(16, 0, 0)).find("rows") != std::string::npos);
   CHECK(ToOnnx(model).find(ChecksumOf(model)) != std::string::npos);
   CHECK(ToOnnx(model).find("nearness = 1 - depth / 10") != std::string::npos);
   CHECK(ToOnnx(model) == ToOnnx(model));
 }
 
-int RunExport(const std::string& flags) {
-  return WEXITSTATUS(
-      std::system((CONAV_BIN_DIR "/conav-export " + flags + " >/dev/null 2>&1").c_str()));
-}
-
-TEST_CASE("conav-export writes ONNX of a weights file, or says that it cannot",
-          "[nhpm][model][onnx]") {
-  const test::TemporaryFolder temporary;
-  const std::string folder = temporary.path().string();
+TEST_CASE("conav-export writes ONNX of a weights file, and not over it", "[onnx]") {
+  const test::ProgramRunner program("conav-export");
   const NetworkModel model = ModelOf(16, 13, 13);
-  REQUIRE(WriteWeightsFile(folder + "/w", model));
-  CHECK(RunExport("--weights " + folder + "/w --onnx " + folder + "/o") == 0);
-  CHECK((ReadFile(folder + "/o").value() == ToOnnx(model)));
-  CHECK(RunExport("--weights " + folder + "/missing --onnx " + folder + "/o") == 1);
-  CHECK(RunExport("--weights " + folder + "/o --onnx " + folder + "/p") == 1);
-  CHECK(RunExport("--weights " + folder + "/w --onnx /nonexistent/o") == 2);
-  CHECK(RunExport("--weights " + folder + "/w") == 2);
+  REQUIRE(WriteWeightsFile(program / "w", model));
+  CHECK(program.Run("--weights w --onnx o").exit_code == 0);
+  CHECK((ReadFile(program / "o").value() == ToOnnx(model)));
+  CHECK(program.Run("--weights o --onnx p").exit_code == 1);
+  CHECK(program.Run("--weights w --onnx w").exit_code == 2);
+  CHECK(ReadWeightsFile(program / "w"));
 }
 
 }  // namespace

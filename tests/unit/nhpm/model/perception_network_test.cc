@@ -6,12 +6,11 @@
 #include "conformance/perception_model_conformance.h"
 #include "nhpm/engine/inference_pass.h"
 
-using namespace conav;
-using namespace conav::nhpm;
+namespace conav::nhpm {
+namespace {
+
 using planner::conformance::MakeQueries;
 using planner::conformance::MakeQuery;
-
-namespace {
 
 NetworkModel SmallModel() {
   NetworkModel model;
@@ -51,12 +50,10 @@ std::vector<PerceptionQuery> PlannerQueries() {
   return queries;
 }
 
-}  // namespace
-
 TEST_CASE("a planner's queries get the bits of whole passes, whatever was asked before",
-          "[nhpm][network]") {
+          "[network]") {
   const NetworkModel model = SmallModel();
-  const PerceptionNetwork network(model);
+  PerceptionNetwork network(model);
   std::vector<PerceptionQuery> queries = PlannerQueries();
   const auto expected = Reference(model, queries);
   CHECK(*network.Predict(queries) == expected);
@@ -66,15 +63,15 @@ TEST_CASE("a planner's queries get the bits of whole passes, whatever was asked 
   CHECK(std::equal(answers->rbegin(), answers->rend(), expected.begin(), expected.end()));
 }
 
-TEST_CASE("beliefs of several sizes may stand in one batch", "[nhpm][network]") {
+TEST_CASE("beliefs of several sizes may stand in one batch", "[network]") {
   const NetworkModel model = SmallModel();
   const std::vector<PerceptionQuery> queries{MakeQuery(1), MakeQuery(2, 6, 7), MakeQuery(3)};
   CHECK(*PerceptionNetwork(model).Predict(queries) == Reference(model, queries));
 }
 
-TEST_CASE("callers on several threads get their own answers", "[nhpm][network]") {
+TEST_CASE("callers on several threads get their own answers", "[network]") {
   const NetworkModel model = SmallModel();
-  const PerceptionNetwork network(model);
+  PerceptionNetwork network(model);
   const std::vector<PerceptionQuery> queries = PlannerQueries();
   const auto expected = Reference(model, queries);
   std::vector<int> wrong(4, 0);  // one slot per thread
@@ -91,11 +88,11 @@ TEST_CASE("callers on several threads get their own answers", "[nhpm][network]")
   CHECK(wrong == std::vector<int>(4, 0));
 }
 
-TEST_CASE("weights for one grid size refuse another by name", "[nhpm][network]") {
+TEST_CASE("weights for one grid size refuse another by name", "[network]") {
   NetworkModel model = SmallModel();
   model.rows = 9;
   model.columns = 11;
-  const PerceptionNetwork network(model);
+  PerceptionNetwork network(model);
   CHECK(network.Predict(MakeQueries(2)));
   const std::vector<PerceptionQuery> other{MakeQuery(1, 7, 8)};
   const auto refused = network.Predict(other);
@@ -104,8 +101,8 @@ TEST_CASE("weights for one grid size refuse another by name", "[nhpm][network]")
   CHECK(refused.error().text == "belief is 7 x 8, but model nhpm is for 9 x 11 only");
 }
 
-TEST_CASE("a query that cannot be answered is refused", "[nhpm][network]") {
-  const PerceptionNetwork network(SmallModel());
+TEST_CASE("a query that cannot be answered is refused", "[network]") {
+  PerceptionNetwork network(SmallModel());
   std::vector<PerceptionQuery> queries = MakeQueries(2);
   queries[1].belief[{1, 1}] = 2.0F;
   const auto refused = network.Predict(queries);
@@ -114,7 +111,7 @@ TEST_CASE("a query that cannot be answered is refused", "[nhpm][network]") {
   CHECK(network.Predict({})->empty());
 }
 
-TEST_CASE("finite weights that overflow are refused, not answered", "[nhpm][network]") {
+TEST_CASE("finite weights that overflow are refused, not answered", "[network]") {
   NetworkModel model = SmallModel();
   std::vector<float>& last = model.weights.weights.back();
   for (std::size_t i = 0; i < last.size(); ++i) last[i] = i % 3 == 0 ? -3e38F : 3e38F;
@@ -124,9 +121,8 @@ TEST_CASE("finite weights that overflow are refused, not answered", "[nhpm][netw
   CHECK_THAT(refused.error().text, Catch::Contains("model nhpm"));
 }
 
-TEST_CASE("memory of large grids is not kept, and that of small ones is bounded",
-          "[nhpm][network]") {
-  const PerceptionNetwork network(SmallModel());
+TEST_CASE("memory of large grids is not kept, and that of small ones is bounded", "[network]") {
+  PerceptionNetwork network(SmallModel());
   CHECK(network.idle_bytes() == 0);
   REQUIRE(network.Predict(MakeQueries(2)));
   const std::size_t small = network.idle_bytes();
@@ -140,7 +136,7 @@ TEST_CASE("memory of large grids is not kept, and that of small ones is bounded"
   CHECK(network.idle_bytes() > PerceptionNetwork::kIdleBytes / 2);
 }
 
-TEST_CASE("the identity says which weights answer", "[nhpm][network]") {
+TEST_CASE("the identity says which weights answer", "[network]") {
   NetworkModel model = SmallModel();
   const ModelIdentity first = PerceptionNetwork(model).identity();
   CHECK(first.name == "nhpm");
@@ -150,7 +146,7 @@ TEST_CASE("the identity says which weights answer", "[nhpm][network]") {
   CHECK(PerceptionNetwork(model).identity().checksum != first.checksum);
 }
 
-TEST_CASE("all instruction sets answer alike", "[nhpm][network]") {
+TEST_CASE("all instruction sets answer alike", "[network]") {
   const NetworkModel model = SmallModel();
   const auto queries = MakeQueries(5);
   const auto expected = Reference(model, queries);
@@ -158,3 +154,6 @@ TEST_CASE("all instruction sets answer alike", "[nhpm][network]") {
     CHECK(*PerceptionNetwork(model, set).Predict(queries) == expected);
   }
 }
+
+}  // namespace
+}  // namespace conav::nhpm

@@ -64,8 +64,7 @@ AdaptOptions SmallOptions() {
   return options;
 }
 
-TEST_CASE("A network adapted to a person is better at this person's unseen edits",
-          "[nhpm][training][adapt]") {
+TEST_CASE("A network adapted to a person is better at this person's unseen edits", "[adapt]") {
   const NetworkWeights base = Base();
   const StopToken never;
   const auto person = OfSomebodyElse(Groups(8, 100));
@@ -77,7 +76,7 @@ TEST_CASE("A network adapted to a person is better at this person's unseen edits
   CHECK(LossOn(adapted.weights, unseen) < 0.5 * LossOn(base, unseen));
 }
 
-TEST_CASE("The first two layers stay those of the base", "[nhpm][training][adapt]") {
+TEST_CASE("The first two layers stay those of the base", "[adapt]") {
   const NetworkWeights base = Base();
   const StopToken never;
   const NetworkWeights adapted =
@@ -90,7 +89,7 @@ TEST_CASE("The first two layers stay those of the base", "[nhpm][training][adapt
   CHECK_FALSE((adapted.weights[3] == base.weights[3]));
 }
 
-TEST_CASE("An adaptation has the same bits on any number of threads", "[nhpm][training][adapt]") {
+TEST_CASE("An adaptation has the same bits on any number of threads", "[adapt]") {
   const NetworkWeights base = InitialWeights({16}, 3, -2.0F);
   const StopToken never;
   const auto groups = Groups(3, 100);
@@ -101,7 +100,7 @@ TEST_CASE("An adaptation has the same bits on any number of threads", "[nhpm][tr
   CHECK(one.pull == three.pull);
 }
 
-TEST_CASE("Where nothing is better than the base the base stays", "[nhpm][training][adapt]") {
+TEST_CASE("Where nothing is better than the base the base stays", "[adapt]") {
   const NetworkWeights base = Base();
   AdaptOptions options = SmallOptions();
   options.learning_rate = 10.0;  // each step breaks it
@@ -112,7 +111,7 @@ TEST_CASE("Where nothing is better than the base the base stays", "[nhpm][traini
   CHECK(adapted.held_out_loss == adapted.base_loss);
 }
 
-TEST_CASE("A stronger pull stays nearer to the base", "[nhpm][training][adapt]") {
+TEST_CASE("A stronger pull stays nearer to the base", "[adapt]") {
   const NetworkWeights base = InitialWeights({16}, 3, -2.0F);
   const StopToken never;
   const auto distance = [&](double pull) {
@@ -130,19 +129,66 @@ TEST_CASE("A stronger pull stays nearer to the base", "[nhpm][training][adapt]")
   CHECK(distance(1.0) < 0.5 * distance(0.0));
 }
 
-TEST_CASE("Fewer than two groups with examples are refused", "[nhpm][training][adapt]") {
+TEST_CASE("Fewer than two groups with examples are refused; an adaptation can be stopped",
+          "[adapt]") {
   const NetworkWeights base = InitialWeights({16}, 3);
-  const StopToken never;
-  CHECK_FALSE(Adapt(base, {}, {}, 1, never));
-  CHECK_FALSE(Adapt(base, {Groups(1, 1)[0], ExampleSet{}}, {}, 1, never));
-}
-
-TEST_CASE("An adaptation can be stopped", "[nhpm][training][adapt]") {
   StopToken stop;
+  CHECK_FALSE(Adapt(base, {}, {}, 1, stop));
+  CHECK_FALSE(Adapt(base, {Groups(1, 1)[0], ExampleSet{}}, {}, 1, stop));
   stop.RequestStop();
-  const auto adapted = Adapt(InitialWeights({16}, 3), Groups(2, 1), {}, 1, stop);
+  const auto adapted = Adapt(base, Groups(2, 1), {}, 1, stop);
   REQUIRE_FALSE(adapted);
   CHECK(adapted.error().code == ErrorCode::kUnavailable);
+}
+
+Segment SmallSegment() {
+  Segment segment;
+  segment.query.belief = BeliefGrid(3, 3, 1.0F);
+  segment.query.path = {{1, 1}};
+  segment.query.cell = {1, 1};
+  segment.belief_after = segment.query.belief;
+  return segment;
+}
+
+Trajectory TrajectoryOf(const std::string& participant, std::size_t segments) {
+  Trajectory trajectory;
+  trajectory.participant = participant;
+  trajectory.segments.assign(segments, SmallSegment());
+  return trajectory;
+}
+
+SegmentSet AnnaAndBert() {
+  return {{TrajectoryOf("anna", 1), TrajectoryOf("bert", 2), TrajectoryOf("anna", 3)}};
+}
+
+TEST_CASE("Trajectories are sorted by participant, and held out whole where there are several",
+          "[adapt]") {
+  const auto people = PeopleOf(AnnaAndBert());
+  REQUIRE(people.size() == 2);
+  CHECK(people[0].participant == "anna");
+  REQUIRE(people[0].set.trajectories.size() == 2);
+  CHECK(people[0].set.trajectories[1].segments.size() == 3);
+  CHECK(people[1].participant == "bert");
+  CHECK(PeopleOf({}).empty());
+  const auto of_anna = AdaptationGroups(people[0].set, {});
+  REQUIRE(of_anna.size() == 2);
+  CHECK(of_anna[1].examples.size() == 3);
+  const auto of_bert = AdaptationGroups(people[1].set, {});
+  REQUIRE(of_bert.size() == 2);
+  CHECK(of_bert[0].examples.size() == 1);
+  CHECK(of_bert[1].rows == 3);
+}
+
+TEST_CASE("A participant is found by name, the only one without; the refusal names some who exist",
+          "[adapt]") {
+  const auto people = PeopleOf(AnnaAndBert());
+  CHECK(FindPerson(people, "bert").value().participant == "bert");
+  CHECK(FindPerson({people[0]}, "").value().participant == "anna");
+  CHECK_THAT(FindPerson(people, "carl").error().text,
+             Catch::Contains("'carl'") && Catch::Contains("2 (anna, bert)"));
+  CHECK_THAT(FindPerson(people, "").error().text, Catch::StartsWith("--participant"));
+  CHECK_THAT(FindPerson(std::vector<Person>(20, Person{"p", {}}), "q").error().text,
+             Catch::Contains("20 (p, p, p, p, p, p, p, p, ...)"));
 }
 
 }  // namespace

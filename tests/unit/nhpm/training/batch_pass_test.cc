@@ -1,7 +1,10 @@
 #include "nhpm/training/batch_pass.h"
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
+#include <set>
 
 #include "unit/nhpm/training/made_up_examples.h"
 
@@ -16,7 +19,7 @@ std::vector<BatchItem> Batch(const ExampleSet& set) {
   return items;
 }
 
-TEST_CASE("Loss and gradient have the same bits on any number of threads", "[nhpm][training]") {
+TEST_CASE("Loss and gradient have the same bits on any number of threads", "[training]") {
   const int count = GENERATE(1, 15, 37);
   const ExampleSet set = MadeUpExamples(7, 6, count, 3);
   const NetworkWeights weights = InitialWeights({16}, 4);
@@ -33,7 +36,7 @@ TEST_CASE("Loss and gradient have the same bits on any number of threads", "[nhp
   }
 }
 
-TEST_CASE("A gradient does not remember the batch before", "[nhpm][training]") {
+TEST_CASE("A gradient does not remember the batch before", "[training]") {
   const ExampleSet set = MadeUpExamples(5, 5, 40, 3);
   const TrainingWeights packed(InitialWeights({16}, 4));
   BatchPass pass({16}, 5, 5, 2);
@@ -111,7 +114,7 @@ class ReferenceNetwork {
   int columns_;
 };
 
-TEST_CASE("The gradient agrees with differences of the loss in every layer", "[nhpm][training]") {
+TEST_CASE("The gradient agrees with differences of the loss in every layer", "[training]") {
   const ExampleSet set = MadeUpExamples(5, 6, 1, 11);
   const Example& example = set.examples[0];
   const NetworkShape shape{GENERATE(16, 32, 64)};
@@ -141,7 +144,7 @@ TEST_CASE("The gradient agrees with differences of the loss in every layer", "[n
   }
 }
 
-TEST_CASE("The loss is that of the reference network", "[nhpm][training]") {
+TEST_CASE("The loss is that of the reference network", "[training]") {
   const ExampleSet set = MadeUpExamples(4, 7, 1, 13);
   const NetworkWeights weights = InitialWeights({16}, 14, -1.0F);
   const double loss = BatchPass({16}, 4, 7, 1).MeanLoss(TrainingWeights(weights), set.examples);
@@ -149,7 +152,7 @@ TEST_CASE("The loss is that of the reference network", "[nhpm][training]") {
   CHECK(loss == Approx(expected).epsilon(1e-5));
 }
 
-TEST_CASE("The gradient of a batch is the mean of its examples' gradients", "[nhpm][training]") {
+TEST_CASE("The gradient of a batch is the mean of its examples' gradients", "[training]") {
   const ExampleSet set = MadeUpExamples(5, 5, 2, 17);
   const TrainingWeights packed(InitialWeights({16}, 18));
   BatchPass pass({16}, 5, 5, 1);
@@ -164,6 +167,120 @@ TEST_CASE("The gradient of a batch is the mean of its examples' gradients", "[nh
   for (std::size_t i = 0; i < both.weights[2].size(); ++i) {
     const float mean = 0.5F * (single[0].weights[2][i] + single[1].weights[2][i]);
     CHECK(both.weights[2][i] == Approx(mean).margin(1e-8));
+  }
+}
+
+ExampleSet OneExample(int rows, int columns) { return MadeUpExamples(rows, columns, 1, 5); }
+
+/// Behind a transposition, mirroring rows is mirroring columns before it.
+int InverseOf(int element) {
+  if ((element & 4) == 0) return element;
+  return 4 | ((element & 1) << 1) | ((element & 2) >> 1);
+}
+
+TEST_CASE("A symmetry and its inverse give the example back", "[training]") {
+  const auto [rows, columns] = GENERATE(table<int, int>({{5, 5}, {4, 7}, {1, 3}, {1, 1}}));
+  const Example example = OneExample(rows, columns).examples[0];
+  const GridSymmetries symmetries(rows, columns);
+  for (int element = 0; element < symmetries.count(); ++element) {
+    INFO(rows << " x " << columns << " element " << element);
+    Example turned;
+    Example back;
+    symmetries.Apply(element, example, turned);
+    symmetries.Apply(InverseOf(element), turned, back);
+    CHECK((back == example));
+  }
+}
+
+TEST_CASE("A square has eight different symmetries, another rectangle four", "[training]") {
+  const auto [rows, columns, count] =
+      GENERATE(table<int, int, std::size_t>({{5, 5, 8}, {4, 7, 4}}));
+  const Example example = OneExample(rows, columns).examples[0];
+  const GridSymmetries symmetries(rows, columns);
+  std::set<std::vector<float>> turned;
+  for (int element = 0; element < symmetries.count(); ++element) {
+    Example result;
+    symmetries.Apply(element, example, result);
+    turned.insert(result.input);
+  }
+  CHECK(turned.size() == count);
+}
+
+TEST_CASE("Transposing moves the channels and labels of a cell together", "[training]") {
+  const Example example = OneExample(3, 3).examples[0];
+  Example turned;
+  GridSymmetries(3, 3).Apply(4, example, turned);
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t column = 0; column < 3; ++column) {
+      const std::size_t to = row * 3 + column;
+      const std::size_t from = column * 3 + row;
+      for (std::size_t c = 0; c < kInputChannels; ++c) {
+        CHECK(turned.input[to * kInputChannels + c] == example.input[from * kInputChannels + c]);
+      }
+      for (std::size_t c = 0; c < kOutputChannels; ++c) {
+        CHECK(turned.labels[to * kOutputChannels + c] ==
+              example.labels[from * kOutputChannels + c]);
+      }
+    }
+  }
+}
+
+TEST_CASE("Mirroring the rows swaps north and south", "[training]") {
+  Example example{std::vector<float>(8, 0.0F), std::vector<OutputLabel>(4, OutputLabel::kKept)};
+  example.input[0] = 1.0F;
+  example.labels[1] = OutputLabel::kEdited;
+  Example turned;
+  GridSymmetries(2, 1).Apply(1, example, turned);
+  CHECK(turned.input[4] == 1.0F);
+  CHECK(turned.labels[3] == OutputLabel::kEdited);
+}
+
+constexpr auto kMasked = OutputLabel::kMasked;
+constexpr auto kKept = OutputLabel::kKept;
+constexpr auto kEdited = OutputLabel::kEdited;
+
+TEST_CASE("Softplus agrees with the standard library's, without overflow at the ends",
+          "[training]") {
+  for (double x = -60.0; x <= 60.0; x += 0.37) {
+    INFO(x);
+    const double expected = std::fmax(x, 0.0) + std::log1p(std::exp(-std::fabs(x)));
+    CHECK(Softplus(x) == Approx(expected).epsilon(2e-15));
+  }
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  CHECK(Softplus(0.0) == Approx(std::log(2.0)).epsilon(1e-15));
+  CHECK(Softplus(1e300) == 1e300);
+  CHECK(Softplus(-1e300) == 0.0);
+  CHECK(Softplus(kInfinity) == kInfinity);
+  CHECK(Softplus(-kInfinity) == 0.0);
+  CHECK(std::isnan(Softplus(std::nan(""))));
+}
+
+TEST_CASE("The loss is the mean over all outputs, its gradient p - y; masked ones cost nothing",
+          "[training]") {
+  std::array<float, 4> logits{0.0F, 2.0F, 7.0F, -3.0F};
+  const std::array<OutputLabel, 4> labels{kKept, kEdited, kMasked, kMasked};
+  // (-log(1/2) - log(1 / (1 + e^-2))) / 4
+  CHECK(ExampleLoss(logits, labels) == Approx((0.6931471806 + 0.1269280110) / 4.0));
+  logits[1] = 0.0F;
+  std::array<float, 4> gradient{};
+  LossGradient(logits, labels, 2.0F, gradient);
+  CHECK(gradient == std::array<float, 4>{0.25F, -0.25F, 0.0F, 0.0F});
+}
+
+TEST_CASE("The gradient is the derivative of the loss", "[training]") {
+  const std::array<OutputLabel, 2> labels{kKept, kEdited};
+  for (float logit = -9.0F; logit < 9.0F; logit += 1.7F) {
+    const std::array<float, 2> logits{logit, -0.5F * logit};
+    std::array<float, 2> gradient{};
+    LossGradient(logits, labels, 1.0F, gradient);
+    for (std::size_t i = 0; i < 2; ++i) {
+      std::array<float, 2> above = logits;
+      std::array<float, 2> below = logits;
+      above[i] += 0.0078125F;
+      below[i] -= 0.0078125F;
+      const double slope = (ExampleLoss(above, labels) - ExampleLoss(below, labels)) / 0.015625;
+      CHECK(static_cast<double>(gradient[i]) == Approx(slope).epsilon(1e-4));
+    }
   }
 }
 

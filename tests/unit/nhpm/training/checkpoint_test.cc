@@ -1,7 +1,7 @@
 #include "nhpm/training/checkpoint.h"
 
 #include <catch2/catch.hpp>
-#include <limits>
+#include <cmath>
 
 #include "common/runtime/file.h"
 #include "support/temporary_folder.h"
@@ -20,18 +20,7 @@ Checkpoint SomeCheckpoint() {
   return checkpoint;
 }
 
-Error ErrorOf(const Checkpoint& checkpoint) {
-  const test::TemporaryFolder folder;
-  const std::filesystem::path file = folder / "checkpoint";
-  REQUIRE(WriteCheckpoint(file, checkpoint));
-  const auto read = ReadCheckpoint(file);
-  REQUIRE_FALSE(read);
-  CHECK(read.error().code == ErrorCode::kMalformed);
-  CHECK_THAT(read.error().text, Catch::StartsWith(file.string() + ": "));
-  return read.error();
-}
-
-TEST_CASE("A checkpoint is read as it was written", "[nhpm][training]") {
+TEST_CASE("A checkpoint is read as it was written", "[training]") {
   const test::TemporaryFolder folder;
   const std::filesystem::path file = folder / "checkpoint";
   const Checkpoint checkpoint = SomeCheckpoint();
@@ -41,9 +30,7 @@ TEST_CASE("A checkpoint is read as it was written", "[nhpm][training]") {
   CHECK((*read == checkpoint));
 }
 
-TEST_CASE("A checkpoint that is missing, cut off, damaged or something else is refused",
-          "[nhpm][training]") {
-  CHECK(ReadCheckpoint("/nonexistent/x").error().code == ErrorCode::kNotFound);
+TEST_CASE("A checkpoint that is cut off, damaged or something else is refused", "[training]") {
   const test::TemporaryFolder folder;
   const std::filesystem::path file = folder / "checkpoint";
   REQUIRE(WriteCheckpoint(file, SomeCheckpoint()));
@@ -61,20 +48,25 @@ TEST_CASE("A checkpoint that is missing, cut off, damaged or something else is r
   CHECK(refused(bytes));
 }
 
-TEST_CASE("A checkpoint that contradicts itself is refused", "[nhpm][training]") {
-  Checkpoint checkpoint = SomeCheckpoint();
-  checkpoint.state.best_epoch = 3;
-  CHECK_THAT(ErrorOf(checkpoint).text, Catch::EndsWith("best epoch 3 of 2"));
-  checkpoint = SomeCheckpoint();
-  checkpoint.state.adam.second = InitialWeights({32}, 3);
-  CHECK_THAT(ErrorOf(checkpoint).text,
-             Catch::Contains("second moments: weights of layer 0: 1152 values instead of 576"));
-  checkpoint = SomeCheckpoint();
-  checkpoint.state.epochs[1].train_loss = std::numeric_limits<double>::quiet_NaN();
-  CHECK_THAT(ErrorOf(checkpoint).text, Catch::EndsWith("the losses of epoch 2 are not finite"));
+TEST_CASE("A checkpoint that contradicts itself is refused", "[training]") {
+  const std::pair<const char*, void (*)(TrainingState&)> rows[] = {
+      {"best epoch 3", [](TrainingState& state) { state.best_epoch = 3; }},
+      {"second moments", [](TrainingState& s) { s.adam.second = InitialWeights({32}, 3); }},
+      {"losses of epoch 2", [](TrainingState& state) { state.epochs[1].train_loss = NAN; }},
+  };
+  for (const auto& [names, spoil] : rows) {
+    Checkpoint checkpoint = SomeCheckpoint();
+    spoil(checkpoint.state);
+    const test::TemporaryFolder folder;
+    REQUIRE(WriteCheckpoint(folder / "checkpoint", checkpoint));
+    const auto read = ReadCheckpoint(folder / "checkpoint");
+    REQUIRE_FALSE(read);
+    CHECK(read.error().code == ErrorCode::kMalformed);
+    CHECK_THAT(read.error().text, Catch::Contains("checkpoint: ") && Catch::Contains(names));
+  }
 }
 
-TEST_CASE("Differences between settings are named", "[nhpm][training]") {
+TEST_CASE("Differences between settings are named", "[training]") {
   CHECK(DifferenceText({{"seed", "1"}}, {{"seed", "1"}}).empty());
   CHECK(DifferenceText({{"data", "x"}, {"seed", "1"}}, {{"data", "x"}, {"seed", "2"}}) ==
         "seed 1 there, 2 now");

@@ -29,7 +29,7 @@ SegmentSet SetOf(std::vector<Segment> segments) {
   return {{trajectory}};
 }
 
-TEST_CASE("Only outputs that can be edits are learned from", "[nhpm][training]") {
+TEST_CASE("Only outputs that can be edits are learned from", "[training]") {
   const ExampleSet set = ExamplesOf(SetOf({SmallSegment()}), {});
   CHECK(set.rows == 3);
   CHECK(set.columns == 4);
@@ -42,7 +42,8 @@ TEST_CASE("Only outputs that can be edits are learned from", "[nhpm][training]")
   }
 }
 
-TEST_CASE("What was not edited is kept", "[nhpm][training]") {
+TEST_CASE("What was not edited is kept; no segments give no examples", "[training]") {
+  CHECK(ExamplesOf({}, {}).examples.empty());
   Segment segment = SmallSegment();
   segment.belief_after = segment.query.belief;
   const ExampleSet set = ExamplesOf(SetOf({segment}), {});
@@ -50,28 +51,20 @@ TEST_CASE("What was not edited is kept", "[nhpm][training]") {
   CHECK(set.examples[0].labels[13] == kKept);
 }
 
-TEST_CASE("The input is the encoded query", "[nhpm][training]") {
+TEST_CASE("The input is the encoded query; an input left out leaves the masks as they are",
+          "[training]") {
   const Segment segment = SmallSegment();
-  const InputSelection inputs{.belief = true, .path = false, .view = true};
+  const InputSelection inputs{.belief = false, .path = false, .view = true};
   const ExampleSet set = ExamplesOf(SetOf({segment}), inputs);
   std::vector<float> expected(12 * kInputChannels);
   EncodeInput(segment.query, inputs, expected);
   CHECK((set.examples[0].input == expected));
+  const ExampleSet with = ExamplesOf(SetOf({segment}), {});
+  CHECK((with.examples[0].labels == set.examples[0].labels));
+  CHECK_FALSE((with.examples[0].input == set.examples[0].input));
 }
 
-TEST_CASE("Leaving x out of the inputs leaves the masks as they are", "[nhpm][training]") {
-  const SegmentSet segments = SetOf({SmallSegment()});
-  const ExampleSet with = ExamplesOf(segments, {});
-  const ExampleSet without = ExamplesOf(segments, {.belief = false});
-  CHECK((with.examples[0].labels == without.examples[0].labels));
-  CHECK_FALSE((with.examples[0].input == without.examples[0].input));
-}
-
-TEST_CASE("No segments give no examples", "[nhpm][training]") {
-  CHECK(ExamplesOf({}, {}).examples.empty());
-}
-
-TEST_CASE("Maps of two sizes are refused", "[nhpm][training]") {
+TEST_CASE("Maps of two sizes are refused", "[training]") {
   Segment other = SmallSegment();
   other.query.belief = BeliefGrid(5, 4, 1.0F);
   other.belief_after = other.query.belief;
@@ -82,7 +75,7 @@ TEST_CASE("Maps of two sizes are refused", "[nhpm][training]") {
   CHECK_THAT(checked.error().text, Catch::StartsWith("has maps of 3 x 4 and of 5 x 4 cells"));
 }
 
-TEST_CASE("The share of edits never is 0 or 1", "[nhpm][training]") {
+TEST_CASE("The share of edits never is 0 or 1", "[training]") {
   CHECK(EditShare({}) == 0.5);
   CHECK(EditShare({1, 1, {{{}, {kKept, kMasked}}, {{}, {kKept, kEdited}}}}) == 2.0 / 5.0);
 }

@@ -20,7 +20,7 @@ double RelativeDifference(const std::vector<float>& a, const std::vector<float>&
   return std::sqrt(difference / norm);
 }
 
-TEST_CASE("Loss and gradient agree with libtorch's", "[nhpm][training][torch]") {
+TEST_CASE("Loss and gradient agree with libtorch's", "[torch]") {
   const int width = GENERATE(16, 32, 64);
   const ExampleSet set = MadeUpExamples(13, 11, 20, 7);
   const NetworkWeights weights = InitialWeights({width}, 8, -2.0F);

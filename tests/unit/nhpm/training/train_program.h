@@ -136,15 +136,15 @@ inline SegmentSet SmallSet(int trajectories, int side = 7, std::uint64_t seed = 
   return set;
 }
 
-inline std::string DataIn(const Folder& folder) {
-  REQUIRE(WriteSegmentFile(folder / "data.pb.zst", SmallSet(10)));
-  return folder / "data.pb.zst";
-}
-
-inline std::string Flags(const Folder& folder, const std::string& out) {
-  return "--data " + (folder / "data.pb.zst") + " --out " + (folder / out) +
-         " --width 16 --batch 16 --patience 0 ";
-}
+/// A folder with ten trajectories to train on.
+struct DataFolder : Folder {
+  DataFolder() { REQUIRE(WriteSegmentFile(data, SmallSet(10))); }
+  /// Of a small training that writes the weights `out`.
+  std::string Flags(const std::string& out) const {
+    return "--data " + data + " --out " + (*this / out) + " --width 16 --batch 16 --patience 0 ";
+  }
+  const std::string data = *this / "data.pb.zst";
+};
 
 inline bool Exists(const std::string& path) { return std::filesystem::exists(path); }
 

@@ -24,10 +24,11 @@ void RunToEnd(Trainer& trainer) {
   while (!trainer.finished()) REQUIRE(trainer.RunEpoch(never));
 }
 
-TEST_CASE("A training gives the same bits on one, two and three threads", "[nhpm][training]") {
+TEST_CASE("A training gives the same bits on one, two and three threads, others with another seed",
+          "[training]") {
   const ExampleSet train = MadeUpExamples(5, 5, 23, 1);
   const ExampleSet validation = MadeUpExamples(5, 5, 7, 2);
-  const TrainingOptions options = SmallOptions();
+  TrainingOptions options = SmallOptions();
   Trainer one(options, train, validation, 1, Initial(options));
   RunToEnd(one);
   CHECK(one.state().epochs.size() == 5);
@@ -36,10 +37,13 @@ TEST_CASE("A training gives the same bits on one, two and three threads", "[nhpm
     RunToEnd(many);
     CHECK((many.state() == one.state()));
   }
+  options.seed = 2;
+  Trainer other(options, train, validation, 1, Initial(options));
+  RunToEnd(other);
+  CHECK_FALSE((one.state().weights == other.state().weights));
 }
 
-TEST_CASE("A training that is taken up again ends as one that was not interrupted",
-          "[nhpm][training]") {
+TEST_CASE("A training that is taken up again ends as one that was not interrupted", "[training]") {
   const ExampleSet train = MadeUpExamples(5, 6, 23, 1);
   const ExampleSet validation = MadeUpExamples(5, 6, 7, 2);
   TrainingOptions options = SmallOptions();
@@ -57,7 +61,7 @@ TEST_CASE("A training that is taken up again ends as one that was not interrupte
 }
 
 TEST_CASE("A stop leaves the state of the last whole epoch, and the training can go on",
-          "[nhpm][training]") {
+          "[training]") {
   const ExampleSet set = MadeUpExamples(5, 5, 23, 1);
   const TrainingOptions options = SmallOptions();
   Trainer trainer(options, set, set, 1, Initial(options));
@@ -74,18 +78,7 @@ TEST_CASE("A stop leaves the state of the last whole epoch, and the training can
   CHECK((trainer.state() == whole.state()));
 }
 
-TEST_CASE("Another seed gives another training", "[nhpm][training]") {
-  const ExampleSet set = MadeUpExamples(5, 5, 11, 1);
-  TrainingOptions options = SmallOptions();
-  Trainer one(options, set, set, 1, Initial(options));
-  options.seed = 2;
-  Trainer other(options, set, set, 1, Initial(options));
-  RunToEnd(one);
-  RunToEnd(other);
-  CHECK_FALSE((one.state().weights == other.state().weights));
-}
-
-TEST_CASE("A few examples are learned by heart", "[nhpm][training]") {
+TEST_CASE("A few examples are learned by heart", "[training]") {
   const ExampleSet set = MadeUpExamples(5, 5, 4, 9);
   TrainingOptions options = SmallOptions();
   options.epochs = 400;
@@ -100,7 +93,7 @@ TEST_CASE("A few examples are learned by heart", "[nhpm][training]") {
 
 TEST_CASE(
     "It stops after as many epochs without a better loss as it has patience, and keeps the best",
-    "[nhpm][training]") {
+    "[training]") {
   // The validation examples follow the opposite rule: what is learned makes them worse.
   const ExampleSet train = MadeUpExamples(5, 5, 20, 1);
   ExampleSet validation = MadeUpExamples(5, 5, 5, 2);
@@ -133,7 +126,7 @@ TEST_CASE(
   CHECK(BestValidationLoss(state) == lowest);
 }
 
-TEST_CASE("A linear schedule takes smaller steps from the second epoch on", "[nhpm][training]") {
+TEST_CASE("A linear schedule takes smaller steps from the second epoch on", "[training]") {
   const ExampleSet set = MadeUpExamples(5, 5, 11, 1);
   TrainingOptions options = SmallOptions();
   const StopToken never;
@@ -146,6 +139,46 @@ TEST_CASE("A linear schedule takes smaller steps from the second epoch on", "[nh
   REQUIRE(constant.RunEpoch(never));
   REQUIRE(linear.RunEpoch(never));
   CHECK_FALSE((constant.state().weights == linear.state().weights));
+}
+
+constexpr NetworkShape kShape{16};
+
+TEST_CASE("Adam's first step has the length of the learning rate, against the gradient",
+          "[training]") {
+  NetworkWeights weights = ZeroWeights(kShape);
+  NetworkWeights gradient = ZeroWeights(kShape);
+  gradient.weights[1][7] = 0.5F;
+  gradient.biases[3][1] = -1e-3F;
+  AdamState state = InitialAdamState(kShape);
+  AdamStep({.learning_rate = 0.01F}, gradient, state, weights);
+  CHECK(state.steps == 1);
+  CHECK(weights.weights[1][7] == Approx(-0.01).epsilon(1e-4));
+  CHECK(weights.biases[3][1] == Approx(0.01).epsilon(1e-4));
+  CHECK(weights.weights[1][8] == 0.0F);
+}
+
+TEST_CASE("Adam's second step weighs both gradients", "[training]") {
+  NetworkWeights weights = ZeroWeights(kShape);
+  NetworkWeights gradient = ZeroWeights(kShape);
+  AdamState state = InitialAdamState(kShape);
+  gradient.biases[0][0] = 1.0F;
+  AdamStep({.learning_rate = 0.01F}, gradient, state, weights);
+  gradient.biases[0][0] = 3.0F;
+  AdamStep({.learning_rate = 0.01F}, gradient, state, weights);
+  // m = (0.09 + 0.3) / 0.19, v = (0.000999 + 0.009) / 0.001999
+  CHECK(weights.biases[0][0] == Approx(-0.01 - 0.01 * 2.0526316 / 2.2365131).epsilon(1e-4));
+}
+
+TEST_CASE("Layers below the first one to learn stay as they are", "[training]") {
+  NetworkWeights weights = InitialWeights(kShape, 1);
+  const NetworkWeights before = weights;
+  const NetworkWeights gradient = InitialWeights(kShape, 2);
+  AdamState state = InitialAdamState(kShape);
+  AdamStep({}, gradient, state, weights, 2);
+  CHECK((weights.weights[1] == before.weights[1]));
+  CHECK((weights.biases[1] == before.biases[1]));
+  CHECK_FALSE((weights.weights[2] == before.weights[2]));
+  CHECK_FALSE((weights.biases[3] == before.biases[3]));
 }
 
 }  // namespace

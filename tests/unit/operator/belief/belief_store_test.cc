@@ -162,7 +162,7 @@ TEST_CASE("What was decided elsewhere is kept with its orders, and its repeat is
     REQUIRE(store.Keep(stop, {order}).changed);
   }
   BeliefStore reopened = OpenStore(folder / "operator.db");
-  CHECK(reopened.holds() == std::map<std::string, StopOrder>{{"r1", order}});
+  CHECK(reopened.stops() == std::map<std::string, StopOrder>{{"r1", order}});
   REQUIRE(reopened.FindRepeat(stop));
   CHECK(reopened.FindRepeat(stop)->reply.accepted);
   CHECK_FALSE(reopened.FindRepeat(stop)->changed);
@@ -267,7 +267,7 @@ TEST_CASE("Requests for unknown worlds and robots, or of nobody, are refused wit
   REQUIRE(store.AddWorld("w2", kInitial, {1}));
   OperatorRequest elsewhere = Edit(1, 0, {1, 1}, true);
   elsewhere.world = "w9";
-  CHECK(store.Handle(elsewhere, {3}).reply.reason == "world 'w9' is not known here");
+  CHECK(store.Handle(elsewhere, {3}).reply.reason == "world 'w9' is unknown");
   CHECK(store.Handle(Guide(2, {{1, 1}}, "r9"), {3}).reply.reason ==
         "robot 'r9' is not known in world w1");
   OperatorRequest wrong_world = Guide(3, {{1, 1}});

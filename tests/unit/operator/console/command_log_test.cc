@@ -26,7 +26,7 @@ TEST_CASE("a line of the command log tells who did what where", "[operator][cons
 TEST_CASE("one cell is no cells", "[operator][console]") {
   CHECK(EditText(1) == "edited 1 cell of the map");
   CHECK(EditText(2) == "edited 2 cells of the map");
-  CHECK(PathText(0) == "took the path back");
+  CHECK(PathText(0) == "removed the path");
   CHECK(PathText(1) == "drew a path of 1 cell");
 }
 
@@ -34,7 +34,7 @@ TEST_CASE("who is stopped and let go is named, and why", "[operator][console]") 
   CHECK(Accepted(StopRequest{{"r1"}, "a cat"}).text() == "stopped r1: a cat");
   CHECK(Accepted(StopRequest{{"r1"}, "a cat"}).robot() == "r1");
   CHECK(Accepted(StopRequest{{}, ""}).text() == "stopped all robots");
-  CHECK(Accepted(GoRequest{{"r1", "r2"}}).text() == "let r1, r2 go");
+  CHECK(Accepted(GoRequest{{"r1", "r2"}}).text() == "resumed r1, r2");
   CHECK(Accepted(GoRequest{{"r1", "r2"}}).robot().empty());
 }
 

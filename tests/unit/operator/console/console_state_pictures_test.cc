@@ -4,15 +4,15 @@ namespace conav::operators {
 
 TEST_CASE("a picture is open until another one comes", "[operator][console]") {
   StateBench bench;
-  bench.state.Receive(SnapshotOf(1), 100.0);
+  bench.state.Receive(ToConsole(SnapshotOf(1), 100.0));
   CHECK(bench.Answers() == Answers{console::ANSWER_NONE});
-  bench.state.Receive(SnapshotOf(2), 101.0);
+  bench.state.Receive(ToConsole(SnapshotOf(2), 101.0));
   CHECK(bench.Answers() == Answers{console::ANSWER_OUTDATED, console::ANSWER_NONE});
 }
 
 TEST_CASE("guidance that names a picture answers it", "[operator][console]") {
   StateBench bench;
-  bench.state.Receive(SnapshotOf(1), 100.0);
+  bench.state.Receive(ToConsole(SnapshotOf(1), 100.0));
   bench.state.Receive(Answering(0));
   CHECK(bench.Answers() == Answers{console::ANSWER_NONE});
   bench.state.Receive(Answering(1));
@@ -24,18 +24,19 @@ TEST_CASE("guidance that names a picture answers it", "[operator][console]") {
 
 TEST_CASE("nothing new answers a picture, too", "[operator][console]") {
   StateBench bench;
-  bench.state.Receive(SnapshotOf(1), 100.0);
+  bench.state.Receive(ToConsole(SnapshotOf(1), 100.0));
   bench.state.ReceiveAnswer("r1", 1, "anna/1");
   CHECK(OnlyOf(bench.log, Kind::kPicture).picture().answer() == console::ANSWER_NOTHING_NEW);
   CHECK(OnlyOf(bench.log, Kind::kPicture).picture().answered_by() == "anna/1");
-  bench.state.Receive(SnapshotOf(2), 101.0);
+  bench.state.Receive(ToConsole(SnapshotOf(2), 101.0));
   CHECK(bench.Answers() == Answers{console::ANSWER_NOTHING_NEW, console::ANSWER_NONE});
 }
 
 TEST_CASE("a picture that comes after its answer is not open", "[operator][console]") {
   StateBench bench;  // the service began anew: stored guidance first, then what robots sent before
   bench.state.Receive(Answering(2));
-  for (const std::uint64_t number : {1U, 2U, 3U}) bench.state.Receive(SnapshotOf(number), 0.0);
+  for (const std::uint64_t number : {1U, 2U, 3U})
+    bench.state.Receive(ToConsole(SnapshotOf(number), 0.0));
   CHECK(bench.Answers() ==
         Answers{console::ANSWER_OUTDATED, console::ANSWER_PATH, console::ANSWER_NONE});
 }
@@ -44,14 +45,14 @@ TEST_CASE("a robot that counts its pictures anew has none answered", "[operator]
   StateBench bench;
   bench.state.Receive(Answering(2));
   bench.state.Receive(At(1, {1, 1}), 0.0);
-  bench.state.Receive(SnapshotOf(1), 0.0);
+  bench.state.Receive(ToConsole(SnapshotOf(1), 0.0));
   CHECK(bench.Answers() == Answers{console::ANSWER_NONE});
 }
 
 TEST_CASE("the newest pictures and events are kept", "[operator][console]") {
   StateBench bench;
   for (std::uint64_t i = 1; i <= ConsoleState::kSnapshotsKept + 5; ++i) {
-    bench.state.Receive(SnapshotOf(i), 0.0);
+    bench.state.Receive(ToConsole(SnapshotOf(i), 0.0));
   }
   const auto pictures = AllOf(bench.log, Kind::kPicture);
   CHECK(pictures.size() == ConsoleState::kSnapshotsKept);
@@ -68,8 +69,8 @@ TEST_CASE("the newest picture can be heard again, with its answer", "[operator][
   StateBench bench;
   bench.state.ReceiveSnapshotAgain("r1", 5.0);
   CHECK(AllOf(bench.log, Kind::kPicture).empty());
-  bench.state.Receive(SnapshotOf(1), 10.0);
-  bench.state.Receive(SnapshotOf(2), 11.0);
+  bench.state.Receive(ToConsole(SnapshotOf(1), 10.0));
+  bench.state.Receive(ToConsole(SnapshotOf(2), 11.0));
   bench.state.ReceiveSnapshotAgain("r1", 20.0);
   bench.state.ReceiveAnswer("r1", 2, "anna");
   const auto pictures = AllOf(bench.log, Kind::kPicture);

@@ -48,8 +48,8 @@ TEST_CASE("a robot whose time goes back begins anew, with all robots of its worl
   bench.state.ReceiveSeen("r1", "w1", MapOf(2, 2));
   bench.state.ReceivePlan("r2", {}, {{1, 1}});
   bench.state.ReceiveGoalPose("r2", {1, 1}, 1.0);
-  bench.state.Receive(SnapshotOf(1, "r3"), 0.0);
-  bench.state.Receive(SnapshotOf(1), 0.0);
+  bench.state.Receive(ToConsole(SnapshotOf(1, "r3"), 0.0));
+  bench.state.Receive(ToConsole(SnapshotOf(1), 0.0));
   const std::uint64_t generation = bench.log.generation();
 
   bench.state.Receive(At(3, {2, 2}), 0.0);
@@ -102,7 +102,7 @@ TEST_CASE("begun anew, only the session is left", "[operator][console]") {
   StateBench bench;
   bench.state.Receive(At(9, {1, 1}), 0.0);
   bench.state.Receive(Answering(0));
-  bench.state.BeginAnew();
+  bench.state.Reset();
   CHECK(AllOf(bench.log).size() == 1);
   CHECK(bench.state.TimeOf("w1") == SimTime{});
   bench.state.Receive(At(3, {1, 1}), 0.0);

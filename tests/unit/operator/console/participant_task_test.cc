@@ -65,9 +65,9 @@ TEST_CASE("a task waits, runs from its beginning on, and is over when it is fini
 TEST_CASE("a maze may be finished when all robots have reached all goals", "[operator][task]") {
   ParticipantTask task({"r1", "r2"});
   task.Receive(TrueMaze());
-  CHECK(task.CheckFinish() == "this maze has not begun yet: let the robot go first");
+  CHECK(task.CheckFinish() == "this maze has not begun yet: resume the robot first");
   task.Begin();
-  CHECK(task.CheckFinish() == "the robot was not heard of yet");
+  CHECK(task.CheckFinish() == "the robot has not reported yet");
   task.Receive(StateOf("r1", 1));
   task.Receive(StateOf("r2", 1));
   task.Receive(StateOf("stranger", 3));

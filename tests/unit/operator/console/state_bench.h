@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "operator/console/console_messages.h"
 #include "operator/console/console_state.h"
 #include "unit/common/msg/samples.h"
 #include "unit/operator/support/updates.h"
@@ -76,8 +77,6 @@ struct StateBench {
     return in_order;
   }
 };
-
-using Answers = std::vector<console::PictureAnswer>;
 
 using Answers = std::vector<console::PictureAnswer>;
 

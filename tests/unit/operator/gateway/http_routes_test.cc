@@ -174,6 +174,7 @@ TEST_CASE("pictures are served by robot and number", "[operator][gateway]") {
   CHECK(picture.status == 200);
   CHECK(picture.type == "image/jpeg");
   CHECK(BodyOf(picture) == "jpg");
+  CHECK(picture.body == bench.pictures.Find("r1", 7));  // the stored bytes, not a copy of them
   const std::string unknown =
       GENERATE("/pictures/r1/8.jpg", "/pictures/r2/7.jpg", "/pictures/r1/7.png", "/pictures/r1/7",
                "/pictures/r1/.jpg", "/pictures/r1/-7.jpg", "/pictures/r1/7x.jpg", "/pictures/7.jpg",

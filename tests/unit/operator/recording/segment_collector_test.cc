@@ -84,6 +84,17 @@ std::vector<Cell> Edits(const Segment& segment) {
   return cells;
 }
 
+TEST_CASE("The pixels of a picture are moved into its segment", "[operator][recording]") {
+  Session session;
+  Snapshot picture = session.Taken("r1", 1);
+  const std::uint8_t* pixels = picture.jpeg.data();
+  session.collector.Receive(std::move(picture), session.clock.Now());
+  session.Answer("r1", 1);
+  const auto done = session.collector.Take();
+  REQUIRE(done.size() == 1);
+  CHECK(done[0].jpeg.data() == pixels);
+}
+
 TEST_CASE("A picture, an edit and its answer are a segment", "[operator][recording]") {
   Session session;
   session.Send("r1", 1);

@@ -20,7 +20,7 @@ RecordedRun MustRead(const std::filesystem::path& path) {
 /// Of the moment's kind; fails when it is of another one.
 template <class T>
 T ValueOf(const Moment& moment) {
-  const T* value = std::get_if<T>(&moment.heard);
+  const T* value = std::get_if<T>(&moment.value);
   REQUIRE(value != nullptr);
   return *value;
 }

@@ -12,7 +12,7 @@ struct Builder {
 std::vector<console::Event> EventsOf(const Timeline& timeline) {
   std::vector<console::Event> events;
   for (const Moment& moment : timeline.moments) {
-    if (const auto* event = std::get_if<console::Event>(&moment.heard)) events.push_back(*event);
+    if (const auto* event = std::get_if<console::Event>(&moment.value)) events.push_back(*event);
   }
   return events;
 }
@@ -153,7 +153,7 @@ TEST_CASE("a link that the attention queue tells lost is an alert", "[operator][
   const auto alerts = [](const Timeline& run) {
     std::vector<Alert> all;
     for (const Moment& moment : run.moments) {
-      if (const auto* alert = std::get_if<Alert>(&moment.heard)) all.push_back(*alert);
+      if (const auto* alert = std::get_if<Alert>(&moment.value)) all.push_back(*alert);
     }
     return all;
   };
@@ -195,8 +195,8 @@ TEST_CASE("plans and goals are cells of a world that is known", "[operator][repl
   bench.builder.ReceiveGoalPose(kBegin, "r1", {99.0, 0.5});
   const Timeline run = bench.Finish();
   REQUIRE(run.moments.size() == 4);
-  CHECK(std::get<PlannedPath>(run.moments[2].heard).cells == std::vector<Cell>{{1, 2}});
-  CHECK(std::get<GoalSet>(run.moments[3].heard).cell == Cell{1, 2});
+  CHECK(std::get<PlannedPath>(run.moments[2].value).cells == std::vector<Cell>{{1, 2}});
+  CHECK(std::get<GoalSet>(run.moments[3].value).cell == Cell{1, 2});
 }
 
 }  // namespace

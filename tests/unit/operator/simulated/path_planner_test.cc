@@ -8,121 +8,92 @@ namespace conav::operators {
 namespace {
 
 using Path = std::vector<Cell>;
+using Drawing = std::vector<std::string>;
 
-Path PlanOn(const BeliefGrid& map, Cell start, const std::vector<Cell>& goals,
+Path PlanOn(const Drawing& map, Cell start, const Path& goals,
             const PathPlannerParameters& parameters = {}, const std::set<Cell>& impassable = {}) {
-  const auto path = PathPlanner(parameters).Plan(map, impassable, start, goals);
+  const auto path = PathPlanner(parameters).Plan(DrawnMap(map), impassable, start, goals);
   REQUIRE(path.has_value());
   return *path;
 }
 
-TEST_CASE("The path starts at the robot and ends at the goal", "[operator][simulated]") {
-  const BeliefGrid map = DrawnMap({"#####", "#   #", "#####"});
-  CHECK(PlanOn(map, {1, 1}, {{1, 3}}) == Path{{1, 1}, {1, 2}, {1, 3}});
-}
-
-TEST_CASE("Without a goal the path is the robot's cell", "[operator][simulated]") {
-  const BeliefGrid map = DrawnMap({"###", "# #", "###"});
-  CHECK(PlanOn(map, {1, 1}, {}) == Path{{1, 1}});
-}
-
-// The way around costs 12 steps: down 5, east 2, up 5. Through the wall it is 2 steps and a
-// crossing, so a crossing is taken for less than 10 and left for more; at 10 both cost 12.
-const std::vector<std::string> kLongWall = {"#####", "# # #", "# # #", "# # #",
-                                            "# # #", "# # #", "#   #", "#####"};
-
-TEST_CASE("A wall is crossed where that is cheaper than the way around", "[operator][simulated]") {
+PathPlannerParameters Crossing(double cost) {
   PathPlannerParameters parameters;
-  parameters.wall_crossing_cost = 9.0;
-  CHECK(PlanOn(DrawnMap(kLongWall), {1, 1}, {{1, 3}}, parameters) == Path{{1, 1}, {1, 2}, {1, 3}});
+  parameters.wall_crossing_cost = cost;
+  return parameters;
 }
 
-TEST_CASE("A wall is gone around where that is cheaper than to cross it", "[operator][simulated]") {
+PathPlannerParameters Horizon(const std::string& horizon) {
   PathPlannerParameters parameters;
-  parameters.wall_crossing_cost = 11.0;
-  const Path path = PlanOn(DrawnMap(kLongWall), {1, 1}, {{1, 3}}, parameters);
-  CHECK(path.size() == 13);
-  CHECK(path[6] == Cell{6, 2});
+  parameters.horizon = horizon;
+  return parameters;
 }
 
-TEST_CASE("A wall that the operator was told of is never crossed", "[operator][simulated]") {
-  PathPlannerParameters parameters;
-  parameters.wall_crossing_cost = 0.0;
-  const Path path = PlanOn(DrawnMap(kLongWall), {1, 1}, {{1, 3}}, parameters,
-                           {{1, 2}, {2, 2}, {3, 2}, {4, 2}, {5, 2}});
-  CHECK(path.size() == 13);
+const Drawing kCorridor = {"#####", "#   #", "#####"};
+const Drawing kLongCorridor = {"########", "#      #", "########"};
+/// The way around costs 12 steps: down 5, east 2, up 5. Through the wall it is 2 steps and a
+/// crossing, so a crossing is taken for less than 10 and left for more; at 10 both cost 12.
+const Drawing kLongWall = {"#####", "# # #", "# # #", "# # #", "# # #", "# # #", "#   #", "#####"};
+const Path kAcross = {{1, 1}, {1, 2}, {1, 3}};
+const Path kAround = {{1, 1}, {2, 1}, {3, 1}, {4, 1}, {5, 1}, {6, 1}, {6, 2},
+                      {6, 3}, {5, 3}, {4, 3}, {3, 3}, {2, 3}, {1, 3}};
+
+TEST_CASE("A path leads from the robot to the goal that the map has a way to", "[simulated]") {
+  CHECK(PlanOn(kCorridor, {1, 1}, {{1, 3}}) == kAcross);
+  CHECK(PlanOn(kCorridor, {1, 1}, {}) == Path{{1, 1}});
+  CHECK(PlanOn(kCorridor, {1, 1}, {{1, 3}}, {}, {{1, 2}}) == Path{{1, 1}});  // behind certain walls
 }
 
-TEST_CASE("The border is never crossed", "[operator][simulated]") {
-  // Along the free-looking border the way would be short; inside there is a wall to cross.
-  const BeliefGrid map = DrawnMap({"     ", "# # #", "#####"});
-  CHECK(PlanOn(map, {1, 1}, {{1, 3}}) == Path{{1, 1}, {1, 2}, {1, 3}});
+TEST_CASE("A wall is crossed where that is cheaper than the way around", "[simulated]") {
+  const std::set<Cell> told{{1, 2}, {2, 2}, {3, 2}, {4, 2}, {5, 2}};
+  CHECK(PlanOn(kLongWall, {1, 1}, {{1, 3}}, Crossing(9.0)) == kAcross);
+  CHECK(PlanOn(kLongWall, {1, 1}, {{1, 3}}, Crossing(11.0)) == kAround);
+  CHECK(PlanOn(kLongWall, {1, 1}, {{1, 3}}, Crossing(0.0), told) == kAround);
+  // Along the free-looking border the way would be short, but it is never crossed.
+  CHECK(PlanOn({"     ", "# # #", "#####"}, {1, 1}, {{1, 3}}) == kAcross);
+  // Even odds count as a wall, as in the map's accuracy.
+  CHECK(PlanOn({"#####", "# ? #", "#   #", "#####"}, {1, 1}, {{1, 3}}, Crossing(1000.0)) ==
+        Path{{1, 1}, {2, 1}, {2, 2}, {2, 3}, {1, 3}});
 }
 
-TEST_CASE("Even odds count as a wall, as in the map's accuracy", "[operator][simulated]") {
-  PathPlannerParameters parameters;
-  parameters.wall_crossing_cost = 1000.0;
-  const BeliefGrid map = DrawnMap({"#####", "# ? #", "#   #", "#####"});
-  CHECK(PlanOn(map, {1, 1}, {{1, 3}}, parameters) == Path{{1, 1}, {2, 1}, {2, 2}, {2, 3}, {1, 3}});
-}
-
-TEST_CASE("The order of goals is the cheapest one, not the nearest first",
-          "[operator][simulated]") {
+TEST_CASE("The order of goals is the cheapest one, of more than six the nearest first",
+          "[simulated]") {
   // Robot at column 4 with goals at 3, 6 and 1. Nearest first is 3 (1), 1 (2), 6 (5): 8 steps.
   // The cheapest is 6 (2), 3 (3), 1 (2): 7 steps.
-  const BeliefGrid map = DrawnMap({"########", "#      #", "########"});
-  const Path path = PlanOn(map, {1, 4}, {{1, 3}, {1, 6}, {1, 1}});
+  const Path goals{{1, 3}, {1, 6}, {1, 1}};
+  const Path path = PlanOn(kLongCorridor, {1, 4}, goals);
   CHECK(path.size() == 8);
   CHECK(path[2] == Cell{1, 6});
   CHECK(path.back() == Cell{1, 1});
-}
-
-TEST_CASE("The horizon next_goal ends at the first goal of the tour", "[operator][simulated]") {
-  PathPlannerParameters parameters;
-  parameters.horizon = "next_goal";
-  const BeliefGrid map = DrawnMap({"########", "#      #", "########"});
-  CHECK(PlanOn(map, {1, 4}, {{1, 3}, {1, 6}, {1, 1}}, parameters) == Path{{1, 4}, {1, 5}, {1, 6}});
+  CHECK(PlanOn(kLongCorridor, {1, 4}, goals, Horizon("next_goal")) == Path{{1, 4}, {1, 5}, {1, 6}});
+  const Path many = PlanOn({"###########", "#         #", "###########"}, {1, 4},
+                           {{1, 3}, {1, 2}, {1, 1}, {1, 6}, {1, 7}, {1, 8}, {1, 9}});
+  CHECK(many[3] == Cell{1, 1});
+  CHECK(many.back() == Cell{1, 9});
+  CHECK(many.size() == 12);
 }
 
 TEST_CASE("The horizon away leads to the free cell that is farthest from the goals",
-          "[operator][simulated]") {
-  const BeliefGrid map = DrawnMap({"#######", "#     #", "# ### #", "# #   #", "#######"});
-  PathPlannerParameters parameters;
-  parameters.horizon = "away";
-  const Path path = PlanOn(map, {1, 3}, {{3, 1}}, parameters);
-  CHECK(path.back() == Cell{3, 3});
-  CHECK(path.size() == 7);
-  CHECK(PlanOn(map, {1, 3}, {}, parameters) == Path{{1, 3}});
+          "[simulated]") {
+  const Drawing map = {"#######", "#     #", "# ### #", "# #   #", "#######"};
+  CHECK(PlanOn(map, {1, 3}, {{3, 1}}, Horizon("away")) ==
+        Path{{1, 3}, {1, 4}, {1, 5}, {2, 5}, {3, 5}, {3, 4}, {3, 3}});
+  CHECK(PlanOn(map, {1, 3}, {}, Horizon("away")) == Path{{1, 3}});
 }
 
-TEST_CASE("More than six goals are visited nearest first, all of them", "[operator][simulated]") {
-  const BeliefGrid map = DrawnMap({"###########", "#         #", "###########"});
-  const Path path = PlanOn(map, {1, 4}, {{1, 3}, {1, 2}, {1, 1}, {1, 6}, {1, 7}, {1, 8}, {1, 9}});
-  // West to (1,1) first: the goal beside the robot is nearest, then its neighbour, and so on.
-  CHECK(path[3] == Cell{1, 1});
-  CHECK(path.back() == Cell{1, 9});
-  CHECK(path.size() == 12);
-}
-
-TEST_CASE("A goal behind certain walls is left out", "[operator][simulated]") {
-  const BeliefGrid map = DrawnMap({"#####", "#   #", "#####"});
-  CHECK(PlanOn(map, {1, 1}, {{1, 3}}, {}, {{1, 2}}) == Path{{1, 1}});
-}
-
-TEST_CASE("A start or a goal outside of the map is refused by name", "[operator][simulated]") {
+TEST_CASE("A start or a goal outside of the map is refused by name", "[simulated]") {
   const BeliefGrid map = DrawnMap({"###", "# #", "###"});
   const PathPlanner planner({});
   const auto start = planner.Plan(map, {}, {3, 1}, {});
   REQUIRE_FALSE(start.has_value());
-  CHECK(start.error().text.find("(3,1)") != std::string::npos);
-  CHECK_FALSE(planner.Plan(map, {}, {1, 1}, std::vector<Cell>{{1, -1}}).has_value());
+  CHECK_THAT(start.error().text, Catch::Contains("(3,1)"));
+  CHECK_FALSE(planner.Plan(map, {}, {1, 1}, Path{{1, -1}}).has_value());
 }
 
-TEST_CASE("Following the first step makes the rest of the plan cheaper", "[operator][simulated]") {
+TEST_CASE("Following the first step makes the rest of the plan cheaper", "[simulated]") {
   // Teleoperation takes one step and asks again: it must come nearer each time, ties or not.
-  const BeliefGrid map = DrawnMap({"#######", "#     #", "#     #", "#     #", "#######"});
-  const std::vector<Cell> goals = {{1, 1}, {1, 5}, {3, 1}, {3, 5}};
-  std::set<Cell> left(goals.begin(), goals.end());
+  const Drawing map = {"#######", "#     #", "#     #", "#     #", "#######"};
+  std::set<Cell> left{{1, 1}, {1, 5}, {3, 1}, {3, 5}};
   Cell robot{2, 3};
   std::size_t length = 100;
   while (!left.empty()) {
@@ -132,6 +103,26 @@ TEST_CASE("Following the first step makes the rest of the plan cheaper", "[opera
     robot = path.at(1);
     left.erase(robot);
   }
+}
+
+TEST_CASE("The cost to a cell is the sum of the entry costs on the cheapest way", "[simulated]") {
+  // 1 9 1
+  // 1 1 1
+  Grid<double> costs(2, 3, 1.0);
+  costs[{0, 1}] = 9.0;
+  const CostField field(costs, {0, 0});
+  CHECK(field.CostTo({0, 0}) == 0.0);
+  CHECK(field.PathTo({0, 0}) == Path{{0, 0}});
+  CHECK(field.CostTo({0, 1}) == 9.0);
+  CHECK(field.CostTo({0, 2}) == 4.0);  // around: down, east, east, up
+  CHECK(field.PathTo({0, 2}) == Path{{0, 0}, {1, 0}, {1, 1}, {1, 2}, {0, 2}});
+  costs[{0, 1}] = costs[{1, 1}] = kUnreachable;
+  CHECK(CostField(costs, {0, 0}).CostTo({0, 2}) == kUnreachable);
+}
+
+TEST_CASE("Among ways of equal cost the choice is always the same", "[simulated]") {
+  // (0,1) is settled before (1,0), so it is the one that (1,1) is entered from.
+  CHECK(CostField(Grid<double>(2, 2, 1.0), {0, 0}).PathTo({1, 1}) == Path{{0, 0}, {0, 1}, {1, 1}});
 }
 
 }  // namespace

@@ -2,9 +2,9 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <map>
 
-#include "operator/simulated/path_planner.h"
-#include "unit/operator/support/drawn_map.h"
+#include "unit/operator/support/synthetic_fixture.h"
 
 namespace conav::operators {
 namespace {
@@ -12,19 +12,17 @@ namespace {
 using Edits = std::vector<CellEdit>;
 
 PictureReaderParameters Flawless() {
-  PictureReaderParameters parameters;
-  parameters.edit_probability = 1.0;
-  parameters.decay_cells = 1e6;
-  parameters.path_removal_probability = 1.0;
-  parameters.lateral_factor = 1.0;
-  parameters.misplacement_probability = 0.0;
-  parameters.lapse_probability = 0.0;
-  parameters.guess_probability = 0.0;
+  PictureReaderParameters parameters = FlawlessReader();
   parameters.edit_limit = 1000;
   return parameters;
 }
 
-const std::vector<std::string> kCorridor = {"##########", "#        #", "##########"};
+/// A corridor of the cells (1,1) to (1,8), with walls in it.
+BeliefGrid WithWallAt(const std::vector<Cell>& walls) {
+  BeliefGrid map = DrawnMap({"##########", "#        #", "##########"});
+  for (const Cell wall : walls) map[wall] = 1.0F;
+  return map;
+}
 
 /// From (1,1) to the east down the corridor.
 Snapshot LookEast(VisibleCells visible) {
@@ -47,36 +45,24 @@ double Rate(const PictureReaderParameters& parameters, const BeliefGrid& belief,
   return static_cast<double>(edited) / tries;
 }
 
-TEST_CASE("A flawless reader edits every difference between picture and map",
-          "[operator][simulated]") {
-  BeliefGrid belief = DrawnMap(kCorridor);
-  belief[{1, 3}] = 1.0F;
+TEST_CASE("A flawless reader edits every difference between picture and map, and nothing else",
+          "[simulated]") {
   PictureReader reader(Flawless(), 1);
   const Snapshot picture = LookEast({{{1, 1}, {1, 2}, {1, 3}, {1, 4}}, {{0, 4}, {1, 5}}});
-  CHECK(reader.Read(belief, picture, {}) == Edits{{{1, 3}, false}, {{1, 5}, true}});
+  CHECK(reader.Read(WithWallAt({{1, 3}}), picture, {}) == Edits{{{1, 3}, false}, {{1, 5}, true}});
+  CHECK(reader.Read(WithWallAt({{1, 5}}), picture, {}).empty());
 }
 
-TEST_CASE("A picture that agrees with the map changes nothing", "[operator][simulated]") {
-  PictureReader reader(Flawless(), 1);
-  const Snapshot picture = LookEast({{{1, 1}, {1, 2}}, {{0, 2}, {2, 2}}});
-  CHECK(reader.Read(DrawnMap(kCorridor), picture, {}).empty());
-}
-
-TEST_CASE("Walls on the path of the robot are removed, seen or not", "[operator][simulated]") {
-  BeliefGrid belief = DrawnMap(kCorridor);
-  belief[{1, 2}] = 1.0F;
+TEST_CASE("Walls on the path of the robot are removed, seen or not", "[simulated]") {
+  const BeliefGrid belief = WithWallAt({{1, 2}});
   Snapshot picture = LookEast({});
   picture.cell = {1, 3};
   picture.path = {{1, 1}, {1, 2}, {1, 3}};
   CHECK(PictureReader(Flawless(), 1).Read(belief, picture, {}) == Edits{{{1, 2}, false}});
-
-  PictureReaderParameters parameters = Flawless();
-  parameters.path_removal_probability = 0.9;
-  CHECK(Rate(parameters, belief, picture, {1, 2}) == Approx(0.9).margin(0.02));
 }
 
 TEST_CASE("The border, certain cells and cells outside of the map are never edited",
-          "[operator][simulated]") {
+          "[simulated]") {
   BeliefGrid belief = DrawnMap({"    ", "    ", "    ", "    "});
   Snapshot picture = LookEast({{}, {{0, 1}, {1, 3}, {3, 3}, {2, 2}, {9, 9}, {-1, 0}}});
   PictureReaderParameters parameters = Flawless();
@@ -91,14 +77,14 @@ TEST_CASE("The border, certain cells and cells outside of the map are never edit
   }
 }
 
-TEST_CASE("No wall is put where the robot is or was", "[operator][simulated]") {
+TEST_CASE("No wall is put where the robot is or was", "[simulated]") {
   PictureReaderParameters parameters = Flawless();
   parameters.misplacement_probability = 1.0;
   Snapshot picture = LookEast({{{1, 1}}, {{1, 2}}});
   PictureReader reader(parameters, 5);
   int misplaced = 0;
   for (int i = 0; i < 200; ++i) {
-    const Edits edits = reader.Read(DrawnMap(kCorridor), picture, {});
+    const Edits edits = reader.Read(WithWallAt({}), picture, {});
     REQUIRE(edits.size() == 1);
     CHECK(edits[0].cell != Cell{1, 1});
     misplaced += edits[0].cell == Cell{1, 3};
@@ -107,75 +93,70 @@ TEST_CASE("No wall is put where the robot is or was", "[operator][simulated]") {
   CHECK(misplaced == Approx(100).margin(30));
 }
 
-TEST_CASE("The probability of an edit falls with distance as the parameters say",
-          "[operator][simulated]") {
+/// Flawless() with one value of its own.
+PictureReaderParameters With(double PictureReaderParameters::*field, double value) {
   PictureReaderParameters parameters = Flawless();
-  parameters.edit_probability = 0.9;
+  parameters.*field = value;
+  return parameters;
+}
+
+TEST_CASE("The probability of an edit falls with distance as the parameters say", "[simulated]") {
+  PictureReaderParameters parameters = With(&PictureReaderParameters::edit_probability, 0.9);
   parameters.decay_cells = 4.0;
-  BeliefGrid belief = DrawnMap(kCorridor);
-  belief[{1, 2}] = belief[{1, 7}] = 1.0F;
+  const BeliefGrid belief = WithWallAt({{1, 2}, {1, 7}});
   const Snapshot picture = LookEast({{{1, 2}, {1, 7}}, {}});
   CHECK(Rate(parameters, belief, picture, {1, 2}) == Approx(0.9 * std::exp(-0.25)).margin(0.025));
   CHECK(Rate(parameters, belief, picture, {1, 7}) == Approx(0.9 * std::exp(-1.5)).margin(0.025));
 }
 
 TEST_CASE("A far wall at the centre that continues a wall is preferred to a near lateral one",
-          "[operator][simulated]") {
-  PictureReaderParameters parameters = Flawless();
-  parameters.edit_probability = 0.6;
+          "[simulated]") {
+  PictureReaderParameters parameters = With(&PictureReaderParameters::edit_probability, 0.6);
   parameters.lateral_factor = 0.5;
   parameters.far_centre_probability = 0.8;
   const BeliefGrid belief = DrawnMap(
       {"##########", "#        #", "#        #", "#        #", "######## #", "##########"});
   Snapshot picture = LookEast({{}, {{2, 2}, {3, 7}}});
   picture.cell = {3, 1};
-  const double lateral = Rate(parameters, belief, picture, {2, 2});  // 45 degrees off, 1.4 away
-  const double far = Rate(parameters, belief, picture, {3, 7});      // above the wall (4,7)
-  CHECK(lateral == Approx(0.3).margin(0.025));
-  CHECK(far == Approx(0.8).margin(0.025));
+  // 45 degrees off, 1.4 away; and above the wall (4,7)
+  CHECK(Rate(parameters, belief, picture, {2, 2}) == Approx(0.3).margin(0.025));
+  CHECK(Rate(parameters, belief, picture, {3, 7}) == Approx(0.8).margin(0.025));
 }
 
-TEST_CASE("Lapses and guesses happen at their rates", "[operator][simulated]") {
-  PictureReaderParameters parameters = Flawless();
-  parameters.lapse_probability = 0.2;
-  BeliefGrid belief = DrawnMap(kCorridor);
-  belief[{1, 3}] = 1.0F;
-  CHECK(Rate(parameters, belief, LookEast({{{1, 3}}, {}}), {1, 3}) == Approx(0.8).margin(0.025));
-
-  parameters = Flawless();
-  parameters.guess_probability = 0.1;
+TEST_CASE("Removals, lapses, guesses and misplacements happen at their rates", "[simulated]") {
+  using P = PictureReaderParameters;
+  Snapshot driven = LookEast({});
+  driven.cell = {1, 3};
+  driven.path = {{1, 1}, {1, 2}, {1, 3}};
+  CHECK(Rate(With(&P::path_removal_probability, 0.9), WithWallAt({{1, 2}}), driven, {1, 2}) ==
+        Approx(0.9).margin(0.02));
+  CHECK(Rate(With(&P::lapse_probability, 0.2), WithWallAt({{1, 3}}), LookEast({{{1, 3}}, {}}),
+             {1, 3}) == Approx(0.8).margin(0.025));
   // Only (1,3) lies beside what is shown and can be edited.
-  const Snapshot picture = LookEast({{{1, 1}, {1, 2}}, {}});
-  CHECK(Rate(parameters, DrawnMap(kCorridor), picture, {1, 3}) == Approx(0.1).margin(0.02));
+  CHECK(Rate(With(&P::guess_probability, 0.1), WithWallAt({}), LookEast({{{1, 1}, {1, 2}}, {}}),
+             {1, 3}) == Approx(0.1).margin(0.02));
+  // A near wall lands one cell off along the view axis.
+  PictureReaderParameters off = With(&P::misplacement_probability, 0.2);
+  const Snapshot wall = LookEast({{{1, 1}}, {{1, 4}}});
+  off.near_cells = 3.0;
+  CHECK(Rate(off, WithWallAt({}), wall, {1, 3}) == Approx(0.1).margin(0.02));
+  CHECK(Rate(off, WithWallAt({}), wall, {1, 4}) == Approx(0.8).margin(0.025));
+  CHECK(Rate(off, WithWallAt({}), wall, {1, 5}) == Approx(0.1).margin(0.02));
+  off.near_cells = 2.9;
+  CHECK(Rate(off, WithWallAt({}), wall, {1, 4}) == 1.0);
 }
 
-TEST_CASE("A near wall lands one cell off along the view axis at its rate",
-          "[operator][simulated]") {
-  PictureReaderParameters parameters = Flawless();
-  parameters.misplacement_probability = 0.2;
-  parameters.near_cells = 3.0;
-  const Snapshot picture = LookEast({{{1, 1}}, {{1, 4}}});
-  const BeliefGrid belief = DrawnMap(kCorridor);
-  CHECK(Rate(parameters, belief, picture, {1, 3}) == Approx(0.1).margin(0.02));
-  CHECK(Rate(parameters, belief, picture, {1, 4}) == Approx(0.8).margin(0.025));
-  CHECK(Rate(parameters, belief, picture, {1, 5}) == Approx(0.1).margin(0.02));
-  parameters.near_cells = 2.9;
-  CHECK(Rate(parameters, belief, picture, {1, 4}) == 1.0);
-}
-
-TEST_CASE("A person stops at the edit limit, nearest first", "[operator][simulated]") {
+TEST_CASE("A person stops at the edit limit, nearest first", "[simulated]") {
   PictureReaderParameters parameters = Flawless();
   parameters.edit_limit = 2;
-  BeliefGrid belief = DrawnMap(kCorridor);
-  belief[{1, 3}] = belief[{1, 5}] = belief[{1, 7}] = 1.0F;
+  const BeliefGrid belief = WithWallAt({{1, 3}, {1, 5}, {1, 7}});
   PictureReader reader(parameters, 1);
   CHECK(reader.Read(belief, LookEast({{{1, 3}, {1, 5}, {1, 7}}, {}}), {}) ==
         Edits{{{1, 3}, false}, {{1, 5}, false}});
 }
 
-TEST_CASE("Equal seeds give equal edits, another seed gives others", "[operator][simulated]") {
-  BeliefGrid belief = DrawnMap(kCorridor);
-  belief[{1, 3}] = belief[{1, 5}] = belief[{1, 8}] = 1.0F;
+TEST_CASE("Equal seeds give equal edits, another seed gives others", "[simulated]") {
+  const BeliefGrid belief = WithWallAt({{1, 3}, {1, 5}, {1, 8}});
   const Snapshot picture = LookEast({{{1, 3}, {1, 5}, {1, 8}}, {}});
   PictureReaderParameters parameters;
   parameters.decay_cells = 3.0;
@@ -189,76 +170,51 @@ TEST_CASE("Equal seeds give equal edits, another seed gives others", "[operator]
   CHECK(read_many(1) != read_many(2));
 }
 
-/// A wrong map, and pictures of random places of the truth, read one after the other.
-struct Mapping {
-  double wrong_before = 0;
-  double wrong_after = 0;
-  double edits_per_picture = 0;
-};
+Snapshot TwoDifferences() { return LookEast({{{1, 1}, {1, 2}, {1, 3}, {1, 4}}, {{0, 4}, {1, 5}}}); }
 
-Mapping MapWith(const PictureReaderParameters& parameters, std::uint64_t seed) {
-  const BeliefGrid truth =
-      DrawnMap({"#############", "#   #   #   #", "# # # # # # #", "# #   #   # #", "# ####### # #",
-                "#   #     # #", "### # ##### #", "#   # #     #", "# ### # ### #", "#     #   # #",
-                "# ##### # # #", "#       #   #", "#############"});
-  OccupancyGrid map(truth.rows(), truth.columns());
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    const Cell cell = map.CellAt(i);
-    map[cell] = IsWall(truth, cell) ? Occupancy::kOccupied : Occupancy::kFree;
-  }
-  Random random(seed);
-  BeliefGrid belief = truth;
-  for (std::size_t i = 0; i < belief.size(); ++i) {
-    const Cell cell = belief.CellAt(i);
-    if (!belief.OnBorder(cell) && random.Chance(0.15)) belief[cell] = 1.0F - belief[cell];
-  }
-  const auto wrong = [&] {
-    int count = 0;
-    for (std::size_t i = 0; i < belief.size(); ++i) {
-      count += belief.values()[i] != truth.values()[i];
-    }
-    return count;
-  };
-  Mapping mapping;
-  mapping.wrong_before = wrong();
-  PictureReader reader(parameters, seed);
-  constexpr int kPictures = 25;
-  for (int i = 0; i < kPictures; ++i) {
-    Cell cell;
-    do {
-      cell = map.CellAt(static_cast<std::size_t>(random.Uniform(0, 168)));
-    } while (map[cell] != Occupancy::kFree);
-    Snapshot picture;
-    picture.cell = cell;
-    picture.path = {cell};
-    picture.heading_rad = HeadingFromIndex(static_cast<int>(random.Uniform(0, 7)), 8);
-    picture.visible = CastView(map, {cell, picture.heading_rad});
-    for (const CellEdit& edit : reader.Read(belief, picture, {})) {
-      belief[edit.cell] = edit.wall ? 1.0F : 0.0F;
-      ++mapping.edits_per_picture;
-    }
-  }
-  mapping.edits_per_picture /= kPictures;
-  mapping.wrong_after = wrong();
-  return mapping;
+PictureReaderParameters NearWallsMisplaced() {
+  PictureReaderParameters parameters;
+  parameters.near_cells = 10.0;
+  parameters.misplacement_probability = 0.5;
+  parameters.guess_probability = 0.0;
+  return parameters;
 }
 
-TEST_CASE("The careful default makes a wrong map better, at about one edit a picture",
-          "[operator][simulated]") {
-  double before = 0;
-  double after = 0;
-  double edits = 0;
-  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-    const Mapping mapping = MapWith({}, seed);
-    CHECK(mapping.wrong_after < mapping.wrong_before);
-    before += mapping.wrong_before;
-    after += mapping.wrong_after;
-    edits += mapping.edits_per_picture / 40;
+TEST_CASE("One reading drawn often gives what a reader gives look by look", "[simulated]") {
+  PictureReaderParameters parameters;
+  parameters.guess_probability = 0.3;
+  parameters.edit_probability = 0.6;
+  PictureReader reader(parameters, 11);
+  const PictureReading reading(parameters, WithWallAt({{1, 3}}), TwoDifferences(), {});
+  Random random(11);
+  for (int i = 0; i < 300; ++i) {
+    CHECK(reading.Draw(random) == reader.Read(WithWallAt({{1, 3}}), TwoDifferences(), {}));
   }
-  CAPTURE(before, after, edits);
-  CHECK(after < 0.5 * before);
-  CHECK(edits > 0.3);
-  CHECK(edits < 1.5);
+}
+
+TEST_CASE("The possible cells are those that draws edit, and no others", "[simulated]") {
+  PictureReaderParameters parameters = NearWallsMisplaced();
+  std::vector<Cell> expected = {{1, 3}, {1, 4}, {1, 5}, {1, 6}};
+  SECTION("misplaced") {}
+  SECTION("never misplaced") {
+    parameters.misplacement_probability = 0.0;
+    expected = {{1, 3}, {1, 5}};
+  }
+  SECTION("with guesses beside what is shown") {
+    parameters.misplacement_probability = 0.0;
+    parameters.guess_probability = 0.5;
+    expected = {{1, 3}, {1, 5}, {1, 6}};
+  }
+  const PictureReading reading(parameters, WithWallAt({{1, 3}}), TwoDifferences(), {});
+  CHECK(reading.PossibleCells() == expected);
+  Random random(2);
+  std::map<Cell, int> edits;
+  for (int i = 0; i < 2000; ++i) {
+    for (const CellEdit& edit : reading.Draw(random)) ++edits[edit.cell];
+  }
+  std::vector<Cell> edited;
+  for (const auto& [cell, count] : edits) edited.push_back(cell);
+  CHECK(edited == expected);
 }
 
 }  // namespace

@@ -1,14 +1,14 @@
 #include "operator/simulated/steering.h"
 
 #include <catch2/catch.hpp>
-#include <cmath>
+#include <numbers>
 
-using namespace conav;
-using namespace conav::operators;
+#include "unit/operator/support/synthetic_fixture.h"
 
+namespace conav::operators {
 namespace {
 
-constexpr double kPi = 3.14159265358979;
+constexpr double kPi = std::numbers::pi;
 /// 5 x 5 cells of 2 m; cell (2,2) has the origin in its middle.
 const GridGeometry geometry{5, 5, 2.0};
 const SteeringParameters hands;
@@ -17,9 +17,7 @@ DriveAction Key(const ShownPose& pose, const std::vector<Cell>& path, bool to_ce
   return ChooseKey(hands, geometry, pose, path, to_centre);
 }
 
-}  // namespace
-
-TEST_CASE("a key is expected to do what the parameters say", "[operator][teleoperator]") {
+TEST_CASE("a key is expected to do what the parameters say", "[simulated]") {
   const ShownPose north{{0.0, 0.0}, kPi / 2};
   CHECK(Expect(hands, north, DriveAction::kForward).position.y_m == Approx(0.2));
   CHECK(Expect(hands, north, DriveAction::kBackward).position.y_m == Approx(-0.1));
@@ -28,28 +26,19 @@ TEST_CASE("a key is expected to do what the parameters say", "[operator][teleope
   CHECK(Expect(hands, north, DriveAction::kStop).heading_rad == north.heading_rad);
 }
 
-TEST_CASE("the robot turns the short way to its path, then goes forward",
-          "[operator][teleoperator]") {
+TEST_CASE("the robot turns the short way to its path, then goes forward", "[simulated]") {
   const std::vector<Cell> east{{2, 2}, {2, 3}};
   CHECK(Key({{0.0, 0.0}, 0.0}, east) == DriveAction::kForward);
   CHECK(Key({{0.0, 0.0}, 1.0}, east) == DriveAction::kTurnRight);
   CHECK(Key({{0.0, 0.0}, -1.0}, east) == DriveAction::kTurnLeft);
   CHECK(Key({{0.0, 0.0}, 3.0}, east) == DriveAction::kTurnRight);
-}
-
-TEST_CASE("half a turn's error is left alone: keys turn by 11.25 degrees",
-          "[operator][teleoperator]") {
-  const std::vector<Cell> east{{2, 2}, {2, 3}, {2, 4}};
+  // Keys turn by 11.25 degrees: half of that is left alone.
   CHECK(Key({{0.0, 0.0}, 0.09}, east) == DriveAction::kForward);
   CHECK(Key({{0.0, 0.0}, 0.16}, east) == DriveAction::kTurnRight);
+  CHECK(Key({{0.0, 0.0}, 0.0}, {{2, 2}}) == DriveAction::kStop);  // at the path's end
 }
 
-TEST_CASE("at the end of the path the robot stops", "[operator][teleoperator]") {
-  CHECK(Key({{0.0, 0.0}, 0.0}, {{2, 2}}) == DriveAction::kStop);
-}
-
-TEST_CASE("a corner is turned near its middle, not at the edge of the cell",
-          "[operator][teleoperator]") {
+TEST_CASE("a corner is turned near its middle, not at the edge of the cell", "[simulated]") {
   const std::vector<Cell> north{{2, 2}, {1, 2}};
   CHECK(Key({{-0.9, 0.0}, 0.0}, north) == DriveAction::kForward);  // just come in from the west
   CHECK(Key({{-0.3, 0.0}, 0.0}, north) == DriveAction::kTurnLeft);
@@ -57,13 +46,93 @@ TEST_CASE("a corner is turned near its middle, not at the edge of the cell",
 }
 
 TEST_CASE("after a bump the robot goes back to the middle of its cell, backward if that is behind",
-          "[operator][teleoperator]") {
+          "[simulated]") {
   const std::vector<Cell> east{{2, 2}, {2, 3}};
   CHECK(Key({{0.7, 0.0}, 0.0}, east, true) == DriveAction::kBackward);
   CHECK(Key({{0.7, 0.0}, kPi}, east, true) == DriveAction::kForward);
   CHECK(Key({{0.7, 0.0}, kPi / 2}, east, true) == DriveAction::kTurnLeft);
 }
 
-TEST_CASE("off the middle is measured on the worse axis, in cells", "[operator][teleoperator]") {
+TEST_CASE("off the middle is measured on the worse axis, in cells", "[simulated]") {
   CHECK(OffCentre(geometry, {0.2, -0.6}, {2, 2}) == Approx(0.3));
 }
+
+/// From (2,1) to the east: (2,2) is free, (2,3) a wall.
+Snapshot Eastward() {
+  Snapshot picture;
+  picture.cell = {2, 1};
+  picture.visible = {{{2, 1}, {2, 2}}, {{2, 3}}};
+  return picture;
+}
+
+struct Stream : StreamMemory {
+  Stream() : StreamMemory(5, 5) {}
+  void LookOften(int times, const PictureReaderParameters& reader = FlawlessReader(),
+                 const Snapshot& picture = Eastward()) {
+    for (int i = 0; i < times; ++i) Look(reader, picture, random);
+  }
+  Random random{3};
+};
+
+TEST_CASE("a wall is believed when it was noticed twice, a free cell at once", "[simulated]") {
+  Stream memory;
+  memory.LookOften(1);
+  CHECK(memory.IsFree({2, 2}));
+  CHECK_FALSE(memory.IsWall({2, 3}));
+  memory.LookOften(1);
+  CHECK(memory.IsWall({2, 3}));
+  CHECK(memory.Walls() == std::set<Cell>{{2, 3}});
+  memory.ForgetWalls();
+  CHECK(memory.Walls().empty());
+}
+
+TEST_CASE("what was seen is put over the map, and the map's errors are named", "[simulated]") {
+  Stream memory;
+  memory.LookOften(2);
+  BeliefGrid map(5, 5, 0.0F);
+  map[{2, 2}] = 1.0F;
+  CHECK(memory.Over(map)[{2, 2}] == 0.0F);
+  CHECK(memory.Over(map)[{2, 3}] == 1.0F);
+  CHECK(memory.Errors(map, 6) == std::vector<CellEdit>{{{2, 2}, false}, {{2, 3}, true}});
+  CHECK(memory.Errors(map, 1).size() == 1);
+}
+
+TEST_CASE("a mistaken wall is put right by the next looks, and what was driven through is free",
+          "[simulated]") {
+  Stream memory;
+  memory.Bump({2, 2});
+  CHECK(memory.IsWall({2, 2}));
+  memory.LookOften(2);
+  CHECK(memory.IsFree({2, 2}));
+  memory.Bump({3, 1});
+  Snapshot picture = Eastward();
+  picture.path = {{3, 1}, {2, 1}};
+  memory.LookOften(1, FlawlessReader(), picture);
+  CHECK(memory.IsFree({3, 1}));
+}
+
+TEST_CASE("a picture that is not looked at teaches nothing, a near wall may be taken for one off",
+          "[simulated]") {
+  PictureReaderParameters reader = FlawlessReader();
+  reader.lapse_probability = 1.0;
+  Stream absent;
+  absent.LookOften(1, reader);
+  CHECK_FALSE(absent.IsFree({2, 2}));
+  reader.lapse_probability = 0.0;
+  reader.misplacement_probability = 1.0;
+  Stream misled;
+  misled.LookOften(20, reader);
+  CHECK_FALSE(misled.IsWall({2, 3}));
+  CHECK(misled.IsWall({2, 4}));
+}
+
+TEST_CASE("cells outside of the map are ignored", "[simulated]") {
+  StreamMemory memory(2, 2);
+  Random random(1);
+  memory.Look(FlawlessReader(), Eastward(), random);
+  memory.Bump({7, 7});
+  CHECK(memory.Walls().empty());
+}
+
+}  // namespace
+}  // namespace conav::operators

@@ -10,70 +10,46 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST_CASE("The first path is given when belief and state are there", "[operator][simulated]") {
-  Desk desk;
-  desk.person.Receive(StateAt({1, 1}, 10));
-  desk.ExpectNothing();
-  desk.person.Receive(MapAt(0));
-  const GuideRequest guide = desk.ExpectGuide();
+TEST_CASE("The first path is given when belief and state are there", "[simulated]") {
+  Console console;
+  console.person.Receive(StateAt({1, 1}, 10));
+  console.ExpectNothing();
+  console.person.Receive(MapAt(0));
+  const GuideRequest guide = console.ExpectGuide();
   CHECK(guide.robot == "r1");
   CHECK(guide.path == std::vector<Cell>{{1, 1}, {1, 2}, {1, 3}, {1, 4}});
   CHECK(guide.answers_snapshot == 0);
   CHECK(guide.valid_for_s == 1800.0);
-  desk.ExpectNothing();  // one request at a time
-  desk.Accept(1);
-  desk.ExpectNothing();
-  CHECK(desk.person.counts().guidance == 1);
+  console.ExpectNothing();  // one request at a time
+  console.Accept(1);
+  console.ExpectNothing();
+  CHECK(console.person.counts().guidance == 1);
 }
 
 TEST_CASE("A picture that shows an error is answered by an edit, then by a path on the new map",
-          "[operator][simulated]") {
-  Desk desk;
-  desk.Begin();
-  desk.person.Receive(SnapshotOf(1, 20), desk.clock.Now());
-  CHECK(desk.ExpectEdit() == EditRequest{0, {{{1, 3}, true}}});
-  desk.Accept(1);
-  desk.ExpectNothing();  // the edit counts only when the service has echoed it
-  BeliefGrid edited = kMap;
-  edited[{1, 3}] = 1.0F;
-  desk.person.Receive(MapAt(1, edited));
-  const GuideRequest guide = desk.ExpectGuide();
+          "[simulated]") {
+  BegunConsole console;
+  console.Show(SnapshotOf(1, 20));
+  CHECK(console.ExpectEdit() == EditRequest{0, {{{1, 3}, true}}});
+  console.Accept(1);
+  console.ExpectNothing();  // the edit counts only when the service has echoed it
+  console.person.Receive(MapAt(1, {{1, 3}}));
+  const GuideRequest guide = console.ExpectGuide();
   CHECK(guide.answers_snapshot == 1);
   // Around the block: 7 steps instead of 2 and a crossing.
   CHECK(guide.path.size() == 8);
-  CHECK(desk.person.counts().edits == 1);
+  CHECK(console.person.counts().edits == 1);
 }
 
-TEST_CASE("A picture that shows no error is answered by a path alone", "[operator][simulated]") {
-  Desk desk;
-  desk.Begin();
-  Snapshot picture = SnapshotOf(4, 20);
-  picture.visible.walls.clear();
-  desk.person.Receive(picture, desk.clock.Now());
-  CHECK(desk.ExpectGuide().answers_snapshot == 4);
-}
-
-TEST_CASE("Somebody silent answers nothing", "[operator][simulated]") {
-  Desk desk(ParametersOfKind("silent"));
-  desk.person.Receive(MapAt(0));
-  desk.person.Receive(StateAt({1, 1}, 10));
-  desk.person.Receive(SnapshotOf(1, 20), desk.clock.Now());
-  desk.ExpectNothing();
-  CHECK(desk.person.open() == 0);
-}
-
-TEST_CASE("The kinds of people differ as their names say", "[operator][simulated]") {
+TEST_CASE("The kinds of people differ as their names say, and a config may change single values",
+          "[simulated]") {
   const auto careful = ParametersOfKind("careful");
   const auto hasty = ParametersOfKind("hasty");
   CHECK(careful.reader.edit_probability == PictureReaderParameters().edit_probability);
   CHECK(hasty.reader.edit_probability < careful.reader.edit_probability);
-  CHECK(hasty.planner.horizon == "next_goal");
   CHECK(ParametersOfKind("wrong").reader.edit_probability == 0.0);
   CHECK(ParametersOfKind("wrong").planner.horizon == "away");
   CHECK(ParametersOfKind("silent").silent);
-}
-
-TEST_CASE("A config names the kind, and may change single values of it", "[operator][simulated]") {
   SyntheticOperatorParameters person;
   ReadConfig(YAML::Load("{kind: hasty, reader: {edit_limit: 5}}"), "person", person);
   CHECK(person.reader.edit_limit == 5);
@@ -82,180 +58,341 @@ TEST_CASE("A config names the kind, and may change single values of it", "[opera
                     Catch::Contains("person.kind") && Catch::Contains("careful"));
 }
 
-TEST_CASE("A picture newer than the state tells where the robot is", "[operator][simulated]") {
-  Desk desk;
-  desk.Begin();
+TEST_CASE("A picture is answered by a path from the newest place of the robot to its goals",
+          "[simulated]") {
+  BegunConsole console;
   Snapshot picture = SnapshotOf(1, 20);
   picture.visible = {};
   picture.cell = {3, 1};
   picture.goals_left = {{3, 2}};
-  desk.person.Receive(picture, desk.clock.Now());
-  CHECK(desk.ExpectGuide().path == std::vector<Cell>{{3, 1}, {3, 2}});
-  desk.Accept(2);
+  console.Show(picture);
+  const GuideRequest guide = console.ExpectGuide();
+  CHECK(guide.path == std::vector<Cell>{{3, 1}, {3, 2}});
+  CHECK(guide.answers_snapshot == 1);
+  console.Accept(2);
 
   picture.sequence_number = 2;
-  desk.person.Receive(StateAt({1, 3}, 25));
-  desk.person.Receive(picture, desk.clock.Now());
-  CHECK(desk.ExpectGuide().path == std::vector<Cell>{{1, 3}, {1, 4}});
-}
+  console.person.Receive(StateAt({1, 3}, 25));
+  console.Show(picture);
+  CHECK(console.ExpectGuide().path == std::vector<Cell>{{1, 3}, {1, 4}});
+  console.Accept(3);
 
-TEST_CASE("When all goals are reached a picture is answered all the same",
-          "[operator][simulated]") {
-  Desk desk;
-  desk.Begin();
-  Snapshot picture = SnapshotOf(1, 20);
+  picture = SnapshotOf(3, 30);
   picture.visible = {};
-  picture.goals_left.clear();
-  desk.person.Receive(picture, desk.clock.Now());
-  CHECK(desk.ExpectGuide().path == std::vector<Cell>{{1, 1}});
+  picture.goals_left.clear();  // all are reached; an answer comes all the same
+  console.Show(picture);
+  CHECK(console.ExpectGuide().path == std::vector<Cell>{{1, 1}});
 }
 
-TEST_CASE("A glance at a streamed picture edits and gives no path", "[operator][simulated]") {
-  Desk desk;
-  desk.Begin();
-  desk.person.Receive(SnapshotOf(1, 20, true), desk.clock.Now());
-  desk.ExpectEdit();
-  desk.Accept(1);
-  BeliefGrid edited = kMap;
-  edited[{1, 3}] = 1.0F;
-  desk.person.Receive(MapAt(1, edited));
-  desk.ExpectNothing();
-  CHECK(desk.person.open() == 0);
-}
-
-TEST_CASE("Only a share of streamed pictures is looked at", "[operator][simulated]") {
+TEST_CASE("A glance at a share of streamed pictures edits and gives no path", "[simulated]") {
   SyntheticOperatorParameters parameters = Flawless();
   parameters.glance_rate = 0.3;
-  Desk desk(parameters);
-  desk.Begin();
+  BegunConsole console(parameters);
   int edits = 0;
   for (std::uint64_t i = 1; i <= 2000; ++i) {
-    desk.person.Receive(SnapshotOf(i, 20, true), desk.clock.Now());
-    if (!desk.person.Next(desk.clock.Now())) continue;
+    console.Show(SnapshotOf(i, 20, true));
+    const auto ask = console.person.Next(console.clock.Now());
+    if (!ask) continue;
+    REQUIRE(std::holds_alternative<EditRequest>(ask->body));
     ++edits;
-    desk.Accept(0);  // the map never changes here
+    console.Accept(0);  // the map never changes here
   }
   CHECK(edits == Approx(600).margin(60));
+  CHECK(console.person.open() == 0);
 }
 
 TEST_CASE("A refused edit is made again on the new map, as far as it is still a change",
-          "[operator][simulated]") {
-  Desk desk;
-  desk.Begin();
+          "[simulated]") {
+  BegunConsole console;
   Snapshot picture = SnapshotOf(1, 20);
   picture.visible.walls = {{1, 3}, {3, 2}};
-  desk.person.Receive(picture, desk.clock.Now());
-  CHECK(desk.ExpectEdit() == EditRequest{0, {{{1, 3}, true}, {{3, 2}, true}}});
-  desk.Refuse(1);
-  desk.clock.Advance(1s);
-  desk.ExpectNothing();  // revision 1 has not arrived
-  BeliefGrid edited = kMap;
-  edited[{3, 2}] = 1.0F;  // somebody else did that
-  desk.person.Receive(MapAt(1, edited));
-  CHECK(desk.ExpectEdit() == EditRequest{1, {{{1, 3}, true}}});
+  console.Show(picture);
+  CHECK(console.ExpectEdit() == EditRequest{0, {{{1, 3}, true}, {{3, 2}, true}}});
+  console.Refuse(1);
+  console.clock.Advance(1s);
+  console.ExpectNothing();                     // revision 1 has not arrived
+  console.person.Receive(MapAt(1, {{3, 2}}));  // somebody else did that
+  CHECK(console.ExpectEdit() == EditRequest{1, {{{1, 3}, true}}});
 }
 
 TEST_CASE("Refused guidance is asked for again after ever longer pauses, and given up in the end",
-          "[operator][simulated]") {
+          "[simulated]") {
   SyntheticOperatorParameters parameters = Flawless();
   parameters.attempts = 3;
-  Desk desk(parameters);
-  desk.person.Receive(MapAt(0));
-  desk.person.Receive(StateAt({1, 1}, 10));
-  desk.ExpectGuide();
-  desk.Refuse(0);
-  desk.ExpectNothing();
-  desk.clock.Advance(100ms);
-  desk.ExpectGuide();
-  desk.Refuse(0);
-  desk.clock.Advance(199ms);
-  desk.ExpectNothing();
-  desk.clock.Advance(1ms);
-  desk.ExpectGuide();
-  desk.person.Answered(Fail(ErrorCode::kTimeout, "no reply"), desk.clock.Now());
-  CHECK(desk.person.open() == 0);
-  CHECK(desk.person.counts().given_up == 1);
-  CHECK(desk.person.counts().newest_problem == "no reply");
+  Console console(parameters);
+  console.ShowRobot();
+  console.ExpectGuide();
+  console.Refuse(0);
+  console.ExpectNothingFor(100ms);
+  console.ExpectGuide();
+  console.Refuse(0);
+  console.ExpectNothingFor(200ms);
+  console.ExpectGuide();
+  console.person.Answered(Fail(ErrorCode::kTimeout, "no reply"), console.clock.Now());
+  CHECK(console.person.open() == 0);
+  CHECK(console.person.counts().given_up == 1);
+  CHECK(console.person.counts().newest_problem == "no reply");
 }
 
-TEST_CASE("A person takes the time to think", "[operator][simulated]") {
+TEST_CASE("A person takes the time to think, somebody silent answers nothing", "[simulated]") {
   SyntheticOperatorParameters parameters = Flawless();
   parameters.thinking_time_s = 3.0;
-  Desk desk(parameters);
-  desk.person.Receive(MapAt(0));
-  desk.person.Receive(StateAt({1, 1}, 10));
-  desk.ExpectNothing();
-  desk.clock.Advance(2999ms);
-  desk.ExpectNothing();
-  desk.clock.Advance(1ms);
-  desk.ExpectGuide();
+  Console console(parameters);
+  console.ShowRobot();
+  console.ExpectNothingFor(3s);
+  console.ExpectGuide();
+  Console silent(ParametersOfKind("silent"));
+  silent.ShowRobot();
+  silent.Show(SnapshotOf(1, 20));
+  silent.ExpectNothing();
+  CHECK(silent.person.open() == 0);
 }
 
-TEST_CASE("Pictures that somebody answered before are left alone", "[operator][simulated]") {
-  Desk desk;
-  desk.Begin();
-  Guidance guidance;
-  guidance.world = "w1";
-  guidance.robot = "r1";
-  guidance.answers_snapshot = 3;
-  desk.person.Receive(guidance);
-  desk.person.Receive(SnapshotOf(3, 20), desk.clock.Now());
-  desk.ExpectNothing();
-  desk.person.Receive(SnapshotOf(4, 21), desk.clock.Now());
-  desk.ExpectEdit();
-}
-
-TEST_CASE("Robots and worlds of others are ignored", "[operator][simulated]") {
-  Desk desk;
-  desk.Begin();
-  desk.person.Receive(StateAt({1, 1}, 10, "r9"));
+TEST_CASE("Robots and worlds of others, and pictures that somebody answered, are left alone",
+          "[simulated]") {
+  BegunConsole console;
+  console.person.Receive(StateAt({1, 1}, 10, "r9"));
   RobotState elsewhere = StateAt({1, 1}, 10);
   elsewhere.world = "w2";
-  desk.person.Receive(elsewhere);
+  console.person.Receive(elsewhere);
   Snapshot picture = SnapshotOf(1, 20);
   picture.robot = "r9";
-  desk.person.Receive(picture, desk.clock.Now());
-  desk.ExpectNothing();
-  CHECK(desk.person.open() == 0);
+  console.Show(picture);
+  console.person.Receive(Guidance{.world = "w1", .robot = "r1", .answers_snapshot = 3});
+  console.Show(SnapshotOf(3, 20));
+  console.ExpectNothing();
+  CHECK(console.person.open() == 0);
+  console.Show(SnapshotOf(4, 21));
+  console.ExpectEdit();
 }
 
-TEST_CASE("A robot outside of the map is answered with an empty path", "[operator][simulated]") {
-  Desk desk;
-  desk.person.Receive(MapAt(0));
-  desk.person.Receive(StateAt({99, 1}, 10));
-  CHECK(desk.ExpectGuide().path.empty());
-  CHECK(desk.person.counts().newest_problem.find("(99,1)") != std::string::npos);
+TEST_CASE("A robot outside of the map is answered with an empty path", "[simulated]") {
+  Console console;
+  console.person.Receive(MapAt(0));
+  console.person.Receive(StateAt({99, 1}, 10));
+  CHECK(console.ExpectGuide().path.empty());
+  CHECK(console.person.counts().newest_problem.find("(99,1)") != std::string::npos);
 }
 
 /// Edits of r1's pictures when r2's pictures come `r2_first` before or after.
 std::vector<std::vector<CellEdit>> EditsOfR1(bool r2_first) {
   SyntheticOperatorParameters parameters = Flawless();
   parameters.reader.edit_probability = 0.5;
-  Desk desk(parameters, {{"r1", "w1"}, {"r2", "w1"}});
-  desk.person.Receive(MapAt(0));
+  Console console(parameters, {{"r1", "w1"}, {"r2", "w1"}});
+  console.person.Receive(MapAt(0));
   std::vector<std::vector<CellEdit>> edits;
   for (std::uint64_t i = 1; i <= 40; ++i) {
     Snapshot mine = SnapshotOf(i, 20, true);
     Snapshot other = mine;
     other.robot = "r2";
     for (const Snapshot& picture : r2_first ? std::vector{other, mine} : std::vector{mine, other}) {
-      desk.person.Receive(picture, desk.clock.Now());
-      const auto ask = desk.person.Next(desk.clock.Now());
+      console.Show(picture);
+      const auto ask = console.person.Next(console.clock.Now());
       if (picture.robot == "r1") edits.emplace_back();
       if (!ask) continue;
       if (picture.robot == "r1") edits.back() = std::get<EditRequest>(ask->body).edits;
-      desk.Accept(0);
+      console.Accept(0);
     }
   }
   return edits;
 }
 
-TEST_CASE("What is made of a robot's pictures does not depend on other robots",
-          "[operator][simulated]") {
+TEST_CASE("What is made of a robot's pictures does not depend on other robots", "[simulated]") {
   const auto edits = EditsOfR1(true);
   CHECK(edits == EditsOfR1(false));
   CHECK(std::count(edits.begin(), edits.end(), std::vector<CellEdit>{}) > 5);
   CHECK(std::count(edits.begin(), edits.end(), std::vector<CellEdit>{}) < 35);
+}
+
+TEST_CASE("A blocked cell becomes a wall for certain and the next path avoids it", "[simulated]") {
+  SyntheticOperatorParameters parameters = Flawless();
+  parameters.planner.wall_crossing_cost = 0.0;
+  BegunConsole console(parameters);
+  console.Ask(Attention(AttentionReason::kBlocked, {1, 2}, 0, 10));
+  CHECK(console.ExpectEdit() == EditRequest{0, {{{1, 2}, true}}});
+  console.Accept(1);
+  console.person.Receive(MapAt(1, {{1, 2}}));
+  // Crossing walls is free here, but not this one.
+  CHECK(console.ExpectGuide().path ==
+        std::vector<Cell>{{1, 1}, {2, 1}, {2, 2}, {2, 3}, {1, 3}, {1, 4}});
+  console.Accept(2);
+
+  // A picture that seems to show it free does not make the person forget.
+  Snapshot picture = SnapshotOf(1, 20);
+  picture.visible = {{{1, 2}}, {}};
+  console.Show(picture);
+  console.ExpectGuide();
+}
+
+TEST_CASE("A robot without guidance, or one that another robot blocks, gets a path and no wall",
+          "[simulated]") {
+  BegunConsole console;
+  console.person.Receive(StateAt({1, 2}, 20));
+  console.Ask(Attention(AttentionReason::kNoGuidance, {1, 2}, 0, 20));
+  CHECK(console.ExpectGuide().path == std::vector<Cell>{{1, 2}, {1, 3}, {1, 4}});
+  console.Accept(2);
+  RobotState state = StateAt({1, 2}, 30);
+  state.command_outcome = CommandOutcome::kOccupied;
+  state.command_cell = {1, 3};
+  console.person.Receive(state);
+  console.Ask(Attention(AttentionReason::kBlocked, {1, 3}, 0, 30, 2));
+  console.ExpectGuide();
+}
+
+TEST_CASE("An attention request waits for the pictures and the state that it speaks of",
+          "[simulated]") {
+  BegunConsole console;
+  console.Ask(Attention(AttentionReason::kNoGuidance, {1, 1}, 2, 30));
+  console.ExpectNothing();
+  Snapshot first = SnapshotOf(1, 20, true);
+  first.visible = {};
+  console.Show(first);
+  console.ExpectNothing();
+  console.Show(SnapshotOf(2, 20, true));
+  CHECK(console.ExpectEdit().edits.size() == 1);
+  console.Accept(0);
+  console.ExpectNothing();
+  console.person.Receive(StateAt({1, 2}, 30));
+  const GuideRequest guide = console.ExpectGuide();
+  CHECK(guide.path.front() == Cell{1, 2});
+  CHECK(guide.answers_snapshot == 2);
+}
+
+TEST_CASE("An attention request whose pictures never come is answered after a while",
+          "[simulated]") {
+  BegunConsole console;
+  console.Ask(Attention(AttentionReason::kNoGuidance, {1, 1}, 2, 30));
+  console.ExpectNothingFor(2s);
+  CHECK(console.ExpectGuide().answers_snapshot == 0);
+}
+
+TEST_CASE("A repeated attention request is answered once, a newer one replaces an older one",
+          "[simulated]") {
+  BegunConsole console;
+  const auto ask = Attention(AttentionReason::kNoGuidance, {1, 1}, 0, 10);
+  console.Ask(ask);
+  console.Ask(ask);
+  console.Ask(Attention(AttentionReason::kNoGuidance, {1, 1}, 0, 10, 2));
+  console.ExpectGuide();
+  console.Accept(2);
+  console.ExpectNothing();
+  CHECK(console.person.open() == 0);
+}
+
+SyntheticOperatorParameters FollowingTheQueue() {
+  SyntheticOperatorParameters parameters = Flawless();
+  parameters.order = "queue";
+  parameters.interaction = {.picture_s = 4.0, .blocked_s = 8.0, .path_s = 12.0, .log_sd = 0.0};
+  return parameters;
+}
+
+AttentionItem Line(const std::string& robot, AttentionReason reason,
+                   std::uint64_t newest_snapshot = 0) {
+  AttentionItem item;
+  item.world = "w1";
+  item.robot = robot;
+  item.reason = reason;
+  item.newest_snapshot = newest_snapshot;
+  return item;
+}
+
+AttentionQueueState Queue(std::uint64_t revision, std::vector<AttentionItem> items) {
+  return {{0}, revision, "priority", std::move(items), {}};
+}
+
+/// Two robots that both have a first path to wait for.
+struct QueueFixture : Console {
+  QueueFixture() : Console(FollowingTheQueue(), {{"r1", "w1"}, {"r2", "w1"}}) {
+    person.Receive(MapAt(0));
+    person.Receive(StateAt({1, 1}, 10, "r1"));
+    person.Receive(StateAt({3, 1}, 10, "r2"));
+    person.Receive(SimTime::FromSeconds(100));
+  }
+};
+
+TEST_CASE("The first of the queue is selected, then answered after its interaction time",
+          "[simulated]") {
+  QueueFixture console;
+  console.ExpectNothing();  // without a queue
+  console.person.Receive(
+      Queue(1, {Line("r2", AttentionReason::kFirstPath), Line("r1", AttentionReason::kFirstPath)}));
+  CHECK(console.ExpectSelect() == SelectRequest{"r2", AttentionReason::kFirstPath});
+  console.ExpectNothing();
+  console.Accept(0);
+  console.person.Receive(SimTime::FromSeconds(111.9));
+  console.ExpectNothing();
+  console.person.Receive(SimTime::FromSeconds(112));
+  CHECK(console.ExpectGuide().robot == "r2");
+  console.Accept(1);
+  CHECK(console.ExpectSelect() == SelectRequest{"r1", AttentionReason::kFirstPath});
+}
+
+TEST_CASE("What the person cannot deal with yet, or somebody else works on, is passed over",
+          "[simulated]") {
+  QueueFixture console;
+  AttentionItem taken = Line("r2", AttentionReason::kFirstPath);
+  taken.selected_by = "bert";
+  console.person.Receive(Queue(1, {Line("r1", AttentionReason::kPicture, 1), taken,
+                                   Line("r1", AttentionReason::kFirstPath)}));
+  CHECK(console.ExpectSelect() == SelectRequest{"r1", AttentionReason::kFirstPath});
+}
+
+TEST_CASE("A refused selection is given up until the queue changes, a withdrawn question for good",
+          "[simulated]") {
+  QueueFixture console;
+  console.person.Receive(Queue(1, {Line("r1", AttentionReason::kFirstPath)}));
+  console.ExpectSelect();
+  console.Refuse(0);
+  console.ExpectNothing();
+  CHECK(console.person.open() == 2);
+  console.person.Receive(Queue(2, {Line("r2", AttentionReason::kFirstPath)}));
+  CHECK(console.ExpectSelect() == SelectRequest{"r2", AttentionReason::kFirstPath});
+  console.Refuse(0);
+  console.Ask(Attention(AttentionReason::kBlocked, {1, 2}, 0, 10, 1));
+  console.Ask(Attention(AttentionReason::kNone, {1, 1}, 0, 12, 1));
+  console.person.Receive(Queue(3, {Line("r1", AttentionReason::kBlocked)}));
+  console.ExpectNothing();
+}
+
+TEST_CASE("A blocked robot is answered with what its newest streamed picture shows besides",
+          "[simulated]") {
+  QueueFixture console;
+  console.Show(SnapshotOf(1, 11, true));
+  console.person.Receive(Queue(1, {}));
+  console.ExpectNothing();  // a stream is looked at while its robot is attended to
+  console.Ask(Attention(AttentionReason::kBlocked, {2, 1}, 1, 10));
+  console.person.Receive(Queue(2, {Line("r1", AttentionReason::kBlocked)}));
+  CHECK(console.ExpectSelect() == SelectRequest{"r1", AttentionReason::kBlocked});
+  console.Accept(0);
+  console.person.Receive(SimTime::FromSeconds(108));
+  CHECK(console.ExpectEdit().edits == std::vector<CellEdit>{{{2, 1}, true}, {{1, 3}, true}});
+}
+
+TEST_CASE("Log-normal interaction times have the mean that was given", "[simulated]") {
+  SyntheticOperatorParameters parameters = FollowingTheQueue();
+  parameters.interaction.log_sd = 0.5;
+  Console console(parameters);
+  console.ShowRobot();
+  double now_s = 100.0;
+  console.person.Receive(SimTime::FromSeconds(now_s));
+  constexpr int kMatters = 2000;
+  double total_s = 0.0;
+  for (int i = 1; i <= kMatters; ++i) {
+    const auto number = static_cast<std::uint64_t>(i);
+    console.Ask(Attention(AttentionReason::kNoGuidance, {1, 1}, 0, 10, number));
+    console.person.Receive(Queue(number, {Line("r1", AttentionReason::kNoGuidance)}));
+    REQUIRE(console.person.Next(console.clock.Now()));
+    console.Accept(0);
+    const double start_s = now_s;
+    std::optional<OperatorAsk> ask;
+    while (!(ask = console.person.Next(console.clock.Now()))) {
+      now_s += 0.1;
+      console.person.Receive(SimTime::FromSeconds(now_s));
+    }
+    console.Accept(1);
+    total_s += now_s - start_s;
+  }
+  CHECK(total_s / kMatters == Approx(12.05).margin(0.5));  // 6 / sqrt(2000) = 0.14 s of error
 }
 
 }  // namespace

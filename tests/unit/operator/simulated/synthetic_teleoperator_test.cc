@@ -7,11 +7,10 @@
 #include "operator/simulated/path_planner.h"
 #include "unit/operator/support/drawn_map.h"
 
-using namespace conav;
-using namespace conav::operators;
-using namespace std::chrono_literals;
-
+namespace conav::operators {
 namespace {
+
+using namespace std::chrono_literals;
 
 const SyntheticOperatorParameters default_person;
 
@@ -27,7 +26,7 @@ class Maze {
   Maze(const std::vector<std::string>& truth, const std::vector<std::string>& map,
        const std::map<std::string, std::pair<Cell, Cell>>& starts_and_goals,
        const SyntheticOperatorParameters& parameters = default_person, std::uint64_t seed = 1)
-      : truth_(DrawnMap(truth)), person(parameters, seed, WorldsOf(starts_and_goals)) {
+      : truth_(DrawnMap(truth)), person(parameters, seed, {{"r1", "w1"}, {"r2", "w1"}}) {
     belief_.world = "w1";
     belief_.wall_probability = DrawnMap(map);
     for (const auto& [name, way] : starts_and_goals) {
@@ -73,12 +72,6 @@ class Maze {
   }
 
  private:
-  static std::map<std::string, std::string> WorldsOf(
-      const std::map<std::string, std::pair<Cell, Cell>>& robots) {
-    std::map<std::string, std::string> worlds;
-    for (const auto& [name, way] : robots) worlds[name] = "w1";
-    return worlds;
-  }
   GridGeometry Geometry() const { return {truth_.rows(), truth_.columns(), 2.0}; }
 
   std::uint64_t Edit(const EditRequest& edit) {
@@ -158,23 +151,36 @@ const std::vector<std::string> kTruth{"#########", "#       #", "# ##### #", "# 
 const std::vector<std::string> kMap{"#########", "#   #   #", "# ##### #", "#       #",
                                     "### # ###", "#   #   #", "#########"};
 
-/// Map and robot r1 at its start; the robot's state is returned.
-RobotState ShowTheWorld(SyntheticTeleoperator& person) {
-  Belief belief;
-  belief.world = "w1";
-  belief.wall_probability = DrawnMap(kMap);
-  person.Receive(belief);
-  person.ReceiveCellSize("w1", 2.0);
-  RobotState state{.world = "w1", .robot = "r1", .cell = {1, 1}, .goals_left = {{5, 7}}};
-  state.position = {-6.0, 4.0};
-  person.Receive(state);
-  return state;
-}
+/// A person who is shown a map and robot r1 at its start, and answered by hand.
+struct Seat {
+  explicit Seat(const SyntheticOperatorParameters& parameters = default_person,
+                std::uint64_t seed = 1)
+      : person(parameters, seed, {{"r1", "w1"}}) {
+    CHECK_FALSE(Next());
+    Belief belief;
+    belief.world = "w1";
+    belief.wall_probability = DrawnMap(kMap);
+    person.Receive(belief);
+    person.ReceiveCellSize("w1", 2.0);
+    state.position = {-6.0, 4.0};
+    person.Receive(state);
+  }
+  std::optional<OperatorAsk> Next() { return person.Next(clock.Now()); }
+  DriveAction ExpectKey() {
+    const auto ask = Next();
+    REQUIRE(ask);
+    return std::get<DriveRequest>(ask->body).drive;
+  }
+  void Accept() { person.Answered(OperatorReply{"c", 1, true, "", 1}, clock.Now()); }
+  void Refuse() { person.Answered(OperatorReply{"c", 1, false, "no", 0}, clock.Now()); }
 
-}  // namespace
+  FakeClock clock;
+  SyntheticTeleoperator person;
+  RobotState state{.world = "w1", .robot = "r1", .cell = {1, 1}, .goals_left = {{5, 7}}};
+};
 
 TEST_CASE("a teleoperator with a wrong map reaches the goal by what the pictures show",
-          "[operator][teleoperator]") {
+          "[simulated]") {
   const std::uint64_t seed = GENERATE(1, 2, 3, 4, 5);
   Maze maze(kTruth, kMap, {{"r1", {{1, 1}, {5, 7}}}}, default_person, seed);
   const int wrong = maze.WrongCells();
@@ -184,7 +190,7 @@ TEST_CASE("a teleoperator with a wrong map reaches the goal by what the pictures
   CHECK(maze.person.open() == 0);
 }
 
-TEST_CASE("clumsy hands arrive too, with more keys", "[operator][teleoperator]") {
+TEST_CASE("clumsy hands arrive too, with more keys", "[simulated]") {
   Maze careful(kTruth, kTruth, {{"r1", {{1, 1}, {5, 1}}}});
   REQUIRE(careful.Run());
   SyntheticOperatorParameters clumsy;
@@ -195,103 +201,90 @@ TEST_CASE("clumsy hands arrive too, with more keys", "[operator][teleoperator]")
   CHECK(other.robots["r1"].keys.size() > careful.robots["r1"].keys.size());
 }
 
-TEST_CASE("the same seed presses the same keys", "[operator][teleoperator]") {
-  Maze first(kTruth, kMap, {{"r1", {{1, 1}, {5, 7}}}});
-  Maze second(kTruth, kMap, {{"r1", {{1, 1}, {5, 7}}}});
-  Maze other(kTruth, kMap, {{"r1", {{1, 1}, {5, 7}}}}, default_person, 2);
-  first.Run();
-  second.Run();
-  other.Run();
-  CHECK(first.robots["r1"].keys == second.robots["r1"].keys);
-  CHECK(first.robots["r1"].keys != other.robots["r1"].keys);
+TEST_CASE("the same seed presses the same keys", "[simulated]") {
+  const auto keys = [](std::uint64_t seed) {
+    Maze maze(kTruth, kMap, {{"r1", {{1, 1}, {5, 7}}}}, default_person, seed);
+    maze.Run();
+    return maze.robots["r1"].keys;
+  };
+  const auto first = keys(1);
+  CHECK(first == keys(1));
+  CHECK(first != keys(2));
 }
 
 TEST_CASE("one robot is steered after the other, and the one in the way makes room",
-          "[operator][teleoperator]") {
+          "[simulated]") {
   const std::vector<std::string> corridor{"#########", "#       #", "#### ####", "#########"};
   Maze maze(corridor, corridor, {{"r1", {{1, 1}, {1, 7}}}, {"r2", {{1, 7}, {1, 1}}}});
   CHECK(maze.Run());
   CHECK(maze.person.counts().meetings > 0);
-}
-
-TEST_CASE("a robot without goals that stands on another one's goal is driven off it",
-          "[operator][teleoperator]") {
+  // A robot without goals that stands on another one's goal is driven off it.
   const std::vector<std::string> room{"#####", "#   #", "#   #", "#####"};
-  Maze maze(room, room, {{"r1", {{1, 3}, {1, 3}}}, {"r2", {{2, 1}, {1, 3}}}});
-  maze.robots["r1"].state.goals_left.clear();
-  maze.person.Receive(maze.robots["r1"].state);
-  CHECK(maze.Run());
-  CHECK_FALSE(maze.robots["r1"].keys.empty());
+  Maze parked(room, room, {{"r1", {{1, 3}, {1, 3}}}, {"r2", {{2, 1}, {1, 3}}}});
+  parked.robots["r1"].state.goals_left.clear();
+  parked.person.Receive(parked.robots["r1"].state);
+  CHECK(parked.Run());
+  CHECK_FALSE(parked.robots["r1"].keys.empty());
 }
 
 TEST_CASE("a key is pressed when the last one was carried out and shown, not before",
-          "[operator][teleoperator]") {
-  FakeClock clock;
-  SyntheticTeleoperator person(default_person, 1, {{"r1", "w1"}});
-  CHECK_FALSE(person.Next(clock.Now()));
-  RobotState state = ShowTheWorld(person);
-  REQUIRE(person.Next(clock.Now()));
-  CHECK_FALSE(person.Next(clock.Now()));  // one request at a time
-  person.Answered(OperatorReply{"c", 1, true, "", 1}, clock.Now());
-  CHECK_FALSE(person.Next(clock.Now()));  // not carried out
-  state.drive_order = 1;
-  state.command_outcome = CommandOutcome::kRunning;
-  person.Receive(state);
-  CHECK_FALSE(person.Next(clock.Now()));
-  state.command_outcome = CommandOutcome::kDone;
-  state.snapshots = 1;
-  person.Receive(state);
-  CHECK_FALSE(person.Next(clock.Now()));  // its picture is not here
+          "[simulated]") {
+  Seat seat;
+  seat.ExpectKey();
+  CHECK_FALSE(seat.Next());  // one request at a time
+  seat.Accept();
+  CHECK_FALSE(seat.Next());  // not carried out
+  seat.state.drive_order = 1;
+  seat.state.command_outcome = CommandOutcome::kRunning;
+  seat.person.Receive(seat.state);
+  CHECK_FALSE(seat.Next());
+  seat.state.command_outcome = CommandOutcome::kDone;
+  seat.state.snapshots = 1;
+  seat.person.Receive(seat.state);
+  CHECK_FALSE(seat.Next());  // its picture is not here
   Snapshot picture;
   picture.world = "w1";
   picture.robot = "r1";
   picture.sequence_number = 1;
   picture.cell = {1, 1};
-  person.Receive(picture);
-  const auto key = person.Next(clock.Now());
+  seat.person.Receive(picture);
+  const auto key = seat.Next();
   REQUIRE(key);
-  CHECK(std::get<DriveRequest>(key->body).expires_at > state.stamp);
+  CHECK(std::get<DriveRequest>(key->body).expires_at > seat.state.stamp);
 }
 
-TEST_CASE("an order that is refused, or that nobody carries out, is given anew after a pause",
-          "[operator][teleoperator]") {
-  FakeClock clock;
-  SyntheticTeleoperator person(default_person, 1, {{"r1", "w1"}});
-  ShowTheWorld(person);
-  REQUIRE(person.Next(clock.Now()));
-  person.Answered(OperatorReply{"c", 1, false, "no", 0}, clock.Now());
-  CHECK_FALSE(person.Next(clock.Now()));
-  clock.Advance(1s);
-  REQUIRE(person.Next(clock.Now()));
-  person.Answered(OperatorReply{"c", 2, true, "", 1}, clock.Now());
-  CHECK_FALSE(person.Next(clock.Now()));
-  clock.Advance(3s);
-  CHECK(person.Next(clock.Now()));
-  CHECK(person.counts().refused == 1);
-  CHECK(person.counts().newest_problem == "no");
+TEST_CASE("an order that is refused, or that nobody carries out, is repeated after a pause",
+          "[simulated]") {
+  Seat seat;
+  seat.ExpectKey();
+  seat.Refuse();
+  CHECK_FALSE(seat.Next());
+  seat.clock.Advance(1s);
+  seat.ExpectKey();
+  seat.Accept();
+  CHECK_FALSE(seat.Next());
+  seat.clock.Advance(3s);
+  seat.ExpectKey();
+  CHECK(seat.person.counts().refused == 1);
+  CHECK(seat.person.counts().newest_problem == "no");
 }
 
-TEST_CASE("a key that is refused is pressed again, whatever chance would say now",
-          "[operator][teleoperator]") {
-  // Clumsy hands: one key in two is a slip.
+TEST_CASE("a key that is refused is pressed again, whatever chance would say now", "[simulated]") {
   SyntheticOperatorParameters clumsy;
-  clumsy.steering.slip_probability = 0.5;
+  clumsy.steering.slip_probability = 0.5;  // one key in two
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    FakeClock clock;
-    SyntheticTeleoperator person(clumsy, seed, {{"r1", "w1"}});
-    RobotState state = ShowTheWorld(person);
-    const auto first = person.Next(clock.Now());
-    REQUIRE(first);
-    person.Answered(OperatorReply{"c", 1, false, "no", 0}, clock.Now());
-    clock.Advance(1s);
-    const auto second = person.Next(clock.Now());
-    REQUIRE(second);
-    CHECK(std::get<DriveRequest>(second->body).drive == std::get<DriveRequest>(first->body).drive);
-    person.Answered(OperatorReply{"c", 2, false, "no", 0}, clock.Now());
+    Seat seat(clumsy, seed);
+    const DriveAction first = seat.ExpectKey();
+    seat.Refuse();
+    seat.clock.Advance(1s);
+    CHECK(seat.ExpectKey() == first);
+    seat.Refuse();
     // Elsewhere by now: a key of its own, for the new state.
-    state.stamp = state.stamp + 1s;
-    person.Receive(state);
-    clock.Advance(1s);
-    CHECK(person.Next(clock.Now())->stamp == state.stamp);
+    seat.state.stamp = seat.state.stamp + 1s;
+    seat.person.Receive(seat.state);
+    seat.clock.Advance(1s);
+    CHECK(seat.Next()->stamp == seat.state.stamp);
   }
 }
+
+}  // namespace conav::operators

@@ -84,7 +84,7 @@ TEST_CASE("Acknowledging and shelving count once they are adopted", "[operator][
   CHECK(book.alerts().at(1).shelved_until_s == 0.0);
   book.Adopt(*shelved);
   CHECK(book.alerts().at(1).shelved_until_s == 165.0);
-  CHECK(book.Acknowledge(9, "anna", 1.0).error().text == "alert 9 is not known here");
+  CHECK(book.Acknowledge(9, "anna", 1.0).error().text == "alert 9 is unknown");
   CHECK_FALSE(book.Shelve(9, 1.0, 1.0));
 }
 

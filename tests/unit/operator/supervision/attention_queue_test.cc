@@ -240,7 +240,7 @@ TEST_CASE("A selection names who works on it, another client or a wrong item is 
   CHECK(bench.queue.robots_waiting() == 1);
   const auto taken = bench.queue.Select("bert", {"r1", AttentionReason::kBlocked}, At(2));
   REQUIRE_FALSE(taken);
-  CHECK(taken.error().text == "anna works on that of robot 'r1' already");
+  CHECK(taken.error().text == "anna already works on the request of robot 'r1'");
   CHECK_FALSE(bench.queue.Select("bert", {"r3", AttentionReason::kBlocked}, At(2)));
   REQUIRE(bench.queue.Select("anna", {"r2", AttentionReason::kBlocked}, At(3)));
   CHECK(bench.queue.Select("bert", {"r1", AttentionReason::kBlocked}, At(3)));

@@ -80,9 +80,9 @@ TEST_CASE("Anybody stops robots, whoever has control, orders count once they are
   REQUIRE(orders);
   REQUIRE(orders->size() == 3);
   CHECK((*orders)[2] == StopOrder{{5}, "w2", "r3", 1, true, "ben", "fire"});
-  CHECK_FALSE(bench.book.robots().at("r3").hold.stopped);
+  CHECK_FALSE(bench.book.robots().at("r3").stop.stopped);
   for (const StopOrder& order : *orders) bench.book.Adopt(order);
-  CHECK(bench.book.robots().at("r3").hold.stopped);
+  CHECK(bench.book.robots().at("r3").stop.stopped);
   CHECK(bench.book.Stop("ben", {{"r3"}, ""}, {6})->empty());
   const auto go = bench.book.Go("anna", {{"r3"}}, {7});
   REQUIRE(go->size() == 1);
@@ -93,15 +93,15 @@ TEST_CASE("Anybody stops robots, whoever has control, orders count once they are
 TEST_CASE("A robot that is not known is refused by name", "[operator][control]") {
   Bench bench;
   CHECK(bench.book.Stop("ben", {{"r1", "r9"}, ""}, {}).error().text ==
-        "robot 'r9' is not known here");
+        "robot 'r9' is unknown");
   CHECK_FALSE(bench.book.Take("ben", {{"r9"}, ""}, bench.now));
   CHECK_FALSE(bench.book.Release("ben", {{"r9"}}));
 }
 
 TEST_CASE("Robots may stand from the start until somebody lets them go", "[operator][control]") {
   const ControlRegistry book(kRobots, ControlOptions{60.0, true});
-  CHECK(book.robots().at("r1").hold.stopped);
-  CHECK(book.robots().at("r1").hold.revision == 1);
+  CHECK(book.robots().at("r1").stop.stopped);
+  CHECK(book.robots().at("r1").stop.revision == 1);
   CHECK(book.Go("anna", {{"r1"}}, {})->front().revision == 2);
 }
 

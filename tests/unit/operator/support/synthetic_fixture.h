@@ -7,26 +7,36 @@
 #include "operator/simulated/synthetic_operator.h"
 #include "unit/operator/support/drawn_map.h"
 
-/// What the tests of the synthetic operator share: a small map, messages of its world, and a desk
-/// at which a person sits.
+/// What the tests of the synthetic operator share: a small map, messages of its world, and a console
+/// with a person in front of it.
 namespace conav::operators {
 
 inline const BeliefGrid kMap = DrawnMap({"######", "#    #", "# ## #", "#    #", "######"});
 
+/// Edits every difference that a picture shows, in its place.
+inline PictureReaderParameters FlawlessReader() {
+  PictureReaderParameters parameters;
+  parameters.edit_probability = 1.0;
+  parameters.decay_cells = 1e6;
+  parameters.path_removal_probability = 1.0;
+  parameters.lateral_factor = 1.0;
+  parameters.misplacement_probability = 0.0;
+  parameters.lapse_probability = 0.0;
+  parameters.guess_probability = 0.0;
+  return parameters;
+}
+
 inline SyntheticOperatorParameters Flawless() {
   SyntheticOperatorParameters parameters;
-  parameters.reader.edit_probability = 1.0;
-  parameters.reader.decay_cells = 1e6;
-  parameters.reader.path_removal_probability = 1.0;
-  parameters.reader.lateral_factor = 1.0;
-  parameters.reader.misplacement_probability = 0.0;
-  parameters.reader.lapse_probability = 0.0;
-  parameters.reader.guess_probability = 0.0;
+  parameters.reader = FlawlessReader();
   parameters.glance_rate = 1.0;
   return parameters;
 }
 
-inline Belief MapAt(std::uint64_t revision, BeliefGrid map = kMap) {
+/// kMap, with walls at `walls`.
+inline Belief MapAt(std::uint64_t revision, const std::vector<Cell>& walls = {}) {
+  BeliefGrid map = kMap;
+  for (const Cell wall : walls) map[wall] = 1.0F;
   return {{0}, "w1", revision, std::move(map), ""};
 }
 
@@ -61,36 +71,45 @@ inline AttentionRequest Attention(AttentionReason reason, Cell cell, std::uint64
   return {{stamp}, "w1", "r1", sequence_number, reason, cell, newest_snapshot, 0.0, 0.0};
 }
 
-/// A person with robots r1 and r2 of world w1, and a clock in the test's hand.
-struct Desk {
-  explicit Desk(const SyntheticOperatorParameters& parameters = Flawless(),
-                const std::map<std::string, std::string>& robots = {{"r1", "w1"}})
+struct Console {
+  explicit Console(const SyntheticOperatorParameters& parameters = Flawless(),
+                   const std::map<std::string, std::string>& robots = {{"r1", "w1"}})
       : person(parameters, 1, robots) {}
 
-  EditRequest ExpectEdit() {
-    const auto ask = person.Next(clock.Now());
-    REQUIRE(ask.has_value());
-    REQUIRE(std::holds_alternative<EditRequest>(ask->body));
-    return std::get<EditRequest>(ask->body);
-  }
-  GuideRequest ExpectGuide() {
+  /// The next request, which must be there and of type `Request`.
+  template <class Request>
+  Request Expect() {
     const auto ask = person.Next(clock.Now());
     REQUIRE(ask.has_value());
     CHECK(ask->world == "w1");
-    REQUIRE(std::holds_alternative<GuideRequest>(ask->body));
-    return std::get<GuideRequest>(ask->body);
+    REQUIRE(std::holds_alternative<Request>(ask->body));
+    return std::get<Request>(ask->body);
   }
+  EditRequest ExpectEdit() { return Expect<EditRequest>(); }
+  GuideRequest ExpectGuide() { return Expect<GuideRequest>(); }
+  SelectRequest ExpectSelect() { return Expect<SelectRequest>(); }
   void ExpectNothing() { CHECK_FALSE(person.Next(clock.Now()).has_value()); }
+  void Show(const Snapshot& picture) { person.Receive(picture, clock.Now()); }
+  void Ask(const AttentionRequest& request) { person.Receive(request, clock.Now()); }
   void Accept(std::uint64_t revision) {
     person.Answered(OperatorReply{"c", 1, true, "", revision}, clock.Now());
   }
   void Refuse(std::uint64_t revision) {
     person.Answered(OperatorReply{"c", 1, false, "no", revision}, clock.Now());
   }
-  /// Belief and state are there and the first path is given.
-  void Begin() {
+  /// Nothing is asked until then, by the clock.
+  void ExpectNothingFor(std::chrono::milliseconds pause) {
+    clock.Advance(pause - std::chrono::milliseconds(1));
+    ExpectNothing();
+    clock.Advance(std::chrono::milliseconds(1));
+  }
+  void ShowRobot() {
     person.Receive(MapAt(0));
     person.Receive(StateAt({1, 1}, 10));
+  }
+  /// Belief and state are there and the first path is given.
+  void Begin() {
+    ShowRobot();
     ExpectGuide();
     Accept(1);
     ExpectNothing();
@@ -98,6 +117,13 @@ struct Desk {
 
   FakeClock clock;
   SyntheticOperator person;
+};
+
+struct BegunConsole : Console {
+  explicit BegunConsole(const SyntheticOperatorParameters& parameters = Flawless())
+      : Console(parameters) {
+    Begin();
+  }
 };
 
 }  // namespace conav::operators

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "common/grid/visibility.h"
+#include "common/msg/perception_model.h"
 #include "planner/decision/robot_worker.h"
 #include "planner/methods/make_method.h"
-#include "planner/search/perception_model.h"
 #include "unit/planner/search/text_map.h"
 
 namespace conav::planner {
@@ -143,10 +143,10 @@ class Crowd {
         .command = [this, &robot](const RobotCommand& command) { Do(robot, command); },
         .report = [](const SearchReport&) {},
         .attention = [this, &robot](const AttentionRequest&) { Guide(robot); },
-        .way = [](const RobotState&, const MapUpdate&, const std::vector<Cell>&) {}};
+        .plan = [](const RobotState&, const MapUpdate&, const std::vector<Cell>&) {}};
     const std::uint64_t seed = DeriveSeed(options_.seed, robots_.size());
-    auto method =
-        MakeMethod(options_.method, name, {search, {}}, seed, options_.model, nullptr, clock_);
+    auto method = MakeMethod(ParseMethod(options_.method).value(), {search, {}}, seed,
+                             options_.model, nullptr, clock_);
     constexpr std::chrono::seconds kTimeout{10};
     robot.worker.emplace(RobotWorker::Options{.robot = name,
                                               .method_name = options_.method,

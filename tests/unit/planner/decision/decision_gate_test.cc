@@ -168,7 +168,7 @@ TEST_CASE("a robot that waits for no operator is held by inputs of different wor
 
 TEST_CASE("a stopped robot is held, but may still be given up once it stands", "[planner][gate]") {
   RobotInputs inputs = CompleteInputs();
-  inputs.hold = StopOrder{.stopped = true};
+  inputs.stop_order = StopOrder{.stopped = true};
   CHECK(CheckFresh(inputs) == BlockedReason::kStopped);
   inputs.lease.state = Lease::State::kReleasing;
   CHECK(CheckFresh(inputs) == BlockedReason::kRelease);

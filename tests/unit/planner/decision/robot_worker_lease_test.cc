@@ -96,10 +96,10 @@ TEST_CASE("who takes a robot over tells its way, also where the last driver told
   bench.PutAll();
   bench.board.PutIntendedPath("r1", {{1, 2}});
   bench.Step();
-  CHECK(bench.wants == std::vector<IntendedPath>{{"r1", {{1, 2}}, {}}});
+  CHECK(bench.intended_paths == std::vector<IntendedPath>{{"r1", {{1, 2}}, {}}});
   bench.Report(CommandOutcome::kDone);
   bench.Step();
-  CHECK(bench.wants.size() == 1);
+  CHECK(bench.intended_paths.size() == 1);
 }
 
 TEST_CASE("nothing is wanted for a robot that another planner drives", "[planner][worker][lease]") {
@@ -111,7 +111,7 @@ TEST_CASE("nothing is wanted for a robot that another planner drives", "[planner
   const Lease lease = GENERATE(Lease{Lease::State::kNone, 0}, Lease{Lease::State::kHeld, 1});
   bench.board.PutLease("r1", lease);
   bench.Step();
-  CHECK(bench.wants.empty());
+  CHECK(bench.intended_paths.empty());
   CHECK(bench.commands.empty());
 }
 

@@ -270,7 +270,7 @@ TEST_CASE("a robot that is stopped ends its command at once and stands until it 
   bench.Report(CommandOutcome::kDone);
   bench.Step();
   CHECK(bench.commands.size() == 2);
-  CHECK(bench.board.BlockedReasonOf("r1") == "whoever stopped it to let it go");
+  CHECK(bench.board.BlockedReasonOf("r1") == "a person to resume it");
   bench.board.Put(BlockedReasonOf(2, false));
   bench.Step();
   REQUIRE(bench.commands.size() == 3);

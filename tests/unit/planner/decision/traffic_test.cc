@@ -18,8 +18,8 @@ Situation RobotAt(const std::string& robot, Cell cell, const std::vector<std::st
 }
 
 /// The first cell by which the robot makes room.
-std::optional<Cell> StepAside(const Situation& situation, const std::vector<Cell>& own_way) {
-  const RoomClaim room = MakeRoom(situation, own_way);
+std::optional<Cell> StepAside(const Situation& situation, const std::vector<Cell>& own_path) {
+  const RoomClaim room = MakeRoom(situation, own_path);
   return room.way.empty() ? std::nullopt : std::optional(room.way.front());
 }
 
@@ -129,11 +129,11 @@ TEST_CASE("shut in without a known way out: waits, then insists on its own way",
   // Nothing is known beyond the robot that stands before it.
   Situation shut_in = RobotAt("r2", {1, 3}, {"######", "??  ##", "######"});
   shut_in.neighbours = {{"r1", {1, 2}, true, {{1, 3}}}};
-  const std::vector<Cell> own_way{{1, 2}, {1, 1}};
-  CHECK(MakeRoom(shut_in, own_way).way.empty());
-  const RoomClaim claim = MakeRoom(shut_in, own_way, true);
+  const std::vector<Cell> own_path{{1, 2}, {1, 1}};
+  CHECK(MakeRoom(shut_in, own_path).way.empty());
+  const RoomClaim claim = MakeRoom(shut_in, own_path, true);
   CHECK(claim.right == RightOfWay{RightOfWay::kShutIn, "r2", 0});
-  CHECK(claim.way == own_way);
+  CHECK(claim.way == own_path);
 }
 
 TEST_CASE("for one that is shut in a robot backs off along its way, where nothing else is free",

@@ -21,7 +21,7 @@ class ScriptedMethod final : public Method {
     if (while_deciding) while_deciding();
     return next;
   }
-  std::vector<Cell> WayFor(const Situation&) override { return {{1, 2}}; }
+  std::vector<Cell> IntendedPathFor(const Situation&) override { return {{1, 2}}; }
   AwaitedInput awaits() const override { return awaits_; }
 
   Decision next;
@@ -51,8 +51,8 @@ struct WorkerBench {
         .command = [this](const RobotCommand& command) { commands.push_back(command); },
         .report = [this](const SearchReport& report) { reports.push_back(report); },
         .attention = [this](const AttentionRequest& request) { attentions.push_back(request); },
-        .way = [](const RobotState&, const MapUpdate&, const std::vector<Cell>&) {},
-        .wants = [this](const IntendedPath& way) { wants.push_back(way); }};
+        .plan = [](const RobotState&, const MapUpdate&, const std::vector<Cell>&) {},
+        .intended_path = [this](const IntendedPath& path) { intended_paths.push_back(path); }};
     worker.emplace(std::move(options), std::move(owned), board, clock, std::move(outputs));
   }
 
@@ -97,7 +97,7 @@ struct WorkerBench {
   std::vector<RobotCommand> commands;
   std::vector<SearchReport> reports;
   std::vector<AttentionRequest> attentions;
-  std::vector<IntendedPath> wants;
+  std::vector<IntendedPath> intended_paths;
   std::optional<RobotWorker> worker;
   StopToken stop;
 };

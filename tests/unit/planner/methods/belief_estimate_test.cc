@@ -5,7 +5,7 @@
 
 using namespace conav;
 using conav::planner::BeliefEstimate;
-using conav::planner::PerceptionModel;
+using conav::PerceptionModel;
 
 namespace {
 
@@ -21,7 +21,7 @@ class HalfModel final : public PerceptionModel {
     for (float& x : answer.remove.values()) x = 0.25F * x;
     return std::vector{answer};
   }
-  std::string name() const override { return "half"; }
+  ModelIdentity identity() const override { return {"half", "", ""}; }
 
   PerceptionQuery asked;
   std::optional<Error> failure;

@@ -36,7 +36,7 @@ struct Bench {
 TEST_CASE("the greedy robot takes the shortest way to its nearest goal", "[planner][greedy]") {
   Bench bench;
   CHECK(bench.Target() == Cell{1, 2});
-  CHECK(bench.method.WayFor(bench.situation).size() == 4);
+  CHECK(bench.method.IntendedPathFor(bench.situation).size() == 4);
   bench.situation.state.goals_left = {{1, 5}, {3, 1}};
   CHECK(bench.Target() == Cell{2, 1});
 }

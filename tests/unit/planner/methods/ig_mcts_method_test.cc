@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "planner/decision/traffic.h"
-#include "planner/search/perception_model.h"
+#include "common/msg/perception_model.h"
 
 using namespace conav;
 using namespace conav::planner;

@@ -66,7 +66,7 @@ TEST_CASE("after its picture the robot stands until that was answered, edits alo
   CHECK_FALSE(bench.Decide().action);
   bench.situation.belief.revision = 5;
   CHECK_FALSE(bench.Decide().action);
-  CHECK(bench.method.WayFor(bench.situation).empty());
+  CHECK(bench.method.IntendedPathFor(bench.situation).empty());
   bench.Answer();
   CHECK(bench.Snapshot());
 }
@@ -106,7 +106,7 @@ TEST_CASE("the robot of the mapping task stands while it is not told the true ma
   Bench bench;
   bench.situation.truth.reset();
   CHECK_FALSE(bench.Decide().action);
-  CHECK(bench.method.WayFor(bench.situation).empty());
+  CHECK(bench.method.IntendedPathFor(bench.situation).empty());
 }
 
 TEST_CASE("the robot of the mapping task waits for another one in its way", "[planner][mapping]") {

@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "planner/methods/ig_mcts_method.h"
-#include "planner/search/perception_model.h"
+#include "common/msg/perception_model.h"
 
 using namespace conav;
 using namespace conav::planner;

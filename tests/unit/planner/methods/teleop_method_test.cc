@@ -20,7 +20,7 @@ struct Steered {
         .command = [this](const RobotCommand& command) { commands.push_back(command); },
         .report = [](const SearchReport&) {},
         .attention = [this](const AttentionRequest&) { ++attentions; },
-        .way = [](const RobotState&, const MapUpdate&, const std::vector<Cell>&) {}};
+        .plan = [](const RobotState&, const MapUpdate&, const std::vector<Cell>&) {}};
     worker.emplace(
         RobotWorker::Options{
             .robot = "r1", .method_name = "teleop", .timeouts = {10s, 10s}, .command_ttl = 10s},

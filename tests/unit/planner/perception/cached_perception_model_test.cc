@@ -4,7 +4,7 @@
 
 #include "conformance/perception_model_conformance.h"
 #include "planner/perception/cached_model.h"
-#include "planner/search/perception_model.h"
+#include "common/msg/perception_model.h"
 
 namespace conav::planner {
 namespace {
@@ -18,7 +18,7 @@ class FailingModel final : public PerceptionModel {
     if (fails) return Fail(ErrorCode::kTimeout, "nobody answers");
     return model_.Predict(queries);
   }
-  std::string name() const override { return "failing"; }
+  ModelIdentity identity() const override { return {"failing", "", ""}; }
   bool fails = true;
 
  private:
@@ -101,7 +101,7 @@ class ChangingModel final : public PerceptionModel {
     if (next_probability) probability = *next_probability;
     return answers;
   }
-  std::string name() const override { return "changing"; }
+  ModelIdentity identity() const override { return {"changing", "", ""}; }
   std::string identity() const override { return std::to_string(probability); }
   double probability = 0.5;
   std::optional<double> next_probability;  // from the end of the next Predict() on

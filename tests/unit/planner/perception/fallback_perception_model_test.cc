@@ -52,7 +52,7 @@ struct FallbackBench {
 TEST_CASE("The primary answers while it can", "[planner][perception]") {
   FallbackBench bench;
   CHECK(bench.Ask() == 0.25F);
-  CHECK(bench.model.name() == "remote");
+  CHECK(bench.model.identity().name == "remote");
   CHECK(bench.fallback->calls == 0);
   CHECK(bench.switches.empty());
 }
@@ -63,7 +63,7 @@ TEST_CASE("The fallback answers when the primary is gone, and it is said once",
   bench.primary->failure = Error{ErrorCode::kTimeout, "no reply"};
   CHECK(bench.Ask() == 0.75F);
   CHECK(bench.Ask() == 0.75F);
-  CHECK(bench.model.name() == "fallback: glpf");
+  CHECK(bench.model.identity().name == "fallback: glpf");
   CHECK(bench.primary->calls == 1);
   CHECK(bench.switches == std::vector<std::string>{"no reply"});
 }
@@ -78,7 +78,7 @@ TEST_CASE("The primary is tried again after a pause, and taken back when it answ
   CHECK(bench.Ask() == 0.75F);
   bench.clock.Advance(milliseconds(1));
   CHECK(bench.Ask() == 0.25F);
-  CHECK(bench.model.name() == "remote");
+  CHECK(bench.model.identity().name == "remote");
   CHECK(bench.switches == std::vector<std::string>{"gone", "back"});
 }
 
@@ -131,7 +131,7 @@ TEST_CASE("An impossible query while the primary is gone does not bring it back"
   bench.clock.Advance(seconds(1));
   bench.primary->failure = Error{ErrorCode::kInvalidArgument, "bad query"};
   CHECK(bench.Ask() == -1.0F);
-  CHECK(bench.model.name() == "fallback: glpf");
+  CHECK(bench.model.identity().name == "fallback: glpf");
   CHECK(bench.switches == std::vector<std::string>{"gone"});
   bench.primary->failure.reset();
   CHECK(bench.Ask() == 0.25F);  // the try is still due

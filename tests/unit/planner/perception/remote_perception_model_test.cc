@@ -11,11 +11,11 @@ using namespace tests;
 
 TEST_CASE("The model that replied gives its name", "[planner][perception]") {
   RemoteBench bench([](auto& service, const auto& request) { service.Reply(HalfReply(request)); });
-  CHECK(bench.model->name() == "remote");
+  CHECK(bench.model->identity().name == "remote");
   const auto answers = bench.Ask();
   REQUIRE(answers);
   CHECK(answers->at(1).add[{2, 2}] == 0.5F);
-  CHECK(bench.model->name() == "half");
+  CHECK(bench.model->identity().name == "half");
   CHECK(bench.service->asked == 1);
 }
 

@@ -2,8 +2,8 @@
 #include <cstdlib>
 #include <new>
 
+#include "common/msg/perception_model.h"
 #include "planner/search/parallel_search.h"
-#include "planner/search/perception_model.h"
 #include "unit/planner/search/text_map.h"
 
 namespace {
@@ -37,7 +37,7 @@ class UncountedModel final : public PerceptionModel {
     counting = before;
     return answers;
   }
-  std::string name() const override { return "uncounted"; }
+  ModelIdentity identity() const override { return {"uncounted", "", ""}; }
 
   int calls = 0;
 
@@ -50,13 +50,13 @@ TEST_CASE("an iteration takes no memory", "[planner][search]") {
                          "#?????..#G#", "###########"},
                         {"###########", "#S..#.....#", "#.#.#.###.#", "#.#...#...#", "#.#####.#.#",
                          "#.##....#G#", "###########"});
-  const Expansion expansion = GENERATE(Expansion::kSingle, Expansion::kChain);
+  const Expansion expansion = GENERATE(Expansion::kRandom, Expansion::kChain);
   UncountedModel model;
   const auto allocations_of = [&](int iterations) {
     SearchOptions options;
     options.iterations = iterations;
     options.expansion = expansion;
-    const IgMcts search(options, model);
+    const ParallelSearch search(options, model);
     Random random(5);
     allocations = 0;
     counting = true;

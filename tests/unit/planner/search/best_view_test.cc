@@ -1,8 +1,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "common/msg/perception_model.h"
 #include "planner/search/grid_graph.h"
-#include "planner/search/perception_model.h"
 #include "planner/search/view_information.h"
 #include "unit/planner/search/text_map.h"
 

@@ -1,8 +1,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "common/msg/perception_model.h"
 #include "conformance/perception_model_conformance.h"
-#include "planner/search/perception_model.h"
 
 namespace conav::planner {
 namespace {

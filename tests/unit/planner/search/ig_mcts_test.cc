@@ -1,8 +1,9 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "common/msg/perception_model.h"
+#include "planner/search/paper_preset.h"
 #include "planner/search/parallel_search.h"
-#include "planner/search/perception_model.h"
 #include "unit/planner/search/text_map.h"
 
 namespace conav::planner {
@@ -12,7 +13,7 @@ SearchResult Decide(const SearchProblem& problem, const SearchOptions& options =
                     std::uint64_t seed = 1) {
   FakePerceptionModel model;
   Random random(seed);
-  return IgMcts(options, model).Decide(problem, random).value();
+  return ParallelSearch(options, model).Decide(problem, random).value();
 }
 
 const SearchAction& Chosen(const SearchResult& result) {
@@ -25,7 +26,6 @@ SearchOptions ByHand(int iterations, double discount = 0.5) {
   SearchOptions options = PaperOptions();
   options.iterations = iterations;
   options.discount = discount;
-  options.untried_order = UntriedOrder::kMovesFirst;
   return options;
 }
 
@@ -75,7 +75,6 @@ TEST_CASE("an uncertain goal is weighed by its feasibility", "[planner][search]"
   world.problem.goals_left = {{1, 3}};
   SearchOptions options = ByHand(1);
   options.expansion = Expansion::kChain;
-  options.chain_depth = 2;
   const SearchResult result = Decide(world.problem, options);
   CHECK(result.nodes == 3);
   CHECK(result.actions[0].mean_value == Approx(-1.0 + 0.5 * (0.5 * 100.0 + 0.5 * 0.0)));
@@ -203,34 +202,13 @@ TEST_CASE("nothing is decided when no goal is left or nothing can be done", "[pl
   CHECK(result.actions.empty());
 }
 
-TEST_CASE("a chain adds several nodes in one iteration, at most its depth", "[planner][search]") {
-  const TextWorld world({"########", "#S....G#", "########"}, kNoViews);
+TEST_CASE("a chain adds several nodes in one iteration, up to a limit", "[planner][search]") {
+  const TextWorld world({"################", "#S............G#", "################"}, kNoViews);
   SearchOptions options = ByHand(1);
   options.expansion = Expansion::kChain;
-  options.chain_depth = 3;
-  CHECK(Decide(world.problem, options).nodes == 1 + 3);
-  options.expansion = Expansion::kSingle;
+  CHECK(Decide(world.problem, options).nodes == 1 + kMostOfChain);
+  options.expansion = GENERATE(Expansion::kMovesFirst, Expansion::kRandom);
   CHECK(Decide(world.problem, options).nodes == 1 + 1);
-}
-
-TEST_CASE("the misprinted backup chooses badly where the right one does not", "[planner][search]") {
-  // The goal lies two steps east; a rollout's return alone says nothing of the way there.
-  TextWorld world({"######", "#S..G#", "######"}, {"######", "#S#.G#", "######"});
-  world.problem.guidance = {{1, 1}, {1, 2}, {1, 3}, {1, 4}};
-  int right = 0, misprint = 0;  // moves
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    SearchOptions options = ByHand(1000, 0.99);
-    right += Chosen(Decide(world.problem, options, seed)).kind == CommandKind::kMove ? 1 : 0;
-    options.backup = BackupRule::kRolloutReturn;
-    const SearchResult result = Decide(world.problem, options, seed);
-    if (Chosen(result).kind == CommandKind::kMove) {
-      ++misprint;
-    } else {
-      CHECK(Chosen(result).mean_value == 0.0);  // a communication's own reward is lost
-    }
-  }
-  CHECK(right >= 19);
-  CHECK(misprint <= 2);
 }
 
 TEST_CASE("the same seed gives the same tree", "[planner][search]") {
@@ -251,7 +229,7 @@ TEST_CASE("a deadline and a stop end the search after the iteration in progress"
           "[planner][search]") {
   const TextWorld world({"#####", "#S.G#", "#####"});
   FakePerceptionModel model;
-  const IgMcts planner({}, model);
+  const ParallelSearch planner({}, model);
   Random random(1);
   FakeClock clock;
   const SearchResult late =
@@ -270,26 +248,14 @@ TEST_CASE("a perception model that fails fails the decision", "[planner][search]
         std::span<const PerceptionQuery> /*queries*/) override {
       return Fail(ErrorCode::kUnavailable, "gone");
     }
-    std::string name() const override { return "gone"; }
+    ModelIdentity identity() const override { return {"gone", "", ""}; }
   };
   const TextWorld world({"#####", "#S.G#", "#####"});
   Gone model;
   Random random(1);
-  const auto result = IgMcts({}, model).Decide(world.problem, random);
+  const auto result = ParallelSearch({}, model).Decide(world.problem, random);
   REQUIRE_FALSE(result.has_value());
   CHECK(result.error().code == ErrorCode::kUnavailable);
-}
-
-TEST_CASE("how views are asked about changes no decision", "[planner][search]") {
-  TextWorld world({"#######", "#S.?..#", "#.#.#.#", "#..?.G#", "#######"},
-                  {"#######", "#S..#.#", "#.#.#.#", "#....G#", "#######"});
-  SearchOptions options;
-  const SearchResult singly = Decide(world.problem, options);
-  options.view_questions = ViewQuestions::kPlace;
-  const SearchResult by_place = Decide(world.problem, options);
-  CHECK(by_place.actions == singly.actions);
-  CHECK(by_place.perception_queries > singly.perception_queries);
-  CHECK(by_place.perception_calls < singly.perception_calls);
 }
 
 TEST_CASE("few calls of the perception model serve many iterations", "[planner][search]") {

@@ -47,15 +47,16 @@ TEST_CASE("the reward of a move is the sum of its terms", "[planner][search]") {
   world.problem.guidance = {{1, 2}};
   PathState path(world.problem);
   path.Go(world.EdgeBetween({1, 1}, {1, 2}));
-  CHECK(MoveReward(path, kOptions) == Approx(-1.0 + 0.0 - 0.0 + 1.0));  // on the path, nearer
+  CHECK(MoveTerms(path, kOptions).Sum() == Approx(-1.0 + 0.0 - 0.0 + 1.0));  // on the path, nearer
   path.Go(world.EdgeBetween({1, 2}, {2, 2}));
-  CHECK(MoveReward(path, kOptions) == Approx(-1.0 - std::log(3.0) - 0.0 - 1.0));
+  CHECK(MoveTerms(path, kOptions).Sum() == Approx(-1.0 - std::log(3.0) - 0.0 - 1.0));
   path.Go(world.EdgeBetween({2, 2}, {2, 1}));
   path.Go(world.EdgeBetween({2, 1}, {1, 1}));
-  CHECK(MoveReward(path, kOptions) == Approx(-1.0 - std::log(5.0) - 1.0 + 1.0));  // second visit
+  CHECK(MoveTerms(path, kOptions).Sum() ==
+        Approx(-1.0 - std::log(5.0) - 1.0 + 1.0));  // second visit
   RewardOptions paper = kOptions;
   paper.progress = 0.0;
-  CHECK(MoveReward(path, paper) == Approx(-1.0 - std::log(5.0) - 1.0));
+  CHECK(MoveTerms(path, paper).Sum() == Approx(-1.0 - std::log(5.0) - 1.0));
 }
 
 TEST_CASE("entering a goal gives its reward beside the other terms", "[planner][search]") {
@@ -63,17 +64,19 @@ TEST_CASE("entering a goal gives its reward beside the other terms", "[planner][
   world.problem.guided_before = true;
   PathState path(world.problem);
   path.Go(world.EdgeBetween({1, 1}, {1, 2}));
-  CHECK(MoveReward(path, kOptions) == Approx(100.0 - std::log(2.0) + 1.0));
+  CHECK(MoveTerms(path, kOptions).Sum() == Approx(100.0 - std::log(2.0) + 1.0));
 }
 
 TEST_CASE("a communication gives its information less its cost", "[planner][search]") {
   TextWorld world({"######", "#S..G#", "######"});
   world.problem.guidance = {{1, 1}, {1, 2}, {1, 3}, {1, 4}};
   const PathState path(world.problem);
-  CHECK(CommunicationReward(path, 0.0, 1.75, kOptions) == Approx(1.75 - 13.0));
+  CHECK(RewardOfPicture(path, 0.0, 1.75, kOptions).Sum() == Approx(1.75 - 13.0));
   RewardOptions with_step = kOptions;
   with_step.communication_step = -1.0;
-  CHECK(CommunicationReward(path, 0.0, 1.75, with_step) == Approx(1.75 - 14.0));
+  CHECK(RewardOfPicture(path, 0.0, 1.75, with_step).Sum() == Approx(1.75 - 14.0));
+  CHECK(RewardOfPicture(path, 0.0, 1.75, with_step).Terms() ==
+        RewardTerms{.steps = -1.0, .information = 1.75, .communication = -13.0});
 }
 
 TEST_CASE("a view costs the turn away from where the robot looks", "[planner][search]") {
@@ -83,7 +86,7 @@ TEST_CASE("a view costs the turn away from where the robot looks", "[planner][se
   RewardOptions options = kOptions;
   options.view_turn = 2.0;
   CHECK(TurnCost(path, 0.2, options) == Approx(0.6));
-  CHECK(CommunicationReward(path, 0.2, 0.0, options) == Approx(-10.0 - 0.6));
+  CHECK(RewardOfPicture(path, 0.2, 0.0, options).Sum() == Approx(-10.0 - 0.6));
   path.Go(world.EdgeBetween({1, 1}, {2, 1}));  // south
   CHECK(TurnCost(path, 0.0, options) == Approx(std::numbers::pi));
   CHECK(TurnCost(path, std::numbers::pi, options) == Approx(std::numbers::pi));

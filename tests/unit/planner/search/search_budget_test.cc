@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 
+#include "common/msg/perception_model.h"
 #include "planner/search/parallel_search.h"
-#include "planner/search/perception_model.h"
 #include "planner/search/search_options.h"
 #include "unit/planner/search/text_map.h"
 
@@ -30,7 +30,7 @@ class SlowModel final : public PerceptionModel {
     if (calls++ >= quick_calls_) clock_.Advance(kTimeout);
     return model_.Predict(queries);
   }
-  std::string name() const override { return "slow"; }
+  ModelIdentity identity() const override { return {"slow", "", ""}; }
 
   static constexpr milliseconds kTimeout{2000};
   int calls = 0;
@@ -67,7 +67,7 @@ TEST_CASE(
   SearchOptions options = WithBudget(5.0);
   options.trees = trees;
   const auto result =
-      IgMcts(options, model).Decide(world.problem, random, {.clock = &clock}).value();
+      ParallelSearch(options, model).Decide(world.problem, random, {.clock = &clock}).value();
   // Looks 0 (the deadline is 5), 1, ... 5, the last ones after an iteration each.
   CHECK(clock.looks() == 6);
   CHECK(result.iterations == 5);
@@ -81,7 +81,9 @@ TEST_CASE("without a budget of time nobody looks at the clock", "[planner][searc
   Random random(1);
   SearchOptions options;
   options.iterations = 10;
-  CHECK(IgMcts(options, model).Decide(world.problem, random, {.clock = &clock})->iterations == 10);
+  CHECK(
+      ParallelSearch(options, model).Decide(world.problem, random, {.clock = &clock})->iterations ==
+      10);
   CHECK(clock.looks() == 0);
 }
 
@@ -91,7 +93,7 @@ TEST_CASE("the caller's deadline and the budget: the earlier one counts", "[plan
   LookedAtClock clock;
   Random random(1);
   const Clock::TimePoint deadline = Clock::TimePoint() + milliseconds(3);
-  const auto result = IgMcts(WithBudget(50.0), model)
+  const auto result = ParallelSearch(WithBudget(50.0), model)
                           .Decide(world.problem, random, {.clock = &clock, .deadline = deadline});
   CHECK(result.value().iterations == 3);
 }
@@ -103,8 +105,9 @@ TEST_CASE("one slow question in the middle of a search ends it", "[planner][sear
   SlowModel model(clock, quick_calls);
   Random random(1);
   const auto start = clock.Now();
-  const auto result =
-      IgMcts(WithBudget(5.0), model).Decide(world.problem, random, {.clock = &clock}).value();
+  const auto result = ParallelSearch(WithBudget(5.0), model)
+                          .Decide(world.problem, random, {.clock = &clock})
+                          .value();
   CHECK(model.calls == quick_calls + 1);
   CHECK(clock.Now() - start == SlowModel::kTimeout);
   CHECK(result.chosen >= 0);
@@ -117,8 +120,9 @@ TEST_CASE("a root whose views take all of the time leaves one iteration, with on
   SlowModel model(clock, 0);
   Random random(GENERATE(1, 2, 3, 4));
   const auto start = clock.Now();
-  const auto result =
-      IgMcts(WithBudget(5.0), model).Decide(world.problem, random, {.clock = &clock}).value();
+  const auto result = ParallelSearch(WithBudget(5.0), model)
+                          .Decide(world.problem, random, {.clock = &clock})
+                          .value();
   CHECK(result.iterations == 1);
   CHECK(clock.Now() - start <= 2 * SlowModel::kTimeout);
   CHECK(result.chosen >= 0);

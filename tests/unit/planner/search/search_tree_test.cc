@@ -1,7 +1,7 @@
 #include "planner/search/search_tree.h"
 
 #include <catch2/catch.hpp>
-#include <cmath>
+#include <numbers>
 
 namespace conav::planner {
 namespace {
@@ -15,17 +15,13 @@ SearchNode Child(int parent, int action, double reward = 0.0, double feasibility
   return node;
 }
 
-SearchOptions Discount(double discount) {
-  SearchOptions options = PaperOptions();
-  options.discount = discount;
-  return options;
-}
+constexpr double kExploration = std::numbers::sqrt2;  // the paper's
 
 TEST_CASE("a backup propagates the sample with rewards and discount", "[planner][search]") {
   SearchTree tree(0);
   const int a = tree.Add(Child(SearchTree::kRoot, 0, -1.0));
   const int b = tree.Add(Child(a, 0, -2.0));
-  tree.Backup(b, 10.0, Discount(0.5));
+  tree.Backup(b, 10.0, 0.5);
   CHECK(tree.node(b).total_return == Approx(-2.0 + 0.5 * 10.0));  // 3
   CHECK(tree.node(a).total_return == Approx(-1.0 + 0.5 * 3.0));   // 0.5
   CHECK(tree.node(SearchTree::kRoot).total_return == Approx(0.0 + 0.5 * 0.5));
@@ -36,9 +32,9 @@ TEST_CASE("above an uncertain move the estimate takes the place of what may not 
           "[planner][search]") {
   SearchTree tree(0);
   const int a = tree.Add(Child(SearchTree::kRoot, 0, -1.0));
-  tree.Backup(a, 4.0, Discount(1.0));  // Q(a) = 3, N(a) = 1
+  tree.Backup(a, 4.0, 1.0);  // Q(a) = 3, N(a) = 1
   const int b = tree.Add(Child(a, 0, -2.0, 0.5));
-  tree.Backup(b, 10.0, Discount(1.0));
+  tree.Backup(b, 10.0, 1.0);
   CHECK(tree.node(b).total_return == Approx(8.0));  // its own delta does not weigh its rollout
   // At a: delta = 0.5 of b, Q(a)/N(a) = 3 before this visit.
   const double at_a = -1.0 + (0.5 * 8.0 + 0.5 * 3.0);
@@ -51,61 +47,33 @@ TEST_CASE("an unvisited node's estimate is 0", "[planner][search]") {
   SearchTree tree(0);
   const int a = tree.Add(Child(SearchTree::kRoot, 0, 0.0));
   const int b = tree.Add(Child(a, 0, 0.0, 0.5));
-  tree.Backup(b, 8.0, Discount(1.0));
+  tree.Backup(b, 8.0, 1.0);
   CHECK(tree.node(a).total_return == Approx(0.5 * 8.0));
-}
-
-TEST_CASE("the printed Q += q forgets rewards and discount", "[planner][search]") {
-  SearchOptions misprint = Discount(0.5);
-  misprint.backup = BackupRule::kRolloutReturn;
-  SearchTree tree(0);
-  const int a = tree.Add(Child(SearchTree::kRoot, 0, -100.0));
-  tree.Backup(a, 10.0, misprint);
-  CHECK(tree.node(a).total_return == 10.0);
-  CHECK(tree.node(SearchTree::kRoot).total_return == 10.0);
 }
 
 TEST_CASE("selection takes the largest upper confidence bound", "[planner][search]") {
   SearchTree tree(0);
-  const SearchOptions options = Discount(1.0);
   const int good = tree.Add(Child(SearchTree::kRoot, 0, 1.0));
   const int rare = tree.Add(Child(SearchTree::kRoot, 1, 0.5));
   Random random(1);
-  tree.Backup(rare, 0.0, options);
+  tree.Backup(rare, 0.0, 1.0);
   // N(root) = n + 1: 1 + sqrt 2 sqrt(log(n + 1) / n) against 0.5 + sqrt 2 sqrt(log(n + 1))
-  tree.Backup(good, 0.0, options);
-  CHECK(tree.SelectChild(SearchTree::kRoot, options, random) == good);
-  tree.Backup(good, 0.0, options);
-  tree.Backup(good, 0.0, options);  // 1 + 0.961 against 0.5 + 1.665
-  CHECK(tree.SelectChild(SearchTree::kRoot, options, random) == rare);
-}
-
-TEST_CASE("selection can weigh values by feasibility", "[planner][search]") {
-  SearchOptions options = Discount(1.0);
-  SearchTree tree(0);
-  const int sure = tree.Add(Child(SearchTree::kRoot, 0, 3.0));
-  const int unsure = tree.Add(Child(SearchTree::kRoot, 1, 4.0, 0.1));
-  tree.Backup(sure, 0.0, options);
-  tree.Backup(unsure, 0.0, options);  // at the root: 0.1 * 4 + 0.9 * 3 = 3.1, so Q/N = 3.05
-  Random random(1);
-  CHECK(tree.SelectChild(SearchTree::kRoot, options, random) == unsure);
-  options.selection_uses_feasibility = true;  // 0.1 * 4 + 0.9 * 3.05 = 3.145
-  CHECK(tree.SelectChild(SearchTree::kRoot, options, random) == unsure);
-  tree.Backup(sure, 0.0, options);
-  tree.Backup(unsure, -20.0, options);
-  CHECK(tree.SelectChild(SearchTree::kRoot, options, random) == sure);
+  tree.Backup(good, 0.0, 1.0);
+  CHECK(tree.SelectChild(SearchTree::kRoot, kExploration, random) == good);
+  tree.Backup(good, 0.0, 1.0);
+  tree.Backup(good, 0.0, 1.0);  // 1 + 0.961 against 0.5 + 1.665
+  CHECK(tree.SelectChild(SearchTree::kRoot, kExploration, random) == rare);
 }
 
 TEST_CASE("equal bounds are chosen between at random", "[planner][search]") {
-  const SearchOptions options = Discount(1.0);
   SearchTree tree(0);
   for (int action = 0; action < 3; ++action) {
-    tree.Backup(tree.Add(Child(SearchTree::kRoot, action, 1.0)), 0.0, options);
+    tree.Backup(tree.Add(Child(SearchTree::kRoot, action, 1.0)), 0.0, 1.0);
   }
   Random random(5);
   std::vector<int> counts(4, 0);
   for (int i = 0; i < 3000; ++i) {
-    ++counts[static_cast<std::size_t>(tree.SelectChild(SearchTree::kRoot, options, random))];
+    ++counts[static_cast<std::size_t>(tree.SelectChild(SearchTree::kRoot, kExploration, random))];
   }
   for (int child = 1; child <= 3; ++child) {
     CHECK(counts[static_cast<std::size_t>(child)] > 900);
@@ -113,19 +81,18 @@ TEST_CASE("equal bounds are chosen between at random", "[planner][search]") {
 }
 
 TEST_CASE("the choice is the most visited, then the better, then the first", "[planner][search]") {
-  const SearchOptions options = Discount(1.0);
   SearchTree tree(0);
   CHECK(tree.MostVisitedChild(SearchTree::kRoot) == -1);
   const int third = tree.Add(Child(SearchTree::kRoot, 2, 1.0));
   const int first = tree.Add(Child(SearchTree::kRoot, 0, 1.0));
   const int better = tree.Add(Child(SearchTree::kRoot, 1, 2.0));
-  tree.Backup(third, 0.0, options);
+  tree.Backup(third, 0.0, 1.0);
   CHECK(tree.MostVisitedChild(SearchTree::kRoot) == third);
-  tree.Backup(first, 0.0, options);
+  tree.Backup(first, 0.0, 1.0);
   CHECK(tree.MostVisitedChild(SearchTree::kRoot) == first);
-  tree.Backup(better, 0.0, options);
+  tree.Backup(better, 0.0, 1.0);
   CHECK(tree.MostVisitedChild(SearchTree::kRoot) == better);
-  tree.Backup(third, 0.0, options);
+  tree.Backup(third, 0.0, 1.0);
   CHECK(tree.MostVisitedChild(SearchTree::kRoot) == third);
 }
 

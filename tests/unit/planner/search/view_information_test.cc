@@ -2,8 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "common/msg/perception_model.h"
 #include "common/runtime/random.h"
-#include "planner/search/perception_model.h"
 #include "unit/planner/search/text_map.h"
 
 namespace conav::planner {
@@ -19,7 +19,7 @@ class CountingModel final : public PerceptionModel {
     asked.insert(asked.end(), queries.begin(), queries.end());
     return fake_.Predict(queries);
   }
-  std::string name() const override { return "counting"; }
+  ModelIdentity identity() const override { return {"counting", "", ""}; }
 
   bool fails = false;
   int calls = 0;
@@ -57,22 +57,6 @@ TEST_CASE("all views of a place can be asked in one call", "[planner][search]") 
   CHECK(information.counts().cached == 8);
   CHECK(model.asked[2].heading_rad == world.graph.HeadingsAt(0)[2]);
   CHECK(model.asked[2].visible == world.graph.ViewFrom(world.problem.start, 2));
-}
-
-TEST_CASE("where all views of a place are to be asked about, the first that is wanted brings them",
-          "[planner][search]") {
-  const TextWorld world({"#####", "#S..#", "#####"});
-  CountingModel model;
-  const OfferedActions offered(world.problem);
-  ViewInformation singly(world.problem, offered, model);
-  ViewInformation information(world.problem, offered, model, ViewQuestions::kPlace);
-  const PathState path(world.problem);
-  const double alone = singly.Of(path, 5).value();
-  CHECK(information.Of(path, 5).value() == alone);
-  CHECK(model.calls == 2);
-  CHECK(model.asked.size() == 1 + 8);
-  REQUIRE(information.Of(path, 3).has_value());
-  CHECK(model.calls == 2);
 }
 
 TEST_CASE("what an operator is expected to do is weighed by how far they do so",

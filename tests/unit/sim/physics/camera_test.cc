@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <map>
 #include <set>
 #include <string>
 
+#include "common/runtime/random.h"
 #include "unit/sim/physics/mazes.h"
 
 namespace conav::sim {
@@ -37,7 +39,7 @@ int CountKind(const Grid<PixelLabel>& labels, PixelKind kind) {
   return static_cast<int>(std::ranges::count(labels.values(), kind, &PixelLabel::kind));
 }
 
-TEST_CASE("pictures have the size asked for and show something", "[sim][physics][camera]") {
+TEST_CASE("pictures have the size asked for and show something", "[camera]") {
   const auto world = OpenWorld(MakeWorld(test::kMaze));
   const auto [width, height] =
       GENERATE(std::pair{320, 192}, std::pair{640, 480}, std::pair{64, 64});
@@ -53,8 +55,7 @@ TEST_CASE("pictures have the size asked for and show something", "[sim][physics]
   CHECK(decoded->height == height);
 }
 
-TEST_CASE("pictures differ between headings and repeat at the same pose",
-          "[sim][physics][camera]") {
+TEST_CASE("pictures differ between headings and repeat at the same pose", "[camera]") {
   const auto world = OpenWorld(MakeWorld(test::kMaze));
   const auto camera = OpenCamera(*world);
   std::set<std::string> pictures;
@@ -66,16 +67,14 @@ TEST_CASE("pictures differ between headings and repeat at the same pose",
     }
   }
   CHECK(pictures.size() == 8);
-}
-
-TEST_CASE("the sky is up, the floor is down", "[sim][physics][camera]") {
-  const auto world = OpenWorld(MakeWorld(test::kHall, {3, 1}));
-  const auto labels = OpenCamera(*world)->RenderSegmentation(0);
+  // The sky is up, the floor is down.
+  const auto hall = OpenWorld(MakeWorld(test::kHall, {3, 1}));
+  const auto labels = OpenCamera(*hall)->RenderSegmentation(0);
   CHECK(labels[{0, 160}].kind == PixelKind::kNone);
   CHECK(labels[{191, 160}].kind == PixelKind::kFloor);
 }
 
-TEST_CASE("taking pictures does not change the motion", "[sim][physics][camera]") {
+TEST_CASE("taking pictures does not change the motion", "[camera]") {
   const auto drive = [](bool with_camera) {
     const auto world = OpenWorld(MakeWorld(test::kMaze));
     const auto camera = OpenCamera(*world);
@@ -90,8 +89,19 @@ TEST_CASE("taking pictures does not change the motion", "[sim][physics][camera]"
   CHECK(drive(true) == drive(false));
 }
 
-TEST_CASE("a goal is seen in its place until it is hidden", "[sim][physics][camera]") {
+TEST_CASE("a robot sees another robot, never itself, and a goal in its place until it is hidden",
+          "[camera]") {
   PhysicsWorld spec = MakeWorld(test::kMaze);
+  spec.robots.push_back({"r2", {1, 2}, 0.0});
+  const auto meeting = OpenWorld(spec);
+  const auto beside = OpenCamera(*meeting);
+  const auto robots = beside->RenderSegmentation(0);
+  CHECK(CountKind(robots, PixelKind::kRobot) > 100);
+  for (const PixelLabel& label : robots.values()) {
+    if (label.kind == PixelKind::kRobot) CHECK(label.index == 1);
+  }
+  CHECK(CountKind(beside->RenderSegmentation(1), PixelKind::kRobot) == 0);
+  spec.robots.pop_back();
   spec.goals = {{{5, 5}, 1}, {{1, 3}, 0}};
   const auto world = OpenWorld(spec);
   const auto camera = OpenCamera(*world);
@@ -104,20 +114,7 @@ TEST_CASE("a goal is seen in its place until it is hidden", "[sim][physics][came
   CHECK(CountKind(camera->RenderSegmentation(0), PixelKind::kGoal) == 0);
 }
 
-TEST_CASE("a robot sees another robot, and never itself", "[sim][physics][camera]") {
-  PhysicsWorld spec = MakeWorld(test::kMaze);
-  spec.robots.push_back({"r2", {1, 2}, 0.0});
-  const auto world = OpenWorld(spec);
-  const auto camera = OpenCamera(*world);
-  const auto labels = camera->RenderSegmentation(0);
-  CHECK(CountKind(labels, PixelKind::kRobot) > 100);
-  for (const PixelLabel& label : labels.values()) {
-    if (label.kind == PixelKind::kRobot) CHECK(label.index == 1);
-  }
-  CHECK(CountKind(camera->RenderSegmentation(1), PixelKind::kRobot) == 0);
-}
-
-TEST_CASE("two cameras of different sizes work side by side", "[sim][physics][camera]") {
+TEST_CASE("two cameras of different sizes work side by side", "[camera]") {
   const auto world = OpenWorld(MakeWorld(test::kMaze));
   const auto small = OpenCamera(*world, {320, 192});
   const std::vector<std::uint8_t> before = small->Render(0).rgb;
@@ -129,7 +126,7 @@ TEST_CASE("two cameras of different sizes work side by side", "[sim][physics][ca
   CHECK(small->Render(0).rgb == before);
 }
 
-TEST_CASE("the picture from above shows the whole map, north up", "[sim][physics][camera]") {
+TEST_CASE("the picture from above shows the whole map, north up", "[camera]") {
   // Only the north-west corner is a wall; red stands for it by difference.
   PhysicsWorld spec = MakeWorld({"#....", ".....", ".....", ".....", "....."}, {4, 4});
   const auto world = OpenWorld(spec);
@@ -143,18 +140,128 @@ TEST_CASE("the picture from above shows the whole map, north up", "[sim][physics
   CHECK(ColorCount(image) > 50);
 }
 
-TEST_CASE("impossible sizes are refused by name", "[sim][physics][camera]") {
+TEST_CASE("impossible sizes are refused by name; the field of view follows the picture's shape",
+          "[camera]") {
   const auto world = OpenWorld(MakeWorld(test::kMaze));
   const auto camera_result = Camera::Open(*world, {0, 192});
   REQUIRE_FALSE(camera_result);
   CHECK(camera_result.error().code == ErrorCode::kInvalidArgument);
   CHECK_THAT(camera_result.error().text, Catch::Matchers::Contains("0x192"));
   CHECK_FALSE(Camera::Open(*world, {320, 5000}));
-}
-
-TEST_CASE("the horizontal field of view follows the picture's shape", "[sim][physics][camera]") {
   CHECK(HorizontalFov(100, 100) == Approx(kCameraVerticalFovRad));
   CHECK(HorizontalFov(320, 192) == Approx(2.0 * std::atan(5.0 / 3.0 * std::tan(0.6981317))));
+}
+
+/// Left half red, right half blue.
+RgbImage TwoColors(int width, int height) {
+  RgbImage image{width, height, {}};
+  for (int i = 0; i < width * height; ++i) {
+    const bool left = i % width < width / 2;
+    for (const int value : {left ? 200 : 20, 30, left ? 20 : 200}) {
+      image.rgb.push_back(static_cast<std::uint8_t>(value));
+    }
+  }
+  return image;
+}
+
+TEST_CASE("a JPEG decodes to its size and colours, a lower quality gives fewer bytes",
+          "[physics]") {
+  RgbImage image = TwoColors(320, 192);
+  const auto jpeg = EncodeJpeg(image, 90);
+  REQUIRE(jpeg);
+  const auto decoded = DecodeJpeg(*jpeg);
+  REQUIRE(decoded);
+  CHECK(decoded->width == 320);
+  CHECK(decoded->height == 192);
+  CHECK(static_cast<int>(decoded->rgb[0]) == Approx(200).margin(8));
+  CHECK(static_cast<int>(decoded->rgb[2]) == Approx(20).margin(8));
+  CHECK(EncodeJpeg(image, 90).value() == *jpeg);
+  for (std::size_t i = 0; i < image.rgb.size(); ++i) {
+    image.rgb[i] = static_cast<std::uint8_t>(image.rgb[i] ^ (i * 2654435761U >> 28));
+  }
+  CHECK(EncodeJpeg(image, 20)->size() < EncodeJpeg(image, 95)->size());
+}
+
+TEST_CASE("pictures that are not whole and bytes that are no picture are refused", "[physics]") {
+  CHECK(EncodeJpeg({}, 90).error().code == ErrorCode::kInvalidArgument);
+  CHECK(EncodeJpeg({2, 2, {1, 2, 3}}, 90).error().code == ErrorCode::kInvalidArgument);
+  CHECK(EncodeJpeg(TwoColors(8, 8), 0).error().code == ErrorCode::kInvalidArgument);
+  CHECK(EncodeJpeg(TwoColors(8, 8), 101).error().code == ErrorCode::kInvalidArgument);
+  CHECK(DecodeJpeg({}).error().code == ErrorCode::kMalformed);
+  CHECK(DecodeJpeg({1, 2, 3, 4}).error().code == ErrorCode::kMalformed);
+}
+
+/// CastView, the two-dimensional model of what a picture shows, against MuJoCo's segmentation of
+/// the picture itself (docs/paper.md).
+
+using test::MakeWorld;
+
+constexpr int kPoses = 100;
+constexpr int kCoveredPixels = 20;
+
+struct Shown {
+  std::map<Cell, int> floor;  // pixels by cell
+  std::map<Cell, int> walls;
+};
+
+Shown CountPixels(const Grid<PixelLabel>& labels) {
+  Shown shown;
+  for (const PixelLabel& label : labels.values()) {
+    if (label.kind == PixelKind::kFloor) ++shown.floor[label.cell];
+    if (label.kind == PixelKind::kWall) ++shown.walls[label.cell];
+  }
+  return shown;
+}
+
+struct Tally {
+  int covered = 0;  // cells of at least kCoveredPixels
+  int missed = 0;   // of these, not in CastView
+  int walls = 0;    // walls in CastView
+  int unshown = 0;  // of these, without a single pixel
+};
+
+void Compare(const std::map<Cell, int>& shown, const std::vector<Cell>& cast, Tally& tally) {
+  for (const auto& [cell, pixels] : shown) {
+    if (pixels < kCoveredPixels) continue;
+    ++tally.covered;
+    if (!std::ranges::binary_search(cast, cell)) ++tally.missed;
+  }
+}
+
+TEST_CASE("CastView agrees with MuJoCo's segmentation", "[camera]") {
+  const auto [width, height] =
+      GENERATE(std::pair{320, 192}, std::pair{640, 480}, std::pair{256, 256});
+  const test::Rows& rows =
+      GENERATE(std::cref(test::kMaze), std::cref(test::kWideMaze), std::cref(test::kHall));
+  const double cell_size_m = GENERATE(1.0, 2.0);
+  const PhysicsWorld spec = MakeWorld(rows, {1, 1}, cell_size_m);
+  auto world_result = RobotWorld::Create(spec);
+  REQUIRE(world_result);
+  RobotWorld& world = **world_result;
+  auto camera_result = Camera::Open(world, {width, height});
+  REQUIRE(camera_result);
+  Tally tally;
+  Random random(11);
+  const std::vector<Cell> cells = test::FreeCells(spec.truth);
+  for (int pose = 0; pose < kPoses; ++pose) {
+    const Cell cell = cells[static_cast<std::size_t>(
+        random.Uniform(0, static_cast<std::int64_t>(cells.size()) - 1))];
+    const double heading_rad = HeadingFromIndex(static_cast<int>(random.Uniform(0, 23)), 24);
+    world.Teleport(0, world.geometry().CellToPosition(cell), heading_rad);
+    const Shown shown = CountPixels((*camera_result)->RenderSegmentation(0));
+    const VisibleCells cast =
+        CastView(spec.truth, ViewAt(cell, heading_rad, cell_size_m, width, height));
+    Compare(shown.floor, cast.free, tally);
+    Compare(shown.walls, cast.walls, tally);
+    for (const Cell wall : cast.walls) {
+      ++tally.walls;
+      if (!shown.walls.contains(wall)) ++tally.unshown;
+    }
+  }
+  CAPTURE(width, height, cell_size_m, tally.covered, tally.walls);
+  CHECK(tally.covered > 500);
+  CHECK(tally.missed == 0);
+  CHECK(tally.unshown <= tally.walls / 100);  // slivers under a pixel wide
 }
 
 }  // namespace

@@ -4,11 +4,12 @@
 #include "sim/physics/camera.h"
 #include "unit/sim/physics/mazes.h"
 
-// A program of its own: EGL looks for its drivers once per process.
 namespace conav::sim {
+namespace {
 
-TEST_CASE("without an EGL driver the error says what was tried and what to install",
-          "[sim][physics][camera]") {
+// A program of its own: EGL looks for its drivers once per process.
+
+TEST_CASE("without an EGL driver the error says what was tried and what to install", "[camera]") {
   setenv("__EGL_VENDOR_LIBRARY_DIRS", "/nonexistent", 1);
   const auto world_result = RobotWorld::Create(test::MakeWorld(test::kMaze));
   REQUIRE(world_result);
@@ -19,4 +20,5 @@ TEST_CASE("without an EGL driver the error says what was tried and what to insta
   CHECK_THAT(camera_result.error().text, Catch::Matchers::Contains("default display"));
 }
 
+}  // namespace
 }  // namespace conav::sim

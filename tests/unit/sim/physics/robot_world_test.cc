@@ -41,7 +41,7 @@ std::vector<Cell> FreeNeighbours(const OccupancyGrid& truth, Cell cell) {
   return neighbours;
 }
 
-TEST_CASE("a robot starts at rest in its cell with its heading", "[sim][physics]") {
+TEST_CASE("a robot starts at rest in its cell with its heading", "[physics]") {
   PhysicsWorld spec = MakeWorld(test::kMaze, {3, 3});
   spec.robots[0].heading_rad = 2.0;
   const auto world = Open(spec);
@@ -54,7 +54,7 @@ TEST_CASE("a robot starts at rest in its cell with its heading", "[sim][physics]
 }
 
 // Figures measured on MemoryMaze's robot: metres per 4 Hz step from rest, then let go.
-TEST_CASE("rolling speeds up and coasts like MemoryMaze's ball", "[sim][physics]") {
+TEST_CASE("rolling speeds up and coasts like MemoryMaze's ball", "[physics]") {
   const auto world = Open(MakeWorld({"###########", "#.........#", "###########"}));
   const double driven[] = {0.224, 0.437, 0.486, 0.497, 0.499};
   const double coasted[] = {0.275, 0.062, 0.014};
@@ -70,8 +70,7 @@ TEST_CASE("rolling speeds up and coasts like MemoryMaze's ball", "[sim][physics]
   for (const double expected : coasted) CHECK(step() == Approx(expected).margin(0.004));
 }
 
-TEST_CASE("steering turns 14 degrees in the first step and 18.4 in each further",
-          "[sim][physics]") {
+TEST_CASE("steering turns 14 degrees in the first step and 18.4 in each further", "[physics]") {
   const auto world = Open(MakeWorld(test::kMaze));
   world->Drive(0, 0.0, 1.0);  // to the right: clockwise
   world->Step();
@@ -83,7 +82,7 @@ TEST_CASE("steering turns 14 degrees in the first step and 18.4 in each further"
   }
 }
 
-TEST_CASE("a move into each direction ends near the centre in under 20 steps", "[sim][physics]") {
+TEST_CASE("a move into each direction ends near the centre in under 20 steps", "[physics]") {
   const auto world = Open(MakeWorld(test::kHall, {3, 4}));
   for (const Cell offset : kNeighbourOffsets) {
     const Cell target = Cell{3, 4} + offset;
@@ -96,7 +95,7 @@ TEST_CASE("a move into each direction ends near the centre in under 20 steps", "
   }
 }
 
-TEST_CASE("200 random moves stay in the maze, short and centred", "[sim][physics]") {
+TEST_CASE("200 random moves stay in the maze, short and centred", "[physics]") {
   const double cell_size_m = GENERATE(1.0, 2.0, 3.0);
   const auto world = Open(MakeWorld(test::kMaze, {1, 1}, cell_size_m));
   const OccupancyGrid& truth = world->world().truth;
@@ -120,7 +119,7 @@ TEST_CASE("200 random moves stay in the maze, short and centred", "[sim][physics
   }
 }
 
-TEST_CASE("the same commands twice give the same poses, bit for bit", "[sim][physics]") {
+TEST_CASE("the same commands twice give the same poses, bit for bit", "[physics]") {
   const auto run = [] {
     const auto world = Open(MakeWorld(test::kMaze));
     std::vector<double> values;
@@ -137,7 +136,7 @@ TEST_CASE("the same commands twice give the same poses, bit for bit", "[sim][phy
   CHECK(run() == run());
 }
 
-TEST_CASE("a robot turns to each of eight headings from each other", "[sim][physics]") {
+TEST_CASE("a robot turns to each of eight headings from each other", "[physics]") {
   const auto world = Open(MakeWorld(test::kMaze));
   for (int from = 0; from < 8; ++from) {
     for (int to = 0; to < 8; ++to) {
@@ -151,7 +150,7 @@ TEST_CASE("a robot turns to each of eight headings from each other", "[sim][phys
   }
 }
 
-TEST_CASE("halting from top speed takes a few steps, and the move can go on", "[sim][physics]") {
+TEST_CASE("halting from top speed takes a few steps, and the move can go on", "[physics]") {
   const auto world = Open(MakeWorld({"########", "#......#", "########"}));
   world->MoveTo(0, {1, 6});
   for (int i = 0; i < 6; ++i) world->Step();
@@ -166,7 +165,7 @@ TEST_CASE("halting from top speed takes a few steps, and the move can go on", "[
   CHECK(DistanceToCentre(*world, 0, {1, 6}) < 0.1);
 }
 
-TEST_CASE("a move into a wall ends stuck, and the robot can leave", "[sim][physics]") {
+TEST_CASE("a move into a wall ends stuck, and the robot can leave", "[physics]") {
   const auto world = Open(MakeWorld(test::kMaze));
   world->MoveTo(0, {0, 1});
   Finish(*world);
@@ -177,7 +176,7 @@ TEST_CASE("a move into a wall ends stuck, and the robot can leave", "[sim][physi
   CHECK(world->motion_status(0) == MotionStatus::kArrived);
 }
 
-TEST_CASE("a robot beside its line comes back to the centre of the next cell", "[sim][physics]") {
+TEST_CASE("a robot beside its line comes back to the centre of the next cell", "[physics]") {
   const auto world = Open(MakeWorld(test::kMaze));
   Position beside = world->geometry().CellToPosition({1, 1});
   beside.y_m += 0.3;
@@ -187,7 +186,7 @@ TEST_CASE("a robot beside its line comes back to the centre of the next cell", "
   CHECK(DistanceToCentre(*world, 0, {1, 2}) < 0.1);
 }
 
-TEST_CASE("robots in neighbouring cells do not disturb each other", "[sim][physics]") {
+TEST_CASE("robots in neighbouring cells do not disturb each other", "[physics]") {
   const double cell_size_m = GENERATE(1.0, 2.0);
   PhysicsWorld spec = MakeWorld(test::kHall, {1, 1}, cell_size_m);
   spec.robots.push_back({"r2", {1, 2}, 0.0});
@@ -200,9 +199,13 @@ TEST_CASE("robots in neighbouring cells do not disturb each other", "[sim][physi
   CHECK(DistanceToCentre(*world, 2, {2, 1}) < 0.02);
 }
 
-TEST_CASE("robots move at the same time, each to its own target", "[sim][physics]") {
+TEST_CASE(
+    "robots move at the same time, each to its own target; goals are visible until they are "
+    "hidden",
+    "[physics]") {
   PhysicsWorld spec = MakeWorld(test::kHall, {1, 1});
   spec.robots.push_back({"r2", {5, 7}, 0.0});
+  spec.goals = {{{1, 2}, 0}, {{1, 3}, 7}};
   const auto world = Open(spec);
   world->MoveTo(0, {1, 2});
   world->MoveTo(1, {4, 7});
@@ -210,16 +213,44 @@ TEST_CASE("robots move at the same time, each to its own target", "[sim][physics
   Finish(*world, 1);
   CHECK(world->cell(0) == Cell{1, 2});
   CHECK(world->cell(1) == Cell{4, 7});
-}
-
-TEST_CASE("goals are visible until they are hidden", "[sim][physics]") {
-  PhysicsWorld spec = MakeWorld(test::kMaze);
-  spec.goals = {{{1, 2}, 0}, {{1, 3}, 7}};
-  const auto world = Open(spec);
   CHECK(world->goal_visible(1));
   world->SetGoalVisible(1, false);
   CHECK_FALSE(world->goal_visible(1));
   CHECK(world->goal_visible(0));
+}
+
+RobotPose At(double x_m, double y_m, double heading_rad, double speed_mps = 0.0) {
+  return {{x_m, y_m}, heading_rad, speed_mps, 0.0};
+}
+
+TEST_CASE("a target ahead is driven to at full speed, one aside is turned to first, the short way",
+          "[physics]") {
+  const ControlDecision ahead = DecideMove(At(0, 0, 0), {2, 0}, false);
+  CHECK(ahead.controls.forward == 1.0);
+  CHECK(ahead.controls.turn_left == Approx(0.0).margin(0.15));
+  CHECK(ahead.driving);
+  const ControlDecision left = DecideMove(At(0, 0, 0), {0, 2}, false);
+  CHECK(left.controls.forward == 0.0);
+  CHECK(left.controls.turn_left == 1.0);
+  CHECK_FALSE(left.driving);
+  CHECK(DecideTurn(At(0, 0, 3.0), -3.0).controls.turn_left > 0.0);
+  CHECK(DecideTurn(At(0, 0, -3.0), 3.0).controls.turn_left < 0.0);
+}
+
+TEST_CASE("speed that coasting brings to the target needs no control", "[physics]") {
+  // Coasting distance is the lag of 0.168 s times the speed.
+  CHECK(DecideMove(At(0, 0, 0, 1.0), {0.168, 0}, true).controls.forward ==
+        Approx(0.0).margin(1e-9));
+  CHECK(DecideMove(At(0, 0, 0, 2.0), {0.168, 0}, true).controls.forward < 0.0);
+}
+
+TEST_CASE("a primitive has arrived only at rest", "[physics]") {
+  CHECK(DecideMove(At(0, 0, 0), {0.02, 0}, true).arrived);
+  CHECK_FALSE(DecideMove(At(0, 0, 0, 0.5), {0.02, 0}, true).arrived);
+  CHECK(DecideTurn(At(0, 0, 1.0), 1.0).arrived);
+  CHECK(DecideHalt(At(0, 0, 0)).arrived);
+  CHECK_FALSE(DecideHalt(At(0, 0, 0, 1.0)).arrived);
+  CHECK(DecideHalt(At(0, 0, 0, 1.0)).controls.forward < 0.0);
 }
 
 }  // namespace

@@ -1,33 +1,15 @@
-#include <sys/wait.h>
-
-#include <array>
 #include <catch2/catch.hpp>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "sim/world/maze_presets.h"
+#include "support/program_runner.h"
 
 namespace conav::sim {
 namespace {
 
-struct Outcome {
-  int exit_code = -1;
-  std::string text;  // standard output and error
-};
-
-Outcome RunMaze(const std::string& arguments) {
-  const std::string command = std::string(CONAV_BIN_DIR "/conav-maze ") + arguments + " 2>&1";
-  std::FILE* pipe = popen(command.c_str(), "r");
-  REQUIRE(pipe != nullptr);
-  Outcome outcome;
-  std::array<char, 4096> buffer{};
-  std::size_t count = 0;
-  while ((count = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0) {
-    outcome.text.append(buffer.data(), count);
-  }
-  outcome.exit_code = WEXITSTATUS(pclose(pipe));
-  return outcome;
+test::ProgramOutcome RunMaze(const std::string& arguments) {
+  return test::RunProgram("conav-maze", arguments);
 }
 
 std::string TextOf(const Maze& maze) {
@@ -38,16 +20,16 @@ std::string TextOf(const Maze& maze) {
   return text;
 }
 
-}  // namespace
-
-TEST_CASE("conav-maze prints the entity layer, a blank line and the variation layer",
-          "[sim][maze]") {
-  const Outcome outcome = RunMaze("--preset 9x9 --seed 3 --generation 2");
+TEST_CASE("conav-maze prints the entity layer, a blank line and the variation layer", "[maze]") {
+  const auto outcome = RunMaze("--preset 9x9 --seed 3 --generation 2");
   CHECK(outcome.exit_code == 0);
-  CHECK(outcome.text == TextOf(GenerateMaze(FindMazePreset("9x9").value().options, 3, 2)));
+  CHECK(outcome.out == TextOf(GenerateMaze(FindMazePreset("9x9").value().options, 3, 2)));
+  // The paper's first episode.
+  CHECK(RunMaze("--paper-seed 234").out ==
+        TextOf(GenerateMaze(FindMazePreset("conav13").value().options, 133003720, 2)));
 }
 
-TEST_CASE("conav-maze takes every size and style as a flag", "[sim][maze]") {
+TEST_CASE("conav-maze takes every size and style as a flag", "[maze]") {
   RandomMazeOptions options;
   options.height = 9;
   options.width = 15;
@@ -57,21 +39,15 @@ TEST_CASE("conav-maze takes every size and style as a flag", "[sim][maze]") {
   options.extra_connection_probability = 0.25;
   options.simplify = false;
   options.has_doors = true;
-  const Outcome outcome = RunMaze(
+  const auto outcome = RunMaze(
       "--height 9 --width 15 --max-rooms 3 --room-min 1 --room-max 3 "
       "--extra-connection-probability 0.25 --no-simplify --doors --seed 12 --generation 1");
   CHECK(outcome.exit_code == 0);
-  CHECK(outcome.text == TextOf(GenerateMaze(options, 12, 1)));
+  CHECK(outcome.out == TextOf(GenerateMaze(options, 12, 1)));
 }
 
-TEST_CASE("conav-maze --paper-seed shows the paper's first episode", "[sim][maze]") {
-  const Outcome outcome = RunMaze("--paper-seed 234");
-  CHECK(outcome.text ==
-        TextOf(GenerateMaze(FindMazePreset("conav13").value().options, 133003720, 2)));
-}
-
-TEST_CASE("conav-maze --json holds both layers and what they were made from", "[sim][maze]") {
-  const nlohmann::json document = nlohmann::json::parse(RunMaze("--seed 5 --json").text);
+TEST_CASE("conav-maze --json holds both layers and what they were made from", "[maze]") {
+  const nlohmann::json document = nlohmann::json::parse(RunMaze("--seed 5 --json").out);
   const Maze maze = GenerateMaze(FindMazePreset("conav13").value().options, 5, 1);
   CHECK(document["entity"] == ToLines(maze.entities));
   CHECK(document["variations"] == ToLines(maze.variations));
@@ -80,22 +56,16 @@ TEST_CASE("conav-maze --json holds both layers and what they were made from", "[
   CHECK(document["preset"] == "conav13");
 }
 
-TEST_CASE("conav-maze refuses impossible mazes by name, with exit code 2", "[sim][maze]") {
-  const Outcome even = RunMaze("--height 12 --width 13");
-  CHECK(even.exit_code == 2);
-  CHECK(even.text == "conav-maze: height 12 is even: must be odd\n");
-  CHECK(RunMaze("--preset nothing").exit_code == 2);
-  CHECK(RunMaze("--height 13 --width 13 --room-min 5 --room-max 3").exit_code == 2);
-  CHECK(RunMaze("--height 5 --width 5").exit_code == 2);
-  CHECK(RunMaze("--height 13").exit_code == 2);
-  CHECK(RunMaze("--generation 0").exit_code == 2);
-  CHECK(RunMaze("--seed many").exit_code == 2);
-  CHECK(RunMaze("--seed -1").exit_code == 2);
-  CHECK(RunMaze("--unknown").exit_code == 2);
+TEST_CASE("conav-maze refuses impossible mazes by name", "[maze]") {
+  CHECK(RunMaze("--height 12 --width 13").error == "conav-maze: height 12 is even: must be odd\n");
+  for (const char* wrong :
+       {"--height 12 --width 13", "--preset nothing",
+        "--height 13 --width 13 --room-min 5 --room-max 3", "--height 5 --width 5", "--height 13",
+        "--generation 0", "--seed many", "--seed -1"}) {
+    INFO(wrong);
+    CHECK(RunMaze(wrong).exit_code == 2);
+  }
 }
 
-TEST_CASE("conav-maze refuses an output that cannot be written", "[sim][maze]") {
-  CHECK(RunMaze("--json /nonexistent/folder/maze.json").exit_code == 2);
-}
-
+}  // namespace
 }  // namespace conav::sim

@@ -57,9 +57,7 @@ std::string RefusalOf(const RandomMazeOptions& options) {
   return result ? "" : result.error().text;
 }
 
-}  // namespace
-
-TEST_CASE("mazes equal labmaze's, character for character, in both layers", "[sim][maze]") {
+TEST_CASE("mazes equal labmaze's, character for character, in both layers", "[maze]") {
   std::ifstream file(CONAV_TESTS_DIR "/unit/sim/world/labmaze_golden.jsonl");
   REQUIRE(file);
   int count = 0;
@@ -73,7 +71,7 @@ TEST_CASE("mazes equal labmaze's, character for character, in both layers", "[si
   CHECK(count >= 60);
 }
 
-TEST_CASE("every maze is connected and walled in", "[sim][maze]") {
+TEST_CASE("every maze is connected and walled in", "[maze]") {
   RandomMazeOptions options;
   options.width = 21;
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
@@ -86,7 +84,7 @@ TEST_CASE("every maze is connected and walled in", "[sim][maze]") {
   }
 }
 
-TEST_CASE("simplification fills dead ends", "[sim][maze]") {
+TEST_CASE("simplification fills dead ends", "[maze]") {
   const auto dead_ends = [](const Maze& maze) {
     int count = 0;
     const std::set<Cell> open = OpenCells(maze);
@@ -104,7 +102,7 @@ TEST_CASE("simplification fills dead ends", "[sim][maze]") {
   CHECK(with < dead_ends(GenerateMaze(options, 3, 1)));
 }
 
-TEST_CASE("doors stand where regions meet, and only when asked for", "[sim][maze]") {
+TEST_CASE("doors stand where regions meet, and only when asked for", "[maze]") {
   RandomMazeOptions options;
   const auto doors = [&] {
     int count = 0;
@@ -119,15 +117,20 @@ TEST_CASE("doors stand where regions meet, and only when asked for", "[sim][maze
   CHECK(doors() > 0);
 }
 
-TEST_CASE("a larger extra connection probability opens more walls", "[sim][maze]") {
+TEST_CASE("more connections open more walls, no number of rooms means as many as fit", "[maze]") {
   RandomMazeOptions options;
   options.simplify = false;
   const std::size_t few = OpenCells(GenerateMaze(options, 9, 1)).size();
   options.extra_connection_probability = 1.0;
   CHECK(OpenCells(GenerateMaze(options, 9, 1)).size() > few);
+  RandomMazeOptions large;
+  large.height = 25;
+  CHECK(GenerateMaze(large, 1, 1).rooms == 6);
+  large.max_rooms = 0;
+  CHECK(GenerateMaze(large, 1, 1).rooms > 6);
 }
 
-TEST_CASE("the smallest maze has one cell", "[sim][maze]") {
+TEST_CASE("the smallest maze has one cell", "[maze]") {
   RandomMazeOptions options;
   options.height = 3;
   options.width = 3;
@@ -141,50 +144,25 @@ TEST_CASE("the smallest maze has one cell", "[sim][maze]") {
   CHECK(maze.entities[{1, 1}] == kMazeObject);
 }
 
-TEST_CASE("as many rooms as fit when the number is 0", "[sim][maze]") {
-  RandomMazeOptions options;
-  options.height = 25;
-  const int limited = GenerateMaze(options, 1, 1).rooms;
-  options.max_rooms = 0;
-  CHECK(limited == 6);
-  CHECK(GenerateMaze(options, 1, 1).rooms > 6);
-}
-
-TEST_CASE("sizes that no maze can have are refused by name and value", "[sim][maze]") {
-  RandomMazeOptions options;
-  SECTION("even") {
-    options.height = 12;
-    CHECK(RefusalOf(options) == "height 12 is even: must be odd");
-  }
-  SECTION("too small") {
-    options.width = 1;
-    CHECK(RefusalOf(options) == "width 1 is too small: at least 3");
-  }
-  SECTION("too large") {
-    options.width = 1001;
-    CHECK(RefusalOf(options) == "width 1001 is too large: at most 501");
-  }
-  SECTION("no room size") {
-    options.room_min_size = 7;
-    CHECK(RefusalOf(options) == "room-min 7 is larger than room-max 5");
-  }
-  SECTION("room of no cells") {
-    options.room_min_size = 0;
-    CHECK(RefusalOf(options) == "room-min 0 is too small: at least 1");
-  }
-  SECTION("rooms that cannot fit") {
-    options.width = 5;
-    CHECK(RefusalOf(options) ==
-          "room-max 5 does not fit: a 13 x 5 maze has 3 cells between its outer walls");
-  }
-  SECTION("negative number of rooms") {
-    options.max_rooms = -1;
-    CHECK(RefusalOf(options) == "max-rooms -1 is too small: at least 0");
-  }
-  SECTION("no probability") {
-    options.extra_connection_probability = 1.5;
-    CHECK(RefusalOf(options) == "extra-connection-probability 1.5 is not in [0, 1]");
+TEST_CASE("sizes that no maze can have are refused by name and value", "[maze]") {
+  using Options = RandomMazeOptions;
+  const std::pair<const char*, void (*)(Options&)> rows[] = {
+      {"height 12", [](Options& o) { o.height = 12; }},
+      {"width 1 ", [](Options& o) { o.width = 1; }},
+      {"width 1001", [](Options& o) { o.width = 1001; }},
+      {"room-min 7", [](Options& o) { o.room_min_size = 7; }},
+      {"room-min 0", [](Options& o) { o.room_min_size = 0; }},
+      {"room-max 5", [](Options& o) { o.width = 5; }},
+      {"max-rooms -1", [](Options& o) { o.max_rooms = -1; }},
+      {"extra-connection-probability 1.5",
+       [](Options& o) { o.extra_connection_probability = 1.5; }},
+  };
+  for (const auto& [begins_with, change] : rows) {
+    Options options;
+    change(options);
+    CHECK_THAT(RefusalOf(options), Catch::StartsWith(begins_with));
   }
 }
 
+}  // namespace
 }  // namespace conav::sim

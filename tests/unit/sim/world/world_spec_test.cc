@@ -1,14 +1,14 @@
 #include "sim/world/world_spec.h"
 
-#include <unistd.h>
-
 #include <catch2/catch.hpp>
 #include <fstream>
+#include <numbers>
 #include <set>
 
 #include "common/grid/geometry.h"
 #include "common/grid/map_accuracy.h"
 #include "sim/world/maze_presets.h"
+#include "support/temporary_folder.h"
 
 namespace conav::sim {
 namespace {
@@ -27,14 +27,12 @@ std::string RefusalOf(const WorldOptions& options) {
 /// A building of two rooms with no door between them: 3 x 8 cells, one pixel each.
 class Building {
  public:
-  Building() : folder_(std::filesystem::temp_directory_path() / name()) {
-    std::filesystem::create_directories(folder_);
+  Building() {
     Write("truth.pgm",
           "P2\n8 3\n255\n0 0 0 0 0 0 0 0\n0 254 254 254 0 254 254 0\n0 0 0 0 0 0 0 0\n");
     Write("plan.pgm",
           "P2\n8 3\n255\n0 0 0 0 0 0 0 0\n0 254 0 254 254 254 254 0\n0 0 0 0 0 0 0 0\n");
   }
-  ~Building() { std::filesystem::remove_all(folder_); }
 
   WorldOptions options() const {
     WorldOptions options;
@@ -46,7 +44,6 @@ class Building {
   }
 
  private:
-  static std::string name() { return "conav_world_spec_" + std::to_string(getpid()); }
   std::filesystem::path Write(const std::string& file, const std::string& text) const {
     std::ofstream(folder_ / file) << text;
     return folder_ / file;
@@ -57,12 +54,10 @@ class Building {
                                      "occupied_thresh: 0.65\nfree_thresh: 0.196\n");
   }
 
-  std::filesystem::path folder_;
+  test::TemporaryFolder folder_;
 };
 
-}  // namespace
-
-TEST_CASE("seed S makes the maze of the paper's seed S", "[sim][world]") {
+TEST_CASE("seed S makes the maze of the paper's seed S", "[world]") {
   WorldOptions options;
   options.seed = 234;
   const WorldSpec spec = MakeWorldSpec(options).value();
@@ -79,7 +74,7 @@ TEST_CASE("seed S makes the maze of the paper's seed S", "[sim][world]") {
   CHECK(spec.floor_classes == maze.variations);
 }
 
-TEST_CASE("goals can be reached and starts and goals are different cells", "[sim][world]") {
+TEST_CASE("goals can be reached and starts and goals are different cells", "[world]") {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     WorldOptions options = WithRobots(4);
     options.seed = seed;
@@ -95,7 +90,7 @@ TEST_CASE("goals can be reached and starts and goals are different cells", "[sim
 }
 
 TEST_CASE("the operator's map is wrong in 20 cells, never where somebody starts or goes",
-          "[sim][world]") {
+          "[world]") {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     WorldOptions options = WithRobots(2);
     options.seed = seed;
@@ -106,23 +101,19 @@ TEST_CASE("the operator's map is wrong in 20 cells, never where somebody starts 
   }
 }
 
-TEST_CASE("the same seed gives the same world", "[sim][world]") {
+TEST_CASE("the same seed gives the same world, and robot 1 the same among more robots", "[world]") {
   const WorldSpec a = MakeWorldSpec(WithRobots(3)).value();
   const WorldSpec b = MakeWorldSpec(WithRobots(3)).value();
   CHECK(a.truth == b.truth);
   CHECK(a.human_map == b.human_map);
   CHECK(a.starts == b.starts);
   CHECK(a.goals == b.goals);
-}
-
-TEST_CASE("robot 1 has the same start and goals among more robots", "[sim][world]") {
   const WorldSpec one = MakeWorldSpec(WithRobots(1)).value();
-  const WorldSpec five = MakeWorldSpec(WithRobots(5)).value();
-  CHECK(one.starts[0] == five.starts[0]);
-  CHECK(one.goals[0] == five.goals[0]);
+  CHECK(one.starts[0] == a.starts[0]);
+  CHECK(one.goals[0] == a.goals[0]);
 }
 
-TEST_CASE("shared goals are one list for all robots", "[sim][world]") {
+TEST_CASE("shared goals are one list for all robots", "[world]") {
   WorldOptions options = WithRobots(3);
   options.shared_goals = true;
   const WorldSpec spec = MakeWorldSpec(options).value();
@@ -131,7 +122,10 @@ TEST_CASE("shared goals are one list for all robots", "[sim][world]") {
   CHECK(spec.goals[2] == spec.goals[0]);
 }
 
-TEST_CASE("every preset makes a world with its number of goals", "[sim][world]") {
+TEST_CASE("every preset makes a world with its number of goals, also of seeds beyond 32 bits",
+          "[world]") {
+  CHECK(MakeWorldSpec({.seed = 0x1'0000'0009}).value().truth !=
+        MakeWorldSpec({.seed = 9}).value().truth);
   for (const MazePreset& preset : MazePresets()) {
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
       WorldOptions options;
@@ -144,15 +138,7 @@ TEST_CASE("every preset makes a world with its number of goals", "[sim][world]")
   }
 }
 
-TEST_CASE("a seed beyond 32 bits makes a world too", "[sim][world]") {
-  WorldOptions options;
-  options.seed = 0x1'0000'0009;
-  WorldOptions folded;
-  folded.seed = 9;
-  CHECK(MakeWorldSpec(options).value().truth != MakeWorldSpec(folded).value().truth);
-}
-
-TEST_CASE("a building and its outdated plan make a world", "[sim][world]") {
+TEST_CASE("a building and its outdated plan make a world", "[world]") {
   const Building building;
   const WorldSpec spec = MakeWorldSpec(building.options()).value();
   CHECK(spec.cell_size_m == 1.0);
@@ -162,7 +148,7 @@ TEST_CASE("a building and its outdated plan make a world", "[sim][world]") {
   CHECK(spec.starts[0].column <= 3);  // the larger room
 }
 
-TEST_CASE("a building without a plan gets a corrupted one", "[sim][world]") {
+TEST_CASE("a building without a plan gets a corrupted one", "[world]") {
   const Building building;
   WorldOptions options = building.options();
   options.operator_map_yaml.clear();
@@ -173,45 +159,138 @@ TEST_CASE("a building without a plan gets a corrupted one", "[sim][world]") {
   CHECK(spec.human_map[{1, 1}] == Occupancy::kFree);
 }
 
-TEST_CASE("impossible worlds are refused by name and value", "[sim][world]") {
-  CHECK_THAT(RefusalOf({.preset = "huge"}), Catch::StartsWith("maze preset \"huge\" is unknown"));
-  CHECK(RefusalOf(WithRobots(0)) == "robots = 0: a world needs at least one");
-  CHECK_THAT(RefusalOf(WithRobots(1000)), Catch::Contains("of 1000 has no place to start"));
-  CHECK_THAT(RefusalOf({.goals_per_robot = 99}), Catch::Contains("of 99 of robot 1 has no place"));
-  CHECK(RefusalOf({.wrong_share = 1.5}) ==
-        "wrong_share = 1.5 and false_wall_share = 0.5 must be in [0, 1]");
-  CHECK(RefusalOf({.map_yaml = "/none.yaml"}) == "/none.yaml: no such file");
-  CHECK(RefusalOf({.operator_map_yaml = "plan.yaml"}) ==
-        "the operator's map plan.yaml needs a map of the truth");
-}
-
-TEST_CASE("no start is drawn on a given goal", "[sim][world]") {
-  const Building building;
-  WorldOptions options = building.options();
-  options.goals = {{1, 1}, {1, 2}};
-  for (options.seed = 1; options.seed <= 20; ++options.seed) {
-    CHECK(MakeWorldSpec(options).value().starts == std::vector<Cell>{{1, 3}});
+TEST_CASE("impossible worlds are refused by name and value", "[world]") {
+  for (const auto& [options, names] : std::vector<std::pair<WorldOptions, const char*>>{
+           {{.preset = "huge"}, "maze preset \"huge\""},
+           {WithRobots(0), "robots = 0"},
+           {WithRobots(1000), "of 1000 has no place"},
+           {{.goals_per_robot = 99}, "of 99 of robot 1"},
+           {{.wrong_share = 1.5}, "wrong_share = 1.5"},
+           {{.map_yaml = "/none.yaml"}, "/none.yaml"},
+           {{.operator_map_yaml = "plan.yaml"}, "plan.yaml"},
+       }) {
+    CHECK_THAT(RefusalOf(options), Catch::Contains(names));
   }
 }
 
-TEST_CASE("given starts and goals are taken, or refused by name", "[sim][world]") {
+TEST_CASE("given starts and goals are taken, or refused by name", "[world]") {
   const Building building;
   WorldOptions options = building.options();
+  options.goals = {{1, 1}, {1, 2}};
+  for (options.seed = 1; options.seed <= 20; ++options.seed) {  // no start is drawn on a goal
+    CHECK(MakeWorldSpec(options).value().starts == std::vector<Cell>{{1, 3}});
+  }
   options.starts = {{1, 1}};
   options.goals = {{1, 3}};
   CHECK(MakeWorldSpec(options).value().goals == std::vector<std::vector<Cell>>{{{1, 3}}});
-  options.goals = {{1, 5}};
-  CHECK(RefusalOf(options) == "goal (1,5) cannot be reached from the start (1,1) of robot 1");
-  options.goals = {{1, 4}};
-  CHECK(RefusalOf(options) == "goal (1,4) is a wall");
-  options.goals = {{1, 9}};
-  CHECK(RefusalOf(options) == "goal (1,9) is outside of the 3 x 8 map");
-  options.goals = {{1, 3}, {1, 3}};
-  CHECK(RefusalOf(options) == "goal (1,3) is given twice");
-  options.goals = {{1, 3}, {1, 1}};
-  CHECK(RefusalOf(options) == "start (1,1) of robot 1 is a goal");
+  for (const auto& [goals, names] : std::vector<std::pair<std::vector<Cell>, const char*>>{
+           {{{1, 5}}, "goal (1,5) cannot be reached"},
+           {{{1, 4}}, "goal (1,4) is a wall"},
+           {{{1, 9}}, "goal (1,9) is outside"},
+           {{{1, 3}, {1, 3}}, "goal (1,3) is given twice"},
+           {{{1, 3}, {1, 1}}, "start (1,1) of robot 1"},
+       }) {
+    options.goals = goals;
+    CHECK_THAT(RefusalOf(options), Catch::StartsWith(names));
+  }
   options.starts = {{1, 1}, {1, 2}};
-  CHECK(RefusalOf(options) == "2 starts are given for 1 robots");
+  CHECK_THAT(RefusalOf(options), Catch::StartsWith("2 starts"));
 }
 
+constexpr auto kWall = Occupancy::kOccupied;
+
+/// 3 x 4, a wall in the truth's north-west corner and one in the map's south-east corner.
+WorldSpec SmallWorld() {
+  WorldSpec spec;
+  spec.truth = OccupancyGrid(3, 4, Occupancy::kFree);
+  spec.truth[{0, 0}] = kWall;
+  spec.human_map = OccupancyGrid(3, 4, Occupancy::kFree);
+  spec.human_map[{2, 3}] = kWall;
+  spec.wall_classes = Grid<char>(3, 4, '*');
+  spec.wall_classes[{0, 3}] = '7';
+  spec.floor_classes = Grid<char>(3, 4, '.');
+  spec.floor_classes[{1, 1}] = 'A';
+  spec.starts = {{1, 0}};
+  spec.goals = {{{0, 1}, {2, 2}}};
+  return spec;
+}
+
+TEST_CASE("A quarter turn takes the east side to the north", "[world]") {
+  const WorldSpec turned = *Rotated(SmallWorld(), 90);
+  REQUIRE(turned.truth.rows() == 4);
+  REQUIRE(turned.truth.columns() == 3);
+  CHECK(turned.truth[{3, 0}] == kWall);
+  CHECK(turned.human_map[{0, 2}] == kWall);
+  CHECK(turned.wall_classes[{0, 0}] == '7');
+  CHECK(turned.floor_classes[{2, 1}] == 'A');
+  CHECK(turned.starts == std::vector<Cell>{{3, 1}});
+  CHECK(turned.goals == std::vector<std::vector<Cell>>{{{2, 0}, {1, 2}}});
+  CHECK(turned.start_heading_rad == Approx(std::numbers::pi / 2));
+}
+
+TEST_CASE("Half a turn mirrors rows and columns, none changes nothing, other angles are refused",
+          "[world]") {
+  const WorldSpec world = SmallWorld();
+  CHECK(Rotated(world, 0)->truth == world.truth);
+  CHECK(Rotated(world, 0)->start_heading_rad == 0.0);
+  const WorldSpec turned = *Rotated(world, 180);
+  CHECK(turned.truth[{2, 3}] == kWall);
+  CHECK(turned.goals == std::vector<std::vector<Cell>>{{{2, 2}, {0, 1}}});
+  CHECK(Rotated(*Rotated(world, 90), 270)->truth == world.truth);
+  for (const int angle : {-90, 45, 360}) {
+    const auto refused = Rotated(world, angle);
+    REQUIRE_FALSE(refused);
+    CHECK_THAT(refused.error().text, Catch::StartsWith(fmt::format("rotation_deg = {}", angle)));
+  }
+}
+
+TEST_CASE("A turned maze is the same maze: as far to its goals, as wrong on the map", "[world]") {
+  WorldOptions options;
+  options.seed = 234;
+  const WorldSpec world = *MakeWorldSpec(options);
+  for (const int angle : {90, 180, 270}) {
+    options.rotation_deg = angle;
+    const WorldSpec turned = *MakeWorldSpec(options);
+    CHECK(turned.truth != world.truth);
+    CHECK(ReachableCells(turned.truth, turned.starts[0]).size() ==
+          ReachableCells(world.truth, world.starts[0]).size());
+    int wrong_before = 0;
+    int wrong_after = 0;
+    for (std::size_t i = 0; i < world.truth.size(); ++i) {
+      wrong_before += world.truth.values()[i] != world.human_map.values()[i] ? 1 : 0;
+      wrong_after += turned.truth.values()[i] != turned.human_map.values()[i] ? 1 : 0;
+    }
+    CHECK(wrong_after == wrong_before);
+    for (const Cell goal : turned.goals[0]) CHECK(turned.truth[goal] == Occupancy::kFree);
+  }
+}
+
+/// Two rooms, of three and of two cells.
+OccupancyGrid TwoRooms() {
+  OccupancyGrid map(3, 8, Occupancy::kOccupied);
+  for (const int column : {1, 2, 3, 5, 6}) map[{1, column}] = Occupancy::kFree;
+  return map;
+}
+
+TEST_CASE("the largest free area is found, none where nothing is free", "[world]") {
+  CHECK(LargestFreeArea(TwoRooms()) == std::set<Cell>{{1, 1}, {1, 2}, {1, 3}});
+  CHECK(LargestFreeArea(OccupancyGrid(3, 3, Occupancy::kOccupied)).empty());
+}
+
+TEST_CASE("a deck hands out preferred cells first, each once, then says that it is empty",
+          "[world]") {
+  Random random(1);
+  const std::set<Cell> all{{0, 0}, {0, 1}, {0, 2}, {0, 3}};
+  CellDeck deck({{0, 2}, {0, 3}, {9, 9}}, all, random);
+  std::set<Cell> taken{{0, 0}};
+  std::vector<Cell> drawn;
+  for (int i = 0; i < 3; ++i) drawn.push_back(deck.Draw(taken).value());
+  CHECK(std::set<Cell>(drawn.begin(), drawn.begin() + 2) == std::set<Cell>{{0, 2}, {0, 3}});
+  CHECK(drawn[2] == Cell{0, 1});
+  const auto empty = deck.Draw(taken);
+  REQUIRE_FALSE(empty);
+  CHECK(empty.error().code == ErrorCode::kOutOfRange);
+}
+
+}  // namespace
 }  // namespace conav::sim

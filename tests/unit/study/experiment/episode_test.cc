@@ -2,8 +2,8 @@
 
 #include <catch2/catch.hpp>
 
+#include "common/msg/perception_model.h"
 #include "planner/methods/make_method.h"
-#include "planner/search/perception_model.h"
 
 namespace conav::planner {
 namespace {
@@ -19,7 +19,7 @@ class Player {
   EpisodeResult Play(const std::string& method, const std::string& person, std::uint64_t seed,
                      const EpisodeOptions& options = {}, const SearchConfig& search = {},
                      const CommunicationConfig& communication = {}) {
-    const auto robot = MakeMethod(method, "r1", {search, communication}, seed,
+    const auto robot = MakeMethod(ParseMethod(method).value(), {search, communication}, seed,
                                   std::make_shared<FakePerceptionModel>(), nullptr, clock_);
     return RunEpisode(MakeWorld(seed), *robot, operators::ParametersOfKind(person), seed, options,
                       [&](const Situation&) { ++decisions; });

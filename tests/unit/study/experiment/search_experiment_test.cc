@@ -20,13 +20,13 @@ SearchExperiment SmallExperiment() {
 }
 
 std::vector<ExperimentEpisode> Play(const SearchExperiment& experiment) {
-  return RunSearchExperiment(experiment, std::make_shared<const nhpm::Glpf>()).value();
+  return RunSearchExperiment(experiment, std::make_shared<nhpm::Glpf>()).value();
 }
 
 TEST_CASE("every variant plays with every operator in the same mazes", "[planner][experiment]") {
   const SearchExperiment experiment = SmallExperiment();
   std::size_t told = 0;
-  const auto episodes = RunSearchExperiment(experiment, std::make_shared<const nhpm::Glpf>(),
+  const auto episodes = RunSearchExperiment(experiment, std::make_shared<nhpm::Glpf>(),
                                             [&](std::size_t done, std::size_t of) {
                                               CHECK(done == ++told);
                                               CHECK(of == 8);
@@ -142,7 +142,7 @@ TEST_CASE("who is wrong on purpose gets few pictures, and the robot reaches its 
 TEST_CASE("an unknown preset is an error", "[planner][experiment]") {
   SearchExperiment experiment = SmallExperiment();
   experiment.preset = "nowhere";
-  const auto episodes = RunSearchExperiment(experiment, std::make_shared<const nhpm::Glpf>());
+  const auto episodes = RunSearchExperiment(experiment, std::make_shared<nhpm::Glpf>());
   REQUIRE_FALSE(episodes.has_value());
   CHECK(episodes.error().code == ErrorCode::kNotFound);
 }

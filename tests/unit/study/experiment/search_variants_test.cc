@@ -18,21 +18,24 @@ std::filesystem::path Write(const test::TemporaryFolder& folder, const std::stri
 
 TEST_CASE("variants are read in their order, as changes of the preset", "[planner][experiment]") {
   const test::TemporaryFolder folder;
-  const auto variants = ReadSearchVariants(
-      Write(folder,
-            "search_variants:\n  plain: {}\n  few: {iterations: 7, expansion: chain}\n"
-            "  printed: {preset: paper, reward: {goal: 30}}\n"));
-  REQUIRE(variants.size() == 3);
+  const auto variants =
+      ReadSearchVariants(Write(folder,
+                               "search_variants:\n  plain: {}\n  few: {iterations: 7, trees: 2}\n"
+                               "  printed: {preset: paper, reward: {goal: 30}}\n"
+                               "  literal: {preset: paper-literal}\n"));
+  REQUIRE(variants.size() == 4);
   CHECK(variants[0].name == "plain");
   CHECK(variants[0].config.options.iterations == SearchOptions().iterations);
   CHECK(variants[1].config.options.iterations == 7);
-  CHECK(variants[1].config.options.expansion == Expansion::kChain);
+  CHECK(variants[1].config.options.trees == 2);
   CHECK(variants[2].config.options.iterations == PaperOptions().iterations);
   CHECK(variants[2].config.options.reward.goal == 30.0);
   CHECK(variants[0].config.reliability_prior > 0.0);
   CHECK(variants[2].config.reliability_prior == 0.0);  // the paper has none
   CHECK_FALSE(variants[0].config.blocked_path_guides);
   CHECK(variants[2].config.blocked_path_guides);
+  CHECK(variants[3].config.options.expansion == Expansion::kChain);
+  CHECK(variants[3].config.reliability_prior == 0.0);
 }
 
 TEST_CASE("a variant may say who decides on pictures, and be greedy", "[planner][experiment]") {
@@ -45,7 +48,7 @@ TEST_CASE("a variant may say who decides on pictures, and be greedy", "[planner]
   CHECK(variants[0].communication.policy == "every");
   CHECK(variants[0].communication.every_moves == 3);
   CHECK(variants[0].config.options.iterations == 7);
-  CHECK(variants[1].method == "greedy");
+  CHECK(variants[1].method == MethodKind::kGreedy);
   CHECK(variants[1].communication.policy == "search");
   CHECK_THROWS_WITH(
       ReadSearchVariants(Write(folder, "search_variants: {a: {communication: {policy: loud}}}\n")),

@@ -153,7 +153,8 @@ TEST_CASE("a sweep has a point per cost and policy, each within the same search"
     const SearchVariant& variant = sweep.experiment.variants[i];
     policies.insert(sweep.points[i].policy);
     CHECK(variant.config.options.iterations == 77);
-    CHECK((variant.method == "greedy" || variant.communication.policy == sweep.points[i].policy));
+    CHECK((variant.method == MethodKind::kGreedy ||
+           variant.communication.policy == sweep.points[i].policy));
   }
   CHECK(policies == std::set<std::string>{"every", "greedy", "never", "random", "search",
                                           "threshold", "when_blocked"});
@@ -168,7 +169,7 @@ TEST_CASE("what is written of a sweep names its policies and where the figures c
   search.options.iterations = 50;
   const TradeoffSweep sweep = MakeTradeoffSweep(search, experiment);
   const auto episodes =
-      RunSearchExperiment(sweep.experiment, std::make_shared<const nhpm::Glpf>()).value();
+      RunSearchExperiment(sweep.experiment, std::make_shared<nhpm::Glpf>()).value();
   const auto rows = AnalyseTradeoff(sweep, episodes, 20);
   CHECK(rows.size() == 2 * sweep.points.size());
   const std::string table = TradeoffTable(sweep, rows);

@@ -1,7 +1,8 @@
 #include "study/live/task_options.h"
 
 #include <catch2/catch.hpp>
-#include <limits>
+#include <cmath>
+#include <functional>
 #include <map>
 #include <set>
 
@@ -15,23 +16,15 @@ TaskOptions Good() {
   return options;
 }
 
-std::string Refusal(const TaskOptions& options) {
-  const auto valid = Validate(options);
-  REQUIRE_FALSE(valid);
-  return valid.error().text;
-}
-
 }  // namespace
 
 TEST_CASE("a participant's code is a short pseudonym", "[mapping_task]") {
-  CHECK(IsParticipantCode("P07"));
-  CHECK(IsParticipantCode("a_B-9"));
+  for (const char* good : {"P07", "a_B-9"}) CHECK(IsParticipantCode(good));
   CHECK(IsParticipantCode(std::string(40, 'x')));
-  CHECK_FALSE(IsParticipantCode(""));
   CHECK_FALSE(IsParticipantCode(std::string(41, 'x')));
-  CHECK_FALSE(IsParticipantCode("Anna Schmidt"));
-  CHECK_FALSE(IsParticipantCode("../P07"));
-  CHECK_FALSE(IsParticipantCode("P\xC3\xA9"));
+  for (const char* bad : {"", "Anna Schmidt", "../P07", "P\xC3\xA9"}) {
+    CHECK_FALSE(IsParticipantCode(bad));
+  }
 }
 
 TEST_CASE("each participant gets mazes of their own, the same ones again", "[mapping_task]") {
@@ -61,58 +54,61 @@ TEST_CASE("over all orders of a study each method is as often at each place", "[
   for (const std::string& method : methods) CHECK(first[method] == 2);
   CHECK(*MethodsInOrder(methods, 0, "P07") == *MethodsInOrder(methods, 0, "P07"));
   CHECK(orders.contains(*MethodsInOrder(methods, 0, "P07")));
-  CHECK(MethodsInOrder(methods, 7, "P07").error().text == "--order 7: not between 1 and 6");
+  CHECK_THAT(MethodsInOrder(methods, 7, "P07").error().text, Catch::StartsWith("--order 7"));
   CHECK_FALSE(MethodsInOrder(methods, -1, "P07"));
 }
 
 TEST_CASE("a study has a method for each maze, the mapping task one of its own", "[mapping_task]") {
   TaskOptions options = Good();
   CHECK(MethodOf(options, 2) == "mapping");
+  CHECK(FolderOf(options) == "runs/mapping-P07");
   options.methods = {"teleop", "ig-mcts", "instruction"};
-  CHECK(Validate(options).has_value());
   CHECK(MethodOf(options, 2) == "ig-mcts");
   CHECK(FolderOf(options) == "runs/study-P07");
   CHECK(DesignOf(options)["methods"][0] == "teleop");
-  options.methods[0] = "greedy";
-  CHECK(Refusal(options) == "--methods: greedy is not one of ig-mcts, instruction, teleop");
-  options.methods = {"teleop", "ig-mcts", "teleop"};
-  CHECK(Refusal(options) == "--methods: teleop is named twice");
-  options.methods = {"teleop"};
-  CHECK(Refusal(options) == "--methods: 1 of them for 3 mazes");
-}
-
-TEST_CASE("the folder is the participant's, unless another one is named", "[mapping_task]") {
-  TaskOptions options = Good();
-  CHECK(FolderOf(options) == "runs/mapping-P07");
   options.out = "data/x";
   CHECK(FolderOf(options) == "data/x");
 }
 
 TEST_CASE("what cannot be is refused by the option and its value", "[mapping_task]") {
-  TaskOptions options = Good();
-  CHECK(Validate(options).has_value());
-  options.participant = "no name";
-  CHECK(Refusal(options) == "--participant 'no name': not 1 to 40 of A-Z a-z 0-9 _ -");
-  options = Good();
-  options.mazes = 0;
-  CHECK(Refusal(options) == "--mazes 0: not between 1 and 100");
-  options = Good();
-  options.maze_seeds = {7, 9};
-  CHECK(Refusal(options) == "--maze-seed: 2 of them for 3 mazes");
-  options = Good();
-  options.mazes = 101;
-  CHECK(Refusal(options) == "--mazes 101: not between 1 and 100");
-  options = Good();
-  options.speed = 0.0;
-  CHECK(Refusal(options) == "--speed 0: not above 0");
-  options.speed = std::numeric_limits<double>::quiet_NaN();
-  CHECK_THAT(Refusal(options), Catch::StartsWith("--speed nan"));
-  options = Good();
-  options.camera = "film";
-  CHECK_THAT(Refusal(options), Catch::StartsWith("--camera film"));
-  options = Good();
-  options.preset = "nowhere";
-  CHECK_THAT(Refusal(options), Catch::StartsWith("--preset nowhere"));
+  using O = TaskOptions;
+  struct Row {
+    std::function<void(O&)> set;
+    std::string named;  // "" = accepted
+  };
+  for (const Row& row :
+       std::vector<Row>{{[](O&) {}, ""},
+                        {[](O& o) { o.participant = "no name"; }, "--participant 'no name'"},
+                        {[](O& o) { o.mazes = 0; }, "--mazes 0"},
+                        {[](O& o) { o.mazes = 101; }, "--mazes 101"},
+                        {[](O& o) {
+                           o.maze_seeds = {7, 9};
+                         },
+                         "--maze-seed"},  // for 3 mazes
+                        {[](O& o) { o.speed = 0.0; }, "--speed 0"},
+                        {[](O& o) { o.speed = std::nan(""); }, "--speed nan"},
+                        {[](O& o) { o.camera = "film"; }, "--camera film"},
+                        {[](O& o) { o.preset = "nowhere"; }, "--preset nowhere"},
+                        {[](O& o) {
+                           o.methods = {"teleop", "ig-mcts", "instruction"};
+                         },
+                         ""},
+                        {[](O& o) {
+                           o.methods = {"greedy", "ig-mcts", "teleop"};
+                         },
+                         "--methods: greedy"},
+                        {[](O& o) {
+                           o.methods = {"teleop", "ig-mcts", "teleop"};
+                         },
+                         "--methods: teleop"},
+                        {[](O& o) { o.methods = {"teleop"}; }, "--methods: 1 of them"}}) {
+    O options = Good();
+    row.set(options);
+    const auto valid = Validate(options);
+    INFO("expected: " << row.named);
+    CHECK(valid.has_value() == row.named.empty());
+    if (!valid) CHECK_THAT(valid.error().text, Catch::StartsWith(row.named));
+  }
 }
 
 }  // namespace conav::mapping_task

@@ -1,6 +1,7 @@
 #include "study/statistics/pairs.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <cstdlib>
 #include <sstream>
 
@@ -10,6 +11,7 @@ namespace conav::statistics {
 namespace {
 
 using Row = std::vector<std::string>;
+using Values = std::vector<double>;
 
 /// The rows of oracle_<name>_pairs.csv; the first is its header.
 std::vector<Row> ReadPairs(const std::string& name) {
@@ -36,7 +38,7 @@ std::vector<double> Figures(const Pair& pair) {
           *pair.t_adjusted.bh};
 }
 
-TEST_CASE("All pairs of the reference data are R's, in every column", "[operator][statistics]") {
+TEST_CASE("All pairs of the reference data are R's, in every column", "[statistics]") {
   for (const char* name : {"ergoStool", "OBK_pre", "obk_phase"}) {
     const std::vector<Row> rows = ReadPairs(name);
     REQUIRE(rows[0] == Row{"pair", "t", "df", "p", "ci_lo", "ci_hi", "dz", "dav", "gz", "p_holm",
@@ -56,7 +58,7 @@ TEST_CASE("All pairs of the reference data are R's, in every column", "[operator
 }
 
 // wilcox.test(paired = TRUE) and shapiro.test of the differences of obk_phase.
-TEST_CASE("Every pair has Wilcoxon's and Shapiro's test", "[operator][statistics]") {
+TEST_CASE("Every pair has Wilcoxon's and Shapiro's test", "[statistics]") {
   const std::vector<Pair> pairs = ComparePairs(ReferenceTable("obk_phase"), 0.05);
   REQUIRE(pairs.size() == 3);
   CHECK(*pairs[0].wilcoxon.v == 73.5);
@@ -70,11 +72,167 @@ TEST_CASE("Every pair has Wilcoxon's and Shapiro's test", "[operator][statistics
   CHECK(pairs[2].normality->p == Near(0.27180909147460597));
 }
 
-TEST_CASE("A pair without p does not count for the others", "[operator][statistics]") {
+TEST_CASE("A pair without p does not count for the others", "[statistics]") {
   const std::vector<Pair> pairs =
       ComparePairs(MakeTable({"a", "b", "c"}, {1, 1, 4, 2, 2, 3, 3, 3, 9}), 0.05);
   CHECK_FALSE(pairs[0].t_adjusted.holm);
   CHECK(*pairs[1].t_adjusted.bonferroni == Near(2 * *pairs[1].t.p));
+}
+
+TEST_CASE("The paired t test of sleep is R's", "[statistics]") {
+  const ConditionTable sleep = SleepTable();
+  const PairedT test = TestPair(ConditionValues(sleep, 0), ConditionValues(sleep, 1), 0.05);
+  CHECK(*test.t == Near(-4.0621276833820366));
+  CHECK(test.df == 9.0);
+  CHECK(*test.p == Near(0.0028328901973842702));
+  CHECK(test.interval.low == Near(-2.4598857632769824));
+  CHECK(test.interval.high == Near(-0.70011423672301754));
+  CHECK(std::abs(*test.d_z + 1.28455756) <= 5e-9);
+}
+
+TEST_CASE("Constant differences make t infinite, equal conditions leave nothing to test",
+          "[statistics]") {
+  const PairedT constant = TestPair(Values{0.1, 0.2, 0.7}, Values{0.2, 0.3, 0.8}, 0.05);
+  CHECK(std::isinf(*constant.t));
+  CHECK(*constant.t < 0.0);  // the sign of the difference
+  CHECK(*constant.p == 0.0);
+  CHECK(std::isinf(*constant.d_z));
+  CHECK(std::isinf(*constant.g_z));
+  CHECK(std::isfinite(*constant.d_av));
+  CHECK(constant.interval.low == constant.interval.high);
+  const PairedT equal = TestPair(Values{1, 2, 3}, Values{1, 2, 3}, 0.05);
+  CHECK(equal.mean_difference == 0.0);
+  CHECK_FALSE(equal.t);
+  CHECK_FALSE(equal.p);
+  CHECK_FALSE(equal.d_z);
+  CHECK_FALSE(equal.g_z);
+  CHECK(*equal.d_av == 0.0);
+  CHECK(equal.interval.high == 0.0);
+  CHECK(std::isinf(*TestPair(Values{4, 4}, Values{1, 1}, 0.05).d_av));  // no spread at all
+  CHECK_FALSE(TestPair(Values{4, 4}, Values{4, 4}, 0.05).d_av);
+  const PairedT two = TestPair(Values{1, 2}, Values{2, 5}, 0.05);
+  CHECK(two.df == 1.0);
+  CHECK(*two.t == Near(-2.0));
+  CHECK_FALSE(two.g_z);  // no correction for so few subjects
+}
+
+// One difference of sleep is 0, two are -1.3 up to rounding.
+TEST_CASE("Wilcoxon's test with ties and zeros is R's, by the normal distribution",
+          "[statistics]") {
+  const ConditionTable sleep = SleepTable();
+  const Wilcoxon test = TestSignedRanks(ConditionValues(sleep, 0), ConditionValues(sleep, 1));
+  CHECK_FALSE(test.exact);
+  CHECK(test.used == 9);
+  CHECK(*test.v == 0.0);
+  CHECK(*test.p == Near(0.0090906980159250559));
+  const ConditionTable stool = ReferenceTable("ergoStool");
+  const Wilcoxon other = TestSignedRanks(ConditionValues(stool, 0), ConditionValues(stool, 3));
+  CHECK(*other.v == 9.5);
+  CHECK(*other.p == Near(0.25430596599062305));
+}
+
+/// Pairs of conditions without ties, the same in R.
+Wilcoxon TestMade(int count) {
+  const Values cycle{40, 3, 30};
+  Values first;
+  Values second;
+  for (int i = 1; i <= count; ++i) {
+    first.push_back(i + 0.01 * i * i);
+    second.push_back(cycle[static_cast<std::size_t>((i - 1) % 3)] + 0.317 * i);
+  }
+  return TestSignedRanks(first, second);
+}
+
+TEST_CASE("Without ties and zeros p is exact, and R's, up to 49 differences", "[statistics]") {
+  const Wilcoxon test =
+      TestSignedRanks(Values{1.5, 2.3, 0.2, 4.4, 3.1, 5.9, 2.2, 7.7, 6.1, 0.9, 1.1, 8.3},
+                      Values{1.1, 2.9, 0.9, 5.6, 2.9, 6.4, 4.2, 9.9, 6.75, 2.2, 1.69, 6.6});
+  CHECK(test.exact);
+  CHECK(*test.v == 13.0);
+  CHECK(*test.p == Near(0.042480468750000028));
+  const Wilcoxon exact = TestMade(49);
+  CHECK(exact.exact);
+  CHECK(*exact.v == 620.0);
+  CHECK(*exact.p == Near(0.94499248756896048));
+  const Wilcoxon normal = TestMade(50);
+  CHECK_FALSE(normal.exact);
+  CHECK(*normal.v == 670.0);
+  CHECK(*normal.p == Near(0.75739385594691577));
+}
+
+TEST_CASE("Few subjects by hand: all of one sign is one signing of 2^n at each end",
+          "[statistics]") {
+  const Wilcoxon test = TestSignedRanks(Values{1, 2, 3, 4}, Values{0, 0, 0, 0});
+  CHECK(test.exact);
+  CHECK(*test.v == 10.0);
+  CHECK(*test.p == Near(2.0 / 16.0));
+  CHECK(*TestSignedRanks(Values{1, -2, -3, 4}, Values{0, 0, 0, 0}).p == 1.0);
+  const Wilcoxon none =
+      TestSignedRanks(Values{0.3, 5}, Values{0.1 + 0.2, 5});  // equal but for rounding
+  CHECK(none.used == 0);
+  CHECK_FALSE(none.v);
+  CHECK_FALSE(none.p);
+}
+
+/// Some numbers that are the same in R.
+Values Numbers(int count) {
+  Values values;
+  for (int i = 1; i <= count; ++i) {
+    values.push_back(std::round(1000.0 * (i * 7919 % 101 / 10.0 + i * (i % 13) / 7.0)) / 1000.0);
+  }
+  return values;
+}
+
+TEST_CASE("W and p are those of R's shapiro.test, for few and many values", "[statistics]") {
+  struct Expected {
+    int count;
+    double w, p;
+  };
+  for (const Expected& expected : {Expected{3, 0.85491435743806543, 0.25368301349234712},
+                                   Expected{4, 0.80766132872461005, 0.11668471473024349},
+                                   Expected{5, 0.77001744790987492, 0.045132744738391115},
+                                   Expected{6, 0.80265447475857066, 0.062088195246888127},
+                                   Expected{11, 0.94050654458074556, 0.52647154067473168},
+                                   Expected{12, 0.92752095382836564, 0.35457528049634723},
+                                   Expected{30, 0.90723186990027094, 0.012679206792055333},
+                                   Expected{60, 0.92044478595450741, 0.0007992079627158553},
+                                   Expected{200, 0.89486382526538866, 1.1980067191884346e-10}}) {
+    const auto test = TestNormality(Numbers(expected.count), 0.0);
+    INFO(expected.count);
+    REQUIRE(test);
+    CHECK(test->w == Near(expected.w));
+    CHECK(test->p == Near(expected.p));
+  }
+}
+
+TEST_CASE("Two, too many and equal values cannot be tested", "[statistics]") {
+  CHECK_FALSE(TestNormality(Values{1, 2}, 0.0));
+  CHECK_FALSE(TestNormality(Numbers(5001), 0.0));
+  CHECK(TestNormality(Numbers(5000), 0.0));
+  CHECK_FALSE(TestNormality(Values{0.3 - 0.2, 0.2 - 0.1, 0.1}, 1e-15));
+  CHECK(TestNormality(Values{1, 2, 3}, 0.0)->p == Near(1.0));  // as normal as can be
+  CHECK(TestNormality(Values{1, 1, 3}, 0.0)->p < 1e-7);
+}
+
+// R's p.adjust of the same five.
+TEST_CASE("Adjusted p are monotone, at most 1, and skip tests without p", "[statistics]") {
+  const auto adjusted = AdjustForMany({0.01, 0.04, 0.03, std::nullopt, 0.02, 0.5});
+  const std::vector<double> holm{0.05, 0.09, 0.09, 0.0, 0.08, 0.5};
+  const std::vector<double> bonferroni{0.05, 0.2, 0.15, 0.0, 0.1, 1.0};
+  const std::vector<double> bh{0.05, 0.05, 0.05, 0.0, 0.05, 0.5};
+  for (const std::size_t i : {0, 1, 2, 4, 5}) {
+    CHECK(*adjusted[i].holm == Near(holm[i]));
+    CHECK(*adjusted[i].bonferroni == Near(bonferroni[i]));
+    CHECK(*adjusted[i].bh == Near(bh[i]));
+  }
+  CHECK_FALSE(adjusted[3].holm);
+  CHECK_FALSE(adjusted[3].bonferroni);
+  CHECK_FALSE(adjusted[3].bh);
+  const auto one = AdjustForMany({0.03});
+  CHECK(*one[0].holm == 0.03);
+  CHECK(*one[0].bonferroni == 0.03);
+  CHECK(*one[0].bh == 0.03);
+  CHECK(AdjustForMany({}).empty());
 }
 
 }  // namespace

@@ -3,12 +3,16 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "study/statistics/analysis.h"
 #include "study/statistics/report_page.h"
+#include "support/text.h"
 #include "support/xml_check.h"
 #include "unit/study/statistics/reference_tables.h"
 
 namespace conav::statistics {
 namespace {
+
+using test::CountOf;
 
 Analysis AnalysisOf(ConditionTable table) {
   Analysis analysis = Analyse({std::move(table), {}}, 0.05);
@@ -17,15 +21,7 @@ Analysis AnalysisOf(ConditionTable table) {
   return analysis;
 }
 
-std::size_t Count(const std::string& text, const std::string& part) {
-  std::size_t count = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
-    ++count;
-  }
-  return count;
-}
-
-TEST_CASE("The text has every table with its figures", "[operator][statistics]") {
+TEST_CASE("The text has every table with its figures", "[statistics]") {
   const std::string text = ReportText(AnalysisOf(ReferenceTable("ergoStool")));
   CHECK_THAT(text, Catch::StartsWith("t.csv: 9 subjects, 4 conditions\n\nConditions\n"));
   for (const char* part :
@@ -36,16 +32,14 @@ TEST_CASE("The text has every table with its figures", "[operator][statistics]")
         "T1 - T2     -3.8889  [-4.9375, -2.8403]", "chi^2 22.694, df 3, p 4.68e-05"}) {
     CHECK_THAT(text, Catch::Contains(part));
   }
-}
-
-TEST_CASE("Columns stay in line under names that are not ASCII", "[operator][statistics]") {
-  const std::string text =
+  // Columns stay in line under names that are not ASCII.
+  const std::string foreign =
       ReportText(AnalysisOf(MakeTable({"t\xC3\xA9l\xC3\xA9", "plain"}, {1, 2, 3, 5, 4, 4})));
-  CHECK_THAT(text, Catch::Contains("\n  t\xC3\xA9l\xC3\xA9       3  "));
-  CHECK_THAT(text, Catch::Contains("\n  plain      3  "));
+  CHECK_THAT(foreign, Catch::Contains("\n  t\xC3\xA9l\xC3\xA9       3  ") &&
+                          Catch::Contains("\n  plain      3  "));
 }
 
-TEST_CASE("JSON has every figure at full precision", "[operator][statistics]") {
+TEST_CASE("JSON has every figure at full precision", "[statistics]") {
   const Analysis analysis = AnalysisOf(ReferenceTable("ergoStool"));
   const auto json = nlohmann::json::parse(ReportJson(analysis).dump());
   CHECK(json["schema"] == 1);
@@ -63,8 +57,7 @@ TEST_CASE("JSON has every figure at full precision", "[operator][statistics]") {
   CHECK(json["notes"].empty());
 }
 
-TEST_CASE("What is infinite or missing is null in JSON, and a note says why",
-          "[operator][statistics]") {
+TEST_CASE("What is infinite or missing is null in JSON, and a note says why", "[statistics]") {
   for (const auto& values : {std::vector<double>{1, 2, 3, 2, 3, 4},     // constant differences
                              std::vector<double>{1, 1, 1, 2, 2, 2},     // no differences
                              std::vector<double>{5, 5, 5, 5, 5, 5}}) {  // nothing varies
@@ -78,45 +71,39 @@ TEST_CASE("What is infinite or missing is null in JSON, and a note says why",
   }
 }
 
-TEST_CASE("Two conditions are not corrected, and a note says so", "[operator][statistics]") {
-  const Analysis analysis = AnalysisOf(SleepTable());
-  CHECK_THAT(ReportText(analysis), !Catch::Contains("Greenhouse"));
-  CHECK_THAT(ReportText(analysis),
-             Catch::Contains("Note: Two conditions: sphericity always holds"));
-  CHECK(ReportJson(analysis)["anova"]["greenhouse_geisser"]["epsilon"] == 1.0);
-}
-
-TEST_CASE("Who is left out is named", "[operator][statistics]") {
+TEST_CASE("Notes name subjects that are left out and corrections that do not apply",
+          "[statistics]") {
   auto file = ParseTable("subject,a,b\np1,1,2\np2,2,\np3,4,3\n", "t.csv");
   REQUIRE(file);
-  const Analysis analysis = Analyse(std::move(*file), 0.05);
-  CHECK(analysis.notes[0] == "Subject p2 (line 3) is left out: no value in b.");
-  const auto json = ReportJson(analysis);
+  const auto json = ReportJson(Analyse(std::move(*file), 0.05));
+  CHECK_THAT(json["notes"][0].get<std::string>(), Catch::Contains("p2 (line 3)"));
   CHECK(json["left_out"][0]["subject"] == "p2");
   CHECK(json["left_out"][0]["missing"][0] == "b");
+  const Analysis two = AnalysisOf(SleepTable());  // sphericity always holds
+  CHECK_THAT(ReportText(two), !Catch::Contains("Greenhouse") && Catch::Contains("Note: "));
+  CHECK(ReportJson(two)["anova"]["greenhouse_geisser"]["epsilon"] == 1.0);
 }
 
-TEST_CASE("The page has the tables, the plot and nothing from elsewhere",
-          "[operator][statistics]") {
+TEST_CASE("The page has the tables, the plot and nothing from elsewhere", "[statistics]") {
   const std::string page = ReportPage(AnalysisOf(MakeTable({"<a>", "b"}, {1, 2, 3, 5, 4, 4})));
   CHECK_THAT(page, Catch::StartsWith("<!DOCTYPE html>"));
   CHECK(test::XmlError(page) == "");
   CHECK_THAT(page, Catch::Contains("&lt;a&gt;"));
   CHECK_THAT(page, !Catch::Contains("<a>"));
   CHECK_THAT(page, !Catch::Contains("http"));
-  CHECK(Count(page, "<table>") == 5);
-  CHECK(Count(page, "class=\"subject\"") == 3);
+  CHECK(CountOf(page, "<table>") == 5);
+  CHECK(CountOf(page, "class=\"subject\"") == 3);
 }
 
-TEST_CASE("The plot has a line per subject and marks per condition", "[operator][statistics]") {
+TEST_CASE("The plot has a line per subject and marks per condition", "[statistics]") {
   const std::string plot = ConditionsPlot(AnalysisOf(ReferenceTable("ergoStool")));
-  CHECK(Count(plot, "class=\"subject\"") == 9);
-  CHECK(Count(plot, "class=\"mean\"") == 4);
-  CHECK(Count(plot, "class=\"within\"") == 4);
+  CHECK(CountOf(plot, "class=\"subject\"") == 9);
+  CHECK(CountOf(plot, "class=\"mean\"") == 4);
+  CHECK(CountOf(plot, "class=\"within\"") == 4);
   CHECK_THAT(plot, !Catch::Contains("nan") && !Catch::Contains("inf"));
 }
 
-TEST_CASE("An axis has its label and ends where no value can be", "[operator][statistics]") {
+TEST_CASE("An axis has its label and ends where no value can be", "[statistics]") {
   const Analysis analysis = AnalysisOf(MakeTable({"a", "b"}, {0, 90, 2, 100, 90, 95}));
   CHECK_THAT(ConditionsPlot(analysis), Catch::Contains(">-100</text>"));
   const std::string share = ConditionsPlot(analysis, {"share (%)", {0.0, 100.0}});
@@ -125,20 +112,48 @@ TEST_CASE("An axis has its label and ends where no value can be", "[operator][st
   CHECK(test::XmlError(share) == "");
 }
 
-TEST_CASE("Values that are all the same, or very many, can be drawn", "[operator][statistics]") {
+TEST_CASE("Values that are all the same, or very many, can be drawn", "[statistics]") {
   for (const double value : {0.0, -5.0, 1e100, 1e-100}) {
     const std::string plot =
         ConditionsPlot(AnalysisOf(MakeTable({"a", "b"}, std::vector<double>(4, value))));
     CHECK_THAT(plot, !Catch::Contains("nan") && !Catch::Contains("inf"));
     CHECK(test::XmlError(plot) == "");
-    CHECK(Count(plot, "class=\"rule\"") >= 4);
-    CHECK(Count(plot, "class=\"rule\"") <= 12);
+    CHECK(CountOf(plot, "class=\"rule\"") >= 4);
+    CHECK(CountOf(plot, "class=\"rule\"") <= 12);
   }
   std::vector<double> values;
   for (int i = 0; i < 500; ++i) values.push_back(i % 7);
   const Analysis many = AnalysisOf(MakeTable({"a", "b"}, values));
-  CHECK(Count(ConditionsPlot(many), "class=\"subject\"") == 200);
+  CHECK(CountOf(ConditionsPlot(many), "class=\"subject\"") == 200);
   CHECK_THAT(ReportPage(many), Catch::Contains("the first 200"));
+}
+
+TEST_CASE("Descriptives of ergoStool are R's", "[statistics]") {
+  const auto rows = Describe(ReferenceTable("ergoStool"), 0.05);
+  REQUIRE(rows.size() == 4);
+  const Description& t2 = rows[1];
+  CHECK(t2.condition == "T2");
+  CHECK(t2.n == 9);
+  CHECK(t2.mean == Near(12.4444444444444446));
+  CHECK(t2.standard_deviation == Near(1.5898986690282426));
+  CHECK(t2.median == 12.0);
+  CHECK(t2.mean_interval.high - t2.mean == Near(1.2221043017782423));
+  CHECK(t2.mean - t2.mean_interval.low == Near(1.2221043017782423));
+  CHECK(rows[0].within_interval.high - rows[0].mean == Near(1.00942740210727200));
+  CHECK(rows[1].within_interval.high - rows[1].mean == Near(0.75881865916269930));
+  CHECK(rows[2].within_interval.high - rows[2].mean == Near(0.78014792751087803));
+  CHECK(rows[3].within_interval.high - rows[3].mean == Near(0.81109083076963717));
+  const auto narrow = Describe(ReferenceTable("ergoStool"), 0.1)[1].mean_interval;
+  CHECK(narrow.low > t2.mean_interval.low);
+  CHECK(narrow.high < t2.mean_interval.high);
+}
+
+TEST_CASE("Where subjects differ by their level only, the interval within them is a point",
+          "[statistics]") {
+  const auto rows = Describe(MakeTable({"a", "b"}, {1, 2, 11, 12, 5, 6}), 0.05);
+  CHECK(rows[1].within_interval.low == Near(20.0 / 3.0));
+  CHECK(rows[1].within_interval.high == Near(20.0 / 3.0));
+  CHECK(rows[1].mean_interval.high > 10.0);
 }
 
 }  // namespace

@@ -1,0 +1,74 @@
+#include "common/bus/participant.h"
+
+#include <catch2/catch.hpp>
+
+#include "common/bus/backend.h"
+#include "common/runtime/result.h"
+#include "support/scoped_variable.h"
+
+namespace conav::bus {
+namespace {
+
+using test::ScopedVariable;
+
+TEST_CASE("the environment fills what the options leave open; options go before it", "[options]") {
+  const ScopedVariable vendor("CONAV_DDS", "fastdds");
+  const ScopedVariable domain("CONAV_DOMAIN", "42");
+  const ScopedVariable interface("CONAV_INTERFACE", "lo");
+  const ParticipantOptions resolved = Resolve({});
+  CHECK(resolved.vendor == "fastdds");
+  CHECK(resolved.domain_id == 42);
+  CHECK(resolved.interface == "lo");
+  ParticipantOptions options;
+  options.vendor = "cyclonedds";
+  options.domain_id = 7;
+  CHECK(Resolve(options).vendor == "cyclonedds");
+  CHECK(Resolve(options).domain_id == 7);
+}
+
+TEST_CASE("without options the vendor is the default one, the domain ROS_DOMAIN_ID or 0",
+          "[options]") {
+  const ScopedVariable vendor("CONAV_DDS", "");
+  const ScopedVariable domain("CONAV_DOMAIN", "");
+  for (const auto& [ros_domain, expected] : {std::pair("13", 13), std::pair("", 0)}) {
+    const ScopedVariable ros("ROS_DOMAIN_ID", ros_domain);
+    CHECK(Resolve({}).vendor == kDefaultVendor);
+    CHECK(Resolve({}).domain_id == expected);
+  }
+}
+
+TEST_CASE("an unknown vendor is refused with those that exist", "[options]") {
+  const ScopedVariable vendor("CONAV_DDS", "opensplice");
+  CHECK_THROWS_WITH(Participant("node", ParticipantOptions{}),
+                    Catch::Contains("CONAV_DDS = opensplice") && Catch::Contains("cyclonedds") &&
+                        Catch::Contains("fastdds"));
+}
+
+TEST_CASE("a domain that DDS does not have is refused", "[options]") {
+  ParticipantOptions options;
+  options.domain_id = 233;
+  CHECK_THROWS_WITH(Resolve(options), Catch::Contains("233") && Catch::Contains("232"));
+  const ScopedVariable domain("CONAV_DOMAIN", GENERATE("233", "-3", "7x", "seven"));
+  CHECK_THROWS_AS(Resolve({}), StartupError);
+}
+
+TEST_CASE("the section bus of a config file is read and checked", "[options]") {
+  const auto read = [](const char* text) {
+    ParticipantOptions options;
+    ReadConfig(YAML::Load(text), "sim.bus", options);
+    return options;
+  };
+  const ParticipantOptions options =
+      read("{vendor: fastdds, domain_id: 5, interface: lo, peers: [10.0.0.1], lease_s: 1.5}");
+  CHECK(options.vendor == "fastdds");
+  CHECK(options.peers == std::vector<std::string>{"10.0.0.1"});
+  CHECK(options.lease_s == 1.5);
+  for (const auto& [text, names] :
+       {std::pair("{vendor: rti}", "rti"), std::pair("{domain_id: 300}", "domain_id"),
+        std::pair("{lease_s: 0}", "lease_s"), std::pair("{ros_distribution: foxy}", "foxy")}) {
+    CHECK_THROWS_WITH(read(text), Catch::Contains(names));
+  }
+}
+
+}  // namespace
+}  // namespace conav::bus

@@ -1,0 +1,160 @@
+#include "launcher/run_log.h"
+
+#include <catch2/catch.hpp>
+
+#include "unit/deploy/launcher/sample_episode.h"
+
+namespace conav::launcher {
+namespace {
+
+TEST_CASE("robots are numbered on over the worlds", "[launcher]") {
+  const Episode episode = MakeEpisode(2, 2);
+  REQUIRE(episode.robots.size() == 4);
+  CHECK(episode.robots[1].name == "r2");
+  CHECK(episode.robots[1].world == "w1");
+  CHECK(episode.robots[2].name == "r3");
+  CHECK(episode.robots[2].world == "w2");
+  CHECK_FALSE(episode.finished());
+  CHECK_FALSE(episode.all_goals_reached());
+}
+
+TEST_CASE("a state that only tells the time is no news", "[launcher]") {
+  RobotRecord robot;
+  RobotState state;
+  CHECK(IsNews(robot, state));
+  Record(robot, state);
+  state.stamp = SimTime::FromSeconds(1.0);
+  state.heading_rad = 1e-9;
+  state.position = {0.0, 1e-9};
+  CHECK_FALSE(IsNews(robot, state));
+  ++state.pictures;
+  CHECK(IsNews(robot, state));
+}
+
+TEST_CASE("the trajectory joins the paths of pictures with the path since the newest one",
+          "[launcher]") {
+  CHECK(WholeTrajectory(SampleEpisode().robots[0]) == std::vector<Cell>{{3, 1}, {3, 2}, {3, 3}});
+  // A picture that arrives before the state that counts it, or twice, repeats no cells.
+  RobotRecord robot;
+  RobotState state;
+  state.cell = {1, 2};
+  state.path = {{1, 1}, {1, 2}};
+  Record(robot, state);
+  Snapshot picture;
+  picture.sequence_number = 1;
+  picture.path = state.path;
+  Record(robot, picture);
+  Record(robot, picture);
+  CHECK(robot.pictures.size() == 1);
+  CHECK(WholeTrajectory(robot) == state.path);
+}
+
+TEST_CASE("guidance and edits are counted by the newest revision, not by messages", "[launcher]") {
+  RobotRecord robot;
+  Guidance guidance;
+  WorldRecord world;
+  Belief belief;
+  for (const std::uint64_t revision : {4, 3}) {
+    guidance.revision = belief.revision = revision;
+    Record(robot, guidance);
+    Record(world, belief);
+  }
+  CHECK(robot.guidance_given == 4);
+  CHECK(world.edits() == 4);
+}
+
+TEST_CASE("robots that share goals reach them together", "[launcher]") {
+  Episode episode = MakeEpisode(2, 1);
+  RobotState state;
+  state.goals_total = 3;
+  state.goals_reached = {{1, 1}, {1, 2}};
+  Record(episode.robots[0], state);
+  state.goals_reached = {{3, 3}};
+  Record(episode.robots[1], state);
+  CHECK(episode.finished());
+  CHECK(episode.all_goals_reached());
+  state.goals_reached = {};
+  Record(episode.robots[1], state);
+  CHECK_FALSE(episode.all_goals_reached());
+}
+
+TEST_CASE("a belief is a wall from one half on", "[launcher]") {
+  BeliefGrid belief(1, 2, 0.49F);
+  belief[{0, 1}] = 0.5F;
+  const OccupancyGrid map = BeliefAsMap(belief);
+  CHECK(map[{0, 0}] == Occupancy::kFree);
+  CHECK(map[{0, 1}] == Occupancy::kOccupied);
+}
+
+TEST_CASE("percentiles are nearest ranks", "[launcher]") {
+  const std::vector<double> values{5, 1, 4, 2, 3};
+  CHECK(Percentile(values, 0.5) == 3);
+  CHECK(Percentile(values, 0.99) == 5);
+  CHECK(Percentile(values, 0.0) == 1);
+  CHECK(Percentile({}, 0.5) == 0);
+}
+
+TEST_CASE("a robot's time ends with its last goal", "[launcher]") {
+  Episode episode = MakeEpisode(1, 1);
+  RobotState state;
+  state.goals_left = {{1, 1}};
+  state.stamp = SimTime::FromSeconds(3.0);
+  Record(episode.robots[0], state);
+  CHECK(MeasureRobot(episode.robots[0]).time_s == 3.0);
+  state.goals_left.clear();
+  state.stamp = SimTime::FromSeconds(5.25);
+  Record(episode.robots[0], state);
+  state.stamp = SimTime::FromSeconds(9.0);
+  Record(episode.robots[0], state);
+  CHECK(MeasureRobot(episode.robots[0]).time_s == 5.25);
+}
+
+TEST_CASE("an episode is measured from what its robots said", "[launcher]") {
+  Episode episode = SampleEpisode();
+  for (const double duration_ms : {4.0, 6.0, 50.0}) {
+    SearchReport report;
+    report.decision = episode.robots[0].decisions + 1;
+    report.duration_ms = duration_ms;
+    Record(episode.robots[0], report);
+  }
+  Belief belief;
+  belief.revision = 1;
+  belief.wall_probability = BeliefGrid(5, 5, 0.0F);
+  for (std::size_t i = 0; i < 25; ++i) {
+    if (episode.worlds[0].initial_map->values()[i] == Occupancy::kOccupied) {
+      belief.wall_probability.values()[i] = 1.0F;
+    }
+  }
+  belief.wall_probability[{2, 2}] = 0.0F;
+  Record(episode.worlds[0], belief);
+
+  const EpisodeMetrics metrics = Measure(episode);
+  CHECK(metrics.all_goals_reached);
+  CHECK(metrics.before.mapping == 0.0);
+  CHECK(metrics.after.mapping == Approx(0.5));
+  CHECK(metrics.before.cell == Approx(7.0 / 9));
+  CHECK(metrics.after.cell == Approx(8.0 / 9));
+  REQUIRE(metrics.robots.size() == 1);
+  CHECK(metrics.robots[0].decisions == 3);
+  CHECK(metrics.robots[0].decision_ms_median == 6.0);
+  CHECK(metrics.robots[0].decision_ms_p99 == 50.0);
+}
+
+TEST_CASE("the JSON object has every key that it promises", "[launcher]") {
+  const auto json = ToJson(Measure(SampleEpisode()));
+  for (const char* key : {"all_goals_reached", "mapping_accuracy_before", "mapping_accuracy_after",
+                          "cell_accuracy_before", "cell_accuracy_after"}) {
+    CHECK(json.contains(key));
+  }
+  const auto& robot = json.at("robots").at(0);
+  for (const char* key : {"name", "world", "goals_reached", "goals_total", "cell_moves",
+                          "low_level_steps", "pictures", "picture_bytes", "guidance", "decisions",
+                          "decision_ms_median", "decision_ms_p99", "perception_model"}) {
+    CHECK(robot.contains(key));
+  }
+  CHECK(robot.at("picture_bytes") == 12345);
+  CHECK(robot.at("low_level_steps") == 17);
+}
+
+}  // namespace
+}  // namespace conav::launcher

@@ -1,0 +1,186 @@
+#include "nhpm/dataset/annotators.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <fstream>
+#include <optional>
+
+#include "support/temporary_folder.h"
+
+namespace conav::nhpm {
+namespace {
+
+const std::filesystem::path kShippedFile =
+    std::filesystem::path(CONAV_SOURCE_DIR) / "deploy/config/annotators.yaml";
+
+/// What reading a file with these parameters throws; empty when it is taken.
+std::string Refusal(const std::string& parameters) {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "people.yaml") << "annotators:\n  ros__parameters:\n    " << parameters;
+  try {
+    ReadPopulation(folder / "people.yaml");
+  } catch (const StartupError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::vector<Annotator> DrawMany(const AnnotatorPopulation& population, int count) {
+  Random random(3);
+  std::vector<Annotator> people;
+  for (int i = 0; i < count; ++i) people.push_back(DrawAnnotator(population, random));
+  return people;
+}
+
+/// Every key of `node`, nested ones with dots.
+void CollectKeys(const YAML::Node& node, const std::string& prefix, std::set<std::string>& keys) {
+  if (!node.IsMap()) return;
+  for (const auto& entry : node) {
+    const std::string key = prefix + "." + entry.first.as<std::string>();
+    keys.insert(key);
+    CollectKeys(entry.second, key, keys);
+  }
+}
+
+std::set<std::string> KeysOf(const YAML::Node& node) {
+  std::set<std::string> keys;
+  CollectKeys(node, "", keys);
+  return keys;
+}
+
+TEST_CASE("The shipped file of people holds every key with its default", "[synthesis]") {
+  CHECK(ReadPopulation(kShippedFile) == AnnotatorPopulation{});
+  ConfigReader writer;
+  AnnotatorPopulation().Visit(writer);
+  CHECK(KeysOf(LoadParameters(kShippedFile, "annotators")) == KeysOf(writer.emitted()));
+}
+
+TEST_CASE("Each of the shipped people can be read, and none is careless", "[synthesis]") {
+  const std::filesystem::path folder = kShippedFile.parent_path() / "people";
+  int people = 0;
+  for (const auto& file : std::filesystem::directory_iterator(folder)) {
+    CAPTURE(file.path());
+    CHECK(ReadPopulation(file.path()).careless_share == 0.0);
+    ++people;
+  }
+  CHECK(people == 10);
+}
+
+TEST_CASE("A file of people changes what it names and keeps the rest", "[synthesis]") {
+  const test::TemporaryFolder folder;
+  std::ofstream(folder / "people.yaml")
+      << "annotators: {ros__parameters: {careful: {near_cells: {mean: 2.5}}}}";
+  AnnotatorPopulation expected;
+  expected.careful.near_cells.mean = 2.5;
+  CHECK(ReadPopulation(folder / "people.yaml") == expected);
+}
+
+TEST_CASE("A wrong file of people is refused by file and key", "[synthesis]") {
+  CHECK(Refusal("careless_share: 0.5").empty());
+  for (const auto& [parameters, names] : std::vector<std::pair<const char*, const char*>>{
+           {"careless_share: 1.5", "people.yaml: annotators.careless_share"},
+           {"carefull: {}", "'carefull'"},
+           {"careful: {edit_probabilty: {mean: 0.5}}", "annotators.careful: unknown key"},
+           {"careless: {lapse_probability: {mean: -0.1}}",
+            "annotators.careless.lapse_probability.mean"},
+           {"careful: {decay_cells: {mean: 0.0}}", "annotators.careful.decay_cells.mean"},
+           {"careful: {decay_cells: {deviation: -1}}", "annotators.careful.decay_cells.deviation"},
+           {"careful: {decay_cells: {mean: .nan}}", "decay_cells.mean"},
+           {"careful: {decay_cells: {spread: 1}}", "'spread'"},
+           {"careful: {decay_cells: 7}", "decay_cells"},
+           {"careful: {decay_cells: {mean: far}}", "wrong type"},
+       }) {
+    CHECK_THAT(Refusal(parameters), Catch::Contains(names));
+  }
+  CHECK_THROWS_AS(ReadPopulation("/nowhere/people.yaml"), StartupError);
+  CHECK_THROWS_AS(
+      ReadPopulation(std::filesystem::path(CONAV_SOURCE_DIR) / "deploy/config/nhpm.yaml"),
+      StartupError);
+}
+
+TEST_CASE("People differ by the mean and deviation of each parameter", "[synthesis]") {
+  AnnotatorPopulation population;
+  population.careless_share = 0.0;
+  population.careful.edit_probability = {0.625, 0.0};
+  population.careful.decay_cells = {4.5, 0.0};
+  population.careful.edit_limit = {2.6, 0.0};
+  population.careful.extra_pictures = {7.4, 0.0};
+  population.careful.misplacement_probability = {0.5, 0.1};
+  constexpr int kPeople = 4000;
+  double sum = 0.0;
+  double squares = 0.0;
+  for (const Annotator& person : DrawMany(population, kPeople)) {
+    REQUIRE(person.reader.edit_probability == 0.625);
+    REQUIRE(person.reader.decay_cells == 4.5);
+    REQUIRE(person.reader.edit_limit == 3);
+    REQUIRE(person.extra_pictures == 7);
+    sum += person.reader.misplacement_probability;
+    squares += std::pow(person.reader.misplacement_probability - 0.5, 2);
+  }
+  CHECK(sum / kPeople == Approx(0.5).margin(0.01));
+  CHECK(std::sqrt(squares / kPeople) == Approx(0.1).margin(0.01));
+}
+
+TEST_CASE("Parameters keep to their ranges however far people differ", "[synthesis]") {
+  AnnotatorPopulation population;
+  population.careful.lapse_probability = {0.5, 5.0};
+  population.careful.decay_cells = {1.0, 50.0};
+  population.careful.edit_limit = {1.0, 50.0};
+  bool lowest = false;
+  bool highest = false;
+  for (const Annotator& person : DrawMany(population, 300)) {
+    CHECK(FromNamedValues(ToNamedValues(person.reader)).has_value());  // which checks every range
+    lowest = lowest || person.reader.lapse_probability == 0.0;
+    highest = highest || person.reader.lapse_probability == 1.0;
+  }
+  CHECK(lowest);
+  CHECK(highest);
+}
+
+TEST_CASE("The careless are as many as the population says", "[synthesis]") {
+  AnnotatorPopulation population;
+  population.careless_share = 0.3;
+  population.careful.decay_cells = {20.0, 0.0};
+  population.careless.decay_cells = {2.0, 0.0};
+  int careless = 0;
+  for (const Annotator& person : DrawMany(population, 2000)) {
+    careless += person.reader.decay_cells == 2.0;
+  }
+  CHECK(careless == Approx(600).margin(80));
+}
+
+TEST_CASE("Parameters of a reader survive the way through their names", "[synthesis]") {
+  for (const Annotator& person : DrawMany({}, 50)) {
+    const std::map<std::string, double> values = ToNamedValues(person.reader);
+    const auto back = FromNamedValues(values);
+    REQUIRE(back.has_value());
+    CHECK(ToNamedValues(*back) == values);
+    CHECK(back->decay_cells == person.reader.decay_cells);
+    CHECK(back->edit_limit == person.reader.edit_limit);
+  }
+}
+
+TEST_CASE("Named values that are missing, unknown or out of range are refused by name",
+          "[synthesis]") {
+  CHECK_FALSE(FromNamedValues({}));
+  for (const auto& [name, value] : std::vector<std::pair<std::string, std::optional<double>>>{
+           {"decay_cells", {}},
+           {"patience", 1.0},
+           {"guess_probability", 1.25},
+           {"guess_probability", std::nan("")},
+           {"edit_limit", 2.5},
+       }) {
+    auto values = ToNamedValues({});
+    if (value) {
+      values[name] = *value;
+    } else {
+      values.erase(name);
+    }
+    const auto result = FromNamedValues(values);
+    REQUIRE_FALSE(result);
+    CHECK_THAT(result.error().text, Catch::Contains(name));
+  }
+}
+
+}  // namespace
+}  // namespace conav::nhpm

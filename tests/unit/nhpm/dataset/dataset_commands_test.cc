@@ -1,0 +1,254 @@
+#include "nhpm/dataset/dataset_commands.h"
+
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "common/runtime/file.h"
+#include "common/segments/segment_file.h"
+#include "common/segments/segment_json.h"
+#include "common/segments/segment_split.h"
+#include "nhpm/dataset/synthesize.h"
+#include "support/program_runner.h"
+#include "support/temporary_folder.h"
+#include "unit/common/segments/support/sample_segments.h"
+
+namespace conav::nhpm {
+namespace {
+
+// conav-dataset as a user meets it: files and messages.
+
+using Outcome = test::ProgramOutcome;
+
+/// A folder with the sample as data.pb.zst, and the program run in it.
+class Desk : public test::ProgramRunner {
+ public:
+  Desk() : ProgramRunner("conav-dataset") {
+    REQUIRE(WriteSegmentFile(*this / "data.pb.zst", tests::SampleSet()));
+  }
+};
+
+TEST_CASE("conav-dataset describes a file in words, numbers and a picture; '-' is nothing but JSON",
+          "[dataset]") {
+  const Desk desk;
+  const Outcome outcome = desk.Run("describe data.pb.zst --json data.json --svg data.svg");
+  CHECK(outcome.exit_code == 0);
+  CHECK_THAT(outcome.out, Catch::StartsWith("SYNTHETIC") && Catch::Contains("segment 0 ("));
+  CHECK(nlohmann::json::parse(ReadFile(desk / "data.json").value()).at("segments") == 3);
+  CHECK_THAT(ReadFile(desk / "data.svg").value(),
+             Catch::Contains("data.pb.zst: edits made by people+synthetic"));
+  const auto numbers = nlohmann::json::parse(desk.Run("describe data.pb.zst --json -").out);
+  CHECK(numbers.at("edits") == 6);
+  CHECK(numbers.at("segments_by_edits").at(2) == 3);
+}
+
+TEST_CASE("chosen segments are shown, a wrong number is wrong use", "[dataset]") {
+  const Desk desk;
+  CHECK_THAT(desk.Run("describe data.pb.zst --segments 2,1").out,
+             Catch::Contains("segment 2 (") && Catch::Contains("segment 1 (") &&
+                 !Catch::Contains("segment 0 ("));
+  const Outcome wrong = desk.Run("describe data.pb.zst --segments 7");
+  CHECK(wrong.exit_code == 2);
+  CHECK_THAT(wrong.error, Catch::Contains("segment 7"));
+}
+
+TEST_CASE("exported lines imported again are the same file", "[dataset]") {
+  const Desk desk;
+  CHECK(desk.Run("export data.pb.zst --out data.jsonl").exit_code == 0);
+  CHECK(desk.Run("import data.jsonl --out again.pb.zst").exit_code == 0);
+  CHECK(ReadFile(desk / "data.pb.zst").value() == ReadFile(desk / "again.pb.zst").value());
+  CHECK(desk.Run("export data.pb.zst").out == ReadFile(desk / "data.jsonl").value());
+}
+
+TEST_CASE("a bad line is refused with file and line, and nothing is written", "[dataset]") {
+  const Desk desk;
+  REQUIRE(WriteFile(desk / "bad.jsonl", "\n{\"type\": \"segment\"}\n"));
+  const Outcome outcome = desk.Run("import bad.jsonl --out bad.pb.zst");
+  CHECK(outcome.exit_code == 1);
+  CHECK_THAT(outcome.error, Catch::StartsWith("conav dataset: bad.jsonl:2: "));
+  CHECK_FALSE(std::filesystem::exists(desk / "bad.pb.zst"));
+}
+
+TEST_CASE("files are merged, and a trajectory that comes twice is refused", "[dataset]") {
+  const Desk desk;
+  REQUIRE(WriteSegmentFile(desk / "more.pb.zst", {{tests::SampleTrajectory(8)}}));
+  CHECK(desk.Run("merge data.pb.zst more.pb.zst --out all.pb.zst").exit_code == 0);
+  CHECK(ReadSegmentFile(desk / "all.pb.zst").value().trajectories.size() == 3);
+  CHECK(desk.Run("merge data.pb.zst more.pb.zst --out all.pb.zst --min-mapping-accuracy 0.5")
+            .exit_code == 0);
+  CHECK(ReadSegmentFile(desk / "all.pb.zst").value().trajectories.size() == 2);
+  const Outcome twice = desk.Run("merge data.pb.zst all.pb.zst --out twice.pb.zst");
+  CHECK(twice.exit_code == 1);
+  CHECK_THAT(twice.error,
+             Catch::Contains("all.pb.zst: trajectory 0 is the same as data.pb.zst: trajectory 0"));
+}
+
+TEST_CASE("a split is three files; without a seed it is that of training and evaluation",
+          "[dataset]") {
+  const Desk desk;
+  SegmentSet many;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    many.trajectories.push_back(tests::SampleTrajectory(seed));
+  }
+  REQUIRE(WriteSegmentFile(desk / "many.pb.zst", many));
+  CHECK(desk.Run("split many.pb.zst --out-prefix part").exit_code == 0);
+  const SegmentSplit split = SplitSegments(many, kDefaultSplitSeed);
+  CHECK(ReadSegmentFile(desk / "part-test.pb.zst").value() == split.test);
+  CHECK(ReadSegmentFile(desk / "part-validation.pb.zst").value() == split.validation);
+  CHECK(ReadSegmentFile(desk / "part-train.pb.zst").value() == split.train);
+  CHECK(desk.Run("split many.pb.zst --out-prefix other --seed 3").exit_code == 0);
+  CHECK(ReadSegmentFile(desk / "other-test.pb.zst").value() == SplitSegments(many, 3).test);
+}
+
+TEST_CASE("a truncated recording is refused, and read with --recover", "[dataset]") {
+  const Desk desk;
+  std::string two = ReadFile(desk / "data.pb.zst").value();
+  two += two.substr(0, two.size() / 2);
+  REQUIRE(WriteFile(desk / "torn.pb.zst", two));
+  const Outcome refused = desk.Run("describe torn.pb.zst");
+  CHECK(refused.exit_code == 1);
+  CHECK_THAT(refused.error,
+             Catch::Contains("torn.pb.zst: it is truncated") && Catch::Contains("--recover"));
+  CHECK(desk.Run("describe torn.pb.zst --recover").exit_code == 0);
+}
+
+TEST_CASE("no command writes over its input", "[dataset]") {
+  const Desk desk;
+  const std::string before = ReadFile(desk / "data.pb.zst").value();
+  REQUIRE(WriteFile(desk / "part-test.pb.zst", before));
+  for (const char* command :
+       {"import data.pb.zst --out data.pb.zst", "export data.pb.zst --out ./data.pb.zst",
+        "merge data.pb.zst --out data.pb.zst", "describe data.pb.zst --json data.pb.zst",
+        "describe data.pb.zst --svg x --json x", "split part-test.pb.zst --out-prefix part",
+        "synthesize --trajectories 1 --out data.pb.zst --json data.pb.zst"}) {
+    INFO(command);
+    CHECK(desk.Run(command).exit_code == 2);
+  }
+  CHECK(ReadFile(desk / "data.pb.zst").value() == before);
+  CHECK_FALSE(std::filesystem::exists(desk / "part-train.pb.zst"));
+}
+
+TEST_CASE("an unknown command is named", "[dataset]") {
+  const Outcome outcome = Desk().Run("improve data.pb.zst");
+  CHECK(outcome.exit_code == 2);
+  CHECK_THAT(outcome.error, Catch::Contains("'improve'"));
+}
+
+// `conav dataset synthesize`: options, file, summary.
+
+using test::TemporaryFolder;
+
+/// The exit code that `conav dataset synthesize OPTIONS` ends with.
+int Synthesize(std::vector<std::string> options) {
+  CLI::App app;
+  int exit_code = -1;
+  AddSynthesizeCommand(app, exit_code);
+  options.insert(options.begin(), "synthesize");
+  std::reverse(options.begin(), options.end());  // as CLI11 takes them
+  try {
+    app.parse(options);
+  } catch (const CLI::ParseError&) {
+    return 2;
+  }
+  return exit_code;
+}
+
+SegmentSet Read(const std::filesystem::path& file) {
+  auto set = ReadSegmentFile(file);
+  REQUIRE(set.has_value());
+  return *std::move(set);
+}
+
+TEST_CASE("The file holds the trajectories of the library, in folders that may be new",
+          "[synthesis]") {
+  const TemporaryFolder folder;
+  const auto file = folder / "very" / "new" / "set.pb.zst";
+  REQUIRE(Synthesize({"--trajectories", "7", "--seed", "5", "--preset", "9x9", "--per-person", "2",
+                      "--threads", "2", "--out", file.string()}) == 0);
+  SynthesisOptions options;
+  options.trajectories = 7;
+  options.seed = 5;
+  options.task.preset = "9x9";
+  options.trajectories_per_person = 2;
+  const auto expected = SynthesizeSegments(options);
+  REQUIRE(expected.has_value());
+  CHECK(Read(file) == expected->set);
+}
+
+TEST_CASE("Equal seeds give equal files, whatever the number of threads", "[synthesis]") {
+  const TemporaryFolder folder;
+  const auto bytes_of = [&](const std::string& seed, const std::string& threads) {
+    const auto file = folder / ("set-" + seed + "-" + threads);
+    REQUIRE(Synthesize({"--trajectories", "9", "--seed", seed, "--threads", threads, "--out",
+                        file.string()}) == 0);
+    const auto bytes = ReadFile(file);
+    REQUIRE(bytes.has_value());
+    return *bytes;
+  };
+  CHECK(bytes_of("3", "1") == bytes_of("3", "4"));
+  CHECK(bytes_of("3", "1") != bytes_of("4", "1"));
+}
+
+TEST_CASE("The summary counts what is in the file and calls it synthetic", "[synthesis]") {
+  const TemporaryFolder folder;
+  const auto file = folder / "set.pb.zst";
+  REQUIRE(Synthesize({"--trajectories", "12", "--out", file.string(), "--json",
+                      (folder / "summary.json").string()}) == 0);
+  const auto summary = nlohmann::json::parse(std::ifstream(folder / "summary.json"));
+  const SegmentSet set = Read(file);
+  int edits = 0;
+  std::size_t segments = 0;
+  for (const Trajectory& trajectory : set.trajectories) {
+    segments += trajectory.segments.size();
+    for (const Segment& segment : trajectory.segments) edits += EditCount(segment);
+  }
+  CHECK(summary["origin"] == "synthetic");
+  CHECK(summary["accepted"] == 12);
+  CHECK(summary["segments"] == segments);
+  CHECK(summary["edits"] == edits);
+  CHECK(summary["edits_per_segment"].get<double>() ==
+        Approx(edits / static_cast<double>(segments)));
+  const double excluded = summary["excluded"].get<double>();
+  CHECK(summary["excluded_share"].get<double>() == Approx(excluded / (excluded + 12.0)));
+}
+
+TEST_CASE("Another population makes other people, one that all fail the filter none",
+          "[synthesis]") {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "people.yaml")
+      << "annotators: {ros__parameters: {careless_share: 0.0, careful: {near_cells: {mean: 1.5}}}}";
+  const auto file = folder / "set.pb.zst";
+  REQUIRE(Synthesize({"--trajectories", "3", "--population", (folder / "people.yaml").string(),
+                      "--out", file.string()}) == 0);
+  for (const Trajectory& trajectory : Read(file).trajectories) {
+    CHECK(trajectory.annotator.at("near_cells") == 1.5);
+  }
+  std::ofstream(folder / "people.yaml")
+      << "annotators: {ros__parameters: {careless_share: 0.0,"
+         " careful: {lapse_probability: {mean: 1.0, deviation: 0.0}}}}";
+  const auto none = folder / "none.pb.zst";
+  CHECK(Synthesize({"--trajectories", "1", "--population", (folder / "people.yaml").string(),
+                    "--out", none.string()}) == 1);
+  CHECK_FALSE(std::filesystem::exists(none));
+}
+
+TEST_CASE("Options out of range and a bad file of people make no file", "[synthesis]") {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "set.pb.zst").string();
+  const std::string people = (folder / "people.yaml").string();
+  std::ofstream(people) << "annotators: {ros__parameters: {cautious: {}}}";
+  for (const auto& [option, value, exit_code] :
+       std::vector<std::tuple<std::string, std::string, int>>{{"--trajectories", "0", 2},
+                                                              {"--seed", "-1", 2},
+                                                              {"--threads", "0", 2},
+                                                              {"--per-person", "0", 2},
+                                                              {"--preset", "9x8", 2},
+                                                              {"--population", people, 1}}) {
+    INFO(option);
+    CHECK(Synthesize({option, value, "--out", file}) == exit_code);
+  }
+  CHECK_FALSE(std::filesystem::exists(file));
+}
+
+}  // namespace
+}  // namespace conav::nhpm

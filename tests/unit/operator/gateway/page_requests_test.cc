@@ -1,0 +1,179 @@
+// What pages ask: as the domain has it, and whether it is allowed now.
+#include <catch2/catch.hpp>
+#include <limits>
+
+#include "operator/console/console_messages.h"
+#include "operator/gateway/page_feed.h"
+
+namespace conav::operators {
+namespace {
+
+constexpr SimTime kNow{5'000'000'000};
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+console::Request Base() {
+  console::Request request;
+  request.set_id(7);
+  request.set_world("w1");
+  request.set_valid_until(100.0);
+  return request;
+}
+
+console::Request EditOf(int row, int column) {
+  console::Request request = Base();
+  request.mutable_edit()->set_base_revision(3);
+  console::CellEdit* edit = request.mutable_edit()->add_cells();
+  edit->mutable_cell()->set_row(row);
+  edit->mutable_cell()->set_column(column);
+  edit->set_wall(true);
+  return request;
+}
+
+console::Request GuideOf(double valid_for) {
+  console::Request request = Base();
+  request.mutable_guide()->set_robot("r1");
+  for (const int column : {4, 5}) {
+    console::Cell* cell = request.mutable_guide()->add_path();
+    cell->set_row(2);
+    cell->set_column(column);
+  }
+  request.mutable_guide()->set_answers_snapshot(9);
+  request.mutable_guide()->set_valid_for(valid_for);
+  return request;
+}
+
+console::Request DriveOf(console::DriveAction action, double expires_at = 6.5) {
+  console::Request request = Base();
+  request.mutable_drive()->set_robot("r1");
+  request.mutable_drive()->set_action(action);
+  request.mutable_drive()->set_expires_at(expires_at);
+  return request;
+}
+
+console::Request SelectOf(console::AttentionReason reason) {
+  console::Request request = Base();
+  request.mutable_select()->set_robot("r1");
+  request.mutable_select()->set_reason(reason);
+  return request;
+}
+
+Result<OperatorRequest> Convert(const console::Request& request) {
+  return ToOperatorRequest(request, "anna/0123456789abcdef", kNow);
+}
+
+OperatorRequest Expected(decltype(OperatorRequest::body) body) {
+  return {kNow, "anna/0123456789abcdef", 7, "w1", std::move(body)};
+}
+
+std::string WhyRefused(const console::Request& request) {
+  const auto converted = Convert(request);
+  return converted ? "" : converted.error().text;
+}
+
+std::string CheckAllowed(const console::Request& request,
+                         console::Role role = console::ROLE_OPERATOR, double round_trip_s = 0.0,
+                         double wall_s = 99.0) {
+  return CheckNow({"anna/1", "anna", role}, {request, round_trip_s}, wall_s, 1.0);
+}
+
+}  // namespace
+
+TEST_CASE("each kind of request becomes what the bus asks", "[operator][gateway]") {
+  CHECK(Convert(EditOf(1, 2)).value() == Expected(EditRequest{3, {{{1, 2}, true}}}));
+  CHECK(Convert(GuideOf(30.0)).value() == Expected(GuideRequest{"r1", {{2, 4}, {2, 5}}, 9, 30.0}));
+  CHECK(Convert(DriveOf(console::DRIVE_TURN_LEFT)).value() ==
+        Expected(DriveRequest{"r1", DriveAction::kTurnLeft, SimTime{6'500'000'000}}));
+  CHECK(Convert(SelectOf(console::REASON_BLOCKED)).value() ==
+        Expected(SelectRequest{"r1", AttentionReason::kBlocked}));
+}
+
+TEST_CASE("a participant may say that they are done", "[operator][gateway]") {
+  console::Request request = Base();
+  request.mutable_finish();
+  const auto converted = Convert(request);
+  REQUIRE(converted);
+  CHECK(std::holds_alternative<FinishRequest>(converted->body));
+}
+
+TEST_CASE("an empty path withdraws guidance", "[operator][gateway]") {
+  console::Request request = GuideOf(30.0);
+  request.mutable_guide()->clear_path();
+  CHECK(std::get<GuideRequest>(Convert(request).value().body).path.empty());
+}
+
+TEST_CASE("edits that no map has are refused", "[operator][gateway]") {
+  CHECK_THAT(WhyRefused(EditOf(-1, 2)), Catch::Contains("cell"));
+  CHECK_THAT(WhyRefused(EditOf(1, std::numeric_limits<int>::max())), Catch::Contains("cell"));
+  console::Request large = EditOf(1, 2);
+  for (int i = 0; i < 65536; ++i) *large.mutable_edit()->add_cells() = large.edit().cells(0);
+  CHECK_THAT(WhyRefused(large), Catch::Contains("edits"));
+}
+
+TEST_CASE("guidance without an end is refused", "[operator][gateway]") {
+  const double valid_for = GENERATE(0.0, -1.0, kInfinity, kNan, 1e300);
+  CHECK_THAT(WhyRefused(GuideOf(valid_for)), Catch::Contains("valid_for"));
+}
+
+TEST_CASE("an action that expires at no time is refused", "[operator][gateway]") {
+  const double expires_at = GENERATE(-1.0, kInfinity, -kInfinity, kNan, 1e300);
+  CHECK_THAT(WhyRefused(DriveOf(console::DRIVE_FORWARD, expires_at)),
+             Catch::Contains("expires_at"));
+}
+
+TEST_CASE("numbers without a meaning are refused", "[operator][gateway]") {
+  const int number = GENERATE(-1, 99, 256, 257);
+  CHECK_THAT(WhyRefused(DriveOf(static_cast<console::DriveAction>(number))),
+             Catch::Contains("action"));
+  CHECK_THAT(WhyRefused(SelectOf(static_cast<console::AttentionReason>(number))),
+             Catch::Contains("reason"));
+  CHECK_FALSE(WhyRefused(SelectOf(console::REASON_NONE)).empty());
+}
+
+TEST_CASE("what is named wrongly is refused", "[operator][gateway]") {
+  console::Request request = GuideOf(30.0);
+  SECTION("no id") { request.set_id(0); }
+  SECTION("no world") { request.clear_world(); }
+  SECTION("a world that is no name") { request.set_world("w/1"); }
+  SECTION("a robot that is no name") { request.mutable_guide()->set_robot("r 1"); }
+  SECTION("a long name") { request.mutable_guide()->set_robot(std::string(65, 'r')); }
+  CHECK_FALSE(WhyRefused(request).empty());
+}
+
+TEST_CASE("a request for nothing is refused", "[operator][gateway]") {
+  CHECK(Convert(Base()).error().code == ErrorCode::kMalformed);
+}
+
+TEST_CASE("a request in time may come from operators and admins", "[operator][gateway]") {
+  CHECK(CheckAllowed(EditOf(1, 2)).empty());
+  CHECK(CheckAllowed(EditOf(1, 2), console::ROLE_ADMIN).empty());
+  CHECK(CheckAllowed(EditOf(1, 2), console::ROLE_OPERATOR, 0.0, 100.0).empty());
+}
+
+TEST_CASE("an observer may stop robots and nothing else", "[operator][gateway]") {
+  for (const auto& request : {EditOf(1, 2), GuideOf(30.0), DriveOf(console::DRIVE_STOP),
+                              SelectOf(console::REASON_BLOCKED)}) {
+    CHECK_THAT(CheckAllowed(request, console::ROLE_OBSERVER), Catch::Contains("observer"));
+  }
+  console::Request stop = Base();
+  stop.mutable_stop();
+  CHECK(CheckAllowed(stop, console::ROLE_OBSERVER).empty());
+}
+
+TEST_CASE("a request that comes late is refused", "[operator][gateway]") {
+  CHECK_THAT(CheckAllowed(EditOf(1, 2), console::ROLE_OPERATOR, 0.0, 102.5),
+             Catch::Contains("2.5 s too late"));
+  console::Request request = EditOf(1, 2);
+  request.set_valid_until(GENERATE(0.0, kNan, -kInfinity));
+  CHECK_FALSE(CheckAllowed(request).empty());
+}
+
+TEST_CASE("nobody drives over a slow connection, and everybody may stop", "[operator][gateway]") {
+  CHECK(CheckAllowed(DriveOf(console::DRIVE_FORWARD), console::ROLE_OPERATOR, 1.0).empty());
+  CHECK_THAT(CheckAllowed(DriveOf(console::DRIVE_FORWARD), console::ROLE_OPERATOR, 1.1),
+             Catch::Contains("too long to drive"));
+  CHECK(CheckAllowed(DriveOf(console::DRIVE_STOP), console::ROLE_OPERATOR, 1.1).empty());
+  CHECK(CheckAllowed(EditOf(1, 2), console::ROLE_OPERATOR, 1.1).empty());
+}
+
+}  // namespace conav::operators

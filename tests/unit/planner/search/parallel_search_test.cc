@@ -1,0 +1,154 @@
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <catch2/catch.hpp>
+
+#include "common/msg/perception_model.h"
+#include "planner/perception/cached_model.h"
+#include "planner/search/parallel_search.h"
+#include "unit/planner/search/text_map.h"
+
+namespace conav::planner {
+namespace {
+
+SearchResult Tree(std::vector<std::pair<std::uint32_t, double>> visits_and_means) {
+  SearchResult tree;
+  for (const auto& [visits, mean] : visits_and_means) {
+    SearchAction action;
+    action.visits = visits;
+    action.mean_value = mean;
+    tree.actions.push_back(action);
+    tree.iterations += visits;
+  }
+  tree.expected_path = {{1, 1}};
+  return tree;
+}
+
+TEST_CASE("visits and returns of the trees are summed, and the most visited action is chosen",
+          "[planner][search]") {
+  const std::array trees{Tree({{6, 1.0}, {4, -2.0}}), Tree({{1, 8.0}, {9, 3.0}}), SearchResult{}};
+  const SearchResult sum = SumOfTrees(trees);
+  CHECK(sum.actions[0].visits == 7);
+  CHECK(sum.actions[0].mean_value == Approx((6 * 1.0 + 8.0) / 7));
+  CHECK(sum.actions[1].visits == 13);
+  CHECK(sum.actions[1].mean_value == Approx((4 * -2.0 + 9 * 3.0) / 13));
+  CHECK(sum.chosen == 1);
+  CHECK(sum.iterations == 20);
+  CHECK(sum.expected_path.empty());
+  CHECK(TreeWithMostVisits(trees, 0) == 0);
+  CHECK(TreeWithMostVisits(trees, 1) == 1);
+}
+
+TEST_CASE("equal visits: the higher mean, then the lower number, nothing visited, nothing chosen",
+          "[planner][search]") {
+  CHECK(SumOfTrees(std::array{Tree({{5, 1.0}, {5, 2.0}})}).chosen == 1);
+  CHECK(SumOfTrees(std::array{Tree({{5, 2.0}, {5, 2.0}})}).chosen == 0);
+  CHECK(SumOfTrees(std::array{Tree({{0, 0.0}})}).chosen == -1);
+}
+
+/// Some of it unknown, and the operator does not know of a wall.
+struct World : TextWorld {
+  World()
+      : TextWorld({"#########", "#S..?...#", "#.#.#.#.#", "#..?....#", "#.#.#.#G#", "#########"},
+                  {"#########", "#S..#...#", "#.#.#.#.#", "#...#...#", "#.#.#.#G#", "#########"}) {}
+};
+
+SearchOptions Trees(int trees, int threads) {
+  SearchOptions options;
+  options.iterations = 300;
+  options.trees = trees;
+  options.tree_threads = threads;
+  return options;
+}
+
+SearchResult Decide(const SearchOptions& options, std::uint64_t seed = 1) {
+  const World world;
+  FakePerceptionModel model;
+  Random random(seed);
+  return ParallelSearch(options, model).Decide(world.problem, random).value();
+}
+
+TEST_CASE("several trees decide the same whatever the number of threads", "[planner][search]") {
+  const SearchResult alone = Decide(Trees(4, 1));
+  CHECK(alone.iterations == 4 * 300);
+  for (const int threads : {2, 4, 7}) {
+    const SearchResult together = Decide(Trees(4, threads));
+    CHECK(together.actions == alone.actions);
+    CHECK(together.chosen == alone.chosen);
+    CHECK(together.expected_path == alone.expected_path);
+    CHECK(together.nodes == alone.nodes);
+    CHECK(together.perception_queries == alone.perception_queries);
+    CHECK(together.perception_cached == alone.perception_cached);
+  }
+  CHECK_FALSE(Decide(Trees(4, 2), 2).actions == alone.actions);
+  CHECK_FALSE(Decide(Trees(3, 2)).actions == alone.actions);
+}
+
+TEST_CASE("decisions in a row with trees that are gone on with are the same on all threads",
+          "[planner][search]") {
+  const auto visits = [](int threads) {
+    World world;
+    const auto model =
+        std::make_shared<CachedPerceptionModel>(std::make_shared<FakePerceptionModel>());
+    SearchOptions options = Trees(3, threads);
+    options.tree_reuse = TreeReuse::kPruned;
+    const ParallelSearch search(options, *model);
+    std::vector<SearchMemory> memories;
+    Random random(5);
+    world.problem.path = {{1, 1}};
+    std::vector<std::uint32_t> all;
+    for (const Cell next : {Cell{1, 1}, Cell{1, 2}, Cell{1, 3}}) {
+      world.problem.start = world.graph.VertexAt(next).value();
+      if (next != world.problem.path.back()) world.problem.path.push_back(next);
+      const auto result = search.Decide(world.problem, random, {}, &memories).value();
+      for (const SearchAction& action : result.actions) all.push_back(action.visits);
+    }
+    return all;
+  };
+  const auto alone = visits(1);
+  CHECK(visits(2) == alone);
+  CHECK(visits(4) == alone);
+}
+
+TEST_CASE("the expected path begins with the action that the trees chose together",
+          "[planner][search]") {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const SearchResult result = Decide(Trees(3, 2), seed);
+    const SearchAction& chosen = result.actions.at(static_cast<std::size_t>(result.chosen));
+    if (chosen.kind == CommandKind::kMove) {
+      REQUIRE_FALSE(result.expected_path.empty());
+      CHECK(result.expected_path.front() == chosen.target);
+    } else {
+      CHECK(result.expected_path.empty());
+    }
+  }
+}
+
+TEST_CASE("trees stop when asked to, and fail when the model does", "[planner][search]") {
+  class GoneAfter final : public PerceptionModel {
+   public:
+    [[nodiscard]] Result<std::vector<PerceptionAnswer>> Predict(
+        std::span<const PerceptionQuery> queries) override {
+      if (calls_++ >= 3) return Fail(ErrorCode::kUnavailable, "gone");
+      return FakePerceptionModel().Predict(queries);
+    }
+    ModelIdentity identity() const override { return {"gone", "", ""}; }
+
+   private:
+    std::atomic<int> calls_{0};
+  };
+  const World world;
+  Random random(1);
+  GoneAfter gone;
+  CHECK_FALSE(ParallelSearch(Trees(4, 2), gone).Decide(world.problem, random).has_value());
+  FakePerceptionModel model;
+  StopToken stop;
+  stop.RequestStop();
+  const auto stopped =
+      ParallelSearch(Trees(4, 2), model).Decide(world.problem, random, {.stop = &stop});
+  CHECK(stopped.value().iterations == 2);  // one a thread
+  CHECK(stopped->chosen >= 0);
+}
+
+}  // namespace
+}  // namespace conav::planner

@@ -1,0 +1,131 @@
+#include "study/live/task_session.h"
+
+#include <catch2/catch.hpp>
+#include <map>
+
+#include "common/runtime/file.h"
+#include "operator/config.h"
+#include "operator/recording/config.h"
+#include "planner/config.h"
+#include "sim/config.h"
+#include "support/temporary_folder.h"
+
+namespace conav::mapping_task {
+namespace {
+
+template <class Config>
+Config Read(const std::map<std::string, std::string>& plan, const std::string& service) {
+  Config config;
+  ReadConfig(YAML::Load(plan.at(service))[service]["ros__parameters"], service, config);
+  return config;
+}
+
+std::map<std::string, std::string> Plan(std::vector<std::string> methods = {}) {
+  TaskOptions options;
+  options.participant = "P07";
+  options.methods = std::move(methods);
+  const Maze maze{2, 4, 99, "/data/P07/maze-2-4"};
+  const MazeSetting setting{43, 8123, {0.25}, "/data/P07"};
+  std::map<std::string, std::string> plan;
+  for (const PlannedService& service : PlanMaze(options, maze, setting)) {
+    plan[service.name] = service.config;
+  }
+  return plan;
+}
+
+TEST_CASE("the services of a maze get configurations that their own structs read back",
+          "[mapping_task]") {
+  const auto plan = Plan();
+  CHECK(plan.size() == 4);
+  const auto recorder = Read<recorder::RecorderConfig>(plan, "recorder");
+  CHECK(recorder.file == "/data/P07/maze-2-4/recording.mcap");
+  CHECK(recorder.facts.at("method") == "mapping");
+  CHECK(Read<sim::SimConfig>(plan, "sim").seed == 99);
+  CHECK(Read<sim::SimConfig>(plan, "sim").bus.domain_id == 43);
+  const auto planner = Read<planner::PlannerConfig>(plan, "planner");
+  CHECK(planner.method == "mapping");
+  CHECK(planner.decision_file.empty());
+}
+
+TEST_CASE("the services of a study's part have its method, and stream where that needs it",
+          "[mapping_task]") {
+  const auto teleop = Plan({"ig-mcts", "teleop", "instruction"});
+  CHECK(Read<sim::SimConfig>(teleop, "sim").camera.stream);
+  CHECK(Read<planner::PlannerConfig>(teleop, "planner").method == "teleop");
+  CHECK(Read<operators::OperatorConfig>(teleop, "operator").method == "teleop");
+  CHECK(Read<operators::OperatorConfig>(teleop, "operator").task.kind == "study");
+  const auto ours = Plan({"teleop", "ig-mcts", "instruction"});
+  CHECK_FALSE(Read<sim::SimConfig>(ours, "sim").camera.stream);
+  CHECK(Read<planner::PlannerConfig>(ours, "planner").perception_model == "nhpm");
+}
+
+TEST_CASE("the operator service of a maze records a person, and waits until they begin",
+          "[mapping_task]") {
+  const auto config = Read<operators::OperatorConfig>(Plan(), "operator");
+  CHECK(config.console.port == 8123);
+  CHECK(config.control.start_stopped);
+  CHECK(config.recording.origin == "person");
+  CHECK(config.recording.participant == "P07");
+  CHECK(config.recording.session == "P07-maze2-4");
+  CHECK(config.recording.file == "/data/P07/segments.pb.zst");
+  CHECK(config.recording.mazes == std::vector<std::string>{"w1=conav13@99"});
+  CHECK(config.recording.pictures);
+  CHECK(config.task.kind == "mapping");
+  CHECK(config.task.number == 2);
+  CHECK(config.task.count == 3);
+  CHECK(config.task.earlier == std::vector<double>{0.25});
+  CHECK(config.task.result == "/data/P07/maze-2-4/result.json");
+}
+
+TaskOptions Options() {
+  TaskOptions options;
+  options.participant = "P07";
+  options.maze_seeds = {7, 9, 11};
+  return options;
+}
+
+MazeResult Of(double accuracy) {
+  return {accuracy, {{"participant", "P07"}, {"mapping_accuracy", accuracy}, {"edits", 4}}};
+}
+
+TEST_CASE("the report of a task counts the mazes that are finished and good enough to keep",
+          "[mapping_task]") {
+  const auto json = TaskJson(Options(), {Of(0.75), Of(0.5)});
+  CHECK(json["participant"] == "P07");
+  CHECK(json["complete"] == false);
+  CHECK(json["mazes_wanted"] == 3);
+  CHECK(json["mazes_finished"] == 2);
+  CHECK(json["mazes_valid"] == 1);
+  CHECK(json["mean_mapping_accuracy"] == 0.625);
+  CHECK(json["mazes"][0]["valid"] == true);
+  CHECK(json["mazes"][0]["seed"] == 7);
+  CHECK(json["mazes"][0]["edits"] == 4);
+  CHECK_FALSE(json["mazes"][0].contains("participant"));
+  CHECK(json["mazes"][1]["valid"] == false);  // 50 % is not enough
+  CHECK(TaskJson(Options(), {Of(1), Of(1), Of(1)})["complete"] == true);
+  CHECK(TaskJson(Options(), {})["mean_mapping_accuracy"] == 0.0);
+  CHECK_THAT(MazeLine(2, Of(0.734)), Catch::Contains("maze 2") && Catch::Contains("73.4 %"));
+  CHECK_THAT(MazeLine(2, Of(0.5)), Catch::Contains("not valid"));
+}
+
+TEST_CASE("a maze's result is read back, another file is refused by its name", "[mapping_task]") {
+  const test::TemporaryFolder folder;
+  const auto file = folder / "result.json";
+  const auto none = ReadMazeResult(file);
+  REQUIRE(none);
+  CHECK_FALSE(none->has_value());
+  REQUIRE(WriteFile(file, R"({"mapping_accuracy": 0.75})"));
+  const auto result = ReadMazeResult(file);
+  REQUIRE((result && *result));
+  CHECK((*result)->mapping_accuracy == 0.75);
+  for (const char* text : {"", "[]", "{}", R"({"mapping_accuracy": "good"})"}) {
+    REQUIRE(WriteFile(file, text));
+    const auto refused = ReadMazeResult(file);
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().code == ErrorCode::kMalformed);
+    CHECK_THAT(refused.error().text, Catch::Contains("result.json"));
+  }
+}
+
+}  // namespace
+}  // namespace conav::mapping_task
