@@ -15,8 +15,7 @@ namespace conav::nhpm {
 class EvenModel final : public PerceptionModel {
  public:
   explicit EvenModel(float probability) : probability_(probability) {}
-  Result<std::vector<PerceptionAnswer>> Predict(
-      std::span<const PerceptionQuery> queries) const override {
+  Result<std::vector<PerceptionAnswer>> Predict(std::span<const PerceptionQuery> queries) override {
     std::vector<PerceptionAnswer> answers;
     for (const PerceptionQuery& query : queries) {
       const BeliefGrid& map = query.belief;
@@ -29,7 +28,7 @@ class EvenModel final : public PerceptionModel {
     }
     return answers;
   }
-  const ModelIdentity& identity() const override { return identity_; }
+  ModelIdentity identity() const override { return identity_; }
 
  private:
   float probability_;
@@ -37,8 +36,8 @@ class EvenModel final : public PerceptionModel {
 };
 
 /// Segments edited as `people` says, in trajectories of `length`.
-inline SegmentSet SegmentsOf(PerceptionModel& people, int trajectories, int length,
-                             std::uint64_t seed) {
+template <class Model>
+SegmentSet SegmentsOf(Model&& people, int trajectories, int length, std::uint64_t seed) {
   Random random(seed);
   SegmentSet set;
   for (int t = 0; t < trajectories; ++t) {

@@ -14,18 +14,16 @@ namespace {
 class RefusingModel final : public PerceptionModel {
  public:
   Result<std::vector<PerceptionAnswer>> Predict(
-      std::span<const PerceptionQuery> /*queries*/) const override {
+      std::span<const PerceptionQuery> /*queries*/) override {
     return Fail(ErrorCode::kInvalidArgument, "made for 13 x 13 cells, not 9 x 9");
   }
-  const ModelIdentity& identity() const override { return identity_; }
-
- private:
-  ModelIdentity identity_;
+  ModelIdentity identity() const override { return {}; }
 };
 
 TEST_CASE("A model is measured on both parts of the data", "[nhpm][evaluation]") {
   const EvaluationData data = SampleData();
-  const auto row = EvaluateModel({"even", "Even", "0.25 everywhere"}, EvenModel(0.25F), data);
+  EvenModel even(0.25F);
+  const auto row = EvaluateModel({"even", "Even", "0.25 everywhere"}, even, data);
   REQUIRE(row);
   CHECK(row->answers.size() == 40);
   CHECK(row->identity.name == "even");
@@ -47,11 +45,11 @@ TEST_CASE("A model is measured on both parts of the data", "[nhpm][evaluation]")
 TEST_CASE("Progress is told until all segments are answered", "[nhpm][evaluation]") {
   const EvaluationData data = SampleData();
   std::vector<std::size_t> told;
-  const auto answers =
-      AskModel(EvenModel(0.5F), data.train, [&](std::size_t done, std::size_t all) {
-        told.push_back(done);
-        CHECK(all == 120);
-      });
+  EvenModel even(0.5F);
+  const auto answers = AskModel(even, data.train, [&](std::size_t done, std::size_t all) {
+    told.push_back(done);
+    CHECK(all == 120);
+  });
   REQUIRE(answers);
   CHECK(told == std::vector<std::size_t>{64, 120});
 }
@@ -59,7 +57,8 @@ TEST_CASE("Progress is told until all segments are answered", "[nhpm][evaluation
 TEST_CASE("Without a train part there is no loss on it", "[nhpm][evaluation]") {
   EvaluationData data = SampleData();
   data.train = {};
-  const auto row = EvaluateModel({"even", "Even", ""}, EvenModel(0.25F), data);
+  EvenModel even(0.25F);
+  const auto row = EvaluateModel({"even", "Even", ""}, even, data);
   REQUIRE(row);
   CHECK_FALSE(row->train);
   CHECK_FALSE(row->at_train_boundary);
@@ -96,7 +95,8 @@ TEST_CASE("GLPF-Train's boundary is ideal on the train part, its IoU that of the
 }
 
 TEST_CASE("A model that refuses is told as it says", "[nhpm][evaluation]") {
-  const auto row = EvaluateModel({"nhpm", "NHPM", ""}, RefusingModel(), SampleData());
+  RefusingModel refusing;
+  const auto row = EvaluateModel({"nhpm", "NHPM", ""}, refusing, SampleData());
   REQUIRE_FALSE(row);
   CHECK(row.error().text == "made for 13 x 13 cells, not 9 x 9");
 }
