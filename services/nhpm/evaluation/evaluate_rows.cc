@@ -88,11 +88,10 @@ std::vector<std::filesystem::path> Files(const EvaluateArguments& arguments, con
 
 Result<ModelRow> RowOf(const NamedNetwork& network, const EvaluationData& data,
                        const Reporter& progress) {
-  return EvaluateModel(
-      network.label, PerceptionNetwork(network.model), data,
-      [&](std::size_t done, std::size_t total) {
-        progress(fmt::format("{}: {} of {} test segments", network.label.title, done, total));
-      });
+  PerceptionNetwork model(network.model);
+  return EvaluateModel(network.label, model, data, [&](std::size_t done, std::size_t total) {
+    progress(fmt::format("{}: {} of {} test segments", network.label.title, done, total));
+  });
 }
 
 constexpr std::size_t kAveragePeople = 100;  // limit for the mean over people

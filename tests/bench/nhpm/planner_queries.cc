@@ -14,7 +14,7 @@ class Recorder final : public PerceptionModel {
     if (!queries.empty()) batches_.emplace_back(queries.begin(), queries.end());
     return model_.Predict(queries);
   }
-  std::string name() const override { return model_.name(); }
+  ModelIdentity identity() const override { return model_.identity(); }
   QueryBatches Take() { return std::move(batches_); }
 
  private:

@@ -18,8 +18,8 @@ EvaluationReport SampleReport() {
   report.data = SampleData();
   report.rows.push_back(*EvaluateGlpfTrain(report.data));
   report.rows.push_back(*EvaluateGlpfTest(report.data));
-  report.rows.push_back(
-      *EvaluateModel({"nhpm", "NHPM", "a, \"b\" <c> & d"}, EvenModel(0.25F), report.data));
+  EvenModel even(0.25F);
+  report.rows.push_back(*EvaluateModel({"nhpm", "NHPM", "a, \"b\" <c> & d"}, even, report.data));
   ModelRow oracle = report.rows[1];
   oracle.label = {"oracle", "Oracle", "the people themselves"};
   for (double& loss : oracle.segment_losses) loss *= 0.9;

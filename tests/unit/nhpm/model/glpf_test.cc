@@ -24,7 +24,7 @@ PerceptionQuery QueryInTheMiddle() {
   return query;
 }
 
-PerceptionAnswer Ask(const Glpf& model, const PerceptionQuery& query) {
+PerceptionAnswer Ask(Glpf model, const PerceptionQuery& query) {
   const auto answers = model.Predict({&query, 1});
   REQUIRE(answers);
   return answers->front();

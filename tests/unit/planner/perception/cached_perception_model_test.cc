@@ -2,9 +2,9 @@
 #include <catch2/catch.hpp>
 #include <optional>
 
+#include "common/msg/perception_model.h"
 #include "conformance/perception_model_conformance.h"
 #include "planner/perception/cached_model.h"
-#include "common/msg/perception_model.h"
 
 namespace conav::planner {
 namespace {
@@ -101,8 +101,7 @@ class ChangingModel final : public PerceptionModel {
     if (next_probability) probability = *next_probability;
     return answers;
   }
-  ModelIdentity identity() const override { return {"changing", "", ""}; }
-  std::string identity() const override { return std::to_string(probability); }
+  ModelIdentity identity() const override { return {"changing", "", std::to_string(probability)}; }
   double probability = 0.5;
   std::optional<double> next_probability;  // from the end of the next Predict() on
 };

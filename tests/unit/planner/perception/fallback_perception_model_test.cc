@@ -19,7 +19,7 @@ class ScriptedModel final : public PerceptionModel {
     return std::vector<PerceptionAnswer>(
         queries.size(), PerceptionAnswer{Grid<float>(1, 1, value_), Grid<float>(1, 1)});
   }
-  std::string name() const override { return name_; }
+  ModelIdentity identity() const override { return {name_, "", ""}; }
 
   int calls = 0;
   std::optional<Error> failure;

@@ -71,7 +71,7 @@ TEST_CASE("Only replicas with another model: unavailable, with their reason",
         service.Reply(reply);
       },
       options);
-  CHECK(bench.model->name() == "network");
+  CHECK(bench.model->identity().name == "network");
   ExpectFailure(bench, ErrorCode::kUnavailable, "'network' is not served here");
 }
 
@@ -133,7 +133,7 @@ TEST_CASE(
   for (const Bad& bad : {Bad(refusing), Bad(unreadable)}) {
     TwoReplicas both(bad);
     REQUIRE(both.bench.Ask());
-    CHECK(both.bench.model->name() == "half");
+    CHECK(both.bench.model->identity().name == "half");
     REQUIRE(both.bench.Ask());
     CHECK(both.addressed == std::vector<std::string>{"", "nhpm"});
   }
@@ -198,8 +198,8 @@ TEST_CASE("The reply of a replica with the wanted model counts, whatever the oth
       options);
   const auto answers = bench.Ask();
   REQUIRE(answers);
-  CHECK(bench.model->name() == "half");
-  CHECK(bench.model->identity() == "half " + std::string(64, '5'));
+  CHECK(bench.model->identity().name == "half");
+  CHECK(bench.model->identity().checksum == std::string(64, '5'));
 }
 
 }  // namespace
