@@ -92,8 +92,7 @@ TEST_CASE("Anybody stops robots, whoever has control, orders count once they are
 
 TEST_CASE("A robot that is not known is refused by name", "[operator][control]") {
   Bench bench;
-  CHECK(bench.book.Stop("ben", {{"r1", "r9"}, ""}, {}).error().text ==
-        "robot 'r9' is unknown");
+  CHECK(bench.book.Stop("ben", {{"r1", "r9"}, ""}, {}).error().text == "robot 'r9' is unknown");
   CHECK_FALSE(bench.book.Take("ben", {{"r9"}, ""}, bench.now));
   CHECK_FALSE(bench.book.Release("ben", {{"r9"}}));
 }
