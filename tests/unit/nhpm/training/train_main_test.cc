@@ -131,7 +131,7 @@ TEST_CASE("conav-train neither writes over what it reads nor two outputs into on
         "--out " + (folder / "w") + " --json " + data,
         "--out " + (folder / "w") + " --svg " + (folder / "x/../w"),
         "--out " + (folder / "w") + " --json " + (folder / "w.checkpoint"),
-        "--out /nonexistent/w"}) {
+        std::string("--out /nonexistent/w")}) {
     INFO(flags);
     CHECK(Run("--data " + data + " --epochs 1 " + flags).exit_code == 2);
   }
