@@ -1,4 +1,4 @@
-#include "nhpm/served_models.h"
+#include "nhpm/nhpm_service.h"
 
 #include <fmt/format.h>
 #include <sys/stat.h>

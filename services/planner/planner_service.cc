@@ -8,7 +8,6 @@
 #include "nhpm/model/load_model.h"
 #include "planner/methods/make_method.h"
 #include "planner/perception/cached_model.h"
-#include "planner/perception/fallback_model.h"
 #include "planner/perception/remote_model.h"
 
 namespace conav::planner {

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "common/plot/svg.h"
-#include "study/statistics/report_page.h"
+#include "study/statistics/report.h"
 
 namespace conav::study {
 namespace {

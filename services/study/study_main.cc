@@ -16,7 +16,7 @@
 #include "launcher/demo_plan.h"
 #include "study/report.h"
 #include "study/study_folder.h"
-#include "study/study_options.h"
+#include "study/design.h"
 #include "study/study_run.h"
 #include "study/supervision_command.h"
 

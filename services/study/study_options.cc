@@ -1,4 +1,4 @@
-#include "study/study_options.h"
+#include "study/design.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

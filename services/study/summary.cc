@@ -1,4 +1,4 @@
-#include "study/summary.h"
+#include "study/report.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "study/supervision_measures.h"
+#include "study/supervision_report.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,6 @@
 #include "nhpm/model/load_model.h"
 #include "planner/perception/cached_model.h"
 #include "nhpm/model/glpf.h"
-#include "planner/perception/fallback_model.h"
 #include "planner/perception/remote_model.h"
 #include "common/msg/perception_model.h"
 #include "support/dds_participant.h"

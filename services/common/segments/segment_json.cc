@@ -8,7 +8,6 @@
 
 #include "common/runtime/file.h"
 #include "common/segments/segment_checks.h"
-#include "common/segments/segment_lines.h"
 
 namespace conav {
 namespace {

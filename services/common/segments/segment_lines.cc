@@ -1,4 +1,4 @@
-#include "common/segments/segment_lines.h"
+#include "common/segments/segment_json.h"
 
 #include <algorithm>
 #include <array>

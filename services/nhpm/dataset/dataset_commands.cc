@@ -17,7 +17,6 @@
 #include "common/segments/segment_file.h"
 #include "common/segments/segment_json.h"
 #include "common/segments/segment_split.h"
-#include "nhpm/dataset/segment_picture.h"
 #include "nhpm/dataset/set_summary.h"
 #include "nhpm/dataset/synthesize.h"
 

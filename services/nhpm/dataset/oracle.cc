@@ -1,4 +1,4 @@
-#include "nhpm/dataset/oracle.h"
+#include "nhpm/dataset/synthesize.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,6 @@
 
 #include "common/runtime/threads.h"
 #include "nhpm/dataset/annotators.h"
-#include "nhpm/dataset/synthesize.h"
 #include "operator/simulated/path_planner.h"
 
 namespace conav::nhpm {

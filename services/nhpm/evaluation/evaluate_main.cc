@@ -1,4 +1,4 @@
-#include "nhpm/evaluation/evaluate_main.h"
+#include "nhpm/evaluation/evaluate_rows.h"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,6 @@
 #include "common/cli/cli.h"
 #include "common/cli/progress_line.h"
 #include "common/segments/segment.h"
-#include "nhpm/evaluation/evaluate_rows.h"
 #include "nhpm/evaluation/report.h"
 
 namespace conav::nhpm {

@@ -9,7 +9,7 @@
 #include "common/segments/segment_file.h"
 #include "common/segments/segment_split.h"
 #include "nhpm/dataset/annotators.h"
-#include "nhpm/dataset/oracle.h"
+#include "nhpm/dataset/synthesize.h"
 #include "nhpm/model/encoding.h"
 #include "nhpm/model/load_model.h"
 #include "nhpm/model/perception_network.h"

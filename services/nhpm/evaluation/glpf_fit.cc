@@ -1,4 +1,4 @@
-#include "nhpm/evaluation/glpf_fit.h"
+#include "nhpm/evaluation/evaluation.h"
 
 #include <algorithm>
 #include <array>

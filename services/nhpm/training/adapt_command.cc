@@ -1,4 +1,4 @@
-#include "nhpm/training/adapt_command.h"
+#include "nhpm/training/train_command.h"
 
 #include <fmt/format.h>
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
 #include "common/runtime/threads.h"
 #include "common/segments/segment_split.h"
@@ -31,5 +32,26 @@ std::filesystem::path CheckpointPath(const std::filesystem::path& out);
 /// Trains, or resumes from a checkpoint of `out`; shows progress on standard error, the result on
 /// standard output. Exit code: 0 done, 1 failed or stopped (the checkpoint stays).
 int RunTrain(const TrainArguments& arguments, const StopToken& stop);
+
+
+
+/// The arguments of `conav train --adapt`.
+struct AdaptArguments {
+  std::filesystem::path base;  // weights file
+  std::filesystem::path data;
+  std::filesystem::path out;      // not with `each`
+  std::filesystem::path json;     // "-" = standard output; empty = off
+  bool overwrite = false;         // `out` may hold weights of another training
+  std::string participant;        // may be empty if the data has only one
+  bool each = false;              // measure for every participant of the data, write no weights
+  std::filesystem::path general;  // with `each`: segments of everybody, to measure forgetting
+  std::uint64_t seed = 1;
+  int threads = 1;
+};
+
+/// Adapts the base to one participant and writes the weights. With `each`: adapts to half of the
+/// trajectories of each participant and prints the losses of base and adapted network on the other
+/// half, and on all of `general`. Exit code: 0 done, 1 failed or stopped.
+int RunAdapt(const AdaptArguments& arguments, const StopToken& stop);
 
 }  // namespace conav::nhpm

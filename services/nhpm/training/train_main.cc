@@ -11,7 +11,6 @@
 #include "common/cli/cli.h"
 #include "common/runtime/threads.h"
 #include "nhpm/model/encoding.h"
-#include "nhpm/training/adapt_command.h"
 #include "nhpm/training/train_command.h"
 
 // conav-train: trains the weights of the NHPM on a segment file.

@@ -5,7 +5,7 @@
 #include <set>
 #include <utility>
 
-#include "operator/belief/belief_tables.h"
+#include "operator/belief/database.h"
 
 namespace conav::operators {
 namespace {

@@ -1,4 +1,4 @@
-#include "operator/belief/belief_tables.h"
+#include "operator/belief/database.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "operator/replay/recorded_topics.h"
+#include "operator/replay/timeline.h"
 
 #include <fmt/format.h>
 

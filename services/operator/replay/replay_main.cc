@@ -19,8 +19,7 @@
 #include "operator/gateway/gateway.h"
 #include "operator/gateway/page_feed.h"
 #include "operator/recording/mcap_reader.h"
-#include "operator/replay/recorded_topics.h"
-#include "operator/replay/replay_player.h"
+#include "operator/replay/timeline.h"
 
 namespace conav::operators {
 namespace {

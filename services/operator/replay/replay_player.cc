@@ -1,4 +1,4 @@
-#include "operator/replay/replay_player.h"
+#include "operator/replay/timeline.h"
 
 #include <algorithm>
 #include <cmath>

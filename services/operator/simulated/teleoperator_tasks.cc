@@ -1,4 +1,4 @@
-#include "operator/simulated/teleoperator_tasks.h"
+#include "operator/simulated/synthetic_teleoperator.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "operator/simulated/path_planner.h"
-#include "operator/simulated/synthetic_teleoperator.h"
 
 namespace conav::operators {
 namespace {

@@ -1,4 +1,4 @@
-#include "planner/decision/decision_gate.h"
+#include "planner/decision/robot_worker.h"
 
 #include <fmt/format.h>
 

@@ -7,7 +7,6 @@
 #include <string>
 
 #include "common/cli/cli.h"
-#include "planner/explain/decision_picture.h"
 #include "planner/explain/decision_text.h"
 #include "planner/explain/explanation.h"
 

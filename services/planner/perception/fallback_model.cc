@@ -1,4 +1,4 @@
-#include "planner/perception/fallback_model.h"
+#include "planner/perception/cached_model.h"
 
 #include <algorithm>
 

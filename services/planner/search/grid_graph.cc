@@ -1,4 +1,4 @@
-#include "planner/search/grid_graph.h"
+#include "planner/search/search_problem.h"
 
 #include "common/grid/geometry.h"
 

@@ -1,4 +1,4 @@
-#include "study/experiment/episode.h"
+#include "study/experiment/search_experiment.h"
 
 #include <cmath>
 #include <ctime>

@@ -18,7 +18,6 @@
 #include "study/experiment/experiment_report.h"
 #include "study/experiment/search_experiment.h"
 #include "study/experiment/tradeoff.h"
-#include "study/experiment/tradeoff_report.h"
 
 namespace conav::planner {
 namespace {

@@ -1,4 +1,4 @@
-#include "study/experiment/tradeoff_report.h"
+#include "study/experiment/experiment_report.h"
 
 #include <fmt/format.h>
 

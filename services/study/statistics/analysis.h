@@ -1,14 +1,83 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "study/statistics/anova.h"
 #include "study/statistics/moments.h"
 #include "study/statistics/pairs.h"
 #include "study/statistics/table_reader.h"
 
 namespace conav::statistics {
+
+/// Tests whether all differences between conditions have the same variance, as the uncorrected F
+/// test assumes, and estimates by how much its degrees of freedom must shrink if not. Everything
+/// follows from the covariance S (p x p, p = k - 1) of orthonormal contrasts of the k conditions.
+struct Sphericity {
+  /// Mauchly, 1940: W = det S / (tr S / p)^p, 0 if S is singular. p is that of
+  /// chi squared with the second-order term of Box's series, as in R. Empty for two conditions,
+  /// which need no test, and for fewer subjects than conditions.
+  std::optional<double> mauchly_w;
+  std::optional<double> mauchly_p;
+  /// Greenhouse and Geisser, 1959: (tr S)^2 / (p tr S^2), in [1 / p, 1].
+  double greenhouse_geisser = 1.0;
+  /// Huynh and Feldt, 1976, as first printed; may be above 1 (infinite for too few subjects). Empty
+  /// for two subjects and more than two conditions: 0 / 0.
+  std::optional<double> huynh_feldt_raw = 1.0;
+  /// The factor for degrees of freedom: min(1, raw).
+  std::optional<double> huynh_feldt = 1.0;
+};
+
+/// Empty if the conditions differ by the same amounts for every subject: S is zero.
+std::optional<Sphericity> CheckSphericity(const ConditionTable& table);
+
+/// One evaluation of F: its degrees of freedom and its p.
+struct FTest {
+  double df_conditions = 0.0;
+  double df_error = 0.0;
+  std::optional<double> p;
+};
+
+/// Repeated-measures analysis of variance with one factor. With n subjects and k conditions
+///   SS_conditions = n sum_j (mean_j - mean)^2,  SS_subjects = k sum_i (mean_i - mean)^2,
+///   SS_error = sum_ij (y_ij - mean_i - mean_j + mean)^2,
+///   F = [SS_conditions / (k - 1)] / [SS_error / ((k - 1)(n - 1))].
+/// If the error is 0, F is infinite and p is 0; if the conditions do not differ either, F and p are
+/// empty.
+struct Anova {
+  double ss_conditions = 0.0;
+  double ss_subjects = 0.0;
+  double ss_error = 0.0;
+  std::optional<double> f;
+  FTest uncorrected;
+  /// Degrees of freedom times epsilon; empty without epsilon.
+  std::optional<FTest> greenhouse_geisser;
+  std::optional<FTest> huynh_feldt;
+  /// SS_conditions / (SS_conditions + SS_error); empty for 0 / 0.
+  std::optional<double> partial_eta_squared;
+  /// SS_conditions / (all three): Olejnik and Algina, 2003; Bakeman, 2005. Empty for 0 / 0.
+  std::optional<double> generalised_eta_squared;
+  std::optional<Sphericity> sphericity;
+};
+
+Anova AnalyseVariance(const ConditionTable& table);
+
+/// Friedman, 1937: tests whether the conditions differ, using only each subject's ranking of them.
+/// With the rank sums R_j, n subjects, k conditions, and groups of t equal values within a subject:
+///   chi^2 = 12 sum_j (R_j - n (k + 1) / 2)^2 / [n k (k + 1) - sum (t^3 - t) / (k - 1)], compared
+///   with chi squared of k - 1 degrees of freedom. If all values of every subject are equal, chi^2,
+///   p and W are empty.
+struct Friedman {
+  std::vector<double> mean_ranks;  // per condition
+  double df = 0.0;
+  std::optional<double> chi_squared;
+  std::optional<double> p;
+  std::optional<double> kendall_w;  // chi^2 / [n (k - 1)]: 1 if all rankings agree
+};
+
+Friedman TestRanks(const ConditionTable& table);
+
+
 
 /// One condition by itself.
 struct Description {

@@ -1,4 +1,4 @@
-#include "study/statistics/anova.h"
+#include "study/statistics/analysis.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

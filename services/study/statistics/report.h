@@ -50,4 +50,14 @@ nlohmann::ordered_json ReportJson(const Analysis& analysis);
 /// One self-contained page for a browser: the tables of the text, and a plot.
 std::string ReportPage(const Analysis& analysis);
 
+
+
+/// With more lines a plot is unreadable.
+inline constexpr std::size_t kMostLines = 200;
+
+/// A line per subject (the first kMostLines) over the conditions, each condition's mean with its
+/// interval (thin) and its within-subject interval (thick), as an SVG element with the classes of
+/// the page's style sheet.
+std::string ConditionsPlot(const Analysis& analysis, const PlotAxis& values = {});
+
 }  // namespace conav::statistics

@@ -1,4 +1,4 @@
-#include "study/statistics/report_page.h"
+#include "study/statistics/report.h"
 
 #include <fmt/format.h>
 

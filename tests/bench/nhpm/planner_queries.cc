@@ -2,7 +2,7 @@
 
 #include "common/msg/perception_model.h"
 #include "planner/methods/ig_mcts_method.h"
-#include "study/experiment/episode.h"
+#include "study/experiment/search_experiment.h"
 
 namespace conav::bench {
 namespace {

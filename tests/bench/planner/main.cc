@@ -14,7 +14,7 @@
 #include "planner/methods/ig_mcts_method.h"
 #include "planner/perception/cached_model.h"
 #include "planner/search/rollout.h"
-#include "study/experiment/episode.h"
+#include "study/experiment/search_experiment.h"
 
 namespace conav::bench {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "conformance/perception_model_conformance.h"
 #include "nhpm/model/glpf.h"
-#include "planner/perception/fallback_model.h"
+#include "planner/perception/cached_model.h"
 #include "planner/perception/remote_model.h"
 #include "support/dds_participant.h"
 #include "support/nhpm_on_thread.h"

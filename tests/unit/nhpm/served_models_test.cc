@@ -1,4 +1,4 @@
-#include "nhpm/served_models.h"
+#include "nhpm/nhpm_service.h"
 
 #include <catch2/catch.hpp>
 #include <fstream>

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "study/design.h"
-#include "study/summary.h"
+#include "study/report.h"
 
 namespace conav::study {
 

@@ -1,4 +1,4 @@
-#include "study/study_options.h"
+#include "study/design.h"
 
 #include <catch2/catch.hpp>
 #include <functional>

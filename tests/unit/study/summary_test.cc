@@ -1,4 +1,4 @@
-#include "study/summary.h"
+#include "study/report.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

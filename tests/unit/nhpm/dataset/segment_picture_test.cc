@@ -1,4 +1,4 @@
-#include "nhpm/dataset/segment_picture.h"
+#include "nhpm/dataset/set_summary.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

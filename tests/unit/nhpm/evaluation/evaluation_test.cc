@@ -92,7 +92,8 @@ TEST_CASE("GLPF-Train's boundary is ideal on the train part, its IoU that of the
 
 TEST_CASE("A model's refusal is passed on, answers of another number name the row",
           "[evaluation]") {
-  const auto refused = EvaluateModel({"nhpm", "NHPM", ""}, RefusingModel(), SampleData());
+  RefusingModel refusing;
+  const auto refused = EvaluateModel({"nhpm", "NHPM", ""}, refusing, SampleData());
   REQUIRE_FALSE(refused);
   CHECK(refused.error().text == "made for 13 x 13 cells, not 9 x 9");
   const auto none = EvaluateAnswers({"oracle", "Oracle", ""}, {}, {}, SampleData());

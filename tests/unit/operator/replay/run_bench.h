@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "operator/replay/replay_player.h"
 #include "operator/replay/timeline.h"
 #include "unit/operator/console/state_bench.h"
 

@@ -1,4 +1,4 @@
-#include "operator/simulated/teleoperator_tasks.h"
+#include "operator/simulated/synthetic_teleoperator.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "planner/decision/decision_gate.h"
+#include "planner/decision/robot_worker.h"
 
 using namespace conav;
 using namespace conav::planner;

@@ -1,4 +1,4 @@
-#include "planner/explain/decision_picture.h"
+#include "planner/explain/decision_text.h"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "planner/explain/decision_picture.h"
+#include "planner/explain/decision_text.h"
 #include "unit/planner/explain/sample_decision.h"
 
 namespace conav::planner {

@@ -1,4 +1,4 @@
-#include "planner/methods/communication_policy.h"
+#include "planner/methods/ig_mcts_method.h"
 
 #include <catch2/catch.hpp>
 

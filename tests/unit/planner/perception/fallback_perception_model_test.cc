@@ -1,6 +1,6 @@
 #include <catch2/catch.hpp>
 
-#include "planner/perception/fallback_model.h"
+#include "planner/perception/cached_model.h"
 
 namespace conav::planner {
 namespace {

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "common/msg/perception_model.h"
-#include "planner/search/grid_graph.h"
+#include "planner/search/search_problem.h"
 #include "planner/search/view_information.h"
 #include "unit/planner/search/text_map.h"
 

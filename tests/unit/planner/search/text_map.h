@@ -4,7 +4,6 @@
 #include <string_view>
 #include <vector>
 
-#include "planner/search/grid_graph.h"
 #include "planner/search/search_problem.h"
 
 namespace conav::planner {

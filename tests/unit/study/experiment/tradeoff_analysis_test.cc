@@ -3,7 +3,7 @@
 
 #include "nhpm/model/glpf.h"
 #include "study/experiment/tradeoff.h"
-#include "study/experiment/tradeoff_report.h"
+#include "study/experiment/experiment_report.h"
 #include "support/xml_check.h"
 
 namespace conav::planner {

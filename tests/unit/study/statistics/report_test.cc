@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "study/statistics/analysis.h"
-#include "study/statistics/report_page.h"
 #include "support/text.h"
 #include "support/xml_check.h"
 #include "unit/study/statistics/reference_tables.h"
