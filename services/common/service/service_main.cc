@@ -1,10 +1,101 @@
 #include "common/service/service_main.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdlib>
+#include <memory>
+#include <utility>
+
+#include "common/bus/ros_graph.h"
+#include "common/service/diagnostics.h"
 
 namespace conav {
+namespace {
+
+/// Constants of rcl_interfaces/msg/Log.
+std::uint8_t RosLevel(log::Level level) {
+  switch (level) {
+    case log::Level::kDebug:
+      return 10;
+    case log::Level::kInfo:
+      return 20;
+    case log::Level::kWarning:
+      return 30;
+    case log::Level::kError:
+      return 40;
+  }
+  return 0;
+}
+
+/// The publisher's history ends with it, so it waits until all subscribers have every line.
+struct LogPublisher {
+  explicit LogPublisher(bus::Participant& participant) : topic(participant, bus::kRosout) {}
+  ~LogPublisher() { topic.WaitForAcknowledgments(Rosout::kDrainLimit); }
+
+  bus::Publisher<rcl_interfaces::msg::Log> topic;
+};
+
+}  // namespace
+
+Rosout::Rosout(bus::Participant& participant)
+    : Rosout(bus::RosName(participant.node_name()),
+             [publisher = std::make_shared<LogPublisher>(participant)](
+                 const rcl_interfaces::msg::Log& line) {
+               return publisher->topic.Publish(line).has_value();
+             }) {}
+
+Rosout::Rosout(std::string node_name, Send send)
+    : node_name_(std::move(node_name)), send_(std::move(send)) {
+  sender_ = std::thread([this] { Run(); });
+  log::SetSink([this](const log::Record& record) { Take(record); });
+}
+
+Rosout::~Rosout() {
+  log::SetSink(nullptr);
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+    drain_until_ = std::chrono::steady_clock::now() + kDrainLimit;
+  }
+  changed_.notify_one();
+  sender_.join();
+}
+
+void Rosout::Take(const log::Record& record) {
+  rcl_interfaces::msg::Log line;
+  line.stamp(RosWallTime(record.time));
+  line.level(RosLevel(record.level));
+  line.name(node_name_);
+  line.msg(std::string(record.text));
+  {
+    const std::lock_guard lock(mutex_);
+    if (queue_.size() >= kQueueLimit) {
+      queue_.pop_front();
+      ++left_out_;
+    }
+    queue_.push_back(std::move(line));
+  }
+  changed_.notify_one();
+}
+
+void Rosout::Run() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    changed_.wait(lock, [this] { return stopping_ || !queue_.empty(); });
+    if (queue_.empty()) return;
+    rcl_interfaces::msg::Log line = std::move(queue_.front());
+    queue_.pop_front();
+    const std::uint64_t left_out = std::exchange(left_out_, 0);
+    lock.unlock();
+    if (left_out > 0) line.msg(fmt::format("({} lines left out) {}", left_out, line.msg()));
+    // A lost line is on stderr anyway; logging the failure would create another line.
+    const bool sent = send_(line);
+    lock.lock();
+    if (stopping_ && (!sent || std::chrono::steady_clock::now() > drain_until_)) return;
+  }
+}
 
 std::string ParseConfigFlag(const std::string& service, const std::string& description, int argc,
                             char** argv) {

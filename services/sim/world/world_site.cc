@@ -2,13 +2,244 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <cmath>
 #include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
 
+#include "common/runtime/config.h"
 #include "common/runtime/random.h"
-#include "sim/world/map_file.h"
 #include "sim/world/maze_presets.h"
+#include "sim/world/random_maze.h"
 
 namespace conav::sim {
+namespace {
+
+/// The keys of a map_server .yaml file, checked.
+struct MapHeader {
+  std::filesystem::path image;  // absolute, or relative to the working directory
+  double resolution_m = 0.05;
+  std::array<double, 3> origin{};  // x, y in metres, yaw (0)
+  bool negate = false;
+  double occupied_threshold = 0.65;
+  double free_threshold = 0.196;
+};
+
+/// Reads keys of one file; keeps the first problem, later reads give defaults.
+class KeyReader {
+ public:
+  KeyReader(YAML::Node node, std::string file) : node_(std::move(node)), file_(std::move(file)) {}
+
+  template <class T>
+  T Read(const char* key, const char* type) {
+    if (error_.has_value()) return T{};
+    if (!node_[key]) {
+      Refuse(ErrorCode::kMalformed, fmt::format("key \"{}\" is missing", key));
+      return T{};
+    }
+    try {
+      return node_[key].as<T>();
+    } catch (const YAML::Exception&) {
+      Refuse(ErrorCode::kMalformed, fmt::format("{} = {} is not {}", key, Text(key), type));
+      return T{};
+    }
+  }
+
+  double ReadNumber(const char* key, double low, double high) {
+    const auto value = Read<double>(key, "a number");
+    if (!error_.has_value() && !(value >= low && value <= high)) {
+      Refuse(ErrorCode::kOutOfRange,
+             fmt::format("{} = {} is not in [{}, {}]", key, Text(key), low, high));
+    }
+    return value;
+  }
+
+  bool ReadFlag(const char* key) {
+    if (!node_[key]) return false;
+    const std::string text = Text(key);
+    if (text == "true" || text == "false") return text == "true";
+    return ReadNumber(key, 0, 1) != 0.0;
+  }
+
+  bool Has(const char* key) const { return static_cast<bool>(node_[key]); }
+
+  void Refuse(ErrorCode code, const std::string& what) {
+    if (!error_.has_value()) error_ = Error{code, file_ + ": " + what};
+  }
+
+  const std::optional<Error>& error() const { return error_; }
+
+ private:
+  std::string Text(const char* key) const { return YAML::Dump(node_[key]); }
+
+  YAML::Node node_;
+  std::string file_;
+  std::optional<Error> error_;
+};
+
+MapHeader ReadKeys(KeyReader& keys, const std::filesystem::path& folder) {
+  constexpr double kLargestM = 1e6;
+  MapHeader header;
+  const std::filesystem::path image = keys.Read<std::string>("image", "a file name");
+  header.image = image.is_absolute() ? image : folder / image;
+  header.resolution_m = keys.ReadNumber("resolution", 1e-4, 1e3);
+  header.origin = keys.Read<std::array<double, 3>>("origin", "three numbers [x, y, yaw]");
+  header.negate = keys.ReadFlag("negate");
+  header.occupied_threshold = keys.ReadNumber("occupied_thresh", 0.0, 1.0);
+  header.free_threshold = keys.ReadNumber("free_thresh", 0.0, 1.0);
+  if (keys.Has("mode") && keys.Read<std::string>("mode", "a text") != "trinary") {
+    keys.Refuse(ErrorCode::kInvalidArgument, "mode is not \"trinary\", the only supported mode");
+  }
+  if (header.free_threshold > header.occupied_threshold) {
+    keys.Refuse(ErrorCode::kOutOfRange,
+                fmt::format("free_thresh {} is larger than occupied_thresh {}",
+                            header.free_threshold, header.occupied_threshold));
+  }
+  for (const double value : header.origin) {
+    if (!(std::abs(value) <= kLargestM)) {
+      keys.Refuse(ErrorCode::kOutOfRange,
+                  fmt::format("origin holds {}: at most {}", value, kLargestM));
+    }
+  }
+  if (header.origin[2] != 0.0) {
+    keys.Refuse(ErrorCode::kInvalidArgument,
+                fmt::format("origin is turned by {} rad; only 0 is supported", header.origin[2]));
+  }
+  return header;
+}
+
+/// Errors as LoadMapFile.
+Result<MapHeader> ReadMapHeader(const std::filesystem::path& file) {
+  const auto node = ReadYamlFile(file);
+  if (!node) return tl::unexpected(node.error());
+  if (!node->IsMap()) {
+    return Fail(ErrorCode::kMalformed,
+                fmt::format("{}: is not a map_server file: no keys", file.string()));
+  }
+  KeyReader keys(*node, file.string());
+  const MapHeader header = ReadKeys(keys, file.parent_path());
+  if (keys.error().has_value()) return tl::unexpected(*keys.error());
+  return header;
+}
+
+/// One value per pixel, row 0 north. Darkness p in [0, 1] (lightness with negate) above
+/// occupied_threshold is occupied, below free_threshold free, between them unknown.
+Result<OccupancyGrid> ReadMapImage(const MapHeader& header) {
+  const std::string name = header.image.string();
+  if (!std::filesystem::is_regular_file(header.image)) {
+    return Fail(ErrorCode::kIo, fmt::format("{}: no such image", name));
+  }
+  cv::Mat image;
+  try {
+    image = cv::imread(name, cv::IMREAD_GRAYSCALE);
+  } catch (const cv::Exception& error) {
+    return Fail(ErrorCode::kIo, fmt::format("{}: {}", name, error.what()));
+  }
+  if (image.empty()) return Fail(ErrorCode::kIo, fmt::format("{}: is not an image", name));
+  OccupancyGrid pixels(image.rows, image.cols);
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const Cell pixel = pixels.CellAt(i);
+    const double light = image.at<std::uint8_t>(pixel.row, pixel.column) / 255.0;
+    const double p = header.negate ? light : 1.0 - light;
+    if (p > header.occupied_threshold) pixels.values()[i] = Occupancy::kOccupied;
+    if (p < header.free_threshold) pixels.values()[i] = Occupancy::kFree;
+  }
+  return pixels;
+}
+
+struct LoadedMap {
+  OccupancyGrid cells;
+  MapHeader header;
+};
+
+/// Resamples pixels to cells: counts each cell's pixels, and those of them that are not free.
+OccupancyGrid Resample(const OccupancyGrid& pixels, int rows, int columns, double cells_per_pixel,
+                       double occupied_share) {
+  Grid<int> count(rows, columns, 0);
+  Grid<int> not_free(rows, columns, 0);
+  const auto cell_of = [&](int pixel, int cells) {
+    return std::min(cells - 1, static_cast<int>(std::floor((pixel + 0.5) * cells_per_pixel)));
+  };
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const Cell pixel = pixels.CellAt(i);
+    const Cell cell{cell_of(pixel.row, rows), cell_of(pixel.column, columns)};
+    ++count[cell];
+    not_free[cell] += pixels.values()[i] == Occupancy::kFree ? 0 : 1;
+  }
+  OccupancyGrid cells(rows, columns, Occupancy::kFree);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const bool occupied = not_free.values()[i] > occupied_share * count.values()[i];
+    if (occupied || count.values()[i] == 0 || cells.OnBorder(cells.CellAt(i))) {
+      cells.values()[i] = Occupancy::kOccupied;
+    }
+  }
+  return cells;
+}
+
+Result<LoadedMap> Load(const std::filesystem::path& file, const MapFileOptions& options) {
+  Result<MapHeader> header = ReadMapHeader(file);
+  if (!header) return tl::unexpected(header.error());
+  const double resolution_m = header->resolution_m;
+  if (options.cell_size_m < resolution_m) {
+    return Fail(ErrorCode::kOutOfRange,
+                fmt::format("{}: cell_size_m {} is smaller than the map's resolution {}",
+                            file.string(), options.cell_size_m, resolution_m));
+  }
+  const Result<OccupancyGrid> pixels = ReadMapImage(*header);
+  if (!pixels) return tl::unexpected(pixels.error());
+  const double cells_per_pixel = resolution_m / options.cell_size_m;
+  // A sliver of less than a thousandth of a cell is a rounding error, not a row.
+  const auto cells_of = [&](int count) {
+    return static_cast<int>(std::ceil(count * cells_per_pixel - 1e-3));
+  };
+  const int rows = cells_of(pixels->rows());
+  const int columns = cells_of(pixels->columns());
+  if (rows < 3 || columns < 3 || rows > kMaxMazeSize || columns > kMaxMazeSize) {
+    return Fail(ErrorCode::kOutOfRange,
+                fmt::format("{}: {} x {} pixels of {} m make {} x {} cells of {} m: not in [3, {}]",
+                            file.string(), pixels->rows(), pixels->columns(), resolution_m, rows,
+                            columns, options.cell_size_m, kMaxMazeSize));
+  }
+  return LoadedMap{Resample(*pixels, rows, columns, cells_per_pixel, options.occupied_share),
+                   *std::move(header)};
+}
+
+bool SameOrigin(const MapHeader& a, const MapHeader& b, double tolerance_m) {
+  return std::abs(a.origin[0] - b.origin[0]) <= tolerance_m &&
+         std::abs(a.origin[1] - b.origin[1]) <= tolerance_m;
+}
+
+}  // namespace
+
+Result<OccupancyGrid> LoadMapFile(const std::filesystem::path& file,
+                                  const MapFileOptions& options) {
+  return Load(file, options).map([](LoadedMap&& map) { return std::move(map.cells); });
+}
+
+Result<MapPair> LoadMapPair(const std::filesystem::path& truth, const std::filesystem::path& plan,
+                            const MapFileOptions& options) {
+  Result<LoadedMap> truth_map = Load(truth, options);
+  if (!truth_map) return tl::unexpected(truth_map.error());
+  Result<LoadedMap> plan_map = Load(plan, options);
+  if (!plan_map) return tl::unexpected(plan_map.error());
+  const OccupancyGrid& a = truth_map->cells;
+  const OccupancyGrid& b = plan_map->cells;
+  if (a.rows() != b.rows() || a.columns() != b.columns()) {
+    return Fail(ErrorCode::kInvalidArgument,
+                fmt::format("{} has {} x {} cells, {} has {} x {}: must be the same", plan.string(),
+                            b.rows(), b.columns(), truth.string(), a.rows(), a.columns()));
+  }
+  if (!SameOrigin(truth_map->header, plan_map->header, options.cell_size_m / 10.0)) {
+    return Fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("{} has its origin at ({}, {}), {} at ({}, {}): must be the same",
+                    plan.string(), plan_map->header.origin[0], plan_map->header.origin[1],
+                    truth.string(), truth_map->header.origin[0], truth_map->header.origin[1]));
+  }
+  return MapPair{std::move(truth_map->cells), std::move(plan_map->cells)};
+}
+
 namespace {
 
 /// Purpose for DeriveSeed: folds a seed beyond 32 bits, which MemoryMaze's mapping cannot take.

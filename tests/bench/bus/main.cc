@@ -16,7 +16,7 @@
 #include "bench/support/bench_program.h"
 #include "bench/support/measure.h"
 #include "common/bus/backend.h"
-#include "common/bus/cyclone/domain.h"
+#include "common/bus/cyclone/backend.h"
 #include "support/test_domain.h"
 
 namespace conav::bench {

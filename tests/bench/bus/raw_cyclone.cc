@@ -2,7 +2,7 @@
 #include <dds/dds.h>
 
 #include "bench/bus/stack.h"
-#include "common/bus/cyclone/domain.h"
+#include "common/bus/cyclone/backend.h"
 #include "test_types.h"
 
 namespace conav::bench {

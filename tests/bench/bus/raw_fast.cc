@@ -5,7 +5,6 @@
 #include <fastdds/dds/subscriber/DataReaderListener.hpp>
 
 #include "bench/bus/stack.h"
-#include "common/bus/fast/entities.h"
 #include "common/bus/fast/participant.h"
 #include "test_typesPubSubTypes.h"
 

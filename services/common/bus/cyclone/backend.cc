@@ -1,11 +1,313 @@
-#include "common/bus/backend.h"
+#include "common/bus/cyclone/backend.h"
 
-#include <dds/dds.h>
+#include <fmt/format.h>
 
-#include "common/bus/cyclone/domain.h"
-#include "common/bus/cyclone/entities.h"
+#include <cstring>
+#include <mutex>
+
+#include "common/bus/cyclone/serdata.h"
+#include "common/runtime/log.h"
+#include "common/runtime/result.h"
 
 namespace conav::bus {
+namespace {
+
+/// While an interface is down, Cyclone logs a failing send for each packet. This passes on at most
+/// one line a second, and not to /rosout, since sending to it may be what fails.
+void LogLine(void*, const dds_log_data_t* data) {
+  static LogLimit limit;  // there is one sink per process
+  const bool is_error = (data->priority & (DDS_LC_FATAL | DDS_LC_ERROR)) != 0;
+  if (!is_error && (data->priority & DDS_LC_WARNING) == 0) return;
+  const auto held_back = limit.Allow();
+  if (!held_back) return;
+  std::string_view text(data->message, data->size);
+  while (!text.empty() && (text.back() == '\n' || text.back() == '\0')) text.remove_suffix(1);
+  log::Event(log::Reach::kStderr, is_error ? log::Level::kError : log::Level::kWarning,
+             "Cyclone DDS", "text", text, "held_back", *held_back);
+}
+
+std::string Peers(const Network& network) {
+  if (network.multicast) return {};
+  std::string peers;
+  for (const std::string& peer : network.peers) {
+    peers += fmt::format("<Peer Address=\"{}\"/>", peer);
+  }
+  return fmt::format("<SPDPInterval>1s</SPDPInterval><Peers>{}</Peers>", peers);
+}
+
+/// Loopback carries datagrams of 64 kB whole. On a real link Cyclone's smaller default keeps the
+/// loss of one IP fragment from costing 64 kB.
+std::string Datagrams(const Network& network) {
+  if (!network.loopback) return {};
+  return "<MaxMessageSize>65500B</MaxMessageSize><FragmentSize>64000B</FragmentSize>";
+}
+
+/// Multicast is for discovery only. Two readers that ask for data by multicast crash a Fast DDS
+/// 2.9.1 writer of Debian 12: "OutputTrafficManager ... Assertion `it != collection_.end()'
+/// failed".
+std::string Multicast(const Network& network) {
+  return fmt::format("<AllowMulticast>{}</AllowMulticast>", network.multicast ? "spdp" : "false");
+}
+
+std::string Interfaces(const Network& network) {
+  if (network.interface_name.empty()) return {};
+  return fmt::format("<Interfaces><NetworkInterface address=\"{}\"/></Interfaces>",
+                     network.interface_address);
+}
+
+}  // namespace
+
+std::string CycloneConfiguration(const Network& network, double lease_s) {
+  return fmt::format(
+      "<Domain id=\"any\">"
+      "<General>{}{}{}</General>"
+      "<Discovery><ParticipantIndex>auto</ParticipantIndex>"
+      "<MaxAutoParticipantIndex>{}</MaxAutoParticipantIndex>{}"
+      "<LeaseDuration>{} ms</LeaseDuration></Discovery>"
+      "<Internal><GenerateKeyhash>true</GenerateKeyhash>"
+      "<SocketReceiveBufferSize min=\"default\" max=\"4MB\"/></Internal>"
+      "</Domain>",
+      Interfaces(network), Multicast(network), Datagrams(network), kHighestParticipantIndex,
+      Peers(network), static_cast<int>(lease_s * 1000.0));
+}
+
+std::shared_ptr<CycloneDomain> CycloneDomain::Open(int domain_id,
+                                                   const std::string& configuration) {
+  // Mirrors Cyclone's process-wide table of domains, which has no query function.
+  static std::mutex mutex;
+  static std::map<int, std::weak_ptr<CycloneDomain>> open_domains;
+  const std::lock_guard lock(mutex);
+  if (auto domain = open_domains[domain_id].lock()) {
+    if (domain->configuration_ == configuration) return domain;
+    throw StartupError(fmt::format(
+        "DDS domain {} is already open in this process with another interface, peers or lease",
+        domain_id));
+  }
+  auto domain = std::make_shared<CycloneDomain>(domain_id, configuration);
+  open_domains[domain_id] = domain;
+  return domain;
+}
+
+CycloneDomain::CycloneDomain(int domain_id, std::string configuration)
+    : configuration_(std::move(configuration)) {
+  dds_set_log_sink(LogLine, nullptr);
+  domain_ = dds_create_domain(static_cast<dds_domainid_t>(domain_id), configuration_.c_str());
+  if (domain_ < 0) {
+    throw StartupError(fmt::format(
+        "Cyclone DDS cannot open domain {}: {} (no free participant index among {}, "
+        "or the interface cannot be used; configuration {})",
+        domain_id, dds_strretcode(-domain_), kHighestParticipantIndex + 1, configuration_));
+  }
+}
+
+CycloneDomain::~CycloneDomain() { dds_delete(domain_); }
+
+namespace {
+
+using ListenerPointer = std::unique_ptr<dds_listener_t, void (*)(dds_listener_t*)>;
+
+EndpointEvents& WriterEvents(void* argument) { return *static_cast<EndpointEvents*>(argument); }
+CycloneReader& ReaderOf(void* argument) { return *static_cast<CycloneReader*>(argument); }
+
+void OnPublicationMatched(dds_entity_t, dds_publication_matched_status_t status, void* argument) {
+  WriterEvents(argument).Matched(status.current_count_change);
+}
+
+void OnOfferedIncompatibleQos(dds_entity_t, dds_offered_incompatible_qos_status_t status,
+                              void* argument) {
+  WriterEvents(argument).IncompatibleQos(status.last_policy_id);
+}
+
+void OnData(dds_entity_t reader, void* argument) { ReaderOf(argument).TakeAll(reader); }
+
+void OnSubscriptionMatched(dds_entity_t, dds_subscription_matched_status_t status, void* argument) {
+  ReaderOf(argument).events().Matched(status.current_count_change);
+}
+
+void OnLiveliness(dds_entity_t, dds_liveliness_changed_status_t status, void* argument) {
+  ReaderOf(argument).events().Liveliness(status.alive_count_change, status.not_alive_count_change);
+}
+
+void OnRequestedIncompatibleQos(dds_entity_t, dds_requested_incompatible_qos_status_t status,
+                                void* argument) {
+  ReaderOf(argument).events().IncompatibleQos(status.last_policy_id);
+}
+
+/// Reports matches and incompatible QoS of a writer. `events` outlives the writer's entity.
+ListenerPointer WriterListener(EndpointEvents& events) {
+  ListenerPointer listener(dds_create_listener(&events), dds_delete_listener);
+  dds_lset_publication_matched(listener.get(), OnPublicationMatched);
+  dds_lset_offered_incompatible_qos(listener.get(), OnOfferedIncompatibleQos);
+  return listener;
+}
+
+/// Delivers data and reports matches, liveliness and incompatible QoS. `reader` outlives its
+/// entity.
+ListenerPointer ReaderListener(CycloneReader& reader) {
+  ListenerPointer listener(dds_create_listener(&reader), dds_delete_listener);
+  dds_lset_data_available(listener.get(), OnData);
+  dds_lset_subscription_matched(listener.get(), OnSubscriptionMatched);
+  dds_lset_liveliness_changed(listener.get(), OnLiveliness);
+  dds_lset_requested_incompatible_qos(listener.get(), OnRequestedIncompatibleQos);
+  return listener;
+}
+
+using QosPointer = std::unique_ptr<dds_qos_t, void (*)(dds_qos_t*)>;
+
+constexpr dds_duration_t kMaximumBlocking = DDS_MSECS(100);
+constexpr int kWriteAttempts = 3;
+
+QosPointer MakeQos(const Qos& qos) {
+  QosPointer result(dds_create_qos(), dds_delete_qos);
+  const bool reliable = qos.reliability == Reliability::kReliable;
+  dds_qset_reliability(result.get(),
+                       reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
+                       kMaximumBlocking);
+  const auto history = qos.depth > 0 ? DDS_HISTORY_KEEP_LAST : DDS_HISTORY_KEEP_ALL;
+  dds_qset_history(result.get(), history, qos.depth);
+  if (qos.durability == Durability::kTransientLocal) {
+    dds_qset_durability(result.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
+    // This depth, not that of the history policy, limits what a late joiner gets.
+    const int limit = qos.depth > 0 ? DDS_LENGTH_UNLIMITED : kKeepAllLimit;
+    dds_qset_durability_service(result.get(), 0, history, qos.depth, limit, limit, limit);
+  }
+  return result;
+}
+
+QosPointer MakeWriterQos(const Qos& qos, double lease_s) {
+  QosPointer result = MakeQos(qos);
+  dds_qset_liveliness(result.get(), DDS_LIVELINESS_AUTOMATIC,
+                      static_cast<dds_duration_t>(lease_s * 1e9));
+  dds_qset_writer_data_lifecycle(result.get(), false);
+  return result;
+}
+
+dds_entity_t CreateTopic(dds_entity_t participant, const EndpointOptions& options) {
+  ddsi_sertype* sertype = MakeSertype(options.type);
+  const std::string name = DdsTopicName(options.topic);
+  const dds_entity_t topic =
+      dds_create_topic_sertype(participant, name.c_str(), &sertype, nullptr, nullptr, nullptr);
+  if (topic < 0) ddsi_sertype_unref(sertype);
+  return topic;
+}
+
+}  // namespace
+
+CycloneEntity::CycloneEntity(dds_entity_t handle, const std::string& what) : handle_(handle) {
+  if (handle < 0) {
+    throw StartupError(
+        fmt::format("Cyclone DDS cannot create {}: {}", what, dds_strretcode(-handle)));
+  }
+}
+
+Guid CycloneEntity::guid() const {
+  dds_guid_t cyclone_guid{};
+  dds_get_guid(handle_, &cyclone_guid);
+  Guid guid;
+  static_assert(sizeof cyclone_guid == sizeof guid);
+  std::memcpy(guid.data(), &cyclone_guid, guid.size());
+  return guid;
+}
+
+CycloneWriter::CycloneWriter(const CycloneContext& context, const EndpointOptions& options)
+    : context_(context),
+      options_(options),
+      events_(context.events, options.topic),
+      topic_(CreateTopic(context.participant, options), "topic " + options.topic),
+      writer_(dds_create_writer(context.participant, topic_.handle(),
+                                MakeWriterQos(options.qos, context.lease_s).get(),
+                                WriterListener(events_).get()),
+              "a writer for " + options.topic) {
+  if (context_.graph != nullptr) context_.graph->AddWriter(writer_.guid());
+}
+
+CycloneWriter::~CycloneWriter() {
+  if (context_.graph != nullptr) context_.graph->RemoveWriter(writer_.guid());
+}
+
+Result<void> CycloneWriter::Write(const void* message) {
+  dds_return_t code = DDS_RETCODE_TIMEOUT;
+  for (int i = 0; i < kWriteAttempts && code == DDS_RETCODE_TIMEOUT; ++i) {
+    code = dds_write(writer_.handle(), message);
+  }
+  if (code == DDS_RETCODE_OK) return {};
+  if (code == DDS_RETCODE_BAD_PARAMETER) {
+    return Fail(ErrorCode::kMalformed, "a message for " + options_.topic + " cannot be serialised");
+  }
+  return Fail(ErrorCode::kUnavailable,
+              fmt::format("{} did not take a message: {}", options_.topic, dds_strretcode(-code)));
+}
+
+bool CycloneWriter::WaitForAcknowledgments(std::chrono::nanoseconds timeout) {
+  return dds_wait_for_acks(writer_.handle(), timeout.count()) == DDS_RETCODE_OK;
+}
+
+int CycloneWriter::matched() const {
+  dds_publication_matched_status_t status{};
+  dds_get_publication_matched_status(writer_.handle(), &status);
+  return static_cast<int>(status.current_count);
+}
+
+CycloneReader::CycloneReader(const CycloneContext& context, const EndpointOptions& options,
+                             Sink sink)
+    : context_(context),
+      events_(context.events, options.topic),
+      intake_(options, std::move(sink), context.events),
+      check_repeats_(options.qos.durability == Durability::kTransientLocal),
+      topic_(CreateTopic(context.participant, options), "topic " + options.topic),
+      reader_(dds_create_reader(context.participant, topic_.handle(), MakeQos(options.qos).get(),
+                                ReaderListener(*this).get()),
+              "a reader for " + options.topic) {
+  if (context_.graph != nullptr) context_.graph->AddReader(reader_.guid());
+}
+
+CycloneReader::~CycloneReader() {
+  if (context_.graph != nullptr) context_.graph->RemoveReader(reader_.guid());
+}
+
+int CycloneReader::matched() const {
+  dds_subscription_matched_status_t status{};
+  dds_get_subscription_matched_status(reader_.handle(), &status);
+  return static_cast<int>(status.current_count);
+}
+
+void CycloneReader::TakeAll(dds_entity_t reader) noexcept {
+  constexpr int kBatch = 16;
+  ddsi_serdata* samples[kBatch];
+  dds_sample_info_t infos[kBatch];
+  int count = kBatch;
+  while (count == kBatch) {
+    count = dds_takecdr(reader, samples, kBatch, infos, DDS_ANY_STATE);
+    for (int i = 0; i < count; ++i) {
+      if (infos[i].valid_data && !(check_repeats_ && IsRepeated(reader, infos[i]))) {
+        intake_.Deliver(AsSerdata(samples[i]).payload(), ToSourceTime(infos[i].source_timestamp));
+      }
+      ddsi_serdata_unref(samples[i]);
+    }
+  }
+}
+
+bool CycloneReader::IsRepeated(dds_entity_t reader, const dds_sample_info_t& info) try {
+  const Guid& writer = WriterOf(reader, info.publication_handle);
+  return !deduplicator_.IsNew(writer, info.source_timestamp);
+} catch (const std::exception&) {
+  return false;  // out of memory: a duplicate is better than a loss
+}
+
+/// Cyclone gives a writer a new handle when it reappears; the GUID stays the same.
+const Guid& CycloneReader::WriterOf(dds_entity_t reader, dds_instance_handle_t publication) {
+  const auto known = writers_.find(publication);
+  if (known != writers_.end()) return known->second;
+  Guid guid{};
+  std::memcpy(guid.data(), &publication, sizeof publication);
+  if (auto* endpoint = dds_get_matched_publication_data(reader, publication)) {
+    std::memcpy(guid.data(), &endpoint->key, guid.size());
+    dds_builtintopic_free_endpoint(endpoint);
+  }
+  if (writers_.size() >= Deduplicator::kWriters) writers_.clear();
+  return writers_[publication] = guid;
+}
+
 namespace {
 
 /// ROS 2 recognises its participants by this user data.

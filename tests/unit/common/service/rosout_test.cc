@@ -1,10 +1,9 @@
-#include "common/service/rosout.h"
-
 #include <catch2/catch.hpp>
 #include <future>
 
 #include "common/bus/in_memory_bus.h"
 #include "common/bus/subscriber.h"
+#include "common/service/service_main.h"
 
 namespace conav {
 namespace {

@@ -1,10 +1,9 @@
-#include "sim/world/map_file.h"
-
 #include <catch2/catch.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <tuple>
 
 #include "common/runtime/file.h"
+#include "sim/world/world_site.h"
 #include "support/temporary_folder.h"
 
 namespace conav::sim {

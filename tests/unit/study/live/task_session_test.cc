@@ -1,5 +1,3 @@
-#include "study/live/task_session.h"
-
 #include <catch2/catch.hpp>
 #include <map>
 
@@ -8,6 +6,7 @@
 #include "operator/recording/config.h"
 #include "planner/config.h"
 #include "sim/config.h"
+#include "study/live/task_command.h"
 #include "support/temporary_folder.h"
 
 namespace conav::mapping_task {
