@@ -71,6 +71,7 @@ TEST_CASE("an iteration takes no memory", "[planner][search]") {
   const int calls_of_few = model.calls - calls;
   const long of_many = allocations_of(2000);
   CHECK(of_few == of_many);
+  if (expansion == Expansion::kChain) return;  // moves come first, so it soon has asked about all
   CHECK(model.calls - calls - calls_of_few > calls_of_few);
 }
 
