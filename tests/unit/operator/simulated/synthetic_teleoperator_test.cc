@@ -179,6 +179,8 @@ struct Seat {
   RobotState state{.world = "w1", .robot = "r1", .cell = {1, 1}, .goals_left = {{5, 7}}};
 };
 
+}  // namespace
+
 TEST_CASE("a teleoperator with a wrong map reaches the goal by what the pictures show",
           "[simulated]") {
   const std::uint64_t seed = GENERATE(1, 2, 3, 4, 5);
