@@ -25,7 +25,7 @@
 namespace conav::study {
 namespace {
 
-constexpr const char* kProgram = "conav study --supervision";
+constexpr const char* kSupervisionProgram = "conav study --supervision";
 
 constexpr const char* kAbout =
     R"(One operator, many robots, with a SIMULATED operator: every number of robots with every order of
@@ -128,26 +128,27 @@ int Report(const SupervisionOptions& options, const std::vector<SupervisionRecor
            const StudyFolder& folder, const Provenance& provenance) {
   const SupervisionSummary summary = Summarise(options, records);
   if (const auto written = WriteFiles(options, summary, records, folder, provenance); !written) {
-    return Failed(kProgram, written.error());
+    return Failed(kSupervisionProgram, written.error());
   }
   const std::string text = fmt::format(
       "{}\n{} holds report.html, supervision.svg, trials.csv, results.json and all runs\n",
       SupervisionText(options, summary), folder.path().string());
   const auto printed = PrintTables(text, options.json);
-  return printed && !summary.failed.empty() ? 1 : ExitCode(kProgram, printed);
+  return printed && !summary.failed.empty() ? 1 : ExitCode(kSupervisionProgram, printed);
 }
 
 int Run(SupervisionOptions options, const Provenance& provenance, const StopToken& stop) {
   const auto design = DesignOf(options);
   if (options.out.empty()) options.out = DefaultSupervisionOut(Fingerprint(design));
-  if (const int code = CheckFiles(kProgram, {}, {{"--json", options.json}}); code != 0) return code;
+  if (const int code = CheckFiles(kSupervisionProgram, {}, {{"--json", options.json}}); code != 0)
+    return code;
   const auto folder = StudyFolder::Open(std::filesystem::absolute(options.out), design);
-  if (!folder) return RefusedFolder(kProgram, folder.error());
+  if (!folder) return RefusedFolder(kSupervisionProgram, folder.error());
   auto store = TrialStore::Open(*folder, "trials");
-  if (!store) return Failed(kProgram, store.error());
+  if (!store) return Failed(kSupervisionProgram, store.error());
   const std::vector<SupervisionTrial> trials = TrialsOf(options);
   if (const auto played = Play(options, trials, *store, stop); !played) {
-    return Failed(kProgram, played.error());
+    return Failed(kSupervisionProgram, played.error());
   }
   std::vector<SupervisionRecord> records;
   for (const SupervisionTrial& trial : trials) {
@@ -155,14 +156,14 @@ int Run(SupervisionOptions options, const Provenance& provenance, const StopToke
     if (found != store->records().end()) records.push_back(found->second);
   }
   if (!stop.stop_requested()) return Report(options, records, *folder, provenance);
-  return Interrupted(kProgram, records.size(), trials.size(), "trials", *folder);
+  return Interrupted(kSupervisionProgram, records.size(), trials.size(), "trials", *folder);
 }
 
 /// `conav study --supervision ...`: parses, runs all trials, prints the tables, writes trials.csv,
 /// results.json, supervision.svg and report.html into --out. Exit code: 0 done; 1 a trial failed,
 /// interrupted, or a file could not be written; 2 wrong usage.
 int SupervisionMain(int argc, char** argv) {
-  CLI::App app(kAbout, kProgram);
+  CLI::App app(kAbout, kSupervisionProgram);
   Arguments arguments;
   AddOptions(app, arguments);
   try {
@@ -172,7 +173,7 @@ int SupervisionMain(int argc, char** argv) {
   }
   auto valid = ParseInteractionTimes(arguments.interaction_times, arguments.options.interaction);
   if (valid) valid = Validate(arguments.options);
-  if (!valid) return Refused(kProgram, valid.error().text);
+  if (!valid) return Refused(kSupervisionProgram, valid.error().text);
   log::SetService("study");
   log::SetMinimumLevel(log::Level::kError);
   InstallStopSignals();

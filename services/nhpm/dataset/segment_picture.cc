@@ -1,5 +1,3 @@
-#include "nhpm/dataset/set_summary.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <numbers>
 
 #include "common/plot/map_panel.h"
+#include "nhpm/dataset/set_summary.h"
 
 namespace conav::nhpm {
 namespace {
@@ -166,7 +165,7 @@ std::vector<ChosenSegment> All(const SegmentSet& set) {
 }
 
 /// Up to `count` of `all`, evenly spread.
-std::vector<ChosenSegment> Spread(const std::vector<ChosenSegment>& all, std::size_t count) {
+std::vector<ChosenSegment> SpreadOver(const std::vector<ChosenSegment>& all, std::size_t count) {
   std::vector<ChosenSegment> chosen;
   const std::size_t taken = std::min(count, all.size());
   for (std::size_t i = 0; i < taken; ++i) chosen.push_back(all[i * all.size() / taken]);
@@ -230,8 +229,9 @@ std::vector<ChosenSegment> ChooseSegments(const SegmentSet& set, std::size_t cou
                             [](const ChosenSegment& one) { return EditCount(*one.segment) > 0; });
   const std::vector<ChosenSegment> unedited(others, edited.end());
   edited.erase(others, edited.end());
-  std::vector<ChosenSegment> chosen = Spread(edited, count);
-  for (const ChosenSegment& one : Spread(unedited, count - chosen.size())) chosen.push_back(one);
+  std::vector<ChosenSegment> chosen = SpreadOver(edited, count);
+  for (const ChosenSegment& one : SpreadOver(unedited, count - chosen.size()))
+    chosen.push_back(one);
   std::sort(chosen.begin(), chosen.end(),
             [](const ChosenSegment& a, const ChosenSegment& b) { return a.index < b.index; });
   return chosen;

@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "operator/bag/idl_text.h"
+#include "operator/recording/idl_text.h"
 
 namespace conav::bag {
 namespace {

@@ -1,7 +1,6 @@
-#include "operator/simulated/synthetic_teleoperator.h"
-
 #include <catch2/catch.hpp>
 
+#include "operator/simulated/synthetic_teleoperator.h"
 #include "unit/operator/support/drawn_map.h"
 
 namespace conav::operators {
@@ -18,14 +17,14 @@ std::vector<Cell> Corridor(int from, int to) {
 TEST_CASE("a robot on the path goes to the nearest cell beside it", "[simulated]") {
   const BeliefGrid map = DrawnMap({"#######", "#     #", "#### ##", "#######"});
   const Meeting meeting{map, kNone, "r1", {1, 1}, Corridor(1, 5), "r2", {1, 3}, {}};
-  CHECK(MakeRoom(meeting) == std::vector<Errand>{{"r2", {2, 4}}});
+  CHECK(MakeRoom(meeting) == std::vector<DriveTask>{{"r2", {2, 4}}});
 }
 
 TEST_CASE("a robot that is shut in is let out first", "[simulated]") {
   const BeliefGrid map = DrawnMap({"#######", "#     #", "# #####", "#######"});
   // r1 comes from the west and wants to the dead end in the east, where r2 stands.
   const Meeting meeting{map, kNone, "r1", {1, 2}, Corridor(2, 5), "r2", {1, 5}, {}};
-  CHECK(MakeRoom(meeting) == std::vector<Errand>{{"r1", {2, 1}}, {"r2", {1, 1}}});
+  CHECK(MakeRoom(meeting) == std::vector<DriveTask>{{"r1", {2, 1}}, {"r2", {1, 1}}});
 }
 
 TEST_CASE("where there is no room nothing is asked for", "[simulated]") {

@@ -1,5 +1,7 @@
 #include "planner/explain/decision_file.h"
 
+#include <decisions.pb.h>
+
 #include <catch2/catch.hpp>
 #include <vector>
 

@@ -1,3 +1,5 @@
+#include <decisions.pb.h>
+
 #include <catch2/catch.hpp>
 #include <cmath>
 
