@@ -183,7 +183,7 @@ TEST_CASE("strangers who say nothing keep nobody out", "[operator][integration]"
   CHECK_FALSE(page.welcome.client().empty());
   const auto goodbye = mute.front()->Receive();
   REQUIRE(goodbye);
-  CHECK_THAT(goodbye->goodbye().reason(), Catch::Contains("others wait"));
+  CHECK_THAT(goodbye->goodbye().reason(), Catch::Contains("pages wait"));
 }
 
 TEST_CASE("there are only so many connections", "[operator][integration]") {

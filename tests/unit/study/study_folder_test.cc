@@ -68,7 +68,7 @@ TEST_CASE("A folder of another design, of other files, or in use is refused and 
 
   REQUIRE(std::filesystem::create_directory(parent / "mine"));
   REQUIRE(WriteFile(parent / "mine/thesis.txt", "my thesis"));
-  CHECK_THAT(Refusal(parent / "mine"), Catch::Contains("holds no study"));
+  CHECK_THAT(Refusal(parent / "mine"), Catch::Contains("contains no study"));
   CHECK(std::distance(std::filesystem::directory_iterator(parent / "mine"), {}) == 1);
   CHECK_THAT(Refusal(parent / "mine/thesis.txt"), Catch::Contains("thesis.txt"));
 }

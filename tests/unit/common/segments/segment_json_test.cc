@@ -109,7 +109,7 @@ TEST_CASE("lines that are no record are refused with file and line", "[segments]
            {"{}", "data.jsonl:1: 'type'"},
            {R"({"type": "header"})", "data.jsonl:1: 'type' is 'header'"},
            {kSegment, "data.jsonl:1: a segment before"},
-           {kTrajectory + kTrajectory + kSegment, "data.jsonl:2: the trajectory before"},
+           {kTrajectory + kTrajectory + kSegment, "data.jsonl:2: the previous trajectory"},
            {kTrajectory + kSegment + kSegment, "data.jsonl:3: step 0 after step 0"},
        }) {
     CHECK_THAT(Refusal(text), Catch::StartsWith(begins_with));

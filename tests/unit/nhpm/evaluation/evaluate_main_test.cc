@@ -29,7 +29,8 @@ std::string Of(const std::string& data, const std::string& weights) {
 /// Synthetic trajectories on 9 x 9 maps, written to `file`.
 std::string WriteData(const std::string& file, int trajectories = 6,
                       SegmentOrigin origin = SegmentOrigin::kSynthetic) {
-  SegmentSet set = SegmentsOf(Glpf({.rho = 0.01}), trajectories, 4, 3);
+  Glpf people({.rho = 0.01});
+  SegmentSet set = SegmentsOf(people, trajectories, 4, 3);
   for (Trajectory& trajectory : set.trajectories) {
     trajectory.origin = origin;
     trajectory.annotator = ToNamedValues(operators::PictureReaderParameters{});
@@ -190,7 +191,9 @@ TEST_CASE("Weights that saw some of a file are refused, whatever file they learn
   SegmentSet set = whole;
   SECTION("one that begins with the same trajectories") { set.trajectories.resize(6); }
   SECTION("one that they were merged into") {
-    for (Trajectory& trajectory : SegmentsOf(EvenModel(0.0F), 2, 4, 9).trajectories) {
+    EvenModel even(0.0F);
+    SegmentSet merged = SegmentsOf(even, 2, 4, 9);
+    for (Trajectory& trajectory : merged.trajectories) {
       trajectory.participant = "new";
       trajectory.annotator = whole.trajectories.front().annotator;
       set.trajectories.push_back(trajectory);

@@ -14,18 +14,16 @@ namespace {
 class RefusingModel final : public PerceptionModel {
  public:
   Result<std::vector<PerceptionAnswer>> Predict(
-      std::span<const PerceptionQuery> /*queries*/) const override {
+      std::span<const PerceptionQuery> /*queries*/) override {
     return Fail(ErrorCode::kInvalidArgument, "made for 13 x 13 cells, not 9 x 9");
   }
-  const ModelIdentity& identity() const override { return identity_; }
-
- private:
-  ModelIdentity identity_;
+  ModelIdentity identity() const override { return {}; }
 };
 
 TEST_CASE("A model is measured on both parts of the data, where there are two", "[evaluation]") {
   EvaluationData data = SampleData();
-  const auto row = EvaluateModel({"even", "Even", "0.25 everywhere"}, EvenModel(0.25F), data);
+  EvenModel even(0.25F);
+  const auto row = EvaluateModel({"even", "Even", "0.25 everywhere"}, even, data);
   REQUIRE(row);
   CHECK(row->answers.size() == 40);
   CHECK(row->identity.name == "even");
@@ -43,7 +41,7 @@ TEST_CASE("A model is measured on both parts of the data, where there are two", 
   CHECK(std::accumulate(row->segment_losses.begin(), row->segment_losses.end(), 0.0) ==
         Approx(row->test.loss.all * 40 * 162));
   data.train = {};
-  const auto untrained = EvaluateModel({"even", "Even", ""}, EvenModel(0.25F), data);
+  const auto untrained = EvaluateModel({"even", "Even", ""}, even, data);
   REQUIRE(untrained);
   CHECK_FALSE(untrained->train);
   CHECK_FALSE(untrained->at_train_boundary);
@@ -52,11 +50,11 @@ TEST_CASE("A model is measured on both parts of the data, where there are two", 
 TEST_CASE("Progress is reported until all segments are answered", "[evaluation]") {
   const EvaluationData data = SampleData();
   std::vector<std::size_t> told;
-  const auto answers =
-      AskModel(EvenModel(0.5F), data.train, [&](std::size_t done, std::size_t all) {
-        told.push_back(done);
-        CHECK(all == 120);
-      });
+  EvenModel even(0.5F);
+  const auto answers = AskModel(even, data.train, [&](std::size_t done, std::size_t all) {
+    told.push_back(done);
+    CHECK(all == 120);
+  });
   REQUIRE(answers);
   CHECK(told == std::vector<std::size_t>{64, 120});
 }
@@ -113,7 +111,8 @@ ModelRow RowWith(const std::string& key, const std::vector<double>& losses, doub
 
 EvaluationData TwoTrajectories() {
   EvaluationData data;
-  data.test = SegmentsOf(EvenModel(0.0F), 2, 2, 1);
+  EvenModel even(0.0F);
+  data.test = SegmentsOf(even, 2, 2, 1);
   return data;
 }
 

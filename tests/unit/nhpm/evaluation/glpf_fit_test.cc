@@ -1,9 +1,8 @@
-#include "nhpm/evaluation/evaluation.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 
+#include "nhpm/evaluation/evaluation.h"
 #include "nhpm/evaluation/metrics.h"
 #include "unit/nhpm/evaluation/samples.h"
 

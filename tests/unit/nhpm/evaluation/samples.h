@@ -87,8 +87,7 @@ inline Segment RandomSegment(Random& random, int size = 13) {
 class EvenModel final : public PerceptionModel {
  public:
   explicit EvenModel(float probability) : probability_(probability) {}
-  Result<std::vector<PerceptionAnswer>> Predict(
-      std::span<const PerceptionQuery> queries) const override {
+  Result<std::vector<PerceptionAnswer>> Predict(std::span<const PerceptionQuery> queries) override {
     std::vector<PerceptionAnswer> answers;
     for (const PerceptionQuery& query : queries) {
       const BeliefGrid& map = query.belief;
@@ -101,7 +100,7 @@ class EvenModel final : public PerceptionModel {
     }
     return answers;
   }
-  const ModelIdentity& identity() const override { return identity_; }
+  ModelIdentity identity() const override { return identity_; }
 
  private:
   float probability_;

@@ -102,7 +102,7 @@ TEST_CASE("A file that is cut off anywhere, or something else, is refused", "[we
            {bytes.substr(0, 3), "no weights file"},
            {bytes.substr(0, 30), "30 bytes of its header"},
            {bytes.substr(0, bytes.size() - 1), "cut off"},
-           {bytes + "x", "appended"},
+           {bytes + "x", "extra bytes"},
            {"#!/bin/sh\n" + std::string(200, 'x'), "no weights file"},
            {Frame(kKind, "\xff\xff\xff"), "not a Weights message"},
            {Frame(later, ""), "version 2; this program reads version 1"},

@@ -159,7 +159,7 @@ TEST_CASE("tokens give roles, where there are any", "[operator][gateway]") {
   }
   SECTION("none") {
     CHECK(bench.Send(hello).empty());
-    bench.ExpectGoodbye("a token is asked for", false);
+    bench.ExpectGoodbye("a token is required", false);
   }
   SECTION("a wrong one") {
     hello.set_token("observer-observes");

@@ -26,7 +26,7 @@ class Maze {
   Maze(const std::vector<std::string>& truth, const std::vector<std::string>& map,
        const std::map<std::string, std::pair<Cell, Cell>>& starts_and_goals,
        const SyntheticOperatorParameters& parameters = default_person, std::uint64_t seed = 1)
-      : truth_(DrawnMap(truth)), person(parameters, seed, {{"r1", "w1"}, {"r2", "w1"}}) {
+      : truth_(DrawnMap(truth)), person(parameters, seed, WorldsOf(starts_and_goals)) {
     belief_.world = "w1";
     belief_.wall_probability = DrawnMap(map);
     for (const auto& [name, way] : starts_and_goals) {
@@ -72,6 +72,13 @@ class Maze {
   }
 
  private:
+  static std::map<std::string, std::string> WorldsOf(
+      const std::map<std::string, std::pair<Cell, Cell>>& robots) {
+    std::map<std::string, std::string> worlds;
+    for (const auto& [name, way] : robots) worlds[name] = "w1";
+    return worlds;
+  }
+
   GridGeometry Geometry() const { return {truth_.rows(), truth_.columns(), 2.0}; }
 
   std::uint64_t Edit(const EditRequest& edit) {

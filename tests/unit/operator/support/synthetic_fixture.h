@@ -99,6 +99,7 @@ struct Console {
   }
   /// Nothing is asked until then, by the clock.
   void ExpectNothingFor(std::chrono::milliseconds pause) {
+    ExpectNothing();
     clock.Advance(pause - std::chrono::milliseconds(1));
     ExpectNothing();
     clock.Advance(std::chrono::milliseconds(1));

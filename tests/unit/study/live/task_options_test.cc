@@ -101,7 +101,7 @@ TEST_CASE("what cannot be is refused by the option and its value", "[mapping_tas
                            o.methods = {"teleop", "ig-mcts", "teleop"};
                          },
                          "--methods: teleop"},
-                        {[](O& o) { o.methods = {"teleop"}; }, "--methods: 1 of them"}}) {
+                        {[](O& o) { o.methods = {"teleop"}; }, "--methods: 1 methods"}}) {
     O options = Good();
     row.set(options);
     const auto valid = Validate(options);
