@@ -5,6 +5,8 @@
 
 #include "launcher/run_log.h"
 
+// One user: the demo; what draws episode.svg is looked for by name.
+
 namespace conav::launcher {
 
 /// The picture of a run as an SVG document. For each world three maps side by side: the truth with

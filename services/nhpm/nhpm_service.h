@@ -79,8 +79,6 @@ class ServedModels {
   std::map<std::string, std::shared_ptr<PerceptionModel>> model_of_person_;
 };
 
-
-
 /// A request from the bus without an answer yet.
 struct OpenRequest {
   PerceptionRequest request;

@@ -1,5 +1,3 @@
-#include "nhpm/nhpm_service.h"
-
 #include <fmt/format.h>
 #include <sys/stat.h>
 
@@ -7,6 +5,7 @@
 
 #include "common/msg/robot.h"
 #include "common/runtime/log.h"
+#include "nhpm/nhpm_service.h"
 
 namespace conav::nhpm {
 namespace fs = std::filesystem;

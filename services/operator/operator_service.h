@@ -24,6 +24,8 @@
 #include "operator/supervision/drive_gate.h"
 #include "operator/supervision/request_log.h"
 
+// One user: main starts it; tests build it whole.
+
 namespace conav::operators {
 
 /// Owns the belief of each world and the guidance of each robot, and answers the requests of all

@@ -13,6 +13,8 @@
 #include "planner/decision/blackboard.h"
 #include "planner/decision/leases.h"
 
+// One user: the service; apart because it knows the bus.
+
 namespace conav::planner {
 
 /// Shares the robots of this planner process with the others in the domain (lease/lease_desk.h):

@@ -13,6 +13,7 @@
 #include "common/bus/participant.h"
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
+#include "common/msg/perception_model.h"
 #include "common/runtime/clock.h"
 #include "common/runtime/log.h"
 #include "common/runtime/threads.h"
@@ -24,7 +25,8 @@
 #include "planner/explain/decision_file.h"
 #include "planner/lease_topics.h"
 #include "planner/methods/operator_model.h"
-#include "common/msg/perception_model.h"
+
+// One user: main starts it; tests build it whole.
 
 namespace conav::planner {
 

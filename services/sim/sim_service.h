@@ -16,6 +16,8 @@
 #include "sim/world/episode.h"
 #include "sim/world/world_spec.h"
 
+// One user: main starts it; tests build it whole.
+
 namespace conav::sim {
 
 /// The topics of one robot, and their last published state.

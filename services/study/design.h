@@ -62,8 +62,6 @@ struct Design {
 /// so that no method always has the same orientation.
 Design MakeDesign(const DesignOptions& options);
 
-
-
 /// The default population: the careful people of annotators.yaml. It is the paper's population
 /// after its filter (Appendix A), which drops those whose map stays wrong.
 nhpm::AnnotatorPopulation DefaultPopulation();

@@ -67,8 +67,6 @@ std::string SubjectTable(const Design& design, const Records& records, std::size
 /// The bars for which both methods took part.
 std::vector<Bar> CheckBars(const std::vector<MethodSummary>& methods);
 
-
-
 /// A finished study and its results.
 struct StudyReport {
   const Design& design;

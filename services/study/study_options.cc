@@ -1,5 +1,3 @@
-#include "study/design.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -9,6 +7,7 @@
 #include "common/runtime/config.h"
 #include "common/runtime/random.h"
 #include "launcher/demo_plan.h"
+#include "study/design.h"
 #include "study/study_run.h"
 
 namespace conav::study {

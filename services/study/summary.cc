@@ -1,5 +1,3 @@
-#include "study/report.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <utility>
 
 #include "common/runtime/text.h"
+#include "study/report.h"
 #include "study/statistics/moments.h"
 #include "study/statistics/table_reader.h"
 

@@ -1,5 +1,3 @@
-#include "study/supervision_report.h"
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -7,6 +5,7 @@
 #include "common/runtime/result.h"
 #include "operator/supervision/workload.h"
 #include "study/statistics/moments.h"
+#include "study/supervision_report.h"
 
 namespace conav::study {
 namespace {

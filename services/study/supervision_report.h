@@ -64,8 +64,6 @@ struct SupervisionSummary {
 SupervisionSummary Summarise(const SupervisionOptions& options,
                              const std::vector<SupervisionRecord>& records);
 
-
-
 /// "SIMULATED operator: 5 team sizes x 3 orders x 10 seeds = 150 trials of 3 min, ...".
 std::string SupervisionHeadline(const SupervisionOptions& options,
                                 const SupervisionSummary& summary);

@@ -7,8 +7,8 @@
 #include <thread>
 #include <vector>
 
-#include "common/runtime/random.h"
 #include "common/msg/perception_model.h"
+#include "common/runtime/random.h"
 
 /// What every PerceptionModel must do, whatever stands behind it: local, remote, cached, fake.
 /// Call CheckPerceptionModelConformance() from a TEST_CASE; it holds SECTIONs.

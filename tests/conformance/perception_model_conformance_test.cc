@@ -1,10 +1,10 @@
 #include "conformance/perception_model_conformance.h"
 
+#include "common/msg/perception_model.h"
+#include "nhpm/model/glpf.h"
 #include "nhpm/model/load_model.h"
 #include "planner/perception/cached_model.h"
-#include "nhpm/model/glpf.h"
 #include "planner/perception/remote_model.h"
-#include "common/msg/perception_model.h"
 #include "support/dds_participant.h"
 #include "support/nhpm_on_thread.h"
 #include "support/nhpm_process.h"
@@ -79,8 +79,7 @@ TEST_CASE("The fake model is a perception model", "[conformance]") {
 
 TEST_CASE("The embedded GLPF is a perception model", "[conformance]") {
   nhpm::Glpf reference;
-  CheckPerceptionModelConformance([] { return std::make_shared<nhpm::Glpf>(); },
-                                  reference);
+  CheckPerceptionModelConformance([] { return std::make_shared<nhpm::Glpf>(); }, reference);
 }
 
 TEST_CASE("The cached GLPF is a perception model", "[conformance]") {
@@ -182,8 +181,8 @@ TEST_CASE("A network in conav-nhpm on Fast DDS is one for a planner on Cyclone D
 std::shared_ptr<PerceptionModel> WithFallback(std::shared_ptr<PerceptionModel> primary) {
   static const SteadyClock clock;
   return std::make_shared<FallbackPerceptionModel>(
-      std::move(primary), std::make_shared<nhpm::Glpf>(),
-      FallbackPerceptionModel::Options{}, clock, [](const std::optional<Error>&) {});
+      std::move(primary), std::make_shared<nhpm::Glpf>(), FallbackPerceptionModel::Options{}, clock,
+      [](const std::optional<Error>&) {});
 }
 
 TEST_CASE("The service with a fallback is a perception model", "[conformance]") {

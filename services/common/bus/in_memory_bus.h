@@ -9,6 +9,8 @@
 
 #include "common/bus/backend.h"
 
+// One user: the bus of the tests, chosen like a vendor.
+
 namespace conav::bus {
 
 class InMemoryTopic;

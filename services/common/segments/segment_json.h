@@ -1,7 +1,8 @@
 #pragma once
 
-#include <filesystem>
 #include <fmt/format.h>
+
+#include <filesystem>
 #include <iosfwd>
 #include <nlohmann/json.hpp>
 #include <optional>

@@ -1,5 +1,3 @@
-#include "common/segments/segment_json.h"
-
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -8,6 +6,7 @@
 #include <numbers>
 
 #include "common/segments/segment_checks.h"
+#include "common/segments/segment_json.h"
 
 namespace conav {
 

@@ -4,6 +4,8 @@
 
 #include "common/cli/cli.h"
 
+// One user: main; the tests parse the commands.
+
 /// The subcommands of conav-dataset. Each adds itself to `app`; if selected, it runs from CLI11's
 /// callback and leaves the program's exit code in `exit_code`: 0 good, 1 failed, 2 wrong usage.
 /// `exit_code` outlives the parsing.

@@ -1,5 +1,3 @@
-#include "nhpm/dataset/synthesize.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 
 #include "common/runtime/threads.h"
 #include "nhpm/dataset/annotators.h"
+#include "nhpm/dataset/synthesize.h"
 #include "operator/simulated/path_planner.h"
 
 namespace conav::nhpm {

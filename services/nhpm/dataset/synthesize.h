@@ -69,8 +69,6 @@ struct Synthesis {
 ///         hundred trajectories is accepted.
 [[nodiscard]] Result<Synthesis> SynthesizeSegments(const SynthesisOptions& options);
 
-
-
 inline constexpr int kFewestOracleDraws = 2000;
 
 struct OracleOptions {

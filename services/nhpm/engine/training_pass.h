@@ -5,6 +5,8 @@
 
 #include "nhpm/engine/packed_weights.h"
 
+// One user: the trainer; tests check its gradients.
+
 namespace conav::nhpm {
 
 /// Weights in the kernels' order, for forward and backward passes.

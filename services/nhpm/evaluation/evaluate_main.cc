@@ -1,5 +1,3 @@
-#include "nhpm/evaluation/evaluate_rows.h"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -12,6 +10,7 @@
 #include "common/cli/cli.h"
 #include "common/cli/progress_line.h"
 #include "common/segments/segment.h"
+#include "nhpm/evaluation/evaluate_rows.h"
 #include "nhpm/evaluation/report.h"
 
 namespace conav::nhpm {

@@ -12,6 +12,8 @@
 #include "nhpm/evaluation/evaluation.h"
 #include "nhpm/model/weights_file.h"
 
+// One user: main; the rows of table 1 are looked for by name.
+
 namespace conav::nhpm {
 
 /// The arguments of `conav evaluate`; empty paths = off.

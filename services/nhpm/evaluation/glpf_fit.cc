@@ -1,5 +1,3 @@
-#include "nhpm/evaluation/evaluation.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +5,7 @@
 #include <set>
 
 #include "common/runtime/result.h"
+#include "nhpm/evaluation/evaluation.h"
 #include "nhpm/evaluation/metrics.h"
 
 namespace conav::nhpm {

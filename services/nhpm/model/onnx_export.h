@@ -6,6 +6,8 @@
 #include "common/runtime/result.h"
 #include "nhpm/model/weights_file.h"
 
+// One user: main; OpenCV reads what it writes in a test.
+
 namespace conav::nhpm {
 
 /// The network as an ONNX model: 3x3 convolutions, ReLU between them, a sigmoid at the end.

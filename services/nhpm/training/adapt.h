@@ -8,6 +8,8 @@
 #include "common/runtime/threads.h"
 #include "nhpm/training/example.h"
 
+// One user: its command; adaptation is looked for by name.
+
 namespace conav::nhpm {
 
 /// All trajectories of one participant, in the order of the file.

@@ -1,5 +1,3 @@
-#include "nhpm/training/train_command.h"
-
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -13,6 +11,7 @@
 #include "nhpm/training/adapt.h"
 #include "nhpm/training/batch_pass.h"
 #include "nhpm/training/example.h"
+#include "nhpm/training/train_command.h"
 #include "nhpm/training/train_report.h"
 
 namespace conav::nhpm {

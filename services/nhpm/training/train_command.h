@@ -33,8 +33,6 @@ std::filesystem::path CheckpointPath(const std::filesystem::path& out);
 /// standard output. Exit code: 0 done, 1 failed or stopped (the checkpoint stays).
 int RunTrain(const TrainArguments& arguments, const StopToken& stop);
 
-
-
 /// The arguments of `conav train --adapt`.
 struct AdaptArguments {
   std::filesystem::path base;  // weights file

@@ -1,11 +1,11 @@
-#include "operator/belief/database.h"
-
 #include <fmt/format.h>
 
 #include <bit>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <span>
+
+#include "operator/belief/database.h"
 
 namespace conav::operators {
 namespace {

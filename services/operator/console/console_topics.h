@@ -26,6 +26,8 @@
 #include "operator/supervision/alert_topics.h"
 #include "operator/supervision/control.h"
 
+// One user: the service; apart because it knows the bus.
+
 namespace conav::operators {
 
 /// How the perception service expects the operator to edit the map after a picture.

@@ -11,6 +11,8 @@
 #include "operator/console/participant_task.h"
 #include "operator/supervision/control.h"
 
+// One user: the service; apart because it knows the bus.
+
 namespace conav::operators {
 
 /// The operator service's part of a mapping task or a study: receives the true maze, decides when

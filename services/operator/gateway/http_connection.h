@@ -21,6 +21,8 @@
 #include "operator/gateway/http_routes.h"
 #include "operator/gateway/page_feed.h"
 
+// One user: gateway.cc, the one translation unit of Boost.Beast.
+
 /// The gateway's connections. Part of gateway.cc only, the one translation unit with Boost.Beast.
 /// Everything here runs on the gateway's thread. A connection lives as long as an operation on it
 /// is under way.

@@ -8,6 +8,8 @@
 #include "operator/recording/mcap_records.h"
 #include "operator/recording/recording_files.h"
 
+// One user: the recorder; the file format is tested without it.
+
 namespace conav::bag {
 
 /// Writes one MCAP file (profile "ros2"): messages in zstd chunks with an index behind each, and a

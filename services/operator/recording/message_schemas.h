@@ -6,6 +6,8 @@
 
 #include "common/runtime/result.h"
 
+// One user: the recorder; the schemas are tested without it.
+
 /// The part of OMG IDL in which conav's messages are written: `module PACKAGE { module msg { ... };
 /// };` with structs (of numbers, texts, other structs, arrays of one dimension, sequences) and
 /// constant numbers. Anything else is rejected; the error names the line.

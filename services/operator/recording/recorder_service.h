@@ -19,6 +19,8 @@
 #include "operator/recording/mcap_records.h"
 #include "operator/recording/mcap_writer.h"
 
+// One user: main starts it; tests build it whole.
+
 namespace conav::recorder {
 
 /// A message as it came.

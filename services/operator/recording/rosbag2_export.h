@@ -8,6 +8,8 @@
 
 #include "operator/recording/mcap_reader.h"
 
+// One user: conav-bag; the export is tested without it.
+
 namespace conav::bag {
 
 /// Writes all messages of a recording as a rosbag2 folder:

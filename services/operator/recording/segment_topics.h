@@ -14,6 +14,8 @@
 #include "common/service/diagnostics.h"
 #include "operator/recording/segment_collector.h"
 
+// One user: the service; apart because it knows the bus.
+
 namespace conav::operators {
 
 /// Records the sessions of the operator service: receives pictures, true maps, edits and guidance,

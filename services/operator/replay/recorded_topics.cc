@@ -1,5 +1,3 @@
-#include "operator/replay/timeline.h"
-
 #include <fmt/format.h>
 
 #include <functional>
@@ -17,6 +15,7 @@
 #include "common/service/robot_list.h"
 #include "operator/console/console_messages.h"
 #include "operator/recording/mcap_reader.h"
+#include "operator/replay/timeline.h"
 
 namespace conav::operators {
 namespace {

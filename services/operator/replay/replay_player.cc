@@ -1,10 +1,9 @@
-#include "operator/replay/timeline.h"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "operator/console/console_messages.h"
+#include "operator/replay/timeline.h"
 
 namespace conav::operators {
 namespace {

@@ -182,8 +182,6 @@ class TimelineBuilder {
   std::set<RequestKey> answered_;
 };
 
-
-
 struct RecordedRun {
   Timeline timeline;
   std::string name;
@@ -196,8 +194,6 @@ struct RecordedRun {
 /// and streams stay in memory. Errors: those of bag::McapReader::Open; kMalformed: not from a conav
 /// recorder, or nothing in it.
 [[nodiscard]] Result<RecordedRun> ReadRun(const std::filesystem::path& file);
-
-
 
 /// Plays a timeline as if the console received it now.
 ///

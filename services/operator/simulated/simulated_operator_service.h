@@ -15,6 +15,8 @@
 #include "operator/simulated/synthetic_operator.h"
 #include "operator/simulated/synthetic_teleoperator.h"
 
+// One user: main starts it; tests build it whole.
+
 namespace conav::operators {
 
 /// A synthetic teleoperator on the bus: receives what a console would show (the operator's map,

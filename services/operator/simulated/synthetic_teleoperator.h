@@ -43,8 +43,6 @@ struct Meeting {
 /// possible on cells that the map shows free.
 std::vector<DriveTask> MakeRoom(const Meeting& meeting);
 
-
-
 /// One SYNTHETIC person who steers robots by keys, one robot at a time, four keys per second.
 ///
 /// Knows: the operator's map, which may be wrong; where it shows the robots; what the streamed

@@ -1,11 +1,10 @@
-#include "operator/simulated/synthetic_teleoperator.h"
-
 #include <algorithm>
 #include <cmath>
 #include <queue>
 #include <utility>
 
 #include "operator/simulated/path_planner.h"
+#include "operator/simulated/synthetic_teleoperator.h"
 
 namespace conav::operators {
 namespace {

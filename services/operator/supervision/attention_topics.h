@@ -12,6 +12,8 @@
 #include "operator/supervision/attention_queue.h"
 #include "operator/supervision/workload.h"
 
+// One user: the service; apart because it knows the bus.
+
 namespace conav::operators {
 
 /// The operator service's attention queue on the bus: keeps it, measures the operator's work on it,

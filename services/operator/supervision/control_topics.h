@@ -12,6 +12,8 @@
 #include "operator/config.h"
 #include "operator/supervision/control.h"
 
+// One user: the service; apart because it knows the bus.
+
 namespace conav::operators {
 
 /// Control and stops of robots (ControlRegistry): on disk first, then on the bus. After a restart

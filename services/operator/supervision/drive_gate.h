@@ -10,6 +10,8 @@
 #include "common/msg/supervision.h"
 #include "common/runtime/clock.h"
 
+// One user: the service; pure, and tested without it.
+
 namespace conav::operators {
 
 struct DriveGateOptions {

@@ -10,6 +10,8 @@
 #include "common/runtime/log.h"
 #include "operator/belief/belief_store.h"
 
+// One user: the service; pure, and tested without it.
+
 namespace conav::operators {
 
 /// Counts decided requests and writes them to the process's log, refusals at most once a second.

@@ -1,8 +1,8 @@
-#include "planner/decision/robot_worker.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
+
+#include "planner/decision/robot_worker.h"
 
 namespace conav::planner {
 namespace {

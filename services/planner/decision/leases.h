@@ -12,6 +12,8 @@
 #include "common/msg/planner_lease.h"
 #include "common/runtime/clock.h"
 
+// One user: lease_topics; pure, and tested without the bus.
+
 namespace conav::planner {
 
 /// One live planner process, as far as the sharing of robots goes.

@@ -80,8 +80,6 @@ class DecisionGate {
   bool timed_out_ = false;
 };
 
-
-
 /// Turns a goal pose (RViz "2D Goal Pose", map frame) into guidance: the shortest path from the
 /// robot's cell to the goal's, over cells that neither the robot knows as walls nor, where the
 /// robot knows nothing, the operator takes for walls. Valid for ten minutes of simulation time; it

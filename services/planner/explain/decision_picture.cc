@@ -1,5 +1,3 @@
-#include "planner/explain/decision_text.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 
 #include "common/grid/map_accuracy.h"
 #include "common/plot/map_panel.h"
+#include "planner/explain/decision_text.h"
 #include "planner/explain/explanation.h"
 
 namespace conav::planner {

@@ -38,8 +38,6 @@ nlohmann::ordered_json DecisionJson(const DecisionRecord& decision);
 
 nlohmann::ordered_json ListJson(std::span<const DecisionSummary> decisions);
 
-
-
 /// A node of the drawn tree.
 struct PlacedNode {
   std::size_t node = 0;  // index into SearchReport::tree

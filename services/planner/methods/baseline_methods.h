@@ -10,6 +10,8 @@
 #include "common/runtime/random.h"
 #include "planner/decision/method.h"
 
+// One user: make_method; the baselines are looked for by name.
+
 namespace conav::planner {
 
 /// Handles another robot on the next cell: waits for kPatience, then steps aside at random, so that

@@ -1,9 +1,8 @@
-#include "planner/methods/ig_mcts_method.h"
-
 #include <algorithm>
 
 #include "common/runtime/result.h"
 #include "planner/decision/traffic.h"
+#include "planner/methods/ig_mcts_method.h"
 
 namespace conav::planner {
 namespace {

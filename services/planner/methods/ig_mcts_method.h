@@ -17,8 +17,8 @@
 #include "planner/decision/method.h"
 #include "planner/methods/method_config.h"
 #include "planner/methods/operator_model.h"
-#include "planner/search/search_problem.h"
 #include "planner/search/parallel_search.h"
+#include "planner/search/search_problem.h"
 #include "planner/search/view_information.h"
 
 namespace conav::planner {
@@ -104,8 +104,6 @@ class ThresholdPolicy final : public CommunicationPolicy {
 /// Null for policy "search".
 std::unique_ptr<CommunicationPolicy> MakeCommunicationPolicy(const CommunicationConfig& config,
                                                              std::uint64_t seed);
-
-
 
 /// The views of the situation's camera in `headings` directions: `kept` if it is of the same
 /// camera.

@@ -75,8 +75,6 @@ class CachedPerceptionModel final : public PerceptionModel {
   Counts counts_;
 };
 
-
-
 /// Asks one model, and another one while the first is gone.
 ///
 /// A batch that the primary cannot answer (kTimeout, kUnavailable, and any other failure but

@@ -1,8 +1,7 @@
-#include "planner/perception/cached_model.h"
-
 #include <algorithm>
 
 #include "common/runtime/result.h"
+#include "planner/perception/cached_model.h"
 
 namespace conav::planner {
 

@@ -20,6 +20,8 @@
 #include "common/runtime/result.h"
 #include "conav_planning.h"
 
+// One user: the service; apart because it knows the bus.
+
 namespace conav::planner {
 
 /// Requests that wait for replies, and what the replies tell of who answers.

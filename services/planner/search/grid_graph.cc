@@ -1,6 +1,5 @@
-#include "planner/search/search_problem.h"
-
 #include "common/grid/geometry.h"
+#include "planner/search/search_problem.h"
 
 namespace conav::planner {
 

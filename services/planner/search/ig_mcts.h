@@ -12,6 +12,8 @@
 #include "planner/search/search_problem.h"
 #include "planner/search/search_tree.h"
 
+// One user: parallel_search; it is the algorithm.
+
 namespace conav::planner {
 
 /// Information Gain Monte Carlo Tree Search: decides whether a robot moves, and where to, or shows

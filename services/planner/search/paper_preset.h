@@ -4,6 +4,8 @@
 
 #include "planner/search/search_options.h"
 
+// One user: the options; the paper's search stands in one place, for the audit.
+
 /// Everything that the presets `paper` and `paper-literal` change of the default, in one place, to
 /// audit against the paper (docs/paper.md). As printed the search hardly ever reaches the goals
 /// (docs/search.md).

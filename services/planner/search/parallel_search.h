@@ -9,6 +9,8 @@
 #include "planner/search/search_problem.h"
 #include "planner/search/tree_reuse.h"
 
+// One user: the method; the algorithm does not know it.
+
 namespace conav::planner {
 
 /// The sum of several trees of the same root (root parallelisation: Chaslot, Winands and van den

@@ -7,6 +7,8 @@
 #include "planner/search/search_options.h"
 #include "planner/search/view_information.h"
 
+// One user: ig_mcts; the third stage, tested by itself.
+
 namespace conav::planner {
 
 /// Stage 3 of an iteration: actions drawn uniformly (A6) from the end of a path until a goal is

@@ -140,8 +140,6 @@ class OfferedActions {
   std::vector<int> views_;
 };
 
-
-
 /// What a robot's camera is and where it may look: kept from one decision to the next, as its rays
 /// are costly to work out. Threads: safe to use concurrently.
 class GridViews {

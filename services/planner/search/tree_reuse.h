@@ -6,6 +6,8 @@
 #include "planner/search/search_problem.h"
 #include "planner/search/search_tree.h"
 
+// One user: parallel_search; the algorithm does not know it.
+
 namespace conav::planner {
 
 /// Keeps the tree of a robot's newest decision for the next one (SearchOptions::tree_reuse).

@@ -5,6 +5,8 @@
 
 #include "common/runtime/result.h"
 
+// One user: the camera; off-screen rendering is looked for by name.
+
 namespace conav::sim {
 
 /// An off-screen OpenGL context without a window system. Tries, in this order: hardware EGL

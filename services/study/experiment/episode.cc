@@ -1,5 +1,3 @@
-#include "study/experiment/search_experiment.h"
-
 #include <cmath>
 #include <ctime>
 #include <utility>
@@ -7,6 +5,7 @@
 #include "common/grid/geometry.h"
 #include "common/grid/visibility.h"
 #include "operator/simulated/path_planner.h"
+#include "study/experiment/search_experiment.h"
 
 namespace conav::planner {
 namespace {

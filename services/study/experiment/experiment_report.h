@@ -26,8 +26,6 @@ nlohmann::ordered_json ExperimentJson(const SearchExperiment& experiment,
 std::string ExperimentCsv(const SearchExperiment& experiment,
                           const std::vector<ExperimentEpisode>& episodes);
 
-
-
 /// A line per policy, parameter and operator, and below who is dominated; for people to read.
 std::string TradeoffTable(const TradeoffSweep& sweep, const std::vector<TradeoffRow>& rows);
 

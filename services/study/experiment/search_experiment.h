@@ -65,8 +65,6 @@ EpisodeResult RunEpisode(const sim::WorldSpec& world, Method& method,
 /// Steps of the shortest tour from the start of robot 0 over all its goals on the true map.
 int OptimalMoves(const sim::WorldSpec& world);
 
-
-
 struct Interval {
   double low = 0.0;
   double high = 0.0;

@@ -1,5 +1,3 @@
-#include "study/experiment/experiment_report.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/plot/svg.h"
+#include "study/experiment/experiment_report.h"
 
 namespace conav::planner {
 namespace {

@@ -10,6 +10,8 @@
 #include "common/runtime/result.h"
 #include "launcher/demo_options.h"
 
+// One user: the command; options are tested without a run.
+
 namespace conav::mapping_task {
 
 /// The options of `conav mapping-task` and `conav study --live`.

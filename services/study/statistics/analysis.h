@@ -77,8 +77,6 @@ struct Friedman {
 
 Friedman TestRanks(const ConditionTable& table);
 
-
-
 /// One condition by itself.
 struct Description {
   std::string condition;

@@ -1,11 +1,10 @@
-#include "study/statistics/analysis.h"
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <span>
 
+#include "study/statistics/analysis.h"
 #include "study/statistics/moments.h"
 
 namespace conav::statistics {

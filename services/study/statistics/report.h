@@ -50,8 +50,6 @@ nlohmann::ordered_json ReportJson(const Analysis& analysis);
 /// One self-contained page for a browser: the tables of the text, and a plot.
 std::string ReportPage(const Analysis& analysis);
 
-
-
 /// With more lines a plot is unreadable.
 inline constexpr std::size_t kMostLines = 200;
 

@@ -1,10 +1,9 @@
-#include "study/statistics/report.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "common/plot/svg.h"
+#include "study/statistics/report.h"
 
 namespace conav::statistics {
 namespace {

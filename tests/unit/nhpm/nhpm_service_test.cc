@@ -389,7 +389,7 @@ TEST_CASE("What was not computed says nothing of the time that it takes", "[queu
   CHECK(bench.queue.open() == 0);
 }
 
-TEST_CASE("A waiting thread gets the request that comes; a closed queue gives what is left",
+TEST_CASE("A waiting thread gets the request that comes, a closed queue gives what is left",
           "[queue]") {
   RequestQueue queue(4, 1);
   std::optional<OpenRequest> taken;

@@ -1,9 +1,8 @@
-#include "nhpm/nhpm_service.h"
-
 #include <catch2/catch.hpp>
 #include <fstream>
 
 #include "common/runtime/log.h"
+#include "nhpm/nhpm_service.h"
 #include "support/test_weights.h"
 
 namespace conav::nhpm {

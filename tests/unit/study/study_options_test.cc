@@ -1,10 +1,9 @@
-#include "study/design.h"
-
 #include <catch2/catch.hpp>
 #include <functional>
 
 #include "common/runtime/file.h"
 #include "launcher/demo_plan.h"
+#include "study/design.h"
 #include "study/study_run.h"
 #include "support/scoped_variable.h"
 #include "support/temporary_folder.h"

@@ -1,8 +1,7 @@
-#include "study/report.h"
-
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "study/report.h"
 #include "study/statistics/table_reader.h"
 #include "unit/study/sample_study.h"
 

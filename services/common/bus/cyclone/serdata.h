@@ -8,6 +8,8 @@
 
 #include "common/bus/type_support.h"
 
+// One user: what Cyclone DDS asks of a type; its own C API stays out of the entities.
+
 namespace conav::bus {
 
 /// Teaches Cyclone DDS a bus type without idlc: our own type description (sertype) and serialised

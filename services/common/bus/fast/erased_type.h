@@ -4,6 +4,8 @@
 
 #include "common/bus/type_support.h"
 
+// One user: what Fast DDS asks of a type, apart from its entities.
+
 namespace conav::bus {
 
 /// A message of the bus, by reference: what Fast DDS handles as a sample.

@@ -35,7 +35,7 @@ TEST_CASE("a payload reaches the sink as a message, memory is used again", "[int
   CHECK(places[0] == places[1]);
 }
 
-TEST_CASE("a malformed payload is dropped and counted; a sink that throws ends nothing",
+TEST_CASE("a malformed payload is dropped and counted, a sink that throws ends nothing",
           "[intake]") {
   EventLog events;
   int received = 0;

@@ -17,7 +17,7 @@ TEST_CASE("the loopback interface means unicast to this machine", "[network]") {
   CHECK(network.peers == std::vector<std::string>{"127.0.0.1"});
 }
 
-TEST_CASE("without interface and peers the vendor chooses, with multicast; peers switch it off",
+TEST_CASE("without interface and peers the vendor chooses, with multicast, peers switch it off",
           "[network]") {
   const Network open = ResolveNetwork({});
   CHECK(open.multicast);

@@ -11,7 +11,7 @@ namespace {
 
 using test::ScopedVariable;
 
-TEST_CASE("the environment fills what the options leave open; options go before it", "[options]") {
+TEST_CASE("the environment fills what the options leave open, options go before it", "[options]") {
   const ScopedVariable vendor("CONAV_DDS", "fastdds");
   const ScopedVariable domain("CONAV_DOMAIN", "42");
   const ScopedVariable interface("CONAV_INTERFACE", "lo");

@@ -14,7 +14,7 @@ TEST_CASE("a grid stores row-major", "[grid]") {
   CHECK(grid.CellAt(5) == Cell{1, 2});
 }
 
-TEST_CASE("a grid holds its cells and nothing else; its border is the outermost ring", "[grid]") {
+TEST_CASE("a grid holds its cells and nothing else, its border is the outermost ring", "[grid]") {
   const Grid<int> grid(2, 3);
   CHECK(grid.Contains({0, 0}));
   CHECK(grid.Contains({1, 2}));

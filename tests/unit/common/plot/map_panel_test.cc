@@ -41,7 +41,7 @@ TEST_CASE("an occupancy map shows walls, free and unknown cells, a belief walls 
           Catch::Contains("height=\"9.0\" class=\"f\"/>"));
 }
 
-TEST_CASE("an arrow to the north points up, by its length in cells; a path runs through middles",
+TEST_CASE("an arrow to the north points up, by its length in cells, a path runs through middles",
           "[svg]") {
   SvgCanvas canvas;
   MapPanel(canvas, {}, 10.0)

@@ -42,7 +42,7 @@ TEST_CASE("no attribute is there twice: what the style says counts", "[svg]") {
   CHECK(test::XmlError(svg) == "");
 }
 
-TEST_CASE("the pictures of the documents are well-formed; what is no XML is found", "[svg]") {
+TEST_CASE("the pictures of the documents are well-formed, what is no XML is found", "[svg]") {
   std::size_t pictures = 0;
   for (const auto& entry : std::filesystem::directory_iterator(CONAV_SOURCE_DIR "/docs")) {
     if (entry.path().extension() != ".svg") continue;

@@ -75,7 +75,7 @@ TEST_CASE("Writers of one path do not disturb each other", "[file]") {
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
 }
 
-TEST_CASE("What cannot be written is known before and after; the check leaves no trace", "[file]") {
+TEST_CASE("What cannot be written is known before and after, the check leaves no trace", "[file]") {
   const Folder folder;
   for (const std::filesystem::path& path :
        {std::filesystem::path("/nonexistent/folder/x"), folder.path()}) {

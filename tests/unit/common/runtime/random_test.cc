@@ -17,7 +17,7 @@ TEST_CASE("raw draws are those of the standard's 64-bit Mersenne Twister", "[ran
   CHECK(last == 9981545732273789042ULL);
 }
 
-TEST_CASE("bounded integers reach both ends of their range; one value and all take one draw",
+TEST_CASE("bounded integers reach both ends of their range, one value and all take one draw",
           "[random]") {
   Random random(1);
   std::set<std::int64_t> seen;

@@ -8,7 +8,7 @@
 namespace conav {
 namespace {
 
-TEST_CASE("a stop stays requested; SIGTERM requests the process's", "[runtime]") {
+TEST_CASE("a stop stays requested, SIGTERM requests the process's", "[runtime]") {
   StopToken token;
   CHECK_FALSE(token.stop_requested());
   for (int i = 0; i < 2; ++i) {

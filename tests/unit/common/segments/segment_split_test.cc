@@ -53,7 +53,7 @@ TEST_CASE("another seed splits otherwise, the same one alike", "[segments]") {
   CHECK(Seeds(SplitSegments(set, 1).test) != Seeds(SplitSegments(set, 2).test));
 }
 
-TEST_CASE("each part gets a trajectory, whatever its share; training comes first", "[segments]") {
+TEST_CASE("each part gets a trajectory, whatever its share, training comes first", "[segments]") {
   using Sizes = std::vector<std::size_t>;
   const auto sizes = [](std::size_t count, const SplitShares& shares = {}) {
     const SegmentSplit split = SplitSegments(Many(count), 3, shares);

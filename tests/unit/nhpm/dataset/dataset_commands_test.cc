@@ -28,7 +28,7 @@ class Desk : public test::ProgramRunner {
   }
 };
 
-TEST_CASE("conav-dataset describes a file in words, numbers and a picture; '-' is nothing but JSON",
+TEST_CASE("conav-dataset describes a file in words, numbers and a picture, '-' is nothing but JSON",
           "[dataset]") {
   const Desk desk;
   const Outcome outcome = desk.Run("describe data.pb.zst --json data.json --svg data.svg");
@@ -83,7 +83,7 @@ TEST_CASE("files are merged, and a trajectory that comes twice is refused", "[da
              Catch::Contains("all.pb.zst: trajectory 0 is the same as data.pb.zst: trajectory 0"));
 }
 
-TEST_CASE("a split is three files; without a seed it is that of training and evaluation",
+TEST_CASE("a split is three files, without a seed it is that of training and evaluation",
           "[dataset]") {
   const Desk desk;
   SegmentSet many;

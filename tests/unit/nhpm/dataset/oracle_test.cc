@@ -1,9 +1,8 @@
-#include "nhpm/dataset/synthesize.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "nhpm/dataset/annotators.h"
+#include "nhpm/dataset/synthesize.h"
 #include "unit/operator/support/drawn_map.h"
 
 namespace conav::nhpm {

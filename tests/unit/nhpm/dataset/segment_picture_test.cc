@@ -1,8 +1,7 @@
-#include "nhpm/dataset/set_summary.h"
-
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "nhpm/dataset/set_summary.h"
 #include "support/xml_check.h"
 #include "unit/common/segments/support/sample_segments.h"
 

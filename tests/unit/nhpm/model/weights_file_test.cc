@@ -47,7 +47,7 @@ std::string BytesOfSomeModel() {
   return ReadFile(file).value();
 }
 
-TEST_CASE("A weights file is read as it was written; equal models give equal files", "[weights]") {
+TEST_CASE("A weights file is read as it was written, equal models give equal files", "[weights]") {
   const test::TemporaryFolder folder;
   std::vector<NetworkModel> models{SomeModel()};
   for (const int width : {16, 32, 64}) {

@@ -129,7 +129,7 @@ TEST_CASE("A stronger pull stays nearer to the base", "[adapt]") {
   CHECK(distance(1.0) < 0.5 * distance(0.0));
 }
 
-TEST_CASE("Fewer than two groups with examples are refused; an adaptation can be stopped",
+TEST_CASE("Fewer than two groups with examples are refused, an adaptation can be stopped",
           "[adapt]") {
   const NetworkWeights base = InitialWeights({16}, 3);
   StopToken stop;
@@ -179,7 +179,7 @@ TEST_CASE("Trajectories are sorted by participant, and held out whole where ther
   CHECK(of_bert[1].rows == 3);
 }
 
-TEST_CASE("A participant is found by name, the only one without; the refusal names some who exist",
+TEST_CASE("A participant is found by name, the only one without, the refusal names some who exist",
           "[adapt]") {
   const auto people = PeopleOf(AnnaAndBert());
   CHECK(FindPerson(people, "bert").value().participant == "bert");

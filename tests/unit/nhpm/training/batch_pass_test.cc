@@ -255,7 +255,7 @@ TEST_CASE("Softplus agrees with the standard library's, without overflow at the 
   CHECK(std::isnan(Softplus(std::nan(""))));
 }
 
-TEST_CASE("The loss is the mean over all outputs, its gradient p - y; masked ones cost nothing",
+TEST_CASE("The loss is the mean over all outputs, its gradient p - y, masked ones cost nothing",
           "[training]") {
   std::array<float, 4> logits{0.0F, 2.0F, 7.0F, -3.0F};
   const std::array<OutputLabel, 4> labels{kKept, kEdited, kMasked, kMasked};

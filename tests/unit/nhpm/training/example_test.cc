@@ -42,7 +42,7 @@ TEST_CASE("Only outputs that can be edits are learned from", "[training]") {
   }
 }
 
-TEST_CASE("What was not edited is kept; no segments give no examples", "[training]") {
+TEST_CASE("What was not edited is kept, no segments give no examples", "[training]") {
   CHECK(ExamplesOf({}, {}).examples.empty());
   Segment segment = SmallSegment();
   segment.belief_after = segment.query.belief;
@@ -51,7 +51,7 @@ TEST_CASE("What was not edited is kept; no segments give no examples", "[trainin
   CHECK(set.examples[0].labels[13] == kKept);
 }
 
-TEST_CASE("The input is the encoded query; an input left out leaves the masks as they are",
+TEST_CASE("The input is the encoded query, an input left out leaves the masks as they are",
           "[training]") {
   const Segment segment = SmallSegment();
   const InputSelection inputs{.belief = false, .path = false, .view = true};

@@ -1,8 +1,7 @@
-#include "operator/replay/timeline.h"
-
 #include <limits>
 
 #include "common/msg/convert.h"
+#include "operator/replay/timeline.h"
 #include "support/temporary_folder.h"
 #include "unit/common/msg/samples.h"
 #include "unit/operator/replay/recorded_file.h"

@@ -1,7 +1,6 @@
-#include "operator/replay/timeline.h"
-
 #include <limits>
 
+#include "operator/replay/timeline.h"
 #include "unit/operator/replay/run_bench.h"
 
 namespace conav::operators {

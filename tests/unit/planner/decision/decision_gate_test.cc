@@ -1,6 +1,6 @@
-#include "planner/decision/robot_worker.h"
-
 #include <catch2/catch.hpp>
+
+#include "planner/decision/robot_worker.h"
 
 using namespace conav;
 using namespace conav::planner;

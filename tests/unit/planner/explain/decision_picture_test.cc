@@ -1,10 +1,9 @@
-#include "planner/explain/decision_text.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "planner/explain/decision_text.h"
 #include "support/xml_check.h"
 #include "unit/planner/explain/sample_decision.h"
 

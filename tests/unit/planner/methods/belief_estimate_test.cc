@@ -4,8 +4,8 @@
 #include "planner/methods/operator_model.h"
 
 using namespace conav;
-using conav::planner::BeliefEstimate;
 using conav::PerceptionModel;
+using conav::planner::BeliefEstimate;
 
 namespace {
 

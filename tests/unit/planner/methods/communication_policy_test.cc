@@ -1,6 +1,6 @@
-#include "planner/methods/ig_mcts_method.h"
-
 #include <catch2/catch.hpp>
+
+#include "planner/methods/ig_mcts_method.h"
 
 using namespace conav;
 using namespace conav::planner;

@@ -3,8 +3,8 @@
 #include <catch2/catch.hpp>
 #include <numbers>
 
-#include "planner/decision/traffic.h"
 #include "common/msg/perception_model.h"
+#include "planner/decision/traffic.h"
 
 using namespace conav;
 using namespace conav::planner;

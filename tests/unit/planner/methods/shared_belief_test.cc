@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
-#include "planner/methods/ig_mcts_method.h"
 #include "common/msg/perception_model.h"
+#include "planner/methods/ig_mcts_method.h"
 
 using namespace conav;
 using namespace conav::planner;

@@ -1,8 +1,7 @@
-#include "planner/search/search_problem.h"
-
 #include <catch2/catch.hpp>
 #include <numbers>
 
+#include "planner/search/search_problem.h"
 #include "unit/planner/search/text_map.h"
 
 namespace conav::planner {

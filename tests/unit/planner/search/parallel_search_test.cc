@@ -1,3 +1,5 @@
+#include "planner/search/parallel_search.h"
+
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -5,7 +7,6 @@
 
 #include "common/msg/perception_model.h"
 #include "planner/perception/cached_model.h"
-#include "planner/search/parallel_search.h"
 #include "unit/planner/search/text_map.h"
 
 namespace conav::planner {

@@ -1,8 +1,9 @@
+#include "planner/search/tree_reuse.h"
+
 #include <catch2/catch.hpp>
 
 #include "common/msg/perception_model.h"
 #include "planner/search/parallel_search.h"
-#include "planner/search/tree_reuse.h"
 #include "unit/planner/search/text_map.h"
 
 namespace conav::planner {

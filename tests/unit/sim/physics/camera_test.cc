@@ -140,7 +140,7 @@ TEST_CASE("the picture from above shows the whole map, north up", "[camera]") {
   CHECK(ColorCount(image) > 50);
 }
 
-TEST_CASE("impossible sizes are refused by name; the field of view follows the picture's shape",
+TEST_CASE("impossible sizes are refused by name, the field of view follows the picture's shape",
           "[camera]") {
   const auto world = OpenWorld(MakeWorld(test::kMaze));
   const auto camera_result = Camera::Open(*world, {0, 192});

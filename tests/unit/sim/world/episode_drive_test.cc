@@ -260,7 +260,7 @@ TEST_CASE("the axis enters cells one after the other, also diagonally", "[episod
   CHECK(CellsEntered(geometry, {-0.9, -0.9}, {-1.2, -1.2}) == std::vector<Cell>{{2, 1}, {3, 1}});
 }
 
-TEST_CASE("the distance to a cell is that to its nearest point; ahead is along the heading",
+TEST_CASE("the distance to a cell is that to its nearest point, ahead is along the heading",
           "[episode]") {
   CHECK(DistanceToCell(geometry, {0.3, 0.2}, {2, 2}) == 0.0);
   CHECK(DistanceToCell(geometry, {0.0, 0.0}, {2, 3}) == Approx(1.0));

@@ -1,9 +1,8 @@
-#include "study/experiment/search_experiment.h"
-
 #include <catch2/catch.hpp>
 
 #include "common/msg/perception_model.h"
 #include "planner/methods/make_method.h"
+#include "study/experiment/search_experiment.h"
 
 namespace conav::planner {
 namespace {

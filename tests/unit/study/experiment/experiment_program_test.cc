@@ -52,8 +52,7 @@ TEST_CASE("conav-experiment refuses wrong use with 2 and says what is wrong",
   for (const std::string experiment : {"search ", "tradeoff "}) {
     refuses(experiment + "--preset round", "maze preset \"round\" is unknown");
     refuses(experiment + "--weights none.nhpm", "--weights none.nhpm: no such file");
-    refuses(experiment + "--model glpf --weights none.nhpm",
-            "--weights: --model glpf");
+    refuses(experiment + "--model glpf --weights none.nhpm", "--weights: --model glpf");
     refuses(experiment + "--variants-file none.yaml", "experiment: none.yaml: no such file");
   }
   for (const std::string option : {"search --variants best", "tradeoff --variant best"}) {

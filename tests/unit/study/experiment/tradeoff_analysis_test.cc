@@ -2,8 +2,8 @@
 #include <nlohmann/json.hpp>
 
 #include "nhpm/model/glpf.h"
-#include "study/experiment/tradeoff.h"
 #include "study/experiment/experiment_report.h"
+#include "study/experiment/tradeoff.h"
 #include "support/xml_check.h"
 
 namespace conav::planner {

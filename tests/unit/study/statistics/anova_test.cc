@@ -1,8 +1,7 @@
-#include "study/statistics/analysis.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "study/statistics/analysis.h"
 #include "study/statistics/pairs.h"
 #include "unit/study/statistics/reference_tables.h"
 
