@@ -66,7 +66,7 @@ mapfile -t verbs < <("$tree/conav" --help | sed -n 's/^  \([a-z][a-z-]*\)  .*/\1
 ((${#commands[@]} > 30 && ${#verbs[@]} > 10)) || fail "only ${#commands[@]} commands and ${#verbs[@]} verbs"
 for command in "${commands[@]:1}" "${verbs[@]}"; do
   read -ra words <<<"$command"
-  expect 0 "^Usage: .*conav $command" "${words[@]}" --help
+  expect 0 "^Usage: .*conav[ -]${command// /[ -]}" "${words[@]}" --help
   expect_no_calls "$command" --help
 done
 expect 0 'conav train' train -h

@@ -177,7 +177,7 @@ TEST_CASE("Weights that saw the test part are refused", "[evaluate]") {
   CHECK(folder.Run("--oracle-draws 0").exit_code == 0);
   const Ended refused = folder.Run("--oracle-draws 0 --all-test");
   CHECK(refused.exit_code == 1);
-  CHECK_THAT(refused.text(), Catch::Contains("w.nhpm: learned from 8 of the 9 trajectories"));
+  CHECK_THAT(refused.text(), Catch::Contains("w.nhpm: learned from 8 of the 9 test"));
   CHECK_THAT(refused.text(), Catch::Contains("--split-seed 1, or --allow-seen"));
   const Ended allowed = folder.Run("--oracle-draws 0 --all-test --allow-seen");
   CHECK(allowed.exit_code == 0);
