@@ -10,7 +10,9 @@
 
 #include "common/bus/intake.h"
 #include "common/bus/subscriber.h"
+#include "support/test_domain.h"
 #include "system/bus/peer_process.h"
+#include "system/bus/peer_topics.h"
 
 namespace conav::test {
 namespace {
@@ -18,7 +20,10 @@ namespace {
 using bus::Guid;
 
 bus::ParticipantOptions Options(const std::string& vendor, const std::string& distribution) {
-  bus::ParticipantOptions options = OnLoopback(vendor);
+  bus::ParticipantOptions options;
+  options.vendor = vendor;
+  options.domain_id = TestDomain();
+  options.interface = "lo";
   options.ros_distribution = distribution;
   return options;
 }
@@ -111,7 +116,7 @@ void CheckGraph(const std::string& distribution) {
   const std::string here = GENERATE("cyclonedds", "fastdds");
   const std::string there = GENERATE("cyclonedds", "fastdds");
   CAPTURE(distribution, here, there);
-  const PeerProcess peer(there, distribution);
+  const PeerProcess peer({there, std::to_string(TestDomain()), distribution});
   const Discovery discovery(distribution);
   bus::Participant participant("bus_test", Options(here, distribution));
   bus::Subscriber<Info> graph(participant, kRosGraph<Info>);
@@ -138,11 +143,11 @@ void CheckGraph(const std::string& distribution) {
   CHECK(discovery.UserDataOf(ToGuid(info.gid())) == "enclave=/;");
 }
 
-TEST_CASE("ROS 2 tools of jazzy learn the peer's node and its endpoints", "[bus]") {
+TEST_CASE("ROS 2 tools of jazzy learn the peer's node and its endpoints", "[system][bus]") {
   CheckGraph<ros_graph_jazzy::msg::ParticipantEntitiesInfo>("jazzy");
 }
 
-TEST_CASE("ROS 2 tools of humble learn the peer's node and its endpoints", "[bus]") {
+TEST_CASE("ROS 2 tools of humble learn the peer's node and its endpoints", "[system][bus]") {
   CheckGraph<ros_graph_humble::msg::ParticipantEntitiesInfo>("humble");
 }
 

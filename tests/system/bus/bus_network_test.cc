@@ -7,32 +7,40 @@
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
 #include "common/runtime/result.h"
+#include "support/test_domain.h"
 #include "system/bus/peer_process.h"
+#include "system/bus/peer_topics.h"
 
 namespace conav::test {
 namespace {
 
-bus::ParticipantOptions Options() { return OnLoopback(GENERATE("cyclonedds", "fastdds")); }
+bus::ParticipantOptions Options() {
+  bus::ParticipantOptions options;
+  options.vendor = GENERATE("cyclonedds", "fastdds");
+  options.domain_id = TestDomain();
+  options.interface = "lo";
+  return options;
+}
 
-TEST_CASE("participants find each other through a peer address alone", "[bus]") {
+TEST_CASE("participants find each other through a peer address alone", "[system][bus]") {
   bus::ParticipantOptions options = Options();
   options.interface.clear();
   options.peers = {"127.0.0.1"};
   const std::string other = GENERATE("cyclonedds", "fastdds");
   CAPTURE(options.vendor, other);
-  const PeerProcess peer(other, "127.0.0.1");
+  const PeerProcess peer({other, std::to_string(options.domain_id), "127.0.0.1"});
   bus::Participant participant("bus_test", options);
   bus::Subscriber<Blob> history(participant, kHistory);
   CHECK(WaitUntil(participant, [&] { return !history.Take().empty(); }));
 }
 
-TEST_CASE("an interface that does not exist stops the start", "[bus]") {
+TEST_CASE("an interface that does not exist stops the start", "[system][bus]") {
   bus::ParticipantOptions options = Options();
   options.interface = "none0";
   CHECK_THROWS_WITH(bus::Participant("bus_test", options), Catch::Contains("none0"));
 }
 
-TEST_CASE("several participants of one process share a domain", "[bus]") {
+TEST_CASE("several participants of one process share a domain", "[system][bus]") {
   const bus::ParticipantOptions options = Options();
   CAPTURE(options.vendor);
   bus::Participant first("first", options);
@@ -48,9 +56,13 @@ TEST_CASE("several participants of one process share a domain", "[bus]") {
 
 /// Handing over within the publishing call would crash now and then: it also reaches participants
 /// that are being destroyed.
-TEST_CASE("Fast DDS gives a message to the same process to its receive thread", "[bus]") {
-  bus::Participant sender("sender", OnLoopback("fastdds"));
-  bus::Participant receiver("receiver", OnLoopback("fastdds"));
+TEST_CASE("Fast DDS gives a message to the same process to its receive thread", "[system][bus]") {
+  bus::ParticipantOptions options;
+  options.vendor = "fastdds";
+  options.domain_id = TestDomain();
+  options.interface = "lo";
+  bus::Participant sender("sender", options);
+  bus::Participant receiver("receiver", options);
   std::atomic<bool> received = false;
   std::atomic<bool> on_this_thread = false;
   const auto here = std::this_thread::get_id();
@@ -63,7 +75,7 @@ TEST_CASE("Fast DDS gives a message to the same process to its receive thread", 
   CHECK_FALSE(on_this_thread);
 }
 
-TEST_CASE("two writers and two readers of one topic live in one participant", "[bus]") {
+TEST_CASE("two writers and two readers of one topic live in one participant", "[system][bus]") {
   const bus::ParticipantOptions options = Options();
   CAPTURE(options.vendor);
   bus::Participant participant("bus_test", options);

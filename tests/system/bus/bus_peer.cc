@@ -1,13 +1,13 @@
 // The other process of the bus tests: bus_peer <vendor> <domain> [jazzy|humble|<peer address>]
-// Echoes what arrives, offers histories and payloads that are no messages, until SIGTERM.
-#include <pthread.h>
+// Echoes what arrives, offers histories and payloads that are no messages, and stays until killed
+// or until its standard input ends.
+#include <unistd.h>
 
-#include <csignal>
 #include <cstdlib>
 #include <iostream>
 #include <optional>
 
-#include "common/bus/cyclone/backend.h"
+#include "common/bus/cyclone/entities.h"
 #include "common/bus/events.h"
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
@@ -96,10 +96,6 @@ void PublishGarbage(bus::Publisher<RawBlob>& garbage, bus::Publisher<Blob>& good
 }
 
 void Run(const bus::ParticipantOptions& options) {
-  sigset_t end_signals;
-  sigemptyset(&end_signals);
-  sigaddset(&end_signals, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &end_signals, nullptr);  // threads that begin later inherit it
   bus::Participant participant("bus_peer", options);
   bus::Participant raw_participant("bus_peer_raw", options);
   Echo<Blob> echo(participant, kPing, kPong);
@@ -115,8 +111,9 @@ void Run(const bus::ParticipantOptions& options) {
   std::optional<ShortLeaseWriter> short_lease;
   if (options.vendor == "cyclonedds") short_lease.emplace(options.domain_id);
   std::cout << "ready" << std::endl;
-  int signal = 0;
-  sigwait(&end_signals, &signal);
+  char byte = 0;
+  while (read(STDIN_FILENO, &byte, 1) > 0) {
+  }
 }
 
 }  // namespace

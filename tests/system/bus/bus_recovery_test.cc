@@ -7,16 +7,31 @@
 
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
+#include "support/test_domain.h"
 #include "system/bus/peer_process.h"
+#include "system/bus/peer_topics.h"
 
 namespace conav::test {
 namespace {
 
-TEST_CASE("a flood of requests loses nothing and keeps its order", "[bus]") {
+using bus::Event;
+
+bus::ParticipantOptions Options(const std::string& vendor) {
+  bus::ParticipantOptions options;
+  options.vendor = vendor;
+  options.domain_id = TestDomain();
+  options.interface = "lo";
+  options.lease_s = 2.0;
+  return options;
+}
+
+TEST_CASE("a flood of requests loses nothing and keeps its order", "[system][bus]") {
   constexpr std::uint64_t kCount = 5000;
-  VendorPair pair;
-  bus::Participant& participant = pair.participant;
-  CAPTURE(pair.here, pair.there);
+  const std::string here = GENERATE("cyclonedds", "fastdds");
+  const std::string there = GENERATE("cyclonedds", "fastdds");
+  CAPTURE(here, there);
+  const PeerProcess peer({there, std::to_string(TestDomain())});
+  bus::Participant participant("bus_test", Options(here));
   bus::Publisher<Blob> flood(participant, kFlood);
   bus::Subscriber<Blob> report(participant, kFloodReport);
   // Cyclone takes what it missed of a volatile writer for history until the first heartbeat.
@@ -42,11 +57,11 @@ void SetDeafAndMute(int domain, bool value) {
   REQUIRE(dds_domain_set_deafmute(participant, value, value, DDS_INFINITY) == DDS_RETCODE_OK);
 }
 
-TEST_CASE("history that is repeated after a cut link arrives once", "[bus]") {
+TEST_CASE("history that is repeated after a cut link arrives once", "[system][bus]") {
   const std::string there = GENERATE("cyclonedds", "fastdds");
   CAPTURE(there);
-  const PeerProcess peer(there);
-  bus::Participant participant("bus_test", OnLoopback("cyclonedds"));
+  const PeerProcess peer({there, std::to_string(TestDomain())});
+  bus::Participant participant("bus_test", Options("cyclonedds"));
   std::atomic<int> received = 0;
   bus::Subscriber<Blob> subscriber(participant, kHistory, {}, [&](Blob&&) { ++received; });
   REQUIRE(WaitUntil(participant, [&] { return received == kHistoryDepth; }));
@@ -72,9 +87,10 @@ bool IsAnswered(bus::Participant& participant, bus::Publisher<Blob>& ping,
 }
 
 // Where one side is Fast DDS this does not always hold; see ParticipantOptions::lease_s.
-TEST_CASE("a peer that hung for longer than its lease is heard again on Cyclone DDS", "[bus]") {
-  PeerProcess peer("cyclonedds");
-  bus::Participant participant("bus_test", OnLoopback("cyclonedds"));
+TEST_CASE("a peer that hung for longer than its lease is heard again on Cyclone DDS",
+          "[system][bus]") {
+  const PeerProcess peer({"cyclonedds", std::to_string(TestDomain())});
+  bus::Participant participant("bus_test", Options("cyclonedds"));
   bus::Publisher<Blob> ping(participant, kPing);
   bus::Subscriber<Blob> pong(participant, kPong);
   REQUIRE(IsAnswered(participant, ping, pong));

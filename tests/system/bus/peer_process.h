@@ -1,50 +1,32 @@
 #pragma once
 
-#include <catch2/catch.hpp>
-#include <csignal>
+#include <sys/types.h>
+
 #include <string>
 #include <vector>
-
-#include "common/runtime/file.h"
-#include "launcher/process.h"
-#include "support/loopback.h"
-#include "support/temporary_folder.h"
-#include "support/wait.h"
-#include "system/bus/peer_topics.h"
 
 namespace conav::test {
 
 /// A bus_peer process; ready when the constructor returns, gone when the destructor does.
 class PeerProcess {
  public:
-  /// `extra`: see bus_peer.cc.
-  explicit PeerProcess(const std::string& vendor, const std::string& extra = "jazzy")
-      : process_("bus_peer",
-                 {CONAV_BIN_DIR "/bus_peer", vendor, std::to_string(TestDomain()), extra},
-                 folder_ / "log") {
-    const auto ready = [this] { return ReadFile(folder_ / "log").value_or("") == "ready\n"; };
-    REQUIRE(test::WaitUntil(ready));
-  }
+  /// Throws std::runtime_error when it does not get ready.
+  explicit PeerProcess(const std::vector<std::string>& arguments);
+  ~PeerProcess();
+  PeerProcess(const PeerProcess&) = delete;
+  PeerProcess& operator=(const PeerProcess&) = delete;
 
-  void Signal(int signal) { process_.Signal(signal); }
-  /// SIGTERM asks it to end, SIGKILL is a crash: no goodbye on the bus. Returns how it ended.
-  launcher::ProcessEnd End(int signal) {
-    process_.Signal(signal);
-    REQUIRE(test::WaitUntil([this] { return process_.Poll(); }));
-    return *process_.end();
-  }
+  void Signal(int signal) const;
+  /// As a crash: no goodbye on the bus.
+  void Kill();
+  /// Asks it to end; returns its exit status.
+  int Stop();
 
  private:
-  TemporaryFolder folder_;
-  launcher::Process process_;
-};
+  int Reap();
 
-/// A participant here and a peer process there, for each pair of vendors.
-struct VendorPair {
-  std::string here = GENERATE("cyclonedds", "fastdds");
-  std::string there = GENERATE("cyclonedds", "fastdds");
-  PeerProcess peer{there};
-  bus::Participant participant{"bus_test", OnLoopback(here)};
+  pid_t pid_ = -1;
+  int input_ = -1;
 };
 
 }  // namespace conav::test
