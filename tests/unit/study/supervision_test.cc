@@ -245,7 +245,8 @@ TEST_CASE("A trial in which the machine fell behind is named and stays in the ta
 
 TEST_CASE("Text, JSON, page and plot say that the operator was simulated", "[study]") {
   const SupervisionOptions options = Small();
-  const SupervisionSummary summary = Summarise(options, AllRecords(options));
+  const auto records = AllRecords(options);  // the summary points into them
+  const SupervisionSummary summary = Summarise(options, records);
   CHECK_THAT(SupervisionText(options, summary), Catch::Contains("SIMULATED"));
   const statistics::ReportSection made = ProvenanceSection(
       {"conav study --supervision", "0123abc", "today", "a & b"}, {{"goals", 30}});
