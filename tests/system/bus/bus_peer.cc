@@ -7,7 +7,7 @@
 #include <iostream>
 #include <optional>
 
-#include "common/bus/cyclone/entities.h"
+#include "common/bus/cyclone/backend.h"
 #include "common/bus/events.h"
 #include "common/bus/publisher.h"
 #include "common/bus/subscriber.h"
