@@ -132,7 +132,7 @@ std::string RunObserver::published_robot() const {
 }
 
 bus::ParticipantOptions BusOptions(const DemoOptions& options, int domain,
-                                   const std::string& vendor) {
+                                   std::optional<bus::Vendor> vendor) {
   bus::ParticipantOptions bus;
   bus.vendor = vendor;
   bus.domain_id = domain;
@@ -142,7 +142,7 @@ bus::ParticipantOptions BusOptions(const DemoOptions& options, int domain,
 }
 
 BusPlace JoinKeptDomain(const DemoOptions& options, DomainLease lease, Episode& episode) {
-  const std::string vendor = VendorOfService(options.dds)->at("launcher");
+  const auto vendor = VendorOfService(options.dds)->at("launcher");
   auto participant = std::make_unique<bus::Participant>(
       "conav_launcher", BusOptions(options, lease.domain(), vendor));
   auto observer = std::make_unique<RunObserver>(*participant, episode);

@@ -74,7 +74,7 @@ class UsageError : public StartupError {
 /// environment, so that a written configuration means the same everywhere. Throws StartupError when
 /// the environment names an unknown DDS vendor.
 bus::ParticipantOptions BusOptions(const DemoOptions& options, int domain,
-                                   const std::string& vendor);
+                                   std::optional<bus::Vendor> vendor);
 
 /// Takes the domain of the options or of the environment (CONAV_DOMAIN), else the first free one.
 /// Before it accepts a domain, it listens briefly for robots of the same name. Throws UsageError

@@ -51,7 +51,7 @@ const char* Name(EndReason reason) {
 }
 
 std::string WeightsText(const DemoOptions& options) {
-  if (options.model != kNhpmModel) return "";
+  if (options.model != PerceptionModelKind::kNhpm) return "";
   return options.weights.empty() ? "shipped" : options.weights.string();
 }
 
@@ -93,9 +93,9 @@ nlohmann::ordered_json OutcomeJson(const DemoOptions& options, const Outcome& ou
   nlohmann::ordered_json json{{"seed", options.seed},
                               {"maze_seed", options.world_seed()},
                               {"rotation_deg", options.rotation_deg},
-                              {"method", options.method},
+                              {"method", Name(options.method)},
                               {"communication", options.communication},
-                              {"model", options.model},
+                              {"model", Name(options.model)},
                               {"weights", WeightsText(options)},
                               {"weights_checksum", outcome.weights_checksum},
                               {"person", options.person},
@@ -150,7 +150,8 @@ Demo::Demo(const DemoOptions& options, std::filesystem::path program_folder, con
 
 DemoResult Demo::Run(const StopToken& stop) {
   progress_.Say(fmt::format("seed {}  method {}  dds {}  domain {}  run {}", options_.seed,
-                            options_.method, outcome_.dds, outcome_.domain, outcome_.run_folder));
+                            Name(options_.method), outcome_.dds, outcome_.domain,
+                            outcome_.run_folder));
   StartProcesses();
   start_ = clock_.Now();
   Follow(stop);
@@ -317,7 +318,7 @@ void Demo::TakeLastNews() {
 DemoResult Demo::Finish() {
   DemoResult result{outcome_, Measure(episode_)};
   const std::string title =
-      fmt::format("seed {}, {}, {}", options_.seed, options_.method, OutcomeLine(outcome_));
+      fmt::format("seed {}, {}, {}", options_.seed, Name(options_.method), OutcomeLine(outcome_));
   run_.Write(run_.path() / "episode.svg", EpisodeSvg(episode_, title));
   const auto json = OutcomeJson(options_, outcome_, result.metrics);
   if (const auto written = WriteJsonFile(run_.path() / "metrics.json", json); !written) {

@@ -21,7 +21,6 @@ constexpr std::array kCommunications{"search", "never",        "random",
 constexpr std::array kCameras{"egl", "none"};
 constexpr std::array kPerceptions{"remote", "embedded"};
 constexpr std::array kXSources{"observed", "estimated"};
-constexpr std::array kVendors{"cyclonedds", "fastdds"};
 constexpr std::array kVendorChoices{"cyclonedds", "fastdds", "mixed", "SERVICE=VENDOR,..."};
 
 bool IsService(const std::string& name) {
@@ -109,7 +108,7 @@ Result<void> ValidatePerson(const DemoOptions& options) {
         ErrorCode::kInvalidArgument,
         fmt::format("--person {}: is not 1 to {} of A-Z a-z 0-9 _", options.person, kMaxName));
   }
-  if (options.model == kGlpfModel) {
+  if (options.model == PerceptionModelKind::kGlpf) {
     return Fail(ErrorCode::kInvalidArgument, "--person: --model glpf has no models of persons");
   }
   if (options.perception == "embedded") {
@@ -121,7 +120,7 @@ Result<void> ValidatePerson(const DemoOptions& options) {
 
 /// Rejects options that another option makes meaningless.
 Result<void> ValidateUses(const DemoOptions& options) {
-  if (options.model == kGlpfModel && !options.weights.empty()) {
+  if (options.model == PerceptionModelKind::kGlpf && !options.weights.empty()) {
     return Fail(ErrorCode::kInvalidArgument, "--weights: --model glpf has no weights");
   }
   if (options.perception == "embedded" && options.nhpm_replicas > 1) {
@@ -138,10 +137,10 @@ Result<void> ValidateUses(const DemoOptions& options) {
   if (options.streams && !options.recording) {
     return Fail(ErrorCode::kInvalidArgument, "--streams: not with --no-recording");
   }
-  if (options.method != "ig-mcts" && options.communication != "search") {
+  if (options.method != MethodKind::kIgMcts && options.communication != "search") {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("--communication {}: --method {} does not ask for answers to pictures",
-                            options.communication, options.method));
+                            options.communication, Name(options.method)));
   }
   return ValidatePerson(options);
 }
@@ -170,13 +169,11 @@ Result<void> Validate(const DemoOptions& options) {
     return Fail(ErrorCode::kInvalidArgument,
                 fmt::format("--rotation {}: not one of 0, 90, 180, 270", options.rotation_deg));
   }
-  if (auto ok = RequireOneOf("--method", options.method, kMethods); !ok) return ok;
   if (auto ok = RequireOneOf("--communication", options.communication, kCommunications); !ok) {
     return ok;
   }
   if (auto ok = RequireOneOf("--camera", options.camera, kCameras); !ok) return ok;
   if (auto ok = RequireOneOf("--perception", options.perception, kPerceptions); !ok) return ok;
-  if (auto ok = RequireOneOf("--model", options.model, kPerceptionModels); !ok) return ok;
   if (auto ok = RequireOneOf("--x-source", options.x_source, kXSources); !ok) return ok;
   if (auto ok = ValidateUses(options); !ok) return ok;
   if (auto vendors = VendorOfService(options.dds); !vendors) {
@@ -200,14 +197,14 @@ Result<std::pair<std::string, std::string>> ParseRunWith(const std::string& text
   return std::pair(service, text.substr(equals + 1));
 }
 
-Result<std::map<std::string, std::string>> VendorOfService(const std::string& dds) {
-  std::map<std::string, std::string> vendors{{"launcher", ""}};
-  for (const char* service : kServices) vendors[service] = "";
+Result<std::map<std::string, std::optional<bus::Vendor>>> VendorOfService(const std::string& dds) {
+  std::map<std::string, std::optional<bus::Vendor>> vendors{{"launcher", std::nullopt}};
+  for (const char* service : kServices) vendors[service] = std::nullopt;
   if (dds.empty()) return vendors;
   if (dds == "mixed") {
     std::size_t turn = 0;
     for (auto& [service, vendor] : vendors) {
-      vendor = service == "recorder" ? kVendors[0] : kVendors[turn++ % kVendors.size()];
+      vendor = bus::kVendors[service == "recorder" ? 0 : turn++ % bus::kVendors.size()];
     }
     return vendors;
   }
@@ -215,7 +212,7 @@ Result<std::map<std::string, std::string>> VendorOfService(const std::string& dd
     if (auto ok = RequireOneOf("--dds", dds, kVendorChoices); !ok) {
       return tl::unexpected<Error>(ok.error());
     }
-    for (auto& [service, vendor] : vendors) vendor = dds;
+    for (auto& [service, vendor] : vendors) vendor = bus::ParseVendor(dds);
     return vendors;
   }
   std::istringstream list(dds);
@@ -228,10 +225,11 @@ Result<std::map<std::string, std::string>> VendorOfService(const std::string& dd
                               entry, fmt::join(kServices, ", ")));
     }
     const std::string vendor = entry.substr(equals + 1);
-    if (auto ok = RequireOneOf("--dds", vendor, kVendors); !ok) {
-      return tl::unexpected<Error>(ok.error());
+    vendors[service] = bus::ParseVendor(vendor);
+    if (!vendors[service]) {
+      return Fail(ErrorCode::kInvalidArgument, fmt::format("--dds {}: not one of {}", vendor,
+                                                           fmt::join(Names(bus::kVendors), ", ")));
     }
-    vendors[service] = vendor;
   }
   return vendors;
 }

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "common/bus/participant.h"
+#include "common/msg/method.h"
 #include "common/msg/planning.h"
 #include "common/runtime/result.h"
 
@@ -17,7 +19,6 @@ namespace conav::launcher {
 /// The services that a demo runs, in the order in which they start.
 inline constexpr const char* kServices[] = {"recorder", "sim",     "nhpm",
                                             "operator", "planner", "simulated-operator"};
-inline constexpr std::array kMethods{"ig-mcts", "instruction", "teleop", "greedy"};
 inline constexpr int kMaxRobots = 64;
 inline constexpr int kMaxWorlds = 16;
 inline constexpr int kMaxReplicas = 8;
@@ -34,7 +35,7 @@ struct DemoOptions {
   /// The simulated operator: one of operators::OperatorKinds(), or a file whose section
   /// `simulated_operator:` has a `person`.
   std::string simulated_operator = "careful";
-  std::string method = "ig-mcts";
+  MethodKind method = MethodKind::kIgMcts;
   std::string communication = "search";  // policy that decides when ig-mcts sends a picture
   /// "cyclonedds", "fastdds", "mixed" or "service=vendor,..."; empty = the bus's default.
   std::string dds;
@@ -56,7 +57,7 @@ struct DemoOptions {
   /// Wall time; default 1800, with people at the console none.
   std::optional<double> time_limit_s;
   std::string perception = "remote";
-  std::string model = kDefaultPerceptionModel;  // one of kPerceptionModels
+  PerceptionModelKind model = PerceptionModelKind::kNhpm;
   std::filesystem::path weights;         // of the network; empty = the one that comes with conav
   std::string person;                    // whose edits are predicted; empty = everybody's
   std::filesystem::path person_weights;  // folder with <person>.nhpm
@@ -96,6 +97,7 @@ struct DemoOptions {
 
 /// The vendor of each process, including "launcher"; an empty text is the bus's default. "mixed"
 /// alternates between the services; the recorder gets the first vendor and does not count.
-[[nodiscard]] Result<std::map<std::string, std::string>> VendorOfService(const std::string& dds);
+[[nodiscard]] Result<std::map<std::string, std::optional<bus::Vendor>>> VendorOfService(
+    const std::string& dds);
 
 }  // namespace conav::launcher

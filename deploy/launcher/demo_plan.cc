@@ -67,8 +67,9 @@ std::string AbsoluteText(const std::filesystem::path& file) {
   return file.empty() ? "" : std::filesystem::absolute(file).string();
 }
 
-std::string OtherVendor(const std::string& vendor) {
-  return vendor == "fastdds" ? "cyclonedds" : "fastdds";
+std::optional<bus::Vendor> OtherVendor(std::optional<bus::Vendor> vendor) {
+  using enum bus::Vendor;
+  return vendor == kFastDds ? kCycloneDds : kFastDds;
 }
 
 /// The inputs for planning each process.
@@ -77,17 +78,19 @@ struct Setting {
   int domain;
   const Episode& episode;
   const RunFolder& run;
-  std::map<std::string, std::string> vendors;
+  std::map<std::string, std::optional<bus::Vendor>> vendors;
 
   /// With --dds mixed every second process of a service gets the other vendor.
   bus::ParticipantOptions Bus(const std::string& service, int number = 1) const {
-    const std::string& vendor = vendors.at(service);
+    const auto vendor = vendors.at(service);
     const bool other = options.dds == "mixed" && number % 2 == 0;
     return BusOptions(options, domain, other ? OtherVendor(vendor) : vendor);
   }
   /// Resolved, so that the configuration means the same wherever it is used again.
   std::string Weights() const {
-    return options.model == kNhpmModel ? AbsoluteText(nhpm::WeightsOrShipped(options.weights)) : "";
+    return options.model == PerceptionModelKind::kNhpm
+               ? AbsoluteText(nhpm::WeightsOrShipped(options.weights))
+               : "";
   }
   std::vector<std::string> WorldsAndRobots() const {
     std::vector<std::string> entries;
@@ -106,9 +109,9 @@ std::map<std::string, std::string> Facts(const Setting& setting) {
           {"world_seed", std::to_string(options.world_seed())},
           {"world", options.map.empty() ? options.preset : AbsoluteText(options.map)},
           {"rotation_deg", std::to_string(options.rotation_deg)},
-          {"method", options.method},
+          {"method", std::string(Name(options.method))},
           {"communication", options.communication},
-          {"model", options.model},
+          {"model", std::string(Name(options.model))},
           {"x_source", options.x_source},
           {"operator", options.simulated_operator},
           {"speed", fmt::format("{}", options.effective_speed())}};
@@ -141,7 +144,7 @@ std::string SimYaml(const Setting& setting, std::size_t world_index) {
   if (options.cell_size_m) config.map.cell_size_m = *options.cell_size_m;
   config.shared_goals = options.shared_goals;
   config.camera.mode = options.camera;
-  config.camera.stream = options.method == "instruction" || options.method == "teleop";
+  config.camera.stream = NeedsLiveView(options.method);
   config.speed = options.effective_speed();
   config.publish_clock = world_index == 0;
   return DumpConfig("sim", config);
@@ -191,7 +194,7 @@ std::string SimulatedOperatorYaml(const Setting& setting) {
   operators::SimulatedOperatorConfig config;
   config.bus = setting.Bus("simulated-operator");
   config.robots = setting.WorldsAndRobots();
-  if (setting.options.method == "teleop") config.interaction = "teleoperation";
+  if (setting.options.method == MethodKind::kTeleop) config.interaction = "teleoperation";
   config.seed = setting.options.seed;
   config.person = OperatorPerson(setting.options.simulated_operator);
   return DumpConfig("simulated_operator", config);
@@ -276,7 +279,7 @@ Result<void> CheckWeights(const DemoOptions& options) {
 }
 
 std::string WeightsChecksum(const DemoOptions& options) {
-  if (options.model != kNhpmModel) return "";
+  if (options.model != PerceptionModelKind::kNhpm) return "";
   const std::filesystem::path file = PersonFile(options);
   const auto model =
       nhpm::ReadWeightsFile(file.empty() ? nhpm::WeightsOrShipped(options.weights) : file);

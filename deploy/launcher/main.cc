@@ -70,8 +70,7 @@ void AddRunOptions(CLI::App& app, DemoOptions& options) {
 }
 
 void AddMethodOptions(CLI::App& app, DemoOptions& options) {
-  app.add_option("--method", options.method, "ig-mcts, instruction, teleop or greedy")
-      ->capture_default_str();
+  AddChoice(app, "--method", options.method, kDemoMethods, "Method that drives the robots");
   app.add_option("--communication", options.communication,
                  "Policy that decides when ig-mcts sends a picture: search (the search itself), "
                  "never, random, every, when_blocked, threshold")
@@ -86,9 +85,8 @@ void AddModelOptions(CLI::App& app, DemoOptions& options) {
   app.add_option("--perception", options.perception,
                  "remote: the planner asks nhpm; embedded: it asks its own model")
       ->capture_default_str();
-  app.add_option("--model", options.model,
-                 "Model that predicts the operator's edits: nhpm (the network) or glpf")
-      ->capture_default_str();
+  AddChoice(app, "--model", options.model, kPerceptionModels,
+            "Model that predicts the operator's edits");
   app.add_option("--weights", options.weights,
                  "Weights file of the network [the one that comes with conav]");
   app.add_option("--person", options.person,

@@ -15,8 +15,8 @@ struct NhpmConfig {
   bus::ParticipantOptions bus;
   /// Node name; give each replica its own.
   std::string name = "nhpm";
-  /// The served model, one of kPerceptionModels.
-  std::string model = kDefaultPerceptionModel;
+  /// The served model.
+  PerceptionModelKind model = PerceptionModelKind::kNhpm;
   /// Weights file of the network; empty = the one that comes with conav. Checked once a second: the
   /// service switches to a new file without dropping a request; it logs a bad file and keeps the
   /// old model.
@@ -35,7 +35,7 @@ struct NhpmConfig {
   void Visit(ConfigReader& reader) {
     reader.Section("bus", bus);
     reader.Field("name", name);
-    reader.Choice("model", model, {kPerceptionModels.begin(), kPerceptionModels.end()});
+    reader.Choice("model", model, kPerceptionModels);
     reader.Field("weights", weights);
     reader.Field("person_weights", person_weights);
     reader.Section("glpf", glpf);

@@ -56,7 +56,7 @@ class ServedModels {
     bool operator==(const Stamp&) const = default;
   };
   struct Source {
-    std::string model;  // one of kPerceptionModels
+    PerceptionModelKind model;
     std::filesystem::path file;
     bool tried = false;
     std::optional<Stamp> seen;  // of the last attempt

@@ -21,7 +21,7 @@ void ReportServing(const std::string& person, const ModelIdentity& identity, con
 ServedModels::ServedModels(const NhpmConfig& config)
     : glpf_(config.glpf), person_folder_(config.person_weights) {
   everybody_.model = config.model;
-  if (config.model == kNhpmModel) everybody_.file = config.WeightsFile();
+  if (config.model == PerceptionModelKind::kNhpm) everybody_.file = config.WeightsFile();
   if (const auto loaded = Load(everybody_); !loaded) throw StartupError(loaded.error().text);
   ReportServing("", everybody_.loaded->identity(), everybody_.file);
   std::error_code ignored;
@@ -79,8 +79,8 @@ void ServedModels::RefreshPersons() {
     const std::string person = file.stem().string();
     if (file.extension() != ".nhpm" || !IsEntityName(person)) continue;
     present.insert(person);
-    const auto [source, added] =
-        persons_.try_emplace(person, Source{kNhpmModel, file, false, std::nullopt, nullptr});
+    const auto [source, added] = persons_.try_emplace(
+        person, Source{PerceptionModelKind::kNhpm, file, false, std::nullopt, nullptr});
     RefreshOne(person, source->second);
   }
   if (error != folder_error_ && error) {

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/bus/participant.h"
+#include "common/msg/method.h"
 #include "common/runtime/config.h"
 #include "operator/console/participant_task.h"
 #include "operator/gateway/access.h"
@@ -28,9 +30,8 @@ struct OperatorConfig {
   double max_guidance_s = 7200.0;
   /// Longest path of guidance.
   int max_path_cells = 10000;
-  /// What the planners run, for the console: ig-mcts, instruction, teleop, greedy, mapping; empty =
-  /// it finds out from their first report.
-  std::string method;
+  /// What the planners run, for the console; none = it finds out from their first report.
+  std::optional<MethodKind> method;
   AttentionOptions attention;
   SegmentOptions recording;
   ControlOptions control;
@@ -44,7 +45,7 @@ struct OperatorConfig {
     reader.Field("database_limit_mib", database_limit_mib, 0.0, 1e6);
     reader.Field("max_guidance_s", max_guidance_s, 1.0, 1e6);
     reader.Field("max_path_cells", max_path_cells, 1, 65536);
-    reader.Choice("method", method, {"", "ig-mcts", "instruction", "teleop", "greedy", "mapping"});
+    reader.Choice("method", method, kMethods);
     reader.Section("attention", attention);
     reader.Section("recording", recording);
     reader.Section("control", control);

@@ -45,8 +45,7 @@ struct PlannerConfig {
   /// processes that list it, by `lease`.
   std::vector<std::string> robots{"w1/r1"};
   LeaseConfig lease;
-  /// The Name() of a MethodKind (docs/methods.md, docs/mapping-task.md).
-  std::string method{Name(MethodKind::kIgMcts)};
+  MethodKind method = MethodKind::kIgMcts;
   std::uint64_t seed = 1;
   SearchConfig search;
   /// Who decides that ig-mcts sends a picture.
@@ -54,8 +53,8 @@ struct PlannerConfig {
   /// "remote" asks the nhpm service; "embedded" asks the model in this process. While neither can
   /// answer, the embedded GLPF does.
   std::string perception = "remote";
-  /// One of kPerceptionModels: answers of a service with another model are rejected.
-  std::string perception_model = kDefaultPerceptionModel;
+  /// Answers of a service with another model are rejected.
+  PerceptionModelKind perception_model = PerceptionModelKind::kNhpm;
   /// SHA-256 of the only weights whose answers are accepted (remote); empty = any.
   std::string perception_checksum;
   /// Weights file of an embedded network; empty = the one that comes with conav.
@@ -87,13 +86,12 @@ struct PlannerConfig {
     if (!IsNodeName(name)) reader.Refuse("name", "is not 1 to 64 of A-Z a-z 0-9 _ -");
     reader.Field("robots", robots);
     reader.Section("lease", lease);
-    reader.Choice("method", method, MethodNames());
+    reader.Choice("method", method, kMethods);
     reader.Field("seed", seed);
     reader.Section("search", search);
     reader.Section("communication", communication);
     reader.Choice("perception", perception, {"remote", "embedded"});
-    reader.Choice("perception_model", perception_model,
-                  {kPerceptionModels.begin(), kPerceptionModels.end()});
+    reader.Choice("perception_model", perception_model, kPerceptionModels);
     reader.Field("perception_checksum", perception_checksum);
     const bool digits =
         perception_checksum.find_first_not_of("0123456789abcdef") == std::string::npos;

@@ -75,7 +75,7 @@ std::shared_ptr<PerceptionModel> MakeEmbedded(const PlannerConfig& config) {
 std::shared_ptr<PerceptionModel> MakeRemote(bus::Participant& participant,
                                             const PlannerConfig& config) {
   RemotePerceptionModel::Options options;
-  options.model = config.perception_model;
+  options.model = Name(config.perception_model);
   options.model_checksum = config.perception_checksum;
   options.person = config.person;
   options.timeout = Seconds(config.perception_timeout_s);
@@ -87,7 +87,8 @@ std::shared_ptr<PerceptionModel> MakeRemote(bus::Participant& participant,
 PerceptionSetup::PerceptionSetup(bus::Participant& participant, const PlannerConfig& config,
                                  const Clock& clock)
     : clock_(clock),
-      needs_fallback_(config.perception == "remote" || config.perception_model != kGlpfModel),
+      needs_fallback_(config.perception == "remote" ||
+                      config.perception_model != PerceptionModelKind::kGlpf),
       primary_(config.perception == "remote" ? MakeRemote(participant, config)
                                              : MakeEmbedded(config)),
       glpf_(std::make_shared<nhpm::Glpf>()) {}
@@ -152,18 +153,17 @@ PlannerService::PlannerService(bus::Participant& participant, const PlannerConfi
       leases_(participant, config, WorldOfRobot("planner", config.robots), board_, clock),
       diagnostics_(participant, clock) {
   if (!config.decision_file.empty()) recording_.emplace(config.decision_file);
-  const MethodKind method_kind = ParseMethod(config.method).value();
   std::map<std::string, PerceptionOfWorld> worlds;
   for (const auto& [robot, world] : WorldOfRobot("planner", config.robots)) {
     PerceptionOfWorld& in_world = worlds[world];
     if (!in_world.model) in_world = MakePerceptionOfWorld(world);
     links_.push_back(std::make_unique<Link>(participant, robot));
     const std::uint64_t seed = DeriveSeed(config.seed, links_.size());
-    auto method = MakeMethod(method_kind, {config.search, config.communication}, seed,
+    auto method = MakeMethod(config.method, {config.search, config.communication}, seed,
                              in_world.model, in_world.estimate, clock);
     RobotWorker::Options options{
         .robot = robot,
-        .method_name = config.method,
+        .method_name = std::string(Name(config.method)),
         .timeouts = {Seconds(config.first_guidance_timeout_s), Seconds(config.answer_timeout_s)},
         .command_ttl = Seconds(config.command_ttl_s),
         .seed = seed,
@@ -175,7 +175,7 @@ PlannerService::PlannerService(bus::Participant& participant, const PlannerConfi
   for (const auto& [world, perception] : worlds) {
     beliefs_.push_back(std::make_unique<bus::Subscriber<conav_msgs::msg::BeliefMap>>(
         participant, bus::kBelief, world));
-    if (method_kind == MethodKind::kMapping) {
+    if (config.method == MethodKind::kMapping) {
       truths_.try_emplace(world, participant, bus::kTruth, world);
     }
   }
@@ -301,7 +301,7 @@ Health PlannerService::Report() const {
     if (recording_->lost() > 0) health.level = Health::Level::kWarning;
   }
   health.message = fmt::format("{} of {} robots, {} planners, method {}", leases_.held(),
-                               links_.size(), leases_.live_planners(), config_.method);
+                               links_.size(), leases_.live_planners(), Name(config_.method));
   return health;
 }
 

@@ -54,9 +54,9 @@ Result<void> ValidateMethods(const std::vector<std::string>& methods) {
                                                     count, kOrientations));
   }
   for (const std::string& method : methods) {
-    if (std::ranges::find(launcher::kMethods, method) != launcher::kMethods.end()) continue;
+    if (std::ranges::find(kDemoMethods, method) != kDemoMethods.end()) continue;
     return Fail(ErrorCode::kInvalidArgument, fmt::format("--methods: {} is not one of {}", method,
-                                                         fmt::join(launcher::kMethods, ", ")));
+                                                         fmt::join(kDemoMethods, ", ")));
   }
   const std::set<std::string> distinct(methods.begin(), methods.end());
   if (distinct.size() == methods.size()) return {};

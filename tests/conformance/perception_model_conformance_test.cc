@@ -53,7 +53,7 @@ void CheckProcess(const std::string& planner_vendor, const std::string& nhpm_ven
 /// A network in a weights file, and the ways to ask it.
 struct Network {
   std::shared_ptr<PerceptionModel> Embedded() const {
-    return *nhpm::LoadPerceptionModel("nhpm", file, {});
+    return *nhpm::LoadPerceptionModel(PerceptionModelKind::kNhpm, file, {});
   }
   std::shared_ptr<PerceptionModel> OnThread(const test::MakeParticipant& make) const {
     nhpm::NhpmConfig config;

@@ -23,7 +23,7 @@ class NhpmProcess {
     config.name = "nhpm-test";
     config.model = weights.empty() ? "glpf" : "nhpm";
     config.weights = weights;
-    config.bus.vendor = vendor;
+    config.bus.vendor = bus::ParseVendor(vendor).value();
     config.bus.domain_id = TestDomain();
     config.bus.interface = "lo";
     config.bus.lease_s = 2.0;

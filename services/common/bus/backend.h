@@ -62,11 +62,6 @@ class Backend {
   virtual std::vector<Event> TakeEvents() = 0;
 };
 
-inline constexpr const char* kCycloneDds = "cyclonedds";
-inline constexpr const char* kFastDds = "fastdds";
-/// The vendor with the better measurements (conav-bench-bus).
-inline constexpr const char* kDefaultVendor = kCycloneDds;
-
 /// Fills open fields from the environment (CONAV_DDS, CONAV_DOMAIN then ROS_DOMAIN_ID,
 /// CONAV_INTERFACE) and then from the defaults. Throws StartupError for values that are not
 /// allowed.

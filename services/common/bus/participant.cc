@@ -13,9 +13,9 @@ namespace conav::bus {
 Participant::Participant(const std::string& node_name, const ParticipantOptions& options)
     : node_name_(node_name), notifier_(std::make_unique<Notifier>()) {
   const ParticipantOptions resolved = Resolve(options);
-  vendor_ = resolved.vendor;
-  backend_ = vendor_ == kFastDds ? MakeFastBackend(node_name, resolved)
-                                 : MakeCycloneBackend(node_name, resolved);
+  vendor_ = Name(*resolved.vendor);
+  backend_ = resolved.vendor == Vendor::kFastDds ? MakeFastBackend(node_name, resolved)
+                                                 : MakeCycloneBackend(node_name, resolved);
   LOG_INFO("on the bus", "node", node_name, "dds", vendor_, "domain", resolved.domain_id,
            "interface", resolved.interface.empty() ? "default" : resolved.interface);
 }
@@ -59,7 +59,7 @@ int DomainFrom(const char* variable) {
 }  // namespace
 
 void ParticipantOptions::Visit(ConfigReader& reader) {
-  reader.Choice("vendor", vendor, {"", kCycloneDds, kFastDds});
+  reader.Choice("vendor", vendor, kVendors);
   reader.Field("domain_id", domain_id, -1, kMaximumDomain);
   reader.Field("interface", interface);
   reader.Field("peers", peers);
@@ -68,16 +68,14 @@ void ParticipantOptions::Visit(ConfigReader& reader) {
 }
 
 ParticipantOptions Resolve(ParticipantOptions options) {
-  std::string asked_by = "vendor";
-  if (options.vendor.empty()) {
-    options.vendor = Environment("CONAV_DDS");
-    asked_by = "CONAV_DDS";
+  if (const std::string name = Environment("CONAV_DDS"); !options.vendor && !name.empty()) {
+    options.vendor = ParseVendor(name);
+    if (!options.vendor) {
+      throw StartupError(fmt::format("CONAV_DDS = {} is not a DDS vendor ({})", name,
+                                     fmt::join(Names(kVendors), ", ")));
+    }
   }
-  if (options.vendor.empty()) options.vendor = kDefaultVendor;
-  if (options.vendor != kCycloneDds && options.vendor != kFastDds) {
-    throw StartupError(asked_by + " = " + options.vendor +
-                       " is not a DDS vendor (cyclonedds, fastdds)");
-  }
+  if (!options.vendor) options.vendor = kDefaultVendor;
   if (options.domain_id < 0) options.domain_id = DomainFrom("CONAV_DOMAIN");
   if (options.domain_id < 0) options.domain_id = std::max(0, DomainFrom("ROS_DOMAIN_ID"));
   if (options.domain_id > kMaximumDomain) {

@@ -1,14 +1,18 @@
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/runtime/config.h"
+#include "common/runtime/named.h"
 
 namespace conav::bus {
 
@@ -41,10 +45,25 @@ class Backend;
 class InMemoryBus;
 class Notifier;
 
+/// The DDS implementations, which talk to each other.
+enum class Vendor { kCycloneDds, kFastDds };
+
+inline constexpr std::array kVendors{Vendor::kCycloneDds, Vendor::kFastDds};
+/// The vendor with the better measurements (conav-bench-bus).
+inline constexpr Vendor kDefaultVendor = Vendor::kCycloneDds;
+
+constexpr std::string_view Name(Vendor vendor) {
+  return vendor == Vendor::kCycloneDds ? "cyclonedds" : "fastdds";
+}
+
+constexpr std::optional<Vendor> ParseVendor(std::string_view name) {
+  return FindNamed(kVendors, name);
+}
+
 /// How a process takes part in DDS: the section `bus:` of a service's YAML file.
 struct ParticipantOptions {
-  /// "cyclonedds" or "fastdds"; empty = environment CONAV_DDS, else the default vendor.
-  std::string vendor;
+  /// None = environment CONAV_DDS, else the default vendor.
+  std::optional<Vendor> vendor;
   /// -1 = environment CONAV_DOMAIN, else ROS_DOMAIN_ID, else 0.
   int domain_id = -1;
   /// Name or address of the network interface; empty = environment CONAV_INTERFACE, else the

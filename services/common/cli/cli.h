@@ -1,12 +1,16 @@
 #pragma once
 
+#include <fmt/ranges.h>
+
 #include <CLI/CLI.hpp>
+#include <array>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "common/runtime/named.h"
 #include "common/runtime/result.h"
 
 /// The command line of a program that ends by itself: results go to standard output or into files,
@@ -54,6 +58,23 @@ int CheckFiles(std::string_view program, const std::vector<FileOption>& inputs,
 
 /// A whole number from 0 to 2^64 - 1. (CLI11 alone reads -1 as the largest of them.)
 CLI::Validator WholeNumber();
+
+/// An option whose value is the Name() of one of `choices`, which its help lists.
+template <class Enum, std::size_t kCount>
+void AddChoice(CLI::App& app, const std::string& option, Enum& value,
+               const std::array<Enum, kCount>& choices, const std::string& help) {
+  const auto read = [option, &value, &choices](const std::string& name) {
+    const auto found = FindNamed(choices, name);
+    if (!found) {
+      throw CLI::ValidationError(
+          option, fmt::format("{}: not one of {}", name, fmt::join(Names(choices), ", ")));
+    }
+    value = *found;
+  };
+  app.add_option_function<std::string>(option, read,
+                                       fmt::format("{}: {}", help, fmt::join(Names(choices), ", ")))
+      ->default_str(std::string(Name(value)));
+}
 
 /// A file that can be written at the end; "-" is standard output, an empty path nowhere.
 CLI::Validator WritableFile();

@@ -2,9 +2,9 @@
 
 #include <array>
 #include <optional>
-#include <string>
 #include <string_view>
-#include <vector>
+
+#include "common/runtime/named.h"
 
 namespace conav {
 
@@ -20,6 +20,9 @@ enum class MethodKind {
 inline constexpr std::array kMethods{MethodKind::kIgMcts, MethodKind::kInstruction,
                                      MethodKind::kTeleop, MethodKind::kGreedy,
                                      MethodKind::kMapping};
+/// Those that drive to goals.
+inline constexpr std::array kDemoMethods{MethodKind::kIgMcts, MethodKind::kInstruction,
+                                         MethodKind::kTeleop, MethodKind::kGreedy};
 
 /// As in configurations, reports and recordings.
 constexpr std::string_view Name(MethodKind method) {
@@ -38,19 +41,13 @@ constexpr std::string_view Name(MethodKind method) {
   return "";
 }
 
-/// Nothing when there is no method of that name.
 constexpr std::optional<MethodKind> ParseMethod(std::string_view name) {
-  for (const MethodKind method : kMethods) {
-    if (Name(method) == name) return method;
-  }
-  return std::nullopt;
+  return FindNamed(kMethods, name);
 }
 
-/// For configurations and help texts.
-inline std::vector<std::string> MethodNames() {
-  std::vector<std::string> names;
-  for (const MethodKind method : kMethods) names.emplace_back(Name(method));
-  return names;
+/// Whether the operator needs the robot's camera live: no picture is chosen for them.
+constexpr bool NeedsLiveView(MethodKind method) {
+  return method == MethodKind::kInstruction || method == MethodKind::kTeleop;
 }
 
 }  // namespace conav

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/msg/robot.h"
@@ -13,12 +14,19 @@
 /// idl/conav_planning.idl.
 namespace conav {
 
-/// The models that can predict the operator's edits: the network of the paper, and the GLPF.
-inline constexpr const char* kNhpmModel = "nhpm";
-inline constexpr const char* kGlpfModel = "glpf";
-inline constexpr std::array kPerceptionModels{kNhpmModel, kGlpfModel};
-/// The default model.
-inline constexpr const char* kDefaultPerceptionModel = kNhpmModel;
+/// The models that can predict the operator's edits.
+enum class PerceptionModelKind {
+  kNhpm,  // the network of the paper, the default
+  kGlpf,  // the GLPF, its baseline
+};
+
+inline constexpr std::array kPerceptionModels{PerceptionModelKind::kNhpm,
+                                              PerceptionModelKind::kGlpf};
+
+/// As in configurations and in the identity of the model that answers.
+constexpr std::string_view Name(PerceptionModelKind model) {
+  return model == PerceptionModelKind::kNhpm ? "nhpm" : "glpf";
+}
 
 /// Asks: how would the operator edit `belief` after the robot took `path` and sent a picture from
 /// `cell` towards `heading_rad` that shows `visible`? Paper section 4: (x, tau, o).

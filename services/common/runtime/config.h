@@ -2,12 +2,15 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <array>
 #include <filesystem>
+#include <optional>
 #include <set>
 #include <string>
 #include <type_traits>
 #include <vector>
 
+#include "common/runtime/named.h"
 #include "common/runtime/result.h"
 
 namespace conav {
@@ -62,6 +65,25 @@ class ConfigReader {
 
   /// A text that must be one of `choices`.
   void Choice(const std::string& key, std::string& value, const std::vector<std::string>& choices);
+
+  /// One of `choices`, enumerators, by its Name().
+  template <class Enum, std::size_t kCount>
+  void Choice(const std::string& key, Enum& value, const std::array<Enum, kCount>& choices) {
+    std::string name(Name(value));
+    Choice(key, name, Names(choices));
+    value = *FindNamed(choices, name);
+  }
+
+  /// The same, or an empty text for none.
+  template <class Enum, std::size_t kCount>
+  void Choice(const std::string& key, std::optional<Enum>& value,
+              const std::array<Enum, kCount>& choices) {
+    std::vector<std::string> names = Names(choices);
+    names.insert(names.begin(), "");
+    std::string name(value ? Name(*value) : "");
+    Choice(key, name, names);
+    value = FindNamed(choices, name);
+  }
 
   /// A password or token.
   void Secret(const std::string& key, std::string& value);

@@ -39,7 +39,7 @@ void GlpfParameters::Visit(ConfigReader& reader) {
 Glpf::Glpf(const GlpfParameters& parameters) : parameters_(parameters) {
   if (parameters_.tie_alphas) parameters_.alpha_m = parameters_.alpha_d;
   unstimulated_ = Response(0.0);
-  identity_ = {kGlpfModel, version(), ChecksumOf(parameters_)};
+  identity_ = {std::string(Name(PerceptionModelKind::kGlpf)), version(), ChecksumOf(parameters_)};
 }
 
 double Glpf::Stimulus(double distance_cells) const {

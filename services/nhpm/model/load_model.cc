@@ -18,14 +18,10 @@ std::filesystem::path WeightsOrShipped(const std::filesystem::path& weights) {
   return weights.empty() ? ShippedWeights() : weights;
 }
 
-Result<std::shared_ptr<PerceptionModel>> LoadPerceptionModel(const std::string& name,
+Result<std::shared_ptr<PerceptionModel>> LoadPerceptionModel(PerceptionModelKind kind,
                                                              const std::filesystem::path& weights,
                                                              const GlpfParameters& glpf) {
-  if (name == kGlpfModel) return std::make_shared<Glpf>(glpf);
-  if (name != kNhpmModel) {
-    return Fail(ErrorCode::kInvalidArgument,
-                fmt::format("model '{}' is not {}", name, fmt::join(kPerceptionModels, " or ")));
-  }
+  if (kind == PerceptionModelKind::kGlpf) return std::make_shared<Glpf>(glpf);
   return ReadWeightsFile(WeightsOrShipped(weights))
       .map([](const NetworkModel& model) -> std::shared_ptr<PerceptionModel> {
         return std::make_shared<PerceptionNetwork>(model);

@@ -2,7 +2,6 @@
 
 #include <filesystem>
 #include <memory>
-#include <string>
 
 #include "common/msg/perception_model.h"
 #include "common/runtime/result.h"
@@ -17,9 +16,9 @@ std::filesystem::path ShippedWeights();
 /// The file itself, or the shipped one where `weights` is empty.
 std::filesystem::path WeightsOrShipped(const std::filesystem::path& weights);
 
-/// kGlpfModel from `glpf`, or kNhpmModel from a weights file; empty `weights` = ShippedWeights().
-/// Errors: kInvalidArgument (another name), those of ReadWeightsFile.
+/// The GLPF from `glpf`, or the network from a weights file; empty `weights` = ShippedWeights().
+/// Errors: those of ReadWeightsFile.
 [[nodiscard]] Result<std::shared_ptr<PerceptionModel>> LoadPerceptionModel(
-    const std::string& name, const std::filesystem::path& weights, const GlpfParameters& glpf);
+    PerceptionModelKind kind, const std::filesystem::path& weights, const GlpfParameters& glpf);
 
 }  // namespace conav::nhpm

@@ -46,7 +46,7 @@ std::string BytesOf(const google::protobuf::Message& message);
 
 /// A network as stored on disk and served.
 struct NetworkModel {
-  std::string name = kNhpmModel;
+  std::string name{Name(PerceptionModelKind::kNhpm)};
   std::string version;  // for people: what it was trained on, when
   NetworkWeights weights;
   InputSelection inputs;

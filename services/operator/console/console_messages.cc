@@ -11,6 +11,8 @@
 #include <set>
 #include <utility>
 
+#include "common/msg/method.h"
+
 namespace conav::operators {
 namespace {
 
@@ -112,7 +114,7 @@ console::Session SessionOf(const std::vector<std::string>& robots, const std::st
   }
   for (const std::string& world : worlds) session.add_worlds(world);
   session.set_method(method);
-  session.set_drives(method == "teleop");
+  session.set_drives(method == Name(MethodKind::kTeleop));
   return session;
 }
 

@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "common/msg/method.h"
 #include "operator/console/console_messages.h"
 
 namespace conav::operators {
@@ -208,7 +209,7 @@ void ConsoleState::ReceivePlan(const std::string& robot, SimTime stamp,
 void ConsoleState::Receive(const SearchReport& report) {
   if (session_.method() != report.method) {
     session_.set_method(report.method);
-    session_.set_drives(report.method == "teleop");
+    session_.set_drives(report.method == Name(MethodKind::kTeleop));
     PutSession();
   }
   console::Update update;

@@ -89,7 +89,8 @@ constexpr double kDriveAdvisedAgainst = 0.3;  // s, round trip
 constexpr double kDriveRefused = 1.0;         // s, round trip
 
 console::Session NamedSession(const OperatorConfig& config) {
-  console::Session session = SessionOf(config.robots, config.method);
+  console::Session session =
+      SessionOf(config.robots, config.method ? std::string(Name(*config.method)) : "");
   session.set_name(config.recording.session);
   return session;
 }

@@ -45,7 +45,8 @@ std::string LastMeasurement(const std::string& command) {
 /// which is doubled here. Nothing when ddsperf is not installed.
 std::optional<RoundTrips> MeasureDdsperf(std::size_t size, int domain_id) {
   if (std::system("command -v ddsperf > /dev/null 2>&1") != 0) return std::nullopt;
-  const bus::ParticipantOptions options = BusOptions({bus::kCycloneDds, true, domain_id});
+  const bus::ParticipantOptions options =
+      BusOptions({std::string(Name(bus::kDefaultVendor)), true, domain_id});
   const std::string configuration =
       bus::CycloneConfiguration(bus::ResolveNetwork(options), options.lease_s);
   setenv("CYCLONEDDS_URI", configuration.c_str(), 1);
@@ -105,7 +106,7 @@ void MeasureRound(Traffic& bus, Traffic& raw, int round, std::uint64_t trips, Se
 /// vendor and size. Throws std::runtime_error.
 std::vector<Series> RunRounds(const RoundsOptions& options) {
   std::vector<Series> result;
-  for (const char* vendor : {bus::kCycloneDds, bus::kFastDds}) {
+  for (const std::string& vendor : Names(bus::kVendors)) {
     Traffic bus({vendor, false, options.bus_domain}, options.own_program);
     Traffic raw({vendor, true, options.raw_domain}, options.own_program);
     Series small{vendor, kSmall, {}, {}, {}, {}};

@@ -65,7 +65,7 @@ class BusEcho final : public Echo {
 
 bus::ParticipantOptions BusOptions(const StackOptions& options) {
   bus::ParticipantOptions result;
-  result.vendor = options.vendor;
+  result.vendor = bus::ParseVendor(options.vendor);
   result.domain_id = options.domain_id;
   result.interface = "lo";
   return result;
@@ -73,13 +73,15 @@ bus::ParticipantOptions BusOptions(const StackOptions& options) {
 
 std::unique_ptr<Pinger> MakePinger(const StackOptions& options, Pinger::OnPong on_pong) {
   if (!options.raw) return std::make_unique<BusPinger>(options, std::move(on_pong));
-  return options.vendor == bus::kFastDds ? MakeRawFastPinger(options, std::move(on_pong))
-                                         : MakeRawCyclonePinger(options, std::move(on_pong));
+  return options.vendor == Name(bus::Vendor::kFastDds)
+             ? MakeRawFastPinger(options, std::move(on_pong))
+             : MakeRawCyclonePinger(options, std::move(on_pong));
 }
 
 std::unique_ptr<Echo> MakeEcho(const StackOptions& options) {
   if (!options.raw) return std::make_unique<BusEcho>(options);
-  return options.vendor == bus::kFastDds ? MakeRawFastEcho(options) : MakeRawCycloneEcho(options);
+  return options.vendor == Name(bus::Vendor::kFastDds) ? MakeRawFastEcho(options)
+                                                       : MakeRawCycloneEcho(options);
 }
 
 }  // namespace conav::bench

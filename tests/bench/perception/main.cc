@@ -50,7 +50,7 @@ namespace fs = std::filesystem;
 
 bus::ParticipantOptions BusOn(const std::string& vendor, int domain) {
   bus::ParticipantOptions bus;
-  bus.vendor = vendor;
+  bus.vendor = bus::ParseVendor(vendor).value();
   bus.domain_id = domain;
   bus.interface = "lo";
   return bus;
@@ -211,7 +211,7 @@ void Run(const Options& options) {
   const std::filesystem::path weights = std::filesystem::absolute(
       options.weights.empty() ? folder.Write("untrained", test::UntrainedNetwork(1, 0, 0, 32))
                               : options.weights);
-  auto loaded = nhpm::LoadPerceptionModel("nhpm", weights, {});
+  auto loaded = nhpm::LoadPerceptionModel(PerceptionModelKind::kNhpm, weights, {});
   if (!loaded) throw StartupError(loaded.error().text);
   const std::string model =
       fmt::format("{} {}", (*loaded)->identity().name, (*loaded)->identity().version);

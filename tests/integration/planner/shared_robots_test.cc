@@ -17,7 +17,7 @@ namespace {
 
 bus::ParticipantOptions BusOptions(const std::string& vendor) {
   bus::ParticipantOptions options;
-  options.vendor = vendor;
+  options.vendor = bus::ParseVendor(vendor).value();
   options.domain_id = test::TestDomain();
   options.interface = "lo";
   return options;
@@ -28,7 +28,7 @@ planner::PlannerConfig Config(const std::string& name) {
   config.name = name;
   config.robots = {"w1/r1", "w1/r2"};
   config.perception = "embedded";
-  config.perception_model = "glpf";
+  config.perception_model = PerceptionModelKind::kGlpf;
   config.method = "instruction";
   config.search.options.iterations = 100;
   return config;

@@ -29,7 +29,7 @@ planner::PlannerConfig Teleoperation() {
   planner::PlannerConfig config;
   config.method = "teleop";
   config.perception = "embedded";
-  config.perception_model = "glpf";
+  config.perception_model = PerceptionModelKind::kGlpf;
   return config;
 }
 

@@ -21,7 +21,7 @@ using bus::Guid;
 
 bus::ParticipantOptions Options(const std::string& vendor, const std::string& distribution) {
   bus::ParticipantOptions options;
-  options.vendor = vendor;
+  options.vendor = bus::ParseVendor(vendor).value();
   options.domain_id = TestDomain();
   options.interface = "lo";
   options.ros_distribution = distribution;

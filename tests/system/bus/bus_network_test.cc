@@ -16,7 +16,7 @@ namespace {
 
 bus::ParticipantOptions Options() {
   bus::ParticipantOptions options;
-  options.vendor = GENERATE("cyclonedds", "fastdds");
+  options.vendor = GENERATE(bus::Vendor::kCycloneDds, bus::Vendor::kFastDds);
   options.domain_id = TestDomain();
   options.interface = "lo";
   return options;
@@ -27,7 +27,7 @@ TEST_CASE("participants find each other through a peer address alone", "[system]
   options.interface.clear();
   options.peers = {"127.0.0.1"};
   const std::string other = GENERATE("cyclonedds", "fastdds");
-  CAPTURE(options.vendor, other);
+  CAPTURE(Name(*options.vendor), other);
   const PeerProcess peer({other, std::to_string(options.domain_id), "127.0.0.1"});
   bus::Participant participant("bus_test", options);
   bus::Subscriber<Blob> history(participant, kHistory);
@@ -42,7 +42,7 @@ TEST_CASE("an interface that does not exist stops the start", "[system][bus]") {
 
 TEST_CASE("several participants of one process share a domain", "[system][bus]") {
   const bus::ParticipantOptions options = Options();
-  CAPTURE(options.vendor);
+  CAPTURE(Name(*options.vendor));
   bus::Participant first("first", options);
   auto second = std::make_unique<bus::Participant>("second", options);
   bus::Subscriber<Blob> subscriber(first, kHistory);
@@ -58,7 +58,7 @@ TEST_CASE("several participants of one process share a domain", "[system][bus]")
 /// that are being destroyed.
 TEST_CASE("Fast DDS gives a message to the same process to its receive thread", "[system][bus]") {
   bus::ParticipantOptions options;
-  options.vendor = "fastdds";
+  options.vendor = bus::Vendor::kFastDds;
   options.domain_id = TestDomain();
   options.interface = "lo";
   bus::Participant sender("sender", options);
@@ -77,7 +77,7 @@ TEST_CASE("Fast DDS gives a message to the same process to its receive thread", 
 
 TEST_CASE("two writers and two readers of one topic live in one participant", "[system][bus]") {
   const bus::ParticipantOptions options = Options();
-  CAPTURE(options.vendor);
+  CAPTURE(Name(*options.vendor));
   bus::Participant participant("bus_test", options);
   bus::Publisher<Blob> first_writer(participant, kHistory);
   bus::Publisher<Blob> second_writer(participant, kHistory);

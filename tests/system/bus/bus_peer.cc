@@ -18,7 +18,7 @@ namespace {
 
 bus::ParticipantOptions Options(int argc, char** argv) {
   bus::ParticipantOptions options;
-  options.vendor = argv[1];
+  options.vendor = bus::ParseVendor(argv[1]).value();
   options.domain_id = std::atoi(argv[2]);
   options.lease_s = 2.0;
   options.interface = "lo";
@@ -109,7 +109,7 @@ void Run(const bus::ParticipantOptions& options) {
   bus::Publisher<Blob> offer(participant, kBestEffortOffer);
   bus::Subscriber<Blob> request(participant, kReliableRequest);
   std::optional<ShortLeaseWriter> short_lease;
-  if (options.vendor == "cyclonedds") short_lease.emplace(options.domain_id);
+  if (options.vendor == bus::Vendor::kCycloneDds) short_lease.emplace(options.domain_id);
   std::cout << "ready" << std::endl;
   char byte = 0;
   while (read(STDIN_FILENO, &byte, 1) > 0) {

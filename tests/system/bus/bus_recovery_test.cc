@@ -18,7 +18,7 @@ using bus::Event;
 
 bus::ParticipantOptions Options(const std::string& vendor) {
   bus::ParticipantOptions options;
-  options.vendor = vendor;
+  options.vendor = bus::ParseVendor(vendor).value();
   options.domain_id = TestDomain();
   options.interface = "lo";
   options.lease_s = 2.0;

@@ -16,7 +16,7 @@ using conformance::MakeQuery;
 struct Bench {
   Bench() {
     config.perception = "embedded";
-    config.perception_model = "nhpm";
+    config.perception_model = PerceptionModelKind::kNhpm;
     log::SetSink([this](const log::Record& record) { lines.emplace_back(record.text); });
   }
   ~Bench() { log::SetSink(nullptr); }
@@ -76,7 +76,7 @@ TEST_CASE("Without anybody who answers the GLPF does", "[planner][perception]") 
 
 TEST_CASE("The embedded GLPF needs neither file nor fallback", "[planner][perception]") {
   Bench bench;
-  bench.config.perception_model = "glpf";
+  bench.config.perception_model = PerceptionModelKind::kGlpf;
   bench.config.weights = "/nowhere/a.nhpm";
   const auto model = bench.Make().ForWorld("w1");
   CHECK(model->identity().name == "glpf");

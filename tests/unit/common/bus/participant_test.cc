@@ -16,13 +16,13 @@ TEST_CASE("the environment fills what the options leave open, options go before 
   const ScopedVariable domain("CONAV_DOMAIN", "42");
   const ScopedVariable interface("CONAV_INTERFACE", "lo");
   const ParticipantOptions resolved = Resolve({});
-  CHECK(resolved.vendor == "fastdds");
+  CHECK(resolved.vendor == Vendor::kFastDds);
   CHECK(resolved.domain_id == 42);
   CHECK(resolved.interface == "lo");
   ParticipantOptions options;
-  options.vendor = "cyclonedds";
+  options.vendor = Vendor::kCycloneDds;
   options.domain_id = 7;
-  CHECK(Resolve(options).vendor == "cyclonedds");
+  CHECK(Resolve(options).vendor == Vendor::kCycloneDds);
   CHECK(Resolve(options).domain_id == 7);
 }
 
@@ -60,7 +60,7 @@ TEST_CASE("the section bus of a config file is read and checked", "[options]") {
   };
   const ParticipantOptions options =
       read("{vendor: fastdds, domain_id: 5, interface: lo, peers: [10.0.0.1], lease_s: 1.5}");
-  CHECK(options.vendor == "fastdds");
+  CHECK(options.vendor == Vendor::kFastDds);
   CHECK(options.peers == std::vector<std::string>{"10.0.0.1"});
   CHECK(options.lease_s == 1.5);
   for (const auto& [text, names] :

@@ -45,7 +45,7 @@ TEST_CASE("the effective config tells the vendor, domain and interface that coun
   const test::ScopedVariable interface("CONAV_INTERFACE", "lo");
   const PumpConfig config = LoadConfig<PumpConfig>(file.path(), "pump");
   CHECK(config.pressure == 2);
-  CHECK(config.bus.vendor == "fastdds");
+  CHECK(config.bus.vendor == bus::Vendor::kFastDds);
   CHECK(config.bus.domain_id == 17);
   CHECK(config.bus.interface == "lo");
   CHECK(config.bus.lease_s == 1.5);

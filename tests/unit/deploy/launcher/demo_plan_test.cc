@@ -78,12 +78,12 @@ TEST_CASE("each process of a demo gets a configuration that its own struct reads
   CHECK(sim.robots == std::vector<std::string>{"r1", "r2"});
   CHECK(sim.seed == 7);
   CHECK(sim.speed == 0.0);
-  CHECK(sim.bus.vendor == "fastdds");
+  CHECK(sim.bus.vendor == bus::Vendor::kFastDds);
   CHECK(sim.bus.domain_id == 42);
   CHECK(sim.bus.interface == "lo");
   CHECK(sim.bus.peers == std::vector<std::string>{"10.0.0.1"});
   CHECK(run.Planner().robots == std::vector<std::string>{"w1/r1", "w1/r2"});
-  CHECK(run.Planner().bus.vendor == "cyclonedds");
+  CHECK(run.Planner().bus.vendor == bus::Vendor::kCycloneDds);
   const operators::OperatorConfig operators = run.Operator();
   CHECK(operators.database == (run.folder.state() / "operator.db").string());
   CHECK(operators.recording.file == (run.folder.path() / "segments.pb.zst").string());
@@ -143,19 +143,19 @@ TEST_CASE("what the environment says of the bus is written into every configurat
   Run run;
   run.options.interface = "";
   const test::ScopedVariable no_vendor("CONAV_DDS", nullptr);
-  CHECK(run.Sim().bus.vendor == "cyclonedds");
+  CHECK(run.Sim().bus.vendor == bus::Vendor::kCycloneDds);
   const test::ScopedVariable vendor("CONAV_DDS", "fastdds");
   const test::ScopedVariable interface("CONAV_INTERFACE", "eth7");
   run.options.dds = "planner=cyclonedds";
-  CHECK(run.Sim().bus.vendor == "fastdds");
+  CHECK(run.Sim().bus.vendor == bus::Vendor::kFastDds);
   CHECK(run.Sim().bus.interface == "eth7");
-  CHECK(run.Planner().bus.vendor == "cyclonedds");
+  CHECK(run.Planner().bus.vendor == bus::Vendor::kCycloneDds);
 }
 
 TEST_CASE("model, weights and person reach the service and the planner", "[launcher]") {
   Run run;
   CHECK(run.Nhpm().weights == nhpm::ShippedWeights().string());
-  run.options.model = "nhpm";
+  run.options.model = PerceptionModelKind::kNhpm;
   run.options.weights = "models/own.nhpm";
   run.options.x_source = "estimated";
   run.options.person = "p07";
@@ -164,7 +164,7 @@ TEST_CASE("model, weights and person reach the service and the planner", "[launc
   CHECK(run.Nhpm().model == "nhpm");
   CHECK(run.Nhpm().weights == weights);
   CHECK(run.Nhpm().person_weights == (fs::current_path() / "people").string());
-  CHECK(run.Planner().perception_model == "nhpm");
+  CHECK(run.Planner().perception_model == PerceptionModelKind::kNhpm);
   CHECK(run.Planner().weights == weights);
   CHECK(run.Planner().x_source == "estimated");
   CHECK(run.Planner().person == "p07");
@@ -193,7 +193,7 @@ TEST_CASE("a command is put before the service that it is meant for", "[launcher
 TEST_CASE("the example configurations are what the services read", "[launcher]") {
   CHECK(ReadExample<sim::SimConfig>("sim").world == "w1");
   CHECK(ReadExample<planner::PlannerConfig>("planner").method == "ig-mcts");
-  CHECK(ReadExample<nhpm::NhpmConfig>("nhpm").model == kDefaultPerceptionModel);
+  CHECK(ReadExample<nhpm::NhpmConfig>("nhpm").model == PerceptionModelKind::kNhpm);
   CHECK(ReadExample<operators::OperatorConfig>("operator").bus.interface == "lo");
   CHECK(ReadExample<operators::SimulatedOperatorConfig>("simulated_operator").seed == 1);
   CHECK(ReadExample<recorder::RecorderConfig>("recorder").file == "recording.mcap");
@@ -208,7 +208,7 @@ TEST_CASE("a run is recorded from its begin unless it is switched off", "[launch
   const auto config = run.Read<recorder::RecorderConfig>("recorder");
   CHECK(config.file == (run.folder.path() / "recording.mcap").string());
   CHECK(config.robots == std::vector<std::string>{"w1/r1", "w1/r2"});
-  CHECK(config.bus.vendor == "fastdds");
+  CHECK(config.bus.vendor == bus::Vendor::kFastDds);
   CHECK_FALSE(config.streams);
   CHECK(config.facts.at("seed") == "7");
   CHECK(config.facts.at("world") == "conav13");
@@ -246,8 +246,11 @@ TEST_CASE("the planner knows every communication policy of the options by its na
 
 TEST_CASE("pictures are streamed where a person steers or instructs", "[launcher]") {
   Run run;
-  for (const auto& [method, streams] : std::vector<std::pair<const char*, bool>>{
-           {"ig-mcts", false}, {"instruction", true}, {"teleop", true}, {"greedy", false}}) {
+  for (const auto& [method, streams] :
+       std::vector<std::pair<MethodKind, bool>>{{MethodKind::kIgMcts, false},
+                                                {MethodKind::kInstruction, true},
+                                                {MethodKind::kTeleop, true},
+                                                {MethodKind::kGreedy, false}}) {
     run.options.method = method;
     CHECK(run.Sim().camera.stream == streams);
   }
@@ -318,7 +321,7 @@ TEST_CASE("the checksum is that of the weights that answer", "[launcher]") {
   folder.Write("anna", anna);
   CHECK(Refusal(CheckWeights, options) == "");
   CHECK(WeightsChecksum(options) == nhpm::ChecksumOf(anna));
-  options.model = "glpf";
+  options.model = PerceptionModelKind::kGlpf;
   CHECK(WeightsChecksum(options).empty());
 }
 

@@ -55,7 +55,8 @@ TEST_CASE("the services of a study's part have its method, and stream where that
   CHECK(Read<operators::OperatorConfig>(teleop, "operator").task.kind == "study");
   const auto ours = Plan({"teleop", "ig-mcts", "instruction"});
   CHECK_FALSE(Read<sim::SimConfig>(ours, "sim").camera.stream);
-  CHECK(Read<planner::PlannerConfig>(ours, "planner").perception_model == "nhpm");
+  CHECK(Read<planner::PlannerConfig>(ours, "planner").perception_model ==
+        PerceptionModelKind::kNhpm);
 }
 
 TEST_CASE("the operator service of a maze records a person, and waits until they begin",
