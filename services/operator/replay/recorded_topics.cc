@@ -14,7 +14,7 @@
 #include "common/service/diagnostics.h"
 #include "common/service/robot_list.h"
 #include "operator/console/console_messages.h"
-#include "operator/recording/mcap_reader.h"
+#include "operator/recording/mcap_file.h"
 #include "operator/replay/timeline.h"
 
 namespace conav::operators {

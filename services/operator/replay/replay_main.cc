@@ -18,7 +18,7 @@
 #include "common/runtime/threads.h"
 #include "operator/gateway/gateway.h"
 #include "operator/gateway/page_feed.h"
-#include "operator/recording/mcap_reader.h"
+#include "operator/recording/mcap_file.h"
 #include "operator/replay/timeline.h"
 
 namespace conav::operators {

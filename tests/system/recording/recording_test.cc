@@ -5,7 +5,7 @@
 #include <catch2/catch.hpp>
 #include <set>
 
-#include "operator/recording/mcap_reader.h"
+#include "operator/recording/mcap_file.h"
 #include "recording/recording_check.h"
 #include "system/launcher/demo_run.h"
 

@@ -11,7 +11,7 @@
 #include "common/bus/type_support.h"
 #include "common/runtime/file.h"
 #include "launcher/process.h"
-#include "operator/recording/mcap_reader.h"
+#include "operator/recording/mcap_file.h"
 #include "support/temporary_folder.h"
 #include "system/console_page.h"
 #include "system/launcher/demo_run.h"
