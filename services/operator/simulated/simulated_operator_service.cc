@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <set>
-#include <variant>
 
 #include "common/msg/convert.h"
 #include "common/runtime/log.h"
@@ -27,7 +26,7 @@ void AskThrough(OperatorClient& client, Person& person, const Clock& clock) {
     person.Answered(outcome.reply, clock.Now());
   }
   if (const auto ask = person.Next(clock.Now())) {
-    std::visit([&](const auto& body) { client.Send(ask->world, body, ask->stamp); }, ask->body);
+    client.Send(ask->world, ask->body, ask->stamp);
   }
 }
 

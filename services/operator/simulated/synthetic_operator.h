@@ -71,8 +71,8 @@ SyntheticOperatorParameters ParametersOfKind(const std::string& kind);
 struct OperatorAsk {
   std::string world;
   SimTime stamp;
-  std::variant<EditRequest, GuideRequest, DriveRequest, SelectRequest>
-      body;  // the last with order "queue" only
+  /// An edit, guidance, a key, or (with order "queue" only) a selection.
+  decltype(OperatorRequest::body) body;
 };
 
 /// One synthetic person who supervises several robots, one item after the other.
