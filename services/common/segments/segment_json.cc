@@ -1,5 +1,3 @@
-#include "common/segments/segment_json.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,6 +14,7 @@
 
 #include "common/runtime/file.h"
 #include "common/segments/segment_checks.h"
+#include "common/segments/segment_file.h"
 
 namespace conav {
 namespace {

@@ -1,5 +1,3 @@
-#include "common/segments/segment_json.h"
-
 #include <catch2/catch.hpp>
 #include <sstream>
 

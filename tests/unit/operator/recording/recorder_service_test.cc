@@ -62,7 +62,7 @@ TEST_CASE("Arrivals come in order, with their time and stamp", "[operator][recor
   CHECK(fixture.arrivals.Take().empty());
 }
 
-TEST_CASE("The writer is woken when much waits; what it cannot take is dropped and counted",
+TEST_CASE("The writer is woken when much waits, what it cannot take is dropped and counted",
           "[operator][recorder]") {
   ArrivalsFixture fixture;
   fixture.arrivals.Add(1, 0, bag::Bytes(10));
@@ -170,9 +170,10 @@ TEST_CASE("A message arrives as it was serialised, with the stamp of its header 
 }
 
 struct ServiceFixture {
-  explicit ServiceFixture(RecorderConfig config = {}) {
+  explicit ServiceFixture(RecorderConfig config = {}) : ServiceFixture(std::move(config), clock) {}
+  ServiceFixture(RecorderConfig config, const Clock& any_clock) {
     config.file = file.string();
-    service.emplace(recorder, config, clock);
+    service.emplace(recorder, config, any_clock);
   }
 
   void Publish(std::uint64_t cell_moves) {
@@ -182,12 +183,11 @@ struct ServiceFixture {
     REQUIRE(states.Publish(state));
   }
   /// How many states are in the file now.
-  std::uint64_t Recorded() const { return CountOf(file, "/r1/state"); }
-  static std::uint64_t CountOf(const std::filesystem::path& file, const std::string& topic) {
+  std::uint64_t Recorded() const {
     auto reader = bag::McapReader::Open(file);
     REQUIRE(reader);
     for (const bag::RecordedTopic& recorded : reader->topics()) {
-      if (recorded.channel.topic == topic) return recorded.message_count;
+      if (recorded.channel.topic == "/r1/state") return recorded.message_count;
     }
     return 0;
   }
@@ -253,21 +253,14 @@ TEST_CASE("A finished recording has all messages, definitions and the run's fact
 }
 
 TEST_CASE("Run ends when it is asked to, with a whole file", "[operator][recorder]") {
-  test::TemporaryFolder folder;
-  const auto file = folder / "recording.mcap";
-  RecorderConfig config;
-  config.file = file.string();
-  auto bus = std::make_shared<bus::InMemoryBus>();
-  bus::Participant participant("recorder", bus);
   const SteadyClock clock;
-  RecorderService service(participant, config, clock);
-  bus::Publisher<conav_msgs::msg::RobotState> states(participant, bus::kRobotState, "r1");
-  REQUIRE(states.Publish({}));
+  ServiceFixture fixture({}, clock);
+  fixture.Publish(1);
   StopToken stop;
   stop.RequestStop();
-  service.Run(stop);
-  CHECK(ServiceFixture::CountOf(file, "/r1/state") == 1);
-  CHECK(bag::McapReader::Open(file)->cut_off().empty());
+  fixture.service->Run(stop);
+  CHECK(fixture.Recorded() == 1);
+  CHECK(bag::McapReader::Open(fixture.file)->cut_off().empty());
 }
 
 TEST_CASE("A full disk is told on /diagnostics, and recording goes on when there is room",
@@ -295,18 +288,13 @@ TEST_CASE("A full disk is told on /diagnostics, and recording goes on when there
 }
 
 TEST_CASE("A file that cannot be made, or exists, stops the start", "[operator][recorder]") {
-  test::TemporaryFolder folder;
-  auto bus = std::make_shared<bus::InMemoryBus>();
-  bus::Participant participant("recorder", bus);
-  const FakeClock clock;
+  ServiceFixture fixture;
   RecorderConfig config;
-  config.file = (folder / "none/recording.mcap").string();
-  CHECK_THROWS_WITH(RecorderService(participant, config, clock),
-                    Catch::StartsWith("recorder.file: "));
-  config.file = (folder / "recording.mcap").string();
-  { const RecorderService first(participant, config, clock); }
-  CHECK_THROWS_WITH(RecorderService(participant, config, clock),
-                    Catch::StartsWith("recorder.file: "));
+  for (const auto& file : {fixture.folder / "none/recording.mcap", fixture.file}) {
+    config.file = file.string();
+    CHECK_THROWS_WITH(RecorderService(fixture.recorder, config, fixture.clock),
+                      Catch::StartsWith("recorder.file: " + config.file));
+  }
 }
 
 }  // namespace
