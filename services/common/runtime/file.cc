@@ -2,35 +2,16 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
 #include <cstring>
 #include <random>
-#include <utility>
 
 namespace conav {
 namespace {
-
-/// An owned file descriptor; below 0 if opening failed.
-class Descriptor {
- public:
-  Descriptor(const std::filesystem::path& path, int flags)
-      : number_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
-  ~Descriptor() {
-    if (number_ >= 0) ::close(number_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-
-  int number() const { return number_; }
-  /// False with errno; a network file system may report a full disk only here.
-  bool Close() { return ::close(std::exchange(number_, -1)) == 0; }
-
- private:
-  int number_;
-};
 
 /// True for files that are replaced whole; false for a device or pipe, which is written in place.
 bool IsReplaced(const std::filesystem::path& path) {
@@ -51,7 +32,7 @@ tl::unexpected<Error> CannotWrite(const std::filesystem::path& path, const std::
 /// Creates `target` with `flags` and writes it; messages name `path`.
 Result<void> WriteTo(const std::filesystem::path& target, int flags,
                      const std::filesystem::path& path, std::string_view bytes) {
-  Descriptor file(target, O_WRONLY | flags);
+  FileDescriptor file(target, O_WRONLY | flags);
   if (file.number() < 0 && errno == ENOENT) {
     return CannotWrite(path, fmt::format("there is no folder {}", path.parent_path().string()));
   }
@@ -87,7 +68,7 @@ Result<void> WritePartial(const std::filesystem::path& partial, const std::files
 }  // namespace
 
 Result<std::string> ReadFile(const std::filesystem::path& path) {
-  const Descriptor file(path, O_RDONLY);
+  const FileDescriptor file(path, O_RDONLY);
   if (file.number() < 0 && (errno == ENOENT || errno == ENOTDIR)) {
     return Fail(ErrorCode::kNotFound, fmt::format("{}: no such file", path.string()));
   }
@@ -123,6 +104,64 @@ Result<void> CheckWritable(const std::filesystem::path& path) {
   const auto written = WritePartial(partial, path, "");
   std::filesystem::remove(partial, error);
   return written;
+}
+
+FileDescriptor::FileDescriptor(const std::filesystem::path& path, int flags)
+    : number_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
+
+bool FileDescriptor::Close() { return number_ < 0 || ::close(std::exchange(number_, -1)) == 0; }
+
+AppendedFile::AppendedFile(std::filesystem::path path, int flags)
+    : path_(std::move(path)), descriptor_(path_, flags) {}
+
+Result<AppendedFile> AppendedFile::Create(const std::filesystem::path& path) {
+  AppendedFile file(path, O_WRONLY | O_CREAT | O_EXCL);
+  if (file.descriptor_.number() < 0) return CannotWrite(path, std::strerror(errno));
+  return file;
+}
+
+Result<AppendedFile> AppendedFile::Continue(const std::filesystem::path& path) {
+  AppendedFile file(path, O_RDWR | O_CREAT);
+  const int number = file.descriptor_.number();
+  // Reading a device might never end.
+  if (number < 0 || !std::filesystem::is_regular_file(path)) {
+    return Fail(ErrorCode::kIo,
+                fmt::format("{}: cannot record: {}", path.string(),
+                            number < 0 ? std::strerror(errno) : "it is not a regular file"));
+  }
+  if (::flock(number, LOCK_EX | LOCK_NB) != 0) {
+    return Fail(ErrorCode::kUnavailable,
+                fmt::format("{}: another process records to it", path.string()));
+  }
+  file.size_ = std::filesystem::file_size(path);
+  return file;
+}
+
+Result<void> AppendedFile::Append(std::string_view block) {
+  std::size_t done = 0;
+  while (done < block.size()) {
+    const ssize_t count = ::pwrite(descriptor_.number(), block.data() + done, block.size() - done,
+                                   static_cast<off_t>(size_ + done));
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) {
+      const int cause = count < 0 ? errno : ENOSPC;
+      // If this fails, too, the next block overwrites what is there.
+      [[maybe_unused]] const int ignored =
+          ::ftruncate(descriptor_.number(), static_cast<off_t>(size_));
+      return CannotWrite(path_, std::strerror(cause));
+    }
+    done += static_cast<std::size_t>(count);
+  }
+  size_ += block.size();
+  return {};
+}
+
+Result<void> AppendedFile::CutTo(std::uint64_t size) {
+  if (::ftruncate(descriptor_.number(), static_cast<off_t>(size)) != 0) {
+    return CannotWrite(path_, std::strerror(errno));
+  }
+  size_ = size;
+  return {};
 }
 
 }  // namespace conav

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "common/runtime/result.h"
 
@@ -21,5 +23,49 @@ namespace conav {
 /// Checks whether WriteFile(path) can work; call it before a long computation. Does not touch
 /// `path`. Errors: kIo with path and cause.
 [[nodiscard]] Result<void> CheckWritable(const std::filesystem::path& path);
+
+/// An open file of the system, closed with this object; its number is below 0 if opening failed.
+class FileDescriptor {
+ public:
+  FileDescriptor(const std::filesystem::path& path, int flags);
+  FileDescriptor(FileDescriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  FileDescriptor& operator=(FileDescriptor&&) = delete;
+  ~FileDescriptor() { Close(); }
+
+  int number() const { return number_; }
+  /// False with errno; a network file system may report a full disk only here.
+  bool Close();
+
+ private:
+  int number_;
+};
+
+/// A file that grows by whole blocks: one that could not be written is cut off again, so that the
+/// file ends with the block before it, and the next one may succeed. Each block survives a kill of
+/// this process (not a loss of power).
+/// Threads: one. Blocks on the disk; nothing is synced to it.
+class AppendedFile {
+ public:
+  /// Makes the file. Errors: kIo with path and cause; a file that exists is not touched.
+  [[nodiscard]] static Result<AppendedFile> Create(const std::filesystem::path& path);
+  /// Opens or makes it. Errors: kIo with path and cause (also for a device); kUnavailable: another
+  /// process appends to it.
+  [[nodiscard]] static Result<AppendedFile> Continue(const std::filesystem::path& path);
+
+  /// One write where the system takes all of it at once. Errors: kIo with path and cause.
+  [[nodiscard]] Result<void> Append(std::string_view block);
+  /// Appends what comes next behind its first `size` bytes. Errors: kIo with path and cause.
+  [[nodiscard]] Result<void> CutTo(std::uint64_t size);
+
+  const std::filesystem::path& path() const { return path_; }
+  std::uint64_t size() const { return size_; }
+
+ private:
+  AppendedFile(std::filesystem::path path, int flags);
+
+  std::filesystem::path path_;
+  FileDescriptor descriptor_;
+  std::uint64_t size_ = 0;
+};
 
 }  // namespace conav

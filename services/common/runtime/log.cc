@@ -3,6 +3,7 @@
 #include <fmt/chrono.h>
 #include <unistd.h>
 
+#include <array>
 #include <ctime>
 #include <mutex>
 
@@ -23,19 +24,8 @@ State& TheState() {
   return state;
 }
 
-std::string_view LevelName(Level level) {
-  switch (level) {
-    case Level::kDebug:
-      return "DEBUG";
-    case Level::kInfo:
-      return "INFO";
-    case Level::kWarning:
-      return "WARN";
-    case Level::kError:
-      return "ERROR";
-  }
-  return "?";
-}
+// In the order of Level.
+constexpr std::array kLevelNames{"DEBUG", "INFO", "WARN", "ERROR"};
 
 }  // namespace
 
@@ -58,8 +48,9 @@ void Write(Level level, std::string_view event, std::string_view fields, Reach r
   const std::time_t seconds = std::chrono::system_clock::to_time_t(now);
   gmtime_r(&seconds, &utc);
   const std::string text = fmt::format("{}{}", event, fields);
-  const std::string line = fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z {} {} {}\n", utc, milliseconds,
-                                       LevelName(level), state.service, text);
+  const std::string line =
+      fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z {} {} {}\n", utc, milliseconds,
+                  kLevelNames.at(static_cast<std::size_t>(level)), state.service, text);
   // One write per line keeps lines of several threads and processes whole.
   [[maybe_unused]] const auto written = ::write(STDERR_FILENO, line.data(), line.size());
   if (reach == Reach::kStderr) return;

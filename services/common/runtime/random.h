@@ -48,7 +48,18 @@ class Random {
   /// swaps), so that labmaze's layouts come out character for character.
   template <class T>
   void Shuffle(std::vector<T>& items) {
-    ForEachSwap(items.size(), [&](std::size_t a, std::size_t b) { std::swap(items[a], items[b]); });
+    if (items.size() < 2) return;
+    const auto draw = [this](std::size_t high) {
+      return static_cast<std::size_t>(Uniform(0, static_cast<std::int64_t>(high)));
+    };
+    std::size_t i = 1;
+    if (items.size() % 2 == 0) std::swap(items[i++], items[draw(1)]);
+    for (; i < items.size(); i += 2) {
+      const std::size_t range = i + 1;
+      const std::size_t z = draw(range * (range + 1) - 1);
+      std::swap(items[i], items[z / (range + 1)]);
+      std::swap(items[i + 1], items[z % (range + 1)]);
+    }
   }
 
  private:
@@ -66,34 +77,8 @@ class Random {
     return static_cast<std::uint64_t>(product >> 64);
   }
 
-  template <class Swap>
-  void ForEachSwap(std::size_t size, Swap&& swap);
-
   std::mt19937_64 engine_;
 };
-
-/// Derives an independent seed for a named purpose, so that adding one random source does not shift
-/// the draws of another (SplitMix64 finaliser over seed and purpose).
-std::uint64_t DeriveSeed(std::uint64_t seed, std::uint64_t purpose);
-
-template <class Swap>
-void Random::ForEachSwap(std::size_t size, Swap&& swap) {
-  if (size < 2) return;
-  std::size_t i = 1;
-  const auto draw = [this](std::size_t high) {
-    return static_cast<std::size_t>(Uniform(0, static_cast<std::int64_t>(high)));
-  };
-  if (size % 2 == 0) {
-    swap(1, draw(1));
-    i = 2;
-  }
-  for (; i < size; i += 2) {
-    const std::size_t range = i + 1;
-    const std::size_t z = draw(range * (range + 1) - 1);
-    swap(i, z / (range + 1));
-    swap(i + 1, z % (range + 1));
-  }
-}
 
 /// SplitMix64 (Steele, Lea and Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA
 /// 2014): random numbers for inner loops, a few instructions a draw, the same on every platform.
@@ -122,6 +107,12 @@ class SplitMix64 {
  private:
   std::uint64_t state_;
 };
+
+/// Derives an independent seed for a named purpose, so that adding one random source does not shift
+/// the draws of another.
+inline std::uint64_t DeriveSeed(std::uint64_t seed, std::uint64_t purpose) {
+  return SplitMix64(seed + 0x9e3779b97f4a7c15ULL * purpose).Next();
+}
 
 /// A number in [0, count) from 32 random bits, by multiplication; uneven by count / 2^32 at most.
 inline std::uint32_t ScaledTo(std::uint32_t bits, std::uint32_t count) {

@@ -63,15 +63,8 @@ std::string OriginText(const SegmentSet& set) {
 }
 
 const char* ToText(SegmentOrigin origin) {
-  switch (origin) {
-    case SegmentOrigin::kPerson:
-      return "person";
-    case SegmentOrigin::kSimulated:
-      return "simulated";
-    case SegmentOrigin::kSynthetic:
-      return "synthetic";
-  }
-  return "unknown";
+  constexpr std::array kNames{"person", "simulated", "synthetic"};
+  return kNames.at(static_cast<std::size_t>(origin));
 }
 
 }  // namespace conav

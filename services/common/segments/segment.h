@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -36,6 +37,9 @@ enum class SegmentOrigin : std::uint8_t {
   kSimulated,  // the simulated operator of a demo or a study
   kSynthetic,  // an annotator of `conav dataset synthesize`
 };
+
+inline constexpr std::array kSegmentOrigins{SegmentOrigin::kPerson, SegmentOrigin::kSimulated,
+                                            SegmentOrigin::kSynthetic};
 
 /// One person on one maze, from the first picture to the last.
 struct Trajectory {

@@ -13,9 +13,6 @@
 namespace conav {
 namespace {
 
-// In the order of segments::Origin from 1 on.
-constexpr std::array kOrigins{SegmentOrigin::kPerson, SegmentOrigin::kSimulated,
-                              SegmentOrigin::kSynthetic};
 // In the order of the values of segments::Map::cells.
 constexpr std::array kOccupancies{Occupancy::kFree, Occupancy::kOccupied, Occupancy::kUnknown};
 
@@ -104,22 +101,7 @@ std::optional<double> Optional(bool present, double value) {
   return present ? std::optional(value) : std::nullopt;
 }
 
-void TakeScalars(const segments::Segment& record, Segment& segment) {
-  segment.step = record.step();
-  segment.query.heading_rad = record.heading();
-  segment.image = record.image();
-  segment.image_sha256 = record.image_sha256();
-  segment.sent_s = Optional(record.has_sent(), record.sent());
-  segment.first_edit_s = Optional(record.has_first_edit(), record.first_edit());
-  segment.confirmed_s = Optional(record.has_confirmed(), record.confirmed());
-  segment.goals_reached = record.goals_reached();
-}
-
 // From records to a set.
-
-tl::unexpected<Error> Refuse(const std::string& reason) {
-  return Fail(ErrorCode::kMalformed, reason);
-}
 
 /// Assembles records into a set.
 class Assembly {
@@ -141,19 +123,18 @@ class Assembly {
   Result<void> AddHeader(const segments::Header& record) {
     has_header_ = true;
     if (record.schema_version() == kSegmentSchemaVersion) return {};
-    return Refuse(fmt::format("schema version {}; this program reads {}", record.schema_version(),
-                              kSegmentSchemaVersion));
+    return Refuse("schema version {}; this program reads {}", record.schema_version(),
+                  kSegmentSchemaVersion);
   }
 
   Result<void> AddTrajectory(const segments::Trajectory& record) {
     const std::size_t number = record.number();
     if (number > set_.trajectories.size()) {
-      return Refuse(fmt::format("trajectory {} comes before trajectory {}", number,
-                                set_.trajectories.size()));
+      return Refuse("trajectory {} comes before trajectory {}", number, set_.trajectories.size());
     }
     auto trajectory = ToDomain(record);
     if (!trajectory) {
-      return Refuse(fmt::format("trajectory {}: {}", number, trajectory.error().text));
+      return Refuse("trajectory {}: {}", number, trajectory.error().text);
     }
     if (number == set_.trajectories.size()) set_.trajectories.emplace_back();
     Trajectory& kept = set_.trajectories[number];
@@ -165,13 +146,12 @@ class Assembly {
   Result<void> AddSegment(const segments::Segment& record) {
     const std::size_t number = record.trajectory();
     if (number >= set_.trajectories.size()) {
-      return Refuse(
-          fmt::format("a segment of trajectory {}, which has no record before it", number));
+      return Refuse("a segment of trajectory {}, which has no record before it", number);
     }
     std::vector<Segment>& segments = set_.trajectories[number].segments;
     auto segment = ToDomain(record);
     if (!segment) {
-      return Refuse(SegmentPlace(number, segments.size()) + ": " + segment.error().text);
+      return Refuse("{}: {}", SegmentPlace(number, segments.size()), segment.error().text);
     }
     segments.push_back(*std::move(segment));
     return {};
@@ -198,12 +178,11 @@ Result<SegmentSet> ReadFrames(std::string_view file, TornEnd torn_end) {
   const auto frames = FindFrames(file);
   if (!frames) return tl::unexpected(frames.error());
   if (frames->torn && torn_end == TornEnd::kRefuse) {
-    return Refuse(
-        fmt::format("it is truncated: its {} bytes end inside a zstd frame{}", file.size(),
-                    frames->complete_bytes == 0
-                        ? std::string()
-                        : fmt::format("; {} bytes before it are complete (--recover keeps them)",
-                                      frames->complete_bytes)));
+    return Refuse("it is truncated: its {} bytes end inside a zstd frame{}", file.size(),
+                  frames->complete_bytes == 0
+                      ? std::string()
+                      : fmt::format("; {} bytes before it are complete (--recover keeps them)",
+                                    frames->complete_bytes));
   }
   if (frames->complete_bytes == 0) return Refuse("it has no complete zstd frame");
   return ReadRecords(file.substr(0, frames->complete_bytes));
@@ -228,8 +207,7 @@ segments::Record ToRecord(const Trajectory& trajectory, std::uint32_t number) {
   segments::Record whole;
   segments::Trajectory& record = *whole.mutable_trajectory();
   record.set_number(number);
-  const auto origin = std::ranges::find(kOrigins, trajectory.origin) - kOrigins.begin();
-  record.set_origin(static_cast<segments::Origin>(origin + 1));
+  record.set_origin(static_cast<segments::Origin>(static_cast<int>(trajectory.origin) + 1));
   record.set_participant(trajectory.participant);
   record.set_session(trajectory.session);
   record.set_world(trajectory.world);
@@ -271,10 +249,10 @@ segments::Record ToRecord(const Segment& segment, std::uint32_t trajectory) {
 Result<Trajectory> ToDomain(const segments::Trajectory& record) {
   Trajectory trajectory;
   const auto origin = static_cast<std::size_t>(record.origin()) - 1;  // 0 wraps around
-  if (origin >= kOrigins.size()) {
+  if (origin >= kSegmentOrigins.size()) {
     return Refuse("origin {} is not known", static_cast<int>(record.origin()));
   }
-  trajectory.origin = kOrigins[origin];
+  trajectory.origin = kSegmentOrigins[origin];
   trajectory.participant = record.participant();
   trajectory.session = record.session();
   trajectory.world = record.world();
@@ -303,7 +281,14 @@ Result<Segment> ToDomain(const segments::Segment& record) {
     target = *std::move(result);
     return {};
   };
-  TakeScalars(record, segment);
+  segment.step = record.step();
+  query.heading_rad = record.heading();
+  segment.image = record.image();
+  segment.image_sha256 = record.image_sha256();
+  segment.sent_s = Optional(record.has_sent(), record.sent());
+  segment.first_edit_s = Optional(record.has_first_edit(), record.first_edit());
+  segment.confirmed_s = Optional(record.has_confirmed(), record.confirmed());
+  segment.goals_reached = record.goals_reached();
   std::vector<Cell> camera;
   Indices camera_cell;
   camera_cell.Add(record.camera_cell());

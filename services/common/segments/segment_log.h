@@ -8,15 +8,13 @@
 #include <string_view>
 #include <utility>
 
+#include "common/runtime/file.h"
 #include "common/runtime/result.h"
 #include "common/segments/segment.h"
 
 namespace conav {
 
-/// A file that grows by whole zstd frames during a session. Append() hands each frame to the
-/// operating system before it returns, so that it survives a kill of this process (not a loss of
-/// power).
-///
+/// An AppendedFile whose blocks are zstd frames, and which may go on in a later session.
 /// Threads: not synchronised; one owner. Calls block on the disk.
 class FrameLog {
  public:
@@ -29,25 +27,17 @@ class FrameLog {
   /// records to it); kMalformed (not zstd, damaged, no complete frame); those of `check`.
   [[nodiscard]] static Result<FrameLog> Open(const std::filesystem::path& path, const Check& check);
 
-  FrameLog(FrameLog&& other) noexcept;
-  FrameLog& operator=(FrameLog&&) = delete;
-  ~FrameLog();
-
-  const std::filesystem::path& path() const { return path_; }
-  bool empty() const { return size_ == 0; }
+  bool empty() const { return file_.size() == 0; }
 
   /// Errors: kIo with path and cause; then the file stays as it was.
-  [[nodiscard]] Result<void> Append(std::string_view frame);
+  [[nodiscard]] Result<void> Append(std::string_view frame) { return file_.Append(frame); }
 
  private:
-  FrameLog(std::filesystem::path path, int file);
+  explicit FrameLog(AppendedFile file) : file_(std::move(file)) {}
   Result<void> Begin(const Check& check);
-  Result<void> SetAside(std::string_view torn_end);
-  Error Failure(const std::string& what) const;
+  Result<void> SetAside(std::string_view torn_end) const;
 
-  std::filesystem::path path_;
-  int file_ = -1;
-  std::uint64_t size_ = 0;
+  AppendedFile file_;
 };
 
 /// A segment file that grows during a session: a FrameLog with one frame per segment.

@@ -14,19 +14,9 @@
 namespace conav {
 namespace {
 
-/// Constants of rcl_interfaces/msg/Log.
+/// Constants of rcl_interfaces/msg/Log: DEBUG = 10, INFO = 20, WARN = 30, ERROR = 40.
 std::uint8_t RosLevel(log::Level level) {
-  switch (level) {
-    case log::Level::kDebug:
-      return 10;
-    case log::Level::kInfo:
-      return 20;
-    case log::Level::kWarning:
-      return 30;
-    case log::Level::kError:
-      return 40;
-  }
-  return 0;
+  return static_cast<std::uint8_t>(10 * (static_cast<int>(level) + 1));
 }
 
 /// The publisher's history ends with it, so it waits until all subscribers have every line.

@@ -15,7 +15,6 @@
 #include "common/runtime/file.h"
 #include "common/segments/segment.h"
 #include "common/segments/segment_file.h"
-#include "common/segments/segment_json.h"
 #include "common/segments/segment_split.h"
 #include "nhpm/dataset/set_summary.h"
 #include "nhpm/dataset/synthesize.h"

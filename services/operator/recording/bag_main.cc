@@ -11,8 +11,7 @@
 
 #include "common/cli/cli.h"
 #include "common/cli/progress_line.h"
-#include "operator/recording/mcap_reader.h"
-#include "operator/recording/rosbag2_export.h"
+#include "operator/recording/mcap_file.h"
 
 /// What is in a recording, for people and for programs.
 namespace conav::bag {

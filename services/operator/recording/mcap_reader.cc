@@ -1,36 +1,110 @@
-#include "operator/recording/mcap_reader.h"
-
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <numeric>
-#include <optional>
 #include <tuple>
 #include <utility>
 
-namespace conav::bag {
+#include "operator/recording/mcap_file.h"
 
-/// The records of a chunk. Errors as above, with the chunk's place in the file.
-[[nodiscard]] Result<Bytes> ReadChunkAt(const InputFile& file, std::uint64_t offset,
-                                        std::uint64_t length);
+namespace conav::bag {
+namespace {
 
 /// "FILE: at byte N: WHAT".
 tl::unexpected<Error> DamagedAt(const InputFile& file, std::uint64_t offset,
-                                const std::string& what, ErrorCode code = ErrorCode::kMalformed);
+                                const std::string& what, ErrorCode code = ErrorCode::kMalformed) {
+  return Fail(code, fmt::format("{}: at byte {}: {}", file.path().string(), offset, what));
+}
+
+/// `cause`: an errno.
+tl::unexpected<Error> IoError(const std::filesystem::path& path, int cause,
+                              ErrorCode code = ErrorCode::kIo) {
+  return Fail(code, fmt::format("{}: {}", path.string(), std::strerror(cause)));
+}
+
+}  // namespace
+
+Result<InputFile> InputFile::Open(const std::filesystem::path& path) {
+  FileDescriptor descriptor(path, O_RDONLY);
+  if (descriptor.number() < 0) {
+    return IoError(path, errno, errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo);
+  }
+  struct stat status {};
+  if (fstat(descriptor.number(), &status) != 0) return IoError(path, errno);
+  if (!S_ISREG(status.st_mode)) return Fail(ErrorCode::kIo, path.string() + ": is no file");
+  return InputFile(path, std::move(descriptor), static_cast<std::uint64_t>(status.st_size));
+}
+
+Result<Bytes> InputFile::Read(std::uint64_t offset, std::uint64_t size) const {
+  if (offset > size_ || size > size_ - offset) {
+    return Fail(ErrorCode::kMalformed,
+                fmt::format("{}: {} bytes from byte {} on are not in this file of {} bytes",
+                            path_.string(), size, offset, size_));
+  }
+  Bytes bytes(size);
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t count = pread(descriptor_.number(), bytes.data() + done, bytes.size() - done,
+                                static_cast<off_t>(offset + done));
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return IoError(path_, errno);
+    if (count == 0) return Fail(ErrorCode::kIo, path_.string() + ": became shorter");
+    done += static_cast<std::size_t>(count);
+  }
+  return bytes;
+}
+
+namespace {
+
+/// The records of a chunk. Errors as those of ReadContents, with the place in the file.
+Result<Bytes> ReadChunkAt(const InputFile& file, std::uint64_t offset, std::uint64_t length) {
+  if (length > kLargestChunk) {
+    return DamagedAt(file, offset,
+                     fmt::format("a chunk of {} bytes; {} is the limit", length, kLargestChunk),
+                     ErrorCode::kRefused);
+  }
+  const auto bytes = file.Read(offset, length);
+  if (!bytes) return tl::unexpected(bytes.error());
+  ByteSpan rest = *bytes;
+  const auto record = TakeRecord(rest);
+  const auto chunk =
+      record && record->opcode == Opcode::kChunk ? ReadChunk(record->content) : std::nullopt;
+  if (!chunk) return DamagedAt(file, offset, "no chunk, or a damaged one");
+  auto unpacked = Unpack(*chunk);
+  if (unpacked) return unpacked;
+  return DamagedAt(file, offset, "chunk: " + unpacked.error().text, unpacked.error().code);
+}
 
 /// Takes up a schema or channel record; of two with one id the first counts. False when it is
 /// damaged.
-bool AddDescription(const Record& record, McapContents& contents);
+bool AddDescription(const Record& record, McapContents& contents) {
+  const auto add = [](auto description, auto& known) {
+    if (description) known.emplace(description->id, *std::move(description));
+    return description.has_value();
+  };
+  if (record.opcode == Opcode::kSchema) {
+    const auto schema = Read<Schema>(record.content);
+    return schema && schema->id != 0 && add(schema, contents.schemas);
+  }
+  if (record.opcode == Opcode::kChannel) {
+    return add(Read<Channel>(record.content), contents.channels);
+  }
+  if (record.opcode != Opcode::kMetadata) return true;
+  auto metadata = Read<Metadata>(record.content);
+  if (metadata) contents.metadata.push_back(*std::move(metadata));
+  return metadata.has_value();
+}
 
 /// ReadContents without a summary: reads every record of the data section, and unpacks every chunk.
 /// A record that the end of the file cuts off and what is no record (zeros, which a loss of power
 /// can leave) end the data; chunks that are damaged are left out, and so are messages whose topics
 /// were described in these. `cut_off` describes that, and is never empty: the summary is missing at
 /// least.
-[[nodiscard]] Result<McapContents> ScanContents(const InputFile& file);
-
-namespace {
-
 class Scan {
  public:
   explicit Scan(const InputFile& file) : file_(file) {}
@@ -70,8 +144,8 @@ class Scan {
     const auto header = file_.Read(at_, kRecordHeaderSize);
     if (!header) return tl::unexpected(header.error());
     ByteReader reader(*header);
-    const auto opcode = static_cast<Opcode>(reader.U8());
-    const std::uint64_t length = reader.U64();
+    const auto opcode = static_cast<Opcode>(reader.Take<std::uint8_t>());
+    const auto length = reader.Take<std::uint64_t>();
     // Zeros, which a loss of power can leave, or what is behind a damaged length: no record.
     if (opcode == Opcode{0} || length > left() - kRecordHeaderSize) return EndHere();
     auto done = Take(opcode, kRecordHeaderSize + length);
@@ -167,32 +241,15 @@ class Scan {
   McapContents contents_;
 };
 
-}  // namespace
-
-bool AddDescription(const Record& record, McapContents& contents) {
-  if (record.opcode == Opcode::kSchema) {
-    auto schema = ReadSchema(record.content);
-    if (!schema || schema->id == 0) return false;
-    contents.schemas.emplace(schema->id, *std::move(schema));
-  } else if (record.opcode == Opcode::kChannel) {
-    auto channel = ReadChannel(record.content);
-    if (!channel) return false;
-    contents.channels.emplace(channel->id, *std::move(channel));
-  } else if (record.opcode == Opcode::kMetadata) {
-    auto metadata = ReadMetadata(record.content);
-    if (!metadata) return false;
-    contents.metadata.push_back(*std::move(metadata));
-  }
-  return true;
-}
-
-Result<McapContents> ScanContents(const InputFile& file) { return Scan(file).Run(); }
-
-namespace {
-
 constexpr std::uint64_t kLargestSummary = std::uint64_t{256} << 20;
 constexpr std::size_t kEndSize = kRecordHeaderSize + kFooterSize + kMagicSize;
-constexpr std::size_t kFooterCrcSize = 4;
+
+/// The record that `bytes` begin with, if it is a T.
+template <class T>
+std::optional<T> ReadFirst(ByteSpan bytes) {
+  const auto record = TakeRecord(bytes);
+  return record && record->opcode == T::kOpcode ? Read<T>(record->content) : std::nullopt;
+}
 
 bool IsMagic(ByteSpan bytes) {
   return std::equal(bytes.begin(), bytes.end(), std::begin(kMagic), std::end(kMagic));
@@ -219,10 +276,7 @@ Result<std::optional<Summary>> ReadSummary(const InputFile& file) {
   const auto end = file.Read(footer_at, kEndSize);
   if (!end) return tl::unexpected(end.error());
   if (!IsMagic(ByteSpan(*end).last(kMagicSize))) return std::nullopt;
-  ByteSpan rest = *end;
-  const auto record = TakeRecord(rest);
-  const auto footer =
-      record && record->opcode == Opcode::kFooter ? ReadFooter(record->content) : std::nullopt;
+  const auto footer = ReadFirst<Footer>(*end);
   if (!footer) return DamagedAt(file, footer_at, "the footer is damaged");
   if (footer->summary_start == 0) return Summary{{}, footer_at};
   if (footer->summary_start < kMagicSize || footer->summary_start > footer_at) {
@@ -249,10 +303,7 @@ Result<void> ReadMetadataAt(const InputFile& file, const MetadataIndex& index,
                             McapContents& contents) {
   const auto bytes = file.Read(index.offset, index.length);
   if (!bytes) return tl::unexpected(bytes.error());
-  ByteSpan rest = *bytes;
-  const auto record = TakeRecord(rest);
-  auto metadata =
-      record && record->opcode == Opcode::kMetadata ? ReadMetadata(record->content) : std::nullopt;
+  auto metadata = ReadFirst<Metadata>(*bytes);
   if (!metadata) return DamagedAt(file, index.offset, "no metadata record");
   contents.metadata.push_back(*std::move(metadata));
   return {};
@@ -279,15 +330,15 @@ Result<std::optional<McapContents>> ParseSummary(const InputFile& file, const Su
     if (record->opcode == Opcode::kSchema || record->opcode == Opcode::kChannel) {
       good = AddDescription(*record, contents);
     } else if (record->opcode == Opcode::kChunkIndex) {
-      auto index = ReadChunkIndex(record->content);
+      auto index = Read<ChunkIndex>(record->content);
       good = index.has_value();
       if (index) contents.chunks.push_back(*std::move(index));
     } else if (record->opcode == Opcode::kStatistics) {
-      auto statistics = ReadStatistics(record->content);
+      auto statistics = Read<Statistics>(record->content);
       good = has_statistics = statistics.has_value();
       if (statistics) contents.statistics = *std::move(statistics);
     } else if (record->opcode == Opcode::kMetadataIndex) {
-      const auto index = ReadMetadataIndex(record->content);
+      const auto index = Read<MetadataIndex>(record->content);
       good = index.has_value();
       if (index) {
         if (auto read = ReadMetadataAt(file, *index, contents); !read) {
@@ -319,36 +370,13 @@ Result<McapContents> ReadAny(const InputFile& file) {
     if (!contents) return tl::unexpected(contents.error());
     if (*contents) return **std::move(contents);
   }
-  auto scanned = ScanContents(file);
+  auto scanned = Scan(file).Run();
   // What the scan does not look at is the end.
   if (scanned && *summary) scanned->cut_off.clear();
   return scanned;
 }
 
 }  // namespace
-
-tl::unexpected<Error> DamagedAt(const InputFile& file, std::uint64_t offset,
-                                const std::string& what, ErrorCode code) {
-  return Fail(code, fmt::format("{}: at byte {}: {}", file.path().string(), offset, what));
-}
-
-Result<Bytes> ReadChunkAt(const InputFile& file, std::uint64_t offset, std::uint64_t length) {
-  if (length > kLargestChunk) {
-    return DamagedAt(file, offset,
-                     fmt::format("a chunk of {} bytes; {} is the limit", length, kLargestChunk),
-                     ErrorCode::kRefused);
-  }
-  const auto bytes = file.Read(offset, length);
-  if (!bytes) return tl::unexpected(bytes.error());
-  ByteSpan rest = *bytes;
-  const auto record = TakeRecord(rest);
-  const auto chunk =
-      record && record->opcode == Opcode::kChunk ? ReadChunk(record->content) : std::nullopt;
-  if (!chunk) return DamagedAt(file, offset, "no chunk, or a damaged one");
-  auto unpacked = Unpack(*chunk);
-  if (unpacked) return unpacked;
-  return DamagedAt(file, offset, "chunk: " + unpacked.error().text, unpacked.error().code);
-}
 
 Result<McapContents> ReadContents(const InputFile& file) {
   if (auto magic = CheckMagic(file); !magic) return tl::unexpected(magic.error());

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <concepts>
 #include <cstdint>
 #include <map>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/runtime/result.h"
@@ -22,40 +24,43 @@ class ByteWriter {
   /// Appends to `bytes`, which outlives it.
   explicit ByteWriter(Bytes& bytes) : bytes_(bytes) {}
 
-  void U8(std::uint8_t value) { Number(value, 1); }
-  void U16(std::uint16_t value) { Number(value, 2); }
-  void U32(std::uint32_t value) { Number(value, 4); }
-  void U64(std::uint64_t value) { Number(value, 8); }
-  void Raw(ByteSpan bytes) { bytes_.insert(bytes_.end(), bytes.begin(), bytes.end()); }
-  void Text(std::string_view text) {
-    U32(static_cast<std::uint32_t>(text.size()));
+  template <std::unsigned_integral T>
+  void Put(T value) {
+    Number(value, sizeof(T));
+  }
+  void Put(std::string_view text) {
+    Put(static_cast<std::uint32_t>(text.size()));
     bytes_.insert(bytes_.end(), text.begin(), text.end());
   }
-  void Map(const TextMap& map) {
+  /// A map or list of pairs, with the number of its bytes before it.
+  template <class Pairs>
+  requires requires(const Pairs& pairs) { pairs.begin()->second; }
+  void Put(const Pairs& pairs) {
     const std::size_t length_at = BeginLength(4);
-    for (const auto& [key, value] : map) {
-      Text(key);
-      Text(value);
+    for (const auto& [key, value] : pairs) {
+      Put(key);
+      Put(value);
     }
     EndLength(length_at, 4);
   }
+  void Raw(ByteSpan bytes) { bytes_.insert(bytes_.end(), bytes.begin(), bytes.end()); }
 
   /// A length of `width` bytes that EndLength fills in with what was appended since.
-  std::size_t BeginLength(int width) {
+  std::size_t BeginLength(std::size_t width) {
     const std::size_t at = bytes_.size();
     Number(0, width);
     return at;
   }
-  void EndLength(std::size_t at, int width) {
-    std::uint64_t length = bytes_.size() - at - static_cast<std::size_t>(width);
-    for (int i = 0; i < width; ++i, length >>= 8) {
-      bytes_[at + static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(length);
+  void EndLength(std::size_t at, std::size_t width) {
+    std::uint64_t length = bytes_.size() - at - width;
+    for (std::size_t i = 0; i < width; ++i, length >>= 8) {
+      bytes_[at + i] = static_cast<std::uint8_t>(length);
     }
   }
 
  private:
-  void Number(std::uint64_t value, int width) {
-    for (int i = 0; i < width; ++i, value >>= 8) bytes_.push_back(static_cast<std::uint8_t>(value));
+  void Number(std::uint64_t value, std::size_t width) {
+    for (; width-- > 0; value >>= 8) bytes_.push_back(static_cast<std::uint8_t>(value));
   }
 
   Bytes& bytes_;
@@ -66,10 +71,32 @@ class ByteReader {
  public:
   explicit ByteReader(ByteSpan bytes) : bytes_(bytes) {}
 
-  std::uint8_t U8() { return static_cast<std::uint8_t>(Number(1)); }
-  std::uint16_t U16() { return static_cast<std::uint16_t>(Number(2)); }
-  std::uint32_t U32() { return static_cast<std::uint32_t>(Number(4)); }
-  std::uint64_t U64() { return Number(8); }
+  template <std::unsigned_integral T>
+  void Take(T& number) {
+    std::uint64_t value = 0;
+    const ByteSpan bytes = Raw(sizeof(T));
+    for (std::size_t i = bytes.size(); i-- > 0;) value = value << 8 | bytes[i];
+    number = static_cast<T>(value);
+  }
+  void Take(std::string& text) {
+    const ByteSpan bytes = Raw(Take<std::uint32_t>());
+    text.assign(bytes.begin(), bytes.end());
+  }
+  template <class Key, class Value>
+  void Take(std::map<Key, Value>& map) {
+    ByteReader inner(Raw(Take<std::uint32_t>()));
+    while (!inner.at_end()) {
+      Key key = inner.Take<Key>();
+      map[std::move(key)] = inner.Take<Value>();
+    }
+    ok_ = ok_ && inner.ok();
+  }
+  template <class T>
+  T Take() {
+    T value;
+    Take(value);
+    return value;
+  }
   ByteSpan Raw(std::uint64_t size) {
     if (size > bytes_.size()) {
       ok_ = false;
@@ -80,33 +107,12 @@ class ByteReader {
     bytes_ = bytes_.subspan(taken.size());
     return taken;
   }
-  std::string Text() {
-    const ByteSpan text = Raw(U32());
-    return {text.begin(), text.end()};
-  }
-  TextMap Map() {
-    ByteReader inner(Raw(U32()));
-    TextMap map;
-    while (!inner.at_end()) {
-      std::string key = inner.Text();
-      map[std::move(key)] = inner.Text();
-    }
-    ok_ = ok_ && inner.ok();
-    return map;
-  }
 
   bool at_end() const { return bytes_.empty(); }
   bool ok() const { return ok_; }
   std::size_t left() const { return bytes_.size(); }
 
  private:
-  std::uint64_t Number(std::size_t width) {
-    std::uint64_t value = 0;
-    const ByteSpan bytes = Raw(width);
-    for (std::size_t i = bytes.size(); i-- > 0;) value = value << 8 | bytes[i];
-    return value;
-  }
-
   ByteSpan bytes_;
   bool ok_ = true;
 };
@@ -125,7 +131,8 @@ namespace conav::bag {
 inline constexpr std::uint8_t kMagic[] = {0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
 inline constexpr std::size_t kMagicSize = sizeof kMagic;
 inline constexpr std::size_t kRecordHeaderSize = 9;
-inline constexpr std::size_t kFooterSize = 20;  // its content
+inline constexpr std::size_t kFooterSize = 20;  // its content, which ends with the CRC
+inline constexpr std::size_t kFooterCrcSize = 4;
 
 enum class Opcode : std::uint8_t {
   kHeader = 0x01,
@@ -144,6 +151,7 @@ enum class Opcode : std::uint8_t {
 };
 
 struct Schema {
+  static constexpr Opcode kOpcode = Opcode::kSchema;
   std::uint16_t id = 0;
   std::string name;      // "conav_msgs/msg/RobotState"
   std::string encoding;  // "ros2msg"
@@ -151,6 +159,7 @@ struct Schema {
 };
 
 struct Channel {
+  static constexpr Opcode kOpcode = Opcode::kChannel;
   std::uint16_t id = 0;
   std::uint16_t schema_id = 0;
   std::string topic;
@@ -175,6 +184,7 @@ struct ChunkHeader {
 };
 
 struct ChunkIndex {
+  static constexpr Opcode kOpcode = Opcode::kChunkIndex;
   std::uint64_t start_time = 0;
   std::uint64_t end_time = 0;
   std::uint64_t offset = 0;  // of the chunk record in the file
@@ -187,6 +197,7 @@ struct ChunkIndex {
 };
 
 struct Statistics {
+  static constexpr Opcode kOpcode = Opcode::kStatistics;
   std::uint64_t message_count = 0;
   std::uint16_t schema_count = 0;
   std::uint32_t channel_count = 0;
@@ -199,54 +210,60 @@ struct Statistics {
 };
 
 struct Metadata {
+  static constexpr Opcode kOpcode = Opcode::kMetadata;
   std::string name;
   TextMap values;
 };
 
 struct MetadataIndex {
+  static constexpr Opcode kOpcode = Opcode::kMetadataIndex;
   std::uint64_t offset = 0;
   std::uint64_t length = 0;
   std::string name;
 };
 
 struct Footer {
+  static constexpr Opcode kOpcode = Opcode::kFooter;
   std::uint64_t summary_start = 0;  // 0 = there is no summary
   std::uint64_t summary_offset_start = 0;
   std::uint32_t summary_crc = 0;  // 0 = not known
 };
 
-/// Position of one message in the uncompressed bytes of its chunk.
-struct MessageIndexEntry {
-  std::uint64_t log_time = 0;
-  std::uint64_t offset = 0;
+struct Header {
+  static constexpr Opcode kOpcode = Opcode::kHeader;
+  std::string profile;
+  std::string library;
 };
 
-// Each appends one whole record.
-void AppendHeader(Bytes& out, const std::string& profile, const std::string& library);
-void Append(Bytes& out, const Schema& schema);
-void Append(Bytes& out, const Channel& channel);
+/// Where the messages of one channel are in the uncompressed bytes of their chunk.
+struct MessageIndex {
+  static constexpr Opcode kOpcode = Opcode::kMessageIndex;
+  std::uint16_t channel_id = 0;
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> entries;  // log time, offset
+};
+
+struct SummaryOffset {
+  static constexpr Opcode kOpcode = Opcode::kSummaryOffset;
+  std::uint8_t group = 0;  // opcode
+  std::uint64_t start = 0;
+  std::uint64_t length = 0;
+};
+
+struct DataEnd {
+  static constexpr Opcode kOpcode = Opcode::kDataEnd;
+  std::uint32_t data_crc = 0;
+};
+
+/// Appends one whole record: any of the above but those of chunks and messages.
+template <class T>
+void Append(Bytes& out, const T& record);
 void Append(Bytes& out, const MessageHeader& header, ByteSpan data);
 void Append(Bytes& out, const ChunkHeader& header, ByteSpan compressed);
-void AppendMessageIndex(Bytes& out, std::uint16_t channel_id,
-                        const std::vector<MessageIndexEntry>& entries);
-void Append(Bytes& out, const ChunkIndex& index);
-void Append(Bytes& out, const Statistics& statistics);
-void Append(Bytes& out, const Metadata& metadata);
-void Append(Bytes& out, const MetadataIndex& index);
-void AppendSummaryOffset(Bytes& out, Opcode group, std::uint64_t start, std::uint64_t length);
-void AppendDataEnd(Bytes& out, std::uint32_t data_crc);
-/// Without its CRC, which covers what is before it: AppendFooterCrc completes it.
-void AppendFooterBegin(Bytes& out, const Footer& footer);
-void AppendFooterCrc(Bytes& out, std::uint32_t crc);
 
-// Each reads a record's content; nothing when it is too short or a length in it is absurd.
-std::optional<Schema> ReadSchema(ByteSpan content);
-std::optional<Channel> ReadChannel(ByteSpan content);
-std::optional<ChunkIndex> ReadChunkIndex(ByteSpan content);
-std::optional<Statistics> ReadStatistics(ByteSpan content);
-std::optional<Metadata> ReadMetadata(ByteSpan content);
-std::optional<MetadataIndex> ReadMetadataIndex(ByteSpan content);
-std::optional<Footer> ReadFooter(ByteSpan content);
+/// Reads a record's content (schema, channel, chunk index, statistics, metadata and its index,
+/// footer); nothing when it is too short or a length in it is absurd.
+template <class T>
+std::optional<T> Read(ByteSpan content);
 
 struct MessageRecord {
   MessageHeader header;

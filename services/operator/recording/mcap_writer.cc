@@ -1,12 +1,17 @@
-#include "operator/recording/mcap_writer.h"
-
 #include <algorithm>
 #include <functional>
 #include <utility>
 
-#include "common/runtime/result.h"
+#include "operator/recording/mcap_file.h"
 
 namespace conav::bag {
+namespace {
+
+std::string_view TextOf(const Bytes& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+}  // namespace
 
 Result<McapWriter> McapWriter::Create(const std::filesystem::path& path, const Options& options,
                                       const std::vector<Metadata>& metadata) {
@@ -19,7 +24,7 @@ Result<McapWriter> McapWriter::Create(const std::filesystem::path& path, const O
 
 Result<void> McapWriter::Begin(const std::vector<Metadata>& metadata) {
   Bytes block(std::begin(kMagic), std::end(kMagic));
-  AppendHeader(block, "ros2", options_.library);
+  Append(block, Header{"ros2", options_.library});
   for (const Metadata& record : metadata) {
     const std::size_t offset = block.size();
     Append(block, record);
@@ -30,7 +35,7 @@ Result<void> McapWriter::Begin(const std::vector<Metadata>& metadata) {
 }
 
 Result<void> McapWriter::AppendBlock(const Bytes& block) {
-  return file_.Append(block).map([&] { data_crc_ = Crc32(block, data_crc_); });
+  return file_.Append(TextOf(block)).map([&] { data_crc_ = Crc32(block, data_crc_); });
 }
 
 std::uint16_t McapWriter::AddChannel(Schema schema, Channel channel) {
@@ -68,7 +73,7 @@ Result<void> McapWriter::Write(std::uint16_t channel_id, std::uint64_t log_time,
   if (pending_ == 0) chunk_header_ = {.start_time = log_time, .end_time = log_time};
   chunk_header_.start_time = std::min(chunk_header_.start_time, log_time);
   chunk_header_.end_time = std::max(chunk_header_.end_time, log_time);
-  channel.entries.push_back({log_time, chunk_.size()});
+  channel.entries.emplace_back(log_time, chunk_.size());
   Append(chunk_, MessageHeader{channel_id, ++channel.sequence, log_time, publish_time}, data);
   ++pending_;
   if (chunk_.size() < options_.chunk_bytes) return {};
@@ -92,9 +97,9 @@ Bytes McapWriter::PackChunk(ChunkIndex& index) {
   for (ChannelState& channel : channels_) {
     if (channel.entries.empty()) continue;
     std::stable_sort(channel.entries.begin(), channel.entries.end(),
-                     [](const auto& a, const auto& b) { return a.log_time < b.log_time; });
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
     index.message_index_offsets[channel.channel.id] = file_.size() + block.size();
-    AppendMessageIndex(block, channel.channel.id, channel.entries);
+    Append(block, MessageIndex{channel.channel.id, channel.entries});
   }
   index.message_index_length = block.size() - index.length;
   return block;
@@ -146,7 +151,8 @@ Footer McapWriter::AppendSummaryGroups(Bytes& out, std::uint64_t summary_start) 
     const std::size_t begin = out.size();
     append();
     if (out.size() == begin) return;
-    AppendSummaryOffset(offsets, opcode, summary_start + begin, out.size() - begin);
+    Append(offsets, SummaryOffset{static_cast<std::uint8_t>(opcode), summary_start + begin,
+                                  out.size() - begin});
   };
   group(Opcode::kSchema, [&] {
     for (const SchemaState& state : schemas_) {
@@ -183,14 +189,14 @@ Footer McapWriter::AppendSummaryGroups(Bytes& out, std::uint64_t summary_start) 
 Result<void> McapWriter::Finish() {
   const Result<void> flushed = Flush();
   Bytes block;
-  AppendDataEnd(block, data_crc_);
+  Append(block, DataEnd{data_crc_});
   Bytes summary;
-  const Footer footer = AppendSummaryGroups(summary, file_.size() + block.size());
-  AppendFooterBegin(summary, footer);
-  AppendFooterCrc(summary, Crc32(summary));
+  Append(summary, AppendSummaryGroups(summary, file_.size() + block.size()));
+  summary.resize(summary.size() - kFooterCrcSize);
+  ByteWriter(summary).Put(Crc32(summary));
   block.insert(block.end(), summary.begin(), summary.end());
   block.insert(block.end(), std::begin(kMagic), std::end(kMagic));
-  const Result<void> written = file_.Append(block);
+  const Result<void> written = file_.Append(TextOf(block));
   return flushed ? written : flushed;
 }
 

@@ -1,32 +1,47 @@
-#include "operator/recording/message_schemas.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
 #include <map>
-#include <optional>
 #include <set>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "operator/recording/idl_text.h"
+#include "operator/recording/mcap_file.h"
 
 namespace conav::bag {
 namespace {
 
-struct IdlToken {
-  enum class Kind { kWord, kSign, kComment, kEnd };
-  Kind kind;
-  std::string_view text;  // of a comment what is behind the slashes; of a word also "a::b", "-1.5"
-  int line;               // from 1
+struct IdlField {
+  std::string type;  // as ROS writes it: "uint8[]", "float64[36]", "std_msgs/Header"
+  std::string name;
+  std::string comment;  // behind it on its line
+};
+
+struct IdlStruct {
+  std::string package;
+  std::string name;
+  std::vector<std::string> comment;  // the lines above it
+  std::vector<IdlField> fields;
+};
+
+struct IdlConstant {
+  std::string package;
+  std::string type;
+  std::string name;
+  std::string value;
+  std::string comment;
+};
+
+struct IdlDocument {
+  std::vector<IdlStruct> structs;
+  std::vector<IdlConstant> constants;
 };
 
 bool IsSpace(char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; }
-
-bool IsWordPart(char c) {
-  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == ':' || c == '.' ||
-         c == '-';
-}
 
 std::string_view Trimmed(std::string_view text) {
   while (!text.empty() && IsSpace(text.front())) text.remove_prefix(1);
@@ -34,37 +49,18 @@ std::string_view Trimmed(std::string_view text) {
   return text;
 }
 
-void TokenizeLine(std::string_view line, int number, std::vector<IdlToken>& tokens) {
-  using Kind = IdlToken::Kind;
-  while (!(line = Trimmed(line)).empty()) {
-    if (line.starts_with("//")) {
-      tokens.push_back({Kind::kComment, Trimmed(line.substr(2)), number});
-      return;
-    }
-    const auto end = std::find_if_not(line.begin(), line.end(), IsWordPart);
-    const auto length = static_cast<std::size_t>(end - line.begin());
-    tokens.push_back({length > 0 ? Kind::kWord : Kind::kSign,
-                      line.substr(0, std::max<std::size_t>(length, 1)), number});
-    line.remove_prefix(tokens.back().text.size());
-  }
+/// "unsigned long x" as "unsigned long" and "x".
+std::pair<std::string_view, std::string> SplitName(std::string_view declaration) {
+  const std::size_t space = declaration.find_last_of(" \t");
+  if (space == std::string_view::npos) return {{}, std::string(declaration)};
+  return {Trimmed(declaration.substr(0, space)), std::string(declaration.substr(space + 1))};
 }
 
-/// Words, single signs and `//` comments; the last one is kEnd. Lines that begin with '#' are left
-/// out. The tokens refer to `text`.
-std::vector<IdlToken> TokenizeIdl(std::string_view text) {
-  std::vector<IdlToken> tokens;
-  int number = 0;
-  while (!text.empty()) {
-    const std::string_view line = text.substr(0, text.find('\n'));
-    text.remove_prefix(std::min(text.size(), line.size() + 1));
-    ++number;
-    if (!line.starts_with('#')) TokenizeLine(line, number, tokens);
-  }
-  tokens.push_back({IdlToken::Kind::kEnd, "the end", number});
-  return tokens;
+bool IsName(std::string_view text) {
+  return !text.empty() && std::ranges::all_of(text, [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
+  });
 }
-
-using Kind = IdlToken::Kind;
 
 const std::map<std::string, std::string>& BasicTypes() {
   static const std::map<std::string, std::string> types{
@@ -92,193 +88,122 @@ const std::map<std::string, std::string>& BasicTypes() {
   return types;
 }
 
-/// Recursive descent. After the first error every token looks like the end, so that all loops do.
+/// Takes the text line by line, and a line's code statement by statement, each up to one of "{};".
 class Parser {
  public:
-  explicit Parser(std::string_view text) : tokens_(TokenizeIdl(text)) {}
-
-  Result<IdlDocument> Run() {
-    while (!failure_ && Peek().kind != Kind::kEnd) ParseModule();
-    if (failure_) return Fail(ErrorCode::kMalformed, *failure_);
-    return std::move(document_);
+  Result<IdlDocument> Run(std::string_view text) {
+    int number = 0;
+    while (!text.empty()) {
+      const std::string_view line = text.substr(0, text.find('\n'));
+      text.remove_prefix(std::min(text.size(), line.size() + 1));
+      ++number;
+      if (line.starts_with('#') || TakeLine(line)) continue;
+      return Fail(ErrorCode::kMalformed,
+                  fmt::format("line {}: '{}' is not understood", number, Trimmed(line)));
+    }
+    if (depth_ == 0 && !closed_ && Trimmed(statement_).empty()) return std::move(document_);
+    return Fail(ErrorCode::kMalformed, fmt::format("line {}: the end is missing", number));
   }
 
  private:
-  // Modules and their members
-
-  void ParseModule() {
-    Expect("module");
-    package_ = ExpectWord();
-    Expect("{");
-    Expect("module");
-    Expect("msg");
-    Expect("{");
-    while (!failure_ && !At("}")) ParseMember();
-    for (const char* sign : {"}", ";", "}", ";"}) Expect(sign);
-  }
-
-  void ParseMember() {
-    if (At("struct")) {
-      ParseStruct();
-    } else if (At("const")) {
-      ParseConstant();
-    } else {
-      Refuse("struct, const or }");
+  bool TakeLine(std::string_view line) {
+    const std::size_t slashes = line.find("//");
+    const std::string_view code = line.substr(0, slashes);
+    commented_ = nullptr;
+    for (const char c : code) {
+      if (c != '{' && c != '}' && c != ';') {
+        statement_ += c;
+      } else if (!Take(std::exchange(statement_, ""), c)) {
+        return false;
+      }
     }
+    statement_ += ' ';
+    const bool is_comment = slashes != std::string_view::npos;
+    if (!is_comment || !Trimmed(code).empty()) comment_above_.clear();
+    if (!is_comment) return true;
+    const std::string comment(Trimmed(line.substr(slashes + 2)));
+    if (Trimmed(code).empty()) comment_above_.push_back(comment);
+    if (commented_ != nullptr) *commented_ = comment;
+    return true;
   }
 
-  void ParseStruct() {
-    IdlStruct parsed{package_, "", comment_above_, {}};
-    Expect("struct");
-    parsed.name = ExpectWord();
-    Expect("{");
-    while (!failure_ && !At("}")) parsed.fields.push_back(ParseField());
-    Expect("}");
-    Expect(";");
-    if (!failure_) document_.structs.push_back(std::move(parsed));
+  bool Take(const std::string& text, char sign) {
+    const std::string_view statement = Trimmed(text);
+    commented_ = nullptr;
+    if (sign == ';' && statement.empty()) return std::exchange(closed_, false);
+    if (closed_ || (sign == '}' && (!statement.empty() || depth_ == 0))) return false;
+    if (sign == '{') return Open(statement);
+    if (sign == ';') return depth_ == 3 ? TakeField(statement) : TakeConstant(statement);
+    --depth_;
+    closed_ = true;
+    return true;
   }
 
-  void ParseConstant() {
-    Expect("const");
-    IdlConstant parsed{package_, ParseType(), ExpectWord(), "", ""};
-    Expect("=");
-    parsed.value = ExpectWord();
-    parsed.comment = ExpectSemicolon();
-    if (!failure_) document_.constants.push_back(std::move(parsed));
+  bool Open(std::string_view statement) {
+    const auto [kind, name] = SplitName(statement);
+    if (!IsName(name) || kind != (depth_ < 2 ? "module" : "struct")) return false;
+    if (depth_ == 1 ? name != "msg" : depth_ > 2) return false;
+    if (depth_ == 0) package_ = name;
+    if (depth_ == 2) document_.structs.push_back({package_, name, comment_above_, {}});
+    ++depth_;
+    return true;
   }
 
-  IdlField ParseField() {
-    IdlField field;
-    field.type = ParseType();
-    field.name = ExpectWord();
-    if (At("[")) {
-      Expect("[");
-      field.type += fmt::format("[{}]", ExpectWord());
-      Expect("]");
+  bool TakeField(std::string_view statement) {
+    const auto [type, declared] = SplitName(statement);
+    const std::string name = declared.substr(0, declared.find('['));
+    const std::string size = declared.substr(name.size());  // "[36]" or nothing
+    const std::string ros_type = RosType(type);
+    const bool good =
+        size.empty() || (size.ends_with(']') && IsName({size.data() + 1, size.size() - 2}));
+    if (!good || !IsName(name) || ros_type.empty()) return false;
+    std::vector<IdlField>& fields = document_.structs.back().fields;
+    fields.push_back({ros_type + size, name, ""});
+    commented_ = &fields.back().comment;
+    return true;
+  }
+
+  bool TakeConstant(std::string_view statement) {
+    const std::size_t equals = statement.find('=');
+    if (depth_ != 2 || !statement.starts_with("const ") || equals == std::string_view::npos) {
+      return false;
     }
-    field.comment = ExpectSemicolon();
-    return field;
+    const auto [type, name] = SplitName(Trimmed(statement.substr(6, equals - 6)));
+    const std::string value(Trimmed(statement.substr(equals + 1)));
+    document_.constants.push_back({package_, RosType(type), name, value, ""});
+    commented_ = &document_.constants.back().comment;
+    return IsName(name) && !value.empty() && !document_.constants.back().type.empty();
   }
 
-  // Types
-
-  std::string ParseType() {
-    const std::string word = ExpectWord();
-    if (word == "sequence") return ParseSequence();
-    std::string basic = word;
-    while (basic == "unsigned" || ((basic == "long" || basic == "unsigned long") && At("long"))) {
-      basic.append(" ").append(ExpectWord());
+  /// "sequence<Cell>" as "conav_msgs/Cell[]"; empty for a type that is not known.
+  std::string RosType(std::string_view type) const {
+    constexpr std::string_view kSequence = "sequence<";
+    if (type.starts_with(kSequence) && type.ends_with('>')) {
+      type.remove_prefix(kSequence.size());
+      type.remove_suffix(1);
+      const std::string element = RosType(Trimmed(type));
+      return element.empty() ? "" : element + "[]";
     }
-    if (basic == "string" && At("<")) return fmt::format("string<={}", ParseBound());
-    const auto known = BasicTypes().find(basic);
-    return known != BasicTypes().end() ? known->second : StructNamed(word);
+    const auto known = BasicTypes().find(std::string(type));
+    if (known != BasicTypes().end()) return known->second;
+    const std::size_t scope = type.find("::msg::");
+    const bool own = scope == std::string_view::npos;
+    const std::string_view package = own ? package_ : type.substr(0, scope);
+    const std::string_view name = own ? type : type.substr(scope + 7);
+    const bool defined = std::ranges::any_of(document_.structs, [&](const IdlStruct& s) {
+      return s.package == package && s.name == name;
+    });
+    return defined ? fmt::format("{}/{}", package, name) : "";
   }
 
-  std::string ParseSequence() {
-    Expect("<");
-    const std::string element = ParseType();
-    if (!At(",")) {
-      Expect(">");
-      return element + "[]";
-    }
-    Expect(",");
-    const std::string bound = ExpectWord();
-    Expect(">");
-    return fmt::format("{}[<={}]", element, bound);
-  }
-
-  std::string ParseBound() {
-    Expect("<");
-    const std::string bound = ExpectWord();
-    Expect(">");
-    return bound;
-  }
-
-  /// "Cell" or "std_msgs::msg::Header" as "conav_msgs/Cell", "std_msgs/Header".
-  std::string StructNamed(const std::string& word) {
-    const auto scope = word.find("::msg::");
-    const std::string package = scope == std::string::npos ? package_ : word.substr(0, scope);
-    const std::string name = scope == std::string::npos ? word : word.substr(scope + 7);
-    const bool known =
-        std::any_of(document_.structs.begin(), document_.structs.end(),
-                    [&](const IdlStruct& s) { return s.package == package && s.name == name; });
-    if (!known && !failure_) {
-      failure_ = fmt::format("line {}: type '{}' is not known", line_, word);
-    }
-    return package + "/" + name;
-  }
-
-  // Tokens
-
-  /// The next token that is no comment; comments right above it are kept.
-  const IdlToken& Peek() {
-    if (failure_) return tokens_.back();
-    while (tokens_[next_].kind == Kind::kComment) {
-      const IdlToken& comment = tokens_[next_++];
-      if (comment.line != comment_line_ + 1) comment_above_.clear();
-      comment_above_.emplace_back(comment.text);
-      comment_line_ = comment.line;
-    }
-    if (tokens_[next_].line > comment_line_ + 1) comment_above_.clear();
-    return tokens_[next_];
-  }
-
-  const IdlToken& Take() {
-    const IdlToken& token = Peek();
-    line_ = token.line;
-    if (token.kind != Kind::kEnd) ++next_;
-    return token;
-  }
-
-  bool At(std::string_view text) { return Peek().kind != Kind::kEnd && Peek().text == text; }
-
-  void Expect(std::string_view text) {
-    if (At(text)) {
-      Take();
-    } else {
-      Refuse(text);
-    }
-  }
-
-  std::string ExpectWord() {
-    if (Peek().kind == Kind::kWord) return std::string(Take().text);
-    Refuse("a name");
-    return "";
-  }
-
-  /// The comment behind it on its line.
-  std::string ExpectSemicolon() {
-    Expect(";");
-    if (failure_) return "";
-    const IdlToken& next = tokens_[next_];
-    if (next.kind != Kind::kComment || next.line != line_) return "";
-    ++next_;
-    return std::string(next.text);
-  }
-
-  void Refuse(std::string_view expected) {
-    if (failure_) return;
-    const IdlToken& token = Peek();
-    failure_ = fmt::format("line {}: '{}' instead of {}", token.line, token.text, expected);
-  }
-
-  std::vector<IdlToken> tokens_;
-  std::size_t next_ = 0;
-  int line_ = 0;  // of the token taken last
+  int depth_ = 0;        // of braces
+  bool closed_ = false;  // by the brace before, whose semicolon has to follow
+  std::string statement_;
   std::string package_;
   std::vector<std::string> comment_above_;
-  int comment_line_ = -1;
+  std::string* commented_ = nullptr;  // of the field or constant before, on this line
   IdlDocument document_;
-  std::optional<std::string> failure_;
 };
-
-}  // namespace
-
-Result<IdlDocument> ParseIdl(std::string_view text) { return Parser(text).Run(); }
-
-namespace {
-
-std::string FullName(const IdlStruct& type) { return type.package + "/msg/" + type.name; }
 
 /// The words of a comment that may be names of constants, or their begin with '*' behind it.
 std::vector<std::string> CapitalWords(const std::string& comment) {
@@ -301,73 +226,76 @@ std::string CommentBehind(const std::string& comment) {
   return comment.empty() ? "\n" : "  # " + comment + "\n";
 }
 
+/// The definitions of all structs.
+class Definitions {
+ public:
+  explicit Definitions(IdlDocument idl) : idl_(std::move(idl)) {}
+
+  MessageSchemas All() const {
+    MessageSchemas all;
+    for (const IdlStruct& type : idl_.structs) {
+      all[type.package + "/msg/" + type.name] = TextOf(type);
+    }
+    return all;
+  }
+
+ private:
+  std::string TextOf(const IdlStruct& type) const {
+    std::string text;
+    AppendFields(type, text);
+    std::vector<const IdlStruct*> dependencies;
+    AppendDependencies(type, dependencies);
+    for (const IdlStruct* used : dependencies) {
+      text += std::string(80, '=') + "\nMSG: " + used->package + "/" + used->name + "\n";
+      AppendFields(*used, text);
+    }
+    return text;
+  }
+
+  void AppendFields(const IdlStruct& type, std::string& text) const {
+    for (const std::string& line : type.comment) text += "# " + line + "\n";
+    std::set<std::string> written;
+    for (const IdlField& field : type.fields) {
+      const auto words = CapitalWords(field.comment);
+      for (const IdlConstant& constant : idl_.constants) {
+        const bool named = std::ranges::any_of(
+            words, [&](const std::string& word) { return IsNamedBy(constant.name, word); });
+        if (!named || constant.package != type.package || constant.type != field.type) continue;
+        if (!written.insert(constant.name).second) continue;
+        text += constant.type + " " + constant.name + "=" + constant.value +
+                CommentBehind(constant.comment);
+      }
+      text += field.type + " " + field.name + CommentBehind(field.comment);
+    }
+  }
+
+  void AppendDependencies(const IdlStruct& type, std::vector<const IdlStruct*>& all) const {
+    for (const IdlField& field : type.fields) {
+      const std::string name = field.type.substr(0, field.type.find('['));
+      const auto used = std::ranges::find_if(idl_.structs, [&](const IdlStruct& candidate) {
+        return candidate.package + "/" + candidate.name == name;
+      });
+      if (used == idl_.structs.end() || std::ranges::find(all, &*used) != all.end()) continue;
+      all.push_back(&*used);
+      AppendDependencies(*used, all);
+    }
+  }
+
+  IdlDocument idl_;
+};
+
 }  // namespace
 
-MessageSchemas::MessageSchemas(IdlDocument idl) : idl_(std::move(idl)) {}
-
-const IdlStruct* MessageSchemas::Find(const std::string& package_and_name) const {
-  const auto found = std::find_if(
-      idl_.structs.begin(), idl_.structs.end(),
-      [&](const IdlStruct& type) { return type.package + "/" + type.name == package_and_name; });
-  return found == idl_.structs.end() ? nullptr : &*found;
-}
-
-void MessageSchemas::AppendFields(const IdlStruct& type, std::string& text) const {
-  for (const std::string& line : type.comment) text += "# " + line + "\n";
-  std::set<std::string> written;
-  for (const IdlField& field : type.fields) {
-    const auto words = CapitalWords(field.comment);
-    for (const IdlConstant& constant : idl_.constants) {
-      const bool named = std::any_of(words.begin(), words.end(), [&](const std::string& word) {
-        return IsNamedBy(constant.name, word);
-      });
-      if (!named || constant.package != type.package || constant.type != field.type) continue;
-      if (!written.insert(constant.name).second) continue;
-      text += constant.type + " " + constant.name + "=" + constant.value +
-              CommentBehind(constant.comment);
-    }
-    text += field.type + " " + field.name + CommentBehind(field.comment);
-  }
-}
-
-void MessageSchemas::AppendDependencies(const IdlStruct& type,
-                                        std::vector<const IdlStruct*>& all) const {
-  for (const IdlField& field : type.fields) {
-    const IdlStruct* used = Find(field.type.substr(0, field.type.find('[')));
-    if (used == nullptr || std::find(all.begin(), all.end(), used) != all.end()) continue;
-    all.push_back(used);
-    AppendDependencies(*used, all);
-  }
-}
-
-Result<std::string> MessageSchemas::TextOf(const std::string& type) const {
-  const auto found = std::find_if(idl_.structs.begin(), idl_.structs.end(),
-                                  [&](const IdlStruct& s) { return FullName(s) == type; });
-  if (found == idl_.structs.end()) {
-    return Fail(ErrorCode::kNotFound, type + ": no message type of idl/");
-  }
-  std::string text;
-  AppendFields(*found, text);
-  std::vector<const IdlStruct*> dependencies;
-  AppendDependencies(*found, dependencies);
-  for (const IdlStruct* dependency : dependencies) {
-    text += std::string(80, '=') + "\nMSG: " + dependency->package + "/" + dependency->name + "\n";
-    AppendFields(*dependency, text);
-  }
-  return text;
-}
-
-std::vector<std::string> MessageSchemas::types() const {
-  std::vector<std::string> names;
-  for (const IdlStruct& type : idl_.structs) names.push_back(FullName(type));
-  return names;
+Result<MessageSchemas> SchemasOf(std::string_view idl) {
+  return Parser().Run(idl).map(
+      [](IdlDocument&& document) { return Definitions(std::move(document)).All(); });
 }
 
 const MessageSchemas& ConavSchemas() {
   static const MessageSchemas schemas = [] {
-    auto idl = ParseIdl(kIdlText);
-    DEMAND(idl.has_value(), idl.error().text);
-    return MessageSchemas(*std::move(idl));
+    auto all = SchemasOf(kIdlText);
+    DEMAND(all.has_value(), all.error().text);
+    return *std::move(all);
   }();
   return schemas;
 }

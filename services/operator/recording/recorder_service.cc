@@ -15,7 +15,7 @@
 #include "common/bus/type_support.h"
 #include "common/runtime/result.h"
 #include "common/service/robot_list.h"
-#include "operator/recording/message_schemas.h"
+#include "operator/recording/mcap_file.h"
 
 namespace conav::recorder {
 
@@ -218,10 +218,10 @@ bag::McapWriter MakeWriter(const bus::Participant& participant, const RecorderCo
 }
 
 std::uint16_t AddChannel(bag::McapWriter& writer, const TopicFacts& topic) {
-  const auto text = bag::ConavSchemas().TextOf(topic.type);
-  DEMAND(text.has_value(), topic.type);
+  const auto schema = bag::ConavSchemas().find(topic.type);
+  DEMAND(schema != bag::ConavSchemas().end(), topic.type);
   return writer.AddChannel(
-      {0, topic.type, "ros2msg", *text},
+      {0, topic.type, "ros2msg", schema->second},
       {0, 0, topic.name, "cdr", {{"offered_qos_profiles", topic.offered_qos}}});
 }
 

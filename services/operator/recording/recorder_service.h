@@ -16,8 +16,8 @@
 #include "common/runtime/threads.h"
 #include "common/service/diagnostics.h"
 #include "operator/recording/config.h"
+#include "operator/recording/mcap_file.h"
 #include "operator/recording/mcap_records.h"
-#include "operator/recording/mcap_writer.h"
 
 // One user: main starts it; tests build it whole.
 

@@ -1,5 +1,3 @@
-#include "operator/recording/rosbag2_export.h"
-
 #include <fmt/format.h>
 #include <sqlite3.h>
 #include <yaml-cpp/yaml.h>
@@ -11,8 +9,7 @@
 #include <utility>
 
 #include "common/runtime/file.h"
-#include "common/runtime/result.h"
-#include "operator/recording/mcap_records.h"
+#include "operator/recording/mcap_file.h"
 
 namespace conav::bag {
 namespace {
@@ -24,64 +21,6 @@ struct Rosbag2Topic {
   std::uint64_t message_count = 0;
 };
 
-/// What metadata.yaml of a rosbag2 folder with one database says. Times are nanoseconds.
-struct Rosbag2Metadata {
-  std::string database;  // name of the file
-  std::uint64_t start_time = 0;
-  std::uint64_t duration = 0;
-  std::uint64_t message_count = 0;
-  std::vector<Rosbag2Topic> topics;
-};
-
-constexpr int kVersion = 5;
-
-YAML::Node TopicNode(const Rosbag2Topic& topic) {
-  YAML::Node node;
-  YAML::Node about = node["topic_metadata"];
-  about["name"] = topic.name;
-  about["type"] = topic.type;
-  about["serialization_format"] = "cdr";
-  about["offered_qos_profiles"] = topic.offered_qos;
-  node["message_count"] = topic.message_count;
-  return node;
-}
-
-void SetExtent(YAML::Node node, const Rosbag2Metadata& metadata) {
-  node["duration"]["nanoseconds"] = metadata.duration;
-  node["starting_time"]["nanoseconds_since_epoch"] = metadata.start_time;
-  node["message_count"] = metadata.message_count;
-}
-
-/// In version 5, as Humble writes it and all later ones read it.
-std::string Rosbag2MetadataText(const Rosbag2Metadata& metadata) {
-  YAML::Node document;
-  YAML::Node bag = document["rosbag2_bagfile_information"];
-  bag["version"] = kVersion;
-  bag["storage_identifier"] = "sqlite3";
-  SetExtent(bag, metadata);
-  bag["topics_with_message_count"] = YAML::Node(YAML::NodeType::Sequence);
-  for (const Rosbag2Topic& topic : metadata.topics) {
-    bag["topics_with_message_count"].push_back(TopicNode(topic));
-  }
-  bag["compression_format"] = "";
-  bag["compression_mode"] = "";
-  bag["relative_file_paths"].push_back(metadata.database);
-  YAML::Node file;
-  file["path"] = metadata.database;
-  SetExtent(file, metadata);
-  bag["files"].push_back(file);
-  return YAML::Dump(document) + "\n";
-}
-
-}  // namespace
-}  // namespace conav::bag
-
-struct sqlite3;
-struct sqlite3_stmt;
-
-namespace conav::bag {
-namespace {
-
 /// The SQLite file of a rosbag2 folder, with the tables of Humble (storage schema 3), written once.
 /// Nothing is on disk before Commit.
 ///
@@ -91,28 +30,41 @@ class Rosbag2Database {
  public:
   [[nodiscard]] static Result<Rosbag2Database> Create(const std::filesystem::path& file);
 
-  [[nodiscard]] Result<void> AddTopic(std::int64_t id, const Rosbag2Topic& topic);
+  [[nodiscard]] Result<void> AddTopic(std::int64_t id, const Rosbag2Topic& topic) {
+    return Run(insert_topic_, id, topic.name, topic.type, topic.offered_qos);
+  }
   /// `time` in nanoseconds since 1970; `data` is CDR with its encapsulation.
-  [[nodiscard]] Result<void> AddMessage(std::int64_t topic_id, std::uint64_t time, ByteSpan data);
+  [[nodiscard]] Result<void> AddMessage(std::int64_t topic_id, std::uint64_t time, ByteSpan data) {
+    return Run(insert_message_, topic_id, static_cast<std::int64_t>(time), data);
+  }
   /// With the text of metadata.yaml, which newer readers take from here. Call once, last.
-  [[nodiscard]] Result<void> Commit(const std::string& metadata);
+  [[nodiscard]] Result<void> Commit(const std::string& metadata) {
+    return Run(insert_metadata_, metadata).and_then([this] {
+      return Execute("CREATE INDEX timestamp_idx ON messages (timestamp ASC); COMMIT;");
+    });
+  }
 
  private:
   struct Closer {
-    void operator()(sqlite3* connection) const;
-    void operator()(sqlite3_stmt* statement) const;
+    void operator()(sqlite3* connection) const { sqlite3_close_v2(connection); }
+    void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
   };
+  using Statement = std::unique_ptr<sqlite3_stmt, Closer>;
 
-  Rosbag2Database(std::unique_ptr<sqlite3, Closer> connection, std::string file);
+  Rosbag2Database(sqlite3* connection, std::string file)
+      : file_(std::move(file)), connection_(connection) {}
   Result<void> Prepare();
+  /// Runs a prepared statement that gives no rows.
+  template <class... Values>
+  Result<void> Run(const Statement& statement, const Values&... values);
   Result<void> Execute(const std::string& sql);
   Error Failure() const;
 
   std::string file_;
   std::unique_ptr<sqlite3, Closer> connection_;
-  std::unique_ptr<sqlite3_stmt, Closer> insert_topic_;
-  std::unique_ptr<sqlite3_stmt, Closer> insert_message_;
-  std::unique_ptr<sqlite3_stmt, Closer> insert_metadata_;
+  Statement insert_topic_;
+  Statement insert_message_;
+  Statement insert_metadata_;
 };
 
 // The file is new and useless until it is complete, so nothing needs to be undone.
@@ -129,26 +81,25 @@ constexpr const char* kTables = R"(
   INSERT INTO schema VALUES (3, 'humble');
 )";
 
-void Bind(sqlite3_stmt* statement, int index, std::string_view text) {
+void Bind(sqlite3_stmt* statement, int index, std::int64_t number) {
+  sqlite3_bind_int64(statement, index, number);
+}
+void Bind(sqlite3_stmt* statement, int index, const std::string& text) {
   sqlite3_bind_text64(statement, index, text.data(), text.size(), SQLITE_STATIC, SQLITE_UTF8);
 }
-
-/// Runs a prepared statement that gives no rows. False when it fails.
-bool Run(sqlite3_stmt* statement) {
-  const bool done = sqlite3_step(statement) == SQLITE_DONE;
-  sqlite3_reset(statement);
-  return done;
+void Bind(sqlite3_stmt* statement, int index, ByteSpan bytes) {
+  sqlite3_bind_blob64(statement, index, bytes.data(), bytes.size(), SQLITE_STATIC);
 }
 
-void Rosbag2Database::Closer::operator()(sqlite3* connection) const {
-  sqlite3_close_v2(connection);
+template <class... Values>
+Result<void> Rosbag2Database::Run(const Statement& statement, const Values&... values) {
+  int index = 0;
+  (Bind(statement.get(), ++index, values), ...);
+  const bool done = sqlite3_step(statement.get()) == SQLITE_DONE;
+  sqlite3_reset(statement.get());
+  if (!done) return tl::unexpected(Failure());
+  return {};
 }
-void Rosbag2Database::Closer::operator()(sqlite3_stmt* statement) const {
-  sqlite3_finalize(statement);
-}
-
-Rosbag2Database::Rosbag2Database(std::unique_ptr<sqlite3, Closer> connection, std::string file)
-    : file_(std::move(file)), connection_(std::move(connection)) {}
 
 Error Rosbag2Database::Failure() const {
   return {ErrorCode::kIo, fmt::format("{}: {}", file_, sqlite3_errmsg(connection_.get()))};
@@ -158,7 +109,7 @@ Result<Rosbag2Database> Rosbag2Database::Create(const std::filesystem::path& fil
   sqlite3* raw = nullptr;
   const int code =
       sqlite3_open_v2(file.c_str(), &raw, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
-  Rosbag2Database database(std::unique_ptr<sqlite3, Closer>(raw), file.string());
+  Rosbag2Database database(raw, file.string());
   if (code != SQLITE_OK) return tl::unexpected(database.Failure());
   return database.Prepare().map([&] { return std::move(database); });
 }
@@ -174,38 +125,13 @@ Result<void> Rosbag2Database::Prepare() {
   const auto prepare = [&](const char* sql) {
     sqlite3_stmt* statement = nullptr;
     sqlite3_prepare_v2(connection_.get(), sql, -1, &statement, nullptr);
-    return std::unique_ptr<sqlite3_stmt, Closer>(statement);
+    return Statement(statement);
   };
   insert_topic_ = prepare("INSERT INTO topics VALUES (?, ?, ?, 'cdr', ?)");
   insert_message_ = prepare("INSERT INTO messages (topic_id, timestamp, data) VALUES (?, ?, ?)");
   insert_metadata_ = prepare("INSERT INTO metadata VALUES (1, 5, ?)");
   if (!insert_topic_ || !insert_message_ || !insert_metadata_) return tl::unexpected(Failure());
   return {};
-}
-
-Result<void> Rosbag2Database::AddTopic(std::int64_t id, const Rosbag2Topic& topic) {
-  sqlite3_stmt* statement = insert_topic_.get();
-  sqlite3_bind_int64(statement, 1, id);
-  Bind(statement, 2, topic.name);
-  Bind(statement, 3, topic.type);
-  Bind(statement, 4, topic.offered_qos);
-  if (!Run(statement)) return tl::unexpected(Failure());
-  return {};
-}
-
-Result<void> Rosbag2Database::AddMessage(std::int64_t topic_id, std::uint64_t time, ByteSpan data) {
-  sqlite3_stmt* statement = insert_message_.get();
-  sqlite3_bind_int64(statement, 1, topic_id);
-  sqlite3_bind_int64(statement, 2, static_cast<std::int64_t>(time));
-  sqlite3_bind_blob64(statement, 3, data.data(), data.size(), SQLITE_STATIC);
-  if (!Run(statement)) return tl::unexpected(Failure());
-  return {};
-}
-
-Result<void> Rosbag2Database::Commit(const std::string& metadata) {
-  Bind(insert_metadata_.get(), 1, metadata);
-  if (!Run(insert_metadata_.get())) return tl::unexpected(Failure());
-  return Execute("CREATE INDEX timestamp_idx ON messages (timestamp ASC); COMMIT;");
 }
 
 namespace fs = std::filesystem;
@@ -285,6 +211,42 @@ Result<Copied> CopyMessages(McapReader& reader, Topics& topics, Rosbag2Database&
   }
 }
 
+void SetExtent(YAML::Node node, const Copied& copied) {
+  node["duration"]["nanoseconds"] = copied.end_time - copied.start_time;
+  node["starting_time"]["nanoseconds_since_epoch"] = copied.start_time;
+  node["message_count"] = copied.messages;
+}
+
+/// What metadata.yaml of a folder with one database says, in version 5, as Humble writes it and all
+/// later ones read it. Times are nanoseconds.
+std::string MetadataText(const std::string& database, const Copied& copied,
+                         const std::vector<Rosbag2Topic>& topics) {
+  YAML::Node document;
+  YAML::Node bag = document["rosbag2_bagfile_information"];
+  bag["version"] = 5;
+  bag["storage_identifier"] = "sqlite3";
+  SetExtent(bag, copied);
+  bag["topics_with_message_count"] = YAML::Node(YAML::NodeType::Sequence);
+  for (const Rosbag2Topic& topic : topics) {
+    YAML::Node node;
+    YAML::Node about = node["topic_metadata"];
+    about["name"] = topic.name;
+    about["type"] = topic.type;
+    about["serialization_format"] = "cdr";
+    about["offered_qos_profiles"] = topic.offered_qos;
+    node["message_count"] = topic.message_count;
+    bag["topics_with_message_count"].push_back(node);
+  }
+  bag["compression_format"] = "";
+  bag["compression_mode"] = "";
+  bag["relative_file_paths"].push_back(database);
+  YAML::Node file;
+  file["path"] = database;
+  SetExtent(file, copied);
+  bag["files"].push_back(file);
+  return YAML::Dump(document) + "\n";
+}
+
 Result<std::vector<std::string>> FillFolder(McapReader& reader, Topics& topics,
                                             const fs::path& folder,
                                             const std::function<void(std::uint64_t)>& progress) {
@@ -297,12 +259,7 @@ Result<std::vector<std::string>> FillFolder(McapReader& reader, Topics& topics,
   }
   auto copied = CopyMessages(reader, topics, *database, progress);
   if (!copied) return tl::unexpected(copied.error());
-  const std::string metadata =
-      Rosbag2MetadataText({.database = name,
-                           .start_time = copied->start_time,
-                           .duration = copied->end_time - copied->start_time,
-                           .message_count = copied->messages,
-                           .topics = topics.list});
+  const std::string metadata = MetadataText(name, *copied, topics.list);
   if (auto committed = database->Commit(metadata); !committed) {
     return tl::unexpected(committed.error());
   }

@@ -14,7 +14,7 @@
 #include "common/service/diagnostics.h"
 #include "common/service/robot_list.h"
 #include "operator/console/console_messages.h"
-#include "operator/recording/mcap_reader.h"
+#include "operator/recording/mcap_file.h"
 #include "operator/replay/timeline.h"
 
 namespace conav::operators {
@@ -160,41 +160,27 @@ console::Session SessionOfRun(const bag::TextMap& facts, const std::vector<std::
 }
 
 /// Reads on until the end; a damaged chunk costs what was in it.
-class Reading {
- public:
-  Reading(bag::McapReader reader, std::map<std::string, TakeUp> topics)
-      : reader_(std::move(reader)), topics_(std::move(topics)) {}
-
-  void ReadAll(RecordedRun& run) {
-    if (!reader_.cut_off().empty()) run.warnings.push_back(reader_.cut_off());
-    while (ReadOne(run)) {
-    }
-    if (refused_ > 0) {
-      run.warnings.push_back(
-          fmt::format("{} messages were left out: not what their topics carry", refused_));
-    }
-  }
-
- private:
-  bool ReadOne(RecordedRun& run) {
-    const auto next = reader_.Next();
+void ReadAll(bag::McapReader& reader, const std::map<std::string, TakeUp>& topics,
+             std::vector<std::string>& warnings) {
+  if (!reader.cut_off().empty()) warnings.push_back(reader.cut_off());
+  std::uint64_t refused = 0;
+  for (;;) {
+    const auto next = reader.Next();
     if (!next) {
-      run.warnings.push_back(next.error().text);
-      return true;
+      warnings.push_back(next.error().text);
+      continue;
     }
-    if (!*next) return false;
+    if (!*next) break;
     const bag::RecordedMessage& message = **next;
-    const auto take_up = topics_.find(message.topic->channel.topic);
-    if (take_up == topics_.end()) return true;
+    const auto take_up = topics.find(message.topic->channel.topic);
+    if (take_up == topics.end()) continue;
     const double wall_s = static_cast<double>(message.log_time) * kNanosecond;
-    if (!take_up->second(message.data, wall_s)) ++refused_;
-    return true;
+    if (!take_up->second(message.data, wall_s)) ++refused;
   }
-
-  bag::McapReader reader_;
-  std::map<std::string, TakeUp> topics_;
-  std::uint64_t refused_ = 0;
-};
+  if (refused == 0) return;
+  warnings.push_back(
+      fmt::format("{} messages were left out: not what their topics carry", refused));
+}
 
 }  // namespace
 
@@ -208,7 +194,7 @@ Result<RecordedRun> ReadRun(const std::filesystem::path& file) {
   TimelineBuilder builder(SessionOfRun(facts, robots));
   RecordedRun run;
   run.name = FactOf(facts, "run");
-  Reading(*std::move(reader), RecordedTopics(*world_of_robot, builder)).ReadAll(run);
+  ReadAll(*reader, RecordedTopics(*world_of_robot, builder), run.warnings);
   run.timeline = std::move(builder).Finish();
   if (run.timeline.moments.empty()) {
     return Fail(ErrorCode::kMalformed,

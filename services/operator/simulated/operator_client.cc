@@ -23,27 +23,9 @@ OperatorClient::OperatorClient(bus::Participant& participant, const Clock& clock
   DEMAND(!options_.client.empty());
 }
 
-std::uint64_t OperatorClient::Send(const std::string& world, const EditRequest& edit,
+std::uint64_t OperatorClient::Send(const std::string& world, decltype(OperatorRequest::body) body,
                                    SimTime stamp) {
-  return Send(OperatorRequest{stamp, options_.client, ++last_id_, world, edit});
-}
-
-std::uint64_t OperatorClient::Send(const std::string& world, const GuideRequest& guide,
-                                   SimTime stamp) {
-  return Send(OperatorRequest{stamp, options_.client, ++last_id_, world, guide});
-}
-
-std::uint64_t OperatorClient::Send(const std::string& world, const DriveRequest& drive,
-                                   SimTime stamp) {
-  return Send(OperatorRequest{stamp, options_.client, ++last_id_, world, drive});
-}
-
-std::uint64_t OperatorClient::Send(const std::string& world, const SelectRequest& select,
-                                   SimTime stamp) {
-  return Send(OperatorRequest{stamp, options_.client, ++last_id_, world, select});
-}
-
-std::uint64_t OperatorClient::Send(OperatorRequest request) {
+  const OperatorRequest request{stamp, options_.client, ++last_id_, world, std::move(body)};
   const auto now = clock_.Now();
   const auto entry = pending_.emplace(request.request_id,
                                       Pending{ToMessage(request), now + Seconds(options_.repeat_s),
@@ -77,10 +59,7 @@ std::vector<OperatorClient::Outcome> OperatorClient::Poll() {
 }
 
 void OperatorClient::TakeReplies(std::vector<Outcome>& outcomes) {
-  const auto convert = [](const conav_msgs::msg::OperatorReply& message) {
-    return ToDomain(message);
-  };
-  for (OperatorReply& reply : replies_.TakeValid(convert)) {
+  for (OperatorReply& reply : replies_.TakeValid(kToDomain)) {
     if (reply.client != options_.client) continue;
     // Unknown ids are answers to repeats of something that was answered before.
     if (pending_.erase(reply.request_id) == 0) continue;

@@ -35,10 +35,7 @@ class OperatorClient {
   OperatorClient(bus::Participant& participant, const Clock& clock, OperatorClientOptions options);
 
   /// `stamp`: simulation time at which the client asks, for the record.
-  std::uint64_t Send(const std::string& world, const EditRequest& edit, SimTime stamp);
-  std::uint64_t Send(const std::string& world, const GuideRequest& guide, SimTime stamp);
-  std::uint64_t Send(const std::string& world, const DriveRequest& drive, SimTime stamp);
-  std::uint64_t Send(const std::string& world, const SelectRequest& select, SimTime stamp);
+  std::uint64_t Send(const std::string& world, decltype(OperatorRequest::body) body, SimTime stamp);
 
   /// The end of one request. Errors: kTimeout. A refusal is a reply that is not accepted.
   struct Outcome {
@@ -60,7 +57,6 @@ class OperatorClient {
     Clock::TimePoint deadline;
   };
 
-  std::uint64_t Send(OperatorRequest request);
   void TakeReplies(std::vector<Outcome>& outcomes);
 
   const Clock& clock_;

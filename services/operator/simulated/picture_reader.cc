@@ -13,12 +13,6 @@ constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 
 double Distance(Cell a, Cell b) { return std::hypot(a.row - b.row, a.column - b.column); }
 
-/// The neighbouring cell that `heading_rad` points to, as an offset; diagonals included.
-Cell AxisOffset(double heading_rad) {
-  return {-static_cast<int>(std::lround(std::sin(heading_rad))),
-          static_cast<int>(std::lround(std::cos(heading_rad)))};
-}
-
 bool ContinuesWall(const BeliefGrid& belief, Cell cell) {
   return std::any_of(kNeighbourOffsets.begin(), kNeighbourOffsets.end(), [&](Cell offset) {
     return belief.Contains(cell + offset) && IsWall(belief, cell + offset);
@@ -26,6 +20,11 @@ bool ContinuesWall(const BeliefGrid& belief, Cell cell) {
 }
 
 }  // namespace
+
+Cell AxisOffset(double heading_rad) {
+  return {-static_cast<int>(std::lround(std::sin(heading_rad))),
+          static_cast<int>(std::lround(std::cos(heading_rad)))};
+}
 
 /// One picture and the map.
 struct PictureReading::Look {
@@ -45,9 +44,8 @@ struct PictureReading::Look {
   }
   /// Discrepancies, nearest first.
   std::vector<CellEdit> Discrepancies() const {
-    std::set<Cell> remove;
-    for (const Cell cell : driven) remove.insert(cell);
-    for (const Cell cell : picture.visible.free) remove.insert(cell);
+    std::set<Cell> remove = driven;
+    remove.insert(picture.visible.free.begin(), picture.visible.free.end());
     std::vector<CellEdit> edits;
     for (const Cell cell : remove) {
       if (Editable(cell) && IsWall(belief, cell)) edits.push_back({cell, false});

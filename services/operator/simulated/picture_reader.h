@@ -42,6 +42,9 @@ struct PictureReaderParameters {
   void Visit(ConfigReader& reader);
 };
 
+/// The neighbouring cell that `heading_rad` points to, as an offset; diagonals included.
+Cell AxisOffset(double heading_rad);
+
 /// What a synthetic person may do about one picture and their map: worked out once, drawn as
 /// often as wanted.
 /// Threads: const and safe to call concurrently, with a Random each.

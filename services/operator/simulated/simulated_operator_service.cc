@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <set>
-#include <variant>
 
 #include "common/msg/convert.h"
 #include "common/runtime/log.h"
@@ -11,6 +10,8 @@
 
 namespace conav::operators {
 namespace {
+
+using namespace std::chrono_literals;
 
 /// Passes replies to a synthetic person, and sends its next request.
 /// Does not block.
@@ -25,87 +26,44 @@ void AskThrough(OperatorClient& client, Person& person, const Clock& clock) {
     person.Answered(outcome.reply, clock.Now());
   }
   if (const auto ask = person.Next(clock.Now())) {
-    std::visit([&](const auto& body) { client.Send(ask->world, body, ask->stamp); }, ask->body);
+    client.Send(ask->world, ask->body, ask->stamp);
   }
 }
 
 }  // namespace
 
-struct TeleoperatorTopics::RobotLink {
-  RobotLink(bus::Participant& participant, const std::string& name)
-      : state(participant, bus::kRobotState, name), snapshot(participant, bus::kSnapshot, name) {}
-
-  bus::Subscriber<conav_msgs::msg::RobotState> state;
-  bus::Subscriber<conav_msgs::msg::Snapshot> snapshot;
-};
-
-struct TeleoperatorTopics::WorldLink {
-  WorldLink(bus::Participant& participant, const std::string& name)
-      : name(name),
-        belief(participant, bus::kBelief, name),
-        belief_map(participant, bus::kBeliefMap, name) {}
+struct SimulatedOperatorService::WorldLink {
+  WorldLink(bus::Participant& participant, const std::string& name, bool steers)
+      : name(name), belief(participant, bus::kBelief, name) {
+    if (steers) belief_map.emplace(participant, bus::kBeliefMap, name);
+  }
 
   std::string name;
   bus::Subscriber<conav_msgs::msg::BeliefMap> belief;
-  bus::Subscriber<nav_msgs::msg::OccupancyGrid> belief_map;
+  std::optional<bus::Subscriber<nav_msgs::msg::OccupancyGrid>> belief_map;  // of a teleoperator
 };
 
-TeleoperatorTopics::TeleoperatorTopics(bus::Participant& participant, const Clock& clock,
-                                       OperatorClient& client,
-                                       const SyntheticOperatorParameters& parameters,
-                                       std::uint64_t seed,
-                                       const std::map<std::string, std::string>& world_of_robot)
-    : clock_(clock), client_(client), person_(parameters, seed, world_of_robot) {
-  std::set<std::string> worlds;
-  for (const auto& [robot, world] : world_of_robot) {
-    robots_.push_back(std::make_unique<RobotLink>(participant, robot));
-    worlds.insert(world);
-  }
-  for (const std::string& world : worlds) {
-    worlds_.push_back(std::make_unique<WorldLink>(participant, world));
-  }
-}
-
-TeleoperatorTopics::~TeleoperatorTopics() = default;
-
-void TeleoperatorTopics::TakeIn() {
-  for (const auto& world : worlds_) {
-    for (const Belief& belief : world->belief.TakeValid(kToDomain)) person_.Receive(belief);
-    for (const MapUpdate& map : world->belief_map.TakeValid(kToDomain)) {
-      person_.ReceiveCellSize(world->name, map.cell_size_m);
-    }
-  }
-  for (const auto& robot : robots_) {
-    for (const RobotState& state : robot->state.TakeValid(kToDomain)) person_.Receive(state);
-    for (const Snapshot& picture : robot->snapshot.TakeValid(kToDomain)) person_.Receive(picture);
-  }
-}
-
-void TeleoperatorTopics::Step() {
-  TakeIn();
-  AskThrough(client_, person_, clock_);
-}
-
-namespace {
-
-using namespace std::chrono_literals;
-
-}  // namespace
-
 struct SimulatedOperatorService::RobotLink {
-  RobotLink(bus::Participant& participant, const std::string& name)
-      : state(participant, bus::kRobotState, name),
-        snapshot(participant, bus::kSnapshot, name),
-        attention(participant, bus::kAttention, name),
-        guidance(participant, bus::kGuidance, name),
-        stop(participant, bus::kStopOrder, name) {}
+  RobotLink(bus::Participant& participant, const std::string& name, bool steers)
+      : state(participant, bus::kRobotState, name), snapshot(participant, bus::kSnapshot, name) {
+    if (!steers) asks.emplace(participant, name);
+  }
+  /// What one who steers by keys does not look at.
+  struct Asks {
+    Asks(bus::Participant& participant, const std::string& name)
+        : attention(participant, bus::kAttention, name),
+          guidance(participant, bus::kGuidance, name),
+          stop(participant, bus::kStopOrder, name) {}
+
+    bus::Subscriber<conav_msgs::msg::AttentionRequest> attention;
+    bus::Subscriber<conav_msgs::msg::Guidance> guidance;
+    bus::Subscriber<conav_msgs::msg::StopOrder> stop;
+    bool stopped = false;
+  };
 
   bus::Subscriber<conav_msgs::msg::RobotState> state;
   bus::Subscriber<conav_msgs::msg::Snapshot> snapshot;
-  bus::Subscriber<conav_msgs::msg::AttentionRequest> attention;
-  bus::Subscriber<conav_msgs::msg::Guidance> guidance;
-  bus::Subscriber<conav_msgs::msg::StopOrder> stop;
-  bool stopped = false;
+  std::optional<Asks> asks;
 };
 
 SimulatedOperatorService::SimulatedOperatorService(bus::Participant& participant,
@@ -117,22 +75,16 @@ SimulatedOperatorService::SimulatedOperatorService(bus::Participant& participant
       client_(participant, clock,
               {UniqueClientName(config.client), 0.25, config.request_deadline_s}),
       diagnostics_(participant, clock) {
-  if (config.interaction == "teleoperation") {
-    teleoperator_ = std::make_unique<TeleoperatorTopics>(
-        participant, clock, client_, config.person, config.seed,
-        WorldOfRobot("simulated_operator", config.robots));
-    return;
-  }
+  const auto world_of_robot = WorldOfRobot("simulated_operator", config.robots);
+  const bool steers = config.interaction == "teleoperation";
+  if (steers) teleoperator_.emplace(config.person, config.seed, world_of_robot);
   std::set<std::string> worlds;
-  for (const auto& [robot, world] : WorldOfRobot("simulated_operator", config.robots)) {
-    robots_.push_back(std::make_unique<RobotLink>(participant, robot));
-    worlds.insert(world);
+  for (const auto& [robot, world] : world_of_robot) {
+    robots_.push_back(std::make_unique<RobotLink>(participant, robot, steers));
+    if (!worlds.insert(world).second) continue;
+    worlds_.push_back(std::make_unique<WorldLink>(participant, world, steers));
   }
-  for (const std::string& world : worlds) {
-    beliefs_.push_back(std::make_unique<bus::Subscriber<conav_msgs::msg::BeliefMap>>(
-        participant, bus::kBelief, world));
-  }
-  if (config.person.order == "queue") {
+  if (!steers && config.person.order == "queue") {
     queue_.emplace(participant, bus::kAttentionQueue);
     clock_topic_.emplace(participant, bus::kClock);
   }
@@ -143,41 +95,60 @@ SimulatedOperatorService::~SimulatedOperatorService() = default;
 void SimulatedOperatorService::Run(const StopToken& stop) {
   while (!stop.stop_requested()) {
     // Thinking and pauses end without a message.
-    const bool busy = teleoperator_ ? teleoperator_->person().open() > 0 : person_.open() > 0;
+    const bool busy = teleoperator_ ? teleoperator_->open() > 0 : person_.open() > 0;
     participant_.Wait(busy ? 10ms : 100ms);
     Step();
   }
 }
 
 void SimulatedOperatorService::Step() {
+  TakeIn();
   if (teleoperator_) {
-    teleoperator_->Step();
+    AskThrough(client_, *teleoperator_, clock_);
     return diagnostics_.Tick([this] { return ReportTeleoperation(); });
   }
-  TakeIn();
-  const bool all_stopped =
-      std::ranges::all_of(robots_, [](const auto& robot) { return robot->stopped; });
-  if (!all_stopped) AskThrough(client_, person_, clock_);
+  if (!AllStopped()) AskThrough(client_, person_, clock_);
   diagnostics_.Tick([this] { return Report(); });
+}
+
+bool SimulatedOperatorService::AllStopped() const {
+  return std::ranges::all_of(robots_, [](const auto& robot) { return robot->asks->stopped; });
 }
 
 void SimulatedOperatorService::TakeIn() {
   const auto now = clock_.Now();
-  for (const auto& world : beliefs_) {
-    for (const Belief& belief : world->TakeValid(kToDomain)) person_.Receive(belief);
+  const auto pass = [this](const auto& value) {
+    teleoperator_ ? teleoperator_->Receive(value) : person_.Receive(value);
+  };
+  for (const auto& world : worlds_) {
+    for (const Belief& belief : world->belief.TakeValid(kToDomain)) pass(belief);
+    if (!world->belief_map) continue;
+    for (const MapUpdate& map : world->belief_map->TakeValid(kToDomain)) {
+      teleoperator_->ReceiveCellSize(world->name, map.cell_size_m);
+    }
   }
   for (const auto& robot : robots_) {
-    for (const Guidance& guidance : robot->guidance.TakeValid(kToDomain)) person_.Receive(guidance);
-    for (const StopOrder& stop : robot->stop.TakeValid(kToDomain)) robot->stopped = stop.stopped;
+    auto& asks = robot->asks;
+    if (asks) {
+      for (const Guidance& guidance : asks->guidance.TakeValid(kToDomain)) {
+        person_.Receive(guidance);
+      }
+      for (const StopOrder& stop : asks->stop.TakeValid(kToDomain)) asks->stopped = stop.stopped;
+    }
     for (const RobotState& state : robot->state.TakeValid(kToDomain)) {
-      person_.Receive(state);
+      pass(state);
       person_.Receive(state.stamp);
     }
-    for (const Snapshot& picture : robot->snapshot.TakeValid(kToDomain))
-      person_.Receive(picture, now);
-    for (const auto& request : robot->attention.TakeValid(kToDomain)) person_.Receive(request, now);
+    for (const Snapshot& picture : robot->snapshot.TakeValid(kToDomain)) {
+      teleoperator_ ? teleoperator_->Receive(picture) : person_.Receive(picture, now);
+    }
+    if (!asks) continue;
+    for (const auto& request : asks->attention.TakeValid(kToDomain)) person_.Receive(request, now);
   }
-  if (!queue_) return;
+  if (queue_) TakeInQueue();
+}
+
+void SimulatedOperatorService::TakeInQueue() {
   for (const auto& message : clock_topic_->Take()) {
     if (const auto time = ToDomain(message.clock())) person_.Receive(*time);
   }
@@ -200,9 +171,9 @@ Health SimulatedOperatorService::Report() const {
 }
 
 Health SimulatedOperatorService::ReportTeleoperation() const {
-  const SyntheticTeleoperator::Counts& counts = teleoperator_->person().counts();
+  const SyntheticTeleoperator::Counts& counts = teleoperator_->counts();
   Health health{Health::Level::kOk, "synthetic person steers by keys", {}};
-  health.values = {{"robots_with_goals_left", std::to_string(teleoperator_->person().open())},
+  health.values = {{"robots_with_goals_left", std::to_string(teleoperator_->open())},
                    {"keys", std::to_string(counts.keys)},
                    {"bumps", std::to_string(counts.bumps)},
                    {"meetings", std::to_string(counts.meetings)},

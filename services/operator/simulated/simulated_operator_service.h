@@ -1,6 +1,5 @@
 #pragma once
 
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,42 +18,14 @@
 
 namespace conav::operators {
 
-/// A synthetic teleoperator on the bus: receives what a console would show (the operator's map,
-/// where the robots are on it, what their streamed pictures show) and sends keys and edits through
-/// `client`, one at a time. Publishes nothing before all of that is there for each robot.
-/// Threads: one.
-class TeleoperatorTopics {
- public:
-  TeleoperatorTopics(bus::Participant& participant, const Clock& clock, OperatorClient& client,
-                     const SyntheticOperatorParameters& parameters, std::uint64_t seed,
-                     const std::map<std::string, std::string>& world_of_robot);
-  ~TeleoperatorTopics();
-
-  /// Takes in everything that arrived and asks what is to be asked. Does not block.
-  void Step();
-
-  const SyntheticTeleoperator& person() const { return person_; }
-
- private:
-  struct RobotLink;
-  struct WorldLink;
-
-  void TakeIn();
-
-  const Clock& clock_;
-  OperatorClient& client_;
-  SyntheticTeleoperator person_;
-  std::vector<std::unique_ptr<WorldLink>> worlds_;
-  std::vector<std::unique_ptr<RobotLink>> robots_;
-};
-
 /// A synthetic person as a client of the operator service: receives what a console would show, and
 /// asks through the same client API, by paths and edits or, as a teleoperator, by keys and edits.
 ///
 /// With person.order "queue" the operator service's attention queue says what comes next. Publishes
 /// nothing before a robot's state and its world's belief arrived, and while all its robots are
 /// stopped; then requests, one at a time. When the operator service does not answer, it repeats,
-/// gives the item up after person.attempts deadlines, and says so in /diagnostics.
+/// gives the item up after person.attempts deadlines, and says so in /diagnostics. A teleoperator
+/// begins when state and map are there for each robot.
 /// Threads: one; Run() or repeated Step().
 class SimulatedOperatorService {
  public:
@@ -71,13 +42,16 @@ class SimulatedOperatorService {
   const SyntheticOperator& person() const { return person_; }
   /// Null unless it steers by keys.
   const SyntheticTeleoperator* teleoperator() const {
-    return teleoperator_ ? &teleoperator_->person() : nullptr;
+    return teleoperator_ ? &*teleoperator_ : nullptr;
   }
 
  private:
+  struct WorldLink;
   struct RobotLink;
 
   void TakeIn();
+  void TakeInQueue();
+  bool AllStopped() const;
   Health Report() const;
   Health ReportTeleoperation() const;
 
@@ -85,8 +59,8 @@ class SimulatedOperatorService {
   const Clock& clock_;
   SyntheticOperator person_;
   OperatorClient client_;
-  std::unique_ptr<TeleoperatorTopics> teleoperator_;  // with interaction "teleoperation", instead
-  std::vector<std::unique_ptr<bus::Subscriber<conav_msgs::msg::BeliefMap>>> beliefs_;
+  std::optional<SyntheticTeleoperator> teleoperator_;  // with interaction "teleoperation", instead
+  std::vector<std::unique_ptr<WorldLink>> worlds_;
   std::vector<std::unique_ptr<RobotLink>> robots_;
   std::optional<bus::Subscriber<conav_msgs::msg::AttentionQueue>> queue_;  // with order "queue"
   std::optional<bus::Subscriber<rosgraph_msgs::msg::Clock>> clock_topic_;  // likewise

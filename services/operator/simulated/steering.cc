@@ -8,15 +8,6 @@
 #include "operator/simulated/path_planner.h"
 
 namespace conav::operators {
-namespace {
-
-/// The neighbouring cell that `heading_rad` points to, as an offset; diagonals included.
-Cell AxisOffset(double heading_rad) {
-  return {-static_cast<int>(std::lround(std::sin(heading_rad))),
-          static_cast<int>(std::lround(std::cos(heading_rad)))};
-}
-
-}  // namespace
 
 void StreamMemory::Look(const PictureReaderParameters& parameters, const Snapshot& picture,
                         Random& random) {

@@ -8,11 +8,6 @@
 namespace conav::operators {
 namespace {
 
-Clock::TimePoint After(Clock::TimePoint time, double seconds) {
-  return time + std::chrono::duration_cast<Clock::TimePoint::duration>(
-                    std::chrono::duration<double>(seconds));
-}
-
 /// Of the pause before what was refused is asked again.
 constexpr int kMostDoublings = 5;
 
@@ -24,8 +19,6 @@ std::uint64_t HashOf(const std::string& name) {
   }
   return hash;
 }
-
-bool IsGlance(const Snapshot& picture) { return picture.streamed; }
 
 /// Standard normal (Box and Muller 1958).
 double NormalDraw(Random& random) {
@@ -94,7 +87,7 @@ void SyntheticOperator::Receive(const Snapshot& picture, Clock::TimePoint now) {
     robot->looked_at = std::max(robot->looked_at, picture.sequence_number);
     return;
   }
-  if (FollowsQueue() && IsGlance(picture)) {
+  if (FollowsQueue() && picture.streamed) {
     robot->looked_at = std::max(robot->looked_at, picture.sequence_number);
     robot->streamed = picture;
     return;
@@ -132,7 +125,7 @@ bool SyntheticOperator::Ready(const Item& item, Clock::TimePoint now) const {
   if (!worlds_.at(robot.world).belief) return false;
   const auto* attention = std::get_if<AttentionRequest>(&item.occasion);
   if (attention == nullptr || ReadyForAttention(robot, *attention)) return true;
-  return robot.state && now >= After(item.heard_at, parameters_.patience_s);
+  return robot.state && now >= item.heard_at + Seconds(parameters_.patience_s);
 }
 
 bool SyntheticOperator::ReadyForAttention(const Robot& robot,
@@ -178,7 +171,7 @@ bool SyntheticOperator::TakeUp(Clock::TimePoint now) {
   if (next == queue_.end()) return false;
   current_ = std::move(*next);
   queue_.erase(next);
-  current_->not_before = After(now, parameters_.thinking_time_s);
+  current_->not_before = now + Seconds(parameters_.thinking_time_s);
   return true;
 }
 
@@ -186,7 +179,7 @@ void SyntheticOperator::Selected(const Result<OperatorReply>& reply, Clock::Time
   if (reply && reply->accepted) {
     current_->selected = true;
     current_->busy_until = BusyUntil(*current_);
-    current_->not_before = After(now, parameters_.thinking_time_s);
+    current_->not_before = now + Seconds(parameters_.thinking_time_s);
     return;
   }
   // It was answered or withdrawn meanwhile, or nobody replied: look again at the newer queue.
@@ -205,7 +198,7 @@ std::optional<OperatorAsk> SyntheticOperator::Next(Clock::TimePoint now) {
     if (now < current_->not_before || operator_time_ < current_->busy_until) return std::nullopt;
     const World& world = worlds_.at(robots_.at(current_->robot).world);
     if (world.belief->revision < world.revision_needed) return std::nullopt;
-    if (!current_->looked) Look(*current_);
+    if (!std::exchange(current_->looked, true)) current_->edits = EditsFor(*current_);
     under_way_ = EditAsk(*current_);
     if (!under_way_) under_way_ = GuideAsk(*current_);
     if (!under_way_) Finish();
@@ -235,7 +228,7 @@ void SyntheticOperator::Answered(const Result<OperatorReply>& reply, Clock::Time
   counts_.newest_problem = reply ? reply->reason : reply.error().text;
   // The longer it is refused, the less it asks: another client may keep control of the robot.
   const double pauses = std::exp2(std::min(current_->attempts, kMostDoublings));
-  current_->not_before = After(now, pauses * parameters_.retry_pause_s);
+  current_->not_before = now + Seconds(pauses * parameters_.retry_pause_s);
   if (++current_->attempts < parameters_.attempts) return;
   current_->attempts = 0;
   ++counts_.given_up;
@@ -262,16 +255,12 @@ void SyntheticOperator::Finish() {
 
 // --- looking and answering -------------------------------------------------------------------
 
-void SyntheticOperator::Look(Item& item) {
+std::vector<CellEdit> SyntheticOperator::EditsFor(const Item& item) {
   Robot& robot = robots_.at(item.robot);
-  item.edits = EditsFor(item, robot, worlds_.at(robot.world));
-  item.looked = true;
-}
-
-std::vector<CellEdit> SyntheticOperator::EditsFor(const Item& item, Robot& robot, World& world) {
+  World& world = worlds_.at(robot.world);
   if (const auto* picture = std::get_if<Snapshot>(&item.occasion)) {
     ++counts_.pictures;
-    if (IsGlance(*picture) && !robot.reader.Glances(parameters_.glance_rate)) return {};
+    if (picture->streamed && !robot.reader.Glances(parameters_.glance_rate)) return {};
     return robot.reader.Read(world.belief->wall_probability, *picture, world.certain_walls);
   }
   if (const auto* attention = std::get_if<AttentionRequest>(&item.occasion)) {
@@ -322,7 +311,7 @@ std::optional<OperatorAsk> SyntheticOperator::GuideAsk(const Item& item) {
   const Robot& robot = robots_.at(item.robot);
   const World& world = worlds_.at(robot.world);
   const auto* picture = std::get_if<Snapshot>(&item.occasion);
-  if (picture != nullptr && IsGlance(*picture)) return std::nullopt;
+  if (picture != nullptr && picture->streamed) return std::nullopt;
   // The picture says where the robot is, unless a newer state is here already.
   const bool from_picture =
       picture != nullptr && (!robot.state || robot.state->stamp < picture->stamp);

@@ -71,8 +71,8 @@ SyntheticOperatorParameters ParametersOfKind(const std::string& kind);
 struct OperatorAsk {
   std::string world;
   SimTime stamp;
-  std::variant<EditRequest, GuideRequest, DriveRequest, SelectRequest>
-      body;  // the last with order "queue" only
+  /// An edit, guidance, a key, or (with order "queue" only) a selection.
+  decltype(OperatorRequest::body) body;
 };
 
 /// One synthetic person who supervises several robots, one item after the other.
@@ -170,8 +170,7 @@ class SyntheticOperator {
   std::deque<Item>::iterator FirstOfQueue(Clock::TimePoint now);
   SimTime BusyUntil(const Item& item);
   void Selected(const Result<OperatorReply>& reply, Clock::TimePoint now);
-  void Look(Item& item);
-  std::vector<CellEdit> EditsFor(const Item& item, Robot& robot, World& world);
+  std::vector<CellEdit> EditsFor(const Item& item);
   std::vector<CellEdit> MarkBlocked(const AttentionRequest& attention, const Robot& robot,
                                     World& world);
   /// With order "queue": what the newest streamed picture shows besides.

@@ -42,7 +42,27 @@ bool EditsWereSeen(const Segment& segment) {
   return true;
 }
 
+/// What was recorded of seed 8, without the times.
+SegmentSet SegmentsOfSeedEight() {
+  DemoRun demo({"--headless", "--seed", "8", "--camera", "none"});
+  demo.EndsWell();
+  SegmentSet set = SegmentsOf(demo);
+  for (Trajectory& trajectory : set.trajectories) {
+    trajectory.session.clear();
+    for (Segment& segment : trajectory.segments) {
+      segment.sent_s = segment.first_edit_s = segment.confirmed_s = std::nullopt;
+    }
+  }
+  return set;
+}
+
 }  // namespace
+
+TEST_CASE("the same seed records the same segments", "[demo]") {
+  const SegmentSet first = SegmentsOfSeedEight();
+  CHECK(SegmentCount(first) > 0);
+  CHECK(first == SegmentsOfSeedEight());
+}
 
 TEST_CASE("a demo leaves one segment for each picture", "[demo]") {
   DemoRun demo({"--headless", "--seed", "7", "--camera", "none"});

@@ -1,12 +1,16 @@
 // What a demo leaves as recording.mcap, by our reader and by those of others.
 #include <fmt/format.h>
 #include <signal.h>
+#include <sys/wait.h>
 
 #include <catch2/catch.hpp>
-#include <set>
+#include <cstdlib>
+#include <map>
+#include <nlohmann/json.hpp>
 
-#include "operator/recording/mcap_reader.h"
-#include "recording/recording_check.h"
+#include "common/runtime/file.h"
+#include "operator/recording/mcap_file.h"
+#include "support/temporary_folder.h"
 #include "system/launcher/demo_run.h"
 
 namespace conav::testing {
@@ -14,6 +18,56 @@ namespace {
 
 std::filesystem::path RecordingOf(const DemoRun& demo) {
   return demo.RunFolder() / "recording.mcap";
+}
+
+/// What a reader prints; fails the test, with what it said, when it fails.
+nlohmann::json Run(const std::string& command) {
+  const test::TemporaryFolder folder;
+  const std::string redirected = fmt::format("{} >'{}' 2>'{}'", command, (folder / "out").string(),
+                                             (folder / "error").string());
+  const int status = std::system(redirected.c_str());
+  INFO(command << "\n" << ReadFile(folder / "error").value());
+  REQUIRE(WIFEXITED(status));
+  REQUIRE(WEXITSTATUS(status) == 0);
+  return nlohmann::json::parse(ReadFile(folder / "out").value());
+}
+
+/// By @mcap/core and @foxglove/rosmsg2-serialization, see recording/read_recording.mjs. The topics
+/// named in `last` have their last message.
+nlohmann::json ReadByOthers(const std::filesystem::path& recording,
+                            const std::vector<std::string>& last = {}) {
+  std::string command = fmt::format("'{}' '{}/read_recording.mjs' '{}'", CONAV_NODE,
+                                    CONAV_READERS_DIR, recording.string());
+  for (const std::string& topic : last) command += fmt::format(" --last '{}'", topic);
+  return Run(command);
+}
+
+/// By sql.js and @foxglove/rosmsg2-serialization: a rosbag2 folder that was made of `recording`.
+nlohmann::json ReadBagByOthers(const std::filesystem::path& folder,
+                               const std::filesystem::path& recording) {
+  return Run(fmt::format("'{}' '{}/read_rosbag2.mjs' '{}' '{}'", CONAV_NODE, CONAV_READERS_DIR,
+                         folder.string(), recording.string()));
+}
+
+/// By conav-bag; `arguments` as typed into a shell.
+nlohmann::json ReadByConav(const std::filesystem::path& recording,
+                           const std::string& arguments = "") {
+  return Run(
+      fmt::format("'{}/conav-bag' '{}' --json - {}", CONAV_BIN_DIR, recording.string(), arguments));
+}
+
+/// Messages by topic, in what either of them found.
+std::map<std::string, int> CountsOf(const nlohmann::json& found) {
+  std::map<std::string, int> counts;
+  const nlohmann::json& topics = found["topics"];
+  for (const auto& [name, topic] : topics.items()) {
+    if (topics.is_array()) {
+      counts[topic["topic"]] = topic["messages"];
+    } else {
+      counts[name] = topic["count"];
+    }
+  }
+  return counts;
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 #include "common/bus/type_support.h"
 #include "common/runtime/file.h"
 #include "launcher/process.h"
-#include "operator/recording/mcap_reader.h"
+#include "operator/recording/mcap_file.h"
 #include "support/temporary_folder.h"
 #include "system/console_page.h"
 #include "system/launcher/demo_run.h"
@@ -173,25 +173,6 @@ TEST_CASE("a page of a replay sees at each place what the recording holds there"
   page.Seek(0.0);
   CHECK(page.pictures.empty());
   CHECK_FALSE(page.Ask([](auto& request) { request.mutable_stop(); }).accepted());
-  CHECK(replay.End() == 0);
-}
-
-TEST_CASE("a recording that was cut off is played as far as it goes", "[replay]") {
-  DemoRun demo({"--headless", "--seed", "7", "--camera", "none"});
-  demo.EndsWell();
-  const fs::path recording = demo.RunFolder() / "recording.mcap";
-  const fs::path part = demo.RunFolder() / "part.mcap";
-  fs::copy_file(recording, part);
-  fs::resize_file(part, fs::file_size(recording) / 4 * 3);
-  const auto states = MessagesOf<msg::RobotState>(part, "/r1/state");
-  REQUIRE_FALSE(states.empty());
-  CHECK(states.size() < MessagesOf<msg::RobotState>(recording, "/r1/state").size());
-  Replay replay(part);
-  CHECK_THAT(replay.Said(), Catch::Contains("warning") && Catch::Contains("was not finished"));
-  Page page(replay.port());
-  page.Seek(page.playback.duration());
-  CHECK(page.robot.cell().row() == states.rbegin()->second.cell().row());
-  CHECK(page.robot.cell().column() == states.rbegin()->second.cell().column());
   CHECK(replay.End() == 0);
 }
 

@@ -18,16 +18,5 @@ TEST_CASE("simulation time converts to seconds and back without a rest, adds and
   CHECK(start < start + 1ns);
 }
 
-TEST_CASE("a fake clock moves only when it is moved, the steady clock not back", "[clock]") {
-  FakeClock clock;
-  const auto start = clock.Now();
-  CHECK(clock.Now() == start);
-  clock.Advance(5s);
-  CHECK(clock.Now() - start == 5s);
-  const SteadyClock steady;
-  const auto before = steady.Now();
-  CHECK(steady.Now() >= before);
-}
-
 }  // namespace
 }  // namespace conav

@@ -30,17 +30,7 @@ TEST_CASE("bounded integers reach both ends of their range, one value and all ta
   CHECK(bounded.Uniform(INT64_MIN, INT64_MAX) == static_cast<std::int64_t>(reference.Next()));
 }
 
-TEST_CASE("bounded integers are even: chi-square over ten values", "[random]") {
-  Random random(11);
-  constexpr int kDraws = 100000;
-  std::vector<int> count(10, 0);
-  for (int i = 0; i < kDraws; ++i) ++count[static_cast<std::size_t>(random.Uniform(0, 9))];
-  double chi_square = 0.0;
-  for (const int n : count) chi_square += std::pow(n - kDraws / 10.0, 2) / (kDraws / 10.0);
-  CHECK(chi_square < 27.9);  // 0.1 % of nine degrees of freedom
-}
-
-TEST_CASE("the unit interval holds its lower end only", "[random]") {
+TEST_CASE("the unit interval holds its lower end only, chances take one draw each", "[random]") {
   Random random(2);
   double sum = 0.0;
   for (int i = 0; i < 10000; ++i) {
@@ -50,28 +40,15 @@ TEST_CASE("the unit interval holds its lower end only", "[random]") {
     sum += value;
   }
   CHECK(sum / 10000 == Approx(0.5).margin(0.02));
-}
-
-TEST_CASE("chance 0 never happens, chance 1 always, each takes one draw", "[random]") {
-  Random random(4);
+  Random chances(4);
   Random reference(4);
   for (int i = 0; i < 100; ++i) {
-    CHECK_FALSE(random.Chance(0.0));
-    CHECK(random.Chance(1.0));
+    CHECK_FALSE(chances.Chance(0.0));
+    CHECK(chances.Chance(1.0));
     reference.Next();
     reference.Next();
   }
-  CHECK(random.Next() == reference.Next());
-}
-
-TEST_CASE("a shuffle permutes", "[random]") {
-  std::vector<int> items(101);
-  std::iota(items.begin(), items.end(), 0);
-  Random random(6);
-  random.Shuffle(items);
-  CHECK_FALSE(std::is_sorted(items.begin(), items.end()));
-  std::sort(items.begin(), items.end());
-  for (int i = 0; i < 101; ++i) CHECK(items[static_cast<std::size_t>(i)] == i);
+  CHECK(chances.Next() == reference.Next());
 }
 
 #if defined(__GLIBCXX__) && __GLIBCXX__ >= 20210000
@@ -93,7 +70,7 @@ TEST_CASE("integers and shuffles equal libstdc++'s", "[random]") {
 }
 #endif
 
-TEST_CASE("derived seeds differ by seed and by purpose", "[random]") {
+TEST_CASE("derived seeds differ by seed and by purpose, and stay what they were", "[random]") {
   std::set<std::uint64_t> seeds;
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
     for (std::uint64_t purpose = 0; purpose < 30; ++purpose) {
@@ -101,22 +78,20 @@ TEST_CASE("derived seeds differ by seed and by purpose", "[random]") {
     }
   }
   CHECK(seeds.size() == 900);
-  CHECK(DeriveSeed(5, 6) == DeriveSeed(5, 6));
+  CHECK(DeriveSeed(1234567, 0) == 6457827717110365317ULL);
+  CHECK(DeriveSeed(1234567, 1) == 3203168211198807973ULL);
 }
 
-TEST_CASE("SplitMix64 gives the published numbers", "[runtime]") {
+TEST_CASE("SplitMix64 gives the published numbers, whole or as two halves", "[runtime]") {
   // Of the seed 1234567, as in the reference implementation's test vector.
-  SplitMix64 draws(1234567);
-  const std::array<std::uint64_t, 5> expected{6457827717110365317ULL, 3203168211198807973ULL,
-                                              9817491932198370423ULL, 4593380528125082431ULL,
-                                              16408922859458223821ULL};
-  for (const std::uint64_t number : expected) CHECK(draws.Next() == number);
-}
-
-TEST_CASE("one draw is two numbers", "[runtime]") {
-  SplitMix64 whole(1234567), halved(1234567);
-  const SplitMix64::Halves halves = halved.NextHalves();
-  CHECK((std::uint64_t{halves.upper} << 32 | halves.lower) == whole.Next());
+  SplitMix64 draws(1234567), halved(1234567);
+  for (const std::uint64_t number :
+       {6457827717110365317ULL, 3203168211198807973ULL, 9817491932198370423ULL,
+        4593380528125082431ULL, 16408922859458223821ULL}) {
+    CHECK(draws.Next() == number);
+    const SplitMix64::Halves halves = halved.NextHalves();
+    CHECK((std::uint64_t{halves.upper} << 32 | halves.lower) == number);
+  }
 }
 
 TEST_CASE("32 bits are scaled to each number below the count", "[runtime]") {

@@ -10,26 +10,12 @@
 namespace conav {
 namespace {
 
-using Folder = test::TemporaryFolder;
-
-TEST_CASE("bytes that are no text are replaced", "[json]") {
-  CHECK(JsonText({{"file", "d\xff"}}) == "{\n  \"file\": \"d\xEF\xBF\xBD\"\n}\n");
-}
-
-TEST_CASE("a document is written with its keys in order, over the one before", "[json]") {
-  const Folder folder;
-  REQUIRE(WriteJsonFile(folder / "a.json", {{"a", 1}}));
-  REQUIRE(WriteJsonFile(folder / "a.json", {{"zebra", 1}, {"ant", "two"}}));
-  CHECK(ReadFile(folder / "a.json").value() == "{\n  \"zebra\": 1,\n  \"ant\": \"two\"\n}\n");
-}
-
-TEST_CASE("a file that cannot be written is named, on a full disk, too", "[json]") {
-  for (const char* file : {"/nonexistent/folder/a.json", "/dev/full"}) {
-    const auto result = WriteJsonFile(file, {{"a", 1}});
-    REQUIRE_FALSE(result);
-    CHECK(result.error().code == ErrorCode::kIo);
-    CHECK_THAT(result.error().text, Catch::StartsWith(file));
-  }
+TEST_CASE("a document is written with its keys in order, bytes that are no text are replaced",
+          "[json]") {
+  const test::TemporaryFolder folder;
+  REQUIRE(WriteJsonFile(folder / "a.json", {{"zebra", 1}, {"ant", "d\xff"}}));
+  CHECK(ReadFile(folder / "a.json").value() ==
+        "{\n  \"zebra\": 1,\n  \"ant\": \"d\xEF\xBF\xBD\"\n}\n");
 }
 
 TEST_CASE("SHA-256 gives the digests of FIPS 180-4's examples", "[sha256]") {
@@ -48,11 +34,12 @@ TEST_CASE(
     "Characters of one to four bytes are UTF-8; cut, overlong and surrogate ones are made "
     "readable",
     "[utf8]") {
-  for (const char* good : {"", "plain", "\xC3\xA9 \xE2\x82\xAC \xF0\x9F\xA4\x96"}) {
+  for (const char* good :
+       {"", "plain", "\xC3\xA9 \xE2\x82\xAC \xF0\x9F\xA4\x96 \xF4\x8F\xBF\xBF"}) {
     CHECK(IsUtf8(good));
   }
-  for (const char* bad :
-       {"caf\xE9", "\xE2\x82", "\xC0\xAF", "\xE0\x80\xAF", "\xED\xA0\x80", "\xF4\x90\x80\x80"}) {
+  for (const char* bad : {"caf\xE9", "\x80", "a\xC3", "\xC3(", "\xE2\x82", "\xC0\xAF",
+                          "\xE0\x80\xAF", "\xED\xA0\x80", "\xF0\x80\x80\x80", "\xF4\x90\x80\x80"}) {
     CHECK_FALSE(IsUtf8(bad));
   }
   CHECK(Readable("wall ahead, \xC3\xBC") == "wall ahead, \xC3\xBC");

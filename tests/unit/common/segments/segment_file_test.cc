@@ -68,45 +68,34 @@ TEST_CASE("equal sets are equal files, byte by byte", "[segments]") {
   CHECK(ReadFile(folder.path() / "a").value() == ReadFile(folder.path() / "b").value());
 }
 
-TEST_CASE("a set that does not pass the checks is not written", "[segments]") {
+TEST_CASE("a set that does not pass the checks is not written, and what is not there not read",
+          "[segments]") {
   const TemporaryFolder folder;
   SegmentSet set = tests::SampleSet();
   set.trajectories[0].segments[1].query.path.clear();
-  const auto written = WriteSegmentFile(folder.path() / "set", set);
+  const auto written = WriteSegmentFile(folder / "set", set);
   REQUIRE_FALSE(written);
   CHECK_THAT(written.error().text, Catch::Contains("trajectory 0, segment 1"));
-  CHECK_FALSE(std::filesystem::exists(folder.path() / "set"));
-}
-
-TEST_CASE("a file that is not there is not found, one that is full cannot be written",
-          "[segments]") {
-  CHECK(ReadSegmentFile("/nowhere/set").error().code == ErrorCode::kNotFound);
+  CHECK(ReadSegmentFile(folder / "set").error().code == ErrorCode::kNotFound);
   CHECK(WriteSegmentFile("/dev/full", tests::SampleSet()).error().code == ErrorCode::kIo);
 }
 
-TEST_CASE("a file cut anywhere is refused as truncated", "[segments]") {
+TEST_CASE("a file cut anywhere is refused as truncated, every flipped byte is noticed",
+          "[segments]") {
   const TemporaryFolder folder;
-  const auto path = folder.path() / "set";
-  REQUIRE(WriteSegmentFile(path, tests::SampleSet()));
-  const std::string whole = ReadFile(path).value();
+  REQUIRE(WriteSegmentFile(folder / "set", tests::SampleSet()));
+  const std::string whole = ReadFile(folder / "set").value();
+  CHECK(RefusalOf(folder, "") == "it is empty");
   for (std::size_t size = 1; size < whole.size(); ++size) {
     CHECK_THAT(RefusalOf(folder, std::string_view(whole).substr(0, size)),
                Catch::StartsWith("it is truncated"));
   }
-  CHECK(RefusalOf(folder, "") == "it is empty");
-}
-
-TEST_CASE("every flipped byte is noticed", "[segments]") {
-  const TemporaryFolder folder;
-  const auto path = folder.path() / "set";
-  REQUIRE(WriteSegmentFile(path, tests::SampleSet()));
-  const std::string whole = ReadFile(path).value();
   for (std::size_t i = 0; i < whole.size(); ++i) {
     std::string damaged = whole;
     damaged[i] = static_cast<char>(damaged[i] ^ 0x41);
     // A frame header may say the same in two ways; what is read then is the same, too.
-    REQUIRE(WriteFile(path, damaged));
-    const auto read = ReadSegmentFile(path);
+    REQUIRE(WriteFile(folder / "set", damaged));
+    const auto read = ReadSegmentFile(folder / "set");
     CHECK((!read || *read == tests::SampleSet()));
   }
 }
@@ -199,31 +188,27 @@ TEST_CASE("a trajectory without an origin or out of turn is refused", "[segments
              Catch::StartsWith("trajectory 0: it has no segments"));
 }
 
-TEST_CASE("a recording can be read at any time and holds the newest facts", "[segments]") {
+TEST_CASE("a recording can be read at any time, holds the newest facts, goes on another day",
+          "[segments]") {
   const TemporaryFolder folder;
-  const auto path = folder.path() / "log";
-  auto log = SegmentLog::Open(path);
-  REQUIRE(log);
-  CHECK(ReadSegmentFile(path) == SegmentSet());
+  const auto path = folder / "log";
   Trajectory trajectory = tests::SampleTrajectory();
-  REQUIRE(log->Append(0, trajectory, trajectory.segments[0]));
-  trajectory.final_mapping_accuracy = 0.75;
-  REQUIRE(log->Append(0, trajectory, trajectory.segments[1]));
-  CHECK(ReadSegmentFile(path) == SegmentSet{{trajectory}});
-}
-
-TEST_CASE("a recording goes on with a new trajectory", "[segments]") {
-  const TemporaryFolder folder;
-  const auto path = folder.path() / "log";
-  REQUIRE(WriteSegmentFile(path, tests::SampleSet()));
+  {
+    auto log = SegmentLog::Open(path);
+    REQUIRE(log);
+    CHECK(ReadSegmentFile(path) == SegmentSet());
+    REQUIRE(log->Append(0, trajectory, trajectory.segments[0]));
+    trajectory.final_mapping_accuracy = 0.75;
+    REQUIRE(log->Append(0, trajectory, trajectory.segments[1]));
+    CHECK(ReadSegmentFile(path) == SegmentSet{{trajectory}});
+  }
   auto log = SegmentLog::Open(path);
   REQUIRE(log);
-  REQUIRE(log->trajectories() == 2);
-  REQUIRE(log->Append(2, tests::SampleTrajectory(), tests::SampleSegment(9)));
-  SegmentSet expected = tests::SampleSet();
-  expected.trajectories.push_back(tests::SampleTrajectory());
-  expected.trajectories[2].segments = {tests::SampleSegment(9)};
-  CHECK(ReadSegmentFile(path) == expected);
+  REQUIRE(log->trajectories() == 1);
+  Trajectory next = tests::SampleTrajectory();
+  next.segments = {tests::SampleSegment(9)};
+  REQUIRE(log->Append(1, next, next.segments[0]));
+  CHECK(ReadSegmentFile(path) == SegmentSet{{trajectory, next}});
 }
 
 TEST_CASE("a recording cut off by a kill is refused, recovered on demand, and continued",

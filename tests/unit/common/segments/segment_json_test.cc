@@ -1,5 +1,3 @@
-#include "common/segments/segment_json.h"
-
 #include <catch2/catch.hpp>
 #include <sstream>
 
@@ -62,7 +60,9 @@ TEST_CASE("exported segments are imported bit by bit, and exported as the same t
   CHECK(Exported(*imported) == text);
 }
 
-TEST_CASE("any heading survives its way through degrees", "[segments]") {
+TEST_CASE("any heading survives its way through degrees, which are plain in eight directions",
+          "[segments]") {
+  CHECK_THAT(Exported(tests::SampleSet()), Catch::Contains(R"("heading_deg":45.0})"));
   std::vector<double> headings{0.0, -0.0, 5e-324, 1e-310, 2.2e-308, -1e-300, 1e-20, 999999.9, 1e6};
   for (int i = -100; i < 100; ++i) headings.push_back(0.0314159 * i);
   for (const double heading : headings) {
@@ -70,10 +70,6 @@ TEST_CASE("any heading survives its way through degrees", "[segments]") {
     set.trajectories[1].segments[0].query.heading_rad = heading;
     CHECK(Imported(Exported(set)) == set);
   }
-}
-
-TEST_CASE("headings of the eight directions are plain degrees", "[segments]") {
-  CHECK_THAT(Exported(tests::SampleSet()), Catch::Contains(R"("heading_deg":45.0})"));
 }
 
 TEST_CASE("lines need only what nobody else can know", "[segments]") {
@@ -88,15 +84,13 @@ TEST_CASE("lines need only what nobody else can know", "[segments]") {
   CHECK(segment.query.visible.walls == std::vector<Cell>{{0, 0}, {0, 1}, {0, 2}});
   CHECK_FALSE(segment.sent_s);
   CHECK(Imported("") == SegmentSet());
-}
-
-TEST_CASE("where nobody knows the truth the accuracies may be null", "[segments]") {
-  const auto set =
+  // Where nobody knows the truth the accuracies may be null.
+  const auto nulls =
       Imported(With(kTrajectory, "\"final_mapping_accuracy\": 1",
                     "\"truth\": null, \"valid\": null, \"final_mapping_accuracy\": null") +
                kSegment);
-  REQUIRE(set);
-  CHECK(set->trajectories[0].final_mapping_accuracy == 0.0);
+  REQUIRE(nulls);
+  CHECK(nulls->trajectories[0].final_mapping_accuracy == 0.0);
 }
 
 TEST_CASE("lines that are no record are refused with file and line", "[segments]") {

@@ -6,7 +6,6 @@
 
 #include "common/runtime/file.h"
 #include "common/segments/segment_file.h"
-#include "common/segments/segment_json.h"
 #include "common/segments/segment_split.h"
 #include "nhpm/dataset/synthesize.h"
 #include "support/program_runner.h"

@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "common/runtime/file.h"
-#include "operator/recording/mcap_reader.h"
-#include "operator/recording/mcap_writer.h"
+#include "operator/recording/mcap_file.h"
 #include "support/temporary_folder.h"
 
 namespace conav::bag {
@@ -16,9 +15,7 @@ namespace conav::bag {
 inline Bytes TextMessage(const std::string& text) {
   Bytes bytes{0, 1, 0, 0};
   ByteWriter writer(bytes);
-  writer.U32(static_cast<std::uint32_t>(text.size() + 1));
-  bytes.insert(bytes.end(), text.begin(), text.end());
-  bytes.push_back(0);
+  writer.Put(std::string_view(text.c_str(), text.size() + 1));
   return bytes;
 }
 
@@ -71,6 +68,17 @@ inline Bytes BytesOf(const std::filesystem::path& path) {
   const auto text = ReadFile(path);
   REQUIRE(text);
   return {text->begin(), text->end()};
+}
+
+/// Where record number `number` of this kind begins, outside of chunks.
+inline std::size_t PlaceOf(const Bytes& file, Opcode opcode, int number) {
+  ByteSpan rest = ByteSpan(file).subspan(kMagicSize);
+  for (;;) {
+    const std::size_t at = file.size() - rest.size();
+    const auto record = TakeRecord(rest);
+    REQUIRE(record);
+    if (record->opcode == opcode && --number == 0) return at;
+  }
 }
 
 inline void Store(const std::filesystem::path& path, ByteSpan bytes) {

@@ -1,8 +1,7 @@
-#include "operator/recording/rosbag2_export.h"
-
 #include <sqlite3.h>
 #include <yaml-cpp/yaml.h>
 
+#include "operator/recording/mcap_file.h"
 #include "support/full_disk.h"
 #include "unit/operator/recording/recordings.h"
 
@@ -61,13 +60,7 @@ TEST_CASE("A damaged chunk is left out of a rosbag2 folder, and said", "[operato
   const test::TemporaryFolder folder;
   WriteSmallRecording(folder / "a.mcap");
   Bytes bytes = BytesOf(folder / "a.mcap");
-  ByteSpan rest = ByteSpan(bytes).subspan(kMagicSize);
-  std::size_t chunk = 0;
-  for (auto opcode = Opcode{0}; opcode != Opcode::kChunk;) {
-    chunk = bytes.size() - rest.size();
-    opcode = TakeRecord(rest)->opcode;
-  }
-  bytes[chunk + kRecordHeaderSize + 24] ^= 1;  // its CRC
+  bytes[PlaceOf(bytes, Opcode::kChunk, 1) + kRecordHeaderSize + 24] ^= 1;  // its CRC
   Store(folder / "a.mcap", bytes);
   McapReader reader = MustOpen(folder / "a.mcap");
   const auto left_out = WriteRosbag2(reader, folder / "bag", [](std::uint64_t) {});

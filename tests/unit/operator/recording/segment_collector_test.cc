@@ -1,6 +1,9 @@
 #include "operator/recording/segment_collector.h"
 
+#include <fmt/format.h>
+
 #include <catch2/catch.hpp>
+#include <functional>
 
 #include "common/segments/segment_checks.h"
 #include "unit/operator/support/drawn_map.h"
@@ -75,13 +78,113 @@ struct Session {
   SegmentCollector collector{{SegmentOrigin::kPerson, "p07", "s1"}, {{"w1", {"conav13", 7, 9}}}};
 };
 
-std::vector<Cell> Edits(const Segment& segment) {
-  std::vector<Cell> cells;
+/// A completed segment as "robot/picture edits sent/first edit/confirmed", for example
+/// "r1/1 (1,1) 1/2/3".
+std::string Summary(const RecordedSegment& done) {
+  const Segment& segment = done.segment;
+  std::string edits;
   for (std::size_t i = 0; i < segment.belief_after.size(); ++i) {
     if (segment.belief_after.values()[i] == segment.query.belief.values()[i]) continue;
-    cells.push_back(segment.belief_after.CellAt(i));
+    edits += fmt::format("{}", segment.belief_after.CellAt(i));
   }
-  return cells;
+  const auto time = [](const std::optional<double>& s) {
+    return s ? fmt::format("{:.4g}", *s) : "-";
+  };
+  return fmt::format("{}/{} {} {}/{}/{}", done.robot, done.sequence_number,
+                     edits.empty() ? "-" : edits, time(segment.sent_s), time(segment.first_edit_s),
+                     time(segment.confirmed_s));
+}
+
+using Step = std::function<void(Session&)>;
+Step Send(const std::string& robot, std::uint64_t number, std::chrono::nanoseconds after = 1s) {
+  return [=](Session& session) { session.Send(robot, number, after); };
+}
+Step Edit(Cell cell, std::chrono::nanoseconds after = 1s) {
+  return [=](Session& session) { session.Edit(cell, after); };
+}
+Step Answer(const std::string& robot, std::uint64_t number, std::chrono::nanoseconds after = 1s) {
+  return [=](Session& session) { session.Answer(robot, number, after); };
+}
+Step Robot(const std::string& robot, std::int64_t stamp) {
+  return [=](Session& session) { session.Robot(robot, stamp); };
+}
+void Stream(Session& session) {
+  session.clock.Advance(1s);
+  Snapshot streamed = session.Taken("r1", 1);
+  streamed.streamed = true;
+  session.collector.Receive(streamed, session.clock.Now());
+}
+void SkipFiveOfR2(Session& session) { session.collector.Skip("r2", 5); }
+void Finish(Session& session) {
+  session.clock.Advance(1s);
+  session.collector.Finish(session.clock.Now());
+}
+void End(Session& session) { session.collector.End(); }
+
+TEST_CASE("Pictures, edits and answers become segments", "[operator][recording]") {
+  struct Row {
+    const char* rule;
+    std::vector<Step> steps;
+    std::vector<std::string> segments;
+  };
+  const Cell a{1, 1}, b{3, 3};
+  for (const Row& row : std::vector<Row>{
+           {"a picture, an edit and its answer",
+            {Send("r1", 1), Edit(a), Answer("r1", 1)},
+            {"r1/1 (1,1) 1/2/3"}},
+           {"an answer without an edit", {Send("r1", 1), Answer("r1", 1)}, {"r1/1 - 1/-/2"}},
+           {"an edit between an answer and the next picture belongs to neither",
+            {Send("r1", 1), Answer("r1", 1), Edit(a), Send("r1", 2), Edit(b), Answer("r1", 2)},
+            {"r1/1 - 1/-/2", "r1/2 (3,3) 4/5/6"}},
+           {"an edit that overtakes its picture belongs to it",
+            {Edit(a), Send("r1", 1, 100ms), Answer("r1", 1)},
+            {"r1/1 (1,1) 1.1/1.1/2.1"}},
+           {"an edit followed by guidance (a blocked robot's) is no answer to the next picture",
+            {Edit(a), Answer("r1", 0, 10ms), Send("r1", 1, 10ms), Answer("r1", 1)},
+            {"r1/1 - 1.02/-/2.02"}},
+           {"an answer that overtakes its picture waits for it",
+            {Send("r1", 1), Answer("r1", 1), Edit(a, 1ms), Answer("r1", 2, 1ms), Edit(b, 1ms),
+             Send("r1", 2, 1ms)},
+            {"r1/1 - 1/-/2", "r1/2 (1,1) 2.004/2.004/2.004"}},
+           {"with two pictures open an edit belongs to the one answered next",
+            {Send("r1", 1), Send("r2", 1), Edit(a), Answer("r1", 1), Edit(b), Answer("r2", 1)},
+            {"r1/1 (1,1) 1/3/4", "r2/1 (3,3) 2/5/6"}},
+           {"guidance that answers no picture takes no edit from the open ones",
+            {Send("r1", 1), Edit(a), Answer("r2", 0), Edit(b), Answer("r1", 1)},
+            {"r1/1 (1,1)(3,3) 1/2/5"}},
+           {"the first edit of a picture is the first since it came",
+            {Edit(b), Send("r1", 1), Edit(a), Answer("r1", 1)},
+            {"r1/1 (1,1) 2/3/4"}},
+           {"a picture without an answer ends with the robot's next one",
+            {Send("r1", 1), Edit(a), Send("r1", 2), Answer("r1", 2)},
+            {"r1/1 (1,1) 1/2/-", "r1/2 - 3/-/4"}},
+           {"streamed and repeated pictures, and those answered before, open nothing",
+            {Stream, Answer("r1", 1), Send("r1", 2), Answer("r1", 2), Send("r1", 2), SkipFiveOfR2,
+             Send("r2", 5), End},
+            {"r1/2 - 3/-/4"}},
+           {"at the end an open picture counts with an edit",
+            {Send("r1", 1), Edit(a), End},
+            {"r1/1 (1,1) 1/2/-"}},
+           {"... and not without", {Send("r1", 1), End}, {}},
+           {"a person who finishes has looked at the open picture, with an edit",
+            {Send("r1", 1), Edit(a), Finish},
+            {"r1/1 (1,1) 1/2/3"}},
+           {"... or without, once", {Send("r1", 1), Finish, Finish}, {"r1/1 - 1/-/2"}},
+           {"a robot that starts again counts its pictures from the beginning",
+            {Robot("r1", 100), Send("r1", 7), Robot("r1", 3), Send("r1", 1), Answer("r1", 1)},
+            {"r1/1 - 2/-/3"}},
+       }) {
+    CAPTURE(row.rule);
+    Session session;
+    for (const Step& step : row.steps) step(session);
+    std::vector<std::string> segments;
+    for (const RecordedSegment& done : session.collector.Take()) {
+      CHECK(CheckSegment(done.segment).has_value());
+      CHECK(done.segment.step == segments.size());  // counts a world's, from any robot
+      segments.push_back(Summary(done));
+    }
+    CHECK(segments == row.segments);
+  }
 }
 
 TEST_CASE("The pixels of a picture are moved into its segment", "[operator][recording]") {
@@ -95,35 +198,23 @@ TEST_CASE("The pixels of a picture are moved into its segment", "[operator][reco
   CHECK(done[0].jpeg.data() == pixels);
 }
 
-TEST_CASE("A picture, an edit and its answer are a segment", "[operator][recording]") {
+TEST_CASE("A segment has what the picture shows, and what is known of session and maze",
+          "[operator][recording]") {
   Session session;
   session.Send("r1", 1);
-  session.Edit({1, 1});
   CHECK(session.collector.Take().empty());
   session.Answer("r1", 1);
   const RecordedSegment done = session.Only();
   const Segment& segment = done.segment;
-  CHECK(Edits(segment) == std::vector<Cell>{{1, 1}});
   CHECK(segment.query.belief == DrawnMap(kMap));
   CHECK(segment.query.path == std::vector<Cell>{{1, 1}, {1, 2}});
   CHECK(segment.query.cell == Cell{1, 2});
   CHECK(segment.query.heading_rad == 1.5);
   CHECK(segment.query.visible == VisibleCells{{{1, 2}}, {{0, 2}}});
-  CHECK(segment.sent_s == 1.0);
-  CHECK(segment.first_edit_s == 2.0);
-  CHECK(segment.confirmed_s == 3.0);
   CHECK(segment.goals_reached == 1);
   CHECK(done.world == "w1");
-  CHECK(done.robot == "r1");
-  CHECK(done.sequence_number == 1);
   CHECK(done.jpeg == std::vector<std::uint8_t>{1, 2, 3});
-}
-
-TEST_CASE("What is known of session and maze stands with each segment", "[operator][recording]") {
-  Session session;
-  session.Send("r1", 1);
-  session.Answer("r1", 1);
-  const Trajectory trajectory = session.Only().trajectory;
+  const Trajectory& trajectory = done.trajectory;
   CHECK(trajectory.origin == SegmentOrigin::kPerson);
   CHECK(trajectory.participant == "p07");
   CHECK(trajectory.session == "s1");
@@ -131,185 +222,6 @@ TEST_CASE("What is known of session and maze stands with each segment", "[operat
   CHECK(trajectory.world_seed == 7);
   CHECK(trajectory.corruption_seed == 9);
   CHECK_FALSE(trajectory.truth);
-}
-
-TEST_CASE("An answer without an edit is a segment without edits", "[operator][recording]") {
-  Session session;
-  session.Send("r1", 1);
-  session.Answer("r1", 1);
-  const Segment segment = session.Only().segment;
-  CHECK(EditCount(segment) == 0);
-  CHECK_FALSE(segment.first_edit_s);
-}
-
-TEST_CASE("Steps count the segments of a world, whichever robot sent them",
-          "[operator][recording]") {
-  Session session;
-  session.Send("r1", 1);
-  session.Answer("r1", 1);
-  CHECK(session.Only().segment.step == 0);
-  session.Send("r2", 1);
-  session.Answer("r2", 1);
-  CHECK(session.Only().segment.step == 1);
-}
-
-TEST_CASE("An edit between an answer and the next picture belongs to neither",
-          "[operator][recording]") {
-  Session session;
-  session.Send("r1", 1);
-  session.Answer("r1", 1);
-  session.Only();
-  session.Edit({1, 1});
-  session.Send("r1", 2);
-  session.Edit({3, 3});
-  session.Answer("r1", 2);
-  CHECK(Edits(session.Only().segment) == std::vector<Cell>{{3, 3}});
-}
-
-TEST_CASE("An edit that overtakes its picture belongs to it", "[operator][recording]") {
-  Session session;
-  session.Edit({1, 1});
-  session.Send("r1", 1, 100ms);
-  session.Answer("r1", 1);
-  const Segment segment = session.Only().segment;
-  CHECK(Edits(segment) == std::vector<Cell>{{1, 1}});
-  CHECK(segment.first_edit_s == segment.sent_s);
-}
-
-TEST_CASE("An edit that was followed by guidance is no answer to the next picture, however soon",
-          "[operator][recording]") {
-  Session session;
-  session.Edit({1, 1});
-  session.Answer("r1", 0, 10ms);  // a blocked robot was sent another way
-  session.Send("r1", 1, 10ms);
-  session.Answer("r1", 1);
-  CHECK(EditCount(session.Only().segment) == 0);
-}
-
-TEST_CASE("An answer that overtakes its picture waits for it", "[operator][recording]") {
-  Session session;
-  session.Send("r1", 1);
-  session.Answer("r1", 1);
-  session.Only();
-  session.Edit({1, 1}, 1ms);
-  session.Answer("r1", 2, 1ms);
-  session.Edit({3, 3}, 1ms);
-  CHECK(session.collector.Take().empty());
-  session.Send("r1", 2, 1ms);
-  const Segment segment = session.Only().segment;
-  CHECK(Edits(segment) == std::vector<Cell>{{1, 1}});
-  CHECK(segment.confirmed_s == segment.sent_s);
-}
-
-TEST_CASE("With two pictures open an edit belongs to the one answered next",
-          "[operator][recording]") {
-  Session session;
-  session.Send("r1", 1);
-  session.Send("r2", 1);
-  session.Edit({1, 1});
-  session.Answer("r1", 1);
-  const RecordedSegment first = session.Only();
-  CHECK(first.robot == "r1");
-  CHECK(Edits(first.segment) == std::vector<Cell>{{1, 1}});
-  session.Edit({3, 3});
-  session.Answer("r2", 1);
-  const RecordedSegment second = session.Only();
-  CHECK(second.robot == "r2");
-  CHECK(Edits(second.segment) == std::vector<Cell>{{3, 3}});
-}
-
-TEST_CASE("Guidance that answers no picture takes no edit from the open ones",
-          "[operator][recording]") {
-  Session session;
-  session.Send("r1", 1);
-  session.Edit({1, 1});
-  session.Answer("r2", 0);
-  session.Edit({3, 3});
-  session.Answer("r1", 1);
-  const Segment segment = session.Only().segment;
-  CHECK(Edits(segment) == std::vector<Cell>{{1, 1}, {3, 3}});
-  CHECK(segment.first_edit_s == 2.0);
-}
-
-TEST_CASE("The first edit of a picture is the first since it came", "[operator][recording]") {
-  Session session;
-  session.Edit({3, 3});
-  session.Send("r1", 1);
-  session.Edit({1, 1});
-  session.Answer("r1", 1);
-  const Segment segment = session.Only().segment;
-  CHECK(Edits(segment) == std::vector<Cell>{{1, 1}});
-  CHECK(segment.first_edit_s == 3.0);
-}
-
-TEST_CASE("A picture without an answer ends with the robot's next one", "[operator][recording]") {
-  Session session;
-  session.Send("r1", 1);
-  session.Edit({1, 1});
-  session.Send("r1", 2);
-  const Segment first = session.Only().segment;
-  CHECK(Edits(first) == std::vector<Cell>{{1, 1}});
-  CHECK_FALSE(first.confirmed_s);
-  session.Answer("r1", 2);
-  CHECK(EditCount(session.Only().segment) == 0);
-}
-
-TEST_CASE("Streamed and repeated pictures, and those answered before, open nothing",
-          "[operator][recording]") {
-  Session session;
-  Snapshot streamed = session.Taken("r1", 1);
-  streamed.streamed = true;
-  session.collector.Receive(streamed, session.clock.Now());
-  session.Answer("r1", 1);
-  CHECK(session.collector.Take().empty());
-  session.Send("r1", 2);
-  session.Answer("r1", 2);
-  session.Only();
-  session.Send("r1", 2);
-  session.collector.Skip("r2", 5);
-  session.Send("r2", 5);
-  session.collector.End();
-  CHECK(session.collector.Take().empty());
-}
-
-TEST_CASE("At the end an open picture counts only with an edit", "[operator][recording]") {
-  Session edited;
-  edited.Send("r1", 1);
-  edited.Edit({1, 1});
-  edited.collector.End();
-  CHECK(Edits(edited.Only().segment) == std::vector<Cell>{{1, 1}});
-  Session untouched;
-  untouched.Send("r1", 1);
-  untouched.collector.End();
-  CHECK(untouched.collector.Take().empty());
-}
-
-TEST_CASE("Who finishes has looked at the open picture, with an edit or without",
-          "[operator][recording]") {
-  Session edited;
-  edited.Send("r1", 1);
-  edited.Edit({1, 1});
-  edited.clock.Advance(2s);
-  edited.collector.Finish(edited.clock.Now());
-  const Segment segment = edited.Only().segment;
-  CHECK(Edits(segment) == std::vector<Cell>{{1, 1}});
-  CHECK(segment.confirmed_s == 4.0);
-  Session untouched;
-  untouched.Send("r1", 1);
-  untouched.collector.Finish(untouched.clock.Now());
-  CHECK(Edits(untouched.Only().segment).empty());
-  untouched.collector.Finish(untouched.clock.Now());
-  CHECK(untouched.collector.Take().empty());
-}
-
-TEST_CASE("A robot that starts anew counts its pictures anew", "[operator][recording]") {
-  Session session;
-  session.Robot("r1", 100);
-  session.Send("r1", 7);
-  session.Robot("r1", 3);
-  session.Send("r1", 1);
-  session.Answer("r1", 1);
-  CHECK(session.Only().sequence_number == 1);
 }
 
 TEST_CASE("Accuracies are measured where the true map is known", "[operator][recording]") {

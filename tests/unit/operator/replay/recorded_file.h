@@ -7,7 +7,7 @@
 
 #include "common/bus/topics.h"
 #include "common/bus/type_support.h"
-#include "operator/recording/mcap_writer.h"
+#include "operator/recording/mcap_file.h"
 
 namespace conav::operators {
 

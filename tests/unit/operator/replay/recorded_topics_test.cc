@@ -24,14 +24,14 @@ T ValueOf(const Moment& moment) {
   return *value;
 }
 
-struct Desk {
-  test::TemporaryFolder folder;
-  std::filesystem::path path = folder / "recording.mcap";
+struct Folder : test::TemporaryFolder {
+  std::filesystem::path recording = *this / "recording.mcap";
 };
 
 TEST_CASE("values come back as the bus carried them", "[operator][replay]") {
-  const Desk desk;
-  RecordedFile file(desk.path, {{"robots", "w1/r1 w2/r2"}, {"run", "a-run"}, {"method", "teleop"}});
+  const Folder folder;
+  RecordedFile file(folder.recording,
+                    {{"robots", "w1/r1 w2/r2"}, {"run", "a-run"}, {"method", "teleop"}});
   RobotState state = samples::SampleState();
   state.world = "w2";
   Snapshot picture = samples::SampleSnapshot();
@@ -43,7 +43,7 @@ TEST_CASE("values come back as the bus carried them", "[operator][replay]") {
   file.Write(bus::kSnapshot, "r1", 5.0, ToMessage(picture));
   file.Write(bus::kRobotMap, "r1", 6.0, ToMessage(samples::SampleMap()));
   file.Finish();
-  const RecordedRun run = MustRead(desk.path);
+  const RecordedRun run = MustRead(folder.recording);
   CHECK(run.warnings.empty());
   CHECK(run.name == "a-run");
   const Timeline& timeline = run.timeline;
@@ -60,9 +60,25 @@ TEST_CASE("values come back as the bus carried them", "[operator][replay]") {
   CHECK(ValueOf<SeenMap>(timeline.moments[5]).robot == "r1");
 }
 
+TEST_CASE("a recording of conav 0.1 is read: its stop orders had another topic",
+          "[operator][replay]") {
+  constexpr bus::Topic<conav_msgs::msg::StopOrder> kHold{"/{}/hold", bus::kLatchedQos};
+  constexpr bus::Topic<conav_msgs::msg::IntendedPath> kWay{"/{}/way", bus::kLatchedQos};
+  const Folder folder;
+  RecordedFile file(folder.recording);
+  StopOrder order = samples::SampleStop();
+  order.robot = "r1";
+  file.Write(kHold, "r1", 1.0, ToMessage(order));
+  file.Write(kWay, "r1", 2.0, conav_msgs::msg::IntendedPath());  // not shown, of any version
+  file.Finish();
+  const RecordedRun run = MustRead(folder.recording);
+  CHECK(run.warnings.empty());
+  CHECK(ValueOf<StopOrder>(run.timeline.moments.back()) == order);
+}
+
 TEST_CASE("topics of others, and messages that are none, are left out", "[operator][replay]") {
-  const Desk desk;
-  RecordedFile file(desk.path);
+  const Folder folder;
+  RecordedFile file(folder.recording);
   file.Write(bus::kRobotState, "r9", 1.0, ToMessage(samples::SampleState()));
   file.WriteBytes("/r1/state", 1.0, {0, 1, 0, 0, 9});
   conav_msgs::msg::RobotState lost = ToMessage(samples::SampleState());
@@ -70,15 +86,15 @@ TEST_CASE("topics of others, and messages that are none, are left out", "[operat
   file.Write(bus::kRobotState, "r1", 2.0, lost);
   file.Write(bus::kRobotState, "r1", 3.0, ToMessage(samples::SampleState()));
   file.Finish();
-  const RecordedRun run = MustRead(desk.path);
+  const RecordedRun run = MustRead(folder.recording);
   CHECK(run.timeline.moments.size() == 1);
   REQUIRE(run.warnings.size() == 1);
   CHECK_THAT(run.warnings[0], Catch::Contains("2 messages were left out"));
 }
 
 TEST_CASE("health, frames, plans and requests are taken up", "[operator][replay]") {
-  const Desk desk;
-  RecordedFile file(desk.path);
+  const Folder folder;
+  RecordedFile file(folder.recording);
   diagnostic_msgs::msg::DiagnosticStatus status;
   status.hardware_id("sim");
   status.level(1);
@@ -101,7 +117,7 @@ TEST_CASE("health, frames, plans and requests are taken up", "[operator][replay]
   reply.accepted = false;
   file.Write(bus::kOperatorReply, "", 7.0, ToMessage(reply));
   file.Finish();
-  const Timeline timeline = MustRead(desk.path).timeline;
+  const Timeline timeline = MustRead(folder.recording).timeline;
   REQUIRE(timeline.moments.size() == 6);
   CHECK(ValueOf<ServiceHealth>(timeline.moments[0]) ==
         ServiceHealth{"sim", console::LEVEL_WARNING, "slow"});
@@ -111,23 +127,23 @@ TEST_CASE("health, frames, plans and requests are taken up", "[operator][replay]
 }
 
 TEST_CASE("a file that was cut off is read as far as it goes, and says so", "[operator][replay]") {
-  const Desk desk;
-  RecordedFile file(desk.path);
+  const Folder folder;
+  RecordedFile file(folder.recording);
   file.Write(bus::kRobotState, "r1", 1.0, ToMessage(samples::SampleState()));
   file.Finish();
-  std::filesystem::resize_file(desk.path, std::filesystem::file_size(desk.path) - 1);
-  const RecordedRun run = MustRead(desk.path);
+  std::filesystem::resize_file(folder.recording, std::filesystem::file_size(folder.recording) - 1);
+  const RecordedRun run = MustRead(folder.recording);
   CHECK(run.timeline.moments.size() == 1);
   REQUIRE(run.warnings.size() == 1);
   CHECK_THAT(run.warnings[0], Catch::Contains("was not finished"));
 }
 
 TEST_CASE("what cannot be played is named", "[operator][replay]") {
-  const Desk desk;
-  CHECK_THAT(ReadRun(desk.path).error().text, Catch::Contains("recording.mcap"));
-  RecordedFile(desk.path, {{"run", "a-run"}}).Finish();
-  CHECK_THAT(ReadRun(desk.path).error().text, Catch::Contains("not a recording of conav's"));
-  const auto empty = desk.folder / "empty.mcap";
+  const Folder folder;
+  CHECK_THAT(ReadRun(folder.recording).error().text, Catch::Contains("recording.mcap"));
+  RecordedFile(folder.recording, {{"run", "a-run"}}).Finish();
+  CHECK_THAT(ReadRun(folder.recording).error().text, Catch::Contains("not a recording of conav's"));
+  const auto empty = folder / "empty.mcap";
   RecordedFile(empty).Finish();
   CHECK_THAT(ReadRun(empty).error().text, Catch::Contains("nothing of these robots"));
 }

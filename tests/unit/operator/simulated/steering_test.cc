@@ -13,10 +13,6 @@ constexpr double kPi = std::numbers::pi;
 const GridGeometry geometry{5, 5, 2.0};
 const SteeringParameters hands;
 
-DriveAction Key(const ShownPose& pose, const std::vector<Cell>& path, bool to_centre = false) {
-  return ChooseKey(hands, geometry, pose, path, to_centre);
-}
-
 TEST_CASE("a key is expected to do what the parameters say", "[simulated]") {
   const ShownPose north{{0.0, 0.0}, kPi / 2};
   CHECK(Expect(hands, north, DriveAction::kForward).position.y_m == Approx(0.2));
@@ -26,31 +22,38 @@ TEST_CASE("a key is expected to do what the parameters say", "[simulated]") {
   CHECK(Expect(hands, north, DriveAction::kStop).heading_rad == north.heading_rad);
 }
 
-TEST_CASE("the robot turns the short way to its path, then goes forward", "[simulated]") {
+TEST_CASE("the key is the one that leads along the path", "[simulated]") {
+  struct Row {
+    const char* rule;
+    double x_m;
+    double heading_rad;
+    std::vector<Cell> path;
+    bool to_centre;
+    DriveAction key;
+  };
   const std::vector<Cell> east{{2, 2}, {2, 3}};
-  CHECK(Key({{0.0, 0.0}, 0.0}, east) == DriveAction::kForward);
-  CHECK(Key({{0.0, 0.0}, 1.0}, east) == DriveAction::kTurnRight);
-  CHECK(Key({{0.0, 0.0}, -1.0}, east) == DriveAction::kTurnLeft);
-  CHECK(Key({{0.0, 0.0}, 3.0}, east) == DriveAction::kTurnRight);
-  // Keys turn by 11.25 degrees: half of that is left alone.
-  CHECK(Key({{0.0, 0.0}, 0.09}, east) == DriveAction::kForward);
-  CHECK(Key({{0.0, 0.0}, 0.16}, east) == DriveAction::kTurnRight);
-  CHECK(Key({{0.0, 0.0}, 0.0}, {{2, 2}}) == DriveAction::kStop);  // at the path's end
-}
-
-TEST_CASE("a corner is turned near its middle, not at the edge of the cell", "[simulated]") {
   const std::vector<Cell> north{{2, 2}, {1, 2}};
-  CHECK(Key({{-0.9, 0.0}, 0.0}, north) == DriveAction::kForward);  // just come in from the west
-  CHECK(Key({{-0.3, 0.0}, 0.0}, north) == DriveAction::kTurnLeft);
-  CHECK(Key({{0.5, 0.0}, 0.0}, north) == DriveAction::kTurnLeft);  // a bit too far
-}
-
-TEST_CASE("after a bump the robot goes back to the middle of its cell, backward if that is behind",
-          "[simulated]") {
-  const std::vector<Cell> east{{2, 2}, {2, 3}};
-  CHECK(Key({{0.7, 0.0}, 0.0}, east, true) == DriveAction::kBackward);
-  CHECK(Key({{0.7, 0.0}, kPi}, east, true) == DriveAction::kForward);
-  CHECK(Key({{0.7, 0.0}, kPi / 2}, east, true) == DriveAction::kTurnLeft);
+  using enum DriveAction;
+  for (const Row& row : std::vector<Row>{
+           {"towards the path: forward", 0.0, 0.0, east, false, kForward},
+           {"else turn the short way", 0.0, 1.0, east, false, kTurnRight},
+           {"else turn the short way", 0.0, -1.0, east, false, kTurnLeft},
+           {"else turn the short way", 0.0, 3.0, east, false, kTurnRight},
+           {"half of a key's 11.25 degrees is left alone", 0.0, 0.09, east, false, kForward},
+           {"more than half is not", 0.0, 0.16, east, false, kTurnRight},
+           {"at the path's end", 0.0, 0.0, {{2, 2}}, false, kStop},
+           {"a corner is not turned at the edge of the cell", -0.9, 0.0, north, false, kForward},
+           {"but near its middle", -0.3, 0.0, north, false, kTurnLeft},
+           {"or a bit too far", 0.5, 0.0, north, false, kTurnLeft},
+           {"to the middle after a bump: backward if that is behind", 0.7, 0.0, east, true,
+            kBackward},
+           {"forward if it is ahead", 0.7, kPi, east, true, kForward},
+           {"else turn to it", 0.7, kPi / 2, east, true, kTurnLeft},
+       }) {
+    CAPTURE(row.rule, row.x_m, row.heading_rad);
+    CHECK(ChooseKey(hands, geometry, {{row.x_m, 0.0}, row.heading_rad}, row.path, row.to_centre) ==
+          row.key);
+  }
 }
 
 TEST_CASE("off the middle is measured on the worse axis, in cells", "[simulated]") {
