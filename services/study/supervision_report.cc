@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "common/plot/svg.h"
+#include "study/design.h"
 
 namespace conav::study {
 namespace {
@@ -37,17 +38,10 @@ std::string FigureText(const SupervisionCell& cell, const SupervisionMeasure& me
   return half ? fmt::format("{:.2f} ±{:.2f}", *mean, *half) : fmt::format("{:.2f}", *mean);
 }
 
-/// Missing and infinite values become null.
-Json NumberJson(const std::optional<double>& value) {
-  return value && std::isfinite(*value) ? Json(*value) : Json();
-}
-
 template <std::size_t kCount>
-statistics::ReportSection CellSection(std::string title, const char* const (&keys)[kCount],
-                                      const SupervisionSummary& summary) {
-  statistics::ReportSection section;
-  section.title = std::move(title);
-  section.header = {"robots, order", "trials"};
+ReportSection CellSection(std::string title, const char* const (&keys)[kCount],
+                          const SupervisionSummary& summary) {
+  ReportSection section{.title = std::move(title), .header = {"robots, order", "trials"}};
   for (const char* key : keys) section.header.emplace_back(FindMeasure(key).header);
   bool lacks_figures = false;
   for (const SupervisionCell& cell : summary.cells) {
@@ -70,11 +64,10 @@ std::string PText(const statistics::Pair& pair, const std::optional<double>& p) 
   return p && HasTest(pair) ? fmt::format("{:.4f}", *p) : std::string("-");
 }
 
-statistics::ReportSection ComparisonSection(const SupervisionSummary& summary) {
-  statistics::ReportSection section;
-  section.title = "Orders against each other, paired by seed";
-  section.header = {"robots, measure", "first - second", "difference", "95 % interval", "p",
-                    "p (Holm)"};
+ReportSection ComparisonSection(const SupervisionSummary& summary) {
+  ReportSection section{.title = "Orders against each other, paired by seed",
+                        .header = {"robots, measure", "first - second", "difference",
+                                   "95 % interval", "p", "p (Holm)"}};
   bool lacks_tests = false;
   for (const SupervisionComparison& comparison : summary.comparisons) {
     for (const statistics::Pair& pair : comparison.pairs) {
@@ -94,10 +87,9 @@ statistics::ReportSection ComparisonSection(const SupervisionSummary& summary) {
   return section;
 }
 
-statistics::ReportSection SlowSection(const SupervisionSummary& summary) {
-  statistics::ReportSection section;
-  section.title = "Trials in which the machine did not keep pace";
-  section.header = {"trial", "share of --speed"};
+ReportSection SlowSection(const SupervisionSummary& summary) {
+  ReportSection section{.title = "Trials in which the machine did not keep pace",
+                        .header = {"trial", "share of --speed"}};
   for (const SupervisionRecord* record : summary.slow) {
     section.rows.push_back({record->trial.name(), fmt::format("{:.2f}", record->pace)});
   }
@@ -105,10 +97,8 @@ statistics::ReportSection SlowSection(const SupervisionSummary& summary) {
   return section;
 }
 
-statistics::ReportSection FailedSection(const SupervisionSummary& summary) {
-  statistics::ReportSection section;
-  section.title = "Trials that failed";
-  section.header = {"trial", "why"};
+ReportSection FailedSection(const SupervisionSummary& summary) {
+  ReportSection section{.title = "Trials that failed", .header = {"trial", "why"}};
   for (const SupervisionRecord* record : summary.failed) {
     section.rows.push_back({record->trial.name(), record->failure});
   }
@@ -335,12 +325,12 @@ std::string SupervisionHeadline(const SupervisionOptions& options,
       "measured, {} failed. Methods {}; interaction times: picture {} s, blocked {} s, path {} s, "
       "log-normal with log-sd {}.",
       fmt::join(options.robots, " "), fmt::join(options.orders, " "), options.seeds, measured,
-      options.minutes, summary.failed.size(), fmt::join(options.methods, " "), times.picture_s,
-      times.blocked_s, times.path_s, times.log_sd);
+      options.minutes, summary.failed.size(), fmt::join(NamesOf(options.methods), " "),
+      times.picture_s, times.blocked_s, times.path_s, times.log_sd);
 }
 
-std::vector<statistics::ReportSection> SupervisionSections(const SupervisionSummary& summary) {
-  std::vector<statistics::ReportSection> sections{
+std::vector<ReportSection> SupervisionSections(const SupervisionSummary& summary) {
+  std::vector<ReportSection> sections{
       CellSection("Measured: mean over seeds ± half of its 95 % interval", kTableKeys, summary),
       CellSection("Fan-out: measured and predicted", kFanOutKeys, summary),
       CellSection("Utilisation and waiting: measured and predicted", kQueueKeys, summary)};
@@ -351,11 +341,7 @@ std::vector<statistics::ReportSection> SupervisionSections(const SupervisionSumm
 }
 
 std::string SupervisionText(const SupervisionOptions& options, const SupervisionSummary& summary) {
-  std::string text = SupervisionHeadline(options, summary) + "\n";
-  for (const auto& section : SupervisionSections(summary)) {
-    text += statistics::SectionText(section);
-  }
-  return text;
+  return SupervisionHeadline(options, summary) + "\n" + SectionsText(SupervisionSections(summary));
 }
 
 std::string SupervisionCsv(const std::vector<SupervisionRecord>& records) {
@@ -366,8 +352,7 @@ std::string SupervisionCsv(const std::vector<SupervisionRecord>& records) {
   for (const SupervisionRecord& record : records) {
     csv += fmt::format("{},{},{}", record.trial.robots, record.trial.order, record.trial.seed);
     for (const SupervisionMeasure& measure : SupervisionMeasures()) {
-      const auto value = record.is_complete() ? measure.value(record) : std::nullopt;
-      csv += value ? fmt::format(",{}", *value) : ",";
+      csv += CsvCell(record.is_complete() ? measure.value(record) : std::nullopt);
     }
     csv += fmt::format(",{}\n", record.wall_s);
   }
@@ -402,15 +387,12 @@ nlohmann::ordered_json SupervisionJson(const SupervisionOptions& options,
 }
 
 std::string SupervisionPage(const SupervisionOptions& options, const SupervisionSummary& summary,
-                            const statistics::ReportSection& made) {
-  std::string page = statistics::PageHead("One operator, many robots");
-  page += fmt::format("<p>{}</p>\n<div class=\"wide\" tabindex=\"0\">\n{}</div>\n",
-                      EscapeXml(SupervisionHeadline(options, summary)),
-                      SupervisionPlot(options, summary));
-  for (const auto& section : SupervisionSections(summary)) {
-    page += statistics::SectionHtml(section);
-  }
-  return page + statistics::SectionHtml(made) + "</body>\n</html>\n";
+                            const ReportSection& made) {
+  return Page("One operator, many robots",
+              fmt::format("<p>{}</p>\n<div class=\"wide\" tabindex=\"0\">\n{}</div>\n",
+                          EscapeXml(SupervisionHeadline(options, summary)),
+                          SupervisionPlot(options, summary)) +
+                  SectionsHtml(SupervisionSections(summary)) + SectionsHtml(std::span(&made, 1)));
 }
 
 std::string SupervisionPlot(const SupervisionOptions& options, const SupervisionSummary& summary) {
