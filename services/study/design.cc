@@ -74,12 +74,6 @@ constexpr int kMostOperators = 10000;
 constexpr int kMostLayouts = 1000;
 constexpr int kMostJobs = 64;
 
-Result<void> RequireCount(const char* option, int value, int most) {
-  if (value >= 1 && value <= most) return {};
-  return Fail(ErrorCode::kOutOfRange,
-              fmt::format("{} {}: not between 1 and {}", option, value, most));
-}
-
 Result<void> ValidatePopulation(const std::filesystem::path& file) {
   if (file.empty()) return {};
   try {
@@ -218,6 +212,12 @@ launcher::DemoOptions BaseDemo(const StudyOptions& options) {
   return demo;
 }
 
+Result<void> CheckRange(const char* option, double value, double low, double high) {
+  if (value >= low && value <= high) return {};
+  return Fail(ErrorCode::kOutOfRange,
+              fmt::format("{} {}: not between {} and {}", option, value, low, high));
+}
+
 Result<void> CheckDomains(int jobs) {
   if (jobs <= 1 || std::getenv("CONAV_DOMAIN") == nullptr) return {};
   return Fail(ErrorCode::kInvalidArgument,
@@ -226,9 +226,9 @@ Result<void> CheckDomains(int jobs) {
 
 Result<void> Validate(const StudyOptions& options) {
   const DesignOptions& design = options.design;
-  if (auto ok = RequireCount("--operators", design.operators, kMostOperators); !ok) return ok;
-  if (auto ok = RequireCount("--layouts", design.layouts, kMostLayouts); !ok) return ok;
-  if (auto ok = RequireCount("--jobs", options.jobs, kMostJobs); !ok) return ok;
+  if (auto ok = CheckRange("--operators", design.operators, 1, kMostOperators); !ok) return ok;
+  if (auto ok = CheckRange("--layouts", design.layouts, 1, kMostLayouts); !ok) return ok;
+  if (auto ok = CheckRange("--jobs", options.jobs, 1, kMostJobs); !ok) return ok;
   if (auto ok = CheckDomains(options.jobs); !ok) return ok;
   if (auto ok = ValidatePopulation(options.population); !ok) return ok;
   launcher::DemoOptions demo = BaseDemo(options);

@@ -125,6 +125,9 @@ std::filesystem::path DefaultOut(const StudyOptions& options, const std::string&
 /// The options that all episodes share.
 launcher::DemoOptions BaseDemo(const StudyOptions& options);
 
+/// Errors: kOutOfRange names the option, its value and the limits.
+[[nodiscard]] Result<void> CheckRange(const char* option, double value, double low, double high);
+
 /// Whether `jobs` concurrent pieces each find a DDS domain. Errors: kInvalidArgument when
 /// CONAV_DOMAIN leaves one for all of them.
 [[nodiscard]] Result<void> CheckDomains(int jobs);

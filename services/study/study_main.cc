@@ -15,6 +15,8 @@
 #include "launcher/demo_plan.h"
 #include "study/record_store.h"
 #include "study/report.h"
+#include "study/study_episode.h"
+#include "study/supervision.h"
 #include "study/supervision_report.h"
 
 // conav-study: compares the methods, or with --supervision the orders of the attention queue, with

@@ -116,15 +116,8 @@ Bar GoalsBar(const std::vector<MethodSummary>& methods) {
 }  // namespace
 
 bool Bar::met() const {
-  switch (kind) {
-    case Kind::kAtLeast:
-      return value >= limit;
-    case Kind::kAtMost:
-      return value <= limit;
-    case Kind::kBelow:
-      return value < limit;
-  }
-  return false;
+  if (kind == Kind::kBelow) return value < limit;
+  return kind == Kind::kAtMost ? value <= limit : value >= limit;
 }
 
 std::string SubjectTable(const Design& design, const Records& records, std::size_t measure) {

@@ -49,19 +49,12 @@ Result<void> CheckNames(const std::string& option, const std::vector<std::string
 Result<void> CheckRobots(const std::vector<int>& robots) {
   if (robots.empty()) return Refuse("--robots: is empty");
   for (const int count : robots) {
-    if (count < 1 || count > kMostSupervised) {
-      return Refuse(fmt::format("--robots: {} is not in [1, {}]", count, kMostSupervised));
-    }
+    if (auto ok = CheckRange("--robots", count, 1, kMostSupervised); !ok) return ok;
     if (std::ranges::count(robots, count) > 1) {
       return Refuse(fmt::format("--robots: {} is named twice", count));
     }
   }
   return {};
-}
-
-Result<void> CheckRange(const std::string& option, double value, double low, double high) {
-  if (value >= low && value <= high) return {};
-  return Refuse(fmt::format("{}: {} is not in [{}, {}]", option, value, low, high));
 }
 
 // Clients repeat requests by wall time, but timeouts count simulation time.
@@ -114,15 +107,19 @@ Result<void> Validate(const SupervisionOptions& options) {
   if (auto ok = CheckNames("--orders", options.orders, operators::AttentionOrders()); !ok) {
     return ok;
   }
-  for (const auto& [option, value, low, high] :
-       {std::tuple{"--seeds", static_cast<double>(options.seeds), 1.0, 10000.0},
-        std::tuple{"--minutes", options.minutes, 0.1, 600.0},
-        std::tuple{"--goals", static_cast<double>(options.goals), 1.0, 100.0},
-        std::tuple{"--robots-per-world", static_cast<double>(options.robots_per_world), 1.0, 16.0},
-        std::tuple{"--answer-timeout", options.answer_timeout_s, 1.0, 3600.0},
-        std::tuple{"--speed", options.speed, 0.1, 1000.0},
-        std::tuple{"--jobs", static_cast<double>(options.jobs), 1.0, 64.0}}) {
-    if (auto ok = CheckRange(option, value, low, high); !ok) return ok;
+  struct Limit {
+    const char* option;
+    double value, low, high;
+  };
+  for (const Limit& limit :
+       {Limit{"--seeds", static_cast<double>(options.seeds), 1.0, 10000.0},
+        Limit{"--minutes", options.minutes, 0.1, 600.0},
+        Limit{"--goals", static_cast<double>(options.goals), 1.0, 100.0},
+        Limit{"--robots-per-world", static_cast<double>(options.robots_per_world), 1.0, 16.0},
+        Limit{"--answer-timeout", options.answer_timeout_s, 1.0, 3600.0},
+        Limit{"--speed", options.speed, 0.1, 1000.0},
+        Limit{"--jobs", static_cast<double>(options.jobs), 1.0, 64.0}}) {
+    if (auto ok = CheckRange(limit.option, limit.value, limit.low, limit.high); !ok) return ok;
   }
   if (!options.dds.empty()) {
     if (auto ok = CheckNames("--dds", {options.dds}, {"cyclonedds", "fastdds"}); !ok) return ok;

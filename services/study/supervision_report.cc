@@ -194,66 +194,62 @@ Axis AxisOf(const Panel& panel, const SupervisionSummary& summary) {
 }
 
 /// Draws one measure over the number of robots.
-class PanelPlot {
- public:
-  PanelPlot(SvgCanvas& canvas, PixelPosition corner, const Panel& panel,
-            const SupervisionOptions& options, const SupervisionSummary& summary)
-      : canvas_(canvas),
-        corner_(corner),
-        panel_(panel),
-        options_(options),
-        summary_(summary),
-        axis_(AxisOf(panel, summary)),
-        most_robots_(*std::ranges::max_element(options.robots)) {}
+struct PanelPlot {
+  SvgCanvas& canvas;
+  PixelPosition corner;
+  const Panel& panel;
+  const SupervisionOptions& options;
+  const SupervisionSummary& summary;
+  Axis axis = AxisOf(panel, summary);
+  int most_robots = std::ranges::max(options.robots);
 
   void Draw() {
     DrawAxes();
-    for (std::size_t order = 0; order < options_.orders.size(); ++order) {
-      for (const Prediction& prediction : panel_.predictions) {
+    for (std::size_t order = 0; order < options.orders.size(); ++order) {
+      for (const Prediction& prediction : panel.predictions) {
         DrawLine(order, prediction.key,
                  fmt::format(R"(stroke="{}" stroke-dasharray="{}")", ColourOf(order),
                              prediction.dashes));
       }
-      DrawLine(order, panel_.key, fmt::format(R"(stroke="{}" stroke-width="2")", ColourOf(order)));
+      DrawLine(order, panel.key, fmt::format(R"(stroke="{}" stroke-width="2")", ColourOf(order)));
       DrawMeans(order);
     }
   }
 
- private:
   /// The x of a number of robots, with the orders next to each other.
   double X(int robots, double order) const {
-    const double along = most_robots_ > 1 ? std::log2(robots) / std::log2(most_robots_) : 0.5;
-    const double middle = 0.5 * static_cast<double>(options_.orders.size() - 1);
-    return corner_.x + kLeft + along * kPlotWidth + kBeside * (order - middle);
+    const double along = most_robots > 1 ? std::log2(robots) / std::log2(most_robots) : 0.5;
+    const double middle = 0.5 * static_cast<double>(options.orders.size() - 1);
+    return corner.x + kLeft + along * kPlotWidth + kBeside * (order - middle);
   }
   double Middle(int robots) const {
-    return X(robots, 0.5 * static_cast<double>(options_.orders.size() - 1));
+    return X(robots, 0.5 * static_cast<double>(options.orders.size() - 1));
   }
   double Y(double value) const {
-    return corner_.y + kTop + (1.0 - axis_.Share(axis_.Clamp(value))) * kPlotHeight;
+    return corner.y + kTop + (1.0 - axis.Share(axis.Clamp(value))) * kPlotHeight;
   }
 
   void DrawAxes() {
-    const double left = corner_.x + kLeft;
+    const double left = corner.x + kLeft;
     const double right = left + kPlotWidth;
-    canvas_.Text({left, corner_.y + 24.0}, panel_.title, kTitle);
-    for (const double tick : axis_.Ticks()) {
-      canvas_.Line({left - kBeside, Y(tick)}, {right + kBeside, Y(tick)},
-                   tick == 0.0 ? R"(stroke="#888888")" : R"(stroke="#dddddd")");
-      canvas_.Text({left - 12.0, Y(tick) + 4.0}, fmt::format("{:.6g}", tick),
-                   fmt::format(R"({} text-anchor="end")", kSmall));
+    canvas.Text({left, corner.y + 24.0}, panel.title, kTitle);
+    for (const double tick : axis.Ticks()) {
+      canvas.Line({left - kBeside, Y(tick)}, {right + kBeside, Y(tick)},
+                  tick == 0.0 ? R"(stroke="#888888")" : R"(stroke="#dddddd")");
+      canvas.Text({left - 12.0, Y(tick) + 4.0}, fmt::format("{:.6g}", tick),
+                  fmt::format(R"({} text-anchor="end")", kSmall));
     }
     const auto below = [&](double x, double down, const std::string& text) {
-      canvas_.Text({x, Y(0.0) + down}, text, fmt::format(R"({} text-anchor="middle")", kSmall));
+      canvas.Text({x, Y(0.0) + down}, text, fmt::format(R"({} text-anchor="middle")", kSmall));
     };
-    for (const int robots : options_.robots) below(Middle(robots), 16.0, std::to_string(robots));
+    for (const int robots : options.robots) below(Middle(robots), 16.0, std::to_string(robots));
     below((left + right) / 2.0, 32.0, "robots");
   }
 
   template <class Visit>
   void ForCells(std::size_t order, Visit&& visit) const {
-    for (const SupervisionCell& cell : summary_.cells) {
-      if (cell.order == options_.orders[order]) visit(cell);
+    for (const SupervisionCell& cell : summary.cells) {
+      if (cell.order == options.orders[order]) visit(cell);
     }
   }
 
@@ -264,34 +260,26 @@ class PanelPlot {
       if (mean) positions.push_back({X(cell.robots, static_cast<double>(order)), Y(*mean)});
     });
     std::ranges::sort(positions, {}, &PixelPosition::x);
-    if (positions.size() > 1) canvas_.Polyline(positions, style);
+    if (positions.size() > 1) canvas.Polyline(positions, style);
   }
 
   void DrawMeans(std::size_t order) {
-    const SupervisionMeasure& measure = FindMeasure(panel_.key);
+    const SupervisionMeasure& measure = FindMeasure(panel.key);
     ForCells(order, [&](const SupervisionCell& cell) {
       const auto mean = cell.Mean(measure);
       if (!mean) return;
       const auto half = cell.HalfInterval(measure);
       const double x = X(cell.robots, static_cast<double>(order));
-      canvas_.BeginGroup(fmt::format("{} robots, {}: {:.2f}{}", cell.robots, cell.order, *mean,
-                                     half ? fmt::format(" ± {:.2f}", *half) : ""));
+      canvas.BeginGroup(fmt::format("{} robots, {}: {:.2f}{}", cell.robots, cell.order, *mean,
+                                    half ? fmt::format(" ± {:.2f}", *half) : ""));
       if (half) {
-        canvas_.Line({x, Y(*mean - *half)}, {x, Y(*mean + *half)},
-                     fmt::format(R"(stroke="{}")", ColourOf(order)));
+        canvas.Line({x, Y(*mean - *half)}, {x, Y(*mean + *half)},
+                    fmt::format(R"(stroke="{}")", ColourOf(order)));
       }
-      canvas_.Circle({x, Y(*mean)}, 3.5, fmt::format(R"(fill="{}")", ColourOf(order)));
-      canvas_.EndGroup();
+      canvas.Circle({x, Y(*mean)}, 3.5, fmt::format(R"(fill="{}")", ColourOf(order)));
+      canvas.EndGroup();
     });
   }
-
-  SvgCanvas& canvas_;
-  PixelPosition corner_;
-  const Panel& panel_;
-  const SupervisionOptions& options_;
-  const SupervisionSummary& summary_;
-  Axis axis_;
-  int most_robots_ = 1;
 };
 
 void DrawLegend(SvgCanvas& canvas, const std::vector<std::string>& orders) {
@@ -402,7 +390,7 @@ std::string SupervisionPlot(const SupervisionOptions& options, const Supervision
   for (std::size_t i = 0; i < panels.size(); ++i) {
     const PixelPosition corner{static_cast<double>(i % 2) * kPanelWidth,
                                kLegendHeight + static_cast<double>(i / 2) * kPanelHeight};
-    PanelPlot(canvas, corner, panels[i], options, summary).Draw();
+    PanelPlot{canvas, corner, panels[i], options, summary}.Draw();
   }
   return canvas.Document(2.0 * kPanelWidth, kLegendHeight + 2.0 * kPanelHeight,
                          "Throughput, waiting, utilisation and fan-out by number of robots");

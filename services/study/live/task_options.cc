@@ -32,10 +32,7 @@ std::uint64_t NumberOf(const std::string& participant) {
 }
 
 Result<void> CheckMazes(const TaskOptions& options) {
-  if (options.mazes < 1 || options.mazes > kMostMazes) {
-    return Fail(ErrorCode::kOutOfRange,
-                fmt::format("--mazes {}: not between 1 and {}", options.mazes, kMostMazes));
-  }
+  if (auto ok = study::CheckRange("--mazes", options.mazes, 1, kMostMazes); !ok) return ok;
   const auto given = static_cast<int>(options.maze_seeds.size());
   if (given == 0 || given == options.mazes) return {};
   return Fail(ErrorCode::kInvalidArgument,
@@ -145,9 +142,8 @@ std::filesystem::path FolderOf(const TaskOptions& options) {
 Result<std::vector<MethodKind>> MethodsInOrder(const std::vector<MethodKind>& methods, int order,
                                                const std::string& participant) {
   const auto orders = study::WilliamsDesign(static_cast<int>(methods.size()));
-  if (order < 0 || order > static_cast<int>(orders.size())) {
-    return Fail(ErrorCode::kOutOfRange,
-                fmt::format("--order {}: not between 1 and {}", order, orders.size()));
+  if (auto ok = study::CheckRange("--order", order, 0, static_cast<int>(orders.size())); !ok) {
+    return tl::unexpected(ok.error());
   }
   const std::size_t row =
       order > 0 ? static_cast<std::size_t>(order) - 1 : NumberOf(participant) % orders.size();

@@ -81,20 +81,6 @@ TEST_CASE("a summary counts and averages its episodes", "[planner][experiment]")
   CHECK(summaries[0].decision_ms_p50 == 2.0);
 }
 
-TEST_CASE("the report names variants, operators and where the figures come from",
-          "[planner][experiment]") {
-  const SearchExperiment experiment = SmallExperiment();
-  const auto summaries = Summarize(Play(experiment));
-  const std::string table = ExperimentTable(experiment, summaries);
-  CHECK(table.find("SIMULATED") != std::string::npos);
-  CHECK(table.find("printed") != std::string::npos);
-  const auto json = ExperimentJson(experiment, summaries);
-  CHECK(json["operators"] == "simulated");
-  REQUIRE(json["rows"].size() == 4);
-  CHECK(json["rows"][1]["operator"] == "silent");
-  CHECK(json["rows"][0]["moves"]["low"] <= json["rows"][0]["moves"]["mean"]);
-}
-
 TEST_CASE("the bars are those of the default with the careful operator", "[planner][experiment]") {
   SearchExperiment experiment = SmallExperiment();
   experiment.variants.resize(1);

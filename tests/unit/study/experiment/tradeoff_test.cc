@@ -3,9 +3,6 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "nhpm/model/glpf.h"
-#include "support/xml_check.h"
-
 namespace conav::planner {
 namespace {
 
@@ -182,30 +179,6 @@ TEST_CASE("a sweep has a point per cost and policy, each within the same search"
   }
   CHECK(policies == std::set<std::string>{"every", "greedy", "never", "random", "search",
                                           "threshold", "when_blocked"});
-}
-
-TEST_CASE("what is written of a sweep names its policies and where the figures come from",
-          "[planner][experiment]") {
-  SearchExperiment experiment;
-  experiment.operators = {"careful", "hasty"};
-  experiment.seeds = 1;
-  SearchConfig search;
-  search.options.iterations = 50;
-  const TradeoffSweep sweep = MakeTradeoffSweep(search, experiment);
-  const auto episodes =
-      RunSearchExperiment(sweep.experiment, std::make_shared<nhpm::Glpf>()).value();
-  const auto rows = AnalyseTradeoff(sweep, episodes, 20);
-  CHECK(rows.size() == 2 * sweep.points.size());
-  const std::string table = TradeoffTable(sweep, rows);
-  CHECK_THAT(table, Catch::Contains("SIMULATED") && Catch::Contains("when_blocked") &&
-                        Catch::Contains("IG-MCTS is better at"));
-  const std::string plot = TradeoffPlot(sweep, rows);
-  CHECK_THAT(plot, Catch::Contains("<svg") && Catch::Contains("simulated operator: hasty") &&
-                       !Catch::Contains("nan") && !Catch::Contains("inf"));
-  CHECK(test::XmlError(plot) == "");
-  const std::string csv = TradeoffCsv(sweep, episodes);
-  CHECK(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')) == episodes.size() + 1);
-  CHECK(TradeoffJson(sweep, rows).at("policies").size() == 12);
 }
 
 }  // namespace
