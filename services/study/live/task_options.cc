@@ -142,7 +142,8 @@ std::filesystem::path FolderOf(const TaskOptions& options) {
 Result<std::vector<MethodKind>> MethodsInOrder(const std::vector<MethodKind>& methods, int order,
                                                const std::string& participant) {
   const auto orders = study::WilliamsDesign(static_cast<int>(methods.size()));
-  if (auto ok = study::CheckRange("--order", order, 0, static_cast<int>(orders.size())); !ok) {
+  const auto rows = static_cast<int>(orders.size());
+  if (auto ok = study::CheckRange("--order", order, 1, rows); order != 0 && !ok) {
     return tl::unexpected(ok.error());
   }
   const std::size_t row =
