@@ -1,11 +1,14 @@
 #include "study/design.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cstdlib>
 
+#include "common/runtime/config.h"
 #include "common/runtime/random.h"
-#include "common/runtime/result.h"
+#include "launcher/demo_plan.h"
 
 namespace conav::study {
 namespace {
@@ -51,10 +54,61 @@ std::vector<int> Tasks(int layouts, Random& random) {
 
 std::string NameOf(const PlannedEpisode& episode, const std::string& subject) {
   return fmt::format("{}-{}-{}-{}-{}r{}", subject, episode.session + 1, episode.task + 1,
-                     episode.method, episode.maze_seed, episode.rotation_deg);
+                     Name(episode.method), episode.maze_seed, episode.rotation_deg);
+}
+
+/// A config file with section `simulated_operator:`, holding only the person.
+struct PersonFile {
+  operators::SyntheticOperatorParameters person;
+  void Visit(ConfigReader& reader) { reader.Section("person", person); }
+};
+
+/// The sum of twelve uniform numbers: bell-shaped, the same on every machine.
+double Bell(double mean, double deviation, double low, double high, Random& random) {
+  double sum = -6.0;
+  for (int i = 0; i < 12; ++i) sum += random.Unit();
+  return std::clamp(mean + deviation * sum, low, high);
+}
+
+constexpr int kMostOperators = 10000;
+constexpr int kMostLayouts = 1000;
+constexpr int kMostJobs = 64;
+
+Result<void> ValidatePopulation(const std::filesystem::path& file) {
+  if (file.empty()) return {};
+  try {
+    nhpm::ReadPopulation(file);
+    return {};
+  } catch (const StartupError& error) {
+    return Fail(ErrorCode::kInvalidArgument, fmt::format("--population: {}", error.what()));
+  }
 }
 
 }  // namespace
+
+Result<std::vector<MethodKind>> ParseMethods(const std::vector<std::string>& names,
+                                             std::span<const MethodKind> allowed) {
+  if (names.empty()) return Fail(ErrorCode::kInvalidArgument, "--methods: is empty");
+  std::vector<MethodKind> methods;
+  for (const std::string& name : names) {
+    const auto method = ParseMethod(name);
+    if (!method || std::ranges::find(allowed, *method) == allowed.end()) {
+      return Fail(ErrorCode::kInvalidArgument, fmt::format("--methods: {} is not one of {}", name,
+                                                           fmt::join(NamesOf(allowed), ", ")));
+    }
+    if (std::ranges::find(methods, *method) != methods.end()) {
+      return Fail(ErrorCode::kInvalidArgument, fmt::format("--methods: {} is named twice", name));
+    }
+    methods.push_back(*method);
+  }
+  return methods;
+}
+
+std::vector<std::string> NamesOf(std::span<const MethodKind> methods) {
+  std::vector<std::string> names;
+  for (const MethodKind method : methods) names.emplace_back(Name(method));
+  return names;
+}
 
 std::vector<std::vector<int>> WilliamsDesign(int conditions) {
   DEMAND(conditions >= 1, conditions);
@@ -110,6 +164,83 @@ Design MakeDesign(const DesignOptions& options) {
     }
   }
   return design;
+}
+
+nhpm::AnnotatorPopulation DefaultPopulation() {
+  nhpm::AnnotatorPopulation population;
+  population.careless_share = 0.0;
+  return population;
+}
+
+operators::SyntheticOperatorParameters DrawPerson(const nhpm::AnnotatorPopulation& population,
+                                                  std::uint64_t seed) {
+  Random random(seed);
+  operators::SyntheticOperatorParameters person = operators::ParametersOfKind("careful");
+  person.reader = nhpm::DrawAnnotator(population, random).reader;
+  person.planner.wall_crossing_cost = Bell(10.0, 2.0, 4.0, 16.0, random);
+  person.glance_rate = Bell(0.03, 0.005, 0.01, 0.05, random);
+  person.steering.slip_probability = Bell(0.02, 0.008, 0.0, 0.05, random);
+  person.steering.overshoot_probability = Bell(0.05, 0.02, 0.0, 0.12, random);
+  person.steering.reaction_steps = random.Chance(0.25) ? 2 : 1;
+  return person;
+}
+
+std::filesystem::path PersonPath(const std::string& subject) {
+  return std::filesystem::path("people") / (subject + ".yaml");
+}
+
+std::string PersonYaml(const operators::SyntheticOperatorParameters& person) {
+  return DumpConfig("simulated_operator", PersonFile{person});
+}
+
+std::filesystem::path DefaultOut(const StudyOptions& options, const std::string& fingerprint) {
+  const DesignOptions& design = options.design;
+  return fmt::format("runs/study-{}x{}-seed{}-{:.8}", design.operators, design.layouts, design.seed,
+                     fingerprint);
+}
+
+launcher::DemoOptions BaseDemo(const StudyOptions& options) {
+  launcher::DemoOptions demo;
+  demo.headless = true;
+  demo.robots = options.robots;
+  demo.camera = options.camera;
+  demo.dds = options.dds;
+  demo.weights = options.weights;
+  demo.recording = options.recording;
+  demo.time_limit_s = options.time_limit_s;
+  demo.out = options.out.empty() ? "runs" : options.out;
+  return demo;
+}
+
+Result<void> CheckRange(const char* option, double value, double low, double high) {
+  if (value >= low && value <= high) return {};
+  return Fail(ErrorCode::kOutOfRange,
+              fmt::format("{} {}: not between {} and {}", option, value, low, high));
+}
+
+Result<void> CheckDomains(int jobs) {
+  if (jobs <= 1 || std::getenv("CONAV_DOMAIN") == nullptr) return {};
+  return Fail(ErrorCode::kInvalidArgument,
+              fmt::format("--jobs {}: CONAV_DOMAIN leaves one DDS domain for all of them", jobs));
+}
+
+Result<void> Validate(const StudyOptions& options) {
+  const DesignOptions& design = options.design;
+  if (auto ok = CheckRange("--operators", design.operators, 1, kMostOperators); !ok) return ok;
+  if (auto ok = CheckRange("--layouts", design.layouts, 1, kMostLayouts); !ok) return ok;
+  if (auto ok = CheckRange("--jobs", options.jobs, 1, kMostJobs); !ok) return ok;
+  if (auto ok = CheckDomains(options.jobs); !ok) return ok;
+  if (auto ok = ValidatePopulation(options.population); !ok) return ok;
+  launcher::DemoOptions demo = BaseDemo(options);
+  for (const MethodKind method : design.methods) {
+    demo.method = Name(method);
+    if (auto ok = launcher::Validate(demo); !ok) return ok;
+  }
+  for (const std::uint64_t layout : MakeDesign(design).layouts) {
+    demo.maze_seed = layout;
+    if (auto ok = launcher::CheckWorlds(demo); !ok) return ok;
+  }
+  return launcher::CheckWeights(demo);
 }
 
 }  // namespace conav::study

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "common/msg/method.h"
 #include "common/runtime/result.h"
 #include "launcher/demo_options.h"
 #include "nhpm/dataset/annotators.h"
@@ -26,10 +28,26 @@ inline constexpr std::uint64_t kPaperLayouts[] = {234, 666, 9};
 /// The number of distinguishable orientations of a layout.
 inline constexpr int kOrientations = 4;
 
+/// The methods of the paper's user study.
+inline constexpr std::array kStudyMethods{MethodKind::kIgMcts, MethodKind::kInstruction,
+                                          MethodKind::kTeleop};
+
+/// The methods of `conav demo`.
+inline constexpr std::array kDemoMethods{MethodKind::kIgMcts, MethodKind::kInstruction,
+                                         MethodKind::kTeleop, MethodKind::kGreedy};
+
+/// The names of --methods as methods. Errors: kInvalidArgument for none, one that is not `allowed`
+/// and one that is named twice.
+[[nodiscard]] Result<std::vector<MethodKind>> ParseMethods(const std::vector<std::string>& names,
+                                                           std::span<const MethodKind> allowed);
+
+std::vector<std::string> NamesOf(std::span<const MethodKind> methods);
+
 struct DesignOptions {
   int operators = 14;
   int layouts = 3;
-  std::vector<std::string> methods{"ig-mcts", "instruction", "teleop"};  // at most kOrientations
+  std::vector<MethodKind> methods{kStudyMethods.begin(),
+                                  kStudyMethods.end()};  // kOrientations at most
   std::uint64_t seed = 1;
 };
 
@@ -39,18 +57,18 @@ struct PlannedEpisode {
   int subject = 0;   // all three count from 0
   int session = 0;   // of the subject, one per method
   int task = 0;      // of the session, one per layout
-  std::string method;
+  MethodKind method = MethodKind::kIgMcts;
   std::uint64_t maze_seed = 0;
   int rotation_deg = 0;
   std::uint64_t seed = 0;  // for everything else that is random; below 2^31
 };
 
 struct Design {
-  std::vector<std::string> methods;
-  std::vector<std::string> subjects;             // "s01", ...
-  std::vector<std::uint64_t> layouts;            // seeds of mazes
-  std::vector<std::vector<std::string>> orders;  // [subject, session], methods
-  std::vector<PlannedEpisode> episodes;          // in each subject's order
+  std::vector<MethodKind> methods;
+  std::vector<std::string> subjects;            // "s01", ...
+  std::vector<std::uint64_t> layouts;           // seeds of mazes
+  std::vector<std::vector<MethodKind>> orders;  // [subject, session], methods
+  std::vector<PlannedEpisode> episodes;         // in each subject's order
 };
 
 /// Within subjects: every subject does every method, in a session of its own, on every layout.
@@ -69,20 +87,18 @@ nhpm::AnnotatorPopulation DefaultPopulation();
 /// A SYNTHETIC person, the same for equal seeds. The population gives how they read pictures; the
 /// rest is bell-shaped (mean -+ SD, within limits):
 ///
-///   planner.wall_crossing_cost      10 -+ 2, in 4 to 16 steps: the cost of drawing a path through
-///   a
-///                                   wall of their map
-///   glance_rate                     0.03 -+ 0.005, in 0.01 to 0.05: share of streamed pictures
-///   that
-///                                   they look at
-///   steering.slip_probability       0.02 -+ 0.008, in 0 to 0.05: a wrong key instead of the right
-///   one
+///   planner.wall_crossing_cost      10 -+ 2, in 4 to 16 steps: of a path through a wall of their map
+///   glance_rate                     0.03 -+ 0.005, in 0.01 to 0.05: share of streamed pictures seen
+///   steering.slip_probability       0.02 -+ 0.008, in 0 to 0.05: a wrong key
 ///   steering.overshoot_probability  0.05 -+ 0.02, in 0 to 0.12: a key held one step too long
 ///
 /// steering.reaction_steps is 2 low-level steps for one person in four, else 1. Everything else is
 /// that of a "careful" simulated operator. These numbers are not fitted to data.
 operators::SyntheticOperatorParameters DrawPerson(const nhpm::AnnotatorPopulation& population,
                                                   std::uint64_t seed);
+
+/// The file of a person in the folder of the study.
+std::filesystem::path PersonPath(const std::string& subject);
 
 /// A file for `conav demo --operator` and `conav up simulated-operator`.
 std::string PersonYaml(const operators::SyntheticOperatorParameters& person);
@@ -108,6 +124,13 @@ std::filesystem::path DefaultOut(const StudyOptions& options, const std::string&
 
 /// The options that all episodes share.
 launcher::DemoOptions BaseDemo(const StudyOptions& options);
+
+/// Errors: kOutOfRange names the option, its value and the limits.
+[[nodiscard]] Result<void> CheckRange(const char* option, double value, double low, double high);
+
+/// Whether `jobs` concurrent pieces each find a DDS domain. Errors: kInvalidArgument when
+/// CONAV_DOMAIN leaves one for all of them.
+[[nodiscard]] Result<void> CheckDomains(int jobs);
 
 /// Rejects impossible options: names the option, its value and what is allowed.
 [[nodiscard]] Result<void> Validate(const StudyOptions& options);

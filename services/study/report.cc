@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
@@ -12,8 +15,6 @@
 
 namespace conav::study {
 namespace {
-
-using statistics::ReportSection;
 
 std::string Figure(double value) {
   return std::isfinite(value) ? fmt::format("{:.4g}", value) : "-";
@@ -43,7 +44,7 @@ ReportSection TableThree(const StudyReport& report) {
   ReportSection section{.title = "Table 3: mean (SD) over episodes", .header = {"method"}};
   for (const Measure& measure : Measures()) section.header.push_back(measure.header);
   for (const MethodSummary& method : report.summary.methods) {
-    std::vector<std::string> row{method.method};
+    std::vector<std::string> row{std::string(Name(method.method))};
     for (std::size_t m = 0; m < Measures().size(); ++m) {
       const MeanSd& figure = method.measures[m];
       row.push_back(method.episodes > 0 && WasMeasured(report, Measures()[m])
@@ -72,6 +73,12 @@ ReportSection BarSection(const StudyReport& report) {
   return section;
 }
 
+/// Nothing for what was not measured, or cannot be analysed.
+const statistics::Analysis* AnalysisOf(const StudyReport& report, std::size_t measure) {
+  const auto& analysis = report.summary.analyses[measure].analysis;
+  return analysis && WasMeasured(report, Measures()[measure]) ? &*analysis : nullptr;
+}
+
 /// Whether `b` is `a` in another unit.
 bool AreProportional(const std::vector<double>& a, const std::vector<double>& b) {
   const double sum_a = std::accumulate(a.begin(), a.end(), 0.0);
@@ -87,8 +94,8 @@ bool AreProportional(const std::vector<double>& a, const std::vector<double>& b)
 std::vector<std::string> SameTests(const StudyReport& report) {
   std::vector<std::string> remarks;
   const auto values = [&](std::size_t m) -> const std::vector<double>* {
-    const auto& analysis = report.summary.analyses[m].analysis;
-    return analysis && WasMeasured(report, Measures()[m]) ? &analysis->table.values : nullptr;
+    const statistics::Analysis* analysis = AnalysisOf(report, m);
+    return analysis != nullptr ? &analysis->table.values : nullptr;
   };
   for (std::size_t later = 1; later < Measures().size(); ++later) {
     for (std::size_t m = 0; m < later; ++m) {
@@ -164,8 +171,8 @@ ReportSection PairSection(const StudyReport& report) {
       .header = {"measure", "pair", "difference", "95 % CI", "t", "df", "p", "Holm", "d_z"}};
   bool lacks_tests = false;
   for (std::size_t m = 0; m < Measures().size(); ++m) {
-    const auto& analysis = report.summary.analyses[m].analysis;
-    if (!analysis || !WasMeasured(report, Measures()[m])) continue;
+    const statistics::Analysis* analysis = AnalysisOf(report, m);
+    if (analysis == nullptr) continue;
     for (const statistics::Pair& pair : analysis->pairs) {
       section.rows.push_back(PairRow(Measures()[m], pair));
       lacks_tests = lacks_tests || !HasTest(pair.t.t);
@@ -177,7 +184,7 @@ ReportSection PairSection(const StudyReport& report) {
   return section;
 }
 
-std::optional<ReportSection> TroubleSection(const StudyReport& report) {
+ReportSection TroubleSection(const StudyReport& report) {
   ReportSection section{.title = "Episodes that did not reach all goals",
                         .header = {"episode", "status", "attempts", "why", "run folder"}};
   for (const auto* list : {&report.summary.failed, &report.summary.goals_left}) {
@@ -186,7 +193,6 @@ std::optional<ReportSection> TroubleSection(const StudyReport& report) {
                               std::to_string(record->attempts), record->detail, record->run});
     }
   }
-  if (section.rows.empty()) return std::nullopt;
   if (!report.summary.failed.empty()) {
     section.remarks.push_back(
         "a failed episode has no measures, so the tests leave out its operator; the same command "
@@ -241,22 +247,18 @@ std::string Plot(const Measure& measure, const statistics::Analysis& analysis) {
 std::string Tables(const statistics::Analysis& analysis) {
   std::string html = "<details>\n<summary>All figures</summary>\n";
   for (const std::string& note : analysis.notes) html += "<p>" + EscapeXml(note) + "</p>\n";
-  for (const auto& section : statistics::ReportSections(analysis)) {
-    html += statistics::SectionHtml(section);
-  }
-  return html + "</details>\n";
+  return html + SectionsHtml(statistics::ReportSections(analysis)) + "</details>\n";
 }
 
 /// The order of methods for each subject.
-statistics::ReportSection OrderSection(const Design& design) {
-  statistics::ReportSection section{.title = "Order of the methods (Williams design)",
-                                    .header = {"operator"}};
+ReportSection OrderSection(const Design& design) {
+  ReportSection section{.title = "Order of the methods (Williams design)", .header = {"operator"}};
   for (std::size_t session = 0; session < design.methods.size(); ++session) {
     section.header.push_back(fmt::format("session {}", session + 1));
   }
   for (std::size_t subject = 0; subject < design.subjects.size(); ++subject) {
     std::vector<std::string> row{design.subjects[subject]};
-    row.insert(row.end(), design.orders[subject].begin(), design.orders[subject].end());
+    std::ranges::copy(NamesOf(design.orders[subject]), std::back_inserter(row));
     section.rows.push_back(std::move(row));
   }
   return section;
@@ -278,20 +280,15 @@ std::string Headline(const StudyReport& report) {
 
 std::vector<ReportSection> StudySections(const StudyReport& report) {
   std::vector<ReportSection> sections{TableThree(report), BarSection(report)};
-  ReportSection variance = VarianceSection(report);
-  ReportSection pairs = PairSection(report);
-  if (!variance.rows.empty() || !variance.remarks.empty()) sections.push_back(std::move(variance));
-  if (!pairs.rows.empty()) sections.push_back(std::move(pairs));
-  if (auto trouble = TroubleSection(report)) sections.push_back(*std::move(trouble));
+  for (ReportSection& section :
+       std::array{VarianceSection(report), PairSection(report), TroubleSection(report)}) {
+    if (!section.rows.empty() || !section.remarks.empty()) sections.push_back(std::move(section));
+  }
   return sections;
 }
 
 std::string StudyText(const StudyReport& report) {
-  std::string text = Headline(report) + "\n";
-  for (const ReportSection& section : StudySections(report)) {
-    text += statistics::SectionText(section);
-  }
-  return text;
+  return Headline(report) + "\n" + SectionsText(StudySections(report));
 }
 
 std::string EpisodesCsv(const StudyReport& report) {
@@ -303,13 +300,14 @@ std::string EpisodesCsv(const StudyReport& report) {
     const auto found = report.records.find(episode.name);
     if (found == report.records.end()) continue;
     const EpisodeRecord& record = found->second;
-    csv += fmt::format("{},{},{},{},{},{},{},simulated,{},{}",
-                       report.design.subjects[static_cast<std::size_t>(episode.subject)],
-                       episode.session + 1, episode.task + 1, episode.method, episode.maze_seed,
-                       episode.rotation_deg, episode.seed, NameOf(record.status), record.attempts);
+    csv +=
+        fmt::format("{},{},{},{},{},{},{},simulated,{},{}",
+                    report.design.subjects[static_cast<std::size_t>(episode.subject)],
+                    episode.session + 1, episode.task + 1, Name(episode.method), episode.maze_seed,
+                    episode.rotation_deg, episode.seed, NameOf(record.status), record.attempts);
     for (const Measure& measure : Measures()) {
       const bool known = record.measures && WasMeasured(report, measure);
-      csv += known ? fmt::format(",{}", measure.value(*record.measures)) : ",";
+      csv += CsvCell(known ? std::optional(measure.value(*record.measures)) : std::nullopt);
     }
     csv += fmt::format(",{:.3f}\n", record.wall_s);
   }
@@ -328,28 +326,26 @@ Json StudyJson(const StudyReport& report) {
             {"goals_left", TroubleJson(summary.goals_left)},
             {"analyses", Json::object()}};
   for (const MethodSummary& method : summary.methods) {
-    json["methods"][method.method] = MethodJson(report, method);
+    json["methods"][std::string(Name(method.method))] = MethodJson(report, method);
   }
   for (std::size_t m = 0; m < Measures().size(); ++m) {
-    const auto& analysis = summary.analyses[m].analysis;
-    const bool known = analysis && WasMeasured(report, Measures()[m]);
-    json["analyses"][Measures()[m].key] = known ? statistics::ReportJson(*analysis) : Json();
+    const statistics::Analysis* analysis = AnalysisOf(report, m);
+    json["analyses"][Measures()[m].key] = analysis ? statistics::ReportJson(*analysis) : Json();
   }
   return json;
 }
 
 std::string StudyPage(const StudyReport& report) {
-  std::string html = statistics::PageHead("Study with simulated operators");
-  html += "<p><strong>" + EscapeXml(Headline(report)) + ".</strong></p>\n";
-  for (const auto& section : StudySections(report)) html += statistics::SectionHtml(section);
+  std::string html = "<p><strong>" + EscapeXml(Headline(report)) + ".</strong></p>\n" +
+                     SectionsHtml(StudySections(report));
   for (std::size_t m = 0; m < Measures().size(); ++m) {
-    const auto& analysis = report.summary.analyses[m].analysis;
-    if (!analysis || !WasMeasured(report, Measures()[m])) continue;
+    const statistics::Analysis* analysis = AnalysisOf(report, m);
+    if (analysis == nullptr) continue;
     html += Plot(Measures()[m], *analysis) + Tables(*analysis);
   }
-  html += statistics::SectionHtml(OrderSection(report.design));
-  html += statistics::SectionHtml(ProvenanceSection(report.provenance, report.document));
-  return html + "</body>\n</html>\n";
+  const ReportSection last[] = {OrderSection(report.design),
+                                ProvenanceSection(report.provenance, report.document)};
+  return Page("Study with simulated operators", html + SectionsHtml(last));
 }
 
 }  // namespace conav::study

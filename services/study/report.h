@@ -7,10 +7,9 @@
 #include <vector>
 
 #include "study/design.h"
-#include "study/episode_record.h"
+#include "study/report_page.h"
 #include "study/statistics/analysis.h"
-#include "study/statistics/report.h"
-#include "study/study_folder.h"
+#include "study/study_episode.h"
 
 namespace conav::study {
 
@@ -22,7 +21,7 @@ struct MeanSd {
 
 /// A row of table 3.
 struct MethodSummary {
-  std::string method;
+  MethodKind method = MethodKind::kIgMcts;
   std::size_t episodes = 0;         // with measures
   std::size_t all_goals = 0;        // of these, those that reached all goals
   std::vector<MeanSd> measures;     // as Measures(); over episodes, as in the paper's table
@@ -84,7 +83,7 @@ bool WasMeasured(const StudyReport& report, const Measure& measure);
 std::string Headline(const StudyReport& report);
 
 /// Table 3, the bars, the tests of each measure, the failures.
-std::vector<statistics::ReportSection> StudySections(const StudyReport& report);
+std::vector<ReportSection> StudySections(const StudyReport& report);
 
 std::string StudyText(const StudyReport& report);
 

@@ -13,7 +13,6 @@ namespace conav::study {
 namespace {
 
 constexpr double kAlpha = 0.05;
-constexpr const char* kIgMcts = "ig-mcts";
 
 MeanSd Describe(std::span<const double> values) {
   if (values.empty()) return {};
@@ -27,7 +26,7 @@ const EpisodeRecord* Find(const Records& records, const std::string& name) {
 
 /// Mean over the layouts; empty if one is missing.
 std::optional<double> SubjectMean(const Design& design, const Records& records, int subject,
-                                  const std::string& method, std::size_t measure) {
+                                  MethodKind method, std::size_t measure) {
   double sum = 0.0;
   for (const PlannedEpisode& episode : design.episodes) {
     if (episode.subject != subject || episode.method != method) continue;
@@ -38,8 +37,7 @@ std::optional<double> SubjectMean(const Design& design, const Records& records, 
   return sum / static_cast<double>(design.layouts.size());
 }
 
-MethodSummary SummariseMethod(const Design& design, const Records& records,
-                              const std::string& method) {
+MethodSummary SummariseMethod(const Design& design, const Records& records, MethodKind method) {
   MethodSummary summary{.method = method};
   std::vector<std::vector<double>> values(Measures().size());
   for (const PlannedEpisode& episode : design.episodes) {
@@ -83,8 +81,8 @@ double MeanOf(const MethodSummary& method, const char* measure) {
 
 Bar ImageBar(const MethodSummary& ig_mcts, const MethodSummary& baseline) {
   const double streamed = MeanOf(baseline, "image_mib");
-  return {.key = "image_bytes_saved_against_" + baseline.method,
-          .text = "image bytes that ig-mcts saves against " + baseline.method,
+  return {.key = fmt::format("image_bytes_saved_against_{}", Name(baseline.method)),
+          .text = fmt::format("image bytes that ig-mcts saves against {}", Name(baseline.method)),
           .value = streamed > 0.0 ? 1.0 - MeanOf(ig_mcts, "image_mib") / streamed : 0.0,
           .limit = 0.97,
           .kind = Bar::Kind::kAtLeast};
@@ -93,8 +91,8 @@ Bar ImageBar(const MethodSummary& ig_mcts, const MethodSummary& baseline) {
 Bar StepsBar(const MethodSummary& ig_mcts, const MethodSummary& baseline, double limit,
              Bar::Kind kind) {
   const double steps = MeanOf(baseline, "low_level_steps");
-  return {.key = "steps_ratio_to_" + baseline.method,
-          .text = "low-level steps of ig-mcts over those of " + baseline.method,
+  return {.key = fmt::format("steps_ratio_to_{}", Name(baseline.method)),
+          .text = fmt::format("low-level steps of ig-mcts over those of {}", Name(baseline.method)),
           .value = steps > 0.0 ? MeanOf(ig_mcts, "low_level_steps") / steps : 0.0,
           .limit = limit,
           .kind = kind};
@@ -118,26 +116,18 @@ Bar GoalsBar(const std::vector<MethodSummary>& methods) {
 }  // namespace
 
 bool Bar::met() const {
-  switch (kind) {
-    case Kind::kAtLeast:
-      return value >= limit;
-    case Kind::kAtMost:
-      return value <= limit;
-    case Kind::kBelow:
-      return value < limit;
-  }
-  return false;
+  if (kind == Kind::kBelow) return value < limit;
+  return kind == Kind::kAtMost ? value <= limit : value >= limit;
 }
 
 std::string SubjectTable(const Design& design, const Records& records, std::size_t measure) {
   std::string csv = "subject";
-  for (const std::string& method : design.methods) csv += "," + method;
+  for (const MethodKind method : design.methods) csv += fmt::format(",{}", Name(method));
   csv += "\n";
   for (std::size_t subject = 0; subject < design.subjects.size(); ++subject) {
     csv += design.subjects[subject];
-    for (const std::string& method : design.methods) {
-      const auto mean = SubjectMean(design, records, static_cast<int>(subject), method, measure);
-      csv += mean ? fmt::format(",{}", *mean) : ",";
+    for (const MethodKind method : design.methods) {
+      csv += CsvCell(SubjectMean(design, records, static_cast<int>(subject), method, measure));
     }
     csv += "\n";
   }
@@ -145,16 +135,16 @@ std::string SubjectTable(const Design& design, const Records& records, std::size
 }
 
 std::vector<Bar> CheckBars(const std::vector<MethodSummary>& methods) {
-  const auto find = [&](const char* name) -> const MethodSummary* {
+  const auto find = [&](MethodKind method) -> const MethodSummary* {
     const auto found = std::find_if(methods.begin(), methods.end(), [&](const MethodSummary& m) {
-      return m.method == name && m.episodes > 0;
+      return m.method == method && m.episodes > 0;
     });
     return found == methods.end() ? nullptr : &*found;
   };
   std::vector<Bar> bars;
-  const MethodSummary* ig_mcts = find(kIgMcts);
-  const MethodSummary* instruction = find("instruction");
-  const MethodSummary* teleop = find("teleop");
+  const MethodSummary* ig_mcts = find(MethodKind::kIgMcts);
+  const MethodSummary* instruction = find(MethodKind::kInstruction);
+  const MethodSummary* teleop = find(MethodKind::kTeleop);
   for (const MethodSummary* baseline : {instruction, teleop}) {
     if (ig_mcts != nullptr && baseline != nullptr) bars.push_back(ImageBar(*ig_mcts, *baseline));
   }
@@ -170,7 +160,7 @@ std::vector<Bar> CheckBars(const std::vector<MethodSummary>& methods) {
 
 StudySummary Summarise(const Design& design, const Records& records) {
   StudySummary summary;
-  for (const std::string& method : design.methods) {
+  for (const MethodKind method : design.methods) {
     summary.methods.push_back(SummariseMethod(design, records, method));
   }
   for (std::size_t measure = 0; measure < Measures().size(); ++measure) {

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "common/plot/svg.h"
+#include "study/design.h"
 
 namespace conav::study {
 namespace {
@@ -37,17 +38,10 @@ std::string FigureText(const SupervisionCell& cell, const SupervisionMeasure& me
   return half ? fmt::format("{:.2f} ±{:.2f}", *mean, *half) : fmt::format("{:.2f}", *mean);
 }
 
-/// Missing and infinite values become null.
-Json NumberJson(const std::optional<double>& value) {
-  return value && std::isfinite(*value) ? Json(*value) : Json();
-}
-
 template <std::size_t kCount>
-statistics::ReportSection CellSection(std::string title, const char* const (&keys)[kCount],
-                                      const SupervisionSummary& summary) {
-  statistics::ReportSection section;
-  section.title = std::move(title);
-  section.header = {"robots, order", "trials"};
+ReportSection CellSection(std::string title, const char* const (&keys)[kCount],
+                          const SupervisionSummary& summary) {
+  ReportSection section{.title = std::move(title), .header = {"robots, order", "trials"}};
   for (const char* key : keys) section.header.emplace_back(FindMeasure(key).header);
   bool lacks_figures = false;
   for (const SupervisionCell& cell : summary.cells) {
@@ -70,11 +64,10 @@ std::string PText(const statistics::Pair& pair, const std::optional<double>& p) 
   return p && HasTest(pair) ? fmt::format("{:.4f}", *p) : std::string("-");
 }
 
-statistics::ReportSection ComparisonSection(const SupervisionSummary& summary) {
-  statistics::ReportSection section;
-  section.title = "Orders against each other, paired by seed";
-  section.header = {"robots, measure", "first - second", "difference", "95 % interval", "p",
-                    "p (Holm)"};
+ReportSection ComparisonSection(const SupervisionSummary& summary) {
+  ReportSection section{.title = "Orders against each other, paired by seed",
+                        .header = {"robots, measure", "first - second", "difference",
+                                   "95 % interval", "p", "p (Holm)"}};
   bool lacks_tests = false;
   for (const SupervisionComparison& comparison : summary.comparisons) {
     for (const statistics::Pair& pair : comparison.pairs) {
@@ -94,10 +87,9 @@ statistics::ReportSection ComparisonSection(const SupervisionSummary& summary) {
   return section;
 }
 
-statistics::ReportSection SlowSection(const SupervisionSummary& summary) {
-  statistics::ReportSection section;
-  section.title = "Trials in which the machine did not keep pace";
-  section.header = {"trial", "share of --speed"};
+ReportSection SlowSection(const SupervisionSummary& summary) {
+  ReportSection section{.title = "Trials in which the machine did not keep pace",
+                        .header = {"trial", "share of --speed"}};
   for (const SupervisionRecord* record : summary.slow) {
     section.rows.push_back({record->trial.name(), fmt::format("{:.2f}", record->pace)});
   }
@@ -105,10 +97,8 @@ statistics::ReportSection SlowSection(const SupervisionSummary& summary) {
   return section;
 }
 
-statistics::ReportSection FailedSection(const SupervisionSummary& summary) {
-  statistics::ReportSection section;
-  section.title = "Trials that failed";
-  section.header = {"trial", "why"};
+ReportSection FailedSection(const SupervisionSummary& summary) {
+  ReportSection section{.title = "Trials that failed", .header = {"trial", "why"}};
   for (const SupervisionRecord* record : summary.failed) {
     section.rows.push_back({record->trial.name(), record->failure});
   }
@@ -204,66 +194,62 @@ Axis AxisOf(const Panel& panel, const SupervisionSummary& summary) {
 }
 
 /// Draws one measure over the number of robots.
-class PanelPlot {
- public:
-  PanelPlot(SvgCanvas& canvas, PixelPosition corner, const Panel& panel,
-            const SupervisionOptions& options, const SupervisionSummary& summary)
-      : canvas_(canvas),
-        corner_(corner),
-        panel_(panel),
-        options_(options),
-        summary_(summary),
-        axis_(AxisOf(panel, summary)),
-        most_robots_(*std::ranges::max_element(options.robots)) {}
+struct PanelPlot {
+  SvgCanvas& canvas;
+  PixelPosition corner;
+  const Panel& panel;
+  const SupervisionOptions& options;
+  const SupervisionSummary& summary;
+  Axis axis = AxisOf(panel, summary);
+  int most_robots = std::ranges::max(options.robots);
 
   void Draw() {
     DrawAxes();
-    for (std::size_t order = 0; order < options_.orders.size(); ++order) {
-      for (const Prediction& prediction : panel_.predictions) {
+    for (std::size_t order = 0; order < options.orders.size(); ++order) {
+      for (const Prediction& prediction : panel.predictions) {
         DrawLine(order, prediction.key,
                  fmt::format(R"(stroke="{}" stroke-dasharray="{}")", ColourOf(order),
                              prediction.dashes));
       }
-      DrawLine(order, panel_.key, fmt::format(R"(stroke="{}" stroke-width="2")", ColourOf(order)));
+      DrawLine(order, panel.key, fmt::format(R"(stroke="{}" stroke-width="2")", ColourOf(order)));
       DrawMeans(order);
     }
   }
 
- private:
   /// The x of a number of robots, with the orders next to each other.
   double X(int robots, double order) const {
-    const double along = most_robots_ > 1 ? std::log2(robots) / std::log2(most_robots_) : 0.5;
-    const double middle = 0.5 * static_cast<double>(options_.orders.size() - 1);
-    return corner_.x + kLeft + along * kPlotWidth + kBeside * (order - middle);
+    const double along = most_robots > 1 ? std::log2(robots) / std::log2(most_robots) : 0.5;
+    const double middle = 0.5 * static_cast<double>(options.orders.size() - 1);
+    return corner.x + kLeft + along * kPlotWidth + kBeside * (order - middle);
   }
   double Middle(int robots) const {
-    return X(robots, 0.5 * static_cast<double>(options_.orders.size() - 1));
+    return X(robots, 0.5 * static_cast<double>(options.orders.size() - 1));
   }
   double Y(double value) const {
-    return corner_.y + kTop + (1.0 - axis_.Share(axis_.Clamp(value))) * kPlotHeight;
+    return corner.y + kTop + (1.0 - axis.Share(axis.Clamp(value))) * kPlotHeight;
   }
 
   void DrawAxes() {
-    const double left = corner_.x + kLeft;
+    const double left = corner.x + kLeft;
     const double right = left + kPlotWidth;
-    canvas_.Text({left, corner_.y + 24.0}, panel_.title, kTitle);
-    for (const double tick : axis_.Ticks()) {
-      canvas_.Line({left - kBeside, Y(tick)}, {right + kBeside, Y(tick)},
-                   tick == 0.0 ? R"(stroke="#888888")" : R"(stroke="#dddddd")");
-      canvas_.Text({left - 12.0, Y(tick) + 4.0}, fmt::format("{:.6g}", tick),
-                   fmt::format(R"({} text-anchor="end")", kSmall));
+    canvas.Text({left, corner.y + 24.0}, panel.title, kTitle);
+    for (const double tick : axis.Ticks()) {
+      canvas.Line({left - kBeside, Y(tick)}, {right + kBeside, Y(tick)},
+                  tick == 0.0 ? R"(stroke="#888888")" : R"(stroke="#dddddd")");
+      canvas.Text({left - 12.0, Y(tick) + 4.0}, fmt::format("{:.6g}", tick),
+                  fmt::format(R"({} text-anchor="end")", kSmall));
     }
     const auto below = [&](double x, double down, const std::string& text) {
-      canvas_.Text({x, Y(0.0) + down}, text, fmt::format(R"({} text-anchor="middle")", kSmall));
+      canvas.Text({x, Y(0.0) + down}, text, fmt::format(R"({} text-anchor="middle")", kSmall));
     };
-    for (const int robots : options_.robots) below(Middle(robots), 16.0, std::to_string(robots));
+    for (const int robots : options.robots) below(Middle(robots), 16.0, std::to_string(robots));
     below((left + right) / 2.0, 32.0, "robots");
   }
 
   template <class Visit>
   void ForCells(std::size_t order, Visit&& visit) const {
-    for (const SupervisionCell& cell : summary_.cells) {
-      if (cell.order == options_.orders[order]) visit(cell);
+    for (const SupervisionCell& cell : summary.cells) {
+      if (cell.order == options.orders[order]) visit(cell);
     }
   }
 
@@ -274,34 +260,26 @@ class PanelPlot {
       if (mean) positions.push_back({X(cell.robots, static_cast<double>(order)), Y(*mean)});
     });
     std::ranges::sort(positions, {}, &PixelPosition::x);
-    if (positions.size() > 1) canvas_.Polyline(positions, style);
+    if (positions.size() > 1) canvas.Polyline(positions, style);
   }
 
   void DrawMeans(std::size_t order) {
-    const SupervisionMeasure& measure = FindMeasure(panel_.key);
+    const SupervisionMeasure& measure = FindMeasure(panel.key);
     ForCells(order, [&](const SupervisionCell& cell) {
       const auto mean = cell.Mean(measure);
       if (!mean) return;
       const auto half = cell.HalfInterval(measure);
       const double x = X(cell.robots, static_cast<double>(order));
-      canvas_.BeginGroup(fmt::format("{} robots, {}: {:.2f}{}", cell.robots, cell.order, *mean,
-                                     half ? fmt::format(" ± {:.2f}", *half) : ""));
+      canvas.BeginGroup(fmt::format("{} robots, {}: {:.2f}{}", cell.robots, cell.order, *mean,
+                                    half ? fmt::format(" ± {:.2f}", *half) : ""));
       if (half) {
-        canvas_.Line({x, Y(*mean - *half)}, {x, Y(*mean + *half)},
-                     fmt::format(R"(stroke="{}")", ColourOf(order)));
+        canvas.Line({x, Y(*mean - *half)}, {x, Y(*mean + *half)},
+                    fmt::format(R"(stroke="{}")", ColourOf(order)));
       }
-      canvas_.Circle({x, Y(*mean)}, 3.5, fmt::format(R"(fill="{}")", ColourOf(order)));
-      canvas_.EndGroup();
+      canvas.Circle({x, Y(*mean)}, 3.5, fmt::format(R"(fill="{}")", ColourOf(order)));
+      canvas.EndGroup();
     });
   }
-
-  SvgCanvas& canvas_;
-  PixelPosition corner_;
-  const Panel& panel_;
-  const SupervisionOptions& options_;
-  const SupervisionSummary& summary_;
-  Axis axis_;
-  int most_robots_ = 1;
 };
 
 void DrawLegend(SvgCanvas& canvas, const std::vector<std::string>& orders) {
@@ -335,12 +313,12 @@ std::string SupervisionHeadline(const SupervisionOptions& options,
       "measured, {} failed. Methods {}; interaction times: picture {} s, blocked {} s, path {} s, "
       "log-normal with log-sd {}.",
       fmt::join(options.robots, " "), fmt::join(options.orders, " "), options.seeds, measured,
-      options.minutes, summary.failed.size(), fmt::join(options.methods, " "), times.picture_s,
-      times.blocked_s, times.path_s, times.log_sd);
+      options.minutes, summary.failed.size(), fmt::join(NamesOf(options.methods), " "),
+      times.picture_s, times.blocked_s, times.path_s, times.log_sd);
 }
 
-std::vector<statistics::ReportSection> SupervisionSections(const SupervisionSummary& summary) {
-  std::vector<statistics::ReportSection> sections{
+std::vector<ReportSection> SupervisionSections(const SupervisionSummary& summary) {
+  std::vector<ReportSection> sections{
       CellSection("Measured: mean over seeds ± half of its 95 % interval", kTableKeys, summary),
       CellSection("Fan-out: measured and predicted", kFanOutKeys, summary),
       CellSection("Utilisation and waiting: measured and predicted", kQueueKeys, summary)};
@@ -351,11 +329,7 @@ std::vector<statistics::ReportSection> SupervisionSections(const SupervisionSumm
 }
 
 std::string SupervisionText(const SupervisionOptions& options, const SupervisionSummary& summary) {
-  std::string text = SupervisionHeadline(options, summary) + "\n";
-  for (const auto& section : SupervisionSections(summary)) {
-    text += statistics::SectionText(section);
-  }
-  return text;
+  return SupervisionHeadline(options, summary) + "\n" + SectionsText(SupervisionSections(summary));
 }
 
 std::string SupervisionCsv(const std::vector<SupervisionRecord>& records) {
@@ -366,8 +340,7 @@ std::string SupervisionCsv(const std::vector<SupervisionRecord>& records) {
   for (const SupervisionRecord& record : records) {
     csv += fmt::format("{},{},{}", record.trial.robots, record.trial.order, record.trial.seed);
     for (const SupervisionMeasure& measure : SupervisionMeasures()) {
-      const auto value = record.is_complete() ? measure.value(record) : std::nullopt;
-      csv += value ? fmt::format(",{}", *value) : ",";
+      csv += CsvCell(record.is_complete() ? measure.value(record) : std::nullopt);
     }
     csv += fmt::format(",{}\n", record.wall_s);
   }
@@ -402,15 +375,12 @@ nlohmann::ordered_json SupervisionJson(const SupervisionOptions& options,
 }
 
 std::string SupervisionPage(const SupervisionOptions& options, const SupervisionSummary& summary,
-                            const statistics::ReportSection& made) {
-  std::string page = statistics::PageHead("One operator, many robots");
-  page += fmt::format("<p>{}</p>\n<div class=\"wide\" tabindex=\"0\">\n{}</div>\n",
-                      EscapeXml(SupervisionHeadline(options, summary)),
-                      SupervisionPlot(options, summary));
-  for (const auto& section : SupervisionSections(summary)) {
-    page += statistics::SectionHtml(section);
-  }
-  return page + statistics::SectionHtml(made) + "</body>\n</html>\n";
+                            const ReportSection& made) {
+  return Page("One operator, many robots",
+              fmt::format("<p>{}</p>\n<div class=\"wide\" tabindex=\"0\">\n{}</div>\n",
+                          EscapeXml(SupervisionHeadline(options, summary)),
+                          SupervisionPlot(options, summary)) +
+                  SectionsHtml(SupervisionSections(summary)) + SectionsHtml(std::span(&made, 1)));
 }
 
 std::string SupervisionPlot(const SupervisionOptions& options, const SupervisionSummary& summary) {
@@ -420,7 +390,7 @@ std::string SupervisionPlot(const SupervisionOptions& options, const Supervision
   for (std::size_t i = 0; i < panels.size(); ++i) {
     const PixelPosition corner{static_cast<double>(i % 2) * kPanelWidth,
                                kLegendHeight + static_cast<double>(i / 2) * kPanelHeight};
-    PanelPlot(canvas, corner, panels[i], options, summary).Draw();
+    PanelPlot{canvas, corner, panels[i], options, summary}.Draw();
   }
   return canvas.Document(2.0 * kPanelWidth, kLegendHeight + 2.0 * kPanelHeight,
                          "Throughput, waiting, utilisation and fan-out by number of robots");

@@ -5,10 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "study/statistics/pairs.h"
-#include "study/statistics/report.h"
-#include "study/supervision_options.h"
-#include "study/supervision_player.h"
+#include "study/report_page.h"
+#include "study/statistics/analysis.h"
+#include "study/supervision.h"
 
 namespace conav::study {
 
@@ -69,7 +68,7 @@ std::string SupervisionHeadline(const SupervisionOptions& options,
                                 const SupervisionSummary& summary);
 
 /// The table, measured against predicted, the orders against each other, the failures.
-std::vector<statistics::ReportSection> SupervisionSections(const SupervisionSummary& summary);
+std::vector<ReportSection> SupervisionSections(const SupervisionSummary& summary);
 
 std::string SupervisionText(const SupervisionOptions& options, const SupervisionSummary& summary);
 
@@ -89,6 +88,6 @@ std::string SupervisionPlot(const SupervisionOptions& options, const Supervision
 
 /// One self-contained page; `made` is a ProvenanceSection().
 std::string SupervisionPage(const SupervisionOptions& options, const SupervisionSummary& summary,
-                            const statistics::ReportSection& made);
+                            const ReportSection& made);
 
 }  // namespace conav::study

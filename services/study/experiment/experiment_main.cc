@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -11,38 +10,32 @@
 #include <vector>
 
 #include "common/cli/cli.h"
-#include "common/cli/progress_line.h"
 #include "common/runtime/result.h"
 #include "nhpm/model/load_model.h"
 #include "sim/world/maze_presets.h"
-#include "study/experiment/experiment_report.h"
-#include "study/experiment/search_experiment.h"
 #include "study/experiment/tradeoff.h"
 
 namespace conav::planner {
 namespace {
 
-inline constexpr const char* kProgram = "conav experiment";
+constexpr const char* kProgram = "conav experiment";
 
-/// What every experiment is asked for.
-struct ExperimentOptions {
-  SearchExperiment experiment;  // but for its variants
+/// The arguments of both experiments.
+struct Arguments {
+  SearchExperiment experiment;  // without its variants
   std::string model = kDefaultPerceptionModel;
   std::filesystem::path weights;
   std::filesystem::path json;
   std::filesystem::path csv;
+  std::filesystem::path variants_file = ShippedVariants();
+  // of search
+  std::vector<std::string> chosen;  // names of variants; none = all
+  // of tradeoff
+  std::filesystem::path svg;
+  std::string variant = "default";
+  Effort effort = Effort::kSteps;
+  double turn_cost = 0.0;
 };
-
-/// "120 of 400 episodes, 1:12 left".
-EpisodeListener Progress(ProgressLine& line) {
-  const auto start = std::chrono::steady_clock::now();
-  return [&line, start](std::size_t done, std::size_t of) {
-    const double spent =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const double left = spent / static_cast<double>(done) * static_cast<double>(of - done);
-    line.ShowNowAndThen(fmt::format("{} of {} episodes, {} left", done, of, DurationText(left)));
-  };
-}
 
 CLI::Validator MazePreset() {
   return {[](const std::string& name) {
@@ -52,7 +45,7 @@ CLI::Validator MazePreset() {
           ""};
 }
 
-std::shared_ptr<PerceptionModel> ModelOf(const ExperimentOptions& options) {
+std::shared_ptr<PerceptionModel> ModelOf(const Arguments& options) {
   if (options.model == kGlpfModel && !options.weights.empty()) {
     throw StartupError("--weights: --model glpf has none");
   }
@@ -62,8 +55,8 @@ std::shared_ptr<PerceptionModel> ModelOf(const ExperimentOptions& options) {
 }
 
 /// `operators`: the kinds that play where the user names none.
-void AddExperimentOptions(CLI::App& app, const std::vector<std::string>& operators,
-                          ExperimentOptions& options) {
+void AddCommonOptions(CLI::App& app, const std::vector<std::string>& operators,
+                      Arguments& options) {
   SearchExperiment& experiment = options.experiment;
   experiment.operators = operators;
   app.add_option("--operators", experiment.operators, "Kinds of simulated operators")
@@ -93,34 +86,15 @@ void AddExperimentOptions(CLI::App& app, const std::vector<std::string>& operato
   app.add_option("--csv", options.csv, "Write a line per episode to this file");
 }
 
-/// Plays `experiment`, with a progress line. Errors: those of RunSearchExperiment. Throws
-/// StartupError when there is no such model.
-Result<std::vector<ExperimentEpisode>> PlayExperiment(const SearchExperiment& experiment,
-                                                      const ExperimentOptions& options) {
-  const auto model = ModelOf(options);
-  ProgressLine line;
-  return RunSearchExperiment(experiment, model, Progress(line));
-}
+const std::map<std::string, Effort> kEfforts{{"steps", Effort::kSteps}, {"moves", Effort::kMoves}};
 
-struct TradeoffArguments {
-  ExperimentOptions options;
-  std::filesystem::path svg;
-  std::filesystem::path variants_file = ShippedVariants();
-  std::string variant = "default";
-  Effort effort = Effort::kSteps;
-  double turn_cost = 0.0;
-};
-
-const std::map<std::string, Effort> efforts{{"steps", Effort::kSteps}, {"moves", Effort::kMoves}};
-
-/// Adds the subcommand that RunTradeoff() carries out.
-CLI::App* AddTradeoffCommand(CLI::App& app, TradeoffArguments& arguments) {
+CLI::App* AddTradeoffCommand(CLI::App& app, Arguments& arguments) {
   CLI::App* command = app.add_subcommand(
       "tradeoff",
       "Plays IG-MCTS over costs of a picture, and every other communication policy over its "
       "parameter, in the same mazes with simulated operators; prints pictures against steps and "
       "where IG-MCTS needs fewer steps at equal pictures or fewer pictures at equal steps.");
-  AddExperimentOptions(*command, {"careful", "hasty"}, arguments.options);
+  AddCommonOptions(*command, {"careful", "hasty"}, arguments);
   command->add_option("--variants-file", arguments.variants_file,
                       "Variants of the search, as of the subcommand search");
   command
@@ -132,7 +106,7 @@ CLI::App* AddTradeoffCommand(CLI::App& app, TradeoffArguments& arguments) {
           "--against", arguments.effort,
           "What pictures are weighed against: low-level control steps (estimated from moves "
           "and turning) or cell moves")
-      ->transform(CLI::CheckedTransformer(efforts))
+      ->transform(CLI::CheckedTransformer(kEfforts))
       ->default_str("steps");
   command
       ->add_option(
@@ -145,27 +119,77 @@ CLI::App* AddTradeoffCommand(CLI::App& app, TradeoffArguments& arguments) {
   return command;
 }
 
-/// The exit code. Throws StartupError.
-int RunTradeoff(const TradeoffArguments& arguments) {
-  const ExperimentOptions& options = arguments.options;
-  const int code = CheckFiles(
-      kProgram, {{"--variants-file", arguments.variants_file}, {"--weights", options.weights}},
-      {{"--json", options.json}, {"--csv", options.csv}, {"--svg", arguments.svg}});
-  if (code != 0) return code;
-  const SearchVariant search = FindVariant(ReadSearchVariants(arguments.variants_file),
-                                           arguments.variant, arguments.variants_file);
-  TradeoffSweep sweep = MakeTradeoffSweep(search.config, options.experiment, arguments.turn_cost);
+void AddSearchCommand(CLI::App& app, Arguments& arguments) {
+  CLI::App* command = app.add_subcommand(
+      "search",
+      "Plays every variant of the search with every kind of simulated operator in the same mazes, "
+      "in one process without bus and physics, and prints goals reached, moves, pictures and times "
+      "with bootstrap intervals.");
+  command->add_option(
+      "--variants-file", arguments.variants_file,
+      "YAML: search_variants: {NAME: {keys of planner.search, communication: {keys of "
+      "planner.communication}, method: ig-mcts or greedy}} (the variants that come with "
+      "conav)");
+  command->add_option("--variants", arguments.chosen, "Only these, by name (all of the file)")
+      ->delimiter(',');
+  AddCommonOptions(*command, operators::OperatorKinds(), arguments);
+}
+
+/// Texts for standard output and files. Empty files are not written.
+struct Report {
+  std::string table;
+  nlohmann::ordered_json json;
+  std::string csv;
+  std::string svg;
+};
+
+/// With a progress line. Errors: those of RunSearchExperiment. Throws StartupError without model.
+Result<std::vector<ExperimentEpisode>> Play(const SearchExperiment& experiment,
+                                            const Arguments& arguments) {
+  const auto model = ModelOf(arguments);
+  ProgressLine line;
+  return RunSearchExperiment(experiment, model,
+                             study::ShowOn(line, "episodes", study::ProgressPace::kNowAndThen));
+}
+
+Result<Report> RunTradeoff(const Arguments& arguments, const std::vector<SearchVariant>& all) {
+  const SearchVariant& search = FindVariant(all, arguments.variant, arguments.variants_file);
+  TradeoffSweep sweep = MakeTradeoffSweep(search.config, arguments.experiment, arguments.turn_cost);
   sweep.effort = arguments.effort;
-  const auto episodes = PlayExperiment(sweep.experiment, options);
-  if (!episodes) return Failed(kProgram, episodes.error());
-  const auto rows = AnalyseTradeoff(sweep, *episodes);
-  auto done = WriteStandardOutput(TradeoffTable(sweep, rows));
-  if (done) done = WriteOutput(options.csv, TradeoffCsv(sweep, *episodes));
-  if (done) done = WriteOutput(arguments.svg, TradeoffPlot(sweep, rows));
-  if (done && !options.json.empty()) {
-    done = WriteJsonOutput(options.json, TradeoffJson(sweep, rows));
+  return Play(sweep.experiment, arguments).map([&](const auto& episodes) -> Report {
+    const auto rows = AnalyseTradeoff(sweep, episodes);
+    return {TradeoffTable(sweep, rows), TradeoffJson(sweep, rows), TradeoffCsv(sweep, episodes),
+            TradeoffPlot(sweep, rows)};
+  });
+}
+
+Result<Report> RunSearch(const Arguments& arguments, const std::vector<SearchVariant>& all) {
+  SearchExperiment experiment = arguments.experiment;
+  if (arguments.chosen.empty()) experiment.variants = all;
+  for (const std::string& name : arguments.chosen) {
+    experiment.variants.push_back(FindVariant(all, name, arguments.variants_file));
   }
-  return ExitCode(kProgram, done);
+  return Play(experiment, arguments).map([&](const auto& episodes) -> Report {
+    const auto summaries = Summarize(episodes);
+    return {ExperimentTable(experiment, summaries), ExperimentJson(experiment, summaries),
+            ExperimentCsv(experiment, episodes), ""};
+  });
+}
+
+/// The exit code. Throws StartupError.
+int Run(const Arguments& arguments, bool is_tradeoff) {
+  const int code = CheckFiles(
+      kProgram, {{"--variants-file", arguments.variants_file}, {"--weights", arguments.weights}},
+      {{"--json", arguments.json}, {"--csv", arguments.csv}, {"--svg", arguments.svg}});
+  if (code != 0) return code;
+  const auto all = ReadSearchVariants(arguments.variants_file);
+  const auto report = is_tradeoff ? RunTradeoff(arguments, all) : RunSearch(arguments, all);
+  if (!report) return Failed(kProgram, report.error());
+  return ExitCode(kProgram,
+                  WriteStandardOutput(report->table)
+                      .and_then([&] { return WriteOutput(arguments.csv, report->csv); })
+                      .and_then([&] { return WriteOutput(arguments.svg, report->svg); })
+                      .and_then([&] { return WriteJsonOutput(arguments.json, report->json); }));
 }
 
 }  // namespace
@@ -173,70 +197,13 @@ int RunTradeoff(const TradeoffArguments& arguments) {
 
 // conav-experiment: compares variants of the search, and communication policies, over many mazes.
 
-namespace conav::planner {
-namespace {
-
-struct Arguments {
-  ExperimentOptions options;
-  std::filesystem::path variants_file = ShippedVariants();
-  std::vector<std::string> chosen;  // names of variants; none = all
-};
-
-void ChooseVariants(Arguments& arguments) {
-  auto all = ReadSearchVariants(arguments.variants_file);
-  if (arguments.chosen.empty()) {
-    arguments.options.experiment.variants = std::move(all);
-    return;
-  }
-  for (const std::string& name : arguments.chosen) {
-    arguments.options.experiment.variants.push_back(
-        FindVariant(all, name, arguments.variants_file));
-  }
-}
-
-int Run(Arguments& arguments) {
-  const ExperimentOptions& options = arguments.options;
-  const int code = CheckFiles(
-      kProgram, {{"--variants-file", arguments.variants_file}, {"--weights", options.weights}},
-      {{"--json", options.json}, {"--csv", options.csv}});
-  if (code != 0) return code;
-  ChooseVariants(arguments);
-  const auto episodes = PlayExperiment(options.experiment, options);
-  if (!episodes) return Failed(kProgram, episodes.error());
-  const auto summaries = Summarize(*episodes);
-  auto done = WriteStandardOutput(ExperimentTable(options.experiment, summaries));
-  if (done) done = WriteOutput(options.csv, ExperimentCsv(options.experiment, *episodes));
-  if (done && !options.json.empty()) {
-    done = WriteJsonOutput(options.json, ExperimentJson(options.experiment, summaries));
-  }
-  return ExitCode(kProgram, done);
-}
-
-void AddOptions(CLI::App& app, Arguments& arguments) {
-  app.add_option("--variants-file", arguments.variants_file,
-                 "YAML: search_variants: {NAME: {keys of planner.search, communication: {keys of "
-                 "planner.communication}, method: ig-mcts or greedy}} (the variants that come with "
-                 "conav)");
-  app.add_option("--variants", arguments.chosen, "Only these, by name (all of the file)")
-      ->delimiter(',');
-  AddExperimentOptions(app, operators::OperatorKinds(), arguments.options);
-}
-
-}  // namespace
-}  // namespace conav::planner
-
 int main(int argc, char** argv) {
   using namespace conav::planner;
   CLI::App app("Experiments with the planner, with SIMULATED operators.", "conav experiment");
   app.require_subcommand(1);
-  CLI::App* search = app.add_subcommand(
-      "search",
-      "Plays every variant of the search with every kind of simulated operator in the same mazes, "
-      "in one process without bus and physics, and prints goals reached, moves, pictures and times "
-      "with bootstrap intervals.");
-  Arguments arguments;
-  AddOptions(*search, arguments);
-  TradeoffArguments tradeoff_arguments;
+  Arguments search_arguments;
+  Arguments tradeoff_arguments;
+  AddSearchCommand(app, search_arguments);
   const CLI::App* tradeoff = AddTradeoffCommand(app, tradeoff_arguments);
   if (conav::NamesUnknownCommand(app, argc, argv)) {
     return conav::Refused(
@@ -249,7 +216,7 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : 2;
   }
   try {
-    return tradeoff->parsed() ? RunTradeoff(tradeoff_arguments) : Run(arguments);
+    return tradeoff->parsed() ? Run(tradeoff_arguments, true) : Run(search_arguments, false);
   } catch (const conav::StartupError& error) {
     return conav::Refused(kProgram, error.what());
   }

@@ -3,23 +3,24 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <mutex>
 #include <numeric>
 
 #include "common/runtime/config.h"
 #include "common/runtime/random.h"
 #include "common/runtime/result.h"
-#include "common/runtime/threads.h"
 #include "nhpm/model/load_model.h"
 #include "planner/methods/make_method.h"
 #include "planner/perception/cached_model.h"
 
 namespace conav::planner {
+namespace {
 
-double Mean(std::span<const double> values) {
-  if (values.empty()) return 0.0;
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+/// `sorted` is not empty.
+double Percentile(const std::vector<double>& sorted, double share) {
+  return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
 }
+
+}  // namespace
 
 Interval BootstrapMean(std::span<const double> values, std::uint64_t seed, int draws) {
   if (values.empty()) return {};
@@ -33,11 +34,12 @@ Interval BootstrapMean(std::span<const double> values, std::uint64_t seed, int d
     }
     means.push_back(sum / static_cast<double>(values.size()));
   }
-  std::sort(means.begin(), means.end());
-  const auto at = [&](double share) {
-    return means[static_cast<std::size_t>(share * static_cast<double>(means.size() - 1))];
-  };
-  return {at(0.025), at(0.975)};
+  return PercentilesOf(std::move(means));
+}
+
+Interval PercentilesOf(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return {Percentile(values, 0.025), Percentile(values, 0.975)};
 }
 
 namespace {
@@ -98,13 +100,7 @@ namespace {
 
 constexpr std::uint64_t kSearchSeed = 1;
 constexpr std::uint64_t kPersonSeed = 2;
-
-double Percentile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<std::size_t>(at)];
-}
+constexpr std::uint64_t kBootstrapSeed = 1;
 
 EpisodeResult Play(const sim::WorldSpec& world, const SearchVariant& variant,
                    const std::string& person, std::uint64_t seed,
@@ -130,40 +126,33 @@ Result<std::vector<sim::WorldSpec>> MakeWorlds(const SearchExperiment& experimen
   return worlds;
 }
 
-/// Gathers one figure over episodes.
-class Figures {
- public:
-  void Add(double value) { values_.push_back(value); }
-  VariantSummary::Figure Summarize() const { return {Mean(values_), BootstrapMean(values_, 1)}; }
-
- private:
-  std::vector<double> values_;
-};
-
 VariantSummary SummarizeOne(std::span<const ExperimentEpisode> episodes) {
   VariantSummary summary;
   summary.variant = episodes.front().variant;
   summary.person = episodes.front().person;
   summary.episodes = static_cast<int>(episodes.size());
-  Figures goals, moves, ratio, pictures, turning, accuracy;
   std::vector<double> decisions;
+  std::vector<ExperimentEpisode> arrived;
   for (const ExperimentEpisode& episode : episodes) {
     const EpisodeResult& result = episode.result;
-    summary.all_goals += result.all_goals ? 1 : 0;
-    goals.Add(static_cast<double>(result.goals_reached) / result.goals);
-    moves.Add(result.moves);
-    if (result.all_goals) ratio.Add(static_cast<double>(result.moves) / result.optimal_moves);
-    pictures.Add(result.pictures);
-    turning.Add(result.turning_rad);
-    accuracy.Add(result.mapping_accuracy);
+    if (result.all_goals) arrived.push_back(episode);
     decisions.insert(decisions.end(), result.decision_ms.begin(), result.decision_ms.end());
   }
-  summary.goals_share = goals.Summarize();
-  summary.moves = moves.Summarize();
-  if (summary.all_goals > 0) summary.moves_ratio = ratio.Summarize();
-  summary.pictures = pictures.Summarize();
-  summary.turning_rad = turning.Summarize();
-  summary.mapping_accuracy = accuracy.Summarize();
+  summary.all_goals = static_cast<int>(arrived.size());
+  summary.goals_share = FigureOf(episodes, [](const EpisodeResult& result) {
+    return static_cast<double>(result.goals_reached) / result.goals;
+  });
+  if (!arrived.empty()) {
+    summary.moves_ratio = FigureOf(arrived, [](const EpisodeResult& result) {
+      return static_cast<double>(result.moves) / result.optimal_moves;
+    });
+  }
+  summary.moves = FigureOf(episodes, &EpisodeResult::moves);
+  summary.pictures = FigureOf(episodes, &EpisodeResult::pictures);
+  summary.turning_rad = FigureOf(episodes, &EpisodeResult::turning_rad);
+  summary.mapping_accuracy = FigureOf(episodes, &EpisodeResult::mapping_accuracy);
+  std::sort(decisions.begin(), decisions.end());
+  if (decisions.empty()) return summary;
   summary.decision_ms_p50 = Percentile(decisions, 0.5);
   summary.decision_ms_p95 = Percentile(decisions, 0.95);
   return summary;
@@ -171,9 +160,16 @@ VariantSummary SummarizeOne(std::span<const ExperimentEpisode> episodes) {
 
 }  // namespace
 
+Figure FigureOf(std::span<const ExperimentEpisode> episodes,
+                const std::function<double(const EpisodeResult&)>& get) {
+  std::vector<double> values;
+  for (const ExperimentEpisode& episode : episodes) values.push_back(get(episode.result));
+  return {statistics::Mean(values), BootstrapMean(values, kBootstrapSeed)};
+}
+
 Result<std::vector<ExperimentEpisode>> RunSearchExperiment(const SearchExperiment& experiment,
                                                            std::shared_ptr<PerceptionModel> model,
-                                                           const EpisodeListener& listener) {
+                                                           const study::PieceListener& listener) {
   const auto worlds = MakeWorlds(experiment);
   if (!worlds) return tl::unexpected(worlds.error());
   std::vector<ExperimentEpisode> episodes;
@@ -185,16 +181,17 @@ Result<std::vector<ExperimentEpisode>> RunSearchExperiment(const SearchExperimen
       }
     }
   }
-  std::mutex mutex;  // guards done and the listener
-  std::size_t done = 0;
-  RunOnWorkers(experiment.threads, static_cast<int>(episodes.size()), [&](int, int index) {
-    ExperimentEpisode& episode = episodes[static_cast<std::size_t>(index)];
+  std::vector<std::size_t> all(episodes.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  const study::PlayPiece play = [&](int, std::size_t index) -> study::StorePiece {
+    ExperimentEpisode& episode = episodes[index];
     episode.result =
         Play((*worlds)[episode.seed - experiment.first_seed], experiment.variants[episode.variant],
              experiment.operators[episode.person], episode.seed, model);
-    const std::lock_guard lock(mutex);
-    if (listener) listener(++done, episodes.size());
-  });
+    return [] { return false; };
+  };
+  const auto done = study::RunPieces(all, all.size(), experiment.threads, play, {}, listener);
+  if (!done) return tl::unexpected(done.error());
   return episodes;
 }
 

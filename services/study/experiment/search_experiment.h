@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -17,6 +18,8 @@
 #include "planner/decision/method.h"
 #include "planner/methods/method_config.h"
 #include "sim/world/world_spec.h"
+#include "study/piece_runner.h"
+#include "study/statistics/moments.h"
 
 namespace conav::planner {
 
@@ -65,17 +68,15 @@ EpisodeResult RunEpisode(const sim::WorldSpec& world, Method& method,
 /// Steps of the shortest tour from the start of robot 0 over all its goals on the true map.
 int OptimalMoves(const sim::WorldSpec& world);
 
-struct Interval {
-  double low = 0.0;
-  double high = 0.0;
-};
+using statistics::Interval;
 
 /// 95 % percentile bootstrap interval of the mean: `draws` resamples of `values` with replacement.
 /// Seeded: equal arguments give equal intervals. Of no values {0, 0}.
 /// Source: Efron and Tibshirani, An Introduction to the Bootstrap, chapter 13.
 Interval BootstrapMean(std::span<const double> values, std::uint64_t seed, int draws = 2000);
 
-double Mean(std::span<const double> values);  // 0 of none
+/// The middle 95 % of `values`, at least one.
+Interval PercentilesOf(std::vector<double> values);
 
 /// A way to set up the search that an experiment compares with others.
 struct SearchVariant {
@@ -115,16 +116,35 @@ struct ExperimentEpisode {
   EpisodeResult result;
 };
 
+/// A figure over mazes.
+struct Figure {
+  double mean = 0.0;
+  Interval interval;  // BootstrapMean
+};
+
+/// Of what `get` gives for the episodes, of which at least one.
+Figure FigureOf(std::span<const ExperimentEpisode> episodes,
+                const std::function<double(const EpisodeResult&)>& get);
+
+/// "12.3 [11.0, 13.5]".
+std::string FigureText(const Figure& figure, int digits);
+nlohmann::ordered_json FigureJson(const Figure& figure);  // {mean, low, high}
+
+/// The columns of an episode that tables of all experiments have, and their values.
+inline constexpr const char* kEpisodeColumns =
+    "operator,seed,all_goals,goals_reached,moves,optimal_moves,blocked,pictures,guidance,edits,"
+    "mapping_accuracy,turning_rad";
+std::string EpisodeCells(const SearchExperiment& experiment, const ExperimentEpisode& episode);
+
+/// "mazes conav13 with seeds 1 to 100".
+std::string MazesText(const SearchExperiment& experiment);
+
 /// One variant with one kind of operator, over all mazes.
 struct VariantSummary {
   std::size_t variant = 0;
   std::size_t person = 0;
   int episodes = 0;
-  int all_goals = 0;  // episodes that reached all goals
-  struct Figure {
-    double mean = 0.0;
-    Interval interval;  // BootstrapMean
-  };
+  int all_goals = 0;   // episodes that reached all goals
   Figure goals_share;  // goals reached over goals
   Figure moves;
   /// Moves over the optimal tour, of the episodes that reached all goals; nothing without such.
@@ -136,16 +156,28 @@ struct VariantSummary {
   double decision_ms_p95 = 0.0;
 };
 
-/// Called after each episode, never by two threads at once.
-using EpisodeListener = std::function<void(std::size_t done, std::size_t of)>;
-
 /// All episodes, ordered by variant, operator, seed. `model` predicts the operator's edits for all.
 /// Errors: those of MakeWorldSpec.
 [[nodiscard]] Result<std::vector<ExperimentEpisode>> RunSearchExperiment(
     const SearchExperiment& experiment, std::shared_ptr<PerceptionModel> model,
-    const EpisodeListener& listener = nullptr);
+    const study::PieceListener& listener = nullptr);
 
 /// In the order of the episodes.
 std::vector<VariantSummary> Summarize(const std::vector<ExperimentEpisode>& episodes);
+
+/// A line per variant and kind of operator.
+std::string ExperimentTable(const SearchExperiment& experiment,
+                            const std::vector<VariantSummary>& summaries);
+
+/// {"experiment": "search", "operator": "simulated", "seeds", ..., "rows": [{"variant",
+/// "operator", "all_goals", "episodes", and for goals_share, moves, moves_ratio, pictures,
+/// turning_rad, mapping_accuracy: {"mean", "low", "high"}, "decision_ms_p50", "decision_ms_p95"}]}.
+/// moves_ratio is null where no episode reached all goals.
+nlohmann::ordered_json ExperimentJson(const SearchExperiment& experiment,
+                                      const std::vector<VariantSummary>& summaries);
+
+/// A line per episode: variant, then kEpisodeColumns.
+std::string ExperimentCsv(const SearchExperiment& experiment,
+                          const std::vector<ExperimentEpisode>& episodes);
 
 }  // namespace conav::planner

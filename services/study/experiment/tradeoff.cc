@@ -58,14 +58,6 @@ TradeoffSweep MakeTradeoffSweep(const SearchConfig& search, SearchExperiment exp
   return sweep;
 }
 
-std::string ParameterName(const std::string& policy) {
-  if (policy == "search") return "cost of a picture";
-  if (policy == "random") return "probability per decision";
-  if (policy == "every") return "moves";
-  if (policy == "threshold") return "expected edits";
-  return "";
-}
-
 TradeoffCurve::TradeoffCurve(std::vector<TradeoffMeans> points) : points_(std::move(points)) {
   DEMAND(!points_.empty());
   std::sort(points_.begin(), points_.end(), [](const TradeoffMeans& a, const TradeoffMeans& b) {
@@ -116,24 +108,17 @@ double StepsOf(const EpisodeResult& result) {
 /// Episodes of one variant with one kind of operator, by maze.
 using Episodes = std::span<const ExperimentEpisode>;
 
-template <class Get>
-VariantSummary::Figure FigureOf(Episodes cell, Get&& get) {
-  std::vector<double> values;
-  for (const ExperimentEpisode& episode : cell) values.push_back(get(episode.result));
-  return {Mean(values), BootstrapMean(values, kBootstrapSeed)};
-}
-
 TradeoffRow Describe(Episodes cell) {
   TradeoffRow row;
   row.point = cell.front().variant;
   row.person = cell.front().person;
   row.episodes = static_cast<int>(cell.size());
   for (const ExperimentEpisode& episode : cell) row.all_goals += episode.result.all_goals ? 1 : 0;
-  row.pictures = FigureOf(cell, [](const EpisodeResult& r) { return r.pictures; });
+  row.pictures = FigureOf(cell, &EpisodeResult::pictures);
   row.moves = FigureOf(cell, MovesOf);
   row.steps = FigureOf(cell, StepsOf);
-  row.guidance = FigureOf(cell, [](const EpisodeResult& r) { return r.guidance; });
-  row.mapping_accuracy = FigureOf(cell, [](const EpisodeResult& r) { return r.mapping_accuracy; });
+  row.guidance = FigureOf(cell, &EpisodeResult::guidance);
+  row.mapping_accuracy = FigureOf(cell, &EpisodeResult::mapping_accuracy);
   return row;
 }
 
@@ -158,14 +143,6 @@ Differences Compare(const TradeoffCurve& curve, const TradeoffMeans& other) {
   const auto effort = curve.EffortAt(other.pictures);
   const auto pictures = curve.PicturesAt(other.effort);
   return {effort ? *effort - other.effort : kNever, pictures ? *pictures - other.pictures : kNever};
-}
-
-Interval PercentilesOf(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const auto at = [&](double share) {
-    return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-  };
-  return {at(0.025), at(0.975)};
 }
 
 TradeoffVerdict VerdictOf(const TradeoffComparison& comparison) {

@@ -33,9 +33,6 @@ struct TradeoffSweep {
 TradeoffSweep MakeTradeoffSweep(const SearchConfig& search, SearchExperiment experiment,
                                 double turn_cost = 0.0);
 
-/// What the parameter of `policy` is; empty without one.
-std::string ParameterName(const std::string& policy);
-
 /// What an episode takes on average.
 struct TradeoffMeans {
   double pictures = 0.0;
@@ -84,18 +81,16 @@ struct TradeoffRow {
   std::size_t person = 0;
   int episodes = 0;
   int all_goals = 0;
-  VariantSummary::Figure pictures;
+  Figure pictures;
   /// Cells entered, and EstimatedLowLevelSteps; an episode that did not reach all goals counts with
   /// its limit of actions, as moves.
-  VariantSummary::Figure moves;
-  VariantSummary::Figure steps;
-  VariantSummary::Figure guidance;
-  VariantSummary::Figure mapping_accuracy;
+  Figure moves;
+  Figure steps;
+  Figure guidance;
+  Figure mapping_accuracy;
   std::optional<TradeoffComparison> search_less_this;  // not of points of the search
 
-  const VariantSummary::Figure& effort(Effort kind) const {
-    return kind == Effort::kSteps ? steps : moves;
-  }
+  const Figure& effort(Effort kind) const { return kind == Effort::kSteps ? steps : moves; }
 };
 
 /// In the order of the episodes, which are those of RunSearchExperiment(sweep.experiment). `draws`:
@@ -117,5 +112,21 @@ struct PolicyVerdict {
 
 std::vector<PolicyVerdict> JudgePolicies(const TradeoffSweep& sweep,
                                          const std::vector<TradeoffRow>& rows);
+
+/// A line per policy, parameter and operator, and below who is dominated; for people to read.
+std::string TradeoffTable(const TradeoffSweep& sweep, const std::vector<TradeoffRow>& rows);
+
+/// {experiment, operators: "simulated", ..., points: [...], policies: [...]}. An infinite
+/// difference is null.
+nlohmann::ordered_json TradeoffJson(const TradeoffSweep& sweep,
+                                    const std::vector<TradeoffRow>& rows);
+
+/// A line per episode: policy, parameter, kEpisodeColumns and estimated_steps.
+std::string TradeoffCsv(const TradeoffSweep& sweep, const std::vector<ExperimentEpisode>& episodes);
+
+/// An SVG document: a panel per kind of operator, pictures to the right (square-root scale, as most
+/// policies differ where they are few), moves upwards, a line per policy through its points in the
+/// order of their parameter, with both intervals of each.
+std::string TradeoffPlot(const TradeoffSweep& sweep, const std::vector<TradeoffRow>& rows);
 
 }  // namespace conav::planner

@@ -6,17 +6,14 @@
 #include <nlohmann/json.hpp>
 
 #include "common/plot/svg.h"
-#include "study/experiment/experiment_report.h"
+#include "study/experiment/tradeoff.h"
+#include "study/report_page.h"
 
 namespace conav::planner {
 namespace {
 
+using study::NumberJson;
 using Json = nlohmann::ordered_json;
-
-std::string Text(const VariantSummary::Figure& figure) {
-  return fmt::format("{:.1f} [{:.1f}, {:.1f}]", figure.mean, figure.interval.low,
-                     figure.interval.high);
-}
 
 std::string Text(double value) {
   return std::isfinite(value) ? fmt::format("{:+.1f}", value) : "-";
@@ -30,17 +27,8 @@ std::string Text(const TradeoffDifference& difference) {
 }
 
 const char* Name(TradeoffVerdict verdict) {
-  switch (verdict) {
-    case TradeoffVerdict::kBetter:
-      return "better";
-    case TradeoffVerdict::kAlike:
-      return "alike";
-    case TradeoffVerdict::kWorse:
-      return "worse";
-    case TradeoffVerdict::kBeyond:
-      return "beyond";
-  }
-  return "?";
+  constexpr const char* kNames[]{"better", "alike", "worse", "beyond"};
+  return kNames[static_cast<std::size_t>(verdict)];
 }
 
 const char* Name(Effort effort) { return effort == Effort::kSteps ? "steps" : "moves"; }
@@ -52,11 +40,12 @@ std::string Line(const TradeoffSweep& sweep, const TradeoffRow& row) {
     differences = fmt::format("{:22}  {:22}  {}", Text(comparison.effort_at_equal_pictures),
                               Text(comparison.pictures_at_equal_effort), Name(comparison.verdict));
   }
-  std::string line = fmt::format(
-      "{:14}  {:8}  {:>7}  {:18}  {:18}  {:18}  {:>8.1f}  {:>7.0f} %  {}",
-      sweep.experiment.variants[row.point].name, sweep.experiment.operators[row.person],
-      fmt::format("{}/{}", row.all_goals, row.episodes), Text(row.pictures), Text(row.steps),
-      Text(row.moves), row.guidance.mean, 100.0 * row.mapping_accuracy.mean, differences);
+  std::string line =
+      fmt::format("{:14}  {:8}  {:>7}  {:18}  {:18}  {:18}  {:>8.1f}  {:>7.0f} %  {}",
+                  sweep.experiment.variants[row.point].name, sweep.experiment.operators[row.person],
+                  fmt::format("{}/{}", row.all_goals, row.episodes), FigureText(row.pictures, 1),
+                  FigureText(row.steps, 1), FigureText(row.moves, 1), row.guidance.mean,
+                  100.0 * row.mapping_accuracy.mean, differences);
   line.erase(line.find_last_not_of(' ') + 1);
   return line + "\n";
 }
@@ -68,16 +57,10 @@ std::string Line(const TradeoffSweep& sweep, const PolicyVerdict& verdict) {
       verdict.worse, verdict.beyond, verdict.dominated() ? ": dominated" : "");
 }
 
-Json ToJson(const VariantSummary::Figure& figure) {
-  return {{"mean", figure.mean}, {"low", figure.interval.low}, {"high", figure.interval.high}};
-}
-
-Json ToJson(double value) { return std::isfinite(value) ? Json(value) : Json(); }
-
 Json ToJson(const TradeoffDifference& difference) {
-  return {{"value", ToJson(difference.value)},
-          {"low", ToJson(difference.interval.low)},
-          {"high", ToJson(difference.interval.high)}};
+  return {{"value", NumberJson(difference.value)},
+          {"low", NumberJson(difference.interval.low)},
+          {"high", NumberJson(difference.interval.high)}};
 }
 
 Json ToJson(const TradeoffSweep& sweep, const TradeoffRow& row) {
@@ -87,11 +70,11 @@ Json ToJson(const TradeoffSweep& sweep, const TradeoffRow& row) {
             {"operator", sweep.experiment.operators[row.person]},
             {"episodes", row.episodes},
             {"all_goals", row.all_goals},
-            {"pictures", ToJson(row.pictures)},
-            {"steps", ToJson(row.steps)},
-            {"moves", ToJson(row.moves)},
-            {"guidance", ToJson(row.guidance)},
-            {"mapping_accuracy", ToJson(row.mapping_accuracy)}};
+            {"pictures", FigureJson(row.pictures)},
+            {"steps", FigureJson(row.steps)},
+            {"moves", FigureJson(row.moves)},
+            {"guidance", FigureJson(row.guidance)},
+            {"mapping_accuracy", FigureJson(row.mapping_accuracy)}};
   if (row.search_less_this) {
     const TradeoffComparison& comparison = *row.search_less_this;
     json["search_less_this"] = {
@@ -119,15 +102,13 @@ std::string BarLine(const std::vector<PolicyVerdict>& verdicts) {
 std::string TradeoffTable(const TradeoffSweep& sweep, const std::vector<TradeoffRow>& rows) {
   const SearchExperiment& experiment = sweep.experiment;
   std::string text = fmt::format(
-      "SIMULATED operators, mazes {} with seeds {} to {}; means [95 % bootstrap interval].\n"
+      "SIMULATED operators, {}; means [95 % bootstrap interval].\n"
       "Steps: low-level control steps (0.25 s), estimated from moves and turning.\n"
       "Last columns: IG-MCTS (search) less this policy in {}, interpolated over its costs of a "
       "picture; '-' where it does not get there ('beyond': it nowhere sends so few).\n\n"
       "{:14}  {:8}  {:>7}  {:18}  {:18}  {:18}  {:>8}  {:>9}  {:22}  {:22}\n",
-      experiment.preset, experiment.first_seed,
-      experiment.first_seed + static_cast<std::uint64_t>(experiment.seeds) - 1, Name(sweep.effort),
-      "policy", "operator", "goals", "pictures", "steps", "moves", "guidance", "map right",
-      fmt::format("{}, equal pictures", Name(sweep.effort)),
+      MazesText(experiment), Name(sweep.effort), "policy", "operator", "goals", "pictures", "steps",
+      "moves", "guidance", "map right", fmt::format("{}, equal pictures", Name(sweep.effort)),
       fmt::format("pictures, equal {}", Name(sweep.effort)));
   for (const TradeoffRow& row : rows) text += Line(sweep, row);
   text += "\n";
@@ -158,18 +139,13 @@ Json TradeoffJson(const TradeoffSweep& sweep, const std::vector<TradeoffRow>& ro
 
 std::string TradeoffCsv(const TradeoffSweep& sweep,
                         const std::vector<ExperimentEpisode>& episodes) {
-  std::string text =
-      "policy,parameter,operator,seed,all_goals,goals_reached,moves,optimal_moves,blocked,pictures,"
-      "guidance,edits,mapping_accuracy,turning_rad,estimated_steps\n";
+  std::string text = fmt::format("policy,parameter,{},estimated_steps\n", kEpisodeColumns);
   for (const ExperimentEpisode& episode : episodes) {
     const TradeoffPoint& point = sweep.points[episode.variant];
-    const EpisodeResult& r = episode.result;
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{:.6f},{:.6f},{:.1f}\n", point.policy,
+    text += fmt::format("{},{},{},{:.1f}\n", point.policy,
                         point.parameter ? fmt::format("{:g}", *point.parameter) : "",
-                        sweep.experiment.operators[episode.person], episode.seed,
-                        r.all_goals ? 1 : 0, r.goals_reached, r.moves, r.optimal_moves, r.blocked,
-                        r.pictures, r.guidance, r.edits, r.mapping_accuracy, r.turning_rad,
-                        EstimatedLowLevelSteps(r.moves, r.turning_rad));
+                        EpisodeCells(sweep.experiment, episode),
+                        EstimatedLowLevelSteps(episode.result.moves, episode.result.turning_rad));
   }
   return text;
 }
@@ -183,6 +159,7 @@ constexpr double kBelow = 140.0;
 constexpr double kLegendEntry = 128.0;
 constexpr double kBetween = 64.0;
 constexpr double kMostPictures = 40.0;
+constexpr int kTicks = 6;
 constexpr double kPictureTicks[]{0.0, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0};
 
 struct Look {
@@ -206,28 +183,6 @@ const Look& LookOf(const std::string& policy) {
   return found == std::end(kLooks) ? kLooks[0] : *found;
 }
 
-/// 1, 2 or 5 times a power of ten, at least `least`.
-double RoundStep(double least) {
-  const double power = std::pow(10.0, std::floor(std::log10(least)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * power >= least) return factor * power;
-  }
-  return 10.0 * power;
-}
-
-struct Scale {
-  double low = 0.0;
-  double high = 1.0;
-  double step = 1.0;
-  double Share(double value) const { return (value - low) / (high - low); }
-};
-
-Scale ScaleFor(double low, double high) {
-  const double step = RoundStep(std::max(1e-6, high - low) / 6.0);
-  return {step * std::floor(low / step), step * std::max(std::ceil(high / step), 1.0 + low / step),
-          step};
-}
-
 /// What the points of one kind of operator need.
 class Panel {
  public:
@@ -244,7 +199,7 @@ class Panel {
       most = std::max(most, EffortOf(*row).interval.high);
     }
     most_pictures_ = pictures;
-    effort_ = ScaleFor(least, most);
+    effort_ = RoundAxis(least, most, kTicks);
   }
 
   void DrawAxes(const std::string& title) {
@@ -255,7 +210,7 @@ class Panel {
       canvas_.Text({At(value, 0).x, kTop + kPanel + 18}, fmt::format("{:g}", value),
                    "font-size=\"11\" text-anchor=\"middle\" fill=\"#444444\"");
     }
-    for (double value = effort_.low; value <= effort_.high + 1e-9; value += effort_.step) {
+    for (const double value : effort_.Ticks()) {
       canvas_.Line(At(0.0, value), At(most_pictures_, value), "stroke=\"#e5e5e5\"");
       canvas_.Text({left_ - 6, At(0, value).y + 4}, fmt::format("{:g}", value),
                    "font-size=\"11\" text-anchor=\"end\" fill=\"#444444\"");
@@ -283,9 +238,7 @@ class Panel {
   }
 
  private:
-  const VariantSummary::Figure& EffortOf(const TradeoffRow& row) const {
-    return row.effort(sweep_.effort);
-  }
+  const Figure& EffortOf(const TradeoffRow& row) const { return row.effort(sweep_.effort); }
 
   PixelPosition At(double pictures, double effort) const {
     return {left_ + kPanel * std::sqrt(pictures / most_pictures_),
@@ -293,7 +246,7 @@ class Panel {
   }
 
   void DrawPoint(const TradeoffRow& row, const Look& look) {
-    const VariantSummary::Figure& effort = EffortOf(row);
+    const Figure& effort = EffortOf(row);
     const std::string thin = fmt::format("stroke=\"{}\" stroke-width=\"0.8\"", look.color);
     canvas_.BeginGroup(fmt::format("{}: {:.1f} pictures, {:.1f} steps, {:.1f} moves",
                                    sweep_.experiment.variants[row.point].name, row.pictures.mean,
@@ -321,7 +274,7 @@ class Panel {
   double left_;
   const TradeoffSweep& sweep_;
   double most_pictures_ = 1.0;
-  Scale effort_;
+  Axis effort_;
 };
 
 /// In two rows below the axes.

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "common/cli/cli.h"
+#include "study/design.h"
 #include "study/live/task_command.h"
 
 // conav-live-study: one participant at the console tries one method after the other.
@@ -37,7 +38,7 @@ int main(int argc, char** argv) {
   TaskOptions options;
   options.speed = 2.0;
   AddTaskOptions(app, options);
-  std::vector<std::string> methods{"ig-mcts", "instruction", "teleop"};
+  std::vector<std::string> methods = conav::study::NamesOf(conav::study::kStudyMethods);
   int order = 0;
   app.add_option("--methods", methods, "Methods, of ig-mcts, instruction, teleop")
       ->delimiter(',')
@@ -50,7 +51,10 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
-  const auto ordered = MethodsInOrder(methods, order, options.participant);
+  const auto ordered = conav::study::ParseMethods(methods, conav::study::kStudyMethods)
+                           .and_then([&](const auto& all) {
+                             return MethodsInOrder(all, order, options.participant);
+                           });
   if (!ordered) return conav::Refused(kProgram, ordered.error().text);
   options.methods = *ordered;
   options.mazes = static_cast<int>(ordered->size());

@@ -8,117 +8,22 @@
 #include <utility>
 
 #include "common/cli/cli.h"
-#include "common/runtime/config.h"
 #include "common/runtime/file.h"
 #include "common/runtime/log.h"
 #include "common/runtime/text.h"
 #include "common/segments/segment.h"
 #include "launcher/bus_place.h"
+#include "launcher/process.h"
 #include "launcher/run_log.h"
-#include "operator/config.h"
-#include "operator/recording/config.h"
-#include "planner/config.h"
-#include "sim/config.h"
+#include "study/record_store.h"
 
 namespace conav::mapping_task {
 namespace {
 
-constexpr const char* kWorld = "w1";
-constexpr const char* kRobot = "r1";
-
-struct Planning {
-  const TaskOptions& options;
-  const Maze& maze;
-  const MazeSetting& setting;
-
-  /// The bus options of `service`, which may have its own DDS implementation (--dds).
-  bus::ParticipantOptions Bus(const std::string& service) const {
-    const launcher::DemoOptions demo = DemoOf(options, maze.seed);
-    return launcher::BusOptions(demo, setting.domain,
-                                launcher::VendorOfService(options.dds)->at(service));
-  }
-  std::string Method() const { return MethodOf(options, maze.number); }
-  std::vector<std::string> Robots() const { return {fmt::format("{}/{}", kWorld, kRobot)}; }
-};
-
-std::string RecorderYaml(const Planning& planning) {
-  const auto& [options, maze, setting] = planning;
-  recorder::RecorderConfig config;
-  config.bus = planning.Bus(kRecorder);
-  config.robots = planning.Robots();
-  config.file = (maze.folder / "recording.mcap").string();
-  config.facts = {{"run", maze.folder.filename().string()},
-                  {"participant", options.participant},
-                  {"seed", std::to_string(maze.seed)},
-                  {"world_seed", std::to_string(maze.seed)},
-                  {"world", options.preset},
-                  {"method", planning.Method()},
-                  {"speed", fmt::format("{}", options.speed)}};
-  return DumpConfig(kRecorder, config);
-}
-
-std::string SimYaml(const Planning& planning) {
-  sim::SimConfig config;
-  config.bus = planning.Bus("sim");
-  config.world = kWorld;
-  config.robots = {kRobot};
-  config.seed = planning.maze.seed;
-  config.preset = planning.options.preset;
-  config.camera.mode = planning.options.camera;
-  config.camera.stream = planning.Method() == "instruction" || planning.Method() == "teleop";
-  config.speed = planning.options.speed;
-  return DumpConfig("sim", config);
-}
-
-std::string OperatorYaml(const Planning& planning) {
-  const auto& [options, maze, setting] = planning;
-  operators::OperatorConfig config;
-  config.bus = planning.Bus("operator");
-  config.robots = planning.Robots();
-  config.database = (maze.folder / "operator.db").string();
-  config.method = planning.Method();
-  config.control.start_stopped = true;
-  config.console.port = setting.port;
-  config.console.url_file = maze.url().string();
-  config.recording.file = (setting.folder / "segments.pb.zst").string();
-  config.recording.participant = options.participant;
-  config.recording.session =
-      fmt::format("{}-maze{}-{}", options.participant, maze.number, maze.attempt);
-  config.recording.mazes = {fmt::format("{}={}@{}", kWorld, options.preset, maze.seed)};
-  config.recording.pictures = true;
-  config.task.kind = options.is_study() ? "study" : "mapping";
-  config.task.participant = options.participant;
-  config.task.number = maze.number;
-  config.task.count = options.mazes;
-  config.task.earlier = setting.earlier;
-  config.task.result = maze.result().string();
-  return DumpConfig("operator", config);
-}
-
-std::string PlannerYaml(const Planning& planning) {
-  planner::PlannerConfig config;
-  config.bus = planning.Bus("planner");
-  config.robots = planning.Robots();
-  config.method = planning.Method();
-  config.seed = planning.maze.seed;
-  config.perception = "embedded";
-  // the planner asks no model
-  if (!planning.options.is_study()) config.perception_model = kGlpfModel;
-  // People need more time.
-  config.first_guidance_timeout_s = 8.0;
-  config.answer_timeout_s = 60.0;
-  config.timeout_clock = "simulation";
-  return DumpConfig("planner", config);
-}
-
+namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-constexpr auto kPeriod = 50ms;
-constexpr auto kLinger = 1s;
-constexpr auto kGrace = 5s;
-constexpr std::size_t kLogLines = 8;
-
-void WaitAMoment() { poll(nullptr, 0, static_cast<int>(kPeriod.count())); }
+constexpr int kMostAttempts = 1000;
 
 bool IsValid(const MazeResult& result) {
   return result.mapping_accuracy > kAcceptedMappingAccuracy;
@@ -137,7 +42,7 @@ std::optional<MazeResult> Parse(const std::string& text) {
 nlohmann::ordered_json MazeJson(const TaskOptions& options, int number, std::uint64_t seed,
                                 const MazeResult& result) {
   nlohmann::ordered_json json = {{"number", number},
-                                 {"method", MethodOf(options, number)},
+                                 {"method", Name(MethodOf(options, number))},
                                  {"seed", seed},
                                  {"valid", IsValid(result)}};
   json.update(result.document);
@@ -145,102 +50,7 @@ nlohmann::ordered_json MazeJson(const TaskOptions& options, int number, std::uin
   return json;
 }
 
-namespace fs = std::filesystem;
-
-constexpr int kMostAttempts = 1000;
-
-/// Finds a domain without foreign robots; it need not listen there first.
-launcher::DomainLease FindDomain(const TaskOptions& options) {
-  launcher::Episode episode = launcher::MakeEpisode(1, 1);
-  launcher::BusPlace place = launcher::JoinFreeDomain(DemoOf(options, 0), episode);
-  place.observer.reset();
-  return std::move(place.lease);
-}
-
-Maze MazeAt(const fs::path& folder, int number, int attempt, std::uint64_t seed) {
-  return {number, attempt, seed, folder / fmt::format("maze-{}-{}", number, attempt)};
-}
-
-int PortOf(const std::string& url) { return std::stoi(url.substr(url.rfind(':') + 1)); }
-
 }  // namespace
-
-std::filesystem::path Maze::config(const std::string& service) const {
-  return folder / "config" / (service + ".yaml");
-}
-
-std::filesystem::path Maze::log(const std::string& service) const {
-  return folder / "logs" / (service + ".log");
-}
-
-std::vector<PlannedService> PlanMaze(const TaskOptions& options, const Maze& maze,
-                                     const MazeSetting& setting) {
-  const Planning planning{options, maze, setting};
-  return {{kRecorder, RecorderYaml(planning)},
-          {"sim", SimYaml(planning)},
-          {"operator", OperatorYaml(planning)},
-          {"planner", PlannerYaml(planning)}};
-}
-
-MazeRun::MazeRun(const std::filesystem::path& program_folder, const Maze& maze, const Clock& clock,
-                 Say say)
-    : program_folder_(program_folder), maze_(maze), clock_(clock), say_(std::move(say)) {}
-
-MazeEnd MazeRun::Run(const std::vector<PlannedService>& services, const Opened& opened,
-                     const StopToken& stop) {
-  for (const PlannedService& service : services) Start(service);
-  const MazeEnd end = Wait(opened, stop);
-  if (end == MazeEnd::kFinished) Linger(stop);
-  for (const std::string& name : processes_.StopAll(kGrace)) {
-    say_(name + " did not stop on request and was killed");
-  }
-  return end;
-}
-
-void MazeRun::Start(const PlannedService& service) {
-  if (const auto written = WriteFile(maze_.config(service.name), service.config); !written) {
-    throw StartupError(written.error().text);
-  }
-  processes_.Start(service.name,
-                   {(program_folder_ / ("conav-" + service.name)).string(), "--config",
-                    maze_.config(service.name).string()},
-                   maze_.log(service.name));
-}
-
-MazeEnd MazeRun::Wait(const Opened& opened, const StopToken& stop) {
-  bool open = false;
-  while (true) {
-    open = open || ReportAddress(opened);
-    if (std::filesystem::exists(maze_.result())) return MazeEnd::kFinished;
-    if (ReportDeaths()) return MazeEnd::kServiceDied;
-    if (stop.stop_requested()) return MazeEnd::kInterrupted;
-    WaitAMoment();
-  }
-}
-
-bool MazeRun::ReportAddress(const Opened& opened) const {
-  const auto url = ReadFile(maze_.url());
-  if (url) opened(url->substr(0, url->find('\n')));
-  return url.has_value();
-}
-
-bool MazeRun::ReportDeaths() {
-  bool died = false;
-  for (const launcher::Process* process : processes_.TakeEnded()) {
-    died = died || process->name() != kRecorder;
-    say_(fmt::format("{} (pid {}) died: {}; the end of its log:", process->name(), process->pid(),
-                     process->end()->Describe()));
-    for (const std::string& line : launcher::LastLines(process->log(), kLogLines)) {
-      say_("  | " + line);
-    }
-  }
-  return died;
-}
-
-void MazeRun::Linger(const StopToken& stop) {
-  const auto until = clock_.Now() + kLinger;
-  while (clock_.Now() < until && !stop.stop_requested()) WaitAMoment();
-}
 
 Result<std::optional<MazeResult>> ReadMazeResult(const std::filesystem::path& file) {
   const auto text = ReadFile(file);
@@ -283,153 +93,219 @@ std::string MazeLine(int number, const MazeResult& result) {
           : fmt::format("  (not valid: {:.0f} % or less)", 100.0 * kAcceptedMappingAccuracy));
 }
 
-TaskSession::TaskSession(const TaskOptions& options, fs::path program_folder, const Clock& clock,
-                         Say say, study::StudyFolder folder, launcher::DomainLease domain)
-    : options_(options),
-      program_folder_(std::move(program_folder)),
-      clock_(clock),
-      say_(std::move(say)),
-      folder_(std::move(folder)),
-      domain_(std::move(domain)),
-      port_(options.port) {}
-
-Result<TaskSession> TaskSession::Open(const TaskOptions& options, fs::path program_folder,
-                                      const Clock& clock, Say say) {
-  auto folder = study::StudyFolder::Open(fs::absolute(FolderOf(options)), DesignOf(options));
-  if (!folder) return tl::unexpected(folder.error());
-  TaskSession session(options, std::move(program_folder), clock, std::move(say), *std::move(folder),
-                      FindDomain(options));
-  if (auto read = session.ReadFinished(); !read) return tl::unexpected(read.error());
-  return session;
-}
-
-Result<void> TaskSession::ReadFinished() {
-  for (int number = 1; number <= options_.mazes; ++number) {
-    std::optional<MazeResult> found;
-    for (int attempt = 1; attempt < kMostAttempts && !found; ++attempt) {
-      const Maze maze = MazeAt(folder_.path(), number, attempt, 0);
-      if (!fs::exists(maze.folder)) break;
-      auto result = ReadMazeResult(maze.result());
-      if (!result) return tl::unexpected(result.error());
-      found = *std::move(result);
-    }
-    if (!found) break;
-    results_.push_back(*std::move(found));
-  }
-  return {};
-}
-
-Result<bool> TaskSession::Run(const StopToken& stop) {
-  if (!results_.empty())
-    say_(fmt::format("{} of {} mazes are finished", results_.size(), options_.mazes));
-  while (static_cast<int>(results_.size()) < options_.mazes) {
-    const auto maze = MakeMaze(static_cast<int>(results_.size()) + 1);
-    if (!maze) return tl::unexpected(maze.error());
-    const auto played = Play(*maze, stop);
-    if (!played || !*played) return played;
-  }
-  return WriteReport().map([] { return true; });
-}
-
-Result<Maze> TaskSession::MakeMaze(int number) const {
-  const std::uint64_t seed = SeedsOf(options_).at(static_cast<std::size_t>(number) - 1);
-  for (int attempt = 1; attempt < kMostAttempts; ++attempt) {
-    const Maze maze = MazeAt(folder_.path(), number, attempt, seed);
-    std::error_code error;
-    if (!fs::create_directory(maze.folder, error) && !error) continue;
-    for (const char* part : {"config", "logs"}) {
-      if (!error) fs::create_directory(maze.folder / part, error);
-    }
-    if (!error) return maze;
-    return Fail(ErrorCode::kIo, fmt::format("{}: cannot create this folder: {}",
-                                            maze.folder.string(), error.message()));
-  }
-  return Fail(ErrorCode::kRefused, fmt::format("maze {} has too many attempts", number));
-}
-
-Result<bool> TaskSession::Play(const Maze& maze, const StopToken& stop) {
-  MazeSetting setting{domain_.domain(), port_, {}, folder_.path()};
-  for (const MazeResult& result : results_) setting.earlier.push_back(result.mapping_accuracy);
-  MazeRun run(program_folder_, maze, clock_, say_);
-  const MazeEnd end = run.Run(
-      PlanMaze(options_, maze, setting), [&](const std::string& url) { Opened(maze, url); }, stop);
-  if (end == MazeEnd::kInterrupted) return false;
-  if (end == MazeEnd::kServiceDied) {
-    return Fail(
-        ErrorCode::kUnavailable,
-        fmt::format("maze {} was interrupted; the same command resumes there", maze.number));
-  }
-  auto result = ReadMazeResult(maze.result());
-  if (!result) return tl::unexpected(result.error());
-  say_(MazeLine(maze.number, **result));
-  results_.push_back(**std::move(result));
-  return WriteReport().map([] { return true; });
-}
-
-void TaskSession::Opened(const Maze& maze, const std::string& url) {
-  port_ = PortOf(url);
-  say_(fmt::format("maze {} of {} (method {}, seed {}): {}", maze.number, options_.mazes,
-                   MethodOf(options_, maze.number), maze.seed, url));
-}
-
-Result<void> TaskSession::WriteReport() const {
-  return WriteJsonFile(folder_.path() / "result.json", TaskJson(options_, results_));
-}
-
 namespace {
+
+constexpr int kPeriodMs = 50;
+constexpr int kLingerMs = 1000;
+constexpr auto kGrace = 5s;
+constexpr std::size_t kLogLines = 8;
 
 void Say(const std::string& line) {
   fmt::print("{}\n", line);
   std::fflush(stdout);
 }
 
+void WaitAMoment() { poll(nullptr, 0, kPeriodMs); }
+
+enum class MazeEnd { kFinished, kInterrupted, kServiceDied };
+
+/// Runs the services of one maze until the participant has finished. Throws StartupError if a
+/// service cannot start or a file cannot be written.
+class MazeRun {
+ public:
+  using Opened = std::function<void(const std::string& url)>;
+
+  MazeRun(const fs::path& program_folder, const Maze& maze, Opened opened)
+      : program_folder_(program_folder), maze_(maze), opened_(std::move(opened)) {}
+
+  /// All services have ended on return.
+  MazeEnd Run(const std::vector<PlannedService>& services, const StopToken& stop) {
+    for (const PlannedService& service : services) Start(service);
+    const MazeEnd end = Wait(stop);
+    // Pages still fetch the result.
+    const int moments = end == MazeEnd::kFinished ? kLingerMs / kPeriodMs : 0;
+    for (int i = 0; i < moments && !stop.stop_requested(); ++i) WaitAMoment();
+    for (const std::string& name : processes_.StopAll(kGrace)) {
+      Say(name + " did not stop on request and was killed");
+    }
+    return end;
+  }
+
+ private:
+  void Start(const PlannedService& service) {
+    if (const auto written = WriteFile(maze_.config(service.name), service.config); !written) {
+      throw StartupError(written.error().text);
+    }
+    processes_.Start(service.name,
+                     {(program_folder_ / ("conav-" + service.name)).string(), "--config",
+                      maze_.config(service.name).string()},
+                     maze_.log(service.name));
+  }
+
+  MazeEnd Wait(const StopToken& stop) {
+    for (bool open = false;; WaitAMoment()) {
+      const auto url = open ? Result<std::string>() : ReadFile(maze_.url());
+      if (!open && url) opened_(url->substr(0, url->find('\n')));
+      open = open || url;
+      if (fs::exists(maze_.result())) return MazeEnd::kFinished;
+      if (ReportDeaths()) return MazeEnd::kServiceDied;
+      if (stop.stop_requested()) return MazeEnd::kInterrupted;
+    }
+  }
+
+  /// Whether a service died without which there is no maze.
+  bool ReportDeaths() {
+    bool died = false;
+    for (const launcher::Process* process : processes_.TakeEnded()) {
+      died = died || process->name() != kRecorder;
+      Say(fmt::format("{} (pid {}) died: {}; the end of its log:", process->name(), process->pid(),
+                      process->end()->Describe()));
+      for (const std::string& line : launcher::LastLines(process->log(), kLogLines)) {
+        Say("  | " + line);
+      }
+    }
+    return died;
+  }
+
+  const fs::path& program_folder_;
+  const Maze& maze_;
+  Opened opened_;
+  launcher::ProcessGroup processes_;
+};
+
+/// Finds a domain without foreign robots; it need not listen there first.
+launcher::DomainLease FindDomain(const TaskOptions& options) {
+  launcher::Episode episode = launcher::MakeEpisode(1, 1);
+  launcher::BusPlace place = launcher::JoinFreeDomain(DemoOf(options, 0), episode);
+  place.observer.reset();
+  return std::move(place.lease);
+}
+
+Maze MazeAt(const fs::path& folder, int number, int attempt, std::uint64_t seed) {
+  return {number, attempt, seed, folder / fmt::format("maze-{}-{}", number, attempt)};
+}
+
+int PortOf(const std::string& url) { return std::stoi(url.substr(url.rfind(':') + 1)); }
+
+/// One participant's mazes.
+class TaskSession {
+ public:
+  /// Throws launcher::UsageError when the DDS domain is taken.
+  TaskSession(const TaskOptions& options, const study::StudyFolder& folder)
+      : options_(options),
+        folder_(folder.path()),
+        domain_(FindDomain(options)),
+        port_(options.port) {}
+
+  /// The results of earlier commands. Errors: kIo, kMalformed.
+  Result<void> ReadFinished() {
+    for (int number = 1; number <= options_.mazes; ++number) {
+      std::optional<MazeResult> found;
+      for (int attempt = 1; attempt < kMostAttempts && !found; ++attempt) {
+        const Maze maze = MazeAt(folder_, number, attempt, 0);
+        if (!fs::exists(maze.folder)) break;
+        auto result = ReadMazeResult(maze.result());
+        if (!result) return tl::unexpected(result.error());
+        found = *std::move(result);
+      }
+      if (!found) break;
+      results_.push_back(*std::move(found));
+    }
+    if (!results_.empty())
+      Say(fmt::format("{} of {} mazes are finished", results_.size(), options_.mazes));
+    return {};
+  }
+
+  /// True when all mazes are finished. Errors: kIo, kUnavailable (a service died). Throws
+  /// StartupError as MazeRun does.
+  Result<bool> Run(const StopToken& stop) {
+    const auto count = static_cast<std::size_t>(options_.mazes);
+    std::vector<std::size_t> pending;
+    for (std::size_t index = results_.size(); index < count; ++index) pending.push_back(index);
+    const study::PlayPiece play = [&](int, std::size_t index) -> study::StorePiece {
+      auto result = Play(static_cast<int>(index) + 1, stop);
+      if (result && !*result) return nullptr;
+      return [this, result = std::move(result)] { return Store(result); };
+    };
+    return study::RunPieces(pending, count, 1, play, stop, nullptr)
+        .and_then([&] { return results_.size() == count ? WriteReport() : Result<void>(); })
+        .map([&] { return results_.size() == count; });
+  }
+
+ private:
+  /// A folder for the next attempt.
+  Result<Maze> MakeMaze(int number) const {
+    const std::uint64_t seed = SeedsOf(options_).at(static_cast<std::size_t>(number) - 1);
+    for (int attempt = 1; attempt < kMostAttempts; ++attempt) {
+      const Maze maze = MazeAt(folder_, number, attempt, seed);
+      std::error_code error;
+      if (!fs::create_directory(maze.folder, error) && !error) continue;
+      for (const char* part : {"config", "logs"}) {
+        if (!error) fs::create_directory(maze.folder / part, error);
+      }
+      if (!error) return maze;
+      return Fail(ErrorCode::kIo, fmt::format("{}: cannot create this folder: {}",
+                                              maze.folder.string(), error.message()));
+    }
+    return Fail(ErrorCode::kRefused, fmt::format("maze {} has too many attempts", number));
+  }
+
+  /// Empty if interrupted.
+  Result<std::optional<MazeResult>> Play(int number, const StopToken& stop) {
+    const auto maze = MakeMaze(number);
+    if (!maze) return tl::unexpected(maze.error());
+    MazeSetting setting{domain_.domain(), port_, {}, folder_};
+    for (const MazeResult& result : results_) setting.earlier.push_back(result.mapping_accuracy);
+    MazeRun run(program_folder_, *maze, [&](const std::string& url) {
+      port_ = PortOf(url);
+      Say(fmt::format("maze {} of {} (method {}, seed {}): {}", number, options_.mazes,
+                      Name(MethodOf(options_, number)), maze->seed, url));
+    });
+    const MazeEnd end = run.Run(PlanMaze(options_, *maze, setting), stop);
+    if (end == MazeEnd::kFinished) return ReadMazeResult(maze->result());
+    if (end == MazeEnd::kInterrupted) return std::nullopt;
+    return Fail(ErrorCode::kUnavailable,
+                fmt::format("maze {} was interrupted; the same command resumes there", number));
+  }
+
+  Result<bool> Store(const Result<std::optional<MazeResult>>& result) {
+    if (!result) return tl::unexpected(result.error());
+    results_.push_back(**result);
+    Say(MazeLine(static_cast<int>(results_.size()), results_.back()));
+    return WriteReport().map([] { return false; });
+  }
+
+  Result<void> WriteReport() const {
+    return WriteJsonFile(folder_ / "result.json", TaskJson(options_, results_));
+  }
+
+  const TaskOptions& options_;
+  const fs::path folder_;
+  const fs::path program_folder_ = fs::read_symlink("/proc/self/exe").parent_path();
+  launcher::DomainLease domain_;
+  std::vector<MazeResult> results_;
+  int port_;
+};
+
 int Run(const std::string& program, const TaskOptions& options) {
   if (const auto valid = Validate(options); !valid) return Refused(program, valid.error().text);
   if (const auto port = launcher::CheckPort("--port", options.port); !port)
     return Failed(program, port.error());
-  const SteadyClock clock;
-  const auto program_folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
-  auto session = TaskSession::Open(options, program_folder, clock, Say);
-  if (!session && session.error().code == ErrorCode::kRefused) {
-    return Refused(program, session.error().text);
+  const auto folder = study::StudyFolder::Open(fs::absolute(FolderOf(options)), DesignOf(options));
+  if (!folder && folder.error().code == ErrorCode::kRefused) {
+    return Refused(program, folder.error().text);
   }
-  if (!session) return Failed(program, session.error());
+  if (!folder) return Failed(program, folder.error());
+  TaskSession session(options, *folder);
   Say("participant " + options.participant + "  folder " + FolderOf(options).string());
-  const auto done = session->Run(ProcessStopToken());
+  const auto done =
+      session.ReadFinished().and_then([&] { return session.Run(ProcessStopToken()); });
   if (!done) return Failed(program, done.error());
   Say(*done ? "all mazes are finished" : "interrupted; the same command resumes");
   return *done ? 0 : 1;
 }
 
 }  // namespace
-
-void AddTaskOptions(CLI::App& app, TaskOptions& options) {
-  app.add_option("--participant", options.participant,
-                 "Code of the participant, a pseudonym: 1 to 40 of A-Z a-z 0-9 _ -")
-      ->required()
-      ->type_name("CODE");
-  app.add_option("--maze-seed", options.maze_seeds,
-                 "Seeds of the mazes, one each [drawn by --seed and the participant's code]")
-      ->delimiter(',')
-      ->check(WholeNumber());
-  app.add_option("--seed", options.seed, "Seed for drawing the maze seeds")
-      ->check(WholeNumber())
-      ->capture_default_str();
-  app.add_option("--preset", options.preset, "Maze preset; `conav maze --help` lists them")
-      ->capture_default_str();
-  app.add_option("--camera", options.camera,
-                 "egl renders pictures; none sends them without pixels, for tests")
-      ->capture_default_str();
-  app.add_option("--speed", options.speed, "Simulation time over wall time: how fast robots drive")
-      ->capture_default_str();
-  app.add_option("--port", options.port, "Port of the page on this machine; 0 = any free one")
-      ->check(CLI::Range(0, 65535))
-      ->capture_default_str();
-  app.add_option("--dds", options.dds, "cyclonedds, fastdds, mixed or SERVICE=VENDOR,...");
-  app.add_option("--domain", options.domain, "DDS domain [CONAV_DOMAIN or the first free one]");
-  app.add_option("--out", options.out,
-                 "Folder of the participant [runs/mapping-CODE, in a study runs/study-CODE]");
-}
 
 int RunTaskCommand(const std::string& program, const TaskOptions& options) {
   log::SetService("mapping-task");

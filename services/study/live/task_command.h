@@ -3,21 +3,64 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "common/runtime/clock.h"
+#include "common/msg/method.h"
 #include "common/runtime/result.h"
-#include "common/runtime/threads.h"
-#include "launcher/domain_lease.h"
-#include "launcher/process.h"
-#include "study/live/task_options.h"
-#include "study/study_folder.h"
+#include "launcher/demo_options.h"
 
 namespace conav::mapping_task {
+
+/// The options of `conav mapping-task` and `conav study --live`.
+struct TaskOptions {
+  std::string participant;  // a pseudonym
+  int mazes = 3;
+  /// Study: one method per maze, in this order. Empty = the mapping task.
+  std::vector<MethodKind> methods;
+  /// One seed per maze; empty = drawn from `seed` and the participant's code.
+  std::vector<std::uint64_t> maze_seeds;
+  std::uint64_t seed = 1;
+  std::string preset = "conav13";
+  std::string camera = "egl";
+  double speed = 6.0;  // simulation time over wall time
+  int port = 8080;     // of the page; 0 = any free one
+  std::string dds;     // empty = the bus's default
+  std::optional<int> domain;
+  std::filesystem::path out;  // empty = runs/mapping-<participant>, or runs/study-<participant>
+
+  bool is_study() const { return !methods.empty(); }
+};
+
+/// This participant's row of the Williams design of `methods`: `order` counts from 1, 0 = chosen by
+/// their code. Over all orders every method is equally often at each place, and equally often after
+/// each other one. Errors: kOutOfRange.
+[[nodiscard]] Result<std::vector<MethodKind>> MethodsInOrder(const std::vector<MethodKind>& methods,
+                                                             int order,
+                                                             const std::string& participant);
+
+/// The method of maze `number`.
+MethodKind MethodOf(const TaskOptions& options, int number);
+
+/// Whether `code` is a valid participant code: 1 to 40 of A-Z a-z 0-9 _ -.
+bool IsParticipantCode(const std::string& code);
+
+std::filesystem::path FolderOf(const TaskOptions& options);
+
+/// A seed for each maze. Each participant gets different mazes.
+std::vector<std::uint64_t> SeedsOf(const TaskOptions& options);
+
+/// Everything that the result depends on; a resumed task must have the same.
+nlohmann::ordered_json DesignOf(const TaskOptions& options);
+
+/// The launcher's options for one of the mazes.
+launcher::DemoOptions DemoOf(const TaskOptions& options, std::uint64_t maze_seed);
+
+/// Rejects impossible options: names the option, its value and what is allowed. Generates every
+/// maze once.
+[[nodiscard]] Result<void> Validate(const TaskOptions& options);
 
 /// One attempt at one maze, in a folder of its own:
 ///
@@ -58,41 +101,6 @@ struct PlannedService {
 std::vector<PlannedService> PlanMaze(const TaskOptions& options, const Maze& maze,
                                      const MazeSetting& setting);
 
-enum class MazeEnd { kFinished, kInterrupted, kServiceDied };
-
-/// Runs the services of one maze until the participant has finished.
-/// Threads: one.
-class MazeRun {
- public:
-  using Say = std::function<void(const std::string&)>;
-  using Opened = std::function<void(const std::string& url)>;
-
-  /// `program_folder` contains conav-sim and the other programs; all references outlive this
-  /// object.
-  MazeRun(const std::filesystem::path& program_folder, const Maze& maze, const Clock& clock,
-          Say say);
-
-  /// Starts `services` and waits. Calls `opened` with the page's address. All services have ended
-  /// on return. Throws StartupError if a service cannot start or a file cannot be written.
-  MazeEnd Run(const std::vector<PlannedService>& services, const Opened& opened,
-              const StopToken& stop);
-
- private:
-  void Start(const PlannedService& service);
-  MazeEnd Wait(const Opened& opened, const StopToken& stop);
-  /// Whether the page's address is known; calls `opened` then.
-  bool ReportAddress(const Opened& opened) const;
-  bool ReportDeaths();
-  /// Keeps the service alive until pages have the result.
-  void Linger(const StopToken& stop);
-
-  std::filesystem::path program_folder_;
-  const Maze& maze_;
-  const Clock& clock_;
-  Say say_;
-  launcher::ProcessGroup processes_;
-};
-
 /// The result of a maze, as its operator service wrote it.
 struct MazeResult {
   double mapping_accuracy = 0.0;
@@ -110,8 +118,11 @@ nlohmann::ordered_json TaskJson(const TaskOptions& options, const std::vector<Ma
 /// A line for the terminal.
 std::string MazeLine(int number, const MazeResult& result);
 
-/// One participant's mazes, one after the other at one address; resumes at the first unfinished
-/// one. Its folder holds
+/// Adds the options that the mapping task and the live study share.
+void AddTaskOptions(CLI::App& app, TaskOptions& options);
+
+/// Checks the options, then leads the participant through the mazes, one after the other at one
+/// address; resumes at the first unfinished one. Their folder holds
 ///
 ///   study.json       participant and mazes
 ///   segments.pb.zst  training data for perception models, with pictures/; every segment at once
@@ -119,48 +130,7 @@ std::string MazeLine(int number, const MazeResult& result);
 ///   maze-<number>-<attempt>/   see Maze
 ///
 /// An interrupted maze starts again; its earlier segments stay, as a trajectory of their own.
-/// Threads: one.
-class TaskSession {
- public:
-  using Say = std::function<void(const std::string&)>;
-
-  /// Errors: kRefused (the folder belongs to another participant, has other mazes or other files,
-  ///         or is in use), kIo, kMalformed. Throws launcher::UsageError when the DDS domain is
-  ///         taken.
-  [[nodiscard]] static Result<TaskSession> Open(const TaskOptions& options,
-                                                std::filesystem::path program_folder,
-                                                const Clock& clock, Say say);
-
-  /// True when all mazes are finished. Errors: kIo, kUnavailable (a service died). Throws
-  /// StartupError as MazeRun does.
-  [[nodiscard]] Result<bool> Run(const StopToken& stop);
-
- private:
-  TaskSession(const TaskOptions& options, std::filesystem::path program_folder, const Clock& clock,
-              Say say, study::StudyFolder folder, launcher::DomainLease domain);
-
-  Result<void> ReadFinished();
-  Result<Maze> MakeMaze(int number) const;
-  /// Errors: as Run(). False if interrupted.
-  Result<bool> Play(const Maze& maze, const StopToken& stop);
-  void Opened(const Maze& maze, const std::string& url);
-  Result<void> WriteReport() const;
-
-  TaskOptions options_;
-  std::filesystem::path program_folder_;
-  const Clock& clock_;
-  Say say_;
-  study::StudyFolder folder_;
-  launcher::DomainLease domain_;
-  std::vector<MazeResult> results_;
-  int port_;
-};
-
-/// Adds the options that the mapping task and the live study share.
-void AddTaskOptions(CLI::App& app, TaskOptions& options);
-
-/// Checks the options, then leads the participant through the mazes. Returns the exit code; prints
-/// errors on standard error.
+/// Returns the exit code; prints errors on standard error.
 int RunTaskCommand(const std::string& program, const TaskOptions& options);
 
 }  // namespace conav::mapping_task

@@ -1,10 +1,10 @@
-#include "study/statistics/pairs.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+
+#include "study/statistics/analysis.h"
 
 namespace conav::statistics {
 namespace {

@@ -10,6 +10,9 @@
 namespace conav::statistics {
 namespace {
 
+using study::NumberJson;
+using study::ReportSection;
+
 std::string Figure(double value) { return fmt::format("{:.5g}", value == 0.0 ? 0.0 : value); }
 
 std::string Figure(const std::optional<double>& value) { return value ? Figure(*value) : "-"; }
@@ -132,9 +135,6 @@ ReportSection RankPairs(const Analysis& analysis) {
 
 using Json = nlohmann::ordered_json;
 
-Json Number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
-Json Number(const std::optional<double>& value) { return value ? Number(*value) : Json(); }
-
 Json LeftOutJson(const Analysis& analysis) {
   Json list = Json::array();
   for (const LeftOut& left : analysis.left_out) {
@@ -163,10 +163,10 @@ Json ConditionsJson(const Analysis& analysis) {
 
 Json CorrectionJson(const std::optional<double>& epsilon, const std::optional<FTest>& test) {
   Json json;
-  json["epsilon"] = Number(epsilon);
+  json["epsilon"] = NumberJson(epsilon);
   json["df_conditions"] = test ? Json(test->df_conditions) : Json();
   json["df_error"] = test ? Json(test->df_error) : Json();
-  json["p"] = test ? Number(test->p) : Json();
+  json["p"] = test ? NumberJson(test->p) : Json();
   return json;
 }
 
@@ -179,31 +179,32 @@ Json AnovaJson(const Anova& anova) {
   json["ss_conditions"] = anova.ss_conditions;
   json["ss_subjects"] = anova.ss_subjects;
   json["ss_error"] = anova.ss_error;
-  json["f"] = Number(anova.f);
+  json["f"] = NumberJson(anova.f);
   json["df_conditions"] = anova.uncorrected.df_conditions;
   json["df_error"] = anova.uncorrected.df_error;
-  json["p"] = Number(anova.uncorrected.p);
+  json["p"] = NumberJson(anova.uncorrected.p);
   json["greenhouse_geisser"] = CorrectionJson(epsilon, anova.greenhouse_geisser);
   json["huynh_feldt"] = CorrectionJson(sphericity.huynh_feldt, anova.huynh_feldt);
-  json["huynh_feldt"]["epsilon_raw"] = Number(sphericity.huynh_feldt_raw);
-  json["mauchly"] = {{"w", Number(sphericity.mauchly_w)}, {"p", Number(sphericity.mauchly_p)}};
-  json["partial_eta_squared"] = Number(anova.partial_eta_squared);
-  json["generalised_eta_squared"] = Number(anova.generalised_eta_squared);
+  json["huynh_feldt"]["epsilon_raw"] = NumberJson(sphericity.huynh_feldt_raw);
+  json["mauchly"] = {{"w", NumberJson(sphericity.mauchly_w)},
+                     {"p", NumberJson(sphericity.mauchly_p)}};
+  json["partial_eta_squared"] = NumberJson(anova.partial_eta_squared);
+  json["generalised_eta_squared"] = NumberJson(anova.generalised_eta_squared);
   return json;
 }
 
 void AddAdjusted(Json& json, const AdjustedP& adjusted) {
-  json["p_holm"] = Number(adjusted.holm);
-  json["p_bonferroni"] = Number(adjusted.bonferroni);
-  json["p_bh"] = Number(adjusted.bh);
+  json["p_holm"] = NumberJson(adjusted.holm);
+  json["p_bonferroni"] = NumberJson(adjusted.bonferroni);
+  json["p_bh"] = NumberJson(adjusted.bh);
 }
 
 Json WilcoxonJson(const Pair& pair) {
   Json json;
   json["used"] = pair.wilcoxon.used;
   json["exact"] = pair.wilcoxon.exact;
-  json["v"] = Number(pair.wilcoxon.v);
-  json["p"] = Number(pair.wilcoxon.p);
+  json["v"] = NumberJson(pair.wilcoxon.v);
+  json["p"] = NumberJson(pair.wilcoxon.p);
   AddAdjusted(json, pair.wilcoxon_adjusted);
   return json;
 }
@@ -215,13 +216,13 @@ Json PairJson(const Pair& pair) {
   json["mean_difference"] = pair.t.mean_difference;
   json["ci_low"] = pair.t.interval.low;
   json["ci_high"] = pair.t.interval.high;
-  json["t"] = Number(pair.t.t);
+  json["t"] = NumberJson(pair.t.t);
   json["df"] = pair.t.df;
-  json["p"] = Number(pair.t.p);
+  json["p"] = NumberJson(pair.t.p);
   AddAdjusted(json, pair.t_adjusted);
-  json["d_z"] = Number(pair.t.d_z);
-  json["d_av"] = Number(pair.t.d_av);
-  json["g_z"] = Number(pair.t.g_z);
+  json["d_z"] = NumberJson(pair.t.d_z);
+  json["d_av"] = NumberJson(pair.t.d_av);
+  json["g_z"] = NumberJson(pair.t.g_z);
   json["wilcoxon"] = WilcoxonJson(pair);
   json["shapiro_wilk"] = {{"w", pair.normality ? Json(pair.normality->w) : Json()},
                           {"p", pair.normality ? Json(pair.normality->p) : Json()}};
@@ -229,45 +230,125 @@ Json PairJson(const Pair& pair) {
 }
 
 Json FriedmanJson(const Friedman& friedman) {
-  return {{"chi_squared", Number(friedman.chi_squared)},
+  return {{"chi_squared", NumberJson(friedman.chi_squared)},
           {"df", friedman.df},
-          {"p", Number(friedman.p)},
-          {"kendall_w", Number(friedman.kendall_w)}};
+          {"p", NumberJson(friedman.p)},
+          {"kendall_w", NumberJson(friedman.kendall_w)}};
 }
 
-/// Characters, not bytes, of UTF-8.
-std::size_t Width(const std::string& text) {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
-    return (static_cast<unsigned>(c) & 0xC0U) != 0x80U;
-  }));
+constexpr double kLeft = 72.0;
+constexpr double kRight = 16.0;
+constexpr double kTop = 12.0;
+constexpr double kHeight = 320.0;  // of the axis
+constexpr double kBelow = 32.0;
+constexpr double kConditionWidth = 120.0;
+constexpr std::size_t kMostLetters = 16;
+
+constexpr int kTicks = 6;
+
+/// y upwards.
+double At(const Axis& axis, double value) {
+  return kTop + kHeight * (1.0 - axis.Share(axis.Clamp(value)));
 }
 
-std::vector<std::size_t> Widths(const ReportSection& section) {
-  std::vector<std::size_t> widths;
-  for (const std::string& title : section.header) widths.push_back(Width(title));
-  for (const auto& row : section.rows) {
-    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], Width(row[c]));
+Axis AxisFor(const Analysis& analysis, const AxisLimits& limits) {
+  const auto [least, most] =
+      std::minmax_element(analysis.table.values.begin(), analysis.table.values.end());
+  double low = *least;
+  double high = *most;
+  for (const Description& row : analysis.conditions) {
+    low = std::min({low, row.mean_interval.low, row.within_interval.low});
+    high = std::max({high, row.mean_interval.high, row.within_interval.high});
   }
-  return widths;
+  return RoundAxis(low, high, kTicks, limits);
 }
 
-/// Names to the left, figures to the right.
-std::string Line(const std::vector<std::string>& cells, const std::vector<std::size_t>& widths) {
-  std::string line = "  " + cells[0] + std::string(widths[0] - Width(cells[0]), ' ');
-  for (std::size_t c = 1; c < cells.size(); ++c) {
-    line += std::string(2 + widths[c] - Width(cells[c]), ' ') + cells[c];
+double MiddleOf(std::size_t condition) {
+  return kLeft + kConditionWidth * (static_cast<double>(condition) + 0.5);
+}
+
+/// At most kMostLetters characters of UTF-8.
+std::string Shortened(const std::string& name) {
+  std::size_t letters = 0;
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    if ((static_cast<unsigned>(name[i]) & 0xC0U) == 0x80U) continue;
+    if (++letters > kMostLetters) return name.substr(0, i) + "...";
   }
-  return line + "\n";
+  return name;
 }
 
-}  // namespace
+void DrawAxes(SvgCanvas& canvas, const Axis& axis, const Analysis& analysis) {
+  const std::size_t k = analysis.table.condition_count();
+  const double right = kLeft + kConditionWidth * static_cast<double>(k);
+  for (const double value : axis.Ticks()) {
+    const double y = At(axis, value);
+    canvas.Line({kLeft, y}, {right, y}, "class=\"rule\"");
+    canvas.Text({kLeft - 6, y + 4}, fmt::format("{:.6g}", value),
+                "class=\"tick\" text-anchor=\"end\"");
+  }
+  for (std::size_t j = 0; j < k; ++j) {
+    canvas.BeginGroup(analysis.table.conditions[j]);
+    canvas.Text({MiddleOf(j), kTop + kHeight + 20}, Shortened(analysis.table.conditions[j]),
+                "class=\"label\" text-anchor=\"middle\"");
+    canvas.EndGroup();
+  }
+}
+
+/// Along the axis, upwards.
+void DrawLabel(SvgCanvas& canvas, const std::string& label) {
+  constexpr double kMiddle = kTop + kHeight / 2;
+  canvas.Text({14.0, kMiddle}, label,
+              fmt::format(R"x(class="label" text-anchor="middle" transform="rotate(-90 14 {})")x",
+                          kMiddle));
+}
+
+void DrawSubjects(SvgCanvas& canvas, const Axis& axis, const ConditionTable& table) {
+  for (std::size_t i = 0; i < std::min(table.subject_count(), kMostLines); ++i) {
+    std::vector<PixelPosition> line;
+    for (std::size_t j = 0; j < table.condition_count(); ++j) {
+      line.push_back({MiddleOf(j), At(axis, table.At(i, j))});
+    }
+    canvas.BeginGroup(table.subjects[i]);
+    canvas.Polyline(line, "class=\"subject\"");
+    canvas.EndGroup();
+  }
+}
+
+void DrawMean(SvgCanvas& canvas, const Axis& axis, double x, const Description& row) {
+  canvas.BeginGroup(
+      fmt::format("{}: mean {:.5g} [{:.5g}, {:.5g}], within subjects [{:.5g}, {:.5g}]",
+                  row.condition, row.mean, row.mean_interval.low, row.mean_interval.high,
+                  row.within_interval.low, row.within_interval.high));
+  for (const double end : {row.mean_interval.low, row.mean_interval.high}) {
+    if (!axis.Has(end)) continue;  // the interval extends beyond the possible values
+    canvas.Line({x - 7, At(axis, end)}, {x + 7, At(axis, end)}, "class=\"interval\"");
+  }
+  const auto draw = [&](const Interval& interval, const char* style) {
+    canvas.Line({x, At(axis, interval.low)}, {x, At(axis, interval.high)}, style);
+  };
+  draw(row.mean_interval, "class=\"interval\"");
+  draw(row.within_interval, "class=\"within\"");
+  canvas.Circle({x, At(axis, row.mean)}, 5, "class=\"mean\"");
+  canvas.EndGroup();
+}
 
 std::string DescribeTable(const Analysis& analysis) {
   return fmt::format("{}: {} subjects, {} conditions", analysis.file,
                      analysis.table.subject_count(), analysis.table.condition_count());
 }
 
-std::vector<ReportSection> ReportSections(const Analysis& analysis) {
+std::string Facts(const Analysis& analysis) {
+  std::string html = fmt::format("<p>{}</p>\n<p class=\"muted\">SHA-256 of the data: {}</p>\n",
+                                 EscapeXml(DescribeTable(analysis)), EscapeXml(analysis.sha256));
+  if (analysis.notes.empty()) return html;
+  html += "<ul>\n";
+  for (const std::string& note : analysis.notes) html += "<li>" + EscapeXml(note) + "</li>\n";
+  return html + "</ul>\n";
+}
+
+}  // namespace
+
+std::vector<study::ReportSection> ReportSections(const Analysis& analysis) {
   return {Conditions(analysis), Variance(analysis), PairedTests(analysis), FriedmanTest(analysis),
           RankPairs(analysis)};
 }
@@ -289,19 +370,46 @@ Json ReportJson(const Analysis& analysis) {
   return json;
 }
 
-std::string SectionText(const ReportSection& section) {
-  const std::vector<std::size_t> widths = Widths(section);
-  std::string text = "\n" + section.title + "\n" + Line(section.header, widths);
-  for (const auto& row : section.rows) text += Line(row, widths);
-  for (const std::string& remark : section.remarks) text += "  " + remark + "\n";
-  return text;
-}
-
 std::string ReportText(const Analysis& analysis) {
   std::string text = DescribeTable(analysis) + "\n";
   for (const std::string& note : analysis.notes) text += "Note: " + note + "\n";
-  for (const ReportSection& section : ReportSections(analysis)) text += SectionText(section);
-  return text;
+  return text + study::SectionsText(ReportSections(analysis));
+}
+
+std::string ConditionsPlot(const Analysis& analysis, const PlotAxis& values) {
+  SvgCanvas canvas;
+  const Axis axis = AxisFor(analysis, values.limits);
+  DrawAxes(canvas, axis, analysis);
+  if (!values.label.empty()) DrawLabel(canvas, values.label);
+  DrawSubjects(canvas, axis, analysis.table);
+  std::string title = "Means of the conditions:";
+  for (std::size_t j = 0; j < analysis.conditions.size(); ++j) {
+    DrawMean(canvas, axis, MiddleOf(j), analysis.conditions[j]);
+    title +=
+        fmt::format(" {} {:.5g}", analysis.conditions[j].condition, analysis.conditions[j].mean);
+  }
+  const auto k = static_cast<double>(analysis.conditions.size());
+  return canvas.Inline(kLeft + kConditionWidth * k + kRight, kTop + kHeight + kBelow, title);
+}
+
+std::string PlotFigure(const Analysis& analysis, const PlotAxis& values) {
+  std::string caption = fmt::format(
+      "Blue: mean and its {0:.4g} % confidence interval. Orange: the {0:.4g} % interval within "
+      "subjects, for comparing conditions. Grey: a line per subject",
+      100.0 * (1.0 - analysis.alpha));
+  if (analysis.table.subject_count() > kMostLines) {
+    caption += fmt::format(", the first {}", kMostLines);
+  }
+  return fmt::format(
+      "<figure>\n<div class=\"wide\" tabindex=\"0\">\n{}</div>\n<figcaption>{}.</figcaption>\n"
+      "</figure>\n",
+      ConditionsPlot(analysis, values), EscapeXml(caption));
+}
+
+std::string ReportPage(const Analysis& analysis) {
+  return study::Page(
+      "Repeated measures: " + analysis.file,
+      Facts(analysis) + PlotFigure(analysis) + study::SectionsHtml(ReportSections(analysis)));
 }
 
 }  // namespace conav::statistics

@@ -5,31 +5,12 @@
 #include <vector>
 
 #include "common/plot/svg.h"
+#include "study/report_page.h"
 #include "study/statistics/analysis.h"
 
 namespace conav::statistics {
 
-/// A table for any output: the first column holds names, the others figures.
-struct ReportSection {
-  std::string title;
-  std::vector<std::string> header;
-  std::vector<std::vector<std::string>> rows;
-  std::vector<std::string> remarks;  // lines below
-};
-
-/// "ergoStool.csv: 9 subjects, 4 conditions".
-std::string DescribeTable(const Analysis& analysis);
-
-std::vector<ReportSection> ReportSections(const Analysis& analysis);
-
-/// For a terminal, with an empty line before it.
-std::string SectionText(const ReportSection& section);
-
-/// Title and table for a page that begins with PageHead().
-std::string SectionHtml(const ReportSection& section);
-
-/// The beginning of a page, up to its first heading, with the style sheet of tables and plots.
-std::string PageHead(const std::string& title);
+std::vector<study::ReportSection> ReportSections(const Analysis& analysis);
 
 /// The value axis of a plot.
 struct PlotAxis {

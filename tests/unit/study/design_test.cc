@@ -6,6 +6,12 @@
 #include <set>
 #include <tuple>
 
+#include "common/runtime/file.h"
+#include "launcher/demo_plan.h"
+#include "study/study_episode.h"
+#include "support/scoped_variable.h"
+#include "support/temporary_folder.h"
+
 namespace conav::study {
 namespace {
 
@@ -45,7 +51,7 @@ TEST_CASE("Everybody has every method once on every layout", "[study]") {
   REQUIRE(design.episodes.size() == 126);
   CHECK(design.layouts == std::vector<std::uint64_t>{234, 666, 9});
   CHECK(design.subjects.front() == "s01");
-  std::set<std::tuple<int, std::string, std::uint64_t>> seen;
+  std::set<std::tuple<int, MethodKind, std::uint64_t>> seen;
   std::set<std::string> names;
   std::set<std::uint64_t> seeds;
   for (const PlannedEpisode& episode : design.episodes) {
@@ -65,10 +71,9 @@ TEST_CASE("Everybody has every method once on every layout", "[study]") {
 
 TEST_CASE("Nobody sees a layout twice the same way round, and methods share the orientations",
           "[study]") {
-  for (const std::size_t methods : {1, 2, 3, 4}) {
+  for (const int methods : {1, 2, 3, 4}) {
     DesignOptions options{.operators = 5, .layouts = 4};
-    options.methods = {"a", "b", "c", "d"};
-    options.methods.resize(methods);
+    options.methods.assign(kDemoMethods.begin(), kDemoMethods.begin() + methods);
     std::set<std::tuple<int, std::uint64_t, int>> seen;
     for (const PlannedEpisode& episode : MakeDesign(options).episodes) {
       CHECK(seen.insert({episode.subject, episode.maze_seed, episode.rotation_deg}).second);
@@ -76,7 +81,7 @@ TEST_CASE("Nobody sees a layout twice the same way round, and methods share the 
       if (methods == 3) CHECK(episode.rotation_deg <= 180);
     }
   }
-  std::map<std::pair<std::string, int>, int> count;  // over three whole blocks
+  std::map<std::pair<MethodKind, int>, int> count;  // over three whole blocks
   for (const PlannedEpisode& episode : MakeDesign({.operators = 18, .layouts = 1}).episodes) {
     ++count[{episode.method, episode.rotation_deg}];
   }
@@ -98,6 +103,93 @@ TEST_CASE("The seed alone decides orders, layouts beyond the third, and episodes
   CHECK(same.episodes.back().seed == design.episodes.back().seed);
   CHECK(MakeDesign(other).layouts != design.layouts);
   CHECK(MakeDesign(other).episodes.back().seed != design.episodes.back().seed);
+}
+
+TEST_CASE("Methods are read by their names, each once", "[study]") {
+  using Names = std::vector<std::string>;
+  const auto methods = ParseMethods({"teleop", "ig-mcts"}, kStudyMethods);
+  REQUIRE(methods);
+  CHECK(*methods == std::vector{MethodKind::kTeleop, MethodKind::kIgMcts});
+  for (const auto& [names, named] :
+       std::vector<std::pair<Names, const char*>>{{{}, "empty"},
+                                                  {{"teleop", "teleop"}, "teleop"},
+                                                  {{"magic"}, "magic"},
+                                                  {{"ig-mcts", "greedy"}, "greedy"}}) {
+    CAPTURE(names);
+    const auto rejected = ParseMethods(names, kStudyMethods);
+    REQUIRE_FALSE(rejected);
+    CHECK_THAT(rejected.error().text, Catch::StartsWith("--methods: ") && Catch::Contains(named));
+  }
+}
+
+TEST_CASE("Impossible options are rejected by the option's name and value", "[study]") {
+  using O = StudyOptions;
+  const test::ScopedVariable domain("CONAV_DOMAIN", "7");
+  for (const auto& [set, named] : std::vector<std::pair<void (*)(O&), std::string>>{
+           {[](O&) {}, ""},  // accepted
+           {[](O& o) { o.out = "runs/study"; }, ""},
+           {[](O& o) { o.population = "/none.yaml"; }, "--population: "},
+           {[](O& o) { o.design.operators = 0; }, "--operators 0"},
+           {[](O& o) { o.design.layouts = 0; }, "--layouts 0"},
+           {[](O& o) { o.jobs = 0; }, "--jobs 0"},
+           {[](O& o) { o.jobs = 2; }, "--jobs 2: CONAV_DOMAIN"},  // one domain for all of them
+           {[](O& o) { o.robots = 0; }, "--robots 0"},
+           {[](O& o) { o.robots = 24; }, "--robots 24: the world of seed 234"}}) {  // has no room
+    O options;
+    set(options);
+    const auto valid = Validate(options);
+    INFO("expected: " << named);
+    CHECK(valid.has_value() == named.empty());
+    if (!valid) CHECK_THAT(valid.error().text, Catch::StartsWith(named));
+  }
+}
+
+TEST_CASE("An episode becomes a demo with its own world, seed, person and folder", "[study]") {
+  StudyOptions options;
+  options.robots = 2;
+  options.design.operators = 2;
+  CHECK(DefaultOut(options, "0a1b2c3d4e5f") == "runs/study-2x3-seed1-0a1b2c3d");
+  const Design design = MakeDesign(options.design);
+  const PlannedEpisode& episode = design.episodes[5];
+  const auto demo = DemoFor(BaseDemo(options), episode, "s01", "/data/study");
+  CHECK(demo.robots == 2);
+  CHECK(demo.headless);
+  CHECK(demo.camera == "none");
+  CHECK(demo.method == Name(episode.method));
+  CHECK(demo.world_seed() == episode.maze_seed);
+  CHECK(demo.rotation_deg == episode.rotation_deg);
+  CHECK(demo.seed == episode.seed);
+  CHECK(demo.simulated_operator == "/data/study/people/s01.yaml");
+  CHECK(demo.out == "/data/study/runs/" + episode.name);
+  CHECK_FALSE(demo.recording);  // only when asked to
+  options.recording = true;
+  CHECK(BaseDemo(options).recording);
+}
+
+TEST_CASE("People differ within their limits, around the means", "[study]") {
+  const auto population = DefaultPopulation();
+  double crossing = 0.0;
+  constexpr int kPeople = 400;
+  for (int i = 0; i < kPeople; ++i) {
+    const auto person = DrawPerson(population, static_cast<std::uint64_t>(i));
+    CHECK((person.planner.wall_crossing_cost >= 4.0 && person.planner.wall_crossing_cost <= 16.0));
+    CHECK((person.glance_rate >= 0.01 && person.glance_rate <= 0.05));
+    CHECK((person.steering.reaction_steps == 1 || person.steering.reaction_steps == 2));
+    CHECK(person.steering.slip_probability <= 0.05);
+    CHECK_FALSE(person.silent);
+    crossing += person.planner.wall_crossing_cost / kPeople;
+  }
+  CHECK(crossing == Approx(10.0).margin(0.4));
+}
+
+TEST_CASE("A person's file gives the person of its seed to a demo", "[study]") {
+  const test::TemporaryFolder folder;
+  const auto population = DefaultPopulation();
+  const std::string text = PersonYaml(DrawPerson(population, 7));
+  REQUIRE(WriteFile(folder / "s01.yaml", text));
+  CHECK(PersonYaml(launcher::OperatorPerson((folder / "s01.yaml").string())) == text);
+  CHECK(PersonYaml(DrawPerson(population, 7)) == text);
+  CHECK(PersonYaml(DrawPerson(population, 8)) != text);
 }
 
 }  // namespace

@@ -35,8 +35,9 @@ inline EpisodeRecord SampleRecord(const std::string& name, const EpisodeMeasures
 inline Records SampleRecords(const Design& design) {
   Records records;
   for (const PlannedEpisode& episode : design.episodes) {
-    const double steps = 400.0 + episode.subject + (episode.method == "teleop" ? 50.0 : 0.0);
-    const double pictures = episode.method == "ig-mcts" ? 10.0 : steps;
+    const double steps =
+        400.0 + episode.subject + (episode.method == MethodKind::kTeleop ? 50.0 : 0.0);
+    const double pictures = episode.method == MethodKind::kIgMcts ? 10.0 : steps;
     records.emplace(episode.name, SampleRecord(episode.name, SampleMeasures(pictures, steps)));
   }
   return records;

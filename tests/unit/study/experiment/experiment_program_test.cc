@@ -2,6 +2,8 @@
 #include <nlohmann/json.hpp>
 
 #include "support/program_runner.h"
+#include "support/text.h"
+#include "support/xml_check.h"
 
 namespace conav {
 namespace {
@@ -16,21 +18,29 @@ TEST_CASE("conav-experiment prints a table and writes JSON and CSV", "[planner][
   CHECK(outcome.exit_code == 0);
   CHECK_THAT(outcome.out, Contains("SIMULATED") && Contains("single-100"));
   const auto json = nlohmann::json::parse(ReadFile(desk / "s.json").value());
-  CHECK(json.at("rows").size() == 2);
+  REQUIRE(json.at("rows").size() == 2);
+  CHECK(json.at("operators") == "simulated");
+  CHECK(json.at("rows")[1].at("operator") == "silent");
+  CHECK(json.at("rows")[0].at("moves").at("low") <= json.at("rows")[0].at("moves").at("mean"));
   CHECK_THAT(ReadFile(desk / "s.csv").value(), Catch::StartsWith("variant,operator,seed,"));
 }
 
 TEST_CASE("conav-experiment draws the trade-off of pictures and moves", "[planner][experiment]") {
   const test::ProgramRunner desk("conav-experiment");
   const auto outcome = desk.Run(
-      "tradeoff --seeds 1 --model glpf --operators careful --json t.json --csv t.csv --svg t.svg");
+      "tradeoff --seeds 1 --model glpf --operators careful,hasty --json t.json --csv t.csv --svg "
+      "t.svg");
   CHECK(outcome.exit_code == 0);
-  CHECK_THAT(outcome.out, Contains("SIMULATED") && Contains("threshold"));
+  CHECK_THAT(outcome.out,
+             Contains("SIMULATED") && Contains("threshold") && Contains("IG-MCTS is better at"));
   const auto json = nlohmann::json::parse(ReadFile(desk / "t.json").value());
-  CHECK(json.at("policies").size() == 6);
-  CHECK_THAT(ReadFile(desk / "t.csv").value(),
-             Catch::StartsWith("policy,parameter,operator,seed,"));
-  CHECK_THAT(ReadFile(desk / "t.svg").value(), Contains("</svg>"));
+  CHECK(json.at("policies").size() == 12);
+  const std::string csv = ReadFile(desk / "t.csv").value();
+  CHECK_THAT(csv, Catch::StartsWith("policy,parameter,operator,seed,"));
+  CHECK(test::CountOf(csv, "\n") == 1 + static_cast<int>(json.at("points").size()));
+  const std::string plot = ReadFile(desk / "t.svg").value();
+  CHECK_THAT(plot, Contains("simulated operator: hasty") && !Contains("nan") && !Contains("inf"));
+  CHECK(test::XmlError(plot) == "");
 }
 
 TEST_CASE("conav-experiment refuses wrong use with 2 and says what is wrong",

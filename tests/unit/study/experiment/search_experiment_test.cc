@@ -1,10 +1,13 @@
 #include "study/experiment/search_experiment.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "common/runtime/random.h"
 #include "nhpm/model/glpf.h"
-#include "study/experiment/experiment_report.h"
+#include "support/temporary_folder.h"
 
 namespace conav::planner {
 namespace {
@@ -27,9 +30,9 @@ TEST_CASE("every variant plays with every operator in the same mazes", "[planner
   const SearchExperiment experiment = SmallExperiment();
   std::size_t told = 0;
   const auto episodes = RunSearchExperiment(experiment, std::make_shared<nhpm::Glpf>(),
-                                            [&](std::size_t done, std::size_t of) {
-                                              CHECK(done == ++told);
-                                              CHECK(of == 8);
+                                            [&](const study::PieceProgress& now) {
+                                              CHECK(now.done == ++told);
+                                              CHECK(now.of == 8);
                                             });
   REQUIRE(episodes.has_value());
   REQUIRE(episodes->size() == 8);
@@ -76,20 +79,6 @@ TEST_CASE("a summary counts and averages its episodes", "[planner][experiment]")
   CHECK(summaries[0].moves_ratio.value().mean == Approx(1.2));  // of the episode that got there
   CHECK(summaries[0].pictures.mean == Approx(6.0));
   CHECK(summaries[0].decision_ms_p50 == 2.0);
-}
-
-TEST_CASE("the report names variants, operators and where the figures come from",
-          "[planner][experiment]") {
-  const SearchExperiment experiment = SmallExperiment();
-  const auto summaries = Summarize(Play(experiment));
-  const std::string table = ExperimentTable(experiment, summaries);
-  CHECK(table.find("SIMULATED") != std::string::npos);
-  CHECK(table.find("printed") != std::string::npos);
-  const auto json = ExperimentJson(experiment, summaries);
-  CHECK(json["operators"] == "simulated");
-  REQUIRE(json["rows"].size() == 4);
-  CHECK(json["rows"][1]["operator"] == "silent");
-  CHECK(json["rows"][0]["moves"]["low"] <= json["rows"][0]["moves"]["mean"]);
 }
 
 TEST_CASE("the bars are those of the default with the careful operator", "[planner][experiment]") {
@@ -145,6 +134,96 @@ TEST_CASE("an unknown preset is an error", "[planner][experiment]") {
   const auto episodes = RunSearchExperiment(experiment, std::make_shared<nhpm::Glpf>());
   REQUIRE_FALSE(episodes.has_value());
   CHECK(episodes.error().code == ErrorCode::kNotFound);
+}
+
+TEST_CASE("the bootstrap interval is about two standard errors wide each way",
+          "[planner][experiment]") {
+  Random random(7);
+  std::vector<double> values;
+  double mean = 0.0;
+  for (int i = 0; i < 400; ++i) {
+    values.push_back(random.Unit());
+    mean += values.back() / 400.0;
+  }
+  const double error = std::sqrt(1.0 / 12.0 / 400.0);
+  const Interval interval = BootstrapMean(values, 1);
+  CHECK(interval.low == Approx(mean - 1.96 * error).margin(0.2 * error));
+  CHECK(interval.high == Approx(mean + 1.96 * error).margin(0.2 * error));
+  CHECK(BootstrapMean(values, 1).low == interval.low);
+  const Interval equal = BootstrapMean(std::vector<double>(10, 3.0), 1);
+  CHECK(equal.low == 3.0);
+  CHECK(equal.high == 3.0);
+  CHECK(BootstrapMean({}, 3).high == 0.0);
+}
+
+using Catch::Matchers::Contains;
+
+std::filesystem::path Write(const test::TemporaryFolder& folder, const std::string& text) {
+  const auto file = folder / "variants.yaml";
+  std::ofstream(file) << text;
+  return file;
+}
+
+TEST_CASE("variants are read in their order, as changes of the preset", "[planner][experiment]") {
+  const test::TemporaryFolder folder;
+  const auto variants =
+      ReadSearchVariants(Write(folder,
+                               "search_variants:\n  plain: {}\n  few: {iterations: 7, trees: 2}\n"
+                               "  printed: {preset: paper, reward: {goal: 30}}\n"
+                               "  literal: {preset: paper-literal}\n"));
+  REQUIRE(variants.size() == 4);
+  CHECK(variants[0].name == "plain");
+  CHECK(variants[0].config.options.iterations == SearchOptions().iterations);
+  CHECK(variants[1].config.options.iterations == 7);
+  CHECK(variants[1].config.options.trees == 2);
+  CHECK(variants[2].config.options.iterations == PaperOptions().iterations);
+  CHECK(variants[2].config.options.reward.goal == 30.0);
+  CHECK(variants[0].config.reliability_prior > 0.0);
+  CHECK(variants[2].config.reliability_prior == 0.0);  // the paper has none
+  CHECK_FALSE(variants[0].config.blocked_path_guides);
+  CHECK(variants[2].config.blocked_path_guides);
+  CHECK(variants[3].config.options.expansion == Expansion::kChain);
+  CHECK(variants[3].config.reliability_prior == 0.0);
+}
+
+TEST_CASE("a variant may say who decides on pictures, and be greedy", "[planner][experiment]") {
+  const test::TemporaryFolder folder;
+  const auto variants = ReadSearchVariants(
+      Write(folder,
+            "search_variants:\n"
+            "  often: {iterations: 7, communication: {policy: every, every_moves: 3}}\n"
+            "  alone: {method: greedy}\n"));
+  CHECK(variants[0].communication.policy == "every");
+  CHECK(variants[0].communication.every_moves == 3);
+  CHECK(variants[0].config.options.iterations == 7);
+  CHECK(variants[1].method == MethodKind::kGreedy);
+  CHECK(variants[1].communication.policy == "search");
+}
+
+TEST_CASE("bad variants are rejected by file, variant and key", "[planner][experiment]") {
+  const test::TemporaryFolder folder;
+  CHECK_THROWS_WITH(ReadSearchVariants(folder / "none.yaml"), Contains("none.yaml"));
+  CHECK_THROWS_WITH(ReadSearchVariants(folder.path()), Contains("cannot read: Is a directory"));
+  for (const auto& [text, named] : std::vector<std::pair<std::string, std::string>>{
+           {"", "no map search_variants"},
+           {"hello", "no map search_variants"},
+           {"[search_variants]", "no map search_variants"},
+           {"search: {}", "no map search_variants"},
+           {"search_variants: hello", "no map search_variants"},
+           {"search_variants: {}", "no map search_variants"},
+           {"search_variants: [a]", "no map search_variants"},
+           {"search_variants: {a: hello}", "a: expected a mapping"},
+           {"search_variants: {a: {iterations: 0}}", "a.iterations"},
+           {"search_variants: {a: {communication: {policy: loud}}}", "a.communication.policy"},
+           {"search_variants: {a: {iteration: 5}}", "iteration"}}) {
+    CAPTURE(text);
+    CHECK_THROWS_WITH(ReadSearchVariants(Write(folder, text)),
+                      Contains("variants.yaml: ") && Contains(named));
+  }
+}
+
+TEST_CASE("the variants that come with conav can be read", "[planner][experiment]") {
+  CHECK(ReadSearchVariants(CONAV_BIN_DIR "/../share/conav/config/search_variants.yaml").size() > 5);
 }
 
 }  // namespace

@@ -1,13 +1,14 @@
-#include "study/live/task_options.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <functional>
 #include <map>
 #include <set>
 
+#include "study/live/task_command.h"
+
 namespace conav::mapping_task {
 namespace {
+
+constexpr std::array kOrder{MethodKind::kIgMcts, MethodKind::kInstruction, MethodKind::kTeleop};
 
 TaskOptions Good() {
   TaskOptions options;
@@ -41,9 +42,9 @@ TEST_CASE("each participant gets mazes of their own, the same ones again", "[map
 }
 
 TEST_CASE("over all orders of a study each method is as often at each place", "[mapping_task]") {
-  const std::vector<std::string> methods{"ig-mcts", "instruction", "teleop"};
-  std::map<std::string, int> first;
-  std::set<std::vector<std::string>> orders;
+  const std::vector<MethodKind> methods{kOrder.begin(), kOrder.end()};
+  std::map<MethodKind, int> first;
+  std::set<std::vector<MethodKind>> orders;
   for (int order = 1; order <= 6; ++order) {
     const auto ordered = MethodsInOrder(methods, order, "P07");
     REQUIRE(ordered);
@@ -51,7 +52,7 @@ TEST_CASE("over all orders of a study each method is as often at each place", "[
     ++first[ordered->front()];
   }
   CHECK(orders.size() == 6);
-  for (const std::string& method : methods) CHECK(first[method] == 2);
+  for (const MethodKind method : methods) CHECK(first[method] == 2);
   CHECK(*MethodsInOrder(methods, 0, "P07") == *MethodsInOrder(methods, 0, "P07"));
   CHECK(orders.contains(*MethodsInOrder(methods, 0, "P07")));
   CHECK_THAT(MethodsInOrder(methods, 7, "P07").error().text, Catch::StartsWith("--order 7"));
@@ -60,54 +61,34 @@ TEST_CASE("over all orders of a study each method is as often at each place", "[
 
 TEST_CASE("a study has a method for each maze, the mapping task one of its own", "[mapping_task]") {
   TaskOptions options = Good();
-  CHECK(MethodOf(options, 2) == "mapping");
+  CHECK(MethodOf(options, 2) == MethodKind::kMapping);
   CHECK(FolderOf(options) == "runs/mapping-P07");
-  options.methods = {"teleop", "ig-mcts", "instruction"};
-  CHECK(MethodOf(options, 2) == "ig-mcts");
+  options.methods = {kOrder.rbegin(), kOrder.rend()};
+  CHECK(MethodOf(options, 1) == MethodKind::kTeleop);
   CHECK(FolderOf(options) == "runs/study-P07");
   CHECK(DesignOf(options)["methods"][0] == "teleop");
   options.out = "data/x";
   CHECK(FolderOf(options) == "data/x");
 }
 
-TEST_CASE("what cannot be is refused by the option and its value", "[mapping_task]") {
+TEST_CASE("impossible options are rejected by the option and its value", "[mapping_task]") {
   using O = TaskOptions;
-  struct Row {
-    std::function<void(O&)> set;
-    std::string named;  // "" = accepted
-  };
-  for (const Row& row :
-       std::vector<Row>{{[](O&) {}, ""},
-                        {[](O& o) { o.participant = "no name"; }, "--participant 'no name'"},
-                        {[](O& o) { o.mazes = 0; }, "--mazes 0"},
-                        {[](O& o) { o.mazes = 101; }, "--mazes 101"},
-                        {[](O& o) {
-                           o.maze_seeds = {7, 9};
-                         },
-                         "--maze-seed"},  // for 3 mazes
-                        {[](O& o) { o.speed = 0.0; }, "--speed 0"},
-                        {[](O& o) { o.speed = std::nan(""); }, "--speed nan"},
-                        {[](O& o) { o.camera = "film"; }, "--camera film"},
-                        {[](O& o) { o.preset = "nowhere"; }, "--preset nowhere"},
-                        {[](O& o) {
-                           o.methods = {"teleop", "ig-mcts", "instruction"};
-                         },
-                         ""},
-                        {[](O& o) {
-                           o.methods = {"greedy", "ig-mcts", "teleop"};
-                         },
-                         "--methods: greedy"},
-                        {[](O& o) {
-                           o.methods = {"teleop", "ig-mcts", "teleop"};
-                         },
-                         "--methods: teleop"},
-                        {[](O& o) { o.methods = {"teleop"}; }, "--methods: 1 methods"}}) {
+  for (const auto& [set, named] : std::vector<std::pair<void (*)(O&), std::string>>{
+           {[](O&) {}, ""},  // accepted
+           {[](O& o) { o.participant = "no name"; }, "--participant 'no name'"},
+           {[](O& o) { o.mazes = 0; }, "--mazes 0"},
+           {[](O& o) { o.mazes = 101; }, "--mazes 101"},
+           {[](O& o) { o.maze_seeds.assign(2, 7); }, "--maze-seed"},  // for 3 mazes
+           {[](O& o) { o.speed = 0.0; }, "--speed 0"},
+           {[](O& o) { o.speed = std::nan(""); }, "--speed nan"},
+           {[](O& o) { o.camera = "film"; }, "--camera film"},
+           {[](O& o) { o.preset = "nowhere"; }, "--preset nowhere"}}) {
     O options = Good();
-    row.set(options);
+    set(options);
     const auto valid = Validate(options);
-    INFO("expected: " << row.named);
-    CHECK(valid.has_value() == row.named.empty());
-    if (!valid) CHECK_THAT(valid.error().text, Catch::StartsWith(row.named));
+    INFO("expected: " << named);
+    CHECK(valid.has_value() == named.empty());
+    if (!valid) CHECK_THAT(valid.error().text, Catch::StartsWith(named));
   }
 }
 

@@ -19,7 +19,9 @@ Config Read(const std::map<std::string, std::string>& plan, const std::string& s
   return config;
 }
 
-std::map<std::string, std::string> Plan(std::vector<std::string> methods = {}) {
+constexpr MethodKind kOurs = MethodKind::kIgMcts;
+
+std::map<std::string, std::string> Plan(std::vector<MethodKind> methods = {}) {
   TaskOptions options;
   options.participant = "P07";
   options.methods = std::move(methods);
@@ -48,12 +50,12 @@ TEST_CASE("the services of a maze get configurations that their own structs read
 
 TEST_CASE("the services of a study's part have its method, and stream where that needs it",
           "[mapping_task]") {
-  const auto teleop = Plan({"ig-mcts", "teleop", "instruction"});
+  const auto teleop = Plan({kOurs, MethodKind::kTeleop, MethodKind::kInstruction});
   CHECK(Read<sim::SimConfig>(teleop, "sim").camera.stream);
   CHECK(Read<planner::PlannerConfig>(teleop, "planner").method == "teleop");
   CHECK(Read<operators::OperatorConfig>(teleop, "operator").method == "teleop");
   CHECK(Read<operators::OperatorConfig>(teleop, "operator").task.kind == "study");
-  const auto ours = Plan({"teleop", "ig-mcts", "instruction"});
+  const auto ours = Plan({MethodKind::kTeleop, kOurs, MethodKind::kInstruction});
   CHECK_FALSE(Read<sim::SimConfig>(ours, "sim").camera.stream);
   CHECK(Read<planner::PlannerConfig>(ours, "planner").perception_model ==
         PerceptionModelKind::kNhpm);

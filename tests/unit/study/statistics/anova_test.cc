@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "study/statistics/analysis.h"
-#include "study/statistics/pairs.h"
 #include "unit/study/statistics/reference_tables.h"
 
 namespace conav::statistics {

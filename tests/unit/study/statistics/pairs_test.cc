@@ -1,10 +1,9 @@
-#include "study/statistics/pairs.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdlib>
 #include <sstream>
 
+#include "study/statistics/analysis.h"
 #include "unit/study/statistics/reference_tables.h"
 
 namespace conav::statistics {

@@ -46,14 +46,5 @@ TEST_CASE("Data that cannot be used ends with 1, wrong use with 2, and nothing i
   CHECK_THAT(*ReadFile(stats / "t.csv"), Catch::StartsWith("subject,a,b"));
 }
 
-TEST_CASE("Option --help says what each figure is", "[statistics]") {
-  const auto ended = test::RunProgram("conav-stats", "--help");
-  CHECK(ended.exit_code == 0);
-  for (const char* part : {"subject,teleoperation", "Cousineau-Morey", "Greenhouse-Geisser",
-                           "generalised eta^2", "Holm", "d_z", "Kendall's W", "Exit codes"}) {
-    CHECK_THAT(ended.out, Catch::Contains(part));
-  }
-}
-
 }  // namespace
 }  // namespace conav::statistics

@@ -1,9 +1,12 @@
-#include "study/episode_record.h"
+#include "study/study_episode.h"
 
 #include <algorithm>
+#include <exception>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <utility>
+
+#include "launcher/demo.h"
 
 namespace conav::study {
 namespace {
@@ -64,6 +67,20 @@ EpisodeMeasures MeasuresFrom(const nlohmann::json& json) {
   return measures;
 }
 
+EpisodeRecord RecordOf(const std::string& name, const launcher::DemoResult& result) {
+  using launcher::EndReason;
+  EpisodeRecord record{
+      .name = name, .wall_s = result.outcome.wall_s, .run = result.outcome.run_folder};
+  const EndReason reason = result.outcome.reason;
+  if (reason != EndReason::kProcessDied && reason != EndReason::kInterrupted) {
+    record.measures = MeasuresOf(result.metrics);
+    record.status =
+        result.all_goals_reached() ? EpisodeStatus::kComplete : EpisodeStatus::kGoalsLeft;
+  }
+  if (!record.is_complete()) record.detail = launcher::OutcomeLine(result.outcome);
+  return record;
+}
+
 }  // namespace
 
 EpisodeMeasures MeasuresOf(const launcher::EpisodeMetrics& metrics) {
@@ -111,24 +128,43 @@ nlohmann::ordered_json ToJson(const EpisodeRecord& record) {
   return json;
 }
 
-Result<void> FromJson(const std::string& text, EpisodeRecord& record) {
+Result<void> FromJson(const nlohmann::json& json, EpisodeRecord& record) {
+  const auto status = StatusFrom(json.at("status").get<std::string>());
+  if (!status) return tl::unexpected(status.error());
+  record = {.name = json.at("name").get<std::string>(),
+            .status = *status,
+            .detail = json.at("detail").get<std::string>(),
+            .attempts = json.at("attempts").get<int>(),
+            .wall_s = json.at("wall_s").get<double>(),
+            .run = json.at("run").get<std::string>()};
+  if (!json.at("measures").is_null()) record.measures = MeasuresFrom(json.at("measures"));
+  if (record.measures.has_value() != record.has_failed()) return {};
+  return Fail(ErrorCode::kMalformed, "status and measures contradict each other");
+}
+
+launcher::DemoOptions DemoFor(const launcher::DemoOptions& base, const PlannedEpisode& episode,
+                              const std::string& subject, const std::filesystem::path& folder) {
+  launcher::DemoOptions options = base;
+  options.headless = true;
+  options.method = Name(episode.method);
+  options.seed = episode.seed;
+  options.maze_seed = episode.maze_seed;
+  options.rotation_deg = episode.rotation_deg;
+  options.simulated_operator = (folder / PersonPath(subject)).string();
+  options.out = folder / "runs" / episode.name;
+  return options;
+}
+
+EpisodeRecord DemoPlayer::Play(const std::string& name, const launcher::DemoOptions& options) {
   try {
-    const auto json = nlohmann::json::parse(text);
-    const auto status = StatusFrom(json.at("status").get<std::string>());
-    if (!status) return tl::unexpected(status.error());
-    record = {.name = json.at("name").get<std::string>(),
-              .status = *status,
-              .detail = json.at("detail").get<std::string>(),
-              .attempts = json.at("attempts").get<int>(),
-              .wall_s = json.at("wall_s").get<double>(),
-              .run = json.at("run").get<std::string>()};
-    if (!json.at("measures").is_null()) record.measures = MeasuresFrom(json.at("measures"));
-    if (record.measures.has_value() == record.has_failed()) {
-      return Fail(ErrorCode::kMalformed, "status and measures contradict each other");
-    }
-    return {};
-  } catch (const nlohmann::json::exception& error) {
-    return Fail(ErrorCode::kMalformed, error.what());
+    launcher::Progress silent(stderr, launcher::Progress::Style::kSilent, clock_);
+    launcher::Demo demo(options, program_folder_, clock_, silent,
+                        std::exchange(lease_, std::nullopt));
+    const EpisodeRecord record = RecordOf(name, demo.Run(stop_));
+    lease_.emplace(demo.TakeLease());
+    return record;
+  } catch (const std::exception& error) {
+    return {.name = name, .detail = error.what()};
   }
 }
 

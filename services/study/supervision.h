@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
@@ -7,19 +8,26 @@
 #include <vector>
 
 #include "common/bus/participant.h"
+#include "common/msg/method.h"
+#include "common/msg/supervision.h"
+#include "common/runtime/clock.h"
 #include "common/runtime/result.h"
+#include "common/runtime/threads.h"
 #include "launcher/run_folder.h"
 #include "launcher/run_log.h"
 #include "operator/simulated/config.h"
 
 namespace conav::study {
 
+/// The methods whose robots ask for help and continue without it.
+inline constexpr std::array kSupervisedMethods{MethodKind::kIgMcts, MethodKind::kInstruction};
+
 /// The options of `conav study --supervision`. All seconds and minutes are simulation time.
 struct SupervisionOptions {
   std::vector<int> robots{1, 2, 4, 8, 16};
   std::vector<std::string> orders{"priority", "fifo", "nearest_deadline"};
   /// Assigned to the worlds in turn; each seed starts with another one.
-  std::vector<std::string> methods{"ig-mcts", "instruction"};
+  std::vector<MethodKind> methods{kSupervisedMethods.begin(), kSupervisedMethods.end()};
   /// Of the simulated operator.
   operators::InteractionTimeParameters interaction{4.0, 6.0, 6.0, 0.5};
   int seeds = 10;
@@ -32,15 +40,12 @@ struct SupervisionOptions {
   double speed = 20.0;  // simulated seconds per wall second
   int jobs = 1;
   std::string dds;
-  std::filesystem::path out;  // empty = DefaultSupervisionOut()
+  std::filesystem::path out;  // empty = runs/supervision-<fingerprint of the design>
   std::filesystem::path json;
 };
 
 /// Robots of one operator, at most.
 inline constexpr int kMostSupervised = 16;
-
-/// "runs/supervision-0a1b2c3d": ends with the beginning of the design's fingerprint.
-std::filesystem::path DefaultSupervisionOut(const std::string& fingerprint);
 
 /// Parses "picture=6,blocked=10,path=12,log_sd=0.5"; unnamed values stay. Errors: kInvalidArgument.
 [[nodiscard]] Result<void> ParseInteractionTimes(const std::string& text,
@@ -76,8 +81,8 @@ struct SupervisionProcess {
 launcher::Episode EpisodeFor(const SupervisionTrial& trial, const SupervisionOptions& options);
 
 /// Method of the world at `index`.
-const std::string& MethodOf(std::size_t index, const SupervisionTrial& trial,
-                            const SupervisionOptions& options);
+MethodKind MethodOf(std::size_t index, const SupervisionTrial& trial,
+                    const SupervisionOptions& options);
 
 /// Everything except the simulators, which start when the rest is ready: nhpm, the operator
 /// service, a planner for each method, the simulated operator.
@@ -92,5 +97,34 @@ std::vector<SupervisionProcess> PlanSimulators(const SupervisionTrial& trial,
                                                const SupervisionOptions& options,
                                                const bus::ParticipantOptions& bus,
                                                const launcher::Episode& episode);
+
+/// The stored result of a trial; seconds and minutes are simulation time.
+struct SupervisionRecord {
+  SupervisionTrial trial;
+  std::string failure;  // empty = measured
+  int attempts = 0;
+  double minutes = 0.0;
+  double goals = 0.0;  // of all robots
+  OperatorWorkload workload;
+  double wall_s = 0.0;  // from the simulators' start
+  double pace = 0.0;    // simulated seconds per wall second, as a share of the requested ones
+
+  bool is_complete() const { return failure.empty(); }
+  bool has_failed() const { return !failure.empty(); }
+  bool operator==(const SupervisionRecord&) const = default;
+};
+
+nlohmann::ordered_json ToJson(const SupervisionRecord& record);
+
+/// Throws nlohmann::json::exception.
+[[nodiscard]] Result<void> FromJson(const nlohmann::json& json, SupervisionRecord& record);
+
+/// Runs one trial: all services as processes of their own over DDS, in a free domain; follows
+/// robots and attention queue until every world's time is up.
+/// Blocks. The record holds any error, including an interruption by `stop`. Its run folder stays
+/// under `options.out`/runs/<trial>. Threads: one per call; several calls may run concurrently.
+SupervisionRecord PlayTrial(const SupervisionTrial& trial, const SupervisionOptions& options,
+                            const std::filesystem::path& program_folder, const Clock& clock,
+                            const StopToken& stop);
 
 }  // namespace conav::study

@@ -1,47 +1,18 @@
-#include "study/study_folder.h"
+#include "study/record_store.h"
 
 #include <fcntl.h>
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
-#include <ctime>
-#include <fstream>
-#include <thread>
 
 #include "common/runtime/file.h"
 #include "common/runtime/text.h"
 
 namespace conav::study {
 namespace {
-
-constexpr std::size_t kMostText = 80;
-
-/// Quotes `word` for a shell.
-std::string Quoted(const std::string& word) {
-  constexpr std::string_view kPlain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=,./:+@%";
-  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
-  std::string inner;
-  for (const char c : word) {
-    if (c == '\'') inner += "'\\'";
-    inner += c;
-  }
-  return fmt::format("'{}'", inner);
-}
-
-std::string Processor() {
-  std::ifstream info("/proc/cpuinfo");
-  for (std::string line; std::getline(info, line);) {
-    const std::size_t colon = line.find(": ");
-    if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
-  }
-  return "unknown processor";
-}
 
 namespace fs = std::filesystem;
 
@@ -109,32 +80,16 @@ Result<void> CheckEmpty(const fs::path& path) {
   return {};
 }
 
-}  // namespace
-
-Provenance DescribeRun(int argc, const char* const* argv) {
-  Provenance provenance{.command = "conav study"};
-  for (int i = 1; i < argc; ++i) provenance.command += fmt::format(" {}", Quoted(argv[i]));
-  const char* commit = std::getenv("CONAV_COMMIT");
-  provenance.commit = commit != nullptr ? commit : "unknown";
-  provenance.date = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
-  provenance.machine =
-      fmt::format("{}, {} cores", Processor(), std::thread::hardware_concurrency());
-  return provenance;
-}
-
-statistics::ReportSection ProvenanceSection(const Provenance& provenance,
-                                            const nlohmann::ordered_json& design) {
-  statistics::ReportSection section{.title = "Provenance", .header = {"", ""}};
-  section.rows = {{"command", provenance.command},
-                  {"commit", provenance.commit},
-                  {"report written", provenance.date},
-                  {"on", provenance.machine}};
-  for (const auto& [key, value] : design.items()) {
-    const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
-    if (!text.empty() && text.size() <= kMostText) section.rows.push_back({key, text});
+Result<void> Take(const std::string& text, const std::string& name,
+                  const StudyFolder::RecordReader& read) {
+  try {
+    return read(name, nlohmann::json::parse(text));
+  } catch (const nlohmann::json::exception& error) {
+    return Fail(ErrorCode::kMalformed, error.what());
   }
-  return section;
 }
+
+}  // namespace
 
 std::string Fingerprint(const nlohmann::ordered_json& design) { return Sha256Hex(design.dump()); }
 
@@ -161,34 +116,20 @@ StudyFolder::~StudyFolder() {
   if (lock_ >= 0) close(lock_);
 }
 
-fs::path StudyFolder::person(const std::string& subject) const {
-  return path_ / "people" / (subject + ".yaml");
-}
-
-fs::path StudyFolder::runs(const std::string& episode) const { return path_ / "runs" / episode; }
-
-Result<std::map<std::string, std::string>> StudyFolder::ReadRecords(const std::string& kind) const {
-  std::map<std::string, std::string> texts;
-  if (auto made = MakeFolder(path_ / kind); !made) return tl::unexpected(made.error());
+Result<void> StudyFolder::ReadRecords(const std::string& kind, const RecordReader& read) const {
+  if (auto made = MakeFolder(path_ / kind); !made) return made;
   for (const auto& entry : fs::directory_iterator(path_ / kind)) {
     if (entry.path().extension() != ".json") continue;
-    auto text = ReadFile(entry.path());
+    const auto text = ReadFile(entry.path());
     if (!text) return tl::unexpected(text.error());
-    texts.emplace(entry.path().stem().string(), *std::move(text));
+    const auto taken = Take(*text, entry.path().stem().string(), read);
+    if (taken) continue;
+    return Fail(ErrorCode::kMalformed,
+                fmt::format("{}: is not a record of this study ({}); delete it and the same "
+                            "command runs this piece again",
+                            entry.path().string(), taken.error().text));
   }
-  return texts;
-}
-
-Result<void> StudyFolder::WriteRecord(const std::string& kind, const std::string& name,
-                                      const nlohmann::ordered_json& record) const {
-  return WriteJsonFile(path_ / kind / (name + ".json"), record);
-}
-
-Error StudyFolder::NotARecord(const std::string& kind, const std::string& name,
-                              const std::string& reason) const {
-  return {ErrorCode::kMalformed, fmt::format("{}: is not a record of this study ({}); delete it "
-                                             "and the same command runs this piece again",
-                                             (path_ / kind / (name + ".json")).string(), reason)};
+  return {};
 }
 
 Result<void> StudyFolder::Write(const fs::path& relative, std::string_view text) const {

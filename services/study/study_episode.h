@@ -1,12 +1,17 @@
 #pragma once
 
+#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <span>
 #include <string>
 
+#include "common/runtime/clock.h"
 #include "common/runtime/result.h"
+#include "common/runtime/threads.h"
+#include "launcher/domain_lease.h"
 #include "launcher/run_log.h"
+#include "study/design.h"
 
 namespace conav::study {
 
@@ -72,7 +77,29 @@ struct EpisodeRecord {
 
 nlohmann::ordered_json ToJson(const EpisodeRecord& record);
 
-/// Errors: kMalformed with the reason.
-[[nodiscard]] Result<void> FromJson(const std::string& text, EpisodeRecord& record);
+/// Errors: kMalformed with the reason. Throws nlohmann::json::exception.
+[[nodiscard]] Result<void> FromJson(const nlohmann::json& json, EpisodeRecord& record);
+
+/// The episode as a demo: all services as processes of their own. `base` has the options that all
+/// episodes share: robots, camera, vendors, limits.
+launcher::DemoOptions DemoFor(const launcher::DemoOptions& base, const PlannedEpisode& episode,
+                              const std::string& subject, const std::filesystem::path& folder);
+
+/// Runs episodes one after the other in a DDS domain that it keeps.
+class DemoPlayer {
+ public:
+  /// `clock` and `stop` outlive it.
+  DemoPlayer(std::filesystem::path program_folder, const Clock& clock, const StopToken& stop)
+      : program_folder_(std::move(program_folder)), clock_(clock), stop_(stop) {}
+
+  /// Blocks. The record, which is called `name`, holds any error.
+  EpisodeRecord Play(const std::string& name, const launcher::DemoOptions& options);
+
+ private:
+  std::filesystem::path program_folder_;
+  const Clock& clock_;
+  const StopToken& stop_;
+  std::optional<launcher::DomainLease> lease_;
+};
 
 }  // namespace conav::study

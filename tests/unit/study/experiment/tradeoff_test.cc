@@ -1,10 +1,7 @@
+#include "study/experiment/tradeoff.h"
+
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
-
-#include "nhpm/model/glpf.h"
-#include "study/experiment/experiment_report.h"
-#include "study/experiment/tradeoff.h"
-#include "support/xml_check.h"
 
 namespace conav::planner {
 namespace {
@@ -51,22 +48,52 @@ MadeUp WithSearch() {
   return made;
 }
 
-TEST_CASE("differences are paired: mazes that differ do not blur them", "[planner][experiment]") {
-  MadeUp made = WithSearch();
-  made.Add("random", 3, 37);
-  const TradeoffComparison comparison = made.Last();
-  CHECK(comparison.effort_at_equal_pictures.value == Approx(-2.0));
-  CHECK(comparison.effort_at_equal_pictures.interval.high == Approx(-2.0));
-  CHECK(comparison.pictures_at_equal_effort.value == Approx(-0.4));
-  CHECK(comparison.verdict == TradeoffVerdict::kBetter);
+TEST_CASE("the curve is straight between its points, and gives what it has or nothing beyond them",
+          "[planner][experiment]") {
+  // Few pictures cost moves; more than four help no more.
+  const TradeoffCurve falling({{8, 30}, {2, 40}, {4, 30}});
+  // Here the least effort, and the fewest pictures, count where the curve comes back.
+  const TradeoffCurve wavy({{1, 40}, {3, 20}, {5, 30}, {7, 10}});
+  const TradeoffCurve point({{2, 40}}), twice({{2, 40}, {2, 40}});
+  struct Row {
+    const TradeoffCurve& curve;
+    double pictures;
+    std::optional<double> effort;
+  };
+  for (const Row& row :
+       {Row{falling, 2, 40.0}, Row{falling, 3, 35.0}, Row{falling, 6, 30.0}, Row{falling, 1.9, {}},
+        Row{falling, 100, 30.0}, Row{wavy, 4, 20.0}, Row{wavy, 6.5, 15.0}, Row{wavy, 9, 10.0},
+        Row{point, 2, 40.0}, Row{twice, 2, 40.0}}) {
+    CAPTURE(row.pictures);
+    CHECK(row.curve.EffortAt(row.pictures) == row.effort);
+  }
+  CHECK(falling.PicturesAt(37.5) == 2.5);
+  CHECK(falling.PicturesAt(50) == 2.0);
+  CHECK_FALSE(falling.PicturesAt(29.9));
+  CHECK(wavy.PicturesAt(25) == 2.5);
+  CHECK(wavy.PicturesAt(15) == 6.5);
+  CHECK_FALSE(point.PicturesAt(39));
 }
 
-TEST_CASE("a point below the curve is better than IG-MCTS", "[planner][experiment]") {
-  MadeUp made = WithSearch();
-  made.Add("threshold", 3, 33);
-  CHECK(made.Last().effort_at_equal_pictures.value == Approx(2.0));
-  CHECK(made.Last().pictures_at_equal_effort.value == Approx(0.4));
-  CHECK(made.Last().verdict == TradeoffVerdict::kWorse);
+TEST_CASE("differences are paired: mazes that differ do not blur them", "[planner][experiment]") {
+  struct Row {
+    const char* policy;
+    int moves;  // with 3 pictures; the curve has 35
+    double effort, pictures;
+    TradeoffVerdict verdict;
+  };
+  for (const Row& row : {Row{"random", 37, -2.0, -0.4, TradeoffVerdict::kBetter},
+                         Row{"threshold", 33, 2.0, 0.4, TradeoffVerdict::kWorse},
+                         Row{"every", 35, 0.0, 0.0, TradeoffVerdict::kAlike}}) {
+    CAPTURE(row.policy);
+    MadeUp made = WithSearch();
+    made.Add(row.policy, 3, row.moves);
+    const TradeoffComparison comparison = made.Last();
+    CHECK(comparison.effort_at_equal_pictures.value == Approx(row.effort));
+    CHECK(comparison.effort_at_equal_pictures.interval.high == Approx(row.effort));
+    CHECK(comparison.pictures_at_equal_effort.value == Approx(row.pictures));
+    CHECK(comparison.verdict == row.verdict);
+  }
 }
 
 TEST_CASE("steps count turning, moves do not", "[planner][experiment]") {
@@ -81,12 +108,6 @@ TEST_CASE("steps count turning, moves do not", "[planner][experiment]") {
   CHECK(made.Last().effort_at_equal_pictures.value == Approx(-EstimatedLowLevelSteps(0.0, 10.0)));
   CHECK(made.Analyse().back().steps.mean ==
         Approx(EstimatedLowLevelSteps(made.Analyse().back().moves.mean, 10.0)));
-}
-
-TEST_CASE("a point on the curve is alike", "[planner][experiment]") {
-  MadeUp made = WithSearch();
-  made.Add("every", 4, 30);
-  CHECK(made.Last().verdict == TradeoffVerdict::kAlike);
 }
 
 TEST_CASE("where the curve does not get there the difference is infinite and told as such",
@@ -158,30 +179,6 @@ TEST_CASE("a sweep has a point per cost and policy, each within the same search"
   }
   CHECK(policies == std::set<std::string>{"every", "greedy", "never", "random", "search",
                                           "threshold", "when_blocked"});
-}
-
-TEST_CASE("what is written of a sweep names its policies and where the figures come from",
-          "[planner][experiment]") {
-  SearchExperiment experiment;
-  experiment.operators = {"careful", "hasty"};
-  experiment.seeds = 1;
-  SearchConfig search;
-  search.options.iterations = 50;
-  const TradeoffSweep sweep = MakeTradeoffSweep(search, experiment);
-  const auto episodes =
-      RunSearchExperiment(sweep.experiment, std::make_shared<nhpm::Glpf>()).value();
-  const auto rows = AnalyseTradeoff(sweep, episodes, 20);
-  CHECK(rows.size() == 2 * sweep.points.size());
-  const std::string table = TradeoffTable(sweep, rows);
-  CHECK_THAT(table, Catch::Contains("SIMULATED") && Catch::Contains("when_blocked") &&
-                        Catch::Contains("IG-MCTS is better at"));
-  const std::string plot = TradeoffPlot(sweep, rows);
-  CHECK_THAT(plot, Catch::Contains("<svg") && Catch::Contains("simulated operator: hasty") &&
-                       !Catch::Contains("nan") && !Catch::Contains("inf"));
-  CHECK(test::XmlError(plot) == "");
-  const std::string csv = TradeoffCsv(sweep, episodes);
-  CHECK(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')) == episodes.size() + 1);
-  CHECK(TradeoffJson(sweep, rows).at("policies").size() == 12);
 }
 
 }  // namespace

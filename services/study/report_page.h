@@ -1,0 +1,49 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+/// What all reports are made of: tables for a terminal and a page, numbers of JSON and CSV.
+namespace conav::study {
+
+/// A table for any output: the first column holds names, the others figures.
+struct ReportSection {
+  std::string title;
+  std::vector<std::string> header;
+  std::vector<std::vector<std::string>> rows;
+  std::vector<std::string> remarks;  // lines below
+};
+
+/// For a terminal, with an empty line before each.
+std::string SectionsText(std::span<const ReportSection> sections);
+
+/// Title and table of each, for a page.
+std::string SectionsHtml(std::span<const ReportSection> sections);
+
+/// A self-contained page with the style sheet of tables and plots; `body` comes after its heading.
+std::string Page(const std::string& title, const std::string& body);
+
+/// Null for missing and infinite values.
+nlohmann::ordered_json NumberJson(const std::optional<double>& value);
+
+/// A value per cell, each after a comma; nothing after it for a missing one.
+std::string CsvCell(const std::optional<double>& value);
+
+/// How a report came about. Only the page has it: tables and JSON of equal studies are equal.
+struct Provenance {
+  std::string command;  // as typed, after ./conav
+  std::string commit;   // of the build by ./conav; "unknown" for a program run by hand
+  std::string date;     // of the report, UTC
+  std::string machine;  // processor and number of cores
+};
+
+/// Describes this process. `argv` as in main().
+Provenance DescribeRun(int argc, const char* const* argv);
+
+/// The same, plus the entries of the study's design that fit on a line.
+ReportSection ProvenanceSection(const Provenance& provenance, const nlohmann::ordered_json& design);
+
+}  // namespace conav::study
