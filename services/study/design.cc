@@ -94,7 +94,7 @@ Result<std::vector<MethodKind>> ParseMethods(const std::vector<std::string>& nam
     const auto method = ParseMethod(name);
     if (!method || std::ranges::find(allowed, *method) == allowed.end()) {
       return Fail(ErrorCode::kInvalidArgument, fmt::format("--methods: {} is not one of {}", name,
-                                                           fmt::join(NamesOf(allowed), ", ")));
+                                                           fmt::join(Names(allowed), ", ")));
     }
     if (std::ranges::find(methods, *method) != methods.end()) {
       return Fail(ErrorCode::kInvalidArgument, fmt::format("--methods: {} is named twice", name));
@@ -102,12 +102,6 @@ Result<std::vector<MethodKind>> ParseMethods(const std::vector<std::string>& nam
     methods.push_back(*method);
   }
   return methods;
-}
-
-std::vector<std::string> NamesOf(std::span<const MethodKind> methods) {
-  std::vector<std::string> names;
-  for (const MethodKind method : methods) names.emplace_back(Name(method));
-  return names;
 }
 
 std::vector<std::vector<int>> WilliamsDesign(int conditions) {

@@ -32,16 +32,10 @@ inline constexpr int kOrientations = 4;
 inline constexpr std::array kStudyMethods{MethodKind::kIgMcts, MethodKind::kInstruction,
                                           MethodKind::kTeleop};
 
-/// The methods of `conav demo`.
-inline constexpr std::array kDemoMethods{MethodKind::kIgMcts, MethodKind::kInstruction,
-                                         MethodKind::kTeleop, MethodKind::kGreedy};
-
 /// The names of --methods as methods. Errors: kInvalidArgument for none, one that is not `allowed`
 /// and one that is named twice.
 [[nodiscard]] Result<std::vector<MethodKind>> ParseMethods(const std::vector<std::string>& names,
                                                            std::span<const MethodKind> allowed);
-
-std::vector<std::string> NamesOf(std::span<const MethodKind> methods);
 
 struct DesignOptions {
   int operators = 14;

@@ -258,7 +258,7 @@ ReportSection OrderSection(const Design& design) {
   }
   for (std::size_t subject = 0; subject < design.subjects.size(); ++subject) {
     std::vector<std::string> row{design.subjects[subject]};
-    std::ranges::copy(NamesOf(design.orders[subject]), std::back_inserter(row));
+    std::ranges::copy(Names(design.orders[subject]), std::back_inserter(row));
     section.rows.push_back(std::move(row));
   }
   return section;

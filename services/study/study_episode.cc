@@ -146,7 +146,7 @@ launcher::DemoOptions DemoFor(const launcher::DemoOptions& base, const PlannedEp
                               const std::string& subject, const std::filesystem::path& folder) {
   launcher::DemoOptions options = base;
   options.headless = true;
-  options.method = Name(episode.method);
+  options.method = episode.method;
   options.seed = episode.seed;
   options.maze_seed = episode.maze_seed;
   options.rotation_deg = episode.rotation_deg;

@@ -79,7 +79,7 @@ void AddStudyOptions(CLI::App& app, StudyOptions& options, WordOptions& words) {
       ->capture_default_str();
   app.add_option("--layouts", options.design.layouts, "Mazes for each operator")
       ->capture_default_str();
-  words.methods = NamesOf(options.design.methods);
+  words.methods = Names(options.design.methods);
   app.add_option("--methods", words.methods, "Methods of conav demo --method")
       ->delimiter(',')
       ->capture_default_str();
@@ -118,7 +118,7 @@ void AddSupervisionOptions(CLI::App& app, SupervisionOptions& options, WordOptio
   app.add_option("--orders", options.orders, "Orders of the attention queue")
       ->delimiter(',')
       ->capture_default_str();
-  words.methods = NamesOf(options.methods);
+  words.methods = Names(options.methods);
   app.add_option("--methods", words.methods, "ig-mcts, instruction: of the worlds in turn")
       ->delimiter(',')
       ->capture_default_str();
@@ -243,10 +243,10 @@ nlohmann::ordered_json DesignOf(const StudyOptions& options, const Design& desig
     episodes.push_back({{"name", episode.name}, {"seed", episode.seed}});
   }
   nlohmann::ordered_json orders = nlohmann::ordered_json::array();
-  for (const auto& order : design.orders) orders.push_back(NamesOf(order));
+  for (const auto& order : design.orders) orders.push_back(Names(order));
   return {{"operators", options.design.operators},
           {"layouts", design.layouts},
-          {"methods", NamesOf(design.methods)},
+          {"methods", Names(design.methods)},
           {"seed", options.design.seed},
           {"robots", options.robots},
           {"camera", options.camera},

@@ -122,7 +122,7 @@ Result<void> Validate(const SupervisionOptions& options) {
     if (auto ok = CheckRange(limit.option, limit.value, limit.low, limit.high); !ok) return ok;
   }
   if (!options.dds.empty()) {
-    if (auto ok = CheckNames("--dds", {options.dds}, {"cyclonedds", "fastdds"}); !ok) return ok;
+    if (auto ok = CheckNames("--dds", {options.dds}, Names(bus::kVendors)); !ok) return ok;
   }
   return CheckDomains(options.jobs);
 }
@@ -146,7 +146,7 @@ std::vector<SupervisionTrial> TrialsOf(const SupervisionOptions& options) {
 nlohmann::ordered_json DesignOf(const SupervisionOptions& options) {
   const operators::InteractionTimeParameters& times = options.interaction;
   return {{"study", "supervision"},
-          {"methods", NamesOf(options.methods)},
+          {"methods", Names(options.methods)},
           {"interaction_times",
            {{"picture_s", times.picture_s},
             {"blocked_s", times.blocked_s},

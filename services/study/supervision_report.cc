@@ -313,7 +313,7 @@ std::string SupervisionHeadline(const SupervisionOptions& options,
       "measured, {} failed. Methods {}; interaction times: picture {} s, blocked {} s, path {} s, "
       "log-normal with log-sd {}.",
       fmt::join(options.robots, " "), fmt::join(options.orders, " "), options.seeds, measured,
-      options.minutes, summary.failed.size(), fmt::join(NamesOf(options.methods), " "),
+      options.minutes, summary.failed.size(), fmt::join(Names(options.methods), " "),
       times.picture_s, times.blocked_s, times.path_s, times.log_sd);
 }
 

@@ -23,7 +23,7 @@ constexpr const char* kProgram = "conav experiment";
 /// The arguments of both experiments.
 struct Arguments {
   SearchExperiment experiment;  // without its variants
-  std::string model = kDefaultPerceptionModel;
+  PerceptionModelKind model = PerceptionModelKind::kNhpm;
   std::filesystem::path weights;
   std::filesystem::path json;
   std::filesystem::path csv;
@@ -46,7 +46,7 @@ CLI::Validator MazePreset() {
 }
 
 std::shared_ptr<PerceptionModel> ModelOf(const Arguments& options) {
-  if (options.model == kGlpfModel && !options.weights.empty()) {
+  if (options.model == PerceptionModelKind::kGlpf && !options.weights.empty()) {
     throw StartupError("--weights: --model glpf has none");
   }
   auto model = nhpm::LoadPerceptionModel(options.model, options.weights, {});
@@ -72,9 +72,8 @@ void AddCommonOptions(CLI::App& app, const std::vector<std::string>& operators,
   app.add_option("--preset", experiment.preset, "Of the mazes; ./conav maze --help lists them")
       ->check(MazePreset())
       ->capture_default_str();
-  app.add_option("--model", options.model, "Who predicts the operator's edits")
-      ->check(CLI::IsMember({"nhpm", "glpf"}))
-      ->capture_default_str();
+  AddChoice(app, "--model", options.model, kPerceptionModels,
+            "Model that predicts the operator's edits");
   app.add_option("--weights", options.weights, "Of nhpm (the ones that come with conav)");
   experiment.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   app.add_option("--jobs", experiment.threads,

@@ -82,7 +82,7 @@ std::string SimYaml(const Planning& planning) {
   config.preset = planning.options.preset;
   config.camera.mode = planning.options.camera;
   config.camera.stream =
-      planning.Method() == MethodKind::kInstruction || planning.Method() == MethodKind::kTeleop;
+      NeedsLiveView(planning.Method());
   config.speed = planning.options.speed;
   return DumpConfig("sim", config);
 }
@@ -93,7 +93,7 @@ std::string OperatorYaml(const Planning& planning) {
   config.bus = planning.Bus("operator");
   config.robots = planning.Robots();
   config.database = (maze.folder / "operator.db").string();
-  config.method = Name(planning.Method());
+  config.method = planning.Method();
   config.control.start_stopped = true;
   config.console.port = setting.port;
   config.console.url_file = maze.url().string();
@@ -116,11 +116,11 @@ std::string PlannerYaml(const Planning& planning) {
   planner::PlannerConfig config;
   config.bus = planning.Bus("planner");
   config.robots = planning.Robots();
-  config.method = Name(planning.Method());
+  config.method = planning.Method();
   config.seed = planning.maze.seed;
   config.perception = "embedded";
   // the planner asks no model
-  if (!planning.options.is_study()) config.perception_model = kGlpfModel;
+  if (!planning.options.is_study()) config.perception_model = PerceptionModelKind::kGlpf;
   // People need more time.
   config.first_guidance_timeout_s = 8.0;
   config.answer_timeout_s = 60.0;
@@ -172,7 +172,7 @@ nlohmann::ordered_json DesignOf(const TaskOptions& options) {
   nlohmann::ordered_json design{{"participant", options.participant},
                                 {"preset", options.preset},
                                 {"maze_seeds", SeedsOf(options)}};
-  if (options.is_study()) design["methods"] = study::NamesOf(options.methods);
+  if (options.is_study()) design["methods"] = study::Names(options.methods);
   return design;
 }
 

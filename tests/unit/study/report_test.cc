@@ -96,7 +96,7 @@ TEST_CASE("A subject with a failed episode has an empty cell and is left out of 
   REQUIRE(table);
   REQUIRE(table->left_out.size() == 1);
   CHECK(table->left_out[0].subject == "s01");
-  CHECK(table->left_out[0].missing == NamesOf(std::vector{study.design.episodes.front().method}));
+  CHECK(table->left_out[0].missing == Names(std::vector{study.design.episodes.front().method}));
   CHECK(summary.analyses[steps].analysis->table.subject_count() == 2);
 }
 
