@@ -12,7 +12,6 @@
 #include "common/runtime/log.h"
 #include "common/runtime/text.h"
 #include "launcher/demo_plan.h"
-#include "launcher/run_picture.h"
 
 namespace conav::launcher {
 
@@ -37,17 +36,9 @@ std::string PlannerMonitor::Fold(const PlannerLease& lease) {
 namespace {
 
 const char* Name(EndReason reason) {
-  switch (reason) {
-    case EndReason::kAllGoalsReached:
-      return "all goals reached";
-    case EndReason::kProcessDied:
-      return "process died";
-    case EndReason::kTimeLimit:
-      return "time limit";
-    case EndReason::kInterrupted:
-      return "interrupted";
-  }
-  return "";
+  constexpr const char* kNames[] = {"all goals reached", "process died", "time limit",
+                                    "interrupted"};  // in the order of the reasons
+  return kNames[static_cast<std::size_t>(reason)];
 }
 
 std::string WeightsText(const DemoOptions& options) {

@@ -1,11 +1,10 @@
-#include "launcher/run_picture.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 
 #include "common/plot/map_panel.h"
+#include "launcher/run_log.h"
 
 namespace conav::launcher {
 namespace {

@@ -120,7 +120,7 @@ void WriteGlobals(MjcfWriter& out, const PhysicsWorld& world) {
   out.Line(R"(</default>)");
   out.Line(R"(<visual>)");
   out.Line(R"(<headlight ambient=".45 .45 .45" diffuse=".6 .6 .6" specular="0 0 0"/>)");
-  // Near plane 2 cm; far plane beyond the camera from above at 100 m and beyond the diagonal.
+  // Near plane 2 cm; far plane well beyond the diagonal.
   out.Line(R"(<map znear="{:.9g}" zfar="{:.9g}"/>)", 0.02 / extent,
            (150.0 + 2.0 * extent) / extent);
   out.Line(
@@ -230,14 +230,6 @@ void WriteWallFaces(MjcfWriter& out, const GridGeometry& geometry, const Grid<ch
   const std::map<char, int> textures = AssignTextures(classes, texture_seed);
   for (const FaceRun& run : ExposedFaces(classes)) {
     WriteWallFace(out, geometry, run, textures.at(run.cell_class));
-  }
-  const double half_cell = geometry.cell_size_m / 2.0;
-  for (const CellRectangle& block : CoverWithRectangles(classes, Sides::kAny)) {
-    const Position middle = Middle(geometry, block.north_west, block.rows, block.columns);
-    out.Line(R"(<geom type="plane" size="{:.9g} {:.9g} 1" pos="{:.9g} {:.9g} {}" group="{}")"
-             R"( rgba="{}"/>)",
-             block.columns * half_cell, block.rows * half_cell, middle.x_m, middle.y_m,
-             kWallHeightM, kTopGroup, Rgba(kWallColors[textures.at(block.cell_class)]));
   }
 }
 

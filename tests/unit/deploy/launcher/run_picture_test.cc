@@ -1,5 +1,3 @@
-#include "launcher/run_picture.h"
-
 #include <catch2/catch.hpp>
 
 #include "support/text.h"

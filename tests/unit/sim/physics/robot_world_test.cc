@@ -165,7 +165,8 @@ TEST_CASE("halting from top speed takes a few steps, and the move can go on", "[
   CHECK(DistanceToCentre(*world, 0, {1, 6}) < 0.1);
 }
 
-TEST_CASE("a move into a wall ends stuck, and the robot can leave", "[physics]") {
+TEST_CASE("a move into a wall ends stuck, and the robot can leave, also from beside its line",
+          "[physics]") {
   const auto world = Open(MakeWorld(test::kMaze));
   world->MoveTo(0, {0, 1});
   Finish(*world);
@@ -174,10 +175,7 @@ TEST_CASE("a move into a wall ends stuck, and the robot can leave", "[physics]")
   world->MoveTo(0, {1, 2});
   Finish(*world);
   CHECK(world->motion_status(0) == MotionStatus::kArrived);
-}
-
-TEST_CASE("a robot beside its line comes back to the centre of the next cell", "[physics]") {
-  const auto world = Open(MakeWorld(test::kMaze));
+  // From beside its line it comes back to the centre of the next cell.
   Position beside = world->geometry().CellToPosition({1, 1});
   beside.y_m += 0.3;
   world->Teleport(0, beside, 0.1);
