@@ -146,7 +146,10 @@ DemoResult Demo::Run(const StopToken& stop) {
   start_ = clock_.Now();
   Follow(stop);
   outcome_.wall_s = ElapsedSeconds();
-  if (outcome_.reason != EndReason::kAllGoalsReached) StopPlanners();
+  if (outcome_.reason != EndReason::kAllGoalsReached) {
+    // First, so that nothing commands the robots.
+    Stop([](const Process& process) { return IsOf("planner", process); });
+  }
   TakeLastNews();
   progress_.Finish(episode_);
   progress_.Say(OutcomeLine(outcome_));
@@ -265,10 +268,6 @@ void Demo::StayOpen(const StopToken& stop) {
     place_.participant->Wait(kPeriod);
     place_.observer->Take();
   }
-}
-
-void Demo::StopPlanners() {
-  Stop([](const Process& process) { return IsOf("planner", process); });
 }
 
 void Demo::StopAll() {

@@ -129,12 +129,6 @@ void WriteGlobals(MjcfWriter& out, const PhysicsWorld& world) {
   out.Line(R"(</visual>)");
 }
 
-void WriteTexture(MjcfWriter& out, const std::string& name) {
-  out.Line(
-      R"(<texture name="{}" type="2d" builtin="flat" rgb1=".5 .5 .5" width="{}" height="{}"/>)",
-      name, kTextureSize, kTextureSize);
-}
-
 void WriteAssets(MjcfWriter& out, const PhysicsWorld& world) {
   // MuJoCo counts texture repeats per half unit of length here.
   const double per_cell = 2.0 / world.cell_size_m;
@@ -144,18 +138,15 @@ void WriteAssets(MjcfWriter& out, const PhysicsWorld& world) {
   out.Line(R"(<texture name="ball" type="cube" builtin="checker" rgb1="1 1 1" rgb2=".35 .35 .35")"
            R"( width="32" height="32"/>)");
   out.Line(R"(<material name="ball" texture="ball"/>)");
-  for (int i = 0; i < kWallTextureCount; ++i) {
-    const std::string name = WallTextureName(i);
-    WriteTexture(out, name);
+  const auto material = [&](const std::string& name, double repeats_up) {
+    out.Line(
+        R"(<texture name="{}" type="2d" builtin="flat" rgb1=".5 .5 .5" width="{}" height="{}"/>)",
+        name, kTextureSize, kTextureSize);
     out.Line(R"(<material name="{}" texture="{}" texuniform="true" texrepeat="{:.9g} {:.9g}"/>)",
-             name, name, per_cell, 2.0 / kWallHeightM);
-  }
-  for (int i = 0; i < kFloorTextureCount; ++i) {
-    const std::string name = FloorTextureName(i);
-    WriteTexture(out, name);
-    out.Line(R"(<material name="{}" texture="{}" texuniform="true" texrepeat="{:.9g} {:.9g}"/>)",
-             name, name, per_cell, per_cell);
-  }
+             name, name, per_cell, repeats_up);
+  };
+  for (int i = 0; i < kWallTextureCount; ++i) material(WallTextureName(i), 2.0 / kWallHeightM);
+  for (int i = 0; i < kFloorTextureCount; ++i) material(FloorTextureName(i), per_cell);
   out.Line("</asset>");
 }
 
@@ -336,9 +327,9 @@ void WriteRobot(MjcfWriter& out, int robot) {
   const std::string color =
       Rgba(kRobotColors[static_cast<std::size_t>(robot) % std::size(kRobotColors)]);
   out.Line(R"(<body name="{}" pos="0 0 {}">)", RobotElement(robot, "body"), kHeadHeightM);
-  out.Line(R"(<joint name="{}" type="slide" axis="1 0 0"/>)", RobotElement(robot, "x"));
-  out.Line(R"(<joint name="{}" type="slide" axis="0 1 0"/>)", RobotElement(robot, "y"));
-  out.Line(R"(<joint name="{}" type="slide" axis="0 0 1"/>)", RobotElement(robot, "z"));
+  for (const auto& [name, axis] : {std::pair("x", "1 0 0"), {"y", "0 1 0"}, {"z", "0 0 1"}}) {
+    out.Line(R"(<joint name="{}" type="slide" axis="{}"/>)", RobotElement(robot, name), axis);
+  }
   out.Line(R"(<joint name="{}" type="hinge" axis="0 0 -1" damping="20"/>)",
            RobotElement(robot, "steer"));
   WriteHead(out, robot, color);
@@ -349,10 +340,11 @@ void WriteRobot(MjcfWriter& out, int robot) {
 
 /// A robot's two motors; a part of <actuator>.
 void WriteRobotMotors(MjcfWriter& out, int robot) {
-  out.Line(R"(<motor name="{}" joint="{}" ctrlrange="-1 1" ctrllimited="true" gear="-50"/>)",
-           RobotElement(robot, "roll"), RobotElement(robot, "roll"));
-  out.Line(R"(<motor name="{}" joint="{}" ctrlrange="-1 1" ctrllimited="true" gear="30"/>)",
-           RobotElement(robot, "steer"), RobotElement(robot, "steer"));
+  for (const auto& [joint, gear] : {std::pair("roll", -50), std::pair("steer", 30)}) {
+    const std::string name = RobotElement(robot, joint);
+    out.Line(R"(<motor name="{}" joint="{}" ctrlrange="-1 1" ctrllimited="true" gear="{}"/>)", name,
+             name, gear);
+  }
 }
 
 /// The contact pairs of a robot's ball: ground, boxes, the balls of robots before it; a part of

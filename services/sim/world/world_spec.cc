@@ -4,13 +4,17 @@
 
 #include <algorithm>
 #include <numbers>
+#include <set>
 
 #include "common/grid/geometry.h"
+#include "common/runtime/random.h"
 #include "sim/world/map_corruption.h"
 #include "sim/world/world_site.h"
 
 namespace conav::sim {
+namespace {
 
+/// The largest connected free area; of several equally large ones the northernmost.
 std::set<Cell> LargestFreeArea(const OccupancyGrid& truth) {
   std::set<Cell> largest;
   std::set<Cell> seen;
@@ -24,30 +28,37 @@ std::set<Cell> LargestFreeArea(const OccupancyGrid& truth) {
   return largest;
 }
 
-CellDeck::CellDeck(std::vector<Cell> preferred, const std::set<Cell>& all, Random& random) {
-  std::vector<Cell> others;
-  for (const Cell cell : all) {
-    if (std::find(preferred.begin(), preferred.end(), cell) == preferred.end()) {
-      others.push_back(cell);
+/// Draws cells without repetition: the preferred ones first, in random order, then the others.
+class CellDeck {
+ public:
+  CellDeck(std::vector<Cell> preferred, const std::set<Cell>& all, Random& random) {
+    std::vector<Cell> others;
+    for (const Cell cell : all) {
+      if (std::find(preferred.begin(), preferred.end(), cell) == preferred.end()) {
+        others.push_back(cell);
+      }
     }
+    std::erase_if(preferred, [&](Cell cell) { return !all.contains(cell); });
+    random.Shuffle(preferred);
+    random.Shuffle(others);
+    cells_.assign(others.rbegin(), others.rend());
+    cells_.insert(cells_.end(), preferred.rbegin(), preferred.rend());
   }
-  std::erase_if(preferred, [&](Cell cell) { return !all.contains(cell); });
-  random.Shuffle(preferred);
-  random.Shuffle(others);
-  cells_.assign(others.rbegin(), others.rend());
-  cells_.insert(cells_.end(), preferred.rbegin(), preferred.rend());
-}
 
-Result<Cell> CellDeck::Draw(std::set<Cell>& taken) {
-  while (!cells_.empty()) {
-    const Cell cell = cells_.back();
-    cells_.pop_back();
-    if (taken.insert(cell).second) return cell;
+  /// The next cell that is not in `taken`, and adds it there. Errors: kOutOfRange when none is
+  /// left.
+  Result<Cell> Draw(std::set<Cell>& taken) {
+    while (!cells_.empty()) {
+      const Cell cell = cells_.back();
+      cells_.pop_back();
+      if (taken.insert(cell).second) return cell;
+    }
+    return Fail(ErrorCode::kOutOfRange, "no free cell is left");
   }
-  return Fail(ErrorCode::kOutOfRange, "no free cell is left");
-}
 
-namespace {
+ private:
+  std::vector<Cell> cells_;  // the next one last
+};
 
 /// Purposes for DeriveSeed.
 constexpr std::uint64_t kStartSeed = 1;

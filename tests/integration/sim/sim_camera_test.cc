@@ -47,10 +47,11 @@ TEST_CASE("without a camera a picture has no pixels and the same cells", "[sim]"
   CHECK(picture.jpeg.empty());
   CHECK_FALSE(picture.visible.free.empty());
   CHECK_FALSE(picture.visible.walls.empty());
-  CHECK(sim.robot().state().picture_bytes == 0);
-  CHECK(sim.robot().state().cell_moves == 0);  // a view is a picture, not a move
-  CHECK(sim.robot().state().pictures == 1);
-  CHECK(sim.robot().state().low_level_steps > 0);
+  const RobotState& state = sim.robot().state();
+  CHECK(state.picture_bytes == 0);
+  CHECK(state.cell_moves == 0);  // a view is a picture, not a move
+  CHECK(state.pictures == 1);
+  CHECK(state.low_level_steps > 0);
 }
 
 TEST_CASE("a streaming camera sends a frame per control step, and what it shows", "[sim]") {

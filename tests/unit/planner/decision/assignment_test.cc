@@ -113,37 +113,3 @@ TEST_CASE("members differ by one at most, by the fewest moves, in any order of a
     REQUIRE(AssignRobots(members) == assignment);
   }
 }
-
-TEST_CASE("handing over one by one, in any order, leads to the same", "[planner][lease]") {
-  Random random(5);
-  for (int round = 0; round < 300; ++round) {
-    auto members = DrawMembers(random);
-    const auto goal = Loads(members, AssignRobots(members));
-    // One robot at a time is released or taken, as the assignment of that moment says.
-    for (int step = 0; step < 200; ++step) {
-      const auto assignment = AssignRobots(members);
-      std::vector<std::pair<Member*, std::string>> possible;
-      for (Member& member : members) {
-        for (const std::string& robot : member.robots) {
-          const bool held_by_it = member.holds.contains(robot);
-          const bool free = std::none_of(members.begin(), members.end(), [&](const Member& other) {
-            return other.holds.contains(robot);
-          });
-          const bool its = assignment.at(robot) == member.instance;
-          if ((held_by_it && !its) || (free && its)) possible.emplace_back(&member, robot);
-        }
-      }
-      if (possible.empty()) break;
-      const auto& [member, robot] = possible[static_cast<std::size_t>(
-          random.Uniform(0, static_cast<std::int64_t>(possible.size()) - 1))];
-      if (member->holds.erase(robot) == 0) member->holds.insert(robot);
-    }
-    std::map<std::string, int> held;
-    for (const Member& member : members)
-      held[member.instance] = static_cast<int>(member.holds.size());
-    REQUIRE(Spread(held) <= 1);
-    REQUIRE(std::all_of(goal.begin(), goal.end(), [&](const auto& share) {
-      return std::abs(share.second - held.at(share.first)) <= 1;
-    }));
-  }
-}

@@ -69,12 +69,16 @@ TEST_CASE(
   WorkerBench bench;
   bench.LetItAsk();
   bench.guidance.revision = 7;
+  bench.state.goals_left = {{1, 3}};
   bench.PutAll();
   bench.Step();
   bench.Step();
   CHECK(bench.method->seen.size() == 1);
   REQUIRE(bench.attentions.size() == 1);
   CHECK(bench.attentions[0].reason == AttentionReason::kBlocked);
+  CHECK(bench.attentions[0].value_lost_per_s > 0.0);
+  CHECK(bench.attentions[0].gives_up_at == SimTime{0});  // it waits for ever
+  CHECK(bench.attentions[0].gives_up_after_s == 0.0);
   bench.guidance.revision = GENERATE(8, 1);
   bench.board.Put(bench.guidance);
   bench.Step();
@@ -114,18 +118,6 @@ TEST_CASE("a robot intends no path while it waits for guidance, or for an answer
   CHECK(bench.board.NeighboursOf("r0").at(0).way.empty());
 }
 
-TEST_CASE("a robot whose inputs do not belong together is not driven", "[planner][worker]") {
-  WorkerBench bench;
-  bench.PutAll();
-  Belief other;
-  other.world = "w1";
-  other.wall_probability = BeliefGrid(7, 7);
-  bench.board.Put(other);
-  bench.Step();
-  CHECK(bench.method->seen.empty());
-  CHECK(bench.board.BlockedReasonOf("r1") == Name(BlockedReason::kInconsistent));
-}
-
 TEST_CASE("a stop during a decision sends nothing", "[planner][worker]") {
   WorkerBench bench;
   bench.PutAll();
@@ -135,38 +127,19 @@ TEST_CASE("a stop during a decision sends nothing", "[planner][worker]") {
   CHECK(bench.commands.empty());
 }
 
-TEST_CASE("a goal pose becomes guidance until the operator's next path", "[planner][worker]") {
-  WorkerBench bench;
+TEST_CASE("a goal pose becomes guidance, unless the method follows no paths", "[planner][worker]") {
+  const bool follows = GENERATE(true, false);
+  WorkerBench bench(follows ? AwaitedInput::kAnswers : AwaitedInput::kNothing);
   bench.PutAll();
   bench.board.PutGoalPose("r1", {4.0, 4.0});
   bench.Step();
-  const auto guidance = bench.method->seen.at(0).guidance;
-  REQUIRE(guidance.has_value());
-  CHECK(guidance->given_by == "goal_pose");
-  CHECK(guidance->path.front() == Cell{1, 1});
-  CHECK(guidance->path.back() == Cell{0, 4});
-  CHECK(guidance->path.size() == 5);
-}
-
-TEST_CASE("a goal pose for a robot whose method follows no paths is refused", "[planner][worker]") {
-  WorkerBench bench(AwaitedInput::kNothing);
-  bench.PutAll();
-  bench.board.PutGoalPose("r1", {4.0, 4.0});
-  bench.Step();
-  CHECK(bench.method->seen.at(0).guidance->given_by != "goal_pose");
+  const Guidance guidance = bench.method->seen.at(0).guidance.value();
+  CHECK((guidance.given_by == "goal_pose") == follows);
   CHECK_FALSE(bench.board.Read("r1").goal_pose.has_value());
-}
-
-TEST_CASE("a question tells what waiting costs", "[planner][worker]") {
-  WorkerBench bench;
-  bench.LetItAsk();
-  bench.state.goals_left = {{1, 3}};
-  bench.PutAll();
-  bench.Step();
-  REQUIRE(bench.attentions.size() == 1);
-  CHECK(bench.attentions[0].value_lost_per_s > 0.0);
-  CHECK(bench.attentions[0].gives_up_at == SimTime{0});  // it waits for ever
-  CHECK(bench.attentions[0].gives_up_after_s == 0.0);
+  if (!follows) return;
+  CHECK(guidance.path.front() == Cell{1, 1});
+  CHECK(guidance.path.back() == Cell{0, 4});
+  CHECK(guidance.path.size() == 5);
 }
 
 TEST_CASE("a picture's request names its end by the clock that counts, and is withdrawn then",

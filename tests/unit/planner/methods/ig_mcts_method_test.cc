@@ -276,3 +276,58 @@ TEST_CASE("a path guides as long as no wall is known on it, or it is told to gui
     CHECK(problem.get()->guided_before == row.guided_before);
   }
 }
+
+namespace {
+
+/// Two robots in closed cells, west and east of a wall that the operator does not know of, at (1,2).
+struct TwoRobots {
+  explicit TwoRobots(std::shared_ptr<BeliefEstimate> estimate = nullptr)
+      : first_method(Config(), 1, model, clock, estimate),
+        second_method(Config(), 2, model, clock, estimate) {
+    first.state.cell = {1, 1};
+    first.state.path = {{1, 1}};
+    first.state.heading_rad = 0.0;
+    first.state.goals_left = {{1, 3}};
+  }
+
+  static SearchConfig Config() {
+    SearchConfig config;
+    config.options.iterations = 300;
+    return config;
+  }
+  /// The first robot sends its best view.
+  void SendPicture() {
+    const Decision decision = first_method.Decide(first, StopToken());
+    REQUIRE(decision.action);
+    REQUIRE(decision.action->kind == CommandKind::kTransmitView);
+    REQUIRE(decision.expected_information > 0.3);
+    first.state.snapshots = 1;
+  }
+  double SecondsInformation() { return MostInformation(second_method.Decide(second, StopToken())); }
+
+  std::shared_ptr<FakePerceptionModel> model = std::make_shared<FakePerceptionModel>();
+  FakeClock clock;
+  Situation first = Boxed();
+  Situation second = Boxed();
+  IgMctsMethod first_method;
+  IgMctsMethod second_method;
+};
+
+}  // namespace
+
+TEST_CASE("what one robot's picture tells, or is expected to tell, another one need not show",
+          "[planner][ig-mcts][belief]") {
+  const bool estimated = GENERATE(false, true);
+  TwoRobots robots(estimated
+                       ? std::make_shared<BeliefEstimate>(std::make_shared<FakePerceptionModel>())
+                       : nullptr);
+  const double before = robots.SecondsInformation();
+  REQUIRE(before > 0.3);
+  robots.SendPicture();
+  if (estimated) {
+    robots.first_method.Decide(robots.first, StopToken());  // notes that it was sent
+  } else {
+    robots.second.belief.wall_probability[{1, 2}] = 1.0F;  // the answer: one map for both
+  }
+  CHECK(robots.SecondsInformation() < (estimated ? 0.7 * before : 0.01));
+}

@@ -1,7 +1,5 @@
-#include <catch2/catch.hpp>
-
-#include "planner/decision/robot_worker.h"
 #include "planner/methods/baseline_methods.h"
+#include "unit/planner/decision/worker_bench.h"
 
 using namespace conav;
 using namespace conav::planner;
@@ -9,26 +7,15 @@ using namespace std::chrono_literals;
 
 namespace {
 
-/// A worker with the method, and a robot that is told by hand what became of its commands.
-struct Steered {
-  Steered() {
-    RobotWorker::Outputs outputs{
-        .command = [this](const RobotCommand& command) { commands.push_back(command); },
-        .report = [](const SearchReport&) {},
-        .attention = [this](const AttentionRequest&) { ++attentions; },
-        .plan = [](const RobotState&, const MapUpdate&, const std::vector<Cell>&) {}};
-    worker.emplace(
-        RobotWorker::Options{
-            .robot = "r1", .method_name = "teleop", .timeouts = {10s, 10s}, .command_ttl = 10s},
-        std::make_unique<TeleopMethod>(), board, clock, std::move(outputs));
+/// A worker with the method.
+struct Steered : WorkerBench {
+  Steered() : WorkerBench(std::make_unique<TeleopMethod>()) {
     state.stamp = SimTime{} + 10s;
     state.lease_epoch = 3;
-    board.PutMap("r1", MapUpdate{{}, 2.0, OccupancyGrid(5, 5, Occupancy::kFree)});
-    board.Put(Belief{.world = "w1", .wall_probability = BeliefGrid(5, 5, 0.0F)});
-    board.Put(state);
+    state.goals_left = {{1, 4}};
+    PutAll();
   }
 
-  void Step() { worker->Step(stop); }
   /// Somebody wants an action, until so many seconds of simulation time; then a turn of the worker.
   void Drive(std::uint64_t number, DriveAction drive = DriveAction::kForward, int until_s = 12,
              const std::string& world = "w1") {
@@ -36,24 +23,6 @@ struct Steered {
         {}, world, "r1", number, drive, "somebody", SimTime{} + std::chrono::seconds(until_s)});
     Step();
   }
-
-  /// The robot took up the newest command.
-  void Report(CommandOutcome outcome) {
-    state.command_sequence_number = commands.back().sequence_number;
-    state.lease_epoch = commands.back().lease_epoch;
-    state.drive_order = commands.back().drive_order;
-    state.command_outcome = outcome;
-    board.Put(state);
-  }
-
-  Blackboard board{{{"r1", "w1"}, {"r0", "w1"}}};
-  FakeClock clock;
-  StopToken stop;
-  RobotState state{
-      .world = "w1", .robot = "r1", .cell = {1, 1}, .goals_left = {{1, 4}}, .goals_total = 1};
-  std::vector<RobotCommand> commands;
-  int attentions = 0;
-  std::optional<RobotWorker> worker;
 };
 
 }  // namespace
@@ -70,7 +39,7 @@ TEST_CASE("an order is passed on once, under the lease and with its own expiry",
   CHECK(command.drive_order == 7);
   CHECK(command.lease_epoch == 4);
   CHECK(command.expires_at == SimTime{} + 11s);
-  CHECK(steered.attentions == 0);
+  CHECK(steered.attentions.empty());
 }
 
 TEST_CASE("a steered robot stands without an order that is for it, new and in time",
@@ -85,15 +54,13 @@ TEST_CASE("a steered robot stands without an order that is for it, new and in ti
     steered.Drive(5);
   }
   SECTION("another robot wants its cell: it makes no room by itself") {
-    steered.board.Put(
-        RobotState{.world = "w1", .robot = "r0", .cell = {1, 0}, .goals_left = {{1, 4}}});
-    steered.board.PutIntendedPath("r0", {{1, 1}, {1, 2}});
+    steered.PutRobotThatGoesBefore();
   }
   steered.Step();
   steered.clock.Advance(60s);
   steered.Step();
   CHECK(steered.commands.empty());
-  CHECK(steered.attentions == 0);
+  CHECK(steered.attentions.empty());
 }
 
 TEST_CASE("of orders that pile up while an action runs, the newest is carried out",

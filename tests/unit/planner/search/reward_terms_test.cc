@@ -6,7 +6,6 @@
 #include "common/msg/perception_model.h"
 #include "planner/search/paper_preset.h"
 #include "planner/search/parallel_search.h"
-#include "planner/search/rollout.h"
 #include "planner/search/search_tree.h"
 #include "unit/planner/search/text_map.h"
 
@@ -113,31 +112,6 @@ TEST_CASE("a picture is worth what it tells less what it costs", "[planner][sear
   CHECK(most > 0.0);
 }
 
-TEST_CASE("a picture at the end of a rollout counts, discounted", "[planner][search]") {
-  // The only view is one step away; the first rollout that sends it at once.
-  TextWorld world({"####", "#S.#", "####"}, {"####", "#S##", "####"}, {.headings = 1});
-  world.problem.sent_views = {{{1, 1}, 0.0}};
-  world.problem.goals_left = {{1, 3}};  // no vertex: never reached
-  FakePerceptionModel model;
-  const OfferedActions offered(world.problem);
-  const SearchOptions options = ByHand(1);
-  PathState path(world.problem);
-  ViewInformation information(world.problem, offered, model);
-  Random random(1);
-  Rollout rollout(options, path, offered, information, random);
-  double rollout_return = 0.0;
-  RewardTerms terms;
-  for (int i = 0; i < 100 && terms.communication != 0.5 * -10.0; ++i) {
-    rollout_return = rollout.Run(path).value();
-    terms = rollout.Terms(path);
-  }
-  CHECK(terms.Sum() == Approx(rollout_return));
-  CHECK(terms.steps == Approx(-1.0));
-  CHECK(terms.information > 0.0);
-  CHECK(terms.communication == Approx(0.5 * -10.0));
-  CHECK(path.steps() == 0);
-}
-
 struct Maze {
   TextWorld world{
       {"#########", "#S.?..?.#", "#.#.#.#.#", "#G.?.#..#", "#.##..#.#", "#....?.G#", "#########"},
@@ -195,7 +169,6 @@ TEST_CASE("what is reported changes no decision", "[planner][search]") {
     const SearchResult told = Decide(maze.world.problem, options);
     CHECK(told.tree.empty() == (detail == SearchDetail::kTerms));
     CHECK(told.nodes == plain.nodes);
-    CHECK(told.perception_cached == plain.perception_cached);
     REQUIRE(told.actions.size() == plain.actions.size());
     for (std::size_t i = 0; i < plain.actions.size(); ++i) {
       CHECK(told.actions[i].visits == plain.actions[i].visits);

@@ -50,14 +50,6 @@ TEST_CASE("the reward of a move is the sum of its terms", "[planner][search]") {
   CHECK(MoveTerms(path, paper).Sum() == Approx(-1.0 - std::log(5.0) - 1.0));
 }
 
-TEST_CASE("entering a goal gives its reward beside the other terms", "[planner][search]") {
-  TextWorld world({"####", "#SG#", "####"});
-  world.problem.guided_before = true;
-  PathState path(world.problem);
-  path.Go(world.EdgeBetween({1, 1}, {1, 2}));
-  CHECK(MoveTerms(path, kOptions).Sum() == Approx(100.0 - std::log(2.0) + 1.0));
-}
-
 TEST_CASE("a communication gives its information less its cost", "[planner][search]") {
   TextWorld world({"######", "#S..G#", "######"});
   world.problem.guidance = {{1, 1}, {1, 2}, {1, 3}, {1, 4}};

@@ -220,11 +220,9 @@ TEST_CASE("CastView agrees with MuJoCo's segmentation", "[camera]") {
       GENERATE(std::cref(test::kMaze), std::cref(test::kWideMaze), std::cref(test::kHall));
   const double cell_size_m = GENERATE(1.0, 2.0);
   const PhysicsWorld spec = MakeWorld(rows, {1, 1}, cell_size_m);
-  auto world_result = RobotWorld::Create(spec);
-  REQUIRE(world_result);
-  RobotWorld& world = **world_result;
-  auto camera_result = Camera::Open(world, {width, height});
-  REQUIRE(camera_result);
+  const auto opened = OpenWorld(spec);
+  RobotWorld& world = *opened;
+  const auto camera = OpenCamera(world, {width, height});
   Tally tally;
   Random random(11);
   const std::vector<Cell> cells = test::FreeCells(spec.truth);
@@ -233,7 +231,7 @@ TEST_CASE("CastView agrees with MuJoCo's segmentation", "[camera]") {
         random.Uniform(0, static_cast<std::int64_t>(cells.size()) - 1))];
     const double heading_rad = HeadingFromIndex(static_cast<int>(random.Uniform(0, 23)), 24);
     world.Teleport(0, world.geometry().CellToPosition(cell), heading_rad);
-    const Shown shown = CountPixels(LabelPixels(world, **camera_result, 0));
+    const Shown shown = CountPixels(LabelPixels(world, *camera, 0));
     const VisibleCells cast =
         CastView(spec.truth, ViewAt(cell, heading_rad, cell_size_m, width, height));
     Compare(shown.floor, cast.free, tally);

@@ -85,19 +85,12 @@ class Hall {
   std::uint64_t sequence_number = 0;
 };
 
-TEST_CASE("an action is one control step, and then the robot stands", "[drive]") {
-  Hall hall;
-  CHECK(hall.Press(DriveAction::kForward) == CommandOutcome::kDone);
-  const RobotState state = hall.episode->state(0);
-  CHECK(state.low_level_steps == 1);
-  CHECK(state.drive_order == 1);
-  CHECK_FALSE(hall.episode->active());
-  CHECK(state.position.x_m > hall.physics->geometry().CellToPosition({3, 1}).x_m + 0.08);
-}
-
 TEST_CASE("forward, held, goes 0.2 m a step, backward 0.1 m, a turn 11.25 degrees", "[drive]") {
   Hall hall({{3, 2}});
-  hall.Press(DriveAction::kForward, 2);
+  CHECK(hall.Press(DriveAction::kForward) == CommandOutcome::kDone);
+  CHECK(hall.episode->state(0).low_level_steps == 1);
+  CHECK(hall.episode->state(0).drive_order == 1);
+  hall.Press(DriveAction::kForward);
   const double from = hall.physics->pose(0).position.x_m;
   hall.Press(DriveAction::kForward, 4);
   CHECK(hall.physics->pose(0).position.x_m - from == Approx(0.8).margin(0.05));
@@ -221,17 +214,6 @@ TEST_CASE("a move primitive goes on from wherever a robot was driven to", "[driv
   CHECK(hall.episode->state(0).cell == here + Cell{0, 1});
 }
 
-TEST_CASE("the same keys give the same poses, bit for bit", "[drive]") {
-  const auto drive = [] {
-    Hall hall;
-    hall.Press(DriveAction::kForward, 5);
-    hall.Press(DriveAction::kTurnRight, 4);
-    hall.Press(DriveAction::kForward, 9);
-    return hall.episode->state(0);
-  };
-  CHECK(drive() == drive());
-}
-
 /// 5 x 5 cells of 2 m; cell (2,2) has the origin in its middle.
 const GridGeometry geometry{5, 5, 2.0};
 
@@ -254,15 +236,6 @@ TEST_CASE("the axis enters cells one after the other, also diagonally", "[episod
   CHECK(CellsEntered(geometry, {0.95, 0.8}, {1.15, 1.1}) == std::vector<Cell>{{2, 3}, {1, 3}});
   CHECK(CellsEntered(geometry, {0.8, 0.95}, {1.1, 1.15}) == std::vector<Cell>{{1, 2}, {1, 3}});
   CHECK(CellsEntered(geometry, {-0.9, -0.9}, {-1.2, -1.2}) == std::vector<Cell>{{2, 1}, {3, 1}});
-}
-
-TEST_CASE("the distance to a cell is that to its nearest point, ahead is along the heading",
-          "[episode]") {
-  CHECK(DistanceToCell(geometry, {0.3, 0.2}, {2, 2}) == 0.0);
-  CHECK(DistanceToCell(geometry, {0.0, 0.0}, {2, 3}) == Approx(1.0));
-  CHECK(DistanceToCell(geometry, {0.0, 0.0}, {1, 3}) == Approx(std::sqrt(2.0)));
-  CHECK(Ahead({1.0, 1.0}, 0.0, 0.5) == Position{1.5, 1.0});
-  CHECK(Ahead({1.0, 1.0}, 0.0, -0.5) == Position{0.5, 1.0});
 }
 
 }  // namespace

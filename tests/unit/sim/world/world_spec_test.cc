@@ -246,27 +246,5 @@ TEST_CASE("a turned world is the same world, turned as a whole", "[world]") {
   CHECK(turned.goals == expected.goals);
 }
 
-TEST_CASE("the largest free area is found, none where nothing is free", "[world]") {
-  OccupancyGrid map(3, 8, Occupancy::kOccupied);
-  CHECK(LargestFreeArea(map).empty());
-  for (const int column : {1, 2, 3, 5, 6}) map[{1, column}] = Occupancy::kFree;
-  CHECK(LargestFreeArea(map) == std::set<Cell>{{1, 1}, {1, 2}, {1, 3}});
-}
-
-TEST_CASE("a deck hands out preferred cells first, each once, then says that it is empty",
-          "[world]") {
-  Random random(1);
-  const std::set<Cell> all{{0, 0}, {0, 1}, {0, 2}, {0, 3}};
-  CellDeck deck({{0, 2}, {0, 3}, {9, 9}}, all, random);
-  std::set<Cell> taken{{0, 0}};
-  std::vector<Cell> drawn;
-  for (int i = 0; i < 3; ++i) drawn.push_back(deck.Draw(taken).value());
-  CHECK(std::set<Cell>(drawn.begin(), drawn.begin() + 2) == std::set<Cell>{{0, 2}, {0, 3}});
-  CHECK(drawn[2] == Cell{0, 1});
-  const auto empty = deck.Draw(taken);
-  REQUIRE_FALSE(empty);
-  CHECK(empty.error().code == ErrorCode::kOutOfRange);
-}
-
 }  // namespace
 }  // namespace conav::sim
