@@ -110,7 +110,7 @@ TEST_CASE("who takes a robot over publishes its intended path, also where it is 
 
 TEST_CASE("no path is published for a robot that another planner drives",
           "[planner][worker][lease]") {
-  SharedBench bench(GENERATE(kNoLease, Lease{Lease::State::kHeld, 1}));
+  SharedBench bench(GENERATE(as<Lease>{}, kNoLease, Lease{Lease::State::kHeld, 1}));
   bench.PutAll();
   bench.board.PutIntendedPath("r1", {{4, 4}});
   bench.Step();
